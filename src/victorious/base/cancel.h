@@ -1,0 +1,18 @@
+// A wish to stop, asked for by a signal or another thread, looked at between units of work.
+#pragma once
+
+#include <atomic>
+
+namespace victorious {
+
+class CancelToken {
+ public:
+  /// Async-signal-safe.
+  void Cancel() { cancelled_.store(true, std::memory_order_relaxed); }
+  [[nodiscard]] bool IsCancelled() const { return cancelled_.load(std::memory_order_relaxed); }
+
+ private:
+  std::atomic<bool> cancelled_{false};
+};
+
+}  // namespace victorious

@@ -1,0 +1,99 @@
+// One field list an options struct: it feeds validation, JSON, `--params` and the manual, so that nothing is typed twice.
+//
+//   struct MatchOptions {
+//     double ratio = 0.8;
+//     void ListFields(FieldList& fields) {
+//       fields.Add("ratio", ratio, {.min = 0.1, .max = 1.0, .unit = "", .reason = "Lowe's ratio test ..."});
+//     }
+//   };
+//
+// Structs nest by `fields.AddGroup("match", match)`; a field's full name is then "match.ratio".
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "victorious/base/error.h"
+
+namespace victorious {
+
+/// What a field means and which values it may take.
+struct FieldSpec {
+  double min = -std::numeric_limits<double>::infinity();  ///< smallest value, inclusive
+  double max = std::numeric_limits<double>::infinity();   ///< largest value, inclusive
+  std::vector<std::string> choices = {};                  ///< for text: the only values allowed; empty: any
+  std::string unit = {};                                  ///< "px", "s", …; empty where it has none
+  std::string reason = {};                                ///< what it does and why the default is what it is
+};
+
+/// A field of one live options struct: its full name, its value and its spec. Valid while that struct lives.
+struct FieldRef {
+  std::string name;
+  std::variant<double*, int*, bool*, std::uint64_t*, std::string*> value;
+  FieldSpec spec;
+};
+
+/// The fields of an options struct, groups flattened into dotted names.
+class FieldList {
+ public:
+  template <typename T>
+  void Add(std::string_view name, T& value, FieldSpec spec) {
+    fields_.push_back({prefix_ + std::string(name), &value, std::move(spec)});
+  }
+
+  template <typename Options>
+  void AddGroup(std::string_view name, Options& options) {
+    const std::string outer = std::exchange(prefix_, prefix_ + std::string(name) + ".");
+    options.ListFields(*this);
+    prefix_ = outer;
+  }
+
+  [[nodiscard]] const std::vector<FieldRef>& fields() const { return fields_; }
+
+ private:
+  std::string prefix_;
+  std::vector<FieldRef> fields_;
+};
+
+template <typename Options>
+std::vector<FieldRef> FieldsOf(Options& options) {
+  FieldList list;
+  options.ListFields(list);
+  return list.fields();
+}
+
+/// The values as nested JSON: {"match": {"ratio": 0.8}, …}.
+nlohmann::json ToJson(const std::vector<FieldRef>& fields);
+
+/// Sets the fields that `json` names, nested or dotted ("match.ratio"). Unknown names, wrong types and values outside
+/// their range are all reported, in one error of one line; then no field is changed.
+Status SetFromJson(const nlohmann::json& json, const std::vector<FieldRef>& fields);
+
+/// Every violated constraint as "field = value: constraint", in one error of one line; OK if there is none.
+Status Validate(const std::vector<FieldRef>& fields);
+
+/// The manual: one Markdown table row a field (name, default, range, unit, reason).
+std::string MarkdownTable(const std::vector<FieldRef>& fields);
+
+/// ToJson as text, keys sorted: equal options give equal text.
+std::string ToJsonText(const std::vector<FieldRef>& fields);
+
+template <typename Options>
+std::string OptionsToJsonText(Options options) {
+  return ToJsonText(FieldsOf(options));
+}
+
+template <typename Options>
+Status ValidateOptions(Options options) {
+  return Validate(FieldsOf(options));
+}
+
+}  // namespace victorious

@@ -1,0 +1,52 @@
+#include "victorious/base/progress.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+namespace victorious {
+
+Progress::Progress(std::string label, std::optional<std::int64_t> total, std::string unit)
+    : label_(std::move(label)),
+      total_(total),
+      unit_(std::move(unit)),
+      on_terminal_(::isatty(STDERR_FILENO) == 1),
+      start_(Clock::now()),
+      last_draw_(start_) {}
+
+Progress::~Progress() {
+  if (first_done_) Draw(true);
+}
+
+void Progress::Update(std::int64_t done) {
+  if (!first_done_) first_done_ = done;
+  done_ = done;
+  const auto now = Clock::now();
+  const auto interval = on_terminal_ ? std::chrono::milliseconds(100) : std::chrono::milliseconds(5000);
+  if (now - last_draw_ < interval) return;
+  last_draw_ = now;
+  Draw(false);
+}
+
+void Progress::Draw(bool last) {
+  const double seconds = std::max(1e-3, std::chrono::duration<double>(Clock::now() - start_).count());
+  const double rate = static_cast<double>(done_ - *first_done_) / seconds;
+  const std::string of_total = total_ ? fmt::format("{} of {}", done_, *total_) : fmt::format("{}", done_);
+  if (!on_terminal_) {
+    fmt::print(stderr, "{}: {} {}, {:.1f} a second\n", label_, of_total, unit_, rate);
+    return;
+  }
+  std::string bar;
+  if (total_ && *total_ > 0) {
+    constexpr std::int64_t kWidth = 30;
+    const auto filled = static_cast<std::size_t>(std::clamp<std::int64_t>(done_ * kWidth / *total_, 0, kWidth));
+    bar = "[" + std::string(filled, '#') + std::string(kWidth - filled, ' ') + "] ";
+  }
+  fmt::print(stderr, "\r{}: {}{} {}, {:.1f} a second\x1b[K{}", label_, bar, of_total, unit_, rate, last ? "\n" : "");
+  std::fflush(stderr);
+}
+
+}  // namespace victorious

@@ -1,0 +1,14 @@
+// Projective maps of the plane.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace victorious {
+
+/// The image of `point` under a 3x3 homography (target_from_source). Points on the horizon come out as infinities.
+inline Eigen::Vector2d ApplyHomography(const Eigen::Matrix3d& homography, const Eigen::Vector2d& point) {
+  return (homography * point.homogeneous()).hnormalized();
+}
+
+}  // namespace victorious

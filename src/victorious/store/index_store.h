@@ -1,0 +1,159 @@
+// store/, in: what a search of videos found. Out: the same, to be listed, exported and searched again. One interface;
+// sqlite/ is the implementation that files use, a server database comes behind the same interface.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "victorious/base/error.h"
+#include "victorious/geometry/box.h"
+#include "victorious/geometry/polygon.h"
+#include "victorious/types/feature_set.h"
+#include "victorious/types/object_model.h"
+
+namespace victorious {
+
+/// A video that was indexed, known by its content, named by its path as given last.
+struct VideoRecord {
+  std::int64_t id = 0;  ///< the store's own
+  std::string content_id;
+  std::string name;
+  int width = 0;   ///< px
+  int height = 0;  ///< px
+  std::optional<std::int64_t> frame_count;  ///< known once it was read to its end
+  std::optional<double> duration_s;         ///< presentation time of the last frame, known then too
+  std::string features_json;                ///< engine, options and version of the features kept; empty: none kept yet
+};
+
+/// A model that was searched for.
+struct ModelRecord {
+  std::int64_t id = 0;
+  std::string name;
+  std::string model_id;  ///< ObjectModel::id: the content
+  std::string kind;
+};
+
+/// How far the search for one model in one video has come.
+struct SearchRecord {
+  std::int64_t video = 0;
+  std::int64_t model = 0;
+  std::int64_t next_frame = 0;  ///< frames before this one are done
+  bool finished = false;        ///< to the video's end
+  std::string options_json;     ///< what it was searched with
+  std::string program_version;
+};
+
+/// One object: for now, a run of overlapping sightings in one video.
+struct ObjectRecord {
+  std::int64_t id = 0;
+  std::int64_t video = 0;
+  std::int64_t model = 0;
+  double score = 0;
+  std::int64_t frames = 0;  ///< with a sighting
+  double first_time_s = 0;
+  double last_time_s = 0;
+};
+
+struct SightingRecord {
+  std::int64_t object = 0;
+  std::int64_t video = 0;
+  std::int64_t model = 0;
+  std::int64_t frame = 0;
+  double time_s = 0;
+  Box box;
+  Polygon outline;
+  double score = 0;
+  std::string source = "recognised";
+  int matches = 0;
+  int view_index = 0;                ///< the model's view that matched best
+  std::optional<ViewAngles> view;
+  double in_plane_rad = 0;           ///< clockwise turn from the template to the scene
+};
+
+/// The features of a frame, kept for search by picture.
+struct KeptFrame {
+  std::int64_t video = 0;
+  std::int64_t frame = 0;
+  double time_s = 0;
+  FeatureSet features;
+};
+
+/// What one stretch of frames gave: committed whole or not at all.
+struct IndexBatch {
+  /// An object that is new (no id) or that has grown (its id).
+  struct ObjectUpdate {
+    std::optional<std::int64_t> id;
+    ObjectRecord object;
+  };
+  /// A sighting of the batch's object number `object_update`.
+  struct NewSighting {
+    std::size_t object_update = 0;
+    SightingRecord sighting;
+  };
+  struct Progress {
+    SearchRecord search;                   ///< as it stands after the batch
+    std::int64_t expected_next_frame = 0;  ///< as it stood before: refused if another process moved it
+  };
+
+  std::vector<ObjectUpdate> objects;
+  std::vector<NewSighting> sightings;
+  std::vector<KeptFrame> kept_frames;
+  std::vector<Progress> progress;
+};
+
+/// Which objects or sightings: every condition that is set must hold.
+struct SightingFilter {
+  std::optional<std::string> model_name;
+  std::optional<std::string> video_name;  ///< the whole name, or its last parts ("flight/video.mp4")
+  std::optional<double> from_s;
+  std::optional<double> to_s;
+};
+
+/// Not thread-safe: one thread at a time; other processes may read while one writes.
+class IndexStore {
+ public:
+  virtual ~IndexStore() = default;
+
+  /// Adds the video, or finds it by its content and gives it the name as now given.
+  virtual Expected<VideoRecord> PutVideo(const VideoRecord& video) = 0;
+  virtual Status SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) = 0;
+  virtual Status SetVideoFeatures(std::int64_t video, const std::string& features_json) = 0;
+  virtual Expected<std::vector<VideoRecord>> Videos() = 0;
+
+  /// Adds the model, or finds it. A model of the same name but other content replaces the old one, whose sightings,
+  /// objects and progress go (in the same transaction).
+  virtual Expected<ModelRecord> PutModel(const ModelRecord& model) = 0;
+  virtual Expected<std::vector<ModelRecord>> Models() = 0;
+
+  virtual Expected<std::optional<SearchRecord>> FindSearch(std::int64_t video, std::int64_t model) = 0;
+  /// Forgets what was found of a model in a video, and how far the search had come.
+  virtual Status ForgetSearch(std::int64_t video, std::int64_t model) = 0;
+  /// Forgets the kept features of a video.
+  virtual Status ForgetKeptFrames(std::int64_t video) = 0;
+
+  /// One transaction. Returns the ids of batch.objects, in their order. A kept frame that is there already stays.
+  virtual Expected<std::vector<std::int64_t>> Commit(const IndexBatch& batch) = 0;
+
+  /// Best first: by score, then by number of frames, then by id.
+  virtual Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) = 0;
+  /// By video (in the order they were added), frame, then object.
+  virtual Expected<std::vector<SightingRecord>> Sightings(const SightingFilter& filter) = 0;
+  /// By video and frame, one at a time; `visit` returns false to stop.
+  virtual Status VisitKeptFrames(const SightingFilter& filter, const std::function<bool(KeptFrame&&)>& visit) = 0;
+};
+
+enum class StoreMode {
+  kCreate,  ///< for writing; made if it is not there
+  kRead,    ///< for reading; must exist
+};
+
+/// Opens a SQLite index. Errors: kNotFound; kDataLoss (not a database, or damaged); kUnsupported (another program's
+/// database, or one of a newer version); kPermissionDenied; kNoSpace.
+Expected<std::unique_ptr<IndexStore>> OpenSqliteStore(const std::filesystem::path& path, StoreMode mode);
+
+}  // namespace victorious

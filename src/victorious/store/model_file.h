@@ -1,0 +1,26 @@
+// A model on disk: one file, versioned, checksummed, memory-mapped. docs/formats/model.md describes every byte.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "victorious/base/error.h"
+#include "victorious/types/object_model.h"
+
+namespace victorious {
+
+/// Writes the model atomically (ObjectModel::id is ignored: it is the checksum of what is written).
+Status WriteModelFile(const std::filesystem::path& path, const ObjectModel& model);
+
+/// Maps the file and checks all of it (checksums, bounds, counts). The model's name is the one stored inside.
+/// Errors: kNotFound; kDataLoss (not a model, damaged, cut off); kUnsupported (a newer version).
+Expected<ObjectModel> ReadModelFile(const std::filesystem::path& path);
+
+/// The same from bytes in memory that `storage` keeps alive. Never reads outside `bytes`, whatever they hold.
+Expected<ObjectModel> ParseModel(std::span<const std::byte> bytes, std::shared_ptr<const void> storage,
+                                 const std::string& name_for_errors);
+
+}  // namespace victorious

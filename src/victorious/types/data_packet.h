@@ -1,0 +1,23 @@
+// Bytes that travel beside the frames: telemetry and subtitles, undecoded.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace victorious {
+
+enum class DataKind {
+  kKlv,       ///< SMPTE 336 KLV, synchronous (MPEG-TS stream type 0x15) or asynchronous (0x06)
+  kSubtitle,  ///< text subtitles, as DJI aircraft write their telemetry
+  kOther,     ///< anything else that is neither picture nor sound
+};
+
+struct DataPacket {
+  int stream = 0;                ///< the container's stream index
+  DataKind kind = DataKind::kOther;
+  std::optional<double> time_s;  ///< presentation time, seconds since the video's first frame; none if not stamped
+  std::vector<std::byte> bytes;  ///< the payload as stored
+};
+
+}  // namespace victorious

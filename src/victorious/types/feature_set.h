@@ -1,0 +1,50 @@
+// Keypoints and their descriptors, of one image.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace victorious {
+
+/// Lowe's 4 x 4 cells of 8 orientations, rows of cells first; each 0..255 (the unit vector, clipped at 0.2, times 512).
+inline constexpr std::size_t kDescriptorSize = 128;
+
+/// A place in an image with a size and a direction. Stored as it stands in model files and indexes: never reorder.
+struct Keypoint {
+  float x = 0;                ///< px, first pixel's centre at 0.5
+  float y = 0;                ///< px, down
+  float scale_px = 1;         ///< the Gaussian's sigma, in pixels of the image as given
+  float orientation_rad = 0;  ///< [-pi, pi], from +x towards +y (down)
+
+  bool operator==(const Keypoint&) const = default;
+};
+static_assert(sizeof(Keypoint) == 16);
+
+/// A view of keypoints and descriptors that something else owns: keypoint i has descriptors[128 i, 128 (i + 1)).
+struct FeatureView {
+  std::span<const Keypoint> keypoints;
+  std::span<const std::uint8_t> descriptors;
+
+  [[nodiscard]] std::size_t size() const { return keypoints.size(); }
+  [[nodiscard]] std::span<const std::uint8_t> Descriptor(std::size_t i) const {
+    return descriptors.subspan(i * kDescriptorSize, kDescriptorSize);
+  }
+  [[nodiscard]] FeatureView Slice(std::size_t first, std::size_t count) const {
+    return {keypoints.subspan(first, count), descriptors.subspan(first * kDescriptorSize, count * kDescriptorSize)};
+  }
+};
+
+struct FeatureSet {
+  std::vector<Keypoint> keypoints;
+  std::vector<std::uint8_t> descriptors;  ///< 128 a keypoint
+  int image_width = 0;                    ///< px
+  int image_height = 0;                   ///< px
+
+  [[nodiscard]] std::size_t size() const { return keypoints.size(); }
+  [[nodiscard]] FeatureView View() const { return {keypoints, descriptors}; }
+};
+
+}  // namespace victorious

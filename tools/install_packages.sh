@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# Installs every Debian 12 package that the build, the tests and the demo need. Does nothing when all are there.
+# With --tidy, the tools of the format, lint and fuzz presets too.
+set -euo pipefail
+
+packages=(
+  g++ cmake ninja-build pkg-config ccache mold python3
+  libopencv-dev libeigen3-dev libhwy-dev libtbb-dev libxxhash-dev
+  libavformat-dev libavcodec-dev libavutil-dev libswscale-dev
+  libsqlite3-dev libfmt-dev libspdlog-dev nlohmann-json3-dev libcli11-dev
+  libgtest-dev libgmock-dev libbenchmark-dev
+)
+if [[ "${1:-}" == "--tidy" ]]; then
+  packages+=(clang-19 clang-format-19 clang-tidy-19 libclang-rt-19-dev)
+fi
+
+missing=()
+for package in "${packages[@]}"; do
+  if [[ "$(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null)" != "installed" ]]; then
+    missing+=("$package")
+  fi
+done
+if [[ ${#missing[@]} -eq 0 ]]; then
+  exit 0
+fi
+
+as_root=()
+if [[ "$(id -u)" != "0" ]]; then
+  as_root=(sudo)
+fi
+echo "Installing: ${missing[*]}" >&2
+export DEBIAN_FRONTEND=noninteractive
+"${as_root[@]}" apt-get update -q >&2
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${missing[@]}" >&2
