@@ -59,11 +59,11 @@ using Status = std::expected<void, Error>;
 #define VICTORIOUS_CONCAT(a, b) VICTORIOUS_CONCAT_INNER(a, b)
 
 /// Returns the error of `expression` (a Status or Expected) to the caller, if it has one.
-#define VICTORIOUS_RETURN_IF_ERROR(expression)                                                              \
-  do {                                                                                                      \
-    if (auto victorious_status = (expression); !victorious_status) {                                        \
-      return std::unexpected(std::move(victorious_status).error());                                         \
-    }                                                                                                       \
+#define VICTORIOUS_RETURN_IF_ERROR(expression)                       \
+  do {                                                               \
+    if (auto victorious_status = (expression); !victorious_status) { \
+      return std::unexpected(std::move(victorious_status).error());  \
+    }                                                                \
   } while (false)
 
 /// `VICTORIOUS_ASSIGN_OR_RETURN(const auto value, Compute());`

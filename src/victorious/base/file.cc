@@ -6,11 +6,10 @@
 #include <vector>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include <fmt/format.h>
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
@@ -39,7 +38,7 @@ class Descriptor {
 
 Expected<std::size_t> OpenRegularFile(const fs::path& path, Descriptor& file) {
   if (file.get() < 0) return std::unexpected(ErrorFromErrno(errno, path.string()));
-  struct stat info {};
+  struct stat info{};
   if (::fstat(file.get(), &info) != 0) return std::unexpected(ErrorFromErrno(errno, path.string()));
   if (!S_ISREG(info.st_mode)) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: not a regular file", path.string()));

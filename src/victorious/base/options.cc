@@ -45,16 +45,16 @@ std::string_view TypeText(const FieldRef& field) {
 // The constraint that `value` violates, or nothing.
 std::string Violation(const FieldRef& field, const json& value) {
   const FieldSpec& spec = field.spec;
-  const bool type_fits = std::visit(
-      Overloaded{[&](const double*) { return value.is_number(); },
-                 [&](const int*) {
-                   return value.is_number_integer() && value >= std::numeric_limits<int>::min() &&
-                          value <= std::numeric_limits<int>::max();
-                 },
-                 [&](const bool*) { return value.is_boolean(); },
-                 [&](const std::uint64_t*) { return value.is_number_unsigned(); },
-                 [&](const std::string*) { return value.is_string(); }},
-      field.value);
+  const bool type_fits = std::visit(Overloaded{[&](const double*) { return value.is_number(); },
+                                               [&](const int*) {
+                                                 return value.is_number_integer() &&
+                                                        value >= std::numeric_limits<int>::min() &&
+                                                        value <= std::numeric_limits<int>::max();
+                                               },
+                                               [&](const bool*) { return value.is_boolean(); },
+                                               [&](const std::uint64_t*) { return value.is_number_unsigned(); },
+                                               [&](const std::string*) { return value.is_string(); }},
+                                    field.value);
   if (!type_fits) return fmt::format("{} = {}: must be {}", field.name, value.dump(), TypeText(field));
   if (value.is_number()) {
     const double number = value.get<double>();
@@ -84,8 +84,8 @@ std::size_t EditDistance(std::string_view a, std::string_view b) {
 }
 
 std::string UnknownName(const std::string& name, const std::vector<FieldRef>& fields) {
-  const auto nearest = std::ranges::min_element(
-      fields, {}, [&](const FieldRef& field) { return EditDistance(field.name, name); });
+  const auto nearest =
+      std::ranges::min_element(fields, {}, [&](const FieldRef& field) { return EditDistance(field.name, name); });
   return nearest == fields.end() ? fmt::format("{}: unknown parameter", name)
                                  : fmt::format("{}: unknown parameter; the nearest is {}", name, nearest->name);
 }

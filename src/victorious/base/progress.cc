@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 
-#include <unistd.h>
-
 #include <fmt/format.h>
+#include <unistd.h>
 
 namespace victorious {
 

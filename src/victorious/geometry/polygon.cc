@@ -37,7 +37,8 @@ Box BoundingBox(const Polygon& polygon) {
 }
 
 Polygon CornersOf(const Box& box) {
-  return {{box.x, box.y}, {box.x + box.width, box.y}, {box.x + box.width, box.y + box.height}, {box.x, box.y + box.height}};
+  return {
+      {box.x, box.y}, {box.x + box.width, box.y}, {box.x + box.width, box.y + box.height}, {box.x, box.y + box.height}};
 }
 
 Polygon ClipToConvex(const Polygon& subject, const Polygon& clip) {
@@ -83,7 +84,8 @@ bool IsConvex(const Polygon& polygon) {
 }
 
 Polygon ConvexHull(std::vector<Eigen::Vector2d> points) {
-  std::ranges::sort(points, [](const auto& a, const auto& b) { return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y(); });
+  std::ranges::sort(points,
+                    [](const auto& a, const auto& b) { return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y(); });
   points.erase(std::unique(points.begin(), points.end()), points.end());
   if (points.size() < 3) return points;
   Polygon hull(2 * points.size());

@@ -23,8 +23,8 @@ struct VideoRecord {
   std::int64_t id = 0;  ///< the store's own
   std::string content_id;
   std::string name;
-  int width = 0;   ///< px
-  int height = 0;  ///< px
+  int width = 0;                            ///< px
+  int height = 0;                           ///< px
   std::optional<std::int64_t> frame_count;  ///< known once it was read to its end
   std::optional<double> duration_s;         ///< presentation time of the last frame, known then too
   std::string features_json;                ///< engine, options and version of the features kept; empty: none kept yet
@@ -70,9 +70,9 @@ struct SightingRecord {
   double score = 0;
   std::string source = "recognised";
   int matches = 0;
-  int view_index = 0;                ///< the model's view that matched best
+  int view_index = 0;  ///< the model's view that matched best
   std::optional<ViewAngles> view;
-  double in_plane_rad = 0;           ///< clockwise turn from the template to the scene
+  double in_plane_rad = 0;  ///< clockwise turn from the template to the scene
 };
 
 /// The features of a frame, kept for search by picture.

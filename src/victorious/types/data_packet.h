@@ -14,7 +14,7 @@ enum class DataKind {
 };
 
 struct DataPacket {
-  int stream = 0;                ///< the container's stream index
+  int stream = 0;  ///< the container's stream index
   DataKind kind = DataKind::kOther;
   std::optional<double> time_s;  ///< presentation time, seconds since the video's first frame; none if not stamped
   std::vector<std::byte> bytes;  ///< the payload as stored

@@ -22,10 +22,10 @@ struct ViewAngles {
 
 /// One template: a picture of the object.
 struct ModelView {
-  std::string source;                ///< the photo's path as given
-  int width = 0;                     ///< px, of the picture the features were taken from
-  int height = 0;                    ///< px
-  std::uint64_t first_feature = 0;   ///< into the model's features
+  std::string source;               ///< the photo's path as given
+  int width = 0;                    ///< px, of the picture the features were taken from
+  int height = 0;                   ///< px
+  std::uint64_t first_feature = 0;  ///< into the model's features
   std::uint64_t feature_count = 0;
   Polygon outline;                   ///< of the object in the picture, px
   std::optional<ViewAngles> angles;  ///< unknown for photos

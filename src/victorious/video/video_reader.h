@@ -31,15 +31,15 @@ struct StreamInfo {
 };
 
 struct VideoInfo {
-  std::string container;                     ///< FFmpeg's name, or "folder of images"
-  std::string codec;                         ///< of the video stream
-  int width = 0;                             ///< px, upright
-  int height = 0;                            ///< px, upright
-  int rotation_deg = 0;                      ///< clockwise turn that made it upright: 0, 90, 180, 270
-  double frame_rate = 0;                     ///< average, frames/s; 0 if unknown
-  std::optional<double> duration_s;          ///< as the container says
-  std::optional<std::int64_t> frame_count;   ///< as the container says, or an estimate: for progress, nothing else
-  bool live = false;                         ///< a URL that cannot be read twice
+  std::string container;                    ///< FFmpeg's name, or "folder of images"
+  std::string codec;                        ///< of the video stream
+  int width = 0;                            ///< px, upright
+  int height = 0;                           ///< px, upright
+  int rotation_deg = 0;                     ///< clockwise turn that made it upright: 0, 90, 180, 270
+  double frame_rate = 0;                    ///< average, frames/s; 0 if unknown
+  std::optional<double> duration_s;         ///< as the container says
+  std::optional<std::int64_t> frame_count;  ///< as the container says, or an estimate: for progress, nothing else
+  bool live = false;                        ///< a URL that cannot be read twice
   std::vector<StreamInfo> streams;
 };
 

@@ -1,0 +1,91 @@
+#include "victorious/features/opencv_sift.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include <fmt/format.h>
+#include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "victorious/base/check.h"
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+// OpenCV doubles the image so that the doubled pixel i lies at (i + 0.5) / 2 - 0.5 of the original, but halves the
+// keypoints' coordinates as if it lay at i / 2: they come out 0.25 px too far right and down. Its pixel centres are at
+// integers, ours at halves.
+constexpr float kShiftPx = 0.5F - 0.25F;
+
+class OpenCvSift final : public FeatureExtractor {
+ public:
+  explicit OpenCvSift(const FeatureOptions& options) : options_(options) {}
+
+  Expected<FeatureSet> Extract(const cv::Mat& grey) const override {
+    VICTORIOUS_CHECK(grey.empty() || grey.type() == CV_8UC1);
+    FeatureSet features;
+    features.image_width = grey.cols;
+    features.image_height = grey.rows;
+    if (grey.cols < kLeastSidePx || grey.rows < kLeastSidePx) return features;
+    try {
+      const int side = std::max(grey.cols, grey.rows);
+      if (side <= options_.max_side_px) {
+        Compute(grey, features);
+      } else {
+        const double shrink = static_cast<double>(options_.max_side_px) / side;
+        cv::Mat small;
+        cv::resize(grey, small, cv::Size(), shrink, shrink, cv::INTER_AREA);
+        Compute(small, features);
+        Enlarge(static_cast<double>(grey.cols) / small.cols, static_cast<double>(grey.rows) / small.rows, features);
+      }
+    } catch (const cv::Exception& error) {
+      return Fail(ErrorCode::kInternal,
+                  fmt::format("features of a {} x {} image: {}", grey.cols, grey.rows, error.err));
+    }
+    return features;
+  }
+
+ private:
+  static constexpr int kLeastSidePx = 8;
+
+  void Compute(const cv::Mat& grey, FeatureSet& features) const {
+    // Made anew each time: cv::SIFT does not promise to be thread-safe, and costs nothing to make.
+    const cv::Ptr<cv::SIFT> sift =
+        cv::SIFT::create(options_.max_features, options_.octave_layers, options_.contrast_threshold,
+                         options_.edge_threshold, options_.sigma_px, CV_8U);
+    std::vector<cv::KeyPoint> keypoints;
+    cv::Mat descriptors;
+    sift->detectAndCompute(grey, cv::noArray(), keypoints, descriptors);
+    features.keypoints.reserve(keypoints.size());
+    for (const cv::KeyPoint& keypoint : keypoints) {
+      // OpenCV's size is the Gaussian's diameter: twice its sigma.
+      features.keypoints.push_back({keypoint.pt.x + kShiftPx, keypoint.pt.y + kShiftPx, keypoint.size / 2,
+                                    static_cast<float>(WrapAngle(RadiansFromDegrees(keypoint.angle)))});
+    }
+    features.descriptors.resize(keypoints.size() * kDescriptorSize);
+    for (int row = 0; row < descriptors.rows; ++row) {
+      std::memcpy(features.descriptors.data() + static_cast<std::size_t>(row) * kDescriptorSize, descriptors.ptr(row),
+                  kDescriptorSize);
+    }
+  }
+
+  static void Enlarge(double x_factor, double y_factor, FeatureSet& features) {
+    for (Keypoint& keypoint : features.keypoints) {
+      keypoint.x = static_cast<float>(keypoint.x * x_factor);
+      keypoint.y = static_cast<float>(keypoint.y * y_factor);
+      keypoint.scale_px = static_cast<float>(keypoint.scale_px * std::sqrt(x_factor * y_factor));
+    }
+  }
+
+  FeatureOptions options_;
+};
+
+}  // namespace
+
+std::unique_ptr<const FeatureExtractor> MakeOpenCvSift(const FeatureOptions& options) {
+  return std::make_unique<OpenCvSift>(options);
+}
+
+}  // namespace victorious

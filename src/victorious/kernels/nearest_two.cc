@@ -1,0 +1,61 @@
+#include "victorious/kernels/nearest_two.h"
+
+#include <cstring>
+
+namespace victorious::kernels {
+namespace {
+
+// Larger than any |b|^2 - 256 sum(b) - 2 q.b of real descriptors (below 2^25), and far from overflow.
+constexpr std::int32_t kNeverLeast = 1 << 29;
+
+}  // namespace
+
+PackedDescriptors Pack(std::span<const std::uint8_t> rows) {
+  PackedDescriptors set;
+  set.count = rows.size() / kDescriptorBytes;
+  const std::size_t blocks = (set.count + kBlockDescriptors - 1) / kBlockDescriptors;
+  set.blocks.assign(blocks * kBlockBytes, 0);
+  set.constant.assign(blocks * kBlockDescriptors, kNeverLeast);
+  for (std::size_t i = 0; i < set.count; ++i) {
+    const std::uint8_t* row = rows.data() + i * kDescriptorBytes;
+    std::uint8_t* lane = set.blocks.data() + (i / kBlockDescriptors) * kBlockBytes + (i % kBlockDescriptors) * 4;
+    std::int32_t squared = 0;
+    std::int32_t sum = 0;
+    for (std::size_t byte = 0; byte < kDescriptorBytes; ++byte) {
+      squared += row[byte] * row[byte];
+      sum += row[byte];
+    }
+    for (std::size_t group = 0; group < kDescriptorBytes / 4; ++group) {
+      std::memcpy(lane + group * 4 * kBlockDescriptors, row + group * 4, 4);
+    }
+    set.constant[i] = squared - 256 * sum;
+  }
+  return set;
+}
+
+PackedQueries PackQueries(std::span<const std::uint8_t> rows) {
+  PackedQueries queries;
+  queries.count = rows.size() / kDescriptorBytes;
+  queries.rows.resize(queries.count * kDescriptorBytes);
+  queries.squared.resize(queries.count);
+  for (std::size_t q = 0; q < queries.count; ++q) {
+    std::int32_t squared = 0;
+    for (std::size_t byte = q * kDescriptorBytes; byte < (q + 1) * kDescriptorBytes; ++byte) {
+      squared += rows[byte] * rows[byte];
+      queries.rows[byte] = static_cast<std::int8_t>(rows[byte] - 128);
+    }
+    queries.squared[q] = squared;
+  }
+  return queries;
+}
+
+void FindNearestTwo(const PackedQueries& queries, const PackedDescriptors& set, std::span<NearestTwo> out) {
+  static const bool has_vnni = HasVnni();
+  if (has_vnni) {
+    FindNearestTwoVnni(queries, set, out);
+  } else {
+    FindNearestTwoSimd(queries, set, out);
+  }
+}
+
+}  // namespace victorious::kernels

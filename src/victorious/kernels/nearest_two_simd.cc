@@ -1,0 +1,134 @@
+// FindNearestTwo on any vector width, through Highway: compiled once for each instruction set, chosen at run time.
+#include "victorious/kernels/nearest_two.h"
+#include "victorious/kernels/reduce_nearest_two.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "victorious/kernels/nearest_two_simd.cc"
+#include <hwy/foreach_target.h>
+// After foreach_target.h, as Highway wants it.
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace victorious::kernels::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// At most 16 lanes of 32 bits: one lane a descriptor of the block.
+using D32 = hn::CappedTag<std::int32_t, kBlockDescriptors>;
+using V32 = hn::Vec<D32>;
+
+// 4 bytes of a query, widened to 16 bits: bytes 0 and 2 in one word, 1 and 3 in the other.
+struct QueryGroup {
+  std::int32_t even;
+  std::int32_t odd;
+};
+
+QueryGroup Widen(const std::int8_t* bytes) {
+  const auto word = [](std::int8_t low, std::int8_t high) {
+    const auto bits = [](std::int8_t byte) { return static_cast<std::uint32_t>(static_cast<std::uint16_t>(byte)); };
+    return static_cast<std::int32_t>(bits(low) | (bits(high) << 16));
+  };
+  return {word(bytes[0], bytes[2]), word(bytes[1], bytes[3])};
+}
+
+#if HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3 || \
+    HWY_TARGET == HWY_AVX3_DL
+// sum += the 4 products, lane by lane. On x86 ReorderWidenMulAccumulate is pmaddwd: neighbouring 16-bit products are
+// summed into the 32-bit lane that holds them, as needed here.
+HWY_INLINE V32 AddDot4(V32 set_bytes, const QueryGroup& query, V32 sum) {
+  const D32 d32;
+  const hn::Repartition<std::int16_t, D32> d16;
+  const hn::Repartition<std::uint16_t, D32> du16;
+  const auto bytes = hn::BitCast(du16, set_bytes);
+  const auto even = hn::BitCast(d16, hn::And(bytes, hn::Set(du16, 0x00FF)));
+  const auto odd = hn::BitCast(d16, hn::ShiftRight<8>(bytes));
+  V32 unused = hn::Zero(d32);
+  sum = hn::ReorderWidenMulAccumulate(d32, even, hn::BitCast(d16, hn::Set(d32, query.even)), sum, unused);
+  return hn::ReorderWidenMulAccumulate(d32, odd, hn::BitCast(d16, hn::Set(d32, query.odd)), sum, unused);
+}
+#else
+HWY_INLINE V32 AddDot4(V32 set_bytes, const QueryGroup& query, V32 sum) {
+  const D32 d32;
+  const auto low = [&](std::int32_t word) { return hn::Set(d32, static_cast<std::int16_t>(word & 0xFFFF)); };
+  const auto high = [&](std::int32_t word) { return hn::Set(d32, word >> 16); };
+  const V32 mask = hn::Set(d32, 0xFF);
+  sum = hn::Add(sum, hn::Mul(hn::And(set_bytes, mask), low(query.even)));
+  sum = hn::Add(sum, hn::Mul(hn::And(hn::ShiftRight<8>(set_bytes), mask), low(query.odd)));
+  sum = hn::Add(sum, hn::Mul(hn::And(hn::ShiftRight<16>(set_bytes), mask), high(query.even)));
+  return hn::Add(sum, hn::Mul(hn::And(hn::ShiftRight<24>(set_bytes), mask), high(query.odd)));
+}
+#endif
+
+// Folds one block's distances into a query's running results.
+HWY_INLINE void Update(V32 constant, V32 sum, std::size_t block, std::size_t lane, LaneResults& result) {
+  const D32 d32;
+  const V32 distance = hn::Sub(constant, hn::Add(sum, sum));
+  const V32 best = hn::Load(d32, result.best + lane);
+  const V32 second = hn::Load(d32, result.second + lane);
+  const V32 best_block = hn::Load(d32, result.block + lane);
+  const V32 this_block = hn::Set(d32, static_cast<std::int32_t>(block));
+  hn::Store(hn::Min(second, hn::Max(best, distance)), d32, result.second + lane);
+  hn::Store(hn::Min(best, distance), d32, result.best + lane);
+  hn::Store(hn::IfThenElse(hn::Lt(distance, best), this_block, best_block), d32, result.block + lane);
+}
+
+void FindNearestTwoTarget(const PackedQueries& queries, const PackedDescriptors& set, std::span<NearestTwo> out) {
+  const D32 d32;
+  constexpr std::size_t kTile = 4;  // queries at a time: each load of the set serves so many
+  constexpr std::size_t kGroups = kDescriptorBytes / 4;
+  for (std::size_t first = 0; first < queries.count; first += kTile) {
+    const std::size_t tile = std::min(kTile, queries.count - first);
+    QueryGroup groups[kTile][kGroups];
+    LaneResults results[kTile];
+    for (std::size_t t = 0; t < kTile; ++t) {
+      const std::int8_t* row = queries.rows.data() + (first + std::min(t, tile - 1)) * kDescriptorBytes;
+      for (std::size_t g = 0; g < kGroups; ++g) groups[t][g] = Widen(row + 4 * g);
+      std::fill_n(results[t].best, kBlockDescriptors, 1 << 30);
+      std::fill_n(results[t].second, kBlockDescriptors, 1 << 30);
+      std::fill_n(results[t].block, kBlockDescriptors, 0);
+    }
+    for (std::size_t block = 0; block < set.block_count(); ++block) {
+      for (std::size_t lane = 0; lane < kBlockDescriptors; lane += hn::Lanes(d32)) {
+        const std::uint8_t* bytes = set.blocks.data() + block * kBlockBytes + lane * 4;
+        V32 sum0 = hn::Zero(d32);
+        V32 sum1 = hn::Zero(d32);
+        V32 sum2 = hn::Zero(d32);
+        V32 sum3 = hn::Zero(d32);
+        for (std::size_t g = 0; g < kGroups; ++g) {
+          const V32 loaded = hn::LoadU(d32, reinterpret_cast<const std::int32_t*>(bytes + g * 4 * kBlockDescriptors));
+          sum0 = AddDot4(loaded, groups[0][g], sum0);
+          sum1 = AddDot4(loaded, groups[1][g], sum1);
+          sum2 = AddDot4(loaded, groups[2][g], sum2);
+          sum3 = AddDot4(loaded, groups[3][g], sum3);
+        }
+        const V32 constant = hn::LoadU(d32, set.constant.data() + block * kBlockDescriptors + lane);
+        Update(constant, sum0, block, lane, results[0]);
+        Update(constant, sum1, block, lane, results[1]);
+        Update(constant, sum2, block, lane, results[2]);
+        Update(constant, sum3, block, lane, results[3]);
+      }
+    }
+    for (std::size_t t = 0; t < tile; ++t) {
+      out[first + t] = ReduceLanes(results[t], queries.squared[first + t], set.count);
+    }
+  }
+}
+
+const char* TargetName() { return hwy::TargetName(HWY_TARGET); }
+
+}  // namespace victorious::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace victorious::kernels {
+
+HWY_EXPORT(FindNearestTwoTarget);
+HWY_EXPORT(TargetName);
+
+void FindNearestTwoSimd(const PackedQueries& queries, const PackedDescriptors& set, std::span<NearestTwo> out) {
+  HWY_DYNAMIC_DISPATCH(FindNearestTwoTarget)(queries, set, out);
+}
+
+const char* NearestTwoTarget() { return HasVnni() ? "avx512_vnni" : HWY_DYNAMIC_DISPATCH(TargetName)(); }
+
+}  // namespace victorious::kernels
+#endif  // HWY_ONCE

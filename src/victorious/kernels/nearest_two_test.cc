@@ -1,0 +1,89 @@
+#include "victorious/kernels/nearest_two.h"
+
+#include <gtest/gtest.h>
+
+#include "victorious/base/random.h"
+
+namespace victorious::kernels {
+namespace {
+
+using Find = void (*)(const PackedQueries&, const PackedDescriptors&, std::span<NearestTwo>);
+
+std::vector<std::uint8_t> RandomRows(Random& random, std::size_t count, std::uint32_t levels) {
+  std::vector<std::uint8_t> rows(count * kDescriptorBytes);
+  for (std::uint8_t& byte : rows) byte = static_cast<std::uint8_t>(random.Below(levels));
+  return rows;
+}
+
+// From the unpacked rows, so that packing is tested too.
+std::vector<NearestTwo> Expected(const std::vector<std::uint8_t>& queries, const std::vector<std::uint8_t>& set) {
+  std::vector<NearestTwo> result(queries.size() / kDescriptorBytes);
+  for (std::size_t q = 0; q < result.size(); ++q) {
+    for (std::size_t i = 0; i < set.size() / kDescriptorBytes; ++i) {
+      std::uint32_t distance2 = 0;
+      for (std::size_t k = 0; k < kDescriptorBytes; ++k) {
+        const int difference = queries[q * kDescriptorBytes + k] - set[i * kDescriptorBytes + k];
+        distance2 += static_cast<std::uint32_t>(difference * difference);
+      }
+      NearestTwo& nearest = result[q];
+      if (distance2 < nearest.best_distance2) {
+        nearest = {static_cast<std::uint32_t>(i), distance2, nearest.best_distance2};
+      } else {
+        nearest.second_distance2 = std::min(nearest.second_distance2, distance2);
+      }
+    }
+  }
+  return result;
+}
+
+class NearestTwoTest : public ::testing::TestWithParam<std::pair<const char*, Find>> {
+ protected:
+  void SetUp() override {
+    if (std::string_view(GetParam().first) == "vnni" && !HasVnni()) GTEST_SKIP() << "SKIPPED: no AVX-512 VNNI here";
+  }
+  void Check(const std::vector<std::uint8_t>& queries, const std::vector<std::uint8_t>& set) {
+    const PackedQueries packed = PackQueries(queries);
+    std::vector<NearestTwo> out(packed.count);
+    GetParam().second(packed, Pack(set), out);
+    EXPECT_EQ(out, Expected(queries, set))
+        << packed.count << " queries, " << set.size() / kDescriptorBytes << " in set";
+  }
+};
+
+TEST_P(NearestTwoTest, AgreesWithDefinitionOverOddSizes) {
+  Random random(7);
+  for (const std::size_t queries : {1, 3, 8, 9, 31}) {
+    for (const std::size_t set : {0, 1, 2, 15, 16, 17, 33, 100}) {
+      Check(RandomRows(random, queries, 256), RandomRows(random, set, 256));
+    }
+  }
+}
+
+TEST_P(NearestTwoTest, BreaksTiesByLowestIndex) {
+  Random random(8);
+  for (int repetition = 0; repetition < 20; ++repetition) {
+    std::vector<std::uint8_t> set = RandomRows(random, 1, 256);
+    const std::vector<std::uint8_t> one = set;
+    for (int copy = 0; copy < 40; ++copy) set.insert(set.end(), one.begin(), one.end());
+    Check(RandomRows(random, 5, 256), set);
+  }
+}
+
+TEST_P(NearestTwoTest, IsExactAtTheExtremes) {
+  const std::vector<std::uint8_t> black(kDescriptorBytes * 20, 0);
+  const std::vector<std::uint8_t> white(kDescriptorBytes * 20, 255);
+  Check(black, white);
+  Check(white, black);
+  Check(white, white);
+  Check(black, black);
+}
+
+INSTANTIATE_TEST_SUITE_P(Implementations, NearestTwoTest,
+                         ::testing::Values(std::pair<const char*, Find>{"ref", &FindNearestTwoRef},
+                                           std::pair<const char*, Find>{"simd", &FindNearestTwoSimd},
+                                           std::pair<const char*, Find>{"vnni", &FindNearestTwoVnni},
+                                           std::pair<const char*, Find>{"best", &FindNearestTwo}),
+                         [](const auto& test) { return std::string(test.param.first); });
+
+}  // namespace
+}  // namespace victorious::kernels
