@@ -1,0 +1,298 @@
+// The cascade as it runs. What depends on one match alone is computed once a match (scale ratio, turn, place), so that
+// a pair costs a few additions; pairs beyond R are never looked at, because matches are sorted into cells of side R.
+#include "victorious/grammar/cascade.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+
+void CascadeOptions::ListFields(FieldList& fields) {
+  fields.Add(
+      "radius_px", radius_px,
+      {.min = 1,
+       .max = 1e5,
+       .unit = "px",
+       .reason =
+           "R: matches within this distance in the scene vote for each other; about the object's radius (table 3.1)"});
+  fields.Add(
+      "scale_distortion", scale_distortion,
+      {.min = 1,
+       .max = 100,
+       .reason =
+           "SCALE_FUDGE_FACTOR: the ratio of two keypoints' scales may differ by less than this factor (table 3.1)"});
+  fields.Add("distance_distortion", distance_distortion,
+             {.min = 1,
+              .max = 100,
+              .reason = "DIST_SCALE_FUDGE_FACTOR: the ratio of mean scale to distance may differ by less than this "
+                        "factor (table 3.1)"});
+  fields.Add(
+      "first_approval", first_approval,
+      {.min = 0,
+       .max = 1,
+       .reason =
+           "DIST_APPROVE_THRESHOLD: the share of possible votes a match needs to stay in the first stage (table 3.1)"});
+  fields.Add(
+      "orientation_distortion_rad", orientation_distortion_rad,
+      {.min = 0,
+       .max = 3.15,
+       .unit = "rad",
+       .reason = "ANG_FUDGE_FACTOR: the difference of two orientations may differ by less than this (table 3.1)"});
+  fields.Add("line_distortion_rad", line_distortion_rad,
+             {.min = 0,
+              .max = 3.15,
+              .unit = "rad",
+              .reason = "ANG_ORIENT_FUDGE_FACTOR: the angle from the mean orientation to the connecting line may "
+                        "differ by less than this (table 3.1)"});
+  fields.Add(
+      "second_approval", second_approval,
+      {.min = 0,
+       .max = 1,
+       .reason =
+           "ANG_APPROVE_THRESHOLD: the share of possible votes a match needs to stay in the second stage (table 3.1)"});
+  fields.Add("third_approval", third_approval,
+             {.min = 0,
+              .max = 1,
+              .reason = "RE_DIST_APPROVE_THRESHOLD: the share of possible votes a match needs to stay in the third "
+                        "stage (table 3.1)"});
+  fields.Add(
+      "least_votes", least_votes,
+      {.min = 0, .max = 1000, .reason = "votes a match needs in every stage (section 3.3.3: one alone is unreliable)"});
+  fields.Add("distinct_support", distinct_support,
+             {.reason = "in the third stage only voters that match distinct template keypoints count (section 3.3.4)"});
+}
+
+namespace {
+
+// One match, as pairs see it.
+struct Node {
+  double x, y;                // scene, px
+  double model_x, model_y;    // template, px
+  double scale, model_scale;  // px
+  double log_scale_change;    // ln(scene scale / template scale)
+  double turn_rad;            // scene orientation - template orientation
+  std::uint32_t model;        // template keypoint
+  std::uint32_t match;        // position in the caller's matches
+};
+
+std::vector<Node> MakeNodes(std::span<const Keypoint> scene, std::span<const Keypoint> model, const MatchSet& matches) {
+  std::vector<Node> nodes;
+  nodes.reserve(matches.size());
+  for (std::uint32_t i = 0; i < matches.size(); ++i) {
+    const Keypoint& s = scene[matches[i].scene];
+    const Keypoint& m = model[matches[i].model];
+    nodes.push_back({s.x, s.y, m.x, m.y, s.scale_px, m.scale_px, std::log(static_cast<double>(s.scale_px) / m.scale_px),
+                     static_cast<double>(s.orientation_rad) - m.orientation_rad, matches[i].model, i});
+  }
+  return nodes;
+}
+
+// Nodes sorted into square cells at least R wide, so that all within R of a node lie in its cell or the 8 around it.
+class Grid {
+ public:
+  Grid(std::vector<Node>& nodes, double radius) {
+    double x1 = -1e300;
+    double y1 = -1e300;
+    for (const Node& node : nodes) {
+      x0_ = std::min(x0_, node.x);
+      y0_ = std::min(y0_, node.y);
+      x1 = std::max(x1, node.x);
+      y1 = std::max(y1, node.y);
+    }
+    // No more cells than a few a node, however small R is.
+    const double least_cell =
+        std::sqrt((x1 - x0_ + 1) * (y1 - y0_ + 1) / (4.0 * static_cast<double>(nodes.size()) + 4));
+    cell_ = std::max(radius, least_cell);
+    columns_ = static_cast<int>((x1 - x0_) / cell_) + 1;
+    rows_ = static_cast<int>((y1 - y0_) / cell_) + 1;
+    begin_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) + 1, 0);
+    for (const Node& node : nodes) ++begin_[CellOf(node) + 1];
+    for (std::size_t c = 1; c < begin_.size(); ++c) begin_[c] += begin_[c - 1];
+    std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
+    std::vector<Node> sorted(nodes.size());
+    for (const Node& node : nodes) sorted[next[CellOf(node)]++] = node;
+    nodes = std::move(sorted);
+  }
+
+  // Calls visit(i, j) once for each pair of nodes in neighbouring cells, i < j.
+  template <typename Visit>
+  void ForEachNear(Visit&& visit) const {
+    for (int row = 0; row < rows_; ++row) {
+      for (int column = 0; column < columns_; ++column) {
+        const std::size_t cell =
+            static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
+        // Own cell and the next to the right are one run of nodes; the three below are another.
+        const std::uint32_t run_end = begin_[cell + (column + 1 < columns_ ? 2 : 1)];
+        const std::size_t below = cell + static_cast<std::size_t>(columns_);
+        const bool has_below = row + 1 < rows_;
+        const std::uint32_t below_begin = has_below ? begin_[below - (column > 0 ? 1 : 0)] : 0;
+        const std::uint32_t below_end = has_below ? begin_[below + (column + 1 < columns_ ? 2 : 1)] : 0;
+        for (std::uint32_t i = begin_[cell]; i < begin_[cell + 1]; ++i) {
+          for (std::uint32_t j = i + 1; j < run_end; ++j) visit(i, j);
+          for (std::uint32_t j = below_begin; j < below_end; ++j) visit(i, j);
+        }
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] std::size_t CellOf(const Node& node) const {
+    const auto column = static_cast<std::size_t>((node.x - x0_) / cell_);
+    const auto row = static_cast<std::size_t>((node.y - y0_) / cell_);
+    return row * static_cast<std::size_t>(columns_) + column;
+  }
+
+  double x0_ = 1e300;
+  double y0_ = 1e300;
+  double cell_ = 1;
+  int columns_ = 1;
+  int rows_ = 1;
+  std::vector<std::uint32_t> begin_;
+};
+
+// The first two measures agree: scale ratios, and mean scale over distance.
+class ScalesAgree {
+ public:
+  explicit ScalesAgree(const CascadeOptions& options)
+      : log_scale_(std::log(options.scale_distortion)),
+        distance2_(options.distance_distortion * options.distance_distortion) {}
+
+  bool operator()(const Node& i, const Node& j, double dx, double dy) const {
+    if (!(std::abs(i.log_scale_change - j.log_scale_change) < log_scale_)) return false;
+    // (a / b)^2 with a, b = mean scale over distance in the scene and the template, cross-multiplied.
+    const double model_dx = j.model_x - i.model_x;
+    const double model_dy = j.model_y - i.model_y;
+    const double mean_scale = i.scale + j.scale;
+    const double model_mean_scale = i.model_scale + j.model_scale;
+    const double a = mean_scale * mean_scale * (model_dx * model_dx + model_dy * model_dy);
+    const double b = model_mean_scale * model_mean_scale * (dx * dx + dy * dy);
+    return a < distance2_ * b && b < distance2_ * a;
+  }
+
+ private:
+  double log_scale_;
+  double distance2_;
+};
+
+// The last two measures agree. With t the turn of each match, theta_a changes by t_j - t_i, and theta_b by the line's
+// turn less the mean turn, which is t_i plus half of theta_a's change: the same as by the definition, and steady where
+// the two orientations are opposite.
+class AnglesAgree {
+ public:
+  explicit AnglesAgree(const CascadeOptions& options)
+      : orientation_(options.orientation_distortion_rad), line_(options.line_distortion_rad) {}
+
+  bool operator()(const Node& i, const Node& j, double dx, double dy) const {
+    const double change = WrapAngle(j.turn_rad - i.turn_rad);
+    if (!(std::abs(change) < orientation_)) return false;
+    const double model_dx = j.model_x - i.model_x;
+    const double model_dy = j.model_y - i.model_y;
+    if (model_dx == 0 && model_dy == 0) return false;
+    // The angle from the template's line to the scene's.
+    const double line_turn = std::atan2(model_dx * dy - model_dy * dx, model_dx * dx + model_dy * dy);
+    return std::abs(WrapAngle(line_turn - i.turn_rad - change / 2)) < line_;
+  }
+
+ private:
+  double orientation_;
+  double line_;
+};
+
+struct Tally {
+  std::uint32_t votes = 0;
+  std::uint32_t possible = 0;
+};
+
+bool Approved(const Tally& tally, int least_votes, double approval) {
+  return tally.votes >= static_cast<std::uint32_t>(least_votes) && tally.votes > approval * tally.possible;
+}
+
+template <typename Agree>
+std::vector<Tally> CountVotes(const std::vector<Node>& nodes, const Grid& grid, double radius, const Agree& agree) {
+  std::vector<Tally> tallies(nodes.size());
+  grid.ForEachNear([&](std::uint32_t i, std::uint32_t j) {
+    const double dx = nodes[j].x - nodes[i].x;
+    const double dy = nodes[j].y - nodes[i].y;
+    const double distance2 = dx * dx + dy * dy;
+    if (distance2 == 0 || !(distance2 < radius * radius)) return;
+    ++tallies[i].possible;
+    ++tallies[j].possible;
+    if (!agree(nodes[i], nodes[j], dx, dy)) return;
+    ++tallies[i].votes;
+    ++tallies[j].votes;
+  });
+  return tallies;
+}
+
+// The same, with each template keypoint counted once as a voter.
+template <typename Agree>
+std::vector<Tally> CountDistinctVotes(const std::vector<Node>& nodes, const Grid& grid, double radius,
+                                      const Agree& agree) {
+  struct Ballot {
+    std::uint32_t receiver, voter;
+    bool vote;
+    auto operator<=>(const Ballot&) const = default;
+  };
+  std::vector<Ballot> ballots;
+  grid.ForEachNear([&](std::uint32_t i, std::uint32_t j) {
+    const double dx = nodes[j].x - nodes[i].x;
+    const double dy = nodes[j].y - nodes[i].y;
+    const double distance2 = dx * dx + dy * dy;
+    if (distance2 == 0 || !(distance2 < radius * radius)) return;
+    const bool vote = agree(nodes[i], nodes[j], dx, dy);
+    ballots.push_back({i, nodes[j].model, vote});
+    ballots.push_back({j, nodes[i].model, vote});
+  });
+  std::ranges::sort(ballots);
+  std::vector<Tally> tallies(nodes.size());
+  for (std::size_t b = 0; b < ballots.size(); ++b) {
+    // The last of a receiver's ballots of one voter has the vote, if there is any.
+    const bool last = b + 1 == ballots.size() || ballots[b + 1].receiver != ballots[b].receiver ||
+                      ballots[b + 1].voter != ballots[b].voter;
+    if (!last) continue;
+    ++tallies[ballots[b].receiver].possible;
+    if (ballots[b].vote) ++tallies[ballots[b].receiver].votes;
+  }
+  return tallies;
+}
+
+template <typename Agree>
+MatchSet Stage(std::vector<Node>& nodes, const MatchSet& matches, const CascadeOptions& options, double approval,
+               bool distinct, const Agree& agree) {
+  if (nodes.empty()) return {};
+  const Grid grid(nodes, options.radius_px);
+  const std::vector<Tally> tallies = distinct ? CountDistinctVotes(nodes, grid, options.radius_px, agree)
+                                              : CountVotes(nodes, grid, options.radius_px, agree);
+  std::vector<Node> kept;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (Approved(tallies[i], options.least_votes, approval)) kept.push_back(nodes[i]);
+  }
+  nodes = std::move(kept);
+  std::vector<std::uint32_t> order;
+  order.reserve(nodes.size());
+  for (const Node& node : nodes) order.push_back(node.match);
+  std::ranges::sort(order);
+  MatchSet result;
+  result.reserve(order.size());
+  for (const std::uint32_t match : order) result.push_back(matches[match]);
+  return result;
+}
+
+}  // namespace
+
+CascadeResult FilterByGrammar(std::span<const Keypoint> scene, std::span<const Keypoint> model, const MatchSet& matches,
+                              const CascadeOptions& options) {
+  std::vector<Node> nodes = MakeNodes(scene, model, matches);
+  const ScalesAgree scales_agree(options);
+  CascadeResult result;
+  result.first = Stage(nodes, matches, options, options.first_approval, false, scales_agree);
+  result.second = Stage(nodes, matches, options, options.second_approval, false, AnglesAgree(options));
+  result.third = Stage(nodes, matches, options, options.third_approval, options.distinct_support, scales_agree);
+  return result;
+}
+
+}  // namespace victorious

@@ -1,0 +1,71 @@
+// The cascade by the book: algorithms 1 to 3, then section 3.3.4. The definition that cascade.cc is compared with.
+#include <cmath>
+#include <functional>
+#include <set>
+#include <vector>
+
+#include "victorious/geometry/pair_measures.h"
+#include "victorious/grammar/cascade.h"
+
+namespace victorious {
+namespace {
+
+using Agree = std::function<bool(const PairMeasures& scene, const PairMeasures& model)>;
+
+MatchSet Stage(std::span<const Keypoint> scene, std::span<const Keypoint> model, const MatchSet& matches, double radius,
+               int least_votes, double approval, bool distinct, const Agree& agree) {
+  // A voter is known by its own number or, where votes must be distinct, by the template keypoint it matches.
+  std::vector<std::set<std::uint32_t>> votes(matches.size());
+  std::vector<std::set<std::uint32_t>> possible_votes(matches.size());
+  for (std::uint32_t i = 0; i < matches.size(); ++i) {
+    for (std::uint32_t j = i + 1; j < matches.size(); ++j) {
+      const Keypoint& scene_i = scene[matches[i].scene];
+      const Keypoint& scene_j = scene[matches[j].scene];
+      const double distance =
+          std::hypot(static_cast<double>(scene_i.x) - scene_j.x, static_cast<double>(scene_i.y) - scene_j.y);
+      if (distance == 0 || !(distance < radius)) continue;
+      const std::uint32_t voter_i = distinct ? matches[i].model : i;
+      const std::uint32_t voter_j = distinct ? matches[j].model : j;
+      possible_votes[i].insert(voter_j);
+      possible_votes[j].insert(voter_i);
+      const Keypoint& model_i = model[matches[i].model];
+      const Keypoint& model_j = model[matches[j].model];
+      if (model_i.x == model_j.x && model_i.y == model_j.y) continue;
+      if (agree(MeasurePair(scene_i, scene_j), MeasurePair(model_i, model_j))) {
+        votes[i].insert(voter_j);
+        votes[j].insert(voter_i);
+      }
+    }
+  }
+  MatchSet kept;
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    const auto count = static_cast<double>(votes[i].size());
+    if (count >= least_votes && count > approval * static_cast<double>(possible_votes[i].size()))
+      kept.push_back(matches[i]);
+  }
+  return kept;
+}
+
+}  // namespace
+
+CascadeResult FilterByGrammarRef(std::span<const Keypoint> scene, std::span<const Keypoint> model,
+                                 const MatchSet& matches, const CascadeOptions& options) {
+  const Agree scales_agree = [&](const PairMeasures& s, const PairMeasures& m) {
+    return RatioDistortion(s.scale_ratio, m.scale_ratio) < options.scale_distortion &&
+           RatioDistortion(s.mean_scale_to_distance, m.mean_scale_to_distance) < options.distance_distortion;
+  };
+  const Agree angles_agree = [&](const PairMeasures& s, const PairMeasures& m) {
+    return OrientationDistortion(s, m) < options.orientation_distortion_rad &&
+           MeanOrientationDistortion(s, m) < options.line_distortion_rad;
+  };
+  const auto stage = [&](const MatchSet& in, double approval, bool distinct, const Agree& agree) {
+    return Stage(scene, model, in, options.radius_px, options.least_votes, approval, distinct, agree);
+  };
+  CascadeResult result;
+  result.first = stage(matches, options.first_approval, false, scales_agree);
+  result.second = stage(result.first, options.second_approval, false, angles_agree);
+  result.third = stage(result.second, options.third_approval, options.distinct_support, scales_agree);
+  return result;
+}
+
+}  // namespace victorious

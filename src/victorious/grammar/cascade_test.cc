@@ -1,0 +1,152 @@
+#include "victorious/grammar/cascade.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "victorious/base/random.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/geometry/similarity.h"
+
+namespace victorious {
+namespace {
+
+struct World {
+  std::vector<Keypoint> scene;
+  std::vector<Keypoint> model;
+  MatchSet matches;
+  std::size_t true_matches = 0;
+};
+
+// `object` keypoints of a template seen through a similarity with some noise, then `clutter` matches at random.
+World MakeWorld(std::size_t object, std::size_t clutter, const Similarity2& scene_from_template, double noise,
+                std::uint64_t seed) {
+  Random random(seed);
+  World world;
+  const std::size_t model_size = std::max<std::size_t>(object, 40);
+  for (std::size_t i = 0; i < model_size; ++i) {
+    world.model.push_back({static_cast<float>(random.Uniform(0, 100)), static_cast<float>(random.Uniform(0, 80)),
+                           static_cast<float>(std::exp(random.Uniform(0.4, 1.8))),
+                           static_cast<float>(random.Uniform(-kPi, kPi))});
+  }
+  const auto add = [&](Keypoint keypoint, std::size_t model) {
+    world.matches.push_back({static_cast<std::uint32_t>(world.scene.size()), static_cast<std::uint32_t>(model), 0.7F});
+    world.scene.push_back(keypoint);
+  };
+  for (std::size_t i = 0; i < object; ++i) {
+    const Keypoint& m = world.model[i];
+    const Eigen::Vector2d place = scene_from_template.Apply({m.x, m.y});
+    add({static_cast<float>(place.x() + noise * random.Normal()),
+         static_cast<float>(place.y() + noise * random.Normal()),
+         static_cast<float>(m.scale_px * scene_from_template.scale * std::exp(0.05 * noise * random.Normal())),
+         static_cast<float>(
+             WrapAngle(m.orientation_rad + scene_from_template.rotation_rad + 0.05 * noise * random.Normal()))},
+        i);
+  }
+  world.true_matches = object;
+  for (std::size_t i = 0; i < clutter; ++i) {
+    add({static_cast<float>(random.Uniform(0, 640)), static_cast<float>(random.Uniform(0, 480)),
+         static_cast<float>(std::exp(random.Uniform(0.4, 2.5))), static_cast<float>(random.Uniform(-kPi, kPi))},
+        random.Below(static_cast<std::uint32_t>(model_size)));
+  }
+  return world;
+}
+
+bool Equal(const CascadeResult& a, const CascadeResult& b) {
+  return a.first == b.first && a.second == b.second && a.third == b.third;
+}
+
+TEST(Cascade, AgreesWithTheDefinition) {
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    Random random(seed);
+    Similarity2 pose{
+        std::exp(random.Uniform(-1, 1)), random.Uniform(-kPi, kPi), {random.Uniform(0, 500), random.Uniform(0, 400)}};
+    World world = MakeWorld(random.Below(30), random.Below(150), pose, random.Uniform(0, 2), seed);
+    // Some keypoints with two orientations, and some that lie at one place of the template.
+    for (std::size_t i = 0; i + 7 < world.scene.size(); i += 7) {
+      world.scene[i + 1].x = world.scene[i].x;
+      world.scene[i + 1].y = world.scene[i].y;
+    }
+    CascadeOptions options;
+    options.radius_px = std::exp(random.Uniform(0, 6));
+    options.distinct_support = random.Below(2) == 1;
+    options.least_votes = static_cast<int>(random.Below(4));
+    EXPECT_TRUE(Equal(FilterByGrammar(world.scene, world.model, world.matches, options),
+                      FilterByGrammarRef(world.scene, world.model, world.matches, options)))
+        << "seed " << seed;
+  }
+}
+
+TEST(Cascade, KeepsTheTrueAndDropsTheFalse) {
+  int kept_true = 0;
+  int kept_false = 0;
+  int all_true = 0;
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    Random random(seed);
+    const Similarity2 pose{std::exp(random.Uniform(-0.5, 0.5)),
+                           random.Uniform(-kPi, kPi),
+                           {random.Uniform(150, 450), random.Uniform(150, 350)}};
+    const World world = MakeWorld(15, 70, pose, 0.5, seed);
+    all_true += 15;
+    for (const Match& match : FilterByGrammar(world.scene, world.model, world.matches, {}).third) {
+      (match.scene < world.true_matches ? kept_true : kept_false) += 1;
+    }
+  }
+  EXPECT_GE(kept_true, 0.98 * all_true);
+  EXPECT_LE(kept_false, 0.01 * (kept_true + kept_false));
+}
+
+// Laws: the measures are relative, so the result does not depend on the scene's shift, turn or (with R) size.
+TEST(Cascade, IsInvariantUnderSimilaritiesOfTheScene) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const World world = MakeWorld(20, 100, {1.0, 0.3, {200, 200}}, 1.0, seed);
+    const Similarity2 change{2.0, 2.5, {300, -120}};
+    World changed = world;
+    for (Keypoint& keypoint : changed.scene) {
+      const Eigen::Vector2d place = change.Apply({keypoint.x, keypoint.y});
+      keypoint = {static_cast<float>(place.x()), static_cast<float>(place.y()),
+                  static_cast<float>(keypoint.scale_px * change.scale),
+                  static_cast<float>(WrapAngle(keypoint.orientation_rad + change.rotation_rad))};
+    }
+    CascadeOptions options;
+    const CascadeResult before = FilterByGrammar(world.scene, world.model, world.matches, options);
+    options.radius_px *= change.scale;
+    EXPECT_TRUE(Equal(before, FilterByGrammar(changed.scene, changed.model, changed.matches, options)))
+        << "seed " << seed;
+  }
+}
+
+// Section 3.3.4: four scene keypoints that all match one template keypoint, beside a true group of four.
+TEST(Cascade, DistinctSupportStopsRepeatedPatterns) {
+  World world = MakeWorld(4, 0, {1.0, 0.0, {100, 100}}, 0.0, 5);
+  std::vector<std::uint32_t> windows;
+  const Keypoint a = world.model[10];
+  const Keypoint b = world.model[11];
+  for (int i = 0; i < 4; ++i) {  // two template keypoints, each matched by a cluster of four
+    for (const std::uint32_t m : {10U, 11U}) {
+      const Keypoint& keypoint = m == 10 ? a : b;
+      const auto jitter = static_cast<float>(i);
+      world.matches.push_back({static_cast<std::uint32_t>(world.scene.size()), m, 0.7F});
+      world.scene.push_back({keypoint.x + 400 + jitter, keypoint.y + 300, keypoint.scale_px, keypoint.orientation_rad});
+    }
+  }
+  CascadeOptions options;
+  options.third_approval = 0.3;
+  options.first_approval = options.second_approval = 0.1;
+  options.distinct_support = false;
+  const MatchSet without = FilterByGrammar(world.scene, world.model, world.matches, options).third;
+  options.distinct_support = true;
+  const MatchSet with = FilterByGrammar(world.scene, world.model, world.matches, options).third;
+  EXPECT_GT(without.size(), 4U);
+  EXPECT_EQ(with.size(), 4U);
+  for (const Match& match : with) EXPECT_LT(match.model, 4U);
+}
+
+TEST(Cascade, EmptyAndSingleMatchesGiveNothing) {
+  World world = MakeWorld(1, 0, {1.0, 0.0, {0, 0}}, 0.0, 1);
+  EXPECT_TRUE(FilterByGrammar(world.scene, world.model, world.matches, {}).third.empty());
+  EXPECT_TRUE(FilterByGrammar(world.scene, world.model, {}, {}).third.empty());
+}
+
+}  // namespace
+}  // namespace victorious
