@@ -1,0 +1,129 @@
+#include "victorious/detect/detect.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+
+#include "victorious/geometry/angles.h"
+#include "victorious/geometry/homography.h"
+
+namespace victorious {
+
+void DetectOptions::ListFields(FieldList& fields) {
+  fields.Add("suppression_fraction", suppression_fraction,
+             {.min = 0,
+              .max = 10,
+              .reason = "a detection is dropped when its centre lies nearer to a better one of the same model than "
+                        "this share of the smaller one's size (square root of its area)"});
+  fields.Add("even_evidence", even_evidence,
+             {.min = -100,
+              .max = 1000,
+              .unit = "decades",
+              .reason = "evidence at which the score is one half: so many powers of ten that chance is too unlikely"});
+  fields.Add("evidence_scale", evidence_scale,
+             {.min = 0.01,
+              .max = 1000,
+              .unit = "decades",
+              .reason = "further evidence that takes the odds up by a factor of e"});
+  fields.Add("least_score", least_score, {.min = 0, .max = 1, .reason = "detections below this are not reported"});
+  fields.Add("least_side_px", least_side_px,
+             {.min = 0,
+              .max = 10000,
+              .unit = "px",
+              .reason = "detections whose box in the frame is narrower are not reported"});
+}
+
+namespace {
+
+// How far, in sigmas, an agreeing match may lie; its turn and scale agree within the grammar's bounds, which a wrong
+// match meets about so often.
+constexpr double kAgreementSigmas = 2.5;
+constexpr double kTurnAndScaleChance = 0.1;
+
+double AgreementChance(const Pose& pose, const SceneSize& scene) {
+  const double radius = kAgreementSigmas * pose.sigma_px;
+  const double place = kPi * radius * radius / std::max(1.0, scene.width_px * scene.height_px);
+  return std::min(1.0, place) * kTurnAndScaleChance;
+}
+
+double Score(double evidence, const DetectOptions& options) {
+  return 1 / (1 + std::exp(-(evidence - options.even_evidence) / options.evidence_scale));
+}
+
+// Where a detection lies, for suppression: its outline's centre and size.
+struct Footprint {
+  Eigen::Vector2d centre;
+  double size_px;
+};
+
+Footprint FootprintOf(const Polygon& outline) {
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& corner : outline) centre += corner / static_cast<double>(outline.size());
+  return {centre, std::sqrt(std::abs(SignedArea(outline)))};
+}
+
+Detection ToDetection(const Candidate& candidate, std::size_t views_searched, const SceneSize& scene,
+                      const DetectOptions& options) {
+  Detection detection{.model = candidate.model, .view = candidate.view, .pose = candidate.pose};
+  for (const Eigen::Vector2d& corner : candidate.outline) {
+    detection.outline.push_back(ApplyHomography(candidate.pose.scene_from_template_plane, corner));
+  }
+  detection.box = BoundingBox(ClipToBox(detection.outline, {0, 0, scene.width_px, scene.height_px}));
+  detection.evidence = Evidence(candidate.matches, candidate.pose.distinct_inliers,
+                                AgreementChance(candidate.pose, scene), views_searched);
+  detection.score = Score(detection.evidence, options);
+  return detection;
+}
+
+}  // namespace
+
+double Evidence(std::size_t matches, std::size_t agreeing, double chance, std::size_t views_searched) {
+  if (agreeing < 3 || matches < agreeing) return 0;
+  if (!(chance < 1)) return 0;
+  const auto log_choose = [](double n, double k) {
+    return std::lgamma(n + 1) - std::lgamma(k + 1) - std::lgamma(n - k + 1);
+  };
+  const double n = static_cast<double>(matches) - 2;
+  const double k = static_cast<double>(agreeing) - 2;
+  if (k <= n * chance) return 0;
+  const double first_term = log_choose(n, k) + k * std::log(chance) + (n - k) * std::log1p(-chance);
+  // Beyond the mean the terms fall at least geometrically: the tail is at most the first term over 1 - their ratio.
+  const double ratio = (n - k) / (k + 1) * chance / (1 - chance);
+  const double log_tail = first_term - std::log1p(-std::min(ratio, 0.999));
+  const double log_tests = std::log(static_cast<double>(std::max<std::size_t>(1, views_searched))) +
+                           log_choose(static_cast<double>(matches), 2);
+  return -(log_tests + log_tail) / std::log(10.0);
+}
+
+std::vector<Detection> Detect(std::span<const Candidate> candidates, std::size_t views_searched, const SceneSize& scene,
+                              const DetectOptions& options) {
+  std::vector<Detection> detections;
+  for (const Candidate& candidate : candidates) {
+    Detection detection = ToDetection(candidate, views_searched, scene, options);
+    const bool large_enough = std::min(detection.box.width, detection.box.height) >= options.least_side_px;
+    if (large_enough && detection.score >= options.least_score) detections.push_back(std::move(detection));
+  }
+  std::ranges::stable_sort(detections, [](const Detection& a, const Detection& b) {
+    if (a.pose.distinct_inliers != b.pose.distinct_inliers) return a.pose.distinct_inliers > b.pose.distinct_inliers;
+    return a.evidence > b.evidence;
+  });
+
+  std::vector<Detection> kept;
+  std::map<std::size_t, std::vector<Footprint>> taken;  // by model
+  for (Detection& detection : detections) {
+    const Footprint footprint = FootprintOf(detection.outline);
+    std::vector<Footprint>& others = taken[detection.model];
+    const bool suppressed = std::ranges::any_of(others, [&](const Footprint& other) {
+      return (other.centre - footprint.centre).norm() <
+             options.suppression_fraction * std::min(other.size_px, footprint.size_px);
+    });
+    if (suppressed) continue;
+    others.push_back(footprint);
+    kept.push_back(std::move(detection));
+  }
+  std::ranges::stable_sort(kept, std::greater{}, &Detection::score);
+  return kept;
+}
+
+}  // namespace victorious

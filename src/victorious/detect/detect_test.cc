@@ -1,0 +1,69 @@
+#include "victorious/detect/detect.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace victorious {
+namespace {
+
+constexpr SceneSize kScene{640, 480};
+
+Candidate CandidateAt(double x, double y, std::size_t agreeing, std::size_t model = 0) {
+  Candidate candidate{.model = model, .view = 0, .matches = 80, .outline = CornersOf({0, 0, 60, 40}), .pose = {}};
+  candidate.pose.scene_from_template = {1.0, 0.0, {x, y}};
+  candidate.pose.scene_from_template_plane = candidate.pose.scene_from_template.Matrix();
+  candidate.pose.distinct_inliers = agreeing;
+  candidate.pose.sigma_px = 3;
+  return candidate;
+}
+
+TEST(Evidence, IsTheBinomialTail) {
+  // By direct summation in double.
+  const double chance = 0.01;
+  double tail = 0;
+  for (int i = 6; i <= 48; ++i) {
+    tail += std::exp(std::lgamma(49) - std::lgamma(i + 1) - std::lgamma(49 - i)) * std::pow(chance, i) *
+            std::pow(1 - chance, 48 - i);
+  }
+  const double expected = 10 * (50 * 49 / 2) * tail;
+  EXPECT_NEAR(Evidence(50, 8, chance, 10), -std::log10(expected), 0.02);
+}
+
+TEST(Evidence, GrowsWithAgreementAndFallsWithClutter) {
+  EXPECT_GT(Evidence(80, 8, 1e-3, 1), Evidence(80, 7, 1e-3, 1));
+  EXPECT_GT(Evidence(80, 8, 1e-3, 1), Evidence(200, 8, 1e-3, 1));
+  EXPECT_NEAR(Evidence(80, 8, 1e-3, 1) - Evidence(80, 8, 1e-3, 1000), 3, 1e-9);
+  EXPECT_EQ(Evidence(80, 2, 1e-3, 1), 0);
+  EXPECT_EQ(Evidence(2, 8, 1e-3, 1), 0);
+  EXPECT_EQ(Evidence(1000, 10, 0.5, 1), 0);
+}
+
+TEST(Detect, KeepsTheBestOfNeighboursAndEveryInstance) {
+  const std::vector<Candidate> candidates = {CandidateAt(100, 100, 9), CandidateAt(104, 98, 14),
+                                             CandidateAt(300, 200, 10), CandidateAt(100, 100, 8, /*model=*/1)};
+  const std::vector<Detection> detections = Detect(candidates, 1, kScene, {});
+  ASSERT_EQ(detections.size(), 3U);
+  EXPECT_EQ(detections[0].pose.distinct_inliers, 14U);
+  EXPECT_EQ(detections[1].pose.distinct_inliers, 10U);
+  EXPECT_EQ(detections[2].model, 1U);
+}
+
+TEST(Detect, BoxIsTheOutlineClippedToTheFrame) {
+  const std::vector<Candidate> candidates = {CandidateAt(-20, 450, 12)};
+  const std::vector<Detection> detections = Detect(candidates, 1, kScene, {});
+  ASSERT_EQ(detections.size(), 1U);
+  EXPECT_EQ(detections[0].box, (Box{0, 450, 40, 30}));
+  EXPECT_EQ(detections[0].outline[0], Eigen::Vector2d(-20, 450));
+}
+
+TEST(Detect, WeakOrUnseenCandidatesAreNoDetections) {
+  const std::vector<Candidate> weak = {CandidateAt(100, 100, 4)};
+  EXPECT_TRUE(Detect(weak, 253, kScene, {}).empty());
+  const std::vector<Candidate> outside = {CandidateAt(700, 100, 20)};
+  EXPECT_TRUE(Detect(outside, 1, kScene, {}).empty());
+  EXPECT_TRUE(Detect({}, 1, kScene, {}).empty());
+}
+
+}  // namespace
+}  // namespace victorious

@@ -1,0 +1,112 @@
+#include "victorious/pose/similarity_pose.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "victorious/geometry/robust/mlesac.h"
+#include "victorious/geometry/robust/similarity_estimator.h"
+#include "victorious/pose/plane_refinement.h"
+
+namespace victorious {
+
+void PoseOptions::ListFields(FieldList& fields) {
+  fields.Add("noise_px", noise_px,
+             {.min = 0.1,
+              .max = 100,
+              .unit = "px",
+              .reason = "deviation of a true match's place: keypoint noise, in the scene's pixels at scale 1 or below, "
+                        "in the template's above"});
+  fields.Add("shape_fraction", shape_fraction,
+             {.min = 0,
+              .max = 1,
+              .reason = "how far a similarity may be wrong about an object seen from another side, as a share of the "
+                        "object's size (square root of its outline's area)"});
+  fields.Add("least_inliers", least_inliers,
+             {.min = 2,
+              .max = 1000,
+              .reason = "distinct template keypoints that must agree on a pose; two fix it, more speak for it"});
+  fields.Add("max_instances", max_instances,
+             {.min = 1, .max = 1000, .reason = "instances of one template looked for in one image"});
+  fields.Add(
+      "max_hypotheses", max_hypotheses,
+      {.min = 1, .max = 1e6, .reason = "pairs of matches that MLESAC tries at most; fewer matches are searched whole"});
+  fields.Add(
+      "confidence", confidence,
+      {.min = 0.5,
+       .max = 0.999999,
+       .reason = "MLESAC stops once a better pair has been missed with no more than the rest of this probability"});
+  fields.Add(
+      "refine_plane", refine_plane,
+      {.reason = "replace the similarity by an affine map or homography for the outline where the matches support it"});
+  fields.Add("seed", seed, {.reason = "of MLESAC's draws: the same seed gives the same result"});
+}
+
+namespace {
+
+std::vector<PointPair> PairsOf(std::span<const Keypoint> scene, std::span<const Keypoint> model,
+                               const MatchSet& matches) {
+  std::vector<PointPair> pairs;
+  pairs.reserve(matches.size());
+  for (const Match& match : matches) {
+    const Keypoint& s = scene[match.scene];
+    const Keypoint& m = model[match.model];
+    pairs.push_back({{m.x, m.y}, {s.x, s.y}});
+  }
+  return pairs;
+}
+
+std::size_t CountDistinct(const MatchSet& matches) {
+  std::vector<std::uint32_t> keypoints;
+  keypoints.reserve(matches.size());
+  for (const Match& match : matches) keypoints.push_back(match.model);
+  std::ranges::sort(keypoints);
+  return static_cast<std::size_t>(
+      std::ranges::distance(keypoints.begin(), std::unique(keypoints.begin(), keypoints.end())));
+}
+
+}  // namespace
+
+std::vector<Pose> EstimatePoses(std::span<const Keypoint> scene, std::span<const Keypoint> model,
+                                const MatchSet& matches, const Polygon& outline, double scene_area_px2,
+                                const PoseOptions& options) {
+  const double size_px = std::sqrt(std::abs(SignedArea(outline)));
+  const SimilarityEstimator::Noise noise{.noise_px = options.noise_px, .shape_px = options.shape_fraction * size_px};
+  const MlesacSettings settings{.outlier_area_px2 = std::max(1.0, scene_area_px2),
+                                .confidence = options.confidence,
+                                .max_hypotheses = options.max_hypotheses,
+                                .seed = options.seed};
+  std::vector<Pose> poses;
+  MatchSet rest = matches;
+  while (rest.size() >= static_cast<std::size_t>(options.least_inliers) &&
+         poses.size() < static_cast<std::size_t>(options.max_instances)) {
+    const std::vector<PointPair> pairs = PairsOf(scene, model, rest);
+    const SimilarityEstimator estimator(pairs, noise);
+    const auto result = Mlesac(estimator, settings);
+    if (!result) break;
+    Pose pose;
+    pose.scene_from_template = result->model;
+    pose.sigma_px = estimator.SigmaPx(result->model);
+    MatchSet outliers;
+    std::vector<PointPair> inlier_pairs;
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+      const bool inlier = result->probabilities[i] > 0.5;
+      (inlier ? pose.inliers : outliers).push_back(rest[i]);
+      if (inlier) inlier_pairs.push_back(pairs[i]);
+    }
+    pose.distinct_inliers = CountDistinct(pose.inliers);
+    if (pose.distinct_inliers < static_cast<std::size_t>(options.least_inliers)) break;
+    pose.scene_from_template_plane = pose.scene_from_template.Matrix();
+    if (options.refine_plane) {
+      const double plane_noise_px = options.noise_px * std::max(1.0, pose.scene_from_template.scale);
+      pose.scene_from_template_plane =
+          RefinePlane(inlier_pairs, pose.scene_from_template, pose.sigma_px, plane_noise_px, scene_area_px2, outline);
+    }
+    poses.push_back(std::move(pose));
+    rest = std::move(outliers);
+  }
+  std::ranges::stable_sort(poses, std::greater{}, &Pose::distinct_inliers);
+  return poses;
+}
+
+}  // namespace victorious

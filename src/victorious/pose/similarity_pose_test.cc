@@ -1,0 +1,100 @@
+#include "victorious/pose/similarity_pose.h"
+
+#include <gtest/gtest.h>
+
+#include "victorious/base/random.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/geometry/homography.h"
+
+namespace victorious {
+namespace {
+
+const Polygon kOutline = CornersOf({0, 0, 200, 150});
+
+struct World {
+  std::vector<Keypoint> scene;
+  std::vector<Keypoint> model;
+  MatchSet matches;
+
+  void Add(const Eigen::Vector2d& template_place, const Eigen::Vector2d& scene_place) {
+    const auto i = static_cast<std::uint32_t>(scene.size());
+    model.push_back({static_cast<float>(template_place.x()), static_cast<float>(template_place.y()), 2, 0});
+    scene.push_back({static_cast<float>(scene_place.x()), static_cast<float>(scene_place.y()), 2, 0});
+    matches.push_back({i, i, 0.5F});
+  }
+  [[nodiscard]] std::vector<Pose> Poses(const PoseOptions& options = {}) const {
+    return EstimatePoses(scene, model, matches, kOutline, 640.0 * 480.0, options);
+  }
+};
+
+World Planar(const Eigen::Matrix3d& map, int count, double noise_px, std::uint64_t seed) {
+  Random random(seed);
+  World world;
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Vector2d place(random.Uniform(0, 200), random.Uniform(0, 150));
+    world.Add(place, ApplyHomography(map, place) + noise_px * Eigen::Vector2d(random.Normal(), random.Normal()));
+  }
+  return world;
+}
+
+double OutlineAgreement(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
+  Polygon pa;
+  Polygon pb;
+  for (const Eigen::Vector2d& corner : kOutline) {
+    pa.push_back(ApplyHomography(a, corner));
+    pb.push_back(ApplyHomography(b, corner));
+  }
+  return IntersectionOverUnion(pa, pb);
+}
+
+TEST(SimilarityPose, FindsEveryInstance) {
+  World world = Planar(Similarity2{0.6, 0.4, {60, 50}}.Matrix(), 30, 0.7, 1);
+  const World second = Planar(Similarity2{0.8, -2.0, {420, 300}}.Matrix(), 20, 0.7, 2);
+  for (std::size_t i = 0; i < second.scene.size(); ++i) {
+    world.Add({second.model[i].x, second.model[i].y}, {second.scene[i].x, second.scene[i].y});
+  }
+  const std::vector<Pose> poses = world.Poses();
+  ASSERT_EQ(poses.size(), 2U);
+  EXPECT_NEAR(poses[0].scene_from_template.scale, 0.6, 0.02);
+  EXPECT_NEAR(poses[0].scene_from_template.rotation_rad, 0.4, 0.02);
+  EXPECT_NEAR(poses[1].scene_from_template.scale, 0.8, 0.02);
+  EXPECT_GE(poses[0].inliers.size(), 28U);
+  EXPECT_GE(poses[1].inliers.size(), 18U);
+}
+
+TEST(SimilarityPose, OutlineFollowsPerspectiveWhereSupported) {
+  Eigen::Matrix3d tilted;
+  tilted << 1.0, 0.1, 100, 0.05, 0.7, 80, 6e-4, 2e-4, 1;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const std::vector<Pose> poses = Planar(tilted, 80, 0.7, seed).Poses();
+    ASSERT_GE(poses.size(), 1U) << seed;
+    EXPECT_GT(OutlineAgreement(poses[0].scene_from_template_plane, tilted), 0.95) << seed;
+    EXPECT_GT(OutlineAgreement(poses[0].scene_from_template_plane, tilted),
+              OutlineAgreement(poses[0].scene_from_template.Matrix(), tilted))
+        << seed;
+  }
+}
+
+TEST(SimilarityPose, FewMatchesKeepTheSimilarity) {
+  const Similarity2 truth{1.1, 0.2, {100, 100}};
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const std::vector<Pose> poses = Planar(truth.Matrix(), 5, 1.0, seed).Poses();
+    ASSERT_EQ(poses.size(), 1U) << seed;
+    EXPECT_GT(OutlineAgreement(poses[0].scene_from_template_plane, truth.Matrix()), 0.85) << seed;
+  }
+}
+
+TEST(SimilarityPose, CoincidentTemplateKeypointsAreNoSupport) {
+  World world;
+  for (int i = 0; i < 8; ++i) world.Add({10, 10}, {100.0 + 30 * i, 90});
+  EXPECT_TRUE(world.Poses().empty());
+  EXPECT_TRUE(World().Poses().empty());
+}
+
+TEST(SimilarityPose, SameSeedSameResult) {
+  const World world = Planar(Similarity2{0.9, 1.0, {200, 100}}.Matrix(), 60, 2.0, 3);
+  EXPECT_EQ(world.Poses()[0].scene_from_template_plane, world.Poses()[0].scene_from_template_plane);
+}
+
+}  // namespace
+}  // namespace victorious

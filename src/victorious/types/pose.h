@@ -1,0 +1,22 @@
+// Where one instance of a template lies in a scene.
+#pragma once
+
+#include <cstddef>
+
+#include <Eigen/Core>
+
+#include "victorious/geometry/similarity.h"
+#include "victorious/types/match_set.h"
+
+namespace victorious {
+
+struct Pose {
+  Similarity2 scene_from_template;  ///< MLESAC's
+  /// The similarity, or the affine map or homography that explains the matches better; template pixels to scene pixels.
+  Eigen::Matrix3d scene_from_template_plane = Eigen::Matrix3d::Identity();
+  MatchSet inliers;                  ///< the matches that obey the similarity
+  std::size_t distinct_inliers = 0;  ///< different template keypoints among them
+  double sigma_px = 0;               ///< the deviation of an inlier from the similarity's place, as assumed
+};
+
+}  // namespace victorious
