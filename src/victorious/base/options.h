@@ -1,4 +1,5 @@
-// One field list an options struct: it feeds validation, JSON, `--params` and the manual, so that nothing is typed twice.
+// One field list an options struct: it feeds validation, JSON, `--params` and the manual, so that nothing is typed
+// twice.
 //
 //   struct MatchOptions {
 //     double ratio = 0.8;
