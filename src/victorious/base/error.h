@@ -32,6 +32,8 @@ struct Error {
     message.insert(0, ": ").insert(0, context);
     return std::move(*this);
   }
+
+  bool operator==(const Error&) const = default;
 };
 
 template <typename T>
@@ -67,9 +69,11 @@ using Status = std::expected<void, Error>;
   } while (false)
 
 /// `VICTORIOUS_ASSIGN_OR_RETURN(const auto value, Compute());`
+// NOLINTBEGIN(bugprone-macro-parentheses): a declaration cannot stand in parentheses
 #define VICTORIOUS_ASSIGN_OR_RETURN(declaration, expression) \
   VICTORIOUS_ASSIGN_OR_RETURN_INNER(VICTORIOUS_CONCAT(victorious_result_, __LINE__), declaration, expression)
 #define VICTORIOUS_ASSIGN_OR_RETURN_INNER(result, declaration, expression) \
   auto result = (expression);                                              \
   if (!result) return std::unexpected(std::move(result).error());          \
   declaration = *std::move(result)
+// NOLINTEND(bugprone-macro-parentheses)

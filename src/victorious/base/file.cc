@@ -23,10 +23,10 @@ class Descriptor {
  public:
   explicit Descriptor(int fd) : fd_(fd) {}
   ~Descriptor() { Close(); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
+  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  Descriptor& operator=(Descriptor&&) = delete;
 
-  [[nodiscard]] int get() const { return fd_; }
+  [[nodiscard]] int fd() const { return fd_; }
   int Close() {
     if (fd_ < 0) return 0;
     return ::close(std::exchange(fd_, -1));
@@ -36,68 +36,117 @@ class Descriptor {
   int fd_;
 };
 
-Expected<std::size_t> OpenRegularFile(const fs::path& path, Descriptor& file) {
-  if (file.get() < 0) return std::unexpected(ErrorFromErrno(errno, path.string()));
+struct OpenFile {
+  Descriptor descriptor;
+  std::size_t size;  // bytes
+};
+
+Expected<OpenFile> OpenRegularFile(const fs::path& path) {
+  // Without O_NONBLOCK, opening a pipe would wait for its writer before it can be refused.
+  Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   struct stat info{};
-  if (::fstat(file.get(), &info) != 0) return std::unexpected(ErrorFromErrno(errno, path.string()));
+  if (file.fd() < 0 || ::fstat(file.fd(), &info) != 0) return std::unexpected(ErrorFromErrno(errno, path.string()));
   if (!S_ISREG(info.st_mode)) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: not a regular file", path.string()));
   }
-  return static_cast<std::size_t>(info.st_size);
+  return OpenFile{std::move(file), static_cast<std::size_t>(info.st_size)};
 }
 
-Status HashFile(const fs::path& path, XXH3_state_t* state) {
-  Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  VICTORIOUS_RETURN_IF_ERROR(OpenRegularFile(path, file));
-  std::vector<char> buffer(std::size_t{1} << 20);
-  while (true) {
-    const ssize_t count = ::read(file.get(), buffer.data(), buffer.size());
+// Reads until `buffer` is full or the file ends; the number of bytes read.
+Expected<std::size_t> ReadInto(std::span<char> buffer, int fd, const fs::path& path) {
+  std::size_t done = 0;
+  while (done < buffer.size()) {
+    const ssize_t count = ::read(fd, buffer.data() + done, buffer.size() - done);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return std::unexpected(ErrorFromErrno(errno, fmt::format("read {}", path.string())));
-    if (count == 0) return {};
-    XXH3_128bits_update(state, buffer.data(), static_cast<std::size_t>(count));
+    if (count == 0) break;
+    done += static_cast<std::size_t>(count);
+  }
+  return done;
+}
+
+Expected<XXH128_hash_t> HashFile(const fs::path& path) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const OpenFile file, OpenRegularFile(path));
+  XXH3_state_t state;
+  XXH3_128bits_reset(&state);
+  std::vector<char> buffer(std::size_t{1} << 20);
+  while (true) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::size_t count, ReadInto(buffer, file.descriptor.fd(), path));
+    XXH3_128bits_update(&state, buffer.data(), count);
+    if (count < buffer.size()) return XXH3_128bits_digest(&state);
+  }
+}
+
+// A folder's regular files (or links to some), in order of their names; not those of its subfolders.
+Expected<std::vector<fs::path>> FilesOf(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    std::error_code dangling;
+    if (it->is_regular_file(dangling)) files.push_back(it->path());
+  }
+  if (error) return std::unexpected(ErrorFromErrno(error.value(), folder.string()));
+  std::ranges::sort(files);
+  return files;
+}
+
+// Each file's name and hash, hashed: no shift of bytes between names and contents gives the same.
+Expected<XXH128_hash_t> HashFolder(const fs::path& folder) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<fs::path> files, FilesOf(folder));
+  XXH3_state_t state;
+  XXH3_128bits_reset(&state);
+  for (const fs::path& file : files) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const XXH128_hash_t hash, HashFile(file));
+    XXH128_canonical_t canonical;
+    XXH128_canonicalFromHash(&canonical, hash);
+    const std::string name = file.filename().string();
+    XXH3_128bits_update(&state, name.c_str(), name.size() + 1);
+    XXH3_128bits_update(&state, canonical.digest, sizeof(canonical.digest));
+  }
+  return XXH3_128bits_digest(&state);
+}
+
+// A new file of a name like `path`, in the same folder: its name and descriptor (negative: errno says why).
+std::pair<fs::path, int> CreateBeside(const fs::path& path) {
+  static std::atomic<unsigned> counter{0};
+  while (true) {
+    fs::path name = path.string() + fmt::format(".tmp-{}-{}", ::getpid(), counter++);
+    const int fd = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+    // A name that is taken was left by a killed process of the same id: the next is tried.
+    if (fd >= 0 || errno != EEXIST) return {std::move(name), fd};
   }
 }
 
 }  // namespace
 
 Expected<std::string> ReadFile(const fs::path& path, std::size_t max_bytes) {
-  Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::size_t size, OpenRegularFile(path, file));
-  if (size > max_bytes) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const OpenFile file, OpenRegularFile(path));
+  if (file.size > max_bytes) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: {} bytes, more than the {} that can be read", path.string(), size, max_bytes));
+                fmt::format("{}: {} bytes, more than the {} that can be read", path.string(), file.size, max_bytes));
   }
-  std::string bytes(size, '\0');
-  std::size_t done = 0;
-  while (done < size) {
-    const ssize_t count = ::read(file.get(), bytes.data() + done, size - done);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return std::unexpected(ErrorFromErrno(errno, fmt::format("read {}", path.string())));
-    if (count == 0) break;
-    done += static_cast<std::size_t>(count);
-  }
-  bytes.resize(done);
+  std::string bytes(file.size, '\0');
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::size_t count, ReadInto(bytes, file.descriptor.fd(), path));
+  bytes.resize(count);
   return bytes;
 }
 
 Status WriteFileAtomically(const fs::path& path, std::span<const std::byte> bytes) {
-  static std::atomic<unsigned> counter{0};
-  const fs::path temporary = path.string() + fmt::format(".tmp-{}-{}", ::getpid(), counter++);
+  auto [temporary, fd] = CreateBeside(path);
+  if (fd < 0) return std::unexpected(ErrorFromErrno(errno, fmt::format("create {}", path.string())));
+  Descriptor file(fd);
   const auto fail = [&](int error, std::string_view verb) {
     ::unlink(temporary.c_str());
     return std::unexpected(ErrorFromErrno(error, fmt::format("{} {}", verb, path.string())));
   };
-  Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
-  if (file.get() < 0) return std::unexpected(ErrorFromErrno(errno, fmt::format("create {}", path.string())));
   std::size_t done = 0;
   while (done < bytes.size()) {
-    const ssize_t count = ::write(file.get(), bytes.data() + done, bytes.size() - done);
+    const ssize_t count = ::write(file.fd(), bytes.data() + done, bytes.size() - done);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return fail(errno, "write");
     done += static_cast<std::size_t>(count);
   }
-  if (::fsync(file.get()) != 0) return fail(errno, "write");
+  if (::fsync(file.fd()) != 0) return fail(errno, "write");
   if (file.Close() != 0) return fail(errno, "write");
   if (::rename(temporary.c_str(), path.c_str()) != 0) return fail(errno, "rename to");
   return {};
@@ -108,12 +157,11 @@ Status WriteFileAtomically(const fs::path& path, std::string_view text) {
 }
 
 Expected<std::shared_ptr<const MappedFile>> MappedFile::Open(const fs::path& path) {
-  Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::size_t size, OpenRegularFile(path, file));
-  if (size == 0) return std::shared_ptr<const MappedFile>(new MappedFile(nullptr, 0));
-  void* data = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.get(), 0);
+  VICTORIOUS_ASSIGN_OR_RETURN(const OpenFile file, OpenRegularFile(path));
+  if (file.size == 0) return std::shared_ptr<const MappedFile>(new MappedFile(nullptr, 0));
+  void* data = ::mmap(nullptr, file.size, PROT_READ, MAP_PRIVATE, file.descriptor.fd(), 0);
   if (data == MAP_FAILED) return std::unexpected(ErrorFromErrno(errno, fmt::format("map {}", path.string())));
-  return std::shared_ptr<const MappedFile>(new MappedFile(static_cast<const std::byte*>(data), size));
+  return std::shared_ptr<const MappedFile>(new MappedFile(static_cast<const std::byte*>(data), file.size));
 }
 
 MappedFile::~MappedFile() {
@@ -123,27 +171,9 @@ MappedFile::~MappedFile() {
 std::uint64_t Checksum(std::span<const std::byte> bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
 
 Expected<std::string> ContentId(const fs::path& path) {
-  std::vector<fs::path> files;
-  std::error_code error;
-  if (fs::is_directory(path, error)) {
-    for (fs::directory_iterator it(path, error), end; !error && it != end; it.increment(error)) {
-      if (it->is_regular_file(error)) files.push_back(it->path());
-    }
-    if (error) return std::unexpected(ErrorFromErrno(error.value(), path.string()));
-    std::ranges::sort(files);
-  } else {
-    files.push_back(path);
-  }
-  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
-  XXH3_128bits_reset(state.get());
-  for (const fs::path& file : files) {
-    if (files.size() > 1) {
-      const std::string name = file.filename().string();
-      XXH3_128bits_update(state.get(), name.c_str(), name.size() + 1);
-    }
-    VICTORIOUS_RETURN_IF_ERROR(HashFile(file, state.get()));
-  }
-  const XXH128_hash_t hash = XXH3_128bits_digest(state.get());
+  std::error_code absent;
+  VICTORIOUS_ASSIGN_OR_RETURN(const XXH128_hash_t hash,
+                              fs::is_directory(path, absent) ? HashFolder(path) : HashFile(path));
   return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
 }
 

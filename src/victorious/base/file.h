@@ -14,7 +14,7 @@
 
 namespace victorious {
 
-/// The whole file as bytes. Files larger than `max_bytes` are refused.
+/// The whole file as bytes. Files larger than `max_bytes`, folders and pipes are refused (kInvalidArgument).
 Expected<std::string> ReadFile(const std::filesystem::path& path, std::size_t max_bytes = std::size_t{1} << 30);
 
 /// Writes `bytes` under a temporary name beside `path`, syncs it to disk, and renames it to `path`: a reader sees the
@@ -42,8 +42,8 @@ class MappedFile {
 /// XXH3, 64 bits: fast, not cryptographic; finds damage, not malice.
 [[nodiscard]] std::uint64_t Checksum(std::span<const std::byte> bytes);
 
-/// The content of a file, or of a folder's files in order of their names, as 32 hexadecimal digits (XXH3, 128 bits).
-/// Reads everything once.
+/// The content of a file, or of a folder's files with their names (not its subfolders), as 32 hexadecimal digits (XXH3,
+/// 128 bits). Reads everything once.
 Expected<std::string> ContentId(const std::filesystem::path& path);
 
 }  // namespace victorious

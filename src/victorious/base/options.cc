@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -28,9 +29,9 @@ std::string RangeText(const FieldSpec& spec) {
   if (!spec.choices.empty()) return fmt::format("one of {}", fmt::join(spec.choices, ", "));
   const bool low = std::isfinite(spec.min);
   const bool high = std::isfinite(spec.max);
-  if (low && high) return fmt::format("{:g} to {:g}", spec.min, spec.max);
-  if (low) return fmt::format("at least {:g}", spec.min);
-  if (high) return fmt::format("at most {:g}", spec.max);
+  if (low && high) return fmt::format("{} to {}", spec.min, spec.max);
+  if (low) return fmt::format("at least {}", spec.min);
+  if (high) return fmt::format("at most {}", spec.max);
   return "any";
 }
 
@@ -42,31 +43,49 @@ std::string_view TypeText(const FieldRef& field) {
                     field.value);
 }
 
-// The constraint that `value` violates, or nothing.
-std::string Violation(const FieldRef& field, const json& value) {
-  const FieldSpec& spec = field.spec;
-  const bool type_fits = std::visit(Overloaded{[&](const double*) { return value.is_number(); },
-                                               [&](const int*) {
-                                                 return value.is_number_integer() &&
-                                                        value >= std::numeric_limits<int>::min() &&
-                                                        value <= std::numeric_limits<int>::max();
-                                               },
-                                               [&](const bool*) { return value.is_boolean(); },
-                                               [&](const std::uint64_t*) { return value.is_number_unsigned(); },
-                                               [&](const std::string*) { return value.is_string(); }},
-                                    field.value);
-  if (!type_fits) return fmt::format("{} = {}: must be {}", field.name, value.dump(), TypeText(field));
+// JSON on one line; bytes that are not UTF-8 are replaced.
+std::string Dump(const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); }
+
+std::string ValueText(const json& value) {
+  if (value.is_structured()) return fmt::format("an {}", value.type_name());
+  if (value.is_number_float()) {
+    // NaN and the infinities have no JSON form.
+    if (const double number = value.get<double>(); !std::isfinite(number)) return fmt::format("{}", number);
+  }
+  return Dump(value);
+}
+
+bool TypeFits(const FieldRef& field, const json& value) {
+  // JSON compares signed with unsigned numbers by their bits; as doubles, no large number passes for a negative one.
+  const double number = value.is_number() ? value.get<double>() : 0.0;
+  return std::visit(Overloaded{[&](const double*) { return value.is_number() && std::isfinite(number); },
+                               [&](const int*) {
+                                 return value.is_number_integer() && number >= std::numeric_limits<int>::min() &&
+                                        number <= std::numeric_limits<int>::max();
+                               },
+                               [&](const bool*) { return value.is_boolean(); },
+                               [&](const std::uint64_t*) { return value.is_number_integer() && number >= 0; },
+                               [&](const std::string*) { return value.is_string(); }},
+                    field.value);
+}
+
+bool InRange(const FieldSpec& spec, const json& value) {
   if (value.is_number()) {
     const double number = value.get<double>();
-    if (!(number >= spec.min && number <= spec.max)) {
-      return fmt::format("{} = {}: must be {}", field.name, value.dump(), RangeText(spec));
-    }
+    return number >= spec.min && number <= spec.max;
   }
-  if (value.is_string() && !spec.choices.empty() &&
-      std::ranges::find(spec.choices, value.get<std::string>()) == spec.choices.end()) {
-    return fmt::format("{} = {}: must be {}", field.name, value.dump(), RangeText(spec));
+  if (value.is_string() && !spec.choices.empty()) {
+    return std::ranges::find(spec.choices, value.get_ref<const std::string&>()) != spec.choices.end();
   }
-  return {};
+  return true;
+}
+
+// The constraint that `value` violates, or nothing.
+std::string Violation(const FieldRef& field, const json& value) {
+  const bool type_fits = TypeFits(field, value);
+  if (type_fits && InRange(field.spec, value)) return {};
+  return fmt::format("{} = {}: must be {}", field.name, ValueText(value),
+                     type_fits ? RangeText(field.spec) : TypeText(field));
 }
 
 std::size_t EditDistance(std::string_view a, std::string_view b) {
@@ -83,21 +102,34 @@ std::size_t EditDistance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-std::string UnknownName(const std::string& name, const std::vector<FieldRef>& fields) {
-  const auto nearest =
-      std::ranges::min_element(fields, {}, [&](const FieldRef& field) { return EditDistance(field.name, name); });
-  return nearest == fields.end() ? fmt::format("{}: unknown parameter", name)
-                                 : fmt::format("{}: unknown parameter; the nearest is {}", name, nearest->name);
+// How far `name` is from a field's full name, or from its last part if that is nearer.
+std::size_t NameDistance(std::string_view name, std::string_view field_name) {
+  const std::string_view last_part = field_name.substr(field_name.rfind('.') + 1);
+  return std::min(EditDistance(name, field_name), EditDistance(name, last_part));
 }
 
-// Flattens {"match": {"ratio": 0.8}} and {"match.ratio": 0.8} alike.
-void Flatten(const json& node, const std::string& prefix, std::vector<std::pair<std::string, json>>& out) {
+std::string UnknownName(const std::string& name, const std::vector<FieldRef>& fields) {
+  const auto nearest =
+      std::ranges::min_element(fields, {}, [&](const FieldRef& field) { return NameDistance(name, field.name); });
+  const std::string unknown = Dump(name) + ": unknown parameter";
+  return nearest == fields.end() ? unknown : fmt::format("{}; the nearest is {}", unknown, nearest->name);
+}
+
+bool IsGroup(const std::string& name, const std::vector<FieldRef>& fields) {
+  return std::ranges::any_of(fields, [&](const FieldRef& field) { return field.name.starts_with(name + "."); });
+}
+
+using NamedValues = std::vector<std::pair<std::string, const json*>>;
+
+// Flattens {"match": {"ratio": 0.8}} and {"match.ratio": 0.8} alike. Goes down only into groups that exist, so that the
+// depth is the options' and not the input's.
+void Flatten(const json& node, const std::string& prefix, const std::vector<FieldRef>& fields, NamedValues& out) {
   for (const auto& [key, value] : node.items()) {
-    const std::string name = prefix.empty() ? key : prefix + "." + key;
-    if (value.is_object()) {
-      Flatten(value, name, out);
+    const std::string name = prefix + key;
+    if (value.is_object() && IsGroup(name, fields)) {
+      Flatten(value, name + ".", fields, out);
     } else {
-      out.emplace_back(name, value);
+      out.emplace_back(name, &value);
     }
   }
 }
@@ -127,34 +159,37 @@ nlohmann::json ToJson(const std::vector<FieldRef>& fields) {
   return root;
 }
 
-std::string ToJsonText(const std::vector<FieldRef>& fields) { return ToJson(fields).dump(); }
+std::string ToJsonText(const std::vector<FieldRef>& fields) { return Dump(ToJson(fields)); }
 
 Status SetFromJson(const nlohmann::json& values, const std::vector<FieldRef>& fields) {
   if (!values.is_object()) {
     return Fail(ErrorCode::kInvalidArgument, "parameters must be a JSON object of names and values");
   }
-  std::vector<std::pair<std::string, json>> flat;
-  Flatten(values, "", flat);
+  NamedValues flat;
+  Flatten(values, "", fields, flat);
   std::vector<std::string> violations;
+  std::set<std::string_view> seen;
   for (const auto& [name, value] : flat) {
     const auto field = std::ranges::find(fields, name, &FieldRef::name);
     if (field == fields.end()) {
       violations.push_back(UnknownName(name, fields));
-    } else if (std::string violation = Violation(*field, value); !violation.empty()) {
+    } else if (!seen.insert(name).second) {
+      violations.push_back(name + ": given twice");
+    } else if (std::string violation = Violation(*field, *value); !violation.empty()) {
       violations.push_back(std::move(violation));
     }
   }
   VICTORIOUS_RETURN_IF_ERROR(Report(violations));
-  for (const auto& [name, value] : flat) Assign(*std::ranges::find(fields, name, &FieldRef::name), value);
+  for (const auto& [name, value] : flat) Assign(*std::ranges::find(fields, name, &FieldRef::name), *value);
   return {};
 }
 
 Status Validate(const std::vector<FieldRef>& fields) {
   std::vector<std::string> violations;
   for (const FieldRef& field : fields) {
-    const json value = ValueToJson(field);
-    // NaN and infinities have no JSON form: they show as null there, and violate every range here.
-    if (std::string violation = Violation(field, value); !violation.empty()) violations.push_back(std::move(violation));
+    if (std::string violation = Violation(field, ValueToJson(field)); !violation.empty()) {
+      violations.push_back(std::move(violation));
+    }
   }
   return Report(violations);
 }
@@ -162,7 +197,7 @@ Status Validate(const std::vector<FieldRef>& fields) {
 std::string MarkdownTable(const std::vector<FieldRef>& fields) {
   std::string table = "| parameter | default | range | unit | what it does |\n| --- | --- | --- | --- | --- |\n";
   for (const FieldRef& field : fields) {
-    table += fmt::format("| `{}` | {} | {} | {} | {} |\n", field.name, ValueToJson(field).dump(), RangeText(field.spec),
+    table += fmt::format("| `{}` | {} | {} | {} | {} |\n", field.name, Dump(ValueToJson(field)), RangeText(field.spec),
                          field.spec.unit, field.spec.reason);
   }
   return table;

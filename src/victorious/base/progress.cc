@@ -34,17 +34,20 @@ void Progress::Draw(bool last) {
   const double seconds = std::max(1e-3, std::chrono::duration<double>(Clock::now() - start_).count());
   const double rate = static_cast<double>(done_ - *first_done_) / seconds;
   const std::string of_total = total_ ? fmt::format("{} of {}", done_, *total_) : fmt::format("{}", done_);
-  if (!on_terminal_) {
-    fmt::print(stderr, "{}: {} {}, {:.1f} a second\n", label_, of_total, unit_, rate);
-    return;
+  std::string line;
+  if (on_terminal_) {
+    std::string bar;
+    if (total_ && *total_ > 0) {
+      constexpr std::int64_t kWidth = 30;
+      const auto filled = static_cast<std::size_t>(std::clamp<std::int64_t>(done_ * kWidth / *total_, 0, kWidth));
+      bar = "[" + std::string(filled, '#') + std::string(kWidth - filled, ' ') + "] ";
+    }
+    line = fmt::format("\r{}: {}{} {}, {:.1f} a second\x1b[K{}", label_, bar, of_total, unit_, rate, last ? "\n" : "");
+  } else {
+    line = fmt::format("{}: {} {}, {:.1f} a second\n", label_, of_total, unit_, rate);
   }
-  std::string bar;
-  if (total_ && *total_ > 0) {
-    constexpr std::int64_t kWidth = 30;
-    const auto filled = static_cast<std::size_t>(std::clamp<std::int64_t>(done_ * kWidth / *total_, 0, kWidth));
-    bar = "[" + std::string(filled, '#') + std::string(kWidth - filled, ' ') + "] ";
-  }
-  fmt::print(stderr, "\r{}: {}{} {}, {:.1f} a second\x1b[K{}", label_, bar, of_total, unit_, rate, last ? "\n" : "");
+  // Not fmt::print, which throws: nobody reading the progress is no reason to stop the work.
+  std::fputs(line.c_str(), stderr);
   std::fflush(stderr);
 }
 

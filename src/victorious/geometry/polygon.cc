@@ -16,12 +16,9 @@ double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Ve
 }  // namespace
 
 double SignedArea(const Polygon& polygon) {
+  // A fan of triangles from the first corner: exact however far the polygon is from the origin.
   double twice = 0;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Eigen::Vector2d& a = polygon[i];
-    const Eigen::Vector2d& b = polygon[(i + 1) % polygon.size()];
-    twice += a.x() * b.y() - a.y() * b.x();
-  }
+  for (std::size_t i = 2; i < polygon.size(); ++i) twice += Cross(polygon[0], polygon[i - 1], polygon[i]);
   return twice / 2;
 }
 
@@ -42,7 +39,9 @@ Polygon CornersOf(const Box& box) {
 }
 
 Polygon ClipToConvex(const Polygon& subject, const Polygon& clip) {
-  const double sense = SignedArea(clip) < 0 ? -1.0 : 1.0;
+  const double clip_area = SignedArea(clip);
+  if (clip_area == 0) return {};
+  const double sense = clip_area < 0 ? -1.0 : 1.0;
   Polygon result = subject;
   for (std::size_t edge = 0; edge < clip.size() && !result.empty(); ++edge) {
     const Eigen::Vector2d& a = clip[edge];
@@ -73,7 +72,7 @@ bool IsConvex(const Polygon& polygon) {
     const Eigen::Vector2d in = polygon[(i + 1) % n] - polygon[i];
     const Eigen::Vector2d out = polygon[(i + 2) % n] - polygon[(i + 1) % n];
     const double turn = std::atan2(in.x() * out.y() - in.y() * out.x(), in.dot(out));
-    if (!std::isfinite(turn)) return false;
+    if (!(std::abs(turn) < kPi)) return false;  // turns back on itself, or is not finite
     if (turn == 0) continue;
     const int turn_sense = turn > 0 ? 1 : -1;
     if (sense != 0 && turn_sense != sense) return false;

@@ -9,7 +9,7 @@
 
 namespace victorious {
 
-/// Corners in order (either sense), not repeated at the end.
+/// Corners in order (either sense), finite, none repeated.
 using Polygon = std::vector<Eigen::Vector2d>;
 
 /// Signed area: positive when the corners turn from +x towards +y (clockwise on the screen).
@@ -21,13 +21,14 @@ Box BoundingBox(const Polygon& polygon);
 /// The box's four corners, from the left top, clockwise on the screen.
 Polygon CornersOf(const Box& box);
 
-/// The part of `subject` inside the convex polygon `clip` (Sutherland and Hodgman 1974). O(n m).
+/// The part of `subject` inside the convex polygon `clip` (Sutherland and Hodgman 1974); nothing is inside a clip
+/// without area. O(n m).
 Polygon ClipToConvex(const Polygon& subject, const Polygon& clip);
 
 /// The part inside a box.
 Polygon ClipToBox(const Polygon& subject, const Box& box);
 
-/// True if all turns are in one sense and the outline goes round once.
+/// True if all turns are in one sense and the outline goes round once; false for what has no area or is not finite.
 bool IsConvex(const Polygon& polygon);
 
 /// The convex hull, clockwise on the screen (Andrew's monotone chain). O(n log n).

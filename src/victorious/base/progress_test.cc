@@ -1,0 +1,57 @@
+#include "victorious/base/progress.h"
+
+#include <cstdlib>
+#include <optional>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+namespace victorious {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+TEST(Progress, AwayFromATerminalItEndsWithOnePlainLine) {
+  ::testing::internal::CaptureStderr();
+  {
+    Progress progress("a.mp4", 250, "frames");
+    for (int done = 1; done <= 250; ++done) progress.Update(done);
+  }
+  const std::string text = ::testing::internal::GetCapturedStderr();
+  EXPECT_THAT(text, HasSubstr("a.mp4: 250 of 250 frames"));
+  EXPECT_EQ(text.find('\r'), std::string::npos);
+  EXPECT_EQ(text.find('\n'), text.size() - 1);
+}
+
+TEST(Progress, AnUnknownTotalIsLeftOut) {
+  ::testing::internal::CaptureStderr();
+  {
+    Progress("rtsp://camera", std::nullopt, "frames").Update(7);
+  }
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("rtsp://camera: 7 frames"));
+}
+
+TEST(Progress, SaysNothingWhenNothingWasDone) {
+  ::testing::internal::CaptureStderr();
+  {
+    const Progress progress("a.mp4", 250, "frames");
+  }
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(), IsEmpty());
+}
+
+TEST(Progress, AClosedStderrDoesNotEndTheProgram) {
+  const auto work = [] {
+    ::close(STDERR_FILENO);
+    {
+      Progress("a.mp4", 250, "frames").Update(1);
+    }
+    std::_Exit(0);
+  };
+  EXPECT_EXIT(work(), ::testing::ExitedWithCode(0), "");
+}
+
+}  // namespace
+}  // namespace victorious
