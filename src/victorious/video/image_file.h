@@ -1,9 +1,11 @@
-// A single picture from a file (PNG, JPEG and whatever else OpenCV reads).
+// A single picture from a file: PNG, JPEG, TIFF, BMP, WebP or PNM. Decoding is OpenCV's; formats beyond these are
+// refused, because some decoders that OpenCV may be built with open other files.
 #pragma once
 
 #include <cstddef>
 #include <filesystem>
 #include <span>
+#include <string>
 
 #include <opencv2/core/mat.hpp>
 
@@ -17,13 +19,14 @@ struct Image {
 };
 
 /// Reads and decodes a picture; 16-bit pictures come down to 8. At most 2^28 pixels.
-/// Errors: kNotFound, kInvalidArgument (empty file, a folder), kDataLoss (not a picture that can be decoded).
+/// Errors: kNotFound, kInvalidArgument (empty file, a folder), kDataLoss (not a picture that can be decoded),
+/// kUnsupported (too large, floating point).
 Expected<Image> ReadImage(const std::filesystem::path& path);
 
 /// The same from bytes in memory; `name` is for the error's text.
 Expected<Image> DecodeImage(std::span<const std::byte> bytes, const std::string& name);
 
-/// Luma as the features see it: CV_8UC1.
+/// Luma as the features see it: CV_8UC1, of the BT.601 weights 0.299 R + 0.587 G + 0.114 B.
 cv::Mat GreyFromBgr(const cv::Mat& bgr);
 
 }  // namespace victorious

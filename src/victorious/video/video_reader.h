@@ -1,5 +1,10 @@
 // video/, in: a file, a folder of images, or a live URL. Out: frames by presentation time, and the data packets beside
 // them. Decoding is FFmpeg's (libavformat, libavcodec, libswscale), which stays inside this folder.
+//
+//   time_s = (presentation time stamp - the first frame's) * time base
+//
+// strictly increasing; an index only counts what was delivered. Grey is BT.601 luma, 0 black to 255 white, the same as
+// GreyFromBgr (image_file.h) of the colour frame within 2 levels, whatever range or matrix the video is stored in.
 #pragma once
 
 #include <cstdint>
@@ -21,6 +26,7 @@ struct VideoReaderOptions {
   bool data_packets = false;             ///< keep the data packets for TakeDataPackets()
   int threads = 0;                       ///< decoder threads; 0: as many as the machine has
   double open_timeout_s = 10.0;          ///< for live sources: until the first packet, and between packets
+  double folder_frame_rate = 10.0;       ///< frames/s of a folder of images, which carries no times
 };
 
 /// One stream of the container, as `doctor` tells it.
@@ -31,7 +37,7 @@ struct StreamInfo {
 };
 
 struct VideoInfo {
-  std::string container;                    ///< FFmpeg's name, or "folder of images"
+  std::string container;                    ///< FFmpeg's name, "folder of images" or "picture"
   std::string codec;                        ///< of the video stream
   int width = 0;                            ///< px, upright
   int height = 0;                           ///< px, upright
@@ -46,23 +52,26 @@ struct VideoInfo {
 /// Reads one source from its beginning to its end. Not thread-safe; not copyable.
 class VideoReader {
  public:
-  /// @param source  a path (file or folder) or a URL ("rtsp://…", "udp://…", "http://…")
-  /// Errors: kNotFound, kInvalidArgument (empty, a folder without images), kDataLoss (not a video), kUnsupported (no
-  /// decoder), each with one line that says what would be right.
+  /// Decodes as far as the first frame, so that info() is what will be delivered. A local file never makes other files
+  /// or addresses be opened: playlists are refused.
+  /// @param source  a path (file, folder or single picture) or a URL ("rtsp://…", "udp://…", "http://…")
+  /// Errors: kNotFound (also a URL without an answer), kInvalidArgument (empty, a folder without images), kDataLoss
+  /// (not a video), kUnsupported (no decoder), each with one line that says what would be right.
   static Expected<std::unique_ptr<VideoReader>> Open(const std::string& source, const VideoReaderOptions& options);
 
   virtual ~VideoReader() = default;
 
   [[nodiscard]] virtual const VideoInfo& info() const = 0;
 
-  /// The next frame in order of presentation; nothing at the end. Damaged parts are passed over and told by warnings();
-  /// a source in which no frame at all can be decoded is an error (kDataLoss).
+  /// The next frame in order of presentation; nothing at the end. Damaged parts are passed over and told by warnings().
+  /// The frame owns its pixels: it may go to another thread.
   virtual Expected<std::optional<Frame>> NextFrame() = 0;
 
   /// The data packets met since the last call, in the order of the file (options.data_packets).
   virtual std::vector<DataPacket> TakeDataPackets() = 0;
 
-  /// What was damaged so far and where, one line each: "decoding stopped at 3.20 s of 10.00 s: …".
+  /// What was damaged so far and where, a line each: "decoding stopped at 3.20 s of 10.00 s: …". A kind of damage has
+  /// one line, which is rewritten as it happens again: read them at the end.
   [[nodiscard]] virtual const std::vector<std::string>& warnings() const = 0;
 };
 

@@ -19,11 +19,14 @@ struct VideoWriterOptions {
 /// Not thread-safe. Nothing stands under `path` until Finish() has succeeded.
 class VideoWriter {
  public:
+  /// @param path  ends in .mp4 or .mkv, which chooses the container; a file of that name is replaced
+  /// Errors: kInvalidArgument (another ending, an odd size, …), kNotFound, kPermissionDenied, kNoSpace. After a failed
+  /// call the writer can only be destroyed, which removes what was written.
   static Expected<std::unique_ptr<VideoWriter>> Create(const std::filesystem::path& path,
                                                        const VideoWriterOptions& options);
   virtual ~VideoWriter() = default;
 
-  /// Appends a frame (CV_8UC1 or CV_8UC3 BGR, of the size of the options); its time is its number / fps.
+  /// Appends a frame (CV_8UC1 or CV_8UC3 BGR, of the size of the options); its time is its number, from 0, over fps.
   virtual Status Write(const cv::Mat& image) = 0;
 
   /// Flushes the encoder, closes the file and gives it its final name.

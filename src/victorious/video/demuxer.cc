@@ -1,0 +1,151 @@
+#include "victorious/video/demuxer.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+#include <fmt/format.h>
+
+extern "C" {
+#include <libavutil/dict.h>
+}
+
+namespace victorious {
+namespace {
+
+constexpr std::array<std::string_view, 12> kLiveSchemes = {"rtsp",  "rtsps", "rtp",   "udp",   "tcp", "http",
+                                                           "https", "rtmp",  "rtmps", "rtmpt", "srt", "mmsh"};
+
+// What a local file may be. Only containers that hold their own bytes: no playlists, manifests or session descriptions,
+// which name other files; no text art, which would make a video of any .txt file. Sound is here to be told from noise.
+constexpr const char* kFileFormats =
+    "mov,matroska,mpegts,mpeg,mpegvideo,avi,flv,asf,ogg,mxf,gif,apng,ivf,h264,hevc,m4v,mjpeg,yuv4mpegpipe,nut,dv,vc1,"
+    "obu,"
+    "rm,wtv,mp3,wav,flac,aac";
+constexpr const char* kLiveFormats =
+    "mov,matroska,mpegts,mpeg,mpegvideo,avi,flv,live_flv,asf,ogg,mxf,ivf,h264,hevc,m4v,mjpeg,mpjpeg,nut,rtsp,rtp,sdp,"
+    "hls,"
+    "mp3,wav,flac,aac";
+constexpr const char* kLiveProtocols =
+    "rtsp,rtp,srtp,udp,tcp,tls,http,https,httpproxy,crypto,rtmp,rtmps,rtmpt,srt,mmsh";
+
+class Dictionary {
+ public:
+  Dictionary() = default;
+  ~Dictionary() { av_dict_free(&entries_); }
+  Dictionary(const Dictionary&) = delete;
+  Dictionary& operator=(const Dictionary&) = delete;
+
+  void Set(const char* key, const char* value) { av_dict_set(&entries_, key, value, 0); }
+  AVDictionary** address() { return &entries_; }
+
+ private:
+  AVDictionary* entries_ = nullptr;
+};
+
+bool IsCoverPicture(const AVStream& stream) { return (stream.disposition & AV_DISPOSITION_ATTACHED_PIC) != 0; }
+
+// The best video stream first: one that can be decoded, the author's default, the largest.
+auto VideoRank(const AVStream& stream) {
+  const AVCodecParameters& codec = *stream.codecpar;
+  return std::tuple(avcodec_find_decoder(codec.codec_id) != nullptr, (stream.disposition & AV_DISPOSITION_DEFAULT) != 0,
+                    std::int64_t{codec.width} * codec.height, -stream.index);
+}
+
+}  // namespace
+
+std::optional<std::string> UrlScheme(const std::string& source) {
+  const std::size_t end = source.find("://");
+  if (end == std::string::npos || end == 0) return std::nullopt;
+  std::string scheme = source.substr(0, end);
+  const auto belongs = [](unsigned char c) { return std::isalnum(c) != 0 || c == '+' || c == '-' || c == '.'; };
+  if (!std::ranges::all_of(scheme, belongs)) return std::nullopt;
+  std::ranges::transform(scheme, scheme.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return scheme;
+}
+
+Expected<std::unique_ptr<Demuxer>> Demuxer::Open(const MediaSource& source) {
+  PrepareFfmpeg();
+  if (const auto scheme = UrlScheme(source.name);
+      source.live && (!scheme || std::ranges::find(kLiveSchemes, *scheme) == kLiveSchemes.end())) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: not a kind of address that can be read; use one of {}",
+                                                         source.name, fmt::join(kLiveSchemes, ", ")));
+  }
+  std::unique_ptr<Demuxer> demuxer(new Demuxer(source));
+  VICTORIOUS_RETURN_IF_ERROR(demuxer->OpenContainer());
+  VICTORIOUS_RETURN_IF_ERROR(demuxer->ChooseVideo());
+  return demuxer;
+}
+
+Demuxer::~Demuxer() {
+  StartTimer();  // closing a live source says goodbye to the other side
+  avformat_close_input(&context_);
+}
+
+int Demuxer::Read(AVPacket* packet) {
+  StartTimer();
+  return av_read_frame(context_, packet);
+}
+
+Status Demuxer::OpenContainer() {
+  context_ = avformat_alloc_context();
+  if (context_ == nullptr) return Fail(ErrorCode::kInternal, "no memory for a container");
+  context_->interrupt_callback = {&Demuxer::TimeIsUp, this};
+  Dictionary options;
+  options.Set("protocol_whitelist", source_.live ? kLiveProtocols : "file");
+  options.Set("format_whitelist", source_.live ? kLiveFormats : kFileFormats);
+  options.Set("rtsp_flags", "prefer_tcp");
+  options.Set("overrun_nonfatal", "1");
+  const std::string url = source_.live ? source_.name : "file:" + source_.name;
+  StartTimer();
+  int result = avformat_open_input(&context_, url.c_str(), nullptr, options.address());  // frees context_ on failure
+  if (result < 0) return std::unexpected(OpenError(result));
+  StartTimer();
+  result = avformat_find_stream_info(context_, nullptr);
+  if (result < 0) return std::unexpected(OpenError(result));
+  return {};
+}
+
+Status Demuxer::ChooseVideo() {
+  std::vector<const AVStream*> videos;
+  bool cover = false;
+  for (unsigned i = 0; i < context_->nb_streams; ++i) {
+    const AVStream* stream = context_->streams[i];
+    if (stream->codecpar->codec_type != AVMEDIA_TYPE_VIDEO) continue;
+    cover = cover || IsCoverPicture(*stream);
+    if (!IsCoverPicture(*stream)) videos.push_back(stream);
+  }
+  if (videos.empty()) {
+    return Fail(ErrorCode::kDataLoss,
+                fmt::format("{}: no video stream{}", source_.name, cover ? ", only a cover picture" : " in it"));
+  }
+  const auto rank = [](const AVStream* stream) { return VideoRank(*stream); };
+  video_index_ = (*std::ranges::max_element(videos, {}, rank))->index;
+  return {};
+}
+
+void Demuxer::StartTimer() {
+  if (!source_.live) return;
+  deadline_ =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(source_.timeout_s));
+}
+
+Error Demuxer::OpenError(int result) const {
+  if (source_.live) {
+    const std::string reason =
+        result == AVERROR_EXIT ? fmt::format("no answer within {:g} s", source_.timeout_s) : FfmpegErrorText(result);
+    return {ErrorCode::kNotFound, fmt::format("{}: {}; check that the source is sending", source_.name, reason)};
+  }
+  if (result == AVERROR(EACCES) || result == AVERROR(ENOENT)) return ErrorFromErrno(AVUNERROR(result), source_.name);
+  return {ErrorCode::kDataLoss, fmt::format("{}: not a video that can be read, or its head is damaged", source_.name)};
+}
+
+int Demuxer::TimeIsUp(void* demuxer) {
+  const auto& deadline = static_cast<const Demuxer*>(demuxer)->deadline_;
+  return deadline && Clock::now() > *deadline ? 1 : 0;
+}
+
+}  // namespace victorious

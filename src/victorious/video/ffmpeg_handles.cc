@@ -1,0 +1,37 @@
+#include "victorious/video/ffmpeg_handles.h"
+
+#include <array>
+#include <cstddef>
+
+extern "C" {
+#include <libavutil/error.h>
+#include <libavutil/log.h>
+#include <libavutil/mem.h>
+}
+
+namespace victorious {
+namespace {
+
+constexpr std::size_t kMaxAllocationBytes = std::size_t{1} << 28;  // a plane of kMaxFramePixels, 16 bits, with room
+
+void DropLogLine(void* /*object*/, int /*level*/, const char* /*format*/, va_list /*arguments*/) {}
+
+}  // namespace
+
+void PrepareFfmpeg() {
+  static const bool prepared = [] {
+    av_log_set_callback(&DropLogLine);
+    av_max_alloc(kMaxAllocationBytes);
+    avformat_network_init();
+    return true;
+  }();
+  static_cast<void>(prepared);
+}
+
+std::string FfmpegErrorText(int result) {
+  std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
+  av_strerror(result, text.data(), text.size());
+  return text.data();
+}
+
+}  // namespace victorious

@@ -1,0 +1,103 @@
+#include "victorious/video/image_file.h"
+
+#include <cstdint>
+#include <exception>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "victorious/base/file.h"
+#include "victorious/video/image_header.h"
+
+namespace victorious {
+namespace {
+
+constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 28;
+
+// All channels as stored, 8 or 16 bits; empty if OpenCV cannot decode it.
+cv::Mat DecodeStored(std::span<const std::byte> bytes) {
+  try {
+    const cv::Mat view(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<std::byte*>(bytes.data()));
+    return cv::imdecode(view, cv::IMREAD_UNCHANGED);
+  } catch (const std::exception&) {  // cv::Exception, or no memory: either way there is no picture
+    return {};
+  }
+}
+
+std::optional<Image> SplitAlpha(const cv::Mat& stored) {
+  cv::Mat eight_bits = stored;
+  if (stored.depth() == CV_16U) stored.convertTo(eight_bits, CV_8U, 1.0 / 257.0);
+  Image image;
+  switch (stored.channels()) {
+    case 1:
+      cv::cvtColor(eight_bits, image.bgr, cv::COLOR_GRAY2BGR);
+      return image;
+    case 2:
+      cv::extractChannel(eight_bits, image.alpha, 1);
+      cv::extractChannel(eight_bits, eight_bits, 0);
+      cv::cvtColor(eight_bits, image.bgr, cv::COLOR_GRAY2BGR);
+      return image;
+    case 3:
+      image.bgr = eight_bits;
+      return image;
+    case 4:
+      cv::extractChannel(eight_bits, image.alpha, 3);
+      cv::cvtColor(eight_bits, image.bgr, cv::COLOR_BGRA2BGR);
+      return image;
+    default:
+      return std::nullopt;
+  }
+}
+
+Expected<ImageHeader> CheckedHeader(std::span<const std::byte> bytes, const std::string& name) {
+  if (bytes.empty()) return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: the file is empty", name));
+  const auto header = ReadImageHeader(bytes);
+  if (!header || bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+    return Fail(ErrorCode::kDataLoss,
+                fmt::format("{}: not a picture that can be read (PNG, JPEG, TIFF, BMP, WebP or PNM)", name));
+  }
+  if (std::uint64_t{header->width} * header->height > kMaxPixels) {
+    return Fail(ErrorCode::kUnsupported, fmt::format("{}: {} x {} pixels, more than the {} that can be read", name,
+                                                     header->width, header->height, kMaxPixels));
+  }
+  return *header;
+}
+
+}  // namespace
+
+Expected<Image> ReadImage(const std::filesystem::path& path) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(path));
+  return DecodeImage(std::as_bytes(std::span(bytes)), path.string());
+}
+
+Expected<Image> DecodeImage(std::span<const std::byte> bytes, const std::string& name) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const ImageHeader header, CheckedHeader(bytes, name));
+  const cv::Mat stored = DecodeStored(bytes);
+  if (stored.empty()) {
+    return Fail(ErrorCode::kDataLoss, fmt::format("{}: a damaged {} picture", name, Name(header.format)));
+  }
+  if (stored.depth() != CV_8U && stored.depth() != CV_16U) {
+    return Fail(ErrorCode::kUnsupported, fmt::format("{}: pixels that are not of 8 or 16 bits", name));
+  }
+  auto image = SplitAlpha(stored);
+  if (!image) {
+    return Fail(ErrorCode::kUnsupported, fmt::format("{}: {} channels, not 1 to 4", name, stored.channels()));
+  }
+  image->bgr = TurnUpright(image->bgr, header.orientation);
+  // The fourth byte of a BMP pixel is padding in nearly all of them.
+  image->alpha = header.format == ImageFormat::kBmp ? cv::Mat() : TurnUpright(image->alpha, header.orientation);
+  return *std::move(image);
+}
+
+cv::Mat GreyFromBgr(const cv::Mat& bgr) {
+  cv::Mat grey;
+  cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
+  return grey;
+}
+
+}  // namespace victorious

@@ -1,0 +1,35 @@
+// Private to video/: the head of a picture file, read before any decoder touches it. It is the list of the formats that
+// are let through to OpenCV (whose build may know many more, some of which open other files), it bounds the size, and
+// it finds the EXIF orientation.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "victorious/video/orientation.h"
+
+namespace victorious {
+
+enum class ImageFormat { kPng, kJpeg, kTiff, kBmp, kWebp, kPnm };
+
+/// "png", "jpeg", …
+[[nodiscard]] std::string_view Name(ImageFormat format);
+
+struct ImageHeader {
+  ImageFormat format = ImageFormat::kPng;
+  std::uint32_t width = 0;   ///< px, as stored
+  std::uint32_t height = 0;  ///< px, as stored
+  Orientation orientation = Orientation::kUpright;
+};
+
+/// By the first bytes alone (32 are enough), however damaged the rest.
+[[nodiscard]] std::optional<ImageFormat> ImageFormatOf(std::span<const std::byte> bytes);
+
+/// Nothing if it is of none of the formats, or its size does not stand in it. The numbers are as the file says,
+/// unchecked.
+[[nodiscard]] std::optional<ImageHeader> ReadImageHeader(std::span<const std::byte> bytes);
+
+}  // namespace victorious

@@ -1,0 +1,306 @@
+#include "victorious/video/media_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "victorious/video/damage_log.h"
+#include "victorious/video/data_track.h"
+#include "victorious/video/frame_clock.h"
+#include "victorious/video/frame_converter.h"
+
+extern "C" {
+#include <libavutil/display.h>
+}
+
+namespace victorious {
+namespace {
+
+constexpr int kMaxThreads = 16;
+constexpr int kMaxReadErrors = 100;    // in a row, before the rest of a file is given up
+constexpr int kMaxDrainErrors = 1000;  // while the decoder gives back its last frames
+
+double FrameRate(const AVStream& stream) {
+  constexpr double kMaxRate = 1000;  // above it stands a time base, not a rate
+  for (const AVRational rate : {stream.avg_frame_rate, stream.r_frame_rate}) {
+    if (rate.num > 0 && rate.den > 0 && av_q2d(rate) <= kMaxRate) return av_q2d(rate);
+  }
+  return 0;
+}
+
+FrameClock ClockOf(const AVStream& stream) {
+  constexpr double kUsualRate = 25;
+  const double rate = FrameRate(stream);
+  const AVRational tick = stream.time_base;
+  return {tick.num > 0 && tick.den > 0 ? av_q2d(tick) : 1 / kUsualRate, 1 / (rate > 0 ? rate : kUsualRate)};
+}
+
+std::string TypeName(const AVStream& stream) {
+  switch (stream.codecpar->codec_type) {
+    case AVMEDIA_TYPE_VIDEO:
+      return "video";
+    case AVMEDIA_TYPE_AUDIO:
+      return "audio";
+    case AVMEDIA_TYPE_DATA:
+      return "data";
+    case AVMEDIA_TYPE_SUBTITLE:
+      return "subtitle";
+    default:
+      return "other";
+  }
+}
+
+Expected<CodecHandle> OpenDecoder(const AVStream& stream, const MediaSource& source, int threads) {
+  const AVCodec* codec = avcodec_find_decoder(stream.codecpar->codec_id);
+  const char* codec_name = avcodec_get_name(stream.codecpar->codec_id);
+  if (codec == nullptr) {
+    return Fail(ErrorCode::kUnsupported, fmt::format("{}: no decoder for its video ({})", source.name, codec_name));
+  }
+  CodecHandle decoder(avcodec_alloc_context3(codec));
+  if (!decoder || avcodec_parameters_to_context(decoder.get(), stream.codecpar) < 0) {
+    return Fail(ErrorCode::kInternal, fmt::format("{}: cannot set up the decoder of {}", source.name, codec_name));
+  }
+  decoder->pkt_timebase = stream.time_base;
+  decoder->max_pixels = kMaxFramePixels;
+  decoder->thread_count =
+      std::min(threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency()), kMaxThreads);
+  // Frame threads hold frames back, which costs a file nothing and a live picture its freshness.
+  decoder->thread_type = source.live ? FF_THREAD_SLICE : FF_THREAD_FRAME | FF_THREAD_SLICE;
+  if (const int result = avcodec_open2(decoder.get(), codec, nullptr); result < 0) {
+    return Fail(ErrorCode::kDataLoss, fmt::format("{}: its video ({}) cannot be decoded: {}", source.name, codec_name,
+                                                  FfmpegErrorText(result)));
+  }
+  return decoder;
+}
+
+class MediaReader : public VideoReader {
+ public:
+  MediaReader(MediaSource source, const VideoReaderOptions& options, std::unique_ptr<Demuxer> demuxer,
+              CodecHandle decoder)
+      : source_(std::move(source)),
+        options_(options),
+        demuxer_(std::move(demuxer)),
+        decoder_(std::move(decoder)),
+        packet_(av_packet_alloc()),
+        frame_(av_frame_alloc()),
+        clock_(ClockOf(demuxer_->video())) {
+    demuxer_->KeepStreams([&](const AVStream& stream) {
+      return stream.index == demuxer_->video().index || (options_.data_packets && IsDataStream(stream));
+    });
+  }
+
+  /// Decodes the first frame, from which the sizes are known.
+  Status Start();
+
+  [[nodiscard]] const VideoInfo& info() const override { return info_; }
+  Expected<std::optional<Frame>> NextFrame() override;
+  std::vector<DataPacket> TakeDataPackets() override { return data_.Take(clock_.origin_s()); }
+  [[nodiscard]] const std::vector<std::string>& warnings() const override { return damage_.lines(); }
+
+ private:
+  bool DecodeNext();
+  void FeedDecoder();
+  void TakePacket();
+  void StopReading(int result);
+  void Finish();
+  void FillInfo(Orientation orientation);
+  [[nodiscard]] Orientation DisplayOrientation() const;
+  [[nodiscard]] std::optional<double> VideoDuration() const;
+  [[nodiscard]] double PacketTime() const;
+
+  MediaSource source_;
+  VideoReaderOptions options_;
+  std::unique_ptr<Demuxer> demuxer_;
+  CodecHandle decoder_;
+  PacketHandle packet_;
+  FrameHandle frame_;  ///< the frame decoded last
+  FrameClock clock_;
+  DamageLog damage_;
+  DataTrack data_;
+  std::optional<FrameConverter> converter_;
+  VideoInfo info_;
+  bool first_pending_ = false;  ///< Start()'s frame has not been delivered
+  bool draining_ = false;       ///< no packets are left
+  bool finished_ = false;
+  std::string stop_reason_;  ///< why no packets are left, where it is not the end
+  int drain_errors_ = 0;
+  std::int64_t next_index_ = 0;
+};
+
+Status MediaReader::Start() {
+  if (!packet_ || !frame_) return Fail(ErrorCode::kInternal, fmt::format("{}: no memory for a frame", source_.name));
+  if (!DecodeNext()) {
+    const std::string reason = damage_.lines().empty() ? stop_reason_ : damage_.lines().front();
+    return Fail(ErrorCode::kDataLoss, fmt::format("{}: no frame of its video can be decoded{}{}", source_.name,
+                                                  reason.empty() ? "" : ": ", reason));
+  }
+  first_pending_ = true;
+  const Orientation orientation = DisplayOrientation();
+  converter_.emplace(options_.color, orientation, cv::Size(frame_->width, frame_->height));
+  FillInfo(orientation);
+  return {};
+}
+
+Expected<std::optional<Frame>> MediaReader::NextFrame() {
+  while (std::exchange(first_pending_, false) || DecodeNext()) {
+    const auto pts = frame_->best_effort_timestamp;
+    const double duration_s = static_cast<double>(frame_->pkt_duration) * av_q2d(demuxer_->video().time_base);
+    const auto stamp = clock_.Next(pts == AV_NOPTS_VALUE ? std::nullopt : std::optional(pts), duration_s);
+    if (stamp.repaired)
+      damage_.Add("a time stamp that does not go forwards; the frame follows the one before", stamp.time_s);
+    if ((frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame_->decode_error_flags != 0) {
+      damage_.Add("a frame that is damaged in part", stamp.time_s);
+    }
+    if (cv::Size(frame_->width, frame_->height) != converter_->stored_size()) {
+      damage_.Add(fmt::format("the picture changes to {} x {} pixels; it is scaled back to {} x {}", frame_->width,
+                              frame_->height, converter_->stored_size().width, converter_->stored_size().height),
+                  stamp.time_s);
+    }
+    auto image = converter_->Convert(*frame_);
+    if (image) return Frame{.index = next_index_++, .time_s = stamp.time_s, .image = *std::move(image)};
+    if (next_index_ == 0) return std::unexpected(std::move(image).error().WithContext(source_.name));
+    damage_.Add(image.error().message, stamp.time_s);
+  }
+  Finish();
+  return std::nullopt;
+}
+
+// Leaves the next frame in frame_; false at the end.
+bool MediaReader::DecodeNext() {
+  while (true) {
+    const int result = avcodec_receive_frame(decoder_.get(), frame_.get());
+    if (result == 0) return true;
+    if (result == AVERROR_EOF) return false;
+    if (result != AVERROR(EAGAIN)) {
+      damage_.Add(fmt::format("a frame that cannot be decoded ({})", FfmpegErrorText(result)), clock_.end_time_s());
+    }
+    if (!draining_) {
+      FeedDecoder();
+    } else if (++drain_errors_ > kMaxDrainErrors) {
+      return false;
+    }
+  }
+}
+
+// Reads up to the next packet of the video, or to the end.
+void MediaReader::FeedDecoder() {
+  for (int errors = 0; !draining_;) {
+    const int result = demuxer_->Read(packet_.get());
+    if (result == AVERROR_INVALIDDATA && ++errors <= kMaxReadErrors) {
+      damage_.Add("a part of the container that cannot be read", clock_.end_time_s());
+    } else if (result < 0 && result != AVERROR(EAGAIN)) {
+      StopReading(result);
+    } else if (result >= 0 && packet_->stream_index == demuxer_->video().index) {
+      TakePacket();
+      return;
+    } else if (result >= 0) {
+      const AVStream& stream = demuxer_->stream(packet_->stream_index);
+      if (options_.data_packets && IsDataStream(stream)) data_.Add(stream, *packet_);
+      av_packet_unref(packet_.get());
+    }
+  }
+}
+
+void MediaReader::TakePacket() {
+  if ((packet_->flags & AV_PKT_FLAG_CORRUPT) != 0)
+    damage_.Add("a packet that the container calls damaged", PacketTime());
+  const int result = avcodec_send_packet(decoder_.get(), packet_.get());
+  if (result < 0 && result != AVERROR(EAGAIN) && result != AVERROR_EOF) {
+    damage_.Add(fmt::format("a packet that cannot be decoded ({})", FfmpegErrorText(result)), PacketTime());
+  }
+  av_packet_unref(packet_.get());
+}
+
+void MediaReader::StopReading(int result) {
+  draining_ = true;
+  avcodec_send_packet(decoder_.get(), nullptr);
+  if (result == AVERROR_EXIT) {
+    stop_reason_ = fmt::format("the source sent nothing for {:g} s", source_.timeout_s);
+  } else if (result != AVERROR_EOF) {
+    stop_reason_ = FfmpegErrorText(result);
+  }
+}
+
+// Says where the video stopped, if that is not where it should.
+void MediaReader::Finish() {
+  if (std::exchange(finished_, true)) return;
+  const double end_s = clock_.end_time_s();
+  const double rate = info_.frame_rate > 0 ? info_.frame_rate : 10;
+  // A container's duration covers sound as well, and may be an estimate.
+  const bool own_duration = demuxer_->video().duration > 0;
+  const double tolerance_s = own_duration ? std::max(0.25, 2.5 / rate) : std::max({1.0, 2.5 / rate, 0.05 * end_s});
+  const bool short_of = info_.duration_s && end_s + tolerance_s < *info_.duration_s;
+  if (!short_of && stop_reason_.empty()) return;
+  const std::string of = info_.duration_s ? fmt::format(" of {:.2f} s", *info_.duration_s) : "";
+  damage_.AddLine(fmt::format("decoding stopped at {:.2f} s{}: {}", end_s, of,
+                              stop_reason_.empty() ? "the rest is missing or damaged" : stop_reason_));
+}
+
+void MediaReader::FillInfo(Orientation orientation) {
+  const AVStream& video = demuxer_->video();
+  info_.container = demuxer_->container().iformat->name;
+  info_.codec = avcodec_get_name(video.codecpar->codec_id);
+  info_.width = SwapsSides(orientation) ? frame_->height : frame_->width;
+  info_.height = SwapsSides(orientation) ? frame_->width : frame_->height;
+  info_.rotation_deg = ClockwiseTurnDeg(orientation);
+  info_.frame_rate = FrameRate(video);
+  info_.live = source_.live;
+  info_.duration_s = VideoDuration();
+  if (video.nb_frames > 0) {
+    info_.frame_count = video.nb_frames;
+  } else if (info_.duration_s && info_.frame_rate > 0) {
+    info_.frame_count = std::llround(*info_.duration_s * info_.frame_rate);
+  }
+  for (unsigned i = 0; i < demuxer_->container().nb_streams; ++i) {
+    const AVStream& stream = demuxer_->stream(static_cast<int>(i));
+    info_.streams.push_back({stream.index, TypeName(stream), avcodec_get_name(stream.codecpar->codec_id)});
+  }
+}
+
+// The container's word, or else the video's own (H.264 and H.265 may carry it in a message).
+Orientation MediaReader::DisplayOrientation() const {
+  constexpr std::size_t kMatrixBytes = 9 * sizeof(std::int32_t);
+  std::size_t size = 0;
+  const std::uint8_t* data = av_stream_get_side_data(&demuxer_->video(), AV_PKT_DATA_DISPLAYMATRIX, &size);
+  if (data == nullptr) {
+    if (const AVFrameSideData* side = av_frame_get_side_data(frame_.get(), AV_FRAME_DATA_DISPLAYMATRIX)) {
+      data = side->data;
+      size = side->size;
+    }
+  }
+  if (data == nullptr || size < kMatrixBytes) return Orientation::kUpright;
+  std::array<std::int32_t, 9> matrix{};
+  std::memcpy(matrix.data(), data, kMatrixBytes);
+  return OrientationFromDisplayMatrix(matrix);
+}
+
+std::optional<double> MediaReader::VideoDuration() const {
+  const AVStream& video = demuxer_->video();
+  if (video.duration > 0) return static_cast<double>(video.duration) * av_q2d(video.time_base);
+  if (demuxer_->container().duration > 0) return static_cast<double>(demuxer_->container().duration) / AV_TIME_BASE;
+  return std::nullopt;
+}
+
+double MediaReader::PacketTime() const {
+  const auto origin_s = clock_.origin_s();
+  if (!origin_s || packet_->pts == AV_NOPTS_VALUE) return clock_.end_time_s();
+  return static_cast<double>(packet_->pts) * av_q2d(demuxer_->video().time_base) - *origin_s;
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<VideoReader>> OpenMedia(const MediaSource& source, const VideoReaderOptions& options) {
+  VICTORIOUS_ASSIGN_OR_RETURN(std::unique_ptr<Demuxer> demuxer, Demuxer::Open(source));
+  VICTORIOUS_ASSIGN_OR_RETURN(CodecHandle decoder, OpenDecoder(demuxer->video(), source, options.threads));
+  auto reader = std::make_unique<MediaReader>(source, options, std::move(demuxer), std::move(decoder));
+  VICTORIOUS_RETURN_IF_ERROR(reader->Start());
+  return reader;
+}
+
+}  // namespace victorious

@@ -1,0 +1,211 @@
+#include "victorious/video/video_writer.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cctype>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+#include <unistd.h>
+
+#include "victorious/video/ffmpeg_handles.h"
+
+extern "C" {
+#include <libavutil/opt.h>
+}
+
+namespace victorious {
+namespace {
+
+namespace fs = std::filesystem;
+
+Expected<const char*> MuxerFor(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension == ".mp4") return "mp4";
+  if (extension == ".mkv") return "matroska";
+  return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: a video's name must end in .mp4 or .mkv", path.string()));
+}
+
+Status CheckOptions(const fs::path& path, const VideoWriterOptions& options) {
+  const auto fail = [&](std::string_view what) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: {}", path.string(), what));
+  };
+  constexpr int kMaxSide = 16384;  // x264's limit
+  const auto bad_side = [](int side) { return side < 2 || side > kMaxSide || side % 2 != 0; };
+  if (bad_side(options.width) || bad_side(options.height)) {
+    return fail(fmt::format("{} x {} pixels: both must be even, 2 to {}", options.width, options.height, kMaxSide));
+  }
+  if (!(options.fps > 0 && options.fps <= 1000))
+    return fail(fmt::format("{:g} frames/s: must be above 0, up to 1000", options.fps));
+  if (options.crf < 0 || options.crf > 51) return fail(fmt::format("crf {}: must be 0 to 51", options.crf));
+  return {};
+}
+
+class H264Writer : public VideoWriter {
+ public:
+  H264Writer(fs::path path, const VideoWriterOptions& options)
+      : path_(std::move(path)),
+        temporary_(path_.string() + TemporarySuffix()),
+        options_(options),
+        packet_(av_packet_alloc()),
+        frame_(av_frame_alloc()) {}
+  ~H264Writer() override { Discard(); }
+
+  Status Start(const char* muxer);
+  Status Write(const cv::Mat& image) override;
+  Status Finish() override;
+
+ private:
+  Status OpenEncoder(AVRational rate);
+  Status OpenFile(const char* muxer, AVRational rate);
+  Status FillFrame(const cv::Mat& image);
+  Status Encode(const AVFrame* frame);
+  void Discard();
+  [[nodiscard]] Status Check(int result, std::string_view verb) const;
+
+  static std::string TemporarySuffix() {
+    static std::atomic<unsigned> counter{0};
+    return fmt::format(".tmp-{}-{}", ::getpid(), counter++);
+  }
+
+  fs::path path_;
+  fs::path temporary_;
+  VideoWriterOptions options_;
+  CodecHandle encoder_;
+  AVFormatContext* container_ = nullptr;  ///< null once the file is finished or given up
+  PacketHandle packet_;
+  FrameHandle frame_;
+  ScalerHandle scaler_;
+  std::int64_t next_pts_ = 0;
+};
+
+Status H264Writer::Start(const char* muxer) {
+  const AVRational rate = av_d2q(options_.fps, 1'000'000);
+  VICTORIOUS_RETURN_IF_ERROR(OpenEncoder(rate));
+  frame_->format = encoder_->pix_fmt;
+  frame_->width = encoder_->width;
+  frame_->height = encoder_->height;
+  VICTORIOUS_RETURN_IF_ERROR(Check(av_frame_get_buffer(frame_.get(), 0), "encode"));
+  return OpenFile(muxer, rate);
+}
+
+Status H264Writer::OpenEncoder(AVRational rate) {
+  const AVCodec* codec = avcodec_find_encoder_by_name("libx264");
+  if (codec == nullptr) return Fail(ErrorCode::kUnsupported, "FFmpeg was built without the encoder libx264");
+  encoder_.reset(avcodec_alloc_context3(codec));
+  encoder_->width = options_.width;
+  encoder_->height = options_.height;
+  encoder_->pix_fmt = AV_PIX_FMT_YUV420P;
+  encoder_->color_range = AVCOL_RANGE_MPEG;
+  encoder_->colorspace = AVCOL_SPC_SMPTE170M;
+  encoder_->time_base = av_inv_q(rate);
+  encoder_->framerate = rate;
+  encoder_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
+  av_opt_set(encoder_->priv_data, "preset", "fast", 0);
+  av_opt_set_double(encoder_->priv_data, "crf", options_.crf, 0);
+  return Check(avcodec_open2(encoder_.get(), codec, nullptr), "encode");
+}
+
+Status H264Writer::OpenFile(const char* muxer, AVRational rate) {
+  VICTORIOUS_RETURN_IF_ERROR(Check(avformat_alloc_output_context2(&container_, nullptr, muxer, nullptr), "create"));
+  AVStream* stream = avformat_new_stream(container_, nullptr);
+  if (stream == nullptr) return Fail(ErrorCode::kInternal, "no memory for a video stream");
+  stream->time_base = encoder_->time_base;
+  stream->avg_frame_rate = rate;
+  VICTORIOUS_RETURN_IF_ERROR(Check(avcodec_parameters_from_context(stream->codecpar, encoder_.get()), "create"));
+  const std::string url = "file:" + temporary_.string();
+  VICTORIOUS_RETURN_IF_ERROR(Check(avio_open(&container_->pb, url.c_str(), AVIO_FLAG_WRITE), "create"));
+  return Check(avformat_write_header(container_, nullptr), "write");
+}
+
+Status H264Writer::Write(const cv::Mat& image) {
+  if (container_ == nullptr) return Fail(ErrorCode::kInternal, fmt::format("{}: already finished", path_.string()));
+  if (image.cols != options_.width || image.rows != options_.height ||
+      (image.type() != CV_8UC1 && image.type() != CV_8UC3)) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: frame {} is {} x {} of type {}; it must be {} x {}, 8-bit grey or BGR", path_.string(),
+                            next_pts_, image.cols, image.rows, cv::typeToString(image.type()), options_.width,
+                            options_.height));
+  }
+  VICTORIOUS_RETURN_IF_ERROR(FillFrame(image));
+  frame_->pts = next_pts_++;
+  return Encode(frame_.get());
+}
+
+// Limited range, BT.601: what every player takes for granted.
+Status H264Writer::FillFrame(const cv::Mat& image) {
+  VICTORIOUS_RETURN_IF_ERROR(Check(av_frame_make_writable(frame_.get()), "encode"));
+  const AVPixelFormat format = image.type() == CV_8UC1 ? AV_PIX_FMT_GRAY8 : AV_PIX_FMT_BGR24;
+  scaler_.reset(sws_getCachedContext(scaler_.release(), image.cols, image.rows, format, image.cols, image.rows,
+                                     AV_PIX_FMT_YUV420P, SWS_BILINEAR | SWS_ACCURATE_RND, nullptr, nullptr, nullptr));
+  if (!scaler_) return Fail(ErrorCode::kInternal, fmt::format("{}: no colour conversion", path_.string()));
+  const int* bt601 = sws_getCoefficients(SWS_CS_ITU601);
+  constexpr int kOne = 1 << 16;  // 16.16 fixed point
+  sws_setColorspaceDetails(scaler_.get(), bt601, 1, bt601, 0, 0, kOne, kOne);
+  const std::uint8_t* const planes[] = {image.data};
+  const int strides[] = {static_cast<int>(image.step)};
+  return Check(sws_scale(scaler_.get(), planes, strides, 0, image.rows, frame_->data, frame_->linesize), "encode");
+}
+
+// Sends a frame, or with nullptr asks for the ones held back, and writes the packets that come.
+Status H264Writer::Encode(const AVFrame* frame) {
+  VICTORIOUS_RETURN_IF_ERROR(Check(avcodec_send_frame(encoder_.get(), frame), "encode"));
+  while (true) {
+    const int result = avcodec_receive_packet(encoder_.get(), packet_.get());
+    if (result == AVERROR(EAGAIN) || result == AVERROR_EOF) return {};
+    VICTORIOUS_RETURN_IF_ERROR(Check(result, "encode"));
+    const AVStream& stream = *container_->streams[0];
+    packet_->duration = 1;
+    packet_->stream_index = stream.index;
+    av_packet_rescale_ts(packet_.get(), encoder_->time_base, stream.time_base);
+    VICTORIOUS_RETURN_IF_ERROR(Check(av_interleaved_write_frame(container_, packet_.get()), "write"));
+  }
+}
+
+Status H264Writer::Finish() {
+  if (container_ == nullptr) return Fail(ErrorCode::kInternal, fmt::format("{}: already finished", path_.string()));
+  if (next_pts_ == 0) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: a video needs at least one frame", path_.string()));
+  }
+  VICTORIOUS_RETURN_IF_ERROR(Encode(nullptr));
+  VICTORIOUS_RETURN_IF_ERROR(Check(av_write_trailer(container_), "write"));
+  VICTORIOUS_RETURN_IF_ERROR(Check(avio_closep(&container_->pb), "write"));
+  std::error_code error;
+  fs::rename(temporary_, path_, error);
+  if (error) return std::unexpected(ErrorFromErrno(error.value(), fmt::format("rename to {}", path_.string())));
+  avformat_free_context(std::exchange(container_, nullptr));
+  return {};
+}
+
+void H264Writer::Discard() {
+  if (container_ == nullptr) return;
+  if (container_->pb != nullptr) avio_closep(&container_->pb);
+  avformat_free_context(std::exchange(container_, nullptr));
+  std::error_code ignored;
+  fs::remove(temporary_, ignored);
+}
+
+Status H264Writer::Check(int result, std::string_view verb) const {
+  if (result >= 0) return {};
+  const std::string what = fmt::format("{} {}", verb, path_.string());
+  if (result > -1000) return std::unexpected(ErrorFromErrno(AVUNERROR(result), what));  // errno's; FFmpeg's are tags
+  return Fail(ErrorCode::kInternal, fmt::format("{}: {}", what, FfmpegErrorText(result)));
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<VideoWriter>> VideoWriter::Create(const fs::path& path, const VideoWriterOptions& options) {
+  PrepareFfmpeg();
+  VICTORIOUS_ASSIGN_OR_RETURN(const char* muxer, MuxerFor(path));
+  VICTORIOUS_RETURN_IF_ERROR(CheckOptions(path, options));
+  auto writer = std::make_unique<H264Writer>(path, options);
+  VICTORIOUS_RETURN_IF_ERROR(writer->Start(muxer));
+  return writer;
+}
+
+}  // namespace victorious
