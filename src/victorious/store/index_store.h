@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "victorious/base/error.h"
@@ -90,7 +91,8 @@ struct IndexBatch {
     std::optional<std::int64_t> id;
     ObjectRecord object;
   };
-  /// A sighting of the batch's object number `object_update`.
+  /// A sighting of the batch's object number `object_update`, which says its object, video and model. An object is
+  /// seen at most once in a frame.
   struct NewSighting {
     std::size_t object_update = 0;
     SightingRecord sighting;
@@ -109,10 +111,14 @@ struct IndexBatch {
 /// Which objects or sightings: every condition that is set must hold.
 struct SightingFilter {
   std::optional<std::string> model_name;
-  std::optional<std::string> video_name;  ///< the whole name, or its last parts ("flight/video.mp4")
-  std::optional<double> from_s;
-  std::optional<double> to_s;
+  std::optional<std::string> video_name;  ///< see VideosNamed
+  std::optional<double> from_s;           ///< inclusive; an object counts if any of its time does
+  std::optional<double> to_s;             ///< inclusive
 };
+
+/// The videos of that whole name; if there is none, those whose name ends in it part by part: "flight/video.mp4" is the
+/// end of "/data/flight/video.mp4", "deo.mp4" is not.
+std::vector<VideoRecord> VideosNamed(const std::vector<VideoRecord>& videos, std::string_view name);
 
 /// Not thread-safe: one thread at a time; other processes may read while one writes.
 class IndexStore {
@@ -137,13 +143,17 @@ class IndexStore {
   virtual Status ForgetKeptFrames(std::int64_t video) = 0;
 
   /// One transaction. Returns the ids of batch.objects, in their order. A kept frame that is there already stays.
+  /// Errors: kAlreadyExists if another process moved the progress; kNotFound for an object, video or model that is
+  /// gone; kInvalidArgument for a sighting that is there already.
   virtual Expected<std::vector<std::int64_t>> Commit(const IndexBatch& batch) = 0;
 
   /// Best first: by score, then by number of frames, then by id.
   virtual Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) = 0;
-  /// By video (in the order they were added), frame, then object.
-  virtual Expected<std::vector<SightingRecord>> Sightings(const SightingFilter& filter) = 0;
-  /// By video and frame, one at a time; `visit` returns false to stop.
+  /// By video (in the order they were added), frame, then object, one at a time; `visit` returns false to stop.
+  virtual Status VisitSightings(const SightingFilter& filter, const std::function<bool(SightingRecord&&)>& visit) = 0;
+  /// All of them at once: some 300 bytes each.
+  Expected<std::vector<SightingRecord>> Sightings(const SightingFilter& filter);
+  /// By video and frame, one at a time; `visit` returns false to stop. The filter's model does not apply.
   virtual Status VisitKeptFrames(const SightingFilter& filter, const std::function<bool(KeptFrame&&)>& visit) = 0;
 };
 
@@ -152,8 +162,9 @@ enum class StoreMode {
   kRead,    ///< for reading; must exist
 };
 
-/// Opens a SQLite index. Errors: kNotFound; kDataLoss (not a database, or damaged); kUnsupported (another program's
-/// database, or one of a newer version); kPermissionDenied; kNoSpace.
+/// Opens a SQLite index. Reading leaves no file behind, and works where nothing may be written. Errors: kNotFound;
+/// kDataLoss (not a database, or damaged); kUnsupported (another program's database, or one of a newer version);
+/// kPermissionDenied; kNoSpace.
 Expected<std::unique_ptr<IndexStore>> OpenSqliteStore(const std::filesystem::path& path, StoreMode mode);
 
 }  // namespace victorious

@@ -1,0 +1,43 @@
+#include "victorious/store/index_store.h"
+
+#include <algorithm>
+#include <ranges>
+
+namespace victorious {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> Parts(std::string_view name) {
+  const fs::path path = fs::path(name).lexically_normal();
+  std::vector<fs::path> parts(path.begin(), path.end());
+  if (!parts.empty() && parts.back().empty()) parts.pop_back();  // "folder/" is "folder"
+  return parts;
+}
+
+bool EndsIn(const std::vector<fs::path>& whole, const std::vector<fs::path>& end) {
+  return !end.empty() && end.size() <= whole.size() && std::equal(end.rbegin(), end.rend(), whole.rbegin());
+}
+
+}  // namespace
+
+std::vector<VideoRecord> VideosNamed(const std::vector<VideoRecord>& videos, std::string_view name) {
+  std::vector<VideoRecord> found;
+  std::ranges::copy_if(videos, std::back_inserter(found), [&](const VideoRecord& video) { return video.name == name; });
+  if (!found.empty()) return found;
+  const std::vector<fs::path> end = Parts(name);
+  std::ranges::copy_if(videos, std::back_inserter(found),
+                       [&](const VideoRecord& video) { return EndsIn(Parts(video.name), end); });
+  return found;
+}
+
+Expected<std::vector<SightingRecord>> IndexStore::Sightings(const SightingFilter& filter) {
+  std::vector<SightingRecord> sightings;
+  VICTORIOUS_RETURN_IF_ERROR(VisitSightings(filter, [&](SightingRecord&& sighting) {
+    sightings.push_back(std::move(sighting));
+    return true;
+  }));
+  return sightings;
+}
+
+}  // namespace victorious

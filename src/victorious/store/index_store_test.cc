@@ -1,0 +1,387 @@
+// The contract of IndexStore, run on every implementation: a new one adds itself to the list at the end.
+#include "victorious/store/index_store.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "testing/data.h"
+
+namespace victorious {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+struct Backend {
+  std::string name;
+  std::function<Expected<std::unique_ptr<IndexStore>>(const std::filesystem::path& folder)> open;
+};
+
+class IndexStoreTest : public ::testing::TestWithParam<Backend> {
+ protected:
+  void SetUp() override {
+    Reopen();
+    video_ = PutVideo("c1", "/data/flight/a.mp4").id;
+    model_ = PutModel("humvee", "m1").id;
+  }
+
+  void Reopen() {
+    store_.reset();
+    auto store = GetParam().open(folder_.path());
+    ASSERT_TRUE(store) << store.error().message;
+    store_ = *std::move(store);
+  }
+
+  VideoRecord PutVideo(const std::string& content_id, const std::string& name) {
+    const auto video = store_->PutVideo({.content_id = content_id, .name = name, .width = 640, .height = 480});
+    EXPECT_TRUE(video) << video.error().message;
+    return video.value_or(VideoRecord{});
+  }
+
+  ModelRecord PutModel(const std::string& name, const std::string& id) {
+    const auto model = store_->PutModel({.name = name, .model_id = id, .kind = "photos"});
+    EXPECT_TRUE(model) << model.error().message;
+    return model.value_or(ModelRecord{});
+  }
+
+  // One object seen in `frames` frames of 0.5 s from `first_frame` on.
+  IndexBatch OneObject(std::int64_t first_frame, int frames, double score) const {
+    IndexBatch batch;
+    batch.objects.push_back({std::nullopt,
+                             {.video = video_,
+                              .model = model_,
+                              .score = score,
+                              .frames = frames,
+                              .first_time_s = 0.5 * static_cast<double>(first_frame),
+                              .last_time_s = 0.5 * static_cast<double>(first_frame + frames - 1)}});
+    for (int i = 0; i < frames; ++i) {
+      const std::int64_t frame = first_frame + i;
+      batch.sightings.push_back({0,
+                                 {.frame = frame,
+                                  .time_s = 0.5 * static_cast<double>(frame),
+                                  .box = {1.25, 2.5, 30, 40},
+                                  .outline = {{1, 2}, {31, 2.125}, {31, 42}},
+                                  .score = score,
+                                  .matches = 14,
+                                  .view_index = 3,
+                                  .in_plane_rad = 0.25}});
+    }
+    return batch;
+  }
+
+  IndexBatch::Progress ProgressTo(std::int64_t next_frame, std::int64_t expected) const {
+    return {{.video = video_,
+             .model = model_,
+             .next_frame = next_frame,
+             .options_json = R"({"ratio":0.8})",
+             .program_version = "1.2.3"},
+            expected};
+  }
+
+  std::int64_t CommitOne(const IndexBatch& batch) {
+    const auto ids = store_->Commit(batch);
+    EXPECT_TRUE(ids) << ids.error().message;
+    return ids && ids->size() == 1 ? ids->front() : -1;
+  }
+
+  std::vector<SightingRecord> Sightings(const SightingFilter& filter = {}) {
+    auto sightings = store_->Sightings(filter);
+    EXPECT_TRUE(sightings) << sightings.error().message;
+    return sightings.value_or(std::vector<SightingRecord>{});
+  }
+
+  std::vector<std::int64_t> ObjectIds(const SightingFilter& filter = {}) {
+    const auto objects = store_->Objects(filter);
+    EXPECT_TRUE(objects) << objects.error().message;
+    std::vector<std::int64_t> ids;
+    for (const ObjectRecord& object : *objects) ids.push_back(object.id);
+    return ids;
+  }
+
+  std::vector<std::int64_t> KeptFrames(const SightingFilter& filter = {}) {
+    std::vector<std::int64_t> frames;
+    EXPECT_TRUE(store_->VisitKeptFrames(filter, [&](KeptFrame&& kept) {
+      frames.push_back(kept.frame);
+      return true;
+    }));
+    return frames;
+  }
+
+  testing::ScratchFolder folder_;
+  std::unique_ptr<IndexStore> store_;
+  std::int64_t video_ = 0;
+  std::int64_t model_ = 0;
+};
+
+TEST_P(IndexStoreTest, AVideoIsKnownByItsContentAndNamedAsLastGiven) {
+  const VideoRecord again = PutVideo("c1", "moved/a.mp4");
+  EXPECT_EQ(again.id, video_);
+  EXPECT_EQ(again.name, "moved/a.mp4");
+  EXPECT_EQ(again.width, 640);
+  EXPECT_FALSE(again.frame_count);
+  EXPECT_NE(PutVideo("c2", "moved/a.mp4").id, video_);
+  EXPECT_THAT(*store_->Videos(), SizeIs(2));
+}
+
+TEST_P(IndexStoreTest, AVideoKeepsItsLengthAndFeatures) {
+  ASSERT_TRUE(store_->SetVideoLength(video_, 100, 49.5));
+  ASSERT_TRUE(store_->SetVideoFeatures(video_, R"({"engine":"opencv"})"));
+  Reopen();
+  const VideoRecord video = PutVideo("c1", "a.mp4");
+  EXPECT_EQ(video.frame_count, 100);
+  EXPECT_EQ(video.duration_s, 49.5);
+  EXPECT_EQ(video.features_json, R"({"engine":"opencv"})");
+  ASSERT_TRUE(store_->SetVideoFeatures(video_, ""));
+  EXPECT_EQ(PutVideo("c1", "a.mp4").features_json, "");
+  EXPECT_EQ(store_->SetVideoLength(99, 1, 1).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(store_->SetVideoFeatures(99, "{}").error().code, ErrorCode::kNotFound);
+}
+
+TEST_P(IndexStoreTest, ASightingComesBackAsItWent) {
+  IndexBatch batch = OneObject(7, 1, 0.75);
+  batch.sightings[0].sighting.view = ViewAngles{1.5, 0.5};
+  batch.sightings[0].sighting.source = "tracked";
+  const std::int64_t object = CommitOne(batch);
+  Reopen();
+  const auto sightings = Sightings();
+  ASSERT_THAT(sightings, SizeIs(1));
+  const SightingRecord& s = sightings[0];
+  EXPECT_EQ(s.object, object);
+  EXPECT_EQ(s.video, video_);
+  EXPECT_EQ(s.model, model_);
+  EXPECT_EQ(s.frame, 7);
+  EXPECT_EQ(s.time_s, 3.5);
+  EXPECT_EQ(s.box, (Box{1.25, 2.5, 30, 40}));
+  EXPECT_EQ(s.outline, batch.sightings[0].sighting.outline);
+  EXPECT_EQ(s.score, 0.75);
+  EXPECT_EQ(s.source, "tracked");
+  EXPECT_EQ(s.matches, 14);
+  EXPECT_EQ(s.view_index, 3);
+  ASSERT_TRUE(s.view);
+  EXPECT_EQ(s.view->azimuth_rad, 1.5);
+  EXPECT_EQ(s.view->off_nadir_rad, 0.5);
+  EXPECT_EQ(s.in_plane_rad, 0.25);
+}
+
+TEST_P(IndexStoreTest, UnknownAnglesAndNoOutlineStayUnknown) {
+  IndexBatch batch = OneObject(0, 1, 0.5);
+  batch.sightings[0].sighting.outline.clear();
+  CommitOne(batch);
+  ASSERT_THAT(Sightings(), SizeIs(1));
+  EXPECT_FALSE(Sightings()[0].view);
+  EXPECT_TRUE(Sightings()[0].outline.empty());
+}
+
+TEST_P(IndexStoreTest, AnObjectGrows) {
+  const std::int64_t id = CommitOne(OneObject(0, 2, 0.5));
+  IndexBatch more = OneObject(2, 1, 0.9);
+  more.objects[0].id = id;
+  more.objects[0].object.frames = 3;
+  more.objects[0].object.first_time_s = 0;
+  EXPECT_EQ(CommitOne(more), id);
+  const auto objects = store_->Objects({});
+  ASSERT_THAT(*objects, SizeIs(1));
+  EXPECT_EQ(objects->front().frames, 3);
+  EXPECT_EQ(objects->front().score, 0.9);
+  EXPECT_EQ(objects->front().last_time_s, 1.0);
+  EXPECT_THAT(Sightings(), SizeIs(3));
+}
+
+TEST_P(IndexStoreTest, ABatchIsWholeOrNotAtAll) {
+  IndexBatch batch = OneObject(0, 3, 0.5);
+  batch.progress.push_back(ProgressTo(3, 0));
+  batch.sightings[2].sighting.frame = 1;  // an object twice in one frame
+  const auto result = store_->Commit(batch);
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_TRUE(Sightings().empty());
+  EXPECT_TRUE(ObjectIds().empty());
+  EXPECT_FALSE(store_->FindSearch(video_, model_)->has_value());
+  batch.sightings[2].sighting.frame = 2;
+  EXPECT_TRUE(store_->Commit(batch));
+}
+
+TEST_P(IndexStoreTest, WhatIsNotThereIsRefused) {
+  IndexBatch batch = OneObject(0, 1, 0.5);
+  batch.objects[0].id = 1234;
+  EXPECT_EQ(store_->Commit(batch).error().code, ErrorCode::kNotFound);
+  batch.objects[0].id.reset();
+  batch.objects[0].object.video = 1234;
+  EXPECT_EQ(store_->Commit(batch).error().code, ErrorCode::kNotFound);
+}
+
+TEST_P(IndexStoreTest, ProgressIsKeptAndMovesOnlyFromWhereItStood) {
+  IndexBatch batch;
+  batch.progress.push_back(ProgressTo(10, 0));
+  ASSERT_TRUE(store_->Commit(batch));
+  const auto refused = store_->Commit(batch);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("another process is indexing the same video"));
+
+  batch.progress[0] = ProgressTo(20, 10);
+  batch.progress[0].search.finished = true;
+  ASSERT_TRUE(store_->Commit(batch));
+  Reopen();
+  const auto search = store_->FindSearch(video_, model_);
+  ASSERT_TRUE(search && *search);
+  EXPECT_EQ((*search)->next_frame, 20);
+  EXPECT_TRUE((*search)->finished);
+  EXPECT_EQ((*search)->options_json, R"({"ratio":0.8})");
+  EXPECT_EQ((*search)->program_version, "1.2.3");
+  EXPECT_FALSE(store_->FindSearch(video_, model_ + 1)->has_value());
+}
+
+TEST_P(IndexStoreTest, ForgettingASearchTakesItsFindsAndNothingElse) {
+  const std::int64_t other = PutModel("shed", "m2").id;
+  IndexBatch kept = OneObject(0, 2, 0.5);
+  kept.objects[0].object.model = other;
+  const std::int64_t kept_id = CommitOne(kept);
+  IndexBatch batch = OneObject(0, 2, 0.6);
+  batch.progress.push_back(ProgressTo(2, 0));
+  const std::int64_t forgotten_id = CommitOne(batch);
+
+  ASSERT_TRUE(store_->ForgetSearch(video_, model_));
+  EXPECT_THAT(ObjectIds(), ElementsAre(kept_id));
+  EXPECT_THAT(Sightings(), SizeIs(2));
+  EXPECT_FALSE(store_->FindSearch(video_, model_)->has_value());
+  Reopen();
+  EXPECT_GT(CommitOne(batch), forgotten_id) << "an id is never given twice";
+}
+
+TEST_P(IndexStoreTest, AModelOfOtherContentReplacesTheOldOne) {
+  IndexBatch batch = OneObject(0, 2, 0.6);
+  batch.progress.push_back(ProgressTo(2, 0));
+  CommitOne(batch);
+  EXPECT_EQ(PutModel("humvee", "m1").id, model_) << "the same content stays";
+  EXPECT_THAT(Sightings(), SizeIs(2));
+
+  const ModelRecord replaced = PutModel("humvee", "m2");
+  EXPECT_NE(replaced.id, model_);
+  EXPECT_EQ(replaced.model_id, "m2");
+  EXPECT_TRUE(Sightings().empty());
+  EXPECT_TRUE(ObjectIds().empty());
+  EXPECT_FALSE(store_->FindSearch(video_, model_)->has_value());
+  EXPECT_THAT(*store_->Models(), SizeIs(1));
+}
+
+TEST_P(IndexStoreTest, ObjectsComeBestFirst) {
+  const std::int64_t a = CommitOne(OneObject(0, 1, 0.5));
+  const std::int64_t b = CommitOne(OneObject(1, 3, 0.5));
+  const std::int64_t c = CommitOne(OneObject(4, 1, 0.9));
+  const std::int64_t d = CommitOne(OneObject(5, 1, 0.5));
+  EXPECT_THAT(ObjectIds(), ElementsAre(c, b, a, d));
+}
+
+TEST_P(IndexStoreTest, SightingsComeByVideoFrameAndObject) {
+  const std::int64_t first_video = video_;
+  const std::int64_t second_video = PutVideo("c0", "b.mp4").id;
+  video_ = second_video;
+  CommitOne(OneObject(0, 1, 0.5));
+  video_ = first_video;
+  const std::int64_t a = CommitOne(OneObject(5, 2, 0.5));
+  const std::int64_t b = CommitOne(OneObject(4, 2, 0.5));
+  std::vector<std::array<std::int64_t, 3>> order;
+  for (const SightingRecord& s : Sightings()) order.push_back({s.video, s.frame, s.object});
+  ASSERT_THAT(order, SizeIs(5));
+  EXPECT_EQ(order[0], (std::array{first_video, std::int64_t{4}, b}));
+  EXPECT_EQ(order[1], (std::array{first_video, std::int64_t{5}, a}));
+  EXPECT_EQ(order[2], (std::array{first_video, std::int64_t{5}, b}));
+  EXPECT_EQ(order[4][0], second_video);
+}
+
+TEST_P(IndexStoreTest, FiltersByModelVideoAndTime) {
+  const std::int64_t early = CommitOne(OneObject(0, 3, 0.5));  // 0 to 1 s
+  const std::int64_t late = CommitOne(OneObject(10, 3, 0.4));  // 5 to 6 s
+  EXPECT_THAT(ObjectIds({.model_name = "humvee"}), ElementsAre(early, late));
+  EXPECT_TRUE(ObjectIds({.model_name = "shed"}).empty());
+  EXPECT_THAT(ObjectIds({.video_name = "flight/a.mp4"}), SizeIs(2));
+  EXPECT_TRUE(ObjectIds({.video_name = "b.mp4"}).empty());
+  EXPECT_THAT(ObjectIds({.from_s = 1.0}), ElementsAre(early, late)) << "bounds are inclusive";
+  EXPECT_THAT(ObjectIds({.from_s = 1.1}), ElementsAre(late));
+  EXPECT_THAT(ObjectIds({.to_s = 4.9}), ElementsAre(early));
+  EXPECT_TRUE(ObjectIds({.from_s = 2.0, .to_s = 4.0}).empty());
+  EXPECT_THAT(Sightings({.from_s = 0.5, .to_s = 5.0}), SizeIs(3));
+  EXPECT_THAT(Sightings({.model_name = "humvee", .video_name = "a.mp4", .to_s = 1.0}), SizeIs(3));
+  EXPECT_TRUE(Sightings({.model_name = "shed"}).empty());
+}
+
+TEST_P(IndexStoreTest, VisitingStopsWhenToldTo) {
+  CommitOne(OneObject(0, 5, 0.5));
+  int seen = 0;
+  EXPECT_TRUE(store_->VisitSightings({}, [&](SightingRecord&&) { return ++seen < 2; }));
+  EXPECT_EQ(seen, 2);
+  EXPECT_TRUE(store_->SetVideoLength(video_, 5, 2.0)) << "nothing stays locked";
+}
+
+TEST_P(IndexStoreTest, TheStoreCanBeAskedWhileItIsVisited) {
+  CommitOne(OneObject(0, 3, 0.5));
+  std::size_t inner = 0;
+  EXPECT_TRUE(store_->VisitSightings({}, [&](SightingRecord&&) {
+    inner += Sightings().size();
+    return true;
+  }));
+  EXPECT_EQ(inner, 9u);
+}
+
+TEST_P(IndexStoreTest, KeptFramesComeBackOnceInOrder) {
+  IndexBatch batch;
+  for (const std::int64_t frame : {30, 0, 60}) {
+    KeptFrame kept{.video = video_, .frame = frame, .time_s = static_cast<double>(frame)};
+    kept.features.image_width = 640;
+    kept.features.image_height = 480;
+    kept.features.keypoints = {{1.5f, 2.5f, 3.0f, -0.5f}, {4, 5, 6, 1}};
+    kept.features.descriptors.resize(2 * kDescriptorSize, static_cast<std::uint8_t>(frame));
+    batch.kept_frames.push_back(kept);
+  }
+  batch.kept_frames.push_back({.video = video_, .frame = 90, .time_s = 90});  // without features
+  ASSERT_TRUE(store_->Commit(batch));
+  for (KeptFrame& kept : batch.kept_frames) kept.time_s = -1;
+  ASSERT_TRUE(store_->Commit(batch)) << "what is there stays";
+
+  EXPECT_THAT(KeptFrames(), ElementsAre(0, 30, 60, 90));
+  EXPECT_THAT(KeptFrames({.from_s = 1, .to_s = 60}), ElementsAre(30, 60));
+  EXPECT_TRUE(KeptFrames({.video_name = "b.mp4"}).empty());
+  ASSERT_TRUE(store_->VisitKeptFrames({.from_s = 30}, [&](KeptFrame&& kept) {
+    EXPECT_EQ(kept.time_s, 30);
+    EXPECT_EQ(kept.features.image_width, 640);
+    EXPECT_EQ(kept.features.image_height, 480);
+    EXPECT_EQ(kept.features.keypoints, batch.kept_frames[0].features.keypoints);
+    EXPECT_EQ(kept.features.descriptors, batch.kept_frames[0].features.descriptors);
+    return false;
+  }));
+  ASSERT_TRUE(store_->ForgetKeptFrames(video_));
+  EXPECT_TRUE(KeptFrames().empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, IndexStoreTest,
+                         ::testing::Values(Backend{"Sqlite",
+                                                   [](const std::filesystem::path& folder) {
+                                                     return OpenSqliteStore(folder / "index.db", StoreMode::kCreate);
+                                                   }}),
+                         [](const auto& backend) { return backend.param.name; });
+
+TEST(VideosNamedTest, TakesTheWholeNameBeforeItsLastParts) {
+  const std::vector<VideoRecord> videos = {{.id = 1, .name = "a.mp4"},
+                                           {.id = 2, .name = "/data/flight/a.mp4"},
+                                           {.id = 3, .name = "frames/"},
+                                           {.id = 4, .name = "/data/other/a.mp4"},
+                                           {.id = 5, .name = "rtsp://camera/live"}};
+  const auto ids = [&](std::string_view name) {
+    std::vector<std::int64_t> found;
+    for (const VideoRecord& video : VideosNamed(videos, name)) found.push_back(video.id);
+    return found;
+  };
+  EXPECT_THAT(ids("a.mp4"), ElementsAre(1));
+  EXPECT_THAT(ids("./a.mp4"), ElementsAre(1, 2, 4));
+  EXPECT_THAT(ids("flight/a.mp4"), ElementsAre(2));
+  EXPECT_THAT(ids("/data/other/a.mp4"), ElementsAre(4));
+  EXPECT_THAT(ids("frames"), ElementsAre(3));
+  EXPECT_THAT(ids("rtsp://camera/live"), ElementsAre(5));
+  EXPECT_TRUE(ids(".mp4").empty());
+  EXPECT_TRUE(ids("light/a.mp4").empty());
+  EXPECT_TRUE(ids("").empty());
+}
+
+}  // namespace
+}  // namespace victorious

@@ -1,0 +1,26 @@
+#include "victorious/store/sqlite/conditions.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace victorious::sqlite {
+
+void Conditions::Append(std::string_view expression) {
+  text_ += text_.empty() ? "WHERE " : "AND ";
+  text_ += expression;
+  text_ += ' ';
+}
+
+void Conditions::AddOneOf(std::string_view column, const std::vector<std::int64_t>& ids) {
+  Append(fmt::format("{} IN ({})", column, fmt::join(ids, ", ")));
+}
+
+void Conditions::Bind(Statement& statement) const {
+  int parameter = 0;
+  for (const auto& value : values_) {
+    ++parameter;
+    std::visit([&](const auto& held) { statement.BindAt(parameter, held); }, value);
+  }
+}
+
+}  // namespace victorious::sqlite

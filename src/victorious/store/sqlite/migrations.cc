@@ -1,0 +1,59 @@
+#include "victorious/store/sqlite/migrations.h"
+
+#include <array>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "victorious/store/schema/embedded_schema.h"
+
+namespace victorious::sqlite {
+
+std::span<const Migration> Migrations() {
+  static constexpr std::array kMigrations = {Migration{1, kSchema001}};
+  return kMigrations;
+}
+
+Expected<int> ReadVersion(Connection& connection, int newest) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t tables, connection.QueryInteger("SELECT count(*) FROM sqlite_schema"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t application, connection.QueryInteger("PRAGMA application_id"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t version, connection.QueryInteger("PRAGMA user_version"));
+  if (application == 0 && version == 0 && tables == 0) return 0;
+  if (application != kApplicationId) {
+    return Fail(
+        ErrorCode::kUnsupported,
+        fmt::format("{}: a SQLite database of another program (application id {:#010x}, an index has {:#010x}): "
+                    "give a file that `victorious index` made, or a new name",
+                    connection.name(), static_cast<std::uint32_t>(application), kApplicationId));
+  }
+  if (version > newest) {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("{}: written by a newer version (schema {}; this program reads up to {}): use that version",
+                            connection.name(), version, newest));
+  }
+  if (version < 1) {
+    return Fail(ErrorCode::kDataLoss, fmt::format("{}: the index is damaged (schema {}, expected 1 to {}): restore it "
+                                                  "from a copy, or index again",
+                                                  connection.name(), version, newest));
+  }
+  return static_cast<int>(version);
+}
+
+Status Migrate(Connection& connection, std::span<const Migration> migrations) {
+  const int newest = migrations.back().version;
+  for (const Migration& migration : migrations) {
+    VICTORIOUS_ASSIGN_OR_RETURN(int version, ReadVersion(connection, newest));
+    if (version >= migration.version) continue;
+    VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(connection));
+    // Again, now that no other process can be migrating.
+    VICTORIOUS_ASSIGN_OR_RETURN(version, ReadVersion(connection, newest));
+    if (version >= migration.version) continue;
+    VICTORIOUS_RETURN_IF_ERROR(connection.Execute(std::string(migration.sql)));
+    VICTORIOUS_RETURN_IF_ERROR(connection.Execute(
+        fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", kApplicationId, migration.version)));
+    VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
+  }
+  return {};
+}
+
+}  // namespace victorious::sqlite
