@@ -1,0 +1,102 @@
+#include "victorious/model/model_library.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "victorious/store/model_file.h"
+
+namespace victorious {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kSuffix = ".vmodel";
+constexpr std::size_t kLongestName = 100;
+
+Status CheckName(std::string_view name) {
+  const auto allowed = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '_' ||
+           c == '-';
+  };
+  const bool good = !name.empty() && name.size() <= kLongestName && name.front() != '.' && name.front() != '-' &&
+                    std::ranges::all_of(name, allowed);
+  if (good) return {};
+  return Fail(ErrorCode::kInvalidArgument, fmt::format("model name \"{}\": up to {} letters, digits, '.', '_' and '-' "
+                                                       "are allowed, the first a letter, a digit or '_'",
+                                                       name, kLongestName));
+}
+
+}  // namespace
+
+fs::path ModelLibrary::PathOf(std::string_view name) const { return folder_ / fmt::format("{}{}", name, kSuffix); }
+
+Status ModelLibrary::CheckNewName(std::string_view name) const {
+  VICTORIOUS_RETURN_IF_ERROR(CheckName(name));
+  std::error_code error;
+  if (fs::exists(PathOf(name), error)) {
+    return Fail(
+        ErrorCode::kAlreadyExists,
+        fmt::format("model {} is already in {}: choose another name, or remove it first", name, folder_.string()));
+  }
+  return {};
+}
+
+Status ModelLibrary::Add(const ObjectModel& model) const {
+  VICTORIOUS_RETURN_IF_ERROR(CheckNewName(model.name));
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  if (error) return std::unexpected(ErrorFromErrno(error.value(), fmt::format("create folder {}", folder_.string())));
+  return WriteModelFile(PathOf(model.name), model);
+}
+
+Expected<std::vector<std::string>> ModelLibrary::Names() const {
+  std::error_code error;
+  if (!fs::is_directory(folder_, error)) {
+    return Fail(ErrorCode::kNotFound,
+                fmt::format("{}: no such folder of models; `victorious model add` makes one", folder_.string()));
+  }
+  std::vector<std::string> names;
+  for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
+    if (it->path().extension() == kSuffix) names.push_back(it->path().stem().string());
+  }
+  if (error) return std::unexpected(ErrorFromErrno(error.value(), folder_.string()));
+  std::ranges::sort(names);
+  return names;
+}
+
+Expected<ObjectModel> ModelLibrary::Load(std::string_view name) const {
+  VICTORIOUS_RETURN_IF_ERROR(CheckName(name));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::string> names, Names());
+  if (std::ranges::find(names, name) == names.end()) {
+    return Fail(ErrorCode::kNotFound, fmt::format("model {} is not in {}; there are: {}", name, folder_.string(),
+                                                  names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel model, ReadModelFile(PathOf(name)));
+  // The file's name counts: a file may be copied or renamed.
+  model.name = name;
+  return model;
+}
+
+Expected<std::vector<ObjectModel>> ModelLibrary::LoadAll() const {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::string> names, Names());
+  std::vector<ObjectModel> models;
+  for (const std::string& name : names) {
+    VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel model, Load(name));
+    models.push_back(std::move(model));
+  }
+  return models;
+}
+
+Status ModelLibrary::Remove(std::string_view name) const {
+  VICTORIOUS_RETURN_IF_ERROR(CheckName(name));
+  std::error_code error;
+  if (fs::remove(PathOf(name), error)) return {};
+  if (error) return std::unexpected(ErrorFromErrno(error.value(), fmt::format("remove {}", PathOf(name).string())));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::string> names, Names());
+  return Fail(ErrorCode::kNotFound, fmt::format("model {} is not in {}; there are: {}", name, folder_.string(),
+                                                names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+}
+
+}  // namespace victorious

@@ -1,0 +1,174 @@
+#include "victorious/model/photo_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
+
+#include "victorious/base/version.h"
+#include "victorious/video/image_file.h"
+
+namespace victorious {
+
+void PhotoModelOptions::ListFields(FieldList& fields) {
+  fields.AddGroup("features", features);
+  fields.Add("margin_px", margin_px,
+             {.min = 0,
+              .max = 512,
+              .unit = "px",
+              .reason = "the photo is continued by so much beyond its edges, so that keypoints near them are found"});
+  fields.Add("least_features", least_features,
+             {.min = 1, .max = 100000, .reason = "a photo with fewer keypoints on the object is refused"});
+}
+
+namespace {
+
+constexpr int kOpaque = 128;  // alpha from which a pixel is object
+
+Status CheckBox(const std::string& source, const Box& box, const cv::Size& size) {
+  const bool inside = box.x >= 0 && box.y >= 0 && box.x + box.width <= size.width && box.y + box.height <= size.height;
+  if (!box.IsEmpty() && inside) return {};
+  return Fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("{}: the box {:g},{:g},{:g},{:g} must lie inside the photo (x,y,w,h in pixels, within 0,0,{},{})",
+                  source, box.x, box.y, box.width, box.height, size.width, size.height));
+}
+
+// The object's outline in its mask: the largest part's contour, simplified; the hull of all parts where the largest is
+// not most of it.
+Polygon OutlineOf(const cv::Mat& mask) {
+  std::vector<std::vector<cv::Point>> contours;
+  cv::findContours(mask, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+  double total = 0;
+  for (const auto& contour : contours) total += cv::contourArea(contour);
+  const auto largest =
+      std::ranges::max_element(contours, {}, [](const auto& contour) { return cv::contourArea(contour); });
+  std::vector<cv::Point> corners;
+  if (largest != contours.end() && cv::contourArea(*largest) > 0.8 * total && total > 0) {
+    cv::approxPolyDP(*largest, corners, 0.004 * cv::arcLength(*largest, true), true);
+  } else {
+    std::vector<cv::Point> all;
+    for (const auto& contour : contours) all.insert(all.end(), contour.begin(), contour.end());
+    cv::convexHull(all, corners);
+  }
+  Polygon outline;
+  for (const cv::Point& corner : corners) outline.emplace_back(corner.x + 0.5, corner.y + 0.5);
+  if (SignedArea(outline) < 0) std::ranges::reverse(outline);
+  return outline;
+}
+
+// What lies outside the object takes the object's mean grey, softly, so that its rim makes no keypoints of its own.
+cv::Mat FlattenBackground(const cv::Mat& grey, const cv::Mat& mask) {
+  const double mean = cv::mean(grey, mask)[0];
+  cv::Mat result(grey.size(), CV_8UC1, cv::Scalar(mean));
+  grey.copyTo(result, mask);
+  return result;
+}
+
+bool OnObject(const Photo& photo, const Box& bounds, float x, float y) {
+  if (!bounds.Contains(x, y)) return false;
+  if (photo.mask.empty()) return true;
+  return photo.mask.at<std::uint8_t>(std::min(static_cast<int>(y), photo.mask.rows - 1),
+                                     std::min(static_cast<int>(x), photo.mask.cols - 1)) != 0;
+}
+
+// The photo's features on the object, in pixels of the photo.
+Expected<FeatureSet> FeaturesOnObject(const Photo& photo, const FeatureExtractor& extractor, int margin) {
+  cv::Mat padded;
+  cv::copyMakeBorder(photo.grey, padded, margin, margin, margin, margin, cv::BORDER_REPLICATE);
+  VICTORIOUS_ASSIGN_OR_RETURN(FeatureSet all, extractor.Extract(padded));
+  FeatureSet kept;
+  kept.image_width = photo.grey.cols;
+  kept.image_height = photo.grey.rows;
+  const Box bounds = BoundingBox(photo.outline);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    Keypoint keypoint = all.keypoints[i];
+    keypoint.x -= static_cast<float>(margin);
+    keypoint.y -= static_cast<float>(margin);
+    if (!OnObject(photo, bounds, keypoint.x, keypoint.y)) continue;
+    kept.keypoints.push_back(keypoint);
+    const auto descriptor = all.View().Descriptor(i);
+    kept.descriptors.insert(kept.descriptors.end(), descriptor.begin(), descriptor.end());
+  }
+  return kept;
+}
+
+}  // namespace
+
+Expected<Photo> LoadPhoto(const std::filesystem::path& path, const std::optional<Box>& box) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const Image image, ReadImage(path));
+  return PreparePhoto(path.string(), image.bgr, image.alpha, box);
+}
+
+Expected<Photo> PreparePhoto(const std::string& source, const cv::Mat& bgr, const cv::Mat& alpha,
+                             const std::optional<Box>& box) {
+  Photo photo{.source = source, .grey = GreyFromBgr(bgr), .mask = {}, .outline = {}};
+  const Box whole{0, 0, static_cast<double>(bgr.cols), static_cast<double>(bgr.rows)};
+  if (box) VICTORIOUS_RETURN_IF_ERROR(CheckBox(source, *box, bgr.size()));
+  photo.outline = CornersOf(box.value_or(whole));
+  if (alpha.empty()) return photo;
+
+  photo.mask = alpha >= kOpaque;
+  if (box) {
+    cv::Mat inside = cv::Mat::zeros(alpha.size(), CV_8UC1);
+    inside(cv::Rect(cv::Point(static_cast<int>(box->x), static_cast<int>(box->y)),
+                    cv::Point(static_cast<int>(std::ceil(box->x + box->width)),
+                              static_cast<int>(std::ceil(box->y + box->height))))) = 255;
+    photo.mask &= inside;
+  }
+  if (cv::countNonZero(photo.mask) == 0) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: nothing of the object shows: the alpha channel is transparent {}", source,
+                            box ? "in the box" : "everywhere"));
+  }
+  photo.outline = OutlineOf(photo.mask);
+  if (std::abs(SignedArea(photo.outline)) < 1) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: the object that the alpha channel shows has no area", source));
+  }
+  photo.grey = FlattenBackground(photo.grey, photo.mask);
+  return photo;
+}
+
+Expected<ObjectModel> MakePhotoModel(const std::string& name, std::span<const Photo> photos,
+                                     std::optional<double> length_m, const PhotoModelOptions& options) {
+  VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
+  if (photos.empty())
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("model {}: at least one photo is needed", name));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
+  ObjectModel model{.name = name,
+                    .id = {},
+                    .kind = "photos",
+                    .engine = options.features.engine,
+                    .options_json = OptionsToJsonText(options),
+                    .program_version = kVersion,
+                    .length_m = length_m,
+                    .views = {},
+                    .features = {},
+                    .storage = {}};
+  const auto storage = std::make_shared<FeatureSet>();
+  for (const Photo& photo : photos) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, FeaturesOnObject(photo, *extractor, options.margin_px));
+    if (features.size() < static_cast<std::size_t>(options.least_features)) {
+      return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: {} features on the object, at least {} are needed: "
+                                                           "give a larger or sharper photo of a textured side",
+                                                           photo.source, features.size(), options.least_features));
+    }
+    model.views.push_back({.source = photo.source,
+                           .width = photo.grey.cols,
+                           .height = photo.grey.rows,
+                           .first_feature = storage->size(),
+                           .feature_count = features.size(),
+                           .outline = photo.outline,
+                           .angles = std::nullopt});
+    storage->keypoints.insert(storage->keypoints.end(), features.keypoints.begin(), features.keypoints.end());
+    storage->descriptors.insert(storage->descriptors.end(), features.descriptors.begin(), features.descriptors.end());
+  }
+  model.features = storage->View();
+  model.storage = storage;
+  return model;
+}
+
+}  // namespace victorious

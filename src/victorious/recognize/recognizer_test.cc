@@ -1,0 +1,129 @@
+#include "victorious/recognize/recognizer.h"
+
+#include <cmath>
+#include <memory>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+#include "victorious/base/random.h"
+#include "victorious/features/feature_extractor.h"
+
+namespace victorious {
+namespace {
+
+// A picture full of corners, different for each seed.
+cv::Mat Texture(int width, int height, std::uint64_t seed) {
+  Random random(seed);
+  cv::Mat image(height, width, CV_8UC1, cv::Scalar(random.Below(256)));
+  for (int i = 0; i < width * height / 250; ++i) {
+    const cv::Rect patch(static_cast<int>(random.Below(static_cast<std::uint32_t>(width))),
+                         static_cast<int>(random.Below(static_cast<std::uint32_t>(height))),
+                         3 + static_cast<int>(random.Below(22)), 3 + static_cast<int>(random.Below(22)));
+    cv::rectangle(image, patch, cv::Scalar(random.Below(256)), cv::FILLED);
+  }
+  cv::GaussianBlur(image, image, cv::Size(), 1.0);
+  return image;
+}
+
+FeatureSet FeaturesOf(const cv::Mat& image) { return MakeFeatureExtractor({}).value()->Extract(image).value(); }
+
+ObjectModel ModelOf(const std::string& name, const cv::Mat& image) {
+  const auto storage = std::make_shared<FeatureSet>(FeaturesOf(image));
+  ObjectModel model;
+  model.name = name;
+  model.engine = "opencv";
+  model.features = storage->View();
+  model.storage = storage;
+  model.views.push_back({.source = name,
+                         .width = image.cols,
+                         .height = image.rows,
+                         .first_feature = 0,
+                         .feature_count = storage->size(),
+                         .outline = CornersOf({0, 0, static_cast<double>(image.cols), static_cast<double>(image.rows)}),
+                         .angles = {}});
+  return model;
+}
+
+// Pastes `object` into `scene` by a similarity.
+Similarity2 Paste(const cv::Mat& object, double scale, double rotation_rad, const Eigen::Vector2d& centre,
+                  cv::Mat& scene) {
+  Similarity2 pose{scale, rotation_rad, Eigen::Vector2d::Zero()};
+  pose.translation = centre - pose.Linear() * Eigen::Vector2d(object.cols / 2.0, object.rows / 2.0);
+  const Eigen::Matrix2d a = pose.Linear();
+  // cv::warpAffine puts pixel centres at integers.
+  const Eigen::Vector2d t = pose.translation + a * Eigen::Vector2d(0.5, 0.5) - Eigen::Vector2d(0.5, 0.5);
+  const cv::Matx23d matrix(a(0, 0), a(0, 1), t.x(), a(1, 0), a(1, 1), t.y());
+  cv::Mat warped;
+  cv::Mat mask;
+  cv::warpAffine(object, warped, matrix, scene.size(), cv::INTER_AREA);
+  cv::warpAffine(cv::Mat(object.size(), CV_8UC1, cv::Scalar(255)), mask, matrix, scene.size(), cv::INTER_NEAREST);
+  warped.copyTo(scene, mask);
+  return pose;
+}
+
+Recognizer MakeRecognizer(std::vector<ObjectModel> models) {
+  return Recognizer::Create(std::move(models), "opencv", {}).value();
+}
+
+TEST(Recognizer, FindsEachInstanceWhereItIs) {
+  const cv::Mat crate = Texture(120, 90, 1);
+  const cv::Mat sign = Texture(100, 100, 2);
+  const cv::Mat absent = Texture(110, 100, 3);
+  cv::Mat scene = Texture(640, 480, 4);
+  const std::vector<Similarity2> truth = {Paste(crate, 1.0, 0.5, {150, 120}, scene),
+                                          Paste(crate, 0.8, -2.0, {470, 130}, scene),
+                                          Paste(sign, 1.2, 1.5, {300, 340}, scene)};
+  const Recognizer recognizer =
+      MakeRecognizer({ModelOf("crate", crate), ModelOf("sign", sign), ModelOf("absent", absent)});
+  const std::vector<Detection> detections = recognizer.Recognize(FeaturesOf(scene));
+  ASSERT_EQ(detections.size(), 3U);
+  std::size_t matched = 0;
+  for (const Similarity2& pose : truth) {
+    const std::size_t model = matched == 2 ? 1 : 0;
+    const cv::Mat& image = model == 1 ? sign : crate;
+    Polygon outline;
+    for (const Eigen::Vector2d& corner :
+         CornersOf({0, 0, static_cast<double>(image.cols), static_cast<double>(image.rows)}))
+      outline.push_back(pose.Apply(corner));
+    for (const Detection& detection : detections) {
+      if (detection.model == model && IntersectionOverUnion(detection.outline, outline) > 0.9) {
+        ++matched;
+        break;
+      }
+    }
+  }
+  EXPECT_EQ(matched, 3U);
+}
+
+TEST(Recognizer, FindsNothingInOtherScenes) {
+  const Recognizer recognizer = MakeRecognizer({ModelOf("crate", Texture(120, 90, 1))});
+  for (std::uint64_t seed = 10; seed < 16; ++seed)
+    EXPECT_TRUE(recognizer.Recognize(FeaturesOf(Texture(640, 480, seed))).empty()) << seed;
+  EXPECT_TRUE(recognizer.Recognize(FeatureSet()).empty());
+}
+
+TEST(Recognizer, StagesOnlyTakeAway) {
+  const cv::Mat crate = Texture(120, 90, 1);
+  cv::Mat scene = Texture(640, 480, 5);
+  const Similarity2 truth = Paste(crate, 0.9, 1.0, {320, 240}, scene);
+  const Recognizer recognizer = MakeRecognizer({ModelOf("crate", crate)});
+  const StagedMatches staged = recognizer.MatchView(FeaturesOf(scene), 0, 0);
+  EXPECT_GE(staged.ratio.size(), staged.cascade.first.size());
+  EXPECT_GE(staged.cascade.first.size(), staged.cascade.second.size());
+  EXPECT_GE(staged.cascade.second.size(), staged.cascade.third.size());
+  ASSERT_EQ(staged.poses.size(), 1U);
+  EXPECT_GE(staged.cascade.third.size(), staged.poses[0].inliers.size());
+  EXPECT_NEAR(staged.poses[0].scene_from_template.scale, truth.scale, 0.01);
+  EXPECT_NEAR(staged.poses[0].scene_from_template.rotation_rad, truth.rotation_rad, 0.01);
+}
+
+TEST(Recognizer, RefusesModelsOfAnotherEngine) {
+  const auto result = Recognizer::Create({ModelOf("crate", Texture(120, 90, 1))}, "fast", {});
+  ASSERT_FALSE(result.has_value());
+  EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_NE(result.error().message.find("crate"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace victorious
