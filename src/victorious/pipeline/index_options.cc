@@ -1,0 +1,34 @@
+#include "victorious/pipeline/index_options.h"
+
+namespace victorious {
+
+void RunOptions::ListFields(FieldList& fields) {
+  fields.Add("gap_s", gap_s,
+             {.min = 0,
+              .max = 3600,
+              .unit = "s",
+              .reason = "a sighting continues an object that was last seen no longer ago than this"});
+  fields.Add(
+      "least_overlap", least_overlap,
+      {.min = 0, .max = 1, .reason = "intersection over union that a sighting's box needs with the object's last one"});
+}
+
+void KeepOptions::ListFields(FieldList& fields) {
+  fields.Add("interval_s", interval_s,
+             {.min = 0,
+              .max = 1e6,
+              .unit = "s",
+              .reason = "the features of one frame in so many seconds are kept for search by picture; 0 keeps every "
+                        "frame searched (docs/formats/index.md tells what they weigh)"});
+}
+
+void IndexOptions::ListFields(FieldList& fields) {
+  fields.AddGroup("features", features);
+  recognize.ListFields(fields);
+  fields.AddGroup("runs", runs);
+  fields.AddGroup("keep", keep);
+  fields.Add("every", every,
+             {.min = 1, .max = 1e6, .unit = "frames", .reason = "only every so many frames is searched"});
+}
+
+}  // namespace victorious

@@ -1,0 +1,36 @@
+// Every parameter of an index run in one struct, which is what `--params` reads, what an index stores with its results,
+// and what `victorious params` prints.
+#pragma once
+
+#include "victorious/base/options.h"
+#include "victorious/features/feature_extractor.h"
+#include "victorious/recognize/recognizer.h"
+
+namespace victorious {
+
+/// How sightings of consecutive frames become objects: for now, an object is a run of overlapping sightings.
+struct RunOptions {
+  double gap_s = 2.0;
+  double least_overlap = 0.1;
+
+  void ListFields(FieldList& fields);
+};
+
+/// What is kept of the frames for search by picture.
+struct KeepOptions {
+  double interval_s = 1.0;
+
+  void ListFields(FieldList& fields);
+};
+
+struct IndexOptions {
+  FeatureOptions features;
+  RecognizeOptions recognize;
+  RunOptions runs;
+  KeepOptions keep;
+  int every = 1;
+
+  void ListFields(FieldList& fields);
+};
+
+}  // namespace victorious

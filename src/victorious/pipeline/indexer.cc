@@ -1,0 +1,136 @@
+#include "victorious/pipeline/indexer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/base/file.h"
+#include "victorious/base/version.h"
+#include "victorious/pipeline/search_pass.h"
+#include "victorious/video/video_reader.h"
+
+namespace victorious {
+namespace {
+
+// The names of the parameters in which two stored texts differ, with both values.
+std::string Difference(const std::string& before, const std::string& now) {
+  const auto a = nlohmann::json::parse(before, nullptr, /*allow_exceptions=*/false);
+  const auto b = nlohmann::json::parse(now, nullptr, /*allow_exceptions=*/false);
+  if (!a.is_object() || !b.is_object()) return "another version's parameters";
+  const auto flat_a = a.flatten();
+  const auto flat_b = b.flatten();
+  std::vector<std::string> changes;
+  for (const auto& [key, value] : flat_b.items()) {
+    const auto old = flat_a.value(key, nlohmann::json());
+    if (old == value) continue;
+    std::string name = key.substr(1);
+    std::ranges::replace(name, '/', '.');
+    changes.push_back(fmt::format("{} was {}, is {}", name, old.dump(), value.dump()));
+  }
+  return changes.empty() ? "another version's parameters" : fmt::format("{}", fmt::join(changes, "; "));
+}
+
+Expected<std::string> VideoContentId(const std::string& video, const VideoInfo& info) {
+  if (!info.live) return ContentId(video);
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return fmt::format("live {} {}", video, std::chrono::duration_cast<std::chrono::microseconds>(now).count());
+}
+
+struct PlannedSearch {
+  ObjectModel model;
+  SearchRecord search;
+};
+
+}  // namespace
+
+Indexer::Indexer(std::vector<ObjectModel> models, const IndexOptions& options,
+                 std::unique_ptr<const FeatureExtractor> extractor)
+    : models_(std::move(models)), options_(options), extractor_(std::move(extractor)) {}
+
+Expected<Indexer> Indexer::Create(std::vector<ObjectModel> models, const IndexOptions& options) {
+  VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
+  VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(options.features));
+  // The models' engines are checked here, before any video is read.
+  VICTORIOUS_RETURN_IF_ERROR(Recognizer::Create(models, options.features.engine, options.recognize));
+  return Indexer(std::move(models), options, std::move(extractor));
+}
+
+Expected<IndexReport> Indexer::Index(const std::string& video, bool redo, int threads, const CancelToken& cancel,
+                                     IndexStore& store) const {
+  VICTORIOUS_ASSIGN_OR_RETURN(std::unique_ptr<VideoReader> reader, VideoReader::Open(video, {}));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string content_id, VideoContentId(video, reader->info()));
+  VICTORIOUS_ASSIGN_OR_RETURN(const VideoRecord record, store.PutVideo({.content_id = content_id,
+                                                                        .name = video,
+                                                                        .width = reader->info().width,
+                                                                        .height = reader->info().height,
+                                                                        .frame_count = {},
+                                                                        .duration_s = {},
+                                                                        .features_json = {}}));
+
+  const std::string options_json = OptionsToJsonText(options_);
+  const std::string features_json = OptionsToJsonText(options_.features);
+  const auto other_parameters = [&](const std::string& before, const std::string& now) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format(
+            "{}: was indexed with other parameters ({}): give --redo to search it again, or the same parameters", video,
+            Difference(before, now)));
+  };
+  if (!record.features_json.empty() && record.features_json != features_json) {
+    if (!redo) return other_parameters(record.features_json, features_json);
+    VICTORIOUS_RETURN_IF_ERROR(store.ForgetKeptFrames(record.id));
+  }
+
+  // The models that have frames left, by the first of these frames: each group is searched in one reading.
+  std::map<std::int64_t, std::vector<PlannedSearch>> groups;
+  for (const ObjectModel& model : models_) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const ModelRecord stored,
+                                store.PutModel({.name = model.name, .model_id = model.id, .kind = model.kind}));
+    if (redo) VICTORIOUS_RETURN_IF_ERROR(store.ForgetSearch(record.id, stored.id));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before, store.FindSearch(record.id, stored.id));
+    if (before && before->options_json != options_json) return other_parameters(before->options_json, options_json);
+    if (before && before->finished) continue;
+    const std::int64_t next_frame = before ? before->next_frame : 0;
+    groups[next_frame].push_back({model,
+                                  {.video = record.id,
+                                   .model = stored.id,
+                                   .next_frame = next_frame,
+                                   .finished = false,
+                                   .options_json = options_json,
+                                   .program_version = kVersion}});
+  }
+  VICTORIOUS_RETURN_IF_ERROR(store.SetVideoFeatures(record.id, features_json));
+
+  IndexReport report;
+  for (auto& [next_frame, planned] : groups) {
+    if (!reader) {
+      VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(video, {}));
+    }
+    std::vector<ObjectModel> models;
+    std::vector<SearchRecord> searches;
+    for (PlannedSearch& plan : planned) {
+      models.push_back(std::move(plan.model));
+      searches.push_back(std::move(plan.search));
+    }
+    VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,
+                                Recognizer::Create(std::move(models), options_.features.engine, options_.recognize));
+    const SearchPass pass{.video = record,
+                          .searches = searches,
+                          .recognizer = recognizer,
+                          .extractor = *extractor_,
+                          .options = options_,
+                          .threads = threads};
+    VICTORIOUS_RETURN_IF_ERROR(RunSearchPass(pass, *reader, cancel, store, report));
+    reader.reset();
+  }
+  report.complete = true;
+  return report;
+}
+
+}  // namespace victorious

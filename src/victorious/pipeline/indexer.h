@@ -1,0 +1,51 @@
+// pipeline/, the main job: video -> features -> recognize -> objects -> store. A frame's way through the program, in
+// the order the data flows. Frames are searched on all cores; what they gave is linked and stored in their order, so
+// that the result does not depend on the number of threads.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "victorious/base/cancel.h"
+#include "victorious/base/error.h"
+#include "victorious/pipeline/index_options.h"
+#include "victorious/store/index_store.h"
+#include "victorious/types/object_model.h"
+
+namespace victorious {
+
+struct IndexReport {
+  std::int64_t frames_searched = 0;   ///< in this run
+  std::int64_t sightings = 0;         ///< found in this run
+  bool complete = false;              ///< the video's end was reached, now or before, for every model
+  std::vector<std::string> warnings;  ///< what of the video was damaged, and where
+};
+
+/// Searches videos for a set of models and keeps what it finds. One video at a time.
+class Indexer {
+ public:
+  /// Errors: parameters out of range; a model of another feature engine.
+  static Expected<Indexer> Create(std::vector<ObjectModel> models, const IndexOptions& options);
+
+  /// Goes on where an earlier run stopped, searches new models alone in what was indexed before, and doubles nothing.
+  /// Progress is stored every few seconds together with what was found, so that a kill loses no more than that.
+  /// @param video   a path or URL, also the name under which it is stored
+  /// @param redo    forget what was found of these models in this video, and search again
+  /// @param threads 0: as many as the machine has
+  /// Errors: those of VideoReader and IndexStore; kInvalidArgument if the video was indexed with other parameters and
+  /// redo is not asked for; kCancelled, after what was done is stored.
+  Expected<IndexReport> Index(const std::string& video, bool redo, int threads, const CancelToken& cancel,
+                              IndexStore& store) const;
+
+ private:
+  Indexer(std::vector<ObjectModel> models, const IndexOptions& options,
+          std::unique_ptr<const FeatureExtractor> extractor);
+
+  std::vector<ObjectModel> models_;
+  IndexOptions options_;
+  std::unique_ptr<const FeatureExtractor> extractor_;
+};
+
+}  // namespace victorious

@@ -1,0 +1,44 @@
+// From sightings to objects while frames stand alone: a sighting that overlaps an object's last one, soon after it,
+// continues that object; any other begins a new one.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "victorious/base/error.h"
+#include "victorious/pipeline/index_options.h"
+#include "victorious/store/index_store.h"
+
+namespace victorious {
+
+/// The objects of one video that may still grow. Results do not depend on how the frames are cut into batches.
+class RunLinker {
+ public:
+  explicit RunLinker(const RunOptions& options) : options_(options) {}
+
+  /// Takes up where an earlier run stopped: the objects last seen within the gap before `next_time_s`.
+  /// @param sightings  of the video, the last `gap_s` of them at least, in order of frames
+  void Resume(std::span<const ObjectRecord> objects, std::span<const SightingRecord> sightings);
+
+  /// Adds one frame's sightings (of any models) to the batch, each with its object, new or continued. Frames come in
+  /// order.
+  void Link(std::vector<SightingRecord> sightings, IndexBatch& batch);
+
+  /// Tells the ids that the store gave to the batch's objects. The next batch starts empty.
+  void Committed(std::span<const std::int64_t> ids);
+
+ private:
+  struct Run {
+    ObjectRecord object;
+    std::optional<std::int64_t> id;       // once committed
+    std::optional<std::size_t> in_batch;  // its place in the current batch's objects
+    Box last_box;
+  };
+
+  RunOptions options_;
+  std::vector<Run> runs_;
+};
+
+}  // namespace victorious

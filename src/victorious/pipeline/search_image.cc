@@ -1,0 +1,128 @@
+#include "victorious/pipeline/search_image.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+#include <oneapi/tbb/parallel_for.h>
+
+namespace victorious {
+namespace {
+
+// A moment ends where the object is missing from this many seconds of kept frames.
+constexpr double kLongestGapS = 2.5;
+
+struct Hit {
+  std::int64_t video;
+  Moment moment;
+};
+
+// The recogniser for the example, made with the very options that made a video's kept features.
+Expected<Recognizer> MakeRecognizer(const Photo& example, const std::string& features_json,
+                                    const RecognizeOptions& options) {
+  PhotoModelOptions model_options;
+  const auto json = nlohmann::json::parse(features_json, nullptr, /*allow_exceptions=*/false);
+  if (auto status = SetFromJson(json, FieldsOf(model_options.features)); !status) {
+    return std::unexpected(std::move(status).error().WithContext("features kept in the index"));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel model,
+                              MakePhotoModel("example", std::span(&example, 1), std::nullopt, model_options));
+  return Recognizer::Create({std::move(model)}, model_options.features.engine, options);
+}
+
+std::optional<Hit> BestHit(const Recognizer& recognizer, const KeptFrame& frame) {
+  const std::vector<Detection> detections = recognizer.Recognize(frame.features);
+  if (detections.empty()) return std::nullopt;
+  const Detection& best = detections.front();
+  return Hit{frame.video,
+             {.video = {},
+              .frame = frame.frame,
+              .time_s = frame.time_s,
+              .box = best.box,
+              .score = best.score,
+              .matches = static_cast<int>(best.pose.inliers.size()),
+              .first_time_s = frame.time_s,
+              .last_time_s = frame.time_s,
+              .frames = 1}};
+}
+
+// Joins hits of one video that follow each other. Hits come by video and time.
+std::vector<Hit> JoinMoments(std::vector<Hit> hits) {
+  std::vector<Hit> moments;
+  for (Hit& hit : hits) {
+    const bool continues = !moments.empty() && moments.back().video == hit.video &&
+                           hit.moment.time_s - moments.back().moment.last_time_s <= kLongestGapS;
+    if (!continues) {
+      moments.push_back(std::move(hit));
+      continue;
+    }
+    Moment& moment = moments.back().moment;
+    if (hit.moment.score > moment.score || (hit.moment.score == moment.score && hit.moment.matches > moment.matches)) {
+      const Moment before = std::exchange(moment, hit.moment);
+      moment.first_time_s = before.first_time_s;
+      moment.frames = before.frames;
+    }
+    moment.last_time_s = hit.moment.last_time_s;
+    moment.frames += 1;
+  }
+  return moments;
+}
+
+}  // namespace
+
+Expected<std::vector<Moment>> SearchByImage(const Photo& example, const SightingFilter& filter,
+                                            const RecognizeOptions& options, IndexStore& store) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
+  std::map<std::int64_t, const VideoRecord*> by_id;
+  std::map<std::string, Recognizer> recognizers;  // by the options of the features kept
+  for (const VideoRecord& video : videos) {
+    by_id[video.id] = &video;
+    if (video.features_json.empty() || recognizers.contains(video.features_json)) continue;
+    VICTORIOUS_ASSIGN_OR_RETURN(Recognizer recognizer, MakeRecognizer(example, video.features_json, options));
+    recognizers.emplace(video.features_json, std::move(recognizer));
+  }
+
+  // Read in the store's order, searched on all cores, a few hundred frames at a time.
+  constexpr std::size_t kChunk = 256;
+  std::vector<KeptFrame> chunk;
+  std::vector<Hit> hits;
+  std::int64_t searched = 0;
+  const auto search_chunk = [&] {
+    std::vector<std::optional<Hit>> found(chunk.size());
+    oneapi::tbb::parallel_for(std::size_t{0}, chunk.size(), [&](std::size_t i) {
+      const VideoRecord& video = *by_id.at(chunk[i].video);
+      found[i] = BestHit(recognizers.at(video.features_json), chunk[i]);
+    });
+    for (std::optional<Hit>& hit : found) {
+      if (hit) hits.push_back(*std::move(hit));
+    }
+    searched += static_cast<std::int64_t>(chunk.size());
+    chunk.clear();
+  };
+  VICTORIOUS_RETURN_IF_ERROR(store.VisitKeptFrames(filter, [&](KeptFrame&& frame) {
+    chunk.push_back(std::move(frame));
+    if (chunk.size() == kChunk) search_chunk();
+    return true;
+  }));
+  search_chunk();
+  if (searched == 0) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "the index holds no frames' features to search in: index a video first, or widen --video, --from, --to");
+  }
+
+  std::vector<Moment> moments;
+  for (Hit& hit : JoinMoments(std::move(hits))) {
+    hit.moment.video = by_id.at(hit.video)->name;
+    moments.push_back(std::move(hit.moment));
+  }
+  std::ranges::stable_sort(moments, [](const Moment& a, const Moment& b) {
+    return a.score != b.score ? a.score > b.score : a.matches > b.matches;
+  });
+  return moments;
+}
+
+}  // namespace victorious

@@ -1,0 +1,240 @@
+#include "victorious/pipeline/search_pass.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+#include <oneapi/tbb/parallel_pipeline.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include "victorious/base/progress.h"
+#include "victorious/pipeline/run_linker.h"
+
+namespace victorious {
+namespace {
+
+// A frame on its way: read, searched, collected.
+struct Work {
+  Frame frame;
+  bool keep = false;  // its features are kept
+  Expected<FeatureSet> features = FeatureSet{};
+  std::vector<Detection> detections;
+};
+using WorkPtr = std::shared_ptr<Work>;
+
+// Chooses one frame in so many seconds, from the video's beginning on: the same frames however often it is interrupted.
+class KeepClock {
+ public:
+  explicit KeepClock(double interval_s) : interval_s_(interval_s) {}
+
+  bool Keeps(double time_s) {
+    if (interval_s_ <= 0) return true;
+    const double slot = std::floor(time_s / interval_s_ + 1e-9);
+    return std::exchange(last_slot_, slot) != slot;
+  }
+
+ private:
+  double interval_s_;
+  double last_slot_ = -1;
+};
+
+// Reads the frames to be searched. Serial.
+class Source {
+ public:
+  Source(const SearchPass& pass, VideoReader& reader, const CancelToken& cancel)
+      : reader_(reader),
+        cancel_(cancel),
+        clock_(pass.options.keep.interval_s),
+        every_(pass.options.every),
+        first_frame_(pass.searches.front().next_frame) {}
+
+  // The next frame to search, or nothing at the end, when cancelled, or on an error.
+  WorkPtr Next() {
+    while (status_ && !cancel_.IsCancelled()) {
+      Expected<std::optional<Frame>> frame = reader_.NextFrame();
+      if (!frame) {
+        status_ = std::unexpected(std::move(frame).error());
+        break;
+      }
+      if (!*frame) {
+        at_end_ = true;
+        break;
+      }
+      ++frames_read_;
+      last_time_s_ = (*frame)->time_s;
+      if ((*frame)->index % every_ != 0) continue;
+      const bool keep = clock_.Keeps((*frame)->time_s);
+      if ((*frame)->index < first_frame_) continue;
+      auto work = std::make_shared<Work>();
+      work->frame = *std::move(*frame);
+      work->keep = keep;
+      return work;
+    }
+    return nullptr;
+  }
+
+  [[nodiscard]] const Status& status() const { return status_; }
+  [[nodiscard]] bool at_end() const { return at_end_; }
+  [[nodiscard]] std::int64_t frames_read() const { return frames_read_; }
+  [[nodiscard]] double last_time_s() const { return last_time_s_; }
+
+ private:
+  VideoReader& reader_;
+  const CancelToken& cancel_;
+  KeepClock clock_;
+  std::int64_t every_;
+  std::int64_t first_frame_;
+  Status status_;
+  bool at_end_ = false;
+  std::int64_t frames_read_ = 0;
+  double last_time_s_ = 0;
+};
+
+// Features and recognition. Parallel.
+void Search(const SearchPass& pass, Work& work) {
+  work.features = pass.extractor.Extract(work.frame.image);
+  if (work.features) work.detections = pass.recognizer.Recognize(*work.features);
+  work.frame.image.release();
+}
+
+// Links and stores, in the order of frames. Serial.
+class Sink {
+ public:
+  Sink(const SearchPass& pass, IndexStore& store, IndexReport& report)
+      : pass_(pass),
+        store_(store),
+        report_(report),
+        linker_(pass.options.runs),
+        next_frame_(pass.searches.front().next_frame),
+        committed_frame_(next_frame_),
+        last_commit_(Clock::now()) {}
+
+  // Takes up the objects that may still grow.
+  Status Resume() {
+    if (next_frame_ == 0) return {};
+    const SightingFilter filter{.model_name = {}, .video_name = pass_.video.name, .from_s = {}, .to_s = {}};
+    VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectRecord> objects, store_.Objects(filter));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SightingRecord> sightings, store_.Sightings(filter));
+    std::erase_if(objects, [&](const ObjectRecord& object) {
+      return object.video != pass_.video.id ||
+             std::ranges::find(pass_.searches, object.model, &SearchRecord::model) == pass_.searches.end();
+    });
+    linker_.Resume(objects, sightings);
+    return {};
+  }
+
+  Status Add(Work& work) {
+    if (!work.features) return std::unexpected(std::move(work.features).error());
+    std::vector<SightingRecord> sightings;
+    for (const Detection& detection : work.detections) sightings.push_back(ToSighting(work.frame, detection));
+    report_.frames_searched += 1;
+    report_.sightings += static_cast<std::int64_t>(sightings.size());
+    linker_.Link(std::move(sightings), batch_);
+    if (work.keep) {
+      batch_.kept_frames.push_back({.video = pass_.video.id,
+                                    .frame = work.frame.index,
+                                    .time_s = work.frame.time_s,
+                                    .features = *std::move(work.features)});
+    }
+    next_frame_ = work.frame.index + 1;
+    constexpr auto kInterval = std::chrono::seconds(2);
+    constexpr std::size_t kKeptFrames = 32;
+    if (Clock::now() - last_commit_ < kInterval && batch_.kept_frames.size() < kKeptFrames) return {};
+    return Commit(false);
+  }
+
+  Status Commit(bool finished) {
+    for (const SearchRecord& search : pass_.searches) {
+      SearchRecord record = search;
+      record.next_frame = next_frame_;
+      record.finished = finished;
+      batch_.progress.push_back({.search = std::move(record), .expected_next_frame = committed_frame_});
+    }
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::int64_t> ids, store_.Commit(batch_));
+    linker_.Committed(ids);
+    batch_ = {};
+    committed_frame_ = next_frame_;
+    last_commit_ = Clock::now();
+    return {};
+  }
+
+  [[nodiscard]] std::int64_t next_frame() const { return next_frame_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  [[nodiscard]] SightingRecord ToSighting(const Frame& frame, const Detection& detection) const {
+    const ModelView& view = pass_.recognizer.models()[detection.model].views[detection.view];
+    return {.object = 0,
+            .video = pass_.video.id,
+            .model = pass_.searches[detection.model].model,
+            .frame = frame.index,
+            .time_s = frame.time_s,
+            .box = detection.box,
+            .outline = detection.outline,
+            .score = detection.score,
+            .source = "recognised",
+            .matches = static_cast<int>(detection.pose.inliers.size()),
+            .view_index = static_cast<int>(detection.view),
+            .view = view.angles,
+            .in_plane_rad = detection.pose.scene_from_template.rotation_rad};
+  }
+
+  const SearchPass& pass_;
+  IndexStore& store_;
+  IndexReport& report_;
+  RunLinker linker_;
+  IndexBatch batch_;
+  std::int64_t next_frame_;
+  std::int64_t committed_frame_;
+  Clock::time_point last_commit_;
+};
+
+}  // namespace
+
+Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelToken& cancel, IndexStore& store,
+                     IndexReport& report) {
+  namespace tbb = oneapi::tbb;
+  Source source(pass, reader, cancel);
+  Sink sink(pass, store, report);
+  VICTORIOUS_RETURN_IF_ERROR(sink.Resume());
+  Progress progress(pass.video.name, reader.info().frame_count, "frames");
+
+  const int threads =
+      pass.threads > 0 ? pass.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  Status status;
+  tbb::task_arena arena(threads);
+  arena.execute([&] {
+    const auto read =
+        tbb::make_filter<void, WorkPtr>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) {
+          WorkPtr work = status ? source.Next() : nullptr;
+          if (!work) control.stop();
+          return work;
+        });
+    const auto search = tbb::make_filter<WorkPtr, WorkPtr>(tbb::filter_mode::parallel, [&](WorkPtr work) {
+      Search(pass, *work);
+      return work;
+    });
+    const auto collect = tbb::make_filter<WorkPtr, void>(tbb::filter_mode::serial_in_order, [&](const WorkPtr& work) {
+      if (status) status = sink.Add(*work);
+      progress.Update(work->frame.index + 1);
+    });
+    tbb::parallel_pipeline(static_cast<std::size_t>(threads) * 2, read & search & collect);
+  });
+  for (const std::string& warning : reader.warnings()) report.warnings.push_back(warning);
+  VICTORIOUS_RETURN_IF_ERROR(status);
+  // What was searched before an error or a cancel is stored, too.
+  VICTORIOUS_RETURN_IF_ERROR(sink.Commit(source.at_end()));
+  VICTORIOUS_RETURN_IF_ERROR(source.status());
+  if (!source.at_end()) {
+    return Fail(ErrorCode::kCancelled, fmt::format("stopped at frame {}; run again to go on", sink.next_frame()));
+  }
+  return store.SetVideoLength(pass.video.id, source.frames_read(), source.last_time_s());
+}
+
+}  // namespace victorious

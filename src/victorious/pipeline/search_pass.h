@@ -1,0 +1,33 @@
+// One reading of one video, searched for one set of models from one frame on.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "victorious/base/cancel.h"
+#include "victorious/base/error.h"
+#include "victorious/features/feature_extractor.h"
+#include "victorious/pipeline/index_options.h"
+#include "victorious/pipeline/indexer.h"
+#include "victorious/recognize/recognizer.h"
+#include "victorious/store/index_store.h"
+#include "victorious/video/video_reader.h"
+
+namespace victorious {
+
+/// What a pass works on. The references outlive it.
+struct SearchPass {
+  const VideoRecord& video;
+  std::span<const SearchRecord> searches;  ///< one a model of the recogniser, in its order; all at the same next_frame
+  const Recognizer& recognizer;
+  const FeatureExtractor& extractor;
+  const IndexOptions& options;
+  int threads = 0;  ///< 0: as many as the machine has
+};
+
+/// Reads `reader` to its end and commits to `store` as it goes; adds what it did to `report`.
+Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelToken& cancel, IndexStore& store,
+                     IndexReport& report);
+
+}  // namespace victorious
