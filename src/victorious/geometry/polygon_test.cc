@@ -22,6 +22,7 @@ const Polygon kBowTie = {{0, 0}, {1, 1}, {1, 0}, {0, 1}};
 
 Polygon Regular(int corners, double radius, const Vector2d& centre = Vector2d::Zero(), double turn_rad = 0) {
   Polygon polygon;
+  polygon.reserve(static_cast<std::size_t>(corners));
   for (int i = 0; i < corners; ++i) {
     const double angle = turn_rad + 2 * kPi * i / corners;
     polygon.emplace_back(centre + radius * Vector2d(std::cos(angle), std::sin(angle)));
@@ -40,8 +41,8 @@ Polygon Reversed(Polygon polygon) {
 }
 
 std::vector<Vector2d> RandomPoints(Random& random, int count) {
-  std::vector<Vector2d> points;
-  for (int i = 0; i < count; ++i) points.emplace_back(random.Uniform(0, 10), random.Uniform(0, 10));
+  std::vector<Vector2d> points(static_cast<std::size_t>(count));
+  for (Vector2d& point : points) point = {random.Uniform(0, 10), random.Uniform(0, 10)};
   return points;
 }
 
@@ -177,7 +178,7 @@ TEST(IsConvex, WhatIsFlatOrNotFiniteIsNot) {
 }
 
 TEST(ConvexHull, OfASquareWithPointsInsideAndOnItsEdges) {
-  Polygon hull = ConvexHull({{1, 1}, {0, 0}, {2, 2}, {1, 0}, {0, 2}, {2, 0}, {0, 1}, {0, 0}});
+  const Polygon hull = ConvexHull({{1, 1}, {0, 0}, {2, 2}, {1, 0}, {0, 2}, {2, 0}, {0, 1}, {0, 0}});
   EXPECT_EQ(hull, (Polygon{{0, 0}, {2, 0}, {2, 2}, {0, 2}}));
 }
 
