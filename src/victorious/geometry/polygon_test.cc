@@ -41,8 +41,8 @@ Polygon Reversed(Polygon polygon) {
 }
 
 std::vector<Vector2d> RandomPoints(Random& random, int count) {
-  std::vector<Vector2d> points;
-  for (int i = 0; i < count; ++i) points.emplace_back(random.Uniform(0, 10), random.Uniform(0, 10));
+  std::vector<Vector2d> points(static_cast<std::size_t>(count));
+  for (Vector2d& point : points) point = {random.Uniform(0, 10), random.Uniform(0, 10)};
   return points;
 }
 

@@ -1,0 +1,145 @@
+#!/usr/bin/env python3
+"""Checks the house rules that the compiler does not: who includes whom (layers.toml), where third-party headers may
+stand, how long a file may be, and that no mark of unfinished work is left.
+
+Usage: check_layers.py [ROOT]
+Prints one line a finding, "path:line: what is wrong: what would be right"; exits with 1 if there is any.
+"""
+
+import re
+import sys
+import tomllib
+from pathlib import Path
+from typing import Iterator, NamedTuple
+
+SOURCES = Path("src/victorious")
+CODE_FOLDERS = ("src", "testing", "tests", "tools", "bench", "examples")
+CODE_ENDINGS = (".h", ".cc", ".cu")
+LONGEST_FILE = 600  # lines
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"(?P<quoted>[^"]+)"|<(?P<angled>[^>]+)>)')
+UNFINISHED = re.compile(r"\b(TODO|FIXME|XXX)\b|\bnot (?:yet )?implemented\b", re.IGNORECASE)
+PROJECT_ROOTS = ("victorious/", "testing/", "tests/", "tools/", "bench/", "hwy/")
+
+
+class ThirdParty(NamedTuple):
+    header: re.Pattern  # of the included path
+    place: re.Pattern  # of the paths, within src/victorious, that may include it
+    right: str  # what would be right
+
+
+THIRD_PARTY = (
+    ThirdParty(re.compile(r"lib(av|sw)[a-z]+/"), re.compile(r"video/"), "FFmpeg stays inside video/"),
+    ThirdParty(re.compile(r"sqlite3(ext)?\.h$"), re.compile(r"store/sqlite/"), "SQLite stays inside store/sqlite/"),
+    ThirdParty(re.compile(r"hwy/"), re.compile(r"kernels/"), "Highway stays inside kernels/"),
+    ThirdParty(re.compile(r"CLI/"), re.compile(r"cli/"), "CLI11 stays inside cli/"),
+    ThirdParty(re.compile(r"nlohmann/json\.hpp$"), re.compile(r".*\.cc$"), "headers include nlohmann/json_fwd.hpp"),
+    ThirdParty(re.compile(r"testing/"), re.compile(r".*_test\.(cc|h)$"), "only tests may include testing/"),
+)
+
+
+class Finding(NamedTuple):
+    path: Path
+    line: int  # from 1
+    message: str
+
+    def __str__(self) -> str:
+        return f"{self.path.as_posix()}:{self.line}: {self.message}"
+
+
+class Include(NamedTuple):
+    line: int
+    path: str
+    quoted: bool
+
+
+def read_levels(root: Path) -> dict[str, int]:
+    with open(root / "layers.toml", "rb") as file:
+        return tomllib.load(file)["levels"]
+
+
+def includes_of(text: str) -> Iterator[Include]:
+    for number, line in enumerate(text.splitlines(), start=1):
+        if match := INCLUDE.match(line):
+            yield Include(number, match["quoted"] or match["angled"], match["quoted"] is not None)
+
+
+def check_folders(root: Path, levels: dict[str, int]) -> Iterator[Finding]:
+    """Every folder is listed, and every listed folder is there."""
+    present = {path.name for path in (root / SOURCES).iterdir() if path.is_dir()}
+    for name in sorted(present - levels.keys()):
+        yield Finding(SOURCES / name, 1, f"folder {name} is not listed in layers.toml: give it a level")
+    for name in sorted(levels.keys() - present):
+        yield Finding(Path("layers.toml"), 1, f"lists {name}, which is no folder of {SOURCES}: take it out")
+
+
+def check_level(path: Path, include: Include, levels: dict[str, int]) -> Iterator[Finding]:
+    """A folder includes itself and folders of a lower level."""
+    folder = path.relative_to(SOURCES).parts[0]
+    target = include.path.removeprefix("victorious/").split("/")[0]
+    if target == folder:
+        return
+    if target not in levels:
+        yield Finding(path, include.line, f"includes {include.path}: layers.toml lists no folder {target}")
+    elif folder in levels and levels[target] >= levels[folder]:
+        yield Finding(
+            path,
+            include.line,
+            f"includes {include.path} (level {levels[target]}) from {folder} (level {levels[folder]}): "
+            "only lower levels may be included",
+        )
+
+
+def check_includes(path: Path, text: str, levels: dict[str, int]) -> Iterator[Finding]:
+    in_sources = path.is_relative_to(SOURCES)
+    for include in includes_of(text):
+        if in_sources and include.path.startswith("victorious/"):
+            yield from check_level(path, include, levels)
+        if include.quoted and not include.path.startswith(PROJECT_ROOTS):
+            yield Finding(
+                path, include.line, f'includes "{include.path}": name it from the root, as "victorious/folder/file.h"'
+            )
+        if include.path == "opencv2/opencv.hpp":
+            yield Finding(path, include.line, f"includes {include.path}: include the modules that are used")
+        for rule in THIRD_PARTY if in_sources else ():
+            place = path.relative_to(SOURCES).as_posix()
+            if rule.header.match(include.path) and not rule.place.match(place):
+                yield Finding(path, include.line, f"includes {include.path}: {rule.right}")
+
+
+def check_text(path: Path, text: str) -> Iterator[Finding]:
+    lines = text.splitlines()
+    if len(lines) > LONGEST_FILE:
+        yield Finding(path, len(lines), f"{len(lines)} lines, more than {LONGEST_FILE}: split it by subject")
+    for number, line in enumerate(lines, start=1):
+        if match := UNFINISHED.search(line):
+            yield Finding(path, number, f'says "{match[0]}": finish it, or open an issue and say what holds today')
+
+
+def code_files(root: Path) -> Iterator[Path]:
+    for folder in CODE_FOLDERS:
+        for path in sorted((root / folder).rglob("*")):
+            if path.suffix in CODE_ENDINGS and path.is_file():
+                yield path.relative_to(root)
+
+
+def check(root: Path) -> list[Finding]:
+    levels = read_levels(root)
+    findings = list(check_folders(root, levels))
+    for path in code_files(root):
+        text = (root / path).read_text(encoding="utf-8", errors="replace")
+        findings += check_includes(path, text, levels)
+        findings += check_text(path, text)
+    return findings
+
+
+def main(arguments: list[str]) -> int:
+    root = Path(arguments[0]) if arguments else Path(__file__).resolve().parent.parent
+    findings = check(root)
+    for finding in findings:
+        print(finding)
+    return 1 if findings else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,150 @@
+#!/usr/bin/env python3
+"""Tests of check_layers.py: small trees, each with one fault or none."""
+
+import contextlib
+import io
+import tempfile
+import unittest
+from pathlib import Path
+
+import check_layers
+
+LAYERS = "[levels]\nbase = 0\ngeometry = 1\nkernels = 1\nvideo = 3\nstore = 3\ncli = 7\n"
+FOLDERS = ("base", "geometry", "kernels", "video", "store", "cli")
+
+
+class CheckLayersTest(unittest.TestCase):
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.root = Path(scratch.name)
+        self.put("layers.toml", LAYERS)
+        for folder in FOLDERS:
+            self.put(f"src/victorious/{folder}/CMakeLists.txt", "")
+
+    def put(self, path, text):
+        (self.root / path).parent.mkdir(parents=True, exist_ok=True)
+        (self.root / path).write_text(text, encoding="utf-8")
+
+    def findings(self, path=None, text=""):
+        if path is not None:
+            self.put(path, text)
+        return [str(finding) for finding in check_layers.check(self.root)]
+
+    def assert_one(self, expected, path, text):
+        self.assertEqual(self.findings(path, text), [expected])
+
+    def test_lower_levels_and_the_own_folder_are_fine(self):
+        text = '#include "victorious/video/reader.h"\n#include "victorious/base/error.h"\n#include <vector>\n'
+        self.assertEqual(self.findings("src/victorious/video/reader.cc", text), [])
+
+    def test_a_higher_level_is_reported_with_its_line(self):
+        self.assert_one(
+            "src/victorious/base/error.h:3: includes victorious/geometry/box.h (level 1) from base (level 0): "
+            "only lower levels may be included",
+            "src/victorious/base/error.h",
+            '// text\n\n#include "victorious/geometry/box.h"\n',
+        )
+
+    def test_the_same_level_is_reported(self):
+        self.assert_one(
+            "src/victorious/store/export.cc:1: includes victorious/video/reader.h (level 3) from store (level 3): "
+            "only lower levels may be included",
+            "src/victorious/store/export.cc",
+            '#include "victorious/video/reader.h"\n',
+        )
+
+    def test_subfolders_belong_to_their_folder(self):
+        self.assertEqual(
+            self.findings("src/victorious/store/sqlite/store.cc", '#include "victorious/store/index_store.h"\n'), []
+        )
+        found = self.findings("src/victorious/geometry/robust/a.h", '#include "victorious/video/reader.h"\n')
+        self.assertIn("from geometry (level 1)", found[0])
+
+    def test_angle_brackets_and_spaces_hide_nothing(self):
+        found = self.findings("src/victorious/base/a.h", "#  include  <victorious/cli/main.h>\n")
+        self.assertIn("includes victorious/cli/main.h (level 7) from base (level 0)", found[0])
+
+    def test_an_include_in_a_line_comment_does_not_count(self):
+        self.assertEqual(self.findings("src/victorious/base/a.h", '// #include "victorious/cli/main.h"\n'), [])
+
+    def test_an_unknown_folder_is_reported(self):
+        self.assert_one(
+            "src/victorious/cli/main.cc:1: includes victorious/magic/wand.h: layers.toml lists no folder magic",
+            "src/victorious/cli/main.cc",
+            '#include "victorious/magic/wand.h"\n',
+        )
+
+    def test_folders_and_the_list_agree(self):
+        self.put("src/victorious/magic/wand.h", "")
+        self.put("layers.toml", LAYERS + "pose = 3\n")
+        self.assertEqual(
+            self.findings(),
+            [
+                "src/victorious/magic:1: folder magic is not listed in layers.toml: give it a level",
+                "layers.toml:1: lists pose, which is no folder of src/victorious: take it out",
+            ],
+        )
+
+    def test_headers_are_named_from_the_root(self):
+        for name in ("error.h", "../base/error.h"):
+            found = self.findings("src/victorious/base/error.cc", f'#include "{name}"\n')
+            self.assertEqual(len(found), 1)
+            self.assertIn("name it from the root", found[0])
+
+    def test_third_party_headers_have_their_places(self):
+        cases = (
+            ("<libavformat/avformat.h>", "video/a.cc", "cli/a.cc", "FFmpeg"),
+            ("<libswscale/swscale.h>", "video/a.h", "store/a.cc", "FFmpeg"),
+            ("<sqlite3.h>", "store/sqlite/a.cc", "store/a.cc", "SQLite"),
+            ("<hwy/highway.h>", "kernels/a.cc", "video/a.cc", "Highway"),
+            ('"hwy/foreach_target.h"', "kernels/a.cc", "cli/a.cc", "Highway"),
+            ("<CLI/CLI.hpp>", "cli/a.cc", "video/a.cc", "CLI11"),
+            ("<nlohmann/json.hpp>", "base/a.cc", "base/a.h", "json_fwd.hpp"),
+            ('"testing/data.h"', "base/a_test.cc", "base/a.cc", "only tests"),
+        )
+        for header, right, wrong, text in cases:
+            with self.subTest(header=header):
+                self.assertEqual(self.findings(f"src/victorious/{right}", f"#include {header}\n"), [])
+                found = self.findings(f"src/victorious/{wrong}", f"#include {header}\n")
+                self.assertEqual(len(found), 1)
+                self.assertTrue(found[0].startswith(f"src/victorious/{wrong}:1: "))
+                self.assertIn(text, found[0])
+                (self.root / "src/victorious" / wrong).unlink()
+
+    def test_the_json_declarations_are_fine_in_headers(self):
+        self.assertEqual(self.findings("src/victorious/base/a.h", "#include <nlohmann/json_fwd.hpp>\n"), [])
+
+    def test_opencvs_umbrella_header_is_refused_everywhere(self):
+        for path in ("src/victorious/video/a.cc", "tests/e2e/a.cc"):
+            self.assertIn("modules that are used", self.findings(path, "#include <opencv2/opencv.hpp>\n")[0])
+            (self.root / path).unlink()
+        self.assertEqual(self.findings("src/victorious/video/a.cc", "#include <opencv2/core.hpp>\n"), [])
+
+    def test_long_files_are_reported(self):
+        self.assertEqual(self.findings("src/victorious/base/a.cc", "\n" * check_layers.LONGEST_FILE), [])
+        found = self.findings("src/victorious/base/a.cc", "\n" * (check_layers.LONGEST_FILE + 1))
+        self.assertIn("601 lines, more than 600", found[0])
+
+    def test_unfinished_work_is_reported(self):
+        for mark in ("TO" + "DO: later", "FIX" + "ME", "X" * 3, "Not " + "implemented", "not yet " + "implemented"):
+            with self.subTest(mark=mark):
+                found = self.findings("bench/a.cc", f"int a;\n// {mark}\n")
+                self.assertEqual(len(found), 1)
+                self.assertTrue(found[0].startswith("bench/a.cc:2: says "))
+
+    def test_a_template_of_a_temporary_name_is_no_mark(self):
+        self.assertEqual(self.findings("testing/data.cc", f'mkdtemp("test-{"X" * 6}");\n'), [])
+
+    def test_everything_is_reported_and_the_exit_status_says_so(self):
+        self.put("src/victorious/base/a.h", '#include "victorious/cli/b.h"\n#include "victorious/video/c.h"\n')
+        output = io.StringIO()
+        with contextlib.redirect_stdout(output):
+            self.assertEqual(check_layers.main([str(self.root)]), 1)
+        self.assertEqual(len(output.getvalue().splitlines()), 2)
+        self.put("src/victorious/base/a.h", "")
+        self.assertEqual(check_layers.main([str(self.root)]), 0)
+
+
+if __name__ == "__main__":
+    unittest.main()

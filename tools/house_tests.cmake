@@ -1,0 +1,10 @@
+# The house's own tests: who may include whom, and how the sources are laid out.
+find_package(Python3 3.11 REQUIRED COMPONENTS Interpreter)
+
+add_test(NAME house/layers
+  COMMAND Python3::Interpreter "${CMAKE_CURRENT_LIST_DIR}/check_layers.py" "${PROJECT_SOURCE_DIR}")
+add_test(NAME house/check_layers_test
+  COMMAND Python3::Interpreter "${CMAKE_CURRENT_LIST_DIR}/check_layers_test.py")
+add_test(NAME house/format
+  COMMAND "${CMAKE_CURRENT_LIST_DIR}/check_format.sh" "${PROJECT_SOURCE_DIR}")
+set_tests_properties(house/format PROPERTIES SKIP_RETURN_CODE 77)
