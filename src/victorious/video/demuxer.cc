@@ -87,13 +87,14 @@ Demuxer::~Demuxer() {
 
 int Demuxer::Read(AVPacket* packet) {
   StartTimer();
-  return av_read_frame(context_, packet);
+  const int result = av_read_frame(context_, packet);
+  return result < 0 && TimeIsUp() ? AVERROR_EXIT : result;  // not every protocol says why it gave up
 }
 
 Status Demuxer::OpenContainer() {
   context_ = avformat_alloc_context();
   if (context_ == nullptr) return Fail(ErrorCode::kInternal, "no memory for a container");
-  context_->interrupt_callback = {&Demuxer::TimeIsUp, this};
+  context_->interrupt_callback = {[](void* self) { return static_cast<Demuxer*>(self)->TimeIsUp() ? 1 : 0; }, this};
   Dictionary options;
   options.Set("protocol_whitelist", source_.live ? kLiveProtocols : "file");
   options.Set("format_whitelist", source_.live ? kLiveFormats : kFileFormats);
@@ -136,16 +137,13 @@ void Demuxer::StartTimer() {
 Error Demuxer::OpenError(int result) const {
   if (source_.live) {
     const std::string reason =
-        result == AVERROR_EXIT ? fmt::format("no answer within {:g} s", source_.timeout_s) : FfmpegErrorText(result);
+        TimeIsUp() ? fmt::format("no answer within {:g} s", source_.timeout_s) : FfmpegErrorText(result);
     return {ErrorCode::kNotFound, fmt::format("{}: {}; check that the source is sending", source_.name, reason)};
   }
   if (result == AVERROR(EACCES) || result == AVERROR(ENOENT)) return ErrorFromErrno(AVUNERROR(result), source_.name);
   return {ErrorCode::kDataLoss, fmt::format("{}: not a video that can be read, or its head is damaged", source_.name)};
 }
 
-int Demuxer::TimeIsUp(void* demuxer) {
-  const auto& deadline = static_cast<const Demuxer*>(demuxer)->deadline_;
-  return deadline && Clock::now() > *deadline ? 1 : 0;
-}
+bool Demuxer::TimeIsUp() const { return deadline_ && Clock::now() > *deadline_; }
 
 }  // namespace victorious

@@ -53,7 +53,7 @@ class Demuxer {
   Status ChooseVideo();
   void StartTimer();
   [[nodiscard]] Error OpenError(int result) const;
-  static int TimeIsUp(void* demuxer);
+  [[nodiscard]] bool TimeIsUp() const;
 
   MediaSource source_;
   AVFormatContext* context_ = nullptr;

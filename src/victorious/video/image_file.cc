@@ -65,6 +65,9 @@ Expected<ImageHeader> CheckedHeader(std::span<const std::byte> bytes, const std:
     return Fail(ErrorCode::kUnsupported, fmt::format("{}: {} x {} pixels, more than the {} that can be read", name,
                                                      header->width, header->height, kMaxPixels));
   }
+  if (header->cut_off) {
+    return Fail(ErrorCode::kDataLoss, fmt::format("{}: a {} picture whose end is missing", name, Name(header->format)));
+  }
   return *header;
 }
 

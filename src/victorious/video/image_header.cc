@@ -1,6 +1,7 @@
 #include "victorious/video/image_header.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cctype>
 
@@ -69,15 +70,17 @@ Orientation ExifOrientation(std::span<const std::byte> exif) {
 
 std::optional<ImageHeader> ReadPng(std::span<const std::byte> bytes) {
   const ByteView view(bytes, std::endian::big);
-  ImageHeader header{ImageFormat::kPng, view.U32(16), view.U32(20)};
+  ImageHeader header{.format = ImageFormat::kPng, .width = view.U32(16), .height = view.U32(20), .cut_off = true};
   for (std::size_t chunk = 8; chunk < view.size(); chunk += std::size_t{12} + view.U32(chunk)) {
     if (view.Has(chunk + 4, "eXIf")) header.orientation = ExifOrientation(view.From(chunk + 8));
+    if (view.Has(chunk + 4, "IEND")) header.cut_off = false;
   }
   return header;
 }
 
 std::optional<ImageHeader> ReadJpeg(std::span<const std::byte> bytes) {
   const ByteView view(bytes, std::endian::big);
+  constexpr std::array kEndOfImage = {std::byte{0xFF}, std::byte{0xD9}};
   ImageHeader header{ImageFormat::kJpeg};
   std::size_t at = 2;
   while (at + 4 <= view.size()) {
@@ -91,6 +94,7 @@ std::optional<ImageHeader> ReadJpeg(std::span<const std::byte> bytes) {
     if (marker >= 0xC0 && marker <= 0xCF && !table) {  // start of frame
       header.height = view.U16(at + 5);
       header.width = view.U16(at + 7);
+      header.cut_off = std::ranges::search(view.From(at), kEndOfImage).empty();
       return header;
     }
     if (marker == 0xDA) return std::nullopt;  // the scan begins and no frame was declared
@@ -122,7 +126,7 @@ std::optional<ImageHeader> ReadBmp(std::span<const std::byte> bytes) {
 
 std::optional<ImageHeader> ReadWebp(std::span<const std::byte> bytes) {
   const ByteView view(bytes, std::endian::little);
-  ImageHeader header{ImageFormat::kWebp};
+  ImageHeader header{.format = ImageFormat::kWebp, .cut_off = std::size_t{8} + view.U32(4) > view.size()};
   if (view.Has(12, "VP8 ")) {
     header.width = view.U16(26) & 0x3FFF;
     header.height = view.U16(28) & 0x3FFF;

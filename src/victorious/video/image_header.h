@@ -23,6 +23,7 @@ struct ImageHeader {
   std::uint32_t width = 0;   ///< px, as stored
   std::uint32_t height = 0;  ///< px, as stored
   Orientation orientation = Orientation::kUpright;
+  bool cut_off = false;  ///< a PNG, JPEG or WebP whose end is missing
 };
 
 /// By the first bytes alone (32 are enough), however damaged the rest.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <optional>
+#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -39,6 +40,13 @@ FrameClock ClockOf(const AVStream& stream) {
   const double rate = FrameRate(stream);
   const AVRational tick = stream.time_base;
   return {tick.num > 0 && tick.den > 0 ? av_q2d(tick) : 1 / kUsualRate, 1 / (rate > 0 ? rate : kUsualRate)};
+}
+
+// Codes without a container carry no time stamps; FFmpeg makes some up, in the order of decoding.
+bool HasTimeStamps(const AVFormatContext& container) {
+  static constexpr std::array<std::string_view, 7> kBareCodes = {"mpegvideo", "h264", "hevc", "m4v",
+                                                                 "vc1",       "obu",  "mjpeg"};
+  return std::ranges::find(kBareCodes, std::string_view(container.iformat->name)) == kBareCodes.end();
 }
 
 std::string TypeName(const AVStream& stream) {
@@ -89,7 +97,8 @@ class MediaReader : public VideoReader {
         decoder_(std::move(decoder)),
         packet_(av_packet_alloc()),
         frame_(av_frame_alloc()),
-        clock_(ClockOf(demuxer_->video())) {
+        clock_(ClockOf(demuxer_->video())),
+        stamped_(HasTimeStamps(demuxer_->container())) {
     demuxer_->KeepStreams([&](const AVStream& stream) {
       return stream.index == demuxer_->video().index || (options_.data_packets && IsDataStream(stream));
     });
@@ -112,6 +121,8 @@ class MediaReader : public VideoReader {
   void FillInfo(Orientation orientation);
   [[nodiscard]] Orientation DisplayOrientation() const;
   [[nodiscard]] std::optional<double> VideoDuration() const;
+  [[nodiscard]] bool DurationIsTheVideos() const;
+  [[nodiscard]] std::optional<std::int64_t> TimeStamp() const;
   [[nodiscard]] double PacketTime() const;
 
   MediaSource source_;
@@ -124,6 +135,7 @@ class MediaReader : public VideoReader {
   DamageLog damage_;
   DataTrack data_;
   std::optional<FrameConverter> converter_;
+  bool stamped_;  ///< the container has time stamps
   VideoInfo info_;
   bool first_pending_ = false;  ///< Start()'s frame has not been delivered
   bool draining_ = false;       ///< no packets are left
@@ -149,9 +161,8 @@ Status MediaReader::Start() {
 
 Expected<std::optional<Frame>> MediaReader::NextFrame() {
   while (std::exchange(first_pending_, false) || DecodeNext()) {
-    const auto pts = frame_->best_effort_timestamp;
     const double duration_s = static_cast<double>(frame_->pkt_duration) * av_q2d(demuxer_->video().time_base);
-    const auto stamp = clock_.Next(pts == AV_NOPTS_VALUE ? std::nullopt : std::optional(pts), duration_s);
+    const auto stamp = clock_.Next(TimeStamp(), duration_s);
     if (stamp.repaired)
       damage_.Add("a time stamp that does not go forwards; the frame follows the one before", stamp.time_s);
     if ((frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame_->decode_error_flags != 0) {
@@ -232,10 +243,9 @@ void MediaReader::Finish() {
   if (std::exchange(finished_, true)) return;
   const double end_s = clock_.end_time_s();
   const double rate = info_.frame_rate > 0 ? info_.frame_rate : 10;
-  // A container's duration covers sound as well, and may be an estimate.
-  const bool own_duration = demuxer_->video().duration > 0;
-  const double tolerance_s = own_duration ? std::max(0.25, 2.5 / rate) : std::max({1.0, 2.5 / rate, 0.05 * end_s});
-  const bool short_of = info_.duration_s && end_s + tolerance_s < *info_.duration_s;
+  const double tolerance_s = std::max(DurationIsTheVideos() ? 0.25 : 1.0, 2.5 / rate);
+  const bool guessed = demuxer_->container().duration_estimation_method == AVFMT_DURATION_FROM_BITRATE;
+  const bool short_of = info_.duration_s && !guessed && end_s + tolerance_s < *info_.duration_s;
   if (!short_of && stop_reason_.empty()) return;
   const std::string of = info_.duration_s ? fmt::format(" of {:.2f} s", *info_.duration_s) : "";
   damage_.AddLine(fmt::format("decoding stopped at {:.2f} s{}: {}", end_s, of,
@@ -282,9 +292,29 @@ Orientation MediaReader::DisplayOrientation() const {
 
 std::optional<double> MediaReader::VideoDuration() const {
   const AVStream& video = demuxer_->video();
+  const AVFormatContext& container = demuxer_->container();
+  const double rate = FrameRate(video);
+  // FFmpeg takes the duration of an AVI from the part that is there; its head still counts all frames.
+  if (std::string_view(container.iformat->name) == "avi" && video.nb_frames > 0 && rate > 0) {
+    return static_cast<double>(video.nb_frames) / rate;
+  }
   if (video.duration > 0) return static_cast<double>(video.duration) * av_q2d(video.time_base);
-  if (demuxer_->container().duration > 0) return static_cast<double>(demuxer_->container().duration) / AV_TIME_BASE;
+  if (container.duration > 0) return static_cast<double>(container.duration) / AV_TIME_BASE;
   return std::nullopt;
+}
+
+// Where only the container has a duration, it may be that of the sound.
+bool MediaReader::DurationIsTheVideos() const {
+  if (demuxer_->video().duration > 0) return true;
+  for (unsigned i = 0; i < demuxer_->container().nb_streams; ++i) {
+    if (demuxer_->stream(static_cast<int>(i)).codecpar->codec_type == AVMEDIA_TYPE_AUDIO) return false;
+  }
+  return true;
+}
+
+std::optional<std::int64_t> MediaReader::TimeStamp() const {
+  const std::int64_t pts = frame_->best_effort_timestamp;
+  return stamped_ && pts != AV_NOPTS_VALUE ? std::optional(pts) : std::nullopt;
 }
 
 double MediaReader::PacketTime() const {

@@ -4,7 +4,8 @@
 //   time_s = (presentation time stamp - the first frame's) * time base
 //
 // strictly increasing; an index only counts what was delivered. Grey is BT.601 luma, 0 black to 255 white, the same as
-// GreyFromBgr (image_file.h) of the colour frame within 2 levels, whatever range or matrix the video is stored in.
+// GreyFromBgr (image_file.h) of the colour frame, within 3 levels and 1.2 on average, in whatever range or matrix the
+// video is stored.
 #pragma once
 
 #include <cstdint>

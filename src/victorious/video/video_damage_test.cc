@@ -1,0 +1,155 @@
+// Damaged videos: whatever is wrong with the bytes, reading ends, times go forwards, and a warning says where.
+#include <algorithm>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "testing/data.h"
+#include "victorious/base/random.h"
+#include "victorious/video/video_reader.h"
+#include "victorious/video/video_test_tools.h"
+
+namespace victorious {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::PictureNumber;
+using testing::ScratchFolder;
+using testing::SteadyTimes;
+using testing::WriteTestVideo;
+
+struct Outcome {
+  std::size_t frames = 0;
+  std::vector<int> numbers;
+  std::vector<std::string> warnings;
+  std::optional<Error> error;
+};
+
+Outcome ReadDamaged(const std::filesystem::path& path) {
+  Outcome outcome;
+  const auto reader = VideoReader::Open(path.string(), {.data_packets = true, .threads = 1});
+  if (!reader) {
+    outcome.error = reader.error();
+    return outcome;
+  }
+  double last_s = -1;
+  while (true) {
+    const auto frame = (*reader)->NextFrame();
+    if (!frame) outcome.error = frame.error();
+    if (!frame || !*frame) break;
+    EXPECT_GT((*frame)->time_s, last_s);
+    last_s = (*frame)->time_s;
+    EXPECT_EQ((*frame)->index, static_cast<std::int64_t>(outcome.frames));
+    outcome.numbers.push_back(PictureNumber((*frame)->image));
+    ++outcome.frames;
+  }
+  outcome.warnings = (*reader)->warnings();
+  for (const std::string& warning : outcome.warnings) EXPECT_THAT(warning, Not(HasSubstr("\n")));
+  return outcome;
+}
+
+constexpr int kFrames = 50;
+
+void WriteWhole(const std::filesystem::path& path, const std::string& muxer, const std::string& encoder) {
+  WriteTestVideo(path, {.muxer = muxer,
+                        .encoder = encoder,
+                        .time_base_hz = 25,
+                        .pts = SteadyTimes(kFrames, 1),
+                        .max_b_frames = encoder == "libx264" ? 2 : 0});
+}
+
+const std::pair<std::string, std::string> kKinds[] = {
+    {"mp4", "libx264"}, {"matroska", "libx264"}, {"mpegts", "libx264"}, {"avi", "mpeg4"}, {"mpeg", "mpeg1video"}};
+
+TEST(VideoDamage, CutOffFilesGiveTheirFirstFrames) {
+  const ScratchFolder folder;
+  for (const auto& [muxer, encoder] : kKinds) {
+    WriteWhole(folder / "whole", muxer, encoder);
+    const std::string whole = testing::ReadBytes(folder / "whole");
+    for (const double part : {0.01, 0.1, 0.33, 0.5, 0.77, 0.95}) {
+      testing::WriteBytes(folder / "cut",
+                          whole.substr(0, static_cast<std::size_t>(part * static_cast<double>(whole.size()))));
+      const Outcome outcome = ReadDamaged(folder / "cut");
+      const std::string name = muxer + " cut at " + std::to_string(part);
+      if (outcome.error) {
+        EXPECT_EQ(outcome.error->code, ErrorCode::kDataLoss) << name << ": " << outcome.error->message;
+        EXPECT_LE(part, 0.5) << name << ": " << outcome.error->message;
+        continue;
+      }
+      EXPECT_LE(outcome.frames, static_cast<std::size_t>(kFrames)) << name;
+      EXPECT_GE(static_cast<double>(outcome.frames), kFrames * (part - 0.3)) << name;
+      for (std::size_t i = 0; i + 1 < outcome.frames; ++i) EXPECT_EQ(outcome.numbers[i], static_cast<int>(i)) << name;
+      // A transport or program stream does not say how long it should be.
+      if (muxer != "mpegts" && muxer != "mpeg" && part < 0.8) {
+        EXPECT_THAT(outcome.warnings, Contains(HasSubstr("decoding stopped at"))) << name;
+        EXPECT_THAT(outcome.warnings, Contains(HasSubstr(" of 2.0"))) << name;
+      }
+    }
+  }
+}
+
+TEST(VideoDamage, Mp4WithoutItsIndexIsNotAVideo) {
+  const ScratchFolder folder;
+  WriteWhole(folder / "whole.mp4", "mp4", "libx264");
+  std::string bytes = testing::ReadBytes(folder / "whole.mp4");
+  bytes.replace(bytes.find("moov"), 4, "skit");
+  testing::WriteBytes(folder / "cut.mp4", bytes);
+  const Outcome outcome = ReadDamaged(folder / "cut.mp4");
+  ASSERT_TRUE(outcome.error);
+  EXPECT_EQ(outcome.error->code, ErrorCode::kDataLoss);
+  EXPECT_THAT(outcome.error->message, HasSubstr("not a video that can be read"));
+}
+
+TEST(VideoDamage, ChangedBytesNeverCrash) {
+  constexpr std::uint64_t kSeed = 4711;
+  Random random(kSeed);
+  const ScratchFolder folder;
+  for (const auto& [muxer, encoder] : kKinds) {
+    WriteWhole(folder / "whole", muxer, encoder);
+    const std::string whole = testing::ReadBytes(folder / "whole");
+    for (int round = 0; round < 12; ++round) {
+      std::string bytes = whole;
+      const int changes = 1 << (round % 7);
+      for (int i = 0; i < changes; ++i) {
+        bytes[random.Below(static_cast<std::uint32_t>(bytes.size()))] = static_cast<char>(random.Next());
+      }
+      testing::WriteBytes(folder / "damaged", bytes);
+      const Outcome outcome = ReadDamaged(folder / "damaged");
+      EXPECT_LE(outcome.frames, static_cast<std::size_t>(kFrames + 5)) << muxer << ", seed " << kSeed;
+    }
+  }
+}
+
+TEST(VideoDamage, AHoleIsPassedOverAndTold) {
+  const ScratchFolder folder;
+  WriteWhole(folder / "whole.ts", "mpegts", "libx264");
+  std::string bytes = testing::ReadBytes(folder / "whole.ts");
+  const std::size_t third = bytes.size() / 3 / 188 * 188;
+  std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(third), bytes.size() / 8, '\xFF');
+  testing::WriteBytes(folder / "hole.ts", bytes);
+  const Outcome outcome = ReadDamaged(folder / "hole.ts");
+  EXPECT_FALSE(outcome.error);
+  EXPECT_GT(outcome.frames, static_cast<std::size_t>(kFrames / 2));
+  EXPECT_EQ(outcome.numbers.front(), 0);
+  EXPECT_EQ(outcome.numbers.back(), kFrames - 1) << "what comes after the hole is read";
+  EXPECT_FALSE(outcome.warnings.empty());
+}
+
+TEST(VideoDamage, NoFrameAtAllIsAnError) {
+  const ScratchFolder folder;
+  WriteWhole(folder / "whole.mp4", "mp4", "libx264");
+  std::string bytes = testing::ReadBytes(folder / "whole.mp4");
+  std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(bytes.find("mdat") + 4), bytes.end(), '\0');
+  testing::WriteBytes(folder / "none.mp4", bytes);
+  const Outcome outcome = ReadDamaged(folder / "none.mp4");
+  ASSERT_TRUE(outcome.error);
+  EXPECT_EQ(outcome.error->code, ErrorCode::kDataLoss);
+  EXPECT_THAT(outcome.error->message, HasSubstr("no frame of its video can be decoded"));
+  EXPECT_THAT(outcome.error->message, Not(HasSubstr("\n")));
+}
+
+}  // namespace
+}  // namespace victorious
