@@ -6,11 +6,16 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "victorious/base/error.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {
+
+/// The bytes of a model file. kInvalidArgument for what could not be read back: no view, a keypoint that is not finite,
+/// ….
+Expected<std::vector<std::byte>> EncodeModel(const ObjectModel& model);
 
 /// Writes the model atomically (ObjectModel::id is ignored: it is the checksum of what is written).
 Status WriteModelFile(const std::filesystem::path& path, const ObjectModel& model);

@@ -8,8 +8,6 @@
 namespace victorious::sqlite {
 namespace {
 
-constexpr int kBusyTimeoutMs = 10'000;
-
 int OpenFlags(Access access) {
   // One thread at a time uses a connection: SQLite's own lock on it is not needed.
   constexpr int kCommon = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
@@ -37,6 +35,21 @@ std::string ImmutableUri(std::string_view path) {
   return uri + "?immutable=1";
 }
 
+// The system's error behind an I/O error, as far as SQLite still knows it: its last one, or that of the database's file
+// or of its journal.
+int SystemError(sqlite3* handle) {
+  int error = sqlite3_system_errno(handle);
+  for (const int which : {SQLITE_FCNTL_FILE_POINTER, SQLITE_FCNTL_JOURNAL_POINTER}) {
+    if (error != 0) break;
+    sqlite3_file* file = nullptr;
+    sqlite3_file_control(handle, "main", which, static_cast<void*>(&file));
+    if (file != nullptr && file->pMethods != nullptr) {
+      file->pMethods->xFileControl(file, SQLITE_FCNTL_LAST_ERRNO, &error);
+    }
+  }
+  return error;
+}
+
 // A database from outside may carry a hostile schema: nothing of it is trusted or run.
 constexpr const char* kSettings =
     "PRAGMA foreign_keys = ON; PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON; PRAGMA temp_store = MEMORY;";
@@ -53,7 +66,7 @@ Expected<std::unique_ptr<Connection>> Connection::Open(const std::filesystem::pa
   const int code = sqlite3_open_v2(target.c_str(), &handle, OpenFlags(access), nullptr);
   std::unique_ptr<Connection> connection(new Connection(path.string(), handle));
   if (code != SQLITE_OK) return std::unexpected(connection->ErrorFromCode(code));
-  sqlite3_busy_timeout(handle, kBusyTimeoutMs);
+  sqlite3_busy_timeout(handle, static_cast<int>(std::chrono::milliseconds(kBusyTimeout).count()));
   sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   VICTORIOUS_RETURN_IF_ERROR(connection->Execute(kSettings));
   return connection;
@@ -92,12 +105,6 @@ Status Connection::Execute(const std::string& sql) {
   return {};
 }
 
-Expected<std::int64_t> Connection::QueryInteger(std::string_view sql) {
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement statement, Prepare(sql));
-  VICTORIOUS_RETURN_IF_ERROR(statement.Step());
-  return statement.Integer(0);
-}
-
 Expected<std::string> Connection::QueryText(std::string_view sql) {
   VICTORIOUS_ASSIGN_OR_RETURN(Statement statement, Prepare(sql));
   VICTORIOUS_RETURN_IF_ERROR(statement.Step());
@@ -110,7 +117,7 @@ std::int64_t Connection::Changes() const { return sqlite3_changes64(handle_); }
 
 bool Connection::IsInTransaction() const { return sqlite3_get_autocommit(handle_) == 0; }
 
-bool Connection::IsReadOnly() const { return sqlite3_db_readonly(handle_, "main") == 1; }
+bool Connection::IsBusy() const { return (sqlite3_errcode(handle_) & 0xff) == SQLITE_BUSY; }
 
 Error Connection::ErrorFromCode(int code) const {
   const std::string reason = handle_ == nullptr ? sqlite3_errstr(code) : sqlite3_errmsg(handle_);
@@ -133,7 +140,7 @@ Error Connection::ErrorFromCode(int code) const {
     case SQLITE_LOCKED:
       return {ErrorCode::kInternal, fmt::format("{}: another process has been writing to it for more than {} s: try "
                                                 "again when it is done",
-                                                name_, kBusyTimeoutMs / 1000)};
+                                                name_, kBusyTimeout.count())};
     case SQLITE_CONSTRAINT:
       if (code == SQLITE_CONSTRAINT_FOREIGNKEY) {
         return {ErrorCode::kNotFound,
@@ -145,7 +152,7 @@ Error Connection::ErrorFromCode(int code) const {
     case SQLITE_CANTOPEN:
     case SQLITE_IOERR: {
       if (code == SQLITE_IOERR_SHMSIZE) return ErrorFromCode(SQLITE_FULL);
-      const int system_error = handle_ == nullptr ? 0 : sqlite3_system_errno(handle_);
+      const int system_error = handle_ == nullptr ? 0 : SystemError(handle_);
       if (system_error == EFBIG || system_error == ENOSPC) return ErrorFromCode(SQLITE_FULL);
       if (system_error != 0) return ErrorFromErrno(system_error, fmt::format("{}: {}", name_, reason));
       break;

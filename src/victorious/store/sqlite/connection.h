@@ -1,6 +1,8 @@
 // SQLite as the store wants it: owned handles, errors as values, prepared statements kept for the next use.
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -13,6 +15,9 @@
 struct sqlite3;
 
 namespace victorious::sqlite {
+
+/// How long a statement waits for another process that is writing.
+inline constexpr std::chrono::seconds kBusyTimeout{10};
 
 enum class Access {
   kCreate,     ///< read and write; the file is made if it is not there
@@ -35,15 +40,15 @@ class Connection {
   /// Runs all statements of `sql`, without results.
   Status Execute(const std::string& sql);
 
-  /// The one integer, or text, that `sql` selects.
-  Expected<std::int64_t> QueryInteger(std::string_view sql);
+  /// The one text that `sql` selects.
   Expected<std::string> QueryText(std::string_view sql);
 
   [[nodiscard]] std::int64_t LastInsertId() const;
   /// Rows that the last statement inserted, changed or removed.
   [[nodiscard]] std::int64_t Changes() const;
   [[nodiscard]] bool IsInTransaction() const;
-  [[nodiscard]] bool IsReadOnly() const;
+  /// True if the last call failed because another process holds the lock.
+  [[nodiscard]] bool IsBusy() const;
   [[nodiscard]] const std::string& name() const { return name_; }
 
   /// What SQLite's result code means here, with the file's name.

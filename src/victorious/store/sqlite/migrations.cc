@@ -15,9 +15,14 @@ std::span<const Migration> Migrations() {
 }
 
 Expected<int> ReadVersion(Connection& connection, int newest) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t tables, connection.QueryInteger("SELECT count(*) FROM sqlite_schema"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t application, connection.QueryInteger("PRAGMA application_id"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t version, connection.QueryInteger("PRAGMA user_version"));
+  // In one statement, so that another process cannot migrate between the three.
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Statement select, connection.Prepare("SELECT application_id, user_version, (SELECT count(*) FROM sqlite_schema) "
+                                           "FROM pragma_application_id, pragma_user_version"));
+  VICTORIOUS_RETURN_IF_ERROR(select.Step());
+  const std::int64_t application = select.Integer(0);
+  const std::int64_t version = select.Integer(1);
+  const std::int64_t tables = select.Integer(2);
   if (application == 0 && version == 0 && tables == 0) return 0;
   if (application != kApplicationId) {
     return Fail(

@@ -1,7 +1,10 @@
 #include "victorious/store/sqlite/open_database.h"
 
 #include <cerrno>
+#include <chrono>
+#include <thread>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -16,25 +19,35 @@ using ConnectionPtr = std::unique_ptr<Connection>;
 
 fs::path FolderOf(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
 
-bool IsWritable(const fs::path& path) { return ::access(path.c_str(), W_OK) == 0; }
+bool IsWritable(const fs::path& path) { return ::faccessat(AT_FDCWD, path.c_str(), W_OK, AT_EACCESS) == 0; }
 
 // The write-ahead log lets others read while one writes, and loses nothing that was committed when the program is
 // killed. Where the file system cannot have one, SQLite keeps its rollback journal, which needs more syncing.
+// Only one process can change the journal, and SQLite does not wait for another that is about to: so this does.
 Status ChooseJournal(Connection& connection) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string mode, connection.QueryText("PRAGMA journal_mode = WAL"));
-  return connection.Execute(mode == "wal" ? "PRAGMA synchronous = NORMAL" : "PRAGMA synchronous = FULL");
+  const auto deadline = std::chrono::steady_clock::now() + kBusyTimeout;
+  Expected<std::string> mode = connection.QueryText("PRAGMA journal_mode = WAL");
+  while (!mode && connection.IsBusy() && std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    mode = connection.QueryText("PRAGMA journal_mode = WAL");
+  }
+  if (!mode) return std::unexpected(std::move(mode).error());
+  return connection.Execute(*mode == "wal" ? "PRAGMA synchronous = NORMAL" : "PRAGMA synchronous = FULL");
 }
 
 Expected<ConnectionPtr> OpenForWriting(const fs::path& path) {
-  if (std::error_code error; !fs::is_directory(FolderOf(path), error)) {
+  std::error_code error;
+  const fs::path folder = FolderOf(path);
+  if (!fs::is_directory(folder, error)) {
     return Fail(ErrorCode::kNotFound,
-                fmt::format("{}: there is no folder {}: make it first", path.string(), FolderOf(path).string()));
+                fmt::format("{}: there is no folder {}: make it first", path.string(), folder.string()));
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(ConnectionPtr connection, Connection::Open(path, Access::kCreate));
-  if (connection->IsReadOnly()) {
+  // Asked beforehand: of a file that it may not write, SQLite says only that it cannot be opened.
+  if (!IsWritable(folder) || (fs::exists(path, error) && !IsWritable(path))) {
     return Fail(ErrorCode::kPermissionDenied,
                 fmt::format("{}: cannot be written: allow writing to the file and its folder", path.string()));
   }
+  VICTORIOUS_ASSIGN_OR_RETURN(ConnectionPtr connection, Connection::Open(path, Access::kCreate));
   const std::span<const Migration> migrations = Migrations();
   VICTORIOUS_RETURN_IF_ERROR(ReadVersion(*connection, migrations.back().version));
   VICTORIOUS_RETURN_IF_ERROR(ChooseJournal(*connection));

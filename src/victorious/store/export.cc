@@ -1,0 +1,140 @@
+#include "victorious/store/export.h"
+
+#include <array>
+#include <cerrno>
+#include <ostream>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "victorious/store/export_coco.h"
+#include "victorious/store/export_records.h"
+
+namespace victorious {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, ExportFormat>, 4> kFormats = {{
+    {"objects", ExportFormat::kObjects},
+    {"sightings", ExportFormat::kSightings},
+    {"mot", ExportFormat::kMot},
+    {"coco", ExportFormat::kCoco},
+}};
+
+Json ObjectJson(const ObjectRecord& object, std::size_t rank, const VideoRecord& video, const ModelRecord& model) {
+  return {{"object_id", object.id},
+          {"model", model.name},
+          {"category", nullptr},
+          {"rank", rank},
+          {"score", ScoreJson(object.score)},
+          {"videos", Json::array({video.name})},
+          {"frames", object.frames},
+          {"first_time_s", TimeJson(object.first_time_s)},
+          {"last_time_s", TimeJson(object.last_time_s)},
+          {"place_time_s", nullptr},
+          {"latitude_deg", nullptr},
+          {"longitude_deg", nullptr},
+          {"altitude_m", nullptr},
+          {"covariance_enu_m2", nullptr},
+          {"ce90_m", nullptr},
+          {"le90_m", nullptr},
+          {"heading_deg", nullptr},
+          {"speed_m_s", nullptr}};
+}
+
+Json ViewJson(const SightingRecord& sighting) {
+  return {{"azimuth_deg", sighting.view ? DegreesJson(sighting.view->azimuth_rad) : Json()},
+          {"off_nadir_deg", sighting.view ? DegreesJson(sighting.view->off_nadir_rad) : Json()},
+          {"in_plane_deg", DegreesJson(sighting.in_plane_rad)}};
+}
+
+Json SightingJson(const SightingRecord& sighting, const VideoRecord& video, const ModelRecord& model) {
+  return {{"object_id", sighting.object},
+          {"model", model.name},
+          {"category", nullptr},
+          {"video", video.name},
+          {"frame", sighting.frame},
+          {"time_s", TimeJson(sighting.time_s)},
+          {"box", BoxJson(sighting.box)},
+          {"score", ScoreJson(sighting.score)},
+          {"source", sighting.source},
+          {"matches", sighting.matches},
+          {"view", ViewJson(sighting)},
+          {"view_index", sighting.view_index},
+          {"outline", OutlineJson(sighting.outline)}};
+}
+
+// What another process adds while this one writes belongs to a video or model that the catalogue may not know yet: it
+// is left to the next export.
+Status ExportObjects(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> objects, store.Objects(filter));
+  std::size_t rank = 0;
+  for (const ObjectRecord& object : objects) {
+    const VideoRecord* video = catalogue.Video(object.video);
+    const ModelRecord* model = catalogue.Model(object.model);
+    if (video != nullptr && model != nullptr) out << Dump(ObjectJson(object, ++rank, *video, *model)) << '\n';
+  }
+  return {};
+}
+
+Status ExportSightings(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out) {
+  return store.VisitSightings(filter, [&](SightingRecord&& sighting) {
+    const VideoRecord* video = catalogue.Video(sighting.video);
+    const ModelRecord* model = catalogue.Model(sighting.model);
+    if (video != nullptr && model != nullptr) out << Dump(SightingJson(sighting, *video, *model)) << '\n';
+    return out.good();
+  });
+}
+
+Status ExportMot(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out) {
+  if (catalogue.videos().size() > 1) {
+    std::string names;
+    for (const VideoRecord& video : catalogue.videos()) names += (names.empty() ? "" : ", ") + video.name;
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("format mot holds one video, and these were meant: {}: name one with --video", names));
+  }
+  return store.VisitSightings(filter, [&](SightingRecord&& s) {
+    if (catalogue.Video(s.video) == nullptr) return true;
+    out << fmt::format("{},{},{:.2f},{:.2f},{:.2f},{:.2f},{:.4f},-1,-1,-1\n", s.frame + 1, s.object, s.box.x, s.box.y,
+                       s.box.width, s.box.height, s.score);
+    return out.good();
+  });
+}
+
+Status Write(IndexStore& store, ExportFormat format, const Catalogue& catalogue, const SightingFilter& filter,
+             std::ostream& out) {
+  switch (format) {
+    case ExportFormat::kObjects:
+      return ExportObjects(store, catalogue, filter, out);
+    case ExportFormat::kSightings:
+      return ExportSightings(store, catalogue, filter, out);
+    case ExportFormat::kMot:
+      return ExportMot(store, catalogue, filter, out);
+    case ExportFormat::kCoco:
+      break;
+  }
+  return ExportCoco(store, catalogue, filter, out);
+}
+
+}  // namespace
+
+Expected<ExportFormat> ParseExportFormat(std::string_view name) {
+  std::string names;
+  for (const auto& [known, format] : kFormats) {
+    if (known == name) return format;
+    names += (names.empty() ? "" : ", ") + std::string(known);
+  }
+  return Fail(ErrorCode::kInvalidArgument, fmt::format("format {}: not known: use one of {}", name, names));
+}
+
+Status Export(IndexStore& store, ExportFormat format, const SightingFilter& filter, std::ostream& out) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(store, filter));
+  errno = 0;
+  VICTORIOUS_RETURN_IF_ERROR(Write(store, format, catalogue, filter, out));
+  out.flush();
+  if (out.good()) return {};
+  // Streams say only that they failed; the system's reason, if it is still there, says why.
+  return std::unexpected(errno != 0 ? ErrorFromErrno(errno, "write the export")
+                                    : Error{ErrorCode::kInternal, "write the export: the output took no more"});
+}
+
+}  // namespace victorious

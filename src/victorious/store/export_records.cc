@@ -1,0 +1,82 @@
+#include "victorious/store/export_records.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+// To the nearest multiple of 1 / `parts`; 0 for -0. What is not finite becomes null when it is dumped.
+double Round(double value, double parts) { return std::round(value * parts) / parts + 0.0; }
+
+template <typename Record>
+std::string Names(const std::vector<Record>& records) {
+  std::set<std::string> names;
+  for (const Record& record : records) names.insert(record.name);
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
+}
+
+template <typename Record>
+const Record* FindById(const std::vector<Record>& records, std::int64_t id) {
+  const auto it = std::ranges::lower_bound(records, id, {}, &Record::id);  // a store lists them by id
+  return it == records.end() || it->id != id ? nullptr : &*it;
+}
+
+}  // namespace
+
+Expected<Catalogue> Catalogue::Read(IndexStore& store, const SightingFilter& filter) {
+  Catalogue catalogue;
+  VICTORIOUS_ASSIGN_OR_RETURN(catalogue.videos_, store.Videos());
+  VICTORIOUS_ASSIGN_OR_RETURN(catalogue.models_, store.Models());
+  if (filter.video_name) {
+    std::vector<VideoRecord> named = VideosNamed(catalogue.videos_, *filter.video_name);
+    if (named.empty()) {
+      return Fail(ErrorCode::kNotFound, fmt::format("video {}: not in the index, which holds: {}", *filter.video_name,
+                                                    Names(catalogue.videos_)));
+    }
+    catalogue.videos_ = std::move(named);
+  }
+  if (filter.model_name) {
+    const auto other = [&](const ModelRecord& model) { return model.name != *filter.model_name; };
+    if (std::ranges::all_of(catalogue.models_, other)) {
+      return Fail(ErrorCode::kNotFound, fmt::format("model {}: not in the index, which holds: {}", *filter.model_name,
+                                                    Names(catalogue.models_)));
+    }
+    std::erase_if(catalogue.models_, other);
+  }
+  return catalogue;
+}
+
+const VideoRecord* Catalogue::Video(std::int64_t id) const { return FindById(videos_, id); }
+
+const ModelRecord* Catalogue::Model(std::int64_t id) const { return FindById(models_, id); }
+
+Json TimeJson(double time_s) { return Round(time_s, 1e6); }
+
+Json ScoreJson(double score) { return Round(score, 1e4); }
+
+Json DegreesJson(double angle_rad) { return Round(DegreesFromRadians(angle_rad), 1e2); }
+
+double RoundPixels(double value_px) { return Round(value_px, 1e2); }
+
+Json BoxJson(const Box& box) {
+  return Json::array({RoundPixels(box.x), RoundPixels(box.y), RoundPixels(box.width), RoundPixels(box.height)});
+}
+
+Json OutlineJson(const Polygon& outline) {
+  Json corners = Json::array();
+  for (const Eigen::Vector2d& corner : outline) {
+    corners.push_back(Json::array({RoundPixels(corner.x()), RoundPixels(corner.y())}));
+  }
+  return corners;
+}
+
+std::string Dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+}  // namespace victorious

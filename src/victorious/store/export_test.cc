@@ -1,0 +1,192 @@
+#include "victorious/store/export.h"
+
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "testing/data.h"
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+using nlohmann::json;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+// Two videos; "box" is seen in frames 37 and 38 of the first, "shed" in frame 0 of the second.
+class ExportTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    store_ = *OpenSqliteStore(folder_ / "index.db", StoreMode::kCreate);
+    const auto a = *store_->PutVideo({.content_id = "1", .name = "flight/a.mp4", .width = 640, .height = 480});
+    const auto b = *store_->PutVideo({.content_id = "2", .name = "b.mp4", .width = 320, .height = 240});
+    const auto box = *store_->PutModel({.name = "box", .model_id = "1", .kind = "photos"});
+    const auto shed = *store_->PutModel({.name = "shed", .model_id = "2", .kind = "photos"});
+    IndexBatch batch;
+    batch.objects.push_back({std::nullopt,
+                             {.video = a.id,
+                              .model = box.id,
+                              .score = 0.912349,
+                              .frames = 2,
+                              .first_time_s = 37 / 25.0,
+                              .last_time_s = 38 / 25.0}});
+    batch.objects.push_back({std::nullopt, {.video = b.id, .model = shed.id, .score = 0.97, .frames = 1}});
+    for (const std::int64_t frame : {37, 38}) {
+      batch.sightings.push_back({0,
+                                 {.frame = frame,
+                                  .time_s = static_cast<double>(frame) / 25.0,
+                                  .box = {0, 10.126, 100, 50},
+                                  .outline = {{-20, 10.126}, {100, 10.126}, {100, 60.126}, {-20, 60.126}},
+                                  .score = 0.9,
+                                  .matches = 14,
+                                  .view_index = 2,
+                                  .in_plane_rad = RadiansFromDegrees(12)}});
+    }
+    batch.sightings.push_back({1,
+                               {.frame = 0,
+                                .box = {1, 2, 3, 4},
+                                .score = 0.97,
+                                .source = "tracked",
+                                .view = ViewAngles{RadiansFromDegrees(150), RadiansFromDegrees(60)}}});
+    ASSERT_TRUE(store_->Commit(batch));
+  }
+
+  std::string Text(ExportFormat format, const SightingFilter& filter = {}) {
+    std::ostringstream out;
+    const Status status = Export(*store_, format, filter, out);
+    EXPECT_TRUE(status) << status.error().message;
+    return out.str();
+  }
+
+  std::vector<std::string> Lines(ExportFormat format, const SightingFilter& filter = {}) {
+    std::istringstream text(Text(format, filter));
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(text, line);) lines.push_back(line);
+    return lines;
+  }
+
+  testing::ScratchFolder folder_;
+  std::unique_ptr<IndexStore> store_;
+};
+
+TEST_F(ExportTest, ObjectsAreTheContractsLines) {
+  EXPECT_THAT(
+      Lines(ExportFormat::kObjects),
+      ElementsAre(
+          R"({"object_id":2,"model":"shed","category":null,"rank":1,"score":0.97,"videos":["b.mp4"],"frames":1,)"
+          R"("first_time_s":0.0,"last_time_s":0.0,"place_time_s":null,"latitude_deg":null,"longitude_deg":null,)"
+          R"("altitude_m":null,"covariance_enu_m2":null,"ce90_m":null,"le90_m":null,"heading_deg":null,)"
+          R"("speed_m_s":null})",
+          R"({"object_id":1,"model":"box","category":null,"rank":2,"score":0.9123,"videos":["flight/a.mp4"],)"
+          R"("frames":2,"first_time_s":1.48,"last_time_s":1.52,"place_time_s":null,"latitude_deg":null,)"
+          R"("longitude_deg":null,"altitude_m":null,"covariance_enu_m2":null,"ce90_m":null,"le90_m":null,)"
+          R"("heading_deg":null,"speed_m_s":null})"));
+}
+
+TEST_F(ExportTest, RanksCountTheObjectsListed) {
+  const auto lines = Lines(ExportFormat::kObjects, {.model_name = "box"});
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_EQ(json::parse(lines[0])["rank"], 1);
+  EXPECT_EQ(json::parse(lines[0])["object_id"], 1);
+}
+
+TEST_F(ExportTest, SightingsAreTheContractsLines) {
+  const auto lines = Lines(ExportFormat::kSightings);
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_EQ(lines[0], R"({"object_id":1,"model":"box","category":null,"video":"flight/a.mp4","frame":37,"time_s":1.48,)"
+                      R"("box":[0.0,10.13,100.0,50.0],"score":0.9,"source":"recognised","matches":14,)"
+                      R"("view":{"azimuth_deg":null,"off_nadir_deg":null,"in_plane_deg":12.0},"view_index":2,)"
+                      R"("outline":[[-20.0,10.13],[100.0,10.13],[100.0,60.13],[-20.0,60.13]]})");
+  const json tracked = json::parse(lines[2]);
+  EXPECT_EQ(tracked["source"], "tracked");
+  EXPECT_EQ(tracked["view"], json::parse(R"({"azimuth_deg":150.0,"off_nadir_deg":60.0,"in_plane_deg":0.0})"));
+  EXPECT_EQ(tracked["outline"], json::array());
+}
+
+TEST_F(ExportTest, FiltersReachEveryFormat) {
+  EXPECT_EQ(Lines(ExportFormat::kSightings, {.video_name = "a.mp4", .from_s = 1.5}).size(), 1u);
+  EXPECT_EQ(Lines(ExportFormat::kObjects, {.video_name = "a.mp4"}).size(), 1u);
+  EXPECT_EQ(Lines(ExportFormat::kMot, {.video_name = "a.mp4", .to_s = 1.5}).size(), 1u);
+  EXPECT_EQ(json::parse(Text(ExportFormat::kCoco, {.model_name = "shed"}))["annotations"].size(), 1u);
+}
+
+TEST_F(ExportTest, MotCountsFromOneAndHoldsOneVideo) {
+  EXPECT_THAT(
+      Lines(ExportFormat::kMot, {.video_name = "a.mp4"}),
+      ElementsAre("38,1,0.00,10.13,100.00,50.00,0.9000,-1,-1,-1", "39,1,0.00,10.13,100.00,50.00,0.9000,-1,-1,-1"));
+  std::ostringstream out;
+  const Status status = Export(*store_, ExportFormat::kMot, {}, out);
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(status.error().message, HasSubstr("--video"));
+  EXPECT_TRUE(out.str().empty());
+}
+
+TEST_F(ExportTest, CocoJoinsImagesCategoriesAndAnnotations) {
+  const json coco = json::parse(Text(ExportFormat::kCoco));
+  ASSERT_EQ(coco["images"].size(), 3u);
+  EXPECT_EQ(coco["images"][0], json::parse(R"({"id":1,"file_name":"flight/a.mp4/000037.png","width":640,"height":480,
+                                               "video":"flight/a.mp4","frame":37,"time_s":1.48})"));
+  ASSERT_EQ(coco["categories"].size(), 2u);
+  EXPECT_EQ(coco["categories"][0], json::parse(R"({"id":1,"name":"box"})"));
+  ASSERT_EQ(coco["annotations"].size(), 3u);
+  const json& first = coco["annotations"][0];
+  EXPECT_EQ(first["image_id"], 1);
+  EXPECT_EQ(first["category_id"], 1);
+  EXPECT_EQ(first["bbox"], json::parse("[0.0,10.13,100.0,50.0]"));
+  EXPECT_EQ(first["area"], 5000.0) << "of the outline inside the picture";
+  EXPECT_EQ(first["segmentation"].size(), 1u);
+  EXPECT_EQ(first["iscrowd"], 0);
+  EXPECT_EQ(first["score"], 0.9);
+  EXPECT_EQ(first["track_id"], 1);
+  const json& bare = coco["annotations"][2];
+  EXPECT_EQ(bare["area"], 12.0) << "of the box, where there is no outline";
+  EXPECT_EQ(bare["segmentation"], json::array());
+  EXPECT_EQ(bare["image_id"], 3);
+}
+
+TEST_F(ExportTest, UnknownNamesAreErrorsThatSayWhatThereIs) {
+  std::ostringstream out;
+  const Status video = Export(*store_, ExportFormat::kObjects, {.video_name = "c.mp4"}, out);
+  ASSERT_FALSE(video);
+  EXPECT_EQ(video.error().code, ErrorCode::kNotFound);
+  EXPECT_THAT(video.error().message, HasSubstr("b.mp4, flight/a.mp4"));
+  const Status model = Export(*store_, ExportFormat::kCoco, {.model_name = "tank"}, out);
+  ASSERT_FALSE(model);
+  EXPECT_EQ(model.error().code, ErrorCode::kNotFound);
+  EXPECT_THAT(model.error().message, HasSubstr("box, shed"));
+  EXPECT_TRUE(out.str().empty());
+}
+
+TEST_F(ExportTest, AnOutputThatFailsIsAnError) {
+  std::ostringstream out;
+  out.setstate(std::ios::badbit);
+  for (const auto format : {ExportFormat::kObjects, ExportFormat::kSightings, ExportFormat::kCoco}) {
+    EXPECT_FALSE(Export(*store_, format, {}, out));
+  }
+}
+
+TEST_F(ExportTest, AnEmptyIndexGivesEmptyFiles) {
+  store_ = *OpenSqliteStore(folder_ / "empty.db", StoreMode::kCreate);
+  EXPECT_EQ(Text(ExportFormat::kObjects), "");
+  EXPECT_EQ(Text(ExportFormat::kSightings), "");
+  EXPECT_EQ(Text(ExportFormat::kMot), "");
+  EXPECT_EQ(json::parse(Text(ExportFormat::kCoco)), json::parse(R"({"images":[],"annotations":[],"categories":[]})"));
+}
+
+TEST(ExportFormatTest, IsNamedAsTheContractSays) {
+  EXPECT_EQ(*ParseExportFormat("objects"), ExportFormat::kObjects);
+  EXPECT_EQ(*ParseExportFormat("sightings"), ExportFormat::kSightings);
+  EXPECT_EQ(*ParseExportFormat("mot"), ExportFormat::kMot);
+  EXPECT_EQ(*ParseExportFormat("coco"), ExportFormat::kCoco);
+  const auto unknown = ParseExportFormat("excel");
+  ASSERT_FALSE(unknown);
+  EXPECT_EQ(unknown.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(unknown.error().message, HasSubstr("objects, sightings, mot, coco"));
+}
+
+}  // namespace
+}  // namespace victorious

@@ -1,0 +1,104 @@
+#include "victorious/store/model_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "victorious/base/check.h"
+#include "victorious/base/file.h"
+#include "victorious/store/model_metadata.h"
+#include "victorious/store/section_file.h"
+
+namespace victorious {
+namespace {
+
+constexpr std::string_view kMetadataTag = "metadata";
+constexpr std::string_view kKeypointsTag = "keypoint";
+constexpr std::string_view kDescriptorsTag = "descript";
+
+Expected<std::span<const std::byte>> Find(const SectionFile& file, std::string_view tag) {
+  const auto it = std::ranges::find(file.sections, tag, &Section::tag);
+  if (it == file.sections.end()) return Fail(ErrorCode::kDataLoss, fmt::format("damaged (no section {})", tag));
+  return it->bytes;
+}
+
+bool IsUsable(const Keypoint& keypoint) {
+  return std::isfinite(keypoint.x) && std::isfinite(keypoint.y) && std::isfinite(keypoint.orientation_rad) &&
+         std::isfinite(keypoint.scale_px) && keypoint.scale_px > 0;
+}
+
+Status Validate(const ObjectModel& model) {
+  VICTORIOUS_RETURN_IF_ERROR(ValidateMetadata(model, model.features.size()));
+  if (std::ranges::all_of(model.features.keypoints, IsUsable)) return {};
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("model {}: a keypoint without a finite place and a scale above 0", model.name));
+}
+
+Expected<FeatureView> ParseFeatures(const SectionFile& file) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto keypoints, Find(file, kKeypointsTag));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto descriptors, Find(file, kDescriptorsTag));
+  const std::size_t count = keypoints.size() / sizeof(Keypoint);
+  if (keypoints.size() % sizeof(Keypoint) != 0 || descriptors.size() % kDescriptorSize != 0 ||
+      descriptors.size() / kDescriptorSize != count) {
+    return Fail(ErrorCode::kDataLoss, fmt::format("damaged ({} bytes of keypoints, {} of descriptors)",
+                                                  keypoints.size(), descriptors.size()));
+  }
+  return FeatureView{{reinterpret_cast<const Keypoint*>(keypoints.data()), count},
+                     {reinterpret_cast<const std::uint8_t*>(descriptors.data()), descriptors.size()}};
+}
+
+// `bytes` begin at a multiple of alignof(Keypoint).
+Expected<ObjectModel> ParseAligned(std::span<const std::byte> bytes, std::shared_ptr<const void> storage) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const SectionFile file, ParseSections(bytes));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto metadata, Find(file, kMetadataTag));
+  VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel model,
+                              ParseMetadata({reinterpret_cast<const char*>(metadata.data()), metadata.size()}));
+  VICTORIOUS_ASSIGN_OR_RETURN(model.features, ParseFeatures(file));
+  if (Status status = Validate(model); !status) {
+    return Fail(ErrorCode::kDataLoss, fmt::format("damaged ({})", status.error().message));
+  }
+  model.id = fmt::format("{:016x}", file.content);
+  model.storage = std::move(storage);
+  return model;
+}
+
+}  // namespace
+
+Expected<std::vector<std::byte>> EncodeModel(const ObjectModel& model) {
+  VICTORIOUS_CHECK(model.features.descriptors.size() == model.features.size() * kDescriptorSize);
+  VICTORIOUS_RETURN_IF_ERROR(Validate(model));
+  const std::string metadata = EncodeMetadata(model);
+  const std::array sections = {Section{kMetadataTag, std::as_bytes(std::span(metadata))},
+                               Section{kKeypointsTag, std::as_bytes(model.features.keypoints)},
+                               Section{kDescriptorsTag, std::as_bytes(model.features.descriptors)}};
+  return EncodeSections(sections);
+}
+
+Status WriteModelFile(const std::filesystem::path& path, const ObjectModel& model) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, EncodeModel(model));
+  return WriteFileAtomically(path, bytes);
+}
+
+Expected<ObjectModel> ReadModelFile(const std::filesystem::path& path) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const MappedFile> file, MappedFile::Open(path));
+  return ParseModel(file->bytes(), file, path.string());
+}
+
+Expected<ObjectModel> ParseModel(std::span<const std::byte> bytes, std::shared_ptr<const void> storage,
+                                 const std::string& name_for_errors) {
+  if (reinterpret_cast<std::uintptr_t>(bytes.data()) % alignof(Keypoint) != 0) {
+    auto copy = std::make_shared<const std::vector<std::byte>>(bytes.begin(), bytes.end());
+    bytes = *copy;
+    storage = std::move(copy);
+  }
+  Expected<ObjectModel> model = ParseAligned(bytes, std::move(storage));
+  if (model) return model;
+  Error error = std::move(model).error();
+  error.message +=
+      error.code == ErrorCode::kUnsupported ? ": use that version, or add the model again" : ": add the model again";
+  return std::unexpected(std::move(error).WithContext(name_for_errors));
+}
+
+}  // namespace victorious

@@ -1,0 +1,205 @@
+#include "victorious/store/model_metadata.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace victorious {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kMaxJsonBytes = std::size_t{64} << 20;
+constexpr int kMaxJsonDepth = 8;
+constexpr std::size_t kMaxViews = 100'000;
+constexpr std::size_t kMaxOutlineCorners = 100'000;
+constexpr int kMaxImageSize_px = 1 << 20;
+constexpr double kMaxCoordinate_px = 1e7;
+
+// Reads members of a JSON object, each only if it has the right type; remembers whether one had not.
+class Reader {
+ public:
+  explicit Reader(const json& object) : object_(object), ok_(object.is_object()) {}
+
+  [[nodiscard]] bool ok() const { return ok_; }
+
+  const json& Member(const char* key) {
+    static const json kNothing;
+    const auto it = ok_ ? object_.find(key) : object_.end();
+    if (it != object_.end()) return *it;
+    ok_ = false;
+    return kNothing;
+  }
+  std::string Text(const char* key) {
+    const json& value = Member(key);
+    return Require(value.is_string()) ? value.get<std::string>() : std::string();
+  }
+  std::uint64_t Count(const char* key) {
+    const json& value = Member(key);
+    return Require(value.is_number_unsigned()) ? value.get<std::uint64_t>() : 0;
+  }
+  int Size(const char* key) {
+    const std::uint64_t value = Count(key);
+    return Require(value <= kMaxImageSize_px) ? static_cast<int>(value) : 0;
+  }
+  double Number(const char* key) {
+    const json& value = Member(key);
+    return Require(value.is_number()) ? value.get<double>() : 0.0;
+  }
+  std::optional<double> OptionalNumber(const char* key) {
+    return Member(key).is_null() ? std::nullopt : std::optional(Number(key));
+  }
+  bool Require(bool condition) {
+    ok_ = ok_ && condition;
+    return ok_;
+  }
+
+ private:
+  const json& object_;
+  bool ok_;
+};
+
+json EncodeOutline(const Polygon& outline) {
+  json corners = json::array();
+  for (const Eigen::Vector2d& corner : outline) corners.push_back({corner.x(), corner.y()});
+  return corners;
+}
+
+json EncodeView(const ModelView& view) {
+  json angles;
+  if (view.angles) angles = {{"azimuth_rad", view.angles->azimuth_rad}, {"off_nadir_rad", view.angles->off_nadir_rad}};
+  return {{"source", view.source},
+          {"width", view.width},
+          {"height", view.height},
+          {"first_feature", view.first_feature},
+          {"feature_count", view.feature_count},
+          {"outline", EncodeOutline(view.outline)},
+          {"angles", std::move(angles)}};
+}
+
+std::optional<Polygon> ParseOutline(const json& corners) {
+  if (!corners.is_array() || corners.size() > kMaxOutlineCorners) return std::nullopt;
+  Polygon outline;
+  outline.reserve(corners.size());
+  for (const json& corner : corners) {
+    if (!corner.is_array() || corner.size() != 2 || !corner[0].is_number() || !corner[1].is_number())
+      return std::nullopt;
+    outline.emplace_back(corner[0].get<double>(), corner[1].get<double>());
+  }
+  return outline;
+}
+
+std::optional<ModelView> ParseView(const json& object) {
+  Reader reader(object);
+  ModelView view{.source = reader.Text("source"),
+                 .width = reader.Size("width"),
+                 .height = reader.Size("height"),
+                 .first_feature = reader.Count("first_feature"),
+                 .feature_count = reader.Count("feature_count")};
+  std::optional<Polygon> outline = ParseOutline(reader.Member("outline"));
+  if (!outline) return std::nullopt;
+  view.outline = *std::move(outline);
+  if (const json& angles = reader.Member("angles"); !angles.is_null()) {
+    Reader angle_reader(angles);
+    view.angles = ViewAngles{angle_reader.Number("azimuth_rad"), angle_reader.Number("off_nadir_rad")};
+    reader.Require(angle_reader.ok());
+  }
+  return reader.ok() ? std::optional(std::move(view)) : std::nullopt;
+}
+
+// Text from outside: bounded in size and depth, no exceptions.
+std::optional<json> ParseJson(std::string_view text) {
+  bool too_deep = false;
+  const json::parser_callback_t guard = [&](int depth, json::parse_event_t, json&) {
+    too_deep = too_deep || depth > kMaxJsonDepth;
+    return !too_deep;
+  };
+  if (text.size() > kMaxJsonBytes) return std::nullopt;
+  json document = json::parse(text, guard, /*allow_exceptions=*/false);
+  if (too_deep || document.is_discarded()) return std::nullopt;
+  return document;
+}
+
+bool IsSane(double coordinate_px) { return std::abs(coordinate_px) <= kMaxCoordinate_px; }  // false for NaN
+
+// The view's first fault; empty if there is none.
+std::string FaultOf(const ModelView& view) {
+  if (view.width < 1 || view.height < 1 || view.width > kMaxImageSize_px || view.height > kMaxImageSize_px) {
+    return fmt::format("a picture of {} x {} px, expected 1 to {}", view.width, view.height, kMaxImageSize_px);
+  }
+  if ((!view.outline.empty() && view.outline.size() < 3) || view.outline.size() > kMaxOutlineCorners) {
+    return fmt::format("an outline of {} corners, expected 3 to {} or none", view.outline.size(), kMaxOutlineCorners);
+  }
+  const auto outside = [](const Eigen::Vector2d& corner) { return !IsSane(corner.x()) || !IsSane(corner.y()); };
+  if (std::ranges::any_of(view.outline, outside)) return "an outline whose corners are not places in a picture";
+  if (view.angles && !(std::isfinite(view.angles->azimuth_rad) && std::isfinite(view.angles->off_nadir_rad))) {
+    return "angles that are not numbers";
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string EncodeMetadata(const ObjectModel& model) {
+  json views = json::array();
+  for (const ModelView& view : model.views) views.push_back(EncodeView(view));
+  const json document = {{"name", model.name},
+                         {"kind", model.kind},
+                         {"engine", model.engine},
+                         {"options", model.options_json},
+                         {"program_version", model.program_version},
+                         {"length_m", model.length_m ? json(*model.length_m) : json()},
+                         {"views", std::move(views)}};
+  return document.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+Expected<ObjectModel> ParseMetadata(std::string_view text) {
+  const std::unexpected<Error> fault = Fail(ErrorCode::kDataLoss, "damaged (its description cannot be read)");
+  const std::optional<json> document = ParseJson(text);
+  if (!document) return fault;
+  Reader reader(*document);
+  ObjectModel model{.name = reader.Text("name"),
+                    .kind = reader.Text("kind"),
+                    .engine = reader.Text("engine"),
+                    .options_json = reader.Text("options"),
+                    .program_version = reader.Text("program_version"),
+                    .length_m = reader.OptionalNumber("length_m")};
+  const json& views = reader.Member("views");
+  if (!reader.Require(views.is_array() && views.size() <= kMaxViews)) return fault;
+  model.views.reserve(views.size());
+  for (const json& object : views) {
+    std::optional<ModelView> view = ParseView(object);
+    if (!view) return fault;
+    model.views.push_back(*std::move(view));
+  }
+  return model;
+}
+
+Status ValidateMetadata(const ObjectModel& model, std::size_t feature_count) {
+  const auto fail = [&](std::string_view fault) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("model {}: {}", model.name, fault));
+  };
+  if (model.name.empty()) return fail("it has no name");
+  if (model.length_m && !(*model.length_m > 0 && std::isfinite(*model.length_m)))
+    return fail("its length is not above 0 m");
+  if (model.views.empty() || model.views.size() > kMaxViews) {
+    return fail(fmt::format("{} views, expected 1 to {}", model.views.size(), kMaxViews));
+  }
+  std::uint64_t next_feature = 0;
+  for (std::size_t i = 0; i < model.views.size(); ++i) {
+    const ModelView& view = model.views[i];
+    if (const std::string fault = FaultOf(view); !fault.empty()) return fail(fmt::format("view {} has {}", i, fault));
+    if (view.first_feature != next_feature || view.feature_count > feature_count - next_feature) {
+      return fail(fmt::format("view {} has features that do not follow those of the view before it", i));
+    }
+    next_feature += view.feature_count;
+  }
+  if (next_feature != feature_count) {
+    return fail(fmt::format("its views have {} features, expected {}", next_feature, feature_count));
+  }
+  return {};
+}
+
+}  // namespace victorious

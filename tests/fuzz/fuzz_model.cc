@@ -1,0 +1,95 @@
+// Model files, from bytes that anybody may have written: as a whole file, as the sections of one whose checksums are
+// right, and as the description of a model of one keypoint.
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "victorious/base/check.h"
+#include "victorious/store/model_file.h"
+#include "victorious/store/section_file.h"
+
+namespace {
+
+using victorious::Keypoint;
+using victorious::ObjectModel;
+using victorious::Section;
+
+constexpr Keypoint kKeypoint = {1, 2, 3, 0.5F};
+constexpr std::array<std::uint8_t, victorious::kDescriptorSize> kDescriptor = {7, 8, 9};
+
+std::span<const std::byte> Bytes(const std::string& text) { return std::as_bytes(std::span(text)); }
+
+// What is accepted must be usable to its last byte, and be written again.
+void ParseAndUse(std::span<const std::byte> bytes) {
+  const auto model = victorious::ParseModel(bytes, nullptr, "fuzz");
+  if (!model) return;
+  float sum = 0;
+  for (std::size_t view = 0; view < model->views.size(); ++view) {
+    const victorious::FeatureView features = model->ViewFeatures(view);
+    for (std::size_t i = 0; i < features.size(); ++i) sum += features.keypoints[i].x + features.Descriptor(i).back();
+  }
+  VICTORIOUS_CHECK(sum == sum);
+  VICTORIOUS_CHECK(victorious::EncodeModel(*model).has_value());
+}
+
+std::string Encode(const ObjectModel& model) {
+  const auto bytes = victorious::EncodeModel(model);
+  VICTORIOUS_CHECK(bytes.has_value());
+  return {reinterpret_cast<const char*>(bytes->data()), bytes->size()};
+}
+
+std::string DescriptionOf(const std::string& file) {
+  const auto sections = victorious::ParseSections(Bytes(file));
+  VICTORIOUS_CHECK(sections.has_value());
+  const std::span<const std::byte> description = sections->sections.front().bytes;
+  return {reinterpret_cast<const char*>(description.data()), description.size()};
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::span<const std::byte> input = std::as_bytes(std::span(data, size));
+  ParseAndUse(input);
+
+  const auto keypoints = std::as_bytes(std::span(&kKeypoint, 1));
+  const auto descriptors = std::as_bytes(std::span(kDescriptor));
+  const std::array described = {Section{"metadata", input}, Section{"keypoint", keypoints},
+                                Section{"descript", descriptors}};
+  ParseAndUse(victorious::EncodeSections(described));
+
+  ObjectModel model{.name = "fuzz", .kind = "photos"};
+  model.views.push_back({.width = 1, .height = 1, .feature_count = 1});
+  model.features = {std::span(&kKeypoint, 1), kDescriptor};
+  const std::string description = DescriptionOf(Encode(model));
+  const std::array featured = {Section{"metadata", Bytes(description)}, Section{"keypoint", input},
+                               Section{"descript", descriptors}};
+  ParseAndUse(victorious::EncodeSections(featured));
+  return 0;
+}
+
+std::vector<std::string> FuzzSeeds() {
+  ObjectModel model{.name = "box",
+                    .kind = "photos",
+                    .engine = "opencv",
+                    .options_json = "{}",
+                    .program_version = "0.1.0",
+                    .length_m = 0.3};
+  model.views.push_back({.source = "box.png",
+                         .width = 64,
+                         .height = 48,
+                         .feature_count = 1,
+                         .outline = {{0, 0}, {64, 0}, {64, 48}},
+                         .angles = victorious::ViewAngles{1, 0.5}});
+  model.features = {std::span(&kKeypoint, 1), kDescriptor};
+  const std::string file = Encode(model);
+  const std::string description = DescriptionOf(file);
+  return {file,
+          file.substr(0, file.size() / 2),
+          description,
+          description.substr(0, description.size() / 2),
+          std::string(5000, '['),
+          std::string(reinterpret_cast<const char*>(&kKeypoint), sizeof(kKeypoint)),
+          std::string(sizeof(kKeypoint), '\xff')};
+}
