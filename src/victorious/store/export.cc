@@ -6,9 +6,11 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include "victorious/store/catalogue.h"
 #include "victorious/store/export_coco.h"
-#include "victorious/store/export_records.h"
+#include "victorious/store/export_json.h"
 
 namespace victorious {
 namespace {

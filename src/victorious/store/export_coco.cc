@@ -4,6 +4,9 @@
 #include <ostream>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/store/export_json.h"
 
 namespace victorious {
 namespace {

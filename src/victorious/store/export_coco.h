@@ -4,7 +4,7 @@
 #include <iosfwd>
 
 #include "victorious/base/error.h"
-#include "victorious/store/export_records.h"
+#include "victorious/store/catalogue.h"
 #include "victorious/store/index_store.h"
 
 namespace victorious {

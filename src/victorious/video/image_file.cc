@@ -4,7 +4,9 @@
 #include <exception>
 #include <limits>
 #include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
@@ -95,6 +97,17 @@ Expected<Image> DecodeImage(std::span<const std::byte> bytes, const std::string&
   // The fourth byte of a BMP pixel is padding in nearly all of them.
   image->alpha = header.format == ImageFormat::kBmp ? cv::Mat() : TurnUpright(image->alpha, header.orientation);
   return *std::move(image);
+}
+
+Status WriteImage(const std::filesystem::path& path, const cv::Mat& image) {
+  std::vector<unsigned char> bytes;
+  try {
+    if (cv::imencode(path.extension().string(), image, bytes))
+      return WriteFileAtomically(path, std::as_bytes(std::span(bytes)));
+  } catch (const cv::Exception&) {
+    // An ending that OpenCV knows no format for.
+  }
+  return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: a picture's name must end in .png or .jpg", path.string()));
 }
 
 cv::Mat GreyFromBgr(const cv::Mat& bgr) {

@@ -26,6 +26,10 @@ Expected<Image> ReadImage(const std::filesystem::path& path);
 /// The same from bytes in memory; `name` is for the error's text.
 Expected<Image> DecodeImage(std::span<const std::byte> bytes, const std::string& name);
 
+/// Writes a BGR or grey picture atomically; the format is that of the name's ending (.png, .jpg).
+/// Errors: kInvalidArgument for an ending that names no format; those of WriteFileAtomically.
+Status WriteImage(const std::filesystem::path& path, const cv::Mat& image);
+
 /// Luma as the features see it: CV_8UC1, of the BT.601 weights 0.299 R + 0.587 G + 0.114 B.
 cv::Mat GreyFromBgr(const cv::Mat& bgr);
 

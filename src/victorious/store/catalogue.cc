@@ -1,19 +1,15 @@
-#include "victorious/store/export_records.h"
+#include "victorious/store/catalogue.h"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
+#include <string>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "victorious/geometry/angles.h"
-
 namespace victorious {
 namespace {
-
-// To the nearest multiple of 1 / `parts`; 0 for -0. What is not finite becomes null when it is dumped.
-double Round(double value, double parts) { return std::round(value * parts) / parts + 0.0; }
 
 template <typename Record>
 std::string Names(const std::vector<Record>& records) {
@@ -56,27 +52,5 @@ Expected<Catalogue> Catalogue::Read(IndexStore& store, const SightingFilter& fil
 const VideoRecord* Catalogue::Video(std::int64_t id) const { return FindById(videos_, id); }
 
 const ModelRecord* Catalogue::Model(std::int64_t id) const { return FindById(models_, id); }
-
-Json TimeJson(double time_s) { return Round(time_s, 1e6); }
-
-Json ScoreJson(double score) { return Round(score, 1e4); }
-
-Json DegreesJson(double angle_rad) { return Round(DegreesFromRadians(angle_rad), 1e2); }
-
-double RoundPixels(double value_px) { return Round(value_px, 1e2); }
-
-Json BoxJson(const Box& box) {
-  return Json::array({RoundPixels(box.x), RoundPixels(box.y), RoundPixels(box.width), RoundPixels(box.height)});
-}
-
-Json OutlineJson(const Polygon& outline) {
-  Json corners = Json::array();
-  for (const Eigen::Vector2d& corner : outline) {
-    corners.push_back(Json::array({RoundPixels(corner.x()), RoundPixels(corner.y())}));
-  }
-  return corners;
-}
-
-std::string Dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 }  // namespace victorious

@@ -1,0 +1,86 @@
+#include "victorious/cli/arguments.h"
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/base/file.h"
+
+namespace victorious::cli {
+
+Expected<Box> ParseBox(std::string_view text) {
+  std::array<double, 4> numbers{};
+  const char* at = text.data();
+  const char* const end = text.data() + text.size();
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const auto [next, error] = std::from_chars(at, end, numbers[i]);
+    const bool separated = i + 1 < numbers.size() ? next != end && *next == ',' : next == end;
+    if (error != std::errc() || !separated || !std::isfinite(numbers[i])) {
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("box \"{}\": must be x,y,w,h in pixels, as in 10,20,300,200", text));
+    }
+    at = next + 1;
+  }
+  const Box box{numbers[0], numbers[1], numbers[2], numbers[3]};
+  if (box.IsEmpty())
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("box \"{}\": width and height must be above 0", text));
+  return box;
+}
+
+Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields) {
+  if (path.empty()) return {};
+  constexpr std::size_t kMostBytes = 1 << 20;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMostBytes));
+  const auto json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false, /*ignore_comments=*/true);
+  if (json.is_discarded()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: not JSON: parameters are an object such as {{\"match\": {{\"ratio\": 0.8}}}}", path));
+  }
+  if (auto status = SetFromJson(json, fields); !status)
+    return std::unexpected(std::move(status).error().WithContext(path));
+  return {};
+}
+
+Status WriteOutput(const std::string& path, std::string_view text) {
+  if (!path.empty()) return WriteFileAtomically(path, text);
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
+    return std::unexpected(ErrorFromErrno(errno, "write to standard output"));
+  }
+  return {};
+}
+
+CancelToken& Interrupt() {
+  static CancelToken token;
+  static const bool installed = [] {
+    const auto handler = [](int) { Interrupt().Cancel(); };
+    std::signal(SIGINT, handler);
+    std::signal(SIGTERM, handler);
+    return true;
+  }();
+  static_cast<void>(installed);
+  return token;
+}
+
+void FilterArguments::AddTo(CLI::App& app, bool with_model) {
+  app.add_option("--video", video, "Only this video: its name as indexed, or its last parts")->type_name("NAME");
+  if (with_model) app.add_option("--model", model, "Only this model")->type_name("NAME");
+  app.add_option("--from", from_s, "Only from this time of the video on, seconds")->type_name("S");
+  app.add_option("--to", to_s, "Only up to this time of the video, seconds")->type_name("S");
+}
+
+SightingFilter FilterArguments::Filter() const {
+  SightingFilter filter;
+  if (!model.empty()) filter.model_name = model;
+  if (!video.empty()) filter.video_name = video;
+  filter.from_s = from_s;
+  filter.to_s = to_s;
+  return filter;
+}
+
+}  // namespace victorious::cli

@@ -1,0 +1,42 @@
+// What several commands need of their arguments and output.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <CLI/App.hpp>
+
+#include "victorious/base/cancel.h"
+#include "victorious/base/error.h"
+#include "victorious/base/options.h"
+#include "victorious/geometry/box.h"
+#include "victorious/store/index_store.h"
+
+namespace victorious::cli {
+
+/// "x,y,w,h" in pixels.
+Expected<Box> ParseBox(std::string_view text);
+
+/// Reads `--params FILE` (JSON) into the fields; an empty path changes nothing.
+Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields);
+
+/// Writes to stdout, or to a file (whole or not at all) where `path` is not empty.
+Status WriteOutput(const std::string& path, std::string_view text);
+
+/// Set by SIGINT and SIGTERM.
+CancelToken& Interrupt();
+
+/// The flags --video, --model, --from and --to of commands that list what an index holds.
+struct FilterArguments {
+  std::string video;
+  std::string model;
+  std::optional<double> from_s;
+  std::optional<double> to_s;
+
+  void AddTo(CLI::App& app, bool with_model);
+  [[nodiscard]] SightingFilter Filter() const;
+};
+
+}  // namespace victorious::cli

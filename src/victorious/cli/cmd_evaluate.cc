@@ -1,0 +1,70 @@
+// victorious evaluate --db FILE --truth FILE
+#include <memory>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "victorious/cli/arguments.h"
+#include "victorious/cli/command.h"
+#include "victorious/evaluate/score.h"
+#include "victorious/evaluate/truth.h"
+#include "victorious/store/catalogue.h"
+
+namespace victorious::cli {
+namespace {
+
+struct Arguments {
+  std::string db;
+  std::string truth;
+  std::string video;
+  std::vector<std::string> models;
+  bool json = false;
+};
+
+Status Run(const Arguments& arguments) {
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TruthRow> truth, ReadTruth(arguments.truth));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenSqliteStore(arguments.db, StoreMode::kRead));
+  SightingFilter filter;
+  if (!arguments.video.empty()) filter.video_name = arguments.video;
+  VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(*store, filter));
+  if (catalogue.videos().size() > 1) {
+    return Fail(ErrorCode::kInvalidArgument, "the index holds several videos: choose the truth's with --video");
+  }
+  if (!arguments.models.empty()) {
+    const std::set<std::string> keep(arguments.models.begin(), arguments.models.end());
+    std::erase_if(truth, [&](const TruthRow& row) { return !keep.contains(row.model); });
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> records, store->Objects(filter));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SightingRecord> rows, store->Sightings(filter));
+  std::vector<std::int64_t> objects;
+  for (const ObjectRecord& object : records) objects.push_back(object.id);
+  std::vector<ReportedSighting> sightings;
+  for (const SightingRecord& row : rows) {
+    const ModelRecord* model = catalogue.Model(row.model);
+    if (model == nullptr) continue;  // added by another process since
+    sightings.push_back({.object = row.object,
+                         .frame = row.frame,
+                         .model = model->name,
+                         .box = row.box,
+                         .score = row.score,
+                         .view = row.view});
+  }
+  const Score score = ScoreIndex(truth, objects, sightings);
+  return WriteOutput("", arguments.json ? ToJson(score).dump(1) + "\n" : ToText(score));
+}
+
+}  // namespace
+
+Action SetUpEvaluate(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  app.add_option("--db", arguments->db, "The index")->required()->type_name("FILE");
+  app.add_option("--truth", arguments->truth, "truth.jsonl of the video")->required()->type_name("FILE");
+  app.add_option("--models", arguments->models, "The models that were searched: truth of others is left out")
+      ->delimiter(',')
+      ->type_name("A,B");
+  app.add_option("--video", arguments->video, "The video, where the index holds several")->type_name("NAME");
+  app.add_flag("--json", arguments->json, "As JSON");
+  return [=] { return Run(*arguments); };
+}
+
+}  // namespace victorious::cli

@@ -1,0 +1,35 @@
+// victorious export --db FILE --format FORMAT
+#include <memory>
+#include <sstream>
+
+#include "victorious/cli/arguments.h"
+#include "victorious/cli/command.h"
+#include "victorious/store/export.h"
+
+namespace victorious::cli {
+
+Action SetUpExport(CLI::App& app) {
+  struct Arguments {
+    std::string db;
+    std::string format;
+    std::string out;
+    FilterArguments filter;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  app.add_option("--db", arguments->db, "The index")->required()->type_name("FILE");
+  app.add_option("--format", arguments->format, "objects, sightings (JSON Lines), mot, coco")
+      ->required()
+      ->type_name("FORMAT");
+  app.add_option("--out", arguments->out, "Where it goes, instead of to standard output")->type_name("FILE");
+  arguments->filter.AddTo(app, /*with_model=*/true);
+  return [=]() -> Status {
+    VICTORIOUS_ASSIGN_OR_RETURN(const ExportFormat format, ParseExportFormat(arguments->format));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
+                                OpenSqliteStore(arguments->db, StoreMode::kRead));
+    std::ostringstream text;
+    VICTORIOUS_RETURN_IF_ERROR(Export(*store, format, arguments->filter.Filter(), text));
+    return WriteOutput(arguments->out, text.view());
+  };
+}
+
+}  // namespace victorious::cli

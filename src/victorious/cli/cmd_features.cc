@@ -1,0 +1,56 @@
+// victorious features IMAGE --out FILE
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "victorious/cli/arguments.h"
+#include "victorious/cli/command.h"
+#include "victorious/features/feature_extractor.h"
+#include "victorious/video/image_file.h"
+
+namespace victorious::cli {
+namespace {
+
+struct Arguments {
+  std::string image;
+  std::string out;
+  std::string engine;
+  std::string params;
+};
+
+Status Run(const Arguments& arguments) {
+  FeatureOptions options;
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
+  if (!arguments.engine.empty()) options.engine = arguments.engine;
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Image image, ReadImage(arguments.image));
+  VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, extractor->Extract(GreyFromBgr(image.bgr)));
+  fmt::memory_buffer text;
+  fmt::format_to(std::back_inserter(text), "{} {}\n", features.size(), kDescriptorSize);
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    const Keypoint& keypoint = features.keypoints[i];
+    fmt::format_to(std::back_inserter(text), "{:.4f} {:.4f} {:.4f} {:.5f}", keypoint.x, keypoint.y, keypoint.scale_px,
+                   keypoint.orientation_rad);
+    for (const std::uint8_t value : features.View().Descriptor(i))
+      fmt::format_to(std::back_inserter(text), " {}", value);
+    text.push_back('\n');
+  }
+  return WriteOutput(arguments.out, {text.data(), text.size()});
+}
+
+}  // namespace
+
+Action SetUpFeatures(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  app.add_option("IMAGE", arguments->image, "A picture (PNG, JPEG)")->required();
+  app.add_option("--out", arguments->out,
+                 "Where the features go: `N 128`, then x y scale orientation_rad d1 … d128 a line")
+      ->required()
+      ->type_name("FILE");
+  app.add_option("--engine", arguments->engine, "Who computes them")->type_name("NAME");
+  app.add_option("--params", arguments->params, "Parameters, JSON (`victorious params features` lists them)")
+      ->type_name("FILE");
+  return [=] { return Run(*arguments); };
+}
+
+}  // namespace victorious::cli

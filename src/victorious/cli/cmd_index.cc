@@ -1,0 +1,69 @@
+// victorious index VIDEO... --models DIR --db FILE
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "victorious/cli/arguments.h"
+#include "victorious/cli/command.h"
+#include "victorious/model/model_library.h"
+#include "victorious/pipeline/indexer.h"
+
+namespace victorious::cli {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> videos;
+  std::string models;
+  std::string db;
+  std::string params;
+  std::optional<int> every;
+  bool redo = false;
+  int threads = 0;
+};
+
+Status Run(const Arguments& arguments) {
+  IndexOptions options;
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
+  if (arguments.every) options.every = *arguments.every;
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectModel> models, ModelLibrary(arguments.models).LoadAll());
+  if (models.empty()) {
+    return Fail(ErrorCode::kNotFound,
+                fmt::format("{}: no models to search for; make one with `victorious model add`", arguments.models));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const Indexer indexer, Indexer::Create(std::move(models), options));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
+                              OpenSqliteStore(arguments.db, StoreMode::kCreate));
+  // A video that cannot be read does not keep the others from being indexed.
+  std::optional<Error> failure;
+  for (const std::string& video : arguments.videos) {
+    const Expected<IndexReport> report = indexer.Index(video, arguments.redo, arguments.threads, Interrupt(), *store);
+    if (!report) {
+      failure = failure ? Error{failure->code, failure->message + "; " + report.error().message} : report.error();
+      if (report.error().code == ErrorCode::kCancelled) break;
+      continue;
+    }
+    for (const std::string& warning : report->warnings) spdlog::warn("{}: {}", video, warning);
+    spdlog::info("{}: {} frames searched, {} sightings{}", video, report->frames_searched, report->sightings,
+                 report->frames_searched == 0 ? " (all of it was indexed before)" : "");
+  }
+  if (failure) return std::unexpected(*std::move(failure));
+  return {};
+}
+
+}  // namespace
+
+Action SetUpIndex(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  app.add_option("VIDEO", arguments->videos, "Files, folders of frames, or live URLs")->required();
+  app.add_option("--models", arguments->models, "The folder of models to search for")->required()->type_name("DIR");
+  app.add_option("--db", arguments->db, "The index, made if it is not there")->required()->type_name("FILE");
+  app.add_option("--params", arguments->params, "Parameters, JSON (`victorious params` lists them)")->type_name("FILE");
+  app.add_option("--every", arguments->every, "Search every N-th frame only")->type_name("N");
+  app.add_flag("--redo", arguments->redo, "Forget what was found of these models in these videos, and search again");
+  app.add_option("--threads", arguments->threads, "Threads; 0: as many as the machine has")->check(CLI::Range(0, 1024));
+  return [=] { return Run(*arguments); };
+}
+
+}  // namespace victorious::cli

@@ -1,0 +1,166 @@
+// victorious match SCENE TEMPLATE: what each stage leaves of two images' matches
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "victorious/cli/arguments.h"
+#include "victorious/cli/command.h"
+#include "victorious/features/feature_extractor.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/geometry/homography.h"
+#include "victorious/model/photo_model.h"
+#include "victorious/pipeline/index_options.h"
+#include "victorious/recognize/recognizer.h"
+#include "victorious/video/image_file.h"
+
+namespace victorious::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct Arguments {
+  std::string scene;
+  std::string model;
+  std::optional<double> ratio;
+  std::string params;
+  std::string draw;
+  bool json = false;
+};
+
+struct Stage {
+  const char* name;
+  const MatchSet* matches;
+};
+
+std::vector<Stage> StagesOf(const StagedMatches& staged, const MatchSet& inliers) {
+  return {{"ratio", &staged.ratio},
+          {"first", &staged.cascade.first},
+          {"second", &staged.cascade.second},
+          {"third", &staged.cascade.third},
+          {"mlesac", &inliers}};
+}
+
+Polygon Project(const Polygon& outline, const Eigen::Matrix3d& map) {
+  Polygon projected;
+  for (const Eigen::Vector2d& corner : outline) projected.push_back(ApplyHomography(map, corner));
+  return projected;
+}
+
+ordered_json Report(const FeatureSet& scene, const FeatureView& model, const StagedMatches& staged,
+                    const Polygon& outline) {
+  const MatchSet none;
+  const Pose* pose = staged.poses.empty() ? nullptr : &staged.poses.front();
+  ordered_json stages = ordered_json::array();
+  for (const Stage& stage : StagesOf(staged, pose != nullptr ? pose->inliers : none)) {
+    ordered_json matches = ordered_json::array();
+    for (const Match& match : *stage.matches) {
+      const Keypoint& s = scene.keypoints[match.scene];
+      const Keypoint& m = model.keypoints[match.model];
+      matches.push_back({{"scene", {s.x, s.y}},
+                         {"template", {m.x, m.y}},
+                         {"scale", s.scale_px / m.scale_px},
+                         {"ratio", match.ratio}});
+    }
+    stages.push_back({{"name", stage.name}, {"matches", std::move(matches)}});
+  }
+  ordered_json json = {
+      {"scene_keypoints", scene.size()}, {"template_keypoints", model.size()}, {"stages", std::move(stages)}};
+  if (pose == nullptr) {
+    json["similarity"] = nullptr;
+    json["homography"] = nullptr;
+    json["outline"] = nullptr;
+    return json;
+  }
+  const Similarity2& similarity = pose->scene_from_template;
+  json["similarity"] = {{"scale", similarity.scale},
+                        {"rotation_deg", DegreesFromRadians(similarity.rotation_rad)},
+                        {"translation", {similarity.translation.x(), similarity.translation.y()}}};
+  const Eigen::Matrix3d& h = pose->scene_from_template_plane;
+  json["homography"] = {{h(0, 0), h(0, 1), h(0, 2)}, {h(1, 0), h(1, 1), h(1, 2)}, {h(2, 0), h(2, 1), h(2, 2)}};
+  json["outline"] = ordered_json::array();
+  for (const Eigen::Vector2d& corner : Project(outline, h)) json["outline"].push_back({corner.x(), corner.y()});
+  return json;
+}
+
+// The scene with the template beside it: what the grammar dropped in cyan, what stayed in red, the outline in yellow.
+cv::Mat Draw(const cv::Mat& scene_image, const cv::Mat& model_image, const FeatureSet& scene, const FeatureView& model,
+             const StagedMatches& staged, const Polygon& outline) {
+  const int height = std::max(scene_image.rows, model_image.rows);
+  cv::Mat canvas(height, scene_image.cols + model_image.cols, CV_8UC3, cv::Scalar::all(32));
+  scene_image.copyTo(canvas(cv::Rect({0, 0}, scene_image.size())));
+  model_image.copyTo(canvas(cv::Rect({scene_image.cols, 0}, model_image.size())));
+  const auto draw = [&](const MatchSet& matches, const cv::Scalar& colour) {
+    for (const Match& match : matches) {
+      const Keypoint& s = scene.keypoints[match.scene];
+      const Keypoint& m = model.keypoints[match.model];
+      cv::line(canvas, cv::Point2f(s.x, s.y), cv::Point2f(m.x + static_cast<float>(scene_image.cols), m.y), colour, 1,
+               cv::LINE_AA);
+    }
+  };
+  draw(staged.ratio, {200, 200, 0});
+  draw(staged.cascade.third, {0, 0, 255});
+  for (const Pose& pose : staged.poses) {
+    std::vector<cv::Point> corners;
+    for (const Eigen::Vector2d& corner : Project(outline, pose.scene_from_template_plane))
+      corners.emplace_back(cv::Point2d(corner.x(), corner.y()));
+    cv::polylines(canvas, corners, true, {0, 255, 255}, 2, cv::LINE_AA);
+  }
+  return canvas;
+}
+
+Status Run(const Arguments& arguments) {
+  IndexOptions options;
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
+  if (arguments.ratio) options.recognize.match.ratio = *arguments.ratio;
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Image scene_image, ReadImage(arguments.scene));
+  VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet scene, extractor->Extract(GreyFromBgr(scene_image.bgr)));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Image model_image, ReadImage(arguments.model));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Photo photo,
+                              PreparePhoto(arguments.model, model_image.bgr, model_image.alpha, std::nullopt));
+  VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel model, MakePhotoModel("template", std::span(&photo, 1), std::nullopt,
+                                                                {.features = options.features}));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,
+                              Recognizer::Create({std::move(model)}, options.features.engine, options.recognize));
+  const StagedMatches staged = recognizer.MatchView(scene, 0, 0);
+  const FeatureView features = recognizer.models()[0].ViewFeatures(0);
+  if (!arguments.draw.empty()) {
+    VICTORIOUS_RETURN_IF_ERROR(
+        WriteImage(arguments.draw, Draw(scene_image.bgr, model_image.bgr, scene, features, staged, photo.outline)));
+  }
+  if (arguments.json) return WriteOutput("", Report(scene, features, staged, photo.outline).dump() + "\n");
+
+  const MatchSet none;
+  const Pose* pose = staged.poses.empty() ? nullptr : &staged.poses.front();
+  std::string text = fmt::format("keypoints: {} in the scene, {} in the template\n", scene.size(), features.size());
+  for (const Stage& stage : StagesOf(staged, pose != nullptr ? pose->inliers : none))
+    text += fmt::format("{:<8} {:>6} matches\n", stage.name, stage.matches->size());
+  if (pose == nullptr) {
+    text += "no pose: the template was not found\n";
+  } else {
+    const Similarity2& similarity = pose->scene_from_template;
+    text += fmt::format("pose     scale {:.3f}, turned {:.1f} degrees, template's origin at {:.1f},{:.1f}\n",
+                        similarity.scale, DegreesFromRadians(similarity.rotation_rad), similarity.translation.x(),
+                        similarity.translation.y());
+  }
+  return WriteOutput("", text);
+}
+
+}  // namespace
+
+Action SetUpMatch(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  app.add_option("SCENE", arguments->scene, "The picture to search in")->required();
+  app.add_option("TEMPLATE", arguments->model, "The picture of the object; its alpha channel cuts it out")->required();
+  app.add_option("--ratio", arguments->ratio, "Lowe's ratio test (default 0.8)")->type_name("R");
+  app.add_option("--params", arguments->params, "Parameters, JSON (`victorious params` lists them)")->type_name("FILE");
+  app.add_option("--draw", arguments->draw, "Draw the matches and the outline into this PNG")->type_name("FILE");
+  app.add_flag("--json", arguments->json, "Every stage's matches as JSON");
+  return [=] { return Run(*arguments); };
+}
+
+}  // namespace victorious::cli

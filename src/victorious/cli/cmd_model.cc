@@ -1,0 +1,172 @@
+// victorious model add | list | show | remove
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/cli/arguments.h"
+#include "victorious/cli/command.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/model/model_library.h"
+#include "victorious/model/photo_model.h"
+
+namespace victorious::cli {
+namespace {
+
+struct Arguments {
+  std::string folder;
+  std::string name;
+  std::vector<std::string> inputs;
+  std::vector<std::string> boxes;
+  std::optional<double> length_m;
+  std::string params;
+  bool json = false;
+};
+
+bool IsCad(const std::filesystem::path& path) {
+  constexpr std::array kExtensions = {".glb", ".gltf", ".obj", ".ac", ".dae", ".3ds", ".ply", ".stl"};
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return std::ranges::find(kExtensions, extension) != kExtensions.end();
+}
+
+Status Add(const Arguments& arguments) {
+  const ModelLibrary library(arguments.folder);
+  VICTORIOUS_RETURN_IF_ERROR(library.CheckNewName(arguments.name));
+  if (arguments.length_m && !(*arguments.length_m > 0 && *arguments.length_m < 1e6)) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--length {:g}: must be the longest side in metres, above 0", *arguments.length_m));
+  }
+  if (!arguments.boxes.empty() && arguments.boxes.size() != arguments.inputs.size()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{} boxes for {} photos: give one --box a photo, in their order, or none",
+                            arguments.boxes.size(), arguments.inputs.size()));
+  }
+  PhotoModelOptions options;
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
+  std::vector<Photo> photos;
+  for (std::size_t i = 0; i < arguments.inputs.size(); ++i) {
+    if (IsCad(arguments.inputs[i])) {
+      return Fail(ErrorCode::kUnsupported,
+                  fmt::format("{}: this version makes models from photos (PNG, JPEG) only", arguments.inputs[i]));
+    }
+    std::optional<Box> box;
+    if (!arguments.boxes.empty()) {
+      VICTORIOUS_ASSIGN_OR_RETURN(box, ParseBox(arguments.boxes[i]));
+    }
+    VICTORIOUS_ASSIGN_OR_RETURN(Photo photo, LoadPhoto(arguments.inputs[i], box));
+    photos.push_back(std::move(photo));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel model,
+                              MakePhotoModel(arguments.name, photos, arguments.length_m, options));
+  VICTORIOUS_RETURN_IF_ERROR(library.Add(model));
+  return WriteOutput("", fmt::format("{}: {} {}, {} features\n", model.name, model.views.size(),
+                                     model.views.size() == 1 ? "view" : "views", model.features.size()));
+}
+
+nlohmann::ordered_json Summary(const ObjectModel& model) {
+  return {{"name", model.name},
+          {"id", model.id},
+          {"kind", model.kind},
+          {"views", model.views.size()},
+          {"features", model.features.size()},
+          {"length_m", model.length_m ? nlohmann::ordered_json(*model.length_m) : nlohmann::ordered_json()},
+          {"engine", model.engine},
+          {"program_version", model.program_version}};
+}
+
+nlohmann::ordered_json Details(const ObjectModel& model) {
+  nlohmann::ordered_json json = Summary(model);
+  json["options"] = nlohmann::ordered_json::parse(model.options_json, nullptr, /*allow_exceptions=*/false);
+  json["view_list"] = nlohmann::ordered_json::array();
+  for (const ModelView& view : model.views) {
+    const Box box = BoundingBox(view.outline);
+    nlohmann::ordered_json row = {{"source", view.source},
+                                  {"width_px", view.width},
+                                  {"height_px", view.height},
+                                  {"features", view.feature_count},
+                                  {"outline_box", {box.x, box.y, box.width, box.height}}};
+    row["azimuth_deg"] =
+        view.angles ? nlohmann::ordered_json(DegreesFromRadians(view.angles->azimuth_rad)) : nlohmann::ordered_json();
+    row["off_nadir_deg"] =
+        view.angles ? nlohmann::ordered_json(DegreesFromRadians(view.angles->off_nadir_rad)) : nlohmann::ordered_json();
+    json["view_list"].push_back(std::move(row));
+  }
+  return json;
+}
+
+std::string SizeText(const ObjectModel& model) {
+  return model.length_m ? fmt::format("{:g} m", *model.length_m) : "unknown";
+}
+
+Status List(const Arguments& arguments) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectModel> models, ModelLibrary(arguments.folder).LoadAll());
+  std::string text;
+  if (!arguments.json)
+    text = fmt::format("{:<24} {:<7} {:>6} {:>9}  {:<9} {}\n", "name", "kind", "views", "features", "length", "engine");
+  for (const ObjectModel& model : models) {
+    text += arguments.json ? Summary(model).dump() + "\n"
+                           : fmt::format("{:<24} {:<7} {:>6} {:>9}  {:<9} {}\n", model.name, model.kind,
+                                         model.views.size(), model.features.size(), SizeText(model), model.engine);
+  }
+  return WriteOutput("", text);
+}
+
+Status Show(const Arguments& arguments) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel model, ModelLibrary(arguments.folder).Load(arguments.name));
+  if (arguments.json) return WriteOutput("", Details(model).dump() + "\n");
+  std::string text = fmt::format(
+      "{}\n  from      {}\n  length    {}\n  features  {} in {} views\n  engine    {}, version {}\n  options   {}\n",
+      model.name, model.kind, SizeText(model), model.features.size(), model.views.size(), model.engine,
+      model.program_version, model.options_json);
+  for (const ModelView& view : model.views) {
+    const Box box = BoundingBox(view.outline);
+    text += fmt::format("  view      {}: {} x {} px, object {:.0f} x {:.0f} px at {:.0f},{:.0f}, {} features\n",
+                        view.source, view.width, view.height, box.width, box.height, box.x, box.y, view.feature_count);
+  }
+  return WriteOutput("", text);
+}
+
+}  // namespace
+
+Action SetUpModel(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  app.require_subcommand(1);
+  const auto add_subcommand = [&](const char* name, const char* summary) {
+    CLI::App* command = app.add_subcommand(name, summary);
+    command->add_option("--models", arguments->folder, "The folder of models")->required()->type_name("DIR");
+    return command;
+  };
+  CLI::App* add = add_subcommand("add", "Make a searchable model from photos of an object");
+  add->add_option("NAME", arguments->name, "What the object is called from now on")->required();
+  add->add_option("INPUT", arguments->inputs, "Photos (PNG, JPEG); an alpha channel or --box cuts the object out")
+      ->required();
+  add->add_option("--box", arguments->boxes, "The object in the photo, x,y,w,h in pixels; one a photo")
+      ->type_name("X,Y,W,H");
+  add->add_option("--length", arguments->length_m, "The object's longest side, metres")->type_name("M");
+  add->add_option("--params", arguments->params, "Parameters, JSON (`victorious params model` lists them)")
+      ->type_name("FILE");
+  CLI::App* list = add_subcommand("list", "The models of a folder");
+  list->add_flag("--json", arguments->json, "One JSON object a line");
+  CLI::App* show = add_subcommand("show", "One model's views, features, size, and what made it");
+  show->add_option("NAME", arguments->name)->required();
+  show->add_flag("--json", arguments->json, "As JSON");
+  CLI::App* remove = add_subcommand("remove", "Delete a model");
+  remove->add_option("NAME", arguments->name)->required();
+  remove->add_flag("--json", arguments->json, "Print what was removed as JSON");
+  return [=]() -> Status {
+    if (add->parsed()) return Add(*arguments);
+    if (list->parsed()) return List(*arguments);
+    if (show->parsed()) return Show(*arguments);
+    VICTORIOUS_RETURN_IF_ERROR(ModelLibrary(arguments->folder).Remove(arguments->name));
+    if (!arguments->json) return {};
+    return WriteOutput("", nlohmann::json({{"removed", arguments->name}}).dump() + "\n");
+  };
+}
+
+}  // namespace victorious::cli

@@ -1,0 +1,33 @@
+// victorious params: every parameter, from the field lists themselves
+#include <memory>
+
+#include <nlohmann/json.hpp>
+
+#include "victorious/cli/arguments.h"
+#include "victorious/cli/command.h"
+#include "victorious/model/photo_model.h"
+#include "victorious/pipeline/index_options.h"
+
+namespace victorious::cli {
+
+Action SetUpParams(CLI::App& app) {
+  struct Arguments {
+    std::string of = "index";
+    bool json = false;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  app.add_option("OF", arguments->of, "Whose: index (search and match take its recognition part), model, features")
+      ->check(CLI::IsMember({"index", "model", "features"}));
+  app.add_flag("--json", arguments->json, "The defaults as JSON, ready to be edited and given to --params");
+  return [=]() -> Status {
+    IndexOptions index;
+    PhotoModelOptions model;
+    FeatureOptions features;
+    const std::vector<FieldRef> fields = arguments->of == "model"      ? FieldsOf(model)
+                                         : arguments->of == "features" ? FieldsOf(features)
+                                                                       : FieldsOf(index);
+    return WriteOutput("", arguments->json ? ToJson(fields).dump(2) + "\n" : MarkdownTable(fields));
+  };
+}
+
+}  // namespace victorious::cli

@@ -1,0 +1,129 @@
+// victorious search --db FILE: ranked lists of objects, or of moments that look like a picture
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/cli/arguments.h"
+#include "victorious/cli/command.h"
+#include "victorious/pipeline/index_options.h"
+#include "victorious/pipeline/search_image.h"
+#include "victorious/store/catalogue.h"
+
+namespace victorious::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct Arguments {
+  std::string db;
+  FilterArguments filter;
+  std::string image;
+  std::string box;
+  std::string params;
+  bool json = false;
+};
+
+std::string TimeText(double seconds) {
+  const auto minutes = static_cast<int>(seconds / 60);
+  return fmt::format("{}:{:05.2f}", minutes, seconds - 60.0 * minutes);
+}
+
+Status ListObjects(const Arguments& arguments, const Catalogue& catalogue, IndexStore& store) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto objects, store.Objects(arguments.filter.Filter()));
+  std::string text;
+  if (!arguments.json)
+    text = fmt::format("{:>4}  {:<20} {:>6} {:>7}  {:>9} {:>9}  {:>6}  {}\n", "rank", "model", "score", "frames",
+                       "from", "to", "object", "video");
+  int rank = 0;
+  for (const ObjectRecord& object : objects) {
+    const VideoRecord* video_record = catalogue.Video(object.video);
+    const ModelRecord* model_record = catalogue.Model(object.model);
+    if (video_record == nullptr || model_record == nullptr) continue;  // added by another process since
+    ++rank;
+    const std::string& model = model_record->name;
+    const std::string& video = video_record->name;
+    text += arguments.json ? ordered_json({{"rank", rank},
+                                           {"object_id", object.id},
+                                           {"model", model},
+                                           {"score", object.score},
+                                           {"video", video},
+                                           {"frames", object.frames},
+                                           {"first_time_s", object.first_time_s},
+                                           {"last_time_s", object.last_time_s}})
+                                     .dump() +
+                                 "\n"
+                           : fmt::format("{:>4}  {:<20} {:>6.3f} {:>7}  {:>9} {:>9}  {:>6}  {}\n", rank, model,
+                                         object.score, object.frames, TimeText(object.first_time_s),
+                                         TimeText(object.last_time_s), object.id, video);
+  }
+  if (objects.empty() && !arguments.json) text = "nothing found\n";
+  return WriteOutput("", text);
+}
+
+Status ListMoments(const Arguments& arguments, IndexStore& store) {
+  IndexOptions options;
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
+  std::optional<Box> box;
+  if (!arguments.box.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(box, ParseBox(arguments.box));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const Photo example, LoadPhoto(arguments.image, box));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Moment> moments,
+                              SearchByImage(example, arguments.filter.Filter(), options.recognize, store));
+  std::string text;
+  if (!arguments.json)
+    text = fmt::format("{:>4}  {:>6} {:>9} {:>9} {:>9}  {:>24}  {}\n", "rank", "score", "best at", "from", "to",
+                       "box x,y,w,h", "video");
+  int rank = 0;
+  for (const Moment& moment : moments) {
+    ++rank;
+    const Box& b = moment.box;
+    text += arguments.json
+                ? ordered_json({{"rank", rank},
+                                {"video", moment.video},
+                                {"frame", moment.frame},
+                                {"time_s", moment.time_s},
+                                {"box", {b.x, b.y, b.width, b.height}},
+                                {"score", moment.score},
+                                {"matches", moment.matches},
+                                {"first_time_s", moment.first_time_s},
+                                {"last_time_s", moment.last_time_s},
+                                {"frames", moment.frames}})
+                          .dump() +
+                      "\n"
+                : fmt::format("{:>4}  {:>6.3f} {:>9} {:>9} {:>9}  {:>24}  {}\n", rank, moment.score,
+                              TimeText(moment.time_s), TimeText(moment.first_time_s), TimeText(moment.last_time_s),
+                              fmt::format("{:.0f},{:.0f},{:.0f},{:.0f}", b.x, b.y, b.width, b.height), moment.video);
+  }
+  if (moments.empty() && !arguments.json) text = "nothing found\n";
+  return WriteOutput("", text);
+}
+
+Status Run(const Arguments& arguments) {
+  if (!arguments.image.empty() && !arguments.filter.model.empty()) {
+    return Fail(ErrorCode::kInvalidArgument, "--image and --model: give one of them");
+  }
+  if (arguments.image.empty() && !(arguments.box.empty() && arguments.params.empty())) {
+    return Fail(ErrorCode::kInvalidArgument, "--box and --params go with --image");
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenSqliteStore(arguments.db, StoreMode::kRead));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(*store, arguments.filter.Filter()));
+  return arguments.image.empty() ? ListObjects(arguments, catalogue, *store) : ListMoments(arguments, *store);
+}
+
+}  // namespace
+
+Action SetUpSearch(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  app.add_option("--db", arguments->db, "The index")->required()->type_name("FILE");
+  arguments->filter.AddTo(app, /*with_model=*/true);
+  app.add_option("--image", arguments->image, "An example picture: list the moments that show what it shows")
+      ->type_name("FILE");
+  app.add_option("--box", arguments->box, "The object in the example picture")->type_name("X,Y,W,H");
+  app.add_option("--params", arguments->params, "Parameters of recognition for --image, JSON")->type_name("FILE");
+  app.add_flag("--json", arguments->json, "One JSON object a line");
+  return [=] { return Run(*arguments); };
+}
+
+}  // namespace victorious::cli

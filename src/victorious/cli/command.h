@@ -1,0 +1,34 @@
+// What a command is: a row of main.cc's table. `setup` adds the command's arguments to its parser and returns what to
+// do once they are parsed. Files named cmd_<verb>.cc hold one command each.
+#pragma once
+
+#include <functional>
+
+#include <CLI/App.hpp>
+
+#include "victorious/base/error.h"
+
+namespace victorious::cli {
+
+using Action = std::function<Status()>;
+
+struct Command {
+  const char* name;
+  const char* group;
+  const char* summary;  ///< one line
+  Action (*setup)(CLI::App& app);
+};
+
+Action SetUpBench(CLI::App& app);
+Action SetUpDoctor(CLI::App& app);
+Action SetUpEvaluate(CLI::App& app);
+Action SetUpExport(CLI::App& app);
+Action SetUpFeatures(CLI::App& app);
+Action SetUpIndex(CLI::App& app);
+Action SetUpMatch(CLI::App& app);
+Action SetUpModel(CLI::App& app);
+Action SetUpParams(CLI::App& app);
+Action SetUpSearch(CLI::App& app);
+Action SetUpSheet(CLI::App& app);
+
+}  // namespace victorious::cli

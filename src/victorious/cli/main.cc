@@ -1,0 +1,79 @@
+// The program: a table of commands. Errors are one line on stderr; the exit status is ExitStatus's (base/error.h).
+#include <array>
+#include <exception>
+#include <functional>
+#include <new>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "victorious/base/version.h"
+#include "victorious/cli/command.h"
+
+namespace victorious::cli {
+namespace {
+
+constexpr std::array kCommands = {
+    Command{"model", "Make", "Make, list, show and remove models of objects", &SetUpModel},
+    Command{"index", "Find", "Find every model in every video, and keep what was found", &SetUpIndex},
+    Command{"search", "Find", "The ranked list of what was found, or of moments that look like a picture",
+            &SetUpSearch},
+    Command{"export", "Find", "What was found, for other programs: objects, sightings, mot, coco", &SetUpExport},
+    Command{"sheet", "Find", "What was found, as pictures", &SetUpSheet},
+    Command{"match", "Look inside", "Match two pictures, stage by stage", &SetUpMatch},
+    Command{"features", "Look inside", "The features of a picture, as text", &SetUpFeatures},
+    Command{"params", "Look inside", "Every parameter, its default, range and reason", &SetUpParams},
+    Command{"doctor", "Look inside", "What this machine offers, or what a file holds", &SetUpDoctor},
+    Command{"evaluate", "Measure", "Score an index against ground truth", &SetUpEvaluate},
+    Command{"bench", "Measure", "The speed of each stage, beside its peers", &SetUpBench},
+};
+
+int Fail(const Error& error) {
+  spdlog::error("{}", error.message);
+  return ExitStatus(error.code);
+}
+
+int Main(int argc, char** argv) {
+  const auto logger = spdlog::stderr_color_mt("victorious");
+  logger->set_pattern("%^%l%$: %v");
+  spdlog::set_default_logger(logger);
+
+  CLI::App app("Finds your object in hours of video.", "victorious");
+  app.set_version_flag("--version", kVersion);
+  app.require_subcommand(1);
+  app.fallthrough(false);
+  Action chosen;
+  for (const Command& command : kCommands) {
+    CLI::App* subcommand = app.add_subcommand(command.name, command.summary)->group(command.group);
+    subcommand->final_callback([&chosen, action = command.setup(*subcommand)] { chosen = action; });
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& request) {  // --help, --version
+    return app.exit(request);
+  } catch (const CLI::ParseError& error) {
+    return Fail(
+        {ErrorCode::kInvalidArgument, fmt::format("{} (`victorious {}--help` tells more)", error.what(),
+                                                  argc > 1 && argv[1][0] != '-' ? std::string(argv[1]) + " " : "")});
+  }
+  if (const Status status = chosen(); !status) return Fail(status.error());
+  return 0;
+}
+
+}  // namespace
+}  // namespace victorious::cli
+
+int main(int argc, char** argv) {
+  try {
+    return victorious::cli::Main(argc, argv);
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "error: out of memory\n");
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
+  }
+  return 1;
+}
