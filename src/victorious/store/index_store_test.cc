@@ -1,6 +1,8 @@
 // The contract of IndexStore, run on every implementation: a new one adds itself to the list at the end.
 #include "victorious/store/index_store.h"
 
+#include <ostream>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,6 +19,8 @@ struct Backend {
   std::string name;
   std::function<Expected<std::unique_ptr<IndexStore>>(const std::filesystem::path& folder)> open;
 };
+
+void PrintTo(const Backend& backend, std::ostream* out) { *out << backend.name; }
 
 class IndexStoreTest : public ::testing::TestWithParam<Backend> {
  protected:

@@ -76,7 +76,11 @@ std::vector<std::byte> Encode(const ObjectModel& model) {
   return bytes.value_or(std::vector<std::byte>{});
 }
 
-Expected<ObjectModel> Parse(std::span<const std::byte> bytes) { return ParseModel(bytes, nullptr, "test.vmodel"); }
+// Keeps a copy of the bytes with the model.
+Expected<ObjectModel> Parse(std::span<const std::byte> bytes) {
+  const auto copy = std::make_shared<const std::vector<std::byte>>(bytes.begin(), bytes.end());
+  return ParseModel(*copy, copy, "test.vmodel");
+}
 
 // The file of a model whose description, keypoints and descriptors are these, with all checksums right.
 Expected<ObjectModel> ParseParts(std::string_view metadata, std::span<const Keypoint> keypoints,
@@ -128,7 +132,7 @@ TEST(ModelFileTest, BytesAtAnOddAddressAreCopied) {
   const std::vector<std::byte> bytes = Encode(TestModel());
   std::vector<std::byte> shifted(bytes.size() + 1);
   std::ranges::copy(bytes, shifted.begin() + 1);
-  const auto model = Parse(std::span(shifted).subspan(1));
+  const auto model = ParseModel(std::span(shifted).subspan(1), nullptr, "test.vmodel");
   ASSERT_TRUE(model);
   EXPECT_TRUE(AreEqual(*model, TestModel()));
 }

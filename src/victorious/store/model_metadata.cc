@@ -15,8 +15,8 @@ constexpr std::size_t kMaxJsonBytes = std::size_t{64} << 20;
 constexpr int kMaxJsonDepth = 8;
 constexpr std::size_t kMaxViews = 100'000;
 constexpr std::size_t kMaxOutlineCorners = 100'000;
-constexpr int kMaxImageSize_px = 1 << 20;
-constexpr double kMaxCoordinate_px = 1e7;
+constexpr int kMaxImageSizePx = 1 << 20;
+constexpr double kMaxCoordinatePx = 1e7;
 
 // Reads members of a JSON object, each only if it has the right type; remembers whether one had not.
 class Reader {
@@ -42,7 +42,7 @@ class Reader {
   }
   int Size(const char* key) {
     const std::uint64_t value = Count(key);
-    return Require(value <= kMaxImageSize_px) ? static_cast<int>(value) : 0;
+    return Require(value <= kMaxImageSizePx) ? static_cast<int>(value) : 0;
   }
   double Number(const char* key) {
     const json& value = Member(key);
@@ -122,12 +122,12 @@ std::optional<json> ParseJson(std::string_view text) {
   return document;
 }
 
-bool IsSane(double coordinate_px) { return std::abs(coordinate_px) <= kMaxCoordinate_px; }  // false for NaN
+bool IsSane(double coordinate_px) { return std::abs(coordinate_px) <= kMaxCoordinatePx; }  // false for NaN
 
 // The view's first fault; empty if there is none.
 std::string FaultOf(const ModelView& view) {
-  if (view.width < 1 || view.height < 1 || view.width > kMaxImageSize_px || view.height > kMaxImageSize_px) {
-    return fmt::format("a picture of {} x {} px, expected 1 to {}", view.width, view.height, kMaxImageSize_px);
+  if (view.width < 1 || view.height < 1 || view.width > kMaxImageSizePx || view.height > kMaxImageSizePx) {
+    return fmt::format("a picture of {} x {} px, expected 1 to {}", view.width, view.height, kMaxImageSizePx);
   }
   if ((!view.outline.empty() && view.outline.size() < 3) || view.outline.size() > kMaxOutlineCorners) {
     return fmt::format("an outline of {} corners, expected 3 to {} or none", view.outline.size(), kMaxOutlineCorners);

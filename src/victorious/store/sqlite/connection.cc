@@ -168,9 +168,10 @@ Expected<Transaction> Transaction::Begin(Connection& connection) {
   return Transaction(connection);
 }
 
-// Some errors (a full disk) have rolled back already.
+// Some errors (a full disk) have rolled back already; if this fails, the next opening of the file rolls back.
 Transaction::~Transaction() {
-  if (connection_ != nullptr && connection_->IsInTransaction()) static_cast<void>(connection_->Execute("ROLLBACK"));
+  if (connection_ == nullptr || !connection_->IsInTransaction()) return;
+  [[maybe_unused]] const Status status = connection_->Execute("ROLLBACK");
 }
 
 Status Transaction::Commit() {
