@@ -66,6 +66,7 @@ class Muxer {
   struct Waiting {
     PacketHandle packet;
     AVRational time_base;
+    std::size_t place;
   };
 
   AVStream& AddStream() {
@@ -90,7 +91,7 @@ class Muxer {
       if (result == AVERROR(EAGAIN) || result == AVERROR_EOF) return;
       Check(result);
       packet->stream_index = stream;
-      waiting_.push_back({std::move(packet), encoder.time_base});
+      waiting_.push_back({std::move(packet), encoder.time_base, waiting_.size()});
     }
   }
 
@@ -109,6 +110,7 @@ class Muxer {
     encoder->bit_rate = 4'000'000;
     encoder->strict_std_compliance = FF_COMPLIANCE_UNOFFICIAL;
     if (video_.encoder == "libx264") av_opt_set(encoder->priv_data, "crf", "12", 0);
+    if (video_.encoder == "libx265") av_opt_set(encoder->priv_data, "x265-params", "log-level=none", 0);
     Check(avcodec_open2(encoder.get(), nullptr, nullptr));
     AVStream& stream = AddStream();
     stream.time_base = encoder->time_base;
@@ -200,14 +202,16 @@ class Muxer {
     packet->pts = packet->dts = pts;
     packet->duration = 1;
     packet->flags |= AV_PKT_FLAG_KEY;
-    waiting_.push_back({std::move(packet), {1, video_.time_base_hz}});
+    waiting_.push_back({std::move(packet), {1, video_.time_base_hz}, waiting_.size()});
   }
 
   // In order of decoding time over all streams, the order of each kept.
   void WritePackets() {
-    std::ranges::stable_sort(waiting_, [](const Waiting& a, const Waiting& b) {
-      return av_compare_ts(a.packet->dts, a.time_base, b.packet->dts, b.time_base) < 0;
-    });
+    const auto before = [](const Waiting& a, const Waiting& b) {
+      const int order = av_compare_ts(a.packet->dts, a.time_base, b.packet->dts, b.time_base);
+      return order != 0 ? order < 0 : a.place < b.place;
+    };
+    std::ranges::sort(waiting_, before);
     for (Waiting& waiting : waiting_) {
       AVPacket* packet = waiting.packet.get();
       av_packet_rescale_ts(packet, waiting.time_base, container_->streams[packet->stream_index]->time_base);

@@ -1,0 +1,124 @@
+// A fuzz target without a fuzzer: runs it on its seeds and on mutations of them by a fixed seed, in seconds. A failure
+// leaves the input in a file.
+//   TARGET_replay [MUTATIONS]     the test, 200 mutations unless told
+//   TARGET_replay --write FOLDER  writes the seeds: where libFuzzer starts
+//   TARGET_replay --run FILE...   runs these inputs: what libFuzzer or a test left behind
+#include <algorithm>
+#include <charconv>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <span>
+#include <string_view>
+
+#include "tests/fuzz/fuzz_target.h"
+#include "victorious/base/random.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using victorious::Random;
+
+constexpr std::uint64_t kSeed = 20240607;
+constexpr int kDefaultMutations = 200;
+
+std::string current_input;
+std::string failure_path;
+
+void Save(const fs::path& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+// The program is about to end, so what is not async-signal-safe here can do no further harm.
+void SaveInputAndEnd(int signal) {
+  Save(failure_path, current_input);
+  std::fprintf(stderr, "signal %d; the input is in %s\n", signal, failure_path.c_str());
+  std::_Exit(1);
+}
+
+void Run(const std::string& input) {
+  current_input = input;
+  LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(input.data()), input.size());
+}
+
+// One change: a bit, a byte, a cut, an insertion, a copy of another place.
+void Mutate(std::string& bytes, Random& random) {
+  if (bytes.empty()) {
+    bytes.push_back(static_cast<char>(random.Next()));
+    return;
+  }
+  const auto size = static_cast<std::uint32_t>(bytes.size());
+  const std::uint32_t at = random.Below(size);
+  constexpr std::uint32_t kMaxRun = 64;
+  const std::uint32_t run = std::min(random.Below(kMaxRun) + 1, size - at);
+  switch (random.Below(6)) {
+    case 0:
+      bytes[at] = static_cast<char>(bytes[at] ^ (1 << random.Below(8)));
+      return;
+    case 1:
+      bytes[at] = static_cast<char>(random.Next());
+      return;
+    case 2:
+      std::fill_n(bytes.begin() + at, run, random.Below(2) == 0 ? '\0' : '\xFF');
+      return;
+    case 3:
+      bytes.resize(at);
+      return;
+    case 4:
+      bytes.insert(at, bytes.substr(random.Below(size), run));
+      return;
+    default:
+      bytes.erase(at, run);
+      return;
+  }
+}
+
+void RunMutations(int count) {
+  const std::vector<std::string> seeds = FuzzSeeds();
+  for (const std::string& seed : seeds) Run(seed);
+  Run("");
+  Random random(kSeed);
+  for (int i = 0; i < count; ++i) {
+    std::string input = seeds[static_cast<std::size_t>(i) % seeds.size()];
+    for (std::uint32_t changes = random.Below(4) + 1; changes > 0; --changes) Mutate(input, random);
+    Run(input);
+  }
+  std::printf("%zu seeds and %d mutations of them (seed %llu)\n", seeds.size(), count,
+              static_cast<unsigned long long>(kSeed));
+}
+
+int WriteSeeds(const fs::path& folder) {
+  fs::create_directories(folder);
+  const std::vector<std::string> seeds = FuzzSeeds();
+  for (std::size_t i = 0; i < seeds.size(); ++i) Save(folder / ("seed" + std::to_string(i)), seeds[i]);
+  return 0;
+}
+
+int RunFiles(std::span<char* const> paths) {
+  for (const char* path : paths) {
+    std::ifstream file(path, std::ios::binary);
+    Run({std::istreambuf_iterator<char>(file), {}});
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::span<char* const> arguments(argv, static_cast<std::size_t>(argc));
+  failure_path = fs::path(argv[0]).filename().string() + ".failure";
+  for (const int signal : {SIGABRT, SIGSEGV, SIGFPE, SIGILL, SIGBUS}) std::signal(signal, &SaveInputAndEnd);
+  const std::string_view first = argc > 1 ? arguments[1] : "";
+  if (first == "--write" && argc == 3) return WriteSeeds(arguments[2]);
+  if (first == "--run") return RunFiles(arguments.subspan(2));
+  int mutations = kDefaultMutations;
+  const auto parsed = std::from_chars(first.data(), first.data() + first.size(), mutations);
+  if (argc > 2 || (argc == 2 && (parsed.ec != std::errc() || parsed.ptr != first.data() + first.size()))) {
+    std::fprintf(stderr, "usage: %s [MUTATIONS | --write FOLDER | --run FILE...]\n", argv[0]);
+    return 2;
+  }
+  RunMutations(mutations);
+  return 0;
+}

@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# Runs each libFuzzer target of a build (cmake --preset fuzz, target fuzz_targets) for some time, on a corpus that is
+# kept in the build folder and starts from the target's own seeds. What it finds lies in the corpus folder's parent.
+set -euo pipefail
+
+if [[ $# -lt 1 || $# -gt 2 ]]; then
+  echo "usage: $0 BUILD_DIR [SECONDS]" >&2
+  exit 2
+fi
+build="$(cd "$1" && pwd)"
+seconds="${2:-60}"
+
+status=0
+for replay in "$build"/fuzz_*_replay; do
+  target="${replay%_replay}"
+  name="$(basename "$target")"
+  folder="$build/fuzz/$name"
+  mkdir -p "$folder/corpus"
+  "$replay" --write "$folder/corpus"
+  echo "$name: $seconds s" >&2
+  "$target" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=2048 -max_len=65536 -print_final_stats=1 \
+    -artifact_prefix="$folder/" "$folder/corpus" >"$folder/log" 2>&1 || status=1
+  grep -E '^(stat::number_of_executed_units|SUMMARY|ERROR)|^==' "$folder/log" | sed "s/^/$name: /" >&2 || true
+done
+exit "$status"
