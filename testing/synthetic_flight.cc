@@ -17,14 +17,14 @@ namespace {
 
 constexpr double kClimb = 0.2;          // of the zoom, up and down
 constexpr double kSwell = 0.1;          // of a thing's scale, up and down
-constexpr double kSway_rad = 0.7;       // the camera's turn to either side
+constexpr double kSwayRad = 0.7;        // the camera's turn to either side
 constexpr double kFirstThing = 0.12;    // of the camera's way
 constexpr double kThingSpacing = 0.38;  // of the camera's way, at most
-constexpr int kBridgeWidth_px = 84;
+constexpr int kBridgeWidthPx = 84;
 constexpr int kMaxThings = 8;
-constexpr std::uint8_t kOpaque = 128;    // from half covered on, a pixel counts as the thing's
-const Eigen::Vector2d kShadow_px(7, 5);  // ground px
-const Eigen::Vector2d kBridgeShadow_px(28, 21);
+constexpr std::uint8_t kOpaque = 128;   // from half covered on, a pixel counts as the thing's
+const Eigen::Vector2d kShadowPx(7, 5);  // ground px
+const Eigen::Vector2d kBridgeShadowPx(28, 21);
 
 // Purposes of a seed: each draws from its own stream.
 enum SeedUse : std::uint64_t { kTownSeed = 0x7001, kPathSeed = 0x7002, kThingSeed = 0x7003, kNoiseSeed = 0x7004 };
@@ -199,7 +199,7 @@ void SyntheticFlight::PlaceThings() {
 void SyntheticFlight::PlaceBridge() {
   const Course& course = things_[0].course;
   const int length = static_cast<int>(0.9 * options_.height / options_.zoom);
-  const cv::Mat picture = DrawFootbridge(length, kBridgeWidth_px, SeedFor(options_.seed, kTownSeed + 1));
+  const cv::Mat picture = DrawFootbridge(length, kBridgeWidthPx, SeedFor(options_.seed, kTownSeed + 1));
   bridge_ = Halvings(Premultiplied(picture));
   bridge_shadow_ = Halvings(ShadowOf(picture));
   ground_from_bridge_.rotation_rad = kPi / 2 + 0.15;
@@ -217,7 +217,7 @@ Eigen::Matrix3d SyntheticFlight::FrameFromGround(int index) const {
   const Eigen::Vector2d camera = start_ + Eigen::Vector2d(reach_px_ * (1 - std::cos(phase)) / 2, 0);
   Similarity2 view;
   view.scale = options_.zoom * (1 + kClimb * std::sin(1.5 * phase + climb_phase_rad_));
-  view.rotation_rad = heading_rad_ + kSway_rad * std::sin(phase);
+  view.rotation_rad = heading_rad_ + kSwayRad * std::sin(phase);
   view.translation = -(view.Linear() * camera);
   Eigen::Matrix3d tilt = Eigen::Matrix3d::Identity();
   tilt(2, 1) = -options_.perspective / (options_.height / 2.0);
@@ -245,17 +245,19 @@ Frame SyntheticFlight::Render(int index) const {
   cv::Mat image = LayInto(ground_, frame_from_ground, whole, cv::BORDER_REFLECT_101);
   for (const Thing& thing : things_) {
     const Eigen::Matrix3d ground_from_thing = GroundFromThing(thing, index).Matrix();
-    Overlay(thing.shadow, frame_from_ground * Shift(kShadow_px.x(), kShadow_px.y()) * ground_from_thing, image);
+    Overlay(thing.shadow, frame_from_ground * Shift(kShadowPx.x(), kShadowPx.y()) * ground_from_thing, image);
     Overlay(thing.pyramid, frame_from_ground * ground_from_thing, image);
   }
   if (!bridge_.empty()) {
     const Eigen::Matrix3d ground_from_bridge = ground_from_bridge_.Matrix();
-    Overlay(bridge_shadow_, frame_from_ground * Shift(kBridgeShadow_px.x(), kBridgeShadow_px.y()) * ground_from_bridge,
+    Overlay(bridge_shadow_, frame_from_ground * Shift(kBridgeShadowPx.x(), kBridgeShadowPx.y()) * ground_from_bridge,
             image);
     Overlay(bridge_, frame_from_ground * ground_from_bridge, image);
   }
   if (options_.blur_px > 0) cv::GaussianBlur(image, image, {}, options_.blur_px);
-  if (options_.noise > 0) AddSensorNoise(image, options_.noise, SeedFor(options_.seed, kNoiseSeed + 16 * (1 + index)));
+  if (options_.noise > 0)
+    AddSensorNoise(image, options_.noise,
+                   SeedFor(options_.seed, kNoiseSeed + 16 * (1 + static_cast<std::uint64_t>(index))));
   return {index, index / options_.fps, image};
 }
 

@@ -64,8 +64,9 @@ void PaintHouse(Pencil& pencil, const TownPiece& piece, Random& random) {
   if (random.Uniform() < 0.35) {  // solar panels
     const double left = random.Uniform(-0.4, 0.0) * w;
     for (int i = 0; i < 6; ++i) {
+      const int row = i / 3;
       const double x = left + (i % 3) * 25;
-      const double y = h * 0.16 + (i / 3) * 19;
+      const double y = h * 0.16 + row * 19;
       pencil.Box(x, y, 23, 17, Colour(105, 65, 40));
       for (int line = -1; line <= 1; ++line)
         pencil.Line({x + line * 6, y - 8}, {x + line * 6, y + 8}, Colour(160, 125, 100), 1);

@@ -20,14 +20,14 @@ namespace victorious {
 namespace {
 
 constexpr double kClearVisible = 0.5;
-constexpr double kClearSide_px = 24;
+constexpr double kClearSidePx = 24;
 constexpr std::size_t kFindableRows = 10;
 constexpr double kPairedOverlap = 0.4;
 
 constexpr int kNothing = -1;  // shown by a sighting without a pair
 
 bool IsClear(const TruthRow& row) {
-  return row.visible >= kClearVisible && std::min(row.box.width, row.box.height) >= kClearSide_px;
+  return row.visible >= kClearVisible && std::min(row.box.width, row.box.height) >= kClearSidePx;
 }
 
 std::optional<double> Ratio(double part, double whole) {

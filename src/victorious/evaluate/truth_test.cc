@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 constexpr std::string_view kRow =
-    R"({"frame":37,"time_s":1.48,"object":"humvee-1","model":"humvee","box":[1,2,30.5,40],"visible":0.93,"pixels":5120})";
+    R"({"frame":37,"time_s":1.48,"object":"humvee-1","model":"humvee","box":[1,2,30.5,40],"visible":0.93})";
 
 std::string ErrorOf(std::string_view text) {
   const auto rows = ParseTruth(text, "t.jsonl");
