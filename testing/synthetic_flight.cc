@@ -1,0 +1,307 @@
+#include "testing/synthetic_flight.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/LU>
+#include <opencv2/imgproc.hpp>
+
+#include "testing/drawn_town.h"
+#include "victorious/base/check.h"
+#include "victorious/base/random.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/geometry/homography.h"
+
+namespace victorious::testing {
+namespace {
+
+constexpr double kClimb = 0.2;          // of the zoom, up and down
+constexpr double kSwell = 0.1;          // of a thing's scale, up and down
+constexpr double kSwayRad = 0.7;        // the camera's turn to either side
+constexpr double kFirstThing = 0.12;    // of the camera's way
+constexpr double kThingSpacing = 0.38;  // of the camera's way, at most
+constexpr int kBridgeWidthPx = 84;
+constexpr int kMaxThings = 8;
+constexpr std::uint8_t kOpaque = 128;   // from half covered on, a pixel counts as the thing's
+const Eigen::Vector2d kShadowPx(7, 5);  // ground px
+const Eigen::Vector2d kBridgeShadowPx(28, 21);
+
+// Purposes of a seed: each draws from its own stream.
+enum SeedUse : std::uint64_t { kTownSeed = 0x7001, kPathSeed = 0x7002, kThingSeed = 0x7003, kNoiseSeed = 0x7004 };
+
+std::uint64_t SeedFor(std::uint64_t seed, std::uint64_t use) { return Random(seed ^ (use << 40)).Next(); }
+
+std::vector<cv::Mat> Halvings(const cv::Mat& picture) {
+  std::vector<cv::Mat> levels = {picture};
+  while (std::min(levels.back().cols, levels.back().rows) > 16) {
+    cv::Mat half;
+    cv::pyrDown(levels.back(), half);
+    levels.push_back(half);
+  }
+  return levels;
+}
+
+cv::Mat Premultiplied(const cv::Mat& bgra) {
+  cv::Mat result = bgra.clone();
+  result.forEach<cv::Vec4b>([](cv::Vec4b& pixel, const int*) {
+    for (int channel = 0; channel < 3; ++channel) {
+      pixel[channel] = static_cast<std::uint8_t>((pixel[channel] * pixel[3] + 127) / 255);
+    }
+  });
+  return result;
+}
+
+/// A soft dark copy of a picture's alpha.
+cv::Mat ShadowOf(const cv::Mat& bgra) {
+  cv::Mat alpha;
+  cv::extractChannel(bgra, alpha, 3);
+  cv::GaussianBlur(alpha, alpha, {}, 2.0);
+  alpha *= 0.45;
+  const cv::Mat none = cv::Mat::zeros(alpha.size(), CV_8U);
+  cv::Mat shadow;
+  cv::merge(std::vector<cv::Mat>{none, none, none, alpha}, shadow);
+  return shadow;
+}
+
+Eigen::Matrix3d Shift(double x, double y) {
+  Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity();
+  matrix(0, 2) = x;
+  matrix(1, 2) = y;
+  return matrix;
+}
+
+/// Picture pixels per frame pixel at a point of the frame: the square root of the Jacobian's determinant.
+double LocalScale(const Eigen::Matrix3d& picture_from_frame, const Eigen::Vector2d& at) {
+  const double w = picture_from_frame.row(2).dot(at.homogeneous());
+  return std::sqrt(std::abs(picture_from_frame.determinant() / (w * w * w)));
+}
+
+/// The picture as it lies in a region of the frame, from the level of its pyramid whose pixels are nearest in size.
+cv::Mat LayInto(const std::vector<cv::Mat>& pyramid, const Eigen::Matrix3d& frame_from_picture, const cv::Rect& region,
+                int border) {
+  const Eigen::Matrix3d picture_from_frame = frame_from_picture.inverse();
+  const Eigen::Vector2d middle(region.x + region.width / 2.0, region.y + region.height / 2.0);
+  const double octave = std::round(std::log2(LocalScale(picture_from_frame, middle)));
+  const auto level = static_cast<std::size_t>(std::clamp(octave, 0.0, static_cast<double>(pyramid.size() - 1)));
+
+  // OpenCV's pixel centres lie at whole numbers, and its pyramid keeps every second of them.
+  Eigen::Matrix3d level_from_picture = Eigen::Matrix3d::Identity();
+  level_from_picture.topLeftCorner<2, 2>() *= std::exp2(-static_cast<double>(level));
+  const Eigen::Matrix3d map =
+      level_from_picture * Shift(-0.5, -0.5) * picture_from_frame * Shift(region.x + 0.5, region.y + 0.5);
+  cv::Mat matrix(3, 3, CV_64F);
+  for (int i = 0; i < 9; ++i) matrix.at<double>(i / 3, i % 3) = map(i / 3, i % 3);
+  cv::Mat laid;
+  cv::warpPerspective(pyramid[level], laid, matrix, region.size(), cv::INTER_CUBIC | cv::WARP_INVERSE_MAP, border);
+  return laid;
+}
+
+/// `over` (premultiplied BGRA) on top of `under` (BGR), both of one size.
+void Blend(const cv::Mat& over, cv::Mat under) {
+  for (int y = 0; y < under.rows; ++y) {
+    const auto* above = over.ptr<cv::Vec4b>(y);
+    auto* below = under.ptr<cv::Vec3b>(y);
+    for (int x = 0; x < under.cols; ++x) {
+      const int through = 255 - above[x][3];
+      if (through == 255) continue;
+      for (int channel = 0; channel < 3; ++channel) {
+        below[x][channel] =
+            cv::saturate_cast<std::uint8_t>(above[x][channel] + (below[x][channel] * through + 127) / 255);
+      }
+    }
+  }
+}
+
+Polygon Mapped(const Eigen::Matrix3d& homography, const Polygon& polygon) {
+  Polygon mapped;
+  for (const Eigen::Vector2d& corner : polygon) mapped.push_back(ApplyHomography(homography, corner));
+  return mapped;
+}
+
+Polygon OutlineOf(const cv::Mat& picture) {
+  return CornersOf({0, 0, static_cast<double>(picture.cols), static_cast<double>(picture.rows)});
+}
+
+/// The whole pixels that an outline touches, and one more all round.
+cv::Rect PixelsAround(const Polygon& outline) {
+  const Box box = BoundingBox(outline);
+  const int x0 = static_cast<int>(std::floor(box.x)) - 1;
+  const int y0 = static_cast<int>(std::floor(box.y)) - 1;
+  return {x0, y0, static_cast<int>(std::ceil(box.x + box.width)) + 1 - x0,
+          static_cast<int>(std::ceil(box.y + box.height)) + 1 - y0};
+}
+
+/// Lays the picture over the frame, where they meet.
+void Overlay(const std::vector<cv::Mat>& pyramid, const Eigen::Matrix3d& frame_from_picture, cv::Mat& frame) {
+  const Polygon outline = Mapped(frame_from_picture, OutlineOf(pyramid[0]));
+  const cv::Rect region = PixelsAround(outline) & cv::Rect({0, 0}, frame.size());
+  if (region.empty()) return;
+  Blend(LayInto(pyramid, frame_from_picture, region, cv::BORDER_CONSTANT), frame(region));
+}
+
+/// Where the picture covers the region's pixels at least by half: 255 there, 0 elsewhere.
+cv::Mat Cover(const std::vector<cv::Mat>& pyramid, const Eigen::Matrix3d& frame_from_picture, const cv::Rect& region) {
+  cv::Mat alpha;
+  cv::extractChannel(LayInto(pyramid, frame_from_picture, region, cv::BORDER_CONSTANT), alpha, 3);
+  return alpha >= kOpaque;
+}
+
+void AddSensorNoise(cv::Mat& image, double deviation, std::uint64_t seed) {
+  cv::Mat noise(image.size(), CV_16SC3);
+  cv::RNG random(seed);
+  random.fill(noise, cv::RNG::NORMAL, 0.0, deviation);
+  cv::add(image, noise, image, cv::noArray(), CV_8U);
+}
+
+}  // namespace
+
+SyntheticFlight::SyntheticFlight(const FlightOptions& options) : options_(options) {
+  VICTORIOUS_CHECK(options.frames > 0 && options.width > 0 && options.height > 0);
+  VICTORIOUS_CHECK(options.things >= 0 && options.things <= kMaxThings && options.zoom > 0);
+  Random random(SeedFor(options.seed, kPathSeed));
+  heading_rad_ = random.Uniform(-0.3, 0.3);
+  climb_phase_rad_ = random.Uniform(0, 2 * kPi);
+
+  const double farthest = std::hypot(options.width, options.height) / 2 / (options.zoom * (1 - kClimb));
+  const double margin = farthest * (1 + options.perspective) + 40;
+  reach_px_ = options.path_widths * options.width / options.zoom;
+  start_ = {margin, margin};
+  const cv::Size town(static_cast<int>(reach_px_ + 2 * margin), static_cast<int>(2 * margin));
+  ground_ = Halvings(DrawTown(town, SeedFor(options.seed, kTownSeed)));
+  PlaceThings();
+  if (options.bridge && options.things > 0) PlaceBridge();
+}
+
+void SyntheticFlight::PlaceThings() {
+  const double spacing = std::min(kThingSpacing, (1 - 2 * kFirstThing) / std::max(1, options_.things - 1));
+  const double frame_height = options_.height / options_.zoom;
+  for (int i = 0; i < options_.things; ++i) {
+    Random random(SeedFor(options_.seed, kThingSeed + 16 * static_cast<std::uint64_t>(i)));
+    const auto kind = static_cast<ThingKind>(i % kThingKinds);
+    Thing thing;
+    thing.drawn = DrawThing(kind, random.Next());
+    thing.name = std::string(Name(kind)) + (i < kThingKinds ? "" : std::to_string(i / kThingKinds + 1));
+    thing.pyramid = Halvings(Premultiplied(thing.drawn.picture));
+    thing.shadow = Halvings(ShadowOf(thing.drawn.picture));
+    const double aside = (i % 2 == 0 ? -0.16 : 0.16) * frame_height;
+    thing.course.base = start_ + Eigen::Vector2d((kFirstThing + i * spacing) * reach_px_, aside);
+    const double way =
+        i == 0 ? 0.0 : random.Uniform(-0.6, 0.6);  // the first moves along the camera's way, and below the bridge
+    thing.course.swing = 0.16 * frame_height * Eigen::Vector2d(std::cos(way), std::sin(way));
+    thing.course.phase_rad = i == 0 ? 0.0 : random.Uniform(0, 2 * kPi);
+    thing.course.heading_rad = random.Uniform(-kPi, kPi);
+    const double turn = random.Uniform(1.2, 2.6);
+    thing.course.turn_rad = random.Uniform() < 0.5 ? -turn : turn;
+    things_.push_back(std::move(thing));
+  }
+}
+
+void SyntheticFlight::PlaceBridge() {
+  const Course& course = things_[0].course;
+  const int length = static_cast<int>(0.9 * options_.height / options_.zoom);
+  const cv::Mat picture = DrawFootbridge(length, kBridgeWidthPx, SeedFor(options_.seed, kTownSeed + 1));
+  bridge_ = Halvings(Premultiplied(picture));
+  bridge_shadow_ = Halvings(ShadowOf(picture));
+  ground_from_bridge_.rotation_rad = kPi / 2 + 0.15;
+  const Eigen::Vector2d middle(picture.cols / 2.0, picture.rows / 2.0);
+  ground_from_bridge_.translation = course.base + 0.8 * course.swing - ground_from_bridge_.Linear() * middle;
+}
+
+double SyntheticFlight::Phase(int index) const {
+  VICTORIOUS_CHECK(index >= 0 && index < options_.frames);
+  return 2 * kPi * index / options_.frames;
+}
+
+Eigen::Matrix3d SyntheticFlight::FrameFromGround(int index) const {
+  const double phase = Phase(index);
+  const Eigen::Vector2d camera = start_ + Eigen::Vector2d(reach_px_ * (1 - std::cos(phase)) / 2, 0);
+  Similarity2 view;
+  view.scale = options_.zoom * (1 + kClimb * std::sin(1.5 * phase + climb_phase_rad_));
+  view.rotation_rad = heading_rad_ + kSwayRad * std::sin(phase);
+  view.translation = -(view.Linear() * camera);
+  Eigen::Matrix3d tilt = Eigen::Matrix3d::Identity();
+  tilt(2, 1) = -options_.perspective / (options_.height / 2.0);
+  return Shift(options_.width / 2.0, options_.height / 2.0) * tilt * view.Matrix();
+}
+
+Similarity2 SyntheticFlight::GroundFromThing(const Thing& thing, int index) const {
+  const double phase = Phase(index);
+  const Course& course = thing.course;
+  Similarity2 pose;
+  pose.scale = options_.thing_scale * (1 + kSwell * std::sin(2 * phase + course.phase_rad));
+  pose.rotation_rad = course.heading_rad + course.turn_rad * phase / (2 * kPi);
+  const Eigen::Vector2d middle(thing.drawn.picture.cols / 2.0, thing.drawn.picture.rows / 2.0);
+  pose.translation = course.base + std::sin(phase + course.phase_rad) * course.swing - pose.Linear() * middle;
+  return pose;
+}
+
+Eigen::Matrix3d SyntheticFlight::FrameFromThing(int thing, int index) const {
+  return FrameFromGround(index) * GroundFromThing(things_.at(thing), index).Matrix();
+}
+
+Frame SyntheticFlight::Render(int index) const {
+  const Eigen::Matrix3d frame_from_ground = FrameFromGround(index);
+  const cv::Rect whole(0, 0, options_.width, options_.height);
+  cv::Mat image = LayInto(ground_, frame_from_ground, whole, cv::BORDER_REFLECT_101);
+  for (const Thing& thing : things_) {
+    const Eigen::Matrix3d ground_from_thing = GroundFromThing(thing, index).Matrix();
+    Overlay(thing.shadow, frame_from_ground * Shift(kShadowPx.x(), kShadowPx.y()) * ground_from_thing, image);
+    Overlay(thing.pyramid, frame_from_ground * ground_from_thing, image);
+  }
+  if (!bridge_.empty()) {
+    const Eigen::Matrix3d ground_from_bridge = ground_from_bridge_.Matrix();
+    Overlay(bridge_shadow_, frame_from_ground * Shift(kBridgeShadowPx.x(), kBridgeShadowPx.y()) * ground_from_bridge,
+            image);
+    Overlay(bridge_, frame_from_ground * ground_from_bridge, image);
+  }
+  if (options_.blur_px > 0) cv::GaussianBlur(image, image, {}, options_.blur_px);
+  if (options_.noise > 0)
+    AddSensorNoise(image, options_.noise,
+                   SeedFor(options_.seed, kNoiseSeed + 16 * (1 + static_cast<std::uint64_t>(index))));
+  return {index, index / options_.fps, image};
+}
+
+cv::Mat SyntheticFlight::CoverOf(int thing, int index, const cv::Rect& region) const {
+  return Cover(things_[thing].pyramid, FrameFromThing(thing, index), region);
+}
+
+std::vector<TruthRow> SyntheticFlight::Truth(int index) const {
+  std::vector<TruthRow> rows;
+  const int count = static_cast<int>(things_.size());
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Matrix3d frame_from_thing = FrameFromThing(i, index);
+    const Polygon outline = Mapped(frame_from_thing, things_[i].drawn.outline);
+    const cv::Rect region = PixelsAround(Mapped(frame_from_thing, OutlineOf(things_[i].drawn.picture)));
+    const cv::Rect in_view = region & cv::Rect(0, 0, options_.width, options_.height);
+    if (in_view.empty()) continue;
+
+    const cv::Mat own = CoverOf(i, index, region);
+    cv::Mat visible = own(in_view - region.tl()).clone();
+    for (int above = i + 1; above < count; ++above) visible.setTo(0, CoverOf(above, index, in_view));
+    if (!bridge_.empty()) {
+      visible.setTo(0, Cover(bridge_, FrameFromGround(index) * ground_from_bridge_.Matrix(), in_view));
+    }
+    const int pixels = cv::countNonZero(visible);
+    if (pixels == 0) continue;
+
+    const cv::Rect box = cv::boundingRect(visible) + in_view.tl();
+    TruthRow row;
+    row.thing = i;
+    row.frame = index;
+    row.time_s = index / options_.fps;
+    row.object = things_[i].name + "-1";
+    row.model = things_[i].name;
+    row.outline = outline;
+    row.box = {double(box.x), double(box.y), double(box.width), double(box.height)};
+    row.visible = static_cast<double>(pixels) / cv::countNonZero(own);
+    row.pixels = pixels;
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+cv::Mat SyntheticFlight::ThingPhoto(int thing) const { return things_.at(thing).drawn.picture.clone(); }
+
+std::string SyntheticFlight::ThingName(int thing) const { return things_.at(thing).name; }
+
+}  // namespace victorious::testing

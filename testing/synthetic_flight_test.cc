@@ -1,0 +1,203 @@
+#include "testing/synthetic_flight.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+#include "victorious/geometry/homography.h"
+
+namespace victorious::testing {
+namespace {
+
+FlightOptions SmallFlight(std::uint64_t seed) {
+  FlightOptions options;
+  options.seed = seed;
+  options.width = 320;
+  options.height = 240;
+  options.thing_scale = 0.5;
+  return options;
+}
+
+double LargestDifference(const cv::Mat& a, const cv::Mat& b) { return cv::norm(a, b, cv::NORM_INF); }
+
+/// Mean difference of the green of a thing's opaque pixels and of the frame where they should lie, `aside_px` moved.
+double MeanDifference(const cv::Mat& image, const cv::Mat& photo, const Eigen::Matrix3d& frame_from_thing,
+                      const Eigen::Vector2d& aside_px) {
+  double sum = 0;
+  int count = 0;
+  const cv::Rect whole({0, 0}, image.size());
+  for (int y = 0; y < photo.rows; ++y) {
+    for (int x = 0; x < photo.cols; ++x) {
+      const auto& pixel = photo.at<cv::Vec4b>(y, x);
+      const Eigen::Vector2d at = ApplyHomography(frame_from_thing, {x + 0.5, y + 0.5}) + aside_px;
+      const cv::Point nearest(static_cast<int>(std::floor(at.x())), static_cast<int>(std::floor(at.y())));
+      if (pixel[3] < 255 || !whole.contains(nearest)) continue;
+      sum += std::abs(image.at<cv::Vec3b>(nearest)[1] - pixel[1]);
+      ++count;
+    }
+  }
+  return sum / count;
+}
+
+std::optional<TruthRow> TruthOf(const SyntheticFlight& flight, int thing, int index) {
+  for (const TruthRow& row : flight.Truth(index)) {
+    if (row.thing == thing) return row;
+  }
+  return std::nullopt;
+}
+
+TEST(SyntheticFlightTest, TheSameSeedGivesTheSamePixelsOnAnyNumberOfThreads) {
+  const int threads = cv::getNumThreads();
+  cv::setNumThreads(1);
+  const cv::Mat alone = SyntheticFlight(SmallFlight(5)).Render(31).image;
+  cv::setNumThreads(4);
+  const SyntheticFlight flight(SmallFlight(5));
+  const cv::Mat shared = flight.Render(31).image;
+  const cv::Mat again = flight.Render(31).image;
+  cv::setNumThreads(threads);
+  EXPECT_EQ(LargestDifference(alone, shared), 0);
+  EXPECT_EQ(LargestDifference(alone, again), 0);
+  EXPECT_GT(LargestDifference(alone, SyntheticFlight(SmallFlight(6)).Render(31).image), 60);
+}
+
+TEST(SyntheticFlightTest, FramesKnowTheirPlaceInTime) {
+  FlightOptions options = SmallFlight(1);
+  options.fps = 4;
+  const Frame frame = SyntheticFlight(options).Render(10);
+  EXPECT_EQ(frame.index, 10);
+  EXPECT_DOUBLE_EQ(frame.time_s, 2.5);
+  EXPECT_EQ(frame.image.type(), CV_8UC3);
+  EXPECT_EQ(frame.image.size(), cv::Size(320, 240));
+}
+
+TEST(SyntheticFlightTest, ThingsAreRenderedWhereTheTruthSays) {
+  FlightOptions options = SmallFlight(2);
+  options.things = 4;
+  options.thing_scale = 0.9;
+  options.perspective = 0.1;
+  const SyntheticFlight flight(options);
+  int compared = 0;
+  for (int index = 0; index < options.frames; index += 6) {
+    const cv::Mat image = flight.Render(index).image;
+    for (const TruthRow& row : flight.Truth(index)) {
+      if (row.visible < 1) continue;
+      const cv::Mat photo = flight.ThingPhoto(row.thing);
+      const Eigen::Matrix3d frame_from_thing = flight.FrameFromThing(row.thing, index);
+      const double here = MeanDifference(image, photo, frame_from_thing, {0, 0});
+      EXPECT_LT(here, 24) << row.object << " in frame " << index;
+      for (const Eigen::Vector2d& aside : {Eigen::Vector2d(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
+        EXPECT_LT(here, 0.97 * MeanDifference(image, photo, frame_from_thing, aside))
+            << row.object << " in frame " << index << ", " << aside.transpose() << " px aside";
+      }
+      ++compared;
+    }
+  }
+  EXPECT_GE(compared, 10);
+}
+
+TEST(SyntheticFlightTest, TheTruthOfAWholeThingIsItsOutline) {
+  FlightOptions options = SmallFlight(3);
+  options.things = 4;
+  const SyntheticFlight flight(options);
+  int whole = 0;
+  for (int index = 0; index < options.frames; index += 5) {
+    for (const TruthRow& row : flight.Truth(index)) {
+      EXPECT_GT(row.pixels, 0);
+      EXPECT_LE(row.visible, 1.0);
+      EXPECT_GE(row.box.x, 0);
+      EXPECT_LE(row.box.x + row.box.width, options.width);
+      EXPECT_LE(row.box.y + row.box.height, options.height);
+      if (row.visible < 1) continue;
+      const Box around = BoundingBox(row.outline);
+      EXPECT_NEAR(row.box.x, around.x, 1.6) << row.object << " in frame " << index;
+      EXPECT_NEAR(row.box.y, around.y, 1.6);
+      EXPECT_NEAR(row.box.width, around.width, 2.6);
+      EXPECT_NEAR(row.box.height, around.height, 2.6);
+      const double area = std::abs(SignedArea(row.outline));
+      EXPECT_NEAR(row.pixels, area, 0.06 * area);
+      ++whole;
+    }
+  }
+  EXPECT_GE(whole, 20);
+}
+
+TEST(SyntheticFlightTest, ThingsLeaveTheViewAndReturn) {
+  FlightOptions options = SmallFlight(4);
+  options.things = 3;
+  const SyntheticFlight flight(options);
+  EXPECT_TRUE(TruthOf(flight, 0, 0));
+  EXPECT_FALSE(TruthOf(flight, 0, 60));
+  EXPECT_TRUE(TruthOf(flight, 0, 119));
+  EXPECT_TRUE(TruthOf(flight, 2, 60));
+  int together = 0;
+  for (int index = 0; index < options.frames; ++index) {
+    const auto first = TruthOf(flight, 0, index);
+    const auto second = TruthOf(flight, 1, index);
+    together += first && second && first->visible >= 0.5 && second->visible >= 0.5;
+  }
+  EXPECT_GE(together, 10);
+}
+
+TEST(SyntheticFlightTest, NamesAreUniqueAndObjectsCarryThem) {
+  FlightOptions options = SmallFlight(4);
+  options.things = 6;
+  const SyntheticFlight flight(options);
+  EXPECT_EQ(flight.ThingName(0), "crate");
+  EXPECT_EQ(flight.ThingName(1), "truck");
+  EXPECT_EQ(flight.ThingName(4), "crate2");
+  const auto row = TruthOf(flight, 0, 0);
+  ASSERT_TRUE(row);
+  EXPECT_EQ(row->model, "crate");
+  EXPECT_EQ(row->object, "crate-1");
+}
+
+TEST(SyntheticFlightTest, TheBridgeHidesWhatPassesBelowIt) {
+  FlightOptions options = SmallFlight(7);
+  options.zoom = 0.4;
+  options.thing_scale = 1;
+  options.bridge = true;
+  const SyntheticFlight hidden(options);
+  options.bridge = false;
+  const SyntheticFlight open(options);
+  double least = 1;
+  for (int index = 0; index < options.frames; index += 3) {
+    const auto below = TruthOf(hidden, 0, index);
+    const auto free = TruthOf(open, 0, index);
+    if (!below || !free) continue;
+    EXPECT_LE(below->pixels, free->pixels);
+    if (free->visible == 1) least = std::min(least, below->visible);
+  }
+  EXPECT_LT(least, 0.7);
+  EXPECT_GT(least, 0.3);
+}
+
+TEST(DrawnThingsTest, OutlinesBoundWhatIsOpaque) {
+  for (int kind = 0; kind < kThingKinds; ++kind) {
+    const DrawnThing thing = DrawThing(static_cast<ThingKind>(kind), 1);
+    ASSERT_EQ(thing.picture.type(), CV_8UC4);
+    cv::Mat alpha;
+    cv::extractChannel(thing.picture, alpha, 3);
+    EXPECT_NEAR(cv::sum(alpha)[0] / 255, std::abs(SignedArea(thing.outline)), 0.03 * cv::sum(alpha)[0] / 255)
+        << Name(static_cast<ThingKind>(kind));
+  }
+}
+
+TEST(DrawnThingsTest, SeedsGiveThingsThatCanBeToldApart) {
+  for (int kind = 0; kind < kThingKinds; ++kind) {
+    for (std::uint64_t seed = 0; seed < 8; ++seed) {
+      cv::Mat a = DrawThing(static_cast<ThingKind>(kind), seed).picture;
+      cv::Mat b = DrawThing(static_cast<ThingKind>(kind), seed + 1).picture;
+      cv::cvtColor(a, a, cv::COLOR_BGRA2GRAY);
+      cv::cvtColor(b, b, cv::COLOR_BGRA2GRAY);
+      const cv::Rect middle(a.cols / 4, a.rows / 4, a.cols / 2, a.rows / 2);
+      EXPECT_GT(cv::norm(a(middle), b(middle), cv::NORM_L1) / middle.area(), 12)
+          << Name(static_cast<ThingKind>(kind)) << " " << seed;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace victorious::testing
