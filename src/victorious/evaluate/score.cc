@@ -1,0 +1,345 @@
+#include "victorious/evaluate/score.h"
+
+#include <algorithm>
+#include <cmath>
+#include <compare>
+#include <functional>
+#include <numeric>
+#include <tuple>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+constexpr double kClearVisible = 0.5;
+constexpr double kClearSidePx = 24;
+constexpr std::size_t kFindableRows = 10;
+constexpr double kPairedOverlap = 0.4;
+
+constexpr int kNothing = -1;  // shown by a sighting without a pair
+
+bool IsClear(const TruthRow& row) {
+  return row.visible >= kClearVisible && std::min(row.box.width, row.box.height) >= kClearSidePx;
+}
+
+std::optional<double> Ratio(double part, double whole) {
+  return whole > 0 ? std::optional(part / whole) : std::nullopt;
+}
+
+/// Interpolated between the nearest two of the sorted values.
+std::optional<double> Percentile(std::vector<double> values, double percent) {
+  if (values.empty()) return std::nullopt;
+  std::ranges::sort(values);
+  const double at = static_cast<double>(values.size() - 1) * percent / 100;
+  const auto below = static_cast<std::size_t>(at);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  return values[below] + (values[above] - values[below]) * (at - static_cast<double>(below));
+}
+
+/// The angle on the sphere between two directions.
+double AngleBetween(const ViewAngles& a, const ViewAngles& b) {
+  const double cosine = std::cos(a.off_nadir_rad) * std::cos(b.off_nadir_rad) +
+                        std::sin(a.off_nadir_rad) * std::sin(b.off_nadir_rad) * std::cos(a.azimuth_rad - b.azimuth_rad);
+  return std::acos(std::clamp(cosine, -1.0, 1.0));
+}
+
+/// One true object.
+struct TrueObject {
+  std::string name;
+  std::vector<std::int64_t> clear_frames;  ///< one a clear row
+
+  [[nodiscard]] bool IsFindable() const { return clear_frames.size() >= kFindableRows; }
+};
+
+/// The truth, its objects numbered, and its rows found by frame and model.
+class TruthTable {
+ public:
+  explicit TruthTable(std::span<const TruthRow> rows)
+      : rows_(rows), object_of_row_(rows.size()), place_of_row_(rows.size()), by_frame_(rows.size()) {
+    std::unordered_map<std::string_view, int> numbers;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const auto [at, added] = numbers.emplace(rows[i].object, static_cast<int>(objects_.size()));
+      if (added) objects_.push_back({rows[i].object, {}});
+      object_of_row_[i] = at->second;
+      if (IsClear(rows[i])) objects_[at->second].clear_frames.push_back(rows[i].frame);
+    }
+    NumberPlaces();
+    std::iota(by_frame_.begin(), by_frame_.end(), std::size_t{0});
+    std::ranges::stable_sort(by_frame_, {}, [&](std::size_t i) { return KeyOf(rows_[i]); });
+  }
+
+  [[nodiscard]] const std::vector<TrueObject>& objects() const { return objects_; }
+  [[nodiscard]] const TruthRow& row(std::size_t i) const { return rows_[i]; }
+  [[nodiscard]] int ObjectOf(std::size_t row) const { return object_of_row_[row]; }
+
+  /// The free row that `sighting` overlaps most, and enough; takes it, so that its object is not paired again there.
+  std::optional<std::size_t> Take(const ReportedSighting& sighting) {
+    std::optional<std::size_t> best;
+    double best_overlap = 0;
+    for (const std::size_t i :
+         std::ranges::equal_range(by_frame_, std::pair(sighting.frame, std::string_view(sighting.model)), {},
+                                  [&](std::size_t row) { return KeyOf(rows_[row]); })) {
+      const double overlap = IntersectionOverUnion(rows_[i].box, sighting.box);
+      if (overlap < kPairedOverlap || overlap <= best_overlap || taken_[place_of_row_[i]]) continue;
+      best = i;
+      best_overlap = overlap;
+    }
+    if (best) taken_[place_of_row_[*best]] = true;
+    return best;
+  }
+
+ private:
+  static std::pair<std::int64_t, std::string_view> KeyOf(const TruthRow& row) { return {row.frame, row.model}; }
+
+  /// One place for each object and frame, even where several rows describe it.
+  void NumberPlaces() {
+    std::vector<std::size_t> order(rows_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    const auto key = [&](std::size_t i) { return std::pair(rows_[i].frame, object_of_row_[i]); };
+    std::ranges::sort(order, {}, key);
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      if (k == 0 || key(order[k]) != key(order[k - 1])) taken_.push_back(false);
+      place_of_row_[order[k]] = taken_.size() - 1;
+    }
+  }
+
+  std::span<const TruthRow> rows_;
+  std::vector<TrueObject> objects_;
+  std::vector<int> object_of_row_;
+  std::vector<std::size_t> place_of_row_;
+  std::vector<std::size_t> by_frame_;  ///< rows by frame and model, else in the order given
+  std::vector<bool> taken_;            ///< a place
+};
+
+/// A true object that a reported one shows, or kNothing.
+struct Vote {
+  std::int64_t reported;
+  int shown;
+  auto operator<=>(const Vote&) const = default;
+};
+
+/// A frame in which a reported object shows a true one.
+struct Hit {
+  int shown;
+  std::int64_t reported;
+  std::int64_t frame;
+  auto operator<=>(const Hit&) const = default;
+};
+
+/// What the pairing of sightings with truth tells. Votes and hits are sorted.
+struct Pairing {
+  std::vector<Vote> votes;  ///< one a sighting
+  std::vector<Hit> hits;    ///< each once
+  int right = 0;
+  int wrong = 0;
+  std::vector<double> view_errors_rad;
+};
+
+Pairing Pair(TruthTable& truth, std::span<const ReportedSighting> sightings) {
+  std::vector<std::size_t> order(sightings.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, std::greater<>(), [&](std::size_t i) { return sightings[i].score; });
+
+  Pairing pairing;
+  for (const std::size_t i : order) {
+    const ReportedSighting& sighting = sightings[i];
+    const auto taken = truth.Take(sighting);
+    const int shown = taken ? truth.ObjectOf(*taken) : kNothing;
+    pairing.votes.push_back({sighting.object, shown});
+    if (!taken) {
+      ++pairing.wrong;
+      continue;
+    }
+    const TruthRow& row = truth.row(*taken);
+    pairing.hits.push_back({shown, sighting.object, sighting.frame});
+    if (IsClear(row)) ++pairing.right;
+    if (sighting.view && row.view) pairing.view_errors_rad.push_back(AngleBetween(*sighting.view, *row.view));
+  }
+  std::ranges::sort(pairing.votes);
+  std::ranges::sort(pairing.hits);
+  const auto repeated = std::ranges::unique(pairing.hits);
+  pairing.hits.erase(repeated.begin(), repeated.end());
+  return pairing;
+}
+
+/// The true object that more than half of the reported one's sightings show; kNothing if there is none. Where there is
+/// one, it stands in the middle of the sorted votes.
+int MajorityOf(std::int64_t reported, const std::vector<Vote>& votes) {
+  const auto own = std::ranges::equal_range(votes, reported, {}, &Vote::reported);
+  if (own.empty()) return kNothing;
+  const int middle = own[own.size() / 2].shown;
+  const auto same = std::ranges::equal_range(own, middle, {}, &Vote::shown);
+  return same.size() * 2 > own.size() ? middle : kNothing;
+}
+
+/// Precision and recall after the first n reported objects that count.
+struct CurvePoint {
+  double recall;
+  double precision;
+};
+
+double AveragePrecision(const std::vector<CurvePoint>& curve) {
+  constexpr int kLevels = 100;
+  double sum = 0;
+  double best = 0;
+  auto next = curve.rbegin();  // recall never falls along the curve
+  for (int level = kLevels; level >= 0; --level) {
+    for (; next != curve.rend() && next->recall >= static_cast<double>(level) / kLevels - 1e-9; ++next) {
+      best = std::max(best, next->precision);
+    }
+    sum += best;
+  }
+  return sum / (kLevels + 1);
+}
+
+/// Who claimed each true object, by its number; fills the counts of objects.
+std::unordered_map<int, std::int64_t> ScoreObjects(const TruthTable& truth, std::span<const std::int64_t> objects,
+                                                   const std::vector<Vote>& votes, Score& score) {
+  std::unordered_map<int, std::int64_t> claimed_by;
+  std::vector<CurvePoint> curve;
+  for (const std::int64_t id : objects) {
+    const int shown = MajorityOf(id, votes);
+    if (shown == kNothing || !claimed_by.emplace(shown, id).second) {
+      ++score.false_objects;
+    } else if (truth.objects()[shown].IsFindable()) {
+      ++score.found;
+    } else {
+      continue;  // small or brief, but real: neither asked for nor held against it
+    }
+    const double counted = score.found + score.false_objects;
+    curve.push_back(
+        {score.findable > 0 ? score.found / static_cast<double>(score.findable) : 0.0, score.found / counted});
+  }
+  score.recall = Ratio(score.found, score.findable);
+  score.precision = Ratio(score.found, score.found + score.false_objects);
+  if (score.findable > 0) score.average_precision = AveragePrecision(curve);
+  return claimed_by;
+}
+
+/// How the findable objects were shown, frame by frame.
+void ScoreCoverage(const TruthTable& truth, const std::unordered_map<int, std::int64_t>& claimed_by,
+                   const std::vector<Hit>& hits, Score& score) {
+  std::vector<double> densities;
+  double asked = 0;
+  double shown = 0;
+  double ids = 0;
+  double shown_objects = 0;
+  for (int number = 0; number < static_cast<int>(truth.objects().size()); ++number) {
+    const TrueObject& object = truth.objects()[number];
+    if (!object.IsFindable()) continue;
+    const auto own = std::ranges::equal_range(hits, number, {}, &Hit::shown);
+    Score::Object entry;
+    std::unordered_set<std::int64_t> frames;
+    std::unordered_set<std::int64_t> claimant_frames;
+    std::unordered_set<std::int64_t> reported;
+    const auto claimant = claimed_by.find(number);
+    entry.found = claimant != claimed_by.end();
+    for (const Hit& hit : own) {
+      frames.insert(hit.frame);
+      reported.insert(hit.reported);
+      if (entry.found && hit.reported == claimant->second) claimant_frames.insert(hit.frame);
+    }
+    const auto covered = [&](const std::unordered_set<std::int64_t>& by) {
+      return static_cast<double>(
+          std::ranges::count_if(object.clear_frames, [&](std::int64_t frame) { return by.contains(frame); }));
+    };
+    entry.density = covered(claimant_frames) / static_cast<double>(object.clear_frames.size());
+    entry.ids = static_cast<int>(reported.size());
+    densities.push_back(entry.density);
+    asked += static_cast<double>(object.clear_frames.size());
+    shown += covered(frames);
+    ids += entry.ids;
+    shown_objects += entry.ids > 0;
+    score.per_object.emplace(object.name, entry);
+  }
+  score.sighting_recall = Ratio(shown, asked);
+  score.density_p25 = Percentile(densities, 25);
+  score.density_p50 = Percentile(densities, 50);
+  score.density_p75 = Percentile(densities, 75);
+  score.ids_per_object = Ratio(ids, shown_objects);
+}
+
+nlohmann::ordered_json Nullable(const std::optional<double>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
+std::optional<double> InDegrees(const std::optional<double>& radians) {
+  return radians ? std::optional(DegreesFromRadians(*radians)) : std::nullopt;
+}
+
+/// Rounded in decimal, as it prints.
+double ToThreeDecimals(double value) { return std::stod(fmt::format("{:.3f}", value)); }
+
+}  // namespace
+
+Score ScoreIndex(std::span<const TruthRow> truth, std::span<const std::int64_t> objects,
+                 std::span<const ReportedSighting> sightings) {
+  TruthTable table(truth);
+  const Pairing pairing = Pair(table, sightings);
+  Score score;
+  score.findable = static_cast<int>(std::ranges::count_if(table.objects(), &TrueObject::IsFindable));
+  const auto claimed_by = ScoreObjects(table, objects, pairing.votes, score);
+  ScoreCoverage(table, claimed_by, pairing.hits, score);
+  score.sighting_precision = Ratio(pairing.right, pairing.right + pairing.wrong);
+  score.view_error_p50_rad = Percentile(pairing.view_errors_rad, 50);
+  score.view_error_p90_rad = Percentile(pairing.view_errors_rad, 90);
+  return score;
+}
+
+nlohmann::ordered_json ToJson(const Score& score) {
+  nlohmann::ordered_json json;
+  json["findable"] = score.findable;
+  json["found"] = score.found;
+  json["false_objects"] = score.false_objects;
+  json["recall"] = Nullable(score.recall);
+  json["precision"] = Nullable(score.precision);
+  json["average_precision"] = Nullable(score.average_precision);
+  json["sighting_recall"] = Nullable(score.sighting_recall);
+  json["sighting_precision"] = Nullable(score.sighting_precision);
+  json["density_p25"] = Nullable(score.density_p25);
+  json["density_p50"] = Nullable(score.density_p50);
+  json["density_p75"] = Nullable(score.density_p75);
+  json["ids_per_object"] = Nullable(score.ids_per_object);
+  json["located"] = 0;
+  for (const char* key : {"cep50_m", "cep75_m", "cep90_m", "error3d_p50_m", "inside_90_ellipsoid", "inside_ce90",
+                          "heading_error_p50_deg"}) {
+    json[key] = nullptr;
+  }
+  json["view_error_p50_deg"] = Nullable(InDegrees(score.view_error_p50_rad));
+  json["view_error_p90_deg"] = Nullable(InDegrees(score.view_error_p90_rad));
+  json["per_object"] = nlohmann::ordered_json::object();
+  for (const auto& [name, object] : score.per_object) {
+    json["per_object"][name] = {{"found", object.found},
+                                {"density", ToThreeDecimals(object.density)},
+                                {"ids", object.ids},
+                                {"error_m", nullptr}};
+  }
+  return json;
+}
+
+std::string ToText(const Score& score) {
+  std::string text;
+  const nlohmann::ordered_json json = ToJson(score);
+  for (const auto& [key, value] : json.items()) {
+    if (value.is_object()) continue;
+    const std::string shown = value.is_null()           ? "-"
+                              : value.is_number_float() ? fmt::format("{:.4f}", value.get<double>())
+                                                        : value.dump();
+    text += fmt::format("{:24} {:>8}\n", key, shown);
+  }
+  for (const auto& [name, object] : score.per_object) {
+    text += fmt::format("  {:22} {:>8}   density {:.3f}   ids {}\n", name, object.found ? "found" : "missed",
+                        object.density, object.ids);
+  }
+  return text;
+}
+
+}  // namespace victorious

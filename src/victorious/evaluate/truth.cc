@@ -1,0 +1,113 @@
+#include "victorious/evaluate/truth.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/base/file.h"
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kLargestFrame = 9007199254740992.0;  // 2^53: beyond it, doubles skip whole numbers
+
+/// The value under `key`, or null where it is missing.
+const Json& Value(const Json& object, const char* key) {
+  static const Json null;
+  const auto at = object.find(key);
+  return at == object.end() ? null : *at;
+}
+
+/// The error of a key: it is missing, or it is there and not what it should be.
+std::unexpected<Error> BadKey(const Json& value, std::string_view key, std::string_view wanted) {
+  return Fail(ErrorCode::kInvalidArgument, value.is_null() ? fmt::format("{} is missing: give {}", key, wanted)
+                                                           : fmt::format("{} is not {}", key, wanted));
+}
+
+Expected<double> NumberOf(const Json& row, const char* key) {
+  const Json& value = Value(row, key);
+  if (!value.is_number()) return BadKey(value, key, "a number");
+  return value.get<double>();
+}
+
+Expected<std::string> TextOf(const Json& row, const char* key) {
+  const Json& value = Value(row, key);
+  if (!value.is_string()) return BadKey(value, key, "a text");
+  return value.get<std::string>();
+}
+
+Expected<std::int64_t> FrameOf(const Json& row) {
+  constexpr std::string_view kWanted = "a whole number from 0";
+  const Json& value = Value(row, "frame");
+  if (!value.is_number()) return BadKey(value, "frame", kWanted);
+  const double frame = value.get<double>();
+  if (!(frame >= 0 && frame <= kLargestFrame && frame == std::floor(frame))) return BadKey(value, "frame", kWanted);
+  return static_cast<std::int64_t>(frame);
+}
+
+Expected<Box> BoxOf(const Json& row) {
+  constexpr std::string_view kWanted = "[x, y, width, height] in pixels";
+  const Json& value = Value(row, "box");
+  if (!value.is_array() || value.size() != 4) return BadKey(value, "box", kWanted);
+  std::array<double, 4> numbers{};
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (!value[i].is_number()) return BadKey(value, "box", kWanted);
+    numbers[i] = value[i].get<double>();
+  }
+  const Box box{numbers[0], numbers[1], numbers[2], numbers[3]};
+  if (box.width < 0 || box.height < 0) return BadKey(value, "box", "of a width and height from 0");
+  return box;
+}
+
+Expected<std::optional<ViewAngles>> ViewOf(const Json& row) {
+  const Json& value = Value(row, "view");
+  if (value.is_null()) return std::nullopt;
+  if (!value.is_object()) return BadKey(value, "view", "an object of azimuth_deg and off_nadir_deg");
+  if (value.empty()) return std::nullopt;
+  VICTORIOUS_ASSIGN_OR_RETURN(const double azimuth_deg, NumberOf(value, "azimuth_deg"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const double off_nadir_deg, NumberOf(value, "off_nadir_deg"));
+  return ViewAngles{RadiansFromDegrees(azimuth_deg), RadiansFromDegrees(off_nadir_deg)};
+}
+
+Expected<TruthRow> ParseRow(std::string_view line) {
+  const Json json = Json::parse(line, nullptr, /*allow_exceptions=*/false);
+  if (!json.is_object()) return Fail(ErrorCode::kInvalidArgument, "not a JSON object on one line");
+  TruthRow row;
+  VICTORIOUS_ASSIGN_OR_RETURN(row.frame, FrameOf(json));
+  VICTORIOUS_ASSIGN_OR_RETURN(row.object, TextOf(json, "object"));
+  VICTORIOUS_ASSIGN_OR_RETURN(row.model, TextOf(json, "model"));
+  VICTORIOUS_ASSIGN_OR_RETURN(row.box, BoxOf(json));
+  VICTORIOUS_ASSIGN_OR_RETURN(row.visible, NumberOf(json, "visible"));
+  VICTORIOUS_ASSIGN_OR_RETURN(row.view, ViewOf(json));
+  return row;
+}
+
+}  // namespace
+
+Expected<std::vector<TruthRow>> ParseTruth(std::string_view text, std::string_view name) {
+  std::vector<TruthRow> rows;
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (line.find_first_not_of(" \t\r") == std::string_view::npos) continue;
+    auto row = ParseRow(line);
+    if (!row) return std::unexpected(std::move(row).error().WithContext(fmt::format("{}:{}", name, number)));
+    rows.push_back(*std::move(row));
+  }
+  return rows;
+}
+
+Expected<std::vector<TruthRow>> ReadTruth(const std::filesystem::path& path) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
+  return ParseTruth(text, path.string());
+}
+
+}  // namespace victorious
