@@ -1,10 +1,10 @@
 // Any bytes as a truth file: read or refused with one line, and what is read can be scored.
-#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/check.h"
 #include "victorious/evaluate/score.h"
 #include "victorious/evaluate/truth.h"

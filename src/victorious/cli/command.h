@@ -24,6 +24,7 @@ Action SetUpDoctor(CLI::App& app);
 Action SetUpEvaluate(CLI::App& app);
 Action SetUpExport(CLI::App& app);
 Action SetUpFeatures(CLI::App& app);
+Action SetUpFrame(CLI::App& app);
 Action SetUpIndex(CLI::App& app);
 Action SetUpMatch(CLI::App& app);
 Action SetUpModel(CLI::App& app);

@@ -107,12 +107,12 @@ Expected<cv::Mat> DrawContactSheet(const SightingFilter& filter, const ContactSh
     const ModelRecord* model = catalogue.Model(object.model);
     if (model == nullptr || catalogue.Video(object.video) == nullptr) continue;
     tile_of[object.id] = tiles.size();
-    tiles.push_back({.object = object, .model = model->name, .best = {.score = -1}, .picture = {}});
+    tiles.push_back({.object = object, .model = model->name, .best = {.matches = -1}, .picture = {}});
   }
   VICTORIOUS_RETURN_IF_ERROR(store.VisitSightings(filter, [&](SightingRecord&& sighting) {
     if (const auto found = tile_of.find(sighting.object); found != tile_of.end()) {
       Tile& tile = tiles[found->second];
-      if (sighting.score > tile.best.score) tile.best = std::move(sighting);
+      if (sighting.matches > tile.best.matches) tile.best = std::move(sighting);
     }
     return true;
   }));

@@ -18,7 +18,7 @@ class RunLinker {
  public:
   explicit RunLinker(const RunOptions& options) : options_(options) {}
 
-  /// Takes up where an earlier run stopped: the objects last seen within the gap before `next_time_s`.
+  /// Takes up where an earlier run stopped.
   /// @param sightings  of the video, the last `gap_s` of them at least, in order of frames
   void Resume(std::span<const ObjectRecord> objects, std::span<const SightingRecord> sightings);
 

@@ -117,13 +117,15 @@ class Sink {
   // Takes up the objects that may still grow.
   Status Resume() {
     if (next_frame_ == 0) return {};
-    const SightingFilter filter{.model_name = {}, .video_name = pass_.video.name, .from_s = {}, .to_s = {}};
+    SightingFilter filter{.model_name = {}, .video_name = pass_.video.name, .from_s = {}, .to_s = {}};
     VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectRecord> objects, store_.Objects(filter));
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SightingRecord> sightings, store_.Sightings(filter));
     std::erase_if(objects, [&](const ObjectRecord& object) {
       return object.video != pass_.video.id ||
              std::ranges::find(pass_.searches, object.model, &SearchRecord::model) == pass_.searches.end();
     });
+    if (objects.empty()) return {};
+    filter.from_s = std::ranges::max(objects, {}, &ObjectRecord::last_time_s).last_time_s - pass_.options.runs.gap_s;
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SightingRecord> sightings, store_.Sightings(filter));
     linker_.Resume(objects, sightings);
     return {};
   }

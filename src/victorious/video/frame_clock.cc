@@ -1,5 +1,9 @@
 #include "victorious/video/frame_clock.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 namespace victorious {
 
 FrameClock::Reading FrameClock::Next(std::optional<std::int64_t> pts, double duration_s) {
@@ -23,6 +27,8 @@ std::optional<double> FrameClock::origin_s() const {
 }
 
 FrameClock::Reading FrameClock::Advance(double time_s, double duration_s, bool repaired) {
+  // So far out that half a frame is below the precision of a double, only the next double is later.
+  if (started_) time_s = std::max(time_s, std::nextafter(last_time_s_, std::numeric_limits<double>::max()));
   started_ = true;
   last_time_s_ = time_s;
   last_duration_s_ = duration_s;

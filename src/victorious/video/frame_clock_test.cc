@@ -51,6 +51,17 @@ TEST(FrameClock, JoinedRecordingsKeepTheirSpacing) {
   EXPECT_FALSE(clock.Next(80, 0).repaired);
 }
 
+TEST(FrameClock, ForwardsAtTheEndOfTheNumbers) {
+  FrameClock clock(1, 0.04);
+  clock.Next(0, 0);
+  double last_s = clock.Next(std::numeric_limits<std::int64_t>::max(), 0).time_s;
+  for (const std::int64_t pts : {std::numeric_limits<std::int64_t>::max(), std::int64_t{5}, std::int64_t{6}}) {
+    const double time_s = clock.Next(pts, 0).time_s;
+    EXPECT_GT(time_s, last_s);
+    last_s = time_s;
+  }
+}
+
 TEST(FrameClock, AlwaysForwardsWhateverComes) {
   constexpr std::uint64_t kSeed = 7;
   Random random(kSeed);

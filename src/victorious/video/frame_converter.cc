@@ -82,6 +82,14 @@ cv::Mat GreyFromLuma(const AVFrame& frame, const AVPixFmtDescriptor& format) {
 }  // namespace
 
 Expected<cv::Mat> FrameConverter::Convert(const AVFrame& frame) {
+  try {
+    return ConvertAndTurn(frame);
+  } catch (const cv::Exception& exception) {  // no memory
+    return Fail(ErrorCode::kInternal, fmt::format("a frame that cannot be converted ({})", exception.err));
+  }
+}
+
+Expected<cv::Mat> FrameConverter::ConvertAndTurn(const AVFrame& frame) {
   VICTORIOUS_ASSIGN_OR_RETURN(cv::Mat picture, ConvertColor(frame));
   if (picture.size() != stored_size_) {
     const bool shrinks = picture.total() > static_cast<std::size_t>(stored_size_.area());

@@ -25,6 +25,7 @@ class FrameConverter {
   [[nodiscard]] cv::Size stored_size() const { return stored_size_; }
 
  private:
+  Expected<cv::Mat> ConvertAndTurn(const AVFrame& frame);
   Expected<cv::Mat> ConvertColor(const AVFrame& frame);
   Expected<cv::Mat> ToBgr(const AVFrame& frame);
 

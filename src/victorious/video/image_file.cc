@@ -21,14 +21,10 @@ namespace {
 
 constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 28;
 
-// All channels as stored, 8 or 16 bits; empty if OpenCV cannot decode it.
+// All channels as stored; empty if OpenCV cannot decode it.
 cv::Mat DecodeStored(std::span<const std::byte> bytes) {
-  try {
-    const cv::Mat view(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<std::byte*>(bytes.data()));
-    return cv::imdecode(view, cv::IMREAD_UNCHANGED);
-  } catch (const std::exception&) {  // cv::Exception, or no memory: either way there is no picture
-    return {};
-  }
+  const cv::Mat view(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<std::byte*>(bytes.data()));
+  return cv::imdecode(view, cv::IMREAD_UNCHANGED);
 }
 
 std::optional<Image> SplitAlpha(const cv::Mat& stored) {
@@ -63,6 +59,10 @@ Expected<ImageHeader> CheckedHeader(std::span<const std::byte> bytes, const std:
     return Fail(ErrorCode::kDataLoss,
                 fmt::format("{}: not a picture that can be read (PNG, JPEG, TIFF, BMP, WebP or PNM)", name));
   }
+  if (header->width == 0 || header->height == 0) {
+    return Fail(ErrorCode::kDataLoss,
+                fmt::format("{}: a damaged {} picture, without a size", name, Name(header->format)));
+  }
   if (std::uint64_t{header->width} * header->height > kMaxPixels) {
     return Fail(ErrorCode::kUnsupported, fmt::format("{}: {} x {} pixels, more than the {} that can be read", name,
                                                      header->width, header->height, kMaxPixels));
@@ -73,15 +73,8 @@ Expected<ImageHeader> CheckedHeader(std::span<const std::byte> bytes, const std:
   return *header;
 }
 
-}  // namespace
-
-Expected<Image> ReadImage(const std::filesystem::path& path) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(path));
-  return DecodeImage(std::as_bytes(std::span(bytes)), path.string());
-}
-
-Expected<Image> DecodeImage(std::span<const std::byte> bytes, const std::string& name) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const ImageHeader header, CheckedHeader(bytes, name));
+// May throw cv::Exception.
+Expected<Image> DecodeChecked(std::span<const std::byte> bytes, const ImageHeader& header, const std::string& name) {
   const cv::Mat stored = DecodeStored(bytes);
   if (stored.empty()) {
     return Fail(ErrorCode::kDataLoss, fmt::format("{}: a damaged {} picture", name, Name(header.format)));
@@ -97,6 +90,22 @@ Expected<Image> DecodeImage(std::span<const std::byte> bytes, const std::string&
   // The fourth byte of a BMP pixel is padding in nearly all of them.
   image->alpha = header.format == ImageFormat::kBmp ? cv::Mat() : TurnUpright(image->alpha, header.orientation);
   return *std::move(image);
+}
+
+}  // namespace
+
+Expected<Image> ReadImage(const std::filesystem::path& path) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(path));
+  return DecodeImage(std::as_bytes(std::span(bytes)), path.string());
+}
+
+Expected<Image> DecodeImage(std::span<const std::byte> bytes, const std::string& name) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const ImageHeader header, CheckedHeader(bytes, name));
+  try {
+    return DecodeChecked(bytes, header, name);
+  } catch (const std::exception&) {  // cv::Exception, or no memory: either way there is no picture
+    return Fail(ErrorCode::kDataLoss, fmt::format("{}: a damaged {} picture", name, Name(header.format)));
+  }
 }
 
 Status WriteImage(const std::filesystem::path& path, const cv::Mat& image) {

@@ -183,6 +183,16 @@ TEST(ImageFile, TooLargeIsRefusedBeforeDecoding) {
   EXPECT_THAT(image.error().message, HasSubstr("20000 x 20000"));
 }
 
+// OpenCV looks for the next digit and would take this for 888888 x 880 pixels.
+TEST(ImageFile, ASizeThatDecodersReadDifferentlyIsRefused) {
+  for (const std::string text : {"P6\n888888r880 255 ", "P5\n0 10 255\n", "P5\n"}) {
+    const auto image = DecodeImage(Bytes(text), "strange.ppm");
+    ASSERT_FALSE(image) << text;
+    EXPECT_EQ(image.error().code, ErrorCode::kDataLoss);
+    EXPECT_THAT(image.error().message, HasSubstr("without a size"));
+  }
+}
+
 TEST(ImageFile, DamagedBytesNeverCrash) {
   constexpr std::uint64_t kSeed = 20240601;
   Random random(kSeed);

@@ -163,7 +163,7 @@ std::optional<ImageHeader> ReadPnm(std::span<const std::byte> bytes) {
     std::uint32_t number = 0;
     constexpr std::uint32_t kLimit = 100'000'000;
     for (; is_digit(at); ++at) number = number < kLimit ? number * 10 + (view.U8(at) - '0') : number;
-    return number;
+    return is_space(at) || view.U8(at) == '#' ? number : 0;  // "640x480": decoders differ in what they take it for
   };
   const std::uint32_t width = next_number();
   return ImageHeader{ImageFormat::kPnm, width, next_number()};

@@ -1,4 +1,5 @@
 // Live sources over the loopback: they are read as they come, and none keeps the reader waiting beyond the timeout.
+#include <algorithm>
 #include <chrono>
 #include <future>
 #include <string>
@@ -25,19 +26,35 @@ using Clock = std::chrono::steady_clock;
 
 double SecondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
+sockaddr_in Loopback(int port) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  return address;
+}
+
+int BindToFreePort(int socket) {
+  sockaddr_in address = Loopback(0);
+  auto* generic = reinterpret_cast<sockaddr*>(&address);
+  socklen_t size = sizeof(address);
+  VICTORIOUS_CHECK(::bind(socket, generic, size) == 0);
+  VICTORIOUS_CHECK(::getsockname(socket, generic, &size) == 0);
+  return ntohs(address.sin_port);
+}
+
+int FreeUdpPort() {
+  const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
+  const int port = BindToFreePort(socket);
+  ::close(socket);
+  return port;
+}
+
 // A TCP server of one connection on a free port of 127.0.0.1.
 class Server {
  public:
-  Server() : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    auto* generic = reinterpret_cast<sockaddr*>(&address);
-    socklen_t size = sizeof(address);
-    VICTORIOUS_CHECK(::bind(socket_, generic, size) == 0);
+  Server() : socket_(::socket(AF_INET, SOCK_STREAM, 0)), port_(BindToFreePort(socket_)) {
     VICTORIOUS_CHECK(::listen(socket_, 1) == 0);
-    VICTORIOUS_CHECK(::getsockname(socket_, generic, &size) == 0);
-    port_ = ntohs(address.sin_port);
   }
   ~Server() {
     stop_.set_value();
@@ -69,7 +86,7 @@ class Server {
 
  private:
   int socket_;
-  int port_ = 0;
+  int port_;
   std::promise<void> stop_;
   std::thread thread_;
 };
@@ -113,6 +130,41 @@ TEST(LiveVideo, ReadOverHttp) {
   EXPECT_EQ(CountFrames(**reader), 60);
 }
 
+// Sends datagrams of seven packets each, at a pace that a receiver can follow.
+void SendDatagrams(const std::string& bytes, int port) {
+  constexpr std::size_t kDatagram = std::size_t{7} * 188;
+  const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
+  const sockaddr_in address = Loopback(port);
+  for (std::size_t at = 0; at < bytes.size(); at += kDatagram) {
+    ::sendto(socket, bytes.data() + at, std::min(kDatagram, bytes.size() - at), 0,
+             reinterpret_cast<const sockaddr*>(&address), sizeof(address));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  ::close(socket);
+}
+
+TEST(LiveVideo, ReadOverUdp) {
+  const int port = FreeUdpPort();
+  std::thread sender([bytes = TransportStream(250), port] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    SendDatagrams(bytes, port);
+  });
+  const auto reader = VideoReader::Open("udp://127.0.0.1:" + std::to_string(port), {.open_timeout_s = 1.5});
+  int count = 0;
+  double last_s = -1;
+  while (reader) {
+    const auto frame = (*reader)->NextFrame();
+    if (!frame || !*frame) break;
+    EXPECT_GT((*frame)->time_s, last_s);
+    last_s = (*frame)->time_s;
+    ++count;
+  }
+  sender.join();
+  ASSERT_TRUE(reader) << reader.error().message;
+  EXPECT_GT(count, 200);  // datagrams may be lost
+  EXPECT_THAT((*reader)->warnings(), Contains(HasSubstr("the source sent nothing for 1.5 s")));
+}
+
 TEST(LiveVideo, ASourceThatFallsSilentEndsWithAWarning) {
   Server server;
   server.Serve(TransportStream(250), 3);
@@ -128,7 +180,8 @@ TEST(LiveVideo, ASourceThatFallsSilentEndsWithAWarning) {
 TEST(LiveVideo, ASourceThatNeverAnswersIsAnErrorInTime) {
   Server silent;
   silent.Serve("", 3);
-  for (const std::string& url : {silent.Url("tcp"), std::string("udp://127.0.0.1:18999"), silent.Url("rtsp")}) {
+  for (const std::string& url :
+       {silent.Url("tcp"), "udp://127.0.0.1:" + std::to_string(FreeUdpPort()), silent.Url("rtsp")}) {
     const auto start = Clock::now();
     const auto reader = VideoReader::Open(url, {.open_timeout_s = 0.5});
     ASSERT_FALSE(reader) << url;

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cctype>
+#include <cerrno>
 #include <cmath>
 #include <string>
 #include <utility>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 #include <unistd.h>
@@ -65,6 +67,7 @@ class H264Writer : public VideoWriter {
   Status OpenFile(const char* muxer, AVRational rate);
   Status FillFrame(const cv::Mat& image);
   Status Encode(const AVFrame* frame);
+  [[nodiscard]] Status Sync() const;
   void Discard();
   [[nodiscard]] Status Check(int result, std::string_view verb) const;
 
@@ -175,11 +178,21 @@ Status H264Writer::Finish() {
   VICTORIOUS_RETURN_IF_ERROR(Encode(nullptr));
   VICTORIOUS_RETURN_IF_ERROR(Check(av_write_trailer(container_), "write"));
   VICTORIOUS_RETURN_IF_ERROR(Check(avio_closep(&container_->pb), "write"));
+  VICTORIOUS_RETURN_IF_ERROR(Sync());
   std::error_code error;
   fs::rename(temporary_, path_, error);
   if (error) return std::unexpected(ErrorFromErrno(error.value(), fmt::format("rename to {}", path_.string())));
   avformat_free_context(std::exchange(container_, nullptr));
   return {};
+}
+
+// On disk before it gets its name: a crash of the machine leaves no half of it.
+Status H264Writer::Sync() const {
+  const int fd = ::open(temporary_.c_str(), O_RDONLY | O_CLOEXEC);
+  const int result = fd < 0 ? -1 : ::fsync(fd);
+  const int error = errno;
+  if (fd >= 0) ::close(fd);
+  return Check(result < 0 ? AVERROR(error) : 0, "write");
 }
 
 void H264Writer::Discard() {

@@ -1,10 +1,13 @@
 #include "victorious/video/video_writer.h"
 
+#include <csignal>
 #include <limits>
+#include <optional>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
+#include <sys/resource.h>
 
 #include "testing/data.h"
 #include "victorious/video/image_file.h"
@@ -121,6 +124,33 @@ TEST(VideoWriter, BadFramesAreInvalidArguments) {
   const auto nothing = (*writer)->Finish();
   ASSERT_FALSE(nothing);
   EXPECT_THAT(nothing.error().message, HasSubstr("at least one frame"));
+}
+
+// A limit on the size of files stands for the full disk.
+TEST(VideoWriter, AFullDiskLeavesNothing) {
+  const ScratchFolder folder;
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::optional<Error> error;
+  {
+    auto writer = VideoWriter::Create(folder / "video.mp4", kSmall);
+    ASSERT_TRUE(writer);
+    const rlimit small{2000, before.rlim_max};
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+    for (int i = 0; i < 100 && !error; ++i) {
+      const auto status = (*writer)->Write(NumberedPicture(i, {96, 64}));
+      if (!status) error = status.error();
+    }
+    const auto finished = (*writer)->Finish();
+    if (!error && !finished) error = finished.error();
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  }
+  std::signal(SIGXFSZ, SIG_DFL);
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->code, ErrorCode::kNoSpace) << error->message;
+  EXPECT_THAT(error->message, HasSubstr((folder / "video.mp4").string()));
+  EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
 TEST(VideoWriter, SystemErrorsKeepTheirCodes) {

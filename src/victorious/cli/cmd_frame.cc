@@ -1,0 +1,53 @@
+// victorious frame VIDEO --at SECONDS --out PNG: one frame as a picture, to cut an object out of
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "victorious/cli/arguments.h"
+#include "victorious/cli/command.h"
+#include "victorious/video/image_file.h"
+#include "victorious/video/video_reader.h"
+
+namespace victorious::cli {
+namespace {
+
+struct Arguments {
+  std::string video;
+  std::optional<double> at_s;
+  std::optional<std::int64_t> number;
+  std::string out;
+};
+
+Status Run(const Arguments& arguments) {
+  if (arguments.at_s.has_value() == arguments.number.has_value()) {
+    return Fail(ErrorCode::kInvalidArgument, "give either --at or --number");
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(arguments.video, {.color = FrameColor::kBgr}));
+  std::optional<Frame> last;
+  while (true) {
+    VICTORIOUS_ASSIGN_OR_RETURN(std::optional<Frame> frame, reader->NextFrame());
+    if (!frame) break;
+    const bool reached = arguments.at_s ? frame->time_s >= *arguments.at_s - 1e-6 : frame->index >= *arguments.number;
+    if (reached) return WriteImage(arguments.out, frame->image);
+    last = std::move(frame);
+  }
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("{}: ends with frame {} at {:.3f} s, before what was asked for", arguments.video,
+                          last ? last->index : -1, last ? last->time_s : 0.0));
+}
+
+}  // namespace
+
+Action SetUpFrame(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  app.add_option("VIDEO", arguments->video, "A file or a folder of frames")->required();
+  app.add_option("--at", arguments->at_s, "The first frame at this time or later, seconds")->type_name("S");
+  app.add_option("--number", arguments->number, "The frame of this number, from 0")->type_name("N");
+  app.add_option("--out", arguments->out, "The picture (.png, .jpg)")->required()->type_name("FILE");
+  return [=] { return Run(*arguments); };
+}
+
+}  // namespace victorious::cli
