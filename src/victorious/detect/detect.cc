@@ -32,6 +32,11 @@ void DetectOptions::ListFields(FieldList& fields) {
               .max = 10000,
               .unit = "px",
               .reason = "detections whose box in the frame is narrower are not reported"});
+  fields.Add("least_in_view", least_in_view,
+             {.min = 0,
+              .max = 1,
+              .reason = "detections of which a smaller share of the outline's area lies in the frame are not reported: "
+                        "what is left of a photo's corners at the frame's edge is mostly background"});
 }
 
 namespace {
@@ -61,6 +66,11 @@ Footprint FootprintOf(const Polygon& outline) {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   for (const Eigen::Vector2d& corner : outline) centre += corner / static_cast<double>(outline.size());
   return {centre, std::sqrt(std::abs(SignedArea(outline)))};
+}
+
+double ShareInView(const Polygon& outline, const SceneSize& scene) {
+  const Polygon inside = ClipToBox(outline, {0, 0, scene.width_px, scene.height_px});
+  return std::abs(SignedArea(inside)) / std::max(1e-9, std::abs(SignedArea(outline)));
 }
 
 Detection ToDetection(const Candidate& candidate, std::size_t views_searched, const SceneSize& scene,
@@ -102,7 +112,8 @@ std::vector<Detection> Detect(std::span<const Candidate> candidates, std::size_t
   for (const Candidate& candidate : candidates) {
     Detection detection = ToDetection(candidate, views_searched, scene, options);
     const bool large_enough = std::min(detection.box.width, detection.box.height) >= options.least_side_px;
-    if (large_enough && detection.score >= options.least_score) detections.push_back(std::move(detection));
+    const bool in_view = ShareInView(detection.outline, scene) >= options.least_in_view;
+    if (large_enough && in_view && detection.score >= options.least_score) detections.push_back(std::move(detection));
   }
   std::ranges::stable_sort(detections, [](const Detection& a, const Detection& b) {
     if (a.pose.distinct_inliers != b.pose.distinct_inliers) return a.pose.distinct_inliers > b.pose.distinct_inliers;

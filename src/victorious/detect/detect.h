@@ -25,6 +25,7 @@ struct DetectOptions {
   double evidence_scale = 1.5;
   double least_score = 0.5;
   double least_side_px = 8;
+  double least_in_view = 0.5;
 
   void ListFields(FieldList& fields);
 };

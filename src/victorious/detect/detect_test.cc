@@ -51,7 +51,8 @@ TEST(Detect, KeepsTheBestOfNeighboursAndEveryInstance) {
 
 TEST(Detect, BoxIsTheOutlineClippedToTheFrame) {
   const std::vector<Candidate> candidates = {CandidateAt(-20, 450, 12)};
-  const std::vector<Detection> detections = Detect(candidates, 1, kScene, {});
+  const std::vector<Detection> detections = Detect(candidates, 1, kScene, {.least_in_view = 0.49});
+  EXPECT_TRUE(Detect(candidates, 1, kScene, {.least_in_view = 0.51}).empty());
   ASSERT_EQ(detections.size(), 1U);
   EXPECT_EQ(detections[0].box, (Box{0, 450, 40, 30}));
   EXPECT_EQ(detections[0].outline[0], Eigen::Vector2d(-20, 450));
