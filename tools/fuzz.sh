@@ -20,6 +20,6 @@ for replay in "$build"/fuzz_*_replay; do
   echo "$name: $seconds s" >&2
   "$target" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=4096 -max_len=65536 -print_final_stats=1 \
     -artifact_prefix="$folder/" "$folder/corpus" >"$folder/log" 2>&1 || status=1
-  grep -E '^(stat::number_of_executed_units|SUMMARY|ERROR)|^==' "$folder/log" | sed "s/^/$name: /" >&2 || true
+  grep -E '^stat::number_of_executed_units|SUMMARY:' "$folder/log" | sed "s/^/$name: /" >&2 || true
 done
 exit "$status"

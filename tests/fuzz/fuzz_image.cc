@@ -35,9 +35,8 @@ std::vector<std::string> FuzzSeeds() {
     VICTORIOUS_CHECK(cv::imencode(extension, picture, bytes));
     seeds.emplace_back(bytes.begin(), bytes.end());
   };
-  for (const char* extension : {".png", ".jpg", ".tif", ".bmp", ".webp", ".ppm"}) add(extension, color);
+  for (const char* extension : {".png", ".jpg", ".tif", ".bmp", ".ppm"}) add(extension, color);
   add(".png", alpha);
-  add(".webp", alpha);
   add(".png", deep);
   add(".tif", deep);
   add(".png", grey);

@@ -57,7 +57,7 @@ Expected<ImageHeader> CheckedHeader(std::span<const std::byte> bytes, const std:
   const auto header = ReadImageHeader(bytes);
   if (!header || bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
     return Fail(ErrorCode::kDataLoss,
-                fmt::format("{}: not a picture that can be read (PNG, JPEG, TIFF, BMP, WebP or PNM)", name));
+                fmt::format("{}: not a picture that can be read (PNG, JPEG, TIFF, BMP or PNM)", name));
   }
   if (header->width == 0 || header->height == 0) {
     return Fail(ErrorCode::kDataLoss,

@@ -1,5 +1,5 @@
-// A single picture from a file: PNG, JPEG, TIFF, BMP, WebP or PNM. Decoding is OpenCV's; formats beyond these are
-// refused, because some decoders that OpenCV may be built with open other files.
+// A single picture from a file: PNG, JPEG, TIFF, BMP or PNM. Decoding is OpenCV's; formats beyond these are
+// refused, because some decoders that OpenCV may be built with open other files or end the program.
 #pragma once
 
 #include <cstddef>

@@ -64,12 +64,21 @@ TEST(ImageFile, LosslessFormatsRoundTrip) {
   }
 }
 
-TEST(ImageFile, LossyFormatsComeClose) {
-  for (const std::string extension : {".jpg", ".webp"}) {
-    const auto image = DecodeImage(Bytes(Encode(extension, Flag())), "flag" + extension);
-    ASSERT_TRUE(image) << extension << ": " << image.error().message;
-    EXPECT_EQ(image->bgr.size(), Flag().size());
-    EXPECT_LT(cv::norm(image->bgr, Flag(), cv::NORM_L1) / static_cast<double>(Flag().total() * 3), 12) << extension;
+TEST(ImageFile, JpegComesClose) {
+  const auto image = DecodeImage(Bytes(Encode(".jpg", Flag())), "flag.jpg");
+  ASSERT_TRUE(image) << image.error().message;
+  EXPECT_EQ(image->bgr.size(), Flag().size());
+  EXPECT_LT(cv::norm(image->bgr, Flag(), cv::NORM_L1) / static_cast<double>(Flag().total() * 3), 12);
+}
+
+// A damaged WebP would be handed by OpenCV to whatever library claims it: here DICOM's, which ends the program.
+TEST(ImageFile, WhatOpenCvWouldGiveToOtherLibrariesIsRefused) {
+  std::string webp = std::string("RIFF\x84\0\0\0WEBPVP8L", 16) + std::string(112, '\n') + "DICM";
+  webp += std::string("\x03\x03\x02\x04OB\x8B\x06", 8);
+  for (const std::string& bytes : {webp, std::string(128, '\0') + "DICM", std::string("NITF02.10")}) {
+    const auto image = DecodeImage(Bytes(bytes), "strange");
+    ASSERT_FALSE(image);
+    EXPECT_THAT(image.error().message, HasSubstr("not a picture that can be read"));
   }
 }
 
@@ -196,7 +205,7 @@ TEST(ImageFile, ASizeThatDecodersReadDifferentlyIsRefused) {
 TEST(ImageFile, DamagedBytesNeverCrash) {
   constexpr std::uint64_t kSeed = 20240601;
   Random random(kSeed);
-  for (const std::string extension : {".png", ".jpg", ".tif", ".bmp", ".webp", ".pgm"}) {
+  for (const std::string extension : {".png", ".jpg", ".tif", ".bmp", ".pgm"}) {
     const std::string whole = Encode(extension, extension == ".pgm" ? GreyFromBgr(Flag()) : Flag());
     for (int round = 0; round < 60; ++round) {
       std::string bytes = whole;
@@ -211,22 +220,13 @@ TEST(ImageFile, DamagedBytesNeverCrash) {
 }
 
 TEST(ImageHeader, SizeOfEveryFormat) {
-  for (const std::string extension : {".png", ".jpg", ".tif", ".bmp", ".webp", ".ppm"}) {
+  for (const std::string extension : {".png", ".jpg", ".tif", ".bmp", ".ppm"}) {
     const std::string bytes = Encode(extension, cv::Mat(31, 57, CV_8UC3, cv::Scalar(1, 2, 3)));
     const auto header = ReadImageHeader(Bytes(bytes));
     ASSERT_TRUE(header) << extension;
     EXPECT_EQ(header->width, 57U) << extension;
     EXPECT_EQ(header->height, 31U) << extension;
   }
-}
-
-TEST(ImageHeader, LosslessAndExtendedWebp) {
-  cv::Mat transparent(31, 57, CV_8UC4, cv::Scalar(1, 2, 3, 4));
-  const std::string bytes = Encode(".webp", transparent, {cv::IMWRITE_WEBP_QUALITY, 101});
-  const auto header = ReadImageHeader(Bytes(bytes));
-  ASSERT_TRUE(header);
-  EXPECT_EQ(header->width, 57U);
-  EXPECT_EQ(header->height, 31U);
 }
 
 TEST(ImageHeader, CommentsInPnm) {

@@ -20,9 +20,6 @@ class ByteView {
   [[nodiscard]] std::uint32_t U16(std::size_t at) const {
     return order_ == std::endian::big ? U8(at) << 8 | U8(at + 1) : U8(at + 1) << 8 | U8(at);
   }
-  [[nodiscard]] std::uint32_t U24(std::size_t at) const {
-    return order_ == std::endian::big ? U16(at) << 8 | U8(at + 2) : U8(at + 2) << 16 | U16(at);
-  }
   [[nodiscard]] std::uint32_t U32(std::size_t at) const {
     return order_ == std::endian::big ? U16(at) << 16 | U16(at + 2) : U16(at + 2) << 16 | U16(at);
   }
@@ -124,29 +121,6 @@ std::optional<ImageHeader> ReadBmp(std::span<const std::byte> bytes) {
   return ImageHeader{ImageFormat::kBmp, magnitude(view.U32(18)), magnitude(view.U32(22))};
 }
 
-std::optional<ImageHeader> ReadWebp(std::span<const std::byte> bytes) {
-  const ByteView view(bytes, std::endian::little);
-  ImageHeader header{.format = ImageFormat::kWebp, .cut_off = std::size_t{8} + view.U32(4) > view.size()};
-  if (view.Has(12, "VP8 ")) {
-    header.width = view.U16(26) & 0x3FFF;
-    header.height = view.U16(28) & 0x3FFF;
-  } else if (view.Has(12, "VP8L")) {
-    header.width = (view.U32(21) & 0x3FFF) + 1;
-    header.height = (view.U32(21) >> 14 & 0x3FFF) + 1;
-  } else if (view.Has(12, "VP8X")) {
-    header.width = view.U24(24) + 1;
-    header.height = view.U24(27) + 1;
-    for (std::size_t chunk = 12; chunk < view.size();) {
-      if (view.Has(chunk, "EXIF")) header.orientation = ExifOrientation(view.From(chunk + 8));
-      const std::size_t payload = view.U32(chunk + 4);
-      chunk += 8 + payload + payload % 2;
-    }
-  } else {
-    return std::nullopt;
-  }
-  return header;
-}
-
 // "P5 640 480 255 ": numbers in text, comments from # to the line's end.
 std::optional<ImageHeader> ReadPnm(std::span<const std::byte> bytes) {
   const ByteView view(bytes, std::endian::little);
@@ -181,8 +155,6 @@ std::string_view Name(ImageFormat format) {
       return "tiff";
     case ImageFormat::kBmp:
       return "bmp";
-    case ImageFormat::kWebp:
-      return "webp";
     case ImageFormat::kPnm:
       return "pnm";
   }
@@ -194,7 +166,6 @@ std::optional<ImageFormat> ImageFormatOf(std::span<const std::byte> bytes) {
   if (view.Has(0, "\x89PNG\r\n\x1a\n") && view.Has(12, "IHDR")) return ImageFormat::kPng;
   if (view.Has(0, "\xFF\xD8\xFF")) return ImageFormat::kJpeg;
   if (view.Has(0, kLittleEndian) || view.Has(0, kBigEndian)) return ImageFormat::kTiff;
-  if (view.Has(0, "RIFF") && view.Has(8, "WEBP")) return ImageFormat::kWebp;
   const std::uint32_t bmp_header_size = view.U32(14);
   if (view.Has(0, "BM") && bmp_header_size >= 12 && bmp_header_size <= 256) return ImageFormat::kBmp;
   const bool pnm = view.U8(0) == 'P' && view.U8(1) >= '1' && view.U8(1) <= '6';
@@ -214,8 +185,6 @@ std::optional<ImageHeader> ReadImageHeader(std::span<const std::byte> bytes) {
       return ReadTiff(bytes);
     case ImageFormat::kBmp:
       return ReadBmp(bytes);
-    case ImageFormat::kWebp:
-      return ReadWebp(bytes);
     case ImageFormat::kPnm:
       return ReadPnm(bytes);
   }

@@ -1,6 +1,7 @@
-// Private to video/: the head of a picture file, read before any decoder touches it. It is the list of the formats that
-// are let through to OpenCV (whose build may know many more, some of which open other files), it bounds the size, and
-// it finds the EXIF orientation.
+// Private to video/: the head of a picture file, read before any decoder touches it. It bounds the size, finds the EXIF
+// orientation, and is the list of formats that are let through to OpenCV. A build of OpenCV may know many more, by way
+// of GDAL and GDCM: some open other files, some end the program on damage. Therefore only formats that OpenCV knows by
+// fixed first bytes are let through: WebP is not, because a damaged one falls through to those libraries.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +14,7 @@
 
 namespace victorious {
 
-enum class ImageFormat { kPng, kJpeg, kTiff, kBmp, kWebp, kPnm };
+enum class ImageFormat { kPng, kJpeg, kTiff, kBmp, kPnm };
 
 /// "png", "jpeg", …
 [[nodiscard]] std::string_view Name(ImageFormat format);
@@ -23,7 +24,7 @@ struct ImageHeader {
   std::uint32_t width = 0;   ///< px, as stored
   std::uint32_t height = 0;  ///< px, as stored
   Orientation orientation = Orientation::kUpright;
-  bool cut_off = false;  ///< a PNG, JPEG or WebP whose end is missing
+  bool cut_off = false;  ///< a PNG or JPEG whose end is missing
 };
 
 /// By the first bytes alone (32 are enough), however damaged the rest.

@@ -1,4 +1,4 @@
-// Private to video/: how a stored picture must be turned to stand upright, for EXIF (JPEG, PNG, WebP) and for the
+// Private to video/: how a stored picture must be turned to stand upright, for EXIF (JPEG, PNG) and for the
 // display matrix of MP4 and MKV alike.
 #pragma once
 

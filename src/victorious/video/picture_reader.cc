@@ -31,8 +31,8 @@ std::string LowerExtension(const fs::path& file) {
 }
 
 bool HasPictureName(const fs::path& file) {
-  static constexpr std::array<std::string_view, 12> kExtensions = {".png", ".jpg",  ".jpeg", ".jpe", ".tif", ".tiff",
-                                                                   ".bmp", ".webp", ".ppm",  ".pgm", ".pbm", ".pnm"};
+  static constexpr std::array<std::string_view, 11> kExtensions = {".png", ".jpg", ".jpeg", ".jpe", ".tif", ".tiff",
+                                                                   ".bmp", ".ppm", ".pgm",  ".pbm", ".pnm"};
   return std::ranges::find(kExtensions, LowerExtension(file)) != kExtensions.end();
 }
 
@@ -146,7 +146,7 @@ Expected<std::unique_ptr<VideoReader>> OpenFolder(const fs::path& folder, const 
   if (error) return std::unexpected(ErrorFromErrno(error.value(), folder.string()));
   if (files.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: a folder without pictures (PNG, JPEG, TIFF, BMP, WebP or PNM)", folder.string()));
+                fmt::format("{}: a folder without pictures (PNG, JPEG, TIFF, BMP or PNM)", folder.string()));
   }
   std::ranges::sort(files, [](const fs::path& a, const fs::path& b) {
     return NaturalLess(a.filename().native(), b.filename().native());
