@@ -37,6 +37,11 @@ void DetectOptions::ListFields(FieldList& fields) {
               .max = 1,
               .reason = "detections of which a smaller share of the outline's area lies in the frame are not reported: "
                         "what is left of a photo's corners at the frame's edge is mostly background"});
+  fields.Add("least_extent", least_extent,
+             {.min = 0,
+              .max = 1,
+              .reason = "detections whose inliers' hull covers a smaller share of the outline are not reported: "
+                        "agreement in one corner only is mostly a piece of background that the photo shows too"});
 }
 
 namespace {
@@ -113,7 +118,10 @@ std::vector<Detection> Detect(std::span<const Candidate> candidates, std::size_t
     Detection detection = ToDetection(candidate, views_searched, scene, options);
     const bool large_enough = std::min(detection.box.width, detection.box.height) >= options.least_side_px;
     const bool in_view = ShareInView(detection.outline, scene) >= options.least_in_view;
-    if (large_enough && in_view && detection.score >= options.least_score) detections.push_back(std::move(detection));
+    const bool wide_enough = detection.pose.extent >= options.least_extent;
+    if (large_enough && in_view && wide_enough && detection.score >= options.least_score) {
+      detections.push_back(std::move(detection));
+    }
   }
   std::ranges::stable_sort(detections, [](const Detection& a, const Detection& b) {
     if (a.pose.distinct_inliers != b.pose.distinct_inliers) return a.pose.distinct_inliers > b.pose.distinct_inliers;

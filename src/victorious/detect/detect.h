@@ -26,6 +26,7 @@ struct DetectOptions {
   double least_score = 0.5;
   double least_side_px = 8;
   double least_in_view = 0.5;
+  double least_extent = 0.06;
 
   void ListFields(FieldList& fields);
 };

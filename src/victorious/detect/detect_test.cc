@@ -15,6 +15,7 @@ Candidate CandidateAt(double x, double y, std::size_t agreeing, std::size_t mode
   candidate.pose.scene_from_template_plane = candidate.pose.scene_from_template.Matrix();
   candidate.pose.distinct_inliers = agreeing;
   candidate.pose.sigma_px = 3;
+  candidate.pose.extent = 0.4;
   return candidate;
 }
 
@@ -56,6 +57,13 @@ TEST(Detect, BoxIsTheOutlineClippedToTheFrame) {
   ASSERT_EQ(detections.size(), 1U);
   EXPECT_EQ(detections[0].box, (Box{0, 450, 40, 30}));
   EXPECT_EQ(detections[0].outline[0], Eigen::Vector2d(-20, 450));
+}
+
+TEST(Detect, AgreementInOneCornerIsNoDetection) {
+  Candidate corner = CandidateAt(100, 100, 12);
+  corner.pose.extent = 0.02;
+  EXPECT_TRUE(Detect(std::span(&corner, 1), 1, kScene, {}).empty());
+  EXPECT_EQ(Detect(std::span(&corner, 1), 1, kScene, {.least_extent = 0.01}).size(), 1U);
 }
 
 TEST(Detect, WeakOrUnseenCandidatesAreNoDetections) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "victorious/geometry/robust/mlesac.h"
 #include "victorious/geometry/robust/similarity_estimator.h"
@@ -65,6 +66,14 @@ std::size_t CountDistinct(const MatchSet& matches) {
       std::ranges::distance(keypoints.begin(), std::unique(keypoints.begin(), keypoints.end())));
 }
 
+// The share of the object that the inliers speak for.
+double Extent(const std::vector<PointPair>& inliers, const Polygon& outline) {
+  std::vector<Eigen::Vector2d> places;
+  places.reserve(inliers.size());
+  for (const PointPair& pair : inliers) places.push_back(pair.source);
+  return std::abs(SignedArea(ConvexHull(std::move(places)))) / std::max(1e-9, std::abs(SignedArea(outline)));
+}
+
 }  // namespace
 
 std::vector<Pose> EstimatePoses(std::span<const Keypoint> scene, std::span<const Keypoint> model,
@@ -96,6 +105,7 @@ std::vector<Pose> EstimatePoses(std::span<const Keypoint> scene, std::span<const
     }
     pose.distinct_inliers = CountDistinct(pose.inliers);
     if (pose.distinct_inliers < static_cast<std::size_t>(options.least_inliers)) break;
+    pose.extent = Extent(inlier_pairs, outline);
     pose.scene_from_template_plane = pose.scene_from_template.Matrix();
     if (options.refine_plane) {
       const double plane_noise_px = options.noise_px * std::max(1.0, pose.scene_from_template.scale);

@@ -16,6 +16,7 @@ struct Pose {
   Eigen::Matrix3d scene_from_template_plane = Eigen::Matrix3d::Identity();
   MatchSet inliers;                  ///< the matches that obey the similarity
   std::size_t distinct_inliers = 0;  ///< different template keypoints among them
+  double extent = 0;                 ///< area of the inliers' hull over the outline's, in the template
   double sigma_px = 0;               ///< the deviation of an inlier from the similarity's place, as assumed
 };
 
