@@ -43,7 +43,7 @@ void DataTrack::Add(const AVStream& stream, const AVPacket& packet) {
 
 std::vector<DataPacket> DataTrack::Take(std::optional<double> origin_s) {
   for (DataPacket& packet : packets_) {
-    if (packet.time_s && origin_s) *packet.time_s -= *origin_s;
+    if (packet.time_s) packet.time_s = origin_s ? std::optional(*packet.time_s - *origin_s) : std::nullopt;
   }
   return std::exchange(packets_, {});
 }

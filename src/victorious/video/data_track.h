@@ -16,7 +16,7 @@ class DataTrack {
  public:
   void Add(const AVStream& stream, const AVPacket& packet);
 
-  /// All packets since the last call, their times counted from `origin_s`.
+  /// All packets since the last call, their times counted from `origin_s`; none where the video has no clock.
   std::vector<DataPacket> Take(std::optional<double> origin_s);
 
  private:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -24,8 +25,9 @@ namespace victorious {
 namespace {
 
 constexpr int kMaxThreads = 16;
-constexpr int kMaxReadErrors = 100;    // in a row, before the rest of a file is given up
-constexpr int kMaxDrainErrors = 1000;  // while the decoder gives back its last frames
+constexpr auto kRetryPause = std::chrono::milliseconds(10);
+constexpr int kMaxReadErrors = 100;     // in a row, before the rest of a file is given up
+constexpr int kMaxDecodeErrors = 1000;  // without a packet between them
 
 double FrameRate(const AVStream& stream) {
   constexpr double kMaxRate = 1000;  // above it stands a time base, not a rate
@@ -114,6 +116,8 @@ class MediaReader : public VideoReader {
 
  private:
   bool DecodeNext();
+  double ReadClock();
+  void NoteDamage(double time_s);
   void FeedDecoder();
   void TakePacket();
   void StopReading(int result);
@@ -122,7 +126,6 @@ class MediaReader : public VideoReader {
   [[nodiscard]] Orientation DisplayOrientation() const;
   [[nodiscard]] std::optional<double> VideoDuration() const;
   [[nodiscard]] bool DurationIsTheVideos() const;
-  [[nodiscard]] std::optional<std::int64_t> TimeStamp() const;
   [[nodiscard]] double PacketTime() const;
 
   MediaSource source_;
@@ -137,11 +140,10 @@ class MediaReader : public VideoReader {
   std::optional<FrameConverter> converter_;
   bool stamped_;  ///< the container has time stamps
   VideoInfo info_;
-  bool first_pending_ = false;  ///< Start()'s frame has not been delivered
-  bool draining_ = false;       ///< no packets are left
+  std::optional<double> first_time_s_;  ///< of Start()'s frame, until that is delivered
+  bool draining_ = false;               ///< no packets are left
   bool finished_ = false;
   std::string stop_reason_;  ///< why no packets are left, where it is not the end
-  int drain_errors_ = 0;
   std::int64_t next_index_ = 0;
 };
 
@@ -152,7 +154,7 @@ Status MediaReader::Start() {
     return Fail(ErrorCode::kDataLoss, fmt::format("{}: no frame of its video can be decoded{}{}", source_.name,
                                                   reason.empty() ? "" : ": ", reason));
   }
-  first_pending_ = true;
+  first_time_s_ = ReadClock();
   const Orientation orientation = DisplayOrientation();
   converter_.emplace(options_.color, orientation, cv::Size(frame_->width, frame_->height));
   FillInfo(orientation);
@@ -160,23 +162,13 @@ Status MediaReader::Start() {
 }
 
 Expected<std::optional<Frame>> MediaReader::NextFrame() {
-  while (std::exchange(first_pending_, false) || DecodeNext()) {
-    const double duration_s = static_cast<double>(frame_->pkt_duration) * av_q2d(demuxer_->video().time_base);
-    const auto stamp = clock_.Next(TimeStamp(), duration_s);
-    if (stamp.repaired)
-      damage_.Add("a time stamp that does not go forwards; the frame follows the one before", stamp.time_s);
-    if ((frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame_->decode_error_flags != 0) {
-      damage_.Add("a frame that is damaged in part", stamp.time_s);
-    }
-    if (cv::Size(frame_->width, frame_->height) != converter_->stored_size()) {
-      damage_.Add(fmt::format("the picture changes to {} x {} pixels; it is scaled back to {} x {}", frame_->width,
-                              frame_->height, converter_->stored_size().width, converter_->stored_size().height),
-                  stamp.time_s);
-    }
+  while (first_time_s_ || DecodeNext()) {
+    const double time_s = first_time_s_ ? *std::exchange(first_time_s_, std::nullopt) : ReadClock();
+    NoteDamage(time_s);
     auto image = converter_->Convert(*frame_);
-    if (image) return Frame{.index = next_index_++, .time_s = stamp.time_s, .image = *std::move(image)};
+    if (image) return Frame{.index = next_index_++, .time_s = time_s, .image = *std::move(image)};
     if (next_index_ == 0) return std::unexpected(std::move(image).error().WithContext(source_.name));
-    damage_.Add(image.error().message, stamp.time_s);
+    damage_.Add(image.error().message, time_s);
   }
   Finish();
   return std::nullopt;
@@ -184,18 +176,40 @@ Expected<std::optional<Frame>> MediaReader::NextFrame() {
 
 // Leaves the next frame in frame_; false at the end.
 bool MediaReader::DecodeNext() {
-  while (true) {
+  for (int errors = 0; errors < kMaxDecodeErrors;) {
     const int result = avcodec_receive_frame(decoder_.get(), frame_.get());
     if (result == 0) return true;
-    if (result == AVERROR_EOF) return false;
-    if (result != AVERROR(EAGAIN)) {
-      damage_.Add(fmt::format("a frame that cannot be decoded ({})", FfmpegErrorText(result)), clock_.end_time_s());
-    }
-    if (!draining_) {
+    if (result == AVERROR_EOF || (result == AVERROR(EAGAIN) && draining_)) return false;
+    if (result == AVERROR(EAGAIN)) {
       FeedDecoder();
-    } else if (++drain_errors_ > kMaxDrainErrors) {
-      return false;
+      errors = 0;
+    } else {
+      damage_.Add(fmt::format("a frame that cannot be decoded ({})", FfmpegErrorText(result)), clock_.end_time_s());
+      ++errors;
     }
+  }
+  return false;
+}
+
+// The time of frame_.
+double MediaReader::ReadClock() {
+  const std::int64_t pts = frame_->best_effort_timestamp;
+  const double duration_s = static_cast<double>(frame_->pkt_duration) * av_q2d(demuxer_->video().time_base);
+  const auto reading = clock_.Next(stamped_ && pts != AV_NOPTS_VALUE ? std::optional(pts) : std::nullopt, duration_s);
+  if (reading.repaired) {
+    damage_.Add("a time stamp that does not go forwards; the frame follows the one before", reading.time_s);
+  }
+  return reading.time_s;
+}
+
+void MediaReader::NoteDamage(double time_s) {
+  if ((frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame_->decode_error_flags != 0) {
+    damage_.Add("a frame that is damaged in part", time_s);
+  }
+  const cv::Size size = converter_->stored_size();
+  if (cv::Size(frame_->width, frame_->height) != size) {
+    damage_.Add(fmt::format("a frame of another size than the first; it is scaled to {} x {}", size.width, size.height),
+                time_s);
   }
 }
 
@@ -205,12 +219,14 @@ void MediaReader::FeedDecoder() {
     const int result = demuxer_->Read(packet_.get());
     if (result == AVERROR_INVALIDDATA && ++errors <= kMaxReadErrors) {
       damage_.Add("a part of the container that cannot be read", clock_.end_time_s());
-    } else if (result < 0 && result != AVERROR(EAGAIN)) {
+    } else if (result == AVERROR(EAGAIN) && ++errors <= kMaxReadErrors) {
+      std::this_thread::sleep_for(kRetryPause);
+    } else if (result < 0) {
       StopReading(result);
-    } else if (result >= 0 && packet_->stream_index == demuxer_->video().index) {
+    } else if (packet_->stream_index == demuxer_->video().index) {
       TakePacket();
       return;
-    } else if (result >= 0) {
+    } else {
       const AVStream& stream = demuxer_->stream(packet_->stream_index);
       if (options_.data_packets && IsDataStream(stream)) data_.Add(stream, *packet_);
       av_packet_unref(packet_.get());
@@ -219,8 +235,9 @@ void MediaReader::FeedDecoder() {
 }
 
 void MediaReader::TakePacket() {
-  if ((packet_->flags & AV_PKT_FLAG_CORRUPT) != 0)
+  if ((packet_->flags & AV_PKT_FLAG_CORRUPT) != 0) {
     damage_.Add("a packet that the container calls damaged", PacketTime());
+  }
   const int result = avcodec_send_packet(decoder_.get(), packet_.get());
   if (result < 0 && result != AVERROR(EAGAIN) && result != AVERROR_EOF) {
     damage_.Add(fmt::format("a packet that cannot be decoded ({})", FfmpegErrorText(result)), PacketTime());
@@ -310,11 +327,6 @@ bool MediaReader::DurationIsTheVideos() const {
     if (demuxer_->stream(static_cast<int>(i)).codecpar->codec_type == AVMEDIA_TYPE_AUDIO) return false;
   }
   return true;
-}
-
-std::optional<std::int64_t> MediaReader::TimeStamp() const {
-  const std::int64_t pts = frame_->best_effort_timestamp;
-  return stamped_ && pts != AV_NOPTS_VALUE ? std::optional(pts) : std::nullopt;
 }
 
 double MediaReader::PacketTime() const {

@@ -253,6 +253,7 @@ void WriteTestVideo(const std::filesystem::path& path, const TestVideo& video) {
 
 std::vector<std::int64_t> SteadyTimes(int count, std::int64_t step) {
   std::vector<std::int64_t> times;
+  times.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) times.push_back(i * step);
   return times;
 }

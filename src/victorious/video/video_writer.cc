@@ -42,8 +42,9 @@ Status CheckOptions(const fs::path& path, const VideoWriterOptions& options) {
   if (bad_side(options.width) || bad_side(options.height)) {
     return fail(fmt::format("{} x {} pixels: both must be even, 2 to {}", options.width, options.height, kMaxSide));
   }
-  if (!(options.fps > 0 && options.fps <= 1000))
+  if (!(options.fps > 0 && options.fps <= 1000)) {
     return fail(fmt::format("{:g} frames/s: must be above 0, up to 1000", options.fps));
+  }
   if (options.crf < 0 || options.crf > 51) return fail(fmt::format("crf {}: must be 0 to 51", options.crf));
   return {};
 }
