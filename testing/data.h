@@ -30,6 +30,6 @@ class ScratchFolder {
 }  // namespace victorious::testing
 
 /// Declares `variable` as the path of outside data, and skips the test, by name, where it is absent.
-#define VICTORIOUS_DATA_OR_SKIP(variable, relative)                            \
+#define VICTORIOUS_DATA_OR_SKIP(variable, relative)                                 \
   const std::filesystem::path variable = ::victorious::testing::DataPath(relative); \
   if (!std::filesystem::exists(variable)) GTEST_SKIP() << "SKIPPED: no outside data at " << variable

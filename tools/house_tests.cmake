@@ -8,3 +8,6 @@ add_test(NAME house/check_layers_test
 add_test(NAME house/format
   COMMAND "${CMAKE_CURRENT_LIST_DIR}/check_format.sh" "${PROJECT_SOURCE_DIR}")
 set_tests_properties(house/format PROPERTIES SKIP_RETURN_CODE 77)
+
+add_test(NAME house/parameters
+  COMMAND "${CMAKE_CURRENT_LIST_DIR}/parameters.sh" $<TARGET_FILE:victorious> --check "${PROJECT_SOURCE_DIR}/docs/parameters.md")

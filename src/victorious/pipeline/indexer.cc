@@ -56,8 +56,7 @@ Indexer::Indexer(std::vector<ObjectModel> models, const IndexOptions& options,
 Expected<Indexer> Indexer::Create(std::vector<ObjectModel> models, const IndexOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(options.features));
-  // The models' engines are checked here, before any video is read.
-  VICTORIOUS_RETURN_IF_ERROR(Recognizer::Create(models, options.features.engine, options.recognize));
+  VICTORIOUS_RETURN_IF_ERROR(CheckEngine(models, options.features.engine));
   return Indexer(std::move(models), options, std::move(extractor));
 }
 

@@ -13,19 +13,24 @@ void RecognizeOptions::ListFields(FieldList& fields) {
   fields.AddGroup("detect", detect);
 }
 
+Status CheckEngine(std::span<const ObjectModel> models, std::string_view engine) {
+  for (const ObjectModel& model : models) {
+    if (model.engine == engine) continue;
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("model {} has features of the engine {}, the search uses {}: make the model again with that engine",
+                    model.name, model.engine, engine));
+  }
+  return {};
+}
+
 Expected<Recognizer> Recognizer::Create(std::vector<ObjectModel> models, const std::string& engine,
                                         const RecognizeOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
+  VICTORIOUS_RETURN_IF_ERROR(CheckEngine(models, engine));
   std::vector<ViewRef> refs;
   std::vector<FeatureView> templates;
   for (std::size_t m = 0; m < models.size(); ++m) {
-    if (models[m].engine != engine) {
-      return Fail(
-          ErrorCode::kInvalidArgument,
-          fmt::format(
-              "model {} has features of the engine {}, the search uses {}: make the model again with that engine",
-              models[m].name, models[m].engine, engine));
-    }
     for (std::size_t v = 0; v < models[m].views.size(); ++v) {
       refs.push_back({m, v});
       templates.push_back(models[m].ViewFeatures(v));

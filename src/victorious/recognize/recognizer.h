@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "victorious/base/error.h"
@@ -34,10 +36,14 @@ struct StagedMatches {
   std::vector<Pose> poses;  ///< best supported first
 };
 
+/// OK if all models have features of this engine; else kInvalidArgument with the first that has not.
+Status CheckEngine(std::span<const ObjectModel> models, std::string_view engine);
+
 /// Immutable once made: any number of threads may ask it at once.
 class Recognizer {
  public:
-  /// @param engine  of the scenes' features: models of another engine are refused (kInvalidArgument)
+  /// @param engine  of the scenes' features (CheckEngine)
+  /// Errors: kInvalidArgument for options out of range or models of another engine.
   static Expected<Recognizer> Create(std::vector<ObjectModel> models, const std::string& engine,
                                      const RecognizeOptions& options);
 

@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# parameters.sh PROGRAM [--check FILE]: prints docs/parameters.md from the program's own field lists; with --check, fails
+# where the file says something else.
+set -euo pipefail
+program=$1
+
+page() {
+  cat <<'END'
+# Parameters
+
+Every parameter of the program, as its field lists hold them.
+Printed by `victorious params`; a test keeps this page equal to it.
+Give any of them as JSON by `--params FILE`: nested (`{"match": {"ratio": 0.85}}`) or dotted (`{"match.ratio": 0.85}`).
+Unknown names and values out of range are refused.
+
+## Of `index`; `search --image` and `match` take the same file
+
+END
+  "$program" params index
+  printf '\n## Of `model add`\n\n'
+  "$program" params model
+}
+
+if [[ "${2:-}" == "--check" ]]; then
+  diff -u "$3" <(page) && exit 0
+  echo "docs/parameters.md is out of date: tools/parameters.sh build/victorious > docs/parameters.md" >&2
+  exit 1
+fi
+page
