@@ -136,12 +136,12 @@ TEST(VideoReader, GreyAgreesWithColourInEveryFormat) {
     std::string encoder, format;
     bool full_range;
     int color_space;
-  } kinds[] = {{"ffv1", "yuv420p", false, 2},     {"ffv1", "yuv420p", true, 2},  {"ffv1", "yuv422p", false, 6},
-               {"ffv1", "yuv444p", false, 1},     {"ffv1", "yuv420p", false, 1}, {"ffv1", "yuv420p10le", false, 2},
-               {"ffv1", "yuv422p10le", true, 2},  {"ffv1", "gray", false, 2},    {"ffv1", "gray10le", false, 2},
-               {"ffv1", "gray", true, 2},         {"ffv1", "bgr0", true, 0},     {"rawvideo", "nv12", false, 2},
-               {"rawvideo", "yuyv422", false, 2}, {"libx264", "gray", false, 2}, {"libx264", "yuv420p10le", false, 2},
-               {"libx264", "nv12", true, 2},      {"libx265", "gray", false, 2}, {"libx265", "yuv420p12le", false, 1}};
+  } kinds[] = {{"ffv1", "yuv420p", false, 2},     {"ffv1", "yuv420p", true, 2},   {"ffv1", "yuv422p", false, 6},
+               {"ffv1", "yuv444p", false, 1},     {"ffv1", "yuv420p", false, 1},  {"ffv1", "yuv420p10le", false, 2},
+               {"ffv1", "yuv422p10le", true, 2},  {"ffv1", "gray", false, 2},     {"ffv1", "gray10le", false, 2},
+               {"ffv1", "gray", true, 2},         {"ffv1", "bgr0", true, 0},      {"rawvideo", "nv12", false, 2},
+               {"rawvideo", "yuyv422", false, 2}, {"libx264", "gray", false, 2},  {"libx264", "yuv420p10le", false, 2},
+               {"libx264", "nv12", true, 2},      {"ffv1", "gray12le", false, 2}, {"ffv1", "yuv420p12le", false, 1}};
   for (const auto& kind : kinds) {
     const std::string name = kind.encoder + " " + kind.format + (kind.full_range ? " full" : " limited");
     const cv::Mat picture = NumberedPicture(0x35, {192, 128});

@@ -110,7 +110,6 @@ class Muxer {
     encoder->bit_rate = 4'000'000;
     encoder->strict_std_compliance = FF_COMPLIANCE_UNOFFICIAL;
     if (video_.encoder == "libx264") av_opt_set(encoder->priv_data, "crf", "12", 0);
-    if (video_.encoder == "libx265") av_opt_set(encoder->priv_data, "x265-params", "log-level=none", 0);
     Check(avcodec_open2(encoder.get(), nullptr, nullptr));
     AVStream& stream = AddStream();
     stream.time_base = encoder->time_base;
