@@ -1,6 +1,13 @@
 #include "victorious/kernels/nearest_two.h"
 
+#include <algorithm>
+#include <cctype>
+#include <ostream>
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include "victorious/base/random.h"
 
@@ -36,15 +43,44 @@ std::vector<NearestTwo> Expected(const std::vector<std::uint8_t>& queries, const
   return result;
 }
 
-class NearestTwoTest : public ::testing::TestWithParam<std::pair<const char*, Find>> {
+struct Implementation {
+  std::string name;
+  Find find;
+  std::int64_t highway_target = 0;  ///< the only instruction set that Highway may choose; 0: its own choice
+
+  friend std::ostream& operator<<(std::ostream& out, const Implementation& one) { return out << one.name; }
+};
+
+// The definition, the one in use, and Highway's code for every instruction set that this machine has.
+std::vector<Implementation> Implementations() {
+  std::vector<Implementation> all = {
+      {"ref", &FindNearestTwoRef}, {"vnni", &FindNearestTwoVnni}, {"best", &FindNearestTwo}};
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    std::string name = "simd_" + std::string(hwy::TargetName(target));
+    std::erase_if(name, [](unsigned char c) { return c != '_' && std::isalnum(c) == 0; });
+    all.push_back({std::move(name), &FindNearestTwoSimd, target});
+  }
+  return all;
+}
+
+// Mask 0 gives Highway its own choice back.
+void LetHighwayChooseFrom(std::int64_t targets) {
+  hwy::SetSupportedTargetsForTest(targets);
+  hwy::GetChosenTarget().DeInit();  // the next call chooses anew
+}
+
+class NearestTwoTest : public ::testing::TestWithParam<Implementation> {
  protected:
   void SetUp() override {
-    if (std::string_view(GetParam().first) == "vnni" && !HasVnni()) GTEST_SKIP() << "SKIPPED: no AVX-512 VNNI here";
+    if (GetParam().name == "vnni" && !HasVnni()) GTEST_SKIP() << "SKIPPED: no AVX-512 VNNI here";
+    LetHighwayChooseFrom(GetParam().highway_target);
   }
+  void TearDown() override { LetHighwayChooseFrom(0); }
+
   void Check(const std::vector<std::uint8_t>& queries, const std::vector<std::uint8_t>& set) {
     const PackedQueries packed = PackQueries(queries);
     std::vector<NearestTwo> out(packed.count);
-    GetParam().second(packed, Pack(set), out);
+    GetParam().find(packed, Pack(set), out);
     EXPECT_EQ(out, Expected(queries, set))
         << packed.count << " queries, " << set.size() / kDescriptorBytes << " in set";
   }
@@ -78,12 +114,8 @@ TEST_P(NearestTwoTest, IsExactAtTheExtremes) {
   Check(black, black);
 }
 
-INSTANTIATE_TEST_SUITE_P(Implementations, NearestTwoTest,
-                         ::testing::Values(std::pair<const char*, Find>{"ref", &FindNearestTwoRef},
-                                           std::pair<const char*, Find>{"simd", &FindNearestTwoSimd},
-                                           std::pair<const char*, Find>{"vnni", &FindNearestTwoVnni},
-                                           std::pair<const char*, Find>{"best", &FindNearestTwo}),
-                         [](const auto& test) { return std::string(test.param.first); });
+INSTANTIATE_TEST_SUITE_P(Implementations, NearestTwoTest, ::testing::ValuesIn(Implementations()),
+                         [](const auto& test) { return test.param.name; });
 
 }  // namespace
 }  // namespace victorious::kernels

@@ -1,0 +1,37 @@
+#include <string>
+#include <utility>
+
+#include "bench/benchmarks.h"
+#include "bench/workloads.h"
+#include "victorious/features/feature_extractor.h"
+#include "victorious/recognize/recognizer.h"
+
+namespace victorious::bench {
+namespace {
+
+Result TimeFrame(std::string name, std::vector<ObjectModel> models, const cv::Mat& frame, const Settings& settings) {
+  const std::size_t views = ViewsOf(models).size();
+  const auto extractor = MakeFeatureExtractor({}).value();
+  const Recognizer recognizer = Recognizer::Create(std::move(models), FeatureOptions().engine, {}).value();
+  const Contestant ours = {"victorious", [&] {
+                             const FeatureSet features = extractor->Extract(frame).value();
+                             return static_cast<double>(recognizer.Recognize(features).size());
+                           }};
+  Result result = Compare(std::move(name), ours, {}, settings.effort());
+  result.figures = {{"frames_per_s", 1000 / result.median_ms},
+                    {"keypoints", static_cast<double>(FeaturesOf(frame).size())},
+                    {"views", static_cast<double>(views)},
+                    {"found", ours.run()}};
+  return result;
+}
+
+}  // namespace
+
+std::vector<Result> BenchFrame(const Settings& settings) {
+  const testing::SyntheticFlight flight = DrawnFlight();
+  const cv::Mat frame = GreyFrame(flight);
+  return {TimeFrame("frame", {PhotoModel(flight, 0), PhotoModel(flight, 1)}, frame, settings),
+          TimeFrame("frame_4x253", AllRoundModels(flight, settings.quick ? 50 : 1), frame, settings)};
+}
+
+}  // namespace victorious::bench

@@ -1,0 +1,47 @@
+#!/usr/bin/env python3
+"""Whether every benchmark runs and reports as documented: smoke_test.py PROGRAM. Times are read, never judged."""
+
+import json
+import subprocess
+import sys
+import unittest
+
+PROGRAM = ""
+NAMES = ["sift", "match", "cascade", "mlesac", "frame", "search"]
+
+
+def run(*arguments: str) -> subprocess.CompletedProcess:
+    return subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, timeout=120)
+
+
+class Smoke(unittest.TestCase):
+    def test_every_benchmark_reports_medians_and_ratios(self):
+        for name in NAMES:
+            done = run(name, "--quick", "--json")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            report = json.loads(done.stdout)
+            self.assertTrue(report)
+            for key, entry in report.items():
+                self.assertTrue(key.startswith(name), key)
+                self.assertGreater(entry["median_ms"], 0, key)
+                for peer, median_ms in entry["peers"].items():
+                    self.assertAlmostEqual(entry[f"ratio_to_{peer}"], median_ms / entry["median_ms"], places=6)
+
+    def test_text_has_a_line_a_comparison(self):
+        done = run("cascade", "--quick")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        lines = done.stdout.splitlines()
+        self.assertEqual([line.split()[0] for line in lines], ["cascade_0.8", "cascade_0.95"])
+
+    def test_unknown_name_is_one_line_and_status_2(self):
+        done = run("speed")
+        self.assertEqual(done.returncode, 2)
+        self.assertEqual(done.stdout, "")
+        self.assertEqual(len(done.stderr.splitlines()), 1)
+        for word in ["speed", *NAMES]:
+            self.assertIn(word, done.stderr)
+
+
+if __name__ == "__main__":
+    PROGRAM = sys.argv.pop()
+    unittest.main()

@@ -1,0 +1,159 @@
+#include "bench/workloads.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include <opencv2/imgproc.hpp>
+
+#include "victorious/base/check.h"
+#include "victorious/base/random.h"
+#include "victorious/features/feature_extractor.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/geometry/similarity.h"
+#include "victorious/model/photo_model.h"
+#include "victorious/video/image_file.h"
+
+namespace victorious::bench {
+namespace {
+
+// Drawn input is what we make it: an error in it is our mistake.
+template <typename T>
+T Take(Expected<T> value) {
+  VICTORIOUS_CHECK(value.has_value());
+  return *std::move(value);
+}
+
+// The flat thing from afar: foreshortened along the line of sight, which is turned upwards in the picture.
+cv::Mat SeenFrom(const cv::Mat& thing, double azimuth_rad, double off_nadir_rad) {
+  const double c = std::cos(azimuth_rad);
+  const double s = std::sin(azimuth_rad);
+  const double squeeze = std::cos(off_nadir_rad);
+  const cv::Matx22d linear(c, -s, squeeze * s, squeeze * c);
+  const int side = static_cast<int>(std::ceil(std::hypot(thing.cols, thing.rows)));
+  const cv::Vec2d middle(thing.cols / 2.0 - 0.5, thing.rows / 2.0 - 0.5);
+  const cv::Vec2d shift = cv::Vec2d(side / 2.0 - 0.5, side * squeeze / 2.0 - 0.5) - linear * middle;
+  const cv::Matx23d map(linear(0, 0), linear(0, 1), shift[0], linear(1, 0), linear(1, 1), shift[1]);
+  cv::Mat smooth;
+  cv::GaussianBlur(thing, smooth, cv::Size(), 0.6);
+  cv::Mat view;
+  cv::warpAffine(smooth, view, map, cv::Size(side, static_cast<int>(std::ceil(side * squeeze))));
+  return view;
+}
+
+std::vector<Photo> AllRoundPhotos(const cv::Mat& thing, int every) {
+  constexpr int kStepDeg = 10;
+  std::vector<Photo> photos;
+  int number = 0;
+  for (int off_nadir = 0; off_nadir <= 70; off_nadir += kStepDeg) {
+    for (int azimuth = 0; azimuth < (off_nadir == 0 ? 1 : 360); azimuth += kStepDeg) {
+      if (number++ % every != 0) continue;
+      photos.push_back(PhotoOf(SeenFrom(thing, RadiansFromDegrees(azimuth), RadiansFromDegrees(off_nadir))));
+    }
+  }
+  return photos;
+}
+
+// `count` different numbers below `bound`.
+std::vector<std::uint32_t> DrawDistinct(std::size_t count, std::size_t bound, Random& random) {
+  VICTORIOUS_CHECK(count <= bound);
+  std::vector<std::uint32_t> numbers(bound);
+  std::iota(numbers.begin(), numbers.end(), 0U);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::swap(numbers[i], numbers[i + random.Below(static_cast<std::uint32_t>(bound - i))]);
+  }
+  numbers.resize(count);
+  return numbers;
+}
+
+}  // namespace
+
+testing::SyntheticFlight DrawnFlight() {
+  testing::FlightOptions options;
+  options.seed = 8;
+  options.things = 4;
+  options.blur_px = 1.25;  // brings some 1300 keypoints, as many as the thesis's frames have
+  return testing::SyntheticFlight(options);
+}
+
+cv::Mat GreyFrame(const testing::SyntheticFlight& flight, int index) { return GreyFromBgr(flight.Render(index).image); }
+
+Photo PhotoOf(const cv::Mat& bgra) {
+  cv::Mat bgr;
+  cv::Mat alpha;
+  cv::cvtColor(bgra, bgr, cv::COLOR_BGRA2BGR);
+  cv::extractChannel(bgra, alpha, 3);
+  return Take(PreparePhoto("drawn", bgr, alpha, std::nullopt));
+}
+
+FeatureSet FeaturesOf(const cv::Mat& grey, int most) {
+  FeatureOptions options;
+  options.max_features = most;
+  return Take(Take(MakeFeatureExtractor(options))->Extract(grey));
+}
+
+ObjectModel PhotoModel(const testing::SyntheticFlight& flight, int thing) {
+  const Photo photo = PhotoOf(flight.ThingPhoto(thing));
+  return Take(MakePhotoModel(flight.ThingName(thing), std::span(&photo, 1), std::nullopt, {}));
+}
+
+std::vector<ObjectModel> AllRoundModels(const testing::SyntheticFlight& flight, int every) {
+  PhotoModelOptions options;
+  options.features.max_features = 100;
+  options.least_features = 1;
+  std::vector<ObjectModel> models;
+  for (int thing = 0; thing < flight.options().things; ++thing) {
+    const std::vector<Photo> photos = AllRoundPhotos(flight.ThingPhoto(thing), every);
+    models.push_back(Take(MakePhotoModel(flight.ThingName(thing), photos, std::nullopt, options)));
+  }
+  return models;
+}
+
+std::vector<FeatureView> ViewsOf(const std::vector<ObjectModel>& models) {
+  std::vector<FeatureView> views;
+  for (const ObjectModel& model : models) {
+    for (std::size_t v = 0; v < model.views.size(); ++v) views.push_back(model.ViewFeatures(v));
+  }
+  return views;
+}
+
+MatchedScene DrawnMatches(std::size_t true_matches, std::size_t false_matches, std::uint64_t seed) {
+  constexpr double kNoisePx = 0.7;
+  constexpr double kLogScaleNoise = 0.08;
+  constexpr double kTurnNoiseRad = 0.08;
+  Random random(seed);
+  MatchedScene drawn;
+  const testing::SyntheticFlight flight = DrawnFlight();
+  drawn.scene = FeaturesOf(GreyFrame(flight)).keypoints;
+  drawn.model = FeaturesOf(GreyFrame(flight, 60)(cv::Rect(200, 150, 150, 120))).keypoints;
+  for (const std::uint32_t scene : DrawDistinct(false_matches, drawn.scene.size(), random)) {
+    drawn.matches.push_back({scene, random.Below(static_cast<std::uint32_t>(drawn.model.size())), 0.75F});
+  }
+  const Similarity2 pose{0.9, 0.7, {320, 200}};
+  for (const std::uint32_t model : DrawDistinct(true_matches, drawn.model.size(), random)) {
+    const Keypoint& m = drawn.model[model];
+    const Eigen::Vector2d place = pose.Apply({m.x, m.y});
+    drawn.matches.push_back({static_cast<std::uint32_t>(drawn.scene.size()), model, 0.6F});
+    drawn.scene.push_back(
+        {static_cast<float>(place.x() + kNoisePx * random.Normal()),
+         static_cast<float>(place.y() + kNoisePx * random.Normal()),
+         static_cast<float>(m.scale_px * pose.scale * std::exp(kLogScaleNoise * random.Normal())),
+         static_cast<float>(WrapAngle(m.orientation_rad + pose.rotation_rad + kTurnNoiseRad * random.Normal()))});
+  }
+  return drawn;
+}
+
+std::vector<PointPair> PairsOf(const MatchedScene& scene, const MatchSet& matches) {
+  std::vector<PointPair> pairs;
+  for (const Match& match : matches) {
+    const Keypoint& s = scene.scene[match.scene];
+    const Keypoint& m = scene.model[match.model];
+    pairs.push_back({{m.x, m.y}, {s.x, s.y}});
+  }
+  return pairs;
+}
+
+}  // namespace victorious::bench
