@@ -1,0 +1,245 @@
+#include "victorious/model/photo_model.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "testing/data.h"
+#include "testing/drawn_things.h"
+#include "victorious/base/version.h"
+#include "victorious/video/image_file.h"
+
+namespace victorious {
+namespace {
+
+using ::testing::AllOf;
+using testing::DrawThing;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::ScratchFolder;
+using testing::ThingKind;
+
+struct Picture {
+  cv::Mat bgr;
+  cv::Mat alpha;
+};
+
+// A drawn thing in the middle of a larger picture, with its alpha channel.
+constexpr int kMarginPx = 40;
+
+Picture ThingOnGround(ThingKind kind) {
+  const testing::DrawnThing thing = DrawThing(kind, 11);
+  Picture picture;
+  cv::Mat channels;
+  cv::copyMakeBorder(thing.picture, channels, kMarginPx, kMarginPx, kMarginPx, kMarginPx, cv::BORDER_CONSTANT,
+                     cv::Scalar(90, 140, 110, 0));
+  cv::cvtColor(channels, picture.bgr, cv::COLOR_BGRA2BGR);
+  cv::extractChannel(channels, picture.alpha, 3);
+  return picture;
+}
+
+Box ThingBox(const Picture& picture) {
+  return {kMarginPx, kMarginPx, picture.bgr.cols - 2.0 * kMarginPx, picture.bgr.rows - 2.0 * kMarginPx};
+}
+
+Photo Prepare(const Picture& picture, const std::optional<Box>& box) {
+  Expected<Photo> photo = PreparePhoto("thing.png", picture.bgr, picture.alpha, box);
+  EXPECT_TRUE(photo) << photo.error().message;
+  return photo.value_or(Photo{});
+}
+
+ObjectModel MakeModel(std::span<const Photo> photos) {
+  Expected<ObjectModel> model = MakePhotoModel("thing", photos, std::nullopt, {});
+  EXPECT_TRUE(model) << model.error().message;
+  return model.value_or(ObjectModel{});
+}
+
+void ExpectOneLine(const Error& error, ErrorCode code, std::string_view words) {
+  EXPECT_EQ(error.code, code);
+  EXPECT_THAT(error.message, AllOf(HasSubstr(std::string(words)), Not(HasSubstr("\n"))));
+}
+
+TEST(PreparePhoto, WithoutAlphaOrBoxTheWholePictureIsTheObject) {
+  const Picture picture = ThingOnGround(ThingKind::kCrate);
+  const Photo photo = Prepare({picture.bgr, {}}, std::nullopt);
+  EXPECT_EQ(photo.source, "thing.png");
+  EXPECT_EQ(photo.grey.type(), CV_8UC1);
+  EXPECT_TRUE(photo.mask.empty());
+  EXPECT_EQ(BoundingBox(photo.outline),
+            (Box{0, 0, static_cast<double>(picture.bgr.cols), static_cast<double>(picture.bgr.rows)}));
+}
+
+TEST(PreparePhoto, ABoxIsTheOutline) {
+  const Picture picture = ThingOnGround(ThingKind::kCrate);
+  const Box box{30.5, 20, 100, 80.25};
+  const Photo photo = Prepare({picture.bgr, {}}, box);
+  EXPECT_EQ(BoundingBox(photo.outline), box);
+  EXPECT_TRUE(photo.mask.empty());
+}
+
+TEST(PreparePhoto, TheAlphaChannelGivesTheOutline) {
+  for (const ThingKind kind : {ThingKind::kCrate, ThingKind::kTruck, ThingKind::kAircraft}) {
+    const Picture picture = ThingOnGround(kind);
+    const Photo photo = Prepare(picture, std::nullopt);
+    const double opaque = cv::countNonZero(picture.alpha >= 128);
+    EXPECT_EQ(cv::countNonZero(photo.mask), opaque);
+    // The corners lie on the middles of the outermost pixels, and the outline is simplified by a few of them.
+    EXPECT_NEAR(SignedArea(photo.outline) / opaque, 1.0, 0.07) << Name(kind);
+    const cv::Rect shown = cv::boundingRect(photo.mask);
+    const Box bounds = {double(shown.x), double(shown.y), double(shown.width), double(shown.height)};
+    EXPECT_GT(IntersectionOverUnion(BoundingBox(photo.outline), bounds), 0.9) << Name(kind);
+    // What is not object is flat.
+    cv::Mat deviation;
+    cv::meanStdDev(photo.grey, cv::noArray(), deviation, photo.mask == 0);
+    EXPECT_EQ(deviation.at<double>(0), 0.0);
+  }
+}
+
+TEST(PreparePhoto, BoxAndAlphaTogetherGiveWhatIsInBoth) {
+  const Picture picture = ThingOnGround(ThingKind::kCrate);
+  const Box left_half{0, 0, picture.bgr.cols / 2.0, static_cast<double>(picture.bgr.rows)};
+  const Photo photo = Prepare(picture, left_half);
+  const Box outline = BoundingBox(photo.outline);
+  EXPECT_GE(outline.x, kMarginPx);
+  EXPECT_LE(outline.x + outline.width, left_half.width);
+  EXPECT_EQ(cv::countNonZero(photo.mask.colRange(picture.bgr.cols / 2 + 1, picture.bgr.cols)), 0);
+  EXPECT_GT(cv::countNonZero(photo.mask), 0);
+}
+
+TEST(PreparePhoto, ABoxMustLieInThePhoto) {
+  const Picture picture = ThingOnGround(ThingKind::kCrate);
+  const double width = picture.bgr.cols;
+  const double height = picture.bgr.rows;
+  for (const Box& box : {Box{-1, 0, 20, 20}, Box{0, -0.5, 20, 20}, Box{width - 10, 0, 11, 20},
+                         Box{0, height - 10, 20, 10.5}, Box{width + 5, 5, 20, 20}, Box{5, 5, 0, 20}, Box{5, 5, 20, -3},
+                         Box{5, 5, NAN, 20}, Box{NAN, 5, 20, 20}, Box{5, 5, INFINITY, 20}}) {
+    for (const cv::Mat& alpha : {cv::Mat(), picture.alpha}) {
+      const Expected<Photo> photo = PreparePhoto("thing.png", picture.bgr, alpha, box);
+      ASSERT_FALSE(photo) << box.x << ',' << box.y << ',' << box.width << ',' << box.height;
+      ExpectOneLine(photo.error(), ErrorCode::kInvalidArgument, "inside the photo");
+      EXPECT_THAT(photo.error().message, HasSubstr("thing.png"));
+    }
+  }
+  EXPECT_TRUE(PreparePhoto("thing.png", picture.bgr, {}, Box{0, 0, width, height}));
+}
+
+TEST(PreparePhoto, ATransparentPhotoShowsNothing) {
+  const Picture picture = ThingOnGround(ThingKind::kCrate);
+  const cv::Mat nothing = cv::Mat::zeros(picture.alpha.size(), CV_8UC1);
+  Expected<Photo> photo = PreparePhoto("thing.png", picture.bgr, nothing, std::nullopt);
+  ASSERT_FALSE(photo);
+  ExpectOneLine(photo.error(), ErrorCode::kInvalidArgument, "transparent everywhere");
+  photo = PreparePhoto("thing.png", picture.bgr, picture.alpha, Box{0, 0, 10, 10});
+  ASSERT_FALSE(photo);
+  ExpectOneLine(photo.error(), ErrorCode::kInvalidArgument, "transparent in the box");
+  cv::Mat speck = nothing.clone();
+  speck.at<std::uint8_t>(20, 20) = 255;
+  photo = PreparePhoto("thing.png", picture.bgr, speck, std::nullopt);
+  ASSERT_FALSE(photo);
+  ExpectOneLine(photo.error(), ErrorCode::kInvalidArgument, "no area");
+}
+
+TEST(LoadPhoto, ReadsFilesAndSaysWhichCannotBeRead) {
+  const ScratchFolder folder;
+  const Picture picture = ThingOnGround(ThingKind::kSign);
+  ASSERT_TRUE(WriteImage(folder / "sign.png", picture.bgr));
+  const Expected<Photo> photo = LoadPhoto(folder / "sign.png", ThingBox(picture));
+  ASSERT_TRUE(photo) << photo.error().message;
+  EXPECT_EQ(photo->source, (folder / "sign.png").string());
+  EXPECT_EQ(photo->grey.size(), picture.bgr.size());
+  const Expected<Photo> missing = LoadPhoto(folder / "none.png", std::nullopt);
+  ASSERT_FALSE(missing);
+  ExpectOneLine(missing.error(), ErrorCode::kNotFound, "none.png");
+}
+
+TEST(MakePhotoModel, CarriesWhatMadeIt) {
+  const Picture crate = ThingOnGround(ThingKind::kCrate);
+  const Picture truck = ThingOnGround(ThingKind::kTruck);
+  const std::vector<Photo> photos = {Prepare(crate, std::nullopt), Prepare({truck.bgr, {}}, ThingBox(truck))};
+  const Expected<ObjectModel> model = MakePhotoModel("thing", photos, 2.5, {});
+  ASSERT_TRUE(model) << model.error().message;
+  EXPECT_EQ(model->name, "thing");
+  EXPECT_EQ(model->kind, "photos");
+  EXPECT_EQ(model->engine, "opencv");
+  EXPECT_EQ(model->program_version, kVersion);
+  EXPECT_EQ(model->length_m, 2.5);
+  EXPECT_EQ(nlohmann::json::parse(model->options_json)["features"]["engine"], "opencv");
+  ASSERT_EQ(model->views.size(), 2U);
+  EXPECT_EQ(model->views[0].first_feature, 0U);
+  EXPECT_EQ(model->views[1].first_feature, model->views[0].feature_count);
+  EXPECT_EQ(model->views[0].feature_count + model->views[1].feature_count, model->features.size());
+  EXPECT_EQ(model->features.descriptors.size(), model->features.size() * kDescriptorSize);
+  EXPECT_FALSE(model->views[0].angles);
+  EXPECT_EQ(model->views[1].width, truck.bgr.cols);
+  EXPECT_EQ(model->views[1].height, truck.bgr.rows);
+}
+
+TEST(MakePhotoModel, KeypointsLieOnTheObjectInPixelsOfThePhoto) {
+  const Picture picture = ThingOnGround(ThingKind::kAircraft);
+  const Photo photo = Prepare(picture, std::nullopt);
+  const ObjectModel model = MakeModel(std::span(&photo, 1));
+  ASSERT_GT(model.features.size(), 20U);
+  for (const Keypoint& keypoint : model.features.keypoints) {
+    EXPECT_NE(photo.mask.at<std::uint8_t>(static_cast<int>(keypoint.y), static_cast<int>(keypoint.x)), 0)
+        << keypoint.x << ',' << keypoint.y;
+  }
+  const Photo boxed = Prepare({picture.bgr, {}}, Box{60, 60, 90, 100});
+  const ObjectModel of_box = MakeModel(std::span(&boxed, 1));
+  for (const Keypoint& keypoint : of_box.features.keypoints) {
+    EXPECT_TRUE((Box{60, 60, 90, 100}).Contains(keypoint.x, keypoint.y));
+  }
+}
+
+// A picture that is all object has keypoints up to its edges, at the places that they have in a larger picture.
+TEST(MakePhotoModel, TheMarginDoesNotMoveKeypoints) {
+  const Picture picture = ThingOnGround(ThingKind::kCrate);
+  const Photo whole = Prepare({picture.bgr, {}}, std::nullopt);
+  std::vector<std::vector<Keypoint>> keypoints;
+  for (const int margin_px : {0, 24}) {
+    const Expected<ObjectModel> model =
+        MakePhotoModel("thing", std::span(&whole, 1), std::nullopt, {.margin_px = margin_px});
+    ASSERT_TRUE(model) << model.error().message;
+    keypoints.emplace_back(model->features.keypoints.begin(), model->features.keypoints.end());
+  }
+  int same = 0;
+  for (const Keypoint& a : keypoints[0]) {
+    for (const Keypoint& b : keypoints[1]) {
+      if (std::hypot(a.x - b.x, a.y - b.y) < 0.5 && std::abs(a.scale_px / b.scale_px - 1) < 0.1) {
+        ++same;
+        break;
+      }
+    }
+  }
+  EXPECT_GT(same, 0.8 * static_cast<double>(keypoints[0].size()));
+}
+
+TEST(MakePhotoModel, RefusesPhotosWithTooFewFeatures) {
+  const cv::Mat grey(200, 300, CV_8UC3, cv::Scalar(128, 128, 128));
+  const Picture crate = ThingOnGround(ThingKind::kCrate);
+  const std::vector<Photo> photos = {Prepare(crate, std::nullopt),
+                                     PreparePhoto("plain.png", grey, {}, std::nullopt).value()};
+  const Expected<ObjectModel> model = MakePhotoModel("thing", photos, std::nullopt, {});
+  ASSERT_FALSE(model);
+  ExpectOneLine(model.error(), ErrorCode::kInvalidArgument, "plain.png: 0 features");
+  EXPECT_THAT(model.error().message, HasSubstr("at least 4"));
+  const Expected<ObjectModel> none = MakePhotoModel("thing", {}, std::nullopt, {});
+  ASSERT_FALSE(none);
+  ExpectOneLine(none.error(), ErrorCode::kInvalidArgument, "at least one photo");
+}
+
+TEST(MakePhotoModel, RefusesOptionsOutOfRange) {
+  const Photo photo = Prepare(ThingOnGround(ThingKind::kCrate), std::nullopt);
+  PhotoModelOptions options;
+  options.margin_px = -1;
+  options.features.octave_layers = 0;
+  const Expected<ObjectModel> model = MakePhotoModel("thing", std::span(&photo, 1), std::nullopt, options);
+  ASSERT_FALSE(model);
+  ExpectOneLine(model.error(), ErrorCode::kInvalidArgument, "margin_px = -1");
+  EXPECT_THAT(model.error().message, HasSubstr("features.octave_layers = 0"));
+}
+
+}  // namespace
+}  // namespace victorious
