@@ -185,6 +185,29 @@ TEST(Indexer, AChangedModelReplacesTheOldOnesFinds) {
   }
 }
 
+TEST(Indexer, OtherParametersAreRefusedAndChangeNothing) {
+  const DrawnFlight flight(ShortFlight(12));
+  const auto store = flight.Store("index.db");
+  Index(flight.video(), flight.Models(), *store);
+  const std::string before = Contents(*store);
+
+  RunSetup ratio;
+  ratio.options.recognize.match.ratio = 0.7;
+  RunSetup edge;
+  edge.options.features.edge_threshold = 12;
+  edge.options.runs.gap_s = 3;
+  for (const auto& [run, difference] : {std::pair<RunSetup, std::string>{ratio, "match.ratio was 0.8, is 0.7"},
+                                        std::pair<RunSetup, std::string>{edge, "edge_threshold was 10.0, is 12.0"}}) {
+    // A changed model is no reason to lose what was found: nothing was searched in its stead.
+    const Expected<IndexReport> report = TryIndex(flight.video(), {flight.Model(0, 0.8), flight.Model(1)}, *store, run);
+    ASSERT_FALSE(report);
+    EXPECT_EQ(report.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_THAT(report.error().message,
+                AllOf(HasSubstr(flight.video()), HasSubstr(difference), HasSubstr("--redo"), Not(HasSubstr("\n"))));
+    EXPECT_EQ(Contents(*store), before);
+  }
+}
+
 TEST(Indexer, SearchesEveryNthFrame) {
   const DrawnFlight flight(ShortFlight());
   const auto all = flight.Store("all.db");
