@@ -107,8 +107,8 @@ Expected<IndexReport> Indexer::Index(const std::string& video, bool redo, int th
   const StoredParameters parameters{OptionsToJsonText(options_), OptionsToJsonText(options_.features)};
   if (!redo) {
     VICTORIOUS_RETURN_IF_ERROR(CheckParameters(record, models_, parameters, store));
-  } else if (!record.features_json.empty() && record.features_json != parameters.features) {
-    VICTORIOUS_RETURN_IF_ERROR(store.ForgetKeptFrames(record.id));
+  } else {
+    VICTORIOUS_RETURN_IF_ERROR(store.ForgetKeptFrames(record.id));  // others may be kept now, of other features
   }
 
   // The models that have frames left, by the first of these frames: each group is searched in one reading.

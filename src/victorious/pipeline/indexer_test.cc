@@ -208,6 +208,30 @@ TEST(Indexer, OtherParametersAreRefusedAndChangeNothing) {
   }
 }
 
+TEST(Indexer, RedoSearchesAgainWithOtherParameters) {
+  const DrawnFlight flight(ShortFlight());
+  RunSetup other = ManyCommits();
+  other.options.every = 2;
+  other.options.recognize.match.ratio = 0.7;
+  const auto fresh = flight.Store("fresh.db");
+  Index(flight.video(), flight.Models(), *fresh, other);
+
+  const auto store = flight.Store("index.db");
+  Index(flight.video(), flight.Models(), *store, ManyCommits());
+  other.redo = true;
+  const IndexReport report = Index(flight.video(), flight.Models(), *store, other);
+  EXPECT_EQ(report.frames_searched, flight.flight().options().frames / 2);
+  EXPECT_EQ(SightingsOf(*store).size(), SightingsOf(*fresh).size());
+  EXPECT_EQ(ObjectsOf(*store).size(), ObjectsOf(*fresh).size());
+  int kept = 0;
+  ASSERT_TRUE(store->VisitKeptFrames({}, [&](const KeptFrame& frame) {
+    EXPECT_EQ(frame.frame % 2, 0) << "kept by the run before";
+    ++kept;
+    return true;
+  }));
+  EXPECT_EQ(kept, flight.flight().options().frames / 2);
+}
+
 TEST(Indexer, SearchesEveryNthFrame) {
   const DrawnFlight flight(ShortFlight());
   const auto all = flight.Store("all.db");
