@@ -21,12 +21,11 @@ struct Hit {
 };
 
 // The recogniser for the example, made with the very options that made a video's kept features.
-Expected<Recognizer> MakeRecognizer(const Photo& example, const std::string& features_json,
-                                    const RecognizeOptions& options) {
+Expected<Recognizer> MakeRecognizer(const Photo& example, const VideoRecord& video, const RecognizeOptions& options) {
   PhotoModelOptions model_options;
-  const auto json = nlohmann::json::parse(features_json, nullptr, /*allow_exceptions=*/false);
+  const auto json = nlohmann::json::parse(video.features_json, nullptr, /*allow_exceptions=*/false);
   if (auto status = SetFromJson(json, FieldsOf(model_options.features)); !status) {
-    return std::unexpected(std::move(status).error().WithContext("features kept in the index"));
+    return std::unexpected(std::move(status).error().WithContext(video.name + ": features kept in the index"));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel model,
                               MakePhotoModel("example", std::span(&example, 1), std::nullopt, model_options));
@@ -75,13 +74,14 @@ std::vector<Hit> JoinMoments(std::vector<Hit> hits) {
 
 Expected<std::vector<Moment>> SearchByImage(const Photo& example, const SightingFilter& filter,
                                             const RecognizeOptions& options, IndexStore& store) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<VideoRecord> videos, store.Videos());
+  if (filter.video_name) videos = VideosNamed(videos, *filter.video_name);
   std::map<std::int64_t, const VideoRecord*> by_id;
   std::map<std::string, Recognizer> recognizers;  // by the options of the features kept
   for (const VideoRecord& video : videos) {
     by_id[video.id] = &video;
     if (video.features_json.empty() || recognizers.contains(video.features_json)) continue;
-    VICTORIOUS_ASSIGN_OR_RETURN(Recognizer recognizer, MakeRecognizer(example, video.features_json, options));
+    VICTORIOUS_ASSIGN_OR_RETURN(Recognizer recognizer, MakeRecognizer(example, video, options));
     recognizers.emplace(video.features_json, std::move(recognizer));
   }
 

@@ -109,6 +109,18 @@ TEST(SearchByImage, LooksOnlyWhereItIsTold) {
   EXPECT_LE(early[0].last_time_s, 4);
 }
 
+TEST(SearchByImage, AVideoThatIsNotAskedForNeedNotBeReadable) {
+  const DrawnFlight flight(SlowFlight());
+  const auto store = IndexedWith(flight, 0);
+  ASSERT_TRUE(store->PutVideo(
+      {.content_id = "other", .name = "other.mp4", .width = 1, .height = 1, .features_json = R"({"newer": 1})"}));
+  const Photo crate = PhotoOf(flight.flight(), 0);
+  EXPECT_THAT(Search(crate, *store, {.video_name = flight.video()}), SizeIs(2));
+  const auto all = SearchByImage(crate, {}, {}, *store);
+  ASSERT_FALSE(all);
+  EXPECT_THAT(all.error().message, AllOf(HasSubstr("other.mp4"), HasSubstr("newer"), Not(HasSubstr("\n"))));
+}
+
 TEST(SearchByImage, SaysWhyItCannotSearch) {
   const DrawnFlight flight(SlowFlight());
   const Photo crate = PhotoOf(flight.flight(), 0);
