@@ -76,13 +76,20 @@ Expected<std::vector<Moment>> SearchByImage(const Photo& example, const Sighting
                                             const RecognizeOptions& options, IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<VideoRecord> videos, store.Videos());
   if (filter.video_name) videos = VideosNamed(videos, *filter.video_name);
-  std::map<std::int64_t, const VideoRecord*> by_id;
+  struct SearchedVideo {
+    std::string name;
+    const Recognizer* recognizer;
+  };
+  std::map<std::int64_t, SearchedVideo> by_id;
   std::map<std::string, Recognizer> recognizers;  // by the options of the features kept
   for (const VideoRecord& video : videos) {
-    by_id[video.id] = &video;
-    if (video.features_json.empty() || recognizers.contains(video.features_json)) continue;
-    VICTORIOUS_ASSIGN_OR_RETURN(Recognizer recognizer, MakeRecognizer(example, video, options));
-    recognizers.emplace(video.features_json, std::move(recognizer));
+    if (video.features_json.empty()) continue;
+    auto recognizer = recognizers.find(video.features_json);
+    if (recognizer == recognizers.end()) {
+      VICTORIOUS_ASSIGN_OR_RETURN(Recognizer made, MakeRecognizer(example, video, options));
+      recognizer = recognizers.emplace(video.features_json, std::move(made)).first;
+    }
+    by_id.emplace(video.id, SearchedVideo{video.name, &recognizer->second});
   }
 
   // Read in the store's order, searched on all cores, a few hundred frames at a time.
@@ -93,8 +100,7 @@ Expected<std::vector<Moment>> SearchByImage(const Photo& example, const Sighting
   const auto search_chunk = [&] {
     std::vector<std::optional<Hit>> found(chunk.size());
     oneapi::tbb::parallel_for(std::size_t{0}, chunk.size(), [&](std::size_t i) {
-      const VideoRecord& video = *by_id.at(chunk[i].video);
-      found[i] = BestHit(recognizers.at(video.features_json), chunk[i]);
+      found[i] = BestHit(*by_id.at(chunk[i].video).recognizer, chunk[i]);
     });
     for (std::optional<Hit>& hit : found) {
       if (hit) hits.push_back(*std::move(hit));
@@ -103,6 +109,7 @@ Expected<std::vector<Moment>> SearchByImage(const Photo& example, const Sighting
     chunk.clear();
   };
   VICTORIOUS_RETURN_IF_ERROR(store.VisitKeptFrames(filter, [&](KeptFrame&& frame) {
+    if (!by_id.contains(frame.video)) return true;  // added by another process since
     chunk.push_back(std::move(frame));
     if (chunk.size() == kChunk) search_chunk();
     return true;
@@ -116,7 +123,7 @@ Expected<std::vector<Moment>> SearchByImage(const Photo& example, const Sighting
 
   std::vector<Moment> moments;
   for (Hit& hit : JoinMoments(std::move(hits))) {
-    hit.moment.video = by_id.at(hit.video)->name;
+    hit.moment.video = by_id.at(hit.video).name;
     moments.push_back(std::move(hit.moment));
   }
   std::ranges::stable_sort(moments, [](const Moment& a, const Moment& b) {

@@ -121,6 +121,18 @@ TEST(SearchByImage, AVideoThatIsNotAskedForNeedNotBeReadable) {
   EXPECT_THAT(all.error().message, AllOf(HasSubstr("other.mp4"), HasSubstr("newer"), Not(HasSubstr("\n"))));
 }
 
+// As another process leaves it that adds a video in between.
+TEST(SearchByImage, FramesOfAVideoThatIsNotKnownAreLeftOut) {
+  const DrawnFlight flight(SlowFlight());
+  const auto store = IndexedWith(flight, 0);
+  const VideoRecord other =
+      store->PutVideo({.content_id = "other", .name = "other.mp4", .width = 1, .height = 1}).value();
+  IndexBatch batch;
+  batch.kept_frames.push_back({.video = other.id, .frame = 0, .time_s = 0, .features = {}});
+  ASSERT_TRUE(store->Commit(batch));
+  EXPECT_THAT(Search(PhotoOf(flight.flight(), 0), *store), SizeIs(2));
+}
+
 TEST(SearchByImage, SaysWhyItCannotSearch) {
   const DrawnFlight flight(SlowFlight());
   const Photo crate = PhotoOf(flight.flight(), 0);
