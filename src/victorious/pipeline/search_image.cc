@@ -12,11 +12,12 @@
 namespace victorious {
 namespace {
 
-// A moment ends where the object is missing from this many seconds of kept frames.
+// A moment ends where the object is missing from kept frames for longer than this.
 constexpr double kLongestGapS = 2.5;
 
 struct Hit {
   std::int64_t video;
+  std::int64_t place;  // of the frame among those kept
   Moment moment;
 };
 
@@ -32,11 +33,12 @@ Expected<Recognizer> MakeRecognizer(const Photo& example, const VideoRecord& vid
   return Recognizer::Create({std::move(model)}, model_options.features.engine, options);
 }
 
-std::optional<Hit> BestHit(const Recognizer& recognizer, const KeptFrame& frame) {
+std::optional<Hit> BestHit(const Recognizer& recognizer, const KeptFrame& frame, std::int64_t place) {
   const std::vector<Detection> detections = recognizer.Recognize(frame.features);
   if (detections.empty()) return std::nullopt;
   const Detection& best = detections.front();
   return Hit{frame.video,
+             place,
              {.video = {},
               .frame = frame.frame,
               .time_s = frame.time_s,
@@ -53,11 +55,13 @@ std::vector<Hit> JoinMoments(std::vector<Hit> hits) {
   std::vector<Hit> moments;
   for (Hit& hit : hits) {
     const bool continues = !moments.empty() && moments.back().video == hit.video &&
-                           hit.moment.time_s - moments.back().moment.last_time_s <= kLongestGapS;
+                           (hit.place == moments.back().place + 1 ||
+                            hit.moment.time_s - moments.back().moment.last_time_s <= kLongestGapS);
     if (!continues) {
       moments.push_back(std::move(hit));
       continue;
     }
+    moments.back().place = hit.place;
     Moment& moment = moments.back().moment;
     if (hit.moment.score > moment.score || (hit.moment.score == moment.score && hit.moment.matches > moment.matches)) {
       const Moment before = std::exchange(moment, hit.moment);
@@ -100,7 +104,7 @@ Expected<std::vector<Moment>> SearchByImage(const Photo& example, const Sighting
   const auto search_chunk = [&] {
     std::vector<std::optional<Hit>> found(chunk.size());
     oneapi::tbb::parallel_for(std::size_t{0}, chunk.size(), [&](std::size_t i) {
-      found[i] = BestHit(*by_id.at(chunk[i].video).recognizer, chunk[i]);
+      found[i] = BestHit(*by_id.at(chunk[i].video).recognizer, chunk[i], searched + static_cast<std::int64_t>(i));
     });
     for (std::optional<Hit>& hit : found) {
       if (hit) hits.push_back(*std::move(hit));

@@ -109,6 +109,15 @@ TEST(SearchByImage, LooksOnlyWhereItIsTold) {
   EXPECT_LE(early[0].last_time_s, 4);
 }
 
+// However far apart the kept frames are, those that follow each other and show the object are one moment.
+TEST(SearchByImage, FramesThatAreKeptFarApartAreStillOneMoment) {
+  testing::FlightOptions options = SlowFlight();
+  options.fps = 0.25;
+  const DrawnFlight flight(options);
+  const auto store = IndexedWith(flight, 4);
+  EXPECT_THAT(Search(PhotoOf(flight.flight(), 0), *store), SizeIs(2));
+}
+
 TEST(SearchByImage, AVideoThatIsNotAskedForNeedNotBeReadable) {
   const DrawnFlight flight(SlowFlight());
   const auto store = IndexedWith(flight, 0);
