@@ -84,6 +84,19 @@ TEST_F(ContactSheet, ShowsNoMoreThanAskedForAndNoOthers) {
   EXPECT_EQ(Tiles(Draw(trucks, {.most_tiles = 9, .columns = 1, .tile_width_px = 160}), 1, count), count);
 }
 
+// An object counts where any of its time does, also where it was not seen in that time: it has nothing to be shown by.
+TEST_F(ContactSheet, LeavesOutObjectsThatAreNotSeenInTheTimeAskedFor) {
+  for (const ObjectRecord& object : objects_) {
+    if (object.frames < 2) continue;
+    const SightingFilter between{.from_s = object.first_time_s + 0.01, .to_s = object.first_time_s + 0.02};
+    ASSERT_TRUE(SightingsOf(*store_, between).empty());
+    ASSERT_FALSE(ObjectsOf(*store_, between).empty());
+    EXPECT_THAT(ErrorOf(between, kSmallTiles), HasSubstr("no object to show"));
+    return;
+  }
+  FAIL() << "no object was seen twice";
+}
+
 TEST_F(ContactSheet, SaysWhyItCannotBeDrawn) {
   EXPECT_THAT(ErrorOf({.from_s = 1000}, kSmallTiles), AllOf(HasSubstr("no object to show"), Not(HasSubstr("\n"))));
   EXPECT_THAT(ErrorOf({.model_name = "nobody"}, kSmallTiles), HasSubstr("nobody"));
