@@ -116,6 +116,8 @@ Expected<cv::Mat> DrawContactSheet(const SightingFilter& filter, const ContactSh
     }
     return true;
   }));
+  // An object's time may hold the one asked for, and no sighting lie in it.
+  std::erase_if(tiles, [](const Tile& tile) { return tile.best.matches < 0; });
 
   std::map<std::int64_t, std::vector<Tile*>> by_video;
   for (Tile& tile : tiles) by_video[tile.object.video].push_back(&tile);

@@ -42,6 +42,37 @@ Expected<std::string> VideoContentId(const std::string& video, const VideoInfo& 
   return fmt::format("live {} {}", video, std::chrono::duration_cast<std::chrono::microseconds>(now).count());
 }
 
+// The parameters of a run, as the store keeps them.
+struct StoredParameters {
+  std::string all;
+  std::string features;
+};
+
+// Refuses what was searched with other parameters, before anything is changed.
+Status CheckParameters(const VideoRecord& video, const std::vector<ObjectModel>& models, const StoredParameters& now,
+                       IndexStore& store) {
+  const auto refuse = [&](const std::string& before, const std::string& wanted) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format(
+            "{}: was indexed with other parameters ({}): give --redo to search it again, or the same parameters",
+            video.name, Difference(before, wanted)));
+  };
+  if (!video.features_json.empty() && video.features_json != now.features) {
+    return refuse(video.features_json, now.features);
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> stored, store.Models());
+  for (const ModelRecord& record : stored) {
+    const bool is_searched = std::ranges::any_of(models, [&](const ObjectModel& model) {
+      return model.name == record.name && model.id == record.model_id;  // of another content: searched anew
+    });
+    if (!is_searched) continue;
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before, store.FindSearch(video.id, record.id));
+    if (before && before->options_json != now.all) return refuse(before->options_json, now.all);
+  }
+  return {};
+}
+
 struct PlannedSearch {
   ObjectModel model;
   SearchRecord search;
@@ -72,18 +103,11 @@ Expected<IndexReport> Indexer::Index(const std::string& video, bool redo, int th
                                                                         .duration_s = {},
                                                                         .features_json = {}}));
 
-  const std::string options_json = OptionsToJsonText(options_);
-  const std::string features_json = OptionsToJsonText(options_.features);
-  const auto other_parameters = [&](const std::string& before, const std::string& now) {
-    return Fail(
-        ErrorCode::kInvalidArgument,
-        fmt::format(
-            "{}: was indexed with other parameters ({}): give --redo to search it again, or the same parameters", video,
-            Difference(before, now)));
-  };
-  if (!record.features_json.empty() && record.features_json != features_json) {
-    if (!redo) return other_parameters(record.features_json, features_json);
-    VICTORIOUS_RETURN_IF_ERROR(store.ForgetKeptFrames(record.id));
+  const StoredParameters parameters{OptionsToJsonText(options_), OptionsToJsonText(options_.features)};
+  if (!redo) {
+    VICTORIOUS_RETURN_IF_ERROR(CheckParameters(record, models_, parameters, store));
+  } else {
+    VICTORIOUS_RETURN_IF_ERROR(store.ForgetKeptFrames(record.id));  // others may be kept now, of other features
   }
 
   // The models that have frames left, by the first of these frames: each group is searched in one reading.
@@ -93,7 +117,6 @@ Expected<IndexReport> Indexer::Index(const std::string& video, bool redo, int th
                                 store.PutModel({.name = model.name, .model_id = model.id, .kind = model.kind}));
     if (redo) VICTORIOUS_RETURN_IF_ERROR(store.ForgetSearch(record.id, stored.id));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before, store.FindSearch(record.id, stored.id));
-    if (before && before->options_json != options_json) return other_parameters(before->options_json, options_json);
     if (before && before->finished) continue;
     const std::int64_t next_frame = before ? before->next_frame : 0;
     groups[next_frame].push_back({model,
@@ -101,10 +124,10 @@ Expected<IndexReport> Indexer::Index(const std::string& video, bool redo, int th
                                    .model = stored.id,
                                    .next_frame = next_frame,
                                    .finished = false,
-                                   .options_json = options_json,
+                                   .options_json = parameters.all,
                                    .program_version = kVersion}});
   }
-  VICTORIOUS_RETURN_IF_ERROR(store.SetVideoFeatures(record.id, features_json));
+  VICTORIOUS_RETURN_IF_ERROR(store.SetVideoFeatures(record.id, parameters.features));
 
   IndexReport report;
   for (auto& [next_frame, planned] : groups) {

@@ -12,32 +12,33 @@
 namespace victorious {
 namespace {
 
-// A moment ends where the object is missing from this many seconds of kept frames.
+// A moment ends where the object is missing from kept frames for longer than this.
 constexpr double kLongestGapS = 2.5;
 
 struct Hit {
   std::int64_t video;
+  std::int64_t place;  // of the frame among those kept
   Moment moment;
 };
 
 // The recogniser for the example, made with the very options that made a video's kept features.
-Expected<Recognizer> MakeRecognizer(const Photo& example, const std::string& features_json,
-                                    const RecognizeOptions& options) {
+Expected<Recognizer> MakeRecognizer(const Photo& example, const VideoRecord& video, const RecognizeOptions& options) {
   PhotoModelOptions model_options;
-  const auto json = nlohmann::json::parse(features_json, nullptr, /*allow_exceptions=*/false);
+  const auto json = nlohmann::json::parse(video.features_json, nullptr, /*allow_exceptions=*/false);
   if (auto status = SetFromJson(json, FieldsOf(model_options.features)); !status) {
-    return std::unexpected(std::move(status).error().WithContext("features kept in the index"));
+    return std::unexpected(std::move(status).error().WithContext(video.name + ": features kept in the index"));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel model,
                               MakePhotoModel("example", std::span(&example, 1), std::nullopt, model_options));
   return Recognizer::Create({std::move(model)}, model_options.features.engine, options);
 }
 
-std::optional<Hit> BestHit(const Recognizer& recognizer, const KeptFrame& frame) {
+std::optional<Hit> BestHit(const Recognizer& recognizer, const KeptFrame& frame, std::int64_t place) {
   const std::vector<Detection> detections = recognizer.Recognize(frame.features);
   if (detections.empty()) return std::nullopt;
   const Detection& best = detections.front();
   return Hit{frame.video,
+             place,
              {.video = {},
               .frame = frame.frame,
               .time_s = frame.time_s,
@@ -54,11 +55,13 @@ std::vector<Hit> JoinMoments(std::vector<Hit> hits) {
   std::vector<Hit> moments;
   for (Hit& hit : hits) {
     const bool continues = !moments.empty() && moments.back().video == hit.video &&
-                           hit.moment.time_s - moments.back().moment.last_time_s <= kLongestGapS;
+                           (hit.place == moments.back().place + 1 ||
+                            hit.moment.time_s - moments.back().moment.last_time_s <= kLongestGapS);
     if (!continues) {
       moments.push_back(std::move(hit));
       continue;
     }
+    moments.back().place = hit.place;
     Moment& moment = moments.back().moment;
     if (hit.moment.score > moment.score || (hit.moment.score == moment.score && hit.moment.matches > moment.matches)) {
       const Moment before = std::exchange(moment, hit.moment);
@@ -75,14 +78,22 @@ std::vector<Hit> JoinMoments(std::vector<Hit> hits) {
 
 Expected<std::vector<Moment>> SearchByImage(const Photo& example, const SightingFilter& filter,
                                             const RecognizeOptions& options, IndexStore& store) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
-  std::map<std::int64_t, const VideoRecord*> by_id;
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<VideoRecord> videos, store.Videos());
+  if (filter.video_name) videos = VideosNamed(videos, *filter.video_name);
+  struct SearchedVideo {
+    std::string name;
+    const Recognizer* recognizer;
+  };
+  std::map<std::int64_t, SearchedVideo> by_id;
   std::map<std::string, Recognizer> recognizers;  // by the options of the features kept
   for (const VideoRecord& video : videos) {
-    by_id[video.id] = &video;
-    if (video.features_json.empty() || recognizers.contains(video.features_json)) continue;
-    VICTORIOUS_ASSIGN_OR_RETURN(Recognizer recognizer, MakeRecognizer(example, video.features_json, options));
-    recognizers.emplace(video.features_json, std::move(recognizer));
+    if (video.features_json.empty()) continue;
+    auto recognizer = recognizers.find(video.features_json);
+    if (recognizer == recognizers.end()) {
+      VICTORIOUS_ASSIGN_OR_RETURN(Recognizer made, MakeRecognizer(example, video, options));
+      recognizer = recognizers.emplace(video.features_json, std::move(made)).first;
+    }
+    by_id.emplace(video.id, SearchedVideo{video.name, &recognizer->second});
   }
 
   // Read in the store's order, searched on all cores, a few hundred frames at a time.
@@ -93,8 +104,7 @@ Expected<std::vector<Moment>> SearchByImage(const Photo& example, const Sighting
   const auto search_chunk = [&] {
     std::vector<std::optional<Hit>> found(chunk.size());
     oneapi::tbb::parallel_for(std::size_t{0}, chunk.size(), [&](std::size_t i) {
-      const VideoRecord& video = *by_id.at(chunk[i].video);
-      found[i] = BestHit(recognizers.at(video.features_json), chunk[i]);
+      found[i] = BestHit(*by_id.at(chunk[i].video).recognizer, chunk[i], searched + static_cast<std::int64_t>(i));
     });
     for (std::optional<Hit>& hit : found) {
       if (hit) hits.push_back(*std::move(hit));
@@ -103,6 +113,7 @@ Expected<std::vector<Moment>> SearchByImage(const Photo& example, const Sighting
     chunk.clear();
   };
   VICTORIOUS_RETURN_IF_ERROR(store.VisitKeptFrames(filter, [&](KeptFrame&& frame) {
+    if (!by_id.contains(frame.video)) return true;  // added by another process since
     chunk.push_back(std::move(frame));
     if (chunk.size() == kChunk) search_chunk();
     return true;
@@ -116,7 +127,7 @@ Expected<std::vector<Moment>> SearchByImage(const Photo& example, const Sighting
 
   std::vector<Moment> moments;
   for (Hit& hit : JoinMoments(std::move(hits))) {
-    hit.moment.video = by_id.at(hit.video)->name;
+    hit.moment.video = by_id.at(hit.video).name;
     moments.push_back(std::move(hit.moment));
   }
   std::ranges::stable_sort(moments, [](const Moment& a, const Moment& b) {

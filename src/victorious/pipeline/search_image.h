@@ -14,7 +14,8 @@
 
 namespace victorious {
 
-/// A stretch of one video in which the object is seen in every kept frame, told by its best frame.
+/// A stretch of one video in which the object is seen in one kept frame after the other, or never missed for longer
+/// than 2.5 s; told by its best frame.
 struct Moment {
   std::string video;
   std::int64_t frame = 0;

@@ -1,0 +1,110 @@
+#include "victorious/pipeline/contact_sheet.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "victorious/pipeline/drawn_flight_test.h"
+
+namespace victorious {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr ContactSheetOptions kSmallTiles = {.most_tiles = 24, .columns = 2, .tile_width_px = 160};
+
+class ContactSheet : public ::testing::Test {
+ protected:
+  // Two frames a second: the crate leaves and comes back as another object.
+  static testing::FlightOptions Options() {
+    testing::FlightOptions options = ShortFlight();
+    options.fps = 2;
+    return options;
+  }
+
+  void SetUp() override {
+    const auto report =
+        Indexer::Create(flight_.Models(), {}).value().Index(flight_.video(), false, 2, CancelToken(), *store_);
+    ASSERT_TRUE(report) << report.error().message;
+    objects_ = ObjectsOf(*store_);
+    ASSERT_GE(objects_.size(), 3U);
+  }
+
+  cv::Mat Draw(const SightingFilter& filter, const ContactSheetOptions& options) {
+    Expected<cv::Mat> sheet = DrawContactSheet(filter, options, *store_);
+    EXPECT_TRUE(sheet) << sheet.error().message;
+    return sheet.value_or(cv::Mat());
+  }
+
+  std::string ErrorOf(const SightingFilter& filter, const ContactSheetOptions& options) {
+    const Expected<cv::Mat> sheet = DrawContactSheet(filter, options, *store_);
+    EXPECT_FALSE(sheet);
+    return sheet ? "" : sheet.error().message;
+  }
+
+  DrawnFlight flight_{Options()};
+  std::unique_ptr<IndexStore> store_ = flight_.Store("index.db");
+  std::vector<ObjectRecord> objects_;
+};
+
+// Pixels of the outlines' yellow, which the drawn town has none of.
+int Yellow(const cv::Mat& picture) {
+  cv::Mat yellow;
+  cv::inRange(picture, cv::Scalar(0, 250, 250), cv::Scalar(5, 255, 255), yellow);
+  return cv::countNonZero(yellow);
+}
+
+// Tiles that are not the background between them.
+int Tiles(const cv::Mat& sheet, int columns, int rows) {
+  int tiles = 0;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const cv::Rect cell(column * sheet.cols / columns, row * sheet.rows / rows, sheet.cols / columns,
+                          sheet.rows / rows);
+      tiles += Yellow(sheet(cell)) > 100 ? 1 : 0;
+    }
+  }
+  return tiles;
+}
+
+TEST_F(ContactSheet, ShowsEachObjectOnceWithItsOutline) {
+  const cv::Mat sheet = Draw({}, kSmallTiles);
+  ASSERT_EQ(sheet.type(), CV_8UC3);
+  const int rows = (static_cast<int>(objects_.size()) + 1) / 2;
+  EXPECT_GE(sheet.cols, 2 * 160);
+  EXPECT_GE(sheet.rows, rows * 120);
+  EXPECT_EQ(Tiles(sheet, 2, rows), static_cast<int>(objects_.size()));
+}
+
+TEST_F(ContactSheet, ShowsNoMoreThanAskedForAndNoOthers) {
+  EXPECT_EQ(Tiles(Draw({}, {.most_tiles = 1, .columns = 2, .tile_width_px = 160}), 1, 1), 1);
+  const SightingFilter trucks{.model_name = flight_.flight().ThingName(1)};
+  const auto count = static_cast<int>(ObjectsOf(*store_, trucks).size());
+  EXPECT_EQ(Tiles(Draw(trucks, {.most_tiles = 9, .columns = 1, .tile_width_px = 160}), 1, count), count);
+}
+
+// An object counts where any of its time does, also where it was not seen in that time: it has nothing to be shown by.
+TEST_F(ContactSheet, LeavesOutObjectsThatAreNotSeenInTheTimeAskedFor) {
+  for (const ObjectRecord& object : objects_) {
+    if (object.frames < 2) continue;
+    const SightingFilter between{.from_s = object.first_time_s + 0.01, .to_s = object.first_time_s + 0.02};
+    ASSERT_TRUE(SightingsOf(*store_, between).empty());
+    ASSERT_FALSE(ObjectsOf(*store_, between).empty());
+    EXPECT_THAT(ErrorOf(between, kSmallTiles), HasSubstr("no object to show"));
+    return;
+  }
+  FAIL() << "no object was seen twice";
+}
+
+TEST_F(ContactSheet, SaysWhyItCannotBeDrawn) {
+  EXPECT_THAT(ErrorOf({.from_s = 1000}, kSmallTiles), AllOf(HasSubstr("no object to show"), Not(HasSubstr("\n"))));
+  EXPECT_THAT(ErrorOf({.model_name = "nobody"}, kSmallTiles), HasSubstr("nobody"));
+  EXPECT_THAT(ErrorOf({}, {.most_tiles = 0, .columns = 0, .tile_width_px = 1}),
+              AllOf(HasSubstr("most_tiles = 0"), HasSubstr("columns = 0"), HasSubstr("tile_width_px = 1")));
+  std::filesystem::rename(flight_.video(), flight_ / "moved.mkv");
+  EXPECT_THAT(ErrorOf({}, kSmallTiles), AllOf(HasSubstr(flight_.video()), Not(HasSubstr("\n"))));
+}
+
+}  // namespace
+}  // namespace victorious

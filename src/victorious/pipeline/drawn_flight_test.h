@@ -1,0 +1,128 @@
+// What the tests of this folder share: a short drawn flight on disk, models of the things in it, and what an index
+// holds as text that can be compared.
+#pragma once
+
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+#include "testing/data.h"
+#include "testing/synthetic_flight.h"
+#include "victorious/model/model_library.h"
+#include "victorious/model/photo_model.h"
+#include "victorious/pipeline/indexer.h"
+#include "victorious/store/export.h"
+#include "victorious/video/video_writer.h"
+
+namespace victorious {
+
+/// A crate and a truck, both seen more than once; small, so that a second is enough to draw and search it.
+inline testing::FlightOptions ShortFlight(int frames = 20) {
+  testing::FlightOptions options;
+  options.seed = 5;
+  options.frames = frames;
+  options.width = 256;
+  options.height = 192;
+  options.things = 2;
+  options.thing_scale = 0.6;
+  options.zoom = 1.0;
+  options.path_widths = 0.8;
+  return options;
+}
+
+inline void WriteVideo(const testing::SyntheticFlight& flight, const std::filesystem::path& path) {
+  const testing::FlightOptions& options = flight.options();
+  auto writer = VideoWriter::Create(path, {.width = options.width, .height = options.height, .fps = options.fps});
+  ASSERT_TRUE(writer) << writer.error().message;
+  for (int i = 0; i < options.frames; ++i) ASSERT_TRUE((*writer)->Write(flight.Render(i).image));
+  const Status finished = (*writer)->Finish();
+  ASSERT_TRUE(finished) << finished.error().message;
+}
+
+/// A thing's picture, cut out by its alpha channel, reduced by `factor`.
+inline Photo PhotoOf(const testing::SyntheticFlight& flight, int thing, double factor = 1.0) {
+  cv::Mat picture;
+  cv::resize(flight.ThingPhoto(thing), picture, {}, factor, factor, cv::INTER_AREA);
+  cv::Mat bgr;
+  cv::Mat alpha;
+  cv::cvtColor(picture, bgr, cv::COLOR_BGRA2BGR);
+  cv::extractChannel(picture, alpha, 3);
+  return PreparePhoto(flight.ThingName(thing), bgr, alpha, std::nullopt).value();
+}
+
+/// The flight of one seed in a folder of its own, with its video and a library of the models asked for.
+class DrawnFlight {
+ public:
+  explicit DrawnFlight(const testing::FlightOptions& options) : flight_(options) {
+    WriteVideo(flight_, folder_ / "flight.mkv");
+  }
+
+  [[nodiscard]] const testing::SyntheticFlight& flight() const { return flight_; }
+  [[nodiscard]] std::string video() const { return (folder_ / "flight.mkv").string(); }
+  [[nodiscard]] std::filesystem::path operator/(std::string_view name) const { return folder_ / name; }
+
+  /// The model of a thing, as read back from a library: with its id.
+  [[nodiscard]] ObjectModel Model(int thing, double factor = 1.0) const {
+    const ModelLibrary library(folder_ / ("models-" + std::to_string(factor)));
+    const std::string name = flight_.ThingName(thing);
+    if (!library.Load(name)) {
+      const Photo photo = PhotoOf(flight_, thing, factor);
+      EXPECT_TRUE(library.Add(MakePhotoModel(name, std::span(&photo, 1), std::nullopt, {}).value()));
+    }
+    return library.Load(name).value();
+  }
+  [[nodiscard]] std::vector<ObjectModel> Models() const { return {Model(0), Model(1)}; }
+
+  /// A new index in this folder, or the one that is there.
+  [[nodiscard]] std::unique_ptr<IndexStore> Store(std::string_view name) const {
+    Expected<std::unique_ptr<IndexStore>> store = OpenSqliteStore(folder_ / name, StoreMode::kCreate);
+    EXPECT_TRUE(store) << store.error().message;
+    return *std::move(store);
+  }
+
+ private:
+  testing::ScratchFolder folder_;
+  testing::SyntheticFlight flight_;
+};
+
+inline std::vector<SightingRecord> SightingsOf(IndexStore& store, const SightingFilter& filter = {}) {
+  return store.Sightings(filter).value();
+}
+
+inline std::vector<ObjectRecord> ObjectsOf(IndexStore& store, const SightingFilter& filter = {}) {
+  return store.Objects(filter).value();
+}
+
+inline std::vector<VideoRecord> VideosOf(IndexStore& store) { return store.Videos().value(); }
+
+/// Everything that an index holds: what it exports, its searches, and which frames it keeps with how many features.
+inline std::string Contents(IndexStore& store) {
+  std::ostringstream text;
+  for (const ExportFormat format : {ExportFormat::kObjects, ExportFormat::kSightings}) {
+    const Status status = Export(store, format, {}, text);
+    EXPECT_TRUE(status) << status.error().message;
+  }
+  const std::vector<ModelRecord> models = store.Models().value();
+  const std::vector<VideoRecord> videos = VideosOf(store);
+  for (const VideoRecord& video : videos) {
+    text << video.name << ": " << video.frame_count.value_or(-1) << " frames\n";
+    for (const ModelRecord& model : models) {
+      const std::optional<SearchRecord> search = store.FindSearch(video.id, model.id).value();
+      text << "  " << model.name << ": ";
+      if (search) text << search->next_frame << (search->finished ? " finished" : "");
+      text << '\n';
+    }
+  }
+  const Status status = store.VisitKeptFrames({}, [&](KeptFrame&& kept) {
+    text << "kept " << kept.video << ' ' << kept.frame << ' ' << kept.features.size() << '\n';
+    return true;
+  });
+  EXPECT_TRUE(status) << status.error().message;
+  return text.str();
+}
+
+}  // namespace victorious

@@ -1,0 +1,451 @@
+#include "victorious/pipeline/indexer.h"
+
+#include <functional>
+#include <set>
+#include <utility>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "victorious/base/file.h"
+#include "victorious/pipeline/drawn_flight_test.h"
+
+namespace victorious {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::SizeIs;
+
+// Passes everything on, and asks `before_commit` first.
+class HookedStore final : public IndexStore {
+ public:
+  HookedStore(IndexStore& store, std::function<Status()> before_commit)
+      : store_(store), before_commit_(std::move(before_commit)) {}
+
+  Expected<VideoRecord> PutVideo(const VideoRecord& video) override { return store_.PutVideo(video); }
+  Status SetVideoLength(std::int64_t video, std::int64_t frames, double duration_s) override {
+    return store_.SetVideoLength(video, frames, duration_s);
+  }
+  Status SetVideoFeatures(std::int64_t video, const std::string& json) override {
+    return store_.SetVideoFeatures(video, json);
+  }
+  Expected<std::vector<VideoRecord>> Videos() override { return store_.Videos(); }
+  Expected<ModelRecord> PutModel(const ModelRecord& model) override { return store_.PutModel(model); }
+  Expected<std::vector<ModelRecord>> Models() override { return store_.Models(); }
+  Expected<std::optional<SearchRecord>> FindSearch(std::int64_t video, std::int64_t model) override {
+    return store_.FindSearch(video, model);
+  }
+  Status ForgetSearch(std::int64_t video, std::int64_t model) override { return store_.ForgetSearch(video, model); }
+  Status ForgetKeptFrames(std::int64_t video) override { return store_.ForgetKeptFrames(video); }
+  Expected<std::vector<std::int64_t>> Commit(const IndexBatch& batch) override {
+    VICTORIOUS_RETURN_IF_ERROR(before_commit_());
+    return store_.Commit(batch);
+  }
+  Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) override { return store_.Objects(filter); }
+  Status VisitSightings(const SightingFilter& filter, const std::function<bool(SightingRecord&&)>& visit) override {
+    return store_.VisitSightings(filter, visit);
+  }
+  Status VisitKeptFrames(const SightingFilter& filter, const std::function<bool(KeptFrame&&)>& visit) override {
+    return store_.VisitKeptFrames(filter, visit);
+  }
+
+ private:
+  IndexStore& store_;
+  std::function<Status()> before_commit_;
+};
+
+struct RunSetup {
+  IndexOptions options = {};
+  bool redo = false;
+  int threads = 2;
+};
+
+Expected<IndexReport> TryIndex(const std::string& video, std::vector<ObjectModel> models, IndexStore& store,
+                               const RunSetup& run = {}) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const Indexer indexer, Indexer::Create(std::move(models), run.options));
+  return indexer.Index(video, run.redo, run.threads, CancelToken(), store);
+}
+
+IndexReport Index(const std::string& video, std::vector<ObjectModel> models, IndexStore& store,
+                  const RunSetup& run = {}) {
+  const Expected<IndexReport> report = TryIndex(video, std::move(models), store, run);
+  EXPECT_TRUE(report) << report.error().message;
+  return report.value_or(IndexReport{});
+}
+
+// Commits come every 32 kept frames: with all frames kept, these runs have several.
+RunSetup ManyCommits() {
+  RunSetup run;
+  run.options.keep.interval_s = 0;
+  return run;
+}
+
+TEST(Indexer, FindsWhatIsThereWhereItIs) {
+  const DrawnFlight flight(ShortFlight());
+  const auto store = flight.Store("index.db");
+  const IndexReport report = Index(flight.video(), flight.Models(), *store);
+  EXPECT_TRUE(report.complete);
+  EXPECT_EQ(report.frames_searched, flight.flight().options().frames);
+  EXPECT_THAT(report.warnings, IsEmpty());
+
+  const std::vector<SightingRecord> sightings = SightingsOf(*store);
+  EXPECT_EQ(report.sightings, static_cast<std::int64_t>(sightings.size()));
+  const std::vector<ModelRecord> models = store->Models().value();
+  int findable = 0;
+  int found = 0;
+  int wrong = 0;
+  for (int frame = 0; frame < flight.flight().options().frames; ++frame) {
+    std::set<std::size_t> right;  // places in `sightings`
+    for (const testing::TruthRow& row : flight.flight().Truth(frame)) {
+      const bool clear = row.visible > 0.8;
+      findable += clear ? 1 : 0;
+      for (std::size_t i = 0; i < sightings.size(); ++i) {
+        const SightingRecord& sighting = sightings[i];
+        if (sighting.frame != frame || models.at(sighting.model - 1).name != row.model) continue;
+        EXPECT_NEAR(sighting.time_s, row.time_s, 0.001);
+        if (IntersectionOverUnion(sighting.box, row.box) < 0.6) continue;
+        right.insert(i);
+        found += clear ? 1 : 0;
+      }
+    }
+    for (std::size_t i = 0; i < sightings.size(); ++i) {
+      wrong += sightings[i].frame == frame && !right.contains(i) ? 1 : 0;
+    }
+  }
+  EXPECT_GT(findable, 15);
+  EXPECT_GE(found, 0.9 * findable);
+  EXPECT_EQ(wrong, 0);
+
+  const VideoRecord video = VideosOf(*store).at(0);
+  EXPECT_EQ(video.name, flight.video());
+  EXPECT_EQ(video.frame_count, flight.flight().options().frames);
+  EXPECT_EQ(video.width, 256);
+  EXPECT_EQ(video.height, 192);
+}
+
+TEST(Indexer, RunAgainItDoesNothing) {
+  const DrawnFlight flight(ShortFlight());
+  const auto store = flight.Store("index.db");
+  Index(flight.video(), flight.Models(), *store);
+  const std::string before = Contents(*store);
+  const IndexReport again = Index(flight.video(), flight.Models(), *store);
+  EXPECT_TRUE(again.complete);
+  EXPECT_EQ(again.frames_searched, 0);
+  EXPECT_EQ(again.sightings, 0);
+  EXPECT_EQ(Contents(*store), before);
+}
+
+TEST(Indexer, ANewModelIsSearchedAlone) {
+  const DrawnFlight flight(ShortFlight());
+  const auto store = flight.Store("index.db");
+  Index(flight.video(), {flight.Model(0)}, *store);
+  const SightingFilter first{.model_name = flight.flight().ThingName(0)};
+  const std::size_t sightings = SightingsOf(*store, first).size();
+  const std::vector<ObjectRecord> objects = ObjectsOf(*store, first);
+
+  const IndexReport report = Index(flight.video(), flight.Models(), *store);
+  EXPECT_EQ(report.frames_searched, flight.flight().options().frames);
+  EXPECT_EQ(report.sightings,
+            static_cast<std::int64_t>(SightingsOf(*store, {.model_name = flight.flight().ThingName(1)}).size()));
+  EXPECT_GT(report.sightings, 0);
+  EXPECT_THAT(SightingsOf(*store, first), SizeIs(sightings));
+  EXPECT_THAT(ObjectsOf(*store, first), SizeIs(objects.size()));
+
+  // The same as both at once, but for the objects' numbers.
+  const auto both = flight.Store("both.db");
+  Index(flight.video(), flight.Models(), *both);
+  EXPECT_EQ(SightingsOf(*store).size(), SightingsOf(*both).size());
+  EXPECT_EQ(ObjectsOf(*store).size(), ObjectsOf(*both).size());
+}
+
+TEST(Indexer, AChangedModelReplacesTheOldOnesFinds) {
+  const DrawnFlight flight(ShortFlight());
+  const auto store = flight.Store("index.db");
+  Index(flight.video(), flight.Models(), *store);
+  Index(flight.video(), {flight.Model(0, 0.8), flight.Model(1)}, *store);
+  EXPECT_THAT(store->Models().value(), SizeIs(2));
+
+  const auto fresh = flight.Store("fresh.db");
+  Index(flight.video(), {flight.Model(0, 0.8), flight.Model(1)}, *fresh);
+  for (int thing : {0, 1}) {
+    const SightingFilter filter{.model_name = flight.flight().ThingName(thing)};
+    const std::vector<SightingRecord> got = SightingsOf(*store, filter);
+    const std::vector<SightingRecord> expected = SightingsOf(*fresh, filter);
+    ASSERT_THAT(got, SizeIs(expected.size()));
+    for (std::size_t i = 0; i < got.size(); ++i) {
+      EXPECT_EQ(got[i].frame, expected[i].frame);
+      EXPECT_EQ(got[i].box, expected[i].box);
+      EXPECT_EQ(got[i].matches, expected[i].matches);
+    }
+    EXPECT_THAT(ObjectsOf(*store, filter), SizeIs(ObjectsOf(*fresh, filter).size()));
+  }
+}
+
+TEST(Indexer, OtherParametersAreRefusedAndChangeNothing) {
+  const DrawnFlight flight(ShortFlight(12));
+  const auto store = flight.Store("index.db");
+  Index(flight.video(), flight.Models(), *store);
+  const std::string before = Contents(*store);
+
+  RunSetup ratio;
+  ratio.options.recognize.match.ratio = 0.7;
+  RunSetup edge;
+  edge.options.features.edge_threshold = 12;
+  edge.options.runs.gap_s = 3;
+  for (const auto& [run, difference] : {std::pair<RunSetup, std::string>{ratio, "match.ratio was 0.8, is 0.7"},
+                                        std::pair<RunSetup, std::string>{edge, "edge_threshold was 10.0, is 12.0"}}) {
+    // A changed model is no reason to lose what was found: nothing was searched in its stead.
+    const Expected<IndexReport> report = TryIndex(flight.video(), {flight.Model(0, 0.8), flight.Model(1)}, *store, run);
+    ASSERT_FALSE(report);
+    EXPECT_EQ(report.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_THAT(report.error().message,
+                AllOf(HasSubstr(flight.video()), HasSubstr(difference), HasSubstr("--redo"), Not(HasSubstr("\n"))));
+    EXPECT_EQ(Contents(*store), before);
+  }
+}
+
+TEST(Indexer, RedoSearchesAgainWithOtherParameters) {
+  const DrawnFlight flight(ShortFlight());
+  RunSetup other = ManyCommits();
+  other.options.every = 2;
+  other.options.recognize.match.ratio = 0.7;
+  const auto fresh = flight.Store("fresh.db");
+  Index(flight.video(), flight.Models(), *fresh, other);
+
+  const auto store = flight.Store("index.db");
+  Index(flight.video(), flight.Models(), *store, ManyCommits());
+  other.redo = true;
+  const IndexReport report = Index(flight.video(), flight.Models(), *store, other);
+  EXPECT_EQ(report.frames_searched, flight.flight().options().frames / 2);
+  EXPECT_EQ(SightingsOf(*store).size(), SightingsOf(*fresh).size());
+  EXPECT_EQ(ObjectsOf(*store).size(), ObjectsOf(*fresh).size());
+  int kept = 0;
+  ASSERT_TRUE(store->VisitKeptFrames({}, [&](const KeptFrame& frame) {
+    EXPECT_EQ(frame.frame % 2, 0) << "kept by the run before";
+    ++kept;
+    return true;
+  }));
+  EXPECT_EQ(kept, flight.flight().options().frames / 2);
+}
+
+TEST(Indexer, SearchesEveryNthFrame) {
+  const DrawnFlight flight(ShortFlight());
+  const auto all = flight.Store("all.db");
+  Index(flight.video(), flight.Models(), *all);
+  RunSetup run;
+  run.options.every = 5;
+  const auto store = flight.Store("fifth.db");
+  const IndexReport report = Index(flight.video(), flight.Models(), *store, run);
+  EXPECT_EQ(report.frames_searched, 4);  // 0, 5, 10, 15
+  EXPECT_TRUE(report.complete);
+  // Frame and matches: which object a sighting belongs to may differ.
+  std::set<std::pair<std::int64_t, int>> expected;
+  for (const SightingRecord& sighting : SightingsOf(*all)) {
+    if (sighting.frame % 5 == 0) expected.emplace(sighting.frame, sighting.matches);
+  }
+  std::set<std::pair<std::int64_t, int>> got;
+  for (const SightingRecord& sighting : SightingsOf(*store)) got.emplace(sighting.frame, sighting.matches);
+  EXPECT_EQ(got, expected);
+  EXPECT_FALSE(got.empty());
+  EXPECT_EQ(VideosOf(*store).at(0).frame_count, flight.flight().options().frames) << "all of them, searched or not";
+}
+
+// Stopped again and again, after each first commit, until the end is reached.
+TEST(Indexer, CancelledAndGoneOnWithItGivesWhatOneRunGives) {
+  const DrawnFlight flight(ShortFlight(72));
+  const auto whole = flight.Store("whole.db");
+  Index(flight.video(), flight.Models(), *whole, ManyCommits());
+
+  const auto store = flight.Store("cut.db");
+  const Indexer indexer = Indexer::Create(flight.Models(), ManyCommits().options).value();
+  int runs = 0;
+  std::int64_t frames = 0;
+  while (true) {
+    ASSERT_LT(++runs, 10);
+    CancelToken cancel;
+    HookedStore hooked(*store, [&]() -> Status {
+      cancel.Cancel();
+      return {};
+    });
+    const Expected<IndexReport> report = indexer.Index(flight.video(), false, 2, cancel, hooked);
+    if (report) {
+      EXPECT_TRUE(report->complete);
+      frames += report->frames_searched;
+      break;
+    }
+    ASSERT_EQ(report.error().code, ErrorCode::kCancelled) << report.error().message;
+    EXPECT_THAT(report.error().message, HasSubstr("run again"));
+    const std::int64_t next = store->FindSearch(1, 1).value().value().next_frame;
+    EXPECT_GT(next, frames);
+    EXPECT_LT(next, 72);
+    frames = 0;
+  }
+  EXPECT_GE(runs, 3);
+  EXPECT_EQ(Contents(*store), Contents(*whole));
+}
+
+TEST(Indexer, CancelledAtOnceItStopsAtOnce) {
+  const DrawnFlight flight(ShortFlight(12));
+  const auto store = flight.Store("index.db");
+  CancelToken cancel;
+  cancel.Cancel();
+  const Indexer indexer = Indexer::Create(flight.Models(), {}).value();
+  const Expected<IndexReport> report = indexer.Index(flight.video(), false, 2, cancel, *store);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().code, ErrorCode::kCancelled);
+  EXPECT_EQ(Index(flight.video(), flight.Models(), *store).frames_searched, 12);
+}
+
+// A model that came while another was half done is searched from the beginning; both end the same.
+TEST(Indexer, ModelsThatAreDifferentlyFarEachGoOnWhereTheyStopped) {
+  const DrawnFlight flight(ShortFlight(48));
+  const auto store = flight.Store("index.db");
+  CancelToken cancel;
+  HookedStore hooked(*store, [&]() -> Status {
+    cancel.Cancel();
+    return {};
+  });
+  const Indexer first = Indexer::Create({flight.Model(0)}, ManyCommits().options).value();
+  ASSERT_FALSE(first.Index(flight.video(), false, 1, cancel, hooked));
+  const std::int64_t done = store->FindSearch(1, 1).value().value().next_frame;
+  ASSERT_GE(done, 32);
+  ASSERT_LT(done, 48);
+  const IndexReport report = Index(flight.video(), flight.Models(), *store, ManyCommits());
+  EXPECT_EQ(report.frames_searched, 48 + (48 - done));
+
+  const auto whole = flight.Store("whole.db");
+  Index(flight.video(), flight.Models(), *whole, ManyCommits());
+  for (int thing : {0, 1}) {
+    const SightingFilter filter{.model_name = flight.flight().ThingName(thing)};
+    EXPECT_THAT(SightingsOf(*store, filter), SizeIs(SightingsOf(*whole, filter).size()));
+    EXPECT_THAT(ObjectsOf(*store, filter), SizeIs(ObjectsOf(*whole, filter).size()));
+  }
+}
+
+TEST(Indexer, AnyNumberOfThreadsGivesTheSame) {
+  const DrawnFlight flight(ShortFlight());
+  std::vector<std::string> contents;
+  for (const int threads : {1, 4}) {
+    const auto store = flight.Store("threads-" + std::to_string(threads));
+    RunSetup run = ManyCommits();
+    run.threads = threads;
+    Index(flight.video(), flight.Models(), *store, run);
+    contents.push_back(Contents(*store));
+  }
+  EXPECT_EQ(contents[0], contents[1]);
+  EXPECT_THAT(contents[0], HasSubstr("crate"));
+}
+
+TEST(Indexer, TheSameContentUnderAnotherNameIsTheSameVideo) {
+  const DrawnFlight flight(ShortFlight(12));
+  const auto store = flight.Store("index.db");
+  Index(flight.video(), flight.Models(), *store);
+  const std::size_t sightings = SightingsOf(*store).size();
+  const std::string copy = (flight / "copy.mkv").string();
+  fs::copy_file(flight.video(), copy);
+  const IndexReport report = Index(copy, flight.Models(), *store);
+  EXPECT_EQ(report.frames_searched, 0);
+  EXPECT_THAT(SightingsOf(*store), SizeIs(sightings));
+  ASSERT_THAT(VideosOf(*store), SizeIs(1));
+  EXPECT_EQ(VideosOf(*store).at(0).name, copy) << "named as it was given last";
+}
+
+TEST(Indexer, ADamagedVideoIsSearchedAsFarAsItGoes) {
+  const DrawnFlight flight(ShortFlight());
+  const std::string whole = ReadFile(flight.video()).value();
+  const std::string cut = (flight / "cut.mkv").string();
+  ASSERT_TRUE(WriteFileAtomically(cut, whole.substr(0, whole.size() * 6 / 10)));
+  std::string hole_bytes = whole;
+  std::fill_n(hole_bytes.begin() + static_cast<std::ptrdiff_t>(whole.size() / 2), whole.size() / 8, '\x5a');
+  const std::string hole = (flight / "hole.mkv").string();
+  ASSERT_TRUE(WriteFileAtomically(hole, hole_bytes));
+
+  const auto store = flight.Store("index.db");
+  for (const std::string& video : {cut, hole}) {
+    const IndexReport report = Index(video, flight.Models(), *store);
+    EXPECT_TRUE(report.complete);
+    ASSERT_FALSE(report.warnings.empty()) << video;
+    EXPECT_THAT(report.warnings[0], AllOf(HasSubstr(" s"), Not(HasSubstr("\n"))));
+    EXPECT_GT(report.frames_searched, 5);
+    EXPECT_LT(report.frames_searched, 20);
+    EXPECT_GT(report.sightings, 5);
+    EXPECT_EQ(Index(video, flight.Models(), *store).frames_searched, 0) << "its end was reached";
+  }
+  EXPECT_THAT(VideosOf(*store), SizeIs(2));
+}
+
+TEST(Indexer, WhatCannotBeReadIsAnErrorAndLeavesNoVideo) {
+  const DrawnFlight flight(ShortFlight(12));
+  const auto store = flight.Store("index.db");
+  ASSERT_TRUE(WriteFileAtomically(flight / "text.mp4", "this is no video\n"));
+  for (const auto& [name, code] :
+       {std::pair{"none.mp4", ErrorCode::kNotFound}, std::pair{"text.mp4", ErrorCode::kDataLoss}}) {
+    const Expected<IndexReport> report = TryIndex((flight / name).string(), flight.Models(), *store);
+    ASSERT_FALSE(report);
+    EXPECT_EQ(report.error().code, code);
+    EXPECT_THAT(report.error().message, AllOf(HasSubstr(name), Not(HasSubstr("\n"))));
+  }
+  EXPECT_THAT(VideosOf(*store), IsEmpty());
+}
+
+TEST(Indexer, ErrorsOfTheStoreComeThroughAndTheRunCanGoOn) {
+  const DrawnFlight flight(ShortFlight(48));
+  const auto store = flight.Store("index.db");
+  int commits = 0;
+  HookedStore full(*store, [&]() -> Status {
+    if (++commits < 2) return {};
+    return Fail(ErrorCode::kNoSpace, "index.db: no space left");
+  });
+  const Expected<IndexReport> report = TryIndex(flight.video(), flight.Models(), full, ManyCommits());
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error(), (Error{ErrorCode::kNoSpace, "index.db: no space left"}));
+  EXPECT_EQ(store->FindSearch(1, 1).value().value().next_frame, 32) << "what was committed stays";
+
+  const IndexReport rest = Index(flight.video(), flight.Models(), *store, ManyCommits());
+  EXPECT_EQ(rest.frames_searched, 16);
+  const auto whole = flight.Store("whole.db");
+  Index(flight.video(), flight.Models(), *whole, ManyCommits());
+  EXPECT_EQ(Contents(*store), Contents(*whole));
+}
+
+TEST(Indexer, TwoProcessesAtOneVideoDoNotDoubleIt) {
+  const DrawnFlight flight(ShortFlight(12));
+  const auto store = flight.Store("index.db");
+  bool first = true;
+  // Before this run stores its first batch, another one does all of the work.
+  HookedStore raced(*store, [&]() -> Status {
+    if (std::exchange(first, false)) Index(flight.video(), flight.Models(), *store);
+    return {};
+  });
+  const Expected<IndexReport> report = TryIndex(flight.video(), flight.Models(), raced);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().code, ErrorCode::kAlreadyExists);
+  const auto whole = flight.Store("whole.db");
+  Index(flight.video(), flight.Models(), *whole);
+  EXPECT_EQ(Contents(*store), Contents(*whole));
+}
+
+TEST(Indexer, RefusesWhatItCannotSearchWith) {
+  const DrawnFlight flight(ShortFlight(2));
+  IndexOptions options;
+  options.every = 0;
+  options.runs.least_overlap = 1.5;
+  const Expected<Indexer> out_of_range = Indexer::Create(flight.Models(), options);
+  ASSERT_FALSE(out_of_range);
+  EXPECT_EQ(out_of_range.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(out_of_range.error().message,
+              AllOf(HasSubstr("every = 0"), HasSubstr("runs.least_overlap = 1.5"), Not(HasSubstr("\n"))));
+  ObjectModel other = flight.Model(0);
+  other.engine = "someone-elses";
+  const Expected<Indexer> other_engine = Indexer::Create({other}, {});
+  ASSERT_FALSE(other_engine);
+  EXPECT_EQ(other_engine.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(other_engine.error().message, AllOf(HasSubstr("someone-elses"), Not(HasSubstr("\n"))));
+}
+
+}  // namespace
+}  // namespace victorious
