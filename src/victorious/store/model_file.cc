@@ -17,6 +17,7 @@ namespace {
 constexpr std::string_view kMetadataTag = "metadata";
 constexpr std::string_view kKeypointsTag = "keypoint";
 constexpr std::string_view kDescriptorsTag = "descript";
+constexpr std::string_view kPointsTag = "points3";  // only in models that have depth
 
 Expected<std::span<const std::byte>> Find(const SectionFile& file, std::string_view tag) {
   const auto it = std::ranges::find(file.sections, tag, &Section::tag);
@@ -29,11 +30,21 @@ bool IsUsable(const Keypoint& keypoint) {
          std::isfinite(keypoint.scale_px) && keypoint.scale_px > 0;
 }
 
+bool IsFinite(const Point3& point) {
+  return std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z);
+}
+
 Status Validate(const ObjectModel& model) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateMetadata(model, model.features.size()));
-  if (std::ranges::all_of(model.features.keypoints, IsUsable)) return {};
+  if (!std::ranges::all_of(model.features.keypoints, IsUsable)) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("model {}: a keypoint without a finite place and a scale above 0", model.name));
+  }
+  const bool points_fit = model.points_in_model.empty() || model.points_in_model.size() == model.features.size();
+  if (points_fit && std::ranges::all_of(model.points_in_model, IsFinite)) return {};
   return Fail(ErrorCode::kInvalidArgument,
-              fmt::format("model {}: a keypoint without a finite place and a scale above 0", model.name));
+              fmt::format("model {}: {} points on the object for {} features, expected a finite one each or none",
+                          model.name, model.points_in_model.size(), model.features.size()));
 }
 
 Expected<FeatureView> ParseFeatures(const SectionFile& file) {
@@ -49,6 +60,15 @@ Expected<FeatureView> ParseFeatures(const SectionFile& file) {
                      {reinterpret_cast<const std::uint8_t*>(descriptors.data()), descriptors.size()}};
 }
 
+Expected<std::span<const Point3>> ParsePoints(const SectionFile& file) {
+  const auto it = std::ranges::find(file.sections, kPointsTag, &Section::tag);
+  if (it == file.sections.end()) return std::span<const Point3>();
+  if (it->bytes.size() % sizeof(Point3) != 0) {
+    return Fail(ErrorCode::kDataLoss, fmt::format("damaged ({} bytes of points)", it->bytes.size()));
+  }
+  return std::span(reinterpret_cast<const Point3*>(it->bytes.data()), it->bytes.size() / sizeof(Point3));
+}
+
 // `bytes` begin at a multiple of alignof(Keypoint).
 Expected<ObjectModel> ParseAligned(std::span<const std::byte> bytes, std::shared_ptr<const void> storage) {
   VICTORIOUS_ASSIGN_OR_RETURN(const SectionFile file, ParseSections(bytes));
@@ -56,6 +76,7 @@ Expected<ObjectModel> ParseAligned(std::span<const std::byte> bytes, std::shared
   VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel model,
                               ParseMetadata({reinterpret_cast<const char*>(metadata.data()), metadata.size()}));
   VICTORIOUS_ASSIGN_OR_RETURN(model.features, ParseFeatures(file));
+  VICTORIOUS_ASSIGN_OR_RETURN(model.points_in_model, ParsePoints(file));
   if (Status status = Validate(model); !status) {
     return Fail(ErrorCode::kDataLoss, fmt::format("damaged ({})", status.error().message));
   }
@@ -70,9 +91,10 @@ Expected<std::vector<std::byte>> EncodeModel(const ObjectModel& model) {
   VICTORIOUS_CHECK(model.features.descriptors.size() == model.features.size() * kDescriptorSize);
   VICTORIOUS_RETURN_IF_ERROR(Validate(model));
   const std::string metadata = EncodeMetadata(model);
-  const std::array sections = {Section{kMetadataTag, std::as_bytes(std::span(metadata))},
-                               Section{kKeypointsTag, std::as_bytes(model.features.keypoints)},
-                               Section{kDescriptorsTag, std::as_bytes(model.features.descriptors)}};
+  std::vector sections = {Section{kMetadataTag, std::as_bytes(std::span(metadata))},
+                          Section{kKeypointsTag, std::as_bytes(model.features.keypoints)},
+                          Section{kDescriptorsTag, std::as_bytes(model.features.descriptors)}};
+  if (!model.points_in_model.empty()) sections.push_back({kPointsTag, std::as_bytes(model.points_in_model)});
   return EncodeSections(sections);
 }
 

@@ -107,6 +107,36 @@ TEST(ModelFileTest, AModelComesBackAsItWent) {
   EXPECT_EQ(read->ViewFeatures(1).size(), 0u);
 }
 
+TEST(ModelFileTest, PlacesAndNeighboursComeBack) {
+  ObjectModel model = TestModel();
+  const std::vector<Point3> points = {{1, 2, 3}, {4, 5, 6}, {-7, 8, 9}, {0, 0, 0}, {1e-3F, 1, -1}};
+  model.kind = "cad";
+  model.points_in_model = points;
+  model.views[0].neighbours = {1};
+  const std::vector<std::byte> bytes = EncodeModel(model).value();
+  const ObjectModel read = ParseModel(bytes, nullptr, "test").value();
+  EXPECT_TRUE(AreEqual(read, model));
+  EXPECT_TRUE(std::ranges::equal(read.points_in_model, points));
+  EXPECT_EQ(read.views[0].neighbours, std::vector<std::uint32_t>{1});
+  EXPECT_TRUE(read.views[1].neighbours.empty());
+}
+
+TEST(ModelFileTest, RefusesPlacesAndNeighboursThatMakeNoSense) {
+  ObjectModel model = TestModel();
+  std::vector<Point3> points(4);
+  model.points_in_model = points;
+  EXPECT_FALSE(EncodeModel(model).has_value());
+  points.resize(5);
+  points[2].y = std::numeric_limits<float>::quiet_NaN();
+  model.points_in_model = points;
+  EXPECT_FALSE(EncodeModel(model).has_value());
+  model.points_in_model = {};
+  model.views[0].neighbours = {2};
+  EXPECT_FALSE(EncodeModel(model).has_value());
+  model.views[0].neighbours = {0};
+  EXPECT_FALSE(EncodeModel(model).has_value());
+}
+
 TEST(ModelFileTest, TheFeaturesAreUsedWhereTheyLie) {
   const testing::ScratchFolder folder;
   ASSERT_TRUE(WriteModelFile(folder / "box.vmodel", TestModel()));

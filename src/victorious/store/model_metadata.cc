@@ -76,7 +76,8 @@ json EncodeView(const ModelView& view) {
           {"first_feature", view.first_feature},
           {"feature_count", view.feature_count},
           {"outline", EncodeOutline(view.outline)},
-          {"angles", std::move(angles)}};
+          {"angles", std::move(angles)},
+          {"neighbours", view.neighbours}};
 }
 
 std::optional<Polygon> ParseOutline(const json& corners) {
@@ -105,6 +106,13 @@ std::optional<ModelView> ParseView(const json& object) {
     Reader angle_reader(angles);
     view.angles = ViewAngles{angle_reader.Number("azimuth_rad"), angle_reader.Number("off_nadir_rad")};
     reader.Require(angle_reader.ok());
+  }
+  if (const auto neighbours = object.find("neighbours");
+      neighbours != object.end()) {  // not in models of version 0.1.0
+    reader.Require(neighbours->is_array() && neighbours->size() <= kMaxViews &&
+                   std::ranges::all_of(
+                       *neighbours, [](const json& other) { return other.is_number_unsigned() && other < kMaxViews; }));
+    if (reader.ok()) view.neighbours = neighbours->get<std::vector<std::uint32_t>>();
   }
   return reader.ok() ? std::optional(std::move(view)) : std::nullopt;
 }
@@ -195,6 +203,10 @@ Status ValidateMetadata(const ObjectModel& model, std::size_t feature_count) {
       return fail(fmt::format("view {} has features that do not follow those of the view before it", i));
     }
     next_feature += view.feature_count;
+    const auto is_other_view = [&](std::uint32_t other) { return other < model.views.size() && other != i; };
+    if (!std::ranges::all_of(view.neighbours, is_other_view)) {
+      return fail(fmt::format("view {} has a neighbour that is no other view", i));
+    }
   }
   if (next_feature != feature_count) {
     return fail(fmt::format("its views have {} features, expected {}", next_feature, feature_count));

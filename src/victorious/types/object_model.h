@@ -20,6 +20,16 @@ struct ViewAngles {
   double off_nadir_rad = 0;  ///< acos(d.up): 0 straight above
 };
 
+/// A place on the object: x to its front, y to its left, z up, metres. Stored as it stands in model files.
+struct Point3 {
+  float x = 0;
+  float y = 0;
+  float z = 0;
+
+  bool operator==(const Point3&) const = default;
+};
+static_assert(sizeof(Point3) == 12);
+
 /// One template: a picture of the object.
 struct ModelView {
   std::string source;               ///< the photo's path as given
@@ -27,22 +37,24 @@ struct ModelView {
   int height = 0;                   ///< px
   std::uint64_t first_feature = 0;  ///< into the model's features
   std::uint64_t feature_count = 0;
-  Polygon outline;                   ///< of the object in the picture, px
-  std::optional<ViewAngles> angles;  ///< unknown for photos
+  Polygon outline;                        ///< of the object in the picture, px
+  std::optional<ViewAngles> angles;       ///< unknown for photos
+  std::vector<std::uint32_t> neighbours;  ///< views from nearby directions, by number; none for photos
 };
 
 /// Immutable once made; copies share the feature storage.
 struct ObjectModel {
   std::string name;
   std::string id;                  ///< the content's checksum: two models of one id are the same
-  std::string kind;                ///< "photos"; "cad" later
+  std::string kind;                ///< "photos" or "cad"
   std::string engine;              ///< the feature engine's name
   std::string options_json;        ///< the options that made it
   std::string program_version;     ///< the version that made it
   std::optional<double> length_m;  ///< the longest side, if known
   std::vector<ModelView> views;
-  FeatureView features;                 ///< of all views, one after the other
-  std::shared_ptr<const void> storage;  ///< what `features` points into
+  FeatureView features;                     ///< of all views, one after the other
+  std::span<const Point3> points_in_model;  ///< a feature's place on the object, metres; empty for photos
+  std::shared_ptr<const void> storage;      ///< what `features` points into
 
   [[nodiscard]] FeatureView ViewFeatures(std::size_t view) const {
     return features.Slice(views[view].first_feature, views[view].feature_count);
