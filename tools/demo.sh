@@ -33,8 +33,10 @@ say "Searching the flight for both:"
 say "Found, best first:"
 "$program" search --db "$db"
 
-say "Compared with what was drawn:"
-"$program" evaluate --db "$db" --truth "$dir/truth.jsonl"
+echo "(Each thing leaves the view and returns: until objects keep one identity, each is listed twice.)"
+
+say "Compared with what was drawn (sighting_precision and sighting_recall tell how well; 1 is best):"
+"$program" evaluate --db "$db" --truth "$dir/truth.jsonl" | grep -v -- ' -$'
 
 "$program" sheet --db "$db" --out "$dir/finds.png"
 

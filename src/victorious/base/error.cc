@@ -50,6 +50,7 @@ int ExitStatus(ErrorCode code) {
       return 2;
     case ErrorCode::kPermissionDenied:
     case ErrorCode::kNoSpace:
+    case ErrorCode::kConflict:
     case ErrorCode::kCancelled:
     case ErrorCode::kInternal:
       return 1;
@@ -74,6 +75,8 @@ std::string_view Name(ErrorCode code) {
       return "permission_denied";
     case ErrorCode::kNoSpace:
       return "no_space";
+    case ErrorCode::kConflict:
+      return "conflict";
     case ErrorCode::kCancelled:
       return "cancelled";
     case ErrorCode::kInternal:

@@ -18,6 +18,7 @@ enum class ErrorCode {
   kUnsupported,       ///< well formed, but of a kind or a version this program does not read
   kPermissionDenied,  ///< a read-only folder or file
   kNoSpace,           ///< a full disk
+  kConflict,          ///< another process is at the same work: try again later
   kCancelled,         ///< the user stopped it
   kInternal,          ///< a library or the system failed in a way that input does not explain
 };

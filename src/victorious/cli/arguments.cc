@@ -48,7 +48,7 @@ Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields) 
 }
 
 Status WriteOutput(const std::string& path, std::string_view text) {
-  if (!path.empty()) return WriteFileAtomically(path, text);
+  if (!path.empty() && path != "-") return WriteFileAtomically(path, text);
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
     return std::unexpected(ErrorFromErrno(errno, "write to standard output"));
   }
@@ -67,9 +67,9 @@ CancelToken& Interrupt() {
   return token;
 }
 
-void FilterArguments::AddTo(CLI::App& app, bool with_model) {
+void FilterArguments::AddTo(CLI::App& app) {
   app.add_option("--video", video, "Only this video: its name as indexed, or its last parts")->type_name("NAME");
-  if (with_model) app.add_option("--model", model, "Only this model")->type_name("NAME");
+  app.add_option("--model", model, "Only this model")->type_name("NAME");
   app.add_option("--from", from_s, "Only from this time of the video on, seconds")->type_name("S");
   app.add_option("--to", to_s, "Only up to this time of the video, seconds")->type_name("S");
 }

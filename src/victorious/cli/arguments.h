@@ -22,7 +22,7 @@ Expected<Box> ParseBox(std::string_view text);
 /// Reads `--params FILE` (JSON) into the fields; an empty path changes nothing.
 Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields);
 
-/// Writes to stdout, or to a file (whole or not at all) where `path` is not empty.
+/// Writes to stdout (`path` empty or "-"), or to a file, whole or not at all.
 Status WriteOutput(const std::string& path, std::string_view text);
 
 /// Set by SIGINT and SIGTERM.
@@ -35,7 +35,7 @@ struct FilterArguments {
   std::optional<double> from_s;
   std::optional<double> to_s;
 
-  void AddTo(CLI::App& app, bool with_model);
+  void AddTo(CLI::App& app);
   [[nodiscard]] SightingFilter Filter() const;
 };
 

@@ -1,7 +1,10 @@
 // victorious doctor [FILE]: what this machine offers, or what a file holds and what is missing for which result
+#include <array>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <memory>
+#include <string_view>
 #include <thread>
 
 #include <fmt/format.h>
@@ -23,6 +26,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
+std::string GpuText() {
+  std::error_code error;
+  const bool nvidia = fs::exists("/dev/nvidia0", error);
+  const bool other = fs::exists("/dev/dri/renderD128", error);
+  if (!nvidia && !other) return "none here (and none is needed)";
+  return fmt::format("{} is there; this version does not use it", nvidia ? "an NVIDIA one" : "one");
+}
+
 std::string Machine() {
   const CodecReport codecs = DescribeCodecs();
   return fmt::format(
@@ -34,11 +45,11 @@ std::string Machine() {
       "  decoders         {}{}\n"
       "  drawn videos     {}\n"
       "  pictures         OpenCV {}\n"
-      "  GPU              not used by this version\n",
+      "  GPU              {}\n",
       kVersion, std::thread::hardware_concurrency(), kernels::NearestTwoTarget(), fmt::join(FeatureEngines(), ", "),
       codecs.libraries, fmt::join(codecs.decoders, ", "),
       codecs.missing.empty() ? "" : fmt::format("; missing: {}", fmt::join(codecs.missing, ", ")),
-      codecs.h264_encoder ? "H.264 (libx264)" : "cannot be encoded here: libx264 is missing", CV_VERSION);
+      codecs.h264_encoder ? "H.264 (libx264)" : "cannot be encoded here: libx264 is missing", CV_VERSION, GpuText());
 }
 
 // What was read of a video to describe it.
@@ -131,10 +142,13 @@ Expected<std::string> DescribeIndex(const std::string& path) {
   return text;
 }
 
+// By the file's first bytes, whatever it is called.
 Expected<std::string> Describe(const std::string& path) {
-  const std::string extension = fs::path(path).extension().string();
-  if (extension == ".vmodel") return DescribeModel(path);
-  if (extension == ".db") return DescribeIndex(path);
+  std::array<char, 16> head{};
+  std::ifstream(path, std::ios::binary).read(head.data(), head.size());
+  const std::string_view bytes(head.data(), head.size());
+  if (bytes.starts_with("SQLite format 3")) return DescribeIndex(path);
+  if (bytes.starts_with("\x8AVMDL")) return DescribeModel(path);
   return DescribeVideo(path);
 }
 

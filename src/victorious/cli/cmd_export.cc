@@ -1,4 +1,5 @@
 // victorious export --db FILE --format FORMAT
+#include <filesystem>
 #include <memory>
 #include <sstream>
 
@@ -21,9 +22,13 @@ Action SetUpExport(CLI::App& app) {
       ->required()
       ->type_name("FORMAT");
   app.add_option("--out", arguments->out, "Where it goes, instead of to standard output")->type_name("FILE");
-  arguments->filter.AddTo(app, /*with_model=*/true);
+  arguments->filter.AddTo(app);
   return [=]() -> Status {
     VICTORIOUS_ASSIGN_OR_RETURN(const ExportFormat format, ParseExportFormat(arguments->format));
+    std::error_code error;
+    if (std::filesystem::equivalent(arguments->db, arguments->out, error)) {
+      return Fail(ErrorCode::kInvalidArgument, "--out is the index itself: give another file");
+    }
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
                                 OpenSqliteStore(arguments->db, StoreMode::kRead));
     std::ostringstream text;

@@ -44,12 +44,6 @@ std::vector<Stage> StagesOf(const StagedMatches& staged, const MatchSet& inliers
           {"mlesac", &inliers}};
 }
 
-Polygon Project(const Polygon& outline, const Eigen::Matrix3d& map) {
-  Polygon projected;
-  for (const Eigen::Vector2d& corner : outline) projected.push_back(ApplyHomography(map, corner));
-  return projected;
-}
-
 ordered_json Report(const FeatureSet& scene, const FeatureView& model, const StagedMatches& staged,
                     const Polygon& outline) {
   const MatchSet none;
@@ -82,7 +76,7 @@ ordered_json Report(const FeatureSet& scene, const FeatureView& model, const Sta
   const Eigen::Matrix3d& h = pose->scene_from_template_plane;
   json["homography"] = {{h(0, 0), h(0, 1), h(0, 2)}, {h(1, 0), h(1, 1), h(1, 2)}, {h(2, 0), h(2, 1), h(2, 2)}};
   json["outline"] = ordered_json::array();
-  for (const Eigen::Vector2d& corner : Project(outline, h)) json["outline"].push_back({corner.x(), corner.y()});
+  for (const Eigen::Vector2d& corner : ProjectPolygon(h, outline)) json["outline"].push_back({corner.x(), corner.y()});
   return json;
 }
 
@@ -105,7 +99,7 @@ cv::Mat Draw(const cv::Mat& scene_image, const cv::Mat& model_image, const Featu
   draw(staged.cascade.third, {0, 0, 255});
   for (const Pose& pose : staged.poses) {
     std::vector<cv::Point> corners;
-    for (const Eigen::Vector2d& corner : Project(outline, pose.scene_from_template_plane))
+    for (const Eigen::Vector2d& corner : ProjectPolygon(pose.scene_from_template_plane, outline))
       corners.emplace_back(cv::Point2d(corner.x(), corner.y()));
     cv::polylines(canvas, corners, true, {0, 255, 255}, 2, cv::LINE_AA);
   }

@@ -7,12 +7,14 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/model/model_library.h"
 #include "victorious/model/photo_model.h"
+#include "victorious/video/image_file.h"
 
 namespace victorious::cli {
 namespace {
@@ -24,6 +26,7 @@ struct Arguments {
   std::vector<std::string> boxes;
   std::optional<double> length_m;
   std::string params;
+  std::string draw;
   bool json = false;
 };
 
@@ -33,6 +36,24 @@ bool IsCad(const std::filesystem::path& path) {
   std::ranges::transform(extension, extension.begin(),
                          [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return std::ranges::find(kExtensions, extension) != kExtensions.end();
+}
+
+// The photos with what was cut out of them, one below the other.
+cv::Mat DrawCutOuts(const std::vector<Photo>& photos) {
+  std::vector<cv::Mat> rows;
+  int width = 0;
+  for (const Photo& photo : photos) width = std::max(width, photo.grey.cols);
+  for (const Photo& photo : photos) {
+    cv::Mat row(photo.grey.rows, width, CV_8UC3, cv::Scalar::all(32));
+    cv::cvtColor(photo.grey, row.colRange(0, photo.grey.cols), cv::COLOR_GRAY2BGR);
+    std::vector<cv::Point> corners;
+    for (const Eigen::Vector2d& corner : photo.outline) corners.emplace_back(cv::Point2d(corner.x(), corner.y()));
+    cv::polylines(row, corners, true, {0, 255, 255}, 2, cv::LINE_AA);
+    rows.push_back(std::move(row));
+  }
+  cv::Mat picture;
+  cv::vconcat(rows, picture);
+  return picture;
 }
 
 Status Add(const Arguments& arguments) {
@@ -64,6 +85,7 @@ Status Add(const Arguments& arguments) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel model,
                               MakePhotoModel(arguments.name, photos, arguments.length_m, options));
+  if (!arguments.draw.empty()) VICTORIOUS_RETURN_IF_ERROR(WriteImage(arguments.draw, DrawCutOuts(photos)));
   VICTORIOUS_RETURN_IF_ERROR(library.Add(model));
   return WriteOutput("", fmt::format("{}: {} {}, {} features\n", model.name, model.views.size(),
                                      model.views.size() == 1 ? "view" : "views", model.features.size()));
@@ -146,9 +168,14 @@ Action SetUpModel(CLI::App& app) {
   add->add_option("NAME", arguments->name, "What the object is called from now on")->required();
   add->add_option("INPUT", arguments->inputs, "Photos (PNG, JPEG); an alpha channel or --box cuts the object out")
       ->required();
-  add->add_option("--box", arguments->boxes, "The object in the photo, x,y,w,h in pixels; one a photo")
+  add->add_option("--box", arguments->boxes, "The object in the photo, x,y,w,h in pixels; one a photo, in their order")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->allow_extra_args(false)
       ->type_name("X,Y,W,H");
   add->add_option("--length", arguments->length_m, "The object's longest side, metres")->type_name("M");
+  add->add_option("--draw", arguments->draw, "Draw the photos with what is cut out of them into this picture")
+      ->type_name("FILE");
   add->add_option("--params", arguments->params, "Parameters, JSON (`victorious params model` lists them)")
       ->type_name("FILE");
   CLI::App* list = add_subcommand("list", "The models of a folder");

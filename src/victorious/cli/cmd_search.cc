@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
@@ -21,6 +22,7 @@ struct Arguments {
   std::string image;
   std::string box;
   std::string params;
+  int most = 0;
   bool json = false;
 };
 
@@ -40,7 +42,7 @@ Status ListObjects(const Arguments& arguments, const Catalogue& catalogue, Index
     const VideoRecord* video_record = catalogue.Video(object.video);
     const ModelRecord* model_record = catalogue.Model(object.model);
     if (video_record == nullptr || model_record == nullptr) continue;  // added by another process since
-    ++rank;
+    if (++rank > arguments.most && arguments.most > 0) break;
     const std::string& model = model_record->name;
     const std::string& video = video_record->name;
     text += arguments.json ? ordered_json({{"rank", rank},
@@ -77,7 +79,7 @@ Status ListMoments(const Arguments& arguments, IndexStore& store) {
                        "box x,y,w,h", "video");
   int rank = 0;
   for (const Moment& moment : moments) {
-    ++rank;
+    if (++rank > arguments.most && arguments.most > 0) break;
     const Box& b = moment.box;
     text += arguments.json
                 ? ordered_json({{"rank", rank},
@@ -100,6 +102,20 @@ Status ListMoments(const Arguments& arguments, IndexStore& store) {
   return WriteOutput("", text);
 }
 
+// A list of finds says nothing of frames that were not searched yet.
+Status WarnOfUnfinished(const Catalogue& catalogue, IndexStore& store) {
+  for (const VideoRecord& video : catalogue.videos()) {
+    for (const ModelRecord& model : catalogue.models()) {
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> search, store.FindSearch(video.id, model.id));
+      if (search && !search->finished) {
+        spdlog::warn("{} was searched for {} up to frame {} only: run `index` again to go on", video.name, model.name,
+                     search->next_frame);
+      }
+    }
+  }
+  return {};
+}
+
 Status Run(const Arguments& arguments) {
   if (!arguments.image.empty() && !arguments.filter.model.empty()) {
     return Fail(ErrorCode::kInvalidArgument, "--image and --model: give one of them");
@@ -109,6 +125,7 @@ Status Run(const Arguments& arguments) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenSqliteStore(arguments.db, StoreMode::kRead));
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(*store, arguments.filter.Filter()));
+  VICTORIOUS_RETURN_IF_ERROR(WarnOfUnfinished(catalogue, *store));
   return arguments.image.empty() ? ListObjects(arguments, catalogue, *store) : ListMoments(arguments, *store);
 }
 
@@ -117,11 +134,14 @@ Status Run(const Arguments& arguments) {
 Action SetUpSearch(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("--db", arguments->db, "The index")->required()->type_name("FILE");
-  arguments->filter.AddTo(app, /*with_model=*/true);
+  arguments->filter.AddTo(app);
   app.add_option("--image", arguments->image, "An example picture: list the moments that show what it shows")
       ->type_name("FILE");
   app.add_option("--box", arguments->box, "The object in the example picture")->type_name("X,Y,W,H");
   app.add_option("--params", arguments->params, "Parameters of recognition for --image, JSON")->type_name("FILE");
+  app.add_option("--most", arguments->most, "List so many at most; 0: all")
+      ->check(CLI::Range(0, 1'000'000'000))
+      ->type_name("N");
   app.add_flag("--json", arguments->json, "One JSON object a line");
   return [=] { return Run(*arguments); };
 }

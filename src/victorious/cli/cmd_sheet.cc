@@ -24,7 +24,7 @@ Action SetUpSheet(CLI::App& app) {
   app.add_option("--out", arguments->out, "The picture (.png, .jpg)")->required()->type_name("FILE");
   app.add_option("--most", arguments->options.most_tiles, "Objects shown, best first")->type_name("N");
   app.add_option("--columns", arguments->options.columns, "Pictures in a row")->type_name("N");
-  arguments->filter.AddTo(app, /*with_model=*/true);
+  arguments->filter.AddTo(app);
   return [=]() -> Status {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
                                 OpenSqliteStore(arguments->db, StoreMode::kRead));

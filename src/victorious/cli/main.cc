@@ -1,8 +1,10 @@
 // The program: a table of commands. Errors are one line on stderr; the exit status is ExitStatus's (base/error.h).
+#include <algorithm>
 #include <array>
 #include <exception>
 #include <functional>
 #include <new>
+#include <string_view>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -51,6 +53,11 @@ int Main(int argc, char** argv) {
   for (const Command& command : kCommands) {
     CLI::App* subcommand = app.add_subcommand(command.name, command.summary)->group(command.group);
     subcommand->final_callback([&chosen, action = command.setup(*subcommand)] { chosen = action; });
+  }
+  const auto is_named = [&](const Command& command) { return argc > 1 && std::string_view(command.name) == argv[1]; };
+  if (argc > 1 && argv[1][0] != '-' && std::ranges::none_of(kCommands, is_named)) {
+    return Fail(
+        {ErrorCode::kInvalidArgument, fmt::format("{}: no such command; `victorious --help` lists them", argv[1])});
   }
   try {
     app.parse(argc, argv);

@@ -78,22 +78,19 @@ double ShareInView(const Polygon& outline, const SceneSize& scene) {
   return std::abs(SignedArea(inside)) / std::max(1e-9, std::abs(SignedArea(outline)));
 }
 
-Detection ToDetection(const Candidate& candidate, std::size_t views_searched, const SceneSize& scene,
-                      const DetectOptions& options) {
+Detection ToDetection(const Candidate& candidate, const SceneSize& scene, const DetectOptions& options) {
   Detection detection{.model = candidate.model, .view = candidate.view, .pose = candidate.pose};
-  for (const Eigen::Vector2d& corner : candidate.outline) {
-    detection.outline.push_back(ApplyHomography(candidate.pose.scene_from_template_plane, corner));
-  }
+  detection.outline = ProjectPolygon(candidate.pose.scene_from_template_plane, candidate.outline);
   detection.box = BoundingBox(ClipToBox(detection.outline, {0, 0, scene.width_px, scene.height_px}));
   detection.evidence = Evidence(candidate.matches, candidate.pose.distinct_inliers,
-                                AgreementChance(candidate.pose, scene), views_searched);
+                                AgreementChance(candidate.pose, scene), candidate.views);
   detection.score = Score(detection.evidence, options);
   return detection;
 }
 
 }  // namespace
 
-double Evidence(std::size_t matches, std::size_t agreeing, double chance, std::size_t views_searched) {
+double Evidence(std::size_t matches, std::size_t agreeing, double chance, std::size_t views) {
   if (agreeing < 3 || matches < agreeing) return 0;
   if (!(chance < 1)) return 0;
   const auto log_choose = [](double n, double k) {
@@ -106,16 +103,16 @@ double Evidence(std::size_t matches, std::size_t agreeing, double chance, std::s
   // Beyond the mean the terms fall at least geometrically: the tail is at most the first term over 1 - their ratio.
   const double ratio = (n - k) / (k + 1) * chance / (1 - chance);
   const double log_tail = first_term - std::log1p(-std::min(ratio, 0.999));
-  const double log_tests = std::log(static_cast<double>(std::max<std::size_t>(1, views_searched))) +
-                           log_choose(static_cast<double>(matches), 2);
+  const double log_tests =
+      std::log(static_cast<double>(std::max<std::size_t>(1, views))) + log_choose(static_cast<double>(matches), 2);
   return -(log_tests + log_tail) / std::log(10.0);
 }
 
-std::vector<Detection> Detect(std::span<const Candidate> candidates, std::size_t views_searched, const SceneSize& scene,
+std::vector<Detection> Detect(std::span<const Candidate> candidates, const SceneSize& scene,
                               const DetectOptions& options) {
   std::vector<Detection> detections;
   for (const Candidate& candidate : candidates) {
-    Detection detection = ToDetection(candidate, views_searched, scene, options);
+    Detection detection = ToDetection(candidate, scene, options);
     const bool large_enough = std::min(detection.box.width, detection.box.height) >= options.least_side_px;
     const bool in_view = ShareInView(detection.outline, scene) >= options.least_in_view;
     const bool wide_enough = detection.pose.extent >= options.least_extent;

@@ -36,6 +36,7 @@ struct Candidate {
   std::size_t model = 0;
   std::size_t view = 0;
   std::size_t matches = 0;  ///< n: of this view, after the ratio test
+  std::size_t views = 1;    ///< of its model: more views, more chances to be fooled
   Polygon outline;          ///< of the object in the template, px
   Pose pose;
 };
@@ -45,12 +46,12 @@ struct SceneSize {
   double height_px = 0;
 };
 
-/// @param views_searched  over all models: more views, more chances to be fooled
+/// What is found of a model does not depend on which others are searched for.
 /// @return best first; only those of a score of at least options.least_score
-std::vector<Detection> Detect(std::span<const Candidate> candidates, std::size_t views_searched, const SceneSize& scene,
+std::vector<Detection> Detect(std::span<const Candidate> candidates, const SceneSize& scene,
                               const DetectOptions& options);
 
 /// The evidence of k of n matches agreeing on a pose (above). 0 or less: chance explains it.
-double Evidence(std::size_t matches, std::size_t agreeing, double chance, std::size_t views_searched);
+double Evidence(std::size_t matches, std::size_t agreeing, double chance, std::size_t views);
 
 }  // namespace victorious

@@ -43,7 +43,7 @@ TEST(Evidence, GrowsWithAgreementAndFallsWithClutter) {
 TEST(Detect, KeepsTheBestOfNeighboursAndEveryInstance) {
   const std::vector<Candidate> candidates = {CandidateAt(100, 100, 9), CandidateAt(104, 98, 14),
                                              CandidateAt(300, 200, 10), CandidateAt(100, 100, 8, /*model=*/1)};
-  const std::vector<Detection> detections = Detect(candidates, 1, kScene, {});
+  const std::vector<Detection> detections = Detect(candidates, kScene, {});
   ASSERT_EQ(detections.size(), 3U);
   EXPECT_EQ(detections[0].pose.distinct_inliers, 14U);
   EXPECT_EQ(detections[1].pose.distinct_inliers, 10U);
@@ -52,8 +52,8 @@ TEST(Detect, KeepsTheBestOfNeighboursAndEveryInstance) {
 
 TEST(Detect, BoxIsTheOutlineClippedToTheFrame) {
   const std::vector<Candidate> candidates = {CandidateAt(-20, 450, 12)};
-  const std::vector<Detection> detections = Detect(candidates, 1, kScene, {.least_in_view = 0.49});
-  EXPECT_TRUE(Detect(candidates, 1, kScene, {.least_in_view = 0.51}).empty());
+  const std::vector<Detection> detections = Detect(candidates, kScene, {.least_in_view = 0.49});
+  EXPECT_TRUE(Detect(candidates, kScene, {.least_in_view = 0.51}).empty());
   ASSERT_EQ(detections.size(), 1U);
   EXPECT_EQ(detections[0].box, (Box{0, 450, 40, 30}));
   EXPECT_EQ(detections[0].outline[0], Eigen::Vector2d(-20, 450));
@@ -62,16 +62,16 @@ TEST(Detect, BoxIsTheOutlineClippedToTheFrame) {
 TEST(Detect, AgreementInOneCornerIsNoDetection) {
   Candidate corner = CandidateAt(100, 100, 12);
   corner.pose.extent = 0.02;
-  EXPECT_TRUE(Detect(std::span(&corner, 1), 1, kScene, {}).empty());
-  EXPECT_EQ(Detect(std::span(&corner, 1), 1, kScene, {.least_extent = 0.01}).size(), 1U);
+  EXPECT_TRUE(Detect(std::span(&corner, 1), kScene, {}).empty());
+  EXPECT_EQ(Detect(std::span(&corner, 1), kScene, {.least_extent = 0.01}).size(), 1U);
 }
 
 TEST(Detect, WeakOrUnseenCandidatesAreNoDetections) {
   const std::vector<Candidate> weak = {CandidateAt(100, 100, 4)};
-  EXPECT_TRUE(Detect(weak, 253, kScene, {}).empty());
+  EXPECT_TRUE(Detect(weak, kScene, {}).empty());
   const std::vector<Candidate> outside = {CandidateAt(700, 100, 20)};
-  EXPECT_TRUE(Detect(outside, 1, kScene, {}).empty());
-  EXPECT_TRUE(Detect({}, 1, kScene, {}).empty());
+  EXPECT_TRUE(Detect(outside, kScene, {}).empty());
+  EXPECT_TRUE(Detect({}, kScene, {}).empty());
 }
 
 }  // namespace

@@ -59,20 +59,26 @@ Expected<std::vector<std::string>> ModelLibrary::Names() const {
   }
   std::vector<std::string> names;
   for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
-    if (it->path().extension() == kSuffix) names.push_back(it->path().stem().string());
+    std::string name = it->path().stem().string();
+    const bool is_model = it->path().extension() == kSuffix && it->is_regular_file(error) && CheckName(name);
+    if (is_model) names.push_back(std::move(name));
   }
   if (error) return std::unexpected(ErrorFromErrno(error.value(), folder_.string()));
   std::ranges::sort(names);
   return names;
 }
 
+Error ModelLibrary::NotThere(std::string_view name) const {
+  const Expected<std::vector<std::string>> names = Names();
+  if (!names) return names.error();
+  return {ErrorCode::kNotFound, fmt::format("model {} is not in {}; there are: {}", name, folder_.string(),
+                                            names->empty() ? "none" : fmt::format("{}", fmt::join(*names, ", ")))};
+}
+
 Expected<ObjectModel> ModelLibrary::Load(std::string_view name) const {
   VICTORIOUS_RETURN_IF_ERROR(CheckName(name));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::string> names, Names());
-  if (std::ranges::find(names, name) == names.end()) {
-    return Fail(ErrorCode::kNotFound, fmt::format("model {} is not in {}; there are: {}", name, folder_.string(),
-                                                  names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
-  }
+  std::error_code error;
+  if (!fs::exists(PathOf(name), error)) return std::unexpected(NotThere(name));
   VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel model, ReadModelFile(PathOf(name)));
   // The file's name counts: a file may be copied or renamed.
   model.name = name;
@@ -94,9 +100,7 @@ Status ModelLibrary::Remove(std::string_view name) const {
   std::error_code error;
   if (fs::remove(PathOf(name), error)) return {};
   if (error) return std::unexpected(ErrorFromErrno(error.value(), fmt::format("remove {}", PathOf(name).string())));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::string> names, Names());
-  return Fail(ErrorCode::kNotFound, fmt::format("model {} is not in {}; there are: {}", name, folder_.string(),
-                                                names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+  return std::unexpected(NotThere(name));
 }
 
 }  // namespace victorious

@@ -24,7 +24,7 @@ class ModelLibrary {
   /// Writes the model, making the folder if it is not there. Errors: CheckNewName's, and those of writing.
   [[nodiscard]] Status Add(const ObjectModel& model) const;
 
-  /// The names in alphabetical order; kNotFound if there is no such folder.
+  /// The names in alphabetical order, of files that are named as models are; kNotFound if there is no such folder.
   [[nodiscard]] Expected<std::vector<std::string>> Names() const;
 
   [[nodiscard]] Expected<ObjectModel> Load(std::string_view name) const;
@@ -33,6 +33,7 @@ class ModelLibrary {
 
  private:
   [[nodiscard]] std::filesystem::path PathOf(std::string_view name) const;
+  [[nodiscard]] Error NotThere(std::string_view name) const;
 
   std::filesystem::path folder_;
 };

@@ -18,7 +18,8 @@ void PhotoModelOptions::ListFields(FieldList& fields) {
              {.min = 0,
               .max = 512,
               .unit = "px",
-              .reason = "the photo is continued by so much beyond its edges, so that keypoints near them are found"});
+              .reason = "features are computed from the object and so much around it, the photo being continued beyond "
+                        "its edges: so that keypoints near them are found"});
   fields.Add("least_features", least_features,
              {.min = 1, .max = 100000, .reason = "a photo with fewer keypoints on the object is refused"});
 }
@@ -36,63 +37,12 @@ Status CheckBox(const std::string& source, const Box& box, const cv::Size& size)
                   source, box.x, box.y, box.width, box.height, size.width, size.height));
 }
 
-// The object's outline in its mask: the largest part's contour, simplified; the hull of all parts where the largest is
-// not most of it.
-Polygon OutlineOf(const cv::Mat& mask) {
-  std::vector<std::vector<cv::Point>> contours;
-  cv::findContours(mask, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
-  double total = 0;
-  for (const auto& contour : contours) total += cv::contourArea(contour);
-  const auto largest =
-      std::ranges::max_element(contours, {}, [](const auto& contour) { return cv::contourArea(contour); });
-  std::vector<cv::Point> corners;
-  if (largest != contours.end() && cv::contourArea(*largest) > 0.8 * total && total > 0) {
-    cv::approxPolyDP(*largest, corners, 0.004 * cv::arcLength(*largest, true), true);
-  } else {
-    std::vector<cv::Point> all;
-    for (const auto& contour : contours) all.insert(all.end(), contour.begin(), contour.end());
-    cv::convexHull(all, corners);
-  }
-  Polygon outline;
-  for (const cv::Point& corner : corners) outline.emplace_back(corner.x + 0.5, corner.y + 0.5);
-  if (SignedArea(outline) < 0) std::ranges::reverse(outline);
-  return outline;
-}
-
 // What lies outside the object takes the object's mean grey, softly, so that its rim makes no keypoints of its own.
 cv::Mat FlattenBackground(const cv::Mat& grey, const cv::Mat& mask) {
   const double mean = cv::mean(grey, mask)[0];
   cv::Mat result(grey.size(), CV_8UC1, cv::Scalar(mean));
   grey.copyTo(result, mask);
   return result;
-}
-
-bool OnObject(const Photo& photo, const Box& bounds, float x, float y) {
-  if (!bounds.Contains(x, y)) return false;
-  if (photo.mask.empty()) return true;
-  return photo.mask.at<std::uint8_t>(std::min(static_cast<int>(y), photo.mask.rows - 1),
-                                     std::min(static_cast<int>(x), photo.mask.cols - 1)) != 0;
-}
-
-// The photo's features on the object, in pixels of the photo.
-Expected<FeatureSet> FeaturesOnObject(const Photo& photo, const FeatureExtractor& extractor, int margin) {
-  cv::Mat padded;
-  cv::copyMakeBorder(photo.grey, padded, margin, margin, margin, margin, cv::BORDER_REPLICATE);
-  VICTORIOUS_ASSIGN_OR_RETURN(FeatureSet all, extractor.Extract(padded));
-  FeatureSet kept;
-  kept.image_width = photo.grey.cols;
-  kept.image_height = photo.grey.rows;
-  const Box bounds = BoundingBox(photo.outline);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    Keypoint keypoint = all.keypoints[i];
-    keypoint.x -= static_cast<float>(margin);
-    keypoint.y -= static_cast<float>(margin);
-    if (!OnObject(photo, bounds, keypoint.x, keypoint.y)) continue;
-    kept.keypoints.push_back(keypoint);
-    const auto descriptor = all.View().Descriptor(i);
-    kept.descriptors.insert(kept.descriptors.end(), descriptor.begin(), descriptor.end());
-  }
-  return kept;
 }
 
 }  // namespace
@@ -123,7 +73,7 @@ Expected<Photo> PreparePhoto(const std::string& source, const cv::Mat& bgr, cons
                 fmt::format("{}: nothing of the object shows: the alpha channel is transparent {}", source,
                             box ? "in the box" : "everywhere"));
   }
-  photo.outline = OutlineOf(photo.mask);
+  photo.outline = OutlineOfMask(photo.mask);
   if (std::abs(SignedArea(photo.outline)) < 1) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: the object that the alpha channel shows has no area", source));
@@ -148,27 +98,26 @@ Expected<ObjectModel> MakePhotoModel(const std::string& name, std::span<const Ph
                     .views = {},
                     .features = {},
                     .storage = {}};
-  const auto storage = std::make_shared<FeatureSet>();
+  ModelBuilder builder;
   for (const Photo& photo : photos) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, FeaturesOnObject(photo, *extractor, options.margin_px));
+    VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features,
+                                FeaturesOnObject(photo, *extractor, {.margin_px = options.margin_px}));
     if (features.size() < static_cast<std::size_t>(options.least_features)) {
-      return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: {} features on the object, at least {} are needed: "
-                                                           "give a larger or sharper photo of a textured side",
-                                                           photo.source, features.size(), options.least_features));
+      return Fail(
+          ErrorCode::kInvalidArgument,
+          fmt::format("{}: {} features on the object, at least {} are needed: give a larger or sharper photo of "
+                      "a textured side",
+                      photo.source, features.size(), options.least_features));
     }
-    model.views.push_back({.source = photo.source,
-                           .width = photo.grey.cols,
-                           .height = photo.grey.rows,
-                           .first_feature = storage->size(),
-                           .feature_count = features.size(),
-                           .outline = photo.outline,
-                           .angles = std::nullopt});
-    storage->keypoints.insert(storage->keypoints.end(), features.keypoints.begin(), features.keypoints.end());
-    storage->descriptors.insert(storage->descriptors.end(), features.descriptors.begin(), features.descriptors.end());
+    builder.Add({.source = photo.source,
+                 .width = photo.grey.cols,
+                 .height = photo.grey.rows,
+                 .outline = photo.outline,
+                 .angles = {},
+                 .neighbours = {}},
+                features);
   }
-  model.features = storage->View();
-  model.storage = storage;
-  return model;
+  return std::move(builder).Finish(std::move(model));
 }
 
 }  // namespace victorious

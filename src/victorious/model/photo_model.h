@@ -13,18 +13,13 @@
 #include "victorious/base/options.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/box.h"
-#include "victorious/geometry/polygon.h"
+#include "victorious/model/model_builder.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {
 
-/// A picture of the object, ready for features.
-struct Photo {
-  std::string source;  ///< the path as given
-  cv::Mat grey;        ///< CV_8UC1
-  cv::Mat mask;        ///< CV_8UC1, 0 outside the object; empty: all of `outline` is object
-  Polygon outline;     ///< of the object, px
-};
+/// A photo of the object; `source` is its path as given.
+using Photo = ObjectPicture;
 
 struct PhotoModelOptions {
   FeatureOptions features;

@@ -3,11 +3,13 @@
 namespace victorious {
 
 void RunOptions::ListFields(FieldList& fields) {
-  fields.Add("gap_s", gap_s,
-             {.min = 0,
-              .max = 3600,
-              .unit = "s",
-              .reason = "a sighting continues an object that was last seen no longer ago than this"});
+  fields.Add(
+      "gap_s", gap_s,
+      {.min = 0,
+       .max = 3600,
+       .unit = "s",
+       .reason =
+           "a sighting continues an object that was last seen no longer ago than this, or than 2.5 searched frames"});
   fields.Add(
       "least_overlap", least_overlap,
       {.min = 0, .max = 1, .reason = "intersection over union that a sighting's box needs with the object's last one"});

@@ -95,6 +95,12 @@ Expected<IndexReport> Indexer::Index(const std::string& video, bool redo, int th
                                      IndexStore& store) const {
   VICTORIOUS_ASSIGN_OR_RETURN(std::unique_ptr<VideoReader> reader, VideoReader::Open(video, {}));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string content_id, VideoContentId(video, reader->info()));
+  IndexReport report;
+  if (!reader->info().live) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t forgotten, store.ForgetOtherContent(video, content_id));
+    if (forgotten > 0)
+      report.warnings.emplace_back("has changed since it was indexed: what was found before is replaced");
+  }
   VICTORIOUS_ASSIGN_OR_RETURN(const VideoRecord record, store.PutVideo({.content_id = content_id,
                                                                         .name = video,
                                                                         .width = reader->info().width,
@@ -112,7 +118,16 @@ Expected<IndexReport> Indexer::Index(const std::string& video, bool redo, int th
 
   // The models that have frames left, by the first of these frames: each group is searched in one reading.
   std::map<std::int64_t, std::vector<PlannedSearch>> groups;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models_before, store.Models());
   for (const ObjectModel& model : models_) {
+    const bool changed = std::ranges::any_of(models_before, [&](const ModelRecord& before) {
+      return before.name == model.name && before.model_id != model.id;
+    });
+    if (changed) {
+      report.warnings.push_back(fmt::format(
+          "model {} is not the one searched for before: its earlier finds, in other videos too, are dropped",
+          model.name));
+    }
     VICTORIOUS_ASSIGN_OR_RETURN(const ModelRecord stored,
                                 store.PutModel({.name = model.name, .model_id = model.id, .kind = model.kind}));
     if (redo) VICTORIOUS_RETURN_IF_ERROR(store.ForgetSearch(record.id, stored.id));
@@ -129,7 +144,6 @@ Expected<IndexReport> Indexer::Index(const std::string& video, bool redo, int th
   }
   VICTORIOUS_RETURN_IF_ERROR(store.SetVideoFeatures(record.id, parameters.features));
 
-  IndexReport report;
   for (auto& [next_frame, planned] : groups) {
     if (!reader) {
       VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(video, {}));
@@ -151,7 +165,6 @@ Expected<IndexReport> Indexer::Index(const std::string& video, bool redo, int th
     VICTORIOUS_RETURN_IF_ERROR(RunSearchPass(pass, *reader, cancel, store, report));
     reader.reset();
   }
-  report.complete = true;
   return report;
 }
 

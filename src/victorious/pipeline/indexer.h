@@ -19,8 +19,7 @@ namespace victorious {
 struct IndexReport {
   std::int64_t frames_searched = 0;   ///< in this run
   std::int64_t sightings = 0;         ///< found in this run
-  bool complete = false;              ///< the video's end was reached, now or before, for every model
-  std::vector<std::string> warnings;  ///< what of the video was damaged, and where
+  std::vector<std::string> warnings;  ///< one line each: what was damaged and where, what was replaced
 };
 
 /// Searches videos for a set of models and keeps what it finds. One video at a time.

@@ -18,6 +18,8 @@ class RunLinker {
  public:
   explicit RunLinker(const RunOptions& options) : options_(options) {}
 
+  [[nodiscard]] const RunOptions& options() const { return options_; }
+
   /// Takes up where an earlier run stopped.
   /// @param sightings  of the video, the last `gap_s` of them at least, in order of frames
   void Resume(std::span<const ObjectRecord> objects, std::span<const SightingRecord> sightings);

@@ -15,6 +15,9 @@ namespace {
 // A moment ends where the object is missing from kept frames for longer than this.
 constexpr double kLongestGapS = 2.5;
 
+// The strongest features of the example: so many keep the search of an hour within seconds, however rich the picture.
+constexpr int kMostExampleFeatures = 500;
+
 struct Hit {
   std::int64_t video;
   std::int64_t place;  // of the frame among those kept
@@ -28,6 +31,8 @@ Expected<Recognizer> MakeRecognizer(const Photo& example, const VideoRecord& vid
   if (auto status = SetFromJson(json, FieldsOf(model_options.features)); !status) {
     return std::unexpected(std::move(status).error().WithContext(video.name + ": features kept in the index"));
   }
+  int& most = model_options.features.max_features;
+  most = most == 0 ? kMostExampleFeatures : std::min(most, kMostExampleFeatures);
   VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel model,
                               MakePhotoModel("example", std::span(&example, 1), std::nullopt, model_options));
   return Recognizer::Create({std::move(model)}, model_options.features.engine, options);

@@ -137,7 +137,8 @@ TEST(SearchByImage, FramesOfAVideoThatIsNotKnownAreLeftOut) {
   const VideoRecord other =
       store->PutVideo({.content_id = "other", .name = "other.mp4", .width = 1, .height = 1}).value();
   IndexBatch batch;
-  batch.kept_frames.push_back({.video = other.id, .frame = 0, .time_s = 0, .features = {}});
+  batch.kept_frames.push_back(
+      {.video = other.id, .frame = 0, .time_s = 0, .features = {.image_width = 1, .image_height = 1}});
   ASSERT_TRUE(store->Commit(batch));
   EXPECT_THAT(Search(PhotoOf(flight.flight(), 0), *store), SizeIs(2));
 }

@@ -102,14 +102,22 @@ void Search(const SearchPass& pass, Work& work) {
   work.frame.image.release();
 }
 
+// A run may miss a searched frame or two, however far apart these are.
+RunOptions RunsOf(const SearchPass& pass, double frame_rate) {
+  constexpr double kFrames = 2.5;
+  RunOptions runs = pass.options.runs;
+  if (frame_rate > 0) runs.gap_s = std::max(runs.gap_s, kFrames * pass.options.every / frame_rate);
+  return runs;
+}
+
 // Links and stores, in the order of frames. Serial.
 class Sink {
  public:
-  Sink(const SearchPass& pass, IndexStore& store, IndexReport& report)
+  Sink(const SearchPass& pass, double frame_rate, IndexStore& store, IndexReport& report)
       : pass_(pass),
         store_(store),
         report_(report),
-        linker_(pass.options.runs),
+        linker_(RunsOf(pass, frame_rate)),
         next_frame_(pass.searches.front().next_frame),
         committed_frame_(next_frame_),
         last_commit_(Clock::now()) {}
@@ -124,7 +132,7 @@ class Sink {
              std::ranges::find(pass_.searches, object.model, &SearchRecord::model) == pass_.searches.end();
     });
     if (objects.empty()) return {};
-    filter.from_s = std::ranges::max(objects, {}, &ObjectRecord::last_time_s).last_time_s - pass_.options.runs.gap_s;
+    filter.from_s = std::ranges::max(objects, {}, &ObjectRecord::last_time_s).last_time_s - linker_.options().gap_s;
     VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SightingRecord> sightings, store_.Sightings(filter));
     linker_.Resume(objects, sightings);
     return {};
@@ -203,7 +211,7 @@ Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelTo
                      IndexReport& report) {
   namespace tbb = oneapi::tbb;
   Source source(pass, reader, cancel);
-  Sink sink(pass, store, report);
+  Sink sink(pass, reader.info().frame_rate, store, report);
   VICTORIOUS_RETURN_IF_ERROR(sink.Resume());
   Progress progress(pass.video.name, reader.info().frame_count, "frames");
 

@@ -64,11 +64,10 @@ std::optional<Fit> FitByAnnealing(std::span<const PointPair> pairs, const Kind& 
 // A plausible view of the outline: not turned over, not beyond the horizon, convex if it was, not blown up.
 bool KeepsShape(const Eigen::Matrix3d& map, const Similarity2& similarity, const Polygon& outline) {
   constexpr double kMostAreaChange = 3.0;
-  Polygon projected;
-  for (const Eigen::Vector2d& corner : outline) {
-    if (!((map * corner.homogeneous()).z() > 0.1)) return false;
-    projected.push_back(ApplyHomography(map, corner));
-  }
+  const bool before_horizon = std::ranges::all_of(
+      outline, [&](const Eigen::Vector2d& corner) { return (map * corner.homogeneous()).z() > 0.1; });
+  if (!before_horizon) return false;
+  const Polygon projected = ProjectPolygon(map, outline);
   const double ratio = SignedArea(projected) / (SignedArea(outline) * similarity.scale * similarity.scale);
   if (!(ratio > 1 / kMostAreaChange && ratio < kMostAreaChange)) return false;
   return IsConvex(projected) || !IsConvex(outline);

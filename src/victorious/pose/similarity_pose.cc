@@ -104,7 +104,10 @@ std::vector<Pose> EstimatePoses(std::span<const Keypoint> scene, std::span<const
       if (inlier) inlier_pairs.push_back(pairs[i]);
     }
     pose.distinct_inliers = CountDistinct(pose.inliers);
-    if (pose.distinct_inliers < static_cast<std::size_t>(options.least_inliers)) break;
+    rest = std::move(outliers);
+    if (pose.inliers.empty()) break;
+    // A repeated pattern that one template keypoint serves can outnumber a true instance: it is taken out, no more.
+    if (pose.distinct_inliers < static_cast<std::size_t>(options.least_inliers)) continue;
     pose.extent = Extent(inlier_pairs, outline);
     pose.scene_from_template_plane = pose.scene_from_template.Matrix();
     if (options.refine_plane) {
@@ -113,7 +116,6 @@ std::vector<Pose> EstimatePoses(std::span<const Keypoint> scene, std::span<const
           RefinePlane(inlier_pairs, pose.scene_from_template, pose.sigma_px, plane_noise_px, scene_area_px2, outline);
     }
     poses.push_back(std::move(pose));
-    rest = std::move(outliers);
   }
   std::ranges::stable_sort(poses, std::greater{}, &Pose::distinct_inliers);
   return poses;

@@ -91,6 +91,26 @@ TEST(SimilarityPose, CoincidentTemplateKeypointsAreNoSupport) {
   EXPECT_TRUE(World().Poses().empty());
 }
 
+// Three template keypoints that many scene keypoints match (windows of a house) agree with each other better than the
+// object's ten do; they are no instance, and must not hide it.
+TEST(SimilarityPose, ARepeatedPatternHidesNoInstance) {
+  World world = Planar(Similarity2{1.0, 0.3, {60, 50}}.Matrix(), 10, 0.7, 4);
+  const auto first = static_cast<std::uint32_t>(world.model.size());
+  for (const Eigen::Vector2d& window : {Eigen::Vector2d(20, 20), Eigen::Vector2d(60, 20), Eigen::Vector2d(20, 70)}) {
+    const auto keypoint = static_cast<std::uint32_t>(world.model.size());
+    world.Add(window, window + Eigen::Vector2d(350, 250));
+    for (int copy = 1; copy < 5; ++copy) {
+      world.matches.push_back({static_cast<std::uint32_t>(world.scene.size()), keypoint, 0.5F});
+      world.scene.push_back(
+          {static_cast<float>(window.x() + 350 + 0.4 * copy), static_cast<float>(window.y() + 250), 2, 0});
+    }
+  }
+  const std::vector<Pose> poses = world.Poses();
+  ASSERT_EQ(poses.size(), 1U);
+  EXPECT_EQ(poses[0].distinct_inliers, 10U);
+  for (const Match& match : poses[0].inliers) EXPECT_LT(match.model, first);
+}
+
 TEST(SimilarityPose, SameSeedSameResult) {
   const World world = Planar(Similarity2{0.9, 1.0, {200, 100}}.Matrix(), 60, 2.0, 3);
   EXPECT_EQ(world.Poses()[0].scene_from_template_plane, world.Poses()[0].scene_from_template_plane);

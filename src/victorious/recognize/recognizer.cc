@@ -64,12 +64,13 @@ std::vector<Detection> Recognizer::Recognize(const FeatureSet& scene) const {
       candidates.push_back({.model = views_[i].model,
                             .view = views_[i].view,
                             .matches = staged.ratio.size(),
+                            .views = models_[views_[i].model].views.size(),
                             .outline = models_[views_[i].model].views[views_[i].view].outline,
                             .pose = std::move(pose)});
     }
   }
   const SceneSize size{static_cast<double>(scene.image_width), static_cast<double>(scene.image_height)};
-  return Detect(candidates, views_.size(), size, options_.detect);
+  return Detect(candidates, size, options_.detect);
 }
 
 StagedMatches Recognizer::MatchView(const FeatureSet& scene, std::size_t model, std::size_t view) const {

@@ -28,7 +28,7 @@ struct VideoRecord {
   int height = 0;                           ///< px
   std::optional<std::int64_t> frame_count;  ///< known once it was read to its end
   std::optional<double> duration_s;         ///< presentation time of the last frame, known then too
-  std::string features_json;                ///< engine, options and version of the features kept; empty: none kept yet
+  std::string features_json;                ///< the feature options of the features kept; empty: none kept yet
 };
 
 /// A model that was searched for.
@@ -127,6 +127,8 @@ class IndexStore {
 
   /// Adds the video, or finds it by its content and gives it the name as now given.
   virtual Expected<VideoRecord> PutVideo(const VideoRecord& video) = 0;
+  /// Forgets the videos of this name but other content: a file that was changed. Returns how many there were.
+  virtual Expected<std::int64_t> ForgetOtherContent(const std::string& name, const std::string& content_id) = 0;
   virtual Status SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) = 0;
   virtual Status SetVideoFeatures(std::int64_t video, const std::string& features_json) = 0;
   virtual Expected<std::vector<VideoRecord>> Videos() = 0;
@@ -143,7 +145,7 @@ class IndexStore {
   virtual Status ForgetKeptFrames(std::int64_t video) = 0;
 
   /// One transaction. Returns the ids of batch.objects, in their order. A kept frame that is there already stays.
-  /// Errors: kAlreadyExists if another process moved the progress; kNotFound for an object, video or model that is
+  /// Errors: kConflict if another process moved the progress; kNotFound for an object, video or model that is
   /// gone; kInvalidArgument for a sighting that is there already.
   virtual Expected<std::vector<std::int64_t>> Commit(const IndexBatch& batch) = 0;
 

@@ -25,11 +25,6 @@ Expected<std::span<const std::byte>> Find(const SectionFile& file, std::string_v
   return it->bytes;
 }
 
-bool IsUsable(const Keypoint& keypoint) {
-  return std::isfinite(keypoint.x) && std::isfinite(keypoint.y) && std::isfinite(keypoint.orientation_rad) &&
-         std::isfinite(keypoint.scale_px) && keypoint.scale_px > 0;
-}
-
 bool IsFinite(const Point3& point) {
   return std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z);
 }
@@ -69,6 +64,18 @@ Expected<std::span<const Point3>> ParsePoints(const SectionFile& file) {
   return std::span(reinterpret_cast<const Point3*>(it->bytes.data()), it->bytes.size() / sizeof(Point3));
 }
 
+// What searching with the model depends on, and nothing else: not where its pictures lay, nor which version made it.
+std::string IdOf(const ObjectModel& model) {
+  std::string text =
+      fmt::format("{} {} {:016x} {:016x}", model.kind, model.engine, Checksum(std::as_bytes(model.features.keypoints)),
+                  Checksum(std::as_bytes(model.features.descriptors)));
+  for (const ModelView& view : model.views) {
+    text += fmt::format(" {}", view.feature_count);
+    for (const Eigen::Vector2d& corner : view.outline) text += fmt::format(" {},{}", corner.x(), corner.y());
+  }
+  return fmt::format("{:016x}", Checksum(std::as_bytes(std::span(text))));
+}
+
 // `bytes` begin at a multiple of alignof(Keypoint).
 Expected<ObjectModel> ParseAligned(std::span<const std::byte> bytes, std::shared_ptr<const void> storage) {
   VICTORIOUS_ASSIGN_OR_RETURN(const SectionFile file, ParseSections(bytes));
@@ -80,7 +87,7 @@ Expected<ObjectModel> ParseAligned(std::span<const std::byte> bytes, std::shared
   if (Status status = Validate(model); !status) {
     return Fail(ErrorCode::kDataLoss, fmt::format("damaged ({})", status.error().message));
   }
-  model.id = fmt::format("{:016x}", file.content);
+  model.id = IdOf(model);
   model.storage = std::move(storage);
   return model;
 }

@@ -1,6 +1,7 @@
 // Keypoints and their descriptors, of one image.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -22,6 +23,13 @@ struct Keypoint {
   bool operator==(const Keypoint&) const = default;
 };
 static_assert(sizeof(Keypoint) == 16);
+
+/// False for what cannot come from an image: outside bytes are checked with it before they are searched.
+inline bool IsUsable(const Keypoint& keypoint) {
+  constexpr float kFarthest_px = 1e6F;
+  return std::abs(keypoint.x) < kFarthest_px && std::abs(keypoint.y) < kFarthest_px && keypoint.scale_px > 0 &&
+         keypoint.scale_px < kFarthest_px && std::isfinite(keypoint.orientation_rad);
+}
 
 /// A view of keypoints and descriptors that something else owns: keypoint i has descriptors[128 i, 128 (i + 1)).
 struct FeatureView {

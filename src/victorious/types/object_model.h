@@ -45,7 +45,7 @@ struct ModelView {
 /// Immutable once made; copies share the feature storage.
 struct ObjectModel {
   std::string name;
-  std::string id;                  ///< the content's checksum: two models of one id are the same
+  std::string id;                  ///< checksum of what searching depends on: two models of one id find the same
   std::string kind;                ///< "photos" or "cad"
   std::string engine;              ///< the feature engine's name
   std::string options_json;        ///< the options that made it

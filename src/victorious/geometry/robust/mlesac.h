@@ -136,7 +136,8 @@ std::optional<MlesacResult<typename Estimator::Model>> Mlesac(const Estimator& e
   // All samples where they are few; else draws by seed until a better one is unlikely to be missed.
   double combinations = 1;
   for (std::size_t k = 0; k < kSample; ++k) combinations *= static_cast<double>(count - k) / static_cast<double>(k + 1);
-  const bool exhaustive = combinations <= settings.max_hypotheses;
+  constexpr double kFew = 64;
+  const bool exhaustive = combinations <= std::min<double>(kFew, settings.max_hypotheses);
   std::array<std::uint32_t, kSample> sample;
   std::iota(sample.begin(), sample.end(), 0U);
   Random random(settings.seed);

@@ -1,5 +1,6 @@
 #include "victorious/store/sqlite/records.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -84,6 +85,13 @@ Expected<KeptFrame> ReadKeptFrame(const Statement& row, std::string_view name) {
                 fmt::format("{}: the index is damaged ({} keypoints with {} bytes of descriptors, expected {} each): "
                             "restore it from a copy, or index again",
                             name, features.size(), features.descriptors.size(), kDescriptorSize));
+  }
+  const bool has_size = features.keypoints.empty() || (features.image_width > 0 && features.image_height > 0);
+  if (!has_size || !std::ranges::all_of(features.keypoints, IsUsable)) {
+    return Fail(ErrorCode::kDataLoss,
+                fmt::format("{}: the index is damaged (a kept frame with a keypoint that is no place in an image): "
+                            "restore it from a copy, or index again",
+                            name));
   }
   return kept;
 }

@@ -94,6 +94,14 @@ Expected<VideoRecord> SqliteStore::PutVideo(const VideoRecord& video) {
   return stored;
 }
 
+Expected<std::int64_t> SqliteStore::ForgetOtherContent(const std::string& name, const std::string& content_id) {
+  // What hangs on the old content goes with it (ON DELETE CASCADE).
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement forget,
+                              connection_->Prepare("DELETE FROM videos WHERE name = ? AND content_id <> ?"));
+  VICTORIOUS_RETURN_IF_ERROR(forget.Bind(name, content_id).Run());
+  return connection_->Changes();
+}
+
 Status SqliteStore::SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) {
   VICTORIOUS_ASSIGN_OR_RETURN(Statement update,
                               connection_->Prepare("UPDATE videos SET frame_count = ?, duration_s = ? WHERE id = ?"));
@@ -176,7 +184,7 @@ Status SqliteStore::PutProgress(const IndexBatch::Progress& progress) {
   const SearchRecord& search = progress.search;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before, FindSearch(search.video, search.model));
   if ((before ? before->next_frame : 0) != progress.expected_next_frame) {
-    return Fail(ErrorCode::kAlreadyExists,
+    return Fail(ErrorCode::kConflict,
                 fmt::format("{}: another process is indexing the same video (it is at frame {}, this one was at {}): "
                             "let it finish, or stop it and run this again",
                             connection_->name(), before ? before->next_frame : 0, progress.expected_next_frame));

@@ -15,6 +15,7 @@ class SqliteStore final : public IndexStore {
   explicit SqliteStore(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
 
   Expected<VideoRecord> PutVideo(const VideoRecord& video) override;
+  Expected<std::int64_t> ForgetOtherContent(const std::string& name, const std::string& content_id) override;
   Status SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) override;
   Status SetVideoFeatures(std::int64_t video, const std::string& features_json) override;
   Expected<std::vector<VideoRecord>> Videos() override;

@@ -1,0 +1,142 @@
+#include "victorious/model/model_builder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include <opencv2/imgproc.hpp>
+
+namespace victorious {
+namespace {
+
+// A descriptor looks at 4 x 4 cells of 3 sigma each around its keypoint, the outer ones faintly.
+constexpr float kDescriptorReach = 4.5F;
+
+// The share of a square that is object, from the mask's integral.
+double ShareOfObject(const cv::Mat& integral, float x, float y, float reach) {
+  const int x0 = std::clamp(static_cast<int>(std::floor(x - reach)), 0, integral.cols - 1);
+  const int y0 = std::clamp(static_cast<int>(std::floor(y - reach)), 0, integral.rows - 1);
+  const int x1 = std::clamp(static_cast<int>(std::ceil(x + reach)), 0, integral.cols - 1);
+  const int y1 = std::clamp(static_cast<int>(std::ceil(y + reach)), 0, integral.rows - 1);
+  const int inside =
+      integral.at<int>(y1, x1) - integral.at<int>(y0, x1) - integral.at<int>(y1, x0) + integral.at<int>(y0, x0);
+  const double area = 4.0 * reach * reach;
+  return inside / std::max(1.0, area);
+}
+
+// Which keypoints are the object's.
+class OnObject {
+ public:
+  OnObject(const ObjectPicture& picture, double least_share)
+      : bounds_(BoundingBox(picture.outline)), mask_(picture.mask), least_share_(least_share) {
+    if (!mask_.empty() && least_share > 0) cv::integral((mask_ != 0) / 255, integral_, CV_32S);
+  }
+
+  [[nodiscard]] bool operator()(const Keypoint& keypoint) const {
+    if (!bounds_.Contains(keypoint.x, keypoint.y)) return false;
+    if (mask_.empty()) return true;
+    const int column = std::min(static_cast<int>(keypoint.x), mask_.cols - 1);
+    const int row = std::min(static_cast<int>(keypoint.y), mask_.rows - 1);
+    if (mask_.at<std::uint8_t>(row, column) == 0) return false;
+    return integral_.empty() ||
+           ShareOfObject(integral_, keypoint.x, keypoint.y, kDescriptorReach * keypoint.scale_px) >= least_share_;
+  }
+
+ private:
+  Box bounds_;
+  cv::Mat mask_;
+  double least_share_;
+  cv::Mat integral_;
+};
+
+// The object with its surroundings: the picture's own where it has them, its rim continued beyond.
+struct Surroundings {
+  cv::Mat grey;
+  int x = 0;  // of the cut's left upper corner, in the picture
+  int y = 0;
+};
+
+Surroundings CutOut(const ObjectPicture& picture, int margin) {
+  const Box bounds = BoundingBox(picture.outline);
+  const int x0 = static_cast<int>(std::floor(bounds.x)) - margin;
+  const int y0 = static_cast<int>(std::floor(bounds.y)) - margin;
+  const int x1 = static_cast<int>(std::ceil(bounds.x + bounds.width)) + margin;
+  const int y1 = static_cast<int>(std::ceil(bounds.y + bounds.height)) + margin;
+  const cv::Rect inside = cv::Rect(x0, y0, x1 - x0, y1 - y0) & cv::Rect({0, 0}, picture.grey.size());
+  Surroundings result{.grey = {}, .x = x0, .y = y0};
+  cv::copyMakeBorder(picture.grey(inside), result.grey, inside.y - y0, y1 - inside.br().y, inside.x - x0,
+                     x1 - inside.br().x, cv::BORDER_REPLICATE | cv::BORDER_ISOLATED);
+  return result;
+}
+
+}  // namespace
+
+Expected<FeatureSet> FeaturesOnObject(const ObjectPicture& picture, const FeatureExtractor& extractor,
+                                      const OnObjectOptions& options) {
+  const Surroundings surroundings = CutOut(picture, options.margin_px);
+  VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet all, extractor.Extract(surroundings.grey));
+  FeatureSet kept;
+  kept.image_width = picture.grey.cols;
+  kept.image_height = picture.grey.rows;
+  const OnObject on_object(picture, options.least_mask_share);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    Keypoint keypoint = all.keypoints[i];
+    keypoint.x += static_cast<float>(surroundings.x);
+    keypoint.y += static_cast<float>(surroundings.y);
+    if (!on_object(keypoint)) continue;
+    kept.keypoints.push_back(keypoint);
+    const auto descriptor = all.View().Descriptor(i);
+    kept.descriptors.insert(kept.descriptors.end(), descriptor.begin(), descriptor.end());
+  }
+  return kept;
+}
+
+Polygon OutlineOfMask(const cv::Mat& mask) {
+  // Contours run through the centres of the outermost pixels: on a mask of twice the size they come within a quarter
+  // pixel of the edge.
+  cv::Mat doubled;
+  cv::resize(mask, doubled, {}, 2, 2, cv::INTER_NEAREST);
+  std::vector<std::vector<cv::Point>> contours;
+  cv::findContours(doubled, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+  double total = 0;
+  for (const auto& contour : contours) total += cv::contourArea(contour);
+  const auto largest =
+      std::ranges::max_element(contours, {}, [](const auto& contour) { return cv::contourArea(contour); });
+  std::vector<cv::Point> corners;
+  if (largest != contours.end() && cv::contourArea(*largest) > 0.8 * total && total > 0) {
+    cv::approxPolyDP(*largest, corners, 0.004 * cv::arcLength(*largest, true), true);
+  } else {
+    std::vector<cv::Point> all;
+    for (const auto& contour : contours) all.insert(all.end(), contour.begin(), contour.end());
+    if (!all.empty()) cv::convexHull(all, corners);
+  }
+  Polygon outline;
+  for (const cv::Point& corner : corners) outline.emplace_back((corner.x + 0.5) / 2, (corner.y + 0.5) / 2);
+  if (SignedArea(outline) < 0) std::ranges::reverse(outline);
+  return outline;
+}
+
+void ModelBuilder::Add(ModelView view, const FeatureSet& features, const std::vector<Point3>& points) {
+  view.first_feature = features_.size();
+  view.feature_count = features.size();
+  views_.push_back(std::move(view));
+  features_.keypoints.insert(features_.keypoints.end(), features.keypoints.begin(), features.keypoints.end());
+  features_.descriptors.insert(features_.descriptors.end(), features.descriptors.begin(), features.descriptors.end());
+  points_.insert(points_.end(), points.begin(), points.end());
+}
+
+ObjectModel ModelBuilder::Finish(ObjectModel model) && {
+  struct Storage {
+    FeatureSet features;
+    std::vector<Point3> points;
+  };
+  const auto storage = std::make_shared<const Storage>(std::move(features_), std::move(points_));
+  model.views = std::move(views_);
+  model.features = storage->features.View();
+  model.points_in_model = storage->points;
+  model.storage = storage;
+  return model;
+}
+
+}  // namespace victorious
