@@ -7,7 +7,7 @@ MOVIE is a folder with video.mp4 and truth.jsonl. Of each object one box is cut 
 one photo; the movie is indexed with all of them and scored. The frame is that of the median box among those in which
 the object is fully visible; then, for each seed, one drawn at random among those in which more than 0.9 of it is.
 Printed are the totals of `victorious evaluate --json`, the same counts an object (right, wrong, clear rows), and every
-wrong sighting with the overlap that it has with the truth of its own model and of any object.
+wrong sighting with its overlap with the true box.
 """
 
 import argparse
@@ -146,8 +146,8 @@ def report(program: Program, movie: Movie, rows: list[dict], db: Path) -> None:
             f"  wrong: {sighting['model']} in frame {sighting['frame']} at {box}, score {sighting['score']:.3f},"
             f" {sighting['matches']} matches, overlap with the truth {own:.2f}"
         )
-    precision, recall = score["sighting_precision"], score["sighting_recall"]
-    print(f"  all: sighting precision {precision:.3f}, recall {recall:.3f}\n", flush=True)
+    shown = {key: "-" if score[key] is None else f"{score[key]:.3f}" for key in ("sighting_precision", "sighting_recall")}
+    print(f"  all: sighting precision {shown['sighting_precision']}, recall {shown['sighting_recall']}\n", flush=True)
 
 
 def main() -> None:
@@ -158,6 +158,8 @@ def main() -> None:
     parser.add_argument("--params", help="parameters of the index run, JSON")
     parser.add_argument("--work", type=Path, help="keep pictures, models and indexes here (a new folder)")
     arguments = parser.parse_args()
+    if arguments.work and arguments.work.exists():
+        parser.error(f"--work {arguments.work}: exists already; name a new folder")
     program = Program(arguments.program)
     with tempfile.TemporaryDirectory() as scratch:
         work = arguments.work or Path(scratch)
