@@ -1,0 +1,177 @@
+#!/usr/bin/env python3
+"""How well crops of a movie's own objects are found again in the whole movie.
+
+Usage: crops_in_movie.py MOVIE... [--program build/victorious] [--seeds N] [--params FILE] [--work DIR]
+
+MOVIE is a folder with video.mp4 and truth.jsonl. Of each object one box is cut out of one frame and becomes a model of
+one photo; the movie is indexed with all of them and scored. The frame is that of the median box among those in which
+the object is fully visible; then, for each seed, one drawn at random among those in which more than 0.9 of it is.
+Printed are the totals of `victorious evaluate --json`, the same counts an object (right, wrong, clear rows), and every
+wrong sighting with its overlap with the true box.
+"""
+
+import argparse
+import json
+import random
+import subprocess
+import sys
+import tempfile
+from collections import Counter, defaultdict
+from pathlib import Path
+from typing import Iterator
+
+CLEAR_VISIBLE = 0.5  # as `victorious evaluate` counts
+CLEAR_SIDE_PX = 24
+LEAST_OVERLAP = 0.4
+CROP_VISIBLE = 0.9
+LEAST_ROWS = 10
+
+
+class Movie:
+    def __init__(self, folder: Path):
+        self.folder = folder
+        self.video = folder / "video.mp4"
+        self.truth = folder / "truth.jsonl"
+        rows = [json.loads(line) for line in self.truth.read_text().splitlines()]
+        self.rows_of = defaultdict(list)  # by object
+        self.rows_in = defaultdict(list)  # by frame
+        for row in rows:
+            self.rows_of[row["object"]].append(row)
+            self.rows_in[row["frame"]].append(row)
+
+
+def is_clear(row: dict) -> bool:
+    return row["visible"] >= CLEAR_VISIBLE and min(row["box"][2:]) >= CLEAR_SIDE_PX
+
+
+def overlap(a: list[float], b: list[float]) -> float:
+    width = min(a[0] + a[2], b[0] + b[2]) - max(a[0], b[0])
+    height = min(a[1] + a[3], b[1] + b[3]) - max(a[1], b[1])
+    common = max(0.0, width) * max(0.0, height)
+    return common / (a[2] * a[3] + b[2] * b[3] - common)
+
+
+def choose_rows(movie: Movie, seed: int | None) -> list[dict]:
+    """One row a model; nothing for an object that is never in full view."""
+    chosen = {}
+    for name, rows in sorted(movie.rows_of.items()):
+        full = [row for row in rows if row["visible"] > CROP_VISIBLE]
+        if not full or rows[0]["model"] in chosen:
+            continue
+        if seed is None:
+            most = max(row["visible"] for row in full)
+            fullest = [row for row in full if row["visible"] >= min(most, 0.99)]
+            fullest.sort(key=lambda row: row["box"][2] * row["box"][3])
+            row = fullest[len(fullest) // 2]
+        else:
+            row = random.Random(f"{seed} {name}").choice(full)
+        chosen[row["model"]] = row
+    return list(chosen.values())
+
+
+class Program:
+    def __init__(self, path: str):
+        self.path = path
+
+    def __call__(self, *arguments: object) -> str:
+        done = subprocess.run([self.path, *map(str, arguments)], capture_output=True, text=True)
+        if done.returncode != 0:
+            sys.exit(f"{self.path} {' '.join(map(str, arguments))}: {done.stderr.strip()}")
+        return done.stdout
+
+
+def index_crops(program: Program, movie: Movie, rows: list[dict], params: str | None, work: Path) -> Path:
+    """The index of the movie, searched for the crops."""
+    work.mkdir(parents=True)
+    for row in rows:
+        picture = work / f"{row['model']}.png"
+        program("frame", movie.video, "--number", row["frame"], "--out", picture)
+        box = ",".join(str(side) for side in row["box"])
+        program("model", "add", row["model"], picture, "--box", box, "--models", work / "models")
+    db = work / "index.db"
+    extra = ["--params", params] if params else []
+    program("index", movie.video, "--models", work / "models", "--db", db, *extra)
+    return db
+
+
+def pair(movie: Movie, sightings: list[dict]) -> Iterator[tuple[dict, dict | None]]:
+    """Each sighting with the row of truth that it shows, best score first within a frame and a model."""
+    taken = set()
+    for sighting in sorted(sightings, key=lambda s: -s["score"]):
+        candidates = [
+            row
+            for row in movie.rows_in[sighting["frame"]]
+            if row["model"] == sighting["model"]
+            and (row["object"], row["frame"]) not in taken
+            and overlap(row["box"], sighting["box"]) >= LEAST_OVERLAP
+        ]
+        row = max(candidates, key=lambda row: overlap(row["box"], sighting["box"]), default=None)
+        if row:
+            taken.add((row["object"], row["frame"]))
+        yield sighting, row
+
+
+def ratio(part: int, whole: int) -> str:
+    return f"{part / whole:6.3f}" if whole else "     -"
+
+
+def report(program: Program, movie: Movie, rows: list[dict], db: Path) -> None:
+    models = sorted(row["model"] for row in rows)
+    score = json.loads(program("evaluate", "--db", db, "--truth", movie.truth, "--models", ",".join(models), "--json"))
+    sightings = [json.loads(line) for line in program("export", "--db", db, "--format", "sightings").splitlines()]
+    right, wrong, clear = Counter(), Counter(), Counter()
+    wrong_ones = []
+    for sighting, row in pair(movie, sightings):
+        if row is None:
+            wrong[sighting["model"]] += 1
+            wrong_ones.append(sighting)
+        elif is_clear(row):
+            right[sighting["model"]] += 1
+    for object_rows in movie.rows_of.values():
+        clear_rows = sum(map(is_clear, object_rows))
+        if clear_rows >= LEAST_ROWS:
+            clear[object_rows[0]["model"]] += clear_rows
+    for row in rows:
+        model, box = row["model"], ",".join(str(side) for side in row["box"])
+        print(
+            f"  {model:<20} frame {row['frame']:>3} box {box:<16} precision"
+            f" {ratio(right[model], right[model] + wrong[model])} recall {ratio(right[model], clear[model])}"
+            f"  right {right[model]:>3} wrong {wrong[model]:>3} clear {clear[model]:>3}"
+        )
+    for sighting in sorted(wrong_ones, key=lambda s: (s["model"], s["frame"])):
+        there = movie.rows_in[sighting["frame"]]
+        own = max((overlap(r["box"], sighting["box"]) for r in there if r["model"] == sighting["model"]), default=0.0)
+        box = ",".join(f"{side:.0f}" for side in sighting["box"])
+        print(
+            f"  wrong: {sighting['model']} in frame {sighting['frame']} at {box}, score {sighting['score']:.3f},"
+            f" {sighting['matches']} matches, overlap with the truth {own:.2f}"
+        )
+    shown = {key: "-" if score[key] is None else f"{score[key]:.3f}" for key in ("sighting_precision", "sighting_recall")}
+    print(f"  all: sighting precision {shown['sighting_precision']}, recall {shown['sighting_recall']}\n", flush=True)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("movies", nargs="+", type=Path, metavar="MOVIE")
+    parser.add_argument("--program", default="build/victorious")
+    parser.add_argument("--seeds", type=int, default=3, help="random choices of frames besides the median one")
+    parser.add_argument("--params", help="parameters of the index run, JSON")
+    parser.add_argument("--work", type=Path, help="keep pictures, models and indexes here (a new folder)")
+    arguments = parser.parse_args()
+    if arguments.work and arguments.work.exists():
+        parser.error(f"--work {arguments.work}: exists already; name a new folder")
+    program = Program(arguments.program)
+    with tempfile.TemporaryDirectory() as scratch:
+        work = arguments.work or Path(scratch)
+        for folder in arguments.movies:
+            movie = Movie(folder)
+            for seed in [None, *range(1, arguments.seeds + 1)]:
+                choice = "median" if seed is None else f"seed {seed}"
+                print(f"{folder.name}, {choice}:")
+                rows = choose_rows(movie, seed)
+                db = index_crops(program, movie, rows, arguments.params, work / folder.name / choice.replace(" ", "-"))
+                report(program, movie, rows, db)
+
+
+if __name__ == "__main__":
+    main()

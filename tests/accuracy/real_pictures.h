@@ -1,0 +1,59 @@
+// Real pictures whose truth is known: $VICTORIOUS_DATA/real/recognition.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+
+#include "victorious/geometry/box.h"
+#include "victorious/geometry/polygon.h"
+#include "victorious/recognize/recognizer.h"
+#include "victorious/types/feature_set.h"
+#include "victorious/types/object_model.h"
+
+namespace victorious::testing {
+
+/// Below $VICTORIOUS_DATA.
+inline constexpr std::string_view kRecognitionData = "real/recognition";
+
+FeatureSet FeaturesOf(const cv::Mat& grey);
+
+/// A model of one photo, with the default options.
+ObjectModel ModelOf(const std::string& name, const cv::Mat& bgr, const std::optional<Box>& box = std::nullopt);
+
+Recognizer RecognizerOf(std::vector<ObjectModel> models);
+
+/// A series of pictures of one flat thing: img1.png, img2.png, … and H1to2p, … from the first to the others.
+class Series {
+ public:
+  /// @param name  "graf", "boat" or "wall"
+  explicit Series(std::string_view name);
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] cv::Mat Picture(int number) const;
+  /// picture_from_first, for the first pixel's centre at (0.5, 0.5). (The files are for centres at integers.)
+  [[nodiscard]] Eigen::Matrix3d FromFirst(int number) const;
+
+ private:
+  std::string name_;
+  std::filesystem::path folder_;
+};
+
+/// The map from template to scene that OpenCV finds by itself: its SIFT, its matcher, its RANSAC.
+Eigen::Matrix3d HomographyByOpenCv(const cv::Mat& template_grey, const cv::Mat& scene_grey);
+
+Polygon Project(const Polygon& outline, const Eigen::Matrix3d& map);
+
+/// Overlap of a found outline with the true one (convex), both as they are and both clipped to the picture.
+struct OutlineAgreement {
+  double whole = 0;
+  double in_view = 0;
+};
+OutlineAgreement CompareOutlines(const Polygon& found, const Polygon& truth, const cv::Size& picture);
+
+}  // namespace victorious::testing
