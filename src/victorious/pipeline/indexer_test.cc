@@ -278,7 +278,7 @@ TEST(Indexer, CancelledAndGoneOnWithItGivesWhatOneRunGives) {
       break;
     }
     ASSERT_EQ(report.error().code, ErrorCode::kCancelled) << report.error().message;
-    EXPECT_THAT(report.error().message, HasSubstr("run again"));
+    EXPECT_THAT(report.error().message, AllOf(HasSubstr(flight.video()), HasSubstr("run again")));
     const std::int64_t next = store->FindSearch(1, 1).value().value().next_frame;
     EXPECT_GT(next, frames);
     EXPECT_LT(next, 72);

@@ -234,7 +234,8 @@ Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelTo
   VICTORIOUS_RETURN_IF_ERROR(sink.Commit(source.at_end()));
   VICTORIOUS_RETURN_IF_ERROR(source.status());
   if (!source.at_end()) {
-    return Fail(ErrorCode::kCancelled, fmt::format("stopped at frame {}; run again to go on", sink.next_frame()));
+    return Fail(ErrorCode::kCancelled,
+                fmt::format("{}: stopped at frame {}: run again to go on", pass.video.name, sink.next_frame()));
   }
   return store.SetVideoLength(pass.video.id, source.frames_read(), source.last_time_s());
 }
