@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_pipeline.h>
 #include <oneapi/tbb/task_arena.h>
 
@@ -210,6 +211,8 @@ Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelTo
   const int threads =
       pass.threads > 0 ? pass.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   Status status;
+  // An arena alone gets no more threads than the machine has processors, and oneTBB says so on stderr.
+  const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
   tbb::task_arena arena(threads);
   arena.execute([&] {
     const auto read =
