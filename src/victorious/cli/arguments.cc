@@ -1,5 +1,6 @@
 #include "victorious/cli/arguments.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
@@ -53,6 +54,12 @@ Status WriteOutput(const std::string& path, std::string_view text) {
     return std::unexpected(ErrorFromErrno(errno, "write to standard output"));
   }
   return {};
+}
+
+std::string OneLine(std::string text) {
+  constexpr char kDelete = 0x7f;
+  std::ranges::replace_if(text, [](char c) { return static_cast<unsigned char>(c) < ' ' || c == kDelete; }, '?');
+  return text;
 }
 
 CancelToken& Interrupt() {

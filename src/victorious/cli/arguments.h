@@ -25,6 +25,9 @@ Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields);
 /// Writes to stdout, or to a file (whole or not at all) where `path` is not empty.
 Status WriteOutput(const std::string& path, std::string_view text);
 
+/// The text with its control characters (of a file's name, say) replaced by '?': a message stays one line.
+std::string OneLine(std::string text);
+
 /// Set by SIGINT and SIGTERM.
 CancelToken& Interrupt();
 
