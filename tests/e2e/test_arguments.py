@@ -81,6 +81,23 @@ class ArgumentsTest(program.ProgramTest):
             with self.subTest(arguments):
                 self.refuses_unchanged(words, *arguments)
 
+    def test_times(self):
+        for command in (("export", "--format", "sightings"), ("search",), ("search", "--image", CRATE)):
+            for words, times in (
+                (("--from 3", "--to 2"), ("--from", "3", "--to", "2")),
+                ("--from", ("--from", "soon")),
+                ("--from", ("--from", "nan")),
+                ("--to", ("--to", "nan")),
+            ):
+                with self.subTest(f"{command} {times}"):
+                    self.refuses_unchanged(words, *command, "--db", INDEX, *times)
+        self.refuses_unchanged(
+            ("--from 3", "--to 2"), "sheet", "--db", INDEX, "--out", self.scratch / "x.png", "--from", "3", "--to", "2"
+        )
+        for words, at in (("--at", "-1"), ("--at", "nan"), ("before what was asked for", "99")):
+            self.refuses_unchanged(words, "frame", VIDEO, "--at", at, "--out", self.scratch / "x.png")
+        self.refuses_unchanged("--number", "frame", VIDEO, "--number", "-1", "--out", self.scratch / "x.png")
+
     def test_names_that_are_not_in_the_index(self):
         for command in (
             ("export", "--format", "objects"),

@@ -39,7 +39,8 @@ struct FilterArguments {
   std::optional<double> to_s;
 
   void AddTo(CLI::App& app, bool with_model);
-  [[nodiscard]] SightingFilter Filter() const;
+  /// Errors: kInvalidArgument for times that are no numbers, or that end before they begin.
+  [[nodiscard]] Expected<SightingFilter> Filter() const;
 };
 
 }  // namespace victorious::cli

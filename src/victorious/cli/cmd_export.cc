@@ -24,10 +24,11 @@ Action SetUpExport(CLI::App& app) {
   arguments->filter.AddTo(app, /*with_model=*/true);
   return [=]() -> Status {
     VICTORIOUS_ASSIGN_OR_RETURN(const ExportFormat format, ParseExportFormat(arguments->format));
+    VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
                                 OpenSqliteStore(arguments->db, StoreMode::kRead));
     std::ostringstream text;
-    VICTORIOUS_RETURN_IF_ERROR(Export(*store, format, arguments->filter.Filter(), text));
+    VICTORIOUS_RETURN_IF_ERROR(Export(*store, format, filter, text));
     return WriteOutput(arguments->out, text.view());
   };
 }
