@@ -129,6 +129,14 @@ class ArgumentsTest(program.ProgramTest):
                 self.refuses_unchanged(words, "model", "add", "x", CRATE, f"--box={box}", "--models", models)
                 self.refuses_unchanged(words, "search", "--db", INDEX, "--image", CRATE, f"--box={box}")
 
+    def test_flags_may_stand_in_any_order(self):
+        models = self.scratch / "models"
+        box = ("--box", "10,10,150,150")
+        self.succeeds("model", "add", *box, "first", CRATE, "--models", models)
+        self.succeeds("model", "add", "--models", models, "second", *box, CRATE)
+        self.succeeds("model", "add", "third", CRATE, CRATE, "--models", models, *box, *box)
+        self.succeeds("evaluate", "--models", "crate,truck", "--db", INDEX, "--truth", program.flight() / "truth.jsonl")
+
     def test_model_names(self):
         models = self.scratch / "models"
         for name in ("", "a/b", "../a", ".hidden", "two words", "naïve", "a\nb", "a\x1b[31mb", "x" * 101):

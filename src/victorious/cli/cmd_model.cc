@@ -146,8 +146,9 @@ Action SetUpModel(CLI::App& app) {
   add->add_option("NAME", arguments->name, "What the object is called from now on")->required();
   add->add_option("INPUT", arguments->inputs, "Photos (PNG, JPEG); an alpha channel or --box cuts the object out")
       ->required();
-  add->add_option("--box", arguments->boxes, "The object in the photo, x,y,w,h in pixels; one a photo")
-      ->type_name("X,Y,W,H");
+  add->add_option("--box", arguments->boxes, "The object in the photo, x,y,w,h in pixels; one a photo, in their order")
+      ->type_name("X,Y,W,H")
+      ->allow_extra_args(false);  // what follows a box is no other box
   add->add_option("--length", arguments->length_m, "The object's longest side, metres")->type_name("M");
   add->add_option("--params", arguments->params, "Parameters, JSON (`victorious params model` lists them)")
       ->type_name("FILE");
