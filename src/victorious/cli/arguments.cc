@@ -1,11 +1,13 @@
 #include "victorious/cli/arguments.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -55,6 +57,12 @@ Status WriteOutput(const std::string& path, std::string_view text) {
   return {};
 }
 
+std::string OneLine(std::string text) {
+  constexpr char kDelete = 0x7f;
+  std::ranges::replace_if(text, [](char c) { return static_cast<unsigned char>(c) < ' ' || c == kDelete; }, '?');
+  return text;
+}
+
 CancelToken& Interrupt() {
   static CancelToken token;
   static const bool installed = [] {
@@ -74,7 +82,15 @@ void FilterArguments::AddTo(CLI::App& app) {
   app.add_option("--to", to_s, "Only up to this time of the video, seconds")->type_name("S");
 }
 
-SightingFilter FilterArguments::Filter() const {
+Expected<SightingFilter> FilterArguments::Filter() const {
+  for (const auto& [flag, time_s] : {std::pair("--from", from_s), std::pair("--to", to_s)}) {
+    if (time_s && !std::isfinite(*time_s))
+      return Fail(ErrorCode::kInvalidArgument, fmt::format("{} {}: must be a number of seconds", flag, *time_s));
+  }
+  if (from_s && to_s && *from_s > *to_s) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--from {:g} lies after --to {:g}: give a time and a later one", *from_s, *to_s));
+  }
   SightingFilter filter;
   if (!model.empty()) filter.model_name = model;
   if (!video.empty()) filter.video_name = video;

@@ -25,6 +25,9 @@ Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields);
 /// Writes to stdout (`path` empty or "-"), or to a file, whole or not at all.
 Status WriteOutput(const std::string& path, std::string_view text);
 
+/// The text with its control characters (of a file's name, say) replaced by '?': a message stays one line.
+std::string OneLine(std::string text);
+
 /// Set by SIGINT and SIGTERM.
 CancelToken& Interrupt();
 
@@ -36,7 +39,8 @@ struct FilterArguments {
   std::optional<double> to_s;
 
   void AddTo(CLI::App& app);
-  [[nodiscard]] SightingFilter Filter() const;
+  /// Errors: kInvalidArgument for times that are no numbers, or that end before they begin.
+  [[nodiscard]] Expected<SightingFilter> Filter() const;
 };
 
 }  // namespace victorious::cli

@@ -29,10 +29,11 @@ Action SetUpExport(CLI::App& app) {
     if (std::filesystem::equivalent(arguments->db, arguments->out, error)) {
       return Fail(ErrorCode::kInvalidArgument, "--out is the index itself: give another file");
     }
+    VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
                                 OpenSqliteStore(arguments->db, StoreMode::kRead));
     std::ostringstream text;
-    VICTORIOUS_RETURN_IF_ERROR(Export(*store, format, arguments->filter.Filter(), text));
+    VICTORIOUS_RETURN_IF_ERROR(Export(*store, format, filter, text));
     return WriteOutput(arguments->out, text.view());
   };
 }

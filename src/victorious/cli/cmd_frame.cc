@@ -25,6 +25,9 @@ Status Run(const Arguments& arguments) {
   if (arguments.at_s.has_value() == arguments.number.has_value()) {
     return Fail(ErrorCode::kInvalidArgument, "give either --at or --number");
   }
+  if (arguments.at_s && !(*arguments.at_s >= 0)) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("--at {:g}: must be seconds from 0 on", *arguments.at_s));
+  }
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(arguments.video, {.color = FrameColor::kBgr}));
   std::optional<Frame> last;
   while (true) {
@@ -45,7 +48,9 @@ Action SetUpFrame(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("VIDEO", arguments->video, "A file or a folder of frames")->required();
   app.add_option("--at", arguments->at_s, "The first frame at this time or later, seconds")->type_name("S");
-  app.add_option("--number", arguments->number, "The frame of this number, from 0")->type_name("N");
+  app.add_option("--number", arguments->number, "The frame of this number, from 0")
+      ->type_name("N")
+      ->check(CLI::NonNegativeNumber);
   app.add_option("--out", arguments->out, "The picture (.png, .jpg)")->required()->type_name("FILE");
   return [=] { return Run(*arguments); };
 }

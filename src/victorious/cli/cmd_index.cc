@@ -44,8 +44,9 @@ Status Run(const Arguments& arguments) {
       if (report.error().code == ErrorCode::kCancelled) break;
       continue;
     }
-    for (const std::string& warning : report->warnings) spdlog::warn("{}: {}", video, warning);
-    spdlog::info("{}: {} frames searched, {} sightings{}", video, report->frames_searched, report->sightings,
+    for (const std::string& warning : report->warnings)
+      spdlog::warn("{}", OneLine(fmt::format("{}: {}", video, warning)));
+    spdlog::info("{}: {} frames searched, {} sightings{}", OneLine(video), report->frames_searched, report->sightings,
                  report->frames_searched == 0 ? " (all of it was indexed before)" : "");
   }
   if (failure) return std::unexpected(*std::move(failure));

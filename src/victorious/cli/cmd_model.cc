@@ -169,10 +169,10 @@ Action SetUpModel(CLI::App& app) {
   add->add_option("INPUT", arguments->inputs, "Photos (PNG, JPEG); an alpha channel or --box cuts the object out")
       ->required();
   add->add_option("--box", arguments->boxes, "The object in the photo, x,y,w,h in pixels; one a photo, in their order")
+      ->type_name("X,Y,W,H")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->allow_extra_args(false)
-      ->type_name("X,Y,W,H");
+      ->allow_extra_args(false);  // what follows a box is no other box
   add->add_option("--length", arguments->length_m, "The object's longest side, metres")->type_name("M");
   add->add_option("--draw", arguments->draw, "Draw the photos with what is cut out of them into this picture")
       ->type_name("FILE");

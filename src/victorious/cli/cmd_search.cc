@@ -31,8 +31,9 @@ std::string TimeText(double seconds) {
   return fmt::format("{}:{:05.2f}", minutes, seconds - 60.0 * minutes);
 }
 
-Status ListObjects(const Arguments& arguments, const Catalogue& catalogue, IndexStore& store) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto objects, store.Objects(arguments.filter.Filter()));
+Status ListObjects(const Arguments& arguments, const SightingFilter& filter, const Catalogue& catalogue,
+                   IndexStore& store) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto objects, store.Objects(filter));
   std::string text;
   if (!arguments.json)
     text = fmt::format("{:>4}  {:<20} {:>6} {:>7}  {:>9} {:>9}  {:>6}  {}\n", "rank", "model", "score", "frames",
@@ -63,7 +64,7 @@ Status ListObjects(const Arguments& arguments, const Catalogue& catalogue, Index
   return WriteOutput("", text);
 }
 
-Status ListMoments(const Arguments& arguments, IndexStore& store) {
+Status ListMoments(const Arguments& arguments, const SightingFilter& filter, IndexStore& store) {
   IndexOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
   std::optional<Box> box;
@@ -72,7 +73,7 @@ Status ListMoments(const Arguments& arguments, IndexStore& store) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const Photo example, LoadPhoto(arguments.image, box));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Moment> moments,
-                              SearchByImage(example, arguments.filter.Filter(), options.recognize, store));
+                              SearchByImage(example, filter, options.recognize, store));
   std::string text;
   if (!arguments.json)
     text = fmt::format("{:>4}  {:>6} {:>9} {:>9} {:>9}  {:>24}  {}\n", "rank", "score", "best at", "from", "to",
@@ -123,10 +124,12 @@ Status Run(const Arguments& arguments) {
   if (arguments.image.empty() && !(arguments.box.empty() && arguments.params.empty())) {
     return Fail(ErrorCode::kInvalidArgument, "--box and --params go with --image");
   }
+  VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments.filter.Filter());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenSqliteStore(arguments.db, StoreMode::kRead));
-  VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(*store, arguments.filter.Filter()));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(*store, filter));
   VICTORIOUS_RETURN_IF_ERROR(WarnOfUnfinished(catalogue, *store));
-  return arguments.image.empty() ? ListObjects(arguments, catalogue, *store) : ListMoments(arguments, *store);
+  return arguments.image.empty() ? ListObjects(arguments, filter, catalogue, *store)
+                                 : ListMoments(arguments, filter, *store);
 }
 
 }  // namespace

@@ -26,10 +26,10 @@ Action SetUpSheet(CLI::App& app) {
   app.add_option("--columns", arguments->options.columns, "Pictures in a row")->type_name("N");
   arguments->filter.AddTo(app);
   return [=]() -> Status {
+    VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
                                 OpenSqliteStore(arguments->db, StoreMode::kRead));
-    VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat sheet,
-                                DrawContactSheet(arguments->filter.Filter(), arguments->options, *store));
+    VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat sheet, DrawContactSheet(filter, arguments->options, *store));
     return WriteImage(arguments->out, sheet);
   };
 }

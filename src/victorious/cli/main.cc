@@ -14,6 +14,7 @@
 #include <spdlog/spdlog.h>
 
 #include "victorious/base/version.h"
+#include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 
 namespace victorious::cli {
@@ -36,7 +37,7 @@ constexpr std::array kCommands = {
 };
 
 int Fail(const Error& error) {
-  spdlog::error("{}", error.message);
+  spdlog::error("{}", OneLine(error.message));
   return ExitStatus(error.code);
 }
 

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <set>
+#include <thread>
 #include <utility>
 
 #include <gmock/gmock.h>
@@ -277,7 +278,7 @@ TEST(Indexer, CancelledAndGoneOnWithItGivesWhatOneRunGives) {
       break;
     }
     ASSERT_EQ(report.error().code, ErrorCode::kCancelled) << report.error().message;
-    EXPECT_THAT(report.error().message, HasSubstr("run again"));
+    EXPECT_THAT(report.error().message, AllOf(HasSubstr(flight.video()), HasSubstr("run again")));
     const std::int64_t next = store->FindSearch(1, 1).value().value().next_frame;
     EXPECT_GT(next, frames);
     EXPECT_LT(next, 72);
@@ -337,6 +338,17 @@ TEST(Indexer, AnyNumberOfThreadsGivesTheSame) {
   }
   EXPECT_EQ(contents[0], contents[1]);
   EXPECT_THAT(contents[0], HasSubstr("crate"));
+}
+
+// More than the machine has processors, too: nothing but progress may stand on stderr.
+TEST(Indexer, AnyNumberOfThreadsIsTakenWithoutAWord) {
+  const DrawnFlight flight(ShortFlight(4));
+  const auto store = flight.Store("index.db");
+  RunSetup run;
+  run.threads = static_cast<int>(std::thread::hardware_concurrency()) + 3;
+  ::testing::internal::CaptureStderr();
+  Index(flight.video(), flight.Models(), *store, run);
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(), Not(HasSubstr("Warning")));
 }
 
 TEST(Indexer, TheSameContentUnderAnotherNameIsTheSameVideo) {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_pipeline.h>
 #include <oneapi/tbb/task_arena.h>
 
@@ -218,6 +219,8 @@ Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelTo
   const int threads =
       pass.threads > 0 ? pass.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   Status status;
+  // An arena alone gets no more threads than the machine has processors, and oneTBB says so on stderr.
+  const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
   tbb::task_arena arena(threads);
   arena.execute([&] {
     const auto read =
@@ -242,7 +245,8 @@ Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelTo
   VICTORIOUS_RETURN_IF_ERROR(sink.Commit(source.at_end()));
   VICTORIOUS_RETURN_IF_ERROR(source.status());
   if (!source.at_end()) {
-    return Fail(ErrorCode::kCancelled, fmt::format("stopped at frame {}; run again to go on", sink.next_frame()));
+    return Fail(ErrorCode::kCancelled,
+                fmt::format("{}: stopped at frame {}: run again to go on", pass.video.name, sink.next_frame()));
   }
   return store.SetVideoLength(pass.video.id, source.frames_read(), source.last_time_s());
 }

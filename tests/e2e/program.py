@@ -1,0 +1,137 @@
+"""What the end-to-end tests share: the program as a child process, a drawn flight, and what an error looks like."""
+
+import atexit
+import functools
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from typing import NamedTuple
+
+SKIPPED = 77  # exit status of a file whose tests were all skipped
+FRAMES = 40  # of the drawn flight
+PROGRESS = re.compile(r"^.+: \d+( of \d+)? \w+, [\d.]+ a second$")
+REPOSITORY = Path(__file__).resolve().parents[2]
+
+
+def path_from_environment(name: str) -> Path:
+    if name not in os.environ:
+        sys.exit(f"{name} is not set: run this by ctest, or set it to the built program")
+    return Path(os.environ[name]).resolve()
+
+
+PROGRAM = path_from_environment("VICTORIOUS_PROGRAM")
+DRAW_FLIGHT = path_from_environment("VICTORIOUS_DRAW_FLIGHT")
+
+
+class Outcome(NamedTuple):
+    status: int
+    out: str
+    err: str
+
+    def messages(self) -> list[str]:
+        """The lines on stderr that are not progress."""
+        return [line for line in self.err.splitlines() if not PROGRESS.match(line)]
+
+    def rows(self) -> list[dict]:
+        """Standard output as JSON Lines."""
+        return [json.loads(line) for line in self.out.splitlines()]
+
+
+def run(*arguments, timeout_s: float = 120, **options) -> Outcome:
+    done = subprocess.run(
+        [PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=timeout_s, check=False, **options
+    )
+    return Outcome(done.returncode, done.stdout, done.stderr)
+
+
+def folder_until_exit() -> Path:
+    folder = Path(tempfile.mkdtemp(prefix="victorious-e2e-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder
+
+
+@functools.cache
+def flight(frames: int = FRAMES) -> Path:
+    """A folder with flight.mkv, flight.mp4, truth.jsonl and photos (draw_flight.cc). Not to be written to."""
+    folder = folder_until_exit()
+    subprocess.run([DRAW_FLIGHT, folder, str(frames)], check=True)
+    return folder
+
+
+@functools.cache
+def models() -> Path:
+    """A library with the crate and the truck. Not to be written to."""
+    folder = folder_until_exit() / "models"
+    for name in ("crate", "truck"):
+        done = run("model", "add", name, flight() / f"{name}.png", "--models", folder)
+        assert done.status == 0, done.err
+    return folder
+
+
+@functools.cache
+def index() -> Path:
+    """An index of flight.mkv. Only to be read."""
+    path = folder_until_exit() / "index.db"
+    done = run("index", flight() / "flight.mkv", "--models", models(), "--db", path)
+    assert done.status == 0, done.err
+    return path
+
+
+def plain_picture(path: Path, width: int = 160, height: int = 120) -> Path:
+    """A picture without features: plain grey."""
+    path.write_bytes(b"P6\n%d %d\n255\n" % (width, height) + b"\x80" * (3 * width * height))
+    return path
+
+
+class ProgramTest(unittest.TestCase):
+    maxDiff = 4000
+
+    def setUp(self):
+        self.scratch = Path(tempfile.mkdtemp(prefix="victorious-e2e-"))
+        self.addCleanup(shutil.rmtree, self.scratch, ignore_errors=True)
+
+    def succeeds(self, *arguments, **options) -> Outcome:
+        done = run(*arguments, **options)
+        self.assertEqual(done.status, 0, done.err)
+        return done
+
+    def refuses(self, status: int, words, *arguments, **options) -> str:
+        """The program ends with `status`, one line of error that holds every one of `words`, and no result."""
+        done = run(*arguments, **options)
+        said = f"{' '.join(map(str, arguments))}\n{done.err}"
+        self.assertEqual(done.status, status, said)
+        self.assertEqual(done.out, "", said)
+        messages = done.messages()
+        self.assertEqual(len(messages), 1, said)
+        self.assertRegex(messages[0], r"^error: ", said)
+        for word in [words] if isinstance(words, (str, Path)) else words:
+            self.assertIn(str(word), messages[0], said)
+        return messages[0]
+
+    def files(self) -> dict[str, bytes]:
+        """What lies in the scratch folder, by name."""
+        return {
+            str(path.relative_to(self.scratch)): path.read_bytes() for path in self.scratch.rglob("*") if path.is_file()
+        }
+
+    def write(self, name: str, content) -> Path:
+        path = self.scratch / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return path
+
+    def export(self, db: Path, form: str, *flags) -> str:
+        return self.succeeds("export", "--db", db, "--format", form, *flags).out
+
+
+def main():
+    result = unittest.main(module="__main__", exit=False).result
+    if not result.wasSuccessful():
+        sys.exit(1)
+    sys.exit(SKIPPED if result.testsRun > 0 and len(result.skipped) == result.testsRun else 0)

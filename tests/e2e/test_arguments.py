@@ -1,0 +1,165 @@
+"""Bad usage: exit status 2 and one line that says what would be right; nothing is written."""
+
+import unittest
+
+import program
+
+VIDEO, MODELS, INDEX = program.flight() / "flight.mkv", program.models(), program.index()
+CRATE = program.flight() / "crate.png"
+
+
+class ArgumentsTest(program.ProgramTest):
+    def refuses_unchanged(self, words, *arguments):
+        before = self.files()
+        self.refuses(2, words, *arguments)
+        self.assertEqual(self.files(), before, arguments)
+
+    def test_commands(self):
+        self.refuses_unchanged("subcommand")
+        self.refuses_unchanged("frobnicate", "frobnicate")
+        self.refuses_unchanged("subcommand is required", "--frobnicate")
+        self.refuses_unchanged("subcommand", "model")
+        self.refuses_unchanged("subcommand", "model", "rename", "--models", MODELS)
+
+    def test_required_flags(self):
+        out = self.scratch / "out"
+        for words, arguments in (
+            ("VIDEO", ("index", "--models", MODELS, "--db", out)),
+            ("--models", ("index", VIDEO, "--db", out)),
+            ("--db", ("index", VIDEO, "--models", MODELS)),
+            ("--db", ("search",)),
+            ("--format", ("export", "--db", INDEX)),
+            ("--truth", ("evaluate", "--db", INDEX)),
+            ("--out", ("sheet", "--db", INDEX)),
+            ("--out", ("features", CRATE)),
+            ("TEMPLATE", ("match", CRATE)),
+            ("INPUT", ("model", "add", "crate", "--models", out)),
+            ("--models", ("model", "list")),
+            ("NAME", ("model", "show", "--models", MODELS)),
+            ("--at or --number", ("frame", VIDEO, "--out", out)),
+        ):
+            with self.subTest(arguments):
+                self.refuses_unchanged(words, *arguments)
+
+    def test_flags_that_are_unknown_or_have_no_sense(self):
+        out = self.scratch / "out.png"
+        for words, arguments in (
+            ("--colour", ("search", "--db", INDEX, "--colour", "red")),
+            ("extra", ("export", "--db", INDEX, "--format", "mot", "extra")),
+            ("--at or --number", ("frame", VIDEO, "--at", "0", "--number", "0", "--out", out)),
+            ("--image and --model", ("search", "--db", INDEX, "--image", CRATE, "--model", "crate")),
+            ("go with --image", ("search", "--db", INDEX, "--box", "1,2,3,4")),
+            ("boxes for 1 photos", ("model", "add", "x", CRATE, "--box", "1,1,9,9", "--box", "1,1,9,9", "--models", out)),
+        ):
+            with self.subTest(arguments):
+                self.refuses_unchanged(words, *arguments)
+
+    def test_values(self):
+        db, out = self.scratch / "new.db", self.scratch / "out"
+        index = ("index", VIDEO, "--models", MODELS, "--db", db)
+        for words, arguments in (
+            ("every = 0", (*index, "--every", "0")),
+            ("every = -3", (*index, "--every", "-3")),
+            ("--every", (*index, "--every", "two")),
+            ("--every", (*index, "--every", "99999999999")),
+            ("--threads", (*index, "--threads", "-1")),
+            ("--threads", (*index, "--threads", "1e3")),
+            ("most_tiles = 0", ("sheet", "--db", INDEX, "--out", out, "--most", "0")),
+            ("columns = 0", ("sheet", "--db", INDEX, "--out", out, "--columns", "0")),
+            ("ratio = 1.5", ("match", CRATE, CRATE, "--ratio", "1.5")),
+            ("ratio = 0", ("match", CRATE, CRATE, "--ratio", "0")),
+            ("ratio = nan", ("match", CRATE, CRATE, "--ratio", "nan")),
+            ("engine", ("features", CRATE, "--out", out, "--engine", "nobody")),
+            ("--length", ("model", "add", "x", CRATE, "--models", out, "--length", "0")),
+            ("--length", ("model", "add", "x", CRATE, "--models", out, "--length", "-2")),
+            ("--length", ("model", "add", "x", CRATE, "--models", out, "--length", "nan")),
+            ("--length", ("model", "add", "x", CRATE, "--models", out, "--length", "big")),
+            ("one of objects, sightings", ("export", "--db", INDEX, "--format", "excel")),
+            ("one of objects, sightings", ("export", "--db", INDEX, "--format", "")),
+            ("params", ("params", "everything")),
+        ):
+            with self.subTest(arguments):
+                self.refuses_unchanged(words, *arguments)
+
+    def test_times(self):
+        for command in (("export", "--format", "sightings"), ("search",), ("search", "--image", CRATE)):
+            for words, times in (
+                (("--from 3", "--to 2"), ("--from", "3", "--to", "2")),
+                ("--from", ("--from", "soon")),
+                ("--from", ("--from", "nan")),
+                ("--to", ("--to", "nan")),
+            ):
+                with self.subTest(f"{command} {times}"):
+                    self.refuses_unchanged(words, *command, "--db", INDEX, *times)
+        self.refuses_unchanged(
+            ("--from 3", "--to 2"), "sheet", "--db", INDEX, "--out", self.scratch / "x.png", "--from", "3", "--to", "2"
+        )
+        for words, at in (("--at", "-1"), ("--at", "nan"), ("before what was asked for", "99")):
+            self.refuses_unchanged(words, "frame", VIDEO, "--at", at, "--out", self.scratch / "x.png")
+        self.refuses_unchanged("--number", "frame", VIDEO, "--number", "-1", "--out", self.scratch / "x.png")
+
+    def test_names_that_are_not_in_the_index(self):
+        for command in (
+            ("export", "--format", "objects"),
+            ("search",),
+            ("sheet", "--out", self.scratch / "sheet.png"),
+        ):
+            with self.subTest(command):
+                self.refuses_unchanged(("nope.mp4", "flight.mkv"), *command, "--db", INDEX, "--video", "nope.mp4")
+                self.refuses_unchanged(("tank", "crate, truck"), *command, "--db", INDEX, "--model", "tank")
+        # The end of a name counts part by part.
+        self.refuses_unchanged("light.mkv", "search", "--db", INDEX, "--video", "light.mkv")
+        self.refuses_unchanged(("tank", "crate, truck"), "model", "show", "tank", "--models", MODELS)
+        self.refuses_unchanged(("tank", "crate, truck"), "model", "remove", "tank", "--models", MODELS)
+        truth = program.flight() / "truth.jsonl"
+        self.refuses_unchanged("nope", "evaluate", "--db", INDEX, "--truth", truth, "--video", "nope")
+
+    def test_boxes(self):
+        models = self.scratch / "models"
+        for box in ("1,2,3", "1,2,3,4,5", "a,b,c,d", "1, 2,3,4", "1;2;3;4", "1,2,3,4px", "nan,0,9,9", "0,0,inf,9",
+                    "1e999,0,5,5", "crate.png"):  # fmt: skip
+            with self.subTest(box):
+                self.refuses_unchanged((box, "x,y,w,h"), "model", "add", "x", CRATE, f"--box={box}", "--models", models)
+        for box in ("5,5,0,10", "5,5,10,-1"):
+            self.refuses_unchanged((box, "above 0"), "model", "add", "x", CRATE, f"--box={box}", "--models", models)
+        self.refuses_unchanged("--box", "model", "add", "x", CRATE, "--models", models, "--box")
+        for box in ("-1,0,20,20", "170,0,20,20", "0,0,181,100", "500,500,10,10"):
+            with self.subTest(box):
+                words = ("crate.png", "inside the photo", "0,0,180,180")
+                self.refuses_unchanged(words, "model", "add", "x", CRATE, f"--box={box}", "--models", models)
+                self.refuses_unchanged(words, "search", "--db", INDEX, "--image", CRATE, f"--box={box}")
+
+    def test_flags_may_stand_in_any_order(self):
+        models = self.scratch / "models"
+        box = ("--box", "10,10,150,150")
+        self.succeeds("model", "add", *box, "first", CRATE, "--models", models)
+        self.succeeds("model", "add", "--models", models, "second", *box, CRATE)
+        self.succeeds("model", "add", "third", CRATE, CRATE, "--models", models, *box, *box)
+        self.succeeds("evaluate", "--models", "crate,truck", "--db", INDEX, "--truth", program.flight() / "truth.jsonl")
+
+    def test_model_names(self):
+        models = self.scratch / "models"
+        for name in ("", "a/b", "../a", ".hidden", "two words", "naïve", "a\nb", "a\x1b[31mb", "x" * 101):
+            with self.subTest(name):
+                self.refuses_unchanged("letters, digits", "model", "add", name, CRATE, "--models", models)
+                self.refuses_unchanged("letters, digits", "model", "show", name, "--models", MODELS)
+                self.refuses_unchanged("letters, digits", "model", "remove", name, "--models", MODELS)
+        self.succeeds("model", "add", "crate", CRATE, "--models", models)
+        self.refuses_unchanged(("crate", "another name"), "model", "add", "crate", CRATE, "--models", models)
+
+    def test_control_characters_do_not_break_the_line(self):
+        line = self.refuses(2, "no such file", "index", "a\nb\r\x1bc.mp4", "--models", MODELS, "--db", self.scratch / "db")
+        self.assertNotRegex(line, r"[\x00-\x1f]")
+        line = self.refuses(2, "", "index", VIDEO, "--models", "a\nb", "--db", self.scratch / "db", "--no\nflag")
+        self.assertNotRegex(line, r"[\x00-\x1f]")
+
+    def test_help_and_version(self):
+        self.assertRegex(self.succeeds("--version").out, r"^\d+\.\d+\.\d+\n$")
+        told = self.succeeds("--help").out
+        for command in ("model", "index", "export", "search", "features", "match", "evaluate", "doctor"):
+            self.assertIn(command, told)
+        self.assertIn("--models", self.succeeds("index", "--help").out)
+
+
+if __name__ == "__main__":
+    program.main()

@@ -1,0 +1,67 @@
+"""What `features` writes."""
+
+import json
+import math
+import unittest
+
+import program
+
+
+class FeaturesTest(program.ProgramTest):
+    def test_a_line_each_with_128_numbers(self):
+        out = self.scratch / "features.txt"
+        self.assertEqual(self.succeeds("features", program.flight() / "crate.png", "--out", out).out, "")
+        lines = out.read_text().splitlines()
+        count, size = lines[0].split(" ")
+        self.assertEqual(size, "128")
+        self.assertEqual(int(count), len(lines) - 1)
+        self.assertGreater(len(lines), 100)
+        for line in lines[1:]:
+            numbers = line.split(" ")
+            self.assertEqual(len(numbers), 4 + 128)
+            x, y, scale, orientation = map(float, numbers[:4])
+            self.assertTrue(0 <= x <= 180 and 0 <= y <= 180, line[:40])
+            self.assertTrue(0.5 < scale < 100, line[:40])
+            self.assertLessEqual(abs(orientation), math.pi + 1e-4)
+            descriptor = [int(number) for number in numbers[4:]]
+            self.assertTrue(0 <= min(descriptor) and max(descriptor) <= 255)
+            length = math.sqrt(sum(value * value for value in descriptor))
+            self.assertTrue(400 < length < 600, length)  # the unit vector times 512, rounded and clipped
+
+    def test_places_follow_the_picture(self):
+        """White discs on black: the middle of the first pixel lies at 0.5, 0.5."""
+
+        def keypoints(name, cx, cy):
+            rows = bytes(
+                255 if math.hypot(x + 0.5 - cx, y + 0.5 - cy) < 6 else 0 for y in range(100) for x in range(120)
+            )
+            picture = self.write(name + ".pgm", b"P5\n120 100\n255\n" + rows)
+            out = self.scratch / (name + ".txt")
+            self.succeeds("features", picture, "--out", out)
+            return [tuple(map(float, line.split(" ")[:4])) for line in out.read_text().splitlines()[1:]]
+
+        for cx, cy in ((40.0, 30.0), (80.0, 70.0), (40.5, 30.5)):
+            found = keypoints("disc", cx, cy)
+            self.assertGreater(len(found), 0)
+            blob = max(found, key=lambda keypoint: keypoint[2])
+            self.assertAlmostEqual(blob[0], cx, delta=0.3)
+            self.assertAlmostEqual(blob[1], cy, delta=0.3)
+            self.assertAlmostEqual(blob[2], 6 / math.sqrt(2), delta=1.2)  # a disc's scale is its radius over root 2
+
+    def test_a_picture_without_features_has_none(self):
+        out = self.scratch / "features.txt"
+        self.succeeds("features", program.plain_picture(self.scratch / "plain.ppm"), "--out", out)
+        self.assertEqual(out.read_text(), "0 128\n")
+
+    def test_engine_and_parameters(self):
+        engine = json.loads(self.succeeds("params", "features", "--json").out)["engine"]
+        few = self.write("few.json", '{"max_features": 10}')
+        out = self.scratch / "features.txt"
+        self.succeeds(
+            "features", program.flight() / "crate.png", "--out", out, "--engine", engine, "--params", few
+        )
+        self.assertLessEqual(int(out.read_text().split(" ")[0]), 12)
+
+
+if __name__ == "__main__":
+    program.main()

@@ -1,0 +1,77 @@
+"""--params: unknown names and values out of range are refused, all of them in one line, and nothing is written."""
+
+import json
+import unittest
+
+import program
+
+VIDEO, MODELS, INDEX = program.flight() / "flight.mkv", program.models(), program.index()
+CRATE = program.flight() / "crate.png"
+
+
+class ParamsTest(program.ProgramTest):
+    def refuses_params(self, text, words, name="params.json"):
+        params = self.write(name, text)
+        before = self.files()
+        out = self.scratch / "out"
+        words = [words] if isinstance(words, str) else words
+        for command in (
+            ("index", VIDEO, "--models", MODELS, "--db", out),
+            ("match", CRATE, CRATE),
+            ("search", "--db", INDEX, "--image", CRATE),
+        ):
+            with self.subTest(command[0]):
+                self.refuses(2, [params, *words], *command, "--params", params)
+                self.assertEqual(self.files(), before)
+
+    def test_names(self):
+        self.refuses_params('{"match": {"ration": 0.7}}', ["match.ration", "unknown", "match.ratio"])
+        self.refuses_params('{"frobnicate": 1}', ["frobnicate", "unknown"])
+        self.refuses_params('{"match": {"ratio": 0.7}, "match.ratio": 0.7}', "given twice")
+        self.refuses_params('{"": 1}', "unknown")
+        self.refuses_params('{"a\\nb": 1}', "unknown")
+
+    def test_values(self):
+        self.refuses_params('{"match": {"ratio": 7}}', ["match.ratio = 7", "to 1"])
+        self.refuses_params('{"match": {"ratio": "high"}}', ["match.ratio", "a number"])
+        self.refuses_params('{"match": 3}', "match")
+        self.refuses_params('{"match": {"ratio": [0.7]}}', ["match.ratio", "a number"])
+        self.refuses_params('{"every": 2.5}', ["every = 2.5", "a whole number"])
+        self.refuses_params('{"features": {"engine": "nobody"}}', ["features.engine", "one of opencv"])
+        self.refuses_params(
+            '{"every": 0, "match": {"ratio": 7}, "runs": {"gap": 1}}', ["every = 0", "match.ratio = 7", "runs.gap"]
+        )
+
+    def test_files(self):
+        for text in ("", "ratio = 0.7", '{"match": {"ratio": 0.7}', '{"match": {"ratio": 1e999}}', "\xff\xfe", "{" * 9999):
+            self.refuses_params(text.encode("latin-1"), "not JSON")
+        for text in ("[1, 2]", "3", "null", '"match"'):
+            self.refuses_params(text, "JSON object")
+        out = self.scratch / "out"
+        for params in (self.scratch / "none.json", self.scratch):
+            self.refuses(2, params, "index", VIDEO, "--models", MODELS, "--db", out, "--params", params)
+            self.assertFalse(out.exists())
+
+    def test_other_commands_parameters(self):
+        out = self.scratch / "out"
+        params = self.write("params.json", '{"least_features": 0, "match": {"ratio": 0.7}}')
+        self.refuses(
+            2, ["least_features = 0", "match"], "model", "add", "x", CRATE, "--models", out, "--params", params
+        )
+        params = self.write("params.json", '{"octave_layers": 0}')
+        self.refuses(2, "octave_layers = 0", "features", CRATE, "--out", out, "--params", params)
+        self.assertFalse(out.exists())
+
+    def test_the_defaults_are_accepted(self):
+        for of, command in (
+            ("index", ("match", CRATE, CRATE)),
+            ("model", ("model", "add", "x", CRATE, "--models", self.scratch / "models")),
+            ("features", ("features", CRATE, "--out", self.scratch / "features.txt")),
+        ):
+            told = self.succeeds("params", of, "--json").out
+            json.loads(told)
+            self.succeeds(*command, "--params", self.write(f"{of}.json", told))
+
+
+if __name__ == "__main__":
+    program.main()
