@@ -99,6 +99,7 @@ class MediaReader : public VideoReader {
         decoder_(std::move(decoder)),
         packet_(av_packet_alloc()),
         frame_(av_frame_alloc()),
+        ahead_(av_frame_alloc()),
         clock_(ClockOf(demuxer_->video())),
         stamped_(HasTimeStamps(demuxer_->container())) {
     demuxer_->KeepStreams([&](const AVStream& stream) {
@@ -116,6 +117,9 @@ class MediaReader : public VideoReader {
 
  private:
   bool DecodeNext();
+  bool Decode(AVFrame* frame);
+  [[nodiscard]] std::optional<std::int64_t> StampOf(const AVFrame& frame) const;
+  std::optional<std::int64_t> FollowingStamp();
   double ReadClock();
   void NoteDamage(double time_s);
   void FeedDecoder();
@@ -133,7 +137,9 @@ class MediaReader : public VideoReader {
   std::unique_ptr<Demuxer> demuxer_;
   CodecHandle decoder_;
   PacketHandle packet_;
-  FrameHandle frame_;  ///< the frame decoded last
+  FrameHandle frame_;  ///< the frame at hand
+  FrameHandle ahead_;  ///< the one after it, where has_ahead_
+  bool has_ahead_ = false;
   FrameClock clock_;
   DamageLog damage_;
   DataTrack data_;
@@ -148,7 +154,8 @@ class MediaReader : public VideoReader {
 };
 
 Status MediaReader::Start() {
-  if (!packet_ || !frame_) return Fail(ErrorCode::kInternal, fmt::format("{}: no memory for a frame", source_.name));
+  if (!packet_ || !frame_ || !ahead_)
+    return Fail(ErrorCode::kInternal, fmt::format("{}: no memory for a frame", source_.name));
   if (!DecodeNext()) {
     const std::string reason = damage_.lines().empty() ? stop_reason_ : damage_.lines().front();
     return Fail(ErrorCode::kDataLoss, fmt::format("{}: no frame of its video can be decoded{}{}", source_.name,
@@ -176,8 +183,14 @@ Expected<std::optional<Frame>> MediaReader::NextFrame() {
 
 // Leaves the next frame in frame_; false at the end.
 bool MediaReader::DecodeNext() {
+  if (!std::exchange(has_ahead_, false)) return Decode(frame_.get());
+  std::swap(frame_, ahead_);
+  return true;
+}
+
+bool MediaReader::Decode(AVFrame* frame) {
   for (int errors = 0; errors < kMaxDecodeErrors;) {
-    const int result = avcodec_receive_frame(decoder_.get(), frame_.get());
+    const int result = avcodec_receive_frame(decoder_.get(), frame);
     if (result == 0) return true;
     if (result == AVERROR_EOF || (result == AVERROR(EAGAIN) && draining_)) return false;
     if (result == AVERROR(EAGAIN)) {
@@ -191,13 +204,22 @@ bool MediaReader::DecodeNext() {
   return false;
 }
 
+std::optional<std::int64_t> MediaReader::StampOf(const AVFrame& frame) const {
+  if (!stamped_ || frame.best_effort_timestamp == AV_NOPTS_VALUE) return std::nullopt;
+  return frame.best_effort_timestamp;
+}
+
+std::optional<std::int64_t> MediaReader::FollowingStamp() {
+  has_ahead_ = has_ahead_ || Decode(ahead_.get());
+  return has_ahead_ ? StampOf(*ahead_) : std::nullopt;
+}
+
 // The time of frame_.
 double MediaReader::ReadClock() {
-  const std::int64_t pts = frame_->best_effort_timestamp;
   const double duration_s = static_cast<double>(frame_->pkt_duration) * av_q2d(demuxer_->video().time_base);
-  const auto reading = clock_.Next(stamped_ && pts != AV_NOPTS_VALUE ? std::optional(pts) : std::nullopt, duration_s);
+  const auto reading = clock_.Next(StampOf(*frame_), duration_s, [&] { return FollowingStamp(); });
   if (reading.repaired) {
-    damage_.Add("a time stamp that does not go forwards; the frame follows the one before", reading.time_s);
+    damage_.Add("a damaged time stamp; the frame follows the one before", reading.time_s);
   }
   return reading.time_s;
 }
