@@ -126,7 +126,8 @@ class MediaReader : public VideoReader {
   void TakePacket();
   void StopReading(int result);
   void Finish();
-  void FillInfo(Orientation orientation);
+  cv::Size SquareSize();
+  void FillInfo(Orientation orientation, cv::Size size);
   [[nodiscard]] Orientation DisplayOrientation() const;
   [[nodiscard]] std::optional<double> VideoDuration() const;
   [[nodiscard]] bool DurationIsTheVideos() const;
@@ -144,7 +145,8 @@ class MediaReader : public VideoReader {
   DamageLog damage_;
   DataTrack data_;
   std::optional<FrameConverter> converter_;
-  bool stamped_;  ///< the container has time stamps
+  cv::Size stored_size_;  ///< of the first frame
+  bool stamped_;          ///< the container has time stamps
   VideoInfo info_;
   std::optional<double> first_time_s_;  ///< of Start()'s frame, until that is delivered
   bool draining_ = false;               ///< no packets are left
@@ -163,8 +165,10 @@ Status MediaReader::Start() {
   }
   first_time_s_ = ReadClock();
   const Orientation orientation = DisplayOrientation();
-  converter_.emplace(options_.color, orientation, cv::Size(frame_->width, frame_->height));
-  FillInfo(orientation);
+  stored_size_ = {frame_->width, frame_->height};
+  const cv::Size size = SquareSize();
+  converter_.emplace(options_.color, orientation, size);
+  FillInfo(orientation, size);
   return {};
 }
 
@@ -228,10 +232,10 @@ void MediaReader::NoteDamage(double time_s) {
   if ((frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame_->decode_error_flags != 0) {
     damage_.Add("a frame that is damaged in part", time_s);
   }
-  const cv::Size size = converter_->stored_size();
-  if (cv::Size(frame_->width, frame_->height) != size) {
-    damage_.Add(fmt::format("a frame of another size than the first; it is scaled to {} x {}", size.width, size.height),
-                time_s);
+  if (cv::Size(frame_->width, frame_->height) != stored_size_) {
+    damage_.Add(
+        fmt::format("a frame of another size than the first; it is scaled to {} x {}", info_.width, info_.height),
+        time_s);
   }
 }
 
@@ -291,12 +295,28 @@ void MediaReader::Finish() {
                               stop_reason_.empty() ? "the rest is missing or damaged" : stop_reason_));
 }
 
-void MediaReader::FillInfo(Orientation orientation) {
+// The size at which the pixels of the first frame are square.
+cv::Size MediaReader::SquareSize() {
+  constexpr double kNearlySquare = 0.005;  // a rounded ratio, not worth resampling
+  constexpr double kMostAspect = 10;
+  const AVRational ratio = av_guess_sample_aspect_ratio(nullptr, &demuxer_->video(), frame_.get());
+  if (ratio.num <= 0 || ratio.den <= 0 || std::abs(av_q2d(ratio) - 1) < kNearlySquare) return stored_size_;
+  const double aspect = av_q2d(ratio);
+  const double width = std::round(stored_size_.width * aspect);
+  if (aspect > kMostAspect || aspect < 1 / kMostAspect || width < 1 || width * stored_size_.height > kMaxFramePixels) {
+    damage_.AddLine(fmt::format("pixels of {}:{} cannot be made square; they stay as stored", ratio.num, ratio.den));
+    return stored_size_;
+  }
+  info_.pixel_aspect = aspect;
+  return {static_cast<int>(width), stored_size_.height};
+}
+
+void MediaReader::FillInfo(Orientation orientation, cv::Size size) {
   const AVStream& video = demuxer_->video();
   info_.container = demuxer_->container().iformat->name;
   info_.codec = avcodec_get_name(video.codecpar->codec_id);
-  info_.width = SwapsSides(orientation) ? frame_->height : frame_->width;
-  info_.height = SwapsSides(orientation) ? frame_->width : frame_->height;
+  info_.width = SwapsSides(orientation) ? size.height : size.width;
+  info_.height = SwapsSides(orientation) ? size.width : size.height;
   info_.rotation_deg = ClockwiseTurnDeg(orientation);
   info_.frame_rate = FrameRate(video);
   info_.live = source_.live;
