@@ -117,6 +117,53 @@ std::pair<fs::path, int> CreateBeside(const fs::path& path) {
   }
 }
 
+Status WriteAll(int fd, std::span<const std::byte> bytes, const fs::path& path) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(fd, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return std::unexpected(ErrorFromErrno(errno, fmt::format("write {}", path.string())));
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+  }
+  return {};
+}
+
+// What a chain of symbolic links ends in, whether or not that exists.
+Expected<fs::path> FollowLinks(fs::path path) {
+  constexpr int kMostLinks = 40;  // as many as the system follows
+  for (int links = 0; links < kMostLinks; ++links) {
+    std::error_code not_a_link;
+    const fs::path target = fs::read_symlink(path, not_a_link);
+    if (not_a_link) return path;
+    path = path.parent_path() / target;  // an absolute target stands alone
+  }
+  return std::unexpected(ErrorFromErrno(ELOOP, path.string()));
+}
+
+// A device or a pipe, which has no old content to keep.
+Status WriteInPlace(const fs::path& path, std::span<const std::byte> bytes) {
+  const Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+  if (file.fd() < 0) return std::unexpected(ErrorFromErrno(errno, fmt::format("write {}", path.string())));
+  return WriteAll(file.fd(), bytes, path);
+}
+
+Status Replace(const fs::path& path, std::span<const std::byte> bytes) {
+  auto [temporary, fd] = CreateBeside(path);
+  if (fd < 0) return std::unexpected(ErrorFromErrno(errno, fmt::format("create {}", path.string())));
+  Descriptor file(fd);
+  const auto give_up = [&](Error error) {
+    ::unlink(temporary.c_str());
+    return std::unexpected(std::move(error));
+  };
+  const auto failed = [&](std::string_view verb) {
+    return give_up(ErrorFromErrno(errno, fmt::format("{} {}", verb, path.string())));
+  };
+  if (Status written = WriteAll(file.fd(), bytes, path); !written) return give_up(std::move(written).error());
+  if (::fsync(file.fd()) != 0) return failed("write");
+  if (file.Close() != 0) return failed("write");
+  if (::rename(temporary.c_str(), path.c_str()) != 0) return failed("rename to");
+  return {};
+}
+
 }  // namespace
 
 Expected<std::string> ReadFile(const fs::path& path, std::size_t max_bytes) {
@@ -132,24 +179,10 @@ Expected<std::string> ReadFile(const fs::path& path, std::size_t max_bytes) {
 }
 
 Status WriteFileAtomically(const fs::path& path, std::span<const std::byte> bytes) {
-  auto [temporary, fd] = CreateBeside(path);
-  if (fd < 0) return std::unexpected(ErrorFromErrno(errno, fmt::format("create {}", path.string())));
-  Descriptor file(fd);
-  const auto fail = [&](int error, std::string_view verb) {
-    ::unlink(temporary.c_str());
-    return std::unexpected(ErrorFromErrno(error, fmt::format("{} {}", verb, path.string())));
-  };
-  std::size_t done = 0;
-  while (done < bytes.size()) {
-    const ssize_t count = ::write(file.fd(), bytes.data() + done, bytes.size() - done);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return fail(errno, "write");
-    done += static_cast<std::size_t>(count);
-  }
-  if (::fsync(file.fd()) != 0) return fail(errno, "write");
-  if (file.Close() != 0) return fail(errno, "write");
-  if (::rename(temporary.c_str(), path.c_str()) != 0) return fail(errno, "rename to");
-  return {};
+  struct stat info{};
+  if (::stat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode)) return WriteInPlace(path, bytes);
+  VICTORIOUS_ASSIGN_OR_RETURN(const fs::path target, FollowLinks(path));
+  return Replace(target, bytes);
 }
 
 Status WriteFileAtomically(const fs::path& path, std::string_view text) {

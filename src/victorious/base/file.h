@@ -18,7 +18,8 @@ namespace victorious {
 Expected<std::string> ReadFile(const std::filesystem::path& path, std::size_t max_bytes = std::size_t{1} << 30);
 
 /// Writes `bytes` under a temporary name beside `path`, syncs it to disk, and renames it to `path`: a reader sees the
-/// old file or the new one, whole. Fails with kNoSpace on a full disk, kPermissionDenied on a read-only folder.
+/// old file or the new one, whole. Links stay: what they lead to is replaced. What is there and no regular file (a
+/// device, a pipe) is written to. Fails with kNoSpace on a full disk, kPermissionDenied on a read-only folder.
 Status WriteFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 Status WriteFileAtomically(const std::filesystem::path& path, std::string_view text);
 

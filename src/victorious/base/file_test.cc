@@ -10,6 +10,7 @@
 #include <string>
 #include <thread>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -170,6 +171,49 @@ TEST(WriteFileAtomically, GoesOnBesideWhatAKilledProcessOfTheSameIdLeft) {
   for (int i = 0; i < 500; ++i) Put(scratch / fmt::format("file.tmp-{}-{}", ::getpid(), i), "half");
   ASSERT_TRUE(WriteFileAtomically(scratch / "file", "whole"));
   EXPECT_EQ(ReadFile(scratch / "file"), "whole");
+}
+
+TEST(WriteFileAtomically, ALinkStaysAndItsTargetIsReplaced) {
+  const ScratchFolder scratch;
+  fs::create_directory(scratch / "far");
+  Put(scratch / "far/file", "old");
+  fs::create_symlink("far/file", scratch / "link");
+  fs::create_symlink(scratch / "link", scratch / "link-to-link");
+  ASSERT_TRUE(WriteFileAtomically(scratch / "link-to-link", "new"));
+  EXPECT_TRUE(fs::is_symlink(scratch / "link"));
+  EXPECT_TRUE(fs::is_symlink(scratch / "link-to-link"));
+  EXPECT_FALSE(fs::is_symlink(scratch / "far/file"));
+  EXPECT_EQ(ReadFile(scratch / "far/file"), "new");
+  EXPECT_EQ(EntryCount(scratch / "far"), 1U);
+
+  fs::create_symlink("far/later", scratch / "dangling");
+  ASSERT_TRUE(WriteFileAtomically(scratch / "dangling", "made"));
+  EXPECT_TRUE(fs::is_symlink(scratch / "dangling"));
+  EXPECT_EQ(ReadFile(scratch / "far/later"), "made");
+
+  fs::create_symlink("circle", scratch / "circle");
+  EXPECT_FALSE(WriteFileAtomically(scratch / "circle", "x"));
+  EXPECT_TRUE(fs::is_symlink(scratch / "circle"));
+}
+
+// Through links, so that a failure of this test cannot harm the machine's own devices.
+TEST(WriteFileAtomically, DevicesAndPipesAreWrittenTo) {
+  const ScratchFolder scratch;
+  fs::create_symlink("/dev/null", scratch / "null");
+  EXPECT_TRUE(WriteFileAtomically(scratch / "null", "nothing"));
+  EXPECT_TRUE(fs::is_character_file(scratch / "null"));
+  fs::create_symlink("/dev/full", scratch / "full");
+  EXPECT_EQ(CodeOf(WriteFileAtomically(scratch / "full", "nothing")), ErrorCode::kNoSpace);
+
+  ASSERT_EQ(::mkfifo((scratch / "pipe").c_str(), 0600), 0);
+  const int reader = ::open((scratch / "pipe").c_str(), O_RDONLY | O_NONBLOCK);
+  EXPECT_TRUE(WriteFileAtomically(scratch / "pipe", "through"));
+  EXPECT_TRUE(fs::is_fifo(scratch / "pipe"));
+  std::string text(7, '\0');
+  EXPECT_EQ(::read(reader, text.data(), text.size()), 7);
+  EXPECT_EQ(text, "through");
+  ::close(reader);
+  EXPECT_EQ(EntryCount(scratch.path()), 3U);
 }
 
 TEST(WriteFileAtomically, AReaderSeesTheOldFileOrTheNewOneWhole) {

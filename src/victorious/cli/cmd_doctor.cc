@@ -96,8 +96,9 @@ Expected<std::string> DescribeVideo(const std::string& source) {
   const VideoInfo info = reader->info();
   VICTORIOUS_ASSIGN_OR_RETURN(const Probe probe, ReadBeginning(*reader));
   std::string text =
-      fmt::format("{}\n  container  {}\n  picture    {} x {} px, {}{}{}\n", source, info.container, info.width,
+      fmt::format("{}\n  container  {}\n  picture    {} x {} px, {}{}{}{}\n", source, info.container, info.width,
                   info.height, info.codec, info.frame_rate > 0 ? fmt::format(", {:.3g} frames/s", info.frame_rate) : "",
+                  info.pixel_aspect != 1 ? fmt::format(", pixels of {:.4g}:1 made square", info.pixel_aspect) : "",
                   info.rotation_deg != 0 ? fmt::format(", turned {} degrees to stand upright", info.rotation_deg) : "");
   text += fmt::format(
       "  length     {}{}\n",

@@ -102,6 +102,15 @@ TEST(FeatureExtractor, TinyAndEmptyImagesHaveNone) {
   }
 }
 
+TEST(FeatureExtractor, WhatIsTooThinAfterShrinkingHasNone) {
+  for (const cv::Size size : {cv::Size(40000, 9), cv::Size(9, 40000), cv::Size(20000, 40), cv::Size(20000, 77)}) {
+    const auto features = Extractor()->Extract(cv::Mat(size, CV_8UC1, cv::Scalar(9)));
+    ASSERT_TRUE(features) << size << ": " << features.error().message;
+    EXPECT_EQ(features->size(), 0U);
+    EXPECT_EQ(features->image_width, size.width);
+  }
+}
+
 TEST(FeatureExtractor, RefusesOptionsOutOfRange) {
   FeatureOptions options;
   options.engine = "magic";

@@ -28,15 +28,16 @@ class OpenCvSift final : public FeatureExtractor {
     FeatureSet features;
     features.image_width = grey.cols;
     features.image_height = grey.rows;
-    if (grey.cols < kLeastSidePx || grey.rows < kLeastSidePx) return features;
+    const int longest_px = std::max(grey.cols, grey.rows);
+    const double shrink = std::min(1.0, static_cast<double>(options_.max_side_px) / std::max(1, longest_px));
+    const cv::Size searched(cvRound(grey.cols * shrink), cvRound(grey.rows * shrink));
+    if (std::min(searched.width, searched.height) < kLeastSidePx) return features;
     try {
-      const int side = std::max(grey.cols, grey.rows);
-      if (side <= options_.max_side_px) {
+      if (searched == grey.size()) {
         Compute(grey, features);
       } else {
-        const double shrink = static_cast<double>(options_.max_side_px) / side;
         cv::Mat small;
-        cv::resize(grey, small, cv::Size(), shrink, shrink, cv::INTER_AREA);
+        cv::resize(grey, small, searched, 0, 0, cv::INTER_AREA);
         Compute(small, features);
         Enlarge(static_cast<double>(grey.cols) / small.cols, static_cast<double>(grey.rows) / small.rows, features);
       }

@@ -6,24 +6,37 @@
 
 namespace victorious {
 
-FrameClock::Reading FrameClock::Next(std::optional<std::int64_t> pts, double duration_s) {
+FrameClock::Reading FrameClock::Next(std::optional<std::int64_t> pts, double duration_s, const Following& following) {
   if (duration_s <= 0) duration_s = default_duration_s_;
   if (!pts) return Advance(end_time_s(), duration_s, false);
-  const auto ticks = static_cast<double>(*pts);
-  if (!origin_ticks_) origin_ticks_ = ticks - end_time_s() / tick_s_;
-  const double time_s = (ticks - *origin_ticks_) * tick_s_;
-  if (!started_ || time_s > last_time_s_) {
-    shift_s_ = 0;
-    return Advance(time_s, duration_s, false);
+  if (!origin_ticks_) origin_ticks_ = static_cast<double>(*pts) - end_time_s() / tick_s_;
+  const double time_s = TimeOf(*pts);
+  if (started_ && time_s <= last_time_s_) {
+    shift_s_ += last_time_s_ + last_duration_s_ / 2 - time_s;
+    return Advance(last_time_s_ + last_duration_s_ / 2, duration_s, true);
   }
-  if (time_s + shift_s_ > last_time_s_) return Advance(time_s + shift_s_, duration_s, false);
-  shift_s_ = last_time_s_ + last_duration_s_ / 2 - time_s;
-  return Advance(last_time_s_ + last_duration_s_ / 2, duration_s, true);
+  const bool leaves_gap = started_ && time_s > end_time_s() + last_duration_s_;
+  const auto next = leaves_gap && following ? following() : std::nullopt;
+  const double next_s = next ? TimeOf(*next) : time_s;
+  if (next_s > last_time_s_ && next_s < time_s) {
+    return Advance(std::min(end_time_s(), (last_time_s_ + next_s) / 2), duration_s, true);
+  }
+  if (IsUnshifted(*pts)) shift_s_ = 0;
+  return Advance(time_s, duration_s, false);
 }
 
 std::optional<double> FrameClock::origin_s() const {
   if (!origin_ticks_) return std::nullopt;
   return *origin_ticks_ * tick_s_;
+}
+
+// Stamps that are past the last frame by themselves need no shift, or no longer.
+bool FrameClock::IsUnshifted(std::int64_t pts) const {
+  return !started_ || (static_cast<double>(pts) - *origin_ticks_) * tick_s_ > last_time_s_;
+}
+
+double FrameClock::TimeOf(std::int64_t pts) const {
+  return (static_cast<double>(pts) - *origin_ticks_) * tick_s_ + (IsUnshifted(pts) ? 0 : shift_s_);
 }
 
 FrameClock::Reading FrameClock::Advance(double time_s, double duration_s, bool repaired) {

@@ -1,13 +1,18 @@
 #include "victorious/video/frame_clock.h"
 
 #include <limits>
+#include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "victorious/base/random.h"
 
 namespace victorious {
 namespace {
+
+using ::testing::DoubleNear;
+using ::testing::Pointwise;
 
 constexpr double kTick = 0.001;
 
@@ -42,6 +47,46 @@ TEST(FrameClock, OneBadStampDisturbsNoOther) {
   EXPECT_NEAR(good.time_s, 0.08, 1e-9);
 }
 
+// The times that the clock gives a video of these stamps.
+std::vector<double> TimesOf(FrameClock& clock, const std::vector<std::int64_t>& pts) {
+  std::vector<double> times_s;
+  for (std::size_t i = 0; i < pts.size(); ++i) {
+    const auto following = [&] { return i + 1 < pts.size() ? std::optional(pts[i + 1]) : std::nullopt; };
+    times_s.push_back(clock.Next(pts[i], 0, following).time_s);
+  }
+  return times_s;
+}
+
+TEST(FrameClock, OneStampFarAheadDisturbsNoOther) {
+  for (const std::int64_t bad : {130, 200, 1000, 1'000'000'000}) {
+    FrameClock clock(kTick, 0.04);
+    EXPECT_THAT(TimesOf(clock, {0, 40, bad, 120, 160}), Pointwise(DoubleNear(1e-9), {0.0, 0.04, 0.08, 0.12, 0.16}))
+        << bad;
+  }
+  FrameClock clock(kTick, 0.04);
+  clock.Next(0, 0);
+  EXPECT_TRUE(clock.Next(1'000'000, 0, [] { return 41; }).repaired);
+  EXPECT_LT(clock.last_time_s(), 0.041);
+  EXPECT_FALSE(clock.Next(41, 0).repaired);
+}
+
+TEST(FrameClock, AGapGoesOnFromItsEnd) {
+  FrameClock clock(kTick, 0.04);
+  EXPECT_THAT(TimesOf(clock, {0, 40, 1000, 1040, 1080}), Pointwise(DoubleNear(1e-9), {0.0, 0.04, 1.0, 1.04, 1.08}));
+  // A stamp that nothing follows, or that the next one does not contradict, is taken at its word.
+  EXPECT_DOUBLE_EQ(clock.Next(9000, 0, [] { return std::nullopt; }).time_s, 9.0);
+  EXPECT_DOUBLE_EQ(clock.Next(12000, 0, [] { return 100; }).time_s, 12.0);
+}
+
+TEST(FrameClock, AsksForTheNextStampOnlyWhereOneIsAhead) {
+  FrameClock clock(kTick, 0.04);
+  const auto unasked = []() -> std::optional<std::int64_t> {
+    ADD_FAILURE();
+    return std::nullopt;
+  };
+  for (const std::int64_t pts : {5000, 5040, 5081, 5119, 5100, 5160}) clock.Next(pts, 0, unasked);
+}
+
 TEST(FrameClock, JoinedRecordingsKeepTheirSpacing) {
   FrameClock clock(kTick, 0.04);
   clock.Next(10000, 0);
@@ -69,7 +114,8 @@ TEST(FrameClock, AlwaysForwardsWhateverComes) {
   double last_s = -1;
   for (int i = 0; i < 2000; ++i) {
     const auto pts = static_cast<std::int64_t>(random.Below(1'000'000));
-    const auto reading = clock.Next(random.Below(5) == 0 ? std::nullopt : std::optional(pts), 0);
+    const auto following = [&] { return std::optional(static_cast<std::int64_t>(random.Below(1'000'000))); };
+    const auto reading = clock.Next(random.Below(5) == 0 ? std::nullopt : std::optional(pts), 0, following);
     ASSERT_GT(reading.time_s, last_s) << "seed " << kSeed << ", frame " << i;
     last_s = reading.time_s;
   }

@@ -91,10 +91,10 @@ Expected<cv::Mat> FrameConverter::Convert(const AVFrame& frame) {
 
 Expected<cv::Mat> FrameConverter::ConvertAndTurn(const AVFrame& frame) {
   VICTORIOUS_ASSIGN_OR_RETURN(cv::Mat picture, ConvertColor(frame));
-  if (picture.size() != stored_size_) {
-    const bool shrinks = picture.total() > static_cast<std::size_t>(stored_size_.area());
+  if (picture.size() != size_) {
+    const bool shrinks = picture.total() > static_cast<std::size_t>(size_.area());
     cv::Mat scaled;
-    cv::resize(picture, scaled, stored_size_, 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_LINEAR);
+    cv::resize(picture, scaled, size_, 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_LINEAR);
     picture = scaled;
   }
   return TurnUpright(picture, orientation_);

@@ -1,4 +1,4 @@
-// Private to video/: a decoded picture of any of FFmpeg's pixel formats as an upright 8-bit cv::Mat.
+// Private to video/: a decoded picture of any of FFmpeg's pixel formats as an upright 8-bit cv::Mat of square pixels.
 //
 // Grey comes straight from the luma plane where that is BT.601 luma; limited range (16..235) is stretched to 0..255 and
 // deeper samples are brought down to 8 bits in the same pass. Everything else goes through BGR.
@@ -15,14 +15,12 @@ namespace victorious {
 
 class FrameConverter {
  public:
-  /// @param stored_size  of the first frame, before turning; frames of another size are scaled to it
-  FrameConverter(FrameColor color, Orientation orientation, cv::Size stored_size)
-      : color_(color), orientation_(orientation), stored_size_(stored_size) {}
+  /// @param size  before turning, with square pixels; frames of another size are scaled to it
+  FrameConverter(FrameColor color, Orientation orientation, cv::Size size)
+      : color_(color), orientation_(orientation), size_(size) {}
 
   /// A picture that owns its pixels.
   Expected<cv::Mat> Convert(const AVFrame& frame);
-
-  [[nodiscard]] cv::Size stored_size() const { return stored_size_; }
 
  private:
   Expected<cv::Mat> ConvertAndTurn(const AVFrame& frame);
@@ -31,7 +29,7 @@ class FrameConverter {
 
   FrameColor color_;
   Orientation orientation_;
-  cv::Size stored_size_;
+  cv::Size size_;
   ScalerHandle scaler_;
   cv::Mat padded_;  ///< rows that the scaler may overrun
 };

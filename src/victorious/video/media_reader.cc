@@ -99,6 +99,7 @@ class MediaReader : public VideoReader {
         decoder_(std::move(decoder)),
         packet_(av_packet_alloc()),
         frame_(av_frame_alloc()),
+        ahead_(av_frame_alloc()),
         clock_(ClockOf(demuxer_->video())),
         stamped_(HasTimeStamps(demuxer_->container())) {
     demuxer_->KeepStreams([&](const AVStream& stream) {
@@ -116,13 +117,17 @@ class MediaReader : public VideoReader {
 
  private:
   bool DecodeNext();
+  bool Decode(AVFrame* frame);
+  [[nodiscard]] std::optional<std::int64_t> StampOf(const AVFrame& frame) const;
+  std::optional<std::int64_t> FollowingStamp();
   double ReadClock();
   void NoteDamage(double time_s);
   void FeedDecoder();
   void TakePacket();
   void StopReading(int result);
   void Finish();
-  void FillInfo(Orientation orientation);
+  cv::Size SquareSize();
+  void FillInfo(Orientation orientation, cv::Size size);
   [[nodiscard]] Orientation DisplayOrientation() const;
   [[nodiscard]] std::optional<double> VideoDuration() const;
   [[nodiscard]] bool DurationIsTheVideos() const;
@@ -133,12 +138,15 @@ class MediaReader : public VideoReader {
   std::unique_ptr<Demuxer> demuxer_;
   CodecHandle decoder_;
   PacketHandle packet_;
-  FrameHandle frame_;  ///< the frame decoded last
+  FrameHandle frame_;  ///< the frame at hand
+  FrameHandle ahead_;  ///< the one after it, where has_ahead_
+  bool has_ahead_ = false;
   FrameClock clock_;
   DamageLog damage_;
   DataTrack data_;
   std::optional<FrameConverter> converter_;
-  bool stamped_;  ///< the container has time stamps
+  cv::Size stored_size_;  ///< of the first frame
+  bool stamped_;          ///< the container has time stamps
   VideoInfo info_;
   std::optional<double> first_time_s_;  ///< of Start()'s frame, until that is delivered
   bool draining_ = false;               ///< no packets are left
@@ -148,7 +156,8 @@ class MediaReader : public VideoReader {
 };
 
 Status MediaReader::Start() {
-  if (!packet_ || !frame_) return Fail(ErrorCode::kInternal, fmt::format("{}: no memory for a frame", source_.name));
+  if (!packet_ || !frame_ || !ahead_)
+    return Fail(ErrorCode::kInternal, fmt::format("{}: no memory for a frame", source_.name));
   if (!DecodeNext()) {
     const std::string reason = damage_.lines().empty() ? stop_reason_ : damage_.lines().front();
     return Fail(ErrorCode::kDataLoss, fmt::format("{}: no frame of its video can be decoded{}{}", source_.name,
@@ -156,8 +165,10 @@ Status MediaReader::Start() {
   }
   first_time_s_ = ReadClock();
   const Orientation orientation = DisplayOrientation();
-  converter_.emplace(options_.color, orientation, cv::Size(frame_->width, frame_->height));
-  FillInfo(orientation);
+  stored_size_ = {frame_->width, frame_->height};
+  const cv::Size size = SquareSize();
+  converter_.emplace(options_.color, orientation, size);
+  FillInfo(orientation, size);
   return {};
 }
 
@@ -176,8 +187,14 @@ Expected<std::optional<Frame>> MediaReader::NextFrame() {
 
 // Leaves the next frame in frame_; false at the end.
 bool MediaReader::DecodeNext() {
+  if (!std::exchange(has_ahead_, false)) return Decode(frame_.get());
+  std::swap(frame_, ahead_);
+  return true;
+}
+
+bool MediaReader::Decode(AVFrame* frame) {
   for (int errors = 0; errors < kMaxDecodeErrors;) {
-    const int result = avcodec_receive_frame(decoder_.get(), frame_.get());
+    const int result = avcodec_receive_frame(decoder_.get(), frame);
     if (result == 0) return true;
     if (result == AVERROR_EOF || (result == AVERROR(EAGAIN) && draining_)) return false;
     if (result == AVERROR(EAGAIN)) {
@@ -191,13 +208,22 @@ bool MediaReader::DecodeNext() {
   return false;
 }
 
+std::optional<std::int64_t> MediaReader::StampOf(const AVFrame& frame) const {
+  if (!stamped_ || frame.best_effort_timestamp == AV_NOPTS_VALUE) return std::nullopt;
+  return frame.best_effort_timestamp;
+}
+
+std::optional<std::int64_t> MediaReader::FollowingStamp() {
+  has_ahead_ = has_ahead_ || Decode(ahead_.get());
+  return has_ahead_ ? StampOf(*ahead_) : std::nullopt;
+}
+
 // The time of frame_.
 double MediaReader::ReadClock() {
-  const std::int64_t pts = frame_->best_effort_timestamp;
   const double duration_s = static_cast<double>(frame_->pkt_duration) * av_q2d(demuxer_->video().time_base);
-  const auto reading = clock_.Next(stamped_ && pts != AV_NOPTS_VALUE ? std::optional(pts) : std::nullopt, duration_s);
+  const auto reading = clock_.Next(StampOf(*frame_), duration_s, [&] { return FollowingStamp(); });
   if (reading.repaired) {
-    damage_.Add("a time stamp that does not go forwards; the frame follows the one before", reading.time_s);
+    damage_.Add("a damaged time stamp; the frame follows the one before", reading.time_s);
   }
   return reading.time_s;
 }
@@ -206,10 +232,10 @@ void MediaReader::NoteDamage(double time_s) {
   if ((frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame_->decode_error_flags != 0) {
     damage_.Add("a frame that is damaged in part", time_s);
   }
-  const cv::Size size = converter_->stored_size();
-  if (cv::Size(frame_->width, frame_->height) != size) {
-    damage_.Add(fmt::format("a frame of another size than the first; it is scaled to {} x {}", size.width, size.height),
-                time_s);
+  if (cv::Size(frame_->width, frame_->height) != stored_size_) {
+    damage_.Add(
+        fmt::format("a frame of another size than the first; it is scaled to {} x {}", info_.width, info_.height),
+        time_s);
   }
 }
 
@@ -269,12 +295,28 @@ void MediaReader::Finish() {
                               stop_reason_.empty() ? "the rest is missing or damaged" : stop_reason_));
 }
 
-void MediaReader::FillInfo(Orientation orientation) {
+// The size at which the pixels of the first frame are square.
+cv::Size MediaReader::SquareSize() {
+  constexpr double kNearlySquare = 0.005;  // a rounded ratio, not worth resampling
+  constexpr double kMostAspect = 10;
+  const AVRational ratio = av_guess_sample_aspect_ratio(nullptr, &demuxer_->video(), frame_.get());
+  if (ratio.num <= 0 || ratio.den <= 0 || std::abs(av_q2d(ratio) - 1) < kNearlySquare) return stored_size_;
+  const double aspect = av_q2d(ratio);
+  const double width = std::round(stored_size_.width * aspect);
+  if (aspect > kMostAspect || aspect < 1 / kMostAspect || width < 1 || width * stored_size_.height > kMaxFramePixels) {
+    damage_.AddLine(fmt::format("pixels of {}:{} cannot be made square; they stay as stored", ratio.num, ratio.den));
+    return stored_size_;
+  }
+  info_.pixel_aspect = aspect;
+  return {static_cast<int>(width), stored_size_.height};
+}
+
+void MediaReader::FillInfo(Orientation orientation, cv::Size size) {
   const AVStream& video = demuxer_->video();
   info_.container = demuxer_->container().iformat->name;
   info_.codec = avcodec_get_name(video.codecpar->codec_id);
-  info_.width = SwapsSides(orientation) ? frame_->height : frame_->width;
-  info_.height = SwapsSides(orientation) ? frame_->width : frame_->height;
+  info_.width = SwapsSides(orientation) ? size.height : size.width;
+  info_.height = SwapsSides(orientation) ? size.width : size.height;
   info_.rotation_deg = ClockwiseTurnDeg(orientation);
   info_.frame_rate = FrameRate(video);
   info_.live = source_.live;

@@ -123,6 +123,28 @@ TEST(VideoDamage, ChangedBytesNeverCrash) {
   }
 }
 
+TEST(VideoDamage, ATimeStampFarAheadDisturbsNoOtherFrame) {
+  const ScratchFolder folder;
+  WriteWhole(folder / "whole.ts", "mpegts", "mpeg1video");
+  std::string bytes = testing::ReadBytes(folder / "whole.ts");
+  std::size_t packet = 0;
+  for (int i = 0; i < 20; ++i) packet = bytes.find(std::string("\0\0\x01\xE0", 4), packet + 1);
+  char& stamp = bytes[packet + 9];  // its bits 30 to 32
+  ASSERT_EQ(stamp & 0xE1, 0x21);
+  stamp = static_cast<char>(stamp | 0x04);
+  testing::WriteBytes(folder / "stamp.ts", bytes);
+  const auto reader = VideoReader::Open((folder / "stamp.ts").string(), {});
+  ASSERT_TRUE(reader) << reader.error().message;
+  int count = 0;
+  while (const auto frame = (*reader)->NextFrame().value()) {
+    EXPECT_EQ(PictureNumber(frame->image), count);
+    EXPECT_NEAR(frame->time_s, count / 25.0, 1e-4);
+    ++count;
+  }
+  EXPECT_EQ(count, kFrames);
+  EXPECT_THAT((*reader)->warnings(), Contains(HasSubstr("at 0.76 s: a damaged time stamp")));
+}
+
 TEST(VideoDamage, AHoleIsPassedOverAndTold) {
   const ScratchFolder folder;
   WriteWhole(folder / "whole.ts", "mpegts", "libx264");

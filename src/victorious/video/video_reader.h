@@ -40,9 +40,10 @@ struct StreamInfo {
 struct VideoInfo {
   std::string container;                    ///< FFmpeg's name, "folder of images" or "picture"
   std::string codec;                        ///< of the video stream
-  int width = 0;                            ///< px, upright
-  int height = 0;                           ///< px, upright
+  int width = 0;                            ///< px, upright and square
+  int height = 0;                           ///< px, upright and square
   int rotation_deg = 0;                     ///< clockwise turn that made it upright: 0, 90, 180, 270
+  double pixel_aspect = 1;                  ///< width over height of a pixel as stored, before it was made square
   double frame_rate = 0;                    ///< average, frames/s; 0 if unknown
   std::optional<double> duration_s;         ///< as the container says
   std::optional<std::int64_t> frame_count;  ///< as the container says, or an estimate: for progress, nothing else

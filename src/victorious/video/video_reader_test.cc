@@ -190,6 +190,63 @@ TEST(VideoReader, FramesAreDeliveredUpright) {
   }
 }
 
+TEST(VideoReader, PixelsAreMadeSquare) {
+  const ScratchFolder folder;
+  const struct {
+    std::string muxer, encoder;
+    cv::Size pixel_aspect, expected;
+    int rotation_deg;
+  } kinds[] = {{"mp4", "libx264", {4, 3}, {128, 64}, 0},   {"matroska", "libx264", {16, 11}, {140, 64}, 0},
+               {"mpegts", "libx264", {2, 3}, {64, 64}, 0}, {"avi", "mpeg4", {3, 2}, {144, 64}, 0},
+               {"mp4", "libx264", {4, 3}, {64, 128}, 90},  {"mp4", "libx264", {1, 1}, {96, 64}, 0}};
+  for (const auto& kind : kinds) {
+    const std::string name = kind.muxer + " " + std::to_string(kind.expected.width);
+    cv::Mat upright = NumberedPicture(0x1D, kind.expected);
+    cv::Mat stored = upright;
+    if (kind.rotation_deg == 90) cv::rotate(upright, stored, cv::ROTATE_90_COUNTERCLOCKWISE);
+    cv::resize(stored, stored, {96, 64});
+    WriteTestVideo(folder / "video", {.muxer = kind.muxer,
+                                      .encoder = kind.encoder,
+                                      .time_base_hz = 25,
+                                      .pts = SteadyTimes(3, 1),
+                                      .pictures = {stored, stored, stored},
+                                      .rotation_deg = kind.rotation_deg,
+                                      .pixel_aspect = kind.pixel_aspect});
+    for (const FrameColor color : {FrameColor::kGrey, FrameColor::kBgr}) {
+      const auto reader = MustOpen(folder / "video", {.color = color});
+      ASSERT_TRUE(reader) << name;
+      EXPECT_EQ(cv::Size(reader->info().width, reader->info().height), kind.expected) << name;
+      EXPECT_DOUBLE_EQ(reader->info().pixel_aspect,
+                       static_cast<double>(kind.pixel_aspect.width) / kind.pixel_aspect.height);
+      const auto frames = ReadAll(*reader);
+      ASSERT_EQ(frames.size(), 3U) << name;
+      for (const Frame& frame : frames) {
+        ASSERT_EQ(frame.image.size(), kind.expected) << name;
+        EXPECT_EQ(PictureNumber(frame.image), 0x1D) << name;
+        if (color == FrameColor::kBgr) continue;
+        EXPECT_LE(cv::norm(frame.image, GreyFromBgr(upright), cv::NORM_L1) / static_cast<double>(upright.total()), 4);
+      }
+      EXPECT_TRUE(reader->warnings().empty()) << name << ": " << reader->warnings().front();
+    }
+  }
+}
+
+TEST(VideoReader, PixelsBeyondReasonOrNearlySquareStayAsStored) {
+  const ScratchFolder folder;
+  for (const cv::Size aspect : {cv::Size(20, 1), cv::Size(1, 20), cv::Size(301, 300)}) {
+    WriteTestVideo(folder / "video.mp4", {.pts = SteadyTimes(2, 40), .pixel_aspect = aspect});
+    const auto reader = MustOpen(folder / "video.mp4");
+    ASSERT_TRUE(reader);
+    EXPECT_EQ(reader->info().pixel_aspect, 1);
+    EXPECT_EQ(reader->info().width, 96);
+    const auto frames = ReadAll(*reader);
+    ASSERT_EQ(frames.size(), 2U);
+    EXPECT_EQ(frames[0].image.size(), cv::Size(96, 64)) << aspect;
+    const bool told = aspect != cv::Size(301, 300);
+    EXPECT_EQ(!reader->warnings().empty() && reader->warnings()[0].starts_with("pixels of "), told) << aspect;
+  }
+}
+
 TEST(VideoReader, FramesOwnTheirPixels) {
   const ScratchFolder folder;
   WriteTestVideo(folder / "a.mp4", {.pts = SteadyTimes(20, 40)});

@@ -102,6 +102,7 @@ class Muxer {
     encoder->pix_fmt = av_get_pix_fmt(video_.pixel_format.c_str());
     encoder->color_range = video_.full_range ? AVCOL_RANGE_JPEG : AVCOL_RANGE_MPEG;
     encoder->colorspace = static_cast<AVColorSpace>(video_.color_space);
+    encoder->sample_aspect_ratio = {video_.pixel_aspect.width, video_.pixel_aspect.height};
     encoder->time_base = {1, video_.time_base_hz};
     const auto step = video_.pts.size() > 1 ? static_cast<int>(video_.pts[1] - video_.pts[0]) : 1;
     encoder->framerate = {video_.time_base_hz, step};
@@ -114,6 +115,7 @@ class Muxer {
     AVStream& stream = AddStream();
     stream.time_base = encoder->time_base;
     stream.avg_frame_rate = encoder->framerate;
+    stream.sample_aspect_ratio = encoder->sample_aspect_ratio;
     Check(avcodec_parameters_from_context(stream.codecpar, encoder.get()));
     if (video_.rotation_deg != 0) {
       auto* matrix = av_stream_new_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, 9 * sizeof(std::int32_t));

@@ -31,8 +31,9 @@ struct TestVideo {
   std::vector<std::int64_t> pts;  ///< one a frame, increasing
   std::vector<cv::Mat> pictures;  ///< BGR; empty: NumberedPicture of its place
   bool full_range = false;
-  int color_space = 2;   ///< AVColorSpace: 2 unspecified, 1 BT.709
-  int rotation_deg = 0;  ///< of the display matrix, clockwise
+  int color_space = 2;             ///< AVColorSpace: 2 unspecified, 1 BT.709
+  int rotation_deg = 0;            ///< of the display matrix, clockwise
+  cv::Size pixel_aspect = {0, 1};  ///< a pixel's width to its height; 0: not told
   int max_b_frames = 0;
   int key_frame_interval = 12;
   bool audio = false;                      ///< a second stream of sound
