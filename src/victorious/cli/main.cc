@@ -1,5 +1,6 @@
 // The program: a table of commands. Errors are one line on stderr; the exit status is ExitStatus's (base/error.h).
 #include <array>
+#include <csignal>
 #include <exception>
 #include <functional>
 #include <new>
@@ -70,6 +71,7 @@ int Main(int argc, char** argv) {
 }  // namespace victorious::cli
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // beyond `ulimit -f` writing fails, as on a full disk
   try {
     return victorious::cli::Main(argc, argv);
   } catch (const std::bad_alloc&) {
