@@ -66,7 +66,7 @@ std::string OneLine(std::string text) {
 CancelToken& Interrupt() {
   static CancelToken token;
   static const bool installed = [] {
-    const auto handler = [](int) { Interrupt().Cancel(); };
+    const auto handler = [](int) { token.Cancel(); };  // may come before `installed` is
     std::signal(SIGINT, handler);
     std::signal(SIGTERM, handler);
     return true;

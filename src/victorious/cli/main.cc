@@ -1,6 +1,7 @@
 // The program: a table of commands. Errors are one line on stderr; the exit status is ExitStatus's (base/error.h).
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <exception>
 #include <functional>
 #include <new>
@@ -77,6 +78,7 @@ int Main(int argc, char** argv) {
 }  // namespace victorious::cli
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // beyond `ulimit -f` writing fails, as on a full disk
   try {
     return victorious::cli::Main(argc, argv);
   } catch (const std::bad_alloc&) {

@@ -1,0 +1,216 @@
+"""Bad input: exit status 2 and one line that names the file and says what would be right; nothing half-written."""
+
+import json
+import sqlite3
+import unittest
+
+import program
+
+VIDEO, MODELS, INDEX = program.flight() / "flight.mkv", program.models(), program.index()
+CRATE = program.flight() / "crate.png"
+MATROSKA_CLUSTER = b"\x1f\x43\xb6\x75"  # where the frames begin
+
+
+class VideosTest(program.ProgramTest):
+    def refuses_video(self, video, words=""):
+        db = self.scratch / "index.db"
+        line = self.refuses(2, [video, words], "index", video, "--models", MODELS, "--db", db)
+        # What stands under the index's name is an index: a good video can be added.
+        self.assertEqual(self.export(db, "sightings"), "")
+        self.assertEqual(json.loads(self.export(db, "coco"))["images"], [])
+        db.unlink()
+        self.assertEqual([path for path in self.scratch.iterdir() if path.name.startswith("index")], [])
+        self.refuses(2, video, "doctor", video)
+        self.refuses(2, video, "frame", video, "--number", "0", "--out", self.scratch / "frame.png")
+        self.assertFalse((self.scratch / "frame.png").exists())
+        return line
+
+    def test_missing_and_empty(self):
+        self.refuses_video(self.scratch / "none.mp4", "no such file")
+        self.refuses_video(self.write("empty.mp4", ""), "empty")
+        (self.scratch / "folder").mkdir()
+        self.refuses_video(self.scratch / "folder", "without pictures")
+        self.write("texts/notes.txt", "no picture")
+        self.refuses_video(self.scratch / "texts", "without pictures")
+
+    def test_not_a_video(self):
+        self.refuses_video(self.write("text.mp4", "This is a text and no video.\n" * 100))
+        self.refuses_video(self.write("random.mkv", bytes((i * i * 7919 >> 8) & 255 for i in range(20000))))
+        self.refuses_video(self.write("model.mp4", (MODELS / "crate.vmodel").read_bytes()))
+        self.refuses_video(self.write("playlist.m3u8", f"#EXTM3U\n#EXTINF:1,\n{VIDEO}\n"))
+
+    def test_no_frames(self):
+        whole = VIDEO.read_bytes()
+        self.refuses_video(self.write("header.mkv", whole[: whole.index(MATROSKA_CLUSTER)]))
+        mp4 = (program.flight() / "flight.mp4").read_bytes()
+        self.refuses_video(self.write("cut.mp4", mp4[: len(mp4) // 2]))  # its index of frames stands at the end
+
+    def test_a_url_that_does_not_answer(self):
+        self.refuses(
+            2, "http://127.0.0.1:1/video", "index", "http://127.0.0.1:1/video", "--models", MODELS,
+            "--db", self.scratch / "index.db", timeout_s=30,
+        )  # fmt: skip
+
+    def test_a_bad_video_does_not_keep_the_others_out(self):
+        db, bad = self.scratch / "index.db", self.write("bad.mkv", "no video")
+        done = program.run("index", bad, VIDEO, self.scratch / "none.mkv", "--models", MODELS, "--db", db)
+        self.assertEqual(done.status, 2, done.err)
+        errors = [line for line in done.messages() if line.startswith("error: ")]
+        self.assertEqual(len(errors), 1, done.err)
+        self.assertIn(str(bad), errors[0])
+        self.assertIn("none.mkv", errors[0])
+        self.assertEqual(self.export(db, "sightings"), self.export(INDEX, "sightings"))
+
+
+class PhotosTest(program.ProgramTest):
+    def refuses_photo(self, photo, words=""):
+        out = self.scratch / "out"
+        self.refuses(2, [photo, words], "model", "add", "x", photo, "--models", out)
+        # Nothing is made of the good photo either.
+        self.refuses(2, [photo, words], "model", "add", "x", CRATE, photo, "--models", out)
+        self.refuses(2, [photo, words], "search", "--db", INDEX, "--image", photo)
+        self.refuses(2, [photo, words], "match", CRATE, photo)
+        self.assertFalse(out.exists())
+
+    def test_not_a_picture(self):
+        none, out = self.scratch / "none.png", self.scratch / "out"
+        self.refuses_photo(none)
+        png = CRATE.read_bytes()
+        broken = [
+            self.write("empty.png", ""),
+            self.write("text.jpg", "This is a text and no picture."),
+            self.write("cut.png", png[:40]),
+            self.scratch,
+            VIDEO,
+        ]
+        for photo in broken:
+            with self.subTest(photo):
+                self.refuses_photo(photo)
+                self.refuses(2, photo, "features", photo, "--out", out)
+                self.refuses(2, photo, "match", photo, CRATE)
+                self.assertFalse(out.exists())
+
+    def test_nothing_on_it(self):
+        self.refuses_photo(program.plain_picture(self.scratch / "plain.ppm"), "0 features on the object")
+        self.refuses_photo(program.plain_picture(self.scratch / "one_pixel.ppm", 1, 1), "0 features on the object")
+
+    def test_other_files(self):
+        models = self.scratch / "models"
+        self.refuses(2, ["tank.glb", "photos"], "model", "add", "x", "tank.glb", "--models", models)
+        self.refuses(2, "out.xyz", "sheet", "--db", INDEX, "--out", self.scratch / "out.xyz")
+        self.refuses(2, "none/x", "features", CRATE, "--out", self.scratch / "none/x")
+        self.refuses(2, "none/x", "export", "--db", INDEX, "--format", "mot", "--out", self.scratch / "none/x")
+        (self.scratch / "taken").mkdir()
+        self.refuses(2, "taken", "export", "--db", INDEX, "--format", "mot", "--out", self.scratch / "taken")
+        self.assertEqual(self.files(), {})
+
+
+class ModelsTest(program.ProgramTest):
+    def test_folders(self):
+        none, db = self.scratch / "none", self.scratch / "index.db"
+        for command in (("list",), ("show", "crate"), ("remove", "crate")):
+            self.refuses(2, none, "model", *command, "--models", none)
+        self.refuses(2, none, "index", VIDEO, "--models", none, "--db", db)
+        none.mkdir()
+        self.refuses(2, [none, "model add"], "index", VIDEO, "--models", none, "--db", db)
+        file = self.write("file", "no folder")
+        self.refuses(2, file, "index", VIDEO, "--models", file, "--db", db)
+        self.refuses(2, file, "model", "add", "x", CRATE, "--models", file)
+        self.assertFalse(db.exists())
+
+    def test_corrupt_files(self):
+        whole, db = (MODELS / "crate.vmodel").read_bytes(), self.scratch / "index.db"
+        flipped = whole[:1000] + bytes([whole[1000] ^ 4]) + whole[1001:]
+        for number, content in enumerate((flipped, whole[: len(whole) // 2], b"", b"text\n" * 100)):
+            with self.subTest(number):
+                bad = self.write("models/crate.vmodel", content)
+                self.write("models/truck.vmodel", (MODELS / "truck.vmodel").read_bytes())
+                self.refuses(2, bad, "index", VIDEO, "--models", bad.parent, "--db", db)
+                self.refuses(2, bad, "model", "list", "--models", bad.parent)
+                self.refuses(2, bad, "model", "show", "crate", "--models", bad.parent)
+                self.refuses(2, bad, "doctor", bad)
+                self.assertFalse(db.exists())
+        self.succeeds("model", "show", "truck", "--models", self.scratch / "models")
+        self.succeeds("model", "remove", "crate", "--models", self.scratch / "models")
+        self.succeeds("model", "list", "--models", self.scratch / "models")
+
+
+class IndexesTest(program.ProgramTest):
+    def refuses_index(self, db, words):
+        before = self.files()
+        self.refuses(2, [db, words], "index", VIDEO, "--models", MODELS, "--db", db)
+        for command in (
+            ("search",),
+            ("search", "--image", CRATE),
+            ("export", "--format", "objects"),
+            ("sheet", "--out", self.scratch / "sheet.png"),
+            ("evaluate", "--truth", program.flight() / "truth.jsonl"),
+        ):
+            with self.subTest(command):
+                self.refuses(2, db, *command, "--db", db)
+        self.refuses(2, db, "doctor", db)
+        self.assertEqual(self.files(), before)
+
+    def test_of_another_program(self):
+        path = self.scratch / "other.db"
+        with sqlite3.connect(path) as other:
+            other.execute("CREATE TABLE songs (title TEXT)")
+            other.execute("INSERT INTO songs VALUES ('Yesterday')")
+        other.close()
+        self.refuses_index(path, "another program")
+
+    def test_of_a_newer_version(self):
+        path = self.write("newer.db", INDEX.read_bytes())
+        newer = sqlite3.connect(path)
+        (version,) = newer.execute("PRAGMA user_version").fetchone()
+        newer.execute("PRAGMA journal_mode = DELETE")
+        newer.execute(f"PRAGMA user_version = {version + 1}")
+        newer.commit()
+        newer.close()
+        self.refuses_index(path, "newer")
+
+    def test_not_a_database(self):
+        self.refuses_index(self.write("text.db", "This is a text.\n" * 1000), "not an index")
+        whole = INDEX.read_bytes()
+        self.refuses_index(self.write("first_page.db", b"\0" * 100 + whole[100:]), "not an index")
+        (self.scratch / "folder.db").mkdir()
+        self.refuses_index(self.scratch / "folder.db", "")
+
+    def test_missing(self):
+        none = self.scratch / "none.db"
+        for command in (("search",), ("export", "--format", "objects"), ("doctor",)):
+            self.refuses(2, none, *command, *(["--db"] if command[0] != "doctor" else []), none)
+        self.refuses(2, "none", "index", VIDEO, "--models", MODELS, "--db", self.scratch / "none/index.db")
+        self.assertEqual(self.files(), {})
+
+    def test_damaged(self):
+        whole = INDEX.read_bytes()
+        middle = len(whole) // 2
+        for number, content in enumerate((whole[: middle // 2], whole[:8192] + b"\x5a" * (middle - 8192) + whole[middle:])):
+            path = self.write(f"damaged{number}.db", content)
+            for form in ("objects", "sightings"):
+                done = program.run("export", "--db", path, "--format", form)
+                self.assertIn(done.status, (0, 2), done.err)
+                self.assertEqual(len(done.messages()), 0 if done.status == 0 else 1, done.err)
+            done = program.run("search", "--db", path, "--image", CRATE)
+            self.assertEqual((done.status, len(done.messages())), (2, 1), done.err)
+
+
+class TruthTest(program.ProgramTest):
+    def refuses_truth(self, content, words):
+        truth = self.write("truth.jsonl", content)
+        self.refuses(2, [truth, words], "evaluate", "--db", INDEX, "--truth", truth)
+
+    def test_missing_or_malformed(self):
+        none = self.scratch / "none.jsonl"
+        self.refuses(2, none, "evaluate", "--db", INDEX, "--truth", none)
+        row = (program.flight() / "truth.jsonl").read_text().splitlines()[0]
+        self.refuses_truth("no truth\n", "truth.jsonl:1")
+        self.refuses_truth(row + "\n" + row[:-20] + "\n", "truth.jsonl:2")
+        self.refuses_truth(row + "\n\n" + row.replace('"box"', '"bax"') + "\n", "truth.jsonl:3")
+        self.refuses_truth(row.replace('"frame":0', '"frame":"first"'), "frame")
+        self.refuses_truth(b"\xff\xfe\x00", "truth.jsonl:1")
+
+
+if __name__ == "__main__":
+    program.main()

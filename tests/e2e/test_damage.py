@@ -1,0 +1,61 @@
+"""Input that is damaged in part is used as far as it goes: a warning that says where, exit status 0."""
+
+import json
+import shutil
+import unittest
+
+import program
+
+VIDEO, MODELS, INDEX = program.flight() / "flight.mkv", program.models(), program.index()
+
+
+class DamageTest(program.ProgramTest):
+    def index(self, video):
+        """The video's sightings, and what was warned of."""
+        db = self.scratch / "index.db"
+        done = self.succeeds("index", video, "--models", MODELS, "--db", db)
+        warnings = [line for line in done.messages() if line.startswith("warning: ")]
+        self.assertEqual(len(done.messages()), len(warnings) + 1, done.err)  # and what was done
+        for line in warnings:
+            self.assertIn(str(video), line)
+        sightings = [json.loads(line) for line in self.export(db, "sightings").splitlines()]
+        again = self.succeeds("index", video, "--models", MODELS, "--db", db)
+        self.assertIn("0 frames searched", again.err)
+        return sightings, warnings
+
+    def setUp(self):
+        super().setUp()
+        self.whole = [json.loads(line) for line in self.export(INDEX, "sightings").splitlines()]
+
+    def test_a_file_that_is_cut_off(self):
+        content = VIDEO.read_bytes()
+        sightings, warnings = self.index(self.write("cut.mkv", content[: len(content) * 6 // 10]))
+        self.assertGreater(len(warnings), 0)
+        self.assertRegex(warnings[0], r"\d\.\d+ s")
+        self.assertGreater(len(sightings), 5)
+        expected = [(row["frame"], row["model"], row["box"]) for row in self.whole][: len(sightings)]
+        self.assertEqual([(row["frame"], row["model"], row["box"]) for row in sightings], expected)
+
+    def test_a_hole_in_the_middle(self):
+        content = bytearray(VIDEO.read_bytes())
+        middle = len(content) // 2
+        content[middle : middle + len(content) // 10] = b"\x5a" * (len(content) // 10)
+        sightings, warnings = self.index(self.write("hole.mkv", bytes(content)))
+        self.assertGreater(len(warnings), 0)
+        self.assertGreater(len(sightings), 5)
+
+    def test_a_folder_with_a_bad_picture(self):
+        folder = self.scratch / "frames"
+        folder.mkdir()
+        for number in range(4):
+            self.succeeds("frame", VIDEO, "--number", number, "--out", folder / f"{number}.png")
+        shutil.copy(folder / "0.png", folder / "4.png")
+        (folder / "2.png").write_bytes((folder / "2.png").read_bytes()[:200])
+        sightings, warnings = self.index(folder)
+        self.assertEqual(len(warnings), 1)
+        self.assertIn("2.png", warnings[0])
+        self.assertGreater(len(sightings), 2)
+
+
+if __name__ == "__main__":
+    program.main()

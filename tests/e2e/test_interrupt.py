@@ -1,0 +1,123 @@
+"""`index` stopped at any moment, by the user or by SIGKILL, goes on where it was, and ends as if nothing had been."""
+
+import contextlib
+import random
+import signal
+import sqlite3
+import subprocess
+import time
+import unittest
+
+import program
+
+FRAMES = 100
+SEED = 20240611
+VIDEO = program.flight(FRAMES) / "flight.mkv"
+
+
+def contents(path):
+    """What the index holds, down to the frames kept: exports show the rest."""
+    with contextlib.closing(sqlite3.connect(path)) as db:
+        return [
+            db.execute(query).fetchall()
+            for query in (
+                "SELECT * FROM objects ORDER BY id",
+                "SELECT * FROM sightings ORDER BY video, frame, object",
+                "SELECT video, frame, time_s, keypoints, descriptors FROM frame_features ORDER BY video, frame",
+                "SELECT video, model, next_frame, finished FROM searches ORDER BY video, model",
+                "SELECT frame_count, duration_s FROM videos",
+            )
+        ]
+
+
+class InterruptTest(program.ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.db = self.scratch / "index.db"
+        # With every frame kept, it commits every 32 frames.
+        self.params = self.write("params.json", '{"keep.interval_s": 0}')
+
+    def command(self, db):
+        return ["index", VIDEO, "--models", program.models(), "--db", db, "--params", self.params, "--threads", "2"]
+
+    def start(self):
+        return subprocess.Popen(
+            [program.PROGRAM, *map(str, self.command(self.db))], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+
+    def next_frame(self):
+        """How far the search had come at its last commit."""
+        with contextlib.suppress(sqlite3.OperationalError):
+            with contextlib.closing(sqlite3.connect(f"file:{self.db}?mode=ro", uri=True, timeout=5)) as db:
+                return db.execute("SELECT coalesce(max(next_frame), 0) FROM searches").fetchone()[0]
+        return 0
+
+    def wait_for_commit_after(self, frame, process):
+        while process.poll() is None and self.next_frame() <= frame:
+            time.sleep(0.01)
+
+    def uninterrupted(self):
+        whole = self.scratch / "whole.db"
+        begin = time.monotonic()
+        self.succeeds(*self.command(whole))
+        return whole, time.monotonic() - begin
+
+    def assert_same(self, whole):
+        for form in ("objects", "sightings", "mot", "coco"):
+            self.assertEqual(self.export(self.db, form), self.export(whole, form), form)
+        self.assertEqual(contents(self.db), contents(whole))
+
+    def test_killed_at_any_moment(self):
+        whole, duration_s = self.uninterrupted()
+        moments = random.Random(SEED)
+        kills = [moments.uniform(0, 0.5 * duration_s) for _ in range(5)]
+        for delay_s in sorted(kills):  # the first in the middle of opening, the last beyond a commit
+            with self.start() as process:
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    process.wait(delay_s)
+                process.kill()
+            self.export_while_unfinished()
+        with self.start() as process:
+            self.wait_for_commit_after(self.next_frame(), process)
+            process.kill()
+        self.succeeds(*self.command(self.db))
+        self.assert_same(whole)
+        self.assertIn("0 frames searched", self.succeeds(*self.command(self.db)).err)
+        self.assertEqual(sorted(path.name for path in self.scratch.glob("index*")), ["index.db"])
+
+    def export_while_unfinished(self):
+        """What a kill leaves can be read, where there is anything yet."""
+        done = program.run("export", "--db", self.db, "--format", "sightings")
+        if done.status != 0:
+            self.assertEqual((done.status, len(done.messages())), (2, 1), done.err)
+            self.assertRegex(done.err, "No such file|empty")
+
+    def test_stopped_by_the_user(self):
+        whole, _ = self.uninterrupted()
+        for stop in (signal.SIGINT, signal.SIGTERM):
+            done = self.next_frame()
+            with self.start() as process:
+                self.wait_for_commit_after(done, process)
+                process.send_signal(stop)
+                out, err = process.communicate(timeout=60)
+            if process.returncode == 0:
+                break  # it had come to its end
+            outcome = program.Outcome(process.returncode, out, err)
+            self.assertEqual(outcome.status, 1, err)
+            self.assertEqual(len(outcome.messages()), 1, err)
+            self.assertRegex(outcome.messages()[0], r"error: .*flight.mkv: stopped at frame \d+: run again to go on")
+            self.assertEqual([path.name for path in self.scratch.glob("index*")], ["index.db"])
+            self.assertGreater(self.next_frame(), done)
+        self.succeeds(*self.command(self.db))
+        self.assert_same(whole)
+
+    def test_others_may_read_meanwhile(self):
+        with self.start() as process:
+            self.wait_for_commit_after(0, process)
+            while process.poll() is None:
+                self.assertEqual(program.run("export", "--db", self.db, "--format", "objects").status, 0)
+            self.assertEqual(process.returncode, 0)
+
+
+if __name__ == "__main__":
+    program.main()
