@@ -9,6 +9,7 @@
 
 #include "victorious/base/file.h"
 #include "victorious/pipeline/drawn_flight_test.h"
+#include "victorious/video/image_file.h"
 
 namespace victorious {
 namespace {
@@ -352,6 +353,22 @@ TEST(Indexer, TheSameContentUnderAnotherNameIsTheSameVideo) {
   EXPECT_THAT(SightingsOf(*store), SizeIs(sightings));
   ASSERT_THAT(VideosOf(*store), SizeIs(1));
   EXPECT_EQ(VideosOf(*store).at(0).name, copy) << "named as it was given last";
+}
+
+// An index or a log beside the pictures does not make another video of them.
+TEST(Indexer, AFolderStaysTheSameVideoWhenOtherFilesComeIntoIt) {
+  const DrawnFlight flight(ShortFlight(3));
+  const fs::path folder = flight / "frames";
+  fs::create_directory(folder);
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(WriteImage(folder / ("frame" + std::to_string(i) + ".png"), flight.flight().Render(i).image));
+  }
+  const auto store = flight.Store("frames/index.db");
+  EXPECT_EQ(Index(folder.string(), flight.Models(), *store).frames_searched, 3);
+  ASSERT_TRUE(WriteFileAtomically(folder / "run.log", "a log\n"));
+  EXPECT_EQ(Index(folder.string(), flight.Models(), *store).frames_searched, 0);
+  EXPECT_EQ(Index("file://" + folder.string(), flight.Models(), *store).frames_searched, 0);
+  EXPECT_THAT(VideosOf(*store), SizeIs(1));
 }
 
 TEST(Indexer, ADamagedVideoIsSearchedAsFarAsItGoes) {
