@@ -97,7 +97,10 @@ Expected<Indexer> Indexer::Create(std::vector<ObjectModel> models, const IndexOp
 }
 
 Expected<IndexReport> Indexer::Index(const std::string& video, bool redo, int threads, const CancelToken& cancel,
-                                     IndexStore& store) const {
+                                     IndexStore& store, const WarningSink& warn) const {
+  if (cancel.IsCancelled()) {
+    return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped before it was opened; run again to go on", video));
+  }
   VICTORIOUS_ASSIGN_OR_RETURN(std::unique_ptr<VideoReader> reader, VideoReader::Open(video, {}));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string content_id, ContentIdOf(*reader, video, cancel));
   VICTORIOUS_ASSIGN_OR_RETURN(const VideoRecord record, store.PutVideo({.content_id = content_id,
@@ -153,7 +156,7 @@ Expected<IndexReport> Indexer::Index(const std::string& video, bool redo, int th
                           .extractor = *extractor_,
                           .options = options_,
                           .threads = threads};
-    VICTORIOUS_RETURN_IF_ERROR(RunSearchPass(pass, *reader, cancel, store, report));
+    VICTORIOUS_RETURN_IF_ERROR(RunSearchPass(pass, *reader, cancel, store, warn, report));
     reader.reset();
   }
   report.complete = true;
