@@ -101,7 +101,8 @@ Expected<IndexReport> Indexer::Index(const std::string& video, bool redo, int th
   if (cancel.IsCancelled()) {
     return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped before it was opened; run again to go on", video));
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(std::unique_ptr<VideoReader> reader, VideoReader::Open(video, {}));
+  const VideoReaderOptions reading{.threads = threads, .folder_frame_rate = options_.video.folder_frame_rate};
+  VICTORIOUS_ASSIGN_OR_RETURN(std::unique_ptr<VideoReader> reader, VideoReader::Open(video, reading));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string content_id, ContentIdOf(*reader, video, cancel));
   VICTORIOUS_ASSIGN_OR_RETURN(const VideoRecord record, store.PutVideo({.content_id = content_id,
                                                                         .name = video,
@@ -140,7 +141,7 @@ Expected<IndexReport> Indexer::Index(const std::string& video, bool redo, int th
   IndexReport report;
   for (auto& [next_frame, planned] : groups) {
     if (!reader) {
-      VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(video, {}));
+      VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(video, reading));
     }
     std::vector<ObjectModel> models;
     std::vector<SearchRecord> searches;

@@ -355,6 +355,20 @@ TEST(Indexer, TheSameContentUnderAnotherNameIsTheSameVideo) {
   EXPECT_EQ(VideosOf(*store).at(0).name, copy) << "named as it was given last";
 }
 
+TEST(Indexer, TheUserSaysHowFastAFolderIs) {
+  const DrawnFlight flight(ShortFlight(3));
+  const fs::path folder = flight / "frames";
+  fs::create_directory(folder);
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(WriteImage(folder / ("frame" + std::to_string(i) + ".png"), flight.flight().Render(i).image));
+  }
+  RunSetup run;
+  run.options.video.folder_frame_rate = 4;
+  const auto store = flight.Store("index.db");
+  Index(folder.string(), flight.Models(), *store, run);
+  EXPECT_EQ(VideosOf(*store).at(0).duration_s, 0.5);
+}
+
 // An index or a log beside the pictures does not make another video of them.
 TEST(Indexer, AFolderStaysTheSameVideoWhenOtherFilesComeIntoIt) {
   const DrawnFlight flight(ShortFlight(3));
