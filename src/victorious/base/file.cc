@@ -65,46 +65,47 @@ Expected<std::size_t> ReadInto(std::span<char> buffer, int fd, const fs::path& p
   return done;
 }
 
-Expected<XXH128_hash_t> HashFile(const fs::path& path) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const OpenFile file, OpenRegularFile(path));
-  XXH3_state_t state;
-  XXH3_128bits_reset(&state);
-  std::vector<char> buffer(std::size_t{1} << 20);
-  while (true) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::size_t count, ReadInto(buffer, file.descriptor.fd(), path));
-    XXH3_128bits_update(&state, buffer.data(), count);
-    if (count < buffer.size()) return XXH3_128bits_digest(&state);
-  }
-}
+// Hashes files one after the other, telling how far it is, until it is cancelled.
+class Hasher {
+ public:
+  Hasher(const CancelToken& cancel, const ByteProgress& progress, std::int64_t total_bytes)
+      : cancel_(cancel), progress_(progress), total_bytes_(total_bytes) {}
 
-// A folder's regular files (or links to some), in order of their names; not those of its subfolders.
-Expected<std::vector<fs::path>> FilesOf(const fs::path& folder) {
-  std::vector<fs::path> files;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    std::error_code dangling;
-    if (it->is_regular_file(dangling)) files.push_back(it->path());
+  Expected<XXH128_hash_t> Hash(const fs::path& path) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const OpenFile file, OpenRegularFile(path));
+    XXH3_state_t state;
+    XXH3_128bits_reset(&state);
+    while (true) {
+      if (cancel_.IsCancelled()) {
+        return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped while its content id was made", path.string()));
+      }
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::size_t count, ReadInto(buffer_, file.descriptor.fd(), path));
+      XXH3_128bits_update(&state, buffer_.data(), count);
+      done_bytes_ += static_cast<std::int64_t>(count);
+      if (progress_) progress_(done_bytes_, std::max(done_bytes_, total_bytes_));
+      if (count < buffer_.size()) return XXH3_128bits_digest(&state);
+    }
   }
-  if (error) return std::unexpected(ErrorFromErrno(error.value(), folder.string()));
-  std::ranges::sort(files);
-  return files;
-}
 
-// Each file's name and hash, hashed: no shift of bytes between names and contents gives the same.
-Expected<XXH128_hash_t> HashFolder(const fs::path& folder) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<fs::path> files, FilesOf(folder));
-  XXH3_state_t state;
-  XXH3_128bits_reset(&state);
+ private:
+  const CancelToken& cancel_;
+  const ByteProgress& progress_;
+  std::int64_t total_bytes_;
+  std::int64_t done_bytes_ = 0;
+  std::vector<char> buffer_ = std::vector<char>(std::size_t{1} << 20);
+};
+
+std::int64_t TotalBytes(std::span<const fs::path> files) {
+  std::int64_t total = 0;
   for (const fs::path& file : files) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const XXH128_hash_t hash, HashFile(file));
-    XXH128_canonical_t canonical;
-    XXH128_canonicalFromHash(&canonical, hash);
-    const std::string name = file.filename().string();
-    XXH3_128bits_update(&state, name.c_str(), name.size() + 1);
-    XXH3_128bits_update(&state, canonical.digest, sizeof(canonical.digest));
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(file, error);
+    if (!error) total += static_cast<std::int64_t>(size);
   }
-  return XXH3_128bits_digest(&state);
+  return total;
 }
+
+std::string IdText(const XXH128_hash_t& hash) { return fmt::format("{:016x}{:016x}", hash.high64, hash.low64); }
 
 // A new file of a name like `path`, in the same folder: its name and descriptor (negative: errno says why).
 std::pair<fs::path, int> CreateBeside(const fs::path& path) {
@@ -203,11 +204,27 @@ MappedFile::~MappedFile() {
 
 std::uint64_t Checksum(std::span<const std::byte> bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
 
-Expected<std::string> ContentId(const fs::path& path) {
-  std::error_code absent;
-  VICTORIOUS_ASSIGN_OR_RETURN(const XXH128_hash_t hash,
-                              fs::is_directory(path, absent) ? HashFolder(path) : HashFile(path));
-  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+Expected<std::string> ContentId(const fs::path& file, const CancelToken& cancel, const ByteProgress& progress) {
+  Hasher hasher(cancel, progress, TotalBytes(std::span(&file, 1)));
+  VICTORIOUS_ASSIGN_OR_RETURN(const XXH128_hash_t hash, hasher.Hash(file));
+  return IdText(hash);
+}
+
+// Each file's name and hash, hashed: no shift of bytes between names and contents gives the same.
+Expected<std::string> ContentIdOfFiles(std::span<const fs::path> files, const CancelToken& cancel,
+                                       const ByteProgress& progress) {
+  Hasher hasher(cancel, progress, TotalBytes(files));
+  XXH3_state_t state;
+  XXH3_128bits_reset(&state);
+  for (const fs::path& file : files) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const XXH128_hash_t hash, hasher.Hash(file));
+    XXH128_canonical_t canonical;
+    XXH128_canonicalFromHash(&canonical, hash);
+    const std::string name = file.filename().string();
+    XXH3_128bits_update(&state, name.c_str(), name.size() + 1);
+    XXH3_128bits_update(&state, canonical.digest, sizeof(canonical.digest));
+  }
+  return IdText(XXH3_128bits_digest(&state));
 }
 
 }  // namespace victorious

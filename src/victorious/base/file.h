@@ -5,11 +5,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 
 namespace victorious {
@@ -43,8 +45,16 @@ class MappedFile {
 /// XXH3, 64 bits: fast, not cryptographic; finds damage, not malice.
 [[nodiscard]] std::uint64_t Checksum(std::span<const std::byte> bytes);
 
-/// The content of a file, or of a folder's files with their names (not its subfolders), as 32 hexadecimal digits (XXH3,
-/// 128 bits). Reads everything once.
-Expected<std::string> ContentId(const std::filesystem::path& path);
+/// Told now and then while contents are read: bytes so far, and bytes in all.
+using ByteProgress = std::function<void(std::int64_t done, std::int64_t total)>;
+
+/// The content of a file as 32 hexadecimal digits (XXH3, 128 bits). Reads everything once, which takes minutes for
+/// hours of video on a slow disk. Errors: those of reading; kCancelled.
+Expected<std::string> ContentId(const std::filesystem::path& file, const CancelToken& cancel = CancelToken(),
+                                const ByteProgress& progress = {});
+
+/// The contents of several files, in this order, with their names (not their folders').
+Expected<std::string> ContentIdOfFiles(std::span<const std::filesystem::path> files,
+                                       const CancelToken& cancel = CancelToken(), const ByteProgress& progress = {});
 
 }  // namespace victorious

@@ -9,6 +9,8 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -293,44 +295,73 @@ TEST(ContentId, MissingPathIsNotFound) {
   EXPECT_EQ(CodeOf(ContentId(scratch / "absent")), ErrorCode::kNotFound);
 }
 
-class ContentIdOfFolder : public ::testing::Test {
+TEST(ContentId, TellsHowFarItIsAndStopsWhenCancelled) {
+  const ScratchFolder scratch;
+  constexpr std::int64_t kBytes = 5'000'000;
+  Put(scratch / "file", std::string(kBytes, 'v'));
+  std::int64_t last = 0;
+  ASSERT_TRUE(ContentId(scratch / "file", CancelToken(), [&](std::int64_t done, std::int64_t total) {
+    EXPECT_GT(done, last);
+    EXPECT_EQ(total, kBytes);
+    last = done;
+  }));
+  EXPECT_EQ(last, kBytes);
+
+  CancelToken cancel;
+  std::int64_t read = 0;
+  const auto stopped = ContentId(scratch / "file", cancel, [&](std::int64_t done, std::int64_t /*total*/) {
+    read = done;
+    cancel.Cancel();
+  });
+  EXPECT_EQ(CodeOf(stopped), ErrorCode::kCancelled);
+  EXPECT_THAT(stopped.error().message, HasSubstr((scratch / "file").string()));
+  EXPECT_LT(read, kBytes);
+}
+
+class ContentIdOfFilesTest : public ::testing::Test {
  protected:
   std::string IdOf(std::initializer_list<std::pair<const char*, const char*>> files) {
     const ScratchFolder scratch;
-    for (const auto& [name, text] : files) Put(scratch / name, text);
-    return ContentId(scratch.path()).value();
+    std::vector<fs::path> paths;
+    for (const auto& [name, text] : files) Put(paths.emplace_back(scratch / name), text);
+    return ContentIdOfFiles(paths).value();
   }
 };
 
-TEST_F(ContentIdOfFolder, DependsOnNamesAndContentsAlone) {
+TEST_F(ContentIdOfFilesTest, DependsOnNamesContentsAndOrderAlone) {
   const std::string id = IdOf({{"0.png", "first"}, {"1.png", "second"}});
-  EXPECT_EQ(id, IdOf({{"1.png", "second"}, {"0.png", "first"}}));
+  EXPECT_EQ(id, IdOf({{"0.png", "first"}, {"1.png", "second"}})) << "in another folder";
+  EXPECT_NE(id, IdOf({{"1.png", "second"}, {"0.png", "first"}}));
   EXPECT_NE(id, IdOf({{"0.png", "second"}, {"1.png", "first"}}));
   EXPECT_NE(id, IdOf({{"0.png", "first"}, {"2.png", "second"}}));
   EXPECT_NE(id, IdOf({{"0.png", "first"}}));
 }
 
-TEST_F(ContentIdOfFolder, SeesWhereOneFileEndsAndTheNextBegins) {
+TEST_F(ContentIdOfFilesTest, SeesWhereOneFileEndsAndTheNextBegins) {
   EXPECT_NE(IdOf({{"a", "xb"}, {"c", "y"}}), IdOf({{"a", "x"}, {"bc", "y"}}));
   EXPECT_NE(IdOf({{"a", "1c2"}, {"d", "3"}}), IdOf({{"a", "1"}, {"c", "2d3"}}));
   EXPECT_NE(IdOf({{"a", "x"}}), IdOf({{"b", "x"}}));
 }
 
-TEST_F(ContentIdOfFolder, PassesOverSubfoldersAndDanglingLinks) {
+TEST_F(ContentIdOfFilesTest, CountsTheBytesOfAll) {
   const ScratchFolder scratch;
-  Put(scratch / "0.png", "first");
-  const auto id = ContentId(scratch.path());
-  fs::create_directory(scratch / "folder");
-  Put(scratch / "folder/1.png", "second");
-  fs::create_symlink("nowhere", scratch / "link");
-  EXPECT_EQ(ContentId(scratch.path()), id);
+  Put(scratch / "a", std::string(1000, 'a'));
+  Put(scratch / "b", std::string(2000, 'b'));
+  const std::vector<fs::path> files = {scratch / "a", scratch / "b"};
+  std::vector<std::int64_t> told;
+  ASSERT_TRUE(ContentIdOfFiles(files, CancelToken(), [&](std::int64_t done, std::int64_t total) {
+    EXPECT_EQ(total, 3000);
+    told.push_back(done);
+  }));
+  EXPECT_THAT(told, ::testing::ElementsAre(1000, 3000));
 }
 
-TEST_F(ContentIdOfFolder, UnreadableFolderIsPermissionDenied) {
+TEST_F(ContentIdOfFilesTest, AFileThatCannotBeReadIsNamed) {
   const ScratchFolder scratch;
-  fs::permissions(scratch.path(), fs::perms::none);
-  const OrdinaryUser user;
-  EXPECT_EQ(CodeOf(ContentId(scratch.path())), ErrorCode::kPermissionDenied);
+  const std::vector<fs::path> files = {scratch / "absent"};
+  const auto missing = ContentIdOfFiles(files);
+  EXPECT_EQ(CodeOf(missing), ErrorCode::kNotFound);
+  EXPECT_THAT(missing.error().message, HasSubstr("absent"));
 }
 
 }  // namespace

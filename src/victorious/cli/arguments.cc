@@ -35,6 +35,14 @@ Expected<Box> ParseBox(std::string_view text) {
   return box;
 }
 
+std::string CheckSeconds(const std::string& text) {
+  double seconds = 0;
+  const char* const end = text.data() + text.size();
+  const auto [next, error] = std::from_chars(text.data(), end, seconds);
+  if (error == std::errc() && next == end && std::isfinite(seconds) && seconds >= 0) return "";
+  return fmt::format("\"{}\": must be a number of seconds, 0 or more", text);
+}
+
 Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields) {
   if (path.empty()) return {};
   constexpr std::size_t kMostBytes = 1 << 20;
@@ -78,8 +86,8 @@ CancelToken& Interrupt() {
 void FilterArguments::AddTo(CLI::App& app) {
   app.add_option("--video", video, "Only this video: its name as indexed, or its last parts")->type_name("NAME");
   app.add_option("--model", model, "Only this model")->type_name("NAME");
-  app.add_option("--from", from_s, "Only from this time of the video on, seconds")->type_name("S");
-  app.add_option("--to", to_s, "Only up to this time of the video, seconds")->type_name("S");
+  app.add_option("--from", from_s, "Only from this time of the video on, seconds")->type_name("S")->check(CheckSeconds);
+  app.add_option("--to", to_s, "Only up to this time of the video, seconds")->type_name("S")->check(CheckSeconds);
 }
 
 Expected<SightingFilter> FilterArguments::Filter() const {

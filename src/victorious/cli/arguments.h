@@ -19,6 +19,9 @@ namespace victorious::cli {
 /// "x,y,w,h" in pixels.
 Expected<Box> ParseBox(std::string_view text);
 
+/// A check for a time of a video: nothing if `text` is one, else what would be right.
+std::string CheckSeconds(const std::string& text);
+
 /// Reads `--params FILE` (JSON) into the fields; an empty path changes nothing.
 Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields);
 

@@ -1,5 +1,6 @@
 // victorious frame VIDEO --at SECONDS --out PNG: one frame as a picture, to cut an object out of
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -47,10 +48,12 @@ Status Run(const Arguments& arguments) {
 Action SetUpFrame(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("VIDEO", arguments->video, "A file or a folder of frames")->required();
-  app.add_option("--at", arguments->at_s, "The first frame at this time or later, seconds")->type_name("S");
+  app.add_option("--at", arguments->at_s, "The first frame at this time or later, seconds")
+      ->type_name("S")
+      ->check(CheckSeconds);
   app.add_option("--number", arguments->number, "The frame of this number, from 0")
       ->type_name("N")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()));
   app.add_option("--out", arguments->out, "The picture (.png, .jpg)")->required()->type_name("FILE");
   return [=] { return Run(*arguments); };
 }

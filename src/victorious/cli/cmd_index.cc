@@ -38,16 +38,18 @@ Status Run(const Arguments& arguments) {
   // A video that cannot be read does not keep the others from being indexed.
   std::optional<Error> failure;
   for (const std::string& video : arguments.videos) {
-    const Expected<IndexReport> report = indexer.Index(video, arguments.redo, arguments.threads, Interrupt(), *store);
+    const auto warn = [&](const std::string& warning) { spdlog::warn("{}: {}", video, warning); };
+    const Expected<IndexReport> report =
+        indexer.Index(video, arguments.redo, arguments.threads, Interrupt(), *store, warn);
     if (!report) {
       failure = failure ? Error{failure->code, failure->message + "; " + report.error().message} : report.error();
       if (report.error().code == ErrorCode::kCancelled) break;
       continue;
     }
-    for (const std::string& warning : report->warnings)
-      spdlog::warn("{}", OneLine(fmt::format("{}: {}", video, warning)));
+    if (report->stopped_live) spdlog::info("{}: a live source, stopped here as its end", OneLine(video));
+    const bool known = report->frames_searched == 0 && !report->stopped_live;
     spdlog::info("{}: {} frames searched, {} sightings{}", OneLine(video), report->frames_searched, report->sightings,
-                 report->frames_searched == 0 ? " (all of it was indexed before)" : "");
+                 known ? " (all of it was indexed before)" : "");
   }
   if (failure) return std::unexpected(*std::move(failure));
   return {};

@@ -24,7 +24,16 @@ void KeepOptions::ListFields(FieldList& fields) {
                         "frame searched (docs/formats/index.md tells what they weigh)"});
 }
 
+void VideoOptions::ListFields(FieldList& fields) {
+  fields.Add("folder_frame_rate", folder_frame_rate,
+             {.min = 0.001,
+              .max = 1000,
+              .unit = "frames/s",
+              .reason = "the times of a folder's pictures, which carry none of their own"});
+}
+
 void IndexOptions::ListFields(FieldList& fields) {
+  fields.AddGroup("video", video);
   fields.AddGroup("features", features);
   recognize.ListFields(fields);
   fields.AddGroup("runs", runs);

@@ -23,7 +23,15 @@ struct KeepOptions {
   void ListFields(FieldList& fields);
 };
 
+/// How sources are read.
+struct VideoOptions {
+  double folder_frame_rate = 10.0;
+
+  void ListFields(FieldList& fields);
+};
+
 struct IndexOptions {
+  VideoOptions video;
   FeatureOptions features;
   RecognizeOptions recognize;
   RunOptions runs;

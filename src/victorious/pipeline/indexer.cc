@@ -1,7 +1,6 @@
 #include "victorious/pipeline/indexer.h"
 
 #include <algorithm>
-#include <chrono>
 #include <map>
 #include <optional>
 #include <utility>
@@ -10,7 +9,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "victorious/base/file.h"
+#include "victorious/base/progress.h"
 #include "victorious/base/version.h"
 #include "victorious/pipeline/search_pass.h"
 #include "victorious/video/video_reader.h"
@@ -36,10 +35,16 @@ std::string Difference(const std::string& before, const std::string& now) {
   return changes.empty() ? "another version's parameters" : fmt::format("{}", fmt::join(changes, "; "));
 }
 
-Expected<std::string> VideoContentId(const std::string& video, const VideoInfo& info) {
-  if (!info.live) return ContentId(video);
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return fmt::format("live {} {}", video, std::chrono::duration_cast<std::chrono::microseconds>(now).count());
+// The reader's content id, with a bar where making it takes longer than a moment.
+Expected<std::string> ContentIdOf(const VideoReader& reader, const std::string& video, const CancelToken& cancel) {
+  constexpr std::int64_t kLongBytes = std::int64_t{256} << 20;
+  constexpr std::int64_t kMegabyte = 1'000'000;
+  std::optional<Progress> progress;
+  return reader.ContentId(cancel, [&](std::int64_t done, std::int64_t total) {
+    if (total < kLongBytes) return;
+    if (!progress) progress.emplace(video + ", content id", total / kMegabyte, "MB");
+    progress->Update(done / kMegabyte);
+  });
 }
 
 // The parameters of a run, as the store keeps them.
@@ -92,14 +97,19 @@ Expected<Indexer> Indexer::Create(std::vector<ObjectModel> models, const IndexOp
 }
 
 Expected<IndexReport> Indexer::Index(const std::string& video, bool redo, int threads, const CancelToken& cancel,
-                                     IndexStore& store) const {
-  VICTORIOUS_ASSIGN_OR_RETURN(std::unique_ptr<VideoReader> reader, VideoReader::Open(video, {}));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string content_id, VideoContentId(video, reader->info()));
-  IndexReport report;
+                                     IndexStore& store, const WarningSink& warn) const {
+  if (cancel.IsCancelled()) {
+    return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped before it was opened; run again to go on", video));
+  }
+  const VideoReaderOptions reading{.threads = threads, .folder_frame_rate = options_.video.folder_frame_rate};
+  VICTORIOUS_ASSIGN_OR_RETURN(std::unique_ptr<VideoReader> reader, VideoReader::Open(video, reading));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string content_id, ContentIdOf(*reader, video, cancel));
+  const auto tell = [&](const std::string& warning) {
+    if (warn) warn(warning);
+  };
   if (!reader->info().live) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t forgotten, store.ForgetOtherContent(video, content_id));
-    if (forgotten > 0)
-      report.warnings.emplace_back("has changed since it was indexed: what was found before is replaced");
+    if (forgotten > 0) tell("has changed since it was indexed: what was found before is replaced");
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const VideoRecord record, store.PutVideo({.content_id = content_id,
                                                                         .name = video,
@@ -124,7 +134,7 @@ Expected<IndexReport> Indexer::Index(const std::string& video, bool redo, int th
       return before.name == model.name && before.model_id != model.id;
     });
     if (changed) {
-      report.warnings.push_back(fmt::format(
+      tell(fmt::format(
           "model {} is not the one searched for before: its earlier finds, in other videos too, are dropped",
           model.name));
     }
@@ -144,9 +154,10 @@ Expected<IndexReport> Indexer::Index(const std::string& video, bool redo, int th
   }
   VICTORIOUS_RETURN_IF_ERROR(store.SetVideoFeatures(record.id, parameters.features));
 
+  IndexReport report;
   for (auto& [next_frame, planned] : groups) {
     if (!reader) {
-      VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(video, {}));
+      VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(video, reading));
     }
     std::vector<ObjectModel> models;
     std::vector<SearchRecord> searches;
@@ -162,7 +173,7 @@ Expected<IndexReport> Indexer::Index(const std::string& video, bool redo, int th
                           .extractor = *extractor_,
                           .options = options_,
                           .threads = threads};
-    VICTORIOUS_RETURN_IF_ERROR(RunSearchPass(pass, *reader, cancel, store, report));
+    VICTORIOUS_RETURN_IF_ERROR(RunSearchPass(pass, *reader, cancel, store, warn, report));
     reader.reset();
   }
   return report;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,10 +18,13 @@
 namespace victorious {
 
 struct IndexReport {
-  std::int64_t frames_searched = 0;   ///< in this run
-  std::int64_t sightings = 0;         ///< found in this run
-  std::vector<std::string> warnings;  ///< one line each: what was damaged and where, what was replaced
+  std::int64_t frames_searched = 0;  ///< in this run
+  std::int64_t sightings = 0;        ///< found in this run
+  bool stopped_live = false;         ///< that end is where a live source was cancelled
 };
+
+/// Told what of a video was damaged, and where, a line each; also of a video that could not be indexed to its end.
+using WarningSink = std::function<void(const std::string& warning)>;
 
 /// Searches videos for a set of models and keeps what it finds. One video at a time.
 class Indexer {
@@ -34,9 +38,10 @@ class Indexer {
   /// @param redo    forget what was found of these models in this video, and search again
   /// @param threads 0: as many as the machine has
   /// Errors: those of VideoReader and IndexStore; kInvalidArgument if the video was indexed with other parameters and
-  /// redo is not asked for; kCancelled, after what was done is stored.
+  /// redo is not asked for; kCancelled, after what was done is stored. A live source, which cannot be gone on with,
+  /// ends where it is cancelled: no error.
   Expected<IndexReport> Index(const std::string& video, bool redo, int threads, const CancelToken& cancel,
-                              IndexStore& store) const;
+                              IndexStore& store, const WarningSink& warn = {}) const;
 
  private:
   Indexer(std::vector<ObjectModel> models, const IndexOptions& options,

@@ -10,6 +10,7 @@
 
 #include "victorious/base/file.h"
 #include "victorious/pipeline/drawn_flight_test.h"
+#include "victorious/video/image_file.h"
 
 namespace victorious {
 namespace {
@@ -69,14 +70,14 @@ struct RunSetup {
 };
 
 Expected<IndexReport> TryIndex(const std::string& video, std::vector<ObjectModel> models, IndexStore& store,
-                               const RunSetup& run = {}) {
+                               const RunSetup& run = {}, const WarningSink& warn = {}) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Indexer indexer, Indexer::Create(std::move(models), run.options));
-  return indexer.Index(video, run.redo, run.threads, CancelToken(), store);
+  return indexer.Index(video, run.redo, run.threads, CancelToken(), store, warn);
 }
 
 IndexReport Index(const std::string& video, std::vector<ObjectModel> models, IndexStore& store,
-                  const RunSetup& run = {}) {
-  const Expected<IndexReport> report = TryIndex(video, std::move(models), store, run);
+                  const RunSetup& run = {}, const WarningSink& warn = {}) {
+  const Expected<IndexReport> report = TryIndex(video, std::move(models), store, run, warn);
   EXPECT_TRUE(report) << report.error().message;
   return report.value_or(IndexReport{});
 }
@@ -91,9 +92,9 @@ RunSetup ManyCommits() {
 TEST(Indexer, FindsWhatIsThereWhereItIs) {
   const DrawnFlight flight(ShortFlight());
   const auto store = flight.Store("index.db");
-  const IndexReport report = Index(flight.video(), flight.Models(), *store);
+  const IndexReport report =
+      Index(flight.video(), flight.Models(), *store, {}, [](const std::string& warning) { ADD_FAILURE() << warning; });
   EXPECT_EQ(report.frames_searched, flight.flight().options().frames);
-  EXPECT_THAT(report.warnings, IsEmpty());
 
   const std::vector<SightingRecord> sightings = SightingsOf(*store);
   EXPECT_EQ(report.sightings, static_cast<std::int64_t>(sightings.size()));
@@ -365,6 +366,36 @@ TEST(Indexer, TheSameContentUnderAnotherNameIsTheSameVideo) {
   EXPECT_EQ(VideosOf(*store).at(0).name, copy) << "named as it was given last";
 }
 
+TEST(Indexer, TheUserSaysHowFastAFolderIs) {
+  const DrawnFlight flight(ShortFlight(3));
+  const fs::path folder = flight / "frames";
+  fs::create_directory(folder);
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(WriteImage(folder / ("frame" + std::to_string(i) + ".png"), flight.flight().Render(i).image));
+  }
+  RunSetup run;
+  run.options.video.folder_frame_rate = 4;
+  const auto store = flight.Store("index.db");
+  Index(folder.string(), flight.Models(), *store, run);
+  EXPECT_EQ(VideosOf(*store).at(0).duration_s, 0.5);
+}
+
+// An index or a log beside the pictures does not make another video of them.
+TEST(Indexer, AFolderStaysTheSameVideoWhenOtherFilesComeIntoIt) {
+  const DrawnFlight flight(ShortFlight(3));
+  const fs::path folder = flight / "frames";
+  fs::create_directory(folder);
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(WriteImage(folder / ("frame" + std::to_string(i) + ".png"), flight.flight().Render(i).image));
+  }
+  const auto store = flight.Store("frames/index.db");
+  EXPECT_EQ(Index(folder.string(), flight.Models(), *store).frames_searched, 3);
+  ASSERT_TRUE(WriteFileAtomically(folder / "run.log", "a log\n"));
+  EXPECT_EQ(Index(folder.string(), flight.Models(), *store).frames_searched, 0);
+  EXPECT_EQ(Index("file://" + folder.string(), flight.Models(), *store).frames_searched, 0);
+  EXPECT_THAT(VideosOf(*store), SizeIs(1));
+}
+
 TEST(Indexer, ADamagedVideoIsSearchedAsFarAsItGoes) {
   const DrawnFlight flight(ShortFlight());
   const std::string whole = ReadFile(flight.video()).value();
@@ -377,9 +408,11 @@ TEST(Indexer, ADamagedVideoIsSearchedAsFarAsItGoes) {
 
   const auto store = flight.Store("index.db");
   for (const std::string& video : {cut, hole}) {
-    const IndexReport report = Index(video, flight.Models(), *store);
-    ASSERT_FALSE(report.warnings.empty()) << video;
-    EXPECT_THAT(report.warnings[0], AllOf(HasSubstr(" s"), Not(HasSubstr("\n"))));
+    std::vector<std::string> warnings;
+    const IndexReport report =
+        Index(video, flight.Models(), *store, {}, [&](const std::string& warning) { warnings.push_back(warning); });
+    ASSERT_FALSE(warnings.empty()) << video;
+    EXPECT_THAT(warnings[0], AllOf(HasSubstr(" s"), Not(HasSubstr("\n"))));
     EXPECT_GT(report.frames_searched, 5);
     EXPECT_LT(report.frames_searched, 20);
     EXPECT_GT(report.sightings, 5);

@@ -47,9 +47,10 @@ class KeepClock {
 // Reads the frames to be searched. Serial.
 class Source {
  public:
-  Source(const SearchPass& pass, VideoReader& reader, const CancelToken& cancel)
+  Source(const SearchPass& pass, VideoReader& reader, const CancelToken& cancel, Progress& progress)
       : reader_(reader),
         cancel_(cancel),
+        progress_(progress),
         clock_(pass.options.keep.interval_s),
         every_(pass.options.every),
         first_frame_(pass.searches.front().next_frame) {}
@@ -68,9 +69,14 @@ class Source {
       }
       ++frames_read_;
       last_time_s_ = (*frame)->time_s;
-      if ((*frame)->index % every_ != 0) continue;
-      const bool keep = clock_.Keeps((*frame)->time_s);
-      if ((*frame)->index < first_frame_) continue;
+      const std::int64_t index = (*frame)->index;
+      const bool is_searched = index % every_ == 0;
+      const bool keep = is_searched && clock_.Keeps((*frame)->time_s);
+      if (index < first_frame_) {
+        progress_.Update(index + 1);  // before any frame is on its way: nobody else reports yet
+        continue;
+      }
+      if (!is_searched) continue;
       auto work = std::make_shared<Work>();
       work->frame = *std::move(*frame);
       work->keep = keep;
@@ -87,6 +93,7 @@ class Source {
  private:
   VideoReader& reader_;
   const CancelToken& cancel_;
+  Progress& progress_;
   KeepClock clock_;
   std::int64_t every_;
   std::int64_t first_frame_;
@@ -209,12 +216,12 @@ class Sink {
 }  // namespace
 
 Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelToken& cancel, IndexStore& store,
-                     IndexReport& report) {
+                     const WarningSink& warn, IndexReport& report) {
   namespace tbb = oneapi::tbb;
-  Source source(pass, reader, cancel);
+  Progress progress(pass.video.name, reader.info().frame_count, "frames");
+  Source source(pass, reader, cancel, progress);
   Sink sink(pass, reader.info().frame_rate, store, report);
   VICTORIOUS_RETURN_IF_ERROR(sink.Resume());
-  Progress progress(pass.video.name, reader.info().frame_count, "frames");
 
   const int threads =
       pass.threads > 0 ? pass.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
@@ -239,14 +246,16 @@ Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelTo
     });
     tbb::parallel_pipeline(static_cast<std::size_t>(threads) * 2, read & search & collect);
   });
-  for (const std::string& warning : reader.warnings()) report.warnings.push_back(warning);
+  if (warn) std::ranges::for_each(reader.warnings(), warn);
   VICTORIOUS_RETURN_IF_ERROR(status);
+  const bool cancelled = source.status() && !source.at_end();
+  report.stopped_live = cancelled && reader.info().live;  // nobody can go on with it later
   // What was searched before an error or a cancel is stored, too.
-  VICTORIOUS_RETURN_IF_ERROR(sink.Commit(source.at_end()));
+  VICTORIOUS_RETURN_IF_ERROR(sink.Commit(source.at_end() || report.stopped_live));
   VICTORIOUS_RETURN_IF_ERROR(source.status());
-  if (!source.at_end()) {
+  if (cancelled && !report.stopped_live) {
     return Fail(ErrorCode::kCancelled,
-                fmt::format("{}: stopped at frame {}: run again to go on", pass.video.name, sink.next_frame()));
+                fmt::format("{}: stopped at frame {}; run again to go on", pass.video.name, sink.next_frame()));
   }
   return store.SetVideoLength(pass.video.id, source.frames_read(), source.last_time_s());
 }

@@ -26,8 +26,9 @@ struct SearchPass {
   int threads = 0;  ///< 0: as many as the machine has
 };
 
-/// Reads `reader` to its end and commits to `store` as it goes; adds what it did to `report`.
+/// Reads `reader` to its end and commits to `store` as it goes; adds what it did to `report`. A live source that is
+/// cancelled is at its end. Warnings are told however it ends.
 Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelToken& cancel, IndexStore& store,
-                     IndexReport& report);
+                     const WarningSink& warn, IndexReport& report);
 
 }  // namespace victorious

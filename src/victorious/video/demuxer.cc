@@ -70,7 +70,7 @@ std::optional<std::string> UrlScheme(const std::string& source) {
 Expected<std::unique_ptr<Demuxer>> Demuxer::Open(const MediaSource& source) {
   PrepareFfmpeg();
   if (const auto scheme = UrlScheme(source.name);
-      source.live && (!scheme || std::ranges::find(kLiveSchemes, *scheme) == kLiveSchemes.end())) {
+      source.remote && (!scheme || std::ranges::find(kLiveSchemes, *scheme) == kLiveSchemes.end())) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: not a kind of address that can be read; use one of {}",
                                                          source.name, fmt::join(kLiveSchemes, ", ")));
   }
@@ -91,16 +91,31 @@ int Demuxer::Read(AVPacket* packet) {
   return result < 0 && TimeIsUp() ? AVERROR_EXIT : result;  // not every protocol says why it gave up
 }
 
+bool Demuxer::IsLive() const {
+  const auto scheme = UrlScheme(source_.name);
+  if (!source_.remote) return false;
+  if (scheme != "http" && scheme != "https") return true;
+  // A playlist has a length of its own, whether or not it is complete: only then does it tell a duration.
+  const bool tells_duration =
+      context_->duration > 0 && context_->duration_estimation_method != AVFMT_DURATION_FROM_BITRATE;
+  const bool playlist = std::string_view(context_->iformat->name) == "hls";
+  return !tells_duration && (playlist || size_bytes() == 0);
+}
+
+std::int64_t Demuxer::size_bytes() const {
+  return context_->pb == nullptr ? 0 : std::max<std::int64_t>(0, avio_size(context_->pb));
+}
+
 Status Demuxer::OpenContainer() {
   context_ = avformat_alloc_context();
   if (context_ == nullptr) return Fail(ErrorCode::kInternal, "no memory for a container");
   context_->interrupt_callback = {[](void* self) { return static_cast<Demuxer*>(self)->TimeIsUp() ? 1 : 0; }, this};
   Dictionary options;
-  options.Set("protocol_whitelist", source_.live ? kLiveProtocols : "file");
-  options.Set("format_whitelist", source_.live ? kLiveFormats : kFileFormats);
+  options.Set("protocol_whitelist", source_.remote ? kLiveProtocols : "file");
+  options.Set("format_whitelist", source_.remote ? kLiveFormats : kFileFormats);
   options.Set("rtsp_flags", "prefer_tcp");
   options.Set("overrun_nonfatal", "1");
-  const std::string url = source_.live ? source_.name : "file:" + source_.name;
+  const std::string url = source_.remote ? source_.name : "file:" + source_.name;
   StartTimer();
   int result = avformat_open_input(&context_, url.c_str(), nullptr, options.address());  // frees context_ on failure
   if (result < 0) return std::unexpected(OpenError(result));
@@ -129,13 +144,13 @@ Status Demuxer::ChooseVideo() {
 }
 
 void Demuxer::StartTimer() {
-  if (!source_.live) return;
+  if (!source_.remote) return;
   deadline_ =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(source_.timeout_s));
 }
 
 Error Demuxer::OpenError(int result) const {
-  if (source_.live) {
+  if (source_.remote) {
     const std::string reason =
         TimeIsUp() ? fmt::format("no answer within {:g} s", source_.timeout_s) : FfmpegErrorText(result);
     return {ErrorCode::kNotFound, fmt::format("{}: {}; check that the source is sending", source_.name, reason)};

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,8 +16,8 @@ namespace victorious {
 /// A file's path or a URL, as the user wrote it.
 struct MediaSource {
   std::string name;
-  bool live = false;
-  double timeout_s = 10;  ///< of a live source
+  bool remote = false;    ///< a URL
+  double timeout_s = 10;  ///< of a remote source
 };
 
 /// The scheme of "rtsp://…", in lower case; nothing if `source` is a path.
@@ -31,6 +32,12 @@ class Demuxer {
 
   /// The next packet of any stream that is not discarded. Returns FFmpeg's result: AVERROR_EOF at the end.
   int Read(AVPacket* packet);
+
+  /// A remote source that sends what is there now, and no more of it later: any that does not tell its length.
+  [[nodiscard]] bool IsLive() const;
+
+  /// As the protocol tells it; 0 if it does not.
+  [[nodiscard]] std::int64_t size_bytes() const;
 
   [[nodiscard]] const AVFormatContext& container() const { return *context_; }
   [[nodiscard]] AVStream& stream(int index) const { return *context_->streams[index]; }

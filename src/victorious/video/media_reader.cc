@@ -81,7 +81,7 @@ Expected<CodecHandle> OpenDecoder(const AVStream& stream, const MediaSource& sou
   decoder->thread_count =
       std::min(threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency()), kMaxThreads);
   // Frame threads hold frames back, which costs a file nothing and a live picture its freshness.
-  decoder->thread_type = source.live ? FF_THREAD_SLICE : FF_THREAD_FRAME | FF_THREAD_SLICE;
+  decoder->thread_type = source.remote ? FF_THREAD_SLICE : FF_THREAD_FRAME | FF_THREAD_SLICE;
   if (const int result = avcodec_open2(decoder.get(), codec, nullptr); result < 0) {
     return Fail(ErrorCode::kDataLoss, fmt::format("{}: its video ({}) cannot be decoded: {}", source.name, codec_name,
                                                   FfmpegErrorText(result)));
@@ -111,6 +111,7 @@ class MediaReader : public VideoReader {
   Status Start();
 
   [[nodiscard]] const VideoInfo& info() const override { return info_; }
+  [[nodiscard]] Expected<std::string> ContentId(const CancelToken& cancel, const ByteProgress& progress) const override;
   Expected<std::optional<Frame>> NextFrame() override;
   std::vector<DataPacket> TakeDataPackets() override { return data_.Take(clock_.origin_s()); }
   [[nodiscard]] const std::vector<std::string>& warnings() const override { return damage_.lines(); }
@@ -170,6 +171,16 @@ Status MediaReader::Start() {
   converter_.emplace(options_.color, orientation, size);
   FillInfo(orientation, size);
   return {};
+}
+
+Expected<std::string> MediaReader::ContentId(const CancelToken& cancel, const ByteProgress& progress) const {
+  if (!source_.remote) return victorious::ContentId(source_.name, cancel, progress);
+  if (const std::int64_t size = demuxer_->size_bytes(); !info_.live && size > 0) {
+    return fmt::format("url {} {} bytes", source_.name, size);
+  }
+  if (!info_.live) return fmt::format("url {} {:.3f} s", source_.name, info_.duration_s.value_or(0));
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return fmt::format("live {} {}", source_.name, std::chrono::duration_cast<std::chrono::microseconds>(now).count());
 }
 
 Expected<std::optional<Frame>> MediaReader::NextFrame() {
@@ -319,7 +330,7 @@ void MediaReader::FillInfo(Orientation orientation, cv::Size size) {
   info_.height = SwapsSides(orientation) ? size.width : size.height;
   info_.rotation_deg = ClockwiseTurnDeg(orientation);
   info_.frame_rate = FrameRate(video);
-  info_.live = source_.live;
+  info_.live = demuxer_->IsLive();
   info_.duration_s = VideoDuration();
   if (video.nb_frames > 0) {
     info_.frame_count = video.nb_frames;

@@ -23,6 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::string_view kFolder = "folder of images";
+
 std::string LowerExtension(const fs::path& file) {
   std::string extension = file.extension().string();
   std::ranges::transform(extension, extension.begin(),
@@ -57,6 +59,7 @@ class PictureReader : public VideoReader {
   Status Start(const fs::path& source, std::string container);
 
   [[nodiscard]] const VideoInfo& info() const override { return info_; }
+  [[nodiscard]] Expected<std::string> ContentId(const CancelToken& cancel, const ByteProgress& progress) const override;
   Expected<std::optional<Frame>> NextFrame() override;
   std::vector<DataPacket> TakeDataPackets() override { return {}; }
   [[nodiscard]] const std::vector<std::string>& warnings() const override { return damage_.lines(); }
@@ -91,6 +94,11 @@ Status PictureReader::Start(const fs::path& source, std::string container) {
   info_.frame_count = static_cast<std::int64_t>(files_.size() - first_place_);
   info_.duration_s = TimeOf(files_.size());
   return {};
+}
+
+Expected<std::string> PictureReader::ContentId(const CancelToken& cancel, const ByteProgress& progress) const {
+  if (info_.container == kFolder) return ContentIdOfFiles(files_, cancel, progress);
+  return victorious::ContentId(files_.front(), cancel, progress);
 }
 
 Expected<std::optional<Frame>> PictureReader::NextFrame() {
@@ -151,7 +159,7 @@ Expected<std::unique_ptr<VideoReader>> OpenFolder(const fs::path& folder, const 
   std::ranges::sort(files, [](const fs::path& a, const fs::path& b) {
     return NaturalLess(a.filename().native(), b.filename().native());
   });
-  return Open(folder, std::move(files), "folder of images", options);
+  return Open(folder, std::move(files), std::string(kFolder), options);
 }
 
 Expected<std::unique_ptr<VideoReader>> OpenPicture(const fs::path& file, const VideoReaderOptions& options) {

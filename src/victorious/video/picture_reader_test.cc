@@ -25,6 +25,34 @@ std::unique_ptr<VideoReader> MustOpen(const std::filesystem::path& path, const V
   return reader ? *std::move(reader) : nullptr;
 }
 
+std::string IdOf(const std::string& source) {
+  const auto reader = VideoReader::Open(source, {});
+  EXPECT_TRUE(reader) << reader.error().message;
+  return reader ? (*reader)->ContentId(CancelToken(), {}).value() : "";
+}
+
+TEST(PictureReader, AFolderIsKnownByItsPicturesAlone) {
+  const ScratchFolder folder;
+  const auto put = [&](const std::string& name, int number) {
+    ASSERT_TRUE(cv::imwrite((folder / name).string(), NumberedPicture(number, {80, 60})));
+  };
+  put("1.png", 1);
+  put("2.png", 2);
+  const std::string id = IdOf(folder.path().string());
+  EXPECT_EQ(id.size(), 32U);
+  testing::WriteBytes(folder / "index.db", "an index");
+  testing::WriteBytes(folder / "run.log", "a log");
+  std::filesystem::create_directory(folder / "more.png");
+  EXPECT_EQ(IdOf(folder.path().string()), id);
+  EXPECT_EQ(IdOf("file://" + folder.path().string()), id);
+  put("3.png", 3);
+  EXPECT_NE(IdOf(folder.path().string()), id);
+  std::filesystem::remove(folder / "3.png");
+  put("2.png", 4);
+  EXPECT_NE(IdOf(folder.path().string()), id);
+  EXPECT_EQ(IdOf((folder / "1.png").string()), ContentId(folder / "1.png").value());
+}
+
 TEST(PictureReader, FolderInNaturalOrder) {
   const ScratchFolder folder;
   for (const int number : {10, 9, 1, 100}) {

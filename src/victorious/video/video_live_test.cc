@@ -67,6 +67,8 @@ class Server {
 
   /// Accepts in the background, sends `bytes`, then holds the connection open, silent, for `silent_s`.
   void Serve(std::string bytes, double silent_s) {
+    if (thread_.joinable()) thread_.join();
+    stop_ = {};
     thread_ = std::thread([this, bytes = std::move(bytes), silent_s] {
       const int peer = ::accept(socket_, nullptr, nullptr);
       if (peer < 0) return;
@@ -128,6 +130,37 @@ TEST(LiveVideo, ReadOverHttp) {
   const auto reader = VideoReader::Open(server.Url("http"), {.open_timeout_s = 5});
   ASSERT_TRUE(reader) << reader.error().message;
   EXPECT_EQ(CountFrames(**reader), 60);
+}
+
+// Opened twice over http, with `head` between the status and the video: whether it is live, and its ids.
+struct Identity {
+  bool live = false;
+  std::string first, second;
+};
+
+Identity IdentityOf(const std::string& head, const std::string& bytes) {
+  Identity identity;
+  Server server;
+  for (std::string* id : {&identity.first, &identity.second}) {
+    server.Serve("HTTP/1.0 200 OK\r\nContent-Type: video/mp2t\r\n" + head + "\r\n" + bytes, 0);
+    const auto reader = VideoReader::Open(server.Url("http"), {.open_timeout_s = 5});
+    EXPECT_TRUE(reader) << reader.error().message;
+    if (!reader) break;
+    identity.live = (*reader)->info().live;
+    *id = (*reader)->ContentId(CancelToken(), {}).value();
+  }
+  return identity;
+}
+
+TEST(LiveVideo, AnHttpSourceOfKnownLengthIsTheSameEachTime) {
+  const std::string bytes = TransportStream(60);
+  const Identity finite = IdentityOf("Content-Length: " + std::to_string(bytes.size()) + "\r\n", bytes);
+  EXPECT_FALSE(finite.live);
+  EXPECT_EQ(finite.first, finite.second);
+  EXPECT_THAT(finite.first, HasSubstr("/live.ts"));
+  const Identity live = IdentityOf("", bytes);
+  EXPECT_TRUE(live.live);
+  EXPECT_NE(live.first, live.second);
 }
 
 // Sends datagrams of seven packets each, at a pace that a receiver can follow.

@@ -51,7 +51,7 @@ Expected<std::unique_ptr<VideoReader>> VideoReader::Open(const std::string& sour
   if (source.empty()) return Fail(ErrorCode::kInvalidArgument, "no video named: a file, a folder or a URL is needed");
   const auto scheme = UrlScheme(source);
   if (scheme == "file") return OpenPath(source.substr(std::string_view("file://").size()), options);
-  if (scheme) return OpenMedia({.name = source, .live = true, .timeout_s = options.open_timeout_s}, options);
+  if (scheme) return OpenMedia({.name = source, .remote = true, .timeout_s = options.open_timeout_s}, options);
   return OpenPath(source, options);
 }
 

@@ -14,7 +14,9 @@
 #include <string>
 #include <vector>
 
+#include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
+#include "victorious/base/file.h"
 #include "victorious/types/data_packet.h"
 #include "victorious/types/frame.h"
 
@@ -47,7 +49,7 @@ struct VideoInfo {
   double frame_rate = 0;                    ///< average, frames/s; 0 if unknown
   std::optional<double> duration_s;         ///< as the container says
   std::optional<std::int64_t> frame_count;  ///< as the container says, or an estimate: for progress, nothing else
-  bool live = false;                        ///< a URL that cannot be read twice
+  bool live = false;                        ///< a URL that cannot be read twice: without an end that is known
   std::vector<StreamInfo> streams;
 };
 
@@ -64,6 +66,12 @@ class VideoReader {
   virtual ~VideoReader() = default;
 
   [[nodiscard]] virtual const VideoInfo& info() const = 0;
+
+  /// What the source is known by, whatever its name: the content of a file, of a folder's pictures (and of no other
+  /// file in it); address and length of what can be read again over a network; of a live source address and moment,
+  /// never twice the same. Reads a file once. Errors: those of ContentId (base/file.h), among them kCancelled.
+  [[nodiscard]] virtual Expected<std::string> ContentId(const CancelToken& cancel,
+                                                        const ByteProgress& progress) const = 0;
 
   /// The next frame in order of presentation; nothing at the end. Damaged parts are passed over and told by warnings().
   /// The frame owns its pixels: it may go to another thread.

@@ -305,6 +305,20 @@ TEST(VideoReader, SoundAndCoversAreNotTheVideo) {
   }
 }
 
+TEST(VideoReader, AFileIsKnownByItsContentHoweverItIsNamed) {
+  const ScratchFolder folder;
+  WriteTestVideo(folder / "a.mp4", {.pts = SteadyTimes(10, 40)});
+  fs::copy_file(folder / "a.mp4", folder / "b.mp4");
+  const std::string id = ContentId(folder / "a.mp4").value();
+  for (const std::string& source :
+       {(folder / "a.mp4").string(), (folder / "b.mp4").string(), "file://" + (folder / "a.mp4").string()}) {
+    EXPECT_EQ(MustOpen(source)->ContentId(CancelToken(), {}), id) << source;
+  }
+  CancelToken cancel;
+  cancel.Cancel();
+  EXPECT_EQ(MustOpen(folder / "a.mp4")->ContentId(cancel, {}).error().code, ErrorCode::kCancelled);
+}
+
 TEST(VideoReader, DataPacketsOnTheFramesClock) {
   const ScratchFolder folder;
   const std::string label = "\x06\x0E\x2B\x34";

@@ -1,0 +1,146 @@
+#include "victorious/pipeline/search_pass.h"
+
+#include <functional>
+#include <optional>
+#include <utility>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "victorious/pipeline/drawn_flight_test.h"
+
+namespace victorious {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr std::int64_t kFrames = 200;
+
+// Grey pictures, 10 a second; `before_frame` is told the number of each.
+class FakeReader final : public VideoReader {
+ public:
+  FakeReader(bool live, std::function<void(std::int64_t)> before_frame) : before_frame_(std::move(before_frame)) {
+    info_.live = live;
+    info_.frame_count = kFrames;
+  }
+
+  [[nodiscard]] const VideoInfo& info() const override { return info_; }
+  [[nodiscard]] Expected<std::string> ContentId(const CancelToken& /*cancel*/,
+                                                const ByteProgress& /*progress*/) const override {
+    return "fake";
+  }
+  Expected<std::optional<Frame>> NextFrame() override {
+    if (next_ == kFrames) return std::nullopt;
+    before_frame_(next_);
+    if (next_ == broken_at) return Fail(ErrorCode::kInternal, "broken");
+    const std::int64_t index = next_++;
+    return Frame{.index = index, .time_s = static_cast<double>(index) / 10, .image = cv::Mat(32, 32, CV_8UC1, 128.0)};
+  }
+  std::vector<DataPacket> TakeDataPackets() override { return {}; }
+  [[nodiscard]] const std::vector<std::string>& warnings() const override { return warnings_; }
+
+  std::int64_t broken_at = -1;
+
+ private:
+  VideoInfo info_;
+  std::function<void(std::int64_t)> before_frame_;
+  std::int64_t next_ = 0;
+  std::vector<std::string> warnings_ = {"at 0.10 s: something damaged"};
+};
+
+// One pass over a fake video, into an index of its own.
+class SearchPassTest : public ::testing::Test {
+ protected:
+  Status Run(VideoReader& reader, std::int64_t first_frame = 0) {
+    const VideoRecord video = store_
+                                  ->PutVideo({.content_id = "fake",
+                                              .name = "fake.mp4",
+                                              .width = 32,
+                                              .height = 32,
+                                              .frame_count = {},
+                                              .duration_s = {},
+                                              .features_json = {}})
+                                  .value();
+    const ObjectModel model = flight_.Model(0);
+    const ModelRecord stored = store_->PutModel({.name = model.name, .model_id = model.id, .kind = model.kind}).value();
+    const IndexOptions options;
+    const std::vector<SearchRecord> searches = {{.video = video.id,
+                                                 .model = stored.id,
+                                                 .next_frame = first_frame,
+                                                 .finished = false,
+                                                 .options_json = "{}",
+                                                 .program_version = "test"}};
+    const Recognizer recognizer = Recognizer::Create({model}, options.features.engine, options.recognize).value();
+    const auto extractor = MakeFeatureExtractor(options.features).value();
+    const SearchPass pass{.video = video,
+                          .searches = searches,
+                          .recognizer = recognizer,
+                          .extractor = *extractor,
+                          .options = options,
+                          .threads = 2};
+    const Status status = RunSearchPass(
+        pass, reader, cancel_, *store_, [&](const std::string& warning) { warnings_.push_back(warning); }, report_);
+    search_ = store_->FindSearch(video.id, stored.id).value();
+    return status;
+  }
+
+  DrawnFlight flight_{ShortFlight(1)};
+  std::unique_ptr<IndexStore> store_ = flight_.Store("index.db");
+  CancelToken cancel_;
+  IndexReport report_;
+  std::vector<std::string> warnings_;
+  std::optional<SearchRecord> search_;
+};
+
+TEST_F(SearchPassTest, ALiveSourceEndsWhereItIsCancelled) {
+  FakeReader reader(/*live=*/true, [&](std::int64_t frame) {
+    if (frame == 20) cancel_.Cancel();
+  });
+  const Status status = Run(reader);
+  ASSERT_TRUE(status) << status.error().message;
+  EXPECT_TRUE(report_.stopped_live);
+  EXPECT_EQ(report_.frames_searched, 21);
+  ASSERT_TRUE(search_);
+  EXPECT_TRUE(search_->finished);
+  EXPECT_EQ(search_->next_frame, 21);
+  EXPECT_EQ(VideosOf(*store_).at(0).frame_count, 21);
+  EXPECT_THAT(warnings_, ElementsAre("at 0.10 s: something damaged"));
+}
+
+TEST_F(SearchPassTest, AFileThatIsCancelledSaysWhichAndWhere) {
+  FakeReader reader(/*live=*/false, [&](std::int64_t frame) {
+    if (frame == 20) cancel_.Cancel();
+  });
+  const Status status = Run(reader);
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error(), (Error{ErrorCode::kCancelled, "fake.mp4: stopped at frame 21; run again to go on"}));
+  EXPECT_FALSE(report_.stopped_live);
+  ASSERT_TRUE(search_);
+  EXPECT_FALSE(search_->finished);
+  EXPECT_THAT(warnings_, ElementsAre("at 0.10 s: something damaged"));
+}
+
+TEST_F(SearchPassTest, ALiveSourceThatFailsIsNotDone) {
+  FakeReader reader(/*live=*/true, [](std::int64_t /*frame*/) {});
+  reader.broken_at = 20;
+  const Status status = Run(reader);
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().message, "broken");
+  EXPECT_FALSE(report_.stopped_live);
+  EXPECT_FALSE(search_.value().finished);
+  EXPECT_THAT(warnings_, ElementsAre("at 0.10 s: something damaged"));
+}
+
+TEST_F(SearchPassTest, FramesPassedOverOnTheWayToTheFirstAreShown) {
+  FakeReader reader(/*live=*/false, [&](std::int64_t frame) {
+    if (frame == 20) cancel_.Cancel();
+  });
+  ::testing::internal::CaptureStderr();
+  EXPECT_FALSE(Run(reader, /*first_frame=*/100));
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(), AllOf(HasSubstr("fake.mp4"), HasSubstr("21 of 200 frames")));
+}
+
+}  // namespace
+}  // namespace victorious
