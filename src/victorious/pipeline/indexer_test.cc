@@ -82,7 +82,7 @@ IndexReport Index(const std::string& video, std::vector<ObjectModel> models, Ind
   return report.value_or(IndexReport{});
 }
 
-// Commits come every 32 kept frames: with all frames kept, these runs have several.
+// Commits come every 32 kept frames, and every two seconds: with all frames kept, these runs have several.
 RunSetup ManyCommits() {
   RunSetup run;
   run.options.keep.interval_s = 0;
@@ -267,7 +267,7 @@ TEST(Indexer, CancelledAndGoneOnWithItGivesWhatOneRunGives) {
   int runs = 0;
   std::int64_t frames = 0;
   while (true) {
-    ASSERT_LT(++runs, 10);
+    ASSERT_LT(++runs, 72) << "each does a frame at least";
     CancelToken cancel;
     HookedStore hooked(*store, [&]() -> Status {
       cancel.Cancel();
@@ -313,7 +313,7 @@ TEST(Indexer, ModelsThatAreDifferentlyFarEachGoOnWhereTheyStopped) {
   const Indexer first = Indexer::Create({flight.Model(0)}, ManyCommits().options).value();
   ASSERT_FALSE(first.Index(flight.video(), false, 1, cancel, hooked));
   const std::int64_t done = store->FindSearch(1, 1).value().value().next_frame;
-  ASSERT_GE(done, 32);
+  ASSERT_GT(done, 0);
   ASSERT_LT(done, 48);
   const IndexReport report = Index(flight.video(), flight.Models(), *store, ManyCommits());
   EXPECT_EQ(report.frames_searched, 48 + (48 - done));
@@ -446,10 +446,12 @@ TEST(Indexer, ErrorsOfTheStoreComeThroughAndTheRunCanGoOn) {
   const Expected<IndexReport> report = TryIndex(flight.video(), flight.Models(), full, ManyCommits());
   ASSERT_FALSE(report);
   EXPECT_EQ(report.error(), (Error{ErrorCode::kNoSpace, "index.db: no space left"}));
-  EXPECT_EQ(store->FindSearch(1, 1).value().value().next_frame, 32) << "what was committed stays";
+  const std::int64_t done = store->FindSearch(1, 1).value().value().next_frame;
+  EXPECT_GT(done, 0) << "what was committed stays";
+  EXPECT_LT(done, 48);
 
   const IndexReport rest = Index(flight.video(), flight.Models(), *store, ManyCommits());
-  EXPECT_EQ(rest.frames_searched, 16);
+  EXPECT_EQ(rest.frames_searched, 48 - done);
   const auto whole = flight.Store("whole.db");
   Index(flight.video(), flight.Models(), *whole, ManyCommits());
   EXPECT_EQ(Contents(*store), Contents(*whole));
