@@ -61,6 +61,9 @@ GLint GlProgram::Location(const char* uniform) {
 
 void GlProgram::Set(const char* uniform, int value) { glUniform1i(Location(uniform), value); }
 void GlProgram::Set(const char* uniform, float value) { glUniform1f(Location(uniform), value); }
+void GlProgram::Set(const char* uniform, const Eigen::Vector2f& value) {
+  glUniform2fv(Location(uniform), 1, value.data());
+}
 void GlProgram::Set(const char* uniform, const Eigen::Vector3f& value) {
   glUniform3fv(Location(uniform), 1, value.data());
 }

@@ -25,6 +25,7 @@ class GlProgram {
   // The program must be in use. A uniform that the program does not have is passed over.
   void Set(const char* uniform, int value);
   void Set(const char* uniform, float value);
+  void Set(const char* uniform, const Eigen::Vector2f& value);
   void Set(const char* uniform, const Eigen::Vector3f& value);
   void Set(const char* uniform, const Eigen::Vector4f& value);
   void Set(const char* uniform, const Eigen::Matrix4f& value);

@@ -106,7 +106,8 @@ Expected<LoadedMesh> Load(std::span<const std::byte> bytes, const std::string& n
     VICTORIOUS_ASSIGN_OR_RETURN(const LoadedMesh loaded, ImportIntoModelFrame(cad_folder, *format, options));
     return BytesFromMesh(loaded);
   };
-  auto result = RunIsolated(import, {.memory_bytes = kMaxImportBytes, .processor_s = kMaxImport_s});
+  const unsigned processor_s = kMaxImport_s + static_cast<unsigned>(bytes.size() >> 22);
+  auto result = RunIsolated(import, {.memory_bytes = kMaxImportBytes, .processor_s = processor_s});
   if (!result) return std::unexpected(std::move(result).error().WithContext(name));
   auto loaded = MeshFromBytes(*result);
   if (!loaded) return std::unexpected(std::move(loaded).error().WithContext(name));

@@ -46,7 +46,7 @@ inline constexpr std::uint64_t kMaxCadBytes = std::uint64_t{256} << 20;  ///< of
 inline constexpr std::size_t kMaxTriangles = 4'000'000;
 inline constexpr int kMaxTextureSide_px = 8192;
 inline constexpr std::uint64_t kMaxImportBytes = std::uint64_t{3} << 30;  ///< of memory while reading
-inline constexpr unsigned kMaxImport_s = 30;                              ///< of processor time
+inline constexpr unsigned kMaxImport_s = 10;                              ///< of processor time; 1 s more for 4 MiB
 
 struct LoadedMesh {
   Mesh mesh;                          ///< with at least one triangle

@@ -29,6 +29,11 @@ float LinearFromGrey(int grey) {
   return static_cast<float>(value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4));
 }
 
+// Blended surfaces hide what lies behind them from this alpha on. Exporters like to call whole models blended, and
+// sorting alone draws those wrong wherever triangles reach past each other.
+constexpr float kAsGoodAsOpaque = 0.99F;
+constexpr float kNoLimit = 1e9F;
+
 // The range of depths that the picture needs, m.
 struct DepthRange {
   double near_m;
@@ -263,9 +268,9 @@ class Renderer::Device {
     clip_from_camera_ = ClipFromCamera(camera.pinhole, {near_m, far_m});
   }
 
-  static void SetMaterial(GlProgram& program, const GpuMesh& mesh, const Material& material, float blend_cutoff) {
-    const float cutoffs[] = {0.0F, material.alpha_cutoff, blend_cutoff};
-    program.Set("alpha_cutoff", cutoffs[static_cast<std::size_t>(material.alpha_mode)]);
+  static void SetMaterial(GlProgram& program, const GpuMesh& mesh, const Material& material,
+                          const Eigen::Vector2f& alpha_range) {
+    program.Set("alpha_range", alpha_range);
     program.Set("base_colour", material.base_colour);
     program.Set("double_sided", material.double_sided ? 1 : 0);
     if (material.double_sided) {
@@ -286,8 +291,8 @@ class Renderer::Device {
     program.Set("clip_from_camera", clip_from_camera_);
   }
 
-  // All parts but those that are blended, unless a cutoff makes them solid.
-  void DrawSolid(GlProgram& program, const std::optional<float>& blend_cutoff) const {
+  // Everything, of blended materials only what has an alpha of `solid_from` or more.
+  void DrawSolid(GlProgram& program, float solid_from) const {
     for (std::size_t i = 0; i < placed_.size(); ++i) {
       const GpuMesh& mesh = *placed_[i].mesh;
       mesh.BindVertices();
@@ -295,8 +300,8 @@ class Renderer::Device {
       program.Set("instance", static_cast<float>(i));
       for (const MeshPart& part : mesh.parts()) {
         const Material& material = mesh.MaterialOf(part);
-        if (material.alpha_mode == AlphaMode::kBlend && !blend_cutoff) continue;
-        SetMaterial(program, mesh, material, blend_cutoff.value_or(0));
+        const float cutoffs[] = {0.0F, material.alpha_cutoff, solid_from};
+        SetMaterial(program, mesh, material, {cutoffs[static_cast<std::size_t>(material.alpha_mode)], kNoLimit});
         const std::uintptr_t offset = std::uintptr_t{part.first_triangle} * 3 * sizeof(std::uint32_t);
         glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(part.triangles * 3), GL_UNSIGNED_INT,
                        reinterpret_cast<const void*>(offset));
@@ -304,7 +309,7 @@ class Renderer::Device {
     }
   }
 
-  // Back to front, in runs of one material.
+  // What DrawSolid() left, back to front, in runs of one material.
   void DrawBlended(GlProgram& program) {
     if (blended_.empty()) return;
     std::vector<std::array<std::uint32_t, 3>> corners(blended_.size());
@@ -328,7 +333,7 @@ class Renderer::Device {
       }
       program.Set("camera_from_mesh", placed.camera_from_mesh);
       const MeshPart& part = placed.mesh->parts()[static_cast<std::size_t>(first.triangle->part)];
-      SetMaterial(program, *placed.mesh, placed.mesh->MaterialOf(part), 0);
+      SetMaterial(program, *placed.mesh, placed.mesh->MaterialOf(part), {0.0F, kAsGoodAsOpaque});
       glDrawElements(GL_TRIANGLES, static_cast<GLsizei>((end - begin) * 3), GL_UNSIGNED_INT,
                      reinterpret_cast<const void*>(begin * sizeof(corners[0])));
     }
@@ -341,7 +346,7 @@ class Renderer::Device {
     colour_.Set("to_sun_in_camera", Eigen::Vector3f((turn * light.to_sun_in_world.normalized()).cast<float>()));
     colour_.Set("light", Eigen::Vector3f(Vector3d(light.sky, light.ground, light.sun).cast<float>()));
     colour_.Set("blended", 0);
-    DrawSolid(colour_, std::nullopt);
+    DrawSolid(colour_, kAsGoodAsOpaque);
     DrawBlended(colour_);
   }
 

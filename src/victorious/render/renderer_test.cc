@@ -304,6 +304,27 @@ TEST(Renderer, BlendedTrianglesAreDrawnBackToFront) {
   }
 }
 
+TEST(Renderer, BlendedButOpaqueTrianglesHideWhatLiesBehind) {
+  // A large green plane leans so that its middle is farther than the small red square's, but covers it.
+  Mesh plane = SquareFacingBack();
+  for (Vector3f& p : plane.positions) p = Vector3f(p.y() > 0 ? -0.2F : 9.0F, p.y() > 0 ? 0.9F : -9.0F, p.z());
+  Mesh square = SquareFacingBack();
+  for (Vector3f& p : square.positions) p = Vector3f(0.5F, 0.7F + 0.1F * p.y(), 0.1F * p.z());
+  plane.materials[0].base_colour = {0, 1, 0, 0.995F};
+  square.materials[0].base_colour = {1, 0, 0, 0.995F};
+  for (Mesh* mesh : {&plane, &square}) {
+    mesh->materials[0].alpha_mode = AlphaMode::kBlend;
+    mesh->materials[0].double_sided = true;
+  }
+  Renderer renderer = MakeRenderer();
+  const std::vector<MeshInstance> scene = {{*renderer.Upload(plane), {}}, {*renderer.Upload(square), {}}};
+  const PosedCamera camera = CameraAt(0, 90);
+  const auto view = renderer.Render(scene, camera, kEven);
+  ASSERT_TRUE(view);
+  const Eigen::Vector2d at = *camera.pinhole.Project(camera.camera_from_world.Apply({0.5, 0.7, 0}));
+  EXPECT_THAT(At(*view, at), IsColour(kGreen));
+}
+
 TEST(Renderer, InstancesHideEachOther) {
   Renderer renderer = MakeRenderer();
   const MeshId cube = *renderer.Upload(ColouredCube());

@@ -32,10 +32,10 @@ in vec2 texture_uv;
 in vec4 vertex_colour;
 uniform vec4 base_colour;
 uniform sampler2D base_texture;
-uniform float alpha_cutoff;  // below it nothing is drawn
+uniform vec2 alpha_range;  // outside it nothing is drawn; its upper end is not part of it
 vec4 SurfaceColour() {
   vec4 colour = base_colour * vertex_colour * texture(base_texture, texture_uv);
-  if (colour.a < alpha_cutoff) discard;
+  if (colour.a < alpha_range.x || colour.a >= alpha_range.y) discard;
   return colour;
 }
 )";
