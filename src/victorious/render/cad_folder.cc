@@ -1,6 +1,7 @@
 #include "victorious/render/cad_folder.h"
 
 #include <algorithm>
+#include <charconv>
 #include <system_error>
 #include <utility>
 
@@ -11,6 +12,23 @@
 
 namespace victorious {
 namespace fs = std::filesystem;
+namespace {
+
+// RFC 3986: "my%20tank.png" is "my tank.png".
+std::string PercentDecoded(std::string_view text) {
+  std::string decoded;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    unsigned char code = 0;
+    const char* digits = text.data() + i + 1;
+    const bool escaped =
+        text[i] == '%' && i + 2 < text.size() && std::from_chars(digits, digits + 2, code, 16).ptr == digits + 2;
+    decoded.push_back(escaped ? static_cast<char>(code) : text[i]);
+    if (escaped) i += 2;
+  }
+  return decoded;
+}
+
+}  // namespace
 
 CadFolder::CadFolder(std::span<const std::byte> bytes, std::string name, std::optional<fs::path> folder)
     : bytes_(bytes), name_(std::move(name)) {
@@ -29,12 +47,15 @@ std::optional<fs::path> CadFolder::Inside(const fs::path& relative) const {
 }
 
 std::optional<fs::path> CadFolder::Find(std::string_view name) const {
-  if (!folder_ || name.empty() || name.find('\0') != std::string_view::npos) return std::nullopt;
-  std::string slashed(name);
-  std::ranges::replace(slashed, '\\', '/');
-  const fs::path path(slashed);
-  if (auto found = Inside(path)) return found;
-  return path.has_filename() ? Inside(path.filename()) : std::nullopt;
+  if (!folder_) return std::nullopt;
+  for (std::string candidate : {std::string(name), PercentDecoded(name)}) {
+    if (candidate.find('\0') != std::string::npos) continue;
+    std::ranges::replace(candidate, '\\', '/');
+    const fs::path path(candidate);
+    if (auto found = Inside(path)) return found;
+    if (auto found = Inside(path.filename())) return found;
+  }
+  return std::nullopt;
 }
 
 Expected<std::string> CadFolder::Read(std::string_view name) const {

@@ -21,7 +21,7 @@ class CadFolder {
   [[nodiscard]] const std::string& name() const { return name_; }
 
   /// Where a name that stands in the CAD file leads: nothing if there is no such file, or it lies elsewhere. A path of
-  /// another machine ("C:\work\tank.png") is looked for by its last part.
+  /// another machine ("C:\work\tank.png") is looked for by its last part, a URI's escapes ("%20") are undone.
   [[nodiscard]] std::optional<std::filesystem::path> Find(std::string_view name) const;
 
   /// The CAD file's bytes for its own name, else those of the file that Find() finds.

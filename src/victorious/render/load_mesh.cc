@@ -66,13 +66,13 @@ Status Scale(Mesh& mesh, CadFormat format, const std::optional<double>& length_m
   }
   const float scale = length_m ? static_cast<float>(*length_m / length) : 1.0F;
   for (Eigen::Vector3f& position : mesh.positions) position *= scale;
-  constexpr double kLargest_m = 1e6;
-  constexpr double kSmallest_m = 1e-6;
+  constexpr double kLargest = 1e6;    // m
+  constexpr double kSmallest = 1e-6;  // m
   const double largest = size.maxCoeff() * scale;
-  if (!(largest < kLargest_m) || !(largest > kSmallest_m) || !(BoundingSphere(mesh).centre.norm() < kLargest_m)) {
+  if (!(largest < kLargest) || !(largest > kSmallest) || !(BoundingSphere(mesh).centre.norm() < kLargest)) {
     return Fail(ErrorCode::kDataLoss,
                 fmt::format("{:g} m long or far from its origin: {:g} to {:g} m can be drawn; its length may be given",
-                            largest, kSmallest_m, kLargest_m));
+                            largest, kSmallest, kLargest));
   }
   return {};
 }
@@ -82,7 +82,7 @@ Expected<LoadedMesh> ImportIntoModelFrame(const CadFolder& folder, CadFormat for
   VICTORIOUS_ASSIGN_OR_RETURN(const Axes axes, AxesOf(options, imported.up));
   Mesh& mesh = imported.loaded.mesh;
   if (mesh.triangles.empty()) {
-    std::string why = imported.loaded.warnings.empty() ? "" : " (" + imported.loaded.warnings.back() + ")";
+    const std::string why = imported.loaded.warnings.empty() ? "" : " (" + imported.loaded.warnings.back() + ")";
     return Fail(ErrorCode::kDataLoss, "no triangle that can be drawn" + why);
   }
   TurnIntoModelFrame(mesh, axes);
@@ -106,7 +106,7 @@ Expected<LoadedMesh> Load(std::span<const std::byte> bytes, const std::string& n
     VICTORIOUS_ASSIGN_OR_RETURN(const LoadedMesh loaded, ImportIntoModelFrame(cad_folder, *format, options));
     return BytesFromMesh(loaded);
   };
-  const unsigned processor_s = kMaxImport_s + static_cast<unsigned>(bytes.size() >> 22);
+  const unsigned processor_s = kMaxImportSeconds + static_cast<unsigned>(bytes.size() >> 22);
   auto result = RunIsolated(import, {.memory_bytes = kMaxImportBytes, .processor_s = processor_s});
   if (!result) return std::unexpected(std::move(result).error().WithContext(name));
   auto loaded = MeshFromBytes(*result);

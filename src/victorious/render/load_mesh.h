@@ -44,9 +44,9 @@ struct LoadMeshOptions {
 /// What is read at most; more is refused (kUnsupported).
 inline constexpr std::uint64_t kMaxCadBytes = std::uint64_t{256} << 20;  ///< of the file, and of each file beside it
 inline constexpr std::size_t kMaxTriangles = 4'000'000;
-inline constexpr int kMaxTextureSide_px = 8192;
+inline constexpr int kMaxTextureSide = 8192;                              ///< px
 inline constexpr std::uint64_t kMaxImportBytes = std::uint64_t{3} << 30;  ///< of memory while reading
-inline constexpr unsigned kMaxImport_s = 10;                              ///< of processor time; 1 s more for 4 MiB
+inline constexpr unsigned kMaxImportSeconds = 10;  ///< of processor time; 1 s more for each 4 MiB of the file
 
 struct LoadedMesh {
   Mesh mesh;                          ///< with at least one triangle

@@ -220,6 +220,22 @@ TEST(LoadMesh, ObjFindsItsMaterialsAndTexturesBesideIt) {
   }
 }
 
+TEST(LoadMesh, GltfFindsItsBuffersAndTexturesBesideIt) {
+  const ScratchFolder folder;
+  ASSERT_TRUE(cv::imwrite((folder / "a texture.png").string(), FourTexels()));
+  const std::string glb = testing::GlbFrom(testing::TexturedSquare(FourTexels()), {.image_uri = "a%20texture.png"});
+  const std::size_t binary = glb.find("BIN") - 4;
+  std::string json = glb.substr(20, binary - 20);
+  const std::string_view buffers = R"("buffers":[{)";
+  json.insert(json.find(buffers) + buffers.size(), R"("uri":"a%20buffer.bin",)");
+  std::ofstream(folder / "a buffer.bin", std::ios::binary) << glb.substr(binary + 8);
+  std::ofstream(folder / "a.gltf") << json;
+  const auto loaded = LoadMesh(folder / "a.gltf");
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_THAT(loaded->warnings, IsEmpty());
+  ExpectSameTexture(loaded->mesh, FourTexels());
+}
+
 TEST(LoadMesh, PathsOfOtherMachinesAreFoundByTheirLastPart) {
   const ScratchFolder folder;
   ASSERT_TRUE(cv::imwrite((folder / "t.bmp").string(), FourTexels()));

@@ -71,7 +71,7 @@ class Reader {
   cv::Mat Picture() {
     const int cols = Value<int>();
     const int rows = Value<int>();
-    if (cols < 1 || rows < 1 || cols > kMaxTextureSide_px || rows > kMaxTextureSide_px) ok_ = false;
+    if (cols < 1 || rows < 1 || cols > kMaxTextureSide || rows > kMaxTextureSide) ok_ = false;
     const std::string_view bytes = ok_ ? Take(std::size_t{4} * cols * rows) : std::string_view();
     if (bytes.empty()) return {};
     return cv::Mat(rows, cols, CV_8UC4, const_cast<char*>(bytes.data())).clone();

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -33,6 +34,11 @@ float LinearFromGrey(int grey) {
 // sorting alone draws those wrong wherever triangles reach past each other.
 constexpr float kAsGoodAsOpaque = 0.99F;
 constexpr float kNoLimit = 1e9F;
+
+// OpenGL takes an offset into the bound elements as a pointer.
+const void* ElementsFrom(std::size_t offset) {
+  return reinterpret_cast<const void*>(offset);  // NOLINT(performance-no-int-to-ptr)
+}
 
 // The range of depths that the picture needs, m.
 struct DepthRange {
@@ -159,7 +165,7 @@ class Renderer::Device {
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
   }
 
-  ~Device() { (void)context_.MakeCurrent(); }  // the members free themselves in it
+  ~Device() { std::ignore = context_.MakeCurrent(); }  // the members free themselves in it
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
@@ -302,9 +308,8 @@ class Renderer::Device {
         const Material& material = mesh.MaterialOf(part);
         const float cutoffs[] = {0.0F, material.alpha_cutoff, solid_from};
         SetMaterial(program, mesh, material, {cutoffs[static_cast<std::size_t>(material.alpha_mode)], kNoLimit});
-        const std::uintptr_t offset = std::uintptr_t{part.first_triangle} * 3 * sizeof(std::uint32_t);
-        glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(part.triangles * 3), GL_UNSIGNED_INT,
-                       reinterpret_cast<const void*>(offset));
+        const std::size_t offset = std::size_t{part.first_triangle} * 3 * sizeof(std::uint32_t);
+        glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(part.triangles * 3), GL_UNSIGNED_INT, ElementsFrom(offset));
       }
     }
   }
@@ -335,7 +340,7 @@ class Renderer::Device {
       const MeshPart& part = placed.mesh->parts()[static_cast<std::size_t>(first.triangle->part)];
       SetMaterial(program, *placed.mesh, placed.mesh->MaterialOf(part), {0.0F, kAsGoodAsOpaque});
       glDrawElements(GL_TRIANGLES, static_cast<GLsizei>((end - begin) * 3), GL_UNSIGNED_INT,
-                     reinterpret_cast<const void*>(begin * sizeof(corners[0])));
+                     ElementsFrom(begin * sizeof(corners[0])));
     }
   }
 
@@ -360,7 +365,7 @@ class Renderer::Device {
     targets_->colour.BindTexture();
     glBindVertexArray(screen_.name());
     glDrawArrays(GL_TRIANGLES, 0, 3);
-    cv::Mat bgra(targets_->height, targets_->width, CV_8UC4);
+    const cv::Mat bgra(targets_->height, targets_->width, CV_8UC4);
     glReadPixels(0, 0, bgra.cols, bgra.rows, GL_RGBA, GL_UNSIGNED_BYTE, bgra.data);  // the shader put blue first
     view.bgr.create(bgra.size(), CV_8UC3);
     view.mask.create(bgra.size(), CV_8UC1);

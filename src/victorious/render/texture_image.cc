@@ -44,7 +44,7 @@ class TgaReader {
     const int height = static_cast<int>(U8(14) | U8(15) << 8);
     const bool right_kind = in_runs || kind == kColour || kind == kGrey;
     if (!right_kind || U8(1) != 0 || !right_depth || width < 1 || height < 1 ||
-        std::max(width, height) > kMaxTextureSide_px) {
+        std::max(width, height) > kMaxTextureSide) {
       return {};
     }
     at_ = 18 + U8(0);
@@ -140,9 +140,9 @@ Expected<cv::Mat> DecodeTexture(std::span<const std::byte> bytes, const std::str
     return Fail(ErrorCode::kDataLoss,
                 fmt::format("{}: a picture that is damaged or of no kind that can be read", name));
   }
-  if (std::max(stored.cols, stored.rows) > kMaxTextureSide_px) {
+  if (std::max(stored.cols, stored.rows) > kMaxTextureSide) {
     return Fail(ErrorCode::kUnsupported, fmt::format("{}: {} x {} pixels, at most {} a side can be read", name,
-                                                     stored.cols, stored.rows, kMaxTextureSide_px));
+                                                     stored.cols, stored.rows, kMaxTextureSide));
   }
   // The fourth byte of a BMP pixel is padding in nearly all of them.
   const bool has_alpha = stored.channels() % 2 == 0 && !StartsWith(bytes, "BM");

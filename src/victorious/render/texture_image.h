@@ -12,7 +12,7 @@ namespace victorious {
 
 /// CV_8UC4 (blue, green, red, alpha) of a PNG, JPEG, BMP or TGA. TGA has no mark of its own: bytes of none of the
 /// others are taken for it where `name` ends in .tga. Errors: kUnsupported (another format, wider or higher than
-/// kMaxTextureSide_px), kDataLoss.
+/// kMaxTextureSide), kDataLoss.
 Expected<cv::Mat> DecodeTexture(std::span<const std::byte> bytes, const std::string& name);
 
 }  // namespace victorious
