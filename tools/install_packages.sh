@@ -7,6 +7,7 @@ packages=(
   g++ cmake ninja-build pkg-config ccache mold python3
   libopencv-dev libeigen3-dev libhwy-dev libtbb-dev libxxhash-dev
   libavformat-dev libavcodec-dev libavutil-dev libswscale-dev
+  libassimp-dev libopengl-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri
   libsqlite3-dev libfmt-dev libspdlog-dev nlohmann-json3-dev libcli11-dev
   libgtest-dev libgmock-dev libbenchmark-dev
 )

@@ -1,0 +1,26 @@
+#include "victorious/geometry/camera.h"
+
+#include <gtest/gtest.h>
+
+namespace victorious {
+namespace {
+
+constexpr PinholeCamera kCamera{.fx = 500, .fy = 510, .cx = 320, .cy = 240, .width = 640, .height = 480};
+
+TEST(PinholeCamera, ProjectsRightAndDown) {
+  EXPECT_EQ(kCamera.Project({0, 0, 2}), Eigen::Vector2d(320, 240));
+  EXPECT_EQ(kCamera.Project({1, 2, 10}), Eigen::Vector2d(370, 342));
+}
+
+TEST(PinholeCamera, SeesNothingBehindItself) {
+  EXPECT_FALSE(kCamera.Project({0, 0, -1}));
+  EXPECT_FALSE(kCamera.Project({0, 0, 0}));
+}
+
+TEST(PinholeCamera, RayUndoesProject) {
+  const Eigen::Vector3d point(1.5, -0.7, 6);
+  EXPECT_LT((kCamera.RayOf(*kCamera.Project(point)) * point.z() - point).norm(), 1e-12);
+}
+
+}  // namespace
+}  // namespace victorious

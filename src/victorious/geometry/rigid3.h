@@ -1,0 +1,35 @@
+// Space's rigid motions: rotation and translation, no scale.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace victorious {
+
+/// point_in_target = rotation * point_in_source + translation. Named target_from_source, so that products read
+/// correctly by themselves: camera_from_model = camera_from_world * world_from_model.
+struct Rigid3 {
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< of unit length
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();         ///< the source's origin, in the target
+
+  [[nodiscard]] Eigen::Vector3d Apply(const Eigen::Vector3d& point) const { return rotation * point + translation; }
+
+  [[nodiscard]] Rigid3 Inverse() const {
+    const Eigen::Quaterniond back = rotation.conjugate();
+    return {back, -(back * translation)};
+  }
+
+  [[nodiscard]] Eigen::Matrix4d Matrix() const {
+    Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+    matrix.topLeftCorner<3, 3>() = rotation.toRotationMatrix();
+    matrix.topRightCorner<3, 1>() = translation;
+    return matrix;
+  }
+};
+
+/// First `b`, then `a`.
+inline Rigid3 operator*(const Rigid3& a, const Rigid3& b) {
+  return {(a.rotation * b.rotation).normalized(), a.Apply(b.translation)};
+}
+
+}  // namespace victorious

@@ -1,0 +1,116 @@
+#include "victorious/render/gpu_mesh.h"
+
+#include <algorithm>
+#include <string_view>
+
+#include <opencv2/core.hpp>
+
+namespace victorious {
+namespace {
+
+// An attribute of each vertex, or one value for all where there is none.
+template <int Size>
+void UploadAttribute(GLuint location, const GlBuffer& buffer,
+                     const std::vector<Eigen::Matrix<float, Size, 1>>& values) {
+  if (values.empty()) {
+    constexpr std::array<float, 4> kOnes = {1, 1, 1, 1};
+    glVertexAttrib4fv(location, kOnes.data());
+    return;
+  }
+  glBindBuffer(GL_ARRAY_BUFFER, buffer.name());
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(values.size() * sizeof(values[0])), values.data(),
+               GL_STATIC_DRAW);
+  glVertexAttribPointer(location, Size, GL_FLOAT, GL_FALSE, 0, nullptr);
+  glEnableVertexAttribArray(location);
+}
+
+float BestAnisotropy() {
+  constexpr float kEnough = 16.0F;
+  GLint extensions = 0;
+  glGetIntegerv(GL_NUM_EXTENSIONS, &extensions);
+  for (GLint i = 0; i < extensions; ++i) {
+    const auto* name = reinterpret_cast<const char*>(glGetStringi(GL_EXTENSIONS, static_cast<GLuint>(i)));
+    if (std::string_view(name).ends_with("texture_filter_anisotropic")) {
+      float best = 1.0F;
+      glGetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY, &best);
+      return std::min(best, kEnough);
+    }
+  }
+  return 1.0F;
+}
+
+void UploadTexture(const GlTexture& texture, const cv::Mat& bgra, float anisotropy) {
+  glBindTexture(GL_TEXTURE_2D, texture.name());
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_SRGB8_ALPHA8, bgra.cols, bgra.rows, 0, GL_BGRA, GL_UNSIGNED_BYTE, bgra.data);
+  glGenerateMipmap(GL_TEXTURE_2D);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  if (anisotropy > 1.0F) glTexParameterf(GL_TEXTURE_2D, GL_TEXTURE_MAX_ANISOTROPY, anisotropy);
+}
+
+GLint GlWrap(TextureWrap wrap) {
+  switch (wrap) {
+    case TextureWrap::kClamp:
+      return GL_CLAMP_TO_EDGE;
+    case TextureWrap::kMirror:
+      return GL_MIRRORED_REPEAT;
+    case TextureWrap::kRepeat:
+      break;
+  }
+  return GL_REPEAT;
+}
+
+}  // namespace
+
+GpuMesh::GpuMesh(const Mesh& mesh) : parts_(mesh.parts), materials_(mesh.materials), box_(BoundingBox(mesh)) {
+  UploadVertices(mesh);
+  UploadTextures(mesh);
+  for (int part = 0; part < static_cast<int>(parts_.size()); ++part) {
+    const MeshPart& run = parts_[static_cast<std::size_t>(part)];
+    if (MaterialOf(run).alpha_mode != AlphaMode::kBlend) continue;
+    for (std::uint32_t i = run.first_triangle; i < run.first_triangle + run.triangles; ++i) {
+      const auto& corners = mesh.triangles[i];
+      const Eigen::Vector3f sum = mesh.positions[corners[0]] + mesh.positions[corners[1]] + mesh.positions[corners[2]];
+      blended_.push_back({part, corners, sum / 3.0F});
+    }
+  }
+}
+
+void GpuMesh::UploadVertices(const Mesh& mesh) {
+  glBindVertexArray(vertex_array_.name());
+  UploadAttribute(0, attributes_[0], mesh.positions);
+  UploadAttribute(1, attributes_[1], mesh.normals);
+  UploadAttribute(2, attributes_[2], mesh.uvs);
+  UploadAttribute(3, attributes_[3], mesh.colours);
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, elements_.name());
+  glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.triangles.size() * sizeof(mesh.triangles[0])),
+               mesh.triangles.data(), GL_STATIC_DRAW);
+  glBindVertexArray(0);
+}
+
+void GpuMesh::UploadTextures(const Mesh& mesh) {
+  const float anisotropy = BestAnisotropy();
+  UploadTexture(white_, cv::Mat(1, 1, CV_8UC4, cv::Scalar::all(255)), anisotropy);
+  textures_.resize(mesh.textures.size());
+  for (std::size_t i = 0; i < textures_.size(); ++i) {
+    const cv::Mat& picture = mesh.textures[i];
+    UploadTexture(textures_[i], picture.isContinuous() ? picture : picture.clone(), anisotropy);
+  }
+}
+
+void GpuMesh::BindVertices() const {
+  glBindVertexArray(vertex_array_.name());
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, elements_.name());
+}
+
+void GpuMesh::BindTexture(const Material& material) const {
+  if (material.texture < 0) {
+    glBindTexture(GL_TEXTURE_2D, white_.name());
+    return;
+  }
+  glBindTexture(GL_TEXTURE_2D, textures_[static_cast<std::size_t>(material.texture)].name());
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GlWrap(material.wrap_u));
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GlWrap(material.wrap_v));
+}
+
+}  // namespace victorious

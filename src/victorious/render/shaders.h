@@ -1,0 +1,104 @@
+// Private to render/: the programs of the three passes (GLSL 3.30). Camera space: x right, y down, z forward, metres.
+#pragma once
+
+namespace victorious::shaders {
+
+inline constexpr const char* kMeshVertex = R"(#version 330 core
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec2 uv;
+layout(location = 3) in vec4 colour;
+uniform mat4 camera_from_mesh;
+uniform mat4 clip_from_camera;
+out vec3 point_in_camera;
+out vec3 normal_in_camera;
+out vec2 texture_uv;
+out vec4 vertex_colour;
+void main() {
+  vec4 point = camera_from_mesh * vec4(position, 1.0);
+  point_in_camera = point.xyz;
+  normal_in_camera = mat3(camera_from_mesh) * normal;
+  texture_uv = uv;
+  vertex_colour = colour;
+  gl_Position = clip_from_camera * point;
+}
+)";
+
+// What both passes over the meshes share; put before their own part.
+inline constexpr const char* kMeshFragmentHead = R"(#version 330 core
+in vec3 point_in_camera;
+in vec3 normal_in_camera;
+in vec2 texture_uv;
+in vec4 vertex_colour;
+uniform vec4 base_colour;
+uniform sampler2D base_texture;
+uniform vec2 alpha_range;  // outside it nothing is drawn; its upper end is not part of it
+vec4 SurfaceColour() {
+  vec4 colour = base_colour * vertex_colour * texture(base_texture, texture_uv);
+  if (colour.a < alpha_range.x || colour.a >= alpha_range.y) discard;
+  return colour;
+}
+)";
+
+inline constexpr const char* kColourFragment = R"(
+uniform bool double_sided;
+uniform bool blended;
+uniform vec3 up_in_camera;
+uniform vec3 to_sun_in_camera;
+uniform vec3 light;  // sky, ground, sun
+out vec4 result;
+void main() {
+  vec4 colour = SurfaceColour();
+  vec3 normal = normalize(normal_in_camera);
+  if (double_sided) {
+    // The side that is seen counts, whichever way the corners go.
+    vec3 face = cross(dFdx(point_in_camera), dFdy(point_in_camera));
+    if (dot(face, point_in_camera) > 0.0) face = -face;
+    if (dot(face, normal) < 0.0) normal = -normal;
+  }
+  float dome = mix(light.y, light.x, 0.5 + 0.5 * dot(normal, up_in_camera));
+  float sun = light.z * max(0.0, dot(normal, to_sun_in_camera));
+  result = vec4(colour.rgb * (dome + sun), blended ? colour.a : 1.0);
+}
+)";
+
+inline constexpr const char* kDepthFragment = R"(
+uniform float instance;
+out vec2 result;
+void main() {
+  SurfaceColour();
+  result = vec2(point_in_camera.z, instance);
+}
+)";
+
+inline constexpr const char* kScreenVertex = R"(#version 330 core
+void main() {
+  vec2 corner = vec2((gl_VertexID << 1) & 2, gl_VertexID & 2);  // one triangle over the whole screen
+  gl_Position = vec4(2.0 * corner - 1.0, 0.0, 1.0);
+}
+)";
+
+// The mean of a pixel's samples, as sRGB (IEC 61966-2-1), blue first.
+inline constexpr const char* kResolveFragment = R"(#version 330 core
+uniform sampler2D samples;
+uniform int supersampling;
+out vec4 result;
+vec3 SrgbFromLinear(vec3 linear) {
+  vec3 value = clamp(linear, 0.0, 1.0);
+  return mix(12.92 * value, 1.055 * pow(value, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, value));
+}
+void main() {
+  ivec2 first = ivec2(gl_FragCoord.xy) * supersampling;
+  vec4 sum = vec4(0.0);
+  for (int y = 0; y < supersampling; ++y) {
+    for (int x = 0; x < supersampling; ++x) {
+      vec4 colour = texelFetch(samples, first + ivec2(x, y), 0);
+      sum += vec4(min(colour.rgb, 1.0), colour.a);
+    }
+  }
+  vec4 mean = sum / float(supersampling * supersampling);
+  result = vec4(SrgbFromLinear(mean.rgb).bgr, mean.a);
+}
+)";
+
+}  // namespace victorious::shaders
