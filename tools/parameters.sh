@@ -19,6 +19,8 @@ END
   "$program" params index
   printf '\n## Of `model add`\n\n'
   "$program" params model
+  printf '\n## Of `model add` with a CAD file\n\n'
+  "$program" params cad
 }
 
 if [[ "${2:-}" == "--check" ]]; then

@@ -8,12 +8,16 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
+#include <spdlog/spdlog.h>
 
+#include "victorious/base/progress.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/model/cad_model.h"
 #include "victorious/model/model_library.h"
 #include "victorious/model/photo_model.h"
+#include "victorious/render/load_mesh.h"
 #include "victorious/video/image_file.h"
 
 namespace victorious::cli {
@@ -25,6 +29,10 @@ struct Arguments {
   std::vector<std::string> inputs;
   std::vector<std::string> boxes;
   std::optional<double> length_m;
+  std::optional<double> step_deg;
+  std::optional<double> max_off_nadir_deg;
+  std::string up;
+  std::string front;
   std::string params;
   std::string draw;
   bool json = false;
@@ -56,12 +64,10 @@ cv::Mat DrawCutOuts(const std::vector<Photo>& photos) {
   return picture;
 }
 
-Status Add(const Arguments& arguments) {
-  const ModelLibrary library(arguments.folder);
-  VICTORIOUS_RETURN_IF_ERROR(library.CheckNewName(arguments.name));
-  if (arguments.length_m && !(*arguments.length_m > 0 && *arguments.length_m < 1e6)) {
+Expected<ObjectModel> FromPhotos(const Arguments& arguments) {
+  if (arguments.step_deg || arguments.max_off_nadir_deg || !arguments.up.empty() || !arguments.front.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("--length {:g}: must be the longest side in metres, above 0", *arguments.length_m));
+                "--step, --max-off-nadir, --up and --front are for CAD files, not for photos");
   }
   if (!arguments.boxes.empty() && arguments.boxes.size() != arguments.inputs.size()) {
     return Fail(ErrorCode::kInvalidArgument,
@@ -72,10 +78,6 @@ Status Add(const Arguments& arguments) {
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
   std::vector<Photo> photos;
   for (std::size_t i = 0; i < arguments.inputs.size(); ++i) {
-    if (IsCad(arguments.inputs[i])) {
-      return Fail(ErrorCode::kUnsupported,
-                  fmt::format("{}: this version makes models from photos (PNG, JPEG) only", arguments.inputs[i]));
-    }
     std::optional<Box> box;
     if (!arguments.boxes.empty()) {
       VICTORIOUS_ASSIGN_OR_RETURN(box, ParseBox(arguments.boxes[i]));
@@ -83,9 +85,48 @@ Status Add(const Arguments& arguments) {
     VICTORIOUS_ASSIGN_OR_RETURN(Photo photo, LoadPhoto(arguments.inputs[i], box));
     photos.push_back(std::move(photo));
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel model,
-                              MakePhotoModel(arguments.name, photos, arguments.length_m, options));
-  if (!arguments.draw.empty()) VICTORIOUS_RETURN_IF_ERROR(WriteImage(arguments.draw, DrawCutOuts(photos)));
+  Expected<ObjectModel> model = MakePhotoModel(arguments.name, photos, arguments.length_m, options);
+  if (model && !arguments.draw.empty()) VICTORIOUS_RETURN_IF_ERROR(WriteImage(arguments.draw, DrawCutOuts(photos)));
+  return model;
+}
+
+Expected<ObjectModel> FromCad(const Arguments& arguments) {
+  const std::string& input = arguments.inputs.front();
+  if (!arguments.boxes.empty() || !arguments.draw.empty()) {
+    return Fail(ErrorCode::kInvalidArgument, "--box and --draw are for photos, not for CAD files");
+  }
+  CadModelOptions options;
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
+  if (arguments.step_deg) options.sphere.step_deg = *arguments.step_deg;
+  if (arguments.max_off_nadir_deg) options.sphere.max_off_nadir_deg = *arguments.max_off_nadir_deg;
+  LoadMeshOptions load{.up = {}, .front = {}, .length_m = arguments.length_m};
+  if (!arguments.up.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(load.up, ParseAxis(arguments.up));
+  }
+  if (!arguments.front.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(load.front, ParseAxis(arguments.front));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const LoadedMesh loaded, LoadMesh(input, load));
+  for (const std::string& warning : loaded.warnings) spdlog::warn("{}", OneLine(fmt::format("{}: {}", input, warning)));
+  std::optional<Progress> progress;
+  return MakeCadModel(arguments.name, loaded.mesh, input, options, [&](int done, int all) {
+    if (!progress) progress.emplace(arguments.name, all, "views");
+    progress->Update(done);
+  });
+}
+
+Status Add(const Arguments& arguments) {
+  const ModelLibrary library(arguments.folder);
+  VICTORIOUS_RETURN_IF_ERROR(library.CheckNewName(arguments.name));
+  if (arguments.length_m && !(*arguments.length_m > 0 && *arguments.length_m < 1e6)) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--length {:g}: must be the longest side in metres, above 0", *arguments.length_m));
+  }
+  const bool cad = std::ranges::any_of(arguments.inputs, IsCad);
+  if (cad && arguments.inputs.size() > 1) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("model {}: give one CAD file, or photos", arguments.name));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel model, cad ? FromCad(arguments) : FromPhotos(arguments));
   VICTORIOUS_RETURN_IF_ERROR(library.Add(model));
   return WriteOutput("", fmt::format("{}: {} {}, {} features\n", model.name, model.views.size(),
                                      model.views.size() == 1 ? "view" : "views", model.features.size()));
@@ -164,9 +205,11 @@ Action SetUpModel(CLI::App& app) {
     command->add_option("--models", arguments->folder, "The folder of models")->required()->type_name("DIR");
     return command;
   };
-  CLI::App* add = add_subcommand("add", "Make a searchable model from photos of an object");
+  CLI::App* add = add_subcommand("add", "Make a searchable model from a CAD file or from photos");
   add->add_option("NAME", arguments->name, "What the object is called from now on")->required();
-  add->add_option("INPUT", arguments->inputs, "Photos (PNG, JPEG); an alpha channel or --box cuts the object out")
+  add->add_option("INPUT", arguments->inputs,
+                  "One CAD file (glTF, GLB, OBJ, AC3D, COLLADA, 3DS, PLY, STL), or photos (PNG, JPEG) cut out by an "
+                  "alpha channel or --box")
       ->required();
   add->add_option("--box", arguments->boxes, "The object in the photo, x,y,w,h in pixels; one a photo, in their order")
       ->type_name("X,Y,W,H")
@@ -174,9 +217,18 @@ Action SetUpModel(CLI::App& app) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->allow_extra_args(false);  // what follows a box is no other box
   add->add_option("--length", arguments->length_m, "The object's longest side, metres")->type_name("M");
+  add->add_option("--step", arguments->step_deg, "CAD: degrees between views (default 10)")->type_name("DEG");
+  add->add_option("--max-off-nadir", arguments->max_off_nadir_deg,
+                  "CAD: the lowest views, degrees from straight above (default 70)")
+      ->type_name("DEG");
+  add->add_option("--up", arguments->up, "CAD: the file's axis that points up, as in +y; by default the format's")
+      ->type_name("AXIS");
+  add->add_option("--front", arguments->front, "CAD: the file's axis that points to the front; by default the format's")
+      ->type_name("AXIS");
   add->add_option("--draw", arguments->draw, "Draw the photos with what is cut out of them into this picture")
       ->type_name("FILE");
-  add->add_option("--params", arguments->params, "Parameters, JSON (`victorious params model` lists them)")
+  add->add_option("--params", arguments->params,
+                  "Parameters, JSON (`victorious params model` and `params cad` list them)")
       ->type_name("FILE");
   CLI::App* list = add_subcommand("list", "The models of a folder");
   list->add_flag("--json", arguments->json, "One JSON object a line");

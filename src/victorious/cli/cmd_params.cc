@@ -1,10 +1,14 @@
 // victorious params: every parameter, from the field lists themselves
+#include <map>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/model/cad_model.h"
 #include "victorious/model/photo_model.h"
 #include "victorious/pipeline/index_options.h"
 
@@ -16,16 +20,21 @@ Action SetUpParams(CLI::App& app) {
     bool json = false;
   };
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("OF", arguments->of, "Whose: index (search and match take its recognition part), model, features")
-      ->check(CLI::IsMember({"index", "model", "features"}));
+  app.add_option("OF", arguments->of,
+                 "Whose: index (search and match take its recognition part), model (of photos), cad (model of a CAD "
+                 "file), features")
+      ->check(CLI::IsMember({"index", "model", "cad", "features"}));
   app.add_flag("--json", arguments->json, "The defaults as JSON, ready to be edited and given to --params");
   return [=]() -> Status {
     IndexOptions index;
     PhotoModelOptions model;
+    CadModelOptions cad;
     FeatureOptions features;
-    const std::vector<FieldRef> fields = arguments->of == "model"      ? FieldsOf(model)
-                                         : arguments->of == "features" ? FieldsOf(features)
-                                                                       : FieldsOf(index);
+    const std::map<std::string, std::vector<FieldRef>> lists = {{"index", FieldsOf(index)},
+                                                                {"model", FieldsOf(model)},
+                                                                {"cad", FieldsOf(cad)},
+                                                                {"features", FieldsOf(features)}};
+    const std::vector<FieldRef>& fields = lists.at(arguments->of);
     return WriteOutput("", arguments->json ? ToJson(fields).dump(2) + "\n" : MarkdownTable(fields));
   };
 }
