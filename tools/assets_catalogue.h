@@ -1,0 +1,23 @@
+// Everything that make_assets makes, by name.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tools/assets_asset.h"
+
+namespace victorious::assets {
+
+Asset Jeep();
+Asset Tank();
+Asset Helicopter();
+Asset Jet();
+
+struct Entry {
+  std::string path;  ///< below the folder of assets
+  std::function<Asset()> make;
+};
+const std::vector<Entry>& Catalogue();
+
+}  // namespace victorious::assets
