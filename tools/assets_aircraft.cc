@@ -1,4 +1,4 @@
-// Aircraft: an attack helicopter and a jet fighter. A small propeller aeroplane is in assets_propeller.cc.
+// Military aircraft: an attack helicopter and a jet fighter.
 #include <cmath>
 
 #include "tools/assets_catalogue.h"

@@ -150,7 +150,7 @@ Mesh TankTracks() {
   const std::size_t count = loop.size();
   for (std::size_t i = 0; i < count; ++i) {
     const Eigen::Vector2f step = loop[(i + 1) % count] - loop[i];
-    const int shoes = std::max(1, static_cast<int>(step.norm() / 0.2F));
+    const int shoes = std::max(1, static_cast<int>(step.norm() / 0.27F));
     for (int k = 0; k < shoes; ++k) {
       const Eigen::Vector2f at = loop[i] + step * ((static_cast<float>(k) + 0.5F) / static_cast<float>(shoes));
       if (at.y() > 1.0F) continue;
@@ -323,7 +323,7 @@ Asset Tank() {
   asset.Add("gear", TankTurretGear(), Coat(Rgb(60, 62, 50))).density = 0.35F;
   Part& tracks = asset.Add("tracks", TankTracks(), Coat(Rgb(58, 54, 50), 0.2F));
   tracks.density = 0.4F;
-  Part& wheel = asset.Add("wheel", WheelMesh(0.36F, 0.3F, 18), Wheel(0.36F, 0.26F, Rgb(84, 86, 62), 6));
+  Part& wheel = asset.Add("wheel", WheelMesh(0.36F, 0.3F, 12), Wheel(0.36F, 0.26F, Rgb(84, 86, 62), 6));
   wheel.share_sides = true;
   wheel.density = 0.7F;
   wheel.places.clear();

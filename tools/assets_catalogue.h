@@ -13,6 +13,16 @@ Asset Jeep();
 Asset Tank();
 Asset Helicopter();
 Asset Jet();
+Asset FireEngine();
+Asset Tanker();
+Asset Ambulance();
+Asset Bus();
+Asset ContainerTruck();
+Asset PoliceCar();
+Asset Pickup();
+Asset Excavator();
+Asset BoatTrailer();
+Asset PropellerPlane();
 
 struct Entry {
   std::string path;  ///< below the folder of assets

@@ -18,7 +18,7 @@ inline const Colour kWhite{222, 226, 226};
 inline const Colour kBlack{34, 33, 32};
 
 /// A tyre with its rim about the x axis, its middle at the origin, its face towards +x.
-Mesh WheelMesh(float radius, float width, int segments = 22);
+Mesh WheelMesh(float radius, float width, int segments = 16);
 
 /// Wheels on both sides at each z, at |x| of their middle. `rear_twins` of the last axles have two wheels a side.
 struct Wheels {
