@@ -1,0 +1,13 @@
+// What stands in the town: buildings, and trees, cars and street furniture.
+#pragma once
+
+#include <vector>
+
+#include "tools/assets_catalogue.h"
+
+namespace victorious::assets {
+
+const std::vector<Entry>& Buildings();
+const std::vector<Entry>& Props();
+
+}  // namespace victorious::assets
