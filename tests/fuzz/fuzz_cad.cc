@@ -47,6 +47,7 @@ std::vector<std::string> FuzzSeeds() {
   const std::array seeds = {made::GlbFrom(box),  made::ObjFrom(box),     made::PlyFrom(box),    made::StlFrom(box),
                             made::Ac3dFrom(box), made::ColladaFrom(box), made::ThreeDsFrom(box)};
   std::vector<std::string> marked;
+  marked.reserve(seeds.size() + 2);
   for (std::size_t i = 0; i < seeds.size(); ++i) marked.push_back(static_cast<char>(i) + seeds[i]);
   marked.push_back(std::string(1, '\0') +
                    made::GlbFrom(made::TexturedSquare(cv::Mat(4, 4, CV_8UC4, cv::Scalar(9, 8, 7, 255)))));

@@ -144,8 +144,8 @@ std::string GlbFrom(const Mesh& mesh, const GlbExtras& extras) {
   GlbBuffer buffer;
   const std::size_t vertices = mesh.positions.size();
   const Eigen::AlignedBox3d box = BoundingBox(mesh);
-  const Eigen::Vector3d low = box.min();
-  const Eigen::Vector3d high = box.max();
+  const Eigen::Vector3d& low = box.min();
+  const Eigen::Vector3d& high = box.max();
   const std::string range =
       fmt::format(R"(,"min":[{},{},{}],"max":[{},{},{}])", low.x(), low.y(), low.z(), high.x(), high.y(), high.z());
   std::string attributes =
@@ -168,6 +168,7 @@ std::string GlbFrom(const Mesh& mesh, const GlbExtras& extras) {
                                      part.material));
   }
   std::vector<std::string> materials;
+  materials.reserve(mesh.materials.size());
   for (const Material& material : mesh.materials) materials.push_back(MaterialJson(material, extras));
   std::vector<std::string> images;
   std::vector<std::string> textures;

@@ -379,7 +379,7 @@ TEST(LoadMesh, HostileGltfIsOneLine) {
   // A mesh of 12 triangles placed 400,000 times.
   std::string nodes = R"({"mesh":0})";
   for (int i = 1; i < 400'000; ++i) nodes += R"(,{"mesh":0})";
-  std::string many = testing::GlbFrom(Brick());
+  const std::string many = testing::GlbFrom(Brick());
   const std::string one = R"([{"mesh":0}])";
   const std::size_t json = 20;
   const std::size_t binary = many.find("BIN") - 4;
@@ -393,7 +393,7 @@ TEST(LoadMesh, HostileGltfIsOneLine) {
 
 TEST(LoadMesh, TooManyTrianglesAreRefused) {
   constexpr std::uint32_t kTriangles = 5'000'000;
-  Mesh mesh = Brick();
+  const Mesh mesh = Brick();
   std::string bytes = testing::StlFrom(mesh).substr(0, 84 + 50);
   std::memcpy(bytes.data() + 80, &kTriangles, sizeof kTriangles);
   bytes.reserve(84 + std::size_t{50} * kTriangles);

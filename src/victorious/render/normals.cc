@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr double kCrease_rad = RadiansFromDegrees(40);
+constexpr double kCreaseAngle = RadiansFromDegrees(40);
 constexpr std::size_t kMaxNeighbours = 64;  // a point with more (the tip of a fan) takes the first ones
 
 struct Corner {
@@ -73,13 +73,13 @@ void FillMissingNormals(Mesh& mesh) {
     area_vectors[i] = AreaVector(mesh, mesh.triangles[i]);
   }
   const std::vector<Corner> corners = CornersByPosition(mesh, missing);
-  const float cos_crease = static_cast<float>(std::cos(kCrease_rad));
+  const float cos_crease = static_cast<float>(std::cos(kCreaseAngle));
   for (std::size_t begin = 0, end = 0; begin < corners.size(); begin = end) {
     const Vector3f position = PositionOf(mesh, corners[begin]);
     while (end < corners.size() && PositionOf(mesh, corners[end]) == position) ++end;
     const std::size_t neighbours_end = std::min(end, begin + kMaxNeighbours);
     for (std::size_t i = begin; i < end; ++i) {
-      const Vector3f own = area_vectors[corners[i].triangle];
+      const Vector3f& own = area_vectors[corners[i].triangle];
       Vector3f sum = own;
       for (std::size_t j = begin; j < neighbours_end; ++j) {
         const Vector3f& other = area_vectors[corners[j].triangle];

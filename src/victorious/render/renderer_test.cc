@@ -218,7 +218,7 @@ TEST(Renderer, LightIsLamberts) {
 }
 
 TEST(Renderer, TexturesStandUprightInTheirOwnColours) {
-  cv::Mat texture(64, 64, CV_8UC4);
+  const cv::Mat texture(64, 64, CV_8UC4);
   texture(cv::Rect(0, 0, 32, 32)).setTo(cv::Scalar(10, 20, 200, 255));
   texture(cv::Rect(32, 0, 32, 32)).setTo(cv::Scalar(10, 200, 20, 255));
   texture(cv::Rect(0, 32, 32, 32)).setTo(cv::Scalar(200, 20, 10, 255));
@@ -231,7 +231,7 @@ TEST(Renderer, TexturesStandUprightInTheirOwnColours) {
 }
 
 TEST(Renderer, TexturesWrapAsTheirMaterialSays) {
-  cv::Mat texture(64, 64, CV_8UC4, cv::Scalar(0, 0, 255, 255));
+  const cv::Mat texture(64, 64, CV_8UC4, cv::Scalar(0, 0, 255, 255));
   texture.colRange(32, 64).setTo(cv::Scalar(255, 0, 0, 255));  // red, then blue
   Mesh square = SquareFacingBack(texture);
   for (Eigen::Vector2f& uv : square.uvs) uv *= 2;
@@ -252,7 +252,7 @@ TEST(Renderer, VertexColoursTint) {
 
 // The left half is opaque, the right half has an alpha of 102 / 255 = 0.4.
 Mesh HalfClearSquare(AlphaMode mode) {
-  cv::Mat texture(64, 64, CV_8UC4, cv::Scalar::all(255));
+  const cv::Mat texture(64, 64, CV_8UC4, cv::Scalar::all(255));
   texture.colRange(32, 64).setTo(cv::Scalar(255, 255, 255, 102));
   Mesh square = SquareFacingBack(texture);
   square.materials[0].alpha_mode = mode;
