@@ -16,6 +16,11 @@ void DetectOptions::ListFields(FieldList& fields) {
               .max = 10,
               .reason = "a detection is dropped when its centre lies nearer to a better one of the same model than "
                         "this share of the smaller one's size (square root of its area)"});
+  fields.Add("suppression_overlap", suppression_overlap,
+             {.min = 0,
+              .max = 1,
+              .reason = "a detection is dropped, too, when its outline and a better one's of the same model share more "
+                        "than this of the smaller one: neighbouring views place one long object differently"});
   fields.Add("even_evidence", even_evidence,
              {.min = -100,
               .max = 1000,
@@ -61,16 +66,25 @@ double Score(double evidence, const DetectOptions& options) {
   return 1 / (1 + std::exp(-(evidence - options.even_evidence) / options.evidence_scale));
 }
 
-// Where a detection lies, for suppression: its outline's centre and size.
+// Where a detection lies, for suppression.
 struct Footprint {
+  Polygon hull;
   Eigen::Vector2d centre;
-  double size_px;
+  double size_px;  // square root of the outline's area
 };
 
 Footprint FootprintOf(const Polygon& outline) {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   for (const Eigen::Vector2d& corner : outline) centre += corner / static_cast<double>(outline.size());
-  return {centre, std::sqrt(std::abs(SignedArea(outline)))};
+  return {ConvexHull(outline), centre, std::sqrt(std::abs(SignedArea(outline)))};
+}
+
+// The same instance, seen through two views: their centres lie close together, or one covers much of the other.
+bool AreOne(const Footprint& a, const Footprint& b, const DetectOptions& options) {
+  if ((a.centre - b.centre).norm() < options.suppression_fraction * std::min(a.size_px, b.size_px)) return true;
+  const double common = std::abs(SignedArea(ClipToConvex(a.hull, b.hull)));
+  const double smaller = std::min(std::abs(SignedArea(a.hull)), std::abs(SignedArea(b.hull)));
+  return common > options.suppression_overlap * smaller;
 }
 
 double ShareInView(const Polygon& outline, const SceneSize& scene) {
@@ -130,10 +144,8 @@ std::vector<Detection> Detect(std::span<const Candidate> candidates, const Scene
   for (Detection& detection : detections) {
     const Footprint footprint = FootprintOf(detection.outline);
     std::vector<Footprint>& others = taken[detection.model];
-    const bool suppressed = std::ranges::any_of(others, [&](const Footprint& other) {
-      return (other.centre - footprint.centre).norm() <
-             options.suppression_fraction * std::min(other.size_px, footprint.size_px);
-    });
+    const bool suppressed =
+        std::ranges::any_of(others, [&](const Footprint& other) { return AreOne(footprint, other, options); });
     if (suppressed) continue;
     others.push_back(footprint);
     kept.push_back(std::move(detection));

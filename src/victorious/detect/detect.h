@@ -1,6 +1,7 @@
 // detect/, in: the poses of every view of every model. Out: detections: an outline, a box, a score; one an instance.
 // Neighbouring views see the same instance too: the best supported is kept, and every other of the model whose centre
-// falls near it is dropped (non-maximum suppression over templates; thesis, section 3.3.3).
+// falls near it is dropped (non-maximum suppression over templates; thesis, section 3.3.3), as is every other that
+// covers much of it.
 //
 // The score comes from the expected number of poses as good as this one by chance (the a-contrario test of Moisan and
 // Stival, IJCV 57, 2004; the same question as Lowe's, CVPR 2001, section 5). With n matches of the template in the
@@ -21,6 +22,7 @@ namespace victorious {
 
 struct DetectOptions {
   double suppression_fraction = 0.5;
+  double suppression_overlap = 0.4;
   double even_evidence = 4.0;
   double evidence_scale = 1.5;
   double least_score = 0.5;

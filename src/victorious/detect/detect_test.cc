@@ -50,6 +50,22 @@ TEST(Detect, KeepsTheBestOfNeighboursAndEveryInstance) {
   EXPECT_EQ(detections[2].model, 1U);
 }
 
+TEST(Detect, ALongObjectPlacedDifferentlyByTwoViewsIsOne) {
+  Candidate along = CandidateAt(100, 100, 14);
+  along.outline = CornersOf({0, 0, 240, 40});
+  Candidate shifted = along;
+  shifted.pose.scene_from_template.translation = {190, 105};
+  shifted.pose.scene_from_template_plane = shifted.pose.scene_from_template.Matrix();
+  shifted.pose.distinct_inliers = 9;
+  const std::vector<Candidate> one = {along, shifted};
+  EXPECT_EQ(Detect(one, kScene, {}).size(), 1U);
+  Candidate beside = along;  // parked alongside
+  beside.pose.scene_from_template.translation = {100, 142};
+  beside.pose.scene_from_template_plane = beside.pose.scene_from_template.Matrix();
+  const std::vector<Candidate> two = {along, beside};
+  EXPECT_EQ(Detect(two, kScene, {.suppression_fraction = 0.1}).size(), 2U);
+}
+
 TEST(Detect, BoxIsTheOutlineClippedToTheFrame) {
   const std::vector<Candidate> candidates = {CandidateAt(-20, 450, 12)};
   const std::vector<Detection> detections = Detect(candidates, kScene, {.least_in_view = 0.49});
