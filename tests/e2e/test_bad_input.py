@@ -28,10 +28,14 @@ class VideosTest(program.ProgramTest):
         self.write("texts/notes.txt", "no picture")
         self.refuses_video(self.scratch / "texts", "without pictures")
 
+    def test_a_model_under_a_video_s_name(self):
+        model = self.write("model.mp4", (MODELS / "crate.vmodel").read_bytes())
+        self.refuses(2, model, "index", model, "--models", MODELS, "--db", self.scratch / "index.db")
+        self.assertIn("a model: crate", self.succeeds("doctor", model).out)
+
     def test_not_a_video(self):
         self.refuses_video(self.write("text.mp4", "This is a text and no video.\n" * 100))
         self.refuses_video(self.write("random.mkv", bytes((i * i * 7919 >> 8) & 255 for i in range(20000))))
-        self.refuses_video(self.write("model.mp4", (MODELS / "crate.vmodel").read_bytes()))
         self.refuses_video(self.write("playlist.m3u8", f"#EXTM3U\n#EXTINF:1,\n{VIDEO}\n"))
 
     def test_no_frames(self):
@@ -90,7 +94,10 @@ class PhotosTest(program.ProgramTest):
 
     def test_other_files(self):
         models = self.scratch / "models"
-        self.refuses(2, ["tank.glb", "photos"], "model", "add", "x", "tank.glb", "--models", models)
+        cad = self.write("tank.obj", "v 0 0 0\n")
+        self.refuses(2, "tank.obj", "model", "add", "x", cad, "--models", models)
+        self.refuses(2, "--box", "model", "add", "x", cad, "--box", "1,1,9,9", "--models", models)
+        self.refuses(2, ["tank.glb", "No such file"], "model", "add", "x", "tank.glb", "--models", models)
         self.refuses(2, "out.xyz", "sheet", "--db", INDEX, "--out", self.scratch / "out.xyz")
         self.refuses(2, "none/x", "features", CRATE, "--out", self.scratch / "none/x")
         self.refuses(2, "none/x", "export", "--db", INDEX, "--format", "mot", "--out", self.scratch / "none/x")

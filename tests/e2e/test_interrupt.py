@@ -105,7 +105,7 @@ class InterruptTest(program.ProgramTest):
             outcome = program.Outcome(process.returncode, out, err)
             self.assertEqual(outcome.status, 1, err)
             self.assertEqual(len(outcome.messages()), 1, err)
-            self.assertRegex(outcome.messages()[0], r"error: .*flight.mkv: stopped at frame \d+: run again to go on")
+            self.assertRegex(outcome.messages()[0], r"error: .*flight.mkv: stopped at frame \d+; run again to go on")
             self.assertEqual([path.name for path in self.scratch.glob("index*")], ["index.db"])
             self.assertGreater(self.next_frame(), done)
         self.succeeds(*self.command(self.db))
