@@ -97,6 +97,7 @@ class PhotosTest(program.ProgramTest):
         cad = self.write("tank.obj", "v 0 0 0\n")
         self.refuses(2, "tank.obj", "model", "add", "x", cad, "--models", models)
         self.refuses(2, "--box", "model", "add", "x", cad, "--box", "1,1,9,9", "--models", models)
+        cad.unlink()
         self.refuses(2, ["tank.glb", "No such file"], "model", "add", "x", "tank.glb", "--models", models)
         self.refuses(2, "out.xyz", "sheet", "--db", INDEX, "--out", self.scratch / "out.xyz")
         self.refuses(2, "none/x", "features", CRATE, "--out", self.scratch / "none/x")
