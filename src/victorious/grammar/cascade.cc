@@ -211,14 +211,21 @@ bool Approved(const Tally& tally, int least_votes, double approval) {
   return tally.votes >= static_cast<std::uint32_t>(least_votes) && tally.votes > approval * tally.possible;
 }
 
-template <typename Agree>
-std::vector<Tally> CountVotes(const std::vector<Node>& nodes, const Grid& grid, double radius, const Agree& agree) {
-  std::vector<Tally> tallies(nodes.size());
+// Calls visit(i, j, dx, dy) once for each pair of nodes within the radius that lie at two places, i < j.
+template <typename Visit>
+void ForEachPair(const std::vector<Node>& nodes, const Grid& grid, double radius, const Visit& visit) {
   grid.ForEachNear([&](std::uint32_t i, std::uint32_t j) {
     const double dx = nodes[j].x - nodes[i].x;
     const double dy = nodes[j].y - nodes[i].y;
     const double distance2 = dx * dx + dy * dy;
-    if (distance2 == 0 || !(distance2 < radius * radius)) return;
+    if (distance2 != 0 && distance2 < radius * radius) visit(i, j, dx, dy);
+  });
+}
+
+template <typename Agree>
+std::vector<Tally> CountVotes(const std::vector<Node>& nodes, const Grid& grid, double radius, const Agree& agree) {
+  std::vector<Tally> tallies(nodes.size());
+  ForEachPair(nodes, grid, radius, [&](std::uint32_t i, std::uint32_t j, double dx, double dy) {
     ++tallies[i].possible;
     ++tallies[j].possible;
     if (!agree(nodes[i], nodes[j], dx, dy)) return;
@@ -238,11 +245,7 @@ std::vector<Tally> CountDistinctVotes(const std::vector<Node>& nodes, const Grid
     auto operator<=>(const Ballot&) const = default;
   };
   std::vector<Ballot> ballots;
-  grid.ForEachNear([&](std::uint32_t i, std::uint32_t j) {
-    const double dx = nodes[j].x - nodes[i].x;
-    const double dy = nodes[j].y - nodes[i].y;
-    const double distance2 = dx * dx + dy * dy;
-    if (distance2 == 0 || !(distance2 < radius * radius)) return;
+  ForEachPair(nodes, grid, radius, [&](std::uint32_t i, std::uint32_t j, double dx, double dy) {
     const bool vote = agree(nodes[i], nodes[j], dx, dy);
     ballots.push_back({i, nodes[j].model, vote});
     ballots.push_back({j, nodes[i].model, vote});

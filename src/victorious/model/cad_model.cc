@@ -110,9 +110,7 @@ Expected<TemplateFeatures> FeaturesOf(const RenderedTemplate& rendered, const Fe
   for (std::size_t i = 0; i < all.size(); ++i) {
     const std::optional<Point3> place = PlaceOf(all.keypoints[i], rendered, model_from_camera);
     if (!place) continue;
-    result.features.keypoints.push_back(all.keypoints[i]);
-    const auto descriptor = all.View().Descriptor(i);
-    result.features.descriptors.insert(result.features.descriptors.end(), descriptor.begin(), descriptor.end());
+    AppendFeature(all.keypoints[i], all, i, result.features);
     result.points.push_back(*place);
   }
   if (result.features.size() < static_cast<std::size_t>(options.least_features)) result = {};

@@ -72,6 +72,12 @@ Surroundings CutOut(const ObjectPicture& picture, int margin) {
 
 }  // namespace
 
+void AppendFeature(const Keypoint& keypoint, const FeatureSet& from, std::size_t i, FeatureSet& to) {
+  to.keypoints.push_back(keypoint);
+  const auto descriptor = from.View().Descriptor(i);
+  to.descriptors.insert(to.descriptors.end(), descriptor.begin(), descriptor.end());
+}
+
 Expected<FeatureSet> FeaturesOnObject(const ObjectPicture& picture, const FeatureExtractor& extractor,
                                       const OnObjectOptions& options) {
   const Surroundings surroundings = CutOut(picture, options.margin_px);
@@ -85,9 +91,7 @@ Expected<FeatureSet> FeaturesOnObject(const ObjectPicture& picture, const Featur
     keypoint.x += static_cast<float>(surroundings.x);
     keypoint.y += static_cast<float>(surroundings.y);
     if (!on_object(keypoint)) continue;
-    kept.keypoints.push_back(keypoint);
-    const auto descriptor = all.View().Descriptor(i);
-    kept.descriptors.insert(kept.descriptors.end(), descriptor.begin(), descriptor.end());
+    AppendFeature(keypoint, all, i, kept);
   }
   return kept;
 }

@@ -28,6 +28,9 @@ struct OnObjectOptions {
   double least_mask_share = 0.0;  ///< of a keypoint's surroundings that must be object, 0 to 1 (CadModelOptions)
 };
 
+/// Appends one feature to `to`: `keypoint`, with the descriptor of feature `i` of `from`.
+void AppendFeature(const Keypoint& keypoint, const FeatureSet& from, std::size_t i, FeatureSet& to);
+
 /// The picture's features that lie on the object, in pixels of the picture.
 Expected<FeatureSet> FeaturesOnObject(const ObjectPicture& picture, const FeatureExtractor& extractor,
                                       const OnObjectOptions& options);
