@@ -52,6 +52,10 @@ class ModelsTest(program.ProgramTest):
         self.assertEqual(shown["engine"], shown["options"]["features"]["engine"])
         self.assertEqual(shown["view_list"][0]["outline_box"][2] <= 90, True)
         self.assertGreater(shown["features"], 20)
+        sheet = self.scratch / "views.png"
+        self.succeeds("model", "show", "pair", "--models", models, "--views", sheet)
+        self.assertTrue(sheet.read_bytes().startswith(b"\x89PNG"))
+        self.refuses(2, "views.gif7", "model", "show", "pair", "--models", models, "--views", self.scratch / "views.gif7")
 
         self.assertEqual(self.succeeds("model", "remove", "pair", "--models", models).out, "")
         removed = self.succeeds("model", "remove", "boxed", "--models", models, "--json").out

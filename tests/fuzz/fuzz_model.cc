@@ -1,14 +1,20 @@
-// Model files, from bytes that anybody may have written: as a whole file, as the sections of one whose checksums are
-// right, and as the description of a model of one keypoint.
+// Model files, from bytes that anybody may have written: as a whole file, and as one section of a file whose checksums
+// are right: description, keypoints, thumbnails. What is accepted is drawn, too.
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
+#include <opencv2/core.hpp>
+
 #include "victorious/base/check.h"
+#include "victorious/model/view_sheet.h"
 #include "victorious/store/model_file.h"
 #include "victorious/store/section_file.h"
+#include "victorious/video/image_file.h"
 
 namespace {
 
@@ -31,6 +37,7 @@ void ParseAndUse(std::span<const std::byte> bytes) {
     for (std::size_t i = 0; i < features.size(); ++i) sum += features.keypoints[i].x + features.Descriptor(i).back();
   }
   VICTORIOUS_CHECK(sum == sum);
+  std::ignore = victorious::DrawViewSheet(*model);
   VICTORIOUS_CHECK(victorious::EncodeModel(*model).has_value());
 }
 
@@ -66,6 +73,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::array featured = {Section{"metadata", Bytes(description)}, Section{"keypoint", input},
                                Section{"descript", descriptors}};
   ParseAndUse(victorious::EncodeSections(featured));
+
+  // As the whole section, and as a picture whose size is right.
+  std::string sized(sizeof(std::uint32_t), '\0');
+  const auto picture_size = static_cast<std::uint32_t>(size);
+  std::memcpy(sized.data(), &picture_size, sizeof(picture_size));
+  sized.append(reinterpret_cast<const char*>(data), size);
+  for (const std::span<const std::byte> thumbnails : {input, Bytes(sized)}) {
+    const std::array pictured = {Section{"metadata", Bytes(description)}, Section{"keypoint", keypoints},
+                                 Section{"descript", descriptors}, Section{"thumbs", thumbnails}};
+    ParseAndUse(victorious::EncodeSections(pictured));
+  }
   return 0;
 }
 
@@ -83,10 +101,15 @@ std::vector<std::string> FuzzSeeds() {
                          .outline = {{0, 0}, {64, 0}, {64, 48}},
                          .angles = victorious::ViewAngles{1, 0.5}});
   model.features = {std::span(&kKeypoint, 1), kDescriptor};
+  const auto jpeg = victorious::EncodeJpeg(cv::Mat(9, 12, CV_8UC3, cv::Scalar(200, 90, 30)));
+  VICTORIOUS_CHECK(jpeg.has_value());
+  model.views[0].thumbnail = *jpeg;
   const std::string file = Encode(model);
   const std::string description = DescriptionOf(file);
   return {file,
           file.substr(0, file.size() / 2),
+          std::string(reinterpret_cast<const char*>(jpeg->data()), jpeg->size()),
+          std::string("\x04\0\0\0abcd", 8),
           description,
           description.substr(0, description.size() / 2),
           std::string(5000, '['),

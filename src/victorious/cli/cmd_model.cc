@@ -17,6 +17,7 @@
 #include "victorious/model/cad_model.h"
 #include "victorious/model/model_library.h"
 #include "victorious/model/photo_model.h"
+#include "victorious/model/view_sheet.h"
 #include "victorious/render/load_mesh.h"
 #include "victorious/video/image_file.h"
 
@@ -35,6 +36,7 @@ struct Arguments {
   std::string front;
   std::string params;
   std::string draw;
+  std::string views;
   bool json = false;
 };
 
@@ -182,6 +184,10 @@ Status List(const Arguments& arguments) {
 
 Status Show(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel model, ModelLibrary(arguments.folder).Load(arguments.name));
+  if (!arguments.views.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat sheet, DrawViewSheet(model));
+    VICTORIOUS_RETURN_IF_ERROR(WriteImage(arguments.views, sheet));
+  }
   if (arguments.json) return WriteOutput("", Details(model).dump() + "\n");
   std::string text = fmt::format(
       "{}\n  from      {}\n  length    {}\n  features  {} in {} views\n  engine    {}, version {}\n  options   {}\n",
@@ -235,6 +241,7 @@ Action SetUpModel(CLI::App& app) {
   CLI::App* show = add_subcommand("show", "One model's views, features, size, and what made it");
   show->add_option("NAME", arguments->name)->required();
   show->add_flag("--json", arguments->json, "As JSON");
+  show->add_option("--views", arguments->views, "Draw all its views into this picture (.png, .jpg)")->type_name("FILE");
   CLI::App* remove = add_subcommand("remove", "Delete a model");
   remove->add_option("NAME", arguments->name)->required();
   remove->add_flag("--json", arguments->json, "Print what was removed as JSON");

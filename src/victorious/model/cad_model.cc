@@ -71,10 +71,14 @@ Expected<RenderedTemplate> RenderTemplate(Renderer& renderer, MeshId mesh, const
                                                             DegreesFromRadians(view.direction.off_nadir_rad)),
                                       .grey = {},
                                       .mask = rendered.mask >= 128,
-                                      .outline = {}},
+                                      .outline = {},
+                                      .thumbnail = {}},
                           .depth_m = std::move(rendered.depth_m),
                           .camera = camera,
                           .view = view};
+  constexpr int kThumbnailPx = 72;
+  const Box whole{0, 0, static_cast<double>(side), static_cast<double>(side)};  // so that all are of one scale
+  result.picture.thumbnail = ThumbnailOf(rendered.bgr, whole, kThumbnailPx);
   cv::cvtColor(rendered.bgr, result.picture.grey, cv::COLOR_BGR2GRAY);
   result.picture.outline = OutlineOfMask(result.picture.mask);
   return result;
@@ -153,9 +157,11 @@ Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, co
                            .height = view.picture.grey.rows,
                            .outline = view.picture.outline.size() < 3 ? Polygon() : view.picture.outline,
                            .angles = ViewAngles{view.view.direction.azimuth_rad, view.view.direction.off_nadir_rad},
-                           .neighbours = {view.view.neighbours.begin(), view.view.neighbours.end()}};
+                           .neighbours = {view.view.neighbours.begin(), view.view.neighbours.end()},
+                           .thumbnail = {}};
       most_features = std::max(most_features, features[i]->features.size());
-      builder.Add(std::move(model_view), features[i]->features, features[i]->points);
+      VICTORIOUS_RETURN_IF_ERROR(
+          builder.Add(std::move(model_view), features[i]->features, features[i]->points, view.picture.thumbnail));
     }
     if (progress) progress(first + size, count);
   }

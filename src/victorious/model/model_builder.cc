@@ -7,6 +7,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "victorious/video/image_file.h"
+
 namespace victorious {
 namespace {
 
@@ -121,22 +123,40 @@ Polygon OutlineOfMask(const cv::Mat& mask) {
   return outline;
 }
 
-void ModelBuilder::Add(ModelView view, const FeatureSet& features, const std::vector<Point3>& points) {
+cv::Mat ThumbnailOf(const cv::Mat& bgr, const Box& part, int side_px) {
+  const cv::Rect2d wanted(part.x, part.y, part.width, part.height);
+  const cv::Mat cut = bgr(cv::Rect(wanted) & cv::Rect({0, 0}, bgr.size()));
+  const double factor = static_cast<double>(side_px) / std::max(cut.cols, cut.rows);
+  if (factor >= 1) return cut.clone();
+  cv::Mat small;
+  cv::resize(cut, small, {std::max(1, cvRound(cut.cols * factor)), std::max(1, cvRound(cut.rows * factor))}, 0, 0,
+             cv::INTER_AREA);
+  return small;
+}
+
+Status ModelBuilder::Add(ModelView view, const FeatureSet& features, const std::vector<Point3>& points,
+                         const cv::Mat& thumbnail) {
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<std::byte> jpeg, EncodeJpeg(thumbnail));
+  thumbnails_.push_back(std::move(jpeg));
   view.first_feature = features_.size();
   view.feature_count = features.size();
   views_.push_back(std::move(view));
   features_.keypoints.insert(features_.keypoints.end(), features.keypoints.begin(), features.keypoints.end());
   features_.descriptors.insert(features_.descriptors.end(), features.descriptors.begin(), features.descriptors.end());
   points_.insert(points_.end(), points.begin(), points.end());
+  return {};
 }
 
 ObjectModel ModelBuilder::Finish(ObjectModel model) && {
   struct Storage {
     FeatureSet features;
     std::vector<Point3> points;
+    std::vector<std::vector<std::byte>> thumbnails;
   };
-  const auto storage = std::make_shared<const Storage>(std::move(features_), std::move(points_));
+  const auto storage =
+      std::make_shared<const Storage>(std::move(features_), std::move(points_), std::move(thumbnails_));
   model.views = std::move(views_);
+  for (std::size_t i = 0; i < model.views.size(); ++i) model.views[i].thumbnail = storage->thumbnails[i];
   model.features = storage->features.View();
   model.points_in_model = storage->points;
   model.storage = storage;

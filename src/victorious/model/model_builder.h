@@ -1,7 +1,7 @@
 // Pictures of an object in, one view each; an ObjectModel out. What photos and renderings share.
 #pragma once
 
-#include <functional>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +10,7 @@
 
 #include "victorious/base/error.h"
 #include "victorious/features/feature_extractor.h"
+#include "victorious/geometry/box.h"
 #include "victorious/geometry/polygon.h"
 #include "victorious/types/object_model.h"
 
@@ -21,6 +22,7 @@ struct ObjectPicture {
   cv::Mat grey;        ///< CV_8UC1
   cv::Mat mask;        ///< CV_8UC1, 0 outside the object; empty: all of `outline` is object
   Polygon outline;     ///< of the object, px, the first pixel's centre at 0.5
+  cv::Mat thumbnail;   ///< CV_8UC3, ThumbnailOf() the picture in colour
 };
 
 struct OnObjectOptions {
@@ -39,12 +41,17 @@ Expected<FeatureSet> FeaturesOnObject(const ObjectPicture& picture, const Featur
 /// where the largest is not most of it. Clockwise on the screen; empty for an empty mask.
 Polygon OutlineOfMask(const cv::Mat& mask);
 
+/// A part of a picture, reduced so that its longest side has at most `side_px`; what lies outside the picture is left
+/// out.
+cv::Mat ThumbnailOf(const cv::Mat& bgr, const Box& part, int side_px);
+
 /// Gathers views. The model's features lie one view after the other.
 class ModelBuilder {
  public:
-  /// @param view    without its features' range, which is set here
-  /// @param points  the features' places on the object, one each, or none
-  void Add(ModelView view, const FeatureSet& features, const std::vector<Point3>& points = {});
+  /// @param view       without its features' range and its thumbnail, which are set here
+  /// @param points     the features' places on the object, one each, or none
+  /// @param thumbnail  ObjectPicture's
+  Status Add(ModelView view, const FeatureSet& features, const std::vector<Point3>& points, const cv::Mat& thumbnail);
 
   /// @param model  what a model has beside views and features; completed and returned
   [[nodiscard]] ObjectModel Finish(ObjectModel model) &&;
@@ -53,6 +60,7 @@ class ModelBuilder {
   std::vector<ModelView> views_;
   FeatureSet features_;
   std::vector<Point3> points_;
+  std::vector<std::vector<std::byte>> thumbnails_;  // JPEG, one a view
 };
 
 }  // namespace victorious

@@ -26,7 +26,8 @@ void PhotoModelOptions::ListFields(FieldList& fields) {
 
 namespace {
 
-constexpr int kOpaque = 128;  // alpha from which a pixel is object
+constexpr int kOpaque = 128;       // alpha from which a pixel is object
+constexpr int kThumbnailPx = 160;  // few photos make a model: they may be larger than a rendering's
 
 Status CheckBox(const std::string& source, const Box& box, const cv::Size& size) {
   const bool inside = box.x >= 0 && box.y >= 0 && box.x + box.width <= size.width && box.y + box.height <= size.height;
@@ -54,10 +55,11 @@ Expected<Photo> LoadPhoto(const std::filesystem::path& path, const std::optional
 
 Expected<Photo> PreparePhoto(const std::string& source, const cv::Mat& bgr, const cv::Mat& alpha,
                              const std::optional<Box>& box) {
-  Photo photo{.source = source, .grey = GreyFromBgr(bgr), .mask = {}, .outline = {}};
+  Photo photo{.source = source, .grey = GreyFromBgr(bgr), .mask = {}, .outline = {}, .thumbnail = {}};
   const Box whole{0, 0, static_cast<double>(bgr.cols), static_cast<double>(bgr.rows)};
   if (box) VICTORIOUS_RETURN_IF_ERROR(CheckBox(source, *box, bgr.size()));
   photo.outline = CornersOf(box.value_or(whole));
+  photo.thumbnail = ThumbnailOf(bgr, box.value_or(whole), kThumbnailPx);
   if (alpha.empty()) return photo;
 
   photo.mask = alpha >= kOpaque;
@@ -79,6 +81,7 @@ Expected<Photo> PreparePhoto(const std::string& source, const cv::Mat& bgr, cons
                 fmt::format("{}: the object that the alpha channel shows has no area", source));
   }
   photo.grey = FlattenBackground(photo.grey, photo.mask);
+  photo.thumbnail = ThumbnailOf(bgr, BoundingBox(photo.outline), kThumbnailPx);
   return photo;
 }
 
@@ -109,13 +112,14 @@ Expected<ObjectModel> MakePhotoModel(const std::string& name, std::span<const Ph
                       "a textured side",
                       photo.source, features.size(), options.least_features));
     }
-    builder.Add({.source = photo.source,
-                 .width = photo.grey.cols,
-                 .height = photo.grey.rows,
-                 .outline = photo.outline,
-                 .angles = {},
-                 .neighbours = {}},
-                features);
+    VICTORIOUS_RETURN_IF_ERROR(builder.Add({.source = photo.source,
+                                            .width = photo.grey.cols,
+                                            .height = photo.grey.rows,
+                                            .outline = photo.outline,
+                                            .angles = {},
+                                            .neighbours = {},
+                                            .thumbnail = {}},
+                                           features, {}, photo.thumbnail));
   }
   return std::move(builder).Finish(std::move(model));
 }

@@ -17,7 +17,8 @@ namespace {
 constexpr std::string_view kMetadataTag = "metadata";
 constexpr std::string_view kKeypointsTag = "keypoint";
 constexpr std::string_view kDescriptorsTag = "descript";
-constexpr std::string_view kPointsTag = "points3";  // only in models that have depth
+constexpr std::string_view kPointsTag = "points3";     // only in models that have depth
+constexpr std::string_view kThumbnailsTag = "thumbs";  // only in models that have some
 
 Expected<std::span<const std::byte>> Find(const SectionFile& file, std::string_view tag) {
   const auto it = std::ranges::find(file.sections, tag, &Section::tag);
@@ -64,6 +65,35 @@ Expected<std::span<const Point3>> ParsePoints(const SectionFile& file) {
   return std::span(reinterpret_cast<const Point3*>(it->bytes.data()), it->bytes.size() / sizeof(Point3));
 }
 
+Status ParseThumbnails(const SectionFile& file, std::vector<ModelView>& views) {
+  const auto it = std::ranges::find(file.sections, kThumbnailsTag, &Section::tag);
+  if (it == file.sections.end()) return {};
+  const std::size_t table = views.size() * sizeof(std::uint32_t);
+  const std::span<const std::byte> bytes = it->bytes;
+  std::size_t end = table;
+  for (std::size_t i = 0; i < views.size() && end <= bytes.size(); ++i) {
+    std::uint32_t size = 0;
+    std::memcpy(&size, bytes.data() + i * sizeof(size), sizeof(size));
+    if (size <= bytes.size() - end) views[i].thumbnail = bytes.subspan(end, size);
+    end += size;
+  }
+  if (end == bytes.size()) return {};
+  return Fail(ErrorCode::kDataLoss, fmt::format("damaged ({} bytes of thumbnails)", bytes.size()));
+}
+
+// Their sizes, then they themselves; nothing for a model without any.
+std::vector<std::byte> EncodeThumbnails(const ObjectModel& model) {
+  std::vector<std::byte> bytes;
+  const auto append = [&](std::span<const std::byte> more) { bytes.insert(bytes.end(), more.begin(), more.end()); };
+  if (std::ranges::all_of(model.views, [](const ModelView& view) { return view.thumbnail.empty(); })) return bytes;
+  for (const ModelView& view : model.views) {
+    const auto size = static_cast<std::uint32_t>(view.thumbnail.size());
+    append(std::as_bytes(std::span(&size, 1)));
+  }
+  for (const ModelView& view : model.views) append(view.thumbnail);
+  return bytes;
+}
+
 // What searching with the model depends on, and nothing else: not where its pictures lay, nor which version made it.
 std::string IdOf(const ObjectModel& model) {
   std::string text =
@@ -84,6 +114,7 @@ Expected<ObjectModel> ParseAligned(std::span<const std::byte> bytes, std::shared
                               ParseMetadata({reinterpret_cast<const char*>(metadata.data()), metadata.size()}));
   VICTORIOUS_ASSIGN_OR_RETURN(model.features, ParseFeatures(file));
   VICTORIOUS_ASSIGN_OR_RETURN(model.points_in_model, ParsePoints(file));
+  VICTORIOUS_RETURN_IF_ERROR(ParseThumbnails(file, model.views));
   if (Status status = Validate(model); !status) {
     return Fail(ErrorCode::kDataLoss, fmt::format("damaged ({})", status.error().message));
   }
@@ -102,6 +133,8 @@ Expected<std::vector<std::byte>> EncodeModel(const ObjectModel& model) {
                           Section{kKeypointsTag, std::as_bytes(model.features.keypoints)},
                           Section{kDescriptorsTag, std::as_bytes(model.features.descriptors)}};
   if (!model.points_in_model.empty()) sections.push_back({kPointsTag, std::as_bytes(model.points_in_model)});
+  const std::vector<std::byte> thumbnails = EncodeThumbnails(model);
+  if (!thumbnails.empty()) sections.push_back({kThumbnailsTag, thumbnails});
   return EncodeSections(sections);
 }
 

@@ -121,6 +121,35 @@ TEST(ModelFileTest, PlacesAndNeighboursComeBack) {
   EXPECT_TRUE(read.views[1].neighbours.empty());
 }
 
+TEST(ModelFileTest, ThumbnailsComeBackAndLeaveTheIdAsItIs) {
+  ObjectModel model = TestModel();
+  const std::string id = Parse(Encode(model)).value().id;
+  EXPECT_TRUE(Parse(Encode(model)).value().views[0].thumbnail.empty());
+  const std::array pictures = {std::byte{1}, std::byte{2}, std::byte{3}};
+  model.views[1].thumbnail = pictures;
+  const ObjectModel read = Parse(Encode(model)).value();
+  EXPECT_TRUE(read.views[0].thumbnail.empty());
+  EXPECT_TRUE(std::ranges::equal(read.views[1].thumbnail, pictures));
+  EXPECT_EQ(read.id, id);
+}
+
+TEST(ModelFileTest, RefusesThumbnailsThatDoNotFillTheirSection) {
+  const std::vector<std::byte> whole = Encode(TestModel());
+  const auto with = [&](const std::vector<std::uint32_t>& words) {
+    std::vector<Section> sections = ParseSections(whole).value().sections;
+    sections.push_back({"thumbs", std::as_bytes(std::span(words))});
+    return Parse(EncodeSections(sections));
+  };
+  EXPECT_TRUE(with({0, 0}));
+  EXPECT_TRUE(with({0, 4, 7}));
+  EXPECT_EQ(CodeOf(with({})), ErrorCode::kDataLoss);
+  EXPECT_EQ(CodeOf(with({0})), ErrorCode::kDataLoss);
+  EXPECT_EQ(CodeOf(with({0, 5, 7})), ErrorCode::kDataLoss);
+  EXPECT_EQ(CodeOf(with({4, 4, 7})), ErrorCode::kDataLoss);
+  EXPECT_EQ(CodeOf(with({0, 0, 7})), ErrorCode::kDataLoss);
+  EXPECT_EQ(CodeOf(with({0xFFFFFFFF, 0xFFFFFFFF, 7})), ErrorCode::kDataLoss);
+}
+
 TEST(ModelFileTest, RefusesPlacesAndNeighboursThatMakeNoSense) {
   ObjectModel model = TestModel();
   std::vector<Point3> points(4);

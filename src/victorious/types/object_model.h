@@ -2,6 +2,7 @@
 // file. Only the model library makes these; the stages read them.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -40,6 +41,7 @@ struct ModelView {
   Polygon outline;                        ///< of the object in the picture, px
   std::optional<ViewAngles> angles;       ///< unknown for photos
   std::vector<std::uint32_t> neighbours;  ///< views from nearby directions, by number; none for photos
+  std::span<const std::byte> thumbnail;   ///< a small picture of it, JPEG, for people; empty: there is none
 };
 
 /// Immutable once made; copies share the feature storage.
@@ -54,7 +56,7 @@ struct ObjectModel {
   std::vector<ModelView> views;
   FeatureView features;                     ///< of all views, one after the other
   std::span<const Point3> points_in_model;  ///< a feature's place on the object, metres; empty for photos
-  std::shared_ptr<const void> storage;      ///< what `features` points into
+  std::shared_ptr<const void> storage;      ///< what the spans here point into
 
   [[nodiscard]] FeatureView ViewFeatures(std::size_t view) const {
     return features.Slice(views[view].first_feature, views[view].feature_count);

@@ -119,6 +119,21 @@ Status WriteImage(const std::filesystem::path& path, const cv::Mat& image) {
   return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: a picture's name must end in .png or .jpg", path.string()));
 }
 
+Expected<std::vector<std::byte>> EncodeJpeg(const cv::Mat& bgr) {
+  constexpr int kQuality = 80;
+  std::vector<unsigned char> bytes;
+  try {
+    if (cv::imencode(".jpg", bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, kQuality})) {
+      const auto encoded = std::as_bytes(std::span(bytes));
+      return std::vector<std::byte>(encoded.begin(), encoded.end());
+    }
+  } catch (const cv::Exception&) {
+    // An empty picture, or one too large for the format.
+  }
+  return Fail(ErrorCode::kInternal,
+              fmt::format("a picture of {} x {} pixels cannot become a JPEG", bgr.cols, bgr.rows));
+}
+
 cv::Mat GreyFromBgr(const cv::Mat& bgr) {
   cv::Mat grey;
   cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);

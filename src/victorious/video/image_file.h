@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <opencv2/core/mat.hpp>
 
@@ -29,6 +30,9 @@ Expected<Image> DecodeImage(std::span<const std::byte> bytes, const std::string&
 /// Writes a BGR or grey picture atomically; the format is that of the name's ending (.png, .jpg).
 /// Errors: kInvalidArgument for an ending that names no format; those of WriteFileAtomically.
 Status WriteImage(const std::filesystem::path& path, const cv::Mat& image);
+
+/// A small JPEG of a BGR picture, for people to look at: quality 80, the same bytes each time.
+Expected<std::vector<std::byte>> EncodeJpeg(const cv::Mat& bgr);
 
 /// Luma as the features see it: CV_8UC1, of the BT.601 weights 0.299 R + 0.587 G + 0.114 B.
 cv::Mat GreyFromBgr(const cv::Mat& bgr);
