@@ -111,10 +111,13 @@ Expected<ObjectModel> FromCad(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const LoadedMesh loaded, LoadMesh(input, load));
   for (const std::string& warning : loaded.warnings) spdlog::warn("{}", OneLine(fmt::format("{}: {}", input, warning)));
   std::optional<Progress> progress;
-  return MakeCadModel(arguments.name, loaded.mesh, input, options, [&](int done, int all) {
+  const auto show = [&](int done, int all) {
     if (!progress) progress.emplace(arguments.name, all, "views");
     progress->Update(done);
-  });
+  };
+  Expected<ObjectModel> model = MakeCadModel(arguments.name, loaded.mesh, input, options, show);
+  if (model) model->length_m = loaded.length_m;
+  return model;
 }
 
 Status Add(const Arguments& arguments) {
@@ -122,7 +125,7 @@ Status Add(const Arguments& arguments) {
   VICTORIOUS_RETURN_IF_ERROR(library.CheckNewName(arguments.name));
   if (arguments.length_m && !(*arguments.length_m > 0 && *arguments.length_m < 1e6)) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("--length {:g}: must be the longest side in metres, above 0", *arguments.length_m));
+                fmt::format("--length {:g}: must be the object's length in metres, above 0", *arguments.length_m));
   }
   const bool cad = std::ranges::any_of(arguments.inputs, IsCad);
   if (cad && arguments.inputs.size() > 1) {
@@ -222,7 +225,10 @@ Action SetUpModel(CLI::App& app) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->allow_extra_args(false);  // what follows a box is no other box
-  add->add_option("--length", arguments->length_m, "The object's longest side, metres")->type_name("M");
+  add->add_option("--length", arguments->length_m,
+                  "The object's length, metres: its longest side; of a glTF its extent along the front axis (+Z). CAD "
+                  "units are metres unless it is given, photos have no size")
+      ->type_name("M");
   add->add_option("--step", arguments->step_deg, "CAD: degrees between views (default 10)")->type_name("DEG");
   add->add_option("--max-off-nadir", arguments->max_off_nadir_deg,
                   "CAD: the lowest views, degrees from straight above (default 70)")

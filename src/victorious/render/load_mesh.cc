@@ -58,10 +58,15 @@ void TurnIntoModelFrame(Mesh& mesh, const Axes& axes) {
   std::ranges::for_each(mesh.normals, turn);
 }
 
+// What is called an object's length; of a glTF without any along its front, the longest side too.
+double LengthOf(const Eigen::Vector3d& size, CadFormat format) {
+  return format == CadFormat::kGltf && size.x() > 0 ? size.x() : size.maxCoeff();
+}
+
 Status Scale(Mesh& mesh, CadFormat format, const std::optional<double>& length_m) {
   const Eigen::Vector3d size = BoundingBox(mesh).sizes();
-  const double length = format == CadFormat::kGltf ? size.x() : size.maxCoeff();
-  if (!(size.maxCoeff() > 0) || (length_m && !(length > 0))) {
+  const double length = LengthOf(size, format);
+  if (!(length > 0)) {
     return Fail(ErrorCode::kDataLoss, "all triangles lie in one point: nothing can be drawn");
   }
   const float scale = length_m ? static_cast<float>(*length_m / length) : 1.0F;
@@ -111,6 +116,7 @@ Expected<LoadedMesh> Load(std::span<const std::byte> bytes, const std::string& n
   if (!result) return std::unexpected(std::move(result).error().WithContext(name));
   auto loaded = MeshFromBytes(*result);
   if (!loaded) return std::unexpected(std::move(loaded).error().WithContext(name));
+  loaded->length_m = LengthOf(BoundingBox(loaded->mesh).sizes(), *format);
   return loaded;
 }
 

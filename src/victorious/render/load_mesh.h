@@ -37,8 +37,8 @@ Expected<Axis> ParseAxis(std::string_view text);
 struct LoadMeshOptions {
   std::optional<Axis> up;          ///< unless given, the format's
   std::optional<Axis> front;       ///< unless given, the one that goes with `up`: +Z; with Z up -Y
-  std::optional<double> length_m;  ///< the object's length: of a glTF's front axis, of any other format's longest side.
-                                   ///< Unless given, the file's unit is the metre (COLLADA names its own)
+  std::optional<double> length_m;  ///< the object's length (LoadedMesh); unless given, the file's unit is the metre
+                                   ///< (COLLADA names its own)
 };
 
 /// What is read at most; more is refused (kUnsupported).
@@ -50,6 +50,7 @@ inline constexpr unsigned kMaxImportSeconds = 10;  ///< of processor time; 1 s m
 
 struct LoadedMesh {
   Mesh mesh;                          ///< with at least one triangle
+  double length_m = 0;                ///< of a glTF: its extent along its front axis; else its longest side
   std::vector<std::string> warnings;  ///< one line each: what is missing or damaged and was left out
 };
 

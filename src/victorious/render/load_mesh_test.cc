@@ -115,6 +115,17 @@ TEST(LoadMesh, LengthScales) {
   ExpectOneLineError(Decode(testing::StlFrom(Brick()), "a.stl", {.length_m = -1}), "above 0");
 }
 
+TEST(LoadMesh, LengthIsAlongAGltfsFrontElseTheLongestSide) {
+  const Mesh wide = testing::Box({0, 0, 0}, {8, 1, 2});
+  EXPECT_NEAR(Decode(testing::GlbFrom(wide), "a.glb")->length_m, 2, kTolerance);
+  EXPECT_NEAR(Decode(testing::GlbFrom(wide), "a.glb", {.front = Axis::kPlusX})->length_m, 8, kTolerance);
+  EXPECT_NEAR(Decode(testing::GlbFrom(wide), "a.glb", {.length_m = 5})->length_m, 5, kTolerance);
+  EXPECT_NEAR(Decode(testing::ObjFrom(wide), "a.obj")->length_m, 8, kTolerance);
+  EXPECT_NEAR(Decode(testing::ObjFrom(wide), "a.obj", {.length_m = 5})->length_m, 5, kTolerance);
+  const Mesh flat = testing::Box({0, 0, 0}, {8, 1, 0});
+  EXPECT_NEAR(Decode(testing::GlbFrom(flat), "a.glb")->length_m, 8, kTolerance);
+}
+
 TEST(LoadMesh, ColladaNamesItsUnit) {
   ExpectBox(DecodeOrDie(testing::ColladaFrom(Brick(), "Y_UP", 0.01), "a.dae"), {0, 0, 0}, {0.03, 0.01, 0.02});
 }

@@ -52,7 +52,7 @@ struct ObjectModel {
   std::string engine;              ///< the feature engine's name
   std::string options_json;        ///< the options that made it
   std::string program_version;     ///< the version that made it
-  std::optional<double> length_m;  ///< the longest side, if known
+  std::optional<double> length_m;  ///< the longest side (of a glTF along its front), if known
   std::vector<ModelView> views;
   FeatureView features;                     ///< of all views, one after the other
   std::span<const Point3> points_in_model;  ///< a feature's place on the object, metres; empty for photos
