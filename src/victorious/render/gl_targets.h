@@ -80,6 +80,7 @@ class ShadowMap {
       glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, width, height, 0, GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
       glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth_.name(), 0);
       glDrawBuffer(GL_NONE);
+      glReadBuffer(GL_NONE);
       width_ = width;
       height_ = height;
     }
