@@ -32,7 +32,7 @@ cv::Mat Blots(std::uint64_t seed) {
     cv::circle(texture, at, 3 + static_cast<int>(random.Below(6)),
                cv::Scalar(cv::Scalar::all(static_cast<double>(random.Below(256)))), cv::FILLED);
   }
-  cv::Mat alpha(texture.size(), CV_8UC1, cv::Scalar(255));
+  const cv::Mat alpha(texture.size(), CV_8UC1, cv::Scalar(255));
   cv::insertChannel(alpha, texture, 3);
   return texture;
 }

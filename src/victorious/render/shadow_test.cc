@@ -132,9 +132,9 @@ TEST(Shadow, IsNotDrawnUnlessAskedFor) {
 TEST(Shadow, NoConvexBodyShadesItself) {
   // Turned, so that no face lies along an axis; small and far away, and with the coarsest and the finest edges.
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.6, Vector3d(1, 2, 3).normalized()));
-  for (const double size_m : {0.3, 3.0, 60.0}) {
+  for (const float size_m : {0.3F, 3.0F, 60.0F}) {
     Scene scene;
-    scene.Add(testing::Box(Vector3f::Constant(static_cast<float>(-size_m)), Vector3f::Constant(size_m)), {turn, {}});
+    scene.Add(testing::Box(Vector3f::Constant(-size_m), Vector3f::Constant(size_m)), {turn, {}});
     for (const double azimuth_deg : {20, 150, 310}) {
       const PosedCamera camera = CameraFrom(azimuth_deg, 45, 2 * size_m, 40 * size_m);
       for (const double softness_m : {0.02, 0.5}) {
