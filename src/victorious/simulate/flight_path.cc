@@ -91,7 +91,8 @@ Rigid3 CameraFromTown(const SceneCamera& camera, double fraction, double time_s,
   const Vector2d aim = TrackAt(camera.aim_m, fraction, smooth);
   const double from = RadiansFromDegrees(TrackAt(camera.from_deg, fraction, smooth));
   const double off_nadir = RadiansFromDegrees(TrackAt(camera.off_nadir_deg, fraction, smooth));
-  const double range_m = std::max(1.0, TrackAt(camera.range_m, fraction, smooth));  // a curve may swing beyond its knots
+  const double range_m =
+      std::max(1.0, TrackAt(camera.range_m, fraction, smooth));  // a curve may swing beyond its knots
   const Vector3d to_camera(std::sin(off_nadir) * std::sin(from), std::sin(off_nadir) * std::cos(from),
                            std::cos(off_nadir));
   const Vector3d place = Vector3d(aim.x(), aim.y(), 0) + range_m * to_camera;

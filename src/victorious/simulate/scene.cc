@@ -16,9 +16,9 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kMaxSceneBytes = std::size_t{1} << 24;
-constexpr std::size_t kMaxListed = 10000;    // objects, pieces, points
-constexpr double kMaxReach_m = 20000;        // of anything from the origin
-constexpr int kMaxSquare = 200;              // of a town, in each direction from the origin
+constexpr std::size_t kMaxListed = 10000;  // objects, pieces, points
+constexpr double kMaxReach_m = 20000;      // of anything from the origin
+constexpr int kMaxSquare = 200;            // of a town, in each direction from the origin
 constexpr const char* kDefaultAssets = "../assets";
 
 std::unexpected<Error> Bad(std::string message) { return Fail(ErrorCode::kInvalidArgument, std::move(message)); }
@@ -50,7 +50,8 @@ Status TakeNumbers(Json& object, const char* key, Range range, std::vector<doubl
   if (value.is_number()) value = Json::array({value});
   const bool fits = value.is_array() && !value.empty() && value.size() <= kMaxListed &&
                     std::ranges::all_of(value, [&](const Json& n) { return IsNumberIn(n, range.low, range.high); });
-  if (!fits) return Bad(fmt::format("{}: must be a number from {} to {}, or a list of them", key, range.low, range.high));
+  if (!fits)
+    return Bad(fmt::format("{}: must be a number from {} to {}, or a list of them", key, range.low, range.high));
   numbers = value.get<std::vector<double>>();
   return {};
 }
@@ -62,8 +63,8 @@ Status TakePoints(Json& object, const char* key, std::size_t least, std::vector<
     return point.is_array() && point.size() == 2 && IsNumberIn(point[0], -kMaxReach_m, kMaxReach_m) &&
            IsNumberIn(point[1], -kMaxReach_m, kMaxReach_m);
   };
-  const bool fits = value.is_array() && value.size() >= least && value.size() <= kMaxListed &&
-                    std::ranges::all_of(value, is_point);
+  const bool fits =
+      value.is_array() && value.size() >= least && value.size() <= kMaxListed && std::ranges::all_of(value, is_point);
   if (!fits) {
     return Bad(fmt::format("{}: must be a list of {} or more points [x, y] in metres, at most {:.0f} from the origin",
                            key, least, kMaxReach_m));
@@ -114,7 +115,8 @@ Expected<SceneObject> ReadObject(Json& json) {
   std::vector<Eigen::Vector2d> path_m;
   VICTORIOUS_RETURN_IF_ERROR(TakePoints(json, "path_m", 2, path_m));
   for (const char* key : {"x_m", "y_m", "heading_deg"}) {
-    if (!path_m.empty() && json.contains(key)) return Bad(fmt::format("{}: path_m gives it, leave one of them out", key));
+    if (!path_m.empty() && json.contains(key))
+      return Bad(fmt::format("{}: path_m gives it, leave one of them out", key));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(SceneObject object, ReadFields<SceneObject>(json));
   if (object.id.empty()) return Bad("id: must be a name, as truth is to call the object");
@@ -242,7 +244,8 @@ void SceneSun::ListFields(FieldList& fields) {
 
 void SceneCamera::ListFields(FieldList& fields) {
   fields.Add("path", path, {.choices = {"linear", "smooth"}, .reason = "between the listed values: lines or a curve"});
-  fields.Add("shake_deg", shake_deg, {.min = 0, .max = 5, .unit = "deg", .reason = "root mean square, about each axis"});
+  fields.Add("shake_deg", shake_deg,
+             {.min = 0, .max = 5, .unit = "deg", .reason = "root mean square, about each axis"});
   fields.Add("shake_hz", shake_hz, {.min = 0.01, .max = 50, .unit = "Hz", .reason = "how fast it shakes"});
 }
 
@@ -275,7 +278,8 @@ void SceneTile::ListFields(FieldList& fields) {
 void SceneTown::ListFields(FieldList& fields) {
   fields.Add("seed", seed, {.reason = "of the layout"});
   fields.Add("density", density, {.min = 0, .max = 1, .reason = "how full squares and kerbs are"});
-  fields.Add("columns_per_street", columns_per_street, {.min = 2, .max = 100, .reason = "squares from street to street"});
+  fields.Add("columns_per_street", columns_per_street,
+             {.min = 2, .max = 100, .reason = "squares from street to street"});
   fields.Add("rows_per_street", rows_per_street, {.min = 2, .max = 100, .reason = "squares from street to street"});
 }
 

@@ -67,18 +67,17 @@ class Flight {
     const double time_s = frame / video.fps;
     const double fraction = video.frames > 1 ? static_cast<double>(frame) / (video.frames - 1) : 0.0;
     const double heading = RadiansFromDegrees(scene_.origin.heading_deg);
-    const PosedCamera camera{PinholeOf(video), CameraFromTown(scene_.camera, fraction, time_s,
-                                                              SeedFor(scene_.seed, kShakeSeed))};
+    const PosedCamera camera{PinholeOf(video),
+                             CameraFromTown(scene_.camera, fraction, time_s, SeedFor(scene_.seed, kShakeSeed))};
     const std::vector<StagedThing> objects = stage_.ObjectsAt(time_s);
-    VICTORIOUS_ASSIGN_OR_RETURN(
-        RenderedView view,
-        renderer_.Render(Instances(objects, camera), camera, light_, {.supersampling = video.supersampling}));
+    VICTORIOUS_ASSIGN_OR_RETURN(RenderedView view, renderer_.Render(Instances(objects, camera), camera, light_,
+                                                                    {.supersampling = video.supersampling}));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectTruth> truth,
                                 TruthOf(objects, view.instances, camera, earth_, heading, renderer_));
-    FrameResult result{.bgr = view.bgr,
-                       .telemetry = TelemetryRow(CameraOnEarthOf(camera.camera_from_world, earth_, heading), time_s,
-                                                 video.hfov_deg),
-                       .truth = {}};
+    FrameResult result{
+        .bgr = view.bgr,
+        .telemetry = TelemetryRow(CameraOnEarthOf(camera.camera_from_world, earth_, heading), time_s, video.hfov_deg),
+        .truth = {}};
     for (const ObjectTruth& row : truth) {
       result.truth += TruthLine(row, scene_.objects[static_cast<std::size_t>(row.object)], frame, time_s);
     }

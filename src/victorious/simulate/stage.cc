@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 
 namespace fs = std::filesystem;
 
-constexpr double kMaterialSide_m = 20;   // of a picture of town/ground: it repeats without a seam
+constexpr double kMaterialSide_m = 20;       // of a picture of town/ground: it repeats without a seam
 constexpr double kUnderlayBottom_m = -0.03;  // below the tiles
 
 // A flat square about the origin, its material repeating every kMaterialSide_m.

@@ -1,66 +1,63 @@
 #include "victorious/simulate/town.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <string_view>
-
-#include <fmt/format.h>
+#include <optional>
 
 #include "victorious/base/random.h"
-#include "victorious/geometry/angles.h"
+#include "victorious/simulate/plot.h"
 
 namespace victorious {
 namespace {
 
 using Eigen::Vector2d;
 
-int FloorMod(int value, int divisor) { return ((value % divisor) + divisor) % divisor; }
+bool IsMultiple(int value, int of) { return value % of == 0; }
 
-class TownPlanner {
- public:
-  TownPlanner(const SceneTown& town, std::span<const KeptClear> clear) : town_(town), clear_(clear) {}
+// The quarter turns that bring a square's front to a street beside it.
+std::optional<int> TurnsToStreet(int column, int row, const SceneTown& town) {
+  if (IsMultiple(row + 1, town.rows_per_street)) return 0;
+  if (IsMultiple(row - 1, town.rows_per_street)) return 2;
+  if (IsMultiple(column + 1, town.columns_per_street)) return 1;
+  if (IsMultiple(column - 1, town.columns_per_street)) return 3;
+  return std::nullopt;
+}
 
-  std::vector<Placement> Plan() {
-    for (int row = town_.squares[1]; row <= town_.squares[3]; ++row) {
-      for (int column = town_.squares[0]; column <= town_.squares[2]; ++column) PlanSquare(column, row);
-    }
-    return std::move(placements_);
+Random LotteryOf(int column, int row, std::uint64_t seed) {
+  constexpr std::uint64_t kColumns = 4096;
+  const auto square = static_cast<std::uint64_t>(column + 2048) + kColumns * static_cast<std::uint64_t>(row + 2048);
+  return Random(Random(seed ^ (square << 32)).Next());
+}
+
+void PlanSquare(int column, int row, const SceneTown& town, std::span<const KeptClear> clear,
+                std::vector<Placement>& placements) {
+  const Vector2d middle_m = kSquareSide_m * Vector2d(column, row);
+  const auto plot = [&](int turns) {
+    return Plot(middle_m, turns, LotteryOf(column, row, town.seed), town.density, clear, placements);
+  };
+  const auto is_here = [&](const SceneTile& tile) { return tile.column == column && tile.row == row; };
+  if (const auto chosen = std::ranges::find_if(town.tiles, is_here); chosen != town.tiles.end()) {
+    Plot square = plot(chosen->turns);
+    return FurnishTile(square, chosen->tile);
   }
-
- private:
-  void PlanSquare(int column, int row) {
-    const Vector2d middle = kSquareSide_m * Vector2d(column, row);
-    const auto chosen = std::ranges::find_if(
-        town_.tiles, [&](const SceneTile& tile) { return tile.column == column && tile.row == row; });
-    if (chosen != town_.tiles.end()) {
-      LayTile(chosen->tile, middle, chosen->turns);
-      return;
-    }
-    const bool along = FloorMod(column, town_.columns_per_street) == 0;
-    const bool across = FloorMod(row, town_.rows_per_street) == 0;
-    if (along && across) {
-      LayTile("road_junction", middle, 0);
-    } else if (along || across) {
-      LayTile("road_straight", middle, across ? 1 : 0);
-    } else {
-      LayTile("parking", middle, 0);
-    }
-  }
-
-  void LayTile(std::string_view tile, const Vector2d& middle, int turns) {
-    placements_.push_back({fmt::format("town/tiles/{}", tile), middle, 0, turns * kPi / 2});
-  }
-
-  const SceneTown& town_;
-  std::span<const KeptClear> clear_;
-  std::vector<Placement> placements_;
-};
+  const bool along = IsMultiple(column, town.columns_per_street);
+  const bool across = IsMultiple(row, town.rows_per_street);
+  const std::optional<int> to_street = TurnsToStreet(column, row, town);
+  Plot square = plot(along || across ? (along ? 0 : 1) : to_street.value_or(0));
+  if (along && across) return FurnishJunction(square);
+  if (along || across) return FurnishStreet(square);
+  FurnishSquare(square, to_street.has_value());
+}
 
 }  // namespace
 
 std::vector<Placement> LayOutTown(const SceneTown& town, std::span<const KeptClear> clear) {
-  return TownPlanner(town, clear).Plan();
+  std::vector<Placement> placements;
+  for (int row = town.squares[1]; row <= town.squares[3]; ++row) {
+    for (int column = town.squares[0]; column <= town.squares[2]; ++column) {
+      PlanSquare(column, row, town, clear, placements);
+    }
+  }
+  return placements;
 }
 
 }  // namespace victorious

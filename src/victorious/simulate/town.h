@@ -19,7 +19,7 @@ inline constexpr double kSquareSide_m = 24;
 
 /// A thing and where it stands in the town's frame.
 struct Placement {
-  std::string asset;  ///< a file below the assets' folder, without its ending
+  std::string asset;                                  ///< a file below the assets' folder, without its ending
   Eigen::Vector2d place_m = Eigen::Vector2d::Zero();  ///< the middle of its bounding box
   double bottom_m = 0;                                ///< its lowest point
   double heading_rad = 0;                             ///< clockwise from the town's y axis
@@ -32,10 +32,10 @@ struct KeptClear {
 };
 
 /// The material all tiles and lots lie on, as town/ground has it, and how wide it is laid, m.
-inline constexpr const char* kUnderlay = "town/ground/meadow";
+inline constexpr const char* kUnderlay = "town/ground/grass";
 inline constexpr double kUnderlaySide_m = 2000;
 
-/// Tiles and lots first. Assets named town/ground/… are materials, laid as squares of kLotSide_m.
+/// Assets named town/ground/… are materials, laid as squares of kLotSide_m.
 [[nodiscard]] std::vector<Placement> LayOutTown(const SceneTown& town, std::span<const KeptClear> clear);
 
 inline constexpr double kLotSide_m = 20;

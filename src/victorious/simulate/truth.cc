@@ -55,8 +55,7 @@ Expected<PosedCamera> CanvasAround(const StagedThing& object, const PosedCamera&
   bool in_front = true;
   for (int corner = 0; corner < 8; ++corner) {
     const auto type = static_cast<Eigen::AlignedBox3d::CornerType>(corner);
-    const std::optional<Vector2d> pixel =
-        camera.pinhole.Project(camera_from_mesh.Apply(object.mesh.box.corner(type)));
+    const std::optional<Vector2d> pixel = camera.pinhole.Project(camera_from_mesh.Apply(object.mesh.box.corner(type)));
     if (pixel) around.extend(*pixel);
     in_front &= pixel.has_value();
   }
@@ -107,8 +106,8 @@ Expected<std::vector<ObjectTruth>> TruthOf(std::span<const StagedThing> objects,
     const Vector3d centre_in_town = object.town_from_mesh.Apply(object.mesh.box.center());
     const Vector3d centre_in_enu = enu_from_town * centre_in_town;
     const Eigen::Quaterniond mesh_from_town = object.town_from_mesh.rotation.conjugate();
-    const Vector3d front = earth.LocalEnuFromEnu(centre_in_enu) *
-                           (enu_from_town * (object.town_from_mesh.rotation * Vector3d::UnitX()));
+    const Vector3d front =
+        earth.LocalEnuFromEnu(centre_in_enu) * (enu_from_town * (object.town_from_mesh.rotation * Vector3d::UnitX()));
     rows.push_back({.object = static_cast<int>(i),
                     .box = seen[i].BoundingBox(),
                     .pixels = seen[i].count,

@@ -21,13 +21,13 @@ namespace victorious {
 
 /// One object in one frame.
 struct ObjectTruth {
-  int object = 0;         ///< its index in the scene
-  Box box;                ///< of the visible pixels, px
-  int pixels = 0;         ///< visible ones, above 0
-  double visible = 0;     ///< (0, 1]
-  GeodeticPoint place;    ///< of the bounding box's centre
-  double heading_rad = 0; ///< of its front, clockwise from true north, [0, 2 pi)
-  ViewDirection view;     ///< from the bounding box's centre to the camera
+  int object = 0;          ///< its index in the scene
+  Box box;                 ///< of the visible pixels, px
+  int pixels = 0;          ///< visible ones, above 0
+  double visible = 0;      ///< (0, 1]
+  GeodeticPoint place;     ///< of the bounding box's centre
+  double heading_rad = 0;  ///< of its front, clockwise from true north, [0, 2 pi)
+  ViewDirection view;      ///< from the bounding box's centre to the camera
 };
 
 /// The objects with a part in view, in the scene's order.
