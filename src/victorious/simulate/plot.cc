@@ -178,7 +178,10 @@ void Plot::Place(const std::string& asset, double x_m, double y_m, double headin
 
 void Plot::Tile(string_view tile) { Place(fmt::format("tiles/{}", tile), 0, 0, 0); }
 
-void Plot::Lot(string_view material) { Place(fmt::format("ground/{}", material), 0, 0, 0); }
+void Plot::Lot(string_view material) {
+  constexpr double kLotSide_m = 20;
+  placements_.push_back({.asset = fmt::format("town/ground/{}", material), .place_m = middle_m_, .side_m = kLotSide_m});
+}
 
 void Plot::Put(string_view asset, double x_m, double y_m, double heading_deg, double sway) {
   const double x = x_m + sway * random_.Uniform(-1, 1);

@@ -111,6 +111,12 @@ Expected<T> ReadFields(Json& json) {
   return entry;
 }
 
+// Names of assets become names of files: they must not lead elsewhere.
+bool IsAssetName(std::string_view name) {
+  constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz0123456789_/";
+  return !name.empty() && name.front() != '/' && name.find_first_not_of(kLetters) == std::string_view::npos;
+}
+
 Expected<SceneObject> ReadObject(Json& json) {
   std::vector<Eigen::Vector2d> path_m;
   VICTORIOUS_RETURN_IF_ERROR(TakePoints(json, "path_m", 2, path_m));
@@ -121,15 +127,11 @@ Expected<SceneObject> ReadObject(Json& json) {
   VICTORIOUS_ASSIGN_OR_RETURN(SceneObject object, ReadFields<SceneObject>(json));
   if (object.id.empty()) return Bad("id: must be a name, as truth is to call the object");
   if (object.model.empty()) return Bad("model: must be a name: the object's kind");
+  if (object.file.empty() && !IsAssetName(object.model))
+    return Bad("model: no shipped model has such a name; give its file");
   if (path_m.empty() && object.speed_m_s != 0) return Bad("speed_m_s: needs a path_m to drive along");
   object.path_m = std::move(path_m);
   return object;
-}
-
-// Names of assets become names of files: they must not lead elsewhere.
-bool IsAssetName(std::string_view name) {
-  constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz0123456789_/";
-  return !name.empty() && name.front() != '/' && name.find_first_not_of(kLetters) == std::string_view::npos;
 }
 
 Expected<ScenePiece> ReadPiece(Json& json) {

@@ -21,8 +21,7 @@ using Eigen::Vector3d;
 
 namespace fs = std::filesystem;
 
-constexpr double kMaterialSide_m = 20;       // of a picture of town/ground: it repeats without a seam
-constexpr double kUnderlayBottom_m = -0.03;  // below the tiles
+constexpr double kMaterialSide_m = 20;  // of a picture of town/ground: it repeats without a seam
 
 // A flat square about the origin, its material repeating every kMaterialSide_m.
 Mesh GroundSquare(const cv::Mat& bgr, double side_m) {
@@ -112,14 +111,11 @@ Expected<Stage> Stage::Build(const Scene& scene, Renderer& renderer, const Cance
     clear.push_back({pose.place_m, mesh.box.sizes().head<2>().norm() / 2});
     stage.town_.push_back({mesh, TownFromMesh(mesh, pose, piece.z_m)});
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const StagedMesh underlay,
-                              loader.LoadGround(scene.assets / (std::string(kUnderlay) + ".jpg"), kUnderlaySide_m));
-  stage.town_.push_back({underlay, TownFromMesh(underlay, {}, kUnderlayBottom_m)});
   for (const Placement& placement : LayOutTown(scene.town, clear)) {
-    const bool is_ground = placement.asset.starts_with("town/ground/");
-    const fs::path file = scene.assets / (placement.asset + (is_ground ? ".jpg" : ".glb"));
-    VICTORIOUS_ASSIGN_OR_RETURN(const StagedMesh mesh,
-                                is_ground ? loader.LoadGround(file, kLotSide_m) : loader.Load(file));
+    const fs::path file = scene.assets / placement.asset;
+    VICTORIOUS_ASSIGN_OR_RETURN(const StagedMesh mesh, placement.side_m > 0
+                                                           ? loader.LoadGround(file.string() + ".jpg", placement.side_m)
+                                                           : loader.Load(file.string() + ".glb"));
     const GroundPose pose{placement.place_m, placement.heading_rad};
     stage.town_.push_back({mesh, TownFromMesh(mesh, pose, placement.bottom_m)});
   }

@@ -1,6 +1,7 @@
 #include "victorious/simulate/town.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "victorious/base/random.h"
@@ -48,10 +49,25 @@ void PlanSquare(int column, int row, const SceneTown& town, std::span<const Kept
   FurnishSquare(square, to_street.has_value());
 }
 
+// What all tiles and lots lie on, and what goes on beyond the town. In squares that the camera's depth range can take,
+// each a whole number of the material's period, so that no seam shows.
+void LayUnderlay(const SceneTown& town, std::vector<Placement>& placements) {
+  constexpr double kSide_m = 120;
+  constexpr double kBeyond_m = 300;
+  constexpr double kBottom_m = -0.04;  // below the tiles, by more than a depth buffer confuses
+  const auto first = [](int square) { return std::floor((kSquareSide_m * square - kBeyond_m) / kSide_m) * kSide_m; };
+  for (double y = first(town.squares[1]); y < kSquareSide_m * town.squares[3] + kBeyond_m; y += kSide_m) {
+    for (double x = first(town.squares[0]); x < kSquareSide_m * town.squares[2] + kBeyond_m; x += kSide_m) {
+      placements.push_back({.asset = "town/ground/grass", .place_m = {x, y}, .bottom_m = kBottom_m, .side_m = kSide_m});
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<Placement> LayOutTown(const SceneTown& town, std::span<const KeptClear> clear) {
   std::vector<Placement> placements;
+  LayUnderlay(town, placements);
   for (int row = town.squares[1]; row <= town.squares[3]; ++row) {
     for (int column = town.squares[0]; column <= town.squares[2]; ++column) {
       PlanSquare(column, row, town, clear, placements);

@@ -23,6 +23,7 @@ struct Placement {
   Eigen::Vector2d place_m = Eigen::Vector2d::Zero();  ///< the middle of its bounding box
   double bottom_m = 0;                                ///< its lowest point
   double heading_rad = 0;                             ///< clockwise from the town's y axis
+  double side_m = 0;  ///< of a material (town/ground/…): it is laid as a square of this side; 0: a thing with a mesh
 };
 
 /// Ground that nothing is to stand on: an object's place, or a stretch of its way.
@@ -31,13 +32,7 @@ struct KeptClear {
   double radius_m = 0;
 };
 
-/// The material all tiles and lots lie on, as town/ground has it, and how wide it is laid, m.
-inline constexpr const char* kUnderlay = "town/ground/grass";
-inline constexpr double kUnderlaySide_m = 2000;
-
-/// Assets named town/ground/… are materials, laid as squares of kLotSide_m.
+/// The town and the open ground about it.
 [[nodiscard]] std::vector<Placement> LayOutTown(const SceneTown& town, std::span<const KeptClear> clear);
-
-inline constexpr double kLotSide_m = 20;
 
 }  // namespace victorious
