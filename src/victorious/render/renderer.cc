@@ -16,8 +16,10 @@
 #include "victorious/render/egl_context.h"
 #include "victorious/render/gl_objects.h"
 #include "victorious/render/gl_program.h"
+#include "victorious/render/gl_targets.h"
 #include "victorious/render/gpu_mesh.h"
 #include "victorious/render/shaders.h"
+#include "victorious/render/shadow_view.h"
 
 namespace victorious {
 namespace {
@@ -34,6 +36,10 @@ float LinearFromGrey(int grey) {
 // sorting alone draws those wrong wherever triangles reach past each other.
 constexpr float kAsGoodAsOpaque = 0.99F;
 constexpr float kNoLimit = 1e9F;
+// Blended surfaces count as there, to depth and to the sun, from this alpha on.
+constexpr float kThere = 0.5F;
+constexpr int kMostShadowTexels = 4096;  // a side of the shadow map
+constexpr int kShadowUnit = 1;           // where the shadow map is bound; textures are at 0
 
 // OpenGL takes an offset into the bound elements as a pointer.
 const void* ElementsFrom(std::size_t offset) {
@@ -57,59 +63,30 @@ Matrix4f ClipFromCamera(const PinholeCamera& camera, const DepthRange& range) {
   return clip.cast<float>();
 }
 
-// A colour and a depth target of one size.
-class Target {
- public:
-  Target(int width, int height, GLenum format) : width_(width), height_(height) {
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
-    glBindTexture(GL_TEXTURE_2D, colour_.name());
-    Allocate(format);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, colour_.name(), 0);
-    glBindRenderbuffer(GL_RENDERBUFFER, depth_.name());
-    glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, width, height);
-    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_.name());
+struct Programs {
+  static Expected<Programs> Make() {
+    const auto mesh = [](std::initializer_list<const char*> fragment) {
+      return GlProgram::Make(shaders::kMeshVertex, fragment);
+    };
+    VICTORIOUS_ASSIGN_OR_RETURN(GlProgram colour,
+                                mesh({shaders::kMeshFragmentHead, shaders::kNoShadow, shaders::kColourFragment}));
+    VICTORIOUS_ASSIGN_OR_RETURN(GlProgram shaded,
+                                mesh({shaders::kMeshFragmentHead, shaders::kShadow, shaders::kColourFragment}));
+    VICTORIOUS_ASSIGN_OR_RETURN(GlProgram depth, mesh({shaders::kMeshFragmentHead, shaders::kDepthFragment}));
+    VICTORIOUS_ASSIGN_OR_RETURN(GlProgram opaque_caster, mesh({shaders::kOpaqueCaster}));
+    VICTORIOUS_ASSIGN_OR_RETURN(GlProgram cut_caster, mesh({shaders::kMeshFragmentHead, shaders::kCutCaster}));
+    VICTORIOUS_ASSIGN_OR_RETURN(GlProgram resolve,
+                                GlProgram::Make(shaders::kScreenVertex, {shaders::kResolveFragment}));
+    return Programs{std::move(colour),        std::move(shaded),     std::move(depth),
+                    std::move(opaque_caster), std::move(cut_caster), std::move(resolve)};
   }
 
-  void Bind() const {
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
-    glViewport(0, 0, width_, height_);
-  }
-  void Clear(float grey) const {
-    glClearColor(grey, grey, grey, 0);
-    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  }
-  void BindTexture() const { glBindTexture(GL_TEXTURE_2D, colour_.name()); }
-
- private:
-  void Allocate(GLenum format) const {
-    glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(format), width_, height_, 0, GL_RGBA, GL_FLOAT, nullptr);
-  }
-
-  int width_;
-  int height_;
-  GlFramebuffer framebuffer_;
-  GlTexture colour_;
-  GlRenderbuffer depth_;
-};
-
-// What the three passes draw into.
-struct Targets {
-  Targets(int width_px, int height_px, int samples)
-      : width(width_px),
-        height(height_px),
-        supersampling(samples),
-        colour(width_px * samples, height_px * samples, GL_RGBA16F),
-        resolved(width_px, height_px, GL_RGBA8),
-        depth(width_px, height_px, GL_RG32F) {}
-
-  int width;
-  int height;
-  int supersampling;
-  Target colour;
-  Target resolved;
-  Target depth;
+  GlProgram colour;
+  GlProgram shaded_colour;
+  GlProgram depth;
+  GlProgram opaque_caster;  // what the sun sees
+  GlProgram cut_caster;     // of that, what its material's alpha leaves
+  GlProgram resolve;
 };
 
 // A blended triangle of the picture that is being drawn.
@@ -133,6 +110,9 @@ void Light::ListFields(FieldList& fields) {
   fields.Add("sky", sky, {.min = 0, .max = 10, .reason = "light from above; 1 makes a white roof white"});
   fields.Add("ground", ground, {.min = 0, .max = 10, .reason = "light from below: what the ground throws back"});
   fields.Add("sun", sun, {.min = 0, .max = 10, .reason = "weak, so that templates do not depend on its place"});
+  fields.Add("shadows", shadows, {.reason = "whether what stands in the sun's way shades; not in templates"});
+  fields.Add("shadow_softness_m", shadow_softness_m,
+             {.min = 0.001, .max = 100, .unit = "m", .reason = "width of a shadow's edge: that of a house's"});
 }
 
 void RenderOptions::ListFields(FieldList& fields) {
@@ -144,20 +124,13 @@ class Renderer::Device {
  public:
   static Expected<std::unique_ptr<Device>> Create(const RendererOptions& options) {
     VICTORIOUS_ASSIGN_OR_RETURN(EglContext context, EglContext::Create(options.software));
-    VICTORIOUS_ASSIGN_OR_RETURN(GlProgram colour, GlProgram::Make(shaders::kMeshVertex, {shaders::kMeshFragmentHead,
-                                                                                         shaders::kColourFragment}));
-    VICTORIOUS_ASSIGN_OR_RETURN(
-        GlProgram depth, GlProgram::Make(shaders::kMeshVertex, {shaders::kMeshFragmentHead, shaders::kDepthFragment}));
-    VICTORIOUS_ASSIGN_OR_RETURN(GlProgram resolve,
-                                GlProgram::Make(shaders::kScreenVertex, {shaders::kResolveFragment}));
-    return std::make_unique<Device>(std::move(context), std::move(colour), std::move(depth), std::move(resolve));
+    VICTORIOUS_ASSIGN_OR_RETURN(Programs programs, Programs::Make());
+    return std::make_unique<Device>(std::move(context), std::move(programs));
   }
 
-  Device(EglContext context, GlProgram colour, GlProgram depth, GlProgram resolve)
+  Device(EglContext context, Programs programs)
       : context_(std::move(context)),
-        colour_(std::move(colour)),
-        depth_(std::move(depth)),
-        resolve_(std::move(resolve)),
+        programs_(std::move(programs)),
         name_(reinterpret_cast<const char*>(glGetString(GL_RENDERER))) {
     glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest_side_px_);
     glFrontFace(GL_CW);  // y is down
@@ -191,7 +164,8 @@ class Renderer::Device {
     PrepareTargets(camera.pinhole, options.supersampling);
     PrepareInstances(instances, camera);
     RenderedView view;
-    DrawColour(camera, light, options.background);
+    GlProgram& colour = light.shadows && DrawShadowMap(camera, light) ? programs_.shaded_colour : programs_.colour;
+    DrawColour(colour, camera, light, options.background);
     ReadColour(view);
     DrawDepth();
     ReadDepth(view);
@@ -202,6 +176,7 @@ class Renderer::Device {
  private:
   struct Placed {
     const GpuMesh* mesh;
+    Rigid3 world_from_mesh;
     Matrix4f camera_from_mesh;
   };
 
@@ -264,7 +239,7 @@ class Renderer::Device {
       for (const GpuMesh::BlendedTriangle& triangle : mesh.blended()) {
         blended_.push_back({(matrix * triangle.centre.homogeneous()).z(), index, &triangle});
       }
-      placed_.push_back({&mesh, matrix});
+      placed_.push_back({&mesh, instance.world_from_mesh, matrix});
     }
     std::ranges::stable_sort(blended_, std::greater(), &Blended::depth_m);
     // A camera amid the scene sees from a ten-thousandth of its depth on.
@@ -279,12 +254,24 @@ class Renderer::Device {
     program.Set("alpha_range", alpha_range);
     program.Set("base_colour", material.base_colour);
     program.Set("double_sided", material.double_sided ? 1 : 0);
+    mesh.BindTexture(material);
+  }
+
+  static void HideBacks(const Material& material) {
     if (material.double_sided) {
       glDisable(GL_CULL_FACE);
     } else {
       glEnable(GL_CULL_FACE);
     }
-    mesh.BindTexture(material);
+  }
+
+  // Of blended materials only what has an alpha of `solid_from` or more.
+  static void DrawPart(GlProgram& program, const GpuMesh& mesh, const MeshPart& part, float solid_from) {
+    const Material& material = mesh.MaterialOf(part);
+    const float cutoffs[] = {0.0F, material.alpha_cutoff, solid_from};
+    SetMaterial(program, mesh, material, {cutoffs[static_cast<std::size_t>(material.alpha_mode)], kNoLimit});
+    const std::size_t offset = std::size_t{part.first_triangle} * 3 * sizeof(std::uint32_t);
+    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(part.triangles * 3), GL_UNSIGNED_INT, ElementsFrom(offset));
   }
 
   void Begin(GlProgram& program, const Target& target, float grey) const {
@@ -297,7 +284,6 @@ class Renderer::Device {
     program.Set("clip_from_camera", clip_from_camera_);
   }
 
-  // Everything, of blended materials only what has an alpha of `solid_from` or more.
   void DrawSolid(GlProgram& program, float solid_from) const {
     for (std::size_t i = 0; i < placed_.size(); ++i) {
       const GpuMesh& mesh = *placed_[i].mesh;
@@ -305,11 +291,8 @@ class Renderer::Device {
       program.Set("camera_from_mesh", placed_[i].camera_from_mesh);
       program.Set("instance", static_cast<float>(i));
       for (const MeshPart& part : mesh.parts()) {
-        const Material& material = mesh.MaterialOf(part);
-        const float cutoffs[] = {0.0F, material.alpha_cutoff, solid_from};
-        SetMaterial(program, mesh, material, {cutoffs[static_cast<std::size_t>(material.alpha_mode)], kNoLimit});
-        const std::size_t offset = std::size_t{part.first_triangle} * 3 * sizeof(std::uint32_t);
-        glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(part.triangles * 3), GL_UNSIGNED_INT, ElementsFrom(offset));
+        HideBacks(mesh.MaterialOf(part));
+        DrawPart(program, mesh, part, solid_from);
       }
     }
   }
@@ -338,21 +321,82 @@ class Renderer::Device {
       }
       program.Set("camera_from_mesh", placed.camera_from_mesh);
       const MeshPart& part = placed.mesh->parts()[static_cast<std::size_t>(first.triangle->part)];
+      HideBacks(placed.mesh->MaterialOf(part));
       SetMaterial(program, *placed.mesh, placed.mesh->MaterialOf(part), {0.0F, kAsGoodAsOpaque});
       glDrawElements(GL_TRIANGLES, static_cast<GLsizei>((end - begin) * 3), GL_UNSIGNED_INT,
                      ElementsFrom(begin * sizeof(corners[0])));
     }
   }
 
-  void DrawColour(const PosedCamera& camera, const Light& light, int background) {
-    Begin(colour_, targets_->colour, LinearFromGrey(background));
+  // Ready for the program `shaded_colour`. False where the camera sees nothing.
+  bool DrawShadowMap(const PosedCamera& camera, const Light& light) {
+    std::vector<PlacedBox> boxes(placed_.size());
+    std::ranges::transform(placed_, boxes.begin(), [](const Placed& placed) {
+      return PlacedBox{.box = placed.mesh->box(), .world_from_box = placed.world_from_mesh};
+    });
+    const auto view = FitShadowView(boxes, camera, light.to_sun_in_world, light.shadow_softness_m);
+    if (!view) return false;
+    const double step_m = light.shadow_softness_m / 3;
+    const Eigen::Vector2i texels = ShadowTexels(view->box_in_sun.sizes().head<2>(), step_m);
+    if (!shadow_map_) shadow_map_.emplace();
+    shadow_map_->Begin(texels.x(), texels.y());
+    DrawCasters(*view);
+    SetShadow(*view, camera, texels, step_m);
+    return true;
+  }
+
+  // In steps, so that a camera that moves can go on with the same texture.
+  [[nodiscard]] Eigen::Vector2i ShadowTexels(const Eigen::Vector2d& size_m, double texel_m) const {
+    constexpr double kStep = 256;
+    const double most = std::min(kMostShadowTexels, int{largest_side_px_});
+    return (kStep * (size_m / (kStep * texel_m)).array().ceil()).min(most).cast<int>();
+  }
+
+  void DrawCasters(const ShadowView& view) {
+    const Vector3d scale = 2 * view.box_in_sun.sizes().cwiseInverse();
+    const Eigen::Affine3d clip_from_sun = Eigen::Scaling(scale) * Eigen::Translation3d(-view.box_in_sun.center());
+    for (GlProgram* program : {&programs_.opaque_caster, &programs_.cut_caster}) {
+      program->Use();
+      program->Set("clip_from_camera", Matrix4f(clip_from_sun.matrix().cast<float>()));
+      for (std::size_t i = 0; i < placed_.size(); ++i) {
+        if (!view.casts[i]) continue;
+        const GpuMesh& mesh = *placed_[i].mesh;
+        mesh.BindVertices();
+        const Rigid3 sun_from_mesh = view.sun_from_world * placed_[i].world_from_mesh;
+        program->Set("camera_from_mesh", Matrix4f(sun_from_mesh.Matrix().cast<float>()));
+        for (const MeshPart& part : mesh.parts()) {
+          const bool opaque = mesh.MaterialOf(part).alpha_mode == AlphaMode::kOpaque;
+          if (opaque == (program == &programs_.opaque_caster)) DrawPart(*program, mesh, part, kThere);
+        }
+      }
+    }
+  }
+
+  void SetShadow(const ShadowView& view, const PosedCamera& camera, const Eigen::Vector2i& texels, double step_m) {
+    GlProgram& program = programs_.shaded_colour;
+    program.Use();
+    program.Set("sun_depth", kShadowUnit);
+    const Rigid3 sun_from_camera = view.sun_from_world * camera.camera_from_world.Inverse();
+    program.Set("sun_from_camera", Matrix4f(sun_from_camera.Matrix().cast<float>()));
+    program.Set("sun_low", Eigen::Vector3f(view.box_in_sun.min().cast<float>()));
+    program.Set("sun_size", Eigen::Vector3f(view.box_in_sun.sizes().cast<float>()));
+    const Eigen::Array2d texel_m = view.box_in_sun.sizes().head<2>().array() / texels.cast<double>().array();
+    program.Set("texel_m", Eigen::Vector2f(texel_m.cast<float>()));
+    program.Set("step_m", Eigen::Vector2f(texel_m.max(step_m).cast<float>()));
+    glActiveTexture(GL_TEXTURE0 + kShadowUnit);
+    shadow_map_->BindTexture();
+    glActiveTexture(GL_TEXTURE0);
+  }
+
+  void DrawColour(GlProgram& program, const PosedCamera& camera, const Light& light, int background) {
+    Begin(program, targets_->colour, LinearFromGrey(background));
     const Eigen::Quaterniond& turn = camera.camera_from_world.rotation;
-    colour_.Set("up_in_camera", Eigen::Vector3f((turn * Vector3d::UnitZ()).cast<float>()));
-    colour_.Set("to_sun_in_camera", Eigen::Vector3f((turn * light.to_sun_in_world.normalized()).cast<float>()));
-    colour_.Set("light", Eigen::Vector3f(Vector3d(light.sky, light.ground, light.sun).cast<float>()));
-    colour_.Set("blended", 0);
-    DrawSolid(colour_, kAsGoodAsOpaque);
-    DrawBlended(colour_);
+    program.Set("up_in_camera", Eigen::Vector3f((turn * Vector3d::UnitZ()).cast<float>()));
+    program.Set("to_sun_in_camera", Eigen::Vector3f((turn * light.to_sun_in_world.normalized()).cast<float>()));
+    program.Set("light", Eigen::Vector3f(Vector3d(light.sky, light.ground, light.sun).cast<float>()));
+    program.Set("blended", 0);
+    DrawSolid(program, kAsGoodAsOpaque);
+    DrawBlended(program);
   }
 
   void ReadColour(RenderedView& view) {
@@ -360,8 +404,8 @@ class Renderer::Device {
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_BLEND);
     glDisable(GL_CULL_FACE);
-    resolve_.Use();
-    resolve_.Set("supersampling", targets_->supersampling);
+    programs_.resolve.Use();
+    programs_.resolve.Set("supersampling", targets_->supersampling);
     targets_->colour.BindTexture();
     glBindVertexArray(screen_.name());
     glDrawArrays(GL_TRIANGLES, 0, 3);
@@ -375,9 +419,8 @@ class Renderer::Device {
   }
 
   void DrawDepth() {
-    constexpr float kSolidFrom = 0.5F;
-    Begin(depth_, targets_->depth, 0);
-    DrawSolid(depth_, kSolidFrom);
+    Begin(programs_.depth, targets_->depth, 0);
+    DrawSolid(programs_.depth, kThere);
   }
 
   void ReadDepth(RenderedView& view) const {
@@ -398,14 +441,13 @@ class Renderer::Device {
   }
 
   EglContext context_;  // first, so that it ends last
-  GlProgram colour_;
-  GlProgram depth_;
-  GlProgram resolve_;
+  Programs programs_;
   std::string name_;
   GLint largest_side_px_ = 0;
   GlVertexArray screen_;
   GlBuffer sorted_elements_;
   std::optional<Targets> targets_;
+  std::optional<ShadowMap> shadow_map_;
   std::map<MeshId, GpuMesh> meshes_;
   int next_id_ = 0;
   // Of the picture that is being drawn.

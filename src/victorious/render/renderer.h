@@ -1,11 +1,17 @@
 // Meshes and a camera in; what the camera sees out: image, depth, mask. Without a window or a screen, on the GPU where
 // there is one, else in software (EGL and OpenGL 3.3).
 //
-// Light is soft: a dome of sky, brighter from above than from below, and a weak sun without shadows. With n the normal,
-// u up and s the direction to the sun, all in the world:
-//   colour = albedo * (ground + (sky - ground) (1 + n.u) / 2 + sun max(0, n.s))       linear; shown as sRGB, cut at 1
-// (Lambert's law under a hemisphere light). Textures are filtered along both axes (mipmaps, anisotropic); the image is
-// the mean of several samples a pixel, taken in linear light.
+// Light is soft: a dome of sky, brighter from above than from below, and a weak sun. With n the normal, u up and s the
+// direction to the sun, all in the world, and v the share of the sun that reaches the point:
+//   colour = albedo * (ground + (sky - ground) (1 + n.u) / 2 + sun max(0, n.s) v)     linear; shown as sRGB, cut at 1
+// (Lambert's law under a hemisphere light). Without Light::shadows v is 1. With them v is the share of nine points
+// about the point, w / 3 apart in its surface's plane as the sun sees it (w: Light::shadow_softness_m), that nothing
+// hides from the sun. What hides them is read from the depth that the sun sees in parallel projection, over all that
+// the camera sees; a texel is w / 3 too, or larger where more than 4096 a side would be needed. Every opaque triangle
+// casts a shadow, from either side; of the others what the cut-off leaves, and of the blended ones what has an alpha of
+// 0.5 or more. What is nearer to a surface, along a ray, than some 0.2 + 1.4 tan(ray, normal) texels does not shade it.
+// Textures are filtered along both axes (mipmaps, anisotropic); the image is the mean of several samples a pixel, taken
+// in linear light.
 #pragma once
 
 #include <memory>
@@ -29,6 +35,8 @@ struct Light {
   double ground = 0.4;                                                  ///< from straight below
   double sun = 0.3;                                                     ///< where it falls at a right angle
   Eigen::Vector3d to_sun_in_world = Eigen::Vector3d(-0.3, 0.4, 0.866);  ///< any length above 0
+  bool shadows = false;                                                 ///< whether things in the sun's way shade
+  double shadow_softness_m = 0.1;                                       ///< width of a shadow's edge
 
   void ListFields(FieldList& fields);
 };

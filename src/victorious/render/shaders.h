@@ -1,4 +1,4 @@
-// Private to render/: the programs of the three passes (GLSL 3.30). Camera space: x right, y down, z forward, metres.
+// Private to render/: the programs of the passes (GLSL 3.30). Camera space: x right, y down, z forward, metres.
 #pragma once
 
 namespace victorious::shaders {
@@ -40,6 +40,43 @@ vec4 SurfaceColour() {
 }
 )";
 
+// How much of the sun reaches a point, for kColourFragment: all of it, or what kSunDepth lets through.
+inline constexpr const char* kNoShadow = R"(
+float SunSeen(vec3 face) { return 1.0; }
+)";
+
+// Filtered comparisons with the depth that the sun sees, at nine places in the plane of the surface. That plane is what
+// a place's depth is compared with, so the surface itself is no shade to it; the bias is how far the map's depth can
+// be from the plane within a texel.
+inline constexpr const char* kShadow = R"(
+uniform sampler2DShadow sun_depth;
+uniform mat4 sun_from_camera;
+uniform vec3 sun_low;   // the map's box in the sun's frame, m
+uniform vec3 sun_size;
+uniform vec2 texel_m;
+uniform vec2 step_m;    // between neighbouring places
+const vec2 kPlaces[9] = vec2[](vec2(-1, -1), vec2(1, -1), vec2(-1, 1), vec2(1, 1), vec2(0, 0),
+                               vec2(0, -1), vec2(-1, 0), vec2(1, 0), vec2(0, 1));
+const int kFirstPlaces = 5;  // where these agree, so do the others
+float SunSeen(vec3 face) {
+  const float kSteepest = 0.02;  // beyond it a surface has next to no sun
+  vec3 normal = mat3(sun_from_camera) * normalize(face);
+  vec3 point = (sun_from_camera * vec4(point_in_camera, 1.0)).xyz - sun_low;
+  vec2 slope = normal.xy / max(-normal.z, kSteepest);
+  float bias = dot(abs(slope) + 0.1, texel_m);
+  int places = normal.z < 0.0 ? 9 : 0;
+  float seen = 0.0;
+  float taken = 0.0;
+  for (int i = 0; i < places; ++i) {
+    if (i == kFirstPlaces && (seen == 0.0 || seen == taken)) break;
+    vec2 aside = kPlaces[i] * step_m;
+    seen += texture(sun_depth, (point + vec3(aside, dot(slope, aside) - bias)) / sun_size);
+    taken += 1.0;
+  }
+  return seen / max(taken, 1.0);
+}
+)";
+
 inline constexpr const char* kColourFragment = R"(
 uniform bool double_sided;
 uniform bool blended;
@@ -50,14 +87,12 @@ out vec4 result;
 void main() {
   vec4 colour = SurfaceColour();
   vec3 normal = normalize(normal_in_camera);
-  if (double_sided) {
-    // The side that is seen counts, whichever way the corners go.
-    vec3 face = cross(dFdx(point_in_camera), dFdy(point_in_camera));
-    if (dot(face, point_in_camera) > 0.0) face = -face;
-    if (dot(face, normal) < 0.0) normal = -normal;
-  }
+  // The side that is seen, whichever way the corners go.
+  vec3 face = cross(dFdx(point_in_camera), dFdy(point_in_camera));
+  if (dot(face, point_in_camera) > 0.0) face = -face;
+  if (double_sided && dot(face, normal) < 0.0) normal = -normal;
   float dome = mix(light.y, light.x, 0.5 + 0.5 * dot(normal, up_in_camera));
-  float sun = light.z * max(0.0, dot(normal, to_sun_in_camera));
+  float sun = light.z * max(0.0, dot(normal, to_sun_in_camera)) * SunSeen(face);
   result = vec4(colour.rgb * (dome + sun), blended ? colour.a : 1.0);
 }
 )";
@@ -69,6 +104,14 @@ void main() {
   SurfaceColour();
   result = vec2(point_in_camera.z, instance);
 }
+)";
+
+// What the sun sees: depth alone. Put after kMeshFragmentHead where a texture may have holes.
+inline constexpr const char* kOpaqueCaster = R"(#version 330 core
+void main() {}
+)";
+inline constexpr const char* kCutCaster = R"(
+void main() { SurfaceColour(); }
 )";
 
 inline constexpr const char* kScreenVertex = R"(#version 330 core
