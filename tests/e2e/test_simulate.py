@@ -98,6 +98,18 @@ class SimulateTest(program.ProgramTest):
         self.write("broken.glb", "no mesh")
         refuses("broken.glb", with_changes(objects=[{"id": "a", "model": "a", "file": "broken.glb"}]))
 
+    def test_shipped_scenes(self):
+        """Each begins: everything it names is there."""
+        scenes = sorted((program.REPOSITORY / "scenes").glob("*.json"))
+        self.assertEqual(len(scenes), 8)
+        for path in scenes:
+            scene = json.loads(path.read_text())
+            columns, rows = ([tile[key] for tile in scene["town"]["tiles"]] for key in ("column", "row"))
+            scene["town"]["squares"] = [min(columns), min(rows), max(columns), max(rows)]
+            scene["video"] |= {"frames": 1, "width": 160, "height": 120, "supersampling": 1}
+            _, telemetry, _ = self.simulate(path.stem, json.dumps(scene | {"assets": str(ASSETS)}))
+            self.assertEqual(len(telemetry), 1)
+
     def test_a_model_of_one_s_own(self):
         shutil.copy(ASSETS / "models" / "jet.glb", self.scratch / "mine.glb")
         scene = with_changes(objects=[{"id": "x", "model": "glider", "file": "mine.glb", "x_m": 24, "y_m": 24}])

@@ -35,6 +35,7 @@ Light LightOf(const Scene& scene) {
   light.sky = scene.sun.sky;
   light.ground = scene.sun.ground;
   light.sun = scene.sun.strength;
+  light.shadows = true;
   light.to_sun_in_world = {std::cos(elevation) * std::sin(azimuth), std::cos(elevation) * std::cos(azimuth),
                            std::sin(elevation)};
   return light;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -119,6 +120,10 @@ Expected<Stage> Stage::Build(const Scene& scene, Renderer& renderer, const Cance
     const GroundPose pose{placement.place_m, placement.heading_rad};
     stage.town_.push_back({mesh, TownFromMesh(mesh, pose, placement.bottom_m)});
   }
+  // What stands high hides what lies below it, and is drawn first: what is hidden already costs little.
+  std::ranges::stable_sort(stage.town_, std::greater(), [](const StagedThing& thing) {
+    return thing.town_from_mesh.translation.z() + thing.mesh.box.max().z();
+  });
   return stage;
 }
 
