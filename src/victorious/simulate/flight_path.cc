@@ -1,9 +1,10 @@
 #include "victorious/simulate/flight_path.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <numbers>
 #include <span>
+#include <vector>
 
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 
 #include <fmt/format.h>
 
@@ -26,7 +27,7 @@ constexpr std::array<string_view, 1> kHedge = {"props/hedge"};
 constexpr std::array<string_view, 1> kLamp = {"props/lamp_post"};
 constexpr std::array<string_view, 4> kYardGround = {"gravel", "concrete", "brick", "dirt"};
 
-constexpr double kBorder_m = 10.6;  // of a square: where hedges, fences and trees stand
+constexpr double kBorderM = 10.6;  // of a square: where hedges, fences and trees stand
 
 // How much ground a thing takes, as the radius of a circle.
 double FootprintOf(string_view asset) {
@@ -41,12 +42,12 @@ void Trees(Plot& plot, double share, std::initializer_list<Vector2d> places) {
 
 // Four bays' rows as they are painted on the tile.
 void FurnishParking(Plot& plot) {
-  constexpr std::array<double, 4> kRows_m = {9.3, 1.3, -1.7, -9.7};
-  constexpr double kFirstBay_m = -9.625;
-  constexpr double kBay_m = 2.75;
-  for (const double row : kRows_m) {
+  constexpr std::array<double, 4> kRowsM = {9.3, 1.3, -1.7, -9.7};
+  constexpr double kFirstBayM = -9.625;
+  constexpr double kBayM = 2.75;
+  for (const double row : kRowsM) {
     for (int bay = 0; bay < 8; ++bay) {
-      plot.Maybe(0.85, kCars, kFirstBay_m + bay * kBay_m, row, plot.Chance(0.5) ? 0 : 180, 0.25);
+      plot.Maybe(0.85, kCars, kFirstBayM + bay * kBayM, row, plot.Chance(0.5) ? 0 : 180, 0.25);
     }
   }
 }
@@ -88,7 +89,7 @@ void FurnishSite(Plot& plot) {
 void FurnishHomes(Plot& plot) {
   if (plot.Chance(0.5)) plot.Lot(plot.Pick(kYardGround));
   for (const double x : {-6.0, 6.0}) plot.Maybe(1.4, kHouses, x, -1.5, 0);
-  for (const double x : {-7.8, 7.8}) plot.Maybe(0.9, kHedge, x, kBorder_m, 90);
+  for (const double x : {-7.8, 7.8}) plot.Maybe(0.9, kHedge, x, kBorderM, 90);
   plot.Maybe(0.9, kCars, 0.3, 8.5, 0, 0.4);
   Trees(plot, 0.8, {{-10.5, -10.5}, {0, -10.5}, {10.5, -10.5}, {-3.8, 8.5}, {10.5, 8}, {-10.8, 8}});
   plot.Maybe(0.3, kStuff, 3, 8.8, 30, 0.5);
@@ -179,15 +180,15 @@ void Plot::Place(const std::string& asset, double x_m, double y_m, double headin
 void Plot::Tile(string_view tile) { Place(fmt::format("tiles/{}", tile), 0, 0, 0); }
 
 void Plot::Lot(string_view material) {
-  constexpr double kLotSide_m = 20;
-  placements_.push_back({.asset = fmt::format("town/ground/{}", material), .place_m = middle_m_, .side_m = kLotSide_m});
+  constexpr double kLotSideM = 20;
+  placements_.push_back({.asset = fmt::format("town/ground/{}", material), .place_m = middle_m_, .side_m = kLotSideM});
 }
 
 void Plot::Put(string_view asset, double x_m, double y_m, double heading_deg, double sway) {
   const double x = x_m + sway * random_.Uniform(-1, 1);
   const double y = y_m + sway * random_.Uniform(-1, 1);
-  constexpr double kAskew_rad = 0.12;  // for each metre of sway
-  double heading = RadiansFromDegrees(heading_deg) + sway * kAskew_rad * random_.Uniform(-1, 1);
+  constexpr double kAskewRad = 0.12;  // for each metre of sway
+  double heading = RadiansFromDegrees(heading_deg) + sway * kAskewRad * random_.Uniform(-1, 1);
   if (asset.starts_with("trees/")) heading = random_.Uniform(0, 2 * kPi);
   const Vector2d place = InTown(x, y);
   const bool taken = std::ranges::any_of(clear_, [&](const KeptClear& clear) {

@@ -1,7 +1,6 @@
 // Private to simulate/: a square of the town while it is furnished, and the ways to furnish one.
 #pragma once
 
-#include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>

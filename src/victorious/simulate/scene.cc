@@ -17,7 +17,7 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMaxSceneBytes = std::size_t{1} << 24;
 constexpr std::size_t kMaxListed = 10000;  // objects, pieces, points
-constexpr double kMaxReach_m = 20000;      // of anything from the origin
+constexpr double kMaxReachM = 20000;       // of anything from the origin
 constexpr int kMaxSquare = 200;            // of a town, in each direction from the origin
 constexpr const char* kDefaultAssets = "../assets";
 
@@ -60,14 +60,14 @@ Status TakePoints(Json& object, const char* key, std::size_t least, std::vector<
   const Json value = Take(object, key);
   if (value.is_null()) return {};
   const auto is_point = [](const Json& point) {
-    return point.is_array() && point.size() == 2 && IsNumberIn(point[0], -kMaxReach_m, kMaxReach_m) &&
-           IsNumberIn(point[1], -kMaxReach_m, kMaxReach_m);
+    return point.is_array() && point.size() == 2 && IsNumberIn(point[0], -kMaxReachM, kMaxReachM) &&
+           IsNumberIn(point[1], -kMaxReachM, kMaxReachM);
   };
   const bool fits =
       value.is_array() && value.size() >= least && value.size() <= kMaxListed && std::ranges::all_of(value, is_point);
   if (!fits) {
     return Bad(fmt::format("{}: must be a list of {} or more points [x, y] in metres, at most {:.0f} from the origin",
-                           key, least, kMaxReach_m));
+                           key, least, kMaxReachM));
   }
   points.clear();
   for (const Json& point : value) points.emplace_back(point[0].get<double>(), point[1].get<double>());
@@ -207,7 +207,7 @@ Expected<Scene> SceneFromJson(Json& root) {
 }
 
 FieldSpec Metres(std::string reason) {
-  return {.min = -kMaxReach_m, .max = kMaxReach_m, .unit = "m", .reason = std::move(reason)};
+  return {.min = -kMaxReachM, .max = kMaxReachM, .unit = "m", .reason = std::move(reason)};
 }
 
 FieldSpec Heading(std::string reason) {

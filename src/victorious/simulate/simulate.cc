@@ -1,5 +1,6 @@
 #include "victorious/simulate/simulate.h"
 
+#include <algorithm>
 #include <cmath>
 #include <system_error>
 #include <utility>
@@ -71,8 +72,8 @@ class Flight {
     const PosedCamera camera{PinholeOf(video),
                              CameraFromTown(scene_.camera, fraction, time_s, SeedFor(scene_.seed, kShakeSeed))};
     const std::vector<StagedThing> objects = stage_.ObjectsAt(time_s);
-    VICTORIOUS_ASSIGN_OR_RETURN(RenderedView view, renderer_.Render(Instances(objects, camera), camera, light_,
-                                                                    {.supersampling = video.supersampling}));
+    VICTORIOUS_ASSIGN_OR_RETURN(const RenderedView view, renderer_.Render(Instances(objects, camera), camera, light_,
+                                                                          {.supersampling = video.supersampling}));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectTruth> truth,
                                 TruthOf(objects, view.instances, camera, earth_, heading, renderer_));
     FrameResult result{
@@ -91,8 +92,10 @@ class Flight {
   // Objects first, so that an instance's number below theirs is the object's.
   [[nodiscard]] std::vector<MeshInstance> Instances(const std::vector<StagedThing>& objects,
                                                     const PosedCamera& camera) const {
-    std::vector<MeshInstance> instances;
-    for (const StagedThing& object : objects) instances.push_back({object.mesh.id, object.town_from_mesh});
+    std::vector<MeshInstance> instances(objects.size());
+    std::ranges::transform(objects, instances.begin(), [](const StagedThing& object) {
+      return MeshInstance{.mesh = object.mesh.id, .world_from_mesh = object.town_from_mesh};
+    });
     const std::vector<MeshInstance> town = stage_.TownSeenFrom(camera, light_.to_sun_in_world);
     instances.insert(instances.end(), town.begin(), town.end());
     return instances;

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <functional>
+#include <map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -22,12 +24,12 @@ using Eigen::Vector3d;
 
 namespace fs = std::filesystem;
 
-constexpr double kMaterialSide_m = 20;  // of a picture of town/ground: it repeats without a seam
+constexpr double kMaterialSideM = 20;  // of a picture of town/ground: it repeats without a seam
 
-// A flat square about the origin, its material repeating every kMaterialSide_m.
+// A flat square about the origin, its material repeating every kMaterialSideM.
 Mesh GroundSquare(const cv::Mat& bgr, double side_m) {
   const auto half = static_cast<float>(side_m / 2);
-  const auto repeats = static_cast<float>(side_m / kMaterialSide_m);
+  const auto repeats = static_cast<float>(side_m / kMaterialSideM);
   Mesh mesh;
   mesh.positions = {{-half, -half, 0}, {half, -half, 0}, {half, half, 0}, {-half, half, 0}};
   mesh.normals.assign(4, Eigen::Vector3f::UnitZ());

@@ -2,10 +2,7 @@
 // what a camera can see at a time.
 #pragma once
 
-#include <filesystem>
 #include <functional>
-#include <map>
-#include <optional>
 #include <string>
 #include <vector>
 

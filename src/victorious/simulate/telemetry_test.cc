@@ -60,7 +60,7 @@ std::optional<Vector2d> Project(const Row& row, const GeodeticPoint& place, int 
 }
 
 TEST(Telemetry, APlaceIsSeenThroughItWhereTheCameraSeesIt) {
-  constexpr double kTownHeading_rad = 1.1;
+  constexpr double kTownHeadingRad = 1.1;
   const TangentPlane earth({RadiansFromDegrees(61), RadiansFromDegrees(24), 80});
   const SceneVideo video{.width = 640, .height = 480, .hfov_deg = 15};
   Random random(8);
@@ -72,10 +72,10 @@ TEST(Telemetry, APlaceIsSeenThroughItWhereTheCameraSeesIt) {
     camera.roll_deg = {random.Uniform(-40, 40)};
     const Rigid3 camera_from_town = CameraFromTown(camera, 0, 0, 1);
     const Vector3d point(camera.aim_m[0].x() + 4, camera.aim_m[0].y() - 3, 2);
-    std::istringstream file(
-        kTelemetryHeader + TelemetryRow(CameraOnEarthOf(camera_from_town, earth, kTownHeading_rad), 0, video.hfov_deg));
+    std::istringstream file(kTelemetryHeader +
+                            TelemetryRow(CameraOnEarthOf(camera_from_town, earth, kTownHeadingRad), 0, video.hfov_deg));
     const auto seen = PinholeOf(video).Project(camera_from_town.Apply(point));
-    const auto told = Project(ReadRows(file).at(0), earth.GeodeticFromEnu(EnuFromTown(kTownHeading_rad) * point),
+    const auto told = Project(ReadRows(file).at(0), earth.GeodeticFromEnu(EnuFromTown(kTownHeadingRad) * point),
                               video.width, video.height);
     ASSERT_TRUE(seen && told);
     EXPECT_LT((*seen - *told).norm(), 0.01);

@@ -31,7 +31,7 @@ Random LotteryOf(int column, int row, std::uint64_t seed) {
 
 void PlanSquare(int column, int row, const SceneTown& town, std::span<const KeptClear> clear,
                 std::vector<Placement>& placements) {
-  const Vector2d middle_m = kSquareSide_m * Vector2d(column, row);
+  const Vector2d middle_m = kSquareSideM * Vector2d(column, row);
   const auto plot = [&](int turns) {
     return Plot(middle_m, turns, LotteryOf(column, row, town.seed), town.density, clear, placements);
   };
@@ -52,13 +52,13 @@ void PlanSquare(int column, int row, const SceneTown& town, std::span<const Kept
 // What all tiles and lots lie on, and what goes on beyond the town. In squares that the camera's depth range can take,
 // each a whole number of the material's period, so that no seam shows.
 void LayUnderlay(const SceneTown& town, std::vector<Placement>& placements) {
-  constexpr double kSide_m = 120;
-  constexpr double kBeyond_m = 300;
-  constexpr double kBottom_m = -0.04;  // below the tiles, by more than a depth buffer confuses
-  const auto first = [](int square) { return std::floor((kSquareSide_m * square - kBeyond_m) / kSide_m) * kSide_m; };
-  for (double y = first(town.squares[1]); y < kSquareSide_m * town.squares[3] + kBeyond_m; y += kSide_m) {
-    for (double x = first(town.squares[0]); x < kSquareSide_m * town.squares[2] + kBeyond_m; x += kSide_m) {
-      placements.push_back({.asset = "town/ground/grass", .place_m = {x, y}, .bottom_m = kBottom_m, .side_m = kSide_m});
+  constexpr double kSideM = 120;
+  constexpr double kBeyondM = 300;
+  constexpr double kBottomM = -0.04;  // below the tiles, by more than a depth buffer confuses
+  const auto first = [](int square) { return std::floor((kSquareSideM * square - kBeyondM) / kSideM) * kSideM; };
+  for (double y = first(town.squares[1]); y < kSquareSideM * town.squares[3] + kBeyondM; y += kSideM) {
+    for (double x = first(town.squares[0]); x < kSquareSideM * town.squares[2] + kBeyondM; x += kSideM) {
+      placements.push_back({.asset = "town/ground/grass", .place_m = {x, y}, .bottom_m = kBottomM, .side_m = kSideM});
     }
   }
 }

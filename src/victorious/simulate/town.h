@@ -15,7 +15,7 @@
 
 namespace victorious {
 
-inline constexpr double kSquareSide_m = 24;
+inline constexpr double kSquareSideM = 24;
 
 /// A thing and where it stands in the town's frame.
 struct Placement {

@@ -48,7 +48,7 @@ TEST(Town, StreetsRunOnTheGridAndMeet) {
   const auto town = LayOutTown({.columns_per_street = 4, .rows_per_street = 3}, {});
   for (int column = -5; column <= 5; ++column) {
     for (int row = -4; row <= 4; ++row) {
-      const Placement* tile = TileAt(town, kSquareSide_m * Vector2d(column, row));
+      const Placement* tile = TileAt(town, kSquareSideM * Vector2d(column, row));
       const bool is_street = tile != nullptr && tile->asset.starts_with("town/tiles/road_");
       EXPECT_EQ(is_street, column % 4 == 0 || row % 3 == 0) << column << ", " << row;
       const bool is_junction = is_street && tile->asset == "town/tiles/road_junction";

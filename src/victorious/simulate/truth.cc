@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
@@ -15,7 +16,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kLargestCanvas_px = 4096;
+constexpr int kLargestCanvasPx = 4096;
 
 struct SeenPixels {
   int count = 0;
@@ -59,9 +60,9 @@ Expected<PosedCamera> CanvasAround(const StagedThing& object, const PosedCamera&
     if (pixel) around.extend(*pixel);
     in_front &= pixel.has_value();
   }
-  if (!in_front || around.sizes().maxCoeff() > kLargestCanvas_px - 2) {
+  if (!in_front || around.sizes().maxCoeff() > kLargestCanvasPx - 2) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("it is larger than {} pixels: a larger range_m would be right", kLargestCanvas_px));
+                fmt::format("it is larger than {} pixels: a larger range_m would be right", kLargestCanvasPx));
   }
   const Vector2d low = around.min().array().floor();
   const Vector2d high = around.max().array().ceil();
@@ -123,7 +124,7 @@ std::string TruthLine(const ObjectTruth& truth, const SceneObject& object, int f
   constexpr double kMicro = 1e6;
   constexpr double kNanoDegrees = 1e9;  // a tenth of a millimetre
   constexpr double kTenThousandths = 1e4;
-  const auto degrees = [](double radians) { return Rounded(DegreesFromRadians(radians), 1e4); };
+  const auto degrees = [](double radians) { return Rounded(DegreesFromRadians(radians), kTenThousandths); };
   const nlohmann::ordered_json json = {
       {"frame", frame},
       {"time_s", Rounded(time_s, kMicro)},

@@ -1,5 +1,6 @@
 #include "victorious/simulate/truth.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -14,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kTownHeading_rad = 0.3;
+constexpr double kTownHeadingRad = 0.3;
 const TangentPlane kEarth({RadiansFromDegrees(42), RadiansFromDegrees(-71), 10});
 
 // A camera above the town's origin, a hundred metres up, the town's y upwards in its picture: 6.4 px a metre.
@@ -39,12 +40,14 @@ class Truth : public ::testing::Test {
 
   std::vector<ObjectTruth> TruthOfBoxes(const std::vector<StagedThing>& boxes, std::size_t objects,
                                         const PosedCamera& camera = FromAbove()) {
-    std::vector<MeshInstance> instances;
-    for (const StagedThing& box : boxes) instances.push_back({box.mesh.id, box.town_from_mesh});
+    std::vector<MeshInstance> instances(boxes.size());
+    std::ranges::transform(boxes, instances.begin(), [](const StagedThing& box) {
+      return MeshInstance{.mesh = box.mesh.id, .world_from_mesh = box.town_from_mesh};
+    });
     const Expected<RenderedView> view = renderer_->Render(instances, camera);
     EXPECT_TRUE(view);
     const auto truth =
-        TruthOf(std::span(boxes).first(objects), view->instances, camera, kEarth, kTownHeading_rad, *renderer_);
+        TruthOf(std::span(boxes).first(objects), view->instances, camera, kEarth, kTownHeadingRad, *renderer_);
     EXPECT_TRUE(truth) << truth.error().message;
     return truth ? *truth : std::vector<ObjectTruth>();
   }
@@ -59,7 +62,7 @@ TEST_F(Truth, BoxPlaceHeadingAndViewOfAnObjectAlone) {
   EXPECT_EQ(truth[0].pixels, 26 * 12);  // its top is 99 m away: 25.9 x 12.9 px
   EXPECT_EQ(truth[0].box, (Box{147, 114, 26, 12}));
   EXPECT_LT((kEarth.EnuFromGeodetic(truth[0].place) - Vector3d(0, 0, 0.5)).norm(), 1e-6);
-  EXPECT_NEAR(truth[0].heading_rad, kPi / 2 + kTownHeading_rad, 1e-9);
+  EXPECT_NEAR(truth[0].heading_rad, kPi / 2 + kTownHeadingRad, 1e-9);
   EXPECT_NEAR(truth[0].view.off_nadir_rad, 0, 1e-6);
 }
 
@@ -95,7 +98,7 @@ TEST_F(Truth, AnObjectAsTallAsTheFlightIsRefused) {
   const std::vector<MeshInstance> instances = {{boxes[0].mesh.id, boxes[0].town_from_mesh}};
   const Expected<RenderedView> view = renderer_->Render(instances, FromAbove());
   ASSERT_TRUE(view);
-  const auto truth = TruthOf(boxes, view->instances, FromAbove(), kEarth, kTownHeading_rad, *renderer_);
+  const auto truth = TruthOf(boxes, view->instances, FromAbove(), kEarth, kTownHeadingRad, *renderer_);
   ASSERT_FALSE(truth);
   EXPECT_EQ(truth.error().code, ErrorCode::kInvalidArgument);
 }
