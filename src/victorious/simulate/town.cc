@@ -49,12 +49,13 @@ void PlanSquare(int column, int row, const SceneTown& town, std::span<const Kept
   FurnishSquare(square, to_street.has_value());
 }
 
-// What all tiles and lots lie on, and what goes on beyond the town. In squares that the camera's depth range can take,
-// each a whole number of the material's period, so that no seam shows.
+// What all tiles and lots lie on, and what goes on beyond the town. In squares of a whole number of the
+// material's periods, so that no seam shows, and small, so that none that is seen reaches back to the camera: that
+// would stretch the range of depths beyond what a depth buffer resolves.
 void LayUnderlay(const SceneTown& town, std::vector<Placement>& placements) {
-  constexpr double kSideM = 120;
+  constexpr double kSideM = 40;
   constexpr double kBeyondM = 300;
-  constexpr double kBottomM = -0.04;  // below the tiles, by more than a depth buffer confuses
+  constexpr double kBottomM = -0.06;  // below the tiles, by more than a depth buffer confuses
   const auto first = [](int square) { return std::floor((kSquareSideM * square - kBeyondM) / kSideM) * kSideM; };
   for (double y = first(town.squares[1]); y < kSquareSideM * town.squares[3] + kBeyondM; y += kSideM) {
     for (double x = first(town.squares[0]); x < kSquareSideM * town.squares[2] + kBeyondM; x += kSideM) {
