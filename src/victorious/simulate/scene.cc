@@ -18,7 +18,7 @@ using Json = nlohmann::json;
 constexpr std::size_t kMaxSceneBytes = std::size_t{1} << 24;
 constexpr std::size_t kMaxListed = 10000;  // objects, pieces, points
 constexpr double kMaxReachM = 20000;       // of anything from the origin
-constexpr int kMaxSquare = 200;            // of a town, in each direction from the origin
+constexpr int kMaxSquare = 50;             // of a town, in each direction from the origin
 constexpr const char* kDefaultAssets = "../assets";
 
 std::unexpected<Error> Bad(std::string message) { return Fail(ErrorCode::kInvalidArgument, std::move(message)); }

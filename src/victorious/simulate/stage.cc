@@ -54,7 +54,9 @@ Rigid3 TownFromMesh(const StagedMesh& mesh, const GroundPose& pose, double botto
 void KeepClear(const SceneObject& object, const StagedMesh& mesh, double last_s, std::vector<KeptClear>& clear) {
   const double radius_m = mesh.box.sizes().head<2>().norm() / 2;
   const double length_m = mesh.box.sizes().x();
-  const double step_s = object.speed_m_s > 0 ? std::max(radius_m / object.speed_m_s, last_s / 1000) : last_s + 1;
+  constexpr double kShortestS = 0.01;
+  const double step_s =
+      object.speed_m_s > 0 ? std::max({radius_m / object.speed_m_s, last_s / 1000, kShortestS}) : last_s + 1;
   for (double time_s = 0; time_s <= last_s; time_s += step_s) {
     clear.push_back({GroundPoseOf(object, length_m, time_s).place_m, radius_m});
   }
@@ -94,34 +96,49 @@ class Stage::Loader {
   std::map<fs::path, StagedMesh> meshes_;
 };
 
-Expected<Stage> Stage::Build(const Scene& scene, Renderer& renderer, const CancelToken& cancel,
-                             const std::function<void(const std::string&)>& warn) {
-  Stage stage;
-  Loader loader(renderer, cancel, warn);
-  std::vector<KeptClear> clear;
+Status Stage::PlaceObjects(const Scene& scene, Loader& loader, std::vector<KeptClear>& clear) {
   const double last_s = (scene.video.frames - 1) / scene.video.fps;
   for (const SceneObject& object : scene.objects) {
     const fs::path file =
         object.file.empty() ? scene.assets / "models" / (object.model + ".glb") : scene.folder / object.file;
     VICTORIOUS_ASSIGN_OR_RETURN(const StagedMesh mesh, loader.Load(file));
     KeepClear(object, mesh, last_s, clear);
-    stage.objects_.push_back(object);
-    stage.object_meshes_.push_back(mesh);
+    objects_.push_back(object);
+    object_meshes_.push_back(mesh);
   }
+  return {};
+}
+
+Status Stage::PlacePieces(const Scene& scene, Loader& loader, std::vector<KeptClear>& clear) {
   for (const ScenePiece& piece : scene.pieces) {
     VICTORIOUS_ASSIGN_OR_RETURN(const StagedMesh mesh, loader.Load(scene.assets / (piece.asset + ".glb")));
     const GroundPose pose{{piece.x_m, piece.y_m}, RadiansFromDegrees(piece.heading_deg)};
     clear.push_back({pose.place_m, mesh.box.sizes().head<2>().norm() / 2});
-    stage.town_.push_back({mesh, TownFromMesh(mesh, pose, piece.z_m)});
+    town_.push_back({mesh, TownFromMesh(mesh, pose, piece.z_m)});
   }
+  return {};
+}
+
+Status Stage::PlaceTown(const Scene& scene, Loader& loader, const std::vector<KeptClear>& clear) {
   for (const Placement& placement : LayOutTown(scene.town, clear)) {
-    const fs::path file = scene.assets / placement.asset;
+    const std::string file = (scene.assets / placement.asset).string();
     VICTORIOUS_ASSIGN_OR_RETURN(const StagedMesh mesh, placement.side_m > 0
-                                                           ? loader.LoadGround(file.string() + ".jpg", placement.side_m)
-                                                           : loader.Load(file.string() + ".glb"));
+                                                           ? loader.LoadGround(file + ".jpg", placement.side_m)
+                                                           : loader.Load(file + ".glb"));
     const GroundPose pose{placement.place_m, placement.heading_rad};
-    stage.town_.push_back({mesh, TownFromMesh(mesh, pose, placement.bottom_m)});
+    town_.push_back({mesh, TownFromMesh(mesh, pose, placement.bottom_m)});
   }
+  return {};
+}
+
+Expected<Stage> Stage::Build(const Scene& scene, Renderer& renderer, const CancelToken& cancel,
+                             const std::function<void(const std::string&)>& warn) {
+  Stage stage;
+  Loader loader(renderer, cancel, warn);
+  std::vector<KeptClear> clear;
+  VICTORIOUS_RETURN_IF_ERROR(stage.PlaceObjects(scene, loader, clear));
+  VICTORIOUS_RETURN_IF_ERROR(stage.PlacePieces(scene, loader, clear));
+  VICTORIOUS_RETURN_IF_ERROR(stage.PlaceTown(scene, loader, clear));
   // What stands high hides what lies below it, and is drawn first: what is hidden already costs little.
   std::ranges::stable_sort(stage.town_, std::greater(), [](const StagedThing& thing) {
     return thing.town_from_mesh.translation.z() + thing.mesh.box.max().z();

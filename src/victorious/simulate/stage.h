@@ -47,6 +47,10 @@ class Stage {
  private:
   class Loader;
 
+  Status PlaceObjects(const Scene& scene, Loader& loader, std::vector<KeptClear>& clear);
+  Status PlacePieces(const Scene& scene, Loader& loader, std::vector<KeptClear>& clear);
+  Status PlaceTown(const Scene& scene, Loader& loader, const std::vector<KeptClear>& clear);
+
   std::vector<SceneObject> objects_;
   std::vector<StagedMesh> object_meshes_;  ///< of objects_
   std::vector<StagedThing> town_;
