@@ -33,7 +33,7 @@ class Truth : public ::testing::Test {
   // A box 4 m long, 2 m wide and 1 m high, its front to the east of the town.
   StagedThing BoxAt(const Vector3d& place, double height_m = 1) {
     const Mesh mesh = testing::Box({-2, -1, 0}, {2, 1, static_cast<float>(height_m)});
-    const Expected<MeshId> id = renderer_->Upload(mesh);
+    const Expected<MeshId> id = renderer->Upload(mesh);
     EXPECT_TRUE(id);
     return {{*id, BoundingBox(mesh)}, {Eigen::Quaterniond::Identity(), place}};
   }
@@ -44,15 +44,15 @@ class Truth : public ::testing::Test {
     std::ranges::transform(boxes, instances.begin(), [](const StagedThing& box) {
       return MeshInstance{.mesh = box.mesh.id, .world_from_mesh = box.town_from_mesh};
     });
-    const Expected<RenderedView> view = renderer_->Render(instances, camera);
+    const Expected<RenderedView> view = renderer->Render(instances, camera);
     EXPECT_TRUE(view);
     const auto truth =
-        TruthOf(std::span(boxes).first(objects), view->instances, camera, kEarth, kTownHeadingRad, *renderer_);
+        TruthOf(std::span(boxes).first(objects), view->instances, camera, kEarth, kTownHeadingRad, *renderer);
     EXPECT_TRUE(truth) << truth.error().message;
     return truth ? *truth : std::vector<ObjectTruth>();
   }
 
-  Expected<Renderer> renderer_ = Renderer::Create({.software = true});
+  Expected<Renderer> renderer = Renderer::Create({.software = true});
 };
 
 TEST_F(Truth, BoxPlaceHeadingAndViewOfAnObjectAlone) {
@@ -96,9 +96,9 @@ TEST_F(Truth, ViewIsSeenFromTheObject) {
 TEST_F(Truth, AnObjectAsTallAsTheFlightIsRefused) {
   const std::vector<StagedThing> boxes = {BoxAt({0, 0, 0}, 99.9)};
   const std::vector<MeshInstance> instances = {{boxes[0].mesh.id, boxes[0].town_from_mesh}};
-  const Expected<RenderedView> view = renderer_->Render(instances, FromAbove());
+  const Expected<RenderedView> view = renderer->Render(instances, FromAbove());
   ASSERT_TRUE(view);
-  const auto truth = TruthOf(boxes, view->instances, FromAbove(), kEarth, kTownHeadingRad, *renderer_);
+  const auto truth = TruthOf(boxes, view->instances, FromAbove(), kEarth, kTownHeadingRad, *renderer);
   ASSERT_FALSE(truth);
   EXPECT_EQ(truth.error().code, ErrorCode::kInvalidArgument);
 }
