@@ -31,5 +31,6 @@ Action SetUpModel(CLI::App& app);
 Action SetUpParams(CLI::App& app);
 Action SetUpSearch(CLI::App& app);
 Action SetUpSheet(CLI::App& app);
+Action SetUpSimulate(CLI::App& app);
 
 }  // namespace victorious::cli

@@ -112,6 +112,9 @@ Status H264Writer::OpenEncoder(AVRational rate) {
   encoder_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
   av_opt_set(encoder_->priv_data, "preset", "fast", 0);
   av_opt_set_double(encoder_->priv_data, "crf", options_.crf, 0);
+  // The macroblock tree of x264 164 reads memory that it never wrote (with AVX-512): the same frames would give another
+  // file each time.
+  av_opt_set(encoder_->priv_data, "x264-params", "mbtree=0", 0);
   return Check(avcodec_open2(encoder_.get(), codec, nullptr), "encode");
 }
 

@@ -1,0 +1,38 @@
+// victorious simulate SCENE.json --out DIR
+#include <memory>
+#include <string>
+
+#include <spdlog/spdlog.h>
+
+#include "victorious/cli/arguments.h"
+#include "victorious/cli/command.h"
+#include "victorious/simulate/simulate.h"
+
+namespace victorious::cli {
+namespace {
+
+struct Arguments {
+  std::string scene;
+  std::string out;
+  bool gpu = false;
+};
+
+Status Run(const Arguments& arguments) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const Scene scene, ReadScene(arguments.scene));
+  const auto warn = [](const std::string& warning) { spdlog::warn("{}", OneLine(warning)); };
+  return Simulate(scene, arguments.out, {.software = !arguments.gpu}, Interrupt(), warn);
+}
+
+}  // namespace
+
+Action SetUpSimulate(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  app.add_option("SCENE", arguments->scene, "The scene, JSON")->required()->type_name("SCENE.json");
+  app.add_option("--out", arguments->out, "The folder for video.mp4, telemetry.csv and truth.jsonl")
+      ->required()
+      ->type_name("DIR");
+  app.add_flag("--gpu", arguments->gpu, "Draw on a GPU where there is one: faster, and not pixel for pixel the same");
+  return [=] { return Run(*arguments); };
+}
+
+}  // namespace victorious::cli

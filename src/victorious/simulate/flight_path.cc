@@ -1,0 +1,116 @@
+#include "victorious/simulate/flight_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+#include <vector>
+
+#include "victorious/base/random.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/geometry/attitude.h"
+
+namespace victorious {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+template <typename Value>
+Value CatmullRom(const Value& before, const Value& from, const Value& to, const Value& after, double t) {
+  const Value linear = (to - before) * 0.5;
+  const Value square = before - 2.5 * from + 2.0 * to - 0.5 * after;
+  const Value cube = 0.5 * (after - before) + 1.5 * (from - to);
+  return from + t * (linear + t * (square + t * cube));
+}
+
+// The track's value at a fraction of the flight. Beyond its ends a curve goes on straight.
+template <typename Value>
+Value TrackAt(const std::vector<Value>& knots, double fraction, bool smooth) {
+  if (knots.size() == 1) return knots.front();
+  const auto last = static_cast<int>(knots.size()) - 1;
+  const double at = std::clamp(fraction, 0.0, 1.0) * last;
+  const int from = std::min(static_cast<int>(at), last - 1);
+  const double t = at - from;
+  const auto knot = [&](int i) -> Value {
+    if (i < 0) return 2.0 * knots.front() - knots[1];
+    if (i > last) return 2.0 * knots.back() - knots[knots.size() - 2];
+    return knots[static_cast<std::size_t>(i)];
+  };
+  if (!smooth) return knot(from) + t * (knot(from + 1) - knot(from));
+  return CatmullRom<Value>(knot(from - 1), knot(from), knot(from + 1), knot(from + 2), t);
+}
+
+// Root mean square 1 over a long time.
+double Sway(double time_s, double hz, Random& random) {
+  constexpr double kGoldenRatio = 1.6180339887498949;
+  const double first = std::sin(2 * kPi * (hz * time_s + random.Uniform()));
+  const double second = std::sin(2 * kPi * (hz * kGoldenRatio * time_s + random.Uniform()));
+  return first * 0.8 * std::numbers::sqrt2 + second * 0.6 * std::numbers::sqrt2;
+}
+
+Eigen::Quaterniond ShakeOf(const SceneCamera& camera, double time_s, std::uint64_t seed) {
+  Random random(seed);
+  Vector3d turn;
+  for (double& angle : turn) angle = RadiansFromDegrees(camera.shake_deg) * Sway(time_s, camera.shake_hz, random);
+  return Eigen::Quaterniond(Eigen::AngleAxisd(turn.norm(), turn.stableNormalized()));
+}
+
+// The point `distance_m` along the path from its first point on, or its end; before its first point, on a line back.
+Vector2d PointAlong(std::span<const Vector2d> path, double distance_m) {
+  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+    const Vector2d way = path[i + 1] - path[i];
+    const double length = way.norm();
+    if (length > 0 && (distance_m <= length || i + 2 == path.size())) return path[i] + way * (distance_m / length);
+    distance_m -= length;
+  }
+  return path.back();
+}
+
+double LengthOf(std::span<const Vector2d> path) {
+  double length = 0;
+  for (std::size_t i = 0; i + 1 < path.size(); ++i) length += (path[i + 1] - path[i]).norm();
+  return length;
+}
+
+double HeadingOf(const Vector2d& direction) { return std::atan2(direction.x(), direction.y()); }
+
+}  // namespace
+
+PinholeCamera PinholeOf(const SceneVideo& video) {
+  const double focal = video.width / 2.0 / std::tan(RadiansFromDegrees(video.hfov_deg) / 2);
+  return {.fx = focal,
+          .fy = focal,
+          .cx = video.width / 2.0,
+          .cy = video.height / 2.0,
+          .width = video.width,
+          .height = video.height};
+}
+
+Rigid3 CameraFromTown(const SceneCamera& camera, double fraction, double time_s, std::uint64_t seed) {
+  const bool smooth = camera.path == "smooth";
+  const Vector2d aim = TrackAt(camera.aim_m, fraction, smooth);
+  const double from = RadiansFromDegrees(TrackAt(camera.from_deg, fraction, smooth));
+  const double off_nadir = RadiansFromDegrees(TrackAt(camera.off_nadir_deg, fraction, smooth));
+  const double range_m =
+      std::max(1.0, TrackAt(camera.range_m, fraction, smooth));  // a curve may swing beyond its knots
+  const Vector3d to_camera(std::sin(off_nadir) * std::sin(from), std::sin(off_nadir) * std::cos(from),
+                           std::cos(off_nadir));
+  const Vector3d place = Vector3d(aim.x(), aim.y(), 0) + range_m * to_camera;
+  // The town's axes are to it what east, north and up are to a map.
+  const Attitude attitude{.yaw_rad = from + kPi,
+                          .pitch_rad = off_nadir - kPi / 2,
+                          .roll_rad = RadiansFromDegrees(TrackAt(camera.roll_deg, fraction, smooth))};
+  const Eigen::Quaterniond turn = ShakeOf(camera, time_s, seed) * CameraFromEnu(attitude);
+  return {turn.normalized(), -(turn * place)};
+}
+
+GroundPose GroundPoseOf(const SceneObject& object, double length_m, double time_s) {
+  if (object.path_m.empty()) return {{object.x_m, object.y_m}, RadiansFromDegrees(object.heading_deg)};
+  const double driven_m = std::min(object.speed_m_s * time_s, LengthOf(object.path_m));
+  const Vector2d rear = PointAlong(object.path_m, driven_m - length_m / 2);
+  const Vector2d front = PointAlong(object.path_m, driven_m + length_m / 2);
+  return {(rear + front) / 2, HeadingOf(front - rear)};
+}
+
+}  // namespace victorious

@@ -1,0 +1,304 @@
+#include "victorious/simulate/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/base/file.h"
+
+namespace victorious {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kMaxSceneBytes = std::size_t{1} << 24;
+constexpr std::size_t kMaxListed = 10000;  // objects, pieces, points
+constexpr double kMaxReachM = 20000;       // of anything from the origin
+constexpr int kMaxSquare = 50;             // of a town, in each direction from the origin
+constexpr const char* kDefaultAssets = "../assets";
+
+std::unexpected<Error> Bad(std::string message) { return Fail(ErrorCode::kInvalidArgument, std::move(message)); }
+
+// Takes a member out of an object, so that what is left are the plain fields; null where there is none.
+Json Take(Json& object, const char* key) {
+  const auto at = object.find(key);
+  if (at == object.end()) return nullptr;
+  Json value = std::move(*at);
+  object.erase(at);
+  return value;
+}
+
+bool IsNumberIn(const Json& value, double low, double high) {
+  if (!value.is_number()) return false;
+  const double number = value.get<double>();
+  return number >= low && number <= high;
+}
+
+struct Range {
+  double low;
+  double high;
+};
+
+// Replaces `numbers` by the list, or by the one number, under `key`, where there is one.
+Status TakeNumbers(Json& object, const char* key, Range range, std::vector<double>& numbers) {
+  Json value = Take(object, key);
+  if (value.is_null()) return {};
+  if (value.is_number()) value = Json::array({value});
+  const bool fits = value.is_array() && !value.empty() && value.size() <= kMaxListed &&
+                    std::ranges::all_of(value, [&](const Json& n) { return IsNumberIn(n, range.low, range.high); });
+  if (!fits)
+    return Bad(fmt::format("{}: must be a number from {} to {}, or a list of them", key, range.low, range.high));
+  numbers = value.get<std::vector<double>>();
+  return {};
+}
+
+Status TakePoints(Json& object, const char* key, std::size_t least, std::vector<Eigen::Vector2d>& points) {
+  const Json value = Take(object, key);
+  if (value.is_null()) return {};
+  const auto is_point = [](const Json& point) {
+    return point.is_array() && point.size() == 2 && IsNumberIn(point[0], -kMaxReachM, kMaxReachM) &&
+           IsNumberIn(point[1], -kMaxReachM, kMaxReachM);
+  };
+  const bool fits =
+      value.is_array() && value.size() >= least && value.size() <= kMaxListed && std::ranges::all_of(value, is_point);
+  if (!fits) {
+    return Bad(fmt::format("{}: must be a list of {} or more points [x, y] in metres, at most {:.0f} from the origin",
+                           key, least, kMaxReachM));
+  }
+  points.clear();
+  for (const Json& point : value) points.emplace_back(point[0].get<double>(), point[1].get<double>());
+  return {};
+}
+
+Status TakeSquares(Json& object, std::array<int, 4>& squares) {
+  const Json value = Take(object, "squares");
+  if (value.is_null()) return {};
+  const auto is_square = [](const Json& n) { return n.is_number_integer() && IsNumberIn(n, -kMaxSquare, kMaxSquare); };
+  if (value.is_array() && value.size() == 4 && std::ranges::all_of(value, is_square)) {
+    squares = value.get<std::array<int, 4>>();
+    if (squares[0] <= squares[2] && squares[1] <= squares[3]) return {};
+  }
+  return Bad(fmt::format("town.squares: must be [first column, first row, last column, last row], from {} to {}",
+                         -kMaxSquare, kMaxSquare));
+}
+
+// Reads the list under `key`: `read` turns each entry, an object, into a T.
+template <typename T, typename Read>
+Status TakeList(Json& object, const char* key, const Read& read, std::vector<T>& list) {
+  Json value = Take(object, key);
+  if (value.is_null()) return {};
+  if (!value.is_array() || value.size() > kMaxListed) {
+    return Bad(fmt::format("{}: must be a list of at most {}", key, kMaxListed));
+  }
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    const std::string context = fmt::format("{}[{}]", key, i);
+    if (!value[i].is_object()) return Bad(context + ": must be an object");
+    Expected<T> entry = read(value[i]);
+    if (!entry) return std::unexpected(std::move(entry).error().WithContext(context));
+    list.push_back(*std::move(entry));
+  }
+  return {};
+}
+
+template <typename T>
+Expected<T> ReadFields(Json& json) {
+  T entry;
+  VICTORIOUS_RETURN_IF_ERROR(SetFromJson(json, FieldsOf(entry)));
+  return entry;
+}
+
+// Names of assets become names of files: they must not lead elsewhere.
+bool IsAssetName(std::string_view name) {
+  constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz0123456789_/";
+  return !name.empty() && name.front() != '/' && name.find_first_not_of(kLetters) == std::string_view::npos;
+}
+
+Expected<SceneObject> ReadObject(Json& json) {
+  std::vector<Eigen::Vector2d> path_m;
+  VICTORIOUS_RETURN_IF_ERROR(TakePoints(json, "path_m", 2, path_m));
+  for (const char* key : {"x_m", "y_m", "heading_deg"}) {
+    if (!path_m.empty() && json.contains(key))
+      return Bad(fmt::format("{}: path_m gives it, leave one of them out", key));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(SceneObject object, ReadFields<SceneObject>(json));
+  if (object.id.empty()) return Bad("id: must be a name, as truth is to call the object");
+  if (object.model.empty()) return Bad("model: must be a name: the object's kind");
+  if (object.file.empty() && !IsAssetName(object.model))
+    return Bad("model: no shipped model has such a name; give its file");
+  if (path_m.empty() && object.speed_m_s != 0) return Bad("speed_m_s: needs a path_m to drive along");
+  object.path_m = std::move(path_m);
+  return object;
+}
+
+Expected<ScenePiece> ReadPiece(Json& json) {
+  VICTORIOUS_ASSIGN_OR_RETURN(ScenePiece piece, ReadFields<ScenePiece>(json));
+  if (!IsAssetName(piece.asset)) return Bad("asset: must be a name as \"town/trees/oak\" or \"models/bus\"");
+  return piece;
+}
+
+Expected<SceneTile> ReadTile(Json& json) {
+  VICTORIOUS_ASSIGN_OR_RETURN(SceneTile tile, ReadFields<SceneTile>(json));
+  if (!IsAssetName(tile.tile)) return Bad("tile: must be a name as \"apron\"");
+  return tile;
+}
+
+Status TakeCamera(Json& root, SceneCamera& camera) {
+  const auto at = root.find("camera");
+  if (at == root.end()) return {};
+  if (!at->is_object()) return Bad("camera: must be an object");
+  VICTORIOUS_RETURN_IF_ERROR(TakePoints(*at, "aim_m", 1, camera.aim_m));
+  VICTORIOUS_RETURN_IF_ERROR(TakeNumbers(*at, "from_deg", {-36000, 36000}, camera.from_deg));
+  VICTORIOUS_RETURN_IF_ERROR(TakeNumbers(*at, "off_nadir_deg", {0, 80}, camera.off_nadir_deg));
+  VICTORIOUS_RETURN_IF_ERROR(TakeNumbers(*at, "range_m", {1, 10000}, camera.range_m));
+  return TakeNumbers(*at, "roll_deg", {-180, 180}, camera.roll_deg);
+}
+
+Status TakeTown(Json& root, SceneTown& town) {
+  const auto at = root.find("town");
+  if (at == root.end()) return {};
+  if (!at->is_object()) return Bad("town: must be an object");
+  VICTORIOUS_RETURN_IF_ERROR(TakeSquares(*at, town.squares));
+  return TakeList(*at, "tiles", &ReadTile, town.tiles);
+}
+
+Status CheckIds(const std::vector<SceneObject>& objects) {
+  std::set<std::string_view> seen;
+  for (const SceneObject& object : objects) {
+    if (!seen.insert(object.id).second) return Bad(fmt::format("objects: two are called {}", Json(object.id).dump()));
+  }
+  return {};
+}
+
+// The scene's plain fields: what is left of the JSON once the lists are taken out.
+struct PlainFields {
+  Scene& scene;
+  std::string& assets;
+
+  void ListFields(FieldList& fields) {
+    fields.Add("assets", assets, {.reason = "the folder with models/ and town/, from the scene's own folder"});
+    fields.Add("seed", scene.seed, {.reason = "of noise and shake; the town has its own"});
+    fields.AddGroup("video", scene.video);
+    fields.AddGroup("origin", scene.origin);
+    fields.AddGroup("sun", scene.sun);
+    fields.AddGroup("camera", scene.camera);
+    fields.AddGroup("town", scene.town);
+  }
+};
+
+Expected<Scene> SceneFromJson(Json& root) {
+  Scene scene;
+  VICTORIOUS_RETURN_IF_ERROR(TakeCamera(root, scene.camera));
+  VICTORIOUS_RETURN_IF_ERROR(TakeTown(root, scene.town));
+  VICTORIOUS_RETURN_IF_ERROR(TakeList(root, "objects", &ReadObject, scene.objects));
+  VICTORIOUS_RETURN_IF_ERROR(TakeList(root, "pieces", &ReadPiece, scene.pieces));
+  VICTORIOUS_RETURN_IF_ERROR(CheckIds(scene.objects));
+  std::string assets = kDefaultAssets;
+  PlainFields plain{scene, assets};
+  VICTORIOUS_RETURN_IF_ERROR(SetFromJson(root, FieldsOf(plain)));
+  if (scene.video.width % 2 != 0 || scene.video.height % 2 != 0) {
+    return Bad(fmt::format("video: {} x {} pixels: must be even numbers", scene.video.width, scene.video.height));
+  }
+  scene.assets = assets;
+  return scene;
+}
+
+FieldSpec Metres(std::string reason) {
+  return {.min = -kMaxReachM, .max = kMaxReachM, .unit = "m", .reason = std::move(reason)};
+}
+
+FieldSpec Heading(std::string reason) {
+  return {.min = -3600, .max = 3600, .unit = "deg", .reason = std::move(reason)};
+}
+
+}  // namespace
+
+void SceneVideo::ListFields(FieldList& fields) {
+  fields.Add("frames", frames, {.min = 1, .max = 100000, .reason = "how many"});
+  fields.Add("fps", fps, {.min = 0.1, .max = 240, .unit = "1/s", .reason = "frames a second"});
+  fields.Add("width", width, {.min = 16, .max = 4096, .unit = "px", .reason = "even"});
+  fields.Add("height", height, {.min = 16, .max = 4096, .unit = "px", .reason = "even"});
+  fields.Add("hfov_deg", hfov_deg, {.min = 1, .max = 120, .unit = "deg", .reason = "full horizontal field of view"});
+  fields.Add("supersampling", supersampling, {.min = 1, .max = 4, .reason = "samples along each side of a pixel"});
+  fields.Add("blur_px", blur_px, {.min = 0, .max = 10, .unit = "px", .reason = "sigma of the optics' blur"});
+  fields.Add("grain", grain, {.min = 0, .max = 64, .reason = "sigma of the sensor's noise, grey levels of 255"});
+  fields.Add("noise", noise, {.min = 0, .max = 0.5, .reason = "share of pixels turned to white or black"});
+  fields.Add("crf", crf, {.min = 0, .max = 51, .reason = "x264's constant rate factor: 0 lossless"});
+}
+
+void SceneOrigin::ListFields(FieldList& fields) {
+  fields.Add("latitude_deg", latitude_deg, {.min = -89, .max = 89, .unit = "deg", .reason = "WGS 84"});
+  fields.Add("longitude_deg", longitude_deg, {.min = -180, .max = 180, .unit = "deg", .reason = "WGS 84"});
+  fields.Add("altitude_m", altitude_m, {.min = -500, .max = 9000, .unit = "m", .reason = "above the ellipsoid"});
+  fields.Add("heading_deg", heading_deg, Heading("where the town's y axis points, clockwise from north"));
+}
+
+void SceneSun::ListFields(FieldList& fields) {
+  fields.Add("azimuth_deg", azimuth_deg, Heading("of the sun, clockwise from true north"));
+  fields.Add("elevation_deg", elevation_deg, {.min = 5, .max = 90, .unit = "deg", .reason = "above the horizon"});
+  fields.Add("strength", strength, {.min = 0, .max = 10, .reason = "its light on a white surface that faces it"});
+  fields.Add("sky", sky, {.min = 0, .max = 10, .reason = "light from straight above"});
+  fields.Add("ground", ground, {.min = 0, .max = 10, .reason = "light from straight below"});
+}
+
+void SceneCamera::ListFields(FieldList& fields) {
+  fields.Add("path", path, {.choices = {"linear", "smooth"}, .reason = "between the listed values: lines or a curve"});
+  fields.Add("shake_deg", shake_deg,
+             {.min = 0, .max = 5, .unit = "deg", .reason = "root mean square, about each axis"});
+  fields.Add("shake_hz", shake_hz, {.min = 0.01, .max = 50, .unit = "Hz", .reason = "how fast it shakes"});
+}
+
+void SceneObject::ListFields(FieldList& fields) {
+  fields.Add("id", id, {.reason = "its name in the truth"});
+  fields.Add("model", model, {.reason = "its kind in the truth"});
+  fields.Add("file", file, {.reason = "its CAD file, from the scene's folder; else the shipped model"});
+  fields.Add("x_m", x_m, Metres("of its middle"));
+  fields.Add("y_m", y_m, Metres("of its middle"));
+  fields.Add("z_m", z_m, {.min = 0, .max = 1000, .unit = "m", .reason = "of its lowest point above the ground"});
+  fields.Add("heading_deg", heading_deg, Heading("of its front, clockwise from the town's y axis"));
+  fields.Add("speed_m_s", speed_m_s, {.min = 0, .max = 400, .unit = "m/s", .reason = "along path_m"});
+}
+
+void ScenePiece::ListFields(FieldList& fields) {
+  fields.Add("asset", asset, {.reason = "a shipped thing: town/trees/oak, models/bus"});
+  fields.Add("x_m", x_m, Metres("of its middle"));
+  fields.Add("y_m", y_m, Metres("of its middle"));
+  fields.Add("z_m", z_m, {.min = 0, .max = 1000, .unit = "m", .reason = "of its lowest point above the ground"});
+  fields.Add("heading_deg", heading_deg, Heading("of its front, clockwise from the town's y axis"));
+}
+
+void SceneTile::ListFields(FieldList& fields) {
+  fields.Add("tile", tile, {.reason = "a shipped tile: apron, helipad"});
+  fields.Add("column", column, {.min = -kMaxSquare, .max = kMaxSquare, .reason = "of the square, to the right"});
+  fields.Add("row", row, {.min = -kMaxSquare, .max = kMaxSquare, .reason = "of the square, ahead"});
+  fields.Add("turns", turns, {.min = 0, .max = 3, .reason = "quarter turns, clockwise"});
+}
+
+void SceneTown::ListFields(FieldList& fields) {
+  fields.Add("seed", seed, {.reason = "of the layout"});
+  fields.Add("density", density, {.min = 0, .max = 1, .reason = "how full squares and kerbs are"});
+  fields.Add("columns_per_street", columns_per_street,
+             {.min = 2, .max = 100, .reason = "squares from street to street"});
+  fields.Add("rows_per_street", rows_per_street, {.min = 2, .max = 100, .reason = "squares from street to street"});
+}
+
+Expected<Scene> ParseScene(std::string_view text, const std::string& name) {
+  Json root = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (!root.is_object()) return Bad(name + ": not a JSON object");
+  Expected<Scene> scene = SceneFromJson(root);
+  if (!scene) return std::unexpected(std::move(scene).error().WithContext(name));
+  return scene;
+}
+
+Expected<Scene> ReadScene(const std::filesystem::path& path) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMaxSceneBytes));
+  VICTORIOUS_ASSIGN_OR_RETURN(Scene scene, ParseScene(text, path.string()));
+  scene.folder = path.parent_path();
+  scene.assets = scene.folder / scene.assets;
+  return scene;
+}
+
+}  // namespace victorious

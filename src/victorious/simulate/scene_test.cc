@@ -1,0 +1,98 @@
+#include "victorious/simulate/scene.h"
+
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "testing/data.h"
+
+namespace victorious {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+std::string ErrorOf(std::string_view text) {
+  const Expected<Scene> scene = ParseScene(text, "town.json");
+  if (scene) return "(accepted)";
+  EXPECT_EQ(scene.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(scene.error().message, ::testing::StartsWith("town.json: "));
+  return scene.error().message;
+}
+
+TEST(Scene, EmptyIsTheDefaults) {
+  const Expected<Scene> scene = ParseScene("{}", "town.json");
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(scene->video.width, 640);
+  EXPECT_EQ(scene->camera.range_m, std::vector<double>{110});
+  EXPECT_TRUE(scene->objects.empty());
+}
+
+TEST(Scene, ReadsEveryPart) {
+  const Expected<Scene> scene = ParseScene(R"({
+    "seed": 9, "video": {"frames": 12, "noise": 0.1},
+    "origin": {"latitude_deg": 42.5, "heading_deg": 17}, "sun": {"elevation_deg": 30},
+    "camera": {"path": "smooth", "aim_m": [[1, 2], [3, 4]], "from_deg": [10, 370], "range_m": 90, "shake_deg": 0.2},
+    "objects": [{"id": "jeep-1", "model": "jeep", "x_m": 5, "y_m": 6, "heading_deg": 90},
+                {"id": "tank-1", "model": "tank", "path_m": [[0, 0], [9, 0]], "speed_m_s": 3}],
+    "pieces": [{"asset": "town/trees/oak", "x_m": 1, "y_m": 2}],
+    "town": {"seed": 4, "squares": [0, -1, 2, 3], "tiles": [{"tile": "apron", "column": 1, "row": 2, "turns": 3}]}})",
+                                           "town.json");
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(scene->seed, 9U);
+  EXPECT_EQ(scene->camera.aim_m[1], Eigen::Vector2d(3, 4));
+  EXPECT_EQ(scene->camera.from_deg[1], 370);
+  EXPECT_EQ(scene->camera.range_m, std::vector<double>{90});
+  EXPECT_EQ(scene->objects[0].heading_deg, 90);
+  EXPECT_EQ(scene->objects[1].path_m.size(), 2U);
+  EXPECT_EQ(scene->pieces[0].asset, "town/trees/oak");
+  EXPECT_EQ(scene->town.squares[3], 3);
+  EXPECT_EQ(scene->town.tiles[0].turns, 3);
+}
+
+TEST(Scene, NamesStartInItsFolder) {
+  const testing::ScratchFolder folder;
+  std::ofstream(folder / "scene.json") << R"({"assets": "things"})";
+  const Expected<Scene> scene = ReadScene(folder / "scene.json");
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(scene->assets, folder / "things");
+  EXPECT_EQ(scene->folder, folder.path());
+}
+
+TEST(Scene, SaysWhatIsWrong) {
+  EXPECT_THAT(ErrorOf("[1]"), HasSubstr("not a JSON object"));
+  EXPECT_THAT(ErrorOf("{\"seed\": "), HasSubstr("not a JSON object"));
+  EXPECT_THAT(ErrorOf(R"({"viedo": {}})"), HasSubstr("viedo"));
+  EXPECT_THAT(ErrorOf(R"({"video": {"frame": 3}})"), AllOf(HasSubstr("video.frame"), HasSubstr("video.frames")));
+  EXPECT_THAT(ErrorOf(R"({"video": {"noise": 0.7}})"), AllOf(HasSubstr("video.noise"), HasSubstr("0 to 0.5")));
+  EXPECT_THAT(ErrorOf(R"({"video": {"width": 641}})"), HasSubstr("even"));
+  EXPECT_THAT(ErrorOf(R"({"video": {"width": "wide"}})"), HasSubstr("whole number"));
+  EXPECT_THAT(ErrorOf(R"({"camera": {"path": "zigzag"}})"), HasSubstr("linear, smooth"));
+  EXPECT_THAT(ErrorOf(R"({"camera": {"aim_m": [1, 2]}})"), HasSubstr("[x, y]"));
+  EXPECT_THAT(ErrorOf(R"({"camera": {"range_m": [100, -3]}})"), HasSubstr("range_m"));
+  EXPECT_THAT(ErrorOf(R"({"camera": 3})"), HasSubstr("camera"));
+  EXPECT_THAT(ErrorOf(R"({"town": {"squares": [3, 0, 1, 0]}})"), HasSubstr("squares"));
+}
+
+TEST(Scene, SaysWhichObjectIsWrong) {
+  EXPECT_THAT(ErrorOf(R"({"objects": [{"id": "a", "model": "jeep"}, {"id": "b"}]})"),
+              AllOf(HasSubstr("objects[1]"), HasSubstr("model")));
+  EXPECT_THAT(ErrorOf(R"({"objects": [{"model": "jeep"}]})"), HasSubstr("id"));
+  EXPECT_THAT(ErrorOf(R"({"objects": [{"id": "a", "model": "jeep"}, {"id": "a", "model": "tank"}]})"),
+              HasSubstr("two are called \"a\""));
+  EXPECT_THAT(ErrorOf(R"({"objects": [{"id": "a", "model": "jeep", "speed_m_s": 4}]})"), HasSubstr("path_m"));
+  EXPECT_THAT(ErrorOf(R"({"objects": [{"id": "a", "model": "jeep", "x_m": 4, "path_m": [[0, 0], [1, 1]]}]})"),
+              AllOf(HasSubstr("x_m"), HasSubstr("path_m")));
+  EXPECT_THAT(ErrorOf(R"({"objects": [{"id": "a", "model": "jeep", "path_m": [[0, 0]]}]})"), HasSubstr("2 or more"));
+  EXPECT_THAT(ErrorOf(R"({"objects": {}})"), HasSubstr("objects: must be a list"));
+}
+
+TEST(Scene, AssetsLeadNowhereElse) {
+  EXPECT_THAT(ErrorOf(R"({"pieces": [{"asset": "../../etc/passwd"}]})"), HasSubstr("asset"));
+  EXPECT_THAT(ErrorOf(R"({"town": {"tiles": [{"tile": ""}]}})"), AllOf(HasSubstr("tiles[0]"), HasSubstr("tile")));
+  EXPECT_THAT(ErrorOf(R"({"objects": [{"id": "a", "model": "../jeep"}]})"), HasSubstr("model"));
+}
+
+}  // namespace
+}  // namespace victorious

@@ -1,0 +1,206 @@
+#include "victorious/simulate/stage.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
+
+#include "victorious/geometry/angles.h"
+#include "victorious/render/load_mesh.h"
+#include "victorious/simulate/flight_path.h"
+#include "victorious/video/image_file.h"
+
+namespace victorious {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+namespace fs = std::filesystem;
+
+constexpr double kMaterialSideM = 20;  // of a picture of town/ground: it repeats without a seam
+
+// A flat square about the origin, its material repeating every kMaterialSideM.
+Mesh GroundSquare(const cv::Mat& bgr, double side_m) {
+  const auto half = static_cast<float>(side_m / 2);
+  const auto repeats = static_cast<float>(side_m / kMaterialSideM);
+  Mesh mesh;
+  mesh.positions = {{-half, -half, 0}, {half, -half, 0}, {half, half, 0}, {-half, half, 0}};
+  mesh.normals.assign(4, Eigen::Vector3f::UnitZ());
+  mesh.uvs = {{0, repeats}, {repeats, repeats}, {repeats, 0}, {0, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.parts = {{.material = 0, .first_triangle = 0, .triangles = 2}};
+  mesh.materials = {{.name = "ground", .texture = 0}};
+  cv::Mat bgra;
+  cv::cvtColor(bgr, bgra, cv::COLOR_BGR2BGRA);
+  mesh.textures = {bgra};
+  return mesh;
+}
+
+// The model frame's x is the object's front; the town's headings go clockwise from y.
+Rigid3 TownFromMesh(const StagedMesh& mesh, const GroundPose& pose, double bottom_m) {
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(kPi / 2 - pose.heading_rad, Vector3d::UnitZ()));
+  const Vector3d foot(mesh.box.center().x(), mesh.box.center().y(), mesh.box.min().z());
+  return {turn, Vector3d(pose.place_m.x(), pose.place_m.y(), bottom_m) - turn * foot};
+}
+
+// Ground that the town must leave free, so that nothing stands in an object or in its way.
+void KeepClear(const SceneObject& object, const StagedMesh& mesh, double last_s, std::vector<KeptClear>& clear) {
+  const double radius_m = mesh.box.sizes().head<2>().norm() / 2;
+  const double length_m = mesh.box.sizes().x();
+  constexpr double kShortestS = 0.01;
+  const double step_s =
+      object.speed_m_s > 0 ? std::max({radius_m / object.speed_m_s, last_s / 1000, kShortestS}) : last_s + 1;
+  for (double time_s = 0; time_s <= last_s; time_s += step_s) {
+    clear.push_back({GroundPoseOf(object, length_m, time_s).place_m, radius_m});
+  }
+}
+
+}  // namespace
+
+class Stage::Loader {
+ public:
+  Loader(Renderer& renderer, const CancelToken& cancel, const std::function<void(const std::string&)>& warn)
+      : renderer_(renderer), cancel_(cancel), warn_(warn) {}
+
+  Expected<StagedMesh> Load(const fs::path& file) {
+    if (const auto known = meshes_.find(file); known != meshes_.end()) return known->second;
+    if (cancel_.IsCancelled()) return Fail(ErrorCode::kCancelled, "stopped while loading the scene");
+    VICTORIOUS_ASSIGN_OR_RETURN(const LoadedMesh loaded, LoadMesh(file));
+    for (const std::string& warning : loaded.warnings) warn_(fmt::format("{}: {}", file.string(), warning));
+    return Upload(file, loaded.mesh);
+  }
+
+  Expected<StagedMesh> LoadGround(const fs::path& picture, double side_m) {
+    const fs::path key = fmt::format("{} {}", picture.string(), side_m);
+    if (const auto known = meshes_.find(key); known != meshes_.end()) return known->second;
+    VICTORIOUS_ASSIGN_OR_RETURN(const Image image, ReadImage(picture));
+    return Upload(key, GroundSquare(image.bgr, side_m));
+  }
+
+ private:
+  Expected<StagedMesh> Upload(const fs::path& key, const Mesh& mesh) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const MeshId id, renderer_.Upload(mesh));
+    return meshes_.emplace(key, StagedMesh{id, BoundingBox(mesh)}).first->second;
+  }
+
+  Renderer& renderer_;
+  const CancelToken& cancel_;
+  const std::function<void(const std::string&)>& warn_;
+  std::map<fs::path, StagedMesh> meshes_;
+};
+
+Status Stage::PlaceObjects(const Scene& scene, Loader& loader, std::vector<KeptClear>& clear) {
+  const double last_s = (scene.video.frames - 1) / scene.video.fps;
+  for (const SceneObject& object : scene.objects) {
+    const fs::path file =
+        object.file.empty() ? scene.assets / "models" / (object.model + ".glb") : scene.folder / object.file;
+    VICTORIOUS_ASSIGN_OR_RETURN(const StagedMesh mesh, loader.Load(file));
+    KeepClear(object, mesh, last_s, clear);
+    objects_.push_back(object);
+    object_meshes_.push_back(mesh);
+  }
+  return {};
+}
+
+Status Stage::PlacePieces(const Scene& scene, Loader& loader, std::vector<KeptClear>& clear) {
+  for (const ScenePiece& piece : scene.pieces) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const StagedMesh mesh, loader.Load(scene.assets / (piece.asset + ".glb")));
+    const GroundPose pose{{piece.x_m, piece.y_m}, RadiansFromDegrees(piece.heading_deg)};
+    clear.push_back({pose.place_m, mesh.box.sizes().head<2>().norm() / 2});
+    town_.push_back({mesh, TownFromMesh(mesh, pose, piece.z_m)});
+  }
+  return {};
+}
+
+Status Stage::PlaceTown(const Scene& scene, Loader& loader, const std::vector<KeptClear>& clear) {
+  for (const Placement& placement : LayOutTown(scene.town, clear)) {
+    const std::string file = (scene.assets / placement.asset).string();
+    VICTORIOUS_ASSIGN_OR_RETURN(const StagedMesh mesh, placement.side_m > 0
+                                                           ? loader.LoadGround(file + ".jpg", placement.side_m)
+                                                           : loader.Load(file + ".glb"));
+    const GroundPose pose{placement.place_m, placement.heading_rad};
+    town_.push_back({mesh, TownFromMesh(mesh, pose, placement.bottom_m)});
+  }
+  return {};
+}
+
+Expected<Stage> Stage::Build(const Scene& scene, Renderer& renderer, const CancelToken& cancel,
+                             const std::function<void(const std::string&)>& warn) {
+  Stage stage;
+  Loader loader(renderer, cancel, warn);
+  std::vector<KeptClear> clear;
+  VICTORIOUS_RETURN_IF_ERROR(stage.PlaceObjects(scene, loader, clear));
+  VICTORIOUS_RETURN_IF_ERROR(stage.PlacePieces(scene, loader, clear));
+  VICTORIOUS_RETURN_IF_ERROR(stage.PlaceTown(scene, loader, clear));
+  // What stands high hides what lies below it, and is drawn first: what is hidden already costs little.
+  std::ranges::stable_sort(stage.town_, std::greater(), [](const StagedThing& thing) {
+    return thing.town_from_mesh.translation.z() + thing.mesh.box.max().z();
+  });
+  return stage;
+}
+
+std::vector<StagedThing> Stage::ObjectsAt(double time_s) const {
+  std::vector<StagedThing> things;
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    const StagedMesh& mesh = object_meshes_[i];
+    const GroundPose pose = GroundPoseOf(objects_[i], mesh.box.sizes().x(), time_s);
+    things.push_back({mesh, TownFromMesh(mesh, pose, objects_[i].z_m)});
+  }
+  return things;
+}
+
+namespace {
+
+// The pyramid of what a camera sees, as planes through its centre with their normals inwards.
+class Frustum {
+ public:
+  explicit Frustum(const PosedCamera& camera) : camera_from_town_(camera.camera_from_world) {
+    const PinholeCamera& pinhole = camera.pinhole;
+    const std::array<Vector3d, 4> corners = {pinhole.RayOf({0, 0}), pinhole.RayOf({pinhole.width, 0}),
+                                             pinhole.RayOf({pinhole.width, pinhole.height}),
+                                             pinhole.RayOf({0, pinhole.height})};
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      normals_[i] = corners[i].cross(corners[(i + 1) % corners.size()]).normalized();
+    }
+  }
+
+  [[nodiscard]] bool Touches(const Vector3d& centre_in_town, double radius_m) const {
+    const Vector3d centre = camera_from_town_.Apply(centre_in_town);
+    return std::ranges::all_of(normals_, [&](const Vector3d& n) { return n.dot(centre) > -radius_m; });
+  }
+
+ private:
+  Rigid3 camera_from_town_;
+  std::array<Vector3d, 4> normals_;
+};
+
+}  // namespace
+
+std::vector<MeshInstance> Stage::TownSeenFrom(const PosedCamera& camera, const Vector3d& to_sun_in_town) const {
+  const Frustum frustum(camera);
+  std::vector<MeshInstance> seen;
+  for (const StagedThing& thing : town_) {
+    const Eigen::AlignedBox3d& box = thing.mesh.box;
+    const double radius_m = box.diagonal().norm() / 2;
+    const Vector3d centre = thing.town_from_mesh.Apply(box.center());
+    // Its shadow's end, and as many places on the way there as leave no gap.
+    const double fall_m = std::max(0.0, centre.z()) / std::max(0.05, to_sun_in_town.z());
+    const int steps = static_cast<int>(std::ceil(fall_m / std::max(0.5, radius_m)));
+    bool touches = false;
+    for (int step = 0; step <= steps && !touches; ++step) {
+      const double share = steps == 0 ? 0.0 : static_cast<double>(step) / steps;
+      touches = frustum.Touches(centre - share * fall_m * to_sun_in_town, radius_m);
+    }
+    if (touches) seen.push_back({.mesh = thing.mesh.id, .world_from_mesh = thing.town_from_mesh});
+  }
+  return seen;
+}
+
+}  // namespace victorious

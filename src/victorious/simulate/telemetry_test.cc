@@ -1,0 +1,121 @@
+#include "victorious/simulate/telemetry.h"
+
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "testing/data.h"
+#include "victorious/base/random.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/render/view_sphere.h"
+#include "victorious/simulate/flight_path.h"
+#include "victorious/simulate/truth.h"
+
+namespace victorious {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Row = std::map<std::string, double>;
+
+// Rows of a telemetry file, read as its columns say.
+std::vector<Row> ReadRows(std::istream& file) {
+  const auto cells = [](const std::string& line) {
+    std::vector<std::string> result;
+    std::stringstream stream(line);
+    for (std::string cell; std::getline(stream, cell, ',');) result.push_back(cell);
+    return result;
+  };
+  std::string line;
+  std::getline(file, line);
+  const std::vector<std::string> names = cells(line);
+  std::vector<Row> rows;
+  while (std::getline(file, line)) {
+    const std::vector<std::string> values = cells(line);
+    Row row;
+    for (std::size_t i = 0; i < names.size(); ++i) row[names[i]] = std::stod(values.at(i));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+double Radians(const Row& row, const std::string& column) { return RadiansFromDegrees(row.at(column)); }
+
+GeodeticPoint PlaceOf(const Row& row) {
+  return {Radians(row, "latitude_deg"), Radians(row, "longitude_deg"), row.at("altitude_m")};
+}
+
+// Where a place on Earth is seen by the camera that a row describes: the definition of section "attitude", once more.
+std::optional<Vector2d> Project(const Row& row, const GeodeticPoint& place, int width, int height) {
+  const Eigen::Quaterniond camera_from_enu =
+      CameraFromEnu({Radians(row, "yaw_deg"), Radians(row, "pitch_deg"), Radians(row, "roll_deg")});
+  const PinholeCamera pinhole = PinholeOf({.width = width, .height = height, .hfov_deg = row.at("hfov_deg")});
+  return pinhole.Project(camera_from_enu * TangentPlane(PlaceOf(row)).EnuFromGeodetic(place));
+}
+
+TEST(Telemetry, APlaceIsSeenThroughItWhereTheCameraSeesIt) {
+  constexpr double kTownHeadingRad = 1.1;
+  const TangentPlane earth({RadiansFromDegrees(61), RadiansFromDegrees(24), 80});
+  const SceneVideo video{.width = 640, .height = 480, .hfov_deg = 15};
+  Random random(8);
+  for (int i = 0; i < 50; ++i) {
+    SceneCamera camera;
+    camera.aim_m = {{random.Uniform(-2000, 2000), random.Uniform(-2000, 2000)}};
+    camera.from_deg = {random.Uniform(0, 360)};
+    camera.off_nadir_deg = {random.Uniform(0, 70)};
+    camera.roll_deg = {random.Uniform(-40, 40)};
+    const Rigid3 camera_from_town = CameraFromTown(camera, 0, 0, 1);
+    const Vector3d point(camera.aim_m[0].x() + 4, camera.aim_m[0].y() - 3, 2);
+    std::istringstream file(kTelemetryHeader +
+                            TelemetryRow(CameraOnEarthOf(camera_from_town, earth, kTownHeadingRad), 0, video.hfov_deg));
+    const auto seen = PinholeOf(video).Project(camera_from_town.Apply(point));
+    const auto told = Project(ReadRows(file).at(0), earth.GeodeticFromEnu(EnuFromTown(kTownHeadingRad) * point),
+                              video.width, video.height);
+    ASSERT_TRUE(seen && told);
+    EXPECT_LT((*seen - *told).norm(), 0.01);
+  }
+}
+
+// Another renderer's flight, made to the same definitions by other code.
+TEST(Telemetry, AgreesWithAnotherRenderersFlight) {
+  VICTORIOUS_DATA_OR_SKIP(folder, "movies/dev_soft");
+  std::ifstream telemetry(folder / "telemetry.csv");
+  const std::vector<Row> rows = ReadRows(telemetry);
+  std::ifstream truth(folder / "truth.jsonl");
+  int whole = 0;
+  for (std::string line; std::getline(truth, line);) {
+    const auto json = nlohmann::json::parse(line);
+    const Row& row = rows.at(json["frame"].get<std::size_t>());
+    const Row place = {{"latitude_deg", json["latitude_deg"]},
+                       {"longitude_deg", json["longitude_deg"]},
+                       {"altitude_m", json["altitude_m"]}};
+    // From the object to the camera, in the object's own frame (front, left, up).
+    const TangentPlane at_object(PlaceOf(place));
+    const Vector3d to_camera = at_object.EnuFromGeodetic(PlaceOf(row));
+    const double heading = RadiansFromDegrees(json["heading_deg"].get<double>());
+    const Vector3d front(std::sin(heading), std::cos(heading), 0);
+    const Vector3d left(-std::cos(heading), std::sin(heading), 0);
+    const ViewDirection view = DirectionFromVector({to_camera.dot(front), to_camera.dot(left), to_camera.z()});
+    const double azimuth = RadiansFromDegrees(json["view"]["azimuth_deg"].get<double>());
+    EXPECT_NEAR(DegreesFromRadians(WrapAngle(view.azimuth_rad - azimuth)), 0, 0.01) << line;
+    EXPECT_NEAR(DegreesFromRadians(view.off_nadir_rad), json["view"]["off_nadir_deg"].get<double>(), 0.01) << line;
+    if (json["visible"].get<double>() < 0.98) continue;
+    ++whole;
+    const auto seen = Project(row, PlaceOf(place), 640, 480);
+    ASSERT_TRUE(seen);
+    const std::vector<double> box = json["box"];
+    // The middle of what is seen is near that of the bounding box in space: perspective and shape move it a little.
+    EXPECT_NEAR(seen->x(), box[0] + box[2] / 2, 0.12 * box[2] + 1) << line;
+    EXPECT_NEAR(seen->y(), box[1] + box[3] / 2, 0.12 * box[3] + 1) << line;
+  }
+  EXPECT_GT(whole, 30);
+}
+
+}  // namespace
+}  // namespace victorious

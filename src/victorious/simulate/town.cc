@@ -1,0 +1,80 @@
+#include "victorious/simulate/town.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "victorious/base/random.h"
+#include "victorious/simulate/plot.h"
+
+namespace victorious {
+namespace {
+
+using Eigen::Vector2d;
+
+bool IsMultiple(int value, int of) { return value % of == 0; }
+
+// The quarter turns that bring a square's front to a street beside it.
+std::optional<int> TurnsToStreet(int column, int row, const SceneTown& town) {
+  if (IsMultiple(row + 1, town.rows_per_street)) return 0;
+  if (IsMultiple(row - 1, town.rows_per_street)) return 2;
+  if (IsMultiple(column + 1, town.columns_per_street)) return 1;
+  if (IsMultiple(column - 1, town.columns_per_street)) return 3;
+  return std::nullopt;
+}
+
+Random LotteryOf(int column, int row, std::uint64_t seed) {
+  constexpr std::uint64_t kColumns = 4096;
+  const auto square = static_cast<std::uint64_t>(column + 2048) + kColumns * static_cast<std::uint64_t>(row + 2048);
+  return Random(Random(seed ^ (square << 32)).Next());
+}
+
+void PlanSquare(int column, int row, const SceneTown& town, std::span<const KeptClear> clear,
+                std::vector<Placement>& placements) {
+  const Vector2d middle_m = kSquareSideM * Vector2d(column, row);
+  const auto plot = [&](int turns) {
+    return Plot(middle_m, turns, LotteryOf(column, row, town.seed), town.density, clear, placements);
+  };
+  const auto is_here = [&](const SceneTile& tile) { return tile.column == column && tile.row == row; };
+  if (const auto chosen = std::ranges::find_if(town.tiles, is_here); chosen != town.tiles.end()) {
+    Plot square = plot(chosen->turns);
+    return FurnishTile(square, chosen->tile);
+  }
+  const bool along = IsMultiple(column, town.columns_per_street);
+  const bool across = IsMultiple(row, town.rows_per_street);
+  const std::optional<int> to_street = TurnsToStreet(column, row, town);
+  Plot square = plot(along || across ? (along ? 0 : 1) : to_street.value_or(0));
+  if (along && across) return FurnishJunction(square);
+  if (along || across) return FurnishStreet(square);
+  FurnishSquare(square, to_street.has_value());
+}
+
+// What all tiles and lots lie on, and what goes on beyond the town. In squares of a whole number of the
+// material's periods, so that no seam shows, and small, so that none that is seen reaches back to the camera: that
+// would stretch the range of depths beyond what a depth buffer resolves.
+void LayUnderlay(const SceneTown& town, std::vector<Placement>& placements) {
+  constexpr double kSideM = 40;
+  constexpr double kBeyondM = 300;
+  constexpr double kBottomM = -0.06;  // below the tiles, by more than a depth buffer confuses
+  const auto first = [](int square) { return std::floor((kSquareSideM * square - kBeyondM) / kSideM) * kSideM; };
+  for (double y = first(town.squares[1]); y < kSquareSideM * town.squares[3] + kBeyondM; y += kSideM) {
+    for (double x = first(town.squares[0]); x < kSquareSideM * town.squares[2] + kBeyondM; x += kSideM) {
+      placements.push_back({.asset = "town/ground/grass", .place_m = {x, y}, .bottom_m = kBottomM, .side_m = kSideM});
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Placement> LayOutTown(const SceneTown& town, std::span<const KeptClear> clear) {
+  std::vector<Placement> placements;
+  LayUnderlay(town, placements);
+  for (int row = town.squares[1]; row <= town.squares[3]; ++row) {
+    for (int column = town.squares[0]; column <= town.squares[2]; ++column) {
+      PlanSquare(column, row, town, clear, placements);
+    }
+  }
+  return placements;
+}
+
+}  // namespace victorious

@@ -1,0 +1,146 @@
+#include "victorious/simulate/truth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr int kLargestCanvasPx = 4096;
+
+struct SeenPixels {
+  int count = 0;
+  int left = std::numeric_limits<int>::max();
+  int top = std::numeric_limits<int>::max();
+  int right = -1;
+  int bottom = -1;
+
+  void Add(int x, int y) {
+    ++count;
+    left = std::min(left, x);
+    right = std::max(right, x);
+    top = std::min(top, y);
+    bottom = std::max(bottom, y);
+  }
+  [[nodiscard]] Box BoundingBox() const {
+    return {static_cast<double>(left), static_cast<double>(top), right + 1.0 - left, bottom + 1.0 - top};
+  }
+};
+
+std::vector<SeenPixels> CountPixels(const cv::Mat& instances, std::size_t objects) {
+  std::vector<SeenPixels> seen(objects);
+  for (int y = 0; y < instances.rows; ++y) {
+    const auto* row = instances.ptr<std::int32_t>(y);
+    for (int x = 0; x < instances.cols; ++x) {
+      if (row[x] >= 0 && static_cast<std::size_t>(row[x]) < objects) seen[static_cast<std::size_t>(row[x])].Add(x, y);
+    }
+  }
+  return seen;
+}
+
+// The same camera with the part of the image plane that the object's box projects to as its picture: a whole number of
+// pixels to the side, so that lines of sight are the frame's own.
+Expected<PosedCamera> CanvasAround(const StagedThing& object, const PosedCamera& camera) {
+  const Rigid3 camera_from_mesh = camera.camera_from_world * object.town_from_mesh;
+  Eigen::AlignedBox2d around;
+  bool in_front = true;
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto type = static_cast<Eigen::AlignedBox3d::CornerType>(corner);
+    const std::optional<Vector2d> pixel = camera.pinhole.Project(camera_from_mesh.Apply(object.mesh.box.corner(type)));
+    if (pixel) around.extend(*pixel);
+    in_front &= pixel.has_value();
+  }
+  if (!in_front || around.sizes().maxCoeff() > kLargestCanvasPx - 2) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("it is larger than {} pixels: a larger range_m would be right", kLargestCanvasPx));
+  }
+  const Vector2d low = around.min().array().floor();
+  const Vector2d high = around.max().array().ceil();
+  PosedCamera canvas = camera;
+  canvas.pinhole.cx -= low.x();
+  canvas.pinhole.cy -= low.y();
+  canvas.pinhole.width = std::max(1, static_cast<int>(high.x() - low.x()));
+  canvas.pinhole.height = std::max(1, static_cast<int>(high.y() - low.y()));
+  return canvas;
+}
+
+// How many pixels the object would have if nothing hid or cut it.
+Expected<int> PixelsAlone(const StagedThing& object, const PosedCamera& camera, Renderer& renderer) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const PosedCamera canvas, CanvasAround(object, camera));
+  const MeshInstance instance{.mesh = object.mesh.id, .world_from_mesh = object.town_from_mesh};
+  VICTORIOUS_ASSIGN_OR_RETURN(const RenderedView view,
+                              renderer.Render(std::span(&instance, 1), canvas, {}, {.supersampling = 1}));
+  return CountPixels(view.instances, 1).front().count;
+}
+
+double Clockwise(double angle_rad) { return angle_rad < 0 ? angle_rad + 2 * kPi : angle_rad; }
+
+double Rounded(double value, double steps) { return std::round(value * steps) / steps; }
+
+}  // namespace
+
+Eigen::Quaterniond EnuFromTown(double town_heading_rad) {
+  return Eigen::Quaterniond(Eigen::AngleAxisd(-town_heading_rad, Vector3d::UnitZ()));
+}
+
+Expected<std::vector<ObjectTruth>> TruthOf(std::span<const StagedThing> objects, const cv::Mat& instances,
+                                           const PosedCamera& camera, const TangentPlane& earth,
+                                           double town_heading_rad, Renderer& renderer) {
+  const std::vector<SeenPixels> seen = CountPixels(instances, objects.size());
+  const Eigen::Quaterniond enu_from_town = EnuFromTown(town_heading_rad);
+  const Vector3d camera_in_town = camera.camera_from_world.Inverse().translation;
+  std::vector<ObjectTruth> rows;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (seen[i].count == 0) continue;
+    const StagedThing& object = objects[i];
+    VICTORIOUS_ASSIGN_OR_RETURN(const int alone, PixelsAlone(object, camera, renderer));
+    const Vector3d centre_in_town = object.town_from_mesh.Apply(object.mesh.box.center());
+    const Vector3d centre_in_enu = enu_from_town * centre_in_town;
+    const Eigen::Quaterniond mesh_from_town = object.town_from_mesh.rotation.conjugate();
+    const Vector3d front =
+        earth.LocalEnuFromEnu(centre_in_enu) * (enu_from_town * (object.town_from_mesh.rotation * Vector3d::UnitX()));
+    rows.push_back({.object = static_cast<int>(i),
+                    .box = seen[i].BoundingBox(),
+                    .pixels = seen[i].count,
+                    .visible = std::min(1.0, static_cast<double>(seen[i].count) / std::max(1, alone)),
+                    .place = earth.GeodeticFromEnu(centre_in_enu),
+                    .heading_rad = Clockwise(std::atan2(front.x(), front.y())),
+                    .view = DirectionFromVector(mesh_from_town * (camera_in_town - centre_in_town))});
+  }
+  return rows;
+}
+
+std::string TruthLine(const ObjectTruth& truth, const SceneObject& object, int frame, double time_s) {
+  constexpr double kMicro = 1e6;
+  constexpr double kNanoDegrees = 1e9;  // a tenth of a millimetre
+  constexpr double kTenThousandths = 1e4;
+  const auto degrees = [](double radians) { return Rounded(DegreesFromRadians(radians), kTenThousandths); };
+  const nlohmann::ordered_json json = {
+      {"frame", frame},
+      {"time_s", Rounded(time_s, kMicro)},
+      {"object", object.id},
+      {"model", object.model},
+      {"box", {truth.box.x, truth.box.y, truth.box.width, truth.box.height}},
+      {"visible", Rounded(truth.visible, kTenThousandths)},
+      {"pixels", truth.pixels},
+      {"latitude_deg", Rounded(DegreesFromRadians(truth.place.latitude_rad), kNanoDegrees)},
+      {"longitude_deg", Rounded(DegreesFromRadians(truth.place.longitude_rad), kNanoDegrees)},
+      {"altitude_m", Rounded(truth.place.altitude_m, kTenThousandths)},
+      {"heading_deg", degrees(truth.heading_rad)},
+      {"view",
+       {{"azimuth_deg", degrees(truth.view.azimuth_rad)}, {"off_nadir_deg", degrees(truth.view.off_nadir_rad)}}},
+  };
+  return json.dump() + "\n";
+}
+
+}  // namespace victorious
