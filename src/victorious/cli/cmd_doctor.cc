@@ -15,7 +15,7 @@
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/features/feature_extractor.h"
-#include "victorious/kernels/nearest_two.h"
+#include "victorious/kernels/nearest.h"
 #include "victorious/store/index_store.h"
 #include "victorious/store/model_file.h"
 #include "victorious/video/codecs.h"
