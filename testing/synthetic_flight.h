@@ -1,6 +1,6 @@
 // A flight over a drawn town with exact truth: things lie and move on the ground, the camera passes, turns, climbs, and
-// comes back another way. For tests of whole chains, and for the demo. The same options give the same pixels, whatever
-// the number of threads.
+// comes back another way. For tests of whole chains. The same options give the same pixels, whatever the
+// number of threads.
 //
 // Frames: thing (its picture, px), ground (the town's picture, px), frame (px); first pixel's centre at (0.5, 0.5).
 // The camera's middle goes out and back along a line of `path_widths` frame widths on the ground, once in the whole
