@@ -14,8 +14,7 @@ test:
 	ctest --preset release
 
 demo: build
-	cmake --build --preset release --target draw_demo
-	./tools/demo.sh build/victorious build/draw_demo demo
+	./tools/demo.sh build/victorious scenes/demo.json assets/models demo
 
 bench: build
 	build/victorious bench

@@ -348,30 +348,4 @@ class Town {
 
 cv::Mat DrawTown(cv::Size size, std::uint64_t seed) { return Town(size, seed).Draw(); }
 
-cv::Mat DrawFootbridge(int length_px, int width_px, std::uint64_t seed) {
-  constexpr double kStairs = 90;  // at either end
-  Random random(seed);
-  const double half_length = length_px / 2.0;
-  const double half_width = width_px / 2.0;
-  cv::Mat colour(width_px, length_px, CV_8UC3);
-  Pencil pencil(colour, {half_length, half_width});
-  for (double x = -half_length; x < half_length; x += 12) {
-    const bool stairs = std::abs(x) > half_length - kStairs;
-    const double shade = random.Uniform(0.8, 1.15);
-    pencil.Box(x + 6, 0, 13, width_px, Shade(Colour(52, 58, 62), shade));
-    pencil.Box(x + 6, 0, 10, width_px, Shade(stairs ? Colour(150, 152, 156) : Colour(100, 130, 150), shade));
-  }
-  for (const double side : {-1.0, 1.0}) {
-    pencil.Box(0, side * (half_width - 9), length_px, 4, {60, 66, 72});
-    pencil.Box(0, side * (half_width - 3), length_px, 6, {165, 168, 172});
-    for (double x = -half_length; x < half_length; x += 36)
-      pencil.Box(x, side * (half_width - 4), 6, 9, {200, 200, 202});
-  }
-  const cv::Mat wear = SmoothNoise(colour.size(), 20, random);
-  ApplyTexture(colour, wear, cv::Mat(colour.size(), CV_8U, cv::Scalar(20)));
-  cv::Mat bridge;
-  cv::cvtColor(colour, bridge, cv::COLOR_BGR2BGRA);
-  return bridge;
-}
-
 }  // namespace victorious::testing

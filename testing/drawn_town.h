@@ -11,7 +11,4 @@ namespace victorious::testing {
 /// CV_8UC3. A car is about 84 px long, a house 180, a block of houses 500.
 cv::Mat DrawTown(cv::Size size, std::uint64_t seed);
 
-/// A footbridge from above, CV_8UC4 (BGRA, not premultiplied): something to pass beneath.
-cv::Mat DrawFootbridge(int length_px, int width_px, std::uint64_t seed);
-
 }  // namespace victorious::testing

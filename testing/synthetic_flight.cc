@@ -20,11 +20,9 @@ constexpr double kSwell = 0.1;          // of a thing's scale, up and down
 constexpr double kSwayRad = 0.7;        // the camera's turn to either side
 constexpr double kFirstThing = 0.12;    // of the camera's way
 constexpr double kThingSpacing = 0.38;  // of the camera's way, at most
-constexpr int kBridgeWidthPx = 84;
 constexpr int kMaxThings = 8;
 constexpr std::uint8_t kOpaque = 128;   // from half covered on, a pixel counts as the thing's
 const Eigen::Vector2d kShadowPx(7, 5);  // ground px
-const Eigen::Vector2d kBridgeShadowPx(28, 21);
 
 // Purposes of a seed: each draws from its own stream.
 enum SeedUse : std::uint64_t { kTownSeed = 0x7001, kPathSeed = 0x7002, kThingSeed = 0x7003, kNoiseSeed = 0x7004 };
@@ -163,13 +161,12 @@ SyntheticFlight::SyntheticFlight(const FlightOptions& options) : options_(option
   climb_phase_rad_ = random.Uniform(0, 2 * kPi);
 
   const double farthest = std::hypot(options.width, options.height) / 2 / (options.zoom * (1 - kClimb));
-  const double margin = farthest * (1 + options.perspective) + 40;
+  const double margin = farthest + 40;
   reach_px_ = options.path_widths * options.width / options.zoom;
   start_ = {margin, margin};
   const cv::Size town(static_cast<int>(reach_px_ + 2 * margin), static_cast<int>(2 * margin));
   ground_ = Halvings(DrawTown(town, SeedFor(options.seed, kTownSeed)));
   PlaceThings();
-  if (options.bridge && options.things > 0) PlaceBridge();
 }
 
 void SyntheticFlight::PlaceThings() {
@@ -185,8 +182,7 @@ void SyntheticFlight::PlaceThings() {
     thing.shadow = Halvings(ShadowOf(thing.drawn.picture));
     const double aside = (i % 2 == 0 ? -0.16 : 0.16) * frame_height;
     thing.course.base = start_ + Eigen::Vector2d((kFirstThing + i * spacing) * reach_px_, aside);
-    const double way =
-        i == 0 ? 0.0 : random.Uniform(-0.6, 0.6);  // the first moves along the camera's way, and below the bridge
+    const double way = i == 0 ? 0.0 : random.Uniform(-0.6, 0.6);  // the first moves along the camera's way
     thing.course.swing = 0.16 * frame_height * Eigen::Vector2d(std::cos(way), std::sin(way));
     thing.course.phase_rad = i == 0 ? 0.0 : random.Uniform(0, 2 * kPi);
     thing.course.heading_rad = random.Uniform(-kPi, kPi);
@@ -194,17 +190,6 @@ void SyntheticFlight::PlaceThings() {
     thing.course.turn_rad = random.Uniform() < 0.5 ? -turn : turn;
     things_.push_back(std::move(thing));
   }
-}
-
-void SyntheticFlight::PlaceBridge() {
-  const Course& course = things_[0].course;
-  const int length = static_cast<int>(0.9 * options_.height / options_.zoom);
-  const cv::Mat picture = DrawFootbridge(length, kBridgeWidthPx, SeedFor(options_.seed, kTownSeed + 1));
-  bridge_ = Halvings(Premultiplied(picture));
-  bridge_shadow_ = Halvings(ShadowOf(picture));
-  ground_from_bridge_.rotation_rad = kPi / 2 + 0.15;
-  const Eigen::Vector2d middle(picture.cols / 2.0, picture.rows / 2.0);
-  ground_from_bridge_.translation = course.base + 0.8 * course.swing - ground_from_bridge_.Linear() * middle;
 }
 
 double SyntheticFlight::Phase(int index) const {
@@ -219,9 +204,7 @@ Eigen::Matrix3d SyntheticFlight::FrameFromGround(int index) const {
   view.scale = options_.zoom * (1 + kClimb * std::sin(1.5 * phase + climb_phase_rad_));
   view.rotation_rad = heading_rad_ + kSwayRad * std::sin(phase);
   view.translation = -(view.Linear() * camera);
-  Eigen::Matrix3d tilt = Eigen::Matrix3d::Identity();
-  tilt(2, 1) = -options_.perspective / (options_.height / 2.0);
-  return Shift(options_.width / 2.0, options_.height / 2.0) * tilt * view.Matrix();
+  return Shift(options_.width / 2.0, options_.height / 2.0) * view.Matrix();
 }
 
 Similarity2 SyntheticFlight::GroundFromThing(const Thing& thing, int index) const {
@@ -248,12 +231,6 @@ Frame SyntheticFlight::Render(int index) const {
     Overlay(thing.shadow, frame_from_ground * Shift(kShadowPx.x(), kShadowPx.y()) * ground_from_thing, image);
     Overlay(thing.pyramid, frame_from_ground * ground_from_thing, image);
   }
-  if (!bridge_.empty()) {
-    const Eigen::Matrix3d ground_from_bridge = ground_from_bridge_.Matrix();
-    Overlay(bridge_shadow_, frame_from_ground * Shift(kBridgeShadowPx.x(), kBridgeShadowPx.y()) * ground_from_bridge,
-            image);
-    Overlay(bridge_, frame_from_ground * ground_from_bridge, image);
-  }
   if (options_.blur_px > 0) cv::GaussianBlur(image, image, {}, options_.blur_px);
   if (options_.noise > 0)
     AddSensorNoise(image, options_.noise,
@@ -278,9 +255,6 @@ std::vector<TruthRow> SyntheticFlight::Truth(int index) const {
     const cv::Mat own = CoverOf(i, index, region);
     cv::Mat visible = own(in_view - region.tl()).clone();
     for (int above = i + 1; above < count; ++above) visible.setTo(0, CoverOf(above, index, in_view));
-    if (!bridge_.empty()) {
-      visible.setTo(0, Cover(bridge_, FrameFromGround(index) * ground_from_bridge_.Matrix(), in_view));
-    }
     const int pixels = cv::countNonZero(visible);
     if (pixels == 0) continue;
 

@@ -1,6 +1,6 @@
 // A flight over a drawn town with exact truth: things lie and move on the ground, the camera passes, turns, climbs, and
-// comes back another way. For tests of whole chains, and for the demo. The same options give the same pixels, whatever
-// the number of threads.
+// comes back another way. For tests of whole chains. The same options give the same pixels, whatever the
+// number of threads.
 //
 // Frames: thing (its picture, px), ground (the town's picture, px), frame (px); first pixel's centre at (0.5, 0.5).
 // The camera's middle goes out and back along a line of `path_widths` frame widths on the ground, once in the whole
@@ -33,8 +33,6 @@ struct FlightOptions {
   double thing_scale = 1.0;  ///< ground px per px of a thing's picture, about which it swells and shrinks by a tenth
   double zoom = 0.8;         ///< frame px per ground px, about which the camera climbs and sinks by a fifth
   double path_widths = 1.5;  ///< how far out the camera goes, in frame widths; 0 stays where it is
-  double perspective = 0.0;  ///< relative change of scale from the frame's middle to its upper edge, 0 to 0.3
-  bool bridge = false;       ///< a footbridge under which the first thing passes
   double blur_px = 0.4;      ///< sigma of the lens; 0: none
   double noise = 2.0;        ///< standard deviation of the sensor, grey levels
 };
@@ -96,7 +94,6 @@ class SyntheticFlight {
   [[nodiscard]] Similarity2 GroundFromThing(const Thing& thing, int index) const;
   [[nodiscard]] cv::Mat CoverOf(int thing, int index, const cv::Rect& region) const;
   void PlaceThings();
-  void PlaceBridge();
 
   FlightOptions options_;
   Eigen::Vector2d start_;  ///< of the camera's way, ground px
@@ -105,9 +102,6 @@ class SyntheticFlight {
   double climb_phase_rad_ = 0;
   Pyramid ground_;
   std::vector<Thing> things_;
-  Pyramid bridge_;  ///< empty without one
-  Pyramid bridge_shadow_;
-  Similarity2 ground_from_bridge_;
 };
 
 }  // namespace victorious::testing

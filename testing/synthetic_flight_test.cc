@@ -77,7 +77,6 @@ TEST(SyntheticFlightTest, ThingsAreRenderedWhereTheTruthSays) {
   FlightOptions options = SmallFlight(2);
   options.things = 4;
   options.thing_scale = 0.9;
-  options.perspective = 0.1;
   const SyntheticFlight flight(options);
   int compared = 0;
   for (int index = 0; index < options.frames; index += 6) {
@@ -152,26 +151,6 @@ TEST(SyntheticFlightTest, NamesAreUniqueAndObjectsCarryThem) {
   ASSERT_TRUE(row);
   EXPECT_EQ(row->model, "crate");
   EXPECT_EQ(row->object, "crate-1");
-}
-
-TEST(SyntheticFlightTest, TheBridgeHidesWhatPassesBelowIt) {
-  FlightOptions options = SmallFlight(7);
-  options.zoom = 0.4;
-  options.thing_scale = 1;
-  options.bridge = true;
-  const SyntheticFlight hidden(options);
-  options.bridge = false;
-  const SyntheticFlight open(options);
-  double least = 1;
-  for (int index = 0; index < options.frames; index += 3) {
-    const auto below = TruthOf(hidden, 0, index);
-    const auto free = TruthOf(open, 0, index);
-    if (!below || !free) continue;
-    EXPECT_LE(below->pixels, free->pixels);
-    if (free->visible == 1) least = std::min(least, below->visible);
-  }
-  EXPECT_LT(least, 0.7);
-  EXPECT_GT(least, 0.3);
 }
 
 TEST(DrawnThingsTest, OutlinesBoundWhatIsOpaque) {

@@ -1,58 +1,67 @@
 #!/usr/bin/env bash
-# demo.sh PROGRAM DRAW_DEMO DIR: draws a short flight, finds two things in it from their photos, and shows the finds.
-# Run again, it draws and indexes nothing twice.
+# demo.sh PROGRAM SCENE MODELS DIR: simulates the flight of SCENE into DIR, finds in it what the scene's truth names,
+# by the CAD models MODELS/NAME.glb, and shows the finds. Run again, it makes and searches nothing twice.
 set -euo pipefail
 
-if [[ $# -ne 3 ]]; then
-  echo "demo.sh: give the program, the drawing program and a folder: demo.sh build/victorious build/draw_demo demo" >&2
+if [[ $# -ne 4 ]]; then
+  echo "demo.sh: give program, scene, CAD models, folder: demo.sh build/victorious scenes/demo.json assets/models demo" >&2
   exit 2
 fi
 program=$1
-draw_demo=$2
-dir=$3
+scene=$2
+cad=$3
+dir=$4
+flight=$dir/flight
 models=$dir/models
 db=$dir/index.db
 
 say() { printf '\n%s\n' "$*"; }
 
-if [[ ! -e $dir/flight.mp4 ]]; then
-  say "Drawing a flight over a toy town, with a crate and a truck in it:"
-  "$draw_demo" "$dir"
+# The video is written last: where it is, the other two are.
+if [[ ! -e $flight/video.mp4 ]]; then
+  say "Simulating a flight over a small town:"
+  "$program" simulate "$scene" --out "$flight"
 fi
 
-for name in crate truck; do
+names=$(sed -n 's/.*"model":"\([^"]*\)".*/\1/p' "$flight/truth.jsonl" | sort -u)
+for name in $names; do
   if ! "$program" model show "$name" --models "$models" >/dev/null 2>&1; then
-    say "Making a searchable model of the $name from its photo:"
-    "$program" model add "$name" "$dir/photos/$name.png" --models "$models"
+    say "Making a searchable model of $cad/$name.glb, rendered from all sides:"
+    "$program" model add "$name" "$cad/$name.glb" --models "$models"
+  fi
+  if [[ ! -e $dir/views/$name.jpg ]]; then
+    mkdir -p "$dir/views"
+    "$program" model show "$name" --models "$models" --views "$dir/views/$name.jpg" >/dev/null
   fi
 done
 
-say "Searching the flight for both:"
-"$program" index "$dir/flight.mp4" --models "$models" --db "$db"
+say "Searching the flight for" $names "at once:"
+"$program" index "$flight/video.mp4" --models "$models" --db "$db"
 
 say "Found, best first:"
 "$program" search --db "$db"
 
-echo "(Each thing leaves the view and returns: until objects keep one identity, each is listed twice.)"
+say "Compared with the simulator's truth (1 is best; a sighting is one object in one frame):"
+"$program" evaluate --db "$db" --truth "$flight/truth.jsonl" | grep -Ev ' -$|^located +0$'
 
-say "Compared with what was drawn (sighting_precision and sighting_recall tell how well; 1 is best):"
-"$program" evaluate --db "$db" --truth "$dir/truth.jsonl" | grep -v -- ' -$'
-
-"$program" sheet --db "$db" --out "$dir/finds.png"
+"$program" sheet --db "$db" --out "$dir/finds.jpg"
 
 say "Look at it:"
 printf '  %-24s %s\n' \
-  "$dir/finds.png" "the finds, outlined" \
-  "$dir/flight.mp4" "the flight" \
-  "$dir/photos" "what was searched for" \
-  "$dir/truth.jsonl" "what was drawn where, frame by frame" \
+  "$dir/finds.jpg" "the finds, outlined" \
+  "$flight/video.mp4" "the flight" \
+  "$dir/views" "what was searched for, from every side" \
+  "$flight/truth.jsonl" "what stood where, frame by frame" \
   "$db" "the index"
 
-cat <<END
+cat <<END_OF_TEXT
 
-Your own photo and video:
-  $program model add NAME PHOTO... --models my/models    (a PNG with transparency, or --box x,y,w,h around the thing)
+Your own CAD file or photos, and your own video:
+  $program model add NAME CAD_FILE --models my/models     (glTF, OBJ, AC3D, COLLADA, 3DS, PLY, STL)
+  $program model add NAME PHOTO... --models my/models     (a PNG with transparency, or --box x,y,w,h around the object)
   $program index VIDEO... --models my/models --db my/index.db
   $program search --db my/index.db
-  $program sheet --db my/index.db --out my/finds.png
-END
+  $program sheet --db my/index.db --out my/finds.jpg
+
+To begin anew: rm -r $dir
+END_OF_TEXT

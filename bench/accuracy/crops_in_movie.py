@@ -13,42 +13,13 @@ wrong sighting with its overlap with the true box.
 import argparse
 import json
 import random
-import subprocess
-import sys
 import tempfile
-from collections import Counter, defaultdict
+from collections import Counter
 from pathlib import Path
-from typing import Iterator
 
-CLEAR_VISIBLE = 0.5  # as `victorious evaluate` counts
-CLEAR_SIDE_PX = 24
-LEAST_OVERLAP = 0.4
+from movies import Movie, Program, is_clear, overlap, pair
+
 CROP_VISIBLE = 0.9
-LEAST_ROWS = 10
-
-
-class Movie:
-    def __init__(self, folder: Path):
-        self.folder = folder
-        self.video = folder / "video.mp4"
-        self.truth = folder / "truth.jsonl"
-        rows = [json.loads(line) for line in self.truth.read_text().splitlines()]
-        self.rows_of = defaultdict(list)  # by object
-        self.rows_in = defaultdict(list)  # by frame
-        for row in rows:
-            self.rows_of[row["object"]].append(row)
-            self.rows_in[row["frame"]].append(row)
-
-
-def is_clear(row: dict) -> bool:
-    return row["visible"] >= CLEAR_VISIBLE and min(row["box"][2:]) >= CLEAR_SIDE_PX
-
-
-def overlap(a: list[float], b: list[float]) -> float:
-    width = min(a[0] + a[2], b[0] + b[2]) - max(a[0], b[0])
-    height = min(a[1] + a[3], b[1] + b[3]) - max(a[1], b[1])
-    common = max(0.0, width) * max(0.0, height)
-    return common / (a[2] * a[3] + b[2] * b[3] - common)
 
 
 def choose_rows(movie: Movie, seed: int | None) -> list[dict]:
@@ -69,17 +40,6 @@ def choose_rows(movie: Movie, seed: int | None) -> list[dict]:
     return list(chosen.values())
 
 
-class Program:
-    def __init__(self, path: str):
-        self.path = path
-
-    def __call__(self, *arguments: object) -> str:
-        done = subprocess.run([self.path, *map(str, arguments)], capture_output=True, text=True)
-        if done.returncode != 0:
-            sys.exit(f"{self.path} {' '.join(map(str, arguments))}: {done.stderr.strip()}")
-        return done.stdout
-
-
 def index_crops(program: Program, movie: Movie, rows: list[dict], params: str | None, work: Path) -> Path:
     """The index of the movie, searched for the crops."""
     work.mkdir(parents=True)
@@ -92,23 +52,6 @@ def index_crops(program: Program, movie: Movie, rows: list[dict], params: str | 
     extra = ["--params", params] if params else []
     program("index", movie.video, "--models", work / "models", "--db", db, *extra)
     return db
-
-
-def pair(movie: Movie, sightings: list[dict]) -> Iterator[tuple[dict, dict | None]]:
-    """Each sighting with the row of truth that it shows, best score first within a frame and a model."""
-    taken = set()
-    for sighting in sorted(sightings, key=lambda s: -s["score"]):
-        candidates = [
-            row
-            for row in movie.rows_in[sighting["frame"]]
-            if row["model"] == sighting["model"]
-            and (row["object"], row["frame"]) not in taken
-            and overlap(row["box"], sighting["box"]) >= LEAST_OVERLAP
-        ]
-        row = max(candidates, key=lambda row: overlap(row["box"], sighting["box"]), default=None)
-        if row:
-            taken.add((row["object"], row["frame"]))
-        yield sighting, row
 
 
 def ratio(part: int, whole: int) -> str:
@@ -127,10 +70,8 @@ def report(program: Program, movie: Movie, rows: list[dict], db: Path) -> None:
             wrong_ones.append(sighting)
         elif is_clear(row):
             right[sighting["model"]] += 1
-    for object_rows in movie.rows_of.values():
-        clear_rows = sum(map(is_clear, object_rows))
-        if clear_rows >= LEAST_ROWS:
-            clear[object_rows[0]["model"]] += clear_rows
+    for name, clear_rows in movie.findable().items():
+        clear[movie.rows_of[name][0]["model"]] += clear_rows
     for row in rows:
         model, box = row["model"], ",".join(str(side) for side in row["box"])
         print(

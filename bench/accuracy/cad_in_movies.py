@@ -1,0 +1,282 @@
+#!/usr/bin/env python3
+"""How well the objects of movies are found by their CAD models.
+
+Usage: cad_in_movies.py [MOVIE...] [--program build/victorious] [--models assets/models] [--params FILE]
+                        [--tool FILE] [--work build/cad_in_movies]
+
+MOVIE is a scene (scenes/NAME.json), or a folder with video.mp4 and truth.jsonl; without any, the scenes of the project
+but the demo's. A scene is simulated into WORK/flights/NAME unless it is there already; what --program makes of the
+scene may have changed since: delete the folder then. Models are made anew each time, from DIR/NAME.glb of --models, of
+everything that the truth names; what has no such file is not searched for, and said so. Each movie is indexed once,
+with all its models together, into WORK/NAME.db (`victorious sheet --db WORK/NAME.db --out OUT.jpg` draws its finds).
+
+One row a movie, then rows over all movies, those without and with noise, and each model:
+
+  precision  sighting precision, as `victorious evaluate` counts
+  recall     sighting recall, likewise
+  view       share of the right sightings of clear rows whose view is within 10 degrees (great circle) of the truth's
+  frames/s   of `victorious index`, opening the video and writing the index included
+  clear      rows of the truth that recall asks for
+  then       the recall of each object
+
+Every movie's precision and recall must be what `victorious evaluate --json` says. --tool names an independent scorer
+(--truth, --objects, --sightings, --models, --json; the same keys as `evaluate`), which must agree, too. Where one does
+not, that is said, and the exit status is 1.
+"""
+
+import argparse
+import json
+import math
+import re
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from movies import Movie, Program, is_clear, pair
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+RIGHT_VIEW_DEG = 10
+TOLERANCE = 1e-6
+HEAD = f"{'':<18}{'precision':>10}{'recall':>8}{'view':>8}{'frames/s':>10}{'clear':>7}"
+
+
+@dataclass
+class Tally:
+    """Counts of rows and sightings; of movies, models or objects together, their sum."""
+
+    right: int = 0  # sightings of clear rows
+    wrong: int = 0  # sightings of nothing
+    asked: int = 0  # clear rows of findable objects
+    got: int = 0  # of these, seen
+    viewed: int = 0  # right ones that tell their view
+    right_view: int = 0  # of these, near the truth's
+    frames: int = 0
+    seconds: float = 0
+
+    def add(self, other: "Tally") -> None:
+        for name, value in vars(other).items():
+            setattr(self, name, getattr(self, name) + value)
+
+    def precision(self) -> float | None:
+        return ratio(self.right, self.right + self.wrong)
+
+    def recall(self) -> float | None:
+        return ratio(self.got, self.asked)
+
+    def line(self, name: str, more: str = "") -> str:
+        cells = (
+            f"{shown(self.precision()):>10}{shown(self.recall()):>8}{shown(ratio(self.right_view, self.viewed)):>8}"
+            f"{shown(ratio(self.frames, self.seconds), 2):>10}{self.asked:>7}"
+        )
+        return f"{name:<18}{cells}  {more}".rstrip()
+
+
+@dataclass
+class Result:
+    """One movie's."""
+
+    of_model: dict[str, Tally] = field(default_factory=dict)
+    recall_of: dict[str, float] = field(default_factory=dict)  # by findable object
+    frames: int = 0
+    seconds: float = 0
+
+    def total(self) -> Tally:
+        total = Tally(frames=self.frames, seconds=self.seconds)
+        for tally in self.of_model.values():
+            total.add(tally)
+        return total
+
+
+def ratio(part: float, whole: float) -> float | None:
+    return part / whole if whole else None
+
+
+def shown(value: float | None, digits: int = 3) -> str:
+    return "-" if value is None else f"{value:.{digits}f}"
+
+
+def angle_deg(a: dict, b: dict) -> float:
+    """Between two directions to the camera."""
+    p, q = math.radians(a["off_nadir_deg"]), math.radians(b["off_nadir_deg"])
+    turn = math.radians(a["azimuth_deg"] - b["azimuth_deg"])
+    cosine = math.cos(p) * math.cos(q) + math.sin(p) * math.sin(q) * math.cos(turn)
+    return math.degrees(math.acos(max(-1.0, min(1.0, cosine))))
+
+
+def simulated(program: Program, movie: Path, work: Path) -> Path:
+    """The folder of a movie, which is one or a scene."""
+    if movie.is_dir():
+        return movie
+    folder = work / "flights" / movie.stem
+    if not (folder / "video.mp4").exists():  # written last
+        print(f"simulating {movie}", file=sys.stderr, flush=True)
+        program("simulate", movie, "--out", folder)
+    return folder
+
+
+def noise_of(movie: Path) -> float | None:
+    """The share of noisy pixels, where a scene tells."""
+    scene = movie / "scene.json" if movie.is_dir() else movie
+    return json.loads(scene.read_text())["video"].get("noise", 0) if scene.exists() else None
+
+
+class Models:
+    """Searchable models, each made when first asked for."""
+
+    def __init__(self, program: Program, cad: Path, folder: Path):
+        self.program, self.cad, self.folder = program, cad, folder
+        self.made: set[str] = set()
+
+    def has_cad(self, name: str) -> bool:
+        return (self.cad / f"{name}.glb").exists()
+
+    def library(self, name: str, models: list[str]) -> Path:
+        """A library of these models alone."""
+        library = self.folder / "of" / name
+        library.mkdir(parents=True)
+        for model in models:
+            if model not in self.made:
+                print(f"making a model of {self.cad / model}.glb", file=sys.stderr, flush=True)
+                self.program("model", "add", model, self.cad / f"{model}.glb", "--models", self.folder)
+                self.made.add(model)
+            (library / f"{model}.vmodel").symlink_to((self.folder / f"{model}.vmodel").resolve())
+        return library
+
+
+def index(program: Program, movie: Movie, library: Path, db: Path, params: Path | None) -> tuple[int, float]:
+    """Frames searched, and seconds."""
+    print(f"indexing {movie.video}", file=sys.stderr, flush=True)
+    db.unlink(missing_ok=True)
+    began = time.monotonic()
+    extra = ["--params", params] if params else []
+    told = program.run("index", movie.video, "--models", library, "--db", db, *extra).stderr
+    seconds = time.monotonic() - began
+    return int(re.search(r"(\d+) frames searched", told)[1]), seconds
+
+
+def tally(movie: Movie, sightings: list[dict]) -> Result:
+    result = Result({model: Tally() for model in movie.models()})
+    asked, seen = movie.findable(), Counter()
+    for sighting, row in pair(movie, sightings):
+        of_model = result.of_model[sighting["model"]]
+        if row is None:
+            of_model.wrong += 1
+        elif is_clear(row):
+            of_model.right += 1
+            seen[row["object"]] += 1
+            if sighting["view"] and row["view"]:
+                of_model.viewed += 1
+                of_model.right_view += angle_deg(sighting["view"], row["view"]) <= RIGHT_VIEW_DEG
+    for name, rows in asked.items():
+        of_model = result.of_model[movie.rows_of[name][0]["model"]]
+        of_model.asked += rows
+        of_model.got += seen[name]
+        result.recall_of[name] = seen[name] / rows
+    return result
+
+
+def differences(own: object, other: object, where: str) -> list[str]:
+    """The keys of `other` that `own` does not have alike."""
+    if isinstance(other, dict) and isinstance(own, dict):
+        return [line for key, value in other.items() for line in differences(own.get(key), value, f"{where} {key}")]
+    if isinstance(own, float) and isinstance(other, float):
+        return [] if abs(own - other) <= TOLERANCE else [f"{where}: {own} here, {other} there"]
+    return [] if own == other else [f"{where}: {own} here, {other} there"]
+
+
+def told_by_tool(tool: Path, movie: Movie, program: Program, db: Path) -> dict:
+    command = [sys.executable, tool, "--truth", movie.truth, "--models", ",".join(movie.models()), "--json"]
+    for form in ("objects", "sightings"):
+        path = db.with_suffix(f".{form}.jsonl")
+        program("export", "--db", db, "--format", form, "--out", path)
+        command += [f"--{form}", path]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(f"{tool}: {done.stderr.strip()}")
+    return json.loads(done.stdout)
+
+
+def measure(program: Program, movie: Movie, name: str, models: Models, arguments: argparse.Namespace) -> Result:
+    db = arguments.work / f"{name}.db"
+    frames, seconds = index(program, movie, models.library(name, movie.models()), db, arguments.params)
+    sightings = [json.loads(line) for line in program("export", "--db", db, "--format", "sightings").splitlines()]
+    result = tally(movie, sightings)
+    result.frames, result.seconds = frames, seconds
+    flags = ("--db", db, "--truth", movie.truth, "--models", ",".join(movie.models()), "--json")
+    score = json.loads(program("evaluate", *flags))
+    total = result.total()
+    counted = {"sighting_precision": total.precision(), "sighting_recall": total.recall()}
+    disagreements = differences(score, counted, f"{name}: evaluate beside the counts:")
+    if arguments.tool:
+        told = told_by_tool(arguments.tool, movie, program, db)
+        disagreements += differences(score, told, f"{name}: evaluate beside {arguments.tool.name}:")
+    for line in disagreements:
+        print(line, file=sys.stderr, flush=True)
+        arguments.disagreed = True
+    return result
+
+
+def parse() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("movies", nargs="*", type=Path, metavar="MOVIE", help="scenes, or folders of movies")
+    parser.add_argument("--program", default=str(REPOSITORY / "build/victorious"))
+    parser.add_argument("--models", type=Path, default=REPOSITORY / "assets/models", help="CAD files, NAME.glb")
+    parser.add_argument("--params", type=Path, help="parameters of the index run, JSON")
+    parser.add_argument("--tool", type=Path, help="a scorer that must agree")
+    parser.add_argument("--work", type=Path, default=REPOSITORY / "build/cad_in_movies", help="flights, indexes")
+    arguments = parser.parse_args()
+    scenes = sorted(path for path in (REPOSITORY / "scenes").glob("*.json") if path.stem != "demo")
+    arguments.movies = arguments.movies or scenes
+    for path in arguments.movies:
+        if not (path / "truth.jsonl").exists() and not path.is_file():
+            parser.error(f"{path}: neither a scene nor a folder with video.mp4 and truth.jsonl")
+    names = [path.stem for path in arguments.movies]
+    if len(set(names)) < len(names):
+        parser.error("two movies of one name: rename one")
+    arguments.disagreed = False
+    return arguments
+
+
+def run(arguments: argparse.Namespace, program: Program, models: Models) -> dict[str, Tally]:
+    """Prints a row a movie; the sums."""
+    pooled: dict[str, Tally] = {"all": Tally(), "without noise": Tally(), "with noise": Tally()}
+    print(HEAD, flush=True)
+    for path in arguments.movies:
+        folder = simulated(program, path, arguments.work)
+        named = Movie(folder).models()
+        movie = Movie(folder, {name for name in named if models.has_cad(name)})
+        for name in sorted(set(named) - set(movie.models())):
+            print(f"{path}: no {arguments.models / name}.glb: not searched for", file=sys.stderr, flush=True)
+        if not movie.models():
+            continue
+        result = measure(program, movie, path.stem, models, arguments)
+        recalls = "  ".join(f"{name} {shown(value)}" for name, value in result.recall_of.items())
+        print(result.total().line(path.stem, recalls), flush=True)
+        noise = noise_of(path)
+        pooled["all"].add(result.total())
+        if noise is not None:
+            pooled["with noise" if noise else "without noise"].add(result.total())
+        for model, of_model in result.of_model.items():
+            pooled.setdefault(model, Tally()).add(of_model)
+    return pooled
+
+
+def main() -> int:
+    arguments = parse()
+    arguments.work.mkdir(parents=True, exist_ok=True)
+    program = Program(arguments.program)
+    with tempfile.TemporaryDirectory() as scratch:
+        pooled = run(arguments, program, Models(program, arguments.models, Path(scratch)))
+    print()
+    for name, total in pooled.items():
+        if total.asked:
+            print(total.line(name))
+    return 1 if arguments.disagreed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,83 @@
+"""What the measurements on movies share: a movie with its truth, the program, and which sighting shows what.
+
+The rules of what is clear, findable and paired are those of `victorious evaluate`.
+"""
+
+import json
+import subprocess
+import sys
+from collections import defaultdict
+from pathlib import Path
+from typing import Iterator
+
+CLEAR_VISIBLE = 0.5
+CLEAR_SIDE_PX = 24
+LEAST_OVERLAP = 0.4
+LEAST_ROWS = 10  # clear ones of a findable object
+
+
+class Movie:
+    """A folder with video.mp4 and truth.jsonl; the truth of `models` alone, where they are given."""
+
+    def __init__(self, folder: Path, models: set[str] | None = None):
+        self.folder = folder
+        self.video = folder / "video.mp4"
+        self.truth = folder / "truth.jsonl"
+        self.rows_of = defaultdict(list)  # by object
+        self.rows_in = defaultdict(list)  # by frame
+        for row in map(json.loads, self.truth.read_text().splitlines()):
+            if models is None or row["model"] in models:
+                self.rows_of[row["object"]].append(row)
+                self.rows_in[row["frame"]].append(row)
+
+    def models(self) -> list[str]:
+        return sorted({rows[0]["model"] for rows in self.rows_of.values()})
+
+    def findable(self) -> dict[str, int]:
+        """The clear rows of each object that has enough of them."""
+        clear = {name: sum(map(is_clear, rows)) for name, rows in sorted(self.rows_of.items())}
+        return {name: count for name, count in clear.items() if count >= LEAST_ROWS}
+
+
+class Program:
+    """Ends with the program's own error where it fails."""
+
+    def __init__(self, path: str):
+        self.path = path
+
+    def run(self, *arguments: object) -> subprocess.CompletedProcess:
+        done = subprocess.run([self.path, *map(str, arguments)], capture_output=True, text=True)
+        if done.returncode != 0:
+            sys.exit(f"{self.path} {' '.join(map(str, arguments))}: {done.stderr.strip()}")
+        return done
+
+    def __call__(self, *arguments: object) -> str:
+        return self.run(*arguments).stdout
+
+
+def is_clear(row: dict) -> bool:
+    return row["visible"] >= CLEAR_VISIBLE and min(row["box"][2:]) >= CLEAR_SIDE_PX
+
+
+def overlap(a: list[float], b: list[float]) -> float:
+    width = min(a[0] + a[2], b[0] + b[2]) - max(a[0], b[0])
+    height = min(a[1] + a[3], b[1] + b[3]) - max(a[1], b[1])
+    common = max(0.0, width) * max(0.0, height)
+    return common / (a[2] * a[3] + b[2] * b[3] - common)
+
+
+def pair(movie: Movie, sightings: list[dict]) -> Iterator[tuple[dict, dict | None]]:
+    """Each sighting with the row of truth that it shows, best score first within a frame and a model."""
+    taken = set()
+    for sighting in sorted(sightings, key=lambda s: -s["score"]):
+        candidates = [
+            row
+            for row in movie.rows_in[sighting["frame"]]
+            if row["model"] == sighting["model"]
+            and (row["object"], row["frame"]) not in taken
+            and overlap(row["box"], sighting["box"]) >= LEAST_OVERLAP
+        ]
+        row = max(candidates, key=lambda row: overlap(row["box"], sighting["box"]), default=None)
+        if row:
+            taken.add((row["object"], row["frame"]))
+        yield sighting, row
