@@ -24,7 +24,14 @@ struct Decoded {
 constexpr std::string_view kNoValue = "no value: out of the item's range, or unknown to the producer";
 constexpr std::string_view kBadLength = "not of a length that this item can have";
 
+// Producers that write a short number into a longer item put zeros in front of it, and mean the short one's map.
+Bytes WithoutPadding(const ItemSpec& spec, Bytes bytes) {
+  while (bytes.size() > spec.Length() && bytes[0] == std::byte{0}) bytes = bytes.subspan(1);
+  return bytes;
+}
+
 Decoded DecodeLinear(const ItemSpec& spec, Bytes bytes) {
+  if (spec.coding == ItemCoding::kLinearUnsigned) bytes = WithoutPadding(spec, bytes);
   const int bits = static_cast<int>(8 * bytes.size());
   if (spec.coding == ItemCoding::kLinearUnsigned) {
     const double largest = std::ldexp(1.0, bits) - 1;

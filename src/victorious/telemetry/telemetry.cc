@@ -68,6 +68,13 @@ void AddKlvStates(const std::vector<KlvPacket>& packets, int stream, Telemetry& 
   }
 }
 
+void WarnOfClock(Telemetry& telemetry) {
+  const auto timed = [](const KlvPacket& packet) { return packet.time_s.has_value(); };
+  if (telemetry.states.empty() || std::ranges::any_of(telemetry.packets, timed)) return;
+  telemetry.warnings.emplace_back(
+      "the KLV packets carry no time of a video: the first is taken for the time 0; time_offset_s shifts them");
+}
+
 void WarnOfChecksums(const std::vector<KlvPacket>& packets, std::vector<std::string>& warnings) {
   const auto bad = std::ranges::count_if(packets, &HasBadChecksum);
   if (bad > 0) {
@@ -163,6 +170,7 @@ Expected<Telemetry> FromKlv(KlvPackets decoded, const TelemetryOptions& options)
   const auto known = std::ranges::find_if(
       telemetry.packets, [](const KlvPacket& packet) { return packet.standard != KlvStandard::kOther; });
   telemetry.format = known == telemetry.packets.end() ? "KLV of another standard" : std::string(Name(known->standard));
+  WarnOfClock(telemetry);
   WarnOfChecksums(telemetry.packets, telemetry.warnings);
   WarnOfProblems(telemetry.packets, telemetry.warnings);
   WarnOfFrameCentre(telemetry.packets, telemetry.warnings);
