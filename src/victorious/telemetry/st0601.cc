@@ -26,7 +26,7 @@ constexpr std::string_view kBadLength = "not of a length that this item can have
 
 // Producers that write a short number into a longer item put zeros in front of it, and mean the short one's map.
 Bytes WithoutPadding(const ItemSpec& spec, Bytes bytes) {
-  while (bytes.size() > spec.Length() && bytes[0] == std::byte{0}) bytes = bytes.subspan(1);
+  while (bytes.size() > spec.bytes && bytes[0] == std::byte{0}) bytes = bytes.subspan(1);
   return bytes;
 }
 

@@ -26,15 +26,7 @@ struct ItemSpec {
   double min = 0;
   double max = 0;
   std::string_view unit = {};
-
-  /// Bytes that the standard gives a linear item.
-  [[nodiscard]] constexpr std::size_t Length() const {
-    constexpr double kWidestInTwoBytes = 20'000;
-    if (number == 36 || number == 43 || number == 44 || number == 55) return 1;
-    const bool place = coding == ItemCoding::kLinearSigned && (max == 90 || max == 180) && number != 51;
-    const bool sensor_angle = number >= 18 && number <= 20;
-    return place || sensor_angle || max - min > kWidestInTwoBytes ? 4 : 2;
-  }
+  std::size_t bytes = 0;  ///< of a linear item; 0 for the others, whose length is free
 };
 
 /// Nothing for numbers that the standard lacks.
