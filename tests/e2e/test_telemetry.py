@@ -1,9 +1,12 @@
 """`victorious telemetry` and what `doctor` says of it: tables in and out, exit status, one line for what is no use."""
 
 import csv
+import gzip
 import io
 import json
+import os
 import unittest
+from pathlib import Path
 
 import program
 
@@ -17,6 +20,8 @@ SUBTITLES = """1
 00:00:00,033 --> 00:00:00,066
 [focal_len: 24.00] [latitude: 0.000000] [longitude: 0.000000] [rel_alt: 43.2]
 """
+DATA = Path(os.environ.get("VICTORIOUS_DATA", program.REPOSITORY.parent / "shared" / "data"))
+REFERENCE = DATA / "real" / "fmv_klv" / "kwiver_synthetic"
 LABEL = bytes.fromhex("060e2b34020b01010e01030101000000")
 
 
@@ -24,6 +29,15 @@ def packet(items: bytes) -> bytes:
     body = LABEL + bytes([len(items) + 4]) + items + b"\x01\x02"
     total = sum(byte << (8 if place % 2 == 0 else 0) for place, byte in enumerate(body))
     return body + (total & 0xFFFF).to_bytes(2, "big")
+
+
+def plain(value):
+    """A value of the reference decoding without what explains it; nothing for sets and packs, which stay bytes."""
+    if isinstance(value, dict):
+        return value["value"] if set(value) == {"length", "value"} else value.get("integer")
+    if isinstance(value, list):
+        return value if all(isinstance(one, int) for one in value) else None
+    return value
 
 
 class TelemetryTest(program.ProgramTest):
@@ -74,6 +88,27 @@ class TelemetryTest(program.ProgramTest):
         self.assertEqual(report["packets"][0]["precision_time_us"], 1_000_000)
         self.assertIn("1 of 2 KLV packets fail their checksum", done.err)
         self.assertEqual(report["states"], [])
+
+    @unittest.skipUnless(REFERENCE.is_dir(), f"SKIPPED: no outside data at {REFERENCE}")
+    def test_every_number_and_text_of_the_reference_decoding(self):
+        report = json.loads(self.succeeds("telemetry", REFERENCE / "h264_klv.ts", "--json").out)
+        with gzip.open(REFERENCE / "video_stream_klv.expected.json.gz") as file:
+            reference = json.load(file)
+        compared = 0
+        for packet, known in zip(report["packets"], reference, strict=True):
+            self.assertTrue(packet["checksum"]["valid"])
+            items = {item["number"]: item["value"] for item in packet["items"] if item["number"] != 1}
+            self.assertEqual(sorted(items), sorted(item["key"]["integer"] for item in known["value"]))
+            for item in known["value"]:
+                number, value = item["key"]["integer"], plain(item["value"])
+                if value is None:
+                    continue
+                compared += 1
+                if isinstance(value, float):
+                    self.assertAlmostEqual(items[number], value, delta=1e-12 * max(1, abs(value)))
+                else:
+                    self.assertEqual(items[number], value, number)
+        self.assertGreater(compared, 30 * 100)
 
     def test_what_is_no_telemetry(self):
         self.refuses(2, ["gone.klv"], "telemetry", self.scratch / "gone.klv")

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <iterator>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "testing/data.h"
 #include "victorious/geometry/angles.h"
@@ -112,7 +114,7 @@ TEST(VideoTelemetry, PlaceholdersOnTheGroundGiveNoCamera) {
   const Telemetry telemetry = MustRead(path);
   EXPECT_EQ(telemetry.packets.size(), 19U);
   EXPECT_THAT(telemetry.states, IsEmpty());
-  EXPECT_THAT(telemetry.warnings, Not(IsEmpty()));
+  EXPECT_THAT(telemetry.warnings, Contains(HasSubstr("the sensor's elevation (item 19)")));
 }
 
 TEST(VideoTelemetry, ElderUniversalSet) {
@@ -147,6 +149,39 @@ TEST(VideoTelemetry, SyntheticStreamAndVideosWithout) {
     EXPECT_THAT(none.error().message, HasSubstr("no telemetry"));
   }
 }
+
+// Hexadecimal packets beside JSON of what they say.
+class KlvCorpus : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(KlvCorpus, ItemsAndChecksums) {
+  VICTORIOUS_DATA_OR_SKIP(folder, "real/fmv_klv/klvtool_hex");
+  std::ifstream hex(folder / (std::string(GetParam()) + ".hex"));
+  const std::string digits{std::istreambuf_iterator<char>(hex), {}};
+  std::string bytes;
+  for (std::size_t i = 0; i + 1 < digits.size(); i += 2) {
+    bytes += static_cast<char>(std::stoi(digits.substr(i, 2), nullptr, 16));
+  }
+  std::ifstream json(folder / (std::string(GetParam()) + ".json"));
+  const auto expected = nlohmann::json::parse(json);
+  const auto telemetry = ParseTelemetry(bytes, {});
+  ASSERT_TRUE(telemetry) << telemetry.error().message;
+  const auto packet = ToJson(*telemetry)["packets"][0];
+  EXPECT_EQ(packet["checksum"]["valid"], expected["checksum"]["valid"]);
+  ASSERT_EQ(packet["items"].size(), expected["items"].size());
+  for (std::size_t i = 0; i < packet["items"].size(); ++i) {
+    const auto& item = packet["items"][i];
+    const auto& wanted = expected["items"][i];
+    EXPECT_EQ(item["number"], wanted["tag"]);
+    EXPECT_EQ(item["name"], wanted["name"]);
+    if (wanted["value"].is_number() || wanted["value"].is_null()) {
+      EXPECT_EQ(item["value"], wanted["value"]);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(VideoTelemetry, KlvCorpus,
+                         ::testing::Values("minimal", "signed_lat", "long_form_length", "nested_ls",
+                                           "error_indicator"));
 
 struct DjiFile {
   const char* name;

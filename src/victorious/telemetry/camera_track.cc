@@ -9,7 +9,7 @@
 namespace victorious {
 namespace {
 
-constexpr double kHold_s = 0.1;  // frames and packets are seldom stamped with the same moment
+constexpr double kHoldSeconds = 0.1;  // frames and packets are seldom stamped with the same moment
 
 double Between(double a, double b, double share) { return a + share * (b - a); }
 
@@ -47,7 +47,7 @@ CameraState Between(const CameraState& a, const CameraState& b, double time_s) {
 }
 
 std::optional<CameraState> Held(CameraState state, double time_s) {
-  if (std::abs(state.time_s - time_s) > kHold_s) return std::nullopt;
+  if (std::abs(state.time_s - time_s) > kHoldSeconds) return std::nullopt;
   state.time_s = time_s;
   return state;
 }

@@ -133,14 +133,14 @@ double DigitalZoom(std::string_view text) {
 // From the focal length that a lens would have before a frame of 36 x 24 mm with the same diagonal; the picture taken
 // for 16:9. Some aircraft write tenths of millimetres.
 std::optional<double> ReadFieldOfView(std::string_view text) {
-  constexpr double kDiagonal_mm = 43.267;
+  constexpr double kDiagonalMm = 43.267;
   constexpr double kWidthOverDiagonal = 0.8716;
-  constexpr double kLongestLens_mm = 200;
+  constexpr double kLongestLensMm = 200;
   auto focal_mm = NumberAfter(text, "focal_len");
   if (!focal_mm || !(*focal_mm > 0)) return std::nullopt;
-  if (*focal_mm > kLongestLens_mm) *focal_mm /= 10;
+  if (*focal_mm > kLongestLensMm) *focal_mm /= 10;
   *focal_mm *= DigitalZoom(text);
-  return 2 * std::atan(kDiagonal_mm * kWidthOverDiagonal / (2 * *focal_mm));
+  return 2 * std::atan(kDiagonalMm * kWidthOverDiagonal / (2 * *focal_mm));
 }
 
 // "01:02:03,456" as seconds, off the front.

@@ -83,7 +83,7 @@ std::optional<std::filesystem::path> FindEgm96Grid() {
   for (const char* folder : {static_cast<const char*>(std::getenv("PROJ_DATA")),
                              static_cast<const char*>(std::getenv("PROJ_LIB")), "/usr/share/proj"}) {
     if (folder == nullptr) continue;
-    const std::filesystem::path path = std::filesystem::path(folder) / "egm96_15.gtx";
+    std::filesystem::path path = std::filesystem::path(folder) / "egm96_15.gtx";
     std::error_code error;
     if (std::filesystem::is_regular_file(path, error)) return path;
   }

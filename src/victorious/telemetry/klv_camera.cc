@@ -1,5 +1,6 @@
 #include "victorious/telemetry/klv_camera.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Geometry>
@@ -164,6 +165,31 @@ std::optional<CameraState> CameraFromKlv(const KlvPacket& packet) {
   }
   state.utc_us = PrecisionTime(packet);
   return state;
+}
+
+std::vector<std::string_view> MissingForCamera(std::span<const KlvPacket> packets) {
+  struct Need {
+    std::string_view words;
+    std::vector<int> numbers;  // any of them will do
+  };
+  const std::vector<Need> needs = {
+      {"the sensor's latitude and longitude (items 13, 14)", {kSensorLatitude}},
+      {"the sensor's height (item 15, 75 or 104)",
+       {kSensorTrueAltitude, kSensorEllipsoidHeight, kSensorEllipsoidHeightExtended}},
+      {"the platform's heading (item 5)", {kHeading}},
+      {"the platform's pitch (item 6 or 90)", {kPitch, kPitchFull}},
+      {"the platform's roll (item 7 or 91)", {kRoll, kRollFull}},
+      {"the sensor's azimuth (item 18)", {kRelativeAzimuth}},
+      {"the sensor's elevation (item 19)", {kRelativeElevation}},
+  };
+  std::vector<std::string_view> missing;
+  for (const Need& need : needs) {
+    const auto tells = [&](const KlvPacket& packet) {
+      return std::ranges::any_of(need.numbers, [&](int number) { return packet.Number(number).has_value(); });
+    };
+    if (std::ranges::none_of(packets, tells)) missing.push_back(need.words);
+  }
+  return missing;
 }
 
 std::optional<double> FrameCentreError(const KlvPacket& packet) {

@@ -114,7 +114,8 @@ Json ToJson(const Telemetry& telemetry) {
   if (!telemetry.packets.empty()) json["packets"] = Json::array();
   for (const KlvPacket& packet : telemetry.packets) json["packets"].push_back(PacketToJson(packet));
   for (const CameraState& state : telemetry.states) json["states"].push_back(StateToJson(state));
-  json["warnings"] = telemetry.warnings;
+  json["warnings"] = Json::array();
+  for (const std::string& warning : telemetry.warnings) json["warnings"].push_back(Utf8Text(warning));
   return json;
 }
 

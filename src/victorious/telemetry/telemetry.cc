@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/camera_csv.h"
@@ -93,18 +94,27 @@ void WarnOfProblems(const std::vector<KlvPacket>& packets, std::vector<std::stri
 }
 
 void WarnOfFrameCentre(const std::vector<KlvPacket>& packets, std::vector<std::string>& warnings) {
-  const double kMost_rad = RadiansFromDegrees(2);  // honest systems stay within fractions of a degree
+  constexpr double kMost = RadiansFromDegrees(2);  // honest systems stay within fractions of a degree
   std::vector<double> errors_rad;
   for (const KlvPacket& packet : packets) {
     if (const auto error_rad = FrameCentreError(packet)) errors_rad.push_back(*error_rad);
   }
   if (errors_rad.empty()) return;
   const double median_rad = MedianOf(std::move(errors_rad));
-  if (median_rad <= kMost_rad) return;
+  if (median_rad <= kMost) return;
   warnings.push_back(fmt::format(
       "line of sight and recorded frame centre disagree, {:.1f} degrees in the middle: an angle is not what "
       "the standard calls it, and places will be wrong",
       DegreesFromRadians(median_rad)));
+}
+
+void WarnOfNoCamera(Telemetry& telemetry) {
+  const bool local =
+      std::ranges::find(telemetry.packets, KlvStandard::kSt0601, &KlvPacket::standard) != telemetry.packets.end();
+  const auto missing = local ? MissingForCamera(telemetry.packets) : std::vector<std::string_view>();
+  telemetry.warnings.push_back(
+      fmt::format("no packet tells place, height and pointing of the camera{}{}",
+                  missing.empty() ? "" : "; missing, or marked unknown: ", fmt::join(missing, ", ")));
 }
 
 // The times of frames rise, and so must those of states: what repeats or goes back is left out.
@@ -122,7 +132,7 @@ void KeepRising(Telemetry& telemetry) {
 }
 
 void WarnOfJumps(Telemetry& telemetry, double max_gap_s) {
-  constexpr double kFastest_m_s = 1000;
+  constexpr double kFastest = 1000;  // m/s
   int jumps = 0;
   int gaps = 0;
   for (std::size_t i = 1; i < telemetry.states.size(); ++i) {
@@ -130,7 +140,7 @@ void WarnOfJumps(Telemetry& telemetry, double max_gap_s) {
     const CameraState& after = telemetry.states[i];
     const double seconds = after.time_s - before.time_s;
     const double metres = TangentPlane(before.place).EnuFromGeodetic(after.place).norm();
-    jumps += metres > kFastest_m_s * seconds && metres > 10 ? 1 : 0;
+    jumps += metres > kFastest * seconds && metres > 10 ? 1 : 0;
     gaps += seconds > max_gap_s ? 1 : 0;
   }
   if (jumps > 0) telemetry.warnings.push_back(fmt::format("the place jumps {} times, faster than 1000 m/s", jumps));
@@ -174,10 +184,7 @@ Expected<Telemetry> FromKlv(KlvPackets decoded, const TelemetryOptions& options)
   WarnOfChecksums(telemetry.packets, telemetry.warnings);
   WarnOfProblems(telemetry.packets, telemetry.warnings);
   WarnOfFrameCentre(telemetry.packets, telemetry.warnings);
-  if (telemetry.states.empty() && known != telemetry.packets.end()) {
-    telemetry.warnings.emplace_back(
-        "no packet tells place, height and pointing of the camera: angles or places are missing, or marked unknown");
-  }
+  if (telemetry.states.empty() && known != telemetry.packets.end()) WarnOfNoCamera(telemetry);
   return Finish(std::move(telemetry), options);
 }
 
@@ -231,7 +238,7 @@ void TelemetryOptions::ListFields(FieldList& fields) {
   fields.Add("geoid_grid", geoid_grid,
              {.reason = "a .gtx grid of the geoid, for heights above the sea; empty: PROJ's of EGM96, where it is"});
   fields.Add("takeoff_altitude_m", takeoff_altitude_m,
-             {.min = kUnknownHeight_m,
+             {.min = kUnknownHeight,
               .max = 9000,
               .unit = "m",
               .reason = "of the take-off above the ellipsoid, for heights that count from it; -9999: unknown"});

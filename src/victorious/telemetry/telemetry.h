@@ -20,13 +20,13 @@
 namespace victorious {
 
 struct TelemetryOptions {
-  static constexpr double kUnknownHeight_m = -9999;
+  static constexpr double kUnknownHeight = -9999;  ///< m
 
   double time_offset_s = 0;
   double max_gap_s = 2;
   std::string vertical_datum = "told";
   std::string geoid_grid;
-  double takeoff_altitude_m = kUnknownHeight_m;
+  double takeoff_altitude_m = kUnknownHeight;
   double hfov_deg = 0;
 
   void ListFields(FieldList& fields);

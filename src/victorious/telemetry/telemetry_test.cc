@@ -95,6 +95,19 @@ TEST(Telemetry, PlaceThatThePointingContradictsIsNoticed) {
   EXPECT_THAT(noticed->warnings, Contains(HasSubstr("disagree, 93")));
 }
 
+TEST(Telemetry, WhatACameraLacksIsNamed) {
+  const auto telemetry = ParseTelemetry(St0601Packet({{5, BigEndian(0, 2)}, {19, BigEndian(0x80000000, 4)}}), {});
+  ASSERT_TRUE(telemetry);
+  EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("the sensor's elevation (item 19)")));
+  EXPECT_THAT(telemetry->warnings, Not(Contains(HasSubstr("heading"))));
+}
+
+TEST(Telemetry, TextThatIsNoUtf8StaysJson) {
+  const auto telemetry = ParseTelemetry(std::string(kHeader) + "0,\xFF,-71,1,\n1,42,-71,1,\n", {});
+  ASSERT_TRUE(telemetry);
+  EXPECT_NE(ToJson(*telemetry).dump().find("line 2"), std::string::npos);
+}
+
 TEST(Telemetry, WhatIsNoneIsRefusedInOneLine) {
   for (const std::string text : {"", "hello", "a,b,c\n1,2,3\n", "\x06\x0E\x2B\x34"}) {
     const auto telemetry = ParseTelemetry(text, {});

@@ -60,7 +60,7 @@ Status BringToEllipsoid(std::vector<CameraState>& states, const TelemetryOptions
   VICTORIOUS_RETURN_IF_ERROR(AddGeoidOf(states, VerticalDatum::kEgm96, options, warnings));
   VICTORIOUS_RETURN_IF_ERROR(AddGeoidOf(states, VerticalDatum::kEgm2008, options, warnings));
   if (!Has(states, VerticalDatum::kTakeoff)) return {};
-  if (options.takeoff_altitude_m == TelemetryOptions::kUnknownHeight_m) {
+  if (options.takeoff_altitude_m == TelemetryOptions::kUnknownHeight) {
     warnings.emplace_back(
         "heights are above the take-off, whose own height is unknown: they stay so; give its height above the "
         "ellipsoid");
