@@ -26,7 +26,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   VICTORIOUS_CHECK(!victorious::ToJson(*telemetry).dump().empty());
   VICTORIOUS_CHECK(!victorious::DescribeTelemetry(*telemetry).empty());
-  (void)victorious::ParseTelemetry(text, {});
+  const auto file = victorious::ParseTelemetry(text, {});
+  VICTORIOUS_CHECK(file || file.error().message.find('\n') == std::string::npos);
   return 0;
 }
 

@@ -22,7 +22,6 @@ namespace {
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::Not;
 
 Telemetry MustRead(const std::filesystem::path& path) {
   auto telemetry = ReadTelemetry(path.string(), {});

@@ -37,7 +37,7 @@ inline std::string St0601Packet(const std::vector<std::pair<int, std::string>>& 
     value += BerLength(bytes.size()) + bytes;
   }
   constexpr std::size_t kChecksumItemSize = 4;
-  std::string packet =
+  const std::string packet =
       std::string(kSt0601LabelBytes) + BerLength(value.size() + kChecksumItemSize) + value + "\x01\x02";
   return packet + BigEndian(St0601Checksum(BytesOf(packet)), 2);
 }

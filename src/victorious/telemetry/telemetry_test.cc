@@ -83,13 +83,13 @@ TEST(Telemetry, HeightsAboveTheSeaWithoutAGridStayAndAreTold) {
 }
 
 TEST(Telemetry, PlaceThatThePointingContradictsIsNoticed) {
-  std::string packet = CameraPacket(0);
+  const std::string packet = CameraPacket(0);
   const auto honest = ParseTelemetry(packet, {});
   EXPECT_THAT(honest->warnings, Not(Contains(HasSubstr("disagree"))));
   // The same camera, and a frame centre to the north of it where it looks south.
   const std::string value = packet.substr(17, packet.size() - 17 - 4);
-  std::string lying = value + "\x17\x04" + BigEndian(1002397655, 4) + "\x18\x04" +
-                      BigEndian(static_cast<std::uint32_t>(-847062994), 4) + "\x4E\x02" + BigEndian(2964, 2);
+  const std::string lying = value + "\x17\x04" + BigEndian(1002397655, 4) + "\x18\x04" +
+                            BigEndian(static_cast<std::uint32_t>(-847062994), 4) + "\x4E\x02" + BigEndian(2964, 2);
   const auto noticed = ParseTelemetry(std::string(kSt0601LabelBytes) + BerLength(lying.size()) + lying, {});
   ASSERT_TRUE(noticed);
   EXPECT_THAT(noticed->warnings, Contains(HasSubstr("disagree, 93")));
