@@ -21,6 +21,8 @@ END
   "$program" params model
   printf '\n## Of `model add` with a CAD file\n\n'
   "$program" params cad
+  printf '\n## Of `telemetry`\n\n'
+  "$program" params telemetry
 }
 
 if [[ "${2:-}" == "--check" ]]; then

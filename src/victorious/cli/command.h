@@ -32,5 +32,6 @@ Action SetUpParams(CLI::App& app);
 Action SetUpSearch(CLI::App& app);
 Action SetUpSheet(CLI::App& app);
 Action SetUpSimulate(CLI::App& app);
+Action SetUpTelemetry(CLI::App& app);
 
 }  // namespace victorious::cli

@@ -32,6 +32,8 @@ constexpr std::array kCommands = {
     Command{"sheet", "Find", "What was found, as pictures", &SetUpSheet},
     Command{"match", "Look inside", "Match two pictures, stage by stage", &SetUpMatch},
     Command{"features", "Look inside", "The features of a picture, as text", &SetUpFeatures},
+    Command{"telemetry", "Look inside", "The camera's states that a video or a file of telemetry tells",
+            &SetUpTelemetry},
     Command{"params", "Look inside", "Every parameter, its default, range and reason", &SetUpParams},
     Command{"doctor", "Look inside", "What this machine offers, or what a file holds", &SetUpDoctor},
     Command{"evaluate", "Measure", "Score an index against ground truth", &SetUpEvaluate},
