@@ -99,9 +99,10 @@ Eigen::Matrix<double, kCommonErrors, 1> CommonSigmas(const CommonErrorOptions& o
   return sigmas;
 }
 
-void NormalSystem::Add(const Ray& ray) {
-  const Matrix3d weight = WeightOf(ray);
-  const Vector3d right = weight * (ray.camera + ray.range_m * ray.forward);
+void NormalSystem::Add(const Ray& ray, const Vector3d& along, double distance_m) {
+  const Matrix3d weight = Matrix3d::Identity() - (1 - ray.range_weight) * along * along.transpose();
+  const Vector3d across = ray.forward - along * along.dot(ray.forward);
+  const Vector3d right = weight * ray.camera + distance_m * across + ray.range_weight * ray.range_m * along;
   matrix_.topLeftCorner<3, 3>() += weight;
   right_.head<3>() += right;
   if (unknowns_ == 3) return;
@@ -141,6 +142,27 @@ std::optional<Motion> SolveLinear(std::span<const Ray> rays, const std::vector<b
     if (chosen[i]) system.Add(rays[i]);
   }
   return system.Solve();
+}
+
+std::optional<Motion> SolveBalanced(std::span<const Ray> rays, const std::vector<bool>& chosen, const Motion& start,
+                                    const LocateOptions& options) {
+  Motion motion = start;
+  constexpr int kMostRounds = 10;
+  for (int round = 0; round < kMostRounds; ++round) {
+    NormalSystem system(options.motion == "velocity");
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      if (!chosen[i]) continue;
+      const Vector3d seen = motion.At(rays[i].time_s) - rays[i].camera;
+      system.Add(rays[i], LikelyDirection(rays[i], rays[i].forward, seen, options.line.position_m), seen.norm());
+    }
+    const auto next = system.Solve();
+    if (!next) return std::nullopt;
+    constexpr double kSettled_m = 1e-3;
+    const bool settled = (next->place - motion.place).norm() < kSettled_m;
+    motion = *next;
+    if (settled) break;
+  }
+  return motion;
 }
 
 std::optional<MatrixXd> LinearCovariance(std::span<const Ray> rays, const std::vector<bool>& chosen,

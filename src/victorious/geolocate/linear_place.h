@@ -25,7 +25,11 @@ class NormalSystem {
  public:
   explicit NormalSystem(bool moving) : unknowns_(moving ? 6 : 3) {}
 
-  void Add(const Ray& ray);
+  void Add(const Ray& ray) { Add(ray, ray.forward, 0); }
+
+  /// The ray across another direction, near its own: its offset is then measured at `distance_m`.
+  void Add(const Ray& ray, const Eigen::Vector3d& along, double distance_m);
+
   void Clear();
 
   /// Nothing where the rays leave a direction (or a velocity) open.
@@ -43,7 +47,12 @@ class NormalSystem {
 /// The solution over the chosen rays.
 std::optional<Motion> SolveLinear(std::span<const Ray> rays, const std::vector<bool>& chosen, bool moving);
 
-/// The covariance of that solution: each ray's own errors, and the common ones, carried through the system.
+/// Solves again from `start`, each ray across its likely direction (ray.h) until nothing changes: without the pull
+/// along the rays that their own errors have on SolveLinear.
+std::optional<Motion> SolveBalanced(std::span<const Ray> rays, const std::vector<bool>& chosen, const Motion& start,
+                                    const LocateOptions& options);
+
+/// The covariance of these solutions: each ray's own errors, and the common ones, carried through the system.
 std::optional<Eigen::MatrixXd> LinearCovariance(std::span<const Ray> rays, const std::vector<bool>& chosen,
                                                 const Motion& motion, const LocateOptions& options);
 

@@ -51,7 +51,9 @@ std::string WhyOpen(std::span<const Ray> rays, const std::vector<bool>& chosen, 
 }
 
 Outcome SolveOver(std::span<const Ray> rays, std::vector<bool> chosen, const LocateOptions& options) {
-  const auto motion = SolveLinear(rays, chosen, Moving(options));
+  auto motion = SolveLinear(rays, chosen, Moving(options));
+  if (!motion || MostlyBehind(rays, chosen, *motion)) return std::unexpected(WhyOpen(rays, chosen, options));
+  if (options.method == "prior" || options.method == "ransac") motion = SolveBalanced(rays, chosen, *motion, options);
   if (!motion || MostlyBehind(rays, chosen, *motion)) return std::unexpected(WhyOpen(rays, chosen, options));
   auto covariance = LinearCovariance(rays, chosen, *motion, options);
   if (!covariance) return std::unexpected(WhyOpen(rays, chosen, options));

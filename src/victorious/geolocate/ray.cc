@@ -96,6 +96,14 @@ std::vector<Ray> MakeRays(std::span<const LineOfSight> lines, const TangentPlane
   return rays;
 }
 
+Eigen::Vector3d LikelyDirection(const Ray& ray, const Eigen::Vector3d& told, const Eigen::Vector3d& seen,
+                                double sigma_position_m) {
+  const double distance_m = std::max(kNearest_m, seen.norm());
+  const double shift_m2 = Square(sigma_position_m);
+  const double told_share = shift_m2 / (shift_m2 + Square(distance_m * ray.sigma_rad));
+  return (told_share * told + (1 - told_share) * seen / distance_m).normalized();
+}
+
 bool InFrustum(const Ray& ray, const Motion& motion) {
   const Eigen::Vector3d seen = motion.At(ray.time_s) - ray.camera;
   const double along = seen.dot(ray.forward);

@@ -54,4 +54,11 @@ std::vector<Ray> MakeRays(std::span<const LineOfSight> lines, const TangentPlane
 /// Whether the object is in the ray's frustum when it was seen.
 bool InFrustum(const Ray& ray, const Motion& motion);
 
+/// The most likely true direction from a camera to a place: between the ray as `told` (without common errors, if these
+/// are known) and `seen`, the place from the camera as told, nearer to the one that errs less. Across that direction, a
+/// ray's own error and the axes that it is measured along are uncorrelated. Across either of the two they are not,
+/// which draws the place along the rays, and far where these leave it loose.
+Eigen::Vector3d LikelyDirection(const Ray& ray, const Eigen::Vector3d& told, const Eigen::Vector3d& seen,
+                                double sigma_position_m);
+
 }  // namespace victorious

@@ -230,22 +230,15 @@ class Refinement {
     return Seen<double>(ray, sigmas_, estimate.place.data(), estimate.velocity.data(), estimate.common.data());
   }
 
-  // The true direction lies between the ray as told and the direction from the camera as told to the object, nearer to
-  // the one that errs less. Across that direction, a ray's error and the axes that it is measured along are
-  // uncorrelated; across either of the two they are not, which moves the place along the rays, and far where the common
-  // errors leave it loose.
   [[nodiscard]] Sight SightOf(const Ray& ray, const Estimate& estimate, double noise_factor) const {
     const Eigen::Vector3d seen = ToObject(ray, estimate);
     Sight sight;
     sight.distance_m = std::max(1.0, seen.norm());
-    const double turn_m = sight.distance_m * ray.sigma_rad;
-    const double shift_m = options_.line.position_m;
-    sight.sigma_m = noise_factor * std::hypot(turn_m, shift_m);
+    sight.sigma_m = noise_factor * std::hypot(sight.distance_m * ray.sigma_rad, options_.line.position_m);
     const CommonVector common = estimate.common.cwiseProduct(sigmas_);
     const Eigen::Vector3d told =
         ray.forward - (common[3] * ray.cos_elevation + common[4]) * ray.side - common[5] * ray.rise;
-    const double told_share = shift_m * shift_m / (turn_m * turn_m + shift_m * shift_m);
-    const Eigen::Vector3d likely = (told_share * told + (1 - told_share) * seen / sight.distance_m).normalized();
+    const Eigen::Vector3d likely = LikelyDirection(ray, told, seen, options_.line.position_m);
     sight.side = (ray.side - likely * likely.dot(ray.side)).normalized();
     sight.rise = sight.side.cross(likely);
     return sight;
