@@ -130,7 +130,7 @@ std::optional<Consensus> FindConsensus(std::span<const Ray> rays, const LocateOp
   Sampler sampler(rays, moving, options.seed);
   Candidate best;
   // A clean sample may be badly placed (rays nearly parallel), so that some are drawn whatever the inliers' share.
-  constexpr double kFewest = 100;
+  constexpr double kFewest = 150;
   double wanted = options.max_hypotheses;
   int drawn = 0;
   for (; drawn < options.max_hypotheses && drawn < wanted; ++drawn) {

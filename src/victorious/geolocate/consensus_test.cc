@@ -1,5 +1,8 @@
 #include "victorious/geolocate/consensus.h"
 
+#include <cmath>
+
+#include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
 #include "testing/drawn_lines.h"
@@ -37,7 +40,7 @@ TEST(Consensus, HoldsAgainstFortyPercentWrong) {
   }
 }
 
-TEST(Consensus, SamplesFollowTheSeed) {
+TEST(Consensus, TheSameSeedKeepsTheSameLines) {
   const DrawnLines drawn = DrawLinesOfSight({.wrong_share = 0.4, .noise_position_m = 2, .noise_deg = 0.5});
   const auto inliers = [&](std::uint64_t seed) { return Locate(drawn.lines, {.seed = seed})->inliers; };
   EXPECT_EQ(inliers(3), inliers(3));

@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 #include "victorious/geometry/angles.h"
 
@@ -103,13 +102,21 @@ void NormalSystem::Add(const Ray& ray, const Vector3d& along, double distance_m)
   const Matrix3d weight = Matrix3d::Identity() - (1 - ray.range_weight) * along * along.transpose();
   const Vector3d across = ray.forward - along * along.dot(ray.forward);
   const Vector3d right = weight * ray.camera + distance_m * across + ray.range_weight * ray.range_m * along;
-  matrix_.topLeftCorner<3, 3>() += weight;
+  AddWeight(weight, ray.time_s);
   right_.head<3>() += right;
-  if (unknowns_ == 3) return;
-  matrix_.topRightCorner<3, 3>() += ray.time_s * weight;
-  matrix_.bottomLeftCorner<3, 3>() += ray.time_s * weight;
-  matrix_.bottomRightCorner<3, 3>() += ray.time_s * ray.time_s * weight;
   right_.tail<3>() += ray.time_s * right;
+}
+
+void NormalSystem::Discount(const Ray& ray, double variance) {
+  AddWeight(-variance * (1 - ray.range_weight) * ray.forward * ray.forward.transpose(), ray.time_s);
+}
+
+void NormalSystem::AddWeight(const Matrix3d& weight, double time_s) {
+  matrix_.topLeftCorner<3, 3>() += weight;
+  if (unknowns_ == 3) return;
+  matrix_.topRightCorner<3, 3>() += time_s * weight;
+  matrix_.bottomLeftCorner<3, 3>() += time_s * weight;
+  matrix_.bottomRightCorner<3, 3>() += time_s * time_s * weight;
 }
 
 void NormalSystem::Clear() {
@@ -170,6 +177,7 @@ std::optional<MatrixXd> LinearCovariance(std::span<const Ray> rays, const std::v
   const bool moving = options.motion == "velocity";
   const Eigen::Index unknowns = moving ? 6 : 3;
   NormalSystem system(moving);
+  const double feigned = FeignedFactor(std::ranges::count(chosen, true));
   MatrixXd own = MatrixXd::Zero(unknowns, unknowns);
   MatrixXd common = MatrixXd::Zero(unknowns, kCommonErrors + 1);
   for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -177,6 +185,7 @@ std::optional<MatrixXd> LinearCovariance(std::span<const Ray> rays, const std::v
     const Ray& ray = rays[i];
     system.Add(ray);
     const double distance_m = (motion.At(ray.time_s) - ray.camera).norm();
+    system.Discount(ray, feigned * ray.sigma_rad * ray.sigma_rad);
     const MatrixXd gain = TransposedDesign(ray, unknowns) * WeightOf(ray);
     own += gain * OwnCovariance(ray, distance_m, options) * gain.transpose();
     common += gain * CommonEffectOn(ray, distance_m, options);

@@ -30,6 +30,9 @@ class NormalSystem {
   /// The ray across another direction, near its own: its offset is then measured at `distance_m`.
   void Add(const Ray& ray, const Eigen::Vector3d& along, double distance_m);
 
+  /// Takes off what a direction's variance, rad^2, feigns to tell of the distance.
+  void Discount(const Ray& ray, double variance);
+
   void Clear();
 
   /// Nothing where the rays leave a direction (or a velocity) open.
@@ -39,6 +42,8 @@ class NormalSystem {
   [[nodiscard]] std::optional<Eigen::MatrixXd> Inverse() const;
 
  private:
+  void AddWeight(const Eigen::Matrix3d& weight, double time_s);
+
   Eigen::Matrix<double, 6, 6> matrix_ = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Matrix<double, 6, 1> right_ = Eigen::Matrix<double, 6, 1>::Zero();
   int unknowns_;

@@ -25,6 +25,9 @@ struct Solution {
 };
 using Outcome = std::expected<Solution, std::string>;
 
+constexpr const char* kNoBaseline =
+    "undetermined: the lines of sight differ too little, for their errors, to tell a distance";
+
 bool Moving(const LocateOptions& options) { return options.motion == "velocity"; }
 
 bool MostlyBehind(std::span<const Ray> rays, const std::vector<bool>& chosen, const Motion& motion) {
@@ -56,16 +59,53 @@ Outcome SolveOver(std::span<const Ray> rays, std::vector<bool> chosen, const Loc
   if (options.method == "prior" || options.method == "ransac") motion = SolveBalanced(rays, chosen, *motion, options);
   if (!motion || MostlyBehind(rays, chosen, *motion)) return std::unexpected(WhyOpen(rays, chosen, options));
   auto covariance = LinearCovariance(rays, chosen, *motion, options);
-  if (!covariance) return std::unexpected(WhyOpen(rays, chosen, options));
+  if (!covariance) return std::unexpected(kNoBaseline);
   return Solution{*motion, *std::move(covariance), std::move(chosen)};
+}
+
+// A place that may as well be at the camera, or at twice the distance, is not told.
+std::optional<std::string> WhyTooUncertain(std::span<const Ray> rays, const Solution& solution, double largest_share) {
+  double distance_m = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (!solution.inliers[i]) continue;
+    distance_m = std::max(distance_m, (solution.motion.At(rays[i].time_s) - rays[i].camera).norm());
+  }
+  const Eigen::Matrix3d covariance = solution.covariance.topLeftCorner<3, 3>();
+  const double largest =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly).eigenvalues()(2);
+  const double sigma_m = std::sqrt(std::max(0.0, largest));
+  if (std::isfinite(sigma_m) && sigma_m <= largest_share * distance_m) return std::nullopt;
+  return fmt::format("undetermined: the lines of sight fix the place to no better than {:.0f} m at {:.0f} m", sigma_m,
+                     distance_m);
+}
+
+// Whether the lines tell the distance without any range.
+bool TellDistance(std::span<const Ray> rays, const Consensus& found, const LocateOptions& options) {
+  std::vector<Ray> blind(rays.begin(), rays.end());
+  for (Ray& ray : blind) ray.range_weight = 0;
+  auto covariance = LinearCovariance(blind, found.inliers, found.motion, options);
+  if (!covariance) return false;
+  return !WhyTooUncertain(blind, {found.motion, *std::move(covariance), found.inliers}, options.largest_error_share);
+}
+
+// The mean of where the ranges end, in which the lines' scatter has no say along them.
+Outcome SolveByRanges(std::span<const Ray> rays, std::vector<bool> chosen, const LocateOptions& options) {
+  std::vector<Ray> ranged(rays.begin(), rays.end());
+  for (std::size_t i = 0; i < ranged.size(); ++i) {
+    chosen[i] = chosen[i] && ranged[i].range_source != RangeSource::kNone;
+    ranged[i].range_weight = 1;
+  }
+  if (std::ranges::none_of(chosen, std::identity())) return std::unexpected(kNoBaseline);
+  return SolveOver(ranged, std::move(chosen), options);
 }
 
 Outcome SolveMostLikely(std::span<const Ray> rays, Consensus start, const TangentPlane& plane,
                         const LocateOptions& options) {
+  if (!TellDistance(rays, start, options)) return SolveByRanges(rays, std::move(start.inliers), options);
   std::optional<double> ground_up_m;
   if (options.ground_height_m) ground_up_m = *options.ground_height_m - plane.origin().altitude_m;
   auto refined = RefinePlace(rays, start.motion, start.inliers, ground_up_m, options);
-  if (!refined) return std::unexpected(WhyOpen(rays, start.inliers, options));
+  if (!refined) return std::unexpected(kNoBaseline);
   if (MostlyBehind(rays, refined->inliers, refined->motion)) {
     return std::unexpected("undetermined: the lines of sight meet behind the camera");
   }
@@ -85,22 +125,6 @@ Outcome Solve(std::span<const Ray> rays, const TangentPlane& plane, const Locate
   if (!consensus) return std::unexpected(WhyOpen(rays, all, options));
   if (options.method == "ransac") return SolveOver(rays, std::move(consensus->inliers), options);
   return SolveMostLikely(rays, *std::move(consensus), plane, options);
-}
-
-// A place that may as well be at the camera, or at twice the distance, is not told.
-std::optional<std::string> WhyTooUncertain(std::span<const Ray> rays, const Solution& solution, double largest_share) {
-  double distance_m = 0;
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    if (!solution.inliers[i]) continue;
-    distance_m = std::max(distance_m, (solution.motion.At(rays[i].time_s) - rays[i].camera).norm());
-  }
-  const Eigen::Matrix3d covariance = solution.covariance.topLeftCorner<3, 3>();
-  const double largest =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly).eigenvalues()(2);
-  const double sigma_m = std::sqrt(std::max(0.0, largest));
-  if (std::isfinite(sigma_m) && sigma_m <= largest_share * distance_m) return std::nullopt;
-  return fmt::format("undetermined: the lines of sight fix the place to no better than {:.0f} m at {:.0f} m", sigma_m,
-                     distance_m);
 }
 
 Place PlaceOf(const Solution& solution, const TangentPlane& plane, double time_s) {

@@ -94,6 +94,35 @@ TEST_P(EachMethod, TellsNoPlaceWhereTheDistanceIsOpen) {
   EXPECT_THAT(fix.status, HasSubstr("undetermined: "));
 }
 
+TEST_P(EachMethod, ACameraThatStandsStillTellsNoDistanceHoweverManyItsLines) {
+  for (const int count : {5, 100, 4000}) {
+    for (const double noise_m : {0.0, 2.0}) {
+      if (options.method == "prior" && count > 100) continue;  // quadratic
+      const GeoFix fix =
+          Located(DrawLinesOfSight({.count = count, .arc_deg = 0, .noise_position_m = noise_m, .noise_deg = 0.5}).lines,
+                  options);
+      EXPECT_TRUE(!fix.place || fix.place->ce90_m > 100) << count << " " << noise_m << " " << fix.place->ce90_m;
+    }
+  }
+}
+
+TEST(Locate, OnTheGroundTheEllipseOfACameraThatStandsStillDoesNotShrink) {
+  for (const std::string method : {"ground", "ml"}) {
+    LocateOptions options{.method = method};
+    options.ground_height_m = 5;
+    std::vector<double> ce90_m;
+    for (const int count : {20, 4000}) {
+      const DrawnLines drawn =
+          DrawLinesOfSight({.count = count, .arc_deg = 0, .noise_position_m = 2, .noise_deg = 0.5});
+      const GeoFix fix = Located(drawn.lines, options);
+      ASSERT_TRUE(fix.place) << method << fix.status;
+      EXPECT_LT(ErrorOf(fix, drawn.object), 5) << method;
+      ce90_m.push_back(fix.place->ce90_m);
+    }
+    EXPECT_GT(ce90_m[1], 0.85 * ce90_m[0]) << method;
+  }
+}
+
 TEST_P(EachMethod, TellsNoVelocityOfTwoLines) {
   options.motion = "velocity";
   const GeoFix fix = Located(DrawLinesOfSight({.count = 2}).lines, options);

@@ -75,6 +75,11 @@ Frustum FrustumOf(const Ray& ray, const LocateOptions& options) {
   return frustum;
 }
 
+double ToldShare(const Ray& ray, double distance_m, double sigma_position_m) {
+  const double shift_m2 = Square(sigma_position_m);
+  return shift_m2 / (shift_m2 + Square(distance_m * ray.sigma_rad));
+}
+
 }  // namespace
 
 std::vector<Ray> MakeRays(std::span<const LineOfSight> lines, const TangentPlane& plane, const LocateOptions& options) {
@@ -99,9 +104,17 @@ std::vector<Ray> MakeRays(std::span<const LineOfSight> lines, const TangentPlane
 Eigen::Vector3d LikelyDirection(const Ray& ray, const Eigen::Vector3d& told, const Eigen::Vector3d& seen,
                                 double sigma_position_m) {
   const double distance_m = std::max(kNearest_m, seen.norm());
-  const double shift_m2 = Square(sigma_position_m);
-  const double told_share = shift_m2 / (shift_m2 + Square(distance_m * ray.sigma_rad));
+  const double told_share = ToldShare(ray, distance_m, sigma_position_m);
   return (told_share * told + (1 - told_share) * seen / distance_m).normalized();
+}
+
+double LikelyVariance(const Ray& ray, double distance_m, double sigma_position_m) {
+  return ToldShare(ray, distance_m, sigma_position_m) * Square(ray.sigma_rad);
+}
+
+double FeignedFactor(std::ptrdiff_t count) {
+  constexpr double kSigmas = 3;  // the mean of 2 n squares scatters by 1 / sqrt(n)
+  return 2 * (1 + kSigmas / std::sqrt(static_cast<double>(std::max<std::ptrdiff_t>(1, count))));
 }
 
 bool InFrustum(const Ray& ray, const Motion& motion) {

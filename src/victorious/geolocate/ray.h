@@ -1,6 +1,7 @@
 // Lines of sight in one tangent plane, with everything that the estimators ask of them worked out once.
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -60,5 +61,12 @@ bool InFrustum(const Ray& ray, const Motion& motion);
 /// which draws the place along the rays, and far where these leave it loose.
 Eigen::Vector3d LikelyDirection(const Ray& ray, const Eigen::Vector3d& told, const Eigen::Vector3d& seen,
                                 double sigma_position_m);
+
+/// The variance of that direction, rad^2 along each axis. So much parallel rays seem to differ, which feigns a
+/// baseline: the squared sine of the angle between rays is what tells the distance.
+double LikelyVariance(const Ray& ray, double distance_m, double sigma_position_m);
+
+/// What the variances that `count` rays feign are to be taken times, so that their scatter feigns nothing either.
+double FeignedFactor(std::ptrdiff_t count);
 
 }  // namespace victorious

@@ -30,8 +30,9 @@ struct Estimate {
 // A ray as one round of the minimisation sees it: what depends on the place and would draw it off if it moved along.
 struct Sight {
   double distance_m = 0;
-  double sigma_m = 0;    // of the ray's own error at that distance, across the ray
-  Eigen::Vector3d side;  // across the most likely true direction
+  double sigma_m = 0;     // of the ray's own error at that distance, across the ray
+  Eigen::Vector3d along;  // the most likely true direction
+  Eigen::Vector3d side;   // across it
   Eigen::Vector3d rise;
 };
 
@@ -194,7 +195,9 @@ class Refinement {
     problem.SetManifold(common, nullptr);
     const int first_common = options_.motion == "static" ? 3 : 6;
     for (int& one : held) one += first_common;
-    return Covariance(NormalMatrix(problem, free), held);
+    Eigen::MatrixXd normal = NormalMatrix(problem, free);
+    normal.topLeftCorner(first_common, first_common) -= Feigned(inliers, noise_factor, estimate, first_common);
+    return Covariance(normal, held);
   }
 
   /// The rays that pass the object, without the common errors, within the gate and the identity radius.
@@ -226,6 +229,21 @@ class Refinement {
   }
 
  private:
+  // What the rays' own errors seem to tell of the place, and of the velocity where there are 6 unknowns.
+  [[nodiscard]] Eigen::MatrixXd Feigned(const std::vector<bool>& inliers, double noise_factor, const Estimate& estimate,
+                                        int unknowns) const {
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(unknowns, unknowns);
+    for (std::size_t i = 0; i < rays_.size(); ++i) {
+      if (!inliers[i]) continue;
+      const Sight sight = SightOf(rays_[i], estimate, noise_factor);
+      Eigen::VectorXd along(unknowns);
+      along.head<3>() = sight.along / sight.sigma_m;
+      if (unknowns == 6) along.tail<3>() = rays_[i].time_s * along.head<3>();
+      sum += LikelyVariance(rays_[i], sight.distance_m, options_.line.position_m) * along * along.transpose();
+    }
+    return noise_factor * noise_factor * FeignedFactor(std::ranges::count(inliers, true)) * sum;
+  }
+
   [[nodiscard]] Eigen::Vector3d ToObject(const Ray& ray, const Estimate& estimate) const {
     return Seen<double>(ray, sigmas_, estimate.place.data(), estimate.velocity.data(), estimate.common.data());
   }
@@ -238,9 +256,9 @@ class Refinement {
     const CommonVector common = estimate.common.cwiseProduct(sigmas_);
     const Eigen::Vector3d told =
         ray.forward - (common[3] * ray.cos_elevation + common[4]) * ray.side - common[5] * ray.rise;
-    const Eigen::Vector3d likely = LikelyDirection(ray, told, seen, options_.line.position_m);
-    sight.side = (ray.side - likely * likely.dot(ray.side)).normalized();
-    sight.rise = sight.side.cross(likely);
+    sight.along = LikelyDirection(ray, told, seen, options_.line.position_m);
+    sight.side = (ray.side - sight.along * sight.along.dot(ray.side)).normalized();
+    sight.rise = sight.side.cross(sight.along);
     return sight;
   }
 
