@@ -9,18 +9,18 @@
 namespace victorious::bench {
 namespace {
 
-testing::DrawnLines NoisyLines(std::uint64_t seed, Eigen::Vector3d velocity_enu) {
+testing::DrawnLines NoisyLines(std::uint64_t seed, const Eigen::Vector3d& velocity_enu) {
   return testing::DrawLinesOfSight({.seed = seed,
                                     .count = 1000,
-                                    .velocity_enu = std::move(velocity_enu),
+                                    .velocity_enu = velocity_enu,
                                     .wrong_share = 0.4,
                                     .noise_position_m = 2,
                                     .noise_deg = 0.5});
 }
 
 // Over many seeds: how often the place is within 3 sigma and 95 % of the true lines are kept.
-std::vector<std::pair<std::string, double>> Reliability(const LocateOptions& settings, Eigen::Vector3d velocity_enu,
-                                                        int seeds) {
+std::vector<std::pair<std::string, double>> Reliability(const LocateOptions& settings,
+                                                        const Eigen::Vector3d& velocity_enu, int seeds) {
   int near = 0;
   int kept = 0;
   for (int seed = 1; seed <= seeds; ++seed) {

@@ -48,9 +48,9 @@ DrawnLines DrawLinesOfSight(const DrawnLinesOptions& options) {
     line.elevation_rad += RadiansFromDegrees(elevation_bias_deg + options.noise_deg * random.Normal());
     const bool wrong = random.Uniform() < options.wrong_share;
     if (wrong) {
-      constexpr double kFurthest_deg = 15;
-      line.azimuth_rad += RadiansFromDegrees(random.Uniform(-kFurthest_deg, kFurthest_deg));
-      line.elevation_rad += RadiansFromDegrees(random.Uniform(-kFurthest_deg, kFurthest_deg));
+      constexpr double kFurthestDeg = 15;
+      line.azimuth_rad += RadiansFromDegrees(random.Uniform(-kFurthestDeg, kFurthestDeg));
+      line.elevation_rad += RadiansFromDegrees(random.Uniform(-kFurthestDeg, kFurthestDeg));
     }
     line.range_m.reset();
     if (options.range_share > 0) {

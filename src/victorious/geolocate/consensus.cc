@@ -39,10 +39,10 @@ class FrustumTable {
  private:
   static constexpr Index kColumns = 11;
 
-  template <int kMost>
-  [[nodiscard]] Eigen::Array<double, Eigen::Dynamic, 1, 0, kMost, 1> Costs(const Motion& motion, Index first,
-                                                                           Index count) const {
-    using Some = Eigen::Array<double, Eigen::Dynamic, 1, 0, kMost, 1>;
+  template <int Most>
+  [[nodiscard]] Eigen::Array<double, Eigen::Dynamic, 1, 0, Most, 1> Costs(const Motion& motion, Index first,
+                                                                          Index count) const {
+    using Some = Eigen::Array<double, Eigen::Dynamic, 1, 0, Most, 1>;
     const auto column = [&](Index c) { return columns_.col(c).segment(first, count); };
     const Some x = motion.place.x() + motion.velocity.x() * column(0) - column(1);
     const Some y = motion.place.y() + motion.velocity.y() * column(0) - column(2);
@@ -99,7 +99,7 @@ class Sampler {
       } while (std::find(chosen.begin(), end, chosen[k]) != end);
       system_.Add(rays_[chosen[k]]);
     }
-    const auto motion = system_.Solve();
+    auto motion = system_.Solve();
     if (!motion) return std::nullopt;
     for (std::size_t k = 0; k < size_; ++k) {
       if (!InFrustum(rays_[chosen[k]], *motion)) return std::nullopt;

@@ -164,8 +164,8 @@ std::optional<Motion> SolveBalanced(std::span<const Ray> rays, const std::vector
     }
     const auto next = system.Solve();
     if (!next) return std::nullopt;
-    constexpr double kSettled_m = 1e-3;
-    const bool settled = (next->place - motion.place).norm() < kSettled_m;
+    constexpr double kSettledM = 1e-3;
+    const bool settled = (next->place - motion.place).norm() < kSettledM;
     motion = *next;
     if (settled) break;
   }

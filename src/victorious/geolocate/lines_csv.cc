@@ -36,19 +36,19 @@ enum : std::size_t {
   kCount
 };
 
-constexpr double kFarthest_m = 1e7;  // beyond it, nothing on Earth is seen
-constexpr double kLeast = 1e-6;      // of what must be above 0
+constexpr double kFarthestM = 1e7;  // beyond it, nothing on Earth is seen
+constexpr double kLeast = 1e-6;     // of what must be above 0
 
 constexpr std::array<Column, kCount> kColumns = {{
     {"time_s", -1e12, 1e12, "s", true},
     {"latitude_deg", -90, 90, "degrees", true},
     {"longitude_deg", -180, 360, "degrees", true},
-    {"altitude_m", -kFarthest_m, kFarthest_m, "metres", true},
+    {"altitude_m", -kFarthestM, kFarthestM, "metres", true},
     {"azimuth_deg", -360, 360, "degrees", true},
     {"elevation_deg", -90, 90, "degrees", true},
-    {"range_m", kLeast, kFarthest_m, "metres", false},
+    {"range_m", kLeast, kFarthestM, "metres", false},
     {"sigma_deg", kLeast, 90, "degrees", false},
-    {"sigma_range_m", kLeast, kFarthest_m, "metres", false},
+    {"sigma_range_m", kLeast, kFarthestM, "metres", false},
 }};
 
 std::string_view Trimmed(std::string_view text) {

@@ -9,7 +9,7 @@
 namespace victorious {
 namespace {
 
-constexpr double kNearest_m = 1;  // nothing is seen from nearer, and what is behind the camera has a distance below 0
+constexpr double kNearestM = 1;  // nothing is seen from nearer, and what is behind the camera has a distance below 0
 
 double Square(double value) { return value * value; }
 
@@ -39,7 +39,7 @@ void SetRange(const LineOfSight& line, const LocateOptions& options, Ray& ray) {
   const double fall = -ray.forward.dot(ray.up);
   const double height_m = line.camera.altitude_m - *options.ground_height_m;
   constexpr double kLeastFall = 0.01;  // flatter than half a degree, a line meets the ground anywhere
-  if (fall < kLeastFall || height_m <= kNearest_m) return;
+  if (fall < kLeastFall || height_m <= kNearestM) return;
   ray.range_source = RangeSource::kGround;
   ray.range_m = height_m / fall;
   const double slide = ray.range_m * ray.cos_elevation * ray.sigma_rad;
@@ -64,12 +64,12 @@ Frustum FrustumOf(const Ray& ray, const LocateOptions& options) {
   const double gate2 = Square(options.gate_sigma);
   frustum.base_m2 = Square(options.identity_radius_m) + gate2 * Square(options.line.position_m);
   frustum.slope = gate2 * (Square(ray.sigma_rad) + common_rad2 / 2);  // of two angles: half of it each
-  frustum.nearest_m = kNearest_m;
+  frustum.nearest_m = kNearestM;
   frustum.farthest_m = std::numeric_limits<double>::infinity();
   if (ray.range_source == RangeSource::kMeasured) {
     const double allowance =
         std::max(options.distance_prior_allowance, 1 + options.gate_sigma * ray.sigma_range_m / ray.range_m);
-    frustum.nearest_m = std::max(kNearest_m, ray.range_m / allowance);
+    frustum.nearest_m = std::max(kNearestM, ray.range_m / allowance);
     frustum.farthest_m = std::max(frustum.nearest_m, ray.range_m * allowance);
   }
   return frustum;
@@ -103,7 +103,7 @@ std::vector<Ray> MakeRays(std::span<const LineOfSight> lines, const TangentPlane
 
 Eigen::Vector3d LikelyDirection(const Ray& ray, const Eigen::Vector3d& told, const Eigen::Vector3d& seen,
                                 double sigma_position_m) {
-  const double distance_m = std::max(kNearest_m, seen.norm());
+  const double distance_m = std::max(kNearestM, seen.norm());
   const double told_share = ToldShare(ray, distance_m, sigma_position_m);
   return (told_share * told + (1 - told_share) * seen / distance_m).normalized();
 }

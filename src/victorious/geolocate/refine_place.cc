@@ -83,8 +83,8 @@ struct GroundError {
 
   template <typename T>
   bool operator()(const T* place, T* residual) const {
-    constexpr double kEarthRadius_m = 6371e3;
-    residual[0] = (place[2] + (place[0] * place[0] + place[1] * place[1]) / (2 * kEarthRadius_m) - up_m) / sigma_m;
+    constexpr double kEarthRadiusM = 6371e3;
+    residual[0] = (place[2] + (place[0] * place[0] + place[1] * place[1]) / (2 * kEarthRadiusM) - up_m) / sigma_m;
     return true;
   }
 };
