@@ -23,6 +23,8 @@ END
   "$program" params cad
   printf '\n## Of `telemetry`\n\n'
   "$program" params telemetry
+  printf '\n## Of `locate`\n\n'
+  "$program" params locate
 }
 
 if [[ "${2:-}" == "--check" ]]; then

@@ -26,6 +26,7 @@ Action SetUpExport(CLI::App& app);
 Action SetUpFeatures(CLI::App& app);
 Action SetUpFrame(CLI::App& app);
 Action SetUpIndex(CLI::App& app);
+Action SetUpLocate(CLI::App& app);
 Action SetUpMatch(CLI::App& app);
 Action SetUpModel(CLI::App& app);
 Action SetUpParams(CLI::App& app);

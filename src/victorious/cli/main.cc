@@ -30,6 +30,7 @@ constexpr std::array kCommands = {
             &SetUpSearch},
     Command{"export", "Find", "What was found, for other programs: objects, sightings, mot, coco", &SetUpExport},
     Command{"sheet", "Find", "What was found, as pictures", &SetUpSheet},
+    Command{"locate", "Find", "Where on Earth lines of sight meet, and how surely", &SetUpLocate},
     Command{"match", "Look inside", "Match two pictures, stage by stage", &SetUpMatch},
     Command{"features", "Look inside", "The features of a picture, as text", &SetUpFeatures},
     Command{"telemetry", "Look inside", "The camera's states that a video or a file of telemetry tells",
