@@ -9,10 +9,13 @@
 namespace victorious::bench {
 namespace {
 
-Result TimeFrame(std::string name, std::vector<ObjectModel> models, const cv::Mat& frame, const Settings& settings) {
+Result TimeFrame(std::string name, std::vector<ObjectModel> models, const std::string& method, const cv::Mat& frame,
+                 const Settings& settings) {
   const std::size_t views = ViewsOf(models).size();
   const auto extractor = MakeFeatureExtractor({}).value();
-  const Recognizer recognizer = Recognizer::Create(std::move(models), FeatureOptions().engine, {}).value();
+  RecognizeOptions options;
+  options.method = method;
+  const Recognizer recognizer = Recognizer::Create(std::move(models), FeatureOptions().engine, options).value();
   const Contestant ours = {"victorious", [&] {
                              const FeatureSet features = extractor->Extract(frame).value();
                              return static_cast<double>(recognizer.Recognize(features).size());
@@ -30,8 +33,10 @@ Result TimeFrame(std::string name, std::vector<ObjectModel> models, const cv::Ma
 std::vector<Result> BenchFrame(const Settings& settings) {
   const testing::SyntheticFlight flight = DrawnFlight();
   const cv::Mat frame = GreyFrame(flight);
-  return {TimeFrame("frame", {PhotoModel(flight, 0), PhotoModel(flight, 1)}, frame, settings),
-          TimeFrame("frame_4x253", AllRoundModels(flight, settings.quick ? 50 : 1), frame, settings)};
+  const int every = settings.quick ? 50 : 1;
+  return {TimeFrame("frame", {PhotoModel(flight, 0), PhotoModel(flight, 1)}, "grammar", frame, settings),
+          TimeFrame("frame_4x253", AllRoundModels(flight, every), "grammar", frame, settings),
+          TimeFrame("frame_4x253_votes", AllRoundModels(flight, every), "votes", frame, settings)};
 }
 
 }  // namespace victorious::bench
