@@ -25,7 +25,8 @@ struct Benchmark {
 
 constexpr std::array kBenchmarks = {Benchmark{"sift", &BenchSift},       Benchmark{"match", &BenchMatch},
                                     Benchmark{"cascade", &BenchCascade}, Benchmark{"mlesac", &BenchMlesac},
-                                    Benchmark{"frame", &BenchFrame},     Benchmark{"search", &BenchSearch}};
+                                    Benchmark{"frame", &BenchFrame},     Benchmark{"search", &BenchSearch},
+                                    Benchmark{"locate", &BenchLocate}};
 
 struct Arguments {
   std::string name;  ///< empty: all

@@ -7,7 +7,7 @@ import sys
 import unittest
 
 PROGRAM = ""
-NAMES = ["sift", "match", "cascade", "mlesac", "frame", "search"]
+NAMES = ["sift", "match", "cascade", "mlesac", "frame", "search", "locate"]
 
 
 def run(*arguments: str) -> subprocess.CompletedProcess:

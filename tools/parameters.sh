@@ -21,6 +21,10 @@ END
   "$program" params model
   printf '\n## Of `model add` with a CAD file\n\n'
   "$program" params cad
+  printf '\n## Of `telemetry`\n\n'
+  "$program" params telemetry
+  printf '\n## Of `locate`\n\n'
+  "$program" params locate
 }
 
 if [[ "${2:-}" == "--check" ]]; then

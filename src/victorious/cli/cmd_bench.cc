@@ -19,7 +19,7 @@ Action SetUpBench(CLI::App& app) {
   };
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("NAME", arguments->name,
-                 "One benchmark: sift, match, cascade, mlesac, frame, search; without it, all");
+                 "One benchmark: sift, match, cascade, mlesac, frame, search, locate; without it, all");
   app.add_flag("--json", arguments->json, "Medians, and every peer's as ratio_to_<peer>");
   return [=]() -> Status {
     std::error_code error;

@@ -1,11 +1,13 @@
 // victorious doctor [FILE]: what this machine offers, or what a file holds and what is missing for which result
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <fstream>
-#include <map>
+#include <iterator>
 #include <memory>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -15,7 +17,8 @@
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/features/feature_extractor.h"
-#include "victorious/kernels/nearest_two.h"
+#include "victorious/kernels/nearest.h"
+#include "victorious/pipeline/video_telemetry.h"
 #include "victorious/store/index_store.h"
 #include "victorious/store/model_file.h"
 #include "victorious/video/codecs.h"
@@ -57,7 +60,7 @@ struct Probe {
   std::int64_t frames = 0;
   double last_time_s = 0;
   bool at_end = false;
-  std::map<DataKind, std::int64_t> packets;
+  std::vector<DataPacket> packets;
 };
 
 Expected<Probe> ReadBeginning(VideoReader& reader) {
@@ -71,24 +74,30 @@ Expected<Probe> ReadBeginning(VideoReader& reader) {
     }
     ++probe.frames;
     probe.last_time_s = frame->time_s;
-    for (const DataPacket& packet : reader.TakeDataPackets()) ++probe.packets[packet.kind];
+    std::ranges::move(reader.TakeDataPackets(), std::back_inserter(probe.packets));
   }
-  for (const DataPacket& packet : reader.TakeDataPackets()) ++probe.packets[packet.kind];
+  std::ranges::move(reader.TakeDataPackets(), std::back_inserter(probe.packets));
   return probe;
 }
 
+std::string Indented(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += fmt::format("  {}\n", OneLine(line));
+  return text;
+}
+
+// What is known of the camera, from the file itself or from what lies beside it.
 std::string PlaceText(const std::string& source, const Probe& probe) {
-  const auto klv = probe.packets.find(DataKind::kKlv);
-  const auto subtitle = probe.packets.find(DataKind::kSubtitle);
-  if (klv != probe.packets.end()) return fmt::format("KLV telemetry is there ({} packets read)", klv->second);
-  if (subtitle != probe.packets.end())
-    return fmt::format("subtitles are there ({} read): telemetry, if a DJI aircraft wrote them", subtitle->second);
-  for (const fs::path& beside : {fs::path(source).replace_extension(".SRT"), fs::path(source).replace_extension(".srt"),
-                                 fs::path(source + ".telemetry.csv")}) {
-    std::error_code error;
-    if (fs::exists(beside, error)) return fmt::format("telemetry lies beside it: {}", beside.string());
+  const auto inside = TelemetryFromPackets(probe.packets, {});
+  if (inside && inside->records > 0) return "telemetry in the file\n" + Indented(DescribeTelemetry(*inside));
+  const auto beside = TelemetryBeside(source);
+  if (!beside) {
+    return "impossible: no telemetry\n"
+           "  missing: KLV or a DJI aircraft's subtitles in the file, or a .SRT or .telemetry.csv beside it\n";
   }
-  return "no telemetry: no KLV or subtitles in the file, no .SRT or .telemetry.csv beside it";
+  const auto telemetry = ReadTelemetry(beside->string(), {});
+  const std::string place = fmt::format("telemetry beside it, {}\n", OneLine(beside->string()));
+  return place + Indented(telemetry ? DescribeTelemetry(*telemetry) : std::vector{telemetry.error().message});
 }
 
 Expected<std::string> DescribeVideo(const std::string& source) {
@@ -110,8 +119,7 @@ Expected<std::string> DescribeVideo(const std::string& source) {
     text += fmt::format("  stream {}   {} ({})\n", stream.index, stream.type, stream.codec);
   for (const std::string& warning : reader->warnings()) text += fmt::format("  damage     {}\n", warning);
   text += "Finding objects: everything needed is there.\n";
-  text += fmt::format("Placing them on the map: {}.\n", PlaceText(source, probe));
-  text += "  This version reads no telemetry yet: places stay unknown.\n";
+  text += "Placing them on the map: " + PlaceText(source, probe);
   return text;
 }
 
@@ -143,6 +151,11 @@ Expected<std::string> DescribeIndex(const std::string& path) {
   return text;
 }
 
+Expected<std::string> DescribeTelemetryFile(const std::string& path) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const Telemetry telemetry, ReadTelemetry(path, {}));
+  return fmt::format("{}\n{}", path, Indented(DescribeTelemetry(telemetry)));
+}
+
 // By the file's first bytes, whatever it is called.
 Expected<std::string> Describe(const std::string& path) {
   std::array<char, 16> head{};
@@ -150,6 +163,7 @@ Expected<std::string> Describe(const std::string& path) {
   const std::string_view bytes(head.data(), head.size());
   if (bytes.starts_with("SQLite format 3")) return DescribeIndex(path);
   if (bytes.starts_with("\x8AVMDL")) return DescribeModel(path);
+  if (IsTelemetryFile(path)) return DescribeTelemetryFile(path);
   return DescribeVideo(path);
 }
 
@@ -157,9 +171,9 @@ Expected<std::string> Describe(const std::string& path) {
 
 Action SetUpDoctor(CLI::App& app) {
   const auto file = std::make_shared<std::string>();
-  app.add_option(
-      "FILE", *file,
-      "A video, a folder of frames, a picture, a model (.vmodel) or an index (.db); without it, this machine");
+  app.add_option("FILE", *file,
+                 "A video, a folder of frames, a picture, telemetry, a model (.vmodel) or an index (.db); without it, "
+                 "this machine");
   return [=]() -> Status {
     if (file->empty()) return WriteOutput("", Machine());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, Describe(*file));

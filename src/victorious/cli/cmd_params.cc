@@ -8,9 +8,11 @@
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/geolocate/locate_options.h"
 #include "victorious/model/cad_model.h"
 #include "victorious/model/photo_model.h"
 #include "victorious/pipeline/index_options.h"
+#include "victorious/telemetry/telemetry.h"
 
 namespace victorious::cli {
 
@@ -22,18 +24,22 @@ Action SetUpParams(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("OF", arguments->of,
                  "Whose: index (search and match take its recognition part), model (of photos), cad (model of a CAD "
-                 "file), features")
-      ->check(CLI::IsMember({"index", "model", "cad", "features"}));
+                 "file), features, telemetry, locate")
+      ->check(CLI::IsMember({"index", "model", "cad", "features", "telemetry", "locate"}));
   app.add_flag("--json", arguments->json, "The defaults as JSON, ready to be edited and given to --params");
   return [=]() -> Status {
     IndexOptions index;
     PhotoModelOptions model;
     CadModelOptions cad;
     FeatureOptions features;
+    TelemetryOptions telemetry;
+    LocateOptions locate;
     const std::map<std::string, std::vector<FieldRef>> lists = {{"index", FieldsOf(index)},
                                                                 {"model", FieldsOf(model)},
                                                                 {"cad", FieldsOf(cad)},
-                                                                {"features", FieldsOf(features)}};
+                                                                {"features", FieldsOf(features)},
+                                                                {"telemetry", FieldsOf(telemetry)},
+                                                                {"locate", FieldsOf(locate)}};
     const std::vector<FieldRef>& fields = lists.at(arguments->of);
     return WriteOutput("", arguments->json ? ToJson(fields).dump(2) + "\n" : MarkdownTable(fields));
   };

@@ -26,11 +26,13 @@ Action SetUpExport(CLI::App& app);
 Action SetUpFeatures(CLI::App& app);
 Action SetUpFrame(CLI::App& app);
 Action SetUpIndex(CLI::App& app);
+Action SetUpLocate(CLI::App& app);
 Action SetUpMatch(CLI::App& app);
 Action SetUpModel(CLI::App& app);
 Action SetUpParams(CLI::App& app);
 Action SetUpSearch(CLI::App& app);
 Action SetUpSheet(CLI::App& app);
 Action SetUpSimulate(CLI::App& app);
+Action SetUpTelemetry(CLI::App& app);
 
 }  // namespace victorious::cli

@@ -96,8 +96,11 @@ Detection ToDetection(const Candidate& candidate, const SceneSize& scene, const 
   Detection detection{.model = candidate.model, .view = candidate.view, .pose = candidate.pose};
   detection.outline = ProjectPolygon(candidate.pose.scene_from_template_plane, candidate.outline);
   detection.box = BoundingBox(ClipToBox(detection.outline, {0, 0, scene.width_px, scene.height_px}));
-  detection.evidence = Evidence(candidate.matches, candidate.pose.distinct_inliers,
-                                AgreementChance(candidate.pose, scene), candidate.views);
+  detection.evidence =
+      candidate.pose.evidence
+          ? *candidate.pose.evidence - std::log10(static_cast<double>(std::max<std::size_t>(1, candidate.views)))
+          : Evidence(candidate.matches, candidate.pose.distinct_inliers, AgreementChance(candidate.pose, scene),
+                     candidate.views);
   detection.score = Score(detection.evidence, options);
   return detection;
 }
@@ -135,6 +138,7 @@ std::vector<Detection> Detect(std::span<const Candidate> candidates, const Scene
     }
   }
   std::ranges::stable_sort(detections, [](const Detection& a, const Detection& b) {
+    if (a.pose.evidence && b.pose.evidence) return a.evidence > b.evidence;
     if (a.pose.distinct_inliers != b.pose.distinct_inliers) return a.pose.distinct_inliers > b.pose.distinct_inliers;
     return a.evidence > b.evidence;
   });

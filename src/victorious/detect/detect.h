@@ -7,6 +7,7 @@
 // Stival, IJCV 57, 2004; the same question as Lowe's, CVPR 2001, section 5). With n matches of the template in the
 // scene, k of them agreeing, p the chance that a wrong match agrees with a given pose in place, turn and scale:
 //   expected = views * C(n, 2) * P(at least k - 2 of n - 2 agree),   evidence = -log10(expected).
+// A pose that carries its own evidence (pose/vote_poses.h) keeps it, less the number of views searched.
 #pragma once
 
 #include <cstddef>

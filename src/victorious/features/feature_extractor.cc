@@ -31,6 +31,17 @@ void FeatureOptions::ListFields(FieldList& fields) {
        .max = 16384,
        .unit = "px",
        .reason = "larger images are searched at a reduced size of this longest side, which bounds time and memory"});
+  fields.Add("impulse_share", impulse_share,
+             {.min = 0,
+              .max = 1,
+              .reason = "salt-and-pepper noise is taken out of images of which it is more than this share; 1 never"});
+}
+
+FeatureOptions FaintFeatures() {
+  FeatureOptions options;
+  options.contrast_threshold = 0.015;
+  options.edge_threshold = 20;
+  return options;
 }
 
 std::vector<std::string> FeatureEngines() { return {"opencv"}; }

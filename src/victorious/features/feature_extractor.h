@@ -24,9 +24,14 @@ struct FeatureOptions {
   double sigma_px = 1.6;
   int max_features = 0;
   int max_side_px = 2048;
+  double impulse_share = 0.01;
 
   void ListFields(FieldList& fields);
 };
+
+/// For objects of little texture, and the scenes that they are sought in: keypoints of less contrast than Lowe's, and
+/// more of those on edges. Twice as many as by default.
+FeatureOptions FaintFeatures();
 
 /// The engines of this build, by name.
 std::vector<std::string> FeatureEngines();

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "victorious/base/check.h"
+#include "victorious/features/impulse_noise.h"
 #include "victorious/geometry/angles.h"
 
 namespace victorious {
@@ -33,11 +34,12 @@ class OpenCvSift final : public FeatureExtractor {
     const cv::Size searched(cvRound(grey.cols * shrink), cvRound(grey.rows * shrink));
     if (std::min(searched.width, searched.height) < kLeastSidePx) return features;
     try {
+      const cv::Mat clean = options_.impulse_share < 1 ? WithoutImpulses(grey, options_.impulse_share) : grey;
       if (searched == grey.size()) {
-        Compute(grey, features);
+        Compute(clean, features);
       } else {
         cv::Mat small;
-        cv::resize(grey, small, searched, 0, 0, cv::INTER_AREA);
+        cv::resize(clean, small, searched, 0, 0, cv::INTER_AREA);
         Compute(small, features);
         Enlarge(static_cast<double>(grey.cols) / small.cols, static_cast<double>(grey.rows) / small.rows, features);
       }

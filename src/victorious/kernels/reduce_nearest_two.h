@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "victorious/kernels/nearest_two.h"
+#include "victorious/kernels/nearest.h"
 
 namespace victorious::kernels {
 

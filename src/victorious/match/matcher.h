@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "victorious/base/options.h"
-#include "victorious/kernels/nearest_two.h"
+#include "victorious/kernels/nearest.h"
 #include "victorious/types/feature_set.h"
 #include "victorious/types/match_set.h"
 
@@ -24,6 +24,7 @@ struct MatchOptions {
 /// Templates made ready for matching, once; then read by any number of threads.
 class TemplateSet {
  public:
+  TemplateSet() = default;
   explicit TemplateSet(std::span<const FeatureView> templates);
 
   [[nodiscard]] std::size_t size() const { return templates_.size(); }
@@ -35,7 +36,7 @@ class TemplateSet {
 
 /// One MatchSet a template, each in the order of the scene's keypoints. A template of fewer than two keypoints has no
 /// second nearest, so no evidence, so no match.
-/// Cost: scene x template keypoints x 128 bytes, at the speed of kernels/nearest_two.h.
+/// Cost: scene x template keypoints x 128 bytes, at the speed of kernels/nearest.h.
 std::vector<MatchSet> MatchFeatures(const FeatureView& scene, const TemplateSet& templates,
                                     const MatchOptions& options);
 

@@ -17,11 +17,11 @@
 namespace victorious {
 
 struct CadModelOptions {
-  FeatureOptions features;
+  FeatureOptions features = FaintFeatures();
   ViewSphereOptions sphere;
   Light light;
   RenderOptions render;
-  int object_size_px = 280;
+  int object_size_px = 400;
   double distance_radii = 12.0;
   double least_mask_share = 0.7;
   int least_features = 4;

@@ -32,7 +32,7 @@ struct VideoOptions {
 
 struct IndexOptions {
   VideoOptions video;
-  FeatureOptions features;
+  FeatureOptions features = FaintFeatures();
   RecognizeOptions recognize;
   RunOptions runs;
   KeepOptions keep;

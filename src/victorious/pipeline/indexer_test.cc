@@ -200,7 +200,7 @@ TEST(Indexer, OtherParametersAreRefusedAndChangeNothing) {
   edge.options.features.edge_threshold = 12;
   edge.options.runs.gap_s = 3;
   for (const auto& [run, difference] : {std::pair<RunSetup, std::string>{ratio, "match.ratio was 0.8, is 0.7"},
-                                        std::pair<RunSetup, std::string>{edge, "edge_threshold was 10.0, is 12.0"}}) {
+                                        std::pair<RunSetup, std::string>{edge, "edge_threshold was 20.0, is 12.0"}}) {
     // A changed model is no reason to lose what was found: nothing was searched in its stead.
     const Expected<IndexReport> report = TryIndex(flight.video(), {flight.Model(0, 0.8), flight.Model(1)}, *store, run);
     ASSERT_FALSE(report);

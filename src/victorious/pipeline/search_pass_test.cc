@@ -39,6 +39,7 @@ class FakeReader final : public VideoReader {
     return Frame{.index = index, .time_s = static_cast<double>(index) / 10, .image = cv::Mat(32, 32, CV_8UC1, 128.0)};
   }
   std::vector<DataPacket> TakeDataPackets() override { return {}; }
+  void PassOverFrames() override { next_ = kFrames; }
   [[nodiscard]] const std::vector<std::string>& warnings() const override { return warnings_; }
 
   std::int64_t broken_at = -1;

@@ -7,11 +7,24 @@
 namespace victorious {
 
 void RecognizeOptions::ListFields(FieldList& fields) {
+  fields.Add("method", method,
+             {.choices = {"auto", "grammar", "votes"},
+              .reason = "from matches to poses: grammar, the thesis's ratio test, cascade and MLESAC; votes of ranked "
+                        "matches; auto, votes for CAD models and the grammar for photos"});
+  fields.AddGroup("search", search);
   fields.AddGroup("match", match);
   fields.AddGroup("cascade", cascade);
   fields.AddGroup("pose", pose);
   fields.AddGroup("detect", detect);
 }
+
+namespace {
+
+bool IsSearchedByVotes(const ObjectModel& model, const RecognizeOptions& options) {
+  return options.method == "votes" || (options.method == "auto" && model.kind == "cad");
+}
+
+}  // namespace
 
 Status CheckEngine(std::span<const ObjectModel> models, std::string_view engine) {
   for (const ObjectModel& model : models) {
@@ -28,20 +41,24 @@ Expected<Recognizer> Recognizer::Create(std::vector<ObjectModel> models, const s
                                         const RecognizeOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   VICTORIOUS_RETURN_IF_ERROR(CheckEngine(models, engine));
-  std::vector<ViewRef> refs;
-  std::vector<FeatureView> templates;
-  for (std::size_t m = 0; m < models.size(); ++m) {
-    for (std::size_t v = 0; v < models[m].views.size(); ++v) {
-      refs.push_back({m, v});
-      templates.push_back(models[m].ViewFeatures(v));
-    }
-  }
-  return Recognizer(std::move(models), std::move(refs), TemplateSet(templates), options);
+  return Recognizer(std::move(models), options);
 }
 
-Recognizer::Recognizer(std::vector<ObjectModel> models, std::vector<ViewRef> views, TemplateSet templates,
-                       const RecognizeOptions& options)
-    : models_(std::move(models)), views_(std::move(views)), templates_(std::move(templates)), options_(options) {}
+Recognizer::Recognizer(std::vector<ObjectModel> models, const RecognizeOptions& options)
+    : models_(std::move(models)), options_(options) {
+  std::vector<FeatureView> templates;
+  for (std::size_t m = 0; m < models_.size(); ++m) {
+    if (IsSearchedByVotes(models_[m], options)) {
+      voters_.emplace_back(m, VoteSearch(models_[m]));
+      continue;
+    }
+    for (std::size_t v = 0; v < models_[m].views.size(); ++v) {
+      views_.push_back({m, v});
+      templates.push_back(models_[m].ViewFeatures(v));
+    }
+  }
+  templates_ = TemplateSet(templates);
+}
 
 StagedMatches Recognizer::Filter(const FeatureSet& scene, const ViewRef& ref, MatchSet matches) const {
   const ObjectModel& model = models_[ref.model];
@@ -55,9 +72,8 @@ StagedMatches Recognizer::Filter(const FeatureSet& scene, const ViewRef& ref, Ma
   return staged;
 }
 
-std::vector<Detection> Recognizer::Recognize(const FeatureSet& scene) const {
+void Recognizer::SearchByGrammar(const FeatureSet& scene, std::vector<Candidate>& candidates) const {
   std::vector<MatchSet> matches = MatchFeatures(scene.View(), templates_, options_.match);
-  std::vector<Candidate> candidates;
   for (std::size_t i = 0; i < views_.size(); ++i) {
     StagedMatches staged = Filter(scene, views_[i], std::move(matches[i]));
     for (Pose& pose : staged.poses) {
@@ -69,6 +85,22 @@ std::vector<Detection> Recognizer::Recognize(const FeatureSet& scene) const {
                             .pose = std::move(pose)});
     }
   }
+}
+
+void Recognizer::SearchByVotes(const FeatureSet& scene, std::vector<Candidate>& candidates) const {
+  const RankedMatcher ranked(scene.View());
+  for (const auto& [model, search] : voters_) {
+    for (Candidate& candidate : search.Search(models_[model], scene, ranked, options_.search, options_.pose)) {
+      candidate.model = model;
+      candidates.push_back(std::move(candidate));
+    }
+  }
+}
+
+std::vector<Detection> Recognizer::Recognize(const FeatureSet& scene) const {
+  std::vector<Candidate> candidates;
+  if (!views_.empty()) SearchByGrammar(scene, candidates);
+  if (!voters_.empty()) SearchByVotes(scene, candidates);
   const SceneSize size{static_cast<double>(scene.image_width), static_cast<double>(scene.image_height)};
   return Detect(candidates, size, options_.detect);
 }

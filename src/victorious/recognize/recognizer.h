@@ -1,11 +1,15 @@
 // recognize/, the stages from match to detect as one call: what index, match, search by picture (and later tracking and
 // navigation) share. In: a scene's features. Out: the models' instances in it.
+//
+// Two ways lead from matches to poses. The grammar is the thesis's: ratio test, cascade, MLESAC. Votes (vote_search.h)
+// use matches that no ratio test lets through, and find models of little texture in cluttered scenes.
 #pragma once
 
 #include <cstddef>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "victorious/base/error.h"
@@ -14,6 +18,7 @@
 #include "victorious/grammar/cascade.h"
 #include "victorious/match/matcher.h"
 #include "victorious/pose/similarity_pose.h"
+#include "victorious/recognize/vote_search.h"
 #include "victorious/types/detection.h"
 #include "victorious/types/feature_set.h"
 #include "victorious/types/object_model.h"
@@ -21,6 +26,8 @@
 namespace victorious {
 
 struct RecognizeOptions {
+  std::string method = "auto";
+  VoteSearchOptions search;
   MatchOptions match;
   CascadeOptions cascade;
   PoseOptions pose;
@@ -61,14 +68,16 @@ class Recognizer {
     std::size_t view;
   };
 
-  Recognizer(std::vector<ObjectModel> models, std::vector<ViewRef> views, TemplateSet templates,
-             const RecognizeOptions& options);
+  Recognizer(std::vector<ObjectModel> models, const RecognizeOptions& options);
 
   [[nodiscard]] StagedMatches Filter(const FeatureSet& scene, const ViewRef& ref, MatchSet matches) const;
+  void SearchByGrammar(const FeatureSet& scene, std::vector<Candidate>& candidates) const;
+  void SearchByVotes(const FeatureSet& scene, std::vector<Candidate>& candidates) const;
 
   std::vector<ObjectModel> models_;
-  std::vector<ViewRef> views_;  ///< of all models, in the order of templates_
+  std::vector<ViewRef> views_;  ///< of the models searched by the grammar, in the order of templates_
   TemplateSet templates_;
+  std::vector<std::pair<std::size_t, VoteSearch>> voters_;  ///< the models searched by votes
   RecognizeOptions options_;
 };
 

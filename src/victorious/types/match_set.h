@@ -18,4 +18,14 @@ struct Match {
 
 using MatchSet = std::vector<Match>;
 
+/// A candidate before any test: of all the scene's keypoints, `scene` is the rank-th likest to template keypoint
+/// `model`.
+struct RankedMatch {
+  std::uint32_t scene = 0;  ///< index into the scene's keypoints
+  std::uint32_t model = 0;  ///< index into the template's keypoints
+  std::uint32_t rank = 1;   ///< from 1
+
+  bool operator==(const RankedMatch&) const = default;
+};
+
 }  // namespace victorious

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
 #include <Eigen/Core>
 
@@ -17,7 +18,9 @@ struct Pose {
   MatchSet inliers;                  ///< the matches that obey the similarity
   std::size_t distinct_inliers = 0;  ///< different template keypoints among them
   double extent = 0;                 ///< area of the inliers' hull over the outline's, in the template
-  double sigma_px = 0;               ///< the deviation of an inlier from the similarity's place, as assumed
+  /// Where the stage that found the pose knows it: decades by which chance is too unlikely, one view searched.
+  std::optional<double> evidence;
+  double sigma_px = 0;  ///< the deviation of an inlier from the similarity's place, as assumed
 };
 
 }  // namespace victorious

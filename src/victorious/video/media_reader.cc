@@ -114,6 +114,7 @@ class MediaReader : public VideoReader {
   [[nodiscard]] Expected<std::string> ContentId(const CancelToken& cancel, const ByteProgress& progress) const override;
   Expected<std::optional<Frame>> NextFrame() override;
   std::vector<DataPacket> TakeDataPackets() override { return data_.Take(clock_.origin_s()); }
+  void PassOverFrames() override;
   [[nodiscard]] const std::vector<std::string>& warnings() const override { return damage_.lines(); }
 
  private:
@@ -124,6 +125,7 @@ class MediaReader : public VideoReader {
   double ReadClock();
   void NoteDamage(double time_s);
   void FeedDecoder();
+  bool ReadPacket();
   void TakePacket();
   void StopReading(int result);
   void Finish();
@@ -250,8 +252,21 @@ void MediaReader::NoteDamage(double time_s) {
   }
 }
 
-// Reads up to the next packet of the video, or to the end.
+// Reads up to the next packet of the video, and decodes it.
 void MediaReader::FeedDecoder() {
+  if (ReadPacket()) TakePacket();
+}
+
+void MediaReader::PassOverFrames() {
+  while (ReadPacket()) av_packet_unref(packet_.get());
+  first_time_s_.reset();
+  has_ahead_ = false;
+  finished_ = true;  // where decoding stopped says nothing of the file
+  avcodec_flush_buffers(decoder_.get());
+}
+
+// Reads up to the next packet of the video, which is then in packet_; false at the end.
+bool MediaReader::ReadPacket() {
   for (int errors = 0; !draining_;) {
     const int result = demuxer_->Read(packet_.get());
     if (result == AVERROR_INVALIDDATA && ++errors <= kMaxReadErrors) {
@@ -261,14 +276,14 @@ void MediaReader::FeedDecoder() {
     } else if (result < 0) {
       StopReading(result);
     } else if (packet_->stream_index == demuxer_->video().index) {
-      TakePacket();
-      return;
+      return true;
     } else {
       const AVStream& stream = demuxer_->stream(packet_->stream_index);
       if (options_.data_packets && IsDataStream(stream)) data_.Add(stream, *packet_);
       av_packet_unref(packet_.get());
     }
   }
+  return false;
 }
 
 void MediaReader::TakePacket() {

@@ -62,6 +62,10 @@ class PictureReader : public VideoReader {
   [[nodiscard]] Expected<std::string> ContentId(const CancelToken& cancel, const ByteProgress& progress) const override;
   Expected<std::optional<Frame>> NextFrame() override;
   std::vector<DataPacket> TakeDataPackets() override { return {}; }
+  void PassOverFrames() override {
+    first_.reset();
+    next_place_ = files_.size();
+  }
   [[nodiscard]] const std::vector<std::string>& warnings() const override { return damage_.lines(); }
 
  private:

@@ -319,6 +319,21 @@ TEST(VideoReader, AFileIsKnownByItsContentHoweverItIsNamed) {
   EXPECT_EQ(MustOpen(folder / "a.mp4")->ContentId(cancel, {}).error().code, ErrorCode::kCancelled);
 }
 
+TEST(VideoReader, DataPacketsWithoutDecodingTheFrames) {
+  const ScratchFolder folder;
+  WriteTestVideo(folder / "klv.ts", {.muxer = "mpegts",
+                                     .pts = {400, 440, 480, 520, 560, 600},
+                                     .klv = {{400, "\x06\x0E\x2B\x34-first"}, {600, "\x06\x0E\x2B\x34-last"}}});
+  const auto reader = MustOpen(folder / "klv.ts", {.data_packets = true});
+  ASSERT_TRUE(reader);
+  reader->PassOverFrames();
+  const std::vector<DataPacket> packets = reader->TakeDataPackets();
+  ASSERT_EQ(packets.size(), 2U);
+  EXPECT_NEAR(packets[1].time_s.value_or(-1), 0.2, 1e-4);
+  EXPECT_FALSE(reader->NextFrame().value());
+  EXPECT_TRUE(reader->warnings().empty());
+}
+
 TEST(VideoReader, DataPacketsOnTheFramesClock) {
   const ScratchFolder folder;
   const std::string label = "\x06\x0E\x2B\x34";

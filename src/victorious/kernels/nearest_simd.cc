@@ -1,9 +1,13 @@
-// FindNearestTwo on any vector width, through Highway: compiled once for each instruction set, chosen at run time.
-#include "victorious/kernels/nearest_two.h"
+// FindNearestTwo and FindNearestFew on any vector width, through Highway: compiled once for each instruction set,
+// chosen at run time.
+#include <vector>
+
+#include "victorious/kernels/few_nearest.h"
+#include "victorious/kernels/nearest.h"
 #include "victorious/kernels/reduce_nearest_two.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "victorious/kernels/nearest_two_simd.cc"
+#define HWY_TARGET_INCLUDE "victorious/kernels/nearest_simd.cc"
 #include <hwy/foreach_target.h>
 // After foreach_target.h, as Highway wants it.
 #include <hwy/highway.h>
@@ -71,35 +75,50 @@ HWY_INLINE void Update(V32 constant, V32 sum, std::size_t block, std::size_t lan
   hn::Store(hn::IfThenElse(hn::Lt(distance, best), this_block, best_block), d32, result.block + lane);
 }
 
+constexpr std::size_t kTile = 4;  // queries at a time: each load of the set serves so many
+constexpr std::size_t kGroups = kDescriptorBytes / 4;
+
+struct QueryTile {
+  QueryGroup groups[kTile][kGroups];
+};
+
+// The last tile repeats its last query.
+QueryTile WidenTile(const PackedQueries& queries, std::size_t first) {
+  QueryTile tile;
+  for (std::size_t t = 0; t < kTile; ++t) {
+    const std::int8_t* row = queries.rows.data() + std::min(first + t, queries.count - 1) * kDescriptorBytes;
+    for (std::size_t g = 0; g < kGroups; ++g) tile.groups[t][g] = Widen(row + 4 * g);
+  }
+  return tile;
+}
+
+// The partial products of the tile's queries with the lanes of a block from `bytes` on.
+HWY_INLINE void DotLanes(const QueryTile& tile, const std::uint8_t* bytes, V32& sum0, V32& sum1, V32& sum2, V32& sum3) {
+  const D32 d32;
+  sum0 = sum1 = sum2 = sum3 = hn::Zero(d32);
+  for (std::size_t g = 0; g < kGroups; ++g) {
+    const V32 loaded = hn::LoadU(d32, reinterpret_cast<const std::int32_t*>(bytes + g * 4 * kBlockDescriptors));
+    sum0 = AddDot4(loaded, tile.groups[0][g], sum0);
+    sum1 = AddDot4(loaded, tile.groups[1][g], sum1);
+    sum2 = AddDot4(loaded, tile.groups[2][g], sum2);
+    sum3 = AddDot4(loaded, tile.groups[3][g], sum3);
+  }
+}
+
 void FindNearestTwoTarget(const PackedQueries& queries, const PackedDescriptors& set, std::span<NearestTwo> out) {
   const D32 d32;
-  constexpr std::size_t kTile = 4;  // queries at a time: each load of the set serves so many
-  constexpr std::size_t kGroups = kDescriptorBytes / 4;
   for (std::size_t first = 0; first < queries.count; first += kTile) {
-    const std::size_t tile = std::min(kTile, queries.count - first);
-    QueryGroup groups[kTile][kGroups];
+    const QueryTile tile = WidenTile(queries, first);
     LaneResults results[kTile];
-    for (std::size_t t = 0; t < kTile; ++t) {
-      const std::int8_t* row = queries.rows.data() + (first + std::min(t, tile - 1)) * kDescriptorBytes;
-      for (std::size_t g = 0; g < kGroups; ++g) groups[t][g] = Widen(row + 4 * g);
-      std::fill_n(results[t].best, kBlockDescriptors, 1 << 30);
-      std::fill_n(results[t].second, kBlockDescriptors, 1 << 30);
-      std::fill_n(results[t].block, kBlockDescriptors, 0);
+    for (LaneResults& result : results) {
+      std::fill_n(result.best, kBlockDescriptors, 1 << 30);
+      std::fill_n(result.second, kBlockDescriptors, 1 << 30);
+      std::fill_n(result.block, kBlockDescriptors, 0);
     }
     for (std::size_t block = 0; block < set.block_count(); ++block) {
       for (std::size_t lane = 0; lane < kBlockDescriptors; lane += hn::Lanes(d32)) {
-        const std::uint8_t* bytes = set.blocks.data() + block * kBlockBytes + lane * 4;
-        V32 sum0 = hn::Zero(d32);
-        V32 sum1 = hn::Zero(d32);
-        V32 sum2 = hn::Zero(d32);
-        V32 sum3 = hn::Zero(d32);
-        for (std::size_t g = 0; g < kGroups; ++g) {
-          const V32 loaded = hn::LoadU(d32, reinterpret_cast<const std::int32_t*>(bytes + g * 4 * kBlockDescriptors));
-          sum0 = AddDot4(loaded, groups[0][g], sum0);
-          sum1 = AddDot4(loaded, groups[1][g], sum1);
-          sum2 = AddDot4(loaded, groups[2][g], sum2);
-          sum3 = AddDot4(loaded, groups[3][g], sum3);
-        }
+        V32 sum0, sum1, sum2, sum3;
+        DotLanes(tile, set.blocks.data() + block * kBlockBytes + lane * 4, sum0, sum1, sum2, sum3);
         const V32 constant = hn::LoadU(d32, set.constant.data() + block * kBlockDescriptors + lane);
         Update(constant, sum0, block, lane, results[0]);
         Update(constant, sum1, block, lane, results[1]);
@@ -107,8 +126,44 @@ void FindNearestTwoTarget(const PackedQueries& queries, const PackedDescriptors&
         Update(constant, sum3, block, lane, results[3]);
       }
     }
-    for (std::size_t t = 0; t < tile; ++t) {
+    for (std::size_t t = 0; t < std::min(kTile, queries.count - first); ++t) {
       out[first + t] = ReduceLanes(results[t], queries.squared[first + t], set.count);
+    }
+  }
+}
+
+// Lets those lanes in that are nearer than the worst of the few.
+HWY_INLINE void Admit(V32 constant, V32 sum, std::size_t first_index, FewNearest& found) {
+  const D32 d32;
+  const V32 distance = hn::Sub(constant, hn::Add(sum, sum));
+  if (hn::AllFalse(d32, hn::Lt(distance, hn::Set(d32, found.Worst())))) return;
+  HWY_ALIGN std::int32_t distances[kBlockDescriptors];
+  hn::Store(distance, d32, distances);
+  for (std::size_t i = 0; i < hn::Lanes(d32); ++i) {
+    found.Insert(distances[i], static_cast<std::uint32_t>(first_index + i));
+  }
+}
+
+void FindNearestFewTarget(const PackedQueries& queries, const PackedDescriptors& set, std::size_t few,
+                          std::span<Neighbour> out) {
+  const D32 d32;
+  for (std::size_t first = 0; first < queries.count; first += kTile) {
+    const QueryTile tile = WidenTile(queries, first);
+    std::vector<FewNearest> found(kTile, FewNearest(few));
+    for (std::size_t block = 0; block < set.block_count(); ++block) {
+      for (std::size_t lane = 0; lane < kBlockDescriptors; lane += hn::Lanes(d32)) {
+        V32 sum0, sum1, sum2, sum3;
+        DotLanes(tile, set.blocks.data() + block * kBlockBytes + lane * 4, sum0, sum1, sum2, sum3);
+        const std::size_t index = block * kBlockDescriptors + lane;
+        const V32 constant = hn::LoadU(d32, set.constant.data() + index);
+        Admit(constant, sum0, index, found[0]);
+        Admit(constant, sum1, index, found[1]);
+        Admit(constant, sum2, index, found[2]);
+        Admit(constant, sum3, index, found[3]);
+      }
+    }
+    for (std::size_t t = 0; t < std::min(kTile, queries.count - first); ++t) {
+      found[t].Write(queries.squared[first + t], &out[(first + t) * few]);
     }
   }
 }
@@ -122,10 +177,16 @@ HWY_AFTER_NAMESPACE();
 namespace victorious::kernels {
 
 HWY_EXPORT(FindNearestTwoTarget);
+HWY_EXPORT(FindNearestFewTarget);
 HWY_EXPORT(TargetName);
 
 void FindNearestTwoSimd(const PackedQueries& queries, const PackedDescriptors& set, std::span<NearestTwo> out) {
   HWY_DYNAMIC_DISPATCH(FindNearestTwoTarget)(queries, set, out);
+}
+
+void FindNearestFewSimd(const PackedQueries& queries, const PackedDescriptors& set, std::size_t few,
+                        std::span<Neighbour> out) {
+  HWY_DYNAMIC_DISPATCH(FindNearestFewTarget)(queries, set, few, out);
 }
 
 const char* NearestTwoTarget() { return HasVnni() ? "avx512_vnni" : HWY_DYNAMIC_DISPATCH(TargetName)(); }

@@ -1,15 +1,10 @@
-#include "victorious/kernels/nearest_two.h"
+#include "victorious/kernels/nearest.h"
 
 #include <cstring>
 
+#include "victorious/kernels/few_nearest.h"
+
 namespace victorious::kernels {
-namespace {
-
-// Larger than any |b|^2 - 256 sum(b) - 2 q.b of real descriptors (below 2^25), and far from overflow.
-constexpr std::int32_t kNeverLeast = 1 << 29;
-
-}  // namespace
-
 PackedDescriptors Pack(std::span<const std::uint8_t> rows) {
   PackedDescriptors set;
   set.count = rows.size() / kDescriptorBytes;
@@ -55,6 +50,16 @@ void FindNearestTwo(const PackedQueries& queries, const PackedDescriptors& set, 
     FindNearestTwoVnni(queries, set, out);
   } else {
     FindNearestTwoSimd(queries, set, out);
+  }
+}
+
+void FindNearestFew(const PackedQueries& queries, const PackedDescriptors& set, std::size_t few,
+                    std::span<Neighbour> out) {
+  static const bool has_vnni = HasVnni();
+  if (has_vnni) {
+    FindNearestFewVnni(queries, set, few, out);
+  } else {
+    FindNearestFewSimd(queries, set, few, out);
   }
 }
 

@@ -1,12 +1,16 @@
-// FindNearestTwo with the 8-bit dot product of AVX-512 VNNI, which Debian's Highway lacks: 64 products an instruction.
+// FindNearestTwo and FindNearestFew with the 8-bit dot product of AVX-512 VNNI, which Debian's Highway lacks: 64
+// products an instruction.
 #include "victorious/base/check.h"
-#include "victorious/kernels/nearest_two.h"
+#include "victorious/kernels/few_nearest.h"
+#include "victorious/kernels/nearest.h"
 #include "victorious/kernels/reduce_nearest_two.h"
 
 #if defined(__x86_64__)
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
+#include <vector>
 
 // GCC 12 takes the intrinsics' own undefined registers for mistakes of ours.
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
@@ -34,6 +38,13 @@ VICTORIOUS_VNNI inline void DotBlock(const std::uint8_t* block, const std::int8_
   }
 }
 
+// The last tile repeats its last query.
+void TileRows(const PackedQueries& queries, std::size_t first, const std::int8_t* (&rows)[kTile]) {
+  for (std::size_t t = 0; t < kTile; ++t) {
+    rows[t] = queries.rows.data() + std::min(first + t, queries.count - 1) * kDescriptorBytes;
+  }
+}
+
 }  // namespace
 
 bool HasVnni() {
@@ -47,9 +58,7 @@ VICTORIOUS_VNNI void FindNearestTwoVnni(const PackedQueries& queries, const Pack
   for (std::size_t first = 0; first < queries.count; first += kTile) {
     const std::size_t tile = std::min(kTile, queries.count - first);
     const std::int8_t* rows[kTile];
-    for (std::size_t t = 0; t < kTile; ++t) {
-      rows[t] = queries.rows.data() + (first + std::min(t, tile - 1)) * kDescriptorBytes;
-    }
+    TileRows(queries, first, rows);
     __m512i best[kTile];
     __m512i second[kTile];
     __m512i best_block[kTile];
@@ -80,6 +89,37 @@ VICTORIOUS_VNNI void FindNearestTwoVnni(const PackedQueries& queries, const Pack
   }
 }
 
+VICTORIOUS_VNNI void FindNearestFewVnni(const PackedQueries& queries, const PackedDescriptors& set, std::size_t few,
+                                        std::span<Neighbour> out) {
+  const std::size_t blocks = set.block_count();
+  for (std::size_t first = 0; first < queries.count; first += kTile) {
+    const std::int8_t* rows[kTile];
+    TileRows(queries, first, rows);
+    std::vector<FewNearest> found(kTile, FewNearest(few));
+    __m512i worst[kTile];
+    for (__m512i& one : worst) one = _mm512_set1_epi32(kNeverLeast);
+    for (std::size_t block = 0; block < blocks; ++block) {
+      __m512i sums[kTile];
+      DotBlock(set.blocks.data() + block * kBlockBytes, rows, sums);
+      const __m512i constant = _mm512_loadu_si512(set.constant.data() + block * kBlockDescriptors);
+      for (std::size_t t = 0; t < kTile; ++t) {
+        const __m512i distance = _mm512_sub_epi32(constant, _mm512_slli_epi32(sums[t], 1));
+        unsigned nearer = _mm512_cmplt_epi32_mask(distance, worst[t]);
+        if (nearer == 0) continue;  // nearly always, once the first blocks are seen
+        alignas(64) std::int32_t distances[kBlockDescriptors];
+        _mm512_store_si512(distances, distance);
+        for (; nearer != 0; nearer &= nearer - 1) {
+          const std::size_t lane = static_cast<std::size_t>(std::countr_zero(nearer));
+          found[t].Insert(distances[lane], static_cast<std::uint32_t>(block * kBlockDescriptors + lane));
+        }
+        worst[t] = _mm512_set1_epi32(found[t].Worst());
+      }
+    }
+    const std::size_t tile = std::min(kTile, queries.count - first);
+    for (std::size_t t = 0; t < tile; ++t) found[t].Write(queries.squared[first + t], &out[(first + t) * few]);
+  }
+}
+
 }  // namespace victorious::kernels
 
 #else
@@ -88,6 +128,9 @@ namespace victorious::kernels {
 
 bool HasVnni() { return false; }
 void FindNearestTwoVnni(const PackedQueries&, const PackedDescriptors&, std::span<NearestTwo>) {
+  VICTORIOUS_CHECK(HasVnni());
+}
+void FindNearestFewVnni(const PackedQueries&, const PackedDescriptors&, std::size_t, std::span<Neighbour>) {
   VICTORIOUS_CHECK(HasVnni());
 }
 

@@ -1,4 +1,4 @@
-#include "victorious/kernels/nearest_two.h"
+#include "victorious/kernels/nearest.h"
 
 #include <algorithm>
 #include <cctype>
@@ -15,6 +15,7 @@ namespace victorious::kernels {
 namespace {
 
 using Find = void (*)(const PackedQueries&, const PackedDescriptors&, std::span<NearestTwo>);
+using FindFew = void (*)(const PackedQueries&, const PackedDescriptors&, std::size_t, std::span<Neighbour>);
 
 std::vector<std::uint8_t> RandomRows(Random& random, std::size_t count, std::uint32_t levels) {
   std::vector<std::uint8_t> rows(count * kDescriptorBytes);
@@ -43,9 +44,29 @@ std::vector<NearestTwo> Expected(const std::vector<std::uint8_t>& queries, const
   return result;
 }
 
+std::vector<Neighbour> ExpectedFew(const std::vector<std::uint8_t>& queries, const std::vector<std::uint8_t>& set,
+                                   std::size_t few) {
+  std::vector<Neighbour> result;
+  for (std::size_t q = 0; q < queries.size() / kDescriptorBytes; ++q) {
+    const std::span<const std::uint8_t> query(&queries[q * kDescriptorBytes], kDescriptorBytes);
+    std::vector<Neighbour> all(std::max(few, set.size() / kDescriptorBytes));
+    for (std::size_t i = 0; i < set.size() / kDescriptorBytes; ++i) {
+      all[i] = {static_cast<std::uint32_t>(i), 0};
+      for (std::size_t k = 0; k < kDescriptorBytes; ++k) {
+        const int difference = query[k] - set[i * kDescriptorBytes + k];
+        all[i].distance2 += static_cast<std::uint32_t>(difference * difference);
+      }
+    }
+    std::ranges::stable_sort(all, {}, &Neighbour::distance2);
+    result.insert(result.end(), all.begin(), all.begin() + static_cast<std::ptrdiff_t>(few));
+  }
+  return result;
+}
+
 struct Implementation {
   std::string name;
   Find find;
+  FindFew find_few;
   std::int64_t highway_target = 0;  ///< the only instruction set that Highway may choose; 0: its own choice
 
   friend std::ostream& operator<<(std::ostream& out, const Implementation& one) { return out << one.name; }
@@ -53,12 +74,13 @@ struct Implementation {
 
 // The definition, the one in use, and Highway's code for every instruction set that this machine has.
 std::vector<Implementation> Implementations() {
-  std::vector<Implementation> all = {
-      {"ref", &FindNearestTwoRef}, {"vnni", &FindNearestTwoVnni}, {"best", &FindNearestTwo}};
+  std::vector<Implementation> all = {{"ref", &FindNearestTwoRef, &FindNearestFewRef},
+                                     {"vnni", &FindNearestTwoVnni, &FindNearestFewVnni},
+                                     {"best", &FindNearestTwo, &FindNearestFew}};
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
     std::string name = "simd_" + std::string(hwy::TargetName(target));
     std::erase_if(name, [](unsigned char c) { return c != '_' && std::isalnum(c) == 0; });
-    all.push_back({std::move(name), &FindNearestTwoSimd, target});
+    all.push_back({std::move(name), &FindNearestTwoSimd, &FindNearestFewSimd, target});
   }
   return all;
 }
@@ -69,7 +91,7 @@ void LetHighwayChooseFrom(std::int64_t targets) {
   hwy::GetChosenTarget().DeInit();  // the next call chooses anew
 }
 
-class NearestTwoTest : public ::testing::TestWithParam<Implementation> {
+class NearestTest : public ::testing::TestWithParam<Implementation> {
  protected:
   void SetUp() override {
     if (GetParam().name == "vnni" && !HasVnni()) GTEST_SKIP() << "SKIPPED: no AVX-512 VNNI here";
@@ -83,10 +105,15 @@ class NearestTwoTest : public ::testing::TestWithParam<Implementation> {
     GetParam().find(packed, Pack(set), out);
     EXPECT_EQ(out, Expected(queries, set))
         << packed.count << " queries, " << set.size() / kDescriptorBytes << " in set";
+    for (const std::size_t few : {std::size_t{1}, std::size_t{3}, kMostNeighbours}) {
+      std::vector<Neighbour> neighbours(packed.count * few);
+      GetParam().find_few(packed, Pack(set), few, neighbours);
+      EXPECT_EQ(neighbours, ExpectedFew(queries, set, few)) << few << " of " << set.size() / kDescriptorBytes;
+    }
   }
 };
 
-TEST_P(NearestTwoTest, AgreesWithDefinitionOverOddSizes) {
+TEST_P(NearestTest, AgreesWithDefinitionOverOddSizes) {
   Random random(7);
   for (const std::size_t queries : {1, 3, 8, 9, 31}) {
     for (const std::size_t set : {0, 1, 2, 15, 16, 17, 33, 100}) {
@@ -95,7 +122,7 @@ TEST_P(NearestTwoTest, AgreesWithDefinitionOverOddSizes) {
   }
 }
 
-TEST_P(NearestTwoTest, BreaksTiesByLowestIndex) {
+TEST_P(NearestTest, BreaksTiesByLowestIndex) {
   Random random(8);
   for (int repetition = 0; repetition < 20; ++repetition) {
     std::vector<std::uint8_t> set = RandomRows(random, 1, 256);
@@ -105,7 +132,7 @@ TEST_P(NearestTwoTest, BreaksTiesByLowestIndex) {
   }
 }
 
-TEST_P(NearestTwoTest, IsExactAtTheExtremes) {
+TEST_P(NearestTest, IsExactAtTheExtremes) {
   const std::vector<std::uint8_t> black(kDescriptorBytes * 20, 0);
   const std::vector<std::uint8_t> white(kDescriptorBytes * 20, 255);
   Check(black, white);
@@ -114,7 +141,7 @@ TEST_P(NearestTwoTest, IsExactAtTheExtremes) {
   Check(black, black);
 }
 
-INSTANTIATE_TEST_SUITE_P(Implementations, NearestTwoTest, ::testing::ValuesIn(Implementations()),
+INSTANTIATE_TEST_SUITE_P(Implementations, NearestTest, ::testing::ValuesIn(Implementations()),
                          [](const auto& test) { return test.param.name; });
 
 }  // namespace

@@ -1,11 +1,12 @@
-// The hot loop of matching: for each query descriptor, its nearest and second nearest of a set, by squared distance.
+// The hot loops of matching: for each query descriptor, its nearest and second nearest of a set, or its few nearest, by
+// squared distance.
 //
 // The set is packed once into blocks of 16 descriptors in which each 4 bytes of each descriptor lie together:
 //   block[32 groups][16 descriptors][4 bytes]
 // so that one load serves 16 descriptors, and the distances of 16 descriptors are summed in 16 lanes with no sideways
 // additions. With d = |q - b|^2 = |q|^2 + |b|^2 - 2 q.b only q.b is left to the loop; everything is exact in 32 bits.
 //
-// nearest_two_ref.cc is the definition; nearest_two_simd.cc (Highway, every instruction set) and nearest_two_vnni.cc
+// nearest_ref.cc is the definition; nearest_simd.cc (Highway, every instruction set) and nearest_vnni.cc
 // (x86-64 with AVX-512 VNNI) give the same bits. C++20: no <expected> here.
 #pragma once
 
@@ -59,11 +60,34 @@ void FindNearestTwo(const PackedQueries& queries, const PackedDescriptors& set, 
 /// The implementation that FindNearestTwo uses here: "avx512_vnni", or Highway's name of its target.
 const char* NearestTwoTarget();
 
+/// One of the few nearest to a query.
+struct Neighbour {
+  std::uint32_t index = 0;
+  std::uint32_t distance2 = kNoDistance;  ///< squared; kNoDistance where the set has fewer descriptors
+
+  bool operator==(const Neighbour&) const = default;
+};
+
+inline constexpr std::size_t kMostNeighbours = 8;
+
+/// The `few` nearest to each query: out[few i] to out[few i + few - 1] for query i, nearest first, of equal distances
+/// the lower index first. 1 <= few <= kMostNeighbours; out.size() == few * queries.count. Cost: that of FindNearestTwo.
+void FindNearestFew(const PackedQueries& queries, const PackedDescriptors& set, std::size_t few,
+                    std::span<Neighbour> out);
+
 // The implementations, for tests and benchmarks.
 void FindNearestTwoRef(const PackedQueries& queries, const PackedDescriptors& set, std::span<NearestTwo> out);
 void FindNearestTwoSimd(const PackedQueries& queries, const PackedDescriptors& set, std::span<NearestTwo> out);
 bool HasVnni();
 /// Only where HasVnni().
 void FindNearestTwoVnni(const PackedQueries& queries, const PackedDescriptors& set, std::span<NearestTwo> out);
+
+void FindNearestFewRef(const PackedQueries& queries, const PackedDescriptors& set, std::size_t few,
+                       std::span<Neighbour> out);
+void FindNearestFewSimd(const PackedQueries& queries, const PackedDescriptors& set, std::size_t few,
+                        std::span<Neighbour> out);
+/// Only where HasVnni().
+void FindNearestFewVnni(const PackedQueries& queries, const PackedDescriptors& set, std::size_t few,
+                        std::span<Neighbour> out);
 
 }  // namespace victorious::kernels

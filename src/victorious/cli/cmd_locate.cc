@@ -1,0 +1,124 @@
+// victorious locate LINES.csv
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/cli/arguments.h"
+#include "victorious/cli/command.h"
+#include "victorious/geolocate/lines_csv.h"
+#include "victorious/geolocate/locate.h"
+#include "victorious/geometry/angles.h"
+
+namespace victorious::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Arguments {
+  std::string lines;
+  std::string motion;
+  std::string method;
+  std::string params;
+  std::optional<double> ground_m;
+  bool json = false;
+};
+
+Json JsonOf(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
+
+Json JsonOf(const Eigen::Matrix3d& matrix) {
+  Json rows = Json::array();
+  for (const auto& row : matrix.rowwise()) rows.push_back({row.x(), row.y(), row.z()});
+  return rows;
+}
+
+// Clockwise from north, [0, 360).
+double CourseDeg(const Eigen::Vector3d& velocity_enu) {
+  const double course = DegreesFromRadians(std::atan2(velocity_enu.x(), velocity_enu.y()));
+  return course < 0 ? course + 360 : course;
+}
+
+// What is not known is null, never 0.
+Json JsonOf(const GeoFix& fix) {
+  Json json = {{"latitude_deg", nullptr},
+               {"longitude_deg", nullptr},
+               {"altitude_m", nullptr},
+               {"place_time_s", nullptr},
+               {"velocity_enu_m_s", nullptr},
+               {"speed_m_s", nullptr},
+               {"course_deg", nullptr},
+               {"covariance_enu_m2", nullptr},
+               {"velocity_covariance_enu_m2_s2", nullptr},
+               {"ce90_m", nullptr},
+               {"le90_m", nullptr}};
+  if (fix.place) {
+    const Place& place = *fix.place;
+    json["latitude_deg"] = DegreesFromRadians(place.point.latitude_rad);
+    json["longitude_deg"] = DegreesFromRadians(place.point.longitude_rad);
+    json["altitude_m"] = place.point.altitude_m;
+    json["place_time_s"] = place.time_s;
+    json["covariance_enu_m2"] = JsonOf(place.covariance_enu_m2);
+    json["ce90_m"] = place.ce90_m;
+    json["le90_m"] = place.le90_m;
+    if (place.velocity_enu) {
+      json["velocity_enu_m_s"] = JsonOf(*place.velocity_enu);
+      json["velocity_covariance_enu_m2_s2"] = JsonOf(*place.velocity_covariance_enu);
+      json["speed_m_s"] = place.velocity_enu->norm();
+      json["course_deg"] = CourseDeg(*place.velocity_enu);
+    }
+  }
+  json["inliers"] = fix.inliers;
+  json["status"] = fix.status;
+  return json;
+}
+
+std::string TextOf(const GeoFix& fix) {
+  if (!fix.place) return fix.status + "\n";
+  const Place& place = *fix.place;
+  std::string text = fmt::format("place    {:.7f} {:.7f} deg, {:.2f} m above the ellipsoid, at {:.3f} s\n",
+                                 DegreesFromRadians(place.point.latitude_rad),
+                                 DegreesFromRadians(place.point.longitude_rad), place.point.altitude_m, place.time_s);
+  text += fmt::format("error    CE90 {:.2f} m, LE90 {:.2f} m\n", place.ce90_m, place.le90_m);
+  if (place.velocity_enu) {
+    text += fmt::format("velocity {:.2f} m/s towards {:.1f} deg\n", place.velocity_enu->norm(),
+                        CourseDeg(*place.velocity_enu));
+  }
+  text += fmt::format("lines    {} of {} agree\n", std::ranges::count(fix.inliers, true), fix.inliers.size());
+  return text;
+}
+
+Status Run(const Arguments& arguments) {
+  LocateOptions options;
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
+  if (!arguments.motion.empty()) options.motion = arguments.motion;
+  if (!arguments.method.empty()) options.method = arguments.method;
+  options.ground_height_m = arguments.ground_m;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<LineOfSight> lines, ReadLinesOfSight(arguments.lines));
+  VICTORIOUS_ASSIGN_OR_RETURN(const GeoFix fix, Locate(lines, options));
+  return WriteOutput("", arguments.json ? JsonOf(fix).dump(1) + "\n" : TextOf(fix));
+}
+
+}  // namespace
+
+Action SetUpLocate(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  app.add_option("LINES", arguments->lines, "Lines of sight (CSV, docs/formats/locate.md)")
+      ->required()
+      ->type_name("FILE");
+  app.add_option("--motion", arguments->motion, "How the object moves (static unless told)")
+      ->check(CLI::IsMember({"static", "velocity"}));
+  app.add_option("--method", arguments->method, "The estimator (ml unless told)")
+      ->check(CLI::IsMember({"ml", "ransac", "prior", "least-squares", "ground"}));
+  app.add_option("--ground", arguments->ground_m, "The height of flat ground above the ellipsoid")
+      ->check(CLI::Range(-1e5, 1e5))
+      ->type_name("METRES");
+  app.add_option("--params", arguments->params, "Parameters (`victorious params locate`)")->type_name("FILE");
+  app.add_flag("--json", arguments->json, "As JSON");
+  return [=] { return Run(*arguments); };
+}
+
+}  // namespace victorious::cli

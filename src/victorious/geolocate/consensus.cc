@@ -1,0 +1,150 @@
+#include "victorious/geolocate/consensus.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "victorious/base/random.h"
+#include "victorious/geolocate/linear_place.h"
+
+namespace victorious {
+namespace {
+
+using Eigen::ArrayXd;
+using Eigen::Index;
+
+// The rays column by column, so that many are tested by one instruction.
+class FrustumTable {
+ public:
+  explicit FrustumTable(std::span<const Ray> rays) : columns_(static_cast<Index>(rays.size()), kColumns) {
+    for (Index i = 0; i < columns_.rows(); ++i) {
+      const Ray& ray = rays[static_cast<std::size_t>(i)];
+      columns_.row(i) << ray.time_s, ray.camera.x(), ray.camera.y(), ray.camera.z(), ray.forward.x(), ray.forward.y(),
+          ray.forward.z(), ray.frustum.base_m2, ray.frustum.slope, ray.frustum.nearest_m, ray.frustum.farthest_m;
+    }
+  }
+
+  /// The sum over rays, or infinity as soon as it is above `most`.
+  [[nodiscard]] double Cost(const Motion& motion, double most) const {
+    constexpr Index kBlock = 128;
+    double cost = 0;
+    for (Index first = 0; first < columns_.rows(); first += kBlock) {
+      cost += Costs<kBlock>(motion, first, std::min(kBlock, columns_.rows() - first)).sum();
+      if (cost > most) return std::numeric_limits<double>::infinity();
+    }
+    return cost;
+  }
+
+ private:
+  static constexpr Index kColumns = 11;
+
+  template <int Most>
+  [[nodiscard]] Eigen::Array<double, Eigen::Dynamic, 1, 0, Most, 1> Costs(const Motion& motion, Index first,
+                                                                          Index count) const {
+    using Some = Eigen::Array<double, Eigen::Dynamic, 1, 0, Most, 1>;
+    const auto column = [&](Index c) { return columns_.col(c).segment(first, count); };
+    const Some x = motion.place.x() + motion.velocity.x() * column(0) - column(1);
+    const Some y = motion.place.y() + motion.velocity.y() * column(0) - column(2);
+    const Some z = motion.place.z() + motion.velocity.z() * column(0) - column(3);
+    const Some along = x * column(4) + y * column(5) + z * column(6);
+    const Some along2 = along.square();
+    const Some off2 = x.square() + y.square() + z.square() - along2;
+    const Some share = off2 / (column(7) + along2 * column(8));
+    const Some beyond = (column(9) - along).max(along - column(10));  // above 0: too near, behind or too far
+    return (beyond > 0).select(1.0, share.min(1.0).max(0.0));
+  }
+
+  Eigen::Array<double, Eigen::Dynamic, kColumns> columns_;
+};
+
+std::vector<bool> InliersOf(std::span<const Ray> rays, const Motion& motion) {
+  std::vector<bool> inliers(rays.size());
+  std::transform(rays.begin(), rays.end(), inliers.begin(), [&](const Ray& ray) { return InFrustum(ray, motion); });
+  return inliers;
+}
+
+struct Candidate {
+  Motion motion;
+  double cost = std::numeric_limits<double>::infinity();
+};
+
+// Refits to the inliers as long as the cost falls.
+void Refit(std::span<const Ray> rays, const FrustumTable& table, bool moving, Candidate& candidate) {
+  constexpr int kMostRounds = 5;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const auto motion = SolveLinear(rays, InliersOf(rays, candidate.motion), moving);
+    if (!motion) return;
+    const double cost = table.Cost(*motion, candidate.cost);
+    if (!(cost < candidate.cost)) return;
+    candidate = {*motion, cost};
+  }
+}
+
+class Sampler {
+ public:
+  Sampler(std::span<const Ray> rays, bool moving, std::uint64_t seed)
+      : rays_(rays), size_(std::min<std::size_t>(moving ? 3 : 2, rays.size())), random_(seed), system_(moving) {}
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+
+  /// The solution of rays drawn by lot, if it lies in the frustum of each.
+  std::optional<Motion> Draw() {
+    std::array<std::uint32_t, 3> chosen{};
+    system_.Clear();
+    for (std::size_t k = 0; k < size_; ++k) {
+      const auto end = chosen.begin() + static_cast<std::ptrdiff_t>(k);
+      do {
+        chosen[k] = random_.Below(static_cast<std::uint32_t>(rays_.size()));
+      } while (std::find(chosen.begin(), end, chosen[k]) != end);
+      system_.Add(rays_[chosen[k]]);
+    }
+    auto motion = system_.Solve();
+    if (!motion) return std::nullopt;
+    for (std::size_t k = 0; k < size_; ++k) {
+      if (!InFrustum(rays_[chosen[k]], *motion)) return std::nullopt;
+    }
+    return motion;
+  }
+
+ private:
+  std::span<const Ray> rays_;
+  std::size_t size_;
+  Random random_;
+  NormalSystem system_;
+};
+
+// How many samples until one without outliers was drawn with the confidence asked for.
+double SamplesNeeded(double inlier_share, std::size_t sample_size, double confidence) {
+  const double clean = std::pow(inlier_share, static_cast<double>(sample_size));
+  if (clean <= 0) return std::numeric_limits<double>::infinity();
+  if (clean >= 1) return 1;
+  return std::log(1 - confidence) / std::log1p(-clean);
+}
+
+}  // namespace
+
+std::optional<Consensus> FindConsensus(std::span<const Ray> rays, const LocateOptions& options) {
+  const bool moving = options.motion == "velocity";
+  const FrustumTable table(rays);
+  Sampler sampler(rays, moving, options.seed);
+  Candidate best;
+  // A clean sample may be badly placed (rays nearly parallel), so that some are drawn whatever the inliers' share.
+  constexpr double kFewest = 150;
+  double wanted = options.max_hypotheses;
+  int drawn = 0;
+  for (; drawn < options.max_hypotheses && drawn < wanted; ++drawn) {
+    const auto motion = sampler.Draw();
+    if (!motion) continue;
+    Candidate candidate{*motion, table.Cost(*motion, best.cost)};
+    if (!(candidate.cost < best.cost)) continue;
+    Refit(rays, table, moving, candidate);
+    best = candidate;
+    const double inlier_share = 1 - best.cost / static_cast<double>(rays.size());  // from below
+    wanted = std::max(kFewest, SamplesNeeded(inlier_share, sampler.size(), options.confidence));
+  }
+  if (!std::isfinite(best.cost)) return std::nullopt;
+  return Consensus{best.motion, InliersOf(rays, best.motion), drawn};
+}
+
+}  // namespace victorious

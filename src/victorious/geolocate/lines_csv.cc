@@ -1,0 +1,176 @@
+#include "victorious/geolocate/lines_csv.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "victorious/base/file.h"
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+struct Column {
+  std::string_view name;
+  double least;
+  double most;
+  std::string_view unit;
+  bool needed;
+};
+
+enum : std::size_t {
+  kTime,
+  kLatitude,
+  kLongitude,
+  kAltitude,
+  kAzimuth,
+  kElevation,
+  kRange,
+  kSigma,
+  kSigmaRange,
+  kCount
+};
+
+constexpr double kFarthestM = 1e7;  // beyond it, nothing on Earth is seen
+constexpr double kLeast = 1e-6;     // of what must be above 0
+
+constexpr std::array<Column, kCount> kColumns = {{
+    {"time_s", -1e12, 1e12, "s", true},
+    {"latitude_deg", -90, 90, "degrees", true},
+    {"longitude_deg", -180, 360, "degrees", true},
+    {"altitude_m", -kFarthestM, kFarthestM, "metres", true},
+    {"azimuth_deg", -360, 360, "degrees", true},
+    {"elevation_deg", -90, 90, "degrees", true},
+    {"range_m", kLeast, kFarthestM, "metres", false},
+    {"sigma_deg", kLeast, 90, "degrees", false},
+    {"sigma_range_m", kLeast, kFarthestM, "metres", false},
+}};
+
+std::string_view Trimmed(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r";
+  const std::size_t first = text.find_first_not_of(kBlank);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
+
+std::vector<std::string_view> Cells(std::string_view line) {
+  std::vector<std::string_view> cells;
+  while (true) {
+    const std::size_t comma = line.find(',');
+    cells.push_back(Trimmed(line.substr(0, comma)));
+    if (comma == std::string_view::npos) return cells;
+    line.remove_prefix(comma + 1);
+  }
+}
+
+// What stands in a cell, short and without control characters, for a message of one line.
+std::string Shown(std::string_view cell) {
+  constexpr std::size_t kLongest = 40;
+  std::string shown(cell.substr(0, kLongest));
+  std::ranges::replace_if(shown, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }, '?');
+  return cell.size() > kLongest ? shown + "..." : shown;
+}
+
+// Where each known column stands.
+using Positions = std::array<std::optional<std::size_t>, kCount>;
+
+Expected<Positions> ParseHeader(std::string_view line) {
+  const std::vector<std::string_view> names = Cells(line);
+  Positions positions;
+  for (std::size_t at = 0; at < names.size(); ++at) {
+    const auto* const column = std::ranges::find(kColumns, names[at], &Column::name);
+    if (column == kColumns.end()) continue;
+    auto& position = positions[static_cast<std::size_t>(column - kColumns.begin())];
+    if (position)
+      return Fail(ErrorCode::kInvalidArgument, fmt::format("column {} stands twice: keep one", column->name));
+    position = at;
+  }
+  for (std::size_t i = 0; i < kCount; ++i) {
+    if (positions[i] || !kColumns[i].needed) continue;
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("no column {}: the first line names the columns, at least time_s,latitude_deg,longitude_deg,"
+                    "altitude_m,azimuth_deg,elevation_deg",
+                    kColumns[i].name));
+  }
+  return positions;
+}
+
+Expected<std::optional<double>> ParseCell(const Column& column, std::string_view cell) {
+  if (cell.empty() && !column.needed) return std::nullopt;
+  double value = 0;
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  // Written so that NaN fails.
+  const bool right =
+      error == std::errc() && end == cell.data() + cell.size() && value >= column.least && value <= column.most;
+  if (right) return value;
+  return Fail(ErrorCode::kInvalidArgument, fmt::format("{} is \"{}\": give a number of {} from {} to {}", column.name,
+                                                       Shown(cell), column.unit, column.least, column.most));
+}
+
+std::optional<double> Radians(std::optional<double> degrees) {
+  if (!degrees) return std::nullopt;
+  return RadiansFromDegrees(*degrees);
+}
+
+Expected<LineOfSight> ParseRow(std::string_view line, const Positions& positions) {
+  const std::vector<std::string_view> cells = Cells(line);
+  std::array<std::optional<double>, kCount> values;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    if (!positions[i]) continue;
+    if (*positions[i] >= cells.size()) {
+      if (!kColumns[i].needed) continue;
+      return Fail(ErrorCode::kInvalidArgument, fmt::format("no {}: the line ends after {} of at least {} cells",
+                                                           kColumns[i].name, cells.size(), *positions[i] + 1));
+    }
+    VICTORIOUS_ASSIGN_OR_RETURN(values[i], ParseCell(kColumns[i], cells[*positions[i]]));
+  }
+  return LineOfSight{
+      .time_s = *values[kTime],
+      .camera = {RadiansFromDegrees(*values[kLatitude]), RadiansFromDegrees(*values[kLongitude]), *values[kAltitude]},
+      .azimuth_rad = RadiansFromDegrees(*values[kAzimuth]),
+      .elevation_rad = RadiansFromDegrees(*values[kElevation]),
+      .range_m = values[kRange],
+      .sigma_rad = Radians(values[kSigma]),
+      .sigma_range_m = values[kSigmaRange]};
+}
+
+}  // namespace
+
+Expected<std::vector<LineOfSight>> ParseLinesOfSight(std::string_view text, std::string_view name) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  std::optional<Positions> positions;
+  std::vector<LineOfSight> lines;
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (Trimmed(line).empty()) continue;
+    const std::string where = fmt::format("{}:{}", name, number);
+    if (!positions) {
+      auto header = ParseHeader(line);
+      if (!header) return std::unexpected(std::move(header).error().WithContext(where));
+      positions = *header;
+      continue;
+    }
+    auto row = ParseRow(line, *positions);
+    if (!row) return std::unexpected(std::move(row).error().WithContext(where));
+    lines.push_back(*std::move(row));
+  }
+  if (!lines.empty()) return lines;
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("{}: no lines of sight: give a header and at least one row below it", name));
+}
+
+Expected<std::vector<LineOfSight>> ReadLinesOfSight(const std::filesystem::path& path) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
+  return ParseLinesOfSight(text, path.string());
+}
+
+}  // namespace victorious

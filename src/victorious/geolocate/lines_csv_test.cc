@@ -1,0 +1,69 @@
+#include "victorious/geolocate/lines_csv.h"
+
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const std::string kHeader = "time_s,latitude_deg,longitude_deg,altitude_m,azimuth_deg,elevation_deg";
+
+TEST(LinesCsv, ReadsColumnsByNameInAnyOrder) {
+  const auto lines = ParseLinesOfSight(
+      "\xEF\xBB\xBFsigma_deg, elevation_deg,azimuth_deg,remark,altitude_m,longitude_deg,latitude_deg,time_s,range_m\r\n"
+      "0.5,-30,90,a car,120,-71,42,1.5,240\r\n"
+      "\r\n"
+      ",-31,91,,121,-71,42,2.5,\r\n",
+      "lines.csv");
+  ASSERT_TRUE(lines) << lines.error().message;
+  ASSERT_EQ(lines->size(), 2);
+  const LineOfSight& first = lines->front();
+  EXPECT_EQ(first.time_s, 1.5);
+  EXPECT_EQ(first.camera, (GeodeticPoint{RadiansFromDegrees(42), RadiansFromDegrees(-71), 120}));
+  EXPECT_DOUBLE_EQ(first.azimuth_rad, kPi / 2);
+  EXPECT_DOUBLE_EQ(first.elevation_rad, -kPi / 6);
+  EXPECT_EQ(first.range_m, 240);
+  EXPECT_DOUBLE_EQ(*first.sigma_rad, RadiansFromDegrees(0.5));
+  EXPECT_FALSE(lines->back().range_m);
+  EXPECT_FALSE(lines->back().sigma_rad);
+}
+
+struct BadCase {
+  std::string text;
+  std::vector<std::string> words;
+};
+
+TEST(LinesCsv, SaysFileLineAndWhatWouldBeRight) {
+  const std::string good = "0,42,-71,120,90,-30\n";
+  const BadCase cases[] = {
+      {"", {"lines.csv: no lines of sight", "header"}},
+      {kHeader + "\n", {"lines.csv: no lines of sight"}},
+      {"time_s,latitude_deg\n0,1\n", {"lines.csv:1: no column longitude_deg"}},
+      {kHeader + ",time_s\n" + good, {"lines.csv:1: column time_s stands twice"}},
+      {kHeader + "\n" + good + "1,97,-71,120,90,-30\n", {"lines.csv:3: latitude_deg is \"97\"", "from -90 to 90"}},
+      {kHeader + "\n" + good + "nan,42,-71,120,90,-30\n", {"lines.csv:3: time_s is \"nan\"", "a number of s"}},
+      {kHeader + "\n" + good + "1,42,-71,1e999,90,-30\n", {"lines.csv:3: altitude_m"}},
+      {kHeader + "\n" + good + "1,42,-71,120,north,-30\n", {"lines.csv:3: azimuth_deg is \"north\""}},
+      {kHeader + "\n" + good + "1,42,-71,,90,-30\n", {"lines.csv:3: altitude_m is \"\""}},
+      {kHeader + "\n" + good + "1,42,-71\n", {"lines.csv:3: no altitude_m", "after 3 of at least 4"}},
+      {kHeader + ",range_m\n0,42,-71,120,90,-30,-5\n", {"lines.csv:2: range_m is \"-5\""}},
+      {kHeader + ",sigma_deg\n0,42,-71,120,90,-30,0\n", {"lines.csv:2: sigma_deg is \"0\""}},
+  };
+  for (const BadCase& bad : cases) {
+    const auto lines = ParseLinesOfSight(bad.text, "lines.csv");
+    ASSERT_FALSE(lines) << bad.text;
+    EXPECT_EQ(lines.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_THAT(lines.error().message, Not(HasSubstr("\n")));
+    for (const std::string& word : bad.words) EXPECT_THAT(lines.error().message, HasSubstr(word));
+  }
+}
+
+}  // namespace
+}  // namespace victorious

@@ -1,0 +1,172 @@
+#include "victorious/geolocate/locate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+#include <fmt/format.h>
+
+#include "victorious/geolocate/consensus.h"
+#include "victorious/geolocate/error_ellipse.h"
+#include "victorious/geolocate/linear_place.h"
+#include "victorious/geolocate/ray.h"
+#include "victorious/geolocate/refine_place.h"
+
+namespace victorious {
+namespace {
+
+// What an estimator found. An error here is the status of a fix without a place.
+struct Solution {
+  Motion motion;
+  Eigen::MatrixXd covariance;  // place, then velocity where there is one; in the plane
+  std::vector<bool> inliers;
+};
+using Outcome = std::expected<Solution, std::string>;
+
+constexpr const char* kNoBaseline =
+    "undetermined: the lines of sight differ too little, for their errors, to tell a distance";
+
+bool Moving(const LocateOptions& options) { return options.motion == "velocity"; }
+
+bool MostlyBehind(std::span<const Ray> rays, const std::vector<bool>& chosen, const Motion& motion) {
+  std::ptrdiff_t behind = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    behind += chosen[i] && (motion.At(rays[i].time_s) - rays[i].camera).dot(rays[i].forward) <= 0 ? 1 : 0;
+  }
+  return 2 * behind > std::ranges::count(chosen, true);
+}
+
+std::string WhyOpen(std::span<const Ray> rays, const std::vector<bool>& chosen, const LocateOptions& options) {
+  const auto count = std::ranges::count(chosen, true);
+  if (count == 1 && rays.size() > 1) return WhyOpen(rays, std::vector<bool>(rays.size(), true), options);
+  if (count == 0) return "undetermined: no line of sight meets the ground";
+  if (count == 1 && Moving(options)) return "undetermined: one line of sight alone tells no velocity";
+  if (count == 1) return "undetermined: one line of sight alone needs a range";
+  const auto motion = SolveLinear(rays, chosen, Moving(options));
+  if (!motion) {
+    return Moving(options) ? "undetermined: too few lines of sight, or too parallel, for a place and a velocity"
+                           : "undetermined: the lines of sight are parallel";
+  }
+  if (MostlyBehind(rays, chosen, *motion)) return "undetermined: the lines of sight meet behind the camera";
+  return "undetermined: the lines of sight do not meet within their errors";
+}
+
+Outcome SolveOver(std::span<const Ray> rays, std::vector<bool> chosen, const LocateOptions& options) {
+  auto motion = SolveLinear(rays, chosen, Moving(options));
+  if (!motion || MostlyBehind(rays, chosen, *motion)) return std::unexpected(WhyOpen(rays, chosen, options));
+  if (options.method == "prior" || options.method == "ransac") motion = SolveBalanced(rays, chosen, *motion, options);
+  if (!motion || MostlyBehind(rays, chosen, *motion)) return std::unexpected(WhyOpen(rays, chosen, options));
+  auto covariance = LinearCovariance(rays, chosen, *motion, options);
+  if (!covariance) return std::unexpected(kNoBaseline);
+  return Solution{*motion, *std::move(covariance), std::move(chosen)};
+}
+
+// A place that may as well be at the camera, or at twice the distance, is not told.
+std::optional<std::string> WhyTooUncertain(std::span<const Ray> rays, const Solution& solution, double largest_share) {
+  double distance_m = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (!solution.inliers[i]) continue;
+    distance_m = std::max(distance_m, (solution.motion.At(rays[i].time_s) - rays[i].camera).norm());
+  }
+  const Eigen::Matrix3d covariance = solution.covariance.topLeftCorner<3, 3>();
+  const double largest =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly).eigenvalues()(2);
+  const double sigma_m = std::sqrt(std::max(0.0, largest));
+  if (std::isfinite(sigma_m) && sigma_m <= largest_share * distance_m) return std::nullopt;
+  return fmt::format("undetermined: the lines of sight fix the place to no better than {:.0f} m at {:.0f} m", sigma_m,
+                     distance_m);
+}
+
+// Whether the lines tell the distance without any range.
+bool TellDistance(std::span<const Ray> rays, const Consensus& found, const LocateOptions& options) {
+  std::vector<Ray> blind(rays.begin(), rays.end());
+  for (Ray& ray : blind) ray.range_weight = 0;
+  auto covariance = LinearCovariance(blind, found.inliers, found.motion, options);
+  if (!covariance) return false;
+  return !WhyTooUncertain(blind, {found.motion, *std::move(covariance), found.inliers}, options.largest_error_share);
+}
+
+// The mean of where the ranges end, in which the lines' scatter has no say along them.
+Outcome SolveByRanges(std::span<const Ray> rays, std::vector<bool> chosen, const LocateOptions& options) {
+  std::vector<Ray> ranged(rays.begin(), rays.end());
+  for (std::size_t i = 0; i < ranged.size(); ++i) {
+    chosen[i] = chosen[i] && ranged[i].range_source != RangeSource::kNone;
+    ranged[i].range_weight = 1;
+  }
+  if (std::ranges::none_of(chosen, std::identity())) return std::unexpected(kNoBaseline);
+  return SolveOver(ranged, std::move(chosen), options);
+}
+
+Outcome SolveMostLikely(std::span<const Ray> rays, Consensus start, const TangentPlane& plane,
+                        const LocateOptions& options) {
+  if (!TellDistance(rays, start, options)) return SolveByRanges(rays, std::move(start.inliers), options);
+  std::optional<double> ground_up_m;
+  if (options.ground_height_m) ground_up_m = *options.ground_height_m - plane.origin().altitude_m;
+  auto refined = RefinePlace(rays, start.motion, start.inliers, ground_up_m, options);
+  if (!refined) return std::unexpected(kNoBaseline);
+  if (MostlyBehind(rays, refined->inliers, refined->motion)) {
+    return std::unexpected("undetermined: the lines of sight meet behind the camera");
+  }
+  return Solution{refined->motion, std::move(refined->covariance), std::move(refined->inliers)};
+}
+
+Outcome Solve(std::span<const Ray> rays, const TangentPlane& plane, const LocateOptions& options) {
+  std::vector<bool> all(rays.size(), true);
+  if (options.method == "least-squares") return SolveOver(rays, std::move(all), options);
+  if (options.method == "prior") return SolveOver(rays, KeepWithinFrusta(rays, Moving(options)), options);
+  if (options.method == "ground") {
+    std::transform(rays.begin(), rays.end(), all.begin(),
+                   [](const Ray& ray) { return ray.range_source == RangeSource::kGround; });
+    return SolveOver(rays, std::move(all), options);
+  }
+  auto consensus = FindConsensus(rays, options);
+  if (!consensus) return std::unexpected(WhyOpen(rays, all, options));
+  if (options.method == "ransac") return SolveOver(rays, std::move(consensus->inliers), options);
+  return SolveMostLikely(rays, *std::move(consensus), plane, options);
+}
+
+Place PlaceOf(const Solution& solution, const TangentPlane& plane, double time_s) {
+  const Eigen::Matrix3d turn = plane.LocalEnuFromEnu(solution.motion.place).toRotationMatrix();
+  Place place;
+  place.point = plane.GeodeticFromEnu(solution.motion.place);
+  place.time_s = time_s;
+  place.covariance_enu_m2 = turn * solution.covariance.topLeftCorner<3, 3>() * turn.transpose();
+  if (solution.covariance.rows() == 6) {
+    place.velocity_enu = turn * solution.motion.velocity;
+    place.velocity_covariance_enu = turn * solution.covariance.bottomRightCorner<3, 3>() * turn.transpose();
+  }
+  constexpr double kShare = 0.9;
+  place.ce90_m = CircularError(place.covariance_enu_m2.topLeftCorner<2, 2>(), kShare);
+  place.le90_m = LinearError90(place.covariance_enu_m2(2, 2));
+  return place;
+}
+
+}  // namespace
+
+Expected<GeoFix> Locate(std::span<const LineOfSight> lines, const LocateOptions& options) {
+  VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
+  if (lines.empty()) return Fail(ErrorCode::kInvalidArgument, "no lines of sight: give at least one");
+  if (options.method == "ground" && !options.ground_height_m) {
+    return Fail(ErrorCode::kInvalidArgument, "the method ground needs the height of the ground (--ground METRES)");
+  }
+  const TangentPlane plane(lines.front().camera);
+  const std::vector<Ray> rays = MakeRays(lines, plane, options);
+  GeoFix fix{.inliers = std::vector<bool>(lines.size(), false)};
+  const Outcome outcome = Solve(rays, plane, options);
+  if (!outcome) {
+    fix.status = outcome.error();
+    return fix;
+  }
+  if (auto why = WhyTooUncertain(rays, *outcome, options.largest_error_share)) {
+    fix.status = *std::move(why);
+    return fix;
+  }
+  fix.place = PlaceOf(*outcome, plane, std::ranges::max(lines, {}, &LineOfSight::time_s).time_s);
+  fix.inliers = outcome->inliers;
+  fix.status = "ok";
+  return fix;
+}
+
+}  // namespace victorious

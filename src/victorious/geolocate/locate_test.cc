@@ -1,0 +1,222 @@
+#include "victorious/geolocate/locate.h"
+
+#include <cmath>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "testing/drawn_lines.h"
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+using testing::DrawLinesOfSight;
+using testing::DrawnLines;
+using ::testing::HasSubstr;
+
+GeoFix Located(const std::vector<LineOfSight>& lines, const LocateOptions& options) {
+  auto fix = Locate(lines, options);
+  EXPECT_TRUE(fix) << fix.error().message;
+  return fix ? *std::move(fix) : GeoFix{};
+}
+
+double ErrorOf(const GeoFix& fix, const GeodeticPoint& truth) {
+  return fix.place ? TangentPlane(truth).EnuFromGeodetic(fix.place->point).norm() : HUGE_VAL;
+}
+
+std::ptrdiff_t Inliers(const GeoFix& fix) { return std::ranges::count(fix.inliers, true); }
+
+class EachMethod : public ::testing::TestWithParam<std::string> {
+ protected:
+  LocateOptions options{.method = GetParam()};
+};
+
+INSTANTIATE_TEST_SUITE_P(Methods, EachMethod, ::testing::Values("least-squares", "prior", "ransac", "ml"),
+                         [](const auto& one) { return one.param == "least-squares" ? "least_squares" : one.param; });
+
+TEST_P(EachMethod, FindsTheExactPlace) {
+  const DrawnLines drawn = DrawLinesOfSight({});
+  const GeoFix fix = Located(drawn.lines, options);
+  EXPECT_EQ(fix.status, "ok");
+  EXPECT_LT(ErrorOf(fix, drawn.object), 1e-4);
+  EXPECT_EQ(Inliers(fix), 100);
+  EXPECT_FALSE(fix.place->velocity_enu);
+}
+
+TEST_P(EachMethod, FindsAMovingObjectAtTheLastLinesTime) {
+  options.motion = "velocity";
+  const DrawnLines drawn = DrawLinesOfSight({.velocity_enu = {3, -2, 0.1}});
+  const GeoFix fix = Located(drawn.lines, options);
+  EXPECT_EQ(fix.status, "ok");
+  EXPECT_LT(ErrorOf(fix, drawn.object), 1e-3);
+  EXPECT_DOUBLE_EQ(fix.place->time_s, 60);
+  EXPECT_LT((*fix.place->velocity_enu - Eigen::Vector3d(3, -2, 0.1)).norm(), 1e-4);
+}
+
+TEST_P(EachMethod, SendsOneLineItsRange) {
+  const DrawnLines drawn = DrawLinesOfSight({.count = 1, .range_share = 1e-6});
+  const GeoFix fix = Located(drawn.lines, options);
+  EXPECT_EQ(fix.status, "ok");
+  EXPECT_LT(ErrorOf(fix, drawn.object), 0.01);
+}
+
+TEST_P(EachMethod, SaysThatOneLineNeedsARange) {
+  const GeoFix fix = Located(DrawLinesOfSight({.count = 1}).lines, options);
+  EXPECT_FALSE(fix.place);
+  EXPECT_EQ(fix.status, "undetermined: one line of sight alone needs a range");
+  EXPECT_EQ(Inliers(fix), 0);
+}
+
+TEST_P(EachMethod, SaysThatParallelLinesMeetNowhere) {
+  std::vector<LineOfSight> lines = DrawLinesOfSight({.count = 5}).lines;
+  for (LineOfSight& line : lines) line.camera = lines[0].camera;
+  for (LineOfSight& line : lines) line.azimuth_rad = lines[0].azimuth_rad, line.elevation_rad = lines[0].elevation_rad;
+  const GeoFix fix = Located(lines, options);
+  EXPECT_FALSE(fix.place);
+  EXPECT_THAT(fix.status, HasSubstr("parallel"));
+}
+
+TEST_P(EachMethod, SaysThatLinesMeetBehindTheCamera) {
+  std::vector<LineOfSight> lines = DrawLinesOfSight({.count = 2}).lines;
+  for (LineOfSight& line : lines) line.azimuth_rad += kPi, line.elevation_rad *= -1;
+  const GeoFix fix = Located(lines, options);
+  EXPECT_FALSE(fix.place);
+  EXPECT_THAT(fix.status, HasSubstr("behind the camera"));
+}
+
+TEST_P(EachMethod, TellsNoPlaceWhereTheDistanceIsOpen) {
+  // A metre of baseline at 360 m: what is measured is the noise.
+  const GeoFix fix =
+      Located(DrawLinesOfSight({.arc_deg = 0.2, .noise_position_m = 1, .noise_deg = 0.1}).lines, options);
+  EXPECT_FALSE(fix.place);
+  EXPECT_THAT(fix.status, HasSubstr("undetermined: "));
+}
+
+TEST_P(EachMethod, ACameraThatStandsStillTellsNoDistanceHoweverManyItsLines) {
+  for (const int count : {5, 100, 4000}) {
+    for (const double noise_m : {0.0, 2.0}) {
+      if (options.method == "prior" && count > 100) continue;  // quadratic
+      const GeoFix fix =
+          Located(DrawLinesOfSight({.count = count, .arc_deg = 0, .noise_position_m = noise_m, .noise_deg = 0.5}).lines,
+                  options);
+      EXPECT_TRUE(!fix.place || fix.place->ce90_m > 100) << count << " " << noise_m << " " << fix.place->ce90_m;
+    }
+  }
+}
+
+TEST(Locate, OnTheGroundTheEllipseOfACameraThatStandsStillDoesNotShrink) {
+  for (const std::string method : {"ground", "ml"}) {
+    LocateOptions options{.method = method};
+    options.ground_height_m = 5;
+    std::vector<double> ce90_m;
+    for (const int count : {20, 4000}) {
+      const DrawnLines drawn =
+          DrawLinesOfSight({.count = count, .arc_deg = 0, .noise_position_m = 2, .noise_deg = 0.5});
+      const GeoFix fix = Located(drawn.lines, options);
+      ASSERT_TRUE(fix.place) << method << fix.status;
+      EXPECT_LT(ErrorOf(fix, drawn.object), 5) << method;
+      ce90_m.push_back(fix.place->ce90_m);
+    }
+    EXPECT_GT(ce90_m[1], 0.85 * ce90_m[0]) << method;
+  }
+}
+
+TEST_P(EachMethod, TellsNoVelocityOfTwoLines) {
+  options.motion = "velocity";
+  const GeoFix fix = Located(DrawLinesOfSight({.count = 2}).lines, options);
+  EXPECT_FALSE(fix.place);
+  EXPECT_THAT(fix.status, HasSubstr("velocity"));
+}
+
+TEST_P(EachMethod, KeepsTheEllipseOfManyLinesAboveTheCommonErrors) {
+  const testing::DrawnLinesOptions flight{.arc_deg = 90, .noise_position_m = 1, .noise_deg = 0.2};
+  testing::DrawnLinesOptions longer = flight;
+  longer.count = 4000;
+  options.common.position_m = 3;
+  const GeoFix few = Located(DrawLinesOfSight(flight).lines, options);
+  const GeoFix many = Located(DrawLinesOfSight(longer).lines, options);
+  ASSERT_TRUE(few.place && many.place) << few.status << many.status;
+  EXPECT_GT(many.place->ce90_m, 3 * 2.146 * 0.99);  // what 3 m along each axis alone give
+  EXPECT_GT(many.place->ce90_m, 0.8 * few.place->ce90_m);
+}
+
+TEST(Locate, SetsWrongLinesAside) {
+  const DrawnLines drawn = DrawLinesOfSight({.wrong_share = 0.3, .noise_position_m = 0.5, .noise_deg = 0.1});
+  for (const std::string method : {"ransac", "ml"}) {
+    const GeoFix fix = Located(drawn.lines, {.method = method});
+    EXPECT_LT(ErrorOf(fix, drawn.object), 2) << method;
+    for (std::size_t i = 0; i < drawn.wrong.size(); ++i) EXPECT_TRUE(fix.inliers[i] || drawn.wrong[i]) << method << i;
+  }
+  const GeoFix all = Located(drawn.lines, {.method = "least-squares"});
+  EXPECT_GT(ErrorOf(all, drawn.object), 2);  // what the others are for
+}
+
+TEST(Locate, PriorLeavesOutWhatPullsThePlaceOutOfAFrustum) {
+  DrawnLines drawn = DrawLinesOfSight({.noise_deg = 0.05, .range_share = 0.05});
+  drawn.lines[50].azimuth_rad += RadiansFromDegrees(20);
+  drawn.lines[70].range_m = *drawn.lines[70].range_m * 3;
+  const GeoFix fix = Located(drawn.lines, {.method = "prior"});
+  EXPECT_LT(ErrorOf(fix, drawn.object), 1);
+  EXPECT_EQ(Inliers(fix), 98);
+  EXPECT_FALSE(fix.inliers[50]);
+  EXPECT_FALSE(fix.inliers[70]);
+}
+
+TEST(Locate, RangesMakeUpForAShortBaseline) {
+  const testing::DrawnLinesOptions flight{.arc_deg = 0.5, .noise_deg = 0.1, .range_share = 0.05};
+  const DrawnLines drawn = DrawLinesOfSight(flight);
+  for (const std::string method : {"prior", "ransac", "ml"}) {
+    EXPECT_LT(ErrorOf(Located(drawn.lines, {.method = method}), drawn.object), 10) << method;
+  }
+}
+
+TEST(Locate, GroundGivesOneLineItsPlace) {
+  const DrawnLines drawn = DrawLinesOfSight({.count = 1});
+  for (const std::string method : {"ground", "prior", "ml"}) {
+    LocateOptions options{.method = method};
+    options.ground_height_m = drawn.object.altitude_m;
+    const GeoFix fix = Located(drawn.lines, options);
+    EXPECT_LT(ErrorOf(fix, drawn.object), 0.02) << method;
+    ASSERT_TRUE(fix.place) << method;
+    // The ellipse leans along the ground: height is known as well as the ground's.
+    EXPECT_NEAR(fix.place->le90_m, options.ground_sigma_m * 1.645, 0.1) << method;
+    EXPECT_GT(fix.place->ce90_m, 5) << method;
+  }
+}
+
+TEST(Locate, GroundIsAPriorOfManyLines) {
+  const DrawnLines drawn = DrawLinesOfSight({.noise_position_m = 2, .noise_deg = 0.5});
+  LocateOptions options;
+  const GeoFix without = Located(drawn.lines, options);
+  options.ground_height_m = drawn.object.altitude_m;
+  options.ground_sigma_m = 0.5;
+  const GeoFix with = Located(drawn.lines, options);
+  ASSERT_TRUE(without.place && with.place);
+  EXPECT_LT(with.place->le90_m, 0.5 * without.place->le90_m);
+}
+
+TEST(Locate, TheEllipseGrowsWhenLinesScatterMoreThanTold) {
+  const DrawnLines drawn = DrawLinesOfSight({.count = 30, .noise_position_m = 0.1, .noise_deg = 1});
+  std::vector<LineOfSight> boasting = drawn.lines;
+  for (LineOfSight& line : boasting) line.sigma_rad = RadiansFromDegrees(0.4);
+  LocateOptions options{.identity_radius_m = 20};
+  options.line.position_m = 0.1;
+  options.common = {0.01, 0.01, 0.01, 0.01, 0.01, 0.01};
+  const GeoFix honest = Located(drawn.lines, options);
+  const GeoFix boasted = Located(boasting, options);
+  ASSERT_TRUE(honest.place && boasted.place);
+  EXPECT_GT(boasted.place->ce90_m, 0.7 * honest.place->ce90_m);
+}
+
+TEST(Locate, RefusesWhatCannotBeUsed) {
+  EXPECT_FALSE(Locate({}, {}));
+  const DrawnLines drawn = DrawLinesOfSight({.count = 2});
+  EXPECT_FALSE(Locate(drawn.lines, {.method = "guess"}));
+  EXPECT_FALSE(Locate(drawn.lines, {.method = "ground"}));
+  EXPECT_FALSE(Locate(drawn.lines, {.distance_prior_allowance = 0.5}));
+}
+
+}  // namespace
+}  // namespace victorious

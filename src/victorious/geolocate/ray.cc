@@ -1,0 +1,127 @@
+#include "victorious/geolocate/ray.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+constexpr double kNearestM = 1;  // nothing is seen from nearer, and what is behind the camera has a distance below 0
+
+double Square(double value) { return value * value; }
+
+void SetDirection(const LineOfSight& line, const TangentPlane& plane, Ray& ray) {
+  const double sin_azimuth = std::sin(line.azimuth_rad);
+  const double cos_azimuth = std::cos(line.azimuth_rad);
+  const double sin_elevation = std::sin(line.elevation_rad);
+  ray.cos_elevation = std::cos(line.elevation_rad);
+  const Eigen::Quaterniond plane_from_local = plane.LocalEnuFromEnu(ray.camera).conjugate();
+  ray.forward = plane_from_local *
+                Eigen::Vector3d(sin_azimuth * ray.cos_elevation, cos_azimuth * ray.cos_elevation, sin_elevation);
+  ray.side = plane_from_local * Eigen::Vector3d(cos_azimuth, -sin_azimuth, 0);
+  ray.rise =
+      plane_from_local * Eigen::Vector3d(-sin_azimuth * sin_elevation, -cos_azimuth * sin_elevation, ray.cos_elevation);
+  ray.up = plane_from_local * Eigen::Vector3d::UnitZ();
+}
+
+// A line that tells no range gets that to the ground, where it meets it.
+void SetRange(const LineOfSight& line, const LocateOptions& options, Ray& ray) {
+  if (line.range_m) {
+    ray.range_source = RangeSource::kMeasured;
+    ray.range_m = *line.range_m;
+    ray.sigma_range_m = line.sigma_range_m.value_or(options.line.range_share * ray.range_m);
+    return;
+  }
+  if (!options.ground_height_m) return;
+  const double fall = -ray.forward.dot(ray.up);
+  const double height_m = line.camera.altitude_m - *options.ground_height_m;
+  constexpr double kLeastFall = 0.01;  // flatter than half a degree, a line meets the ground anywhere
+  if (fall < kLeastFall || height_m <= kNearestM) return;
+  ray.range_source = RangeSource::kGround;
+  ray.range_m = height_m / fall;
+  const double slide = ray.range_m * ray.cos_elevation * ray.sigma_rad;
+  ray.sigma_range_m =
+      std::sqrt(Square(options.ground_sigma_m) + Square(options.line.position_m) + Square(slide)) / fall;
+}
+
+// least-squares knows no ranges, save of a line that is alone: that one goes its prior's way.
+double RangeWeight(const Ray& ray, const LocateOptions& options, bool alone) {
+  if (ray.range_source == RangeSource::kNone) return 0;
+  if (alone || options.method == "ground") return 1;
+  if (options.method == "least-squares") return 0;
+  const double across_m2 = Square(options.line.position_m) + Square(ray.sigma_rad * ray.range_m);
+  return std::min(1.0, across_m2 / Square(ray.sigma_range_m));
+}
+
+Frustum FrustumOf(const Ray& ray, const LocateOptions& options) {
+  const double common_rad2 = Square(RadiansFromDegrees(options.common.heading_deg)) +
+                             Square(RadiansFromDegrees(options.common.boresight_side_deg)) +
+                             Square(RadiansFromDegrees(options.common.boresight_rise_deg));
+  Frustum frustum;
+  const double gate2 = Square(options.gate_sigma);
+  frustum.base_m2 = Square(options.identity_radius_m) + gate2 * Square(options.line.position_m);
+  frustum.slope = gate2 * (Square(ray.sigma_rad) + common_rad2 / 2);  // of two angles: half of it each
+  frustum.nearest_m = kNearestM;
+  frustum.farthest_m = std::numeric_limits<double>::infinity();
+  if (ray.range_source == RangeSource::kMeasured) {
+    const double allowance =
+        std::max(options.distance_prior_allowance, 1 + options.gate_sigma * ray.sigma_range_m / ray.range_m);
+    frustum.nearest_m = std::max(kNearestM, ray.range_m / allowance);
+    frustum.farthest_m = std::max(frustum.nearest_m, ray.range_m * allowance);
+  }
+  return frustum;
+}
+
+double ToldShare(const Ray& ray, double distance_m, double sigma_position_m) {
+  const double shift_m2 = Square(sigma_position_m);
+  return shift_m2 / (shift_m2 + Square(distance_m * ray.sigma_rad));
+}
+
+}  // namespace
+
+std::vector<Ray> MakeRays(std::span<const LineOfSight> lines, const TangentPlane& plane, const LocateOptions& options) {
+  double last_s = -std::numeric_limits<double>::infinity();
+  for (const LineOfSight& line : lines) last_s = std::max(last_s, line.time_s);
+  std::vector<Ray> rays;
+  rays.reserve(lines.size());
+  for (const LineOfSight& line : lines) {
+    Ray ray;
+    ray.time_s = line.time_s - last_s;
+    ray.camera = plane.EnuFromGeodetic(line.camera);
+    ray.sigma_rad = line.sigma_rad.value_or(RadiansFromDegrees(options.line.angle_deg));
+    SetDirection(line, plane, ray);
+    SetRange(line, options, ray);
+    ray.range_weight = RangeWeight(ray, options, lines.size() == 1);
+    ray.frustum = FrustumOf(ray, options);
+    rays.push_back(ray);
+  }
+  return rays;
+}
+
+Eigen::Vector3d LikelyDirection(const Ray& ray, const Eigen::Vector3d& told, const Eigen::Vector3d& seen,
+                                double sigma_position_m) {
+  const double distance_m = std::max(kNearestM, seen.norm());
+  const double told_share = ToldShare(ray, distance_m, sigma_position_m);
+  return (told_share * told + (1 - told_share) * seen / distance_m).normalized();
+}
+
+double LikelyVariance(const Ray& ray, double distance_m, double sigma_position_m) {
+  return ToldShare(ray, distance_m, sigma_position_m) * Square(ray.sigma_rad);
+}
+
+double FeignedFactor(std::ptrdiff_t count) {
+  constexpr double kSigmas = 3;  // the mean of 2 n squares scatters by 1 / sqrt(n)
+  return 2 * (1 + kSigmas / std::sqrt(static_cast<double>(std::max<std::ptrdiff_t>(1, count))));
+}
+
+bool InFrustum(const Ray& ray, const Motion& motion) {
+  const Eigen::Vector3d seen = motion.At(ray.time_s) - ray.camera;
+  const double along = seen.dot(ray.forward);
+  if (along < ray.frustum.nearest_m || along > ray.frustum.farthest_m) return false;
+  return seen.squaredNorm() - along * along <= ray.frustum.base_m2 + along * along * ray.frustum.slope;
+}
+
+}  // namespace victorious

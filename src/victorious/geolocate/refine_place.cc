@@ -1,0 +1,305 @@
+#include "victorious/geolocate/refine_place.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+#include <ceres/autodiff_cost_function.h>
+#include <ceres/loss_function.h>
+#include <ceres/manifold.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
+#include "victorious/geolocate/linear_place.h"
+
+namespace victorious {
+namespace {
+
+using CommonVector = Eigen::Matrix<double, kCommonErrors, 1>;
+
+struct Estimate {
+  Eigen::Vector3d place;
+  Eigen::Vector3d velocity;
+  CommonVector common = CommonVector::Zero();  // in sigmas
+
+  [[nodiscard]] Motion motion() const { return {place, velocity}; }
+};
+
+// A ray as one round of the minimisation sees it: what depends on the place and would draw it off if it moved along.
+struct Sight {
+  double distance_m = 0;
+  double sigma_m = 0;     // of the ray's own error at that distance, across the ray
+  Eigen::Vector3d along;  // the most likely true direction
+  Eigen::Vector3d side;   // across it
+  Eigen::Vector3d rise;
+};
+
+// From the camera, moved by its common error, to the object.
+template <typename T>
+Eigen::Matrix<T, 3, 1> Seen(const Ray& ray, const CommonVector& sigmas, const T* place, const T* velocity,
+                            const T* common) {
+  Eigen::Matrix<T, 3, 1> seen;
+  for (int k = 0; k < 3; ++k) seen[k] = place[k] + velocity[k] * ray.time_s - ray.camera[k] - common[k] * sigmas[k];
+  return seen;
+}
+
+// How far the object is off the ray, to the side and upwards, over the ray's own error there.
+struct OffsetError {
+  const Ray& ray;
+  const CommonVector& sigmas;
+  Sight sight;
+
+  template <typename T>
+  bool operator()(const T* place, const T* velocity, const T* common, T* residuals) const {
+    const Eigen::Matrix<T, 3, 1> seen = Seen(ray, sigmas, place, velocity, common);
+    const Eigen::Matrix<T, 3, 1> off = seen - (sight.distance_m * ray.forward).template cast<T>();
+    const T to_side = common[3] * sigmas[3] * ray.cos_elevation + common[4] * sigmas[4];
+    const T to_rise = common[5] * sigmas[5];
+    residuals[0] = (off.dot(sight.side.template cast<T>()) - sight.distance_m * to_side) / sight.sigma_m;
+    residuals[1] = (off.dot(sight.rise.template cast<T>()) - sight.distance_m * to_rise) / sight.sigma_m;
+    return true;
+  }
+};
+
+struct RangeError {
+  const Ray& ray;
+  const CommonVector& sigmas;
+  double sigma_m;
+
+  template <typename T>
+  bool operator()(const T* place, const T* velocity, const T* common, T* residual) const {
+    const T told = ray.range_m * (1.0 + common[6] * sigmas[6]);
+    residual[0] = (Seen(ray, sigmas, place, velocity, common).norm() - told) / sigma_m;
+    return true;
+  }
+};
+
+// The ground bends away from the plane with the Earth.
+struct GroundError {
+  double up_m;
+  double sigma_m;
+
+  template <typename T>
+  bool operator()(const T* place, T* residual) const {
+    constexpr double kEarthRadiusM = 6371e3;
+    residual[0] = (place[2] + (place[0] * place[0] + place[1] * place[1]) / (2 * kEarthRadiusM) - up_m) / sigma_m;
+    return true;
+  }
+};
+
+struct CommonPrior {
+  template <typename T>
+  bool operator()(const T* common, T* residuals) const {
+    std::copy_n(common, kCommonErrors, residuals);
+    return true;
+  }
+};
+
+// The normal matrix J'J of the unknowns that are free.
+Eigen::MatrixXd NormalMatrix(ceres::Problem& problem, std::vector<double*> free) {
+  ceres::Problem::EvaluateOptions evaluate;
+  evaluate.parameter_blocks = std::move(free);
+  ceres::CRSMatrix jacobian;
+  problem.Evaluate(evaluate, nullptr, nullptr, nullptr, &jacobian);
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(jacobian.num_cols, jacobian.num_cols);
+  for (std::size_t row = 0; row + 1 < jacobian.rows.size(); ++row) {
+    for (int i = jacobian.rows[row]; i < jacobian.rows[row + 1]; ++i) {
+      for (int k = jacobian.rows[row]; k < jacobian.rows[row + 1]; ++k) {
+        const auto [at_i, at_k] = std::pair(static_cast<std::size_t>(i), static_cast<std::size_t>(k));
+        normal(jacobian.cols[at_i], jacobian.cols[at_k]) += jacobian.values[at_i] * jacobian.values[at_k];
+      }
+    }
+  }
+  return normal;
+}
+
+// Nothing where the matrix, its diagonal scaled to 1, is singular.
+std::optional<Eigen::MatrixXd> Inverse(const Eigen::MatrixXd& normal) {
+  if (!normal.allFinite() || !(normal.diagonal().minCoeff() > 0)) return std::nullopt;
+  const Eigen::VectorXd scale = normal.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
+  constexpr double kLeastEigenvalue = 1e-13;
+  if (eigen.info() != Eigen::Success || !(eigen.eigenvalues().minCoeff() > kLeastEigenvalue)) return std::nullopt;
+  const Eigen::MatrixXd inverse =
+      eigen.eigenvectors() * eigen.eigenvalues().cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
+  return Eigen::MatrixXd(scale.asDiagonal() * inverse * scale.asDiagonal());
+}
+
+// The covariance of what was estimated, from the normal matrix of all unknowns. What was held at 0, and errs by one
+// sigma, moves the estimate by  inverse(N_ee) N_eh.
+std::optional<Eigen::MatrixXd> Covariance(const Eigen::MatrixXd& normal, const std::vector<int>& held) {
+  std::vector<int> estimated;
+  for (int i = 0; i < normal.rows(); ++i) {
+    if (std::ranges::find(held, i) == held.end()) estimated.push_back(i);
+  }
+  auto covariance = Inverse(normal(estimated, estimated));
+  if (!covariance) return covariance;
+  const Eigen::MatrixXd moved = *covariance * normal(estimated, held);
+  return Eigen::MatrixXd(*covariance + moved * moved.transpose());
+}
+
+class Refinement {
+ public:
+  Refinement(std::span<const Ray> rays, std::optional<double> ground_up_m, const LocateOptions& options)
+      : rays_(rays), ground_up_m_(ground_up_m), options_(options), sigmas_(CommonSigmas(options.common)) {}
+
+  /// One minimisation with the sights as at the start; the covariance where it exists.
+  std::optional<Eigen::MatrixXd> Minimise(const std::vector<bool>& inliers, double noise_factor, Estimate& estimate) {
+    ceres::Problem::Options shared;
+    shared.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    ceres::Problem problem(shared);
+    ceres::HuberLoss huber(options_.robust_sigma);
+    double* const place = estimate.place.data();
+    double* const velocity = estimate.velocity.data();
+    double* const common = estimate.common.data();
+    for (std::size_t i = 0; i < rays_.size(); ++i) {
+      if (!inliers[i]) continue;
+      const Ray& ray = rays_[i];
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<OffsetError, 2, 3, 3, kCommonErrors>(
+                                   new OffsetError{ray, sigmas_, SightOf(ray, estimate, noise_factor)}),
+                               &huber, place, velocity, common);
+      if (ray.range_source != RangeSource::kMeasured) continue;
+      const double sigma_m = std::hypot(ray.sigma_range_m, options_.line.position_m);
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<RangeError, 1, 3, 3, kCommonErrors>(new RangeError{ray, sigmas_, sigma_m}),
+          &huber, place, velocity, common);
+    }
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<CommonPrior, kCommonErrors, kCommonErrors>(new CommonPrior), nullptr, common);
+    if (ground_up_m_) {
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<GroundError, 1, 3>(new GroundError{*ground_up_m_, options_.ground_sigma_m}),
+          nullptr, place);
+    }
+    // To the lines, the place is nearly the same as the flight's errors in position, elevation and range factor: were
+    // these free, the lines' own errors would choose. They stay 0 and widen the ellipse; a known ground tells the first
+    // two apart.
+    std::vector<int> held = {6};
+    if (!ground_up_m_) held = {0, 1, 2, 5, 6};
+    problem.SetManifold(common, new ceres::SubsetManifold(kCommonErrors, held));
+    std::vector<double*> free = {place, velocity, common};
+    if (options_.motion == "static") {
+      problem.SetParameterBlockConstant(velocity);
+      free = {place, common};
+    }
+    ceres::Solver::Options solver;
+    solver.linear_solver_type = ceres::DENSE_QR;
+    solver.logging_type = ceres::SILENT;
+    solver.max_num_iterations = 50;
+    ceres::Solver::Summary summary;
+    ceres::Solve(solver, &problem, &summary);
+    if (!summary.IsSolutionUsable() || !estimate.place.allFinite()) return std::nullopt;
+    problem.SetManifold(common, nullptr);
+    const int first_common = options_.motion == "static" ? 3 : 6;
+    for (int& one : held) one += first_common;
+    Eigen::MatrixXd normal = NormalMatrix(problem, free);
+    normal.topLeftCorner(first_common, first_common) -= Feigned(inliers, noise_factor, estimate, first_common);
+    return Covariance(normal, held);
+  }
+
+  /// The rays that pass the object, without the common errors, within the gate and the identity radius.
+  [[nodiscard]] std::vector<bool> InliersOf(const Estimate& estimate, double noise_factor) const {
+    std::vector<bool> inliers(rays_.size());
+    for (std::size_t i = 0; i < rays_.size(); ++i) {
+      const Ray& ray = rays_[i];
+      const double along_m = ToObject(ray, estimate).dot(ray.forward);
+      if (along_m < ray.frustum.nearest_m || along_m > ray.frustum.farthest_m) continue;
+      const Sight sight = SightOf(ray, estimate, noise_factor);
+      const double gate = std::hypot(options_.gate_sigma, options_.identity_radius_m / sight.sigma_m);
+      inliers[i] = OffsetOf(ray, sight, estimate).norm() <= gate;
+    }
+    return inliers;
+  }
+
+  /// How many times larger the rays' own errors are than told: from the median, at least 1.
+  [[nodiscard]] double NoiseFactor(const std::vector<bool>& inliers, const Estimate& estimate) const {
+    std::vector<double> offsets;
+    for (std::size_t i = 0; i < rays_.size(); ++i) {
+      if (inliers[i]) offsets.push_back(OffsetOf(rays_[i], SightOf(rays_[i], estimate, 1), estimate).norm());
+    }
+    constexpr std::size_t kFewest = 10;  // fewer say nothing of their spread
+    if (offsets.size() < kFewest) return 1;
+    const auto middle = offsets.begin() + static_cast<std::ptrdiff_t>(offsets.size() / 2);
+    std::ranges::nth_element(offsets, middle);
+    constexpr double kRayleighMedian = 1.1774100225154747;  // of two standard normal numbers' length: sqrt(2 ln 2)
+    return std::max(1.0, *middle / kRayleighMedian);
+  }
+
+ private:
+  // What the rays' own errors seem to tell of the place, and of the velocity where there are 6 unknowns.
+  [[nodiscard]] Eigen::MatrixXd Feigned(const std::vector<bool>& inliers, double noise_factor, const Estimate& estimate,
+                                        int unknowns) const {
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(unknowns, unknowns);
+    for (std::size_t i = 0; i < rays_.size(); ++i) {
+      if (!inliers[i]) continue;
+      const Sight sight = SightOf(rays_[i], estimate, noise_factor);
+      Eigen::VectorXd along(unknowns);
+      along.head<3>() = sight.along / sight.sigma_m;
+      if (unknowns == 6) along.tail<3>() = rays_[i].time_s * along.head<3>();
+      sum += LikelyVariance(rays_[i], sight.distance_m, options_.line.position_m) * along * along.transpose();
+    }
+    return noise_factor * noise_factor * FeignedFactor(std::ranges::count(inliers, true)) * sum;
+  }
+
+  [[nodiscard]] Eigen::Vector3d ToObject(const Ray& ray, const Estimate& estimate) const {
+    return Seen<double>(ray, sigmas_, estimate.place.data(), estimate.velocity.data(), estimate.common.data());
+  }
+
+  [[nodiscard]] Sight SightOf(const Ray& ray, const Estimate& estimate, double noise_factor) const {
+    const Eigen::Vector3d seen = ToObject(ray, estimate);
+    Sight sight;
+    sight.distance_m = std::max(1.0, seen.norm());
+    sight.sigma_m = noise_factor * std::hypot(sight.distance_m * ray.sigma_rad, options_.line.position_m);
+    const CommonVector common = estimate.common.cwiseProduct(sigmas_);
+    const Eigen::Vector3d told =
+        ray.forward - (common[3] * ray.cos_elevation + common[4]) * ray.side - common[5] * ray.rise;
+    sight.along = LikelyDirection(ray, told, seen, options_.line.position_m);
+    sight.side = (ray.side - sight.along * sight.along.dot(ray.side)).normalized();
+    sight.rise = sight.side.cross(sight.along);
+    return sight;
+  }
+
+  [[nodiscard]] Eigen::Vector2d OffsetOf(const Ray& ray, const Sight& sight, const Estimate& estimate) const {
+    Eigen::Vector2d offset;
+    OffsetError{ray, sigmas_, sight}(estimate.place.data(), estimate.velocity.data(), estimate.common.data(),
+                                     offset.data());
+    return offset;
+  }
+
+  std::span<const Ray> rays_;
+  std::optional<double> ground_up_m_;
+  const LocateOptions& options_;
+  CommonVector sigmas_;
+};
+
+}  // namespace
+
+std::optional<RefinedPlace> RefinePlace(std::span<const Ray> rays, const Motion& start, std::vector<bool> inliers,
+                                        std::optional<double> ground_up_m, const LocateOptions& options) {
+  Refinement refinement(rays, ground_up_m, options);
+  Estimate estimate{start.place, start.velocity};
+  double noise_factor = 1;
+  std::optional<Eigen::MatrixXd> covariance;
+  constexpr int kMostRounds = 12;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const Eigen::Vector3d before = estimate.place;
+    covariance = refinement.Minimise(inliers, noise_factor, estimate);
+    if (!covariance) return std::nullopt;
+    const double told = std::exchange(noise_factor, refinement.NoiseFactor(inliers, estimate));
+    std::vector<bool> chosen = refinement.InliersOf(estimate, noise_factor);
+    if (std::ranges::none_of(chosen, std::identity())) return std::nullopt;
+    constexpr double kSettled = 0.01;  // of the errors' size
+    const double sigma_m = std::sqrt(covariance->topLeftCorner<3, 3>().trace());
+    const bool settled =
+        (estimate.place - before).norm() < kSettled * sigma_m && std::abs(noise_factor - told) < kSettled;
+    if (settled && chosen == inliers) break;
+    inliers = std::move(chosen);
+  }
+  const Eigen::Index unknowns = options.motion == "velocity" ? 6 : 3;
+  return RefinedPlace{estimate.motion(), covariance->topLeftCorner(unknowns, unknowns), std::move(inliers)};
+}
+
+}  // namespace victorious

@@ -1,0 +1,69 @@
+#include "victorious/pipeline/video_telemetry.h"
+
+#include <fstream>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "victorious/base/file.h"
+#include "victorious/video/video_reader.h"
+
+namespace victorious {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kHeadSize = 4096;  // bytes that tell what a file is
+
+std::string HeadOf(const std::string& path) {
+  std::string head(kHeadSize, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  return head;
+}
+
+Expected<Telemetry> ReadFromVideo(const std::string& source, const TelemetryOptions& options) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(source, {.data_packets = true}));
+  if (reader->info().live) {
+    return Fail(ErrorCode::kInvalidArgument, "a live source: its telemetry has no end; give a file");
+  }
+  reader->PassOverFrames();
+  VICTORIOUS_ASSIGN_OR_RETURN(Telemetry telemetry, TelemetryFromPackets(reader->TakeDataPackets(), options));
+  if (telemetry.records == 0) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: no telemetry: no KLV and no subtitles of a DJI aircraft are in this video", source));
+  }
+  for (const std::string& warning : reader->warnings()) telemetry.warnings.push_back(warning);
+  return telemetry;
+}
+
+}  // namespace
+
+bool IsTelemetryFile(const std::string& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return false;
+  for (const char* ending : {".klv", ".bin", ".srt", ".SRT", ".csv"}) {
+    if (path.ends_with(ending)) return true;
+  }
+  return LooksLikeTelemetry(HeadOf(path));
+}
+
+Expected<Telemetry> ReadTelemetry(const std::string& source, const TelemetryOptions& options) {
+  if (!IsTelemetryFile(source)) return ReadFromVideo(source, options);
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(source));
+  auto telemetry = ParseTelemetry(bytes, options);
+  if (!telemetry) return std::unexpected(std::move(telemetry).error().WithContext(source));
+  return telemetry;
+}
+
+std::optional<fs::path> TelemetryBeside(const std::string& video) {
+  for (const fs::path& path : {fs::path(video).replace_extension(".SRT"), fs::path(video).replace_extension(".srt"),
+                               fs::path(video + ".telemetry.csv")}) {
+    std::error_code error;
+    if (fs::is_regular_file(path, error)) return path;
+  }
+  return std::nullopt;
+}
+
+}  // namespace victorious

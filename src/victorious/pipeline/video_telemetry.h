@@ -1,0 +1,23 @@
+// The telemetry of a video: out of the file itself, or out of one that lies beside it.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "victorious/base/error.h"
+#include "victorious/telemetry/telemetry.h"
+
+namespace victorious {
+
+/// Whether it is a file of telemetry, and no video: by its first bytes, or by an ending that no video has.
+[[nodiscard]] bool IsTelemetryFile(const std::string& path);
+
+/// Reads a file of telemetry (KLV, DJI subtitles, a table), or a video's own.
+/// Errors: those of reading; kInvalidArgument for what holds no telemetry.
+Expected<Telemetry> ReadTelemetry(const std::string& source, const TelemetryOptions& options);
+
+/// `VIDEO` with .SRT or .srt for its ending, or `VIDEO.telemetry.csv`, whichever is there first.
+[[nodiscard]] std::optional<std::filesystem::path> TelemetryBeside(const std::string& video);
+
+}  // namespace victorious

@@ -1,0 +1,92 @@
+#include "victorious/pose/rank_evidence.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+Eigen::Vector2d PlaceOf(const Keypoint& keypoint) { return {keypoint.x, keypoint.y}; }
+
+// Template keypoints that the scene could show: in the frame, and not too small to be found there.
+std::size_t CountVisible(const Similarity2& pose, const FeatureSet& scene, std::span<const Keypoint> model,
+                         double least_scale_px) {
+  const Eigen::Matrix2d linear = pose.Linear();
+  return static_cast<std::size_t>(std::ranges::count_if(model, [&](const Keypoint& keypoint) {
+    const Eigen::Vector2d place = linear * PlaceOf(keypoint) + pose.translation;
+    return keypoint.scale_px * pose.scale >= least_scale_px && place.x() >= 0 && place.y() >= 0 &&
+           place.x() < scene.image_width && place.y() < scene.image_height;
+  }));
+}
+
+// The share of the scene's keypoints that would do for one of the template's: counted over wider windows than asked
+// for, because few lie in the narrow ones, and none in many.
+double ShareThatAgrees(const Keypoint& keypoint, const Similarity2& pose, const PoseWindow& window,
+                       const FeatureSet& scene, const VoteOptions& options) {
+  constexpr double kWider = 2;
+  constexpr double kLeastCount = 0.1;
+  const Eigen::Vector2d place = pose.Apply(PlaceOf(keypoint));
+  const double reach_px = kWider * window.widest_px;
+  const double scale_px = keypoint.scale_px * pose.scale;
+  const double turn_rad = keypoint.orientation_rad + pose.rotation_rad;
+  int count = 0;
+  for (const Keypoint& other : scene.keypoints) {
+    if ((PlaceOf(other) - place).squaredNorm() > reach_px * reach_px) continue;
+    if (other.scale_px > options.scale_factor * scale_px || other.scale_px * options.scale_factor < scale_px) continue;
+    if (std::abs(WrapAngle(other.orientation_rad - turn_rad)) > kWider * options.turn_rad) continue;
+    ++count;
+  }
+  const double narrower = reach_px / window.radius_px;
+  return std::max(kLeastCount, count / (narrower * narrower * kWider)) / static_cast<double>(scene.size());
+}
+
+// Each inlier's chance, those left out that overlap a likelier one in the scene; ascending.
+std::vector<double> Chances(const Similarity2& pose, std::span<const RankedMatch> inliers, const PoseWindow& window,
+                            const FeatureSet& scene, std::span<const Keypoint> model, const VoteOptions& options) {
+  std::vector<RankedMatch> by_rank(inliers.begin(), inliers.end());
+  std::ranges::stable_sort(by_rank, {}, &RankedMatch::rank);
+  std::vector<Keypoint> taken;
+  std::vector<double> chances;
+  for (const RankedMatch& match : by_rank) {
+    const Keypoint& keypoint = scene.keypoints[match.scene];
+    const bool overlaps = std::ranges::any_of(taken, [&](const Keypoint& other) {
+      return (PlaceOf(keypoint) - PlaceOf(other)).norm() < options.apart * std::max(keypoint.scale_px, other.scale_px);
+    });
+    if (overlaps) continue;
+    taken.push_back(keypoint);
+    chances.push_back(std::min(1.0, match.rank * ShareThatAgrees(model[match.model], pose, window, scene, options)));
+  }
+  std::ranges::sort(chances);
+  return chances;
+}
+
+// The decades of the number of poses that differ: places a window apart; turns and scales that move the object's rim by
+// a window, over the whole circle and four octaves.
+double PoseDecades(const Similarity2& pose, double radius_px, double size_px, const FeatureSet& scene) {
+  const double windows = static_cast<double>(scene.image_width) * scene.image_height / (kPi * radius_px * radius_px);
+  const double rim = std::max(1.0, 0.5 * size_px * pose.scale / radius_px);
+  const double octaves = 4 * std::log(2.0);
+  return std::log10(std::max(1.0, windows)) + std::log10(2 * kPi * rim) + std::log10(octaves * rim);
+}
+
+}  // namespace
+
+double RankEvidence(const Similarity2& scene_from_template, std::span<const RankedMatch> inliers,
+                    const PoseWindow& window, double size_px, const FeatureSet& scene, std::span<const Keypoint> model,
+                    const VoteOptions& options) {
+  const std::vector<double> chances = Chances(scene_from_template, inliers, window, scene, model, options);
+  const std::size_t visible = CountVisible(scene_from_template, scene, model, options.least_scale_px);
+  const double n = static_cast<double>(std::max(visible, chances.size()));
+  double least_log = 0;  // of C(n, k) p_k^k
+  for (std::size_t i = 0; i < chances.size(); ++i) {
+    const double k = static_cast<double>(i + 1);
+    const double log_choose = std::lgamma(n + 1) - std::lgamma(k + 1) - std::lgamma(n - k + 1);
+    least_log = std::min(least_log, log_choose + k * std::log(chances[i]));
+  }
+  return -least_log / std::log(10.0) - PoseDecades(scene_from_template, window.radius_px, size_px, scene) -
+         options.dependence_decades;
+}
+
+}  // namespace victorious

@@ -1,0 +1,349 @@
+#include "victorious/pose/vote_poses.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <utility>
+
+#include "victorious/geometry/angles.h"
+#include "victorious/geometry/robust/mlesac.h"
+#include "victorious/geometry/robust/similarity_estimator.h"
+#include "victorious/pose/plane_refinement.h"
+#include "victorious/pose/rank_evidence.h"
+
+namespace victorious {
+
+void VoteOptions::ListFields(FieldList& fields) {
+  fields.Add("place_share", place_share,
+             {.min = 0.01,
+              .max = 1,
+              .reason = "votes for one pose put the object's centre within this share of its length of each other: "
+                        "what the errors of a keypoint's size and direction make of its place"});
+  fields.Add("scale_factor", scale_factor,
+             {.min = 1.01, .max = 4, .reason = "votes for one pose, and its inliers, agree on scale within this"});
+  fields.Add("turn_rad", turn_rad,
+             {.min = 0.01,
+              .max = 3.2,
+              .unit = "rad",
+              .reason = "votes for one pose, and its inliers, agree on the turn within this"});
+  fields.Add(
+      "most_seeds", most_seeds,
+      {.min = 1, .max = 100, .reason = "poses followed up in one view: those whose votes chance explains least"});
+  fields.Add("least_votes", least_votes,
+             {.min = 2, .max = 1000, .reason = "distinct template keypoints that must vote for a pose"});
+  fields.Add("apart", apart,
+             {.min = 0,
+              .max = 100,
+              .reason = "inliers nearer to each other than this times their scale see the same pixels of the scene, "
+                        "and count once"});
+  fields.Add("least_scale_px", least_scale_px,
+             {.min = 0,
+              .max = 100,
+              .unit = "px",
+              .reason = "template keypoints that would be smaller than this in the scene are not expected there"});
+  fields.Add("dependence_decades", dependence_decades,
+             {.min = -100,
+              .max = 100,
+              .unit = "decades",
+              .reason = "taken off the evidence: keypoints of one texture look alike, which the model of chance does "
+                        "not know"});
+}
+
+namespace {
+
+// What each match says of the object, side by side in memory and in the order of scale.
+struct Votes {
+  std::vector<float> log_scale;
+  std::vector<float> turn_rad;
+  std::vector<float> x;              // of the object's centre in the scene, px
+  std::vector<float> y;              // px
+  std::vector<std::uint32_t> match;  // index into the matches
+
+  [[nodiscard]] std::size_t size() const { return match.size(); }
+};
+
+struct Vote {
+  float log_scale;
+  float turn_rad;
+  float x;
+  float y;
+  std::uint32_t match;
+};
+
+Vote VoteOf(const Keypoint& scene, const Keypoint& model, const Eigen::Vector2d& centre, std::uint32_t match) {
+  const Similarity2 pose{static_cast<double>(scene.scale_px) / model.scale_px,
+                         WrapAngle(static_cast<double>(scene.orientation_rad) - model.orientation_rad),
+                         {scene.x, scene.y}};
+  const Eigen::Vector2d place = pose.Apply(centre - Eigen::Vector2d(model.x, model.y));
+  return {static_cast<float>(std::log(pose.scale)), static_cast<float>(pose.rotation_rad),
+          static_cast<float>(place.x()), static_cast<float>(place.y()), match};
+}
+
+Votes CollectVotes(std::span<const Keypoint> scene, std::span<const Keypoint> model,
+                   std::span<const RankedMatch> matches, const Eigen::Vector2d& centre) {
+  std::vector<Vote> order;
+  order.reserve(matches.size());
+  for (std::uint32_t i = 0; i < matches.size(); ++i) {
+    order.push_back(VoteOf(scene[matches[i].scene], model[matches[i].model], centre, i));
+  }
+  std::ranges::stable_sort(order, {}, &Vote::log_scale);
+  Votes votes;
+  for (const Vote& vote : order) {
+    votes.log_scale.push_back(vote.log_scale);
+    votes.turn_rad.push_back(vote.turn_rad);
+    votes.x.push_back(vote.x);
+    votes.y.push_back(vote.y);
+    votes.match.push_back(vote.match);
+  }
+  return votes;
+}
+
+// The windows within which votes agree.
+struct Windows {
+  float log_scale;
+  float turn_rad;
+  float place_px;  // at scale 1
+};
+
+// Votes that agree with one in scale, [begin, end), and how near to it in place.
+struct Window {
+  std::size_t begin;
+  std::size_t end;
+  float reach2_px2;
+};
+
+std::vector<Window> WindowOfEach(const Votes& votes, const Windows& windows) {
+  std::vector<Window> all(votes.size());
+  std::size_t begin = 0;
+  std::size_t end = 0;
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    while (votes.log_scale[begin] < votes.log_scale[i] - windows.log_scale) ++begin;
+    while (end < votes.size() && votes.log_scale[end] <= votes.log_scale[i] + windows.log_scale) ++end;
+    const float reach = windows.place_px * std::exp(votes.log_scale[i]);
+    all[i] = {begin, end, reach * reach};
+  }
+  return all;
+}
+
+// Without branches, so that the compiler makes vectors of it: most of the time of a search by votes is here.
+inline int Agree(const Votes& votes, std::size_t a, std::size_t b, float reach2_px2, float turn_rad) {
+  const float dx = votes.x[a] - votes.x[b];
+  const float dy = votes.y[a] - votes.y[b];
+  const float difference = std::abs(votes.turn_rad[a] - votes.turn_rad[b]);
+  const float turn = std::min(difference, static_cast<float>(2 * kPi) - difference);
+  return static_cast<int>(dx * dx + dy * dy < reach2_px2) & static_cast<int>(turn < turn_rad);
+}
+
+struct Support {
+  int votes = 0;
+  double log_likelihood = 0;  ///< of so many votes beyond those that chance brings, over chance alone (Poisson)
+};
+
+std::vector<Support> SupportOfEach(const Votes& votes, const std::vector<Window>& windows, float turn_rad,
+                                   double scene_area_px2) {
+  std::vector<Support> all(votes.size());
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    const Window& window = windows[i];
+    int count = 0;
+    for (std::size_t j = window.begin; j < window.end; ++j) count += Agree(votes, i, j, window.reach2_px2, turn_rad);
+    const double chance = std::min(1.0, kPi * window.reach2_px2 / scene_area_px2) * turn_rad / kPi;
+    const double expected = std::max(1e-6, static_cast<double>(window.end - window.begin) * chance);
+    all[i] = {count, count * std::log(count / expected) - (count - expected)};
+  }
+  return all;
+}
+
+PointPair PairOf(const RankedMatch& match, std::span<const Keypoint> scene, std::span<const Keypoint> model) {
+  return {{model[match.model].x, model[match.model].y}, {scene[match.scene].x, scene[match.scene].y}};
+}
+
+std::size_t CountDistinct(std::span<const RankedMatch> matches) {
+  std::size_t count = 0;  // they come by template keypoint
+  for (std::size_t i = 0; i < matches.size(); ++i) count += i == 0 || matches[i].model != matches[i - 1].model ? 1 : 0;
+  return count;
+}
+
+// Every match that agrees with the pose in place, scale and turn; of one keypoint's the nearest.
+std::vector<RankedMatch> Gather(const Similarity2& pose, double radius_px, std::span<const Keypoint> scene,
+                                std::span<const Keypoint> model, std::span<const RankedMatch> matches,
+                                const VoteOptions& options) {
+  std::vector<std::pair<double, RankedMatch>> near;
+  const double most_log = std::log(options.scale_factor);
+  const Eigen::Matrix2d linear = pose.Linear();
+  for (const RankedMatch& match : matches) {
+    const Keypoint& s = scene[match.scene];
+    const Keypoint& m = model[match.model];
+    const Eigen::Vector2d error = linear * Eigen::Vector2d(m.x, m.y) + pose.translation - Eigen::Vector2d(s.x, s.y);
+    if (error.squaredNorm() > radius_px * radius_px) continue;
+    if (std::abs(std::log(s.scale_px / (m.scale_px * pose.scale))) > most_log) continue;
+    if (std::abs(WrapAngle(s.orientation_rad - m.orientation_rad - pose.rotation_rad)) > options.turn_rad) continue;
+    near.emplace_back(error.squaredNorm(), match);
+  }
+  std::ranges::stable_sort(near, {}, &std::pair<double, RankedMatch>::first);
+  std::vector<RankedMatch> kept;
+  for (const auto& [error2, match] : near) {
+    const bool taken = std::ranges::any_of(
+        kept, [&](const RankedMatch& other) { return other.model == match.model || other.scene == match.scene; });
+    if (!taken) kept.push_back(match);
+  }
+  return kept;
+}
+
+// One template against one scene, with what all its poses share.
+class PoseFinder {
+ public:
+  PoseFinder(const FeatureSet& scene, std::span<const Keypoint> model, std::span<const RankedMatch> matches,
+             const Polygon& outline, const VoteOptions& votes, const PoseOptions& pose)
+      : scene_(scene),
+        model_(model),
+        matches_(matches),
+        outline_(outline),
+        votes_(votes),
+        options_(pose),
+        size_px_(std::sqrt(std::abs(SignedArea(outline)))),
+        scene_area_px2_(static_cast<double>(scene.image_width) * scene.image_height) {}
+
+  std::vector<Pose> Find() const {
+    const Box bounds = BoundingBox(outline_);
+    const Eigen::Vector2d centre(bounds.x + bounds.width / 2, bounds.y + bounds.height / 2);
+    const Votes votes = CollectVotes(scene_.keypoints, model_, matches_, centre);
+    const float turn_rad = static_cast<float>(votes_.turn_rad);
+    const std::vector<Window> windows =
+        WindowOfEach(votes, {static_cast<float>(std::log(votes_.scale_factor)), turn_rad,
+                             static_cast<float>(votes_.place_share * std::hypot(bounds.width, bounds.height))});
+    const std::vector<Support> support = SupportOfEach(votes, windows, turn_rad, scene_area_px2_);
+    std::vector<bool> used(votes.size());
+    std::vector<Pose> poses;
+    for (int i = 0; i < votes_.most_seeds; ++i) {
+      const std::optional<std::size_t> seed = BestSeed(support, used);
+      if (!seed) break;
+      const Window& window = windows[*seed];
+      std::vector<std::uint32_t> members;
+      for (std::size_t j = window.begin; j < window.end; ++j) {
+        if (Agree(votes, *seed, j, window.reach2_px2, turn_rad) == 0) continue;
+        used[j] = true;
+        members.push_back(votes.match[j]);
+      }
+      auto pose = PoseOf(std::move(members), window.reach2_px2);
+      if (!pose) continue;
+      if (options_.refine_plane && *pose->evidence > 0) RefineOutline(*pose);
+      poses.push_back(std::move(*pose));
+    }
+    std::ranges::stable_sort(poses, std::greater{}, [](const Pose& pose) { return *pose.evidence; });
+    return poses;
+  }
+
+ private:
+  std::optional<std::size_t> BestSeed(const std::vector<Support>& support, const std::vector<bool>& used) const {
+    std::optional<std::size_t> best;
+    for (std::size_t i = 0; i < support.size(); ++i) {
+      if (used[i] || support[i].votes < votes_.least_votes) continue;
+      if (!best || support[i].log_likelihood > support[*best].log_likelihood) best = i;
+    }
+    return best;
+  }
+
+  // From votes that agree roughly to the pose that most matches agree on closely.
+  std::optional<Pose> PoseOf(std::vector<std::uint32_t> members, double reach2_px2) const {
+    std::ranges::sort(members);
+    std::vector<RankedMatch> voters;
+    for (const std::uint32_t member : members) voters.push_back(matches_[member]);
+    if (CountDistinct(voters) < static_cast<std::size_t>(votes_.least_votes)) return std::nullopt;
+    const std::vector<PointPair> pairs = PairsOf(voters);
+    const SimilarityEstimator::Noise noise{.noise_px = options_.noise_px,
+                                           .shape_px = options_.shape_fraction * size_px_};
+    const auto agreed = Mlesac(SimilarityEstimator(pairs, noise), {.outlier_area_px2 = kPi * reach2_px2,
+                                                                   .confidence = options_.confidence,
+                                                                   .max_hypotheses = options_.max_hypotheses,
+                                                                   .seed = options_.seed});
+    if (!agreed) return std::nullopt;
+    return Narrowed(agreed->model);
+  }
+
+  // The pose at the window that gives it most evidence: the nearer a view is to how the object is seen, the narrower.
+  std::optional<Pose> Narrowed(Similarity2 map) const {
+    std::optional<Pose> best;
+    for (const double narrower : {1.0, 0.5, 0.25}) {
+      constexpr int kRounds = 2;
+      std::vector<RankedMatch> inliers = InliersOf(map, narrower);
+      for (int round = 0; round < kRounds; ++round) {
+        const auto refined = SolveSimilarity(PairsOf(inliers));
+        if (!refined) return best;
+        map = *refined;
+        inliers = InliersOf(map, narrower);
+      }
+      if (inliers.size() < static_cast<std::size_t>(options_.least_inliers)) return best;
+      Pose pose = Describe(map, inliers, narrower);
+      if (!best || *pose.evidence > *best->evidence) best = std::move(pose);
+    }
+    return best;
+  }
+
+  Pose Describe(const Similarity2& map, std::span<const RankedMatch> inliers, double narrower) const {
+    Pose pose;
+    pose.scene_from_template = map;
+    pose.sigma_px = narrower * SigmaPx(map);
+    pose.distinct_inliers = inliers.size();
+    for (const RankedMatch& match : inliers) pose.inliers.push_back({match.scene, match.model, 1.0F});
+    std::vector<Eigen::Vector2d> places;
+    for (const RankedMatch& match : inliers) places.emplace_back(model_[match.model].x, model_[match.model].y);
+    pose.extent = std::abs(SignedArea(ConvexHull(std::move(places)))) / std::max(1e-9, size_px_ * size_px_);
+    pose.evidence = RankEvidence(map, inliers, {.radius_px = narrower * RadiusPx(map), .widest_px = RadiusPx(map)},
+                                 size_px_, scene_, model_, votes_);
+    pose.scene_from_template_plane = map.Matrix();
+    return pose;
+  }
+
+  void RefineOutline(Pose& pose) const {
+    std::vector<PointPair> pairs;
+    for (const Match& match : pose.inliers) {
+      const Keypoint& m = model_[match.model];
+      const Keypoint& s = scene_.keypoints[match.scene];
+      pairs.push_back({{m.x, m.y}, {s.x, s.y}});
+    }
+    const double noise_px = options_.noise_px * std::max(1.0, pose.scene_from_template.scale);
+    pose.scene_from_template_plane =
+        RefinePlane(pairs, pose.scene_from_template, pose.sigma_px, noise_px, scene_area_px2_, outline_);
+  }
+
+  std::vector<PointPair> PairsOf(std::span<const RankedMatch> matches) const {
+    std::vector<PointPair> pairs;
+    pairs.reserve(matches.size());
+    for (const RankedMatch& match : matches) pairs.push_back(PairOf(match, scene_.keypoints, model_));
+    return pairs;
+  }
+
+  double SigmaPx(const Similarity2& map) const {
+    return std::hypot(options_.noise_px * std::max(1.0, map.scale), options_.shape_fraction * size_px_ * map.scale);
+  }
+
+  double RadiusPx(const Similarity2& map) const {
+    constexpr double kSigmas = 2.5;
+    return kSigmas * SigmaPx(map);
+  }
+
+  std::vector<RankedMatch> InliersOf(const Similarity2& map, double narrower) const {
+    return Gather(map, narrower * RadiusPx(map), scene_.keypoints, model_, matches_, votes_);
+  }
+
+  const FeatureSet& scene_;
+  std::span<const Keypoint> model_;
+  std::span<const RankedMatch> matches_;
+  const Polygon& outline_;
+  const VoteOptions& votes_;
+  const PoseOptions& options_;
+  double size_px_;
+  double scene_area_px2_;
+};
+
+}  // namespace
+
+std::vector<Pose> VotePoses(const FeatureSet& scene, std::span<const Keypoint> model,
+                            std::span<const RankedMatch> matches, const Polygon& outline, const VoteOptions& votes,
+                            const PoseOptions& options) {
+  if (outline.size() < 3 || matches.size() < static_cast<std::size_t>(votes.least_votes)) return {};
+  return PoseFinder(scene, model, matches, outline, votes, options).Find();
+}
+
+}  // namespace victorious

@@ -1,0 +1,114 @@
+#include "victorious/pose/vote_poses.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "victorious/base/random.h"
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+constexpr int kWidth = 640;
+constexpr int kHeight = 480;
+const Polygon kOutline = CornersOf({0, 0, 200, 100});
+
+Keypoint RandomKeypoint(Random& random, double width, double height) {
+  return {static_cast<float>(random.Uniform() * width), static_cast<float>(random.Uniform() * height),
+          static_cast<float>(1.5 * std::exp2(3 * random.Uniform())),
+          static_cast<float>(2 * kPi * random.Uniform() - kPi)};
+}
+
+Keypoint Moved(const Keypoint& keypoint, const Similarity2& pose, Random& random) {
+  const Eigen::Vector2d place = pose.Apply({keypoint.x, keypoint.y});
+  const auto noise = [&](double most) { return most * (2 * random.Uniform() - 1); };
+  return {static_cast<float>(place.x() + noise(1)), static_cast<float>(place.y() + noise(1)),
+          static_cast<float>(keypoint.scale_px * pose.scale * std::exp(noise(0.15))),
+          static_cast<float>(WrapAngle(keypoint.orientation_rad + pose.rotation_rad + noise(0.15)))};
+}
+
+// A template of 100 keypoints in a scene of 3000; `found` of them are in it, at `pose`, each at a rank of 1 to 4 in its
+// keypoint's list; the rest of the lists is chance.
+struct World {
+  FeatureSet scene;
+  std::vector<Keypoint> model;
+  std::vector<RankedMatch> matches;
+};
+
+World MakeWorld(std::uint64_t seed, int found, const Similarity2& pose) {
+  Random random(seed);
+  World world;
+  world.scene.image_width = kWidth;
+  world.scene.image_height = kHeight;
+  for (int i = 0; i < 3000; ++i) world.scene.keypoints.push_back(RandomKeypoint(random, kWidth, kHeight));
+  world.scene.descriptors.resize(world.scene.keypoints.size() * kDescriptorSize);
+  for (std::uint32_t m = 0; m < 100; ++m) {
+    world.model.push_back(RandomKeypoint(random, 200, 100));
+    const std::uint32_t true_rank = m < static_cast<std::uint32_t>(found) ? 1 + random.Below(4) : 0;
+    if (true_rank > 0) world.scene.keypoints[m] = Moved(world.model.back(), pose, random);
+    for (std::uint32_t rank = 1; rank <= 4; ++rank) {
+      world.matches.push_back({rank == true_rank ? m : 100 + random.Below(2900), m, rank});
+    }
+  }
+  return world;
+}
+
+std::vector<Pose> Find(const World& world) {
+  return VotePoses(world.scene, world.model, world.matches, kOutline, {}, {});
+}
+
+TEST(VotePoses, FindsAPoseThatThreeMatchesInAHundredAgreeOn) {
+  const Similarity2 truth{0.9, 1.1, {350, 200}};
+  const World world = MakeWorld(1, 12, truth);
+  const std::vector<Pose> poses = Find(world);
+  ASSERT_FALSE(poses.empty());
+  const Pose& pose = poses.front();
+  EXPECT_NEAR(pose.scene_from_template.scale, truth.scale, 0.05);
+  EXPECT_NEAR(pose.scene_from_template.rotation_rad, truth.rotation_rad, 0.05);
+  EXPECT_LT((pose.scene_from_template.Apply({100, 50}) - truth.Apply({100, 50})).norm(), 5);
+  EXPECT_GE(pose.distinct_inliers, 9U);
+  EXPECT_GT(*pose.evidence, 4);
+}
+
+TEST(VotePoses, ChanceAloneHasNoEvidence) {
+  for (std::uint64_t seed = 10; seed < 30; ++seed) {
+    for (const Pose& pose : Find(MakeWorld(seed, 0, {}))) EXPECT_LT(*pose.evidence, 0) << seed;
+  }
+}
+
+TEST(VotePoses, InliersOnOneSpotCountOnce) {
+  const Similarity2 truth{1.0, 0, {200, 200}};
+  World world = MakeWorld(2, 12, truth);
+  const double before = *Find(world).front().evidence;
+  // All twelve move to within a pixel of one place, in the template and in the scene.
+  for (std::size_t i = 0; i < 12; ++i) {
+    const float shift = 0.08F * static_cast<float>(i);
+    world.model[i].x = 100 + shift;
+    world.model[i].y = 50;
+    world.scene.keypoints[i].x = 300 + shift;
+    world.scene.keypoints[i].y = 250;
+  }
+  for (const Pose& pose : Find(world)) EXPECT_LT(*pose.evidence, before - 4);
+}
+
+TEST(VotePoses, FindsTwoInstances) {
+  World world = MakeWorld(3, 24, {0.8, 0.3, {50, 60}});
+  const Similarity2 second{0.8, -2, {450, 350}};
+  Random random(5);
+  for (std::size_t i = 12; i < 24; ++i) world.scene.keypoints[i] = Moved(world.model[i], second, random);
+  const std::vector<Pose> poses = Find(world);
+  ASSERT_GE(poses.size(), 2U);
+  EXPECT_GT(*poses[1].evidence, 2);
+  EXPECT_GT((poses[0].scene_from_template.Apply({100, 50}) - poses[1].scene_from_template.Apply({100, 50})).norm(),
+            100);
+}
+
+TEST(VotePoses, NothingFromNothing) {
+  EXPECT_TRUE(VotePoses({}, {}, {}, kOutline, {}, {}).empty());
+  const World world = MakeWorld(4, 12, {});
+  EXPECT_TRUE(VotePoses(world.scene, world.model, world.matches, {}, {}, {}).empty());
+}
+
+}  // namespace
+}  // namespace victorious

@@ -1,0 +1,224 @@
+#include "victorious/telemetry/camera_csv.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "victorious/geometry/angles.h"
+#include "victorious/telemetry/number_text.h"
+
+namespace victorious {
+namespace {
+
+constexpr std::size_t kMostWarnings = 20;
+constexpr std::array<std::string_view, 4> kPlaceColumns = {"time_s", "latitude_deg", "longitude_deg", "altitude_m"};
+constexpr std::array<std::string_view, 5> kDistortionColumns = {"k1", "k2", "p1", "p2", "k3"};
+constexpr std::array<std::pair<VerticalDatum, std::string_view>, 4> kDatums = {{
+    {VerticalDatum::kEllipsoid, "ellipsoid"},
+    {VerticalDatum::kEgm96, "egm96"},
+    {VerticalDatum::kEgm2008, "egm2008"},
+    {VerticalDatum::kTakeoff, "takeoff"},
+}};
+
+std::string_view WithoutByteOrderMark(std::string_view text) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  if (text.starts_with(kMark)) text.remove_prefix(kMark.size());
+  return text;
+}
+
+// The cells of one row by the name of their column.
+class Row {
+ public:
+  Row(const std::map<std::string_view, std::size_t>& columns, std::vector<std::string_view> cells)
+      : columns_(columns), cells_(std::move(cells)) {}
+
+  [[nodiscard]] std::string_view Text(std::string_view column) const {
+    const auto at = columns_.find(column);
+    return at != columns_.end() && at->second < cells_.size() ? cells_[at->second] : std::string_view();
+  }
+
+  /// Nothing for an empty cell; an error for one that is no number within the bounds.
+  [[nodiscard]] Expected<std::optional<double>> Number(std::string_view column, double min, double max) const {
+    const std::string_view text = Text(column);
+    if (text.empty()) return std::nullopt;
+    const auto number = NumberIn(text);
+    if (number && *number >= min && *number <= max) return number;
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{} is \"{}\": must be a number from {} to {}", column, text.substr(0, 40), min, max));
+  }
+
+  [[nodiscard]] Expected<double> Needed(std::string_view column, double min, double max) const {
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto number, Number(column, min, max));
+    if (!number) return Fail(ErrorCode::kInvalidArgument, fmt::format("{} is empty", column));
+    return *number;
+  }
+
+ private:
+  const std::map<std::string_view, std::size_t>& columns_;
+  std::vector<std::string_view> cells_;
+};
+
+Expected<std::optional<Attitude>> AttitudeOfRow(const Row& row) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto yaw_deg, row.Number("yaw_deg", -720, 720));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto pitch_deg, row.Number("pitch_deg", -90, 90));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto roll_deg, row.Number("roll_deg", -720, 720));
+  if (!yaw_deg || !pitch_deg || !roll_deg) return std::nullopt;
+  return Attitude{RadiansFromDegrees(*yaw_deg), RadiansFromDegrees(*pitch_deg), RadiansFromDegrees(*roll_deg)};
+}
+
+Expected<VerticalDatum> DatumOfRow(const Row& row) {
+  const std::string_view name = row.Text("vertical_datum");
+  if (name.empty()) return VerticalDatum::kEllipsoid;
+  if (const auto datum = VerticalDatumOf(name)) return *datum;
+  return Fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("vertical_datum is \"{}\": must be ellipsoid, egm96, egm2008 or takeoff", name.substr(0, 40)));
+}
+
+// Coefficients that are left out are 0; nothing if all are.
+Expected<std::optional<std::array<double, 5>>> DistortionOfRow(const Row& row) {
+  std::optional<std::array<double, 5>> distortion;
+  for (std::size_t i = 0; i < kDistortionColumns.size(); ++i) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto number, row.Number(kDistortionColumns[i], -1e3, 1e3));
+    if (!number) continue;
+    if (!distortion) distortion.emplace();
+    (*distortion)[i] = *number;
+  }
+  return distortion;
+}
+
+Expected<CameraState> StateOfRow(const Row& row) {
+  constexpr double kLongest = 1e9;  // seconds: thirty years
+  constexpr double kHighest = 1e7;  // metres
+  CameraState state;
+  VICTORIOUS_ASSIGN_OR_RETURN(state.time_s, row.Needed("time_s", -kLongest, kLongest));
+  VICTORIOUS_ASSIGN_OR_RETURN(const double latitude_deg, row.Needed("latitude_deg", -90, 90));
+  VICTORIOUS_ASSIGN_OR_RETURN(const double longitude_deg, row.Needed("longitude_deg", -180, 360));
+  VICTORIOUS_ASSIGN_OR_RETURN(state.place.altitude_m, row.Needed("altitude_m", -kHighest, kHighest));
+  state.place.latitude_rad = RadiansFromDegrees(latitude_deg);
+  state.place.longitude_rad = RadiansFromDegrees(longitude_deg > 180 ? longitude_deg - 360 : longitude_deg);
+  VICTORIOUS_ASSIGN_OR_RETURN(state.attitude, AttitudeOfRow(row));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto hfov_deg, row.Number("hfov_deg", 0, 180));
+  if (hfov_deg && *hfov_deg > 0 && *hfov_deg < 180) state.hfov_rad = RadiansFromDegrees(*hfov_deg);
+  VICTORIOUS_ASSIGN_OR_RETURN(state.sigma_position_m, row.Number("sigma_position_m", 0, kHighest));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto sigma_deg, row.Number("sigma_attitude_deg", 0, 180));
+  if (sigma_deg) state.sigma_attitude_rad = RadiansFromDegrees(*sigma_deg);
+  VICTORIOUS_ASSIGN_OR_RETURN(state.datum, DatumOfRow(row));
+  VICTORIOUS_ASSIGN_OR_RETURN(state.distortion, DistortionOfRow(row));
+  state.utc_us = MicrosecondsOfUtc(row.Text("utc"));
+  return state;
+}
+
+std::string Cell(const std::optional<double>& value) { return value ? fmt::format("{:.6f}", *value) : std::string(); }
+
+std::optional<double> Degrees(const std::optional<double>& radians) {
+  return radians ? std::optional(DegreesFromRadians(*radians)) : std::nullopt;
+}
+
+// A column that is written only where a state has something for it.
+struct OptionalColumn {
+  std::string name;
+  std::string (*cell)(const CameraState&);
+};
+
+template <std::size_t I>
+std::string DistortionCell(const CameraState& state) {
+  return state.distortion ? fmt::format("{:.9g}", (*state.distortion)[I]) : std::string();
+}
+
+const std::array<OptionalColumn, 9>& OptionalColumns() {
+  static const std::array<OptionalColumn, 9> columns = {{
+      {"sigma_position_m", [](const CameraState& state) { return Cell(state.sigma_position_m); }},
+      {"sigma_attitude_deg", [](const CameraState& state) { return Cell(Degrees(state.sigma_attitude_rad)); }},
+      {"utc", [](const CameraState& state) { return state.utc_us ? UtcText(*state.utc_us) : std::string(); }},
+      {"vertical_datum", [](const CameraState& state) { return std::string(Name(state.datum)); }},
+      {"k1", &DistortionCell<0>},
+      {"k2", &DistortionCell<1>},
+      {"k3", &DistortionCell<4>},
+      {"p1", &DistortionCell<2>},
+      {"p2", &DistortionCell<3>},
+  }};
+  return columns;
+}
+
+std::string NeededCells(const CameraState& state) {
+  const auto& attitude = state.attitude;
+  return fmt::format("{:.6f},{:.10f},{:.10f},{:.4f},{},{},{},{}", state.time_s,
+                     DegreesFromRadians(state.place.latitude_rad), DegreesFromRadians(state.place.longitude_rad),
+                     state.place.altitude_m, attitude ? Cell(DegreesFromRadians(attitude->yaw_rad)) : "",
+                     attitude ? Cell(DegreesFromRadians(attitude->pitch_rad)) : "",
+                     attitude ? Cell(DegreesFromRadians(attitude->roll_rad)) : "", Cell(Degrees(state.hfov_rad)));
+}
+
+}  // namespace
+
+bool LooksLikeCameraCsv(std::string_view text) {
+  text = WithoutByteOrderMark(text);
+  const std::vector<std::string_view> names = SplitAtCommas(TakeLine(text));
+  return std::ranges::count_if(names, [](std::string_view name) {
+           return std::ranges::find(kPlaceColumns, name) != kPlaceColumns.end();
+         }) >= 2;
+}
+
+Expected<CameraRows> ParseCameraCsv(std::string_view text) {
+  text = WithoutByteOrderMark(text);
+  std::map<std::string_view, std::size_t> columns;
+  for (const std::string_view name : SplitAtCommas(TakeLine(text))) columns.emplace(name, columns.size());
+  for (const std::string_view name : kPlaceColumns) {
+    if (!columns.contains(name)) {
+      return Fail(ErrorCode::kInvalidArgument, fmt::format("the header has no column {}: a telemetry table needs {}",
+                                                           name, "time_s, latitude_deg, longitude_deg, altitude_m"));
+    }
+  }
+  CameraRows rows;
+  for (int line = 2; !text.empty(); ++line) {
+    const std::string_view cells = TakeLine(text);
+    if (WithoutBlanks(cells).empty()) continue;
+    ++rows.rows;
+    auto state = StateOfRow(Row(columns, SplitAtCommas(cells)));
+    if (state) {
+      rows.states.push_back(*std::move(state));
+    } else if (rows.warnings.size() < kMostWarnings) {
+      rows.warnings.push_back(fmt::format("line {} is left out: {}", line, state.error().message));
+    }
+  }
+  if (!rows.states.empty()) return rows;
+  return Fail(ErrorCode::kInvalidArgument, rows.warnings.empty()
+                                               ? "a header without a row"
+                                               : fmt::format("no row can be read: {}", rows.warnings[0]));
+}
+
+std::string CameraCsvText(std::span<const CameraState> states) {
+  std::string text = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg";
+  std::vector<const OptionalColumn*> used;
+  for (const OptionalColumn& column : OptionalColumns()) {
+    if (std::ranges::any_of(states, [&](const CameraState& state) { return !column.cell(state).empty(); })) {
+      used.push_back(&column);
+      text += "," + column.name;
+    }
+  }
+  text += "\n";
+  for (const CameraState& state : states) {
+    text += NeededCells(state);
+    for (const OptionalColumn* column : used) text += "," + column->cell(state);
+    text += "\n";
+  }
+  return text;
+}
+
+std::string_view Name(VerticalDatum datum) {
+  return std::ranges::find(kDatums, datum, &std::pair<VerticalDatum, std::string_view>::first)->second;
+}
+
+std::optional<VerticalDatum> VerticalDatumOf(std::string_view name) {
+  const auto* found = std::ranges::find(kDatums, name, &std::pair<VerticalDatum, std::string_view>::second);
+  return found == kDatums.end() ? std::nullopt : std::optional(found->first);
+}
+
+}  // namespace victorious

@@ -1,0 +1,275 @@
+#include "victorious/telemetry/dji_srt.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstdint>
+
+#include <fmt/format.h>
+
+#include "victorious/geometry/angles.h"
+#include "victorious/telemetry/number_text.h"
+
+namespace victorious {
+namespace {
+
+constexpr std::size_t kLongestMoment = 40;  // characters of a line that may be a date and a time
+
+bool IsWordCharacter(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.'; }
+
+// What follows `word`, where it stands as a word of its own; nothing if it does not.
+std::optional<std::string_view> After(std::string_view text, std::string_view word) {
+  for (std::size_t at = text.find(word); at != std::string_view::npos; at = text.find(word, at + 1)) {
+    const std::string_view rest = text.substr(at + word.size());
+    const bool begins = at == 0 || !IsWordCharacter(text[at - 1]);
+    if (begins && (rest.empty() || !IsWordCharacter(rest[0]))) return rest;
+  }
+  return std::nullopt;
+}
+
+// The number behind "word:" or "word :".
+std::optional<double> NumberAfter(std::string_view text, std::string_view word) {
+  auto rest = After(text, word);
+  if (!rest) return std::nullopt;
+  rest->remove_prefix(std::min(rest->find_first_not_of(" \t"), rest->size()));
+  if (!rest->starts_with(':')) return std::nullopt;
+  rest->remove_prefix(1);
+  return TakeNumber(*rest);
+}
+
+// The three numbers of "word (a, b, c)", with whatever unit behind the last; a decimal comma is not told from a comma
+// between numbers, so there must be a blank or three plain numbers.
+struct Triple {
+  std::array<double, 3> numbers;
+  bool metres;  ///< an M or m stands behind the last
+};
+
+std::optional<Triple> TripleAfter(std::string_view text, std::string_view word) {
+  auto rest = After(text, word);
+  if (!rest) return std::nullopt;
+  rest->remove_prefix(std::min(rest->find_first_not_of(" \t"), rest->size()));
+  if (!rest->starts_with('(')) return std::nullopt;
+  Triple triple{};
+  for (double& number : triple.numbers) {
+    rest->remove_prefix(1);  // the bracket, or the comma
+    const auto taken = TakeNumber(*rest);
+    if (!taken) return std::nullopt;
+    number = *taken;
+    triple.metres = rest->starts_with('M') || rest->starts_with('m');
+    const std::size_t end = rest->find_first_of(",)\n");
+    if (end == std::string_view::npos) return std::nullopt;
+    rest->remove_prefix(end);
+  }
+  return triple;
+}
+
+bool SetPlace(CameraState& state, double latitude_deg, double longitude_deg) {
+  if (!(std::abs(latitude_deg) <= 90 && std::abs(longitude_deg) <= 180)) return false;
+  if (latitude_deg == 0 && longitude_deg == 0) return false;
+  state.place.latitude_rad = RadiansFromDegrees(latitude_deg);
+  state.place.longitude_rad = RadiansFromDegrees(longitude_deg);
+  return true;
+}
+
+void SetHeight(CameraState& state, double altitude_m, VerticalDatum datum) {
+  state.place.altitude_m = altitude_m;
+  state.datum = datum;
+}
+
+// "[latitude: …] [longitude: …]" and what stands beside it.
+bool ReadBrackets(std::string_view text, CameraState& state) {
+  const auto latitude_deg = NumberAfter(text, "latitude");
+  auto longitude_deg = NumberAfter(text, "longitude");
+  if (!longitude_deg) longitude_deg = NumberAfter(text, "longtitude");
+  if (!latitude_deg || !longitude_deg || !SetPlace(state, *latitude_deg, *longitude_deg)) return false;
+  // "altitude" alone is above the sea with some aircraft and above the take-off with others: the lesser promise.
+  SetHeight(state, NumberAfter(text, "altitude").value_or(0), VerticalDatum::kTakeoff);
+  if (const auto relative_m = NumberAfter(text, "rel_alt")) SetHeight(state, *relative_m, VerticalDatum::kTakeoff);
+  if (const auto absolute_m = NumberAfter(text, "abs_alt")) SetHeight(state, *absolute_m, VerticalDatum::kEgm96);
+  return true;
+}
+
+// "GPS(…)": longitude first, but for the family that writes a height in metres as the third number.
+bool ReadGps(std::string_view text, CameraState& state) {
+  const auto gps = TripleAfter(text, "GPS");
+  if (!gps) return false;
+  const auto& [first, second, third] = gps->numbers;
+  const bool latitude_first = gps->metres || std::abs(second) > 90;
+  if (!SetPlace(state, latitude_first ? first : second, latitude_first ? second : first)) return false;
+  SetHeight(state, gps->metres ? third : 0, VerticalDatum::kTakeoff);
+  if (const auto barometer_m = NumberAfter(text, "BAROMETER")) {
+    SetHeight(state, *barometer_m, VerticalDatum::kTakeoff);
+  }
+  if (const auto barometer_m = NumberAfter(text, "Hb")) SetHeight(state, *barometer_m, VerticalDatum::kTakeoff);
+  if (auto height = After(text, "H")) {
+    if (const auto height_m = TakeNumber(*height)) SetHeight(state, *height_m, VerticalDatum::kTakeoff);
+  }
+  return true;
+}
+
+std::optional<Attitude> AttitudeFrom(std::optional<double> yaw_deg, std::optional<double> pitch_deg,
+                                     std::optional<double> roll_deg) {
+  if (!yaw_deg || !pitch_deg || !roll_deg || std::abs(*pitch_deg) > 180) return std::nullopt;
+  // Gimbals that pass the vertical count on: the turns are the same, the angles then are not those of Attitude.
+  const Attitude turns{RadiansFromDegrees(*yaw_deg), RadiansFromDegrees(*pitch_deg), RadiansFromDegrees(*roll_deg)};
+  return AttitudeOf(CameraFromEnu(turns));
+}
+
+std::optional<Attitude> ReadAttitude(std::string_view text) {
+  if (const auto gimbal = TripleAfter(text, "G.PRY")) {
+    return AttitudeFrom(gimbal->numbers[2], gimbal->numbers[0], gimbal->numbers[1]);
+  }
+  return AttitudeFrom(NumberAfter(text, "gb_yaw"), NumberAfter(text, "gb_pitch"), NumberAfter(text, "gb_roll"));
+}
+
+double DigitalZoom(std::string_view text) {
+  constexpr double kParts = 10'000;
+  const auto parts = NumberAfter(text, "dzoom_ratio");
+  const double zoom = NumberAfter(text, "dzoom").value_or(parts.value_or(kParts) / kParts);
+  return zoom >= 1 ? zoom : 1;
+}
+
+// From the focal length that a lens would have before a frame of 36 x 24 mm with the same diagonal; the picture taken
+// for 16:9. Some aircraft write tenths of millimetres.
+std::optional<double> ReadFieldOfView(std::string_view text) {
+  constexpr double kDiagonalMm = 43.267;
+  constexpr double kWidthOverDiagonal = 0.8716;
+  constexpr double kLongestLensMm = 200;
+  auto focal_mm = NumberAfter(text, "focal_len");
+  if (!focal_mm || !(*focal_mm > 0)) return std::nullopt;
+  if (*focal_mm > kLongestLensMm) *focal_mm /= 10;
+  *focal_mm *= DigitalZoom(text);
+  return 2 * std::atan(kDiagonalMm * kWidthOverDiagonal / (2 * *focal_mm));
+}
+
+// "01:02:03,456" as seconds, off the front.
+std::optional<double> TakeCueTime(std::string_view& text) {
+  double seconds = 0;
+  for (int part = 0; part < 3; ++part) {
+    if (part > 0) {
+      if (!text.starts_with(':')) return std::nullopt;
+      text.remove_prefix(1);
+    }
+    const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
+    const auto number = digits > 0 && digits < 6 ? NumberIn(text.substr(0, digits)) : std::nullopt;
+    if (!number) return std::nullopt;
+    seconds = 60 * seconds + *number;
+    text.remove_prefix(digits);
+  }
+  if (!text.starts_with(',') && !text.starts_with('.')) return seconds;
+  const std::size_t digits = std::min(text.find_first_not_of("0123456789", 1), text.size());
+  const auto thousandths = NumberIn(text.substr(1, digits - 1));
+  text.remove_prefix(digits);
+  return seconds + thousandths.value_or(0) / std::pow(10.0, static_cast<double>(digits - 1));
+}
+
+std::optional<double> CueStart(std::string_view line) {
+  if (!line.contains("-->")) return std::nullopt;
+  line = WithoutBlanks(line);
+  return TakeCueTime(line);
+}
+
+bool IsCueNumber(std::string_view line) {
+  line = WithoutBlanks(line);
+  return !line.empty() && line.size() < 10 && line.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+// Of a text whose line is a date and a time; "11:51,393,525" has thousandths and then millionths.
+std::optional<std::int64_t> MomentIn(std::string_view text) {
+  while (!text.empty()) {
+    const std::string_view line = WithoutBlanks(TakeLine(text)).substr(0, kLongestMoment);
+    const std::size_t first_comma = line.find(',');
+    const std::size_t second_comma =
+        first_comma == std::string_view::npos ? first_comma : line.find(',', first_comma + 1);
+    if (const auto moment = MicrosecondsOfUtc(line.substr(0, second_comma))) return moment;
+  }
+  return std::nullopt;
+}
+
+struct Cue {
+  std::optional<double> start_s;
+  std::string text;
+};
+
+// Cues begin with their number on a line of its own behind an empty line; the text may hold empty lines and numbers.
+std::vector<Cue> SplitCues(std::string_view text) {
+  std::vector<Cue> cues;
+  bool after_blank = true;
+  while (!text.empty()) {
+    const std::string_view line = TakeLine(text);
+    std::string_view ahead = text;
+    const std::string_view next = TakeLine(ahead);
+    const bool timed = next.contains("-->");
+    const bool dated = MomentIn(next.substr(0, kLongestMoment)).has_value();
+    if (IsCueNumber(line) && (timed || (after_blank && dated))) {
+      cues.push_back({timed ? CueStart(next) : std::nullopt, {}});
+      if (timed) text = ahead;
+    } else if (!cues.empty()) {
+      cues.back().text += line;
+      cues.back().text += '\n';
+    }
+    after_blank = WithoutBlanks(line).empty();
+  }
+  return cues;
+}
+
+// Times of the cues, by their own or by the moments in them.
+std::optional<double> TimeOf(const Cue& cue, std::optional<std::int64_t>& first_moment_us) {
+  if (cue.start_s) return cue.start_s;
+  const auto moment_us = MomentIn(cue.text);
+  if (!moment_us) return std::nullopt;
+  if (!first_moment_us) first_moment_us = moment_us;
+  return 1e-6 * static_cast<double>(*moment_us - *first_moment_us);
+}
+
+}  // namespace
+
+std::optional<CameraState> CameraFromDjiText(std::string_view text) {
+  CameraState state;
+  if (!ReadBrackets(text, state) && !ReadGps(text, state)) return std::nullopt;
+  state.attitude = ReadAttitude(text);
+  state.hfov_rad = ReadFieldOfView(text);
+  return state;
+}
+
+bool LooksLikeDjiSrt(std::string_view text) {
+  constexpr std::size_t kEnough = 4096;
+  const std::string_view head = text.substr(0, kEnough);
+  constexpr std::array<std::string_view, 7> kMarks = {"GPS(",    "GPS (",    "HOME(", "latitude",
+                                                      "[iso : ", "FrameCnt", "SrtCnt"};
+  const bool marked = std::ranges::any_of(kMarks, [&](std::string_view mark) { return head.contains(mark); });
+  return marked && !SplitCues(head).empty();
+}
+
+DjiSubtitles ParseDjiSrt(std::string_view text) {
+  DjiSubtitles subtitles;
+  std::optional<std::int64_t> first_moment_us;
+  int without_place = 0;
+  int without_time = 0;
+  for (const Cue& cue : SplitCues(text)) {
+    ++subtitles.cues;
+    auto state = CameraFromDjiText(cue.text);
+    const auto time_s = TimeOf(cue, first_moment_us);
+    if (!state || !time_s) {
+      ++(state ? without_time : without_place);
+      continue;
+    }
+    state->time_s = *time_s;
+    subtitles.states.push_back(*state);
+  }
+  if (without_place > 0) {
+    subtitles.warnings.push_back(
+        fmt::format("{} of {} subtitles give no place (no GPS fix, or cut off)", without_place, subtitles.cues));
+  }
+  if (without_time > 0) {
+    subtitles.warnings.push_back(fmt::format("{} of {} subtitles have no time", without_time, subtitles.cues));
+  }
+  if (first_moment_us) {
+    subtitles.warnings.emplace_back(
+        "the subtitles have no times: the moments that stand in them are taken, from the first");
+  }
+  return subtitles;
+}
+
+}  // namespace victorious

@@ -1,0 +1,37 @@
+// MISB EG 0104 (Predator UAV Basic Universal Metadata Set): the elder of ST 0601. Each item has a 16-byte label of its
+// own, and numbers are IEEE floats.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "victorious/telemetry/klv.h"
+#include "victorious/telemetry/klv_packet.h"
+
+namespace victorious {
+
+[[nodiscard]] bool IsEg0104Label(Bytes label);
+
+/// Items with `number` 0 and their label. Never fails: what can be read is read.
+[[nodiscard]] KlvPacket DecodeEg0104(const KlvUnit& unit);
+
+/// The items that a camera's state needs, by the name that DecodeEg0104 gives them.
+namespace eg0104 {
+inline constexpr std::string_view kTimeStamp = "User Defined Time Stamp";
+inline constexpr std::string_view kLatitude = "Device Latitude";
+inline constexpr std::string_view kLongitude = "Device Longitude";
+inline constexpr std::string_view kAltitude = "Device Altitude";
+inline constexpr std::string_view kHorizontalFieldOfView = "Field of View (Horizontal)";
+inline constexpr std::string_view kAngleToNorth = "Angle to North";
+inline constexpr std::string_view kObliquityAngle = "Obliquity Angle";
+inline constexpr std::string_view kSensorRoll = "Sensor Roll Angle";
+inline constexpr std::string_view kFrameCenterLatitude = "Frame Center Latitude";
+inline constexpr std::string_view kFrameCenterLongitude = "Frame Center Longitude";
+inline constexpr std::string_view kFrameCenterElevation = "Frame Center Elevation";
+inline constexpr std::string_view kSlantRange = "Slant Range";
+}  // namespace eg0104
+
+/// The number of the item of this name; nothing if the packet lacks it.
+[[nodiscard]] std::optional<double> NumberOf(const KlvPacket& packet, std::string_view name);
+
+}  // namespace victorious

@@ -1,0 +1,204 @@
+#include "victorious/telemetry/klv_camera.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "victorious/geometry/angles.h"
+#include "victorious/telemetry/eg0104.h"
+#include "victorious/telemetry/klv_packets.h"
+
+namespace victorious {
+namespace {
+
+using Eigen::AngleAxisd;
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+// Item numbers of ST 0601.
+enum : int {
+  kHeading = 5,
+  kPitch = 6,
+  kRoll = 7,
+  kSensorLatitude = 13,
+  kSensorLongitude = 14,
+  kSensorTrueAltitude = 15,
+  kHorizontalFieldOfView = 16,
+  kRelativeAzimuth = 18,
+  kRelativeElevation = 19,
+  kRelativeRoll = 20,
+  kFrameCentreLatitude = 23,
+  kFrameCentreLongitude = 24,
+  kFrameCentreElevation = 25,
+  kSensorEllipsoidHeight = 75,
+  kFrameCentreEllipsoidHeight = 78,
+  kPitchFull = 90,
+  kRollFull = 91,
+  kSensorEllipsoidHeightExtended = 104,
+};
+
+struct Height {
+  double altitude_m;
+  VerticalDatum datum;
+};
+
+std::optional<double> FirstOf(const std::optional<double>& first, const std::optional<double>& second) {
+  return first ? first : second;
+}
+
+std::optional<Height> HeightFrom(const std::optional<double>& ellipsoid_m, const std::optional<double>& sea_m) {
+  if (ellipsoid_m) return Height{*ellipsoid_m, VerticalDatum::kEllipsoid};
+  if (sea_m) return Height{*sea_m, VerticalDatum::kEgm96};
+  return std::nullopt;
+}
+
+// Turns of a body: about down by yaw, then about right by pitch, then about forward by roll.
+Quaterniond BodyTurn(double yaw_deg, double pitch_deg, double roll_deg) {
+  return AngleAxisd(RadiansFromDegrees(yaw_deg), Vector3d::UnitZ()) *
+         AngleAxisd(RadiansFromDegrees(pitch_deg), Vector3d::UnitY()) *
+         AngleAxisd(RadiansFromDegrees(roll_deg), Vector3d::UnitX());
+}
+
+Attitude AttitudeOfSensor(const Quaterniond& ned_from_sensor) {
+  Matrix3d enu_from_ned;
+  enu_from_ned << 0, 1, 0,  //
+      1, 0, 0,              //
+      0, 0, -1;
+  Matrix3d sensor_from_camera;    // x: right, y: down, z: forward
+  sensor_from_camera << 0, 0, 1,  //
+      1, 0, 0,                    //
+      0, 1, 0;
+  const Matrix3d enu_from_camera = enu_from_ned * ned_from_sensor.toRotationMatrix() * sensor_from_camera;
+  return AttitudeOf(Quaterniond(Matrix3d(enu_from_camera.transpose())));
+}
+
+std::optional<Attitude> AttitudeFromSt0601(const KlvPacket& packet) {
+  const auto heading = packet.Number(kHeading);
+  const auto pitch = FirstOf(packet.Number(kPitchFull), packet.Number(kPitch));
+  const auto roll = FirstOf(packet.Number(kRollFull), packet.Number(kRoll));
+  const auto azimuth = packet.Number(kRelativeAzimuth);
+  const auto elevation = packet.Number(kRelativeElevation);
+  if (!heading || !pitch || !roll || !azimuth || !elevation) return std::nullopt;
+  return AttitudeOfSensor(BodyTurn(*heading, *pitch, *roll) *
+                          BodyTurn(*azimuth, *elevation, packet.Number(kRelativeRoll).value_or(0)));
+}
+
+// The standard counts the obliquity from backward over forward (180) to straight down (270); the producers that are
+// known write the elevation above the horizon.
+std::optional<double> ElevationFromObliquity(const std::optional<double>& obliquity_deg) {
+  if (!obliquity_deg) return std::nullopt;
+  const double elevation_deg = *obliquity_deg > 90 ? 180 - *obliquity_deg : *obliquity_deg;
+  return std::abs(elevation_deg) <= 90 ? std::optional(elevation_deg) : std::nullopt;
+}
+
+std::optional<Attitude> AttitudeFromEg0104(const KlvPacket& packet) {
+  const auto azimuth = NumberOf(packet, eg0104::kAngleToNorth);
+  const auto elevation = ElevationFromObliquity(NumberOf(packet, eg0104::kObliquityAngle));
+  if (!azimuth || !elevation) return std::nullopt;
+  return AttitudeOfSensor(BodyTurn(*azimuth, *elevation, NumberOf(packet, eg0104::kSensorRoll).value_or(0)));
+}
+
+struct GeodeticFix {
+  GeodeticPoint place;
+  VerticalDatum datum;
+};
+
+std::optional<GeodeticFix> FixFrom(const std::optional<double>& latitude_deg,
+                                   const std::optional<double>& longitude_deg, const std::optional<Height>& height) {
+  if (!latitude_deg || !longitude_deg || !height) return std::nullopt;
+  if (!(std::abs(*latitude_deg) <= 90 && std::abs(*longitude_deg) <= 180)) return std::nullopt;
+  if (*latitude_deg == 0 && *longitude_deg == 0) return std::nullopt;  // what receivers write before their first fix
+  return GeodeticFix{{RadiansFromDegrees(*latitude_deg), RadiansFromDegrees(*longitude_deg), height->altitude_m},
+                     height->datum};
+}
+
+// Where the camera is, where it looks and what its frame's centre is, whichever standard says so.
+struct Sighting {
+  std::optional<GeodeticFix> camera;
+  std::optional<Attitude> attitude;
+  std::optional<double> hfov_deg;
+  std::optional<GeodeticFix> frame_centre;
+};
+
+Sighting SightingFromSt0601(const KlvPacket& packet) {
+  const auto ellipsoid = FirstOf(packet.Number(kSensorEllipsoidHeightExtended), packet.Number(kSensorEllipsoidHeight));
+  return {.camera = FixFrom(packet.Number(kSensorLatitude), packet.Number(kSensorLongitude),
+                            HeightFrom(ellipsoid, packet.Number(kSensorTrueAltitude))),
+          .attitude = AttitudeFromSt0601(packet),
+          .hfov_deg = packet.Number(kHorizontalFieldOfView),
+          .frame_centre =
+              FixFrom(packet.Number(kFrameCentreLatitude), packet.Number(kFrameCentreLongitude),
+                      HeightFrom(packet.Number(kFrameCentreEllipsoidHeight), packet.Number(kFrameCentreElevation)))};
+}
+
+Sighting SightingFromEg0104(const KlvPacket& packet) {
+  return {.camera = FixFrom(NumberOf(packet, eg0104::kLatitude), NumberOf(packet, eg0104::kLongitude),
+                            HeightFrom(std::nullopt, NumberOf(packet, eg0104::kAltitude))),
+          .attitude = AttitudeFromEg0104(packet),
+          .hfov_deg = NumberOf(packet, eg0104::kHorizontalFieldOfView),
+          .frame_centre =
+              FixFrom(NumberOf(packet, eg0104::kFrameCenterLatitude), NumberOf(packet, eg0104::kFrameCenterLongitude),
+                      HeightFrom(std::nullopt, NumberOf(packet, eg0104::kFrameCenterElevation)))};
+}
+
+Sighting SightingFrom(const KlvPacket& packet) {
+  if (packet.checksum && !packet.checksum->IsValid()) return {};
+  if (packet.standard == KlvStandard::kSt0601) return SightingFromSt0601(packet);
+  if (packet.standard == KlvStandard::kEg0104) return SightingFromEg0104(packet);
+  return {};
+}
+
+}  // namespace
+
+std::optional<CameraState> CameraFromKlv(const KlvPacket& packet) {
+  const Sighting sighting = SightingFrom(packet);
+  if (!sighting.camera || !sighting.attitude) return std::nullopt;
+  CameraState state;
+  state.time_s = packet.time_s.value_or(0);
+  state.place = sighting.camera->place;
+  state.datum = sighting.camera->datum;
+  state.attitude = sighting.attitude;
+  if (sighting.hfov_deg && *sighting.hfov_deg > 0 && *sighting.hfov_deg < 180) {
+    state.hfov_rad = RadiansFromDegrees(*sighting.hfov_deg);
+  }
+  state.utc_us = PrecisionTime(packet);
+  return state;
+}
+
+std::vector<std::string_view> MissingForCamera(std::span<const KlvPacket> packets) {
+  struct Need {
+    std::string_view words;
+    std::vector<int> numbers;  // any of them will do
+  };
+  const std::vector<Need> needs = {
+      {"the sensor's latitude and longitude (items 13, 14)", {kSensorLatitude}},
+      {"the sensor's height (item 15, 75 or 104)",
+       {kSensorTrueAltitude, kSensorEllipsoidHeight, kSensorEllipsoidHeightExtended}},
+      {"the platform's heading (item 5)", {kHeading}},
+      {"the platform's pitch (item 6 or 90)", {kPitch, kPitchFull}},
+      {"the platform's roll (item 7 or 91)", {kRoll, kRollFull}},
+      {"the sensor's azimuth (item 18)", {kRelativeAzimuth}},
+      {"the sensor's elevation (item 19)", {kRelativeElevation}},
+  };
+  std::vector<std::string_view> missing;
+  for (const Need& need : needs) {
+    const auto tells = [&](const KlvPacket& packet) {
+      return std::ranges::any_of(need.numbers, [&](int number) { return packet.Number(number).has_value(); });
+    };
+    if (std::ranges::none_of(packets, tells)) missing.push_back(need.words);
+  }
+  return missing;
+}
+
+std::optional<double> FrameCentreError(const KlvPacket& packet) {
+  const Sighting sighting = SightingFrom(packet);
+  if (!sighting.camera || !sighting.attitude || !sighting.frame_centre) return std::nullopt;
+  if (sighting.camera->datum != sighting.frame_centre->datum) return std::nullopt;
+  const Vector3d towards = TangentPlane(sighting.camera->place).EnuFromGeodetic(sighting.frame_centre->place);
+  const Vector3d seen = CameraFromEnu(*sighting.attitude) * towards;
+  return std::atan2(seen.head<2>().norm(), seen.z());
+}
+
+}  // namespace victorious

@@ -1,0 +1,145 @@
+// What telemetry holds, for programs (JSON) and for people.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/geometry/angles.h"
+#include "victorious/telemetry/camera_csv.h"
+#include "victorious/telemetry/klv.h"
+#include "victorious/telemetry/klv_packets.h"
+#include "victorious/telemetry/number_text.h"
+#include "victorious/telemetry/telemetry.h"
+
+namespace victorious {
+namespace {
+
+using Json = nlohmann::json;
+
+// Bytes that are no UTF-8 become question marks, so that the JSON is one.
+std::string Utf8Text(const std::string& text) {
+  return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
+}
+
+struct ValueToJson {
+  Json operator()(std::monostate /*nothing*/) const { return nullptr; }
+  Json operator()(const std::string& text) const { return Utf8Text(text); }
+  Json operator()(const KlvRaw& raw) const { return {{"hex", HexText(raw)}}; }
+  template <typename T>
+  Json operator()(const T& value) const {
+    return value;
+  }
+};
+
+Json ItemToJson(const KlvItem& item) {
+  Json json{{"name", item.name}, {"value", std::visit(ValueToJson(), item.value)}};
+  if (item.number > 0) json["number"] = item.number;
+  if (!item.label.empty()) json["label"] = item.label;
+  if (!item.unit.empty()) json["unit"] = item.unit;
+  if (!item.note.empty()) json["note"] = item.note;
+  return json;
+}
+
+Json ChecksumToJson(const KlvChecksum& checksum) {
+  return {{"expected", checksum.expected}, {"computed", checksum.computed}, {"valid", checksum.IsValid()}};
+}
+
+template <typename T>
+Json OrNull(const std::optional<T>& value) {
+  return value ? Json(*value) : Json();
+}
+
+Json PacketToJson(const KlvPacket& packet) {
+  Json json{{"standard", Name(packet.standard)}, {"label", packet.label},  {"stream", packet.stream},
+            {"offset", packet.offset},           {"items", Json::array()}, {"time_s", OrNull(packet.time_s)}};
+  const auto own_us = PrecisionTime(packet);
+  json["precision_time_us"] = OrNull(own_us);
+  json["utc"] = own_us ? Json(UtcText(*own_us)) : Json();
+  json["checksum"] = packet.checksum ? ChecksumToJson(*packet.checksum) : Json();
+  if (!packet.problem.empty()) json["problem"] = packet.problem;
+  for (const KlvItem& item : packet.items) json["items"].push_back(ItemToJson(item));
+  return json;
+}
+
+Json Degrees(const std::optional<double>& radians) { return radians ? Json(DegreesFromRadians(*radians)) : Json(); }
+
+Json StateToJson(const CameraState& state) {
+  const auto& attitude = state.attitude;
+  return {{"time_s", state.time_s},
+          {"latitude_deg", DegreesFromRadians(state.place.latitude_rad)},
+          {"longitude_deg", DegreesFromRadians(state.place.longitude_rad)},
+          {"altitude_m", state.place.altitude_m},
+          {"vertical_datum", Name(state.datum)},
+          {"yaw_deg", attitude ? Json(DegreesFromRadians(attitude->yaw_rad)) : Json()},
+          {"pitch_deg", attitude ? Json(DegreesFromRadians(attitude->pitch_rad)) : Json()},
+          {"roll_deg", attitude ? Json(DegreesFromRadians(attitude->roll_rad)) : Json()},
+          {"hfov_deg", Degrees(state.hfov_rad)},
+          {"sigma_position_m", OrNull(state.sigma_position_m)},
+          {"sigma_attitude_deg", Degrees(state.sigma_attitude_rad)},
+          {"utc", state.utc_us ? Json(UtcText(*state.utc_us)) : Json()}};
+}
+
+// "all", "none" or "12 of 40".
+std::string Share(std::ptrdiff_t count, std::size_t of) {
+  if (count == 0) return "none";
+  return static_cast<std::size_t>(count) == of ? "all" : fmt::format("{} of {}", count, of);
+}
+
+std::string ChecksumLine(const std::vector<KlvPacket>& packets) {
+  const auto with = std::ranges::count_if(packets, [](const KlvPacket& packet) { return packet.checksum.has_value(); });
+  const auto good = std::ranges::count_if(
+      packets, [](const KlvPacket& packet) { return packet.checksum && packet.checksum->IsValid(); });
+  if (with == 0) return "checksums: the packets carry none";
+  return fmt::format("checksums: {} right, {} wrong", good, with - good);
+}
+
+void AddMissing(std::vector<std::string>& lines, const std::vector<CameraState>& states) {
+  const auto lacks = [&](auto has) { return !std::ranges::any_of(states, has); };
+  if (lacks([](const CameraState& state) { return state.attitude.has_value(); })) {
+    lines.emplace_back("missing: where the camera looks (yaw, pitch, roll)");
+  }
+  if (lacks([](const CameraState& state) { return state.hfov_rad.has_value(); })) {
+    lines.emplace_back("missing: the horizontal field of view");
+  }
+  if (lacks([](const CameraState& state) { return state.datum == VerticalDatum::kEllipsoid; })) {
+    lines.push_back(fmt::format("missing: heights above the ellipsoid (they count from {})", Name(states[0].datum)));
+  }
+}
+
+}  // namespace
+
+Json ToJson(const Telemetry& telemetry) {
+  Json json{{"format", telemetry.format}, {"records", telemetry.records}, {"states", Json::array()}};
+  if (!telemetry.packets.empty()) json["packets"] = Json::array();
+  for (const KlvPacket& packet : telemetry.packets) json["packets"].push_back(PacketToJson(packet));
+  for (const CameraState& state : telemetry.states) json["states"].push_back(StateToJson(state));
+  json["warnings"] = Json::array();
+  for (const std::string& warning : telemetry.warnings) json["warnings"].push_back(Utf8Text(warning));
+  return json;
+}
+
+std::vector<std::string> DescribeTelemetry(const Telemetry& telemetry) {
+  if (telemetry.records == 0) return {"no telemetry"};
+  std::vector<std::string> lines;
+  lines.push_back(
+      fmt::format("{}: {} records, {} camera states", telemetry.format, telemetry.records, telemetry.states.size()));
+  if (!telemetry.packets.empty()) lines.push_back(ChecksumLine(telemetry.packets));
+  const std::vector<CameraState>& states = telemetry.states;
+  if (states.empty()) {
+    lines.emplace_back("missing: a camera state: place, height and pointing together");
+  } else {
+    const CameraState& first = states.front();
+    lines.push_back(fmt::format("from {:.2f} s to {:.2f} s; first at {:.6f}, {:.6f}, {:.1f} m ({})", first.time_s,
+                                states.back().time_s, DegreesFromRadians(first.place.latitude_rad),
+                                DegreesFromRadians(first.place.longitude_rad), first.place.altitude_m,
+                                Name(first.datum)));
+    const auto complete = std::ranges::count_if(states, &CameraState::IsComplete);
+    lines.push_back(fmt::format("states from which a place on the map follows: {}", Share(complete, states.size())));
+    AddMissing(lines, states);
+  }
+  for (const std::string& warning : telemetry.warnings) lines.push_back("note: " + warning);
+  return lines;
+}
+
+}  // namespace victorious

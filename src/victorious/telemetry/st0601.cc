@@ -1,0 +1,173 @@
+#include "victorious/telemetry/st0601.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "victorious/telemetry/st0601_items.h"
+
+namespace victorious {
+namespace {
+
+constexpr int kChecksumItem = 1;
+constexpr std::size_t kMostItems = 4096;  // of a packet: a few hundred are usual, bytes of zero make millions
+constexpr std::size_t kLongestNumber = 8;
+
+// A value and, where there is none, why.
+struct Decoded {
+  KlvValue value;
+  std::string_view note = {};
+};
+
+constexpr std::string_view kNoValue = "no value: out of the item's range, or unknown to the producer";
+constexpr std::string_view kBadLength = "not of a length that this item can have";
+
+// Producers that write a short number into a longer item put zeros in front of it, and mean the short one's map.
+Bytes WithoutPadding(const ItemSpec& spec, Bytes bytes) {
+  while (bytes.size() > spec.bytes && bytes[0] == std::byte{0}) bytes = bytes.subspan(1);
+  return bytes;
+}
+
+Decoded DecodeLinear(const ItemSpec& spec, Bytes bytes) {
+  if (spec.coding == ItemCoding::kLinearUnsigned) bytes = WithoutPadding(spec, bytes);
+  const int bits = static_cast<int>(8 * bytes.size());
+  if (spec.coding == ItemCoding::kLinearUnsigned) {
+    const double largest = std::ldexp(1.0, bits) - 1;
+    return {spec.min + (spec.max - spec.min) * (static_cast<double>(UnsignedOf(bytes)) / largest)};
+  }
+  const double largest = std::ldexp(1.0, bits - 1) - 1;
+  const auto number = static_cast<double>(SignedOf(bytes));
+  if (number < -largest) return {{}, kNoValue};
+  return {spec.max * (number / largest)};
+}
+
+Decoded DecodeNumber(const ItemSpec& spec, Bytes bytes) {
+  if (bytes.size() > kLongestNumber) return {{}, kBadLength};
+  if (spec.coding == ItemCoding::kUnsigned) return {UnsignedOf(bytes)};
+  if (spec.coding == ItemCoding::kSigned) return {SignedOf(bytes)};
+  if (spec.coding != ItemCoding::kImapb) return DecodeLinear(spec, bytes);
+  const auto value = ImapbValue(bytes, spec.min, spec.max);
+  return value ? Decoded{*value} : Decoded{{}, kNoValue};
+}
+
+Decoded DecodeBerOids(Bytes bytes) {
+  KlvList list;
+  while (!bytes.empty()) {
+    const auto number = TakeBerOid(bytes);
+    if (!number) return {{}, "a list that is cut off"};
+    list.push_back(*number);
+  }
+  return {list};
+}
+
+Decoded DecodeBytes(Bytes bytes) {
+  KlvList list;
+  for (const std::byte value : bytes) list.push_back(std::to_integer<std::uint64_t>(value));
+  return {list};
+}
+
+Decoded DecodeBits(Bytes bytes) {
+  KlvList list;
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+    const auto value = std::to_integer<unsigned>(bytes[bytes.size() - 1 - bit / 8]);
+    if ((value >> (bit % 8) & 1) != 0) list.push_back(bit);
+  }
+  return {list};
+}
+
+Decoded DecodeValue(const ItemSpec& spec, Bytes bytes) {
+  if (bytes.empty()) return {{}, "empty: the item has no value any more"};
+  switch (spec.coding) {
+    case ItemCoding::kText:
+      return {std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size())};
+    case ItemCoding::kBytes:
+      return DecodeBytes(bytes);
+    case ItemCoding::kBerOids:
+      return DecodeBerOids(bytes);
+    case ItemCoding::kBits:
+      return DecodeBits(bytes);
+    case ItemCoding::kRaw:
+      return {KlvRaw(bytes.begin(), bytes.end())};
+    default:
+      return DecodeNumber(spec, bytes);
+  }
+}
+
+KlvItem DecodeItem(std::uint64_t number, Bytes bytes) {
+  const ItemSpec* spec = number <= 0xFFFF ? FindSt0601Item(static_cast<int>(number)) : nullptr;
+  if (spec == nullptr) {
+    const int shown = static_cast<int>(std::min<std::uint64_t>(number, 0x7FFFFFFF));
+    return {.number = shown,
+            .label = {},
+            .name = "unknown",
+            .unit = {},
+            .value = KlvRaw(bytes.begin(), bytes.end()),
+            .note = {}};
+  }
+  Decoded decoded = DecodeValue(*spec, bytes);
+  return {.number = spec->number,
+          .label = {},
+          .name = spec->name,
+          .unit = spec->unit,
+          .value = std::move(decoded.value),
+          .note = decoded.note};
+}
+
+}  // namespace
+
+bool IsSt0601Label(Bytes label) {
+  constexpr std::array<unsigned char, kUniversalLabelSize> kLabel = {0x06, 0x0E, 0x2B, 0x34, 0x02, 0x0B, 0x01, 0x01,
+                                                                     0x0E, 0x01, 0x03, 0x01, 0x01, 0x00, 0x00, 0x00};
+  constexpr std::size_t kVersionByte = 7;
+  if (label.size() != kLabel.size()) return false;
+  for (std::size_t i = 0; i < kLabel.size(); ++i) {
+    if (i != kVersionByte && std::to_integer<unsigned char>(label[i]) != kLabel[i]) return false;
+  }
+  return true;
+}
+
+std::uint16_t St0601Checksum(Bytes bytes) {
+  unsigned sum = 0;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    sum += std::to_integer<unsigned>(bytes[i]) << (i % 2 == 0 ? 8 : 0);
+  }
+  return static_cast<std::uint16_t>(sum);
+}
+
+std::optional<double> ImapbValue(Bytes bytes, double min, double max) {
+  const int bits = static_cast<int>(8 * bytes.size());
+  const std::uint64_t number = UnsignedOf(bytes);
+  const std::uint64_t top = std::uint64_t{1} << (bits - 1);
+  if (number > top) return std::nullopt;  // infinities, NaNs and other signals have the top bit and more
+  const int range_power = static_cast<int>(std::ceil(std::log2(max - min)));
+  const double scale = std::ldexp(1.0, range_power - (bits - 1));
+  const double shifted = min / scale;  // of zero, so that it maps to itself
+  const double offset = min < 0 && max > 0 ? shifted - std::floor(shifted) : 0;
+  return scale * (static_cast<double>(number) - offset) + min;
+}
+
+KlvPacket DecodeSt0601(const KlvUnit& unit) {
+  KlvPacket packet{.standard = KlvStandard::kSt0601, .label = HexText(unit.label), .offset = unit.offset};
+  Bytes rest = unit.value;
+  while (!rest.empty()) {
+    const auto at = static_cast<std::size_t>(rest.data() - unit.value.data());
+    const auto number = TakeBerOid(rest);
+    const auto length = number ? TakeBerLength(rest) : std::nullopt;
+    if (!length || *length > rest.size() || packet.items.size() == kMostItems) {
+      packet.problem = fmt::format("cut off at byte {} of {}: no item can be read there", at, unit.value.size());
+      break;
+    }
+    const Bytes value = rest.first(static_cast<std::size_t>(*length));
+    rest = rest.subspan(value.size());
+    packet.items.push_back(DecodeItem(*number, value));
+    if (*number == kChecksumItem && value.size() == sizeof(std::uint16_t)) {
+      const Bytes summed = unit.whole.first(static_cast<std::size_t>(value.data() - unit.whole.data()));
+      packet.checksum = {static_cast<std::uint16_t>(UnsignedOf(value)), St0601Checksum(summed)};
+    }
+  }
+  return packet;
+}
+
+}  // namespace victorious

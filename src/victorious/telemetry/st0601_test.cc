@@ -1,0 +1,92 @@
+#include "victorious/telemetry/st0601.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "victorious/telemetry/klv_packets.h"
+#include "victorious/telemetry/klv_test_tools.h"
+
+namespace victorious {
+namespace {
+
+KlvPacket Decode(const std::string& text) {
+  const KlvPackets decoded = DecodeKlv(BytesOf(text));
+  EXPECT_EQ(decoded.packets.size(), 1U);
+  return decoded.packets.empty() ? KlvPacket() : decoded.packets[0];
+}
+
+TEST(St0601, ItemsByNumberNameAndUnit) {
+  const KlvPacket packet =
+      Decode(St0601Packet({{3, "MISSION01"}, {5, BigEndian(0x71C2, 2)}, {13, BigEndian(0x5595B66D, 4)}}));
+  ASSERT_EQ(packet.items.size(), 4U);
+  EXPECT_EQ(std::get<std::string>(packet.items[0].value), "MISSION01");
+  EXPECT_EQ(packet.items[1].name, "Platform Heading Angle");
+  EXPECT_EQ(packet.items[1].unit, "deg");
+  EXPECT_NEAR(*packet.Number(5), 159.974365, 1e-6);
+  EXPECT_NEAR(*packet.Number(13), 60.176822966978335, 1e-13);
+  ASSERT_TRUE(packet.checksum);
+  EXPECT_TRUE(packet.checksum->IsValid());
+  EXPECT_TRUE(packet.problem.empty());
+}
+
+TEST(St0601, MapsFollowTheLengthThatIsGiven) {
+  EXPECT_EQ(*Decode(St0601Packet({{18, "\xFF"}})).Number(18), 360);
+  EXPECT_EQ(*Decode(St0601Packet({{13, "\x7F\xFF\xFF"}})).Number(13), 90);
+  EXPECT_EQ(*Decode(St0601Packet({{13, "\x80\x01"}})).Number(13), -90);
+}
+
+TEST(St0601, ZerosInFrontOfAShortNumberAreNoLongerMap) {
+  EXPECT_NEAR(*Decode(St0601Packet({{22, BigEndian(457, 4)}})).Number(22), 69.73, 0.01);
+  EXPECT_EQ(*Decode(St0601Packet({{22, BigEndian(0xFFFFFFFF, 4)}})).Number(22), 10000);
+}
+
+TEST(St0601, LowestSignedNumberIsNoValue) {
+  const KlvPacket packet = Decode(St0601Packet({{6, BigEndian(0x8000, 2)}}));
+  EXPECT_FALSE(packet.Number(6));
+  EXPECT_FALSE(packet.items[0].note.empty());
+}
+
+TEST(St0601, Imapb) {
+  EXPECT_NEAR(*ImapbValue(BytesOf(std::string_view("\x00\x00\x00", 3)), -900, 19000), -900, 1e-9);
+  EXPECT_NEAR(*ImapbValue(BytesOf(std::string_view("\x03\x8E\x00", 3)), -900, 19000), 10, 1e-12);
+  // Zero is met exactly where it lies within the range: 117's 1 degree a second in two bytes.
+  EXPECT_NEAR(*Decode(St0601Packet({{117, BigEndian(0x3E90, 2)}})).Number(117), 1.0, 1e-12);
+  EXPECT_FALSE(ImapbValue(BytesOf(std::string_view("\xC8\x00", 2)), 0, 100)) << "plus infinity";
+  EXPECT_FALSE(ImapbValue(BytesOf(std::string_view("\xD0\x00", 2)), 0, 100)) << "not a number";
+}
+
+TEST(St0601, ListsOfBitsAndIdentifiers) {
+  const KlvPacket packet = Decode(St0601Packet({{47, "\x31"}, {116, "\x03\x07"}, {81, "\x01\x02\x03\x04"}}));
+  EXPECT_EQ(std::get<KlvList>(packet.items[0].value), (KlvList{0, 4, 5}));
+  EXPECT_EQ(std::get<KlvList>(packet.items[1].value), (KlvList{3, 7}));
+  EXPECT_EQ(std::get<KlvList>(packet.items[2].value), (KlvList{1, 2, 3, 4}));
+}
+
+TEST(St0601, NestedSetsAndUnknownNumbersStayBytes) {
+  const KlvPacket packet = Decode(St0601Packet({{48, "\x01\x02\x03"}, {200, "\x09"}, {65, "\x13"}}));
+  EXPECT_EQ(HexText(std::get<KlvRaw>(packet.items[0].value)), "010203");
+  EXPECT_EQ(packet.items[1].number, 200);
+  EXPECT_EQ(packet.items[1].name, "unknown");
+  EXPECT_EQ(*packet.Number(65), 19);
+}
+
+TEST(St0601, BadChecksumIsSeenAndTheItemsStay) {
+  std::string text = CameraPacket(1);
+  text[30] = static_cast<char>(text[30] ^ 1);
+  const KlvPacket packet = Decode(text);
+  ASSERT_TRUE(packet.checksum);
+  EXPECT_FALSE(packet.checksum->IsValid());
+  EXPECT_EQ(packet.items.size(), 12U);
+}
+
+TEST(St0601, ItemThatLiesAboutItsLengthEndsThePacket) {
+  const std::string text =
+      std::string(kSt0601LabelBytes) + BerLength(7) + std::string("\x05\x02\x40\x00\x06\x7F\x00", 7);
+  const KlvPacket packet = Decode(text);
+  EXPECT_EQ(packet.items.size(), 1U);
+  EXPECT_NE(packet.problem.find("byte 4 of 7"), std::string::npos) << packet.problem;
+}
+
+}  // namespace
+}  // namespace victorious

@@ -1,0 +1,281 @@
+#include "victorious/telemetry/telemetry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "victorious/geometry/angles.h"
+#include "victorious/telemetry/camera_csv.h"
+#include "victorious/telemetry/dji_srt.h"
+#include "victorious/telemetry/klv_camera.h"
+#include "victorious/telemetry/klv_packets.h"
+#include "victorious/telemetry/vertical_datum.h"
+
+namespace victorious {
+namespace {
+
+constexpr double kSecondsPerMicrosecond = 1e-6;
+
+double MedianOf(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+bool HasBadChecksum(const KlvPacket& packet) { return packet.checksum && !packet.checksum->IsValid(); }
+
+// The stream with the most packets that a camera can come from: two streams are two cameras.
+std::optional<int> MainStream(const std::vector<KlvPacket>& packets) {
+  std::map<int, int> counts;
+  for (const KlvPacket& packet : packets) counts[packet.stream] += packet.standard == KlvStandard::kOther ? 0 : 1;
+  const auto most = std::ranges::max_element(counts, {}, &std::pair<const int, int>::second);
+  return most == counts.end() ? std::nullopt : std::optional(most->first);
+}
+
+// What is to be added to a packet's own clock to get the video's: from the packets that have both; where none has, the
+// first packet is the time 0.
+std::optional<double> ClockOffset(const std::vector<KlvPacket>& packets) {
+  std::vector<double> offsets;
+  std::optional<std::int64_t> first_us;
+  for (const KlvPacket& packet : packets) {
+    const auto own_us = PrecisionTime(packet);
+    if (!own_us) continue;
+    if (!first_us) first_us = own_us;
+    if (packet.time_s) offsets.push_back(*packet.time_s - kSecondsPerMicrosecond * static_cast<double>(*own_us));
+  }
+  if (!offsets.empty()) return MedianOf(std::move(offsets));
+  if (first_us) return -kSecondsPerMicrosecond * static_cast<double>(*first_us);
+  return std::nullopt;
+}
+
+// Packets of one stream to states; the container's time before the packet's own.
+void AddKlvStates(const std::vector<KlvPacket>& packets, int stream, Telemetry& telemetry) {
+  const auto offset_s = ClockOffset(packets);
+  for (const KlvPacket& packet : packets) {
+    if (packet.stream != stream) continue;
+    auto state = CameraFromKlv(packet);
+    if (!state) continue;
+    if (!packet.time_s) {
+      if (!state->utc_us || !offset_s) continue;
+      state->time_s = *offset_s + kSecondsPerMicrosecond * static_cast<double>(*state->utc_us);
+    }
+    telemetry.states.push_back(*state);
+  }
+}
+
+void WarnOfClock(Telemetry& telemetry) {
+  const auto timed = [](const KlvPacket& packet) { return packet.time_s.has_value(); };
+  if (telemetry.states.empty() || std::ranges::any_of(telemetry.packets, timed)) return;
+  telemetry.warnings.emplace_back(
+      "the KLV packets carry no time of a video: the first is taken for the time 0; time_offset_s shifts them");
+}
+
+void WarnOfChecksums(const std::vector<KlvPacket>& packets, std::vector<std::string>& warnings) {
+  const auto bad = std::ranges::count_if(packets, &HasBadChecksum);
+  if (bad > 0) {
+    warnings.push_back(
+        fmt::format("{} of {} KLV packets fail their checksum: no camera comes from them", bad, packets.size()));
+  }
+}
+
+void WarnOfProblems(const std::vector<KlvPacket>& packets, std::vector<std::string>& warnings) {
+  const auto has_problem = [](const KlvPacket& packet) { return !packet.problem.empty(); };
+  const auto first = std::ranges::find_if(packets, has_problem);
+  if (first == packets.end()) return;
+  warnings.push_back(fmt::format("{} of {} KLV packets can be read in part only; the first at byte {}: {}",
+                                 std::ranges::count_if(packets, has_problem), packets.size(), first->offset,
+                                 first->problem));
+}
+
+void WarnOfFrameCentre(const std::vector<KlvPacket>& packets, std::vector<std::string>& warnings) {
+  constexpr double kMost = RadiansFromDegrees(2);  // honest systems stay within fractions of a degree
+  std::vector<double> errors_rad;
+  for (const KlvPacket& packet : packets) {
+    if (const auto error_rad = FrameCentreError(packet)) errors_rad.push_back(*error_rad);
+  }
+  if (errors_rad.empty()) return;
+  const double median_rad = MedianOf(std::move(errors_rad));
+  if (median_rad <= kMost) return;
+  warnings.push_back(fmt::format(
+      "line of sight and recorded frame centre disagree, {:.1f} degrees in the middle: an angle is not what "
+      "the standard calls it, and places will be wrong",
+      DegreesFromRadians(median_rad)));
+}
+
+void WarnOfNoCamera(Telemetry& telemetry) {
+  const bool local =
+      std::ranges::find(telemetry.packets, KlvStandard::kSt0601, &KlvPacket::standard) != telemetry.packets.end();
+  const auto missing = local ? MissingForCamera(telemetry.packets) : std::vector<std::string_view>();
+  telemetry.warnings.push_back(
+      fmt::format("no packet tells place, height and pointing of the camera{}{}",
+                  missing.empty() ? "" : "; missing, or marked unknown: ", fmt::join(missing, ", ")));
+}
+
+// The times of frames rise, and so must those of states: what repeats or goes back is left out.
+void KeepRising(Telemetry& telemetry) {
+  std::vector<CameraState> rising;
+  for (const CameraState& state : telemetry.states) {
+    if (rising.empty() || state.time_s > rising.back().time_s) rising.push_back(state);
+  }
+  const std::size_t left_out = telemetry.states.size() - rising.size();
+  if (left_out > 0) {
+    telemetry.warnings.push_back(fmt::format("{} of {} camera states repeat a time or go back in it, and are left out",
+                                             left_out, telemetry.states.size()));
+  }
+  telemetry.states = std::move(rising);
+}
+
+void WarnOfJumps(Telemetry& telemetry, double max_gap_s) {
+  constexpr double kFastest = 1000;  // m/s
+  int jumps = 0;
+  int gaps = 0;
+  for (std::size_t i = 1; i < telemetry.states.size(); ++i) {
+    const CameraState& before = telemetry.states[i - 1];
+    const CameraState& after = telemetry.states[i];
+    const double seconds = after.time_s - before.time_s;
+    const double metres = TangentPlane(before.place).EnuFromGeodetic(after.place).norm();
+    jumps += metres > kFastest * seconds && metres > 10 ? 1 : 0;
+    gaps += seconds > max_gap_s ? 1 : 0;
+  }
+  if (jumps > 0) telemetry.warnings.push_back(fmt::format("the place jumps {} times, faster than 1000 m/s", jumps));
+  if (gaps > 0) {
+    telemetry.warnings.push_back(
+        fmt::format("{} gaps of more than {:g} s: nothing is known of the camera in them", gaps, max_gap_s));
+  }
+}
+
+// What every kind of telemetry needs once its states are there.
+Expected<Telemetry> Finish(Telemetry telemetry, const TelemetryOptions& options) {
+  VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
+  for (CameraState& state : telemetry.states) {
+    state.time_s += options.time_offset_s;
+    if (options.hfov_deg > 0) state.hfov_rad = RadiansFromDegrees(options.hfov_deg);
+  }
+  KeepRising(telemetry);
+  WarnOfJumps(telemetry, options.max_gap_s);
+  VICTORIOUS_RETURN_IF_ERROR(BringToEllipsoid(telemetry.states, options, telemetry.warnings));
+  return telemetry;
+}
+
+Expected<Telemetry> FromKlv(KlvPackets decoded, const TelemetryOptions& options) {
+  Telemetry telemetry;
+  telemetry.warnings = std::move(decoded.warnings);
+  telemetry.packets = std::move(decoded.packets);
+  telemetry.records = static_cast<int>(telemetry.packets.size());
+  const auto stream = MainStream(telemetry.packets);
+  if (stream) {
+    const bool others = std::ranges::any_of(telemetry.packets, [&](const KlvPacket& packet) {
+      return packet.stream != *stream && packet.standard != KlvStandard::kOther;
+    });
+    if (others)
+      telemetry.warnings.push_back(fmt::format("several KLV streams: the camera is that of stream {}", *stream));
+    AddKlvStates(telemetry.packets, *stream, telemetry);
+  }
+  const auto known = std::ranges::find_if(
+      telemetry.packets, [](const KlvPacket& packet) { return packet.standard != KlvStandard::kOther; });
+  telemetry.format = known == telemetry.packets.end() ? "KLV of another standard" : std::string(Name(known->standard));
+  WarnOfClock(telemetry);
+  WarnOfChecksums(telemetry.packets, telemetry.warnings);
+  WarnOfProblems(telemetry.packets, telemetry.warnings);
+  WarnOfFrameCentre(telemetry.packets, telemetry.warnings);
+  if (telemetry.states.empty() && known != telemetry.packets.end()) WarnOfNoCamera(telemetry);
+  return Finish(std::move(telemetry), options);
+}
+
+Expected<Telemetry> FromDji(DjiSubtitles subtitles, const TelemetryOptions& options) {
+  Telemetry telemetry;
+  telemetry.format = "DJI subtitles";
+  telemetry.records = subtitles.cues;
+  telemetry.states = std::move(subtitles.states);
+  telemetry.warnings = std::move(subtitles.warnings);
+  const auto has_hfov = [](const CameraState& state) { return state.hfov_rad.has_value(); };
+  if (options.hfov_deg == 0 && std::ranges::any_of(telemetry.states, has_hfov)) {
+    telemetry.warnings.emplace_back(
+        "the field of view is a guess from the focal length, for a picture of 16:9 that is not cropped");
+  }
+  return Finish(std::move(telemetry), options);
+}
+
+Bytes BytesOf(std::string_view text) { return std::as_bytes(std::span(text.data(), text.size())); }
+
+// The texts of subtitles inside a video, each of which may begin with its length.
+DjiSubtitles SubtitlesOf(std::span<const DataPacket> packets) {
+  DjiSubtitles subtitles;
+  for (const DataPacket& packet : packets) {
+    if (packet.kind != DataKind::kSubtitle) continue;
+    ++subtitles.cues;
+    const std::string_view text(reinterpret_cast<const char*>(packet.bytes.data()), packet.bytes.size());
+    auto state = CameraFromDjiText(text);
+    if (!state || !packet.time_s) continue;
+    state->time_s = *packet.time_s;
+    subtitles.states.push_back(*state);
+  }
+  return subtitles;
+}
+
+}  // namespace
+
+void TelemetryOptions::ListFields(FieldList& fields) {
+  fields.Add("time_offset_s", time_offset_s,
+             {.min = -86400,
+              .max = 86400,
+              .unit = "s",
+              .reason = "added to the telemetry's times, where its clock and the video's differ"});
+  fields.Add("max_gap_s", max_gap_s,
+             {.min = 0.01,
+              .max = 3600,
+              .unit = "s",
+              .reason = "between states further apart nothing is known: an aircraft may turn within seconds"});
+  fields.Add("vertical_datum", vertical_datum,
+             {.choices = {"told", "ellipsoid", "egm96", "egm2008", "takeoff"},
+              .reason = "what heights count from; told: as the format or the table says"});
+  fields.Add("geoid_grid", geoid_grid,
+             {.reason = "a .gtx grid of the geoid, for heights above the sea; empty: PROJ's of EGM96, where it is"});
+  fields.Add("takeoff_altitude_m", takeoff_altitude_m,
+             {.min = kUnknownHeight,
+              .max = 9000,
+              .unit = "m",
+              .reason = "of the take-off above the ellipsoid, for heights that count from it; -9999: unknown"});
+  fields.Add("hfov_deg", hfov_deg,
+             {.min = 0, .max = 179, .unit = "deg", .reason = "the full horizontal field of view; 0: as told"});
+}
+
+bool LooksLikeTelemetry(std::string_view bytes) {
+  return StartsWithUniversalLabel(BytesOf(bytes)) || LooksLikeCameraCsv(bytes) || LooksLikeDjiSrt(bytes);
+}
+
+Expected<Telemetry> ParseTelemetry(std::string_view bytes, const TelemetryOptions& options) {
+  if (LooksLikeCameraCsv(bytes)) {
+    VICTORIOUS_ASSIGN_OR_RETURN(CameraRows rows, ParseCameraCsv(bytes));
+    return Finish({.format = "table",
+                   .states = std::move(rows.states),
+                   .packets = {},
+                   .records = rows.rows,
+                   .warnings = std::move(rows.warnings)},
+                  options);
+  }
+  if (LooksLikeDjiSrt(bytes)) return FromDji(ParseDjiSrt(bytes), options);
+  KlvPackets decoded = DecodeKlv(BytesOf(bytes));
+  if (!decoded.packets.empty()) return FromKlv(std::move(decoded), options);
+  if (!decoded.warnings.empty()) return Fail(ErrorCode::kDataLoss, decoded.warnings[0]);
+  return Fail(ErrorCode::kInvalidArgument,
+              bytes.empty() ? "empty"
+                            : "no telemetry: neither KLV, nor DJI subtitles, nor a table with time_s and latitude_deg");
+}
+
+Expected<Telemetry> TelemetryFromPackets(std::span<const DataPacket> packets, const TelemetryOptions& options) {
+  KlvPackets decoded = DecodeKlv(packets);
+  if (!decoded.packets.empty()) return FromKlv(std::move(decoded), options);
+  DjiSubtitles subtitles = SubtitlesOf(packets);
+  if (!subtitles.states.empty()) return FromDji(std::move(subtitles), options);
+  return Finish({.format = "none", .states = {}, .packets = {}, .records = 0, .warnings = std::move(decoded.warnings)},
+                options);
+}
+
+}  // namespace victorious

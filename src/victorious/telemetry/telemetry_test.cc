@@ -1,0 +1,139 @@
+#include "victorious/telemetry/telemetry.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/geometry/angles.h"
+#include "victorious/telemetry/klv_test_tools.h"
+
+namespace victorious {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+constexpr const char* kHeader = "time_s,latitude_deg,longitude_deg,altitude_m,vertical_datum\n";
+
+DataPacket Packet(int stream, std::optional<double> time_s, const std::string& text) {
+  const Bytes bytes = BytesOf(text);
+  return {.stream = stream, .kind = DataKind::kKlv, .time_s = time_s, .bytes = {bytes.begin(), bytes.end()}};
+}
+
+TEST(Telemetry, BareKlvCountsFromItsFirstPacket) {
+  const auto telemetry = ParseTelemetry(CameraPacket(5'000'000) + CameraPacket(5'500'000), {});
+  ASSERT_TRUE(telemetry) << telemetry.error().message;
+  EXPECT_EQ(telemetry->format, "MISB ST 0601");
+  ASSERT_EQ(telemetry->states.size(), 2U);
+  EXPECT_NEAR(telemetry->states[1].time_s, 0.5, 1e-6);
+}
+
+TEST(Telemetry, PacketsOfAVideoAreOnItsClock) {
+  const std::vector packets = {Packet(1, 0.1, CameraPacket(1'000'000)),
+                               Packet(1, std::nullopt, CameraPacket(1'500'000)),
+                               Packet(1, 1.1, CameraPacket(2'000'000))};
+  const auto telemetry = TelemetryFromPackets(packets, {.time_offset_s = 10});
+  ASSERT_TRUE(telemetry);
+  ASSERT_EQ(telemetry->states.size(), 3U);
+  EXPECT_NEAR(telemetry->states[0].time_s, 10.1, 1e-9);
+  EXPECT_NEAR(telemetry->states[1].time_s, 10.6, 1e-6) << "by its own clock, from those that have both";
+}
+
+TEST(Telemetry, TwoStreamsAreNotMixed) {
+  const std::vector packets = {Packet(1, 0.0, CameraPacket(0)), Packet(2, 0.1, CameraPacket(0)),
+                               Packet(2, 0.2, CameraPacket(0))};
+  const auto telemetry = TelemetryFromPackets(packets, {});
+  ASSERT_TRUE(telemetry);
+  EXPECT_EQ(telemetry->states.size(), 2U);
+  EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("stream 2")));
+}
+
+TEST(Telemetry, TimesThatRepeatOrGoBackAreLeftOut) {
+  const auto telemetry =
+      ParseTelemetry(std::string(kHeader) + "0,42,-71,1,\n1,42,-71,1,\n1,42,-71,1,\n0.5,42,-71,1,\n2,42,-71,1,\n", {});
+  ASSERT_TRUE(telemetry);
+  EXPECT_EQ(telemetry->states.size(), 3U);
+  EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("2 of 5 camera states")));
+}
+
+TEST(Telemetry, JumpsAndGapsAreTold) {
+  const auto telemetry = ParseTelemetry(std::string(kHeader) + "0,42,-71,1,\n1,43,-71,1,\n9,43,-71,1,\n", {});
+  ASSERT_TRUE(telemetry);
+  EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("jumps 1 times")));
+  EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("1 gaps of more than 2 s")));
+}
+
+TEST(Telemetry, HeightsAboveTheTakeOffNeedItsHeight) {
+  const std::string table = std::string(kHeader) + "0,42,-71,30,takeoff\n";
+  const auto unknown = ParseTelemetry(table, {});
+  ASSERT_TRUE(unknown);
+  EXPECT_EQ(unknown->states[0].datum, VerticalDatum::kTakeoff);
+  EXPECT_THAT(unknown->warnings, Contains(HasSubstr("take-off")));
+  const auto known = ParseTelemetry(table, {.takeoff_altitude_m = 12});
+  EXPECT_EQ(known->states[0].datum, VerticalDatum::kEllipsoid);
+  EXPECT_EQ(known->states[0].place.altitude_m, 42);
+  EXPECT_EQ(ParseTelemetry(table, {.vertical_datum = "ellipsoid"})->states[0].place.altitude_m, 30);
+}
+
+TEST(Telemetry, HeightsAboveTheSeaWithoutAGridStayAndAreTold) {
+  const auto telemetry = ParseTelemetry(std::string(kHeader) + "0,42,-71,30,egm2008\n", {});
+  ASSERT_TRUE(telemetry);
+  EXPECT_EQ(telemetry->states[0].datum, VerticalDatum::kEgm2008);
+  EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("egm2008")));
+}
+
+TEST(Telemetry, PlaceThatThePointingContradictsIsNoticed) {
+  const std::string packet = CameraPacket(0);
+  const auto honest = ParseTelemetry(packet, {});
+  EXPECT_THAT(honest->warnings, Not(Contains(HasSubstr("disagree"))));
+  // The same camera, and a frame centre to the north of it where it looks south.
+  const std::string value = packet.substr(17, packet.size() - 17 - 4);
+  const std::string lying = value + "\x17\x04" + BigEndian(1002397655, 4) + "\x18\x04" +
+                            BigEndian(static_cast<std::uint32_t>(-847062994), 4) + "\x4E\x02" + BigEndian(2964, 2);
+  const auto noticed = ParseTelemetry(std::string(kSt0601LabelBytes) + BerLength(lying.size()) + lying, {});
+  ASSERT_TRUE(noticed);
+  EXPECT_THAT(noticed->warnings, Contains(HasSubstr("disagree, 93")));
+}
+
+TEST(Telemetry, WhatACameraLacksIsNamed) {
+  const auto telemetry = ParseTelemetry(St0601Packet({{5, BigEndian(0, 2)}, {19, BigEndian(0x80000000, 4)}}), {});
+  ASSERT_TRUE(telemetry);
+  EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("the sensor's elevation (item 19)")));
+  EXPECT_THAT(telemetry->warnings, Not(Contains(HasSubstr("heading"))));
+}
+
+TEST(Telemetry, TextThatIsNoUtf8StaysJson) {
+  const auto telemetry = ParseTelemetry(std::string(kHeader) + "0,\xFF,-71,1,\n1,42,-71,1,\n", {});
+  ASSERT_TRUE(telemetry);
+  EXPECT_NE(ToJson(*telemetry).dump().find("line 2"), std::string::npos);
+}
+
+TEST(Telemetry, WhatIsNoneIsRefusedInOneLine) {
+  for (const std::string text : {"", "hello", "a,b,c\n1,2,3\n", "\x06\x0E\x2B\x34"}) {
+    const auto telemetry = ParseTelemetry(text, {});
+    ASSERT_FALSE(telemetry) << text;
+    EXPECT_EQ(telemetry.error().message.find('\n'), std::string::npos);
+  }
+  EXPECT_FALSE(ParseTelemetry(CameraPacket(0), {.vertical_datum = "sea"}));
+}
+
+TEST(Telemetry, JsonHasEveryItemByNumberAndName) {
+  const auto json = ToJson(*ParseTelemetry(CameraPacket(1'000'000), {}));
+  const auto& packet = json["packets"][0];
+  EXPECT_EQ(packet["checksum"]["valid"], true);
+  EXPECT_EQ(packet["utc"], "1970-01-01T00:00:01.000000Z");
+  EXPECT_EQ(packet["items"][1]["number"], 5);
+  EXPECT_EQ(packet["items"][1]["name"], "Platform Heading Angle");
+  EXPECT_EQ(json["states"].size(), 1U);
+}
+
+TEST(Telemetry, PlainWordsSayWhatIsMissing) {
+  const auto lines = DescribeTelemetry(*ParseTelemetry(std::string(kHeader) + "0,42,-71,30,takeoff\n", {}));
+  EXPECT_THAT(lines, Contains(HasSubstr("where the camera looks")));
+  EXPECT_THAT(lines, Contains(HasSubstr("field of view")));
+  EXPECT_THAT(lines, Contains(HasSubstr("above the ellipsoid")));
+  EXPECT_THAT(DescribeTelemetry(*ParseTelemetry(CameraPacket(0), {})), Contains(HasSubstr("follows: all")));
+}
+
+}  // namespace
+}  // namespace victorious

@@ -1,0 +1,77 @@
+#include "victorious/telemetry/vertical_datum.h"
+
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "victorious/telemetry/camera_csv.h"
+#include "victorious/telemetry/geoid.h"
+
+namespace victorious {
+namespace {
+
+bool Has(const std::vector<CameraState>& states, VerticalDatum datum) {
+  return std::ranges::find(states, datum, &CameraState::datum) != states.end();
+}
+
+void AddGeoid(std::vector<CameraState>& states, VerticalDatum datum, const Geoid& geoid) {
+  for (CameraState& state : states) {
+    if (state.datum != datum) continue;
+    if (const auto height_m = geoid.HeightAt(state.place.latitude_rad, state.place.longitude_rad)) {
+      state.place.altitude_m += *height_m;
+      state.datum = VerticalDatum::kEllipsoid;
+    }
+  }
+}
+
+// The grid that the user names counts for either geoid; PROJ's own for EGM96.
+Expected<std::optional<Geoid>> GeoidFor(VerticalDatum datum, const TelemetryOptions& options) {
+  if (!options.geoid_grid.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(Geoid geoid, Geoid::Read(options.geoid_grid));
+    return geoid;
+  }
+  const auto path = datum == VerticalDatum::kEgm96 ? FindEgm96Grid() : std::nullopt;
+  if (!path) return std::nullopt;
+  VICTORIOUS_ASSIGN_OR_RETURN(Geoid geoid, Geoid::Read(*path));
+  return geoid;
+}
+
+Status AddGeoidOf(std::vector<CameraState>& states, VerticalDatum datum, const TelemetryOptions& options,
+                  std::vector<std::string>& warnings) {
+  if (!Has(states, datum)) return {};
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto geoid, GeoidFor(datum, options));
+  if (geoid) AddGeoid(states, datum, *geoid);
+  if (Has(states, datum)) {
+    warnings.push_back(fmt::format(
+        "heights are above mean sea level ({}), and no grid of it covers the place: they stay so; name a .gtx grid",
+        Name(datum)));
+  }
+  return {};
+}
+
+}  // namespace
+
+Status BringToEllipsoid(std::vector<CameraState>& states, const TelemetryOptions& options,
+                        std::vector<std::string>& warnings) {
+  if (const auto datum = VerticalDatumOf(options.vertical_datum)) {
+    for (CameraState& state : states) state.datum = *datum;
+  }
+  VICTORIOUS_RETURN_IF_ERROR(AddGeoidOf(states, VerticalDatum::kEgm96, options, warnings));
+  VICTORIOUS_RETURN_IF_ERROR(AddGeoidOf(states, VerticalDatum::kEgm2008, options, warnings));
+  if (!Has(states, VerticalDatum::kTakeoff)) return {};
+  if (options.takeoff_altitude_m == TelemetryOptions::kUnknownHeight) {
+    warnings.emplace_back(
+        "heights are above the take-off, whose own height is unknown: they stay so; give its height above the "
+        "ellipsoid");
+    return {};
+  }
+  for (CameraState& state : states) {
+    if (state.datum != VerticalDatum::kTakeoff) continue;
+    state.place.altitude_m += options.takeoff_altitude_m;
+    state.datum = VerticalDatum::kEllipsoid;
+  }
+  return {};
+}
+
+}  // namespace victorious

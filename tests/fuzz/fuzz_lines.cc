@@ -1,0 +1,59 @@
+// Any bytes as lines of sight: read or refused with one line, and what is read has a place that is finite, or none.
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tests/fuzz/fuzz_target.h"
+#include "victorious/base/check.h"
+#include "victorious/geolocate/lines_csv.h"
+#include "victorious/geolocate/locate.h"
+
+namespace {
+
+void CheckFix(const victorious::GeoFix& fix, std::size_t lines) {
+  VICTORIOUS_CHECK(fix.inliers.size() == lines);
+  VICTORIOUS_CHECK((fix.status == "ok") == fix.place.has_value());
+  if (!fix.place) return;
+  VICTORIOUS_CHECK(fix.place->covariance_enu_m2.allFinite());
+  VICTORIOUS_CHECK(fix.place->point.altitude_m == fix.place->point.altitude_m);
+  VICTORIOUS_CHECK(fix.place->ce90_m > 0 && fix.place->le90_m >= 0);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto lines = victorious::ParseLinesOfSight({reinterpret_cast<const char*>(data), size}, "lines.csv");
+  if (!lines) {
+    VICTORIOUS_CHECK(lines.error().message.find('\n') == std::string::npos);
+    return 0;
+  }
+  for (const char* motion : {"static", "velocity"}) {
+    for (const char* method : {"ml", "ransac", "prior", "least-squares", "ground"}) {
+      victorious::LocateOptions options{.motion = motion, .method = method, .max_hypotheses = 50};
+      if (options.method == "ground") options.ground_height_m = 10;
+      const auto fix = victorious::Locate(*lines, options);
+      VICTORIOUS_CHECK(fix.has_value());
+      CheckFix(*fix, lines->size());
+    }
+  }
+  return 0;
+}
+
+std::vector<std::string> FuzzSeeds() {
+  const std::string header = "time_s,latitude_deg,longitude_deg,altitude_m,azimuth_deg,elevation_deg";
+  const std::string row = "0,42.36,-71.09,200,10,-30";
+  const std::string ranges = header + ",range_m,sigma_deg,sigma_range_m\n" + row +
+                             ",300,0.5,30\n1,42.361,-71.09,200,120,-30,310,,\n" + "2,42.362,-71.09,200,160,-30,,1,\n";
+  const std::string circle =
+      header + "\n0,42.360,-71.092,200,90,-50\n1,42.358,-71.090,200,0,-42\n2,42.360,-71.088,200,270,-50\n" +
+      "3,42.362,-71.090,200,180,-42\n";
+  return {"",
+          header,
+          header + "\n" + row,
+          ranges,
+          circle,
+          "\xEF\xBB\xBF" + header + "\r\n" + row + "\r\n",
+          header + "\n0,90,0,0,0,-90\n1,-90,360,1e7,360,90\n",
+          header + "\n" + row + "\n" + row + "\n" + row};
+}

@@ -1,0 +1,34 @@
+// Any bytes as a telemetry table: read or refused with one line; what is read can be written and read again.
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tests/fuzz/fuzz_target.h"
+#include "victorious/base/check.h"
+#include "victorious/telemetry/camera_csv.h"
+#include "victorious/telemetry/camera_track.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto rows = victorious::ParseCameraCsv({reinterpret_cast<const char*>(data), size});
+  if (!rows) {
+    VICTORIOUS_CHECK(rows.error().message.find('\n') == std::string::npos);
+    return 0;
+  }
+  const auto again = victorious::ParseCameraCsv(victorious::CameraCsvText(rows->states));
+  VICTORIOUS_CHECK(again.has_value() && again->states.size() == rows->states.size());
+  const victorious::CameraTrack track(rows->states, 2);
+  for (const victorious::CameraState& state : rows->states) {
+    VICTORIOUS_CHECK(track.At(state.time_s).has_value());
+    (void)track.At(state.time_s + 0.5);
+  }
+  return 0;
+}
+
+std::vector<std::string> FuzzSeeds() {
+  const std::string header = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg";
+  return {header + "\n0,42,-71,100,0,-90,0,40\n0.1,42.1,-71,100,350,-45,0,40\n",
+          "altitude_m,time_s,longitude_deg,latitude_deg,vertical_datum,utc,k1,k2,p1,p2,sigma_position_m\n"
+          "1,2,3,4,egm96,2026-05-27T13:14:22.5Z,0.1,0.2,0.3,0.4,5\r\n",
+          header + ",sigma_attitude_deg\n0,95,-71,100,0,-90,0,40,1\n,,,\n1e308,1,1,1\n", header, ""};
+}
