@@ -1,5 +1,6 @@
 #include "victorious/recognize/recognizer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -94,6 +95,70 @@ TEST(Recognizer, FindsEachInstanceWhereItIs) {
     }
   }
   EXPECT_EQ(matched, 3U);
+}
+
+RecognizeOptions ByVotes() {
+  RecognizeOptions options;
+  options.method = "votes";
+  return options;
+}
+
+TEST(Recognizer, VotesFindEachInstanceToo) {
+  const cv::Mat crate = Texture(120, 90, 1);
+  cv::Mat scene = Texture(640, 480, 4);
+  const std::vector<Similarity2> truth = {Paste(crate, 1.0, 0.5, {150, 120}, scene),
+                                          Paste(crate, 0.8, -2.0, {470, 130}, scene)};
+  const Recognizer recognizer =
+      Recognizer::Create({ModelOf("crate", crate), ModelOf("absent", Texture(110, 100, 3))}, "opencv", ByVotes())
+          .value();
+  const std::vector<Detection> detections = recognizer.Recognize(FeaturesOf(scene));
+  ASSERT_EQ(detections.size(), 2U);
+  for (const Similarity2& pose : truth) {
+    const Eigen::Vector2d centre = pose.Apply({60, 45});
+    EXPECT_TRUE(std::ranges::any_of(detections, [&](const Detection& found) {
+      return found.model == 0 && (found.pose.scene_from_template.Apply({60, 45}) - centre).norm() < 3;
+    }));
+  }
+}
+
+// A ring of views, each a neighbour of the two beside it; only one shows what is in the scene, and no scout is it.
+TEST(Recognizer, VotesReachViewsBetweenScouts) {
+  const cv::Mat crate = Texture(120, 90, 1);
+  cv::Mat blurred;
+  cv::GaussianBlur(crate, blurred, cv::Size(), 2.0);
+  const auto storage = std::make_shared<FeatureSet>();
+  ObjectModel model;
+  model.name = "crate";
+  model.engine = "opencv";
+  model.kind = "cad";
+  for (std::uint32_t view = 0; view < 4; ++view) {
+    const FeatureSet features = FeaturesOf(view == 1 ? crate : blurred);
+    model.views.push_back({.source = "crate",
+                           .width = crate.cols,
+                           .height = crate.rows,
+                           .first_feature = storage->size(),
+                           .feature_count = features.size(),
+                           .outline = CornersOf({0, 0, 120, 90}),
+                           .angles = {},
+                           .neighbours = {(view + 3) % 4, (view + 1) % 4}});
+    storage->keypoints.insert(storage->keypoints.end(), features.keypoints.begin(), features.keypoints.end());
+    storage->descriptors.insert(storage->descriptors.end(), features.descriptors.begin(), features.descriptors.end());
+  }
+  model.features = storage->View();
+  model.storage = storage;
+  cv::Mat scene = Texture(640, 480, 4);
+  Paste(crate, 1.0, 0.5, {150, 120}, scene);
+  const std::vector<Detection> detections = MakeRecognizer({model}).Recognize(FeaturesOf(scene));
+  ASSERT_EQ(detections.size(), 1U);
+  EXPECT_EQ(detections[0].view, 1U);
+}
+
+TEST(Recognizer, VotesFindNothingInOtherScenes) {
+  const Recognizer recognizer =
+      Recognizer::Create({ModelOf("crate", Texture(120, 90, 1))}, "opencv", ByVotes()).value();
+  for (std::uint64_t seed = 10; seed < 16; ++seed)
+    EXPECT_TRUE(recognizer.Recognize(FeaturesOf(Texture(640, 480, seed))).empty()) << seed;
+  EXPECT_TRUE(recognizer.Recognize(FeatureSet()).empty());
 }
 
 TEST(Recognizer, FindsNothingInOtherScenes) {
