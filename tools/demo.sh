@@ -23,6 +23,12 @@ if [[ ! -e $flight/video.mp4 ]]; then
   "$program" simulate "$scene" --out "$flight"
 fi
 
+# Another build may search otherwise: what an older one made is made anew.
+if [[ -e $models && $program -nt $models ]]; then
+  rm -r "$models"
+  rm -rf "$dir/views" "$db"*
+fi
+
 names=$(sed -n 's/.*"model":"\([^"]*\)".*/\1/p' "$flight/truth.jsonl" | sort -u)
 for name in $names; do
   if ! "$program" model show "$name" --models "$models" >/dev/null 2>&1; then
