@@ -34,12 +34,9 @@ Action SetUpParams(CLI::App& app) {
     FeatureOptions features;
     TelemetryOptions telemetry;
     LocateOptions locate;
-    const std::map<std::string, std::vector<FieldRef>> lists = {{"index", FieldsOf(index)},
-                                                                {"model", FieldsOf(model)},
-                                                                {"cad", FieldsOf(cad)},
-                                                                {"features", FieldsOf(features)},
-                                                                {"telemetry", FieldsOf(telemetry)},
-                                                                {"locate", FieldsOf(locate)}};
+    const std::map<std::string, std::vector<FieldRef>> lists = {
+        {"index", FieldsOf(index)},       {"model", FieldsOf(model)},         {"cad", FieldsOf(cad)},
+        {"features", FieldsOf(features)}, {"telemetry", FieldsOf(telemetry)}, {"locate", FieldsOf(locate)}};
     const std::vector<FieldRef>& fields = lists.at(arguments->of);
     return WriteOutput("", arguments->json ? ToJson(fields).dump(2) + "\n" : MarkdownTable(fields));
   };
