@@ -138,6 +138,7 @@ std::vector<Detection> Detect(std::span<const Candidate> candidates, const Scene
     }
   }
   std::ranges::stable_sort(detections, [](const Detection& a, const Detection& b) {
+    if (a.model != b.model) return a.model < b.model;  // evidence and numbers of inliers do not compare across models
     if (a.pose.evidence && b.pose.evidence) return a.evidence > b.evidence;
     if (a.pose.distinct_inliers != b.pose.distinct_inliers) return a.pose.distinct_inliers > b.pose.distinct_inliers;
     return a.evidence > b.evidence;

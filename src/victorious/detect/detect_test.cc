@@ -50,6 +50,20 @@ TEST(Detect, KeepsTheBestOfNeighboursAndEveryInstance) {
   EXPECT_EQ(detections[2].model, 1U);
 }
 
+TEST(Detect, ModelsWithTheirOwnEvidenceDoNotMeddleWithOthers) {
+  const auto with_evidence = [](double x, std::size_t agreeing, double evidence) {
+    Candidate candidate = CandidateAt(x, 100, agreeing, /*model=*/1);
+    candidate.pose.evidence = evidence;
+    return candidate;
+  };
+  // One instance: of model 1 the pose of more evidence is kept, though it has fewer inliers.
+  const std::vector<Candidate> candidates = {with_evidence(100, 3, 10), CandidateAt(300, 100, 9),
+                                             with_evidence(104, 9, 5), CandidateAt(303, 100, 14)};
+  const std::vector<Detection> detections = Detect(candidates, kScene, {});
+  ASSERT_EQ(detections.size(), 2U);
+  for (const Detection& found : detections) EXPECT_EQ(found.pose.distinct_inliers, found.model == 1 ? 3U : 14U);
+}
+
 TEST(Detect, ALongObjectPlacedDifferentlyByTwoViewsIsOne) {
   Candidate along = CandidateAt(100, 100, 14);
   along.outline = CornersOf({0, 0, 240, 40});

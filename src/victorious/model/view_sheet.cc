@@ -15,6 +15,7 @@
 namespace victorious {
 namespace {
 
+constexpr std::int64_t kMostSheetPixels = 100'000'000;
 constexpr std::size_t kMostViews = 2000;
 constexpr int kMostThumbnailPx = 256;
 constexpr int kColumns = 36;
@@ -127,8 +128,14 @@ Expected<cv::Mat> DrawViewSheet(const ObjectModel& model) {
       "{}: {} views, {} features. {}Number and bar: features", model.name, model.views.size(), model.features.size(),
       model.kind == "cad" ? "az: azimuth in degrees, 0 from behind, 90 from its left. " : "");
   const int title_width = cv::getTextSize(title, cv::FONT_HERSHEY_SIMPLEX, 0.5, 1, nullptr).width + 2 * kGapPx;
-  cv::Mat sheet(kTitlePx + static_cast<int>(rows.size()) * step.height,
-                std::max(title_width, kLabelPx + static_cast<int>(columns) * step.width), CV_8UC3, kPaper);
+  const cv::Size size(std::max(title_width, kLabelPx + static_cast<int>(columns) * step.width),
+                      kTitlePx + static_cast<int>(rows.size()) * step.height);
+  if (static_cast<std::int64_t>(size.width) * size.height > kMostSheetPixels) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("model {}: its views make a picture of {} x {} pixels, at most {} in all can be drawn",
+                            model.name, size.width, size.height, kMostSheetPixels));
+  }
+  cv::Mat sheet(size, CV_8UC3, kPaper);
   Write(sheet, title, {kGapPx, 18}, 0.5);
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const int top = kTitlePx + static_cast<int>(r) * step.height;

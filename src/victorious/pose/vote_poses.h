@@ -7,7 +7,8 @@
 // likest scene keypoints an inlier stands. Were descriptors to say nothing, an inlier of rank r would be there with the
 // chance p = r * (scene keypoints that lie, and are turned and sized, as the pose demands) / (scene keypoints). With n
 // template keypoints that the scene could show, the k-th smallest chance p_k and T poses that differ in the scene,
-//   evidence = max over k of -log10(T C(n, k) p_k^k).
+//   evidence = max over k of -log10(T C(n, k) p_k^k) - dependence_decades,
+// at most -log10(T) - dependence_decades where chance explains it all; the largest over three widths of the windows.
 // Inliers that overlap each other in the scene see the same pixels: of those only the best counts.
 #pragma once
 

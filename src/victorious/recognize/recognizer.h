@@ -59,7 +59,7 @@ class Recognizer {
   /// Every instance of every model, best first. Deterministic.
   [[nodiscard]] std::vector<Detection> Recognize(const FeatureSet& scene) const;
 
-  /// The same for one view of one model, stage by stage.
+  /// One view of one model by the grammar, whatever the method, stage by stage.
   [[nodiscard]] StagedMatches MatchView(const FeatureSet& scene, std::size_t model, std::size_t view) const;
 
  private:

@@ -121,6 +121,21 @@ TEST(Recognizer, VotesFindEachInstanceToo) {
   }
 }
 
+// Without features, a view scouts for none of its neighbours.
+TEST(Recognizer, AViewWithoutFeaturesHidesNoNeighbour) {
+  const cv::Mat crate = Texture(120, 90, 1);
+  ObjectModel model = ModelOf("crate", crate);
+  model.kind = "cad";
+  ModelView plain = model.views[0];
+  plain.feature_count = 0;
+  plain.neighbours = {1};
+  model.views[0].neighbours = {0};
+  model.views.insert(model.views.begin(), plain);
+  cv::Mat scene = Texture(640, 480, 4);
+  Paste(crate, 1.0, 0.5, {150, 120}, scene);
+  EXPECT_EQ(MakeRecognizer({model}).Recognize(FeaturesOf(scene)).size(), 1U);
+}
+
 // A ring of views, each a neighbour of the two beside it; only one shows what is in the scene, and no scout is it.
 TEST(Recognizer, VotesReachViewsBetweenScouts) {
   const cv::Mat crate = Texture(120, 90, 1);

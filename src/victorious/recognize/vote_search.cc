@@ -20,12 +20,13 @@ void VoteSearchOptions::ListFields(FieldList& fields) {
 
 namespace {
 
-// Views none of which are neighbours, so many that every other view is a neighbour of one.
+// Views none of which are neighbours, so many that every other view is a neighbour of one. Views without features find
+// nothing, so scout for none.
 std::vector<std::size_t> ChooseScouts(const ObjectModel& model) {
   std::vector<std::size_t> scouts;
   std::vector<bool> covered(model.views.size());
   for (std::size_t view = 0; view < model.views.size(); ++view) {
-    if (covered[view]) continue;
+    if (covered[view] || model.views[view].feature_count == 0) continue;
     scouts.push_back(view);
     for (const std::uint32_t neighbour : model.views[view].neighbours) covered[neighbour] = true;
   }

@@ -1,7 +1,7 @@
 // One model of many views searched in a scene by votes: match/ranked_matcher.h and pose/vote_poses.h over its views.
 //
 // Neighbouring views look alike: a scene is first compared with every few, the scouts, of which each other view is a
-// neighbour; then with the neighbours of those that found most. Half the work or less for the same finds.
+// neighbour; then with the neighbours of those that found most. Less than half the work for nearly the same finds.
 #pragma once
 
 #include <cstddef>
