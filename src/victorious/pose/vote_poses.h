@@ -32,7 +32,7 @@ struct VoteOptions {
   int least_votes = 4;
   double apart = 4.0;
   double least_scale_px = 0.9;
-  double dependence_decades = 3.0;
+  double dependence_decades = 4.0;
 
   void ListFields(FieldList& fields);
 };
