@@ -7,6 +7,7 @@
 
 #include "victorious/geometry/robust/mlesac.h"
 #include "victorious/geometry/robust/similarity_estimator.h"
+#include "victorious/pose/match_pairs.h"
 #include "victorious/pose/plane_refinement.h"
 
 namespace victorious {
@@ -45,18 +46,6 @@ void PoseOptions::ListFields(FieldList& fields) {
 
 namespace {
 
-std::vector<PointPair> PairsOf(std::span<const Keypoint> scene, std::span<const Keypoint> model,
-                               const MatchSet& matches) {
-  std::vector<PointPair> pairs;
-  pairs.reserve(matches.size());
-  for (const Match& match : matches) {
-    const Keypoint& s = scene[match.scene];
-    const Keypoint& m = model[match.model];
-    pairs.push_back({{m.x, m.y}, {s.x, s.y}});
-  }
-  return pairs;
-}
-
 std::size_t CountDistinct(const MatchSet& matches) {
   std::vector<std::uint32_t> keypoints;
   keypoints.reserve(matches.size());
@@ -64,14 +53,6 @@ std::size_t CountDistinct(const MatchSet& matches) {
   std::ranges::sort(keypoints);
   return static_cast<std::size_t>(
       std::ranges::distance(keypoints.begin(), std::unique(keypoints.begin(), keypoints.end())));
-}
-
-// The share of the object that the inliers speak for.
-double Extent(const std::vector<PointPair>& inliers, const Polygon& outline) {
-  std::vector<Eigen::Vector2d> places;
-  places.reserve(inliers.size());
-  for (const PointPair& pair : inliers) places.push_back(pair.source);
-  return std::abs(SignedArea(ConvexHull(std::move(places)))) / std::max(1e-9, std::abs(SignedArea(outline)));
 }
 
 }  // namespace

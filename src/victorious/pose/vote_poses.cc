@@ -9,6 +9,7 @@
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/robust/mlesac.h"
 #include "victorious/geometry/robust/similarity_estimator.h"
+#include "victorious/pose/match_pairs.h"
 #include "victorious/pose/plane_refinement.h"
 #include "victorious/pose/rank_evidence.h"
 
@@ -154,10 +155,6 @@ std::vector<Support> SupportOfEach(const Votes& votes, const std::vector<Window>
   return all;
 }
 
-PointPair PairOf(const RankedMatch& match, std::span<const Keypoint> scene, std::span<const Keypoint> model) {
-  return {{model[match.model].x, model[match.model].y}, {scene[match.scene].x, scene[match.scene].y}};
-}
-
 std::size_t CountDistinct(std::span<const RankedMatch> matches) {
   std::size_t count = 0;  // they come by template keypoint
   for (std::size_t i = 0; i < matches.size(); ++i) count += i == 0 || matches[i].model != matches[i - 1].model ? 1 : 0;
@@ -250,13 +247,11 @@ class PoseFinder {
     std::vector<RankedMatch> voters;
     for (const std::uint32_t member : members) voters.push_back(matches_[member]);
     if (CountDistinct(voters) < static_cast<std::size_t>(votes_.least_votes)) return std::nullopt;
-    const std::vector<PointPair> pairs = PairsOf(voters);
-    const SimilarityEstimator::Noise noise{.noise_px = options_.noise_px,
-                                           .shape_px = options_.shape_fraction * size_px_};
-    const auto agreed = Mlesac(SimilarityEstimator(pairs, noise), {.outlier_area_px2 = kPi * reach2_px2,
-                                                                   .confidence = options_.confidence,
-                                                                   .max_hypotheses = options_.max_hypotheses,
-                                                                   .seed = options_.seed});
+    const std::vector<PointPair> pairs = PairsOf(scene_.keypoints, model_, voters);
+    const auto agreed = Mlesac(SimilarityEstimator(pairs, Noise()), {.outlier_area_px2 = kPi * reach2_px2,
+                                                                     .confidence = options_.confidence,
+                                                                     .max_hypotheses = options_.max_hypotheses,
+                                                                     .seed = options_.seed});
     if (!agreed) return std::nullopt;
     return Narrowed(agreed->model);
   }
@@ -268,7 +263,7 @@ class PoseFinder {
       constexpr int kRounds = 2;
       std::vector<RankedMatch> inliers = InliersOf(map, narrower);
       for (int round = 0; round < kRounds; ++round) {
-        const auto refined = SolveSimilarity(PairsOf(inliers));
+        const auto refined = SolveSimilarity(PairsOf(scene_.keypoints, model_, inliers));
         if (!refined) return best;
         map = *refined;
         inliers = InliersOf(map, narrower);
@@ -286,9 +281,7 @@ class PoseFinder {
     pose.sigma_px = narrower * SigmaPx(map);
     pose.distinct_inliers = inliers.size();
     for (const RankedMatch& match : inliers) pose.inliers.push_back({match.scene, match.model, 1.0F});
-    std::vector<Eigen::Vector2d> places;
-    for (const RankedMatch& match : inliers) places.emplace_back(model_[match.model].x, model_[match.model].y);
-    pose.extent = std::abs(SignedArea(ConvexHull(std::move(places)))) / std::max(1e-9, size_px_ * size_px_);
+    pose.extent = Extent(PairsOf(scene_.keypoints, model_, inliers), outline_);
     pose.evidence = RankEvidence(map, inliers, {.radius_px = narrower * RadiusPx(map), .widest_px = RadiusPx(map)},
                                  size_px_, scene_, model_, votes_);
     pose.scene_from_template_plane = map.Matrix();
@@ -296,27 +289,17 @@ class PoseFinder {
   }
 
   void RefineOutline(Pose& pose) const {
-    std::vector<PointPair> pairs;
-    for (const Match& match : pose.inliers) {
-      const Keypoint& m = model_[match.model];
-      const Keypoint& s = scene_.keypoints[match.scene];
-      pairs.push_back({{m.x, m.y}, {s.x, s.y}});
-    }
+    const std::vector<PointPair> pairs = PairsOf(scene_.keypoints, model_, pose.inliers);
     const double noise_px = options_.noise_px * std::max(1.0, pose.scene_from_template.scale);
     pose.scene_from_template_plane =
         RefinePlane(pairs, pose.scene_from_template, pose.sigma_px, noise_px, scene_area_px2_, outline_);
   }
 
-  std::vector<PointPair> PairsOf(std::span<const RankedMatch> matches) const {
-    std::vector<PointPair> pairs;
-    pairs.reserve(matches.size());
-    for (const RankedMatch& match : matches) pairs.push_back(PairOf(match, scene_.keypoints, model_));
-    return pairs;
+  SimilarityEstimator::Noise Noise() const {
+    return {.noise_px = options_.noise_px, .shape_px = options_.shape_fraction * size_px_};
   }
 
-  double SigmaPx(const Similarity2& map) const {
-    return std::hypot(options_.noise_px * std::max(1.0, map.scale), options_.shape_fraction * size_px_ * map.scale);
-  }
+  double SigmaPx(const Similarity2& map) const { return SimilarityEstimator({}, Noise()).SigmaPx(map); }
 
   double RadiusPx(const Similarity2& map) const {
     constexpr double kSigmas = 2.5;
