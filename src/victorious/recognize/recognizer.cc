@@ -87,20 +87,22 @@ void Recognizer::SearchByGrammar(const FeatureSet& scene, std::vector<Candidate>
   }
 }
 
-void Recognizer::SearchByVotes(const FeatureSet& scene, std::vector<Candidate>& candidates) const {
+void Recognizer::SearchByVotes(const FeatureSet& scene, const std::optional<Vertical>& vertical,
+                               std::vector<Candidate>& candidates) const {
   const RankedMatcher ranked(scene.View());
   for (const auto& [model, search] : voters_) {
-    for (Candidate& candidate : search.Search(models_[model], scene, ranked, options_.search, options_.pose)) {
+    for (Candidate& candidate :
+         search.Search(models_[model], scene, ranked, vertical, options_.search, options_.pose)) {
       candidate.model = model;
       candidates.push_back(std::move(candidate));
     }
   }
 }
 
-std::vector<Detection> Recognizer::Recognize(const FeatureSet& scene) const {
+std::vector<Detection> Recognizer::Recognize(const FeatureSet& scene, const std::optional<Vertical>& vertical) const {
   std::vector<Candidate> candidates;
   if (!views_.empty()) SearchByGrammar(scene, candidates);
-  if (!voters_.empty()) SearchByVotes(scene, candidates);
+  if (!voters_.empty()) SearchByVotes(scene, vertical, candidates);
   const SceneSize size{static_cast<double>(scene.image_width), static_cast<double>(scene.image_height)};
   return Detect(candidates, size, options_.detect);
 }

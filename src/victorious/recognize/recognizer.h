@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -15,6 +16,7 @@
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
 #include "victorious/detect/detect.h"
+#include "victorious/geometry/vertical.h"
 #include "victorious/grammar/cascade.h"
 #include "victorious/match/matcher.h"
 #include "victorious/pose/similarity_pose.h"
@@ -57,7 +59,9 @@ class Recognizer {
   [[nodiscard]] const std::vector<ObjectModel>& models() const { return models_; }
 
   /// Every instance of every model, best first. Deterministic.
-  [[nodiscard]] std::vector<Detection> Recognize(const FeatureSet& scene) const;
+  /// @param vertical  which way is up in the scene: given, models of known views are sought upright
+  [[nodiscard]] std::vector<Detection> Recognize(const FeatureSet& scene,
+                                                 const std::optional<Vertical>& vertical = {}) const;
 
   /// One view of one model by the grammar, whatever the method, stage by stage.
   [[nodiscard]] StagedMatches MatchView(const FeatureSet& scene, std::size_t model, std::size_t view) const;
@@ -72,7 +76,8 @@ class Recognizer {
 
   [[nodiscard]] StagedMatches Filter(const FeatureSet& scene, const ViewRef& ref, MatchSet matches) const;
   void SearchByGrammar(const FeatureSet& scene, std::vector<Candidate>& candidates) const;
-  void SearchByVotes(const FeatureSet& scene, std::vector<Candidate>& candidates) const;
+  void SearchByVotes(const FeatureSet& scene, const std::optional<Vertical>& vertical,
+                     std::vector<Candidate>& candidates) const;
 
   std::vector<ObjectModel> models_;
   std::vector<ViewRef> views_;  ///< of the models searched by the grammar, in the order of templates_
