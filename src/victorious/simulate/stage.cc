@@ -124,13 +124,22 @@ Status Stage::PlacePieces(const Scene& scene, Loader& loader, std::vector<KeptCl
 }
 
 Status Stage::PlaceTown(const Scene& scene, Loader& loader, const std::vector<KeptClear>& clear) {
-  for (const Placement& placement : LayOutTown(scene.town, clear)) {
+  const std::vector<Placement> placements = LayOutTown(scene.town);
+  std::vector<StagedMesh> meshes;
+  std::vector<Vector2d> sizes_m;
+  for (const Placement& placement : placements) {
     const std::string file = (scene.assets / placement.asset).string();
     VICTORIOUS_ASSIGN_OR_RETURN(const StagedMesh mesh, placement.side_m > 0
                                                            ? loader.LoadGround(file + ".jpg", placement.side_m)
                                                            : loader.Load(file + ".glb"));
-    const GroundPose pose{placement.place_m, placement.heading_rad};
-    town_.push_back({mesh, TownFromMesh(mesh, pose, placement.bottom_m)});
+    meshes.push_back(mesh);
+    sizes_m.emplace_back(mesh.box.sizes().head<2>());
+  }
+  const std::vector<bool> stands = WhatCanStand(placements, sizes_m, clear);
+  for (std::size_t i = 0; i < placements.size(); ++i) {
+    if (!stands[i]) continue;
+    const GroundPose pose{placements[i].place_m, placements[i].heading_rad};
+    town_.push_back({meshes[i], TownFromMesh(meshes[i], pose, placements[i].bottom_m)});
   }
   return {};
 }
