@@ -148,7 +148,7 @@ std::vector<Support> SupportOfEach(const Votes& votes, const std::vector<Window>
     const Window& window = windows[i];
     int count = 0;
     for (std::size_t j = window.begin; j < window.end; ++j) count += Agree(votes, i, j, window.reach2_px2, turn_rad);
-    const double chance = std::min(1.0, kPi * window.reach2_px2 / scene_area_px2) * turn_rad / kPi;
+    const double chance = std::min(1.0, kPi * window.reach2_px2 / scene_area_px2) * std::min(1.0, turn_rad / kPi);
     const double expected = std::max(1e-6, static_cast<double>(window.end - window.begin) * chance);
     all[i] = {count, count * std::log(count / expected) - (count - expected)};
   }
