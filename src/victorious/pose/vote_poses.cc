@@ -212,7 +212,7 @@ class PoseFinder {
     const std::vector<Support> support = SupportOfEach(votes, windows, turn_rad, scene_area_px2_);
     std::vector<bool> used(votes.size());
     std::vector<Pose> poses;
-    for (int i = 0; i < votes_.most_seeds; ++i) {
+    while (poses.size() < static_cast<std::size_t>(votes_.most_seeds)) {
       const std::optional<std::size_t> seed = BestSeed(support, used);
       if (!seed) break;
       const Window& window = windows[*seed];
@@ -223,7 +223,7 @@ class PoseFinder {
         members.push_back(votes.match[j]);
       }
       auto pose = PoseOf(std::move(members), window.reach2_px2);
-      if (!pose) continue;
+      if (!pose) continue;  // the next seed takes its turn
       if (options_.refine_plane && *pose->evidence > 0) RefineOutline(*pose);
       poses.push_back(std::move(*pose));
     }
@@ -235,6 +235,7 @@ class PoseFinder {
   std::optional<std::size_t> BestSeed(const std::vector<Support>& support, const std::vector<bool>& used) const {
     std::optional<std::size_t> best;
     for (std::size_t i = 0; i < support.size(); ++i) {
+      // Several may be of one template keypoint: how many are distinct is PoseOf's to see.
       if (used[i] || support[i].votes < votes_.least_votes) continue;
       if (!best || support[i].log_likelihood > support[*best].log_likelihood) best = i;
     }
