@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "victorious/base/binomial.h"
 #include "victorious/geometry/angles.h"
 
 namespace victorious {
@@ -98,8 +99,7 @@ double RankEvidence(const Similarity2& scene_from_template, std::span<const Rank
   double least_log = 0;  // of C(n, k) p_k^k
   for (std::size_t i = 0; i < chances.size(); ++i) {
     const double k = static_cast<double>(i + 1);
-    const double log_choose = std::lgamma(n + 1) - std::lgamma(k + 1) - std::lgamma(n - k + 1);
-    least_log = std::min(least_log, log_choose + k * std::log(chances[i]));
+    least_log = std::min(least_log, LogChoose(n, k) + k * std::log(chances[i]));
   }
   return -least_log / std::log(10.0) - PoseDecades(scene_from_template, window.radius_px, size_px, scene) -
          options.dependence_decades;

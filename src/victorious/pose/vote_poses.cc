@@ -302,10 +302,7 @@ class PoseFinder {
 
   double SigmaPx(const Similarity2& map) const { return SimilarityEstimator({}, Noise()).SigmaPx(map); }
 
-  double RadiusPx(const Similarity2& map) const {
-    constexpr double kSigmas = 2.5;
-    return kSigmas * SigmaPx(map);
-  }
+  double RadiusPx(const Similarity2& map) const { return kAgreementSigmas * SigmaPx(map); }
 
   std::vector<RankedMatch> InliersOf(const Similarity2& map, double narrower) const {
     return Gather(map, narrower * RadiusPx(map), scene_.keypoints, model_, matches_, votes_);
