@@ -27,8 +27,6 @@ namespace fs = std::filesystem;
 // Purposes of the scene's seed: each draws from its own stream.
 enum SeedUse : std::uint64_t { kShakeSeed = 0x5A01, kNoiseSeed = 0x5A02 };
 
-std::uint64_t SeedFor(std::uint64_t seed, std::uint64_t use) { return Random(seed ^ (use << 32)).Next(); }
-
 Light LightOf(const Scene& scene) {
   const double azimuth = RadiansFromDegrees(scene.sun.azimuth_deg - scene.origin.heading_deg);
   const double elevation = RadiansFromDegrees(scene.sun.elevation_deg);
@@ -70,7 +68,7 @@ class Flight {
     const double fraction = video.frames > 1 ? static_cast<double>(frame) / (video.frames - 1) : 0.0;
     const double heading = RadiansFromDegrees(scene_.origin.heading_deg);
     const PosedCamera camera{PinholeOf(video),
-                             CameraFromTown(scene_.camera, fraction, time_s, SeedFor(scene_.seed, kShakeSeed))};
+                             CameraFromTown(scene_.camera, fraction, time_s, MixSeed(scene_.seed, kShakeSeed))};
     const std::vector<StagedThing> objects = stage_.ObjectsAt(time_s);
     VICTORIOUS_ASSIGN_OR_RETURN(const RenderedView view, renderer_.Render(Instances(objects, camera), camera, light_,
                                                                           {.supersampling = video.supersampling}));
@@ -84,7 +82,7 @@ class Flight {
       result.truth += TruthLine(row, scene_.objects[static_cast<std::size_t>(row.object)], frame, time_s);
     }
     Degrade({.blur_px = video.blur_px, .grain = video.grain, .noise = video.noise},
-            SeedFor(scene_.seed + static_cast<std::uint64_t>(frame), kNoiseSeed), result.bgr);
+            MixSeed(MixSeed(scene_.seed, kNoiseSeed), static_cast<std::uint64_t>(frame)), result.bgr);
     return result;
   }
 

@@ -26,7 +26,7 @@ std::optional<int> TurnsToStreet(int column, int row, const SceneTown& town) {
 Random LotteryOf(int column, int row, std::uint64_t seed) {
   constexpr std::uint64_t kColumns = 4096;
   const auto square = static_cast<std::uint64_t>(column + 2048) + kColumns * static_cast<std::uint64_t>(row + 2048);
-  return Random(Random(seed ^ (square << 32)).Next());
+  return Random(MixSeed(seed, square));
 }
 
 void PlanSquare(int column, int row, const SceneTown& town, std::vector<Placement>& placements) {
