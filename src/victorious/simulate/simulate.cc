@@ -17,6 +17,7 @@
 #include "victorious/simulate/stage.h"
 #include "victorious/simulate/telemetry.h"
 #include "victorious/simulate/truth.h"
+#include "victorious/telemetry/camera_csv.h"
 #include "victorious/video/video_writer.h"
 
 namespace victorious {
@@ -53,8 +54,8 @@ Status MakeFolder(const fs::path& folder) {
 
 struct FrameResult {
   cv::Mat bgr;
-  std::string telemetry;  ///< its row
-  std::string truth;      ///< its lines
+  CameraState camera;
+  std::string truth;  ///< its lines
 };
 
 class Flight {
@@ -76,7 +77,7 @@ class Flight {
                                 TruthOf(objects, view.instances, camera, earth_, heading, renderer_));
     FrameResult result{
         .bgr = view.bgr,
-        .telemetry = TelemetryRow(CameraOnEarthOf(camera.camera_from_world, earth_, heading), time_s, video.hfov_deg),
+        .camera = CameraStateOf(camera.camera_from_world, earth_, heading, time_s, RadiansFromDegrees(video.hfov_deg)),
         .truth = {}};
     for (const ObjectTruth& row : truth) {
       result.truth += TruthLine(row, scene_.objects[static_cast<std::size_t>(row.object)], frame, time_s);
@@ -119,7 +120,7 @@ Status Simulate(const Scene& scene, const fs::path& out, const SimulateOptions& 
       VideoWriter::Create(out / "video.mp4",
                           {.width = video.width, .height = video.height, .fps = video.fps, .crf = video.crf}));
   Flight flight(scene, renderer, stage);
-  std::string telemetry = kTelemetryHeader;
+  std::vector<CameraState> cameras;
   std::string truth;
   Progress progress("simulating " + out.string(), video.frames, "frames");
   for (int frame = 0; frame < video.frames; ++frame) {
@@ -129,12 +130,12 @@ Status Simulate(const Scene& scene, const fs::path& out, const SimulateOptions& 
     }
     Expected<FrameResult> drawn = flight.Draw(frame);
     if (!drawn) return std::unexpected(std::move(drawn).error().WithContext(fmt::format("frame {}", frame)));
-    telemetry += drawn->telemetry;
+    cameras.push_back(drawn->camera);
     truth += drawn->truth;
     VICTORIOUS_RETURN_IF_ERROR(writer->Write(drawn->bgr));
     progress.Update(frame + 1);
   }
-  VICTORIOUS_RETURN_IF_ERROR(WriteFileAtomically(out / "telemetry.csv", telemetry));
+  VICTORIOUS_RETURN_IF_ERROR(WriteFileAtomically(out / "telemetry.csv", CameraCsvText(cameras)));
   VICTORIOUS_RETURN_IF_ERROR(WriteFileAtomically(out / "truth.jsonl", truth));
   return writer->Finish();
 }
