@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "victorious/base/binomial.h"
 #include "victorious/geometry/angles.h"
@@ -55,14 +54,10 @@ double ShareThatAgrees(const Keypoint& keypoint, const Similarity2& pose, const 
   return std::max(kLeastCount, count / wider) / static_cast<double>(scene.size());
 }
 
-// Each inlier's chance, ascending. Left out are those that overlap a likelier one in the scene, and those that are not
-// drawn from the visible ones: which just lie, or are just large enough, where the pose says they do not.
-std::vector<double> Chances(const Similarity2& pose, std::span<const RankedMatch> inliers, const Visibility& visible,
-                            const PoseWindow& window, const FeatureSet& scene, std::span<const Keypoint> model,
-                            const VoteOptions& options) {
-  std::vector<RankedMatch> by_rank;
-  std::ranges::copy_if(inliers, std::back_inserter(by_rank),
-                       [&](const RankedMatch& match) { return visible(model[match.model]); });
+// Each inlier's chance, those left out that overlap a likelier one in the scene; ascending.
+std::vector<double> Chances(const Similarity2& pose, std::span<const RankedMatch> inliers, const PoseWindow& window,
+                            const FeatureSet& scene, std::span<const Keypoint> model, const VoteOptions& options) {
+  std::vector<RankedMatch> by_rank(inliers.begin(), inliers.end());
   std::ranges::stable_sort(by_rank, {}, &RankedMatch::rank);
   std::vector<Keypoint> taken;
   std::vector<double> chances;
@@ -93,9 +88,14 @@ double PoseDecades(const Similarity2& pose, double radius_px, double size_px, co
 double RankEvidence(const Similarity2& scene_from_template, std::span<const RankedMatch> inliers,
                     const PoseWindow& window, double size_px, const FeatureSet& scene, std::span<const Keypoint> model,
                     const VoteOptions& options) {
+  const std::vector<double> chances = Chances(scene_from_template, inliers, window, scene, model, options);
   const Visibility visible(scene_from_template, scene, options.least_scale_px);
-  const std::vector<double> chances = Chances(scene_from_template, inliers, visible, window, scene, model, options);
-  const auto n = static_cast<double>(std::ranges::count_if(model, visible));
+  // An inlier may lie just outside of the frame, or be just too small, by what the windows allow: it is one of n, too,
+  // so that k are drawn from n.
+  const auto expected = std::ranges::count_if(model, visible);
+  const auto unexpected =
+      std::ranges::count_if(inliers, [&](const RankedMatch& match) { return !visible(model[match.model]); });
+  const auto n = static_cast<double>(expected + unexpected);
   double least_log = 0;  // of C(n, k) p_k^k
   for (std::size_t i = 0; i < chances.size(); ++i) {
     const double k = static_cast<double>(i + 1);

@@ -154,18 +154,25 @@ TEST(RankEvidence, WhatIsMissedThoughVisibleCountsAgainstIt) {
   EXPECT_LT(world.Evidence(10), before - 1);
 }
 
-// k is drawn from n: what the scene could not show is in neither.
-TEST(RankEvidence, WhatTheSceneCannotShowCountsNeitherWay) {
-  const World world = MakeWorld(8);
-  for (const Keypoint& hidden : {Keypoint{80, 24, 0.5, 1}, Keypoint{400, 24, 4, 1}, Keypoint{-20, -150, 4, 1}}) {
-    World more = world;
-    for (int i = 0; i < 40; ++i)
-      more.Add({hidden.x + 0.9F * static_cast<float>(i % 8), hidden.y, hidden.scale_px, 1}, 1);
-    more.scene.keypoints.resize(1000);  // the same chances
-    for (std::size_t i = 30; i < 70; ++i) more.inliers[i].scene = static_cast<std::uint32_t>(i);
-    EXPECT_DOUBLE_EQ(more.Evidence(70), world.Evidence(30)) << hidden.x << ", " << hidden.y;
-    std::ranges::rotate(more.inliers, more.inliers.begin() + 30);
-    EXPECT_DOUBLE_EQ(more.Evidence(40), world.Evidence(0)) << hidden.x << ", " << hidden.y;
+// k is drawn from n: an inlier that the pose puts where the scene could not show it is one of n, like any other.
+TEST(RankEvidence, InliersOutOfViewAreAmongThoseTried) {
+  World unseen = MakeWorld(8);
+  // Ten of 0.75 px in the scene are not expected there.
+  for (std::size_t i = 0; i < 30; ++i) {
+    unseen.model[i].scale_px = i < 10 ? 0.5F : 4.0F;
+    unseen.scene.keypoints[unseen.inliers[i].scene].scale_px = unseen.model[i].scale_px * 1.5F;
+  }
+  for (const std::size_t found : {0U, 10U, 20U, 30U}) {
+    const std::vector<double> chances = ChancesOf(unseen, found);
+    const int n = 20 + static_cast<int>(std::min<std::size_t>(found, 10));
+    double least = 1;
+    for (std::size_t i = 0; i < found; ++i) {
+      const auto k = static_cast<int>(i + 1);
+      ASSERT_LE(k, n);
+      least = std::min(least, Binomial(n, k) * std::pow(chances[i], k));
+    }
+    const double expected = -std::log10(PosesThatDiffer() * least) - unseen.options.dependence_decades;
+    EXPECT_NEAR(unseen.Evidence(found), expected, 1e-4) << found;
   }
 }
 
