@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/file.h"
+#include "victorious/base/json.h"
 
 namespace victorious::cli {
 
@@ -88,12 +89,13 @@ Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields) 
   if (path.empty()) return {};
   constexpr std::size_t kMostBytes = 1 << 20;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMostBytes));
-  const auto json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false, /*ignore_comments=*/true);
-  if (json.is_discarded()) {
+  const auto json = ParseJson(text);
+  if (!json) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: not JSON: parameters are an object such as {{\"match\": {{\"ratio\": 0.8}}}}", path));
+                fmt::format("{}: {}: parameters are an object such as {{\"match\": {{\"ratio\": 0.8}}}}", path,
+                            json.error().message));
   }
-  if (auto status = SetFromJson(json, fields); !status)
+  if (auto status = SetFromJson(*json, fields); !status)
     return std::unexpected(std::move(status).error().WithContext(path));
   return {};
 }

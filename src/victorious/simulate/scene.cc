@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/file.h"
+#include "victorious/base/json.h"
 
 namespace victorious {
 namespace {
@@ -302,9 +303,10 @@ void SceneTown::ListFields(FieldList& fields) {
 }
 
 Expected<Scene> ParseScene(std::string_view text, const std::string& name) {
-  Json root = Json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (!root.is_object()) return Bad(name + ": not a JSON object");
-  Expected<Scene> scene = SceneFromJson(root);
+  Expected<Json> root = ParseJson(text);
+  if (!root) return std::unexpected(std::move(root).error().WithContext(name));
+  if (!root->is_object()) return Bad(name + ": not a JSON object");
+  Expected<Scene> scene = SceneFromJson(*root);
   if (!scene) return std::unexpected(std::move(scene).error().WithContext(name));
   return scene;
 }

@@ -62,7 +62,8 @@ TEST(Scene, NamesStartInItsFolder) {
 
 TEST(Scene, SaysWhatIsWrong) {
   EXPECT_THAT(ErrorOf("[1]"), HasSubstr("not a JSON object"));
-  EXPECT_THAT(ErrorOf("{\"seed\": "), HasSubstr("not a JSON object"));
+  EXPECT_THAT(ErrorOf("{\"seed\": "), HasSubstr("not JSON"));
+  EXPECT_THAT(ErrorOf(R"({"video": {"fps": 5, "fps": 6}})"), HasSubstr("\"fps\": given twice"));
   EXPECT_THAT(ErrorOf(R"({"viedo": {}})"), HasSubstr("viedo"));
   EXPECT_THAT(ErrorOf(R"({"video": {"frame": 3}})"), AllOf(HasSubstr("video.frame"), HasSubstr("video.frames")));
   EXPECT_THAT(ErrorOf(R"({"video": {"noise": 0.7}})"), AllOf(HasSubstr("video.noise"), HasSubstr("0 to 0.5")));
