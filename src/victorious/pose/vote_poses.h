@@ -9,8 +9,8 @@
 // template keypoints that the scene could show, the k-th smallest chance p_k and T poses that differ in the scene,
 //   evidence = max over k of -log10(T C(n, k) p_k^k) - dependence_decades,
 // at most -log10(T) - dependence_decades where chance explains it all; the largest over three widths of the windows.
-// Inliers that overlap each other in the scene see the same pixels: of those only the best counts. n holds every inlier,
-// also one that the pose puts just out of the frame or makes just too small.
+// Inliers that overlap each other in the scene see the same pixels: of those only the best counts. n holds every
+// inlier, also one that the pose puts just out of the frame or makes just too small.
 #pragma once
 
 #include <span>
