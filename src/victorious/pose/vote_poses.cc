@@ -150,7 +150,7 @@ std::vector<Support> SupportOfEach(const Votes& votes, const std::vector<Window>
     const Window& window = windows[i];
     int count = 0;
     for (std::size_t j = window.begin; j < window.end; ++j) count += Agree(votes, i, j, window.reach2_px2, turn_rad);
-    const double chance = std::min(1.0, kPi * window.reach2_px2 / scene_area_px2) * turn_rad / kPi;
+    const double chance = std::min(1.0, kPi * window.reach2_px2 / scene_area_px2) * std::min(1.0, turn_rad / kPi);
     const double expected = std::max(1e-6, static_cast<double>(window.end - window.begin) * chance);
     all[i] = {count, count * std::log(count / expected) - (count - expected)};
   }
@@ -216,6 +216,8 @@ class PoseFinder {
     const std::vector<Support> support = SupportOfEach(votes, windows, turn_rad, scene_area_px2_);
     std::vector<bool> used(votes.size());
     std::vector<Pose> poses;
+    // A seed without a pose has had its turn, too: the next ones in its stead cost a third of the time, and what they
+    // bring is chance more often than not (docs/adr/0008).
     for (int i = 0; i < votes_.most_seeds; ++i) {
       const std::optional<std::size_t> seed = BestSeed(support, used);
       if (!seed) break;
@@ -239,6 +241,7 @@ class PoseFinder {
   std::optional<std::size_t> BestSeed(const std::vector<Support>& support, const std::vector<bool>& used) const {
     std::optional<std::size_t> best;
     for (std::size_t i = 0; i < support.size(); ++i) {
+      // Several may be of one template keypoint: how many are distinct is PoseOf's to see.
       if (used[i] || support[i].votes < votes_.least_votes) continue;
       if (!best || support[i].log_likelihood > support[*best].log_likelihood) best = i;
     }
@@ -306,10 +309,7 @@ class PoseFinder {
 
   double SigmaPx(const Similarity2& map) const { return SimilarityEstimator({}, Noise()).SigmaPx(map); }
 
-  double RadiusPx(const Similarity2& map) const {
-    constexpr double kSigmas = 2.5;
-    return kSigmas * SigmaPx(map);
-  }
+  double RadiusPx(const Similarity2& map) const { return kAgreementSigmas * SigmaPx(map); }
 
   std::vector<RankedMatch> InliersOf(const Similarity2& map, double narrower) const {
     return Gather(map, narrower * RadiusPx(map), scene_.keypoints, model_, matches_, votes_);

@@ -9,8 +9,9 @@
 // template keypoints that the scene could show, the k-th smallest chance p_k and T poses that differ in the scene,
 //   evidence = max over k of -log10(T C(n, k) p_k^k) - dependence_decades,
 // at most -log10(T) - dependence_decades where chance explains it all; the largest over three widths of the windows.
-// Inliers that overlap each other in the scene see the same pixels: of those only the best counts. Where the camera's
-// attitude is known, votes for poses that would tip the object over do not count, and T is so much smaller.
+// Inliers that overlap each other in the scene see the same pixels: of those only the best counts. n holds every
+// inlier, also one that the pose puts just out of the frame or makes just too small. Where the camera's attitude is
+// known, votes for poses that would tip the object over do not count, and T is so much smaller.
 #pragma once
 
 #include <optional>
