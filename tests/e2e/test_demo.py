@@ -1,6 +1,7 @@
 """`tools/demo.sh`, what `make demo` runs: on a short flight with one object, and again."""
 
 import json
+import math
 import subprocess
 import unittest
 
@@ -26,14 +27,24 @@ class DemoTest(program.ProgramTest):
         scene["objects"] = [row for row in scene["objects"] if row["model"] == "jet"]
         return json.dumps(scene)
 
+    def metres_off(self, demo) -> float:
+        """How far the one find's place is from the truth, along the ground."""
+        (find,) = json.loads((demo / "finds.geojson").read_text())["features"]
+        told = find["properties"]
+        true = json.loads((demo / "flight" / "truth.jsonl").read_text().splitlines()[-1])
+        north = math.radians(told["latitude_deg"] - true["latitude_deg"]) * 6.37e6
+        east = math.radians(told["longitude_deg"] - true["longitude_deg"]) * 6.37e6
+        return math.hypot(north, east * math.cos(math.radians(true["latitude_deg"])))
+
     def test_finds_the_object_and_repeats_nothing(self):
         arguments = (program.PROGRAM, self.write("scene.json", self.short_scene()), MODELS, self.scratch / "demo")
         first = self.demo(*arguments)
         self.assertEqual(first.returncode, 0, first.stderr)
         self.assertRegex(first.stdout, r"\n +1 +jet ")
         self.assertRegex(first.stdout, r"sighting_precision +1\.0")
+        self.assertLess(self.metres_off(self.scratch / "demo"), 1)
         made = self.files()
-        for name in ("finds.jpg", "views/jet.jpg", "flight/video.mp4", "flight/telemetry.csv"):
+        for name in ("finds.jpg", "finds.kml", "finds.geojson", "views/jet.jpg", "flight/video.mp4", "flight/telemetry.csv"):
             self.assertIn(f"demo/{name}", made)
         again = self.demo(*arguments)
         self.assertEqual(again.returncode, 0, again.stderr)

@@ -19,6 +19,9 @@ namespace victorious::cli {
 /// "x,y,w,h" in pixels.
 Expected<Box> ParseBox(std::string_view text);
 
+/// "latitude,longitude,metres", degrees.
+Expected<Surroundings> ParseSurroundings(std::string_view text);
+
 /// A check for a time of a video: nothing if `text` is one, else what would be right.
 std::string CheckSeconds(const std::string& text);
 
@@ -34,15 +37,16 @@ std::string OneLine(std::string text);
 /// Set by SIGINT and SIGTERM.
 CancelToken& Interrupt();
 
-/// The flags --video, --model, --from and --to of commands that list what an index holds.
+/// The flags --video, --model, --from, --to and --near of commands that list what an index holds.
 struct FilterArguments {
   std::string video;
   std::string model;
   std::optional<double> from_s;
   std::optional<double> to_s;
+  std::string near;
 
   void AddTo(CLI::App& app);
-  /// Errors: kInvalidArgument for times that are no numbers, or that end before they begin.
+  /// Errors: kInvalidArgument for times that are no numbers, or that end before they begin; for no place.
   [[nodiscard]] Expected<SightingFilter> Filter() const;
 };
 
