@@ -104,8 +104,15 @@ class Source {
   double last_time_s_ = 0;
 };
 
+FrameConditions ConditionsOf(const std::optional<CameraState>& camera, const FeatureSet& features) {
+  if (!camera || !camera->attitude || !camera->hfov_rad) return {};
+  return {.vertical =
+              MakeVertical(*camera->attitude, *camera->hfov_rad, features.image_width, features.image_height),
+          .sun_ahead = {}};
+}
+
 SightingRecord ToSighting(const SearchPass& pass, const Frame& frame, const FeatureSet& features,
-                          const Detection& detection) {
+                          const std::optional<CameraState>& camera, const Detection& detection) {
   const ObjectModel& model = pass.recognizer.models()[detection.model];
   SightingRecord sighting{.video = pass.video.id,
                           .model = pass.searches[detection.model].model,
@@ -119,9 +126,7 @@ SightingRecord ToSighting(const SearchPass& pass, const Frame& frame, const Feat
                           .view_index = static_cast<int>(detection.view),
                           .view = model.views[detection.view].angles,
                           .in_plane_rad = detection.pose.scene_from_template.rotation_rad};
-  if (const auto camera = pass.cameras ? pass.cameras->At(frame.time_s) : std::nullopt) {
-    sighting.sight = SightOf(detection, model, features, *camera, pass.options.sight);
-  }
+  if (camera) sighting.sight = SightOf(detection, model, features, *camera, pass.options.sight);
   return sighting;
 }
 
@@ -129,8 +134,10 @@ SightingRecord ToSighting(const SearchPass& pass, const Frame& frame, const Feat
 void Search(const SearchPass& pass, Work& work) {
   work.features = pass.extractor.Extract(work.frame.image);
   if (work.features) {
-    for (const Detection& detection : pass.recognizer.Recognize(*work.features)) {
-      work.sightings.push_back(ToSighting(pass, work.frame, *work.features, detection));
+    const auto camera = pass.cameras ? pass.cameras->At(work.frame.time_s) : std::nullopt;
+    for (const Detection& detection :
+         pass.recognizer.Recognize(*work.features, ConditionsOf(camera, *work.features))) {
+      work.sightings.push_back(ToSighting(pass, work.frame, *work.features, camera, detection));
     }
   }
   work.frame.image.release();

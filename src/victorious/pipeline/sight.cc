@@ -87,17 +87,28 @@ Quaterniond CameraFromObject(const ViewAngles& view) {
   return Quaterniond(rotation);
 }
 
+// The matched points' places on the object, m.
+std::vector<Vector3d> PlacesOf(const Detection& detection, const ObjectModel& model) {
+  std::vector<Vector3d> places;
+  const auto add = [&](const Point3& point) { places.emplace_back(point.x, point.y, point.z); };
+  std::ranges::for_each(detection.pose.inlier_points, add);
+  if (!places.empty() || model.points_in_model.empty()) return places;
+  const std::size_t first = model.views[detection.view].first_feature;
+  for (const Match& match : detection.pose.inliers) add(model.points_in_model[first + match.model]);
+  return places;
+}
+
 // Of a model that knows its points in space.
 std::optional<Seen> SeenByPoints(const Detection& detection, const ObjectModel& model, const FeatureSet& scene,
                                  const ImagePlane& image, const SightOptions& options) {
   const ModelView& view = model.views[detection.view];
-  if (model.points_in_model.empty() || !model.box_m || !view.angles) return std::nullopt;
+  const std::vector<Vector3d> places = PlacesOf(detection, model);
+  if (places.empty() || !model.box_m || !view.angles) return std::nullopt;
   const Vector3d middle = model.box_m->center();
   std::vector<SeenPoint> points;
-  for (const Match& match : detection.pose.inliers) {
-    const Point3& point = model.points_in_model[view.first_feature + match.model];
-    const Keypoint& keypoint = scene.keypoints[match.scene];
-    points.push_back({Vector3d(point.x, point.y, point.z) - middle, image.At({keypoint.x, keypoint.y})});
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Keypoint& keypoint = scene.keypoints[detection.pose.inliers[i].scene];
+    points.push_back({places[i] - middle, image.At({keypoint.x, keypoint.y})});
   }
   const Vector2d picture_middle(view.width / 2.0, view.height / 2.0);
   const Vector3d towards = image.DirectionOf(detection.pose.scene_from_template.Apply(picture_middle));

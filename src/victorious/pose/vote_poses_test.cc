@@ -104,6 +104,30 @@ TEST(VotePoses, FindsTwoInstances) {
             100);
 }
 
+// A view from 40 degrees off nadir, in an image whose vertical leans as the object at `turn_rad` does.
+UprightPrior UprightAt(double turn_rad) {
+  const double off_nadir_rad = RadiansFromDegrees(40);
+  return {MakeVertical({0, off_nadir_rad - kPi / 2, -turn_rad}, 0.1, kWidth, kHeight), off_nadir_rad,
+          RadiansFromDegrees(20)};
+}
+
+TEST(VotePoses, AnUprightPoseHasMoreEvidenceWhereTheVerticalIsKnown) {
+  const Similarity2 truth{0.9, 1.1, {350, 200}};
+  const World world = MakeWorld(1, 12, truth);
+  const auto poses = VotePoses(world.scene, world.model, world.matches, kOutline, {}, {}, UprightAt(1.1));
+  ASSERT_FALSE(poses.empty());
+  EXPECT_NEAR(poses[0].scene_from_template.rotation_rad, truth.rotation_rad, 0.05);
+  EXPECT_GT(*poses[0].evidence, *Find(world)[0].evidence + 1);
+}
+
+TEST(VotePoses, FindsNothingThatWouldBeTippedOver) {
+  const World world = MakeWorld(1, 12, {0.9, 1.1, {350, 200}});
+  ASSERT_GT(*Find(world)[0].evidence, 4);
+  for (const Pose& pose : VotePoses(world.scene, world.model, world.matches, kOutline, {}, {}, UprightAt(-0.6))) {
+    EXPECT_LT(*pose.evidence, 1);
+  }
+}
+
 TEST(VotePoses, NothingFromNothing) {
   EXPECT_TRUE(VotePoses({}, {}, {}, kOutline, {}, {}).empty());
   const World world = MakeWorld(4, 12, {});

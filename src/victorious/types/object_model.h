@@ -44,6 +44,7 @@ struct ModelView {
   std::optional<ViewAngles> angles;       ///< unknown for photos
   std::vector<std::uint32_t> neighbours;  ///< views from nearby directions, by number; none for photos
   std::span<const std::byte> thumbnail;   ///< a small picture of it, JPEG, for people; empty: there is none
+  std::span<const std::byte> surface;     ///< its rendering, to be lit anew (model/view_surface.h); empty: none
 };
 
 /// Immutable once made; copies share the feature storage.
