@@ -1,6 +1,7 @@
 """`tools/demo.sh`, what `make demo` runs: on a short flight with one object to be found among others, and again."""
 
 import json
+import math
 import subprocess
 import unittest
 
@@ -32,6 +33,15 @@ class DemoTest(program.ProgramTest):
         ]
         return json.dumps(scene)
 
+    def metres_off(self, demo) -> float:
+        """How far the one find's place is from the truth, along the ground."""
+        (find,) = json.loads((demo / "finds.geojson").read_text())["features"]
+        told = find["properties"]
+        true = json.loads((demo / "flight" / "truth.jsonl").read_text().splitlines()[-1])
+        north = math.radians(told["latitude_deg"] - true["latitude_deg"]) * 6.37e6
+        east = math.radians(told["longitude_deg"] - true["longitude_deg"]) * 6.37e6
+        return math.hypot(north, east * math.cos(math.radians(true["latitude_deg"])))
+
     def test_finds_the_object_and_repeats_nothing(self):
         folder = self.scratch / "demo"
         arguments = (program.PROGRAM, self.write("scene.json", self.short_scene()), MODELS, folder)
@@ -40,8 +50,9 @@ class DemoTest(program.ProgramTest):
         self.assertRegex(first.stdout, r"\n +1 +jet ")
         self.assertRegex(first.stdout, r"sighting_precision +1\.0")
         self.finds_the_jet_where_it_is(folder)
+        self.assertLess(self.metres_off(self.scratch / "demo"), 1)
         made = self.files()
-        for name in ("finds.jpg", "views/jet.jpg", "flight/video.mp4", "flight/telemetry.csv"):
+        for name in ("finds.jpg", "finds.kml", "finds.geojson", "views/jet.jpg", "flight/video.mp4", "flight/telemetry.csv"):
             self.assertIn(f"demo/{name}", made)
         again = self.demo(*arguments)
         self.assertEqual(again.returncode, 0, again.stderr)

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,23 +15,47 @@
 
 #include "victorious/base/file.h"
 #include "victorious/base/json.h"
+#include "victorious/geometry/angles.h"
 
 namespace victorious::cli {
 
-Expected<Box> ParseBox(std::string_view text) {
-  std::array<double, 4> numbers{};
+namespace {
+
+// Finite numbers with commas between; nothing for any other text.
+template <std::size_t kCount>
+std::optional<std::array<double, kCount>> ParseNumbers(std::string_view text) {
+  std::array<double, kCount> numbers{};
   const char* at = text.data();
   const char* const end = text.data() + text.size();
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
+  for (std::size_t i = 0; i < kCount; ++i) {
     const auto [next, error] = std::from_chars(at, end, numbers[i]);
-    const bool separated = i + 1 < numbers.size() ? next != end && *next == ',' : next == end;
-    if (error != std::errc() || !separated || !std::isfinite(numbers[i])) {
-      return Fail(ErrorCode::kInvalidArgument,
-                  fmt::format("box \"{}\": must be x,y,w,h in pixels, as in 10,20,300,200", text));
-    }
+    const bool separated = i + 1 < kCount ? next != end && *next == ',' : next == end;
+    if (error != std::errc() || !separated || !std::isfinite(numbers[i])) return std::nullopt;
     at = next + 1;
   }
-  const Box box{numbers[0], numbers[1], numbers[2], numbers[3]};
+  return numbers;
+}
+
+}  // namespace
+
+Expected<Surroundings> ParseSurroundings(std::string_view text) {
+  const auto numbers = ParseNumbers<3>(text);
+  if (!numbers || std::abs((*numbers)[0]) > 90 || std::abs((*numbers)[1]) > 360 || (*numbers)[2] < 0) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--near \"{}\": must be latitude and longitude in degrees and a distance in metres, as in "
+                            "52.52,13.40,50",
+                            text));
+  }
+  return Surroundings{{RadiansFromDegrees((*numbers)[0]), RadiansFromDegrees((*numbers)[1]), 0}, (*numbers)[2]};
+}
+
+Expected<Box> ParseBox(std::string_view text) {
+  const auto numbers = ParseNumbers<4>(text);
+  if (!numbers) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("box \"{}\": must be x,y,w,h in pixels, as in 10,20,300,200", text));
+  }
+  const Box box{(*numbers)[0], (*numbers)[1], (*numbers)[2], (*numbers)[3]};
   if (box.IsEmpty())
     return Fail(ErrorCode::kInvalidArgument, fmt::format("box \"{}\": width and height must be above 0", text));
   return box;
@@ -133,6 +158,8 @@ void FilterArguments::AddTo(CLI::App& app) {
       ->type_name("TIME")
       ->transform(TimeOfVideo());
   app.add_option("--to", to_s, "Only up to this time of the video")->type_name("TIME")->transform(TimeOfVideo());
+  app.add_option("--near", near, "Only objects at most so far from a place on Earth (degrees, metres)")
+      ->type_name("LAT,LON,METRES");
 }
 
 Expected<SightingFilter> FilterArguments::Filter() const {
@@ -141,6 +168,9 @@ Expected<SightingFilter> FilterArguments::Filter() const {
                 fmt::format("--from {:g} lies after --to {:g}: give a time and a later one", *from_s, *to_s));
   }
   SightingFilter filter;
+  if (!near.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(filter.near, ParseSurroundings(near));
+  }
   if (!model.empty()) filter.model_name = model;
   if (!video.empty()) filter.video_name = video;
   filter.from_s = from_s;

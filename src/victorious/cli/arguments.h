@@ -26,6 +26,9 @@ Expected<double> ParseTime(std::string_view text);
 
 /// For options that hold seconds: takes what ParseTime takes.
 CLI::Validator TimeOfVideo();
+/// "latitude,longitude,metres", degrees.
+Expected<Surroundings> ParseSurroundings(std::string_view text);
+
 
 /// Reads `--params FILE` (JSON) into the fields; an empty path changes nothing.
 Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields);
@@ -39,15 +42,16 @@ std::string OneLine(std::string text);
 /// Set by SIGINT and SIGTERM.
 CancelToken& Interrupt();
 
-/// The flags --video, --model, --from and --to of commands that list what an index holds.
+/// The flags --video, --model, --from, --to and --near of commands that list what an index holds.
 struct FilterArguments {
   std::string video;
   std::string model;
   std::optional<double> from_s;
   std::optional<double> to_s;
+  std::string near;
 
   void AddTo(CLI::App& app);
-  /// Error: kInvalidArgument for times that end before they begin.
+  /// Errors: kInvalidArgument for times that end before they begin; for no place.
   [[nodiscard]] Expected<SightingFilter> Filter() const;
 };
 

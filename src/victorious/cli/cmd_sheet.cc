@@ -38,8 +38,10 @@ Status CheckContents(const SightingFilter& filter, int most_tiles, IndexStore& s
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> objects, store.Objects(filter));
   std::set<std::int64_t> checked;
   for (const ObjectRecord& object : objects | std::views::take(most_tiles)) {
-    const VideoRecord* video = catalogue.Video(object.video);
-    if (video != nullptr && checked.insert(video->id).second) VICTORIOUS_RETURN_IF_ERROR(CheckContent(*video));
+    for (const std::int64_t id : object.videos) {
+      const VideoRecord* video = catalogue.Video(id);
+      if (video != nullptr && checked.insert(id).second) VICTORIOUS_RETURN_IF_ERROR(CheckContent(*video));
+    }
   }
   return {};
 }

@@ -168,6 +168,7 @@ Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, co
                                     .options_json = OptionsToJsonText(options),
                                     .program_version = kVersion,
                                     .length_m = box.sizes().maxCoeff(),
+                                    .box_m = box,
                                     .views = {},
                                     .features = {},
                                     .points_in_model = {},

@@ -1,0 +1,293 @@
+#include "victorious/track/region_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+#include <opencv2/imgproc.hpp>
+
+#include "victorious/base/check.h"
+#include "victorious/geometry/robust/mlesac.h"
+#include "victorious/geometry/robust/similarity_estimator.h"
+
+namespace victorious {
+namespace {
+
+Eigen::Vector2d CentreOf(const Polygon& outline) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& corner : outline) sum += corner;
+  return outline.empty() ? sum : Eigen::Vector2d(sum / static_cast<double>(outline.size()));
+}
+
+Polygon Moved(Polygon outline, const Similarity2& map) {
+  for (Eigen::Vector2d& corner : outline) corner = map.Apply(corner);
+  return outline;
+}
+
+Box FrameBox(const cv::Mat& image) { return {0, 0, static_cast<double>(image.cols), static_cast<double>(image.rows)}; }
+
+Box Dilated(const Box& box, double factor) {
+  const double width = box.width * factor;
+  const double height = box.height * factor;
+  return {box.x - (width - box.width) / 2, box.y - (height - box.height) / 2, width, height};
+}
+
+double ShareInView(const Polygon& outline, const Box& frame) {
+  const double area = std::abs(SignedArea(outline));
+  return area > 0 ? std::abs(SignedArea(ClipToBox(outline, frame))) / area : 0.0;
+}
+
+cv::Mat GreyOf(const cv::Mat& image) {
+  if (image.channels() == 1) return image;
+  cv::Mat grey;
+  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  return grey;
+}
+
+}  // namespace
+
+Expected<RegionTracker> RegionTracker::Create(const TrackOptions& options) {
+  VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
+  return RegionTracker(options);
+}
+
+std::vector<TrackStep> RegionTracker::Step(const Frame& frame) {
+  now_ = std::make_shared<FlowPyramid>(GreyOf(frame.image), options_);
+  frame_ = frame.index;
+  time_s_ = frame.time_s;
+  std::vector<TrackStep> steps;
+  std::vector<Track> active;
+  for (Track& track : tracks_) {
+    steps.push_back(Advance(track));
+    if (steps.back().state == TrackState::kActive) active.push_back(std::move(track));
+  }
+  tracks_ = std::move(active);
+  return steps;
+}
+
+TrackStep RegionTracker::Start(const Polygon& outline, std::span<const TrackPoint> points) {
+  VICTORIOUS_CHECK(now_ != nullptr);
+  Track track{
+      .id = next_id_++, .outline = outline, .points = TemplateFrom(points), .last = now_, .last_time_s = time_s_};
+  const bool enough = track.points.size() >= static_cast<std::size_t>(options_.least_points);
+  TrackStep step = Describe(track, enough ? TrackLoss::kNone : TrackLoss::kLostPoints);
+  if (enough) {
+    tracks_.push_back(std::move(track));
+  } else {
+    step.state = TrackState::kInactive;
+  }
+  return step;
+}
+
+TrackStep RegionTracker::Confirm(std::uint64_t id, const Polygon& outline, std::span<const TrackPoint> points) {
+  const auto track = std::ranges::find(tracks_, id, &Track::id);
+  VICTORIOUS_CHECK(track != tracks_.end());
+  track->outline = outline;
+  track->points = TemplateFrom(points);
+  track->last_from_template = {};
+  track->last = now_;
+  track->last_time_s = time_s_;
+  track->missed_frames = 0;
+  track->unconfirmed_frames = 0;
+  return Describe(*track, TrackLoss::kNone);
+}
+
+void RegionTracker::Stop(std::uint64_t id) {
+  std::erase_if(tracks_, [id](const Track& track) { return track.id == id; });
+}
+
+std::vector<RegionTracker::TemplatePoint> RegionTracker::TemplateFrom(std::span<const TrackPoint> points) const {
+  const Box frame = FrameBox(now_->grey());
+  std::vector<TemplatePoint> usable;
+  for (const TrackPoint& point : points) {
+    if (!frame.Contains(point.place.x(), point.place.y())) continue;
+    Patch patch(now_->grey(), point.place, options_.patch_px | 1, Eigen::Matrix2d::Identity());
+    if (!patch.IsFlat()) usable.push_back({point, std::move(patch), point.place});
+  }
+  return usable;
+}
+
+// How far the object has gone since it was last seen, as far as its motion tells.
+Eigen::Vector2d RegionTracker::Drift(const Track& track) const {
+  if (!options_.predict_motion) return Eigen::Vector2d::Zero();
+  return track.velocity_px_s * (time_s_ - track.last_time_s);
+}
+
+RegionTracker::Sighting RegionTracker::Look(const Track& track) const {
+  const Eigen::Vector2d drift = Drift(track);
+  std::vector<std::size_t> indices;
+  std::vector<Eigen::Vector2d> from;
+  std::vector<Eigen::Vector2d> guesses;
+  for (std::size_t i = 0; i < track.points.size(); ++i) {
+    if (!track.points[i].alive) continue;
+    indices.push_back(i);
+    from.push_back(track.points[i].place);
+    guesses.emplace_back(track.points[i].place + drift);
+  }
+  const std::vector<std::optional<Eigen::Vector2d>> followed =
+      FollowPoints(*track.last, *now_, from, guesses, options_);
+
+  Sighting sighting;
+  const Eigen::Matrix2d linear = track.last_from_template.Linear();
+  std::vector<PointPair> pairs;
+  std::vector<std::size_t> of_pair;
+  for (std::size_t k = 0; k < indices.size(); ++k) {
+    if (!followed[k]) continue;
+    const TemplatePoint& point = track.points[indices[k]];
+    const Patch seen(now_->grey(), *followed[k], options_.patch_px | 1, linear);
+    if (point.patch.Likeness(seen) < options_.least_likeness) continue;
+    pairs.push_back({point.origin.place, *followed[k]});
+    of_pair.push_back(indices[k]);
+  }
+
+  const double size_px = std::sqrt(std::abs(SignedArea(track.outline)));
+  const SimilarityEstimator estimator(pairs,
+                                      {.noise_px = options_.noise_px, .shape_px = options_.shape_fraction * size_px});
+  const Box search = Dilated(BoundingBox(Moved(track.outline, track.last_from_template)), options_.dilation_factor);
+  const auto result = Mlesac(estimator, {.outlier_area_px2 = std::max(100.0, search.Area())});
+  if (!result) return sighting;
+  sighting.now_from_template = result->model;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    if (result->probabilities[k] > 0.5) sighting.places.emplace_back(of_pair[k], pairs[k].target);
+  }
+  // Points that are beyond the frame now cannot speak.
+  const Box frame = FrameBox(now_->grey());
+  const auto in_view = std::ranges::count_if(track.points, [&](const TemplatePoint& point) {
+    const Eigen::Vector2d place = result->model.Apply(point.origin.place);
+    return frame.Contains(place.x(), place.y());
+  });
+  // An object does not halve or double its size between two frames; points on a line, wrong by a pixel, make it so.
+  constexpr double kLargestGrowth = 1.5;
+  const double growth = std::abs(std::log(result->model.scale / track.last_from_template.scale));
+  const auto agreeing = static_cast<double>(sighting.places.size());
+  sighting.enough = agreeing >= options_.least_points &&
+                    agreeing >= options_.least_support * static_cast<double>(in_view) &&
+                    growth < std::log(kLargestGrowth);
+  return sighting;
+}
+
+void RegionTracker::Move(Track& track, const Sighting& sighting) const {
+  const Eigen::Vector2d before = CentreOf(Moved(track.outline, track.last_from_template));
+  const Eigen::Vector2d after = CentreOf(Moved(track.outline, sighting.now_from_template));
+  const double elapsed_s = time_s_ - track.last_time_s;
+  if (elapsed_s != 0) track.velocity_px_s = (after - before) / elapsed_s;
+  track.last_from_template = sighting.now_from_template;
+  track.last = now_;
+  track.last_time_s = time_s_;
+  track.missed_frames = 0;
+  for (TemplatePoint& point : track.points) point.alive = false;
+  for (const auto& [index, place] : sighting.places) {
+    track.points[index].place = place;
+    track.points[index].alive = true;
+  }
+  TakeUpAgain(track);
+}
+
+void RegionTracker::TakeUpAgain(Track& track) const {
+  const Box frame = FrameBox(now_->grey());
+  const Eigen::Matrix2d linear = track.last_from_template.Linear();
+  for (TemplatePoint& point : track.points) {
+    if (point.alive) continue;
+    point.place = track.last_from_template.Apply(point.origin.place);
+    if (!frame.Contains(point.place.x(), point.place.y())) continue;
+    const Patch seen(now_->grey(), point.place, options_.patch_px | 1, linear);
+    point.alive = point.patch.Likeness(seen) >= options_.least_likeness;
+  }
+}
+
+// Where the object should be there is something that it does not look like; or nothing that could be followed.
+TrackLoss RegionTracker::WhyNotSeen(const Track& track) const {
+  const Eigen::Vector2d drift = Drift(track);
+  std::size_t others = 0;
+  for (const TemplatePoint& point : track.points) {
+    const Eigen::Vector2d place = track.last_from_template.Apply(point.origin.place) + drift;
+    const Patch seen(now_->grey(), place, options_.patch_px | 1, track.last_from_template.Linear());
+    if (!seen.IsFlat() && point.patch.Likeness(seen) < options_.least_likeness) ++others;
+  }
+  return 2 * others > track.points.size() ? TrackLoss::kOccluded : TrackLoss::kLostPoints;
+}
+
+TrackStep RegionTracker::Advance(Track& track) const {
+  ++track.unconfirmed_frames;
+  const Box frame = FrameBox(now_->grey());
+  const Sighting sighting = Look(track);
+  if (sighting.enough) Move(track, sighting);
+
+  TrackLoss loss = TrackLoss::kNone;
+  if (!sighting.enough) {
+    ++track.missed_frames;
+    loss = WhyNotSeen(track);
+  }
+  if (track.unconfirmed_frames > options_.unconfirmed_frames) loss = TrackLoss::kUnconfirmed;
+  TrackStep step = Describe(track, loss);
+  if (ShareInView(step.outline, frame) < options_.least_in_view) step = Describe(track, TrackLoss::kLeftFrame);
+  const bool given_up = track.missed_frames > options_.missed_frames || step.loss == TrackLoss::kUnconfirmed ||
+                        step.loss == TrackLoss::kLeftFrame;
+  if (given_up) step.state = TrackState::kInactive;
+  return step;
+}
+
+TrackStep RegionTracker::Describe(const Track& track, TrackLoss loss) const {
+  const Box frame = FrameBox(now_->grey());
+  TrackStep step{.track = track.id,
+                 .frame = frame_,
+                 .time_s = time_s_,
+                 .loss = loss,
+                 .now_from_template = track.last_from_template,
+                 .unconfirmed_frames = track.unconfirmed_frames};
+  if (track.last != now_) step.now_from_template.translation += Drift(track);
+  step.outline = Moved(track.outline, step.now_from_template);
+  step.search_box = Intersection(Dilated(BoundingBox(step.outline), options_.dilation_factor), frame);
+  if (!step.seen()) return step;
+  step.box = BoundingBox(ClipToBox(step.outline, frame));
+  for (const TemplatePoint& point : track.points) {
+    if (point.alive) step.points.push_back({point.place, point.origin.feature});
+  }
+  step.support =
+      static_cast<double>(step.points.size()) / static_cast<double>(std::max<std::size_t>(1, track.points.size()));
+  return step;
+}
+
+std::vector<TrackPoint> PointsOf(const Detection& detection, const FeatureSet& scene) {
+  std::vector<TrackPoint> points;
+  points.reserve(detection.pose.inliers.size());
+  for (const Match& match : detection.pose.inliers) {
+    const Keypoint& keypoint = scene.keypoints[match.scene];
+    points.push_back({{keypoint.x, keypoint.y}, match.model});
+  }
+  return points;
+}
+
+std::optional<double> DisagreementPx(const Pose& pose, const FeatureView& view, std::span<const TrackPoint> points) {
+  std::vector<double> distances_px;
+  for (const TrackPoint& point : points) {
+    if (!point.feature || *point.feature >= view.size()) continue;
+    const Keypoint& keypoint = view.keypoints[*point.feature];
+    const Eigen::Vector3d place = pose.scene_from_template_plane * Eigen::Vector3d(keypoint.x, keypoint.y, 1);
+    distances_px.push_back((place.hnormalized() - point.place).norm());
+  }
+  if (distances_px.empty()) return std::nullopt;
+  const auto middle = distances_px.begin() + static_cast<std::ptrdiff_t>(distances_px.size() / 2);
+  std::ranges::nth_element(distances_px, middle);
+  return *middle;
+}
+
+std::string_view Name(TrackState state) { return state == TrackState::kActive ? "active" : "inactive"; }
+
+std::string_view Name(TrackLoss loss) {
+  switch (loss) {
+    case TrackLoss::kNone:
+      return "none";
+    case TrackLoss::kLostPoints:
+      return "lost-points";
+    case TrackLoss::kLeftFrame:
+      return "left-frame";
+    case TrackLoss::kOccluded:
+      return "occluded";
+    case TrackLoss::kUnconfirmed:
+      return "unconfirmed";
+  }
+  return "";
+}
+
+}  // namespace victorious

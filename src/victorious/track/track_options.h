@@ -1,0 +1,27 @@
+// The parameters of following regions (region_tracker.h).
+#pragma once
+
+#include "victorious/base/options.h"
+
+namespace victorious {
+
+struct TrackOptions {
+  double dilation_factor = 1.5;  ///< the thesis's DILATION_FACTOR
+  int unconfirmed_frames = 30;   ///< the thesis's M
+  int missed_frames = 5;
+  bool predict_motion = true;
+  int window_px = 15;
+  int pyramid_levels = 4;
+  double forward_backward_px = 1.0;
+  double least_likeness = 0.6;
+  int patch_px = 13;
+  double noise_px = 1.0;
+  double shape_fraction = 0.02;
+  int least_points = 4;
+  double least_support = 0.2;
+  double least_in_view = 0.3;
+
+  void ListFields(FieldList& fields);
+};
+
+}  // namespace victorious
