@@ -4,6 +4,7 @@
 
 #include "victorious/base/options.h"
 #include "victorious/features/feature_extractor.h"
+#include "victorious/pipeline/daylight.h"
 #include "victorious/pipeline/object_options.h"
 #include "victorious/pipeline/sight.h"
 #include "victorious/recognize/recognizer.h"
@@ -37,6 +38,7 @@ struct IndexOptions {
   VideoOptions video;
   FeatureOptions features = FaintFeatures();
   RecognizeOptions recognize;
+  DaylightOptions daylight;
   TelemetryOptions telemetry;
   SightOptions sight;
   RunOptions runs;

@@ -12,6 +12,7 @@
 
 #include "victorious/base/progress.h"
 #include "victorious/base/version.h"
+#include "victorious/model/lit_views.h"
 #include "victorious/pipeline/object_list.h"
 #include "victorious/pipeline/search_pass.h"
 #include "victorious/pipeline/video_telemetry.h"
@@ -216,14 +217,29 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
       models.push_back(std::move(plan.model));
       searches.push_back(std::move(plan.search));
     }
-    VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,
-                                Recognizer::Create(std::move(models), options_.features.engine, options_.recognize));
+    std::vector<std::shared_ptr<const LitTemplates>> lit;
+    for (const ObjectModel& model : models) {
+      VICTORIOUS_ASSIGN_OR_RETURN(std::shared_ptr<const LitTemplates> views, MakeLitViews(model));
+      lit.push_back(std::move(views));
+    }
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        const Recognizer recognizer,
+        Recognizer::Create(std::move(models), options_.features.engine, options_.recognize, lit));
+    std::optional<Sun> sun;
+    if (cameras.track) {
+      VICTORIOUS_ASSIGN_OR_RETURN(
+          sun, FindDaylight({*cameras.track, recognizer, *extractor_, options_.daylight}, *reader, cancel));
+      if (!reader->info().live) {
+        VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(video, reading));
+      }
+    }
     const SearchPass pass{.video = record,
                           .searches = searches,
                           .recognizer = recognizer,
                           .extractor = *extractor_,
                           .options = options_,
                           .cameras = cameras.track ? &*cameras.track : nullptr,
+                          .sun = sun,
                           .threads = job.threads};
     VICTORIOUS_RETURN_IF_ERROR(RunSearchPass(pass, *reader, cancel, store, warn, report));
     reader.reset();

@@ -14,6 +14,7 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include "victorious/base/progress.h"
+#include "victorious/pipeline/daylight.h"
 #include "victorious/pipeline/run_linker.h"
 #include "victorious/pipeline/sight.h"
 
@@ -104,13 +105,6 @@ class Source {
   double last_time_s_ = 0;
 };
 
-FrameConditions ConditionsOf(const std::optional<CameraState>& camera, const FeatureSet& features) {
-  if (!camera || !camera->attitude || !camera->hfov_rad) return {};
-  return {.vertical =
-              MakeVertical(*camera->attitude, *camera->hfov_rad, features.image_width, features.image_height),
-          .sun_ahead = {}};
-}
-
 SightingRecord ToSighting(const SearchPass& pass, const Frame& frame, const FeatureSet& features,
                           const std::optional<CameraState>& camera, const Detection& detection) {
   const ObjectModel& model = pass.recognizer.models()[detection.model];
@@ -136,7 +130,7 @@ void Search(const SearchPass& pass, Work& work) {
   if (work.features) {
     const auto camera = pass.cameras ? pass.cameras->At(work.frame.time_s) : std::nullopt;
     for (const Detection& detection :
-         pass.recognizer.Recognize(*work.features, ConditionsOf(camera, *work.features))) {
+         pass.recognizer.Recognize(*work.features, ConditionsOf(camera, *work.features, pass.sun))) {
       work.sightings.push_back(ToSighting(pass, work.frame, *work.features, camera, detection));
     }
   }

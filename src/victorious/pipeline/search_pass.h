@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 #include "victorious/features/feature_extractor.h"
+#include "victorious/geometry/sun.h"
 #include "victorious/pipeline/index_options.h"
 #include "victorious/pipeline/indexer.h"
 #include "victorious/recognize/recognizer.h"
@@ -25,6 +27,7 @@ struct SearchPass {
   const FeatureExtractor& extractor;
   const IndexOptions& options;
   const CameraTrack* cameras = nullptr;  ///< telemetry, if there is any
+  std::optional<Sun> sun;                ///< where it stands, if known (daylight.h)
   int threads = 0;                       ///< 0: as many as the machine has
 };
 

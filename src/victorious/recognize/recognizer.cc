@@ -1,5 +1,6 @@
 #include "victorious/recognize/recognizer.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -111,6 +112,10 @@ std::vector<Detection> Recognizer::Recognize(const FeatureSet& scene, const Fram
   if (!voters_.empty()) SearchByVotes(scene, conditions, candidates);
   const SceneSize size{static_cast<double>(scene.image_width), static_cast<double>(scene.image_height)};
   return Detect(candidates, size, options_.detect);
+}
+
+bool Recognizer::KnowsSuns() const {
+  return std::ranges::any_of(voters_, [](const auto& voter) { return voter.second.KnowsSuns(); });
 }
 
 std::optional<Sun> Recognizer::FindSun(const FeatureSet& scene, const Vertical& vertical) const {

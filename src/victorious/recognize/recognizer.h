@@ -66,6 +66,9 @@ class Recognizer {
   /// @param conditions  as far as known: models of known views are sought upright, and lit as the sun lights them
   [[nodiscard]] std::vector<Detection> Recognize(const FeatureSet& scene, const FrameConditions& conditions = {}) const;
 
+  /// Whether FindSun() can tell anything: a model has views under a sun.
+  [[nodiscard]] bool KnowsSuns() const;
+
   /// Where the sun stands, as FrameConditions::sun_ahead, from how an object in the scene is lit; mostly nothing.
   [[nodiscard]] std::optional<Sun> FindSun(const FeatureSet& scene, const Vertical& vertical) const;
 

@@ -51,6 +51,8 @@ class VoteSearch {
   VoteSearch(const ObjectModel& model, std::shared_ptr<const LitTemplates> lit)
       : model_(&model), lit_(std::move(lit)) {}
 
+  [[nodiscard]] bool KnowsSuns() const { return lit_ != nullptr; }
+
   /// The poses of every view compared; of Candidate, `model` is left to the caller.
   [[nodiscard]] std::vector<Candidate> Search(const VoteScene& scene, const FrameConditions& conditions) const;
 

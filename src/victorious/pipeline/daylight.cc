@@ -1,0 +1,126 @@
+#include "victorious/pipeline/daylight.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+
+void DaylightOptions::ListFields(FieldList& fields) {
+  fields.Add("sun", sun,
+             {.choices = {"auto", "off"},
+              .reason = "auto: CAD models are sought as the sun lights them, too, where telemetry tells the camera's "
+                        "attitude; off: under a soft sky only"});
+  fields.Add("least_frames", least_frames,
+             {.min = 1,
+              .max = 1e6,
+              .unit = "frames",
+              .reason = "asked where the sun stands, if telemetry has no clock; of long videos one in a hundred"});
+  fields.Add("most_frames", most_frames,
+             {.min = 1, .max = 1e6, .unit = "frames", .reason = "asked where the sun stands, at most"});
+}
+
+namespace {
+
+// How near two answers must be to agree: the suns that are tried first stand so far apart.
+constexpr double kAgree_rad = kPi / 6;
+
+Eigen::Vector3d DirectionOf(const Sun& sun) {
+  return {std::cos(sun.elevation_rad) * std::sin(sun.azimuth_rad),
+          std::cos(sun.elevation_rad) * std::cos(sun.azimuth_rad), std::sin(sun.elevation_rad)};
+}
+
+Sun SunIn(const Eigen::Vector3d& direction) {
+  return {.azimuth_rad = std::atan2(direction.x(), direction.y()),
+          .elevation_rad = std::atan2(direction.z(), std::hypot(direction.x(), direction.y()))};
+}
+
+// By the first state that has a clock. So low a sun lights nothing hard.
+std::optional<std::optional<Sun>> SunByClock(const CameraTrack& cameras) {
+  constexpr double kLowest_rad = 0.1;
+  const auto timed =
+      std::ranges::find_if(cameras.states(), [](const CameraState& state) { return state.utc_us.has_value(); });
+  if (timed == cameras.states().end()) return std::nullopt;
+  const Sun sun = SunAt(*timed->utc_us, timed->place);
+  return sun.elevation_rad > kLowest_rad ? std::optional(sun) : std::nullopt;
+}
+
+// The mean of those that agree with another; nothing if none do.
+std::optional<Sun> Agreement(const std::vector<Eigen::Vector3d>& answers) {
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    int count = 0;
+    for (const Eigen::Vector3d& other : answers) {
+      if (answers[i].dot(other) < std::cos(kAgree_rad)) continue;
+      sum += other;
+      ++count;
+    }
+    if (count >= 2) return SunIn(sum);
+  }
+  return std::nullopt;
+}
+
+std::optional<Eigen::Vector3d> AskFrame(const DaylightSurvey& survey, const Frame& frame) {
+  const std::optional<CameraState> camera = survey.cameras.At(frame.time_s);
+  if (!camera || !camera->attitude || !camera->hfov_rad) return std::nullopt;
+  const Expected<FeatureSet> features = survey.extractor.Extract(frame.image);
+  if (!features) return std::nullopt;
+  const FrameConditions conditions = ConditionsOf(camera, *features, {});
+  std::optional<Sun> sun = survey.recognizer.FindSun(*features, *conditions.vertical);
+  if (!sun) return std::nullopt;
+  sun->azimuth_rad += camera->attitude->yaw_rad;
+  return DirectionOf(*sun);
+}
+
+}  // namespace
+
+FrameConditions ConditionsOf(const std::optional<CameraState>& camera, const FeatureSet& features,
+                             const std::optional<Sun>& sun) {
+  if (!camera || !camera->attitude || !camera->hfov_rad) return {};
+  FrameConditions conditions;
+  conditions.vertical = MakeVertical(*camera->attitude, *camera->hfov_rad, features.image_width, features.image_height);
+  if (sun) conditions.sun_ahead = Sun{sun->azimuth_rad - camera->attitude->yaw_rad, sun->elevation_rad};
+  return conditions;
+}
+
+Expected<std::optional<Sun>> FindDaylight(const DaylightSurvey& survey, VideoReader& reader,
+                                          const CancelToken& cancel) {
+  if (survey.options.sun == "off" || !survey.recognizer.KnowsSuns()) return std::nullopt;
+  if (const auto known = SunByClock(survey.cameras)) return *known;
+  if (reader.info().live) return std::nullopt;  // what is asked could not be searched any more
+
+  constexpr std::int64_t kOneIn = 100;
+  const std::int64_t frames = reader.info().frame_count.value_or(0);
+  const std::int64_t wanted = std::clamp<std::int64_t>(
+      frames / kOneIn, survey.options.least_frames, std::max(survey.options.least_frames, survey.options.most_frames));
+  const std::int64_t step = std::max<std::int64_t>(1, frames / wanted);
+  constexpr std::size_t kTogether = 2;  // asked at once, however many threads there are
+  std::vector<Eigen::Vector3d> answers;
+  std::vector<Frame> asked;
+  bool more = true;
+  while (more) {
+    if (cancel.IsCancelled())
+      return Fail(ErrorCode::kCancelled, "stopped while looking for the sun; run again to go on");
+    Expected<std::optional<Frame>> frame = reader.NextFrame();
+    more = frame && *frame;
+    if (more && (*frame)->index % step == step / 2) asked.push_back(*std::move(*frame));
+    if (asked.size() < kTogether && more) continue;
+    std::vector<std::optional<Eigen::Vector3d>> told(asked.size());
+    oneapi::tbb::parallel_for(std::size_t{0}, asked.size(),
+                              [&](std::size_t i) { told[i] = AskFrame(survey, asked[i]); });
+    for (const auto& answer : told) {
+      if (answer) answers.push_back(*answer);
+    }
+    asked.clear();
+    if (const auto sun = Agreement(answers)) return sun;
+  }
+  if (answers.size() == 1) return SunIn(answers.front());
+  return std::nullopt;
+}
+
+}  // namespace victorious
