@@ -1,5 +1,5 @@
 // Model files, from bytes that anybody may have written: as a whole file, and as one section of a file whose checksums
-// are right: description, keypoints, thumbnails. What is accepted is drawn, too.
+// are right: description, keypoints, thumbnails, surfaces. What is accepted is drawn, too.
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -12,6 +12,7 @@
 
 #include "victorious/base/check.h"
 #include "victorious/model/view_sheet.h"
+#include "victorious/model/view_surface.h"
 #include "victorious/store/model_file.h"
 #include "victorious/store/section_file.h"
 #include "victorious/video/image_file.h"
@@ -38,6 +39,11 @@ void ParseAndUse(std::span<const std::byte> bytes) {
   }
   VICTORIOUS_CHECK(sum == sum);
   std::ignore = victorious::DrawViewSheet(*model);
+  for (const victorious::ModelView& view : model->views) {
+    if (const auto surface = victorious::DecodeSurface(view.surface, "fuzz")) {
+      VICTORIOUS_CHECK(surface->grey.size() == surface->seen.depth_m.size());
+    }
+  }
   VICTORIOUS_CHECK(victorious::EncodeModel(*model).has_value());
 }
 
@@ -79,10 +85,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto picture_size = static_cast<std::uint32_t>(size);
   std::memcpy(sized.data(), &picture_size, sizeof(picture_size));
   sized.append(reinterpret_cast<const char*>(data), size);
-  for (const std::span<const std::byte> thumbnails : {input, Bytes(sized)}) {
-    const std::array pictured = {Section{"metadata", Bytes(description)}, Section{"keypoint", keypoints},
-                                 Section{"descript", descriptors}, Section{"thumbs", thumbnails}};
-    ParseAndUse(victorious::EncodeSections(pictured));
+  for (const char* tag : {"thumbs", "surfaces"}) {
+    for (const std::span<const std::byte> pictures : {input, Bytes(sized)}) {
+      const std::array pictured = {Section{"metadata", Bytes(description)}, Section{"keypoint", keypoints},
+                                   Section{"descript", descriptors}, Section{tag, pictures}};
+      ParseAndUse(victorious::EncodeSections(pictured));
+    }
   }
   return 0;
 }
@@ -104,11 +112,17 @@ std::vector<std::string> FuzzSeeds() {
   const auto jpeg = victorious::EncodeJpeg(cv::Mat(9, 12, CV_8UC3, cv::Scalar(200, 90, 30)));
   VICTORIOUS_CHECK(jpeg.has_value());
   model.views[0].thumbnail = *jpeg;
+  const auto surface =
+      victorious::EncodeSurface({cv::Mat(9, 12, CV_8UC1, cv::Scalar(90)),
+                                 {{{100, 100, 6, 4.5, 12, 9}, {}}, cv::Mat(9, 12, CV_32FC1, cv::Scalar(5))}});
+  VICTORIOUS_CHECK(surface.has_value());
+  model.views[0].surface = *surface;
   const std::string file = Encode(model);
   const std::string description = DescriptionOf(file);
   return {file,
           file.substr(0, file.size() / 2),
           std::string(reinterpret_cast<const char*>(jpeg->data()), jpeg->size()),
+          std::string(reinterpret_cast<const char*>(surface->data()), surface->size()),
           std::string("\x04\0\0\0abcd", 8),
           description,
           description.substr(0, description.size() / 2),

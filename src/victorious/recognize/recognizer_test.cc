@@ -9,6 +9,7 @@
 
 #include "victorious/base/random.h"
 #include "victorious/features/feature_extractor.h"
+#include "victorious/geometry/angles.h"
 
 namespace victorious {
 namespace {
@@ -166,6 +167,68 @@ TEST(Recognizer, VotesReachViewsBetweenScouts) {
   const std::vector<Detection> detections = MakeRecognizer({model}).Recognize(FeaturesOf(scene));
   ASSERT_EQ(detections.size(), 1U);
   EXPECT_EQ(detections[0].view, 1U);
+}
+
+// A model seen from twelve azimuths at 40 degrees off nadir. Under a soft sky it is plain; each sun that stands above
+// one of the azimuths paints it.
+constexpr double kOffNadir_rad = 40 * kPi / 180;
+constexpr std::size_t kAround = 12;
+
+ObjectModel PlainFromAround() {
+  ObjectModel model = ModelOf("crate", Texture(120, 90, 99));
+  model.kind = "cad";
+  const ModelView view = model.views[0];
+  model.views.clear();
+  for (std::size_t i = 0; i < kAround; ++i) {
+    model.views.push_back(view);
+    model.views.back().angles = ViewAngles{2 * kPi * static_cast<double>(i) / kAround, kOffNadir_rad};
+    model.views.back().neighbours = {static_cast<std::uint32_t>((i + 1) % kAround)};
+  }
+  return model;
+}
+
+class Painted : public LitTemplates {
+ public:
+  Painted() {
+    for (std::size_t i = 0; i < kAround * kAround; ++i) {
+      auto lit = std::make_shared<LitTemplate>();
+      lit->features = FeaturesOf(PaintOf(i / kAround, i % kAround));
+      lit_.push_back(std::move(lit));
+    }
+  }
+  static cv::Mat PaintOf(std::size_t sun_view, std::size_t view) {
+    return Texture(120, 90, 1000 + kAround * sun_view + view);
+  }
+
+  [[nodiscard]] std::shared_ptr<const LitTemplate> Under(std::size_t sun_view, std::size_t view) const override {
+    return lit_[kAround * sun_view + view];
+  }
+
+ private:
+  std::vector<std::shared_ptr<const LitTemplate>> lit_;
+};
+
+TEST(Recognizer, FindsTheSunByWhatItPaints) {
+  constexpr std::size_t kView = 2;
+  constexpr std::size_t kSunView = 5;
+  cv::Mat scene = Texture(640, 480, 4);
+  Paste(Painted::PaintOf(kSunView, kView), 1.0, 0, {320, 240}, scene);
+  const FeatureSet features = FeaturesOf(scene);
+  const Recognizer recognizer =
+      Recognizer::Create({PlainFromAround()}, "opencv", {}, {std::make_shared<const Painted>()}).value();
+  ASSERT_TRUE(recognizer.KnowsSuns());
+  const Vertical vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 0.3, 640, 480);
+
+  const std::optional<Sun> sun = recognizer.FindSun(features, vertical);
+  ASSERT_TRUE(sun);
+  // Seen from azimuth 60, lit from azimuth 150: the camera looks towards 240, and the sun stands 90 before that.
+  EXPECT_NEAR(WrapAngle(sun->azimuth_rad + kPi / 2), 0, 0.2);
+
+  EXPECT_TRUE(recognizer.Recognize(features, {.vertical = vertical, .sun_ahead = {}}).empty());
+  const std::vector<Detection> found = recognizer.Recognize(features, {.vertical = vertical, .sun_ahead = sun});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].view, kView);
+  EXPECT_FALSE(recognizer.FindSun(FeaturesOf(Texture(640, 480, 5)), vertical));
 }
 
 TEST(Recognizer, VotesFindNothingInOtherScenes) {

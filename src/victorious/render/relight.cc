@@ -20,7 +20,8 @@ double SrgbOf(double linear) {
 const std::array<float, 256>& LinearOfGrey() {
   static const std::array<float, 256> table = [] {
     std::array<float, 256> values{};
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(LinearOf(static_cast<double>(i) / 255));
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] = static_cast<float>(LinearOf(static_cast<double>(i) / 255));
     return values;
   }();
   return table;

@@ -1,0 +1,102 @@
+#include "victorious/model/lit_views.h"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "victorious/model/cad_model.h"
+#include "victorious/model/view_surface.h"
+#include "victorious/render/cad_test_tools.h"
+
+namespace victorious {
+namespace {
+
+// A box with a raised square grid on it, so that light alone gives it features.
+Mesh Waffle() {
+  Mesh mesh = testing::Box({-2, -2, -0.5F}, {2, 2, 0});
+  for (int x = -2; x <= 2; ++x) {
+    for (int y = -2; y <= 2; ++y) {
+      const Eigen::Vector3f at(0.8F * static_cast<float>(x), 0.8F * static_cast<float>(y), 0);
+      const Mesh block = testing::Box(at, at + Eigen::Vector3f(0.3F, 0.3F, 0.3F));
+      const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+      mesh.positions.insert(mesh.positions.end(), block.positions.begin(), block.positions.end());
+      mesh.normals.insert(mesh.normals.end(), block.normals.begin(), block.normals.end());
+      mesh.uvs.insert(mesh.uvs.end(), block.uvs.begin(), block.uvs.end());
+      for (const auto& triangle : block.triangles) {
+        mesh.triangles.push_back({triangle[0] + first, triangle[1] + first, triangle[2] + first});
+      }
+      mesh.parts.back().triangles += static_cast<std::uint32_t>(block.triangles.size());
+    }
+  }
+  return mesh;
+}
+
+const ObjectModel& WaffleModel() {
+  static const ObjectModel model = [] {
+    CadModelOptions options;
+    options.sphere = {.step_deg = 30, .max_off_nadir_deg = 60};
+    auto made = MakeCadModel("waffle", Waffle(), "waffle.glb", options);
+    EXPECT_TRUE(made) << made.error().message;
+    return made.value_or(ObjectModel{});
+  }();
+  return model;
+}
+
+TEST(ViewSurface, ComesBackAsItWas) {
+  const ViewSurface first = DecodeSurface(WaffleModel().views[3].surface, "waffle").value();
+  const auto bytes = EncodeSurface(first).value();
+  const ViewSurface again = DecodeSurface(bytes, "waffle").value();
+  EXPECT_EQ(cv::norm(first.grey, again.grey, cv::NORM_INF), 0);
+  const cv::Mat seen = first.seen.depth_m == first.seen.depth_m;
+  ASSERT_GT(cv::countNonZero(seen), 1000);
+  EXPECT_EQ(cv::countNonZero(seen != (again.seen.depth_m == again.seen.depth_m)), 0);
+  cv::Mat off;
+  cv::absdiff(first.seen.depth_m, again.seen.depth_m, off);
+  off.setTo(0, ~seen);
+  EXPECT_LT(cv::norm(off, cv::NORM_INF), 1e-3);
+  EXPECT_LT((first.seen.camera.camera_from_world.Matrix() - again.seen.camera.camera_from_world.Matrix()).norm(),
+            1e-12);
+}
+
+TEST(ViewSurface, DamageIsOneClearError) {
+  const std::span<const std::byte> sound = WaffleModel().views[3].surface;
+  for (const std::size_t kept : {std::size_t{0}, std::size_t{50}, std::size_t{120}, sound.size() / 2}) {
+    const auto result = DecodeSurface(sound.first(kept), "model waffle");
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, ErrorCode::kDataLoss);
+    EXPECT_NE(result.error().message.find("model waffle"), std::string::npos);
+  }
+  std::vector<std::byte> elsewhere(sound.begin(), sound.end());
+  elsewhere[104] = std::byte{0x7F};  // the picture's left edge, beyond the rendering's width
+  elsewhere[105] = std::byte{0x7F};
+  EXPECT_FALSE(DecodeSurface(elsewhere, "model waffle"));
+}
+
+// Features and places as those under a soft sky have them; others for another sun; the same when asked again.
+TEST(LitViews, ASunBringsItsOwnFeatures) {
+  const auto lit = MakeLitViews(WaffleModel()).value();
+  ASSERT_NE(lit, nullptr);
+  constexpr std::size_t kView = 5;
+  const auto east = lit->Under(7, kView);
+  const auto west = lit->Under(10, kView);
+  ASSERT_GT(east->features.size(), 10U);
+  EXPECT_EQ(east->features.size(), east->points_in_model.size());
+  EXPECT_NE(east->features.descriptors, west->features.descriptors);
+  EXPECT_EQ(lit->Under(7, kView), east);
+  for (const Point3& point : east->points_in_model) {
+    EXPECT_LE(std::abs(point.x), 2.05F);
+    EXPECT_LE(std::abs(point.y), 2.05F);
+    EXPECT_LE(point.z, 0.35F);
+  }
+}
+
+TEST(LitViews, PhotosHaveNone) {
+  ObjectModel model = WaffleModel();
+  model.views[2].surface = {};
+  EXPECT_EQ(MakeLitViews(model).value(), nullptr);
+}
+
+}  // namespace
+}  // namespace victorious
