@@ -213,8 +213,10 @@ class IndexTest(program.ProgramTest):
         done = self.succeeds(*flags, "--every", "7", "--params", params, "--threads", "3")
         self.assertEqual(len(done.messages()), 1, done.err)
         self.assertIn("6 frames searched", done.err)
-        frames = {json.loads(line)["frame"] for line in self.export(db, "sightings").splitlines()}
-        self.assertLessEqual(frames, {0, 7, 14, 21, 28, 35})
+        rows = [json.loads(line) for line in self.export(db, "sightings").splitlines()]
+        self.assertTrue(any(row["frame"] % 7 for row in rows), "between them, objects are followed")
+        right = [overlap(row["box"], self.truth(row["model"]).get(row["frame"], [0, 0, 0, 0])) >= 0.4 for row in rows]
+        self.assertGreaterEqual(sum(right), 0.95 * len(rows))
 
         before = self.export(db, "sightings")
         for flag, words in ((["--params", params], "every was 7, is 1"), (["--every", "7"], "match.ratio was 0.75")):

@@ -4,6 +4,7 @@
 
 #include "victorious/base/options.h"
 #include "victorious/features/feature_extractor.h"
+#include "victorious/pipeline/follower.h"
 #include "victorious/pipeline/object_options.h"
 #include "victorious/pipeline/sight.h"
 #include "victorious/recognize/recognizer.h"
@@ -39,6 +40,7 @@ struct IndexOptions {
   RecognizeOptions recognize;
   TelemetryOptions telemetry;
   SightOptions sight;
+  FollowOptions follow;
   RunOptions runs;
   ObjectOptions objects;
   KeepOptions keep;

@@ -1,5 +1,6 @@
 #include "victorious/recognize/recognizer.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -109,6 +110,32 @@ std::vector<Detection> Recognizer::Recognize(const FeatureSet& scene, const Fram
   std::vector<Candidate> candidates;
   if (!views_.empty()) SearchByGrammar(scene, candidates);
   if (!voters_.empty()) SearchByVotes(scene, conditions, candidates);
+  const SceneSize size{static_cast<double>(scene.image_width), static_cast<double>(scene.image_height)};
+  return Detect(candidates, size, options_.detect);
+}
+
+std::vector<Detection> Recognizer::RecognizeViews(const FeatureSet& scene, std::size_t model,
+                                                  std::span<const std::size_t> views,
+                                                  const FrameConditions& conditions) const {
+  std::vector<Candidate> candidates;
+  const auto voter = std::ranges::find(voters_, model, &std::pair<std::size_t, VoteSearch>::first);
+  if (voter != voters_.end()) {
+    const RankedMatcher ranked(scene.View());
+    candidates = voter->second.SearchViews({scene, ranked, options_.search, options_.pose}, conditions, views);
+    for (Candidate& candidate : candidates) candidate.model = model;
+  } else {
+    for (const std::size_t view : views) {
+      StagedMatches staged = MatchView(scene, model, view);
+      for (Pose& pose : staged.poses) {
+        candidates.push_back({.model = model,
+                              .view = view,
+                              .matches = staged.ratio.size(),
+                              .views = views.size(),
+                              .outline = (*models_)[model].views[view].outline,
+                              .pose = std::move(pose)});
+      }
+    }
+  }
   const SceneSize size{static_cast<double>(scene.image_width), static_cast<double>(scene.image_height)};
   return Detect(candidates, size, options_.detect);
 }
