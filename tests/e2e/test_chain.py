@@ -109,7 +109,7 @@ class FindsTest(program.ProgramTest):
         right = 0
         for row in rows:
             self.assertLessEqual(SIGHTING_KEYS, set(row))
-            self.assertEqual(row["source"], "recognised")
+            self.assertIn(row["source"], ("recognised", "tracked"))
             self.assertAlmostEqual(row["time_s"], row["frame"] / 10, places=3)
             self.assertEqual(set(row["view"]), {"azimuth_deg", "off_nadir_deg", "in_plane_deg"})
             self.assertIsNone(row["view"]["azimuth_deg"])
@@ -229,8 +229,10 @@ class IndexTest(program.ProgramTest):
         done = self.succeeds(*flags, "--every", "7", "--params", params, "--threads", "3")
         self.assertEqual(len(done.messages()), 1, done.err)
         self.assertIn("6 frames searched", done.err)
-        frames = {json.loads(line)["frame"] for line in self.export(db, "sightings").splitlines()}
-        self.assertLessEqual(frames, {0, 7, 14, 21, 28, 35})
+        rows = [json.loads(line) for line in self.export(db, "sightings").splitlines()]
+        self.assertTrue(any(row["frame"] % 7 for row in rows), "between them, objects are followed")
+        sources = {row["source"] for row in rows if row["frame"] % 7 == 0}
+        self.assertIn("recognised", sources)
 
         before = self.export(db, "sightings")
         for flag, words in ((["--params", params], "every was 7, is 1"), (["--every", "7"], "match.ratio was 0.75")):

@@ -71,7 +71,9 @@ Action SetUpIndex(CLI::App& app) {
                  "Where the camera was (unless given: the video's own KLV, .SRT or .telemetry.csv beside it)")
       ->type_name("FILE");
   app.add_option("--params", arguments->params, "Parameters, JSON (`victorious params` lists them)")->type_name("FILE");
-  app.add_option("--every", arguments->every, "Search every N-th frame only")->type_name("N");
+  app.add_option("--every", arguments->every,
+                 "Search every N-th frame as a whole; between them, only where objects are followed")
+      ->type_name("N");
   app.add_flag("--redo", arguments->redo, "Forget what was found of these models in these videos, and search again");
   app.add_option("--threads", arguments->threads, "Threads; 0: as many as the machine has")->check(CLI::Range(0, 1024));
   return [=] { return Run(*arguments); };

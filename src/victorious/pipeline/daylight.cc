@@ -70,7 +70,7 @@ std::optional<Eigen::Vector3d> AskFrame(const DaylightSurvey& survey, const Fram
   if (!camera || !camera->attitude || !camera->hfov_rad) return std::nullopt;
   const Expected<FeatureSet> features = survey.extractor.Extract(frame.image);
   if (!features) return std::nullopt;
-  const FrameConditions conditions = ConditionsOf(camera, *features, {});
+  const FrameConditions conditions = ConditionsOf(camera, frame.image.size(), {});
   std::optional<Sun> sun = survey.recognizer.FindSun(*features, *conditions.vertical);
   if (!sun) return std::nullopt;
   sun->azimuth_rad += camera->attitude->yaw_rad;
@@ -79,11 +79,11 @@ std::optional<Eigen::Vector3d> AskFrame(const DaylightSurvey& survey, const Fram
 
 }  // namespace
 
-FrameConditions ConditionsOf(const std::optional<CameraState>& camera, const FeatureSet& features,
+FrameConditions ConditionsOf(const std::optional<CameraState>& camera, const cv::Size& size_px,
                              const std::optional<Sun>& sun) {
   if (!camera || !camera->attitude || !camera->hfov_rad) return {};
   FrameConditions conditions;
-  conditions.vertical = MakeVertical(*camera->attitude, *camera->hfov_rad, features.image_width, features.image_height);
+  conditions.vertical = MakeVertical(*camera->attitude, *camera->hfov_rad, size_px.width, size_px.height);
   if (sun) conditions.sun_ahead = Sun{sun->azimuth_rad - camera->attitude->yaw_rad, sun->elevation_rad};
   return conditions;
 }

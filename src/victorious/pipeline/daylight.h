@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include <opencv2/core/types.hpp>
+
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
@@ -26,7 +28,7 @@ struct DaylightOptions {
 };
 
 /// What a frame is searched with.
-[[nodiscard]] FrameConditions ConditionsOf(const std::optional<CameraState>& camera, const FeatureSet& features,
+[[nodiscard]] FrameConditions ConditionsOf(const std::optional<CameraState>& camera, const cv::Size& size_px,
                                            const std::optional<Sun>& sun);
 
 /// What a survey works on. The references outlive it.

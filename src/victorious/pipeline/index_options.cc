@@ -43,10 +43,16 @@ void IndexOptions::ListSearchFields(FieldList& fields) {
   fields.AddGroup("daylight", daylight);
   fields.AddGroup("telemetry", telemetry);
   fields.AddGroup("sight", sight);
+  fields.AddGroup("follow", follow);
   fields.AddGroup("runs", runs);
   fields.AddGroup("keep", keep);
-  fields.Add("every", every,
-             {.min = 1, .max = 1e6, .unit = "frames", .reason = "only every so many frames is searched"});
+  fields.Add(
+      "every", every,
+      {.min = 1,
+       .max = 1e6,
+       .unit = "frames",
+       .reason = "frames from one whole-frame search to the next; between them objects are followed, and sought in "
+                 "their regions alone"});
 }
 
 }  // namespace victorious

@@ -5,6 +5,7 @@
 #include "victorious/base/options.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/pipeline/daylight.h"
+#include "victorious/pipeline/follower.h"
 #include "victorious/pipeline/object_options.h"
 #include "victorious/pipeline/sight.h"
 #include "victorious/recognize/recognizer.h"
@@ -41,6 +42,7 @@ struct IndexOptions {
   DaylightOptions daylight;
   TelemetryOptions telemetry;
   SightOptions sight;
+  FollowOptions follow;
   RunOptions runs;
   ObjectOptions objects;
   KeepOptions keep;

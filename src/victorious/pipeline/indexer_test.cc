@@ -245,6 +245,7 @@ TEST(Indexer, SearchesEveryNthFrame) {
   Index(flight.video(), flight.Models(), *all);
   RunSetup run;
   run.options.every = 5;
+  run.options.follow.enabled = false;
   const auto store = flight.Store("fifth.db");
   const IndexReport report = Index(flight.video(), flight.Models(), *store, run);
   EXPECT_EQ(report.frames_searched, 4);  // 0, 5, 10, 15
@@ -290,6 +291,36 @@ TEST(Indexer, CancelledAndGoneOnWithItGivesWhatOneRunGives) {
     frames = 0;
   }
   EXPECT_GE(runs, 3);
+  EXPECT_EQ(Contents(*store), Contents(*whole));
+}
+
+// Between whole-frame searches what is found depends on the frames before: those back to where tracks began anew are
+// followed once more.
+TEST(Indexer, StoppedBetweenWholeFramesItEndsAsOneRunDoes) {
+  const DrawnFlight flight(ShortFlight(40));
+  RunSetup run;
+  run.options.every = 6;
+  run.options.follow.restart_frames = 16;
+  const auto whole = flight.Store("whole.db");
+  Index(flight.video(), flight.Models(), *whole, run);
+  const std::vector<SightingRecord> sightings = SightingsOf(*whole);
+  EXPECT_TRUE(std::ranges::any_of(sightings, [](const SightingRecord& s) { return s.frame % 16 % 6 != 0; }));
+
+  const auto store = flight.Store("cut.db");
+  const Indexer indexer = Indexer::Create(flight.Models(), run.options).value();
+  for (int stops = 0;; ++stops) {
+    ASSERT_LT(stops, 40);
+    CancelToken cancel;
+    HookedStore hooked(*store, [] { return Status(); });
+    std::thread stopper([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(150 + 40 * stops));
+      cancel.Cancel();
+    });
+    const Expected<IndexReport> report = indexer.Index({.video = flight.video(), .threads = 2}, cancel, hooked);
+    stopper.join();
+    if (report) break;
+    ASSERT_EQ(report.error().code, ErrorCode::kCancelled) << report.error().message;
+  }
   EXPECT_EQ(Contents(*store), Contents(*whole));
 }
 

@@ -31,6 +31,11 @@ void ObjectOptions::ListFields(FieldList& fields) {
               .max = 1,
               .unit = "",
               .reason = "the share of lines of sight that must meet at the place; of fewer, the object is rejected"});
+  fields.Add("motion_window_s", motion_window_s,
+             {.min = 0.1,
+              .max = 1e6,
+              .unit = "s",
+              .reason = "what moves is placed by so much of its last time alone: it does not drive straight for ever"});
   fields.Add("scale_allowance", scale_allowance,
              {.min = 1,
               .max = 1e6,

@@ -9,9 +9,10 @@ namespace victorious {
 struct ObjectOptions {
   double identity_gate_sigma = 3.5;
   double identity_slack_m = 0.5;
-  double identity_farthest_m = 8;
+  double identity_farthest_m = 9.5;
   double flight_share = 0.3;
   double least_agreeing = 0.5;
+  double motion_window_s = 5;
   double scale_allowance = 1.6;
   double floating_m = 15;
   double least_apart_m = 1.5;

@@ -52,6 +52,19 @@ std::vector<LineOfSight> LinesOf(std::span<const Sight> sights) {
   return lines;
 }
 
+bool IsMoving(const Place& place) { return place.velocity_enu && place.velocity_enu->norm() > 0; }
+
+// Of what moves: by its last lines alone, where these tell it.
+Place LastPlace(std::span<const LineOfSight> lines, const Place& by_all, LocateOptions locate,
+                const ObjectOptions& options) {
+  std::vector<LineOfSight> last(lines.begin(), lines.end());
+  std::erase_if(last, [&](const LineOfSight& line) { return line.time_s < by_all.time_s - options.motion_window_s; });
+  if (last.size() == lines.size()) return by_all;
+  locate.motion = "velocity";
+  const Expected<GeoFix> fix = Locate(last, locate);
+  return fix && fix->place ? *fix->place : by_all;
+}
+
 // Where the lines meet if their ranges are left out, the ranges tell how large the object would be.
 std::optional<double> TooLarge(std::vector<LineOfSight> lines, const LocateOptions& locate, double least_agreeing) {
   std::vector<double> ranges_m;
@@ -108,6 +121,7 @@ ObjectPlace PlaceOf(std::span<const Sight> sights, const ObjectOptions& options,
   const Expected<GeoFix> fix = Locate(lines, locate);
   if (!fix) return result;  // options were checked before
   result.place = fix->place;
+  if (fix->place && IsMoving(*fix->place)) result.place = LastPlace(lines, *fix->place, locate, options);
   result.agreeing = static_cast<double>(std::ranges::count(fix->inliers, true)) / static_cast<double>(lines.size());
   result.too_large = TooLarge(lines, locate, options.least_agreeing);
   std::vector<double> headings;

@@ -15,17 +15,22 @@
 
 #include "victorious/base/progress.h"
 #include "victorious/pipeline/daylight.h"
+#include "victorious/pipeline/follower.h"
 #include "victorious/pipeline/run_linker.h"
 #include "victorious/pipeline/sight.h"
 
 namespace victorious {
 namespace {
 
-// A frame on its way: read, searched, collected.
+// A frame on its way: read, searched, followed, collected.
 struct Work {
   Frame frame;
-  bool keep = false;  // its features are kept
+  bool whole = true;   // is searched as a whole
+  bool keep = false;   // its features are kept
+  bool again = false;  // what it gives is stored already: only followed, for the frames after it
+  std::optional<CameraState> camera;
   Expected<FeatureSet> features = FeatureSet{};
+  std::vector<Detection> detections;
   std::vector<SightingRecord> sightings;
 };
 using WorkPtr = std::shared_ptr<Work>;
@@ -54,10 +59,13 @@ class Source {
         cancel_(cancel),
         progress_(progress),
         clock_(pass.options.keep.interval_s),
-        every_(pass.options.every),
-        first_frame_(pass.searches.front().next_frame) {}
+        pass_(pass),
+        next_frame_(pass.searches.front().next_frame) {
+    first_frame_ = next_frame_;
+    if (pass.options.follow.enabled) first_frame_ -= next_frame_ % pass.options.follow.restart_frames;
+  }
 
-  // The next frame to search, or nothing at the end, when cancelled, or on an error.
+  // The next frame to search or follow, or nothing at the end, when cancelled, or on an error.
   WorkPtr Next() {
     while (status_ && !cancel_.IsCancelled()) {
       Expected<std::optional<Frame>> frame = reader_.NextFrame();
@@ -72,16 +80,18 @@ class Source {
       ++frames_read_;
       last_time_s_ = (*frame)->time_s;
       const std::int64_t index = (*frame)->index;
-      const bool is_searched = index % every_ == 0;
-      const bool keep = is_searched && clock_.Keeps((*frame)->time_s);
+      const bool whole = IsWhole(index);
+      const bool keep = whole && clock_.Keeps((*frame)->time_s);
       if (index < first_frame_) {
         progress_.Update(index + 1);  // before any frame is on its way: nobody else reports yet
         continue;
       }
-      if (!is_searched) continue;
+      if (!whole && !pass_.options.follow.enabled) continue;
       auto work = std::make_shared<Work>();
       work->frame = *std::move(*frame);
+      work->whole = whole;
       work->keep = keep;
+      work->again = index < next_frame_;
       return work;
     }
     return nullptr;
@@ -93,11 +103,18 @@ class Source {
   [[nodiscard]] double last_time_s() const { return last_time_s_; }
 
  private:
+  // Tracks begin with whole-frame searches.
+  [[nodiscard]] bool IsWhole(std::int64_t index) const {
+    const FollowOptions& follow = pass_.options.follow;
+    return index % pass_.options.every == 0 || (follow.enabled && index % follow.restart_frames == 0);
+  }
+
   VideoReader& reader_;
   const CancelToken& cancel_;
   Progress& progress_;
   KeepClock clock_;
-  std::int64_t every_;
+  const SearchPass& pass_;
+  std::int64_t next_frame_;
   std::int64_t first_frame_;
   Status status_;
   bool at_end_ = false;
@@ -106,7 +123,8 @@ class Source {
 };
 
 SightingRecord ToSighting(const SearchPass& pass, const Frame& frame, const FeatureSet& features,
-                          const std::optional<CameraState>& camera, const Detection& detection) {
+                          const std::optional<CameraState>& camera, const Seen& seen) {
+  const Detection& detection = seen.detection;
   const ObjectModel& model = pass.recognizer.models()[detection.model];
   SightingRecord sighting{.video = pass.video.id,
                           .model = pass.searches[detection.model].model,
@@ -115,24 +133,43 @@ SightingRecord ToSighting(const SearchPass& pass, const Frame& frame, const Feat
                           .box = detection.box,
                           .outline = detection.outline,
                           .score = detection.score,
-                          .source = "recognised",
+                          .source = seen.tracked ? "tracked" : "recognised",
                           .matches = static_cast<int>(detection.pose.inliers.size()),
                           .view_index = static_cast<int>(detection.view),
                           .view = model.views[detection.view].angles,
                           .in_plane_rad = detection.pose.scene_from_template.rotation_rad};
-  if (camera) sighting.sight = SightOf(detection, model, features, *camera, pass.options.sight);
+  if (camera && !seen.tracked) sighting.sight = SightOf(detection, model, features, *camera, pass.options.sight);
   return sighting;
 }
 
-// Features and recognition. Parallel.
+// Features and recognition of whole frames. Parallel.
 void Search(const SearchPass& pass, Work& work) {
+  if (pass.cameras != nullptr) work.camera = pass.cameras->At(work.frame.time_s);
+  if (!work.whole) return;
   work.features = pass.extractor.Extract(work.frame.image);
   if (work.features) {
-    const auto camera = pass.cameras ? pass.cameras->At(work.frame.time_s) : std::nullopt;
-    for (const Detection& detection :
-         pass.recognizer.Recognize(*work.features, ConditionsOf(camera, *work.features, pass.sun))) {
-      work.sightings.push_back(ToSighting(pass, work.frame, *work.features, camera, detection));
+    work.detections =
+        pass.recognizer.Recognize(*work.features, ConditionsOf(work.camera, work.frame.image.size(), pass.sun));
+  }
+}
+
+// From what was found to sightings, through the follower where there is one. Serial, in the order of frames.
+void Follow(const SearchPass& pass, std::optional<Follower>& follower, Work& work) {
+  if (!work.features) return;
+  if (!follower) {
+    for (const Detection& detection : work.detections) {
+      work.sightings.push_back(ToSighting(pass, work.frame, *work.features, work.camera, {.detection = detection}));
     }
+  } else {
+    std::optional<WholeFrame> whole;
+    if (work.whole) whole.emplace(*work.features, work.detections);
+    Expected<std::vector<Seen>> all =
+        follower->Follow(work.frame, whole, ConditionsOf(work.camera, work.frame.image.size(), pass.sun));
+    if (!all) {
+      work.features = std::unexpected(std::move(all).error());
+      return;
+    }
+    for (const Seen& one : *all) work.sightings.push_back(ToSighting(pass, work.frame, one.features, work.camera, one));
   }
   work.frame.image.release();
 }
@@ -175,7 +212,8 @@ class Sink {
 
   Status Add(Work& work) {
     if (!work.features) return std::unexpected(std::move(work.features).error());
-    report_.frames_searched += 1;
+    if (work.again) return {};
+    report_.frames_searched += work.whole ? 1 : 0;
     report_.sightings += static_cast<std::int64_t>(work.sightings.size());
     linker_.Link(std::move(work.sightings), batch_);
     if (work.keep) {
@@ -230,6 +268,13 @@ Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelTo
   Source source(pass, reader, cancel, progress);
   Sink sink(pass, reader.info().frame_rate, store, report);
   VICTORIOUS_RETURN_IF_ERROR(sink.Resume());
+  std::optional<Follower> follower;
+  if (pass.options.follow.enabled) {
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        Follower made,
+        Follower::Create(pass.recognizer, pass.extractor, pass.options.features.impulse_share, pass.options.follow));
+    follower.emplace(std::move(made));
+  }
 
   const int threads =
       pass.threads > 0 ? pass.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
@@ -248,11 +293,15 @@ Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelTo
       Search(pass, *work);
       return work;
     });
+    const auto follow = tbb::make_filter<WorkPtr, WorkPtr>(tbb::filter_mode::serial_in_order, [&](WorkPtr work) {
+      Follow(pass, follower, *work);
+      return work;
+    });
     const auto collect = tbb::make_filter<WorkPtr, void>(tbb::filter_mode::serial_in_order, [&](const WorkPtr& work) {
       if (status) status = sink.Add(*work);
       progress.Update(work->frame.index + 1);
     });
-    tbb::parallel_pipeline(static_cast<std::size_t>(threads) * 2, read & search & collect);
+    tbb::parallel_pipeline(static_cast<std::size_t>(threads) * 2, read & search & follow & collect);
   });
   if (warn) std::ranges::for_each(reader.warnings(), warn);
   VICTORIOUS_RETURN_IF_ERROR(status);

@@ -114,6 +114,32 @@ std::vector<Detection> Recognizer::Recognize(const FeatureSet& scene, const Fram
   return Detect(candidates, size, options_.detect);
 }
 
+std::vector<Detection> Recognizer::RecognizeViews(const FeatureSet& scene, std::size_t model,
+                                                  std::span<const std::size_t> views,
+                                                  const FrameConditions& conditions) const {
+  std::vector<Candidate> candidates;
+  const auto voter = std::ranges::find(voters_, model, &std::pair<std::size_t, VoteSearch>::first);
+  if (voter != voters_.end()) {
+    const RankedMatcher ranked(scene.View());
+    candidates = voter->second.SearchViews({scene, ranked, options_.search, options_.pose}, conditions, views);
+    for (Candidate& candidate : candidates) candidate.model = model;
+  } else {
+    for (const std::size_t view : views) {
+      StagedMatches staged = MatchView(scene, model, view);
+      for (Pose& pose : staged.poses) {
+        candidates.push_back({.model = model,
+                              .view = view,
+                              .matches = staged.ratio.size(),
+                              .views = views.size(),
+                              .outline = (*models_)[model].views[view].outline,
+                              .pose = std::move(pose)});
+      }
+    }
+  }
+  const SceneSize size{static_cast<double>(scene.image_width), static_cast<double>(scene.image_height)};
+  return Detect(candidates, size, options_.detect);
+}
+
 bool Recognizer::KnowsSuns() const {
   return std::ranges::any_of(voters_, [](const auto& voter) { return voter.second.KnowsSuns(); });
 }

@@ -66,6 +66,12 @@ class Recognizer {
   /// @param conditions  as far as known: models of known views are sought upright, and lit as the sun lights them
   [[nodiscard]] std::vector<Detection> Recognize(const FeatureSet& scene, const FrameConditions& conditions = {}) const;
 
+  /// Of one model, those that some of its views show: where it is known already what is seen, and about how.
+  /// @param scene  of the part of a frame where it should be, in the frame's pixels
+  [[nodiscard]] std::vector<Detection> RecognizeViews(const FeatureSet& scene, std::size_t model,
+                                                      std::span<const std::size_t> views,
+                                                      const FrameConditions& conditions) const;
+
   /// Whether FindSun() can tell anything: a model has views under a sun.
   [[nodiscard]] bool KnowsSuns() const;
 

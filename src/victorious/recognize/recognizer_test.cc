@@ -122,6 +122,25 @@ TEST(Recognizer, VotesFindEachInstanceToo) {
   }
 }
 
+TEST(Recognizer, ViewsThatAreNamedFindWhatTheyShow) {
+  const cv::Mat crate = Texture(120, 90, 1);
+  cv::Mat scene = Texture(640, 480, 4);
+  const Eigen::Vector2d centre = Paste(crate, 1.0, 0.5, {150, 120}, scene).Apply({60, 45});
+  const FeatureSet features = FeaturesOf(scene);
+  const std::vector<std::size_t> views = {0};
+  for (const RecognizeOptions& options : {ByVotes(), RecognizeOptions()}) {
+    const Recognizer recognizer =
+        Recognizer::Create({ModelOf("absent", Texture(110, 100, 3)), ModelOf("crate", crate)}, "opencv", options)
+            .value();
+    const std::vector<Detection> found = recognizer.RecognizeViews(features, 1, views, {});
+    ASSERT_EQ(found.size(), 1U) << options.method;
+    EXPECT_EQ(found[0].model, 1U);
+    EXPECT_LT((found[0].pose.scene_from_template.Apply({60, 45}) - centre).norm(), 3);
+    EXPECT_TRUE(recognizer.RecognizeViews(features, 0, views, {}).empty());
+    EXPECT_TRUE(recognizer.RecognizeViews(features, 1, {}, {}).empty());
+  }
+}
+
 // Without features, a view scouts for none of its neighbours.
 TEST(Recognizer, AViewWithoutFeaturesHidesNoNeighbour) {
   const cv::Mat crate = Texture(120, 90, 1);

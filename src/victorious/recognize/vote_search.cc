@@ -104,6 +104,13 @@ double SunAhead(double view_azimuth_rad, double sun_in_model_rad) {
   return WrapAngle(sun_in_model_rad - view_azimuth_rad - kPi);
 }
 
+// A view under the sun that stands where `sun` does ahead of it.
+Look LitLook(const ObjectModel& model, std::size_t view, const Sun& sun, double sun_step_rad) {
+  const double azimuth_rad = SunInModel(model.views[view].angles->azimuth_rad, sun.azimuth_rad);
+  const double shared_rad = sun_step_rad * std::round(azimuth_rad / sun_step_rad);
+  return {view, ViewFromSun(model, shared_rad, sun.elevation_rad)};
+}
+
 // One model against one scene.
 class Comparison {
  public:
@@ -171,10 +178,7 @@ std::vector<Candidate> VoteSearch::Search(const VoteScene& scene, const FrameCon
   const auto compare = [&](std::size_t view, bool lit) {
     if (!waiting[lit][view]) return -std::numeric_limits<double>::infinity();
     waiting[lit][view] = false;
-    if (!lit) return comparison.Try({view, {}});
-    const double azimuth_rad = SunInModel(model_->views[view].angles->azimuth_rad, conditions.sun_ahead->azimuth_rad);
-    const double shared_rad = options.sun_step_rad * std::round(azimuth_rad / options.sun_step_rad);
-    return comparison.Try({view, ViewFromSun(*model_, shared_rad, conditions.sun_ahead->elevation_rad)});
+    return comparison.Try(lit ? LitLook(*model_, view, *conditions.sun_ahead, options.sun_step_rad) : Look{view, {}});
   };
   std::vector<Lead> leads;
   for (const bool lit : {false, true}) {
@@ -191,6 +195,19 @@ std::vector<Candidate> VoteSearch::Search(const VoteScene& scene, const FrameCon
   for (const Lead& lead : leads) {
     if (!std::isfinite(lead.evidence)) break;
     for (const std::uint32_t neighbour : model_->views[lead.view].neighbours) compare(neighbour, lead.lit);
+  }
+  return comparison.TakeCandidates();
+}
+
+std::vector<Candidate> VoteSearch::SearchViews(const VoteScene& scene, const FrameConditions& conditions,
+                                               std::span<const std::size_t> views) const {
+  const bool sunny = lit_ && conditions.vertical && conditions.sun_ahead;
+  Comparison comparison(*model_, lit_.get(), scene, conditions.vertical, views.size() * (sunny ? 2 : 1));
+  for (const std::size_t view : views) {
+    if (model_->views[view].feature_count == 0) continue;
+    comparison.Try({view, {}});
+    if (!sunny || !TellsHeading(model_->views[view])) continue;
+    comparison.Try(LitLook(*model_, view, *conditions.sun_ahead, scene.options.sun_step_rad));
   }
   return comparison.TakeCandidates();
 }

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "victorious/base/options.h"
@@ -55,6 +56,10 @@ class VoteSearch {
 
   /// The poses of every view compared; of Candidate, `model` is left to the caller.
   [[nodiscard]] std::vector<Candidate> Search(const VoteScene& scene, const FrameConditions& conditions) const;
+
+  /// The same of these views alone: where it is known already how the object is seen.
+  [[nodiscard]] std::vector<Candidate> SearchViews(const VoteScene& scene, const FrameConditions& conditions,
+                                                   std::span<const std::size_t> views) const;
 
   /// Where the sun stands, from how an instance of the model is lit, as FrameConditions::sun_ahead; nothing where none
   /// is seen better under some sun than under a soft sky, with options.sun_evidence at least.

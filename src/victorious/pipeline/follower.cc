@@ -1,0 +1,180 @@
+#include "victorious/pipeline/follower.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <oneapi/tbb/parallel_for_each.h>
+
+#include "victorious/features/impulse_noise.h"
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+
+void FollowOptions::ListFields(FieldList& fields) {
+  fields.Add("enabled", enabled,
+             {.reason = "objects that were found are followed and sought in their regions; else only whole frames are "
+                        "searched, each for itself"});
+  fields.Add(
+      "least_overlap", least_overlap,
+      {.min = 0, .max = 1, .reason = "intersection over union at which what is recognised is what was followed there"});
+  fields.Add("restart_frames", restart_frames,
+             {.min = 1,
+              .max = 1e6,
+              .unit = "frames",
+              .reason = "all tracks begin anew so often: so many frames at most are followed again when an index goes "
+                        "on after a stop"});
+  fields.Add("least_recognised", least_recognised,
+             {.min = 1,
+              .max = 1000,
+              .unit = "frames",
+              .reason = "frames in which a track was recognised before it counts where it is only followed: what was "
+                        "recognised by mistake seldom is twice"});
+  fields.AddGroup("track", track);
+}
+
+namespace {
+
+Box BoxOf(const TrackStep& step) { return step.seen() ? step.box : BoundingBox(step.outline); }
+
+Frame CleanGrey(const Frame& frame, double impulse_share) {
+  Frame clean = frame;
+  if (impulse_share < 1) clean.image = WithoutImpulses(frame.image, impulse_share);
+  return clean;
+}
+
+// The step that the detection is of, most probably.
+std::vector<TrackStep>::iterator StepOf(const Box& box, std::vector<TrackStep>& steps, double least_overlap) {
+  const auto overlap = [&](const TrackStep& step) { return IntersectionOverUnion(box, BoxOf(step)); };
+  const auto best = std::ranges::max_element(steps, {}, overlap);
+  return best != steps.end() && overlap(*best) >= least_overlap ? best : steps.end();
+}
+
+}  // namespace
+
+Expected<Follower> Follower::Create(const Recognizer& recognizer, const FeatureExtractor& extractor,
+                                    double impulse_share, const FollowOptions& options) {
+  VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
+  VICTORIOUS_ASSIGN_OR_RETURN(RegionTracker tracker, RegionTracker::Create(options.track));
+  return Follower(recognizer, extractor, impulse_share, options, std::move(tracker));
+}
+
+std::vector<TrackStep> Follower::Step(const Frame& frame) {
+  if (frame.index % options_.restart_frames == 0) {
+    for (const auto& [id, followed] : tracks_) tracker_.Stop(id);
+    tracks_.clear();
+  }
+  std::vector<TrackStep> active;
+  for (TrackStep& step : tracker_.Step(frame)) {
+    if (step.state == TrackState::kActive) {
+      active.push_back(std::move(step));
+    } else {
+      tracks_.erase(step.track);
+    }
+  }
+  return active;
+}
+
+void Follower::Confirm(std::uint64_t track, const Detection& detection, const FeatureSet& features) {
+  tracker_.Confirm(track, detection.outline, PointsOf(detection, features));
+  Followed& followed = tracks_.at(track);
+  followed.last = detection;
+  followed.recognised += 1;
+}
+
+// A detection of a whole-frame search: of one of the steps that are open yet, or a new track.
+void Follower::Take(const Detection& detection, const FeatureSet& features, std::vector<TrackStep>& open) {
+  std::vector<TrackStep> alike;
+  std::ranges::copy_if(open, std::back_inserter(alike),
+                       [&](const TrackStep& step) { return tracks_.at(step.track).last.model == detection.model; });
+  if (const auto step = StepOf(detection.box, alike, options_.least_overlap); step != alike.end()) {
+    Confirm(step->track, detection, features);
+    std::erase_if(open, [&](const TrackStep& other) { return other.track == step->track; });
+    return;
+  }
+  const TrackStep step = tracker_.Start(detection.outline, PointsOf(detection, features));
+  if (step.state == TrackState::kActive) tracks_[step.track] = {detection, 1};
+}
+
+// Features of the region alone, in the frame's pixels; then the views that the object may show by now.
+void Follower::Search(const Frame& frame, const FrameConditions& conditions, Region& region) const {
+  const Box& box = region.step.search_box;
+  const cv::Rect whole(0, 0, frame.image.cols, frame.image.rows);
+  const cv::Rect cut =
+      whole & cv::Rect(static_cast<int>(box.x), static_cast<int>(box.y), static_cast<int>(std::ceil(box.width)) + 1,
+                       static_cast<int>(std::ceil(box.height)) + 1);
+  if (cut.empty()) return;
+  region.features = extractor_.Extract(frame.image(cut));
+  if (!region.features) return;
+  FeatureSet& features = *region.features;
+  for (Keypoint& keypoint : features.keypoints) {
+    keypoint.x += static_cast<float>(cut.x);
+    keypoint.y += static_cast<float>(cut.y);
+  }
+  features.image_width = whole.width;
+  features.image_height = whole.height;
+
+  const Detection& last = tracks_.at(region.step.track).last;
+  const ModelView& view = recognizer_.models()[last.model].views[last.view];
+  std::vector<std::size_t> views(view.neighbours.begin(), view.neighbours.end());
+  views.push_back(last.view);
+  for (Detection& detection : recognizer_.RecognizeViews(features, last.model, views, conditions)) {
+    if (IntersectionOverUnion(detection.box, BoxOf(region.step)) < options_.least_overlap) continue;
+    region.found = std::move(detection);
+    return;
+  }
+}
+
+Seen Follower::Tracked(const TrackStep& step) const {
+  Seen seen{.detection = tracks_.at(step.track).last, .tracked = true};
+  Detection& detection = seen.detection;
+  detection.outline = step.outline;
+  detection.box = step.box;
+  detection.score *= step.support;
+  detection.pose.scene_from_template.rotation_rad =
+      WrapAngle(detection.pose.scene_from_template.rotation_rad + step.now_from_template.rotation_rad);
+  detection.pose.inliers.resize(std::min(detection.pose.inliers.size(), step.points.size()));
+  return seen;
+}
+
+Expected<std::vector<Seen>> Follower::Follow(const Frame& frame, const std::optional<WholeFrame>& whole,
+                                             const FrameConditions& conditions) {
+  std::vector<TrackStep> open = Step(CleanGrey(frame, impulse_share_));
+  std::vector<Seen> seen;
+  if (whole) {
+    for (const Detection& detection : whole->detections) {
+      Take(detection, whole->features, open);
+      seen.push_back({.detection = detection, .features = whole->features});
+    }
+  }
+  std::vector<Region> regions;
+  for (TrackStep& step : open) regions.push_back({.step = std::move(step)});
+  oneapi::tbb::parallel_for_each(regions, [&](Region& region) { Search(frame, conditions, region); });
+  for (Region& region : regions) {
+    if (!region.features) return std::unexpected(std::move(region.features).error());
+    const std::uint64_t track = region.step.track;
+    Seen next{};
+    if (region.found) {
+      next = {.detection = *std::move(region.found), .features = *std::move(region.features)};
+    } else if (region.step.seen() && tracks_.at(track).recognised >= options_.least_recognised) {
+      next = Tracked(region.step);
+    } else {
+      continue;
+    }
+    // Two tracks that lead to one object are one.
+    const bool is_double = std::ranges::any_of(seen, [&](const Seen& other) {
+      return other.detection.model == next.detection.model &&
+             IntersectionOverUnion(other.detection.box, next.detection.box) >= options_.least_overlap;
+    });
+    if (is_double) {
+      tracker_.Stop(track);
+      tracks_.erase(track);
+      continue;
+    }
+    if (!next.tracked) Confirm(track, next.detection, next.features);
+    seen.push_back(std::move(next));
+  }
+  return seen;
+}
+
+}  // namespace victorious

@@ -1,0 +1,102 @@
+#include "victorious/pipeline/follower.h"
+
+#include <gtest/gtest.h>
+
+#include "victorious/pipeline/drawn_flight_test.h"
+
+namespace victorious {
+namespace {
+
+// One flight and what follows it; the whole-frame search runs on every so many frames.
+class FollowerTest : public ::testing::Test {
+ protected:
+  static constexpr int kFrames = 24;
+
+  struct Frames {
+    std::vector<std::vector<Seen>> seen;  // by frame
+    int truths = 0;                       // clear views of things, in all frames
+    int found = 0;                        // of these
+  };
+
+  Frames FollowAll(int every, const FollowOptions& options) {
+    Frames result;
+    Follower follower = Follower::Create(recognizer_, *extractor_, 0.01, options).value();
+    for (int i = 0; i < kFrames; ++i) {
+      cv::Mat grey;
+      cv::cvtColor(flight_.flight().Render(i).image, grey, cv::COLOR_BGR2GRAY);
+      const Frame frame{.index = i, .time_s = 0.1 * i, .image = grey};
+      const FeatureSet features = extractor_->Extract(grey).value();
+      const std::vector<Detection> detections = recognizer_.Recognize(features);
+      std::optional<WholeFrame> whole;
+      if (i % every == 0) whole.emplace(features, detections);
+      result.seen.push_back(follower.Follow(frame, whole, {}).value());
+      for (const testing::TruthRow& row : flight_.flight().Truth(i)) {
+        if (row.visible < 0.8) continue;
+        ++result.truths;
+        result.found += std::ranges::any_of(result.seen.back(), [&](const Seen& seen) {
+          return IntersectionOverUnion(seen.detection.box, row.box) > 0.5;
+        });
+      }
+    }
+    return result;
+  }
+
+  DrawnFlight flight_{ShortFlight(kFrames)};
+  std::unique_ptr<const FeatureExtractor> extractor_ = MakeFeatureExtractor(FaintFeatures()).value();
+  Recognizer recognizer_ = Recognizer::Create(flight_.Models(), "opencv", {}).value();
+};
+
+TEST_F(FollowerTest, BetweenWholeFramesObjectsAreSeenInTheirRegions) {
+  const Frames frames = FollowAll(6, {});
+  ASSERT_GT(frames.truths, 10);
+  EXPECT_GE(frames.found, 0.8 * frames.truths);
+  int recognised_between = 0;
+  for (int i = 0; i < kFrames; ++i) {
+    for (const Seen& seen : frames.seen[i]) recognised_between += i % 6 != 0 && !seen.tracked ? 1 : 0;
+  }
+  EXPECT_GT(recognised_between, 5) << "the recogniser confirms what is followed";
+}
+
+TEST_F(FollowerTest, AnObjectIsSeenOnceInAFrame) {
+  for (const std::vector<Seen>& seen : FollowAll(3, {}).seen) {
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      for (std::size_t k = 0; k < i; ++k) {
+        if (seen[i].detection.model != seen[k].detection.model) continue;
+        EXPECT_LT(IntersectionOverUnion(seen[i].detection.box, seen[k].detection.box), 0.3);
+      }
+    }
+  }
+}
+
+TEST_F(FollowerTest, ATrackThatWasRecognisedTooSeldomDoesNotCountAlone) {
+  FollowOptions strict;
+  strict.least_recognised = 1000;
+  for (const std::vector<Seen>& seen : FollowAll(4, strict).seen) {
+    for (const Seen& one : seen) EXPECT_FALSE(one.tracked);
+  }
+}
+
+// From a frame where tracks begin anew on, what was before does not matter.
+TEST_F(FollowerTest, ARestartForgetsWhatWasBefore) {
+  FollowOptions options;
+  options.restart_frames = 12;
+  const Frames all = FollowAll(6, options);
+  Follower late = Follower::Create(recognizer_, *extractor_, 0.01, options).value();
+  for (int i = 12; i < kFrames; ++i) {
+    cv::Mat grey;
+    cv::cvtColor(flight_.flight().Render(i).image, grey, cv::COLOR_BGR2GRAY);
+    const FeatureSet features = extractor_->Extract(grey).value();
+    const std::vector<Detection> detections = recognizer_.Recognize(features);
+    std::optional<WholeFrame> whole;
+    if (i % 6 == 0) whole.emplace(features, detections);
+    const auto seen = late.Follow({.index = i, .time_s = 0.1 * i, .image = grey}, whole, {}).value();
+    ASSERT_EQ(seen.size(), all.seen[i].size()) << "frame " << i;
+    for (std::size_t k = 0; k < seen.size(); ++k) {
+      EXPECT_EQ(seen[k].detection.box, all.seen[i][k].detection.box);
+      EXPECT_EQ(seen[k].tracked, all.seen[i][k].tracked);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace victorious
