@@ -12,7 +12,7 @@ struct BoxTrackOptions {
   double scale_rate = 0.025;
   double sure_trust = 0.85;
   double learn_trust = 0.6;
-  double lost_trust = 0.4;
+  double lost_trust = 0.35;
   double return_trust = 0.55;
   double least_in_view = 0.3;
 
