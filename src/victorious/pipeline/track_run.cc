@@ -274,7 +274,7 @@ void TrackRunOptions::ListFields(FieldList& fields) {
               .reason = "a lost object of enough keypoints is sought by them in every so many-th frame: as costly as "
                         "some ten frames of following"});
   fields.Add("memory_mb", memory_mb,
-             {.min = 16,
+             {.min = 1,
               .max = 1'000'000,
               .unit = "MiB",
               .reason = "of frames held at once on the way backward: less reads the video more often"});
