@@ -42,7 +42,7 @@ for name in $names; do
 done
 
 say "Searching the flight for" $names "at once:"
-"$program" index "$flight/video.mp4" --models "$models" --db "$db"
+"$program" index "$flight/video.mp4" --telemetry "$flight/telemetry.csv" --models "$models" --db "$db"
 
 say "Found, best first:"
 "$program" search --db "$db"
@@ -51,10 +51,13 @@ say "Compared with the simulator's truth (1 is best; a sighting is one object in
 "$program" evaluate --db "$db" --truth "$flight/truth.jsonl" | grep -Ev ' -$|^located +0$'
 
 "$program" sheet --db "$db" --out "$dir/finds.jpg"
+"$program" export --db "$db" --format kml --out "$dir/finds.kml"
+"$program" export --db "$db" --format geojson --out "$dir/finds.geojson"
 
 say "Look at it:"
 printf '  %-24s %s\n' \
   "$dir/finds.jpg" "the finds, outlined" \
+  "$dir/finds.kml" "the finds in Google Earth (finds.geojson: for other maps)" \
   "$flight/video.mp4" "the flight" \
   "$dir/views" "what was searched for, from every side" \
   "$flight/truth.jsonl" "what stood where, frame by frame" \

@@ -94,9 +94,17 @@ class ArgumentsTest(program.ProgramTest):
         self.refuses_unchanged(
             ("--from 3", "--to 2"), "sheet", "--db", INDEX, "--out", self.scratch / "x.png", "--from", "3", "--to", "2"
         )
-        for words, at in (("--at", "-1"), ("--at", "nan"), ("before what was asked for", "99")):
+        for words, at in (("--at", "-1"), ("--at", "nan"), ("--at", "1:75"), ("before what was asked for", "1:39")):
             self.refuses_unchanged(words, "frame", VIDEO, "--at", at, "--out", self.scratch / "x.png")
         self.refuses_unchanged("--number", "frame", VIDEO, "--number", "-1", "--out", self.scratch / "x.png")
+
+    def test_times_as_clocks_show_them(self):
+        for at in ("1", "0:01", "0:00:01.0"):
+            self.succeeds("frame", VIDEO, "--at", at, "--out", self.scratch / "frame.png")
+            self.assertEqual(len(set(self.files().values())), 1, at)
+            self.write("first.png", self.files()["frame.png"])
+        listed = self.succeeds("search", "--db", INDEX, "--from", "1", "--to", "90").out
+        self.assertEqual(self.succeeds("search", "--db", INDEX, "--from", "0:01", "--to", "1:30").out, listed)
 
     def test_names_that_are_not_in_the_index(self):
         for command in (

@@ -20,6 +20,16 @@ class VideosTest(program.ProgramTest):
         self.assertEqual([path for path in self.scratch.iterdir() if path.name.startswith("index")], [])
         self.refuses(2, video, "doctor", video)
 
+    def test_a_video_that_was_replaced_is_not_drawn_on(self):
+        video = self.write("flight.mkv", (program.flight() / "flight.mkv").read_bytes())
+        db, sheet = self.scratch / "index.db", self.scratch / "sheet.png"
+        self.succeeds("index", video, "--models", MODELS, "--db", db)
+        self.succeeds("sheet", "--db", db, "--out", sheet)
+        sheet.unlink()
+        video.write_bytes((program.flight() / "flight.mp4").read_bytes())
+        self.refuses(2, (video, "not the video that was indexed"), "sheet", "--db", db, "--out", sheet)
+        self.assertFalse(sheet.exists())
+
     def test_missing_and_empty(self):
         self.refuses_video(self.scratch / "none.mp4", "no such file")
         self.refuses_video(self.write("empty.mp4", ""), "empty")

@@ -1,6 +1,7 @@
-"""`tools/demo.sh`, what `make demo` runs: on a short flight with one object, and again."""
+"""`tools/demo.sh`, what `make demo` runs: on a short flight with one object to be found among others, and again."""
 
 import json
+import math
 import subprocess
 import unittest
 
@@ -18,22 +19,40 @@ class DemoTest(program.ProgramTest):
         )  # fmt: skip
 
     def short_scene(self) -> str:
-        """The demo's scene from where the jet is in view, without the others."""
+        """The demo's scene, passed over in six frames. The jet is to be found: first it is out of view, then it is not.
+        The others are only there."""
         scene = json.loads(SCENE.read_text())
         scene["assets"] = str(MODELS.parent)
-        scene["video"] |= {"frames": 3}
-        scene["camera"]["aim_m"] = [[24, 24], [26, 24]]
+        scene["video"] |= {"frames": 6, "fps": 1}
+        scene["camera"]["aim_m"] = [[-32, 24], [36, 24]]
+        rest = [row for row in scene["objects"] if row["model"] != "jet"]
         scene["objects"] = [row for row in scene["objects"] if row["model"] == "jet"]
+        scene["pieces"] = [
+            {"asset": f"models/{row['model']}"} | {key: row[key] for key in row if key not in ("id", "model")}
+            for row in rest
+        ]
         return json.dumps(scene)
 
+    def metres_off(self, demo) -> float:
+        """How far the one find's place is from the truth, along the ground."""
+        (find,) = json.loads((demo / "finds.geojson").read_text())["features"]
+        told = find["properties"]
+        true = json.loads((demo / "flight" / "truth.jsonl").read_text().splitlines()[-1])
+        north = math.radians(told["latitude_deg"] - true["latitude_deg"]) * 6.37e6
+        east = math.radians(told["longitude_deg"] - true["longitude_deg"]) * 6.37e6
+        return math.hypot(north, east * math.cos(math.radians(true["latitude_deg"])))
+
     def test_finds_the_object_and_repeats_nothing(self):
-        arguments = (program.PROGRAM, self.write("scene.json", self.short_scene()), MODELS, self.scratch / "demo")
+        folder = self.scratch / "demo"
+        arguments = (program.PROGRAM, self.write("scene.json", self.short_scene()), MODELS, folder)
         first = self.demo(*arguments)
         self.assertEqual(first.returncode, 0, first.stderr)
         self.assertRegex(first.stdout, r"\n +1 +jet ")
         self.assertRegex(first.stdout, r"sighting_precision +1\.0")
+        self.finds_the_jet_where_it_is(folder)
+        self.assertLess(self.metres_off(self.scratch / "demo"), 1)
         made = self.files()
-        for name in ("finds.jpg", "views/jet.jpg", "flight/video.mp4", "flight/telemetry.csv"):
+        for name in ("finds.jpg", "finds.kml", "finds.geojson", "views/jet.jpg", "flight/video.mp4", "flight/telemetry.csv"):
             self.assertIn(f"demo/{name}", made)
         again = self.demo(*arguments)
         self.assertEqual(again.returncode, 0, again.stderr)
@@ -41,6 +60,17 @@ class DemoTest(program.ProgramTest):
         self.assertNotIn("a second", again.stderr)  # no progress: nothing was made
         changed = {name for name, content in self.files().items() if made.get(name) != content}
         self.assertLessEqual(changed, {"demo/index.db"})
+
+    def finds_the_jet_where_it_is(self, folder):
+        truth = [json.loads(line) for line in (folder / "flight" / "truth.jsonl").read_text().splitlines()]
+        sightings = [json.loads(line) for line in self.export(folder / "index.db", "sightings").splitlines()]
+        in_view = {row["frame"] for row in truth}
+        clear = {row["frame"] for row in truth if row["visible"] > 0.9}
+        found = {row["frame"] for row in sightings}
+        self.assertGreaterEqual(len(clear), 2, truth)
+        self.assertLessEqual(in_view, {2, 3, 4, 5})  # frames without it are searched, too
+        self.assertLessEqual(clear, found)
+        self.assertLessEqual(found, in_view)
 
     def test_errors_are_one_line(self):
         for words, *arguments in (

@@ -22,7 +22,8 @@ def contents(path):
             db.execute(query).fetchall()
             for query in (
                 "SELECT * FROM objects ORDER BY id",
-                "SELECT * FROM sightings ORDER BY video, frame, object",
+                "SELECT * FROM runs ORDER BY id",
+                "SELECT * FROM sightings ORDER BY video, frame, run",
                 "SELECT video, frame, time_s, keypoints, descriptors FROM frame_features ORDER BY video, frame",
                 "SELECT video, model, next_frame, finished FROM searches ORDER BY video, model",
                 "SELECT frame_count, duration_s FROM videos",

@@ -41,7 +41,9 @@ class SimulateTest(program.ProgramTest):
             sorted(path.name for path in folder.iterdir()), ["telemetry.csv", "truth.jsonl", "video.mp4"]
         )
         with open(folder / "telemetry.csv", encoding="utf-8", newline="") as file:
-            telemetry = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+            rows = list(csv.DictReader(file))
+        self.assertEqual({row.pop("vertical_datum") for row in rows}, {"ellipsoid"})
+        telemetry = [{key: float(value) for key, value in row.items()} for row in rows]
         truth = [json.loads(line) for line in (folder / "truth.jsonl").read_text().splitlines()]
         return folder, telemetry, truth
 

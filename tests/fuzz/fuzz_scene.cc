@@ -30,7 +30,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   victorious::SceneTown town = scene.town;
   town.squares = {-2, -2, 2, 2};  // as much as is quick
-  for (const victorious::Placement& placement : victorious::LayOutTown(town, {})) {
+  for (const victorious::Placement& placement : victorious::LayOutTown(town)) {
     VICTORIOUS_CHECK(placement.place_m.allFinite() && placement.asset.starts_with("town/"));
   }
   return 0;

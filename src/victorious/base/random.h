@@ -42,4 +42,11 @@ class Random {
   std::uint64_t state_;
 };
 
+/// The seed of one of many streams of draws that have nothing to do with each other or with their neighbours' by
+/// `seed`: for each purpose, square or frame, its number
+/// `stream`, below 2^32.
+[[nodiscard]] inline std::uint64_t MixSeed(std::uint64_t seed, std::uint64_t stream) {
+  return Random(seed ^ (stream << 32)).Next();
+}
+
 }  // namespace victorious

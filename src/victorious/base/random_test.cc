@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -35,6 +36,15 @@ TEST(Random, SeedsNextToEachOtherShareNoDraws) {
   Random a(1);
   Random b(2);
   for (int i = 0; i < 1000; ++i) EXPECT_NE(a.Next(), b.Next());
+}
+
+TEST(MixSeed, GivesEachStreamOfEachSeedDrawsOfItsOwn) {
+  std::set<std::uint64_t> first_draws;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    const std::uint64_t purpose = MixSeed(seed, 0x5A02);
+    for (std::uint64_t frame = 0; frame < 100; ++frame) first_draws.insert(Random(MixSeed(purpose, frame)).Next());
+  }
+  EXPECT_EQ(first_draws.size(), 4000U);
 }
 
 TEST(Random, BelowStaysBelowAtTheExtremes) {

@@ -7,52 +7,120 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/file.h"
+#include "victorious/base/json.h"
+#include "victorious/geometry/angles.h"
 
 namespace victorious::cli {
 
-Expected<Box> ParseBox(std::string_view text) {
-  std::array<double, 4> numbers{};
+namespace {
+
+// Finite numbers with commas between; nothing for any other text.
+template <std::size_t kCount>
+std::optional<std::array<double, kCount>> ParseNumbers(std::string_view text) {
+  std::array<double, kCount> numbers{};
   const char* at = text.data();
   const char* const end = text.data() + text.size();
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
+  for (std::size_t i = 0; i < kCount; ++i) {
     const auto [next, error] = std::from_chars(at, end, numbers[i]);
-    const bool separated = i + 1 < numbers.size() ? next != end && *next == ',' : next == end;
-    if (error != std::errc() || !separated || !std::isfinite(numbers[i])) {
-      return Fail(ErrorCode::kInvalidArgument,
-                  fmt::format("box \"{}\": must be x,y,w,h in pixels, as in 10,20,300,200", text));
-    }
+    const bool separated = i + 1 < kCount ? next != end && *next == ',' : next == end;
+    if (error != std::errc() || !separated || !std::isfinite(numbers[i])) return std::nullopt;
     at = next + 1;
   }
-  const Box box{numbers[0], numbers[1], numbers[2], numbers[3]};
+  return numbers;
+}
+
+}  // namespace
+
+Expected<Surroundings> ParseSurroundings(std::string_view text) {
+  const auto numbers = ParseNumbers<3>(text);
+  if (!numbers || std::abs((*numbers)[0]) > 90 || std::abs((*numbers)[1]) > 360 || (*numbers)[2] < 0) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--near \"{}\": must be latitude and longitude in degrees and a distance in metres, as in "
+                            "52.52,13.40,50",
+                            text));
+  }
+  return Surroundings{{RadiansFromDegrees((*numbers)[0]), RadiansFromDegrees((*numbers)[1]), 0}, (*numbers)[2]};
+}
+
+Expected<Box> ParseBox(std::string_view text) {
+  const auto numbers = ParseNumbers<4>(text);
+  if (!numbers) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("box \"{}\": must be x,y,w,h in pixels, as in 10,20,300,200", text));
+  }
+  const Box box{(*numbers)[0], (*numbers)[1], (*numbers)[2], (*numbers)[3]};
   if (box.IsEmpty())
     return Fail(ErrorCode::kInvalidArgument, fmt::format("box \"{}\": width and height must be above 0", text));
   return box;
 }
 
-std::string CheckSeconds(const std::string& text) {
-  double seconds = 0;
+namespace {
+
+// All of the text, as a number from 0 on.
+std::optional<double> NumberFromZero(std::string_view text) {
+  double number = 0;
   const char* const end = text.data() + text.size();
-  const auto [next, error] = std::from_chars(text.data(), end, seconds);
-  if (error == std::errc() && next == end && std::isfinite(seconds) && seconds >= 0) return "";
-  return fmt::format("\"{}\": must be a number of seconds, 0 or more", text);
+  const auto [next, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc() || next != end || !std::isfinite(number) || std::signbit(number)) return std::nullopt;
+  return number;
+}
+
+// Hours, minutes and seconds; only the first may be 60 or more, only the last has a fraction.
+std::optional<double> SecondsOf(std::string_view text) {
+  constexpr int kMostParts = 3;
+  double seconds = 0;
+  for (int part = 0; part < kMostParts; ++part) {
+    const std::size_t colon = text.find(':');
+    const bool last = colon == std::string_view::npos;
+    const std::string_view digits = text.substr(0, colon);
+    const std::optional<double> number = NumberFromZero(digits);
+    const bool alone = part == 0 && last;  // it may have an exponent
+    const bool plain = digits.find_first_not_of(last ? "0123456789." : "0123456789") == std::string_view::npos;
+    if (!number || !(plain || alone) || (part > 0 && *number >= 60)) return std::nullopt;
+    seconds = 60 * seconds + *number;
+    if (last) return seconds;
+    text.remove_prefix(colon + 1);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Expected<double> ParseTime(std::string_view text) {
+  if (const std::optional<double> seconds = SecondsOf(text)) return *seconds;
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("\"{}\": must be a time from 0 on, in seconds or as 1:30 or 1:02:03.5", text));
+}
+
+CLI::Validator TimeOfVideo() {
+  return CLI::Validator(
+      [](std::string& text) -> std::string {
+        const Expected<double> seconds = ParseTime(text);
+        if (!seconds) return seconds.error().message;
+        text = fmt::format("{}", *seconds);
+        return {};
+      },
+      "");
 }
 
 Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields) {
   if (path.empty()) return {};
   constexpr std::size_t kMostBytes = 1 << 20;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMostBytes));
-  const auto json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false, /*ignore_comments=*/true);
-  if (json.is_discarded()) {
+  const auto json = ParseJson(text);
+  if (!json) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: not JSON: parameters are an object such as {{\"match\": {{\"ratio\": 0.8}}}}", path));
+                fmt::format("{}: {}: parameters are an object such as {{\"match\": {{\"ratio\": 0.8}}}}", path,
+                            json.error().message));
   }
-  if (auto status = SetFromJson(json, fields); !status)
+  if (auto status = SetFromJson(*json, fields); !status)
     return std::unexpected(std::move(status).error().WithContext(path));
   return {};
 }
@@ -86,20 +154,23 @@ CancelToken& Interrupt() {
 void FilterArguments::AddTo(CLI::App& app) {
   app.add_option("--video", video, "Only this video: its name as indexed, or its last parts")->type_name("NAME");
   app.add_option("--model", model, "Only this model")->type_name("NAME");
-  app.add_option("--from", from_s, "Only from this time of the video on, seconds")->type_name("S")->check(CheckSeconds);
-  app.add_option("--to", to_s, "Only up to this time of the video, seconds")->type_name("S")->check(CheckSeconds);
+  app.add_option("--from", from_s, "Only from this time of the video on: seconds, or as 1:30 or 1:02:03.5")
+      ->type_name("TIME")
+      ->transform(TimeOfVideo());
+  app.add_option("--to", to_s, "Only up to this time of the video")->type_name("TIME")->transform(TimeOfVideo());
+  app.add_option("--near", near, "Only objects at most so far from a place on Earth (degrees, metres)")
+      ->type_name("LAT,LON,METRES");
 }
 
 Expected<SightingFilter> FilterArguments::Filter() const {
-  for (const auto& [flag, time_s] : {std::pair("--from", from_s), std::pair("--to", to_s)}) {
-    if (time_s && !std::isfinite(*time_s))
-      return Fail(ErrorCode::kInvalidArgument, fmt::format("{} {}: must be a number of seconds", flag, *time_s));
-  }
   if (from_s && to_s && *from_s > *to_s) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("--from {:g} lies after --to {:g}: give a time and a later one", *from_s, *to_s));
   }
   SightingFilter filter;
+  if (!near.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(filter.near, ParseSurroundings(near));
+  }
   if (!model.empty()) filter.model_name = model;
   if (!video.empty()) filter.video_name = video;
   filter.from_s = from_s;

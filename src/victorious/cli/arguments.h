@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <CLI/App.hpp>
+#include <CLI/Validators.hpp>
 
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
@@ -19,8 +20,15 @@ namespace victorious::cli {
 /// "x,y,w,h" in pixels.
 Expected<Box> ParseBox(std::string_view text);
 
-/// A check for a time of a video: nothing if `text` is one, else what would be right.
-std::string CheckSeconds(const std::string& text);
+/// A time of a video, as seconds ("90", "12.5") or with minutes or hours before them ("1:30", "1:02:03.5"), in seconds
+/// from 0 on. Error: kInvalidArgument.
+Expected<double> ParseTime(std::string_view text);
+
+/// For options that hold seconds: takes what ParseTime takes.
+CLI::Validator TimeOfVideo();
+/// "latitude,longitude,metres", degrees.
+Expected<Surroundings> ParseSurroundings(std::string_view text);
+
 
 /// Reads `--params FILE` (JSON) into the fields; an empty path changes nothing.
 Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields);
@@ -34,15 +42,16 @@ std::string OneLine(std::string text);
 /// Set by SIGINT and SIGTERM.
 CancelToken& Interrupt();
 
-/// The flags --video, --model, --from and --to of commands that list what an index holds.
+/// The flags --video, --model, --from, --to and --near of commands that list what an index holds.
 struct FilterArguments {
   std::string video;
   std::string model;
   std::optional<double> from_s;
   std::optional<double> to_s;
+  std::string near;
 
   void AddTo(CLI::App& app);
-  /// Errors: kInvalidArgument for times that are no numbers, or that end before they begin.
+  /// Errors: kInvalidArgument for times that end before they begin; for no place.
   [[nodiscard]] Expected<SightingFilter> Filter() const;
 };
 

@@ -7,10 +7,12 @@
 #include <memory>
 #include <string_view>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
 #include "victorious/base/version.h"
@@ -28,6 +30,13 @@ namespace victorious::cli {
 namespace {
 
 namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+// The same twice: for people, and for programs (--json).
+struct Report {
+  std::string text;
+  ordered_json json;
+};
 
 std::string GpuText() {
   std::error_code error;
@@ -37,9 +46,9 @@ std::string GpuText() {
   return fmt::format("{} is there; this version does not use it", nvidia ? "an NVIDIA one" : "one");
 }
 
-std::string Machine() {
+Report Machine() {
   const CodecReport codecs = DescribeCodecs();
-  return fmt::format(
+  std::string text = fmt::format(
       "victorious {}\n"
       "  processors       {}\n"
       "  matching kernel  {}\n"
@@ -53,6 +62,17 @@ std::string Machine() {
       codecs.libraries, fmt::join(codecs.decoders, ", "),
       codecs.missing.empty() ? "" : fmt::format("; missing: {}", fmt::join(codecs.missing, ", ")),
       codecs.h264_encoder ? "H.264 (libx264)" : "cannot be encoded here: libx264 is missing", CV_VERSION, GpuText());
+  return {std::move(text),
+          {{"version", kVersion},
+           {"processors", std::thread::hardware_concurrency()},
+           {"matching_kernel", kernels::NearestTwoTarget()},
+           {"feature_engines", FeatureEngines()},
+           {"video", codecs.libraries},
+           {"decoders", codecs.decoders},
+           {"missing_decoders", codecs.missing},
+           {"h264_encoder", codecs.h264_encoder},
+           {"opencv", CV_VERSION},
+           {"gpu", GpuText()}}};
 }
 
 // What was read of a video to describe it.
@@ -86,21 +106,36 @@ std::string Indented(const std::vector<std::string>& lines) {
   return text;
 }
 
-// What is known of the camera, from the file itself or from what lies beside it.
-std::string PlaceText(const std::string& source, const Probe& probe) {
+// What is known of the camera, from the file itself or from what lies beside it. As JSON null where nothing is.
+Report DescribePlace(const std::string& source, const Probe& probe) {
   const auto inside = TelemetryFromPackets(probe.packets, {});
-  if (inside && inside->records > 0) return "telemetry in the file\n" + Indented(DescribeTelemetry(*inside));
+  if (inside && inside->records > 0) {
+    const std::vector<std::string> said = DescribeTelemetry(*inside);
+    return {"telemetry in the file\n" + Indented(said), {{"source", source}, {"says", said}}};
+  }
   const auto beside = TelemetryBeside(source);
   if (!beside) {
-    return "impossible: no telemetry\n"
-           "  missing: KLV or a DJI aircraft's subtitles in the file, or a .SRT or .telemetry.csv beside it\n";
+    return {
+        "impossible: no telemetry\n"
+        "  missing: KLV or a DJI aircraft's subtitles in the file, or a .SRT or .telemetry.csv beside it\n",
+        nullptr};
   }
   const auto telemetry = ReadTelemetry(beside->string(), {});
-  const std::string place = fmt::format("telemetry beside it, {}\n", OneLine(beside->string()));
-  return place + Indented(telemetry ? DescribeTelemetry(*telemetry) : std::vector{telemetry.error().message});
+  const std::vector<std::string> said =
+      telemetry ? DescribeTelemetry(*telemetry) : std::vector{telemetry.error().message};
+  return {fmt::format("telemetry beside it, {}\n", OneLine(beside->string())) + Indented(said),
+          {{"source", beside->string()}, {"says", said}}};
 }
 
-Expected<std::string> DescribeVideo(const std::string& source) {
+ordered_json StreamsOf(const VideoInfo& info) {
+  ordered_json streams = ordered_json::array();
+  for (const StreamInfo& stream : info.streams) {
+    streams.push_back({{"index", stream.index}, {"type", stream.type}, {"codec", stream.codec}});
+  }
+  return streams;
+}
+
+Expected<Report> DescribeVideo(const std::string& source) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(source, {.data_packets = true}));
   const VideoInfo info = reader->info();
   VICTORIOUS_ASSIGN_OR_RETURN(const Probe probe, ReadBeginning(*reader));
@@ -119,45 +154,84 @@ Expected<std::string> DescribeVideo(const std::string& source) {
     text += fmt::format("  stream {}   {} ({})\n", stream.index, stream.type, stream.codec);
   for (const std::string& warning : reader->warnings()) text += fmt::format("  damage     {}\n", warning);
   text += "Finding objects: everything needed is there.\n";
-  text += "Placing them on the map: " + PlaceText(source, probe);
-  return text;
+  Report place = DescribePlace(source, probe);
+  text += "Placing them on the map: " + place.text;
+  return Report{std::move(text),
+                {{"file", source},
+                 {"kind", "video"},
+                 {"container", info.container},
+                 {"width", info.width},
+                 {"height", info.height},
+                 {"codec", info.codec},
+                 {"frame_rate", info.frame_rate},
+                 {"duration_s", info.duration_s ? ordered_json(*info.duration_s) : ordered_json()},
+                 {"frames_read", probe.frames},
+                 {"read_to_end", probe.at_end},
+                 {"last_time_s", probe.last_time_s},
+                 {"streams", StreamsOf(info)},
+                 {"damage", reader->warnings()},
+                 {"telemetry", std::move(place.json)}}};
 }
 
-Expected<std::string> DescribeModel(const std::string& path) {
+Expected<Report> DescribeModel(const std::string& path) {
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel model, ReadModelFile(path));
-  return fmt::format("{}\n  a model: {}, {} views from {}, {} features ({}), by version {}\n", path, model.name,
-                     model.views.size(), model.kind, model.features.size(), model.engine, model.program_version);
+  return Report{fmt::format("{}\n  a model: {}, {} views from {}, {} features ({}), by version {}\n", path, model.name,
+                            model.views.size(), model.kind, model.features.size(), model.engine, model.program_version),
+                {{"file", path},
+                 {"kind", "model"},
+                 {"name", model.name},
+                 {"views", model.views.size()},
+                 {"made_from", model.kind},
+                 {"features", model.features.size()},
+                 {"engine", model.engine},
+                 {"program_version", model.program_version}}};
 }
 
-Expected<std::string> DescribeIndex(const std::string& path) {
+Expected<Report> DescribeIndex(const std::string& path) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto store, OpenSqliteStore(path, StoreMode::kRead));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto videos, store->Videos());
   VICTORIOUS_ASSIGN_OR_RETURN(const auto models, store->Models());
   VICTORIOUS_ASSIGN_OR_RETURN(const auto objects, store->Objects({}));
   std::string text = fmt::format("{}\n  an index: {} videos, {} models, {} objects\n", path, videos.size(),
                                  models.size(), objects.size());
+  ordered_json listed = ordered_json::array();
   for (const VideoRecord& video : videos) {
     std::string state;
+    ordered_json searches = ordered_json::array();
     for (const ModelRecord& model : models) {
       VICTORIOUS_ASSIGN_OR_RETURN(const auto search, store->FindSearch(video.id, model.id));
       const std::string progress = !search            ? "not searched"
                                    : search->finished ? "searched to the end"
                                                       : fmt::format("searched up to frame {}", search->next_frame);
       state += fmt::format("    {}: {}\n", model.name, progress);
+      searches.push_back({{"model", model.name},
+                          {"next_frame", search ? search->next_frame : 0},
+                          {"finished", search && search->finished}});
     }
     text += fmt::format("  {}: {} x {} px{}\n{}", video.name, video.width, video.height,
                         video.frame_count ? fmt::format(", {} frames", *video.frame_count) : "", state);
+    listed.push_back({{"name", video.name},
+                      {"width", video.width},
+                      {"height", video.height},
+                      {"frames", video.frame_count ? ordered_json(*video.frame_count) : ordered_json()},
+                      {"searches", std::move(searches)}});
   }
-  return text;
+  return Report{std::move(text),
+                {{"file", path},
+                 {"kind", "index"},
+                 {"models", models.size()},
+                 {"objects", objects.size()},
+                 {"videos", std::move(listed)}}};
 }
 
-Expected<std::string> DescribeTelemetryFile(const std::string& path) {
+Expected<Report> DescribeTelemetryFile(const std::string& path) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Telemetry telemetry, ReadTelemetry(path, {}));
-  return fmt::format("{}\n{}", path, Indented(DescribeTelemetry(telemetry)));
+  const std::vector<std::string> said = DescribeTelemetry(telemetry);
+  return Report{fmt::format("{}\n{}", path, Indented(said)), {{"file", path}, {"kind", "telemetry"}, {"says", said}}};
 }
 
 // By the file's first bytes, whatever it is called.
-Expected<std::string> Describe(const std::string& path) {
+Expected<Report> Describe(const std::string& path) {
   std::array<char, 16> head{};
   std::ifstream(path, std::ios::binary).read(head.data(), head.size());
   const std::string_view bytes(head.data(), head.size());
@@ -167,17 +241,28 @@ Expected<std::string> Describe(const std::string& path) {
   return DescribeVideo(path);
 }
 
+Status Print(const Report& report, bool as_json) {
+  constexpr int kIndent = 2;
+  if (!as_json) return WriteOutput("", report.text);
+  return WriteOutput("", report.json.dump(kIndent, ' ', false, ordered_json::error_handler_t::replace) + "\n");
+}
+
 }  // namespace
 
 Action SetUpDoctor(CLI::App& app) {
-  const auto file = std::make_shared<std::string>();
-  app.add_option("FILE", *file,
+  struct Arguments {
+    std::string file;
+    bool json = false;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  app.add_option("FILE", arguments->file,
                  "A video, a folder of frames, a picture, telemetry, a model (.vmodel) or an index (.db); without it, "
                  "this machine");
+  app.add_flag("--json", arguments->json, "One JSON object");
   return [=]() -> Status {
-    if (file->empty()) return WriteOutput("", Machine());
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, Describe(*file));
-    return WriteOutput("", text);
+    if (arguments->file.empty()) return Print(Machine(), arguments->json);
+    VICTORIOUS_ASSIGN_OR_RETURN(const Report report, Describe(arguments->file));
+    return Print(report, arguments->json);
   };
 }
 

@@ -36,8 +36,8 @@ Status Run(const Arguments& arguments) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> records, store->Objects(filter));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SightingRecord> rows, store->Sightings(filter));
-  std::vector<std::int64_t> objects;
-  for (const ObjectRecord& object : records) objects.push_back(object.id);
+  std::vector<ReportedObject> objects;
+  for (const ObjectRecord& object : records) objects.push_back({object.id, object.place, object.heading_rad});
   std::vector<ReportedSighting> sightings;
   for (const SightingRecord& row : rows) {
     const ModelRecord* model = catalogue.Model(row.model);

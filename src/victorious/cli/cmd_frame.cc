@@ -1,4 +1,4 @@
-// victorious frame VIDEO --at SECONDS --out PNG: one frame as a picture, to cut an object out of
+// victorious frame VIDEO --at TIME --out PNG: one frame as a picture, to cut an object out of
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -26,9 +26,6 @@ Status Run(const Arguments& arguments) {
   if (arguments.at_s.has_value() == arguments.number.has_value()) {
     return Fail(ErrorCode::kInvalidArgument, "give either --at or --number");
   }
-  if (arguments.at_s && !(*arguments.at_s >= 0)) {
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("--at {:g}: must be seconds from 0 on", *arguments.at_s));
-  }
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(arguments.video, {.color = FrameColor::kBgr}));
   std::optional<Frame> last;
   while (true) {
@@ -48,9 +45,9 @@ Status Run(const Arguments& arguments) {
 Action SetUpFrame(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("VIDEO", arguments->video, "A file or a folder of frames")->required();
-  app.add_option("--at", arguments->at_s, "The first frame at this time or later, seconds")
-      ->type_name("S")
-      ->check(CheckSeconds);
+  app.add_option("--at", arguments->at_s, "The first frame at this time or later: seconds, or as 1:30 or 1:02:03.5")
+      ->type_name("TIME")
+      ->transform(TimeOfVideo());
   app.add_option("--number", arguments->number, "The frame of this number, from 0")
       ->type_name("N")
       ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()));

@@ -18,12 +18,16 @@ struct Arguments {
   std::string models;
   std::string db;
   std::string params;
+  std::optional<std::string> telemetry;
   std::optional<int> every;
   bool redo = false;
   int threads = 0;
 };
 
 Status Run(const Arguments& arguments) {
+  if (arguments.telemetry && arguments.videos.size() > 1) {
+    return Fail(ErrorCode::kInvalidArgument, "--telemetry goes with one video: index several one after the other");
+  }
   IndexOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
   if (arguments.every) options.every = *arguments.every;
@@ -39,8 +43,9 @@ Status Run(const Arguments& arguments) {
   std::optional<Error> failure;
   for (const std::string& video : arguments.videos) {
     const auto warn = [&](const std::string& warning) { spdlog::warn("{}: {}", video, warning); };
-    const Expected<IndexReport> report =
-        indexer.Index(video, arguments.redo, arguments.threads, Interrupt(), *store, warn);
+    const IndexJob job{
+        .video = video, .telemetry = arguments.telemetry, .redo = arguments.redo, .threads = arguments.threads};
+    const Expected<IndexReport> report = indexer.Index(job, Interrupt(), *store, warn);
     if (!report) {
       failure = failure ? Error{failure->code, failure->message + "; " + report.error().message} : report.error();
       if (report.error().code == ErrorCode::kCancelled) break;
@@ -62,6 +67,9 @@ Action SetUpIndex(CLI::App& app) {
   app.add_option("VIDEO", arguments->videos, "Files, folders of frames, or live URLs")->required();
   app.add_option("--models", arguments->models, "The folder of models to search for")->required()->type_name("DIR");
   app.add_option("--db", arguments->db, "The index, made if it is not there")->required()->type_name("FILE");
+  app.add_option("--telemetry", arguments->telemetry,
+                 "Where the camera was (unless given: the video's own KLV, .SRT or .telemetry.csv beside it)")
+      ->type_name("FILE");
   app.add_option("--params", arguments->params, "Parameters, JSON (`victorious params` lists them)")->type_name("FILE");
   app.add_option("--every", arguments->every, "Search every N-th frame only")->type_name("N");
   app.add_flag("--redo", arguments->redo, "Forget what was found of these models in these videos, and search again");

@@ -110,7 +110,7 @@ Action SetUpLocate(CLI::App& app) {
       ->required()
       ->type_name("FILE");
   app.add_option("--motion", arguments->motion, "How the object moves (static unless told)")
-      ->check(CLI::IsMember({"static", "velocity"}));
+      ->check(CLI::IsMember({"static", "velocity", "auto"}));
   app.add_option("--method", arguments->method, "The estimator (ml unless told)")
       ->check(CLI::IsMember({"ml", "ransac", "prior", "least-squares", "ground"}));
   app.add_option("--ground", arguments->ground_m, "The height of flat ground above the ellipsoid")

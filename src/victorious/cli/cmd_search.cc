@@ -1,15 +1,19 @@
 // victorious search --db FILE: ranked lists of objects, or of moments that look like a picture
+#include <algorithm>
 #include <memory>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/geometry/angles.h"
 #include "victorious/pipeline/index_options.h"
 #include "victorious/pipeline/search_image.h"
 #include "victorious/store/catalogue.h"
+#include "victorious/store/listed_object.h"
 
 namespace victorious::cli {
 namespace {
@@ -31,36 +35,37 @@ std::string TimeText(double seconds) {
   return fmt::format("{}:{:05.2f}", minutes, seconds - 60.0 * minutes);
 }
 
-Status ListObjects(const Arguments& arguments, const SightingFilter& filter, const Catalogue& catalogue,
-                   IndexStore& store) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto objects, store.Objects(filter));
+// "52.5201234 13.4051234 +-0.6 m", or "-".
+std::string PlaceText(const ObjectRecord& object) {
+  if (!object.place) return "-";
+  return fmt::format("{:.6f} {:.6f} +-{:.1f} m", DegreesFromRadians(object.place->point.latitude_rad),
+                     DegreesFromRadians(object.place->point.longitude_rad), object.place->ce90_m);
+}
+
+std::string ObjectLine(const ListedObject& listed) {
+  const ObjectRecord& object = listed.object;
+  const std::optional<double> speed_m_s = SpeedOf(object);
+  return fmt::format("{:>4}  {:<16} {:>6.3f} {:>7}  {:>8} {:>8}  {:>6}  {:<32} {:>7} {:>6}  {}\n", listed.rank,
+                     listed.model, object.score, object.frames, TimeText(object.first_time_s),
+                     TimeText(object.last_time_s), object.id, PlaceText(object),
+                     object.heading_rad ? fmt::format("{:.0f}", DegreesFromRadians(*object.heading_rad)) : "-",
+                     speed_m_s ? fmt::format("{:.1f}", *speed_m_s) : "-", fmt::join(listed.videos, ", "));
+}
+
+Status ListFoundObjects(const Arguments& arguments, const SightingFilter& filter, const Catalogue& catalogue,
+                        IndexStore& store) {
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ListedObject> objects, ListObjects(store, catalogue, filter));
+  if (arguments.most > 0) objects.resize(std::min(objects.size(), static_cast<std::size_t>(arguments.most)));
   std::string text;
-  if (!arguments.json)
-    text = fmt::format("{:>4}  {:<20} {:>6} {:>7}  {:>9} {:>9}  {:>6}  {}\n", "rank", "model", "score", "frames",
-                       "from", "to", "object", "video");
-  int rank = 0;
-  for (const ObjectRecord& object : objects) {
-    const VideoRecord* video_record = catalogue.Video(object.video);
-    const ModelRecord* model_record = catalogue.Model(object.model);
-    if (video_record == nullptr || model_record == nullptr) continue;  // added by another process since
-    if (++rank > arguments.most && arguments.most > 0) break;
-    const std::string& model = model_record->name;
-    const std::string& video = video_record->name;
-    text += arguments.json ? ordered_json({{"rank", rank},
-                                           {"object_id", object.id},
-                                           {"model", model},
-                                           {"score", object.score},
-                                           {"video", video},
-                                           {"frames", object.frames},
-                                           {"first_time_s", object.first_time_s},
-                                           {"last_time_s", object.last_time_s}})
-                                     .dump() +
-                                 "\n"
-                           : fmt::format("{:>4}  {:<20} {:>6.3f} {:>7}  {:>9} {:>9}  {:>6}  {}\n", rank, model,
-                                         object.score, object.frames, TimeText(object.first_time_s),
-                                         TimeText(object.last_time_s), object.id, video);
+  if (arguments.json) {
+    for (const ListedObject& object : objects) text += Dump(ObjectJson(object)) + "\n";
+  } else if (objects.empty()) {
+    text = "nothing found\n";
+  } else {
+    text = fmt::format("{:>4}  {:<16} {:>6} {:>7}  {:>8} {:>8}  {:>6}  {:<32} {:>7} {:>6}  {}\n", "rank", "model",
+                       "score", "frames", "from", "to", "object", "place (CE90)", "heading", "m/s", "videos");
+    for (const ListedObject& object : objects) text += ObjectLine(object);
   }
-  if (objects.empty() && !arguments.json) text = "nothing found\n";
   return WriteOutput("", text);
 }
 
@@ -128,7 +133,7 @@ Status Run(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenSqliteStore(arguments.db, StoreMode::kRead));
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(*store, filter));
   VICTORIOUS_RETURN_IF_ERROR(WarnOfUnfinished(catalogue, *store));
-  return arguments.image.empty() ? ListObjects(arguments, filter, catalogue, *store)
+  return arguments.image.empty() ? ListFoundObjects(arguments, filter, catalogue, *store)
                                  : ListMoments(arguments, filter, *store);
 }
 

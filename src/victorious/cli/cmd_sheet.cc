@@ -1,14 +1,52 @@
 // victorious sheet --db FILE --out PNG: the finds as pictures
+#include <cstdint>
+#include <filesystem>
 #include <memory>
+#include <ranges>
+#include <set>
+#include <string>
+#include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/pipeline/contact_sheet.h"
+#include "victorious/store/catalogue.h"
 #include "victorious/video/image_file.h"
+#include "victorious/video/video_reader.h"
 
 namespace victorious::cli {
+namespace {
+
+// Frames of another video under the old name would be shown as finds.
+Status CheckContent(const VideoRecord& video) {
+  std::error_code failed;
+  if (!std::filesystem::exists(video.name, failed)) return {};  // opening it says so; an address has no content
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(video.name, {}));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string content_id, reader->ContentId(Interrupt(), {}));
+  if (content_id == video.content_id) return {};
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("{}: not the video that was indexed under this name: put that one back, or index this one",
+                          video.name));
+}
+
+// Of the videos whose objects are shown.
+Status CheckContents(const SightingFilter& filter, int most_tiles, IndexStore& store) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(store, filter));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> objects, store.Objects(filter));
+  std::set<std::int64_t> checked;
+  for (const ObjectRecord& object : objects | std::views::take(most_tiles)) {
+    for (const std::int64_t id : object.videos) {
+      const VideoRecord* video = catalogue.Video(id);
+      if (video != nullptr && checked.insert(id).second) VICTORIOUS_RETURN_IF_ERROR(CheckContent(*video));
+    }
+  }
+  return {};
+}
+
+}  // namespace
 
 Action SetUpSheet(CLI::App& app) {
   struct Arguments {
@@ -29,6 +67,8 @@ Action SetUpSheet(CLI::App& app) {
     VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
                                 OpenSqliteStore(arguments->db, StoreMode::kRead));
+    VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(arguments->options));
+    VICTORIOUS_RETURN_IF_ERROR(CheckContents(filter, arguments->options.most_tiles, *store));
     VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat sheet, DrawContactSheet(filter, arguments->options, *store));
     return WriteImage(arguments->out, sheet);
   };

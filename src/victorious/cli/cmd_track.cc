@@ -53,10 +53,10 @@ Action SetUpTrack(CLI::App& app) {
       ->required()
       ->type_name("X,Y,W,H")
       ->allow_extra_args(false);
-  app.add_option("--at", arguments->at_s, "When the box fits: in the first frame at this time or later")
+  app.add_option("--at", arguments->at_s, "The box is in the first frame at this time or later: seconds, or as 1:30")
       ->required()
-      ->type_name("S")
-      ->check(CheckSeconds)
+      ->type_name("TIME")
+      ->transform(TimeOfVideo())
       ->allow_extra_args(false);
   app.add_option("--also", arguments->also, "Other videos to look for the objects in");
   app.add_option("--params", arguments->params, "Parameters (`victorious params track`)")->type_name("FILE");

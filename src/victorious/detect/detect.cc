@@ -5,8 +5,10 @@
 #include <functional>
 #include <map>
 
+#include "victorious/base/binomial.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/homography.h"
+#include "victorious/geometry/robust/similarity_estimator.h"
 
 namespace victorious {
 
@@ -51,9 +53,7 @@ void DetectOptions::ListFields(FieldList& fields) {
 
 namespace {
 
-// How far, in sigmas, an agreeing match may lie; its turn and scale agree within the grammar's bounds, which a wrong
-// match meets about so often.
-constexpr double kAgreementSigmas = 2.5;
+// An agreeing match's turn and scale agree within the grammar's bounds, which a wrong match meets about so often.
 constexpr double kTurnAndScaleChance = 0.1;
 
 double AgreementChance(const Pose& pose, const SceneSize& scene) {
@@ -110,18 +110,15 @@ Detection ToDetection(const Candidate& candidate, const SceneSize& scene, const 
 double Evidence(std::size_t matches, std::size_t agreeing, double chance, std::size_t views) {
   if (agreeing < 3 || matches < agreeing) return 0;
   if (!(chance < 1)) return 0;
-  const auto log_choose = [](double n, double k) {
-    return std::lgamma(n + 1) - std::lgamma(k + 1) - std::lgamma(n - k + 1);
-  };
   const double n = static_cast<double>(matches) - 2;
   const double k = static_cast<double>(agreeing) - 2;
   if (k <= n * chance) return 0;
-  const double first_term = log_choose(n, k) + k * std::log(chance) + (n - k) * std::log1p(-chance);
+  const double first_term = LogChoose(n, k) + k * std::log(chance) + (n - k) * std::log1p(-chance);
   // Beyond the mean the terms fall at least geometrically: the tail is at most the first term over 1 - their ratio.
   const double ratio = (n - k) / (k + 1) * chance / (1 - chance);
   const double log_tail = first_term - std::log1p(-std::min(ratio, 0.999));
   const double log_tests =
-      std::log(static_cast<double>(std::max<std::size_t>(1, views))) + log_choose(static_cast<double>(matches), 2);
+      std::log(static_cast<double>(std::max<std::size_t>(1, views))) + LogChoose(static_cast<double>(matches), 2);
   return -(log_tests + log_tail) / std::log(10.0);
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <compare>
 #include <functional>
+#include <map>
 #include <numeric>
 #include <tuple>
 #include <unordered_map>
@@ -14,6 +15,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/evaluate/place_score.h"
 #include "victorious/geometry/angles.h"
 
 namespace victorious {
@@ -79,6 +81,17 @@ class TruthTable {
   [[nodiscard]] const std::vector<TrueObject>& objects() const { return objects_; }
   [[nodiscard]] const TruthRow& row(std::size_t i) const { return rows_[i]; }
   [[nodiscard]] int ObjectOf(std::size_t row) const { return object_of_row_[row]; }
+
+  /// The object's row at the place's time, or where there is no place, its middle row.
+  [[nodiscard]] const TruthRow& RowFor(int object, const std::optional<Place>& place) const {
+    std::vector<const TruthRow*> own;
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      if (object_of_row_[i] == object) own.push_back(&rows_[i]);
+    }
+    if (!place) return *own[own.size() / 2];
+    return **std::ranges::min_element(own, {},
+                                      [&](const TruthRow* row) { return std::abs(row->time_s - place->time_s); });
+  }
 
   /// The free row that `sighting` overlaps most, and enough; takes it, so that its object is not paired again there.
   std::optional<std::size_t> Take(const ReportedSighting& sighting) {
@@ -201,16 +214,19 @@ double AveragePrecision(const std::vector<CurvePoint>& curve) {
 }
 
 /// Who claimed each true object, by its number; fills the counts of objects.
-std::unordered_map<int, std::int64_t> ScoreObjects(const TruthTable& truth, std::span<const std::int64_t> objects,
-                                                   const std::vector<Vote>& votes, Score& score) {
+std::unordered_map<int, std::int64_t> ScoreObjects(const TruthTable& truth, std::span<const ReportedObject> objects,
+                                                   const std::vector<Vote>& votes, Score& score,
+                                                   std::map<std::string, PlaceError>& place_errors) {
   std::unordered_map<int, std::int64_t> claimed_by;
   std::vector<CurvePoint> curve;
-  for (const std::int64_t id : objects) {
-    const int shown = MajorityOf(id, votes);
-    if (shown == kNothing || !claimed_by.emplace(shown, id).second) {
+  for (const ReportedObject& object : objects) {
+    const int shown = MajorityOf(object.id, votes);
+    if (shown == kNothing || !claimed_by.emplace(shown, object.id).second) {
       ++score.false_objects;
     } else if (truth.objects()[shown].IsFindable()) {
       ++score.found;
+      place_errors.emplace(truth.objects()[shown].name,
+                           ComparePlaces(object.place, object.heading_rad, truth.RowFor(shown, object.place)));
     } else {
       continue;  // small or brief, but real: neither asked for nor held against it
     }
@@ -267,6 +283,32 @@ void ScoreCoverage(const TruthTable& truth, const std::unordered_map<int, std::i
   score.ids_per_object = Ratio(ids, shown_objects);
 }
 
+/// Where the found objects are said to be.
+void ScorePlaces(const std::map<std::string, PlaceError>& errors, Score& score) {
+  std::vector<double> across_m;
+  std::vector<double> all_m;
+  std::vector<double> headings_rad;
+  double in_ellipsoid = 0;
+  double in_ce90 = 0;
+  for (const auto& [name, error] : errors) {
+    if (error.heading_rad) headings_rad.push_back(*error.heading_rad);
+    if (!error.across_m) continue;
+    score.per_object.at(name).error_m = error.across_m;
+    across_m.push_back(*error.across_m);
+    all_m.push_back(*error.all_m);
+    in_ellipsoid += error.in_ellipsoid ? 1 : 0;
+    in_ce90 += error.in_ce90 ? 1 : 0;
+  }
+  score.located = static_cast<int>(across_m.size());
+  score.cep50_m = Percentile(across_m, 50);
+  score.cep75_m = Percentile(across_m, 75);
+  score.cep90_m = Percentile(across_m, 90);
+  score.error3d_p50_m = Percentile(all_m, 50);
+  score.inside_90_ellipsoid = Ratio(in_ellipsoid, score.located);
+  score.inside_ce90 = Ratio(in_ce90, score.located);
+  score.heading_error_p50_rad = Percentile(headings_rad, 50);
+}
+
 nlohmann::ordered_json Nullable(const std::optional<double>& value) {
   return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
 }
@@ -280,14 +322,16 @@ double ToThreeDecimals(double value) { return std::stod(fmt::format("{:.3f}", va
 
 }  // namespace
 
-Score ScoreIndex(std::span<const TruthRow> truth, std::span<const std::int64_t> objects,
+Score ScoreIndex(std::span<const TruthRow> truth, std::span<const ReportedObject> objects,
                  std::span<const ReportedSighting> sightings) {
   TruthTable table(truth);
   const Pairing pairing = Pair(table, sightings);
   Score score;
   score.findable = static_cast<int>(std::ranges::count_if(table.objects(), &TrueObject::IsFindable));
-  const auto claimed_by = ScoreObjects(table, objects, pairing.votes, score);
+  std::map<std::string, PlaceError> place_errors;
+  const auto claimed_by = ScoreObjects(table, objects, pairing.votes, score, place_errors);
   ScoreCoverage(table, claimed_by, pairing.hits, score);
+  ScorePlaces(place_errors, score);
   score.sighting_precision = Ratio(pairing.right, pairing.right + pairing.wrong);
   score.view_error_p50_rad = Percentile(pairing.view_errors_rad, 50);
   score.view_error_p90_rad = Percentile(pairing.view_errors_rad, 90);
@@ -308,11 +352,14 @@ nlohmann::ordered_json ToJson(const Score& score) {
   json["density_p50"] = Nullable(score.density_p50);
   json["density_p75"] = Nullable(score.density_p75);
   json["ids_per_object"] = Nullable(score.ids_per_object);
-  json["located"] = 0;
-  for (const char* key : {"cep50_m", "cep75_m", "cep90_m", "error3d_p50_m", "inside_90_ellipsoid", "inside_ce90",
-                          "heading_error_p50_deg"}) {
-    json[key] = nullptr;
-  }
+  json["located"] = score.located;
+  json["cep50_m"] = Nullable(score.cep50_m);
+  json["cep75_m"] = Nullable(score.cep75_m);
+  json["cep90_m"] = Nullable(score.cep90_m);
+  json["error3d_p50_m"] = Nullable(score.error3d_p50_m);
+  json["inside_90_ellipsoid"] = Nullable(score.inside_90_ellipsoid);
+  json["inside_ce90"] = Nullable(score.inside_ce90);
+  json["heading_error_p50_deg"] = Nullable(InDegrees(score.heading_error_p50_rad));
   json["view_error_p50_deg"] = Nullable(InDegrees(score.view_error_p50_rad));
   json["view_error_p90_deg"] = Nullable(InDegrees(score.view_error_p90_rad));
   json["per_object"] = nlohmann::ordered_json::object();
@@ -320,7 +367,8 @@ nlohmann::ordered_json ToJson(const Score& score) {
     json["per_object"][name] = {{"found", object.found},
                                 {"density", ToThreeDecimals(object.density)},
                                 {"ids", object.ids},
-                                {"error_m", nullptr}};
+                                {"error_m", object.error_m ? nlohmann::ordered_json(ToThreeDecimals(*object.error_m))
+                                                           : nlohmann::ordered_json(nullptr)}};
   }
   return json;
 }
@@ -336,8 +384,9 @@ std::string ToText(const Score& score) {
     text += fmt::format("{:24} {:>8}\n", key, shown);
   }
   for (const auto& [name, object] : score.per_object) {
-    text += fmt::format("  {:22} {:>8}   density {:.3f}   ids {}\n", name, object.found ? "found" : "missed",
-                        object.density, object.ids);
+    const std::string error = object.error_m ? fmt::format("   error {:.2f} m", *object.error_m) : "";
+    text += fmt::format("  {:22} {:>8}   density {:.3f}   ids {}{}\n", name, object.found ? "found" : "missed",
+                        object.density, object.ids, error);
   }
   return text;
 }

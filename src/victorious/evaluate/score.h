@@ -5,7 +5,7 @@
 // A paired sighting of a clear row is right; an unpaired one is wrong; one of a row that is not clear counts neither
 // way. A reported object claims the true object that more than half of its sightings show. It is found when nothing
 // ranked better claimed the same and that object is findable; it is false when it claims nothing, or what is claimed
-// already.
+// already. Its place is compared with the truth at the time nearest to the place's.
 #pragma once
 
 #include <cstdint>
@@ -19,6 +19,7 @@
 #include "victorious/evaluate/truth.h"
 #include "victorious/geometry/box.h"
 #include "victorious/types/object_model.h"
+#include "victorious/types/place.h"
 
 namespace victorious {
 
@@ -30,6 +31,13 @@ struct ReportedSighting {
   Box box;  ///< px
   double score = 0;
   std::optional<ViewAngles> view;
+};
+
+/// An object that the program reports.
+struct ReportedObject {
+  std::int64_t id = 0;
+  std::optional<Place> place;
+  std::optional<double> heading_rad;  ///< of its front, clockwise from north
 };
 
 /// Ratios are 0 to 1, and not there where nothing was asked for (their divisor is 0).
@@ -52,21 +60,32 @@ struct Score {
   std::optional<double> view_error_p50_rad;
   std::optional<double> view_error_p90_rad;
 
+  int located = 0;  ///< found objects whose place is reported and known
+  /// Of these, the error along the ground that holds so many percent.
+  std::optional<double> cep50_m;
+  std::optional<double> cep75_m;
+  std::optional<double> cep90_m;
+  std::optional<double> error3d_p50_m;
+  std::optional<double> inside_90_ellipsoid;  ///< the share whose truth is in the 90 % ellipsoid
+  std::optional<double> inside_ce90;          ///< the share whose truth is within CE90 along the ground
+  std::optional<double> heading_error_p50_rad;
+
   struct Object {
     bool found = false;
     double density = 0;
     int ids = 0;
+    std::optional<double> error_m;  ///< along the ground
   };
   std::map<std::string, Object> per_object;  ///< the findable ones
 };
 
-/// @param objects    the reported objects' ids, best first
+/// @param objects    the reported objects, best first
 /// @param sightings  of one video, in any order (of two equally scored on one object, the first given is paired)
 /// O(n log n) in sightings and truth rows, for a bounded number of objects of one model in a frame.
-Score ScoreIndex(std::span<const TruthRow> truth, std::span<const std::int64_t> objects,
+Score ScoreIndex(std::span<const TruthRow> truth, std::span<const ReportedObject> objects,
                  std::span<const ReportedSighting> sightings);
 
-/// The keys of the acceptance scorer in its order; places and headings, which no object has, as null.
+/// The keys of the acceptance scorer in its order; what is not known as null.
 nlohmann::ordered_json ToJson(const Score& score);
 
 /// The same keys as aligned lines, then a line a findable object.

@@ -47,6 +47,12 @@ std::vector<ReportedSighting> SeenIn(std::int64_t object, int first, int end, co
   return sightings;
 }
 
+std::vector<ReportedObject> Objects(const std::vector<std::int64_t>& ids) {
+  std::vector<ReportedObject> objects;
+  for (const std::int64_t id : ids) objects.push_back({.id = id});
+  return objects;
+}
+
 template <typename T>
 std::vector<T> operator+(std::vector<T> a, const std::vector<T>& b) {
   a.insert(a.end(), b.begin(), b.end());
@@ -54,7 +60,7 @@ std::vector<T> operator+(std::vector<T> a, const std::vector<T>& b) {
 }
 
 TEST(ScoreTest, APerfectIndexScoresOne) {
-  const Score score = ScoreIndex(TrueIn(20), std::vector<std::int64_t>{7}, SeenIn(7, 0, 20));
+  const Score score = ScoreIndex(TrueIn(20), Objects({7}), SeenIn(7, 0, 20));
   EXPECT_EQ(score.findable, 1);
   EXPECT_EQ(score.found, 1);
   EXPECT_EQ(score.false_objects, 0);
@@ -129,7 +135,7 @@ TEST(ScoreTest, OfSeveralSightingsOnOneObjectTheBestScoredIsRight) {
 TEST(ScoreTest, ASightingIsPairedWithTheRowItOverlapsMost) {
   const Box beside{110, 100, 40, 40};
   const auto truth = TrueIn(10, "a") + TrueIn(10, "b", beside);
-  const Score score = ScoreIndex(truth, std::vector<std::int64_t>{1}, SeenIn(1, 0, 10, beside));
+  const Score score = ScoreIndex(truth, Objects({1}), SeenIn(1, 0, 10, beside));
   EXPECT_FALSE(score.per_object.at("a").found);
   EXPECT_TRUE(score.per_object.at("b").found);
 }
@@ -144,7 +150,7 @@ TEST(ScoreTest, ASightingThatComesSecondTakesTheNextRow) {
 
 TEST(ScoreTest, ASightingOfWhatIsNotClearCountsNeitherWay) {
   const Box small{0, 0, 30, 20};
-  const Score score = ScoreIndex(TrueIn(10, "a", small), std::vector<std::int64_t>{1}, SeenIn(1, 0, 10, small));
+  const Score score = ScoreIndex(TrueIn(10, "a", small), Objects({1}), SeenIn(1, 0, 10, small));
   EXPECT_FALSE(score.sighting_precision);
   EXPECT_EQ(score.found, 0);
   EXPECT_EQ(score.false_objects, 0);  // real, though too small to be asked for
@@ -153,7 +159,7 @@ TEST(ScoreTest, ASightingOfWhatIsNotClearCountsNeitherWay) {
 
 TEST(ScoreTest, TheSecondObjectForTheSameTruthIsFalse) {
   const auto sightings = SeenIn(1, 0, 10) + SeenIn(2, 10, 20);
-  const Score score = ScoreIndex(TrueIn(20), std::vector<std::int64_t>{2, 1}, sightings);
+  const Score score = ScoreIndex(TrueIn(20), Objects({2, 1}), sightings);
   EXPECT_EQ(score.found, 1);
   EXPECT_EQ(score.false_objects, 1);
   EXPECT_THAT(score.precision, Optional(0.5));
@@ -166,7 +172,7 @@ TEST(ScoreTest, TheSecondObjectForTheSameTruthIsFalse) {
 TEST(ScoreTest, TheSecondObjectForATooSmallTruthIsFalseToo) {
   const Box small{0, 0, 20, 20};
   const auto sightings = SeenIn(1, 0, 5, small) + SeenIn(2, 5, 10, small);
-  const Score score = ScoreIndex(TrueIn(10, "a", small), std::vector<std::int64_t>{1, 2}, sightings);
+  const Score score = ScoreIndex(TrueIn(10, "a", small), Objects({1, 2}), sightings);
   EXPECT_EQ(score.found, 0);
   EXPECT_EQ(score.false_objects, 1);
 }
@@ -174,20 +180,20 @@ TEST(ScoreTest, TheSecondObjectForATooSmallTruthIsFalseToo) {
 TEST(ScoreTest, AClaimTakesMoreThanHalfOfTheSightings) {
   const Box away{300, 300, 40, 40};
   const auto half = SeenIn(1, 0, 5) + SeenIn(1, 0, 5, away);
-  EXPECT_EQ(ScoreIndex(TrueIn(10), std::vector<std::int64_t>{1}, half).found, 0);
-  EXPECT_EQ(ScoreIndex(TrueIn(10), std::vector<std::int64_t>{1}, half).false_objects, 1);
+  EXPECT_EQ(ScoreIndex(TrueIn(10), Objects({1}), half).found, 0);
+  EXPECT_EQ(ScoreIndex(TrueIn(10), Objects({1}), half).false_objects, 1);
   const auto most = SeenIn(1, 0, 6) + SeenIn(1, 0, 5, away);
-  EXPECT_EQ(ScoreIndex(TrueIn(10), std::vector<std::int64_t>{1}, most).found, 1);
+  EXPECT_EQ(ScoreIndex(TrueIn(10), Objects({1}), most).found, 1);
 }
 
 TEST(ScoreTest, AnObjectWithoutSightingsIsFalse) {
-  EXPECT_EQ(ScoreIndex(TrueIn(10), std::vector<std::int64_t>{5}, SeenIn(1, 0, 10)).false_objects, 1);
+  EXPECT_EQ(ScoreIndex(TrueIn(10), Objects({5}), SeenIn(1, 0, 10)).false_objects, 1);
 }
 
 TEST(ScoreTest, DensityCountsClearRowsOnly) {
   auto truth = TrueIn(20);
   for (int frame = 10; frame < 20; ++frame) truth[frame].visible = 0.3;
-  const Score score = ScoreIndex(truth, std::vector<std::int64_t>{1}, SeenIn(1, 5, 20));
+  const Score score = ScoreIndex(truth, Objects({1}), SeenIn(1, 5, 20));
   EXPECT_THAT(score.density_p50, Optional(0.5));
   EXPECT_THAT(score.sighting_recall, Optional(0.5));
   EXPECT_THAT(score.sighting_precision, Optional(1.0));
@@ -198,7 +204,7 @@ TEST(ScoreTest, PercentilesAreInterpolated) {
   const Box c{300, 100, 40, 40};
   const auto truth = TrueIn(10, "a") + TrueIn(10, "b", b) + TrueIn(10, "c", c);
   const auto sightings = SeenIn(1, 0, 2) + SeenIn(2, 0, 4, b) + SeenIn(3, 0, 10, c);
-  const Score score = ScoreIndex(truth, std::vector<std::int64_t>{1, 2, 3}, sightings);
+  const Score score = ScoreIndex(truth, Objects({1, 2, 3}), sightings);
   EXPECT_THAT(score.density_p25, Optional(DoubleEq(0.3)));
   EXPECT_THAT(score.density_p50, Optional(DoubleEq(0.4)));
   EXPECT_THAT(score.density_p75, Optional(DoubleEq(0.7)));
@@ -207,7 +213,7 @@ TEST(ScoreTest, PercentilesAreInterpolated) {
 TEST(ScoreTest, IdsPerObjectLeavesOutWhatWasNeverShown) {
   const Box b{200, 100, 40, 40};
   const auto sightings = SeenIn(1, 0, 3) + SeenIn(2, 3, 6) + SeenIn(3, 6, 9);
-  const Score score = ScoreIndex(TrueIn(10) + TrueIn(10, "b", b), std::vector<std::int64_t>{1, 2, 3}, sightings);
+  const Score score = ScoreIndex(TrueIn(10) + TrueIn(10, "b", b), Objects({1, 2, 3}), sightings);
   EXPECT_THAT(score.ids_per_object, Optional(3.0));
   EXPECT_EQ(score.per_object.at("a").ids, 3);
   EXPECT_EQ(score.per_object.at("b").ids, 0);
@@ -218,8 +224,8 @@ TEST(ScoreTest, AveragePrecisionFollowsTheRanking) {
   const Box nowhere{500, 500, 40, 40};
   const auto truth = TrueIn(10) + TrueIn(10, "b", b);
   const auto sightings = SeenIn(1, 0, 10) + SeenIn(2, 0, 10, b) + SeenIn(9, 0, 10, nowhere);
-  const auto ap = [&](std::vector<std::int64_t> ranked) {
-    return ScoreIndex(truth, ranked, sightings).average_precision;
+  const auto ap = [&](const std::vector<std::int64_t>& ranked) {
+    return ScoreIndex(truth, Objects(ranked), sightings).average_precision;
   };
   EXPECT_THAT(ap({1, 2, 9}), Optional(DoubleNear(1.0, 1e-12)));
   // Recall 0 to 0.5 at precision 1 (51 levels), beyond it 2/3 (50 levels).
@@ -243,7 +249,7 @@ TEST(ScoreTest, ViewErrorsAreAnglesOnTheSphere) {
 }
 
 TEST(ScoreTest, ReportsHoldTheKeysInOrder) {
-  const Score score = ScoreIndex(TrueIn(16), std::vector<std::int64_t>{1}, SeenIn(1, 0, 1));
+  const Score score = ScoreIndex(TrueIn(16), Objects({1}), SeenIn(1, 0, 1));
   const nlohmann::ordered_json json = ToJson(score);
   std::vector<std::string> keys;
   for (const auto& [key, value] : json.items()) keys.push_back(key);
@@ -281,7 +287,7 @@ TEST(ScoreTest, ReportsHoldTheKeysInOrder) {
 /// hidden.
 struct RandomCase {
   std::vector<TruthRow> truth;
-  std::vector<std::int64_t> objects;
+  std::vector<ReportedObject> objects;
   std::vector<ReportedSighting> sightings;
 
   explicit RandomCase(std::uint64_t seed) {
@@ -311,7 +317,31 @@ struct RandomCase {
       }
     }
     for (std::int64_t id = 0; id < 10 * count; ++id) {
-      if (random.Uniform() < 0.5) objects.insert(objects.begin() + random.Below(objects.size() + 1), id);
+      if (random.Uniform() < 0.5) objects.insert(objects.begin() + random.Below(objects.size() + 1), {.id = id});
+    }
+    PutPlaces(random);
+  }
+
+  // Objects stand about a point, and are said to stand within some metres of it.
+  void PutPlaces(Random& random) {
+    const GeodeticPoint middle{-0.6, 2.6, 40};
+    const TangentPlane plane(middle);
+    const auto within = [&](double metres) {
+      return plane.GeodeticFromEnu({metres * random.Normal(), metres * random.Normal(), metres * random.Normal()});
+    };
+    for (TruthRow& row : truth) {
+      row.time_s = static_cast<double>(row.frame) / 10;
+      row.place = within(1);
+      row.heading_rad = random.Uniform(0, 2 * kPi);
+    }
+    for (ReportedObject& object : objects) {
+      if (random.Uniform() < 0.7) object.heading_rad = random.Uniform(0, 2 * kPi);
+      if (random.Uniform() < 0.2) continue;
+      Place place{.point = within(1), .time_s = random.Uniform(0, 5), .ce90_m = random.Uniform(0, 6)};
+      Eigen::Matrix3d root;
+      for (double& number : root.reshaped()) number = random.Normal();
+      place.covariance_enu_m2 = root * root.transpose();
+      object.place = place;
     }
   }
 
@@ -324,14 +354,35 @@ struct RandomCase {
     };
     std::ofstream truth_file(folder / "truth.jsonl");
     for (const TruthRow& row : truth) {
-      truth_file << nlohmann::json{{"frame", row.frame},    {"time_s", row.frame / 10.0}, {"object", row.object},
-                                   {"model", row.model},    {"box", box(row.box)},        {"visible", row.visible},
-                                   {"view", view(row.view)}}
+      truth_file << nlohmann::json{{"frame", row.frame},
+                                   {"time_s", row.frame / 10.0},
+                                   {"object", row.object},
+                                   {"model", row.model},
+                                   {"box", box(row.box)},
+                                   {"visible", row.visible},
+                                   {"view", view(row.view)},
+                                   {"heading_deg", DegreesFromRadians(*row.heading_rad)},
+                                   {"latitude_deg", DegreesFromRadians(row.place->latitude_rad)},
+                                   {"longitude_deg", DegreesFromRadians(row.place->longitude_rad)},
+                                   {"altitude_m", row.place->altitude_m}}
                  << "\n";
     }
     std::ofstream objects_file(folder / "objects.jsonl");
-    for (const std::int64_t id : objects) {
-      objects_file << nlohmann::json{{"object_id", id}, {"model", "m"}, {"latitude_deg", nullptr}} << "\n";
+    for (const ReportedObject& object : objects) {
+      nlohmann::json line{{"object_id", object.id}, {"model", "m"}, {"latitude_deg", nullptr}};
+      if (object.heading_rad) line["heading_deg"] = DegreesFromRadians(*object.heading_rad);
+      if (object.place) {
+        line["place_time_s"] = object.place->time_s;
+        line["latitude_deg"] = DegreesFromRadians(object.place->point.latitude_rad);
+        line["longitude_deg"] = DegreesFromRadians(object.place->point.longitude_rad);
+        line["altitude_m"] = object.place->point.altitude_m;
+        line["ce90_m"] = object.place->ce90_m;
+        line["covariance_enu_m2"] = nlohmann::json::array();
+        for (const auto& row : object.place->covariance_enu_m2.rowwise()) {
+          line["covariance_enu_m2"].push_back({row.x(), row.y(), row.z()});
+        }
+      }
+      objects_file << line << "\n";
     }
     std::ofstream sightings_file(folder / "sightings.jsonl");
     for (const ReportedSighting& s : sightings) {
@@ -368,6 +419,7 @@ TEST(ScoreTest, AgreesWithTheAcceptanceScorerOnRandomInput) {
                   (folder / "truth.jsonl").string(), (folder / "objects.jsonl").string(),
                   (folder / "sightings.jsonl").string(), result.string());
   int found = 0;
+  int located = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const RandomCase input(seed);
     input.Write(folder.path());
@@ -378,21 +430,23 @@ TEST(ScoreTest, AgreesWithTheAcceptanceScorerOnRandomInput) {
     const Score score = ScoreIndex(*truth, input.objects, input.sightings);
     ExpectSame(ToJson(score), nlohmann::json::parse(file), fmt::format("seed {}: ", seed));
     found += score.found;
+    located += score.located;
   }
   EXPECT_GT(found, 8);  // the cases are not all empty
+  EXPECT_GT(located, 4);
 }
 
 TEST(ScoreTest, AMillionSightingsAreNoBurden) {
   std::vector<TruthRow> truth;
   std::vector<ReportedSighting> sightings;
-  std::vector<std::int64_t> objects;
+  std::vector<ReportedObject> objects;
   constexpr int kFrames = 20000;
   constexpr int kObjects = 10;
   for (int k = 0; k < kObjects; ++k) {
     const Box box{100.0 * k, 0, 50, 50};
     truth = std::move(truth) + TrueIn(kFrames, std::to_string(k), box);
     for (int part = 0; part < 5; ++part) {
-      objects.push_back(5 * k + part);
+      objects.push_back({.id = 5 * k + part});
       sightings = std::move(sightings) + SeenIn(5 * k + part, 0, kFrames, box);
     }
   }

@@ -76,6 +76,20 @@ Expected<std::optional<ViewAngles>> ViewOf(const Json& row) {
   return ViewAngles{RadiansFromDegrees(azimuth_deg), RadiansFromDegrees(off_nadir_deg)};
 }
 
+/// Nothing where the key is missing or null.
+Expected<std::optional<double>> OptionalNumberOf(const Json& row, const char* key) {
+  if (Value(row, key).is_null()) return std::nullopt;
+  return NumberOf(row, key);
+}
+
+Expected<std::optional<GeodeticPoint>> PlaceOf(const Json& row) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto latitude_deg, OptionalNumberOf(row, "latitude_deg"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto longitude_deg, OptionalNumberOf(row, "longitude_deg"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto altitude_m, OptionalNumberOf(row, "altitude_m"));
+  if (!latitude_deg || !longitude_deg || !altitude_m) return std::nullopt;
+  return GeodeticPoint{RadiansFromDegrees(*latitude_deg), RadiansFromDegrees(*longitude_deg), *altitude_m};
+}
+
 Expected<TruthRow> ParseRow(std::string_view line) {
   const Json json = Json::parse(line, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object()) return Fail(ErrorCode::kInvalidArgument, "not a JSON object on one line");
@@ -86,6 +100,11 @@ Expected<TruthRow> ParseRow(std::string_view line) {
   VICTORIOUS_ASSIGN_OR_RETURN(row.box, BoxOf(json));
   VICTORIOUS_ASSIGN_OR_RETURN(row.visible, NumberOf(json, "visible"));
   VICTORIOUS_ASSIGN_OR_RETURN(row.view, ViewOf(json));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto time_s, OptionalNumberOf(json, "time_s"));
+  row.time_s = time_s.value_or(0);
+  VICTORIOUS_ASSIGN_OR_RETURN(row.place, PlaceOf(json));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto heading_deg, OptionalNumberOf(json, "heading_deg"));
+  if (heading_deg) row.heading_rad = RadiansFromDegrees(*heading_deg);
   return row;
 }
 

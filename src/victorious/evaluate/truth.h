@@ -10,6 +10,7 @@
 
 #include "victorious/base/error.h"
 #include "victorious/geometry/box.h"
+#include "victorious/geometry/geodesy.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {
@@ -22,6 +23,9 @@ struct TruthRow {
   Box box;                 ///< of the visible pixels, px
   double visible = 0;      ///< visible pixels over those it would have unhidden and uncropped
   std::optional<ViewAngles> view;
+  double time_s = 0;                   ///< presentation time
+  std::optional<GeodeticPoint> place;  ///< of the middle of the object's bounding box
+  std::optional<double> heading_rad;   ///< of its front, clockwise from north
 };
 
 /// Rows in the order of the text's lines; empty lines are passed over, and keys that scoring does not need are ignored.

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "victorious/base/error.h"
-#include "victorious/geolocate/line_of_sight.h"
+#include "victorious/types/line_of_sight.h"
 
 namespace victorious {
 

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
@@ -143,6 +145,83 @@ Place PlaceOf(const Solution& solution, const TangentPlane& plane, double time_s
   return place;
 }
 
+// One way of moving.
+struct Located {
+  GeoFix fix;
+  std::optional<Motion> motion;  // in the plane, where there is a place
+};
+
+Located LocateAs(const std::string& motion, std::span<const LineOfSight> lines, LocateOptions options) {
+  options.motion = motion;
+  const TangentPlane plane(lines.front().camera);
+  const std::vector<Ray> rays = MakeRays(lines, plane, options);
+  Located located{.fix = {.inliers = std::vector<bool>(lines.size(), false)}};
+  const Outcome outcome = Solve(rays, plane, options);
+  if (!outcome) {
+    located.fix.status = outcome.error();
+    return located;
+  }
+  if (auto why = WhyTooUncertain(rays, *outcome, options.largest_error_share)) {
+    located.fix.status = *std::move(why);
+    return located;
+  }
+  located.fix.place = PlaceOf(*outcome, plane, std::ranges::max(lines, {}, &LineOfSight::time_s).time_s);
+  located.fix.inliers = outcome->inliers;
+  located.fix.status = "ok";
+  located.motion = outcome->motion;
+  return located;
+}
+
+// The rays' offsets from where the object was, over their own errors there.
+std::vector<double> OffsetsFrom(std::span<const Ray> rays, const Motion& motion, const LocateOptions& options) {
+  std::vector<double> offsets;
+  for (const Ray& ray : rays) {
+    const Eigen::Vector3d seen = motion.At(ray.time_s) - ray.camera;
+    const double along_m = seen.dot(ray.forward);
+    const double sigma_m = std::hypot(along_m * ray.sigma_rad, options.line.position_m);
+    offsets.push_back(along_m > 0 ? (seen - along_m * ray.forward).norm() / sigma_m
+                                  : std::numeric_limits<double>::infinity());
+  }
+  return offsets;
+}
+
+// Whether the lines say that the object moves: by the Bayesian information criterion (Schwarz 1978) over offsets that
+// count at most as an outlier's, in the errors that the moving object leaves; and by more than `least_travel_m`.
+bool Moves(std::span<const LineOfSight> lines, const Located& standing, const Located& moving,
+           const LocateOptions& options) {
+  if (!moving.fix.place) return false;
+  const std::vector<Ray> rays = MakeRays(lines, TangentPlane(lines.front().camera), options);
+  const double first_s = std::ranges::min(rays, {}, &Ray::time_s).time_s;
+  if (moving.motion->velocity.norm() * -first_s < options.least_travel_m) return false;
+  if (!standing.fix.place) return true;
+  const std::vector<double> of_standing = OffsetsFrom(rays, *standing.motion, options);
+  const std::vector<double> of_moving = OffsetsFrom(rays, *moving.motion, options);
+  std::vector<double> sorted = of_moving;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::ranges::nth_element(sorted, middle);
+  constexpr double kRayleighMedian = 1.1774100225154747;
+  const double factor = std::max(1.0, *middle / kRayleighMedian);
+  const auto cost = [&](const std::vector<double>& offsets) {
+    double sum = 0;
+    for (const double offset : offsets) sum += std::pow(std::min(offset / factor, options.gate_sigma), 2);
+    return sum;
+  };
+  constexpr double kUnknowns = 3;  // of a velocity
+  return cost(of_standing) - cost(of_moving) > kUnknowns * std::log(2.0 * static_cast<double>(lines.size()));
+}
+
+// What does not move has the velocity 0, as well as it is known.
+GeoFix LocateByEvidence(std::span<const LineOfSight> lines, const LocateOptions& options) {
+  Located standing = LocateAs("static", lines, options);
+  const Located moving = LocateAs("velocity", lines, options);
+  if (Moves(lines, standing, moving, options)) return moving.fix;
+  if (standing.fix.place && moving.fix.place) {
+    standing.fix.place->velocity_enu = Eigen::Vector3d::Zero();
+    standing.fix.place->velocity_covariance_enu = moving.fix.place->velocity_covariance_enu;
+  }
+  return standing.fix;
+}
+
 }  // namespace
 
 Expected<GeoFix> Locate(std::span<const LineOfSight> lines, const LocateOptions& options) {
@@ -151,22 +230,8 @@ Expected<GeoFix> Locate(std::span<const LineOfSight> lines, const LocateOptions&
   if (options.method == "ground" && !options.ground_height_m) {
     return Fail(ErrorCode::kInvalidArgument, "the method ground needs the height of the ground (--ground METRES)");
   }
-  const TangentPlane plane(lines.front().camera);
-  const std::vector<Ray> rays = MakeRays(lines, plane, options);
-  GeoFix fix{.inliers = std::vector<bool>(lines.size(), false)};
-  const Outcome outcome = Solve(rays, plane, options);
-  if (!outcome) {
-    fix.status = outcome.error();
-    return fix;
-  }
-  if (auto why = WhyTooUncertain(rays, *outcome, options.largest_error_share)) {
-    fix.status = *std::move(why);
-    return fix;
-  }
-  fix.place = PlaceOf(*outcome, plane, std::ranges::max(lines, {}, &LineOfSight::time_s).time_s);
-  fix.inliers = outcome->inliers;
-  fix.status = "ok";
-  return fix;
+  if (options.motion == "auto") return LocateByEvidence(lines, options);
+  return LocateAs(options.motion, lines, options).fix;
 }
 
 }  // namespace victorious

@@ -17,24 +17,12 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "victorious/base/error.h"
-#include "victorious/geolocate/line_of_sight.h"
 #include "victorious/geolocate/locate_options.h"
+#include "victorious/types/line_of_sight.h"
+#include "victorious/types/place.h"
 
 namespace victorious {
-
-/// Where an object is.
-struct Place {
-  GeodeticPoint point;
-  double time_s = 0;                            ///< when: the last line's time
-  Eigen::Matrix3d covariance_enu_m2;            ///< east, north, up at the point
-  std::optional<Eigen::Vector3d> velocity_enu;  ///< m/s; only where motion was asked for
-  std::optional<Eigen::Matrix3d> velocity_covariance_enu;
-  double ce90_m = 0;  ///< radius of the horizontal circle about the point that holds the truth in 90 %
-  double le90_m = 0;  ///< the same of height, up and down
-};
 
 struct GeoFix {
   std::optional<Place> place;  ///< none where the lines do not determine one

@@ -57,6 +57,7 @@ struct LineErrorOptions {
 struct LocateOptions {
   std::string motion = "static";
   std::string method = "ml";
+  double least_travel_m = 1;
   double identity_radius_m = 2;
   double distance_prior_allowance = 1.5;
   double gate_sigma = 3;
@@ -72,7 +73,13 @@ struct LocateOptions {
 
   void ListFields(FieldList& fields) {
     fields.Add("motion", motion,
-               {.choices = {"static", "velocity"}, .reason = "how the object moves: not at all, or steadily"});
+               {.choices = {"static", "velocity", "auto"},
+                .reason = "how the object moves: not at all, or steadily; auto: as the lines say"});
+    fields.Add("least_travel_m", least_travel_m,
+               {.min = 0,
+                .max = 1e5,
+                .unit = "m",
+                .reason = "auto takes less than this, over the time of the lines, for standing still"});
     fields.Add("method", method,
                {.choices = {"ml", "ransac", "prior", "least-squares", "ground"},
                 .reason = "the estimator; ml refines what ransac keeps, and alone weighs errors as they are"});

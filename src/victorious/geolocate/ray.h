@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
-#include "victorious/geolocate/line_of_sight.h"
 #include "victorious/geolocate/locate_options.h"
+#include "victorious/types/line_of_sight.h"
 
 namespace victorious {
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -14,6 +13,8 @@
 #include "victorious/base/version.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/model/model_builder.h"
+#include "victorious/model/template_features.h"
+#include "victorious/model/view_surface.h"
 
 namespace victorious {
 
@@ -22,12 +23,15 @@ void CadModelOptions::ListFields(FieldList& fields) {
   fields.AddGroup("sphere", sphere);
   fields.AddGroup("light", light);
   fields.AddGroup("render", render);
-  fields.Add("object_size_px", object_size_px,
-             {.min = 32,
-              .max = 2048,
-              .unit = "px",
-              .reason = "diameter of the object's bounding sphere in the templates: about as large as it appears in "
-                        "the video, or larger"});
+  fields.Add("pixels_per_m", pixels_per_m,
+             {.min = 0.01,
+              .max = 1e6,
+              .unit = "px/m",
+              .reason = "how large the object is in the templates: about as large as it appears in the video, or larger"});
+  fields.Add("least_size_px", least_size_px,
+             {.min = 32, .max = 2048, .unit = "px", .reason = "diameter of the object's bounding sphere, at least"});
+  fields.Add("most_size_px", most_size_px,
+             {.min = 32, .max = 2048, .unit = "px", .reason = "diameter of the object's bounding sphere, at most"});
   fields.Add("distance_radii", distance_radii,
              {.min = 1.5,
               .max = 1e6,
@@ -56,11 +60,12 @@ Expected<RenderedTemplate> RenderTemplate(Renderer& renderer, MeshId mesh, const
                                           const ViewSphere::View& view, const std::string& source,
                                           const CadModelOptions& options) {
   constexpr int kRoomPx = 16;  // around the sphere's outline
-  const int side = options.object_size_px + 2 * kRoomPx;
+  const int size_px = ObjectSizePx(2 * sphere.radius, options);
+  const int side = size_px + 2 * kRoomPx;
   VICTORIOUS_ASSIGN_OR_RETURN(PosedCamera camera,
                               CameraForView(view.direction, sphere,
                                             {.distance_m = options.distance_radii * sphere.radius,
-                                             .diameter_px = static_cast<double>(options.object_size_px),
+                                             .diameter_px = static_cast<double>(size_px),
                                              .width_px = side,
                                              .height_px = side}));
   const MeshInstance instance{.mesh = mesh, .world_from_mesh = {}};
@@ -84,44 +89,27 @@ Expected<RenderedTemplate> RenderTemplate(Renderer& renderer, MeshId mesh, const
   return result;
 }
 
-// A keypoint's place on the object; nothing where the rendering has no depth.
-std::optional<Point3> PlaceOf(const Keypoint& keypoint, const RenderedTemplate& rendered,
-                              const Rigid3& model_from_camera) {
-  const int column = std::clamp(static_cast<int>(keypoint.x), 0, rendered.depth_m.cols - 1);
-  const int row = std::clamp(static_cast<int>(keypoint.y), 0, rendered.depth_m.rows - 1);
-  const double depth = rendered.depth_m.at<float>(row, column);
-  if (!std::isfinite(depth)) return std::nullopt;
-  const Eigen::Vector3d place =
-      model_from_camera.Apply(depth * rendered.camera.pinhole.RayOf({keypoint.x, keypoint.y}));
-  return Point3{static_cast<float>(place.x()), static_cast<float>(place.y()), static_cast<float>(place.z())};
-}
-
-struct TemplateFeatures {
-  FeatureSet features;
-  std::vector<Point3> points;
+// All that a view's rendering becomes.
+struct MadeView {
+  LitTemplate features;
+  std::vector<std::byte> surface;
 };
 
-// The features that have a place on the object.
-Expected<TemplateFeatures> FeaturesOf(const RenderedTemplate& rendered, const FeatureExtractor& extractor,
-                                      const CadModelOptions& options) {
-  TemplateFeatures result;
-  if (rendered.picture.outline.size() < 3) return result;
-  VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet all, FeaturesOnObject(rendered.picture, extractor,
-                                                                     {.least_mask_share = options.least_mask_share}));
-  const Rigid3 model_from_camera = rendered.camera.camera_from_world.Inverse();
-  result.features.image_width = all.image_width;
-  result.features.image_height = all.image_height;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const std::optional<Point3> place = PlaceOf(all.keypoints[i], rendered, model_from_camera);
-    if (!place) continue;
-    AppendFeature(all.keypoints[i], all, i, result.features);
-    result.points.push_back(*place);
-  }
-  if (result.features.size() < static_cast<std::size_t>(options.least_features)) result = {};
-  return result;
+Expected<MadeView> MakeView(const RenderedTemplate& rendered, const FeatureExtractor& extractor,
+                            const CadModelOptions& options) {
+  MadeView made;
+  const SeenSurface seen{rendered.camera, rendered.depth_m};
+  VICTORIOUS_ASSIGN_OR_RETURN(made.features, TemplateFeaturesOf(rendered.picture, seen, extractor, options));
+  VICTORIOUS_ASSIGN_OR_RETURN(made.surface, EncodeSurface({rendered.picture.grey, seen}));
+  return made;
 }
 
 }  // namespace
+
+int ObjectSizePx(double diameter_m, const CadModelOptions& options) {
+  const double size_px = std::min(diameter_m * options.pixels_per_m, static_cast<double>(options.most_size_px));
+  return std::max(static_cast<int>(std::lround(size_px)), options.least_size_px);
+}
 
 Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, const std::string& source,
                                    const CadModelOptions& options, const std::function<void(int, int)>& progress) {
@@ -146,11 +134,11 @@ Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, co
           RenderTemplate(renderer, uploaded, bounds, sphere.views[static_cast<std::size_t>(i)], source, options));
       rendered.push_back(std::move(view));
     }
-    std::vector<Expected<TemplateFeatures>> features(rendered.size());
+    std::vector<Expected<MadeView>> made(rendered.size());
     oneapi::tbb::parallel_for(std::size_t{0}, rendered.size(),
-                              [&](std::size_t i) { features[i] = FeaturesOf(rendered[i], *extractor, options); });
+                              [&](std::size_t i) { made[i] = MakeView(rendered[i], *extractor, options); });
     for (std::size_t i = 0; i < rendered.size(); ++i) {
-      if (!features[i]) return std::unexpected(std::move(features[i]).error());
+      if (!made[i]) return std::unexpected(std::move(made[i]).error());
       const RenderedTemplate& view = rendered[i];
       ModelView model_view{.source = view.picture.source,
                            .width = view.picture.grey.cols,
@@ -158,16 +146,18 @@ Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, co
                            .outline = view.picture.outline.size() < 3 ? Polygon() : view.picture.outline,
                            .angles = ViewAngles{view.view.direction.azimuth_rad, view.view.direction.off_nadir_rad},
                            .neighbours = {view.view.neighbours.begin(), view.view.neighbours.end()},
-                           .thumbnail = {}};
-      most_features = std::max(most_features, features[i]->features.size());
-      VICTORIOUS_RETURN_IF_ERROR(
-          builder.Add(std::move(model_view), features[i]->features, features[i]->points, view.picture.thumbnail));
+                           .thumbnail = {},
+                           .surface = {}};
+      const LitTemplate& found = made[i]->features;
+      most_features = std::max(most_features, found.features.size());
+      VICTORIOUS_RETURN_IF_ERROR(builder.Add(std::move(model_view), found.features, found.points_in_model,
+                                             view.picture.thumbnail, std::move(made[i]->surface)));
     }
     if (progress) progress(first + size, count);
   }
   if (most_features == 0) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: no view has {} features or more: the model needs texture, or a larger object_size_px",
+                fmt::format("{}: no view has {} features or more: the model needs texture, or a larger least_size_px",
                             source, options.least_features));
   }
   const Eigen::AlignedBox3d box = BoundingBox(mesh);
@@ -178,6 +168,7 @@ Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, co
                                     .options_json = OptionsToJsonText(options),
                                     .program_version = kVersion,
                                     .length_m = box.sizes().maxCoeff(),
+                                    .box_m = box,
                                     .views = {},
                                     .features = {},
                                     .points_in_model = {},

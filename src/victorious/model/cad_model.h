@@ -21,13 +21,18 @@ struct CadModelOptions {
   ViewSphereOptions sphere;
   Light light;
   RenderOptions render;
-  int object_size_px = 400;
+  double pixels_per_m = 22.0;
+  int least_size_px = 180;
+  int most_size_px = 400;
   double distance_radii = 12.0;
   double least_mask_share = 0.7;
   int least_features = 4;
 
   void ListFields(FieldList& fields);
 };
+
+/// How large the object's bounding sphere is drawn, px across.
+[[nodiscard]] int ObjectSizePx(double diameter_m, const CadModelOptions& options);
 
 /// @param mesh      in the model frame, metres
 /// @param source    the CAD file's path as given

@@ -49,7 +49,8 @@ Mesh BlottedBox() {
 CadModelOptions FewViews() {
   CadModelOptions options;
   options.sphere = {.step_deg = 30, .max_off_nadir_deg = 60};
-  options.object_size_px = 280;
+  options.least_size_px = 280;
+  options.most_size_px = 280;
   return options;
 }
 
@@ -76,7 +77,7 @@ PosedCamera CameraOf(const ModelView& view) {
   const double radius_m = kHalfSize.norm();
   return *CameraForView({view.angles->azimuth_rad, view.angles->off_nadir_rad}, {{0, 0, 0}, radius_m},
                         {.distance_m = options.distance_radii * radius_m,
-                         .diameter_px = static_cast<double>(options.object_size_px),
+                         .diameter_px = static_cast<double>(options.most_size_px),
                          .width_px = view.width,
                          .height_px = view.height});
 }
@@ -187,7 +188,7 @@ TEST(MakeCadModel, WithoutTextureThereIsOneClearError) {
 
 TEST(MakeCadModel, OptionsOutOfRangeAreRefused) {
   CadModelOptions options = FewViews();
-  options.object_size_px = 1;
+  options.least_size_px = 1;
   EXPECT_FALSE(MakeCadModel("box", BlottedBox(), "box.glb", options));
 }
 

@@ -135,9 +135,10 @@ cv::Mat ThumbnailOf(const cv::Mat& bgr, const Box& part, int side_px) {
 }
 
 Status ModelBuilder::Add(ModelView view, const FeatureSet& features, const std::vector<Point3>& points,
-                         const cv::Mat& thumbnail) {
+                         const cv::Mat& thumbnail, std::vector<std::byte> surface) {
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<std::byte> jpeg, EncodeJpeg(thumbnail));
   thumbnails_.push_back(std::move(jpeg));
+  surfaces_.push_back(std::move(surface));
   view.first_feature = features_.size();
   view.feature_count = features.size();
   views_.push_back(std::move(view));
@@ -152,11 +153,15 @@ ObjectModel ModelBuilder::Finish(ObjectModel model) && {
     FeatureSet features;
     std::vector<Point3> points;
     std::vector<std::vector<std::byte>> thumbnails;
+    std::vector<std::vector<std::byte>> surfaces;
   };
-  const auto storage =
-      std::make_shared<const Storage>(std::move(features_), std::move(points_), std::move(thumbnails_));
+  const auto storage = std::make_shared<const Storage>(std::move(features_), std::move(points_), std::move(thumbnails_),
+                                                       std::move(surfaces_));
   model.views = std::move(views_);
-  for (std::size_t i = 0; i < model.views.size(); ++i) model.views[i].thumbnail = storage->thumbnails[i];
+  for (std::size_t i = 0; i < model.views.size(); ++i) {
+    model.views[i].thumbnail = storage->thumbnails[i];
+    model.views[i].surface = storage->surfaces[i];
+  }
   model.features = storage->features.View();
   model.points_in_model = storage->points;
   model.storage = storage;

@@ -48,10 +48,12 @@ cv::Mat ThumbnailOf(const cv::Mat& bgr, const Box& part, int side_px);
 /// Gathers views. The model's features lie one view after the other.
 class ModelBuilder {
  public:
-  /// @param view       without its features' range and its thumbnail, which are set here
+  /// @param view       without its features' range, its thumbnail and its surface, which are set here
   /// @param points     the features' places on the object, one each, or none
   /// @param thumbnail  ObjectPicture's
-  Status Add(ModelView view, const FeatureSet& features, const std::vector<Point3>& points, const cv::Mat& thumbnail);
+  /// @param surface    EncodeSurface()'s bytes, or none
+  Status Add(ModelView view, const FeatureSet& features, const std::vector<Point3>& points, const cv::Mat& thumbnail,
+             std::vector<std::byte> surface = {});
 
   /// @param model  what a model has beside views and features; completed and returned
   [[nodiscard]] ObjectModel Finish(ObjectModel model) &&;
@@ -61,6 +63,7 @@ class ModelBuilder {
   FeatureSet features_;
   std::vector<Point3> points_;
   std::vector<std::vector<std::byte>> thumbnails_;  // JPEG, one a view
+  std::vector<std::vector<std::byte>> surfaces_;    // one a view
 };
 
 }  // namespace victorious

@@ -105,12 +105,13 @@ Expected<cv::Mat> DrawContactSheet(const SightingFilter& filter, const ContactSh
   for (const ObjectRecord& object : objects) {
     if (tiles.size() == static_cast<std::size_t>(options.most_tiles)) break;
     const ModelRecord* model = catalogue.Model(object.model);
-    if (model == nullptr || catalogue.Video(object.video) == nullptr) continue;
+    if (model == nullptr) continue;
     tile_of[object.id] = tiles.size();
     tiles.push_back({.object = object, .model = model->name, .best = {.matches = -1}, .picture = {}});
   }
   VICTORIOUS_RETURN_IF_ERROR(store.VisitSightings(filter, [&](SightingRecord&& sighting) {
-    if (const auto found = tile_of.find(sighting.object); found != tile_of.end()) {
+    const auto found = tile_of.find(sighting.object);
+    if (found != tile_of.end() && catalogue.Video(sighting.video) != nullptr) {
       Tile& tile = tiles[found->second];
       if (sighting.matches > tile.best.matches) tile.best = std::move(sighting);
     }
@@ -120,7 +121,7 @@ Expected<cv::Mat> DrawContactSheet(const SightingFilter& filter, const ContactSh
   std::erase_if(tiles, [](const Tile& tile) { return tile.best.matches < 0; });
 
   std::map<std::int64_t, std::vector<Tile*>> by_video;
-  for (Tile& tile : tiles) by_video[tile.object.video].push_back(&tile);
+  for (Tile& tile : tiles) by_video[tile.best.video].push_back(&tile);
   for (const auto& [video, of_video] : by_video) {
     VICTORIOUS_RETURN_IF_ERROR(DrawTilesOf(*catalogue.Video(video), of_video, options.tile_width_px));
   }

@@ -25,7 +25,7 @@ class ContactSheet : public ::testing::Test {
 
   void SetUp() override {
     const auto report =
-        Indexer::Create(flight_.Models(), {}).value().Index(flight_.video(), false, 2, CancelToken(), *store_);
+        Indexer::Create(flight_.Models(), {}).value().Index({.video = flight_.video()}, CancelToken(), *store_);
     ASSERT_TRUE(report) << report.error().message;
     objects_ = ObjectsOf(*store_);
     ASSERT_GE(objects_.size(), 3U);

@@ -8,11 +8,10 @@ void RunOptions::ListFields(FieldList& fields) {
       {.min = 0,
        .max = 3600,
        .unit = "s",
-       .reason =
-           "a sighting continues an object that was last seen no longer ago than this, or than 2.5 searched frames"});
+       .reason = "a sighting continues a run that was last seen no longer ago than this, or than 2.5 searched frames"});
   fields.Add(
       "least_overlap", least_overlap,
-      {.min = 0, .max = 1, .reason = "intersection over union that a sighting's box needs with the object's last one"});
+      {.min = 0, .max = 1, .reason = "intersection over union that a sighting's box needs with the run's last one"});
 }
 
 void KeepOptions::ListFields(FieldList& fields) {
@@ -33,9 +32,16 @@ void VideoOptions::ListFields(FieldList& fields) {
 }
 
 void IndexOptions::ListFields(FieldList& fields) {
+  ListSearchFields(fields);
+  fields.AddGroup("objects", objects);
+}
+
+void IndexOptions::ListSearchFields(FieldList& fields) {
   fields.AddGroup("video", video);
   fields.AddGroup("features", features);
   recognize.ListFields(fields);
+  fields.AddGroup("telemetry", telemetry);
+  fields.AddGroup("sight", sight);
   fields.AddGroup("runs", runs);
   fields.AddGroup("keep", keep);
   fields.Add("every", every,

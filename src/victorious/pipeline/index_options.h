@@ -4,11 +4,14 @@
 
 #include "victorious/base/options.h"
 #include "victorious/features/feature_extractor.h"
+#include "victorious/pipeline/object_options.h"
+#include "victorious/pipeline/sight.h"
 #include "victorious/recognize/recognizer.h"
+#include "victorious/telemetry/telemetry.h"
 
 namespace victorious {
 
-/// How sightings of consecutive frames become objects: for now, an object is a run of overlapping sightings.
+/// How sightings of consecutive frames become runs: those that overlap.
 struct RunOptions {
   double gap_s = 2.0;
   double least_overlap = 0.1;
@@ -34,11 +37,18 @@ struct IndexOptions {
   VideoOptions video;
   FeatureOptions features = FaintFeatures();
   RecognizeOptions recognize;
+  TelemetryOptions telemetry;
+  SightOptions sight;
   RunOptions runs;
+  ObjectOptions objects;
   KeepOptions keep;
   int every = 1;
 
   void ListFields(FieldList& fields);
+
+  /// Those that decide what is stored of a video. The others only say what is made of that (object_list.h), so may
+  /// change without a new search.
+  void ListSearchFields(FieldList& fields);
 };
 
 }  // namespace victorious

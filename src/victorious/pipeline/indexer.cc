@@ -1,6 +1,7 @@
 #include "victorious/pipeline/indexer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <utility>
@@ -11,7 +12,10 @@
 
 #include "victorious/base/progress.h"
 #include "victorious/base/version.h"
+#include "victorious/pipeline/object_list.h"
 #include "victorious/pipeline/search_pass.h"
+#include "victorious/pipeline/video_telemetry.h"
+#include "victorious/telemetry/camera_track.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious {
@@ -78,6 +82,41 @@ Status CheckParameters(const VideoRecord& video, const std::vector<ObjectModel>&
   return {};
 }
 
+std::string SearchOptionsText(IndexOptions options) {
+  FieldList fields;
+  options.ListSearchFields(fields);
+  return ToJsonText(fields.fields());
+}
+
+// What telemetry tells of a video.
+struct Cameras {
+  std::optional<CameraTrack> track;
+  std::optional<std::int64_t> start_utc_us;
+};
+
+// The time of day of the first frame, from the state that is nearest to it.
+std::optional<std::int64_t> StartOf(const std::vector<CameraState>& states) {
+  for (const CameraState& state : states) {
+    if (state.utc_us) return *state.utc_us - std::llround(state.time_s * 1e6);
+  }
+  return std::nullopt;
+}
+
+Expected<Cameras> CamerasOf(const IndexJob& job, bool live, const TelemetryOptions& options, const WarningSink& tell) {
+  std::optional<Telemetry> telemetry;
+  if (job.telemetry) {
+    VICTORIOUS_ASSIGN_OR_RETURN(telemetry, ReadTelemetry(*job.telemetry, options));
+  } else if (!live) {
+    VICTORIOUS_ASSIGN_OR_RETURN(telemetry, FindTelemetry(job.video, options, tell));
+  }
+  Cameras cameras;
+  if (!telemetry) return cameras;
+  for (const std::string& warning : telemetry->warnings) tell("telemetry: " + warning);
+  cameras.start_utc_us = StartOf(telemetry->states);
+  cameras.track.emplace(std::move(telemetry->states), options.max_gap_s);
+  return cameras;
+}
+
 struct PlannedSearch {
   ObjectModel model;
   SearchRecord search;
@@ -96,17 +135,28 @@ Expected<Indexer> Indexer::Create(std::vector<ObjectModel> models, const IndexOp
   return Indexer(std::move(models), options, std::move(extractor));
 }
 
-Expected<IndexReport> Indexer::Index(const std::string& video, bool redo, int threads, const CancelToken& cancel,
-                                     IndexStore& store, const WarningSink& warn) const {
+Expected<IndexReport> Indexer::Index(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
+                                     const WarningSink& warn) const {
+  Expected<IndexReport> report = Search(job, cancel, store, warn);
+  if (report || report.error().code == ErrorCode::kCancelled) {
+    VICTORIOUS_RETURN_IF_ERROR(UpdateObjects(options_.objects, store));
+  }
+  return report;
+}
+
+Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
+                                      const WarningSink& warn) const {
+  const std::string& video = job.video;
   if (cancel.IsCancelled()) {
     return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped before it was opened; run again to go on", video));
   }
-  const VideoReaderOptions reading{.threads = threads, .folder_frame_rate = options_.video.folder_frame_rate};
+  const VideoReaderOptions reading{.threads = job.threads, .folder_frame_rate = options_.video.folder_frame_rate};
   VICTORIOUS_ASSIGN_OR_RETURN(std::unique_ptr<VideoReader> reader, VideoReader::Open(video, reading));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string content_id, ContentIdOf(*reader, video, cancel));
   const auto tell = [&](const std::string& warning) {
     if (warn) warn(warning);
   };
+  VICTORIOUS_ASSIGN_OR_RETURN(const Cameras cameras, CamerasOf(job, reader->info().live, options_.telemetry, tell));
   if (!reader->info().live) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t forgotten, store.ForgetOtherContent(video, content_id));
     if (forgotten > 0) tell("has changed since it was indexed: what was found before is replaced");
@@ -117,10 +167,11 @@ Expected<IndexReport> Indexer::Index(const std::string& video, bool redo, int th
                                                                         .height = reader->info().height,
                                                                         .frame_count = {},
                                                                         .duration_s = {},
+                                                                        .start_utc_us = cameras.start_utc_us,
                                                                         .features_json = {}}));
 
-  const StoredParameters parameters{OptionsToJsonText(options_), OptionsToJsonText(options_.features)};
-  if (!redo) {
+  const StoredParameters parameters{SearchOptionsText(options_), OptionsToJsonText(options_.features)};
+  if (!job.redo) {
     VICTORIOUS_RETURN_IF_ERROR(CheckParameters(record, models_, parameters, store));
   } else {
     VICTORIOUS_RETURN_IF_ERROR(store.ForgetKeptFrames(record.id));  // others may be kept now, of other features
@@ -140,7 +191,7 @@ Expected<IndexReport> Indexer::Index(const std::string& video, bool redo, int th
     }
     VICTORIOUS_ASSIGN_OR_RETURN(const ModelRecord stored,
                                 store.PutModel({.name = model.name, .model_id = model.id, .kind = model.kind}));
-    if (redo) VICTORIOUS_RETURN_IF_ERROR(store.ForgetSearch(record.id, stored.id));
+    if (job.redo) VICTORIOUS_RETURN_IF_ERROR(store.ForgetSearch(record.id, stored.id));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before, store.FindSearch(record.id, stored.id));
     if (before && before->finished) continue;
     const std::int64_t next_frame = before ? before->next_frame : 0;
@@ -172,7 +223,8 @@ Expected<IndexReport> Indexer::Index(const std::string& video, bool redo, int th
                           .recognizer = recognizer,
                           .extractor = *extractor_,
                           .options = options_,
-                          .threads = threads};
+                          .cameras = cameras.track ? &*cameras.track : nullptr,
+                          .threads = job.threads};
     VICTORIOUS_RETURN_IF_ERROR(RunSearchPass(pass, *reader, cancel, store, warn, report));
     reader.reset();
   }

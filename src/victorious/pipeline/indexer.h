@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,14 @@ struct IndexReport {
 /// Told what of a video was damaged, and where, a line each; also of a video that could not be indexed to its end.
 using WarningSink = std::function<void(const std::string& warning)>;
 
+/// One video to be indexed, and how.
+struct IndexJob {
+  std::string video;                     ///< a path or URL, also the name under which it is stored
+  std::optional<std::string> telemetry;  ///< a file; unless given, the video's own, or what lies beside it
+  bool redo = false;                     ///< forget what was found of these models in it, and search again
+  int threads = 0;                       ///< 0: as many as the machine has
+};
+
 /// Searches videos for a set of models and keeps what it finds. One video at a time.
 class Indexer {
  public:
@@ -34,16 +43,17 @@ class Indexer {
 
   /// Goes on where an earlier run stopped, searches new models alone in what was indexed before, and doubles nothing.
   /// Progress is stored every few seconds together with what was found, so that a kill loses no more than that.
-  /// @param video   a path or URL, also the name under which it is stored
-  /// @param redo    forget what was found of these models in this video, and search again
-  /// @param threads 0: as many as the machine has
-  /// Errors: those of VideoReader and IndexStore; kInvalidArgument if the video was indexed with other parameters and
-  /// redo is not asked for; kCancelled, after what was done is stored. A live source, which cannot be gone on with,
-  /// ends where it is cancelled: no error.
-  Expected<IndexReport> Index(const std::string& video, bool redo, int threads, const CancelToken& cancel,
-                              IndexStore& store, const WarningSink& warn = {}) const;
+  /// At its end, done or stopped, the objects of the whole index are made anew (object_list.h).
+  /// Errors: those of VideoReader, IndexStore, and a telemetry file that was named; kInvalidArgument if the video was
+  /// indexed with other parameters and redo is not asked for; kCancelled, after what was done is stored. A live source,
+  /// which cannot be gone on with, ends where it is cancelled: no error.
+  Expected<IndexReport> Index(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
+                              const WarningSink& warn = {}) const;
 
  private:
+  Expected<IndexReport> Search(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
+                               const WarningSink& warn) const;
+
   Indexer(std::vector<ObjectModel> models, const IndexOptions& options,
           std::unique_ptr<const FeatureExtractor> extractor);
 

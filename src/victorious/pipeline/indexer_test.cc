@@ -50,6 +50,8 @@ class HookedStore final : public IndexStore {
     VICTORIOUS_RETURN_IF_ERROR(before_commit_());
     return store_.Commit(batch);
   }
+  Expected<std::vector<RunRecord>> Runs() override { return store_.Runs(); }
+  Status PutObjects(std::span<const ObjectRecord> objects) override { return store_.PutObjects(objects); }
   Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) override { return store_.Objects(filter); }
   Status VisitSightings(const SightingFilter& filter, const std::function<bool(SightingRecord&&)>& visit) override {
     return store_.VisitSightings(filter, visit);
@@ -67,12 +69,14 @@ struct RunSetup {
   IndexOptions options = {};
   bool redo = false;
   int threads = 2;
+  std::optional<std::string> telemetry = {};
 };
 
 Expected<IndexReport> TryIndex(const std::string& video, std::vector<ObjectModel> models, IndexStore& store,
                                const RunSetup& run = {}, const WarningSink& warn = {}) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Indexer indexer, Indexer::Create(std::move(models), run.options));
-  return indexer.Index(video, run.redo, run.threads, CancelToken(), store, warn);
+  return indexer.Index({.video = video, .telemetry = run.telemetry, .redo = run.redo, .threads = run.threads},
+                       CancelToken(), store, warn);
 }
 
 IndexReport Index(const std::string& video, std::vector<ObjectModel> models, IndexStore& store,
@@ -273,7 +277,7 @@ TEST(Indexer, CancelledAndGoneOnWithItGivesWhatOneRunGives) {
       cancel.Cancel();
       return {};
     });
-    const Expected<IndexReport> report = indexer.Index(flight.video(), false, 2, cancel, hooked);
+    const Expected<IndexReport> report = indexer.Index({.video = flight.video(), .threads = 2}, cancel, hooked);
     if (report) {
       frames += report->frames_searched;
       break;
@@ -295,7 +299,7 @@ TEST(Indexer, CancelledAtOnceItStopsAtOnce) {
   CancelToken cancel;
   cancel.Cancel();
   const Indexer indexer = Indexer::Create(flight.Models(), {}).value();
-  const Expected<IndexReport> report = indexer.Index(flight.video(), false, 2, cancel, *store);
+  const Expected<IndexReport> report = indexer.Index({.video = flight.video(), .threads = 2}, cancel, *store);
   ASSERT_FALSE(report);
   EXPECT_EQ(report.error().code, ErrorCode::kCancelled);
   EXPECT_EQ(Index(flight.video(), flight.Models(), *store).frames_searched, 12);
@@ -311,7 +315,7 @@ TEST(Indexer, ModelsThatAreDifferentlyFarEachGoOnWhereTheyStopped) {
     return {};
   });
   const Indexer first = Indexer::Create({flight.Model(0)}, ManyCommits().options).value();
-  ASSERT_FALSE(first.Index(flight.video(), false, 1, cancel, hooked));
+  ASSERT_FALSE(first.Index({.video = flight.video(), .threads = 1}, cancel, hooked));
   const std::int64_t done = store->FindSearch(1, 1).value().value().next_frame;
   ASSERT_GT(done, 0);
   ASSERT_LT(done, 48);

@@ -29,25 +29,25 @@ SightingRecord Sighting(std::int64_t frame, const Box& box, std::int64_t model =
   return sighting;
 }
 
-// Does what a store does with batches: gives new objects ids in their order, replaces grown ones, keeps sightings.
+// Does what a store does with batches: gives new runs ids in their order, replaces grown ones, keeps sightings.
 class Ledger {
  public:
   std::vector<std::int64_t> Commit(const IndexBatch& batch) {
     std::vector<std::int64_t> ids;
-    for (const IndexBatch::ObjectUpdate& update : batch.objects) {
-      const std::int64_t id = update.id.value_or(static_cast<std::int64_t>(objects.size()) + 1);
-      objects[id] = update.object;
-      objects[id].id = id;
+    for (const IndexBatch::RunUpdate& update : batch.runs) {
+      const std::int64_t id = update.id.value_or(static_cast<std::int64_t>(runs.size()) + 1);
+      runs[id] = update.run;
+      runs[id].id = id;
       ids.push_back(id);
     }
     for (const IndexBatch::NewSighting& sighting : batch.sightings) {
       sightings.push_back(sighting.sighting);
-      sightings.back().object = ids[sighting.object_update];
+      sightings.back().run = ids[sighting.run_update];
     }
     return ids;
   }
 
-  std::map<std::int64_t, ObjectRecord> objects;
+  std::map<std::int64_t, RunRecord> runs;
   std::vector<SightingRecord> sightings;
 };
 
@@ -68,9 +68,9 @@ Ledger LinkAll(const Frames& frames, const RunOptions& options, const std::funct
     batch = {};
     if (here == Cut::kCommit) continue;
     linker = RunLinker(options);
-    std::vector<ObjectRecord> objects;
-    for (const auto& [id, object] : ledger.objects) objects.push_back(object);
-    linker.Resume(objects, ledger.sightings);
+    std::vector<RunRecord> runs;
+    for (const auto& [id, run] : ledger.runs) runs.push_back(run);
+    linker.Resume(runs, ledger.sightings);
   }
   return ledger;
 }
@@ -79,69 +79,69 @@ Ledger LinkAll(const Frames& frames, const RunOptions& options) {
   return LinkAll(frames, options, [](std::size_t) { return Cut::kNone; });
 }
 
-std::vector<std::int64_t> ObjectsOf(const Ledger& ledger) {
-  std::vector<std::int64_t> objects;
-  for (const SightingRecord& sighting : ledger.sightings) objects.push_back(sighting.object);
-  return objects;
+std::vector<std::int64_t> RunsOf(const Ledger& ledger) {
+  std::vector<std::int64_t> runs;
+  for (const SightingRecord& sighting : ledger.sightings) runs.push_back(sighting.run);
+  return runs;
 }
 
-TEST(RunLinker, OverlappingSightingsAreOneObjectThatGrows) {
+TEST(RunLinker, OverlappingSightingsAreOneRunThatGrows) {
   const Ledger ledger = LinkAll({{Sighting(2, {10, 10, 40, 40}, kModel, 0.6)},
                                  {Sighting(3, {14, 12, 40, 40}, kModel, 0.9)},
                                  {Sighting(5, {20, 14, 40, 40}, kModel, 0.7)}},
                                 RunOptions{});
-  EXPECT_THAT(ObjectsOf(ledger), ElementsAre(1, 1, 1));
-  const ObjectRecord& object = ledger.objects.at(1);
-  EXPECT_EQ(object.video, 3);
-  EXPECT_EQ(object.model, kModel);
-  EXPECT_EQ(object.frames, 3);
-  EXPECT_DOUBLE_EQ(object.score, 0.9);
-  EXPECT_DOUBLE_EQ(object.first_time_s, 0.2);
-  EXPECT_DOUBLE_EQ(object.last_time_s, 0.5);
+  EXPECT_THAT(RunsOf(ledger), ElementsAre(1, 1, 1));
+  const RunRecord& run = ledger.runs.at(1);
+  EXPECT_EQ(run.video, 3);
+  EXPECT_EQ(run.model, kModel);
+  EXPECT_EQ(run.frames, 3);
+  EXPECT_DOUBLE_EQ(run.score, 0.9);
+  EXPECT_DOUBLE_EQ(run.first_time_s, 0.2);
+  EXPECT_DOUBLE_EQ(run.last_time_s, 0.5);
 }
 
-TEST(RunLinker, AGapLongerThanAllowedEndsAnObject) {
+TEST(RunLinker, AGapLongerThanAllowedEndsARun) {
   const RunOptions options{.gap_s = 1.05, .least_overlap = 0.1};
   const Box box{10, 10, 40, 40};
-  EXPECT_THAT(ObjectsOf(LinkAll({{Sighting(0, box)}, {Sighting(10, box)}}, options)), ElementsAre(1, 1));
-  EXPECT_THAT(ObjectsOf(LinkAll({{Sighting(0, box)}, {Sighting(11, box)}}, options)), ElementsAre(1, 2));
+  EXPECT_THAT(RunsOf(LinkAll({{Sighting(0, box)}, {Sighting(10, box)}}, options)), ElementsAre(1, 1));
+  EXPECT_THAT(RunsOf(LinkAll({{Sighting(0, box)}, {Sighting(11, box)}}, options)), ElementsAre(1, 2));
   // Frames without any sighting change nothing.
-  EXPECT_THAT(ObjectsOf(LinkAll({{Sighting(0, box)}, {}, {}, {Sighting(11, box)}}, options)), ElementsAre(1, 2));
+  EXPECT_THAT(RunsOf(LinkAll({{Sighting(0, box)}, {}, {}, {Sighting(11, box)}}, options)), ElementsAre(1, 2));
 }
 
-TEST(RunLinker, TooLittleOverlapBeginsANewObject) {
+TEST(RunLinker, TooLittleOverlapBeginsANewRun) {
   const Box box{0, 0, 30, 10};
   const Box shifted{20, 0, 30, 10};  // 100 of 500 px: a fifth in common
   const Frames frames = {{Sighting(0, box)}, {Sighting(1, shifted)}};
-  EXPECT_THAT(ObjectsOf(LinkAll(frames, {.gap_s = 1, .least_overlap = 0.19})), ElementsAre(1, 1));
-  EXPECT_THAT(ObjectsOf(LinkAll(frames, {.gap_s = 1, .least_overlap = 0.21})), ElementsAre(1, 2));
-  // Even where nothing is asked for, what does not overlap at all is another object.
-  EXPECT_THAT(ObjectsOf(LinkAll({{Sighting(0, box)}, {Sighting(1, {31, 0, 30, 10})}}, {.least_overlap = 0})),
+  EXPECT_THAT(RunsOf(LinkAll(frames, {.gap_s = 1, .least_overlap = 0.19})), ElementsAre(1, 1));
+  EXPECT_THAT(RunsOf(LinkAll(frames, {.gap_s = 1, .least_overlap = 0.21})), ElementsAre(1, 2));
+  // Even where nothing is asked for, what does not overlap at all is another run.
+  EXPECT_THAT(RunsOf(LinkAll({{Sighting(0, box)}, {Sighting(1, {31, 0, 30, 10})}}, {.least_overlap = 0})),
               ElementsAre(1, 2));
 }
 
 TEST(RunLinker, OverlapIsWithTheLastSighting) {
   Frames frames;
   for (int i = 0; i < 20; ++i) frames.push_back({Sighting(i, {10.0 * i, 0, 40, 40})});
-  EXPECT_THAT(ObjectsOf(LinkAll(frames, RunOptions{})), ::testing::Each(1));
+  EXPECT_THAT(RunsOf(LinkAll(frames, RunOptions{})), ::testing::Each(1));
 }
 
-TEST(RunLinker, EachObjectContinuesInOneSightingAndTheBestOverlapGoesFirst) {
+TEST(RunLinker, EachRunContinuesInOneSightingAndTheBestOverlapGoesFirst) {
   const Box left{0, 0, 40, 40};
   const Box right{30, 0, 40, 40};
-  // Both sightings of the second frame overlap both objects; they come in the other order.
+  // Both sightings of the second frame overlap both runs; they come in the other order.
   const Frames frames = {{Sighting(0, left), Sighting(0, right)},
                          {Sighting(1, {31, 0, 40, 40}), Sighting(1, {1, 0, 40, 40})},
                          {Sighting(2, {2, 0, 40, 40}), Sighting(2, {4, 0, 40, 40}), Sighting(2, {32, 0, 40, 40})}};
-  EXPECT_THAT(ObjectsOf(LinkAll(frames, RunOptions{})), ElementsAre(1, 2, 2, 1, 1, 3, 2));
+  EXPECT_THAT(RunsOf(LinkAll(frames, RunOptions{})), ElementsAre(1, 2, 2, 1, 1, 3, 2));
 }
 
 TEST(RunLinker, ModelsAreApart) {
   const Box box{0, 0, 40, 40};
   const Frames frames = {{Sighting(0, box, 7), Sighting(0, box, 8)}, {Sighting(1, box, 8), Sighting(1, box, 9)}};
   const Ledger ledger = LinkAll(frames, RunOptions{});
-  EXPECT_THAT(ObjectsOf(ledger), ElementsAre(1, 2, 2, 3));
-  EXPECT_EQ(ledger.objects.at(2).model, 8);
+  EXPECT_THAT(RunsOf(ledger), ElementsAre(1, 2, 2, 3));
+  EXPECT_EQ(ledger.runs.at(2).model, 8);
 }
 
 // Two models, several instances, that wander, vanish and come back.
@@ -164,8 +164,8 @@ Frames RandomFrames(std::uint64_t seed) {
 
 std::vector<std::tuple<std::int64_t, double, std::int64_t, double, double>> Summary(const Ledger& ledger) {
   std::vector<std::tuple<std::int64_t, double, std::int64_t, double, double>> summary;
-  for (const auto& [id, object] : ledger.objects) {
-    summary.emplace_back(object.model, object.score, object.frames, object.first_time_s, object.last_time_s);
+  for (const auto& [id, run] : ledger.runs) {
+    summary.emplace_back(run.model, run.score, run.frames, run.first_time_s, run.last_time_s);
   }
   return summary;
 }
@@ -175,14 +175,14 @@ TEST(RunLinker, CutsBetweenBatchesAndRunsChangeNothing) {
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     const Frames frames = RandomFrames(seed);
     const Ledger whole = LinkAll(frames, options);
-    ASSERT_GT(whole.objects.size(), 10U) << "seed " << seed;
-    ASSERT_LT(whole.objects.size(), whole.sightings.size() / 3) << "seed " << seed;
+    ASSERT_GT(whole.runs.size(), 10U) << "seed " << seed;
+    ASSERT_LT(whole.runs.size(), whole.sightings.size() / 3) << "seed " << seed;
     for (const std::uint32_t spacing : {1U, 3U, 20U}) {
       for (const Cut kind : {Cut::kCommit, Cut::kKill}) {
         Random random(100 * seed + spacing);
         const Ledger cut =
             LinkAll(frames, options, [&](std::size_t) { return random.Below(spacing) == 0 ? kind : Cut::kNone; });
-        EXPECT_EQ(ObjectsOf(cut), ObjectsOf(whole)) << "seed " << seed << ", one cut in " << spacing;
+        EXPECT_EQ(RunsOf(cut), RunsOf(whole)) << "seed " << seed << ", one cut in " << spacing;
         EXPECT_EQ(Summary(cut), Summary(whole)) << "seed " << seed << ", one cut in " << spacing;
       }
     }

@@ -30,8 +30,9 @@ std::unique_ptr<IndexStore> IndexedWith(const DrawnFlight& flight, double keep_i
   IndexOptions options;
   options.keep.interval_s = keep_interval_s;
   std::unique_ptr<IndexStore> store = flight.Store("index.db");
-  const auto report =
-      Indexer::Create({flight.Model(0)}, options).value().Index(flight.video(), false, 2, CancelToken(), *store);
+  const auto report = Indexer::Create({flight.Model(0)}, options)
+                          .value()
+                          .Index({.video = flight.video(), .threads = 2}, CancelToken(), *store);
   EXPECT_TRUE(report) << report.error().message;
   return store;
 }
@@ -94,8 +95,9 @@ TEST(SearchByImage, LooksOnlyWhereItIsTold) {
   const DrawnFlight flight(SlowFlight());
   const auto store = IndexedWith(flight, 0);
   const DrawnFlight other(SlowFlight(99));
-  const auto report =
-      Indexer::Create({other.Model(0)}, {}).value().Index(other.video(), false, 2, CancelToken(), *store);
+  const auto report = Indexer::Create({other.Model(0)}, {})
+                          .value()
+                          .Index({.video = other.video(), .threads = 2}, CancelToken(), *store);
   ASSERT_TRUE(report) << report.error().message;
 
   const Photo crate = PhotoOf(flight.flight(), 0);

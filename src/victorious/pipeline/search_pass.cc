@@ -15,6 +15,7 @@
 
 #include "victorious/base/progress.h"
 #include "victorious/pipeline/run_linker.h"
+#include "victorious/pipeline/sight.h"
 
 namespace victorious {
 namespace {
@@ -24,7 +25,7 @@ struct Work {
   Frame frame;
   bool keep = false;  // its features are kept
   Expected<FeatureSet> features = FeatureSet{};
-  std::vector<Detection> detections;
+  std::vector<SightingRecord> sightings;
 };
 using WorkPtr = std::shared_ptr<Work>;
 
@@ -103,10 +104,42 @@ class Source {
   double last_time_s_ = 0;
 };
 
+FrameConditions ConditionsOf(const std::optional<CameraState>& camera, const FeatureSet& features) {
+  if (!camera || !camera->attitude || !camera->hfov_rad) return {};
+  return {.vertical =
+              MakeVertical(*camera->attitude, *camera->hfov_rad, features.image_width, features.image_height),
+          .sun_ahead = {}};
+}
+
+SightingRecord ToSighting(const SearchPass& pass, const Frame& frame, const FeatureSet& features,
+                          const std::optional<CameraState>& camera, const Detection& detection) {
+  const ObjectModel& model = pass.recognizer.models()[detection.model];
+  SightingRecord sighting{.video = pass.video.id,
+                          .model = pass.searches[detection.model].model,
+                          .frame = frame.index,
+                          .time_s = frame.time_s,
+                          .box = detection.box,
+                          .outline = detection.outline,
+                          .score = detection.score,
+                          .source = "recognised",
+                          .matches = static_cast<int>(detection.pose.inliers.size()),
+                          .view_index = static_cast<int>(detection.view),
+                          .view = model.views[detection.view].angles,
+                          .in_plane_rad = detection.pose.scene_from_template.rotation_rad};
+  if (camera) sighting.sight = SightOf(detection, model, features, *camera, pass.options.sight);
+  return sighting;
+}
+
 // Features and recognition. Parallel.
 void Search(const SearchPass& pass, Work& work) {
   work.features = pass.extractor.Extract(work.frame.image);
-  if (work.features) work.detections = pass.recognizer.Recognize(*work.features);
+  if (work.features) {
+    const auto camera = pass.cameras ? pass.cameras->At(work.frame.time_s) : std::nullopt;
+    for (const Detection& detection :
+         pass.recognizer.Recognize(*work.features, ConditionsOf(camera, *work.features))) {
+      work.sightings.push_back(ToSighting(pass, work.frame, *work.features, camera, detection));
+    }
+  }
   work.frame.image.release();
 }
 
@@ -130,29 +163,27 @@ class Sink {
         committed_frame_(next_frame_),
         last_commit_(Clock::now()) {}
 
-  // Takes up the objects that may still grow.
+  // Takes up the runs that may still grow.
   Status Resume() {
     if (next_frame_ == 0) return {};
-    SightingFilter filter{.model_name = {}, .video_name = pass_.video.name, .from_s = {}, .to_s = {}};
-    VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectRecord> objects, store_.Objects(filter));
-    std::erase_if(objects, [&](const ObjectRecord& object) {
-      return object.video != pass_.video.id ||
-             std::ranges::find(pass_.searches, object.model, &SearchRecord::model) == pass_.searches.end();
+    VICTORIOUS_ASSIGN_OR_RETURN(std::vector<RunRecord> runs, store_.Runs());
+    std::erase_if(runs, [&](const RunRecord& run) {
+      return run.video != pass_.video.id ||
+             std::ranges::find(pass_.searches, run.model, &SearchRecord::model) == pass_.searches.end();
     });
-    if (objects.empty()) return {};
-    filter.from_s = std::ranges::max(objects, {}, &ObjectRecord::last_time_s).last_time_s - linker_.options().gap_s;
+    if (runs.empty()) return {};
+    SightingFilter filter{.video_name = pass_.video.name, .rejected_too = true};
+    filter.from_s = std::ranges::max(runs, {}, &RunRecord::last_time_s).last_time_s - linker_.options().gap_s;
     VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SightingRecord> sightings, store_.Sightings(filter));
-    linker_.Resume(objects, sightings);
+    linker_.Resume(runs, sightings);
     return {};
   }
 
   Status Add(Work& work) {
     if (!work.features) return std::unexpected(std::move(work.features).error());
-    std::vector<SightingRecord> sightings;
-    for (const Detection& detection : work.detections) sightings.push_back(ToSighting(work.frame, detection));
     report_.frames_searched += 1;
-    report_.sightings += static_cast<std::int64_t>(sightings.size());
-    linker_.Link(std::move(sightings), batch_);
+    report_.sightings += static_cast<std::int64_t>(work.sightings.size());
+    linker_.Link(std::move(work.sightings), batch_);
     if (work.keep) {
       batch_.kept_frames.push_back({.video = pass_.video.id,
                                     .frame = work.frame.index,
@@ -185,23 +216,6 @@ class Sink {
 
  private:
   using Clock = std::chrono::steady_clock;
-
-  [[nodiscard]] SightingRecord ToSighting(const Frame& frame, const Detection& detection) const {
-    const ModelView& view = pass_.recognizer.models()[detection.model].views[detection.view];
-    return {.object = 0,
-            .video = pass_.video.id,
-            .model = pass_.searches[detection.model].model,
-            .frame = frame.index,
-            .time_s = frame.time_s,
-            .box = detection.box,
-            .outline = detection.outline,
-            .score = detection.score,
-            .source = "recognised",
-            .matches = static_cast<int>(detection.pose.inliers.size()),
-            .view_index = static_cast<int>(detection.view),
-            .view = view.angles,
-            .in_plane_rad = detection.pose.scene_from_template.rotation_rad};
-  }
 
   const SearchPass& pass_;
   IndexStore& store_;

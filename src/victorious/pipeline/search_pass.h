@@ -12,6 +12,7 @@
 #include "victorious/pipeline/indexer.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/store/index_store.h"
+#include "victorious/telemetry/camera_track.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious {
@@ -23,7 +24,8 @@ struct SearchPass {
   const Recognizer& recognizer;
   const FeatureExtractor& extractor;
   const IndexOptions& options;
-  int threads = 0;  ///< 0: as many as the machine has
+  const CameraTrack* cameras = nullptr;  ///< telemetry, if there is any
+  int threads = 0;                       ///< 0: as many as the machine has
 };
 
 /// Reads `reader` to its end and commits to `store` as it goes; adds what it did to `report`. A live source that is

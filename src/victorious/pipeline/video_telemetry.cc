@@ -23,18 +23,24 @@ std::string HeadOf(const std::string& path) {
   return head;
 }
 
-Expected<Telemetry> ReadFromVideo(const std::string& source, const TelemetryOptions& options) {
+// Out of a video; with no records where it has none.
+Expected<Telemetry> ReadPackets(const std::string& source, const TelemetryOptions& options) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(source, {.data_packets = true}));
   if (reader->info().live) {
     return Fail(ErrorCode::kInvalidArgument, "a live source: its telemetry has no end; give a file");
   }
   reader->PassOverFrames();
   VICTORIOUS_ASSIGN_OR_RETURN(Telemetry telemetry, TelemetryFromPackets(reader->TakeDataPackets(), options));
+  for (const std::string& warning : reader->warnings()) telemetry.warnings.push_back(warning);
+  return telemetry;
+}
+
+Expected<Telemetry> ReadFromVideo(const std::string& source, const TelemetryOptions& options) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Telemetry telemetry, ReadPackets(source, options));
   if (telemetry.records == 0) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: no telemetry: no KLV and no subtitles of a DJI aircraft are in this video", source));
   }
-  for (const std::string& warning : reader->warnings()) telemetry.warnings.push_back(warning);
   return telemetry;
 }
 
@@ -55,6 +61,23 @@ Expected<Telemetry> ReadTelemetry(const std::string& source, const TelemetryOpti
   auto telemetry = ParseTelemetry(bytes, options);
   if (!telemetry) return std::unexpected(std::move(telemetry).error().WithContext(source));
   return telemetry;
+}
+
+Expected<std::optional<Telemetry>> FindTelemetry(const std::string& video, const TelemetryOptions& options,
+                                                 const std::function<void(const std::string&)>& tell) {
+  VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
+  std::error_code error;
+  Expected<Telemetry> own = Telemetry{};
+  if (!fs::is_directory(video, error)) own = ReadPackets(video, options);
+  if (own && !own->packets.empty()) return std::optional(*std::move(own));
+  if (const auto beside = TelemetryBeside(video)) {
+    Expected<Telemetry> read = ReadTelemetry(beside->string(), options);
+    if (read) return std::optional(*std::move(read));
+    tell(read.error().message);
+  }
+  if (own && own->records > 0) return std::optional(*std::move(own));
+  if (!own) tell(own.error().message);
+  return std::nullopt;
 }
 
 std::optional<fs::path> TelemetryBeside(const std::string& video) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -16,6 +17,12 @@ namespace victorious {
 /// Reads a file of telemetry (KLV, DJI subtitles, a table), or a video's own.
 /// Errors: those of reading; kInvalidArgument for what holds no telemetry.
 Expected<Telemetry> ReadTelemetry(const std::string& source, const TelemetryOptions& options);
+
+/// A video's own telemetry (KLV), or a file's beside it, or its own subtitles; nothing where there is none.
+/// @param tell  what is there and cannot be read
+/// Errors: those of the options.
+Expected<std::optional<Telemetry>> FindTelemetry(const std::string& video, const TelemetryOptions& options,
+                                                 const std::function<void(const std::string&)>& tell);
 
 /// `VIDEO` with .SRT or .srt for its ending, or `VIDEO.telemetry.csv`, whichever is there first.
 [[nodiscard]] std::optional<std::filesystem::path> TelemetryBeside(const std::string& video);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "victorious/base/binomial.h"
 #include "victorious/geometry/angles.h"
 
 namespace victorious {
@@ -10,22 +11,32 @@ namespace {
 
 Eigen::Vector2d PlaceOf(const Keypoint& keypoint) { return {keypoint.x, keypoint.y}; }
 
-// Template keypoints that the scene could show: in the frame, and not too small to be found there.
-std::size_t CountVisible(const Similarity2& pose, const FeatureSet& scene, std::span<const Keypoint> model,
-                         double least_scale_px) {
-  const Eigen::Matrix2d linear = pose.Linear();
-  return static_cast<std::size_t>(std::ranges::count_if(model, [&](const Keypoint& keypoint) {
-    const Eigen::Vector2d place = linear * PlaceOf(keypoint) + pose.translation;
-    return keypoint.scale_px * pose.scale >= least_scale_px && place.x() >= 0 && place.y() >= 0 &&
-           place.x() < scene.image_width && place.y() < scene.image_height;
-  }));
-}
+// Whether the scene could show a template keypoint: in the frame, and not too small to be found there.
+class Visibility {
+ public:
+  Visibility(const Similarity2& pose, const FeatureSet& scene, double least_scale_px)
+      : pose_(pose), linear_(pose.Linear()), scene_(scene), least_scale_px_(least_scale_px) {}
+
+  bool operator()(const Keypoint& keypoint) const {
+    const Eigen::Vector2d place = linear_ * PlaceOf(keypoint) + pose_.translation;
+    return keypoint.scale_px * pose_.scale >= least_scale_px_ && place.x() >= 0 && place.y() >= 0 &&
+           place.x() < scene_.image_width && place.y() < scene_.image_height;
+  }
+
+ private:
+  const Similarity2& pose_;
+  Eigen::Matrix2d linear_;
+  const FeatureSet& scene_;
+  double least_scale_px_;
+};
 
 // The share of the scene's keypoints that would do for one of the template's: counted over wider windows than asked
 // for, because few lie in the narrow ones, and none in many.
 double ShareThatAgrees(const Keypoint& keypoint, const Similarity2& pose, const PoseWindow& window,
                        const FeatureSet& scene, const VoteOptions& options) {
   constexpr double kWider = 2;
+  const double turn_window_rad = std::min(kPi, options.turn_rad);
+  const double wide_turn_rad = std::min(kPi, kWider * turn_window_rad);
   constexpr double kLeastCount = 0.1;
   const Eigen::Vector2d place = pose.Apply(PlaceOf(keypoint));
   const double reach_px = kWider * window.widest_px;
@@ -35,11 +46,12 @@ double ShareThatAgrees(const Keypoint& keypoint, const Similarity2& pose, const 
   for (const Keypoint& other : scene.keypoints) {
     if ((PlaceOf(other) - place).squaredNorm() > reach_px * reach_px) continue;
     if (other.scale_px > options.scale_factor * scale_px || other.scale_px * options.scale_factor < scale_px) continue;
-    if (std::abs(WrapAngle(other.orientation_rad - turn_rad)) > kWider * options.turn_rad) continue;
+    if (std::abs(WrapAngle(other.orientation_rad - turn_rad)) > wide_turn_rad) continue;
     ++count;
   }
   const double narrower = reach_px / window.radius_px;
-  return std::max(kLeastCount, count / (narrower * narrower * kWider)) / static_cast<double>(scene.size());
+  const double wider = narrower * narrower * wide_turn_rad / turn_window_rad;
+  return std::max(kLeastCount, count / wider) / static_cast<double>(scene.size());
 }
 
 // Each inlier's chance, those left out that overlap a likelier one in the scene; ascending.
@@ -77,13 +89,17 @@ double RankEvidence(const Similarity2& scene_from_template, std::span<const Rank
                     const PoseWindow& window, double size_px, const FeatureSet& scene, std::span<const Keypoint> model,
                     const VoteOptions& options) {
   const std::vector<double> chances = Chances(scene_from_template, inliers, window, scene, model, options);
-  const std::size_t visible = CountVisible(scene_from_template, scene, model, options.least_scale_px);
-  const double n = static_cast<double>(std::max(visible, chances.size()));
+  const Visibility visible(scene_from_template, scene, options.least_scale_px);
+  // An inlier may lie just outside of the frame, or be just too small, by what the windows allow: it is one of n, too,
+  // so that k are drawn from n.
+  const auto expected = std::ranges::count_if(model, visible);
+  const auto unexpected =
+      std::ranges::count_if(inliers, [&](const RankedMatch& match) { return !visible(model[match.model]); });
+  const auto n = static_cast<double>(expected + unexpected);
   double least_log = 0;  // of C(n, k) p_k^k
   for (std::size_t i = 0; i < chances.size(); ++i) {
     const double k = static_cast<double>(i + 1);
-    const double log_choose = std::lgamma(n + 1) - std::lgamma(k + 1) - std::lgamma(n - k + 1);
-    least_log = std::min(least_log, log_choose + k * std::log(chances[i]));
+    least_log = std::min(least_log, LogChoose(n, k) + k * std::log(chances[i]));
   }
   return -least_log / std::log(10.0) - PoseDecades(scene_from_template, window.radius_px, size_px, scene) -
          options.dependence_decades;

@@ -82,11 +82,13 @@ Vote VoteOf(const Keypoint& scene, const Keypoint& model, const Eigen::Vector2d&
 }
 
 Votes CollectVotes(std::span<const Keypoint> scene, std::span<const Keypoint> model,
-                   std::span<const RankedMatch> matches, const Eigen::Vector2d& centre) {
+                   std::span<const RankedMatch> matches, const Eigen::Vector2d& centre,
+                   const std::optional<UprightPrior>& upright) {
   std::vector<Vote> order;
   order.reserve(matches.size());
   for (std::uint32_t i = 0; i < matches.size(); ++i) {
-    order.push_back(VoteOf(scene[matches[i].scene], model[matches[i].model], centre, i));
+    const Vote vote = VoteOf(scene[matches[i].scene], model[matches[i].model], centre, i);
+    if (!upright || upright->Allows({vote.x, vote.y}, vote.turn_rad)) order.push_back(vote);
   }
   std::ranges::stable_sort(order, {}, &Vote::log_scale);
   Votes votes;
@@ -148,7 +150,7 @@ std::vector<Support> SupportOfEach(const Votes& votes, const std::vector<Window>
     const Window& window = windows[i];
     int count = 0;
     for (std::size_t j = window.begin; j < window.end; ++j) count += Agree(votes, i, j, window.reach2_px2, turn_rad);
-    const double chance = std::min(1.0, kPi * window.reach2_px2 / scene_area_px2) * turn_rad / kPi;
+    const double chance = std::min(1.0, kPi * window.reach2_px2 / scene_area_px2) * std::min(1.0, turn_rad / kPi);
     const double expected = std::max(1e-6, static_cast<double>(window.end - window.begin) * chance);
     all[i] = {count, count * std::log(count / expected) - (count - expected)};
   }
@@ -191,20 +193,22 @@ std::vector<RankedMatch> Gather(const Similarity2& pose, double radius_px, std::
 class PoseFinder {
  public:
   PoseFinder(const FeatureSet& scene, std::span<const Keypoint> model, std::span<const RankedMatch> matches,
-             const Polygon& outline, const VoteOptions& votes, const PoseOptions& pose)
+             const Polygon& outline, const VoteOptions& votes, const PoseOptions& pose,
+             const std::optional<UprightPrior>& upright)
       : scene_(scene),
         model_(model),
         matches_(matches),
         outline_(outline),
         votes_(votes),
         options_(pose),
+        upright_(upright),
         size_px_(std::sqrt(std::abs(SignedArea(outline)))),
         scene_area_px2_(static_cast<double>(scene.image_width) * scene.image_height) {}
 
   std::vector<Pose> Find() const {
     const Box bounds = BoundingBox(outline_);
     const Eigen::Vector2d centre(bounds.x + bounds.width / 2, bounds.y + bounds.height / 2);
-    const Votes votes = CollectVotes(scene_.keypoints, model_, matches_, centre);
+    const Votes votes = CollectVotes(scene_.keypoints, model_, matches_, centre, upright_);
     const float turn_rad = static_cast<float>(votes_.turn_rad);
     const std::vector<Window> windows =
         WindowOfEach(votes, {static_cast<float>(std::log(votes_.scale_factor)), turn_rad,
@@ -212,6 +216,8 @@ class PoseFinder {
     const std::vector<Support> support = SupportOfEach(votes, windows, turn_rad, scene_area_px2_);
     std::vector<bool> used(votes.size());
     std::vector<Pose> poses;
+    // A seed without a pose has had its turn, too: the next ones in its stead cost a third of the time, and what they
+    // bring is chance more often than not (docs/adr/0008).
     for (int i = 0; i < votes_.most_seeds; ++i) {
       const std::optional<std::size_t> seed = BestSeed(support, used);
       if (!seed) break;
@@ -235,6 +241,7 @@ class PoseFinder {
   std::optional<std::size_t> BestSeed(const std::vector<Support>& support, const std::vector<bool>& used) const {
     std::optional<std::size_t> best;
     for (std::size_t i = 0; i < support.size(); ++i) {
+      // Several may be of one template keypoint: how many are distinct is PoseOf's to see.
       if (used[i] || support[i].votes < votes_.least_votes) continue;
       if (!best || support[i].log_likelihood > support[*best].log_likelihood) best = i;
     }
@@ -283,7 +290,8 @@ class PoseFinder {
     for (const RankedMatch& match : inliers) pose.inliers.push_back({match.scene, match.model, 1.0F});
     pose.extent = Extent(PairsOf(scene_.keypoints, model_, inliers), outline_);
     pose.evidence = RankEvidence(map, inliers, {.radius_px = narrower * RadiusPx(map), .widest_px = RadiusPx(map)},
-                                 size_px_, scene_, model_, votes_);
+                                 size_px_, scene_, model_, votes_) +
+                    (upright_ ? upright_->Decades() : 0);
     pose.scene_from_template_plane = map.Matrix();
     return pose;
   }
@@ -301,10 +309,7 @@ class PoseFinder {
 
   double SigmaPx(const Similarity2& map) const { return SimilarityEstimator({}, Noise()).SigmaPx(map); }
 
-  double RadiusPx(const Similarity2& map) const {
-    constexpr double kSigmas = 2.5;
-    return kSigmas * SigmaPx(map);
-  }
+  double RadiusPx(const Similarity2& map) const { return kAgreementSigmas * SigmaPx(map); }
 
   std::vector<RankedMatch> InliersOf(const Similarity2& map, double narrower) const {
     return Gather(map, narrower * RadiusPx(map), scene_.keypoints, model_, matches_, votes_);
@@ -316,6 +321,7 @@ class PoseFinder {
   const Polygon& outline_;
   const VoteOptions& votes_;
   const PoseOptions& options_;
+  const std::optional<UprightPrior>& upright_;
   double size_px_;
   double scene_area_px2_;
 };
@@ -324,9 +330,9 @@ class PoseFinder {
 
 std::vector<Pose> VotePoses(const FeatureSet& scene, std::span<const Keypoint> model,
                             std::span<const RankedMatch> matches, const Polygon& outline, const VoteOptions& votes,
-                            const PoseOptions& options) {
+                            const PoseOptions& options, const std::optional<UprightPrior>& upright) {
   if (outline.size() < 3 || matches.size() < static_cast<std::size_t>(votes.least_votes)) return {};
-  return PoseFinder(scene, model, matches, outline, votes, options).Find();
+  return PoseFinder(scene, model, matches, outline, votes, options, upright).Find();
 }
 
 }  // namespace victorious

@@ -9,15 +9,19 @@
 // template keypoints that the scene could show, the k-th smallest chance p_k and T poses that differ in the scene,
 //   evidence = max over k of -log10(T C(n, k) p_k^k) - dependence_decades,
 // at most -log10(T) - dependence_decades where chance explains it all; the largest over three widths of the windows.
-// Inliers that overlap each other in the scene see the same pixels: of those only the best counts.
+// Inliers that overlap each other in the scene see the same pixels: of those only the best counts. n holds every
+// inlier, also one that the pose puts just out of the frame or makes just too small. Where the camera's attitude is
+// known, votes for poses that would tip the object over do not count, and T is so much smaller.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "victorious/base/options.h"
 #include "victorious/geometry/polygon.h"
 #include "victorious/pose/similarity_pose.h"
+#include "victorious/pose/upright.h"
 #include "victorious/types/feature_set.h"
 #include "victorious/types/match_set.h"
 #include "victorious/types/pose.h"
@@ -40,8 +44,9 @@ struct VoteOptions {
 /// At most votes.most_seeds poses, each with its evidence, most of it first. Deterministic.
 /// @param matches  of one template, by template keypoint
 /// @param outline  of the object in the template, px
+/// @param upright  what the camera's attitude allows of the template; nothing: every pose
 std::vector<Pose> VotePoses(const FeatureSet& scene, std::span<const Keypoint> model,
                             std::span<const RankedMatch> matches, const Polygon& outline, const VoteOptions& votes,
-                            const PoseOptions& options);
+                            const PoseOptions& options, const std::optional<UprightPrior>& upright = {});
 
 }  // namespace victorious

@@ -72,8 +72,40 @@ TEST(VotePoses, FindsAPoseThatThreeMatchesInAHundredAgreeOn) {
 }
 
 TEST(VotePoses, ChanceAloneHasNoEvidence) {
+  const VoteOptions few_votes{.least_votes = 2};  // so that some agree by chance
+  const PoseOptions few_inliers{.least_inliers = 2};
+  std::size_t poses = 0;
   for (std::uint64_t seed = 10; seed < 30; ++seed) {
-    for (const Pose& pose : Find(MakeWorld(seed, 0, {}))) EXPECT_LT(*pose.evidence, 0) << seed;
+    const World world = MakeWorld(seed, 0, {});
+    EXPECT_TRUE(Find(world).empty()) << seed;
+    for (const Pose& pose : VotePoses(world.scene, world.model, world.matches, kOutline, few_votes, few_inliers)) {
+      EXPECT_LT(*pose.evidence, 0) << seed;
+      ++poses;
+    }
+  }
+  EXPECT_GT(poses, 10U);
+}
+
+// Many votes of few template keypoints are no pose.
+TEST(VotePoses, VotesOfOneKeypointCountOnce) {
+  const Similarity2 elsewhere{1.0, -2, {200, 300}};
+  World world = MakeWorld(6, 0, {});
+  Random random(7);
+  for (std::size_t m = 50; m < 53; ++m) {
+    for (std::size_t rank = 0; rank < 4; ++rank) {
+      const std::size_t like = 4 * m + rank;  // its list, and a scene keypoint of its own
+      world.scene.keypoints[like] = Moved(world.model[m], elsewhere, random);
+      world.matches[like].scene = static_cast<std::uint32_t>(like);
+    }
+  }
+  const VoteOptions three{.least_votes = 3};
+  const PoseOptions few_inliers{.least_inliers = 3};
+  const auto found = VotePoses(world.scene, world.model, world.matches, kOutline, three, few_inliers);
+  ASSERT_FALSE(found.empty());
+  EXPECT_LT((found[0].scene_from_template.Apply({100, 50}) - elsewhere.Apply({100, 50})).norm(), 20);
+  const VoteOptions six{.least_votes = 6};
+  for (const Pose& pose : VotePoses(world.scene, world.model, world.matches, kOutline, six, few_inliers)) {
+    EXPECT_GT((pose.scene_from_template.Apply({100, 50}) - elsewhere.Apply({100, 50})).norm(), 50);
   }
 }
 
@@ -81,15 +113,19 @@ TEST(VotePoses, InliersOnOneSpotCountOnce) {
   const Similarity2 truth{1.0, 0, {200, 200}};
   World world = MakeWorld(2, 12, truth);
   const double before = *Find(world).front().evidence;
-  // All twelve move to within a pixel of one place, in the template and in the scene.
+  // All twelve move to within two pixels of three places, in the template and in the scene.
   for (std::size_t i = 0; i < 12; ++i) {
-    const float shift = 0.08F * static_cast<float>(i);
-    world.model[i].x = 100 + shift;
-    world.model[i].y = 50;
-    world.scene.keypoints[i].x = 300 + shift;
-    world.scene.keypoints[i].y = 250;
+    const auto spot = static_cast<float>(i % 3);
+    const auto shift = 0.5F * static_cast<float>(i / 3);
+    world.model[i].x = 40 + 60 * spot + shift;
+    world.model[i].y = spot == 1 ? 80.0F : 20.0F;
+    world.scene.keypoints[i].x = 200 + world.model[i].x;
+    world.scene.keypoints[i].y = 200 + world.model[i].y;
   }
-  for (const Pose& pose : Find(world)) EXPECT_LT(*pose.evidence, before - 4);
+  const std::vector<Pose> poses = Find(world);
+  ASSERT_FALSE(poses.empty());
+  EXPECT_GE(poses[0].distinct_inliers, 12U);
+  for (const Pose& pose : poses) EXPECT_LT(*pose.evidence, before - 4);
 }
 
 TEST(VotePoses, FindsTwoInstances) {
@@ -102,6 +138,30 @@ TEST(VotePoses, FindsTwoInstances) {
   EXPECT_GT(*poses[1].evidence, 2);
   EXPECT_GT((poses[0].scene_from_template.Apply({100, 50}) - poses[1].scene_from_template.Apply({100, 50})).norm(),
             100);
+}
+
+// A view from 40 degrees off nadir, in an image whose vertical leans as the object at `turn_rad` does.
+UprightPrior UprightAt(double turn_rad) {
+  const double off_nadir_rad = RadiansFromDegrees(40);
+  return {MakeVertical({0, off_nadir_rad - kPi / 2, -turn_rad}, 0.1, kWidth, kHeight), off_nadir_rad,
+          RadiansFromDegrees(20)};
+}
+
+TEST(VotePoses, AnUprightPoseHasMoreEvidenceWhereTheVerticalIsKnown) {
+  const Similarity2 truth{0.9, 1.1, {350, 200}};
+  const World world = MakeWorld(1, 12, truth);
+  const auto poses = VotePoses(world.scene, world.model, world.matches, kOutline, {}, {}, UprightAt(1.1));
+  ASSERT_FALSE(poses.empty());
+  EXPECT_NEAR(poses[0].scene_from_template.rotation_rad, truth.rotation_rad, 0.05);
+  EXPECT_GT(*poses[0].evidence, *Find(world)[0].evidence + 1);
+}
+
+TEST(VotePoses, FindsNothingThatWouldBeTippedOver) {
+  const World world = MakeWorld(1, 12, {0.9, 1.1, {350, 200}});
+  ASSERT_GT(*Find(world)[0].evidence, 4);
+  for (const Pose& pose : VotePoses(world.scene, world.model, world.matches, kOutline, {}, {}, UprightAt(-0.6))) {
+    EXPECT_LT(*pose.evidence, 1);
+  }
 }
 
 TEST(VotePoses, NothingFromNothing) {

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "victorious/base/check.h"
+
 namespace victorious {
 
 void RecognizeOptions::ListFields(FieldList& fields) {
@@ -38,30 +40,34 @@ Status CheckEngine(std::span<const ObjectModel> models, std::string_view engine)
 }
 
 Expected<Recognizer> Recognizer::Create(std::vector<ObjectModel> models, const std::string& engine,
-                                        const RecognizeOptions& options) {
+                                        const RecognizeOptions& options,
+                                        const std::vector<std::shared_ptr<const LitTemplates>>& lit) {
+  VICTORIOUS_CHECK(lit.empty() || lit.size() == models.size());
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   VICTORIOUS_RETURN_IF_ERROR(CheckEngine(models, engine));
-  return Recognizer(std::move(models), options);
+  return Recognizer(std::move(models), options, lit);
 }
 
-Recognizer::Recognizer(std::vector<ObjectModel> models, const RecognizeOptions& options)
-    : models_(std::move(models)), options_(options) {
+Recognizer::Recognizer(std::vector<ObjectModel> models, const RecognizeOptions& options,
+                       const std::vector<std::shared_ptr<const LitTemplates>>& lit)
+    : models_(std::make_shared<const std::vector<ObjectModel>>(std::move(models))), options_(options) {
   std::vector<FeatureView> templates;
-  for (std::size_t m = 0; m < models_.size(); ++m) {
-    if (IsSearchedByVotes(models_[m], options)) {
-      voters_.emplace_back(m, VoteSearch(models_[m]));
+  for (std::size_t m = 0; m < models_->size(); ++m) {
+    const ObjectModel& model = (*models_)[m];
+    if (IsSearchedByVotes(model, options)) {
+      voters_.emplace_back(m, VoteSearch(model, lit.empty() ? nullptr : lit[m]));
       continue;
     }
-    for (std::size_t v = 0; v < models_[m].views.size(); ++v) {
+    for (std::size_t v = 0; v < model.views.size(); ++v) {
       views_.push_back({m, v});
-      templates.push_back(models_[m].ViewFeatures(v));
+      templates.push_back(model.ViewFeatures(v));
     }
   }
   templates_ = TemplateSet(templates);
 }
 
 StagedMatches Recognizer::Filter(const FeatureSet& scene, const ViewRef& ref, MatchSet matches) const {
-  const ObjectModel& model = models_[ref.model];
+  const ObjectModel& model = (*models_)[ref.model];
   const std::span<const Keypoint> template_keypoints = model.ViewFeatures(ref.view).keypoints;
   const double scene_area_px2 = static_cast<double>(scene.image_width) * scene.image_height;
   StagedMatches staged;
@@ -80,33 +86,44 @@ void Recognizer::SearchByGrammar(const FeatureSet& scene, std::vector<Candidate>
       candidates.push_back({.model = views_[i].model,
                             .view = views_[i].view,
                             .matches = staged.ratio.size(),
-                            .views = models_[views_[i].model].views.size(),
-                            .outline = models_[views_[i].model].views[views_[i].view].outline,
+                            .views = (*models_)[views_[i].model].views.size(),
+                            .outline = (*models_)[views_[i].model].views[views_[i].view].outline,
                             .pose = std::move(pose)});
     }
   }
 }
 
-void Recognizer::SearchByVotes(const FeatureSet& scene, std::vector<Candidate>& candidates) const {
+void Recognizer::SearchByVotes(const FeatureSet& scene, const FrameConditions& conditions,
+                               std::vector<Candidate>& candidates) const {
   const RankedMatcher ranked(scene.View());
+  const VoteScene ready{scene, ranked, options_.search, options_.pose};
   for (const auto& [model, search] : voters_) {
-    for (Candidate& candidate : search.Search(models_[model], scene, ranked, options_.search, options_.pose)) {
+    for (Candidate& candidate : search.Search(ready, conditions)) {
       candidate.model = model;
       candidates.push_back(std::move(candidate));
     }
   }
 }
 
-std::vector<Detection> Recognizer::Recognize(const FeatureSet& scene) const {
+std::vector<Detection> Recognizer::Recognize(const FeatureSet& scene, const FrameConditions& conditions) const {
   std::vector<Candidate> candidates;
   if (!views_.empty()) SearchByGrammar(scene, candidates);
-  if (!voters_.empty()) SearchByVotes(scene, candidates);
+  if (!voters_.empty()) SearchByVotes(scene, conditions, candidates);
   const SceneSize size{static_cast<double>(scene.image_width), static_cast<double>(scene.image_height)};
   return Detect(candidates, size, options_.detect);
 }
 
+std::optional<Sun> Recognizer::FindSun(const FeatureSet& scene, const Vertical& vertical) const {
+  const RankedMatcher ranked(scene.View());
+  const VoteScene ready{scene, ranked, options_.search, options_.pose};
+  for (const auto& [model, search] : voters_) {
+    if (const std::optional<Sun> sun = search.FindSun(ready, vertical)) return sun;
+  }
+  return std::nullopt;
+}
+
 StagedMatches Recognizer::MatchView(const FeatureSet& scene, std::size_t model, std::size_t view) const {
-  const FeatureView features = models_[model].ViewFeatures(view);
+  const FeatureView features = (*models_)[model].ViewFeatures(view);
   std::vector<MatchSet> matches = MatchFeatures(scene.View(), TemplateSet(std::span(&features, 1)), options_.match);
   return Filter(scene, {model, view}, std::move(matches.front()));
 }

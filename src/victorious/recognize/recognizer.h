@@ -6,6 +6,8 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -21,6 +23,8 @@
 #include "victorious/recognize/vote_search.h"
 #include "victorious/types/detection.h"
 #include "victorious/types/feature_set.h"
+#include "victorious/types/frame_conditions.h"
+#include "victorious/types/lit_templates.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {
@@ -50,14 +54,20 @@ Status CheckEngine(std::span<const ObjectModel> models, std::string_view engine)
 class Recognizer {
  public:
   /// @param engine  of the scenes' features (CheckEngine)
+  /// @param lit     each model's views under a sun, null where there are none; or empty: of no model
   /// Errors: kInvalidArgument for options out of range or models of another engine.
   static Expected<Recognizer> Create(std::vector<ObjectModel> models, const std::string& engine,
-                                     const RecognizeOptions& options);
+                                     const RecognizeOptions& options,
+                                     const std::vector<std::shared_ptr<const LitTemplates>>& lit = {});
 
-  [[nodiscard]] const std::vector<ObjectModel>& models() const { return models_; }
+  [[nodiscard]] const std::vector<ObjectModel>& models() const { return *models_; }
 
   /// Every instance of every model, best first. Deterministic.
-  [[nodiscard]] std::vector<Detection> Recognize(const FeatureSet& scene) const;
+  /// @param conditions  as far as known: models of known views are sought upright, and lit as the sun lights them
+  [[nodiscard]] std::vector<Detection> Recognize(const FeatureSet& scene, const FrameConditions& conditions = {}) const;
+
+  /// Where the sun stands, as FrameConditions::sun_ahead, from how an object in the scene is lit; mostly nothing.
+  [[nodiscard]] std::optional<Sun> FindSun(const FeatureSet& scene, const Vertical& vertical) const;
 
   /// One view of one model by the grammar, whatever the method, stage by stage.
   [[nodiscard]] StagedMatches MatchView(const FeatureSet& scene, std::size_t model, std::size_t view) const;
@@ -68,13 +78,15 @@ class Recognizer {
     std::size_t view;
   };
 
-  Recognizer(std::vector<ObjectModel> models, const RecognizeOptions& options);
+  Recognizer(std::vector<ObjectModel> models, const RecognizeOptions& options,
+             const std::vector<std::shared_ptr<const LitTemplates>>& lit);
 
   [[nodiscard]] StagedMatches Filter(const FeatureSet& scene, const ViewRef& ref, MatchSet matches) const;
   void SearchByGrammar(const FeatureSet& scene, std::vector<Candidate>& candidates) const;
-  void SearchByVotes(const FeatureSet& scene, std::vector<Candidate>& candidates) const;
+  void SearchByVotes(const FeatureSet& scene, const FrameConditions& conditions,
+                     std::vector<Candidate>& candidates) const;
 
-  std::vector<ObjectModel> models_;
+  std::shared_ptr<const std::vector<ObjectModel>> models_;  ///< where it is, however often this moves
   std::vector<ViewRef> views_;  ///< of the models searched by the grammar, in the order of templates_
   TemplateSet templates_;
   std::vector<std::pair<std::size_t, VoteSearch>> voters_;  ///< the models searched by votes

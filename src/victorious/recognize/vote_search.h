@@ -2,17 +2,24 @@
 //
 // Neighbouring views look alike: a scene is first compared with every few, the scouts, of which each other view is a
 // neighbour; then with the neighbours of those that found most. Less than half the work for nearly the same finds.
+//
+// Where the camera's attitude is known, only the views that an upright object can show are compared; where the sun is
+// known, too, each also as the sun would show it: an object that stands upright and is seen from a view's azimuth has
+// the sun in one place.
 #pragma once
 
 #include <cstddef>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "victorious/base/options.h"
 #include "victorious/detect/detect.h"
-#include "victorious/kernels/nearest.h"
 #include "victorious/match/ranked_matcher.h"
 #include "victorious/pose/vote_poses.h"
 #include "victorious/types/feature_set.h"
+#include "victorious/types/frame_conditions.h"
+#include "victorious/types/lit_templates.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {
@@ -20,25 +27,40 @@ namespace victorious {
 struct VoteSearchOptions {
   int nearest = 4;
   int most_followed = 6;
+  double most_tilt_rad = 0.35;
+  double sun_step_rad = 0.35;
+  double sun_evidence = 6.0;
   VoteOptions votes;
 
   void ListFields(FieldList& fields);
 };
 
+/// A scene made ready, and how it is searched. The references outlive it.
+struct VoteScene {
+  const FeatureSet& features;
+  const RankedMatcher& ranked;  ///< of the features
+  const VoteSearchOptions& options;
+  const PoseOptions& pose;
+};
+
 /// Immutable once made: any number of threads may ask it at once.
 class VoteSearch {
  public:
-  explicit VoteSearch(const ObjectModel& model);
+  /// @param model  outlives this
+  /// @param lit    its views under a sun; null: none
+  VoteSearch(const ObjectModel& model, std::shared_ptr<const LitTemplates> lit)
+      : model_(&model), lit_(std::move(lit)) {}
 
   /// The poses of every view compared; of Candidate, `model` is left to the caller.
-  /// @param ranked  the same scene, made ready
-  [[nodiscard]] std::vector<Candidate> Search(const ObjectModel& model, const FeatureSet& scene,
-                                              const RankedMatcher& ranked, const VoteSearchOptions& options,
-                                              const PoseOptions& pose) const;
+  [[nodiscard]] std::vector<Candidate> Search(const VoteScene& scene, const FrameConditions& conditions) const;
+
+  /// Where the sun stands, from how an instance of the model is lit, as FrameConditions::sun_ahead; nothing where none
+  /// is seen better under some sun than under a soft sky, with options.sun_evidence at least.
+  [[nodiscard]] std::optional<Sun> FindSun(const VoteScene& scene, const Vertical& vertical) const;
 
  private:
-  std::vector<kernels::PackedQueries> views_;
-  std::vector<std::size_t> scouts_;
+  const ObjectModel* model_;
+  std::shared_ptr<const LitTemplates> lit_;
 };
 
 }  // namespace victorious

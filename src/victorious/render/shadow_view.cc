@@ -17,7 +17,7 @@ Vector3d CornerOf(const AlignedBox3d& box, int corner) {
 }
 
 // The part of a convex polygon that lies on the positive side of a plane through the origin (Sutherland and Hodgman).
-Corners ClipBehind(const Corners& polygon, const Vector3d& normal) {
+Corners PartInside(const Corners& polygon, const Vector3d& normal) {
   Corners kept;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vector3d& from = polygon[i];
@@ -45,7 +45,7 @@ Corners SeenPart(const AlignedBox3d& box, const Rigid3& camera_from_box, const P
   for (const auto& face : kFaces) {
     Corners polygon;
     for (const int corner : face) polygon.push_back(camera_from_box.Apply(CornerOf(box, corner)));
-    for (const Vector3d& side : SidesOf(camera)) polygon = ClipBehind(polygon, side);
+    for (const Vector3d& side : SidesOf(camera)) polygon = PartInside(polygon, side);
     seen.insert(seen.end(), polygon.begin(), polygon.end());
   }
   if (box.contains(camera_from_box.Inverse().translation)) seen.emplace_back(0, 0, 0);

@@ -56,15 +56,18 @@ Eigen::Quaterniond ShakeOf(const SceneCamera& camera, double time_s, std::uint64
   return Eigen::Quaterniond(Eigen::AngleAxisd(turn.norm(), turn.stableNormalized()));
 }
 
-// The point `distance_m` along the path from its first point on, or its end; before its first point, on a line back.
+// The point `distance_m` along the path from its first point on; before it and beyond the last, straight on.
 Vector2d PointAlong(std::span<const Vector2d> path, double distance_m) {
+  Vector2d direction = Vector2d::Zero();
   for (std::size_t i = 0; i + 1 < path.size(); ++i) {
     const Vector2d way = path[i + 1] - path[i];
     const double length = way.norm();
-    if (length > 0 && (distance_m <= length || i + 2 == path.size())) return path[i] + way * (distance_m / length);
+    if (length == 0) continue;  // a point that is listed twice
+    direction = way / length;
+    if (distance_m <= length) return path[i] + direction * distance_m;
     distance_m -= length;
   }
-  return path.back();
+  return path.back() + direction * distance_m;
 }
 
 double LengthOf(std::span<const Vector2d> path) {
@@ -91,9 +94,10 @@ Rigid3 CameraFromTown(const SceneCamera& camera, double fraction, double time_s,
   const bool smooth = camera.path == "smooth";
   const Vector2d aim = TrackAt(camera.aim_m, fraction, smooth);
   const double from = RadiansFromDegrees(TrackAt(camera.from_deg, fraction, smooth));
-  const double off_nadir = RadiansFromDegrees(TrackAt(camera.off_nadir_deg, fraction, smooth));
-  const double range_m =
-      std::max(1.0, TrackAt(camera.range_m, fraction, smooth));  // a curve may swing beyond its knots
+  // A curve may swing beyond its knots.
+  const double off_nadir = RadiansFromDegrees(
+      std::clamp(TrackAt(camera.off_nadir_deg, fraction, smooth), kOffNadirDeg.low, kOffNadirDeg.high));
+  const double range_m = std::clamp(TrackAt(camera.range_m, fraction, smooth), kRangeM.low, kRangeM.high);
   const Vector3d to_camera(std::sin(off_nadir) * std::sin(from), std::sin(off_nadir) * std::cos(from),
                            std::cos(off_nadir));
   const Vector3d place = Vector3d(aim.x(), aim.y(), 0) + range_m * to_camera;

@@ -3,7 +3,8 @@
 // The camera is described by what it looks at: the point of the ground on its optical axis, the direction and the
 // off-nadir angle it is seen under from there, the range, the roll. Each is a track of knots spread evenly over the
 // flight, joined by lines or by a Catmull-Rom curve (Catmull and Rom 1974), which passes through all knots without a
-// corner. A circle is one aim and a direction that turns.
+// corner; the off-nadir angle and the range stay within what a scene may ask for. A circle is one aim and a direction
+// that turns.
 //
 // Shake is two sines about each axis, of frequencies that have no common period, with phases drawn by seed.
 #pragma once
@@ -32,7 +33,8 @@ struct GroundPose {
   double heading_rad = 0;  ///< clockwise from the town's y axis
 };
 
-/// Where an object stands, or drives: along its path from the first point on, round the corners, to the end of it.
+/// Where an object stands, or drives: along its path, whose points are not all the same, from the first on, round the
+/// corners, to the end of it.
 /// @param length_m  of the object, over which it cuts corners
 [[nodiscard]] GroundPose GroundPoseOf(const SceneObject& object, double length_m, double time_s);
 

@@ -1,5 +1,6 @@
 #include "victorious/simulate/flight_path.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -72,6 +73,30 @@ TEST(FlightPath, SmoothPassesThroughKnotsWithoutACorner) {
   EXPECT_LT((step(0.4999, 0.5) - step(0.5, 0.5001)).norm(), 0.05);
 }
 
+// Between two knots at the end of its range, a curve through lower ones swings beyond it.
+TEST(FlightPath, SmoothStaysWithinWhatMayBe) {
+  SceneCamera camera;
+  camera.path = "smooth";
+  camera.off_nadir_deg = {0, 80, 80, 0, 0, 80};
+  camera.range_m = {10000, 1, 1, 10000, 10000, 1};
+  camera.from_deg = {180};
+  double least_deg = 90;
+  double most_deg = -90;
+  for (int i = 0; i <= 200; ++i) {
+    const Vector3d place = CameraFromTown(camera, i / 200.0, 0, kSeed).Inverse().translation;
+    const double range_m = place.norm();  // the aim is the origin
+    EXPECT_GE(range_m, 1 - 1e-9);
+    EXPECT_LE(range_m, 10000 + 1e-6);
+    const double off_nadir_deg = DegreesFromRadians(std::atan2(-place.y(), place.z()));  // it stands behind
+    EXPECT_GE(off_nadir_deg, -1e-9) << i;
+    EXPECT_LE(off_nadir_deg, 80 + 1e-9) << i;
+    least_deg = std::min(least_deg, off_nadir_deg);
+    most_deg = std::max(most_deg, off_nadir_deg);
+  }
+  EXPECT_NEAR(least_deg, 0, 1e-6);
+  EXPECT_NEAR(most_deg, 80, 1e-6);
+}
+
 TEST(FlightPath, ShakesAsMuchAsToldAndTheSameEachTime) {
   SceneCamera camera = StraightFlight();
   const Rigid3 still = CameraFromTown(camera, 0.3, 0, kSeed);
@@ -121,6 +146,17 @@ TEST(GroundPose, DrivesRoundTheCornerToTheEnd) {
   EXPECT_NEAR(GroundPoseOf(Driver(), 4, 4).heading_rad, kPi / 4, 1e-9);  // half round
   EXPECT_NEAR(GroundPoseOf(Driver(), 4, 6).heading_rad, kPi / 2, 1e-9);
   EXPECT_LT((GroundPoseOf(Driver(), 4, 100).place_m - Vector2d(40, 40)).norm(), 1e-9);
+}
+
+TEST(GroundPose, PointsListedTwiceChangeNothing) {
+  SceneObject twice = Driver();
+  twice.path_m = {{0, 0}, {0, 0}, {0, 40}, {0, 40}, {40, 40}, {40, 40}, {40, 40}};
+  for (double time_s = 0; time_s < 12; time_s += 0.3) {
+    const GroundPose expected = GroundPoseOf(Driver(), 4, time_s);
+    const GroundPose pose = GroundPoseOf(twice, 4, time_s);
+    EXPECT_LT((pose.place_m - expected.place_m).norm(), 1e-9) << time_s;
+    EXPECT_NEAR(pose.heading_rad, expected.heading_rad, 1e-9) << time_s;
+  }
 }
 
 }  // namespace

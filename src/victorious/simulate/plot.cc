@@ -1,6 +1,5 @@
 #include "victorious/simulate/plot.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <initializer_list>
@@ -28,13 +27,6 @@ constexpr std::array<string_view, 1> kLamp = {"props/lamp_post"};
 constexpr std::array<string_view, 4> kYardGround = {"gravel", "concrete", "brick", "dirt"};
 
 constexpr double kBorderM = 10.6;  // of a square: where hedges, fences and trees stand
-
-// How much ground a thing takes, as the radius of a circle.
-double FootprintOf(string_view asset) {
-  if (asset.starts_with("buildings/")) return 11;
-  if (asset.starts_with("trees/")) return 3.2;
-  return asset.starts_with("cars/") ? 2.5 : 1.8;
-}
 
 void Trees(Plot& plot, double share, std::initializer_list<Vector2d> places) {
   for (const Vector2d& place : places) plot.Maybe(share, kTrees, place.x(), place.y(), 0, 1.2);
@@ -190,11 +182,7 @@ void Plot::Put(string_view asset, double x_m, double y_m, double heading_deg, do
   constexpr double kAskewRad = 0.12;  // for each metre of sway
   double heading = RadiansFromDegrees(heading_deg) + sway * kAskewRad * random_.Uniform(-1, 1);
   if (asset.starts_with("trees/")) heading = random_.Uniform(0, 2 * kPi);
-  const Vector2d place = InTown(x, y);
-  const bool taken = std::ranges::any_of(clear_, [&](const KeptClear& clear) {
-    return (clear.centre_m - place).norm() < clear.radius_m + FootprintOf(asset);
-  });
-  if (!taken) Place(std::string(asset), x, y, heading);
+  Place(std::string(asset), x, y, heading);
 }
 
 void Plot::Maybe(double share, std::span<const string_view> assets, double x_m, double y_m, double heading_deg,

@@ -14,17 +14,11 @@
 namespace victorious {
 
 /// A square with its own frame: x to the right, y to its front (the street's side), from -12 m to 12 m; headings
-/// clockwise from y. What would stand on ground that is kept clear is left out.
+/// clockwise from y.
 class Plot {
  public:
-  Plot(const Eigen::Vector2d& middle_m, int turns, Random random, double density, std::span<const KeptClear> clear,
-       std::vector<Placement>& placements)
-      : middle_m_(middle_m),
-        turns_(turns),
-        random_(random),
-        density_(density),
-        clear_(clear),
-        placements_(placements) {}
+  Plot(const Eigen::Vector2d& middle_m, int turns, Random random, double density, std::vector<Placement>& placements)
+      : middle_m_(middle_m), turns_(turns), random_(random), density_(density), placements_(placements) {}
 
   void Tile(std::string_view tile);
   /// A square of a material of town/ground.
@@ -50,7 +44,6 @@ class Plot {
   int turns_;
   Random random_;
   double density_;
-  std::span<const KeptClear> clear_;
   std::vector<Placement>& placements_;
 };
 

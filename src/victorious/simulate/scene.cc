@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -9,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/file.h"
+#include "victorious/base/json.h"
 
 namespace victorious {
 namespace {
@@ -23,10 +25,10 @@ constexpr const char* kDefaultAssets = "../assets";
 
 std::unexpected<Error> Bad(std::string message) { return Fail(ErrorCode::kInvalidArgument, std::move(message)); }
 
-// Takes a member out of an object, so that what is left are the plain fields; null where there is none.
-Json Take(Json& object, const char* key) {
+// Takes a member out of an object, so that what is left are the plain fields.
+std::optional<Json> Take(Json& object, const char* key) {
   const auto at = object.find(key);
-  if (at == object.end()) return nullptr;
+  if (at == object.end()) return std::nullopt;
   Json value = std::move(*at);
   object.erase(at);
   return value;
@@ -38,48 +40,43 @@ bool IsNumberIn(const Json& value, double low, double high) {
   return number >= low && number <= high;
 }
 
-struct Range {
-  double low;
-  double high;
-};
-
 // Replaces `numbers` by the list, or by the one number, under `key`, where there is one.
-Status TakeNumbers(Json& object, const char* key, Range range, std::vector<double>& numbers) {
-  Json value = Take(object, key);
-  if (value.is_null()) return {};
-  if (value.is_number()) value = Json::array({value});
-  const bool fits = value.is_array() && !value.empty() && value.size() <= kMaxListed &&
-                    std::ranges::all_of(value, [&](const Json& n) { return IsNumberIn(n, range.low, range.high); });
+Status TakeNumbers(Json& object, const char* key, const SceneRange& range, std::vector<double>& numbers) {
+  std::optional<Json> value = Take(object, key);
+  if (!value) return {};
+  if (value->is_number()) value = Json::array({*value});
+  const bool fits = value->is_array() && !value->empty() && value->size() <= kMaxListed &&
+                    std::ranges::all_of(*value, [&](const Json& n) { return IsNumberIn(n, range.low, range.high); });
   if (!fits)
     return Bad(fmt::format("{}: must be a number from {} to {}, or a list of them", key, range.low, range.high));
-  numbers = value.get<std::vector<double>>();
+  numbers = value->get<std::vector<double>>();
   return {};
 }
 
 Status TakePoints(Json& object, const char* key, std::size_t least, std::vector<Eigen::Vector2d>& points) {
-  const Json value = Take(object, key);
-  if (value.is_null()) return {};
+  const std::optional<Json> value = Take(object, key);
+  if (!value) return {};
   const auto is_point = [](const Json& point) {
     return point.is_array() && point.size() == 2 && IsNumberIn(point[0], -kMaxReachM, kMaxReachM) &&
            IsNumberIn(point[1], -kMaxReachM, kMaxReachM);
   };
-  const bool fits =
-      value.is_array() && value.size() >= least && value.size() <= kMaxListed && std::ranges::all_of(value, is_point);
+  const bool fits = value->is_array() && value->size() >= least && value->size() <= kMaxListed &&
+                    std::ranges::all_of(*value, is_point);
   if (!fits) {
     return Bad(fmt::format("{}: must be a list of {} or more points [x, y] in metres, at most {:.0f} from the origin",
                            key, least, kMaxReachM));
   }
   points.clear();
-  for (const Json& point : value) points.emplace_back(point[0].get<double>(), point[1].get<double>());
+  for (const Json& point : *value) points.emplace_back(point[0].get<double>(), point[1].get<double>());
   return {};
 }
 
 Status TakeSquares(Json& object, std::array<int, 4>& squares) {
-  const Json value = Take(object, "squares");
-  if (value.is_null()) return {};
+  const std::optional<Json> value = Take(object, "squares");
+  if (!value) return {};
   const auto is_square = [](const Json& n) { return n.is_number_integer() && IsNumberIn(n, -kMaxSquare, kMaxSquare); };
-  if (value.is_array() && value.size() == 4 && std::ranges::all_of(value, is_square)) {
-    squares = value.get<std::array<int, 4>>();
+  if (value->is_array() && value->size() == 4 && std::ranges::all_of(*value, is_square)) {
+    squares = value->get<std::array<int, 4>>();
     if (squares[0] <= squares[2] && squares[1] <= squares[3]) return {};
   }
   return Bad(fmt::format("town.squares: must be [first column, first row, last column, last row], from {} to {}",
@@ -89,15 +86,15 @@ Status TakeSquares(Json& object, std::array<int, 4>& squares) {
 // Reads the list under `key`: `read` turns each entry, an object, into a T.
 template <typename T, typename Read>
 Status TakeList(Json& object, const char* key, const Read& read, std::vector<T>& list) {
-  Json value = Take(object, key);
-  if (value.is_null()) return {};
-  if (!value.is_array() || value.size() > kMaxListed) {
+  std::optional<Json> value = Take(object, key);
+  if (!value) return {};
+  if (!value->is_array() || value->size() > kMaxListed) {
     return Bad(fmt::format("{}: must be a list of at most {}", key, kMaxListed));
   }
-  for (std::size_t i = 0; i < value.size(); ++i) {
+  for (std::size_t i = 0; i < value->size(); ++i) {
     const std::string context = fmt::format("{}[{}]", key, i);
-    if (!value[i].is_object()) return Bad(context + ": must be an object");
-    Expected<T> entry = read(value[i]);
+    if (!(*value)[i].is_object()) return Bad(context + ": must be an object");
+    Expected<T> entry = read((*value)[i]);
     if (!entry) return std::unexpected(std::move(entry).error().WithContext(context));
     list.push_back(*std::move(entry));
   }
@@ -129,6 +126,9 @@ Expected<SceneObject> ReadObject(Json& json) {
   if (object.model.empty()) return Bad("model: must be a name: the object's kind");
   if (object.file.empty() && !IsAssetName(object.model))
     return Bad("model: no shipped model has such a name; give its file");
+  const bool stays =
+      !path_m.empty() && std::ranges::all_of(path_m, [&](const auto& point) { return point == path_m[0]; });
+  if (stays) return Bad("path_m: all points are the same: must lead somewhere");
   if (path_m.empty() && object.speed_m_s != 0) return Bad("speed_m_s: needs a path_m to drive along");
   object.path_m = std::move(path_m);
   return object;
@@ -152,8 +152,8 @@ Status TakeCamera(Json& root, SceneCamera& camera) {
   if (!at->is_object()) return Bad("camera: must be an object");
   VICTORIOUS_RETURN_IF_ERROR(TakePoints(*at, "aim_m", 1, camera.aim_m));
   VICTORIOUS_RETURN_IF_ERROR(TakeNumbers(*at, "from_deg", {-36000, 36000}, camera.from_deg));
-  VICTORIOUS_RETURN_IF_ERROR(TakeNumbers(*at, "off_nadir_deg", {0, 80}, camera.off_nadir_deg));
-  VICTORIOUS_RETURN_IF_ERROR(TakeNumbers(*at, "range_m", {1, 10000}, camera.range_m));
+  VICTORIOUS_RETURN_IF_ERROR(TakeNumbers(*at, "off_nadir_deg", kOffNadirDeg, camera.off_nadir_deg));
+  VICTORIOUS_RETURN_IF_ERROR(TakeNumbers(*at, "range_m", kRangeM, camera.range_m));
   return TakeNumbers(*at, "roll_deg", {-180, 180}, camera.roll_deg);
 }
 
@@ -163,6 +163,22 @@ Status TakeTown(Json& root, SceneTown& town) {
   if (!at->is_object()) return Bad("town: must be an object");
   VICTORIOUS_RETURN_IF_ERROR(TakeSquares(*at, town.squares));
   return TakeList(*at, "tiles", &ReadTile, town.tiles);
+}
+
+// A square takes one tile, and only squares of the town take any.
+Status CheckTiles(const SceneTown& town) {
+  const auto [first_column, first_row, last_column, last_row] = town.squares;
+  std::set<std::pair<int, int>> seen;
+  for (std::size_t i = 0; i < town.tiles.size(); ++i) {
+    const auto& [tile, column, row, turns] = town.tiles[i];
+    const std::string where = fmt::format("town.tiles[{}]: {} on square ({}, {})", i, tile, column, row);
+    if (column < first_column || column > last_column || row < first_row || row > last_row) {
+      return Bad(fmt::format("{}: must lie in town.squares: columns {} to {}, rows {} to {}", where, first_column,
+                             last_column, first_row, last_row));
+    }
+    if (!seen.insert({column, row}).second) return Bad(where + ": another tile lies there; leave one of them out");
+  }
+  return {};
 }
 
 Status CheckIds(const std::vector<SceneObject>& objects) {
@@ -196,6 +212,7 @@ Expected<Scene> SceneFromJson(Json& root) {
   VICTORIOUS_RETURN_IF_ERROR(TakeList(root, "objects", &ReadObject, scene.objects));
   VICTORIOUS_RETURN_IF_ERROR(TakeList(root, "pieces", &ReadPiece, scene.pieces));
   VICTORIOUS_RETURN_IF_ERROR(CheckIds(scene.objects));
+  VICTORIOUS_RETURN_IF_ERROR(CheckTiles(scene.town));
   std::string assets = kDefaultAssets;
   PlainFields plain{scene, assets};
   VICTORIOUS_RETURN_IF_ERROR(SetFromJson(root, FieldsOf(plain)));
@@ -286,9 +303,10 @@ void SceneTown::ListFields(FieldList& fields) {
 }
 
 Expected<Scene> ParseScene(std::string_view text, const std::string& name) {
-  Json root = Json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (!root.is_object()) return Bad(name + ": not a JSON object");
-  Expected<Scene> scene = SceneFromJson(root);
+  Expected<Json> root = ParseJson(text);
+  if (!root) return std::unexpected(std::move(root).error().WithContext(name));
+  if (!root->is_object()) return Bad(name + ": not a JSON object");
+  Expected<Scene> scene = SceneFromJson(*root);
   if (!scene) return std::unexpected(std::move(scene).error().WithContext(name));
   return scene;
 }

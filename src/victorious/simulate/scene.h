@@ -56,6 +56,14 @@ struct SceneSun {
   void ListFields(FieldList& fields);
 };
 
+/// From the least to the largest that may be.
+struct SceneRange {
+  double low;
+  double high;
+};
+inline constexpr SceneRange kOffNadirDeg = {0, 80};
+inline constexpr SceneRange kRangeM = {1, 10000};
+
 /// The camera's way (flight_path.h). Each list holds the values at times spread evenly from the first frame to the
 /// last; a list of one holds throughout.
 struct SceneCamera {
@@ -80,7 +88,7 @@ struct SceneObject {
   double y_m = 0;
   double z_m = 0;  ///< of its lowest point
   double heading_deg = 0;
-  std::vector<Eigen::Vector2d> path_m;  ///< unless empty, it drives there, and the place and heading above do not count
+  std::vector<Eigen::Vector2d> path_m;  ///< unless empty, it drives there: x_m, y_m and heading_deg may not be given
   double speed_m_s = 0;
 
   void ListFields(FieldList& fields);
@@ -132,8 +140,8 @@ struct Scene {
   std::vector<ScenePiece> pieces;
 };
 
-/// Any bytes are safe. Error: kInvalidArgument, one line with `name` and every key that is unknown, of the wrong type
-/// or out of range.
+/// Any bytes are safe. Error: kInvalidArgument, one line with `name` and the first list, entry of a list or name that
+/// is wrong; where all of those are right, every other key that is unknown, of the wrong type or out of range.
 Expected<Scene> ParseScene(std::string_view text, const std::string& name);
 
 /// The same from a file, whose folder relative names start from. Errors besides: those of reading.

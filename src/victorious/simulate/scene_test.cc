@@ -62,7 +62,8 @@ TEST(Scene, NamesStartInItsFolder) {
 
 TEST(Scene, SaysWhatIsWrong) {
   EXPECT_THAT(ErrorOf("[1]"), HasSubstr("not a JSON object"));
-  EXPECT_THAT(ErrorOf("{\"seed\": "), HasSubstr("not a JSON object"));
+  EXPECT_THAT(ErrorOf("{\"seed\": "), HasSubstr("not JSON"));
+  EXPECT_THAT(ErrorOf(R"({"video": {"fps": 5, "fps": 6}})"), HasSubstr("\"fps\": given twice"));
   EXPECT_THAT(ErrorOf(R"({"viedo": {}})"), HasSubstr("viedo"));
   EXPECT_THAT(ErrorOf(R"({"video": {"frame": 3}})"), AllOf(HasSubstr("video.frame"), HasSubstr("video.frames")));
   EXPECT_THAT(ErrorOf(R"({"video": {"noise": 0.7}})"), AllOf(HasSubstr("video.noise"), HasSubstr("0 to 0.5")));
@@ -75,6 +76,30 @@ TEST(Scene, SaysWhatIsWrong) {
   EXPECT_THAT(ErrorOf(R"({"town": {"squares": [3, 0, 1, 0]}})"), HasSubstr("squares"));
 }
 
+TEST(Scene, NullIsNoValue) {
+  for (const std::string key : {"camera", "town", "objects", "pieces", "seed", "video", "sun"}) {
+    EXPECT_THAT(ErrorOf("{\"" + key + "\": null}"), HasSubstr(key));
+  }
+  for (const std::string key : {"aim_m", "from_deg", "off_nadir_deg", "range_m", "roll_deg", "path"}) {
+    EXPECT_THAT(ErrorOf(R"({"camera": {")" + key + R"(": null}})"), HasSubstr(key));
+  }
+  for (const std::string key : {"squares", "tiles", "density"}) {
+    EXPECT_THAT(ErrorOf(R"({"town": {")" + key + R"(": null}})"), HasSubstr(key));
+  }
+  for (const std::string key : {"id", "model", "file", "path_m", "x_m"}) {
+    EXPECT_THAT(ErrorOf(R"({"objects": [{")" + key + R"(": null}]})"), AllOf(HasSubstr("objects[0]"), HasSubstr(key)));
+  }
+}
+
+TEST(Scene, EachTileHasASquareOfItsOwn) {
+  EXPECT_THAT(ErrorOf(R"({"town": {"tiles": [{"tile": "apron", "column": 5}, {"tile": "park", "column": 6}]}})"),
+              AllOf(HasSubstr("tiles[1]"), HasSubstr("(6, 0)"), HasSubstr("columns -5 to 5, rows -4 to 4")));
+  EXPECT_THAT(ErrorOf(R"({"town": {"squares": [0, 1, 0, 1], "tiles": [{"tile": "apron"}]}})"),
+              HasSubstr("rows 1 to 1"));
+  EXPECT_THAT(ErrorOf(R"({"town": {"tiles": [{"tile": "apron", "row": 2}, {"tile": "park", "row": 2}]}})"),
+              AllOf(HasSubstr("tiles[1]"), HasSubstr("park"), HasSubstr("(0, 2)"), HasSubstr("another")));
+}
+
 TEST(Scene, SaysWhichObjectIsWrong) {
   EXPECT_THAT(ErrorOf(R"({"objects": [{"id": "a", "model": "jeep"}, {"id": "b"}]})"),
               AllOf(HasSubstr("objects[1]"), HasSubstr("model")));
@@ -85,6 +110,8 @@ TEST(Scene, SaysWhichObjectIsWrong) {
   EXPECT_THAT(ErrorOf(R"({"objects": [{"id": "a", "model": "jeep", "x_m": 4, "path_m": [[0, 0], [1, 1]]}]})"),
               AllOf(HasSubstr("x_m"), HasSubstr("path_m")));
   EXPECT_THAT(ErrorOf(R"({"objects": [{"id": "a", "model": "jeep", "path_m": [[0, 0]]}]})"), HasSubstr("2 or more"));
+  EXPECT_THAT(ErrorOf(R"({"objects": [{"id": "a", "model": "jeep", "path_m": [[2, 3], [2, 3], [2, 3]]}]})"),
+              AllOf(HasSubstr("path_m"), HasSubstr("somewhere")));
   EXPECT_THAT(ErrorOf(R"({"objects": {}})"), HasSubstr("objects: must be a list"));
 }
 

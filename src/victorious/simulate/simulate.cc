@@ -17,6 +17,7 @@
 #include "victorious/simulate/stage.h"
 #include "victorious/simulate/telemetry.h"
 #include "victorious/simulate/truth.h"
+#include "victorious/telemetry/camera_csv.h"
 #include "victorious/video/video_writer.h"
 
 namespace victorious {
@@ -26,8 +27,6 @@ namespace fs = std::filesystem;
 
 // Purposes of the scene's seed: each draws from its own stream.
 enum SeedUse : std::uint64_t { kShakeSeed = 0x5A01, kNoiseSeed = 0x5A02 };
-
-std::uint64_t SeedFor(std::uint64_t seed, std::uint64_t use) { return Random(seed ^ (use << 32)).Next(); }
 
 Light LightOf(const Scene& scene) {
   const double azimuth = RadiansFromDegrees(scene.sun.azimuth_deg - scene.origin.heading_deg);
@@ -55,8 +54,8 @@ Status MakeFolder(const fs::path& folder) {
 
 struct FrameResult {
   cv::Mat bgr;
-  std::string telemetry;  ///< its row
-  std::string truth;      ///< its lines
+  CameraState camera;
+  std::string truth;  ///< its lines
 };
 
 class Flight {
@@ -70,7 +69,7 @@ class Flight {
     const double fraction = video.frames > 1 ? static_cast<double>(frame) / (video.frames - 1) : 0.0;
     const double heading = RadiansFromDegrees(scene_.origin.heading_deg);
     const PosedCamera camera{PinholeOf(video),
-                             CameraFromTown(scene_.camera, fraction, time_s, SeedFor(scene_.seed, kShakeSeed))};
+                             CameraFromTown(scene_.camera, fraction, time_s, MixSeed(scene_.seed, kShakeSeed))};
     const std::vector<StagedThing> objects = stage_.ObjectsAt(time_s);
     VICTORIOUS_ASSIGN_OR_RETURN(const RenderedView view, renderer_.Render(Instances(objects, camera), camera, light_,
                                                                           {.supersampling = video.supersampling}));
@@ -78,13 +77,13 @@ class Flight {
                                 TruthOf(objects, view.instances, camera, earth_, heading, renderer_));
     FrameResult result{
         .bgr = view.bgr,
-        .telemetry = TelemetryRow(CameraOnEarthOf(camera.camera_from_world, earth_, heading), time_s, video.hfov_deg),
+        .camera = CameraStateOf(camera.camera_from_world, earth_, heading, time_s, RadiansFromDegrees(video.hfov_deg)),
         .truth = {}};
     for (const ObjectTruth& row : truth) {
       result.truth += TruthLine(row, scene_.objects[static_cast<std::size_t>(row.object)], frame, time_s);
     }
     Degrade({.blur_px = video.blur_px, .grain = video.grain, .noise = video.noise},
-            SeedFor(scene_.seed + static_cast<std::uint64_t>(frame), kNoiseSeed), result.bgr);
+            MixSeed(MixSeed(scene_.seed, kNoiseSeed), static_cast<std::uint64_t>(frame)), result.bgr);
     return result;
   }
 
@@ -121,7 +120,7 @@ Status Simulate(const Scene& scene, const fs::path& out, const SimulateOptions& 
       VideoWriter::Create(out / "video.mp4",
                           {.width = video.width, .height = video.height, .fps = video.fps, .crf = video.crf}));
   Flight flight(scene, renderer, stage);
-  std::string telemetry = kTelemetryHeader;
+  std::vector<CameraState> cameras;
   std::string truth;
   Progress progress("simulating " + out.string(), video.frames, "frames");
   for (int frame = 0; frame < video.frames; ++frame) {
@@ -131,12 +130,12 @@ Status Simulate(const Scene& scene, const fs::path& out, const SimulateOptions& 
     }
     Expected<FrameResult> drawn = flight.Draw(frame);
     if (!drawn) return std::unexpected(std::move(drawn).error().WithContext(fmt::format("frame {}", frame)));
-    telemetry += drawn->telemetry;
+    cameras.push_back(drawn->camera);
     truth += drawn->truth;
     VICTORIOUS_RETURN_IF_ERROR(writer->Write(drawn->bgr));
     progress.Update(frame + 1);
   }
-  VICTORIOUS_RETURN_IF_ERROR(WriteFileAtomically(out / "telemetry.csv", telemetry));
+  VICTORIOUS_RETURN_IF_ERROR(WriteFileAtomically(out / "telemetry.csv", CameraCsvText(cameras)));
   VICTORIOUS_RETURN_IF_ERROR(WriteFileAtomically(out / "truth.jsonl", truth));
   return writer->Finish();
 }

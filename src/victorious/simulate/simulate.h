@@ -14,7 +14,9 @@
 namespace victorious {
 
 struct SimulateOptions {
-  bool software = true;  ///< not on a GPU even if there is one: the same pixels on every machine
+  /// Not on a GPU even if there is one: the same scene gives the same pixels each time, as long as the program and the
+  /// libraries that draw (Mesa) and the processor they draw for are the same; others may round otherwise.
+  bool software = true;
 };
 
 /// Writes video.mp4, telemetry.csv and truth.jsonl into the folder `out`, which is made if it is not there. Each is

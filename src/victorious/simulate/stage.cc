@@ -50,6 +50,10 @@ Rigid3 TownFromMesh(const StagedMesh& mesh, const GroundPose& pose, double botto
   return {turn, Vector3d(pose.place_m.x(), pose.place_m.y(), bottom_m) - turn * foot};
 }
 
+// Things stand upright: the mesh's up is the town's.
+double TopOf(const StagedThing& thing) { return thing.town_from_mesh.translation.z() + thing.mesh.box.max().z(); }
+double BottomOf(const StagedThing& thing) { return thing.town_from_mesh.translation.z() + thing.mesh.box.min().z(); }
+
 // Ground that the town must leave free, so that nothing stands in an object or in its way.
 void KeepClear(const SceneObject& object, const StagedMesh& mesh, double last_s, std::vector<KeptClear>& clear) {
   const double radius_m = mesh.box.sizes().head<2>().norm() / 2;
@@ -120,13 +124,22 @@ Status Stage::PlacePieces(const Scene& scene, Loader& loader, std::vector<KeptCl
 }
 
 Status Stage::PlaceTown(const Scene& scene, Loader& loader, const std::vector<KeptClear>& clear) {
-  for (const Placement& placement : LayOutTown(scene.town, clear)) {
+  const std::vector<Placement> placements = LayOutTown(scene.town);
+  std::vector<StagedMesh> meshes;
+  std::vector<Vector2d> sizes_m;
+  for (const Placement& placement : placements) {
     const std::string file = (scene.assets / placement.asset).string();
     VICTORIOUS_ASSIGN_OR_RETURN(const StagedMesh mesh, placement.side_m > 0
                                                            ? loader.LoadGround(file + ".jpg", placement.side_m)
                                                            : loader.Load(file + ".glb"));
-    const GroundPose pose{placement.place_m, placement.heading_rad};
-    town_.push_back({mesh, TownFromMesh(mesh, pose, placement.bottom_m)});
+    meshes.push_back(mesh);
+    sizes_m.emplace_back(mesh.box.sizes().head<2>());
+  }
+  const std::vector<bool> stands = WhatCanStand(placements, sizes_m, clear);
+  for (std::size_t i = 0; i < placements.size(); ++i) {
+    if (!stands[i]) continue;
+    const GroundPose pose{placements[i].place_m, placements[i].heading_rad};
+    town_.push_back({meshes[i], TownFromMesh(meshes[i], pose, placements[i].bottom_m)});
   }
   return {};
 }
@@ -140,9 +153,8 @@ Expected<Stage> Stage::Build(const Scene& scene, Renderer& renderer, const Cance
   VICTORIOUS_RETURN_IF_ERROR(stage.PlacePieces(scene, loader, clear));
   VICTORIOUS_RETURN_IF_ERROR(stage.PlaceTown(scene, loader, clear));
   // What stands high hides what lies below it, and is drawn first: what is hidden already costs little.
-  std::ranges::stable_sort(stage.town_, std::greater(), [](const StagedThing& thing) {
-    return thing.town_from_mesh.translation.z() + thing.mesh.box.max().z();
-  });
+  std::ranges::stable_sort(stage.town_, std::greater(), TopOf);
+  for (const StagedThing& thing : stage.town_) stage.lowest_m_ = std::min(stage.lowest_m_, BottomOf(thing));
   return stage;
 }
 
@@ -171,9 +183,20 @@ class Frustum {
     }
   }
 
-  [[nodiscard]] bool Touches(const Vector3d& centre_in_town, double radius_m) const {
-    const Vector3d centre = camera_from_town_.Apply(centre_in_town);
-    return std::ranges::all_of(normals_, [&](const Vector3d& n) { return n.dot(centre) > -radius_m; });
+  // Whether a ball is in it anywhere on its straight way.
+  [[nodiscard]] bool Meets(const Vector3d& from_in_town, const Vector3d& to_in_town, double radius_m) const {
+    const Vector3d from = camera_from_town_.Apply(from_in_town);
+    const Vector3d to = camera_from_town_.Apply(to_in_town);
+    double enters = 0;  // shares of the way
+    double leaves = 1;
+    for (const Vector3d& normal : normals_) {
+      const double at_start = normal.dot(from) + radius_m;
+      const double at_end = normal.dot(to) + radius_m;
+      if (at_start <= 0 && at_end <= 0) return false;
+      if (at_start < 0) enters = std::max(enters, at_start / (at_start - at_end));
+      if (at_end < 0) leaves = std::min(leaves, at_start / (at_start - at_end));
+    }
+    return enters <= leaves;
   }
 
  private:
@@ -190,15 +213,11 @@ std::vector<MeshInstance> Stage::TownSeenFrom(const PosedCamera& camera, const V
     const Eigen::AlignedBox3d& box = thing.mesh.box;
     const double radius_m = box.diagonal().norm() / 2;
     const Vector3d centre = thing.town_from_mesh.Apply(box.center());
-    // Its shadow's end, and as many places on the way there as leave no gap.
-    const double fall_m = std::max(0.0, centre.z()) / std::max(0.05, to_sun_in_town.z());
-    const int steps = static_cast<int>(std::ceil(fall_m / std::max(0.5, radius_m)));
-    bool touches = false;
-    for (int step = 0; step <= steps && !touches; ++step) {
-      const double share = steps == 0 ? 0.0 : static_cast<double>(step) / steps;
-      touches = frustum.Touches(centre - share * fall_m * to_sun_in_town, radius_m);
+    // All of it, moved along the sun's rays until its highest point lies on the lowest ground, holds all of its shadow.
+    const Vector3d fall = (TopOf(thing) - lowest_m_) / to_sun_in_town.z() * to_sun_in_town;
+    if (frustum.Meets(centre, centre - fall, radius_m)) {
+      seen.push_back({.mesh = thing.mesh.id, .world_from_mesh = thing.town_from_mesh});
     }
-    if (touches) seen.push_back({.mesh = thing.mesh.id, .world_from_mesh = thing.town_from_mesh});
   }
   return seen;
 }

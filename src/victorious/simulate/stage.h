@@ -41,6 +41,7 @@ class Stage {
   [[nodiscard]] std::vector<StagedThing> ObjectsAt(double time_s) const;
 
   /// The town's things that a camera sees, or whose shadow it may see.
+  /// @param to_sun_in_town  of length 1, above the horizon
   [[nodiscard]] std::vector<MeshInstance> TownSeenFrom(const PosedCamera& camera,
                                                        const Eigen::Vector3d& to_sun_in_town) const;
 
@@ -54,6 +55,7 @@ class Stage {
   std::vector<SceneObject> objects_;
   std::vector<StagedMesh> object_meshes_;  ///< of objects_
   std::vector<StagedThing> town_;
+  double lowest_m_ = 0;  ///< of all that stands in the town, the ground included
 };
 
 }  // namespace victorious

@@ -2,8 +2,6 @@
 
 #include <cmath>
 #include <fstream>
-#include <map>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -11,52 +9,24 @@
 #include <nlohmann/json.hpp>
 
 #include "testing/data.h"
+#include "victorious/base/file.h"
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/render/view_sphere.h"
 #include "victorious/simulate/flight_path.h"
 #include "victorious/simulate/truth.h"
+#include "victorious/telemetry/camera_csv.h"
 
 namespace victorious {
 namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using Row = std::map<std::string, double>;
-
-// Rows of a telemetry file, read as its columns say.
-std::vector<Row> ReadRows(std::istream& file) {
-  const auto cells = [](const std::string& line) {
-    std::vector<std::string> result;
-    std::stringstream stream(line);
-    for (std::string cell; std::getline(stream, cell, ',');) result.push_back(cell);
-    return result;
-  };
-  std::string line;
-  std::getline(file, line);
-  const std::vector<std::string> names = cells(line);
-  std::vector<Row> rows;
-  while (std::getline(file, line)) {
-    const std::vector<std::string> values = cells(line);
-    Row row;
-    for (std::size_t i = 0; i < names.size(); ++i) row[names[i]] = std::stod(values.at(i));
-    rows.push_back(row);
-  }
-  return rows;
-}
-
-double Radians(const Row& row, const std::string& column) { return RadiansFromDegrees(row.at(column)); }
-
-GeodeticPoint PlaceOf(const Row& row) {
-  return {Radians(row, "latitude_deg"), Radians(row, "longitude_deg"), row.at("altitude_m")};
-}
-
-// Where a place on Earth is seen by the camera that a row describes: the definition of section "attitude", once more.
-std::optional<Vector2d> Project(const Row& row, const GeodeticPoint& place, int width, int height) {
-  const Eigen::Quaterniond camera_from_enu =
-      CameraFromEnu({Radians(row, "yaw_deg"), Radians(row, "pitch_deg"), Radians(row, "roll_deg")});
-  const PinholeCamera pinhole = PinholeOf({.width = width, .height = height, .hfov_deg = row.at("hfov_deg")});
-  return pinhole.Project(camera_from_enu * TangentPlane(PlaceOf(row)).EnuFromGeodetic(place));
+// Where a place on Earth is seen by a camera: the definition of docs/formats/telemetry.md, once more.
+std::optional<Vector2d> Project(const CameraState& camera, const GeodeticPoint& place, int width, int height) {
+  const PinholeCamera pinhole =
+      PinholeOf({.width = width, .height = height, .hfov_deg = DegreesFromRadians(*camera.hfov_rad)});
+  return pinhole.Project(CameraFromEnu(*camera.attitude) * TangentPlane(camera.place).EnuFromGeodetic(place));
 }
 
 TEST(Telemetry, APlaceIsSeenThroughItWhereTheCameraSeesIt) {
@@ -72,10 +42,14 @@ TEST(Telemetry, APlaceIsSeenThroughItWhereTheCameraSeesIt) {
     camera.roll_deg = {random.Uniform(-40, 40)};
     const Rigid3 camera_from_town = CameraFromTown(camera, 0, 0, 1);
     const Vector3d point(camera.aim_m[0].x() + 4, camera.aim_m[0].y() - 3, 2);
-    std::istringstream file(kTelemetryHeader +
-                            TelemetryRow(CameraOnEarthOf(camera_from_town, earth, kTownHeadingRad), 0, video.hfov_deg));
+    const std::vector<CameraState> flight = {
+        CameraStateOf(camera_from_town, earth, kTownHeadingRad, 0.5, RadiansFromDegrees(video.hfov_deg))};
+    const auto written = ParseCameraCsv(CameraCsvText(flight));
+    ASSERT_TRUE(written) << written.error().message;
+    EXPECT_NEAR(written->states.at(0).time_s, 0.5, 1e-6);
+    EXPECT_EQ(written->states[0].datum, VerticalDatum::kEllipsoid);
     const auto seen = PinholeOf(video).Project(camera_from_town.Apply(point));
-    const auto told = Project(ReadRows(file).at(0), earth.GeodeticFromEnu(EnuFromTown(kTownHeadingRad) * point),
+    const auto told = Project(written->states[0], earth.GeodeticFromEnu(EnuFromTown(kTownHeadingRad) * point),
                               video.width, video.height);
     ASSERT_TRUE(seen && told);
     EXPECT_LT((*seen - *told).norm(), 0.01);
@@ -85,19 +59,21 @@ TEST(Telemetry, APlaceIsSeenThroughItWhereTheCameraSeesIt) {
 // Another renderer's flight, made to the same definitions by other code.
 TEST(Telemetry, AgreesWithAnotherRenderersFlight) {
   VICTORIOUS_DATA_OR_SKIP(folder, "movies/dev_soft");
-  std::ifstream telemetry(folder / "telemetry.csv");
-  const std::vector<Row> rows = ReadRows(telemetry);
+  const auto text = ReadFile(folder / "telemetry.csv");
+  ASSERT_TRUE(text) << text.error().message;
+  const auto telemetry = ParseCameraCsv(*text);
+  ASSERT_TRUE(telemetry) << telemetry.error().message;
   std::ifstream truth(folder / "truth.jsonl");
   int whole = 0;
   for (std::string line; std::getline(truth, line);) {
     const auto json = nlohmann::json::parse(line);
-    const Row& row = rows.at(json["frame"].get<std::size_t>());
-    const Row place = {{"latitude_deg", json["latitude_deg"]},
-                       {"longitude_deg", json["longitude_deg"]},
-                       {"altitude_m", json["altitude_m"]}};
+    const CameraState& camera = telemetry->states.at(json["frame"].get<std::size_t>());
+    const GeodeticPoint place = {RadiansFromDegrees(json["latitude_deg"].get<double>()),
+                                 RadiansFromDegrees(json["longitude_deg"].get<double>()),
+                                 json["altitude_m"].get<double>()};
     // From the object to the camera, in the object's own frame (front, left, up).
-    const TangentPlane at_object(PlaceOf(place));
-    const Vector3d to_camera = at_object.EnuFromGeodetic(PlaceOf(row));
+    const TangentPlane at_object(place);
+    const Vector3d to_camera = at_object.EnuFromGeodetic(camera.place);
     const double heading = RadiansFromDegrees(json["heading_deg"].get<double>());
     const Vector3d front(std::sin(heading), std::cos(heading), 0);
     const Vector3d left(-std::cos(heading), std::sin(heading), 0);
@@ -107,7 +83,7 @@ TEST(Telemetry, AgreesWithAnotherRenderersFlight) {
     EXPECT_NEAR(DegreesFromRadians(view.off_nadir_rad), json["view"]["off_nadir_deg"].get<double>(), 0.01) << line;
     if (json["visible"].get<double>() < 0.98) continue;
     ++whole;
-    const auto seen = Project(row, PlaceOf(place), 640, 480);
+    const auto seen = Project(camera, place, 640, 480);
     ASSERT_TRUE(seen);
     const std::vector<double> box = json["box"];
     // The middle of what is seen is near that of the bounding box in space: perspective and shape move it a little.

@@ -26,14 +26,13 @@ std::optional<int> TurnsToStreet(int column, int row, const SceneTown& town) {
 Random LotteryOf(int column, int row, std::uint64_t seed) {
   constexpr std::uint64_t kColumns = 4096;
   const auto square = static_cast<std::uint64_t>(column + 2048) + kColumns * static_cast<std::uint64_t>(row + 2048);
-  return Random(Random(seed ^ (square << 32)).Next());
+  return Random(MixSeed(seed, square));
 }
 
-void PlanSquare(int column, int row, const SceneTown& town, std::span<const KeptClear> clear,
-                std::vector<Placement>& placements) {
+void PlanSquare(int column, int row, const SceneTown& town, std::vector<Placement>& placements) {
   const Vector2d middle_m = kSquareSideM * Vector2d(column, row);
   const auto plot = [&](int turns) {
-    return Plot(middle_m, turns, LotteryOf(column, row, town.seed), town.density, clear, placements);
+    return Plot(middle_m, turns, LotteryOf(column, row, town.seed), town.density, placements);
   };
   const auto is_here = [&](const SceneTile& tile) { return tile.column == column && tile.row == row; };
   if (const auto chosen = std::ranges::find_if(town.tiles, is_here); chosen != town.tiles.end()) {
@@ -64,17 +63,49 @@ void LayUnderlay(const SceneTown& town, std::vector<Placement>& placements) {
   }
 }
 
+bool IsGround(const Placement& placement) { return placement.side_m > 0 || placement.asset.starts_with("town/tiles/"); }
+
+bool IsInside(const Vector2d& place_m, const Placement& building, const Vector2d& size_m) {
+  const Vector2d away = place_m - building.place_m;
+  const Vector2d front(std::sin(building.heading_rad), std::cos(building.heading_rad));
+  const double along = std::abs(away.dot(front));
+  const double across = std::abs(away.dot(Vector2d(front.y(), -front.x())));
+  return along < size_m.x() / 2 && across < size_m.y() / 2;
+}
+
 }  // namespace
 
-std::vector<Placement> LayOutTown(const SceneTown& town, std::span<const KeptClear> clear) {
+std::vector<Placement> LayOutTown(const SceneTown& town) {
   std::vector<Placement> placements;
   LayUnderlay(town, placements);
   for (int row = town.squares[1]; row <= town.squares[3]; ++row) {
     for (int column = town.squares[0]; column <= town.squares[2]; ++column) {
-      PlanSquare(column, row, town, clear, placements);
+      PlanSquare(column, row, town, placements);
     }
   }
   return placements;
+}
+
+std::vector<bool> WhatCanStand(std::span<const Placement> town, std::span<const Vector2d> sizes_m,
+                               std::span<const KeptClear> clear) {
+  std::vector<bool> stands(town.size(), true);
+  std::vector<std::size_t> buildings;
+  for (std::size_t i = 0; i < town.size(); ++i) {
+    if (IsGround(town[i])) continue;
+    stands[i] = std::ranges::none_of(clear, [&](const KeptClear& ground) {
+      return (ground.centre_m - town[i].place_m).norm() < ground.radius_m + sizes_m[i].norm() / 2;
+    });
+    if (stands[i] && town[i].asset.starts_with("town/buildings/")) buildings.push_back(i);
+  }
+  for (std::size_t i = 0; i < town.size(); ++i) {
+    if (IsGround(town[i])) continue;
+    if (std::ranges::any_of(buildings, [&](std::size_t building) {
+          return building != i && IsInside(town[i].place_m, town[building], sizes_m[building]);
+        })) {
+      stands[i] = false;
+    }
+  }
+  return stands;
 }
 
 }  // namespace victorious

@@ -1,5 +1,5 @@
 // A town by lot: streets on a grid, and between them squares with houses, halls, car parks, parks and yards, furnished
-// with trees, parked cars and what lies about. The same options and the same things kept clear give the same town.
+// with trees, parked cars and what lies about. The same options give the same town.
 //
 // Squares are 24 m wide, as the shipped tiles are. Every columns_per_street-th column and rows_per_street-th row is a
 // street. Each square has a lottery of its own, so that a change in one leaves the others as they are.
@@ -33,6 +33,12 @@ struct KeptClear {
 };
 
 /// The town and the open ground about it.
-[[nodiscard]] std::vector<Placement> LayOutTown(const SceneTown& town, std::span<const KeptClear> clear);
+[[nodiscard]] std::vector<Placement> LayOutTown(const SceneTown& town);
+
+/// Which of a town's placements can stay: all but what would stand on ground that is kept clear, or with its middle
+/// inside a building (trees grow under no roof). A thing keeps half its diagonal away from clear ground.
+/// @param sizes_m  of each placement's bounding box: along its front, across
+[[nodiscard]] std::vector<bool> WhatCanStand(std::span<const Placement> town, std::span<const Eigen::Vector2d> sizes_m,
+                                             std::span<const KeptClear> clear);
 
 }  // namespace victorious

@@ -1,9 +1,16 @@
 #include "victorious/simulate/town.h"
 
 #include <algorithm>
-#include <set>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
+
+#include "victorious/geometry/angles.h"
+#include "victorious/render/load_mesh.h"
 
 namespace victorious {
 namespace {
@@ -26,9 +33,9 @@ const Placement* TileAt(const std::vector<Placement>& placements, const Vector2d
 }
 
 TEST(Town, IsTheSeeds) {
-  const auto first = LayOutTown({.seed = 5}, {});
-  const auto again = LayOutTown({.seed = 5}, {});
-  const auto other = LayOutTown({.seed = 6}, {});
+  const auto first = LayOutTown({.seed = 5});
+  const auto again = LayOutTown({.seed = 5});
+  const auto other = LayOutTown({.seed = 6});
   ASSERT_EQ(first.size(), again.size());
   for (std::size_t i = 0; i < first.size(); ++i) {
     EXPECT_EQ(first[i].asset, again[i].asset);
@@ -38,14 +45,14 @@ TEST(Town, IsTheSeeds) {
 }
 
 TEST(Town, HasWhatATownHas) {
-  const auto town = LayOutTown({}, {});
+  const auto town = LayOutTown({});
   for (const char* kind : {"town/tiles/road_", "town/buildings/", "town/trees/", "town/cars/", "town/props/"}) {
     EXPECT_GT(CountOf(town, kind), 10) << kind;
   }
 }
 
 TEST(Town, StreetsRunOnTheGridAndMeet) {
-  const auto town = LayOutTown({.columns_per_street = 4, .rows_per_street = 3}, {});
+  const auto town = LayOutTown({.columns_per_street = 4, .rows_per_street = 3});
   for (int column = -5; column <= 5; ++column) {
     for (int row = -4; row <= 4; ++row) {
       const Placement* tile = TileAt(town, kSquareSideM * Vector2d(column, row));
@@ -59,26 +66,83 @@ TEST(Town, StreetsRunOnTheGridAndMeet) {
 
 TEST(Town, DensityFillsIt) {
   const auto count = [](double density) {
-    return std::ranges::count_if(LayOutTown({.density = density}, {}), &StandsAbove);
+    return std::ranges::count_if(LayOutTown({.density = density}), &StandsAbove);
   };
   EXPECT_LT(count(0.2), count(0.5));
   EXPECT_LT(count(0.5), count(1.0));
 }
 
-TEST(Town, KeepsClearWhatItIsTold) {
-  const std::vector<KeptClear> clear = {{{0, 0}, 15}, {{24, 24}, 8}};
-  ASSERT_TRUE(std::ranges::any_of(LayOutTown({.density = 1}, {}),
-                                  [](const Placement& p) { return StandsAbove(p) && p.place_m.norm() < 15; }));
-  for (const Placement& placement : LayOutTown({.density = 1}, clear)) {
-    if (!StandsAbove(placement)) continue;
-    for (const KeptClear& free : clear) {
-      EXPECT_GT((placement.place_m - free.centre_m).norm(), free.radius_m) << placement.asset;
+// The size along the front and across of each placement's mesh; nothing for ground.
+std::vector<Vector2d> SizesOf(const std::vector<Placement>& town) {
+  static std::map<std::string, Vector2d> known;  // reading them is slow
+  std::vector<Vector2d> sizes_m;
+  for (const Placement& placement : town) {
+    const auto [at, is_new] = known.emplace(placement.asset, Vector2d::Zero());
+    if (is_new && placement.side_m == 0) {
+      const auto loaded = LoadMesh(std::filesystem::path(VICTORIOUS_ASSETS) / (placement.asset + ".glb"));
+      EXPECT_TRUE(loaded) << loaded.error().message;
+      if (loaded) at->second = BoundingBox(loaded->mesh).sizes().head<2>();
+    }
+    sizes_m.push_back(at->second);
+  }
+  return sizes_m;
+}
+
+TEST(Town, NothingStandsOnClearGround) {
+  const std::vector<KeptClear> clear = {{{0, 0}, 15}, {{24, 24}, 8}, {{30, -40}, 3}};
+  const auto town = LayOutTown({.density = 1});
+  const std::vector<Vector2d> sizes_m = SizesOf(town);
+  const auto stands_on = [&](std::size_t i, const KeptClear& ground) {
+    return (town[i].place_m - ground.centre_m).norm() < ground.radius_m + sizes_m[i].norm() / 2;
+  };
+  const std::vector<bool> stays = WhatCanStand(town, sizes_m, clear);
+  int moved_away = 0;
+  for (std::size_t i = 0; i < town.size(); ++i) {
+    if (!StandsAbove(town[i])) {
+      EXPECT_TRUE(stays[i]) << town[i].asset;
+      continue;
+    }
+    for (const KeptClear& ground : clear) {
+      EXPECT_FALSE(stays[i] && stands_on(i, ground)) << town[i].asset;
+      moved_away += stands_on(i, ground) ? 1 : 0;
     }
   }
+  EXPECT_GT(moved_away, 10);
+}
+
+TEST(Town, ALongBuildingKeepsAllOfItsLengthAway) {
+  const std::vector<Placement> town = {{.asset = "town/buildings/warehouse"}};
+  const std::vector<Vector2d> sizes_m = {{28.4, 18.6}};
+  EXPECT_EQ(WhatCanStand(town, sizes_m, std::vector<KeptClear>{{{18, 0}, 2}}), std::vector{false});
+  EXPECT_EQ(WhatCanStand(town, sizes_m, std::vector<KeptClear>{{{20, 0}, 2}}), std::vector{true});
+}
+
+TEST(Town, NothingStandsInsideABuilding) {
+  int left_out = 0;
+  for (const std::uint64_t seed : {1, 2, 3, 18}) {
+    const auto town = LayOutTown({.seed = seed, .density = 1});
+    const std::vector<Vector2d> sizes_m = SizesOf(town);
+    const std::vector<bool> stays = WhatCanStand(town, sizes_m, {});
+    left_out += static_cast<int>(std::ranges::count(stays, false));
+    int compared = 0;
+    for (std::size_t b = 0; b < town.size(); ++b) {
+      if (!town[b].asset.starts_with("town/buildings/")) continue;
+      EXPECT_TRUE(stays[b]) << town[b].asset;
+      const Eigen::Rotation2Dd to_building(town[b].heading_rad - kPi / 2);
+      for (std::size_t i = 0; i < town.size(); ++i) {
+        if (i == b || !stays[i] || !StandsAbove(town[i])) continue;
+        const Vector2d place = (to_building * (town[i].place_m - town[b].place_m)).cwiseAbs();
+        EXPECT_FALSE((place.array() < sizes_m[b].array() / 2).all()) << town[i].asset << " in " << town[b].asset;
+        ++compared;
+      }
+    }
+    EXPECT_GT(compared, 1000);
+  }
+  EXPECT_GT(left_out, 4);  // the layout alone puts trees there
 }
 
 TEST(Town, TakesTheTilesThatAreChosen) {
-  const auto town = LayOutTown({.tiles = {{.tile = "apron", .column = 2, .row = 1, .turns = 1}}}, {});
+  const auto town = LayOutTown({.tiles = {{.tile = "apron", .column = 2, .row = 1, .turns = 1}}});
   const Placement* tile = TileAt(town, {48, 24});
   ASSERT_NE(tile, nullptr);
   EXPECT_EQ(tile->asset, "town/tiles/apron");

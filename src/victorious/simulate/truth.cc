@@ -5,7 +5,6 @@
 #include <limits>
 #include <optional>
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "victorious/geometry/angles.h"
@@ -17,6 +16,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kLargestCanvasPx = 4096;
+constexpr double kWidestDeg = 80;  // from the optical axis: no lens of a plane image sees further
 
 struct SeenPixels {
   int count = 0;
@@ -48,24 +48,30 @@ std::vector<SeenPixels> CountPixels(const cv::Mat& instances, std::size_t object
   return seen;
 }
 
-// The same camera with the part of the image plane that the object's box projects to as its picture: a whole number of
-// pixels to the side, so that lines of sight are the frame's own.
-Expected<PosedCamera> CanvasAround(const StagedThing& object, const PosedCamera& camera) {
+// The part of the image plane that the object's box projects to, px, as far as a lens could see it. Where the box
+// reaches behind the camera that is all of the plane.
+Eigen::AlignedBox2d ExtentOf(const StagedThing& object, const PosedCamera& camera) {
+  const PinholeCamera& pinhole = camera.pinhole;
+  const double widest = std::tan(RadiansFromDegrees(kWidestDeg));
+  const Vector2d centre(pinhole.cx, pinhole.cy);
+  const Vector2d reach(widest * pinhole.fx, widest * pinhole.fy);
+  const Eigen::AlignedBox2d plane(Vector2d(centre - reach), Vector2d(centre + reach));
   const Rigid3 camera_from_mesh = camera.camera_from_world * object.town_from_mesh;
   Eigen::AlignedBox2d around;
-  bool in_front = true;
   for (int corner = 0; corner < 8; ++corner) {
     const auto type = static_cast<Eigen::AlignedBox3d::CornerType>(corner);
-    const std::optional<Vector2d> pixel = camera.pinhole.Project(camera_from_mesh.Apply(object.mesh.box.corner(type)));
-    if (pixel) around.extend(*pixel);
-    in_front &= pixel.has_value();
+    const std::optional<Vector2d> pixel = pinhole.Project(camera_from_mesh.Apply(object.mesh.box.corner(type)));
+    if (!pixel) return plane;
+    around.extend(*pixel);
   }
-  if (!in_front || around.sizes().maxCoeff() > kLargestCanvasPx - 2) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("it is larger than {} pixels: a larger range_m would be right", kLargestCanvasPx));
-  }
-  const Vector2d low = around.min().array().floor();
-  const Vector2d high = around.max().array().ceil();
+  return around.intersection(plane);
+}
+
+// The same camera with a part of its image plane as its picture: a whole number of pixels to the side, so that lines of
+// sight are the frame's own.
+PosedCamera CanvasOf(const Eigen::AlignedBox2d& part, const PosedCamera& camera) {
+  const Vector2d low = part.min().array().floor();
+  const Vector2d high = part.max().array().ceil();
   PosedCamera canvas = camera;
   canvas.pinhole.cx -= low.x();
   canvas.pinhole.cy -= low.y();
@@ -74,13 +80,19 @@ Expected<PosedCamera> CanvasAround(const StagedThing& object, const PosedCamera&
   return canvas;
 }
 
-// How many pixels the object would have if nothing hid or cut it.
-Expected<int> PixelsAlone(const StagedThing& object, const PosedCamera& camera, Renderer& renderer) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const PosedCamera canvas, CanvasAround(object, camera));
+// How many pixels the object would have if nothing hid or cut it. What would need too large a picture is counted in a
+// smaller one.
+Expected<double> PixelsAlone(const StagedThing& object, PosedCamera camera, Renderer& renderer) {
+  const double largest = ExtentOf(object, camera).sizes().maxCoeff();
+  const double shrink = std::min(1.0, (kLargestCanvasPx - 2) / largest);
+  for (double* value : {&camera.pinhole.fx, &camera.pinhole.fy, &camera.pinhole.cx, &camera.pinhole.cy}) {
+    *value *= shrink;
+  }
+  const PosedCamera canvas = CanvasOf(ExtentOf(object, camera), camera);
   const MeshInstance instance{.mesh = object.mesh.id, .world_from_mesh = object.town_from_mesh};
   VICTORIOUS_ASSIGN_OR_RETURN(const RenderedView view,
                               renderer.Render(std::span(&instance, 1), canvas, {}, {.supersampling = 1}));
-  return CountPixels(view.instances, 1).front().count;
+  return CountPixels(view.instances, 1).front().count / (shrink * shrink);
 }
 
 double Clockwise(double angle_rad) { return angle_rad < 0 ? angle_rad + 2 * kPi : angle_rad; }
@@ -103,7 +115,7 @@ Expected<std::vector<ObjectTruth>> TruthOf(std::span<const StagedThing> objects,
   for (std::size_t i = 0; i < objects.size(); ++i) {
     if (seen[i].count == 0) continue;
     const StagedThing& object = objects[i];
-    VICTORIOUS_ASSIGN_OR_RETURN(const int alone, PixelsAlone(object, camera, renderer));
+    VICTORIOUS_ASSIGN_OR_RETURN(const double alone, PixelsAlone(object, camera, renderer));
     const Vector3d centre_in_town = object.town_from_mesh.Apply(object.mesh.box.center());
     const Vector3d centre_in_enu = enu_from_town * centre_in_town;
     const Eigen::Quaterniond mesh_from_town = object.town_from_mesh.rotation.conjugate();
@@ -112,7 +124,7 @@ Expected<std::vector<ObjectTruth>> TruthOf(std::span<const StagedThing> objects,
     rows.push_back({.object = static_cast<int>(i),
                     .box = seen[i].BoundingBox(),
                     .pixels = seen[i].count,
-                    .visible = std::min(1.0, static_cast<double>(seen[i].count) / std::max(1, alone)),
+                    .visible = std::min(1.0, seen[i].count / std::max(1.0, alone)),
                     .place = earth.GeodeticFromEnu(centre_in_enu),
                     .heading_rad = Clockwise(std::atan2(front.x(), front.y())),
                     .view = DirectionFromVector(mesh_from_town * (camera_in_town - centre_in_town))});

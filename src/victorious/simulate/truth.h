@@ -2,7 +2,8 @@
 // from which side it is seen.
 //
 //   visible = pixels of the object in the frame / pixels it would have alone, unhidden, on a canvas as large as it is
-// Both count the pixels whose centre's line of sight meets the object. Angles are those of render/view_sphere.h.
+// Both count the pixels whose centre's line of sight meets the object; where the canvas would be wider or higher than
+// 4096 pixels, it is drawn smaller and counted as the larger one. Angles are those of render/view_sphere.h.
 #pragma once
 
 #include <span>
@@ -35,7 +36,7 @@ struct ObjectTruth {
 /// @param instances  RenderedView::instances of the frame, where instance i below objects.size() is object i
 /// @param earth      its origin is the town's
 /// @param town_heading_rad  where the town's y axis points there, clockwise from north
-/// Errors: kInvalidArgument, an object is so near that it is more than 4096 pixels wide or high; those of Render.
+/// Errors: those of Render.
 Expected<std::vector<ObjectTruth>> TruthOf(std::span<const StagedThing> objects, const cv::Mat& instances,
                                            const PosedCamera& camera, const TangentPlane& earth,
                                            double town_heading_rad, Renderer& renderer);

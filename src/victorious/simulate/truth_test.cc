@@ -93,14 +93,22 @@ TEST_F(Truth, ViewIsSeenFromTheObject) {
   EXPECT_NEAR(DegreesFromRadians(truth[0].view.off_nadir_rad), 40, 1e-6);
 }
 
-TEST_F(Truth, AnObjectAsTallAsTheFlightIsRefused) {
-  const std::vector<StagedThing> boxes = {BoxAt({0, 0, 0}, 99.9)};
-  const std::vector<MeshInstance> instances = {{boxes[0].mesh.id, boxes[0].town_from_mesh}};
-  const Expected<RenderedView> view = renderer->Render(instances, FromAbove());
-  ASSERT_TRUE(view);
-  const auto truth = TruthOf(boxes, view->instances, FromAbove(), kEarth, kTownHeadingRad, *renderer);
-  ASSERT_FALSE(truth);
-  EXPECT_EQ(truth.error().code, ErrorCode::kInvalidArgument);
+// Seen alone it would need a canvas of 6400 pixels: a frame of a long flight is not lost for that.
+TEST_F(Truth, AnObjectMuchWiderThanTheFrameHasItsShare) {
+  const Mesh mesh = testing::Box({-500, -1, -1}, {500, 1, 0});  // 1000 m long, its top at 0: 6.4 px a metre
+  const Expected<MeshId> id = renderer->Upload(mesh);
+  ASSERT_TRUE(id);
+  const auto truth = TruthOfBoxes({{{*id, BoundingBox(mesh)}, {}}}, 1);
+  ASSERT_EQ(truth.size(), 1U);
+  EXPECT_EQ(truth[0].box.width, 320);
+  EXPECT_NEAR(truth[0].visible, 320 / 6400.0, 0.005);
+}
+
+TEST_F(Truth, AnObjectThatReachesBehindTheCameraIsHardlySeen) {
+  const auto truth = TruthOfBoxes({BoxAt({3, 0, 0}, 120)}, 1);  // a tower beside the camera, higher than that
+  ASSERT_EQ(truth.size(), 1U);
+  EXPECT_GT(truth[0].visible, 0);
+  EXPECT_LT(truth[0].visible, 0.1);
 }
 
 TEST(TruthLine, HasTheContractsKeys) {

@@ -11,37 +11,20 @@
 #include "victorious/store/catalogue.h"
 #include "victorious/store/export_coco.h"
 #include "victorious/store/export_json.h"
+#include "victorious/store/export_map.h"
+#include "victorious/store/listed_object.h"
 
 namespace victorious {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, ExportFormat>, 4> kFormats = {{
+constexpr std::array<std::pair<std::string_view, ExportFormat>, 6> kFormats = {{
     {"objects", ExportFormat::kObjects},
     {"sightings", ExportFormat::kSightings},
     {"mot", ExportFormat::kMot},
     {"coco", ExportFormat::kCoco},
+    {"geojson", ExportFormat::kGeoJson},
+    {"kml", ExportFormat::kKml},
 }};
-
-Json ObjectJson(const ObjectRecord& object, std::size_t rank, const VideoRecord& video, const ModelRecord& model) {
-  return {{"object_id", object.id},
-          {"model", model.name},
-          {"category", nullptr},
-          {"rank", rank},
-          {"score", ScoreJson(object.score)},
-          {"videos", Json::array({video.name})},
-          {"frames", object.frames},
-          {"first_time_s", TimeJson(object.first_time_s)},
-          {"last_time_s", TimeJson(object.last_time_s)},
-          {"place_time_s", nullptr},
-          {"latitude_deg", nullptr},
-          {"longitude_deg", nullptr},
-          {"altitude_m", nullptr},
-          {"covariance_enu_m2", nullptr},
-          {"ce90_m", nullptr},
-          {"le90_m", nullptr},
-          {"heading_deg", nullptr},
-          {"speed_m_s", nullptr}};
-}
 
 Json ViewJson(const SightingRecord& sighting) {
   return {{"azimuth_deg", sighting.view ? DegreesJson(sighting.view->azimuth_rad) : Json()},
@@ -65,19 +48,14 @@ Json SightingJson(const SightingRecord& sighting, const VideoRecord& video, cons
           {"outline", OutlineJson(sighting.outline)}};
 }
 
-// What another process adds while this one writes belongs to a video or model that the catalogue may not know yet: it
-// is left to the next export.
 Status ExportObjects(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> objects, store.Objects(filter));
-  std::size_t rank = 0;
-  for (const ObjectRecord& object : objects) {
-    const VideoRecord* video = catalogue.Video(object.video);
-    const ModelRecord* model = catalogue.Model(object.model);
-    if (video != nullptr && model != nullptr) out << Dump(ObjectJson(object, ++rank, *video, *model)) << '\n';
-  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> objects, ListObjects(store, catalogue, filter));
+  for (const ListedObject& object : objects) out << Dump(ObjectJson(object)) << '\n';
   return {};
 }
 
+// What another process adds while this one writes belongs to a video or model that the catalogue may not know yet: it
+// is left to the next export.
 Status ExportSightings(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out) {
   return store.VisitSightings(filter, [&](SightingRecord&& sighting) {
     const VideoRecord* video = catalogue.Video(sighting.video);
@@ -112,9 +90,13 @@ Status Write(IndexStore& store, ExportFormat format, const Catalogue& catalogue,
     case ExportFormat::kMot:
       return ExportMot(store, catalogue, filter, out);
     case ExportFormat::kCoco:
+      return ExportCoco(store, catalogue, filter, out);
+    case ExportFormat::kGeoJson:
+      return ExportGeoJson(store, catalogue, filter, out);
+    case ExportFormat::kKml:
       break;
   }
-  return ExportCoco(store, catalogue, filter, out);
+  return ExportKml(store, catalogue, filter, out);
 }
 
 }  // namespace

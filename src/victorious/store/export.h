@@ -14,6 +14,8 @@ enum class ExportFormat {
   kSightings,  ///< JSON Lines, by video and frame
   kMot,        ///< MOTChallenge text of one video
   kCoco,       ///< COCO detection JSON
+  kGeoJson,    ///< RFC 7946: objects of known place
+  kKml,        ///< the same for Google Earth
 };
 
 /// By the name that `export --format` takes. kInvalidArgument with the list of names.

@@ -20,6 +20,10 @@ Json ScoreJson(double score) { return Round(score, 1e4); }
 
 Json DegreesJson(double angle_rad) { return Round(DegreesFromRadians(angle_rad), 1e2); }
 
+Json MetresJson(double value_m) { return Round(value_m, 1e3); }
+
+Json GeodeticJson(double angle_rad) { return Round(DegreesFromRadians(angle_rad), 1e9); }
+
 double RoundPixels(double value_px) { return Round(value_px, 1e2); }
 
 Json BoxJson(const Box& box) {

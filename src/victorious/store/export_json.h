@@ -16,6 +16,10 @@ using Json = nlohmann::ordered_json;
 Json TimeJson(double time_s);
 Json ScoreJson(double score);
 Json DegreesJson(double angle_rad);
+/// m or m/s, to the millimetre
+Json MetresJson(double value_m);
+/// Latitude or longitude in degrees, to a tenth of a millimetre
+Json GeodeticJson(double angle_rad);
 /// [x, y, w, h]
 Json BoxJson(const Box& box);
 /// [[x, y], …]

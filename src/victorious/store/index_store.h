@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,6 +17,8 @@
 #include "victorious/geometry/polygon.h"
 #include "victorious/types/feature_set.h"
 #include "victorious/types/object_model.h"
+#include "victorious/types/place.h"
+#include "victorious/types/sight.h"
 
 namespace victorious {
 
@@ -24,11 +27,12 @@ struct VideoRecord {
   std::int64_t id = 0;  ///< the store's own
   std::string content_id;
   std::string name;
-  int width = 0;                            ///< px
-  int height = 0;                           ///< px
-  std::optional<std::int64_t> frame_count;  ///< known once it was read to its end
-  std::optional<double> duration_s;         ///< presentation time of the last frame, known then too
-  std::string features_json;                ///< the feature options of the features kept; empty: none kept yet
+  int width = 0;                             ///< px
+  int height = 0;                            ///< px
+  std::optional<std::int64_t> frame_count;   ///< known once it was read to its end
+  std::optional<double> duration_s;          ///< presentation time of the last frame, known then too
+  std::optional<std::int64_t> start_utc_us;  ///< of the first frame, microseconds since 1970, where telemetry tells
+  std::string features_json;                 ///< the feature options of the features kept; empty: none kept yet
 };
 
 /// A model that was searched for.
@@ -49,9 +53,10 @@ struct SearchRecord {
   std::string program_version;
 };
 
-/// One object: for now, a run of overlapping sightings in one video.
-struct ObjectRecord {
+/// A run: sightings of one video that overlap from frame to frame. What an object is made of.
+struct RunRecord {
   std::int64_t id = 0;
+  std::int64_t object = 0;  ///< of which it is a part
   std::int64_t video = 0;
   std::int64_t model = 0;
   double score = 0;
@@ -60,8 +65,24 @@ struct ObjectRecord {
   double last_time_s = 0;
 };
 
+/// One object: the runs that show it, in one video or several.
+struct ObjectRecord {
+  std::int64_t id = 0;  ///< that of its first run
+  std::int64_t model = 0;
+  double score = 0;                  ///< the highest of its runs
+  std::int64_t frames = 0;           ///< with a sighting
+  double first_time_s = 0;           ///< of its sightings, each on its own video's clock
+  double last_time_s = 0;            ///< likewise
+  std::vector<std::int64_t> videos;  ///< that it is seen in, in the order they were added
+  std::vector<std::int64_t> runs;    ///< rising
+  std::optional<Place> place;
+  std::optional<double> heading_rad;  ///< of its front, clockwise from north
+  std::string rejected;               ///< why this is no object; empty: it is one
+};
+
 struct SightingRecord {
   std::int64_t object = 0;
+  std::int64_t run = 0;
   std::int64_t video = 0;
   std::int64_t model = 0;
   std::int64_t frame = 0;
@@ -73,7 +94,8 @@ struct SightingRecord {
   int matches = 0;
   int view_index = 0;  ///< the model's view that matched best
   std::optional<ViewAngles> view;
-  double in_plane_rad = 0;  ///< clockwise turn from the template to the scene
+  double in_plane_rad = 0;     ///< clockwise turn from the template to the scene
+  std::optional<Sight> sight;  ///< where there is telemetry
 };
 
 /// The features of a frame, kept for search by picture.
@@ -86,15 +108,16 @@ struct KeptFrame {
 
 /// What one stretch of frames gave: committed whole or not at all.
 struct IndexBatch {
-  /// An object that is new (no id) or that has grown (its id).
-  struct ObjectUpdate {
+  /// A run that is new (no id), and an object by itself until PutObjects says otherwise, or one that has grown (its
+  /// id).
+  struct RunUpdate {
     std::optional<std::int64_t> id;
-    ObjectRecord object;
+    RunRecord run;
   };
-  /// A sighting of the batch's object number `object_update`, which says its object, video and model. An object is
-  /// seen at most once in a frame.
+  /// A sighting of the batch's run number `run_update`, which says its run, video and model. A run has at most one
+  /// sighting in a frame.
   struct NewSighting {
-    std::size_t object_update = 0;
+    std::size_t run_update = 0;
     SightingRecord sighting;
   };
   struct Progress {
@@ -102,10 +125,16 @@ struct IndexBatch {
     std::int64_t expected_next_frame = 0;  ///< as it stood before: refused if another process moved it
   };
 
-  std::vector<ObjectUpdate> objects;
+  std::vector<RunUpdate> runs;
   std::vector<NewSighting> sightings;
   std::vector<KeptFrame> kept_frames;
   std::vector<Progress> progress;
+};
+
+/// About a point of the Earth, whatever the height.
+struct Surroundings {
+  GeodeticPoint middle;
+  double radius_m = 0;
 };
 
 /// Which objects or sightings: every condition that is set must hold.
@@ -114,6 +143,8 @@ struct SightingFilter {
   std::optional<std::string> video_name;  ///< see VideosNamed
   std::optional<double> from_s;           ///< inclusive; an object counts if any of its time does
   std::optional<double> to_s;             ///< inclusive
+  std::optional<Surroundings> near;       ///< objects of known place, and their sightings
+  bool rejected_too = false;              ///< else what was rejected as no object is left out
 };
 
 /// The videos of that whole name; if there is none, those whose name ends in it part by part: "flight/video.mp4" is the
@@ -125,7 +156,7 @@ class IndexStore {
  public:
   virtual ~IndexStore() = default;
 
-  /// Adds the video, or finds it by its content and gives it the name as now given.
+  /// Adds the video, or finds it by its content and gives it the name as now given, and the start if given.
   virtual Expected<VideoRecord> PutVideo(const VideoRecord& video) = 0;
   /// Forgets the videos of this name but other content: a file that was changed. Returns how many there were.
   virtual Expected<std::int64_t> ForgetOtherContent(const std::string& name, const std::string& content_id) = 0;
@@ -144,10 +175,16 @@ class IndexStore {
   /// Forgets the kept features of a video.
   virtual Status ForgetKeptFrames(std::int64_t video) = 0;
 
-  /// One transaction. Returns the ids of batch.objects, in their order. A kept frame that is there already stays.
-  /// Errors: kConflict if another process moved the progress; kNotFound for an object, video or model that is
+  /// One transaction. Returns the ids of batch.runs, in their order. A kept frame that is there already stays.
+  /// Errors: kConflict if another process moved the progress; kNotFound for a run, video or model that is
   /// gone; kInvalidArgument for a sighting that is there already.
   virtual Expected<std::vector<std::int64_t>> Commit(const IndexBatch& batch) = 0;
+
+  /// All of them, by id.
+  virtual Expected<std::vector<RunRecord>> Runs() = 0;
+  /// One transaction: joins runs to these objects, and forgets objects that are left without a run. Of ObjectRecord it
+  /// takes the id, model, runs, place, heading and rejection; runs that are gone by now are passed over.
+  virtual Status PutObjects(std::span<const ObjectRecord> objects) = 0;
 
   /// Best first: by score, then by number of frames, then by id.
   virtual Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) = 0;

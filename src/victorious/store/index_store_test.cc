@@ -52,13 +52,13 @@ class IndexStoreTest : public ::testing::TestWithParam<Backend> {
   // One object seen in `frames` frames of 0.5 s from `first_frame` on.
   IndexBatch OneObject(std::int64_t first_frame, int frames, double score) const {
     IndexBatch batch;
-    batch.objects.push_back({std::nullopt,
-                             {.video = video_,
-                              .model = model_,
-                              .score = score,
-                              .frames = frames,
-                              .first_time_s = 0.5 * static_cast<double>(first_frame),
-                              .last_time_s = 0.5 * static_cast<double>(first_frame + frames - 1)}});
+    batch.runs.push_back({std::nullopt,
+                          {.video = video_,
+                           .model = model_,
+                           .score = score,
+                           .frames = frames,
+                           .first_time_s = 0.5 * static_cast<double>(first_frame),
+                           .last_time_s = 0.5 * static_cast<double>(first_frame + frames - 1)}});
     for (int i = 0; i < frames; ++i) {
       const std::int64_t frame = first_frame + i;
       batch.sightings.push_back({0,
@@ -180,9 +180,9 @@ TEST_P(IndexStoreTest, UnknownAnglesAndNoOutlineStayUnknown) {
 TEST_P(IndexStoreTest, AnObjectGrows) {
   const std::int64_t id = CommitOne(OneObject(0, 2, 0.5));
   IndexBatch more = OneObject(2, 1, 0.9);
-  more.objects[0].id = id;
-  more.objects[0].object.frames = 3;
-  more.objects[0].object.first_time_s = 0;
+  more.runs[0].id = id;
+  more.runs[0].run.frames = 3;
+  more.runs[0].run.first_time_s = 0;
   EXPECT_EQ(CommitOne(more), id);
   const auto objects = store_->Objects({});
   ASSERT_THAT(*objects, SizeIs(1));
@@ -190,6 +190,126 @@ TEST_P(IndexStoreTest, AnObjectGrows) {
   EXPECT_EQ(objects->front().score, 0.9);
   EXPECT_EQ(objects->front().last_time_s, 1.0);
   EXPECT_THAT(Sightings(), SizeIs(3));
+}
+
+Place SomePlace(double latitude_rad) {
+  Place place{.point = {latitude_rad, 0.25, 80}, .time_s = 1.5, .ce90_m = 2, .le90_m = 3};
+  place.covariance_enu_m2 = Eigen::Vector3d(1, 2, 3).asDiagonal();
+  place.covariance_enu_m2(0, 1) = place.covariance_enu_m2(1, 0) = 0.5;
+  return place;
+}
+
+TEST_P(IndexStoreTest, ASightComesBackAsItWent) {
+  IndexBatch batch = OneObject(7, 2, 0.75);
+  batch.sightings[0].sighting.sight = Sight{.line = {.time_s = 3.5,
+                                                     .camera = {0.5, 0.25, 120},
+                                                     .azimuth_rad = -1,
+                                                     .elevation_rad = -0.75,
+                                                     .range_m = 99,
+                                                     .sigma_rad = 0.001,
+                                                     .sigma_range_m = 2},
+                                            .heading_rad = 3,
+                                            .sigma_position_m = 0.5,
+                                            .sigma_attitude_rad = 0.01};
+  CommitOne(batch);
+  const auto sightings = Sightings();
+  ASSERT_THAT(sightings, SizeIs(2));
+  EXPECT_FALSE(sightings[1].sight);
+  ASSERT_TRUE(sightings[0].sight);
+  const Sight& sight = *sightings[0].sight;
+  EXPECT_EQ(sight.line.time_s, 3.5);
+  EXPECT_EQ(sight.line.camera, (GeodeticPoint{0.5, 0.25, 120}));
+  EXPECT_EQ(sight.line.azimuth_rad, -1);
+  EXPECT_EQ(sight.line.elevation_rad, -0.75);
+  EXPECT_EQ(sight.line.range_m, 99);
+  EXPECT_EQ(sight.line.sigma_rad, 0.001);
+  EXPECT_EQ(sight.line.sigma_range_m, 2);
+  EXPECT_EQ(sight.heading_rad, 3);
+  EXPECT_EQ(sight.sigma_position_m, 0.5);
+  EXPECT_EQ(sight.sigma_attitude_rad, 0.01);
+}
+
+TEST_P(IndexStoreTest, RunsBecomeOneObjectWithItsPlace) {
+  const std::int64_t first = CommitOne(OneObject(0, 2, 0.5));
+  const std::int64_t second = CommitOne(OneObject(10, 3, 0.9));
+  ObjectRecord object{.id = first, .model = model_, .runs = {first, second}, .place = SomePlace(0.5)};
+  object.place->velocity_enu = Eigen::Vector3d(1, -2, 0);
+  object.place->velocity_covariance_enu = Eigen::Matrix3d::Identity();
+  object.heading_rad = 1.25;
+  ASSERT_TRUE(store_->PutObjects(std::span(&object, 1)));
+  Reopen();
+  const auto objects = store_->Objects({});
+  ASSERT_THAT(*objects, SizeIs(1));
+  const ObjectRecord& stored = objects->front();
+  EXPECT_EQ(stored.id, first);
+  EXPECT_EQ(stored.frames, 5);
+  EXPECT_EQ(stored.score, 0.9);
+  EXPECT_EQ(stored.first_time_s, 0);
+  EXPECT_EQ(stored.last_time_s, 6);
+  EXPECT_THAT(stored.videos, ElementsAre(video_));
+  EXPECT_THAT(stored.runs, ElementsAre(first, second));
+  ASSERT_TRUE(stored.place);
+  EXPECT_EQ(stored.place->point, object.place->point);
+  EXPECT_EQ(stored.place->time_s, 1.5);
+  EXPECT_EQ(stored.place->covariance_enu_m2, object.place->covariance_enu_m2);
+  EXPECT_EQ(stored.place->velocity_enu, object.place->velocity_enu);
+  EXPECT_EQ(stored.place->ce90_m, 2);
+  EXPECT_EQ(stored.place->le90_m, 3);
+  EXPECT_EQ(stored.heading_rad, 1.25);
+  for (const SightingRecord& sighting : Sightings()) EXPECT_EQ(sighting.object, first);
+
+  // Apart again, the second has its own id back, and what is not known is not there.
+  const std::vector<ObjectRecord> apart = {{.id = first, .model = model_, .runs = {first}},
+                                           {.id = second, .model = model_, .runs = {second}}};
+  ASSERT_TRUE(store_->PutObjects(apart));
+  EXPECT_THAT(ObjectIds(), ElementsAre(second, first));
+  EXPECT_FALSE(store_->Objects({})->front().place);
+  EXPECT_FALSE(store_->Objects({})->back().heading_rad);
+}
+
+TEST_P(IndexStoreTest, AnObjectOfTwoVideosOutlivesOneOfThem) {
+  const std::int64_t first = CommitOne(OneObject(0, 2, 0.5));
+  const std::int64_t one = video_;
+  video_ = PutVideo("c2", "b.mp4").id;
+  const std::int64_t second = CommitOne(OneObject(0, 2, 0.6));
+  const ObjectRecord object{.id = first, .model = model_, .runs = {first, second}};
+  ASSERT_TRUE(store_->PutObjects(std::span(&object, 1)));
+  EXPECT_THAT(store_->Objects({.video_name = "b.mp4"})->front().videos, ElementsAre(one, video_));
+  ASSERT_TRUE(store_->ForgetSearch(one, model_));
+  const auto objects = store_->Objects({});
+  ASSERT_THAT(*objects, SizeIs(1));
+  EXPECT_THAT(objects->front().videos, ElementsAre(video_));
+  EXPECT_EQ(objects->front().frames, 2);
+}
+
+TEST_P(IndexStoreTest, WhatWasRejectedIsLeftOutUnlessAskedFor) {
+  const std::int64_t id = CommitOne(OneObject(0, 2, 0.5));
+  const ObjectRecord object{.id = id, .model = model_, .runs = {id}, .rejected = "7 times too large"};
+  ASSERT_TRUE(store_->PutObjects(std::span(&object, 1)));
+  EXPECT_THAT(ObjectIds(), ElementsAre());
+  EXPECT_THAT(Sightings(), SizeIs(0));
+  EXPECT_THAT(Sightings({.rejected_too = true}), SizeIs(2));
+  EXPECT_EQ(store_->Objects({.rejected_too = true})->front().rejected, "7 times too large");
+}
+
+TEST_P(IndexStoreTest, NearMeansAlongTheGround) {
+  const std::int64_t here = CommitOne(OneObject(0, 1, 0.5));
+  const std::int64_t there = CommitOne(OneObject(5, 1, 0.6));
+  CommitOne(OneObject(8, 1, 0.7));  // of unknown place
+  constexpr double kEarthRadiusM = 6.37e6;
+  const std::vector<ObjectRecord> objects = {
+      {.id = here, .model = model_, .runs = {here}, .place = SomePlace(0.5)},
+      {.id = there, .model = model_, .runs = {there}, .place = SomePlace(0.5 + 100 / kEarthRadiusM)}};
+  ASSERT_TRUE(store_->PutObjects(objects));
+  const auto within = [](double radius_m) {
+    return SightingFilter{.near = Surroundings{{0.5, 0.25, -3000}, radius_m}};
+  };
+  EXPECT_THAT(ObjectIds(within(90)), ElementsAre(here));
+  EXPECT_THAT(ObjectIds(within(110)), ElementsAre(there, here));
+  EXPECT_THAT(Sightings(within(90)), SizeIs(1));
+  SightingFilter late = within(110);
+  late.from_s = 2;
+  EXPECT_THAT(ObjectIds(late), ElementsAre(there));
 }
 
 TEST_P(IndexStoreTest, ABatchIsWholeOrNotAtAll) {
@@ -208,10 +328,10 @@ TEST_P(IndexStoreTest, ABatchIsWholeOrNotAtAll) {
 
 TEST_P(IndexStoreTest, WhatIsNotThereIsRefused) {
   IndexBatch batch = OneObject(0, 1, 0.5);
-  batch.objects[0].id = 1234;
+  batch.runs[0].id = 1234;
   EXPECT_EQ(store_->Commit(batch).error().code, ErrorCode::kNotFound);
-  batch.objects[0].id.reset();
-  batch.objects[0].object.video = 1234;
+  batch.runs[0].id.reset();
+  batch.runs[0].run.video = 1234;
   EXPECT_EQ(store_->Commit(batch).error().code, ErrorCode::kNotFound);
 }
 
@@ -239,7 +359,7 @@ TEST_P(IndexStoreTest, ProgressIsKeptAndMovesOnlyFromWhereItStood) {
 TEST_P(IndexStoreTest, ForgettingASearchTakesItsFindsAndNothingElse) {
   const std::int64_t other = PutModel("shed", "m2").id;
   IndexBatch kept = OneObject(0, 2, 0.5);
-  kept.objects[0].object.model = other;
+  kept.runs[0].run.model = other;
   const std::int64_t kept_id = CommitOne(kept);
   IndexBatch batch = OneObject(0, 2, 0.6);
   batch.progress.push_back(ProgressTo(2, 0));

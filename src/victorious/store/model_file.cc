@@ -19,6 +19,7 @@ constexpr std::string_view kKeypointsTag = "keypoint";
 constexpr std::string_view kDescriptorsTag = "descript";
 constexpr std::string_view kPointsTag = "points3";     // only in models that have depth
 constexpr std::string_view kThumbnailsTag = "thumbs";  // only in models that have some
+constexpr std::string_view kSurfacesTag = "surfaces";  // only in models that have some
 
 Expected<std::span<const std::byte>> Find(const SectionFile& file, std::string_view tag) {
   const auto it = std::ranges::find(file.sections, tag, &Section::tag);
@@ -65,8 +66,11 @@ Expected<std::span<const Point3>> ParsePoints(const SectionFile& file) {
   return std::span(reinterpret_cast<const Point3*>(it->bytes.data()), it->bytes.size() / sizeof(Point3));
 }
 
-Status ParseThumbnails(const SectionFile& file, std::vector<ModelView>& views) {
-  const auto it = std::ranges::find(file.sections, kThumbnailsTag, &Section::tag);
+// Something that each view has: a picture for people, or one for searching.
+using Piece = std::span<const std::byte> ModelView::*;
+
+Status ParsePieces(const SectionFile& file, std::string_view tag, Piece piece, std::vector<ModelView>& views) {
+  const auto it = std::ranges::find(file.sections, tag, &Section::tag);
   if (it == file.sections.end()) return {};
   const std::size_t table = views.size() * sizeof(std::uint32_t);
   const std::span<const std::byte> bytes = it->bytes;
@@ -74,23 +78,23 @@ Status ParseThumbnails(const SectionFile& file, std::vector<ModelView>& views) {
   for (std::size_t i = 0; i < views.size() && end <= bytes.size(); ++i) {
     std::uint32_t size = 0;
     std::memcpy(&size, bytes.data() + i * sizeof(size), sizeof(size));
-    if (size <= bytes.size() - end) views[i].thumbnail = bytes.subspan(end, size);
+    if (size <= bytes.size() - end) views[i].*piece = bytes.subspan(end, size);
     end += size;
   }
   if (end == bytes.size()) return {};
-  return Fail(ErrorCode::kDataLoss, fmt::format("damaged ({} bytes of thumbnails)", bytes.size()));
+  return Fail(ErrorCode::kDataLoss, fmt::format("damaged ({} bytes of {})", bytes.size(), tag));
 }
 
 // Their sizes, then they themselves; nothing for a model without any.
-std::vector<std::byte> EncodeThumbnails(const ObjectModel& model) {
+std::vector<std::byte> EncodePieces(const ObjectModel& model, Piece piece) {
   std::vector<std::byte> bytes;
   const auto append = [&](std::span<const std::byte> more) { bytes.insert(bytes.end(), more.begin(), more.end()); };
-  if (std::ranges::all_of(model.views, [](const ModelView& view) { return view.thumbnail.empty(); })) return bytes;
+  if (std::ranges::all_of(model.views, [&](const ModelView& view) { return (view.*piece).empty(); })) return bytes;
   for (const ModelView& view : model.views) {
-    const auto size = static_cast<std::uint32_t>(view.thumbnail.size());
+    const auto size = static_cast<std::uint32_t>((view.*piece).size());
     append(std::as_bytes(std::span(&size, 1)));
   }
-  for (const ModelView& view : model.views) append(view.thumbnail);
+  for (const ModelView& view : model.views) append(view.*piece);
   return bytes;
 }
 
@@ -114,7 +118,8 @@ Expected<ObjectModel> ParseAligned(std::span<const std::byte> bytes, std::shared
                               ParseMetadata({reinterpret_cast<const char*>(metadata.data()), metadata.size()}));
   VICTORIOUS_ASSIGN_OR_RETURN(model.features, ParseFeatures(file));
   VICTORIOUS_ASSIGN_OR_RETURN(model.points_in_model, ParsePoints(file));
-  VICTORIOUS_RETURN_IF_ERROR(ParseThumbnails(file, model.views));
+  VICTORIOUS_RETURN_IF_ERROR(ParsePieces(file, kThumbnailsTag, &ModelView::thumbnail, model.views));
+  VICTORIOUS_RETURN_IF_ERROR(ParsePieces(file, kSurfacesTag, &ModelView::surface, model.views));
   if (Status status = Validate(model); !status) {
     return Fail(ErrorCode::kDataLoss, fmt::format("damaged ({})", status.error().message));
   }
@@ -133,8 +138,10 @@ Expected<std::vector<std::byte>> EncodeModel(const ObjectModel& model) {
                           Section{kKeypointsTag, std::as_bytes(model.features.keypoints)},
                           Section{kDescriptorsTag, std::as_bytes(model.features.descriptors)}};
   if (!model.points_in_model.empty()) sections.push_back({kPointsTag, std::as_bytes(model.points_in_model)});
-  const std::vector<std::byte> thumbnails = EncodeThumbnails(model);
+  const std::vector<std::byte> thumbnails = EncodePieces(model, &ModelView::thumbnail);
   if (!thumbnails.empty()) sections.push_back({kThumbnailsTag, thumbnails});
+  const std::vector<std::byte> surfaces = EncodePieces(model, &ModelView::surface);
+  if (!surfaces.empty()) sections.push_back({kSurfacesTag, surfaces});
   return EncodeSections(sections);
 }
 

@@ -80,6 +80,27 @@ json EncodeView(const ModelView& view) {
           {"neighbours", view.neighbours}};
 }
 
+json EncodeBox(const std::optional<Eigen::AlignedBox3d>& box) {
+  if (!box) return {};
+  const Eigen::Vector3d& least = box->min();
+  const Eigen::Vector3d& most = box->max();
+  return {{least.x(), least.y(), least.z()}, {most.x(), most.y(), most.z()}};
+}
+
+std::optional<Eigen::Vector3d> ParsePoint(const json& point) {
+  if (!point.is_array() || point.size() != 3) return std::nullopt;
+  if (!std::ranges::all_of(point, [](const json& number) { return number.is_number(); })) return std::nullopt;
+  return Eigen::Vector3d(point[0].get<double>(), point[1].get<double>(), point[2].get<double>());
+}
+
+std::optional<Eigen::AlignedBox3d> ParseBox(const json& corners) {
+  if (!corners.is_array() || corners.size() != 2) return std::nullopt;
+  const auto least = ParsePoint(corners[0]);
+  const auto most = ParsePoint(corners[1]);
+  if (!least || !most) return std::nullopt;
+  return Eigen::AlignedBox3d(*least, *most);
+}
+
 std::optional<Polygon> ParseOutline(const json& corners) {
   if (!corners.is_array() || corners.size() > kMaxOutlineCorners) return std::nullopt;
   Polygon outline;
@@ -159,6 +180,7 @@ std::string EncodeMetadata(const ObjectModel& model) {
                          {"options", model.options_json},
                          {"program_version", model.program_version},
                          {"length_m", model.length_m ? json(*model.length_m) : json()},
+                         {"box_m", EncodeBox(model.box_m)},
                          {"views", std::move(views)}};
   return document.dump(-1, ' ', false, json::error_handler_t::replace);
 }
@@ -174,6 +196,10 @@ Expected<ObjectModel> ParseMetadata(std::string_view text) {
                     .options_json = reader.Text("options"),
                     .program_version = reader.Text("program_version"),
                     .length_m = reader.OptionalNumber("length_m")};
+  if (const auto box = document->find("box_m"); box != document->end() && !box->is_null()) {  // not in version 0.1.0
+    model.box_m = ParseBox(*box);
+    reader.Require(model.box_m.has_value());
+  }
   const json& views = reader.Member("views");
   if (!reader.Require(views.is_array() && views.size() <= kMaxViews)) return fault;
   model.views.reserve(views.size());
@@ -192,6 +218,10 @@ Status ValidateMetadata(const ObjectModel& model, std::size_t feature_count) {
   if (model.name.empty()) return fail("it has no name");
   if (model.length_m && !(*model.length_m > 0 && std::isfinite(*model.length_m)))
     return fail("its length is not above 0 m");
+  const auto is_box = [](const Eigen::AlignedBox3d& box) {
+    return box.min().allFinite() && box.max().allFinite() && (box.sizes().array() >= 0).all();
+  };
+  if (model.box_m && !is_box(*model.box_m)) return fail("its bounding box has no corners");
   if (model.views.empty() || model.views.size() > kMaxViews) {
     return fail(fmt::format("{} views, expected 1 to {}", model.views.size(), kMaxViews));
   }

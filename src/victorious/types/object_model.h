@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "victorious/geometry/polygon.h"
 #include "victorious/types/feature_set.h"
 
@@ -42,6 +44,7 @@ struct ModelView {
   std::optional<ViewAngles> angles;       ///< unknown for photos
   std::vector<std::uint32_t> neighbours;  ///< views from nearby directions, by number; none for photos
   std::span<const std::byte> thumbnail;   ///< a small picture of it, JPEG, for people; empty: there is none
+  std::span<const std::byte> surface;     ///< its rendering, to be lit anew (model/view_surface.h); empty: none
 };
 
 /// Immutable once made; copies share the feature storage.
@@ -53,6 +56,7 @@ struct ObjectModel {
   std::string options_json;        ///< the options that made it
   std::string program_version;     ///< the version that made it
   std::optional<double> length_m;  ///< the longest side (of a glTF along its front), if known
+  std::optional<Eigen::AlignedBox3d> box_m;  ///< bounding box: x front, y left, z up; unknown for photos
   std::vector<ModelView> views;
   FeatureView features;                     ///< of all views, one after the other
   std::span<const Point3> points_in_model;  ///< a feature's place on the object, metres; empty for photos

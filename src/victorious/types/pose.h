@@ -3,11 +3,13 @@
 
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 #include <Eigen/Core>
 
 #include "victorious/geometry/similarity.h"
 #include "victorious/types/match_set.h"
+#include "victorious/types/object_model.h"
 
 namespace victorious {
 
@@ -15,7 +17,9 @@ struct Pose {
   Similarity2 scene_from_template;  ///< MLESAC's
   /// The similarity, or the affine map or homography that explains the matches better; template pixels to scene pixels.
   Eigen::Matrix3d scene_from_template_plane = Eigen::Matrix3d::Identity();
-  MatchSet inliers;                  ///< the matches that obey the similarity
+  MatchSet inliers;  ///< the matches that obey the similarity
+  /// The inliers' places on the object, metres, one each; empty where the model has no depth.
+  std::vector<Point3> inlier_points;
   std::size_t distinct_inliers = 0;  ///< different template keypoints among them
   double extent = 0;                 ///< area of the inliers' hull over the outline's, in the template
   /// Where the stage that found the pose knows it: decades by which chance is too unlikely, one view searched.

@@ -119,11 +119,12 @@ Status WriteImage(const std::filesystem::path& path, const cv::Mat& image) {
   return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: a picture's name must end in .png or .jpg", path.string()));
 }
 
-Expected<std::vector<std::byte>> EncodeJpeg(const cv::Mat& bgr) {
-  constexpr int kQuality = 80;
+namespace {
+
+Expected<std::vector<std::byte>> Encode(const cv::Mat& bgr, const char* ending, const std::vector<int>& parameters) {
   std::vector<unsigned char> bytes;
   try {
-    if (cv::imencode(".jpg", bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, kQuality})) {
+    if (cv::imencode(ending, bgr, bytes, parameters)) {
       const auto encoded = std::as_bytes(std::span(bytes));
       return std::vector<std::byte>(encoded.begin(), encoded.end());
     }
@@ -131,8 +132,17 @@ Expected<std::vector<std::byte>> EncodeJpeg(const cv::Mat& bgr) {
     // An empty picture, or one too large for the format.
   }
   return Fail(ErrorCode::kInternal,
-              fmt::format("a picture of {} x {} pixels cannot become a JPEG", bgr.cols, bgr.rows));
+              fmt::format("a picture of {} x {} pixels cannot be encoded as {}", bgr.cols, bgr.rows, ending));
 }
+
+}  // namespace
+
+Expected<std::vector<std::byte>> EncodeJpeg(const cv::Mat& bgr) {
+  constexpr int kQuality = 80;
+  return Encode(bgr, ".jpg", {cv::IMWRITE_JPEG_QUALITY, kQuality});
+}
+
+Expected<std::vector<std::byte>> EncodePng(const cv::Mat& bgr) { return Encode(bgr, ".png", {}); }
 
 cv::Mat GreyFromBgr(const cv::Mat& bgr) {
   cv::Mat grey;

@@ -34,6 +34,9 @@ Status WriteImage(const std::filesystem::path& path, const cv::Mat& image);
 /// A small JPEG of a BGR picture, for people to look at: quality 80, the same bytes each time.
 Expected<std::vector<std::byte>> EncodeJpeg(const cv::Mat& bgr);
 
+/// A BGR picture without loss, as PNG.
+Expected<std::vector<std::byte>> EncodePng(const cv::Mat& bgr);
+
 /// Luma as the features see it: CV_8UC1, of the BT.601 weights 0.299 R + 0.587 G + 0.114 B.
 cv::Mat GreyFromBgr(const cv::Mat& bgr);
 

@@ -10,6 +10,9 @@
 
 namespace victorious {
 
+/// How far, in the deviations that SigmaPx gives, a match that agrees with a similarity may lie from its place.
+inline constexpr double kAgreementSigmas = 2.5;
+
 class SimilarityEstimator {
  public:
   using Model = Similarity2;

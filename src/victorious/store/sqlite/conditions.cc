@@ -15,6 +15,12 @@ void Conditions::AddOneOf(std::string_view column, const std::vector<std::int64_
   Append(fmt::format("{} IN ({})", column, fmt::join(ids, ", ")));
 }
 
+void Conditions::AddQuery(std::string_view expression, const Conditions& query) {
+  if (query.text_.empty()) return;
+  Append(fmt::format(fmt::runtime(expression), query.text_));
+  values_.insert(values_.end(), query.values_.begin(), query.values_.end());
+}
+
 void Conditions::Bind(Statement& statement) const {
   int parameter = 0;
   for (const auto& value : values_) {

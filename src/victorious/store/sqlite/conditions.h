@@ -21,6 +21,9 @@ class Conditions {
   /// `column` must be one of `ids`.
   void AddOneOf(std::string_view column, const std::vector<std::int64_t>& ids);
 
+  /// `expression` has one "{}", in which the query's own conditions stand; nothing where there are none.
+  void AddQuery(std::string_view expression, const Conditions& query);
+
   /// "WHERE … AND … ", or nothing.
   [[nodiscard]] const std::string& text() const { return text_; }
   void Bind(Statement& statement) const;

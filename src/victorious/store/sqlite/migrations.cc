@@ -10,7 +10,7 @@
 namespace victorious::sqlite {
 
 std::span<const Migration> Migrations() {
-  static constexpr std::array kMigrations = {Migration{1, kSchema001}};
+  static constexpr std::array kMigrations = {Migration{1, kSchema001}, Migration{2, kSchema002}};
   return kMigrations;
 }
 

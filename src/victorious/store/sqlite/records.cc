@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <sstream>
 
 #include <fmt/format.h>
 
@@ -29,6 +30,57 @@ Expected<std::vector<T>> ReadItems(std::span<const std::byte> blob, std::string_
   return items;
 }
 
+// A vector or a symmetric matrix.
+template <typename Matrix>
+Expected<Matrix> ReadNumbers(std::span<const std::byte> blob, std::string_view column, std::string_view name) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<double> numbers, ReadItems<double>(blob, column, name));
+  if (numbers.size() != static_cast<std::size_t>(Matrix::SizeAtCompileTime)) {
+    return Fail(ErrorCode::kDataLoss,
+                fmt::format("{}: the index is damaged ({} of {} numbers, expected {}): restore it from a copy, or "
+                            "index again",
+                            name, column, numbers.size(), static_cast<int>(Matrix::SizeAtCompileTime)));
+  }
+  return Matrix(numbers.data());
+}
+
+// Ids as SQL lists them: "3,1,3"; each once, rising.
+std::vector<std::int64_t> ReadIds(const std::string& list) {
+  std::vector<std::int64_t> ids;
+  std::istringstream text(list);
+  for (std::string id; std::getline(text, id, ',');) ids.push_back(std::stoll(id));
+  std::ranges::sort(ids);
+  const auto repeated = std::ranges::unique(ids);
+  ids.erase(repeated.begin(), repeated.end());
+  return ids;
+}
+
+Expected<Place> ReadPlace(const Statement& row, int first, std::string_view name) {
+  Place place{.point = {row.Real(first + 1), row.Real(first + 2), row.Real(first + 3)}, .time_s = row.Real(first)};
+  VICTORIOUS_ASSIGN_OR_RETURN(place.covariance_enu_m2,
+                              ReadNumbers<Eigen::Matrix3d>(row.Blob(first + 4), "a covariance", name));
+  place.ce90_m = row.Real(first + 5);
+  place.le90_m = row.Real(first + 6);
+  if (row.IsNull(first + 7) || row.IsNull(first + 8)) return place;
+  VICTORIOUS_ASSIGN_OR_RETURN(place.velocity_enu,
+                              ReadNumbers<Eigen::Vector3d>(row.Blob(first + 7), "a velocity", name));
+  VICTORIOUS_ASSIGN_OR_RETURN(place.velocity_covariance_enu,
+                              ReadNumbers<Eigen::Matrix3d>(row.Blob(first + 8), "a covariance", name));
+  return place;
+}
+
+Sight ReadSight(const Statement& row, int first, double time_s) {
+  return {.line = {.time_s = time_s,
+                   .camera = {row.Real(first), row.Real(first + 1), row.Real(first + 2)},
+                   .azimuth_rad = row.Real(first + 3),
+                   .elevation_rad = row.Real(first + 4),
+                   .range_m = row.OptionalReal(first + 6),
+                   .sigma_rad = row.OptionalReal(first + 5),
+                   .sigma_range_m = row.OptionalReal(first + 7)},
+          .heading_rad = row.OptionalReal(first + 8),
+          .sigma_position_m = row.OptionalReal(first + 9),
+          .sigma_attitude_rad = row.OptionalReal(first + 10)};
+}
+
 }  // namespace
 
 VideoRecord ReadVideo(const Statement& row) {
@@ -39,6 +91,7 @@ VideoRecord ReadVideo(const Statement& row) {
           .height = ReadInt(row, 4),
           .frame_count = row.OptionalInteger(5),
           .duration_s = row.OptionalReal(6),
+          .start_utc_us = row.OptionalInteger(8),
           .features_json = row.Text(7)};
 }
 
@@ -46,30 +99,52 @@ ModelRecord ReadModel(const Statement& row) {
   return {.id = row.Integer(0), .name = row.Text(1), .model_id = row.Text(2), .kind = row.Text(3)};
 }
 
-ObjectRecord ReadObject(const Statement& row) {
+RunRecord ReadRun(const Statement& row) {
   return {.id = row.Integer(0),
-          .video = row.Integer(1),
-          .model = row.Integer(2),
-          .score = row.Real(3),
-          .frames = row.Integer(4),
-          .first_time_s = row.Real(5),
-          .last_time_s = row.Real(6)};
+          .object = row.Integer(1),
+          .video = row.Integer(2),
+          .model = row.Integer(3),
+          .score = row.Real(4),
+          .frames = row.Integer(5),
+          .first_time_s = row.Real(6),
+          .last_time_s = row.Real(7)};
+}
+
+Expected<ObjectRecord> ReadObject(const Statement& row, std::string_view name) {
+  constexpr int kPlace = 8;
+  ObjectRecord object{.id = row.Integer(0),
+                      .model = row.Integer(1),
+                      .score = row.Real(2),
+                      .frames = row.Integer(3),
+                      .first_time_s = row.Real(4),
+                      .last_time_s = row.Real(5),
+                      .videos = ReadIds(row.Text(6)),
+                      .runs = ReadIds(row.Text(7)),
+                      .heading_rad = row.OptionalReal(17),
+                      .rejected = row.Text(18)};
+  if (!row.IsNull(kPlace)) {
+    VICTORIOUS_ASSIGN_OR_RETURN(object.place, ReadPlace(row, kPlace, name));
+  }
+  return object;
 }
 
 Expected<SightingRecord> ReadSighting(const Statement& row, std::string_view name) {
+  constexpr int kSight = 18;
   SightingRecord sighting{.object = row.Integer(0),
-                          .video = row.Integer(1),
-                          .model = row.Integer(2),
-                          .frame = row.Integer(3),
-                          .time_s = row.Real(4),
-                          .box = {row.Real(5), row.Real(6), row.Real(7), row.Real(8)},
-                          .score = row.Real(10),
-                          .source = row.Text(11),
-                          .matches = ReadInt(row, 12),
-                          .view_index = ReadInt(row, 13),
-                          .in_plane_rad = row.Real(16)};
-  VICTORIOUS_ASSIGN_OR_RETURN(sighting.outline, ReadItems<Eigen::Vector2d>(row.Blob(9), "an outline", name));
-  if (!row.IsNull(14) && !row.IsNull(15)) sighting.view = ViewAngles{row.Real(14), row.Real(15)};
+                          .run = row.Integer(1),
+                          .video = row.Integer(2),
+                          .model = row.Integer(3),
+                          .frame = row.Integer(4),
+                          .time_s = row.Real(5),
+                          .box = {row.Real(6), row.Real(7), row.Real(8), row.Real(9)},
+                          .score = row.Real(11),
+                          .source = row.Text(12),
+                          .matches = ReadInt(row, 13),
+                          .view_index = ReadInt(row, 14),
+                          .in_plane_rad = row.Real(17)};
+  VICTORIOUS_ASSIGN_OR_RETURN(sighting.outline, ReadItems<Eigen::Vector2d>(row.Blob(10), "an outline", name));
+  if (!row.IsNull(15) && !row.IsNull(16)) sighting.view = ViewAngles{row.Real(15), row.Real(16)};
+  if (!row.IsNull(kSight)) sighting.sight = ReadSight(row, kSight, sighting.time_s);
   return sighting;
 }
 

@@ -44,6 +44,28 @@ Status AddVideos(IndexStore& store, const SightingFilter& filter, std::string_vi
   return {};
 }
 
+// The ids of the objects whose place is near enough. SQL knows no geodesy.
+Status AddNear(Connection& connection, const SightingFilter& filter, Conditions& conditions) {
+  if (!filter.near) return {};
+  const TangentPlane plane(filter.near->middle);
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement select,
+                              connection.Prepare("SELECT id, latitude_rad, longitude_rad, altitude_m FROM objects "
+                                                 "WHERE latitude_rad IS NOT NULL"));
+  std::vector<std::int64_t> ids;
+  while (true) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
+    if (!has_row) break;
+    const GeodeticPoint point{select.Real(1), select.Real(2), filter.near->middle.altitude_m};
+    if (plane.EnuFromGeodetic(point).norm() <= filter.near->radius_m) ids.push_back(select.Integer(0));
+  }
+  conditions.AddOneOf("o.id", ids);
+  return {};
+}
+
+void AddRejected(const SightingFilter& filter, Conditions& conditions) {
+  if (!filter.rejected_too) conditions.Add("coalesce(o.rejected, '') = ?", std::string());
+}
+
 void AddModel(const SightingFilter& filter, std::string_view column, Conditions& conditions) {
   if (!filter.model_name) return;
   conditions.Add(fmt::format("{} = (SELECT id FROM models WHERE name = ?)", column), *filter.model_name);
@@ -52,6 +74,49 @@ void AddModel(const SightingFilter& filter, std::string_view column, Conditions&
 void AddTimes(const SightingFilter& filter, std::string_view first, std::string_view last, Conditions& conditions) {
   if (filter.from_s) conditions.Add(fmt::format("{} >= ?", last), *filter.from_s);
   if (filter.to_s) conditions.Add(fmt::format("{} <= ?", first), *filter.to_s);
+}
+
+// Parameters 15 and 16 of a new sighting.
+void BindView(const std::optional<ViewAngles>& view, Statement& insert) {
+  insert.BindAt(15, view ? std::optional(view->azimuth_rad) : std::nullopt);
+  insert.BindAt(16, view ? std::optional(view->off_nadir_rad) : std::nullopt);
+}
+
+// Parameters 17 to 27 of a new sighting.
+void BindSight(const std::optional<Sight>& sight, Statement& insert) {
+  if (!sight) {
+    for (int parameter = 17; parameter <= 27; ++parameter) insert.BindAt(parameter, std::nullopt);
+    return;
+  }
+  const LineOfSight& line = sight->line;
+  insert.BindAt(17, line.camera.latitude_rad);
+  insert.BindAt(18, line.camera.longitude_rad);
+  insert.BindAt(19, line.camera.altitude_m);
+  insert.BindAt(20, sight->sigma_position_m);
+  insert.BindAt(21, sight->sigma_attitude_rad);
+  insert.BindAt(22, line.azimuth_rad);
+  insert.BindAt(23, line.elevation_rad);
+  insert.BindAt(24, line.sigma_rad);
+  insert.BindAt(25, line.range_m);
+  insert.BindAt(26, line.sigma_range_m);
+  insert.BindAt(27, sight->heading_rad);
+}
+
+// Parameters 3 to 12 of an object.
+void BindPlace(const ObjectRecord& object, Statement& put) {
+  for (int parameter = 3; parameter <= 12; ++parameter) put.BindAt(parameter, std::nullopt);
+  put.BindAt(12, object.heading_rad);
+  if (!object.place) return;
+  const Place& place = *object.place;
+  put.BindAt(3, place.time_s);
+  put.BindAt(4, place.point.latitude_rad);
+  put.BindAt(5, place.point.longitude_rad);
+  put.BindAt(6, place.point.altitude_m);
+  put.BindAt(7, NumberBytes(place.covariance_enu_m2));
+  put.BindAt(8, place.ce90_m);
+  put.BindAt(9, place.le90_m);
+  if (place.velocity_enu) put.BindAt(10, NumberBytes(*place.velocity_enu));
+  if (place.velocity_covariance_enu) put.BindAt(11, NumberBytes(*place.velocity_covariance_enu));
 }
 
 }  // namespace
@@ -81,10 +146,11 @@ Expected<VideoRecord> SqliteStore::PutVideo(const VideoRecord& video) {
   VICTORIOUS_ASSIGN_OR_RETURN(
       Statement put,
       connection_->Prepare("INSERT INTO videos (content_id, name, width_px, height_px, frame_count, duration_s, "
-                           "features_options) VALUES (?, ?, ?, ?, ?, ?, ?) "
-                           "ON CONFLICT (content_id) DO UPDATE SET name = excluded.name"));
+                           "features_options, start_utc_us) VALUES (?, ?, ?, ?, ?, ?, ?, ?) "
+                           "ON CONFLICT (content_id) DO UPDATE SET name = excluded.name, "
+                           "start_utc_us = coalesce(excluded.start_utc_us, start_utc_us)"));
   VICTORIOUS_RETURN_IF_ERROR(put.Bind(video.content_id, video.name, video.width, video.height, video.frame_count,
-                                      video.duration_s, features_options)
+                                      video.duration_s, features_options, video.start_utc_us)
                                  .Run());
   VICTORIOUS_ASSIGN_OR_RETURN(Statement find,
                               connection_->Prepare(std::string(kSelectVideos) + "WHERE v.content_id = ?"));
@@ -167,7 +233,7 @@ Expected<std::optional<SearchRecord>> SqliteStore::FindSearch(std::int64_t video
 
 Status SqliteStore::ForgetSearch(std::int64_t video, std::int64_t model) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
-  for (const std::string_view sql : {"DELETE FROM objects WHERE video = ? AND model = ?",  // and their sightings
+  for (const std::string_view sql : {"DELETE FROM runs WHERE video = ? AND model = ?",  // and their sightings
                                      "DELETE FROM searches WHERE video = ? AND model = ?"}) {
     VICTORIOUS_ASSIGN_OR_RETURN(Statement forget, connection_->Prepare(sql));
     VICTORIOUS_RETURN_IF_ERROR(forget.Bind(video, model).Run());
@@ -197,41 +263,44 @@ Status SqliteStore::PutProgress(const IndexBatch::Progress& progress) {
       .Run();
 }
 
-Expected<std::int64_t> SqliteStore::PutObject(const IndexBatch::ObjectUpdate& update) {
-  const ObjectRecord& object = update.object;
+Expected<std::int64_t> SqliteStore::PutRun(const IndexBatch::RunUpdate& update) {
+  const RunRecord& run = update.run;
   if (update.id) {
     VICTORIOUS_ASSIGN_OR_RETURN(Statement grow,
-                                connection_->Prepare("UPDATE objects SET score = ?, frames = ?, first_time_s = ?, "
+                                connection_->Prepare("UPDATE runs SET score = ?, frames = ?, first_time_s = ?, "
                                                      "last_time_s = ? WHERE id = ? AND video = ? AND model = ?"));
-    grow.Bind(object.score, object.frames, object.first_time_s, object.last_time_s, *update.id, object.video,
-              object.model);
-    VICTORIOUS_RETURN_IF_ERROR(RunOnRow(grow, "object", *update.id));
+    grow.Bind(run.score, run.frames, run.first_time_s, run.last_time_s, *update.id, run.video, run.model);
+    VICTORIOUS_RETURN_IF_ERROR(RunOnRow(grow, "run", *update.id));
     return *update.id;
   }
   VICTORIOUS_ASSIGN_OR_RETURN(Statement insert,
-                              connection_->Prepare("INSERT INTO objects (video, model, score, frames, first_time_s, "
+                              connection_->Prepare("INSERT INTO runs (video, model, score, frames, first_time_s, "
                                                    "last_time_s) VALUES (?, ?, ?, ?, ?, ?)"));
   VICTORIOUS_RETURN_IF_ERROR(
-      insert.Bind(object.video, object.model, object.score, object.frames, object.first_time_s, object.last_time_s)
-          .Run());
-  return connection_->LastInsertId();
+      insert.Bind(run.video, run.model, run.score, run.frames, run.first_time_s, run.last_time_s).Run());
+  const std::int64_t id = connection_->LastInsertId();
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement found, connection_->Prepare("INSERT INTO objects (id, model) VALUES (?, ?)"));
+  VICTORIOUS_RETURN_IF_ERROR(found.Bind(id, run.model).Run());
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement join, connection_->Prepare("UPDATE runs SET object = id WHERE id = ?"));
+  VICTORIOUS_RETURN_IF_ERROR(join.Bind(id).Run());
+  return id;
 }
 
-Status SqliteStore::PutSightings(const IndexBatch& batch, const std::vector<std::int64_t>& object_ids) {
+Status SqliteStore::PutSightings(const IndexBatch& batch, const std::vector<std::int64_t>& run_ids) {
   VICTORIOUS_ASSIGN_OR_RETURN(
       Statement insert,
-      connection_->Prepare("INSERT INTO sightings (video, frame, object, time_s, box_x_px, box_y_px, box_width_px, "
-                           "box_height_px, outline, score, source, matches, view_index, azimuth_rad, off_nadir_rad, "
-                           "in_plane_rad) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"));
+      connection_->Prepare(
+          "INSERT INTO sightings (video, frame, run, time_s, box_x_px, box_y_px, box_width_px, box_height_px, outline, "
+          "score, source, matches, view_index, in_plane_rad, azimuth_rad, off_nadir_rad, camera_latitude_rad, "
+          "camera_longitude_rad, camera_altitude_m, camera_sigma_m, camera_sigma_rad, line_azimuth_rad, "
+          "line_elevation_rad, line_sigma_rad, range_m, range_sigma_m, heading_rad) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, "
+          "?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"));
   for (const auto& [update, s] : batch.sightings) {
-    VICTORIOUS_CHECK(update < batch.objects.size());
-    insert.Bind(batch.objects[update].object.video, s.frame, object_ids[update], s.time_s, s.box.x, s.box.y,
-                s.box.width, s.box.height, OutlineBytes(s.outline), s.score, s.source, s.matches, s.view_index,
-                std::nullopt, std::nullopt, s.in_plane_rad);
-    if (s.view) {
-      insert.BindAt(14, s.view->azimuth_rad);
-      insert.BindAt(15, s.view->off_nadir_rad);
-    }
+    VICTORIOUS_CHECK(update < batch.runs.size());
+    insert.Bind(batch.runs[update].run.video, s.frame, run_ids[update], s.time_s, s.box.x, s.box.y, s.box.width,
+                s.box.height, OutlineBytes(s.outline), s.score, s.source, s.matches, s.view_index, s.in_plane_rad);
+    BindView(s.view, insert);
+    BindSight(s.sight, insert);
     VICTORIOUS_RETURN_IF_ERROR(insert.Run());
   }
   return {};
@@ -256,36 +325,86 @@ Status SqliteStore::PutKeptFrames(const std::vector<KeptFrame>& frames) {
 Expected<std::vector<std::int64_t>> SqliteStore::Commit(const IndexBatch& batch) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
   for (const IndexBatch::Progress& progress : batch.progress) VICTORIOUS_RETURN_IF_ERROR(PutProgress(progress));
-  std::vector<std::int64_t> object_ids;
-  object_ids.reserve(batch.objects.size());
-  for (const IndexBatch::ObjectUpdate& update : batch.objects) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, PutObject(update));
-    object_ids.push_back(id);
+  std::vector<std::int64_t> run_ids;
+  run_ids.reserve(batch.runs.size());
+  for (const IndexBatch::RunUpdate& update : batch.runs) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, PutRun(update));
+    run_ids.push_back(id);
   }
-  VICTORIOUS_RETURN_IF_ERROR(PutSightings(batch, object_ids));
+  VICTORIOUS_RETURN_IF_ERROR(PutSightings(batch, run_ids));
   VICTORIOUS_RETURN_IF_ERROR(PutKeptFrames(batch.kept_frames));
   VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
-  return object_ids;
+  return run_ids;
+}
+
+Expected<std::vector<RunRecord>> SqliteStore::Runs() {
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(std::string(kSelectRuns) + "ORDER BY id"));
+  return ReadAll(select, &ReadRun);
+}
+
+Status SqliteStore::PutObjects(std::span<const ObjectRecord> objects) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
+  {
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        Statement put,
+        connection_->Prepare("INSERT INTO objects (id, model, place_time_s, latitude_rad, longitude_rad, "
+                             "altitude_m, covariance_enu_m2, ce90_m, le90_m, velocity_enu_m_s, velocity_covariance, "
+                             "heading_rad, rejected) SELECT ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ? "
+                             "WHERE EXISTS (SELECT 1 FROM models WHERE id = ?) ON CONFLICT (id) DO UPDATE SET "
+                             "place_time_s = excluded.place_time_s, latitude_rad = excluded.latitude_rad, "
+                             "longitude_rad = excluded.longitude_rad, altitude_m = excluded.altitude_m, "
+                             "covariance_enu_m2 = excluded.covariance_enu_m2, ce90_m = excluded.ce90_m, "
+                             "le90_m = excluded.le90_m, velocity_enu_m_s = excluded.velocity_enu_m_s, "
+                             "velocity_covariance = excluded.velocity_covariance, "
+                             "heading_rad = excluded.heading_rad, rejected = excluded.rejected"));
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        Statement join, connection_->Prepare("UPDATE runs SET object = ? WHERE id = ? AND EXISTS (SELECT 1 FROM "
+                                             "objects WHERE id = ?)"));
+    for (const ObjectRecord& object : objects) {
+      put.BindAt(1, object.id);
+      put.BindAt(2, object.model);
+      BindPlace(object, put);
+      put.BindAt(13, object.rejected.empty() ? std::nullopt : std::optional(object.rejected));
+      put.BindAt(14, object.model);
+      VICTORIOUS_RETURN_IF_ERROR(put.Run());
+      for (const std::int64_t run : object.runs) VICTORIOUS_RETURN_IF_ERROR(join.Bind(object.id, run, object.id).Run());
+    }
+  }
+  VICTORIOUS_RETURN_IF_ERROR(
+      connection_->Execute("DELETE FROM objects WHERE id NOT IN (SELECT object FROM runs WHERE object IS NOT NULL)"));
+  return transaction.Commit();
 }
 
 Expected<std::vector<ObjectRecord>> SqliteStore::Objects(const SightingFilter& filter) {
+  Conditions of_run;
+  VICTORIOUS_RETURN_IF_ERROR(AddVideos(*this, filter, "video", of_run));
+  AddTimes(filter, "first_time_s", "last_time_s", of_run);
   Conditions conditions;
-  VICTORIOUS_RETURN_IF_ERROR(AddVideos(*this, filter, "video", conditions));
-  AddModel(filter, "model", conditions);
-  AddTimes(filter, "first_time_s", "last_time_s", conditions);
+  AddModel(filter, "o.model", conditions);
+  AddRejected(filter, conditions);
+  VICTORIOUS_RETURN_IF_ERROR(AddNear(*connection_, filter, conditions));
+  conditions.AddQuery("o.id IN (SELECT object FROM runs {})", of_run);
   VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(std::string(kSelectObjects) + conditions.text() +
-                                                                     "ORDER BY score DESC, frames DESC, id"));
+                                                                     std::string(kGroupObjects)));
   conditions.Bind(select);
-  return ReadAll(select, &ReadObject);
+  std::vector<ObjectRecord> objects;
+  VICTORIOUS_RETURN_IF_ERROR(
+      VisitAll<ObjectRecord>(select, connection_->name(), &ReadObject, [&](ObjectRecord&& object) {
+        objects.push_back(std::move(object));
+        return true;
+      }));
+  return objects;
 }
 
 Status SqliteStore::VisitSightings(const SightingFilter& filter, const std::function<bool(SightingRecord&&)>& visit) {
   Conditions conditions;
   VICTORIOUS_RETURN_IF_ERROR(AddVideos(*this, filter, "s.video", conditions));
-  AddModel(filter, "o.model", conditions);
+  AddModel(filter, "r.model", conditions);
   AddTimes(filter, "s.time_s", "s.time_s", conditions);
+  AddRejected(filter, conditions);
+  VICTORIOUS_RETURN_IF_ERROR(AddNear(*connection_, filter, conditions));
   VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(std::string(kSelectSightings) + conditions.text() +
-                                                                     "ORDER BY s.video, s.frame, s.object"));
+                                                                     "ORDER BY s.video, s.frame, s.run"));
   conditions.Bind(select);
   return VisitAll<SightingRecord>(select, connection_->name(), &ReadSighting, visit);
 }

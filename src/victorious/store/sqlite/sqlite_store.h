@@ -29,6 +29,9 @@ class SqliteStore final : public IndexStore {
 
   Expected<std::vector<std::int64_t>> Commit(const IndexBatch& batch) override;
 
+  Expected<std::vector<RunRecord>> Runs() override;
+  Status PutObjects(std::span<const ObjectRecord> objects) override;
+
   Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) override;
   Status VisitSightings(const SightingFilter& filter, const std::function<bool(SightingRecord&&)>& visit) override;
   Status VisitKeptFrames(const SightingFilter& filter, const std::function<bool(KeptFrame&&)>& visit) override;
@@ -36,8 +39,8 @@ class SqliteStore final : public IndexStore {
  private:
   Expected<std::int64_t> PutOptions(const std::string& json);
   Status PutProgress(const IndexBatch::Progress& progress);
-  Expected<std::int64_t> PutObject(const IndexBatch::ObjectUpdate& update);
-  Status PutSightings(const IndexBatch& batch, const std::vector<std::int64_t>& object_ids);
+  Expected<std::int64_t> PutRun(const IndexBatch::RunUpdate& update);
+  Status PutSightings(const IndexBatch& batch, const std::vector<std::int64_t>& run_ids);
   Status PutKeptFrames(const std::vector<KeptFrame>& frames);
   /// An update of one row that must be there.
   Status RunOnRow(Statement& statement, std::string_view what, std::int64_t id);

@@ -40,7 +40,7 @@ Error OpenError(const fs::path& path, StoreMode mode) {
 // A new object with sightings in the frames [first, first + kSightingsInBatch), and the progress up to there.
 IndexBatch Batch(std::int64_t video, std::int64_t model, std::int64_t first) {
   IndexBatch batch;
-  batch.objects.push_back({std::nullopt, {.video = video, .model = model, .score = 0.5, .frames = kSightingsInBatch}});
+  batch.runs.push_back({std::nullopt, {.video = video, .model = model, .score = 0.5, .frames = kSightingsInBatch}});
   for (int i = 0; i < kSightingsInBatch; ++i) {
     batch.sightings.push_back({0, {.frame = first + i, .outline = {{0, 0}, {9, 0}, {9, 9}}, .score = 0.5}});
   }
@@ -188,7 +188,7 @@ TEST_F(SqliteStoreTest, RefusesANewerVersion) {
   for (const StoreMode mode : {StoreMode::kCreate, StoreMode::kRead}) {
     const Error error = OpenError(path_, mode);
     EXPECT_EQ(error.code, ErrorCode::kUnsupported);
-    EXPECT_THAT(error.message, HasSubstr("written by a newer version (schema 99; this program reads up to 1)"));
+    EXPECT_THAT(error.message, HasSubstr("written by a newer version (schema 99; this program reads up to 2)"));
   }
 }
 
@@ -228,12 +228,13 @@ TEST_F(SqliteStoreTest, ACutOffFileIsDamaged) {
 
 TEST_F(SqliteStoreTest, MigratesStepByStepAndOnce) {
   ASSERT_TRUE(CommitBatches(path_, 20));
-  const std::array migrations = {Migrations().front(), Migration{2, "ALTER TABLE videos ADD COLUMN place TEXT"}};
+  std::vector<Migration> migrations(Migrations().begin(), Migrations().end());
+  migrations.push_back({3, "ALTER TABLE videos ADD COLUMN place TEXT"});
   const auto connection = Connection::Open(path_, Access::kWrite);
   for (int i = 0; i < 2; ++i) {
     const Status status = Migrate(**connection, migrations);
     ASSERT_TRUE(status) << status.error().message;
-    EXPECT_EQ(*ReadVersion(**connection, 2), 2);
+    EXPECT_EQ(*ReadVersion(**connection, 3), 3);
   }
   EXPECT_EQ(*(*connection)->QueryText("SELECT count(*) FROM videos WHERE place IS NULL"), "1");
   EXPECT_EQ(OpenError(path_, StoreMode::kCreate).code, ErrorCode::kUnsupported);
@@ -241,10 +242,45 @@ TEST_F(SqliteStoreTest, MigratesStepByStepAndOnce) {
 
 TEST_F(SqliteStoreTest, AMigrationThatFailsChangesNothing) {
   ASSERT_TRUE(CommitBatches(path_, 20));
-  const std::array migrations = {Migrations().front(),
-                                 Migration{2, "ALTER TABLE videos ADD COLUMN place TEXT; DROP TABLE none"}};
+  std::vector<Migration> migrations(Migrations().begin(), Migrations().end());
+  migrations.push_back({3, "ALTER TABLE videos ADD COLUMN place TEXT; DROP TABLE none"});
   EXPECT_FALSE(Migrate(**Connection::Open(path_, Access::kWrite), migrations));
   EXPECT_EQ(CountWholeBatches(*OpenOrDie(path_)), 20);
+}
+
+// An index of the first version, as program 0.1.0 wrote it: its objects go on as runs and objects of the same ids.
+TEST_F(SqliteStoreTest, AnIndexOfTheFirstVersionIsTakenOver) {
+  {
+    const auto connection = Connection::Open(path_, Access::kCreate);
+    ASSERT_TRUE(Migrate(**connection, Migrations().first(1)));
+    ASSERT_TRUE(
+        (*connection)
+            ->Execute(
+                "INSERT INTO videos (content_id, name, width_px, height_px) VALUES ('c', 'a.mp4', 640, 480);"
+                "INSERT INTO models (name, model_id, kind) VALUES ('m', '1', 'photos');"
+                "INSERT INTO objects (id, video, model, score, frames, first_time_s, last_time_s) VALUES "
+                "(4, 1, 1, 0.9, 1, 0, 0), (7, 1, 1, 0.5, 1, 1, 1), (9, 1, 1, 0.4, 0, 0, 0);"
+                "INSERT INTO sightings (video, frame, object, time_s, box_x_px, box_y_px, box_width_px, box_height_px, "
+                "outline, score, source, matches, view_index, in_plane_rad) VALUES "
+                "(1, 0, 4, 0, 1, 2, 3, 4, x'', 0.9, 'recognised', 5, 0, 0), (1, 10, 7, 1, 1, 2, 3, 4, x'', 0.5, "
+                "'recognised', "
+                "5, 0, 0); DELETE FROM objects WHERE id = 9"));
+  }
+  EXPECT_EQ(OpenError(path_, StoreMode::kRead).code, ErrorCode::kUnsupported) << "reading changes nothing";
+  const auto store = OpenOrDie(path_);
+  const auto objects = store->Objects({});
+  ASSERT_EQ(objects->size(), 2U);
+  EXPECT_EQ(objects->front().id, 4);
+  EXPECT_EQ(objects->front().frames, 1);
+  EXPECT_FALSE(objects->front().place);
+  const auto sightings = store->Sightings({});
+  ASSERT_EQ(sightings->size(), 2U);
+  EXPECT_EQ(sightings->back().object, 7);
+  EXPECT_FALSE(sightings->back().sight);
+  const auto ids = store->Commit(Batch(1, 1, 0));
+  ASSERT_TRUE(ids) << ids.error().message;
+  EXPECT_EQ(ids->front(), 10) << "no id is given twice";
+  EXPECT_EQ(IntegrityCheck(path_), "ok");
 }
 
 TEST_F(SqliteStoreTest, TwoProcessesMayMakeTheSameIndexAtOnce) {

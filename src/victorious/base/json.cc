@@ -1,0 +1,31 @@
+#include "victorious/base/json.h"
+
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace victorious {
+
+using nlohmann::json;
+
+Expected<json> ParseJson(std::string_view text) {
+  std::vector<std::set<std::string>> keys;  // of the objects that are open
+  std::string twice;
+  const json::parser_callback_t watch = [&](int /*depth*/, json::parse_event_t event, json& parsed) {
+    if (event == json::parse_event_t::object_start) keys.emplace_back();
+    if (event == json::parse_event_t::object_end) keys.pop_back();
+    if (event == json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second && twice.empty()) {
+      twice = parsed.dump(-1, ' ', false, json::error_handler_t::replace);
+    }
+    return true;
+  };
+  json document = json::parse(text, watch, /*allow_exceptions=*/false, /*ignore_comments=*/true);
+  if (document.is_discarded()) return Fail(ErrorCode::kInvalidArgument, "not JSON");
+  if (!twice.empty()) return Fail(ErrorCode::kInvalidArgument, twice + ": given twice");
+  return document;
+}
+
+}  // namespace victorious

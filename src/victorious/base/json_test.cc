@@ -1,0 +1,39 @@
+#include "victorious/base/json.h"
+
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace victorious {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(ParseJson, ReadsWhatPeopleWrite) {
+  const auto parsed = ParseJson("{\"a\": [1, {\"a\": 2}], /* why */ \"b\": {\"a\": 3}}");
+  ASSERT_TRUE(parsed) << parsed.error().message;
+  EXPECT_EQ((*parsed)["a"][1]["a"], 2);
+  EXPECT_EQ((*parsed)["b"]["a"], 3);
+}
+
+TEST(ParseJson, NamesAKeyThatIsGivenTwice) {
+  for (const std::string bad : {R"({"fps": 5, "x": {"fps": 1}, "fps": 6})", R"([{}, {"x": {"fps": 1, "fps": 1}}])"}) {
+    const auto parsed = ParseJson(bad);
+    ASSERT_FALSE(parsed) << bad;
+    EXPECT_EQ(parsed.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_EQ(parsed.error().message, "\"fps\": given twice");
+  }
+}
+
+TEST(ParseJson, AnyBytesAreSafe) {
+  for (const std::string bad : {"", "{", "{\"a\":", "{\"a\": 1, \"a\"", "}", "\xff{", "nul", "{\"\xff\": 1}"}) {
+    const auto parsed = ParseJson(bad);
+    ASSERT_FALSE(parsed) << bad;
+    EXPECT_THAT(parsed.error().message, HasSubstr("not JSON"));
+  }
+}
+
+}  // namespace
+}  // namespace victorious

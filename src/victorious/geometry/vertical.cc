@@ -1,0 +1,31 @@
+#include "victorious/geometry/vertical.h"
+
+#include <cmath>
+
+namespace victorious {
+
+Eigen::Vector3d Vertical::SeenAt(const Eigen::Vector2d& pixel) const {
+  const Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d ray = pinhole.RayOf(pixel).normalized();
+  // The shortest turn from ray to axis is two reflections: ray to -axis, through the plane between, then to axis.
+  const Eigen::Vector3d middle = ray + axis;
+  return up_in_camera - middle * (middle.dot(up_in_camera) / (1 + ray.z())) + 2 * axis * ray.dot(up_in_camera);
+}
+
+Vertical MakeVertical(const Attitude& attitude, double hfov_rad, int width_px, int height_px) {
+  const double focal_px = 0.5 * width_px / std::tan(0.5 * hfov_rad);
+  return {.pinhole = {.fx = focal_px,
+                      .fy = focal_px,
+                      .cx = 0.5 * width_px,
+                      .cy = 0.5 * height_px,
+                      .width = width_px,
+                      .height = height_px},
+          .up_in_camera = CameraFromEnu(attitude) * Eigen::Vector3d::UnitZ()};
+}
+
+Eigen::Vector3d UpOfView(double off_nadir_rad, double turn_rad) {
+  return {std::sin(off_nadir_rad) * std::sin(turn_rad), -std::sin(off_nadir_rad) * std::cos(turn_rad),
+          -std::cos(off_nadir_rad)};
+}
+
+}  // namespace victorious

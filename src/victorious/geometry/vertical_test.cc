@@ -1,0 +1,40 @@
+#include "victorious/geometry/vertical.h"
+
+#include <cmath>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+TEST(Vertical, StandsInTheMiddleAsTheCameraIsHeld) {
+  // Looking 30 degrees down, the right side 10 degrees down: the line of sight is 60 degrees off nadir, and the
+  // vertical leans to the left.
+  const Vertical vertical =
+      MakeVertical({RadiansFromDegrees(77), RadiansFromDegrees(-30), RadiansFromDegrees(10)}, 0.5, 640, 480);
+  const Eigen::Vector3d expected = UpOfView(RadiansFromDegrees(60), RadiansFromDegrees(-10));
+  EXPECT_LT((vertical.SeenAt({320, 240}) - expected).norm(), 1e-9);
+}
+
+TEST(Vertical, LeansAwayFromTheMiddleInANadirImage) {
+  const Vertical vertical = MakeVertical({0, -kPi / 2, 0}, 1.0, 640, 480);
+  const Eigen::Vector3d seen = vertical.SeenAt({620, 240});  // what stands there shows its top farther right
+  EXPECT_NEAR(seen.x(), std::sin(std::atan(300 / vertical.pinhole.fx)), 1e-9);
+  EXPECT_NEAR(seen.y(), 0, 1e-9);
+  EXPECT_LT(seen.z(), 0);
+}
+
+// Against the rotation itself, made by another way.
+TEST(Vertical, TurnsTheShortestWay) {
+  const Vertical vertical = MakeVertical({1.0, -0.7, 0.2}, 0.9, 640, 480);
+  for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(3, 5), Eigen::Vector2d(600, 40), Eigen::Vector2d(100, 470)}) {
+    const auto turn = Eigen::Quaterniond::FromTwoVectors(vertical.pinhole.RayOf(pixel), Eigen::Vector3d::UnitZ());
+    EXPECT_LT((vertical.SeenAt(pixel) - turn * vertical.up_in_camera).norm(), 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace victorious

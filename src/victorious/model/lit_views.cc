@@ -1,0 +1,84 @@
+#include "victorious/model/lit_views.h"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/model/cad_model.h"
+#include "victorious/model/template_features.h"
+#include "victorious/model/view_surface.h"
+#include "victorious/render/view_sphere.h"
+
+namespace victorious {
+namespace {
+
+// A clear day: of what a white surface in the sun reflects the sun gives some two thirds.
+Light ClearDay(const ViewAngles& sun) {
+  return {.sky = 0.4,
+          .ground = 0.25,
+          .sun = 0.9,
+          .to_sun_in_world = DirectionToCamera({sun.azimuth_rad, sun.off_nadir_rad})};
+}
+
+class LitViews : public LitTemplates {
+ public:
+  LitViews(const ObjectModel& model, const CadModelOptions& options, std::unique_ptr<const FeatureExtractor> extractor)
+      : model_(model), options_(options), extractor_(std::move(extractor)) {}
+
+  std::shared_ptr<const LitTemplate> Under(std::size_t sun_view, std::size_t view) const override {
+    Slot& slot = SlotOf({sun_view, view});
+    std::call_once(slot.once, [&] { slot.lit = std::make_shared<const LitTemplate>(Make(sun_view, view)); });
+    return slot.lit;
+  }
+
+ private:
+  struct Slot {
+    std::once_flag once;
+    std::shared_ptr<const LitTemplate> lit;
+  };
+
+  Slot& SlotOf(const std::pair<std::size_t, std::size_t>& key) const {
+    const std::scoped_lock lock(mutex_);
+    return slots_[key];  // a map's elements stay where they are
+  }
+
+  [[nodiscard]] LitTemplate Make(std::size_t sun_view, std::size_t view) const {
+    const Expected<ViewSurface> surface = DecodeSurface(model_.views[view].surface, model_.name);
+    const Expected<ViewSurface> from_sun = DecodeSurface(model_.views[sun_view].surface, model_.name);
+    if (!surface || !from_sun) return {};  // a file that is damaged, for all that its checksums are right
+    const cv::Mat grey =
+        Relight(surface->grey, surface->seen, options_.light, ClearDay(*model_.views[sun_view].angles), from_sun->seen);
+    const cv::Mat mask = surface->seen.depth_m == surface->seen.depth_m;  // not NaN
+    auto made = TemplateFeaturesOf({.grey = grey, .mask = mask, .outline = model_.views[view].outline}, surface->seen,
+                                   *extractor_, options_);
+    return made ? *std::move(made) : LitTemplate();
+  }
+
+  ObjectModel model_;
+  CadModelOptions options_;
+  std::unique_ptr<const FeatureExtractor> extractor_;
+  mutable std::mutex mutex_;
+  mutable std::map<std::pair<std::size_t, std::size_t>, Slot> slots_;
+};
+
+bool HasSurface(const ModelView& view) { return view.angles && !view.surface.empty(); }
+
+}  // namespace
+
+Expected<std::unique_ptr<const LitTemplates>> MakeLitViews(const ObjectModel& model) {
+  if (model.views.empty() || !std::ranges::all_of(model.views, HasSurface)) return nullptr;
+  CadModelOptions options;
+  const auto json = nlohmann::json::parse(model.options_json, nullptr, /*allow_exceptions=*/false);
+  if (Status status = SetFromJson(json, FieldsOf(options)); !status) {
+    return std::unexpected(std::move(status).error().WithContext(fmt::format("model {}", model.name)));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(options.features));
+  return std::make_unique<const LitViews>(model, options, std::move(extractor));
+}
+
+}  // namespace victorious

@@ -1,0 +1,17 @@
+// A CAD model's views under a hard sun, made from the renderings that the model keeps when they are first asked for:
+// which suns a video needs is known only then, and all of them would be many times the model.
+#pragma once
+
+#include <memory>
+
+#include "victorious/base/error.h"
+#include "victorious/types/lit_templates.h"
+#include "victorious/types/object_model.h"
+
+namespace victorious {
+
+/// Nothing for a model that keeps no renderings (photos, or made by an earlier version).
+/// Error: kInvalidArgument, options in the model that this version does not know.
+Expected<std::unique_ptr<const LitTemplates>> MakeLitViews(const ObjectModel& model);
+
+}  // namespace victorious

@@ -1,0 +1,131 @@
+#include "victorious/model/view_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "victorious/video/image_file.h"
+
+namespace victorious {
+namespace {
+
+// Stored as it stands: never reorder.
+struct Header {
+  double fx, cx, cy;             // px; fy is fx
+  double qw, qx, qy, qz;         // camera_from_model
+  double tx, ty, tz;             // m
+  double nearest_m, farthest_m;  // depths of 1 and 65535
+  std::int32_t width, height;    // px, of the rendering
+  std::int32_t left, top;        // of the picture in it
+  std::int32_t background;       // grey level around it
+  std::int32_t reserved;         // 0
+};
+static_assert(sizeof(Header) == 120);
+
+constexpr int kMostSidePx = 4096;
+constexpr double kDepths = 65534;  // steps between nearest and farthest
+
+bool IsSound(const Header& header, const cv::Mat& picture) {
+  const double numbers[] = {header.fx, header.cx, header.cy, header.qw, header.qx,        header.qy,
+                            header.qz, header.tx, header.ty, header.tz, header.nearest_m, header.farthest_m};
+  if (!std::ranges::all_of(numbers, [](double number) { return std::isfinite(number) && std::abs(number) < 1e9; })) {
+    return false;
+  }
+  const double norm = std::hypot(std::hypot(header.qw, header.qx), std::hypot(header.qy, header.qz));
+  return header.fx > 0 && std::abs(norm - 1) < 1e-6 && header.nearest_m > 0 && header.farthest_m >= header.nearest_m &&
+         header.width > 0 && header.height > 0 && header.width <= kMostSidePx && header.height <= kMostSidePx &&
+         header.left >= 0 && header.top >= 0 && header.left <= header.width - picture.cols &&
+         header.top <= header.height - picture.rows && header.background >= 0 && header.background <= 255;
+}
+
+}  // namespace
+
+Expected<std::vector<std::byte>> EncodeSurface(const ViewSurface& surface) {
+  const PosedCamera& camera = surface.seen.camera;
+  const cv::Mat seen = surface.seen.depth_m == surface.seen.depth_m;  // not NaN
+  const cv::Rect box = cv::boundingRect(seen);
+  double nearest_m = 1;
+  double farthest_m = 1;
+  if (!box.empty()) cv::minMaxLoc(surface.seen.depth_m, &nearest_m, &farthest_m, nullptr, nullptr, seen);
+  const Eigen::Quaterniond& turn = camera.camera_from_world.rotation;
+  const Eigen::Vector3d& shift = camera.camera_from_world.translation;
+  const Header header{.fx = camera.pinhole.fx,
+                      .cx = camera.pinhole.cx,
+                      .cy = camera.pinhole.cy,
+                      .qw = turn.w(),
+                      .qx = turn.x(),
+                      .qy = turn.y(),
+                      .qz = turn.z(),
+                      .tx = shift.x(),
+                      .ty = shift.y(),
+                      .tz = shift.z(),
+                      .nearest_m = nearest_m,
+                      .farthest_m = farthest_m,
+                      .width = surface.grey.cols,
+                      .height = surface.grey.rows,
+                      .left = box.x,
+                      .top = box.y,
+                      .background = surface.grey.at<std::uint8_t>(0, 0),
+                      .reserved = 0};
+  cv::Mat picture(std::max(1, box.height), std::max(1, box.width), CV_8UC3, cv::Scalar::all(0));
+  const double steps_per_m = farthest_m > nearest_m ? kDepths / (farthest_m - nearest_m) : 0;
+  for (int row = 0; row < box.height; ++row) {
+    for (int column = 0; column < box.width; ++column) {
+      const float depth_m = surface.seen.depth_m.at<float>(box.y + row, box.x + column);
+      const int depth =
+          std::isnan(depth_m) ? 0 : 1 + static_cast<int>(std::lround((depth_m - nearest_m) * steps_per_m));
+      picture.at<cv::Vec3b>(row, column) = {surface.grey.at<std::uint8_t>(box.y + row, box.x + column),
+                                            static_cast<std::uint8_t>(depth >> 8),
+                                            static_cast<std::uint8_t>(depth & 0xFF)};
+    }
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::byte> png, EncodePng(picture));
+  std::vector<std::byte> bytes(sizeof(header) + png.size());
+  std::memcpy(bytes.data(), &header, sizeof(header));
+  std::ranges::copy(png, bytes.begin() + sizeof(header));
+  return bytes;
+}
+
+Expected<ViewSurface> DecodeSurface(std::span<const std::byte> bytes, const std::string& name) {
+  const auto damaged = [&] {
+    return Fail(ErrorCode::kDataLoss, fmt::format("{}: damaged: make the model again", name));
+  };
+  Header header;
+  if (bytes.size() < sizeof(header)) return damaged();
+  std::memcpy(&header, bytes.data(), sizeof(header));
+  const Expected<Image> image = DecodeImage(bytes.subspan(sizeof(header)), name);
+  if (!image || !IsSound(header, image->bgr)) return damaged();
+  ViewSurface surface;
+  surface.seen.camera = {
+      .pinhole = {.fx = header.fx,
+                  .fy = header.fx,
+                  .cx = header.cx,
+                  .cy = header.cy,
+                  .width = header.width,
+                  .height = header.height},
+      .camera_from_world = {Eigen::Quaterniond(header.qw, header.qx, header.qy, header.qz).normalized(),
+                            {header.tx, header.ty, header.tz}}};
+  surface.grey = cv::Mat(header.height, header.width, CV_8UC1, cv::Scalar(header.background));
+  surface.seen.depth_m =
+      cv::Mat(header.height, header.width, CV_32FC1, cv::Scalar(std::numeric_limits<float>::quiet_NaN()));
+  const double m_per_step = (header.farthest_m - header.nearest_m) / kDepths;
+  for (int row = 0; row < image->bgr.rows; ++row) {
+    for (int column = 0; column < image->bgr.cols; ++column) {
+      const auto& pixel = image->bgr.at<cv::Vec3b>(row, column);
+      const int depth = pixel[1] << 8 | pixel[2];
+      surface.grey.at<std::uint8_t>(header.top + row, header.left + column) = pixel[0];
+      if (depth == 0) continue;
+      surface.seen.depth_m.at<float>(header.top + row, header.left + column) =
+          static_cast<float>(header.nearest_m + (depth - 1) * m_per_step);
+    }
+  }
+  return surface;
+}
+
+}  // namespace victorious

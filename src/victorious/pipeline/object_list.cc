@@ -1,0 +1,282 @@
+#include "victorious/pipeline/object_list.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <fmt/format.h>
+
+#include "victorious/pipeline/object_place.h"
+
+namespace victorious {
+namespace {
+
+// Runs that are one thing, as far as is known.
+struct Thing {
+  std::vector<const SeenRun*> runs;  // by id
+  ObjectPlace where;                 // for comparison with others of its flight
+};
+
+std::vector<Sight> SightsOf(const Thing& thing) {
+  std::vector<Sight> sights;
+  for (const SeenRun* run : thing.runs) sights.insert(sights.end(), run->sights.begin(), run->sights.end());
+  std::ranges::stable_sort(sights, {}, [](const Sight& sight) { return sight.line.time_s; });
+  return sights;
+}
+
+bool InOneVideo(const Thing& thing) {
+  return std::ranges::all_of(thing.runs,
+                             [&](const SeenRun* run) { return run->record.video == thing.runs[0]->record.video; });
+}
+
+// Several videos have no common clock: what they share stands still.
+ObjectPlace PlaceOf(const Thing& thing, ObjectOptions options, double common_share) {
+  if (!InOneVideo(thing)) options.locate.motion = "static";
+  return PlaceOf(SightsOf(thing), options, common_share);
+}
+
+bool Moves(const Place& place) { return place.velocity_enu && place.velocity_enu->norm() > 0; }
+
+bool ShareAFrame(const SeenRun& a, const SeenRun& b) {
+  if (a.record.video != b.record.video) return false;
+  std::vector<std::int64_t> both;
+  std::ranges::set_intersection(a.frames, b.frames, std::back_inserter(both));
+  return !both.empty();
+}
+
+bool ShareAFrame(const Thing& a, const Thing& b) {
+  return std::ranges::any_of(a.runs, [&](const SeenRun* of_a) {
+    return std::ranges::any_of(b.runs, [&](const SeenRun* of_b) { return ShareAFrame(*of_a, *of_b); });
+  });
+}
+
+bool ShareAVideo(const Thing& a, const Thing& b) {
+  return std::ranges::any_of(a.runs, [&](const SeenRun* of_a) {
+    return std::ranges::any_of(b.runs, [&](const SeenRun* of_b) { return of_a->record.video == of_b->record.video; });
+  });
+}
+
+// Where it is at another time, in the plane.
+struct Predicted {
+  Eigen::Vector3d point;
+  Eigen::Matrix3d covariance;
+};
+
+Predicted At(const Place& place, double time_s, const TangentPlane& plane) {
+  Predicted predicted{plane.EnuFromGeodetic(place.point), place.covariance_enu_m2};
+  if (!Moves(place)) return predicted;
+  const double after_s = time_s - place.time_s;
+  predicted.point += after_s * *place.velocity_enu;
+  if (place.velocity_covariance_enu) predicted.covariance += after_s * after_s * *place.velocity_covariance_enu;
+  return predicted;
+}
+
+double FirstTime(const Thing& thing) {
+  double first_s = std::numeric_limits<double>::infinity();
+  for (const SeenRun* run : thing.runs) first_s = std::min(first_s, run->record.first_time_s);
+  return first_s;
+}
+
+double LastTime(const Thing& thing) {
+  double last_s = -std::numeric_limits<double>::infinity();
+  for (const SeenRun* run : thing.runs) last_s = std::max(last_s, run->record.last_time_s);
+  return last_s;
+}
+
+// How far two things are apart, in metres and in sigmas, at the moment between them.
+struct Distance {
+  double metres = 0;
+  double sigmas = 0;
+};
+
+std::optional<Distance> DistanceOf(const Thing& a, const Thing& b, const ObjectOptions& options) {
+  std::optional<Place> of_a = a.where.place;
+  std::optional<Place> of_b = b.where.place;
+  if (!ShareAVideo(a, b) || !InOneVideo(a) || !InOneVideo(b)) {  // another flight errs on its own
+    of_a = PlaceOf(a, options, 1).place;
+    of_b = PlaceOf(b, options, 1).place;
+    if (!of_a || !of_b || Moves(*of_a) || Moves(*of_b)) return std::nullopt;
+  }
+  if (!of_a || !of_b) return std::nullopt;
+  const bool a_first = FirstTime(a) <= FirstTime(b);
+  const double between_s = (LastTime(a_first ? a : b) + FirstTime(a_first ? b : a)) / 2;
+  const TangentPlane plane(of_a->point);
+  const Predicted at_a = At(*of_a, between_s, plane);
+  const Predicted at_b = At(*of_b, between_s, plane);
+  const double slack_m2 = 2 * options.identity_slack_m * options.identity_slack_m;
+  const Eigen::Matrix3d covariance = at_a.covariance + at_b.covariance + slack_m2 * Eigen::Matrix3d::Identity();
+  const Eigen::Vector3d apart = at_b.point - at_a.point;
+  return Distance{apart.norm(), std::sqrt(apart.dot(covariance.ldlt().solve(apart)))};
+}
+
+Thing Joined(const Thing& a, const Thing& b, const ObjectOptions& options) {
+  Thing joined{.runs = a.runs};
+  joined.runs.insert(joined.runs.end(), b.runs.begin(), b.runs.end());
+  std::ranges::sort(joined.runs, {}, [](const SeenRun* run) { return run->record.id; });
+  joined.where = PlaceOf(joined, options, InOneVideo(joined) ? options.flight_share : 1);
+  return joined;
+}
+
+// Joins things of one model, the nearest pair first, until no two can be one.
+void Join(std::vector<Thing>& things, const ObjectOptions& options) {
+  using Pair = std::pair<std::int64_t, std::int64_t>;  // the first runs of two things
+  std::map<Pair, double> distances;
+  const auto id_of = [](const Thing& thing) { return thing.runs[0]->record.id; };
+  const auto measure = [&](const Thing& a, const Thing& b) {
+    if (ShareAFrame(a, b)) return;
+    const std::optional<Distance> distance = DistanceOf(a, b, options);
+    if (!distance || distance->metres > options.identity_farthest_m) return;
+    if (distance->sigmas <= options.identity_gate_sigma) distances[std::minmax(id_of(a), id_of(b))] = distance->sigmas;
+  };
+  for (std::size_t i = 0; i < things.size(); ++i) {
+    for (std::size_t k = i + 1; k < things.size(); ++k) measure(things[i], things[k]);
+  }
+  while (!distances.empty()) {
+    const Pair nearest = std::ranges::min_element(distances, {}, [](const auto& entry) {
+                           return std::pair(entry.second, entry.first);
+                         })->first;
+    const auto a = std::ranges::find(things, nearest.first, id_of);
+    const auto b = std::ranges::find(things, nearest.second, id_of);
+    Thing joined = Joined(*a, *b, options);
+    if (!joined.where.place || joined.where.agreeing < options.least_agreeing) {
+      distances.erase(nearest);
+      continue;
+    }
+    std::erase_if(distances, [&](const auto& entry) {
+      const auto& [first, second] = entry.first;
+      return first == nearest.first || first == nearest.second || second == nearest.first || second == nearest.second;
+    });
+    *a = std::move(joined);
+    const std::int64_t id = id_of(*a);
+    things.erase(b);
+    const Thing& grown = *std::ranges::find(things, id, id_of);
+    for (const Thing& other : things) {
+      if (&other != &grown) measure(grown, other);
+    }
+  }
+}
+
+std::int64_t FramesOf(const ObjectRecord& object, const std::map<std::int64_t, const SeenRun*>& runs) {
+  std::int64_t frames = 0;
+  for (const std::int64_t run : object.runs) frames += runs.at(run)->record.frames;
+  return frames;
+}
+
+// The middle height of what is known by its lines rather than its size, and was seen in the same video.
+class Heights {
+ public:
+  void Add(const Thing& thing, double altitude_m) {
+    for (const SeenRun* run : thing.runs) of_video_[run->record.video].push_back(altitude_m);
+  }
+  [[nodiscard]] std::optional<double> Usual(const Thing& thing) const {
+    const auto found = of_video_.find(thing.runs[0]->record.video);
+    if (found == of_video_.end()) return std::nullopt;
+    std::vector<double> heights_m = found->second;
+    const auto middle = heights_m.begin() + static_cast<std::ptrdiff_t>(heights_m.size() / 2);
+    std::ranges::nth_element(heights_m, middle);
+    return *middle;
+  }
+
+ private:
+  std::map<std::int64_t, std::vector<double>> of_video_;
+};
+
+std::string WhyNone(const ObjectPlace& where, std::size_t sights, const ObjectOptions& options) {
+  constexpr std::size_t kFewestToDisagree = 3;
+  if (where.too_large &&
+      (*where.too_large > options.scale_allowance || *where.too_large < 1 / options.scale_allowance)) {
+    return *where.too_large > 1 ? fmt::format("{:.1f} times too large for its distance", *where.too_large)
+                                : fmt::format("{:.1f} times too small for its distance", 1 / *where.too_large);
+  }
+  if (sights >= kFewestToDisagree && where.agreeing < options.least_agreeing) return "its lines of sight do not meet";
+  return {};
+}
+
+// What is far from the usual height by its size alone.
+void RejectFloating(const Thing& thing, const Heights& heights, const ObjectOptions& options, ObjectRecord& object) {
+  if (thing.where.too_large || !object.place || !object.rejected.empty()) return;
+  const std::optional<double> usual_m = heights.Usual(thing);
+  if (!usual_m) return;
+  const double above_m = object.place->point.altitude_m - *usual_m;
+  if (std::abs(above_m) < options.floating_m) return;
+  object.rejected = fmt::format("{:.0f} m {} the other objects, by its size alone", std::abs(above_m),
+                                above_m > 0 ? "above" : "below");
+}
+
+// Of two things in one place the one seen less is none.
+void RejectDoubles(std::vector<ObjectRecord>& objects, const std::map<std::int64_t, const SeenRun*>& runs,
+                   const ObjectOptions& options) {
+  for (ObjectRecord& less : objects) {
+    if (!less.place || !less.rejected.empty()) continue;
+    const TangentPlane plane(less.place->point);
+    for (const ObjectRecord& more : objects) {
+      if (!more.place || !more.rejected.empty() || more.id == less.id) continue;
+      const auto rank = [&](const ObjectRecord& object) { return std::pair(FramesOf(object, runs), -object.id); };
+      if (rank(more) <= rank(less)) continue;
+      if (Moves(*less.place) || Moves(*more.place)) continue;
+      if (plane.EnuFromGeodetic(more.place->point).norm() >= options.least_apart_m) continue;
+      less.rejected = fmt::format("stands where object {} stands", more.id);
+      break;
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<ObjectRecord> MakeObjects(std::vector<SeenRun> runs, const ObjectOptions& options) {
+  std::ranges::sort(runs, {}, [](const SeenRun& run) { return run.record.id; });
+  std::map<std::int64_t, const SeenRun*> by_id;
+  std::map<std::int64_t, std::vector<Thing>> of_model;
+  for (const SeenRun& run : runs) {
+    by_id[run.record.id] = &run;
+    of_model[run.record.model].push_back({.runs = {&run}, .where = PlaceOf(run.sights, options, options.flight_share)});
+  }
+  std::vector<Thing> things;
+  for (auto& [model, of_one] : of_model) {
+    Join(of_one, options);
+    std::ranges::move(of_one, std::back_inserter(things));
+  }
+
+  std::vector<ObjectRecord> objects;
+  Heights heights;
+  for (Thing& thing : things) {
+    thing.where = PlaceOf(thing, options, 1);
+    ObjectRecord object{.id = thing.runs[0]->record.id,
+                        .model = thing.runs[0]->record.model,
+                        .place = thing.where.place,
+                        .heading_rad = thing.where.heading_rad,
+                        .rejected = WhyNone(thing.where, SightsOf(thing).size(), options)};
+    for (const SeenRun* run : thing.runs) object.runs.push_back(run->record.id);
+    if (object.place && object.rejected.empty() && thing.where.too_large) {
+      heights.Add(thing, object.place->point.altitude_m);
+    }
+    objects.push_back(std::move(object));
+  }
+  for (std::size_t i = 0; i < objects.size(); ++i) RejectFloating(things[i], heights, options, objects[i]);
+  RejectDoubles(objects, by_id, options);
+  std::ranges::sort(objects, {}, &ObjectRecord::id);
+  return objects;
+}
+
+Status UpdateObjects(const ObjectOptions& options, IndexStore& store) {
+  std::map<std::int64_t, SeenRun> runs;
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<RunRecord> records, store.Runs());
+  for (RunRecord& record : records) runs[record.id].record = record;
+  VICTORIOUS_RETURN_IF_ERROR(store.VisitSightings({.rejected_too = true}, [&](SightingRecord&& sighting) {
+    const auto run = runs.find(sighting.run);
+    if (run == runs.end()) return true;  // added by another process since
+    run->second.frames.push_back(sighting.frame);
+    if (sighting.sight) run->second.sights.push_back(*std::move(sighting.sight));
+    return true;
+  }));
+  std::vector<SeenRun> seen;
+  for (auto& [id, run] : runs) seen.push_back(std::move(run));
+  return store.PutObjects(MakeObjects(std::move(seen), options));
+}
+
+}  // namespace victorious

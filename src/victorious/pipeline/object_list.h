@@ -1,0 +1,37 @@
+// The one place where objects come to be: from runs, each a stretch in which one thing was seen in one video, to
+// objects, each with one identity over all its runs, one place, and a reason where it is rejected.
+//
+//   runs -> their places -> runs of one model that can be one thing are joined, the nearest first -> what cannot be
+//
+// Two runs of a video that share a frame are two things. Others are one if their places, taken to the same moment by
+// how they move, are within a gate of their covariance, and the lines of both meet where the two together are.
+//
+// Everything is made from what is stored: the same whether a video was indexed in one go or in many, and made anew
+// when another video shows more.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "victorious/base/error.h"
+#include "victorious/pipeline/object_options.h"
+#include "victorious/store/index_store.h"
+#include "victorious/types/sight.h"
+
+namespace victorious {
+
+/// What is known of a run.
+struct SeenRun {
+  RunRecord record;
+  std::vector<std::int64_t> frames;  ///< rising
+  std::vector<Sight> sights;         ///< by time; of those of its sightings that have one
+};
+
+/// Deterministic, whatever the order of runs. Objects by id; of each the id, model, runs, place, heading, rejection.
+std::vector<ObjectRecord> MakeObjects(std::vector<SeenRun> runs, const ObjectOptions& options);
+
+/// Makes the objects of everything that an index holds, and stores them.
+Status UpdateObjects(const ObjectOptions& options, IndexStore& store);
+
+}  // namespace victorious

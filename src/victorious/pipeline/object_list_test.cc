@@ -1,0 +1,185 @@
+#include "victorious/pipeline/object_list.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "victorious/base/random.h"
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+const GeodeticPoint kOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 500};
+constexpr double kFrameS = 0.1;
+
+// How a thing is seen from a camera that flies past.
+struct Seen {
+  std::int64_t id = 0;  // of the run
+  std::int64_t video = 1;
+  std::int64_t model = 1;
+  Eigen::Vector3d place_enu{0, 0, 1};
+  Eigen::Vector3d velocity_enu{0, 0, 0};
+  int first_frame = 0;
+  int frames = 30;
+  double noise_rad = 1e-4;
+  double too_large = 1;        // the object, as its ranges have it
+  double camera_from_m = -60;  // eastwards, at frame 0
+  double camera_speed_m_s = 12;
+  Eigen::Vector3d camera_bias_enu{0, 0, 0};  // in what telemetry says
+};
+
+SeenRun RunOf(const Seen& seen) {
+  Random random(static_cast<std::uint64_t>(seen.id));
+  const TangentPlane plane(kOrigin);
+  SeenRun run{.record = {.id = seen.id, .object = seen.id, .video = seen.video, .model = seen.model}};
+  run.record.frames = seen.frames;
+  run.record.first_time_s = kFrameS * seen.first_frame;
+  run.record.last_time_s = kFrameS * (seen.first_frame + seen.frames - 1);
+  for (int frame = seen.first_frame; frame < seen.first_frame + seen.frames; ++frame) {
+    const double time_s = kFrameS * frame;
+    const Eigen::Vector3d camera(seen.camera_from_m + seen.camera_speed_m_s * time_s, -70, 100);
+    const Eigen::Vector3d line = seen.place_enu + time_s * seen.velocity_enu - camera;
+    run.frames.push_back(frame);
+    Sight sight;
+    sight.line = {.time_s = time_s,
+                  .camera = plane.GeodeticFromEnu(camera + seen.camera_bias_enu),
+                  .azimuth_rad = std::atan2(line.x(), line.y()) + seen.noise_rad * random.Normal(),
+                  .elevation_rad = std::asin(line.z() / line.norm()) + seen.noise_rad * random.Normal(),
+                  .range_m = line.norm() / seen.too_large * (1 + 0.02 * random.Normal()),
+                  .sigma_rad = 1e-4};
+    sight.line.sigma_range_m = 0.02 * *sight.line.range_m;
+    sight.heading_rad = WrapAngle(1.0 + 0.05 * random.Normal() + (frame % 4 == 0 ? kPi : 0));
+    run.sights.push_back(sight);
+  }
+  return run;
+}
+
+std::vector<ObjectRecord> ObjectsFrom(const std::vector<Seen>& things, const ObjectOptions& options = {}) {
+  std::vector<SeenRun> runs;
+  for (const Seen& thing : things) runs.push_back(RunOf(thing));
+  return MakeObjects(std::move(runs), options);
+}
+
+std::vector<std::vector<std::int64_t>> RunsOf(const std::vector<ObjectRecord>& objects) {
+  std::vector<std::vector<std::int64_t>> runs;
+  for (const ObjectRecord& object : objects) runs.push_back(object.runs);
+  return runs;
+}
+
+Eigen::Vector3d PlaceOf(const ObjectRecord& object) {
+  return TangentPlane(kOrigin).EnuFromGeodetic(object.place->point);
+}
+
+TEST(ObjectList, OneRunIsOneObjectAtItsPlace) {
+  const auto objects = ObjectsFrom({{.id = 5, .place_enu = {3, 4, 1}}});
+  ASSERT_EQ(objects.size(), 1U);
+  EXPECT_EQ(objects[0].id, 5);
+  ASSERT_TRUE(objects[0].place);
+  EXPECT_LT((PlaceOf(objects[0]) - Eigen::Vector3d(3, 4, 1)).norm(), 0.3);
+  EXPECT_EQ(objects[0].place->velocity_enu->norm(), 0) << "it stands";
+  EXPECT_NEAR(*objects[0].heading_rad, 1.0, 0.05) << "a quarter of the views is wrong";
+  EXPECT_EQ(objects[0].rejected, "");
+}
+
+TEST(ObjectList, WithoutTelemetryEachRunIsAnObjectWithoutAPlace) {
+  SeenRun a{.record = {.id = 1, .video = 1, .model = 1}, .frames = {0, 1}};
+  SeenRun b{.record = {.id = 2, .video = 1, .model = 1}, .frames = {50, 51}};
+  const auto objects = MakeObjects({a, b}, {});
+  EXPECT_THAT(RunsOf(objects), ElementsAre(ElementsAre(1), ElementsAre(2)));
+  EXPECT_FALSE(objects[0].place);
+  EXPECT_FALSE(objects[0].heading_rad);
+  EXPECT_EQ(objects[0].rejected, "");
+}
+
+TEST(ObjectList, AReturnAfterALossIsTheSameObject) {
+  EXPECT_THAT(
+      RunsOf(ObjectsFrom({{.id = 1, .first_frame = 0, .frames = 20}, {.id = 2, .first_frame = 70, .frames = 20}})),
+      ElementsAre(ElementsAre(1, 2)));
+}
+
+TEST(ObjectList, TwoOfAKindTenMetresApartStayTwo) {
+  // Seen at different times, and never together.
+  EXPECT_THAT(RunsOf(ObjectsFrom({{.id = 1, .place_enu = {-5, 0, 1}, .frames = 20},
+                                  {.id = 2, .place_enu = {5, 0, 1}, .first_frame = 30, .frames = 20}})),
+              ElementsAre(ElementsAre(1), ElementsAre(2)));
+}
+
+TEST(ObjectList, WhatIsSeenInOneFrameIsTwoHoweverNear) {
+  EXPECT_THAT(RunsOf(ObjectsFrom({{.id = 1, .place_enu = {0, 0, 1}}, {.id = 2, .place_enu = {2, 0, 1}}})),
+              ElementsAre(ElementsAre(1), ElementsAre(2)));
+}
+
+TEST(ObjectList, OtherModelsAreOtherObjects) {
+  EXPECT_THAT(RunsOf(ObjectsFrom({{.id = 1, .frames = 20}, {.id = 2, .model = 2, .first_frame = 30, .frames = 10}})),
+              ElementsAre(ElementsAre(1), ElementsAre(2)));
+}
+
+TEST(ObjectList, WhatMovesIsFoundAgainWhereItHasMovedTo) {
+  const Eigen::Vector3d velocity(-4, 3, 0);
+  const auto objects = ObjectsFrom({{.id = 1, .velocity_enu = velocity, .frames = 30},
+                                    {.id = 2, .velocity_enu = velocity, .first_frame = 45, .frames = 30}});
+  ASSERT_THAT(RunsOf(objects), ElementsAre(ElementsAre(1, 2)));
+  EXPECT_LT((*objects[0].place->velocity_enu - velocity).norm(), 0.3);
+  EXPECT_NEAR(objects[0].place->time_s, 7.4, 1e-9);
+  EXPECT_LT((PlaceOf(objects[0]) - Eigen::Vector3d(-29.6, 22.2, 1)).norm(), 1.5);
+}
+
+TEST(ObjectList, TheSameObjectInTwoVideosIsOne) {
+  const auto objects = ObjectsFrom({{.id = 1, .place_enu = {-20, 5, 1}},
+                                    {.id = 2, .place_enu = {20, 5, 1}},
+                                    {.id = 3,
+                                     .video = 2,
+                                     .place_enu = {20, 5, 1},
+                                     .camera_from_m = 60,
+                                     .camera_speed_m_s = -9,
+                                     .camera_bias_enu = {1.5, -1, 0.5}}});
+  EXPECT_THAT(RunsOf(objects), ElementsAre(ElementsAre(1), ElementsAre(2, 3)));
+}
+
+TEST(ObjectList, TheOrderOfRunsDoesNotMatter) {
+  std::vector<Seen> things;
+  for (int i = 0; i < 6; ++i) {
+    things.push_back({.id = i + 1, .place_enu = {6.0 * (i % 3), 8, 1}, .first_frame = 40 * (i / 3), .frames = 25});
+  }
+  const auto objects = ObjectsFrom(things);
+  EXPECT_THAT(RunsOf(objects), ElementsAre(ElementsAre(1, 4), ElementsAre(2, 5), ElementsAre(3, 6)));
+  std::ranges::reverse(things);
+  const auto again = ObjectsFrom(things);
+  ASSERT_EQ(RunsOf(again), RunsOf(objects));
+  for (std::size_t i = 0; i < objects.size(); ++i) EXPECT_EQ(again[i].place->point, objects[i].place->point);
+}
+
+TEST(ObjectList, WhatIsTooLargeForItsDistanceIsRejected) {
+  const auto objects = ObjectsFrom({{.id = 1, .too_large = 5}});
+  EXPECT_THAT(objects[0].rejected, HasSubstr("5.0 times too large"));
+  EXPECT_EQ(ObjectsFrom({{.id = 1, .too_large = 5}}, {.scale_allowance = 6})[0].rejected, "");
+}
+
+TEST(ObjectList, WhatFloatsByItsSizeAloneIsRejected) {
+  const Seen floating{.id = 2, .model = 2, .first_frame = 10, .frames = 1, .too_large = 3};
+  const auto objects = ObjectsFrom({{.id = 1}, floating});
+  EXPECT_EQ(objects[0].rejected, "");
+  EXPECT_THAT(objects[1].rejected, HasSubstr("above the other objects"));
+  EXPECT_EQ(ObjectsFrom({{.id = 1}, floating}, {.floating_m = 1000})[1].rejected, "");
+  EXPECT_EQ(ObjectsFrom({floating})[0].rejected, "") << "nothing says how high the ground is";
+}
+
+TEST(ObjectList, LinesThatDoNotMeetAreNoObject) {
+  EXPECT_THAT(ObjectsFrom({{.id = 1, .noise_rad = 0.2}})[0].rejected, HasSubstr("do not meet"));
+}
+
+TEST(ObjectList, OfTwoModelsInOnePlaceTheOneSeenLessIsRejected) {
+  const auto objects =
+      ObjectsFrom({{.id = 1, .model = 1, .frames = 20}, {.id = 2, .model = 2, .place_enu = {0.3, 0, 1}, .frames = 30}});
+  EXPECT_THAT(objects[0].rejected, HasSubstr("where object 2 stands"));
+  EXPECT_EQ(objects[1].rejected, "");
+}
+
+}  // namespace
+}  // namespace victorious

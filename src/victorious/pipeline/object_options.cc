@@ -1,0 +1,60 @@
+#include "victorious/pipeline/object_options.h"
+
+namespace victorious {
+
+void ObjectOptions::ListFields(FieldList& fields) {
+  fields.Add("identity_gate_sigma", identity_gate_sigma,
+             {.min = 0,
+              .max = 100,
+              .unit = "",
+              .reason = "runs are one object if their places differ by at most so many sigmas; 0 joins none"});
+  fields.Add("identity_slack_m", identity_slack_m,
+             {.min = 0,
+              .max = 1000,
+              .unit = "m",
+              .reason = "sigma added to each place when they are compared: the middle that one side shows is not quite "
+                        "the middle that another shows"});
+  fields.Add(
+      "identity_farthest_m", identity_farthest_m,
+      {.min = 0,
+       .max = 1e5,
+       .unit = "m",
+       .reason = "places further apart are two objects, however uncertain: two of a kind may stand side by side"});
+  fields.Add(
+      "flight_share", flight_share,
+      {.min = 0,
+       .max = 1,
+       .unit = "",
+       .reason = "the share of a flight's common errors that does not cancel between two places of that flight"});
+  fields.Add("least_agreeing", least_agreeing,
+             {.min = 0,
+              .max = 1,
+              .unit = "",
+              .reason = "the share of lines of sight that must meet at the place; of fewer, the object is rejected"});
+  fields.Add("scale_allowance", scale_allowance,
+             {.min = 1,
+              .max = 1e6,
+              .unit = "",
+              .reason = "an object that seems so many times too large or too small for its distance is rejected"});
+  fields.Add(
+      "floating_m", floating_m,
+      {.min = 0,
+       .max = 1e6,
+       .unit = "m",
+       .reason = "one whose height rests on its size alone, and is so far from the other objects', is rejected"});
+  fields.Add("least_apart_m", least_apart_m,
+             {.min = 0,
+              .max = 1000,
+              .unit = "m",
+              .reason = "of two objects whose middles are nearer, the one seen less is rejected"});
+  fields.AddGroup("locate", locate);
+}
+
+LocateOptions ObjectOptions::InVideo() {
+  LocateOptions options;
+  options.motion = "auto";
+  options.line.position_m = 0.1;
+  return options;
+}
+
+}  // namespace victorious

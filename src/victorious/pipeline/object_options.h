@@ -1,0 +1,26 @@
+// The parameters of what makes objects of runs: where they are, which runs are one, which are false.
+#pragma once
+
+#include "victorious/base/options.h"
+#include "victorious/geolocate/locate_options.h"
+
+namespace victorious {
+
+struct ObjectOptions {
+  double identity_gate_sigma = 3.5;
+  double identity_slack_m = 0.5;
+  double identity_farthest_m = 8;
+  double flight_share = 0.3;
+  double least_agreeing = 0.5;
+  double scale_allowance = 1.6;
+  double floating_m = 15;
+  double least_apart_m = 1.5;
+  LocateOptions locate = InVideo();
+
+  void ListFields(FieldList& fields);
+
+  /// Lines from one video err little from frame to frame; what they err more than told is measured.
+  static LocateOptions InVideo();
+};
+
+}  // namespace victorious

@@ -1,0 +1,121 @@
+#include "victorious/pipeline/object_place.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+// The middle one.
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+// What telemetry tells of its errors goes before the parameters.
+LocateOptions OptionsFor(std::span<const Sight> sights, const ObjectOptions& options, double common_share) {
+  LocateOptions locate = options.locate;
+  std::vector<double> positions_m;
+  std::vector<double> attitudes_rad;
+  for (const Sight& sight : sights) {
+    if (sight.sigma_position_m) positions_m.push_back(*sight.sigma_position_m);
+    if (sight.sigma_attitude_rad) attitudes_rad.push_back(*sight.sigma_attitude_rad);
+  }
+  if (!positions_m.empty()) {
+    locate.line.position_m = locate.common.position_m = locate.common.height_m = Median(positions_m);
+  }
+  if (!attitudes_rad.empty()) {
+    const double attitude_deg = DegreesFromRadians(Median(attitudes_rad));
+    locate.common.heading_deg = locate.common.boresight_rise_deg = attitude_deg;
+    locate.common.boresight_side_deg = 0;
+  }
+  CommonErrorOptions& common = locate.common;
+  for (double* sigma : {&common.position_m, &common.height_m, &common.heading_deg, &common.boresight_side_deg,
+                        &common.boresight_rise_deg}) {
+    *sigma *= common_share;
+  }
+  return locate;
+}
+
+// Lines whose attitude errs from frame to frame, as telemetry tells, err more than their place in the picture.
+std::vector<LineOfSight> LinesOf(std::span<const Sight> sights) {
+  std::vector<LineOfSight> lines;
+  for (const Sight& sight : sights) {
+    lines.push_back(sight.line);
+    if (sight.sigma_attitude_rad) {
+      lines.back().sigma_rad = std::hypot(sight.line.sigma_rad.value_or(0), *sight.sigma_attitude_rad);
+    }
+  }
+  return lines;
+}
+
+// Where the lines meet if their ranges are left out, the ranges tell how large the object would be.
+std::optional<double> TooLarge(std::vector<LineOfSight> lines, const LocateOptions& locate, double least_agreeing) {
+  std::vector<double> ranges_m;
+  for (LineOfSight& line : lines) {
+    if (!line.range_m) return std::nullopt;
+    ranges_m.push_back(*line.range_m);
+    line.range_m.reset();
+  }
+  const Expected<GeoFix> blind = Locate(lines, locate);
+  if (!blind || !blind->place) return std::nullopt;
+  const Place& place = *blind->place;
+  std::vector<double> factors;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (!blind->inliers[i]) continue;
+    const TangentPlane plane(lines[i].camera);
+    Eigen::Vector3d there = plane.EnuFromGeodetic(place.point);
+    if (place.velocity_enu) there += (lines[i].time_s - place.time_s) * *place.velocity_enu;
+    factors.push_back(there.norm() / ranges_m[i]);
+  }
+  const double agreeing = static_cast<double>(factors.size()) / static_cast<double>(lines.size());
+  if (factors.empty() || agreeing < least_agreeing) return std::nullopt;
+  return Median(std::move(factors));
+}
+
+}  // namespace
+
+std::optional<double> CommonHeading(std::span<const double> headings_rad) {
+  const double half_width = RadiansFromDegrees(20);
+  std::ptrdiff_t most = 0;
+  double best = 0;
+  for (const double candidate : headings_rad) {
+    double sum = 0;
+    std::ptrdiff_t near = 0;
+    for (const double heading : headings_rad) {
+      const double turn = WrapAngle(heading - candidate);
+      if (std::abs(turn) > half_width) continue;
+      sum += turn;
+      ++near;
+    }
+    if (near <= most) continue;
+    most = near;
+    best = candidate + sum / static_cast<double>(near);
+  }
+  if (most == 0) return std::nullopt;
+  const double heading = WrapAngle(best);
+  return heading < 0 ? heading + 2 * kPi : heading;
+}
+
+ObjectPlace PlaceOf(std::span<const Sight> sights, const ObjectOptions& options, double common_share) {
+  ObjectPlace result;
+  if (sights.empty()) return result;
+  const LocateOptions locate = OptionsFor(sights, options, common_share);
+  const std::vector<LineOfSight> lines = LinesOf(sights);
+  const Expected<GeoFix> fix = Locate(lines, locate);
+  if (!fix) return result;  // options were checked before
+  result.place = fix->place;
+  result.agreeing = static_cast<double>(std::ranges::count(fix->inliers, true)) / static_cast<double>(lines.size());
+  result.too_large = TooLarge(lines, locate, options.least_agreeing);
+  std::vector<double> headings;
+  for (std::size_t i = 0; i < sights.size(); ++i) {
+    if (sights[i].heading_rad && (fix->inliers[i] || !fix->place)) headings.push_back(*sights[i].heading_rad);
+  }
+  result.heading_rad = CommonHeading(headings);
+  return result;
+}
+
+}  // namespace victorious

@@ -1,0 +1,105 @@
+#include "victorious/render/relight.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <opencv2/core.hpp>
+
+namespace victorious {
+namespace {
+
+using Eigen::Vector3d;
+
+double LinearOf(double srgb) { return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4); }
+
+double SrgbOf(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
+const std::array<float, 256>& LinearOfGrey() {
+  static const std::array<float, 256> table = [] {
+    std::array<float, 256> values{};
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(LinearOf(static_cast<double>(i) / 255));
+    return values;
+  }();
+  return table;
+}
+
+float DepthAt(const cv::Mat& depth_m, int row, int column) {
+  if (row < 0 || column < 0 || row >= depth_m.rows || column >= depth_m.cols) return std::nanf("");
+  return depth_m.at<float>(row, column);
+}
+
+Vector3d PointAt(const SeenSurface& seen, int row, int column) {
+  return DepthAt(seen.depth_m, row, column) * seen.camera.pinhole.RayOf({column + 0.5, row + 0.5});
+}
+
+// Along one axis of the image: to the neighbour that lies less far in depth, so that a step between two surfaces is not
+// taken for a slope.
+Vector3d Difference(const SeenSurface& seen, int row, int column, int down, int right) {
+  const float here = DepthAt(seen.depth_m, row, column);
+  const float next = std::abs(DepthAt(seen.depth_m, row + down, column + right) - here);
+  const float last = std::abs(DepthAt(seen.depth_m, row - down, column - right) - here);
+  if (std::isnan(next) && std::isnan(last)) return Vector3d::Zero();
+  if (std::isnan(last) || next <= last) return PointAt(seen, row + down, column + right) - PointAt(seen, row, column);
+  return PointAt(seen, row, column) - PointAt(seen, row - down, column - right);
+}
+
+// Towards the camera, in the camera's frame; of length 1.
+Vector3d NormalAt(const SeenSurface& seen, int row, int column) {
+  const Vector3d normal = Difference(seen, row, column, 1, 0).cross(Difference(seen, row, column, 0, 1));
+  const double length = normal.norm();
+  if (!(length > 0)) return -Vector3d::UnitZ();
+  return normal / (normal.z() > 0 ? -length : length);
+}
+
+// The share of nine texels about a point, as seen from the sun, that nothing hides from it.
+double ShareLit(const Vector3d& point_in_world, const Vector3d& normal, const SeenSurface& from_sun) {
+  const PinholeCamera& pinhole = from_sun.camera.pinhole;
+  const Vector3d unbiased = from_sun.camera.camera_from_world.Apply(point_in_world);
+  const double texel_m = unbiased.z() / pinhole.fx;
+  const Vector3d point =
+      unbiased + 1.5 * texel_m * (from_sun.camera.camera_from_world.rotation * normal);  // off the surface
+  const auto pixel = pinhole.Project(point);
+  if (!pixel) return 1;
+  const int column = static_cast<int>(std::floor(pixel->x()));
+  const int row = static_cast<int>(std::floor(pixel->y()));
+  int hidden = 0;
+  for (int down = -1; down <= 1; ++down) {
+    for (int right = -1; right <= 1; ++right) {
+      hidden += DepthAt(from_sun.depth_m, row + down, column + right) < point.z() - texel_m ? 1 : 0;
+    }
+  }
+  return 1 - hidden / 9.0;
+}
+
+}  // namespace
+
+cv::Mat Relight(const cv::Mat& grey, const SeenSurface& seen, const Light& before, const Light& after,
+                const SeenSurface& from_sun) {
+  const Rigid3 world_from_camera = seen.camera.camera_from_world.Inverse();
+  const Vector3d to_sun_before = before.to_sun_in_world.normalized();
+  const Vector3d to_sun_after = after.to_sun_in_world.normalized();
+  cv::Mat lit = grey.clone();
+  for (int row = 0; row < grey.rows; ++row) {
+    for (int column = 0; column < grey.cols; ++column) {
+      if (std::isnan(seen.depth_m.at<float>(row, column))) continue;
+      const Vector3d normal = world_from_camera.rotation * NormalAt(seen, row, column);
+      const auto irradiance = [&](const Light& light, double sun) {
+        return light.ground + (light.sky - light.ground) * 0.5 * (1 + normal.z()) + light.sun * sun;
+      };
+      const double sun_before = std::max(0.0, normal.dot(to_sun_before));
+      double sun_after = std::max(0.0, normal.dot(to_sun_after));
+      if (sun_after > 0) {
+        sun_after *= ShareLit(world_from_camera.Apply(PointAt(seen, row, column)), normal, from_sun);
+      }
+      const double linear = LinearOfGrey()[grey.at<std::uint8_t>(row, column)] * irradiance(after, sun_after) /
+                            std::max(1e-3, irradiance(before, sun_before));
+      lit.at<std::uint8_t>(row, column) = cv::saturate_cast<std::uint8_t>(255 * SrgbOf(linear));
+    }
+  }
+  return lit;
+}
+
+}  // namespace victorious

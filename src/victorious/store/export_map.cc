@@ -1,0 +1,155 @@
+#include "victorious/store/export_map.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <ostream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/geometry/angles.h"
+#include "victorious/store/export_json.h"
+#include "victorious/store/listed_object.h"
+
+namespace victorious {
+namespace {
+
+// The border of the ellipse that holds 90 % of a normal distribution on the ground, counter-clockwise and closed.
+std::vector<GeodeticPoint> EllipseOf(const Place& place) {
+  constexpr int kCorners = 48;
+  constexpr double kRadius = 2.145966026289347;  // sqrt(-2 ln 0.1), in sigmas
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(place.covariance_enu_m2.topLeftCorner<2, 2>());
+  Eigen::Matrix2d directions = axes.eigenvectors();
+  if (directions.determinant() < 0) directions.col(1) *= -1;
+  const Eigen::Vector2d lengths = kRadius * axes.eigenvalues().cwiseMax(0).cwiseSqrt();
+  const TangentPlane plane(place.point);
+  std::vector<GeodeticPoint> border;
+  for (int i = 0; i <= kCorners; ++i) {
+    const double angle = 2 * kPi * (i % kCorners) / kCorners;
+    const Eigen::Vector2d corner = directions * lengths.cwiseProduct(Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+    border.push_back(plane.GeodeticFromEnu({corner.x(), corner.y(), 0}));
+  }
+  return border;
+}
+
+Json PositionJson(const GeodeticPoint& point) {
+  return {GeodeticJson(point.longitude_rad), GeodeticJson(point.latitude_rad)};
+}
+
+Json FeatureJson(const ListedObject& listed) {
+  const Place& place = *listed.object.place;
+  Json point = PositionJson(place.point);
+  point.push_back(MetresJson(place.point.altitude_m));
+  Json border = Json::array();
+  for (const GeodeticPoint& corner : EllipseOf(place)) border.push_back(PositionJson(corner));
+  const Json geometries = Json::array({{{"type", "Point"}, {"coordinates", std::move(point)}},
+                                       {{"type", "Polygon"}, {"coordinates", Json::array({std::move(border)})}}});
+  return {{"type", "Feature"},
+          {"id", listed.object.id},
+          {"geometry", {{"type", "GeometryCollection"}, {"geometries", geometries}}},
+          {"properties", ObjectJson(listed)}};
+}
+
+std::string EscapedXml(const std::string& text) {
+  std::string escaped;
+  for (const char c : nlohmann::json::parse(Dump(text)).get<std::string>()) {  // bytes that are not UTF-8 replaced
+    if (c == '&') {
+      escaped += "&amp;";
+    } else if (c == '<') {
+      escaped += "&lt;";
+    } else if (c == '>') {
+      escaped += "&gt;";
+    } else if (static_cast<unsigned char>(c) >= 0x20 || c == '\t' || c == '\n') {  // XML knows no other control bytes
+      escaped += c;
+    }
+  }
+  return escaped;
+}
+
+std::string TimeText(std::int64_t utc_us) {
+  const std::chrono::sys_time<std::chrono::milliseconds> time(std::chrono::milliseconds(utc_us / 1000));
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(time);
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z", fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)),
+                     (time - seconds).count());
+}
+
+std::string CoordinatesText(const GeodeticPoint& point) {
+  return fmt::format("{:.9f},{:.9f}", DegreesFromRadians(point.longitude_rad), DegreesFromRadians(point.latitude_rad));
+}
+
+struct TimeSpan {
+  std::int64_t begin_us = 0;
+  std::int64_t end_us = 0;
+};
+
+// When each object was first and last seen, by its id.
+Expected<std::map<std::int64_t, TimeSpan>> SpansOf(IndexStore& store) {
+  std::map<std::int64_t, std::int64_t> start_us;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
+  for (const VideoRecord& video : videos) start_us[video.id] = video.start_utc_us.value_or(0);
+  std::map<std::int64_t, TimeSpan> spans;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<RunRecord> runs, store.Runs());
+  for (const RunRecord& run : runs) {
+    const std::int64_t begin_us = start_us[run.video] + std::llround(run.first_time_s * 1e6);
+    const std::int64_t end_us = start_us[run.video] + std::llround(run.last_time_s * 1e6);
+    const auto [at, added] = spans.emplace(run.object, TimeSpan{begin_us, end_us});
+    at->second = {std::min(at->second.begin_us, begin_us), std::max(at->second.end_us, end_us)};
+  }
+  return spans;
+}
+
+std::string PlacemarkText(const ListedObject& listed, const TimeSpan& span) {
+  const Place& place = *listed.object.place;
+  std::string border;
+  for (const GeodeticPoint& corner : EllipseOf(place)) border += CoordinatesText(corner) + " ";
+  std::string heading;
+  if (listed.object.heading_rad) {
+    heading = fmt::format(", heading {:.0f}°", DegreesFromRadians(*listed.object.heading_rad));
+  }
+  return fmt::format(
+      "<Placemark id=\"object-{}\"><name>{} {}</name>"
+      "<description>score {:.3f}, {} frames, within {:.2f} m in 90 %{}</description>"
+      "<TimeSpan><begin>{}</begin><end>{}</end></TimeSpan><styleUrl>#object</styleUrl><MultiGeometry>"
+      "<Point><coordinates>{},{:.3f}</coordinates></Point>"
+      "<Polygon><outerBoundaryIs><LinearRing><coordinates>{}</coordinates></LinearRing></outerBoundaryIs></Polygon>"
+      "</MultiGeometry></Placemark>\n",
+      listed.object.id, EscapedXml(listed.model), listed.object.id, listed.object.score, listed.object.frames,
+      place.ce90_m, heading, TimeText(span.begin_us), TimeText(span.end_us), CoordinatesText(place.point),
+      place.point.altitude_m, border);
+}
+
+}  // namespace
+
+Status ExportGeoJson(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> objects, ListObjects(store, catalogue, filter));
+  out << R"({"type":"FeatureCollection","features":[)";
+  const char* between = "\n";
+  for (const ListedObject& object : objects) {
+    if (!object.object.place) continue;
+    out << std::exchange(between, ",\n") << Dump(FeatureJson(object));
+  }
+  out << "]}\n";
+  return {};
+}
+
+Status ExportKml(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> objects, ListObjects(store, catalogue, filter));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto spans, SpansOf(store));
+  out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document>"
+         "<Style id=\"object\"><PolyStyle><color>4000ffff</color></PolyStyle></Style>\n";
+  for (const ListedObject& object : objects) {
+    const auto span = spans.find(object.object.id);
+    if (object.object.place && span != spans.end()) out << PlacemarkText(object, span->second);
+  }
+  out << "</Document></kml>\n";
+  return {};
+}
+
+}  // namespace victorious

@@ -1,0 +1,77 @@
+#include "victorious/store/listed_object.h"
+
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+namespace victorious {
+namespace {
+
+Json OrNull(const std::optional<double>& value, Json (*convert)(double)) { return value ? convert(*value) : Json(); }
+
+Json CovarianceJson(const Eigen::Matrix3d& covariance) {
+  Json rows = Json::array();
+  for (const auto& row : covariance.rowwise()) rows.push_back({row.x(), row.y(), row.z()});
+  return rows;
+}
+
+}  // namespace
+
+Expected<std::vector<ListedObject>> ListObjects(IndexStore& store, const Catalogue& catalogue,
+                                                const SightingFilter& filter) {
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectRecord> objects, store.Objects(filter));
+  // What another process adds meanwhile may be of a video or model that the catalogue does not know yet; and of an
+  // object's videos the filter may name one.
+  VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue everything, Catalogue::Read(store, {}));
+  std::vector<ListedObject> listed;
+  for (ObjectRecord& object : objects) {
+    const ModelRecord* model = catalogue.Model(object.model);
+    if (model == nullptr) continue;
+    std::vector<std::string> videos;
+    for (const std::int64_t id : object.videos) {
+      if (const VideoRecord* video = everything.Video(id)) videos.push_back(video->name);
+    }
+    listed.push_back({std::move(object), listed.size() + 1, model->name, std::move(videos)});
+  }
+  return listed;
+}
+
+std::optional<double> SpeedOf(const ObjectRecord& object) {
+  if (!object.place || !object.place->velocity_enu) return std::nullopt;
+  return object.place->velocity_enu->norm();
+}
+
+Json ObjectJson(const ListedObject& listed) {
+  const ObjectRecord& object = listed.object;
+  Json json = {{"object_id", object.id},
+               {"model", listed.model},
+               {"category", nullptr},
+               {"rank", listed.rank},
+               {"score", ScoreJson(object.score)},
+               {"videos", listed.videos},
+               {"frames", object.frames},
+               {"first_time_s", TimeJson(object.first_time_s)},
+               {"last_time_s", TimeJson(object.last_time_s)},
+               {"place_time_s", nullptr},
+               {"latitude_deg", nullptr},
+               {"longitude_deg", nullptr},
+               {"altitude_m", nullptr},
+               {"covariance_enu_m2", nullptr},
+               {"ce90_m", nullptr},
+               {"le90_m", nullptr},
+               {"heading_deg", OrNull(object.heading_rad, &DegreesJson)},
+               {"speed_m_s", OrNull(SpeedOf(object), &MetresJson)}};
+  if (object.place) {
+    const Place& place = *object.place;
+    json["place_time_s"] = TimeJson(place.time_s);
+    json["latitude_deg"] = GeodeticJson(place.point.latitude_rad);
+    json["longitude_deg"] = GeodeticJson(place.point.longitude_rad);
+    json["altitude_m"] = MetresJson(place.point.altitude_m);
+    json["covariance_enu_m2"] = CovarianceJson(place.covariance_enu_m2);
+    json["ce90_m"] = MetresJson(place.ce90_m);
+    json["le90_m"] = MetresJson(place.le90_m);
+  }
+  return json;
+}
+
+}  // namespace victorious

@@ -1,0 +1,29 @@
+// A model's views as another light would show them.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "victorious/types/feature_set.h"
+#include "victorious/types/object_model.h"
+
+namespace victorious {
+
+/// What a view's features are under another light.
+struct LitTemplate {
+  FeatureSet features;
+  std::vector<Point3> points_in_model;  ///< a feature's place on the object, metres
+};
+
+/// Any number of threads may ask at once.
+class LitTemplates {
+ public:
+  virtual ~LitTemplates() = default;
+
+  /// A view under the sun that stands where another view's camera does. Never null; without features where the model
+  /// cannot tell. The same each time.
+  [[nodiscard]] virtual std::shared_ptr<const LitTemplate> Under(std::size_t sun_view, std::size_t view) const = 0;
+};
+
+}  // namespace victorious

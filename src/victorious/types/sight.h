@@ -1,0 +1,17 @@
+// What one sighting tells of the object's place: along which line it was seen, from how far, how it was turned.
+#pragma once
+
+#include <optional>
+
+#include "victorious/types/line_of_sight.h"
+
+namespace victorious {
+
+struct Sight {
+  LineOfSight line;                          ///< to the middle of the object's bounding box
+  std::optional<double> heading_rad;         ///< of the object's front, clockwise from north
+  std::optional<double> sigma_position_m;    ///< of the camera's place, along each axis, where telemetry tells
+  std::optional<double> sigma_attitude_rad;  ///< of the camera's attitude, about each axis, where telemetry tells
+};
+
+}  // namespace victorious
