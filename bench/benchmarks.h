@@ -38,4 +38,8 @@ std::vector<Result> BenchSearch(const Settings& settings);
 /// draws the place is right and the true lines are kept.
 std::vector<Result> BenchLocate(const Settings& settings);
 
+/// 15 frames of 640 x 480 px: four regions of 50 points followed by Lucas-Kanade; and a drawn box; peers:
+/// cv::TrackerCSRT, cv::TrackerKCF, cv::TrackerMIL.
+std::vector<Result> BenchTrack(const Settings& settings);
+
 }  // namespace victorious::bench

@@ -26,7 +26,7 @@ struct Benchmark {
 constexpr std::array kBenchmarks = {Benchmark{"sift", &BenchSift},       Benchmark{"match", &BenchMatch},
                                     Benchmark{"cascade", &BenchCascade}, Benchmark{"mlesac", &BenchMlesac},
                                     Benchmark{"frame", &BenchFrame},     Benchmark{"search", &BenchSearch},
-                                    Benchmark{"locate", &BenchLocate}};
+                                    Benchmark{"locate", &BenchLocate},   Benchmark{"track", &BenchTrack}};
 
 struct Arguments {
   std::string name;  ///< empty: all

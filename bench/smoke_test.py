@@ -7,7 +7,7 @@ import sys
 import unittest
 
 PROGRAM = ""
-NAMES = ["sift", "match", "cascade", "mlesac", "frame", "search", "locate"]
+NAMES = ["sift", "match", "cascade", "mlesac", "frame", "search", "locate", "track"]
 
 
 def run(*arguments: str) -> subprocess.CompletedProcess:

@@ -25,6 +25,8 @@ END
   "$program" params telemetry
   printf '\n## Of `locate`\n\n'
   "$program" params locate
+  printf '\n## Of `track`; `model` and `recognize` are as above\n\n'
+  "$program" params track | grep -v -E '^\| `(model|recognize)\.'
 }
 
 if [[ "${2:-}" == "--check" ]]; then

@@ -34,5 +34,6 @@ Action SetUpSearch(CLI::App& app);
 Action SetUpSheet(CLI::App& app);
 Action SetUpSimulate(CLI::App& app);
 Action SetUpTelemetry(CLI::App& app);
+Action SetUpTrack(CLI::App& app);
 
 }  // namespace victorious::cli

@@ -29,6 +29,7 @@ constexpr std::array kCommands = {
     Command{"search", "Find", "The ranked list of what was found, or of moments that look like a picture",
             &SetUpSearch},
     Command{"export", "Find", "What was found, for other programs: objects, sightings, mot, coco", &SetUpExport},
+    Command{"track", "Find", "Follow what boxes are drawn around, through this video and others", &SetUpTrack},
     Command{"sheet", "Find", "What was found, as pictures", &SetUpSheet},
     Command{"locate", "Find", "Where on Earth lines of sight meet, and how surely", &SetUpLocate},
     Command{"match", "Look inside", "Match two pictures, stage by stage", &SetUpMatch},

@@ -1,0 +1,105 @@
+#include "victorious/pipeline/steady_lock.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "victorious/features/impulse_noise.h"
+#include "victorious/track/region_tracker.h"
+
+namespace victorious {
+namespace {
+
+/// A detection with the features that it rests on.
+struct Found {
+  Detection detection;
+  FeatureSet scene;
+};
+
+/// Searches a part of the frame; what it finds is in pixels of the whole.
+Expected<std::optional<Found>> Search(const cv::Mat& grey, const Box& region, const Recognizer& recognizer,
+                                      const FeatureExtractor& extractor) {
+  const cv::Rect part = cv::Rect(cv::Point(static_cast<int>(region.x), static_cast<int>(region.y)),
+                                 cv::Point(static_cast<int>(std::ceil(region.x + region.width)),
+                                           static_cast<int>(std::ceil(region.y + region.height)))) &
+                        cv::Rect({0, 0}, grey.size());
+  if (part.area() == 0) return std::nullopt;
+  VICTORIOUS_ASSIGN_OR_RETURN(FeatureSet scene, extractor.Extract(grey(part)));
+  for (Keypoint& keypoint : scene.keypoints) {
+    keypoint.x += static_cast<float>(part.x);
+    keypoint.y += static_cast<float>(part.y);
+  }
+  scene.image_width = grey.cols;
+  scene.image_height = grey.rows;
+  std::vector<Detection> detections = recognizer.Recognize(scene);
+  if (detections.empty()) return std::nullopt;
+  return Found{std::move(detections.front()), std::move(scene)};
+}
+
+/// The tracker whose template is the recogniser's last find.
+class Together {
+ public:
+  Together(RegionTracker tracker, const Recognizer& recognizer, const FeatureExtractor& extractor)
+      : tracker_(std::move(tracker)), recognizer_(&recognizer), extractor_(&extractor) {}
+
+  Expected<std::optional<Polygon>> See(const Frame& frame) {
+    std::optional<TrackStep> step;
+    if (const auto steps = tracker_.Step(frame); !steps.empty()) step = steps.front();
+    const bool active = step && step->state == TrackState::kActive;
+    const Box whole{0, 0, static_cast<double>(frame.image.cols), static_cast<double>(frame.image.rows)};
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Found> found,
+                                Search(frame.image, active ? step->search_box : whole, *recognizer_, *extractor_));
+    if (!found) return active && step->seen() ? std::optional(step->outline) : std::nullopt;
+    const std::vector<TrackPoint> points = PointsOf(found->detection, found->scene);
+    if (active) {
+      tracker_.Confirm(step->track, found->detection.outline, points);
+    } else {
+      tracker_.Start(found->detection.outline, points);
+    }
+    last_points_ = points;
+    return found->detection.outline;
+  }
+
+  /// Of the last find.
+  [[nodiscard]] const std::vector<TrackPoint>& last_points() const { return last_points_; }
+
+ private:
+  RegionTracker tracker_;
+  const Recognizer* recognizer_;
+  const FeatureExtractor* extractor_;
+  std::vector<TrackPoint> last_points_;
+};
+
+}  // namespace
+
+Expected<std::vector<LockStep>> CompareLock(VideoReader& reader, const Recognizer& recognizer,
+                                            const FeatureExtractor& extractor, const TrackOptions& options,
+                                            const CancelToken& cancel) {
+  constexpr double kNoisyShare = 0.01;  // of pixels that are salt or pepper
+  TrackOptions unguarded = options;
+  unguarded.least_likeness = -1;
+  unguarded.unconfirmed_frames = 1'000'000;
+  VICTORIOUS_ASSIGN_OR_RETURN(RegionTracker alone, RegionTracker::Create(unguarded));
+  VICTORIOUS_ASSIGN_OR_RETURN(RegionTracker guarded, RegionTracker::Create(options));
+  Together together(std::move(guarded), recognizer, extractor);
+  std::vector<LockStep> steps;
+  while (true) {
+    if (cancel.IsCancelled()) return Fail(ErrorCode::kCancelled, "interrupted");
+    VICTORIOUS_ASSIGN_OR_RETURN(std::optional<Frame> frame, reader.NextFrame());
+    if (!frame) return steps;
+    frame->image = WithoutImpulses(frame->image, kNoisyShare);
+    LockStep step{.frame = frame->index, .time_s = frame->time_s, .alone = std::nullopt, .together = std::nullopt};
+    for (const TrackStep& one : alone.Step(*frame)) {
+      if (one.seen()) step.alone = one.outline;
+    }
+    VICTORIOUS_ASSIGN_OR_RETURN(step.together, together.See(*frame));
+    if (steps.empty()) {
+      if (!step.together) continue;
+      alone.Start(*step.together, together.last_points());
+      step.alone = step.together;
+    }
+    steps.push_back(std::move(step));
+  }
+}
+
+}  // namespace victorious

@@ -1,0 +1,70 @@
+// User-specified tracking: boxes that a person drew in frames of a video are followed to its end and to its beginning,
+// and looked for in other videos.
+//
+// Each box is followed by track/ (box_tracker.h), and becomes an object model on the spot where it has keypoints
+// enough. While its object is lost, every so many frames the recogniser looks for that model in the whole frame, at any
+// scale and turn; what it finds is taken up again if the tracker trusts it as well.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "victorious/base/cancel.h"
+#include "victorious/base/error.h"
+#include "victorious/base/options.h"
+#include "victorious/geometry/box.h"
+#include "victorious/model/photo_model.h"
+#include "victorious/recognize/recognizer.h"
+#include "victorious/track/box_track_options.h"
+
+namespace victorious {
+
+struct TrackRunOptions {
+  BoxTrackOptions box;
+  PhotoModelOptions model;
+  RecognizeOptions recognize;
+  int recognize_every = 5;
+  int memory_mb = 512;
+
+  void ListFields(FieldList& fields);
+};
+
+/// A box around an object, in the first frame at this time or later.
+struct DrawnBox {
+  Box box;          ///< px
+  double at_s = 0;  ///< since the video's first frame
+};
+
+/// One object in one frame.
+struct BoxSighting {
+  std::size_t drawn = 0;  ///< which of the boxes
+  std::size_t video = 0;  ///< 0: the one drawn in; from 1: the others
+  std::int64_t frame = 0;
+  double time_s = 0;
+  Box box;                             ///< px, clipped to the frame
+  double score = 0;                    ///< 0 to 1: the tracker's trust, or the recogniser's score
+  std::optional<std::size_t> matches;  ///< where the recogniser found it
+};
+
+/// Called with a line that a person should know.
+using TrackWarning = std::function<void(const std::string&)>;
+
+/// @param videos  the first is the one that the boxes are drawn in; each a file or a folder, read twice
+/// @return by video, frame, box
+/// Errors: kInvalidArgument for options out of range, no boxes, a box that is outside its frame or too small, a time
+/// beyond the end, a live source; those of VideoReader; kCancelled.
+/// Cost: at 640 x 480 some 15 ms a frame for one box. Frames before the boxes are read again in stretches that fit into
+/// options.memory_mb.
+Expected<std::vector<BoxSighting>> TrackBoxes(std::span<const std::string> videos, std::span<const DrawnBox> boxes,
+                                              const TrackRunOptions& options, const CancelToken& cancel,
+                                              const TrackWarning& warn);
+
+/// JSON Lines as of docs/formats/export.md: `model` is "box-1", "box-2", …
+std::string ToJsonLines(std::span<const BoxSighting> sightings, std::span<const std::string> videos);
+
+}  // namespace victorious

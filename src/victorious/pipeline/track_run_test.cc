@@ -1,0 +1,87 @@
+#include "victorious/pipeline/track_run.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/pipeline/drawn_flight_test.h"
+
+namespace victorious {
+namespace {
+
+using ::testing::HasSubstr;
+
+class TrackRunTest : public ::testing::Test {
+ protected:
+  TrackRunTest() : flight_(ShortFlight(30)) {
+    WriteVideo(flight_, folder_ / "flight.mkv");
+    videos_ = {(folder_ / "flight.mkv").string()};
+  }
+
+  [[nodiscard]] DrawnBox Drawn(int frame) const {
+    const testing::TruthRow row = flight_.Truth(frame).front();
+    return {row.box, frame / flight_.options().fps};
+  }
+
+  Expected<std::vector<BoxSighting>> Run(const std::vector<DrawnBox>& boxes, const TrackRunOptions& options = {}) {
+    return TrackBoxes(videos_, boxes, options, cancel_, [&](const std::string& line) { warnings_.push_back(line); });
+  }
+
+  testing::SyntheticFlight flight_;
+  testing::ScratchFolder folder_;
+  std::vector<std::string> videos_;
+  CancelToken cancel_;
+  std::vector<std::string> warnings_;
+};
+
+TEST_F(TrackRunTest, TheWayBackIsTheSameInShortStretches) {
+  const std::vector<DrawnBox> boxes = {Drawn(25)};
+  TrackRunOptions short_stretches;
+  short_stretches.memory_mb = 1;  // a few frames
+  const auto whole = Run(boxes).value();
+  const auto in_stretches = Run(boxes, short_stretches).value();
+  EXPECT_EQ(ToJsonLines(whole, videos_), ToJsonLines(in_stretches, videos_));
+  EXPECT_LT(whole.front().frame, 25);
+  EXPECT_GT(whole.back().frame, 25);
+}
+
+TEST_F(TrackRunTest, ABoxOfOneColourIsFollowedByItsLookAlone) {
+  cv::Mat plain(120, 160, CV_8UC3, cv::Scalar(90, 120, 90));
+  auto writer = VideoWriter::Create(folder_ / "plain.mkv", {.width = 160, .height = 120, .fps = 10.0}).value();
+  for (int i = 0; i < 5; ++i) {
+    cv::Mat frame = plain.clone();
+    cv::rectangle(frame, cv::Rect(30 + 3 * i, 40, 20, 14), cv::Scalar(30, 30, 200), cv::FILLED);
+    ASSERT_TRUE(writer->Write(frame));
+  }
+  ASSERT_TRUE(writer->Finish());
+  videos_ = {(folder_ / "plain.mkv").string()};
+  const auto sightings = Run({{{30, 40, 20, 14}, 0.0}}).value();
+  ASSERT_EQ(sightings.size(), 5U);
+  EXPECT_NEAR(sightings.back().box.x, 42, 3);
+  EXPECT_THAT(warnings_, ::testing::ElementsAre(HasSubstr("by its look alone")));
+}
+
+TEST_F(TrackRunTest, TellsWhatIsWrong) {
+  EXPECT_THAT(Run({{{10, 10, 30, 30}, 99.0}}).error().message, HasSubstr("ends at"));
+  EXPECT_THAT(Run({{{900, 10, 30, 30}, 0.0}}).error().message, HasSubstr("box-1"));
+  EXPECT_EQ(Run({}).error().code, ErrorCode::kInvalidArgument);
+  cancel_.Cancel();
+  EXPECT_EQ(Run({Drawn(0)}).error().code, ErrorCode::kCancelled);
+}
+
+TEST_F(TrackRunTest, UnknownIsNull) {
+  const std::vector<BoxSighting> sightings = {
+      {.frame = 3, .time_s = 0.3, .box = {1, 2, 3, 4}, .score = 0.5},
+      {.drawn = 1, .frame = 4, .time_s = 0.4, .box = {1, 2, 3, 4}, .score = 0.9, .matches = 12}};
+  const std::string text = ToJsonLines(sightings, videos_);
+  const auto first = nlohmann::json::parse(text.substr(0, text.find('\n')));
+  const auto second = nlohmann::json::parse(text.substr(text.find('\n') + 1));
+  EXPECT_EQ(first["source"], "tracked");
+  EXPECT_TRUE(first["matches"].is_null());
+  EXPECT_EQ(second["source"], "recognised");
+  EXPECT_EQ(second["matches"], 12);
+  EXPECT_EQ(second["model"], "box-2");
+}
+
+}  // namespace
+}  // namespace victorious

@@ -1,0 +1,202 @@
+#include "victorious/track/box_tracker.h"
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+#include "testing/drawn_town.h"
+
+namespace victorious {
+namespace {
+
+using ::testing::HasSubstr;
+
+// A view of a town in which a small car of its own drives; the camera may move, turn and come nearer.
+class Drive {
+ public:
+  Drive() : town_(testing::DrawTown({1100, 900}, 6)) {
+    cv::Mat picture = testing::DrawTown({60, 60}, 31);
+    car_ = picture(cv::Rect(10, 20, 30, 18)).clone();
+    cv::rectangle(car_, {0, 0, 30, 18}, cv::Scalar(30, 40, 200), 3);
+    cv::rectangle(car_, {9, 4, 8, 10}, cv::Scalar(40, 20, 20), cv::FILLED);
+    cv::rectangle(car_, {22, 4, 4, 10}, cv::Scalar(220, 220, 210), cv::FILLED);
+  }
+
+  // The car's left top corner on the ground; nothing of it where it is hidden.
+  [[nodiscard]] cv::Mat Draw(std::optional<cv::Point> car_on_ground, const Similarity2& frame_from_ground) const {
+    cv::Mat ground = town_.clone();
+    if (car_on_ground) car_.copyTo(ground(cv::Rect(*car_on_ground, car_.size())));
+    const Eigen::Matrix2d linear = frame_from_ground.Linear();
+    const Eigen::Vector2d offset = frame_from_ground.Apply({0.5, 0.5}) - Eigen::Vector2d(0.5, 0.5);
+    cv::Mat frame;
+    cv::warpAffine(ground, frame,
+                   cv::Matx23d(linear(0, 0), linear(0, 1), offset.x(), linear(1, 0), linear(1, 1), offset.y()),
+                   {400, 300});
+    return frame;
+  }
+
+  [[nodiscard]] static Box BoxOf(cv::Point car_on_ground, const Similarity2& frame_from_ground) {
+    Polygon corners = CornersOf({static_cast<double>(car_on_ground.x), static_cast<double>(car_on_ground.y), 30, 18});
+    for (Eigen::Vector2d& corner : corners) corner = frame_from_ground.Apply(corner);
+    return BoundingBox(corners);
+  }
+
+ private:
+  cv::Mat town_;
+  cv::Mat car_;
+};
+
+Similarity2 Over(double x, double y, double scale = 1, double turn_rad = 0) {
+  Similarity2 frame_from_ground{scale, turn_rad, {0, 0}};
+  frame_from_ground.translation = Eigen::Vector2d(200, 150) - frame_from_ground.Linear() * Eigen::Vector2d(x, y);
+  return frame_from_ground;
+}
+
+BoxTracker Started(const cv::Mat& frame, const Box& box) {
+  BoxTracker tracker = BoxTracker::Create({}).value();
+  tracker.Step({0, 0, frame});
+  EXPECT_TRUE(tracker.Start(box)->seen());
+  return tracker;
+}
+
+TEST(BoxTracker, FollowsASmallCarWhileTheCameraMovesOtherwise) {
+  const Drive drive;
+  BoxTracker tracker =
+      Started(drive.Draw(cv::Point(500, 400), Over(500, 400)), Drive::BoxOf({500, 400}, Over(500, 400)));
+  for (int i = 1; i <= 25; ++i) {
+    const cv::Point car(500 + 3 * i, 400 + i);
+    const Similarity2 camera = Over(500 - 4 * i, 400 + 5 * i);
+    const BoxStep step = tracker.Step({i, 0.1 * i, drive.Draw(car, camera)}).front();
+    ASSERT_TRUE(step.seen()) << i;
+    EXPECT_GT(IntersectionOverUnion(step.box, Drive::BoxOf(car, camera)), 0.6) << i;
+  }
+}
+
+TEST(BoxTracker, FollowsGrowthAndTurnOfTheCamera) {
+  const Drive drive;
+  const cv::Point car(500, 400);
+  const auto camera = [](int i) { return Over(515, 409, 1 + 0.015 * i, 0.03 * i); };
+  BoxTracker tracker = Started(drive.Draw(car, camera(0)), Drive::BoxOf(car, camera(0)));
+  for (int i = 1; i <= 40; ++i) {
+    const BoxStep step = tracker.Step({i, 0.1 * i, drive.Draw(car, camera(i))}).front();
+    ASSERT_TRUE(step.seen()) << i;
+    const Box truth = Drive::BoxOf(car, camera(i));
+    const Eigen::Vector2d miss(step.box.x + step.box.width / 2 - truth.x - truth.width / 2,
+                               step.box.y + step.box.height / 2 - truth.y - truth.height / 2);
+    EXPECT_LT(miss.norm(), 4) << i;
+    // The box is drawn around the ellipse inside the turned one, the truth around its corners.
+    EXPECT_GT(IntersectionOverUnion(step.box, truth), 0.45) << i;
+  }
+}
+
+TEST(BoxTracker, GivesNoBoxWhileTheCarIsGoneAndFindsItAgainElsewhere) {
+  const Drive drive;
+  const cv::Point car(500, 400);
+  const Similarity2 camera = Over(500, 400);
+  BoxTracker tracker = Started(drive.Draw(car, camera), Drive::BoxOf(car, camera));
+  for (int i = 1; i <= 8; ++i) ASSERT_TRUE(tracker.Step({i, 0.1 * i, drive.Draw(car, camera)}).front().seen());
+  for (int i = 9; i <= 20; ++i) {
+    const BoxStep step = tracker.Step({i, 0.1 * i, drive.Draw(std::nullopt, camera)}).front();
+    EXPECT_FALSE(step.seen()) << i;
+    EXPECT_EQ(step.loss, TrackLoss::kOccluded) << i;
+    EXPECT_TRUE(step.box.IsEmpty()) << i;
+  }
+  const cv::Point elsewhere(390, 480);
+  BoxStep step;
+  for (int i = 21; i <= 26 && !step.again; ++i) {
+    step = tracker.Step({i, 0.1 * i, drive.Draw(elsewhere, camera)}).front();
+  }
+  EXPECT_TRUE(step.again);
+  EXPECT_GT(IntersectionOverUnion(step.box, Drive::BoxOf(elsewhere, camera)), 0.5);
+}
+
+TEST(BoxTracker, SaysThatItLeftTheFrame) {
+  const Drive drive;
+  const cv::Point car(500, 400);
+  BoxTracker tracker = Started(drive.Draw(car, Over(400, 400)), Drive::BoxOf(car, Over(400, 400)));
+  BoxStep step;
+  for (int i = 1; i <= 30; ++i) {
+    const Similarity2 camera = Over(400 - 6 * i, 400);
+    step = tracker.Step({i, 0.1 * i, drive.Draw(car, camera)}).front();
+    if (!step.seen()) break;
+    EXPECT_LE(step.box.x + step.box.width, 400);
+  }
+  EXPECT_EQ(step.loss, TrackLoss::kLeftFrame);
+}
+
+TEST(BoxTracker, ResumesOnlyWhereThereIsSomethingLikeTheObject) {
+  const Drive drive;
+  const cv::Point car(500, 400);
+  const Similarity2 camera = Over(500, 400);
+  BoxTracker tracker = Started(drive.Draw(car, camera), Drive::BoxOf(car, camera));
+  for (int i = 1; i <= 5; ++i) tracker.Step({i, 0.1 * i, drive.Draw(car, camera)});
+  for (int i = 6; i <= 8; ++i) tracker.Step({i, 0.1 * i, drive.Draw(std::nullopt, camera)});
+  EXPECT_FALSE(tracker.Resume(0, {40, 60, 30, 18}, 0).seen());
+  tracker.Step({9, 0.9, drive.Draw(car, camera)});
+  const BoxStep step = tracker.Resume(0, Drive::BoxOf(car, camera), 0);
+  EXPECT_TRUE(step.seen());
+  EXPECT_GT(IntersectionOverUnion(step.box, Drive::BoxOf(car, camera)), 0.7);
+}
+
+TEST(BoxTracker, OutlastsBlankFramesAndFramesOfAnotherSize) {
+  const Drive drive;
+  const cv::Point car(500, 400);
+  const Similarity2 camera = Over(500, 400);
+  BoxTracker tracker = Started(drive.Draw(car, camera), Drive::BoxOf(car, camera));
+  for (int i = 1; i <= 4; ++i) tracker.Step({i, 0.1 * i, drive.Draw(car, camera)});
+  EXPECT_FALSE(tracker.Step({5, 0.5, cv::Mat(300, 400, CV_8UC3, cv::Scalar::all(0))}).front().seen());
+  EXPECT_FALSE(tracker.Step({6, 0.6, cv::Mat(9, 7, CV_8UC1, cv::Scalar(90))}).front().seen());
+  BoxStep step;
+  for (int i = 7; i <= 10 && !step.again; ++i) step = tracker.Step({i, 0.1 * i, drive.Draw(car, camera)}).front();
+  EXPECT_TRUE(step.again);
+}
+
+TEST(BoxTracker, TakesFramesOfAnyShape) {
+  const Drive drive;
+  const cv::Mat first = drive.Draw(cv::Point(500, 400), Over(500, 400));
+  for (const Box& box : {Box{0, 0, 400, 300}, Box{10, 10, 4, 280}, Box{30, 30, 4, 4}}) {
+    BoxTracker tracker = Started(first, box);
+    tracker.Step({1, 0.1, first});
+    for (const cv::Size size : {cv::Size(1, 1), cv::Size(3000, 1), cv::Size(2, 900), cv::Size(33, 21)}) {
+      for (int i = 0; i < 3; ++i) tracker.Step({2 + i, 0.2 + 0.1 * i, testing::DrawTown(size, 3)});
+    }
+  }
+}
+
+TEST(BoxTracker, SeveralBoxesDoNotDisturbEachOther) {
+  const Drive drive;
+  const cv::Point car(500, 400);
+  const Similarity2 camera = Over(500, 400);
+  const cv::Mat first = drive.Draw(car, camera);
+  BoxTracker alone = Started(first, Drive::BoxOf(car, camera));
+  BoxTracker both = Started(first, Drive::BoxOf(car, camera));
+  ASSERT_TRUE(both.Start({40, 60, 50, 40}));
+  for (int i = 1; i <= 5; ++i) {
+    const Similarity2 moved = Over(500 + 3 * i, 400);
+    const cv::Mat frame = drive.Draw(car, moved);
+    const std::vector<BoxStep> steps = both.Step({i, 0.1 * i, frame});
+    EXPECT_EQ(steps.at(0).box, alone.Step({i, 0.1 * i, frame}).front().box);
+    EXPECT_NEAR(steps.at(1).box.x, 40 - 3 * i, 2);
+  }
+}
+
+TEST(BoxTracker, RefusesBoxesThatHoldNothing) {
+  BoxTracker tracker = BoxTracker::Create({}).value();
+  tracker.Step({0, 0, cv::Mat(300, 400, CV_8UC3, cv::Scalar::all(9))});
+  EXPECT_THAT(tracker.Start({500, 10, 40, 40}).error().message, HasSubstr("outside the frame"));
+  EXPECT_THAT(tracker.Start({380, 10, 60, 40}).error().message, HasSubstr("outside the frame"));
+  EXPECT_THAT(tracker.Start({50, 10, 3, 40}).error().message, HasSubstr("too small"));
+  EXPECT_THAT(tracker.Start({50, 10, std::numeric_limits<double>::infinity(), 40}).error().message, HasSubstr("small"));
+  EXPECT_TRUE(tracker.Start({0, 0, 400, 300}));
+}
+
+TEST(BoxTracker, RefusesOptionsOutOfRange) {
+  EXPECT_EQ(BoxTracker::Create({.window_factor = 0}).error().code, ErrorCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace victorious

@@ -1,0 +1,191 @@
+#include "victorious/track/cell_features.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <opencv2/imgproc.hpp>
+
+#include "victorious/base/check.h"
+
+namespace victorious {
+namespace {
+
+constexpr int kSigned = 18;   // directions over the full circle
+constexpr int kUnsigned = 9;  // over half of it
+constexpr float kCut = 0.2F;  // of a normalised sum
+constexpr int kGreyBins = 5;
+constexpr int kHueBins = 6;
+
+// Each cell's gradient length by direction: rows x (columns * kSigned). A pixel is shared between the four cells
+// nearest to it.
+cv::Mat DirectionSums(const cv::Mat& image, cv::Size cells) {
+  cv::Mat grey = image;
+  if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  cv::Mat x;
+  cv::Mat y;
+  cv::spatialGradient(grey, x, y);
+  x.convertTo(x, CV_32F, 1.0 / 1020);
+  y.convertTo(y, CV_32F, 1.0 / 1020);
+  cv::Mat length;
+  cv::Mat angle;
+  cv::cartToPolar(x, y, length, angle);
+
+  // One cell of margin on every side, cut off at the end.
+  const int stride = (cells.width + 2) * kSigned;
+  cv::Mat sums = cv::Mat::zeros(cells.height + 2, stride, CV_32F);
+  const int width = cells.width * kCell_px;
+  const int height = cells.height * kCell_px;
+  std::array<float, kCell_px> share;  // of the later cell, by the pixel's place in a cell
+  std::array<int, kCell_px> step;     // from a pixel's own cell to the earlier of the two nearest
+  for (int i = 0; i < kCell_px; ++i) {
+    const float place = (static_cast<float>(i) + 0.5F) / kCell_px - 0.5F;  // from the cell's centre, in cells
+    step[i] = place < 0 ? 0 : 1;
+    share[i] = place < 0 ? place + 1 : place;
+  }
+  constexpr auto kBinsPerRad = static_cast<float>(kSigned / (2 * std::numbers::pi));
+  for (int v = 0; v < height; ++v) {
+    const auto* lengths = length.ptr<float>(v);
+    const auto* angles = angle.ptr<float>(v);
+    const float below = share[v % kCell_px];
+    auto* upper = sums.ptr<float>(v / kCell_px + step[v % kCell_px]);
+    auto* lower = sums.ptr<float>(v / kCell_px + step[v % kCell_px] + 1);
+    for (int u = 0; u < width; ++u) {
+      const float bins = angles[u] * kBinsPerRad;
+      const auto first = static_cast<int>(bins);
+      const float second_share = bins - static_cast<float>(first);
+      const int bin = first % kSigned;
+      const int next = (first + 1) % kSigned;
+      const float right = share[u % kCell_px];
+      const int left_cell = (u / kCell_px + step[u % kCell_px]) * kSigned;
+      const float a = lengths[u] * (1 - second_share);
+      const float b = lengths[u] * second_share;
+      const float above = 1 - below;
+      const float left = 1 - right;
+      upper[left_cell + bin] += a * above * left;
+      upper[left_cell + next] += b * above * left;
+      upper[left_cell + kSigned + bin] += a * above * right;
+      upper[left_cell + kSigned + next] += b * above * right;
+      lower[left_cell + bin] += a * below * left;
+      lower[left_cell + next] += b * below * left;
+      lower[left_cell + kSigned + bin] += a * below * right;
+      lower[left_cell + kSigned + next] += b * below * right;
+    }
+  }
+  return sums(cv::Rect(kSigned, 1, cells.width * kSigned, cells.height));
+}
+
+// The squared length of each cell's unsigned sums, with a margin of one cell that repeats the edge.
+cv::Mat Energy(const cv::Mat& sums, cv::Size cells) {
+  cv::Mat energy(cells, CV_32F);
+  for (int row = 0; row < cells.height; ++row) {
+    const auto* of_row = sums.ptr<float>(row);
+    for (int column = 0; column < cells.width; ++column) {
+      float sum = 0;
+      for (int k = 0; k < kUnsigned; ++k) {
+        const float both = of_row[column * kSigned + k] + of_row[column * kSigned + k + kUnsigned];
+        sum += both * both;
+      }
+      energy.at<float>(row, column) = sum;
+    }
+  }
+  cv::copyMakeBorder(energy, energy, 1, 1, 1, 1, cv::BORDER_REPLICATE);
+  return energy;
+}
+
+cv::Size CellsOf(const cv::Mat& image) { return {image.cols / kCell_px, image.rows / kCell_px}; }
+
+}  // namespace
+
+CellFeatures GradientCells(const cv::Mat& image) {
+  VICTORIOUS_CHECK(image.type() == CV_8UC1 || image.type() == CV_8UC3);
+  const cv::Size cells = CellsOf(image);
+  CellFeatures channels(kGradientChannels);
+  for (cv::Mat& channel : channels) channel.create(cells, CV_32F);
+  if (cells.area() == 0) return channels;
+  const cv::Mat sums = DirectionSums(image, cells);
+  cv::Mat energy = Energy(sums, cells);
+  cv::Mat blocks;  // sums over 2 x 2 cells, each at its right lower cell
+  cv::boxFilter(energy, blocks, CV_32F, {2, 2}, {1, 1}, false, cv::BORDER_REPLICATE);
+  constexpr float kLeastEnergy = 1e-4F;  // keeps grain in flat areas from being blown up
+  cv::Mat factors;
+  cv::Mat roots;
+  cv::sqrt(blocks + kLeastEnergy, roots);
+  cv::divide(1.0, roots, factors);
+
+  std::array<float*, kGradientChannels> out;
+  for (int row = 0; row < cells.height; ++row) {
+    for (int k = 0; k < kGradientChannels; ++k) out[k] = channels[k].ptr<float>(row);
+    const auto* of_row = sums.ptr<float>(row);
+    const auto* upper = factors.ptr<float>(row + 1);
+    const auto* lower = factors.ptr<float>(row + 2);
+    for (int column = 0; column < cells.width; ++column) {
+      const float* cell = of_row + static_cast<std::ptrdiff_t>(column) * kSigned;
+      const std::array<float, 4> norms = {upper[column + 1], upper[column + 2], lower[column + 1], lower[column + 2]};
+      std::array<float, 4> texture = {0, 0, 0, 0};
+      for (int k = 0; k < kSigned; ++k) {
+        float sum = 0;
+        for (int n = 0; n < 4; ++n) {
+          const float cut = std::min(cell[k] * norms[n], kCut);
+          texture[n] += cut;
+          sum += cut;
+        }
+        out[k][column] = 0.5F * sum;
+      }
+      for (int k = 0; k < kUnsigned; ++k) {
+        const float both = cell[k] + cell[k + kUnsigned];
+        float sum = 0;
+        for (const float norm : norms) sum += std::min(both * norm, kCut);
+        out[kSigned + k][column] = 0.5F * sum;
+      }
+      for (int n = 0; n < 4; ++n) out[kSigned + kUnsigned + n][column] = 0.2357F * texture[n];
+    }
+  }
+  return channels;
+}
+
+CellFeatures ColourCells(const cv::Mat& image) {
+  VICTORIOUS_CHECK(image.type() == CV_8UC1 || image.type() == CV_8UC3);
+  const cv::Size cells = CellsOf(image);
+  CellFeatures channels;
+  for (int k = 0; k < kColourChannels; ++k) channels.emplace_back(cv::Mat::zeros(cells, CV_32F));
+  if (cells.area() == 0) return channels;
+  // A cell's mean colour tells enough of it, and costs a sixteenth.
+  cv::Mat mean;
+  cv::resize(image(cv::Rect(0, 0, cells.width * kCell_px, cells.height * kCell_px)), mean, cells, 0, 0, cv::INTER_AREA);
+  if (mean.channels() == 1) cv::cvtColor(mean, mean, cv::COLOR_GRAY2BGR);
+  for (int row = 0; row < cells.height; ++row) {
+    const auto* of_row = mean.ptr<cv::Vec3b>(row);
+    for (int column = 0; column < cells.width; ++column) {
+      const auto b = static_cast<float>(of_row[column][0]);
+      const auto g = static_cast<float>(of_row[column][1]);
+      const auto r = static_cast<float>(of_row[column][2]);
+      const float most = std::max({b, g, r});
+      const float range = most - std::min({b, g, r});
+      // How far a colour is from grey: dark pixels have no hue that could be trusted.
+      const float colourful = std::min(1.0F, 2 * range / std::max(most, 64.0F));
+      const float grey = (0.114F * b + 0.587F * g + 0.299F * r) / 255.0F * (kGreyBins - 1);
+      const int grey_bin = std::min(static_cast<int>(grey), kGreyBins - 2);
+      const float grey_share = grey - static_cast<float>(grey_bin);
+      channels[grey_bin].at<float>(row, column) = (1 - colourful) * (1 - grey_share);
+      channels[grey_bin + 1].at<float>(row, column) = (1 - colourful) * grey_share;
+      if (range <= 0) continue;
+      float hue = 0;  // 0 to 6: red, yellow, green, cyan, blue, magenta
+      if (most == r)
+        hue = (g - b) / range;
+      else if (most == g)
+        hue = 2 + (b - r) / range;
+      else
+        hue = 4 + (r - g) / range;
+      if (hue < 0) hue += kHueBins;
+      const auto hue_bin = static_cast<int>(hue);
+      const float hue_share = hue - static_cast<float>(hue_bin);
+      channels[kGreyBins + hue_bin % kHueBins].at<float>(row, column) = colourful * (1 - hue_share);
+      channels[kGreyBins + (hue_bin + 1) % kHueBins].at<float>(row, column) = colourful * hue_share;
+    }
+  }
+  return channels;
+}
+
+}  // namespace victorious

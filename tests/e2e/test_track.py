@@ -1,0 +1,98 @@
+"""`track`: boxes drawn in a video, followed both ways and into other videos; and what is refused."""
+
+import json
+import unittest
+
+import program
+
+KEYS = {"object_id", "model", "category", "video", "frame", "time_s", "box", "score", "source", "matches", "view"}
+FRAME_S = 0.1  # of the drawn flight
+
+
+def overlap(a, b) -> float:
+    width = min(a[0] + a[2], b[0] + b[2]) - max(a[0], b[0])
+    height = min(a[1] + a[3], b[1] + b[3]) - max(a[1], b[1])
+    if width <= 0 or height <= 0:
+        return 0.0
+    return width * height / (a[2] * a[3] + b[2] * b[3] - width * height)
+
+
+class TrackTest(program.ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.video = program.flight() / "flight.mkv"
+        self.truth = {}
+        for row in map(json.loads, (program.flight() / "truth.jsonl").read_text().splitlines()):
+            self.truth.setdefault(row["model"], {})[row["frame"]] = row
+
+    def tracked(self, *arguments) -> list[dict]:
+        out = self.scratch / "out.jsonl"
+        self.assertEqual(self.succeeds("track", *arguments, "--out", out).out, "")
+        return [json.loads(line) for line in out.read_text().splitlines()]
+
+    def drawn(self, model: str, frame: int) -> tuple[str, ...]:
+        return "--box", ",".join(map(str, self.truth[model][frame]["box"])), "--at", str(frame * FRAME_S)
+
+    def whole_frames(self, model: str) -> list[int]:
+        return [frame for frame, row in self.truth[model].items() if row["visible"] > 0.98]
+
+    def test_forward_and_backward(self):
+        start = self.whole_frames("crate")[len(self.whole_frames("crate")) // 2]
+        rows = self.tracked(self.video, *self.drawn("crate", start))
+        self.assertEqual(set(rows[0]), KEYS)
+        self.assertEqual([row["frame"] for row in rows], sorted({row["frame"] for row in rows}), "one a frame, in order")
+        boxes = {row["frame"]: row["box"] for row in rows}
+        whole = self.whole_frames("crate")
+        found = [f for f in whole if f in boxes and overlap(boxes[f], self.truth["crate"][f]["box"]) > 0.5]
+        self.assertGreater(len(found), 0.8 * len(whole))
+        self.assertTrue(any(f < start for f in found) and any(f > start for f in found), found)
+        for row in rows:
+            self.assertEqual((row["object_id"], row["model"], row["category"]), (1, "box-1", None))
+            self.assertEqual(row["video"], str(self.video))
+            self.assertIn(row["source"], ("tracked", "recognised"))
+            self.assertEqual(row["source"] == "recognised", row["matches"] is not None)
+            self.assertTrue(0 < row["score"] <= 1)
+            self.assertAlmostEqual(row["time_s"], row["frame"] * FRAME_S, places=3)
+        self.assertEqual(boxes[start], self.truth["crate"][start]["box"])
+
+    def test_several_boxes_and_another_video(self):
+        first, second = self.whole_frames("crate")[0], self.whole_frames("truck")[0]
+        other = program.flight() / "flight.mp4"
+        drawn = (*self.drawn("crate", first), *self.drawn("truck", second))
+        rows = self.tracked(self.video, *drawn, "--also", other)
+        for name, model in (("box-1", "crate"), ("box-2", "truck")):
+            for video in (self.video, other):
+                boxes = {row["frame"]: row["box"] for row in rows if (row["model"], row["video"]) == (name, str(video))}
+                whole = self.whole_frames(model)
+                found = [f for f in whole if f in boxes and overlap(boxes[f], self.truth[model][f]["box"]) > 0.5]
+                self.assertGreater(len(found), 0.5 * len(whole), (name, video))
+        self.assertEqual(rows, self.tracked(self.video, *drawn, "--also", other), "the same again")
+
+    def test_bad_input_is_one_line(self):
+        out = ("--out", self.scratch / "out.jsonl")
+        good = ("--box", "10,10,40,40", "--at", "0")
+        cases = [
+            ("outside the frame", (self.video, "--box", "5000,10,40,40", "--at", "0")),
+            ("box-2", (self.video, *good, "--box", "-100,10,40,40", "--at", "0")),
+            ("above 0", (self.video, "--box", "10,10,0,40", "--at", "0")),
+            ("too small", (self.video, "--box", "10,10,1,40", "--at", "0")),
+            ("x,y,w,h", (self.video, "--box", "10,10,40", "--at", "0")),
+            ("ends at", (self.video, "--box", "10,10,40,40", "--at", "999")),
+            ("2 --box and 1 --at", (self.video, *good, "--box", "10,10,40,40")),
+            ("1 --box and 2 --at", (self.video, *good, "--at", "1")),
+            ("time from 0", (self.video, "--box", "10,10,40,40", "--at", "-1")),
+            ("time from 0", (self.video, "--box", "10,10,40,40", "--at", "nan")),
+            ("absent.mp4", (self.scratch / "absent.mp4", *good)),
+            ("absent.mp4", (self.video, *good, "--also", self.scratch / "absent.mp4")),
+            ("text.mp4", (self.write("text.mp4", "no video"), *good)),
+            ("box.no_such", (self.video, *good, "--params", self.write("p.json", '{"box.no_such": 1}'))),
+            ("window_factor", (self.video, *good, "--params", self.write("q.json", '{"box.window_factor": 0}'))),
+        ]
+        for words, arguments in cases:
+            with self.subTest(words):
+                self.refuses(2, words, "track", *arguments, *out)
+                self.assertFalse(out[1].exists())
+
+
+if __name__ == "__main__":
+    program.main()
