@@ -25,6 +25,8 @@ END
   "$program" params telemetry
   printf '\n## Of `locate`\n\n'
   "$program" params locate
+  printf '\n## Of `category train`\n\n'
+  "$program" params category
 }
 
 if [[ "${2:-}" == "--check" ]]; then

@@ -12,6 +12,7 @@
 #include "victorious/model/cad_model.h"
 #include "victorious/model/photo_model.h"
 #include "victorious/pipeline/index_options.h"
+#include "victorious/recognize/category_pictures.h"
 #include "victorious/telemetry/telemetry.h"
 
 namespace victorious::cli {
@@ -24,8 +25,8 @@ Action SetUpParams(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("OF", arguments->of,
                  "Whose: index (search and match take its recognition part), model (of photos), cad (model of a CAD "
-                 "file), features, telemetry, locate")
-      ->check(CLI::IsMember({"index", "model", "cad", "features", "telemetry", "locate"}));
+                 "file), features, telemetry, locate, category")
+      ->check(CLI::IsMember({"index", "model", "cad", "features", "telemetry", "locate", "category"}));
   app.add_flag("--json", arguments->json, "The defaults as JSON, ready to be edited and given to --params");
   return [=]() -> Status {
     IndexOptions index;
@@ -34,9 +35,11 @@ Action SetUpParams(CLI::App& app) {
     FeatureOptions features;
     TelemetryOptions telemetry;
     LocateOptions locate;
+    CategoryTrainOptions category;
     const std::map<std::string, std::vector<FieldRef>> lists = {
         {"index", FieldsOf(index)},       {"model", FieldsOf(model)},         {"cad", FieldsOf(cad)},
-        {"features", FieldsOf(features)}, {"telemetry", FieldsOf(telemetry)}, {"locate", FieldsOf(locate)}};
+        {"features", FieldsOf(features)}, {"telemetry", FieldsOf(telemetry)}, {"locate", FieldsOf(locate)},
+        {"category", FieldsOf(category)}};
     const std::vector<FieldRef>& fields = lists.at(arguments->of);
     return WriteOutput("", arguments->json ? ToJson(fields).dump(2) + "\n" : MarkdownTable(fields));
   };

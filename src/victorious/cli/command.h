@@ -20,6 +20,7 @@ struct Command {
 };
 
 Action SetUpBench(CLI::App& app);
+Action SetUpCategory(CLI::App& app);
 Action SetUpDoctor(CLI::App& app);
 Action SetUpEvaluate(CLI::App& app);
 Action SetUpExport(CLI::App& app);
