@@ -23,6 +23,7 @@ Action SetUpBench(CLI::App& app);
 Action SetUpCategory(CLI::App& app);
 Action SetUpDoctor(CLI::App& app);
 Action SetUpEvaluate(CLI::App& app);
+Action SetUpExperiment(CLI::App& app);
 Action SetUpExport(CLI::App& app);
 Action SetUpFeatures(CLI::App& app);
 Action SetUpFrame(CLI::App& app);

@@ -39,6 +39,7 @@ constexpr std::array kCommands = {
     Command{"params", "Look inside", "Every parameter, its default, range and reason", &SetUpParams},
     Command{"doctor", "Look inside", "What this machine offers, or what a file holds", &SetUpDoctor},
     Command{"evaluate", "Measure", "Score an index against ground truth", &SetUpEvaluate},
+    Command{"experiment", "Measure", "Repeat a table or figure of the thesis", &SetUpExperiment},
     Command{"bench", "Measure", "The speed of each stage, beside its peers", &SetUpBench},
 };
 
