@@ -92,6 +92,16 @@ class CategoryTest(program.ProgramTest):
         text = self.succeeds("category", "classify", "--model", model, "--images", FOLDER, "--list", rows).out
         self.assertRegex(text, r"^test0\.pgm: (cross-disc|disc-cross) [01]\.\d{3}\n$")
 
+    def test_explanations(self):
+        model = self.train()
+        rows = self.write("two.csv", listing(TEST[:2]))
+        command = ("category", "classify", "--model", model, "--images", FOLDER, "--list", rows)
+        self.succeeds(*command, "--explain", self.scratch / "why.png")
+        for name in ("why.png", "why-2.png"):
+            self.assertTrue((self.scratch / name).read_bytes().startswith(b"\x89PNG"))
+        self.refuses(2, "--method words", *command, "--method", "words", "--explain", self.scratch / "no.png")
+        self.refuses(2, "no.txt", *command, "--explain", self.scratch / "no.txt")
+
     def test_bad_lists(self):
         self.refuses_list("no pictures", "")
         self.refuses_list("no column image", "\n".join(TRAIN))

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <tuple>
 
 #include "victorious/geometry/angles.h"
 
@@ -36,6 +37,27 @@ Sector SectorOf(float along, float across) {
   if (b < kTan * a) return {0, along < 0};
   if (a <= kTan * b) return {2, across < 0};
   return {(along > 0) == (across > 0) ? 1U : 3U, across < 0};
+}
+
+// By size, then by y, then by x.
+std::vector<std::uint32_t> RowByRow(std::span<const Keypoint> keypoints, std::span<const int> level) {
+  std::vector<std::uint32_t> order(keypoints.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::ranges::sort(order, {},
+                    [&](std::uint32_t i) { return std::tuple(level[i], keypoints[i].y, keypoints[i].x, i); });
+  return order;
+}
+
+// For each place in that order, where its row ends: the keypoints of one size and y.
+std::vector<std::size_t> RowEnds(std::span<const Keypoint> keypoints, std::span<const int> level,
+                                 std::span<const std::uint32_t> order) {
+  std::vector<std::size_t> ends(order.size());
+  for (std::size_t a = order.size(); a-- > 0;) {
+    const bool last = a + 1 == order.size() || level[order[a]] != level[order[a + 1]] ||
+                      keypoints[order[a]].y != keypoints[order[a + 1]].y;
+    ends[a] = last ? a + 1 : ends[a + 1];
+  }
+  return ends;
 }
 
 }  // namespace
@@ -92,44 +114,59 @@ std::size_t PhraseCount(std::size_t parts) { return parts * parts * kPlacesOfPhr
 std::vector<PhraseOccurrence> FindPhrases(const WordedPicture& picture, std::span<const std::uint16_t> part_of_word,
                                           std::size_t parts, const PhraseOptions& options) {
   const std::size_t count = picture.size();
-  std::vector<std::uint32_t> order(count);
-  std::iota(order.begin(), order.end(), 0U);
   std::vector<int> level(count);
-  for (std::size_t i = 0; i < count; ++i) level[i] = SizeLevel(picture.keypoints[i]);
-  std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return std::pair(level[i], picture.keypoints[i].y); });
   std::vector<std::uint32_t> part(count);
   std::vector<Direction> direction(count);
   for (std::size_t i = 0; i < count; ++i) {
+    level[i] = SizeLevel(picture.keypoints[i]);
     part[i] = part_of_word[picture.Word(i)];
     const float angle = picture.keypoints[i].orientation_rad;
     direction[i] = {std::cos(angle), std::sin(angle)};
   }
+  const std::vector<std::uint32_t> order = RowByRow(picture.keypoints, level);
+  std::vector<float> x_of(count);
+  for (std::size_t a = 0; a < count; ++a) x_of[a] = picture.keypoints[order[a]].x;
+  const std::vector<std::size_t> row_end = RowEnds(picture.keypoints, level, order);
+
   std::vector<PhraseOccurrence> phrases;
   for (std::size_t a = 0; a < count; ++a) {
     const std::uint32_t i = order[a];
     const Keypoint& first = picture.keypoints[i];
     const float cell_px = kCellsPerScale * first.scale_px;
-    const float nearest2 = std::pow(static_cast<float>(options.nearest_cells) * cell_px, 2.0F);
-    const float far2 = std::pow(static_cast<float>(options.far_cells) * cell_px, 2.0F);
-    const float farthest = static_cast<float>(options.farthest_cells) * cell_px;
-    for (std::size_t b = a + 1; b < count; ++b) {
-      const std::uint32_t j = order[b];
-      const Keypoint& second = picture.keypoints[j];
-      const float dy = second.y - first.y;
-      if (dy > farthest || level[j] != level[i]) break;
-      const float dx = second.x - first.x;
-      const float distance2 = dx * dx + dy * dy;
-      if (distance2 > farthest * farthest || distance2 < nearest2) continue;
-      // The mean orientation's direction, up to its length, which the sector does not depend on.
-      const float mean_x = direction[i].cosine + direction[j].cosine;
-      const float mean_y = direction[i].sine + direction[j].sine;
-      if (mean_x * mean_x + mean_y * mean_y < 1) continue;  // orientations more than 120 degrees apart
-      const Sector sector = SectorOf(dx * mean_x + dy * mean_y, dy * mean_x - dx * mean_y);
-      const std::uint32_t place = 2 * sector.number + (distance2 > far2 ? 1 : 0);
-      const std::uint32_t from = sector.reversed ? j : i;
-      const std::uint32_t to = sector.reversed ? i : j;
-      const auto pair = static_cast<std::uint32_t>(part[from] * parts + part[to]);
-      phrases.push_back({from, to, static_cast<std::uint32_t>(pair * kPlacesOfPhrase + place)});
+    const auto squared = [&](double cells) { return static_cast<float>(cells * cells) * cell_px * cell_px; };
+    const float nearest2 = squared(options.nearest_cells);
+    const float far2 = squared(options.far_cells);
+    const float farthest2 = squared(options.farthest_cells);
+    // The rest of the keypoint's own row, then of each row below it the stretch that the circle cuts out.
+    std::size_t b = a + 1;
+    for (std::size_t row_begin = a; row_begin < count; row_begin = row_end[row_begin]) {
+      const std::uint32_t in_row = order[row_begin];
+      const float dy = picture.keypoints[in_row].y - first.y;
+      if (level[in_row] != level[i] || dy * dy > farthest2) break;
+      const float reach = std::sqrt(farthest2 - dy * dy);
+      const std::size_t end = row_end[row_begin];
+      if (row_begin != a) {
+        b = static_cast<std::size_t>(std::lower_bound(x_of.begin() + static_cast<std::ptrdiff_t>(row_begin),
+                                                      x_of.begin() + static_cast<std::ptrdiff_t>(end),
+                                                      first.x - reach) -
+                                     x_of.begin());
+      }
+      for (; b < end && x_of[b] <= first.x + reach; ++b) {
+        const float dx = x_of[b] - first.x;
+        const float distance2 = dx * dx + dy * dy;
+        if (distance2 < nearest2) continue;
+        const std::uint32_t j = order[b];
+        // The mean orientation's direction, up to its length, which the sector does not depend on.
+        const float mean_x = direction[i].cosine + direction[j].cosine;
+        const float mean_y = direction[i].sine + direction[j].sine;
+        if (mean_x * mean_x + mean_y * mean_y < 1) continue;  // orientations more than 120 degrees apart
+        const Sector sector = SectorOf(dx * mean_x + dy * mean_y, dy * mean_x - dx * mean_y);
+        const std::uint32_t place = 2 * sector.number + (distance2 > far2 ? 1 : 0);
+        const std::uint32_t from = sector.reversed ? j : i;
+        const std::uint32_t to = sector.reversed ? i : j;
+        const auto pair = static_cast<std::uint32_t>(part[from] * parts + part[to]);
+        phrases.push_back({from, to, static_cast<std::uint32_t>(pair * kPlacesOfPhrase + place)});
+      }
     }
   }
   return phrases;

@@ -20,10 +20,10 @@ namespace victorious {
 
 struct PhraseOptions {
   int parts = 128;
-  double nearest_cells = 1.0;
-  double far_cells = 2.0;
-  double farthest_cells = 3.5;
-  double weight = 1.0;
+  double nearest_cells = 1.5;
+  double far_cells = 2.75;
+  double farthest_cells = 4.0;
+  double weight = 2.5;
 
   void ListFields(FieldList& fields);
 };

@@ -11,6 +11,7 @@
 
 #include "victorious/base/progress.h"
 #include "victorious/category/category_file.h"
+#include "victorious/category/evidence.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/recognize/category_pictures.h"
@@ -27,6 +28,7 @@ struct Arguments {
   std::optional<std::uint64_t> seed;
   std::string model;
   std::string method = "phrases";
+  std::string explain;
   bool json = false;
 };
 
@@ -58,16 +60,36 @@ std::string Line(const std::string& image, const CategoryModel& model, const Cat
   return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
+// Where the picture's evidence goes: FILE itself for one picture, FILE-2.png and so on for those after the first.
+std::string ExplanationFile(const std::string& file, std::size_t row) {
+  if (row == 0) return file;
+  const std::filesystem::path path(file);
+  return (path.parent_path() / fmt::format("{}-{}{}", path.stem().string(), row + 1, path.extension().string()))
+      .string();
+}
+
+Status Explain(const std::string& file, const cv::Mat& bgr, const CategoryModel& model, const WordedPicture& picture,
+               const CategoryResult& result) {
+  const std::string caption =
+      fmt::format("{} {:.3f}", model.nodes[result.label].name, result.scores[result.label].probability);
+  return WriteImage(file, DrawEvidence(bgr, picture, EvidenceFor(model, picture, result.label), caption));
+}
+
 Status Classify(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const CategoryModel model, ReadCategories(arguments.model));
   VICTORIOUS_ASSIGN_OR_RETURN(const CategoryEye eye, CategoryEye::Of(model));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
+  if (!arguments.explain.empty() && arguments.method == "words")
+    return Fail(ErrorCode::kInvalidArgument, "--explain draws phrases: not with --method words");
   const CategoryMethod method = arguments.method == "words" ? CategoryMethod::kWords : CategoryMethod::kPhrases;
   std::vector<std::string> lines(rows.size());
   const auto classify = [&](std::size_t row, const cv::Mat& bgr) -> Status {
     VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, eye.Look(GreyFromBgr(bgr)));
-    lines[row] =
-        Line(rows[row].image, model, victorious::Classify(model, WordsOf(model, features), method), arguments.json);
+    const WordedPicture picture = WordsOf(model, features);
+    const CategoryResult result = victorious::Classify(model, picture, method);
+    lines[row] = Line(rows[row].image, model, result, arguments.json);
+    if (!arguments.explain.empty())
+      VICTORIOUS_RETURN_IF_ERROR(Explain(ExplanationFile(arguments.explain, row), bgr, model, picture, result));
     return {};
   };
   {
@@ -103,6 +125,11 @@ Action SetUpCategory(CLI::App& app) {
   add_pictures(classify, "Pictures, a line each, after a header: image, and whatever columns else");
   classify->add_option("--method", arguments->method, "phrases, or words alone (the baseline)")
       ->check(CLI::IsMember({"phrases", "words"}));
+  classify
+      ->add_option("--explain", arguments->explain,
+                   "Draw the phrases that spoke for the label, and their box, into this PNG; of further pictures into "
+                   "FILE-2.png, ...")
+      ->type_name("FILE");
   classify->add_flag("--json", arguments->json, "A JSON line a picture, with every category's score");
   return [=] { return train->parsed() ? Train(*arguments) : Classify(*arguments); };
 }
