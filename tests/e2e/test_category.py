@@ -102,6 +102,21 @@ class CategoryTest(program.ProgramTest):
         self.refuses(2, "--method words", *command, "--method", "words", "--explain", self.scratch / "no.png")
         self.refuses(2, "no.txt", *command, "--explain", self.scratch / "no.txt")
 
+    def test_feedback(self):
+        model = self.train()
+        picture, name = TEST[0].split(",")[:2]
+        before = next(row for row in self.classify(model) if row["image"] == picture)["scores"][name]
+        marks = self.write("marks.csv", f"image,category,mark\n{picture},{name},wrong\n")
+        better = self.scratch / "better.vcat"
+        command = ("category", "refine", "--model", model, "--images", FOLDER, "--out", better, "--list")
+        self.succeeds(*command, marks)
+        after = next(row for row in self.classify(better) if row["image"] == picture)["scores"][name]
+        self.assertLess(after, before)
+        better.unlink()
+        self.refuses(2, ["line 2", "no mark"], *command, self.write("no.csv", listing(TEST)))
+        self.refuses(2, "boat", *command, self.write("boat.csv", f"image,category,mark\n{picture},boat,right\n"))
+        self.assertFalse(better.exists())
+
     def test_bad_lists(self):
         self.refuses_list("no pictures", "")
         self.refuses_list("no column image", "\n".join(TRAIN))

@@ -1,4 +1,4 @@
-// victorious category train | classify
+// victorious category train | classify | refine
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -12,6 +12,7 @@
 #include "victorious/base/progress.h"
 #include "victorious/category/category_file.h"
 #include "victorious/category/evidence.h"
+#include "victorious/category/refine.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/recognize/category_pictures.h"
@@ -102,6 +103,29 @@ Status Classify(const Arguments& arguments) {
   return WriteOutput("", text);
 }
 
+Status Refine(const Arguments& arguments) {
+  VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model, ReadCategories(arguments.model));
+  VICTORIOUS_ASSIGN_OR_RETURN(const CategoryEye eye, CategoryEye::Of(model));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
+  std::vector<CategoryMark> marks(rows.size());
+  const auto look = [&](std::size_t row, const cv::Mat& bgr) -> Status {
+    const CategoryListRow& listed = rows[row];
+    if (listed.category.empty() || listed.mark.empty()) {
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("{}: no {}: a line must have image,category,mark, the mark being right or wrong",
+                              listed.where, listed.category.empty() ? "category" : "mark"));
+    }
+    marks[row] = {.category = listed.category, .right = listed.mark == "right", .features = {}};
+    VICTORIOUS_ASSIGN_OR_RETURN(marks[row].features, eye.Look(GreyFromBgr(bgr)));
+    return {};
+  };
+  VICTORIOUS_RETURN_IF_ERROR(ForEachPicture(arguments.images, rows, look, [](std::size_t) {}));
+  Expected<CategoryModel> refined = RefineCategories(std::move(model), marks);
+  if (!refined) return std::unexpected(std::move(refined).error().WithContext(arguments.list));
+  VICTORIOUS_RETURN_IF_ERROR(WriteCategories(arguments.out, *refined));
+  return WriteOutput("", fmt::format("{}: refined by {} marks\n", arguments.out, marks.size()));
+}
+
 }  // namespace
 
 Action SetUpCategory(CLI::App& app) {
@@ -131,7 +155,15 @@ Action SetUpCategory(CLI::App& app) {
                    "FILE-2.png, ...")
       ->type_name("FILE");
   classify->add_flag("--json", arguments->json, "A JSON line a picture, with every category's score");
-  return [=] { return train->parsed() ? Train(*arguments) : Classify(*arguments); };
+
+  CLI::App* refine = app.add_subcommand("refine", "A model made better by results marked right or wrong");
+  refine->add_option("--model", arguments->model, "A category model; it stays as it is")->required()->type_name("FILE");
+  add_pictures(refine, "image,category,mark a line, after a header; the mark is right or wrong");
+  refine->add_option("--out", arguments->out, "The new category model to write")->required()->type_name("FILE");
+  return [=] {
+    if (refine->parsed()) return Refine(*arguments);
+    return train->parsed() ? Train(*arguments) : Classify(*arguments);
+  };
 }
 
 }  // namespace victorious::cli
