@@ -26,10 +26,10 @@ std::vector<Step> Steps() {
   steps.push_back({"thesis's method", options});
   options.category.grammar.kernel_cap = kSmootherCap;
   steps.push_back({fmt::format("cap of equation 3.1 lowered to {:g}", kSmootherCap), options});
-  options.features.surroundings = "learn";
-  steps.push_back({"learned with surroundings", options});
   options.category.scoring = "linear";
   steps.push_back({"counts with learned weights", options});
+  options.features.surroundings = "learn";
+  steps.push_back({"learned with surroundings", options});
   options.features.kind = "dense";
   steps.push_back({"features on a grid", options});
   options.category.vocabulary.root = true;
