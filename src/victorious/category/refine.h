@@ -1,8 +1,8 @@
 // Feedback: a model made better by results that a user marked right or wrong, in seconds and without the pictures that
 // it was trained on.
 // Method: regularised least squares about the weights that there are: the smallest change that gives each marked
-// picture its due. A mark that the model agrees with by a clear margin changes nothing. What training showed is kept only in the
-// weights: marks that contradict it win where there are enough of them.
+// picture its due. A mark that the model agrees with by a clear margin changes nothing. What training showed is kept
+// only in the weights: marks that contradict it win where there are enough of them.
 #pragma once
 
 #include <span>
