@@ -27,6 +27,8 @@ END
   "$program" params locate
   printf '\n## Of `track`; `model` and `recognize` are as above\n\n'
   "$program" params track | grep -v -E '^\| `(model|recognize)\.'
+  printf '\n## Of `category train`\n\n'
+  "$program" params category
 }
 
 if [[ "${2:-}" == "--check" ]]; then

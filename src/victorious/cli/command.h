@@ -20,8 +20,10 @@ struct Command {
 };
 
 Action SetUpBench(CLI::App& app);
+Action SetUpCategory(CLI::App& app);
 Action SetUpDoctor(CLI::App& app);
 Action SetUpEvaluate(CLI::App& app);
+Action SetUpExperiment(CLI::App& app);
 Action SetUpExport(CLI::App& app);
 Action SetUpFeatures(CLI::App& app);
 Action SetUpFrame(CLI::App& app);

@@ -24,6 +24,7 @@ namespace {
 constexpr std::array kCommands = {
     Command{"model", "Make", "Make, list, show and remove models of objects", &SetUpModel},
     Command{"frame", "Make", "One frame of a video as a picture, to cut an object out of", &SetUpFrame},
+    Command{"category", "Make", "Learn categories from pictures, and say what others show", &SetUpCategory},
     Command{"simulate", "Make", "A flight over a drawn town, with telemetry and truth", &SetUpSimulate},
     Command{"index", "Find", "Find every model in every video, and keep what was found", &SetUpIndex},
     Command{"search", "Find", "The ranked list of what was found, or of moments that look like a picture",
@@ -39,6 +40,7 @@ constexpr std::array kCommands = {
     Command{"params", "Look inside", "Every parameter, its default, range and reason", &SetUpParams},
     Command{"doctor", "Look inside", "What this machine offers, or what a file holds", &SetUpDoctor},
     Command{"evaluate", "Measure", "Score an index against ground truth", &SetUpEvaluate},
+    Command{"experiment", "Measure", "Repeat a table or figure of the thesis", &SetUpExperiment},
     Command{"bench", "Measure", "The speed of each stage, beside its peers", &SetUpBench},
 };
 

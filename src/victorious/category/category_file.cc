@@ -1,0 +1,313 @@
+#include "victorious/category/category_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <type_traits>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/base/file.h"
+
+namespace victorious {
+namespace {
+
+constexpr std::array<std::uint8_t, 8> kMagic = {0x8A, 'V', 'C', 'A', 'T', 0x0D, 0x0A, 0x1A};
+constexpr std::uint32_t kVersion = 1;
+
+struct Header {
+  std::array<std::uint8_t, 8> magic = kMagic;
+  std::uint32_t version = kVersion;
+  std::uint32_t reserved = 0;
+  std::uint64_t payload_size = 0;
+  std::uint64_t payload_checksum = 0;
+};
+static_assert(sizeof(Header) == 32);
+
+class Writer {
+ public:
+  template <typename T>
+    requires std::is_trivially_copyable_v<T>
+  void Put(const T& value) {
+    Append(std::as_bytes(std::span(&value, 1)));
+  }
+  /// The number of values, then the values.
+  template <typename T>
+  void PutAll(std::span<const T> values) {
+    Put(static_cast<std::uint64_t>(values.size()));
+    Append(std::as_bytes(values));
+  }
+  void PutText(const std::string& text) { PutAll(std::span<const char>(text)); }
+  void PutVector(const Eigen::VectorXf& vector) {
+    PutAll(std::span<const float>(vector.data(), static_cast<std::size_t>(vector.size())));
+  }
+  [[nodiscard]] const std::vector<std::byte>& bytes() const { return bytes_; }
+
+ private:
+  void Append(std::span<const std::byte> more) { bytes_.insert(bytes_.end(), more.begin(), more.end()); }
+
+  std::vector<std::byte> bytes_;
+};
+
+// Once something does not fit, everything that follows is empty and ok() is false.
+class Reader {
+ public:
+  explicit Reader(std::span<const std::byte> bytes) : rest_(bytes) {}
+
+  template <typename T>
+    requires std::is_trivially_copyable_v<T>
+  T Get() {
+    T value{};
+    const auto bytes = Take(sizeof(T), 1);
+    if (!bytes.empty()) std::memcpy(&value, bytes.data(), sizeof(T));
+    return value;
+  }
+  template <typename T>
+  std::vector<T> GetAll() {
+    const auto count = Get<std::uint64_t>();
+    const auto bytes = Take(sizeof(T), count);
+    std::vector<T> values(bytes.size() / sizeof(T));
+    if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
+    return values;
+  }
+  std::string GetText() {
+    const auto letters = GetAll<char>();
+    return {letters.begin(), letters.end()};
+  }
+  std::vector<float> GetFloats() {
+    std::vector<float> values = GetAll<float>();
+    Require(std::ranges::all_of(values, [](float value) { return std::isfinite(value); }));
+    return values;
+  }
+  Eigen::VectorXf GetVector(std::size_t size) {
+    const std::vector<float> values = GetFloats();
+    Require(values.size() == size);
+    return Eigen::Map<const Eigen::VectorXf>(values.data(), static_cast<Eigen::Index>(values.size()));
+  }
+  bool Require(bool condition) {
+    ok_ = ok_ && condition;
+    return ok_;
+  }
+  [[nodiscard]] bool ok() const { return ok_; }
+  [[nodiscard]] std::size_t left() const { return rest_.size(); }
+
+ private:
+  std::span<const std::byte> Take(std::size_t size, std::uint64_t count) {
+    if (!Require(count <= rest_.size() / size)) return {};
+    const auto taken = rest_.first(size * static_cast<std::size_t>(count));
+    rest_ = rest_.subspan(taken.size());
+    return taken;
+  }
+
+  std::span<const std::byte> rest_;
+  bool ok_ = true;
+};
+
+void PutCalibration(const Calibration& calibration, Writer& out) {
+  out.Put(calibration.slope);
+  out.Put(calibration.offset);
+}
+
+Calibration GetCalibration(Reader& in) {
+  Calibration calibration;
+  calibration.slope = in.Get<double>();
+  calibration.offset = in.Get<double>();
+  in.Require(std::isfinite(calibration.slope) && calibration.slope > 0 && std::isfinite(calibration.offset));
+  return calibration;
+}
+
+void PutWeights(const LinearWeights& weights, Writer& out) {
+  out.PutVector(weights.words);
+  out.PutVector(weights.phrases);
+  out.Put(weights.offset);
+}
+
+LinearWeights GetWeights(std::size_t words, std::size_t phrases, Reader& in) {
+  LinearWeights weights;
+  weights.words = in.GetVector(words);
+  weights.phrases = in.GetVector(phrases);
+  weights.offset = in.Get<float>();
+  in.Require(std::isfinite(weights.offset));
+  return weights;
+}
+
+void PutGrammar(const PhraseGrammar& grammar, Writer& out) {
+  out.PutAll(grammar.words());
+  out.PutAll(grammar.likelihoods());
+  out.PutAll(grammar.samples());
+}
+
+PhraseGrammar GetGrammar(std::size_t vocabulary, const GrammarOptions& options, Reader& in) {
+  constexpr std::size_t kMostWords = 0xFFFE;
+  auto words = in.GetAll<std::uint32_t>();
+  auto likelihoods = in.GetFloats();
+  auto samples = in.GetAll<PhraseSample>();
+  in.Require(words.size() == likelihoods.size() && words.size() <= kMostWords);
+  in.Require(std::ranges::all_of(words, [&](std::uint32_t word) { return word < vocabulary; }));
+  in.Require(std::ranges::all_of(likelihoods, [](float value) { return value >= 0; }));
+  in.Require(std::ranges::all_of(samples, [&](const PhraseSample& sample) {
+    return sample.first < words.size() && sample.second < words.size() &&
+           std::ranges::all_of(sample.cells, [](std::uint8_t cell) { return cell < kMeasureCells; });
+  }));
+  if (!in.ok()) return {};
+  return {std::move(words), std::move(likelihoods), std::move(samples), options};
+}
+
+void PutNodes(const std::vector<CategoryNode>& nodes, Writer& out) {
+  out.Put(static_cast<std::uint64_t>(nodes.size()));
+  for (const CategoryNode& node : nodes) {
+    out.PutText(node.name);
+    out.Put(static_cast<std::uint8_t>(node.labels));
+    PutCalibration(node.phrases, out);
+    PutCalibration(node.words, out);
+  }
+}
+
+std::vector<CategoryNode> GetNodes(Reader& in) {
+  std::vector<CategoryNode> nodes;
+  const auto count = in.Get<std::uint64_t>();
+  for (std::uint64_t i = 0; i < count && in.ok(); ++i) {
+    CategoryNode node{.name = in.GetText()};
+    const auto labels = in.Get<std::uint8_t>();
+    in.Require(labels <= 1 && !node.name.empty());
+    node.labels = labels == 1;
+    node.phrases = GetCalibration(in);
+    node.words = GetCalibration(in);
+    in.Require(nodes.empty() || nodes.back().name < node.name);
+    nodes.push_back(std::move(node));
+  }
+  in.Require(std::ranges::any_of(nodes, &CategoryNode::labels));
+  return nodes;
+}
+
+Expected<CategoryOptions> ParseOptions(const std::string& text) {
+  CategoryOptions options;
+  const auto json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (json.is_discarded()) return Fail(ErrorCode::kDataLoss, "damaged (options)");
+  if (const Status status = SetFromJson(json, FieldsOf(options)); !status)
+    return Fail(ErrorCode::kDataLoss, fmt::format("damaged (options: {})", status.error().message));
+  return options;
+}
+
+void GetLinear(CategoryModel& model, Reader& in) {
+  const std::size_t words = model.vocabulary.size();
+  model.parts = in.Get<std::uint16_t>();
+  model.part_of_word = in.GetAll<std::uint16_t>();
+  in.Require(model.part_of_word.size() == words);
+  in.Require(std::ranges::all_of(model.part_of_word, [&](std::uint16_t part) { return part < model.parts; }));
+  for (std::size_t n = 0; n < model.nodes.size() && in.ok(); ++n) {
+    model.word_weights.push_back(GetWeights(words, 0, in));
+    model.phrase_weights.push_back(GetWeights(words, PhraseCount(model.parts), in));
+  }
+}
+
+void GetLikelihoods(CategoryModel& model, Reader& in) {
+  const std::size_t words = model.vocabulary.size();
+  model.topic_nodes = in.GetAll<std::uint32_t>();
+  in.Require(!model.topic_nodes.empty());
+  in.Require(std::ranges::all_of(model.topic_nodes, [&](std::uint32_t node) { return node < model.nodes.size(); }));
+  const auto topics = static_cast<Eigen::Index>(model.topic_nodes.size());
+  const std::vector<float> shares = in.GetFloats();
+  in.Require(shares.size() == words * model.topic_nodes.size());
+  in.Require(std::ranges::all_of(shares, [](float share) { return share >= 0; }));
+  if (!in.ok()) return;
+  model.topics.word_given_topic =
+      Eigen::Map<const Eigen::MatrixXf>(shares.data(), static_cast<Eigen::Index>(words), topics);
+  for (Eigen::Index z = 0; z < topics && in.ok(); ++z)
+    model.grammars.push_back(GetGrammar(words, model.options.grammar, in));
+}
+
+Expected<CategoryModel> ParsePayload(std::span<const std::byte> payload) {
+  Reader in(payload);
+  CategoryModel model;
+  model.program_version = in.GetText();
+  model.features_json = in.GetText();
+  const std::string options = in.GetText();
+  if (!in.ok()) return Fail(ErrorCode::kDataLoss, "damaged (cut off)");
+  VICTORIOUS_ASSIGN_OR_RETURN(model.options, ParseOptions(options));
+  model.nodes = GetNodes(in);
+  auto centres = in.GetAll<std::uint8_t>();
+  in.Require(!centres.empty() && centres.size() % kDescriptorSize == 0);
+  if (!in.ok()) return Fail(ErrorCode::kDataLoss, "damaged (categories or words)");
+  model.vocabulary = Vocabulary(std::move(centres), model.options.vocabulary.root);
+  if (model.options.scoring == "linear") {
+    GetLinear(model, in);
+  } else {
+    GetLikelihoods(model, in);
+  }
+  if (!in.Require(in.left() == 0)) return Fail(ErrorCode::kDataLoss, "damaged (weights)");
+  return model;
+}
+
+Expected<CategoryModel> Parse(std::span<const std::byte> bytes) {
+  Header header;
+  if (bytes.size() < sizeof(Header) || std::memcmp(bytes.data(), kMagic.data(), kMagic.size()) != 0)
+    return Fail(ErrorCode::kDataLoss, "not a category model");
+  std::memcpy(&header, bytes.data(), sizeof(Header));
+  if (header.version > kVersion) {
+    return Fail(
+        ErrorCode::kUnsupported,
+        fmt::format("written by a newer version (format {}; this program reads up to {})", header.version, kVersion));
+  }
+  const auto payload = bytes.subspan(sizeof(Header));
+  if (header.version == 0 || header.payload_size != payload.size())
+    return Fail(ErrorCode::kDataLoss, fmt::format("cut off or damaged ({} bytes, expected {})", bytes.size(),
+                                                  header.payload_size + sizeof(Header)));
+  if (Checksum(payload) != header.payload_checksum)
+    return Fail(ErrorCode::kDataLoss, "damaged (the checksum is wrong)");
+  return ParsePayload(payload);
+}
+
+}  // namespace
+
+std::vector<std::byte> EncodeCategories(const CategoryModel& model) {
+  Writer payload;
+  payload.PutText(model.program_version);
+  payload.PutText(model.features_json);
+  payload.PutText(OptionsToJsonText(model.options));
+  PutNodes(model.nodes, payload);
+  payload.PutAll(model.vocabulary.centres());
+  if (model.options.scoring == "linear") {
+    payload.Put(static_cast<std::uint16_t>(model.parts));
+    payload.PutAll(std::span<const std::uint16_t>(model.part_of_word));
+    for (std::size_t n = 0; n < model.nodes.size(); ++n) {
+      PutWeights(model.word_weights[n], payload);
+      PutWeights(model.phrase_weights[n], payload);
+    }
+  } else {
+    payload.PutAll(std::span<const std::uint32_t>(model.topic_nodes));
+    payload.PutAll(std::span<const float>(model.topics.word_given_topic.data(),
+                                          static_cast<std::size_t>(model.topics.word_given_topic.size())));
+    for (const PhraseGrammar& grammar : model.grammars) PutGrammar(grammar, payload);
+  }
+  Header header;
+  header.payload_size = payload.bytes().size();
+  header.payload_checksum = Checksum(payload.bytes());
+  Writer file;
+  file.Put(header);
+  std::vector<std::byte> bytes = file.bytes();
+  bytes.insert(bytes.end(), payload.bytes().begin(), payload.bytes().end());
+  return bytes;
+}
+
+Status WriteCategories(const std::filesystem::path& path, const CategoryModel& model) {
+  return WriteFileAtomically(path, EncodeCategories(model));
+}
+
+Expected<CategoryModel> ReadCategories(const std::filesystem::path& path) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const MappedFile> file, MappedFile::Open(path));
+  return ParseCategories(file->bytes(), path.string());
+}
+
+Expected<CategoryModel> ParseCategories(std::span<const std::byte> bytes, const std::string& name_for_errors) {
+  Expected<CategoryModel> model = Parse(bytes);
+  if (model) return model;
+  Error error = std::move(model).error();
+  error.message += error.code == ErrorCode::kUnsupported ? ": use that version, or train again" : ": train again";
+  return std::unexpected(std::move(error).WithContext(name_for_errors));
+}
+
+}  // namespace victorious

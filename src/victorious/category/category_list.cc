@@ -1,0 +1,151 @@
+#include "victorious/category/category_list.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "victorious/base/file.h"
+
+namespace victorious {
+namespace {
+
+constexpr std::array<std::string_view, 4> kBoxColumns = {"x0", "y0", "x1", "y1"};
+
+std::string_view Trimmed(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r";
+  const std::size_t first = text.find_first_not_of(kBlank);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
+
+// Fields between commas; a field in double quotes may hold commas, and quotes doubled.
+std::vector<std::string> Split(std::string_view line) {
+  std::vector<std::string> fields;
+  std::string field;
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (line[i] == '"') {
+      if (quoted && i + 1 < line.size() && line[i + 1] == '"') {
+        field += line[++i];
+      } else {
+        quoted = !quoted;
+      }
+    } else if (line[i] == ',' && !quoted) {
+      fields.emplace_back(Trimmed(field));
+      field.clear();
+    } else {
+      field += line[i];
+    }
+  }
+  fields.emplace_back(Trimmed(field));
+  return fields;
+}
+
+std::optional<double> Number(const std::string& text) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  constexpr double kFarthestPx = 1e7;
+  if (error != std::errc() || end != text.data() + text.size() || !(std::abs(number) < kFarthestPx))
+    return std::nullopt;
+  return number;
+}
+
+using Fields = std::map<std::string_view, std::string>;
+
+Expected<std::optional<Box>> ParseBox(const Fields& fields, const std::string& where) {
+  std::array<double, 4> edges{};
+  std::string written;
+  int given = 0;
+  bool numbers = true;
+  for (std::size_t i = 0; i < kBoxColumns.size(); ++i) {
+    const auto field = fields.find(kBoxColumns[i]);
+    const std::string text = field == fields.end() ? "" : field->second;
+    written += (i > 0 ? "," : "") + text;
+    if (text.empty()) continue;
+    ++given;
+    const auto number = Number(text);
+    numbers = numbers && number.has_value();
+    edges[i] = number.value_or(0);
+  }
+  if (given == 0) return std::nullopt;
+  const auto fail = [&](std::string_view what) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: box {} {}", where, written, what));
+  };
+  if (given < 4 || !numbers)
+    return fail("must be four numbers x0,y0,x1,y1 in pixels, or nothing for the whole picture");
+  const Box box{edges[0], edges[1], edges[2] - edges[0], edges[3] - edges[1]};
+  if (box.IsEmpty()) return fail("is empty: x1 must be above x0, and y1 above y0");
+  return box;
+}
+
+Expected<CategoryListRow> ParseRow(const Fields& fields, std::string where) {
+  const auto text = [&](std::string_view column) {
+    const auto field = fields.find(column);
+    return field == fields.end() ? std::string() : field->second;
+  };
+  CategoryListRow row{
+      .image = text("image"), .category = text("category"), .box = {}, .mark = text("mark"), .where = std::move(where)};
+  if (row.image.empty())
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: no image: must be a picture's path", row.where));
+  if (!row.mark.empty() && row.mark != "right" && row.mark != "wrong")
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: mark {}: must be right or wrong", row.where, row.mark));
+  VICTORIOUS_ASSIGN_OR_RETURN(row.box, ParseBox(fields, row.where));
+  return row;
+}
+
+}  // namespace
+
+Expected<std::vector<CategoryListRow>> ParseCategoryList(std::string_view text, const std::string& name_for_errors) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  std::vector<std::string> columns;
+  std::vector<CategoryListRow> rows;
+  for (int number = 1; !text.empty(); ++number) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = Trimmed(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (line.empty()) continue;
+    const std::vector<std::string> values = Split(line);
+    if (columns.empty()) {
+      columns = values;
+      if (std::ranges::find(columns, "image") == columns.end())
+        return Fail(ErrorCode::kInvalidArgument,
+                    fmt::format("{}: no column image: the first line must name the columns, as in "
+                                "image,category,x0,y0,x1,y1",
+                                name_for_errors));
+      continue;
+    }
+    Fields fields;
+    for (std::size_t i = 0; i < std::min(values.size(), columns.size()); ++i) fields[columns[i]] = values[i];
+    VICTORIOUS_ASSIGN_OR_RETURN(CategoryListRow row,
+                                ParseRow(fields, fmt::format("{} line {}", name_for_errors, number)));
+    rows.push_back(std::move(row));
+  }
+  if (rows.empty())
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: no pictures: must have a header and a line a picture", name_for_errors));
+  return rows;
+}
+
+Expected<std::vector<CategoryListRow>> ReadCategoryList(const std::filesystem::path& path) {
+  constexpr std::size_t kMostBytes = std::size_t{256} << 20;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMostBytes));
+  return ParseCategoryList(text, path.string());
+}
+
+Expected<Box> BoxWithin(const CategoryListRow& row, int width_px, int height_px) {
+  const Box whole{0, 0, static_cast<double>(width_px), static_cast<double>(height_px)};
+  if (!row.box) return whole;
+  const Box inside = Intersection(*row.box, whole);
+  if (!inside.IsEmpty()) return inside;
+  return Fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("{}: box {:g},{:g},{:g},{:g} lies outside the picture, which is {} x {} px", row.where, row.box->x,
+                  row.box->y, row.box->x + row.box->width, row.box->y + row.box->height, width_px, height_px));
+}
+
+}  // namespace victorious

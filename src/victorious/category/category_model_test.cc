@@ -1,0 +1,127 @@
+#include "victorious/category/category_model.h"
+
+#include <algorithm>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "victorious/category/category_file.h"
+#include "victorious/category/category_test_tools.h"
+
+namespace victorious {
+namespace {
+
+using testing::DrawExamples;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::SmallOptions;
+
+double Accuracy(const CategoryModel& model, std::span<const CategoryExample> examples, CategoryMethod method) {
+  double right = 0;
+  for (const CategoryExample& example : examples) {
+    const CategoryResult result = Classify(model, WordsOf(model, example.features), method);
+    right += model.nodes[result.label].name == example.category ? 1 : 0;
+  }
+  return right / static_cast<double>(examples.size());
+}
+
+TEST(CategoryModel, PhrasesTellApartWhatHasTheSameWords) {
+  const auto model = TrainCategories(DrawExamples(12, 1), SmallOptions());
+  ASSERT_TRUE(model.has_value()) << model.error().message;
+  EXPECT_GE(Accuracy(*model, DrawExamples(15, 2), CategoryMethod::kPhrases), 0.9);
+}
+
+TEST(CategoryModel, IsDeterministicBySeed) {
+  const auto examples = DrawExamples(4, 1);
+  for (const char* scoring : {"linear", "likelihood"}) {
+    const auto bytes = EncodeCategories(*TrainCategories(examples, SmallOptions(scoring)));
+    EXPECT_EQ(bytes, EncodeCategories(*TrainCategories(examples, SmallOptions(scoring)))) << scoring;
+  }
+}
+
+TEST(CategoryModel, AFileGivesTheSameScores) {
+  const auto examples = DrawExamples(5, 3);
+  for (const char* scoring : {"linear", "likelihood"}) {
+    const auto model = TrainCategories(examples, SmallOptions(scoring));
+    ASSERT_TRUE(model.has_value());
+    const auto read = ParseCategories(EncodeCategories(*model), "m.vcat");
+    ASSERT_TRUE(read.has_value()) << read.error().message;
+    for (const CategoryMethod method : {CategoryMethod::kPhrases, CategoryMethod::kWords}) {
+      const CategoryResult a = Classify(*model, WordsOf(*model, examples[0].features), method);
+      const CategoryResult b = Classify(*read, WordsOf(*read, examples[0].features), method);
+      for (std::size_t n = 0; n < a.scores.size(); ++n)
+        EXPECT_EQ(a.scores[n].probability, b.scores[n].probability) << scoring;
+    }
+  }
+}
+
+TEST(CategoryModel, DamagedFilesAreRefused) {
+  const auto bytes = EncodeCategories(*TrainCategories(DrawExamples(3, 3), SmallOptions()));
+  const auto refusal = [](std::vector<std::byte> damaged) {
+    const auto read = ParseCategories(damaged, "m.vcat");
+    EXPECT_FALSE(read.has_value());
+    return read ? std::string() : read.error().message;
+  };
+  EXPECT_THAT(refusal({}), HasSubstr("not a category model"));
+  auto cut = bytes;
+  cut.resize(bytes.size() / 2);
+  EXPECT_THAT(refusal(cut), HasSubstr("cut off"));
+  auto flipped = bytes;
+  flipped[bytes.size() / 2] ^= std::byte{1};
+  EXPECT_THAT(refusal(flipped), HasSubstr("checksum"));
+  auto newer = bytes;
+  newer[8] = std::byte{9};
+  EXPECT_THAT(refusal(newer), HasSubstr("newer version"));
+}
+
+TEST(CategoryModel, AHierarchyHasAScoreForEachLevel) {
+  auto examples = DrawExamples(8, 5);
+  for (CategoryExample& example : examples) example.category = "pair/" + example.category;
+  Random random(3);
+  for (int i = 0; i < 8; ++i) {
+    cv::Mat noise(120, 160, CV_8UC1);
+    for (auto& pixel : cv::Mat_<std::uint8_t>(noise)) pixel = static_cast<std::uint8_t>(random.Below(256));
+    examples.push_back(
+        {.category = "noise", .features = DenseFeatures(noise, testing::CoarseGrid()), .picture = 100 + i});
+  }
+  for (const char* scoring : {"linear", "likelihood"}) {
+    const auto model = TrainCategories(examples, SmallOptions(scoring));
+    ASSERT_TRUE(model.has_value()) << model.error().message;
+    std::vector<std::string> names;
+    for (const CategoryNode& node : model->nodes) names.push_back(node.name);
+    EXPECT_THAT(names, ElementsAre("noise", "pair", "pair/cross-disc", "pair/disc-cross"));
+    EXPECT_FALSE(model->nodes[1].labels) << "no picture was named by it";
+    const auto scores = Classify(*model, WordsOf(*model, examples[0].features), CategoryMethod::kPhrases).scores;
+    EXPECT_GT(scores[1].probability, 0.5) << scoring;
+    EXPECT_LT(scores[0].probability, 0.5) << scoring;
+  }
+}
+
+TEST(CategoryModel, TargetsFollowTheHierarchy) {
+  EXPECT_EQ(TargetOf("vehicle/car/sedan", "vehicle"), 1);
+  EXPECT_EQ(TargetOf("vehicle/car", "vehicle/car"), 1);
+  EXPECT_EQ(TargetOf("vehicle/car", "vehicle/car/sedan"), 0) << "it may be a sedan";
+  EXPECT_EQ(TargetOf("vehicle/car", "vehicle/truck"), -1);
+  EXPECT_EQ(TargetOf("vehicles", "vehicle"), -1);
+}
+
+TEST(CategoryModel, SaysWhatIsMissing) {
+  const auto refusal = [](std::vector<CategoryExample> examples) {
+    const auto model = TrainCategories(examples, SmallOptions());
+    return model ? std::string() : model.error().message;
+  };
+  const auto examples = DrawExamples(3, 1);
+  EXPECT_THAT(refusal({}), HasSubstr("no categories"));
+  EXPECT_THAT(refusal({examples[0], examples[2]}), HasSubstr("at least two"));
+  EXPECT_THAT(refusal({examples[0], examples[2], examples[1]}), HasSubstr("category disc-cross: one picture"));
+  auto unnamed = examples;
+  unnamed[0].category = "a//b";
+  EXPECT_THAT(refusal(unnamed), HasSubstr("a//b"));
+  auto bare = examples;
+  for (CategoryExample& example : bare)
+    if (example.category == "disc-cross") example.features = {};
+  EXPECT_THAT(refusal(bare), HasSubstr("no features"));
+}
+
+}  // namespace
+}  // namespace victorious

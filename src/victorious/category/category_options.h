@@ -1,0 +1,30 @@
+// The options of training categories (`victorious params category`). The thesis's method is `scoring` "likelihood" with
+// the thesis's features; docs/results.md has it as a file.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "victorious/base/options.h"
+#include "victorious/category/histogram.h"
+#include "victorious/category/phrase_grammar.h"
+#include "victorious/category/plsa.h"
+#include "victorious/category/vocabulary.h"
+
+namespace victorious {
+
+struct CategoryOptions {
+  std::string scoring = "linear";
+  std::uint64_t seed = 1;
+  int soft_words = 4;
+  double softness = 50.0;
+  double lambda = 0.1;
+  VocabularyOptions vocabulary;
+  PhraseOptions phrases;
+  PlsaOptions plsa;
+  GrammarOptions grammar;
+
+  void ListFields(FieldList& fields);
+};
+
+}  // namespace victorious

@@ -1,0 +1,57 @@
+// Drawn pictures of two categories that share their parts: a cross beside a disc, in this order or the other one.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <opencv2/imgproc.hpp>
+
+#include "victorious/base/random.h"
+#include "victorious/category/category_model.h"
+#include "victorious/category/dense_features.h"
+
+namespace victorious::testing {
+
+/// A cross on the left of a disc, or right of it, at a place drawn by `random`, on 160 x 120 px of faint noise.
+inline cv::Mat DrawPair(bool cross_first, Random& random) {
+  cv::Mat picture(120, 160, CV_8UC1);
+  for (auto& pixel : cv::Mat_<std::uint8_t>(picture)) pixel = static_cast<std::uint8_t>(100 + random.Below(8));
+  const int x = 30 + static_cast<int>(random.Below(50));
+  const int y = 30 + static_cast<int>(random.Below(60));
+  constexpr int kApart = 40;
+  const cv::Point cross(cross_first ? x : x + kApart, y);
+  const cv::Point disc(cross_first ? x + kApart : x, y);
+  cv::line(picture, cross - cv::Point(14, 0), cross + cv::Point(14, 0), 230, 6);
+  cv::line(picture, cross - cv::Point(0, 14), cross + cv::Point(0, 14), 230, 6);
+  cv::circle(picture, disc, 14, 20, cv::FILLED);
+  return picture;
+}
+
+/// Coarse enough for tests.
+inline DenseOptions CoarseGrid() { return {.step_px = 10, .sizes = 3}; }
+
+inline std::vector<CategoryExample> DrawExamples(int pictures_each, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<CategoryExample> examples;
+  for (int i = 0; i < 2 * pictures_each; ++i) {
+    const bool cross_first = i % 2 == 0;
+    examples.push_back({.category = cross_first ? "cross-disc" : "disc-cross",
+                        .features = DenseFeatures(DrawPair(cross_first, random), CoarseGrid()),
+                        .picture = i});
+  }
+  return examples;
+}
+
+/// Small enough for tests.
+inline CategoryOptions SmallOptions(const std::string& scoring = "linear") {
+  CategoryOptions options;
+  options.scoring = scoring;
+  options.vocabulary = {.words = 60, .root = true, .iterations = 6, .samples = 4000};
+  options.phrases.parts = 24;
+  options.plsa.iterations = 15;
+  options.plsa.restarts = 1;
+  options.grammar.word_share = 0.5;
+  return options;
+}
+
+}  // namespace victorious::testing

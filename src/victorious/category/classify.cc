@@ -1,0 +1,63 @@
+#include <algorithm>
+
+#include "victorious/base/check.h"
+#include "victorious/category/category_model.h"
+#include "victorious/category/likelihood.h"
+
+namespace victorious {
+namespace {
+
+double DotWith(const Eigen::VectorXf& weights, const SparseVector& histogram) {
+  double sum = 0;
+  for (const auto& [index, value] : histogram) sum += static_cast<double>(weights(index)) * value;
+  return sum;
+}
+
+std::vector<double> LinearScores(const CategoryModel& model, const WordedPicture& picture, CategoryMethod method) {
+  const bool with_phrases = method == CategoryMethod::kPhrases;
+  const SparseVector words = Hellinger(CountWords(picture, model.vocabulary.size()));
+  SparseVector phrases;
+  if (with_phrases) {
+    phrases = Hellinger(
+        CountPhrases(FindPhrases(picture, model.part_of_word, model.parts, model.options.phrases), model.parts));
+  }
+  std::vector<double> scores;
+  for (const LinearWeights& weights : with_phrases ? model.phrase_weights : model.word_weights)
+    scores.push_back(DotWith(weights.words, words) + DotWith(weights.phrases, phrases) + weights.offset);
+  return scores;
+}
+
+}  // namespace
+
+bool IsWithin(std::string_view name, std::string_view ancestor) {
+  return name.starts_with(ancestor) && (name.size() == ancestor.size() || name[ancestor.size()] == '/');
+}
+
+int TargetOf(std::string_view category, std::string_view node) {
+  if (IsWithin(category, node)) return 1;
+  return IsWithin(node, category) ? 0 : -1;
+}
+
+WordedPicture WordsOf(const CategoryModel& model, const FeatureSet& features) {
+  return WordsOf(features, model.vocabulary, model.options.soft_words, model.options.softness);
+}
+
+CategoryResult Classify(const CategoryModel& model, const WordedPicture& picture, CategoryMethod method) {
+  VICTORIOUS_CHECK(!model.nodes.empty());
+  const std::vector<double> raw = model.options.scoring == "linear" ? LinearScores(model, picture, method)
+                                                                    : LikelihoodScores(model, picture, method);
+  CategoryResult result;
+  double best = -1;
+  for (std::size_t n = 0; n < raw.size(); ++n) {
+    const CategoryNode& node = model.nodes[n];
+    const Calibration& calibration = method == CategoryMethod::kPhrases ? node.phrases : node.words;
+    result.scores.push_back({raw[n], calibration.Probability(raw[n])});
+    if (node.labels && result.scores[n].probability > best) {
+      best = result.scores[n].probability;
+      result.label = n;
+    }
+  }
+  return result;
+}
+
+}  // namespace victorious

@@ -1,0 +1,139 @@
+#include "victorious/category/dense_features.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <opencv2/imgproc.hpp>
+
+#include "victorious/base/check.h"
+
+namespace victorious {
+namespace {
+
+constexpr int kCells = 4;         // a side
+constexpr int kOrientations = 8;  // a cell
+constexpr float kClip = 0.2F;     // Lowe: no orientation of a cell may dominate a descriptor
+constexpr float kUnit = 512.0F;
+
+using Planes = std::array<cv::Mat, kOrientations>;
+
+// The gradient's magnitude, shared between the two nearest of 8 orientations, averaged over a cell about each pixel.
+Planes OrientationPlanes(const cv::Mat& grey, double cell_px) {
+  cv::Mat image;
+  grey.convertTo(image, CV_32F);
+  cv::GaussianBlur(image, image, {}, std::max(0.5, cell_px / 6));
+  cv::Mat dx;
+  cv::Mat dy;
+  cv::Scharr(image, dx, CV_32F, 1, 0, 1.0 / 32);
+  cv::Scharr(image, dy, CV_32F, 0, 1, 1.0 / 32);
+  Planes planes;
+  for (cv::Mat& plane : planes) plane = cv::Mat::zeros(grey.size(), CV_32F);
+  constexpr float kPerRadian = kOrientations / (2 * std::numbers::pi_v<float>);
+  for (int y = 0; y < grey.rows; ++y) {
+    const float* gx = dx.ptr<float>(y);
+    const float* gy = dy.ptr<float>(y);
+    for (int x = 0; x < grey.cols; ++x) {
+      const float magnitude = std::sqrt(gx[x] * gx[x] + gy[x] * gy[x]);
+      if (magnitude == 0) continue;
+      const float bin = std::atan2(gy[x], gx[x]) * kPerRadian + kOrientations;
+      const int low = static_cast<int>(bin);
+      const float share = bin - static_cast<float>(low);
+      planes[static_cast<std::size_t>(low % kOrientations)].at<float>(y, x) += (1 - share) * magnitude;
+      planes[static_cast<std::size_t>((low + 1) % kOrientations)].at<float>(y, x) += share * magnitude;
+    }
+  }
+  const int window = 2 * static_cast<int>(std::lround(cell_px / 2)) + 1;
+  for (cv::Mat& plane : planes) cv::GaussianBlur(plane, plane, {window, window}, cell_px / 2.4);
+  return planes;
+}
+
+struct Raw {
+  std::array<float, kDescriptorSize> values;
+  float norm = 0;
+};
+
+Raw Sample(const Planes& planes, double x, double y, double cell_px) {
+  Raw raw;
+  float squared = 0;
+  std::size_t at = 0;
+  for (int row = 0; row < kCells; ++row) {
+    const int py = static_cast<int>(y + (row - 1.5) * cell_px);
+    for (int column = 0; column < kCells; ++column) {
+      const int px = static_cast<int>(x + (column - 1.5) * cell_px);
+      for (const cv::Mat& plane : planes) {
+        const float value = plane.ptr<float>(py)[px];
+        raw.values[at++] = value;
+        squared += value * value;
+      }
+    }
+  }
+  raw.norm = std::sqrt(squared);
+  return raw;
+}
+
+void AppendDescriptor(Raw& raw, std::vector<std::uint8_t>& out) {
+  float squared = 0;
+  for (float& value : raw.values) {
+    value = std::min(value / raw.norm, kClip);
+    squared += value * value;
+  }
+  const float factor = kUnit / std::sqrt(squared);
+  for (const float value : raw.values)
+    out.push_back(static_cast<std::uint8_t>(std::min(255.0F, std::round(value * factor))));
+}
+
+}  // namespace
+
+void DenseOptions::ListFields(FieldList& fields) {
+  fields.Add("step_px", step_px, {.min = 2, .max = 64, .unit = "px", .reason = "between neighbours on the grid"});
+  fields.Add("smallest_cell_px", smallest_cell_px,
+             {.min = 2, .max = 32, .unit = "px", .reason = "side of a cell of the smallest patches, which have 4 x 4"});
+  fields.Add("sizes", sizes, {.min = 1, .max = 8, .reason = "sizes of patches"});
+  fields.Add("size_factor", size_factor, {.min = 1.1, .max = 4, .reason = "from one size to the next"});
+  fields.Add("least_contrast", least_contrast,
+             {.min = 0,
+              .max = 255,
+              .reason = "patches whose mean gradient (grey levels a pixel, root of the sum over cells) is less are "
+                        "left out: sky says nothing"});
+  fields.Add("max_side_px", max_side_px,
+             {.min = 64,
+              .max = 4096,
+              .unit = "px",
+              .reason = "larger images are searched at a reduced size of this longest side: categories are of views "
+                        "of some 300 px, and time and memory stay bounded"});
+}
+
+FeatureSet DenseFeatures(const cv::Mat& grey, const DenseOptions& options) {
+  VICTORIOUS_CHECK(grey.empty() || grey.type() == CV_8UC1);
+  FeatureSet features;
+  features.image_width = grey.cols;
+  features.image_height = grey.rows;
+  const int longest_px = std::max(grey.cols, grey.rows);
+  const double shrink = std::min(1.0, static_cast<double>(options.max_side_px) / std::max(1, longest_px));
+  const cv::Size size(cvRound(grey.cols * shrink), cvRound(grey.rows * shrink));
+  if (size.width < 1 || size.height < 1) return features;
+  cv::Mat image = grey;
+  if (size != grey.size()) cv::resize(grey, image, size, 0, 0, cv::INTER_AREA);
+
+  double cell_px = options.smallest_cell_px;
+  for (int i = 0; i < options.sizes; ++i, cell_px *= options.size_factor) {
+    const double margin_px = kCells / 2 * cell_px;
+    if (2 * margin_px > std::min(size.width, size.height)) break;
+    const Planes planes = OrientationPlanes(image, cell_px);
+    for (double y = margin_px; y <= size.height - margin_px; y += options.step_px) {
+      for (double x = margin_px; x <= size.width - margin_px; x += options.step_px) {
+        Raw raw = Sample(planes, x, y, cell_px);
+        if (raw.norm <= options.least_contrast) continue;
+        AppendDescriptor(raw, features.descriptors);
+        features.keypoints.push_back({static_cast<float>(x / shrink), static_cast<float>(y / shrink),
+                                      static_cast<float>(cell_px / 3 / shrink), 0.0F});
+      }
+    }
+  }
+  return features;
+}
+
+}  // namespace victorious

@@ -1,0 +1,56 @@
+#include "victorious/category/dense_features.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "victorious/category/category_test_tools.h"
+
+namespace victorious {
+namespace {
+
+TEST(DenseFeatures, AreAGridInsideThePicture) {
+  Random random(1);
+  const cv::Mat picture = testing::DrawPair(true, random);
+  const FeatureSet features =
+      DenseFeatures(picture, {.step_px = 10, .smallest_cell_px = 6, .sizes = 1, .least_contrast = 0});
+  // 160 x 120 less 12 px all round, every 10 px.
+  EXPECT_EQ(features.size(), 14U * 10U);
+  EXPECT_EQ(features.descriptors.size(), features.size() * kDescriptorSize);
+  EXPECT_EQ(features.keypoints[0], (Keypoint{12, 12, 2, 0}));
+  EXPECT_EQ(features.keypoints[1].x, 22);
+}
+
+TEST(DenseFeatures, OfPlainPicturesAreNone) {
+  EXPECT_EQ(DenseFeatures(cv::Mat(120, 160, CV_8UC1, cv::Scalar(90)), DenseOptions()).size(), 0U);
+  EXPECT_EQ(DenseFeatures(cv::Mat(), DenseOptions()).size(), 0U);
+  EXPECT_EQ(DenseFeatures(cv::Mat(1, 3, CV_8UC1, cv::Scalar(90)), DenseOptions()).size(), 0U);
+}
+
+TEST(DenseFeatures, OfAnEdgeLieInTheGradientsOrientation) {
+  // Dark above bright: the gradient points down, +90 degrees, the third of eight orientations.
+  cv::Mat picture(64, 64, CV_8UC1, cv::Scalar(40));
+  picture.rowRange(32, 64).setTo(200);
+  const FeatureSet features = DenseFeatures(picture, {.step_px = 32, .smallest_cell_px = 8, .sizes = 1});
+  ASSERT_GT(features.size(), 0U);
+  const auto descriptor = features.View().Descriptor(0);
+  const auto largest = std::ranges::max_element(descriptor) - descriptor.begin();
+  EXPECT_EQ(largest % 8, 2);
+}
+
+TEST(DenseFeatures, OfLargePicturesAreThoseOfTheReducedOne) {
+  Random random(2);
+  const cv::Mat small = testing::DrawPair(true, random);
+  cv::Mat large;
+  cv::resize(small, large, {}, 4, 4, cv::INTER_NEAREST);
+  const DenseOptions options = {.max_side_px = 160};
+  const FeatureSet a = DenseFeatures(small, options);
+  const FeatureSet b = DenseFeatures(large, options);
+  ASSERT_EQ(a.size(), b.size());
+  EXPECT_EQ(a.descriptors, b.descriptors);
+  EXPECT_FLOAT_EQ(b.keypoints[5].x, 4 * a.keypoints[5].x);
+  EXPECT_FLOAT_EQ(b.keypoints[5].scale_px, 4 * a.keypoints[5].scale_px);
+}
+
+}  // namespace
+}  // namespace victorious

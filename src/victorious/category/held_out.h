@@ -1,0 +1,16 @@
+// From the scores of examples that a model has not seen to the calibration of one node.
+#pragma once
+
+#include <span>
+
+#include "victorious/category/category_model.h"
+
+namespace victorious {
+
+/// @param targets  +1, -1, or 0 for examples left out
+/// @param scores   one an example, each from a model that has not seen its picture
+/// A node that all examples that calibrate show, or none, is certain.
+Calibration CalibrateOn(std::span<const CategoryExample> examples, std::span<const int> targets,
+                        const Eigen::VectorXd& scores);
+
+}  // namespace victorious

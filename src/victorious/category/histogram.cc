@@ -1,0 +1,185 @@
+#include "victorious/category/histogram.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <tuple>
+
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+// Keypoints of one size have one level: a factor of 1.5 apart, as far as sizes of DenseFeatures are.
+int SizeLevel(const Keypoint& keypoint) {
+  constexpr double kLevelsPerNat = 2.466;  // 1 / ln 1.5
+  return static_cast<int>(std::lround(std::log(keypoint.scale_px) * kLevelsPerNat));
+}
+
+constexpr float kCellsPerScale = 3;  // a descriptor's cell is 3 sigma wide
+
+struct Direction {
+  float cosine;
+  float sine;
+};
+
+// Which of four sectors of a half turn the line lies in, and whether the pair must be turned round to get it there.
+struct Sector {
+  std::uint32_t number;
+  bool reversed;
+};
+
+Sector SectorOf(float along, float across) {
+  constexpr float kTan = 0.41421356F;  // of 22.5 degrees: sectors are about the axes and the diagonals
+  const float a = std::abs(along);
+  const float b = std::abs(across);
+  if (b < kTan * a) return {0, along < 0};
+  if (a <= kTan * b) return {2, across < 0};
+  return {(along > 0) == (across > 0) ? 1U : 3U, across < 0};
+}
+
+// By size, then by y, then by x.
+std::vector<std::uint32_t> RowByRow(std::span<const Keypoint> keypoints, std::span<const int> level) {
+  std::vector<std::uint32_t> order(keypoints.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::ranges::sort(order, {},
+                    [&](std::uint32_t i) { return std::tuple(level[i], keypoints[i].y, keypoints[i].x, i); });
+  return order;
+}
+
+// For each place in that order, where its row ends: the keypoints of one size and y.
+std::vector<std::size_t> RowEnds(std::span<const Keypoint> keypoints, std::span<const int> level,
+                                 std::span<const std::uint32_t> order) {
+  std::vector<std::size_t> ends(order.size());
+  for (std::size_t a = order.size(); a-- > 0;) {
+    const bool last = a + 1 == order.size() || level[order[a]] != level[order[a + 1]] ||
+                      keypoints[order[a]].y != keypoints[order[a + 1]].y;
+    ends[a] = last ? a + 1 : ends[a + 1];
+  }
+  return ends;
+}
+
+}  // namespace
+
+void PhraseOptions::ListFields(FieldList& fields) {
+  fields.Add("parts", parts,
+             {.min = 2, .max = 1024, .reason = "groups of words that look alike, which phrases are of"});
+  fields.Add("nearest_cells", nearest_cells,
+             {.min = 0, .max = 100, .unit = "cells", .reason = "nearer pairs share pixels: no phrase"});
+  fields.Add("far_cells", far_cells,
+             {.min = 0, .max = 100, .unit = "cells", .reason = "from here on the two words are far, not near"});
+  fields.Add("farthest_cells", farthest_cells,
+             {.min = 0, .max = 100, .unit = "cells", .reason = "pairs farther apart make no phrase (R of the thesis)"});
+  fields.Add("weight", weight,
+             {.min = 0, .max = 100, .reason = "of phrases against words in the comparison of two pictures"});
+}
+
+double Dot(const SparseVector& a, const SparseVector& b) {
+  double sum = 0;
+  auto i = a.begin();
+  auto j = b.begin();
+  while (i != a.end() && j != b.end()) {
+    if (i->first == j->first) {
+      sum += static_cast<double>(i->second) * j->second;
+      ++i;
+      ++j;
+    } else if (i->first < j->first) {
+      ++i;
+    } else {
+      ++j;
+    }
+  }
+  return sum;
+}
+
+SparseVector CountWords(const WordedPicture& picture, std::size_t words) {
+  std::vector<float> counts(words);
+  for (const WordShare& share : picture.shares) counts[share.word] += share.share;
+  SparseVector sparse;
+  for (std::uint32_t word = 0; word < words; ++word)
+    if (counts[word] > 0) sparse.emplace_back(word, counts[word]);
+  return sparse;
+}
+
+SparseVector Hellinger(SparseVector counts) {
+  double sum = 0;
+  for (const auto& [index, count] : counts) sum += count;
+  for (auto& [index, count] : counts) count = static_cast<float>(std::sqrt(count / sum));
+  return counts;
+}
+
+std::size_t PhraseCount(std::size_t parts) { return parts * parts * kPlacesOfPhrase; }
+
+std::vector<PhraseOccurrence> FindPhrases(const WordedPicture& picture, std::span<const std::uint16_t> part_of_word,
+                                          std::size_t parts, const PhraseOptions& options) {
+  const std::size_t count = picture.size();
+  std::vector<int> level(count);
+  std::vector<std::uint32_t> part(count);
+  std::vector<Direction> direction(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    level[i] = SizeLevel(picture.keypoints[i]);
+    part[i] = part_of_word[picture.Word(i)];
+    const float angle = picture.keypoints[i].orientation_rad;
+    direction[i] = {std::cos(angle), std::sin(angle)};
+  }
+  const std::vector<std::uint32_t> order = RowByRow(picture.keypoints, level);
+  std::vector<float> x_of(count);
+  for (std::size_t a = 0; a < count; ++a) x_of[a] = picture.keypoints[order[a]].x;
+  const std::vector<std::size_t> row_end = RowEnds(picture.keypoints, level, order);
+
+  std::vector<PhraseOccurrence> phrases;
+  for (std::size_t a = 0; a < count; ++a) {
+    const std::uint32_t i = order[a];
+    const Keypoint& first = picture.keypoints[i];
+    const float cell_px = kCellsPerScale * first.scale_px;
+    const auto squared = [&](double cells) { return static_cast<float>(cells * cells) * cell_px * cell_px; };
+    const float nearest2 = squared(options.nearest_cells);
+    const float far2 = squared(options.far_cells);
+    const float farthest2 = squared(options.farthest_cells);
+    // The rest of the keypoint's own row, then of each row below it the stretch that the circle cuts out.
+    std::size_t b = a + 1;
+    for (std::size_t row_begin = a; row_begin < count; row_begin = row_end[row_begin]) {
+      const std::uint32_t in_row = order[row_begin];
+      const float dy = picture.keypoints[in_row].y - first.y;
+      if (level[in_row] != level[i] || dy * dy > farthest2) break;
+      const float reach = std::sqrt(farthest2 - dy * dy);
+      const std::size_t end = row_end[row_begin];
+      if (row_begin != a) {
+        b = static_cast<std::size_t>(std::lower_bound(x_of.begin() + static_cast<std::ptrdiff_t>(row_begin),
+                                                      x_of.begin() + static_cast<std::ptrdiff_t>(end),
+                                                      first.x - reach) -
+                                     x_of.begin());
+      }
+      for (; b < end && x_of[b] <= first.x + reach; ++b) {
+        const float dx = x_of[b] - first.x;
+        const float distance2 = dx * dx + dy * dy;
+        if (distance2 < nearest2) continue;
+        const std::uint32_t j = order[b];
+        // The mean orientation's direction, up to its length, which the sector does not depend on.
+        const float mean_x = direction[i].cosine + direction[j].cosine;
+        const float mean_y = direction[i].sine + direction[j].sine;
+        if (mean_x * mean_x + mean_y * mean_y < 1) continue;  // orientations more than 120 degrees apart
+        const Sector sector = SectorOf(dx * mean_x + dy * mean_y, dy * mean_x - dx * mean_y);
+        const std::uint32_t place = 2 * sector.number + (distance2 > far2 ? 1 : 0);
+        const std::uint32_t from = sector.reversed ? j : i;
+        const std::uint32_t to = sector.reversed ? i : j;
+        const auto pair = static_cast<std::uint32_t>(part[from] * parts + part[to]);
+        phrases.push_back({from, to, static_cast<std::uint32_t>(pair * kPlacesOfPhrase + place)});
+      }
+    }
+  }
+  return phrases;
+}
+
+SparseVector CountPhrases(std::span<const PhraseOccurrence> phrases, std::size_t parts) {
+  std::vector<std::uint16_t> counts(PhraseCount(parts));
+  for (const PhraseOccurrence& phrase : phrases)
+    if (counts[phrase.phrase] < 0xFFFF) ++counts[phrase.phrase];
+  SparseVector sparse;
+  for (std::uint32_t phrase = 0; phrase < counts.size(); ++phrase)
+    if (counts[phrase] > 0) sparse.emplace_back(phrase, counts[phrase]);
+  return sparse;
+}
+
+}  // namespace victorious

@@ -1,0 +1,142 @@
+#include "victorious/category/phrase_grammar.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "victorious/base/random.h"
+#include "victorious/category/visit_pairs.h"
+#include "victorious/geometry/pair_measures.h"
+
+namespace victorious {
+namespace {
+
+WordedPicture Picture(std::vector<Keypoint> keypoints, const std::vector<std::uint32_t>& words) {
+  WordedPicture picture{.keypoints = std::move(keypoints), .width = 200, .height = 200};
+  for (const std::uint32_t word : words) picture.shares.push_back({word, 1});
+  return picture;
+}
+
+WordedPicture RandomPicture(std::uint64_t seed, std::size_t keypoints, std::uint32_t words) {
+  Random random(seed);
+  WordedPicture picture{.width = 200, .height = 200};
+  for (std::size_t i = 0; i < keypoints; ++i) {
+    picture.keypoints.push_back({static_cast<float>(random.Uniform(0, 200)), static_cast<float>(random.Uniform(0, 200)),
+                                 static_cast<float>(random.Uniform(1, 6)), static_cast<float>(random.Uniform(-3, 3))});
+    picture.shares.push_back({random.Below(words), 1});
+  }
+  return picture;
+}
+
+TEST(CellKernel, IsTheKernelOfEquation31AveragedOverACell) {
+  constexpr double kCap = 10000;
+  constexpr double kWidth = 5.0 / kMeasureCells;  // of the grid of the scale ratio
+  for (const int cells : {0, 1, 7}) {
+    double sum = 0;
+    constexpr int kSteps = 200000;
+    for (int i = 0; i < kSteps; ++i) {
+      const double x = (cells - 0.5 + (i + 0.5) / kSteps) * kWidth;
+      sum += std::min(1 / (x * x), kCap);
+    }
+    EXPECT_NEAR(CellKernel(0, cells, kCap) / (sum / kSteps), 1, 1e-4) << cells;
+  }
+}
+
+TEST(VisitPairs, FindsEachPairWithinTheRadiusOnce) {
+  const WordedPicture picture = RandomPicture(3, 60, 5);
+  std::size_t expected = 0;
+  for (std::size_t i = 0; i < picture.size(); ++i)
+    for (std::size_t j = i + 1; j < picture.size(); ++j)
+      expected += std::hypot(picture.keypoints[i].x - picture.keypoints[j].x,
+                             picture.keypoints[i].y - picture.keypoints[j].y) <= 50
+                      ? 1
+                      : 0;
+  std::size_t found = 0;
+  VisitPairs(picture.keypoints, 50, [&](std::uint32_t i, std::uint32_t j) {
+    EXPECT_LT(i, j);
+    ++found;
+  });
+  EXPECT_EQ(found, expected);
+}
+
+// Equation 3.3 as the thesis prints it, a sum over every sample, on the cells' grid.
+double BruteForce(const std::vector<WordedPicture>& training, const std::vector<float>& likelihoods,
+                  const WordedPicture& picture, const GrammarOptions& options) {
+  const auto measures_of = [&](const WordedPicture& from, std::uint32_t a, std::uint32_t b) {
+    const auto key = [&](std::uint32_t i) { return std::pair(from.Word(i), -from.keypoints[i].scale_px); };
+    if (key(b) < key(a)) std::swap(a, b);
+    return std::tuple(from.Word(a), from.Word(b), CellsOf(from.keypoints[a], from.keypoints[b]));
+  };
+  double sum = 0;
+  std::size_t pairs = 0;
+  VisitPairs(picture.keypoints, options.radius_px, [&](std::uint32_t i, std::uint32_t j) {
+    ++pairs;
+    const auto [w1, w2, cells] = measures_of(picture, i, j);
+    std::array<double, kMeasures> density{};
+    int samples = 0;
+    for (const WordedPicture& from : training) {
+      VisitPairs(from.keypoints, options.radius_px, [&](std::uint32_t a, std::uint32_t b) {
+        const auto [v1, v2, other] = measures_of(from, a, b);
+        if (v1 != w1 || v2 != w2) return;
+        ++samples;
+        for (std::size_t g = 0; g < kMeasures; ++g) {
+          int apart = std::abs(cells[g] - other[g]);
+          if (g >= 2) apart = std::min(apart, kMeasureCells - apart);
+          density[g] += CellKernel(g, apart, options.kernel_cap);
+        }
+      });
+    }
+    if (samples == 0) return;
+    double product = static_cast<double>(likelihoods[w1]) * likelihoods[w2];
+    for (const double value : density) product *= value / samples;
+    sum += product;
+  });
+  return sum / static_cast<double>(pairs);
+}
+
+TEST(PhraseGrammar, EqualsTheSumOverEverySample) {
+  // Decreasing likelihoods, so that W(z) in its order is the vocabulary in its order.
+  const std::vector<float> likelihoods = {0.4F, 0.3F, 0.2F, 0.1F};
+  const GrammarOptions options = {.word_share = 1};
+  std::vector<WordedPicture> training;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) training.push_back(RandomPicture(seed, 40, 4));
+  std::vector<const WordedPicture*> pointers;
+  for (const WordedPicture& picture : training) pointers.push_back(&picture);
+  const PhraseGrammar grammar = PhraseGrammar::Learn(pointers, likelihoods, options);
+  const WordedPicture picture = RandomPicture(77, 30, 4);
+  const double expected = BruteForce(training, likelihoods, picture, options);
+  EXPECT_GT(expected, 0);
+  EXPECT_NEAR(grammar.Likelihood(picture) / expected, 1, 1e-4);
+}
+
+TEST(PhraseGrammar, KnowsOnlyTheLikeliestWords) {
+  const std::vector<float> likelihoods = {0.1F, 0.5F, 0.1F, 0.3F};
+  const WordedPicture picture = RandomPicture(1, 30, 4);
+  const WordedPicture* const pointer = &picture;
+  const PhraseGrammar grammar = PhraseGrammar::Learn(std::span(&pointer, 1), likelihoods, {.word_share = 0.5});
+  EXPECT_EQ(std::vector(grammar.words().begin(), grammar.words().end()), (std::vector<std::uint32_t>{1, 3}));
+}
+
+TEST(PhraseGrammar, IsInvariantUnderShiftTurnAndOrder) {
+  const WordedPicture training = RandomPicture(1, 60, 3);
+  const WordedPicture* const pointer = &training;
+  const PhraseGrammar grammar =
+      PhraseGrammar::Learn(std::span(&pointer, 1), std::vector<float>(3, 0.33F), {.word_share = 1});
+  const Keypoint a{50, 60, 2, 0.3F};
+  const Keypoint b{70, 65, 3, 1.0F};
+  const auto likelihood = [&](Keypoint i, Keypoint j, std::uint32_t wi, std::uint32_t wj) {
+    return grammar.Likelihood(Picture({i, j}, {wi, wj}));
+  };
+  const double value = likelihood(a, b, 0, 1);
+  EXPECT_DOUBLE_EQ(likelihood(b, a, 1, 0), value);
+  // A quarter turn about the origin, and a shift.
+  const auto turned = [](const Keypoint& k) {
+    return Keypoint{-k.y + 150, k.x + 5, k.scale_px, k.orientation_rad + 1.5707963F};
+  };
+  EXPECT_NEAR(likelihood(turned(a), turned(b), 0, 1) / value, 1, 1e-3);
+  EXPECT_EQ(grammar.Likelihood(Picture({a}, {0})), 0) << "no pair, no phrase";
+  EXPECT_EQ(grammar.Likelihood(Picture({a, a}, {0, 1})), 0) << "no line between them";
+}
+
+}  // namespace
+}  // namespace victorious

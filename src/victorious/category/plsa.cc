@@ -1,0 +1,114 @@
+#include "victorious/category/plsa.h"
+
+#include <cmath>
+#include <limits>
+
+#include "victorious/base/check.h"
+#include "victorious/base/random.h"
+
+namespace victorious {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+double Sum(const WordCounts& picture) {
+  double sum = 0;
+  for (const auto& [word, count] : picture) sum += count;
+  return sum;
+}
+
+void NormaliseColumns(MatrixXd& matrix) {
+  for (Eigen::Index column = 0; column < matrix.cols(); ++column) matrix.col(column) /= matrix.col(column).sum();
+}
+
+// P(z|d,w) of one word; `likelihood` is P(w|d).
+VectorXd Posterior(const VectorXd& joint, double temper, double& likelihood) {
+  likelihood = joint.sum();
+  VectorXd posterior = temper == 1.0 ? joint : VectorXd(joint.array().pow(temper));
+  return posterior / std::max(posterior.sum(), std::numeric_limits<double>::min());
+}
+
+struct Fit {
+  MatrixXd word_given_topic;
+  double log_likelihood = 0;
+};
+
+Fit RunOnce(std::span<const WordCounts> pictures, const MatrixXd& label_share, std::size_t words,
+            const PlsaOptions& options, Random& random) {
+  const Eigen::Index topics = label_share.rows();
+  Fit fit;
+  fit.word_given_topic.resize(static_cast<Eigen::Index>(words), topics);
+  for (double& value : fit.word_given_topic.reshaped()) value = 1 + random.Uniform();
+  NormaliseColumns(fit.word_given_topic);
+  // The first shares are those of the labels, a little softened: no topic may begin at 0, from where none returns.
+  constexpr double kSoftening = 0.05;
+  MatrixXd topic_given_picture = label_share.array() + kSoftening;
+  NormaliseColumns(topic_given_picture);
+  for (int iteration = 0; iteration < options.iterations; ++iteration) {
+    MatrixXd word_sums = MatrixXd::Constant(static_cast<Eigen::Index>(words), topics, options.word_floor);
+    fit.log_likelihood = 0;
+    for (std::size_t d = 0; d < pictures.size(); ++d) {
+      const auto column = static_cast<Eigen::Index>(d);
+      VectorXd shares = label_share.col(column) * options.label_weight * Sum(pictures[d]);
+      for (const auto& [word, count] : pictures[d]) {
+        double likelihood = 0;
+        const VectorXd joint = fit.word_given_topic.row(word).transpose().cwiseProduct(topic_given_picture.col(column));
+        const VectorXd part = count * Posterior(joint, options.temper, likelihood);
+        word_sums.row(word) += part.transpose();
+        shares += part;
+        fit.log_likelihood += count * std::log(std::max(likelihood, std::numeric_limits<double>::min()));
+      }
+      if (shares.sum() > 0) topic_given_picture.col(column) = shares / shares.sum();
+    }
+    fit.word_given_topic = std::move(word_sums);
+    NormaliseColumns(fit.word_given_topic);
+  }
+  return fit;
+}
+
+}  // namespace
+
+void PlsaOptions::ListFields(FieldList& fields) {
+  fields.Add("iterations", iterations, {.min = 1, .max = 10000, .reason = "rounds of expectation-maximisation"});
+  fields.Add("restarts", restarts, {.min = 1, .max = 100, .reason = "random starts, of which the likeliest end stays"});
+  fields.Add("temper", temper,
+             {.min = 0.1, .max = 1, .reason = "exponent of the posterior; below 1 topics stay softer (Hofmann)"});
+  fields.Add("label_weight", label_weight,
+             {.min = 0,
+              .max = 1000,
+              .reason = "how much the category of a training picture counts beside its words; 0: only as a start"});
+  fields.Add("word_floor", word_floor,
+             {.min = 1e-6, .max = 100, .reason = "occurrences that every word has in every category beforehand"});
+}
+
+TopicModel LearnTopics(std::span<const WordCounts> pictures, std::span<const int> topic_of_picture, int topics,
+                       std::size_t words, const PlsaOptions& options, std::uint64_t seed) {
+  VICTORIOUS_CHECK(pictures.size() == topic_of_picture.size());
+  MatrixXd label_share = MatrixXd::Zero(topics, static_cast<Eigen::Index>(pictures.size()));
+  for (std::size_t d = 0; d < pictures.size(); ++d) label_share(topic_of_picture[d], static_cast<Eigen::Index>(d)) = 1;
+  Random random(seed);
+  Fit best;
+  for (int start = 0; start < options.restarts; ++start) {
+    Fit fit = RunOnce(pictures, label_share, words, options, random);
+    if (start == 0 || fit.log_likelihood > best.log_likelihood) best = std::move(fit);
+  }
+  return {.word_given_topic = best.word_given_topic.cast<float>()};
+}
+
+VectorXd TopicShares(const TopicModel& model, const WordCounts& picture, const PlsaOptions& options) {
+  const Eigen::Index topics = model.word_given_topic.cols();
+  VectorXd shares = VectorXd::Constant(topics, 1.0 / static_cast<double>(topics));
+  for (int iteration = 0; iteration < options.iterations; ++iteration) {
+    VectorXd sums = VectorXd::Zero(topics);
+    for (const auto& [word, count] : picture) {
+      double likelihood = 0;
+      const VectorXd joint = model.word_given_topic.row(word).transpose().cast<double>().cwiseProduct(shares);
+      sums += count * Posterior(joint, options.temper, likelihood);
+    }
+    if (sums.sum() > 0) shares = sums / sums.sum();
+  }
+  return shares;
+}
+
+}  // namespace victorious

@@ -1,0 +1,73 @@
+#include "victorious/category/refine.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "victorious/category/category_file.h"
+#include "victorious/category/category_test_tools.h"
+
+namespace victorious {
+namespace {
+
+using ::testing::HasSubstr;
+
+// A model of so few pictures that it knows little.
+CategoryModel RawModel() { return *TrainCategories(testing::DrawExamples(3, 1), testing::SmallOptions()); }
+
+double Accuracy(const CategoryModel& model, std::span<const CategoryExample> examples) {
+  double right = 0;
+  for (const CategoryExample& example : examples) {
+    const auto result = Classify(model, WordsOf(model, example.features), CategoryMethod::kPhrases);
+    right += model.nodes[result.label].name == example.category ? 1 : 0;
+  }
+  return right / static_cast<double>(examples.size());
+}
+
+// The same two things as negatives: bright discs, dark crosses.
+std::vector<CategoryExample> DrawNegatives(int pictures_each, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<CategoryExample> examples;
+  for (int i = 0; i < 2 * pictures_each; ++i) {
+    const cv::Mat negative = 255 - testing::DrawPair(i % 2 == 0, random);
+    examples.push_back({.category = i % 2 == 0 ? "cross-disc" : "disc-cross",
+                        .features = DenseFeatures(negative, testing::CoarseGrid()),
+                        .picture = i});
+  }
+  return examples;
+}
+
+TEST(RefineCategories, LearnsWhatTrainingHadNotShown) {
+  const CategoryModel model = RawModel();
+  std::vector<CategoryMark> marks;
+  for (const CategoryExample& example : DrawNegatives(10, 5))
+    marks.push_back({.category = example.category, .right = true, .features = example.features});
+  const auto refined = RefineCategories(model, marks);
+  ASSERT_TRUE(refined.has_value()) << refined.error().message;
+  const auto negatives = DrawNegatives(15, 7);
+  EXPECT_GT(Accuracy(*refined, negatives), Accuracy(model, negatives) + 0.15);
+}
+
+TEST(RefineCategories, AWrongResultScoresLess) {
+  const CategoryModel model = RawModel();
+  const auto example = testing::DrawExamples(1, 11)[0];
+  const auto score = [&](const CategoryModel& of) {
+    return Classify(of, WordsOf(of, example.features), CategoryMethod::kPhrases).scores[1].raw;
+  };
+  const CategoryMark mark{.category = model.nodes[1].name, .right = false, .features = example.features};
+  EXPECT_LT(score(*RefineCategories(model, std::span(&mark, 1))), score(model));
+}
+
+TEST(RefineCategories, WithoutMarksChangesNothing) {
+  const CategoryModel model = RawModel();
+  EXPECT_EQ(EncodeCategories(*RefineCategories(model, {})), EncodeCategories(model));
+}
+
+TEST(RefineCategories, SaysWhatItCannotDo) {
+  const CategoryMark mark{.category = "boat", .right = true, .features = {}};
+  EXPECT_THAT(RefineCategories(RawModel(), std::span(&mark, 1)).error().message, HasSubstr("boat"));
+  const auto thesis = TrainCategories(testing::DrawExamples(3, 1), testing::SmallOptions("likelihood"));
+  EXPECT_THAT(RefineCategories(*thesis, {}).error().message, HasSubstr("train it again"));
+}
+
+}  // namespace
+}  // namespace victorious

@@ -1,0 +1,144 @@
+#include "victorious/category/vocabulary.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include <opencv2/core/utility.hpp>
+
+#include "victorious/base/check.h"
+#include "victorious/base/random.h"
+
+namespace victorious {
+namespace {
+
+using kernels::Neighbour;
+
+std::span<const std::uint8_t> Row(std::span<const std::uint8_t> rows, std::size_t i) {
+  return rows.subspan(i * kDescriptorSize, kDescriptorSize);
+}
+
+// In blocks over all cores; each answer depends on its query alone.
+std::vector<Neighbour> Nearest(std::span<const std::uint8_t> rows, const kernels::PackedDescriptors& set,
+                               std::size_t few) {
+  constexpr std::size_t kBlock = 1024;
+  const std::size_t count = rows.size() / kDescriptorSize;
+  std::vector<Neighbour> out(count * few);
+  const std::size_t blocks = (count + kBlock - 1) / kBlock;
+  cv::parallel_for_({0, static_cast<int>(blocks)}, [&](const cv::Range& range) {
+    for (int block = range.start; block < range.end; ++block) {
+      const std::size_t first = static_cast<std::size_t>(block) * kBlock;
+      const std::size_t size = std::min(kBlock, count - first);
+      const auto queries = kernels::PackQueries(rows.subspan(first * kDescriptorSize, size * kDescriptorSize));
+      kernels::FindNearestFew(queries, set, few, std::span(out).subspan(first * few, size * few));
+    }
+  });
+  return out;
+}
+
+// `most` of the rows drawn by seed, in random order; all of them where there are fewer.
+std::vector<std::uint8_t> Draw(std::span<const std::uint8_t> rows, std::size_t most, Random& random) {
+  std::vector<std::uint32_t> order(rows.size() / kDescriptorSize);
+  std::iota(order.begin(), order.end(), 0U);
+  const std::size_t count = std::min(most, order.size());
+  std::vector<std::uint8_t> drawn;
+  drawn.reserve(count * kDescriptorSize);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::swap(order[i], order[i + random.Below(static_cast<std::uint32_t>(order.size() - i))]);
+    const auto row = Row(rows, order[i]);
+    drawn.insert(drawn.end(), row.begin(), row.end());
+  }
+  return drawn;
+}
+
+// The means of the samples nearest to each centre. A centre that has lost all its samples moves to the sample that is
+// worst served, each such centre to another one.
+std::vector<std::uint8_t> Means(std::span<const std::uint8_t> samples, std::span<const Neighbour> nearest,
+                                std::size_t words) {
+  std::vector<std::uint32_t> sums(words * kDescriptorSize);
+  std::vector<std::uint32_t> counts(words);
+  for (std::size_t i = 0; i < nearest.size(); ++i) {
+    ++counts[nearest[i].index];
+    std::uint32_t* sum = &sums[nearest[i].index * kDescriptorSize];
+    const auto row = Row(samples, i);
+    for (std::size_t k = 0; k < kDescriptorSize; ++k) sum[k] += row[k];
+  }
+  std::vector<std::uint32_t> worst(nearest.size());
+  std::iota(worst.begin(), worst.end(), 0U);
+  const auto empty = static_cast<std::size_t>(std::ranges::count(counts, 0U));
+  const auto worst_end = worst.begin() + static_cast<std::ptrdiff_t>(std::min(empty, worst.size()));
+  std::partial_sort(worst.begin(), worst_end, worst.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::pair(nearest[b].distance2, a) < std::pair(nearest[a].distance2, b);
+  });
+  auto next_worst = worst.begin();
+  std::vector<std::uint8_t> means(words * kDescriptorSize);
+  for (std::size_t word = 0; word < words; ++word) {
+    std::uint8_t* mean = &means[word * kDescriptorSize];
+    if (counts[word] == 0) {
+      std::ranges::copy(Row(samples, *next_worst++), mean);
+      continue;
+    }
+    for (std::size_t k = 0; k < kDescriptorSize; ++k)
+      mean[k] = static_cast<std::uint8_t>((sums[word * kDescriptorSize + k] + counts[word] / 2) / counts[word]);
+  }
+  return means;
+}
+
+}  // namespace
+
+void VocabularyOptions::ListFields(FieldList& fields) {
+  fields.Add("words", words, {.min = 2, .max = 65536, .reason = "words of the vocabulary (thesis: 3000)"});
+  fields.Add("root", root,
+             {.reason = "compare the square roots of descriptors (RootSIFT), which lets no single strong gradient "
+                        "decide; the thesis does not"});
+  fields.Add("iterations", iterations, {.min = 1, .max = 1000, .reason = "rounds of k-means"});
+  fields.Add("samples", samples,
+             {.min = 2, .max = 10e6, .reason = "descriptors that words are learned from, drawn by seed"});
+}
+
+Vocabulary::Vocabulary(std::vector<std::uint8_t> centres, bool root)
+    : centres_(std::move(centres)), root_(root), packed_(kernels::Pack(centres_)) {}
+
+Vocabulary Vocabulary::Learn(std::span<const std::uint8_t> descriptors, const VocabularyOptions& options,
+                             std::uint64_t seed) {
+  VICTORIOUS_CHECK(descriptors.size() >= kDescriptorSize && descriptors.size() % kDescriptorSize == 0);
+  Random random(seed);
+  std::vector<std::uint8_t> samples = Draw(descriptors, static_cast<std::size_t>(options.samples), random);
+  if (options.root) samples = RootDescriptors(samples);
+  // The samples lie in random order: the first ones are as good a start as any.
+  const std::size_t words = std::min(static_cast<std::size_t>(options.words), samples.size() / kDescriptorSize);
+  std::vector<std::uint8_t> centres(samples.begin(),
+                                    samples.begin() + static_cast<std::ptrdiff_t>(words * kDescriptorSize));
+  for (int i = 0; i < options.iterations; ++i) {
+    std::vector<std::uint8_t> means = Means(samples, Nearest(samples, kernels::Pack(centres), 1), words);
+    const bool settled = means == centres;
+    centres = std::move(means);
+    if (settled) break;
+  }
+  return {std::move(centres), options.root};
+}
+
+std::vector<Neighbour> Vocabulary::NearestWords(std::span<const std::uint8_t> descriptors, std::size_t few) const {
+  if (!root_) return Nearest(descriptors, packed_, few);
+  return Nearest(RootDescriptors(descriptors), packed_, few);
+}
+
+std::vector<std::uint8_t> RootDescriptors(std::span<const std::uint8_t> descriptors) {
+  constexpr double kUnit = 512;
+  std::vector<std::uint8_t> roots(descriptors.size());
+  std::array<double, 256> root_of_value;
+  for (std::size_t value = 0; value < root_of_value.size(); ++value)
+    root_of_value[value] = std::sqrt(static_cast<double>(value));
+  for (std::size_t first = 0; first < descriptors.size(); first += kDescriptorSize) {
+    const auto row = descriptors.subspan(first, kDescriptorSize);
+    const double sum = std::accumulate(row.begin(), row.end(), 0.0);
+    const double factor = sum > 0 ? kUnit / std::sqrt(sum) : 0.0;
+    for (std::size_t k = 0; k < kDescriptorSize; ++k)
+      roots[first + k] = static_cast<std::uint8_t>(std::min(255.0, root_of_value[row[k]] * factor + 0.5));
+  }
+  return roots;
+}
+
+}  // namespace victorious

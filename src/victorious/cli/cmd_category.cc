@@ -1,0 +1,169 @@
+// victorious category train | classify | refine
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/base/progress.h"
+#include "victorious/category/category_file.h"
+#include "victorious/category/evidence.h"
+#include "victorious/category/refine.h"
+#include "victorious/cli/arguments.h"
+#include "victorious/cli/command.h"
+#include "victorious/recognize/category_pictures.h"
+#include "victorious/video/image_file.h"
+
+namespace victorious::cli {
+namespace {
+
+struct Arguments {
+  std::string images;
+  std::string list;
+  std::string out;
+  std::string params;
+  std::optional<std::uint64_t> seed;
+  std::string model;
+  std::string method = "phrases";
+  std::string explain;
+  bool json = false;
+};
+
+Status Train(const Arguments& arguments) {
+  CategoryTrainOptions options;
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
+  if (arguments.seed) options.category.seed = *arguments.seed;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
+  std::optional<Progress> progress(std::in_place, arguments.list, static_cast<std::int64_t>(rows.size()), "pictures");
+  Expected<CategoryModel> model = TrainOnList(
+      arguments.images, rows, options, [&](std::size_t done) { progress->Update(static_cast<std::int64_t>(done)); });
+  progress.reset();
+  if (!model) return std::unexpected(std::move(model).error().WithContext(arguments.list));
+  VICTORIOUS_RETURN_IF_ERROR(WriteCategories(arguments.out, *model));
+  const auto labels = std::ranges::count(model->nodes, true, &CategoryNode::labels);
+  return WriteOutput("", fmt::format("{}: {} categories, {} words, from {} pictures\n", arguments.out, labels,
+                                     model->vocabulary.size(), rows.size()));
+}
+
+std::string Line(const std::string& image, const CategoryModel& model, const CategoryResult& result, bool json) {
+  if (!json) {
+    return fmt::format("{}: {} {:.3f}\n", OneLine(image), model.nodes[result.label].name,
+                       result.scores[result.label].probability);
+  }
+  nlohmann::ordered_json scores = nlohmann::ordered_json::object();
+  for (std::size_t n = 0; n < model.nodes.size(); ++n) scores[model.nodes[n].name] = result.scores[n].probability;
+  const nlohmann::ordered_json line = {
+      {"image", image}, {"label", model.nodes[result.label].name}, {"scores", std::move(scores)}};
+  return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+// Where the picture's evidence goes: FILE itself for one picture, FILE-2.png and so on for those after the first.
+std::string ExplanationFile(const std::string& file, std::size_t row) {
+  if (row == 0) return file;
+  const std::filesystem::path path(file);
+  return (path.parent_path() / fmt::format("{}-{}{}", path.stem().string(), row + 1, path.extension().string()))
+      .string();
+}
+
+Status Explain(const std::string& file, const cv::Mat& bgr, const CategoryModel& model, const WordedPicture& picture,
+               const CategoryResult& result) {
+  const std::string caption =
+      fmt::format("{} {:.3f}", model.nodes[result.label].name, result.scores[result.label].probability);
+  return WriteImage(file, DrawEvidence(bgr, picture, EvidenceFor(model, picture, result.label), caption));
+}
+
+Status Classify(const Arguments& arguments) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const CategoryModel model, ReadCategories(arguments.model));
+  VICTORIOUS_ASSIGN_OR_RETURN(const CategoryEye eye, CategoryEye::Of(model));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
+  if (!arguments.explain.empty() && arguments.method == "words")
+    return Fail(ErrorCode::kInvalidArgument, "--explain draws phrases: not with --method words");
+  const CategoryMethod method = arguments.method == "words" ? CategoryMethod::kWords : CategoryMethod::kPhrases;
+  std::vector<std::string> lines(rows.size());
+  const auto classify = [&](std::size_t row, const cv::Mat& bgr) -> Status {
+    VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, eye.Look(GreyFromBgr(bgr)));
+    const WordedPicture picture = WordsOf(model, features);
+    const CategoryResult result = victorious::Classify(model, picture, method);
+    lines[row] = Line(rows[row].image, model, result, arguments.json);
+    if (!arguments.explain.empty())
+      VICTORIOUS_RETURN_IF_ERROR(Explain(ExplanationFile(arguments.explain, row), bgr, model, picture, result));
+    return {};
+  };
+  {
+    Progress progress(arguments.list, static_cast<std::int64_t>(rows.size()), "pictures");
+    VICTORIOUS_RETURN_IF_ERROR(ForEachPicture(
+        arguments.images, rows, classify, [&](std::size_t done) { progress.Update(static_cast<std::int64_t>(done)); }));
+  }
+  std::string text;
+  for (const std::string& line : lines) text += line;
+  return WriteOutput("", text);
+}
+
+Status Refine(const Arguments& arguments) {
+  VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model, ReadCategories(arguments.model));
+  VICTORIOUS_ASSIGN_OR_RETURN(const CategoryEye eye, CategoryEye::Of(model));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
+  std::vector<CategoryMark> marks(rows.size());
+  const auto look = [&](std::size_t row, const cv::Mat& bgr) -> Status {
+    const CategoryListRow& listed = rows[row];
+    if (listed.category.empty() || listed.mark.empty()) {
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("{}: no {}: a line must have image,category,mark, the mark being right or wrong",
+                              listed.where, listed.category.empty() ? "category" : "mark"));
+    }
+    marks[row] = {.category = listed.category, .right = listed.mark == "right", .features = {}};
+    VICTORIOUS_ASSIGN_OR_RETURN(marks[row].features, eye.Look(GreyFromBgr(bgr)));
+    return {};
+  };
+  VICTORIOUS_RETURN_IF_ERROR(ForEachPicture(arguments.images, rows, look, [](std::size_t) {}));
+  Expected<CategoryModel> refined = RefineCategories(std::move(model), marks);
+  if (!refined) return std::unexpected(std::move(refined).error().WithContext(arguments.list));
+  VICTORIOUS_RETURN_IF_ERROR(WriteCategories(arguments.out, *refined));
+  return WriteOutput("", fmt::format("{}: refined by {} marks\n", arguments.out, marks.size()));
+}
+
+}  // namespace
+
+Action SetUpCategory(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  app.require_subcommand(1);
+  const auto add_pictures = [&](CLI::App* command, const char* list) {
+    command->add_option("--images", arguments->images, "The folder that the list's paths are relative to")
+        ->required()
+        ->type_name("DIR");
+    command->add_option("--list", arguments->list, list)->required()->type_name("CSV");
+  };
+  CLI::App* train = app.add_subcommand("train", "Learn categories from pictures");
+  add_pictures(train, "image,category,x0,y0,x1,y1 a line, after a header; the box in pixels, or nothing");
+  train->add_option("--out", arguments->out, "The category model to write")->required()->type_name("FILE");
+  train->add_option("--params", arguments->params, "Parameters, JSON (`victorious params category` lists them)")
+      ->type_name("FILE");
+  train->add_option("--seed", arguments->seed, "Of every random draw (default 1)")->type_name("N");
+
+  CLI::App* classify = app.add_subcommand("classify", "What pictures show: a label and a score a category");
+  classify->add_option("--model", arguments->model, "A category model")->required()->type_name("FILE");
+  add_pictures(classify, "Pictures, a line each, after a header: image, and whatever columns else");
+  classify->add_option("--method", arguments->method, "phrases, or words alone (the baseline)")
+      ->check(CLI::IsMember({"phrases", "words"}));
+  classify
+      ->add_option("--explain", arguments->explain,
+                   "Draw the phrases that spoke for the label, and their box, into this PNG; of further pictures into "
+                   "FILE-2.png, ...")
+      ->type_name("FILE");
+  classify->add_flag("--json", arguments->json, "A JSON line a picture, with every category's score");
+
+  CLI::App* refine = app.add_subcommand("refine", "A model made better by results marked right or wrong");
+  refine->add_option("--model", arguments->model, "A category model; it stays as it is")->required()->type_name("FILE");
+  add_pictures(refine, "image,category,mark a line, after a header; the mark is right or wrong");
+  refine->add_option("--out", arguments->out, "The new category model to write")->required()->type_name("FILE");
+  return [=] {
+    if (refine->parsed()) return Refine(*arguments);
+    return train->parsed() ? Train(*arguments) : Classify(*arguments);
+  };
+}
+
+}  // namespace victorious::cli

@@ -1,0 +1,61 @@
+// victorious experiment NAME --out DIR
+#include <cstdlib>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "victorious/cli/arguments.h"
+#include "victorious/cli/command.h"
+#include "victorious/evaluate/experiments/experiment.h"
+
+namespace victorious::cli {
+namespace {
+
+struct Arguments {
+  std::string name;
+  std::string out;
+  std::string data;
+  int seeds = 20;
+};
+
+std::string DefaultData() {
+  const char* const data = std::getenv("VICTORIOUS_DATA");
+  return data != nullptr ? data : "../shared/data";
+}
+
+Status Run(const Arguments& arguments) {
+  const ExperimentSettings settings{
+      .data = arguments.data.empty() ? DefaultData() : arguments.data,
+      .out = arguments.out,
+      .seeds = arguments.seeds,
+      .cancel = &Interrupt(),
+      .progress = [&](std::string_view what) { fmt::print(stderr, "{}: {}\n", arguments.name, what); }};
+  VICTORIOUS_ASSIGN_OR_RETURN(const Report report, RunExperiment(arguments.name, settings));
+  return WriteOutput("", MarkdownOf(report));
+}
+
+std::string Names() {
+  std::string text = "Which one:";
+  for (const Experiment& experiment : Experiments())
+    text += fmt::format("\n{}: {}", experiment.name, experiment.summary);
+  return text;
+}
+
+}  // namespace
+
+Action SetUpExperiment(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  app.add_option("NAME", arguments->name, Names())->required();
+  app.add_option("--out", arguments->out, "The folder for NAME.json, NAME.csv and the plot")
+      ->required()
+      ->type_name("DIR");
+  app.add_option("--data", arguments->data, "The folder of outside data (default $VICTORIOUS_DATA, or ../shared/data)")
+      ->type_name("DIR");
+  app.add_option("--seeds", arguments->seeds, "Random splits to average over (default 20)")
+      ->check(CLI::Range(1, 10000))
+      ->type_name("N");
+  return [=] { return Run(*arguments); };
+}
+
+}  // namespace victorious::cli

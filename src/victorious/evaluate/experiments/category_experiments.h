@@ -1,0 +1,15 @@
+// The experiments on categories (thesis, sections 3.2.1 and 3.6), each in the file of its name.
+#pragma once
+
+#include "victorious/evaluate/experiments/experiment.h"
+
+namespace victorious {
+
+Expected<Report> RunFigure31(const ExperimentSettings& settings);
+Expected<Report> RunFigure319(const ExperimentSettings& settings);
+Expected<Report> RunFigure320(const ExperimentSettings& settings);
+Expected<Report> RunFigure321(const ExperimentSettings& settings);
+Expected<Report> RunTable36(const ExperimentSettings& settings);
+Expected<Report> RunTable37(const ExperimentSettings& settings);
+
+}  // namespace victorious

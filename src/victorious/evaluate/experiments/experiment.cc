@@ -1,0 +1,49 @@
+#include "victorious/evaluate/experiments/experiment.h"
+
+#include <algorithm>
+#include <array>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "victorious/evaluate/experiments/category_experiments.h"
+
+namespace victorious {
+
+Status ExperimentSettings::CheckCancelled() const {
+  if (cancel != nullptr && cancel->IsCancelled()) return Fail(ErrorCode::kCancelled, "cancelled: nothing was written");
+  return {};
+}
+
+std::span<const Experiment> Experiments() {
+  static constexpr std::array kExperiments = {
+      Experiment{"figure3.1", "A picture and its shuffled tiles: words cannot tell, phrases can", &RunFigure31},
+      Experiment{"figure3.19", "Patches that became one visual word", &RunFigure319},
+      Experiment{"table3.6", "Area under ROC and time over the number of words in phrases", &RunTable36},
+      Experiment{"figure3.20", "ROC of airplanes: words and phrases", &RunFigure320},
+      Experiment{"figure3.21", "ROC of cars: words and phrases", &RunFigure321},
+      Experiment{"table3.7", "Accuracy of airplanes and cars, and of twelve categories, step by step", &RunTable37},
+  };
+  return kExperiments;
+}
+
+Expected<Report> RunExperiment(const std::string& name, const ExperimentSettings& settings) {
+  const auto all = Experiments();
+  const auto experiment = std::ranges::find_if(all, [&](const Experiment& one) { return name == one.name; });
+  if (experiment == all.end()) {
+    std::vector<std::string_view> names;
+    for (const Experiment& one : all) names.emplace_back(one.name);
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: no such experiment; there are {}", name, fmt::join(names, ", ")));
+  }
+  std::error_code error;
+  std::filesystem::create_directories(settings.out, error);
+  if (error) return std::unexpected(ErrorFromErrno(error.value(), "make folder " + settings.out.string()));
+  VICTORIOUS_ASSIGN_OR_RETURN(Report report, experiment->run(settings));
+  report.name = experiment->name;
+  VICTORIOUS_RETURN_IF_ERROR(WriteReport(report, settings.out));
+  return report;
+}
+
+}  // namespace victorious

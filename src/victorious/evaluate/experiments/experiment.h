@@ -1,0 +1,41 @@
+// The thesis's tables and figures, each repeated by one file of this folder and one row of the registry.
+// A run gives a Report, which is written as NAME.json, NAME.csv and a plot, NAME.svg; figures that are pictures write
+// NAME.png beside them.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "victorious/base/cancel.h"
+#include "victorious/base/error.h"
+#include "victorious/evaluate/experiments/report.h"
+
+namespace victorious {
+
+struct ExperimentSettings {
+  std::filesystem::path data;  ///< the folder of outside data
+  std::filesystem::path out;   ///< where pictures go; the report is written by RunExperiment
+  int seeds = 20;              ///< random splits, for means with standard errors
+  const CancelToken* cancel = nullptr;
+  std::function<void(std::string_view what)> progress = [](std::string_view) {};  ///< a line, now and then
+
+  [[nodiscard]] Status CheckCancelled() const;
+};
+
+struct Experiment {
+  const char* name;     ///< "table3.6"
+  const char* summary;  ///< one line
+  Expected<Report> (*run)(const ExperimentSettings& settings);
+};
+
+/// Every experiment, in the thesis's order.
+std::span<const Experiment> Experiments();
+
+/// Runs the experiment and writes its report. Errors: kInvalidArgument for a name that is none, kNotFound for data that
+/// are missing; those of writing.
+Expected<Report> RunExperiment(const std::string& name, const ExperimentSettings& settings);
+
+}  // namespace victorious

@@ -1,0 +1,79 @@
+// From pictures to what category/ learns from and classifies: features as the options say, of keypoints or on a grid.
+// Training and everything that classifies with a model share this, so that both see a picture alike.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "victorious/base/error.h"
+#include "victorious/base/options.h"
+#include "victorious/category/category_list.h"
+#include "victorious/category/category_model.h"
+#include "victorious/category/dense_features.h"
+#include "victorious/features/feature_extractor.h"
+
+namespace victorious {
+
+struct CategoryFeatureOptions {
+  std::string kind = "dense";
+  std::string surroundings = "learn";
+  DenseOptions dense;
+  FeatureOptions keypoints;
+
+  void ListFields(FieldList& fields);
+};
+
+/// What `category train --params` sets.
+struct CategoryTrainOptions {
+  CategoryFeatureOptions features;
+  CategoryOptions category;
+
+  void ListFields(FieldList& fields);
+};
+
+/// Makes the features of pictures. Thread-safe.
+class CategoryEye {
+ public:
+  /// Errors: kInvalidArgument for options out of range.
+  static Expected<CategoryEye> Create(const CategoryFeatureOptions& options);
+
+  /// The eye that a model's pictures were seen by. Errors: kDataLoss for a model whose options cannot be read.
+  static Expected<CategoryEye> Of(const CategoryModel& model);
+
+  [[nodiscard]] const CategoryFeatureOptions& options() const { return options_; }
+
+  /// @param grey  CV_8UC1
+  [[nodiscard]] Expected<FeatureSet> Look(const cv::Mat& grey) const;
+
+ private:
+  CategoryEye() = default;
+
+  CategoryFeatureOptions options_;
+  std::shared_ptr<const FeatureExtractor> extractor_;
+};
+
+/// What a picture gives: the part within `box` to learn from, and where the box leaves something out, the whole picture
+/// for what the option `surroundings` says.
+/// @param number  the picture's, which all its examples share
+Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryEye& eye, const cv::Mat& grey, const Box& box,
+                                                  const std::string& category, int number);
+
+/// Reads the pictures of a list, on all cores, and calls `use` with each row and its grey picture, in any order and
+/// from several threads at once. The first error in the list's order is returned.
+/// @param done  called now and then with how many pictures are done
+Status ForEachPicture(const std::filesystem::path& folder, std::span<const CategoryListRow> rows,
+                      const std::function<Status(std::size_t row, const cv::Mat& bgr)>& use,
+                      const std::function<void(std::size_t)>& done);
+
+/// Trains on the pictures of a list. Errors: those of reading pictures and of TrainCategories; kInvalidArgument for a
+/// row without a category or with a box outside its picture.
+Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::span<const CategoryListRow> rows,
+                                    const CategoryTrainOptions& options, const std::function<void(std::size_t)>& done);
+
+}  // namespace victorious

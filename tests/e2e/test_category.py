@@ -1,0 +1,151 @@
+"""`category train` and `category classify`: what is learned from pictures, and one clear line for bad input."""
+
+import json
+import random
+import unittest
+from pathlib import Path
+
+import program
+
+HEADER = "image,category,x0,y0,x1,y1"
+WIDTH, HEIGHT = 160, 120
+
+
+def pair(path: Path, cross_first: bool, seed: int):
+    """A cross beside a disc, or a disc beside a cross, somewhere in a picture."""
+    draw = random.Random(seed)
+    x, y = 30 + draw.randrange(50), 30 + draw.randrange(60)
+    cross, disc = (x, x + 40) if cross_first else (x + 40, x)
+    pixels = bytearray()
+    for row in range(HEIGHT):
+        for column in range(WIDTH):
+            value = 100 + draw.randrange(8)
+            across, down = abs(column - cross), abs(row - y)
+            if max(across, down) <= 15 and min(across, down) <= 3:
+                value = 230
+            if (column - disc) ** 2 + (row - y) ** 2 <= 14**2:
+                value = 20
+            pixels.append(value)
+    path.write_bytes(b"P5\n%d %d\n255\n" % (WIDTH, HEIGHT) + pixels)
+    return f"{path.name},{'cross-disc' if cross_first else 'disc-cross'},{x - 20},{y - 20},{x + 60},{y + 20}"
+
+
+FOLDER = program.folder_until_exit()
+TRAIN = [pair(FOLDER / f"train{i}.pgm", i % 2 == 0, i) for i in range(16)]
+TEST = [pair(FOLDER / f"test{i}.pgm", i % 2 == 0, 100 + i) for i in range(10)]
+SMALL = {"vocabulary": {"words": 80, "iterations": 5}, "phrases": {"parts": 24}}
+
+
+def listing(rows) -> str:
+    return "\n".join([HEADER, *rows]) + "\n"
+
+
+class CategoryTest(program.ProgramTest):
+    def train(self, rows=None, params=None, *flags):
+        model = self.scratch / "model.vcat"
+        flags += ("--params", self.write("params.json", json.dumps({**SMALL, **(params or {})})))
+        self.succeeds(
+            "category", "train", "--images", FOLDER, "--list", self.write("train.csv", listing(rows or TRAIN)),
+            "--out", model, *flags,
+        )  # fmt: skip
+        return model
+
+    def classify(self, model, *flags) -> list[dict]:
+        rows = self.write("test.csv", listing(TEST))
+        return self.succeeds(
+            "category", "classify", "--model", model, "--images", FOLDER, "--list", rows, *flags, "--json"
+        ).rows()
+
+    def refuses_list(self, words, content, name="bad.csv"):
+        out = self.scratch / "model.vcat"
+        bad = self.write(name, content)
+        self.refuses(2, words, "category", "train", "--images", FOLDER, "--list", bad, "--out", out)
+        self.assertFalse(out.exists())
+
+    def test_labels_and_scores(self):
+        model = self.train()
+        results = self.classify(model)
+        self.assertEqual([row["image"] for row in results], [row.split(",")[0] for row in TEST])
+        right = sum(row["label"] == listed.split(",")[1] for row, listed in zip(results, TEST))
+        self.assertGreaterEqual(right, 9)
+        for row in results:
+            self.assertEqual(set(row), {"image", "label", "scores"})
+            self.assertEqual(set(row["scores"]), {"cross-disc", "disc-cross"})
+            self.assertEqual(row["label"], max(row["scores"], key=row["scores"].get))
+            self.assertTrue(all(0 <= score <= 1 for score in row["scores"].values()))
+        words = self.classify(model, "--method", "words")
+        self.assertNotEqual([row["scores"] for row in words], [row["scores"] for row in results])
+
+    def test_the_thesis_method(self):
+        model = self.train(None, {"scoring": "likelihood", "soft_words": 1, "grammar": {"word_share": 0.5}})
+        for method in ("phrases", "words"):
+            self.assertEqual(len(self.classify(model, "--method", method)), len(TEST))
+
+    def test_the_seed_decides(self):
+        first = self.train(None, None, "--seed", "7").read_bytes()
+        self.assertEqual(self.train(None, None, "--seed", "7").read_bytes(), first)
+        self.assertNotEqual(self.train(None, None, "--seed", "8").read_bytes(), first)
+
+    def test_text(self):
+        model = self.train()
+        rows = self.write("test.csv", "image\n" + TEST[0].split(",")[0] + "\n")
+        text = self.succeeds("category", "classify", "--model", model, "--images", FOLDER, "--list", rows).out
+        self.assertRegex(text, r"^test0\.pgm: (cross-disc|disc-cross) [01]\.\d{3}\n$")
+
+    def test_explanations(self):
+        model = self.train()
+        rows = self.write("two.csv", listing(TEST[:2]))
+        command = ("category", "classify", "--model", model, "--images", FOLDER, "--list", rows)
+        self.succeeds(*command, "--explain", self.scratch / "why.png")
+        for name in ("why.png", "why-2.png"):
+            self.assertTrue((self.scratch / name).read_bytes().startswith(b"\x89PNG"))
+        self.refuses(2, "--method words", *command, "--method", "words", "--explain", self.scratch / "no.png")
+        self.refuses(2, "no.txt", *command, "--explain", self.scratch / "no.txt")
+
+    def test_feedback(self):
+        model = self.train()
+        picture, name = TEST[0].split(",")[:2]
+        before = next(row for row in self.classify(model) if row["image"] == picture)["scores"][name]
+        marks = self.write("marks.csv", f"image,category,mark\n{picture},{name},wrong\n")
+        better = self.scratch / "better.vcat"
+        command = ("category", "refine", "--model", model, "--images", FOLDER, "--out", better, "--list")
+        self.succeeds(*command, marks)
+        after = next(row for row in self.classify(better) if row["image"] == picture)["scores"][name]
+        self.assertLess(after, before)
+        better.unlink()
+        self.refuses(2, ["line 2", "no mark"], *command, self.write("no.csv", listing(TEST)))
+        self.refuses(2, "boat", *command, self.write("boat.csv", f"image,category,mark\n{picture},boat,right\n"))
+        self.assertFalse(better.exists())
+
+    def test_bad_lists(self):
+        self.refuses_list("no pictures", "")
+        self.refuses_list("no column image", "\n".join(TRAIN))
+        self.refuses_list(["line 2", "no category"], "image\ntrain0.pgm\n")
+        self.refuses_list(["line 2", "is empty"], listing(["train0.pgm,a,10,10,10,50"]))
+        self.refuses_list(["line 2", "four numbers"], listing(["train0.pgm,a,10,10"]))
+        self.refuses_list(["line 18", "outside the picture", "160 x 120"], listing([*TRAIN, "train1.pgm,a,500,10,600,20"]))
+        self.refuses_list(["line 18", "nowhere.png"], listing([*TRAIN, "nowhere.png,a,,,,"]))
+        (FOLDER / "broken.png").write_bytes(b"\x89PNG\r\n\x1a\nand no more")
+        self.refuses_list(["line 18", "broken.png"], listing([*TRAIN, "broken.png,a,,,,"]))
+        self.refuses_list("one category", listing(TRAIN[::2]))
+        self.refuses_list("disc-cross: one picture", listing([*TRAIN[::2], TRAIN[1]]))
+
+    def test_bad_models(self):
+        rows = self.write("test.csv", listing(TEST))
+        command = ("category", "classify", "--images", FOLDER, "--list", rows, "--model")
+        self.refuses(2, "none.vcat", *command, self.scratch / "none.vcat")
+        self.refuses(2, "not a category model", *command, rows)
+        whole = self.train().read_bytes()
+        self.refuses(2, "cut off", *command, self.write("cut.vcat", whole[:-1]))
+        self.refuses(2, "newer version", *command, self.write("new.vcat", whole[:8] + b"\x07" + whole[9:]))
+
+    def test_missing_pictures(self):
+        model = self.train()
+        rows = self.write("test.csv", listing([*TEST, "nowhere.png,a"]))
+        self.refuses(
+            2, ["line 12", "nowhere.png"], "category", "classify", "--model", model, "--images", FOLDER, "--list", rows
+        )
+
+
+if __name__ == "__main__":
+    program.main()

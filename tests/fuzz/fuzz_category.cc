@@ -1,0 +1,87 @@
+// Category models and lists of pictures, from bytes that anybody may have written: whole files, and payloads whose
+// checksum is right. What is accepted must classify, and be written again.
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tests/fuzz/fuzz_target.h"
+#include "victorious/base/check.h"
+#include "victorious/base/file.h"
+#include "victorious/base/random.h"
+#include "victorious/category/category_file.h"
+#include "victorious/category/category_list.h"
+
+namespace {
+
+using victorious::CategoryModel;
+
+constexpr std::size_t kHeaderSize = 32;
+
+victorious::FeatureSet SomeFeatures(std::uint64_t seed) {
+  victorious::Random random(seed);
+  victorious::FeatureSet features{.image_width = 60, .image_height = 60};
+  for (int i = 0; i < 12; ++i) {
+    features.keypoints.push_back({static_cast<float>(random.Uniform(0, 60)), static_cast<float>(random.Uniform(0, 60)),
+                                  static_cast<float>(random.Uniform(1, 3)), static_cast<float>(random.Uniform(-3, 3))});
+    for (std::size_t k = 0; k < victorious::kDescriptorSize; ++k)
+      features.descriptors.push_back(static_cast<std::uint8_t>(random.Below(256)));
+  }
+  return features;
+}
+
+void ParseAndUse(std::span<const std::byte> bytes) {
+  const auto model = victorious::ParseCategories(bytes, "fuzz");
+  if (!model) {
+    VICTORIOUS_CHECK(model.error().message.find('\n') == std::string::npos);
+    return;
+  }
+  const victorious::WordedPicture picture = WordsOf(*model, SomeFeatures(1));
+  for (const auto method : {victorious::CategoryMethod::kPhrases, victorious::CategoryMethod::kWords}) {
+    const auto result = Classify(*model, picture, method);
+    VICTORIOUS_CHECK(result.scores.size() == model->nodes.size());
+  }
+  VICTORIOUS_CHECK(victorious::ParseCategories(EncodeCategories(*model), "again").has_value());
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::span<const std::byte> input = std::as_bytes(std::span(data, size));
+  ParseAndUse(input);
+  if (size >= kHeaderSize) {  // what follows the header, with the size and checksum that fit
+    std::vector<std::byte> mended(input.begin(), input.end());
+    const std::uint64_t payload_size = size - kHeaderSize;
+    const std::uint64_t checksum = victorious::Checksum(input.subspan(kHeaderSize));
+    std::memcpy(mended.data() + 16, &payload_size, sizeof(payload_size));
+    std::memcpy(mended.data() + 24, &checksum, sizeof(checksum));
+    ParseAndUse(mended);
+  }
+  const auto rows = victorious::ParseCategoryList({reinterpret_cast<const char*>(data), size}, "list.csv");
+  if (rows) {
+    for (const auto& row : *rows) VICTORIOUS_CHECK(!row.image.empty() && (!row.box || !row.box->IsEmpty()));
+  }
+  return 0;
+}
+
+std::vector<std::string> FuzzSeeds() {
+  std::vector<victorious::CategoryExample> examples;
+  for (int i = 0; i < 6; ++i)
+    examples.push_back(
+        {.category = i % 2 == 0 ? "a" : "b/c", .features = SomeFeatures(static_cast<std::uint64_t>(i)), .picture = i});
+  std::vector<std::string> seeds = {"image,category,x0,y0,x1,y1\na.jpg,b,1,2,3,4\n\"c,d\",e,,,,\n",
+                                    "image,mark\na.png,right\nb.png,wrong\n"};
+  for (const char* scoring : {"linear", "likelihood"}) {
+    victorious::CategoryOptions options{.scoring = scoring};
+    options.vocabulary.words = 8;
+    options.phrases.parts = 2;
+    options.grammar.word_share = 1;
+    const auto model = TrainCategories(examples, options);
+    VICTORIOUS_CHECK(model.has_value());
+    const std::vector<std::byte> bytes = EncodeCategories(*model);
+    seeds.emplace_back(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  }
+  return seeds;
+}
