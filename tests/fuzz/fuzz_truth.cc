@@ -17,7 +17,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   std::vector<victorious::ReportedSighting> sightings;
   for (const victorious::TruthRow& row : *rows) sightings.push_back({1, row.frame, row.model, row.box, 0.5, row.view});
-  const victorious::Score score = victorious::ScoreIndex(*rows, std::vector<std::int64_t>{1}, sightings);
+  const victorious::Score score =
+      victorious::ScoreIndex(*rows, std::vector<victorious::ReportedObject>{{.id = 1}}, sightings);
   VICTORIOUS_CHECK(!victorious::ToText(score).empty());
   return 0;
 }

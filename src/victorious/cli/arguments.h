@@ -29,7 +29,6 @@ CLI::Validator TimeOfVideo();
 /// "latitude,longitude,metres", degrees.
 Expected<Surroundings> ParseSurroundings(std::string_view text);
 
-
 /// Reads `--params FILE` (JSON) into the fields; an empty path changes nothing.
 Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields);
 

@@ -23,11 +23,12 @@ void CadModelOptions::ListFields(FieldList& fields) {
   fields.AddGroup("sphere", sphere);
   fields.AddGroup("light", light);
   fields.AddGroup("render", render);
-  fields.Add("pixels_per_m", pixels_per_m,
-             {.min = 0.01,
-              .max = 1e6,
-              .unit = "px/m",
-              .reason = "how large the object is in the templates: about as large as it appears in the video, or larger"});
+  fields.Add(
+      "pixels_per_m", pixels_per_m,
+      {.min = 0.01,
+       .max = 1e6,
+       .unit = "px/m",
+       .reason = "how large the object is in the templates: about as large as it appears in the video, or larger"});
   fields.Add("least_size_px", least_size_px,
              {.min = 32, .max = 2048, .unit = "px", .reason = "diameter of the object's bounding sphere, at least"});
   fields.Add("most_size_px", most_size_px,
@@ -62,12 +63,11 @@ Expected<RenderedTemplate> RenderTemplate(Renderer& renderer, MeshId mesh, const
   constexpr int kRoomPx = 16;  // around the sphere's outline
   const int size_px = ObjectSizePx(2 * sphere.radius, options);
   const int side = size_px + 2 * kRoomPx;
-  VICTORIOUS_ASSIGN_OR_RETURN(PosedCamera camera,
-                              CameraForView(view.direction, sphere,
-                                            {.distance_m = options.distance_radii * sphere.radius,
-                                             .diameter_px = static_cast<double>(size_px),
-                                             .width_px = side,
-                                             .height_px = side}));
+  VICTORIOUS_ASSIGN_OR_RETURN(PosedCamera camera, CameraForView(view.direction, sphere,
+                                                                {.distance_m = options.distance_radii * sphere.radius,
+                                                                 .diameter_px = static_cast<double>(size_px),
+                                                                 .width_px = side,
+                                                                 .height_px = side}));
   const MeshInstance instance{.mesh = mesh, .world_from_mesh = {}};
   VICTORIOUS_ASSIGN_OR_RETURN(RenderedView rendered,
                               renderer.Render(std::span(&instance, 1), camera, options.light, options.render));
