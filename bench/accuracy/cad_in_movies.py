@@ -8,7 +8,7 @@ MOVIE is a scene (scenes/NAME.json), or a folder with video.mp4 and truth.jsonl;
 but the demo's. A scene is simulated into WORK/flights/NAME unless it is there already; what --program makes of the
 scene may have changed since: delete the folder then. Models are made anew each time, from DIR/NAME.glb of --models, of
 everything that the truth names; what has no such file is not searched for, and said so. Each movie is indexed once,
-with all its models together, into WORK/NAME.db (`victorious sheet --db WORK/NAME.db --out OUT.jpg` draws its finds).
+with all its models together and its telemetry.csv if it has one, into WORK/NAME.db (`victorious sheet --db WORK/NAME.db --out OUT.jpg` draws its finds).
 
 One row a movie, then rows over all movies, those without and with noise, and each model:
 
@@ -153,6 +153,8 @@ def index(program: Program, movie: Movie, library: Path, db: Path, params: Path 
     db.unlink(missing_ok=True)
     began = time.monotonic()
     extra = ["--params", params] if params else []
+    if movie.telemetry:
+        extra += ["--telemetry", movie.telemetry]
     told = program.run("index", movie.video, "--models", library, "--db", db, *extra).stderr
     seconds = time.monotonic() - began
     return int(re.search(r"(\d+) frames searched", told)[1]), seconds

@@ -23,6 +23,8 @@ class Movie:
         self.folder = folder
         self.video = folder / "video.mp4"
         self.truth = folder / "truth.jsonl"
+        telemetry = folder / "telemetry.csv"
+        self.telemetry = telemetry if telemetry.exists() else None
         self.rows_of = defaultdict(list)  # by object
         self.rows_in = defaultdict(list)  # by frame
         for row in map(json.loads, self.truth.read_text().splitlines()):
