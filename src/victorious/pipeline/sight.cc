@@ -8,6 +8,7 @@
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/homography.h"
 #include "victorious/geometry/lens.h"
+#include "victorious/render/view_sphere.h"
 
 namespace victorious {
 
@@ -73,20 +74,6 @@ class ImagePlane {
   LensDistortion lens_;
 };
 
-// The rotation of a camera that looks at the object from a view's direction, upright: rows are the camera's axes.
-// The geometry stands in render/view_sphere.h.
-Quaterniond CameraFromObject(const ViewAngles& view) {
-  const double sin_off = std::sin(view.off_nadir_rad);
-  const double cos_off = std::cos(view.off_nadir_rad);
-  const double sin_azimuth = std::sin(view.azimuth_rad);
-  const double cos_azimuth = std::cos(view.azimuth_rad);
-  const Vector3d to_camera(-sin_off * cos_azimuth, sin_off * sin_azimuth, cos_off);
-  const Vector3d up(cos_off * cos_azimuth, -cos_off * sin_azimuth, sin_off);
-  Matrix3d rotation;
-  rotation << up.cross(to_camera).transpose(), -up.transpose(), -to_camera.transpose();
-  return Quaterniond(rotation);
-}
-
 // The matched points' places on the object, m.
 std::vector<Vector3d> PlacesOf(const Detection& detection, const ObjectModel& model) {
   std::vector<Vector3d> places;
@@ -114,7 +101,7 @@ std::optional<Seen> SeenByPoints(const Detection& detection, const ObjectModel& 
   const Vector3d towards = image.DirectionOf(detection.pose.scene_from_template.Apply(picture_middle));
   const Quaterniond start = Quaterniond::FromTwoVectors(Vector3d::UnitZ(), towards) *
                             Eigen::AngleAxisd(detection.pose.scene_from_template.rotation_rad, Vector3d::UnitZ()) *
-                            CameraFromObject(*view.angles);
+                            CameraFromModel({view.angles->azimuth_rad, view.angles->off_nadir_rad});
   const auto pose = FitObjectPose(points, start,
                                   {.sigma = options.point_sigma_px / image.focal_px(),
                                    .sigma_view_rad = RadiansFromDegrees(options.view_sigma_deg)});

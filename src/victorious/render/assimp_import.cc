@@ -24,6 +24,7 @@
 #include <opencv2/core.hpp>
 
 #include "victorious/render/assimp_io.h"
+#include "victorious/render/srgb.h"
 #include "victorious/render/texture_image.h"
 
 namespace victorious {
@@ -35,11 +36,6 @@ std::string OneLine(std::string_view text) {
   std::string line(text.substr(0, kLongest));
   std::ranges::replace_if(line, [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
   return line;
-}
-
-// IEC 61966-2-1.
-float LinearFromSrgb(float value) {
-  return value <= 0.04045F ? value / 12.92F : std::pow((value + 0.055F) / 1.055F, 2.4F);
 }
 
 float UnitRange(float value) { return std::isfinite(value) ? std::clamp(value, 0.0F, 1.0F) : 1.0F; }

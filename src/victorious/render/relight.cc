@@ -6,22 +6,18 @@
 
 #include <opencv2/core.hpp>
 
+#include "victorious/render/srgb.h"
+
 namespace victorious {
 namespace {
 
 using Eigen::Vector3d;
 
-double LinearOf(double srgb) { return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4); }
-
-double SrgbOf(double linear) {
-  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
-}
-
 const std::array<float, 256>& LinearOfGrey() {
   static const std::array<float, 256> table = [] {
     std::array<float, 256> values{};
     for (std::size_t i = 0; i < values.size(); ++i)
-      values[i] = static_cast<float>(LinearOf(static_cast<double>(i) / 255));
+      values[i] = static_cast<float>(LinearFromSrgb(static_cast<double>(i) / 255));
     return values;
   }();
   return table;
@@ -97,7 +93,7 @@ cv::Mat Relight(const cv::Mat& grey, const SeenSurface& seen, const Light& befor
       }
       const double linear = LinearOfGrey()[grey.at<std::uint8_t>(row, column)] * irradiance(after, sun_after) /
                             std::max(1e-3, irradiance(before, sun_before));
-      lit.at<std::uint8_t>(row, column) = cv::saturate_cast<std::uint8_t>(255 * SrgbOf(linear));
+      lit.at<std::uint8_t>(row, column) = cv::saturate_cast<std::uint8_t>(255 * SrgbFromLinear(linear));
     }
   }
   return lit;

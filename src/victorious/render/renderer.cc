@@ -20,6 +20,7 @@
 #include "victorious/render/gpu_mesh.h"
 #include "victorious/render/shaders.h"
 #include "victorious/render/shadow_view.h"
+#include "victorious/render/srgb.h"
 
 namespace victorious {
 namespace {
@@ -27,10 +28,7 @@ namespace {
 using Eigen::Matrix4f;
 using Eigen::Vector3d;
 
-float LinearFromGrey(int grey) {
-  const double value = grey / 255.0;
-  return static_cast<float>(value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4));
-}
+float LinearFromGrey(int grey) { return static_cast<float>(LinearFromSrgb(grey / 255.0)); }
 
 // Blended surfaces hide what lies behind them from this alpha on. Exporters like to call whole models blended, and
 // sorting alone draws those wrong wherever triangles reach past each other.

@@ -91,6 +91,14 @@ ViewDirection DirectionFromVector(const Vector3d& object_to_camera) {
           .off_nadir_rad = std::atan2(sideways, object_to_camera.z())};
 }
 
+Eigen::Quaterniond CameraFromModel(const ViewDirection& direction) {
+  const Vector3d to_camera = DirectionToCamera(direction);
+  const Vector3d up = ImageUp(direction);
+  Eigen::Matrix3d rotation;
+  rotation << up.cross(to_camera).transpose(), -up.transpose(), -to_camera.transpose();
+  return Eigen::Quaterniond(rotation);
+}
+
 Expected<PosedCamera> CameraForView(const ViewDirection& direction, const Sphere& sphere, const ViewFraming& framing) {
   if (!(sphere.radius > 0) || !(framing.distance_m > sphere.radius)) {
     return Fail(ErrorCode::kInvalidArgument,
@@ -106,12 +114,8 @@ Expected<PosedCamera> CameraForView(const ViewDirection& direction, const Sphere
   const double grazing = std::sqrt(framing.distance_m * framing.distance_m - sphere.radius * sphere.radius);
   const double focal_px = framing.diameter_px / 2 * grazing / sphere.radius;
 
-  const Vector3d to_camera = DirectionToCamera(direction);
-  const Vector3d up = ImageUp(direction);
-  Eigen::Matrix3d rotation;
-  rotation << up.cross(to_camera).transpose(), -up.transpose(), -to_camera.transpose();
-  const Eigen::Quaterniond camera_from_model(rotation);
-  const Vector3d eye = sphere.centre + framing.distance_m * to_camera;
+  const Eigen::Quaterniond camera_from_model = CameraFromModel(direction);
+  const Vector3d eye = sphere.centre + framing.distance_m * DirectionToCamera(direction);
   return PosedCamera{.pinhole = {.fx = focal_px,
                                  .fy = focal_px,
                                  .cx = framing.width_px / 2.0,

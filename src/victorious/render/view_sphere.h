@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
@@ -46,6 +47,9 @@ Expected<ViewSphere> MakeViewSphere(const ViewSphereOptions& options);
 /// The unit vector from the object to the camera, in the model frame.
 [[nodiscard]] Eigen::Vector3d DirectionToCamera(const ViewDirection& direction);
 [[nodiscard]] ViewDirection DirectionFromVector(const Eigen::Vector3d& object_to_camera);
+
+/// How a camera is turned that looks at the object from a direction, the image's up as said above.
+[[nodiscard]] Eigen::Quaterniond CameraFromModel(const ViewDirection& direction);
 
 /// How large an object is seen.
 struct ViewFraming {
