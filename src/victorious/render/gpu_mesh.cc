@@ -1,8 +1,5 @@
 #include "victorious/render/gpu_mesh.h"
 
-#include <algorithm>
-#include <string_view>
-
 #include <opencv2/core.hpp>
 
 namespace victorious {
@@ -24,28 +21,12 @@ void UploadAttribute(GLuint location, const GlBuffer& buffer,
   glEnableVertexAttribArray(location);
 }
 
-float BestAnisotropy() {
-  constexpr float kEnough = 16.0F;
-  GLint extensions = 0;
-  glGetIntegerv(GL_NUM_EXTENSIONS, &extensions);
-  for (GLint i = 0; i < extensions; ++i) {
-    const auto* name = reinterpret_cast<const char*>(glGetStringi(GL_EXTENSIONS, static_cast<GLuint>(i)));
-    if (std::string_view(name).ends_with("texture_filter_anisotropic")) {
-      float best = 1.0F;
-      glGetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY, &best);
-      return std::min(best, kEnough);
-    }
-  }
-  return 1.0F;
-}
-
-void UploadTexture(const GlTexture& texture, const cv::Mat& bgra, float anisotropy) {
+void UploadTexture(const GlTexture& texture, const cv::Mat& bgra) {
   glBindTexture(GL_TEXTURE_2D, texture.name());
   glTexImage2D(GL_TEXTURE_2D, 0, GL_SRGB8_ALPHA8, bgra.cols, bgra.rows, 0, GL_BGRA, GL_UNSIGNED_BYTE, bgra.data);
   glGenerateMipmap(GL_TEXTURE_2D);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  if (anisotropy > 1.0F) glTexParameterf(GL_TEXTURE_2D, GL_TEXTURE_MAX_ANISOTROPY, anisotropy);
 }
 
 GLint GlWrap(TextureWrap wrap) {
@@ -89,12 +70,11 @@ void GpuMesh::UploadVertices(const Mesh& mesh) {
 }
 
 void GpuMesh::UploadTextures(const Mesh& mesh) {
-  const float anisotropy = BestAnisotropy();
-  UploadTexture(white_, cv::Mat(1, 1, CV_8UC4, cv::Scalar::all(255)), anisotropy);
+  UploadTexture(white_, cv::Mat(1, 1, CV_8UC4, cv::Scalar::all(255)));
   textures_.resize(mesh.textures.size());
   for (std::size_t i = 0; i < textures_.size(); ++i) {
     const cv::Mat& picture = mesh.textures[i];
-    UploadTexture(textures_[i], picture.isContinuous() ? picture : picture.clone(), anisotropy);
+    UploadTexture(textures_[i], picture.isContinuous() ? picture : picture.clone());
   }
 }
 
