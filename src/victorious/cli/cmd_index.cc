@@ -7,6 +7,7 @@
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/geometry/angles.h"
 #include "victorious/model/model_library.h"
 #include "victorious/pipeline/indexer.h"
 
@@ -53,6 +54,11 @@ Status Run(const Arguments& arguments) {
     }
     if (report->stopped_live) spdlog::info("{}: a live source, stopped here as its end", OneLine(video));
     const bool known = report->frames_searched == 0 && !report->stopped_live;
+    if (report->sun) {
+      const double azimuth_deg = DegreesFromRadians(report->sun->azimuth_rad);
+      spdlog::info("{}: the sun at azimuth {:.0f}, elevation {:.0f} degrees", OneLine(video),
+                   azimuth_deg < 0 ? azimuth_deg + 360 : azimuth_deg, DegreesFromRadians(report->sun->elevation_rad));
+    }
     spdlog::info("{}: {} frames searched, {} sightings{}", OneLine(video), report->frames_searched, report->sightings,
                  known ? " (all of it was indexed before)" : "");
   }

@@ -1,6 +1,7 @@
 #include "victorious/model/lit_views.h"
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 #include <mutex>
 #include <utility>
@@ -8,6 +9,8 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include "victorious/model/cad_model.h"
 #include "victorious/model/template_features.h"
@@ -30,32 +33,48 @@ class LitViews : public LitTemplates {
   LitViews(const ObjectModel& model, const CadModelOptions& options, std::unique_ptr<const FeatureExtractor> extractor)
       : model_(model), options_(options), extractor_(std::move(extractor)) {}
 
-  std::shared_ptr<const LitTemplate> Under(std::size_t sun_view, std::size_t view) const override {
-    Slot& slot = SlotOf({sun_view, view});
-    std::call_once(slot.once, [&] { slot.lit = std::make_shared<const LitTemplate>(Make(sun_view, view)); });
+  std::shared_ptr<const LitTemplate> Under(const LitView& wanted) const override {
+    Slot& slot = SlotOf(wanted);
+    MakeIfUnclaimed(wanted, slot);
+    slot.made.wait(false);
     return slot.lit;
+  }
+
+  void Prepare(std::span<const LitView> wanted) const override {
+    oneapi::tbb::this_task_arena::isolate([&] {  // else a thread that waits for the others could take up a whole frame
+      oneapi::tbb::parallel_for(std::size_t{0}, wanted.size(),
+                                [&](std::size_t i) { MakeIfUnclaimed(wanted[i], SlotOf(wanted[i])); });
+    });
   }
 
  private:
   struct Slot {
-    std::once_flag once;
-    std::shared_ptr<const LitTemplate> lit;
+    std::atomic<bool> claimed = false;
+    std::atomic<bool> made = false;
+    std::shared_ptr<const LitTemplate> lit;  // once made
   };
 
-  Slot& SlotOf(const std::pair<std::size_t, std::size_t>& key) const {
+  Slot& SlotOf(const LitView& wanted) const {
     const std::scoped_lock lock(mutex_);
-    return slots_[key];  // a map's elements stay where they are
+    return slots_[wanted];  // a map's elements stay where they are
   }
 
-  [[nodiscard]] LitTemplate Make(std::size_t sun_view, std::size_t view) const {
-    const Expected<ViewSurface> surface = DecodeSurface(model_.views[view].surface, model_.name);
-    const Expected<ViewSurface> from_sun = DecodeSurface(model_.views[sun_view].surface, model_.name);
+  void MakeIfUnclaimed(const LitView& wanted, Slot& slot) const {
+    if (slot.claimed.exchange(true)) return;
+    slot.lit = std::make_shared<const LitTemplate>(Make(wanted));
+    slot.made = true;
+    slot.made.notify_all();
+  }
+
+  [[nodiscard]] LitTemplate Make(const LitView& wanted) const {
+    const Expected<ViewSurface> surface = DecodeSurface(model_.views[wanted.view].surface, model_.name);
+    const Expected<ViewSurface> from_sun = DecodeSurface(model_.views[wanted.sun_view].surface, model_.name);
     if (!surface || !from_sun) return {};  // a file that is damaged, for all that its checksums are right
-    const cv::Mat grey =
-        Relight(surface->grey, surface->seen, options_.light, ClearDay(*model_.views[sun_view].angles), from_sun->seen);
+    const cv::Mat grey = Relight(surface->grey, surface->seen, options_.light,
+                                 ClearDay(*model_.views[wanted.sun_view].angles), from_sun->seen);
     const cv::Mat mask = surface->seen.depth_m == surface->seen.depth_m;  // not NaN
-    auto made = TemplateFeaturesOf({.grey = grey, .mask = mask, .outline = model_.views[view].outline}, surface->seen,
-                                   *extractor_, options_);
+    auto made = TemplateFeaturesOf({.grey = grey, .mask = mask, .outline = model_.views[wanted.view].outline},
+                                   surface->seen, *extractor_, options_);
     return made ? *std::move(made) : LitTemplate();
   }
 
@@ -63,7 +82,7 @@ class LitViews : public LitTemplates {
   CadModelOptions options_;
   std::unique_ptr<const FeatureExtractor> extractor_;
   mutable std::mutex mutex_;
-  mutable std::map<std::pair<std::size_t, std::size_t>, Slot> slots_;
+  mutable std::map<LitView, Slot> slots_;
 };
 
 bool HasSurface(const ModelView& view) { return view.angles && !view.surface.empty(); }

@@ -79,12 +79,12 @@ TEST(LitViews, ASunBringsItsOwnFeatures) {
   const auto lit = MakeLitViews(WaffleModel()).value();
   ASSERT_NE(lit, nullptr);
   constexpr std::size_t kView = 5;
-  const auto east = lit->Under(7, kView);
-  const auto west = lit->Under(10, kView);
+  const auto east = lit->Under({7, kView});
+  const auto west = lit->Under({10, kView});
   ASSERT_GT(east->features.size(), 10U);
   EXPECT_EQ(east->features.size(), east->points_in_model.size());
   EXPECT_NE(east->features.descriptors, west->features.descriptors);
-  EXPECT_EQ(lit->Under(7, kView), east);
+  EXPECT_EQ(lit->Under({7, kView}), east);
   for (const Point3& point : east->points_in_model) {
     EXPECT_LE(std::abs(point.x), 2.05F);
     EXPECT_LE(std::abs(point.y), 2.05F);

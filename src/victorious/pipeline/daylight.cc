@@ -50,31 +50,42 @@ std::optional<std::optional<Sun>> SunByClock(const CameraTrack& cameras) {
   return sun.elevation_rad > kLowest_rad ? std::optional(sun) : std::nullopt;
 }
 
-// The mean of those that agree with another; nothing if none do.
-std::optional<Sun> Agreement(const std::vector<Eigen::Vector3d>& answers) {
-  for (std::size_t i = 0; i < answers.size(); ++i) {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    int count = 0;
-    for (const Eigen::Vector3d& other : answers) {
-      if (answers[i].dot(other) < std::cos(kAgree_rad)) continue;
-      sum += other;
-      ++count;
+// What one frame says.
+struct Answer {
+  Eigen::Vector3d direction;  // of length 1
+  double evidence;
+};
+
+// Answers that agree with one of them: the most that do.
+struct Agreement {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();  // of their directions, by their evidence
+  int count = 0;
+};
+
+Agreement MostAgreement(const std::vector<Answer>& answers) {
+  Agreement most;
+  for (const Answer& one : answers) {
+    Agreement agreement;
+    for (const Answer& other : answers) {
+      if (one.direction.dot(other.direction) < std::cos(kAgree_rad)) continue;
+      agreement.sum += other.evidence * other.direction;
+      ++agreement.count;
     }
-    if (count >= 2) return SunIn(sum);
+    if (agreement.count > most.count) most = agreement;
   }
-  return std::nullopt;
+  return most;
 }
 
-std::optional<Eigen::Vector3d> AskFrame(const DaylightSurvey& survey, const Frame& frame) {
+std::optional<Answer> AskFrame(const DaylightSurvey& survey, const Frame& frame) {
   const std::optional<CameraState> camera = survey.cameras.At(frame.time_s);
   if (!camera || !camera->attitude || !camera->hfov_rad) return std::nullopt;
   const Expected<FeatureSet> features = survey.extractor.Extract(frame.image);
   if (!features) return std::nullopt;
   const FrameConditions conditions = ConditionsOf(camera, frame.image.size(), {});
-  std::optional<Sun> sun = survey.recognizer.FindSun(*features, *conditions.vertical);
-  if (!sun) return std::nullopt;
-  sun->azimuth_rad += camera->attitude->yaw_rad;
-  return DirectionOf(*sun);
+  std::optional<SunFound> found = survey.recognizer.FindSun(*features, *conditions.vertical);
+  if (!found) return std::nullopt;
+  found->ahead.azimuth_rad += camera->attitude->yaw_rad;
+  return Answer{DirectionOf(found->ahead), found->evidence};
 }
 
 }  // namespace
@@ -100,7 +111,7 @@ Expected<std::optional<Sun>> FindDaylight(const DaylightSurvey& survey, VideoRea
       frames / kOneIn, survey.options.least_frames, std::max(survey.options.least_frames, survey.options.most_frames));
   const std::int64_t step = std::max<std::int64_t>(1, frames / wanted);
   constexpr std::size_t kTogether = 2;  // asked at once, however many threads there are
-  std::vector<Eigen::Vector3d> answers;
+  std::vector<Answer> answers;
   std::vector<Frame> asked;
   bool more = true;
   while (more) {
@@ -110,17 +121,19 @@ Expected<std::optional<Sun>> FindDaylight(const DaylightSurvey& survey, VideoRea
     more = frame && *frame;
     if (more && (*frame)->index % step == step / 2) asked.push_back(*std::move(*frame));
     if (asked.size() < kTogether && more) continue;
-    std::vector<std::optional<Eigen::Vector3d>> told(asked.size());
+    std::vector<std::optional<Answer>> told(asked.size());
     oneapi::tbb::parallel_for(std::size_t{0}, asked.size(),
                               [&](std::size_t i) { told[i] = AskFrame(survey, asked[i]); });
     for (const auto& answer : told) {
       if (answer) answers.push_back(*answer);
     }
     asked.clear();
-    if (const auto sun = Agreement(answers)) return sun;
+    constexpr int kEnough = 3;
+    if (MostAgreement(answers).count >= kEnough) break;
   }
-  if (answers.size() == 1) return SunIn(answers.front());
-  return std::nullopt;
+  const Agreement agreement = MostAgreement(answers);
+  const bool undisputed = agreement.count >= 2 || answers.size() == 1;
+  return undisputed ? std::optional(SunIn(agreement.sum)) : std::nullopt;
 }
 
 }  // namespace victorious

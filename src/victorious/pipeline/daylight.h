@@ -40,8 +40,8 @@ struct DaylightSurvey {
 };
 
 /// Where the sun stands, by the clock if the telemetry has one. Else frames from all over the video are asked
-/// (Recognizer::FindSun), until two agree; if one alone answers, it. Nothing at night, under clouds, or where nothing
-/// tells. Deterministic.
+/// (Recognizer::FindSun), until three agree; two are enough at the end, and one if no other answers. Nothing at night,
+/// under clouds, or where nothing tells. Deterministic.
 /// @param reader  from its beginning; is read as far as need be
 /// Errors: kCancelled. A video that cannot be read further says what its search says.
 Expected<std::optional<Sun>> FindDaylight(const DaylightSurvey& survey, VideoReader& reader, const CancelToken& cancel);

@@ -233,6 +233,7 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
         VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(video, reading));
       }
     }
+    report.sun = sun;
     const SearchPass pass{.video = record,
                           .searches = searches,
                           .recognizer = recognizer,

@@ -12,6 +12,7 @@
 
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
+#include "victorious/geometry/sun.h"
 #include "victorious/pipeline/index_options.h"
 #include "victorious/store/index_store.h"
 #include "victorious/types/object_model.h"
@@ -22,6 +23,7 @@ struct IndexReport {
   std::int64_t frames_searched = 0;  ///< in this run
   std::int64_t sightings = 0;        ///< found in this run
   bool stopped_live = false;         ///< that end is where a live source was cancelled
+  std::optional<Sun> sun;            ///< where it stands, azimuth from north, if objects were sought as it lights them
 };
 
 /// Told what of a video was damaged, and where, a line each; also of a video that could not be indexed to its end.

@@ -1,6 +1,7 @@
 #include "victorious/recognize/recognizer.h"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -144,13 +145,25 @@ bool Recognizer::KnowsSuns() const {
   return std::ranges::any_of(voters_, [](const auto& voter) { return voter.second.KnowsSuns(); });
 }
 
-std::optional<Sun> Recognizer::FindSun(const FeatureSet& scene, const Vertical& vertical) const {
+std::optional<SunFound> Recognizer::FindSun(const FeatureSet& scene, const Vertical& vertical) const {
   const RankedMatcher ranked(scene.View());
   const VoteScene ready{scene, ranked, options_.search, options_.pose};
-  for (const auto& [model, search] : voters_) {
-    if (const std::optional<Sun> sun = search.FindSun(ready, vertical)) return sun;
+  std::vector<std::pair<std::size_t, SunLead>> leads;  // of a voter
+  for (std::size_t i = 0; i < voters_.size(); ++i) {
+    for (const SunLead& lead : voters_[i].second.FindSunLeads(ready, vertical)) leads.emplace_back(i, lead);
   }
-  return std::nullopt;
+  std::ranges::stable_sort(leads, std::greater{}, [](const auto& lead) { return lead.second.evidence; });
+  leads.resize(std::min(leads.size(), static_cast<std::size_t>(options_.search.most_asked)));
+  std::optional<SunFound> best;
+  for (std::size_t i = 0; i < voters_.size(); ++i) {
+    std::vector<SunLead> own;
+    for (const auto& [voter, lead] : leads) {
+      if (voter == i) own.push_back(lead);
+    }
+    const std::optional<SunFound> found = voters_[i].second.FindSun(ready, vertical, own);
+    if (found && (!best || found->evidence > best->evidence)) best = found;
+  }
+  return best;
 }
 
 StagedMatches Recognizer::MatchView(const FeatureSet& scene, std::size_t model, std::size_t view) const {

@@ -75,8 +75,8 @@ class Recognizer {
   /// Whether FindSun() can tell anything: a model has views under a sun.
   [[nodiscard]] bool KnowsSuns() const;
 
-  /// Where the sun stands, as FrameConditions::sun_ahead, from how an object in the scene is lit; mostly nothing.
-  [[nodiscard]] std::optional<Sun> FindSun(const FeatureSet& scene, const Vertical& vertical) const;
+  /// Where the sun stands, from how an object in the scene is lit; mostly nothing.
+  [[nodiscard]] std::optional<SunFound> FindSun(const FeatureSet& scene, const Vertical& vertical) const;
 
   /// One view of one model by the grammar, whatever the method, stage by stage.
   [[nodiscard]] StagedMatches MatchView(const FeatureSet& scene, std::size_t model, std::size_t view) const;

@@ -219,9 +219,10 @@ class Painted : public LitTemplates {
     return Texture(120, 90, 1000 + kAround * sun_view + view);
   }
 
-  [[nodiscard]] std::shared_ptr<const LitTemplate> Under(std::size_t sun_view, std::size_t view) const override {
-    return lit_[kAround * sun_view + view];
+  [[nodiscard]] std::shared_ptr<const LitTemplate> Under(const LitView& wanted) const override {
+    return lit_[kAround * wanted.sun_view + wanted.view];
   }
+  void Prepare(std::span<const LitView> /*wanted*/) const override {}
 
  private:
   std::vector<std::shared_ptr<const LitTemplate>> lit_;
@@ -229,7 +230,7 @@ class Painted : public LitTemplates {
 
 TEST(Recognizer, FindsTheSunByWhatItPaints) {
   constexpr std::size_t kView = 2;
-  constexpr std::size_t kSunView = 5;
+  constexpr std::size_t kSunView = 3;
   cv::Mat scene = Texture(640, 480, 4);
   Paste(Painted::PaintOf(kSunView, kView), 1.0, 0, {320, 240}, scene);
   const FeatureSet features = FeaturesOf(scene);
@@ -238,10 +239,11 @@ TEST(Recognizer, FindsTheSunByWhatItPaints) {
   ASSERT_TRUE(recognizer.KnowsSuns());
   const Vertical vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 0.3, 640, 480);
 
-  const std::optional<Sun> sun = recognizer.FindSun(features, vertical);
-  ASSERT_TRUE(sun);
-  // Seen from azimuth 60, lit from azimuth 150: the camera looks towards 240, and the sun stands 90 before that.
-  EXPECT_NEAR(WrapAngle(sun->azimuth_rad + kPi / 2), 0, 0.2);
+  const std::optional<SunFound> found_sun = recognizer.FindSun(features, vertical);
+  ASSERT_TRUE(found_sun);
+  const Sun sun = found_sun->ahead;
+  // Seen from azimuth 60, lit from azimuth 90: the camera looks towards 240, and the sun stands 150 before that.
+  EXPECT_NEAR(WrapAngle(sun.azimuth_rad + 5 * kPi / 6), 0, 0.2);
 
   EXPECT_TRUE(recognizer.Recognize(features, {.vertical = vertical, .sun_ahead = {}}).empty());
   const std::vector<Detection> found = recognizer.Recognize(features, {.vertical = vertical, .sun_ahead = sun});

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "victorious/geometry/angles.h"
@@ -18,6 +20,12 @@ void VoteSearchOptions::ListFields(FieldList& fields) {
               .reason = "scene keypoints tried for each template keypoint, the likest first"});
   fields.Add("most_followed", most_followed,
              {.min = 0, .max = 100000, .reason = "views whose neighbours are compared too: those of most evidence"});
+  fields.Add("most_lit", most_lit,
+             {.min = 0,
+              .max = 100000,
+              .unit = "views",
+              .reason = "of every few views those compared under the sun, too: those of most evidence without; 1000 "
+                        "finds some more under a hard sun where the camera circles, at half the speed"});
   fields.Add("most_tilt_rad", most_tilt_rad,
              {.min = 0.01,
               .max = 3.2,
@@ -35,10 +43,18 @@ void VoteSearchOptions::ListFields(FieldList& fields) {
               .max = 1000,
               .unit = "decades",
               .reason = "evidence that an object must have for its light to tell where the sun stands"});
+  fields.Add("most_asked", most_asked,
+             {.min = 1,
+              .max = 100000,
+              .unit = "views",
+              .reason = "in a frame, where the sun stands: those of most evidence under a soft sky; each is compared "
+                        "under eight suns"});
   fields.AddGroup("votes", votes);
 }
 
 namespace {
+
+constexpr double kNoEvidence = -std::numeric_limits<double>::infinity();
 
 // A view under a soft sky, or under the sun that stands where another view's camera does.
 struct Look {
@@ -111,6 +127,15 @@ Look LitLook(const ObjectModel& model, std::size_t view, const Sun& sun, double 
   return {view, ViewFromSun(model, shared_rad, sun.elevation_rad)};
 }
 
+// The few largest of them, largest first.
+std::vector<std::size_t> MostEvident(std::span<const double> evidence, int few) {
+  std::vector<std::size_t> order(evidence.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, std::greater{}, [&](std::size_t i) { return evidence[i]; });
+  order.resize(std::min(order.size(), static_cast<std::size_t>(few)));
+  return order;
+}
+
 // One model against one scene.
 class Comparison {
  public:
@@ -118,9 +143,23 @@ class Comparison {
              const std::optional<Vertical>& vertical, std::size_t looks)
       : model_(model), lit_(lit), scene_(scene), vertical_(vertical), looks_(looks) {}
 
-  // The most evidence of a pose that the look finds.
+  // The most evidence of a pose that each look finds.
+  std::vector<double> Try(std::span<const Look> looks) {
+    std::vector<LitView> needed;
+    for (const Look& look : looks) {
+      if (look.sun_view) needed.push_back({*look.sun_view, look.view});
+    }
+    if (!needed.empty()) lit_->Prepare(needed);
+    std::vector<double> evidence;
+    for (const Look& look : looks) evidence.push_back(Try(look));
+    return evidence;
+  }
+
+  std::vector<Candidate> TakeCandidates() { return std::move(candidates_); }
+
+ private:
   double Try(const Look& look) {
-    const std::shared_ptr<const LitTemplate> made = look.sun_view ? lit_->Under(*look.sun_view, look.view) : nullptr;
+    const std::shared_ptr<const LitTemplate> made = look.sun_view ? lit_->Under({*look.sun_view, look.view}) : nullptr;
     const FeatureView features = made ? made->features.View() : model_.ViewFeatures(look.view);
     const std::span<const Point3> points = made ? std::span(made->points_in_model) : PointsOf(look.view);
     const ModelView& view = model_.views[look.view];
@@ -130,7 +169,7 @@ class Comparison {
     if (vertical_ && view.angles) {
       upright.emplace(*vertical_, view.angles->off_nadir_rad, scene_.options.most_tilt_rad);
     }
-    double most_evidence = -std::numeric_limits<double>::infinity();
+    double most_evidence = kNoEvidence;
     for (Pose& pose : VotePoses(scene_.features, features.keypoints, matches, view.outline, scene_.options.votes,
                                 scene_.pose, upright)) {
       most_evidence = std::max(most_evidence, *pose.evidence);
@@ -146,9 +185,6 @@ class Comparison {
     return most_evidence;
   }
 
-  std::vector<Candidate> TakeCandidates() { return std::move(candidates_); }
-
- private:
   [[nodiscard]] std::span<const Point3> PointsOf(std::size_t view) const {
     if (model_.points_in_model.empty()) return {};
     return model_.points_in_model.subspan(model_.views[view].first_feature, model_.views[view].feature_count);
@@ -169,33 +205,33 @@ std::vector<Candidate> VoteSearch::Search(const VoteScene& scene, const FrameCon
   const bool sunny = lit_ && conditions.vertical && conditions.sun_ahead;
   Comparison comparison(*model_, lit_.get(), scene, conditions.vertical, model_->views.size() * (sunny ? 2 : 1));
 
-  struct Lead {
-    double evidence;
-    std::size_t view;
-    bool lit;
-  };
   std::vector<bool> waiting[2];  // under a soft sky, under the sun
-  const auto compare = [&](std::size_t view, bool lit) {
-    if (!waiting[lit][view]) return -std::numeric_limits<double>::infinity();
+  waiting[0] = ChooseViews(*model_, conditions.vertical, options.most_tilt_rad);
+  waiting[1].resize(model_->views.size());
+  for (std::size_t view = 0; view < model_->views.size(); ++view) {
+    waiting[1][view] = sunny && waiting[0][view] && TellsHeading(model_->views[view]);
+  }
+  const auto add = [&](std::size_t view, bool lit, std::vector<Look>& looks) {
+    if (!waiting[lit][view]) return;
     waiting[lit][view] = false;
-    return comparison.Try(lit ? LitLook(*model_, view, *conditions.sun_ahead, options.sun_step_rad) : Look{view, {}});
+    looks.push_back(lit ? LitLook(*model_, view, *conditions.sun_ahead, options.sun_step_rad) : Look{view, {}});
   };
-  std::vector<Lead> leads;
-  for (const bool lit : {false, true}) {
-    waiting[lit] = ChooseViews(*model_, conditions.vertical, options.most_tilt_rad);
-    if (lit) {
-      for (std::size_t view = 0; view < model_->views.size(); ++view) {
-        waiting[lit][view] = waiting[lit][view] && sunny && TellsHeading(model_->views[view]);
-      }
+  std::vector<Look> scouts;
+  for (const std::size_t view : ChooseScouts(*model_, waiting[0])) add(view, false, scouts);
+  std::vector<double> evidence = comparison.Try(scouts);
+  std::vector<Look> lit;
+  for (const std::size_t lead : MostEvident(evidence, options.most_lit)) add(scouts[lead].view, true, lit);
+  std::ranges::copy(comparison.Try(lit), std::back_inserter(evidence));
+  std::ranges::copy(lit, std::back_inserter(scouts));
+  std::vector<Look> near;
+  for (const std::size_t lead : MostEvident(evidence, options.most_followed)) {
+    if (evidence[lead] == kNoEvidence) break;
+    const Look& scout = scouts[lead];
+    for (const std::uint32_t neighbour : model_->views[scout.view].neighbours) {
+      add(neighbour, scout.sun_view.has_value(), near);
     }
-    for (const std::size_t view : ChooseScouts(*model_, waiting[lit])) leads.push_back({compare(view, lit), view, lit});
   }
-  std::ranges::stable_sort(leads, std::greater{}, &Lead::evidence);
-  leads.resize(std::min(leads.size(), static_cast<std::size_t>(options.most_followed)));
-  for (const Lead& lead : leads) {
-    if (!std::isfinite(lead.evidence)) break;
-    for (const std::uint32_t neighbour : model_->views[lead.view].neighbours) compare(neighbour, lead.lit);
-  }
+  comparison.Try(near);
   return comparison.TakeCandidates();
 }
 
@@ -203,54 +239,68 @@ std::vector<Candidate> VoteSearch::SearchViews(const VoteScene& scene, const Fra
                                                std::span<const std::size_t> views) const {
   const bool sunny = lit_ && conditions.vertical && conditions.sun_ahead;
   Comparison comparison(*model_, lit_.get(), scene, conditions.vertical, views.size() * (sunny ? 2 : 1));
+  std::vector<Look> looks;
   for (const std::size_t view : views) {
     if (model_->views[view].feature_count == 0) continue;
-    comparison.Try({view, {}});
+    looks.push_back({view, {}});
     if (!sunny || !TellsHeading(model_->views[view])) continue;
-    comparison.Try(LitLook(*model_, view, *conditions.sun_ahead, scene.options.sun_step_rad));
+    looks.push_back(LitLook(*model_, view, *conditions.sun_ahead, scene.options.sun_step_rad));
   }
+  comparison.Try(looks);
   return comparison.TakeCandidates();
 }
 
-std::optional<Sun> VoteSearch::FindSun(const VoteScene& scene, const Vertical& vertical) const {
-  if (!lit_) return std::nullopt;
-  constexpr int kAzimuths = 12;
-  constexpr double kElevation_rad = kPi / 4;
-  const std::vector<std::size_t> scouts =
-      ChooseScouts(*model_, ChooseViews(*model_, vertical, scene.options.most_tilt_rad));
+std::vector<SunLead> VoteSearch::FindSunLeads(const VoteScene& scene, const Vertical& vertical) const {
+  if (!lit_) return {};
+  std::vector<Look> looks;
+  for (const std::size_t view : ChooseScouts(*model_, ChooseViews(*model_, vertical, scene.options.most_tilt_rad))) {
+    if (TellsHeading(model_->views[view])) looks.push_back({view, {}});
+  }
   const std::optional<Vertical> known = vertical;
-  Comparison comparison(*model_, lit_.get(), scene, known, scouts.size() * kAzimuths);
-  double soft = 0;
-  double most = scene.options.sun_evidence;
-  std::optional<std::pair<std::size_t, double>> best;  // view, the sun's azimuth
-  for (const std::size_t view : scouts) {
-    soft = std::max(soft, comparison.Try({view, {}}));
-    if (!TellsHeading(model_->views[view])) continue;
+  const std::vector<double> evidence = Comparison(*model_, nullptr, scene, known, looks.size()).Try(looks);
+  std::vector<SunLead> leads;
+  for (std::size_t i = 0; i < looks.size(); ++i) leads.push_back({looks[i].view, evidence[i]});
+  return leads;
+}
+
+std::optional<SunFound> VoteSearch::FindSun(const VoteScene& scene, const Vertical& vertical,
+                                            std::span<const SunLead> leads) const {
+  if (!lit_ || leads.empty()) return std::nullopt;
+  constexpr int kAzimuths = 8;
+  constexpr double kElevation_rad = kPi / 4;
+  std::vector<Look> lit;
+  for (const SunLead& lead : leads) {
     for (int i = 0; i < kAzimuths; ++i) {
-      const double azimuth_rad = 2 * kPi * i / kAzimuths;
-      const double evidence = comparison.Try({view, ViewFromSun(*model_, azimuth_rad, kElevation_rad)});
-      if (evidence <= most) continue;
-      most = evidence;
-      best.emplace(view, azimuth_rad);
+      lit.push_back({lead.view, ViewFromSun(*model_, 2 * kPi * i / kAzimuths, kElevation_rad)});
     }
   }
-  if (!best || most < soft + 1) return std::nullopt;
+  const std::optional<Vertical> known = vertical;
+  Comparison comparison(*model_, lit_.get(), scene, known, lit.size());
+  const std::vector<double> evidence = comparison.Try(lit);
+  const auto best = static_cast<std::size_t>(std::ranges::max_element(evidence) - evidence.begin());
+  const double soft = std::ranges::max(leads, {}, &SunLead::evidence).evidence;
+  if (evidence[best] < std::max(scene.options.sun_evidence, soft + 1)) return std::nullopt;
 
   // Nearer, by the same view: the mean of the suns about, by how much more each explains.
-  const auto& [view, first_rad] = *best;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  const std::size_t view = lit[best].view;
+  const double first_rad = model_->views[*lit[best].sun_view].angles->azimuth_rad;
+  std::vector<Look> nearer;
+  std::vector<Eigen::Vector3d> suns;
   for (int around = -3; around <= 3; ++around) {
     for (int up = -3; up <= 2; ++up) {
       const double azimuth_rad = first_rad + RadiansFromDegrees(10.0 * around);
       const double elevation_rad = kElevation_rad + RadiansFromDegrees(10.0 * up);
-      const double evidence = comparison.Try({view, ViewFromSun(*model_, azimuth_rad, elevation_rad)});
-      const double weight = std::pow(10.0, evidence - most);
-      mean += weight * Eigen::Vector3d(std::cos(elevation_rad) * std::cos(azimuth_rad),
-                                       std::cos(elevation_rad) * std::sin(azimuth_rad), std::sin(elevation_rad));
+      nearer.push_back({view, ViewFromSun(*model_, azimuth_rad, elevation_rad)});
+      suns.emplace_back(std::cos(elevation_rad) * std::cos(azimuth_rad),
+                        std::cos(elevation_rad) * std::sin(azimuth_rad), std::sin(elevation_rad));
     }
   }
-  return Sun{.azimuth_rad = SunAhead(model_->views[view].angles->azimuth_rad, std::atan2(mean.y(), mean.x())),
-             .elevation_rad = std::atan2(mean.z(), std::hypot(mean.x(), mean.y()))};
+  const std::vector<double> nearer_evidence = comparison.Try(nearer);
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < suns.size(); ++i) mean += std::pow(10.0, nearer_evidence[i] - evidence[best]) * suns[i];
+  const Sun ahead{.azimuth_rad = SunAhead(model_->views[view].angles->azimuth_rad, std::atan2(mean.y(), mean.x())),
+                  .elevation_rad = std::atan2(mean.z(), std::hypot(mean.x(), mean.y()))};
+  return SunFound{ahead, evidence[best]};
 }
 
 }  // namespace victorious

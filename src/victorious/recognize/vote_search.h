@@ -28,9 +28,11 @@ namespace victorious {
 struct VoteSearchOptions {
   int nearest = 4;
   int most_followed = 6;
+  int most_lit = 16;
   double most_tilt_rad = 0.35;
   double sun_step_rad = 0.35;
   double sun_evidence = 6.0;
+  int most_asked = 8;
   VoteOptions votes;
 
   void ListFields(FieldList& fields);
@@ -42,6 +44,17 @@ struct VoteScene {
   const RankedMatcher& ranked;  ///< of the features
   const VoteSearchOptions& options;
   const PoseOptions& pose;
+};
+
+/// A view that may tell where the sun stands.
+struct SunLead {
+  std::size_t view;
+  double evidence;  ///< decades, under a soft sky; minus infinity without any pose
+};
+
+struct SunFound {
+  Sun ahead;        ///< as FrameConditions::sun_ahead
+  double evidence;  ///< decades
 };
 
 /// Immutable once made: any number of threads may ask it at once.
@@ -61,9 +74,14 @@ class VoteSearch {
   [[nodiscard]] std::vector<Candidate> SearchViews(const VoteScene& scene, const FrameConditions& conditions,
                                                    std::span<const std::size_t> views) const;
 
-  /// Where the sun stands, from how an instance of the model is lit, as FrameConditions::sun_ahead; nothing where none
-  /// is seen better under some sun than under a soft sky, with options.sun_evidence at least.
-  [[nodiscard]] std::optional<Sun> FindSun(const VoteScene& scene, const Vertical& vertical) const;
+  /// What of the scene could tell where the sun stands: views seen from aside that an upright object can show, by their
+  /// evidence under a soft sky. None without views under a sun.
+  [[nodiscard]] std::vector<SunLead> FindSunLeads(const VoteScene& scene, const Vertical& vertical) const;
+
+  /// Where the sun stands, from how an instance of the model is lit in one of these views; nothing where no sun brings
+  /// options.sun_evidence, and as much more than a soft sky does that it is no chance.
+  [[nodiscard]] std::optional<SunFound> FindSun(const VoteScene& scene, const Vertical& vertical,
+                                                std::span<const SunLead> leads) const;
 
  private:
   const ObjectModel* model_;
