@@ -8,6 +8,7 @@
 #include "victorious/pipeline/follower.h"
 #include "victorious/pipeline/object_options.h"
 #include "victorious/pipeline/sight.h"
+#include "victorious/pipeline/stance.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/telemetry/telemetry.h"
 
@@ -31,6 +32,7 @@ struct KeepOptions {
 /// How sources are read.
 struct VideoOptions {
   double folder_frame_rate = 10.0;
+  double hfov_deg = 0;
 
   void ListFields(FieldList& fields);
 };
@@ -41,6 +43,7 @@ struct IndexOptions {
   RecognizeOptions recognize;
   DaylightOptions daylight;
   TelemetryOptions telemetry;
+  StanceOptions stance;
   SightOptions sight;
   FollowOptions follow;
   RunOptions runs;
