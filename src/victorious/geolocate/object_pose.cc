@@ -28,19 +28,18 @@ Matrix3d Cross(const Vector3d& v) {
   return (Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
 }
 
-// How much larger than sigma the offsets are, squared, from the median of those that count; at least 1.
-double NoiseFactor2(std::vector<double> squared_offsets, std::span<const double> weights) {
-  if (!weights.empty()) {
-    std::vector<double> counting;
-    for (std::size_t i = 0; i < weights.size(); ++i) {
-      if (weights[i] > 0.5) counting.push_back(squared_offsets[i]);
-    }
-    if (!counting.empty()) squared_offsets = std::move(counting);
+// How much larger than sigma the offsets of the points that count are, squared: at least 1. Few points leave small
+// offsets behind, because the pose bends to them and they were chosen for agreeing: the six unknowns are paid for twice.
+double NoiseFactor2(std::span<const double> squared_offsets, std::span<const double> weights) {
+  constexpr double kUnknowns = 6;
+  double sum = 0;
+  double count = 0;
+  for (std::size_t i = 0; i < squared_offsets.size(); ++i) {
+    const double weight = weights.empty() ? 1 / (1 + squared_offsets[i] / (kCauchyScale * kCauchyScale)) : weights[i];
+    sum += weight * squared_offsets[i];
+    count += weight;
   }
-  const auto middle = squared_offsets.begin() + static_cast<std::ptrdiff_t>(squared_offsets.size() / 2);
-  std::ranges::nth_element(squared_offsets, middle);
-  constexpr double kMedian = 1.3862943611198906;  // 2 ln 2: of a sum of two squared normal numbers
-  return std::max(1.0, *middle / kMedian);
+  return std::max(1.0, (sum + kUnknowns) / std::max(1.0, 2 * count - kUnknowns));
 }
 
 // The translation that fits best under a known rotation: linear in it. Each point weighs 1 unless told otherwise.

@@ -21,11 +21,11 @@ namespace victorious {
 
 struct StanceOptions {
   double point_sigma_px = 1.0;
-  double view_sigma_deg = 6.0;
-  double up_sigma_deg = 4.0;
+  double view_sigma_deg = 8.0;
+  double up_sigma_deg = 3.0;
   double least_view_sigma_deg = 1.0;
   double least_sigma_px = 0.3;
-  double least_distance_share = 0.01;
+  double least_distance_share = 0.015;
   int hypotheses = 100;
 
   void ListFields(FieldList& fields);
