@@ -48,7 +48,6 @@ void IndexOptions::ListSearchFields(FieldList& fields) {
   recognize.ListFields(fields);
   fields.AddGroup("daylight", daylight);
   fields.AddGroup("telemetry", telemetry);
-  fields.AddGroup("stance", stance);
   fields.AddGroup("sight", sight);
   fields.AddGroup("follow", follow);
   fields.AddGroup("runs", runs);

@@ -7,7 +7,6 @@
 #include "victorious/pipeline/daylight.h"
 #include "victorious/pipeline/follower.h"
 #include "victorious/pipeline/object_options.h"
-#include "victorious/pipeline/sight.h"
 #include "victorious/pipeline/stance.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/telemetry/telemetry.h"
@@ -43,7 +42,6 @@ struct IndexOptions {
   RecognizeOptions recognize;
   DaylightOptions daylight;
   TelemetryOptions telemetry;
-  StanceOptions stance;
   SightOptions sight;
   FollowOptions follow;
   RunOptions runs;

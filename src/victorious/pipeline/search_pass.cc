@@ -141,15 +141,17 @@ SightingRecord ToSighting(const SearchPass& pass, const Frame& frame, const Feat
                           .view = model.views[detection.view].angles,
                           .in_plane_rad = detection.pose.scene_from_template.rotation_rad};
   if (seen.tracked) return sighting;
-  const std::optional<Stance> stance = StanceOf(detection, model, features, camera, pass.options.stance);
-  if (stance) {
-    sighting.view = stance->view;
-    sighting.in_plane_rad = stance->in_plane_rad;
-    sighting.sigma_view_rad = stance->sigma_view_rad;
-    sighting.distance_m = stance->distance_m;
-    if (stance->distance_m) sighting.sigma_distance_m = stance->sigma_distance_m;
+  const CameraState known = camera.value_or(CameraState{});
+  const auto stance = StanceOf(detection, model, features, known, pass.options.sight, UpInCamera(known));
+  if (!stance) return sighting;
+  if (stance->view) {
+    sighting.view = stance->view->angles;
+    sighting.in_plane_rad = stance->view->in_plane_rad;
+    sighting.sigma_view_rad = stance->view->sigma_rad;
   }
-  if (camera) sighting.sight = SightOf(detection, stance, model, features, *camera, pass.options.sight);
+  sighting.distance_m = stance->range_m;
+  if (stance->range_m) sighting.sigma_distance_m = stance->sigma_range_m;
+  sighting.sight = SightOf(*stance, known);
   return sighting;
 }
 

@@ -12,8 +12,8 @@ namespace victorious {
 namespace {
 
 std::optional<Sight> SightOfStaged(const Staged& staged, const CameraState& camera) {
-  const auto stance = StanceOf(staged.detection, staged.model, staged.scene, camera, {});
-  return SightOf(staged.detection, stance, staged.model, staged.scene, camera, {});
+  const auto stance = StanceOf(staged.detection, staged.model, staged.scene, camera, {}, UpInCamera(camera));
+  return stance ? SightOf(*stance, camera) : std::nullopt;
 }
 
 void ExpectSight(const std::optional<Sight>& sight, const Eigen::Vector3d& object_enu, double heading_deg) {
@@ -64,13 +64,13 @@ TEST(Sight, APhotoHasARangeOnlyWhereItsLengthIsKnown) {
   scene.image_width = kWidth;
   scene.image_height = kHeight;
   const CameraState camera = LookingDown(-90, 0);
-  auto sight = SightOf(detection, {}, model, scene, camera, {});
+  auto sight = SightOf(StanceOf(detection, model, scene, camera, {}).value(), camera);
   ASSERT_TRUE(sight);
   EXPECT_FALSE(sight->line.range_m);
   EXPECT_FALSE(sight->heading_rad);
   EXPECT_NEAR(DegreesFromRadians(sight->line.elevation_rad), -90, 1.3);  // (320, 240) but for 50 px, 1.2 degrees
   model.length_m = 4;
-  sight = SightOf(detection, {}, model, scene, camera, {});
+  sight = SightOf(StanceOf(detection, model, scene, camera, {}).value(), camera);
   EXPECT_NEAR(*sight->line.range_m, kFocalPx * 4 / 100, 1e-6);
 }
 

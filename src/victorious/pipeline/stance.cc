@@ -2,16 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
-#include "victorious/geolocate/object_pose.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/attitude.h"
+#include "victorious/geometry/homography.h"
+#include "victorious/geometry/lens.h"
 #include "victorious/render/view_sphere.h"
 
 namespace victorious {
 
-void StanceOptions::ListFields(FieldList& fields) {
+void SightOptions::ListFields(FieldList& fields) {
   fields.Add("point_sigma_px", point_sigma_px,
              {.min = 1e-3, .max = 100, .unit = "px", .reason = "sigma of a matched keypoint's place in the frame"});
   fields.Add("view_sigma_deg", view_sigma_deg,
@@ -36,23 +38,20 @@ void StanceOptions::ListFields(FieldList& fields) {
               .max = 100,
               .unit = "px",
               .reason = "the middle of an object is never known better than this: for the same reason"});
-  fields.Add("least_distance_share", least_distance_share,
-             {.min = 0, .max = 1, .reason = "sigma over distance, at least: for the same reason"});
+  fields.Add("least_range_share", least_range_share,
+             {.min = 0, .max = 1, .reason = "sigma over range, at least: for the same reason"});
   fields.Add("hypotheses", hypotheses,
              {.min = 0, .max = 10000, .reason = "poses of three points tried, at most; 0 trusts every matched point"});
-}
-
-ImagePlane::ImagePlane(const FeatureSet& scene, double hfov_rad, const std::optional<LensDistortion>& lens)
-    : focal_px_(scene.image_width / 2.0 / std::tan(hfov_rad / 2)),
-      middle_(scene.image_width / 2.0, scene.image_height / 2.0),
-      lens_(lens.value_or(LensDistortion{})) {}
-
-Eigen::Vector2d ImagePlane::At(const Eigen::Vector2d& pixel) const {
-  return Undistort((pixel - middle_) / focal_px_, lens_);
-}
-
-Eigen::Vector3d ImagePlane::DirectionOf(const Eigen::Vector2d& pixel) const {
-  return At(pixel).homogeneous().normalized();
+  fields.Add("photo_centre_share", photo_centre_share,
+             {.min = 0,
+              .max = 1,
+              .unit = "",
+              .reason = "sigma of a photo's object's middle over its size: another side of it has another middle"});
+  fields.Add("photo_range_share", photo_range_share,
+             {.min = 1e-3,
+              .max = 10,
+              .unit = "",
+              .reason = "sigma over range, of a photo's object of known length: it is seen foreshortened"});
 }
 
 namespace {
@@ -60,6 +59,24 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+
+// The picture's plane at depth 1, the lens undone: of a camera with square pixels, its principal point in the middle.
+class ImagePlane {
+ public:
+  ImagePlane(const FeatureSet& scene, double hfov_rad, const std::optional<LensDistortion>& lens)
+      : focal_px_(scene.image_width / 2.0 / std::tan(hfov_rad / 2)),
+        middle_(scene.image_width / 2.0, scene.image_height / 2.0),
+        lens_(lens.value_or(LensDistortion{})) {}
+
+  [[nodiscard]] double focal_px() const { return focal_px_; }
+  [[nodiscard]] Vector2d At(const Vector2d& pixel) const { return Undistort((pixel - middle_) / focal_px_, lens_); }
+  [[nodiscard]] Vector3d DirectionOf(const Vector2d& pixel) const { return At(pixel).homogeneous().normalized(); }
+
+ private:
+  double focal_px_;
+  Vector2d middle_;
+  LensDistortion lens_;
+};
 
 // The matched points' places on the object, m.
 std::vector<Vector3d> PlacesOf(const Detection& detection, const ObjectModel& model) {
@@ -90,15 +107,10 @@ Quaterniond RotationOfView(const Detection& detection, const ModelView& view, co
          CameraFromModel({view.angles->azimuth_rad, view.angles->off_nadir_rad});
 }
 
-}  // namespace
-
-std::optional<Stance> StanceOf(const Detection& detection, const ObjectModel& model, const FeatureSet& scene,
-                               const std::optional<CameraState>& camera, const StanceOptions& options) {
-  // A supposed field of view puts the object too far or too near, and hardly turns it: it is small before the camera.
-  constexpr double kSupposedFovRad = 0.5;
-  const bool knows_scale = camera && camera->hfov_rad;
-  const ImagePlane image(scene, knows_scale ? *camera->hfov_rad : kSupposedFovRad,
-                         knows_scale ? camera->distortion : std::nullopt);
+// Of a model that knows its points in space.
+std::optional<Stance> SeenByPoints(const Detection& detection, const ObjectModel& model, const FeatureSet& scene,
+                                   const ImagePlane& image, const SightOptions& options,
+                                   const std::optional<Vector3d>& up_in_camera) {
   const ModelView& view = model.views[detection.view];
   const std::vector<Vector3d> places = PlacesOf(detection, model);
   if (places.empty() || !model.box_m || !view.angles) return std::nullopt;
@@ -108,27 +120,74 @@ std::optional<Stance> StanceOf(const Detection& detection, const ObjectModel& mo
     const Keypoint& keypoint = scene.keypoints[detection.pose.inliers[i].scene];
     points.push_back({places[i] - middle, image.At({keypoint.x, keypoint.y})});
   }
-  ObjectPoseOptions fit{.sigma = options.point_sigma_px / image.focal_px(),
-                        .sigma_view_rad = RadiansFromDegrees(options.view_sigma_deg),
-                        .sigma_up_rad = RadiansFromDegrees(options.up_sigma_deg),
-                        .hypotheses = options.hypotheses};
-  if (knows_scale && camera->attitude) fit.up_in_camera = CameraFromEnu(*camera->attitude) * Vector3d::UnitZ();
-  const auto pose = FitObjectPose(points, RotationOfView(detection, view, image), fit);
+  const auto pose = FitObjectPose(points, RotationOfView(detection, view, image),
+                                  {.sigma = options.point_sigma_px / image.focal_px(),
+                                   .sigma_view_rad = RadiansFromDegrees(options.view_sigma_deg),
+                                   .up_in_camera = up_in_camera,
+                                   .sigma_up_rad = RadiansFromDegrees(options.up_sigma_deg),
+                                   .hypotheses = options.hypotheses});
   if (!pose) return std::nullopt;
   const Rigid3& stands = pose->camera_from_object;
-  const ViewDirection direction = DirectionFromVector(stands.rotation.conjugate() * -stands.translation);
-  const double distance_m = stands.translation.norm();
-  Stance stance{
-      .camera_from_object = stands,
-      .view = {direction.azimuth_rad, direction.off_nadir_rad},
-      .in_plane_rad = TurnOf(stands, direction),
-      .sigma_view_rad = std::hypot(pose->sigma_view_rad, RadiansFromDegrees(options.least_view_sigma_deg)),
-      .sigma_sight_rad = std::hypot(pose->sigma_angle_rad, options.least_sigma_px / image.focal_px()),
-  };
-  if (knows_scale) {
-    stance.distance_m = distance_m;
-    stance.sigma_distance_m = std::hypot(pose->sigma_range_m, options.least_distance_share * distance_m);
+  const ViewDirection seen_from = DirectionFromVector(stands.rotation.conjugate() * -stands.translation);
+  const double range_m = stands.translation.norm();
+  return Stance{.direction = stands.translation / range_m,
+                .sigma_rad = std::hypot(pose->sigma_angle_rad, options.least_sigma_px / image.focal_px()),
+                .range_m = range_m,
+                .sigma_range_m = std::hypot(pose->sigma_range_m, options.least_range_share * range_m),
+                .camera_from_object = stands,
+                .points = std::move(points),
+                .focal_px = image.focal_px(),
+                .view = SeenView{
+                    .angles = {seen_from.azimuth_rad, seen_from.off_nadir_rad},
+                    .in_plane_rad = TurnOf(stands, seen_from),
+                    .sigma_rad = std::hypot(pose->sigma_view_rad, RadiansFromDegrees(options.least_view_sigma_deg))}};
+}
+
+// Of a photo: by its outline.
+std::optional<Stance> SeenByOutline(const Detection& detection, const ObjectModel& model, const ImagePlane& image,
+                                    const SightOptions& options) {
+  const Polygon& outline = model.views[detection.view].outline;
+  if (outline.size() < 3) return std::nullopt;
+  const Box box = BoundingBox(outline);
+  const Vector2d middle =
+      ApplyHomography(detection.pose.scene_from_template_plane, {box.x + box.width / 2, box.y + box.height / 2});
+  const double size_px = detection.pose.scene_from_template.scale * std::max(box.width, box.height);
+  if (!middle.allFinite() || !(size_px > 0)) return std::nullopt;
+  Stance seen{.direction = image.DirectionOf(middle),
+              .sigma_rad = std::hypot(options.photo_centre_share * size_px, options.least_sigma_px) / image.focal_px(),
+              .range_m = std::nullopt,
+              .camera_from_object = std::nullopt,
+              .points = {},
+              .focal_px = image.focal_px(),
+              .view = std::nullopt};
+  if (model.length_m) {
+    seen.range_m = image.focal_px() * *model.length_m / size_px;
+    seen.sigma_range_m = options.photo_range_share * *seen.range_m;
   }
+  return seen;
+}
+
+}  // namespace
+
+std::optional<Vector3d> UpInCamera(const CameraState& camera) {
+  if (!camera.attitude) return std::nullopt;
+  return CameraFromEnu(*camera.attitude) * Vector3d::UnitZ();
+}
+
+std::optional<Stance> StanceOf(const Detection& detection, const ObjectModel& model, const FeatureSet& scene,
+                               const CameraState& camera, const SightOptions& options,
+                               const std::optional<Vector3d>& up_in_camera) {
+  if (camera.hfov_rad) {
+    const ImagePlane image(scene, *camera.hfov_rad, camera.distortion);
+    std::optional<Stance> stance = SeenByPoints(detection, model, scene, image, options, up_in_camera);
+    if (!stance && model.kind != "cad") stance = SeenByOutline(detection, model, image, options);
+    return stance;
+  }
+  // A supposed field of view puts the object too far or too near, and hardly turns it: it is small before the camera.
+  constexpr double kSupposedFovRad = 0.5;
+  std::optional<Stance> stance =
+      SeenByPoints(detection, model, scene, {scene, kSupposedFovRad, std::nullopt}, options, up_in_camera);
+  if (stance) stance->range_m.reset();
   return stance;
 }
 

@@ -21,7 +21,7 @@ Eigen::Vector3d TrueDirection(double heading_deg) {
 }
 
 double ViewErrorDeg(const Stance& stance, const Eigen::Vector3d& truth) {
-  const Eigen::Vector3d found = DirectionToCamera({stance.view.azimuth_rad, stance.view.off_nadir_rad});
+  const Eigen::Vector3d found = DirectionToCamera({stance.view->angles.azimuth_rad, stance.view->angles.off_nadir_rad});
   return DegreesFromRadians(std::acos(std::clamp(found.dot(truth), -1.0, 1.0)));
 }
 
@@ -34,8 +34,8 @@ void Blur(Staged& staged, double sigma_px, std::uint64_t seed) {
   }
 }
 
-std::optional<Stance> StanceOfStaged(const Staged& staged, const std::optional<CameraState>& camera) {
-  return StanceOf(staged.detection, staged.model, staged.scene, camera, {});
+std::optional<Stance> StanceOfStaged(const Staged& staged, const CameraState& camera) {
+  return StanceOf(staged.detection, staged.model, staged.scene, camera, {}, UpInCamera(camera));
 }
 
 TEST(Stance, IsBetweenViews) {
@@ -45,7 +45,7 @@ TEST(Stance, IsBetweenViews) {
     const auto stance = StanceOfStaged(staged, camera);
     ASSERT_TRUE(stance);
     EXPECT_LT(ViewErrorDeg(*stance, TrueDirection(heading_deg)), 0.7) << "the view that matched is 4 degrees off";
-    EXPECT_NEAR(*stance->distance_m, kPlaceEnu.norm(), 0.01 * kPlaceEnu.norm());
+    EXPECT_NEAR(*stance->range_m, kPlaceEnu.norm(), 0.01 * kPlaceEnu.norm());
   }
 }
 
@@ -53,11 +53,11 @@ TEST(Stance, ViewAndTurnTogetherAreTheRotation) {
   const CameraState camera = LookingDown(-55, 38);
   const auto stance = StanceOfStaged(Stage(camera, kPlaceEnu, 200, {}), camera);
   ASSERT_TRUE(stance);
-  const Rigid3& stands = stance->camera_from_object;
+  const Rigid3& stands = *stance->camera_from_object;
   const Eigen::Quaterniond turned =
       Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), stands.translation.normalized()) *
-      Eigen::AngleAxisd(stance->in_plane_rad, Eigen::Vector3d::UnitZ()) *
-      CameraFromModel({stance->view.azimuth_rad, stance->view.off_nadir_rad});
+      Eigen::AngleAxisd(stance->view->in_plane_rad, Eigen::Vector3d::UnitZ()) *
+      CameraFromModel({stance->view->angles.azimuth_rad, stance->view->angles.off_nadir_rad});
   EXPECT_LT(turned.angularDistance(stands.rotation), 1e-6);
 }
 
@@ -67,15 +67,15 @@ TEST(Stance, NeedsNoTelemetryWhereTheFieldOfViewIsKnown) {
   const auto stance = StanceOfStaged(staged, CameraState{.hfov_rad = camera.hfov_rad});
   ASSERT_TRUE(stance);
   EXPECT_LT(ViewErrorDeg(*stance, TrueDirection(75)), 1.5);
-  EXPECT_NEAR(*stance->distance_m, kPlaceEnu.norm(), 0.02 * kPlaceEnu.norm());
+  EXPECT_NEAR(*stance->range_m, kPlaceEnu.norm(), 0.02 * kPlaceEnu.norm());
 }
 
 TEST(Stance, WithoutAFieldOfViewThereIsNoDistance) {
   const Staged staged = Stage(LookingDown(-55, 38), kPlaceEnu, 75, {});
-  const auto stance = StanceOfStaged(staged, std::nullopt);
+  const auto stance = StanceOfStaged(staged, CameraState{});
   ASSERT_TRUE(stance);
   EXPECT_LT(ViewErrorDeg(*stance, TrueDirection(75)), 3);
-  EXPECT_FALSE(stance->distance_m);
+  EXPECT_FALSE(stance->range_m);
 }
 
 TEST(Stance, WrongMatchesDoNotTiltIt) {
@@ -90,7 +90,7 @@ TEST(Stance, WrongMatchesDoNotTiltIt) {
     const auto stance = StanceOfStaged(staged, camera);
     ASSERT_TRUE(stance);
     EXPECT_LT(ViewErrorDeg(*stance, TrueDirection(75)), 4) << seed;
-    EXPECT_NEAR(*stance->distance_m, kPlaceEnu.norm(), 0.04 * kPlaceEnu.norm()) << seed;
+    EXPECT_NEAR(*stance->range_m, kPlaceEnu.norm(), 0.04 * kPlaceEnu.norm()) << seed;
   }
 }
 
@@ -105,17 +105,18 @@ TEST(Stance, SaysHowFarItMayErr) {
     const auto stance = StanceOfStaged(staged, camera);
     ASSERT_TRUE(stance);
     const double error_rad = RadiansFromDegrees(ViewErrorDeg(*stance, TrueDirection(300)));
-    view_inside += error_rad < 2.15 * stance->sigma_view_rad ? 1 : 0;  // 90 % of two axes
-    distance_inside += std::abs(*stance->distance_m - kPlaceEnu.norm()) < 1.64 * stance->sigma_distance_m ? 1 : 0;
+    view_inside += error_rad < 2.15 * stance->view->sigma_rad ? 1 : 0;  // 90 % of two axes
+    distance_inside += std::abs(*stance->range_m - kPlaceEnu.norm()) < 1.64 * stance->sigma_range_m ? 1 : 0;
   }
   EXPECT_GE(view_inside, 80);
   EXPECT_GE(distance_inside, 80);
 }
 
-TEST(Stance, PhotosHaveNone) {
+TEST(Stance, AModelWithoutPointsHasNone) {
   Staged staged = Stage(LookingDown(-55, 38), kPlaceEnu, 75, {});
   staged.model.points_in_model = {};
   EXPECT_FALSE(StanceOfStaged(staged, LookingDown(-55, 38)));
+  EXPECT_FALSE(StanceOfStaged(staged, CameraState{}));
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ struct Find {
 CameraState CameraOf(const RealView& view) { return {.hfov_rad = 2 * std::atan(view.bgr.cols / 2.0 / view.focal_px)}; }
 
 Expected<Find> Search(const RealView& view, const Recognizer& recognizer, const FeatureExtractor& extractor,
-                      const StanceOptions& options) {
+                      const SightOptions& options) {
   VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, extractor.Extract(GreyFromBgr(view.bgr)));
   const std::vector<Detection> detections = recognizer.Recognize(features);
   Find find;
@@ -67,7 +67,7 @@ void DrawBox(const Rigid3& camera_from_object, const Eigen::AlignedBox3d& box, d
 
 cv::Mat Draw(const RealView& view, const Find& find, const Eigen::AlignedBox3d& box) {
   cv::Mat picture = view.bgr.clone();
-  if (find.stance) DrawBox(find.stance->camera_from_object, box, view.focal_px, {0, 255, 0}, picture);
+  if (find.stance) DrawBox(*find.stance->camera_from_object, box, view.focal_px, {0, 255, 0}, picture);
   for (const Eigen::Vector2d& at : find.matched) {
     cv::circle(picture, cv::Point2d(at.x(), at.y()), 3, {0, 255, 255}, 1, cv::LINE_AA);
   }
@@ -106,7 +106,7 @@ struct Errors {
 void AddErrors(const RealView& view, const Stance& stance, Errors& errors) {
   if (!view.camera_from_object) return;
   const Rigid3& truth = *view.camera_from_object;
-  const Rigid3& found = stance.camera_from_object;
+  const Rigid3& found = *stance.camera_from_object;
   const Eigen::Vector3d to_camera = found.rotation.conjugate() * -found.translation.normalized();
   const Eigen::Vector3d true_to_camera = truth.rotation.conjugate() * -truth.translation.normalized();
   errors.view_deg.push_back(DegreesFromRadians(std::acos(std::clamp(to_camera.dot(true_to_camera), -1.0, 1.0))));
@@ -120,7 +120,7 @@ void AddErrors(const RealView& view, const Stance& stance, Errors& errors) {
 bool IsWhereItShouldBe(const RealView& view, const Find& find) {
   if (!find.stance || !view.camera_from_object) return find.detection.has_value();
   const Eigen::Vector2d off =
-      find.stance->camera_from_object.translation.hnormalized() - view.camera_from_object->translation.hnormalized();
+      find.stance->camera_from_object->translation.hnormalized() - view.camera_from_object->translation.hnormalized();
   constexpr double kFarPx = 40;
   return view.focal_px * off.norm() < kFarPx;
 }
@@ -166,7 +166,7 @@ Status Try(const Trial& trial, const ExperimentSettings& settings, Report& repor
   for (std::size_t i = trial.first_view; i < trial.views.size(); ++i) {
     VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
     const RealView& view = trial.views[i];
-    VICTORIOUS_ASSIGN_OR_RETURN(const Find find, Search(view, recognizer, *extractor, options.stance));
+    VICTORIOUS_ASSIGN_OR_RETURN(const Find find, Search(view, recognizer, *extractor, options.sight));
     pictures.push_back(Draw(view, find, box));
     if (!find.detection) continue;
     if (!IsWhereItShouldBe(view, find)) {

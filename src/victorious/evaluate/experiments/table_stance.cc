@@ -31,16 +31,16 @@ constexpr const char* kNothing = "nothing";
 using ErrorsOf = std::map<std::string, Errors>;
 
 void Add(const Stance& stance, const TruthRow& truth, double distance_m, Errors& errors) {
-  const double error_rad = AngleBetween(stance.view, *truth.view);
+  const double error_rad = AngleBetween(stance.view->angles, *truth.view);
   errors.view_deg.push_back(DegreesFromRadians(error_rad));
-  errors.view_sigmas.push_back(error_rad / stance.sigma_view_rad);
-  if (!stance.distance_m) return;
-  errors.distance_percent.push_back(100 * std::abs(*stance.distance_m / distance_m - 1));
-  errors.distance_sigmas.push_back(std::abs(*stance.distance_m - distance_m) / stance.sigma_distance_m);
+  errors.view_sigmas.push_back(error_rad / stance.view->sigma_rad);
+  if (!stance.range_m) return;
+  errors.distance_percent.push_back(100 * std::abs(*stance.range_m / distance_m - 1));
+  errors.distance_sigmas.push_back(std::abs(*stance.range_m - distance_m) / stance.sigma_range_m);
 }
 
 // Of what is rightly found in a frame.
-void AddFrame(const SearchedFrame& searched, const std::vector<ObjectModel>& models, const StanceOptions& options,
+void AddFrame(const SearchedFrame& searched, const std::vector<ObjectModel>& models, const SightOptions& options,
               ErrorsOf& errors) {
   if (!searched.camera || !searched.camera->IsComplete()) return;
   for (std::size_t i = 0; i < searched.detections.size(); ++i) {
@@ -51,12 +51,12 @@ void AddFrame(const SearchedFrame& searched, const std::vector<ObjectModel>& mod
     const double distance_m = TangentPlane(searched.camera->place).EnuFromGeodetic(*truth->place).norm();
     errors[kMatched].view_deg.push_back(
         DegreesFromRadians(AngleBetween(*model.views[detection.view].angles, *truth->view)));
-    const std::pair<const char*, std::optional<CameraState>> cameras[] = {
-        {kTelemetry, searched.camera},
+    const std::pair<const char*, CameraState> cameras[] = {
+        {kTelemetry, *searched.camera},
         {kFieldOfView, CameraState{.hfov_rad = searched.camera->hfov_rad, .distortion = searched.camera->distortion}},
-        {kNothing, std::nullopt}};
+        {kNothing, CameraState{}}};
     for (const auto& [name, camera] : cameras) {
-      if (const auto stance = StanceOf(detection, model, searched.features, camera, options)) {
+      if (const auto stance = StanceOf(detection, model, searched.features, camera, options, UpInCamera(camera))) {
         Add(*stance, *truth, distance_m, errors[name]);
       }
     }
@@ -106,7 +106,7 @@ Expected<Report> RunTableStance(const ExperimentSettings& settings) {
     const MovieSearch search{.movie = movie, .options = {}};
     VICTORIOUS_RETURN_IF_ERROR(
         SearchMovie(search, settings, [&](const SearchedFrame& searched, const std::vector<ObjectModel>& models) {
-          AddFrame(searched, models, search.options.stance, errors);
+          AddFrame(searched, models, search.options.sight, errors);
           return Status{};
         }));
     AddRows(movie.filename().string(), errors, report);
