@@ -28,29 +28,8 @@ constexpr double kPairedOverlap = 0.4;
 
 constexpr int kNothing = -1;  // shown by a sighting without a pair
 
-bool IsClear(const TruthRow& row) {
-  return row.visible >= kClearVisible && std::min(row.box.width, row.box.height) >= kClearSidePx;
-}
-
 std::optional<double> Ratio(double part, double whole) {
   return whole > 0 ? std::optional(part / whole) : std::nullopt;
-}
-
-/// Interpolated between the nearest two of the sorted values.
-std::optional<double> Percentile(std::vector<double> values, double percent) {
-  if (values.empty()) return std::nullopt;
-  std::ranges::sort(values);
-  const double at = static_cast<double>(values.size() - 1) * percent / 100;
-  const auto below = static_cast<std::size_t>(at);
-  const std::size_t above = std::min(below + 1, values.size() - 1);
-  return values[below] + (values[above] - values[below]) * (at - static_cast<double>(below));
-}
-
-/// The angle on the sphere between two directions.
-double AngleBetween(const ViewAngles& a, const ViewAngles& b) {
-  const double cosine = std::cos(a.off_nadir_rad) * std::cos(b.off_nadir_rad) +
-                        std::sin(a.off_nadir_rad) * std::sin(b.off_nadir_rad) * std::cos(a.azimuth_rad - b.azimuth_rad);
-  return std::acos(std::clamp(cosine, -1.0, 1.0));
 }
 
 /// One true object.
@@ -156,15 +135,22 @@ struct Pairing {
   std::vector<double> view_errors_rad;
 };
 
-Pairing Pair(TruthTable& truth, std::span<const ReportedSighting> sightings) {
+/// Of each sighting the row it is paired with, the best scored first.
+std::vector<std::optional<std::size_t>> TakeRows(TruthTable& truth, std::span<const ReportedSighting> sightings) {
   std::vector<std::size_t> order(sightings.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, std::greater<>(), [&](std::size_t i) { return sightings[i].score; });
+  std::vector<std::optional<std::size_t>> rows(sightings.size());
+  for (const std::size_t i : order) rows[i] = truth.Take(sightings[i]);
+  return rows;
+}
 
+Pairing Pair(TruthTable& truth, std::span<const ReportedSighting> sightings) {
+  const std::vector<std::optional<std::size_t>> rows = TakeRows(truth, sightings);
   Pairing pairing;
-  for (const std::size_t i : order) {
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
     const ReportedSighting& sighting = sightings[i];
-    const auto taken = truth.Take(sighting);
+    const auto taken = rows[i];
     const int shown = taken ? truth.ObjectOf(*taken) : kNothing;
     pairing.votes.push_back({sighting.object, shown});
     if (!taken) {
@@ -321,6 +307,31 @@ std::optional<double> InDegrees(const std::optional<double>& radians) {
 double ToThreeDecimals(double value) { return std::stod(fmt::format("{:.3f}", value)); }
 
 }  // namespace
+
+bool IsClear(const TruthRow& row) {
+  return row.visible >= kClearVisible && std::min(row.box.width, row.box.height) >= kClearSidePx;
+}
+
+std::optional<double> Percentile(std::vector<double> values, double percent) {
+  if (values.empty()) return std::nullopt;
+  std::ranges::sort(values);
+  const double at = static_cast<double>(values.size() - 1) * percent / 100;
+  const auto below = static_cast<std::size_t>(at);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  return values[below] + (values[above] - values[below]) * (at - static_cast<double>(below));
+}
+
+double AngleBetween(const ViewAngles& a, const ViewAngles& b) {
+  const double cosine = std::cos(a.off_nadir_rad) * std::cos(b.off_nadir_rad) +
+                        std::sin(a.off_nadir_rad) * std::sin(b.off_nadir_rad) * std::cos(a.azimuth_rad - b.azimuth_rad);
+  return std::acos(std::clamp(cosine, -1.0, 1.0));
+}
+
+std::vector<std::optional<std::size_t>> PairSightings(std::span<const TruthRow> truth,
+                                                      std::span<const ReportedSighting> sightings) {
+  TruthTable table(truth);
+  return TakeRows(table, sightings);
+}
 
 Score ScoreIndex(std::span<const TruthRow> truth, std::span<const ReportedObject> objects,
                  std::span<const ReportedSighting> sightings) {

@@ -8,11 +8,13 @@
 // already. Its place is compared with the truth at the time nearest to the place's.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -39,6 +41,19 @@ struct ReportedObject {
   std::optional<Place> place;
   std::optional<double> heading_rad;  ///< of its front, clockwise from north
 };
+
+/// Whether a row can be asked for: enough of the object is in view, and large enough. Others count neither way.
+[[nodiscard]] bool IsClear(const TruthRow& row);
+
+/// The row that each sighting shows, an index into `truth`, one to one; nothing: the sighting is wrong.
+[[nodiscard]] std::vector<std::optional<std::size_t>> PairSightings(std::span<const TruthRow> truth,
+                                                                    std::span<const ReportedSighting> sightings);
+
+/// The angle between two directions to the camera.
+[[nodiscard]] double AngleBetween(const ViewAngles& a, const ViewAngles& b);
+
+/// Interpolated between the nearest two of the sorted values; nothing for none.
+[[nodiscard]] std::optional<double> Percentile(std::vector<double> values, double percent);
 
 /// Ratios are 0 to 1, and not there where nothing was asked for (their divisor is 0).
 struct Score {

@@ -1,10 +1,15 @@
 #include "victorious/geolocate/object_pose.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Dense>
+
+#include "victorious/geometry/robust/mlesac.h"
 
 namespace victorious {
 namespace {
@@ -23,17 +28,34 @@ Matrix3d Cross(const Vector3d& v) {
   return (Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
 }
 
-// The translation that fits best under a known rotation: linear in it.
-std::optional<Vector3d> TranslationFor(std::span<const SeenPoint> points, const Quaterniond& rotation) {
+// How much larger than sigma the offsets of the points that count are, squared: at least 1. Few points leave small
+// offsets behind, because the pose bends to them and they were chosen for agreeing: the six unknowns are paid for twice.
+double NoiseFactor2(std::span<const double> squared_offsets, std::span<const double> weights) {
+  constexpr double kUnknowns = 6;
+  double sum = 0;
+  double count = 0;
+  for (std::size_t i = 0; i < squared_offsets.size(); ++i) {
+    const double weight = weights.empty() ? 1 / (1 + squared_offsets[i] / (kCauchyScale * kCauchyScale)) : weights[i];
+    sum += weight * squared_offsets[i];
+    count += weight;
+  }
+  return std::max(1.0, (sum + kUnknowns) / std::max(1.0, 2 * count - kUnknowns));
+}
+
+// The translation that fits best under a known rotation: linear in it. Each point weighs 1 unless told otherwise.
+std::optional<Vector3d> TranslationFor(std::span<const SeenPoint> points, const Quaterniond& rotation,
+                                       std::span<const double> weights) {
   Matrix3d normal = Matrix3d::Zero();
   Vector3d right = Vector3d::Zero();
-  for (const auto& [point, seen] : points) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto& [point, seen] = points[i];
+    const double weight = weights.empty() ? 1 : weights[i];
     const Vector3d turned = rotation * point;
     for (int axis = 0; axis < 2; ++axis) {  // turned + t lies on the ray: X - x Z = 0
       Vector3d row = -seen[axis] * Vector3d::UnitZ();
       row[axis] += 1;
-      normal += row * row.transpose();
-      right -= row.dot(turned) * row;
+      normal += weight * row * row.transpose();
+      right -= weight * row.dot(turned) * row;
     }
   }
   const Vector3d translation = normal.ldlt().solve(right);
@@ -41,17 +63,21 @@ std::optional<Vector3d> TranslationFor(std::span<const SeenPoint> points, const 
   return translation;
 }
 
+// The sum that is minimised.
 class Fit {
  public:
-  Fit(std::span<const SeenPoint> points, const Quaterniond& start, const ObjectPoseOptions& options)
-      : points_(points), start_(start), options_(options) {}
+  /// @param weights  of the points, one each, which are then squared as they are; none: under Cauchy's loss
+  Fit(std::span<const SeenPoint> points, const Quaterniond& start, const ObjectPoseOptions& options,
+      std::span<const double> weights = {})
+      : points_(points), weights_(weights), start_(start), options_(options) {}
 
   [[nodiscard]] double CostOf(const Rigid3& pose) const {
-    double cost = PriorOf(pose).squaredNorm();
-    for (const SeenPoint& point : points_) {
-      const std::optional<Vector2d> off = OffsetOf(pose, point);
+    double cost = ViewPriorOf(pose).squaredNorm() + UpPriorOf(pose).squaredNorm();
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const std::optional<Vector2d> off = OffsetOf(pose, points_[i]);
       if (!off) return std::numeric_limits<double>::infinity();
-      cost += kCauchyScale * kCauchyScale * std::log1p(off->squaredNorm() / (kCauchyScale * kCauchyScale));
+      cost +=
+          weights_.empty() ? kCauchyScale * kCauchyScale * std::log1p(Excess(*off)) : weights_[i] * off->squaredNorm();
     }
     return cost;
   }
@@ -60,7 +86,8 @@ class Fit {
   void Linearise(const Rigid3& pose, Matrix6& normal, Vector6& gradient) const {
     normal.setZero();
     gradient.setZero();
-    for (const SeenPoint& point : points_) {
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const SeenPoint& point = points_[i];
       const std::optional<Vector2d> off = OffsetOf(pose, point);
       if (!off) continue;
       const Vector3d turned = pose.rotation * point.point;
@@ -70,25 +97,26 @@ class Fit {
       Eigen::Matrix<double, 2, 6> jacobian;
       jacobian << projection * -Cross(turned), projection;
       jacobian /= options_.sigma;
-      const double weight = 1 / (1 + off->squaredNorm() / (kCauchyScale * kCauchyScale));
+      const double weight = weights_.empty() ? 1 / (1 + Excess(*off)) : weights_[i];
       normal += weight * jacobian.transpose() * jacobian;
       gradient += weight * jacobian.transpose() * *off;
     }
-    const Matrix3d prior = AcrossOf(pose) / options_.sigma_view_rad;
-    normal.topLeftCorner<3, 3>() += prior.transpose() * prior;
-    gradient.head<3>() += prior.transpose() * PriorOf(pose);
+    const Matrix3d view = AcrossOf(pose) / options_.sigma_view_rad;
+    normal.topLeftCorner<3, 3>() += view.transpose() * view;
+    gradient.head<3>() += view.transpose() * ViewPriorOf(pose);
+    if (!options_.up_in_camera) return;
+    const Matrix3d up = -OffUp() * Cross(pose.rotation * Vector3d::UnitZ()) / options_.sigma_up_rad;
+    normal.topLeftCorner<3, 3>() += up.transpose() * up;
+    gradient.head<3>() += up.transpose() * UpPriorOf(pose);
   }
 
-  /// How much larger than sigma the offsets are, from their median; at least 1.
-  [[nodiscard]] double NoiseFactor(const Rigid3& pose) const {
-    std::vector<double> offsets;
-    for (const SeenPoint& point : points_) {
-      if (const auto off = OffsetOf(pose, point)) offsets.push_back(off->norm());
+  /// Squared, in sigmas; of a point that is not before the camera a very large number.
+  void SquaredOffsets(const Rigid3& pose, std::span<double> out) const {
+    constexpr double kVeryLarge = 1e12;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const auto off = OffsetOf(pose, points_[i]);
+      out[i] = off ? std::min(off->squaredNorm(), kVeryLarge) : kVeryLarge;
     }
-    const auto middle = offsets.begin() + static_cast<std::ptrdiff_t>(offsets.size() / 2);
-    std::ranges::nth_element(offsets, middle);
-    constexpr double kRayleighMedian = 1.1774100225154747;
-    return std::max(1.0, *middle / kRayleighMedian);
   }
 
  private:
@@ -102,12 +130,21 @@ class Fit {
     const Vector3d sight = pose.translation.normalized();
     return Matrix3d::Identity() - sight * sight.transpose();
   }
-  [[nodiscard]] Vector3d PriorOf(const Rigid3& pose) const {
+  [[nodiscard]] Vector3d ViewPriorOf(const Rigid3& pose) const {
     const Eigen::AngleAxisd turn(pose.rotation * start_.conjugate());
     return AcrossOf(pose) * (turn.angle() * turn.axis()) / options_.sigma_view_rad;
   }
+  [[nodiscard]] Matrix3d OffUp() const {
+    return Matrix3d::Identity() - *options_.up_in_camera * options_.up_in_camera->transpose();
+  }
+  [[nodiscard]] Vector3d UpPriorOf(const Rigid3& pose) const {
+    if (!options_.up_in_camera) return Vector3d::Zero();
+    return OffUp() * (pose.rotation * Vector3d::UnitZ()) / options_.sigma_up_rad;
+  }
+  [[nodiscard]] static double Excess(const Vector2d& off) { return off.squaredNorm() / (kCauchyScale * kCauchyScale); }
 
   std::span<const SeenPoint> points_;
+  std::span<const double> weights_;
   Quaterniond start_;
   const ObjectPoseOptions& options_;
 };
@@ -120,12 +157,11 @@ Rigid3 Moved(const Rigid3& pose, const Vector6& step) {
   return {(rotation * pose.rotation).normalized(), pose.translation + step.tail<3>()};
 }
 
-Rigid3 Minimise(const Fit& fit, Rigid3 pose) {
-  constexpr int kMostSteps = 30;
+Rigid3 Minimise(const Fit& fit, Rigid3 pose, int most_steps) {
   constexpr double kSettled = 1e-6;
   double damping = 1e-4;
   double cost = fit.CostOf(pose);
-  for (int i = 0; i < kMostSteps; ++i) {
+  for (int i = 0; i < most_steps; ++i) {
     Matrix6 normal;
     Vector6 gradient;
     fit.Linearise(pose, normal, gradient);
@@ -145,28 +181,111 @@ Rigid3 Minimise(const Fit& fit, Rigid3 pose) {
   return pose;
 }
 
+constexpr int kMostSteps = 30;
+
+// MLESAC's estimator: as few points as hold the pose together with the priors. Residuals are in sigmas, for pixels.
+class PoseEstimator {
+ public:
+  using Model = Rigid3;
+  static constexpr std::size_t kSampleSize = 3;
+
+  PoseEstimator(std::span<const SeenPoint> points, const Quaterniond& start, const ObjectPoseOptions& options)
+      : points_(points), start_(start), options_(options) {}
+
+  [[nodiscard]] std::size_t size() const { return points_.size(); }
+
+  [[nodiscard]] std::optional<Rigid3> FromSample(std::span<const std::uint32_t> sample) const {
+    constexpr int kFewSteps = 4;  // roughly: FromWeights goes on from the best
+    std::array<SeenPoint, kSampleSize> few;
+    for (std::size_t i = 0; i < kSampleSize; ++i) few[i] = points_[sample[i]];
+    constexpr std::array<double, kSampleSize> kEqual = {1, 1, 1};
+    return Solve(few, kEqual, kFewSteps);
+  }
+
+  void SquaredResiduals(const Rigid3& pose, std::span<double> out) const {
+    Fit(points_, start_, options_).SquaredOffsets(pose, out);
+  }
+
+  [[nodiscard]] static double SigmaPx(const Rigid3& /*pose*/) { return 1; }
+
+  [[nodiscard]] std::optional<Rigid3> FromWeights(std::span<const double> weights) const {
+    return Solve(points_, weights, kMostSteps);
+  }
+
+ private:
+  [[nodiscard]] std::optional<Rigid3> Solve(std::span<const SeenPoint> points, std::span<const double> weights,
+                                            int most_steps) const {
+    const auto translation = TranslationFor(points, start_, weights);
+    if (!translation) return std::nullopt;
+    return Minimise(Fit(points, start_, options_, weights), {start_, *translation}, most_steps);
+  }
+
+  std::span<const SeenPoint> points_;
+  Quaterniond start_;
+  const ObjectPoseOptions& options_;
+};
+
+// Where the minimisation starts, and which points it trusts: as Fit takes their weights.
+struct Start {
+  Rigid3 pose;
+  std::vector<double> weights;
+};
+
+std::optional<Start> StartOf(std::span<const SeenPoint> points, const Quaterniond& rotation,
+                             const ObjectPoseOptions& options) {
+  if (options.hypotheses > 0) {
+    constexpr double kOutlierArea = 400;  // in sigmas squared: where the matches' own windows let a wrong one lie
+    auto agreed = Mlesac(PoseEstimator(points, rotation, options), {.outlier_area_px2 = kOutlierArea,
+                                                                    .max_hypotheses = options.hypotheses,
+                                                                    .refinements = 3,
+                                                                    .seed = options.seed});
+    if (agreed) return Start{agreed->model, std::move(agreed->probabilities)};
+  }
+  const auto translation = TranslationFor(points, rotation, {});
+  if (!translation) return std::nullopt;
+  return Start{{rotation, *translation}, {}};
+}
+
+// Of the direction to the camera in the object's own frame: from the covariance of turns and moves in the camera's.
+double ViewSigma(const Rigid3& pose, const Matrix6& covariance) {
+  // d = -R' t / |t|: a turn w of the object and a move m change R d by -(w x s) - m across / |t|, s the line of sight.
+  const double range_m = pose.translation.norm();
+  const Vector3d sight = pose.translation / range_m;
+  Eigen::Matrix<double, 3, 6> jacobian;
+  jacobian << -Cross(sight), -(Matrix3d::Identity() - sight * sight.transpose()) / range_m;
+  return std::sqrt(std::max(0.0, (jacobian * covariance * jacobian.transpose()).trace() / 2));
+}
+
 }  // namespace
 
 std::optional<ObjectPose> FitObjectPose(std::span<const SeenPoint> points, const Quaterniond& camera_from_object,
                                         const ObjectPoseOptions& options) {
   if (points.size() < 3) return std::nullopt;
-  const auto translation = TranslationFor(points, camera_from_object);
-  if (!translation) return std::nullopt;
-  const Fit fit(points, camera_from_object, options);
-  const Rigid3 pose = Minimise(fit, {camera_from_object, *translation});
+  const auto start = StartOf(points, camera_from_object, options);
+  if (!start) return std::nullopt;
+  const Fit fit(points, camera_from_object, options, start->weights);
+  const Rigid3 pose = Minimise(fit, start->pose, kMostSteps);
   if (pose.translation.z() < kLeastDepthM) return std::nullopt;
 
   Matrix6 normal;
   Vector6 gradient;
   fit.Linearise(pose, normal, gradient);
-  const double factor = fit.NoiseFactor(pose);
-  const Matrix3d covariance = (factor * factor * normal.inverse()).bottomRightCorner<3, 3>();
+  std::vector<double> squared(points.size());
+  fit.SquaredOffsets(pose, squared);
+  const Matrix6 covariance = NoiseFactor2(squared, start->weights) * normal.inverse();
   if (!covariance.allFinite()) return std::nullopt;
+  const Matrix3d of_place = covariance.bottomRightCorner<3, 3>();
   const double range_m = pose.translation.norm();
   const Vector3d along = pose.translation / range_m;
-  const double variance_along = along.dot(covariance * along);
-  const double variance_across = std::max(0.0, covariance.trace() - variance_along) / 2;
-  return ObjectPose{pose, std::sqrt(variance_across) / range_m, std::sqrt(std::max(0.0, variance_along))};
+  const double variance_along = along.dot(of_place * along);
+  const double variance_across = std::max(0.0, of_place.trace() - variance_along) / 2;
+  constexpr double kAgreeing2 = 9;
+  return ObjectPose{
+      .camera_from_object = pose,
+      .sigma_angle_rad = std::sqrt(variance_across) / range_m,
+      .sigma_range_m = std::sqrt(std::max(0.0, variance_along)),
+      .sigma_view_rad = ViewSigma(pose, covariance),
+      .agreeing = static_cast<int>(std::ranges::count_if(squared, [](double off2) { return off2 < kAgreeing2; }))};
 }
 
 }  // namespace victorious

@@ -7,7 +7,7 @@
 #include "victorious/pipeline/daylight.h"
 #include "victorious/pipeline/follower.h"
 #include "victorious/pipeline/object_options.h"
-#include "victorious/pipeline/sight.h"
+#include "victorious/pipeline/stance.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/telemetry/telemetry.h"
 
@@ -31,6 +31,7 @@ struct KeepOptions {
 /// How sources are read.
 struct VideoOptions {
   double folder_frame_rate = 10.0;
+  double hfov_deg = 0;
 
   void ListFields(FieldList& fields);
 };

@@ -14,10 +14,12 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include "victorious/base/progress.h"
+#include "victorious/geometry/angles.h"
 #include "victorious/pipeline/daylight.h"
 #include "victorious/pipeline/follower.h"
 #include "victorious/pipeline/run_linker.h"
 #include "victorious/pipeline/sight.h"
+#include "victorious/pipeline/stance.h"
 
 namespace victorious {
 namespace {
@@ -138,13 +140,36 @@ SightingRecord ToSighting(const SearchPass& pass, const Frame& frame, const Feat
                           .view_index = static_cast<int>(detection.view),
                           .view = model.views[detection.view].angles,
                           .in_plane_rad = detection.pose.scene_from_template.rotation_rad};
-  if (camera && !seen.tracked) sighting.sight = SightOf(detection, model, features, *camera, pass.options.sight);
+  if (seen.tracked) return sighting;
+  const CameraState known = camera.value_or(CameraState{});
+  const auto stance = StanceOf(detection, model, features, known, pass.options.sight, UpInCamera(known));
+  if (!stance) return sighting;
+  if (stance->view) {
+    sighting.view = stance->view->angles;
+    sighting.in_plane_rad = stance->view->in_plane_rad;
+    sighting.sigma_view_rad = stance->view->sigma_rad;
+  }
+  sighting.distance_m = stance->range_m;
+  if (stance->range_m) sighting.sigma_distance_m = stance->sigma_range_m;
+  sighting.sight = SightOf(*stance, known);
   return sighting;
+}
+
+// As far as telemetry tells, and the parameters.
+std::optional<CameraState> CameraAt(const SearchPass& pass, double time_s) {
+  std::optional<CameraState> camera;
+  if (pass.cameras != nullptr) camera = pass.cameras->At(time_s);
+  const double hfov_deg = pass.options.video.hfov_deg;
+  if (hfov_deg > 0) {
+    if (!camera) camera.emplace(CameraState{.time_s = time_s});
+    if (!camera->hfov_rad) camera->hfov_rad = RadiansFromDegrees(hfov_deg);
+  }
+  return camera;
 }
 
 // Features and recognition of whole frames. Parallel.
 void Search(const SearchPass& pass, Work& work) {
-  if (pass.cameras != nullptr) work.camera = pass.cameras->At(work.frame.time_s);
+  work.camera = CameraAt(pass, work.frame.time_s);
   if (!work.whole) return;
   work.features = pass.extractor.Extract(work.frame.image);
   if (work.features) {

@@ -31,6 +31,12 @@ void VoteOptions::ListFields(FieldList& fields) {
   fields.Add(
       "most_seeds", most_seeds,
       {.min = 1, .max = 100, .reason = "poses followed up in one view: those whose votes chance explains least"});
+  fields.Add("another_evidence", another_evidence,
+             {.min = -100,
+              .max = 1000,
+              .unit = "decades",
+              .reason = "a seed that led to a pose of so much evidence found an instance, and another is followed in "
+                        "its stead: several may stand in one frame"});
   fields.Add("least_votes", least_votes,
              {.min = 2, .max = 1000, .reason = "distinct template keypoints that must vote for a pose"});
   fields.Add("apart", apart,
@@ -218,7 +224,8 @@ class PoseFinder {
     std::vector<Pose> poses;
     // A seed without a pose has had its turn, too: the next ones in its stead cost a third of the time, and what they
     // bring is chance more often than not (docs/adr/0008).
-    for (int i = 0; i < votes_.most_seeds; ++i) {
+    int turns = votes_.most_seeds;
+    while (turns > 0) {
       const std::optional<std::size_t> seed = BestSeed(support, used);
       if (!seed) break;
       const Window& window = windows[*seed];
@@ -229,6 +236,7 @@ class PoseFinder {
         members.push_back(votes.match[j]);
       }
       auto pose = PoseOf(std::move(members), window.reach2_px2);
+      if (!pose || *pose->evidence < votes_.another_evidence) --turns;
       if (!pose) continue;
       if (options_.refine_plane && *pose->evidence > 0) RefineOutline(*pose);
       poses.push_back(std::move(*pose));

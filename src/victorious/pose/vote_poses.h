@@ -33,6 +33,7 @@ struct VoteOptions {
   double scale_factor = 1.5;
   double turn_rad = 0.5;
   int most_seeds = 3;
+  double another_evidence = 6.0;
   int least_votes = 4;
   double apart = 4.0;
   double least_scale_px = 0.9;
@@ -41,7 +42,8 @@ struct VoteOptions {
   void ListFields(FieldList& fields);
 };
 
-/// At most votes.most_seeds poses, each with its evidence, most of it first. Deterministic.
+/// At most votes.most_seeds poses, and one more for each that is an instance beyond doubt (votes.another_evidence),
+/// each with its evidence, most of it first. Deterministic.
 /// @param matches  of one template, by template keypoint
 /// @param outline  of the object in the template, px
 /// @param upright  what the camera's attitude allows of the template; nothing: every pose

@@ -107,13 +107,16 @@ RecognizeOptions ByVotes() {
 TEST(Recognizer, VotesFindEachInstanceToo) {
   const cv::Mat crate = Texture(120, 90, 1);
   cv::Mat scene = Texture(640, 480, 4);
-  const std::vector<Similarity2> truth = {Paste(crate, 1.0, 0.5, {150, 120}, scene),
-                                          Paste(crate, 0.8, -2.0, {470, 130}, scene)};
+  // More than seeds are followed in a view.
+  const std::vector<Similarity2> truth = {
+      Paste(crate, 1.0, 0.5, {110, 110}, scene), Paste(crate, 0.8, -2.0, {270, 100}, scene),
+      Paste(crate, 0.9, 0.5, {430, 120}, scene), Paste(crate, 1.0, 3.0, {120, 340}, scene),
+      Paste(crate, 0.9, 1.4, {310, 350}, scene), Paste(crate, 0.8, 0.5, {500, 330}, scene)};
   const Recognizer recognizer =
       Recognizer::Create({ModelOf("crate", crate), ModelOf("absent", Texture(110, 100, 3))}, "opencv", ByVotes())
           .value();
   const std::vector<Detection> detections = recognizer.Recognize(FeaturesOf(scene));
-  ASSERT_EQ(detections.size(), 2U);
+  ASSERT_EQ(detections.size(), truth.size());
   for (const Similarity2& pose : truth) {
     const Eigen::Vector2d centre = pose.Apply({60, 45});
     EXPECT_TRUE(std::ranges::any_of(detections, [&](const Detection& found) {

@@ -44,6 +44,9 @@ Json SightingJson(const SightingRecord& sighting, const VideoRecord& video, cons
           {"source", sighting.source},
           {"matches", sighting.matches},
           {"view", ViewJson(sighting)},
+          {"sigma_view_deg", OrNull(sighting.sigma_view_rad, &DegreesJson)},
+          {"distance_m", OrNull(sighting.distance_m, &MetresJson)},
+          {"sigma_distance_m", OrNull(sighting.sigma_distance_m, &MetresJson)},
           {"view_index", sighting.view_index},
           {"outline", OutlineJson(sighting.outline)}};
 }

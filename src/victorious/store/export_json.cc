@@ -38,6 +38,8 @@ Json OutlineJson(const Polygon& outline) {
   return corners;
 }
 
+Json OrNull(const std::optional<double>& value, Json (*convert)(double)) { return value ? convert(*value) : Json(); }
+
 std::string Dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 }  // namespace victorious

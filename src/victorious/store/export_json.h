@@ -1,6 +1,7 @@
 // What the export formats share: numbers with as many decimals as they are worth.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <nlohmann/json_fwd.hpp>
@@ -26,6 +27,9 @@ Json BoxJson(const Box& box);
 Json OutlineJson(const Polygon& outline);
 /// px to two decimals
 double RoundPixels(double value_px);
+
+/// What is not known is null.
+Json OrNull(const std::optional<double>& value, Json (*convert)(double));
 
 /// On one line; bytes that are not UTF-8 become U+FFFD.
 std::string Dump(const Json& json);

@@ -50,7 +50,10 @@ class ExportTest : public ::testing::Test {
                                 .box = {1, 2, 3, 4},
                                 .score = 0.97,
                                 .source = "tracked",
-                                .view = ViewAngles{RadiansFromDegrees(150), RadiansFromDegrees(60)}}});
+                                .view = ViewAngles{RadiansFromDegrees(150), RadiansFromDegrees(60)},
+                                .sigma_view_rad = RadiansFromDegrees(2.5),
+                                .distance_m = 123.4567,
+                                .sigma_distance_m = 2}});
     ASSERT_TRUE(store_->Commit(batch));
   }
 
@@ -98,11 +101,15 @@ TEST_F(ExportTest, SightingsAreTheContractsLines) {
   ASSERT_EQ(lines.size(), 3u);
   EXPECT_EQ(lines[0], R"({"object_id":1,"model":"box","category":null,"video":"flight/a.mp4","frame":37,"time_s":1.48,)"
                       R"("box":[0.0,10.13,100.0,50.0],"score":0.9,"source":"recognised","matches":14,)"
-                      R"("view":{"azimuth_deg":null,"off_nadir_deg":null,"in_plane_deg":12.0},"view_index":2,)"
+                      R"("view":{"azimuth_deg":null,"off_nadir_deg":null,"in_plane_deg":12.0},"sigma_view_deg":null,)"
+                      R"("distance_m":null,"sigma_distance_m":null,"view_index":2,)"
                       R"("outline":[[-20.0,10.13],[100.0,10.13],[100.0,60.13],[-20.0,60.13]]})");
   const json tracked = json::parse(lines[2]);
   EXPECT_EQ(tracked["source"], "tracked");
   EXPECT_EQ(tracked["view"], json::parse(R"({"azimuth_deg":150.0,"off_nadir_deg":60.0,"in_plane_deg":0.0})"));
+  EXPECT_EQ(tracked["sigma_view_deg"], 2.5);
+  EXPECT_EQ(tracked["distance_m"], 123.457);
+  EXPECT_EQ(tracked["sigma_distance_m"], 2.0);
   EXPECT_EQ(tracked["outline"], json::array());
 }
 

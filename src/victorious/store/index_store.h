@@ -92,10 +92,13 @@ struct SightingRecord {
   double score = 0;
   std::string source = "recognised";
   int matches = 0;
-  int view_index = 0;  ///< the model's view that matched best
-  std::optional<ViewAngles> view;
-  double in_plane_rad = 0;     ///< clockwise turn from the template to the scene
-  std::optional<Sight> sight;  ///< where there is telemetry
+  int view_index = 0;                      ///< the model's view that matched best
+  std::optional<ViewAngles> view;          ///< from where it is seen: between views where its points tell that
+  double in_plane_rad = 0;                 ///< clockwise turn from a template seen from there to the scene
+  std::optional<double> sigma_view_rad;    ///< of the direction of view, each axis; nothing: the matched view's own
+  std::optional<double> distance_m;        ///< from the camera; nothing where its field of view is not known
+  std::optional<double> sigma_distance_m;  ///< goes with it
+  std::optional<Sight> sight;              ///< where there is telemetry
 };
 
 /// The features of a frame, kept for search by picture.

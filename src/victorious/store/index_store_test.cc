@@ -69,7 +69,10 @@ class IndexStoreTest : public ::testing::TestWithParam<Backend> {
                                   .score = score,
                                   .matches = 14,
                                   .view_index = 3,
-                                  .in_plane_rad = 0.25}});
+                                  .in_plane_rad = 0.25,
+                                  .sigma_view_rad = 0.03,
+                                  .distance_m = 120.5,
+                                  .sigma_distance_m = 1.5}});
     }
     return batch;
   }
@@ -166,6 +169,9 @@ TEST_P(IndexStoreTest, ASightingComesBackAsItWent) {
   EXPECT_EQ(s.view->azimuth_rad, 1.5);
   EXPECT_EQ(s.view->off_nadir_rad, 0.5);
   EXPECT_EQ(s.in_plane_rad, 0.25);
+  EXPECT_EQ(s.sigma_view_rad, 0.03);
+  EXPECT_EQ(s.distance_m, 120.5);
+  EXPECT_EQ(s.sigma_distance_m, 1.5);
 }
 
 TEST_P(IndexStoreTest, UnknownAnglesAndNoOutlineStayUnknown) {

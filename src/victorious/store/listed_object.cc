@@ -7,8 +7,6 @@
 namespace victorious {
 namespace {
 
-Json OrNull(const std::optional<double>& value, Json (*convert)(double)) { return value ? convert(*value) : Json(); }
-
 Json CovarianceJson(const Eigen::Matrix3d& covariance) {
   Json rows = Json::array();
   for (const auto& row : covariance.rowwise()) rows.push_back({row.x(), row.y(), row.z()});

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "victorious/evaluate/experiments/category_experiments.h"
+#include "victorious/evaluate/experiments/recognition_experiments.h"
 
 namespace victorious {
 
@@ -19,11 +20,15 @@ Status ExperimentSettings::CheckCancelled() const {
 std::span<const Experiment> Experiments() {
   static constexpr std::array kExperiments = {
       Experiment{"figure3.1", "A picture and its shuffled tiles: words cannot tell, phrases can", &RunFigure31},
+      Experiment{"figure3.18", "Real pictures against CAD models, plain and painted with the first frame",
+                 &RunFigure318},
       Experiment{"figure3.19", "Patches that became one visual word", &RunFigure319},
       Experiment{"table3.6", "Area under ROC and time over the number of words in phrases", &RunTable36},
       Experiment{"figure3.20", "ROC of airplanes: words and phrases", &RunFigure320},
       Experiment{"figure3.21", "ROC of cars: words and phrases", &RunFigure321},
       Experiment{"table3.7", "Accuracy of airplanes and cars, and of twelve categories, step by step", &RunTable37},
+      Experiment{"figure-calibration", "Whether scores of detections are probabilities", &RunFigureCalibration},
+      Experiment{"table-stance", "Errors of view and distance, by how the camera is known", &RunTableStance},
   };
   return kExperiments;
 }

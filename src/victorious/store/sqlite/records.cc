@@ -144,6 +144,10 @@ Expected<SightingRecord> ReadSighting(const Statement& row, std::string_view nam
                           .in_plane_rad = row.Real(17)};
   VICTORIOUS_ASSIGN_OR_RETURN(sighting.outline, ReadItems<Eigen::Vector2d>(row.Blob(10), "an outline", name));
   if (!row.IsNull(15) && !row.IsNull(16)) sighting.view = ViewAngles{row.Real(15), row.Real(16)};
+  constexpr int kStance = kSight + 11;
+  sighting.sigma_view_rad = row.OptionalReal(kStance);
+  sighting.distance_m = row.OptionalReal(kStance + 1);
+  sighting.sigma_distance_m = row.OptionalReal(kStance + 2);
   if (!row.IsNull(kSight)) sighting.sight = ReadSight(row, kSight, sighting.time_s);
   return sighting;
 }

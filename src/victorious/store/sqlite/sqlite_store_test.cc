@@ -188,7 +188,7 @@ TEST_F(SqliteStoreTest, RefusesANewerVersion) {
   for (const StoreMode mode : {StoreMode::kCreate, StoreMode::kRead}) {
     const Error error = OpenError(path_, mode);
     EXPECT_EQ(error.code, ErrorCode::kUnsupported);
-    EXPECT_THAT(error.message, HasSubstr("written by a newer version (schema 99; this program reads up to 2)"));
+    EXPECT_THAT(error.message, HasSubstr("written by a newer version (schema 99; this program reads up to 3)"));
   }
 }
 
@@ -229,12 +229,12 @@ TEST_F(SqliteStoreTest, ACutOffFileIsDamaged) {
 TEST_F(SqliteStoreTest, MigratesStepByStepAndOnce) {
   ASSERT_TRUE(CommitBatches(path_, 20));
   std::vector<Migration> migrations(Migrations().begin(), Migrations().end());
-  migrations.push_back({3, "ALTER TABLE videos ADD COLUMN place TEXT"});
+  migrations.push_back({static_cast<int>(migrations.size()) + 1, "ALTER TABLE videos ADD COLUMN place TEXT"});
   const auto connection = Connection::Open(path_, Access::kWrite);
   for (int i = 0; i < 2; ++i) {
     const Status status = Migrate(**connection, migrations);
     ASSERT_TRUE(status) << status.error().message;
-    EXPECT_EQ(*ReadVersion(**connection, 3), 3);
+    EXPECT_EQ(*ReadVersion(**connection, 4), 4);
   }
   EXPECT_EQ(*(*connection)->QueryText("SELECT count(*) FROM videos WHERE place IS NULL"), "1");
   EXPECT_EQ(OpenError(path_, StoreMode::kCreate).code, ErrorCode::kUnsupported);
@@ -243,7 +243,8 @@ TEST_F(SqliteStoreTest, MigratesStepByStepAndOnce) {
 TEST_F(SqliteStoreTest, AMigrationThatFailsChangesNothing) {
   ASSERT_TRUE(CommitBatches(path_, 20));
   std::vector<Migration> migrations(Migrations().begin(), Migrations().end());
-  migrations.push_back({3, "ALTER TABLE videos ADD COLUMN place TEXT; DROP TABLE none"});
+  migrations.push_back(
+      {static_cast<int>(migrations.size()) + 1, "ALTER TABLE videos ADD COLUMN place TEXT; DROP TABLE none"});
   EXPECT_FALSE(Migrate(**Connection::Open(path_, Access::kWrite), migrations));
   EXPECT_EQ(CountWholeBatches(*OpenOrDie(path_)), 20);
 }
@@ -277,10 +278,34 @@ TEST_F(SqliteStoreTest, AnIndexOfTheFirstVersionIsTakenOver) {
   ASSERT_EQ(sightings->size(), 2U);
   EXPECT_EQ(sightings->back().object, 7);
   EXPECT_FALSE(sightings->back().sight);
+  EXPECT_FALSE(sightings->back().distance_m);
   const auto ids = store->Commit(Batch(1, 1, 0));
   ASSERT_TRUE(ids) << ids.error().message;
   EXPECT_EQ(ids->front(), 10) << "no id is given twice";
   EXPECT_EQ(IntegrityCheck(path_), "ok");
+}
+
+// An index of the second version: its sightings' views are the matched ones, how far off the objects were is not known.
+TEST_F(SqliteStoreTest, AnIndexOfTheSecondVersionIsTakenOver) {
+  {
+    const auto connection = Connection::Open(path_, Access::kCreate);
+    ASSERT_TRUE(Migrate(**connection, Migrations().first(2)));
+    ASSERT_TRUE((*connection)
+                    ->Execute("INSERT INTO videos (content_id, name, width_px, height_px) VALUES ('c', 'a.mp4', 640, "
+                              "480); INSERT INTO models (name, model_id, kind) VALUES ('m', '1', 'cad');"
+                              "INSERT INTO objects (id, model) VALUES (1, 1);"
+                              "INSERT INTO runs (id, object, video, model, score, frames, first_time_s, last_time_s) "
+                              "VALUES (1, 1, 1, 1, 0.9, 1, 0, 0);"
+                              "INSERT INTO sightings (video, frame, run, time_s, box_x_px, box_y_px, box_width_px, "
+                              "box_height_px, outline, score, source, matches, view_index, azimuth_rad, "
+                              "off_nadir_rad, in_plane_rad) VALUES (1, 0, 1, 0, 1, 2, 3, 4, x'', 0.9, 'recognised', "
+                              "5, 7, 0.5, 1, 0)"));
+  }
+  const auto sightings = OpenOrDie(path_)->Sightings({});
+  ASSERT_EQ(sightings->size(), 1U);
+  EXPECT_EQ(sightings->front().view->azimuth_rad, 0.5);
+  EXPECT_FALSE(sightings->front().sigma_view_rad);
+  EXPECT_FALSE(sightings->front().distance_m);
 }
 
 TEST_F(SqliteStoreTest, TwoProcessesMayMakeTheSameIndexAtOnce) {

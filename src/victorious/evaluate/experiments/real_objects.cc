@@ -1,0 +1,225 @@
+#include "victorious/evaluate/experiments/real_objects.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <regex>
+#include <sstream>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/core/persistence.hpp>
+
+#include "victorious/base/file.h"
+#include "victorious/base/json.h"
+#include "victorious/geolocate/object_pose.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/render/load_mesh.h"
+#include "victorious/render/view_sphere.h"
+#include "victorious/video/image_file.h"
+#include "victorious/video/video_reader.h"
+
+namespace victorious {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+// What a calibration says of a camera.
+struct Calibration {
+  double focal_px;
+  Vector2d middle_px;
+};
+
+PinholeCamera PinholeOf(const Calibration& calibration, const cv::Mat& picture) {
+  return {.fx = calibration.focal_px,
+          .fy = calibration.focal_px,
+          .cx = calibration.middle_px.x(),
+          .cy = calibration.middle_px.y(),
+          .width = picture.cols,
+          .height = picture.rows};
+}
+
+// The first frame, and at most so many others, evenly.
+Expected<std::vector<RealView>> ReadVideo(const fs::path& path, double focal_px) {
+  constexpr std::size_t kMost = 40;
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(path.string(), {.color = FrameColor::kBgr}));
+  std::vector<RealView> all;
+  while (true) {
+    VICTORIOUS_ASSIGN_OR_RETURN(std::optional<Frame> frame, reader->NextFrame());
+    if (!frame) break;
+    all.push_back({.bgr = frame->image, .focal_px = focal_px, .camera_from_object = {}});
+  }
+  const std::size_t step = (all.size() + kMost - 1) / kMost;
+  std::vector<RealView> views;
+  for (std::size_t i = 0; i < all.size(); i += step) views.push_back(all[i]);
+  return views;
+}
+
+// Points and faces of a model of ViSP (.cao): numbers in that order, comments after '#'.
+Expected<Mesh> ReadCao(const fs::path& path) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
+  std::istringstream numbers(std::regex_replace(text, std::regex("#[^\n]*|V1"), ""));
+  const auto damaged = [&] {
+    return Fail(ErrorCode::kDataLoss, fmt::format("{}: not a model of points and faces", path.string()));
+  };
+  Mesh mesh;
+  std::size_t points = 0;
+  numbers >> points;
+  for (std::size_t i = 0; i < points && numbers; ++i) {
+    Eigen::Vector3f& point = mesh.positions.emplace_back();
+    numbers >> point.x() >> point.y() >> point.z();
+  }
+  std::size_t lines = 0;
+  std::size_t faces_of_lines = 0;
+  std::size_t faces = 0;
+  numbers >> lines >> faces_of_lines >> faces;
+  if (!numbers || lines != 0 || faces_of_lines != 0) return damaged();
+  for (std::size_t i = 0; i < faces; ++i) {
+    std::size_t count = 0;
+    numbers >> count;
+    std::vector<std::uint32_t> corners(std::min<std::size_t>(count, points));
+    for (std::uint32_t& corner : corners) numbers >> corner;
+    if (!numbers || std::ranges::any_of(corners, [&](std::uint32_t corner) { return corner >= points; })) {
+      return damaged();
+    }
+    for (std::size_t k = 2; k < corners.size(); ++k) mesh.triangles.push_back({corners[0], corners[k - 1], corners[k]});
+  }
+  mesh.normals.resize(points, Eigen::Vector3f::UnitZ());
+  mesh.uvs.resize(points, Eigen::Vector2f::Zero());
+  mesh.materials = {{.name = "plain", .base_colour = {0.5F, 0.5F, 0.5F, 1}, .double_sided = true}};
+  mesh.parts = {{0, 0, static_cast<std::uint32_t>(mesh.triangles.size())}};
+  return mesh;
+}
+
+// A corner of the mesh and where a person sees it.
+struct Click {
+  Vector3d corner;
+  Vector2d at_px;
+};
+
+// How the camera stood, the mesh being the world: from all sides, the one from which the clicks fit best.
+Rigid3 PoseByClicks(std::span<const Click> clicks, const Vector3d& middle, const Calibration& calibration) {
+  std::vector<SeenPoint> points;
+  for (const auto& [corner, at_px] : clicks) {
+    points.push_back({corner - middle, (at_px - calibration.middle_px) / calibration.focal_px});
+  }
+  Rigid3 best;
+  double least = std::numeric_limits<double>::infinity();
+  const Expected<ViewSphere> sphere = MakeViewSphere({.step_deg = 20, .max_off_nadir_deg = 80});
+  for (const ViewSphere::View& view : sphere->views) {
+    const auto pose = FitObjectPose(points, CameraFromModel(view.direction),
+                                    {.sigma = 1 / calibration.focal_px, .sigma_view_rad = 10, .hypotheses = 0});
+    if (!pose) continue;
+    double off2 = 0;
+    for (const SeenPoint& point : points) {
+      off2 += (pose->camera_from_object.Apply(point.point).hnormalized() - point.seen).squaredNorm();
+    }
+    if (off2 >= least) continue;
+    least = off2;
+    best = pose->camera_from_object;
+  }
+  return {best.rotation, best.translation - best.rotation * middle};
+}
+
+Expected<RealObject> LoadTeaBox(const fs::path& folder) {
+  const Calibration camera{839.3, {325.67, 243.70}};  // teabox.xml
+  constexpr double kOtherFocalPx = 680.4;             // teabox_left.xml
+  // Read off the first frame by eye: three corners of the lid, two of the bottom.
+  constexpr double kLength = 0.165;
+  constexpr double kWidth = 0.068;
+  constexpr double kHeight = 0.08;
+  const std::array<Click, 5> clicks = {{{{0, 0, 0}, {192.5, 84}},
+                                        {{kLength, 0, 0}, {349.5, 207}},
+                                        {{kLength, kWidth, 0}, {489, 187}},
+                                        {{kLength, 0, -kHeight}, {331, 377}},
+                                        {{kLength, kWidth, -kHeight}, {463, 348}}}};
+  RealObject box{.name = "tea box", .mesh = {}, .views = {}, .first_camera = {}, .other_views = {}};
+  VICTORIOUS_ASSIGN_OR_RETURN(box.mesh, ReadCao(folder / "teabox.cao"));
+  VICTORIOUS_ASSIGN_OR_RETURN(box.views, ReadVideo(folder / "teabox.mp4", camera.focal_px));
+  VICTORIOUS_ASSIGN_OR_RETURN(box.other_views, ReadVideo(folder / "teabox_left.mp4", kOtherFocalPx));
+  const Vector3d middle = BoundingBox(box.mesh).center();
+  box.first_camera = {PinholeOf(camera, box.views.front().bgr), PoseByClicks(clicks, middle, camera)};
+  return box;
+}
+
+Expected<Eigen::Matrix4d> MatrixIn(const nlohmann::json& rows, const fs::path& path) {
+  Eigen::Matrix4d matrix;
+  for (Eigen::Index row = 0; row < 4; ++row) {
+    for (Eigen::Index column = 0; column < 4; ++column) {
+      const auto pointer = nlohmann::json::json_pointer(fmt::format("/{}/{}", row, column));
+      if (!rows.contains(pointer) || !rows.at(pointer).is_number()) {
+        return Fail(ErrorCode::kDataLoss, fmt::format("{}: expected a matrix of 4 x 4 numbers", path.string()));
+      }
+      matrix(row, column) = rows.at(pointer).get<double>();
+    }
+  }
+  return matrix;
+}
+
+Rigid3 RigidOf(const Eigen::Matrix4d& matrix) {
+  const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
+  return {Eigen::Quaterniond(rotation).normalized(), matrix.topRightCorner<3, 1>()};
+}
+
+// Where the board of tags stood, frame by frame: camera_from_board.
+Expected<std::vector<Rigid3>> ReadBoard(const fs::path& path) {
+  std::vector<Rigid3> board;
+  try {
+    const cv::FileStorage file(path.string(), cv::FileStorage::READ);
+    for (const cv::FileNode& frame : file["grid"]) {
+      Eigen::Matrix4d matrix;
+      for (int row = 0; row < 4; ++row) {
+        for (int column = 0; column < 4; ++column) matrix(row, column) = static_cast<double>(frame[row][column]);
+      }
+      board.push_back(RigidOf(matrix));
+    }
+  } catch (const cv::Exception& /*damaged*/) {
+    board.clear();
+  }
+  if (board.empty()) return Fail(ErrorCode::kDataLoss, fmt::format("{}: no poses of the board", path.string()));
+  return board;
+}
+
+Expected<RealObject> LoadCube(const fs::path& folder) {
+  const Calibration camera{607.2, {321.39, 241.92}};  // cam.json
+  RealObject cube{.name = "cube", .mesh = {}, .views = {}, .first_camera = {}, .other_views = {}};
+  VICTORIOUS_ASSIGN_OR_RETURN(LoadedMesh loaded,
+                              LoadMesh(folder / "models/cube/cube.obj", {.up = Axis::kPlusZ, .front = Axis::kPlusX}));
+  cube.mesh = std::move(loaded.mesh);
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(folder / "init/cube.json"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const nlohmann::json rows, ParseJson(text));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Eigen::Matrix4d first, MatrixIn(rows, folder / "init/cube.json"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Rigid3> board, ReadBoard(folder / "apriltag_data.json.gz"));
+  const Vector3d middle = BoundingBox(cube.mesh).center();
+  const Rigid3 first_pose = RigidOf(first);
+  for (std::size_t i = 0; i < board.size(); ++i) {
+    const fs::path picture = folder / "frames" / fmt::format("color_image_{:04}.png", i);
+    if (!fs::exists(picture)) continue;
+    VICTORIOUS_ASSIGN_OR_RETURN(const Image image, ReadImage(picture));
+    const Rigid3 pose = board[i] * board[0].Inverse() * first_pose;
+    cube.views.push_back({.bgr = image.bgr,
+                          .focal_px = camera.focal_px,
+                          .camera_from_object = Rigid3{pose.rotation, pose.Apply(middle)}});
+  }
+  if (cube.views.empty()) {
+    return Fail(ErrorCode::kNotFound, fmt::format("{}: no pictures", (folder / "frames").string()));
+  }
+  cube.first_camera = {PinholeOf(camera, cube.views.front().bgr), first_pose};
+  return cube;
+}
+
+}  // namespace
+
+Expected<std::vector<RealObject>> LoadRealObjects(const fs::path& data) {
+  const fs::path folder = data / "real/recognition";
+  std::vector<RealObject> objects;
+  VICTORIOUS_ASSIGN_OR_RETURN(objects.emplace_back(), LoadTeaBox(folder / "visp_video/teabox"));
+  VICTORIOUS_ASSIGN_OR_RETURN(objects.emplace_back(), LoadCube(folder / "visp_cad_multi"));
+  return objects;
+}
+
+}  // namespace victorious

@@ -1,0 +1,80 @@
+// What the tests of stances and sights share: an object of known place before a camera, and the detection of it.
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "victorious/geometry/angles.h"
+#include "victorious/geometry/lens.h"
+#include "victorious/types/camera_state.h"
+#include "victorious/types/detection.h"
+#include "victorious/types/feature_set.h"
+#include "victorious/types/object_model.h"
+
+namespace victorious {
+
+inline constexpr int kWidth = 640;
+inline constexpr int kHeight = 480;
+inline const double kFocalPx = kWidth / 2.0 / std::tan(RadiansFromDegrees(16) / 2);
+
+inline CameraState LookingDown(double pitch_deg, double yaw_deg) {
+  return {.time_s = 2,
+          .place = {0.8, 0.2, 500},
+          .attitude = Attitude{RadiansFromDegrees(yaw_deg), RadiansFromDegrees(pitch_deg), 0.03},
+          .hfov_rad = RadiansFromDegrees(16)};
+}
+
+// A model with one view, whose points stand about a middle that is not the origin; and what a camera sees of it.
+struct Staged {
+  ObjectModel model;
+  std::shared_ptr<FeatureSet> features = std::make_shared<FeatureSet>();
+  std::shared_ptr<std::vector<Point3>> points = std::make_shared<std::vector<Point3>>();
+  FeatureSet scene;
+  Detection detection;
+};
+
+// The object stands upright at `object_enu` from the camera, its front towards `heading_deg`, and is seen through
+// `lens`; the view that matched is a few degrees off.
+inline Staged Stage(const CameraState& camera, const Eigen::Vector3d& object_enu, double heading_deg,
+                    const LensDistortion& lens) {
+  Staged staged;
+  const Eigen::Vector3d middle(0.5, 0, 1);
+  const Eigen::Quaterniond camera_from_enu = CameraFromEnu(*camera.attitude);
+  // Front along the heading, left a quarter turn counter-clockwise of it.
+  const Eigen::AngleAxisd enu_from_model(kPi / 2 - RadiansFromDegrees(heading_deg), Eigen::Vector3d::UnitZ());
+  const Eigen::Vector3d to_camera = enu_from_model.inverse() * (-object_enu.normalized());
+  ModelView view{.width = 400, .height = 400};
+  view.angles = ViewAngles{std::atan2(to_camera.y(), -to_camera.x()) + RadiansFromDegrees(4),
+                           std::acos(to_camera.z()) - RadiansFromDegrees(3)};
+  staged.scene.image_width = kWidth;
+  staged.scene.image_height = kHeight;
+  const auto show = [&](const Eigen::Vector3d& off_middle) {
+    const Eigen::Vector3d p = camera_from_enu * (object_enu + enu_from_model * off_middle);
+    return Eigen::Vector2d(kFocalPx * Distort({p.x() / p.z(), p.y() / p.z()}, lens) +
+                           Eigen::Vector2d(kWidth / 2.0, kHeight / 2.0));
+  };
+  for (int i = 0; i < 24; ++i) {
+    const Eigen::Vector3d off((i % 3 - 1) * 1.8, (i / 3 % 4 - 1.5) * 0.6, i % 2 == 0 ? 0.9 : 0.2 * (i % 5));
+    const Eigen::Vector2d seen = show(off);
+    staged.detection.pose.inliers.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i), 0.5F});
+    staged.scene.keypoints.push_back({static_cast<float>(seen.x()), static_cast<float>(seen.y())});
+    staged.features->keypoints.push_back({});
+    const Eigen::Vector3f point = (middle + off).cast<float>();
+    staged.points->push_back({point.x(), point.y(), point.z()});
+  }
+  // The template's upright is the model's up: how far that is turned in the picture.
+  const Eigen::Vector2d up = show({0, 0, 1}) - show({0, 0, -1});
+  Similarity2& similarity = staged.detection.pose.scene_from_template;
+  similarity.rotation_rad = std::atan2(up.x(), -up.y());
+  similarity.scale = 0.2;
+  similarity.translation = show({0, 0, 0}) - similarity.Linear() * Eigen::Vector2d(200, 200);
+  staged.model.kind = "cad";
+  staged.model.views.push_back(view);
+  staged.model.features = staged.features->View();
+  staged.model.points_in_model = *staged.points;
+  staged.model.box_m = Eigen::AlignedBox3d(Eigen::Vector3d(-2, -1, 0), Eigen::Vector3d(3, 1, 2));
+  return staged;
+}
+
+}  // namespace victorious
