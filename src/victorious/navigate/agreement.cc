@@ -31,7 +31,7 @@ struct Node {
 // What is lost on the way from one frame to another.
 class Carrier {
  public:
-  Carrier(const Flight& flight, const NavigateOptions& options) : flight_(flight), options_(options) {}
+  explicit Carrier(const Flight& flight) : flight_(flight) {}
 
   [[nodiscard]] Vector6 Variance(std::size_t frame, std::size_t other) const {
     const double dt = std::abs(flight_.frames[frame].time_s - flight_.frames[other].time_s);
@@ -50,8 +50,8 @@ class Carrier {
   }
 
   /// So long a window that what is lost in it stays small beside what a claim may err.
-  [[nodiscard]] double WindowS() const {
-    const double allowed_m = options_.claim_sigma_m / 3;
+  [[nodiscard]] double WindowS(double claim_sigma_m) const {
+    const double allowed_m = claim_sigma_m / 3;
     const double by_motion = allowed_m / flight_.sigmas.speed_m_s;
     if (!flight_.has_told) return by_motion;
     return std::max(by_motion, std::pow(allowed_m / std::max(1e-6, flight_.sigmas.drift_position_m), 2));
@@ -68,20 +68,16 @@ class Carrier {
     return node;
   }
 
-  /// The state in a frame that a node of it or of another frame with telemetry leads to.
-  [[nodiscard]] FlightState StateAt(std::size_t frame, const Node& node, bool of_told) const {
+  /// The state in a frame that a node of it leads to, or one of another frame where both have telemetry.
+  [[nodiscard]] FlightState StateAt(std::size_t frame, const Node& node) const {
     FlightState state;
     state.place = node.place;
-    Quaterniond enu_from_camera = node.offset;
-    if (of_told) {
+    state.camera_from_enu = node.offset.conjugate();
+    if (flight_.frames[frame].told) {
       const ToldPose& told = *flight_.frames[frame].told;
       state.place += told.place;
       state.place_offset = -node.place;
-      enu_from_camera = enu_from_camera * told.CameraFromEnuLess(Vector3d::Zero()).conjugate();
-    }
-    state.camera_from_enu = enu_from_camera.conjugate();
-    if (of_told) {
-      const ToldPose& told = *flight_.frames[frame].told;
+      state.camera_from_enu = told.CameraFromEnuLess(Vector3d::Zero()) * state.camera_from_enu;
       const Attitude attitude = AttitudeOf(state.camera_from_enu * told.local_from_enu.conjugate());
       state.attitude_offset << WrapAngle(told.attitude.yaw_rad - attitude.yaw_rad),
           told.attitude.pitch_rad - attitude.pitch_rad, WrapAngle(told.attitude.roll_rad - attitude.roll_rad);
@@ -91,14 +87,13 @@ class Carrier {
 
  private:
   const Flight& flight_;
-  const NavigateOptions& options_;
 };
 
 class Electorate {
  public:
   Electorate(const Flight& flight, std::span<const FlightLandmark> landmarks,
              std::span<const LandmarkSighting> sightings, const NavigateOptions& options)
-      : flight_(flight), sightings_(sightings), carrier_(flight, options) {
+      : flight_(flight), sightings_(sightings), carrier_(flight) {
     for (std::size_t i = 0; i < sightings.size(); ++i) {
       for (const std::size_t landmark : sightings[i].candidates) {
         const PoseClaim claim = ClaimOf(sightings[i], landmarks[landmark]);
@@ -106,7 +101,7 @@ class Electorate {
         nodes_.push_back(carrier_.NodeOf(sightings[i], i, landmark, claim));
       }
     }
-    SplitIntoWindows();
+    SplitIntoWindows(options.claim_sigma_m);
   }
 
   /// A window's choice: the claim that leads, and which nodes agree with it.
@@ -114,6 +109,7 @@ class Electorate {
     std::optional<std::size_t> leader;
     std::vector<std::size_t> supporters;
     double score = 0;
+    bool clear = false;  // no claim that does not agree with the leader's finds nearly as much agreement
   };
 
   [[nodiscard]] std::vector<Choice> Elect(const std::vector<bool>& wrong) const {
@@ -122,42 +118,12 @@ class Electorate {
     return choices;
   }
 
-  /// Landmarks that agree in fewer of their windows than in the others, while another is seen that does agree.
-  [[nodiscard]] std::vector<bool> WrongOnes(const std::vector<Choice>& choices, std::size_t landmarks) const {
-    std::vector<double> for_it(landmarks, 0);
-    std::vector<double> against(landmarks, 0);
-    for (std::size_t w = 0; w < choices.size(); ++w) {
-      if (!choices[w].leader) continue;
-      std::map<std::size_t, bool> agrees;  // by landmark
-      for (std::size_t n = windows_[w].first; n < windows_[w].second; ++n) agrees.emplace(nodes_[n].landmark, false);
-      std::vector<bool> explained(sightings_.size(), false);
-      for (const std::size_t n : choices[w].supporters) {
-        agrees[nodes_[n].landmark] = true;
-        explained[nodes_[n].sighting] = true;
-      }
-      // A sighting that is another's, of the same model, is no word against it.
-      std::map<std::size_t, std::pair<double, double>> unexplained;  // by landmark: unexplained, all
-      for (std::size_t n = windows_[w].first; n < windows_[w].second; ++n) {
-        auto& [open, all] = unexplained[nodes_[n].landmark];
-        open += explained[nodes_[n].sighting] ? 0 : 1;
-        all += 1;
-      }
-      for (const auto& [landmark, agreed] : agrees) {
-        const auto& [open, all] = unexplained[landmark];
-        (agreed ? for_it : against)[landmark] += agreed ? choices[w].score : choices[w].score * open / all;
-      }
-    }
-    std::vector<bool> wrong(landmarks);
-    for (std::size_t i = 0; i < landmarks; ++i) wrong[i] = against[i] > for_it[i];
-    return wrong;
-  }
-
   [[nodiscard]] const Node& node(std::size_t n) const { return nodes_[n]; }
-  [[nodiscard]] const Carrier& carrier() const { return carrier_; }
+  [[nodiscard]] const std::vector<std::pair<std::size_t, std::size_t>>& windows() const { return windows_; }
 
  private:
-  void SplitIntoWindows() {
-    const double window_s = carrier_.WindowS();
+  void SplitIntoWindows(double claim_sigma_m) {
+    const double window_s = carrier_.WindowS(claim_sigma_m);
     std::size_t first = 0;
     for (std::size_t n = 1; n <= nodes_.size(); ++n) {
       if (n < nodes_.size() && nodes_[n].time_s - nodes_[first].time_s <= window_s) continue;
@@ -167,7 +133,7 @@ class Electorate {
     if (nodes_.empty()) windows_.clear();
   }
 
-  [[nodiscard]] double SquaredDistance(const Node& a, const Node& b) const {
+  [[nodiscard]] double SquaredApart(const Node& a, const Node& b) const {
     Vector6 apart;
     apart << VectorOf(a.offset * b.offset.conjugate()), a.place - b.place;
     Matrix6 covariance = a.covariance + b.covariance;
@@ -195,6 +161,7 @@ class Electorate {
     constexpr std::size_t kMostLeaders = 120;
     const std::size_t stride = (last - first) / kMostLeaders + 1;
     Choice best;
+    std::vector<std::pair<double, std::size_t>> scores;  // of all leaders
     for (std::size_t leader = first; leader < last; leader += stride) {
       if (wrong[nodes_[leader].landmark]) continue;
       // Student's t distribution: telemetry that is off by far is seldom, not impossible.
@@ -208,7 +175,7 @@ class Electorate {
         std::optional<std::size_t> supporter;
         for (; n < last && nodes_[n].sighting == sighting; ++n) {
           if (wrong[nodes_[n].landmark]) continue;
-          const double distance = SquaredDistance(nodes_[leader], nodes_[n]);
+          const double distance = SquaredApart(nodes_[leader], nodes_[n]);
           if (distance >= nearest) continue;
           nearest = distance;
           supporter = n;
@@ -219,8 +186,13 @@ class Electorate {
       }
       if (seen.size() == 1 && offset > kGate) continue;  // its word against telemetry's
       for (const auto& [landmark, count] : seen) choice.score += kLandmarkWeight * std::log1p(count);
+      scores.emplace_back(choice.score, leader);
       if (!best.leader || choice.score > best.score) best = std::move(choice);
     }
+    constexpr double kClear = 1;
+    best.clear = std::ranges::none_of(scores, [&](const auto& other) {
+      return other.first > best.score - kClear && SquaredApart(nodes_[*best.leader], nodes_[other.second]) > kGate;
+    });
     return best;
   }
 
@@ -278,48 +250,69 @@ PoseClaim ClaimOf(const LandmarkSighting& sighting, const FlightLandmark& landma
               by_known * landmark.prior_covariance * by_known.transpose()};
 }
 
-Agreement FindAgreement(const Flight& flight, std::span<const FlightLandmark> landmarks,
-                        std::span<const LandmarkSighting> sightings, const NavigateOptions& options) {
+std::vector<std::optional<std::size_t>> FindAgreement(const Flight& flight, std::span<const FlightLandmark> landmarks,
+                                                      std::span<const LandmarkSighting> sightings,
+                                                      const std::vector<bool>& wrong, const NavigateOptions& options) {
   const Electorate electorate(flight, landmarks, sightings, options);
-  std::vector<bool> wrong(landmarks.size(), false);
-  std::vector<Electorate::Choice> choices = electorate.Elect(wrong);
-  wrong = electorate.WrongOnes(choices, landmarks.size());
-  if (std::ranges::find(wrong, true) != wrong.end()) choices = electorate.Elect(wrong);
-
-  Agreement agreement;
-  agreement.landmark_of.resize(sightings.size());
-  agreement.wrong_landmarks = std::move(wrong);
-  agreement.start.resize(flight.frames.size());
-  std::vector<bool> known(flight.frames.size(), false);
-  // A frame starts from its own best claim; with telemetry, from the claim that leads its window.
-  std::vector<double> variance(flight.frames.size(), std::numeric_limits<double>::infinity());
-  std::vector<std::pair<double, std::size_t>> leaders;  // by time
-  for (const Electorate::Choice& choice : choices) {
-    if (!choice.leader) continue;
-    leaders.emplace_back(electorate.node(*choice.leader).time_s, *choice.leader);
-    for (const std::size_t n : choice.supporters) {
+  std::vector<std::optional<std::size_t>> landmark_of(sightings.size());
+  const std::vector<Electorate::Choice> choices = electorate.Elect(wrong);
+  for (std::size_t w = 0; w < choices.size(); ++w) {
+    if (flight.has_told || choices[w].clear) {
+      for (const std::size_t n : choices[w].supporters) {
+        landmark_of[electorate.node(n).sighting] = electorate.node(n).landmark;
+      }
+      continue;
+    }
+    // Undecided: what can be of one landmark alone is taken to be of it, the rest is left until more is known.
+    for (std::size_t n = electorate.windows()[w].first; n < electorate.windows()[w].second; ++n) {
       const Node& node = electorate.node(n);
-      agreement.landmark_of[node.sighting] = node.landmark;
-      const std::size_t frame = sightings[node.sighting].frame;
-      const double own = node.covariance.trace();
-      if (flight.frames[frame].told || own >= variance[frame]) continue;
-      variance[frame] = own;
-      known[frame] = true;
-      agreement.start[frame] = electorate.carrier().StateAt(frame, node, false);
+      if (sightings[node.sighting].candidates.size() == 1 && !wrong[node.landmark]) {
+        landmark_of[node.sighting] = node.landmark;
+      }
     }
   }
-  Node none{.offset = Quaterniond::Identity(), .place = Vector3d::Zero(), .covariance = Matrix6::Zero()};
-  for (std::size_t k = 0; k < flight.frames.size(); ++k) {
-    if (!flight.frames[k].told) continue;
-    const auto off = [&](const auto& leader) { return std::abs(leader.first - flight.frames[k].time_s); };
-    const auto nearest = std::ranges::min_element(leaders, {}, off);
-    const bool led =
-        nearest != leaders.end() && flight.frames[sightings[electorate.node(nearest->second).sighting].frame].told;
-    agreement.start[k] = electorate.carrier().StateAt(k, led ? electorate.node(nearest->second) : none, true);
-    known[k] = true;
+  return landmark_of;
+}
+
+std::vector<FlightState> StartOf(const Flight& flight, std::span<const FlightLandmark> landmarks,
+                                 std::span<const LandmarkSighting> sightings,
+                                 std::span<const std::optional<std::size_t>> landmark_of) {
+  const Carrier carrier(flight);
+  // The best claim of each frame that has one.
+  std::map<std::size_t, Node> best;
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
+    if (!landmark_of[i]) continue;
+    const Node node =
+        carrier.NodeOf(sightings[i], i, *landmark_of[i], ClaimOf(sightings[i], landmarks[*landmark_of[i]]));
+    const auto [at, is_new] = best.emplace(sightings[i].frame, node);
+    if (!is_new && node.covariance.trace() < at->second.covariance.trace()) at->second = node;
   }
-  FillGaps(flight, known, agreement.start);
-  return agreement;
+  std::vector<FlightState> states(flight.frames.size());
+  std::vector<bool> known(flight.frames.size(), false);
+  const Node as_told{.offset = Quaterniond::Identity(), .place = Vector3d::Zero(), .covariance = Matrix6::Zero()};
+  for (std::size_t k = 0; k < flight.frames.size(); ++k) {
+    if (const auto own = best.find(k); own != best.end()) {
+      states[k] = carrier.StateAt(k, own->second);
+      known[k] = true;
+    } else if (flight.frames[k].told) {
+      // By the offset of the nearest frame with one.
+      const Node* nearest = &as_told;
+      double apart_s = std::numeric_limits<double>::infinity();
+      auto after = best.lower_bound(k);
+      for (const int way : {0, 1}) {
+        if (way == 0 ? after == best.end() : after == best.begin()) continue;
+        const auto& [frame, node] = way == 0 ? *after : *std::prev(after);
+        const double off_s = std::abs(flight.frames[frame].time_s - flight.frames[k].time_s);
+        if (!flight.frames[frame].told || off_s >= apart_s) continue;
+        apart_s = off_s;
+        nearest = &node;
+      }
+      states[k] = carrier.StateAt(k, *nearest);
+      known[k] = true;
+    }
+  }
+  FillGaps(flight, known, states);
+  return states;
 }
 
 }  // namespace victorious

@@ -3,8 +3,7 @@
 // A sighting, taken as one of a landmark, claims where the camera stands and how it is held. Telemetry (or the guess
 // that the camera stays where it is) carries claims from frame to frame, at a growing loss. In each window of time the
 // claim is sought that most landmarks agree with: a landmark counts by the logarithm of its sightings, so that one
-// wrong landmark that is seen all the time does not outvote two right ones. A landmark that is seen, but mostly does
-// not agree, is wrong throughout: it is left out, and the windows are decided anew.
+// wrong landmark that is seen all the time does not outvote two right ones.
 #pragma once
 
 #include <cstddef>
@@ -31,14 +30,17 @@ struct PoseClaim {
 /// From a sighting, if it is of this landmark.
 PoseClaim ClaimOf(const LandmarkSighting& sighting, const FlightLandmark& landmark);
 
-struct Agreement {
-  std::vector<std::optional<std::size_t>> landmark_of;  ///< one a sighting; none: of no landmark that agrees
-  std::vector<bool> wrong_landmarks;                    ///< one a landmark
-  std::vector<FlightState> start;                       ///< one a frame, near the truth where anything agrees
-};
-
 /// @param sightings  by frame
-Agreement FindAgreement(const Flight& flight, std::span<const FlightLandmark> landmarks,
-                        std::span<const LandmarkSighting> sightings, const NavigateOptions& options);
+/// @param wrong      one a landmark: those that no sighting is taken to be of
+/// @return one a sighting: the landmark that it is taken to be; none where it agrees with too little
+std::vector<std::optional<std::size_t>> FindAgreement(const Flight& flight, std::span<const FlightLandmark> landmarks,
+                                                      std::span<const LandmarkSighting> sightings,
+                                                      const std::vector<bool>& wrong, const NavigateOptions& options);
+
+/// A state a frame, near the truth where sightings are near: what they claim, carried on by telemetry, or between them
+/// in a straight line.
+std::vector<FlightState> StartOf(const Flight& flight, std::span<const FlightLandmark> landmarks,
+                                 std::span<const LandmarkSighting> sightings,
+                                 std::span<const std::optional<std::size_t>> landmark_of);
 
 }  // namespace victorious

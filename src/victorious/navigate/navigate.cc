@@ -10,6 +10,7 @@
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/rotation_vector.h"
 #include "victorious/navigate/agreement.h"
+#include "victorious/navigate/contradiction.h"
 #include "victorious/navigate/smoother.h"
 
 namespace victorious {
@@ -149,14 +150,20 @@ class Navigator {
     for (const Landmark& landmark : input.landmarks) landmarks_.push_back(InPlane(landmark, plane_, options.landmark));
     sightings_ = Thinned(input, options.landmark.correlation_s);
     whole_.assign(input.sightings.begin(), input.sightings.end());
+    wrong_.resize(landmarks_.size(), false);
   }
 
   Navigation Run() {
-    Agreement agreement = FindAgreement(flight_, landmarks_, whole_, options_);
-    wrong_ = std::move(agreement.wrong_landmarks);
-    std::vector<FlightState> start = std::move(agreement.start);
-    Navigation navigation{.frames = {}, .landmark_of = std::move(agreement.landmark_of)};
+    Navigation navigation;
     auto& believed = navigation.landmark_of;
+    believed = FindAgreement(flight_, landmarks_, whole_, wrong_, options_);
+    if (!flight_.has_told) {
+      wrong_ = FindContradictions(flight_, landmarks_, sightings_, believed, options_);
+      if (std::ranges::find(wrong_, true) != wrong_.end()) {
+        believed = FindAgreement(flight_, landmarks_, whole_, wrong_, options_);
+      }
+    }
+    std::vector<FlightState> start = StartOf(flight_, landmarks_, whole_, believed);
     std::optional<SmoothedFlight> smoothed;
     constexpr int kMostRounds = 8;
     for (int round = 0; round < kMostRounds; ++round) {
@@ -198,7 +205,7 @@ class Navigator {
       double nearest = options_.gate_sigma * options_.gate_sigma;
       for (const std::size_t landmark : whole_[i].candidates) {
         if (wrong_[landmark]) continue;
-        const auto distance = SquaredDistance(whole_[i], landmark, smoothed);
+        const auto distance = DistanceOf(whole_[i], landmark, smoothed);
         if (!distance || *distance >= nearest) continue;
         nearest = *distance;
         believed[i] = landmark;
@@ -224,9 +231,10 @@ class Navigator {
     return off.dot(sighting.information * off) * 6 / DimensionsOf(sighting.information);
   }
 
-  // In sigmas of the sighting and of what the flight expects together. Nothing where the flight expects nothing.
-  [[nodiscard]] std::optional<double> SquaredDistance(const LandmarkSighting& sighting, std::size_t landmark,
-                                                      const SmoothedFlight& smoothed) const {
+  // Squared, in sigmas of the sighting and of what the flight expects together. Nothing where the flight expects
+  // nothing.
+  [[nodiscard]] std::optional<double> DistanceOf(const LandmarkSighting& sighting, std::size_t landmark,
+                                                 const SmoothedFlight& smoothed) const {
     const FlightState& state = smoothed.states[sighting.frame];
     const Rigid3& pose = LandmarkIn(smoothed, landmark);
     const SightingJacobian jacobian = SightingDerivative(state, pose);
@@ -245,11 +253,7 @@ class Navigator {
       expected += jacobian.by_landmark * landmarks_[landmark].prior_covariance * jacobian.by_landmark.transpose();
     }
     const Vector6 off = SightingError(sighting.camera_from_landmark, state, pose);
-    // (W^-1 + S)^-1 = W - W (W + S^-1)^-1 W, which needs no inverse of W.
-    const Matrix6 w = sighting.information / noise_;
-    const Matrix6 weighed = w + expected.llt().solve(Matrix6::Identity());
-    const Vector6 pulled = w * off;
-    return std::max(0.0, off.dot(pulled) - pulled.dot(weighed.llt().solve(pulled)));
+    return SquaredDistance(off, sighting.information / noise_, expected);
   }
 
   [[nodiscard]] std::vector<NavigatedFrame> Describe(const SmoothedFlight& smoothed,

@@ -1,8 +1,9 @@
 // Landmark navigation: known objects in view tell where the camera is and how it is held, with telemetry that drifts or
 // without any.
 //
-//   landmarks, sightings -> which to believe (agreement.h) -> the most likely flight (smoother.h) -> which to believe
-//   after all, by how far each is from where the flight has it -> ... until that stays -> states with covariance
+//   landmarks, sightings -> which to believe (agreement.h, contradiction.h) -> the most likely flight (smoother.h) ->
+//   which to believe after all, by how far each is from where the flight has it -> ... until that stays -> states with
+//   covariance
 //
 // The inverse of geolocate/: there the camera is known and the object is sought.
 #pragma once

@@ -122,6 +122,30 @@ TEST(Navigate, AWrongLandmarkDoesNotPullItAway) {
   }
 }
 
+// Landmarks that are hardly ever seen together: what came before and after speaks against the wrong one.
+TEST(Navigate, WithoutTelemetryAWrongLandmarkContradictsTheOthers) {
+  for (const std::size_t wrong : {0U, 1U, 3U}) {
+    int believed = 0;
+    int doubted = 0;
+    Errors errors;
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      LandmarkFlight flight({.seed = seed, .frames = 165, .landmarks = 4, .telemetry = false});
+      Landmark& moved = flight.landmarks[wrong];
+      moved.place = TangentPlane(moved.place).GeodeticFromEnu({-30, 40, 0});
+      const Navigation navigation = Estimate(flight);
+      for (std::size_t i = 0; i < flight.sightings.size(); ++i) {
+        const bool is_wrong = flight.sightings[i].candidates.front() == wrong;
+        believed += is_wrong && navigation.landmark_of[i] ? 1 : 0;
+        doubted += !is_wrong && !navigation.landmark_of[i] ? 1 : 0;
+      }
+      errors.Add(flight, navigation, true);
+    }
+    EXPECT_EQ(believed, 0) << wrong;
+    EXPECT_LE(doubted, 5) << wrong;
+    EXPECT_LT(errors.Place(0.95), 5) << wrong;
+  }
+}
+
 TEST(Navigate, SetsWrongSightingsAside) {
   Errors errors;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {

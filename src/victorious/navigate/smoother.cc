@@ -282,6 +282,13 @@ SightingJacobian SightingDerivative(const FlightState& state, const Rigid3& enu_
   return jacobian;
 }
 
+// (W^-1 + S)^-1 = W - W (W + S^-1)^-1 W, which needs no inverse of W.
+double SquaredDistance(const Vector6& error, const Matrix6& information, const Matrix6& expected_covariance) {
+  const Matrix6 together = information + expected_covariance.llt().solve(Matrix6::Identity());
+  const Vector6 pulled = information * error;
+  return std::max(0.0, error.dot(pulled) - pulled.dot(together.llt().solve(pulled)));
+}
+
 double DimensionsOf(const Matrix6& information) {
   return static_cast<double>((information.diagonal().array() > 0).count());
 }

@@ -104,6 +104,9 @@ struct SightingJacobian {
 };
 SightingJacobian SightingDerivative(const FlightState& state, const Rigid3& enu_from_landmark);
 
+/// How far off a sighting is, squared, in sigmas of its own and of what was expected together.
+double SquaredDistance(const Vector6& error, const Matrix6& information, const Matrix6& expected_covariance);
+
 /// How many numbers a sighting tells: those with any information.
 double DimensionsOf(const Matrix6& information);
 
