@@ -1,13 +1,11 @@
 // From a detection and the camera's state to the line along which the object was seen, its range and its heading.
 //
-// Models that know their points in space (CAD): their matched points fix the object's six degrees of freedom before the
-// camera (geolocate/object_pose.h); the line goes to the middle of the bounding box, the front gives the heading.
-// Photos: the line goes to the middle of the outline; a range only where the object's length is known.
+// The line goes to the middle of the object (stance.h); of models that know their points, the front gives the heading.
 #pragma once
 
 #include <optional>
 
-#include "victorious/base/options.h"
+#include "victorious/pipeline/stance.h"
 #include "victorious/types/camera_state.h"
 #include "victorious/types/detection.h"
 #include "victorious/types/feature_set.h"
@@ -15,17 +13,6 @@
 #include "victorious/types/sight.h"
 
 namespace victorious {
-
-struct SightOptions {
-  double point_sigma_px = 1.0;
-  double view_sigma_deg = 6.0;
-  double least_sigma_px = 0.3;
-  double least_range_share = 0.01;
-  double photo_centre_share = 0.1;
-  double photo_range_share = 0.3;
-
-  void ListFields(FieldList& fields);
-};
 
 /// @param scene   the frame's features, which the detection's matches count in
 /// @param camera  at the frame's time
