@@ -58,8 +58,8 @@ void Tell(const NavigationRun& run) {
                  run.sightings[i]);
   }
   TellOffset(run.navigation);
-  spdlog::info("{:.1f} ms a frame once landmarks are followed, {:.2f} ms a frame to estimate the flight",
-               run.tracked_ms, run.estimate_ms);
+  spdlog::info("{:.1f} ms a frame once landmarks are followed, {:.1f} of processor time; {:.2f} to estimate the flight",
+               run.tracked_ms, run.tracked_cpu_ms, run.estimate_ms);
   if (frames.empty()) spdlog::warn("no landmark was recognised, and there is no telemetry: no place is known");
 }
 

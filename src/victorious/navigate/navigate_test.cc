@@ -63,6 +63,16 @@ TEST(Navigate, TakesOutTheOffsetOfTelemetry) {
   EXPECT_LT(errors.Turn(0.5), 0.5);
 }
 
+TEST(Navigate, FollowsTelemetryThatJumps) {
+  Errors errors;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const LandmarkFlight flight({.seed = seed, .jump_m = 40});
+    errors.Add(flight, Estimate(flight));
+  }
+  EXPECT_LT(errors.Place(0.5), 1.2);
+  EXPECT_LT(errors.Place(0.95), 3);
+}
+
 TEST(Navigate, NeedsNoTelemetry) {
   Errors errors;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {

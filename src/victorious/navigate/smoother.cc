@@ -34,6 +34,17 @@ constexpr double kStudentFreedom = 6;
 
 double InverseSquare(double sigma) { return 1 / (sigma * sigma); }
 
+// Student's t distribution of `count` numbers whose squares in sigmas are `squared` together: minus the logarithm of
+// its likelihood, and the factor by which it weighs them less than a normal distribution would.
+struct Student {
+  Student(double squared, double count)
+      : cost(0.5 * (kStudentFreedom + count) * std::log1p(squared / kStudentFreedom)),
+        weight((kStudentFreedom + count) / (kStudentFreedom + squared)) {}
+
+  double cost;
+  double weight;
+};
+
 struct Estimate {
   std::vector<FlightState> states;
   std::vector<Rigid3> landmarks;
@@ -125,9 +136,9 @@ class Smoother {
     // Telemetry that is off by far more than its sigma does not hold the estimate back.
     const auto tie_offset = [&](Index at, const Vector3d& value, double sigma) {
       const double squared = value.squaredNorm() * InverseSquare(sigma);
-      tie(at, value, sigma * std::sqrt((kStudentFreedom + squared) / (kStudentFreedom + 3)));
-      cost += 0.5 * ((kStudentFreedom + 3) * std::log1p(squared / kStudentFreedom) -
-                     (kStudentFreedom + 3) * squared / (kStudentFreedom + squared));
+      const Student student(squared, 3);
+      tie(at, value, sigma / std::sqrt(student.weight));
+      cost += student.cost - 0.5 * student.weight * squared;
     };
     tie_offset(kPlaceOffset, first.place_offset, sigmas.offset_position_m);
     tie_offset(kAttitudeOffset, first.attitude_offset, sigmas.offset_attitude_rad);
@@ -160,8 +171,10 @@ class Smoother {
     }
     if (!flight_.has_told) return cost;
     const auto walk = [&](Index at, const Vector3d& change, double drift, double least) {
-      const double weight = 1 / (dt * std::max(drift * drift, least * least));
-      cost += 0.5 * weight * change.squaredNorm();
+      const double sure = 1 / (dt * std::max(drift * drift, least * least));
+      const Student student(sure * change.squaredNorm(), 3);  // now and then telemetry jumps
+      const double weight = student.weight * sure;
+      cost += student.cost;
       if (system == nullptr) return;
       system->diagonal[k].diagonal().segment<3>(at).array() += weight;
       system->diagonal[k + 1].diagonal().segment<3>(at).array() += weight;
@@ -180,12 +193,14 @@ class Smoother {
   double WeighTold(const Estimate& estimate, std::size_t k, BorderedSystem* system) const {
     const ToldPose& told = *flight_.frames[k].told;
     const FlightState& state = estimate.states[k];
-    const double place_weight = InverseSquare(told.sigma_position_m);
-    const double attitude_weight = InverseSquare(told.sigma_attitude_rad);
     const Vector3d place_off = state.place + state.place_offset - told.place;
     const Quaterniond expected = told.CameraFromEnuLess(state.attitude_offset);
     const Vector3d attitude_off = VectorOf(state.camera_from_enu * expected.conjugate());
-    const double cost = 0.5 * (place_weight * place_off.squaredNorm() + attitude_weight * attitude_off.squaredNorm());
+    const Student of_place(place_off.squaredNorm() * InverseSquare(told.sigma_position_m), 3);
+    const Student of_attitude(attitude_off.squaredNorm() * InverseSquare(told.sigma_attitude_rad), 3);
+    const double place_weight = of_place.weight * InverseSquare(told.sigma_position_m);
+    const double attitude_weight = of_attitude.weight * InverseSquare(told.sigma_attitude_rad);
+    const double cost = of_place.cost + of_attitude.cost;
     if (system == nullptr) return cost;
     MatrixXd& block = system->diagonal[k];
     Eigen::VectorXd& right = system->right[k];
@@ -230,9 +245,9 @@ class Smoother {
     const Rigid3& landmark = estimate.landmarks[tie.landmark];
     const Vector6 off = SightingError(tie.camera_from_landmark, state, landmark);
     const double squared = off.dot(tie.information * off);
-    const double freedom = kStudentFreedom + DimensionsOf(tie.information);
+    const Student student(squared, DimensionsOf(tie.information));
     if (system != nullptr) {
-      const Matrix6 information = freedom / (kStudentFreedom + squared) * tie.information;
+      const Matrix6 information = student.weight * tie.information;
       const SightingJacobian jacobian = SightingDerivative(state, landmark);
       const Index at = 6 * static_cast<Index>(tie.landmark);
       const Matrix6 state_weighted = jacobian.by_state.transpose() * information;
@@ -243,7 +258,7 @@ class Smoother {
       system->right[tie.frame].head<6>() -= state_weighted * off;
       system->corner_right.segment<6>(at) -= landmark_weighted * off;
     }
-    return 0.5 * freedom * std::log1p(squared / kStudentFreedom);
+    return student.cost;
   }
 
   const Flight& flight_;

@@ -5,8 +5,9 @@
 // tied to each other by
 //   motion         turn rate and velocity change as random walks
 //   telemetry      told = state + offset + noise; the offset walks from frame to frame
-//   sightings      camera_from_landmark as seen, by Student's t distribution: what is far off counts little
+//   sightings      camera_from_landmark as seen
 //   landmarks      as told, with their covariance
+// Telemetry and sightings err by Student's t distribution: what is far off counts little.
 #pragma once
 
 #include <cstddef>

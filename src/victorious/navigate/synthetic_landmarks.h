@@ -24,6 +24,7 @@ struct LandmarkFlightOptions {
   double drift_attitude_deg = 0.15;
   double noise_position_m = 0;  // sigma of each row
   double noise_attitude_deg = 0;
+  double jump_m = 0;       // of telemetry, east, in the middle of the flight
   double landmark_m = 0;   // sigma of where landmarks are told to be
   double wrong_share = 0;  // of sightings
 };
@@ -100,6 +101,7 @@ class LandmarkFlight {
     if (k == 0) offset_ = Walked(options_.offset_position_m, options_.offset_attitude_deg);
     const double root_s = std::sqrt(1 / options_.frame_rate);
     if (k > 0) offset_ += root_s * Walked(options_.drift_position_m, options_.drift_attitude_deg);
+    if (k == options_.frames / 2) offset_[0] += options_.jump_m;
     NavigationFrame frame{time_s, std::nullopt};
     if (options_.telemetry) {
       const Vector6 off = offset_ + Walked(options_.noise_position_m, options_.noise_attitude_deg);

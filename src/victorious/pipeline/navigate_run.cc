@@ -1,8 +1,10 @@
 #include "victorious/pipeline/navigate_run.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <memory>
 #include <set>
 #include <utility>
@@ -137,6 +139,7 @@ class Pass {
 
   Status Take(const Frame& frame) {
     const Clock::time_point start = Clock::now();
+    const std::clock_t cpu_start = std::clock();
     const CameraState camera = cameras_.At(frame.time_s);
     const FrameConditions conditions = ConditionsOf(camera, frame.image.size(), sun_);
     const bool whole = since_whole_ + 1 >= (landmarks_last_ > 0 ? options_.every : options_.lost_every);
@@ -154,13 +157,16 @@ class Pass {
     for (const Seen& seen : all) See(seen, camera);
     frames_.push_back({frame.time_s, std::nullopt});
     if (camera.attitude && camera.IsComplete()) frames_.back().told = camera;
-    if (!whole && !all.empty()) tracked_ms_.push_back(MillisecondsSince(start));
+    if (whole || all.empty()) return {};
+    tracked_ms_.push_back(MillisecondsSince(start));
+    tracked_cpu_ms_.push_back(1e3 * static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC);
     return {};
   }
 
   [[nodiscard]] const std::vector<NavigationFrame>& frames() const { return frames_; }
   [[nodiscard]] const std::vector<LandmarkSighting>& sightings() const { return sightings_; }
   [[nodiscard]] double tracked_ms() const { return Median(tracked_ms_); }
+  [[nodiscard]] double tracked_cpu_ms() const { return Median(tracked_cpu_ms_); }
 
  private:
   void See(const Seen& seen, const CameraState& camera) {
@@ -185,6 +191,7 @@ class Pass {
   std::vector<NavigationFrame> frames_;
   std::vector<LandmarkSighting> sightings_;
   std::vector<double> tracked_ms_;
+  std::vector<double> tracked_cpu_ms_;
   std::size_t landmarks_last_ = 0;
   int since_whole_ = 1000000;
 };
@@ -253,6 +260,7 @@ Expected<NavigationRun> NavigateVideo(const NavigateJob& job, std::vector<Object
   run.frames = static_cast<std::int64_t>(pass.frames().size());
   run.estimate_ms = MillisecondsSince(start) / static_cast<double>(std::max<std::int64_t>(1, run.frames));
   run.tracked_ms = pass.tracked_ms();
+  run.tracked_cpu_ms = pass.tracked_cpu_ms();
   run.landmarks = std::move(list.landmarks);
   run.sightings.resize(run.landmarks.size());
   for (const auto& believed : run.navigation.landmark_of) {

@@ -56,6 +56,7 @@ struct NavigationRun {
   std::int64_t unbelieved = 0;          ///< sightings that were not
   std::int64_t frames = 0;              ///< read
   double tracked_ms = 0;                ///< median time of a frame that was not searched as a whole, landmarks in it
+  double tracked_cpu_ms = 0;            ///< of it, processor time of all threads
   double estimate_ms = 0;               ///< time of the estimation, a frame
 };
 
