@@ -146,7 +146,10 @@ std::vector<LandmarkSighting> Thinned(const NavigationInput& input, double corre
 class Navigator {
  public:
   Navigator(const NavigationInput& input, const NavigateOptions& options)
-      : options_(options), plane_(PlaneOf(input)), flight_(FlightOf(input, plane_, options)) {
+      : options_(options),
+        common_(input.common_covariance_enu_m2),
+        plane_(PlaneOf(input)),
+        flight_(FlightOf(input, plane_, options)) {
     for (const Landmark& landmark : input.landmarks) landmarks_.push_back(InPlane(landmark, plane_, options.landmark));
     sightings_ = Thinned(input, options.landmark.correlation_s);
     whole_.assign(input.sightings.begin(), input.sightings.end());
@@ -165,7 +168,7 @@ class Navigator {
     }
     std::vector<FlightState> start = StartOf(flight_, landmarks_, whole_, believed);
     std::optional<SmoothedFlight> smoothed;
-    constexpr int kMostRounds = 8;
+    constexpr int kMostRounds = 20;
     for (int round = 0; round < kMostRounds; ++round) {
       if (!flight_.has_told && std::ranges::none_of(believed, [](const auto& one) { return one.has_value(); })) {
         return navigation;
@@ -259,6 +262,7 @@ class Navigator {
   [[nodiscard]] std::vector<NavigatedFrame> Describe(const SmoothedFlight& smoothed,
                                                      const std::vector<std::optional<std::size_t>>& believed) const {
     std::vector<NavigatedFrame> frames(flight_.frames.size());
+    const bool seen_any = std::ranges::any_of(believed, [](const auto& one) { return one.has_value(); });
     for (std::size_t k = 0; k < frames.size(); ++k) {
       const FlightState& state = smoothed.states[k];
       const Eigen::MatrixXd& block = smoothed.covariances.blocks[k];
@@ -268,6 +272,7 @@ class Navigator {
       local.bottomLeftCorner<3, 3>().setIdentity();
       NavigatedFrame& frame = frames[k];
       frame.covariance = local * block.topLeftCorner<6, 6>() * local.transpose();
+      if (seen_any) frame.covariance.topLeftCorner<3, 3>() += common_;
       frame.camera.time_s = flight_.frames[k].time_s;
       frame.camera.place = plane_.GeodeticFromEnu(state.place);
       frame.camera.attitude = AttitudeOf(state.camera_from_enu * local_from_enu.conjugate());
@@ -278,6 +283,7 @@ class Navigator {
       of_offset.topLeftCorner<3, 3>() = local_from_enu.toRotationMatrix();
       frame.offset = TelemetryOffset{local_from_enu * state.place_offset, state.attitude_offset,
                                      of_offset * block.bottomRightCorner<6, 6>() * of_offset.transpose()};
+      if (seen_any) frame.offset->covariance.topLeftCorner<3, 3>() += common_;
     }
     std::vector<std::pair<std::size_t, std::size_t>> seen;  // frame, landmark
     for (std::size_t i = 0; i < believed.size(); ++i) {
@@ -290,6 +296,7 @@ class Navigator {
   }
 
   const NavigateOptions& options_;
+  Matrix3d common_;  // covariance of what all landmarks' places err alike
   TangentPlane plane_;
   Flight flight_;
   std::vector<FlightLandmark> landmarks_;

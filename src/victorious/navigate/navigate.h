@@ -27,6 +27,9 @@ struct NavigationInput {
   std::span<const CameraState> rows;        ///< telemetry as recorded, by time; tells how much its rows scatter
   std::span<const Landmark> landmarks;
   std::span<const LandmarkSighting> sightings;  ///< by frame
+  /// Of an error that all landmarks' places have in common: those located in one flight share its errors. It moves the
+  /// flight as a whole, so nothing seen can tell it.
+  Eigen::Matrix3d common_covariance_enu_m2 = Eigen::Matrix3d::Zero();
 };
 
 /// What telemetry told less what was so.

@@ -97,7 +97,7 @@ TEST(Navigate, CovarianceHoldsTheTruth) {
     with.Add(noisy, Estimate(noisy, options));
     const LandmarkFlight alone({.seed = seed, .telemetry = false});
     without.Add(alone, Estimate(alone, options));
-    const LandmarkFlight located({.seed = seed, .landmark_m = 1});
+    const LandmarkFlight located({.seed = seed, .common_m = 2, .landmark_m = 1});
     self_located.Add(located, Estimate(located, options));
   }
   for (const Errors* errors : {&with, &without, &self_located}) {

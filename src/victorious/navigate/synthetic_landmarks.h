@@ -25,6 +25,7 @@ struct LandmarkFlightOptions {
   double noise_position_m = 0;  // sigma of each row
   double noise_attitude_deg = 0;
   double jump_m = 0;       // of telemetry, east, in the middle of the flight
+  double common_m = 0;     // sigma of what all landmarks' places err alike
   double landmark_m = 0;   // sigma of where landmarks are told to be
   double wrong_share = 0;  // of sightings
 };
@@ -42,7 +43,9 @@ class LandmarkFlight {
     }
   }
 
-  [[nodiscard]] NavigationInput input() const { return {frames, rows, landmarks, sightings}; }
+  [[nodiscard]] NavigationInput input() const {
+    return {frames, rows, landmarks, sightings, options_.common_m * options_.common_m * Eigen::Matrix3d::Identity()};
+  }
 
   std::vector<NavigationFrame> frames;
   std::vector<CameraState> rows;
@@ -64,13 +67,14 @@ class LandmarkFlight {
   static constexpr double kRangeM = 120;
 
   void PlaceLandmarks() {
+    const Eigen::Vector3d common = options_.common_m * Walked(1, 1).head<3>();
     const double length_m = 6.0 * options_.frames / options_.frame_rate;
     for (int i = 0; i < options_.landmarks; ++i) {
       const double share = options_.landmarks > 1 ? static_cast<double>(i) / (options_.landmarks - 1) : 0.5;
       Landmark landmark{.model = "any", .place = {}, .heading_rad = random_.Uniform(0, 2 * kPi)};
       const Eigen::Vector3d place(share * length_m - length_m / 2, random_.Uniform(-9, 9), random_.Uniform(0, 2));
       true_places_.push_back(place);
-      Eigen::Vector3d told = place;
+      Eigen::Vector3d told = place + common;
       for (double& axis : told) axis += options_.landmark_m * random_.Normal();
       landmark.place = plane_.GeodeticFromEnu(told);
       landmark.covariance_enu_m2 = options_.landmark_m * options_.landmark_m * Eigen::Matrix3d::Identity();

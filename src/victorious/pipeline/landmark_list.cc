@@ -19,6 +19,12 @@ namespace victorious {
 void LandmarkListOptions::ListFields(FieldList& fields) {
   fields.Add("heading_deg", heading_deg,
              {.min = 0, .max = 180, .unit = "deg", .reason = "sigma of a landmark's heading, where nothing tells it"});
+  fields.Add("common_share", common_share,
+             {.min = 0,
+              .max = 1,
+              .unit = "",
+              .reason = "sigma of what all landmarks' places err alike over that of the best of them: 1 for those that "
+                        "were located in one flight, 0 for those that were surveyed one by one"});
   fields.Add("most_speed_m_s", most_speed_m_s,
              {.min = 0, .max = 1e3, .unit = "m/s", .reason = "what moves faster is no landmark"});
 }
@@ -159,6 +165,9 @@ Expected<LandmarkList> ReadLandmarks(const std::string& path, const LandmarkList
     list = ParseLandmarks(text, options);
   }
   if (!list) return std::unexpected(std::move(list).error().WithContext(path));
+  const auto variance = [](const Landmark& landmark) { return landmark.covariance_enu_m2.trace(); };
+  const Landmark& best = *std::ranges::min_element(list->landmarks, {}, variance);
+  list->common_covariance_enu_m2 = options.common_share * options.common_share * best.covariance_enu_m2;
   return list;
 }
 

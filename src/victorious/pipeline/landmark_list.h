@@ -13,6 +13,7 @@ namespace victorious {
 
 struct LandmarkListOptions {
   double heading_deg = 2;
+  double common_share = 1;
   double most_speed_m_s = 0.2;
 
   void ListFields(FieldList& fields);
@@ -20,6 +21,8 @@ struct LandmarkListOptions {
 
 struct LandmarkList {
   std::vector<Landmark> landmarks;
+  /// Of the error that all places have in common: of the best of them, so far as errors are common.
+  Eigen::Matrix3d common_covariance_enu_m2 = Eigen::Matrix3d::Zero();
   std::vector<std::string> warnings;  ///< what was left out, a line each
 };
 

@@ -10,6 +10,19 @@
 #include "victorious/geometry/rotation_vector.h"
 
 namespace victorious {
+
+void SightingOptions::ListFields(FieldList& fields) {
+  fields.Add(
+      "least_turn_deg", least_turn_deg,
+      {.min = 1e-3, .max = 90, .unit = "deg", .reason = "sigma of how a landmark seems turned in one frame, at least"});
+  fields.Add("point_turn_deg", point_turn_deg,
+             {.min = 0,
+              .max = 1e4,
+              .unit = "deg",
+              .reason = "added to that: this over the number of points that it was recognised by; of ten points, half "
+                        "may be those of a view from elsewhere"});
+}
+
 namespace {
 
 using Eigen::Matrix3d;
@@ -66,9 +79,21 @@ Matrix6 CovarianceOf(const Stance& stance, const SightOptions& options) {
   return information.llt().solve(Matrix6::Identity());
 }
 
+// Of turns about the middle of the points.
+Matrix6 TurnCovarianceOf(const Stance& stance, const SightingOptions& options) {
+  Vector3d middle = Vector3d::Zero();
+  for (const SeenPoint& point : stance.points) middle += stance.camera_from_object->rotation * point.point;
+  const double count = std::max<double>(1, static_cast<double>(stance.points.size()));
+  const double sigma_rad = RadiansFromDegrees(std::hypot(options.least_turn_deg, options.point_turn_deg / count));
+  Eigen::Matrix<double, 6, 3> by_turn;
+  by_turn << Matrix3d::Identity(), SkewOf(middle / count);
+  return sigma_rad * sigma_rad * by_turn * by_turn.transpose();
+}
+
 }  // namespace
 
-std::optional<LandmarkSighting> SightingOf(const Stance& stance, const SightOptions& options, double least_turn_rad) {
+std::optional<LandmarkSighting> SightingOf(const Stance& stance, const SightOptions& sight,
+                                           const SightingOptions& options) {
   if (!stance.range_m) return std::nullopt;
   LandmarkSighting sighting;
   const double range_m = *stance.range_m;
@@ -81,10 +106,9 @@ std::optional<LandmarkSighting> SightingOf(const Stance& stance, const SightOpti
     return sighting;
   }
   sighting.camera_from_landmark = *stance.camera_from_object;
-  Matrix6 covariance = CovarianceOf(stance, options);
-  covariance.topLeftCorner<3, 3>().diagonal().array() += least_turn_rad * least_turn_rad;
-  covariance.bottomRightCorner<3, 3>() += across * std::pow(range_m * options.least_sigma_px / stance.focal_px, 2) +
-                                          along * std::pow(options.least_range_share * range_m, 2);
+  Matrix6 covariance = CovarianceOf(stance, sight) + TurnCovarianceOf(stance, options);
+  covariance.bottomRightCorner<3, 3>() += across * std::pow(range_m * sight.least_sigma_px / stance.focal_px, 2) +
+                                          along * std::pow(sight.least_range_share * range_m, 2);
   sighting.information = covariance.llt().solve(Matrix6::Identity());
   if (!sighting.information.allFinite()) return std::nullopt;
   return sighting;

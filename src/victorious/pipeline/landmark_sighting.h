@@ -9,8 +9,18 @@
 
 namespace victorious {
 
-/// @param least_turn_rad  how the object is turned is never known better than this: matched points err together
+/// Matched points err together, and of few some are matched to a view from elsewhere: what they tell of how the object
+/// is turned is never better than these. The errors are turns about the points' middle, so they move the object's.
+struct SightingOptions {
+  double least_turn_deg = 1;
+  double point_turn_deg = 100;
+
+  void ListFields(FieldList& fields);
+};
+
+/// @param sight  the errors of points, of the direction and of the range
 /// The frame and the candidates are left to the caller. Nothing where neither points nor a range tell its distance.
-std::optional<LandmarkSighting> SightingOf(const Stance& stance, const SightOptions& options, double least_turn_rad);
+std::optional<LandmarkSighting> SightingOf(const Stance& stance, const SightOptions& sight,
+                                           const SightingOptions& options);
 
 }  // namespace victorious

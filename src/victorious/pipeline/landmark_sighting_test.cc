@@ -51,7 +51,7 @@ TEST(LandmarkSighting, InformationIsThatOfItsError) {
   double sum = 0;
   constexpr int kDraws = 200;
   for (int i = 0; i < kDraws; ++i) {
-    const auto sighting = SightingOf(Drawn(random, 40), options, 0);
+    const auto sighting = SightingOf(Drawn(random, 40), options, {.least_turn_deg = 0, .point_turn_deg = 0});
     ASSERT_TRUE(sighting);
     sum += ErrorOf(*sighting).dot(sighting->information * ErrorOf(*sighting));
   }
@@ -65,7 +65,7 @@ TEST(LandmarkSighting, IsNeverBetterThanItsFloors) {
   options.least_sigma_px = 0.3;
   options.least_range_share = 0.01;
   const double least_turn = RadiansFromDegrees(1);
-  const auto sighting = SightingOf(Drawn(random, 4000), options, least_turn);
+  const auto sighting = SightingOf(Drawn(random, 4000), options, {.least_turn_deg = 1, .point_turn_deg = 0});
   ASSERT_TRUE(sighting);
   const Matrix6 covariance = sighting->information.inverse();
   for (int i = 0; i < 3; ++i) EXPECT_GE(covariance(i, i), least_turn * least_turn);
@@ -73,9 +73,26 @@ TEST(LandmarkSighting, IsNeverBetterThanItsFloors) {
   EXPECT_NEAR(std::sqrt(covariance(3, 3)), std::hypot(0.3 / kFocalPx * kRangeM, 0.01 * 6), 0.05);
 }
 
+// Seen by few points at one end of it, and turned wrongly: the errors are within what it tells.
+TEST(LandmarkSighting, OfFewPointsItMayBeTurnedAboutThem) {
+  Random random(13);
+  Stance stance = Drawn(random, 10);
+  const Vector3d end(2.5, 0, 0);
+  for (SeenPoint& point : stance.points) point.point += end;
+  const auto sighting = SightingOf(stance, {}, {});
+  ASSERT_TRUE(sighting);
+  const Eigen::Matrix3d turn = Eigen::Matrix3d(RotationOf(Vector3d(0, RadiansFromDegrees(12), 0)));
+  const Vector3d middle = stance.camera_from_object->rotation * (end + Vector3d(0.1, 0, 0));
+  Vector6 error;
+  error << VectorOf(Eigen::Quaterniond(turn)), middle - turn * middle;
+  const auto sigmas = [&](const LandmarkSighting& of) { return std::sqrt(error.dot(of.information * error)); };
+  EXPECT_LT(sigmas(*sighting), 1.5);
+  EXPECT_GT(sigmas(*SightingOf(stance, {}, {.least_turn_deg = 1, .point_turn_deg = 0})), 1.8);
+}
+
 TEST(LandmarkSighting, APhotoTellsWhereItIsAndNotHowItIsTurned) {
   const Stance stance{.direction = Vector3d(0, 0.6, 0.8), .sigma_rad = 0.01, .range_m = 50, .sigma_range_m = 15};
-  const auto sighting = SightingOf(stance, {}, 0.01);
+  const auto sighting = SightingOf(stance, {}, {});
   ASSERT_TRUE(sighting);
   EXPECT_TRUE(sighting->camera_from_landmark.translation.isApprox(Vector3d(0, 30, 40), 1e-12));
   EXPECT_EQ((sighting->information.topLeftCorner<3, 6>().norm()), 0);
@@ -85,7 +102,7 @@ TEST(LandmarkSighting, APhotoTellsWhereItIsAndNotHowItIsTurned) {
 }
 
 TEST(LandmarkSighting, WithoutADistanceThereIsNone) {
-  EXPECT_FALSE(SightingOf({.direction = Vector3d::UnitZ(), .sigma_rad = 0.01}, {}, 0.01));
+  EXPECT_FALSE(SightingOf({.direction = Vector3d::UnitZ(), .sigma_rad = 0.01}, {}, {}));
 }
 
 }  // namespace

@@ -14,7 +14,6 @@
 #include "victorious/base/progress.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/model/lit_views.h"
-#include "victorious/pipeline/landmark_sighting.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/telemetry/camera_csv.h"
 #include "victorious/telemetry/camera_track.h"
@@ -37,12 +36,7 @@ void NavigateRunOptions::ListFields(FieldList& fields) {
   fields.AddGroup("follow", follow);
   fields.AddGroup("landmark_list", list);
   navigate.ListFields(fields);
-  fields.Add("least_turn_deg", least_turn_deg,
-             {.min = 1e-3,
-              .max = 90,
-              .unit = "deg",
-              .reason = "how a landmark is turned before the camera is never known better than this in one frame: "
-                        "matched points err together"});
+  fields.AddGroup("sighting", sighting);
   fields.Add("every", every,
              {.min = 1,
               .max = 1e6,
@@ -174,7 +168,7 @@ class Pass {
     const auto stance =
         StanceOf(detection, recognizer_.models()[detection.model], seen.features, camera, options_.sight);
     if (!stance) return;
-    auto sighting = SightingOf(*stance, options_.sight, RadiansFromDegrees(options_.least_turn_deg));
+    auto sighting = SightingOf(*stance, options_.sight, options_.sighting);
     if (!sighting) return;
     sighting->frame = frames_.size();
     sighting->candidates = candidates_[detection.model];
@@ -255,8 +249,9 @@ Expected<NavigationRun> NavigateVideo(const NavigateJob& job, std::vector<Object
   NavigationRun run;
   std::vector<CameraState> rows;
   if (cameras.track) rows = cameras.track->states();
-  VICTORIOUS_ASSIGN_OR_RETURN(run.navigation,
-                              Navigate({pass.frames(), rows, list.landmarks, pass.sightings()}, options.navigate));
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      run.navigation, Navigate({pass.frames(), rows, list.landmarks, pass.sightings(), list.common_covariance_enu_m2},
+                               options.navigate));
   run.frames = static_cast<std::int64_t>(pass.frames().size());
   run.estimate_ms = MillisecondsSince(start) / static_cast<double>(std::max<std::int64_t>(1, run.frames));
   run.tracked_ms = pass.tracked_ms();

@@ -17,6 +17,7 @@
 #include "victorious/pipeline/follower.h"
 #include "victorious/pipeline/index_options.h"
 #include "victorious/pipeline/landmark_list.h"
+#include "victorious/pipeline/landmark_sighting.h"
 #include "victorious/pipeline/stance.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/telemetry/telemetry.h"
@@ -35,7 +36,7 @@ struct NavigateRunOptions {
   FollowOptions follow;
   LandmarkListOptions list;
   NavigateOptions navigate;
-  double least_turn_deg = 1;
+  SightingOptions sighting;
   int every = 30;
   int lost_every = 5;
 
