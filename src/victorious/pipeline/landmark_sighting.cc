@@ -15,12 +15,12 @@ void SightingOptions::ListFields(FieldList& fields) {
   fields.Add(
       "least_turn_deg", least_turn_deg,
       {.min = 1e-3, .max = 90, .unit = "deg", .reason = "sigma of how a landmark seems turned in one frame, at least"});
-  fields.Add("point_turn_deg", point_turn_deg,
+  fields.Add("sure_points", sure_points,
              {.min = 0,
               .max = 1e4,
-              .unit = "deg",
-              .reason = "added to that: this over the number of points that it was recognised by; of ten points, half "
-                        "may be those of a view from elsewhere"});
+              .unit = "points",
+              .reason = "added to that: the square of this over the number of points that it was recognised by, in "
+                        "degrees; a third of it may be those of a view from elsewhere, three times as many never are"});
 }
 
 namespace {
@@ -84,7 +84,8 @@ Matrix6 TurnCovarianceOf(const Stance& stance, const SightingOptions& options) {
   Vector3d middle = Vector3d::Zero();
   for (const SeenPoint& point : stance.points) middle += stance.camera_from_object->rotation * point.point;
   const double count = std::max<double>(1, static_cast<double>(stance.points.size()));
-  const double sigma_rad = RadiansFromDegrees(std::hypot(options.least_turn_deg, options.point_turn_deg / count));
+  const double sigma_rad =
+      RadiansFromDegrees(std::hypot(options.least_turn_deg, std::pow(options.sure_points / count, 2)));
   Eigen::Matrix<double, 6, 3> by_turn;
   by_turn << Matrix3d::Identity(), SkewOf(middle / count);
   return sigma_rad * sigma_rad * by_turn * by_turn.transpose();

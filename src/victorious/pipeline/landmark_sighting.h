@@ -13,7 +13,7 @@ namespace victorious {
 /// is turned is never better than these. The errors are turns about the points' middle, so they move the object's.
 struct SightingOptions {
   double least_turn_deg = 1;
-  double point_turn_deg = 100;
+  double sure_points = 30;
 
   void ListFields(FieldList& fields);
 };

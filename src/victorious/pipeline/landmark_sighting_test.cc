@@ -51,7 +51,7 @@ TEST(LandmarkSighting, InformationIsThatOfItsError) {
   double sum = 0;
   constexpr int kDraws = 200;
   for (int i = 0; i < kDraws; ++i) {
-    const auto sighting = SightingOf(Drawn(random, 40), options, {.least_turn_deg = 0, .point_turn_deg = 0});
+    const auto sighting = SightingOf(Drawn(random, 40), options, {.least_turn_deg = 0, .sure_points = 0});
     ASSERT_TRUE(sighting);
     sum += ErrorOf(*sighting).dot(sighting->information * ErrorOf(*sighting));
   }
@@ -65,7 +65,7 @@ TEST(LandmarkSighting, IsNeverBetterThanItsFloors) {
   options.least_sigma_px = 0.3;
   options.least_range_share = 0.01;
   const double least_turn = RadiansFromDegrees(1);
-  const auto sighting = SightingOf(Drawn(random, 4000), options, {.least_turn_deg = 1, .point_turn_deg = 0});
+  const auto sighting = SightingOf(Drawn(random, 4000), options, {.least_turn_deg = 1, .sure_points = 0});
   ASSERT_TRUE(sighting);
   const Matrix6 covariance = sighting->information.inverse();
   for (int i = 0; i < 3; ++i) EXPECT_GE(covariance(i, i), least_turn * least_turn);
@@ -87,7 +87,7 @@ TEST(LandmarkSighting, OfFewPointsItMayBeTurnedAboutThem) {
   error << VectorOf(Eigen::Quaterniond(turn)), middle - turn * middle;
   const auto sigmas = [&](const LandmarkSighting& of) { return std::sqrt(error.dot(of.information * error)); };
   EXPECT_LT(sigmas(*sighting), 1.5);
-  EXPECT_GT(sigmas(*SightingOf(stance, {}, {.least_turn_deg = 1, .point_turn_deg = 0})), 1.8);
+  EXPECT_GT(sigmas(*SightingOf(stance, {}, {.least_turn_deg = 1, .sure_points = 0})), 1.8);
 }
 
 TEST(LandmarkSighting, APhotoTellsWhereItIsAndNotHowItIsTurned) {

@@ -37,6 +37,9 @@ void NavigateRunOptions::ListFields(FieldList& fields) {
   fields.AddGroup("landmark_list", list);
   navigate.ListFields(fields);
   fields.AddGroup("sighting", sighting);
+  fields.Add("second_look", second_look,
+             {.reason = "without telemetry, the video is gone through twice: the second time it is known about how the "
+                        "camera was held, so that landmarks are sought upright and as the sun lights them"});
   fields.Add("every", every,
              {.min = 1,
               .max = 1e6,
@@ -65,7 +68,7 @@ struct Cameras {
   std::optional<CameraTrack> track;
   std::optional<double> hfov_rad;
 
-  /// With a field of view, if one is known at all.
+  /// With a field of view.
   [[nodiscard]] CameraState At(double time_s) const {
     CameraState camera{.time_s = time_s, .place = {}};
     if (track) camera = track->At(time_s).value_or(camera);
@@ -118,32 +121,41 @@ Status Pair(std::vector<ObjectModel>& models, std::vector<Landmark>& landmarks, 
   return {};
 }
 
+// What finds landmarks. The references outlive it.
+struct Tools {
+  const NavigateRunOptions& options;
+  const Recognizer& recognizer;
+  const FeatureExtractor& extractor;
+  std::vector<std::vector<std::size_t>> candidates;  // landmarks, by model
+};
+
+// How the camera was held, as far as that is known before landmarks are sought; and where the sun stood.
+struct Held {
+  const CameraTrack* track = nullptr;
+  std::optional<Sun> sun;
+};
+
 // One way through the video.
 class Pass {
  public:
-  Pass(const Recognizer& recognizer, const FeatureExtractor& extractor, Follower follower, const Cameras& cameras,
-       std::optional<Sun> sun, const NavigateRunOptions& options, std::vector<std::vector<std::size_t>> candidates)
-      : recognizer_(recognizer),
-        extractor_(extractor),
-        follower_(std::move(follower)),
-        cameras_(cameras),
-        sun_(sun),
-        options_(options),
-        candidates_(std::move(candidates)) {}
+  Pass(const Tools& tools, Follower follower, const Cameras& cameras, const Held& held)
+      : tools_(tools), follower_(std::move(follower)), cameras_(cameras), held_(held) {}
 
   Status Take(const Frame& frame) {
     const Clock::time_point start = Clock::now();
     const std::clock_t cpu_start = std::clock();
     const CameraState camera = cameras_.At(frame.time_s);
-    const FrameConditions conditions = ConditionsOf(camera, frame.image.size(), sun_);
-    const bool whole = since_whole_ + 1 >= (landmarks_last_ > 0 ? options_.every : options_.lost_every);
+    std::optional<CameraState> held;
+    if (held_.track != nullptr) held = held_.track->At(frame.time_s);
+    const FrameConditions conditions = ConditionsOf(held, frame.image.size(), held_.sun);
+    const bool whole = since_whole_ + 1 >= (landmarks_last_ > 0 ? tools_.options.every : tools_.options.lost_every);
     since_whole_ = whole ? 0 : since_whole_ + 1;
     FeatureSet features;
     std::vector<Detection> detections;
     std::optional<WholeFrame> searched;
     if (whole) {
-      VICTORIOUS_ASSIGN_OR_RETURN(features, extractor_.Extract(frame.image));
-      detections = recognizer_.Recognize(features, conditions);
+      VICTORIOUS_ASSIGN_OR_RETURN(features, tools_.extractor.Extract(frame.image));
+      detections = tools_.recognizer.Recognize(features, conditions);
       searched.emplace(features, detections);
     }
     VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Seen> all, follower_.Follow(frame, searched, conditions));
@@ -166,22 +178,19 @@ class Pass {
   void See(const Seen& seen, const CameraState& camera) {
     const Detection& detection = seen.detection;
     const auto stance =
-        StanceOf(detection, recognizer_.models()[detection.model], seen.features, camera, options_.sight);
+        StanceOf(detection, tools_.recognizer.models()[detection.model], seen.features, camera, tools_.options.sight);
     if (!stance) return;
-    auto sighting = SightingOf(*stance, options_.sight, options_.sighting);
+    auto sighting = SightingOf(*stance, tools_.options.sight, tools_.options.sighting);
     if (!sighting) return;
     sighting->frame = frames_.size();
-    sighting->candidates = candidates_[detection.model];
+    sighting->candidates = tools_.candidates[detection.model];
     sightings_.push_back(*std::move(sighting));
   }
 
-  const Recognizer& recognizer_;
-  const FeatureExtractor& extractor_;
+  const Tools& tools_;
   Follower follower_;
   const Cameras& cameras_;
-  std::optional<Sun> sun_;
-  const NavigateRunOptions& options_;
-  std::vector<std::vector<std::size_t>> candidates_;  // landmarks, by model
+  Held held_;
   std::vector<NavigationFrame> frames_;
   std::vector<LandmarkSighting> sightings_;
   std::vector<double> tracked_ms_;
@@ -189,6 +198,55 @@ class Pass {
   std::size_t landmarks_last_ = 0;
   int since_whole_ = 1000000;
 };
+
+struct Source {
+  std::string video;
+  VideoReaderOptions reading;
+  bool live = false;
+};
+
+// From the beginning of the reader to its end.
+Expected<Pass> GoThrough(const Tools& tools, const Source& source, const Cameras& cameras,
+                         const std::optional<CameraTrack>& held, std::unique_ptr<VideoReader>& reader,
+                         const CancelToken& cancel) {
+  Held known;
+  if (held) {
+    known.track = &*held;
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        known.sun, FindDaylight({*held, tools.recognizer, tools.extractor, tools.options.daylight}, *reader, cancel));
+    if (!source.live) {
+      VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(source.video, source.reading));
+    }
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Follower follower,
+      Follower::Create(tools.recognizer, tools.extractor, tools.options.features.impulse_share, tools.options.follow));
+  Pass pass(tools, std::move(follower), cameras, known);
+  Progress progress(source.video, reader->info().frame_count, "frames");
+  while (!cancel.IsCancelled()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Frame> frame, reader->NextFrame());
+    if (!frame) return pass;
+    VICTORIOUS_RETURN_IF_ERROR(pass.Take(*frame));
+    progress.Update(frame->index + 1);
+  }
+  if (source.live) return pass;
+  return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped; nothing was written", source.video));
+}
+
+// How the camera was held in the frames in which that is known well enough to seek objects upright; nothing where it is
+// in none.
+std::optional<CameraTrack> HeldBy(const Navigation& navigation, const Cameras& cameras,
+                                  const NavigateRunOptions& options) {
+  constexpr double kMostSigmaDeg = 6;
+  std::vector<CameraState> states;
+  for (const NavigatedFrame& frame : navigation.frames) {
+    if (*frame.camera.sigma_attitude_rad > RadiansFromDegrees(kMostSigmaDeg)) continue;
+    states.push_back(frame.camera);
+    states.back().hfov_rad = cameras.At(frame.camera.time_s).hfov_rad;
+  }
+  if (states.empty()) return std::nullopt;
+  return CameraTrack(std::move(states), options.telemetry.max_gap_s);
+}
 
 }  // namespace
 
@@ -219,43 +277,29 @@ Expected<NavigationRun> NavigateVideo(const NavigateJob& job, std::vector<Object
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,
                               Recognizer::Create(std::move(models), options.features.engine, options.recognize, lit));
-  std::optional<Sun> sun;
-  if (cameras.track) {
+  const Tools tools{options, recognizer, *extractor, std::move(candidates)};
+  const Source source{job.video, reading, reader->info().live};
+  NavigationRun run;
+  std::optional<CameraTrack> held;
+  if (cameras.track) held.emplace(*cameras.track);
+  // Without telemetry the first way through tells how the camera was held, so that the second finds more.
+  for (bool again = !cameras.track && options.second_look && !source.live;; again = false) {
+    VICTORIOUS_ASSIGN_OR_RETURN(Pass pass, GoThrough(tools, source, cameras, held, reader, cancel));
+    const Clock::time_point start = Clock::now();
+    std::vector<CameraState> rows;
+    if (cameras.track) rows = cameras.track->states();
     VICTORIOUS_ASSIGN_OR_RETURN(
-        sun, FindDaylight({*cameras.track, recognizer, *extractor, options.daylight}, *reader, cancel));
-    if (!reader->info().live) {
-      VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(job.video, reading));
-    }
-  }
-  VICTORIOUS_ASSIGN_OR_RETURN(Follower follower,
-                              Follower::Create(recognizer, *extractor, options.features.impulse_share, options.follow));
-  Pass pass(recognizer, *extractor, std::move(follower), cameras, sun, options, std::move(candidates));
-  {
-    Progress progress(job.video, reader->info().frame_count, "frames");
-    while (true) {
-      if (cancel.IsCancelled() && !reader->info().live) {
-        return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped; nothing was written", job.video));
-      }
-      if (cancel.IsCancelled()) break;
-      VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Frame> frame, reader->NextFrame());
-      if (!frame) break;
-      VICTORIOUS_RETURN_IF_ERROR(pass.Take(*frame));
-      progress.Update(frame->index + 1);
-    }
+        run.navigation, Navigate({pass.frames(), rows, list.landmarks, pass.sightings(), list.common_covariance_enu_m2},
+                                 options.navigate));
+    run.estimate_ms = MillisecondsSince(start) / static_cast<double>(std::max<std::size_t>(1, pass.frames().size()));
+    run.frames = static_cast<std::int64_t>(pass.frames().size());
+    run.tracked_ms = pass.tracked_ms();
+    run.tracked_cpu_ms = pass.tracked_cpu_ms();
+    held = HeldBy(run.navigation, cameras, options);
+    if (!again || !held) break;
+    VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(job.video, reading));
   }
   for (const std::string& warning : reader->warnings()) warn(warning);
-
-  const Clock::time_point start = Clock::now();
-  NavigationRun run;
-  std::vector<CameraState> rows;
-  if (cameras.track) rows = cameras.track->states();
-  VICTORIOUS_ASSIGN_OR_RETURN(
-      run.navigation, Navigate({pass.frames(), rows, list.landmarks, pass.sightings(), list.common_covariance_enu_m2},
-                               options.navigate));
-  run.frames = static_cast<std::int64_t>(pass.frames().size());
-  run.estimate_ms = MillisecondsSince(start) / static_cast<double>(std::max<std::int64_t>(1, run.frames));
-  run.tracked_ms = pass.tracked_ms();
-  run.tracked_cpu_ms = pass.tracked_cpu_ms();
   run.landmarks = std::move(list.landmarks);
   run.sightings.resize(run.landmarks.size());
   for (const auto& believed : run.navigation.landmark_of) {

@@ -37,6 +37,7 @@ struct NavigateRunOptions {
   LandmarkListOptions list;
   NavigateOptions navigate;
   SightingOptions sighting;
+  bool second_look = true;
   int every = 30;
   int lost_every = 5;
 
