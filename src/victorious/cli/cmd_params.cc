@@ -12,6 +12,7 @@
 #include "victorious/model/cad_model.h"
 #include "victorious/model/photo_model.h"
 #include "victorious/pipeline/index_options.h"
+#include "victorious/pipeline/navigate_run.h"
 #include "victorious/pipeline/track_run.h"
 #include "victorious/recognize/category_pictures.h"
 #include "victorious/telemetry/telemetry.h"
@@ -26,8 +27,9 @@ Action SetUpParams(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("OF", arguments->of,
                  "Whose: index (search and match take its recognition part), model (of photos), cad (model of a CAD "
-                 "file), features, telemetry, locate, category")
-      ->check(CLI::IsMember({"index", "model", "cad", "features", "telemetry", "locate", "track", "category"}));
+                 "file), features, telemetry, locate, track, navigate, category")
+      ->check(
+          CLI::IsMember({"index", "model", "cad", "features", "telemetry", "locate", "track", "navigate", "category"}));
   app.add_flag("--json", arguments->json, "The defaults as JSON, ready to be edited and given to --params");
   return [=]() -> Status {
     IndexOptions index;
@@ -37,11 +39,12 @@ Action SetUpParams(CLI::App& app) {
     TelemetryOptions telemetry;
     LocateOptions locate;
     TrackRunOptions track;
+    NavigateRunOptions navigate;
     CategoryTrainOptions category;
     const std::map<std::string, std::vector<FieldRef>> lists = {
         {"index", FieldsOf(index)},       {"model", FieldsOf(model)},         {"cad", FieldsOf(cad)},
         {"features", FieldsOf(features)}, {"telemetry", FieldsOf(telemetry)}, {"locate", FieldsOf(locate)},
-        {"track", FieldsOf(track)},       {"category", FieldsOf(category)}};
+        {"track", FieldsOf(track)},       {"navigate", FieldsOf(navigate)},   {"category", FieldsOf(category)}};
     const std::vector<FieldRef>& fields = lists.at(arguments->of);
     return WriteOutput("", arguments->json ? ToJson(fields).dump(2) + "\n" : MarkdownTable(fields));
   };

@@ -31,6 +31,7 @@ Action SetUpIndex(CLI::App& app);
 Action SetUpLocate(CLI::App& app);
 Action SetUpMatch(CLI::App& app);
 Action SetUpModel(CLI::App& app);
+Action SetUpNavigate(CLI::App& app);
 Action SetUpParams(CLI::App& app);
 Action SetUpSearch(CLI::App& app);
 Action SetUpSheet(CLI::App& app);

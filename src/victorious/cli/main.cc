@@ -33,6 +33,7 @@ constexpr std::array kCommands = {
     Command{"track", "Find", "Follow what boxes are drawn around, through this video and others", &SetUpTrack},
     Command{"sheet", "Find", "What was found, as pictures", &SetUpSheet},
     Command{"locate", "Find", "Where on Earth lines of sight meet, and how surely", &SetUpLocate},
+    Command{"navigate", "Find", "Where the camera was, by objects in view whose place is known", &SetUpNavigate},
     Command{"match", "Look inside", "Match two pictures, stage by stage", &SetUpMatch},
     Command{"features", "Look inside", "The features of a picture, as text", &SetUpFeatures},
     Command{"telemetry", "Look inside", "The camera's states that a video or a file of telemetry tells",

@@ -30,6 +30,13 @@ void FollowOptions::ListFields(FieldList& fields) {
               .unit = "frames",
               .reason = "frames in which a track was recognised before it counts where it is only followed: what was "
                         "recognised by mistake seldom is twice"});
+  fields.Add(
+      "search_every", search_every,
+      {.min = 1,
+       .max = 1000,
+       .unit = "frames",
+       .reason = "from one search of a track's region to the next, as long as it is seen: 1 confirms it in every "
+                 "frame, more saves time"});
   fields.AddGroup("track", track);
 }
 
@@ -75,25 +82,35 @@ std::vector<TrackStep> Follower::Step(const Frame& frame) {
   return active;
 }
 
-void Follower::Confirm(std::uint64_t track, const Detection& detection, const FeatureSet& features) {
+void Follower::Confirm(std::uint64_t track, const Detection& detection, const FeatureSet& features,
+                       std::int64_t frame) {
   tracker_.Confirm(track, detection.outline, PointsOf(detection, features));
   Followed& followed = tracks_.at(track);
   followed.last = detection;
   followed.recognised += 1;
+  followed.searched_frame = frame;
+}
+
+// As long as it is seen, its region need not be searched in every frame.
+bool Follower::IsDue(const TrackStep& step, const Frame& frame) const {
+  const Followed& followed = tracks_.at(step.track);
+  return !step.seen() || followed.recognised < options_.least_recognised ||
+         frame.index - followed.searched_frame >= options_.search_every;
 }
 
 // A detection of a whole-frame search: of one of the steps that are open yet, or a new track.
-void Follower::Take(const Detection& detection, const FeatureSet& features, std::vector<TrackStep>& open) {
+void Follower::Take(const Detection& detection, const FeatureSet& features, std::int64_t frame,
+                    std::vector<TrackStep>& open) {
   std::vector<TrackStep> alike;
   std::ranges::copy_if(open, std::back_inserter(alike),
                        [&](const TrackStep& step) { return tracks_.at(step.track).last.model == detection.model; });
   if (const auto step = StepOf(detection.box, alike, options_.least_overlap); step != alike.end()) {
-    Confirm(step->track, detection, features);
+    Confirm(step->track, detection, features, frame);
     std::erase_if(open, [&](const TrackStep& other) { return other.track == step->track; });
     return;
   }
   const TrackStep step = tracker_.Start(detection.outline, PointsOf(detection, features));
-  if (step.state == TrackState::kActive) tracks_[step.track] = {detection, 1};
+  if (step.state == TrackState::kActive) tracks_[step.track] = {detection, 1, frame};
 }
 
 // Features of the region alone, in the frame's pixels; then the views that the object may show by now.
@@ -125,15 +142,34 @@ void Follower::Search(const Frame& frame, const FrameConditions& conditions, Reg
   }
 }
 
-Seen Follower::Tracked(const TrackStep& step) const {
+Seen Follower::Tracked(const TrackStep& step, const Frame& frame) const {
   Seen seen{.detection = tracks_.at(step.track).last, .tracked = true};
   Detection& detection = seen.detection;
   detection.outline = step.outline;
   detection.box = step.box;
   detection.score *= step.support;
-  detection.pose.scene_from_template.rotation_rad =
-      WrapAngle(detection.pose.scene_from_template.rotation_rad + step.now_from_template.rotation_rad);
-  detection.pose.inliers.resize(std::min(detection.pose.inliers.size(), step.points.size()));
+  const Pose& last = tracks_.at(step.track).last.pose;
+  const Similarity2& moved = step.now_from_template;
+  detection.pose.scene_from_template = {moved.scale * last.scene_from_template.scale,
+                                        WrapAngle(moved.rotation_rad + last.scene_from_template.rotation_rad),
+                                        moved.Apply(last.scene_from_template.translation)};
+  detection.pose.scene_from_template_plane = moved.Matrix() * last.scene_from_template_plane;
+  // The points stand in the order of the matches that they were made of.
+  detection.pose.inliers.clear();
+  detection.pose.inlier_points.clear();
+  seen.features.image_width = frame.image.cols;
+  seen.features.image_height = frame.image.rows;
+  std::size_t match = 0;
+  for (const TrackPoint& point : step.points) {
+    while (match < last.inliers.size() && last.inliers[match].model != point.feature) ++match;
+    if (match == last.inliers.size()) break;
+    detection.pose.inliers.push_back(last.inliers[match]);
+    detection.pose.inliers.back().scene = static_cast<std::uint32_t>(seen.features.size());
+    if (!last.inlier_points.empty()) detection.pose.inlier_points.push_back(last.inlier_points[match]);
+    seen.features.keypoints.push_back(
+        {.x = static_cast<float>(point.place.x()), .y = static_cast<float>(point.place.y())});
+    ++match;
+  }
   return seen;
 }
 
@@ -143,21 +179,24 @@ Expected<std::vector<Seen>> Follower::Follow(const Frame& frame, const std::opti
   std::vector<Seen> seen;
   if (whole) {
     for (const Detection& detection : whole->detections) {
-      Take(detection, whole->features, open);
+      Take(detection, whole->features, frame.index, open);
       seen.push_back({.detection = detection, .features = whole->features});
     }
   }
   std::vector<Region> regions;
   for (TrackStep& step : open) regions.push_back({.step = std::move(step)});
-  oneapi::tbb::parallel_for_each(regions, [&](Region& region) { Search(frame, conditions, region); });
+  oneapi::tbb::parallel_for_each(regions, [&](Region& region) {
+    if (IsDue(region.step, frame)) Search(frame, conditions, region);
+  });
   for (Region& region : regions) {
     if (!region.features) return std::unexpected(std::move(region.features).error());
     const std::uint64_t track = region.step.track;
+    if (IsDue(region.step, frame)) tracks_.at(track).searched_frame = frame.index;
     Seen next{};
     if (region.found) {
       next = {.detection = *std::move(region.found), .features = *std::move(region.features)};
     } else if (region.step.seen() && tracks_.at(track).recognised >= options_.least_recognised) {
-      next = Tracked(region.step);
+      next = Tracked(region.step, frame);
     } else {
       continue;
     }
@@ -171,7 +210,7 @@ Expected<std::vector<Seen>> Follower::Follow(const Frame& frame, const std::opti
       tracks_.erase(track);
       continue;
     }
-    if (!next.tracked) Confirm(track, next.detection, next.features);
+    if (!next.tracked) Confirm(track, next.detection, next.features, frame.index);
     seen.push_back(std::move(next));
   }
   return seen;

@@ -30,6 +30,7 @@ struct FollowOptions {
   double least_overlap = 0.3;
   int restart_frames = 60;
   int least_recognised = 2;
+  int search_every = 1;
   TrackOptions track;
 
   void ListFields(FieldList& fields);
@@ -37,8 +38,8 @@ struct FollowOptions {
 
 /// An object seen in a frame.
 struct Seen {
-  Detection detection;  ///< where it is tracked: the last one's, moved to this frame, with the points followed
-  FeatureSet features;  ///< that the detection's matches count in; none where it is tracked
+  Detection detection;  ///< where it is tracked: the last one's, moved to this frame, resting on the points followed
+  FeatureSet features;  ///< that the detection's matches count in; where it is tracked, places without descriptors
   bool tracked = false;
 };
 
@@ -66,6 +67,7 @@ class Follower {
   struct Followed {
     Detection last;  // confirmed
     int recognised = 0;
+    std::int64_t searched_frame = 0;  // the last one in which its region was searched, or it was confirmed
   };
   struct Region {
     TrackStep step;
@@ -82,10 +84,11 @@ class Follower {
         tracker_(std::move(tracker)) {}
 
   std::vector<TrackStep> Step(const Frame& frame);
-  void Take(const Detection& detection, const FeatureSet& features, std::vector<TrackStep>& open);
-  void Confirm(std::uint64_t track, const Detection& detection, const FeatureSet& features);
+  void Take(const Detection& detection, const FeatureSet& features, std::int64_t frame, std::vector<TrackStep>& open);
+  void Confirm(std::uint64_t track, const Detection& detection, const FeatureSet& features, std::int64_t frame);
   void Search(const Frame& frame, const FrameConditions& conditions, Region& region) const;
-  [[nodiscard]] Seen Tracked(const TrackStep& step) const;
+  [[nodiscard]] Seen Tracked(const TrackStep& step, const Frame& frame) const;
+  [[nodiscard]] bool IsDue(const TrackStep& step, const Frame& frame) const;
 
   const Recognizer& recognizer_;
   const FeatureExtractor& extractor_;

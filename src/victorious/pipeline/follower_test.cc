@@ -76,6 +76,32 @@ TEST_F(FollowerTest, ATrackThatWasRecognisedTooSeldomDoesNotCountAlone) {
   }
 }
 
+TEST_F(FollowerTest, WhereItIsOnlyTrackedItRestsOnThePointsFollowed) {
+  FollowOptions seldom;
+  seldom.search_every = 4;
+  int tracked = 0;
+  for (const std::vector<Seen>& seen : FollowAll(12, seldom).seen) {
+    for (const Seen& one : seen) {
+      if (!one.tracked) continue;
+      ++tracked;
+      const MatchSet& inliers = one.detection.pose.inliers;
+      ASSERT_EQ(inliers.size(), one.features.size());
+      ASSERT_GT(inliers.size(), 3);
+      const FeatureView view = recognizer_.models()[one.detection.model].ViewFeatures(one.detection.view);
+      std::vector<double> off_px;
+      for (const Match& match : inliers) {
+        const Keypoint& from = view.keypoints[match.model];
+        const Keypoint& at = one.features.keypoints[match.scene];
+        off_px.push_back(
+            (one.detection.pose.scene_from_template.Apply({from.x, from.y}) - Eigen::Vector2d(at.x, at.y)).norm());
+      }
+      std::ranges::sort(off_px);
+      EXPECT_LT(off_px[off_px.size() / 2], 3) << "the pose moves with its points";
+    }
+  }
+  EXPECT_GT(tracked, 10) << "most frames are not searched";
+}
+
 // From a frame where tracks begin anew on, what was before does not matter.
 TEST_F(FollowerTest, ARestartForgetsWhatWasBefore) {
   FollowOptions options;

@@ -194,7 +194,7 @@ Expected<CameraRows> ParseCameraCsv(std::string_view text) {
                                                : fmt::format("no row can be read: {}", rows.warnings[0]));
 }
 
-std::string CameraCsvText(std::span<const CameraState> states) {
+std::string CameraCsvText(std::span<const CameraState> states, std::span<const CsvColumn> more) {
   std::string text = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg";
   std::vector<const OptionalColumn*> used;
   for (const OptionalColumn& column : OptionalColumns()) {
@@ -203,10 +203,12 @@ std::string CameraCsvText(std::span<const CameraState> states) {
       text += "," + column.name;
     }
   }
+  for (const CsvColumn& column : more) text += "," + column.name;
   text += "\n";
-  for (const CameraState& state : states) {
-    text += NeededCells(state);
-    for (const OptionalColumn* column : used) text += "," + column->cell(state);
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    text += NeededCells(states[i]);
+    for (const OptionalColumn* column : used) text += "," + column->cell(states[i]);
+    for (const CsvColumn& column : more) text += "," + column.cells[i];
     text += "\n";
   }
   return text;

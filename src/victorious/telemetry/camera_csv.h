@@ -24,8 +24,14 @@ struct CameraRows {
 /// Errors: kInvalidArgument for a table without the columns of time and place, or without a row that can be read.
 Expected<CameraRows> ParseCameraCsv(std::string_view text);
 
-/// The eight columns always, the optional ones where a state has them; what is unknown is an empty cell.
-[[nodiscard]] std::string CameraCsvText(std::span<const CameraState> states);
+/// A column beside those of the states.
+struct CsvColumn {
+  std::string name;
+  std::vector<std::string> cells;  ///< one a state
+};
+
+/// The eight columns always, the optional ones where a state has them, then `more`; what is unknown is an empty cell.
+[[nodiscard]] std::string CameraCsvText(std::span<const CameraState> states, std::span<const CsvColumn> more = {});
 
 /// "ellipsoid", "egm96", "egm2008", "takeoff".
 [[nodiscard]] std::string_view Name(VerticalDatum datum);

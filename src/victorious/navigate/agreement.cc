@@ -1,0 +1,318 @@
+#include "victorious/navigate/agreement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+#include "victorious/geometry/angles.h"
+#include "victorious/geometry/rotation_vector.h"
+
+namespace victorious {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+// A claim less what telemetry tells of its frame: so it is comparable with those of other frames.
+struct Node {
+  std::size_t sighting = 0;
+  std::size_t landmark = 0;
+  double time_s = 0;
+  Quaterniond offset;  // of enu_from_camera
+  Vector3d place;
+  Matrix6 covariance;
+};
+
+// What is lost on the way from one frame to another.
+class Carrier {
+ public:
+  explicit Carrier(const Flight& flight) : flight_(flight) {}
+
+  [[nodiscard]] Vector6 Variance(std::size_t frame, std::size_t other) const {
+    const double dt = std::abs(flight_.frames[frame].time_s - flight_.frames[other].time_s);
+    const FlightSigmas& sigmas = flight_.sigmas;
+    double turn = std::pow(sigmas.turn_rad_s * dt, 2);
+    double move = std::pow(sigmas.speed_m_s * dt, 2);
+    const auto& told = flight_.frames[frame].told;
+    const auto& other_told = flight_.frames[other].told;
+    if (told && other_told) {
+      turn = std::min(turn, dt * std::pow(sigmas.drift_attitude_rad, 2)) +
+             std::pow(std::max(told->sigma_attitude_rad, other_told->sigma_attitude_rad), 2) * 2;
+      move = std::min(move, dt * std::pow(sigmas.drift_position_m, 2)) +
+             std::pow(std::max(told->sigma_position_m, other_told->sigma_position_m), 2) * 2;
+    }
+    return (Vector6() << turn, turn, turn, move, move, move).finished();
+  }
+
+  /// So long a window that what is lost in it stays small beside what a claim may err.
+  [[nodiscard]] double WindowS(double claim_sigma_m) const {
+    const double allowed_m = claim_sigma_m / 3;
+    const double by_motion = allowed_m / flight_.sigmas.speed_m_s;
+    if (!flight_.has_told) return by_motion;
+    return std::max(by_motion, std::pow(allowed_m / std::max(1e-6, flight_.sigmas.drift_position_m), 2));
+  }
+
+  [[nodiscard]] Node NodeOf(const LandmarkSighting& sighting, std::size_t number, std::size_t landmark,
+                            const PoseClaim& claim) const {
+    const FlightFrame& frame = flight_.frames[sighting.frame];
+    Node node{number, landmark, frame.time_s, claim.camera_from_enu.conjugate(), claim.place, claim.covariance};
+    if (frame.told) {
+      node.offset = node.offset * frame.told->CameraFromEnuLess(Vector3d::Zero());
+      node.place -= frame.told->place;
+    }
+    return node;
+  }
+
+  /// The state in a frame that a node of it leads to, or one of another frame where both have telemetry.
+  [[nodiscard]] FlightState StateAt(std::size_t frame, const Node& node) const {
+    FlightState state;
+    state.place = node.place;
+    state.camera_from_enu = node.offset.conjugate();
+    if (flight_.frames[frame].told) {
+      const ToldPose& told = *flight_.frames[frame].told;
+      state.place += told.place;
+      state.place_offset = -node.place;
+      state.camera_from_enu = told.CameraFromEnuLess(Vector3d::Zero()) * state.camera_from_enu;
+      const Attitude attitude = AttitudeOf(state.camera_from_enu * told.local_from_enu.conjugate());
+      state.attitude_offset << WrapAngle(told.attitude.yaw_rad - attitude.yaw_rad),
+          told.attitude.pitch_rad - attitude.pitch_rad, WrapAngle(told.attitude.roll_rad - attitude.roll_rad);
+    }
+    return state;
+  }
+
+ private:
+  const Flight& flight_;
+};
+
+class Electorate {
+ public:
+  Electorate(const Flight& flight, std::span<const FlightLandmark> landmarks,
+             std::span<const LandmarkSighting> sightings, const NavigateOptions& options)
+      : flight_(flight), sightings_(sightings), carrier_(flight) {
+    for (std::size_t i = 0; i < sightings.size(); ++i) {
+      for (const std::size_t landmark : sightings[i].candidates) {
+        const PoseClaim claim = ClaimOf(sightings[i], landmarks[landmark]);
+        if (std::sqrt(claim.covariance.bottomRightCorner<3, 3>().trace() / 3) > options.claim_sigma_m) continue;
+        nodes_.push_back(carrier_.NodeOf(sightings[i], i, landmark, claim));
+      }
+    }
+    SplitIntoWindows(options.claim_sigma_m);
+  }
+
+  /// A window's choice: the claim that leads, and which nodes agree with it.
+  struct Choice {
+    std::optional<std::size_t> leader;
+    std::vector<std::size_t> supporters;
+    double score = 0;
+    bool clear = false;  // no claim that does not agree with the leader's finds nearly as much agreement
+  };
+
+  [[nodiscard]] std::vector<Choice> Elect(const std::vector<bool>& wrong) const {
+    std::vector<Choice> choices;
+    for (const auto& [first, last] : windows_) choices.push_back(ElectIn(first, last, wrong));
+    return choices;
+  }
+
+  [[nodiscard]] const Node& node(std::size_t n) const { return nodes_[n]; }
+  [[nodiscard]] const std::vector<std::pair<std::size_t, std::size_t>>& windows() const { return windows_; }
+
+ private:
+  void SplitIntoWindows(double claim_sigma_m) {
+    const double window_s = carrier_.WindowS(claim_sigma_m);
+    std::size_t first = 0;
+    for (std::size_t n = 1; n <= nodes_.size(); ++n) {
+      if (n < nodes_.size() && nodes_[n].time_s - nodes_[first].time_s <= window_s) continue;
+      windows_.emplace_back(first, n);
+      first = n;
+    }
+    if (nodes_.empty()) windows_.clear();
+  }
+
+  [[nodiscard]] double SquaredApart(const Node& a, const Node& b) const {
+    Vector6 apart;
+    apart << VectorOf(a.offset * b.offset.conjugate()), a.place - b.place;
+    Matrix6 covariance = a.covariance + b.covariance;
+    covariance.diagonal() += carrier_.Variance(sightings_[a.sighting].frame, sightings_[b.sighting].frame);
+    return apart.dot(covariance.llt().solve(apart));
+  }
+
+  // How far from what telemetry tells.
+  [[nodiscard]] double SquaredOffset(const Node& node) const {
+    if (!flight_.frames[sightings_[node.sighting].frame].told) return 0;
+    Vector6 apart;
+    apart << VectorOf(node.offset), node.place;
+    const FlightSigmas& sigmas = flight_.sigmas;
+    const double walked_s = node.time_s - flight_.frames.front().time_s;
+    Matrix6 covariance = node.covariance;
+    covariance.topLeftCorner<3, 3>().diagonal().array() +=
+        std::pow(sigmas.offset_attitude_rad, 2) + walked_s * std::pow(sigmas.drift_attitude_rad, 2);
+    covariance.bottomRightCorner<3, 3>().diagonal().array() +=
+        std::pow(sigmas.offset_position_m, 2) + walked_s * std::pow(sigmas.drift_position_m, 2);
+    return apart.dot(covariance.llt().solve(apart));
+  }
+
+  [[nodiscard]] Choice ElectIn(std::size_t first, std::size_t last, const std::vector<bool>& wrong) const {
+    constexpr double kGate = 22.46;  // chi squared of 6, 99.9 %
+    constexpr std::size_t kMostLeaders = 120;
+    const std::size_t stride = (last - first) / kMostLeaders + 1;
+    Choice best;
+    std::vector<std::pair<double, std::size_t>> scores;  // of all leaders
+    for (std::size_t leader = first; leader < last; leader += stride) {
+      if (wrong[nodes_[leader].landmark]) continue;
+      // Student's t distribution: telemetry that is off by far is seldom, not impossible.
+      const double offset = SquaredOffset(nodes_[leader]);
+      Choice choice{.leader = leader, .supporters = {}, .score = -6 * std::log1p(offset / 6)};
+      std::map<std::size_t, int> seen;  // sightings, by landmark
+      std::size_t n = first;
+      while (n < last) {  // each sighting agrees as the landmark that fits best
+        const std::size_t sighting = nodes_[n].sighting;
+        double nearest = kGate;
+        std::optional<std::size_t> supporter;
+        for (; n < last && nodes_[n].sighting == sighting; ++n) {
+          if (wrong[nodes_[n].landmark]) continue;
+          const double distance = SquaredApart(nodes_[leader], nodes_[n]);
+          if (distance >= nearest) continue;
+          nearest = distance;
+          supporter = n;
+        }
+        if (!supporter) continue;
+        choice.supporters.push_back(*supporter);
+        seen[nodes_[*supporter].landmark] += 1;
+      }
+      if (seen.size() == 1 && offset > kGate) continue;  // its word against telemetry's
+      for (const auto& [landmark, count] : seen) choice.score += kLandmarkWeight * std::log1p(count);
+      scores.emplace_back(choice.score, leader);
+      if (!best.leader || choice.score > best.score) best = std::move(choice);
+    }
+    constexpr double kClear = 1;
+    best.clear = std::ranges::none_of(scores, [&](const auto& other) {
+      return other.first > best.score - kClear && SquaredApart(nodes_[*best.leader], nodes_[other.second]) > kGate;
+    });
+    return best;
+  }
+
+  static constexpr double kLandmarkWeight = 3;
+
+  const Flight& flight_;
+  std::span<const LandmarkSighting> sightings_;
+  Carrier carrier_;
+  std::vector<Node> nodes_;  // by time; those of a sighting together
+  std::vector<std::pair<std::size_t, std::size_t>> windows_;
+};
+
+// Between frames of known pose: the place linear, the attitude on the sphere; beyond them as the nearest.
+void FillGaps(const Flight& flight, const std::vector<bool>& known, std::vector<FlightState>& states) {
+  std::optional<std::size_t> before;
+  for (std::size_t k = 0; k <= states.size(); ++k) {
+    if (k < states.size() && !known[k]) continue;
+    for (std::size_t gap = before ? *before + 1 : 0; gap < k; ++gap) {
+      if (!before && k == states.size()) return;
+      if (!before || k == states.size()) {
+        states[gap] = states[before ? *before : k];
+        continue;
+      }
+      const double whole_s = flight.frames[k].time_s - flight.frames[*before].time_s;
+      const double share = (flight.frames[gap].time_s - flight.frames[*before].time_s) / whole_s;
+      states[gap].place = (1 - share) * states[*before].place + share * states[k].place;
+      states[gap].camera_from_enu = states[*before].camera_from_enu.slerp(share, states[k].camera_from_enu);
+      states[gap].place_offset = states[*before].place_offset;
+      states[gap].attitude_offset = states[*before].attitude_offset;
+    }
+    before = k;
+  }
+}
+
+}  // namespace
+
+PoseClaim ClaimOf(const LandmarkSighting& sighting, const FlightLandmark& landmark) {
+  const Rigid3& seen = sighting.camera_from_landmark;
+  const Rigid3& known = landmark.enu_from_landmark;
+  const Rigid3 enu_from_camera = known * seen.Inverse();
+  const Matrix3d rotation = enu_from_camera.rotation.toRotationMatrix();
+  const Vector3d to_landmark = rotation * seen.translation;
+
+  // What was not seen may be anything.
+  constexpr double kAnyM = 1e4;
+  Matrix6 information = sighting.information;
+  information.topLeftCorner<3, 3>().diagonal().array() += 1 / (kPi * kPi);
+  information.bottomRightCorner<3, 3>().diagonal().array() += 1 / (kAnyM * kAnyM);
+  Matrix6 by_seen;
+  by_seen << -rotation, Matrix3d::Zero(), -rotation * SkewOf(seen.translation), -rotation;
+  Matrix6 by_known;
+  by_known << Matrix3d::Identity(), Matrix3d::Zero(), SkewOf(to_landmark), Matrix3d::Identity();
+  return {enu_from_camera.rotation.conjugate(), enu_from_camera.translation,
+          by_seen * information.llt().solve(Matrix6::Identity()) * by_seen.transpose() +
+              by_known * landmark.prior_covariance * by_known.transpose()};
+}
+
+std::vector<std::optional<std::size_t>> FindAgreement(const Flight& flight, std::span<const FlightLandmark> landmarks,
+                                                      std::span<const LandmarkSighting> sightings,
+                                                      const std::vector<bool>& wrong, const NavigateOptions& options) {
+  const Electorate electorate(flight, landmarks, sightings, options);
+  std::vector<std::optional<std::size_t>> landmark_of(sightings.size());
+  const std::vector<Electorate::Choice> choices = electorate.Elect(wrong);
+  for (std::size_t w = 0; w < choices.size(); ++w) {
+    if (flight.has_told || choices[w].clear) {
+      for (const std::size_t n : choices[w].supporters) {
+        landmark_of[electorate.node(n).sighting] = electorate.node(n).landmark;
+      }
+      continue;
+    }
+    // Undecided: what can be of one landmark alone is taken to be of it, the rest is left until more is known.
+    for (std::size_t n = electorate.windows()[w].first; n < electorate.windows()[w].second; ++n) {
+      const Node& node = electorate.node(n);
+      if (sightings[node.sighting].candidates.size() == 1 && !wrong[node.landmark]) {
+        landmark_of[node.sighting] = node.landmark;
+      }
+    }
+  }
+  return landmark_of;
+}
+
+std::vector<FlightState> StartOf(const Flight& flight, std::span<const FlightLandmark> landmarks,
+                                 std::span<const LandmarkSighting> sightings,
+                                 std::span<const std::optional<std::size_t>> landmark_of) {
+  const Carrier carrier(flight);
+  // The best claim of each frame that has one.
+  std::map<std::size_t, Node> best;
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
+    if (!landmark_of[i]) continue;
+    const Node node =
+        carrier.NodeOf(sightings[i], i, *landmark_of[i], ClaimOf(sightings[i], landmarks[*landmark_of[i]]));
+    const auto [at, is_new] = best.emplace(sightings[i].frame, node);
+    if (!is_new && node.covariance.trace() < at->second.covariance.trace()) at->second = node;
+  }
+  std::vector<FlightState> states(flight.frames.size());
+  std::vector<bool> known(flight.frames.size(), false);
+  const Node as_told{.offset = Quaterniond::Identity(), .place = Vector3d::Zero(), .covariance = Matrix6::Zero()};
+  for (std::size_t k = 0; k < flight.frames.size(); ++k) {
+    if (const auto own = best.find(k); own != best.end()) {
+      states[k] = carrier.StateAt(k, own->second);
+      known[k] = true;
+    } else if (flight.frames[k].told) {
+      // By the offset of the nearest frame with one.
+      const Node* nearest = &as_told;
+      double apart_s = std::numeric_limits<double>::infinity();
+      auto after = best.lower_bound(k);
+      for (const int way : {0, 1}) {
+        if (way == 0 ? after == best.end() : after == best.begin()) continue;
+        const auto& [frame, node] = way == 0 ? *after : *std::prev(after);
+        const double off_s = std::abs(flight.frames[frame].time_s - flight.frames[k].time_s);
+        if (!flight.frames[frame].told || off_s >= apart_s) continue;
+        apart_s = off_s;
+        nearest = &node;
+      }
+      states[k] = carrier.StateAt(k, *nearest);
+      known[k] = true;
+    }
+  }
+  FillGaps(flight, known, states);
+  return states;
+}
+
+}  // namespace victorious

@@ -1,0 +1,95 @@
+#include "victorious/navigate/bordered_system.h"
+
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+namespace victorious {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// The chain alone is L diag(P) L': P the pivots, E the blocks below the diagonal of L.
+struct BorderedSystem::Factors {
+  std::vector<Eigen::LLT<MatrixXd>> pivots;
+  std::vector<MatrixXd> below;     // E_k = U_k' inverse(P_k)
+  std::vector<MatrixXd> solved;    // inverse(chain) * border, by block
+  Eigen::LLT<MatrixXd> remainder;  // of the corner: C - B' inverse(chain) B
+
+  // inverse(chain) * right side, in place.
+  void SolveChain(std::vector<MatrixXd>& sides) const {
+    for (std::size_t k = 1; k < sides.size(); ++k) sides[k] -= below[k - 1] * sides[k - 1];
+    for (std::size_t k = sides.size(); k-- > 0;) {
+      sides[k] = pivots[k].solve(sides[k]).eval();
+      if (k + 1 < sides.size()) sides[k] -= below[k].transpose() * sides[k + 1];
+    }
+  }
+};
+
+BorderedSystem::BorderedSystem(std::size_t blocks, Index block_size, Index border_size)
+    : diagonal(blocks, MatrixXd::Zero(block_size, block_size)),
+      upper(blocks > 0 ? blocks - 1 : 0, MatrixXd::Zero(block_size, block_size)),
+      border(blocks, MatrixXd::Zero(block_size, border_size)),
+      right(blocks, VectorXd::Zero(block_size)),
+      corner(MatrixXd::Zero(border_size, border_size)),
+      corner_right(VectorXd::Zero(border_size)),
+      block_size_(block_size) {}
+
+std::optional<BorderedSystem::Factors> BorderedSystem::Factorise() const {
+  Factors factors;
+  for (std::size_t k = 0; k < blocks(); ++k) {
+    MatrixXd pivot = diagonal[k];
+    if (k > 0) {
+      factors.below.push_back(factors.pivots.back().solve(upper[k - 1]).transpose());
+      pivot -= factors.below.back() * upper[k - 1];
+    }
+    factors.pivots.emplace_back(pivot);
+    if (factors.pivots.back().info() != Eigen::Success) return std::nullopt;
+  }
+  factors.solved = border;
+  factors.SolveChain(factors.solved);
+  MatrixXd remainder = corner;
+  for (std::size_t k = 0; k < blocks(); ++k) remainder -= border[k].transpose() * factors.solved[k];
+  factors.remainder.compute(remainder);
+  if (remainder.size() > 0 && factors.remainder.info() != Eigen::Success) return std::nullopt;
+  return factors;
+}
+
+std::optional<BorderedSystem::Solution> BorderedSystem::Solve() const {
+  const std::optional<Factors> factors = Factorise();
+  if (!factors) return std::nullopt;
+  std::vector<MatrixXd> sides(right.begin(), right.end());
+  factors->SolveChain(sides);
+  VectorXd left = corner_right;
+  for (std::size_t k = 0; k < blocks(); ++k) left -= border[k].transpose() * sides[k];
+  Solution solution;
+  solution.border = border_size() > 0 ? VectorXd(factors->remainder.solve(left)) : left;
+  for (std::size_t k = 0; k < blocks(); ++k) {
+    solution.blocks.emplace_back(sides[k] - factors->solved[k] * solution.border);
+  }
+  return solution;
+}
+
+std::optional<BorderedSystem::Covariances> BorderedSystem::Invert() const {
+  const std::optional<Factors> factors = Factorise();
+  if (!factors) return std::nullopt;
+  Covariances inverse;
+  inverse.border = MatrixXd::Identity(border_size(), border_size());
+  if (border_size() > 0) factors->remainder.solveInPlace(inverse.border);
+  inverse.blocks.resize(blocks());
+  const MatrixXd identity = MatrixXd::Identity(block_size_, block_size_);
+  for (std::size_t k = blocks(); k-- > 0;) {  // of the chain alone
+    inverse.blocks[k] = factors->pivots[k].solve(identity);
+    if (k + 1 < blocks()) {
+      inverse.blocks[k] += factors->below[k].transpose() * inverse.blocks[k + 1] * factors->below[k];
+    }
+  }
+  for (std::size_t k = 0; k < blocks(); ++k) {
+    inverse.cross.emplace_back(-factors->solved[k] * inverse.border);
+    inverse.blocks[k] -= inverse.cross[k] * factors->solved[k].transpose();
+  }
+  return inverse;
+}
+
+}  // namespace victorious

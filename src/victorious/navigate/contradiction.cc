@@ -1,0 +1,136 @@
+#include "victorious/navigate/contradiction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "victorious/navigate/agreement.h"
+
+namespace victorious {
+namespace {
+
+using Numbers = std::vector<std::size_t>;  // of sightings
+
+constexpr double kBesideS = 4;  // before and after a landmark is seen, the flight is still known to some degree
+
+// The flight while one landmark is seen, by that landmark alone.
+class Witness {
+ public:
+  Witness(const Flight& flight, const FlightLandmark& landmark, std::span<const LandmarkSighting> sightings,
+          const Numbers& own) {
+    const double begin_s = flight.frames[sightings[own.front()].frame].time_s - kBesideS;
+    const double end_s = flight.frames[sightings[own.back()].frame].time_s + kBesideS;
+    const auto first = std::ranges::lower_bound(flight.frames, begin_s, {}, &FlightFrame::time_s);
+    const auto last = std::ranges::upper_bound(flight.frames, end_s, {}, &FlightFrame::time_s);
+    first_ = static_cast<std::size_t>(first - flight.frames.begin());
+    Flight part{.frames = {first, last}, .sigmas = flight.sigmas, .has_told = flight.has_told};
+    std::vector<LandmarkSighting> seen;
+    std::vector<FlightTie> ties;
+    for (const std::size_t i : own) {
+      seen.push_back(sightings[i]);
+      seen.back().frame -= first_;
+      ties.push_back({seen.back().frame, 0, sightings[i].camera_from_landmark, sightings[i].information});
+    }
+    const std::vector<FlightLandmark> landmarks = {landmark};
+    const std::vector<std::optional<std::size_t>> all(seen.size(), 0);
+    smoothed_ = SmoothFlight(part, landmarks, ties, StartOf(part, landmarks, seen, all));
+  }
+
+  struct Distance {
+    double squared = 0;  // in sigmas
+    double sigma_m = 0;  // of the flight there
+  };
+
+  /// How far off a sighting is, if it is of this landmark; nothing where the flight is not known well enough to tell.
+  [[nodiscard]] std::optional<Distance> DistanceOf(const LandmarkSighting& sighting, const FlightLandmark& landmark,
+                                                   double most_sigma_m) const {
+    if (!smoothed_ || sighting.frame < first_ || sighting.frame - first_ >= smoothed_->states.size()) {
+      return std::nullopt;
+    }
+    const std::size_t frame = sighting.frame - first_;
+    const Matrix6 of_state = smoothed_->covariances.blocks[frame].topLeftCorner<6, 6>();
+    const double sigma_m = std::sqrt(of_state.bottomRightCorner<3, 3>().trace() / 3);
+    if (sigma_m > most_sigma_m) return std::nullopt;
+    const FlightState& state = smoothed_->states[frame];
+    const SightingJacobian jacobian = SightingDerivative(state, landmark.enu_from_landmark);
+    const Matrix6 expected = jacobian.by_state * of_state * jacobian.by_state.transpose() +
+                             jacobian.by_landmark * landmark.prior_covariance * jacobian.by_landmark.transpose();
+    const Vector6 error = SightingError(sighting.camera_from_landmark, state, landmark.enu_from_landmark);
+    return Distance{SquaredDistance(error, sighting.information, expected), sigma_m};
+  }
+
+ private:
+  std::size_t first_ = 0;
+  std::optional<SmoothedFlight> smoothed_;
+};
+
+// For each two landmarks: 1 they agree, -1 they contradict each other, 0 nothing is known.
+using Verdicts = std::map<std::pair<std::size_t, std::size_t>, int>;
+
+// What one landmark's flight says of another's sightings: those nearest in time decide.
+int VerdictOf(const Witness& witness, std::span<const LandmarkSighting> sightings, const Numbers& own,
+              const Numbers& others, const FlightLandmark& other, const NavigateOptions& options) {
+  constexpr std::size_t kAsked = 7;
+  std::vector<std::pair<std::size_t, std::size_t>> nearest;  // frames apart, sighting
+  for (const std::size_t i : others) {
+    std::size_t apart = sightings[i].frame;
+    for (const std::size_t k : own) {
+      const auto [less, more] = std::minmax(sightings[i].frame, sightings[k].frame);
+      apart = std::min(apart, more - less);
+    }
+    nearest.emplace_back(apart, i);
+  }
+  std::ranges::sort(nearest);
+  nearest.resize(std::min(nearest.size(), kAsked));
+  int sum = 0;
+  for (const auto& [apart, i] : nearest) {
+    const auto distance = witness.DistanceOf(sightings[i], other, options.claim_sigma_m);
+    if (!distance) continue;
+    // To agree where little is known says nothing.
+    const bool agrees = distance->squared < options.gate_sigma * options.gate_sigma;
+    if (!agrees || distance->sigma_m < options.claim_sigma_m / 3) sum += agrees ? 1 : -1;
+  }
+  return (sum > 0) - (sum < 0);
+}
+
+}  // namespace
+
+std::vector<bool> FindContradictions(const Flight& flight, std::span<const FlightLandmark> landmarks,
+                                     std::span<const LandmarkSighting> sightings,
+                                     std::span<const std::optional<std::size_t>> landmark_of,
+                                     const NavigateOptions& options) {
+  std::map<std::size_t, Numbers> seen;  // by landmark
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
+    if (landmark_of[i]) seen[*landmark_of[i]].push_back(i);
+  }
+  Verdicts verdicts;
+  for (const auto& [one, own] : seen) {
+    const Witness witness(flight, landmarks[one], sightings, own);
+    for (const auto& [other, others] : seen) {
+      if (other == one) continue;
+      // Each asks the other: who knows more decides, and a contradiction outweighs an agreement.
+      int& verdict = verdicts[std::minmax(one, other)];
+      const int said = VerdictOf(witness, sightings, own, others, landmarks[other], options);
+      verdict = verdict < 0 || said < 0 ? -1 : std::max(verdict, said);
+    }
+  }
+  std::vector<bool> wrong(landmarks.size(), false);
+  while (true) {
+    // Contradictions less agreements; of equals the one that is seen least.
+    std::map<std::size_t, std::pair<int, int>> balance;
+    bool contradicted = false;
+    for (const auto& [pair, verdict] : verdicts) {
+      if (wrong[pair.first] || wrong[pair.second]) continue;
+      balance[pair.first].first -= verdict;
+      balance[pair.second].first -= verdict;
+      contradicted = contradicted || verdict < 0;
+    }
+    if (!contradicted) return wrong;
+    for (auto& [landmark, of_it] : balance) of_it.second = -static_cast<int>(seen[landmark].size());
+    const auto worst = std::ranges::max_element(balance, {}, [](const auto& entry) { return entry.second; });
+    wrong[worst->first] = true;
+  }
+}
+
+}  // namespace victorious

@@ -1,0 +1,318 @@
+#include "victorious/navigate/navigate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+#include "victorious/geometry/angles.h"
+#include "victorious/geometry/rotation_vector.h"
+#include "victorious/navigate/agreement.h"
+#include "victorious/navigate/contradiction.h"
+#include "victorious/navigate/smoother.h"
+
+namespace victorious {
+namespace {
+
+using Eigen::AngleAxisd;
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+TangentPlane PlaneOf(const NavigationInput& input) {
+  for (const NavigationFrame& frame : input.frames) {
+    if (frame.told) return TangentPlane(frame.told->place);
+  }
+  for (const LandmarkSighting& sighting : input.sightings) {
+    if (!sighting.candidates.empty()) return TangentPlane(input.landmarks[sighting.candidates.front()].place);
+  }
+  return TangentPlane({});
+}
+
+// How much rows scatter about the mean of those beside them.
+struct RowNoise {
+  double position_m = 0;
+  double attitude_rad = 0;
+};
+
+RowNoise NoiseOf(std::span<const CameraState> rows, const TelemetryErrorOptions& options) {
+  std::vector<double> places;
+  std::vector<double> attitudes;
+  for (std::size_t i = 1; i + 1 < rows.size(); ++i) {
+    const TangentPlane plane(rows[i].place);
+    const double whole_s = rows[i + 1].time_s - rows[i - 1].time_s;
+    const double share = (rows[i].time_s - rows[i - 1].time_s) / whole_s;
+    const double factor = std::sqrt(1 + share * share + (1 - share) * (1 - share));  // of the difference's noise
+    const Vector3d off =
+        (1 - share) * plane.EnuFromGeodetic(rows[i - 1].place) + share * plane.EnuFromGeodetic(rows[i + 1].place);
+    for (const double axis : off) places.push_back(std::abs(axis) / factor);
+    if (!rows[i - 1].attitude || !rows[i].attitude || !rows[i + 1].attitude) continue;
+    const Quaterniond between = CameraFromEnu(*rows[i - 1].attitude).slerp(share, CameraFromEnu(*rows[i + 1].attitude));
+    for (const double axis : VectorOf(CameraFromEnu(*rows[i].attitude) * between.conjugate())) {
+      attitudes.push_back(std::abs(axis) / factor);
+    }
+  }
+  constexpr double kSigmaOfMedian = 1.4826;  // of normal numbers' magnitude
+  RowNoise noise{options.position_noise_m, RadiansFromDegrees(options.attitude_noise_deg)};
+  if (!places.empty()) noise.position_m = std::max(noise.position_m, kSigmaOfMedian * Median(places));
+  if (!attitudes.empty()) noise.attitude_rad = std::max(noise.attitude_rad, kSigmaOfMedian * Median(attitudes));
+  return noise;
+}
+
+FlightSigmas SigmasOf(const NavigationInput& input, const NavigateOptions& options) {
+  std::vector<double> positions_m;
+  std::vector<double> attitudes_rad;
+  for (const CameraState& row : input.rows) {
+    if (row.sigma_position_m && *row.sigma_position_m > 0) positions_m.push_back(*row.sigma_position_m);
+    if (row.sigma_attitude_rad && *row.sigma_attitude_rad > 0) attitudes_rad.push_back(*row.sigma_attitude_rad);
+  }
+  const TelemetryErrorOptions& telemetry = options.telemetry;
+  return {
+      .offset_position_m = positions_m.empty() ? telemetry.position_m : Median(positions_m),
+      .offset_attitude_rad = attitudes_rad.empty() ? RadiansFromDegrees(telemetry.attitude_deg) : Median(attitudes_rad),
+      .drift_position_m = telemetry.position_drift_m,
+      .drift_attitude_rad = RadiansFromDegrees(telemetry.attitude_drift_deg),
+      .speed_m_s = options.motion.speed_m_s,
+      .speed_change_m_s = options.motion.speed_change_m_s,
+      .turn_rad_s = RadiansFromDegrees(options.motion.turn_deg_s),
+      .turn_change_rad_s = RadiansFromDegrees(options.motion.turn_change_deg_s)};
+}
+
+Flight FlightOf(const NavigationInput& input, const TangentPlane& plane, const NavigateOptions& options) {
+  Flight flight{.frames = {}, .sigmas = SigmasOf(input, options)};
+  const RowNoise noise = NoiseOf(input.rows, options.telemetry);
+  const auto told = static_cast<double>(
+      std::ranges::count_if(input.frames, [](const NavigationFrame& frame) { return frame.told.has_value(); }));
+  // Between two rows there is nothing new to be told.
+  const double repeats = std::sqrt(std::max(1.0, told / std::max<double>(1, static_cast<double>(input.rows.size()))));
+  for (const NavigationFrame& frame : input.frames) {
+    FlightFrame next{frame.time_s, std::nullopt};
+    if (frame.told && frame.told->attitude) {
+      const Vector3d place = plane.EnuFromGeodetic(frame.told->place);
+      next.told = ToldPose{place, *frame.told->attitude, plane.LocalEnuFromEnu(place), repeats * noise.position_m,
+                           repeats * noise.attitude_rad};
+      flight.has_told = true;
+    }
+    flight.frames.push_back(next);
+  }
+  return flight;
+}
+
+// What is not known of its heading may be anything.
+FlightLandmark InPlane(const Landmark& landmark, const TangentPlane& plane, const LandmarkErrorOptions& options) {
+  const Vector3d place = plane.EnuFromGeodetic(landmark.place);
+  const Quaterniond enu_from_local = plane.LocalEnuFromEnu(place).conjugate();
+  // Its front along x, which points east: a quarter turn from a heading of north.
+  const Quaterniond local_from_landmark(AngleAxisd(kPi / 2 - landmark.heading_rad.value_or(0), Vector3d::UnitZ()));
+  Matrix6 covariance = Matrix6::Zero();
+  const double turn = std::pow(RadiansFromDegrees(options.turn_deg), 2);
+  const double heading = landmark.heading_rad ? std::pow(landmark.sigma_heading_rad, 2) : kPi * kPi;
+  covariance.diagonal() << turn, turn, turn + heading, Vector3d::Constant(std::pow(options.middle_m, 2));
+  covariance.bottomRightCorner<3, 3>() += enu_from_local * landmark.covariance_enu_m2 * enu_from_local.conjugate();
+  return {{enu_from_local * local_from_landmark, place}, covariance};
+}
+
+// Sightings of one landmark within `correlation_s` count as one.
+std::vector<LandmarkSighting> Thinned(const NavigationInput& input, double correlation_s) {
+  std::vector<LandmarkSighting> thinned(input.sightings.begin(), input.sightings.end());
+  if (correlation_s <= 0) return thinned;
+  const auto time_of = [&](const LandmarkSighting& sighting) { return input.frames[sighting.frame].time_s; };
+  std::size_t first = 0;
+  std::size_t last = 0;
+  for (std::size_t i = 0; i < thinned.size(); ++i) {
+    const double time_s = time_of(thinned[i]);
+    while (time_of(thinned[first]) < time_s - correlation_s / 2) ++first;
+    while (last < thinned.size() && time_of(thinned[last]) <= time_s + correlation_s / 2) ++last;
+    std::vector<std::size_t> frames;  // with a sighting of the same
+    for (std::size_t k = first; k < last; ++k) {
+      if (thinned[k].candidates == thinned[i].candidates) frames.push_back(thinned[k].frame);
+    }
+    frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
+    thinned[i].information /= static_cast<double>(frames.size());
+  }
+  return thinned;
+}
+
+// The sightings that are believed, and what they make of the flight.
+class Navigator {
+ public:
+  Navigator(const NavigationInput& input, const NavigateOptions& options)
+      : options_(options),
+        common_(input.common_covariance_enu_m2),
+        plane_(PlaneOf(input)),
+        flight_(FlightOf(input, plane_, options)) {
+    for (const Landmark& landmark : input.landmarks) landmarks_.push_back(InPlane(landmark, plane_, options.landmark));
+    sightings_ = Thinned(input, options.landmark.correlation_s);
+    whole_.assign(input.sightings.begin(), input.sightings.end());
+    wrong_.resize(landmarks_.size(), false);
+  }
+
+  Navigation Run() {
+    Navigation navigation;
+    auto& believed = navigation.landmark_of;
+    believed = FindAgreement(flight_, landmarks_, whole_, wrong_, options_);
+    if (!flight_.has_told) {
+      wrong_ = FindContradictions(flight_, landmarks_, sightings_, believed, options_);
+      if (std::ranges::find(wrong_, true) != wrong_.end()) {
+        believed = FindAgreement(flight_, landmarks_, whole_, wrong_, options_);
+      }
+    }
+    std::vector<FlightState> start = StartOf(flight_, landmarks_, whole_, believed);
+    std::optional<SmoothedFlight> smoothed;
+    constexpr int kMostRounds = 20;
+    for (int round = 0; round < kMostRounds; ++round) {
+      if (!flight_.has_told && std::ranges::none_of(believed, [](const auto& one) { return one.has_value(); })) {
+        return navigation;
+      }
+      smoothed = Smooth(believed, start);
+      if (!smoothed) return {{}, std::vector<std::optional<std::size_t>>(believed.size())};
+      start = smoothed->states;
+      std::vector<std::optional<std::size_t>> again = Believe(*smoothed);
+      if (again == believed || round + 1 == kMostRounds) break;
+      believed = std::move(again);
+    }
+    navigation.frames = Describe(*smoothed, believed);
+    return navigation;
+  }
+
+ private:
+  std::optional<SmoothedFlight> Smooth(const std::vector<std::optional<std::size_t>>& believed,
+                                       const std::vector<FlightState>& start) {
+    std::vector<FlightLandmark> used;
+    std::vector<FlightTie> ties;
+    at_border_.clear();
+    for (std::size_t i = 0; i < believed.size(); ++i) {
+      if (!believed[i]) continue;
+      const auto [place, is_new] = at_border_.emplace(*believed[i], used.size());
+      if (is_new) used.push_back(landmarks_[*believed[i]]);
+      ties.push_back(
+          {sightings_[i].frame, place->second, sightings_[i].camera_from_landmark, sightings_[i].information / noise_});
+    }
+    return SmoothFlight(flight_, used, ties, start);
+  }
+
+  // Each sighting as of the landmark that is nearest to it, if one is near.
+  std::vector<std::optional<std::size_t>> Believe(const SmoothedFlight& smoothed) {
+    std::vector<std::optional<std::size_t>> believed(sightings_.size());
+    std::vector<double> squares;
+    for (std::size_t i = 0; i < whole_.size(); ++i) {
+      double nearest = options_.gate_sigma * options_.gate_sigma;
+      for (const std::size_t landmark : whole_[i].candidates) {
+        if (wrong_[landmark]) continue;
+        const auto distance = DistanceOf(whole_[i], landmark, smoothed);
+        if (!distance || *distance >= nearest) continue;
+        nearest = *distance;
+        believed[i] = landmark;
+      }
+      if (believed[i]) squares.push_back(SquaredResidual(whole_[i], *believed[i], smoothed));
+    }
+    // Sightings that scatter more than they tell widen the covariance.
+    constexpr std::size_t kFewest = 10;
+    constexpr double kMedianOf6 = 5.348;  // of chi squared of 6
+    noise_ = squares.size() < kFewest ? 1 : std::max(1.0, Median(squares) / kMedianOf6);
+    return believed;
+  }
+
+  [[nodiscard]] const Rigid3& LandmarkIn(const SmoothedFlight& smoothed, std::size_t landmark) const {
+    const auto used = at_border_.find(landmark);
+    return used != at_border_.end() ? smoothed.landmarks[used->second] : landmarks_[landmark].enu_from_landmark;
+  }
+
+  [[nodiscard]] double SquaredResidual(const LandmarkSighting& sighting, std::size_t landmark,
+                                       const SmoothedFlight& smoothed) const {
+    const Vector6 off =
+        SightingError(sighting.camera_from_landmark, smoothed.states[sighting.frame], LandmarkIn(smoothed, landmark));
+    return off.dot(sighting.information * off) * 6 / DimensionsOf(sighting.information);
+  }
+
+  // Squared, in sigmas of the sighting and of what the flight expects together. Nothing where the flight expects
+  // nothing.
+  [[nodiscard]] std::optional<double> DistanceOf(const LandmarkSighting& sighting, std::size_t landmark,
+                                                 const SmoothedFlight& smoothed) const {
+    const FlightState& state = smoothed.states[sighting.frame];
+    const Rigid3& pose = LandmarkIn(smoothed, landmark);
+    const SightingJacobian jacobian = SightingDerivative(state, pose);
+    const Matrix6 of_state = smoothed.covariances.blocks[sighting.frame].topLeftCorner<6, 6>();
+    if (std::sqrt(of_state.bottomRightCorner<3, 3>().trace() / 3) > options_.claim_sigma_m) return std::nullopt;
+    Matrix6 expected = jacobian.by_state * of_state * jacobian.by_state.transpose();
+    const auto used = at_border_.find(landmark);
+    if (used != at_border_.end()) {
+      const Index at = 6 * static_cast<Index>(used->second);
+      const Matrix6 cross = smoothed.covariances.cross[sighting.frame].block<6, 6>(0, at);
+      const Matrix6 mixed = jacobian.by_state * cross * jacobian.by_landmark.transpose();
+      expected +=
+          mixed + mixed.transpose() +
+          jacobian.by_landmark * smoothed.covariances.border.block<6, 6>(at, at) * jacobian.by_landmark.transpose();
+    } else {
+      expected += jacobian.by_landmark * landmarks_[landmark].prior_covariance * jacobian.by_landmark.transpose();
+    }
+    const Vector6 off = SightingError(sighting.camera_from_landmark, state, pose);
+    return SquaredDistance(off, sighting.information / noise_, expected);
+  }
+
+  [[nodiscard]] std::vector<NavigatedFrame> Describe(const SmoothedFlight& smoothed,
+                                                     const std::vector<std::optional<std::size_t>>& believed) const {
+    std::vector<NavigatedFrame> frames(flight_.frames.size());
+    const bool seen_any = std::ranges::any_of(believed, [](const auto& one) { return one.has_value(); });
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      const FlightState& state = smoothed.states[k];
+      const Eigen::MatrixXd& block = smoothed.covariances.blocks[k];
+      const Quaterniond local_from_enu = plane_.LocalEnuFromEnu(state.place);
+      Matrix6 local = Matrix6::Zero();  // (place, turn) from (turn, place)
+      local.topRightCorner<3, 3>() = local_from_enu.toRotationMatrix();
+      local.bottomLeftCorner<3, 3>().setIdentity();
+      NavigatedFrame& frame = frames[k];
+      frame.covariance = local * block.topLeftCorner<6, 6>() * local.transpose();
+      if (seen_any) frame.covariance.topLeftCorner<3, 3>() += common_;
+      frame.camera.time_s = flight_.frames[k].time_s;
+      frame.camera.place = plane_.GeodeticFromEnu(state.place);
+      frame.camera.attitude = AttitudeOf(state.camera_from_enu * local_from_enu.conjugate());
+      frame.camera.sigma_position_m = std::sqrt(frame.covariance.topLeftCorner<3, 3>().trace() / 3);
+      frame.camera.sigma_attitude_rad = std::sqrt(frame.covariance.bottomRightCorner<3, 3>().trace() / 3);
+      if (!flight_.frames[k].told) continue;
+      Matrix6 of_offset = Matrix6::Identity();
+      of_offset.topLeftCorner<3, 3>() = local_from_enu.toRotationMatrix();
+      frame.offset = TelemetryOffset{local_from_enu * state.place_offset, state.attitude_offset,
+                                     of_offset * block.bottomRightCorner<6, 6>() * of_offset.transpose()};
+      if (seen_any) frame.offset->covariance.topLeftCorner<3, 3>() += common_;
+    }
+    std::vector<std::pair<std::size_t, std::size_t>> seen;  // frame, landmark
+    for (std::size_t i = 0; i < believed.size(); ++i) {
+      if (believed[i]) seen.emplace_back(sightings_[i].frame, *believed[i]);
+    }
+    std::ranges::sort(seen);
+    seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+    for (const auto& [frame, landmark] : seen) ++frames[frame].landmarks;
+    return frames;
+  }
+
+  const NavigateOptions& options_;
+  Matrix3d common_;  // covariance of what all landmarks' places err alike
+  TangentPlane plane_;
+  Flight flight_;
+  std::vector<FlightLandmark> landmarks_;
+  std::vector<LandmarkSighting> sightings_;  // with the information that each adds
+  std::vector<LandmarkSighting> whole_;      // with the information that each has by itself
+  std::vector<bool> wrong_;
+  std::map<std::size_t, std::size_t> at_border_;  // of the landmarks in the flight last smoothed
+  double noise_ = 1;                              // factor by which the sightings' covariances are larger than told
+};
+
+}  // namespace
+
+Expected<Navigation> Navigate(const NavigationInput& input, NavigateOptions options) {
+  VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
+  if (input.frames.empty()) return Navigation{{}, std::vector<std::optional<std::size_t>>(input.sightings.size())};
+  return Navigator(input, options).Run();
+}
+
+}  // namespace victorious

@@ -1,0 +1,49 @@
+// The parameters of landmark navigation.
+#pragma once
+
+#include "victorious/base/options.h"
+
+namespace victorious {
+
+/// Telemetry's errors: an offset, which drifts as a random walk, and noise from row to row.
+struct TelemetryErrorOptions {
+  double position_m = 10;
+  double attitude_deg = 3;
+  double position_drift_m = 0.5;
+  double attitude_drift_deg = 0.15;
+  double position_noise_m = 0.05;
+  double attitude_noise_deg = 0.05;
+
+  void ListFields(FieldList& fields);
+};
+
+/// How the camera moves.
+struct MotionOptions {
+  double speed_m_s = 40;
+  double speed_change_m_s = 5;
+  double turn_deg_s = 20;
+  double turn_change_deg_s = 20;
+
+  void ListFields(FieldList& fields);
+};
+
+/// What errs alike in all sightings of a landmark.
+struct LandmarkErrorOptions {
+  double middle_m = 0.1;
+  double turn_deg = 0.5;
+  double correlation_s = 0.5;
+
+  void ListFields(FieldList& fields);
+};
+
+struct NavigateOptions {
+  TelemetryErrorOptions telemetry;
+  MotionOptions motion;
+  LandmarkErrorOptions landmark;
+  double gate_sigma = 5;
+  double claim_sigma_m = 15;
+
+  void ListFields(FieldList& fields);
+};
+
+}  // namespace victorious

@@ -1,0 +1,174 @@
+#include "victorious/pipeline/landmark_list.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/base/file.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/store/index_store.h"
+#include "victorious/store/listed_object.h"
+
+namespace victorious {
+
+void LandmarkListOptions::ListFields(FieldList& fields) {
+  fields.Add("heading_deg", heading_deg,
+             {.min = 0, .max = 180, .unit = "deg", .reason = "sigma of a landmark's heading, where nothing tells it"});
+  fields.Add("common_share", common_share,
+             {.min = 0,
+              .max = 1,
+              .unit = "",
+              .reason = "sigma of what all landmarks' places err alike over that of the best of them: 1 for those that "
+                        "were located in one flight, 0 for those that were surveyed one by one"});
+  fields.Add("most_speed_m_s", most_speed_m_s,
+             {.min = 0, .max = 1e3, .unit = "m/s", .reason = "what moves faster is no landmark"});
+}
+
+namespace {
+
+using InputJson = nlohmann::json;
+
+constexpr std::string_view kSqlite = "SQLite format 3";
+
+// Nothing where the key is missing or null.
+Expected<std::optional<double>> NumberAt(const InputJson& json, const char* key, double least, double most) {
+  const auto at = json.find(key);
+  if (at == json.end() || at->is_null()) return std::nullopt;
+  if (!at->is_number() || !(at->get<double>() >= least && at->get<double>() <= most)) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{} is not a number from {} to {}", key, least, most));
+  }
+  return at->get<double>();
+}
+
+Expected<double> NeededAt(const InputJson& json, const char* key, double least, double most) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto number, NumberAt(json, key, least, most));
+  if (!number) return Fail(ErrorCode::kInvalidArgument, fmt::format("{} is missing: give a number", key));
+  return *number;
+}
+
+// Exact where the key is missing or null.
+Expected<Eigen::Matrix3d> CovarianceAt(const InputJson& json) {
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  const auto at = json.find("covariance_enu_m2");
+  if (at == json.end() || at->is_null()) return covariance;
+  const auto refuse = [] {
+    return Fail(ErrorCode::kInvalidArgument,
+                "covariance_enu_m2 is not three rows of three numbers, symmetric and "
+                "without negative variances");
+  };
+  if (!at->is_array() || at->size() != 3) return refuse();
+  for (std::size_t row = 0; row < 3; ++row) {
+    if (!(*at)[row].is_array() || (*at)[row].size() != 3) return refuse();
+    for (std::size_t column = 0; column < 3; ++column) {
+      if (!(*at)[row][column].is_number()) return refuse();
+      covariance(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column)) = (*at)[row][column].get<double>();
+    }
+  }
+  const double size = covariance.cwiseAbs().maxCoeff();
+  constexpr double kRounding = 1e-3;
+  if (!covariance.allFinite() || (covariance - covariance.transpose()).cwiseAbs().maxCoeff() > kRounding * size) {
+    return refuse();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance);
+  if (axes.eigenvalues().minCoeff() < -kRounding * size) return refuse();
+  return Eigen::Matrix3d(axes.eigenvectors() * axes.eigenvalues().cwiseMax(0).asDiagonal() *
+                         axes.eigenvectors().transpose());
+}
+
+Expected<Landmark> ParseLandmark(std::string_view line, const LandmarkListOptions& options) {
+  const InputJson json = InputJson::parse(line, nullptr, /*allow_exceptions=*/false);
+  if (!json.is_object()) return Fail(ErrorCode::kInvalidArgument, "not a JSON object on one line");
+  Landmark landmark;
+  const auto model = json.find("model");
+  if (model == json.end() || !model->is_string()) {
+    return Fail(ErrorCode::kInvalidArgument, "model is missing: give a model's name");
+  }
+  landmark.model = model->get<std::string>();
+  constexpr double kMostHeightM = 1e5;
+  VICTORIOUS_ASSIGN_OR_RETURN(const double latitude_deg, NeededAt(json, "latitude_deg", -90, 90));
+  VICTORIOUS_ASSIGN_OR_RETURN(const double longitude_deg, NeededAt(json, "longitude_deg", -180, 360));
+  VICTORIOUS_ASSIGN_OR_RETURN(const double altitude_m, NeededAt(json, "altitude_m", -kMostHeightM, kMostHeightM));
+  landmark.place = {RadiansFromDegrees(latitude_deg), RadiansFromDegrees(longitude_deg), altitude_m};
+  VICTORIOUS_ASSIGN_OR_RETURN(landmark.covariance_enu_m2, CovarianceAt(json));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto heading_deg, NumberAt(json, "heading_deg", -360, 360));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto sigma_deg, NumberAt(json, "sigma_heading_deg", 0, 180));
+  if (heading_deg) landmark.heading_rad = RadiansFromDegrees(*heading_deg);
+  landmark.sigma_heading_rad = RadiansFromDegrees(sigma_deg.value_or(options.heading_deg));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto speed_m_s, NumberAt(json, "speed_m_s", 0, 1e4));
+  if (speed_m_s.value_or(0) > options.most_speed_m_s) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("a {} that moves is no landmark", landmark.model));
+  }
+  return landmark;
+}
+
+Expected<LandmarkList> LandmarksOf(IndexStore& store, const LandmarkListOptions& options) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(store, {}));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> objects, ListObjects(store, catalogue, {}));
+  LandmarkList list;
+  for (const ListedObject& listed : objects) {
+    const ObjectRecord& object = listed.object;
+    if (!object.place || SpeedOf(object).value_or(0) > options.most_speed_m_s) {
+      list.warnings.push_back(fmt::format("object {}, {}, is left out: {}", object.id, listed.model,
+                                          object.place ? "it moves" : "its place is not known"));
+      continue;
+    }
+    list.landmarks.push_back({.model = listed.model,
+                              .place = object.place->point,
+                              .covariance_enu_m2 = object.place->covariance_enu_m2,
+                              .heading_rad = object.heading_rad,
+                              .sigma_heading_rad = RadiansFromDegrees(options.heading_deg)});
+  }
+  if (list.landmarks.empty()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "no object of known place that stands still: index a video with telemetry first");
+  }
+  return list;
+}
+
+}  // namespace
+
+Expected<LandmarkList> ParseLandmarks(std::string_view text, const LandmarkListOptions& options) {
+  LandmarkList list;
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (line.find_first_not_of(" \t\r") == std::string_view::npos) continue;
+    Expected<Landmark> landmark = ParseLandmark(line, options);
+    if (landmark) {
+      list.landmarks.push_back(*std::move(landmark));
+    } else {
+      list.warnings.push_back(fmt::format("line {} is left out: {}", number, landmark.error().message));
+    }
+  }
+  if (!list.landmarks.empty()) return list;
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("neither an index nor a list of landmarks (JSON Lines){}",
+                          list.warnings.empty() ? ": it is empty" : "; " + list.warnings.front()));
+}
+
+Expected<LandmarkList> ReadLandmarks(const std::string& path, const LandmarkListOptions& options) {
+  VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
+  Expected<LandmarkList> list = LandmarkList{};
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto file, MappedFile::Open(path));
+  const auto bytes = file->bytes();
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (text.starts_with(kSqlite)) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenSqliteStore(path, StoreMode::kRead));
+    list = LandmarksOf(*store, options);
+  } else {
+    list = ParseLandmarks(text, options);
+  }
+  if (!list) return std::unexpected(std::move(list).error().WithContext(path));
+  const auto variance = [](const Landmark& landmark) { return landmark.covariance_enu_m2.trace(); };
+  const Landmark& best = *std::ranges::min_element(list->landmarks, {}, variance);
+  list->common_covariance_enu_m2 = options.common_share * options.common_share * best.covariance_enu_m2;
+  return list;
+}
+
+}  // namespace victorious

@@ -1,0 +1,351 @@
+#include "victorious/pipeline/navigate_run.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "victorious/base/progress.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/model/lit_views.h"
+#include "victorious/pipeline/video_telemetry.h"
+#include "victorious/telemetry/camera_csv.h"
+#include "victorious/telemetry/camera_track.h"
+#include "victorious/video/video_reader.h"
+
+namespace victorious {
+
+NavigateRunOptions::NavigateRunOptions() {
+  follow.restart_frames = 1000000;  // nothing goes on with it after a stop
+  follow.search_every = 5;
+}
+
+void NavigateRunOptions::ListFields(FieldList& fields) {
+  fields.AddGroup("video", video);
+  fields.AddGroup("features", features);
+  recognize.ListFields(fields);
+  fields.AddGroup("daylight", daylight);
+  fields.AddGroup("telemetry", telemetry);
+  fields.AddGroup("sight", sight);
+  fields.AddGroup("follow", follow);
+  fields.AddGroup("landmark_list", list);
+  navigate.ListFields(fields);
+  fields.AddGroup("sighting", sighting);
+  fields.Add("second_look", second_look,
+             {.reason = "without telemetry, the video is gone through twice: the second time it is known about how the "
+                        "camera was held, so that landmarks are sought upright and as the sun lights them"});
+  fields.Add("every", every,
+             {.min = 1,
+              .max = 1e6,
+              .unit = "frames",
+              .reason = "from one whole-frame search to the next while a landmark is followed"});
+  fields.Add("lost_every", lost_every, {.min = 1, .max = 1e6, .unit = "frames", .reason = "the same while none is"});
+}
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double MillisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+// The telemetry, if any; what it says of the camera's view, or what is told in its place.
+struct Cameras {
+  std::optional<CameraTrack> track;
+  std::optional<double> hfov_rad;
+
+  /// With a field of view.
+  [[nodiscard]] CameraState At(double time_s) const {
+    CameraState camera{.time_s = time_s, .place = {}};
+    if (track) camera = track->At(time_s).value_or(camera);
+    if (!camera.hfov_rad) camera.hfov_rad = hfov_rad;
+    return camera;
+  }
+};
+
+Expected<Cameras> CamerasOf(const NavigateJob& job, const NavigateRunOptions& options, bool live,
+                            const NavigateWarning& warn) {
+  std::optional<Telemetry> telemetry;
+  if (job.telemetry) {
+    VICTORIOUS_ASSIGN_OR_RETURN(telemetry, ReadTelemetry(*job.telemetry, options.telemetry));
+  } else if (!live) {
+    VICTORIOUS_ASSIGN_OR_RETURN(telemetry, FindTelemetry(job.video, options.telemetry, warn));
+  }
+  Cameras cameras;
+  if (options.telemetry.hfov_deg > 0) cameras.hfov_rad = RadiansFromDegrees(options.telemetry.hfov_deg);
+  if (telemetry) {
+    for (const std::string& warning : telemetry->warnings) warn("telemetry: " + warning);
+    for (const CameraState& state : telemetry->states) {
+      if (!cameras.hfov_rad) cameras.hfov_rad = state.hfov_rad;
+    }
+    cameras.track.emplace(std::move(telemetry->states), options.telemetry.max_gap_s);
+  }
+  if (!cameras.hfov_rad) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: the camera's field of view is not known: give --hfov DEG, or telemetry that has it",
+                            job.video));
+  }
+  return cameras;
+}
+
+// Drops the models of no landmark, and the landmarks of no model.
+Status Pair(std::vector<ObjectModel>& models, std::vector<Landmark>& landmarks, const std::string& list,
+            const NavigateWarning& warn) {
+  std::set<std::string> named;
+  for (const Landmark& landmark : landmarks) named.insert(landmark.model);
+  std::erase_if(models, [&](const ObjectModel& model) { return !named.contains(model.name); });
+  std::set<std::string> missing = named;
+  for (const ObjectModel& model : models) missing.erase(model.name);
+  if (models.empty()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: no model of its landmarks ({}) is in the folder of models: make it with `victorious "
+                            "model add`",
+                            list, fmt::join(missing, ", ")));
+  }
+  if (!missing.empty()) warn(fmt::format("landmarks without a model are left out: {}", fmt::join(missing, ", ")));
+  std::erase_if(landmarks, [&](const Landmark& landmark) { return missing.contains(landmark.model); });
+  return {};
+}
+
+// What finds landmarks. The references outlive it.
+struct Tools {
+  const NavigateRunOptions& options;
+  const Recognizer& recognizer;
+  const FeatureExtractor& extractor;
+  std::vector<std::vector<std::size_t>> candidates;  // landmarks, by model
+};
+
+// How the camera was held, as far as that is known before landmarks are sought; and where the sun stood.
+struct Held {
+  const CameraTrack* track = nullptr;
+  std::optional<Sun> sun;
+};
+
+// One way through the video.
+class Pass {
+ public:
+  Pass(const Tools& tools, Follower follower, const Cameras& cameras, const Held& held)
+      : tools_(tools), follower_(std::move(follower)), cameras_(cameras), held_(held) {}
+
+  Status Take(const Frame& frame) {
+    const Clock::time_point start = Clock::now();
+    const std::clock_t cpu_start = std::clock();
+    const CameraState camera = cameras_.At(frame.time_s);
+    std::optional<CameraState> held;
+    if (held_.track != nullptr) held = held_.track->At(frame.time_s);
+    const FrameConditions conditions = ConditionsOf(held, frame.image.size(), held_.sun);
+    const bool whole = since_whole_ + 1 >= (landmarks_last_ > 0 ? tools_.options.every : tools_.options.lost_every);
+    since_whole_ = whole ? 0 : since_whole_ + 1;
+    FeatureSet features;
+    std::vector<Detection> detections;
+    std::optional<WholeFrame> searched;
+    if (whole) {
+      VICTORIOUS_ASSIGN_OR_RETURN(features, tools_.extractor.Extract(frame.image));
+      detections = tools_.recognizer.Recognize(features, conditions);
+      searched.emplace(features, detections);
+    }
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Seen> all, follower_.Follow(frame, searched, conditions));
+    landmarks_last_ = all.size();
+    for (const Seen& seen : all) See(seen, camera);
+    frames_.push_back({frame.time_s, std::nullopt});
+    if (camera.attitude && camera.IsComplete()) frames_.back().told = camera;
+    if (whole || all.empty()) return {};
+    tracked_ms_.push_back(MillisecondsSince(start));
+    tracked_cpu_ms_.push_back(1e3 * static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC);
+    return {};
+  }
+
+  [[nodiscard]] const std::vector<NavigationFrame>& frames() const { return frames_; }
+  [[nodiscard]] const std::vector<LandmarkSighting>& sightings() const { return sightings_; }
+  [[nodiscard]] double tracked_ms() const { return Median(tracked_ms_); }
+  [[nodiscard]] double tracked_cpu_ms() const { return Median(tracked_cpu_ms_); }
+
+ private:
+  void See(const Seen& seen, const CameraState& camera) {
+    const Detection& detection = seen.detection;
+    const auto stance =
+        StanceOf(detection, tools_.recognizer.models()[detection.model], seen.features, camera, tools_.options.sight);
+    if (!stance) return;
+    auto sighting = SightingOf(*stance, tools_.options.sight, tools_.options.sighting);
+    if (!sighting) return;
+    sighting->frame = frames_.size();
+    sighting->candidates = tools_.candidates[detection.model];
+    sightings_.push_back(*std::move(sighting));
+  }
+
+  const Tools& tools_;
+  Follower follower_;
+  const Cameras& cameras_;
+  Held held_;
+  std::vector<NavigationFrame> frames_;
+  std::vector<LandmarkSighting> sightings_;
+  std::vector<double> tracked_ms_;
+  std::vector<double> tracked_cpu_ms_;
+  std::size_t landmarks_last_ = 0;
+  int since_whole_ = 1000000;
+};
+
+struct Source {
+  std::string video;
+  VideoReaderOptions reading;
+  bool live = false;
+};
+
+// From the beginning of the reader to its end.
+Expected<Pass> GoThrough(const Tools& tools, const Source& source, const Cameras& cameras,
+                         const std::optional<CameraTrack>& held, std::unique_ptr<VideoReader>& reader,
+                         const CancelToken& cancel) {
+  Held known;
+  if (held) {
+    known.track = &*held;
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        known.sun, FindDaylight({*held, tools.recognizer, tools.extractor, tools.options.daylight}, *reader, cancel));
+    if (!source.live) {
+      VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(source.video, source.reading));
+    }
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Follower follower,
+      Follower::Create(tools.recognizer, tools.extractor, tools.options.features.impulse_share, tools.options.follow));
+  Pass pass(tools, std::move(follower), cameras, known);
+  Progress progress(source.video, reader->info().frame_count, "frames");
+  while (!cancel.IsCancelled()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Frame> frame, reader->NextFrame());
+    if (!frame) return pass;
+    VICTORIOUS_RETURN_IF_ERROR(pass.Take(*frame));
+    progress.Update(frame->index + 1);
+  }
+  if (source.live) return pass;
+  return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped; nothing was written", source.video));
+}
+
+// How the camera was held in the frames in which that is known well enough to seek objects upright; nothing where it is
+// in none.
+std::optional<CameraTrack> HeldBy(const Navigation& navigation, const Cameras& cameras,
+                                  const NavigateRunOptions& options) {
+  constexpr double kMostSigmaDeg = 6;
+  std::vector<CameraState> states;
+  for (const NavigatedFrame& frame : navigation.frames) {
+    if (*frame.camera.sigma_attitude_rad > RadiansFromDegrees(kMostSigmaDeg)) continue;
+    states.push_back(frame.camera);
+    states.back().hfov_rad = cameras.At(frame.camera.time_s).hfov_rad;
+  }
+  if (states.empty()) return std::nullopt;
+  return CameraTrack(std::move(states), options.telemetry.max_gap_s);
+}
+
+}  // namespace
+
+Expected<NavigationRun> NavigateVideo(const NavigateJob& job, std::vector<ObjectModel> models,
+                                      const NavigateRunOptions& options, const CancelToken& cancel,
+                                      const NavigateWarning& warn) {
+  NavigateRunOptions checked = options;
+  VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(checked));
+  VICTORIOUS_ASSIGN_OR_RETURN(LandmarkList list, ReadLandmarks(job.landmarks, options.list));
+  for (const std::string& warning : list.warnings) warn(job.landmarks + ": " + warning);
+  VICTORIOUS_RETURN_IF_ERROR(Pair(models, list.landmarks, job.landmarks, warn));
+  VICTORIOUS_RETURN_IF_ERROR(CheckEngine(models, options.features.engine));
+  const VideoReaderOptions reading{.folder_frame_rate = options.video.folder_frame_rate};
+  VICTORIOUS_ASSIGN_OR_RETURN(std::unique_ptr<VideoReader> reader, VideoReader::Open(job.video, reading));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Cameras cameras, CamerasOf(job, options, reader->info().live, warn));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
+
+  std::vector<std::vector<std::size_t>> candidates(models.size());
+  for (std::size_t m = 0; m < models.size(); ++m) {
+    for (std::size_t i = 0; i < list.landmarks.size(); ++i) {
+      if (list.landmarks[i].model == models[m].name) candidates[m].push_back(i);
+    }
+  }
+  std::vector<std::shared_ptr<const LitTemplates>> lit;
+  for (const ObjectModel& model : models) {
+    VICTORIOUS_ASSIGN_OR_RETURN(std::shared_ptr<const LitTemplates> views, MakeLitViews(model));
+    lit.push_back(std::move(views));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,
+                              Recognizer::Create(std::move(models), options.features.engine, options.recognize, lit));
+  const Tools tools{options, recognizer, *extractor, std::move(candidates)};
+  const Source source{job.video, reading, reader->info().live};
+  NavigationRun run;
+  std::optional<CameraTrack> held;
+  if (cameras.track) held.emplace(*cameras.track);
+  // Without telemetry the first way through tells how the camera was held, so that the second finds more.
+  for (bool again = !cameras.track && options.second_look && !source.live;; again = false) {
+    VICTORIOUS_ASSIGN_OR_RETURN(Pass pass, GoThrough(tools, source, cameras, held, reader, cancel));
+    const Clock::time_point start = Clock::now();
+    std::vector<CameraState> rows;
+    if (cameras.track) rows = cameras.track->states();
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        run.navigation, Navigate({pass.frames(), rows, list.landmarks, pass.sightings(), list.common_covariance_enu_m2},
+                                 options.navigate));
+    run.estimate_ms = MillisecondsSince(start) / static_cast<double>(std::max<std::size_t>(1, pass.frames().size()));
+    run.frames = static_cast<std::int64_t>(pass.frames().size());
+    run.tracked_ms = pass.tracked_ms();
+    run.tracked_cpu_ms = pass.tracked_cpu_ms();
+    held = HeldBy(run.navigation, cameras, options);
+    if (!again || !held) break;
+    VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(job.video, reading));
+  }
+  for (const std::string& warning : reader->warnings()) warn(warning);
+  run.landmarks = std::move(list.landmarks);
+  run.sightings.resize(run.landmarks.size());
+  for (const auto& believed : run.navigation.landmark_of) {
+    (believed ? run.sightings[*believed] : run.unbelieved) += 1;
+  }
+  for (const NavigatedFrame& frame : run.navigation.frames) {
+    run.states.push_back(frame.camera);
+    const CameraState camera = cameras.At(frame.camera.time_s);
+    run.states.back().hfov_rad = camera.hfov_rad;
+    run.states.back().distortion = camera.distortion;
+    run.states.back().utc_us = camera.utc_us;
+  }
+  return run;
+}
+
+std::string ToCsv(const NavigationRun& run) {
+  const std::vector<NavigatedFrame>& frames = run.navigation.frames;
+  std::vector<CsvColumn> columns;
+  const auto add = [&](const char* name, const auto& cell) {
+    CsvColumn& column = columns.emplace_back(CsvColumn{name, {}});
+    for (const NavigatedFrame& frame : frames) column.cells.push_back(cell(frame));
+  };
+  add("landmarks", [](const NavigatedFrame& frame) { return fmt::format("{}", frame.landmarks); });
+  constexpr std::array kAxes = {"east", "north", "up"};
+  for (int i = 0; i < 3; ++i) {
+    for (int k = i; k < 3; ++k) {
+      const std::string name = fmt::format("covariance_{}_{}_m2", kAxes[i], kAxes[k]);
+      add(name.c_str(), [&](const NavigatedFrame& frame) { return fmt::format("{:.6g}", frame.covariance(i, k)); });
+    }
+  }
+  const bool offset = std::ranges::any_of(frames, [](const NavigatedFrame& frame) { return frame.offset.has_value(); });
+  if (!offset) return CameraCsvText(run.states, columns);
+  const auto add_offset = [&](const char* name, const auto& value) {
+    add(name, [&](const NavigatedFrame& frame) {
+      return frame.offset ? fmt::format("{:.4f}", value(*frame.offset)) : std::string();
+    });
+  };
+  constexpr std::array kPlaces = {"offset_east_m", "offset_north_m", "offset_up_m"};
+  constexpr std::array kAngles = {"offset_yaw_deg", "offset_pitch_deg", "offset_roll_deg"};
+  for (int i = 0; i < 3; ++i) {
+    add_offset(kPlaces[i], [i](const TelemetryOffset& told) { return told.place_enu_m[i]; });
+  }
+  for (int i = 0; i < 3; ++i) {
+    add_offset(kAngles[i], [i](const TelemetryOffset& told) { return DegreesFromRadians(told.attitude_rad[i]); });
+  }
+  return CameraCsvText(run.states, columns);
+}
+
+}  // namespace victorious

@@ -1,0 +1,91 @@
+#include "victorious/pipeline/navigate_run.h"
+
+#include <gtest/gtest.h>
+
+#include "victorious/base/file.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/pipeline/drawn_flight_test.h"
+
+namespace victorious {
+namespace {
+
+// What a run makes of real landmarks is tested with the whole command (tests/e2e/test_navigate.py).
+
+constexpr std::string_view kCrate = R"({"model":"crate","latitude_deg":52.5,"longitude_deg":13.4,"altitude_m":75.5})";
+
+class NavigateRunTest : public ::testing::Test {
+ protected:
+  std::string List(std::string_view text) {
+    const std::filesystem::path path = flight_ / "landmarks.jsonl";
+    EXPECT_TRUE(WriteFileAtomically(path, text));
+    return path.string();
+  }
+
+  Expected<NavigationRun> Run(const std::string& landmarks, std::vector<ObjectModel> models,
+                              const NavigateRunOptions& options) {
+    warnings_.clear();
+    return NavigateVideo({.video = flight_.video(), .landmarks = landmarks}, std::move(models), options, CancelToken(),
+                         [&](const std::string& warning) { warnings_.push_back(warning); });
+  }
+
+  static NavigateRunOptions WithView() {
+    NavigateRunOptions options;
+    options.telemetry.hfov_deg = 20;
+    return options;
+  }
+
+  DrawnFlight flight_{ShortFlight(6)};
+  std::vector<std::string> warnings_;
+};
+
+TEST_F(NavigateRunTest, APhotoWithoutALengthIsNoLandmark) {
+  const auto run = Run(List(kCrate), flight_.Models(), WithView());
+  ASSERT_TRUE(run) << run.error().message;
+  EXPECT_EQ(run->frames, 6);
+  EXPECT_TRUE(run->states.empty());
+  EXPECT_EQ(run->navigation.landmark_of.size(), 0);
+}
+
+TEST_F(NavigateRunTest, RefusesWhatItCannotWorkWith) {
+  const auto refused = [](const Expected<NavigationRun>& run) {
+    return run ? "not refused" : std::string(Name(run.error().code)) + ": " + run.error().message;
+  };
+  EXPECT_NE(refused(Run(List(kCrate), flight_.Models(), {})).find("--hfov"), std::string::npos);
+  EXPECT_NE(refused(Run(List(kCrate), {flight_.Model(1)}, WithView())).find("crate"), std::string::npos);
+  EXPECT_NE(refused(Run(List(""), flight_.Models(), WithView())).find("landmarks.jsonl"), std::string::npos);
+  NavigateRunOptions wrong = WithView();
+  wrong.every = 0;
+  EXPECT_NE(refused(Run(List(kCrate), flight_.Models(), wrong)).find("every"), std::string::npos);
+}
+
+TEST_F(NavigateRunTest, TellsWhichLandmarksHaveNoModel) {
+  std::string other(kCrate);
+  other.replace(other.find("crate"), 5, "wagon");
+  ASSERT_TRUE(Run(List(std::string(kCrate) + "\n" + other), flight_.Models(), WithView()));
+  ASSERT_EQ(warnings_.size(), 1);
+  EXPECT_NE(warnings_.front().find("wagon"), std::string::npos);
+}
+
+TEST(NavigationCsv, HasTheTelemetrysColumnsAndMore) {
+  NavigationRun run;
+  for (int i = 0; i < 2; ++i) {
+    NavigatedFrame frame;
+    frame.camera = {.time_s = 0.1 * i, .place = {0.9, 0.2, 100}, .attitude = Attitude{1, -1, 0}};
+    frame.camera.sigma_position_m = 0.5;
+    frame.covariance = Matrix6::Identity() * 0.25;
+    frame.landmarks = i;
+    run.states.push_back(frame.camera);
+    run.navigation.frames.push_back(frame);
+  }
+  const std::string without = ToCsv(run);
+  EXPECT_EQ(without.find("offset"), std::string::npos);
+  run.navigation.frames[1].offset = TelemetryOffset{{1.5, 0, -2}, {0, 0, kPi / 180}, Matrix6::Identity()};
+  const std::string text = ToCsv(run);
+  EXPECT_NE(text.find(",landmarks,covariance_east_east_m2,"), std::string::npos) << text;
+  EXPECT_NE(text.find(",0,0.25,0,0,0.25,0,0.25,,,,,,\n"), std::string::npos) << text;
+  EXPECT_NE(text.find(",1,0.25,0,0,0.25,0,0.25,1.5000,0.0000,-2.0000,0.0000,0.0000,1.0000\n"), std::string::npos)
+      << text;
+}
+
+}  // namespace
+}  // namespace victorious
