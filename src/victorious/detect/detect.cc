@@ -27,13 +27,18 @@ void DetectOptions::ListFields(FieldList& fields) {
              {.min = -100,
               .max = 1000,
               .unit = "decades",
-              .reason = "evidence at which the score is one half: so many powers of ten that chance is too unlikely"});
-  fields.Add("evidence_scale", evidence_scale,
-             {.min = 0.01,
-              .max = 1000,
-              .unit = "decades",
-              .reason = "further evidence that takes the odds up by a factor of e"});
-  fields.Add("least_score", least_score, {.min = 0, .max = 1, .reason = "detections below this are not reported"});
+              .reason = "evidence at which half of the detections are right, and the score is one half"});
+  fields.Add(
+      "evidence_scale", evidence_scale,
+      {.min = 0.01,
+       .max = 1000,
+       .unit = "decades",
+       .reason =
+           "further evidence that takes the odds up by a factor of e; both from `experiment figure-calibration`"});
+  fields.Add("least_score", least_score,
+             {.min = 0,
+              .max = 1,
+              .reason = "detections below this are not reported; the default is that of an evidence of 4 decades"});
   fields.Add("least_side_px", least_side_px,
              {.min = 0,
               .max = 10000,

@@ -7,6 +7,8 @@
 // Stival, IJCV 57, 2004; the same question as Lowe's, CVPR 2001, section 5). With n matches of the template in the
 // scene, k of them agreeing, p the chance that a wrong match agrees with a given pose in place, turn and scale:
 //   expected = views * C(n, 2) * P(at least k - 2 of n - 2 agree),   evidence = -log10(expected).
+// score = 1 / (1 + exp(-(evidence - even) / scale)), with the curve that makes it the share that is right
+// (`victorious experiment figure-calibration`).
 // A pose that carries its own evidence (pose/vote_poses.h) keeps it, less the number of views searched.
 #pragma once
 
@@ -24,9 +26,9 @@ namespace victorious {
 struct DetectOptions {
   double suppression_fraction = 0.5;
   double suppression_overlap = 0.4;
-  double even_evidence = 4.0;
-  double evidence_scale = 1.5;
-  double least_score = 0.5;
+  double even_evidence = 2.1;
+  double evidence_scale = 1.4;
+  double least_score = 0.795;
   double least_side_px = 8;
   double least_in_view = 0.5;
   double least_extent = 0.06;

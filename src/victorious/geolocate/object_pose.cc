@@ -29,7 +29,8 @@ Matrix3d Cross(const Vector3d& v) {
 }
 
 // How much larger than sigma the offsets of the points that count are, squared: at least 1. Few points leave small
-// offsets behind, because the pose bends to them and they were chosen for agreeing: the six unknowns are paid for twice.
+// offsets behind, because the pose bends to them and they were chosen for agreeing: the six unknowns are paid for
+// twice.
 double NoiseFactor2(std::span<const double> squared_offsets, std::span<const double> weights) {
   constexpr double kUnknowns = 6;
   double sum = 0;
