@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -36,6 +37,8 @@ class Witness {
     const std::vector<std::optional<std::size_t>> all(seen.size(), 0);
     smoothed_ = SmoothFlight(part, landmarks, ties, StartOf(part, landmarks, seen, all));
   }
+
+  [[nodiscard]] double cost() const { return smoothed_ ? smoothed_->cost : 0; }
 
   struct Distance {
     double squared = 0;  // in sigmas
@@ -94,6 +97,29 @@ int VerdictOf(const Witness& witness, std::span<const LandmarkSighting> sighting
   return (sum > 0) - (sum < 0);
 }
 
+// How much more a flight by all but the wrong landmarks costs than their own flights: what it takes to agree.
+double StrainOf(const Flight& flight, std::span<const FlightLandmark> landmarks,
+                std::span<const LandmarkSighting> sightings, std::span<const std::optional<std::size_t>> landmark_of,
+                const std::vector<bool>& wrong, const std::map<std::size_t, double>& alone) {
+  std::vector<std::optional<std::size_t>> kept(landmark_of.begin(), landmark_of.end());
+  std::map<std::size_t, std::size_t> used_as;
+  std::vector<FlightLandmark> used;
+  std::vector<FlightTie> ties;
+  double strain = 0;
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
+    if (kept[i] && wrong[*kept[i]]) kept[i].reset();
+    if (!kept[i]) continue;
+    const auto [at, is_new] = used_as.emplace(*kept[i], used.size());
+    if (is_new) {
+      used.push_back(landmarks[*kept[i]]);
+      strain -= alone.at(*kept[i]);
+    }
+    ties.push_back({sightings[i].frame, at->second, sightings[i].camera_from_landmark, sightings[i].information});
+  }
+  const auto smoothed = SmoothFlight(flight, used, ties, StartOf(flight, landmarks, sightings, kept));
+  return smoothed ? strain + smoothed->cost : std::numeric_limits<double>::infinity();
+}
+
 }  // namespace
 
 std::vector<bool> FindContradictions(const Flight& flight, std::span<const FlightLandmark> landmarks,
@@ -105,8 +131,10 @@ std::vector<bool> FindContradictions(const Flight& flight, std::span<const Fligh
     if (landmark_of[i]) seen[*landmark_of[i]].push_back(i);
   }
   Verdicts verdicts;
+  std::map<std::size_t, double> alone;  // what each landmark's own flight costs
   for (const auto& [one, own] : seen) {
     const Witness witness(flight, landmarks[one], sightings, own);
+    alone[one] = witness.cost();
     for (const auto& [other, others] : seen) {
       if (other == one) continue;
       // Each asks the other: who knows more decides, and a contradiction outweighs an agreement.
@@ -117,19 +145,33 @@ std::vector<bool> FindContradictions(const Flight& flight, std::span<const Fligh
   }
   std::vector<bool> wrong(landmarks.size(), false);
   while (true) {
-    // Contradictions less agreements; of equals the one that is seen least.
-    std::map<std::size_t, std::pair<int, int>> balance;
-    bool contradicted = false;
+    std::map<std::size_t, int> balance;  // contradictions less agreements
+    std::vector<std::size_t> contradicted;
     for (const auto& [pair, verdict] : verdicts) {
       if (wrong[pair.first] || wrong[pair.second]) continue;
-      balance[pair.first].first -= verdict;
-      balance[pair.second].first -= verdict;
-      contradicted = contradicted || verdict < 0;
+      balance[pair.first] -= verdict;
+      balance[pair.second] -= verdict;
+      if (verdict < 0) contradicted.insert(contradicted.end(), {pair.first, pair.second});
     }
-    if (!contradicted) return wrong;
-    for (auto& [landmark, of_it] : balance) of_it.second = -static_cast<int>(seen[landmark].size());
-    const auto worst = std::ranges::max_element(balance, {}, [](const auto& entry) { return entry.second; });
-    wrong[worst->first] = true;
+    if (contradicted.empty()) return wrong;
+    int most = std::numeric_limits<int>::min();
+    for (const std::size_t landmark : contradicted) most = std::max(most, balance[landmark]);
+    std::ranges::sort(contradicted);
+    contradicted.erase(std::unique(contradicted.begin(), contradicted.end()), contradicted.end());
+    std::erase_if(contradicted, [&](std::size_t landmark) { return balance[landmark] < most; });
+    std::size_t worst = contradicted.front();
+    if (contradicted.size() > 1) {
+      double least = std::numeric_limits<double>::infinity();
+      for (const std::size_t landmark : contradicted) {
+        std::vector<bool> without = wrong;
+        without[landmark] = true;
+        const double strain = StrainOf(flight, landmarks, sightings, landmark_of, without, alone);
+        if (strain >= least) continue;
+        least = strain;
+        worst = landmark;
+      }
+    }
+    wrong[worst] = true;
   }
 }
 

@@ -3,7 +3,8 @@
 //
 // The flight is estimated from the sightings of each landmark alone. Wherever that is sure enough, it tells how the
 // others should have been seen. Of landmarks that contradict each other, the one that contradicts most others, and
-// agrees with fewest, is taken to be wrong, until no two contradict each other.
+// agrees with fewest, is taken to be wrong, until no two contradict each other. Of several alike it is the one without
+// which all others make the smoothest flight.
 #pragma once
 
 #include <cstddef>

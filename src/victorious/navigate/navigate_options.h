@@ -30,7 +30,7 @@ struct MotionOptions {
 /// What errs alike in all sightings of a landmark.
 struct LandmarkErrorOptions {
   double middle_m = 0.1;
-  double turn_deg = 0.5;
+  double turn_deg = 1;
   double correlation_s = 0.5;
 
   void ListFields(FieldList& fields);

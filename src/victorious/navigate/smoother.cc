@@ -336,10 +336,10 @@ std::optional<SmoothedFlight> SmoothFlight(const Flight& flight, std::span<const
     damping = std::max(1e-9, damping / 100);
   }
   BorderedSystem system = smoother.EmptySystem();
-  smoother.Weigh(estimate, &system);
+  const double cost = smoother.Weigh(estimate, &system);
   auto covariances = system.Invert();
   if (!covariances) return std::nullopt;
-  return SmoothedFlight{std::move(estimate.states), std::move(estimate.landmarks), *std::move(covariances)};
+  return SmoothedFlight{std::move(estimate.states), std::move(estimate.landmarks), *std::move(covariances), cost};
 }
 
 }  // namespace victorious

@@ -87,6 +87,7 @@ struct SmoothedFlight {
   std::vector<FlightState> states;  ///< one a frame
   std::vector<Rigid3> landmarks;    ///< enu_from_landmark, corrected
   BorderedSystem::Covariances covariances;
+  double cost = 0;  ///< minus the logarithm of its likelihood
 };
 
 /// @param start      one a frame: near enough for an iteration

@@ -71,7 +71,8 @@ Expected<Eigen::Matrix3d> CovarianceAt(const InputJson& json) {
   }
   const double size = covariance.cwiseAbs().maxCoeff();
   constexpr double kRounding = 1e-3;
-  if (!covariance.allFinite() || (covariance - covariance.transpose()).cwiseAbs().maxCoeff() > kRounding * size) {
+  constexpr double kMostM2 = 1e12;
+  if (!(size <= kMostM2) || (covariance - covariance.transpose()).cwiseAbs().maxCoeff() > kRounding * size) {
     return refuse();
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance);
@@ -101,7 +102,7 @@ Expected<Landmark> ParseLandmark(std::string_view line, const LandmarkListOption
   landmark.sigma_heading_rad = RadiansFromDegrees(sigma_deg.value_or(options.heading_deg));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto speed_m_s, NumberAt(json, "speed_m_s", 0, 1e4));
   if (speed_m_s.value_or(0) > options.most_speed_m_s) {
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("a {} that moves is no landmark", landmark.model));
+    return Fail(ErrorCode::kInvalidArgument, "what moves is no landmark");
   }
   return landmark;
 }
