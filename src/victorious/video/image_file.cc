@@ -137,9 +137,8 @@ Expected<std::vector<std::byte>> Encode(const cv::Mat& bgr, const char* ending, 
 
 }  // namespace
 
-Expected<std::vector<std::byte>> EncodeJpeg(const cv::Mat& bgr) {
-  constexpr int kQuality = 80;
-  return Encode(bgr, ".jpg", {cv::IMWRITE_JPEG_QUALITY, kQuality});
+Expected<std::vector<std::byte>> EncodeJpeg(const cv::Mat& bgr, int quality) {
+  return Encode(bgr, ".jpg", {cv::IMWRITE_JPEG_QUALITY, quality});
 }
 
 Expected<std::vector<std::byte>> EncodePng(const cv::Mat& bgr) { return Encode(bgr, ".png", {}); }

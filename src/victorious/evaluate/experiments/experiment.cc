@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "victorious/evaluate/experiments/category_experiments.h"
+#include "victorious/evaluate/experiments/match_experiments.h"
 
 namespace victorious {
 
@@ -16,8 +17,14 @@ Status ExperimentSettings::CheckCancelled() const {
   return {};
 }
 
+const CancelToken& ExperimentSettings::Cancel() const {
+  static const CancelToken never;
+  return cancel != nullptr ? *cancel : never;
+}
+
 std::span<const Experiment> Experiments() {
   static constexpr std::array kExperiments = {
+      Experiment{"table3.2", "What each stage of the cascade leaves of a template's matches", &RunTable32},
       Experiment{"figure3.1", "A picture and its shuffled tiles: words cannot tell, phrases can", &RunFigure31},
       Experiment{"figure3.19", "Patches that became one visual word", &RunFigure319},
       Experiment{"table3.6", "Area under ROC and time over the number of words in phrases", &RunTable36},
