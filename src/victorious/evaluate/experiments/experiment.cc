@@ -24,8 +24,22 @@ const CancelToken& ExperimentSettings::Cancel() const {
 
 std::span<const Experiment> Experiments() {
   static constexpr std::array kExperiments = {
-      Experiment{"table3.2", "What each stage of the cascade leaves of a template's matches", &RunTable32},
       Experiment{"figure3.1", "A picture and its shuffled tiles: words cannot tell, phrases can", &RunFigure31},
+      Experiment{"table3.2", "What each stage of the cascade leaves of a template's matches", &RunTable32},
+      Experiment{"figure3.10", "The same matches, drawn stage by stage", &RunFigure310},
+      Experiment{"table3.3", "True and false matches at six ratios, stage by stage", &RunTable33},
+      Experiment{"figure3.11", "The same matches, drawn", &RunFigure311},
+      Experiment{"figure3.12", "ROC of the cascade's stages over ratios", &RunFigure312},
+      Experiment{"table3.4", "A second object: matches before and after the cascade", &RunTable34},
+      Experiment{"figure3.13", "Its matches, drawn stage by stage with MLESAC", &RunFigure313},
+      Experiment{"table3.5", "Time of matching, each stage and MLESAC", &RunTable35},
+      Experiment{"figure3.14", "Which of all views has the most matches, as a heat map", &RunFigure314},
+      Experiment{"figure3.15", "The same as bars in space", &RunFigure315},
+      Experiment{"figure3.16", "Objects found under adverse conditions, with their templates", &RunFigure316},
+      Experiment{"chapter3.filters", "The cascade beside other filters and settings, over every scene",
+                 &RunChapter3Filters},
+      Experiment{"chapter3.sweeps", "Filters under noise, blur, compression, occlusion, scale, light and viewpoint",
+                 &RunChapter3Sweeps},
       Experiment{"figure3.19", "Patches that became one visual word", &RunFigure319},
       Experiment{"table3.6", "Area under ROC and time over the number of words in phrases", &RunTable36},
       Experiment{"figure3.20", "ROC of airplanes: words and phrases", &RunFigure320},

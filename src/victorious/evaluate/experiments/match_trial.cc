@@ -32,21 +32,22 @@ MatchSetup ThesisSetup() {
   return {.name = "thesis", .features = index.features, .cad = cad, .recognize = index.recognize};
 }
 
-Expected<ObjectModel> ModelShelf::Get(const std::filesystem::path& cad_file) const {
-  const std::string kind = cad_file.stem().string();
-  const std::string name = kind + "-" + setup_.name;
-  const ModelLibrary library(settings_.out / "models");
+Expected<std::shared_ptr<const ObjectModel>> ModelShelf::Get(const std::filesystem::path& cad_file,
+                                                             const std::string& folder) const {
+  const std::string name = cad_file.stem().string() + "-" + setup_.name;
+  const ModelLibrary library(settings_.out / folder);
   if (Expected<ObjectModel> kept = library.Load(name)) {
-    if (kept->options_json == OptionsToJsonText(setup_.cad) && kept->program_version == kVersion) return kept;
+    if (kept->options_json == OptionsToJsonText(setup_.cad) && kept->program_version == kVersion)
+      return std::make_shared<const ObjectModel>(*std::move(kept));
     VICTORIOUS_RETURN_IF_ERROR(library.Remove(name));
   }
   VICTORIOUS_RETURN_IF_ERROR(settings_.CheckCancelled());
   settings_.progress(fmt::format("making the model {}", name));
   VICTORIOUS_ASSIGN_OR_RETURN(const LoadedMesh loaded, LoadMesh(cad_file));
-  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel made,
+  VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel made,
                               MakeCadModel(name, loaded.mesh, cad_file.filename().string(), setup_.cad));
   VICTORIOUS_RETURN_IF_ERROR(library.Add(made));
-  return library.Load(name);
+  return std::make_shared<const ObjectModel>(std::move(made));
 }
 
 std::size_t NearestView(const ObjectModel& model, const ViewDirection& direction) {
@@ -115,11 +116,11 @@ Expected<MatchTrial> RunningExample(const ExperimentSettings& settings, const Ma
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: must have a {} in view", scene.name, kind));
   const ViewDirection view = object->view;
   VICTORIOUS_ASSIGN_OR_RETURN(auto features, FeaturesOf(scene, setup.features));
-  VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel model,
+  VICTORIOUS_ASSIGN_OR_RETURN(auto model,
                               ModelShelf(settings, setup).Get(town.scene().assets / "models" / (kind + ".glb")));
-  const std::size_t nearest = NearestView(model, view);
-  return MakeTrial(std::make_shared<const KnownScene>(std::move(scene)), std::move(features),
-                   std::make_shared<const ObjectModel>(std::move(model)), nearest);
+  const std::size_t nearest = NearestView(*model, view);
+  return MakeTrial(std::make_shared<const KnownScene>(std::move(scene)), std::move(features), std::move(model),
+                   nearest);
 }
 
 }  // namespace victorious

@@ -31,7 +31,7 @@ MatchSetup ThesisSetup();
 /// The program's defaults, by the grammar.
 MatchSetup OurSetup();
 
-/// CAD models made once a setup and kept in the folder `models` of where experiments write.
+/// CAD models made once a setup and kept in a folder of where experiments write.
 class ModelShelf {
  public:
   ModelShelf(const ExperimentSettings& settings, MatchSetup setup) : settings_(settings), setup_(std::move(setup)) {}
@@ -39,7 +39,9 @@ class ModelShelf {
   [[nodiscard]] const MatchSetup& setup() const { return setup_; }
 
   /// @param cad_file  its name without the ending is the model's kind
-  Expected<ObjectModel> Get(const std::filesystem::path& cad_file) const;
+  /// @param folder    of settings.out, for the CAD files of one origin
+  Expected<std::shared_ptr<const ObjectModel>> Get(const std::filesystem::path& cad_file,
+                                                   const std::string& folder = "models") const;
 
  private:
   const ExperimentSettings& settings_;

@@ -58,9 +58,11 @@ Expected<Report> RunTable32(const ExperimentSettings& settings) {
     report.rows.push_back(std::move(row));
   }
   report.notes = {
-      fmt::format("Ours: {}; a match is true if its scene keypoint lies within {:g} px, or its own scale, of where the "
-                  "true pose puts the template keypoint's place on the object.",
-                  ours.name, MatchTruth::kLeastTolerancePx),
+      fmt::format(
+          "Ours: {}; a match is true if its scene keypoint lies within {:g} px, or its own scale, of where the "
+          "true pose puts the template keypoint's place on the object, and false beyond {:g} px; the few between "
+          "are neither.",
+          ours.name, MatchTruth::kLeastTolerancePx, MatchTruth::kNearPx),
       "The thesis's setting is `--params thesis`: Lowe's keypoints, no noise taken out, table 3.1."};
   report.plot = {.title = "Matches left after each stage",
                  .x = {.label = "stages of the cascade, then MLESAC"},

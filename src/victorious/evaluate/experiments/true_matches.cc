@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace victorious {
 namespace {
@@ -38,17 +39,22 @@ MatchTruth::MatchTruth(const KnownScene& scene, std::string_view kind, std::span
   }
 }
 
-bool MatchTruth::IsRight(const Keypoint& scene, std::uint32_t model) const {
-  const double tolerance_px = std::max(kLeastTolerancePx, kToleranceScales * scene.scale_px);
+Truth MatchTruth::Of(const Keypoint& scene, std::uint32_t model) const {
+  double distance_px = std::numeric_limits<double>::infinity();
   for (std::size_t i = model; i < places_.size(); i += points_) {
-    if (places_[i] && (*places_[i] - Eigen::Vector2d(scene.x, scene.y)).norm() <= tolerance_px) return true;
+    if (places_[i]) distance_px = std::min(distance_px, (*places_[i] - Eigen::Vector2d(scene.x, scene.y)).norm());
   }
-  return false;
+  if (distance_px <= std::max(kLeastTolerancePx, kToleranceScales * scene.scale_px)) return Truth::kRight;
+  return distance_px <= kNearPx ? Truth::kNear : Truth::kWrong;
 }
 
 MatchCount MatchTruth::Count(std::span<const Keypoint> scene, const MatchSet& matches) const {
   MatchCount count{.matches = static_cast<int>(matches.size())};
-  for (const Match& match : matches) count.right += IsRight(scene[match.scene], match.model) ? 1 : 0;
+  for (const Match& match : matches) {
+    const Truth truth = Of(scene[match.scene], match.model);
+    count.right += truth == Truth::kRight ? 1 : 0;
+    count.near += truth == Truth::kNear ? 1 : 0;
+  }
   return count;
 }
 

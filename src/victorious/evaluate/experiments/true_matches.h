@@ -1,6 +1,7 @@
 // Which matches are right, by geometry alone. A template keypoint's place on the object, as the rendering's depth gives
 // it, goes through the true pose of an object of that kind into the picture; a match is true if its scene keypoint lies
-// there and that place is not hidden. What a match's neighbours are, or any map fitted to matches, has no say.
+// there and that place is not hidden. Within a few more pixels it is neither: the same edge, not the same point. What a
+// match's neighbours are, or any map fitted to matches, has no say.
 #pragma once
 
 #include <optional>
@@ -16,15 +17,19 @@
 
 namespace victorious {
 
-/// How many matches there are, and how many of them are right.
+enum class Truth { kRight, kNear, kWrong };
+
+/// How many matches there are, and how many of them are right, or nearly.
 struct MatchCount {
   int matches = 0;
   int right = 0;
+  int near = 0;
 
-  [[nodiscard]] int Wrong() const { return matches - right; }
+  [[nodiscard]] int Wrong() const { return matches - right - near; }
   MatchCount& operator+=(const MatchCount& other) {
     matches += other.matches;
     right += other.right;
+    near += other.near;
     return *this;
   }
 };
@@ -35,12 +40,13 @@ class MatchTruth {
   /// How far from its place a true match may lie: keypoints of larger scale are placed less exactly.
   static constexpr double kLeastTolerancePx = 3;
   static constexpr double kToleranceScales = 1;
+  static constexpr double kNearPx = 10;  ///< beyond it, and its tolerance, a match is wrong
 
   /// @param kind    of the objects that the template shows
   /// @param points  the template keypoints' places on the object, metres
   MatchTruth(const KnownScene& scene, std::string_view kind, std::span<const Point3> points);
 
-  [[nodiscard]] bool IsRight(const Keypoint& scene, std::uint32_t model) const;
+  [[nodiscard]] Truth Of(const Keypoint& scene, std::uint32_t model) const;
   [[nodiscard]] MatchCount Count(std::span<const Keypoint> scene, const MatchSet& matches) const;
 
  private:
