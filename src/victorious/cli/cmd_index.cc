@@ -71,7 +71,7 @@ Action SetUpIndex(CLI::App& app) {
                  "Where the camera was (unless given: the video's own KLV, .SRT or .telemetry.csv beside it)")
       ->type_name("FILE");
   app.add_option("--params", arguments->params,
-                 "Parameters: JSON (`victorious params` lists them), or the name of a preset: thesis")
+                 "Parameters: JSON (`victorious params` lists them), or a preset: thesis, learnt")
       ->type_name("FILE");
   app.add_option("--every", arguments->every,
                  "Search every N-th frame as a whole; between them, only where objects are followed")

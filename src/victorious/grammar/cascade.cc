@@ -77,6 +77,10 @@ void CascadeOptions::ListFields(FieldList& fields) {
               .max = 3,
               .reason = "in so many of the last stages only voters that match distinct template keypoints count "
                         "(section 3.3.4: the third alone)"});
+  fields.Add(
+      "all_measures", all_measures,
+      {.reason = "each stage asks for agreement in all four measures of a pair, not in its own two: chance agrees "
+                 "so rarely that a lower first_approval will do, and a pair costs more"});
   fields.AddGroup("neighbours", neighbours);
 }
 
@@ -235,6 +239,19 @@ class AnglesAgree {
   double line_;
 };
 
+class AllAgree {
+ public:
+  explicit AllAgree(const CascadeOptions& options) : scales_(options), angles_(options) {}
+
+  bool operator()(const Node& i, const Node& j, double dx, double dy) const {
+    return scales_(i, j, dx, dy) && angles_(i, j, dx, dy);
+  }
+
+ private:
+  ScalesAgree scales_;
+  AnglesAgree angles_;
+};
+
 struct Tally {
   std::uint32_t votes = 0;
   std::uint32_t possible = 0;
@@ -333,15 +350,19 @@ CascadeResult FilterByGrammar(std::span<const Keypoint> scene, std::span<const K
   }
   const auto runs = [&](const char* stage) { return options.filter == "cascade" || options.filter == stage; };
   std::vector<Node> nodes = MakeNodes(scene, model, matches, options);
+  const auto stage = [&](const char* name, double approval, bool distinct, const auto& agree) {
+    if (runs(name) && options.all_measures) {
+      Stage(nodes, options, approval, distinct, AllAgree(options));
+    } else if (runs(name)) {
+      Stage(nodes, options, approval, distinct, agree);
+    }
+    return MatchesOf(nodes, matches);
+  };
   const ScalesAgree scales_agree(options);
   CascadeResult result;
-  if (runs("first")) Stage(nodes, options, options.first_approval, options.distinct_stages >= 3, scales_agree);
-  result.first = MatchesOf(nodes, matches);
-  if (runs("second"))
-    Stage(nodes, options, options.second_approval, options.distinct_stages >= 2, AnglesAgree(options));
-  result.second = MatchesOf(nodes, matches);
-  if (runs("third")) Stage(nodes, options, options.third_approval, options.distinct_stages >= 1, scales_agree);
-  result.third = MatchesOf(nodes, matches);
+  result.first = stage("first", options.first_approval, options.distinct_stages >= 3, scales_agree);
+  result.second = stage("second", options.second_approval, options.distinct_stages >= 2, AnglesAgree(options));
+  result.third = stage("third", options.third_approval, options.distinct_stages >= 1, scales_agree);
   return result;
 }
 

@@ -32,6 +32,7 @@ struct CascadeOptions {
   double third_approval = 0.6;              ///< RE_DIST_APPROVE_THRESHOLD
   int least_votes = 2;                      ///< section 3.3.3
   int distinct_stages = 1;                  ///< section 3.3.4
+  bool all_measures = false;
   NeighbourVotingOptions neighbours;
 
   void ListFields(FieldList& fields);

@@ -83,9 +83,13 @@ CascadeResult FilterByGrammarRef(std::span<const Keypoint> scene, std::span<cons
     return OrientationDistortion(s, m) < options.orientation_distortion_rad &&
            MeanOrientationDistortion(s, m) < options.line_distortion_rad;
   };
+  const Agree all_agree = [&](const PairMeasures& s, const PairMeasures& m) {
+    return scales_agree(s, m) && angles_agree(s, m);
+  };
   const auto runs = [&](const char* stage) { return options.filter == "cascade" || options.filter == stage; };
   const auto stage = [&](const char* name, const MatchSet& in, double approval, bool distinct, const Agree& agree) {
-    return runs(name) ? Stage(scene, model, in, options, approval, distinct, agree) : in;
+    return runs(name) ? Stage(scene, model, in, options, approval, distinct, options.all_measures ? all_agree : agree)
+                      : in;
   };
   CascadeResult result;
   result.first = stage("first", matches, options.first_approval, options.distinct_stages >= 3, scales_agree);

@@ -75,6 +75,7 @@ TEST(Cascade, AgreesWithTheDefinition) {
     constexpr std::array kFilters = {"cascade", "cascade", "first", "second", "third", "none"};
     options.filter = kFilters[random.Below(kFilters.size())];
     options.distinct_stages = static_cast<int>(random.Below(4));
+    options.all_measures = random.Below(2) == 1;
     options.least_votes = static_cast<int>(random.Below(4));
     EXPECT_TRUE(Equal(FilterByGrammar(world.scene, world.model, world.matches, options),
                       FilterByGrammarRef(world.scene, world.model, world.matches, options)))

@@ -10,7 +10,7 @@
 namespace victorious {
 namespace {
 
-constexpr std::array<std::string_view, 1> kNames = {"thesis"};
+constexpr std::array<std::string_view, 2> kNames = {"thesis", "learnt"};
 
 // By the fields' full names, of whichever list has them.
 constexpr std::string_view kThesis = R"({
@@ -40,6 +40,17 @@ constexpr std::string_view kThesis = R"({
   "category.vocabulary.root": false
 })";
 
+constexpr std::string_view kLearnt = R"({
+  "method": "grammar",
+  "cascade.scale_distortion": 1.7,
+  "cascade.distance_distortion": 1.35,
+  "cascade.orientation_distortion_rad": 0.55,
+  "cascade.line_distortion_rad": 0.3,
+  "cascade.first_approval": 0.15,
+  "cascade.second_approval": 0.2,
+  "cascade.third_approval": 0.6
+})";
+
 }  // namespace
 
 std::span<const std::string_view> PresetNames() { return kNames; }
@@ -52,7 +63,7 @@ Status ApplyPreset(std::string_view name, const std::vector<FieldRef>& fields) {
                 fmt::format("{}: no such preset; there are {}", name, fmt::join(kNames, ", ")));
   }
   nlohmann::json known = nlohmann::json::object();
-  const nlohmann::json preset = nlohmann::json::parse(kThesis);
+  const nlohmann::json preset = nlohmann::json::parse(name == "thesis" ? kThesis : kLearnt);
   for (const auto& [field, value] : preset.items()) {
     if (std::ranges::find(fields, field, &FieldRef::name) != fields.end()) known[field] = value;
   }

@@ -22,6 +22,14 @@ TEST(Preset, ThesisSetsWhatTheThesisSaysInEachList) {
   EXPECT_EQ(cad.least_mask_share, 0);
 }
 
+TEST(Preset, LearntSetsTheCascadeAlone) {
+  IndexOptions index;
+  ASSERT_TRUE(ApplyPreset("learnt", FieldsOf(index)).has_value());
+  EXPECT_EQ(index.recognize.cascade.line_distortion_rad, 0.3);
+  EXPECT_EQ(index.recognize.match.ratio, IndexOptions().recognize.match.ratio);
+  EXPECT_EQ(index.features.contrast_threshold, IndexOptions().features.contrast_threshold);
+}
+
 TEST(Preset, LeavesTheRestAsItIs) {
   IndexOptions index;
   index.recognize.pose.seed = 17;
@@ -31,7 +39,8 @@ TEST(Preset, LeavesTheRestAsItIs) {
 
 TEST(Preset, UnknownNamesAndListsWithoutItsFieldsAreRefused) {
   IndexOptions index;
-  EXPECT_EQ(ApplyPreset("nonsense", FieldsOf(index)).error().message, "nonsense: no such preset; there are thesis");
+  EXPECT_EQ(ApplyPreset("nonsense", FieldsOf(index)).error().message,
+            "nonsense: no such preset; there are thesis, learnt");
   RunOptions runs;
   EXPECT_EQ(ApplyPreset("thesis", FieldsOf(runs)).error().code, ErrorCode::kInvalidArgument);
 }

@@ -43,6 +43,7 @@ Expected<ViewCounts> CountViews(const ExperimentSettings& settings, const MatchS
 }
 
 double DegreesBetween(const ObjectModel& model, std::size_t a, std::size_t b) {
+  if (a == b) return 0;
   const auto direction = [&](std::size_t view) {
     const ViewAngles& angles = *model.views[view].angles;
     return DirectionToCamera({angles.azimuth_rad, angles.off_nadir_rad});

@@ -92,17 +92,20 @@ CascadeOptions LearnThresholds(const std::vector<const MatchTrial*>& trials, con
   learnt.line_distortion_rad = Quantile(distortions.line, kQuantile, start.line_distortion_rad);
   CascadeOptions best = learnt;
   double least = std::numeric_limits<double>::infinity();
-  for (const double first : {0.05, 0.1, 0.15, 0.2, 0.3}) {
-    for (const double second : {0.2, 0.3, 0.4, 0.5}) {
-      for (const double third : {0.4, 0.5, 0.6, 0.7, 0.8}) {
-        CascadeOptions options = learnt;
-        options.first_approval = first;
-        options.second_approval = second;
-        options.third_approval = third;
-        const double loss = Loss(ready, options);
-        if (!(loss < least)) continue;
-        least = loss;
-        best = options;
+  for (const int votes : {2, 3}) {
+    for (const double first : {0.1, 0.15, 0.2}) {
+      for (const double second : {0.2, 0.3, 0.4}) {
+        for (const double third : {0.5, 0.6, 0.7}) {
+          CascadeOptions options = learnt;
+          options.least_votes = votes;
+          options.first_approval = first;
+          options.second_approval = second;
+          options.third_approval = third;
+          const double loss = Loss(ready, options);
+          if (!(loss < least)) continue;
+          least = loss;
+          best = options;
+        }
       }
     }
   }

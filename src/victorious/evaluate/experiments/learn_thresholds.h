@@ -8,8 +8,9 @@
 
 namespace victorious {
 
-/// Distortions: what 98 % of pairs of true matches within R stay below. Approvals: of a grid, those that lose fewest
-/// true matches at ratios of 0.8 and 0.95 together, where one false match left costs as much as two true ones lost.
+/// Distortions: what 98 % of pairs of true matches within R stay below. Approvals and votes: of a grid, those that lose
+/// fewest true matches at ratios of 0.8 and 0.95 together, where one false match left costs as much as two true ones
+/// lost.
 /// @param start  for all that is not learnt
 CascadeOptions LearnThresholds(const std::vector<const MatchTrial*>& trials, const CascadeOptions& start);
 
