@@ -56,7 +56,7 @@ Expected<Report> RunFigure310(const ExperimentSettings& settings) {
 
 Expected<Report> RunFigure311(const ExperimentSettings& settings) {
   constexpr std::array kRatios = {0.6, 0.7, 0.8, 0.85, 0.9, 0.95};
-  VICTORIOUS_ASSIGN_OR_RETURN(Drawn drawn, DrawStages(settings, "jeep", kRatios, 4, 0.2));
+  VICTORIOUS_ASSIGN_OR_RETURN(Drawn drawn, DrawStages(settings, "jeep", kRatios, 4, 0.25));
   VICTORIOUS_RETURN_IF_ERROR(WriteImage(settings.out / "figure3.11.png", Montage(drawn.pictures, 4)));
   drawn.report.title = "Matches at ratios from 0.6 to 0.95 downwards, more stages across";
   return drawn.report;
@@ -64,7 +64,7 @@ Expected<Report> RunFigure311(const ExperimentSettings& settings) {
 
 Expected<Report> RunFigure313(const ExperimentSettings& settings) {
   constexpr std::array kRatios = {0.8, 0.85, 0.9, 0.95};
-  VICTORIOUS_ASSIGN_OR_RETURN(Drawn drawn, DrawStages(settings, "jet", kRatios, 5, 0.18));
+  VICTORIOUS_ASSIGN_OR_RETURN(Drawn drawn, DrawStages(settings, "jet", kRatios, 5, 0.22));
   VICTORIOUS_RETURN_IF_ERROR(WriteImage(settings.out / "figure3.13.png", Montage(drawn.pictures, 5)));
   drawn.report.title = "The second object at ratios from 0.8 to 0.95 downwards, more stages and MLESAC across";
   return drawn.report;

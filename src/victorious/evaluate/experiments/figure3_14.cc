@@ -97,10 +97,10 @@ cv::Mat HeatMap(const ViewCounts& counts, std::size_t stage) {
 
 // Bars on the grid of views, seen from above at a slant, the farthest drawn first.
 cv::Mat Bars(const ViewCounts& counts, std::size_t stage) {
-  constexpr double kStepX = 9;
-  constexpr double kStepY = 10;
+  constexpr double kStepX = 7;
+  constexpr double kStepY = 8;
   constexpr double kSlant = 4;
-  constexpr double kHighest = 150;
+  constexpr double kHighest = 110;
   constexpr int kTop = 40;
   const cv::Mat grid = GridOf(counts, stage);
   double most = 1;
@@ -118,7 +118,7 @@ cv::Mat Bars(const ViewCounts& counts, std::size_t stage) {
       const cv::Vec3b bgr = colour.at<cv::Vec3b>(0);
       const cv::Rect bar(cv::Point2d(x, foot - share * kHighest - 2), cv::Point2d(x + kStepX - 2, foot));
       cv::rectangle(picture, bar, cv::Scalar(bgr[0], bgr[1], bgr[2]), cv::FILLED);
-      cv::rectangle(picture, bar, cv::Scalar::all(170));
+      cv::rectangle(picture, bar, cv::Scalar::all(200));
     }
   }
   Caption(picture, fmt::format("{}: at most {:.0f} matches", StageMatches::kNames[stage], most));

@@ -72,8 +72,8 @@ void Judge(const KnownScene& scene, const std::vector<Detection>& detections, co
 
 // The whole picture, the part with the box, and the template, one below the other.
 Expected<cv::Mat> Column(const Shown& shown) {
-  constexpr int kSide = 200;
-  constexpr int kWhole = 150;
+  constexpr int kSide = 176;
+  constexpr int kWhole = 132;
   cv::Mat grey;
   cv::cvtColor(GreyFromBgr(shown.scene->bgr), grey, cv::COLOR_GRAY2BGR);
   const cv::Scalar colour = shown.right ? cv::Scalar(60, 220, 60) : cv::Scalar(40, 40, 255);
@@ -94,6 +94,7 @@ Expected<cv::Mat> Column(const Shown& shown) {
   cv::Mat column;
   cv::vconcat(std::vector<cv::Mat>{whole, part, object}, column);
   constexpr double kStep = 24;  // few grey levels: a small file
+  cv::medianBlur(column, column, 3);
   column.convertTo(column, CV_8U, 1 / kStep);
   column.convertTo(column, CV_8U, kStep);
   cv::putText(column, shown.caption, {3, 12}, cv::FONT_HERSHEY_SIMPLEX, 0.33, cv::Scalar::all(255), 1);
