@@ -16,6 +16,7 @@
 #include "victorious/base/file.h"
 #include "victorious/base/json.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/pipeline/preset.h"
 
 namespace victorious::cli {
 
@@ -112,6 +113,7 @@ CLI::Validator TimeOfVideo() {
 
 Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields) {
   if (path.empty()) return {};
+  if (IsPreset(path)) return ApplyPreset(path, fields);
   constexpr std::size_t kMostBytes = 1 << 20;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMostBytes));
   const auto json = ParseJson(text);

@@ -29,7 +29,8 @@ CLI::Validator TimeOfVideo();
 /// "latitude,longitude,metres", degrees.
 Expected<Surroundings> ParseSurroundings(std::string_view text);
 
-/// Reads `--params FILE` (JSON) into the fields; an empty path changes nothing.
+/// Reads `--params FILE` (JSON) into the fields, or a preset by its name (pipeline/preset.h; a file of that name is
+/// ./NAME); an empty path changes nothing.
 Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields);
 
 /// Writes to stdout (`path` empty or "-"), or to a file, whole or not at all.

@@ -16,6 +16,7 @@ struct Arguments {
   std::string name;
   std::string out;
   std::string data;
+  std::string scenes = "scenes";
   int seeds = 20;
 };
 
@@ -27,6 +28,7 @@ std::string DefaultData() {
 Status Run(const Arguments& arguments) {
   const ExperimentSettings settings{
       .data = arguments.data.empty() ? DefaultData() : arguments.data,
+      .scenes = arguments.scenes,
       .out = arguments.out,
       .seeds = arguments.seeds,
       .cancel = &Interrupt(),
@@ -51,6 +53,9 @@ Action SetUpExperiment(CLI::App& app) {
       ->required()
       ->type_name("DIR");
   app.add_option("--data", arguments->data, "The folder of outside data (default $VICTORIOUS_DATA, or ../shared/data)")
+      ->type_name("DIR");
+  app.add_option("--scenes", arguments->scenes,
+                 "The folder of scene files, for those that draw pictures (default scenes)")
       ->type_name("DIR");
   app.add_option("--seeds", arguments->seeds, "Random splits to average over (default 20)")
       ->check(CLI::Range(1, 10000))

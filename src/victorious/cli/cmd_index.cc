@@ -78,7 +78,9 @@ Action SetUpIndex(CLI::App& app) {
   app.add_option("--telemetry", arguments->telemetry,
                  "Where the camera was (unless given: the video's own KLV, .SRT or .telemetry.csv beside it)")
       ->type_name("FILE");
-  app.add_option("--params", arguments->params, "Parameters, JSON (`victorious params` lists them)")->type_name("FILE");
+  app.add_option("--params", arguments->params,
+                 "Parameters: JSON (`victorious params` lists them), or a preset: thesis, learnt")
+      ->type_name("FILE");
   app.add_option("--every", arguments->every,
                  "Search every N-th frame as a whole; between them, only where objects are followed")
       ->type_name("N");

@@ -12,6 +12,14 @@
 namespace victorious {
 
 void CascadeOptions::ListFields(FieldList& fields) {
+  fields.Add("filter", filter,
+             {.choices = {"cascade", "first", "second", "third", "neighbours", "none"},
+              .reason = "what drops matches before poses are sought: the cascade of three stages; one of its stages "
+                        "alone; voting by nearest neighbours as in Video Google; nothing"});
+  fields.Add("radius", radius,
+             {.choices = {"fixed", "scale"},
+              .reason = "where R comes from: radius_px; or from each match's scale change and the template's radius, "
+                        "which asks for no guess of the object's size in the scene"});
   fields.Add(
       "radius_px", radius_px,
       {.min = 1,
@@ -19,6 +27,8 @@ void CascadeOptions::ListFields(FieldList& fields) {
        .unit = "px",
        .reason =
            "R: matches within this distance in the scene vote for each other; about the object's radius (table 3.1)"});
+  fields.Add("radius_share", radius_share,
+             {.min = 0.01, .max = 100, .reason = "with radius = scale: R as a share of the template's radius as seen"});
   fields.Add(
       "scale_distortion", scale_distortion,
       {.min = 1,
@@ -62,8 +72,16 @@ void CascadeOptions::ListFields(FieldList& fields) {
   fields.Add(
       "least_votes", least_votes,
       {.min = 0, .max = 1000, .reason = "votes a match needs in every stage (section 3.3.3: one alone is unreliable)"});
-  fields.Add("distinct_support", distinct_support,
-             {.reason = "in the third stage only voters that match distinct template keypoints count (section 3.3.4)"});
+  fields.Add("distinct_stages", distinct_stages,
+             {.min = 0,
+              .max = 3,
+              .reason = "in so many of the last stages only voters that match distinct template keypoints count "
+                        "(section 3.3.4: the third alone)"});
+  fields.Add(
+      "all_measures", all_measures,
+      {.reason = "each stage asks for agreement in all four measures of a pair, not in its own two: chance agrees "
+                 "so rarely that a lower first_approval will do, and a pair costs more"});
+  fields.AddGroup("neighbours", neighbours);
 }
 
 namespace {
@@ -75,18 +93,37 @@ struct Node {
   double scale, model_scale;  // px
   double log_scale_change;    // ln(scene scale / template scale)
   double turn_rad;            // scene orientation - template orientation
+  double radius2;             // R squared, px^2
   std::uint32_t model;        // template keypoint
   std::uint32_t match;        // position in the caller's matches
 };
 
-std::vector<Node> MakeNodes(std::span<const Keypoint> scene, std::span<const Keypoint> model, const MatchSet& matches) {
+// The largest distance of a template's keypoints from their mean place, px.
+double TemplateRadius(std::span<const Keypoint> model) {
+  double x = 0;
+  double y = 0;
+  for (const Keypoint& keypoint : model) {
+    x += keypoint.x / static_cast<double>(model.size());
+    y += keypoint.y / static_cast<double>(model.size());
+  }
+  double radius = 0;
+  for (const Keypoint& keypoint : model) radius = std::max(radius, std::hypot(keypoint.x - x, keypoint.y - y));
+  return radius;
+}
+
+std::vector<Node> MakeNodes(std::span<const Keypoint> scene, std::span<const Keypoint> model, const MatchSet& matches,
+                            const CascadeOptions& options) {
+  const bool by_scale = options.radius == "scale";
+  const double template_radius = by_scale ? options.radius_share * TemplateRadius(model) : 0;
   std::vector<Node> nodes;
   nodes.reserve(matches.size());
   for (std::uint32_t i = 0; i < matches.size(); ++i) {
     const Keypoint& s = scene[matches[i].scene];
     const Keypoint& m = model[matches[i].model];
-    nodes.push_back({s.x, s.y, m.x, m.y, s.scale_px, m.scale_px, std::log(static_cast<double>(s.scale_px) / m.scale_px),
-                     static_cast<double>(s.orientation_rad) - m.orientation_rad, matches[i].model, i});
+    const double scale_change = static_cast<double>(s.scale_px) / m.scale_px;
+    const double radius = by_scale ? scale_change * template_radius : options.radius_px;
+    nodes.push_back({s.x, s.y, m.x, m.y, s.scale_px, m.scale_px, std::log(scale_change),
+                     static_cast<double>(s.orientation_rad) - m.orientation_rad, radius * radius, matches[i].model, i});
   }
   return nodes;
 }
@@ -202,6 +239,19 @@ class AnglesAgree {
   double line_;
 };
 
+class AllAgree {
+ public:
+  explicit AllAgree(const CascadeOptions& options) : scales_(options), angles_(options) {}
+
+  bool operator()(const Node& i, const Node& j, double dx, double dy) const {
+    return scales_(i, j, dx, dy) && angles_(i, j, dx, dy);
+  }
+
+ private:
+  ScalesAgree scales_;
+  AnglesAgree angles_;
+};
+
 struct Tally {
   std::uint32_t votes = 0;
   std::uint32_t possible = 0;
@@ -211,44 +261,46 @@ bool Approved(const Tally& tally, int least_votes, double approval) {
   return tally.votes >= static_cast<std::uint32_t>(least_votes) && tally.votes > approval * tally.possible;
 }
 
-// Calls visit(i, j, dx, dy) once for each pair of nodes within the radius that lie at two places, i < j.
+// Calls visit(i, j, dx, dy, distance2) once for each pair of nodes, i < j, that lie at two places, one within the R of
+// the other or both.
 template <typename Visit>
-void ForEachPair(const std::vector<Node>& nodes, const Grid& grid, double radius, const Visit& visit) {
+void ForEachPair(const std::vector<Node>& nodes, const Grid& grid, const Visit& visit) {
   grid.ForEachNear([&](std::uint32_t i, std::uint32_t j) {
     const double dx = nodes[j].x - nodes[i].x;
     const double dy = nodes[j].y - nodes[i].y;
     const double distance2 = dx * dx + dy * dy;
-    if (distance2 != 0 && distance2 < radius * radius) visit(i, j, dx, dy);
+    if (distance2 != 0 && distance2 < std::max(nodes[i].radius2, nodes[j].radius2)) visit(i, j, dx, dy, distance2);
   });
 }
 
 template <typename Agree>
-std::vector<Tally> CountVotes(const std::vector<Node>& nodes, const Grid& grid, double radius, const Agree& agree) {
+std::vector<Tally> CountVotes(const std::vector<Node>& nodes, const Grid& grid, const Agree& agree) {
   std::vector<Tally> tallies(nodes.size());
-  ForEachPair(nodes, grid, radius, [&](std::uint32_t i, std::uint32_t j, double dx, double dy) {
-    ++tallies[i].possible;
-    ++tallies[j].possible;
+  ForEachPair(nodes, grid, [&](std::uint32_t i, std::uint32_t j, double dx, double dy, double distance2) {
+    const std::uint32_t votes_for_i = distance2 < nodes[i].radius2 ? 1 : 0;
+    const std::uint32_t votes_for_j = distance2 < nodes[j].radius2 ? 1 : 0;
+    tallies[i].possible += votes_for_i;
+    tallies[j].possible += votes_for_j;
     if (!agree(nodes[i], nodes[j], dx, dy)) return;
-    ++tallies[i].votes;
-    ++tallies[j].votes;
+    tallies[i].votes += votes_for_i;
+    tallies[j].votes += votes_for_j;
   });
   return tallies;
 }
 
 // The same, with each template keypoint counted once as a voter.
 template <typename Agree>
-std::vector<Tally> CountDistinctVotes(const std::vector<Node>& nodes, const Grid& grid, double radius,
-                                      const Agree& agree) {
+std::vector<Tally> CountDistinctVotes(const std::vector<Node>& nodes, const Grid& grid, const Agree& agree) {
   struct Ballot {
     std::uint32_t receiver, voter;
     bool vote;
     auto operator<=>(const Ballot&) const = default;
   };
   std::vector<Ballot> ballots;
-  ForEachPair(nodes, grid, radius, [&](std::uint32_t i, std::uint32_t j, double dx, double dy) {
+  ForEachPair(nodes, grid, [&](std::uint32_t i, std::uint32_t j, double dx, double dy, double distance2) {
     const bool vote = agree(nodes[i], nodes[j], dx, dy);
-    ballots.push_back({i, nodes[j].model, vote});
-    ballots.push_back({j, nodes[i].model, vote});
+    if (distance2 < nodes[i].radius2) ballots.push_back({i, nodes[j].model, vote});
+    if (distance2 < nodes[j].radius2) ballots.push_back({j, nodes[i].model, vote});
   });
   std::ranges::sort(ballots);
   std::vector<Tally> tallies(nodes.size());
@@ -264,17 +316,20 @@ std::vector<Tally> CountDistinctVotes(const std::vector<Node>& nodes, const Grid
 }
 
 template <typename Agree>
-MatchSet Stage(std::vector<Node>& nodes, const MatchSet& matches, const CascadeOptions& options, double approval,
-               bool distinct, const Agree& agree) {
-  if (nodes.empty()) return {};
-  const Grid grid(nodes, options.radius_px);
-  const std::vector<Tally> tallies = distinct ? CountDistinctVotes(nodes, grid, options.radius_px, agree)
-                                              : CountVotes(nodes, grid, options.radius_px, agree);
+void Stage(std::vector<Node>& nodes, const CascadeOptions& options, double approval, bool distinct,
+           const Agree& agree) {
+  if (nodes.empty()) return;
+  const double largest_radius2 = std::ranges::max(nodes, {}, &Node::radius2).radius2;
+  const Grid grid(nodes, std::sqrt(largest_radius2));
+  const std::vector<Tally> tallies = distinct ? CountDistinctVotes(nodes, grid, agree) : CountVotes(nodes, grid, agree);
   std::vector<Node> kept;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (Approved(tallies[i], options.least_votes, approval)) kept.push_back(nodes[i]);
   }
   nodes = std::move(kept);
+}
+
+MatchSet MatchesOf(const std::vector<Node>& nodes, const MatchSet& matches) {
   std::vector<std::uint32_t> order;
   order.reserve(nodes.size());
   for (const Node& node : nodes) order.push_back(node.match);
@@ -289,12 +344,25 @@ MatchSet Stage(std::vector<Node>& nodes, const MatchSet& matches, const CascadeO
 
 CascadeResult FilterByGrammar(std::span<const Keypoint> scene, std::span<const Keypoint> model, const MatchSet& matches,
                               const CascadeOptions& options) {
-  std::vector<Node> nodes = MakeNodes(scene, model, matches);
+  if (options.filter == "neighbours") {
+    const MatchSet kept = FilterByNeighbours(scene, model, matches, options.neighbours);
+    return {kept, kept, kept};
+  }
+  const auto runs = [&](const char* stage) { return options.filter == "cascade" || options.filter == stage; };
+  std::vector<Node> nodes = MakeNodes(scene, model, matches, options);
+  const auto stage = [&](const char* name, double approval, bool distinct, const auto& agree) {
+    if (runs(name) && options.all_measures) {
+      Stage(nodes, options, approval, distinct, AllAgree(options));
+    } else if (runs(name)) {
+      Stage(nodes, options, approval, distinct, agree);
+    }
+    return MatchesOf(nodes, matches);
+  };
   const ScalesAgree scales_agree(options);
   CascadeResult result;
-  result.first = Stage(nodes, matches, options, options.first_approval, false, scales_agree);
-  result.second = Stage(nodes, matches, options, options.second_approval, false, AnglesAgree(options));
-  result.third = Stage(nodes, matches, options, options.third_approval, options.distinct_support, scales_agree);
+  result.first = stage("first", options.first_approval, options.distinct_stages >= 3, scales_agree);
+  result.second = stage("second", options.second_approval, options.distinct_stages >= 2, AnglesAgree(options));
+  result.third = stage("third", options.third_approval, options.distinct_stages >= 1, scales_agree);
   return result;
 }
 

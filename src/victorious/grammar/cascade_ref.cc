@@ -1,4 +1,5 @@
 // The cascade by the book: algorithms 1 to 3, then section 3.3.4. The definition that cascade.cc is compared with.
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <set>
@@ -12,8 +13,30 @@ namespace {
 
 using Agree = std::function<bool(const PairMeasures& scene, const PairMeasures& model)>;
 
-MatchSet Stage(std::span<const Keypoint> scene, std::span<const Keypoint> model, const MatchSet& matches, double radius,
-               int least_votes, double approval, bool distinct, const Agree& agree) {
+// R of each match, px.
+std::vector<double> RadiiOf(std::span<const Keypoint> scene, std::span<const Keypoint> model, const MatchSet& matches,
+                            const CascadeOptions& options) {
+  double x = 0;
+  double y = 0;
+  for (const Keypoint& keypoint : model) {
+    x += keypoint.x / static_cast<double>(model.size());
+    y += keypoint.y / static_cast<double>(model.size());
+  }
+  double template_radius = 0;
+  for (const Keypoint& keypoint : model)
+    template_radius = std::max(template_radius, std::hypot(keypoint.x - x, keypoint.y - y));
+  std::vector<double> radii;
+  for (const Match& match : matches) {
+    const double scale_change = static_cast<double>(scene[match.scene].scale_px) / model[match.model].scale_px;
+    radii.push_back(options.radius == "scale" ? scale_change * (options.radius_share * template_radius)
+                                              : options.radius_px);
+  }
+  return radii;
+}
+
+MatchSet Stage(std::span<const Keypoint> scene, std::span<const Keypoint> model, const MatchSet& matches,
+               const CascadeOptions& options, double approval, bool distinct, const Agree& agree) {
+  const std::vector<double> radii = RadiiOf(scene, model, matches, options);
   // A voter is known by its own number or, where votes must be distinct, by the template keypoint it matches.
   std::vector<std::set<std::uint32_t>> votes(matches.size());
   std::vector<std::set<std::uint32_t>> possible_votes(matches.size());
@@ -23,24 +46,26 @@ MatchSet Stage(std::span<const Keypoint> scene, std::span<const Keypoint> model,
       const Keypoint& scene_j = scene[matches[j].scene];
       const double distance =
           std::hypot(static_cast<double>(scene_i.x) - scene_j.x, static_cast<double>(scene_i.y) - scene_j.y);
-      if (distance == 0 || !(distance < radius)) continue;
+      if (distance == 0) continue;
+      const bool j_may_vote = distance < radii[i];
+      const bool i_may_vote = distance < radii[j];
       const std::uint32_t voter_i = distinct ? matches[i].model : i;
       const std::uint32_t voter_j = distinct ? matches[j].model : j;
-      possible_votes[i].insert(voter_j);
-      possible_votes[j].insert(voter_i);
+      if (j_may_vote) possible_votes[i].insert(voter_j);
+      if (i_may_vote) possible_votes[j].insert(voter_i);
       const Keypoint& model_i = model[matches[i].model];
       const Keypoint& model_j = model[matches[j].model];
       if (model_i.x == model_j.x && model_i.y == model_j.y) continue;
       if (agree(MeasurePair(scene_i, scene_j), MeasurePair(model_i, model_j))) {
-        votes[i].insert(voter_j);
-        votes[j].insert(voter_i);
+        if (j_may_vote) votes[i].insert(voter_j);
+        if (i_may_vote) votes[j].insert(voter_i);
       }
     }
   }
   MatchSet kept;
   for (std::size_t i = 0; i < matches.size(); ++i) {
     const auto count = static_cast<double>(votes[i].size());
-    if (count >= least_votes && count > approval * static_cast<double>(possible_votes[i].size()))
+    if (count >= options.least_votes && count > approval * static_cast<double>(possible_votes[i].size()))
       kept.push_back(matches[i]);
   }
   return kept;
@@ -58,13 +83,18 @@ CascadeResult FilterByGrammarRef(std::span<const Keypoint> scene, std::span<cons
     return OrientationDistortion(s, m) < options.orientation_distortion_rad &&
            MeanOrientationDistortion(s, m) < options.line_distortion_rad;
   };
-  const auto stage = [&](const MatchSet& in, double approval, bool distinct, const Agree& agree) {
-    return Stage(scene, model, in, options.radius_px, options.least_votes, approval, distinct, agree);
+  const Agree all_agree = [&](const PairMeasures& s, const PairMeasures& m) {
+    return scales_agree(s, m) && angles_agree(s, m);
+  };
+  const auto runs = [&](const char* stage) { return options.filter == "cascade" || options.filter == stage; };
+  const auto stage = [&](const char* name, const MatchSet& in, double approval, bool distinct, const Agree& agree) {
+    return runs(name) ? Stage(scene, model, in, options, approval, distinct, options.all_measures ? all_agree : agree)
+                      : in;
   };
   CascadeResult result;
-  result.first = stage(matches, options.first_approval, false, scales_agree);
-  result.second = stage(result.first, options.second_approval, false, angles_agree);
-  result.third = stage(result.second, options.third_approval, options.distinct_support, scales_agree);
+  result.first = stage("first", matches, options.first_approval, options.distinct_stages >= 3, scales_agree);
+  result.second = stage("second", result.first, options.second_approval, options.distinct_stages >= 2, angles_agree);
+  result.third = stage("third", result.second, options.third_approval, options.distinct_stages >= 1, scales_agree);
   return result;
 }
 

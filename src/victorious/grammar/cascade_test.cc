@@ -1,5 +1,6 @@
 #include "victorious/grammar/cascade.h"
 
+#include <array>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -69,7 +70,12 @@ TEST(Cascade, AgreesWithTheDefinition) {
     }
     CascadeOptions options;
     options.radius_px = std::exp(random.Uniform(0, 6));
-    options.distinct_support = random.Below(2) == 1;
+    options.radius = random.Below(2) == 1 ? "scale" : "fixed";
+    options.radius_share = std::exp(random.Uniform(-2, 1));
+    constexpr std::array kFilters = {"cascade", "cascade", "first", "second", "third", "none"};
+    options.filter = kFilters[random.Below(kFilters.size())];
+    options.distinct_stages = static_cast<int>(random.Below(4));
+    options.all_measures = random.Below(2) == 1;
     options.least_votes = static_cast<int>(random.Below(4));
     EXPECT_TRUE(Equal(FilterByGrammar(world.scene, world.model, world.matches, options),
                       FilterByGrammarRef(world.scene, world.model, world.matches, options)))
@@ -116,6 +122,32 @@ TEST(Cascade, IsInvariantUnderSimilaritiesOfTheScene) {
   }
 }
 
+// With R from scale the size needs no telling.
+TEST(Cascade, RadiusFromScaleFollowsTheObject) {
+  CascadeOptions options;
+  options.radius = "scale";
+  for (const double size : {0.25, 1.0, 6.0}) {
+    const World world = MakeWorld(20, 60, {size, 0.3, {200, 200}}, 0.3, 7);
+    std::size_t kept_true = 0;
+    for (const Match& match : FilterByGrammar(world.scene, world.model, world.matches, options).third)
+      kept_true += match.scene < world.true_matches ? 1 : 0;
+    EXPECT_GE(kept_true, 19U) << "size " << size;
+  }
+}
+
+TEST(Cascade, FiltersAreChosenByName) {
+  const World world = MakeWorld(15, 70, {1.0, 0.3, {200, 200}}, 0.5, 3);
+  const auto with = [&](const char* filter) {
+    CascadeOptions options;
+    options.filter = filter;
+    return FilterByGrammar(world.scene, world.model, world.matches, options);
+  };
+  EXPECT_EQ(with("none").third, world.matches);
+  EXPECT_EQ(with("first").third, with("cascade").first);
+  EXPECT_EQ(with("third").second, world.matches);
+  EXPECT_EQ(with("neighbours").third, FilterByNeighbours(world.scene, world.model, world.matches, {}));
+}
+
 // Section 3.3.4: four scene keypoints that all match one template keypoint, beside a true group of four.
 TEST(Cascade, DistinctSupportStopsRepeatedPatterns) {
   World world = MakeWorld(4, 0, {1.0, 0.0, {100, 100}}, 0.0, 5);
@@ -133,9 +165,9 @@ TEST(Cascade, DistinctSupportStopsRepeatedPatterns) {
   CascadeOptions options;
   options.third_approval = 0.3;
   options.first_approval = options.second_approval = 0.1;
-  options.distinct_support = false;
+  options.distinct_stages = 0;
   const MatchSet without = FilterByGrammar(world.scene, world.model, world.matches, options).third;
-  options.distinct_support = true;
+  options.distinct_stages = 1;
   const MatchSet with = FilterByGrammar(world.scene, world.model, world.matches, options).third;
   EXPECT_GT(without.size(), 4U);
   EXPECT_EQ(with.size(), 4U);

@@ -31,8 +31,9 @@ Expected<Image> DecodeImage(std::span<const std::byte> bytes, const std::string&
 /// Errors: kInvalidArgument for an ending that names no format; those of WriteFileAtomically.
 Status WriteImage(const std::filesystem::path& path, const cv::Mat& image);
 
-/// A small JPEG of a BGR picture, for people to look at: quality 80, the same bytes each time.
-Expected<std::vector<std::byte>> EncodeJpeg(const cv::Mat& bgr);
+/// A small JPEG of a BGR picture, the same bytes each time.
+/// @param quality  1 to 100; 80 is enough for people to look at
+Expected<std::vector<std::byte>> EncodeJpeg(const cv::Mat& bgr, int quality = 80);
 
 /// A BGR picture without loss, as PNG.
 Expected<std::vector<std::byte>> EncodePng(const cv::Mat& bgr);

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "victorious/evaluate/experiments/category_experiments.h"
+#include "victorious/evaluate/experiments/match_experiments.h"
 #include "victorious/evaluate/experiments/recognition_experiments.h"
 
 namespace victorious {
@@ -17,9 +18,29 @@ Status ExperimentSettings::CheckCancelled() const {
   return {};
 }
 
+const CancelToken& ExperimentSettings::Cancel() const {
+  static const CancelToken never;
+  return cancel != nullptr ? *cancel : never;
+}
+
 std::span<const Experiment> Experiments() {
   static constexpr std::array kExperiments = {
       Experiment{"figure3.1", "A picture and its shuffled tiles: words cannot tell, phrases can", &RunFigure31},
+      Experiment{"table3.2", "What each stage of the cascade leaves of a template's matches", &RunTable32},
+      Experiment{"figure3.10", "The same matches, drawn stage by stage", &RunFigure310},
+      Experiment{"table3.3", "True and false matches at six ratios, stage by stage", &RunTable33},
+      Experiment{"figure3.11", "The same matches, drawn", &RunFigure311},
+      Experiment{"figure3.12", "ROC of the cascade's stages over ratios", &RunFigure312},
+      Experiment{"table3.4", "A second object: matches before and after the cascade", &RunTable34},
+      Experiment{"figure3.13", "Its matches, drawn stage by stage with MLESAC", &RunFigure313},
+      Experiment{"table3.5", "Time of matching, each stage and MLESAC", &RunTable35},
+      Experiment{"figure3.14", "Which of all views has the most matches, as a heat map", &RunFigure314},
+      Experiment{"figure3.15", "The same as bars in space", &RunFigure315},
+      Experiment{"figure3.16", "Objects found under adverse conditions, with their templates", &RunFigure316},
+      Experiment{"chapter3.filters", "The cascade beside other filters and settings, over every scene",
+                 &RunChapter3Filters},
+      Experiment{"chapter3.sweeps", "Filters under noise, blur, compression, occlusion, scale, light and viewpoint",
+                 &RunChapter3Sweeps},
       Experiment{"figure3.18", "Real pictures against CAD models, plain and painted with the first frame",
                  &RunFigure318},
       Experiment{"figure3.19", "Patches that became one visual word", &RunFigure319},

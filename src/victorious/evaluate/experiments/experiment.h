@@ -16,13 +16,16 @@
 namespace victorious {
 
 struct ExperimentSettings {
-  std::filesystem::path data;  ///< the folder of outside data
-  std::filesystem::path out;   ///< where pictures go; the report is written by RunExperiment
-  int seeds = 20;              ///< random splits, for means with standard errors
+  std::filesystem::path data;    ///< the folder of outside data
+  std::filesystem::path scenes;  ///< the folder of scene files that pictures are drawn from
+  std::filesystem::path out;     ///< where pictures go; the report is written by RunExperiment
+  int seeds = 20;                ///< random splits, for means with standard errors
   const CancelToken* cancel = nullptr;
   std::function<void(std::string_view what)> progress = [](std::string_view) {};  ///< a line, now and then
 
   [[nodiscard]] Status CheckCancelled() const;
+  /// `cancel`, or one that never cancels.
+  [[nodiscard]] const CancelToken& Cancel() const;
 };
 
 struct Experiment {

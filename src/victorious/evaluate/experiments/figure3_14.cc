@@ -1,0 +1,239 @@
+// Figures 3.14 and 3.15: how many matches of each of the model's views every stage leaves, over the sphere of views, as
+// heat maps and as bars in space.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
+
+#include "victorious/base/file.h"
+#include "victorious/evaluate/experiments/match_experiments.h"
+#include "victorious/evaluate/experiments/match_picture.h"
+#include "victorious/evaluate/experiments/match_trial.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/video/image_file.h"
+
+namespace victorious {
+namespace {
+
+constexpr double kRatio = 0.8;
+constexpr std::size_t kStages = 4;
+constexpr int kColumns = 36;  // of azimuth
+constexpr int kRows = 8;      // of off-nadir angle, the pole first
+
+struct ViewCounts {
+  MatchTrial trial;                            ///< of the view nearest to the truth
+  std::vector<std::array<int, kStages>> left;  ///< of each view
+};
+
+Expected<ViewCounts> CountViews(const ExperimentSettings& settings, const MatchSetup& setup, const std::string& kind) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const MatchTrial trial, RunningExample(settings, setup, kind));
+  ViewCounts counts{.trial = trial, .left = {}};
+  for (std::size_t view = 0; view < trial.model->views.size(); ++view) {
+    VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
+    MatchTrial other = trial;
+    other.view = view;
+    const StageMatches stages = RunStages(other, kRatio, setup.recognize);
+    std::array<int, kStages> left{};
+    for (std::size_t stage = 0; stage < kStages; ++stage) left[stage] = static_cast<int>(stages.sets[stage].size());
+    counts.left.push_back(left);
+  }
+  return counts;
+}
+
+double DegreesBetween(const ObjectModel& model, std::size_t a, std::size_t b) {
+  if (a == b) return 0;
+  const auto direction = [&](std::size_t view) {
+    const ViewAngles& angles = *model.views[view].angles;
+    return DirectionToCamera({angles.azimuth_rad, angles.off_nadir_rad});
+  };
+  return DegreesFromRadians(std::acos(std::clamp(direction(a).dot(direction(b)), -1.0, 1.0)));
+}
+
+// One value a cell of the grid; the pole's fills its row.
+cv::Mat GridOf(const ViewCounts& counts, std::size_t stage) {
+  cv::Mat grid(kRows, kColumns, CV_32FC1, cv::Scalar(0));
+  for (std::size_t view = 0; view < counts.left.size(); ++view) {
+    const ViewAngles& angles = *counts.trial.model->views[view].angles;
+    const int row = static_cast<int>(std::lround(DegreesFromRadians(angles.off_nadir_rad) / 10));
+    const int column = static_cast<int>(std::lround(DegreesFromRadians(angles.azimuth_rad) / 10)) % kColumns;
+    if (row >= kRows) continue;
+    const auto count = static_cast<float>(counts.left[view][stage]);
+    if (row == 0) {
+      grid.row(0).setTo(count);
+    } else {
+      grid.at<float>(row, column) = count;
+    }
+  }
+  return grid;
+}
+
+void Caption(cv::Mat& picture, const std::string& text) {
+  constexpr double kFont = 0.42;
+  cv::putText(picture, text, {6, 16}, cv::FONT_HERSHEY_SIMPLEX, kFont, cv::Scalar::all(0), 1, cv::LINE_AA);
+}
+
+cv::Mat HeatMap(const ViewCounts& counts, std::size_t stage) {
+  constexpr int kCell = 11;
+  constexpr int kTop = 24;
+  const cv::Mat grid = GridOf(counts, stage);
+  double most = 1;
+  cv::minMaxLoc(grid, nullptr, &most);
+  cv::Mat levels;
+  grid.convertTo(levels, CV_8U, 255 / std::max(most, 1.0));
+  cv::resize(levels, levels, {}, kCell, kCell, cv::INTER_NEAREST);
+  cv::Mat colours;
+  cv::applyColorMap(levels, colours, cv::COLORMAP_INFERNO);
+  cv::Mat picture(colours.rows + kTop, colours.cols, CV_8UC3, cv::Scalar::all(255));
+  colours.copyTo(picture(cv::Rect({0, kTop}, colours.size())));
+  const ViewAngles& truth = *counts.trial.model->views[counts.trial.view].angles;
+  const cv::Point cell(static_cast<int>(std::lround(DegreesFromRadians(truth.azimuth_rad) / 10)) % kColumns * kCell,
+                       static_cast<int>(std::lround(DegreesFromRadians(truth.off_nadir_rad) / 10)) * kCell + kTop);
+  cv::rectangle(picture, cv::Rect(cell, cv::Size(kCell, kCell)), cv::Scalar(80, 255, 80));
+  Caption(picture, fmt::format("{}: at most {:.0f} matches", StageMatches::kNames[stage], most));
+  return picture;
+}
+
+// Bars on the grid of views, seen from above at a slant, the farthest drawn first.
+cv::Mat Bars(const ViewCounts& counts, std::size_t stage) {
+  constexpr double kStepX = 7;
+  constexpr double kStepY = 8;
+  constexpr double kSlant = 4;
+  constexpr double kHighest = 110;
+  constexpr int kTop = 40;
+  const cv::Mat grid = GridOf(counts, stage);
+  double most = 1;
+  cv::minMaxLoc(grid, nullptr, &most);
+  const int width = static_cast<int>(kColumns * kStepX + kRows * kSlant) + 20;
+  cv::Mat picture(kTop + static_cast<int>(kHighest + kRows * kStepY) + 10, width, CV_8UC3, cv::Scalar::all(255));
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      const double share = grid.at<float>(row, column) / std::max(most, 1.0);
+      const double x = 10 + column * kStepX + (kRows - row) * kSlant;
+      const double foot = kTop + kHighest + row * kStepY + kStepY;
+      cv::Mat level(1, 1, CV_8UC1, cv::Scalar(255 * share));
+      cv::Mat colour;
+      cv::applyColorMap(level, colour, cv::COLORMAP_INFERNO);
+      const cv::Vec3b bgr = colour.at<cv::Vec3b>(0);
+      const cv::Rect bar(cv::Point2d(x, foot - share * kHighest - 2), cv::Point2d(x + kStepX - 2, foot));
+      cv::rectangle(picture, bar, cv::Scalar(bgr[0], bgr[1], bgr[2]), cv::FILLED);
+      cv::rectangle(picture, bar, cv::Scalar::all(200));
+    }
+  }
+  Caption(picture, fmt::format("{}: at most {:.0f} matches", StageMatches::kNames[stage], most));
+  return picture;
+}
+
+template <typename Draw>
+Status WriteStages(const std::filesystem::path& path, const ViewCounts& counts, const Draw& draw) {
+  // Clockwise from the left upper corner, as the thesis has them.
+  return WriteImage(path, Montage({draw(counts, 0), draw(counts, 1), draw(counts, 3), draw(counts, 2)}, 2));
+}
+
+struct Ranking {
+  int rank = 1;          ///< of the true view
+  int tied = 0;          ///< other views with as many matches
+  std::size_t best = 0;  ///< the view with the most matches
+  int best_count = 0;
+  int true_count = 0;
+  int farthest_spike = 0;  ///< the most matches of any view more than 40 degrees off
+};
+
+Ranking Rank(const ViewCounts& counts, std::size_t stage) {
+  constexpr double kFarDegrees = 40;
+  Ranking ranking;
+  ranking.true_count = counts.left[counts.trial.view][stage];
+  for (std::size_t view = 0; view < counts.left.size(); ++view) {
+    const int count = counts.left[view][stage];
+    if (count > ranking.true_count) ++ranking.rank;
+    if (count == ranking.true_count && view != counts.trial.view) ++ranking.tied;
+    if (count > ranking.best_count) {
+      ranking.best_count = count;
+      ranking.best = view;
+    }
+    if (DegreesBetween(*counts.trial.model, view, counts.trial.view) > kFarDegrees)
+      ranking.farthest_spike = std::max(ranking.farthest_spike, count);
+  }
+  return ranking;
+}
+
+std::string CsvOfViews(const ViewCounts& counts) {
+  std::string csv = "azimuth_deg,off_nadir_deg,none,first,second,third\n";
+  for (std::size_t view = 0; view < counts.left.size(); ++view) {
+    const ViewAngles& angles = *counts.trial.model->views[view].angles;
+    const auto& left = counts.left[view];
+    csv += fmt::format("{:.0f},{:.0f},{},{},{},{}\n", DegreesFromRadians(angles.azimuth_rad),
+                       DegreesFromRadians(angles.off_nadir_rad), left[0], left[1], left[2], left[3]);
+  }
+  return csv;
+}
+
+}  // namespace
+
+Expected<Report> RunFigure314(const ExperimentSettings& settings) {
+  Report report{.title = "The view nearest to the truth among all 253, by number of matches at a ratio of 0.8",
+                .columns = {"object", "setting", "filtering", "rank of the true view", "others with as many",
+                            "its matches", "most matches", "the best view is off by (degrees)"}};
+  PlotLine thesis_line{.name = "thesis's setting"};
+  PlotLine our_line{.name = "ours"};
+  for (const char* kind : {"jeep", "jet"}) {
+    for (const MatchSetup& setup : {ThesisSetup(), OurSetup()}) {
+      VICTORIOUS_ASSIGN_OR_RETURN(const ViewCounts counts, CountViews(settings, setup, kind));
+      const bool shown = std::string_view(kind) == "jeep" && setup.name == "ours";
+      if (shown) {
+        VICTORIOUS_RETURN_IF_ERROR(WriteStages(settings.out / "figure3.14.png", counts, HeatMap));
+        VICTORIOUS_RETURN_IF_ERROR(WriteFileAtomically(settings.out / "figure3.14.views.csv", CsvOfViews(counts)));
+      }
+      for (std::size_t stage = 0; stage < kStages; ++stage) {
+        const Ranking ranking = Rank(counts, stage);
+        report.rows.push_back({std::string(kind), setup.name, std::string(StageMatches::kNames[stage]),
+                               static_cast<double>(ranking.rank), static_cast<double>(ranking.tied),
+                               static_cast<double>(ranking.true_count), static_cast<double>(ranking.best_count),
+                               DegreesBetween(*counts.trial.model, ranking.best, counts.trial.view)});
+        if (std::string_view(kind) == "jeep")
+          (setup.name == "ours" ? our_line : thesis_line)
+              .points.push_back({static_cast<double>(stage), static_cast<double>(ranking.rank)});
+      }
+    }
+  }
+  report.notes = {
+      "Thesis: after the first stage the true view is ranked first, without filtering it is not. The picture: "
+      "jeep, our setting, clockwise from the left upper corner none, first, second, third; azimuth to the "
+      "right from 0, off-nadir angle downwards from 0 to 70 degrees, the true view framed green."};
+  report.plot = {.title = "Rank of the true view of the jeep among 253",
+                 .x = {.label = "stages of the cascade"},
+                 .y = {.label = "rank"},
+                 .lines = {thesis_line, our_line}};
+  return report;
+}
+
+Expected<Report> RunFigure315(const ExperimentSettings& settings) {
+  Report report{.title = "Matches of all views as bars: the peak at the true view and spikes far from it",
+                .columns = {"object", "filtering", "matches of the true view", "most of a view over 40 degrees off",
+                            "peak over spike"}};
+  for (const char* kind : {"jeep", "jet"}) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const ViewCounts counts, CountViews(settings, OurSetup(), kind));
+    if (std::string_view(kind) == "jeep")
+      VICTORIOUS_RETURN_IF_ERROR(WriteStages(settings.out / "figure3.15.png", counts, Bars));
+    PlotLine line{.name = kind};
+    for (std::size_t stage = 0; stage < kStages; ++stage) {
+      const Ranking ranking = Rank(counts, stage);
+      const double ratio = ranking.true_count / std::max(1.0, static_cast<double>(ranking.farthest_spike));
+      report.rows.push_back({std::string(kind), std::string(StageMatches::kNames[stage]),
+                             static_cast<double>(ranking.true_count), static_cast<double>(ranking.farthest_spike),
+                             ratio});
+      line.points.push_back({static_cast<double>(stage), ratio});
+    }
+    report.plot.lines.push_back(std::move(line));
+  }
+  report.notes = {
+      "Our setting. The picture: the jeep's views, clockwise from the left upper corner none, first, second, "
+      "third stage; azimuth to the right, the pole at the back."};
+  report.plot.title = "The true view's matches over the most of a view more than 40 degrees off";
+  report.plot.x = {.label = "stages of the cascade"};
+  report.plot.y = {.label = "peak over spike"};
+  return report;
+}
+
+}  // namespace victorious

@@ -1,0 +1,93 @@
+#include "victorious/evaluate/experiments/match_pool.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace victorious {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Frames in the middle of as many equal parts.
+std::vector<int> Spread(int frames, int of) {
+  std::vector<int> spread;
+  for (int i = 0; i < frames; ++i) {
+    const int frame = (2 * i + 1) * of / (2 * frames);
+    if (spread.empty() || frame != spread.back()) spread.push_back(frame);
+  }
+  return spread;
+}
+
+Expected<std::vector<fs::path>> Sorted(const fs::path& folder, bool folders) {
+  std::error_code error;
+  std::vector<fs::path> paths;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (entry.is_directory() == folders && (folders || entry.path().extension() == ".json")) paths.push_back(entry);
+  }
+  if (error) return std::unexpected(ErrorFromErrno(error.value(), "read folder " + folder.string()));
+  std::ranges::sort(paths);
+  return paths;
+}
+
+}  // namespace
+
+Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings, int frames) {
+  std::vector<PooledScene> pool;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<fs::path> files, Sorted(settings.scenes, false));
+  for (const fs::path& file : files) {
+    VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
+    settings.progress("drawing " + file.string());
+    VICTORIOUS_ASSIGN_OR_RETURN(Renderer renderer, Renderer::Create({.software = true}));
+    VICTORIOUS_ASSIGN_OR_RETURN(const KnownTown town, KnownTown::Load(file, renderer, settings.Cancel()));
+    for (const int frame : Spread(frames, town.scene().video.frames)) {
+      VICTORIOUS_ASSIGN_OR_RETURN(KnownScene drawn, town.Draw(frame));
+      pool.push_back({.scene = std::make_shared<const KnownScene>(std::move(drawn)),
+                      .cad_folder = town.scene().assets / "models"});
+    }
+  }
+  const fs::path movies = settings.data / "movies";
+  if (!fs::exists(movies)) return pool;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<fs::path> folders, Sorted(movies, true));
+  for (const fs::path& folder : folders) {
+    VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
+    settings.progress("reading " + folder.string());
+    constexpr int kMovieFrames = 100;  // the shortest of them
+    VICTORIOUS_ASSIGN_OR_RETURN(Renderer renderer, Renderer::Create({.software = true}));
+    const fs::path models = settings.data / "models";
+    VICTORIOUS_ASSIGN_OR_RETURN(auto known, ReadKnownMovie(folder, models, Spread(frames, kMovieFrames), renderer));
+    for (KnownScene& scene : known) {
+      pool.push_back(
+          {.scene = std::make_shared<const KnownScene>(std::move(scene)), .cad_folder = models, .is_movie = true});
+    }
+  }
+  return pool;
+}
+
+Expected<std::vector<MatchTrial>> PoolTrials(const ExperimentSettings& settings, const MatchSetup& setup,
+                                             const std::vector<PooledScene>& scenes) {
+  constexpr double kLeastVisible = 0.5;
+  const ModelShelf shelf(settings, setup);
+  std::map<fs::path, std::shared_ptr<const ObjectModel>> models;
+  std::vector<MatchTrial> trials;
+  for (const PooledScene& pooled : scenes) {
+    VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto features, FeaturesOf(*pooled.scene, setup.features));
+    std::set<std::string> kinds;
+    for (const KnownObject& object : pooled.scene->objects) {
+      if (object.visible < kLeastVisible || !kinds.insert(object.model).second) continue;
+      const fs::path cad_file = pooled.cad_folder / (object.model + ".glb");
+      std::shared_ptr<const ObjectModel>& model = models[cad_file];
+      if (!model) {
+        VICTORIOUS_ASSIGN_OR_RETURN(model, shelf.Get(cad_file, pooled.is_movie ? "models-movies" : "models"));
+      }
+      trials.push_back(MakeTrial(pooled.scene, features, model, NearestView(*model, object.view)));
+    }
+  }
+  return trials;
+}
+
+}  // namespace victorious

@@ -1,0 +1,115 @@
+#include "victorious/evaluate/experiments/match_trial.h"
+
+#include <cstdlib>
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "victorious/evaluate/experiments/match_filters.h"
+#include "victorious/evaluate/experiments/true_matches.h"
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+// A camera ten metres above the origin that looks down: a metre is ten pixels.
+KnownScene SceneWith(const std::vector<Rigid3>& poses) {
+  KnownScene scene;
+  scene.pinhole = {100, 100, 50, 50, 100, 100};
+  for (const Rigid3& pose : poses)
+    scene.objects.push_back({.model = "thing", .camera_from_model = pose, .view = {}, .box = {}, .visible = 1});
+  return scene;
+}
+
+Rigid3 At(double x_m, double y_m) { return {Eigen::Quaterniond::Identity(), {x_m, y_m, 10}}; }
+
+Keypoint KeypointAt(float x, float y, float scale_px = 1) {
+  return {.x = x, .y = y, .scale_px = scale_px, .orientation_rad = 0};
+}
+
+TEST(MatchTruth, IsWhereTheTruePosePutsTheTemplatesPoint) {
+  const std::vector<Point3> points = {{0, 0, 0}, {2, 0, 0}};
+  const MatchTruth truth(SceneWith({At(0, 0)}), "thing", points);
+  EXPECT_EQ(truth.Of(KeypointAt(50, 50), 0), Truth::kRight);
+  EXPECT_EQ(truth.Of(KeypointAt(70, 52.9F), 1), Truth::kRight);
+  EXPECT_EQ(truth.Of(KeypointAt(70, 53.1F), 1), Truth::kNear);
+  EXPECT_EQ(truth.Of(KeypointAt(70, 55, 6), 1), Truth::kRight) << "a large keypoint is placed less exactly";
+  EXPECT_EQ(truth.Of(KeypointAt(70, 61), 1), Truth::kWrong);
+  EXPECT_EQ(truth.Of(KeypointAt(50, 50), 1), Truth::kWrong) << "another point of the object";
+  const std::vector<Keypoint> scene = {KeypointAt(50, 50), KeypointAt(70, 55), KeypointAt(10, 10)};
+  const MatchCount count = truth.Count(scene, {{0, 0, 0.5F}, {1, 1, 0.5F}, {2, 1, 0.5F}});
+  EXPECT_EQ(count.right, 1);
+  EXPECT_EQ(count.near, 1);
+  EXPECT_EQ(count.Wrong(), 1);
+}
+
+TEST(MatchTruth, AnyObjectOfTheKindServesAndNoOther) {
+  KnownScene scene = SceneWith({At(-3, 0), At(3, 0)});
+  const std::vector<Point3> points = {{0, 0, 0}};
+  EXPECT_EQ(MatchTruth(scene, "thing", points).Of(KeypointAt(20, 50), 0), Truth::kRight);
+  EXPECT_EQ(MatchTruth(scene, "thing", points).Of(KeypointAt(80, 50), 0), Truth::kRight);
+  EXPECT_EQ(MatchTruth(scene, "other", points).Of(KeypointAt(80, 50), 0), Truth::kWrong);
+}
+
+TEST(MatchTruth, WhatIsHiddenOrOutOfThePictureMatchesNothing) {
+  KnownScene scene = SceneWith({At(0, 0)});
+  const std::vector<Point3> points = {{0, 0, 0}, {2, 0, 0}, {8, 0, 0}};
+  scene.depth_m = cv::Mat(100, 100, CV_32FC1, cv::Scalar(10));
+  scene.depth_m(cv::Rect(0, 0, 60, 100)).setTo(4);  // a wall before the first point
+  const MatchTruth truth(scene, "thing", points);
+  EXPECT_EQ(truth.Of(KeypointAt(50, 50), 0), Truth::kWrong);
+  EXPECT_EQ(truth.Of(KeypointAt(70, 50), 1), Truth::kRight);
+  EXPECT_EQ(truth.Of(KeypointAt(130, 50), 2), Truth::kWrong);
+}
+
+TEST(Spoil, IsDoneInTheOrderOfACamera) {
+  cv::Mat picture(64, 64, CV_8UC3, cv::Scalar(90, 120, 60));
+  cv::Mat again = picture.clone();
+  const Spoiling spoiling{.degrade = {.noise = 0.2}, .jpeg_quality = 50};
+  ASSERT_TRUE(Spoil(spoiling, 3, picture).has_value());
+  ASSERT_TRUE(Spoil(spoiling, 3, again).has_value());
+  EXPECT_EQ(cv::norm(picture, again), 0) << "by seed";
+  cv::Mat clean(64, 64, CV_8UC3, cv::Scalar(90, 120, 60));
+  EXPECT_GT(cv::norm(picture, clean), 0);
+  ASSERT_TRUE(Spoil({}, 3, clean).has_value());
+  EXPECT_EQ(clean.at<cv::Vec3b>(5, 5), cv::Vec3b(90, 120, 60));
+}
+
+// The whole way once: a picture drawn from a scene file, the object where truth says it is.
+TEST(KnownTown, DrawsPicturesWhoseObjectsStandWhereTruthSays) {
+  const CancelToken cancel;
+  Expected<Renderer> renderer = Renderer::Create({.software = true});
+  ASSERT_TRUE(renderer.has_value());
+  const Expected<KnownTown> town =
+      KnownTown::Load(std::filesystem::path(VICTORIOUS_SCENES) / "chapter3_jeep.json", *renderer, cancel);
+  ASSERT_TRUE(town.has_value()) << town.error().message;
+  const Expected<KnownScene> scene = town->Draw(0);
+  ASSERT_TRUE(scene.has_value());
+  const KnownObject* const jeep = scene->Find("jeep");
+  ASSERT_NE(jeep, nullptr);
+  EXPECT_EQ(scene->Find("tank"), nullptr);
+  EXPECT_NEAR(DegreesFromRadians(jeep->view.off_nadir_rad), 60, 5) << "as in section 3.5.3";
+  EXPECT_NEAR(DegreesFromRadians(jeep->view.azimuth_rad), 150, 5);
+  // A point in the middle of the object is seen inside its box.
+  const std::optional<Eigen::Vector2d> middle = scene->pinhole.Project(jeep->camera_from_model.Apply({0, 0, 1}));
+  ASSERT_TRUE(middle.has_value());
+  EXPECT_TRUE(jeep->box.Contains(middle->x(), middle->y()));
+}
+
+TEST(MatchSetup, TheThesisAndWeDiffer) {
+  EXPECT_EQ(ThesisSetup().features.impulse_share, 1);
+  EXPECT_EQ(ThesisSetup().recognize.cascade.radius_px, 75);
+  EXPECT_LT(OurSetup().features.contrast_threshold, ThesisSetup().features.contrast_threshold);
+}
+
+TEST(MatchFilters, StandUnderTheirNames) {
+  std::vector<std::string> names;
+  for (const MatchFilter& filter : MatchFilters({})) names.push_back(filter.name);
+  EXPECT_THAT(names, ::testing::IsSupersetOf({"none", "neighbours (Video Google)", "cascade", "MLESAC alone",
+                                              "OpenCV's homography alone"}));
+}
+
+}  // namespace
+}  // namespace victorious

@@ -1,0 +1,81 @@
+#include "victorious/grammar/neighbour_voting.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace victorious {
+
+void NeighbourVotingOptions::ListFields(FieldList& fields) {
+  fields.Add("nearest", nearest,
+             {.min = 1,
+              .max = 1000,
+              .reason = "k: of so many nearest keypoints, in the scene and in the template, matches count as support "
+                        "(Video Google: 15)"});
+  fields.Add("least_votes", least_votes,
+             {.min = 0, .max = 1000, .reason = "m: supporting matches that a match needs (Video Google: 1)"});
+}
+
+namespace {
+
+// The keypoints nearest to one of them, itself left out; of equally near ones the first.
+class Neighbourhoods {
+ public:
+  Neighbourhoods(std::span<const Keypoint> keypoints, int nearest)
+      : keypoints_(keypoints), nearest_(static_cast<std::size_t>(nearest)) {}
+
+  const std::vector<std::uint32_t>& Of(std::uint32_t centre) {
+    const auto [entry, is_new] = known_.try_emplace(centre);
+    if (is_new) entry->second = Find(centre);
+    return entry->second;
+  }
+
+ private:
+  [[nodiscard]] std::vector<std::uint32_t> Find(std::uint32_t centre) const {
+    std::vector<std::pair<float, std::uint32_t>> others;
+    others.reserve(keypoints_.size());
+    for (std::uint32_t i = 0; i < keypoints_.size(); ++i) {
+      if (i == centre) continue;
+      const float dx = keypoints_[i].x - keypoints_[centre].x;
+      const float dy = keypoints_[i].y - keypoints_[centre].y;
+      others.emplace_back(dx * dx + dy * dy, i);
+    }
+    const auto count = static_cast<std::ptrdiff_t>(std::min(nearest_, others.size()));
+    std::partial_sort(others.begin(), others.begin() + count, others.end());
+    std::vector<std::uint32_t> found;
+    for (std::ptrdiff_t i = 0; i < count; ++i) found.push_back(others[static_cast<std::size_t>(i)].second);
+    std::ranges::sort(found);
+    return found;
+  }
+
+  std::span<const Keypoint> keypoints_;
+  std::size_t nearest_;
+  std::map<std::uint32_t, std::vector<std::uint32_t>> known_;
+};
+
+}  // namespace
+
+MatchSet FilterByNeighbours(std::span<const Keypoint> scene, std::span<const Keypoint> model, const MatchSet& matches,
+                            const NeighbourVotingOptions& options) {
+  // Where each scene keypoint's matches lead to, to find the matches of a neighbourhood without looking at all of them.
+  std::multimap<std::uint32_t, std::uint32_t> model_of;
+  for (const Match& match : matches) model_of.emplace(match.scene, match.model);
+  Neighbourhoods in_scene(scene, options.nearest);
+  Neighbourhoods in_model(model, options.nearest);
+  MatchSet kept;
+  for (const Match& match : matches) {
+    const std::vector<std::uint32_t>& model_neighbours = in_model.Of(match.model);
+    int votes = 0;
+    for (const std::uint32_t neighbour : in_scene.Of(match.scene)) {
+      const auto [first, last] = model_of.equal_range(neighbour);
+      for (auto other = first; other != last; ++other)
+        votes += std::ranges::binary_search(model_neighbours, other->second) ? 1 : 0;
+    }
+    if (votes >= options.least_votes) kept.push_back(match);
+  }
+  return kept;
+}
+
+}  // namespace victorious

@@ -1,0 +1,75 @@
+#include "victorious/pipeline/preset.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+namespace victorious {
+namespace {
+
+constexpr std::array<std::string_view, 2> kNames = {"thesis", "learnt"};
+
+// By the fields' full names, of whichever list has them.
+constexpr std::string_view kThesis = R"({
+  "features.contrast_threshold": 0.04,
+  "features.edge_threshold": 10.0,
+  "features.impulse_share": 1.0,
+  "least_mask_share": 0.0,
+  "method": "grammar",
+  "match.ratio": 0.8,
+  "cascade.filter": "cascade",
+  "cascade.radius": "fixed",
+  "cascade.radius_px": 75.0,
+  "cascade.scale_distortion": 1.45,
+  "cascade.distance_distortion": 1.45,
+  "cascade.first_approval": 0.2,
+  "cascade.orientation_distortion_rad": 1.5,
+  "cascade.line_distortion_rad": 0.6,
+  "cascade.second_approval": 0.4,
+  "cascade.third_approval": 0.6,
+  "cascade.least_votes": 2,
+  "cascade.distinct_stages": 1,
+  "pose.refine_plane": false,
+  "features.kind": "keypoints",
+  "features.surroundings": "calibrate",
+  "category.scoring": "likelihood",
+  "category.soft_words": 1,
+  "category.vocabulary.root": false
+})";
+
+constexpr std::string_view kLearnt = R"({
+  "method": "grammar",
+  "cascade.scale_distortion": 1.7,
+  "cascade.distance_distortion": 1.35,
+  "cascade.orientation_distortion_rad": 0.55,
+  "cascade.line_distortion_rad": 0.3,
+  "cascade.first_approval": 0.15,
+  "cascade.second_approval": 0.2,
+  "cascade.third_approval": 0.6
+})";
+
+}  // namespace
+
+std::span<const std::string_view> PresetNames() { return kNames; }
+
+bool IsPreset(std::string_view name) { return std::ranges::find(kNames, name) != kNames.end(); }
+
+Status ApplyPreset(std::string_view name, const std::vector<FieldRef>& fields) {
+  if (!IsPreset(name)) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: no such preset; there are {}", name, fmt::join(kNames, ", ")));
+  }
+  nlohmann::json known = nlohmann::json::object();
+  const nlohmann::json preset = nlohmann::json::parse(name == "thesis" ? kThesis : kLearnt);
+  for (const auto& [field, value] : preset.items()) {
+    if (std::ranges::find(fields, field, &FieldRef::name) != fields.end()) known[field] = value;
+  }
+  if (known.empty())
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("preset {}: says nothing of these parameters", name));
+  return SetFromJson(known, fields);
+}
+
+}  // namespace victorious

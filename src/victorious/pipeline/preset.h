@@ -1,0 +1,27 @@
+// Parameters that go together, under one name: `--params thesis` in place of a file.
+#pragma once
+
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "victorious/base/options.h"
+
+namespace victorious {
+
+/// The names there are.
+std::span<const std::string_view> PresetNames();
+
+[[nodiscard]] bool IsPreset(std::string_view name);
+
+/// "learnt": the cascade's thresholds and votes as `experiment chapter3.filters` learns them from simulated pictures,
+/// rounded; by the grammar, R and all else as it is.
+///
+/// "thesis": what chapter 3 says. Lowe's keypoints as they come, without noise taken out first; of CAD models' views
+/// all keypoints on the object; the ratio test at 0.8, the cascade with the values of table 3.1 and R = 75 px, MLESAC
+/// for a similarity and nothing finer; categories from keypoints by equation 3.1. Sets those of the preset's fields
+/// that `fields` has, whatever they held. Errors: kInvalidArgument for a name that is none, and where `fields` has none
+/// of them.
+Status ApplyPreset(std::string_view name, const std::vector<FieldRef>& fields);
+
+}  // namespace victorious

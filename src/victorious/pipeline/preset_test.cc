@@ -1,0 +1,49 @@
+#include "victorious/pipeline/preset.h"
+
+#include <gtest/gtest.h>
+
+#include "victorious/model/cad_model.h"
+#include "victorious/pipeline/index_options.h"
+
+namespace victorious {
+namespace {
+
+TEST(Preset, ThesisSetsWhatTheThesisSaysInEachList) {
+  IndexOptions index;
+  index.recognize.match.ratio = 0.9;
+  ASSERT_TRUE(ApplyPreset("thesis", FieldsOf(index)).has_value());
+  EXPECT_EQ(index.recognize.method, "grammar");
+  EXPECT_EQ(index.recognize.match.ratio, 0.8);
+  EXPECT_EQ(index.recognize.cascade.radius_px, 75);
+  EXPECT_EQ(index.features.impulse_share, 1);
+  CadModelOptions cad;
+  ASSERT_TRUE(ApplyPreset("thesis", FieldsOf(cad)).has_value());
+  EXPECT_EQ(cad.features.contrast_threshold, index.features.contrast_threshold);
+  EXPECT_EQ(cad.least_mask_share, 0);
+}
+
+TEST(Preset, LearntSetsTheCascadeAlone) {
+  IndexOptions index;
+  ASSERT_TRUE(ApplyPreset("learnt", FieldsOf(index)).has_value());
+  EXPECT_EQ(index.recognize.cascade.line_distortion_rad, 0.3);
+  EXPECT_EQ(index.recognize.match.ratio, IndexOptions().recognize.match.ratio);
+  EXPECT_EQ(index.features.contrast_threshold, IndexOptions().features.contrast_threshold);
+}
+
+TEST(Preset, LeavesTheRestAsItIs) {
+  IndexOptions index;
+  index.recognize.pose.seed = 17;
+  ASSERT_TRUE(ApplyPreset("thesis", FieldsOf(index)).has_value());
+  EXPECT_EQ(index.recognize.pose.seed, 17U);
+}
+
+TEST(Preset, UnknownNamesAndListsWithoutItsFieldsAreRefused) {
+  IndexOptions index;
+  EXPECT_EQ(ApplyPreset("nonsense", FieldsOf(index)).error().message,
+            "nonsense: no such preset; there are thesis, learnt");
+  RunOptions runs;
+  EXPECT_EQ(ApplyPreset("thesis", FieldsOf(runs)).error().code, ErrorCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace victorious

@@ -1,0 +1,76 @@
+#!/usr/bin/env python3
+"""Tests of chapter3.py: reports in, the page out."""
+
+import json
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import chapter3
+
+
+def filter_row(setting: str, trials: str, ratio: float, name: str) -> dict:
+    return {"setting": setting, "trials": trials, "ratio": ratio, "filter": name, "true before": 100.0,
+            "true kept %": 98.76, "false before": 500.0, "false after": 2.0, "near after": 1.0,
+            "false % of what is left": 1.94, "false before / after": 250.0, "ms a trial": 0.1}
+
+
+def report_of(name: str) -> dict:
+    if name == "chapter3.filters":
+        rows = [filter_row(setting, trials, ratio, which)
+                for setting in ("thesis", "ours") for trials in ("all 4", "unseen 2") for ratio in (0.6, 0.95)
+                for which in ("cascade", "cascade, table 3.1", "cascade, learnt thresholds",
+                              "cascade, learnt, all measures in each stage")]
+    elif name == "chapter3.sweeps":
+        rows = [{"setting": setting, "difficulty": "blur", "value": 1.0, "filter": which, "true before": 10.0,
+                 "false before": 20.0, "true kept %": 90.0, "false after": 0.0}
+                for setting in ("thesis", "ours")
+                for which in ("neighbours (Video Google)", "first stage alone", "cascade", "cascade, R from scale",
+                              "cascade, then MLESAC", "MLESAC alone", "OpenCV's homography alone")]
+    else:
+        rows = [{"ratio": 0.8, "true": 39.0}]
+    return {"experiment": name, "title": f"Title of {name}", "notes": ["A note."], "rows": rows}
+
+
+class PageTest(unittest.TestCase):
+    def make(self, folder: Path, picture_bytes: int) -> subprocess.CompletedProcess:
+        results = folder / "results"
+        results.mkdir()
+        for name, _, _, pictures in chapter3.SECTIONS:
+            (results / f"{name}.json").write_text(json.dumps(report_of(name)))
+            for picture in pictures:
+                (results / picture).write_bytes(b"x" * picture_bytes)
+        # Every report is there, so the program is never run.
+        return subprocess.run([sys.executable, chapter3.__file__, "/nowhere", "--results", results, "--docs",
+                               folder / "docs"], capture_output=True, text=True, check=False)
+
+    def test_every_section_is_on_the_page(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            run = self.make(folder, 10)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            page = (folder / "docs" / "chapter3.md").read_text()
+            for experiment, heading, _, pictures in chapter3.SECTIONS:
+                self.assertIn(f"## {heading}\n", page)
+                self.assertIn(f"Title of {experiment}", page)
+                for picture in pictures:
+                    self.assertIn(f"(images/chapter3/{picture})", page)
+                    self.assertTrue((folder / "docs" / "images" / "chapter3" / picture).exists())
+            self.assertIn("98.76", page)
+
+    def test_large_pictures_are_refused(self):
+        with tempfile.TemporaryDirectory() as name:
+            run = self.make(Path(name), chapter3.MOST_PICTURE_BYTES + 1)
+            self.assertEqual(run.returncode, 1)
+            self.assertIn("must be at most", run.stderr)
+
+    def test_pivot_puts_names_across(self):
+        rows = [{"x": 1, "name": "a", "v": 5}, {"x": 1, "name": "b", "v": 6}, {"x": 2, "name": "a", "v": 7}]
+        self.assertEqual(chapter3.pivot(rows, ["x"], "name", lambda row: row["v"], ["a", "b"]),
+                         [{"x": 1, "a": 5, "b": 6}, {"x": 2, "a": 7}])
+
+
+if __name__ == "__main__":
+    unittest.main()
