@@ -30,7 +30,9 @@ def report_of(name: str) -> dict:
                 for which in ("neighbours (Video Google)", "first stage alone", "cascade", "cascade, R from scale",
                               "cascade, then MLESAC", "MLESAC alone", "OpenCV's homography alone")]
     else:
-        rows = [{"ratio": 0.8, "true": 39.0}]
+        counts = {f"{whose}: {what}": 3.0 for whose in ("its setting here", "ours") for what in ("true", "false")}
+        rows = [{"ratio": 0.8, "filtering": stage, "when": when} | counts
+                for stage, when in (("none", "before"), ("third", "after"))]
     return {"experiment": name, "title": f"Title of {name}", "notes": ["A note."], "rows": rows}
 
 
@@ -58,7 +60,7 @@ class PageTest(unittest.TestCase):
                 for picture in pictures:
                     self.assertIn(f"(images/chapter3/{picture})", page)
                     self.assertTrue((folder / "docs" / "images" / "chapter3" / picture).exists())
-            self.assertIn("98.76", page)
+            self.assertIn("98.76 %, 1.97 %, 250", page)
 
     def test_large_pictures_are_refused(self):
         with tempfile.TemporaryDirectory() as name:

@@ -24,8 +24,8 @@ ObjectModel ModelOf(const std::string& name, const cv::Mat& bgr, const std::opti
   return MakePhotoModel(name, std::span(&photo, 1), std::nullopt, {}).value();
 }
 
-Recognizer RecognizerOf(std::vector<ObjectModel> models) {
-  return Recognizer::Create(std::move(models), FeatureOptions().engine, {}).value();
+Recognizer RecognizerOf(std::vector<ObjectModel> models, const RecognizeOptions& options) {
+  return Recognizer::Create(std::move(models), FeatureOptions().engine, options).value();
 }
 
 Series::Series(std::string_view name)

@@ -26,7 +26,7 @@ FeatureSet FeaturesOf(const cv::Mat& grey);
 /// A model of one photo, with the default options.
 ObjectModel ModelOf(const std::string& name, const cv::Mat& bgr, const std::optional<Box>& box = std::nullopt);
 
-Recognizer RecognizerOf(std::vector<ObjectModel> models);
+Recognizer RecognizerOf(std::vector<ObjectModel> models, const RecognizeOptions& options = {});
 
 /// A series of pictures of one flat thing: img1.png, img2.png, … and H1to2p, … from the first to the others.
 class Series {

@@ -32,6 +32,7 @@ constexpr std::string_view kThesis = R"({
   "cascade.third_approval": 0.6,
   "cascade.least_votes": 2,
   "cascade.distinct_stages": 1,
+  "cascade.all_measures": false,
   "pose.refine_plane": false,
   "features.kind": "keypoints",
   "features.surroundings": "calibrate",
@@ -44,11 +45,13 @@ constexpr std::string_view kLearnt = R"({
   "method": "grammar",
   "cascade.scale_distortion": 1.7,
   "cascade.distance_distortion": 1.35,
-  "cascade.orientation_distortion_rad": 0.55,
+  "cascade.orientation_distortion_rad": 0.5,
   "cascade.line_distortion_rad": 0.3,
-  "cascade.first_approval": 0.15,
+  "cascade.first_approval": 0.1,
   "cascade.second_approval": 0.2,
-  "cascade.third_approval": 0.6
+  "cascade.third_approval": 0.6,
+  "cascade.least_votes": 2,
+  "cascade.all_measures": true
 })";
 
 }  // namespace

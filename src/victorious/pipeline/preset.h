@@ -14,8 +14,8 @@ std::span<const std::string_view> PresetNames();
 
 [[nodiscard]] bool IsPreset(std::string_view name);
 
-/// "learnt": the cascade's thresholds and votes as `experiment chapter3.filters` learns them from simulated pictures,
-/// rounded; by the grammar, R and all else as it is.
+/// "learnt": the cascade with all four measures in each stage, and thresholds as `experiment chapter3.filters` learns
+/// them from simulated pictures, rounded; by the grammar, R and all else as it is.
 ///
 /// "thesis": what chapter 3 says. Lowe's keypoints as they come, without noise taken out first; of CAD models' views
 /// all keypoints on the object; the ratio test at 0.8, the cascade with the values of table 3.1 and R = 75 px, MLESAC

@@ -1,16 +1,19 @@
 // Filters and settings compared over the whole pool: what each keeps of the true matches, and what is false among what
-// it leaves. Thresholds are learnt on half of the drawn scenes' trials, and measured on the other half too.
+// it leaves. Thresholds are learnt on the trials of every second flight, and measured on the others.
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "victorious/base/check.h"
 #include "victorious/evaluate/experiments/learn_thresholds.h"
 #include "victorious/evaluate/experiments/match_experiments.h"
 #include "victorious/evaluate/experiments/match_filters.h"
 #include "victorious/evaluate/experiments/match_pool.h"
+#include "victorious/pipeline/preset.h"
 
 namespace victorious {
 namespace {
@@ -39,11 +42,11 @@ std::vector<MatchFilter> Variants(const CascadeOptions& cascade) {
   add("cascade, support distinct nowhere", [](CascadeOptions& o) { o.distinct_stages = 0; });
   add("cascade, distinct in the last two stages", [](CascadeOptions& o) { o.distinct_stages = 2; });
   add("cascade, distinct in all stages", [](CascadeOptions& o) { o.distinct_stages = 3; });
-  add("cascade, all measures, approvals 0.1, 0.3, 0.6, 3 votes", [](CascadeOptions& o) {
-    o.all_measures = true;
-    o.first_approval = 0.1;
-    o.second_approval = 0.3;
-    o.least_votes = 3;
+  add("cascade, --params learnt", [](CascadeOptions& o) {
+    RecognizeOptions options{.cascade = o};
+    const Status applied = ApplyPreset("learnt", FieldsOf(options));
+    VICTORIOUS_CHECK(applied.has_value());
+    o = options.cascade;
   });
   return variants;
 }
@@ -84,9 +87,11 @@ Expected<Report> RunChapter3Filters(const ExperimentSettings& settings) {
     std::vector<const MatchTrial*> all;
     std::vector<const MatchTrial*> learning;
     std::vector<const MatchTrial*> unseen;
+    std::set<std::string> flights;  // met so far; the trials of one go all into one half
     for (const MatchTrial& trial : trials) {
+      flights.insert(trial.scene->name.substr(0, trial.scene->name.find(',')));
       all.push_back(&trial);
-      (all.size() % 2 == 1 ? learning : unseen).push_back(&trial);
+      (flights.size() % 2 == 1 ? learning : unseen).push_back(&trial);
     }
     const auto add = [&](const std::string& which, const std::vector<const MatchTrial*>& some, double ratio,
                          const MatchFilter& filter) {
@@ -123,7 +128,7 @@ Expected<Report> RunChapter3Filters(const ExperimentSettings& settings) {
     }
     for (const auto& [name, options] : learnt) {
       report.notes.push_back(fmt::format(
-          "Learnt on every second trial, setting {}, {}: scale {:.2f}, distance {:.2f}, orientation {:.2f} rad, line "
+          "Learnt on every second flight, setting {}, {}: scale {:.2f}, distance {:.2f}, orientation {:.2f} rad, line "
           "{:.2f} rad, approvals {:g}, {:g}, {:g}, votes {}.",
           setup.name, name, options.scale_distortion, options.distance_distortion, options.orientation_distortion_rad,
           options.line_distortion_rad, options.first_approval, options.second_approval, options.third_approval,

@@ -61,7 +61,7 @@ Expected<Report> RunTable32(const ExperimentSettings& settings) {
   }
   report.notes = {
       fmt::format(
-          "Ours: {}; a match is true if its scene keypoint lies within {:g} px, or its own scale, of where the "
+          "Here: {}; a match is true if its scene keypoint lies within {:g} px, or its own scale, of where the "
           "true pose puts the template keypoint's place on the object, and false beyond {:g} px; the few between "
           "are neither.",
           ours.name, MatchTruth::kLeastTolerancePx, MatchTruth::kNearPx),
