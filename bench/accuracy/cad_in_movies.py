@@ -5,10 +5,11 @@ Usage: cad_in_movies.py [MOVIE...] [--program build/victorious] [--models assets
                         [--tool FILE] [--work build/cad_in_movies]
 
 MOVIE is a scene (scenes/NAME.json), or a folder with video.mp4 and truth.jsonl; without any, the scenes of the project
-but the demo's. A scene is simulated into WORK/flights/NAME unless it is there already; what --program makes of the
-scene may have changed since: delete the folder then. Models are made anew each time, from DIR/NAME.glb of --models, of
-everything that the truth names; what has no such file is not searched for, and said so. Each movie is indexed once,
-with all its models together and its telemetry.csv if it has one, into WORK/NAME.db (`victorious sheet --db WORK/NAME.db --out OUT.jpg` draws its finds).
+but the demo's and the single pictures of chapter 3. A scene is simulated into WORK/flights/NAME unless it is there
+already; what --program makes of the scene may have changed since: delete the folder then. Models are made anew each
+time, from DIR/NAME.glb of --models, of everything that the truth names; what has no such file is not searched for, and
+said so. Each movie is indexed once, with all its models together and its telemetry.csv if it has one, into WORK/NAME.db
+(`victorious sheet --db WORK/NAME.db --out OUT.jpg` draws its finds).
 
 One row a movie, then rows over all movies, those without and with noise, and each model:
 
@@ -231,7 +232,8 @@ def parse() -> argparse.Namespace:
     parser.add_argument("--tool", type=Path, help="a scorer that must agree")
     parser.add_argument("--work", type=Path, default=REPOSITORY / "build/cad_in_movies", help="flights, indexes")
     arguments = parser.parse_args()
-    scenes = sorted(path for path in (REPOSITORY / "scenes").glob("*.json") if path.stem != "demo")
+    scenes = sorted((REPOSITORY / "scenes").glob("*.json"))
+    scenes = [path for path in scenes if path.stem != "demo" and not path.stem.startswith("chapter3_")]
     arguments.movies = arguments.movies or scenes
     for path in arguments.movies:
         if not (path / "truth.jsonl").exists() and not path.is_file():
