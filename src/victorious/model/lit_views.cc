@@ -4,6 +4,7 @@
 #include <atomic>
 #include <map>
 #include <mutex>
+#include <new>
 #include <utility>
 #include <vector>
 
@@ -61,7 +62,11 @@ class LitViews : public LitTemplates {
 
   void MakeIfUnclaimed(const LitView& wanted, Slot& slot) const {
     if (slot.claimed.exchange(true)) return;
-    slot.lit = std::make_shared<const LitTemplate>(Make(wanted));
+    try {
+      slot.lit = std::make_shared<const LitTemplate>(Make(wanted));
+    } catch (const std::bad_alloc&) {
+      slot.lit = nothing_;  // or those who wait would wait for ever
+    }
     slot.made = true;
     slot.made.notify_all();
   }
@@ -81,6 +86,7 @@ class LitViews : public LitTemplates {
   ObjectModel model_;
   CadModelOptions options_;
   std::unique_ptr<const FeatureExtractor> extractor_;
+  std::shared_ptr<const LitTemplate> nothing_ = std::make_shared<const LitTemplate>();
   mutable std::mutex mutex_;
   mutable std::map<LitView, Slot> slots_;
 };

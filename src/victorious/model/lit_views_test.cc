@@ -1,6 +1,9 @@
 #include "victorious/model/lit_views.h"
 
 #include <cmath>
+#include <memory>
+#include <set>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -90,6 +93,30 @@ TEST(LitViews, ASunBringsItsOwnFeatures) {
     EXPECT_LE(std::abs(point.y), 2.05F);
     EXPECT_LE(point.z, 0.35F);
   }
+}
+
+// Threads that prepare the same views at once get the same ones, each made once.
+TEST(LitViews, ThreadsShareTheWork) {
+  const auto lit = MakeLitViews(WaffleModel()).value();
+  std::vector<LitView> wanted;
+  for (std::size_t view = 1; view < 7; ++view) wanted.push_back({8, view});
+  constexpr std::size_t kThreads = 4;
+  std::vector<std::vector<std::shared_ptr<const LitTemplate>>> got(kThreads);
+  {
+    std::vector<std::jthread> threads;
+    for (auto& mine : got) {
+      threads.emplace_back([&] {
+        lit->Prepare(wanted);
+        for (const LitView& one : wanted) mine.push_back(lit->Under(one));
+      });
+    }
+  }
+  for (const auto& mine : got) EXPECT_EQ(mine, got.front());
+  for (const auto& one : got.front()) {
+    ASSERT_NE(one, nullptr);
+    EXPECT_GT(one->features.size(), 0U);
+  }
+  EXPECT_EQ(std::set(got.front().begin(), got.front().end()).size(), wanted.size());
 }
 
 TEST(LitViews, PhotosHaveNone) {
