@@ -7,10 +7,12 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/file.h"
@@ -111,10 +113,33 @@ CLI::Validator TimeOfVideo() {
       "");
 }
 
+void AddParams(CLI::App& app, std::string& params, std::string_view lists) {
+  app.add_option("--params", params,
+                 fmt::format("Parameters: JSON (`victorious params {}` lists them), or a preset: {}", lists,
+                             fmt::join(PresetNames(), ", ")))
+      ->type_name("FILE");
+}
+
+void AddFieldOfView(CLI::App& app, std::optional<double>& hfov_deg) {
+  const auto check = [](std::string& text) -> std::string {
+    const std::optional<double> degrees = NumberFromZero(text);
+    if (degrees && *degrees > 0 && *degrees < 180) return {};
+    return fmt::format("\"{}\": must be above 0 and below 180 degrees", text);
+  };
+  app.add_option("--hfov", hfov_deg, "The camera's full horizontal field of view, degrees, whatever telemetry tells")
+      ->check(CLI::Validator(check, ""))
+      ->type_name("DEG");
+}
+
 Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields) {
   if (path.empty()) return {};
   if (IsPreset(path)) return ApplyPreset(path, fields);
   constexpr std::size_t kMostBytes = 1 << 20;
+  const bool looks_like_a_name = path.find_first_of("./") == std::string::npos;
+  if (looks_like_a_name && !std::filesystem::exists(path)) {
+    return Fail(ErrorCode::kNotFound, fmt::format("--params {}: neither a file nor a preset; presets are {}", path,
+                                                  fmt::join(PresetNames(), ", ")));
+  }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMostBytes));
   const auto json = ParseJson(text);
   if (!json) {

@@ -26,8 +26,15 @@ Expected<double> ParseTime(std::string_view text);
 
 /// For options that hold seconds: takes what ParseTime takes.
 CLI::Validator TimeOfVideo();
+
 /// "latitude,longitude,metres", degrees.
 Expected<Surroundings> ParseSurroundings(std::string_view text);
+
+/// The option --params. `lists` is what `victorious params` lists them by.
+void AddParams(CLI::App& app, std::string& params, std::string_view lists);
+
+/// The option --hfov.
+void AddFieldOfView(CLI::App& app, std::optional<double>& hfov_deg);
 
 /// Reads `--params FILE` (JSON) into the fields, or a preset by its name (pipeline/preset.h; a file of that name is
 /// ./NAME); an empty path changes nothing.

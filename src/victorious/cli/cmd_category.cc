@@ -140,8 +140,7 @@ Action SetUpCategory(CLI::App& app) {
   CLI::App* train = app.add_subcommand("train", "Learn categories from pictures");
   add_pictures(train, "image,category,x0,y0,x1,y1 a line, after a header; the box in pixels, or nothing");
   train->add_option("--out", arguments->out, "The category model to write")->required()->type_name("FILE");
-  train->add_option("--params", arguments->params, "Parameters, JSON (`victorious params category` lists them)")
-      ->type_name("FILE");
+  AddParams(*train, arguments->params, "category");
   train->add_option("--seed", arguments->seed, "Of every random draw (default 1)")->type_name("N");
 
   CLI::App* classify = app.add_subcommand("classify", "What pictures show: a label and a score a category");

@@ -33,7 +33,7 @@ Status Run(const Arguments& arguments) {
   IndexOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
   if (arguments.every) options.every = *arguments.every;
-  if (arguments.hfov_deg) options.video.hfov_deg = *arguments.hfov_deg;
+  if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectModel> models, ModelLibrary(arguments.models).LoadAll());
   if (models.empty()) {
     return Fail(ErrorCode::kNotFound,
@@ -78,15 +78,11 @@ Action SetUpIndex(CLI::App& app) {
   app.add_option("--telemetry", arguments->telemetry,
                  "Where the camera was (unless given: the video's own KLV, .SRT or .telemetry.csv beside it)")
       ->type_name("FILE");
-  app.add_option("--params", arguments->params,
-                 "Parameters: JSON (`victorious params` lists them), or a preset: thesis, learnt")
-      ->type_name("FILE");
+  AddParams(app, arguments->params, "index");
   app.add_option("--every", arguments->every,
                  "Search every N-th frame as a whole; between them, only where objects are followed")
       ->type_name("N");
-  app.add_option("--hfov", arguments->hfov_deg,
-                 "The camera's full horizontal field of view, degrees, where telemetry does not tell")
-      ->type_name("DEG");
+  AddFieldOfView(app, arguments->hfov_deg);
   app.add_flag("--redo", arguments->redo, "Forget what was found of these models in these videos, and search again");
   app.add_option("--threads", arguments->threads, "Threads; 0: as many as the machine has")->check(CLI::Range(0, 1024));
   return [=] { return Run(*arguments); };

@@ -151,9 +151,7 @@ Action SetUpMatch(CLI::App& app) {
   app.add_option("SCENE", arguments->scene, "The picture to search in")->required();
   app.add_option("TEMPLATE", arguments->model, "The picture of the object; its alpha channel cuts it out")->required();
   app.add_option("--ratio", arguments->ratio, "Lowe's ratio test (default 0.8)")->type_name("R");
-  app.add_option("--params", arguments->params,
-                 "Parameters: JSON (`victorious params` lists them), or a preset: thesis, learnt")
-      ->type_name("FILE");
+  AddParams(app, arguments->params, "index");
   app.add_option("--draw", arguments->draw, "Draw the matches and the outline into this PNG")->type_name("FILE");
   app.add_flag("--json", arguments->json, "Every stage's matches as JSON");
   return [=] { return Run(*arguments); };

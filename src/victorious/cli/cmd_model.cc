@@ -239,9 +239,7 @@ Action SetUpModel(CLI::App& app) {
       ->type_name("AXIS");
   add->add_option("--draw", arguments->draw, "Draw the photos with what is cut out of them into this picture")
       ->type_name("FILE");
-  add->add_option("--params", arguments->params,
-                  "Parameters, JSON (`victorious params model` and `params cad` list them)")
-      ->type_name("FILE");
+  AddParams(*add, arguments->params, "model|cad");
   CLI::App* list = add_subcommand("list", "The models of a folder");
   list->add_flag("--json", arguments->json, "One JSON object a line");
   CLI::App* show = add_subcommand("show", "One model's views, features, size, and what made it");

@@ -101,10 +101,8 @@ Action SetUpNavigate(CLI::App& app) {
          "--telemetry", arguments->telemetry,
          "Where the camera was said to be (unless given: the video's own KLV, .SRT or .telemetry.csv beside it)")
       ->type_name("FILE");
-  app.add_option("--hfov", arguments->hfov_deg, "The full horizontal field of view (unless given: telemetry's)")
-      ->check(CLI::Range(0.1, 179.0))
-      ->type_name("DEG");
-  app.add_option("--params", arguments->params, "Parameters (`victorious params navigate`)")->type_name("FILE");
+  AddFieldOfView(app, arguments->hfov_deg);
+  AddParams(app, arguments->params, "navigate");
   return [=] { return Run(*arguments); };
 }
 

@@ -146,7 +146,7 @@ Action SetUpSearch(CLI::App& app) {
   app.add_option("--image", arguments->image, "An example picture: list the moments that show what it shows")
       ->type_name("FILE");
   app.add_option("--box", arguments->box, "The object in the example picture")->type_name("X,Y,W,H");
-  app.add_option("--params", arguments->params, "Parameters of recognition for --image, JSON")->type_name("FILE");
+  AddParams(app, arguments->params, "index");
   app.add_option("--most", arguments->most, "List so many at most; 0: all")
       ->check(CLI::Range(0, 1'000'000'000))
       ->type_name("N");

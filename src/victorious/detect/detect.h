@@ -7,8 +7,8 @@
 // Stival, IJCV 57, 2004; the same question as Lowe's, CVPR 2001, section 5). With n matches of the template in the
 // scene, k of them agreeing, p the chance that a wrong match agrees with a given pose in place, turn and scale:
 //   expected = views * C(n, 2) * P(at least k - 2 of n - 2 agree),   evidence = -log10(expected).
-// score = 1 / (1 + exp(-(evidence - even) / scale)), with the curve that makes it the share that is right
-// (`victorious experiment figure-calibration`).
+// score = 1 / (1 + exp(-(evidence - even) / scale)), with a curve fitted to the share that is right on three
+// movies without a sun (docs/results.md, `victorious experiment figure-calibration`).
 // A pose that carries its own evidence (pose/vote_poses.h) keeps it, less the number of views searched.
 #pragma once
 

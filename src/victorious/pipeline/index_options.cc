@@ -29,12 +29,6 @@ void VideoOptions::ListFields(FieldList& fields) {
               .max = 1000,
               .unit = "frames/s",
               .reason = "the times of a folder's pictures, which carry none of their own"});
-  fields.Add("hfov_deg", hfov_deg,
-             {.min = 0,
-              .max = 179,
-              .unit = "deg",
-              .reason = "the camera's full horizontal field of view, where telemetry does not tell: tells how far off "
-                        "CAD models are; 0: not known"});
 }
 
 void IndexOptions::ListFields(FieldList& fields) {

@@ -31,7 +31,6 @@ struct KeepOptions {
 /// How sources are read.
 struct VideoOptions {
   double folder_frame_rate = 10.0;
-  double hfov_deg = 0;
 
   void ListFields(FieldList& fields);
 };

@@ -68,7 +68,12 @@ Status ApplyPreset(std::string_view name, const std::vector<FieldRef>& fields) {
   nlohmann::json known = nlohmann::json::object();
   const nlohmann::json preset = nlohmann::json::parse(name == "thesis" ? kThesis : kLearnt);
   for (const auto& [field, value] : preset.items()) {
-    if (std::ranges::find(fields, field, &FieldRef::name) != fields.end()) known[field] = value;
+    const auto same = std::ranges::find(fields, field, &FieldRef::name);
+    if (same == fields.end()) continue;
+    // A choice of the same name that has no such value is another one: `locate` has its own "method".
+    const auto& choices = same->spec.choices;
+    const bool fits = choices.empty() || std::ranges::find(choices, value.get<std::string>()) != choices.end();
+    if (fits) known[field] = value;
   }
   if (known.empty())
     return Fail(ErrorCode::kInvalidArgument, fmt::format("preset {}: says nothing of these parameters", name));

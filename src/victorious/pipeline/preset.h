@@ -14,8 +14,9 @@ std::span<const std::string_view> PresetNames();
 
 [[nodiscard]] bool IsPreset(std::string_view name);
 
-/// "learnt": the cascade with all four measures in each stage, and thresholds as `experiment chapter3.filters` learns
-/// them from simulated pictures, rounded; by the grammar, R and all else as it is.
+/// "learnt": the cascade with all four measures in each stage, and thresholds near those that
+/// `experiment chapter3.filters` learns from simulated pictures: rounded, the angles a little wider, the last approval
+/// table 3.1's; by the grammar, R and all else as it is.
 ///
 /// "thesis": what chapter 3 says. Lowe's keypoints as they come, without noise taken out first; of CAD models' views
 /// all keypoints on the object; the ratio test at 0.8, the cascade with the values of table 3.1 and R = 75 px, MLESAC

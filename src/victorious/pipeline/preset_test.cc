@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "victorious/geolocate/locate_options.h"
 #include "victorious/model/cad_model.h"
 #include "victorious/pipeline/index_options.h"
 
@@ -41,6 +42,8 @@ TEST(Preset, UnknownNamesAndListsWithoutItsFieldsAreRefused) {
   IndexOptions index;
   EXPECT_EQ(ApplyPreset("nonsense", FieldsOf(index)).error().message,
             "nonsense: no such preset; there are thesis, learnt");
+  LocateOptions locate;
+  EXPECT_EQ(ApplyPreset("thesis", FieldsOf(locate)).error().message, "preset thesis: says nothing of these parameters");
   RunOptions runs;
   EXPECT_EQ(ApplyPreset("thesis", FieldsOf(runs)).error().code, ErrorCode::kInvalidArgument);
 }

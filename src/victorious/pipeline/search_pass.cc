@@ -159,7 +159,7 @@ SightingRecord ToSighting(const SearchPass& pass, const Frame& frame, const Feat
 std::optional<CameraState> CameraAt(const SearchPass& pass, double time_s) {
   std::optional<CameraState> camera;
   if (pass.cameras != nullptr) camera = pass.cameras->At(time_s);
-  const double hfov_deg = pass.options.video.hfov_deg;
+  const double hfov_deg = pass.options.telemetry.hfov_deg;
   if (hfov_deg > 0) {
     if (!camera) camera.emplace(CameraState{.time_s = time_s});
     if (!camera->hfov_rad) camera->hfov_rad = RadiansFromDegrees(hfov_deg);

@@ -5,7 +5,8 @@
 #include <functional>
 #include <iterator>
 #include <limits>
-#include <numeric>
+#include <ranges>
+#include <set>
 #include <utility>
 
 #include "victorious/geometry/angles.h"
@@ -127,13 +128,15 @@ Look LitLook(const ObjectModel& model, std::size_t view, const Sun& sun, double 
   return {view, ViewFromSun(model, shared_rad, sun.elevation_rad)};
 }
 
-// The few largest of them, largest first.
-std::vector<std::size_t> MostEvident(std::span<const double> evidence, int few) {
-  std::vector<std::size_t> order(evidence.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, std::greater{}, [&](std::size_t i) { return evidence[i]; });
-  order.resize(std::min(order.size(), static_cast<std::size_t>(few)));
-  return order;
+// A look, and the most evidence of a pose that it found.
+struct Lead {
+  Look look;
+  double evidence;
+};
+
+std::vector<Lead> ByEvidence(std::vector<Lead> leads) {
+  std::ranges::stable_sort(leads, std::greater{}, &Lead::evidence);
+  return leads;
 }
 
 // One model against one scene.
@@ -153,6 +156,13 @@ class Comparison {
     std::vector<double> evidence;
     for (const Look& look : looks) evidence.push_back(Try(look));
     return evidence;
+  }
+
+  std::vector<Lead> Leads(std::span<const Look> looks) {
+    const std::vector<double> evidence = Try(looks);
+    std::vector<Lead> leads;
+    for (std::size_t i = 0; i < looks.size(); ++i) leads.push_back({looks[i], evidence[i]});
+    return leads;
   }
 
   std::vector<Candidate> TakeCandidates() { return std::move(candidates_); }
@@ -205,30 +215,27 @@ std::vector<Candidate> VoteSearch::Search(const VoteScene& scene, const FrameCon
   const bool sunny = lit_ && conditions.vertical && conditions.sun_ahead;
   Comparison comparison(*model_, lit_.get(), scene, conditions.vertical, model_->views.size() * (sunny ? 2 : 1));
 
-  std::vector<bool> waiting[2];  // under a soft sky, under the sun
-  waiting[0] = ChooseViews(*model_, conditions.vertical, options.most_tilt_rad);
-  waiting[1].resize(model_->views.size());
-  for (std::size_t view = 0; view < model_->views.size(); ++view) {
-    waiting[1][view] = sunny && waiting[0][view] && TellsHeading(model_->views[view]);
-  }
-  const auto add = [&](std::size_t view, bool lit, std::vector<Look>& looks) {
-    if (!waiting[lit][view]) return;
-    waiting[lit][view] = false;
-    looks.push_back(lit ? LitLook(*model_, view, *conditions.sun_ahead, options.sun_step_rad) : Look{view, {}});
+  const std::vector<bool> chosen = ChooseViews(*model_, conditions.vertical, options.most_tilt_rad);
+  std::set<std::pair<std::size_t, bool>> tried;  // a view, and whether under the sun
+  const auto add = [&](std::size_t view, bool under_sun, std::vector<Look>& looks) {
+    if (!chosen[view] || (under_sun && !(sunny && TellsHeading(model_->views[view])))) return;
+    if (!tried.emplace(view, under_sun).second) return;
+    looks.push_back(under_sun ? LitLook(*model_, view, *conditions.sun_ahead, options.sun_step_rad) : Look{view, {}});
   };
-  std::vector<Look> scouts;
-  for (const std::size_t view : ChooseScouts(*model_, waiting[0])) add(view, false, scouts);
-  std::vector<double> evidence = comparison.Try(scouts);
+  std::vector<Look> soft;
+  for (const std::size_t view : ChooseScouts(*model_, chosen)) add(view, false, soft);
+  std::vector<Lead> leads = comparison.Leads(soft);
   std::vector<Look> lit;
-  for (const std::size_t lead : MostEvident(evidence, options.most_lit)) add(scouts[lead].view, true, lit);
-  std::ranges::copy(comparison.Try(lit), std::back_inserter(evidence));
-  std::ranges::copy(lit, std::back_inserter(scouts));
+  for (const Lead& lead : ByEvidence(leads)) {  // those without any, too: a hard sun may hide all that a soft sky shows
+    if (std::ssize(lit) == options.most_lit) break;
+    add(lead.look.view, true, lit);
+  }
+  std::ranges::copy(comparison.Leads(lit), std::back_inserter(leads));
   std::vector<Look> near;
-  for (const std::size_t lead : MostEvident(evidence, options.most_followed)) {
-    if (evidence[lead] == kNoEvidence) break;
-    const Look& scout = scouts[lead];
-    for (const std::uint32_t neighbour : model_->views[scout.view].neighbours) {
-      add(neighbour, scout.sun_view.has_value(), near);
+  for (const Lead& lead : ByEvidence(leads) | std::views::take(options.most_followed)) {
+    if (lead.evidence == kNoEvidence) break;
+    for (const std::uint32_t neighbour : model_->views[lead.look.view].neighbours) {
+      add(neighbour, lead.look.sun_view.has_value(), near);
     }
   }
   comparison.Try(near);

@@ -243,7 +243,10 @@ void TelemetryOptions::ListFields(FieldList& fields) {
               .unit = "m",
               .reason = "of the take-off above the ellipsoid, for heights that count from it; -9999: unknown"});
   fields.Add("hfov_deg", hfov_deg,
-             {.min = 0, .max = 179, .unit = "deg", .reason = "the full horizontal field of view; 0: as told"});
+             {.min = 0,
+              .max = 179,
+              .unit = "deg",
+              .reason = "the camera's full horizontal field of view, whatever telemetry tells; 0: as told"});
 }
 
 bool LooksLikeTelemetry(std::string_view bytes) {
