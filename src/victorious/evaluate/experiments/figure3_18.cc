@@ -2,12 +2,7 @@
 // things of which both video and CAD file are at hand: a tea box, and a toy cube whose pose is known in every frame.
 // Their CAD files have no colours, so that each is searched for twice: as it is, and painted with the first frame.
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <fstream>
-#include <numeric>
-#include <span>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
