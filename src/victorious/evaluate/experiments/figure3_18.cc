@@ -125,6 +125,7 @@ Cell Shown(const std::vector<double>& values, double percent) {
   return value ? Cell(*value) : Cell("-");
 }
 
+// Without views left it makes no row.
 struct Trial {
   std::string object;
   std::string paint;
@@ -134,6 +135,7 @@ struct Trial {
 };
 
 Status Try(const Trial& trial, const ExperimentSettings& settings, Report& report) {
+  if (trial.views.size() <= trial.first_view) return {};  // one picture alone, which gave the paint
   VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
   settings.progress(fmt::format("{}, {}", trial.object, trial.paint));
   CadModelOptions making;
