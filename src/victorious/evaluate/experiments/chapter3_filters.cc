@@ -87,9 +87,9 @@ Expected<Report> RunChapter3Filters(const ExperimentSettings& settings) {
     std::vector<const MatchTrial*> all;
     std::vector<const MatchTrial*> learning;
     std::vector<const MatchTrial*> unseen;
-    std::set<std::string> flights;  // met so far; the trials of one go all into one half
+    std::set<int> flights;  // met so far; the trials of one go all into one half
     for (const MatchTrial& trial : trials) {
-      flights.insert(trial.scene->name.substr(0, trial.scene->name.find(',')));
+      flights.insert(trial.flight);
       all.push_back(&trial);
       (flights.size() % 2 == 1 ? learning : unseen).push_back(&trial);
     }

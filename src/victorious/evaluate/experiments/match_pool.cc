@@ -37,6 +37,7 @@ Expected<std::vector<fs::path>> Sorted(const fs::path& folder, bool folders) {
 
 Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings, int frames) {
   std::vector<PooledScene> pool;
+  int flights = 0;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<fs::path> files, Sorted(settings.scenes, false));
   for (const fs::path& file : files) {
     VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
@@ -46,8 +47,10 @@ Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings
     for (const int frame : Spread(frames, town.scene().video.frames)) {
       VICTORIOUS_ASSIGN_OR_RETURN(KnownScene drawn, town.Draw(frame));
       pool.push_back({.scene = std::make_shared<const KnownScene>(std::move(drawn)),
-                      .cad_folder = town.scene().assets / "models"});
+                      .cad_folder = town.scene().assets / "models",
+                      .flight = flights});
     }
+    ++flights;
   }
   const fs::path movies = settings.data / "movies";
   if (!fs::exists(movies)) return pool;
@@ -60,9 +63,12 @@ Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings
     const fs::path models = settings.data / "models";
     VICTORIOUS_ASSIGN_OR_RETURN(auto known, ReadKnownMovie(folder, models, Spread(frames, kMovieFrames), renderer));
     for (KnownScene& scene : known) {
-      pool.push_back(
-          {.scene = std::make_shared<const KnownScene>(std::move(scene)), .cad_folder = models, .is_movie = true});
+      pool.push_back({.scene = std::make_shared<const KnownScene>(std::move(scene)),
+                      .cad_folder = models,
+                      .is_movie = true,
+                      .flight = flights});
     }
+    ++flights;
   }
   return pool;
 }
@@ -85,6 +91,7 @@ Expected<std::vector<MatchTrial>> PoolTrials(const ExperimentSettings& settings,
         VICTORIOUS_ASSIGN_OR_RETURN(model, shelf.Get(cad_file, pooled.is_movie ? "models-movies" : "models"));
       }
       trials.push_back(MakeTrial(pooled.scene, features, model, NearestView(*model, object.view)));
+      trials.back().flight = pooled.flight;
     }
   }
   return trials;
