@@ -14,12 +14,12 @@
 
 #include "victorious/base/file.h"
 #include "victorious/base/json.h"
+#include "victorious/evaluate/experiments/video_frames.h"
 #include "victorious/geolocate/object_pose.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/render/load_mesh.h"
 #include "victorious/render/view_sphere.h"
 #include "victorious/video/image_file.h"
-#include "victorious/video/video_reader.h"
 
 namespace victorious {
 namespace {
@@ -45,17 +45,15 @@ PinholeCamera PinholeOf(const Calibration& calibration, const cv::Mat& picture) 
 
 // The first frame, and at most so many others, evenly.
 Expected<std::vector<RealView>> ReadVideo(const fs::path& path, double focal_px) {
-  constexpr std::size_t kMost = 40;
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(path.string(), {.color = FrameColor::kBgr}));
-  std::vector<RealView> all;
-  while (true) {
-    VICTORIOUS_ASSIGN_OR_RETURN(std::optional<Frame> frame, reader->NextFrame());
-    if (!frame) break;
-    all.push_back({.bgr = frame->image, .focal_px = focal_px, .camera_from_object = {}});
-  }
-  const std::size_t step = (all.size() + kMost - 1) / kMost;
+  constexpr std::int64_t kMost = 40;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t count, CountFrames(path));
+  std::vector<std::int64_t> numbers;
+  for (std::int64_t i = 0; i < count; i += (count + kMost - 1) / kMost) numbers.push_back(i);
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Frame> frames, ReadFrames(path, numbers, FrameColor::kBgr));
   std::vector<RealView> views;
-  for (std::size_t i = 0; i < all.size(); i += step) views.push_back(all[i]);
+  for (const Frame& frame : frames) {
+    views.push_back({.bgr = frame.image, .focal_px = focal_px, .camera_from_object = {}});
+  }
   return views;
 }
 
