@@ -147,8 +147,9 @@ def shares_of(rows: list[dict]) -> str:
     kept = sum(row["true before"] * row["true kept %"] / 100 for row in rows)
     false_after = sum(row["false after"] for row in rows)
     left = kept + false_after + sum(row["near after"] for row in rows)
-    fewer = sum(row["false before"] for row in rows) / max(1, false_after)
-    return f"{100 * kept / before:.2f} %, {100 * false_after / left:.2f} %, {fewer:.0f}"
+    false_before = sum(row["false before"] for row in rows)
+    fewer = f"{false_before / false_after:.0f}" if false_after else f"> {false_before:.0f}"
+    return f"{100 * kept / before:.2f} %, {100 * false_after / left:.2f} %, {fewer}"
 
 
 def targets(reports: dict[str, dict]) -> str:
@@ -159,7 +160,7 @@ def targets(reports: dict[str, dict]) -> str:
     text += example_line("The second object", reports["table3.4"]["rows"], "before", "after", "when",
                          "25 of 26, none false")
     text += ("- Over every scene tried, as shares: true kept (98 % asked), false among what is left (0.5 % asked), and "
-             "how many times fewer false ones there are (100 asked). Learnt thresholds, those of half the "
+             "how many times fewer false ones there are (100 asked; > N: none of N is left). Learnt thresholds, those of half the "
              "flights, are measured on the other half; `--params learnt` is near them.\n\n")
     rows = reports["chapter3.filters"]["rows"]
     wanted = {("all", "cascade"): "table 3.1", ("unseen", "cascade, table 3.1"): "table 3.1, unseen half",

@@ -223,5 +223,12 @@ class TruthTest(program.ProgramTest):
         self.refuses_truth(b"\xff\xfe\x00", "truth.jsonl:1")
 
 
+class DataTest(program.ProgramTest):
+    def test_a_folder_of_data_that_is_not_there(self):
+        none, out = self.scratch / "none", self.scratch / "out"
+        self.refuses(2, ["--data", none], "experiment", "table3.2", "--data", none, "--out", out)
+        self.assertFalse(out.exists())
+
+
 if __name__ == "__main__":
     program.main()

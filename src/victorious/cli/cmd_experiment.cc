@@ -1,7 +1,9 @@
 // victorious experiment NAME --out DIR
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -20,14 +22,23 @@ struct Arguments {
   int seeds = 20;
 };
 
-std::string DefaultData() {
-  const char* const data = std::getenv("VICTORIOUS_DATA");
-  return data != nullptr ? data : "../shared/data";
+// A folder that was named must be there; the default one need not be for what draws its own pictures.
+Expected<std::string> DataFolder(const std::string& given) {
+  const char* const set = std::getenv("VICTORIOUS_DATA");
+  const std::string named = given.empty() && set != nullptr ? set : given;
+  if (named.empty()) return "../shared/data";
+  std::error_code error;
+  if (!std::filesystem::is_directory(named, error)) {
+    return Fail(ErrorCode::kNotFound, fmt::format("{} {}: no such folder of outside data",
+                                                  given.empty() ? "VICTORIOUS_DATA" : "--data", named));
+  }
+  return named;
 }
 
 Status Run(const Arguments& arguments) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string data, DataFolder(arguments.data));
   const ExperimentSettings settings{
-      .data = arguments.data.empty() ? DefaultData() : arguments.data,
+      .data = data,
       .scenes = arguments.scenes,
       .out = arguments.out,
       .seeds = arguments.seeds,

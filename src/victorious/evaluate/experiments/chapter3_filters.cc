@@ -23,6 +23,12 @@ constexpr std::array kRatios = {0.6, 0.7, 0.8, 0.85, 0.9, 0.95};
 
 double Percent(double part, double whole) { return whole > 0 ? 100 * part / whole : 0; }
 
+// How many times fewer false matches there are. With none left it has no value, only a bound: more than there were.
+Cell TimesFewer(int before, int after) {
+  if (after > 0) return static_cast<double>(before) / after;
+  return before > 0 ? fmt::format("> {}", before) : "-";
+}
+
 // The variants of the cascade that the thesis leaves open, beside MatchFilters().
 std::vector<MatchFilter> Variants(const CascadeOptions& cascade) {
   std::vector<MatchFilter> variants;
@@ -87,9 +93,9 @@ Expected<Report> RunChapter3Filters(const ExperimentSettings& settings) {
     std::vector<const MatchTrial*> all;
     std::vector<const MatchTrial*> learning;
     std::vector<const MatchTrial*> unseen;
-    std::set<std::string> flights;  // met so far; the trials of one go all into one half
+    std::set<int> flights;  // met so far; the trials of one go all into one half
     for (const MatchTrial& trial : trials) {
-      flights.insert(trial.scene->name.substr(0, trial.scene->name.find(',')));
+      flights.insert(trial.flight);
       all.push_back(&trial);
       (flights.size() % 2 == 1 ? learning : unseen).push_back(&trial);
     }
@@ -101,8 +107,7 @@ Expected<Report> RunChapter3Filters(const ExperimentSettings& settings) {
                              static_cast<double>(pooled.before.right), Percent(pooled.after.right, pooled.before.right),
                              static_cast<double>(pooled.before.Wrong()), static_cast<double>(pooled.after.Wrong()),
                              static_cast<double>(pooled.after.near), false_share,
-                             pooled.before.Wrong() / std::max(1.0, static_cast<double>(pooled.after.Wrong())),
-                             pooled.ms});
+                             TimesFewer(pooled.before.Wrong(), pooled.after.Wrong()), pooled.ms});
       return false_share;
     };
     for (const MatchFilter& filter : MatchFilters(setup.recognize)) {

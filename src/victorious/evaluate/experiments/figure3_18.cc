@@ -2,12 +2,7 @@
 // things of which both video and CAD file are at hand: a tea box, and a toy cube whose pose is known in every frame.
 // Their CAD files have no colours, so that each is searched for twice: as it is, and painted with the first frame.
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <fstream>
-#include <numeric>
-#include <span>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
@@ -130,6 +125,7 @@ Cell Shown(const std::vector<double>& values, double percent) {
   return value ? Cell(*value) : Cell("-");
 }
 
+// Without views left it makes no row.
 struct Trial {
   std::string object;
   std::string paint;
@@ -139,6 +135,7 @@ struct Trial {
 };
 
 Status Try(const Trial& trial, const ExperimentSettings& settings, Report& report) {
+  if (trial.views.size() <= trial.first_view) return {};  // one picture alone, which gave the paint
   VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
   settings.progress(fmt::format("{}, {}", trial.object, trial.paint));
   CadModelOptions making;

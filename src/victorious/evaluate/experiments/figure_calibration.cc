@@ -1,8 +1,6 @@
 // Whether scores are probabilities: of the detections scored 0.9, are nine in ten right? And the constants that make
 // them so, of the logistic curve of the evidence that fits what is found right and wrong.
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>

@@ -9,6 +9,7 @@
 
 #include "victorious/base/file.h"
 #include "victorious/base/random.h"
+#include "victorious/evaluate/experiments/video_frames.h"
 #include "victorious/evaluate/truth.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/geodesy.h"
@@ -17,7 +18,6 @@
 #include "victorious/simulate/truth.h"
 #include "victorious/telemetry/camera_csv.h"
 #include "victorious/video/image_file.h"
-#include "victorious/video/video_reader.h"
 
 namespace victorious {
 
@@ -124,33 +124,29 @@ class MovieMeshes {
 }  // namespace
 
 Expected<std::vector<KnownScene>> ReadKnownMovie(const std::filesystem::path& folder,
-                                                 const std::filesystem::path& models, std::span<const int> frames,
-                                                 Renderer& renderer) {
+                                                 const std::filesystem::path& models, int frames, Renderer& renderer) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TruthRow> truth, ReadTruth(folder / "truth.jsonl"));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string table, ReadFile(folder / "telemetry.csv"));
   VICTORIOUS_ASSIGN_OR_RETURN(const CameraRows cameras, ParseCameraCsv(table));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto video,
-                              VideoReader::Open((folder / "video.mp4").string(), {.color = FrameColor::kBgr}));
+  const std::filesystem::path video = folder / "video.mp4";
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t length, CountFrames(video));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Frame> chosen,
+                              ReadFrames(video, SpreadOver(length, frames), FrameColor::kBgr));
   MovieMeshes meshes(models, renderer);
   std::vector<KnownScene> scenes;
-  for (const int wanted : frames) {
-    std::optional<Frame> frame;
-    do {
-      VICTORIOUS_ASSIGN_OR_RETURN(frame, video->NextFrame());
-    } while (frame && frame->index < wanted);
-    if (!frame) break;
-    const CameraState* const camera = StateAt(cameras.states, frame->time_s);
+  for (const Frame& frame : chosen) {
+    const CameraState* const camera = StateAt(cameras.states, frame.time_s);
     if (camera == nullptr) continue;
     const TangentPlane earth(camera->place);
     const Eigen::Quaterniond camera_from_enu = CameraFromEnu(*camera->attitude);
-    KnownScene known{.name = fmt::format("{}, frame {}", folder.filename().string(), wanted),
-                     .bgr = frame->image.clone(),
-                     .pinhole = PinholeOf(*camera->hfov_rad, frame->image.size()),
+    KnownScene known{.name = fmt::format("{}, frame {}", folder.filename().string(), frame.index),
+                     .bgr = frame.image,
+                     .pinhole = PinholeOf(*camera->hfov_rad, frame.image.size()),
                      .depth_m = {},
                      .objects = {}};
     std::vector<MeshInstance> instances;
     for (const TruthRow& row : truth) {
-      if (row.frame != wanted || !row.place || !row.heading_rad || !row.view) continue;
+      if (row.frame != frame.index || !row.place || !row.heading_rad || !row.view) continue;
       VICTORIOUS_ASSIGN_OR_RETURN(const StagedMesh* const mesh, meshes.Find(row.model));
       if (mesh == nullptr) continue;
       const Rigid3 camera_from_model = CameraFromModel(row, mesh->box, earth, camera_from_enu);

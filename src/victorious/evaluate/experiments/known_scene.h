@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -80,11 +79,10 @@ class KnownTown {
   Renderer* renderer_;
 };
 
-/// Frames of a movie: video.mp4, telemetry.csv and truth.jsonl in `folder`, the CAD files of the objects in `models`.
-/// Objects stand upright. Depth is that of the objects alone, so hidden ones are known by `visible` only.
-/// Objects whose CAD file is not there are left out.
+/// At most so many frames of a movie, evenly over its length: video.mp4, telemetry.csv and truth.jsonl in `folder`, the
+/// CAD files of the objects in `models`. Objects stand upright. Depth is that of the objects alone, so hidden ones are
+/// known by `visible` only. Objects whose CAD file is not there are left out.
 Expected<std::vector<KnownScene>> ReadKnownMovie(const std::filesystem::path& folder,
-                                                 const std::filesystem::path& models, std::span<const int> frames,
-                                                 Renderer& renderer);
+                                                 const std::filesystem::path& models, int frames, Renderer& renderer);
 
 }  // namespace victorious

@@ -5,22 +5,12 @@
 #include <set>
 #include <utility>
 
-#include <fmt/format.h>
+#include "victorious/evaluate/experiments/video_frames.h"
 
 namespace victorious {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Frames in the middle of as many equal parts.
-std::vector<int> Spread(int frames, int of) {
-  std::vector<int> spread;
-  for (int i = 0; i < frames; ++i) {
-    const int frame = (2 * i + 1) * of / (2 * frames);
-    if (spread.empty() || frame != spread.back()) spread.push_back(frame);
-  }
-  return spread;
-}
 
 Expected<std::vector<fs::path>> Sorted(const fs::path& folder, bool folders) {
   std::error_code error;
@@ -37,17 +27,20 @@ Expected<std::vector<fs::path>> Sorted(const fs::path& folder, bool folders) {
 
 Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings, int frames) {
   std::vector<PooledScene> pool;
+  int flights = 0;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<fs::path> files, Sorted(settings.scenes, false));
   for (const fs::path& file : files) {
     VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
     settings.progress("drawing " + file.string());
     VICTORIOUS_ASSIGN_OR_RETURN(Renderer renderer, Renderer::Create({.software = true}));
     VICTORIOUS_ASSIGN_OR_RETURN(const KnownTown town, KnownTown::Load(file, renderer, settings.Cancel()));
-    for (const int frame : Spread(frames, town.scene().video.frames)) {
-      VICTORIOUS_ASSIGN_OR_RETURN(KnownScene drawn, town.Draw(frame));
+    for (const std::int64_t frame : SpreadOver(town.scene().video.frames, frames)) {
+      VICTORIOUS_ASSIGN_OR_RETURN(KnownScene drawn, town.Draw(static_cast<int>(frame)));
       pool.push_back({.scene = std::make_shared<const KnownScene>(std::move(drawn)),
-                      .cad_folder = town.scene().assets / "models"});
+                      .cad_folder = town.scene().assets / "models",
+                      .flight = flights});
     }
+    ++flights;
   }
   const fs::path movies = settings.data / "movies";
   if (!fs::exists(movies)) return pool;
@@ -55,14 +48,16 @@ Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings
   for (const fs::path& folder : folders) {
     VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
     settings.progress("reading " + folder.string());
-    constexpr int kMovieFrames = 100;  // the shortest of them
     VICTORIOUS_ASSIGN_OR_RETURN(Renderer renderer, Renderer::Create({.software = true}));
     const fs::path models = settings.data / "models";
-    VICTORIOUS_ASSIGN_OR_RETURN(auto known, ReadKnownMovie(folder, models, Spread(frames, kMovieFrames), renderer));
+    VICTORIOUS_ASSIGN_OR_RETURN(auto known, ReadKnownMovie(folder, models, frames, renderer));
     for (KnownScene& scene : known) {
-      pool.push_back(
-          {.scene = std::make_shared<const KnownScene>(std::move(scene)), .cad_folder = models, .is_movie = true});
+      pool.push_back({.scene = std::make_shared<const KnownScene>(std::move(scene)),
+                      .cad_folder = models,
+                      .is_movie = true,
+                      .flight = flights});
     }
+    ++flights;
   }
   return pool;
 }
@@ -85,6 +80,7 @@ Expected<std::vector<MatchTrial>> PoolTrials(const ExperimentSettings& settings,
         VICTORIOUS_ASSIGN_OR_RETURN(model, shelf.Get(cad_file, pooled.is_movie ? "models-movies" : "models"));
       }
       trials.push_back(MakeTrial(pooled.scene, features, model, NearestView(*model, object.view)));
+      trials.back().flight = pooled.flight;
     }
   }
   return trials;

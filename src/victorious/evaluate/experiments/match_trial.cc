@@ -76,7 +76,8 @@ MatchTrial MakeTrial(std::shared_ptr<const KnownScene> scene, std::shared_ptr<co
           .features = std::move(features),
           .model = std::move(model),
           .view = view,
-          .truth = truth};
+          .truth = truth,
+          .flight = 0};
 }
 
 MatchSet MatchTrial::Matches(double ratio) const {

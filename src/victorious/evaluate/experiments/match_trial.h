@@ -59,6 +59,7 @@ struct MatchTrial {
   std::shared_ptr<const ObjectModel> model;
   std::size_t view = 0;
   MatchTruth truth;
+  int flight = 0;  ///< of a pool's trial: PooledScene's
 
   [[nodiscard]] FeatureView Template() const { return model->ViewFeatures(view); }
   [[nodiscard]] MatchSet Matches(double ratio) const;

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include "victorious/evaluate/experiments/video_frames.h"
 #include "victorious/evaluate/score.h"
 #include "victorious/model/cad_model.h"
 #include "victorious/model/lit_views.h"
@@ -47,9 +48,8 @@ Expected<Search> Prepare(const MovieSearch& search, const ExperimentSettings& se
     VICTORIOUS_ASSIGN_OR_RETURN(Telemetry telemetry, ReadTelemetry(path.string(), options.telemetry));
     cameras.emplace(std::move(telemetry.states), options.telemetry.max_gap_s);
     VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open((search.movie / "video.mp4").string(), {}));
-    static const CancelToken kNever;
-    VICTORIOUS_ASSIGN_OR_RETURN(sun, FindDaylight({*cameras, recognizer, *extractor, options.daylight}, *reader,
-                                                  settings.cancel != nullptr ? *settings.cancel : kNever));
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        sun, FindDaylight({*cameras, recognizer, *extractor, options.daylight}, *reader, settings.Cancel()));
   }
   return Search{std::move(extractor), std::move(recognizer), std::move(cameras), sun, std::move(truth)};
 }
@@ -82,23 +82,6 @@ Expected<SearchedFrame> SearchFrame(const Search& search, const Frame& frame) {
   searched.detections = search.recognizer.Recognize(searched.features, searched.conditions);
   searched.truth = Shown(search, searched);
   return searched;
-}
-
-// At most so many of a movie's frames, evenly.
-Expected<std::vector<Frame>> ReadFrames(const fs::path& movie, int most) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open((movie / "video.mp4").string(), {}));
-  std::vector<Frame> frames;
-  while (true) {
-    VICTORIOUS_ASSIGN_OR_RETURN(std::optional<Frame> frame, reader->NextFrame());
-    if (!frame) break;
-    frames.push_back(*std::move(frame));
-  }
-  std::vector<Frame> chosen;
-  for (std::int64_t i = 0; i < most; ++i) {
-    const auto at = static_cast<std::size_t>((2 * i + 1) * static_cast<std::int64_t>(frames.size()) / (2 * most));
-    if (at < frames.size() && (chosen.empty() || chosen.back().index < frames[at].index)) chosen.push_back(frames[at]);
-  }
-  return chosen;
 }
 
 }  // namespace
@@ -146,7 +129,10 @@ Status SearchMovie(const MovieSearch& search, const ExperimentSettings& settings
                    const std::function<Status(const SearchedFrame&, const std::vector<ObjectModel>&)>& visit) {
   const std::string name = search.movie.filename().string();
   VICTORIOUS_ASSIGN_OR_RETURN(const Search prepared, Prepare(search, settings));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Frame> frames, ReadFrames(search.movie, search.frames));
+  const fs::path video = search.movie / "video.mp4";
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t length, CountFrames(video));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Frame> frames,
+                              ReadFrames(video, SpreadOver(length, search.frames), FrameColor::kGrey));
   constexpr std::size_t kBatch = 4;  // between reports of progress
   for (std::size_t first = 0; first < frames.size(); first += kBatch) {
     VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());

@@ -14,12 +14,12 @@
 
 #include "victorious/base/file.h"
 #include "victorious/base/json.h"
+#include "victorious/evaluate/experiments/video_frames.h"
 #include "victorious/geolocate/object_pose.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/render/load_mesh.h"
 #include "victorious/render/view_sphere.h"
 #include "victorious/video/image_file.h"
-#include "victorious/video/video_reader.h"
 
 namespace victorious {
 namespace {
@@ -28,34 +28,40 @@ namespace fs = std::filesystem;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// What a calibration says of a camera.
-struct Calibration {
-  double focal_px;
-  Vector2d middle_px;
-};
-
-PinholeCamera PinholeOf(const Calibration& calibration, const cv::Mat& picture) {
-  return {.fx = calibration.focal_px,
-          .fy = calibration.focal_px,
-          .cx = calibration.middle_px.x(),
-          .cy = calibration.middle_px.y(),
-          .width = picture.cols,
-          .height = picture.rows};
+// A camera without distortion by its calibration as ViSP writes it, in a parameter file (.xml) or as JSON; for pictures
+// of any size.
+Expected<PinholeCamera> ReadCamera(const fs::path& path) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
+  PinholeCamera camera;
+  for (const auto& [name, value] :
+       {std::pair("px", &camera.fx), {"py", &camera.fy}, {"u0", &camera.cx}, {"v0", &camera.cy}}) {
+    std::smatch found;
+    const std::regex number(fmt::format(R"(\b{}\W+([0-9]+\.?[0-9]*))", name));
+    if (!std::regex_search(text, found, number)) {
+      return Fail(ErrorCode::kDataLoss, fmt::format("{}: a calibration must say px, py, u0 and v0", path.string()));
+    }
+    *value = std::stod(found[1]);
+  }
+  return camera;
 }
 
-// The first frame, and at most so many others, evenly.
+PinholeCamera ForPicture(PinholeCamera camera, const cv::Mat& picture) {
+  camera.width = picture.cols;
+  camera.height = picture.rows;
+  return camera;
+}
+
+// The first frame, and at most so many others, evenly; never none.
 Expected<std::vector<RealView>> ReadVideo(const fs::path& path, double focal_px) {
-  constexpr std::size_t kMost = 40;
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(path.string(), {.color = FrameColor::kBgr}));
-  std::vector<RealView> all;
-  while (true) {
-    VICTORIOUS_ASSIGN_OR_RETURN(std::optional<Frame> frame, reader->NextFrame());
-    if (!frame) break;
-    all.push_back({.bgr = frame->image, .focal_px = focal_px, .camera_from_object = {}});
-  }
-  const std::size_t step = (all.size() + kMost - 1) / kMost;
+  constexpr std::int64_t kMost = 40;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t count, CountFrames(path));
+  std::vector<std::int64_t> numbers;
+  for (std::int64_t i = 0; i < count; i += (count + kMost - 1) / kMost) numbers.push_back(i);
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Frame> frames, ReadFrames(path, numbers, FrameColor::kBgr));
   std::vector<RealView> views;
-  for (std::size_t i = 0; i < all.size(); i += step) views.push_back(all[i]);
+  for (const Frame& frame : frames) {
+    views.push_back({.bgr = frame.image, .focal_px = focal_px, .camera_from_object = {}});
+  }
   return views;
 }
 
@@ -95,24 +101,25 @@ Expected<Mesh> ReadCao(const fs::path& path) {
   return mesh;
 }
 
-// A corner of the mesh and where a person sees it.
+// A corner of the mesh, by its number, and where a person sees it.
 struct Click {
-  Vector3d corner;
+  std::size_t corner;
   Vector2d at_px;
 };
 
 // How the camera stood, the mesh being the world: from all sides, the one from which the clicks fit best.
-Rigid3 PoseByClicks(std::span<const Click> clicks, const Vector3d& middle, const Calibration& calibration) {
+Rigid3 PoseByClicks(std::span<const Click> clicks, const Mesh& mesh, const PinholeCamera& camera) {
+  const Vector3d middle = BoundingBox(mesh).center();
   std::vector<SeenPoint> points;
   for (const auto& [corner, at_px] : clicks) {
-    points.push_back({corner - middle, (at_px - calibration.middle_px) / calibration.focal_px});
+    points.push_back({mesh.positions[corner].cast<double>() - middle, camera.RayOf(at_px).head<2>()});
   }
   Rigid3 best;
   double least = std::numeric_limits<double>::infinity();
   const Expected<ViewSphere> sphere = MakeViewSphere({.step_deg = 20, .max_off_nadir_deg = 80});
   for (const ViewSphere::View& view : sphere->views) {
     const auto pose = FitObjectPose(points, CameraFromModel(view.direction),
-                                    {.sigma = 1 / calibration.focal_px, .sigma_view_rad = 10, .hypotheses = 0});
+                                    {.sigma = 1 / camera.fx, .sigma_view_rad = 10, .hypotheses = 0});
     if (!pose) continue;
     double off2 = 0;
     for (const SeenPoint& point : points) {
@@ -126,23 +133,21 @@ Rigid3 PoseByClicks(std::span<const Click> clicks, const Vector3d& middle, const
 }
 
 Expected<RealObject> LoadTeaBox(const fs::path& folder) {
-  const Calibration camera{839.3, {325.67, 243.70}};  // teabox.xml
-  constexpr double kOtherFocalPx = 680.4;             // teabox_left.xml
-  // Read off the first frame by eye: three corners of the lid, two of the bottom.
-  constexpr double kLength = 0.165;
-  constexpr double kWidth = 0.068;
-  constexpr double kHeight = 0.08;
-  const std::array<Click, 5> clicks = {{{{0, 0, 0}, {192.5, 84}},
-                                        {{kLength, 0, 0}, {349.5, 207}},
-                                        {{kLength, kWidth, 0}, {489, 187}},
-                                        {{kLength, 0, -kHeight}, {331, 377}},
-                                        {{kLength, kWidth, -kHeight}, {463, 348}}}};
+  // Where corners of the lid and of the bottom are in the first frame of teabox.mp4, by eye.
+  const std::array<Click, 5> clicks = {
+      {{0, {192.5, 84}}, {3, {349.5, 207}}, {4, {489, 187}}, {2, {331, 377}}, {5, {463, 348}}}};
   RealObject box{.name = "tea box", .mesh = {}, .views = {}, .first_camera = {}, .other_views = {}};
   VICTORIOUS_ASSIGN_OR_RETURN(box.mesh, ReadCao(folder / "teabox.cao"));
-  VICTORIOUS_ASSIGN_OR_RETURN(box.views, ReadVideo(folder / "teabox.mp4", camera.focal_px));
-  VICTORIOUS_ASSIGN_OR_RETURN(box.other_views, ReadVideo(folder / "teabox_left.mp4", kOtherFocalPx));
-  const Vector3d middle = BoundingBox(box.mesh).center();
-  box.first_camera = {PinholeOf(camera, box.views.front().bgr), PoseByClicks(clicks, middle, camera)};
+  constexpr std::size_t kCorners = 8;
+  if (box.mesh.positions.size() != kCorners) {
+    return Fail(ErrorCode::kDataLoss,
+                fmt::format("{}: must have {} corners", (folder / "teabox.cao").string(), kCorners));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const PinholeCamera camera, ReadCamera(folder / "teabox.xml"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const PinholeCamera other, ReadCamera(folder / "teabox_left.xml"));
+  VICTORIOUS_ASSIGN_OR_RETURN(box.views, ReadVideo(folder / "teabox.mp4", camera.fx));
+  VICTORIOUS_ASSIGN_OR_RETURN(box.other_views, ReadVideo(folder / "teabox_left.mp4", other.fx));
+  box.first_camera = {ForPicture(camera, box.views.front().bgr), PoseByClicks(clicks, box.mesh, camera)};
   return box;
 }
 
@@ -185,7 +190,7 @@ Expected<std::vector<Rigid3>> ReadBoard(const fs::path& path) {
 }
 
 Expected<RealObject> LoadCube(const fs::path& folder) {
-  const Calibration camera{607.2, {321.39, 241.92}};  // cam.json
+  VICTORIOUS_ASSIGN_OR_RETURN(const PinholeCamera camera, ReadCamera(folder / "cam.json"));
   RealObject cube{.name = "cube", .mesh = {}, .views = {}, .first_camera = {}, .other_views = {}};
   VICTORIOUS_ASSIGN_OR_RETURN(LoadedMesh loaded,
                               LoadMesh(folder / "models/cube/cube.obj", {.up = Axis::kPlusZ, .front = Axis::kPlusX}));
@@ -201,14 +206,13 @@ Expected<RealObject> LoadCube(const fs::path& folder) {
     if (!fs::exists(picture)) continue;
     VICTORIOUS_ASSIGN_OR_RETURN(const Image image, ReadImage(picture));
     const Rigid3 pose = board[i] * board[0].Inverse() * first_pose;
-    cube.views.push_back({.bgr = image.bgr,
-                          .focal_px = camera.focal_px,
-                          .camera_from_object = Rigid3{pose.rotation, pose.Apply(middle)}});
+    cube.views.push_back(
+        {.bgr = image.bgr, .focal_px = camera.fx, .camera_from_object = Rigid3{pose.rotation, pose.Apply(middle)}});
   }
   if (cube.views.empty()) {
     return Fail(ErrorCode::kNotFound, fmt::format("{}: no pictures", (folder / "frames").string()));
   }
-  cube.first_camera = {PinholeOf(camera, cube.views.front().bgr), first_pose};
+  cube.first_camera = {ForPicture(camera, cube.views.front().bgr), first_pose};
   return cube;
 }
 
