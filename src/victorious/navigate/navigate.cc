@@ -7,6 +7,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "victorious/base/median.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/rotation_vector.h"
 #include "victorious/navigate/agreement.h"
@@ -21,12 +22,6 @@ using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
 
 TangentPlane PlaneOf(const NavigationInput& input) {
   for (const NavigationFrame& frame : input.frames) {
