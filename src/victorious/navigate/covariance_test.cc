@@ -12,7 +12,7 @@ namespace {
 // Of radians and metres, far apart in size.
 Matrix6 Drawn() {
   Matrix6 root;
-  for (int i = 0; i < 36; ++i) root(i / 6, i % 6) = std::sin(1.0 + 7 * i) * (i < 18 ? 1e-4 : 1e3);
+  for (int i = 0; i < 36; ++i) root(i / 6, i % 6) = std::sin(1.0 + 7 * i * i) * (i < 18 ? 1e-4 : 1e3);
   return root * root.transpose();
 }
 
