@@ -1,6 +1,8 @@
 // victorious navigate VIDEO --landmarks DB --models DIR --out FILE.csv: where the camera was, by what it saw
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -8,6 +10,7 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
@@ -63,10 +66,24 @@ void Tell(const NavigationRun& run) {
   if (frames.empty()) spdlog::warn("no landmark was recognised, and there is no telemetry: no place is known");
 }
 
+// Whether the result can be written, asked before the video is searched.
+Status CheckOutput(const std::string& path) {
+  if (path.empty() || path == "-") return {};
+  std::error_code unknown;  // then writing tells
+  const std::filesystem::path file = std::filesystem::weakly_canonical(std::filesystem::absolute(path), unknown);
+  const bool exists = std::filesystem::exists(file, unknown);
+  const bool is_folder = std::filesystem::is_directory(file, unknown);
+  const bool is_regular = std::filesystem::is_regular_file(file, unknown);
+  const std::filesystem::path written = exists && !is_regular ? file : file.parent_path();  // a new file beside it
+  if (!is_folder && ::access(written.c_str(), W_OK) == 0) return {};
+  return std::unexpected(ErrorFromErrno(is_folder ? EISDIR : errno, fmt::format("write {}", path)));
+}
+
 Status Run(const Arguments& arguments) {
   NavigateRunOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectModel> models, ModelLibrary(arguments.models).LoadAll());
   if (models.empty()) {
     return Fail(

@@ -10,6 +10,7 @@
 #include <Eigen/Dense>
 
 #include "victorious/geometry/robust/mlesac.h"
+#include "victorious/geometry/rotation_vector.h"
 
 namespace victorious {
 namespace {
@@ -23,10 +24,6 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kLeastDepthM = 1e-3;
 constexpr double kCauchyScale = 2;  // residuals of so many sigmas count half
-
-Matrix3d Cross(const Vector3d& v) {
-  return (Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
-}
 
 // How much larger than sigma the offsets of the points that count are, squared: at least 1. Few points leave small
 // offsets behind, because the pose bends to them and they were chosen for agreeing: the six unknowns are paid for
@@ -96,7 +93,7 @@ class Fit {
       Eigen::Matrix<double, 2, 3> projection;
       projection << 1 / p.z(), 0, -p.x() / (p.z() * p.z()), 0, 1 / p.z(), -p.y() / (p.z() * p.z());
       Eigen::Matrix<double, 2, 6> jacobian;
-      jacobian << projection * -Cross(turned), projection;
+      jacobian << projection * -SkewOf(turned), projection;
       jacobian /= options_.sigma;
       const double weight = weights_.empty() ? 1 / (1 + Excess(*off)) : weights_[i];
       normal += weight * jacobian.transpose() * jacobian;
@@ -106,7 +103,7 @@ class Fit {
     normal.topLeftCorner<3, 3>() += view.transpose() * view;
     gradient.head<3>() += view.transpose() * ViewPriorOf(pose);
     if (!options_.up_in_camera) return;
-    const Matrix3d up = -OffUp() * Cross(pose.rotation * Vector3d::UnitZ()) / options_.sigma_up_rad;
+    const Matrix3d up = -OffUp() * SkewOf(pose.rotation * Vector3d::UnitZ()) / options_.sigma_up_rad;
     normal.topLeftCorner<3, 3>() += up.transpose() * up;
     gradient.head<3>() += up.transpose() * UpPriorOf(pose);
   }
@@ -151,11 +148,7 @@ class Fit {
 };
 
 Rigid3 Moved(const Rigid3& pose, const Vector6& step) {
-  const Vector3d turn = step.head<3>();
-  const double angle = turn.norm();
-  const Quaterniond rotation =
-      angle > 0 ? Quaterniond(Eigen::AngleAxisd(angle, turn / angle)) : Quaterniond::Identity();
-  return {(rotation * pose.rotation).normalized(), pose.translation + step.tail<3>()};
+  return {(RotationOf(step.head<3>()) * pose.rotation).normalized(), pose.translation + step.tail<3>()};
 }
 
 Rigid3 Minimise(const Fit& fit, Rigid3 pose, int most_steps) {
@@ -253,7 +246,7 @@ double ViewSigma(const Rigid3& pose, const Matrix6& covariance) {
   const double range_m = pose.translation.norm();
   const Vector3d sight = pose.translation / range_m;
   Eigen::Matrix<double, 3, 6> jacobian;
-  jacobian << -Cross(sight), -(Matrix3d::Identity() - sight * sight.transpose()) / range_m;
+  jacobian << -SkewOf(sight), -(Matrix3d::Identity() - sight * sight.transpose()) / range_m;
   return std::sqrt(std::max(0.0, (jacobian * covariance * jacobian.transpose()).trace() / 2));
 }
 
@@ -280,13 +273,10 @@ std::optional<ObjectPose> FitObjectPose(std::span<const SeenPoint> points, const
   const Vector3d along = pose.translation / range_m;
   const double variance_along = along.dot(of_place * along);
   const double variance_across = std::max(0.0, of_place.trace() - variance_along) / 2;
-  constexpr double kAgreeing2 = 9;
-  return ObjectPose{
-      .camera_from_object = pose,
-      .sigma_angle_rad = std::sqrt(variance_across) / range_m,
-      .sigma_range_m = std::sqrt(std::max(0.0, variance_along)),
-      .sigma_view_rad = ViewSigma(pose, covariance),
-      .agreeing = static_cast<int>(std::ranges::count_if(squared, [](double off2) { return off2 < kAgreeing2; }))};
+  return ObjectPose{.camera_from_object = pose,
+                    .sigma_angle_rad = std::sqrt(variance_across) / range_m,
+                    .sigma_range_m = std::sqrt(std::max(0.0, variance_along)),
+                    .sigma_view_rad = ViewSigma(pose, covariance)};
 }
 
 }  // namespace victorious

@@ -39,7 +39,6 @@ struct ObjectPose {
   double sigma_angle_rad = 0;  ///< of the direction to the origin, each axis
   double sigma_range_m = 0;    ///< of the distance to it
   double sigma_view_rad = 0;   ///< of the direction from the object to the camera, in its own frame, each axis
-  int agreeing = 0;            ///< points within 3 sigma of where the pose puts them
 };
 
 /// @param camera_from_object  the rotation to start from: of the view that matched, turned as in the picture

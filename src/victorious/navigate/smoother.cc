@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
-
-#include <Eigen/Cholesky>
 
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/rotation_vector.h"
+#include "victorious/navigate/covariance.h"
 
 namespace victorious {
 namespace {
@@ -71,7 +71,8 @@ class Smoother {
   Smoother(const Flight& flight, std::span<const FlightLandmark> landmarks, std::span<const FlightTie> ties)
       : flight_(flight), landmarks_(landmarks), ties_(ties) {
     for (const FlightLandmark& landmark : landmarks) {
-      landmark_information_.push_back(landmark.prior_covariance.llt().solve(Matrix6::Identity()));
+      // One whose covariance is none tells nothing.
+      landmark_information_.push_back(InverseOf(landmark.prior_covariance).value_or(Matrix6::Zero()));
     }
   }
 
@@ -253,7 +254,9 @@ class Smoother {
       const Matrix6 state_weighted = jacobian.by_state.transpose() * information;
       const Matrix6 landmark_weighted = jacobian.by_landmark.transpose() * information;
       system->diagonal[tie.frame].topLeftCorner<6, 6>() += state_weighted * jacobian.by_state;
-      system->border[tie.frame].block<6, 6>(0, at) += state_weighted * jacobian.by_landmark;
+      BorderedSystem::Part& part = system->border[tie.frame].emplace_back();
+      part = {at, MatrixXd::Zero(system->block_size(), 6)};
+      part.columns.topRows<6>() = state_weighted * jacobian.by_landmark;
       system->corner.block<6, 6>(at, at) += landmark_weighted * jacobian.by_landmark;
       system->right[tie.frame].head<6>() -= state_weighted * off;
       system->corner_right.segment<6>(at) -= landmark_weighted * off;
@@ -266,11 +269,6 @@ class Smoother {
   std::span<const FlightTie> ties_;
   std::vector<Matrix6> landmark_information_;
 };
-
-void Damp(BorderedSystem& system, double damping) {
-  for (MatrixXd& block : system.diagonal) block.diagonal() *= 1 + damping;
-  system.corner.diagonal() *= 1 + damping;
-}
 
 }  // namespace
 
@@ -299,9 +297,10 @@ SightingJacobian SightingDerivative(const FlightState& state, const Rigid3& enu_
 
 // (W^-1 + S)^-1 = W - W (W + S^-1)^-1 W, which needs no inverse of W.
 double SquaredDistance(const Vector6& error, const Matrix6& information, const Matrix6& expected_covariance) {
-  const Matrix6 together = information + expected_covariance.llt().solve(Matrix6::Identity());
+  const auto expected = InverseOf(expected_covariance);
+  if (!expected) return std::numeric_limits<double>::infinity();
   const Vector6 pulled = information * error;
-  return std::max(0.0, error.dot(pulled) - pulled.dot(together.llt().solve(pulled)));
+  return std::max(0.0, error.dot(pulled) - SquaredSigmas(pulled, information + *expected));
 }
 
 double DimensionsOf(const Matrix6& information) {
@@ -322,9 +321,7 @@ std::optional<SmoothedFlight> SmoothFlight(const Flight& flight, std::span<const
     const double cost = smoother.Weigh(estimate, &system);
     double gain = 0;
     for (; damping < kMostDamping; damping *= 10) {
-      BorderedSystem damped = system;
-      Damp(damped, damping);
-      const auto solution = damped.Solve();
+      const auto solution = system.Solve(damping);
       if (!solution) continue;
       Estimate moved = smoother.Moved(estimate, *solution);
       gain = cost - smoother.Weigh(moved, nullptr);

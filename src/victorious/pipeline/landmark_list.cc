@@ -107,15 +107,38 @@ Expected<Landmark> ParseLandmark(std::string_view line, const LandmarkListOption
   return landmark;
 }
 
+// Warnings of what is left out: the first few, then how many more.
+class LeftOut {
+ public:
+  explicit LeftOut(std::vector<std::string>& warnings) : warnings_(warnings) {}
+
+  void Tell(std::string warning) {
+    constexpr std::size_t kMostWarnings = 20;
+    if (warnings_.size() < kMostWarnings) {
+      warnings_.push_back(std::move(warning));
+    } else {
+      ++more_;
+    }
+  }
+  void TellOfMore() {
+    if (more_ > 0) warnings_.push_back(fmt::format("and {} more are left out", more_));
+  }
+
+ private:
+  std::vector<std::string>& warnings_;
+  std::size_t more_ = 0;
+};
+
 Expected<LandmarkList> LandmarksOf(IndexStore& store, const LandmarkListOptions& options) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(store, {}));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> objects, ListObjects(store, catalogue, {}));
   LandmarkList list;
+  LeftOut left_out(list.warnings);
   for (const ListedObject& listed : objects) {
     const ObjectRecord& object = listed.object;
     if (!object.place || SpeedOf(object).value_or(0) > options.most_speed_m_s) {
-      list.warnings.push_back(fmt::format("object {}, {}, is left out: {}", object.id, listed.model,
-                                          object.place ? "it moves" : "its place is not known"));
+      left_out.Tell(fmt::format("object {}, {}, is left out: {}", object.id, listed.model,
+                                object.place ? "it moves" : "its place is not known"));
       continue;
     }
     list.landmarks.push_back({.model = listed.model,
@@ -124,6 +147,7 @@ Expected<LandmarkList> LandmarksOf(IndexStore& store, const LandmarkListOptions&
                               .heading_rad = object.heading_rad,
                               .sigma_heading_rad = RadiansFromDegrees(options.heading_deg)});
   }
+  left_out.TellOfMore();
   if (list.landmarks.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
                 "no object of known place that stands still: index a video with telemetry first");
@@ -135,6 +159,7 @@ Expected<LandmarkList> LandmarksOf(IndexStore& store, const LandmarkListOptions&
 
 Expected<LandmarkList> ParseLandmarks(std::string_view text, const LandmarkListOptions& options) {
   LandmarkList list;
+  LeftOut left_out(list.warnings);
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     const std::string_view line = text.substr(0, end);
@@ -144,9 +169,10 @@ Expected<LandmarkList> ParseLandmarks(std::string_view text, const LandmarkListO
     if (landmark) {
       list.landmarks.push_back(*std::move(landmark));
     } else {
-      list.warnings.push_back(fmt::format("line {} is left out: {}", number, landmark.error().message));
+      left_out.Tell(fmt::format("line {} is left out: {}", number, landmark.error().message));
     }
   }
+  left_out.TellOfMore();
   if (!list.landmarks.empty()) return list;
   return Fail(ErrorCode::kInvalidArgument,
               fmt::format("neither an index nor a list of landmarks (JSON Lines){}",

@@ -23,7 +23,7 @@ struct LandmarkList {
   std::vector<Landmark> landmarks;
   /// Of the error that all places have in common: of the best of them, so far as errors are common.
   Eigen::Matrix3d common_covariance_enu_m2 = Eigen::Matrix3d::Zero();
-  std::vector<std::string> warnings;  ///< what was left out, a line each
+  std::vector<std::string> warnings;  ///< what was left out, a line each; of many the first, and how many more
 };
 
 /// A list, a JSON object a line (docs/formats/navigate.md). Lines that cannot be used are left out and told.

@@ -70,6 +70,16 @@ TEST(LandmarkList, LeavesOutWhatCannotBeUsed) {
   EXPECT_EQ(ParseLandmarks("", {}).error().code, ErrorCode::kInvalidArgument);
 }
 
+TEST(LandmarkList, TellsTheFirstOfManyThatItLeavesOut) {
+  std::string text(kLine);
+  for (int i = 0; i < 1000; ++i) text += "\nnot json";
+  const LandmarkList list = Parsed(text);
+  EXPECT_EQ(list.landmarks.size(), 1);
+  ASSERT_EQ(list.warnings.size(), 21);
+  EXPECT_TRUE(list.warnings.front().starts_with("line 2 is left out: ")) << list.warnings.front();
+  EXPECT_EQ(list.warnings.back(), "and 980 more are left out");
+}
+
 TEST(LandmarkList, KnowsAnIndexFromAList) {
   const testing::ScratchFolder scratch;
   const std::filesystem::path list = scratch / "list.jsonl";

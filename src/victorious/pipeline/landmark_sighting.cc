@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Cholesky>
 
+#include "victorious/base/median.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/rotation_vector.h"
 
@@ -54,11 +56,8 @@ std::vector<Offset> OffsetsOf(const Stance& stance, double sigma) {
 double NoiseFactor(const std::vector<Offset>& offsets) {
   std::vector<double> lengths;
   for (const Offset& offset : offsets) lengths.push_back(offset.off.norm());
-  if (lengths.empty()) return 1;
-  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-  std::ranges::nth_element(lengths, middle);
   constexpr double kRayleighMedian = 1.1774100225154747;
-  return std::max(1.0, *middle / kRayleighMedian);
+  return std::max(1.0, Median(std::move(lengths)) / kRayleighMedian);
 }
 
 // Of (turn, move), from the points alone and the view that matched.

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "victorious/base/median.h"
 #include "victorious/base/progress.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/model/lit_views.h"
@@ -54,13 +55,6 @@ using Clock = std::chrono::steady_clock;
 
 double MillisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
 }
 
 // The telemetry, if any; what it says of the camera's view, or what is told in its place.
@@ -126,7 +120,7 @@ struct Tools {
   const NavigateRunOptions& options;
   const Recognizer& recognizer;
   const FeatureExtractor& extractor;
-  std::vector<std::vector<std::size_t>> candidates;  // landmarks, by model
+  std::vector<std::vector<std::size_t>> landmarks_of;  // by model
 };
 
 // How the camera was held, as far as that is known before landmarks are sought; and where the sun stood.
@@ -183,7 +177,7 @@ class Pass {
     auto sighting = SightingOf(*stance, tools_.options.sight, tools_.options.sighting);
     if (!sighting) return;
     sighting->frame = frames_.size();
-    sighting->candidates = tools_.candidates[detection.model];
+    sighting->model = detection.model;
     sightings_.push_back(*std::move(sighting));
   }
 
@@ -233,6 +227,25 @@ Expected<Pass> GoThrough(const Tools& tools, const Source& source, const Cameras
   return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped; nothing was written", source.video));
 }
 
+// One way through the video, and what it tells of the flight.
+Expected<NavigationRun> OnePass(const Tools& tools, const Source& source, const Cameras& cameras,
+                                const std::optional<CameraTrack>& held, const LandmarkList& list,
+                                std::unique_ptr<VideoReader>& reader, const CancelToken& cancel) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const Pass pass, GoThrough(tools, source, cameras, held, reader, cancel));
+  const Clock::time_point start = Clock::now();
+  std::vector<CameraState> rows;
+  if (cameras.track) rows = cameras.track->states();
+  NavigationRun run;
+  VICTORIOUS_ASSIGN_OR_RETURN(run.navigation, Navigate({pass.frames(), rows, list.landmarks, tools.landmarks_of,
+                                                        pass.sightings(), list.common_covariance_enu_m2},
+                                                       tools.options.navigate));
+  run.estimate_ms = MillisecondsSince(start) / static_cast<double>(std::max<std::size_t>(1, pass.frames().size()));
+  run.frames = static_cast<std::int64_t>(pass.frames().size());
+  run.tracked_ms = pass.tracked_ms();
+  run.tracked_cpu_ms = pass.tracked_cpu_ms();
+  return run;
+}
+
 // How the camera was held in the frames in which that is known well enough to seek objects upright; nothing where it is
 // in none.
 std::optional<CameraTrack> HeldBy(const Navigation& navigation, const Cameras& cameras,
@@ -264,10 +277,10 @@ Expected<NavigationRun> NavigateVideo(const NavigateJob& job, std::vector<Object
   VICTORIOUS_ASSIGN_OR_RETURN(const Cameras cameras, CamerasOf(job, options, reader->info().live, warn));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
 
-  std::vector<std::vector<std::size_t>> candidates(models.size());
+  std::vector<std::vector<std::size_t>> landmarks_of(models.size());
   for (std::size_t m = 0; m < models.size(); ++m) {
     for (std::size_t i = 0; i < list.landmarks.size(); ++i) {
-      if (list.landmarks[i].model == models[m].name) candidates[m].push_back(i);
+      if (list.landmarks[i].model == models[m].name) landmarks_of[m].push_back(i);
     }
   }
   std::vector<std::shared_ptr<const LitTemplates>> lit;
@@ -277,27 +290,17 @@ Expected<NavigationRun> NavigateVideo(const NavigateJob& job, std::vector<Object
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,
                               Recognizer::Create(std::move(models), options.features.engine, options.recognize, lit));
-  const Tools tools{options, recognizer, *extractor, std::move(candidates)};
+  const Tools tools{options, recognizer, *extractor, std::move(landmarks_of)};
   const Source source{job.video, reading, reader->info().live};
-  NavigationRun run;
-  std::optional<CameraTrack> held;
-  if (cameras.track) held.emplace(*cameras.track);
-  // Without telemetry the first way through tells how the camera was held, so that the second finds more.
-  for (bool again = !cameras.track && options.second_look && !source.live;; again = false) {
-    VICTORIOUS_ASSIGN_OR_RETURN(Pass pass, GoThrough(tools, source, cameras, held, reader, cancel));
-    const Clock::time_point start = Clock::now();
-    std::vector<CameraState> rows;
-    if (cameras.track) rows = cameras.track->states();
-    VICTORIOUS_ASSIGN_OR_RETURN(
-        run.navigation, Navigate({pass.frames(), rows, list.landmarks, pass.sightings(), list.common_covariance_enu_m2},
-                                 options.navigate));
-    run.estimate_ms = MillisecondsSince(start) / static_cast<double>(std::max<std::size_t>(1, pass.frames().size()));
-    run.frames = static_cast<std::int64_t>(pass.frames().size());
-    run.tracked_ms = pass.tracked_ms();
-    run.tracked_cpu_ms = pass.tracked_cpu_ms();
+  std::optional<CameraTrack> held = cameras.track;
+  VICTORIOUS_ASSIGN_OR_RETURN(NavigationRun run, OnePass(tools, source, cameras, held, list, reader, cancel));
+  if (!cameras.track && options.second_look && !source.live) {
+    // Now it is known about how the camera was held, so that the second way through finds more.
     held = HeldBy(run.navigation, cameras, options);
-    if (!again || !held) break;
-    VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(job.video, reading));
+    if (held) {
+      VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(job.video, reading));
+      VICTORIOUS_ASSIGN_OR_RETURN(run, OnePass(tools, source, cameras, held, list, reader, cancel));
+    }
   }
   for (const std::string& warning : reader->warnings()) warn(warning);
   run.landmarks = std::move(list.landmarks);
@@ -331,7 +334,9 @@ std::string ToCsv(const NavigationRun& run) {
     }
   }
   const bool offset = std::ranges::any_of(frames, [](const NavigatedFrame& frame) { return frame.offset.has_value(); });
-  if (!offset) return CameraCsvText(run.states, columns);
+  // Those of every row, also where there is none.
+  constexpr std::array<std::string_view, 3> kAlways = {"sigma_position_m", "sigma_attitude_deg", "vertical_datum"};
+  if (!offset) return CameraCsvText(run.states, columns, kAlways);
   const auto add_offset = [&](const char* name, const auto& value) {
     add(name, [&](const NavigatedFrame& frame) {
       return frame.offset ? fmt::format("{:.4f}", value(*frame.offset)) : std::string();
@@ -345,7 +350,7 @@ std::string ToCsv(const NavigationRun& run) {
   for (int i = 0; i < 3; ++i) {
     add_offset(kAngles[i], [i](const TelemetryOffset& told) { return DegreesFromRadians(told.attitude_rad[i]); });
   }
-  return CameraCsvText(run.states, columns);
+  return CameraCsvText(run.states, columns, kAlways);
 }
 
 }  // namespace victorious

@@ -66,6 +66,15 @@ TEST_F(NavigateRunTest, TellsWhichLandmarksHaveNoModel) {
   EXPECT_NE(warnings_.front().find("wagon"), std::string::npos);
 }
 
+TEST(NavigationCsv, HasItsHeaderWithoutARow) {
+  const std::string text = ToCsv({});
+  EXPECT_TRUE(
+      text.starts_with("time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg,"
+                       "sigma_position_m,sigma_attitude_deg,vertical_datum,landmarks,covariance_east_east_m2,"))
+      << text;
+  EXPECT_EQ(text.find('\n'), text.size() - 1) << text;
+}
+
 TEST(NavigationCsv, HasTheTelemetrysColumnsAndMore) {
   NavigationRun run;
   for (int i = 0; i < 2; ++i) {

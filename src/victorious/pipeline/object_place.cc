@@ -3,17 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "victorious/base/median.h"
 #include "victorious/geometry/angles.h"
 
 namespace victorious {
 namespace {
-
-// The middle one.
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
 
 // What telemetry tells of its errors goes before the parameters.
 LocateOptions OptionsFor(std::span<const Sight> sights, const ObjectOptions& options, double common_share) {

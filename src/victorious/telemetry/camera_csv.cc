@@ -194,11 +194,13 @@ Expected<CameraRows> ParseCameraCsv(std::string_view text) {
                                                : fmt::format("no row can be read: {}", rows.warnings[0]));
 }
 
-std::string CameraCsvText(std::span<const CameraState> states, std::span<const CsvColumn> more) {
+std::string CameraCsvText(std::span<const CameraState> states, std::span<const CsvColumn> more,
+                          std::span<const std::string_view> always) {
   std::string text = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg";
   std::vector<const OptionalColumn*> used;
   for (const OptionalColumn& column : OptionalColumns()) {
-    if (std::ranges::any_of(states, [&](const CameraState& state) { return !column.cell(state).empty(); })) {
+    if (std::ranges::find(always, column.name) != always.end() ||
+        std::ranges::any_of(states, [&](const CameraState& state) { return !column.cell(state).empty(); })) {
       used.push_back(&column);
       text += "," + column.name;
     }

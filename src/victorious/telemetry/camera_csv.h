@@ -30,8 +30,10 @@ struct CsvColumn {
   std::vector<std::string> cells;  ///< one a state
 };
 
-/// The eight columns always, the optional ones where a state has them, then `more`; what is unknown is an empty cell.
-[[nodiscard]] std::string CameraCsvText(std::span<const CameraState> states, std::span<const CsvColumn> more = {});
+/// The eight columns always, the optional ones where a state has them or `always` names them, then `more`; what is
+/// unknown is an empty cell.
+[[nodiscard]] std::string CameraCsvText(std::span<const CameraState> states, std::span<const CsvColumn> more = {},
+                                        std::span<const std::string_view> always = {});
 
 /// "ellipsoid", "egm96", "egm2008", "takeoff".
 [[nodiscard]] std::string_view Name(VerticalDatum datum);

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "victorious/base/median.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/camera_csv.h"
 #include "victorious/telemetry/dji_srt.h"
@@ -21,12 +22,6 @@ namespace victorious {
 namespace {
 
 constexpr double kSecondsPerMicrosecond = 1e-6;
-
-double MedianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
 
 bool HasBadChecksum(const KlvPacket& packet) { return packet.checksum && !packet.checksum->IsValid(); }
 
@@ -49,7 +44,7 @@ std::optional<double> ClockOffset(const std::vector<KlvPacket>& packets) {
     if (!first_us) first_us = own_us;
     if (packet.time_s) offsets.push_back(*packet.time_s - kSecondsPerMicrosecond * static_cast<double>(*own_us));
   }
-  if (!offsets.empty()) return MedianOf(std::move(offsets));
+  if (!offsets.empty()) return Median(std::move(offsets));
   if (first_us) return -kSecondsPerMicrosecond * static_cast<double>(*first_us);
   return std::nullopt;
 }
@@ -100,7 +95,7 @@ void WarnOfFrameCentre(const std::vector<KlvPacket>& packets, std::vector<std::s
     if (const auto error_rad = FrameCentreError(packet)) errors_rad.push_back(*error_rad);
   }
   if (errors_rad.empty()) return;
-  const double median_rad = MedianOf(std::move(errors_rad));
+  const double median_rad = Median(std::move(errors_rad));
   if (median_rad <= kMost) return;
   warnings.push_back(fmt::format(
       "line of sight and recorded frame centre disagree, {:.1f} degrees in the middle: an angle is not what "
