@@ -52,15 +52,16 @@ std::string SettingText(const FindableOptions& options) {
 
 std::string BandText(const FindableBand& band, double largest_px) {
   const std::string where = fmt::format("{:.0f} to {:.0f} degrees off straight above", band.least_deg, band.most_deg);
-  if (band.least.most_px) return fmt::format("Seen {}, it is found at {:g} px and more.", where, *band.least.most_px);
+  if (band.least.most_px)
+    return fmt::format("Seen {}, 90 % are found at {:g} px and more.", where, *band.least.most_px);
   const std::string why =
       fmt::format("The model has {:.0f} features a view there: {}", band.features,
                   "more texture would help, and larger templates (`model add --params`, least_size_px)");
   if (band.least.half_px) {
-    return fmt::format("Seen {}, half of it is found at {:g} px, but not 90 % up to {:g} px. {}.", where,
+    return fmt::format("Seen {}, half are found at {:g} px and more, 90 % at no size up to {:g} px. {}.", where,
                        *band.least.half_px, largest_px, why);
   }
-  return fmt::format("Seen {}, it is mostly not found, up to {:g} px. {}.", where, largest_px, why);
+  return fmt::format("Seen {}, fewer than half are found, up to {:g} px. {}.", where, largest_px, why);
 }
 
 std::vector<std::string> Advice(const Findable& findable) {
