@@ -160,8 +160,8 @@ def targets(reports: dict[str, dict]) -> str:
     text += example_line("The second object", reports["table3.4"]["rows"], "before", "after", "when",
                          "25 of 26, none false")
     text += ("- Over every scene tried, as shares: true kept (98 % asked), false among what is left (0.5 % asked), and "
-             "how many times fewer false ones there are (100 asked; > N: none of N is left). Learnt thresholds, those of half the "
-             "flights, are measured on the other half; `--params learnt` is near them.\n\n")
+             "how many times fewer false ones there are (100 asked; > N: none of N is left). Learnt thresholds, those "
+             "of half the flights, are measured on the other half; `--params learnt` is near them.\n\n")
     rows = reports["chapter3.filters"]["rows"]
     wanted = {("all", "cascade"): "table 3.1", ("unseen", "cascade, table 3.1"): "table 3.1, unseen half",
               ("unseen", "cascade, learnt, all measures in each stage"): "learnt, unseen half"}

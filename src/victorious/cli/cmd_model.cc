@@ -13,16 +13,29 @@
 #include "victorious/base/progress.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/evaluate/experiments/match_picture.h"
+#include "victorious/evaluate/findable.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/model/cad_model.h"
 #include "victorious/model/model_library.h"
 #include "victorious/model/photo_model.h"
 #include "victorious/model/view_sheet.h"
+#include "victorious/pipeline/index_options.h"
 #include "victorious/render/load_mesh.h"
 #include "victorious/video/image_file.h"
 
 namespace victorious::cli {
 namespace {
+
+// `model show --findable` and what it is asked with.
+struct FindableArguments {
+  bool wanted = false;
+  FindableOptions options;
+  std::string sun = "off";
+  bool no_attitude = false;
+  std::string draw;
+  std::string params;
+};
 
 struct Arguments {
   std::string folder;
@@ -38,6 +51,7 @@ struct Arguments {
   std::string draw;
   std::string views;
   bool json = false;
+  FindableArguments findable;
 };
 
 bool IsCad(const std::filesystem::path& path) {
@@ -185,13 +199,54 @@ Status List(const Arguments& arguments) {
   return WriteOutput("", text);
 }
 
+// Of the very search that `index` makes.
+Expected<Findable> MeasureFindable(const ObjectModel& model, const FindableArguments& arguments) {
+  IndexOptions search;
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(search)));
+  FindableOptions options = arguments.options;
+  options.attitude_known = !arguments.no_attitude;
+  if (arguments.sun != "off") {
+    double elevation_deg = 0;
+    if (!CLI::detail::lexical_cast(arguments.sun, elevation_deg)) {
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("--sun {}: must be its elevation, 5 to 90 degrees, or off", OneLine(arguments.sun)));
+    }
+    options.sun_deg = elevation_deg;
+  }
+  std::optional<Progress> progress;
+  std::vector<cv::Mat> pictures;
+  FindableWatch watch;
+  watch.progress = [&](int done, int /*all*/) {
+    if (!progress) progress.emplace(model.name, std::nullopt, "directions");
+    progress->Update(done);
+  };
+  if (!arguments.draw.empty()) {
+    watch.picture = [&](const cv::Mat& bgr) {
+      constexpr std::size_t kMostPictures = 24;
+      if (pictures.size() < kMostPictures) pictures.push_back(bgr);
+    };
+  }
+  Expected<Findable> found = HowFindable(model, search.features, search.recognize, options, Interrupt(), watch);
+  if (found && !pictures.empty()) VICTORIOUS_RETURN_IF_ERROR(WriteImage(arguments.draw, Montage(pictures, 4)));
+  return found;
+}
+
 Status Show(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel model, ModelLibrary(arguments.folder).Load(arguments.name));
+  std::optional<Findable> findable;
+  if (arguments.findable.wanted) {
+    VICTORIOUS_ASSIGN_OR_RETURN(findable, MeasureFindable(model, arguments.findable));
+  }
   if (!arguments.views.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat sheet, DrawViewSheet(model));
     VICTORIOUS_RETURN_IF_ERROR(WriteImage(arguments.views, sheet));
   }
-  if (arguments.json) return WriteOutput("", Details(model).dump() + "\n");
+  if (arguments.json) {
+    nlohmann::ordered_json json = Details(model);
+    if (findable) json["findable"] = ToJson(*findable);
+    return WriteOutput("", json.dump() + "\n");
+  }
+  if (findable) return WriteOutput("", model.name + "\n" + ToText(*findable));
   std::string text = fmt::format(
       "{}\n  from      {}\n  length    {}\n  features  {} in {} views\n  engine    {}, version {}\n  options   {}\n",
       model.name, model.kind, SizeText(model), model.features.size(), model.views.size(), model.engine,
@@ -202,6 +257,31 @@ Status Show(const Arguments& arguments) {
                         view.source, view.width, view.height, box.width, box.height, box.x, box.y, view.feature_count);
   }
   return WriteOutput("", text);
+}
+
+void AddFindableFlags(CLI::App& show, FindableArguments& findable) {
+  CLI::Option* wanted =
+      show.add_flag("--findable", findable.wanted, "Measure how findable it is, by pictures made of its own views");
+  const auto add = [&](CLI::Option* option) {
+    option->needs(wanted);
+    return option;
+  };
+  add(show.add_option("--size-px", findable.options.size_px,
+                      "Of its box in the picture, the longest side (default 64)"))
+      ->type_name("PX");
+  add(show.add_option("--noise", findable.options.noise, "Share of pixels turned white or black (default 0)"))
+      ->type_name("SHARE");
+  add(show.add_option("--sun", findable.sun, "The sun's elevation in degrees, or off: soft light (default)"))
+      ->type_name("DEG");
+  add(show.add_flag("--no-attitude", findable.no_attitude, "As without telemetry that tells the camera's attitude"));
+  add(show.add_option("--directions", findable.options.directions,
+                      "Directions it is seen from: more are slower and tell shares closer (default 24)"))
+      ->type_name("N");
+  add(show.add_option("--seed", findable.options.seed, "Of all that is by chance (default 1)"))->type_name("N");
+  add(show.add_option("--draw", findable.draw, "Draw what was searched into this picture: found green, missed red"))
+      ->type_name("FILE");
+  add(show.add_option("--params", findable.params, "Parameters of the search, as of `index` (JSON)"))
+      ->type_name("FILE");
 }
 
 }  // namespace
@@ -246,6 +326,7 @@ Action SetUpModel(CLI::App& app) {
   show->add_option("NAME", arguments->name)->required();
   show->add_flag("--json", arguments->json, "As JSON");
   show->add_option("--views", arguments->views, "Draw all its views into this picture (.png, .jpg)")->type_name("FILE");
+  AddFindableFlags(*show, arguments->findable);
   CLI::App* remove = add_subcommand("remove", "Delete a model");
   remove->add_option("NAME", arguments->name)->required();
   remove->add_flag("--json", arguments->json, "Print what was removed as JSON");

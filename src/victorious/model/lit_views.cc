@@ -21,14 +21,6 @@
 namespace victorious {
 namespace {
 
-// A clear day: of what a white surface in the sun reflects the sun gives some two thirds.
-Light ClearDay(const ViewAngles& sun) {
-  return {.sky = 0.4,
-          .ground = 0.25,
-          .sun = 0.9,
-          .to_sun_in_world = DirectionToCamera({sun.azimuth_rad, sun.off_nadir_rad})};
-}
-
 class LitViews : public LitTemplates {
  public:
   LitViews(const ObjectModel& model, const CadModelOptions& options, std::unique_ptr<const FeatureExtractor> extractor)
@@ -75,8 +67,9 @@ class LitViews : public LitTemplates {
     const Expected<ViewSurface> surface = DecodeSurface(model_.views[wanted.view].surface, model_.name);
     const Expected<ViewSurface> from_sun = DecodeSurface(model_.views[wanted.sun_view].surface, model_.name);
     if (!surface || !from_sun) return {};  // a file that is damaged, for all that its checksums are right
+    const ViewAngles& sun = *model_.views[wanted.sun_view].angles;
     const cv::Mat grey = Relight(surface->grey, surface->seen, options_.light,
-                                 ClearDay(*model_.views[wanted.sun_view].angles), from_sun->seen);
+                                 ClearDay({sun.azimuth_rad, sun.off_nadir_rad}), from_sun->seen);
     const cv::Mat mask = surface->seen.depth_m == surface->seen.depth_m;  // not NaN
     auto made = TemplateFeaturesOf({.grey = grey, .mask = mask, .outline = model_.views[wanted.view].outline},
                                    surface->seen, *extractor_, options_);
@@ -94,6 +87,10 @@ class LitViews : public LitTemplates {
 bool HasSurface(const ModelView& view) { return view.angles && !view.surface.empty(); }
 
 }  // namespace
+
+Light ClearDay(const ViewDirection& sun) {
+  return {.sky = 0.4, .ground = 0.25, .sun = 0.9, .to_sun_in_world = DirectionToCamera(sun)};
+}
 
 Expected<std::unique_ptr<const LitTemplates>> MakeLitViews(const ObjectModel& model) {
   if (model.views.empty() || !std::ranges::all_of(model.views, HasSurface)) return nullptr;

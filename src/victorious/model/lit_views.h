@@ -5,10 +5,16 @@
 #include <memory>
 
 #include "victorious/base/error.h"
+#include "victorious/render/renderer.h"
+#include "victorious/render/view_sphere.h"
 #include "victorious/types/lit_templates.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {
+
+/// A clear day: of what a white surface in the sun reflects the sun gives some two thirds.
+/// @param sun  where it stands, in the model's frame
+[[nodiscard]] Light ClearDay(const ViewDirection& sun);
 
 /// Nothing for a model that keeps no renderings (photos, or made by an earlier version).
 /// Error: kInvalidArgument, options in the model that this version does not know.

@@ -1,0 +1,391 @@
+#include "victorious/evaluate/findable.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <opencv2/imgproc.hpp>
+
+#include "victorious/base/random.h"
+#include "victorious/evaluate/drawn_clutter.h"
+#include "victorious/evaluate/experiments/known_scene.h"
+#include "victorious/evaluate/experiments/match_trial.h"
+#include "victorious/evaluate/turned_view.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/geometry/similarity.h"
+#include "victorious/model/lit_views.h"
+#include "victorious/model/model_builder.h"
+#include "victorious/video/image_file.h"
+
+namespace victorious {
+
+void FindableOptions::ListFields(FieldList& fields) {
+  fields.Add("size_px", size_px,
+             {.min = 8, .max = 400, .unit = "px", .reason = "the longest side of the box around the object"});
+  fields.Add("noise", noise, {.min = 0, .max = 0.9, .reason = "share of pixels turned to white or black"});
+  fields.Add("attitude_known", attitude_known, {.reason = "whether telemetry tells how the camera was held"});
+  fields.Add("directions", directions,
+             {.min = 3, .max = 10000, .reason = "from which the object is seen: more tell the shares closer"});
+  fields.Add("seed", seed, {.reason = "of directions, turns, clutter and noise"});
+}
+
+namespace {
+
+constexpr std::array kLadder_px = {16.0, 23.0, 32.0, 45.0, 64.0, 91.0, 128.0, 181.0, 256.0};
+const cv::Size kPicture(640, 480);
+constexpr double kLeastOverlap = 0.4;
+constexpr double kRightView_rad = RadiansFromDegrees(10.0);
+
+// One direction, and all that is by chance when it is seen.
+struct Sample {
+  std::size_t band;
+  ViewDirection direction;
+  double turn_rad;        // clockwise, of the object in the picture
+  double sun_ahead_rad;   // as FrameConditions::sun_ahead
+  Eigen::Vector2d place;  // 0 to 1, of the object in the room that the picture leaves it
+  std::uint64_t seed;
+};
+
+// What a sample is seen in.
+struct Setting {
+  double size_px;
+  double noise;
+  std::optional<double> sun_deg;
+  bool attitude_known;
+};
+
+struct Sought {
+  bool found = false;
+  bool right_view = false;
+  cv::Mat bgr;
+  Box box;  // the true one
+};
+
+// What a sample came to.
+struct Outcome {
+  Sought at_size;
+  std::size_t least = kLadder_px.size();  // rung of the ladder
+};
+
+std::vector<FindableBand> MakeBands(const ObjectModel& model) {
+  constexpr double kWidth_deg = 25;
+  double most_rad = 0;
+  for (const ModelView& view : model.views) most_rad = std::max(most_rad, view.angles->off_nadir_rad);
+  const double most_deg = DegreesFromRadians(most_rad);
+  const int count = std::max(1, static_cast<int>(std::lround(most_deg / kWidth_deg)));
+  std::vector<FindableBand> bands;
+  for (int i = 0; i < count; ++i) {
+    FindableBand band;
+    band.least_deg = most_deg * i / count;
+    band.most_deg = most_deg * (i + 1) / count;
+    bands.push_back(std::move(band));
+  }
+  return bands;
+}
+
+std::vector<Sample> DrawSamples(std::span<const FindableBand> bands, const FindableOptions& options) {
+  std::vector<Sample> samples;
+  for (int i = 0; i < options.directions; ++i) {
+    Random random(MixSeed(options.seed, static_cast<std::uint64_t>(i)));
+    Sample sample;
+    sample.band = static_cast<std::size_t>(i) % bands.size();
+    sample.direction.azimuth_rad = random.Uniform(0, 2 * kPi);
+    sample.direction.off_nadir_rad =
+        RadiansFromDegrees(random.Uniform(bands[sample.band].least_deg, bands[sample.band].most_deg));
+    sample.turn_rad = random.Uniform(-kPi, kPi);
+    sample.sun_ahead_rad = random.Uniform(-kPi, kPi);
+    sample.place.x() = random.Uniform();
+    sample.place.y() = random.Uniform();
+    sample.seed = random.Next();
+    samples.push_back(sample);
+  }
+  return samples;
+}
+
+// Pastes the object onto the picture, so large that the longest side of its box is `size_px`. The box; empty: nothing
+// of it is seen.
+Box Paste(const TurnedView& view, const Sample& sample, double size_px, cv::Mat& grey) {
+  Polygon outline = OutlineOfMask(view.mask);
+  if (outline.size() < 3) return {};
+  const auto boxed = [&](const Similarity2& similarity) {
+    Polygon seen;
+    for (const Eigen::Vector2d& corner : outline) seen.push_back(similarity.Apply(corner));
+    return BoundingBox(seen);
+  };
+  Similarity2 picture_from_view{.scale = 1, .rotation_rad = sample.turn_rad, .translation = {0, 0}};
+  const Box turned = boxed(picture_from_view);
+  picture_from_view.scale = size_px / std::max(turned.width, turned.height);
+  const Box scaled = boxed(picture_from_view);
+  picture_from_view.translation = {sample.place.x() * (grey.cols - scaled.width) - scaled.x,
+                                   sample.place.y() * (grey.rows - scaled.height) - scaled.y};
+
+  // Pixels that become smaller than one are first made as wide as those of the picture.
+  cv::Mat object;
+  cv::Mat share;
+  view.mask.convertTo(share, CV_32F, 1 / 255.0);
+  view.grey.convertTo(object, CV_32F);
+  object = object.mul(share);
+  const double shrink = 1 / picture_from_view.scale;
+  if (shrink > 1) {
+    const double sigma_px = 0.5 * std::sqrt(shrink * shrink - 1);
+    cv::GaussianBlur(object, object, {}, sigma_px);
+    cv::GaussianBlur(share, share, {}, sigma_px);
+  }
+  const Eigen::Matrix2d linear = picture_from_view.Linear();
+  const Eigen::Vector2d shift =
+      picture_from_view.translation + linear * Eigen::Vector2d(0.5, 0.5) - Eigen::Vector2d(0.5, 0.5);
+  const cv::Matx23d map(linear(0, 0), linear(0, 1), shift.x(), linear(1, 0), linear(1, 1), shift.y());
+  cv::warpAffine(object, object, map, grey.size());
+  cv::warpAffine(share, share, map, grey.size());
+  cv::Mat background;
+  grey.convertTo(background, CV_32F);
+  cv::Mat pasted = object + background.mul(1 - share);
+  pasted.convertTo(grey, CV_8U);
+  return boxed(picture_from_view);
+}
+
+double AngleBetween(const ViewDirection& a, const ViewDirection& b) {
+  return std::acos(std::clamp(DirectionToCamera(a).dot(DirectionToCamera(b)), -1.0, 1.0));
+}
+
+// Of a camera that looks straight at the object from far away.
+FrameConditions ConditionsOf(const Sample& sample, const Setting& setting) {
+  FrameConditions conditions;
+  if (!setting.attitude_known) return conditions;
+  constexpr double kFocal_px = 1e5;
+  conditions.vertical = Vertical{.pinhole = {.fx = kFocal_px,
+                                             .fy = kFocal_px,
+                                             .cx = 0.5 * kPicture.width,
+                                             .cy = 0.5 * kPicture.height,
+                                             .width = kPicture.width,
+                                             .height = kPicture.height},
+                                 .up_in_camera = UpOfView(sample.direction.off_nadir_rad, sample.turn_rad)};
+  if (setting.sun_deg) conditions.sun_ahead = Sun{sample.sun_ahead_rad, RadiansFromDegrees(*setting.sun_deg)};
+  return conditions;
+}
+
+class Search {
+ public:
+  Search(const ObjectModel& model, Recognizer recognizer, std::unique_ptr<const FeatureExtractor> extractor)
+      : model_(&model), recognizer_(std::move(recognizer)), extractor_(std::move(extractor)) {}
+
+  [[nodiscard]] Expected<TurnedView> Seen(const Sample& sample, const std::optional<double>& sun_deg) const {
+    std::optional<ViewDirection> sun;
+    if (sun_deg) {
+      sun = ViewDirection{sample.direction.azimuth_rad + kPi + sample.sun_ahead_rad, RadiansFromDegrees(90 - *sun_deg)};
+    }
+    return TurnView(*model_, sample.direction, sun);
+  }
+
+  [[nodiscard]] Expected<Sought> Try(const TurnedView& view, const Sample& sample, const Setting& setting) const {
+    constexpr Spoiling kCamera{.degrade = {.blur_px = 0.5, .grain = 1.5}, .jpeg_quality = 85};
+    Sought sought;
+    cv::Mat grey = DrawClutter(kPicture, sample.seed);
+    sought.box = Paste(view, sample, setting.size_px, grey);
+    cv::cvtColor(grey, sought.bgr, cv::COLOR_GRAY2BGR);
+    Spoiling spoiling = kCamera;
+    spoiling.degrade.noise = setting.noise;
+    VICTORIOUS_RETURN_IF_ERROR(Spoil(spoiling, sample.seed, sought.bgr));
+    VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, extractor_->Extract(GreyFromBgr(sought.bgr)));
+    for (const Detection& detection : recognizer_.Recognize(features, ConditionsOf(sample, setting))) {
+      if (IntersectionOverUnion(detection.box, sought.box) < kLeastOverlap) continue;
+      const ViewAngles& angles = *model_->views[detection.view].angles;
+      sought.found = true;
+      sought.right_view = AngleBetween({angles.azimuth_rad, angles.off_nadir_rad}, sample.direction) <= kRightView_rad;
+      break;  // the best of them
+    }
+    return sought;
+  }
+
+  // At the size asked for, then the least rung of the ladder, by halving what is left of it.
+  [[nodiscard]] Expected<Outcome> Measure(const Sample& sample, Setting setting) const {
+    VICTORIOUS_ASSIGN_OR_RETURN(const TurnedView view, Seen(sample, setting.sun_deg));
+    Outcome outcome;
+    VICTORIOUS_ASSIGN_OR_RETURN(outcome.at_size, Try(view, sample, setting));
+    const double asked_px = setting.size_px;
+    std::size_t low = 0;
+    std::size_t high = kLadder_px.size();
+    if (outcome.at_size.found) {
+      high = static_cast<std::size_t>(std::ranges::lower_bound(kLadder_px, asked_px) - kLadder_px.begin());
+    } else {
+      low = static_cast<std::size_t>(std::ranges::upper_bound(kLadder_px, asked_px) - kLadder_px.begin());
+    }
+    while (low < high) {
+      const std::size_t middle = (low + high) / 2;
+      setting.size_px = kLadder_px[middle];
+      VICTORIOUS_ASSIGN_OR_RETURN(const Sought sought, Try(view, sample, setting));
+      (sought.found ? high : low) = sought.found ? middle : middle + 1;
+    }
+    outcome.least = high;
+    return outcome;
+  }
+
+ private:
+  const ObjectModel* model_;
+  Recognizer recognizer_;
+  std::unique_ptr<const FeatureExtractor> extractor_;
+};
+
+// Counts what is done, for progress and cancelling.
+class Watched {
+ public:
+  Watched(const CancelToken& cancel, const FindableWatch& watch) : cancel_(cancel), watch_(watch) {}
+
+  // fn(i) for i in 0 .. count, on all cores; the first error, if any.
+  template <typename Fn>
+  Status Each(std::size_t count, Fn fn) {
+    all_ += static_cast<int>(count);
+    std::vector<Status> status(count);
+    oneapi::tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+      if (cancel_.IsCancelled()) return;
+      status[i] = fn(i);
+      const std::scoped_lock lock(mutex_);
+      ++done_;
+      if (watch_.progress) watch_.progress(done_, all_);
+    });
+    if (cancel_.IsCancelled()) return Fail(ErrorCode::kCancelled, "interrupted");
+    for (Status& one : status) VICTORIOUS_RETURN_IF_ERROR(std::move(one));
+    return {};
+  }
+
+ private:
+  const CancelToken& cancel_;
+  const FindableWatch& watch_;
+  std::mutex mutex_;
+  int done_ = 0;
+  int all_ = 0;
+};
+
+void Count(const Outcome& outcome, FoundShare& share) {
+  share.asked += 1;
+  share.found += outcome.at_size.found ? 1 : 0;
+  share.right_view += outcome.at_size.right_view ? 1 : 0;
+}
+
+// By the rungs at which each of some directions is found first.
+LeastSizes LeastOf(std::vector<std::size_t> rungs) {
+  std::ranges::sort(rungs);
+  const auto at = [&](double share) -> std::optional<double> {
+    if (rungs.empty()) return std::nullopt;
+    const std::size_t rung = rungs[static_cast<std::size_t>(std::ceil(share * static_cast<double>(rungs.size()))) - 1];
+    if (rung == kLadder_px.size()) return std::nullopt;
+    return kLadder_px[rung];
+  };
+  return {.half_px = at(0.5), .most_px = at(0.9)};
+}
+
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
+  return values[values.size() / 2];
+}
+
+Status Check(const ObjectModel& model, const FindableOptions& options) {
+  VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
+  if (options.sun_deg && !(*options.sun_deg >= 5 && *options.sun_deg <= 90)) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("sun = {:g}: must be its elevation, 5 to 90 degrees, or off", *options.sun_deg));
+  }
+  const auto rendered = [](const ModelView& view) { return view.angles && !view.surface.empty(); };
+  if (model.views.empty() || !std::ranges::all_of(model.views, rendered)) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("model {}: only of models made of CAD files by this version is kept what this needs; of "
+                            "photos the videos themselves tell",
+                            model.name));
+  }
+  return {};
+}
+
+}  // namespace
+
+Expected<Findable> HowFindable(const ObjectModel& model, const FeatureOptions& features,
+                               const RecognizeOptions& recognize, const FindableOptions& options,
+                               const CancelToken& cancel, const FindableWatch& watch) {
+  VICTORIOUS_RETURN_IF_ERROR(Check(model, options));
+  VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(features));
+  std::vector<std::shared_ptr<const LitTemplates>> lit(1);
+  VICTORIOUS_ASSIGN_OR_RETURN(lit.front(), MakeLitViews(model));
+  VICTORIOUS_ASSIGN_OR_RETURN(Recognizer recognizer, Recognizer::Create({model}, features.engine, recognize, lit));
+  const Search search(model, std::move(recognizer), std::move(extractor));
+
+  Findable result{.options = options,
+                  .bands = MakeBands(model),
+                  .share = {},
+                  .least = {},
+                  .largest_px = kLadder_px.back(),
+                  .quiet = {},
+                  .soft = {},
+                  .upright = {}};
+  const std::vector<Sample> samples = DrawSamples(result.bands, options);
+  const Setting asked{options.size_px, options.noise, options.sun_deg, options.attitude_known};
+  std::vector<Outcome> outcomes(samples.size());
+  Watched watched(cancel, watch);
+  VICTORIOUS_RETURN_IF_ERROR(watched.Each(samples.size(), [&](std::size_t i) -> Status {
+    VICTORIOUS_ASSIGN_OR_RETURN(outcomes[i], search.Measure(samples[i], asked));
+    return {};
+  }));
+
+  std::vector<std::size_t> rungs;
+  for (std::size_t b = 0; b < result.bands.size(); ++b) {
+    FindableBand& band = result.bands[b];
+    std::vector<std::size_t> own;
+    std::vector<double> counts;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      if (samples[i].band != b) continue;
+      Count(outcomes[i], band.share);
+      Count(outcomes[i], result.share);
+      own.push_back(outcomes[i].least);
+      counts.push_back(static_cast<double>(model.views[NearestView(model, samples[i].direction)].feature_count));
+    }
+    band.least = LeastOf(own);
+    band.features = Median(counts);
+    std::ranges::copy(own, std::back_inserter(rungs));
+  }
+  result.least = LeastOf(rungs);
+
+  // What would help: the same pictures that nothing was found in, without one of what makes them hard.
+  const auto eased = [&](const Setting& setting) -> Expected<FoundShare> {
+    std::vector<Outcome> again = outcomes;
+    std::vector<std::size_t> missed;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      if (!outcomes[i].at_size.found) missed.push_back(i);
+    }
+    VICTORIOUS_RETURN_IF_ERROR(watched.Each(missed.size(), [&](std::size_t i) -> Status {
+      const Sample& sample = samples[missed[i]];
+      VICTORIOUS_ASSIGN_OR_RETURN(const TurnedView view, search.Seen(sample, setting.sun_deg));
+      VICTORIOUS_ASSIGN_OR_RETURN(again[missed[i]].at_size, search.Try(view, sample, setting));
+      return {};
+    }));
+    FoundShare share;
+    for (const Outcome& outcome : again) Count(outcome, share);
+    return share;
+  };
+  const auto ease = [&](bool applies, auto Setting::* what, auto value, std::optional<FoundShare>& into) -> Status {
+    if (!applies || result.share.found == result.share.asked) return {};
+    Setting setting = asked;
+    setting.*what = value;
+    VICTORIOUS_ASSIGN_OR_RETURN(into, eased(setting));
+    return {};
+  };
+  VICTORIOUS_RETURN_IF_ERROR(ease(asked.noise > 0, &Setting::noise, 0.0, result.quiet));
+  VICTORIOUS_RETURN_IF_ERROR(ease(asked.sun_deg.has_value(), &Setting::sun_deg, std::nullopt, result.soft));
+  VICTORIOUS_RETURN_IF_ERROR(ease(!asked.attitude_known, &Setting::attitude_known, true, result.upright));
+
+  if (watch.picture) {
+    for (Outcome& outcome : outcomes) {
+      const Box& box = outcome.at_size.box;
+      const cv::Scalar colour = outcome.at_size.found ? cv::Scalar(0, 255, 0) : cv::Scalar(0, 0, 255);
+      cv::rectangle(outcome.at_size.bgr, cv::Rect2d(box.x - 4, box.y - 4, box.width + 8, box.height + 8), colour, 2);
+      watch.picture(outcome.at_size.bgr);
+    }
+  }
+  return result;
+}
+
+}  // namespace victorious

@@ -1,0 +1,119 @@
+#include "victorious/evaluate/turned_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+
+#include "victorious/evaluate/experiments/match_trial.h"
+#include "victorious/model/cad_model.h"
+#include "victorious/model/lit_views.h"
+#include "victorious/model/view_surface.h"
+
+namespace victorious {
+namespace {
+
+ViewDirection DirectionOf(const ModelView& view) { return {view.angles->azimuth_rad, view.angles->off_nadir_rad}; }
+
+// One part in so many of a pixel's sides is carried over by itself, so that turning tears no gaps into a surface.
+constexpr int kParts = 3;
+
+struct Splat {
+  int row;
+  int column;
+  double depth_m;
+  double grey;
+};
+
+// Every part of a pixel, where the camera sees it once the object is turned about `middle` (both in camera frames).
+std::vector<Splat> Carry(const ViewSurface& surface, const cv::Mat& grey, const Eigen::Quaterniond& turn,
+                         const Eigen::Vector3d& middle) {
+  const PinholeCamera& pinhole = surface.seen.camera.pinhole;
+  std::vector<Splat> splats;
+  for (int row = 0; row < grey.rows; ++row) {
+    for (int column = 0; column < grey.cols; ++column) {
+      const double depth_m = surface.seen.depth_m.at<float>(row, column);
+      if (!std::isfinite(depth_m)) continue;
+      for (int part = 0; part < kParts * kParts; ++part) {
+        const Eigen::Vector2d from(column + (part % kParts + 0.5) / kParts, row + (part / kParts + 0.5) / kParts);
+        const Eigen::Vector3d place = turn * (depth_m * pinhole.RayOf(from) - middle) + middle;
+        const std::optional<Eigen::Vector2d> to = pinhole.Project(place);
+        if (!to || to->x() < 0 || to->y() < 0 || to->x() >= grey.cols || to->y() >= grey.rows) continue;
+        splats.push_back({static_cast<int>(to->y()), static_cast<int>(to->x()), place.z(),
+                          static_cast<double>(grey.at<std::uint8_t>(row, column))});
+      }
+    }
+  }
+  return splats;
+}
+
+// The mean of the nearest splats of each pixel; what lies behind them by more than `thickness_m` is hidden.
+TurnedView Draw(const std::vector<Splat>& splats, const cv::Size& size, double thickness_m) {
+  cv::Mat nearest_m(size, CV_64F, cv::Scalar(std::numeric_limits<double>::infinity()));
+  for (const Splat& splat : splats) {
+    double& nearest = nearest_m.at<double>(splat.row, splat.column);
+    nearest = std::min(nearest, splat.depth_m);
+  }
+  cv::Mat sum(size, CV_64F, cv::Scalar(0));
+  cv::Mat count(size, CV_64F, cv::Scalar(0));
+  for (const Splat& splat : splats) {
+    if (splat.depth_m > nearest_m.at<double>(splat.row, splat.column) + thickness_m) continue;
+    sum.at<double>(splat.row, splat.column) += splat.grey;
+    count.at<double>(splat.row, splat.column) += 1;
+  }
+  TurnedView view{.grey = {}, .mask = count > 0};
+  cv::Mat mean;
+  cv::divide(sum, cv::max(count, 1.0), mean);
+  mean.convertTo(view.grey, CV_8U);
+  return view;
+}
+
+// Pixels without a splat, most of whose neighbours have one, take their mean.
+void FillGaps(TurnedView& view) {
+  constexpr int kLeastNeighbours = 5;
+  const TurnedView before{view.grey.clone(), view.mask.clone()};
+  for (int row = 1; row + 1 < view.grey.rows; ++row) {
+    for (int column = 1; column + 1 < view.grey.cols; ++column) {
+      if (before.mask.at<std::uint8_t>(row, column) != 0) continue;
+      const cv::Rect around(column - 1, row - 1, 3, 3);
+      if (cv::countNonZero(before.mask(around)) < kLeastNeighbours) continue;
+      view.grey.at<std::uint8_t>(row, column) =
+          cv::saturate_cast<std::uint8_t>(cv::mean(before.grey(around), before.mask(around))[0]);
+      view.mask.at<std::uint8_t>(row, column) = 255;
+    }
+  }
+}
+
+}  // namespace
+
+Expected<TurnedView> TurnView(const ObjectModel& model, const ViewDirection& direction,
+                              const std::optional<ViewDirection>& sun) {
+  const ModelView& nearest = model.views[NearestView(model, direction)];
+  VICTORIOUS_ASSIGN_OR_RETURN(const ViewSurface surface, DecodeSurface(nearest.surface, model.name));
+  cv::Mat grey = surface.grey;
+  if (sun) {
+    CadModelOptions options;
+    const auto json = nlohmann::json::parse(model.options_json, nullptr, /*allow_exceptions=*/false);
+    if (Status status = SetFromJson(json, FieldsOf(options)); !status) {
+      return std::unexpected(std::move(status).error().WithContext(fmt::format("model {}", model.name)));
+    }
+    VICTORIOUS_ASSIGN_OR_RETURN(const ViewSurface from_sun,
+                                DecodeSurface(model.views[NearestView(model, *sun)].surface, model.name));
+    grey = Relight(surface.grey, surface.seen, options.light, ClearDay(*sun), from_sun.seen);
+  }
+  const PosedCamera& camera = surface.seen.camera;
+  const Eigen::Vector3d middle =
+      camera.camera_from_world.Apply(model.box_m ? model.box_m->center().eval() : Eigen::Vector3d::Zero().eval());
+  const Eigen::Quaterniond turn = CameraFromModel(direction) * CameraFromModel(DirectionOf(nearest)).conjugate();
+  const double pixel_m = middle.z() / camera.pinhole.fx;
+  TurnedView view = Draw(Carry(surface, grey, turn, middle), grey.size(), 3 * pixel_m);
+  FillGaps(view);
+  FillGaps(view);
+  return view;
+}
+
+}  // namespace victorious

@@ -1,0 +1,66 @@
+#include "victorious/evaluate/turned_view.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "victorious/evaluate/waffle_test.h"
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+ViewDirection FromDegrees(double azimuth_deg, double off_nadir_deg) {
+  return {RadiansFromDegrees(azimuth_deg), RadiansFromDegrees(off_nadir_deg)};
+}
+
+double MeanDifference(const TurnedView& a, const TurnedView& b) {
+  cv::Mat off;
+  cv::absdiff(a.grey, b.grey, off);
+  return cv::mean(off, a.mask & b.mask)[0];
+}
+
+double SharedMask(const TurnedView& a, const TurnedView& b) {
+  return static_cast<double>(cv::countNonZero(a.mask & b.mask)) / cv::countNonZero(a.mask | b.mask);
+}
+
+// What lies between two views, turned from the one and from the other, is one picture; the views themselves are not.
+TEST(TurnedView, BothNeighboursTurnIntoTheSamePicture) {
+  const ObjectModel& model = testing::WaffleModel();
+  const TurnedView left = TurnView(model, FromDegrees(44.9, 40), {}).value();   // from azimuth 30
+  const TurnedView right = TurnView(model, FromDegrees(45.1, 40), {}).value();  // from azimuth 60
+  const TurnedView before = TurnView(model, FromDegrees(30, 30), {}).value();
+  const TurnedView after = TurnView(model, FromDegrees(60, 30), {}).value();
+  EXPECT_GT(SharedMask(left, right), 0.93);
+  EXPECT_GT(SharedMask(left, right), SharedMask(before, after) + 0.02);
+  EXPECT_LT(MeanDifference(left, right), 0.75 * MeanDifference(before, after));
+}
+
+TEST(TurnedView, HasNoGaps) {
+  const TurnedView view = TurnView(testing::WaffleModel(), FromDegrees(0, 12), {}).value();
+  const cv::Rect middle(view.mask.cols / 2 - 20, view.mask.rows / 2 - 20, 40, 40);
+  EXPECT_EQ(cv::countNonZero(view.mask(middle)), middle.area());
+  EXPECT_EQ(view.mask.at<std::uint8_t>(0, 0), 0);
+}
+
+TEST(TurnedView, ASunLightsItAnew) {
+  const ViewDirection direction = FromDegrees(100, 45);
+  const TurnedView soft = TurnView(testing::WaffleModel(), direction, {}).value();
+  const TurnedView east = TurnView(testing::WaffleModel(), direction, FromDegrees(90, 50)).value();
+  const TurnedView west = TurnView(testing::WaffleModel(), direction, FromDegrees(270, 50)).value();
+  EXPECT_EQ(SharedMask(soft, east), 1);
+  EXPECT_GT(MeanDifference(soft, east), 3);
+  EXPECT_GT(MeanDifference(east, west), 3);
+}
+
+TEST(TurnedView, DamageIsOneError) {
+  ObjectModel model = testing::WaffleModel();
+  for (ModelView& view : model.views) view.surface = view.surface.first(50);
+  const auto result = TurnView(model, FromDegrees(0, 0), {});
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::kDataLoss);
+}
+
+}  // namespace
+}  // namespace victorious
