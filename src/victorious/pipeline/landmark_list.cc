@@ -113,6 +113,7 @@ Expected<LandmarkList> LandmarksOf(IndexStore& store, const LandmarkListOptions&
   LandmarkList list;
   for (const ListedObject& listed : objects) {
     const ObjectRecord& object = listed.object;
+    if (listed.is_category) continue;  // no model recognises it
     if (!object.place || SpeedOf(object).value_or(0) > options.most_speed_m_s) {
       list.warnings.push_back(fmt::format("object {}, {}, is left out: {}", object.id, listed.model,
                                           object.place ? "it moves" : "its place is not known"));
