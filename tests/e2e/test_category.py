@@ -139,6 +139,42 @@ class CategoryTest(program.ProgramTest):
         self.refuses(2, "cut off", *command, self.write("cut.vcat", whole[:-1]))
         self.refuses(2, "newer version", *command, self.write("new.vcat", whole[:8] + b"\x07" + whole[9:]))
 
+    def test_videos_are_indexed_by_category(self):
+        model = self.train()
+        video = self.scratch / "video"
+        video.mkdir()
+        for i in range(12):
+            pair(video / f"{i:03d}.pgm", i < 6, 500 if i < 6 else 501)
+        db = self.scratch / "index.db"
+        command = ("index", video, "--categories", model, "--db", db)
+        self.succeeds(*command)
+        for name, frames in (("cross-disc", range(6)), ("disc-cross", range(6, 12))):
+            rows = [json.loads(line) for line in self.export(db, "sightings", "--category", name).splitlines()]
+            self.assertEqual([row["frame"] for row in rows], list(frames))
+            for row in rows:
+                self.assertEqual((row["model"], row["category"]), (None, name))
+                x, y, w, h = row["box"]
+                self.assertTrue(0 <= x and 0 <= y and 0 < w and 0 < h and x + w <= WIDTH and y + h <= HEIGHT)
+            (found,) = self.succeeds("search", "--db", db, "--category", name, "--json").rows()
+            self.assertEqual((found["rank"], found["category"], found["frames"]), (1, name, 6))
+        self.assertIn("0 frames searched", self.succeeds(*command).err)
+        self.succeeds("sheet", "--db", db, "--category", "cross-disc", "--out", self.scratch / "sheet.png")
+
+        everything = self.export(db, "objects")
+        self.refuses(2, ["boat", "cross-disc, disc-cross"], "search", "--db", db, "--category", "boat")
+        self.refuses(2, "--model and --category", "search", "--db", db, "--category", "boat", "--model", "boat")
+        other = self.write("other.json", '{"categories": {"least_probability": 0.9}}')
+        self.refuses(2, ["least_probability", "--redo"], *command, "--params", other)
+        self.assertEqual(self.export(db, "objects"), everything)
+        new = self.scratch / "new.db"
+        self.refuses(2, ["--models", "--categories"], "index", video, "--db", new)
+        broken = self.write("cut.vcat", model.read_bytes()[:-1])
+        self.refuses(2, "cut off", "index", video, "--categories", broken, "--db", new)
+        self.refuses(2, "none.vcat", "index", video, "--categories", self.scratch / "none.vcat", "--db", new)
+        none = self.write("none.json", '{"categories": {"none": "cross-disc, disc-cross"}}')
+        self.refuses(2, "none of these", "index", video, "--categories", model, "--db", new, "--params", none)
+        self.assertFalse(new.exists())
+
     def test_missing_pictures(self):
         model = self.train()
         rows = self.write("test.csv", listing([*TEST, "nowhere.png,a"]))

@@ -181,6 +181,7 @@ CancelToken& Interrupt() {
 void FilterArguments::AddTo(CLI::App& app) {
   app.add_option("--video", video, "Only this video: its name as indexed, or its last parts")->type_name("NAME");
   app.add_option("--model", model, "Only this model")->type_name("NAME");
+  app.add_option("--category", category, "Only this category, and those within it")->type_name("NAME");
   app.add_option("--from", from_s, "Only from this time of the video on: seconds, or as 1:30 or 1:02:03.5")
       ->type_name("TIME")
       ->transform(TimeOfVideo());
@@ -194,11 +195,15 @@ Expected<SightingFilter> FilterArguments::Filter() const {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("--from {:g} lies after --to {:g}: give a time and a later one", *from_s, *to_s));
   }
+  if (!model.empty() && !category.empty()) {
+    return Fail(ErrorCode::kInvalidArgument, "--model and --category: give one of them");
+  }
   SightingFilter filter;
   if (!near.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(filter.near, ParseSurroundings(near));
   }
   if (!model.empty()) filter.model_name = model;
+  if (!category.empty()) filter.category_name = category;
   if (!video.empty()) filter.video_name = video;
   filter.from_s = from_s;
   filter.to_s = to_s;

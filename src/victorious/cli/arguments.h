@@ -49,16 +49,18 @@ std::string OneLine(std::string text);
 /// Set by SIGINT and SIGTERM.
 CancelToken& Interrupt();
 
-/// The flags --video, --model, --from, --to and --near of commands that list what an index holds.
+/// The flags --video, --model, --category, --from, --to and --near of commands that list what an index holds.
 struct FilterArguments {
   std::string video;
   std::string model;
+  std::string category;
   std::optional<double> from_s;
   std::optional<double> to_s;
   std::string near;
 
   void AddTo(CLI::App& app);
-  /// Errors: kInvalidArgument for times that end before they begin; for no place.
+  /// Errors: kInvalidArgument for times that end before they begin; for no place; for both a
+  /// model and a category.
   [[nodiscard]] Expected<SightingFilter> Filter() const;
 };
 

@@ -37,11 +37,14 @@ Status Run(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> records, store->Objects(filter));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SightingRecord> rows, store->Sightings(filter));
   std::vector<ReportedObject> objects;
-  for (const ObjectRecord& object : records) objects.push_back({object.id, object.place, object.heading_rad});
+  for (const ObjectRecord& object : records) {
+    const ModelRecord* model = catalogue.Model(object.model);
+    if (model != nullptr && !model->IsCategory()) objects.push_back({object.id, object.place, object.heading_rad});
+  }
   std::vector<ReportedSighting> sightings;
   for (const SightingRecord& row : rows) {
     const ModelRecord* model = catalogue.Model(row.model);
-    if (model == nullptr) continue;  // added by another process since
+    if (model == nullptr || model->IsCategory()) continue;  // added by another process since; truth names models
     sightings.push_back({.object = row.object,
                          .frame = row.frame,
                          .model = model->name,

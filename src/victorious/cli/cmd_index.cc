@@ -1,10 +1,11 @@
-// victorious index VIDEO... --models DIR --db FILE
+// victorious index VIDEO... --models DIR --categories FILE --db FILE
 #include <memory>
 #include <optional>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "victorious/category/category_file.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/geometry/angles.h"
@@ -17,6 +18,7 @@ namespace {
 struct Arguments {
   std::vector<std::string> videos;
   std::string models;
+  std::string categories;
   std::string db;
   std::string params;
   std::optional<std::string> telemetry;
@@ -30,16 +32,29 @@ Status Run(const Arguments& arguments) {
   if (arguments.telemetry && arguments.videos.size() > 1) {
     return Fail(ErrorCode::kInvalidArgument, "--telemetry goes with one video: index several one after the other");
   }
+  if (arguments.models.empty() && arguments.categories.empty()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "nothing to search for: give --models (`victorious model add` makes one), --categories (`victorious "
+                "category train` makes one), or both");
+  }
   IndexOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
   if (arguments.every) options.every = *arguments.every;
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
-  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectModel> models, ModelLibrary(arguments.models).LoadAll());
-  if (models.empty()) {
-    return Fail(ErrorCode::kNotFound,
-                fmt::format("{}: no models to search for; make one with `victorious model add`", arguments.models));
+  std::vector<ObjectModel> models;
+  if (!arguments.models.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(models, ModelLibrary(arguments.models).LoadAll());
+    if (models.empty()) {
+      return Fail(ErrorCode::kNotFound,
+                  fmt::format("{}: no models to search for; make one with `victorious model add`", arguments.models));
+    }
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const Indexer indexer, Indexer::Create(std::move(models), options));
+  std::optional<CategoryModel> categories;
+  if (!arguments.categories.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(categories, ReadCategories(arguments.categories));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const Indexer indexer,
+                              Indexer::Create(std::move(models), options, std::move(categories)));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
                               OpenSqliteStore(arguments.db, StoreMode::kCreate));
   // A video that cannot be read does not keep the others from being indexed.
@@ -73,7 +88,10 @@ Status Run(const Arguments& arguments) {
 Action SetUpIndex(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("VIDEO", arguments->videos, "Files, folders of frames, or live URLs")->required();
-  app.add_option("--models", arguments->models, "The folder of models to search for")->required()->type_name("DIR");
+  app.add_option("--models", arguments->models, "The folder of models to search for")->type_name("DIR");
+  app.add_option("--categories", arguments->categories,
+                 "A category model (`victorious category train`): its categories are searched for, too")
+      ->type_name("FILE");
   app.add_option("--db", arguments->db, "The index, made if it is not there")->required()->type_name("FILE");
   app.add_option("--telemetry", arguments->telemetry,
                  "Where the camera was (unless given: the video's own KLV, .SRT or .telemetry.csv beside it)")
@@ -83,7 +101,8 @@ Action SetUpIndex(CLI::App& app) {
                  "Search every N-th frame as a whole; between them, only where objects are followed")
       ->type_name("N");
   AddFieldOfView(app, arguments->hfov_deg);
-  app.add_flag("--redo", arguments->redo, "Forget what was found of these models in these videos, and search again");
+  app.add_flag("--redo", arguments->redo,
+               "Forget what was found of these models and categories in these videos, and search again");
   app.add_option("--threads", arguments->threads, "Threads; 0: as many as the machine has")->check(CLI::Range(0, 1024));
   return [=] { return Run(*arguments); };
 }

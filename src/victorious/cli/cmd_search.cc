@@ -123,8 +123,9 @@ Status WarnOfUnfinished(const Catalogue& catalogue, IndexStore& store) {
 }
 
 Status Run(const Arguments& arguments) {
-  if (!arguments.image.empty() && !arguments.filter.model.empty()) {
-    return Fail(ErrorCode::kInvalidArgument, "--image and --model: give one of them");
+  if (!arguments.image.empty() && !(arguments.filter.model.empty() && arguments.filter.category.empty())) {
+    return Fail(ErrorCode::kInvalidArgument, arguments.filter.model.empty() ? "--image and --category: give one of them"
+                                                                            : "--image and --model: give one of them");
   }
   if (arguments.image.empty() && !(arguments.box.empty() && arguments.params.empty())) {
     return Fail(ErrorCode::kInvalidArgument, "--box and --params go with --image");

@@ -46,7 +46,8 @@ cv::Mat DrawTile(const Tile& tile, const cv::Mat& frame, const cv::Size& size) {
       std::min(static_cast<double>(size.width) / frame.cols, static_cast<double>(size.height) / frame.rows);
   cv::Mat small;
   cv::resize(frame, small, {}, factor, factor, cv::INTER_AREA);
-  cv::polylines(small, Corners(tile.best.outline, factor), true, {0, 255, 255}, 2, cv::LINE_AA);
+  const Polygon outline = tile.best.outline.empty() ? CornersOf(tile.best.box) : tile.best.outline;
+  cv::polylines(small, Corners(outline, factor), true, {0, 255, 255}, 2, cv::LINE_AA);
   small.copyTo(picture(cv::Rect({0, 0}, small.size())));
   const auto caption = [&](const std::string& text, int line) {
     cv::putText(picture, text, {4, size.height + 13 + 15 * line}, cv::FONT_HERSHEY_SIMPLEX, 0.42, cv::Scalar::all(235),
@@ -113,7 +114,8 @@ Expected<cv::Mat> DrawContactSheet(const SightingFilter& filter, const ContactSh
     const auto found = tile_of.find(sighting.object);
     if (found != tile_of.end() && catalogue.Video(sighting.video) != nullptr) {
       Tile& tile = tiles[found->second];
-      if (sighting.matches > tile.best.matches) tile.best = std::move(sighting);
+      const auto rank = [](const SightingRecord& one) { return std::pair(one.matches, one.score); };
+      if (rank(sighting) > rank(tile.best)) tile.best = std::move(sighting);
     }
     return true;
   }));

@@ -40,6 +40,7 @@ void IndexOptions::ListSearchFields(FieldList& fields) {
   fields.AddGroup("video", video);
   fields.AddGroup("features", features);
   recognize.ListFields(fields);
+  fields.AddGroup("categories", categories);
   fields.AddGroup("daylight", daylight);
   fields.AddGroup("telemetry", telemetry);
   fields.AddGroup("sight", sight);

@@ -8,6 +8,7 @@
 #include "victorious/pipeline/follower.h"
 #include "victorious/pipeline/object_options.h"
 #include "victorious/pipeline/stance.h"
+#include "victorious/recognize/category_finder.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/telemetry/telemetry.h"
 
@@ -39,6 +40,7 @@ struct IndexOptions {
   VideoOptions video;
   FeatureOptions features = FaintFeatures();
   RecognizeOptions recognize;
+  CategoryFindOptions categories;
   DaylightOptions daylight;
   TelemetryOptions telemetry;
   SightOptions sight;

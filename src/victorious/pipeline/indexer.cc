@@ -59,7 +59,7 @@ struct StoredParameters {
 };
 
 // Refuses what was searched with other parameters, before anything is changed.
-Status CheckParameters(const VideoRecord& video, const std::vector<ObjectModel>& models, const StoredParameters& now,
+Status CheckParameters(const VideoRecord& video, const std::vector<ModelRecord>& sought, const StoredParameters& now,
                        IndexStore& store) {
   const auto refuse = [&](const std::string& before, const std::string& wanted) {
     return Fail(
@@ -73,8 +73,8 @@ Status CheckParameters(const VideoRecord& video, const std::vector<ObjectModel>&
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> stored, store.Models());
   for (const ModelRecord& record : stored) {
-    const bool is_searched = std::ranges::any_of(models, [&](const ObjectModel& model) {
-      return model.name == record.name && model.id == record.model_id;  // of another content: searched anew
+    const bool is_searched = std::ranges::any_of(sought, [&](const ModelRecord& one) {
+      return one.name == record.name && one.model_id == record.model_id;  // of another content: searched anew
     });
     if (!is_searched) continue;
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before, store.FindSearch(video.id, record.id));
@@ -119,21 +119,49 @@ Expected<Cameras> CamerasOf(const IndexJob& job, bool live, const TelemetryOptio
 }
 
 struct PlannedSearch {
-  ObjectModel model;
+  std::size_t sought = 0;
   SearchRecord search;
 };
+
+// An index knows what it holds by name: a category would take the place of the model, or the model the category's.
+Status CheckNames(const std::vector<ModelRecord>& sought, const std::vector<ModelRecord>& others) {
+  for (const ModelRecord& one : sought) {
+    for (const ModelRecord& other : others) {
+      if (one.name != other.name || one.IsCategory() == other.IsCategory()) continue;
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("{}: the name of a model and of a category: give one of them another name", one.name));
+    }
+  }
+  return {};
+}
 
 }  // namespace
 
 Indexer::Indexer(std::vector<ObjectModel> models, const IndexOptions& options,
-                 std::unique_ptr<const FeatureExtractor> extractor)
-    : models_(std::move(models)), options_(options), extractor_(std::move(extractor)) {}
+                 std::unique_ptr<const FeatureExtractor> extractor, std::optional<CategoryFinder> categories)
+    : models_(std::move(models)),
+      options_(options),
+      extractor_(std::move(extractor)),
+      categories_(std::move(categories)) {
+  for (const ObjectModel& model : models_)
+    sought_.push_back({.name = model.name, .model_id = model.id, .kind = model.kind});
+  if (!categories_) return;
+  for (const std::string& name : categories_->names())
+    sought_.push_back({.name = name, .model_id = categories_->content_id(), .kind = std::string(kCategoryKind)});
+}
 
-Expected<Indexer> Indexer::Create(std::vector<ObjectModel> models, const IndexOptions& options) {
+Expected<Indexer> Indexer::Create(std::vector<ObjectModel> models, const IndexOptions& options,
+                                  std::optional<CategoryModel> categories) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(options.features));
   VICTORIOUS_RETURN_IF_ERROR(CheckEngine(models, options.features.engine));
-  return Indexer(std::move(models), options, std::move(extractor));
+  std::optional<CategoryFinder> finder;
+  if (categories) {
+    VICTORIOUS_ASSIGN_OR_RETURN(finder, CategoryFinder::Create(*std::move(categories), options.categories));
+  }
+  Indexer indexer(std::move(models), options, std::move(extractor), std::move(finder));
+  VICTORIOUS_RETURN_IF_ERROR(CheckNames(indexer.sought_, indexer.sought_));
+  return indexer;
 }
 
 Expected<IndexReport> Indexer::Index(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
@@ -151,6 +179,8 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
   if (cancel.IsCancelled()) {
     return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped before it was opened; run again to go on", video));
   }
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models_before, store.Models());
+  VICTORIOUS_RETURN_IF_ERROR(CheckNames(sought_, models_before));
   const VideoReaderOptions reading{.threads = job.threads, .folder_frame_rate = options_.video.folder_frame_rate};
   VICTORIOUS_ASSIGN_OR_RETURN(std::unique_ptr<VideoReader> reader, VideoReader::Open(video, reading));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string content_id, ContentIdOf(*reader, video, cancel));
@@ -173,30 +203,28 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
 
   const StoredParameters parameters{SearchOptionsText(options_), OptionsToJsonText(options_.features)};
   if (!job.redo) {
-    VICTORIOUS_RETURN_IF_ERROR(CheckParameters(record, models_, parameters, store));
+    VICTORIOUS_RETURN_IF_ERROR(CheckParameters(record, sought_, parameters, store));
   } else {
     VICTORIOUS_RETURN_IF_ERROR(store.ForgetKeptFrames(record.id));  // others may be kept now, of other features
   }
 
-  // The models that have frames left, by the first of these frames: each group is searched in one reading.
+  // What has frames left, by the first of these frames: each group is searched in one reading.
   std::map<std::int64_t, std::vector<PlannedSearch>> groups;
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models_before, store.Models());
-  for (const ObjectModel& model : models_) {
+  for (std::size_t s = 0; s < sought_.size(); ++s) {
+    const ModelRecord& sought = sought_[s];
     const bool changed = std::ranges::any_of(models_before, [&](const ModelRecord& before) {
-      return before.name == model.name && before.model_id != model.id;
+      return before.name == sought.name && before.model_id != sought.model_id;
     });
     if (changed) {
-      tell(fmt::format(
-          "model {} is not the one searched for before: its earlier finds, in other videos too, are dropped",
-          model.name));
+      tell(fmt::format("{} {} is not the one searched for before: its earlier finds, in other videos too, are dropped",
+                       sought.IsCategory() ? "category" : "model", sought.name));
     }
-    VICTORIOUS_ASSIGN_OR_RETURN(const ModelRecord stored,
-                                store.PutModel({.name = model.name, .model_id = model.id, .kind = model.kind}));
+    VICTORIOUS_ASSIGN_OR_RETURN(const ModelRecord stored, store.PutModel(sought));
     if (job.redo) VICTORIOUS_RETURN_IF_ERROR(store.ForgetSearch(record.id, stored.id));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before, store.FindSearch(record.id, stored.id));
     if (before && before->finished) continue;
     const std::int64_t next_frame = before ? before->next_frame : 0;
-    groups[next_frame].push_back({model,
+    groups[next_frame].push_back({s,
                                   {.video = record.id,
                                    .model = stored.id,
                                    .next_frame = next_frame,
@@ -213,10 +241,16 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
     }
     std::vector<ObjectModel> models;
     std::vector<SearchRecord> searches;
+    std::vector<std::optional<std::int64_t>> category_ids(sought_.size() - models_.size());
     for (PlannedSearch& plan : planned) {
-      models.push_back(std::move(plan.model));
+      if (plan.sought < models_.size()) {
+        models.push_back(models_[plan.sought]);
+      } else {
+        category_ids[plan.sought - models_.size()] = plan.search.model;
+      }
       searches.push_back(std::move(plan.search));
     }
+    const bool with_categories = searches.size() > models.size();
     std::vector<std::shared_ptr<const LitTemplates>> lit;
     for (const ObjectModel& model : models) {
       VICTORIOUS_ASSIGN_OR_RETURN(std::shared_ptr<const LitTemplates> views, MakeLitViews(model));
@@ -226,7 +260,7 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
         const Recognizer recognizer,
         Recognizer::Create(std::move(models), options_.features.engine, options_.recognize, lit));
     std::optional<Sun> sun;
-    if (cameras.track) {
+    if (cameras.track && !recognizer.models().empty()) {
       VICTORIOUS_ASSIGN_OR_RETURN(
           sun, FindDaylight({*cameras.track, recognizer, *extractor_, options_.daylight}, *reader, cancel));
       if (!reader->info().live) {
@@ -237,6 +271,8 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
     const SearchPass pass{.video = record,
                           .searches = searches,
                           .recognizer = recognizer,
+                          .categories = with_categories ? &*categories_ : nullptr,
+                          .category_ids = category_ids,
                           .extractor = *extractor_,
                           .options = options_,
                           .cameras = cameras.track ? &*cameras.track : nullptr,

@@ -33,15 +33,18 @@ using WarningSink = std::function<void(const std::string& warning)>;
 struct IndexJob {
   std::string video;                     ///< a path or URL, also the name under which it is stored
   std::optional<std::string> telemetry;  ///< a file; unless given, the video's own, or what lies beside it
-  bool redo = false;                     ///< forget what was found of these models in it, and search again
+  bool redo = false;                     ///< forget what was found of what is sought in it, and search again
   int threads = 0;                       ///< 0: as many as the machine has
 };
 
-/// Searches videos for a set of models and keeps what it finds. One video at a time.
+/// Searches videos for a set of models and of categories, and keeps what it finds. One video at a time.
 class Indexer {
  public:
-  /// Errors: parameters out of range; a model of another feature engine.
-  static Expected<Indexer> Create(std::vector<ObjectModel> models, const IndexOptions& options);
+  /// @param categories  sought beside the models
+  /// Errors: parameters out of range; a model of another feature engine, or of a category's name; those of
+  /// CategoryFinder.
+  static Expected<Indexer> Create(std::vector<ObjectModel> models, const IndexOptions& options,
+                                  std::optional<CategoryModel> categories = {});
 
   /// Goes on where an earlier run stopped, searches new models alone in what was indexed before, and doubles nothing.
   /// Progress is stored every few seconds together with what was found, so that a kill loses no more than that.
@@ -57,11 +60,13 @@ class Indexer {
                                const WarningSink& warn) const;
 
   Indexer(std::vector<ObjectModel> models, const IndexOptions& options,
-          std::unique_ptr<const FeatureExtractor> extractor);
+          std::unique_ptr<const FeatureExtractor> extractor, std::optional<CategoryFinder> categories);
 
   std::vector<ObjectModel> models_;
   IndexOptions options_;
   std::unique_ptr<const FeatureExtractor> extractor_;
+  std::optional<CategoryFinder> categories_;
+  std::vector<ModelRecord> sought_;  // what the store is to know: the models, then the categories
 };
 
 }  // namespace victorious

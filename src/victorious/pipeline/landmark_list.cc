@@ -136,6 +136,7 @@ Expected<LandmarkList> LandmarksOf(IndexStore& store, const LandmarkListOptions&
   LeftOut left_out(list.warnings);
   for (const ListedObject& listed : objects) {
     const ObjectRecord& object = listed.object;
+    if (listed.is_category) continue;  // no model recognises it
     if (!object.place || SpeedOf(object).value_or(0) > options.most_speed_m_s) {
       left_out.Tell(fmt::format("object {}, {}, is left out: {}", object.id, listed.model,
                                 object.place ? "it moves" : "its place is not known"));

@@ -212,10 +212,10 @@ void RejectFloating(const Thing& thing, const Heights& heights, const ObjectOpti
 void RejectDoubles(std::vector<ObjectRecord>& objects, const std::map<std::int64_t, const SeenRun*>& runs,
                    const ObjectOptions& options) {
   for (ObjectRecord& less : objects) {
-    if (!less.place || !less.rejected.empty()) continue;
+    if (!less.place || !less.rejected.empty() || runs.at(less.id)->of_category) continue;
     const TangentPlane plane(less.place->point);
     for (const ObjectRecord& more : objects) {
-      if (!more.place || !more.rejected.empty() || more.id == less.id) continue;
+      if (!more.place || !more.rejected.empty() || more.id == less.id || runs.at(more.id)->of_category) continue;
       const auto rank = [&](const ObjectRecord& object) { return std::pair(FramesOf(object, runs), -object.id); };
       if (rank(more) <= rank(less)) continue;
       if (Moves(*less.place) || Moves(*more.place)) continue;
@@ -252,6 +252,7 @@ std::vector<ObjectRecord> MakeObjects(std::vector<SeenRun> runs, const ObjectOpt
                         .heading_rad = thing.where.heading_rad,
                         .rejected = WhyNone(thing.where, SightsOf(thing).size(), options)};
     for (const SeenRun* run : thing.runs) object.runs.push_back(run->record.id);
+    if (thing.runs[0]->of_category && !std::exchange(object.rejected, {}).empty()) object.place.reset();
     if (object.place && object.rejected.empty() && thing.where.too_large) {
       heights.Add(thing, object.place->point.altitude_m);
     }
@@ -266,7 +267,11 @@ std::vector<ObjectRecord> MakeObjects(std::vector<SeenRun> runs, const ObjectOpt
 Status UpdateObjects(const ObjectOptions& options, IndexStore& store) {
   std::map<std::int64_t, SeenRun> runs;
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<RunRecord> records, store.Runs());
-  for (RunRecord& record : records) runs[record.id].record = record;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store.Models());
+  for (RunRecord& record : records) {
+    const auto model = std::ranges::find(models, record.model, &ModelRecord::id);
+    runs[record.id] = {.record = record, .of_category = model != models.end() && model->IsCategory()};
+  }
   VICTORIOUS_RETURN_IF_ERROR(store.VisitSightings({.rejected_too = true}, [&](SightingRecord&& sighting) {
     const auto run = runs.find(sighting.run);
     if (run == runs.end()) return true;  // added by another process since

@@ -21,9 +21,11 @@
 
 namespace victorious {
 
-/// What is known of a run.
+/// What is known of a run. A category's runs become objects like others, but none is rejected: it says that a kind of
+/// things was seen, whichever of them, and is no rival of the object that stands there.
 struct SeenRun {
   RunRecord record;
+  bool of_category = false;
   std::vector<std::int64_t> frames;  ///< rising
   std::vector<Sight> sights;         ///< by time; of those of its sightings that have one
 };

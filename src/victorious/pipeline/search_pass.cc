@@ -33,6 +33,7 @@ struct Work {
   std::optional<CameraState> camera;
   Expected<FeatureSet> features = FeatureSet{};
   std::vector<Detection> detections;
+  std::vector<FoundCategory> categories;
   std::vector<SightingRecord> sightings;
 };
 using WorkPtr = std::shared_ptr<Work>;
@@ -53,6 +54,9 @@ class KeepClock {
   double last_slot_ = -1;
 };
 
+// Categories are sought in whole frames only.
+bool Follows(const SearchPass& pass) { return pass.options.follow.enabled && !pass.recognizer.models().empty(); }
+
 // Reads the frames to be searched. Serial.
 class Source {
  public:
@@ -64,7 +68,7 @@ class Source {
         pass_(pass),
         next_frame_(pass.searches.front().next_frame) {
     first_frame_ = next_frame_;
-    if (pass.options.follow.enabled) first_frame_ -= next_frame_ % pass.options.follow.restart_frames;
+    if (Follows(pass)) first_frame_ -= next_frame_ % pass.options.follow.restart_frames;
   }
 
   // The next frame to search or follow, or nothing at the end, when cancelled, or on an error.
@@ -88,7 +92,7 @@ class Source {
         progress_.Update(index + 1);  // before any frame is on its way: nobody else reports yet
         continue;
       }
-      if (!whole && !pass_.options.follow.enabled) continue;
+      if (!whole && !Follows(pass_)) continue;
       auto work = std::make_shared<Work>();
       work->frame = *std::move(*frame);
       work->whole = whole;
@@ -167,10 +171,32 @@ std::optional<CameraState> CameraAt(const SearchPass& pass, double time_s) {
   return camera;
 }
 
+SightingRecord ToSighting(const SearchPass& pass, const Work& work, const FoundCategory& found) {
+  const CameraState known = work.camera.value_or(CameraState{});
+  const auto stance = StanceOfBox(found.box, work.frame.image.size(), known, pass.options.sight);
+  return {.video = pass.video.id,
+          .model = *pass.category_ids[found.category],
+          .frame = work.frame.index,
+          .time_s = work.frame.time_s,
+          .box = found.box,
+          .score = found.probability,
+          .sight = stance ? SightOf(*stance, known) : std::nullopt};
+}
+
 // Features and recognition of whole frames. Parallel.
 void Search(const SearchPass& pass, Work& work) {
   work.camera = CameraAt(pass, work.frame.time_s);
   if (!work.whole) return;
+  if (pass.categories != nullptr && !work.again) {
+    Expected<std::vector<FoundCategory>> found = pass.categories->Find(work.frame.image);
+    if (!found) {
+      work.features = std::unexpected(std::move(found).error());
+      return;
+    }
+    work.categories = *std::move(found);
+    std::erase_if(work.categories, [&](const FoundCategory& one) { return !pass.category_ids[one.category]; });
+  }
+  if (pass.recognizer.models().empty() && !work.keep) return;
   work.features = pass.extractor.Extract(work.frame.image);
   if (work.features) {
     work.detections =
@@ -196,6 +222,7 @@ void Follow(const SearchPass& pass, std::optional<Follower>& follower, Work& wor
     }
     for (const Seen& one : *all) work.sightings.push_back(ToSighting(pass, work.frame, one.features, work.camera, one));
   }
+  for (const FoundCategory& found : work.categories) work.sightings.push_back(ToSighting(pass, work, found));
   work.frame.image.release();
 }
 
@@ -294,7 +321,7 @@ Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelTo
   Sink sink(pass, reader.info().frame_rate, store, report);
   VICTORIOUS_RETURN_IF_ERROR(sink.Resume());
   std::optional<Follower> follower;
-  if (pass.options.follow.enabled) {
+  if (Follows(pass)) {
     VICTORIOUS_ASSIGN_OR_RETURN(
         Follower made,
         Follower::Create(pass.recognizer, pass.extractor, pass.options.features.impulse_share, pass.options.follow));

@@ -1,4 +1,4 @@
-// One reading of one video, searched for one set of models from one frame on.
+// One reading of one video, searched for one set of models and categories from one frame on.
 #pragma once
 
 #include <cstdint>
@@ -12,6 +12,7 @@
 #include "victorious/geometry/sun.h"
 #include "victorious/pipeline/index_options.h"
 #include "victorious/pipeline/indexer.h"
+#include "victorious/recognize/category_finder.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/store/index_store.h"
 #include "victorious/telemetry/camera_track.h"
@@ -22,8 +23,12 @@ namespace victorious {
 /// What a pass works on. The references outlive it.
 struct SearchPass {
   const VideoRecord& video;
-  std::span<const SearchRecord> searches;  ///< one a model of the recogniser, in its order; all at the same next_frame
+  /// One a model of the recogniser, in its order, then one a category; all at the same next_frame.
+  std::span<const SearchRecord> searches;
   const Recognizer& recognizer;
+  const CategoryFinder* categories = nullptr;  ///< nothing: no category is sought
+  /// Of each category of the finder what the store knows it by; nothing for those that are not sought in this pass.
+  std::span<const std::optional<std::int64_t>> category_ids = {};
   const FeatureExtractor& extractor;
   const IndexOptions& options;
   const CameraTrack* cameras = nullptr;  ///< telemetry, if there is any

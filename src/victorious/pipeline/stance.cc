@@ -52,6 +52,11 @@ void SightOptions::ListFields(FieldList& fields) {
               .max = 10,
               .unit = "",
               .reason = "sigma over range, of a photo's object of known length: it is seen foreshortened"});
+  fields.Add("category_centre_share", category_centre_share,
+             {.min = 0,
+              .max = 1,
+              .unit = "",
+              .reason = "sigma of the middle of what a category's box holds over the box's longer side"});
 }
 
 namespace {
@@ -63,9 +68,9 @@ using Eigen::Vector3d;
 // The picture's plane at depth 1, the lens undone: of a camera with square pixels, its principal point in the middle.
 class ImagePlane {
  public:
-  ImagePlane(const FeatureSet& scene, double hfov_rad, const std::optional<LensDistortion>& lens)
-      : focal_px_(scene.image_width / 2.0 / std::tan(hfov_rad / 2)),
-        middle_(scene.image_width / 2.0, scene.image_height / 2.0),
+  ImagePlane(const cv::Size& image, double hfov_rad, const std::optional<LensDistortion>& lens)
+      : focal_px_(image.width / 2.0 / std::tan(hfov_rad / 2)),
+        middle_(image.width / 2.0, image.height / 2.0),
         lens_(lens.value_or(LensDistortion{})) {}
 
   [[nodiscard]] double focal_px() const { return focal_px_; }
@@ -143,6 +148,8 @@ std::optional<Stance> SeenByPoints(const Detection& detection, const ObjectModel
                     .sigma_rad = std::hypot(pose->sigma_view_rad, RadiansFromDegrees(options.least_view_sigma_deg))}};
 }
 
+cv::Size SizeOf(const FeatureSet& scene) { return {scene.image_width, scene.image_height}; }
+
 // Of a photo: by its outline.
 std::optional<Stance> SeenByOutline(const Detection& detection, const ObjectModel& model, const ImagePlane& image,
                                     const SightOptions& options) {
@@ -178,7 +185,7 @@ std::optional<Stance> StanceOf(const Detection& detection, const ObjectModel& mo
                                const CameraState& camera, const SightOptions& options,
                                const std::optional<Vector3d>& up_in_camera) {
   if (camera.hfov_rad) {
-    const ImagePlane image(scene, *camera.hfov_rad, camera.distortion);
+    const ImagePlane image(SizeOf(scene), *camera.hfov_rad, camera.distortion);
     std::optional<Stance> stance = SeenByPoints(detection, model, scene, image, options, up_in_camera);
     if (!stance && model.kind != "cad") stance = SeenByOutline(detection, model, image, options);
     return stance;
@@ -186,8 +193,20 @@ std::optional<Stance> StanceOf(const Detection& detection, const ObjectModel& mo
   // A supposed field of view puts the object too far or too near, and hardly turns it: it is small before the camera.
   constexpr double kSupposedFovRad = 0.5;
   std::optional<Stance> stance =
-      SeenByPoints(detection, model, scene, {scene, kSupposedFovRad, std::nullopt}, options, up_in_camera);
+      SeenByPoints(detection, model, scene, {SizeOf(scene), kSupposedFovRad, std::nullopt}, options, up_in_camera);
   if (stance) stance->range_m.reset();
+  return stance;
+}
+
+std::optional<Stance> StanceOfBox(const Box& box, const cv::Size& image_size, const CameraState& camera,
+                                  const SightOptions& options) {
+  if (!camera.hfov_rad) return std::nullopt;
+  const ImagePlane image(image_size, *camera.hfov_rad, camera.distortion);
+  const double size_px = std::max(box.width, box.height);
+  Stance stance;
+  stance.direction = image.DirectionOf({box.x + box.width / 2, box.y + box.height / 2});
+  stance.sigma_rad = std::hypot(options.category_centre_share * size_px, options.least_sigma_px) / image.focal_px();
+  stance.focal_px = image.focal_px();
   return stance;
 }
 

@@ -11,9 +11,11 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <opencv2/core/types.hpp>
 
 #include "victorious/base/options.h"
 #include "victorious/geolocate/object_pose.h"
+#include "victorious/geometry/box.h"
 #include "victorious/geometry/rigid3.h"
 #include "victorious/types/camera_state.h"
 #include "victorious/types/detection.h"
@@ -32,6 +34,7 @@ struct SightOptions {
   int hypotheses = 100;
   double photo_centre_share = 0.1;
   double photo_range_share = 0.3;
+  double category_centre_share = 0.25;
 
   void ListFields(FieldList& fields);
 };
@@ -68,5 +71,11 @@ struct Stance {
 std::optional<Stance> StanceOf(const Detection& detection, const ObjectModel& model, const FeatureSet& scene,
                                const CameraState& camera, const SightOptions& options,
                                const std::optional<Eigen::Vector3d>& up_in_camera = {});
+
+/// The direction to what a box holds, of which nothing else is known: to the box's middle.
+/// @param image_size  the frame's, px
+/// Nothing where the camera's field of view is not known.
+std::optional<Stance> StanceOfBox(const Box& box, const cv::Size& image_size, const CameraState& camera,
+                                  const SightOptions& options);
 
 }  // namespace victorious

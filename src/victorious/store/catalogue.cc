@@ -1,6 +1,8 @@
 #include "victorious/store/catalogue.h"
 
 #include <algorithm>
+#include <functional>
+#include <ranges>
 #include <set>
 #include <string>
 #include <utility>
@@ -11,10 +13,10 @@
 namespace victorious {
 namespace {
 
-template <typename Record>
-std::string Names(const std::vector<Record>& records) {
+template <typename Records>
+std::string Names(Records&& records) {
   std::set<std::string> names;
-  for (const Record& record : records) names.insert(record.name);
+  for (const auto& record : records) names.insert(record.name);
   return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
 
@@ -38,11 +40,25 @@ Expected<Catalogue> Catalogue::Read(IndexStore& store, const SightingFilter& fil
     }
     catalogue.videos_ = std::move(named);
   }
+  const auto is_category = [](const ModelRecord& model) { return model.IsCategory(); };
   if (filter.model_name) {
-    const auto other = [&](const ModelRecord& model) { return model.name != *filter.model_name; };
+    const auto other = [&](const ModelRecord& model) { return is_category(model) || model.name != *filter.model_name; };
     if (std::ranges::all_of(catalogue.models_, other)) {
-      return Fail(ErrorCode::kNotFound, fmt::format("model {}: not in the index, which holds: {}", *filter.model_name,
-                                                    Names(catalogue.models_)));
+      return Fail(ErrorCode::kNotFound,
+                  fmt::format("model {}: not in the index, which holds: {}", *filter.model_name,
+                              Names(catalogue.models_ | std::views::filter(std::not_fn(is_category)))));
+    }
+    std::erase_if(catalogue.models_, other);
+  }
+  if (filter.category_name) {
+    const std::string prefix = *filter.category_name + "/";
+    const auto other = [&](const ModelRecord& model) {
+      return !is_category(model) || !(model.name + "/").starts_with(prefix);
+    };
+    if (std::ranges::all_of(catalogue.models_, other)) {
+      return Fail(ErrorCode::kNotFound,
+                  fmt::format("category {}: not in the index, which holds: {}", *filter.category_name,
+                              Names(catalogue.models_ | std::views::filter(is_category))));
     }
     std::erase_if(catalogue.models_, other);
   }

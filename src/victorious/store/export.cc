@@ -34,20 +34,20 @@ Json ViewJson(const SightingRecord& sighting) {
 
 Json SightingJson(const SightingRecord& sighting, const VideoRecord& video, const ModelRecord& model) {
   return {{"object_id", sighting.object},
-          {"model", model.name},
-          {"category", nullptr},
+          {"model", model.IsCategory() ? Json() : Json(model.name)},
+          {"category", model.IsCategory() ? Json(model.name) : Json()},
           {"video", video.name},
           {"frame", sighting.frame},
           {"time_s", TimeJson(sighting.time_s)},
           {"box", BoxJson(sighting.box)},
           {"score", ScoreJson(sighting.score)},
           {"source", sighting.source},
-          {"matches", sighting.matches},
-          {"view", ViewJson(sighting)},
+          {"matches", model.IsCategory() ? Json() : Json(sighting.matches)},
+          {"view", model.IsCategory() ? Json() : ViewJson(sighting)},
           {"sigma_view_deg", OrNull(sighting.sigma_view_rad, &DegreesJson)},
           {"distance_m", OrNull(sighting.distance_m, &MetresJson)},
           {"sigma_distance_m", OrNull(sighting.sigma_distance_m, &MetresJson)},
-          {"view_index", sighting.view_index},
+          {"view_index", model.IsCategory() ? Json() : Json(sighting.view_index)},
           {"outline", OutlineJson(sighting.outline)}};
 }
 

@@ -35,12 +35,17 @@ struct VideoRecord {
   std::string features_json;                 ///< the feature options of the features kept; empty: none kept yet
 };
 
-/// A model that was searched for.
+/// ModelRecord::kind of a category.
+inline constexpr std::string_view kCategoryKind = "category";
+
+/// What was searched for: a model, or a category.
 struct ModelRecord {
   std::int64_t id = 0;
   std::string name;
-  std::string model_id;  ///< ObjectModel::id: the content
-  std::string kind;
+  std::string model_id;  ///< ObjectModel::id, or that of the category model: the content
+  std::string kind;      ///< ObjectModel::kind, or kCategoryKind
+
+  [[nodiscard]] bool IsCategory() const { return kind == kCategoryKind; }
 };
 
 /// How far the search for one model in one video has come.
@@ -143,11 +148,12 @@ struct Surroundings {
 /// Which objects or sightings: every condition that is set must hold.
 struct SightingFilter {
   std::optional<std::string> model_name;
-  std::optional<std::string> video_name;  ///< see VideosNamed
-  std::optional<double> from_s;           ///< inclusive; an object counts if any of its time does
-  std::optional<double> to_s;             ///< inclusive
-  std::optional<Surroundings> near;       ///< objects of known place, and their sightings
-  bool rejected_too = false;              ///< else what was rejected as no object is left out
+  std::optional<std::string> category_name;  ///< and the categories within it: "vehicle" for "vehicle/car"
+  std::optional<std::string> video_name;     ///< see VideosNamed
+  std::optional<double> from_s;              ///< inclusive; an object counts if any of its time does
+  std::optional<double> to_s;                ///< inclusive
+  std::optional<Surroundings> near;          ///< objects of known place, and their sightings
+  bool rejected_too = false;                 ///< else what was rejected as no object is left out
 };
 
 /// The videos of that whole name; if there is none, those whose name ends in it part by part: "flight/video.mp4" is the

@@ -29,7 +29,7 @@ Expected<std::vector<ListedObject>> ListObjects(IndexStore& store, const Catalog
     for (const std::int64_t id : object.videos) {
       if (const VideoRecord* video = everything.Video(id)) videos.push_back(video->name);
     }
-    listed.push_back({std::move(object), listed.size() + 1, model->name, std::move(videos)});
+    listed.push_back({std::move(object), listed.size() + 1, model->name, model->IsCategory(), std::move(videos)});
   }
   return listed;
 }
@@ -42,8 +42,8 @@ std::optional<double> SpeedOf(const ObjectRecord& object) {
 Json ObjectJson(const ListedObject& listed) {
   const ObjectRecord& object = listed.object;
   Json json = {{"object_id", object.id},
-               {"model", listed.model},
-               {"category", nullptr},
+               {"model", listed.is_category ? Json() : Json(listed.model)},
+               {"category", listed.is_category ? Json(listed.model) : Json()},
                {"rank", listed.rank},
                {"score", ScoreJson(object.score)},
                {"videos", listed.videos},

@@ -17,7 +17,8 @@ namespace victorious {
 struct ListedObject {
   ObjectRecord object;
   std::size_t rank = 0;  ///< from 1
-  std::string model;
+  std::string model;     ///< the name, of a category too
+  bool is_category = false;
   std::vector<std::string> videos;
 };
 

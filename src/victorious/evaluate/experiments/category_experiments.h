@@ -11,5 +11,6 @@ Expected<Report> RunFigure320(const ExperimentSettings& settings);
 Expected<Report> RunFigure321(const ExperimentSettings& settings);
 Expected<Report> RunTable36(const ExperimentSettings& settings);
 Expected<Report> RunTable37(const ExperimentSettings& settings);
+Expected<Report> RunTableBoxes(const ExperimentSettings& settings);
 
 }  // namespace victorious

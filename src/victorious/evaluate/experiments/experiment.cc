@@ -48,6 +48,8 @@ std::span<const Experiment> Experiments() {
       Experiment{"figure3.20", "ROC of airplanes: words and phrases", &RunFigure320},
       Experiment{"figure3.21", "ROC of cars: words and phrases", &RunFigure321},
       Experiment{"table3.7", "Accuracy of airplanes and cars, and of twelve categories, step by step", &RunTable37},
+      Experiment{"table-boxes", "Where categories are: boxes of the supporting phrases beside drawn ones",
+                 &RunTableBoxes},
       Experiment{"figure-calibration", "Whether scores of detections are probabilities", &RunFigureCalibration},
       Experiment{"table-stance", "Errors of view and distance, by how the camera is known", &RunTableStance},
   };

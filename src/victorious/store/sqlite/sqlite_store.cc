@@ -67,8 +67,16 @@ void AddRejected(const SightingFilter& filter, Conditions& conditions) {
 }
 
 void AddModel(const SightingFilter& filter, std::string_view column, Conditions& conditions) {
-  if (!filter.model_name) return;
-  conditions.Add(fmt::format("{} = (SELECT id FROM models WHERE name = ?)", column), *filter.model_name);
+  if (filter.model_name) {
+    conditions.Add(fmt::format("{} = (SELECT id FROM models WHERE name = ? AND kind <> '{}')", column, kCategoryKind),
+                   *filter.model_name);
+  }
+  if (filter.category_name) {
+    conditions.Add(fmt::format("{} IN (SELECT id FROM models, (SELECT ? AS prefix) "
+                               "WHERE kind = '{}' AND substr(name || '/', 1, length(prefix)) = prefix)",
+                               column, kCategoryKind),
+                   *filter.category_name + "/");
+  }
 }
 
 void AddTimes(const SightingFilter& filter, std::string_view first, std::string_view last, Conditions& conditions) {

@@ -1,0 +1,59 @@
+// A store for the tests of this folder that something can happen to.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "victorious/store/index_store.h"
+
+namespace victorious {
+
+// Passes everything on, and asks `before_commit` first.
+class HookedStore final : public IndexStore {
+ public:
+  HookedStore(IndexStore& store, std::function<Status()> before_commit)
+      : store_(store), before_commit_(std::move(before_commit)) {}
+
+  Expected<std::int64_t> ForgetOtherContent(const std::string& name, const std::string& content_id) override {
+    return store_.ForgetOtherContent(name, content_id);
+  }
+  Expected<VideoRecord> PutVideo(const VideoRecord& video) override { return store_.PutVideo(video); }
+  Status SetVideoLength(std::int64_t video, std::int64_t frames, double duration_s) override {
+    return store_.SetVideoLength(video, frames, duration_s);
+  }
+  Status SetVideoFeatures(std::int64_t video, const std::string& json) override {
+    return store_.SetVideoFeatures(video, json);
+  }
+  Expected<std::vector<VideoRecord>> Videos() override { return store_.Videos(); }
+  Expected<ModelRecord> PutModel(const ModelRecord& model) override { return store_.PutModel(model); }
+  Expected<std::vector<ModelRecord>> Models() override { return store_.Models(); }
+  Expected<std::optional<SearchRecord>> FindSearch(std::int64_t video, std::int64_t model) override {
+    return store_.FindSearch(video, model);
+  }
+  Status ForgetSearch(std::int64_t video, std::int64_t model) override { return store_.ForgetSearch(video, model); }
+  Status ForgetKeptFrames(std::int64_t video) override { return store_.ForgetKeptFrames(video); }
+  Expected<std::vector<std::int64_t>> Commit(const IndexBatch& batch) override {
+    VICTORIOUS_RETURN_IF_ERROR(before_commit_());
+    return store_.Commit(batch);
+  }
+  Expected<std::vector<RunRecord>> Runs() override { return store_.Runs(); }
+  Status PutObjects(std::span<const ObjectRecord> objects) override { return store_.PutObjects(objects); }
+  Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) override { return store_.Objects(filter); }
+  Status VisitSightings(const SightingFilter& filter, const std::function<bool(SightingRecord&&)>& visit) override {
+    return store_.VisitSightings(filter, visit);
+  }
+  Status VisitKeptFrames(const SightingFilter& filter, const std::function<bool(KeptFrame&&)>& visit) override {
+    return store_.VisitKeptFrames(filter, visit);
+  }
+
+ private:
+  IndexStore& store_;
+  std::function<Status()> before_commit_;
+};
+
+}  // namespace victorious

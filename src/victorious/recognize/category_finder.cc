@@ -1,0 +1,79 @@
+#include "victorious/recognize/category_finder.h"
+
+#include <algorithm>
+#include <ranges>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "victorious/base/file.h"
+#include "victorious/category/category_file.h"
+#include "victorious/category/evidence.h"
+
+namespace victorious {
+
+void CategoryFindOptions::ListFields(FieldList& fields) {
+  fields.Add("least_probability", least_probability,
+             {.min = 0,
+              .max = 1,
+              .reason = "a category is sighted where its calibrated probability is this at least: by default where it "
+                        "is likelier there than not"});
+  fields.Add("none", none,
+             {.reason = "categories that stand for none of these, by their whole names with commas between: they help "
+                        "to tell the others, and are not sighted"});
+}
+
+namespace {
+
+bool IsListed(std::string_view list, std::string_view name) {
+  for (const auto part : std::views::split(list, ',')) {
+    std::string_view listed(part.begin(), part.end());
+    listed.remove_prefix(std::min(listed.find_first_not_of(' '), listed.size()));
+    listed = listed.substr(0, listed.find_last_not_of(' ') + 1);
+    if (listed == name) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+Expected<CategoryFinder> CategoryFinder::Create(CategoryModel model, const CategoryFindOptions& options) {
+  VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
+  VICTORIOUS_ASSIGN_OR_RETURN(CategoryEye eye, CategoryEye::Of(model));
+  CategoryFinder finder(std::move(model), std::move(eye), options);
+  if (!finder.names_.empty()) return finder;
+  return Fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("categories: all of them stand for none of these ({}): train with one to find", options.none));
+}
+
+CategoryFinder::CategoryFinder(CategoryModel model, CategoryEye eye, const CategoryFindOptions& options)
+    : model_(std::make_shared<const CategoryModel>(std::move(model))),
+      eye_(std::move(eye)),
+      least_probability_(options.least_probability),
+      content_id_(fmt::format("{:016x}", Checksum(EncodeCategories(*model_)))) {
+  for (std::size_t n = 0; n < model_->nodes.size(); ++n) {
+    const CategoryNode& node = model_->nodes[n];
+    if (!node.labels || IsListed(options.none, node.name)) continue;
+    names_.push_back(node.name);
+    nodes_.push_back(n);
+  }
+}
+
+Expected<std::vector<FoundCategory>> CategoryFinder::Find(const cv::Mat& grey) const {
+  VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, eye_.Look(grey));
+  const WordedPicture picture = WordsOf(*model_, features);
+  std::vector<FoundCategory> found;
+  if (picture.size() == 0) return found;  // nothing to see, so nothing to place
+  const CategoryResult result = Classify(*model_, picture, CategoryMethod::kPhrases);
+  for (std::size_t c = 0; c < nodes_.size(); ++c) {
+    const double probability = result.scores[nodes_[c]].probability;
+    if (probability < least_probability_) continue;
+    const Box box = SupportingBox(EvidenceFor(*model_, picture, nodes_[c]), picture);
+    found.push_back({.category = c, .box = box, .probability = probability});
+  }
+  return found;
+}
+
+}  // namespace victorious
