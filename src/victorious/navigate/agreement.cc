@@ -6,10 +6,9 @@
 #include <map>
 #include <utility>
 
-#include <Eigen/Cholesky>
-
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/rotation_vector.h"
+#include "victorious/navigate/covariance.h"
 
 namespace victorious {
 namespace {
@@ -138,7 +137,7 @@ class Electorate {
     apart << VectorOf(a.offset * b.offset.conjugate()), a.place - b.place;
     Matrix6 covariance = a.covariance + b.covariance;
     covariance.diagonal() += carrier_.Variance(sightings_[a.sighting].frame, sightings_[b.sighting].frame);
-    return apart.dot(covariance.llt().solve(apart));
+    return SquaredSigmas(apart, covariance);
   }
 
   // How far from what telemetry tells.
@@ -153,7 +152,7 @@ class Electorate {
         std::pow(sigmas.offset_attitude_rad, 2) + walked_s * std::pow(sigmas.drift_attitude_rad, 2);
     covariance.bottomRightCorner<3, 3>().diagonal().array() +=
         std::pow(sigmas.offset_position_m, 2) + walked_s * std::pow(sigmas.drift_position_m, 2);
-    return apart.dot(covariance.llt().solve(apart));
+    return SquaredSigmas(apart, covariance);
   }
 
   [[nodiscard]] Choice ElectIn(std::size_t first, std::size_t last, const std::vector<bool>& wrong) const {
@@ -238,15 +237,16 @@ PoseClaim ClaimOf(const LandmarkSighting& sighting, const FlightLandmark& landma
 
   // What was not seen may be anything.
   constexpr double kAnyM = 1e4;
+  Matrix6 anything = Matrix6::Zero();
+  anything.diagonal() << Vector3d::Constant(kPi * kPi), Vector3d::Constant(kAnyM * kAnyM);
   Matrix6 information = sighting.information;
-  information.topLeftCorner<3, 3>().diagonal().array() += 1 / (kPi * kPi);
-  information.bottomRightCorner<3, 3>().diagonal().array() += 1 / (kAnyM * kAnyM);
+  information.diagonal() += anything.diagonal().cwiseInverse();
   Matrix6 by_seen;
   by_seen << -rotation, Matrix3d::Zero(), -rotation * SkewOf(seen.translation), -rotation;
   Matrix6 by_known;
   by_known << Matrix3d::Identity(), Matrix3d::Zero(), SkewOf(to_landmark), Matrix3d::Identity();
   return {enu_from_camera.rotation.conjugate(), enu_from_camera.translation,
-          by_seen * information.llt().solve(Matrix6::Identity()) * by_seen.transpose() +
+          by_seen * InverseOf(information).value_or(anything) * by_seen.transpose() +
               by_known * landmark.prior_covariance * by_known.transpose()};
 }
 

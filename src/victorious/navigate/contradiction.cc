@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <utility>
@@ -75,13 +76,14 @@ using Verdicts = std::map<std::pair<std::size_t, std::size_t>, int>;
 int VerdictOf(const Witness& witness, std::span<const LandmarkSighting> sightings, const Numbers& own,
               const Numbers& others, const FlightLandmark& other, const NavigateOptions& options) {
   constexpr std::size_t kAsked = 7;
+  const auto frame_of = [&](std::size_t i) { return sightings[i].frame; };
   std::vector<std::pair<std::size_t, std::size_t>> nearest;  // frames apart, sighting
   for (const std::size_t i : others) {
-    std::size_t apart = sightings[i].frame;
-    for (const std::size_t k : own) {
-      const auto [less, more] = std::minmax(sightings[i].frame, sightings[k].frame);
-      apart = std::min(apart, more - less);
-    }
+    const std::size_t frame = sightings[i].frame;
+    const auto after = std::ranges::lower_bound(own, frame, {}, frame_of);
+    std::size_t apart = std::numeric_limits<std::size_t>::max();
+    if (after != own.end()) apart = frame_of(*after) - frame;
+    if (after != own.begin()) apart = std::min(apart, frame - frame_of(*std::prev(after)));
     nearest.emplace_back(apart, i);
   }
   std::ranges::sort(nearest);

@@ -21,7 +21,8 @@ namespace victorious {
 /// @param sightings    by frame
 /// @param landmark_of  one a sighting: of which landmark it is taken to be
 /// @return one a landmark
-/// Cost: for each landmark that of smoothing the flight while it is seen, and some seconds before and after.
+/// Cost: for each landmark that of smoothing the flight while it is seen, and some seconds before and after, and of
+/// looking up all sightings; where several contradict alike, that of smoothing the whole flight without each of them.
 std::vector<bool> FindContradictions(const Flight& flight, std::span<const FlightLandmark> landmarks,
                                      std::span<const LandmarkSighting> sightings,
                                      std::span<const std::optional<std::size_t>> landmark_of,

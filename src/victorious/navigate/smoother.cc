@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
-
-#include <Eigen/Cholesky>
 
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/rotation_vector.h"
+#include "victorious/navigate/covariance.h"
 
 namespace victorious {
 namespace {
@@ -71,7 +71,8 @@ class Smoother {
   Smoother(const Flight& flight, std::span<const FlightLandmark> landmarks, std::span<const FlightTie> ties)
       : flight_(flight), landmarks_(landmarks), ties_(ties) {
     for (const FlightLandmark& landmark : landmarks) {
-      landmark_information_.push_back(landmark.prior_covariance.llt().solve(Matrix6::Identity()));
+      // One whose covariance is none tells nothing.
+      landmark_information_.push_back(InverseOf(landmark.prior_covariance).value_or(Matrix6::Zero()));
     }
   }
 
@@ -299,9 +300,10 @@ SightingJacobian SightingDerivative(const FlightState& state, const Rigid3& enu_
 
 // (W^-1 + S)^-1 = W - W (W + S^-1)^-1 W, which needs no inverse of W.
 double SquaredDistance(const Vector6& error, const Matrix6& information, const Matrix6& expected_covariance) {
-  const Matrix6 together = information + expected_covariance.llt().solve(Matrix6::Identity());
+  const auto expected = InverseOf(expected_covariance);
+  if (!expected) return std::numeric_limits<double>::infinity();
   const Vector6 pulled = information * error;
-  return std::max(0.0, error.dot(pulled) - pulled.dot(together.llt().solve(pulled)));
+  return std::max(0.0, error.dot(pulled) - SquaredSigmas(pulled, information + *expected));
 }
 
 double DimensionsOf(const Matrix6& information) {

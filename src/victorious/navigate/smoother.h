@@ -106,7 +106,8 @@ struct SightingJacobian {
 };
 SightingJacobian SightingDerivative(const FlightState& state, const Rigid3& enu_from_landmark);
 
-/// How far off a sighting is, squared, in sigmas of its own and of what was expected together.
+/// How far off a sighting is, squared, in sigmas of its own and of what was expected together; infinity where what was
+/// expected is no covariance.
 double SquaredDistance(const Vector6& error, const Matrix6& information, const Matrix6& expected_covariance);
 
 /// How many numbers a sighting tells: those with any information.

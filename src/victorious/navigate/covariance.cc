@@ -1,0 +1,44 @@
+#include "victorious/navigate/covariance.h"
+
+#include <limits>
+
+#include <Eigen/Cholesky>
+
+namespace victorious {
+namespace {
+
+// By correlations: so metres and radians, and variances of any size, are alike.
+struct Factors {
+  Vector6 sigma_inverse;
+  Eigen::LLT<Matrix6> correlation;
+};
+
+std::optional<Factors> FactorsOf(const Matrix6& covariance) {
+  constexpr double kFloor = 1e-12;
+  Factors factors;
+  factors.sigma_inverse = covariance.diagonal().cwiseSqrt().cwiseInverse();
+  if (!(covariance.diagonal().minCoeff() > 0) || !factors.sigma_inverse.allFinite()) return std::nullopt;
+  Matrix6 correlation = factors.sigma_inverse.asDiagonal() * covariance * factors.sigma_inverse.asDiagonal();
+  correlation.diagonal().array() += kFloor;
+  if (!correlation.allFinite()) return std::nullopt;
+  factors.correlation.compute(correlation);
+  if (factors.correlation.info() != Eigen::Success) return std::nullopt;
+  return factors;
+}
+
+}  // namespace
+
+std::optional<Matrix6> InverseOf(const Matrix6& covariance) {
+  const auto factors = FactorsOf(covariance);
+  if (!factors) return std::nullopt;
+  const Matrix6 scale = factors->sigma_inverse.asDiagonal();
+  return scale * factors->correlation.solve(scale);
+}
+
+double SquaredSigmas(const Vector6& off, const Matrix6& covariance) {
+  const auto factors = FactorsOf(covariance);
+  if (!factors) return std::numeric_limits<double>::infinity();
+  return factors->correlation.matrixL().solve(factors->sigma_inverse.cwiseProduct(off)).squaredNorm();
+}
+
+}  // namespace victorious
