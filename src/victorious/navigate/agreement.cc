@@ -25,6 +25,7 @@ struct Node {
   Quaterniond offset;  // of enu_from_camera
   Vector3d place;
   Matrix6 covariance;
+  double place_variance = 0;  // sum along the axes
 };
 
 // What is lost on the way from one frame to another.
@@ -59,7 +60,13 @@ class Carrier {
   [[nodiscard]] Node NodeOf(const LandmarkSighting& sighting, std::size_t number, std::size_t landmark,
                             const PoseClaim& claim) const {
     const FlightFrame& frame = flight_.frames[sighting.frame];
-    Node node{number, landmark, frame.time_s, claim.camera_from_enu.conjugate(), claim.place, claim.covariance};
+    Node node{number,
+              landmark,
+              frame.time_s,
+              claim.camera_from_enu.conjugate(),
+              claim.place,
+              claim.covariance,
+              claim.covariance.bottomRightCorner<3, 3>().trace()};
     if (frame.told) {
       node.offset = node.offset * frame.told->CameraFromEnuLess(Vector3d::Zero());
       node.place -= frame.told->place;
@@ -88,22 +95,16 @@ class Carrier {
   const Flight& flight_;
 };
 
+// The claims of one stretch of time, which are comparable.
 class Electorate {
  public:
-  Electorate(const Flight& flight, std::span<const FlightLandmark> landmarks,
-             std::span<const LandmarkSighting> sightings, const NavigateOptions& options)
-      : flight_(flight), sightings_(sightings), carrier_(flight) {
-    for (std::size_t i = 0; i < sightings.size(); ++i) {
-      for (const std::size_t landmark : sightings[i].candidates) {
-        const PoseClaim claim = ClaimOf(sightings[i], landmarks[landmark]);
-        if (std::sqrt(claim.covariance.bottomRightCorner<3, 3>().trace() / 3) > options.claim_sigma_m) continue;
-        nodes_.push_back(carrier_.NodeOf(sightings[i], i, landmark, claim));
-      }
-    }
-    SplitIntoWindows(options.claim_sigma_m);
-  }
+  Electorate(const Flight& flight, std::span<const LandmarkSighting> sightings, const Carrier& carrier)
+      : flight_(flight), sightings_(sightings), carrier_(carrier) {}
 
-  /// A window's choice: the claim that leads, and which nodes agree with it.
+  /// By time, those of a sighting together.
+  std::vector<Node> nodes;
+
+  /// The claim that leads, and which nodes agree with it.
   struct Choice {
     std::optional<std::size_t> leader;
     std::vector<std::size_t> supporters;
@@ -111,32 +112,58 @@ class Electorate {
     bool clear = false;  // no claim that does not agree with the leader's finds nearly as much agreement
   };
 
-  [[nodiscard]] std::vector<Choice> Elect(const std::vector<bool>& wrong) const {
-    std::vector<Choice> choices;
-    for (const auto& [first, last] : windows_) choices.push_back(ElectIn(first, last, wrong));
-    return choices;
+  [[nodiscard]] Choice Elect(const std::vector<bool>& wrong) const {
+    constexpr std::size_t kMostLeaders = 120;
+    const std::size_t stride = nodes.size() / kMostLeaders + 1;
+    Choice best;
+    std::vector<std::pair<double, std::size_t>> scores;  // of all leaders
+    for (std::size_t leader = 0; leader < nodes.size(); leader += stride) {
+      if (wrong[nodes[leader].landmark]) continue;
+      // Student's t distribution: telemetry that is off by far is seldom, not impossible.
+      const double offset = SquaredOffset(nodes[leader]);
+      Choice choice{.leader = leader, .supporters = {}, .score = -6 * std::log1p(offset / 6)};
+      std::map<std::size_t, int> seen;  // sightings, by landmark
+      std::size_t n = 0;
+      while (n < nodes.size()) {  // each sighting agrees as the landmark that fits best
+        const std::size_t sighting = nodes[n].sighting;
+        double nearest = kGate;
+        std::optional<std::size_t> supporter;
+        for (; n < nodes.size() && nodes[n].sighting == sighting; ++n) {
+          if (wrong[nodes[n].landmark]) continue;
+          const double distance = SquaredApart(nodes[leader], nodes[n]);
+          if (distance >= nearest) continue;
+          nearest = distance;
+          supporter = n;
+        }
+        if (!supporter) continue;
+        choice.supporters.push_back(*supporter);
+        seen[nodes[*supporter].landmark] += 1;
+      }
+      if (seen.size() == 1 && offset > kGate) continue;  // its word against telemetry's
+      for (const auto& [landmark, count] : seen) choice.score += kLandmarkWeight * std::log1p(count);
+      scores.emplace_back(choice.score, leader);
+      if (!best.leader || choice.score > best.score) best = std::move(choice);
+    }
+    constexpr double kClear = 1;
+    best.clear = std::ranges::none_of(scores, [&](const auto& other) {
+      return other.first > best.score - kClear && SquaredApart(nodes[*best.leader], nodes[other.second]) > kGate;
+    });
+    return best;
   }
-
-  [[nodiscard]] const Node& node(std::size_t n) const { return nodes_[n]; }
-  [[nodiscard]] const std::vector<std::pair<std::size_t, std::size_t>>& windows() const { return windows_; }
 
  private:
-  void SplitIntoWindows(double claim_sigma_m) {
-    const double window_s = carrier_.WindowS(claim_sigma_m);
-    std::size_t first = 0;
-    for (std::size_t n = 1; n <= nodes_.size(); ++n) {
-      if (n < nodes_.size() && nodes_[n].time_s - nodes_[first].time_s <= window_s) continue;
-      windows_.emplace_back(first, n);
-      first = n;
-    }
-    if (nodes_.empty()) windows_.clear();
-  }
+  static constexpr double kGate = 22.46;  // chi squared of 6, 99.9 %
 
+  // Infinity for what is surely outside the gate.
   [[nodiscard]] double SquaredApart(const Node& a, const Node& b) const {
+    const Vector6 lost = carrier_.Variance(sightings_[a.sighting].frame, sightings_[b.sighting].frame);
+    // Six numbers are no fewer sigmas apart than three of them, and these no fewer than along their widest axis.
+    const double widest = a.place_variance + b.place_variance + lost.tail<3>().sum();
+    if ((a.place - b.place).squaredNorm() > kGate * widest) return std::numeric_limits<double>::infinity();
     Vector6 apart;
     apart << VectorOf(a.offset * b.offset.conjugate()), a.place - b.place;
     Matrix6 covariance = a.covariance + b.covariance;
-    covariance.diagonal() += carrier_.Variance(sightings_[a.sighting].frame, sightings_[b.sighting].frame);
+    covariance.diagonal() += lost;
     return SquaredSigmas(apart, covariance);
   }
 
@@ -155,53 +182,11 @@ class Electorate {
     return SquaredSigmas(apart, covariance);
   }
 
-  [[nodiscard]] Choice ElectIn(std::size_t first, std::size_t last, const std::vector<bool>& wrong) const {
-    constexpr double kGate = 22.46;  // chi squared of 6, 99.9 %
-    constexpr std::size_t kMostLeaders = 120;
-    const std::size_t stride = (last - first) / kMostLeaders + 1;
-    Choice best;
-    std::vector<std::pair<double, std::size_t>> scores;  // of all leaders
-    for (std::size_t leader = first; leader < last; leader += stride) {
-      if (wrong[nodes_[leader].landmark]) continue;
-      // Student's t distribution: telemetry that is off by far is seldom, not impossible.
-      const double offset = SquaredOffset(nodes_[leader]);
-      Choice choice{.leader = leader, .supporters = {}, .score = -6 * std::log1p(offset / 6)};
-      std::map<std::size_t, int> seen;  // sightings, by landmark
-      std::size_t n = first;
-      while (n < last) {  // each sighting agrees as the landmark that fits best
-        const std::size_t sighting = nodes_[n].sighting;
-        double nearest = kGate;
-        std::optional<std::size_t> supporter;
-        for (; n < last && nodes_[n].sighting == sighting; ++n) {
-          if (wrong[nodes_[n].landmark]) continue;
-          const double distance = SquaredApart(nodes_[leader], nodes_[n]);
-          if (distance >= nearest) continue;
-          nearest = distance;
-          supporter = n;
-        }
-        if (!supporter) continue;
-        choice.supporters.push_back(*supporter);
-        seen[nodes_[*supporter].landmark] += 1;
-      }
-      if (seen.size() == 1 && offset > kGate) continue;  // its word against telemetry's
-      for (const auto& [landmark, count] : seen) choice.score += kLandmarkWeight * std::log1p(count);
-      scores.emplace_back(choice.score, leader);
-      if (!best.leader || choice.score > best.score) best = std::move(choice);
-    }
-    constexpr double kClear = 1;
-    best.clear = std::ranges::none_of(scores, [&](const auto& other) {
-      return other.first > best.score - kClear && SquaredApart(nodes_[*best.leader], nodes_[other.second]) > kGate;
-    });
-    return best;
-  }
-
   static constexpr double kLandmarkWeight = 3;
 
   const Flight& flight_;
   std::span<const LandmarkSighting> sightings_;
-  Carrier carrier_;
-  std::vector<Node> nodes_;  // by time; those of a sighting together
-  std::vector<std::pair<std::size_t, std::size_t>> windows_;
+  const Carrier& carrier_;
 };
 
 // Between frames of known pose: the place linear, the attitude on the sphere; beyond them as the nearest.
@@ -235,42 +220,49 @@ PoseClaim ClaimOf(const LandmarkSighting& sighting, const FlightLandmark& landma
   const Matrix3d rotation = enu_from_camera.rotation.toRotationMatrix();
   const Vector3d to_landmark = rotation * seen.translation;
 
-  // What was not seen may be anything.
-  constexpr double kAnyM = 1e4;
-  Matrix6 anything = Matrix6::Zero();
-  anything.diagonal() << Vector3d::Constant(kPi * kPi), Vector3d::Constant(kAnyM * kAnyM);
-  Matrix6 information = sighting.information;
-  information.diagonal() += anything.diagonal().cwiseInverse();
   Matrix6 by_seen;
   by_seen << -rotation, Matrix3d::Zero(), -rotation * SkewOf(seen.translation), -rotation;
   Matrix6 by_known;
   by_known << Matrix3d::Identity(), Matrix3d::Zero(), SkewOf(to_landmark), Matrix3d::Identity();
   return {enu_from_camera.rotation.conjugate(), enu_from_camera.translation,
-          by_seen * InverseOf(information).value_or(anything) * by_seen.transpose() +
+          by_seen * CovarianceOf(sighting.information) * by_seen.transpose() +
               by_known * landmark.prior_covariance * by_known.transpose()};
 }
 
 std::vector<std::optional<std::size_t>> FindAgreement(const Flight& flight, std::span<const FlightLandmark> landmarks,
                                                       std::span<const LandmarkSighting> sightings,
-                                                      const std::vector<bool>& wrong, const NavigateOptions& options) {
-  const Electorate electorate(flight, landmarks, sightings, options);
+                                                      const Candidates& candidates, const std::vector<bool>& wrong,
+                                                      const NavigateOptions& options) {
+  const Carrier carrier(flight);
   std::vector<std::optional<std::size_t>> landmark_of(sightings.size());
-  const std::vector<Electorate::Choice> choices = electorate.Elect(wrong);
-  for (std::size_t w = 0; w < choices.size(); ++w) {
-    if (flight.has_told || choices[w].clear) {
-      for (const std::size_t n : choices[w].supporters) {
-        landmark_of[electorate.node(n).sighting] = electorate.node(n).landmark;
+  Electorate electorate(flight, sightings, carrier);
+  const auto decide = [&] {
+    const Electorate::Choice choice = electorate.Elect(wrong);
+    if (flight.has_told || choice.clear) {
+      for (const std::size_t n : choice.supporters) {
+        landmark_of[electorate.nodes[n].sighting] = electorate.nodes[n].landmark;
       }
-      continue;
+    } else {
+      // Undecided: what can be of one landmark alone is taken to be of it, the rest is left until more is known.
+      for (const Node& node : electorate.nodes) {
+        if (candidates.Of(node.sighting).size() == 1 && !wrong[node.landmark]) {
+          landmark_of[node.sighting] = node.landmark;
+        }
+      }
     }
-    // Undecided: what can be of one landmark alone is taken to be of it, the rest is left until more is known.
-    for (std::size_t n = electorate.windows()[w].first; n < electorate.windows()[w].second; ++n) {
-      const Node& node = electorate.node(n);
-      if (sightings[node.sighting].candidates.size() == 1 && !wrong[node.landmark]) {
-        landmark_of[node.sighting] = node.landmark;
-      }
+    electorate.nodes.clear();
+  };
+  const double window_s = carrier.WindowS(options.claim_sigma_m);
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
+    const double time_s = flight.frames[sightings[i].frame].time_s;
+    // Only the claims of one window are held at a time.
+    if (!electorate.nodes.empty() && time_s - electorate.nodes.front().time_s > window_s) decide();
+    for (const std::size_t landmark : candidates.Of(i)) {
+      const Node node = carrier.NodeOf(sightings[i], i, landmark, ClaimOf(sightings[i], landmarks[landmark]));
+      if (std::sqrt(node.place_variance / 3) <= options.claim_sigma_m) electorate.nodes.push_back(node);
     }
   }
+  decide();
   return landmark_of;
 }
 

@@ -14,6 +14,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "victorious/navigate/candidates.h"
 #include "victorious/navigate/landmark.h"
 #include "victorious/navigate/navigate_options.h"
 #include "victorious/navigate/smoother.h"
@@ -35,7 +36,8 @@ PoseClaim ClaimOf(const LandmarkSighting& sighting, const FlightLandmark& landma
 /// @return one a sighting: the landmark that it is taken to be; none where it agrees with too little
 std::vector<std::optional<std::size_t>> FindAgreement(const Flight& flight, std::span<const FlightLandmark> landmarks,
                                                       std::span<const LandmarkSighting> sightings,
-                                                      const std::vector<bool>& wrong, const NavigateOptions& options);
+                                                      const Candidates& candidates, const std::vector<bool>& wrong,
+                                                      const NavigateOptions& options);
 
 /// A state a frame, near the truth where sightings are near: what they claim, carried on by telemetry, or between them
 /// in a straight line.

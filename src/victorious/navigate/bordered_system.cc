@@ -30,16 +30,17 @@ struct BorderedSystem::Factors {
 BorderedSystem::BorderedSystem(std::size_t blocks, Index block_size, Index border_size)
     : diagonal(blocks, MatrixXd::Zero(block_size, block_size)),
       upper(blocks > 0 ? blocks - 1 : 0, MatrixXd::Zero(block_size, block_size)),
-      border(blocks, MatrixXd::Zero(block_size, border_size)),
+      border(blocks),
       right(blocks, VectorXd::Zero(block_size)),
       corner(MatrixXd::Zero(border_size, border_size)),
       corner_right(VectorXd::Zero(border_size)),
       block_size_(block_size) {}
 
-std::optional<BorderedSystem::Factors> BorderedSystem::Factorise() const {
+std::optional<BorderedSystem::Factors> BorderedSystem::Factorise(double damping) const {
   Factors factors;
   for (std::size_t k = 0; k < blocks(); ++k) {
     MatrixXd pivot = diagonal[k];
+    pivot.diagonal() *= 1 + damping;
     if (k > 0) {
       factors.below.push_back(factors.pivots.back().solve(upper[k - 1]).transpose());
       pivot -= factors.below.back() * upper[k - 1];
@@ -47,22 +48,34 @@ std::optional<BorderedSystem::Factors> BorderedSystem::Factorise() const {
     factors.pivots.emplace_back(pivot);
     if (factors.pivots.back().info() != Eigen::Success) return std::nullopt;
   }
-  factors.solved = border;
+  factors.solved.assign(blocks(), MatrixXd::Zero(block_size_, border_size()));
+  for (std::size_t k = 0; k < blocks(); ++k) {
+    for (const Part& part : border[k]) factors.solved[k].middleCols(part.first, part.columns.cols()) += part.columns;
+  }
   factors.SolveChain(factors.solved);
   MatrixXd remainder = corner;
-  for (std::size_t k = 0; k < blocks(); ++k) remainder -= border[k].transpose() * factors.solved[k];
+  remainder.diagonal() *= 1 + damping;
+  for (std::size_t k = 0; k < blocks(); ++k) {
+    for (const Part& part : border[k]) {
+      remainder.middleRows(part.first, part.columns.cols()) -= part.columns.transpose() * factors.solved[k];
+    }
+  }
   factors.remainder.compute(remainder);
   if (remainder.size() > 0 && factors.remainder.info() != Eigen::Success) return std::nullopt;
   return factors;
 }
 
-std::optional<BorderedSystem::Solution> BorderedSystem::Solve() const {
-  const std::optional<Factors> factors = Factorise();
+std::optional<BorderedSystem::Solution> BorderedSystem::Solve(double damping) const {
+  const std::optional<Factors> factors = Factorise(damping);
   if (!factors) return std::nullopt;
   std::vector<MatrixXd> sides(right.begin(), right.end());
   factors->SolveChain(sides);
   VectorXd left = corner_right;
-  for (std::size_t k = 0; k < blocks(); ++k) left -= border[k].transpose() * sides[k];
+  for (std::size_t k = 0; k < blocks(); ++k) {
+    for (const Part& part : border[k]) {
+      left.segment(part.first, part.columns.cols()) -= part.columns.transpose() * sides[k];
+    }
+  }
   Solution solution;
   solution.border = border_size() > 0 ? VectorXd(factors->remainder.solve(left)) : left;
   for (std::size_t k = 0; k < blocks(); ++k) {
@@ -72,7 +85,7 @@ std::optional<BorderedSystem::Solution> BorderedSystem::Solve() const {
 }
 
 std::optional<BorderedSystem::Covariances> BorderedSystem::Invert() const {
-  const std::optional<Factors> factors = Factorise();
+  std::optional<Factors> factors = Factorise(/*damping=*/0);
   if (!factors) return std::nullopt;
   Covariances inverse;
   inverse.border = MatrixXd::Identity(border_size(), border_size());
@@ -86,9 +99,11 @@ std::optional<BorderedSystem::Covariances> BorderedSystem::Invert() const {
     }
   }
   for (std::size_t k = 0; k < blocks(); ++k) {
-    inverse.cross.emplace_back(-factors->solved[k] * inverse.border);
-    inverse.blocks[k] -= inverse.cross[k] * factors->solved[k].transpose();
+    MatrixXd cross = -factors->solved[k] * inverse.border;
+    inverse.blocks[k] -= cross * factors->solved[k].transpose();
+    factors->solved[k] = std::move(cross);  // in its place: they are the largest that is held
   }
+  inverse.cross = std::move(factors->solved);
   return inverse;
 }
 

@@ -7,7 +7,7 @@
 //
 // x: what follows each other in time, each tied to the next alone; y: what all of them share. Solved by Cholesky's
 // method from block to block, then for the border (Schur complement): linear in the number of blocks, and so are the
-// blocks' covariances.
+// blocks' covariances. Memory: blocks x block_size x border_size numbers.
 #pragma once
 
 #include <optional>
@@ -19,6 +19,12 @@ namespace victorious {
 
 class BorderedSystem {
  public:
+  /// Some of a block's columns of the border.
+  struct Part {
+    Eigen::Index first = 0;
+    Eigen::MatrixXd columns;  ///< block_size x any
+  };
+
   BorderedSystem(std::size_t blocks, Eigen::Index block_size, Eigen::Index border_size);
 
   [[nodiscard]] std::size_t blocks() const { return diagonal.size(); }
@@ -27,7 +33,7 @@ class BorderedSystem {
 
   std::vector<Eigen::MatrixXd> diagonal;  ///< D, block_size x block_size
   std::vector<Eigen::MatrixXd> upper;     ///< U, one fewer: block k with block k + 1
-  std::vector<Eigen::MatrixXd> border;    ///< B, block_size x border_size
+  std::vector<std::vector<Part>> border;  ///< B, the sum of parts: most of it is 0
   std::vector<Eigen::VectorXd> right;     ///< g
   Eigen::MatrixXd corner;                 ///< C
   Eigen::VectorXd corner_right;           ///< h
@@ -36,8 +42,9 @@ class BorderedSystem {
     std::vector<Eigen::VectorXd> blocks;  ///< x
     Eigen::VectorXd border;               ///< y
   };
+  /// @param damping  by so much of itself the whole matrix's diagonal is taken larger
   /// Nothing where the matrix is not positive definite.
-  [[nodiscard]] std::optional<Solution> Solve() const;
+  [[nodiscard]] std::optional<Solution> Solve(double damping = 0) const;
 
   struct Covariances {
     std::vector<Eigen::MatrixXd> blocks;  ///< of each x
@@ -49,7 +56,7 @@ class BorderedSystem {
 
  private:
   struct Factors;
-  [[nodiscard]] std::optional<Factors> Factorise() const;
+  [[nodiscard]] std::optional<Factors> Factorise(double damping) const;
 
   Eigen::Index block_size_;
 };

@@ -26,12 +26,15 @@ BorderedSystem DrawnSystem(std::size_t blocks, Index size, Index border) {
     const bool last = k + 1 == blocks;
     const MatrixXd normal = j.transpose() * j;
     system.diagonal[k] += normal.topLeftCorner(size, size);
-    system.border[k] += normal.topRightCorner(size, border);
+    // The first column apart from the others, as of two landmarks.
+    const Index first = std::min<Index>(border, 1);
+    system.border[k].push_back({0, normal.block(0, 2 * size, size, first)});
+    system.border[k].push_back({first, normal.topRightCorner(size, border - first)});
     system.corner += normal.bottomRightCorner(border, border);
     if (!last) {
       system.diagonal[k + 1] += normal.block(size, size, size, size);
       system.upper[k] += normal.block(0, size, size, size);
-      system.border[k + 1] += normal.block(size, 2 * size, size, border);
+      system.border[k + 1].push_back({0, normal.block(size, 2 * size, size, border)});
     }
     system.right[k] = Drawn(random, size, 1);
   }
@@ -46,7 +49,9 @@ MatrixXd Dense(const BorderedSystem& system) {
   for (std::size_t k = 0; k < system.blocks(); ++k) {
     const Index at = size * static_cast<Index>(k);
     dense.block(at, at, size, size) = system.diagonal[k];
-    dense.block(at, chain, size, system.border_size()) = system.border[k];
+    for (const BorderedSystem::Part& part : system.border[k]) {
+      dense.block(at, chain + part.first, size, part.columns.cols()) += part.columns;
+    }
     if (k + 1 < system.blocks()) dense.block(at, at + size, size, size) = system.upper[k];
   }
   dense.bottomRightCorner(system.border_size(), system.border_size()) = system.corner;

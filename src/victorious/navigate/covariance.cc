@@ -4,6 +4,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "victorious/geometry/angles.h"
+
 namespace victorious {
 namespace {
 
@@ -33,6 +35,15 @@ std::optional<Matrix6> InverseOf(const Matrix6& covariance) {
   if (!factors) return std::nullopt;
   const Matrix6 scale = factors->sigma_inverse.asDiagonal();
   return scale * factors->correlation.solve(scale);
+}
+
+Matrix6 CovarianceOf(const Matrix6& information) {
+  constexpr double kAnyM = 1e4;
+  Vector6 anything;
+  anything << Eigen::Vector3d::Constant(kPi * kPi), Eigen::Vector3d::Constant(kAnyM * kAnyM);
+  Matrix6 regular = information;
+  regular.diagonal() += anything.cwiseInverse();
+  return InverseOf(regular).value_or(anything.asDiagonal());
 }
 
 double SquaredSigmas(const Vector6& off, const Matrix6& covariance) {

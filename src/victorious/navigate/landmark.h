@@ -6,7 +6,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
 #include <Eigen/Core>
 
@@ -31,8 +30,8 @@ struct Landmark {
 /// One object seen in one frame: how it stands before the camera. Its axes: x front, y left, z up, the origin in the
 /// middle of its bounding box.
 struct LandmarkSighting {
-  std::size_t frame = 0;                ///< into the frames
-  std::vector<std::size_t> candidates;  ///< the landmarks that it may be, by number: those of its model
+  std::size_t frame = 0;  ///< into the frames
+  std::size_t model = 0;  ///< a number: any landmark of that model may be what is seen
   Rigid3 camera_from_landmark;
   /// Inverse covariance of its error (turn, move), rad and m: truth is the pose turned by `turn` about the camera's
   /// axes, then moved by `move` along them. What was not seen, such as the range or the turn of a photo's object, is 0.

@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
-
-#include <Eigen/Cholesky>
 
 #include "victorious/base/median.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/rotation_vector.h"
 #include "victorious/navigate/agreement.h"
+#include "victorious/navigate/candidates.h"
 #include "victorious/navigate/contradiction.h"
+#include "victorious/navigate/covariance.h"
 #include "victorious/navigate/smoother.h"
 
 namespace victorious {
@@ -28,7 +27,8 @@ TangentPlane PlaneOf(const NavigationInput& input) {
     if (frame.told) return TangentPlane(frame.told->place);
   }
   for (const LandmarkSighting& sighting : input.sightings) {
-    if (!sighting.candidates.empty()) return TangentPlane(input.landmarks[sighting.candidates.front()].place);
+    const std::vector<std::size_t>& of_model = input.landmarks_of[sighting.model];
+    if (!of_model.empty()) return TangentPlane(input.landmarks[of_model.front()].place);
   }
   return TangentPlane({});
 }
@@ -116,6 +116,39 @@ FlightLandmark InPlane(const Landmark& landmark, const TangentPlane& plane, cons
   return {{enu_from_local * local_from_landmark, place}, covariance};
 }
 
+std::vector<FlightLandmark> InPlane(std::span<const Landmark> landmarks, const TangentPlane& plane,
+                                    const LandmarkErrorOptions& options) {
+  std::vector<FlightLandmark> all;
+  for (const Landmark& landmark : landmarks) all.push_back(InPlane(landmark, plane, options));
+  return all;
+}
+
+// What is surely too far from a sighting, by the landmarks' middles alone: of thousands few are left to look at.
+class MoveGate {
+ public:
+  MoveGate(const LandmarkSighting& sighting, double noise, const SmoothedFlight& smoothed)
+      : state_(smoothed.states[sighting.frame]), seen_(sighting.camera_from_landmark.translation) {
+    const Eigen::MatrixXd& block = smoothed.covariances.blocks[sighting.frame];
+    turn_variance_ = block.topLeftCorner<3, 3>().trace();
+    variance_ = noise * CovarianceOf(sighting.information).bottomRightCorner<3, 3>().trace() +
+                4 * block.block<3, 3>(3, 3).trace();
+  }
+
+  /// Squared, in sigmas: no fewer than along the widest axis. What errs together counts at most twice: once for the
+  /// state and the landmark, once for its turn and its place.
+  [[nodiscard]] bool IsBeyond(double squared_sigmas, const Rigid3& landmark, double place_variance) const {
+    const Vector3d in_camera = state_.camera_from_enu * (landmark.translation - state_.place);
+    const double widest = variance_ + 4 * in_camera.squaredNorm() * turn_variance_ + 2 * place_variance;
+    return (in_camera - seen_).squaredNorm() > squared_sigmas * widest;
+  }
+
+ private:
+  const FlightState& state_;
+  Vector3d seen_;
+  double turn_variance_ = 0;
+  double variance_ = 0;
+};
+
 // Sightings of one landmark within `correlation_s` count as one.
 std::vector<LandmarkSighting> Thinned(const NavigationInput& input, double correlation_s) {
   std::vector<LandmarkSighting> thinned(input.sightings.begin(), input.sightings.end());
@@ -129,7 +162,7 @@ std::vector<LandmarkSighting> Thinned(const NavigationInput& input, double corre
     while (last < thinned.size() && time_of(thinned[last]) <= time_s + correlation_s / 2) ++last;
     std::vector<std::size_t> frames;  // with a sighting of the same
     for (std::size_t k = first; k < last; ++k) {
-      if (thinned[k].candidates == thinned[i].candidates) frames.push_back(thinned[k].frame);
+      if (thinned[k].model == thinned[i].model) frames.push_back(thinned[k].frame);
     }
     frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
     thinned[i].information /= static_cast<double>(frames.size());
@@ -144,21 +177,21 @@ class Navigator {
       : options_(options),
         common_(input.common_covariance_enu_m2),
         plane_(PlaneOf(input)),
-        flight_(FlightOf(input, plane_, options)) {
-    for (const Landmark& landmark : input.landmarks) landmarks_.push_back(InPlane(landmark, plane_, options.landmark));
-    sightings_ = Thinned(input, options.landmark.correlation_s);
-    whole_.assign(input.sightings.begin(), input.sightings.end());
-    wrong_.resize(landmarks_.size(), false);
-  }
+        flight_(FlightOf(input, plane_, options)),
+        landmarks_(InPlane(input.landmarks, plane_, options.landmark)),
+        sightings_(Thinned(input, options.landmark.correlation_s)),
+        whole_(input.sightings),
+        candidates_(flight_, landmarks_, input.landmarks_of, whole_, options),
+        wrong_(landmarks_.size(), false) {}
 
   Navigation Run() {
     Navigation navigation;
     auto& believed = navigation.landmark_of;
-    believed = FindAgreement(flight_, landmarks_, whole_, wrong_, options_);
+    believed = FindAgreement(flight_, landmarks_, whole_, candidates_, wrong_, options_);
     if (!flight_.has_told) {
       wrong_ = FindContradictions(flight_, landmarks_, sightings_, believed, options_);
       if (std::ranges::find(wrong_, true) != wrong_.end()) {
-        believed = FindAgreement(flight_, landmarks_, whole_, wrong_, options_);
+        believed = FindAgreement(flight_, landmarks_, whole_, candidates_, wrong_, options_);
       }
     }
     std::vector<FlightState> start = StartOf(flight_, landmarks_, whole_, believed);
@@ -184,13 +217,16 @@ class Navigator {
                                        const std::vector<FlightState>& start) {
     std::vector<FlightLandmark> used;
     std::vector<FlightTie> ties;
-    at_border_.clear();
+    at_border_.assign(landmarks_.size(), std::nullopt);
     for (std::size_t i = 0; i < believed.size(); ++i) {
       if (!believed[i]) continue;
-      const auto [place, is_new] = at_border_.emplace(*believed[i], used.size());
-      if (is_new) used.push_back(landmarks_[*believed[i]]);
+      std::optional<std::size_t>& place = at_border_[*believed[i]];
+      if (!place) {
+        place = used.size();
+        used.push_back(landmarks_[*believed[i]]);
+      }
       ties.push_back(
-          {sightings_[i].frame, place->second, sightings_[i].camera_from_landmark, sightings_[i].information / noise_});
+          {sightings_[i].frame, *place, sightings_[i].camera_from_landmark, sightings_[i].information / noise_});
     }
     return SmoothFlight(flight_, used, ties, start);
   }
@@ -200,12 +236,18 @@ class Navigator {
     std::vector<std::optional<std::size_t>> believed(sightings_.size());
     std::vector<double> squares;
     for (std::size_t i = 0; i < whole_.size(); ++i) {
+      // To believe means something only where the flight expects something.
+      const Matrix3d of_place = smoothed.covariances.blocks[whole_[i].frame].block<3, 3>(3, 3);
+      if (std::sqrt(of_place.trace() / 3) > options_.claim_sigma_m) continue;
       double nearest = options_.gate_sigma * options_.gate_sigma;
-      for (const std::size_t landmark : whole_[i].candidates) {
-        if (wrong_[landmark]) continue;
-        const auto distance = DistanceOf(whole_[i], landmark, smoothed);
-        if (!distance || *distance >= nearest) continue;
-        nearest = *distance;
+      const MoveGate gate(whole_[i], noise_, smoothed);
+      for (const std::size_t landmark : candidates_.Of(i)) {
+        if (wrong_[landmark] ||
+            gate.IsBeyond(nearest, LandmarkIn(smoothed, landmark), PlaceVariance(smoothed, landmark)))
+          continue;
+        const double distance = DistanceOf(whole_[i], landmark, smoothed);
+        if (distance >= nearest) continue;
+        nearest = distance;
         believed[i] = landmark;
       }
       if (believed[i]) squares.push_back(SquaredResidual(whole_[i], *believed[i], smoothed));
@@ -218,8 +260,16 @@ class Navigator {
   }
 
   [[nodiscard]] const Rigid3& LandmarkIn(const SmoothedFlight& smoothed, std::size_t landmark) const {
-    const auto used = at_border_.find(landmark);
-    return used != at_border_.end() ? smoothed.landmarks[used->second] : landmarks_[landmark].enu_from_landmark;
+    const auto& used = at_border_[landmark];
+    return used ? smoothed.landmarks[*used] : landmarks_[landmark].enu_from_landmark;
+  }
+
+  // The sum along the axes.
+  [[nodiscard]] double PlaceVariance(const SmoothedFlight& smoothed, std::size_t landmark) const {
+    const auto& used = at_border_[landmark];
+    if (!used) return landmarks_[landmark].prior_covariance.bottomRightCorner<3, 3>().trace();
+    const Index at = 6 * static_cast<Index>(*used) + 3;
+    return smoothed.covariances.border.block<3, 3>(at, at).trace();
   }
 
   [[nodiscard]] double SquaredResidual(const LandmarkSighting& sighting, std::size_t landmark,
@@ -229,19 +279,17 @@ class Navigator {
     return off.dot(sighting.information * off) * 6 / DimensionsOf(sighting.information);
   }
 
-  // Squared, in sigmas of the sighting and of what the flight expects together. Nothing where the flight expects
-  // nothing.
-  [[nodiscard]] std::optional<double> DistanceOf(const LandmarkSighting& sighting, std::size_t landmark,
-                                                 const SmoothedFlight& smoothed) const {
+  // Squared, in sigmas of the sighting and of what the flight expects together.
+  [[nodiscard]] double DistanceOf(const LandmarkSighting& sighting, std::size_t landmark,
+                                  const SmoothedFlight& smoothed) const {
     const FlightState& state = smoothed.states[sighting.frame];
     const Rigid3& pose = LandmarkIn(smoothed, landmark);
     const SightingJacobian jacobian = SightingDerivative(state, pose);
     const Matrix6 of_state = smoothed.covariances.blocks[sighting.frame].topLeftCorner<6, 6>();
-    if (std::sqrt(of_state.bottomRightCorner<3, 3>().trace() / 3) > options_.claim_sigma_m) return std::nullopt;
     Matrix6 expected = jacobian.by_state * of_state * jacobian.by_state.transpose();
-    const auto used = at_border_.find(landmark);
-    if (used != at_border_.end()) {
-      const Index at = 6 * static_cast<Index>(used->second);
+    const auto& used = at_border_[landmark];
+    if (used) {
+      const Index at = 6 * static_cast<Index>(*used);
       const Matrix6 cross = smoothed.covariances.cross[sighting.frame].block<6, 6>(0, at);
       const Matrix6 mixed = jacobian.by_state * cross * jacobian.by_landmark.transpose();
       expected +=
@@ -296,10 +344,11 @@ class Navigator {
   Flight flight_;
   std::vector<FlightLandmark> landmarks_;
   std::vector<LandmarkSighting> sightings_;  // with the information that each adds
-  std::vector<LandmarkSighting> whole_;      // with the information that each has by itself
+  std::span<const LandmarkSighting> whole_;  // with the information that each has by itself
+  Candidates candidates_;
   std::vector<bool> wrong_;
-  std::map<std::size_t, std::size_t> at_border_;  // of the landmarks in the flight last smoothed
-  double noise_ = 1;                              // factor by which the sightings' covariances are larger than told
+  std::vector<std::optional<std::size_t>> at_border_;  // one a landmark: where in the flight last smoothed
+  double noise_ = 1;  // factor by which the sightings' covariances are larger than told
 };
 
 }  // namespace

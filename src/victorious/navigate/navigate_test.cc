@@ -1,6 +1,8 @@
 #include "victorious/navigate/navigate.h"
 
 #include <algorithm>
+#include <ctime>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
@@ -121,7 +123,7 @@ TEST(Navigate, AWrongLandmarkDoesNotPullItAway) {
       moved.place = plane.GeodeticFromEnu({30, -40, 0});
       const Navigation navigation = Estimate(flight);
       for (std::size_t i = 0; i < flight.sightings.size(); ++i) {
-        if (flight.sightings[i].candidates.front() == 3) {
+        if (flight.sightings[i].model == 3) {
           EXPECT_FALSE(navigation.landmark_of[i]) << seed;
         }
       }
@@ -144,7 +146,7 @@ TEST(Navigate, WithoutTelemetryAWrongLandmarkContradictsTheOthers) {
       moved.place = TangentPlane(moved.place).GeodeticFromEnu({-30, 40, 0});
       const Navigation navigation = Estimate(flight);
       for (std::size_t i = 0; i < flight.sightings.size(); ++i) {
-        const bool is_wrong = flight.sightings[i].candidates.front() == wrong;
+        const bool is_wrong = flight.sightings[i].model == wrong;
         believed += is_wrong && navigation.landmark_of[i] ? 1 : 0;
         doubted += !is_wrong && !navigation.landmark_of[i] ? 1 : 0;
       }
@@ -180,13 +182,52 @@ TEST(Navigate, TellsLandmarksOfOneModelApart) {
     LandmarkFlight flight({.seed = 4, .landmarks = 5, .telemetry = telemetry});
     std::vector<std::size_t> truth;
     for (LandmarkSighting& sighting : flight.sightings) {
-      truth.push_back(sighting.candidates.front());
-      sighting.candidates = {0, 1, 2, 3, 4};
+      truth.push_back(sighting.model);
+      sighting.model = 0;
     }
+    flight.landmarks_of = {{0, 1, 2, 3, 4}};
     const Navigation navigation = Estimate(flight);
     int right = 0;
     for (std::size_t i = 0; i < truth.size(); ++i) right += navigation.landmark_of[i] == truth[i] ? 1 : 0;
     EXPECT_GT(right, 0.95 * static_cast<double>(truth.size())) << telemetry;
+  }
+}
+
+// A town of the same landmark: what is far from the camera costs next to nothing, and changes nothing.
+TEST(Navigate, AListOfThousandsCostsAsMuchAsThoseAround) {
+  for (const bool telemetry : {true, false}) {
+    LandmarkFlight flight({.seed = 4, .landmarks = 5, .telemetry = telemetry});
+    flight.landmarks_of.assign(1, {0, 1, 2, 3, 4});
+    std::vector<std::size_t> truth;
+    for (LandmarkSighting& sighting : flight.sightings) truth.push_back(std::exchange(sighting.model, 0));
+    const auto right = [&](const Navigation& navigation) {
+      int count = 0;
+      for (std::size_t i = 0; i < truth.size(); ++i) count += navigation.landmark_of[i] == truth[i] ? 1 : 0;
+      return static_cast<double>(count) / static_cast<double>(truth.size());
+    };
+    const auto cpu_s = [&](Navigation& navigation) {
+      const std::clock_t start = std::clock();
+      navigation = Estimate(flight);
+      return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+    };
+    Navigation few;
+    const double few_s = cpu_s(few);
+    const TangentPlane plane(flight.landmarks.front().place);
+    constexpr int kSide = 71;
+    for (int i = 0; i < kSide * kSide; ++i) {
+      const Eigen::Vector3d place(300.0 * (i / kSide + 2), 300.0 * (i % kSide - kSide / 2), 0);
+      flight.landmarks_of.front().push_back(flight.landmarks.size());
+      flight.landmarks.push_back({.model = "any", .place = plane.GeodeticFromEnu(place), .heading_rad = 0.3 * i});
+    }
+    Navigation many;
+    const double many_s = cpu_s(many);
+    EXPECT_GT(right(many), 0.95) << telemetry;
+    if (!telemetry) continue;
+    EXPECT_LT(many_s, 10 * few_s + 0.5);
+    for (std::size_t k = 0; k < few.frames.size(); ++k) {
+      EXPECT_LT(flight.ErrorOf(many.frames[k], k).head<3>().norm(),
+                flight.ErrorOf(few.frames[k], k).head<3>().norm() + 1);
+    }
   }
 }
 

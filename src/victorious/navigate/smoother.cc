@@ -254,7 +254,9 @@ class Smoother {
       const Matrix6 state_weighted = jacobian.by_state.transpose() * information;
       const Matrix6 landmark_weighted = jacobian.by_landmark.transpose() * information;
       system->diagonal[tie.frame].topLeftCorner<6, 6>() += state_weighted * jacobian.by_state;
-      system->border[tie.frame].block<6, 6>(0, at) += state_weighted * jacobian.by_landmark;
+      BorderedSystem::Part& part = system->border[tie.frame].emplace_back();
+      part = {at, MatrixXd::Zero(system->block_size(), 6)};
+      part.columns.topRows<6>() = state_weighted * jacobian.by_landmark;
       system->corner.block<6, 6>(at, at) += landmark_weighted * jacobian.by_landmark;
       system->right[tie.frame].head<6>() -= state_weighted * off;
       system->corner_right.segment<6>(at) -= landmark_weighted * off;
@@ -267,11 +269,6 @@ class Smoother {
   std::span<const FlightTie> ties_;
   std::vector<Matrix6> landmark_information_;
 };
-
-void Damp(BorderedSystem& system, double damping) {
-  for (MatrixXd& block : system.diagonal) block.diagonal() *= 1 + damping;
-  system.corner.diagonal() *= 1 + damping;
-}
 
 }  // namespace
 
@@ -324,9 +321,7 @@ std::optional<SmoothedFlight> SmoothFlight(const Flight& flight, std::span<const
     const double cost = smoother.Weigh(estimate, &system);
     double gain = 0;
     for (; damping < kMostDamping; damping *= 10) {
-      BorderedSystem damped = system;
-      Damp(damped, damping);
-      const auto solution = damped.Solve();
+      const auto solution = system.Solve(damping);
       if (!solution) continue;
       Estimate moved = smoother.Moved(estimate, *solution);
       gain = cost - smoother.Weigh(moved, nullptr);

@@ -44,12 +44,14 @@ class LandmarkFlight {
   }
 
   [[nodiscard]] NavigationInput input() const {
-    return {frames, rows, landmarks, sightings, options_.common_m * options_.common_m * Eigen::Matrix3d::Identity()};
+    return {frames,       rows,      landmarks,
+            landmarks_of, sightings, options_.common_m * options_.common_m * Eigen::Matrix3d::Identity()};
   }
 
   std::vector<NavigationFrame> frames;
   std::vector<CameraState> rows;
-  std::vector<Landmark> landmarks;  // as told
+  std::vector<Landmark> landmarks;                     // as told
+  std::vector<std::vector<std::size_t>> landmarks_of;  // each of a model of its own
   std::vector<LandmarkSighting> sightings;
   std::vector<CameraState> truth;
   std::vector<bool> is_wrong;  // one a sighting
@@ -78,6 +80,7 @@ class LandmarkFlight {
       for (double& axis : told) axis += options_.landmark_m * random_.Normal();
       landmark.place = plane_.GeodeticFromEnu(told);
       landmark.covariance_enu_m2 = options_.landmark_m * options_.landmark_m * Eigen::Matrix3d::Identity();
+      landmarks_of.push_back({landmarks.size()});
       landmarks.push_back(landmark);
     }
   }
@@ -130,7 +133,7 @@ class LandmarkFlight {
     sigma << Eigen::Vector3d::Constant(RadiansFromDegrees(1.5)), 0.016, 0.016, 2.4;
     LandmarkSighting sighting;
     sighting.frame = frames.size() - 1;
-    sighting.candidates = {landmark};
+    sighting.model = landmark;
     Vector6 error;
     for (int i = 0; i < 6; ++i) error[i] = -sigma[i] * random_.Normal();
     is_wrong.push_back(random_.Uniform() < options_.wrong_share);

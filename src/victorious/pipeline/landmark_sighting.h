@@ -19,7 +19,7 @@ struct SightingOptions {
 };
 
 /// @param sight  the errors of points, of the direction and of the range
-/// The frame and the candidates are left to the caller. Nothing where neither points nor a range tell its distance.
+/// The frame and the model are left to the caller. Nothing where neither points nor a range tell its distance.
 std::optional<LandmarkSighting> SightingOf(const Stance& stance, const SightOptions& sight,
                                            const SightingOptions& options);
 

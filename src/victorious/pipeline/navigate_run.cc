@@ -120,7 +120,7 @@ struct Tools {
   const NavigateRunOptions& options;
   const Recognizer& recognizer;
   const FeatureExtractor& extractor;
-  std::vector<std::vector<std::size_t>> candidates;  // landmarks, by model
+  std::vector<std::vector<std::size_t>> landmarks_of;  // by model
 };
 
 // How the camera was held, as far as that is known before landmarks are sought; and where the sun stood.
@@ -177,7 +177,7 @@ class Pass {
     auto sighting = SightingOf(*stance, tools_.options.sight, tools_.options.sighting);
     if (!sighting) return;
     sighting->frame = frames_.size();
-    sighting->candidates = tools_.candidates[detection.model];
+    sighting->model = detection.model;
     sightings_.push_back(*std::move(sighting));
   }
 
@@ -236,9 +236,9 @@ Expected<NavigationRun> OnePass(const Tools& tools, const Source& source, const 
   std::vector<CameraState> rows;
   if (cameras.track) rows = cameras.track->states();
   NavigationRun run;
-  VICTORIOUS_ASSIGN_OR_RETURN(
-      run.navigation, Navigate({pass.frames(), rows, list.landmarks, pass.sightings(), list.common_covariance_enu_m2},
-                               tools.options.navigate));
+  VICTORIOUS_ASSIGN_OR_RETURN(run.navigation, Navigate({pass.frames(), rows, list.landmarks, tools.landmarks_of,
+                                                        pass.sightings(), list.common_covariance_enu_m2},
+                                                       tools.options.navigate));
   run.estimate_ms = MillisecondsSince(start) / static_cast<double>(std::max<std::size_t>(1, pass.frames().size()));
   run.frames = static_cast<std::int64_t>(pass.frames().size());
   run.tracked_ms = pass.tracked_ms();
@@ -277,10 +277,10 @@ Expected<NavigationRun> NavigateVideo(const NavigateJob& job, std::vector<Object
   VICTORIOUS_ASSIGN_OR_RETURN(const Cameras cameras, CamerasOf(job, options, reader->info().live, warn));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
 
-  std::vector<std::vector<std::size_t>> candidates(models.size());
+  std::vector<std::vector<std::size_t>> landmarks_of(models.size());
   for (std::size_t m = 0; m < models.size(); ++m) {
     for (std::size_t i = 0; i < list.landmarks.size(); ++i) {
-      if (list.landmarks[i].model == models[m].name) candidates[m].push_back(i);
+      if (list.landmarks[i].model == models[m].name) landmarks_of[m].push_back(i);
     }
   }
   std::vector<std::shared_ptr<const LitTemplates>> lit;
@@ -290,7 +290,7 @@ Expected<NavigationRun> NavigateVideo(const NavigateJob& job, std::vector<Object
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,
                               Recognizer::Create(std::move(models), options.features.engine, options.recognize, lit));
-  const Tools tools{options, recognizer, *extractor, std::move(candidates)};
+  const Tools tools{options, recognizer, *extractor, std::move(landmarks_of)};
   const Source source{job.video, reading, reader->info().live};
   std::optional<CameraTrack> held = cameras.track;
   VICTORIOUS_ASSIGN_OR_RETURN(NavigationRun run, OnePass(tools, source, cameras, held, list, reader, cancel));
