@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <string>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -222,6 +223,10 @@ TEST(Navigate, AListOfThousandsCostsAsMuchAsThoseAround) {
     Navigation many;
     const double many_s = cpu_s(many);
     EXPECT_GT(right(many), 0.95) << telemetry;
+    const double frames = static_cast<double>(flight.frames.size());
+    const std::string with = telemetry ? "with" : "without";
+    RecordProperty(with + "_telemetry_5_landmarks_ms_a_frame", std::to_string(1e3 * few_s / frames));
+    RecordProperty(with + "_telemetry_5046_landmarks_ms_a_frame", std::to_string(1e3 * many_s / frames));
     if (!telemetry) continue;
     EXPECT_LT(many_s, 10 * few_s + 0.5);
     for (std::size_t k = 0; k < few.frames.size(); ++k) {
