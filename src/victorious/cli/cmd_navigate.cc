@@ -69,14 +69,15 @@ void Tell(const NavigationRun& run) {
 // Whether the result can be written, asked before the video is searched.
 Status CheckOutput(const std::string& path) {
   if (path.empty() || path == "-") return {};
+  namespace fs = std::filesystem;
   std::error_code unknown;  // then writing tells
-  const std::filesystem::path file = std::filesystem::weakly_canonical(std::filesystem::absolute(path), unknown);
-  const bool exists = std::filesystem::exists(file, unknown);
-  const bool is_folder = std::filesystem::is_directory(file, unknown);
-  const bool is_regular = std::filesystem::is_regular_file(file, unknown);
-  const std::filesystem::path written = exists && !is_regular ? file : file.parent_path();  // a new file beside it
-  if (!is_folder && ::access(written.c_str(), W_OK) == 0) return {};
-  return std::unexpected(ErrorFromErrno(is_folder ? EISDIR : errno, fmt::format("write {}", path)));
+  const fs::file_status status = fs::status(path, unknown);
+  fs::path written = path;  // a device or a pipe
+  if (fs::is_regular_file(status) || !fs::exists(status)) {
+    written = fs::weakly_canonical(fs::absolute(path), unknown).parent_path();  // gets a new file
+  }
+  if (!fs::is_directory(status) && ::access(written.c_str(), W_OK) == 0) return {};
+  return std::unexpected(ErrorFromErrno(fs::is_directory(status) ? EISDIR : errno, fmt::format("write {}", path)));
 }
 
 Status Run(const Arguments& arguments) {

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "victorious/geometry/angles.h"
+
 namespace victorious {
 namespace {
 

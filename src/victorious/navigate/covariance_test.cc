@@ -20,7 +20,9 @@ TEST(Covariance, IsInverted) {
   const Matrix6 covariance = Drawn();
   const auto inverse = InverseOf(covariance);
   ASSERT_TRUE(inverse);
-  EXPECT_TRUE((*inverse * covariance).isApprox(Matrix6::Identity(), 1e-6));
+  const Vector6 sigma = covariance.diagonal().cwiseSqrt();  // so that all are of the same size
+  const Matrix6 product = sigma.cwiseInverse().asDiagonal() * covariance * *inverse * sigma.asDiagonal();
+  EXPECT_TRUE(product.isApprox(Matrix6::Identity(), 1e-6)) << product;
   const Vector6 off = covariance * Vector6::LinSpaced(-1, 2);
   EXPECT_NEAR(SquaredSigmas(off, covariance) / off.dot(*inverse * off), 1, 1e-6);
 }
