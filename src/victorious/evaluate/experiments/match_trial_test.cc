@@ -2,7 +2,9 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
@@ -96,6 +98,40 @@ TEST(KnownTown, DrawsPicturesWhoseObjectsStandWhereTruthSays) {
   const std::optional<Eigen::Vector2d> middle = scene->pinhole.Project(jeep->camera_from_model.Apply({0, 0, 1}));
   ASSERT_TRUE(middle.has_value());
   EXPECT_TRUE(jeep->box.Contains(middle->x(), middle->y()));
+}
+
+// Some bent squares, which have features at their corners, as an OBJ file.
+void WriteCad(const std::filesystem::path& path, double side_m) {
+  std::ofstream(path) << fmt::format(
+      "v 0 0 0\nv {0} 0 0\nv {0} {0} 0\nv 0 {0} 0\nv 0 {0} {0}\nf 1 2 3\nf 1 3 4\nf 3 4 5\nf 1 4 5\n", side_m);
+}
+
+TEST(KeptModel, IsMadeAgainForAnotherContentOrOtherOptionsAlone) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "kept_model_test";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  int made = 0;
+  const ExperimentSettings settings{
+      .data = {}, .scenes = {}, .out = folder / "out", .progress = [&](std::string_view) { ++made; }};
+  CadModelOptions options;
+  options.sphere.step_deg = 45;
+  const std::filesystem::path cad = folder / "thing.obj";
+  WriteCad(cad, 3);
+  const auto first = KeptModel(settings, cad, options);
+  ASSERT_TRUE(first.has_value()) << first.error().message;
+  EXPECT_EQ((*first)->name, "thing");
+  const auto kept = KeptModel(settings, cad, options);
+  ASSERT_TRUE(kept.has_value());
+  EXPECT_EQ(made, 1);
+  EXPECT_EQ((*kept)->id, (*first)->id);
+  WriteCad(cad, 5);
+  const auto changed = KeptModel(settings, cad, options);
+  ASSERT_TRUE(changed.has_value());
+  EXPECT_EQ(made, 2);
+  EXPECT_GT((*changed)->box_m->sizes().x(), 4);
+  options.sphere.step_deg = 60;
+  ASSERT_TRUE(KeptModel(settings, cad, options).has_value());
+  EXPECT_EQ(made, 3);
 }
 
 TEST(MatchSetup, TheThesisAndWeDiffer) {
