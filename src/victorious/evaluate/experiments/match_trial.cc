@@ -76,7 +76,8 @@ MatchTrial MakeTrial(std::shared_ptr<const KnownScene> scene, std::shared_ptr<co
                      std::shared_ptr<const ObjectModel> model, std::size_t view) {
   const std::string kind = model->name;
   const ModelView& of = model->views[view];
-  const MatchTruth truth(*scene, kind, model->points_in_model.subspan(of.first_feature, of.feature_count));
+  const MatchTruth truth(*scene, kind, model->points_in_model.subspan(of.first_feature, of.feature_count),
+                         model->box_m->diagonal().norm());
   return {.name = kind + " in " + scene->name,
           .scene = std::move(scene),
           .features = std::move(features),

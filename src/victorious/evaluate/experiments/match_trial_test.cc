@@ -33,7 +33,7 @@ Keypoint KeypointAt(float x, float y, float scale_px = 1) {
 
 TEST(MatchTruth, IsWhereTheTruePosePutsTheTemplatesPoint) {
   const std::vector<Point3> points = {{0, 0, 0}, {2, 0, 0}};
-  const MatchTruth truth(SceneWith({At(0, 0)}), "thing", points);
+  const MatchTruth truth(SceneWith({At(0, 0)}), "thing", points, 8);
   EXPECT_EQ(truth.Of(KeypointAt(50, 50), 0), Truth::kRight);
   EXPECT_EQ(truth.Of(KeypointAt(70, 52.9F), 1), Truth::kRight);
   EXPECT_EQ(truth.Of(KeypointAt(70, 53.1F), 1), Truth::kNear);
@@ -50,9 +50,9 @@ TEST(MatchTruth, IsWhereTheTruePosePutsTheTemplatesPoint) {
 TEST(MatchTruth, AnyObjectOfTheKindServesAndNoOther) {
   KnownScene scene = SceneWith({At(-3, 0), At(3, 0)});
   const std::vector<Point3> points = {{0, 0, 0}};
-  EXPECT_EQ(MatchTruth(scene, "thing", points).Of(KeypointAt(20, 50), 0), Truth::kRight);
-  EXPECT_EQ(MatchTruth(scene, "thing", points).Of(KeypointAt(80, 50), 0), Truth::kRight);
-  EXPECT_EQ(MatchTruth(scene, "other", points).Of(KeypointAt(80, 50), 0), Truth::kWrong);
+  EXPECT_EQ(MatchTruth(scene, "thing", points, 8).Of(KeypointAt(20, 50), 0), Truth::kRight);
+  EXPECT_EQ(MatchTruth(scene, "thing", points, 8).Of(KeypointAt(80, 50), 0), Truth::kRight);
+  EXPECT_EQ(MatchTruth(scene, "other", points, 8).Of(KeypointAt(80, 50), 0), Truth::kWrong);
 }
 
 TEST(MatchTruth, WhatIsHiddenOrOutOfThePictureMatchesNothing) {
@@ -60,10 +60,19 @@ TEST(MatchTruth, WhatIsHiddenOrOutOfThePictureMatchesNothing) {
   const std::vector<Point3> points = {{0, 0, 0}, {2, 0, 0}, {8, 0, 0}};
   scene.depth_m = cv::Mat(100, 100, CV_32FC1, cv::Scalar(10));
   scene.depth_m(cv::Rect(0, 0, 60, 100)).setTo(4);  // a wall before the first point
-  const MatchTruth truth(scene, "thing", points);
+  const MatchTruth truth(scene, "thing", points, 8);
   EXPECT_EQ(truth.Of(KeypointAt(50, 50), 0), Truth::kWrong);
   EXPECT_EQ(truth.Of(KeypointAt(70, 50), 1), Truth::kRight);
   EXPECT_EQ(truth.Of(KeypointAt(130, 50), 2), Truth::kWrong);
+}
+
+TEST(MatchTruth, WhatHidesIsMeasuredByTheObjectsSize) {
+  KnownScene scene = SceneWith({At(0, 0)});
+  const std::vector<Point3> points = {{0, 0, 0}};
+  scene.depth_m = cv::Mat(100, 100, CV_32FC1, cv::Scalar(9.8));
+  EXPECT_EQ(MatchTruth(scene, "thing", points, 4).Of(KeypointAt(50, 50), 0), Truth::kWrong) << "a shelf before a toy";
+  EXPECT_EQ(MatchTruth(scene, "thing", points, 30).Of(KeypointAt(50, 50), 0), Truth::kRight)
+      << "an aircraft's own skin";
 }
 
 TEST(Spoil, IsDoneInTheOrderOfACamera) {
