@@ -50,7 +50,8 @@ Its setting is `--params thesis`: Lowe's keypoints without noise taken out first
 Ours is the program's default: twice as many, fainter keypoints and salt-and-pepper noise taken out, by the same cascade.
 Whether a match is true is known from the simulator alone: the template keypoint's place on the object, by the rendering's depth, goes
 through the true pose into the picture. Within 3 px or the keypoint's scale of it and not hidden, it is true; beyond 10 px
-false; between them near, which is neither. The thesis's own scenes are lost, so its counts are of other pictures.
+false; between them near, which is neither. Of movies only the known objects' depth is known: what the town hides there counts as seen.
+The thesis's own scenes are lost, so its counts are of other pictures.
 """
 
 WHAT_IS_MISSED = """

@@ -115,7 +115,7 @@ Expected<Report> RunChapter3Sweeps(const ExperimentSettings& settings) {
           KnownTown town,
           KnownTown::Load(settings.scenes / fmt::format("chapter3_{}.json", kind), renderer, settings.Cancel()));
       VICTORIOUS_ASSIGN_OR_RETURN(
-          auto model, ModelShelf(settings, setup).Get(town.scene().assets / "models" / fmt::format("{}.glb", kind)));
+          auto model, KeptModel(settings, town.scene().assets / "models" / fmt::format("{}.glb", kind), setup.cad));
       examples.push_back({kind, std::make_shared<const KnownTown>(std::move(town)), std::move(model)});
     }
     std::vector<MatchFilter> filters = MatchFilters(setup.recognize);

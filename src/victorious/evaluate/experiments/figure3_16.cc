@@ -130,10 +130,10 @@ Expected<Report> RunFigure316(const ExperimentSettings& settings) {
   std::vector<MatchSetup> setups = {ThesisSetup(), OurSetup()};
   setups.back().recognize.method = IndexOptions().recognize.method;
   for (const MatchSetup& setup : setups) {
-    const ModelShelf shelf(settings, setup);
     std::vector<ObjectModel> models;
     for (const char* kind : kKinds) {
-      VICTORIOUS_ASSIGN_OR_RETURN(const auto model, shelf.Get(scenes.front().cad_folder / fmt::format("{}.glb", kind)));
+      VICTORIOUS_ASSIGN_OR_RETURN(
+          const auto model, KeptModel(settings, scenes.front().cad_folder / fmt::format("{}.glb", kind), setup.cad));
       models.push_back(*model);
     }
     VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,

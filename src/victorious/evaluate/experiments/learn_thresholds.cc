@@ -1,10 +1,10 @@
 #include "victorious/evaluate/experiments/learn_thresholds.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
+#include "victorious/evaluate/score.h"
 #include "victorious/geometry/pair_measures.h"
 
 namespace victorious {
@@ -42,13 +42,6 @@ struct Distortions {
   }
 };
 
-double Quantile(std::vector<double> values, double share, double otherwise) {
-  if (values.empty()) return otherwise;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::ranges::nth_element(values, at);
-  return *at;
-}
-
 struct ReadyTrial {
   const MatchTrial* trial;
   MatchSet matches;
@@ -70,7 +63,7 @@ double Loss(const std::vector<ReadyTrial>& ready, const CascadeOptions& options)
 }  // namespace
 
 CascadeOptions LearnThresholds(const std::vector<const MatchTrial*>& trials, const CascadeOptions& start) {
-  constexpr double kQuantile = 0.98;
+  constexpr double kPercent = 98;
   Distortions distortions;
   std::vector<ReadyTrial> ready;
   for (const MatchTrial* trial : trials) {
@@ -86,10 +79,11 @@ CascadeOptions LearnThresholds(const std::vector<const MatchTrial*>& trials, con
     }
   }
   CascadeOptions learnt = start;
-  learnt.scale_distortion = Quantile(distortions.scale, kQuantile, start.scale_distortion);
-  learnt.distance_distortion = Quantile(distortions.distance, kQuantile, start.distance_distortion);
-  learnt.orientation_distortion_rad = Quantile(distortions.orientation, kQuantile, start.orientation_distortion_rad);
-  learnt.line_distortion_rad = Quantile(distortions.line, kQuantile, start.line_distortion_rad);
+  learnt.scale_distortion = Percentile(distortions.scale, kPercent).value_or(start.scale_distortion);
+  learnt.distance_distortion = Percentile(distortions.distance, kPercent).value_or(start.distance_distortion);
+  learnt.orientation_distortion_rad =
+      Percentile(distortions.orientation, kPercent).value_or(start.orientation_distortion_rad);
+  learnt.line_distortion_rad = Percentile(distortions.line, kPercent).value_or(start.line_distortion_rad);
   CascadeOptions best = learnt;
   double least = std::numeric_limits<double>::infinity();
   for (const int votes : {2, 3}) {

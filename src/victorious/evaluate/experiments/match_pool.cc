@@ -52,10 +52,8 @@ Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings
     const fs::path models = settings.data / "models";
     VICTORIOUS_ASSIGN_OR_RETURN(auto known, ReadKnownMovie(folder, models, frames, renderer));
     for (KnownScene& scene : known) {
-      pool.push_back({.scene = std::make_shared<const KnownScene>(std::move(scene)),
-                      .cad_folder = models,
-                      .is_movie = true,
-                      .flight = flights});
+      pool.push_back(
+          {.scene = std::make_shared<const KnownScene>(std::move(scene)), .cad_folder = models, .flight = flights});
     }
     ++flights;
   }
@@ -65,7 +63,6 @@ Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings
 Expected<std::vector<MatchTrial>> PoolTrials(const ExperimentSettings& settings, const MatchSetup& setup,
                                              const std::vector<PooledScene>& scenes) {
   constexpr double kLeastVisible = 0.5;
-  const ModelShelf shelf(settings, setup);
   std::map<fs::path, std::shared_ptr<const ObjectModel>> models;
   std::vector<MatchTrial> trials;
   for (const PooledScene& pooled : scenes) {
@@ -77,7 +74,7 @@ Expected<std::vector<MatchTrial>> PoolTrials(const ExperimentSettings& settings,
       const fs::path cad_file = pooled.cad_folder / (object.model + ".glb");
       std::shared_ptr<const ObjectModel>& model = models[cad_file];
       if (!model) {
-        VICTORIOUS_ASSIGN_OR_RETURN(model, shelf.Get(cad_file, pooled.is_movie ? "models-movies" : "models"));
+        VICTORIOUS_ASSIGN_OR_RETURN(model, KeptModel(settings, cad_file, setup.cad));
       }
       trials.push_back(MakeTrial(pooled.scene, features, model, NearestView(*model, object.view)));
       trials.back().flight = pooled.flight;

@@ -13,8 +13,7 @@ namespace victorious {
 struct PooledScene {
   std::shared_ptr<const KnownScene> scene;
   std::filesystem::path cad_folder;
-  bool is_movie = false;  ///< of outside data
-  int flight = 0;         ///< whose picture it is, counted through the pool
+  int flight = 0;  ///< whose picture it is, counted through the pool
 };
 
 /// `frames` pictures of each scene file of the folder settings.scenes and of each movie of settings.data, spread over

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "victorious/base/check.h"
+#include "victorious/base/file.h"
 #include "victorious/base/version.h"
 #include "victorious/match/matcher.h"
 #include "victorious/model/model_library.h"
@@ -32,22 +33,27 @@ MatchSetup ThesisSetup() {
   return {.name = "thesis", .features = index.features, .cad = cad, .recognize = index.recognize};
 }
 
-Expected<std::shared_ptr<const ObjectModel>> ModelShelf::Get(const std::filesystem::path& cad_file,
-                                                             const std::string& folder) const {
-  const std::string name = cad_file.stem().string() + "-" + setup_.name;
-  const ModelLibrary library(settings_.out / folder);
-  if (Expected<ObjectModel> kept = library.Load(name)) {
-    if (kept->options_json == OptionsToJsonText(setup_.cad) && kept->program_version == kVersion)
-      return std::make_shared<const ObjectModel>(*std::move(kept));
-    VICTORIOUS_RETURN_IF_ERROR(library.Remove(name));
+Expected<std::shared_ptr<const ObjectModel>> KeptModel(const ExperimentSettings& settings,
+                                                       const std::filesystem::path& cad_file,
+                                                       const CadModelOptions& options) {
+  const std::string name = cad_file.stem().string();
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string content, ContentId(cad_file, settings.Cancel()));
+  const std::string made_by = fmt::format("{} {}", kVersion, OptionsToJsonText(options));
+  const ModelLibrary library(settings.out / "models" /
+                             fmt::format("{}-{:016x}", content, Checksum(std::as_bytes(std::span(made_by)))));
+  Expected<ObjectModel> model = library.Load(name);
+  if (!model && model.error().code == ErrorCode::kNotFound) {
+    VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
+    settings.progress(fmt::format("making a model of {}", cad_file.string()));
+    VICTORIOUS_ASSIGN_OR_RETURN(const LoadedMesh loaded, LoadMesh(cad_file));
+    VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel made,
+                                MakeCadModel(name, loaded.mesh, cad_file.filename().string(), options));
+    made.length_m = loaded.length_m;
+    VICTORIOUS_RETURN_IF_ERROR(library.Add(made));
+    model = library.Load(name);  // mapped, with its id, as it is from now on
   }
-  VICTORIOUS_RETURN_IF_ERROR(settings_.CheckCancelled());
-  settings_.progress(fmt::format("making the model {}", name));
-  VICTORIOUS_ASSIGN_OR_RETURN(const LoadedMesh loaded, LoadMesh(cad_file));
-  VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel made,
-                              MakeCadModel(name, loaded.mesh, cad_file.filename().string(), setup_.cad));
-  VICTORIOUS_RETURN_IF_ERROR(library.Add(made));
-  return std::make_shared<const ObjectModel>(std::move(made));
+  if (!model) return std::unexpected(std::move(model).error());
+  return std::make_shared<const ObjectModel>(*std::move(model));
 }
 
 std::size_t NearestView(const ObjectModel& model, const ViewDirection& direction) {
@@ -68,9 +74,10 @@ std::size_t NearestView(const ObjectModel& model, const ViewDirection& direction
 
 MatchTrial MakeTrial(std::shared_ptr<const KnownScene> scene, std::shared_ptr<const FeatureSet> features,
                      std::shared_ptr<const ObjectModel> model, std::size_t view) {
-  const std::string kind = model->name.substr(0, model->name.rfind('-'));
+  const std::string kind = model->name;
   const ModelView& of = model->views[view];
-  const MatchTruth truth(*scene, kind, model->points_in_model.subspan(of.first_feature, of.feature_count));
+  const MatchTruth truth(*scene, kind, model->points_in_model.subspan(of.first_feature, of.feature_count),
+                         model->box_m->diagonal().norm());
   return {.name = kind + " in " + scene->name,
           .scene = std::move(scene),
           .features = std::move(features),
@@ -118,7 +125,7 @@ Expected<MatchTrial> RunningExample(const ExperimentSettings& settings, const Ma
   const ViewDirection view = object->view;
   VICTORIOUS_ASSIGN_OR_RETURN(auto features, FeaturesOf(scene, setup.features));
   VICTORIOUS_ASSIGN_OR_RETURN(auto model,
-                              ModelShelf(settings, setup).Get(town.scene().assets / "models" / (kind + ".glb")));
+                              KeptModel(settings, town.scene().assets / "models" / (kind + ".glb"), setup.cad));
   const std::size_t nearest = NearestView(*model, view);
   return MakeTrial(std::make_shared<const KnownScene>(std::move(scene)), std::move(features), std::move(model),
                    nearest);

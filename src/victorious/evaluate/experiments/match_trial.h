@@ -31,22 +31,11 @@ MatchSetup ThesisSetup();
 /// The program's defaults, by the grammar.
 MatchSetup OurSetup();
 
-/// CAD models made once a setup and kept in a folder of where experiments write.
-class ModelShelf {
- public:
-  ModelShelf(const ExperimentSettings& settings, MatchSetup setup) : settings_(settings), setup_(std::move(setup)) {}
-
-  [[nodiscard]] const MatchSetup& setup() const { return setup_; }
-
-  /// @param cad_file  its name without the ending is the model's kind
-  /// @param folder    of settings.out, for the CAD files of one origin
-  Expected<std::shared_ptr<const ObjectModel>> Get(const std::filesystem::path& cad_file,
-                                                   const std::string& folder = "models") const;
-
- private:
-  const ExperimentSettings& settings_;
-  MatchSetup setup_;
-};
+/// The CAD file's model, named as the file is without its ending. Made once: kept in OUT/models, in a folder whose name
+/// is by the file's content, the options and the program's version.
+Expected<std::shared_ptr<const ObjectModel>> KeptModel(const ExperimentSettings& settings,
+                                                       const std::filesystem::path& cad_file,
+                                                       const CadModelOptions& options);
 
 /// The view that looks at the object from nearest to a direction.
 [[nodiscard]] std::size_t NearestView(const ObjectModel& model, const ViewDirection& direction);

@@ -2,7 +2,9 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
@@ -31,7 +33,7 @@ Keypoint KeypointAt(float x, float y, float scale_px = 1) {
 
 TEST(MatchTruth, IsWhereTheTruePosePutsTheTemplatesPoint) {
   const std::vector<Point3> points = {{0, 0, 0}, {2, 0, 0}};
-  const MatchTruth truth(SceneWith({At(0, 0)}), "thing", points);
+  const MatchTruth truth(SceneWith({At(0, 0)}), "thing", points, 8);
   EXPECT_EQ(truth.Of(KeypointAt(50, 50), 0), Truth::kRight);
   EXPECT_EQ(truth.Of(KeypointAt(70, 52.9F), 1), Truth::kRight);
   EXPECT_EQ(truth.Of(KeypointAt(70, 53.1F), 1), Truth::kNear);
@@ -48,9 +50,9 @@ TEST(MatchTruth, IsWhereTheTruePosePutsTheTemplatesPoint) {
 TEST(MatchTruth, AnyObjectOfTheKindServesAndNoOther) {
   KnownScene scene = SceneWith({At(-3, 0), At(3, 0)});
   const std::vector<Point3> points = {{0, 0, 0}};
-  EXPECT_EQ(MatchTruth(scene, "thing", points).Of(KeypointAt(20, 50), 0), Truth::kRight);
-  EXPECT_EQ(MatchTruth(scene, "thing", points).Of(KeypointAt(80, 50), 0), Truth::kRight);
-  EXPECT_EQ(MatchTruth(scene, "other", points).Of(KeypointAt(80, 50), 0), Truth::kWrong);
+  EXPECT_EQ(MatchTruth(scene, "thing", points, 8).Of(KeypointAt(20, 50), 0), Truth::kRight);
+  EXPECT_EQ(MatchTruth(scene, "thing", points, 8).Of(KeypointAt(80, 50), 0), Truth::kRight);
+  EXPECT_EQ(MatchTruth(scene, "other", points, 8).Of(KeypointAt(80, 50), 0), Truth::kWrong);
 }
 
 TEST(MatchTruth, WhatIsHiddenOrOutOfThePictureMatchesNothing) {
@@ -58,10 +60,19 @@ TEST(MatchTruth, WhatIsHiddenOrOutOfThePictureMatchesNothing) {
   const std::vector<Point3> points = {{0, 0, 0}, {2, 0, 0}, {8, 0, 0}};
   scene.depth_m = cv::Mat(100, 100, CV_32FC1, cv::Scalar(10));
   scene.depth_m(cv::Rect(0, 0, 60, 100)).setTo(4);  // a wall before the first point
-  const MatchTruth truth(scene, "thing", points);
+  const MatchTruth truth(scene, "thing", points, 8);
   EXPECT_EQ(truth.Of(KeypointAt(50, 50), 0), Truth::kWrong);
   EXPECT_EQ(truth.Of(KeypointAt(70, 50), 1), Truth::kRight);
   EXPECT_EQ(truth.Of(KeypointAt(130, 50), 2), Truth::kWrong);
+}
+
+TEST(MatchTruth, WhatHidesIsMeasuredByTheObjectsSize) {
+  KnownScene scene = SceneWith({At(0, 0)});
+  const std::vector<Point3> points = {{0, 0, 0}};
+  scene.depth_m = cv::Mat(100, 100, CV_32FC1, cv::Scalar(9.8));
+  EXPECT_EQ(MatchTruth(scene, "thing", points, 4).Of(KeypointAt(50, 50), 0), Truth::kWrong) << "a shelf before a toy";
+  EXPECT_EQ(MatchTruth(scene, "thing", points, 30).Of(KeypointAt(50, 50), 0), Truth::kRight)
+      << "an aircraft's own skin";
 }
 
 TEST(Spoil, IsDoneInTheOrderOfACamera) {
@@ -96,6 +107,40 @@ TEST(KnownTown, DrawsPicturesWhoseObjectsStandWhereTruthSays) {
   const std::optional<Eigen::Vector2d> middle = scene->pinhole.Project(jeep->camera_from_model.Apply({0, 0, 1}));
   ASSERT_TRUE(middle.has_value());
   EXPECT_TRUE(jeep->box.Contains(middle->x(), middle->y()));
+}
+
+// Some bent squares, which have features at their corners, as an OBJ file.
+void WriteCad(const std::filesystem::path& path, double side_m) {
+  std::ofstream(path) << fmt::format(
+      "v 0 0 0\nv {0} 0 0\nv {0} {0} 0\nv 0 {0} 0\nv 0 {0} {0}\nf 1 2 3\nf 1 3 4\nf 3 4 5\nf 1 4 5\n", side_m);
+}
+
+TEST(KeptModel, IsMadeAgainForAnotherContentOrOtherOptionsAlone) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "kept_model_test";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  int made = 0;
+  const ExperimentSettings settings{
+      .data = {}, .scenes = {}, .out = folder / "out", .progress = [&](std::string_view) { ++made; }};
+  CadModelOptions options;
+  options.sphere.step_deg = 45;
+  const std::filesystem::path cad = folder / "thing.obj";
+  WriteCad(cad, 3);
+  const auto first = KeptModel(settings, cad, options);
+  ASSERT_TRUE(first.has_value()) << first.error().message;
+  EXPECT_EQ((*first)->name, "thing");
+  const auto kept = KeptModel(settings, cad, options);
+  ASSERT_TRUE(kept.has_value());
+  EXPECT_EQ(made, 1);
+  EXPECT_EQ((*kept)->id, (*first)->id);
+  WriteCad(cad, 5);
+  const auto changed = KeptModel(settings, cad, options);
+  ASSERT_TRUE(changed.has_value());
+  EXPECT_EQ(made, 2);
+  EXPECT_GT((*changed)->box_m->sizes().x(), 4);
+  options.sphere.step_deg = 60;
+  ASSERT_TRUE(KeptModel(settings, cad, options).has_value());
+  EXPECT_EQ(made, 3);
 }
 
 TEST(MatchSetup, TheThesisAndWeDiffer) {

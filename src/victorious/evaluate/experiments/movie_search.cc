@@ -8,13 +8,11 @@
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include "victorious/evaluate/experiments/match_trial.h"
 #include "victorious/evaluate/experiments/video_frames.h"
 #include "victorious/evaluate/score.h"
-#include "victorious/model/cad_model.h"
 #include "victorious/model/lit_views.h"
-#include "victorious/model/model_library.h"
 #include "victorious/pipeline/video_telemetry.h"
-#include "victorious/render/load_mesh.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious {
@@ -104,19 +102,12 @@ Expected<std::vector<fs::path>> MoviesOf(const ExperimentSettings& settings) {
 Expected<std::vector<ObjectModel>> ModelsFor(const std::vector<TruthRow>& truth, const ExperimentSettings& settings) {
   std::set<std::string> names;
   for (const TruthRow& row : truth) names.insert(row.model);
-  const ModelLibrary library(settings.out / "models");
   std::vector<ObjectModel> models;
   for (const std::string& name : names) {
     const fs::path cad = settings.data / "models" / (name + ".glb");
     if (!fs::exists(cad)) continue;
-    if (!fs::exists(library.folder() / (name + ".vmodel"))) {
-      settings.progress(fmt::format("making a model of {}", cad.string()));
-      VICTORIOUS_ASSIGN_OR_RETURN(const LoadedMesh loaded, LoadMesh(cad, {}));
-      VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel made, MakeCadModel(name, loaded.mesh, cad.string(), {}));
-      made.length_m = loaded.length_m;
-      VICTORIOUS_RETURN_IF_ERROR(library.Add(made));
-    }
-    VICTORIOUS_ASSIGN_OR_RETURN(models.emplace_back(), library.Load(name));
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto model, KeptModel(settings, cad, {}));
+    models.push_back(*model);
   }
   if (models.empty()) {
     return Fail(ErrorCode::kNotFound, fmt::format("{}: no CAD files of what the movies show, expected NAME.glb",

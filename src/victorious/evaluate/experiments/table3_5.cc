@@ -1,13 +1,14 @@
 // Table 3.5: how long matching, each stage of the cascade and MLESAC take on the running example.
-#include <algorithm>
 #include <array>
 #include <chrono>
 #include <functional>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "victorious/evaluate/experiments/match_experiments.h"
 #include "victorious/evaluate/experiments/match_trial.h"
+#include "victorious/evaluate/score.h"
 #include "victorious/match/matcher.h"
 
 namespace victorious {
@@ -31,14 +32,13 @@ constexpr std::array<PrintedTimes, 6> kThesis = {{{0.6, {0.00055, 0.000088, 0.00
 // The median of several runs, ms.
 double MedianMs(const std::function<void()>& step) {
   constexpr std::size_t kRuns = 31;
-  std::array<double, kRuns> ms{};
+  std::vector<double> ms(kRuns);
   for (double& time : ms) {
     const auto start = std::chrono::steady_clock::now();
     step();
     time = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   }
-  std::ranges::nth_element(ms, ms.begin() + kRuns / 2);
-  return ms[kRuns / 2];
+  return *Percentile(ms, 50);
 }
 
 std::array<double, kSteps> TimesMs(const MatchTrial& trial, double ratio, const RecognizeOptions& options) {

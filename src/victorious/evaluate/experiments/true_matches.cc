@@ -8,15 +8,14 @@ namespace victorious {
 namespace {
 
 // Whether nothing stands before a place: somewhere about its pixel the scene's surface is as far away.
-bool IsSeen(const cv::Mat& depth_m, const Eigen::Vector2d& place, double point_depth_m) {
-  constexpr double kSameSurfaceM = 0.3;
+bool IsSeen(const cv::Mat& depth_m, const Eigen::Vector2d& place, double point_depth_m, double tolerance_m) {
   if (depth_m.empty()) return true;
   for (int dy = -1; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx) {
       const int column = std::clamp(static_cast<int>(place.x()) + dx, 0, depth_m.cols - 1);
       const int row = std::clamp(static_cast<int>(place.y()) + dy, 0, depth_m.rows - 1);
       const double surface_m = depth_m.at<float>(row, column);
-      if (!std::isfinite(surface_m) || surface_m > point_depth_m - kSameSurfaceM) return true;
+      if (!std::isfinite(surface_m) || surface_m > point_depth_m - tolerance_m) return true;
     }
   }
   return false;
@@ -24,7 +23,7 @@ bool IsSeen(const cv::Mat& depth_m, const Eigen::Vector2d& place, double point_d
 
 }  // namespace
 
-MatchTruth::MatchTruth(const KnownScene& scene, std::string_view kind, std::span<const Point3> points)
+MatchTruth::MatchTruth(const KnownScene& scene, std::string_view kind, std::span<const Point3> points, double size_m)
     : points_(points.size()) {
   for (const KnownObject& object : scene.objects) {
     if (object.model != kind) continue;
@@ -33,7 +32,7 @@ MatchTruth::MatchTruth(const KnownScene& scene, std::string_view kind, std::span
       std::optional<Eigen::Vector2d> place = scene.pinhole.Project(in_camera);
       const bool inside = place && place->x() >= 0 && place->y() >= 0 && place->x() < scene.pinhole.width &&
                           place->y() < scene.pinhole.height;
-      if (!inside || !IsSeen(scene.depth_m, *place, in_camera.z())) place.reset();
+      if (!inside || !IsSeen(scene.depth_m, *place, in_camera.z(), kSameSurfaceShare * size_m)) place.reset();
       places_.push_back(place);
     }
   }

@@ -41,10 +41,13 @@ class MatchTruth {
   static constexpr double kLeastTolerancePx = 3;
   static constexpr double kToleranceScales = 1;
   static constexpr double kNearPx = 10;  ///< beyond it, and its tolerance, a match is wrong
+  /// A point is hidden if the nearest surface is nearer than it by more than this share of the object's size.
+  static constexpr double kSameSurfaceShare = 0.02;
 
   /// @param kind    of the objects that the template shows
   /// @param points  the template keypoints' places on the object, metres
-  MatchTruth(const KnownScene& scene, std::string_view kind, std::span<const Point3> points);
+  /// @param size_m  the diagonal of such an object's bounding box
+  MatchTruth(const KnownScene& scene, std::string_view kind, std::span<const Point3> points, double size_m);
 
   [[nodiscard]] Truth Of(const Keypoint& scene, std::uint32_t model) const;
   [[nodiscard]] MatchCount Count(std::span<const Keypoint> scene, const MatchSet& matches) const;
