@@ -2,7 +2,8 @@
 """How well `model show --findable` foretells what a flight finds.
 
 Usage: findable.py [--program build/victorious] [--models assets/models] [--scene scenes/circle_noise.json]
-                   [--names jeep,tank,jet] [--frames 24] [--far 1,1.8,2.7] [--noise 0,0.07] [--work build/findable]
+                   [--names jeep,tank,jet] [--frames 24] [--far 1,1.8,2.7] [--noise 0,0.07]
+                   [--directions 24] [--work build/findable]
 
 The scene is simulated with so many frames, from so many times as far and with so much noise, each into its own folder
 of WORK unless it is there already, and indexed with its telemetry. One row a flight and a model: the median size of its
@@ -46,6 +47,7 @@ def main():
     parser.add_argument("--frames", type=int, default=24)
     parser.add_argument("--far", default="1,1.8,2.7")
     parser.add_argument("--noise", default="0,0.07")
+    parser.add_argument("--directions", type=int, default=24)
     parser.add_argument("--work", type=Path, default=REPOSITORY / "build/findable")
     arguments = parser.parse_args()
     program, work, names = Program(str(arguments.program)), arguments.work, arguments.names.split(",")
@@ -80,7 +82,7 @@ def main():
                 size = round(statistics.median(max(row["box"][2:]) for row in rows))
                 found = sum((row["object"], row["frame"]) in seen for row in rows) / len(rows)
                 shown = program("model", "show", name, "--models", library, "--json", "--findable", "--size-px", size,
-                                "--noise", noise, "--sun", scene["sun"]["elevation_deg"])  # fmt: skip
+                                "--noise", noise, "--directions", arguments.directions, "--sun", scene["sun"]["elevation_deg"])  # fmt: skip
                 foretold = json.loads(shown)["findable"]["found"]
                 errors.append(foretold - found)
                 print(f"{name:<12}{noise:>6g}{size:>7}{len(rows):>6}{found:>8.2f}{foretold:>10.2f}", flush=True)

@@ -106,6 +106,16 @@ class GoodTest(CadTest):
         sheet = self.scratch / "views.png"
         self.succeeds("model", "show", "thing", "--models", self.models, "--views", sheet)
         self.assertTrue(sheet.read_bytes().startswith(b"\x89PNG"))
+        show = ("model", "show", "thing", "--models", self.models)
+        tried = self.scratch / "tried.png"
+        flags = ("--findable", "--size-px", "120", "--directions", "3")
+        findable = json.loads(self.succeeds(*show, *flags, "--draw", tried, "--json").out)["findable"]
+        self.assertEqual([findable["directions"], len(findable["bands"])], [3, 1])
+        self.assertGreater(findable["found"], 0.6)
+        self.assertTrue(tried.read_bytes().startswith(b"\x89PNG"))
+        self.refuses(2, "size_px = 1", *show, "--findable", "--size-px", "1")
+        self.refuses(2, "5 to 90", *show, "--findable", "--sun", "high")
+        self.refuses(2, "--findable", *show, "--noise", "0.1")
 
     def test_length_is_the_longest_side(self):
         self.add(self.write_roof(), "--length", "6")

@@ -124,6 +124,8 @@ std::string ToText(const Findable& findable) {
   }
   if (findable.bands.size() > 1) text += Row("all", findable.share, findable.least, "");
   for (const std::string& line : Advice(findable)) text += fmt::format("    {}\n", line);
+  text +=
+      "    An upper limit: flights find less, where object, light and ground differ from the model's own pictures.\n";
   return text;
 }
 

@@ -18,7 +18,7 @@ Json TimeJson(double time_s) { return Round(time_s, 1e6); }
 
 Json ScoreJson(double score) { return Round(score, 1e4); }
 
-Json DegreesJson(double angle_rad) { return Round(DegreesFromRadians(angle_rad), 1e2); }
+Json DegreesJson(double angle_rad) { return Round(DegreesFromRadians(angle_rad), 1e6); }
 
 Json MetresJson(double value_m) { return Round(value_m, 1e3); }
 
