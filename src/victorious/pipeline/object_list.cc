@@ -199,7 +199,7 @@ std::string WhyNone(const ObjectPlace& where, std::size_t sights, const ObjectOp
 
 // What is far from the usual height by its size alone.
 void RejectFloating(const Thing& thing, const Heights& heights, const ObjectOptions& options, ObjectRecord& object) {
-  if (thing.where.too_large || !object.place || !object.rejected.empty()) return;
+  if (thing.where.too_large || !object.place || !object.rejected.empty() || thing.runs[0]->of_category) return;
   const std::optional<double> usual_m = heights.Usual(thing);
   if (!usual_m) return;
   const double above_m = object.place->point.altitude_m - *usual_m;

@@ -27,6 +27,7 @@ struct Seen {
   Eigen::Vector3d velocity_enu{0, 0, 0};
   int first_frame = 0;
   int frames = 30;
+  bool of_category = false;  // then nothing says how far off it is
   double noise_rad = 1e-4;
   double too_large = 1;        // the object, as its ranges have it
   double camera_from_m = -60;  // eastwards, at frame 0
@@ -38,6 +39,7 @@ SeenRun RunOf(const Seen& seen) {
   Random random(static_cast<std::uint64_t>(seen.id));
   const TangentPlane plane(kOrigin);
   SeenRun run{.record = {.id = seen.id, .object = seen.id, .video = seen.video, .model = seen.model}};
+  run.of_category = seen.of_category;
   run.record.frames = seen.frames;
   run.record.first_time_s = kFrameS * seen.first_frame;
   run.record.last_time_s = kFrameS * (seen.first_frame + seen.frames - 1);
@@ -54,6 +56,10 @@ SeenRun RunOf(const Seen& seen) {
                   .range_m = line.norm() / seen.too_large * (1 + 0.02 * random.Normal()),
                   .sigma_rad = 1e-4};
     sight.line.sigma_range_m = 0.02 * *sight.line.range_m;
+    if (seen.of_category) {
+      sight.line.range_m.reset();
+      sight.line.sigma_rad = seen.noise_rad;
+    }
     sight.heading_rad = WrapAngle(1.0 + 0.05 * random.Normal() + (frame % 4 == 0 ? kPi : 0));
     run.sights.push_back(sight);
   }
@@ -179,6 +185,25 @@ TEST(ObjectList, OfTwoModelsInOnePlaceTheOneSeenLessIsRejected) {
       ObjectsFrom({{.id = 1, .model = 1, .frames = 20}, {.id = 2, .model = 2, .place_enu = {0.3, 0, 1}, .frames = 30}});
   EXPECT_THAT(objects[0].rejected, HasSubstr("where object 2 stands"));
   EXPECT_EQ(objects[1].rejected, "");
+}
+
+TEST(ObjectList, CategoriesHaveAPlaceAndRejectNobody) {
+  const Seen category{.id = 2, .model = 2, .frames = 40, .of_category = true, .noise_rad = 0.01};
+  const auto objects = ObjectsFrom({{.id = 1, .frames = 20}, category});
+  for (const ObjectRecord& object : objects) {
+    EXPECT_EQ(object.rejected, "");
+    ASSERT_TRUE(object.place);
+    EXPECT_LT(TangentPlane(kOrigin).EnuFromGeodetic(object.place->point).head<2>().norm(), 5);
+  }
+}
+
+TEST(ObjectList, ACategoryWhoseLinesDoNotMeetHasNoPlace) {
+  Seen seen{.id = 1, .of_category = true, .noise_rad = 0.3};
+  SeenRun run = RunOf(seen);
+  for (Sight& sight : run.sights) sight.line.sigma_rad = 1e-4;
+  const auto objects = MakeObjects({run}, {});
+  EXPECT_EQ(objects[0].rejected, "");
+  EXPECT_FALSE(objects[0].place);
 }
 
 }  // namespace

@@ -119,5 +119,15 @@ TEST(Stance, AModelWithoutPointsHasNone) {
   EXPECT_FALSE(StanceOfStaged(staged, CameraState{}));
 }
 
+TEST(Stance, OfABoxIsTheDirectionToItsMiddle) {
+  const CameraState camera{.hfov_rad = kPi / 2};  // at depth 1, half the width
+  const auto stance = StanceOfBox({300, 150, 100, 60}, {400, 300}, camera, {.category_centre_share = 0.1});
+  ASSERT_TRUE(stance);
+  EXPECT_TRUE(stance->direction.isApprox(Eigen::Vector3d(150, 30, 200).normalized(), 1e-9)) << stance->direction;
+  EXPECT_NEAR(stance->sigma_rad, 10 / 200.0, 1e-3);
+  EXPECT_FALSE(stance->range_m);
+  EXPECT_FALSE(StanceOfBox({300, 150, 100, 60}, {400, 300}, {}, {}));
+}
+
 }  // namespace
 }  // namespace victorious

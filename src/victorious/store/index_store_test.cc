@@ -436,6 +436,24 @@ TEST_P(IndexStoreTest, FiltersByModelVideoAndTime) {
   EXPECT_TRUE(Sightings({.model_name = "shed"}).empty());
 }
 
+TEST_P(IndexStoreTest, FiltersByCategory) {
+  const std::int64_t of_model = CommitOne(OneObject(0, 1, 0.5));
+  const auto of_category = [&](const std::string& name, double score) {
+    model_ = store_->PutModel({.name = name, .model_id = "c", .kind = std::string(kCategoryKind)}).value().id;
+    return CommitOne(OneObject(0, 1, score));
+  };
+  const std::int64_t car = of_category("vehicle/car", 0.9);
+  const std::int64_t vehicle = of_category("vehicle", 0.8);
+  const std::int64_t vehicles = of_category("vehicles", 0.7);
+  EXPECT_THAT(ObjectIds({.category_name = "vehicle"}), ElementsAre(car, vehicle));
+  EXPECT_THAT(ObjectIds({.category_name = "vehicle/car"}), ElementsAre(car));
+  EXPECT_THAT(ObjectIds({.category_name = "vehicles"}), ElementsAre(vehicles));
+  EXPECT_TRUE(ObjectIds({.category_name = "humvee"}).empty()) << "a model";
+  EXPECT_TRUE(ObjectIds({.model_name = "vehicle"}).empty()) << "a category";
+  EXPECT_THAT(ObjectIds({.model_name = "humvee"}), ElementsAre(of_model));
+  EXPECT_THAT(Sightings({.category_name = "vehicle"}), SizeIs(2));
+}
+
 TEST_P(IndexStoreTest, VisitingStopsWhenToldTo) {
   CommitOne(OneObject(0, 5, 0.5));
   int seen = 0;
