@@ -42,6 +42,7 @@ from movies import Movie, Program, is_clear, pair
 REPOSITORY = Path(__file__).resolve().parents[2]
 RIGHT_VIEW_DEG = 10
 TOLERANCE = 1e-6
+ROUNDED = 6e-3  # of metres and degrees, which exports round
 HEAD = f"{'':<18}{'precision':>10}{'recall':>8}{'view':>8}{'frames/s':>10}{'clear':>7}"
 
 
@@ -187,7 +188,8 @@ def differences(own: object, other: object, where: str) -> list[str]:
     if isinstance(other, dict) and isinstance(own, dict):
         return [line for key, value in other.items() for line in differences(own.get(key), value, f"{where} {key}")]
     if isinstance(own, float) and isinstance(other, float):
-        return [] if abs(own - other) <= TOLERANCE else [f"{where}: {own} here, {other} there"]
+        tolerance = ROUNDED if where.endswith(("_m", "_deg")) else TOLERANCE
+        return [] if abs(own - other) <= tolerance else [f"{where}: {own} here, {other} there"]
     return [] if own == other else [f"{where}: {own} here, {other} there"]
 
 
