@@ -9,17 +9,6 @@
 namespace victorious::testing {
 namespace {
 
-void Append(const Mesh& block, Mesh& mesh) {
-  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-  mesh.positions.insert(mesh.positions.end(), block.positions.begin(), block.positions.end());
-  mesh.normals.insert(mesh.normals.end(), block.normals.begin(), block.normals.end());
-  mesh.uvs.insert(mesh.uvs.end(), block.uvs.begin(), block.uvs.end());
-  for (const auto& triangle : block.triangles) {
-    mesh.triangles.push_back({triangle[0] + first, triangle[1] + first, triangle[2] + first});
-  }
-  mesh.parts.back().triangles += static_cast<std::uint32_t>(block.triangles.size());
-}
-
 Mesh Waffle() {
   Mesh mesh = Box({-2, -1.5F, -0.3F}, {2, 1.5F, 0});
   Random random(7);

@@ -22,15 +22,7 @@ Mesh Waffle() {
   for (int x = -2; x <= 2; ++x) {
     for (int y = -2; y <= 2; ++y) {
       const Eigen::Vector3f at(0.8F * static_cast<float>(x), 0.8F * static_cast<float>(y), 0);
-      const Mesh block = testing::Box(at, at + Eigen::Vector3f(0.3F, 0.3F, 0.3F));
-      const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-      mesh.positions.insert(mesh.positions.end(), block.positions.begin(), block.positions.end());
-      mesh.normals.insert(mesh.normals.end(), block.normals.begin(), block.normals.end());
-      mesh.uvs.insert(mesh.uvs.end(), block.uvs.begin(), block.uvs.end());
-      for (const auto& triangle : block.triangles) {
-        mesh.triangles.push_back({triangle[0] + first, triangle[1] + first, triangle[2] + first});
-      }
-      mesh.parts.back().triangles += static_cast<std::uint32_t>(block.triangles.size());
+      testing::Append(testing::Box(at, at + Eigen::Vector3f(0.3F, 0.3F, 0.3F)), mesh);
     }
   }
   return mesh;

@@ -16,6 +16,9 @@ Mesh Box(const Eigen::Vector3f& low, const Eigen::Vector3f& high, const std::arr
 /// All white.
 Mesh Box(const Eigen::Vector3f& low, const Eigen::Vector3f& high);
 
+/// Adds a mesh's triangles to the last part of another. Both have normals and texture coordinates.
+void Append(const Mesh& block, Mesh& mesh);
+
 /// An upright square of side 2 about the origin, seen from +z, with a texture that is upright there.
 Mesh TexturedSquare(const cv::Mat& bgra);
 
