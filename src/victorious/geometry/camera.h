@@ -1,6 +1,7 @@
 // The pinhole camera. Its frame: x to the right of the image, y down, z along the optical axis; pixels as in box.h.
 #pragma once
 
+#include <cmath>
 #include <optional>
 
 #include <Eigen/Core>
@@ -30,6 +31,18 @@ struct PinholeCamera {
     return {(pixel.x() - cx) / fx, (pixel.y() - cy) / fy, 1.0};
   }
 };
+
+/// The focal length of square pixels, px, of an image so wide.
+/// @param hfov_rad  the full horizontal field of view, in (0, pi)
+[[nodiscard]] inline double FocalLengthPx(double hfov_rad, double width_px) {
+  return 0.5 * width_px / std::tan(0.5 * hfov_rad);
+}
+
+/// Square pixels, the principal point in the middle.
+[[nodiscard]] inline PinholeCamera CentredPinhole(double hfov_rad, int width_px, int height_px) {
+  const double focal = FocalLengthPx(hfov_rad, width_px);
+  return {focal, focal, 0.5 * width_px, 0.5 * height_px, width_px, height_px};
+}
 
 /// A camera that stands somewhere.
 struct PosedCamera {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "victorious/geometry/angles.h"
+
 namespace victorious {
 namespace {
 
@@ -20,6 +22,13 @@ TEST(PinholeCamera, SeesNothingBehindItself) {
 TEST(PinholeCamera, RayUndoesProject) {
   const Eigen::Vector3d point(1.5, -0.7, 6);
   EXPECT_LT((kCamera.RayOf(*kCamera.Project(point)) * point.z() - point).norm(), 1e-12);
+}
+
+TEST(CentredPinhole, SeesTheEdgeHalfTheFieldOfViewOff) {
+  const PinholeCamera camera = CentredPinhole(kPi / 2, 640, 480);
+  EXPECT_NEAR(camera.Project({1, 0, 1})->x(), 640, 1e-9);
+  EXPECT_NEAR(camera.Project({0, 0, 1})->y(), 240, 1e-9);
+  EXPECT_EQ(camera.fx, camera.fy);
 }
 
 }  // namespace

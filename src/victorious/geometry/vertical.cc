@@ -13,13 +13,7 @@ Eigen::Vector3d Vertical::SeenAt(const Eigen::Vector2d& pixel) const {
 }
 
 Vertical MakeVertical(const Attitude& attitude, double hfov_rad, int width_px, int height_px) {
-  const double focal_px = 0.5 * width_px / std::tan(0.5 * hfov_rad);
-  return {.pinhole = {.fx = focal_px,
-                      .fy = focal_px,
-                      .cx = 0.5 * width_px,
-                      .cy = 0.5 * height_px,
-                      .width = width_px,
-                      .height = height_px},
+  return {.pinhole = CentredPinhole(hfov_rad, width_px, height_px),
           .up_in_camera = CameraFromEnu(attitude) * Eigen::Vector3d::UnitZ()};
 }
 

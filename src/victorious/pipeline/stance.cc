@@ -7,6 +7,7 @@
 
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/attitude.h"
+#include "victorious/geometry/camera.h"
 #include "victorious/geometry/homography.h"
 #include "victorious/geometry/lens.h"
 #include "victorious/render/view_sphere.h"
@@ -69,7 +70,7 @@ using Eigen::Vector3d;
 class ImagePlane {
  public:
   ImagePlane(const cv::Size& image, double hfov_rad, const std::optional<LensDistortion>& lens)
-      : focal_px_(image.width / 2.0 / std::tan(hfov_rad / 2)),
+      : focal_px_(FocalLengthPx(hfov_rad, image.width)),
         middle_(image.width / 2.0, image.height / 2.0),
         lens_(lens.value_or(LensDistortion{})) {}
 

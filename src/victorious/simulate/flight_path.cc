@@ -81,13 +81,7 @@ double HeadingOf(const Vector2d& direction) { return std::atan2(direction.x(), d
 }  // namespace
 
 PinholeCamera PinholeOf(const SceneVideo& video) {
-  const double focal = video.width / 2.0 / std::tan(RadiansFromDegrees(video.hfov_deg) / 2);
-  return {.fx = focal,
-          .fy = focal,
-          .cx = video.width / 2.0,
-          .cy = video.height / 2.0,
-          .width = video.width,
-          .height = video.height};
+  return CentredPinhole(RadiansFromDegrees(video.hfov_deg), video.width, video.height);
 }
 
 Rigid3 CameraFromTown(const SceneCamera& camera, double fraction, double time_s, std::uint64_t seed) {

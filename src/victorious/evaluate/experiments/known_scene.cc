@@ -89,11 +89,6 @@ Rigid3 CameraFromModel(const TruthRow& row, const Eigen::AlignedBox3d& box, cons
   return Rigid3{camera_from_enu, Eigen::Vector3d::Zero()} * pose;
 }
 
-PinholeCamera PinholeOf(double hfov_rad, cv::Size size) {
-  const double f = size.width / 2.0 / std::tan(hfov_rad / 2);
-  return {f, f, size.width / 2.0, size.height / 2.0, size.width, size.height};
-}
-
 const CameraState* StateAt(const std::vector<CameraState>& states, double time_s) {
   const auto nearest =
       std::ranges::min_element(states, {}, [&](const CameraState& state) { return std::abs(state.time_s - time_s); });
@@ -141,7 +136,7 @@ Expected<std::vector<KnownScene>> ReadKnownMovie(const std::filesystem::path& fo
     const Eigen::Quaterniond camera_from_enu = CameraFromEnu(*camera->attitude);
     KnownScene known{.name = fmt::format("{}, frame {}", folder.filename().string(), frame.index),
                      .bgr = frame.image,
-                     .pinhole = PinholeOf(*camera->hfov_rad, frame.image.size()),
+                     .pinhole = CentredPinhole(*camera->hfov_rad, frame.image.cols, frame.image.rows),
                      .depth_m = {},
                      .objects = {}};
     std::vector<MeshInstance> instances;
