@@ -244,7 +244,7 @@ TEST(Indexer, CancelledAndGoneOnWithItGivesWhatOneRunGives) {
     EXPECT_THAT(report.error().message, AllOf(HasSubstr(flight.video()), HasSubstr("run again")));
     const std::int64_t next = store->FindSearch(1, 1).value().value().next_frame;
     EXPECT_GT(next, frames);
-    EXPECT_LT(next, 72);
+    EXPECT_LE(next, 72);  // the last commit may be the one that is cancelled: its objects are not made yet
     frames = 0;
   }
   EXPECT_GE(runs, 3);
