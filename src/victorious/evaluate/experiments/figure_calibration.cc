@@ -29,7 +29,8 @@ std::vector<Judged> Reported(std::vector<Judged> judged, double least_score) {
   return judged;
 }
 
-std::vector<Cell> RowOf(const std::string& movie, const std::vector<Judged>& judged, double least_score) {
+std::vector<Cell> RowOf(const std::string& movie, const std::vector<Judged>& judged,
+                        const std::vector<Judged>& by_others, double least_score) {
   const std::vector<Judged> reported = Reported(judged, least_score);
   const auto right = std::ranges::count(reported, true, &Judged::right);
   return {movie,
@@ -37,7 +38,14 @@ std::vector<Cell> RowOf(const std::string& movie, const std::vector<Judged>& jud
           CalibrationError(judged),
           static_cast<double>(reported.size()),
           reported.empty() ? Cell("-") : Cell(static_cast<double>(right) / static_cast<double>(reported.size())),
-          CalibrationError(reported)};
+          CalibrationError(reported),
+          CalibrationError(by_others)};
+}
+
+std::vector<Judged> Together(const std::vector<std::vector<Judged>>& of_movies) {
+  std::vector<Judged> all;
+  for (const std::vector<Judged>& one : of_movies) all.insert(all.end(), one.begin(), one.end());
+  return all;
 }
 
 PlotLine LineOf(const char* name, const std::vector<Judged>& judged) {
@@ -53,13 +61,12 @@ PlotLine LineOf(const char* name, const std::vector<Judged>& judged) {
 Expected<Report> RunFigureCalibration(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::filesystem::path> movies, MoviesOf(settings));
   IndexOptions options;
-  options.daylight.sun = "off";  // to be found it takes as long as the rest, and evidence means the same without it
   DetectOptions& detect = options.recognize.detect;
   const double least_score = std::exchange(detect.least_score, 0.0);
   Report report{.title = "Scores as probabilities",
                 .columns = {"movie", "detections", "calibration error", "of these reported", "right among reported",
-                            "their calibration error"}};
-  std::vector<Judged> all;
+                            "their calibration error", "calibration error by the other movies' curve"}};
+  std::vector<std::vector<Judged>> of_movies;
   for (const std::filesystem::path& movie : movies) {
     std::vector<Judged> judged;
     VICTORIOUS_RETURN_IF_ERROR(SearchMovie({.movie = movie, .options = options}, settings,
@@ -67,15 +74,18 @@ Expected<Report> RunFigureCalibration(const ExperimentSettings& settings) {
                                              std::ranges::copy(JudgedOf(searched), std::back_inserter(judged));
                                              return Status{};
                                            }));
-    report.rows.push_back(RowOf(movie.filename().string(), judged, least_score));
-    all.insert(all.end(), judged.begin(), judged.end());
+    of_movies.push_back(std::move(judged));
   }
-  report.rows.push_back(RowOf("all", all, least_score));
+  const std::vector<std::vector<Judged>> by_others = ScoredByOthers(of_movies);
+  for (std::size_t i = 0; i < movies.size(); ++i)
+    report.rows.push_back(RowOf(movies[i].filename().string(), of_movies[i], by_others[i], least_score));
+  const std::vector<Judged> all = Together(of_movies);
+  report.rows.push_back(RowOf("all", all, Together(by_others), least_score));
   const Logistic fitted = FitLogistic(all);
   report.notes = {
-      fmt::format("At most 20 frames a movie, every detection however weak, sought without the sun (reported: those "
-                  "scored {:g} and more). The "
-                  "calibration error is the expected one over 10 bins of the score.",
+      fmt::format("At most 20 frames a movie, every detection however weak (reported: those scored {:g} and more). The "
+                  "calibration error is the expected one over 10 bins of the score; in the last column each movie's "
+                  "scores are by a curve that was fitted to all movies but it.",
                   least_score),
       fmt::format("Fitted to all of them: detect.even_evidence {:.2f}, detect.evidence_scale {:.2f} decades; in use: "
                   "{:.2f} and {:.2f}.",

@@ -34,6 +34,8 @@ double CalibrationError(std::span<const Judged> judged) {
   return judged.empty() ? 0 : sum / static_cast<double>(judged.size());
 }
 
+double Logistic::ScoreOf(double evidence) const { return 1 / (1 + std::exp((even - evidence) / scale)); }
+
 Logistic FitLogistic(std::span<const Judged> judged) {
   const auto right = static_cast<double>(std::ranges::count(judged, true, &Judged::right));
   const auto wrong = static_cast<double>(judged.size()) - right;
@@ -67,6 +69,19 @@ Logistic FitLogistic(std::span<const Judged> judged) {
   constexpr double kLeastSlope = 1e-3;
   const double slope = std::max(kLeastSlope, line[1]);
   return {-line[0] / slope, 1 / slope};
+}
+
+std::vector<std::vector<Judged>> ScoredByOthers(const std::vector<std::vector<Judged>>& groups) {
+  std::vector<std::vector<Judged>> scored = groups;
+  for (std::size_t held_out = 0; held_out < groups.size(); ++held_out) {
+    std::vector<Judged> others;
+    for (std::size_t i = 0; i < groups.size(); ++i) {
+      if (i != held_out || groups.size() == 1) others.insert(others.end(), groups[i].begin(), groups[i].end());
+    }
+    const Logistic curve = FitLogistic(others);
+    for (Judged& one : scored[held_out]) one.score = curve.ScoreOf(one.evidence);
+  }
+  return scored;
 }
 
 }  // namespace victorious

@@ -34,11 +34,16 @@ inline constexpr int kReliabilityBins = 10;
 struct Logistic {
   double even = 0;   ///< decades
   double scale = 1;  ///< decades, > 0
+
+  [[nodiscard]] double ScoreOf(double evidence) const;
 };
 
 /// The most likely curve, by Newton's method (Platt 1999), with a weak prior on its slope, so that data that can be
 /// parted leave it finite. Platt's own way to that, targets short of 0 and 1, would flatten it: evidence goes far
 /// beyond what any target but 1 explains. Where all are right or all wrong, a curve that says little.
 [[nodiscard]] Logistic FitLogistic(std::span<const Judged> judged);
+
+/// Each group's scores by the curve that fits all other groups; the group itself where it is the only one.
+[[nodiscard]] std::vector<std::vector<Judged>> ScoredByOthers(const std::vector<std::vector<Judged>>& groups);
 
 }  // namespace victorious

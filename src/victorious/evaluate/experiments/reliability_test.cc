@@ -1,6 +1,7 @@
 #include "victorious/evaluate/experiments/reliability.h"
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -10,17 +11,13 @@
 namespace victorious {
 namespace {
 
-double ScoreOf(double evidence, const Logistic& logistic) {
-  return 1 / (1 + std::exp(-(evidence - logistic.even) / logistic.scale));
-}
-
 // Detections that are right as often as `truth` says, scored by `told`.
 std::vector<Judged> Draw(const Logistic& truth, const Logistic& told, std::uint64_t seed) {
   Random random(seed);
   std::vector<Judged> judged;
   for (int i = 0; i < 20000; ++i) {
     const double evidence = 20 * random.Uniform() - 8;
-    judged.push_back({evidence, ScoreOf(evidence, told), random.Uniform() < ScoreOf(evidence, truth)});
+    judged.push_back({evidence, told.ScoreOf(evidence), random.Uniform() < truth.ScoreOf(evidence)});
   }
   return judged;
 }
@@ -58,7 +55,18 @@ TEST(Reliability, DataThatCanBePartedLeaveTheCurveFinite) {
   for (Judged& one : judged) one.right = true;
   const Logistic all_right = FitLogistic(judged);
   EXPECT_TRUE(std::isfinite(all_right.even) && std::isfinite(all_right.scale));
-  EXPECT_GT(ScoreOf(0, all_right), 0.5);
+  EXPECT_GT(all_right.ScoreOf(0), 0.5);
+}
+
+// Of two groups that other curves drew, each is scored by the other's.
+TEST(Reliability, AHeldOutGroupIsScoredByTheOthers) {
+  const Logistic first{2, 1.5};
+  const Logistic second{5, 0.8};
+  const auto scored = ScoredByOthers({Draw(first, {0, 1}, 3), Draw(second, {0, 1}, 4)});
+  for (const auto& [group, curve] : {std::pair(scored[0], second), std::pair(scored[1], first)}) {
+    for (const Judged& one : group) ASSERT_NEAR(one.score, curve.ScoreOf(one.evidence), 0.05);
+  }
+  EXPECT_LT(CalibrationError(ScoredByOthers({Draw(first, {0, 1}, 5)})[0]), 0.01);
 }
 
 }  // namespace
