@@ -1,0 +1,150 @@
+#!/usr/bin/env python3
+"""How many objects are found where there are none.
+
+Usage: false_objects.py [VIDEO...] --models DIR [--program build/victorious] [--flights 10] [--frames 60] [--fps 1]
+                        [--params FILE] [--work build/false_objects]
+
+Every CAD model of DIR (*.glb) is searched for at once, where it cannot be: in FLIGHTS simulated flights of FRAMES frames
+at FPS frames/s over empty towns, and in each VIDEO, whose objects are none of them. The flights are drawn by number: the
+town and what is parked there, the sun, height, slant, speed and turning of the camera, noise, blur and grain differ.
+The vehicles of assets/models that the towns park are of other makes than DIR's, but alike: who looks for a pickup may
+be shown one. A flight that is in WORK already is not drawn again, nor a model made; delete WORK after a change there.
+
+One row a video: frames, seconds of it, sightings, objects, and frames/s of `victorious index`. Then, by kind of video
+and together: false objects, those of the hour of as many frames a second, and the 95 % upper limit of a Poisson rate.
+"""
+
+import argparse
+import json
+import math
+import random
+import sys
+import time
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+from movies import Program
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+
+
+@dataclass
+class Tally:
+    frames: int = 0
+    seconds: float = 0
+    sightings: int = 0
+    objects: int = 0
+
+    def add(self, other: "Tally"):
+        for name in vars(self):
+            setattr(self, name, getattr(self, name) + getattr(other, name))
+
+
+def upper_limit(count: int, confidence: float = 0.95) -> float:
+    """The mean of a Poisson distribution that gives more than COUNT with this probability."""
+    below, above = 0.0, 2.0 * count + 20
+
+    def share(mean: float) -> float:
+        return sum(math.exp(-mean + k * math.log(mean) - math.lgamma(k + 1)) for k in range(count + 1))
+
+    for _ in range(80):
+        middle = (below + above) / 2
+        below, above = (middle, above) if share(middle) > 1 - confidence else (below, middle)
+    return above
+
+
+def empty_town(number: int, frames: int, fps: float) -> dict:
+    lot = random.Random(number)
+    start = [lot.uniform(-80, 80), lot.uniform(-60, 60)]
+    away = lot.uniform(0, 2 * math.pi)
+    length = min(lot.uniform(1, 5) * frames / fps, 120)
+    heading = lot.uniform(0, 360)
+    return {
+        "assets": str(REPOSITORY / "assets"),
+        "seed": number,
+        "video": {
+            "frames": frames, "fps": fps, "width": 640, "height": 480, "hfov_deg": 16,
+            "noise": lot.choice([0, 0, 0.05, 0.1, 0.15]), "grain": lot.choice([0, 2, 4]), "blur_px": lot.choice([0, 0, 0.7]),
+        },
+        "origin": {"latitude_deg": 48.137, "longitude_deg": 11.575, "altitude_m": 565, "heading_deg": lot.uniform(0, 360)},
+        "sun": {
+            "azimuth_deg": lot.uniform(0, 360), "elevation_deg": lot.uniform(15, 65), "strength": lot.choice([0.5, 1.2, 2]),
+            "sky": 0.55, "ground": 0.3,
+        },
+        "camera": {
+            "path": "smooth",
+            "aim_m": [start, [start[0] + length * math.cos(away), start[1] + length * math.sin(away)]],
+            "from_deg": [heading, heading + lot.uniform(-120, 120)],
+            "off_nadir_deg": lot.uniform(10, 60), "range_m": lot.uniform(90, 200), "roll_deg": lot.uniform(-8, 8),
+        },
+        "town": {"seed": number, "density": lot.uniform(0.5, 1), "squares": [-10, -9, 10, 9]},
+    }  # fmt: skip
+
+
+def flight(program: Program, number: int, work: Path, frames: int, fps: float) -> Path:
+    folder = work / f"town{number}_{frames}_{fps:g}"
+    if not (folder / "video.mp4").exists():  # written last
+        file = work / f"{folder.name}.json"
+        file.write_text(json.dumps(empty_town(number, frames, fps)))
+        print(f"simulating {file}", file=sys.stderr, flush=True)
+        program("simulate", file, "--out", folder)
+    return folder / "video.mp4"
+
+
+def count(program: Program, video: Path, library: Path, db: Path, params: Path | None) -> tuple[Tally, float]:
+    for leftover in db.parent.glob(f"{db.name}*"):
+        leftover.unlink()
+    telemetry = video.parent / "telemetry.csv"
+    begun = time.monotonic()
+    program("index", video, "--models", library, "--db", db,
+            *(["--telemetry", telemetry] if telemetry.exists() else []), *(["--params", params] if params else []))  # fmt: skip
+    took = time.monotonic() - begun
+    sightings = program("export", "--db", db, "--format", "sightings").splitlines()
+    objects = [json.loads(line) for line in program("export", "--db", db, "--format", "objects").splitlines()]
+    for model, found in sorted(Counter(o["model"] for o in objects).items()):
+        print(f"  {video}: {found} {model}", file=sys.stderr, flush=True)
+    held = json.loads(program("doctor", video, "--json"))
+    return Tally(held["frames_read"], held["duration_s"], len(sightings), len(objects)), took
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("videos", nargs="*", type=Path, metavar="VIDEO")
+    parser.add_argument("--models", type=Path, required=True)
+    parser.add_argument("--program", default=REPOSITORY / "build/victorious")
+    parser.add_argument("--flights", type=int, default=10)
+    parser.add_argument("--frames", type=int, default=60)
+    parser.add_argument("--fps", type=float, default=1)
+    parser.add_argument("--params", type=Path)
+    parser.add_argument("--work", type=Path, default=REPOSITORY / "build/false_objects")
+    arguments = parser.parse_args()
+    program, work = Program(str(arguments.program)), arguments.work
+    library = work / "models"
+    library.mkdir(parents=True, exist_ok=True)
+    for file in sorted(arguments.models.glob("*.glb")):
+        if not (library / f"{file.stem}.vmodel").exists():
+            print(f"adding {file.stem}", file=sys.stderr, flush=True)
+            program("model", "add", file.stem, file, "--models", library)
+    print(f"{len(list(library.glob('*.vmodel')))} models")
+
+    of_kind = {"empty town": Tally(), "video": Tally(), "together": Tally()}
+    print(f"{'':<40}{'frames':>8}{'seconds':>9}{'sightings':>11}{'objects':>9}{'frames/s':>10}")
+    towns = [flight(program, n, work, arguments.frames, arguments.fps) for n in range(1, arguments.flights + 1)]
+    for kind, videos in (("empty town", towns), ("video", arguments.videos)):
+        for video in videos:
+            name = video.parent.name if kind == "empty town" else video.stem
+            tally, took = count(program, video, library, work / f"{name}.db", arguments.params)
+            of_kind[kind].add(tally)
+            of_kind["together"].add(tally)
+            print(f"{name:<40}{tally.frames:>8}{tally.seconds:>9.0f}{tally.sightings:>11}{tally.objects:>9}"
+                  f"{tally.frames / took:>10.2f}", flush=True)  # fmt: skip
+    for kind, tally in of_kind.items():
+        if tally.seconds:
+            hours = tally.seconds / 3600
+            print(f"{kind}: {tally.objects} false objects in {tally.frames} frames, {tally.seconds:.0f} s: "
+                  f"{tally.objects / hours:.1f} an hour, below {upper_limit(tally.objects) / hours:.1f} with 95 %")  # fmt: skip
+
+
+if __name__ == "__main__":
+    main()
