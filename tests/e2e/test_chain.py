@@ -145,6 +145,20 @@ class FindsTest(program.ProgramTest):
             self.assertTrue(0.5 <= row["time_s"] <= 2, row["time_s"])
         self.assertEqual(list(self.files()), ["sightings.jsonl"])
 
+    def test_what_was_rejected_is_listed_with_its_reason_where_asked_for(self):
+        db = self.scratch / "index.db"
+        params = self.write(
+            "params.json", '{"objects.false_share": 1, "detect.even_evidence": 1000, "detect.least_score": 0}'
+        )
+        video = program.flight() / "flight.mkv"
+        self.succeeds("index", video, "--models", program.models(), "--db", db, "--params", params)
+        self.assertEqual(self.succeeds("search", "--db", db, "--json").out, "")
+        self.assertIn("(rejected: too faint: chance finds", self.succeeds("search", "--db", db, "--rejected").out)
+        rows = [json.loads(line) for line in self.export(db, "objects", "--rejected").splitlines()]
+        self.assertGreater(len(rows), 0)
+        for row in rows:
+            self.assertEqual(set(row), OBJECT_KEYS | {"rejected"})
+
     def test_evaluate(self):
         truth = program.flight() / "truth.jsonl"
         flags = ["--db", program.index(), "--truth", truth, "--models", "crate,truck"]

@@ -45,11 +45,12 @@ std::string PlaceText(const ObjectRecord& object) {
 std::string ObjectLine(const ListedObject& listed) {
   const ObjectRecord& object = listed.object;
   const std::optional<double> speed_m_s = SpeedOf(object);
-  return fmt::format("{:>4}  {:<16} {:>6.3f} {:>7}  {:>8} {:>8}  {:>6}  {:<32} {:>7} {:>6}  {}\n", listed.rank,
+  return fmt::format("{:>4}  {:<16} {:>6.3f} {:>7}  {:>8} {:>8}  {:>6}  {:<32} {:>7} {:>6}  {}{}\n", listed.rank,
                      listed.model, object.score, object.frames, TimeText(object.first_time_s),
                      TimeText(object.last_time_s), object.id, PlaceText(object),
                      object.heading_rad ? fmt::format("{:.0f}", DegreesFromRadians(*object.heading_rad)) : "-",
-                     speed_m_s ? fmt::format("{:.1f}", *speed_m_s) : "-", fmt::join(listed.videos, ", "));
+                     speed_m_s ? fmt::format("{:.1f}", *speed_m_s) : "-", fmt::join(listed.videos, ", "),
+                     object.rejected.empty() ? "" : fmt::format("  (rejected: {})", object.rejected));
 }
 
 Status ListFoundObjects(const Arguments& arguments, const SightingFilter& filter, const Catalogue& catalogue,

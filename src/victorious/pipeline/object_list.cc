@@ -186,8 +186,32 @@ class Heights {
   std::map<std::int64_t, std::vector<double>> of_video_;
 };
 
+// A score is the probability that a find is right where there is something to find; its odds are how much likelier it
+// is right than wrong. Of finds that chance makes, those of odds above x are some 1/x as many as those of even odds,
+// and they are as short as any: a thing seen in n frames is n times less likely one of them.
+bool IsFaint(const Thing& thing, std::int64_t frames_searched, const ObjectOptions& options) {
+  double best = 0;
+  double frames = 0;
+  for (const SeenRun* run : thing.runs) {
+    best = std::max(best, run->record.score);
+    frames += static_cast<double>(run->record.frames);
+  }
+  const double expected_by_chance = options.false_share * static_cast<double>(frames_searched);
+  return best * frames < expected_by_chance * (1 - best);
+}
+
+// The lowest land is the Dead Sea's shore, 440 m below the sea; pits and the geoid are allowed for.
+bool LiesBelowAnyGround(const Place& place) {
+  constexpr double kLowestGround_m = -700;
+  constexpr double kSigmas = 3;
+  return place.point.altitude_m + kSigmas * std::sqrt(place.covariance_enu_m2(2, 2)) < kLowestGround_m;
+}
+
 std::string WhyNone(const ObjectPlace& where, std::size_t sights, const ObjectOptions& options) {
   constexpr std::size_t kFewestToDisagree = 3;
+  if (where.place && LiesBelowAnyGround(*where.place)) {
+    return fmt::format("{:.0f} m below the sea, where no ground is", -where.place->point.altitude_m);
+  }
   if (where.too_large &&
       (*where.too_large > options.scale_allowance || *where.too_large < 1 / options.scale_allowance)) {
     return *where.too_large > 1 ? fmt::format("{:.1f} times too large for its distance", *where.too_large)
@@ -228,7 +252,8 @@ void RejectDoubles(std::vector<ObjectRecord>& objects, const std::map<std::int64
 
 }  // namespace
 
-std::vector<ObjectRecord> MakeObjects(std::vector<SeenRun> runs, const ObjectOptions& options) {
+std::vector<ObjectRecord> MakeObjects(std::vector<SeenRun> runs, std::int64_t frames_searched,
+                                      const ObjectOptions& options) {
   std::ranges::sort(runs, {}, [](const SeenRun& run) { return run.record.id; });
   std::map<std::int64_t, const SeenRun*> by_id;
   std::map<std::int64_t, std::vector<Thing>> of_model;
@@ -252,7 +277,11 @@ std::vector<ObjectRecord> MakeObjects(std::vector<SeenRun> runs, const ObjectOpt
                         .heading_rad = thing.where.heading_rad,
                         .rejected = WhyNone(thing.where, SightsOf(thing).size(), options)};
     for (const SeenRun* run : thing.runs) object.runs.push_back(run->record.id);
-    if (thing.runs[0]->of_category && !std::exchange(object.rejected, {}).empty()) object.place.reset();
+    if (thing.runs[0]->of_category) {
+      if (!std::exchange(object.rejected, {}).empty()) object.place.reset();
+    } else if (object.rejected.empty() && IsFaint(thing, frames_searched, options)) {
+      object.rejected = fmt::format("too faint: chance finds as much in {} frames", frames_searched);
+    }
     if (object.place && object.rejected.empty() && thing.where.too_large) {
       heights.Add(thing, object.place->point.altitude_m);
     }
@@ -263,6 +292,24 @@ std::vector<ObjectRecord> MakeObjects(std::vector<SeenRun> runs, const ObjectOpt
   std::ranges::sort(objects, {}, &ObjectRecord::id);
   return objects;
 }
+
+namespace {
+
+// Of each video, once for each model.
+Expected<std::int64_t> FramesSearched(const std::vector<ModelRecord>& models, IndexStore& store) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
+  std::int64_t frames = 0;
+  for (const VideoRecord& video : videos) {
+    for (const ModelRecord& model : models) {
+      if (model.IsCategory()) continue;
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> search, store.FindSearch(video.id, model.id));
+      if (search) frames += search->next_frame;
+    }
+  }
+  return frames;
+}
+
+}  // namespace
 
 Status UpdateObjects(const ObjectOptions& options, IndexStore& store) {
   std::map<std::int64_t, SeenRun> runs;
@@ -281,7 +328,8 @@ Status UpdateObjects(const ObjectOptions& options, IndexStore& store) {
   }));
   std::vector<SeenRun> seen;
   for (auto& [id, run] : runs) seen.push_back(std::move(run));
-  return store.PutObjects(MakeObjects(std::move(seen), options));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t frames_searched, FramesSearched(models, store));
+  return store.PutObjects(MakeObjects(std::move(seen), frames_searched, options));
 }
 
 }  // namespace victorious

@@ -31,7 +31,10 @@ struct SeenRun {
 };
 
 /// Deterministic, whatever the order of runs. Objects by id; of each the id, model, runs, place, heading, rejection.
-std::vector<ObjectRecord> MakeObjects(std::vector<SeenRun> runs, const ObjectOptions& options);
+/// @param frames_searched  in which runs could have been found: those of each video, once for each model; the more,
+///                         the more chance finds, and the clearer a find must be
+std::vector<ObjectRecord> MakeObjects(std::vector<SeenRun> runs, std::int64_t frames_searched,
+                                      const ObjectOptions& options);
 
 /// Makes the objects of everything that an index holds, and stores them.
 Status UpdateObjects(const ObjectOptions& options, IndexStore& store);

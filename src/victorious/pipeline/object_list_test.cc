@@ -27,6 +27,7 @@ struct Seen {
   Eigen::Vector3d velocity_enu{0, 0, 0};
   int first_frame = 0;
   int frames = 30;
+  double score = 0.99;
   bool of_category = false;  // then nothing says how far off it is
   double noise_rad = 1e-4;
   double too_large = 1;        // the object, as its ranges have it
@@ -41,6 +42,7 @@ SeenRun RunOf(const Seen& seen) {
   SeenRun run{.record = {.id = seen.id, .object = seen.id, .video = seen.video, .model = seen.model}};
   run.of_category = seen.of_category;
   run.record.frames = seen.frames;
+  run.record.score = seen.score;
   run.record.first_time_s = kFrameS * seen.first_frame;
   run.record.last_time_s = kFrameS * (seen.first_frame + seen.frames - 1);
   for (int frame = seen.first_frame; frame < seen.first_frame + seen.frames; ++frame) {
@@ -66,10 +68,11 @@ SeenRun RunOf(const Seen& seen) {
   return run;
 }
 
-std::vector<ObjectRecord> ObjectsFrom(const std::vector<Seen>& things, const ObjectOptions& options = {}) {
+std::vector<ObjectRecord> ObjectsFrom(const std::vector<Seen>& things, const ObjectOptions& options = {},
+                                      std::int64_t frames_searched = 100) {
   std::vector<SeenRun> runs;
   for (const Seen& thing : things) runs.push_back(RunOf(thing));
-  return MakeObjects(std::move(runs), options);
+  return MakeObjects(std::move(runs), frames_searched, options);
 }
 
 std::vector<std::vector<std::int64_t>> RunsOf(const std::vector<ObjectRecord>& objects) {
@@ -96,7 +99,7 @@ TEST(ObjectList, OneRunIsOneObjectAtItsPlace) {
 TEST(ObjectList, WithoutTelemetryEachRunIsAnObjectWithoutAPlace) {
   SeenRun a{.record = {.id = 1, .video = 1, .model = 1}, .frames = {0, 1}};
   SeenRun b{.record = {.id = 2, .video = 1, .model = 1}, .frames = {50, 51}};
-  const auto objects = MakeObjects({a, b}, {});
+  const auto objects = MakeObjects({a, b}, 0, {});
   EXPECT_THAT(RunsOf(objects), ElementsAre(ElementsAre(1), ElementsAre(2)));
   EXPECT_FALSE(objects[0].place);
   EXPECT_FALSE(objects[0].heading_rad);
@@ -176,6 +179,24 @@ TEST(ObjectList, WhatFloatsByItsSizeAloneIsRejected) {
   EXPECT_EQ(ObjectsFrom({floating})[0].rejected, "") << "nothing says how high the ground is";
 }
 
+TEST(ObjectList, WhatLiesBelowAnyGroundIsRejected) {
+  EXPECT_THAT(ObjectsFrom({{.id = 1, .place_enu = {0, 900, -1500}}})[0].rejected, HasSubstr("below the sea"));
+}
+
+// Of 100,000 frames chance gives a find of odds of 1 to 1600: nine to one is not enough, 30 frames of it neither, but
+// of 300 to one they are; and in a minute's search one frame of nine to one is.
+TEST(ObjectList, TheLongerTheSearchTheClearerMustAFindBe) {
+  const Seen faint{.id = 1, .frames = 1, .score = 0.9};
+  const Seen longer{.id = 1, .frames = 30, .score = 0.9};
+  const Seen clear{.id = 1, .frames = 30, .score = 0.9967};
+  EXPECT_EQ(ObjectsFrom({faint}, {}, 500)[0].rejected, "");
+  EXPECT_THAT(ObjectsFrom({faint}, {}, 1000)[0].rejected, HasSubstr("too faint"));
+  EXPECT_EQ(ObjectsFrom({longer}, {}, 1000)[0].rejected, "");
+  EXPECT_THAT(ObjectsFrom({longer}, {}, 100'000)[0].rejected, HasSubstr("100000 frames"));
+  EXPECT_EQ(ObjectsFrom({clear}, {}, 100'000)[0].rejected, "");
+  EXPECT_EQ(ObjectsFrom({faint}, {.false_share = 0}, 100'000)[0].rejected, "");
+}
+
 TEST(ObjectList, LinesThatDoNotMeetAreNoObject) {
   EXPECT_THAT(ObjectsFrom({{.id = 1, .noise_rad = 0.2}})[0].rejected, HasSubstr("do not meet"));
 }
@@ -201,7 +222,7 @@ TEST(ObjectList, ACategoryWhoseLinesDoNotMeetHasNoPlace) {
   Seen seen{.id = 1, .of_category = true, .noise_rad = 0.3};
   SeenRun run = RunOf(seen);
   for (Sight& sight : run.sights) sight.line.sigma_rad = 1e-4;
-  const auto objects = MakeObjects({run}, {});
+  const auto objects = MakeObjects({run}, 0, {});
   EXPECT_EQ(objects[0].rejected, "");
   EXPECT_FALSE(objects[0].place);
 }

@@ -52,6 +52,12 @@ void ObjectOptions::ListFields(FieldList& fields) {
               .max = 1000,
               .unit = "m",
               .reason = "of two objects whose middles are nearer, the one seen less is rejected"});
+  fields.Add("false_share", false_share,
+             {.min = 0,
+              .max = 1,
+              .unit = "",
+              .reason = "how often, for each frame searched for each model, chance gives even odds; what is so faint "
+                        "that chance gives one in all that was searched is rejected; 0 rejects none"});
   fields.AddGroup("locate", locate);
 }
 

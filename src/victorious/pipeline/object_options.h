@@ -16,6 +16,7 @@ struct ObjectOptions {
   double scale_allowance = 1.6;
   double floating_m = 15;
   double least_apart_m = 1.5;
+  double false_share = 0.016;
   LocateOptions locate = InVideo();
 
   void ListFields(FieldList& fields);

@@ -69,6 +69,7 @@ Json ObjectJson(const ListedObject& listed) {
     json["ce90_m"] = MetresJson(place.ce90_m);
     json["le90_m"] = MetresJson(place.le90_m);
   }
+  if (!object.rejected.empty()) json["rejected"] = object.rejected;
   return json;
 }
 
