@@ -6,6 +6,7 @@
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/evaluate/reported.h"
 #include "victorious/evaluate/score.h"
 #include "victorious/evaluate/truth.h"
 #include "victorious/store/catalogue.h"
@@ -34,25 +35,8 @@ Status Run(const Arguments& arguments) {
     const std::set<std::string> keep(arguments.models.begin(), arguments.models.end());
     std::erase_if(truth, [&](const TruthRow& row) { return !keep.contains(row.model); });
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> records, store->Objects(filter));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SightingRecord> rows, store->Sightings(filter));
-  std::vector<ReportedObject> objects;
-  for (const ObjectRecord& object : records) {
-    const ModelRecord* model = catalogue.Model(object.model);
-    if (model != nullptr && !model->IsCategory()) objects.push_back({object.id, object.place, object.heading_rad});
-  }
-  std::vector<ReportedSighting> sightings;
-  for (const SightingRecord& row : rows) {
-    const ModelRecord* model = catalogue.Model(row.model);
-    if (model == nullptr || model->IsCategory()) continue;  // added by another process since; truth names models
-    sightings.push_back({.object = row.object,
-                         .frame = row.frame,
-                         .model = model->name,
-                         .box = row.box,
-                         .score = row.score,
-                         .view = row.view});
-  }
-  const Score score = ScoreIndex(truth, objects, sightings);
+  VICTORIOUS_ASSIGN_OR_RETURN(const Reported reported, ReadReported(*store, filter));
+  const Score score = ScoreIndex(truth, reported.objects, reported.sightings);
   return WriteOutput("", arguments.json ? ToJson(score).dump(1) + "\n" : ToText(score));
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -20,6 +21,8 @@ struct Arguments {
   std::string data;
   std::string scenes = "scenes";
   int seeds = 20;
+  std::vector<std::string> movies;
+  int frames = 0;
 };
 
 // A folder that was named must be there; the default one need not be for what draws its own pictures.
@@ -42,6 +45,8 @@ Status Run(const Arguments& arguments) {
       .scenes = arguments.scenes,
       .out = arguments.out,
       .seeds = arguments.seeds,
+      .movies = arguments.movies,
+      .frames = arguments.frames,
       .cancel = &Interrupt(),
       .progress = [&](std::string_view what) { fmt::print(stderr, "{}: {}\n", arguments.name, what); }};
   VICTORIOUS_ASSIGN_OR_RETURN(const Report report, RunExperiment(arguments.name, settings));
@@ -70,6 +75,14 @@ Action SetUpExperiment(CLI::App& app) {
       ->type_name("DIR");
   app.add_option("--seeds", arguments->seeds, "Random splits to average over (default 20)")
       ->check(CLI::Range(1, 10000))
+      ->type_name("N");
+  app.add_option("--movies", arguments->movies,
+                 "Of chapters 4 and 5: the scene files to fly, by name (default: each experiment's own choice)")
+      ->delimiter(',')
+      ->type_name("A,B");
+  app.add_option("--frames", arguments->frames,
+                 "Of these flights: at most so many frames each, over the same time (default: as the scene has it)")
+      ->check(CLI::Range(2, 1000000))
       ->type_name("N");
   return [=] { return Run(*arguments); };
 }

@@ -254,6 +254,12 @@ void ScoreCoverage(const TruthTable& truth, const std::unordered_map<int, std::i
           std::ranges::count_if(object.clear_frames, [&](std::int64_t frame) { return by.contains(frame); }));
     };
     entry.density = covered(claimant_frames) / static_cast<double>(object.clear_frames.size());
+    if (!claimant_frames.empty()) {
+      const auto [first, last] = std::ranges::minmax(claimant_frames);
+      const auto between = std::ranges::count_if(object.clear_frames,
+                                                 [&](std::int64_t frame) { return frame >= first && frame <= last; });
+      if (between > 0) entry.density_between = covered(claimant_frames) / static_cast<double>(between);
+    }
     entry.ids = static_cast<int>(reported.size());
     densities.push_back(entry.density);
     asked += static_cast<double>(object.clear_frames.size());

@@ -88,6 +88,7 @@ struct Score {
   struct Object {
     bool found = false;
     double density = 0;
+    double density_between = 0;  ///< the same of its clear rows from the first to the last frame so shown
     int ids = 0;
     std::optional<double> error_m;  ///< along the ground
   };

@@ -132,6 +132,12 @@ TEST(ScoreTest, OfSeveralSightingsOnOneObjectTheBestScoredIsRight) {
   EXPECT_NEAR(*score.view_error_p50_rad, 0.3, 1e-12);  // the pair is the better one's
 }
 
+TEST(ScoreTest, DensityBetweenCountsFromTheFirstToTheLastReport) {
+  const Score score = ScoreIndex(TrueIn(20), Objects({1}), SeenIn(1, 5, 8) + SeenIn(1, 10, 12));
+  EXPECT_DOUBLE_EQ(score.per_object.at("a").density, 5.0 / 20);
+  EXPECT_DOUBLE_EQ(score.per_object.at("a").density_between, 5.0 / 7);
+}
+
 TEST(ScoreTest, ASightingIsPairedWithTheRowItOverlapsMost) {
   const Box beside{110, 100, 40, 40};
   const auto truth = TrueIn(10, "a") + TrueIn(10, "b", beside);

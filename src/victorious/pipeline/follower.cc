@@ -1,13 +1,13 @@
 #include "victorious/pipeline/follower.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include <oneapi/tbb/parallel_for_each.h>
 
 #include "victorious/features/impulse_noise.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/pipeline/region_features.h"
 
 namespace victorious {
 
@@ -115,27 +115,13 @@ void Follower::Take(const Detection& detection, const FeatureSet& features, std:
 
 // Features of the region alone, in the frame's pixels; then the views that the object may show by now.
 void Follower::Search(const Frame& frame, const FrameConditions& conditions, Region& region) const {
-  const Box& box = region.step.search_box;
-  const cv::Rect whole(0, 0, frame.image.cols, frame.image.rows);
-  const cv::Rect cut =
-      whole & cv::Rect(static_cast<int>(box.x), static_cast<int>(box.y), static_cast<int>(std::ceil(box.width)) + 1,
-                       static_cast<int>(std::ceil(box.height)) + 1);
-  if (cut.empty()) return;
-  region.features = extractor_.Extract(frame.image(cut));
-  if (!region.features) return;
-  FeatureSet& features = *region.features;
-  for (Keypoint& keypoint : features.keypoints) {
-    keypoint.x += static_cast<float>(cut.x);
-    keypoint.y += static_cast<float>(cut.y);
-  }
-  features.image_width = whole.width;
-  features.image_height = whole.height;
-
+  region.features = FeaturesIn(frame.image, region.step.search_box, extractor_);
+  if (!region.features || region.features->keypoints.empty()) return;
   const Detection& last = tracks_.at(region.step.track).last;
   const ModelView& view = recognizer_.models()[last.model].views[last.view];
   std::vector<std::size_t> views(view.neighbours.begin(), view.neighbours.end());
   views.push_back(last.view);
-  for (Detection& detection : recognizer_.RecognizeViews(features, last.model, views, conditions)) {
+  for (Detection& detection : recognizer_.RecognizeViews(*region.features, last.model, views, conditions)) {
     if (IntersectionOverUnion(detection.box, BoxOf(region.step)) < options_.least_overlap) continue;
     region.found = std::move(detection);
     return;

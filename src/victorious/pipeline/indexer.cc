@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/check.h"
 #include "victorious/base/progress.h"
 #include "victorious/base/version.h"
 #include "victorious/model/lit_views.h"
@@ -176,6 +177,7 @@ Expected<IndexReport> Indexer::Index(const IndexJob& job, const CancelToken& can
 Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
                                       const WarningSink& warn) const {
   const std::string& video = job.video;
+  VICTORIOUS_CHECK(job.lit.empty() || job.lit.size() == models_.size());
   if (cancel.IsCancelled()) {
     return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped before it was opened; run again to go on", video));
   }
@@ -240,22 +242,23 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
       VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(video, reading));
     }
     std::vector<ObjectModel> models;
+    std::vector<std::shared_ptr<const LitTemplates>> lit;
     std::vector<SearchRecord> searches;
     std::vector<std::optional<std::int64_t>> category_ids(sought_.size() - models_.size());
     for (PlannedSearch& plan : planned) {
       if (plan.sought < models_.size()) {
-        models.push_back(models_[plan.sought]);
+        const ObjectModel& model = models.emplace_back(models_[plan.sought]);
+        if (job.lit.empty()) {
+          VICTORIOUS_ASSIGN_OR_RETURN(lit.emplace_back(), MakeLitViews(model));
+        } else {
+          lit.push_back(job.lit[plan.sought]);
+        }
       } else {
         category_ids[plan.sought - models_.size()] = plan.search.model;
       }
       searches.push_back(std::move(plan.search));
     }
     const bool with_categories = searches.size() > models.size();
-    std::vector<std::shared_ptr<const LitTemplates>> lit;
-    for (const ObjectModel& model : models) {
-      VICTORIOUS_ASSIGN_OR_RETURN(std::shared_ptr<const LitTemplates> views, MakeLitViews(model));
-      lit.push_back(std::move(views));
-    }
     VICTORIOUS_ASSIGN_OR_RETURN(
         const Recognizer recognizer,
         Recognizer::Create(std::move(models), options_.features.engine, options_.recognize, lit));

@@ -15,6 +15,7 @@
 #include "victorious/geometry/sun.h"
 #include "victorious/pipeline/index_options.h"
 #include "victorious/store/index_store.h"
+#include "victorious/types/lit_templates.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {
@@ -35,6 +36,9 @@ struct IndexJob {
   std::optional<std::string> telemetry;  ///< a file; unless given, the video's own, or what lies beside it
   bool redo = false;                     ///< forget what was found of what is sought in it, and search again
   int threads = 0;                       ///< 0: as many as the machine has
+  /// One a model (MakeLitViews): what is made of them stays with the caller, for other jobs with the same models.
+  /// Empty: made anew for this video, and forgotten after it.
+  std::vector<std::shared_ptr<const LitTemplates>> lit = {};
 };
 
 /// Searches videos for a set of models and of categories, and keeps what it finds. One video at a time.

@@ -1,10 +1,9 @@
 #include "victorious/pipeline/steady_lock.h"
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "victorious/features/impulse_noise.h"
+#include "victorious/pipeline/region_features.h"
 #include "victorious/track/region_tracker.h"
 
 namespace victorious {
@@ -19,18 +18,7 @@ struct Found {
 /// Searches a part of the frame; what it finds is in pixels of the whole.
 Expected<std::optional<Found>> Search(const cv::Mat& grey, const Box& region, const Recognizer& recognizer,
                                       const FeatureExtractor& extractor) {
-  const cv::Rect part = cv::Rect(cv::Point(static_cast<int>(region.x), static_cast<int>(region.y)),
-                                 cv::Point(static_cast<int>(std::ceil(region.x + region.width)),
-                                           static_cast<int>(std::ceil(region.y + region.height)))) &
-                        cv::Rect({0, 0}, grey.size());
-  if (part.area() == 0) return std::nullopt;
-  VICTORIOUS_ASSIGN_OR_RETURN(FeatureSet scene, extractor.Extract(grey(part)));
-  for (Keypoint& keypoint : scene.keypoints) {
-    keypoint.x += static_cast<float>(part.x);
-    keypoint.y += static_cast<float>(part.y);
-  }
-  scene.image_width = grey.cols;
-  scene.image_height = grey.rows;
+  VICTORIOUS_ASSIGN_OR_RETURN(FeatureSet scene, FeaturesIn(grey, region, extractor));
   std::vector<Detection> detections = recognizer.Recognize(scene);
   if (detections.empty()) return std::nullopt;
   return Found{std::move(detections.front()), std::move(scene)};

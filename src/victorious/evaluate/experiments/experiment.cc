@@ -10,6 +10,7 @@
 #include "victorious/evaluate/experiments/category_experiments.h"
 #include "victorious/evaluate/experiments/match_experiments.h"
 #include "victorious/evaluate/experiments/recognition_experiments.h"
+#include "victorious/evaluate/experiments/system_experiments.h"
 
 namespace victorious {
 
@@ -48,6 +49,15 @@ std::span<const Experiment> Experiments() {
       Experiment{"figure3.20", "ROC of airplanes: words and phrases", &RunFigure320},
       Experiment{"figure3.21", "ROC of cars: words and phrases", &RunFigure321},
       Experiment{"table3.7", "Accuracy of airplanes and cars, and of twelve categories, step by step", &RunTable37},
+      Experiment{"figure4.1", "What a tracker saves the recogniser: whole frame and tracked region", &RunFigure41},
+      Experiment{"figure4.2", "The tracker alone, and with the recogniser", &RunFigure42},
+      Experiment{"figure4.3", "The conic frustum of one sighting", &RunFigure43},
+      Experiment{"figure4.4", "What is common to the conic frusta of many sightings", &RunFigure44},
+      Experiment{"figure4.5", "The list of objects over time: active and inactive", &RunFigure45},
+      Experiment{"figure5.2", "Recall and precision of objects under 29 settings of the parameters", &RunFigure52},
+      Experiment{"figure5.3", "Frame detection density over settings, movies and objects", &RunFigure53},
+      Experiment{"figure5.4", "Errors of place by kind of object", &RunFigure54},
+      Experiment{"figure5.5", "Errors of place: the helicopter and all other kinds", &RunFigure55},
       Experiment{"table-boxes", "Where categories are: boxes of the supporting phrases beside drawn ones",
                  &RunTableBoxes},
       Experiment{"figure-calibration", "Whether scores of detections are probabilities", &RunFigureCalibration},

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
@@ -20,6 +21,10 @@ struct ExperimentSettings {
   std::filesystem::path scenes;  ///< the folder of scene files that pictures are drawn from
   std::filesystem::path out;     ///< where pictures go; the report is written by RunExperiment
   int seeds = 20;                ///< random splits, for means with standard errors
+  /// Of chapters 4 and 5: the scene files that are flown, by name; empty: those that the experiment chooses.
+  std::vector<std::string> movies = {};
+  /// Of these flights: at most so many frames each, over the same time; 0: as the scene file has it.
+  int frames = 0;
   const CancelToken* cancel = nullptr;
   std::function<void(std::string_view what)> progress = [](std::string_view) {};  ///< a line, now and then
 

@@ -11,6 +11,7 @@
 #include "victorious/evaluate/experiments/match_experiments.h"
 #include "victorious/evaluate/experiments/match_picture.h"
 #include "victorious/evaluate/experiments/match_trial.h"
+#include "victorious/evaluate/experiments/view_grid.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/video/image_file.h"
 
@@ -19,8 +20,8 @@ namespace {
 
 constexpr double kRatio = 0.8;
 constexpr std::size_t kStages = 4;
-constexpr int kColumns = 36;  // of azimuth
-constexpr int kRows = 8;      // of off-nadir angle, the pole first
+constexpr int kColumns = kViewColumns;
+constexpr int kRows = kViewRows;
 
 struct ViewCounts {
   MatchTrial trial;                            ///< of the view nearest to the truth
@@ -51,48 +52,23 @@ double DegreesBetween(const ObjectModel& model, std::size_t a, std::size_t b) {
   return DegreesFromRadians(std::acos(std::clamp(direction(a).dot(direction(b)), -1.0, 1.0)));
 }
 
-// One value a cell of the grid; the pole's fills its row.
+// One value a cell of the grid (view_grid.h).
 cv::Mat GridOf(const ViewCounts& counts, std::size_t stage) {
-  cv::Mat grid(kRows, kColumns, CV_32FC1, cv::Scalar(0));
-  for (std::size_t view = 0; view < counts.left.size(); ++view) {
-    const ViewAngles& angles = *counts.trial.model->views[view].angles;
-    const int row = static_cast<int>(std::lround(DegreesFromRadians(angles.off_nadir_rad) / 10));
-    const int column = static_cast<int>(std::lround(DegreesFromRadians(angles.azimuth_rad) / 10)) % kColumns;
-    if (row >= kRows) continue;
-    const auto count = static_cast<float>(counts.left[view][stage]);
-    if (row == 0) {
-      grid.row(0).setTo(count);
-    } else {
-      grid.at<float>(row, column) = count;
-    }
-  }
-  return grid;
+  std::vector<double> values;
+  for (const auto& left : counts.left) values.push_back(left[stage]);
+  return GridOfViews(*counts.trial.model, values);
 }
 
-void Caption(cv::Mat& picture, const std::string& text) {
-  constexpr double kFont = 0.42;
-  cv::putText(picture, text, {6, 16}, cv::FONT_HERSHEY_SIMPLEX, kFont, cv::Scalar::all(0), 1, cv::LINE_AA);
+std::string MostOf(std::size_t stage, double most) {
+  return fmt::format("{}: at most {:.0f} matches", StageMatches::kNames[stage], most);
 }
 
 cv::Mat HeatMap(const ViewCounts& counts, std::size_t stage) {
-  constexpr int kCell = 11;
-  constexpr int kTop = 24;
   const cv::Mat grid = GridOf(counts, stage);
   double most = 1;
   cv::minMaxLoc(grid, nullptr, &most);
-  cv::Mat levels;
-  grid.convertTo(levels, CV_8U, 255 / std::max(most, 1.0));
-  cv::resize(levels, levels, {}, kCell, kCell, cv::INTER_NEAREST);
-  cv::Mat colours;
-  cv::applyColorMap(levels, colours, cv::COLORMAP_INFERNO);
-  cv::Mat picture(colours.rows + kTop, colours.cols, CV_8UC3, cv::Scalar::all(255));
-  colours.copyTo(picture(cv::Rect({0, kTop}, colours.size())));
-  const ViewAngles& truth = *counts.trial.model->views[counts.trial.view].angles;
-  const cv::Point cell(static_cast<int>(std::lround(DegreesFromRadians(truth.azimuth_rad) / 10)) % kColumns * kCell,
-                       static_cast<int>(std::lround(DegreesFromRadians(truth.off_nadir_rad) / 10)) * kCell + kTop);
-  cv::rectangle(picture, cv::Rect(cell, cv::Size(kCell, kCell)), cv::Scalar(80, 255, 80));
-  Caption(picture, fmt::format("{}: at most {:.0f} matches", StageMatches::kNames[stage], most));
-  return picture;
+  const ViewAngles truth = *counts.trial.model->views[counts.trial.view].angles;
+  return HeatMapOf(grid, MostOf(stage, most), {{truth}, cv::Scalar(80, 255, 80)});
 }
 
 // Bars on the grid of views, seen from above at a slant, the farthest drawn first.
@@ -121,7 +97,7 @@ cv::Mat Bars(const ViewCounts& counts, std::size_t stage) {
       cv::rectangle(picture, bar, cv::Scalar::all(200));
     }
   }
-  Caption(picture, fmt::format("{}: at most {:.0f} matches", StageMatches::kNames[stage], most));
+  Caption(picture, MostOf(stage, most));
   return picture;
 }
 

@@ -15,19 +15,6 @@ const cv::Scalar kTrueColour(40, 40, 255);
 const cv::Scalar kNearColour(0, 200, 255);
 const cv::Scalar kFalseColour(230, 220, 0);
 
-// Dimmed, and in steps, which PNG stores in few bytes.
-cv::Mat Background(const cv::Mat& grey, double scale) {
-  constexpr double kStep = 24;
-  cv::Mat small;
-  cv::resize(grey, small, {}, scale, scale, cv::INTER_AREA);
-  cv::medianBlur(small, small, 3);
-  small.convertTo(small, CV_8U, 0.6 / kStep, 1.0);
-  small.convertTo(small, CV_8U, kStep);
-  cv::Mat bgr;
-  cv::cvtColor(small, bgr, cv::COLOR_GRAY2BGR);
-  return bgr;
-}
-
 }  // namespace
 
 Expected<cv::Mat> DrawMatches(const MatchTrial& trial, const MatchSet& matches, double scale,
@@ -54,6 +41,18 @@ Expected<cv::Mat> DrawMatches(const MatchTrial& trial, const MatchSet& matches, 
   cv::putText(canvas, caption, {4, canvas.rows - 6}, cv::FONT_HERSHEY_SIMPLEX, kFont, cv::Scalar::all(0), 3);
   cv::putText(canvas, caption, {4, canvas.rows - 6}, cv::FONT_HERSHEY_SIMPLEX, kFont, cv::Scalar::all(255), 1);
   return canvas;
+}
+
+cv::Mat Background(const cv::Mat& grey, double scale) {
+  constexpr double kStep = 24;
+  cv::Mat small;
+  cv::resize(grey, small, {}, scale, scale, cv::INTER_AREA);
+  cv::medianBlur(small, small, 3);
+  small.convertTo(small, CV_8U, 0.6 / kStep, 1.0);
+  small.convertTo(small, CV_8U, kStep);
+  cv::Mat bgr;
+  cv::cvtColor(small, bgr, cv::COLOR_GRAY2BGR);
+  return bgr;
 }
 
 cv::Mat Montage(const std::vector<cv::Mat>& pictures, int columns) {

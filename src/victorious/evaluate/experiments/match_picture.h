@@ -16,6 +16,9 @@ namespace victorious {
 Expected<cv::Mat> DrawMatches(const MatchTrial& trial, const MatchSet& matches, double scale,
                               const std::string& caption);
 
+/// A grey picture as CV_8UC3, dimmed, and in few steps, so that lines stand out and PNG stores it in few bytes.
+[[nodiscard]] cv::Mat Background(const cv::Mat& grey, double scale);
+
 /// Pictures of one size side by side, `columns` a row, in reading order.
 [[nodiscard]] cv::Mat Montage(const std::vector<cv::Mat>& pictures, int columns);
 

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Repeats the thesis's tables and figures of matches and the cascade, and writes docs/chapter3.md from them.
+"""Repeats the tables and figures of a chapter of the thesis, and writes docs/chapterN.md from them.
 
-Usage: chapter3.py PROGRAM [--data DIR] [--results DIR] [--docs DIR]
+Usage: chapter_page.py CHAPTER PROGRAM [--data DIR] [--results DIR] [--docs DIR] [--frames N]
+CHAPTER is 3, matches and the cascade; or 5, which is chapters 4 and 5: tracking, places and the whole system.
 Runs `PROGRAM experiment NAME` for each that has no NAME.json in the results' folder yet, then writes the page and copies
-its pictures to docs/images/chapter3. From the repository's root.
+its pictures to docs/images/chapterN. From the repository's root. --frames goes to the experiments: shorter flights.
 """
 
 import argparse
@@ -11,12 +12,16 @@ import json
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 MOST_PICTURE_BYTES = 150_000
 
 # Experiment, heading, what is to be seen, the pictures beside the plot.
-SECTIONS = [
+Section = tuple[str, str, str, list[str]]
+
+CHAPTER3_SECTIONS: list[Section] = [
     ("table3.2", "Table 3.2: the cascade at a ratio of 0.8",
      "The running example stands for the thesis's Humvee: a jeep in a noisy picture, seen from an azimuth of 150 and an "
      "off-nadir angle of 60 degrees, and the template of the nearest view.", []),
@@ -40,11 +45,11 @@ SECTIONS = [
     ("chapter3.sweeps", "Filters under one difficulty at a time", "", []),
 ]
 
-PAGE_HEAD = """# Chapter 3: matches and the cascade
+CHAPTER3_HEAD = """# Chapter 3: matches and the cascade
 
 The thesis's tables and figures of sections 3.3 and 3.5, repeated on the project's own scenes, and what it does not show:
 baselines, open choices and difficulties one at a time.
-Written by `tools/chapter3.py build/victorious --data $VICTORIOUS_DATA` from what `victorious experiment NAME` measures.
+Written by `tools/chapter_page.py 3 build/victorious --data $VICTORIOUS_DATA` from what `victorious experiment NAME` measures.
 
 Its setting is `--params thesis`: Lowe's keypoints without noise taken out first, table 3.1, R = 75 px.
 Ours is the program's default: twice as many, fainter keypoints and salt-and-pepper noise taken out, by the same cascade.
@@ -153,10 +158,9 @@ def shares_of(rows: list[dict]) -> str:
     return f"{100 * kept / before:.2f} %, {100 * false_after / left:.2f} %, {fewer}"
 
 
-def targets(reports: dict[str, dict]) -> str:
+def cascade_targets(reports: dict[str, dict]) -> str:
     """What was asked of the cascade, beside what it reached."""
-    text = "\n## In short\n\n"
-    text += example_line("The running example", reports["table3.3"]["rows"], "none", "third", "filtering",
+    text = example_line("The running example", reports["table3.3"]["rows"], "none", "third", "filtering",
                          "55 of 55, none false")
     text += example_line("The second object", reports["table3.4"]["rows"], "before", "after", "when",
                          "25 of 26, none false")
@@ -178,25 +182,116 @@ def targets(reports: dict[str, dict]) -> str:
                          ]) + WHAT_IS_MISSED
 
 
+CHAPTER5_SECTIONS: list[Section] = [
+    ("figure4.1", "Figure 4.1: what a tracker saves the recogniser", "", ["figure4.1.png"]),
+    ("figure4.2", "Figure 4.2: a steady lock", "", ["figure4.2.png"]),
+    ("figure4.3", "Figure 4.3: the conic frustum of one sighting", "", []),
+    ("figure4.4", "Figure 4.4: what is common to many", "", []),
+    ("figure4.5", "Figure 4.5: the architecture at work",
+     "The thesis draws the parts; here is what they do: the list of objects over time.", []),
+    ("figure5.2", "Figure 5.2: recall and precision of objects", "", []),
+    ("figure5.3", "Figure 5.3: frame detection density", "", []),
+    ("figure5.4", "Figure 5.4: errors of place by kind", "", []),
+    ("figure5.5", "Figure 5.5: the helicopter and all others",
+     "The helicopter stands for the thesis's Apache, the jeep for its Humvee, the tank for its Abrams, the jet for its "
+     "MiG.", []),
+]
+
+CHAPTER5_HEAD = """# Chapters 4 and 5: tracking, places, the whole system
+
+The thesis's figures of tracking, geolocation and the whole system, repeated on flights over the project's own town.
+Written by `tools/chapter_page.py 5 build/victorious --data $VICTORIOUS_DATA{more}` from what `victorious experiment NAME`
+measures. Flights, models and indexes are made once and kept in the results' folder, so that figures 5.2 to 5.5 are of
+the same runs.
+"""
+
+# Of density: at 25, 50 and 75 %. Of places, m: at 50, 75 and 90 %.
+ASKED_DENSITIES = (0.90, 0.97, 1.0)
+ASKED_ERRORS_M = (0.3, 0.5, 1.0)
+
+
+def three(row: dict, keys: tuple[str, str, str], digits: int) -> str:
+    return " / ".join(f"{row[key]:.{digits}f}" for key in keys)
+
+
+def system_targets(reports: dict[str, dict]) -> str:
+    """What was asked of the whole system, beside what it reached."""
+    settings = reports["figure5.2"]["rows"]
+    whole = sum(row["recall"] == 1 for row in settings)
+    clean = sum(row["precision"] == 1 for row in settings)
+    perfect = sum(row["recall"] == 1 and row["precision"] == 1 for row in settings)
+    most_ids = max(row["identities an object"] for row in settings)
+    densities = reports["figure5.3"]["rows"][0]
+    in_view = ("in view, 25 %", "in view, 50 %", "in view, 75 %")
+    between = ("first to last, 25 %", "first to last, 50 %", "first to last, 75 %")
+    percents = ("CEP 50 %, m", "75 %, m", "90 %, m")
+    rows = [
+        {"what": f"settings with a recall of 1, of {len(settings)}", "asked for": ">= 27", "thesis": "26",
+         "here": f"{whole}"},
+        {"what": f"settings with a precision of 1, of {len(settings)}", "asked for": ">= 26", "thesis": "8",
+         "here": f"{clean} ({perfect} with both)"},
+        {"what": "identities an object, most of a setting", "asked for": "1.00", "thesis": "-",
+         "here": f"{most_ids:.2f}"},
+        {"what": "density of the frames in view, quartiles",
+         "asked for": " / ".join(f">= {asked:.2f}" for asked in ASKED_DENSITIES), "thesis": "0.452 / 0.634 / 0.896",
+         "here": three(densities, in_view, 3)},
+        {"what": "density from the first to the last report, quartiles", "asked for": "-",
+         "thesis": "-", "here": three(densities, between, 3)},
+    ]
+    for row in reports["figure5.5"]["rows"] + reports["figure5.4"]["rows"]:
+        rows.append({"what": f"place error of {row['objects']}, 50 / 75 / 90 %, m",
+                     "asked for": " / ".join(f"<= {asked}" for asked in ASKED_ERRORS_M),
+                     "thesis": row["thesis: 50 / 75 / 90 %, m"], "here": three(row, percents, 3)})
+    return table(rows)
+
+
+@dataclass
+class Chapter:
+    """A page: its head, what is said in short, and a section for each experiment."""
+
+    head: str
+    targets: Callable[[dict[str, dict]], str]
+    sections: list[Section]
+
+
+CHAPTERS = {
+    "3": Chapter(CHAPTER3_HEAD, cascade_targets, CHAPTER3_SECTIONS),
+    "5": Chapter(CHAPTER5_HEAD, system_targets, CHAPTER5_SECTIONS),
+}
+
+
+def read_reports(arguments: argparse.Namespace, sections: list[Section]) -> dict[str, dict]:
+    """Of each experiment, run if it has none yet."""
+    reports = {}
+    for name, *_ in sections:
+        file = arguments.results / f"{name}.json"
+        if not file.exists():
+            command = [arguments.program, "experiment", name, "--out", arguments.results, "--data", arguments.data]
+            if arguments.frames:
+                command += ["--frames", str(arguments.frames)]
+            subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+        reports[name] = json.loads(file.read_text())
+    return reports
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("chapter", choices=list(CHAPTERS))
     parser.add_argument("program", type=Path)
     parser.add_argument("--data", type=Path, default=Path("../shared/data"))
     parser.add_argument("--results", type=Path, default=Path("results"))
     parser.add_argument("--docs", type=Path, default=Path("docs"))
+    parser.add_argument("--frames", type=int)
     arguments = parser.parse_args()
-    pictures = arguments.docs / "images" / "chapter3"
+    chapter = CHAPTERS[arguments.chapter]
+    folder = f"chapter{arguments.chapter}"
+    pictures = arguments.docs / "images" / folder
     pictures.mkdir(parents=True, exist_ok=True)
-    reports = {}
-    for name, *_ in SECTIONS:
-        file = arguments.results / f"{name}.json"
-        if not file.exists():
-            subprocess.run([arguments.program, "experiment", name, "--out", arguments.results, "--data", arguments.data],
-                           check=True, stdout=subprocess.DEVNULL)
-        reports[name] = json.loads(file.read_text())
+    reports = read_reports(arguments, chapter.sections)
 
-    page = PAGE_HEAD + targets(reports)
-    for name, heading, words, drawn in SECTIONS:
+    more = f" --frames {arguments.frames}" if arguments.frames else ""
+    page = chapter.head.replace("{more}", more) + "\n## In short\n\n" + chapter.targets(reports)
+    for name, heading, words, drawn in chapter.sections:
         report = reports[name]
         page += f"\n## {heading}\n\n`victorious experiment {name}`: {report['title']}.\n"
         if words:
@@ -211,8 +306,8 @@ def main() -> int:
                 print(f"{picture}: {size} bytes: must be at most {MOST_PICTURE_BYTES}", file=sys.stderr)
                 return 1
             shutil.copy(arguments.results / picture, pictures / picture)
-            page += f"\n![{heading}](images/chapter3/{picture})\n"
-    (arguments.docs / "chapter3.md").write_text(page)
+            page += f"\n![{heading}](images/{folder}/{picture})\n"
+    (arguments.docs / f"{folder}.md").write_text(page)
     return 0
 
 

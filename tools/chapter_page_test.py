@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests of chapter3.py: reports in, the page out."""
+"""Tests of chapter_page.py: reports in, the page out."""
 
 import json
 import subprocess
@@ -8,7 +8,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-import chapter3
+import chapter_page
 
 
 def filter_row(setting: str, trials: str, ratio: float, name: str) -> dict:
@@ -23,6 +23,15 @@ def report_of(name: str) -> dict:
                 for setting in ("thesis", "ours") for trials in ("all 4", "unseen 2") for ratio in (0.6, 0.95)
                 for which in ("cascade", "cascade, table 3.1", "cascade, learnt thresholds",
                               "cascade, learnt, all measures in each stage")]
+    elif name == "figure5.2":
+        rows = [{"setting": name, "recall": recall, "precision": 1.0, "identities an object": 1.0}
+                for name, recall in (("default", 1.0), ("every = 4", 0.75))]
+    elif name == "figure5.3":
+        rows = [{"objects of": "all"} | {f"{what}, {percent} %": percent / 100
+                                         for what in ("in view", "first to last") for percent in (25, 50, 75)}]
+    elif name in ("figure5.4", "figure5.5"):
+        rows = [{"objects": "jeep", "CEP 50 %, m": 0.01, "75 %, m": 0.02, "90 %, m": 0.03,
+                 "thesis: 50 / 75 / 90 %, m": "0.8 / 1.42 / 1.88"}]
     elif name == "chapter3.sweeps":
         rows = [{"setting": setting, "difficulty": "blur", "value": 1.0, "filter": which, "true before": 10.0,
                  "false before": 20.0, "true kept %": 90.0, "false after": 0.0}
@@ -37,40 +46,42 @@ def report_of(name: str) -> dict:
 
 
 class PageTest(unittest.TestCase):
-    def make(self, folder: Path, picture_bytes: int) -> subprocess.CompletedProcess:
+    def make(self, chapter: str, folder: Path, picture_bytes: int) -> subprocess.CompletedProcess:
         results = folder / "results"
         results.mkdir()
-        for name, _, _, pictures in chapter3.SECTIONS:
+        for name, _, _, pictures in chapter_page.CHAPTERS[chapter].sections:
             (results / f"{name}.json").write_text(json.dumps(report_of(name)))
             for picture in pictures:
                 (results / picture).write_bytes(b"x" * picture_bytes)
         # Every report is there, so the program is never run.
-        return subprocess.run([sys.executable, chapter3.__file__, "/nowhere", "--results", results, "--docs",
+        return subprocess.run([sys.executable, chapter_page.__file__, chapter, "/nowhere", "--results", results, "--docs",
                                folder / "docs"], capture_output=True, text=True, check=False)
 
     def test_every_section_is_on_the_page(self):
-        with tempfile.TemporaryDirectory() as name:
-            folder = Path(name)
-            run = self.make(folder, 10)
-            self.assertEqual(run.returncode, 0, run.stderr)
-            page = (folder / "docs" / "chapter3.md").read_text()
-            for experiment, heading, _, pictures in chapter3.SECTIONS:
-                self.assertIn(f"## {heading}\n", page)
-                self.assertIn(f"Title of {experiment}", page)
-                for picture in pictures:
-                    self.assertIn(f"(images/chapter3/{picture})", page)
-                    self.assertTrue((folder / "docs" / "images" / "chapter3" / picture).exists())
-            self.assertIn("98.76 %, 1.97 %, 250", page)
+        said = {"3": "98.76 %, 1.97 %, 250", "5": "| settings with a recall of 1, of 2 | >= 27 | 26 | 1 |"}
+        for number, chapter in chapter_page.CHAPTERS.items():
+            with self.subTest(number), tempfile.TemporaryDirectory() as name:
+                folder = Path(name)
+                run = self.make(number, folder, 10)
+                self.assertEqual(run.returncode, 0, run.stderr)
+                page = (folder / "docs" / f"chapter{number}.md").read_text()
+                for experiment, heading, _, pictures in chapter.sections:
+                    self.assertIn(f"## {heading}\n", page)
+                    self.assertIn(f"Title of {experiment}", page)
+                    for picture in pictures:
+                        self.assertIn(f"(images/chapter{number}/{picture})", page)
+                        self.assertTrue((folder / "docs" / "images" / f"chapter{number}" / picture).exists())
+                self.assertIn(said[number], page)
 
     def test_large_pictures_are_refused(self):
         with tempfile.TemporaryDirectory() as name:
-            run = self.make(Path(name), chapter3.MOST_PICTURE_BYTES + 1)
+            run = self.make("3", Path(name), chapter_page.MOST_PICTURE_BYTES + 1)
             self.assertEqual(run.returncode, 1)
             self.assertIn("must be at most", run.stderr)
 
     def test_pivot_puts_names_across(self):
         rows = [{"x": 1, "name": "a", "v": 5}, {"x": 1, "name": "b", "v": 6}, {"x": 2, "name": "a", "v": 7}]
-        self.assertEqual(chapter3.pivot(rows, ["x"], "name", lambda row: row["v"], ["a", "b"]),
+        self.assertEqual(chapter_page.pivot(rows, ["x"], "name", lambda row: row["v"], ["a", "b"]),
                          [{"x": 1, "a": 5, "b": 6}, {"x": 2, "a": 7}])
 
 
