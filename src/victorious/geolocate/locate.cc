@@ -55,16 +55,6 @@ std::string WhyOpen(std::span<const Ray> rays, const std::vector<bool>& chosen, 
   return "undetermined: the lines of sight do not meet within their errors";
 }
 
-Outcome SolveOver(std::span<const Ray> rays, std::vector<bool> chosen, const LocateOptions& options) {
-  auto motion = SolveLinear(rays, chosen, Moving(options));
-  if (!motion || MostlyBehind(rays, chosen, *motion)) return std::unexpected(WhyOpen(rays, chosen, options));
-  if (options.method == "prior" || options.method == "ransac") motion = SolveBalanced(rays, chosen, *motion, options);
-  if (!motion || MostlyBehind(rays, chosen, *motion)) return std::unexpected(WhyOpen(rays, chosen, options));
-  auto covariance = LinearCovariance(rays, chosen, *motion, options);
-  if (!covariance) return std::unexpected(kNoBaseline);
-  return Solution{*motion, *std::move(covariance), std::move(chosen)};
-}
-
 // A place that may as well be at the camera, or at twice the distance, is not told.
 std::optional<std::string> WhyTooUncertain(std::span<const Ray> rays, const Solution& solution, double largest_share) {
   double distance_m = 0;
@@ -82,12 +72,27 @@ std::optional<std::string> WhyTooUncertain(std::span<const Ray> rays, const Solu
 }
 
 // Whether the lines tell the distance without any range.
-bool TellDistance(std::span<const Ray> rays, const Consensus& found, const LocateOptions& options) {
+bool TellDistance(std::span<const Ray> rays, const std::vector<bool>& chosen, const Motion& motion,
+                  const LocateOptions& options) {
   std::vector<Ray> blind(rays.begin(), rays.end());
   for (Ray& ray : blind) ray.range_weight = 0;
-  auto covariance = LinearCovariance(blind, found.inliers, found.motion, options);
+  auto covariance = LinearCovariance(blind, chosen, motion, options, false);
   if (!covariance) return false;
-  return !WhyTooUncertain(blind, {found.motion, *std::move(covariance), found.inliers}, options.largest_error_share);
+  return !WhyTooUncertain(blind, {motion, *std::move(covariance), chosen}, options.largest_error_share);
+}
+
+Outcome SolveOver(std::span<const Ray> rays, std::vector<bool> chosen, const LocateOptions& options) {
+  auto motion = SolveLinear(rays, chosen, Moving(options));
+  if (!motion || MostlyBehind(rays, chosen, *motion)) return std::unexpected(WhyOpen(rays, chosen, options));
+  if (options.method == "prior" || options.method == "ransac") motion = SolveBalanced(rays, chosen, *motion, options);
+  if (!motion || MostlyBehind(rays, chosen, *motion)) return std::unexpected(WhyOpen(rays, chosen, options));
+  const bool by_ranges = std::ranges::all_of(rays, [&](const Ray& ray) {
+    return !chosen[static_cast<std::size_t>(&ray - rays.data())] || ray.range_weight == 1;
+  });
+  const bool as_one = by_ranges || !TellDistance(rays, chosen, *motion, options);
+  auto covariance = LinearCovariance(rays, chosen, *motion, options, as_one);
+  if (!covariance) return std::unexpected(kNoBaseline);
+  return Solution{*motion, *std::move(covariance), std::move(chosen)};
 }
 
 // The mean of where the ranges end, in which the lines' scatter has no say along them.
@@ -103,7 +108,8 @@ Outcome SolveByRanges(std::span<const Ray> rays, std::vector<bool> chosen, const
 
 Outcome SolveMostLikely(std::span<const Ray> rays, Consensus start, const TangentPlane& plane,
                         const LocateOptions& options) {
-  if (!TellDistance(rays, start, options)) return SolveByRanges(rays, std::move(start.inliers), options);
+  if (!TellDistance(rays, start.inliers, start.motion, options))
+    return SolveByRanges(rays, std::move(start.inliers), options);
   std::optional<double> ground_up_m;
   if (options.ground_height_m) ground_up_m = *options.ground_height_m - plane.origin().altitude_m;
   auto refined = RefinePlace(rays, start.motion, start.inliers, ground_up_m, options);

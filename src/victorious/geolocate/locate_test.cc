@@ -142,6 +142,23 @@ TEST_P(EachMethod, KeepsTheEllipseOfManyLinesAboveTheCommonErrors) {
   EXPECT_GT(many.place->ce90_m, 0.8 * few.place->ce90_m);
 }
 
+// A camera that stands still errs in one way, however often it looks: what the lines' scatter does not show of their
+// own errors is alike in all of them.
+TEST(Locate, OneLineTakenManyTimesTellsNoMoreThanOnce) {
+  const DrawnLines drawn = DrawLinesOfSight({.count = 1});
+  const std::vector<LineOfSight> many(50, drawn.lines.front());
+  for (const std::string method : {"ground", "prior", "ransac", "ml"}) {
+    LocateOptions options{.method = method};
+    options.ground_height_m = drawn.object.altitude_m;
+    const GeoFix once = Located(drawn.lines, options);
+    const GeoFix again = Located(many, options);
+    ASSERT_TRUE(once.place && again.place) << method;
+    EXPECT_LT(ErrorOf(again, drawn.object), 0.02) << method;
+    EXPECT_GE(again.place->ce90_m, 0.999 * once.place->ce90_m) << method;
+    EXPECT_LE(again.place->ce90_m, 1.1 * once.place->ce90_m) << method;
+  }
+}
+
 TEST(Locate, SetsWrongLinesAside) {
   const DrawnLines drawn = DrawLinesOfSight({.wrong_share = 0.3, .noise_position_m = 0.5, .noise_deg = 0.1});
   for (const std::string method : {"ransac", "ml"}) {
