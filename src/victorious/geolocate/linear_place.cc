@@ -46,7 +46,7 @@ Matrix3d WeightOf(const Ray& ray) {
 // stays on the ground.
 Matrix3d PointFromError(const Ray& ray) {
   if (ray.range_source != RangeSource::kGround || ray.range_weight == 0) return Matrix3d::Identity();
-  return Matrix3d::Identity() - ray.forward * ray.up.transpose() / ray.forward.dot(ray.up);
+  return Matrix3d::Identity() - ray.forward * ray.normal.transpose() / ray.forward.dot(ray.normal);
 }
 
 using OwnEffect = Eigen::Matrix<double, 3, 5>;
@@ -78,7 +78,7 @@ CommonEffect CommonEffectOn(const Ray& ray, double distance_m, const LocateOptio
   if (ray.range_source == RangeSource::kMeasured) effect.col(6) = ray.range_m * ray.forward;
   effect.leftCols<kCommonErrors>() *= CommonSigmas(options.common).asDiagonal();
   if (ray.range_source == RangeSource::kGround) {
-    effect.col(kCommonErrors) = options.ground_sigma_m / ray.forward.dot(ray.up) * ray.forward;
+    effect.col(kCommonErrors) = options.ground_sigma_m * ray.ground_share * ray.forward;
   }
   return effect;
 }

@@ -32,7 +32,7 @@ std::string TextIn(const Report& report, const std::vector<Cell>& row, std::stri
 Place PlaceOnGround(const PlaceTrial& trial, std::size_t lines, const char* method) {
   LocateOptions options = trial.told;
   options.method = method;
-  options.ground_height_m = trial.truth.altitude_m;
+  options.ground = std::make_shared<FlatGround>(trial.truth.altitude_m);
   options.ground_sigma_m = 0.05;
   const auto fix = Locate(std::span(trial.lines).first(lines), options);
   EXPECT_TRUE(fix && fix->place) << trial.point << ": " << (fix ? fix->status : fix.error().message);

@@ -161,7 +161,7 @@ std::vector<Place> PlacesByOne(const std::vector<Sighted>& sighted, double groun
   std::vector<Place> places;
   for (const Sighted& one : sighted) {
     LocateOptions options{.method = "ground"};
-    options.ground_height_m = ground_m;
+    options.ground = std::make_shared<FlatGround>(ground_m);
     const auto fix = Locate(std::span(&one.line, 1), options);
     if (fix && fix->place) places.push_back(*fix->place);
   }
@@ -171,7 +171,7 @@ std::vector<Place> PlacesByOne(const std::vector<Sighted>& sighted, double groun
 void AddRow(const Thing& thing, const std::vector<Sighted>& sighted, const Way& way, Report& report) {
   const double ground_m = MeanGround(sighted);
   LocateOptions options{.method = way.method};
-  if (way.ground) options.ground_height_m = ground_m;
+  if (way.ground) options.ground = std::make_shared<FlatGround>(ground_m);
   std::vector<LineOfSight> lines;
   for (const Sighted& one : sighted) lines.push_back(one.line);
   const auto fix = Locate(lines, options);

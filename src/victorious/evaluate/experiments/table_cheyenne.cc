@@ -94,7 +94,7 @@ void AddRow(const std::string& name, std::span<const Stared> stared, const Way& 
     for (std::size_t i = 0; i < stared.size(); i += way.every) lines.push_back(stared[i].line);
   }
   LocateOptions options{.method = way.method};
-  if (options.method == "ground") options.ground_height_m = truth.altitude_m;
+  if (options.method == "ground") options.ground = std::make_shared<FlatGround>(truth.altitude_m);
   const auto fix = Locate(lines, options);
   std::vector<Cell> row = {name, TurnDeg(stared), std::string(way.method), static_cast<double>(lines.size())};
   if (!fix || !fix->place) {

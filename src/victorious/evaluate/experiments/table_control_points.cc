@@ -32,7 +32,7 @@ void AddRow(const PlaceSeries& series, const Way& way, Report& report) {
   for (const PlaceTrial& trial : series.trials) {
     LocateOptions options = trial.told;
     options.method = way.method;
-    options.ground_height_m = way.own_height ? trial.truth.altitude_m : trial.others_m;
+    options.ground = std::make_shared<FlatGround>(way.own_height ? trial.truth.altitude_m : trial.others_m);
     options.ground_sigma_m = way.own_height ? 0.05 : trial.others_sigma_m;
     lines = std::min(way.most_lines, trial.lines.size());
     const auto fix = Locate(std::span(trial.lines).first(lines), options);
