@@ -282,14 +282,14 @@ Status Terrain::SetDatum(const fs::path& path, const GroundOptions& options) {
                                  ? "does not say what its heights count from"
                                  : fmt::format("its heights count from \"{}\", which is not known", told.name);
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: {}: tell it (ellipsoid, egm96 or egm2008)", path.string(), says));
+                fmt::format("{}: {}: tell it (--terrain-datum ellipsoid, egm96 or egm2008)", path.string(), says));
   }
   if (*datum == VerticalDatum::kEllipsoid) return {};
   fs::path grid = options.geoid_grid;
   if (grid.empty() && *datum == VerticalDatum::kEgm96) grid = FindEgm96Grid().value_or(fs::path());
   if (grid.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: its heights count from {}, of which no grid is at hand: name a .gtx grid",
+                fmt::format("{}: its heights count from {}, of which no grid is at hand: name a .gtx grid (--geoid)",
                             path.string(), Name(*datum)));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(geoid_, Geoid::Read(grid));
