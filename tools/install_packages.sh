@@ -5,7 +5,7 @@ set -euo pipefail
 
 packages=(
   g++ cmake ninja-build pkg-config ccache mold python3
-  libopencv-dev libeigen3-dev libhwy-dev libtbb-dev libxxhash-dev libgeographiclib-dev libceres-dev
+  libopencv-dev libeigen3-dev libhwy-dev libtbb-dev libxxhash-dev libgeographiclib-dev libgdal-dev libceres-dev
   libavformat-dev libavcodec-dev libavutil-dev libswscale-dev
   libassimp-dev libopengl-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri
   libsqlite3-dev libfmt-dev libspdlog-dev nlohmann-json3-dev libcli11-dev

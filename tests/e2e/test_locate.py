@@ -2,6 +2,7 @@
 
 import json
 import math
+import struct
 import unittest
 
 import program
@@ -25,6 +26,36 @@ def lines(eastwards_m_s=0.0) -> str:
         elevation = math.degrees(math.atan2(-200, math.hypot(away_east, north)))
         rows.append(f"{i},{north / 110_574},{east / METRES_PER_DEGREE},200,{azimuth},{elevation}")
     return "\n".join(rows) + "\n"
+
+
+def geotiff(width: int, step_deg: float, north_deg: float, rows: list[list[float]]) -> bytes:
+    """Heights as a GeoTIFF in WGS 84, its left edge on the meridian of Greenwich; rows from the north."""
+    heights = b"".join(struct.pack(f"<{width}f", *row) for row in rows)
+    scale = struct.pack("<3d", step_deg, step_deg, 0)
+    tie = struct.pack("<6d", 0, 0, 0, 0, north_deg, 0)
+    keys = struct.pack("<16H", 1, 1, 0, 3, 1024, 0, 1, 2, 1025, 0, 1, 1, 2048, 0, 1, 4326)
+    strips = len(rows)
+    tags = 13
+    after = 8 + 2 + 12 * tags + 4
+    at = {}
+    data = b""
+    for name, block in (("scale", scale), ("tie", tie), ("keys", keys)):
+        at[name] = after + len(data)
+        data += block
+    at["offsets"] = after + len(data)
+    at["counts"] = at["offsets"] + 4 * strips
+    at["heights"] = at["counts"] + 4 * strips
+    data += struct.pack(f"<{strips}I", *(at["heights"] + 4 * width * i for i in range(strips)))
+    data += struct.pack(f"<{strips}I", *([4 * width] * strips))
+    short, long, double = 3, 4, 12
+    entries = [
+        (256, short, 1, width), (257, short, 1, len(rows)), (258, short, 1, 32), (259, short, 1, 1),
+        (262, short, 1, 1), (273, long, strips, at["offsets"]), (277, short, 1, 1), (278, short, 1, 1),
+        (279, long, strips, at["counts"]), (339, short, 1, 3), (33550, double, 3, at["scale"]),
+        (33922, double, 6, at["tie"]), (34735, short, 16, at["keys"]),
+    ]  # fmt: skip
+    directory = struct.pack("<H", tags) + b"".join(struct.pack("<HHII", *entry) for entry in entries) + bytes(4)
+    return b"II*\0" + struct.pack("<I", 8) + directory + data + heights
 
 
 class LocateTest(program.ProgramTest):
@@ -71,6 +102,35 @@ class LocateTest(program.ProgramTest):
         self.assertAlmostEqual(place["latitude_deg"] * METRES_PER_DEGREE, 100, delta=1)
         params = self.write("params.json", '{"ground_sigma_m": 0.1, "line": {"position_m": 0.1}}')
         self.assertLess(self.located(one, "--ground", "0", "--params", params)["le90_m"], place["le90_m"])
+
+    def test_terrain(self):
+        # A plain 20 m above the ellipsoid that ends on the equator, where a ridge of 60 m stands.
+        path = self.write("hill.tif", geotiff(100, 0.00001, 0.0005, [[60.0] * 100] * 40 + [[20.0] * 100] * 60))
+        one = HEADER + "\n0,-0.0004,0.0005,100,0,{}\n"
+        flags = ("--terrain", path, "--terrain-datum", "ellipsoid")
+        down = self.located(one.format(-90), *flags)
+        self.assertAlmostEqual(down["altitude_m"], 20, delta=0.01)
+        north = self.located(one.format(-45), *flags)  # the ridge is 55 m off: 45 m above the ellipsoid there
+        self.assertAlmostEqual(north["altitude_m"], 100 - (north["latitude_deg"] + 0.0004) * 110_574, delta=0.01)
+        self.assertGreater(north["altitude_m"], 25)
+        away = self.located(one.format(-20), *flags)
+        self.assertEqual(away["status"].split(":")[0], "undetermined")
+
+    def test_bad_terrain_is_one_line(self):
+        lines_path = self.write("lines.csv", lines())
+        hill = geotiff(100, 0.00001, 0.0005, [[20.0] * 100] * 100)
+        path = self.write("hill.tif", hill)
+        self.refuses(2, [path, "what its heights count from"], "locate", lines_path, "--terrain", path)
+        self.refuses(2, "told twice", "locate", lines_path, "--terrain", path, "--ground", "0")
+        self.refuses(2, "none.tif", "locate", lines_path, "--terrain", self.scratch / "none.tif")
+        self.refuses(2, "mars", "locate", lines_path, "--terrain", path, "--terrain-datum", "mars")
+        for content in (b"", b"II*\0", hill[:200], b"\x89PNG\r\n\x1a\n" + bytes(100)):
+            path = self.write("bad.tif", content)
+            self.refuses(2, path, "locate", lines_path, "--terrain", path, "--terrain-datum", "ellipsoid")
+        # Half of it is there: used, with a warning.
+        path = self.write("half.tif", hill[: len(hill) // 2])
+        outcome = self.succeeds("locate", lines_path, "--terrain", path, "--terrain-datum", "ellipsoid")
+        self.assertIn("cut off", outcome.err)
 
     def test_bad_input_is_one_line(self):
         good = lines()

@@ -1,5 +1,6 @@
 // Any bytes as lines of sight: read or refused with one line, and what is read has a place that is finite, or none.
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,7 +32,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const char* motion : {"static", "velocity"}) {
     for (const char* method : {"ml", "ransac", "prior", "least-squares", "ground"}) {
       victorious::LocateOptions options{.motion = motion, .method = method, .max_hypotheses = 50};
-      if (options.method == "ground") options.ground_height_m = 10;
+      if (options.method == "ground") options.ground = std::make_shared<victorious::FlatGround>(10);
       const auto fix = victorious::Locate(*lines, options);
       VICTORIOUS_CHECK(fix.has_value());
       CheckFix(*fix, lines->size());

@@ -131,6 +131,27 @@ void AddFieldOfView(CLI::App& app, std::optional<double>& hfov_deg) {
       ->type_name("DEG");
 }
 
+void AddGround(CLI::App& app, GroundArguments& ground) {
+  app.add_option("--ground", ground.height_m, "The height of flat ground above the ellipsoid, that objects are on")
+      ->check(CLI::Range(-1e3, 1e5))
+      ->type_name("METRES");
+  app.add_option("--terrain", ground.terrain, "The ground that objects are on: a GeoTIFF of heights")
+      ->type_name("FILE");
+  app.add_option("--terrain-datum", ground.vertical_datum,
+                 "What the terrain's heights count from, whatever the file says")
+      ->check(CLI::IsMember({"ellipsoid", "egm96", "egm2008"}));
+  app.add_option("--geoid", ground.geoid_grid,
+                 "A .gtx grid of the geoid that the terrain's heights count from (unless given: EGM96's of PROJ)")
+      ->type_name("FILE");
+}
+
+void ApplyGround(const GroundArguments& arguments, GroundOptions& options) {
+  if (arguments.height_m) options.height_m = *arguments.height_m;
+  if (!arguments.terrain.empty()) options.terrain = arguments.terrain;
+  if (!arguments.vertical_datum.empty()) options.vertical_datum = arguments.vertical_datum;
+  if (!arguments.geoid_grid.empty()) options.geoid_grid = arguments.geoid_grid;
+}
+
 Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields) {
   if (path.empty()) return {};
   if (IsPreset(path)) return ApplyPreset(path, fields);

@@ -14,8 +14,17 @@
 #include "victorious/base/options.h"
 #include "victorious/geometry/box.h"
 #include "victorious/store/index_store.h"
+#include "victorious/terrain/terrain.h"
 
 namespace victorious::cli {
+
+/// What --ground and its like were given.
+struct GroundArguments {
+  std::optional<double> height_m;
+  std::string terrain;
+  std::string vertical_datum;
+  std::string geoid_grid;
+};
 
 /// "x,y,w,h" in pixels.
 Expected<Box> ParseBox(std::string_view text);
@@ -35,6 +44,12 @@ void AddParams(CLI::App& app, std::string& params, std::string_view lists);
 
 /// The option --hfov.
 void AddFieldOfView(CLI::App& app, std::optional<double>& hfov_deg);
+
+/// The options --ground, --terrain, --terrain-datum and --geoid; `ground` keeps what they do not set.
+void AddGround(CLI::App& app, GroundArguments& ground);
+
+/// Sets those that were given.
+void ApplyGround(const GroundArguments& arguments, GroundOptions& options);
 
 /// Reads `--params FILE` (JSON) into the fields, or a preset by its name (pipeline/preset.h; a file of that name is
 /// ./NAME); an empty path changes nothing.

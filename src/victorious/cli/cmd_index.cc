@@ -24,6 +24,7 @@ struct Arguments {
   std::optional<std::string> telemetry;
   std::optional<int> every;
   std::optional<double> hfov_deg;
+  GroundArguments ground;
   bool redo = false;
   int threads = 0;
 };
@@ -41,6 +42,7 @@ Status Run(const Arguments& arguments) {
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
   if (arguments.every) options.every = *arguments.every;
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
+  ApplyGround(arguments.ground, options.ground);
   std::vector<ObjectModel> models;
   if (!arguments.models.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(models, ModelLibrary(arguments.models).LoadAll());
@@ -54,7 +56,8 @@ Status Run(const Arguments& arguments) {
     VICTORIOUS_ASSIGN_OR_RETURN(categories, ReadCategories(arguments.categories));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const Indexer indexer,
-                              Indexer::Create(std::move(models), options, std::move(categories)));
+                              Indexer::Create(std::move(models), options, std::move(categories),
+                                              [](const std::string& warning) { spdlog::warn("{}", warning); }));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
                               OpenSqliteStore(arguments.db, StoreMode::kCreate));
   // A video that cannot be read does not keep the others from being indexed.
@@ -101,6 +104,7 @@ Action SetUpIndex(CLI::App& app) {
                  "Search every N-th frame as a whole; between them, only where objects are followed")
       ->type_name("N");
   AddFieldOfView(app, arguments->hfov_deg);
+  AddGround(app, arguments->ground);
   app.add_flag("--redo", arguments->redo,
                "Forget what was found of these models and categories in these videos, and search again");
   app.add_option("--threads", arguments->threads, "Threads; 0: as many as the machine has")->check(CLI::Range(0, 1024));

@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
@@ -24,7 +24,7 @@ struct Arguments {
   std::string motion;
   std::string method;
   std::string params;
-  std::optional<double> ground_m;
+  GroundArguments ground;
   bool json = false;
 };
 
@@ -96,7 +96,10 @@ Status Run(const Arguments& arguments) {
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
   if (!arguments.motion.empty()) options.motion = arguments.motion;
   if (!arguments.method.empty()) options.method = arguments.method;
-  options.ground_height_m = arguments.ground_m;
+  GroundOptions ground;
+  ApplyGround(arguments.ground, ground);
+  VICTORIOUS_ASSIGN_OR_RETURN(options.ground,
+                              MakeGround(ground, [](const std::string& line) { spdlog::warn("{}", line); }));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<LineOfSight> lines, ReadLinesOfSight(arguments.lines));
   VICTORIOUS_ASSIGN_OR_RETURN(const GeoFix fix, Locate(lines, options));
   return WriteOutput("", arguments.json ? JsonOf(fix).dump(1) + "\n" : TextOf(fix));
@@ -113,9 +116,7 @@ Action SetUpLocate(CLI::App& app) {
       ->check(CLI::IsMember({"static", "velocity", "auto"}));
   app.add_option("--method", arguments->method, "The estimator (ml unless told)")
       ->check(CLI::IsMember({"ml", "ransac", "prior", "least-squares", "ground"}));
-  app.add_option("--ground", arguments->ground_m, "The height of flat ground above the ellipsoid")
-      ->check(CLI::Range(-1e5, 1e5))
-      ->type_name("METRES");
+  AddGround(app, arguments->ground);
   app.add_option("--params", arguments->params, "Parameters (`victorious params locate`)")->type_name("FILE");
   app.add_flag("--json", arguments->json, "As JSON");
   return [=] { return Run(*arguments); };

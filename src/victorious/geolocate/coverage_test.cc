@@ -1,11 +1,13 @@
 // How honest the ellipses are: over many flights, the share whose 90 % ellipsoid holds the truth.
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
 #include <utility>
 
 #include <gtest/gtest.h>
 
+#include "testing/drawn_ground.h"
 #include "testing/drawn_lines.h"
 #include "victorious/base/random.h"
 #include "victorious/geolocate/locate.h"
@@ -14,6 +16,7 @@ namespace victorious {
 namespace {
 
 using testing::DrawLinesOfSight;
+using testing::DrawnGround;
 using testing::DrawnLines;
 using testing::DrawnLinesOptions;
 
@@ -50,12 +53,32 @@ struct Coverage {
   double height = 0;
 };
 
-void Measure(const LocateOptions& options, double wrong_share) {
+// Hills of some 10 m over 300 m, the object's place told as high as it is, give or take the ground's sigma.
+std::shared_ptr<const Ground> Hills(int number, const GeodeticPoint& object, double sigma_m) {
+  Random random(static_cast<std::uint64_t>(number) + 5000);
+  const double told_m = object.altitude_m + sigma_m * random.Normal();
+  const double turn = random.Uniform(0, 6);
+  const auto wave = [=](double east_m, double north_m) {
+    return 10 * std::sin(east_m / 50 + turn) * std::cos(north_m / 70 + turn);
+  };
+  return std::make_shared<DrawnGround>(
+      object, [=](double east_m, double north_m) { return told_m + wave(east_m, north_m) - wave(0, 0); });
+}
+
+struct World {
+  double wrong_share = 0;
+  bool one_line = false;
+  bool hills = false;
+};
+
+void Measure(LocateOptions options, const World& world) {
   Coverage coverage;
   for (int i = 0; i < kFlights; ++i) {
     DrawnLinesOptions flight = options.motion == "static" ? Flight(i) : MovingFlight(i);
-    flight.wrong_share = wrong_share;
+    flight.wrong_share = world.wrong_share;
+    if (world.one_line) flight.count = 1;
     const DrawnLines drawn = DrawLinesOfSight(flight);
+    if (world.hills) options.ground = Hills(i, drawn.object, options.ground_sigma_m);
     const auto fix = Locate(drawn.lines, options);
     EXPECT_TRUE(fix && fix->place) << i;
     if (!fix || !fix->place) continue;
@@ -77,11 +100,13 @@ void Measure(const LocateOptions& options, double wrong_share) {
   }
 }
 
-TEST(Coverage, MostLikely) { Measure({.method = "ml"}, 0); }
-TEST(Coverage, MostLikelyAmongWrongLines) { Measure({.method = "ml"}, 0.2); }
-TEST(Coverage, MostLikelyMoving) { Measure({.motion = "velocity"}, 0); }
-TEST(Coverage, Ransac) { Measure({.method = "ransac"}, 0); }
-TEST(Coverage, LeastSquares) { Measure({.method = "least-squares"}, 0); }
+TEST(Coverage, MostLikely) { Measure({.method = "ml"}, {}); }
+TEST(Coverage, MostLikelyAmongWrongLines) { Measure({.method = "ml"}, {.wrong_share = 0.2}); }
+TEST(Coverage, MostLikelyMoving) { Measure({.motion = "velocity"}, {}); }
+TEST(Coverage, MostLikelyOnHills) { Measure({.method = "ml"}, {.hills = true}); }
+TEST(Coverage, OneLineOnHills) { Measure({.method = "ground"}, {.one_line = true, .hills = true}); }
+TEST(Coverage, Ransac) { Measure({.method = "ransac"}, {}); }
+TEST(Coverage, LeastSquares) { Measure({.method = "least-squares"}, {}); }
 
 }  // namespace
 }  // namespace victorious

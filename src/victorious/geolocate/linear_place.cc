@@ -46,20 +46,23 @@ Matrix3d WeightOf(const Ray& ray) {
 // stays on the ground.
 Matrix3d PointFromError(const Ray& ray) {
   if (ray.range_source != RangeSource::kGround || ray.range_weight == 0) return Matrix3d::Identity();
-  return Matrix3d::Identity() - ray.forward * ray.up.transpose() / ray.forward.dot(ray.up);
+  return Matrix3d::Identity() - ray.forward * ray.normal.transpose() / ray.forward.dot(ray.normal);
 }
 
-Matrix3d OwnCovariance(const Ray& ray, double distance_m, const LocateOptions& options) {
-  const Matrix3d across = ray.side * ray.side.transpose() + ray.rise * ray.rise.transpose();
-  const double turn_m = distance_m * ray.sigma_rad;
-  const Matrix3d moved =
-      options.line.position_m * options.line.position_m * Matrix3d::Identity() + turn_m * turn_m * across;
-  const Matrix3d turned = PointFromError(ray);
-  Matrix3d covariance = turned * moved * turned.transpose();
-  if (ray.range_source == RangeSource::kMeasured) {
-    covariance += ray.sigma_range_m * ray.sigma_range_m * ray.forward * ray.forward.transpose();
-  }
-  return covariance;
+using OwnEffect = Eigen::Matrix<double, 3, 5>;
+
+// Columns: by how much one sigma of each of the ray's own errors, east, north, up, side, rise, moves the observed
+// point.
+OwnEffect OwnEffectOn(const Ray& ray, double distance_m, const LocateOptions& options) {
+  OwnEffect effect;
+  effect << options.line.position_m * Matrix3d::Identity(), distance_m * ray.sigma_rad * ray.side,
+      distance_m * ray.sigma_rad * ray.rise;
+  return PointFromError(ray) * effect;
+}
+
+Matrix3d RangeCovariance(const Ray& ray) {
+  if (ray.range_source != RangeSource::kMeasured) return Matrix3d::Zero();
+  return ray.sigma_range_m * ray.sigma_range_m * ray.forward * ray.forward.transpose();
 }
 
 using CommonEffect = Eigen::Matrix<double, 3, kCommonErrors + 1>;  // the last: the ground's height
@@ -75,9 +78,26 @@ CommonEffect CommonEffectOn(const Ray& ray, double distance_m, const LocateOptio
   if (ray.range_source == RangeSource::kMeasured) effect.col(6) = ray.range_m * ray.forward;
   effect.leftCols<kCommonErrors>() *= CommonSigmas(options.common).asDiagonal();
   if (ray.range_source == RangeSource::kGround) {
-    effect.col(kCommonErrors) = options.ground_sigma_m / ray.forward.dot(ray.up) * ray.forward;
+    effect.col(kCommonErrors) = options.ground_sigma_m * ray.ground_share * ray.forward;
   }
   return effect;
+}
+
+// The share of the rays' own errors, as told, that differs from ray to ray: what of it their offsets from the object
+// show. The rest is alike in all of them: a camera that stands still errs in one way, however often it looks.
+double OwnShare(std::span<const Ray> rays, const std::vector<bool>& chosen, const Motion& motion,
+                const LocateOptions& options) {
+  double squares = 0;
+  double freedom = options.motion == "velocity" ? -6 : -3;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (!chosen[i]) continue;
+    const Vector3d seen = motion.At(rays[i].time_s) - rays[i].camera;
+    const double along_m = seen.dot(rays[i].forward);
+    const double off2 = (seen - along_m * rays[i].forward).squaredNorm();
+    squares += off2 / (std::pow(along_m * rays[i].sigma_rad, 2) + std::pow(options.line.position_m, 2));
+    freedom += 2;
+  }
+  return freedom > 0 ? std::min(1.0, squares / freedom) : 1;
 }
 
 // What an unknown does to the point at the ray's time, transposed: place, then velocity.
@@ -173,12 +193,14 @@ std::optional<Motion> SolveBalanced(std::span<const Ray> rays, const std::vector
 }
 
 std::optional<MatrixXd> LinearCovariance(std::span<const Ray> rays, const std::vector<bool>& chosen,
-                                         const Motion& motion, const LocateOptions& options) {
+                                         const Motion& motion, const LocateOptions& options, bool as_one) {
   const bool moving = options.motion == "velocity";
   const Eigen::Index unknowns = moving ? 6 : 3;
   NormalSystem system(moving);
   const double feigned = FeignedFactor(std::ranges::count(chosen, true));
+  const double own_share = as_one ? OwnShare(rays, chosen, motion, options) : 1;
   MatrixXd own = MatrixXd::Zero(unknowns, unknowns);
+  MatrixXd alike = MatrixXd::Zero(unknowns, OwnEffect::ColsAtCompileTime);  // of the rays' own errors
   MatrixXd common = MatrixXd::Zero(unknowns, kCommonErrors + 1);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (!chosen[i]) continue;
@@ -187,12 +209,14 @@ std::optional<MatrixXd> LinearCovariance(std::span<const Ray> rays, const std::v
     const double distance_m = (motion.At(ray.time_s) - ray.camera).norm();
     system.Discount(ray, feigned * ray.sigma_rad * ray.sigma_rad);
     const MatrixXd gain = TransposedDesign(ray, unknowns) * WeightOf(ray);
-    own += gain * OwnCovariance(ray, distance_m, options) * gain.transpose();
+    const OwnEffect effect = OwnEffectOn(ray, distance_m, options);
+    own += gain * (own_share * effect * effect.transpose() + RangeCovariance(ray)) * gain.transpose();
+    alike += std::sqrt(1 - own_share) * gain * effect;
     common += gain * CommonEffectOn(ray, distance_m, options);
   }
   const auto inverse = system.Inverse();
   if (!inverse) return std::nullopt;
-  return MatrixXd(*inverse * (own + common * common.transpose()) * *inverse);
+  return MatrixXd(*inverse * (own + alike * alike.transpose() + common * common.transpose()) * *inverse);
 }
 
 std::vector<bool> KeepWithinFrusta(std::span<const Ray> rays, bool moving) {

@@ -58,8 +58,10 @@ std::optional<Motion> SolveBalanced(std::span<const Ray> rays, const std::vector
                                     const LocateOptions& options);
 
 /// The covariance of these solutions: each ray's own errors, and the common ones, carried through the system.
+/// @param as_one  the rays are as good as one: what their scatter does not show of their own errors is alike in all of
+///                them, and does not average out
 std::optional<Eigen::MatrixXd> LinearCovariance(std::span<const Ray> rays, const std::vector<bool>& chosen,
-                                                const Motion& motion, const LocateOptions& options);
+                                                const Motion& motion, const LocateOptions& options, bool as_one);
 
 /// Method `prior`: ray by ray in order of time; one that would pull the solution out of a kept ray's frustum, or lies
 /// apart from it, is left out.

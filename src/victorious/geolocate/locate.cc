@@ -40,11 +40,23 @@ bool MostlyBehind(std::span<const Ray> rays, const std::vector<bool>& chosen, co
   return 2 * behind > std::ranges::count(chosen, true);
 }
 
+// Of a ground that was told.
+std::string WhyNoGround(std::span<const Ray> rays) {
+  const auto all = [&](NoGround why) {
+    return std::ranges::all_of(rays, [&](const Ray& ray) { return ray.no_ground == why; });
+  };
+  if (all(NoGround::kBelow)) return "undetermined: the camera is below the ground";
+  if (all(NoGround::kUnknown))
+    return "undetermined: the line of sight leaves the terrain, or meets it where it has no height";
+  return "undetermined: no line of sight meets the ground";
+}
+
 std::string WhyOpen(std::span<const Ray> rays, const std::vector<bool>& chosen, const LocateOptions& options) {
   const auto count = std::ranges::count(chosen, true);
   if (count == 1 && rays.size() > 1) return WhyOpen(rays, std::vector<bool>(rays.size(), true), options);
-  if (count == 0) return "undetermined: no line of sight meets the ground";
+  if (count == 0) return WhyNoGround(rays);
   if (count == 1 && Moving(options)) return "undetermined: one line of sight alone tells no velocity";
+  if (count == 1 && options.ground && rays.size() == 1) return WhyNoGround(rays);
   if (count == 1) return "undetermined: one line of sight alone needs a range";
   const auto motion = SolveLinear(rays, chosen, Moving(options));
   if (!motion) {
@@ -53,16 +65,6 @@ std::string WhyOpen(std::span<const Ray> rays, const std::vector<bool>& chosen, 
   }
   if (MostlyBehind(rays, chosen, *motion)) return "undetermined: the lines of sight meet behind the camera";
   return "undetermined: the lines of sight do not meet within their errors";
-}
-
-Outcome SolveOver(std::span<const Ray> rays, std::vector<bool> chosen, const LocateOptions& options) {
-  auto motion = SolveLinear(rays, chosen, Moving(options));
-  if (!motion || MostlyBehind(rays, chosen, *motion)) return std::unexpected(WhyOpen(rays, chosen, options));
-  if (options.method == "prior" || options.method == "ransac") motion = SolveBalanced(rays, chosen, *motion, options);
-  if (!motion || MostlyBehind(rays, chosen, *motion)) return std::unexpected(WhyOpen(rays, chosen, options));
-  auto covariance = LinearCovariance(rays, chosen, *motion, options);
-  if (!covariance) return std::unexpected(kNoBaseline);
-  return Solution{*motion, *std::move(covariance), std::move(chosen)};
 }
 
 // A place that may as well be at the camera, or at twice the distance, is not told.
@@ -82,36 +84,90 @@ std::optional<std::string> WhyTooUncertain(std::span<const Ray> rays, const Solu
 }
 
 // Whether the lines tell the distance without any range.
-bool TellDistance(std::span<const Ray> rays, const Consensus& found, const LocateOptions& options) {
+bool TellDistance(std::span<const Ray> rays, const std::vector<bool>& chosen, const Motion& motion,
+                  const LocateOptions& options) {
   std::vector<Ray> blind(rays.begin(), rays.end());
   for (Ray& ray : blind) ray.range_weight = 0;
-  auto covariance = LinearCovariance(blind, found.inliers, found.motion, options);
+  auto covariance = LinearCovariance(blind, chosen, motion, options, false);
   if (!covariance) return false;
-  return !WhyTooUncertain(blind, {found.motion, *std::move(covariance), found.inliers}, options.largest_error_share);
+  return !WhyTooUncertain(blind, {motion, *std::move(covariance), chosen}, options.largest_error_share);
+}
+
+Outcome SolveOver(std::span<const Ray> rays, std::vector<bool> chosen, const LocateOptions& options) {
+  auto motion = SolveLinear(rays, chosen, Moving(options));
+  if (!motion || MostlyBehind(rays, chosen, *motion)) return std::unexpected(WhyOpen(rays, chosen, options));
+  if (options.method == "prior" || options.method == "ransac") motion = SolveBalanced(rays, chosen, *motion, options);
+  if (!motion || MostlyBehind(rays, chosen, *motion)) return std::unexpected(WhyOpen(rays, chosen, options));
+  const bool by_ranges = std::ranges::all_of(rays, [&](const Ray& ray) {
+    return !chosen[static_cast<std::size_t>(&ray - rays.data())] || ray.range_weight == 1;
+  });
+  const bool as_one = by_ranges || !TellDistance(rays, chosen, *motion, options);
+  auto covariance = LinearCovariance(rays, chosen, *motion, options, as_one);
+  if (!covariance) return std::unexpected(kNoBaseline);
+  return Solution{*motion, *std::move(covariance), std::move(chosen)};
+}
+
+// The place as it is if it is on the ground, too: by the errors of both. Nothing where the ground is not known, and for
+// what is too far from it: that is not on the ground.
+std::optional<Solution> OnGround(Solution solution, const TangentPlane& plane, const LocateOptions& options) {
+  constexpr int kRounds = 3;  // the ground is another under another place
+  const Solution told = solution;
+  for (int round = 0; round < kRounds; ++round) {
+    const auto patch = PatchBelow(*options.ground, plane, solution.motion.place);
+    if (!patch) return std::nullopt;
+    const Eigen::VectorXd gain = told.covariance.leftCols<3>() * patch->normal;
+    const double sigma_m = options.ground_sigma_m * (plane.LocalEnuFromEnu(patch->point) * patch->normal).z();
+    const double variance_m2 = patch->normal.dot(gain.head<3>()) + sigma_m * sigma_m;
+    const double off_m = patch->normal.dot(told.motion.place - patch->point);
+    if (off_m * off_m > options.gate_sigma * options.gate_sigma * variance_m2) return std::nullopt;
+    const Eigen::VectorXd moved = -off_m / variance_m2 * gain;
+    solution.motion.place = told.motion.place + moved.head<3>();
+    if (moved.size() == 6) solution.motion.velocity = told.motion.velocity + moved.tail<3>();
+    solution.covariance = told.covariance - gain * gain.transpose() / variance_m2;
+  }
+  return solution;
 }
 
 // The mean of where the ranges end, in which the lines' scatter has no say along them.
-Outcome SolveByRanges(std::span<const Ray> rays, std::vector<bool> chosen, const LocateOptions& options) {
+Outcome SolveByRanges(std::span<const Ray> rays, std::vector<bool> chosen, const TangentPlane& plane,
+                      const LocateOptions& options) {
   std::vector<Ray> ranged(rays.begin(), rays.end());
+  bool measured = true;
   for (std::size_t i = 0; i < ranged.size(); ++i) {
     chosen[i] = chosen[i] && ranged[i].range_source != RangeSource::kNone;
+    measured = measured && (!chosen[i] || ranged[i].range_source == RangeSource::kMeasured);
     ranged[i].range_weight = 1;
   }
-  if (std::ranges::none_of(chosen, std::identity())) return std::unexpected(kNoBaseline);
-  return SolveOver(ranged, std::move(chosen), options);
+  if (std::ranges::none_of(chosen, std::identity())) {
+    return std::unexpected(options.ground ? WhyNoGround(rays) : kNoBaseline);
+  }
+  auto outcome = SolveOver(ranged, std::move(chosen), options);
+  if (!outcome || !measured || !options.ground) return outcome;
+  auto on_ground = OnGround(*outcome, plane, options);
+  return on_ground ? Outcome(*std::move(on_ground)) : outcome;
 }
 
-Outcome SolveMostLikely(std::span<const Ray> rays, Consensus start, const TangentPlane& plane,
-                        const LocateOptions& options) {
-  if (!TellDistance(rays, start, options)) return SolveByRanges(rays, std::move(start.inliers), options);
-  std::optional<double> ground_up_m;
-  if (options.ground_height_m) ground_up_m = *options.ground_height_m - plane.origin().altitude_m;
-  auto refined = RefinePlace(rays, start.motion, start.inliers, ground_up_m, options);
+Outcome Refined(std::span<const Ray> rays, const Consensus& start, const TangentPlane& plane,
+                const LocateOptions& options) {
+  auto refined = RefinePlace(rays, start.motion, start.inliers, plane, options);
   if (!refined) return std::unexpected(kNoBaseline);
   if (MostlyBehind(rays, refined->inliers, refined->motion)) {
     return std::unexpected("undetermined: the lines of sight meet behind the camera");
   }
   return Solution{refined->motion, std::move(refined->covariance), std::move(refined->inliers)};
+}
+
+Outcome SolveMostLikely(std::span<const Ray> rays, Consensus start, const TangentPlane& plane,
+                        const LocateOptions& options) {
+  if (!TellDistance(rays, start.inliers, start.motion, options)) {
+    return SolveByRanges(rays, std::move(start.inliers), plane, options);
+  }
+  if (!options.ground) return Refined(rays, start, plane, options);
+  LocateOptions anywhere = options;
+  anywhere.ground.reset();
+  Outcome free = Refined(rays, start, plane, anywhere);
+  if (free && !OnGround(*free, plane, options)) return free;
+  return Refined(rays, start, plane, options);
 }
 
 Outcome Solve(std::span<const Ray> rays, const TangentPlane& plane, const LocateOptions& options) {
@@ -227,8 +283,9 @@ GeoFix LocateByEvidence(std::span<const LineOfSight> lines, const LocateOptions&
 Expected<GeoFix> Locate(std::span<const LineOfSight> lines, const LocateOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   if (lines.empty()) return Fail(ErrorCode::kInvalidArgument, "no lines of sight: give at least one");
-  if (options.method == "ground" && !options.ground_height_m) {
-    return Fail(ErrorCode::kInvalidArgument, "the method ground needs the height of the ground (--ground METRES)");
+  if (options.method == "ground" && !options.ground) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "the method ground needs the ground: its height (--ground METRES) or a terrain (--terrain FILE.tif)");
   }
   if (options.motion == "auto") return LocateByEvidence(lines, options);
   return LocateAs(options.motion, lines, options).fix;

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <memory>
 #include <string>
 
 #include "victorious/base/options.h"
+#include "victorious/geometry/ground.h"
 
 namespace victorious {
 
@@ -69,7 +70,7 @@ struct LocateOptions {
   std::uint64_t seed = 1;
   LineErrorOptions line;
   CommonErrorOptions common;
-  std::optional<double> ground_height_m;  ///< of flat ground above the ellipsoid: told with the lines, no parameter
+  std::shared_ptr<const Ground> ground;  ///< that objects are on, if any: told with the lines, no parameter
 
   void ListFields(FieldList& fields) {
     fields.Add("motion", motion,

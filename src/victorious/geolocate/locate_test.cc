@@ -1,11 +1,14 @@
 #include "victorious/geolocate/locate.h"
 
 #include <cmath>
+#include <functional>
+#include <memory>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "testing/drawn_ground.h"
 #include "testing/drawn_lines.h"
 #include "victorious/geometry/angles.h"
 
@@ -13,6 +16,7 @@ namespace victorious {
 namespace {
 
 using testing::DrawLinesOfSight;
+using testing::DrawnGround;
 using testing::DrawnLines;
 using ::testing::HasSubstr;
 
@@ -109,7 +113,7 @@ TEST_P(EachMethod, ACameraThatStandsStillTellsNoDistanceHoweverManyItsLines) {
 TEST(Locate, OnTheGroundTheEllipseOfACameraThatStandsStillDoesNotShrink) {
   for (const std::string method : {"ground", "ml"}) {
     LocateOptions options{.method = method};
-    options.ground_height_m = 5;
+    options.ground = std::make_shared<FlatGround>(5);
     std::vector<double> ce90_m;
     for (const int count : {20, 4000}) {
       const DrawnLines drawn =
@@ -140,6 +144,23 @@ TEST_P(EachMethod, KeepsTheEllipseOfManyLinesAboveTheCommonErrors) {
   ASSERT_TRUE(few.place && many.place) << few.status << many.status;
   EXPECT_GT(many.place->ce90_m, 3 * 2.146 * 0.99);  // what 3 m along each axis alone give
   EXPECT_GT(many.place->ce90_m, 0.8 * few.place->ce90_m);
+}
+
+// A camera that stands still errs in one way, however often it looks: what the lines' scatter does not show of their
+// own errors is alike in all of them.
+TEST(Locate, OneLineTakenManyTimesTellsNoMoreThanOnce) {
+  const DrawnLines drawn = DrawLinesOfSight({.count = 1});
+  const std::vector<LineOfSight> many(50, drawn.lines.front());
+  for (const std::string method : {"ground", "prior", "ransac", "ml"}) {
+    LocateOptions options{.method = method};
+    options.ground = std::make_shared<FlatGround>(drawn.object.altitude_m);
+    const GeoFix once = Located(drawn.lines, options);
+    const GeoFix again = Located(many, options);
+    ASSERT_TRUE(once.place && again.place) << method;
+    EXPECT_LT(ErrorOf(again, drawn.object), 0.02) << method;
+    EXPECT_GE(again.place->ce90_m, 0.999 * once.place->ce90_m) << method;
+    EXPECT_LE(again.place->ce90_m, 1.1 * once.place->ce90_m) << method;
+  }
 }
 
 TEST(Locate, SetsWrongLinesAside) {
@@ -176,7 +197,7 @@ TEST(Locate, GroundGivesOneLineItsPlace) {
   const DrawnLines drawn = DrawLinesOfSight({.count = 1});
   for (const std::string method : {"ground", "prior", "ml"}) {
     LocateOptions options{.method = method};
-    options.ground_height_m = drawn.object.altitude_m;
+    options.ground = std::make_shared<FlatGround>(drawn.object.altitude_m);
     const GeoFix fix = Located(drawn.lines, options);
     EXPECT_LT(ErrorOf(fix, drawn.object), 0.02) << method;
     ASSERT_TRUE(fix.place) << method;
@@ -186,11 +207,89 @@ TEST(Locate, GroundGivesOneLineItsPlace) {
   }
 }
 
+// A hillside that rises by one in two to the north, seen from the south.
+TEST(Locate, TerrainGivesOneLineItsPlace) {
+  const testing::DrawnLinesOptions flight{.count = 1};
+  const DrawnLines drawn = DrawLinesOfSight(flight);
+  const double height_m = drawn.object.altitude_m;
+  LocateOptions options{.method = "ml"};
+  options.ground =
+      std::make_shared<DrawnGround>(drawn.object, [=](double, double north_m) { return height_m + 0.5 * north_m; });
+  for (const std::string method : {"ground", "prior", "ml"}) {
+    options.method = method;
+    const GeoFix fix = Located(drawn.lines, options);
+    EXPECT_LT(ErrorOf(fix, drawn.object), 0.02) << method << ": " << fix.status;
+    ASSERT_TRUE(fix.place);
+    // What errs along the ground errs along the slope.
+    const Eigen::Vector3d across = Eigen::Vector3d(0, -0.5, 1).normalized();
+    const double across_sigma_m = std::sqrt(across.dot(fix.place->covariance_enu_m2 * across));
+    EXPECT_NEAR(across_sigma_m, options.ground_sigma_m * across.z(), 0.05) << method;
+  }
+}
+
+TEST(Locate, SaysWhyALineMeetsNoTerrain) {
+  const DrawnLines drawn = DrawLinesOfSight({.count = 1});
+  const auto status_on = [&](const std::function<double(double, double)>& height) {
+    LocateOptions options{.method = "ground"};
+    options.ground = std::make_shared<DrawnGround>(drawn.object, height);
+    const GeoFix fix = Located(drawn.lines, options);
+    EXPECT_FALSE(fix.place);
+    return fix.status;
+  };
+  EXPECT_THAT(status_on([](double, double) { return 9999.0; }), HasSubstr("below the ground"));
+  EXPECT_THAT(status_on([](double, double) { return std::nan(""); }), HasSubstr("leaves the terrain"));
+}
+
+TEST(Locate, TerrainIsAPriorOfManyLinesOnASlope) {
+  const DrawnLines drawn = DrawLinesOfSight({.noise_position_m = 2, .noise_deg = 0.5});
+  const double height_m = drawn.object.altitude_m;
+  LocateOptions options;
+  const GeoFix without = Located(drawn.lines, options);
+  options.ground = std::make_shared<DrawnGround>(
+      drawn.object, [=](double east_m, double north_m) { return height_m + 0.4 * east_m - 0.3 * north_m; });
+  options.ground_sigma_m = 0.2;
+  const GeoFix with = Located(drawn.lines, options);
+  ASSERT_TRUE(without.place && with.place);
+  const Eigen::Vector3d across = Eigen::Vector3d(-0.4, 0.3, 1).normalized();
+  EXPECT_LT(across.dot(with.place->covariance_enu_m2 * across), 0.05);
+  EXPECT_LT(std::abs(across.dot(TangentPlane(drawn.object).EnuFromGeodetic(with.place->point))), 0.5);
+  EXPECT_LT(with.place->ce90_m, without.place->ce90_m);
+}
+
+TEST(Locate, WhatFliesIsNotDrawnToTheGround) {
+  const DrawnLines drawn = DrawLinesOfSight({.noise_position_m = 0.1, .noise_deg = 0.1});
+  LocateOptions options;
+  const GeoFix without = Located(drawn.lines, options);
+  options.ground = std::make_shared<FlatGround>(drawn.object.altitude_m - 60);
+  const GeoFix with = Located(drawn.lines, options);
+  ASSERT_TRUE(without.place && with.place);
+  EXPECT_NEAR(ErrorOf(with, drawn.object), ErrorOf(without, drawn.object), 1e-3);
+}
+
+// Ranges that err by a fifth, and ground that is known to half a metre.
+TEST(Locate, GroundMendsPlacesByRange) {
+  const DrawnLines drawn = DrawLinesOfSight({.seed = 5, .count = 5, .arc_deg = 0, .range_share = 0.2});
+  LocateOptions options;
+  options.line.range_share = 0.2;
+  options.common.range_share = 0.1;
+  const GeoFix by_range = Located(drawn.lines, options);
+  options.ground = std::make_shared<FlatGround>(drawn.object.altitude_m);
+  options.ground_sigma_m = 0.5;
+  const GeoFix on_ground = Located(drawn.lines, options);
+  ASSERT_TRUE(by_range.place && on_ground.place);
+  EXPECT_LT(ErrorOf(on_ground, drawn.object), 0.2 * ErrorOf(by_range, drawn.object));
+  EXPECT_LT(on_ground.place->le90_m, 0.2 * by_range.place->le90_m);
+  EXPECT_LT(on_ground.place->ce90_m, by_range.place->ce90_m);
+  // Far above the ground it stands on nothing.
+  options.ground = std::make_shared<FlatGround>(drawn.object.altitude_m - 190);
+  EXPECT_NEAR(ErrorOf(Located(drawn.lines, options), drawn.object), ErrorOf(by_range, drawn.object), 1e-6);
+}
+
 TEST(Locate, GroundIsAPriorOfManyLines) {
   const DrawnLines drawn = DrawLinesOfSight({.noise_position_m = 2, .noise_deg = 0.5});
   LocateOptions options;
   const GeoFix without = Located(drawn.lines, options);
-  options.ground_height_m = drawn.object.altitude_m;
+  options.ground = std::make_shared<FlatGround>(drawn.object.altitude_m);
   options.ground_sigma_m = 0.5;
   const GeoFix with = Located(drawn.lines, options);
   ASSERT_TRUE(without.place && with.place);

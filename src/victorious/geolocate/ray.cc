@@ -24,27 +24,36 @@ void SetDirection(const LineOfSight& line, const TangentPlane& plane, Ray& ray) 
   ray.side = plane_from_local * Eigen::Vector3d(cos_azimuth, -sin_azimuth, 0);
   ray.rise =
       plane_from_local * Eigen::Vector3d(-sin_azimuth * sin_elevation, -cos_azimuth * sin_elevation, ray.cos_elevation);
-  ray.up = plane_from_local * Eigen::Vector3d::UnitZ();
 }
 
 // A line that tells no range gets that to the ground, where it meets it.
-void SetRange(const LineOfSight& line, const LocateOptions& options, Ray& ray) {
+void SetRange(const LineOfSight& line, const TangentPlane& plane, const LocateOptions& options, Ray& ray) {
   if (line.range_m) {
     ray.range_source = RangeSource::kMeasured;
     ray.range_m = *line.range_m;
     ray.sigma_range_m = line.sigma_range_m.value_or(options.line.range_share * ray.range_m);
     return;
   }
-  if (!options.ground_height_m) return;
-  const double fall = -ray.forward.dot(ray.up);
-  const double height_m = line.camera.altitude_m - *options.ground_height_m;
-  constexpr double kLeastFall = 0.01;  // flatter than half a degree, a line meets the ground anywhere
-  if (fall < kLeastFall || height_m <= kNearestM) return;
+  if (!options.ground) return;
+  const double height_sigma_m = std::hypot(options.ground_sigma_m, options.line.position_m, options.common.height_m);
+  const auto patch = MeetGround(*options.ground, plane, ray.camera, ray.forward, options.gate_sigma * height_sigma_m);
+  if (!patch) {
+    ray.no_ground = patch.error();
+    return;
+  }
+  const double range_m = (patch->point - ray.camera).dot(ray.forward);
+  if (range_m <= kNearestM) {
+    ray.no_ground = NoGround::kBelow;
+    return;
+  }
   ray.range_source = RangeSource::kGround;
-  ray.range_m = height_m / fall;
-  const double slide = ray.range_m * ray.cos_elevation * ray.sigma_rad;
+  ray.range_m = range_m;
+  ray.normal = patch->normal;
+  const double towards = -ray.forward.dot(ray.normal);
+  ray.ground_share = (plane.LocalEnuFromEnu(patch->point) * ray.normal).z() / towards;
+  const double slide_m = range_m * ray.sigma_rad * std::hypot(ray.rise.dot(ray.normal), ray.side.dot(ray.normal));
   ray.sigma_range_m =
-      std::sqrt(Square(options.ground_sigma_m) + Square(options.line.position_m) + Square(slide)) / fall;
+      std::hypot(options.ground_sigma_m * ray.ground_share, std::hypot(options.line.position_m, slide_m) / towards);
 }
 
 // least-squares knows no ranges, save of a line that is alone: that one goes its prior's way.
@@ -93,7 +102,7 @@ std::vector<Ray> MakeRays(std::span<const LineOfSight> lines, const TangentPlane
     ray.camera = plane.EnuFromGeodetic(line.camera);
     ray.sigma_rad = line.sigma_rad.value_or(RadiansFromDegrees(options.line.angle_deg));
     SetDirection(line, plane, ray);
-    SetRange(line, options, ray);
+    SetRange(line, plane, options, ray);
     ray.range_weight = RangeWeight(ray, options, lines.size() == 1);
     ray.frustum = FrustumOf(ray, options);
     rays.push_back(ray);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,12 +31,14 @@ struct Ray {
   Eigen::Vector3d forward;
   Eigen::Vector3d side;
   Eigen::Vector3d rise;
-  Eigen::Vector3d up;        ///< at the camera
   double cos_elevation = 1;  ///< what a heading error does to the direction
   double sigma_rad = 0;
   RangeSource range_source = RangeSource::kNone;
   double range_m = 0;
   double sigma_range_m = 0;
+  Eigen::Vector3d normal;             ///< of the ground where the range ends, if that is from the ground
+  double ground_share = 0;            ///< by how much the range changes with the ground's height there, m/m
+  std::optional<NoGround> no_ground;  ///< why there is no range from a ground that was told
   double range_weight = 0;  ///< of the range in the linear systems, beside 1 for each direction across the ray
   Frustum frustum;
 };

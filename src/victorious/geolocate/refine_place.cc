@@ -76,15 +76,15 @@ struct RangeError {
   }
 };
 
-// The ground bends away from the plane with the Earth.
+// The ground as it lies straight below the place that a round starts from.
 struct GroundError {
-  double up_m;
-  double sigma_m;
+  GroundPatch patch;
+  double sigma_m;  // across the ground
 
   template <typename T>
   bool operator()(const T* place, T* residual) const {
-    constexpr double kEarthRadiusM = 6371e3;
-    residual[0] = (place[2] + (place[0] * place[0] + place[1] * place[1]) / (2 * kEarthRadiusM) - up_m) / sigma_m;
+    residual[0] = T(0);
+    for (int k = 0; k < 3; ++k) residual[0] += patch.normal[k] * (place[k] - patch.point[k]) / sigma_m;
     return true;
   }
 };
@@ -143,8 +143,8 @@ std::optional<Eigen::MatrixXd> Covariance(const Eigen::MatrixXd& normal, const s
 
 class Refinement {
  public:
-  Refinement(std::span<const Ray> rays, std::optional<double> ground_up_m, const LocateOptions& options)
-      : rays_(rays), ground_up_m_(ground_up_m), options_(options), sigmas_(CommonSigmas(options.common)) {}
+  Refinement(std::span<const Ray> rays, const TangentPlane& plane, const LocateOptions& options)
+      : rays_(rays), plane_(plane), options_(options), sigmas_(CommonSigmas(options.common)) {}
 
   /// One minimisation with the sights as at the start; the covariance where it exists.
   std::optional<Eigen::MatrixXd> Minimise(const std::vector<bool>& inliers, double noise_factor, Estimate& estimate) {
@@ -169,16 +169,17 @@ class Refinement {
     }
     problem.AddResidualBlock(
         new ceres::AutoDiffCostFunction<CommonPrior, kCommonErrors, kCommonErrors>(new CommonPrior), nullptr, common);
-    if (ground_up_m_) {
-      problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<GroundError, 1, 3>(new GroundError{*ground_up_m_, options_.ground_sigma_m}),
-          nullptr, place);
+    const auto patch = options_.ground ? PatchBelow(*options_.ground, plane_, estimate.place) : std::nullopt;
+    if (patch) {
+      const double sigma_m = options_.ground_sigma_m * (plane_.LocalEnuFromEnu(patch->point) * patch->normal).z();
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<GroundError, 1, 3>(new GroundError{*patch, sigma_m}),
+                               nullptr, place);
     }
     // To the lines, the place is nearly the same as the flight's errors in position, elevation and range factor: were
     // these free, the lines' own errors would choose. They stay 0 and widen the ellipse; a known ground tells the first
     // two apart.
     std::vector<int> held = {6};
-    if (!ground_up_m_) held = {0, 1, 2, 5, 6};
+    if (!patch) held = {0, 1, 2, 5, 6};
     problem.SetManifold(common, new ceres::SubsetManifold(kCommonErrors, held));
     std::vector<double*> free = {place, velocity, common};
     if (options_.motion == "static") {
@@ -270,7 +271,7 @@ class Refinement {
   }
 
   std::span<const Ray> rays_;
-  std::optional<double> ground_up_m_;
+  const TangentPlane& plane_;
   const LocateOptions& options_;
   CommonVector sigmas_;
 };
@@ -278,8 +279,8 @@ class Refinement {
 }  // namespace
 
 std::optional<RefinedPlace> RefinePlace(std::span<const Ray> rays, const Motion& start, std::vector<bool> inliers,
-                                        std::optional<double> ground_up_m, const LocateOptions& options) {
-  Refinement refinement(rays, ground_up_m, options);
+                                        const TangentPlane& plane, const LocateOptions& options) {
+  Refinement refinement(rays, plane, options);
   Estimate estimate{start.place, start.velocity};
   double noise_factor = 1;
   std::optional<Eigen::MatrixXd> covariance;

@@ -27,8 +27,8 @@ struct RefinedPlace {
 };
 
 /// Refines `start`, choosing the inliers anew between rounds. Nothing where the rays leave the place open.
-/// @param ground_up_m  the ground's height above the plane's origin, if known
+/// @param plane  that the rays are in
 std::optional<RefinedPlace> RefinePlace(std::span<const Ray> rays, const Motion& start, std::vector<bool> inliers,
-                                        std::optional<double> ground_up_m, const LocateOptions& options);
+                                        const TangentPlane& plane, const LocateOptions& options);
 
 }  // namespace victorious

@@ -34,6 +34,7 @@ void VideoOptions::ListFields(FieldList& fields) {
 void IndexOptions::ListFields(FieldList& fields) {
   ListSearchFields(fields);
   fields.AddGroup("objects", objects);
+  fields.AddGroup("ground", ground);
 }
 
 void IndexOptions::ListSearchFields(FieldList& fields) {

@@ -11,6 +11,7 @@
 #include "victorious/recognize/category_finder.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/telemetry/telemetry.h"
+#include "victorious/terrain/terrain.h"
 
 namespace victorious {
 
@@ -47,6 +48,7 @@ struct IndexOptions {
   FollowOptions follow;
   RunOptions runs;
   ObjectOptions objects;
+  GroundOptions ground;
   KeepOptions keep;
   int every = 1;
 

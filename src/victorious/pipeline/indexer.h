@@ -45,10 +45,11 @@ struct IndexJob {
 class Indexer {
  public:
   /// @param categories  sought beside the models
+  /// @param warn        of the ground that the options tell
   /// Errors: parameters out of range; a model of another feature engine, or of a category's name; those of
-  /// CategoryFinder.
+  /// CategoryFinder and of MakeGround.
   static Expected<Indexer> Create(std::vector<ObjectModel> models, const IndexOptions& options,
-                                  std::optional<CategoryModel> categories = {});
+                                  std::optional<CategoryModel> categories = {}, const WarningSink& warn = {});
 
   /// Goes on where an earlier run stopped, searches new models alone in what was indexed before, and doubles nothing.
   /// Progress is stored every few seconds together with what was found, so that a kill loses no more than that.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -195,6 +196,25 @@ TEST(ObjectList, TheLongerTheSearchTheClearerMustAFindBe) {
   EXPECT_THAT(ObjectsFrom({longer}, {}, 100'000)[0].rejected, HasSubstr("100000 frames"));
   EXPECT_EQ(ObjectsFrom({clear}, {}, 100'000)[0].rejected, "");
   EXPECT_EQ(ObjectsFrom({faint}, {.false_share = 0}, 100'000)[0].rejected, "");
+}
+
+TEST(ObjectList, ObjectsStandOnTheGroundThatIsTold) {
+  // Telemetry is 3 m too high: the lines alone cannot know.
+  const Seen seen{.id = 1, .place_enu = {0, 0, 1}, .noise_rad = 1e-3, .camera_bias_enu = {0, 0, 3}};
+  ObjectOptions options;
+  EXPECT_NEAR(PlaceOf(ObjectsFrom({seen}, options)[0]).z(), 4, 1);
+  options.middle_above_ground_m = 1;
+  options.middle_sigma_m = 0.1;
+  options.locate.ground_sigma_m = 0.1;
+  options.SetGround(std::make_shared<FlatGround>(kOrigin.altitude_m));
+  const ObjectRecord on_ground = ObjectsFrom({seen}, options)[0];
+  EXPECT_NEAR(PlaceOf(on_ground).z(), 1, 0.3);
+  EXPECT_LT(on_ground.place->le90_m, 0.5);
+  EXPECT_EQ(on_ground.rejected, "");
+  // What flies stays where its lines meet.
+  const ObjectRecord flying = ObjectsFrom({{.id = 1, .place_enu = {0, 0, 31}}}, options)[0];
+  EXPECT_NEAR(PlaceOf(flying).z(), 31, 1);
+  EXPECT_EQ(flying.rejected, "");
 }
 
 TEST(ObjectList, LinesThatDoNotMeetAreNoObject) {

@@ -1,5 +1,8 @@
 #include "victorious/pipeline/object_options.h"
 
+#include <cmath>
+#include <utility>
+
 namespace victorious {
 
 void ObjectOptions::ListFields(FieldList& fields) {
@@ -58,7 +61,20 @@ void ObjectOptions::ListFields(FieldList& fields) {
               .unit = "",
               .reason = "how often, for each frame searched for each model, chance gives even odds; what is so faint "
                         "that chance gives one in all that was searched is rejected; 0 rejects none"});
+  fields.Add(
+      "middle_above_ground_m", middle_above_ground_m,
+      {.min = -100,
+       .max = 1e4,
+       .unit = "m",
+       .reason = "how far the middle of objects is above the ground, where that is told: half a vehicle's height"});
+  fields.Add("middle_sigma_m", middle_sigma_m,
+             {.min = 0, .max = 1e4, .unit = "m", .reason = "sigma of that, beside the ground's own"});
   fields.AddGroup("locate", locate);
+}
+
+void ObjectOptions::SetGround(std::shared_ptr<const Ground> ground) {
+  locate.ground = std::make_shared<const RaisedGround>(std::move(ground), middle_above_ground_m);
+  locate.ground_sigma_m = std::hypot(locate.ground_sigma_m, middle_sigma_m);
 }
 
 LocateOptions ObjectOptions::InVideo() {

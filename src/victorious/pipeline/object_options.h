@@ -1,6 +1,8 @@
 // The parameters of what makes objects of runs: where they are, which runs are one, which are false.
 #pragma once
 
+#include <memory>
+
 #include "victorious/base/options.h"
 #include "victorious/geolocate/locate_options.h"
 
@@ -17,9 +19,14 @@ struct ObjectOptions {
   double floating_m = 15;
   double least_apart_m = 1.5;
   double false_share = 0.016;
+  double middle_above_ground_m = 1.2;
+  double middle_sigma_m = 1;
   LocateOptions locate = InVideo();
 
   void ListFields(FieldList& fields);
+
+  /// Objects stand on it: their middle is above it as far as the parameters say.
+  void SetGround(std::shared_ptr<const Ground> ground);
 
   /// Lines from one video err little from frame to frame; what they err more than told is measured.
   static LocateOptions InVideo();

@@ -59,8 +59,10 @@ Place LastPlace(std::span<const LineOfSight> lines, const Place& by_all, LocateO
   return fix && fix->place ? *fix->place : by_all;
 }
 
-// Where the lines meet if their ranges are left out, the ranges tell how large the object would be.
-std::optional<double> TooLarge(std::vector<LineOfSight> lines, const LocateOptions& locate, double least_agreeing) {
+// Where the lines meet if their ranges are left out, whatever the ground, the ranges tell how large the object would
+// be.
+std::optional<double> TooLarge(std::vector<LineOfSight> lines, LocateOptions locate, double least_agreeing) {
+  locate.ground.reset();
   std::vector<double> ranges_m;
   for (LineOfSight& line : lines) {
     if (!line.range_m) return std::nullopt;

@@ -9,6 +9,7 @@
 
 #include "victorious/evaluate/experiments/category_experiments.h"
 #include "victorious/evaluate/experiments/match_experiments.h"
+#include "victorious/evaluate/experiments/place_experiments.h"
 #include "victorious/evaluate/experiments/recognition_experiments.h"
 #include "victorious/evaluate/experiments/system_experiments.h"
 
@@ -62,6 +63,10 @@ std::span<const Experiment> Experiments() {
                  &RunTableBoxes},
       Experiment{"figure-calibration", "Whether scores of detections are probabilities", &RunFigureCalibration},
       Experiment{"table-stance", "Errors of view and distance, by how the camera is known", &RunTableStance},
+      Experiment{"table-cheyenne", "Places by a real flight's stares, beside the recorded frame centres",
+                 &RunTableCheyenne},
+      Experiment{"table-brighton", "One thing in several photos: whether it comes out at one place", &RunTableBrighton},
+      Experiment{"table-control-points", "Surveyed points, placed by cameras that do not move", &RunTableControlPoints},
   };
   return kExperiments;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <regex>
 #include <sstream>
 #include <utility>
@@ -14,11 +13,10 @@
 
 #include "victorious/base/file.h"
 #include "victorious/base/json.h"
+#include "victorious/evaluate/experiments/pose_by_points.h"
 #include "victorious/evaluate/experiments/video_frames.h"
-#include "victorious/geolocate/object_pose.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/render/load_mesh.h"
-#include "victorious/render/view_sphere.h"
 #include "victorious/video/image_file.h"
 
 namespace victorious {
@@ -107,28 +105,15 @@ struct Click {
   Vector2d at_px;
 };
 
-// How the camera stood, the mesh being the world: from all sides, the one from which the clicks fit best.
+// How the camera stood, the mesh being the world.
 Rigid3 PoseByClicks(std::span<const Click> clicks, const Mesh& mesh, const PinholeCamera& camera) {
   const Vector3d middle = BoundingBox(mesh).center();
   std::vector<SeenPoint> points;
   for (const auto& [corner, at_px] : clicks) {
     points.push_back({mesh.positions[corner].cast<double>() - middle, camera.RayOf(at_px).head<2>()});
   }
-  Rigid3 best;
-  double least = std::numeric_limits<double>::infinity();
-  const Expected<ViewSphere> sphere = MakeViewSphere({.step_deg = 20, .max_off_nadir_deg = 80});
-  for (const ViewSphere::View& view : sphere->views) {
-    const auto pose = FitObjectPose(points, CameraFromModel(view.direction),
-                                    {.sigma = 1 / camera.fx, .sigma_view_rad = 10, .hypotheses = 0});
-    if (!pose) continue;
-    double off2 = 0;
-    for (const SeenPoint& point : points) {
-      off2 += (pose->camera_from_object.Apply(point.point).hnormalized() - point.seen).squaredNorm();
-    }
-    if (off2 >= least) continue;
-    least = off2;
-    best = pose->camera_from_object;
-  }
+  const auto pose = PoseByPoints(points, 1 / camera.fx);
+  const Rigid3 best = pose ? pose->camera_from_object : Rigid3();
   return {best.rotation, best.translation - best.rotation * middle};
 }
 

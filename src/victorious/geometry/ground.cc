@@ -1,0 +1,122 @@
+#include "victorious/geometry/ground.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace victorious {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kFarthestM = 2e5;  // beyond it nothing is seen from the air
+constexpr double kHighestM = 9000;  // above it there is no ground to come
+constexpr double kSettledM = 1e-3;
+constexpr double kLeastFall = 0.01;  // flatter than half a degree, a ray meets the ground anywhere
+
+// A ray and the ground under it.
+class Descent {
+ public:
+  Descent(const Ground& ground, const TangentPlane& plane, const Vector3d& from, const Vector3d& along)
+      : ground_(ground), plane_(plane), from_(from), along_(along) {}
+
+  [[nodiscard]] Vector3d PointAt(double distance_m) const { return from_ + distance_m * along_; }
+
+  // How far the ray is above the ground there; nothing where the ground is not known.
+  [[nodiscard]] std::optional<double> ClearanceAt(double distance_m) const {
+    const GeodeticPoint point = plane_.GeodeticFromEnu(PointAt(distance_m));
+    const auto height_m = ground_.HeightAt(point);
+    if (!height_m) return std::nullopt;
+    return point.altitude_m - *height_m;
+  }
+
+  // By how much a metre along the ray brings it down, at most 1; below 0 where it rises.
+  [[nodiscard]] double FallAt(double distance_m) const {
+    return -(plane_.LocalEnuFromEnu(PointAt(distance_m)) * along_).z();
+  }
+
+  // How far it may go on without passing the ground; over ground that is not known, a hundredth of the way so far.
+  [[nodiscard]] double StepAt(double distance_m, const std::optional<double>& clearance_m) const {
+    constexpr double kUnknownShare = 0.01;
+    const double fall = FallAt(distance_m);
+    const double level = std::sqrt(std::max(0.0, 1 - fall * fall));
+    const double least_m = ground_.Spacing() / 2 / std::max(level, kLeastFall);
+    if (!clearance_m) return std::max(least_m, kUnknownShare * distance_m);
+    const double closing = ground_.Steepest() * level + fall;  // m of clearance, at most, a metre along
+    return closing > 0 ? std::max(least_m, *clearance_m / closing) : kFarthestM;
+  }
+
+  [[nodiscard]] bool IsAboveAll(double distance_m) const {
+    return plane_.GeodeticFromEnu(PointAt(distance_m)).altitude_m > kHighestM && FallAt(distance_m) <= 0;
+  }
+
+  // Between a point above the ground and one below it, or on it.
+  [[nodiscard]] std::optional<double> CrossingBetween(double above_m, double below_m) const {
+    while (below_m - above_m > kSettledM) {
+      const double middle_m = (above_m + below_m) / 2;
+      const auto clearance_m = ClearanceAt(middle_m);
+      if (!clearance_m) return std::nullopt;
+      (*clearance_m > 0 ? above_m : below_m) = middle_m;
+    }
+    return below_m;
+  }
+
+ private:
+  const Ground& ground_;
+  const TangentPlane& plane_;
+  Vector3d from_;
+  Vector3d along_;
+};
+
+}  // namespace
+
+std::optional<GroundPatch> PatchBelow(const Ground& ground, const TangentPlane& plane, const Vector3d& point_in_plane) {
+  GeodeticPoint below = plane.GeodeticFromEnu(point_in_plane);
+  const auto height_m = ground.HeightAt(below);
+  if (!height_m) return std::nullopt;
+  below.altitude_m = *height_m;
+  const TangentPlane local(below);
+  const auto height_at = [&](double east_m, double north_m) {
+    return ground.HeightAt(local.GeodeticFromEnu({east_m, north_m, 0})).value_or(*height_m);
+  };
+  const double half_m = ground.Spacing() / 2;
+  const Vector3d normal(height_at(-half_m, 0) - height_at(half_m, 0), height_at(0, -half_m) - height_at(0, half_m),
+                        2 * half_m);
+  const Vector3d point = plane.EnuFromGeodetic(below);
+  return GroundPatch{point, plane.LocalEnuFromEnu(point).conjugate() * normal.normalized()};
+}
+
+std::expected<GroundPatch, NoGround> MeetGround(const Ground& ground, const TangentPlane& plane, const Vector3d& from,
+                                                const Vector3d& along, double slack_m) {
+  const Descent descent(ground, plane, from, along);
+  std::optional<double> above_m;  // the last point that is known to be above the ground, if nothing unknown came since
+  bool emerging = false;          // it started a little below
+  bool known = false;
+  double distance_m = 0;
+  while (distance_m < kFarthestM) {
+    const auto clearance_m = descent.ClearanceAt(distance_m);
+    known = clearance_m.has_value();
+    if (!clearance_m) {
+      above_m.reset();
+    } else if (*clearance_m > kSettledM) {
+      above_m = distance_m;
+      emerging = false;
+    } else if (above_m) {
+      const auto met_m = descent.CrossingBetween(*above_m, distance_m);
+      const auto patch = met_m ? PatchBelow(ground, plane, descent.PointAt(*met_m)) : std::nullopt;
+      if (!patch) return std::unexpected(NoGround::kUnknown);
+      if (-along.dot(patch->normal) < kLeastFall) return std::unexpected(NoGround::kAbove);
+      return *patch;
+    } else if (distance_m == 0 || emerging) {
+      if (*clearance_m < -slack_m) return std::unexpected(NoGround::kBelow);
+      emerging = true;
+    } else {
+      return std::unexpected(NoGround::kUnknown);  // it went below where the ground is not known
+    }
+    if (descent.IsAboveAll(distance_m)) break;
+    distance_m += descent.StepAt(distance_m, above_m ? clearance_m : std::nullopt);
+  }
+  if (emerging) return std::unexpected(NoGround::kBelow);
+  return std::unexpected(known ? NoGround::kAbove : NoGround::kUnknown);
+}
+
+}  // namespace victorious

@@ -1,0 +1,32 @@
+#include <fmt/format.h>
+
+#include "victorious/terrain/terrain.h"
+
+namespace victorious {
+
+void GroundOptions::ListFields(FieldList& fields) {
+  fields.Add("height_m", height_m,
+             {.min = -9999, .max = 1e5, .unit = "m", .reason = "of flat ground above the ellipsoid; -9999: not told"});
+  fields.Add("terrain", terrain, {.reason = "a GeoTIFF of heights; empty: none"});
+  fields.Add("vertical_datum", vertical_datum,
+             {.choices = {"told", "ellipsoid", "egm96", "egm2008"},
+              .reason = "what the terrain's heights count from; told: as the file says"});
+  fields.Add("geoid_grid", geoid_grid,
+             {.reason = "a .gtx grid of the geoid that the terrain's heights count from; empty: PROJ's own of EGM96"});
+}
+
+Expected<std::shared_ptr<const Ground>> MakeGround(const GroundOptions& options,
+                                                   const std::function<void(const std::string&)>& tell) {
+  VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
+  const bool flat = options.height_m != GroundOptions::kUnknownHeight;
+  if (flat && !options.terrain.empty()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("the ground is told twice, {} m and {}: give its height or a terrain", options.height_m,
+                            options.terrain));
+  }
+  if (flat) return std::make_shared<const FlatGround>(options.height_m);
+  if (!options.terrain.empty()) return ReadTerrain(options.terrain, options, tell);
+  return nullptr;
+}
+
+}  // namespace victorious

@@ -1,0 +1,382 @@
+#include "victorious/terrain/terrain.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <cpl_string.h>
+#include <fmt/format.h>
+#include <gdal.h>
+#include <gdal_frmts.h>
+#include <ogr_srs_api.h>
+
+#include "victorious/geometry/angles.h"
+#include "victorious/telemetry/camera_csv.h"
+#include "victorious/telemetry/geoid.h"
+
+namespace victorious {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What GDAL has to say goes into our own messages.
+class Quiet {
+ public:
+  Quiet() {
+    CPLPushErrorHandler(CPLQuietErrorHandler);
+    CPLErrorReset();
+  }
+  ~Quiet() { CPLPopErrorHandler(); }
+  Quiet(const Quiet&) = delete;
+  Quiet& operator=(const Quiet&) = delete;
+
+  // In one line.
+  [[nodiscard]] static std::string Message() {
+    std::string message = CPLGetLastErrorMsg();
+    std::ranges::replace_if(message, [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
+    return message.empty() ? "no reason is told" : message;
+  }
+};
+
+struct Closes {
+  void operator()(void* dataset) const { GDALClose(dataset); }
+};
+using Dataset = std::unique_ptr<void, Closes>;
+
+struct Releases {
+  void operator()(void* system) const { OSRRelease(static_cast<OGRSpatialReferenceH>(system)); }
+};
+using Coordinates = std::unique_ptr<std::remove_pointer_t<OGRSpatialReferenceH>, Releases>;
+
+struct Destroys {
+  void operator()(void* transform) const { OCTDestroyCoordinateTransformation(transform); }
+};
+using Transform = std::unique_ptr<std::remove_pointer_t<OGRCoordinateTransformationH>, Destroys>;
+
+// Only the file itself is read: no overviews, no world file, no metadata beside it.
+Dataset Open(const fs::path& path) {
+  GDALRegister_GTiff();
+  CPLSetThreadLocalConfigOption("GTIFF_REPORT_COMPD_CS", "YES");
+  CPLSetThreadLocalConfigOption("GDAL_DISABLE_READDIR_ON_OPEN", "EMPTY_DIR");
+  CPLSetThreadLocalConfigOption("GDAL_PAM_ENABLED", "NO");
+  const std::array<const char*, 2> drivers = {"GTiff", nullptr};
+  return Dataset(GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers.data(), nullptr, nullptr));
+}
+
+bool Holds(std::string_view text, std::string_view word) {
+  return std::ranges::search(text, word, [](char a, char b) {
+           return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+         }).begin() != text.end();
+}
+
+// What the file says that its heights count from. The name of another is told, for the message.
+struct ToldDatum {
+  std::optional<VerticalDatum> datum;
+  std::string name;
+};
+
+ToldDatum DatumOf(OGRSpatialReferenceH system) {
+  if (OSRIsCompound(system) == 0) {
+    constexpr int kAxesWithHeight = 3;
+    if (OSRGetAxesCount(system) == kAxesWithHeight) return {VerticalDatum::kEllipsoid, {}};
+    return {};
+  }
+  const char* const named = OSRGetAttrValue(system, "VERT_CS", 0);
+  const char* const code = OSRGetAuthorityCode(system, "VERT_CS");
+  const std::string name = named != nullptr ? named : "unnamed";
+  const std::string_view epsg = code != nullptr ? code : "";
+  if (epsg == "5773" || Holds(name, "egm96") || Holds(name, "egm 96")) return {VerticalDatum::kEgm96, name};
+  if (epsg == "3855" || Holds(name, "egm2008") || Holds(name, "egm 2008")) return {VerticalDatum::kEgm2008, name};
+  if (Holds(name, "ellipsoid")) return {VerticalDatum::kEllipsoid, name};
+  return {std::nullopt, name};
+}
+
+// Metres for one of the file's units of height, by the band or else by the vertical system.
+Expected<double> MetresPerUnit(GDALRasterBandH band, OGRSpatialReferenceH system, const fs::path& path) {
+  constexpr std::array<std::pair<std::string_view, double>, 11> kUnits = {{{"m", 1},
+                                                                           {"metre", 1},
+                                                                           {"metres", 1},
+                                                                           {"meter", 1},
+                                                                           {"meters", 1},
+                                                                           {"ft", 0.3048},
+                                                                           {"foot", 0.3048},
+                                                                           {"feet", 0.3048},
+                                                                           {"us survey foot", 1200.0 / 3937},
+                                                                           {"us-ft", 1200.0 / 3937},
+                                                                           {"ftus", 1200.0 / 3937}}};
+  std::string unit = GDALGetRasterUnitType(band);
+  std::ranges::transform(unit, unit.begin(),
+                         [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
+  if (unit.empty()) return OSRIsCompound(system) != 0 ? OSRGetTargetLinearUnits(system, "VERT_CS", nullptr) : 1.0;
+  const auto* const known = std::ranges::find(kUnits, unit, &std::pair<std::string_view, double>::first);
+  if (known != kUnits.end()) return known->second;
+  return Fail(ErrorCode::kUnsupported,
+              fmt::format("{}: heights in \"{}\": metres or feet are needed", path.string(), unit));
+}
+
+// How many of the file's blocks of heights end beyond the end of the file, of how many; GDAL finds that out when it
+// reads them.
+std::pair<std::int64_t, std::int64_t> BlocksCutOff(GDALRasterBandH band, std::uintmax_t file_size) {
+  int block_width = 0;
+  int block_height = 0;
+  GDALGetBlockSize(band, &block_width, &block_height);
+  if (block_width <= 0 || block_height <= 0) return {0, 0};
+  const int across = (GDALGetRasterBandXSize(band) - 1) / block_width + 1;
+  const int down = (GDALGetRasterBandYSize(band) - 1) / block_height + 1;
+  std::int64_t missing = 0;
+  for (int y = 0; y < down; ++y) {
+    for (int x = 0; x < across; ++x) {
+      const auto told = [&](const char* what) {
+        const char* text = GDALGetMetadataItem(band, fmt::format("BLOCK_{}_{}_{}", what, x, y).c_str(), "TIFF");
+        return text != nullptr ? std::strtoull(text, nullptr, 10) : 0ULL;
+      };
+      missing += told("OFFSET") + told("SIZE") > file_size ? 1 : 0;
+    }
+  }
+  return {missing, static_cast<std::int64_t>(across) * down};
+}
+
+class Terrain final : public Ground {
+ public:
+  static Expected<std::shared_ptr<const Ground>> Read(const fs::path& path, const GroundOptions& options,
+                                                      const std::function<void(const std::string&)>& tell);
+
+  [[nodiscard]] std::optional<double> HeightAt(const GeodeticPoint& point) const override;
+  [[nodiscard]] double Spacing() const override { return spacing_m_; }
+  [[nodiscard]] double Steepest() const override { return kSteepest; }
+
+ private:
+  static constexpr double kSteepest = 4;  // 76 degrees
+  static constexpr int kTilePx = 256;
+  static constexpr std::size_t kMostTiles = 1024;  // 256 MiB
+
+  Status Place(const fs::path& path);
+  Status SetDatum(const fs::path& path, const GroundOptions& options);
+
+  // In pixels from the file's upper left corner; nothing where the place has none.
+  [[nodiscard]] std::optional<std::pair<double, double>> PixelOf(const GeodeticPoint& point) const;
+  [[nodiscard]] std::optional<double> Sample(std::int64_t column, std::int64_t row) const;
+  [[nodiscard]] const std::vector<float>& TileAt(int across, int down) const;
+
+  Dataset dataset_;
+  GDALRasterBandH band_ = nullptr;
+  OGRSpatialReferenceH system_ = nullptr;  // the dataset's
+  Transform file_from_geodetic_;
+  std::array<double, 6> pixel_from_file_{};
+  bool geographic_ = false;
+  int width_ = 0;
+  int height_ = 0;
+  double spacing_m_ = 0;
+  double metres_per_unit_ = 1;
+  double offset_ = 0;
+  double scale_ = 1;
+  std::optional<float> no_data_;
+  std::optional<Geoid> geoid_;
+  mutable std::mutex mutex_;  // GDAL's handles serve one thread at a time
+  mutable std::map<std::pair<int, int>, std::vector<float>> tiles_;
+};
+
+Expected<std::shared_ptr<const Ground>> Terrain::Read(const fs::path& path, const GroundOptions& options,
+                                                      const std::function<void(const std::string&)>& tell) {
+  std::error_code error;
+  if (!fs::exists(path, error)) {
+    return Fail(ErrorCode::kNotFound, fmt::format("{}: no such file: a GeoTIFF of heights is needed", path.string()));
+  }
+  const Quiet quiet;
+  auto terrain = std::make_shared<Terrain>();
+  if (fs::is_regular_file(path, error)) terrain->dataset_ = Open(path);
+  if (!terrain->dataset_) {
+    return Fail(ErrorCode::kDataLoss,
+                fmt::format("{}: no GeoTIFF that can be read: {}", path.string(), Quiet::Message()));
+  }
+  terrain->width_ = GDALGetRasterXSize(terrain->dataset_.get());
+  terrain->height_ = GDALGetRasterYSize(terrain->dataset_.get());
+  terrain->band_ = GDALGetRasterBand(terrain->dataset_.get(), 1);
+  if (GDALGetRasterCount(terrain->dataset_.get()) != 1 ||
+      GDALDataTypeIsComplex(GDALGetRasterDataType(terrain->band_)) != 0) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: a picture: a GeoTIFF with one band, of heights, is needed", path.string()));
+  }
+  VICTORIOUS_RETURN_IF_ERROR(terrain->Place(path));
+  VICTORIOUS_RETURN_IF_ERROR(terrain->SetDatum(path, options));
+  VICTORIOUS_ASSIGN_OR_RETURN(terrain->metres_per_unit_, MetresPerUnit(terrain->band_, terrain->system_, path));
+  terrain->offset_ = GDALGetRasterOffset(terrain->band_, nullptr);
+  terrain->scale_ = GDALGetRasterScale(terrain->band_, nullptr);
+  int has = 0;
+  const double no_data = GDALGetRasterNoDataValue(terrain->band_, &has);
+  if (has != 0) terrain->no_data_ = static_cast<float>(no_data);
+  const auto [missing, blocks] = BlocksCutOff(terrain->band_, fs::file_size(path, error));
+  if (missing == blocks) {
+    return Fail(ErrorCode::kDataLoss, fmt::format("{}: cut off before the first of its heights", path.string()));
+  }
+  if (missing > 0 && tell) {
+    tell(fmt::format("{}: cut off: {} of its {} blocks of heights are missing; the ground is unknown there",
+                     path.string(), missing, blocks));
+  }
+  return terrain;
+}
+
+Status Terrain::Place(const fs::path& path) {
+  const auto unplaced = [&] {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: does not say where on Earth it lies: a GeoTIFF with its coordinate system is needed",
+                            path.string()));
+  };
+  system_ = GDALGetSpatialRef(dataset_.get());
+  std::array<double, 6> file_from_pixel{};
+  if (system_ == nullptr || GDALGetGeoTransform(dataset_.get(), file_from_pixel.data()) != CE_None ||
+      GDALInvGeoTransform(file_from_pixel.data(), pixel_from_file_.data()) == 0) {
+    return unplaced();
+  }
+  geographic_ = OSRIsGeographic(system_) != 0;
+  if (!geographic_ && OSRIsProjected(system_) == 0) return unplaced();
+  const Coordinates level(OSRClone(system_));
+  if (OSRIsCompound(level.get()) != 0) OSRStripVertical(level.get());
+  OSRDemoteTo2D(level.get(), nullptr);
+  const Coordinates geodetic(OSRNewSpatialReference(nullptr));
+  OSRSetWellKnownGeogCS(geodetic.get(), "WGS84");
+  for (const Coordinates* system : {&level, &geodetic}) {
+    OSRSetAxisMappingStrategy(system->get(), OAMS_TRADITIONAL_GIS_ORDER);
+  }
+  file_from_geodetic_.reset(OCTNewCoordinateTransformation(geodetic.get(), level.get()));
+  const Transform geodetic_from_file(OCTNewCoordinateTransformation(level.get(), geodetic.get()));
+  if (!file_from_geodetic_ || !geodetic_from_file) return unplaced();
+
+  // How far apart the heights are in the middle.
+  std::array<GeodeticPoint, 3> corners;
+  constexpr std::array<std::pair<int, int>, 3> kSteps = {{{0, 0}, {1, 0}, {0, 1}}};
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    double x = 0;
+    double y = 0;
+    GDALApplyGeoTransform(file_from_pixel.data(), width_ / 2.0 + kSteps[i].first, height_ / 2.0 + kSteps[i].second, &x,
+                          &y);
+    if (OCTTransform(geodetic_from_file.get(), 1, &x, &y, nullptr) == 0 || !(std::abs(y) <= 90)) return unplaced();
+    corners[i] = {RadiansFromDegrees(y), RadiansFromDegrees(x), 0};
+  }
+  const TangentPlane plane(corners[0]);
+  spacing_m_ = std::min(plane.EnuFromGeodetic(corners[1]).norm(), plane.EnuFromGeodetic(corners[2]).norm());
+  constexpr double kFinestM = 0.01;
+  if (!(spacing_m_ >= kFinestM && spacing_m_ < 1e6)) return unplaced();
+  return {};
+}
+
+Status Terrain::SetDatum(const fs::path& path, const GroundOptions& options) {
+  const ToldDatum told = DatumOf(system_);
+  const std::optional<VerticalDatum> datum =
+      options.vertical_datum == "told" ? told.datum : VerticalDatumOf(options.vertical_datum);
+  if (!datum) {
+    const std::string says = told.name.empty()
+                                 ? "does not say what its heights count from"
+                                 : fmt::format("its heights count from \"{}\", which is not known", told.name);
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: {}: tell it (--terrain-datum ellipsoid, egm96 or egm2008)", path.string(), says));
+  }
+  if (*datum == VerticalDatum::kEllipsoid) return {};
+  fs::path grid = options.geoid_grid;
+  if (grid.empty() && *datum == VerticalDatum::kEgm96) grid = FindEgm96Grid().value_or(fs::path());
+  if (grid.empty()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: its heights count from {}, of which no grid is at hand: name a .gtx grid (--geoid)",
+                            path.string(), Name(*datum)));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(geoid_, Geoid::Read(grid));
+  return {};
+}
+
+std::optional<std::pair<double, double>> Terrain::PixelOf(const GeodeticPoint& point) const {
+  double x = DegreesFromRadians(point.longitude_rad);
+  double y = DegreesFromRadians(point.latitude_rad);
+  if (OCTTransform(file_from_geodetic_.get(), 1, &x, &y, nullptr) == 0) return std::nullopt;
+  std::array<double, 6> pixel_from_file = pixel_from_file_;  // GDAL asks for one that it may write to
+  constexpr double kTurnDeg = 360;
+  for (const double turn : {0.0, kTurnDeg, -kTurnDeg}) {
+    if (turn != 0 && !geographic_) break;
+    double column = 0;
+    double row = 0;
+    GDALApplyGeoTransform(pixel_from_file.data(), x + turn, y, &column, &row);
+    if (column >= 0 && column <= width_ && row >= 0 && row <= height_) return std::pair(column, row);
+  }
+  return std::nullopt;
+}
+
+const std::vector<float>& Terrain::TileAt(int across, int down) const {
+  const auto found = tiles_.find({across, down});
+  if (found != tiles_.end()) return found->second;
+  if (tiles_.size() >= kMostTiles) tiles_.clear();
+  std::vector<float>& tile = tiles_[{across, down}];
+  const int columns = std::min(kTilePx, width_ - across * kTilePx);
+  const int rows = std::min(kTilePx, height_ - down * kTilePx);
+  tile.assign(static_cast<std::size_t>(kTilePx) * kTilePx, std::numeric_limits<float>::quiet_NaN());
+  const auto read = [&](int first, int count) {
+    float* const to = tile.data() + static_cast<std::size_t>(first) * kTilePx;
+    return GDALRasterIO(band_, GF_Read, across * kTilePx, down * kTilePx + first, columns, count, to, columns, count,
+                        GDT_Float32, sizeof(float), static_cast<int>(sizeof(float)) * kTilePx) == CE_None;
+  };
+  if (read(0, rows)) return tile;
+  for (int row = 0; row < rows; ++row) {  // damaged: what can be read is known, the rest is not
+    if (read(row, 1)) continue;
+    const auto start = tile.begin() + static_cast<std::ptrdiff_t>(row) * kTilePx;
+    std::fill_n(start, kTilePx, std::numeric_limits<float>::quiet_NaN());
+  }
+  return tile;
+}
+
+std::optional<double> Terrain::Sample(std::int64_t column, std::int64_t row) const {
+  const int x = static_cast<int>(std::clamp<std::int64_t>(column, 0, width_ - 1));
+  const int y = static_cast<int>(std::clamp<std::int64_t>(row, 0, height_ - 1));
+  const std::vector<float>& tile = TileAt(x / kTilePx, y / kTilePx);
+  const float raw = tile[static_cast<std::size_t>(y % kTilePx) * kTilePx + static_cast<std::size_t>(x % kTilePx)];
+  if (no_data_ && raw == *no_data_) return std::nullopt;
+  const double height_m = (offset_ + scale_ * static_cast<double>(raw)) * metres_per_unit_;
+  constexpr double kDeepestM = -1000;
+  constexpr double kHighestM = 10000;
+  if (!(height_m >= kDeepestM && height_m <= kHighestM)) return std::nullopt;
+  return height_m;
+}
+
+std::optional<double> Terrain::HeightAt(const GeodeticPoint& point) const {
+  const std::lock_guard lock(mutex_);
+  const Quiet quiet;
+  const auto pixel = PixelOf(point);
+  if (!pixel) return std::nullopt;
+  const double x = pixel->first - 0.5;  // from the middle of the first pixel
+  const double y = pixel->second - 0.5;
+  const auto left = static_cast<std::int64_t>(std::floor(x));
+  const auto top = static_cast<std::int64_t>(std::floor(y));
+  double height_m = 0;
+  for (const int down : {0, 1}) {
+    for (const int across : {0, 1}) {
+      const double weight = (across == 1 ? x - static_cast<double>(left) : 1 - (x - static_cast<double>(left))) *
+                            (down == 1 ? y - static_cast<double>(top) : 1 - (y - static_cast<double>(top)));
+      if (weight == 0) continue;
+      const auto sample = Sample(left + across, top + down);
+      if (!sample) return std::nullopt;
+      height_m += weight * *sample;
+    }
+  }
+  if (!geoid_) return height_m;
+  const auto undulation_m = geoid_->HeightAt(point.latitude_rad, point.longitude_rad);
+  return undulation_m ? std::optional(height_m + *undulation_m) : std::nullopt;
+}
+
+}  // namespace
+
+Expected<std::shared_ptr<const Ground>> ReadTerrain(const fs::path& path, const GroundOptions& options,
+                                                    const std::function<void(const std::string&)>& tell) {
+  return Terrain::Read(path, options, tell);
+}
+
+}  // namespace victorious
