@@ -110,6 +110,18 @@ class TelemetryTest(program.ProgramTest):
                     self.assertEqual(items[number], value, number)
         self.assertGreater(compared, 30 * 100)
 
+    def test_sets_within_the_set_are_told_and_passed_over(self):
+        nested = b"\x30\x03\x01\x01\x02" + b"\x4a\x04\x05\x7f\x00\x00"  # one whole, one that lies about a length
+        file = self.write("a.klv", packet(b"\x02\x08" + (1_000_000).to_bytes(8, "big") + nested + b"\x05\x02\x71\xc2"))
+        report = json.loads(self.succeeds("telemetry", file, "--json").out)
+        self.assertEqual(report["nested_sets"], [{"number": 48, "name": "Security Local Set", "packets": 1},
+                                                 {"number": 74, "name": "VMTI Local Set", "packets": 1}])
+        items = {item["number"]: item for item in report["packets"][0]["items"]}
+        self.assertEqual(items[48]["value"], {"hex": "010102"})
+        self.assertIn("cut off at byte 0 of 4", items[74]["note"])
+        self.assertAlmostEqual(items[5]["value"], 159.974365, places=6)
+        self.assertIn("Security Local Set (48) in 1 packets, VMTI Local Set (74)", self.succeeds("doctor", file).out)
+
     def test_what_is_no_telemetry(self):
         self.refuses(2, ["gone.klv"], "telemetry", self.scratch / "gone.klv")
         self.refuses(2, ["empty.SRT", "empty"], "telemetry", self.write("empty.SRT", ""))

@@ -36,7 +36,12 @@ std::vector<std::string> FuzzSeeds() {
   const std::string item = std::string("\x06\x0E\x2B\x34\x01\x01\x01\x03\x07\x01\x02\x01\x02\x04\x02\x00\x08", 17) +
                            "\x40\x43\x14\x78\x96\x13\xD3\x1C";
   const std::string elder = std::string(victorious::kEg0104LabelBytes) + victorious::BerLength(item.size()) + item;
-  const std::string packs = victorious::St0601Packet(
-      {{3, "MISSION"}, {47, "\x31"}, {48, "\x01\x02\x03"}, {104, "\x12\x34\x56"}, {116, "\x03\x07"}, {6, "\x80"}});
+  const std::string packs = victorious::St0601Packet({{3, "MISSION"},
+                                                      {47, "\x31"},
+                                                      {48, "\x01\x01\x03"},
+                                                      {74, "\x01\x7F"},
+                                                      {104, "\x12\x34\x56"},
+                                                      {116, "\x03\x07"},
+                                                      {6, "\x80"}});
   return {camera, camera + camera, elder, packs, "\x01\x02" + elder + camera.substr(0, 60), ""};
 }

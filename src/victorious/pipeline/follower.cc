@@ -129,7 +129,7 @@ void Follower::Search(const Frame& frame, const FrameConditions& conditions, Reg
 }
 
 Seen Follower::Tracked(const TrackStep& step, const Frame& frame) const {
-  Seen seen{.detection = tracks_.at(step.track).last, .tracked = true};
+  Seen seen{.detection = tracks_.at(step.track).last, .features = {}, .followed_frames = step.unconfirmed_frames};
   Detection& detection = seen.detection;
   detection.outline = step.outline;
   detection.box = step.box;
@@ -196,7 +196,7 @@ Expected<std::vector<Seen>> Follower::Follow(const Frame& frame, const std::opti
       tracks_.erase(track);
       continue;
     }
-    if (!next.tracked) Confirm(track, next.detection, next.features, frame.index);
+    if (!next.tracked()) Confirm(track, next.detection, next.features, frame.index);
     seen.push_back(std::move(next));
   }
   return seen;

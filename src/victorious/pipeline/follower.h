@@ -40,7 +40,9 @@ struct FollowOptions {
 struct Seen {
   Detection detection;  ///< where it is tracked: the last one's, moved to this frame, resting on the points followed
   FeatureSet features;  ///< that the detection's matches count in; where it is tracked, places without descriptors
-  bool tracked = false;
+  int followed_frames = 0;  ///< since the recogniser confirmed it; 0: it found it in this frame
+
+  [[nodiscard]] bool tracked() const { return followed_frames > 0; }
 };
 
 /// What a whole-frame search found.

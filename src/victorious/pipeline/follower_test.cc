@@ -52,7 +52,7 @@ TEST_F(FollowerTest, BetweenWholeFramesObjectsAreSeenInTheirRegions) {
   EXPECT_GE(frames.found, 0.8 * frames.truths);
   int recognised_between = 0;
   for (int i = 0; i < kFrames; ++i) {
-    for (const Seen& seen : frames.seen[i]) recognised_between += i % 6 != 0 && !seen.tracked ? 1 : 0;
+    for (const Seen& seen : frames.seen[i]) recognised_between += i % 6 != 0 && !seen.tracked() ? 1 : 0;
   }
   EXPECT_GT(recognised_between, 5) << "the recogniser confirms what is followed";
 }
@@ -72,7 +72,7 @@ TEST_F(FollowerTest, ATrackThatWasRecognisedTooSeldomDoesNotCountAlone) {
   FollowOptions strict;
   strict.least_recognised = 1000;
   for (const std::vector<Seen>& seen : FollowAll(4, strict).seen) {
-    for (const Seen& one : seen) EXPECT_FALSE(one.tracked);
+    for (const Seen& one : seen) EXPECT_FALSE(one.tracked());
   }
 }
 
@@ -82,7 +82,7 @@ TEST_F(FollowerTest, WhereItIsOnlyTrackedItRestsOnThePointsFollowed) {
   int tracked = 0;
   for (const std::vector<Seen>& seen : FollowAll(12, seldom).seen) {
     for (const Seen& one : seen) {
-      if (!one.tracked) continue;
+      if (!one.tracked()) continue;
       ++tracked;
       const MatchSet& inliers = one.detection.pose.inliers;
       ASSERT_EQ(inliers.size(), one.features.size());
@@ -119,7 +119,7 @@ TEST_F(FollowerTest, ARestartForgetsWhatWasBefore) {
     ASSERT_EQ(seen.size(), all.seen[i].size()) << "frame " << i;
     for (std::size_t k = 0; k < seen.size(); ++k) {
       EXPECT_EQ(seen[k].detection.box, all.seen[i][k].detection.box);
-      EXPECT_EQ(seen[k].tracked, all.seen[i][k].tracked);
+      EXPECT_EQ(seen[k].tracked(), all.seen[i][k].tracked());
     }
   }
 }

@@ -1,5 +1,6 @@
 #include "victorious/pipeline/indexer.h"
 
+#include <map>
 #include <set>
 #include <thread>
 #include <utility>
@@ -411,6 +412,32 @@ TEST(Indexer, ADamagedVideoIsSearchedAsFarAsItGoes) {
     EXPECT_EQ(Index(video, flight.Models(), *store).frames_searched, 0) << "its end was reached";
   }
   EXPECT_THAT(VideosOf(*store), SizeIs(2));
+}
+
+TEST(Indexer, WhatIsOnlyFollowedTellsALineOfSight) {
+  const DrawnFlight flight(ShortFlight());
+  const std::filesystem::path table = flight / "flight.telemetry.csv";
+  std::string text = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg\n";
+  for (const int s : {0, 1, 2}) text += std::to_string(s) + ",48,11.000" + std::to_string(s) + ",600,0,-60,0,30\n";
+  ASSERT_TRUE(WriteFileAtomically(table, text));
+  RunSetup run{.telemetry = table.string()};
+  run.options.every = 4;
+  run.options.follow.search_every = 10;
+  const auto store = flight.Store("index.db");
+  Index(flight.video(), flight.Models(), *store, run);
+  std::map<std::int64_t, double> recognised_rad;  // by run
+  int followed = 0;
+  for (const SightingRecord& sighting : SightingsOf(*store, {.rejected_too = true})) {
+    ASSERT_TRUE(sighting.sight) << sighting.frame;
+    const double sigma_rad = sighting.sight->line.sigma_rad.value();
+    if (sighting.source == "recognised") {
+      recognised_rad[sighting.run] = sigma_rad;
+    } else {
+      ++followed;
+      EXPECT_NEAR(sigma_rad / recognised_rad.at(sighting.run), 1, 0.3);
+    }
+  }
+  EXPECT_GT(followed, 5);
 }
 
 TEST(Indexer, WhatCannotBeReadIsAnErrorAndLeavesNoVideo) {

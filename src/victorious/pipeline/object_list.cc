@@ -319,11 +319,16 @@ Status UpdateObjects(const ObjectOptions& options, IndexStore& store) {
     const auto model = std::ranges::find(models, record.model, &ModelRecord::id);
     runs[record.id] = {.record = record, .of_category = model != models.end() && model->IsCategory()};
   }
+  std::int64_t recognitions = 0;
   VICTORIOUS_RETURN_IF_ERROR(store.VisitSightings({.rejected_too = true}, [&](SightingRecord&& sighting) {
     const auto run = runs.find(sighting.run);
     if (run == runs.end()) return true;  // added by another process since
     run->second.frames.push_back(sighting.frame);
-    if (sighting.sight) run->second.sights.push_back(*std::move(sighting.sight));
+    if (!sighting.sight) return true;
+    std::vector<Sight>& sights = run->second.sights;
+    const bool followed = sighting.source == "tracked" && !sights.empty();
+    sighting.sight->recognition = followed ? sights.back().recognition : ++recognitions;
+    sights.push_back(*std::move(sighting.sight));
     return true;
   }));
   std::vector<SeenRun> seen;

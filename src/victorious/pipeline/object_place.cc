@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "victorious/base/median.h"
 #include "victorious/geometry/angles.h"
@@ -34,15 +36,60 @@ LocateOptions OptionsFor(std::span<const Sight> sights, const ObjectOptions& opt
   return locate;
 }
 
+double Square(double value) { return value * value; }
+
+// What was measured once and then followed errs alike by as much as the first measurement does, and each by an error of
+// its own. Taken for independent ones, so many together tell no more than they do if each has the variance
+//   own (1 + shared sum(1 / own)).
+// @param variances  of each alone, the first measurement's first
+// @param more       of each one's own error beside; not in the variances, nor in what is returned
+std::vector<double> Unshared(std::vector<double> variances, const std::vector<double>& more) {
+  constexpr double kLeastOwn = 1e-6;  // of the shared one: the first measurement may have nothing of its own
+  const double shared = variances.front();
+  double told = 0;
+  for (std::size_t i = 0; i < variances.size(); ++i) {
+    variances[i] = std::max({variances[i] - shared, 0.0}) + std::max(more[i], kLeastOwn * shared);
+    told += 1 / variances[i];
+  }
+  for (std::size_t i = 0; i < variances.size(); ++i) variances[i] = variances[i] * (1 + shared * told) - more[i];
+  return variances;
+}
+
 // Lines whose attitude errs from frame to frame, as telemetry tells, err more than their place in the picture.
-std::vector<LineOfSight> LinesOf(std::span<const Sight> sights) {
+// @param followed  indices of sights that rest on one recognition, in order of time
+void SetErrors(std::span<const Sight> sights, const std::vector<std::size_t>& followed, const LineErrorOptions& errors,
+               std::vector<LineOfSight>& lines) {
+  std::vector<double> angles_rad2;
+  std::vector<double> more_rad2;
+  std::vector<double> ranges_m2;
+  for (const std::size_t i : followed) {
+    const LineOfSight& line = lines[i];
+    angles_rad2.push_back(Square(line.sigma_rad.value_or(RadiansFromDegrees(errors.angle_deg))));
+    more_rad2.push_back(Square(sights[i].sigma_attitude_rad.value_or(0)) +
+                        (line.range_m ? Square(errors.position_m / *line.range_m) : 0));
+    ranges_m2.push_back(Square(line.sigma_range_m.value_or(errors.range_share * line.range_m.value_or(0))));
+  }
+  angles_rad2 = Unshared(std::move(angles_rad2), more_rad2);
+  ranges_m2 = Unshared(std::move(ranges_m2), std::vector(followed.size(), Square(errors.position_m)));
+  for (std::size_t k = 0; k < followed.size(); ++k) {
+    const std::size_t i = followed[k];
+    lines[i].sigma_rad = std::sqrt(angles_rad2[k] + Square(sights[i].sigma_attitude_rad.value_or(0)));
+    if (lines[i].range_m) lines[i].sigma_range_m = std::sqrt(ranges_m2[k]);
+  }
+}
+
+std::vector<LineOfSight> LinesOf(std::span<const Sight> sights, const LineErrorOptions& errors) {
   std::vector<LineOfSight> lines;
-  for (const Sight& sight : sights) {
-    lines.push_back(sight.line);
-    if (sight.sigma_attitude_rad) {
-      lines.back().sigma_rad = std::hypot(sight.line.sigma_rad.value_or(0), *sight.sigma_attitude_rad);
+  std::map<std::int64_t, std::vector<std::size_t>> of_recognition;
+  for (std::size_t i = 0; i < sights.size(); ++i) {
+    lines.push_back(sights[i].line);
+    if (sights[i].recognition == 0) {
+      SetErrors(sights, {i}, errors, lines);
+    } else {
+      of_recognition[sights[i].recognition].push_back(i);
     }
   }
+  for (const auto& [recognition, followed] : of_recognition) SetErrors(sights, followed, errors, lines);
   return lines;
 }
 
@@ -113,7 +160,7 @@ ObjectPlace PlaceOf(std::span<const Sight> sights, const ObjectOptions& options,
   ObjectPlace result;
   if (sights.empty()) return result;
   const LocateOptions locate = OptionsFor(sights, options, common_share);
-  const std::vector<LineOfSight> lines = LinesOf(sights);
+  const std::vector<LineOfSight> lines = LinesOf(sights, locate.line);
   const Expected<GeoFix> fix = Locate(lines, locate);
   if (!fix) return result;  // options were checked before
   result.place = fix->place;

@@ -139,15 +139,15 @@ SightingRecord ToSighting(const SearchPass& pass, const Frame& frame, const Feat
                           .box = detection.box,
                           .outline = detection.outline,
                           .score = detection.score,
-                          .source = seen.tracked ? "tracked" : "recognised",
+                          .source = seen.tracked() ? "tracked" : "recognised",
                           .matches = static_cast<int>(detection.pose.inliers.size()),
                           .view_index = static_cast<int>(detection.view),
                           .view = model.views[detection.view].angles,
                           .in_plane_rad = detection.pose.scene_from_template.rotation_rad};
-  if (seen.tracked) return sighting;
   const CameraState known = camera.value_or(CameraState{});
-  const auto stance = StanceOf(detection, model, features, known, pass.options.sight, UpInCamera(known));
+  auto stance = StanceOf(detection, model, features, known, pass.options.sight, UpInCamera(known));
   if (!stance) return sighting;
+  Age(*stance, seen.followed_frames, pass.options.sight);
   if (stance->view) {
     sighting.view = stance->view->angles;
     sighting.in_plane_rad = stance->view->in_plane_rad;

@@ -53,6 +53,14 @@ void SightOptions::ListFields(FieldList& fields) {
               .max = 10,
               .unit = "",
               .reason = "sigma over range, of a photo's object of known length: it is seen foreshortened"});
+  fields.Add("drift_px", drift_px,
+             {.min = 0,
+              .max = 100,
+              .unit = "px",
+              .reason = "sigma of an object's middle that each frame adds in which the object is only followed, not "
+                        "recognised"});
+  fields.Add("drift_range_share", drift_range_share,
+             {.min = 0, .max = 1, .unit = "", .reason = "sigma over range that each such frame adds"});
   fields.Add("category_centre_share", category_centre_share,
              {.min = 0,
               .max = 1,
@@ -197,6 +205,13 @@ std::optional<Stance> StanceOf(const Detection& detection, const ObjectModel& mo
       SeenByPoints(detection, model, scene, {SizeOf(scene), kSupposedFovRad, std::nullopt}, options, up_in_camera);
   if (stance) stance->range_m.reset();
   return stance;
+}
+
+void Age(Stance& stance, int frames, const SightOptions& options) {
+  stance.sigma_rad = std::hypot(stance.sigma_rad, frames * options.drift_px / stance.focal_px);
+  if (stance.range_m) {
+    stance.sigma_range_m = std::hypot(stance.sigma_range_m, frames * options.drift_range_share * *stance.range_m);
+  }
 }
 
 std::optional<Stance> StanceOfBox(const Box& box, const cv::Size& image_size, const CameraState& camera,

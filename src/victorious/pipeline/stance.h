@@ -35,6 +35,8 @@ struct SightOptions {
   double photo_centre_share = 0.1;
   double photo_range_share = 0.3;
   double category_centre_share = 0.25;
+  double drift_px = 0.05;
+  double drift_range_share = 0.002;
 
   void ListFields(FieldList& fields);
 };
@@ -71,6 +73,11 @@ struct Stance {
 std::optional<Stance> StanceOf(const Detection& detection, const ObjectModel& model, const FeatureSet& scene,
                                const CameraState& camera, const SightOptions& options,
                                const std::optional<Eigen::Vector3d>& up_in_camera = {});
+
+/// Adds what an object's stance errs by more where it was only followed for so many frames since it was recognised:
+/// followed points drift off the places on the object that they stand for, all to one side as it turns.
+/// @param frames  0 changes nothing
+void Age(Stance& stance, int frames, const SightOptions& options);
 
 /// The direction to what a box holds, of which nothing else is known: to the box's middle.
 /// @param image_size  the frame's, px

@@ -112,6 +112,21 @@ TEST(Stance, SaysHowFarItMayErr) {
   EXPECT_GE(distance_inside, 80);
 }
 
+TEST(Stance, ErrsMoreTheLongerItIsOnlyFollowed) {
+  Stance stance{.sigma_rad = 3e-4, .range_m = 100, .sigma_range_m = 0.3, .focal_px = 2000};
+  const Stance before = stance;
+  Age(stance, 0, {});
+  EXPECT_EQ(stance.sigma_rad, before.sigma_rad);
+  EXPECT_EQ(stance.sigma_range_m, before.sigma_range_m);
+  Age(stance, 4, {.drift_px = 0.2, .drift_range_share = 0.001});
+  EXPECT_NEAR(stance.sigma_rad, 5e-4, 1e-12) << "3 and 4";
+  EXPECT_NEAR(stance.sigma_range_m, 0.5, 1e-12);
+  EXPECT_EQ(stance.direction, before.direction);
+  Stance without{.sigma_rad = 3e-4, .focal_px = 2000};
+  Age(without, 4, {});
+  EXPECT_FALSE(without.range_m);
+}
+
 TEST(Stance, AModelWithoutPointsHasNone) {
   Staged staged = Stage(LookingDown(-55, 38), kPlaceEnu, 75, {});
   staged.model.points_in_model = {};

@@ -11,7 +11,7 @@
 
 namespace victorious {
 
-/// A list of whole numbers, or bytes that are another set and stay undecoded.
+/// A list of whole numbers, or bytes that are another set, or a pack, and stay undecoded.
 using KlvList = std::vector<std::uint64_t>;
 using KlvRaw = std::vector<std::byte>;
 
@@ -24,7 +24,8 @@ struct KlvItem {
   std::string_view name;  ///< the standard's; "unknown" for numbers and labels that it lacks
   std::string_view unit;  ///< empty for counts and texts
   KlvValue value;
-  std::string_view note;  ///< why there is no value; empty where there is one
+  std::string note;     ///< why there is no value, or what a set within the set holds; else empty
+  bool is_set = false;  ///< a set within the set: its value stays bytes
 };
 
 enum class KlvStandard { kSt0601, kEg0104, kOther };

@@ -1,8 +1,12 @@
 // What telemetry holds, for programs (JSON) and for people.
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
+#include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "victorious/geometry/angles.h"
@@ -94,6 +98,28 @@ std::string ChecksumLine(const std::vector<KlvPacket>& packets) {
   return fmt::format("checksums: {} right, {} wrong", good, with - good);
 }
 
+// How many packets hold each kind of set within the set, by its number.
+std::map<int, std::pair<std::string_view, int>> NestedSets(const std::vector<KlvPacket>& packets) {
+  std::map<int, std::pair<std::string_view, int>> sets;
+  for (const KlvPacket& packet : packets) {
+    std::set<int> counted;
+    for (const KlvItem& item : packet.items) {
+      if (!item.is_set || !counted.insert(item.number).second) continue;
+      sets[item.number].first = item.name;
+      ++sets[item.number].second;
+    }
+  }
+  return sets;
+}
+
+void AddNestedSets(std::vector<std::string>& lines, const std::vector<KlvPacket>& packets) {
+  std::vector<std::string> names;
+  for (const auto& [number, set] : NestedSets(packets)) {
+    names.push_back(fmt::format("{} ({}) in {} packets", set.first, number, set.second));
+  }
+  if (!names.empty()) lines.push_back(fmt::format("sets within the set, passed over: {}", fmt::join(names, ", ")));
+}
+
 void AddMissing(std::vector<std::string>& lines, const std::vector<CameraState>& states) {
   const auto lacks = [&](auto has) { return !std::ranges::any_of(states, has); };
   if (lacks([](const CameraState& state) { return state.attitude.has_value(); })) {
@@ -113,6 +139,10 @@ Json ToJson(const Telemetry& telemetry) {
   Json json{{"format", telemetry.format}, {"records", telemetry.records}, {"states", Json::array()}};
   if (!telemetry.packets.empty()) json["packets"] = Json::array();
   for (const KlvPacket& packet : telemetry.packets) json["packets"].push_back(PacketToJson(packet));
+  if (!telemetry.packets.empty()) json["nested_sets"] = Json::array();
+  for (const auto& [number, set] : NestedSets(telemetry.packets)) {
+    json["nested_sets"].push_back({{"number", number}, {"name", set.first}, {"packets", set.second}});
+  }
   for (const CameraState& state : telemetry.states) json["states"].push_back(StateToJson(state));
   json["warnings"] = Json::array();
   for (const std::string& warning : telemetry.warnings) json["warnings"].push_back(Utf8Text(warning));
@@ -125,6 +155,7 @@ std::vector<std::string> DescribeTelemetry(const Telemetry& telemetry) {
   lines.push_back(
       fmt::format("{}: {} records, {} camera states", telemetry.format, telemetry.records, telemetry.states.size()));
   if (!telemetry.packets.empty()) lines.push_back(ChecksumLine(telemetry.packets));
+  AddNestedSets(lines, telemetry.packets);
   const std::vector<CameraState>& states = telemetry.states;
   if (states.empty()) {
     lines.emplace_back("missing: a camera state: place, height and pointing together");

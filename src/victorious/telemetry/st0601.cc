@@ -18,11 +18,11 @@ constexpr std::size_t kLongestNumber = 8;
 // A value and, where there is none, why.
 struct Decoded {
   KlvValue value;
-  std::string_view note = {};
+  std::string note = {};
 };
 
-constexpr std::string_view kNoValue = "no value: out of the item's range, or unknown to the producer";
-constexpr std::string_view kBadLength = "not of a length that this item can have";
+constexpr const char* kNoValue = "no value: out of the item's range, or unknown to the producer";
+constexpr const char* kBadLength = "not of a length that this item can have";
 
 // Producers that write a short number into a longer item put zeros in front of it, and mean the short one's map.
 Bytes WithoutPadding(const ItemSpec& spec, Bytes bytes) {
@@ -77,6 +77,36 @@ Decoded DecodeBits(Bytes bytes) {
   return {list};
 }
 
+// An item's head, and its value, taken off the front of `bytes`; nothing where that is not whole.
+struct Item {
+  std::uint64_t number = 0;
+  Bytes value;
+};
+
+std::optional<Item> TakeItem(Bytes& bytes) {
+  const auto number = TakeBerOid(bytes);
+  const auto length = number ? TakeBerLength(bytes) : std::nullopt;
+  if (!length || *length > bytes.size()) return std::nullopt;
+  const Bytes value = bytes.first(static_cast<std::size_t>(*length));
+  bytes = bytes.subspan(value.size());
+  return Item{*number, value};
+}
+
+// Its items are counted, and not opened: what is nested in them, however deep, is bytes that are passed over.
+Decoded DescribeSet(Bytes bytes) {
+  Decoded decoded{KlvRaw(bytes.begin(), bytes.end())};
+  std::size_t items = 0;
+  for (Bytes rest = bytes; !rest.empty(); ++items) {
+    const std::size_t at = bytes.size() - rest.size();
+    if (TakeItem(rest)) continue;
+    decoded.note =
+        fmt::format("a set of {} items, then cut off at byte {} of {}; passed over", items, at, bytes.size());
+    return decoded;
+  }
+  decoded.note = fmt::format("a set of {} items; passed over", items);
+  return decoded;
+}
+
 Decoded DecodeValue(const ItemSpec& spec, Bytes bytes) {
   if (bytes.empty()) return {{}, "empty: the item has no value any more"};
   switch (spec.coding) {
@@ -88,6 +118,8 @@ Decoded DecodeValue(const ItemSpec& spec, Bytes bytes) {
       return DecodeBerOids(bytes);
     case ItemCoding::kBits:
       return DecodeBits(bytes);
+    case ItemCoding::kSet:
+      return DescribeSet(bytes);
     case ItemCoding::kRaw:
       return {KlvRaw(bytes.begin(), bytes.end())};
     default:
@@ -112,7 +144,8 @@ KlvItem DecodeItem(std::uint64_t number, Bytes bytes) {
           .name = spec->name,
           .unit = spec->unit,
           .value = std::move(decoded.value),
-          .note = decoded.note};
+          .note = std::move(decoded.note),
+          .is_set = spec->coding == ItemCoding::kSet};
 }
 
 }  // namespace
@@ -153,18 +186,15 @@ KlvPacket DecodeSt0601(const KlvUnit& unit) {
   Bytes rest = unit.value;
   while (!rest.empty()) {
     const auto at = static_cast<std::size_t>(rest.data() - unit.value.data());
-    const auto number = TakeBerOid(rest);
-    const auto length = number ? TakeBerLength(rest) : std::nullopt;
-    if (!length || *length > rest.size() || packet.items.size() == kMostItems) {
+    const auto item = packet.items.size() < kMostItems ? TakeItem(rest) : std::nullopt;
+    if (!item) {
       packet.problem = fmt::format("cut off at byte {} of {}: no item can be read there", at, unit.value.size());
       break;
     }
-    const Bytes value = rest.first(static_cast<std::size_t>(*length));
-    rest = rest.subspan(value.size());
-    packet.items.push_back(DecodeItem(*number, value));
-    if (*number == kChecksumItem && value.size() == sizeof(std::uint16_t)) {
-      const Bytes summed = unit.whole.first(static_cast<std::size_t>(value.data() - unit.whole.data()));
-      packet.checksum = {static_cast<std::uint16_t>(UnsignedOf(value)), St0601Checksum(summed)};
+    packet.items.push_back(DecodeItem(item->number, item->value));
+    if (item->number == kChecksumItem && item->value.size() == sizeof(std::uint16_t)) {
+      const Bytes summed = unit.whole.first(static_cast<std::size_t>(item->value.data() - unit.whole.data()));
+      packet.checksum = {static_cast<std::uint16_t>(UnsignedOf(item->value)), St0601Checksum(summed)};
     }
   }
   return packet;

@@ -2,7 +2,8 @@
 //
 // The linear maps of the standard take the length that the packet gives: with n bits, unsigned
 //   x = min + (max - min) y / (2^n - 1),  signed  x = max y / (2^(n-1) - 1),
-// whose lowest number means "no value". IMAPB is ST 1201's. Nested sets stay undecoded.
+// whose lowest number means "no value". IMAPB is ST 1201's. Sets within the set are measured item by
+// item, and stay undecoded: whatever they hold, nothing is opened below the first level.
 #pragma once
 
 #include <optional>

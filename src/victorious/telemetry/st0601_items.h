@@ -16,7 +16,8 @@ enum class ItemCoding {
   kBytes,           ///< a list of bytes, each a whole number
   kBerOids,         ///< a list of BER object identifiers
   kBits,            ///< a list of the bits that are set, the lowest of the last byte being 0
-  kRaw,             ///< another set or pack
+  kSet,             ///< a local set of another standard, of numbered items as this one
+  kRaw,             ///< a pack
 };
 
 struct ItemSpec {

@@ -63,12 +63,42 @@ TEST(St0601, ListsOfBitsAndIdentifiers) {
   EXPECT_EQ(std::get<KlvList>(packet.items[2].value), (KlvList{1, 2, 3, 4}));
 }
 
+// A local set of one item.
+std::string Set(int number, const std::string& bytes) {
+  return std::string(1, static_cast<char>(number)) + BerLength(bytes.size()) + bytes;
+}
+
 TEST(St0601, NestedSetsAndUnknownNumbersStayBytes) {
-  const KlvPacket packet = Decode(St0601Packet({{48, "\x01\x02\x03"}, {200, "\x09"}, {65, "\x13"}}));
-  EXPECT_EQ(HexText(std::get<KlvRaw>(packet.items[0].value)), "010203");
+  const KlvPacket packet = Decode(St0601Packet({{48, "\x01\x01\x03"}, {200, "\x09"}, {65, "\x13"}}));
+  EXPECT_EQ(HexText(std::get<KlvRaw>(packet.items[0].value)), "010103");
+  EXPECT_TRUE(packet.items[0].is_set);
+  EXPECT_EQ(packet.items[0].note, "a set of 1 items; passed over");
+  EXPECT_FALSE(packet.items[1].is_set);
   EXPECT_EQ(packet.items[1].number, 200);
   EXPECT_EQ(packet.items[1].name, "unknown");
   EXPECT_EQ(*packet.Number(65), 19);
+}
+
+TEST(St0601, NestedSetsThatLieDoNotHurtWhatIsAroundThem) {
+  const std::string far = std::string("\x04\x88\x7F\xFF\xFF\xFF\xFF\xFF\xFF\xFF\x01", 11);  // says 2^63 - 1 bytes
+  const std::string zeros(60000, '\0');  // items of number 0 and no bytes
+  const KlvPacket packet = Decode(St0601Packet({{74, Set(1, "ab") + far}, {48, "\x80"}, {95, zeros}, {65, "\x13"}}));
+  ASSERT_EQ(packet.items.size(), 5U);
+  EXPECT_EQ(packet.items[0].note, "a set of 1 items, then cut off at byte 4 of 15; passed over");
+  EXPECT_EQ(packet.items[1].note, "a set of 0 items, then cut off at byte 0 of 1; passed over");
+  EXPECT_EQ(*packet.Number(65), 19);
+  EXPECT_TRUE(packet.problem.empty());
+  EXPECT_TRUE(packet.checksum && packet.checksum->IsValid());
+}
+
+TEST(St0601, SetsWithinSetsAreNotOpened) {
+  std::string deep = "\x01\x01\x07";
+  while (deep.size() < 30000) deep = Set(48, deep);
+  const KlvPacket packet = Decode(St0601Packet({{48, deep}, {65, "\x13"}}));
+  EXPECT_EQ(packet.items[0].note, "a set of 1 items; passed over");
+  EXPECT_EQ(*packet.Number(65), 19);
+  // One that is a whole packet of this standard within a packet is its bytes, and no second camera.
+  EXPECT_EQ(Decode(St0601Packet({{100, CameraPacket(1)}, {65, "\x13"}})).items.size(), 3U);
 }
 
 TEST(St0601, BadChecksumIsSeenAndTheItemsStay) {

@@ -1,0 +1,124 @@
+#include "victorious/pipeline/object_place.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "victorious/base/random.h"
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+const GeodeticPoint kOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 500};
+constexpr int kGroups = 12;    // times that the object was recognised
+constexpr int kFollowed = 10;  // frames from one such time to the next
+constexpr int kFlights = 200;
+constexpr double kSigma = 1e-3;  // of a recognised sight's angles, rad, and of its range over itself
+constexpr double kChiSquared90Of3 = 6.2513886;
+
+// Nothing errs but what a test says.
+ObjectOptions Exact() {
+  ObjectOptions options;
+  options.locate.motion = "static";
+  options.locate.line.position_m = 1e-6;
+  options.locate.common = {.position_m = 0,
+                           .height_m = 0,
+                           .heading_deg = 0,
+                           .boresight_side_deg = 0,
+                           .boresight_rise_deg = 0,
+                           .range_share = 0};
+  return options;
+}
+
+// A camera flies past the origin. Sights that were followed err as that did which they were followed from.
+std::vector<Sight> FliesPast(std::uint64_t seed, double attitude_rad = 0) {
+  Random random(seed);
+  const auto error = [&](double sigma) { return Vector2d(sigma * random.Normal(), sigma * random.Normal()); };
+  const TangentPlane plane(kOrigin);
+  std::vector<Sight> sights;
+  for (int group = 0; group < kGroups; ++group) {
+    const Vector2d shared = error(kSigma);
+    const double range_share = kSigma * random.Normal();
+    for (int k = 0; k < kFollowed; ++k) {
+      const double time_s = 0.1 * static_cast<double>(sights.size());
+      const Vector3d camera(-60 + 10 * time_s, -70, 100);
+      const Vector2d off = shared + error(attitude_rad);
+      Sight sight{.recognition = group + 1};
+      sight.line = {
+          .time_s = time_s,
+          .camera = plane.GeodeticFromEnu(camera),
+          .azimuth_rad = std::atan2(-camera.x(), -camera.y()) + off.x() / camera.normalized().head<2>().norm(),
+          .elevation_rad = std::asin(-camera.z() / camera.norm()) + off.y(),
+          .range_m = (1 + range_share) * camera.norm(),
+          .sigma_rad = kSigma,
+          .sigma_range_m = kSigma * camera.norm()};
+      if (attitude_rad > 0) sight.sigma_attitude_rad = attitude_rad;
+      sights.push_back(sight);
+    }
+  }
+  return sights;
+}
+
+// The share of flights whose 90 % ellipsoid holds the truth.
+template <typename Change>
+double Coverage(const Change& change) {
+  int inside = 0;
+  for (int flight = 0; flight < kFlights; ++flight) {
+    std::vector<Sight> sights = FliesPast(static_cast<std::uint64_t>(flight));
+    change(sights);
+    const auto place = PlaceOf(sights, Exact(), 1).place;
+    if (!place) continue;
+    const Vector3d error = TangentPlane(kOrigin).EnuFromGeodetic(place->point);
+    inside += error.dot(place->covariance_enu_m2.inverse() * error) < kChiSquared90Of3 ? 1 : 0;
+  }
+  return static_cast<double>(inside) / kFlights;
+}
+
+TEST(ObjectPlace, WhatWasFollowedFromOneRecognitionCountsAsThatOne) {
+  EXPECT_GE(Coverage([](auto&) {}), 0.85);
+  const auto on_their_own = [](std::vector<Sight>& sights) {
+    for (Sight& sight : sights) sight.recognition = 0;
+  };
+  EXPECT_LT(Coverage(on_their_own), 0.5) << "ten times the same error is not ten errors";
+}
+
+TEST(ObjectPlace, FollowedSightsMakeAPlaceNoSurerThanWhatTheyWereFollowedFrom) {
+  const std::vector<Sight> all = FliesPast(1);
+  std::vector<Sight> recognised;
+  for (std::size_t i = 0; i < all.size(); i += kFollowed) recognised.push_back(all[i]);
+  const auto with = PlaceOf(all, Exact(), 1).place;
+  const auto without = PlaceOf(recognised, Exact(), 1).place;
+  ASSERT_TRUE(with && without);
+  EXPECT_NEAR(with->ce90_m / without->ce90_m, 1, 0.1);
+}
+
+TEST(ObjectPlace, ButTelemetrysOwnErrorsAverageOutOverThem) {
+  const double attitude_rad = 5 * kSigma;
+  std::vector<Sight> all = FliesPast(1, attitude_rad);
+  for (Sight& sight : all) sight.line.range_m.reset();
+  std::vector<Sight> recognised;
+  for (std::size_t i = 0; i < all.size(); i += kFollowed) recognised.push_back(all[i]);
+  const auto with = PlaceOf(all, Exact(), 0).place;
+  const auto without = PlaceOf(recognised, Exact(), 0).place;
+  ASSERT_TRUE(with && without);
+  EXPECT_LT(with->ce90_m, 0.6 * without->ce90_m);
+}
+
+TEST(ObjectPlace, WhatDriftedCountsLess) {
+  // The followed ones are all off to one side, and say how far they may be.
+  const auto drifted = [](std::vector<Sight>& sights) {
+    for (std::size_t i = 0; i < sights.size(); ++i) {
+      const double drift_rad = kSigma * static_cast<double>(i % kFollowed);
+      sights[i].line.elevation_rad += drift_rad;
+      sights[i].line.sigma_rad = std::hypot(kSigma, drift_rad);
+    }
+  };
+  EXPECT_GE(Coverage(drifted), 0.8);
+}
+
+}  // namespace
+}  // namespace victorious
