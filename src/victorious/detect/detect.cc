@@ -67,10 +67,6 @@ double AgreementChance(const Pose& pose, const SceneSize& scene) {
   return std::min(1.0, place) * kTurnAndScaleChance;
 }
 
-double Score(double evidence, const DetectOptions& options) {
-  return 1 / (1 + std::exp(-(evidence - options.even_evidence) / options.evidence_scale));
-}
-
 // Where a detection lies, for suppression.
 struct Footprint {
   Polygon hull;
@@ -106,11 +102,15 @@ Detection ToDetection(const Candidate& candidate, const SceneSize& scene, const 
           ? *candidate.pose.evidence - std::log10(static_cast<double>(std::max<std::size_t>(1, candidate.views)))
           : Evidence(candidate.matches, candidate.pose.distinct_inliers, AgreementChance(candidate.pose, scene),
                      candidate.views);
-  detection.score = Score(detection.evidence, options);
+  detection.score = ScoreOf(detection.evidence, options);
   return detection;
 }
 
 }  // namespace
+
+double ScoreOf(double evidence, const DetectOptions& options) {
+  return 1 / (1 + std::exp(-(evidence - options.even_evidence) / options.evidence_scale));
+}
 
 double Evidence(std::size_t matches, std::size_t agreeing, double chance, std::size_t views) {
   if (agreeing < 3 || matches < agreeing) return 0;

@@ -56,6 +56,9 @@ struct SceneSize {
 std::vector<Detection> Detect(std::span<const Candidate> candidates, const SceneSize& scene,
                               const DetectOptions& options);
 
+/// A detection's score, 0 to 1 (above).
+double ScoreOf(double evidence, const DetectOptions& options);
+
 /// The evidence of k of n matches agreeing on a pose (above). 0 or less: chance explains it.
 double Evidence(std::size_t matches, std::size_t agreeing, double chance, std::size_t views);
 

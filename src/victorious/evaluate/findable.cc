@@ -193,6 +193,7 @@ class Search {
     spoiling.degrade.noise = setting.noise;
     VICTORIOUS_RETURN_IF_ERROR(Spoil(spoiling, sample.seed, sought.bgr));
     VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, extractor_->Extract(GreyFromBgr(sought.bgr)));
+    // Votes alone decide: the picture is the view's own rendering, which likeness would find more like than any video.
     for (const Detection& detection : recognizer_.Recognize(features, ConditionsOf(sample, setting))) {
       if (IntersectionOverUnion(detection.box, sought.box) < kLeastOverlap) continue;
       const ViewAngles& angles = *model_->views[detection.view].angles;

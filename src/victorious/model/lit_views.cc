@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <map>
 #include <mutex>
 #include <new>
@@ -15,6 +16,7 @@
 
 #include "victorious/model/cad_model.h"
 #include "victorious/model/template_features.h"
+#include "victorious/model/view_picture.h"
 #include "victorious/model/view_surface.h"
 #include "victorious/render/view_sphere.h"
 
@@ -38,6 +40,19 @@ class LitViews : public LitTemplates {
       oneapi::tbb::parallel_for(std::size_t{0}, wanted.size(),
                                 [&](std::size_t i) { MakeIfUnclaimed(wanted[i], SlotOf(wanted[i])); });
     });
+  }
+
+  std::shared_ptr<const ViewPicture> Picture(std::size_t view, int half_octaves) const override {
+    const std::pair key(view, half_octaves);
+    {
+      const std::scoped_lock lock(mutex_);
+      if (const auto known = pictures_.find(key); known != pictures_.end()) return known->second;
+    }
+    const Expected<ViewSurface> surface = DecodeSurface(model_.views[view].surface, model_.name);
+    auto made = std::make_shared<const ViewPicture>(surface ? PictureOf(*surface, std::exp2(half_octaves / 2.0))
+                                                            : ViewPicture());
+    const std::scoped_lock lock(mutex_);  // another thread may have made the same by now
+    return pictures_.try_emplace(key, std::move(made)).first->second;
   }
 
  private:
@@ -82,6 +97,7 @@ class LitViews : public LitTemplates {
   std::shared_ptr<const LitTemplate> nothing_ = std::make_shared<const LitTemplate>();
   mutable std::mutex mutex_;
   mutable std::map<LitView, Slot> slots_;
+  mutable std::map<std::pair<std::size_t, int>, std::shared_ptr<const ViewPicture>> pictures_;
 };
 
 bool HasSurface(const ModelView& view) { return view.angles && !view.surface.empty(); }

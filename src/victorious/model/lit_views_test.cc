@@ -1,5 +1,6 @@
 #include "victorious/model/lit_views.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <set>
@@ -8,6 +9,7 @@
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "victorious/model/cad_model.h"
 #include "victorious/model/view_surface.h"
@@ -109,6 +111,46 @@ TEST(LitViews, ThreadsShareTheWork) {
     EXPECT_GT(one->features.size(), 0U);
   }
   EXPECT_EQ(std::set(got.front().begin(), got.front().end()).size(), wanted.size());
+}
+
+// Each point lies on the object, and is seen where the rendering is as bright as it says.
+TEST(LitViews, APictureIsTheRendering) {
+  const auto views = MakeLitViews(WaffleModel()).value();
+  constexpr std::size_t kView = 5;
+  const ViewSurface surface = DecodeSurface(WaffleModel().views[kView].surface, "waffle").value();
+  cv::Mat blurred;
+  cv::GaussianBlur(surface.grey, blurred, {}, kPictureBlur_px);
+  const auto picture = views->Picture(kView, 0);
+  ASSERT_GT(picture->points.size(), 150U);
+  const Eigen::Matrix3d turned = picture->camera_from_model.toRotationMatrix();
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  double off = 0;
+  for (const PicturePoint& point : picture->points) {
+    middle += point.place.cast<double>();
+    const Eigen::Vector2d at =
+        picture->middle_px + picture->pixels_per_m * (turned * point.place.cast<double>()).head<2>();
+    const cv::Point pixel(static_cast<int>(at.x()), static_cast<int>(at.y()));
+    ASSERT_TRUE(cv::Rect({0, 0}, blurred.size()).contains(pixel));
+    ASSERT_FALSE(std::isnan(surface.seen.depth_m.at<float>(pixel)));
+    off += std::abs(point.brightness - static_cast<float>(blurred.at<std::uint8_t>(pixel)));
+  }
+  const auto n = static_cast<double>(picture->points.size());
+  EXPECT_LT(middle.norm() / n, 1e-3);
+  EXPECT_LT(off / n, 6);  // weak perspective is a pixel or two off
+
+  EXPECT_EQ(views->Picture(kView, 0), picture);
+  const auto coarse = views->Picture(kView, 4);
+  const auto contrast = [](const ViewPicture& of) {
+    const auto [least, most] = std::ranges::minmax(of.points, {}, &PicturePoint::brightness);
+    return most.brightness - least.brightness;
+  };
+  EXPECT_LT(contrast(*coarse), contrast(*picture));
+}
+
+TEST(LitViews, ADamagedPictureIsEmpty) {
+  ObjectModel model = WaffleModel();
+  model.views[3].surface = model.views[3].surface.first(50);
+  EXPECT_TRUE(MakeLitViews(model).value()->Picture(3, 0)->points.empty());
 }
 
 TEST(LitViews, PhotosHaveNone) {

@@ -149,7 +149,7 @@ class Pass {
     std::optional<WholeFrame> searched;
     if (whole) {
       VICTORIOUS_ASSIGN_OR_RETURN(features, tools_.extractor.Extract(frame.image));
-      detections = tools_.recognizer.Recognize(features, conditions);
+      detections = tools_.recognizer.Recognize(features, conditions, frame.image);
       searched.emplace(features, detections);
     }
     VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Seen> all, follower_.Follow(frame, searched, conditions));

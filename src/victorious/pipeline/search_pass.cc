@@ -199,8 +199,8 @@ void Search(const SearchPass& pass, Work& work) {
   if (pass.recognizer.models().empty() && !work.keep) return;
   work.features = pass.extractor.Extract(work.frame.image);
   if (work.features) {
-    work.detections =
-        pass.recognizer.Recognize(*work.features, ConditionsOf(work.camera, work.frame.image.size(), pass.sun));
+    work.detections = pass.recognizer.Recognize(
+        *work.features, ConditionsOf(work.camera, work.frame.image.size(), pass.sun), work.frame.image);
   }
 }
 

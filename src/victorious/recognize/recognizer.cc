@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -20,6 +21,7 @@ void RecognizeOptions::ListFields(FieldList& fields) {
   fields.AddGroup("cascade", cascade);
   fields.AddGroup("pose", pose);
   fields.AddGroup("detect", detect);
+  fields.AddGroup("likeness", likeness);
 }
 
 namespace {
@@ -107,12 +109,48 @@ void Recognizer::SearchByVotes(const FeatureSet& scene, const FrameConditions& c
   }
 }
 
-std::vector<Detection> Recognizer::Recognize(const FeatureSet& scene, const FrameConditions& conditions) const {
+// What likeness adds to the evidence of those in doubt, the likest first, or takes away.
+void Recognizer::WeighByLikeness(const cv::Mat& grey, std::vector<Detection>& detections) const {
+  const LikenessOptions& options = options_.likeness;
+  cv::Mat scene;
+  std::map<std::size_t, int> looks;  // by model
+  for (Detection& detection : detections) {
+    const auto voter = std::ranges::find(voters_, detection.model, &std::pair<std::size_t, VoteSearch>::first);
+    if (voter == voters_.end() || voter->second.lit() == nullptr) continue;
+    if (detection.evidence < options.least_evidence || detection.evidence > options.most_evidence) continue;
+    if (looks[detection.model]++ >= options.most) continue;
+    if (scene.empty()) scene = SceneForLikeness(grey, options);
+    const std::optional<double> sigmas = SigmasOfLikeness(scene, (*models_)[detection.model], *voter->second.lit(),
+                                                          detection.view, detection.pose.scene_from_template, options);
+    if (!sigmas) continue;
+    detection.evidence += options.decades_per_sigma * (*sigmas - options.even_sigmas);
+    detection.score = ScoreOf(detection.evidence, options_.detect);
+  }
+  std::erase_if(detections, [&](const Detection& one) { return one.score < options_.detect.least_score; });
+}
+
+std::vector<Detection> Recognizer::Recognize(const FeatureSet& scene, const FrameConditions& conditions,
+                                             const cv::Mat& grey) const {
+  const SceneSize size{static_cast<double>(scene.image_width), static_cast<double>(scene.image_height)};
   std::vector<Candidate> candidates;
   if (!views_.empty()) SearchByGrammar(scene, candidates);
-  if (!voters_.empty()) SearchByVotes(scene, conditions, candidates);
-  const SceneSize size{static_cast<double>(scene.image_width), static_cast<double>(scene.image_height)};
-  return Detect(candidates, size, options_.detect);
+  std::vector<Detection> detections = Detect(candidates, size, options_.detect);
+  if (voters_.empty()) return detections;
+
+  candidates.clear();
+  SearchByVotes(scene, conditions, candidates);
+  DetectOptions doubtful = options_.detect;
+  const bool looks = !grey.empty() && options_.likeness.most > 0;
+  if (looks) {
+    doubtful.least_score = std::min(doubtful.least_score, ScoreOf(options_.likeness.least_evidence, options_.detect));
+  }
+  std::vector<Detection> voted = Detect(candidates, size, doubtful);
+  if (looks) WeighByLikeness(grey, voted);
+  detections.insert(detections.end(), voted.begin(), voted.end());
+  std::ranges::stable_sort(detections, [](const Detection& a, const Detection& b) {
+    return a.score != b.score ? a.score > b.score : a.model < b.model;
+  });
+  return detections;
 }
 
 std::vector<Detection> Recognizer::RecognizeViews(const FeatureSet& scene, std::size_t model,

@@ -2,7 +2,8 @@
 // navigation) share. In: a scene's features. Out: the models' instances in it.
 //
 // Two ways lead from matches to poses. The grammar is the thesis's: ratio test, cascade, MLESAC. Votes (vote_search.h)
-// use matches that no ratio test lets through, and find models of little texture in cluttered scenes.
+// use matches that no ratio test lets through, and find models of little texture in cluttered scenes; what they leave
+// in doubt the scene's picture may decide (likeness.h).
 #pragma once
 
 #include <cstddef>
@@ -14,12 +15,15 @@
 #include <utility>
 #include <vector>
 
+#include <opencv2/core/mat.hpp>
+
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
 #include "victorious/detect/detect.h"
 #include "victorious/grammar/cascade.h"
 #include "victorious/match/matcher.h"
 #include "victorious/pose/similarity_pose.h"
+#include "victorious/recognize/likeness.h"
 #include "victorious/recognize/vote_search.h"
 #include "victorious/types/detection.h"
 #include "victorious/types/feature_set.h"
@@ -36,6 +40,7 @@ struct RecognizeOptions {
   CascadeOptions cascade;
   PoseOptions pose;
   DetectOptions detect;
+  LikenessOptions likeness;
 
   void ListFields(FieldList& fields);
 };
@@ -54,7 +59,7 @@ Status CheckEngine(std::span<const ObjectModel> models, std::string_view engine)
 class Recognizer {
  public:
   /// @param engine  of the scenes' features (CheckEngine)
-  /// @param lit     each model's views under a sun, null where there are none; or empty: of no model
+  /// @param lit     each model's views under a sun and as pictures, null where there are none; or empty: of no model
   /// Errors: kInvalidArgument for options out of range or models of another engine.
   static Expected<Recognizer> Create(std::vector<ObjectModel> models, const std::string& engine,
                                      const RecognizeOptions& options,
@@ -64,7 +69,9 @@ class Recognizer {
 
   /// Every instance of every model, best first. Deterministic.
   /// @param conditions  as far as known: models of known views are sought upright, and lit as the sun lights them
-  [[nodiscard]] std::vector<Detection> Recognize(const FeatureSet& scene, const FrameConditions& conditions = {}) const;
+  /// @param grey        the scene, CV_8UC1, to look again at what votes leave in doubt; empty: they decide
+  [[nodiscard]] std::vector<Detection> Recognize(const FeatureSet& scene, const FrameConditions& conditions = {},
+                                                 const cv::Mat& grey = {}) const;
 
   /// Of one model, those that some of its views show: where it is known already what is seen, and about how.
   /// @param scene  of the part of a frame where it should be, in the frame's pixels
@@ -94,6 +101,7 @@ class Recognizer {
   void SearchByGrammar(const FeatureSet& scene, std::vector<Candidate>& candidates) const;
   void SearchByVotes(const FeatureSet& scene, const FrameConditions& conditions,
                      std::vector<Candidate>& candidates) const;
+  void WeighByLikeness(const cv::Mat& grey, std::vector<Detection>& detections) const;
 
   std::shared_ptr<const std::vector<ObjectModel>> models_;  ///< where it is, however often this moves
   std::vector<ViewRef> views_;  ///< of the models searched by the grammar, in the order of templates_

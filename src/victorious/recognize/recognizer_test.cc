@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
@@ -226,6 +227,9 @@ class Painted : public LitTemplates {
     return lit_[kAround * wanted.sun_view + wanted.view];
   }
   void Prepare(std::span<const LitView> /*wanted*/) const override {}
+  [[nodiscard]] std::shared_ptr<const ViewPicture> Picture(std::size_t /*view*/, int /*half_octaves*/) const override {
+    return std::make_shared<const ViewPicture>();
+  }
 
  private:
   std::vector<std::shared_ptr<const LitTemplate>> lit_;
@@ -253,6 +257,62 @@ TEST(Recognizer, FindsTheSunByWhatItPaints) {
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].view, kView);
   EXPECT_FALSE(recognizer.FindSun(FeaturesOf(Texture(640, 480, 5)), vertical));
+}
+
+// A crate whose picture, too, is known.
+class Pictured : public LitTemplates {
+ public:
+  explicit Pictured(const cv::Mat& grey) {
+    cv::Mat blurred;
+    cv::GaussianBlur(grey, blurred, {}, kPictureBlur_px);
+    auto picture = std::make_shared<ViewPicture>();
+    picture->middle_px = {grey.cols / 2.0, grey.rows / 2.0};
+    for (int row = 3; row < grey.rows; row += 6) {
+      for (int column = 3; column < grey.cols; column += 6) {
+        const Eigen::Vector2d at = Eigen::Vector2d(column + 0.5, row + 0.5) - picture->middle_px;
+        picture->points.push_back({Eigen::Vector3d(at.x(), at.y(), 0).cast<float>(),
+                                   static_cast<float>(blurred.at<std::uint8_t>(row, column))});
+      }
+    }
+    picture_ = std::move(picture);
+  }
+  [[nodiscard]] std::shared_ptr<const LitTemplate> Under(const LitView& /*wanted*/) const override {
+    return std::make_shared<const LitTemplate>();
+  }
+  void Prepare(std::span<const LitView> /*wanted*/) const override {}
+  [[nodiscard]] std::shared_ptr<const ViewPicture> Picture(std::size_t /*view*/, int /*half_octaves*/) const override {
+    return picture_;
+  }
+
+ private:
+  std::shared_ptr<const ViewPicture> picture_;
+};
+
+TEST(Recognizer, LikenessDecidesWhatIsInDoubt) {
+  const cv::Mat crate = Texture(120, 90, 1);
+  cv::Mat scene = Texture(640, 480, 4);
+  Paste(crate, 1.0, 0.5, {300, 220}, scene);
+  const FeatureSet features = FeaturesOf(scene);
+  const auto evidence = [&](const RecognizeOptions& options, const cv::Mat& grey) -> std::optional<double> {
+    const Recognizer recognizer =
+        Recognizer::Create({ModelOf("crate", crate)}, "opencv", options, {std::make_shared<const Pictured>(crate)})
+            .value();
+    const std::vector<Detection> found = recognizer.Recognize(features, {}, grey);
+    if (found.empty()) return std::nullopt;
+    EXPECT_DOUBLE_EQ(found[0].score, ScoreOf(found[0].evidence, options.detect));
+    return found[0].evidence;
+  };
+  RecognizeOptions options = ByVotes();
+  const double votes = evidence(options, {}).value();
+  EXPECT_EQ(evidence(options, scene), votes);  // beyond doubt: not looked at again
+  options.likeness.most_evidence = 1000;
+  EXPECT_GT(evidence(options, scene).value(), votes + 4);
+  EXPECT_LT(evidence(options, 255 - scene).value_or(0), votes - 4);
+  options.likeness.even_sigmas = 100;
+  options.likeness.decades_per_sigma = 100;
+  EXPECT_EQ(evidence(options, scene), std::nullopt);
+  options.likeness.most = 0;
+  EXPECT_EQ(evidence(options, scene), votes);
 }
 
 TEST(Recognizer, VotesFindNothingInOtherScenes) {

@@ -61,11 +61,12 @@ struct SunFound {
 class VoteSearch {
  public:
   /// @param model  outlives this
-  /// @param lit    its views under a sun; null: none
+  /// @param lit    its views under a sun and as pictures; null: none
   VoteSearch(const ObjectModel& model, std::shared_ptr<const LitTemplates> lit)
       : model_(&model), lit_(std::move(lit)) {}
 
   [[nodiscard]] bool KnowsSuns() const { return lit_ != nullptr; }
+  [[nodiscard]] const LitTemplates* lit() const { return lit_.get(); }
 
   /// The poses of every view compared; of Candidate, `model` is left to the caller.
   [[nodiscard]] std::vector<Candidate> Search(const VoteScene& scene, const FrameConditions& conditions) const;

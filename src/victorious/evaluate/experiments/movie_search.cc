@@ -77,7 +77,7 @@ Expected<SearchedFrame> SearchFrame(const Search& search, const Frame& frame) {
   if (search.cameras) searched.camera = search.cameras->At(frame.time_s);
   searched.conditions = ConditionsOf(searched.camera, frame.image.size(), search.sun);
   VICTORIOUS_ASSIGN_OR_RETURN(searched.features, search.extractor->Extract(frame.image));
-  searched.detections = search.recognizer.Recognize(searched.features, searched.conditions);
+  searched.detections = search.recognizer.Recognize(searched.features, searched.conditions, frame.image);
   searched.truth = Shown(search, searched);
   return searched;
 }

@@ -1,0 +1,54 @@
+#include "victorious/model/view_picture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/imgproc.hpp>
+
+namespace victorious {
+
+ViewPicture PictureOf(const ViewSurface& surface, double shrink) {
+  constexpr double kRim_px = 3.0;  // of the scene: what the background shines into, and where the outline errs
+  constexpr double kPoints = 300;
+  constexpr std::size_t kFewest = 40;
+  const cv::Mat& depth_m = surface.seen.depth_m;
+  const cv::Mat mask = depth_m == depth_m;  // not NaN
+  const int rim = std::max(1, static_cast<int>(std::lround(kRim_px * shrink)));
+  cv::Mat inside;
+  cv::erode(mask, inside, cv::Mat::ones(2 * rim + 1, 2 * rim + 1, CV_8U));
+
+  // The mean of the object alone: the background has no part in it.
+  cv::Mat weight;
+  mask.convertTo(weight, CV_32F, 1 / 255.0);
+  cv::Mat sum;
+  surface.grey.convertTo(sum, CV_32F);
+  sum = sum.mul(weight);
+  const double blur_px = std::max(0.5, kPictureBlur_px * shrink);
+  cv::GaussianBlur(sum, sum, {}, blur_px);
+  cv::GaussianBlur(weight, weight, {}, blur_px);
+
+  const PosedCamera& camera = surface.seen.camera;
+  const Rigid3 model_from_camera = camera.camera_from_world.Inverse();
+  const int step = std::max(1, static_cast<int>(std::sqrt(cv::countNonZero(inside) / kPoints)));
+  ViewPicture picture{.points = {}, .camera_from_model = camera.camera_from_world.rotation};
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (int row = 0; row < inside.rows; row += step) {
+    for (int column = 0; column < inside.cols; column += step) {
+      if (inside.at<std::uint8_t>(row, column) == 0) continue;
+      const Eigen::Vector3d place = model_from_camera.Apply(static_cast<double>(depth_m.at<float>(row, column)) *
+                                                            camera.pinhole.RayOf({column + 0.5, row + 0.5}));
+      picture.points.push_back({place.cast<float>(), sum.at<float>(row, column) / weight.at<float>(row, column)});
+      middle += place;
+    }
+  }
+  if (picture.points.size() < kFewest) return {};
+  middle /= static_cast<double>(picture.points.size());
+  for (PicturePoint& point : picture.points) point.place -= middle.cast<float>();
+  const Eigen::Vector3d seen = camera.camera_from_world.Apply(middle);
+  picture.middle_px = {camera.pinhole.fx * seen.x() / seen.z() + camera.pinhole.cx,
+                       camera.pinhole.fy * seen.y() / seen.z() + camera.pinhole.cy};
+  picture.pixels_per_m = camera.pinhole.fx / seen.z();
+  return picture;
+}
+
+}  // namespace victorious
