@@ -9,6 +9,7 @@
 #include "victorious/base/check.h"
 #include "victorious/geometry/robust/mlesac.h"
 #include "victorious/geometry/robust/similarity_estimator.h"
+#include "victorious/track/camera_motion.h"
 
 namespace victorious {
 namespace {
@@ -55,6 +56,13 @@ std::vector<TrackStep> RegionTracker::Step(const Frame& frame) {
   now_ = std::make_shared<FlowPyramid>(GreyOf(frame.image), options_);
   frame_ = frame.index;
   time_s_ = frame.time_s;
+  picture_moves_.clear();
+  for (const Track& track : tracks_) {
+    if (track.velocity_px_s || !options_.predict_motion || picture_moves_.contains(track.last.get())) continue;
+    CameraMotion motion;
+    motion.Step(track.last->grey());
+    picture_moves_[track.last.get()] = motion.Step(now_->grey());
+  }
   std::vector<TrackStep> steps;
   std::vector<Track> active;
   for (Track& track : tracks_) {
@@ -107,14 +115,18 @@ std::vector<RegionTracker::TemplatePoint> RegionTracker::TemplateFrom(std::span<
   return usable;
 }
 
-// How far the object has gone since it was last seen, as far as its motion tells.
+// How far the object has gone since it was last seen, as far as its motion tells, or else the picture's.
 Eigen::Vector2d RegionTracker::Drift(const Track& track) const {
   if (!options_.predict_motion) return Eigen::Vector2d::Zero();
-  return track.velocity_px_s * (time_s_ - track.last_time_s);
+  if (track.velocity_px_s) return *track.velocity_px_s * (time_s_ - track.last_time_s);
+  const auto move = picture_moves_.find(track.last.get());
+  if (move == picture_moves_.end()) return Eigen::Vector2d::Zero();
+  const Eigen::Vector2d before = CentreOf(Moved(track.outline, track.last_from_template));
+  return move->second.Apply(before) - before;
 }
 
-RegionTracker::Sighting RegionTracker::Look(const Track& track) const {
-  const Eigen::Vector2d drift = Drift(track);
+// Follows its points from where it was last seen, beginning `drift` px beside.
+RegionTracker::Sighting RegionTracker::Look(const Track& track, const Eigen::Vector2d& drift) const {
   std::vector<std::size_t> indices;
   std::vector<Eigen::Vector2d> from;
   std::vector<Eigen::Vector2d> guesses;
@@ -210,7 +222,9 @@ TrackLoss RegionTracker::WhyNotSeen(const Track& track) const {
 TrackStep RegionTracker::Advance(Track& track) const {
   ++track.unconfirmed_frames;
   const Box frame = FrameBox(now_->grey());
-  const Sighting sighting = Look(track);
+  Sighting sighting = Look(track, Drift(track));
+  // What the camera follows stays where it is while the picture moves.
+  if (!sighting.enough && !track.velocity_px_s) sighting = Look(track, Eigen::Vector2d::Zero());
   if (sighting.enough) Move(track, sighting);
 
   TrackLoss loss = TrackLoss::kNone;

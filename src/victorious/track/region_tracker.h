@@ -15,6 +15,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -68,8 +69,10 @@ class RegionTracker {
     std::uint64_t id = 0;
     Polygon outline;  // in the template's frame
     std::vector<TemplatePoint> points;
-    Similarity2 last_from_template;           // "last": the frame where it was last seen
-    Eigen::Vector2d velocity_px_s{0, 0};      // of the outline's centre, there
+    Similarity2 last_from_template;  // "last": the frame where it was last seen
+    // Of the outline's centre, there. Nothing before it was followed once: then it is supposed to have moved as the
+    // picture did.
+    std::optional<Eigen::Vector2d> velocity_px_s;
     std::shared_ptr<const FlowPyramid> last;  // that frame
     double last_time_s = 0;
     int missed_frames = 0;
@@ -87,7 +90,7 @@ class RegionTracker {
 
   [[nodiscard]] std::vector<TemplatePoint> TemplateFrom(std::span<const TrackPoint> points) const;
   [[nodiscard]] Eigen::Vector2d Drift(const Track& track) const;
-  [[nodiscard]] Sighting Look(const Track& track) const;
+  [[nodiscard]] Sighting Look(const Track& track, const Eigen::Vector2d& drift) const;
   void TakeUpAgain(Track& track) const;
   void Move(Track& track, const Sighting& sighting) const;
   [[nodiscard]] TrackLoss WhyNotSeen(const Track& track) const;
@@ -98,6 +101,8 @@ class RegionTracker {
   std::vector<Track> tracks_;
   std::uint64_t next_id_ = 1;
   std::shared_ptr<const FlowPyramid> now_;
+  // Of frames where tracks without a velocity were last seen: how the picture moved from there to `now_`.
+  std::map<const FlowPyramid*, Similarity2> picture_moves_;
   std::int64_t frame_ = 0;
   double time_s_ = 0;
 };

@@ -216,6 +216,27 @@ TEST(RegionTracker, PredictionFindsWhatMovedFarWhileNothingWasSeen) {
   }
 }
 
+TEST(RegionTracker, ANewTrackIsSoughtWhereThePictureWentAndWhereItWas) {
+  const World world;
+  const Similarity2 before = At(200, 80);
+  const Similarity2 moved = At(120, 80);
+  for (const bool predict : {true, false}) {
+    TrackOptions options;
+    options.predict_motion = predict;
+    options.pyramid_levels = 2;
+    Follower passing(options);
+    passing.Start(world.Draw(before), world.Outline(before));
+    const auto step = passing.Step(world.Draw(moved, {280, 200}));
+    ASSERT_TRUE(step);
+    EXPECT_EQ(step->seen(), predict) << "it stands on ground that passes by 80 px a frame";
+    if (predict) EXPECT_GT(IntersectionOverUnion(step->box, BoundingBox(world.Outline(moved))), 0.9);
+    Follower kept_in_view(options);
+    kept_in_view.Start(world.Draw(before), world.Outline(before));
+    const auto still = kept_in_view.Step(world.Draw(before, {280, 200}));
+    EXPECT_TRUE(still && still->seen()) << "the camera follows it over the ground";
+  }
+}
+
 TEST(RegionTracker, IsInactiveUnlessConfirmed) {
   const World world;
   Follower follower({.unconfirmed_frames = 4});

@@ -25,7 +25,8 @@ void TrackOptions::ListFields(FieldList& fields) {
                  "meanwhile: flicker, and short occlusions"});
   fields.Add("predict_motion", predict_motion,
              {.reason = "seek the points where the object's last motion would have brought them, also after a loss "
-                        "(thesis, section 4.4); else where they were last seen"});
+                        "(thesis, section 4.4), and before it has one, where the picture as a whole went; else where "
+                        "they were last seen"});
   fields.Add("window_px", window_px,
              {.min = 5, .max = 101, .unit = "px", .reason = "side of Lucas and Kanade's window on each level"});
   fields.Add("pyramid_levels", pyramid_levels,

@@ -172,8 +172,8 @@ Expected<Report> RunFigure43(const ExperimentSettings& settings) {
     }
     report.plot = {
         .title = fmt::format("What one sighting of the {} allows", one.name),
-        .x = {.label = "along the line of sight from the camera, m", .low = 0, .high = ray.frustum.farthest_m + 10},
-        .y = {.label = "across it, m", .low = -6, .high = 6},
+        .x = {.label = "along the line of sight from the camera, m", .low = 0, .high = 1.15 * ray.frustum.farthest_m},
+        .y = {.label = "across it, m", .low = -10, .high = 10},
         .lines = {{.name = "line of sight", .points = {{0, 0}, {ray.frustum.farthest_m, 0}}, .marked = false},
                   Closed("conic frustum", outline),
                   Dot("by apparent size", ray.range_m, 0),
@@ -221,8 +221,8 @@ Expected<Report> RunFigure44(const ExperimentSettings& settings) {
       // In plan about the truth, on equal scales.
       const Eigen::Vector2d middle = truth.head<2>();
       report.plot = {.title = fmt::format("Three sightings of the {}, in plan", one.name),
-                     .x = {.label = "east of the truth, m", .low = -13.5, .high = 13.5},
-                     .y = {.label = "north of the truth, m", .low = -8, .high = 8},
+                     .x = {.label = "east of the truth, m", .low = -18.6, .high = 18.6},
+                     .y = {.label = "north of the truth, m", .low = -11, .high = 11},
                      .lines = {}};
       for (std::size_t i = 0; i < rays.size(); ++i) {
         const Ray& ray = rays[i];
@@ -230,7 +230,7 @@ Expected<Report> RunFigure44(const ExperimentSettings& settings) {
         const Eigen::Vector2d foot = (ray.camera + along_m * ray.forward).head<2>() - middle;
         const Eigen::Vector2d ahead = ray.forward.head<2>().normalized();
         const Eigen::Vector2d across = RadiusAt(ray, along_m) * Eigen::Vector2d(-ahead.y(), ahead.x());
-        constexpr double kShownM = 7.0;
+        constexpr double kShownM = 8.0;  // each is far longer
         report.plot.lines.push_back(Closed(fmt::format("frustum at {:.1f} s", lines[i].time_s),
                                            {foot - kShownM * ahead + across, foot + kShownM * ahead + across,
                                             foot + kShownM * ahead - across, foot - kShownM * ahead - across}));
@@ -244,7 +244,8 @@ Expected<Report> RunFigure44(const ExperimentSettings& settings) {
   report.notes = {
       "Lines spread over an object's sightings in " + Describe(movies) +
           ", telemetry exact. The common volume is that of 400,000 points drawn in the first frustum; `locate` is the "
-          "most likely place of the same lines (method ml).",
+          "most likely place of the same lines (method ml). The plot cuts each frustum 8 m before and behind the "
+          "truth.",
       kFrustumNote};
   return report;
 }

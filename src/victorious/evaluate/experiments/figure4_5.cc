@@ -88,7 +88,7 @@ Expected<Report> RunFigure45(const ExperimentSettings& settings) {
     report.plot = {.title = fmt::format("Objects of {}: active where there is a point", movie.name),
                    .x = {.label = "frame"},
                    .y = {.label = "object, in the order of the table",
-                         .low = -0.5,
+                         .low = -1,
                          .high = static_cast<double>(timelines.size()) + 0.5},
                    .lines = {{.name = "whole frame searched", .points = {}, .connected = false},
                              {.name = "region searched", .points = {}, .connected = false},

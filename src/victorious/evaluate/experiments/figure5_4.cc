@@ -76,7 +76,14 @@ void AddRow(const std::string& name, const std::vector<double>& errors_m, const 
 constexpr const char* kThesisApache = "1.9 / 2.62 / 7.32";
 constexpr const char* kThesisOthers = "0.8 / 1.42 / 1.88";
 
-double LargestOf(const std::vector<double>& errors_m) { return errors_m.empty() ? kBinM : std::ranges::max(errors_m); }
+// Where the plots end, so that a single far one does not press all others into the first bin.
+double LastBinM(const Study& study) {
+  constexpr double kBeyondMost = 3;
+  const std::vector<double> errors_m = ErrorsOf(study, [](const std::string&) { return true; });
+  return kBinM + std::min(kBeyondMost * Percentile(errors_m, 90).value_or(0), Percentile(errors_m, 100).value_or(0));
+}
+
+constexpr const char* kErrorLabel = "error along the ground, m; what is larger counts in the last bin";
 
 }  // namespace
 
@@ -85,10 +92,10 @@ Expected<Report> RunFigure54(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(std::string nearest, NearestNote(study));
   Report report = Described("Errors of place by kind of object", {std::move(nearest), DescribeStudy(study)});
   report.plot = {.title = "Errors of place by kind of object",
-                 .x = {.label = "error along the ground, m"},
+                 .x = {.label = kErrorLabel},
                  .y = {.label = "share of the kind's errors"},
                  .lines = {}};
-  const double most_m = LargestOf(ErrorsOf(study, [](const std::string&) { return true; })) + kBinM;
+  const double most_m = LastBinM(study);
   for (const std::string& kind : KindsOf(study)) {
     const std::vector<double> errors_m = ErrorsOf(study, [&](const std::string& model) { return model == kind; });
     AddRow(kind, errors_m, kind == kHelicopter ? kThesisApache : kThesisOthers, report);
@@ -106,9 +113,9 @@ Expected<Report> RunFigure55(const ExperimentSettings& settings) {
   const std::vector<double> of_others = ErrorsOf(study, [](const std::string& m) { return m != kHelicopter; });
   AddRow(kHelicopter, of_helicopters, kThesisApache, report);
   AddRow("all others", of_others, kThesisOthers, report);
-  const double most_m = std::max(LargestOf(of_helicopters), LargestOf(of_others)) + kBinM;
+  const double most_m = LastBinM(study);
   report.plot = {.title = "Errors of place: the helicopter and all other kinds",
-                 .x = {.label = "error along the ground, m"},
+                 .x = {.label = kErrorLabel},
                  .y = {.label = "objects, movies and settings"},
                  .lines = {Histogram("helicopter", of_helicopters, most_m, /*normalised=*/false),
                            Histogram("all others", of_others, most_m, /*normalised=*/false)}};
