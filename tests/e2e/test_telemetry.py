@@ -122,6 +122,20 @@ class TelemetryTest(program.ProgramTest):
         self.assertAlmostEqual(items[5]["value"], 159.974365, places=6)
         self.assertIn("Security Local Set (48) in 1 packets, VMTI Local Set (74)", self.succeeds("doctor", file).out)
 
+    def test_offset_of_the_clock(self):
+        table = self.write("a.csv", "\n".join([HEADER, *(f"{i},42,-71,100,10,-45,1,40" for i in range(6))]) + "\n")
+        video = program.flight() / "flight.mp4"
+        done = self.succeeds("telemetry", table, "--video", video, "--estimate-offset")
+        self.assertIn("not told: ", done.out, "a camera that stands says nothing")
+        report = json.loads(self.succeeds("telemetry", table, "--video", video, "--estimate-offset", "--json").out)
+        self.assertIsNone(report["time_offset_s"])
+        self.refuses(2, ["nothing to write"], "telemetry", table, "--video", video, "--estimate-offset", "--out",
+                     self.scratch / "b.csv")
+        self.assertFalse((self.scratch / "b.csv").exists())
+        self.refuses(2, ["--video"], "telemetry", table, "--estimate-offset")
+        self.refuses(2, ["no FILE"], "telemetry")
+        self.refuses(2, ["no telemetry in it or beside it"], "telemetry", "--video", video)
+
     def test_what_is_no_telemetry(self):
         self.refuses(2, ["gone.klv"], "telemetry", self.scratch / "gone.klv")
         self.refuses(2, ["empty.SRT", "empty"], "telemetry", self.write("empty.SRT", ""))

@@ -6,6 +6,7 @@ import unittest
 import program
 
 KEYS = {"object_id", "model", "category", "video", "frame", "time_s", "box", "score", "source", "matches", "view"}
+PLACE = {"latitude_deg", "longitude_deg", "altitude_m", "ce90_m", "le90_m", "speed_m_s"}
 FRAME_S = 0.1  # of the drawn flight
 
 
@@ -39,7 +40,8 @@ class TrackTest(program.ProgramTest):
     def test_forward_and_backward(self):
         start = self.whole_frames("crate")[len(self.whole_frames("crate")) // 2]
         rows = self.tracked(self.video, *self.drawn("crate", start))
-        self.assertEqual(set(rows[0]), KEYS)
+        self.assertEqual(set(rows[0]), KEYS | PLACE | {"type"})
+        self.assertEqual({rows[0][key] for key in PLACE | {"type"}}, {None}, "nothing tells them")
         self.assertEqual([row["frame"] for row in rows], sorted({row["frame"] for row in rows}), "one a frame, in order")
         boxes = {row["frame"]: row["box"] for row in rows}
         whole = self.whole_frames("crate")
@@ -68,6 +70,34 @@ class TrackTest(program.ProgramTest):
                 self.assertGreater(len(found), 0.5 * len(whole), (name, video))
         self.assertEqual(rows, self.tracked(self.video, *drawn, "--also", other), "the same again")
 
+    def test_telemetry_and_a_type_tell_a_place(self):
+        start = self.whole_frames("crate")[0]
+        x, y, width, height = self.truth["crate"][start]["box"]
+        inside = ("--box", f"{x + width / 4},{y + height / 4},{width / 2},{height / 2}", "--at", str(start * FRAME_S))
+        rows = ["time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg"]
+        # The camera is known about the moment of the box only: one line of sight, and the range by a car's length.
+        rows += [f"{start * FRAME_S + after_s:.2f},48.0,11.0,100,0,-60,0,20" for after_s in (0, 0.02)]
+        table = self.write("camera.csv", "\n".join(rows) + "\n")
+        out = self.scratch / "out.jsonl"
+        drawn = (self.video, *inside, "--telemetry", table, "--type", "vehicle/car", "--out", out)
+        done = self.succeeds("track", *drawn)
+        self.assertIn("CE90", done.err)
+        placed = [json.loads(line) for line in out.read_text().splitlines()]
+        self.assertEqual({row["type"] for row in placed}, {"vehicle/car"})
+        placed = [row for row in placed if row["latitude_deg"] is not None]
+        self.assertTrue(placed)
+        for row in placed:
+            self.assertAlmostEqual(row["latitude_deg"], 48, delta=0.02)
+            self.assertGreater(row["ce90_m"], 0)
+        done = self.succeeds("track", *drawn[:-4], "--type", "the mayor's", "--out", out)
+        self.assertIn("a name only", done.err)
+
+    def test_an_output_that_cannot_be_written_is_told_first(self):
+        drawn = self.drawn("crate", self.whole_frames("crate")[0])
+        done = program.run("track", self.video, *drawn, "--out", self.scratch / "gone" / "out.jsonl")
+        self.assertNotEqual(done.status, 0)
+        self.assertEqual(len(done.err.splitlines()), 1, "no progress: nothing was followed")
+
     def test_bad_input_is_one_line(self):
         out = ("--out", self.scratch / "out.jsonl")
         good = ("--box", "10,10,40,40", "--at", "0")
@@ -82,6 +112,8 @@ class TrackTest(program.ProgramTest):
             ("1 --box and 2 --at", (self.video, *good, "--at", "1")),
             ("time from 0", (self.video, "--box", "10,10,40,40", "--at", "-1")),
             ("time from 0", (self.video, "--box", "10,10,40,40", "--at", "nan")),
+            ("2 --type and 1 --box", (self.video, *good, "--type", "car", "--type", "bus")),
+            ("absent.csv", (self.video, *good, "--telemetry", self.scratch / "absent.csv")),
             ("absent.mp4", (self.scratch / "absent.mp4", *good)),
             ("absent.mp4", (self.video, *good, "--also", self.scratch / "absent.mp4")),
             ("text.mp4", (self.write("text.mp4", "no video"), *good)),

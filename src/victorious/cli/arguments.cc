@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "victorious/base/file.h"
 #include "victorious/base/json.h"
@@ -179,6 +180,19 @@ Status WriteOutput(const std::string& path, std::string_view text) {
     return std::unexpected(ErrorFromErrno(errno, "write to standard output"));
   }
   return {};
+}
+
+Status CheckOutput(const std::string& path) {
+  if (path.empty() || path == "-") return {};
+  namespace fs = std::filesystem;
+  std::error_code unknown;  // then writing tells
+  const fs::file_status status = fs::status(path, unknown);
+  fs::path written = path;  // a device or a pipe
+  if (fs::is_regular_file(status) || !fs::exists(status)) {
+    written = fs::weakly_canonical(fs::absolute(path), unknown).parent_path();  // gets a new file
+  }
+  if (!fs::is_directory(status) && ::access(written.c_str(), W_OK) == 0) return {};
+  return std::unexpected(ErrorFromErrno(fs::is_directory(status) ? EISDIR : errno, fmt::format("write {}", path)));
 }
 
 std::string OneLine(std::string text) {

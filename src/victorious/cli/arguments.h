@@ -58,6 +58,9 @@ Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields);
 /// Writes to stdout (`path` empty or "-"), or to a file, whole or not at all.
 Status WriteOutput(const std::string& path, std::string_view text);
 
+/// Whether WriteOutput could write there, asked before long work.
+Status CheckOutput(const std::string& path);
+
 /// The text with its control characters (of a file's name, say) replaced by '?': a message stays one line.
 std::string OneLine(std::string text);
 

@@ -20,9 +20,11 @@
 #include "victorious/cli/command.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/kernels/nearest.h"
+#include "victorious/pipeline/time_offset.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/store/index_store.h"
 #include "victorious/store/model_file.h"
+#include "victorious/telemetry/camera_track.h"
 #include "victorious/video/codecs.h"
 #include "victorious/video/video_reader.h"
 
@@ -106,11 +108,24 @@ std::string Indented(const std::vector<std::string>& lines) {
   return text;
 }
 
+// Whether telemetry's clock is the picture's; empty where telemetry tells no pointing at all.
+std::string ClockOf(const std::string& source, const Telemetry& telemetry) {
+  const TelemetryOptions defaults;
+  if (!std::ranges::any_of(telemetry.states, &CameraState::IsComplete)) return {};
+  TimeOffsetOptions options;
+  constexpr double kWatch_s = 20;
+  options.watch_s = kWatch_s;
+  const auto seen = MeasureMotions(source, options, Interrupt());
+  if (!seen) return {};
+  return Describe(EstimateTimeOffset(*seen, CameraTrack(telemetry.states, defaults.max_gap_s), options));
+}
+
 // What is known of the camera, from the file itself or from what lies beside it. As JSON null where nothing is.
 Report DescribePlace(const std::string& source, const Probe& probe) {
   const auto inside = TelemetryFromPackets(probe.packets, {});
   if (inside && inside->records > 0) {
-    const std::vector<std::string> said = DescribeTelemetry(*inside);
+    std::vector<std::string> said = DescribeTelemetry(*inside);
+    if (std::string clock = ClockOf(source, *inside); !clock.empty()) said.push_back(std::move(clock));
     return {"telemetry in the file\n" + Indented(said), {{"source", source}, {"says", said}}};
   }
   const auto beside = TelemetryBeside(source);
@@ -121,8 +136,10 @@ Report DescribePlace(const std::string& source, const Probe& probe) {
         nullptr};
   }
   const auto telemetry = ReadTelemetry(beside->string(), {});
-  const std::vector<std::string> said =
-      telemetry ? DescribeTelemetry(*telemetry) : std::vector{telemetry.error().message};
+  std::vector<std::string> said = telemetry ? DescribeTelemetry(*telemetry) : std::vector{telemetry.error().message};
+  if (telemetry) {
+    if (std::string clock = ClockOf(source, *telemetry); !clock.empty()) said.push_back(std::move(clock));
+  }
   return {fmt::format("telemetry beside it, {}\n", OneLine(beside->string())) + Indented(said),
           {{"source", beside->string()}, {"says", said}}};
 }

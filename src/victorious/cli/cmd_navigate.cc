@@ -1,8 +1,6 @@
 // victorious navigate VIDEO --landmarks DB --models DIR --out FILE.csv: where the camera was, by what it saw
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,7 +8,6 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
@@ -64,20 +61,6 @@ void Tell(const NavigationRun& run) {
   spdlog::info("{:.1f} ms a frame once landmarks are followed, {:.1f} of processor time; {:.2f} to estimate the flight",
                run.tracked_ms, run.tracked_cpu_ms, run.estimate_ms);
   if (frames.empty()) spdlog::warn("no landmark was recognised, and there is no telemetry: no place is known");
-}
-
-// Whether the result can be written, asked before the video is searched.
-Status CheckOutput(const std::string& path) {
-  if (path.empty() || path == "-") return {};
-  namespace fs = std::filesystem;
-  std::error_code unknown;  // then writing tells
-  const fs::file_status status = fs::status(path, unknown);
-  fs::path written = path;  // a device or a pipe
-  if (fs::is_regular_file(status) || !fs::exists(status)) {
-    written = fs::weakly_canonical(fs::absolute(path), unknown).parent_path();  // gets a new file
-  }
-  if (!fs::is_directory(status) && ::access(written.c_str(), W_OK) == 0) return {};
-  return std::unexpected(ErrorFromErrno(fs::is_directory(status) ? EISDIR : errno, fmt::format("write {}", path)));
 }
 
 Status Run(const Arguments& arguments) {

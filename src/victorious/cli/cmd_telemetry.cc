@@ -1,41 +1,100 @@
-// victorious telemetry FILE [--out FILE.csv] [--json]
+// victorious telemetry FILE [--video FILE --estimate-offset] [--out FILE.csv] [--json]
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/pipeline/time_offset.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/telemetry/camera_csv.h"
+#include "victorious/telemetry/camera_track.h"
 
 namespace victorious::cli {
 namespace {
 
 struct Arguments {
   std::string file;
+  std::string video;
   std::string out;
   std::string params;
+  bool estimate_offset = false;
   bool json = false;
 };
 
-Status Run(const Arguments& arguments) {
-  TelemetryOptions options;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
-  VICTORIOUS_ASSIGN_OR_RETURN(const Telemetry telemetry, ReadTelemetry(arguments.file, options));
-  for (const std::string& warning : telemetry.warnings) {
-    spdlog::warn("{}", OneLine(arguments.file + ": " + warning));
+nlohmann::json ToJson(const TimeOffset& offset, double before_s) {
+  return {{"time_offset_s", offset.offset_s ? nlohmann::json(before_s + *offset.offset_s) : nlohmann::json()},
+          {"sigma_s", offset.offset_s ? nlohmann::json(offset.sigma_s) : nlohmann::json()},
+          {"explained", offset.explained},
+          {"pairs", offset.pairs},
+          {"status", offset.status}};
+}
+
+// Of a file, a video's own or what lies beside it.
+Expected<Telemetry> Read(const Arguments& arguments, const TelemetryOptions& options) {
+  if (!arguments.file.empty()) return ReadTelemetry(arguments.file, options);
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      std::optional<Telemetry> telemetry,
+      FindTelemetry(arguments.video, options, [](const std::string& line) { spdlog::warn("{}", OneLine(line)); }));
+  if (!telemetry) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: no telemetry in it or beside it: name its file", arguments.video));
   }
+  return *std::move(telemetry);
+}
+
+// The offset goes to standard output, the table with it taken into account to --out.
+Status RunEstimate(const Arguments& arguments, const TimedTelemetryOptions& parameters, Telemetry telemetry) {
+  const std::string& video = arguments.video.empty() ? arguments.file : arguments.video;
+  if (arguments.video.empty() && IsTelemetryFile(arguments.file)) {
+    return Fail(ErrorCode::kInvalidArgument, "--estimate-offset: needs the picture too: name its --video");
+  }
+  if (telemetry.states.empty()) {
+    return Fail(ErrorCode::kInvalidArgument, "--estimate-offset: the telemetry tells no state of the camera");
+  }
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
+  VICTORIOUS_ASSIGN_OR_RETURN(const ImageMotions seen, MeasureMotions(video, parameters.offset, Interrupt()));
+  const CameraTrack cameras(telemetry.states, parameters.telemetry.max_gap_s);
+  const TimeOffset offset = EstimateTimeOffset(seen, cameras, parameters.offset);
+  if (!arguments.out.empty()) {
+    if (!offset.offset_s) {
+      return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: nothing to write: {}", video, Describe(offset)));
+    }
+    for (CameraState& state : telemetry.states) state.time_s += *offset.offset_s;
+    VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments.out, CameraCsvText(telemetry.states)));
+  }
+  return WriteOutput(
+      "", arguments.json ? ToJson(offset, parameters.telemetry.time_offset_s).dump(1) + "\n" : Describe(offset) + "\n");
+}
+
+Status Run(const Arguments& arguments) {
+  TimedTelemetryOptions parameters;
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(parameters)));
+  if (arguments.file.empty() && arguments.video.empty()) {
+    return Fail(ErrorCode::kInvalidArgument, "no FILE and no --video: name what holds the telemetry");
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(Telemetry telemetry, Read(arguments, parameters.telemetry));
+  const std::string& source = arguments.file.empty() ? arguments.video : arguments.file;
+  for (const std::string& warning : telemetry.warnings) spdlog::warn("{}", OneLine(source + ": " + warning));
+  if (arguments.estimate_offset) return RunEstimate(arguments, parameters, std::move(telemetry));
   return WriteOutput(arguments.out,
-                     arguments.json ? ToJson(telemetry).dump(1) + "\n" : CameraCsvText(telemetry.states));
+                     arguments.json ? victorious::ToJson(telemetry).dump(1) + "\n" : CameraCsvText(telemetry.states));
 }
 
 }  // namespace
 
 Action SetUpTelemetry(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("FILE", arguments->file, "A video, KLV, the .SRT of a DJI aircraft, or a table")->required();
+  app.add_option("FILE", arguments->file, "A video, KLV, the .SRT of a DJI aircraft, or a table");
+  app.add_option("--video", arguments->video, "The video that it belongs to; without FILE, its own telemetry is read")
+      ->type_name("FILE");
+  app.add_flag("--estimate-offset", arguments->estimate_offset,
+               "By how much its clock is early or late, told by the picture's motion; with --out, the table put right");
   app.add_option("--out", arguments->out, "Where to write; without it, standard output")->type_name("FILE");
   app.add_option("--params", arguments->params, "Parameters as JSON (`victorious params telemetry`)")
       ->type_name("FILE");

@@ -1,13 +1,19 @@
 // victorious track VIDEO --box X,Y,W,H --at SECONDS: what a person drew a box around, wherever it is
+#include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/pipeline/object_type.h"
 #include "victorious/pipeline/track_run.h"
 
 namespace victorious::cli {
@@ -17,14 +23,58 @@ struct Arguments {
   std::string video;
   std::vector<std::string> boxes;
   std::vector<double> at_s;
+  std::vector<std::string> types;
   std::vector<std::string> also;
+  std::string telemetry;
+  std::optional<double> hfov_deg;
   std::string params;
   std::string out;
 };
 
+// One type for all boxes, or one for each.
+Status SetTypes(const std::vector<std::string>& types, std::vector<DrawnBox>& boxes) {
+  if (types.empty()) return {};
+  if (types.size() != 1 && types.size() != boxes.size()) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("{} --type and {} --box: give one --type, or one for each --box", types.size(), boxes.size()));
+  }
+  for (std::size_t i = 0; i < boxes.size(); ++i) boxes[i].type = types[types.size() == 1 ? 0 : i];
+  return {};
+}
+
+// A word that no place follows from is said to be one.
+void TellOfNames(const std::vector<std::string>& types) {
+  for (const std::string& type : types) {
+    if (type.empty() || FindObjectType(type) != nullptr) continue;
+    std::vector<std::string_view> known;
+    for (const ObjectType& one : ObjectTypes()) known.push_back(one.name);
+    spdlog::info("{}: a name only; sizes and motions are known of: {}", OneLine(type), fmt::join(known, ", "));
+  }
+}
+
+// Where each object is, when it was seen last.
+void TellPlaces(const std::vector<BoxSighting>& sightings, std::size_t boxes) {
+  for (std::size_t drawn = 0; drawn < boxes; ++drawn) {
+    const auto last = std::ranges::find_if(sightings.rbegin(), sightings.rend(), [&](const BoxSighting& one) {
+      return one.drawn == drawn && one.place.has_value();
+    });
+    if (last == sightings.rend()) continue;
+    const Place& place = *last->place;
+    spdlog::info("box-{}: at {:.2f} s at {:.6f}, {:.6f}, {:.1f} m; CE90 {:.1f} m{}", drawn + 1, last->time_s,
+                 DegreesFromRadians(place.point.latitude_rad), DegreesFromRadians(place.point.longitude_rad),
+                 place.point.altitude_m, place.ce90_m,
+                 place.velocity_enu && place.velocity_enu->norm() > 0
+                     ? fmt::format("; it moves at {:.1f} m/s", place.velocity_enu->norm())
+                     : "");
+  }
+}
+
 Status Run(const Arguments& arguments) {
   TrackRunOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
+  if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
+  VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
   if (arguments.boxes.size() != arguments.at_s.size()) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{} --box and {} --at: give one --at for each --box",
                                                          arguments.boxes.size(), arguments.at_s.size()));
@@ -34,14 +84,19 @@ Status Run(const Arguments& arguments) {
     VICTORIOUS_ASSIGN_OR_RETURN(const Box box, ParseBox(arguments.boxes[i]));
     boxes.push_back({box, arguments.at_s[i]});
   }
+  VICTORIOUS_RETURN_IF_ERROR(SetTypes(arguments.types, boxes));
   std::vector<std::string> videos = {arguments.video};
   videos.insert(videos.end(), arguments.also.begin(), arguments.also.end());
   std::vector<std::string> warnings;  // an error stays the only line
   const auto warn = [&](const std::string& warning) { warnings.push_back(warning); };
+  const auto telemetry = arguments.telemetry.empty() ? std::nullopt : std::optional(arguments.telemetry);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<BoxSighting> sightings,
-                              TrackBoxes(videos, boxes, options, Interrupt(), warn));
+                              TrackBoxes(videos, boxes, telemetry, options, Interrupt(), warn));
   for (const std::string& warning : warnings) spdlog::warn("{}", OneLine(warning));
-  return WriteOutput(arguments.out, ToJsonLines(sightings, videos));
+  VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments.out, ToJsonLines(sightings, videos, boxes)));
+  TellOfNames(arguments.types);
+  TellPlaces(sightings, boxes.size());
+  return {};
 }
 
 }  // namespace
@@ -58,6 +113,16 @@ Action SetUpTrack(CLI::App& app) {
       ->type_name("TIME")
       ->transform(TimeOfVideo())
       ->allow_extra_args(false);
+  app.add_option(
+         "--type", arguments->types,
+         "What is in the box (car, truck, person, building, ...): its usual length tells how far off it is, and "
+         "whether it may move; any other word is a name. One for all boxes, or one for each")
+      ->type_name("WORD")
+      ->allow_extra_args(false);
+  app.add_option("--telemetry", arguments->telemetry,
+                 "The camera's states, for a place on Earth; without it, what is in the video or beside it")
+      ->type_name("FILE");
+  AddFieldOfView(app, arguments->hfov_deg);
   app.add_option("--also", arguments->also, "Other videos to look for the objects in");
   app.add_option("--params", arguments->params, "Parameters (`victorious params track`)")->type_name("FILE");
   app.add_option("--out", arguments->out, "Sightings, JSON Lines (docs/formats/export.md)")

@@ -44,7 +44,7 @@ double Square(double value) { return value * value; }
 // @param variances  of each alone, the first measurement's first
 // @param more       of each one's own error beside; not in the variances, nor in what is returned
 std::vector<double> Unshared(std::vector<double> variances, const std::vector<double>& more) {
-  constexpr double kLeastOwn = 1e-6;  // of the shared one: the first measurement may have nothing of its own
+  constexpr double kLeastOwn = 0.1;  // of the shared one: else those with next to none of their own count alone
   const double shared = variances.front();
   double told = 0;
   for (std::size_t i = 0; i < variances.size(); ++i) {
@@ -57,25 +57,38 @@ std::vector<double> Unshared(std::vector<double> variances, const std::vector<do
 
 // Lines whose attitude errs from frame to frame, as telemetry tells, err more than their place in the picture.
 // @param followed  indices of sights that rest on one recognition, in order of time
-void SetErrors(std::span<const Sight> sights, const std::vector<std::size_t>& followed, const LineErrorOptions& errors,
+void SetAngles(std::span<const Sight> sights, const std::vector<std::size_t>& followed, const LineErrorOptions& errors,
                std::vector<LineOfSight>& lines) {
-  std::vector<double> angles_rad2;
-  std::vector<double> more_rad2;
-  std::vector<double> ranges_m2;
+  std::vector<double> told;
+  std::vector<double> more;
   for (const std::size_t i : followed) {
     const LineOfSight& line = lines[i];
-    angles_rad2.push_back(Square(line.sigma_rad.value_or(RadiansFromDegrees(errors.angle_deg))));
-    more_rad2.push_back(Square(sights[i].sigma_attitude_rad.value_or(0)) +
-                        (line.range_m ? Square(errors.position_m / *line.range_m) : 0));
-    ranges_m2.push_back(Square(line.sigma_range_m.value_or(errors.range_share * line.range_m.value_or(0))));
+    told.push_back(Square(line.sigma_rad.value_or(RadiansFromDegrees(errors.angle_deg))));
+    more.push_back(Square(sights[i].sigma_attitude_rad.value_or(0)) +
+                   (line.range_m ? Square(errors.position_m / *line.range_m) : 0));
   }
-  angles_rad2 = Unshared(std::move(angles_rad2), more_rad2);
-  ranges_m2 = Unshared(std::move(ranges_m2), std::vector(followed.size(), Square(errors.position_m)));
+  const std::vector<double> unshared = Unshared(std::move(told), more);
   for (std::size_t k = 0; k < followed.size(); ++k) {
-    const std::size_t i = followed[k];
-    lines[i].sigma_rad = std::sqrt(angles_rad2[k] + Square(sights[i].sigma_attitude_rad.value_or(0)));
-    if (lines[i].range_m) lines[i].sigma_range_m = std::sqrt(ranges_m2[k]);
+    lines[followed[k]].sigma_rad = std::sqrt(unshared[k] + Square(sights[followed[k]].sigma_attitude_rad.value_or(0)));
   }
+}
+
+void SetRanges(std::vector<std::size_t> followed, const LineErrorOptions& errors, std::vector<LineOfSight>& lines) {
+  std::erase_if(followed, [&](std::size_t i) { return !lines[i].range_m; });
+  if (followed.empty()) return;
+  std::vector<double> told;
+  for (const std::size_t i : followed) {
+    told.push_back(Square(lines[i].sigma_range_m.value_or(errors.range_share * *lines[i].range_m)));
+  }
+  const std::vector<double> unshared =
+      Unshared(std::move(told), std::vector(followed.size(), Square(errors.position_m)));
+  for (std::size_t k = 0; k < followed.size(); ++k) lines[followed[k]].sigma_range_m = std::sqrt(unshared[k]);
+}
+
+void SetErrors(std::span<const Sight> sights, const std::vector<std::size_t>& followed, const LineErrorOptions& errors,
+               std::vector<LineOfSight>& lines) {
+  SetAngles(sights, followed, errors, lines);
+  SetRanges(followed, errors, lines);
 }
 
 std::vector<LineOfSight> LinesOf(std::span<const Sight> sights, const LineErrorOptions& errors) {

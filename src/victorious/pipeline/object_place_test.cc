@@ -86,6 +86,13 @@ TEST(ObjectPlace, WhatWasFollowedFromOneRecognitionCountsAsThatOne) {
   EXPECT_LT(Coverage(on_their_own), 0.5) << "ten times the same error is not ten errors";
 }
 
+TEST(ObjectPlace, RangesShareTheirErrorAlsoWhereTheFirstSightHasNone) {
+  const auto first_without = [](std::vector<Sight>& sights) {
+    for (std::size_t i = 0; i < sights.size(); i += kFollowed) sights[i].line.range_m.reset();
+  };
+  EXPECT_GE(Coverage(first_without), 0.85);
+}
+
 TEST(ObjectPlace, FollowedSightsMakeAPlaceNoSurerThanWhatTheyWereFollowedFrom) {
   const std::vector<Sight> all = FliesPast(1);
   std::vector<Sight> recognised;

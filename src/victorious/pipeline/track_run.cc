@@ -10,7 +10,9 @@
 
 #include "victorious/base/progress.h"
 #include "victorious/features/feature_extractor.h"
+#include "victorious/pipeline/video_telemetry.h"
 #include "victorious/store/export_json.h"
+#include "victorious/telemetry/camera_track.h"
 #include "victorious/track/box_tracker.h"
 #include "victorious/video/image_file.h"
 #include "victorious/video/video_reader.h"
@@ -28,6 +30,45 @@ struct Drawn {
   std::shared_ptr<const Recognizer> recognizer;
 };
 
+std::optional<CameraState> CameraAt(const std::optional<CameraTrack>& cameras, double time_s) {
+  return cameras ? cameras->At(time_s) : std::nullopt;
+}
+
+/// What stands at a known place, and how it was seen where it was drawn.
+struct Standing {
+  Place place;
+  Box box;
+  CameraState camera;
+};
+
+/// What places tell of the drawn boxes' objects in one more video.
+class Guide {
+ public:
+  Guide(const std::vector<std::optional<Standing>>& standing, const std::optional<CameraTrack>& cameras,
+        const BoxPlaceOptions& options)
+      : standing_(standing), cameras_(cameras), options_(options) {}
+
+  /// What is seen there stands elsewhere.
+  [[nodiscard]] bool Contradicts(std::size_t drawn, const Box& box, const Frame& frame) const {
+    const auto camera = CameraAt(cameras_, frame.time_s);
+    if (!standing_[drawn] || !camera) return false;
+    const auto sight = SightOfBox(box, frame.image.size(), *camera, nullptr, 0, options_);
+    return sight && !GoesBy(*sight, standing_[drawn]->place, options_);
+  }
+
+  [[nodiscard]] std::optional<SeenBox> Expect(std::size_t drawn, const Frame& frame) const {
+    const auto camera = CameraAt(cameras_, frame.time_s);
+    if (!standing_[drawn] || !camera) return std::nullopt;
+    const Standing& standing = *standing_[drawn];
+    return ExpectBox(standing.place.point, standing.box, standing.camera, *camera, frame.image.size());
+  }
+
+ private:
+  const std::vector<std::optional<Standing>>& standing_;
+  const std::optional<CameraTrack>& cameras_;
+  const BoxPlaceOptions& options_;
+};
+
 /// A cut of the frame as the drawn box's object, searched for by its keypoints.
 Expected<std::shared_ptr<const Recognizer>> LearnModel(const Frame& frame, const Box& box, const std::string& name,
                                                        const TrackRunOptions& options) {
@@ -38,6 +79,8 @@ Expected<std::shared_ptr<const Recognizer>> LearnModel(const Frame& frame, const
                               Recognizer::Create({std::move(model)}, options.model.features.engine, options.recognize));
   return std::make_shared<const Recognizer>(std::move(recognizer));
 }
+
+bool StandsStill(const Place& place) { return !place.velocity_enu || place.velocity_enu->norm() == 0; }
 
 std::string ModelName(std::size_t drawn) { return fmt::format("box-{}", drawn + 1); }
 
@@ -60,33 +103,63 @@ class Pass {
   void ChangeVideo() { tracker_.ChangeVideo(); }
 
   /// The next frame: where each object is in it.
-  Status See(const Frame& frame, std::size_t video, Sightings& sightings) {
+  /// @param guide  where places are known
+  Status See(const Frame& frame, std::size_t video, const Guide* guide, Sightings& sightings) {
     std::vector<std::size_t> lost;
     for (const BoxStep& step : tracker_.Step(frame)) {
-      if (step.seen()) {
-        sightings.push_back(Describe(step, frame, video));
-      } else if (drawn_[step.target].recognizer) {
-        lost.push_back(step.target);
-      }
+      if (!Take(step, frame, video, guide, nullptr, sightings)) lost.push_back(step.target);
     }
     ++seen_frames_;
-    if (lost.empty() || seen_frames_ % recognize_every_ != 0) return {};
+    if (seen_frames_ % recognize_every_ != 0) return {};
+    if (guide != nullptr) {
+      std::erase_if(lost,
+                    [&](std::size_t target) { return LookWhereItStands(target, frame, video, *guide, sightings); });
+    }
+    std::erase_if(lost, [&](std::size_t target) { return drawn_[target].recognizer == nullptr; });
+    if (lost.empty()) return {};
     VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet scene, extractor_->Extract(GreyFromBgr(frame.image)));
-    for (const std::size_t target : lost) Recognise(target, scene, frame, video, sightings);
+    for (const std::size_t target : lost) Recognise(target, scene, frame, video, guide, sightings);
     return {};
   }
 
  private:
-  [[nodiscard]] BoxSighting Describe(const BoxStep& step, const Frame& frame, std::size_t video) const {
-    return {.drawn = drawn_[step.target].index,
-            .video = video,
-            .frame = frame.index,
-            .time_s = frame.time_s,
-            .box = step.box,
-            .score = step.trust};
+  /// @param recognised  by the recogniser, with its score and matches
+  /// @return whether it is seen, and what is seen may be it
+  bool Take(const BoxStep& step, const Frame& frame, std::size_t video, const Guide* guide, const Detection* recognised,
+            Sightings& sightings) {
+    if (!step.seen()) return false;
+    const std::size_t drawn = drawn_[step.target].index;
+    if (guide != nullptr && guide->Contradicts(drawn, step.box, frame)) {
+      tracker_.Lose(step.target);
+      return false;
+    }
+    BoxSighting sighting{.drawn = drawn,
+                         .video = video,
+                         .frame = frame.index,
+                         .time_s = frame.time_s,
+                         .box = step.box,
+                         .score = step.trust};
+    if (recognised != nullptr) {
+      sighting.score = recognised->score;
+      sighting.matches = recognised->pose.inliers.size();
+    }
+    sightings.push_back(sighting);
+    return true;
   }
 
-  void Recognise(std::size_t target, const FeatureSet& scene, const Frame& frame, std::size_t video,
+  bool LookWhereItStands(std::size_t target, const Frame& frame, std::size_t video, const Guide& guide,
+                         Sightings& sightings) {
+    const auto expected = guide.Expect(drawn_[target].index, frame);
+    if (!expected) return false;
+    const Box inside = Intersection(
+        expected->box, {0, 0, static_cast<double>(frame.image.cols), static_cast<double>(frame.image.rows)});
+    constexpr double kLeastInView = 0.5;
+    if (!(inside.Area() > kLeastInView * expected->box.Area())) return false;
+    const BoxStep step = tracker_.Resume(target, expected->box, expected->turn_rad, BoxTracker::Evidence::kPlace);
+    return Take(step, frame, video, &guide, nullptr, sightings);
+  }
+
+  void Recognise(std::size_t target, const FeatureSet& scene, const Frame& frame, std::size_t video, const Guide* guide,
                  Sightings& sightings) {
     const Drawn& drawn = drawn_[target];
     const std::vector<Detection> detections = drawn.recognizer->Recognize(scene);
@@ -98,12 +171,9 @@ class Pass {
     const double width = drawn.box.width * scale;
     const double height = drawn.box.height * scale;
     const Box box{around.x + (around.width - width) / 2, around.y + (around.height - height) / 2, width, height};
-    const BoxStep step = tracker_.Resume(target, box, best.pose.scene_from_template.rotation_rad);
-    if (!step.seen()) return;
-    BoxSighting sighting = Describe(step, frame, video);
-    sighting.score = best.score;
-    sighting.matches = best.pose.inliers.size();
-    sightings.push_back(sighting);
+    const BoxStep step =
+        tracker_.Resume(target, box, best.pose.scene_from_template.rotation_rad, BoxTracker::Evidence::kLook);
+    Take(step, frame, video, guide, &best, sightings);
   }
 
   BoxTracker tracker_;
@@ -132,20 +202,27 @@ class TrackRun {
  public:
   TrackRun(std::span<const std::string> videos, std::span<const DrawnBox> boxes, const TrackRunOptions& options,
            const CancelToken& cancel, const TrackWarning& warn)
-      : videos_(videos), boxes_(boxes), options_(options), cancel_(cancel), warn_(warn) {}
+      : videos_(videos), boxes_(boxes), options_(options), cancel_(cancel), warn_(warn), sizes_(videos.size()) {}
 
-  Expected<Sightings> Run() {
+  /// @param telemetry  a file of the first video's
+  Expected<Sightings> Run(const std::optional<std::string>& telemetry) {
     for (const std::string& video : videos_) VICTORIOUS_RETURN_IF_ERROR(OpenTwiceReadable(video));
+    for (std::size_t video = 0; video < videos_.size(); ++video) {
+      VICTORIOUS_ASSIGN_OR_RETURN(std::optional<CameraTrack> cameras,
+                                  CamerasOf(videos_[video], video == 0 ? telemetry : std::nullopt));
+      cameras_.push_back(std::move(cameras));
+    }
     VICTORIOUS_ASSIGN_OR_RETURN(extractor_, MakeFeatureExtractor(options_.model.features));
     VICTORIOUS_ASSIGN_OR_RETURN(Pass forward, NewPass());
     VICTORIOUS_RETURN_IF_ERROR(GoForward(forward));
     VICTORIOUS_RETURN_IF_ERROR(GoBackward());
+    PlaceAll();
+    const std::vector<std::optional<Standing>> standing = WhatStands();
     for (std::size_t video = 1; video < videos_.size(); ++video) {
       Pass search = forward;
-      VICTORIOUS_RETURN_IF_ERROR(GoThrough(video, search));
+      VICTORIOUS_RETURN_IF_ERROR(GoThrough(video, standing, search));
     }
-    std::ranges::sort(sightings_, {},
-                      [](const BoxSighting& one) { return std::tuple(one.video, one.frame, one.drawn); });
+    if (videos_.size() > 1) PlaceAll();
     return std::move(sightings_);
   }
 
@@ -160,7 +237,8 @@ class TrackRun {
     std::vector<bool> started(boxes_.size(), false);
     double last_time_s = 0;
     const auto visit = [&](const Frame& frame) -> Status {
-      VICTORIOUS_RETURN_IF_ERROR(pass.See(frame, 0, sightings_));
+      sizes_[0] = frame.image.size();
+      VICTORIOUS_RETURN_IF_ERROR(pass.See(frame, 0, nullptr, sightings_));
       last_time_s = frame.time_s;
       for (std::size_t i = 0; i < boxes_.size(); ++i) {
         constexpr double kSameTime_s = 1e-6;
@@ -212,7 +290,7 @@ class TrackRun {
                                   ReadStretch(std::max<std::int64_t>(0, end - stretch), end));
       for (auto frame = frames.rbegin(); frame != frames.rend(); ++frame) {
         VICTORIOUS_RETURN_IF_ERROR(CancelledIf(cancel_));
-        VICTORIOUS_RETURN_IF_ERROR(pass.See(*frame, 0, sightings_));
+        VICTORIOUS_RETURN_IF_ERROR(pass.See(*frame, 0, nullptr, sightings_));
         for (const Drawn& drawn : drawn_) {
           if (drawn.frame == frame->index) VICTORIOUS_RETURN_IF_ERROR(pass.Start(drawn));
         }
@@ -233,10 +311,71 @@ class TrackRun {
     }
   }
 
-  Status GoThrough(std::size_t video, Pass& pass) {
+  Status GoThrough(std::size_t video, const std::vector<std::optional<Standing>>& standing, Pass& pass) {
     VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, OpenTwiceReadable(videos_[video]));
     pass.ChangeVideo();
-    return ReadAll(*reader, videos_[video], [&](const Frame& frame) { return pass.See(frame, video, sightings_); });
+    const Guide guide(standing, cameras_[video], options_.place);
+    return ReadAll(*reader, videos_[video], [&](const Frame& frame) {
+      sizes_[video] = frame.image.size();
+      return pass.See(frame, video, &guide, sightings_);
+    });
+  }
+
+  Expected<std::optional<CameraTrack>> CamerasOf(const std::string& video,
+                                                 const std::optional<std::string>& file) const {
+    std::optional<Telemetry> telemetry;
+    if (file) {
+      VICTORIOUS_ASSIGN_OR_RETURN(telemetry, ReadTelemetry(*file, options_.telemetry));
+    } else {
+      VICTORIOUS_ASSIGN_OR_RETURN(telemetry, FindTelemetry(video, options_.telemetry, warn_));
+    }
+    if (!telemetry || telemetry->states.empty()) return std::nullopt;
+    for (const std::string& warning : telemetry->warnings) warn_(fmt::format("{}: {}", file.value_or(video), warning));
+    return std::optional(CameraTrack(std::move(telemetry->states), options_.telemetry.max_gap_s));
+  }
+
+  /// Gives every sighting its sight and its place, and puts them in order.
+  void PlaceAll() {
+    std::ranges::sort(sightings_, {},
+                      [](const BoxSighting& one) { return std::tuple(one.video, one.frame, one.drawn); });
+    for (std::size_t drawn = 0; drawn < boxes_.size(); ++drawn) {
+      const ObjectType* type = FindObjectType(boxes_[drawn].type);
+      std::vector<std::vector<BoxSighting*>> seen(videos_.size());
+      for (BoxSighting& sighting : sightings_) {
+        if (sighting.drawn != drawn) continue;
+        const auto camera = CameraAt(cameras_[sighting.video], sighting.time_s);
+        if (!camera) continue;
+        const auto recognition = static_cast<std::int64_t>(sighting.video * boxes_.size() + drawn + 1);
+        sighting.sight = SightOfBox(sighting.box, sizes_[sighting.video], *camera, type, recognition, options_.place);
+        if (sighting.sight) seen[sighting.video].push_back(&sighting);
+      }
+      PutPlaces(seen[0], type != nullptr && type->stands_still);
+      const bool stands = !seen[0].empty() && seen[0].front()->place && StandsStill(*seen[0].front()->place);
+      std::vector<BoxSighting*> all;
+      for (const auto& of_video : seen) all.insert(all.end(), of_video.begin(), of_video.end());
+      if (stands && all.size() > seen[0].size()) PutPlaces(all, true);
+      for (std::size_t video = 1; video < seen.size() && !stands; ++video) PutPlaces(seen[video], false);
+    }
+  }
+
+  void PutPlaces(const std::vector<BoxSighting*>& seen, bool stands_still) const {
+    std::vector<Sight> sights;
+    for (const BoxSighting* sighting : seen) sights.push_back(*sighting->sight);
+    const auto places = PlacesOf(sights, stands_still, options_.place);
+    for (std::size_t i = 0; i < seen.size(); ++i) seen[i]->place = places[i];
+  }
+
+  /// By the sightings of the video that they were drawn in.
+  [[nodiscard]] std::vector<std::optional<Standing>> WhatStands() const {
+    std::vector<std::optional<Standing>> standing(boxes_.size());
+    for (const Drawn& drawn : drawn_) {
+      const auto seen = std::ranges::find_if(sightings_, [&](const BoxSighting& one) {
+        return one.video == 0 && one.drawn == drawn.index && one.frame == drawn.frame;
+      });
+      if (seen == sightings_.end() || !seen->place || !StandsStill(*seen->place)) continue;
+      standing[drawn.index] = {*seen->place, drawn.box, *CameraAt(cameras_[0], seen->time_s)};
+    }
+    return standing;
   }
 
   template <typename Visit>
@@ -259,6 +398,8 @@ class TrackRun {
   const CancelToken& cancel_;
   const TrackWarning& warn_;
   std::unique_ptr<const FeatureExtractor> extractor_;
+  std::vector<std::optional<CameraTrack>> cameras_;  // by video
+  std::vector<cv::Size> sizes_;                      // of frames, by video
   std::vector<Drawn> drawn_;
   Sightings sightings_;
 };
@@ -267,6 +408,8 @@ class TrackRun {
 
 void TrackRunOptions::ListFields(FieldList& fields) {
   fields.AddGroup("box", box);
+  fields.AddGroup("telemetry", telemetry);
+  fields.AddGroup("place", place);
   fields.Add("recognize_every", recognize_every,
              {.min = 1,
               .max = 100'000,
@@ -283,30 +426,41 @@ void TrackRunOptions::ListFields(FieldList& fields) {
 }
 
 Expected<std::vector<BoxSighting>> TrackBoxes(std::span<const std::string> videos, std::span<const DrawnBox> boxes,
+                                              const std::optional<std::string>& telemetry,
                                               const TrackRunOptions& options, const CancelToken& cancel,
                                               const TrackWarning& warn) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   if (videos.empty() || boxes.empty()) {
     return Fail(ErrorCode::kInvalidArgument, "nothing to follow: give a video and a box in it");
   }
-  return TrackRun(videos, boxes, options, cancel, warn).Run();
+  return TrackRun(videos, boxes, options, cancel, warn).Run(telemetry);
 }
 
-std::string ToJsonLines(std::span<const BoxSighting> sightings, std::span<const std::string> videos) {
+std::string ToJsonLines(std::span<const BoxSighting> sightings, std::span<const std::string> videos,
+                        std::span<const DrawnBox> boxes) {
   std::string text;
   for (const BoxSighting& sighting : sightings) {
-    text += Dump({{"object_id", sighting.drawn + 1},
-                  {"model", ModelName(sighting.drawn)},
-                  {"category", nullptr},
-                  {"video", videos[sighting.video]},
-                  {"frame", sighting.frame},
-                  {"time_s", TimeJson(sighting.time_s)},
-                  {"box", BoxJson(sighting.box)},
-                  {"score", ScoreJson(sighting.score)},
-                  {"source", sighting.matches ? "recognised" : "tracked"},
-                  {"matches", sighting.matches ? Json(*sighting.matches) : Json()},
-                  {"view", nullptr}}) +
-            "\n";
+    const std::string& type = boxes[sighting.drawn].type;
+    Json line{{"object_id", sighting.drawn + 1},
+              {"model", ModelName(sighting.drawn)},
+              {"category", nullptr},
+              {"type", type.empty() ? Json() : Json(type)},
+              {"video", videos[sighting.video]},
+              {"frame", sighting.frame},
+              {"time_s", TimeJson(sighting.time_s)},
+              {"box", BoxJson(sighting.box)},
+              {"score", ScoreJson(sighting.score)},
+              {"source", sighting.matches ? "recognised" : "tracked"},
+              {"matches", sighting.matches ? Json(*sighting.matches) : Json()},
+              {"view", nullptr}};
+    const std::optional<Place>& place = sighting.place;
+    line["latitude_deg"] = place ? GeodeticJson(place->point.latitude_rad) : Json();
+    line["longitude_deg"] = place ? GeodeticJson(place->point.longitude_rad) : Json();
+    line["altitude_m"] = place ? MetresJson(place->point.altitude_m) : Json();
+    line["ce90_m"] = place ? MetresJson(place->ce90_m) : Json();
+    line["le90_m"] = place ? MetresJson(place->le90_m) : Json();
+    line["speed_m_s"] = place && place->velocity_enu ? MetresJson(place->velocity_enu->norm()) : Json();
+    text += Dump(line) + "\n";
   }
   return text;
 }

@@ -4,6 +4,9 @@
 // Each box is followed by track/ (box_tracker.h), and becomes an object model on the spot where it has keypoints
 // enough. While its object is lost, every so many frames the recogniser looks for that model in the whole frame, at any
 // scale and turn; what it finds is taken up again if the tracker trusts it as well.
+//
+// With telemetry each object gets a place on Earth (box_place.h). What stands still is also looked for by its place in
+// other videos that have telemetry, and what is found there elsewhere is not it.
 #pragma once
 
 #include <cstddef>
@@ -19,13 +22,19 @@
 #include "victorious/base/options.h"
 #include "victorious/geometry/box.h"
 #include "victorious/model/photo_model.h"
+#include "victorious/pipeline/box_place.h"
 #include "victorious/recognize/recognizer.h"
+#include "victorious/telemetry/telemetry.h"
 #include "victorious/track/box_track_options.h"
+#include "victorious/types/place.h"
+#include "victorious/types/sight.h"
 
 namespace victorious {
 
 struct TrackRunOptions {
   BoxTrackOptions box;
+  TelemetryOptions telemetry;
+  BoxPlaceOptions place;
   PhotoModelOptions model;
   RecognizeOptions recognize;
   int recognize_every = 5;
@@ -36,8 +45,9 @@ struct TrackRunOptions {
 
 /// A box around an object, in the first frame at this time or later.
 struct DrawnBox {
-  Box box;          ///< px
-  double at_s = 0;  ///< since the video's first frame
+  Box box;                ///< px
+  double at_s = 0;        ///< since the video's first frame
+  std::string type = {};  ///< what it is (object_type.h), or empty
 };
 
 /// One object in one frame.
@@ -49,22 +59,27 @@ struct BoxSighting {
   Box box;                             ///< px, clipped to the frame
   double score = 0;                    ///< 0 to 1: the tracker's trust, or the recogniser's score
   std::optional<std::size_t> matches;  ///< where the recogniser found it
+  std::optional<Sight> sight;          ///< where there is telemetry
+  std::optional<Place> place;          ///< of the object at that time, where the lines of sight tell it
 };
 
 /// Called with a line that a person should know.
 using TrackWarning = std::function<void(const std::string&)>;
 
-/// @param videos  the first is the one that the boxes are drawn in; each a file or a folder, read twice
+/// @param videos     the first is the one that the boxes are drawn in; each a file or a folder, read twice
+/// @param telemetry  a file of the first video's; nothing: what is in it or beside it, as for the others
 /// @return by video, frame, box
 /// Errors: kInvalidArgument for options out of range, no boxes, a box that is outside its frame or too small, a time
 /// beyond the end, a live source; those of VideoReader; kCancelled.
 /// Cost: at 640 x 480 some 15 ms a frame for one box. Frames before the boxes are read again in stretches that fit into
 /// options.memory_mb.
 Expected<std::vector<BoxSighting>> TrackBoxes(std::span<const std::string> videos, std::span<const DrawnBox> boxes,
+                                              const std::optional<std::string>& telemetry,
                                               const TrackRunOptions& options, const CancelToken& cancel,
                                               const TrackWarning& warn);
 
 /// JSON Lines as of docs/formats/export.md: `model` is "box-1", "box-2", …
-std::string ToJsonLines(std::span<const BoxSighting> sightings, std::span<const std::string> videos);
+std::string ToJsonLines(std::span<const BoxSighting> sightings, std::span<const std::string> videos,
+                        std::span<const DrawnBox> boxes);
 
 }  // namespace victorious

@@ -24,7 +24,8 @@ class TrackRunTest : public ::testing::Test {
   }
 
   Expected<std::vector<BoxSighting>> Run(const std::vector<DrawnBox>& boxes, const TrackRunOptions& options = {}) {
-    return TrackBoxes(videos_, boxes, options, cancel_, [&](const std::string& line) { warnings_.push_back(line); });
+    return TrackBoxes(videos_, boxes, {}, options, cancel_,
+                      [&](const std::string& line) { warnings_.push_back(line); });
   }
 
   testing::SyntheticFlight flight_;
@@ -40,7 +41,7 @@ TEST_F(TrackRunTest, TheWayBackIsTheSameInShortStretches) {
   short_stretches.memory_mb = 1;  // a few frames
   const auto whole = Run(boxes).value();
   const auto in_stretches = Run(boxes, short_stretches).value();
-  EXPECT_EQ(ToJsonLines(whole, videos_), ToJsonLines(in_stretches, videos_));
+  EXPECT_EQ(ToJsonLines(whole, videos_, boxes), ToJsonLines(in_stretches, videos_, boxes));
   EXPECT_LT(whole.front().frame, 25);
   EXPECT_GT(whole.back().frame, 25);
 }
@@ -73,7 +74,8 @@ TEST_F(TrackRunTest, UnknownIsNull) {
   const std::vector<BoxSighting> sightings = {
       {.frame = 3, .time_s = 0.3, .box = {1, 2, 3, 4}, .score = 0.5},
       {.drawn = 1, .frame = 4, .time_s = 0.4, .box = {1, 2, 3, 4}, .score = 0.9, .matches = 12}};
-  const std::string text = ToJsonLines(sightings, videos_);
+  const std::vector<DrawnBox> boxes = {{{1, 2, 3, 4}, 0.0, "vehicle/car"}, {{1, 2, 3, 4}, 0.0}};
+  const std::string text = ToJsonLines(sightings, videos_, boxes);
   const auto first = nlohmann::json::parse(text.substr(0, text.find('\n')));
   const auto second = nlohmann::json::parse(text.substr(text.find('\n') + 1));
   EXPECT_EQ(first["source"], "tracked");
@@ -81,6 +83,11 @@ TEST_F(TrackRunTest, UnknownIsNull) {
   EXPECT_EQ(second["source"], "recognised");
   EXPECT_EQ(second["matches"], 12);
   EXPECT_EQ(second["model"], "box-2");
+  EXPECT_EQ(first["type"], "vehicle/car");
+  EXPECT_TRUE(second["type"].is_null());
+  for (const char* key : {"latitude_deg", "longitude_deg", "altitude_m", "ce90_m", "le90_m", "speed_m_s"}) {
+    EXPECT_TRUE(first.at(key).is_null()) << key;
+  }
 }
 
 }  // namespace

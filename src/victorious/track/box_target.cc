@@ -211,12 +211,12 @@ BoxTarget::Sight BoxTarget::Seek(const BoxScene& scene) {
   return best;
 }
 
-BoxTarget::Sight BoxTarget::Resume(const BoxScene& scene, const Box& box, double turn_rad) {
+BoxTarget::Sight BoxTarget::Resume(const BoxScene& scene, const Box& box, double turn_rad, double least_trust) {
   TurnedBox around = Unturned(box);
   around.turn_rad = turn_rad;
   const Answer answer = Ask(scene.image, around);
   const double trust = Trust(scene.image, answer);
-  if (trust < options_.lost_trust || ShareInView(scene.image, answer.box) < options_.least_in_view) {
+  if (trust < least_trust || ShareInView(scene.image, answer.box) < options_.least_in_view) {
     return {.loss = TrackLoss::kOccluded};
   }
   box_ = answer.box;

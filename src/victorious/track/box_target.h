@@ -39,13 +39,13 @@ class BoxTarget {
   /// Looks for the object in the next frame.
   Sight Step(const BoxScene& scene);
 
-  /// Goes on from here: someone else has recognised the object in this frame. Nothing changes where even the least
-  /// trust is missing.
+  /// Goes on from here: someone else says that the object is here in this frame. Nothing changes where the trust is
+  /// less than `least_trust`.
   /// @param box  not turned: its middle and size count
   /// @param turn_rad  how far the object has turned in the image since the box was drawn
-  Sight Resume(const BoxScene& scene, const Box& box, double turn_rad);
+  Sight Resume(const BoxScene& scene, const Box& box, double turn_rad, double least_trust);
 
-  /// Goes on in another video: the object may be anywhere, or not be there.
+  /// The object may be anywhere, or not be there: in another video, or where it cannot be what was followed.
   void Lose();
 
   [[nodiscard]] bool lost() const { return lost_frames_ > 0; }

@@ -25,7 +25,7 @@ std::vector<BoxStep> BoxTracker::Step(const Frame& frame) {
   scene_.image = Levels(frame.image);
   scene_.grey = frame.image;
   if (frame.image.channels() == 3) cv::cvtColor(frame.image, scene_.grey, cv::COLOR_BGR2GRAY);
-  scene_.now_from_before = motion_.Step(scene_.grey);
+  scene_.now_from_before = motion_.Step(scene_.grey).value_or(Similarity2{});
   std::vector<BoxStep> steps(targets_.size());
   tbb::parallel_for(std::size_t{0}, targets_.size(),
                     [&](std::size_t i) { steps[i] = Describe(i, targets_[i].Step(scene_)); });
@@ -53,9 +53,15 @@ Expected<BoxStep> BoxTracker::Start(const Box& box) {
   return BoxStep{.target = targets_.size() - 1, .box = inside, .trust = 1};
 }
 
-BoxStep BoxTracker::Resume(std::size_t target, const Box& box, double turn_rad) {
+BoxStep BoxTracker::Resume(std::size_t target, const Box& box, double turn_rad, Evidence evidence) {
   VICTORIOUS_CHECK(target < targets_.size());
-  return Describe(target, targets_[target].Resume(scene_, box, turn_rad));
+  const double least_trust = evidence == Evidence::kLook ? options_.lost_trust : options_.return_trust;
+  return Describe(target, targets_[target].Resume(scene_, box, turn_rad, least_trust));
+}
+
+void BoxTracker::Lose(std::size_t target) {
+  VICTORIOUS_CHECK(target < targets_.size());
+  targets_[target].Lose();
 }
 
 BoxStep BoxTracker::Describe(std::size_t target, const BoxTarget::Sight& sight) const {

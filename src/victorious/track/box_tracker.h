@@ -51,11 +51,20 @@ class BoxTracker {
   /// Errors: kInvalidArgument for a box without area, smaller than 4 px to a side, or not mostly inside the frame.
   Expected<BoxStep> Start(const Box& box);
 
-  /// Goes on with a lost target from here: someone else has recognised it in the present frame.
+  /// What tells that a lost target is in some place.
+  enum class Evidence {
+    kLook,   ///< it was recognised there: the trust to go on with is enough
+    kPlace,  ///< it should stand there: it takes the trust to find it again by its look
+  };
+
+  /// Goes on with a lost target from here: someone else says that it is there in the present frame.
   /// @param box  of the drawn box's shape: its middle and size count
   /// @param turn_rad  how far the object has turned in the image since its box was drawn, from +x towards +y
-  /// @return not seen, and nothing has changed, where it has not even the trust to go on with
-  BoxStep Resume(std::size_t target, const Box& box, double turn_rad);
+  /// @return not seen, and nothing has changed, where it has not the trust
+  BoxStep Resume(std::size_t target, const Box& box, double turn_rad, Evidence evidence);
+
+  /// What was followed was not the target: it is lost, and may be anywhere.
+  void Lose(std::size_t target);
 
   /// The next frame is of another video: every target may be anywhere.
   void ChangeVideo();

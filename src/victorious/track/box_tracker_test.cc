@@ -135,9 +135,9 @@ TEST(BoxTracker, ResumesOnlyWhereThereIsSomethingLikeTheObject) {
   BoxTracker tracker = Started(drive.Draw(car, camera), Drive::BoxOf(car, camera));
   for (int i = 1; i <= 5; ++i) tracker.Step({i, 0.1 * i, drive.Draw(car, camera)});
   for (int i = 6; i <= 8; ++i) tracker.Step({i, 0.1 * i, drive.Draw(std::nullopt, camera)});
-  EXPECT_FALSE(tracker.Resume(0, {40, 60, 30, 18}, 0).seen());
+  EXPECT_FALSE(tracker.Resume(0, {40, 60, 30, 18}, 0, BoxTracker::Evidence::kLook).seen());
   tracker.Step({9, 0.9, drive.Draw(car, camera)});
-  const BoxStep step = tracker.Resume(0, Drive::BoxOf(car, camera), 0);
+  const BoxStep step = tracker.Resume(0, Drive::BoxOf(car, camera), 0, BoxTracker::Evidence::kLook);
   EXPECT_TRUE(step.seen());
   EXPECT_GT(IntersectionOverUnion(step.box, Drive::BoxOf(car, camera)), 0.7);
 }

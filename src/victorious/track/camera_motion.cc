@@ -19,7 +19,7 @@ constexpr double kLargestZoom = 1.5;  // from one frame to the next
 
 }  // namespace
 
-Similarity2 CameraMotion::Step(const cv::Mat& grey) {
+std::optional<Similarity2> CameraMotion::Step(const cv::Mat& grey) {
   const double factor = std::min(1.0, kLongSide_px / static_cast<double>(std::max(grey.cols, grey.rows)));
   const auto shrunk = [&](int length_px) { return std::max(1, static_cast<int>(std::lround(length_px * factor))); };
   cv::Mat small;
@@ -27,7 +27,7 @@ Similarity2 CameraMotion::Step(const cv::Mat& grey) {
   const TrackOptions options;
   FlowPyramid now(small, options);
   const std::optional<FlowPyramid> before = std::exchange(before_, now);
-  if (!before || before->grey().size() != small.size()) return {};
+  if (!before || before->grey().size() != small.size()) return std::nullopt;
 
   const Box whole{0, 0, static_cast<double>(small.cols), static_cast<double>(small.rows)};
   const std::vector<Eigen::Vector2d> points = ChoosePoints(before->grey(), CornersOf(whole), kPoints);
@@ -36,11 +36,12 @@ Similarity2 CameraMotion::Step(const cv::Mat& grey) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (followed[i]) pairs.push_back({points[i] / factor, *followed[i] / factor});
   }
-  if (pairs.size() < kLeastPoints) return {};
+  if (pairs.size() < kLeastPoints) return std::nullopt;
   const SimilarityEstimator estimator(pairs, {.noise_px = 1.0 / factor});
   const auto result = Mlesac(estimator, {.outlier_area_px2 = static_cast<double>(grey.total()), .max_hypotheses = 200});
-  if (!result || result->gamma * static_cast<double>(pairs.size()) < kLeastPoints) return {};
-  return std::abs(std::log(result->model.scale)) < std::log(kLargestZoom) ? result->model : Similarity2{};
+  if (!result || result->gamma * static_cast<double>(pairs.size()) < kLeastPoints) return std::nullopt;
+  if (std::abs(std::log(result->model.scale)) >= std::log(kLargestZoom)) return std::nullopt;
+  return result->model;
 }
 
 }  // namespace victorious

@@ -15,8 +15,8 @@ namespace victorious {
 class CameraMotion {
  public:
   /// @param grey  CV_8UC1, the next frame
-  /// @return now_from_before, px; the identity where it cannot be told (first frame, a cut, too little to follow)
-  Similarity2 Step(const cv::Mat& grey);
+  /// @return now_from_before, px; nothing where it cannot be told (first frame, a cut, too little to follow)
+  std::optional<Similarity2> Step(const cv::Mat& grey);
 
  private:
   std::optional<FlowPyramid> before_;  // of a smaller picture

@@ -1,0 +1,171 @@
+#include "victorious/pipeline/box_place.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "victorious/geolocate/error_ellipse.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/geometry/lens.h"
+#include "victorious/pipeline/object_place.h"
+#include "victorious/pipeline/sight.h"
+#include "victorious/pipeline/stance.h"
+
+namespace victorious {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+bool AtTheEdge(const Box& box, const cv::Size& image) {
+  constexpr double kMarginPx = 1;
+  return box.x < kMarginPx || box.y < kMarginPx || box.x + box.width > image.width - kMarginPx ||
+         box.y + box.height > image.height - kMarginPx;
+}
+
+// Taken to another time by how it moves, and by how sure that is.
+Place At(const Place& place, double time_s) {
+  Place then = place;
+  then.time_s = time_s;
+  if (!place.velocity_enu || place.velocity_enu->norm() == 0) return then;
+  const double after_s = time_s - place.time_s;
+  then.point = TangentPlane(place.point).GeodeticFromEnu(after_s * *place.velocity_enu);
+  if (place.velocity_covariance_enu) then.covariance_enu_m2 += after_s * after_s * *place.velocity_covariance_enu;
+  constexpr double kShare = 0.9;
+  then.ce90_m = CircularError(then.covariance_enu_m2.topLeftCorner<2, 2>(), kShare);
+  then.le90_m = LinearError90(then.covariance_enu_m2(2, 2));
+  return then;
+}
+
+// A point of the tangent plane at `place` as the camera sees it: px, and its depth.
+struct Projection {
+  Vector2d pixel;
+  double depth_m = 0;
+};
+
+std::optional<Projection> Project(const GeodeticPoint& point, const CameraState& camera, const cv::Size& image) {
+  const Vector3d in_camera = CameraFromEnu(*camera.attitude) * TangentPlane(camera.place).EnuFromGeodetic(point);
+  if (!(in_camera.z() > 0)) return std::nullopt;
+  const double focal_px = image.width / 2.0 / std::tan(*camera.hfov_rad / 2);
+  const Vector2d shown = Distort(in_camera.hnormalized(), camera.distortion.value_or(LensDistortion{}));
+  return Projection{focal_px * shown + Vector2d(image.width / 2.0, image.height / 2.0), in_camera.z() / focal_px};
+}
+
+}  // namespace
+
+void BoxPlaceOptions::ListFields(FieldList& fields) {
+  fields.Add("centre_share", centre_share,
+             {.min = 0,
+              .max = 1,
+              .reason = "sigma of an object's middle over the longer side of its box: how it was drawn, and what it "
+                        "holds beside the object"});
+  fields.Add("visible_share", visible_share,
+             {.min = 0.05,
+              .max = 2,
+              .reason = "how long the longer side of a box is over that of its object: things are seen foreshortened"});
+  fields.Add("size_share", size_share, {.min = 1e-3, .max = 10, .reason = "sigma of that over itself"});
+  fields.Add("least_agreeing", least_agreeing,
+             {.min = 0,
+              .max = 1,
+              .reason = "share of the lines of sight that must meet in a place; where fewer do, something else was "
+                        "followed, too"});
+  fields.Add("stretch_s", stretch_s,
+             {.min = 0.5,
+              .max = 1e6,
+              .unit = "s",
+              .reason = "what moves is placed by stretches of at most so much: in each it is taken to drive straight"});
+  fields.Add("gate_sigma", gate_sigma,
+             {.min = 0.5,
+              .max = 100,
+              .reason = "what is found in another video is another object if its line of sight is further off its "
+                        "place than so many sigmas"});
+  fields.AddGroup("locate", locate);
+}
+
+std::optional<Sight> SightOfBox(const Box& box, const cv::Size& image_size, const CameraState& camera,
+                                const ObjectType* type, std::int64_t recognition, const BoxPlaceOptions& options) {
+  SightOptions sight_options;
+  sight_options.category_centre_share = options.centre_share;
+  auto stance = StanceOfBox(box, image_size, camera, sight_options);
+  if (!stance) return std::nullopt;
+  if (type != nullptr && type->length_m > 0 && !AtTheEdge(box, image_size)) {
+    const double side_px = std::max(box.width, box.height);
+    stance->range_m = stance->focal_px * options.visible_share * type->length_m / side_px;
+    stance->sigma_range_m = std::hypot(options.size_share, type->length_share) * *stance->range_m;
+  }
+  std::optional<Sight> sight = SightOf(*stance, camera);
+  if (sight) sight->recognition = recognition;
+  return sight;
+}
+
+std::vector<std::optional<Place>> PlacesOf(std::span<const Sight> sights, bool stands_still,
+                                           const BoxPlaceOptions& options) {
+  std::vector<std::optional<Place>> places(sights.size());
+  if (sights.empty()) return places;
+  ObjectOptions object;
+  object.locate = options.locate;
+  object.motion_window_s = options.stretch_s;
+  if (stands_still) object.locate.motion = "static";
+  const ObjectPlace together = PlaceOf(sights, object, 1);
+  const std::optional<Place> all = together.agreeing >= options.least_agreeing ? together.place : std::nullopt;
+  const bool moves = all && all->velocity_enu && all->velocity_enu->norm() > 0;
+  const double first_s = sights.front().line.time_s;
+  const double length_s = sights.back().line.time_s - first_s;
+  const double stretches = moves ? std::max(1.0, std::ceil(length_s / options.stretch_s)) : 1;
+  const auto stretch_of = [&](const Sight& sight) {
+    return std::min(stretches - 1, std::floor((sight.line.time_s - first_s) / length_s * stretches));
+  };
+  if (stretches == 1) {
+    for (std::size_t i = 0; i < sights.size() && all; ++i) places[i] = At(*all, sights[i].line.time_s);
+    return places;
+  }
+  object.locate.motion = "velocity";
+  for (std::size_t first = 0; first < sights.size();) {
+    std::size_t end = first;
+    while (end < sights.size() && stretch_of(sights[end]) == stretch_of(sights[first])) ++end;
+    const ObjectPlace found = PlaceOf(sights.subspan(first, end - first), object, 1);
+    const std::optional<Place> place = found.agreeing >= options.least_agreeing ? found.place : std::nullopt;
+    for (std::size_t i = first; i < end && place; ++i) places[i] = At(*place, sights[i].line.time_s);
+    first = end;
+  }
+  return places;
+}
+
+std::optional<SeenBox> ExpectBox(const GeodeticPoint& place, const Box& before, const CameraState& camera_before,
+                                 const CameraState& camera, const cv::Size& image_size) {
+  if (!camera_before.IsComplete() || !camera.IsComplete()) return std::nullopt;
+  constexpr double kNorthM = 1;
+  const GeodeticPoint north = TangentPlane(place).GeodeticFromEnu({0, kNorthM, 0});
+  const auto was = Project(place, camera_before, image_size);
+  const auto was_north = Project(north, camera_before, image_size);
+  const auto is = Project(place, camera, image_size);
+  const auto is_north = Project(north, camera, image_size);
+  if (!was || !was_north || !is || !is_north) return std::nullopt;
+  const double scale = was->depth_m / is->depth_m;
+  const Vector2d from = was_north->pixel - was->pixel;
+  const Vector2d to = is_north->pixel - is->pixel;
+  const double width = scale * before.width;
+  const double height = scale * before.height;
+  return SeenBox{{is->pixel.x() - width / 2, is->pixel.y() - height / 2, width, height},
+                 WrapAngle(std::atan2(to.y(), to.x()) - std::atan2(from.y(), from.x()))};
+}
+
+bool GoesBy(const Sight& sight, const Place& place, const BoxPlaceOptions& options) {
+  const TangentPlane plane(sight.line.camera);
+  const Vector3d to = plane.EnuFromGeodetic(place.point);
+  const double distance_m = to.norm();
+  const double cos_elevation = std::cos(sight.line.elevation_rad);
+  const Vector3d along(std::sin(sight.line.azimuth_rad) * cos_elevation,
+                       std::cos(sight.line.azimuth_rad) * cos_elevation, std::sin(sight.line.elevation_rad));
+  const Vector3d off = to - to.dot(along) * along;
+  if (to.dot(along) <= 0) return false;
+  // What the flight errs as a whole counts too: another flight errs on its own.
+  const CommonErrorOptions& common = options.locate.common;
+  const double turn_rad = std::hypot(sight.line.sigma_rad.value_or(0),
+                                     sight.sigma_attitude_rad.value_or(RadiansFromDegrees(common.boresight_rise_deg)));
+  const double shift_m = sight.sigma_position_m.value_or(common.position_m);
+  const double own_m2 = turn_rad * turn_rad * distance_m * distance_m + shift_m * shift_m;
+  const Eigen::Matrix3d covariance = place.covariance_enu_m2 + own_m2 * Eigen::Matrix3d::Identity();
+  return std::sqrt(off.dot(covariance.inverse() * off)) <= options.gate_sigma;
+}
+
+}  // namespace victorious

@@ -1,0 +1,71 @@
+// Where on Earth what a drawn box holds is: lines of sight to the box's middle, and how far off a thing of its type of
+// that size in the picture stands.
+//
+// How a box was drawn, and what it holds beside the object, is alike in all frames: the lines of one video err together
+// (types/sight.h), so that a thousand frames do not feign a small ellipse.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/types.hpp>
+
+#include "victorious/base/options.h"
+#include "victorious/geolocate/locate_options.h"
+#include "victorious/geometry/box.h"
+#include "victorious/pipeline/object_options.h"
+#include "victorious/pipeline/object_type.h"
+#include "victorious/types/camera_state.h"
+#include "victorious/types/place.h"
+#include "victorious/types/sight.h"
+
+namespace victorious {
+
+struct BoxPlaceOptions {
+  double centre_share = 0.12;
+  double visible_share = 0.85;
+  double size_share = 0.25;
+  double least_agreeing = 0.7;
+  double stretch_s = 8;
+  double gate_sigma = 4;
+  LocateOptions locate = ObjectOptions::InVideo();
+
+  void ListFields(FieldList& fields);
+};
+
+/// The sight of what a box holds.
+/// @param box         px, clipped to the frame
+/// @param image_size  the frame's, px
+/// @param type        its length tells the range, where the box does not end at the frame's edge; may be null
+/// @param recognition of its video and box, not 0
+/// Nothing where the camera's state is not complete.
+std::optional<Sight> SightOfBox(const Box& box, const cv::Size& image_size, const CameraState& camera,
+                                const ObjectType* type, std::int64_t recognition, const BoxPlaceOptions& options);
+
+/// Where it is at the time of each sight. What stands still is placed by all sights together; what moves by stretches
+/// of at most `stretch_s`, in each as if it drove straight. Lines of sight alone do not tell what drives along with a
+/// camera that flies straight from what stands: it is taken to stand.
+/// @param sights      of one object in one video, in order of time
+/// @param stands_still  as far as is known
+/// @return one a sight, at its time; nothing where the lines do not tell it
+std::vector<std::optional<Place>> PlacesOf(std::span<const Sight> sights, bool stands_still,
+                                           const BoxPlaceOptions& options);
+
+/// Where in a frame what stands at a place is to be seen, and how large it is there, by how it was seen once before.
+struct SeenBox {
+  Box box;
+  double turn_rad = 0;  ///< of the ground in the picture since then, from +x towards +y
+};
+
+/// @param before, camera_before  how it was seen, and from where
+/// @param camera                  from where it is looked for
+/// Nothing where it is not before the camera, or a camera's state is not complete.
+std::optional<SeenBox> ExpectBox(const GeodeticPoint& place, const Box& before, const CameraState& camera_before,
+                                 const CameraState& camera, const cv::Size& image_size);
+
+/// Whether a line of sight goes by a place, as near as their errors allow.
+[[nodiscard]] bool GoesBy(const Sight& sight, const Place& place, const BoxPlaceOptions& options);
+
+}  // namespace victorious
