@@ -123,6 +123,19 @@ class NavigateTest(program.ProgramTest):
         read = self.succeeds("telemetry", self.scratch / "camera.csv").out
         self.assertEqual(len(read.splitlines()), len(rows) + 1)
 
+    def test_telemetry_that_was_wrong_is_worth_a_second_look(self):
+        landmarks = self.list_of(true_landmarks())
+        out = self.scratch / "camera.csv"
+        params = self.write("once.json", '{"second_look": false}')
+        for telemetry, flags, looks in (
+            (flight() / "telemetry.csv", (), 1),
+            (self.off_telemetry(), (), 2),
+            (self.off_telemetry(), ("--params", params), 1),
+        ):
+            given = ("--landmarks", landmarks, "--models", flight() / "models", "--telemetry", telemetry, *flags)
+            said = self.succeeds("navigate", flight() / "video.mp4", "--out", out, *given).err
+            self.assertEqual(said.count("16 of 16 frames"), looks, said)
+
     def test_a_wrong_landmark_does_not_pull(self):
         landmarks = true_landmarks()
         wrong = next(landmark for landmark in landmarks if landmark["model"] == "green")

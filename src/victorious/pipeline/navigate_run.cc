@@ -39,8 +39,9 @@ void NavigateRunOptions::ListFields(FieldList& fields) {
   navigate.ListFields(fields);
   fields.AddGroup("sighting", sighting);
   fields.Add("second_look", second_look,
-             {.reason = "without telemetry, the video is gone through twice: the second time it is known about how the "
-                        "camera was held, so that landmarks are sought upright and as the sun lights them"});
+             {.reason = "without telemetry, or where its attitude turns out a degree off, the video is gone through "
+                        "twice: the second time it is known about how the camera was held, so that landmarks are "
+                        "sought upright and as the sun lights them"});
   fields.Add("every", every,
              {.min = 1,
               .max = 1e6,
@@ -261,6 +262,18 @@ std::optional<CameraTrack> HeldBy(const Navigation& navigation, const Cameras& c
   return CameraTrack(std::move(states), options.telemetry.max_gap_s);
 }
 
+// Whether telemetry's attitude was right to what matters to a search: objects upright, lit as the sun lights them.
+bool HeldAsTold(const Navigation& navigation, const Cameras& cameras) {
+  constexpr double kMattersDeg = 1;
+  std::vector<double> turns_rad;
+  for (const NavigatedFrame& frame : navigation.frames) {
+    const CameraState told = cameras.At(frame.camera.time_s);
+    if (!told.attitude || !frame.camera.attitude) continue;
+    turns_rad.push_back(CameraFromEnu(*told.attitude).angularDistance(CameraFromEnu(*frame.camera.attitude)));
+  }
+  return Median(std::move(turns_rad)) < RadiansFromDegrees(kMattersDeg);
+}
+
 }  // namespace
 
 Expected<NavigationRun> NavigateVideo(const NavigateJob& job, std::vector<ObjectModel> models,
@@ -294,8 +307,9 @@ Expected<NavigationRun> NavigateVideo(const NavigateJob& job, std::vector<Object
   const Source source{job.video, reading, reader->info().live};
   std::optional<CameraTrack> held = cameras.track;
   VICTORIOUS_ASSIGN_OR_RETURN(NavigationRun run, OnePass(tools, source, cameras, held, list, reader, cancel));
-  if (!cameras.track && options.second_look && !source.live) {
-    // Now it is known about how the camera was held, so that the second way through finds more.
+  if (options.second_look && !source.live && (!cameras.track || !HeldAsTold(run.navigation, cameras))) {
+    // Now it is known about how the camera was held, or better than telemetry told, so that the second way through
+    // finds more.
     held = HeldBy(run.navigation, cameras, options);
     if (held) {
       VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(job.video, reading));
