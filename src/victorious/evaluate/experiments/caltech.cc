@@ -151,9 +151,11 @@ CategoryTrainOptions ThesisCategories() {
   CategoryTrainOptions options;
   options.features.kind = "keypoints";
   options.features.surroundings = "calibrate";
+  options.features.mirrored = false;
   options.category.scoring = "likelihood";
   options.category.soft_words = 1;
   options.category.vocabulary.root = false;
+  options.category.fisher.components = 0;
   return options;
 }
 
