@@ -70,20 +70,11 @@ std::vector<CategoryNode> NodesOf(std::span<const CategoryExample> examples) {
   return nodes;
 }
 
-Vocabulary LearnVocabulary(std::span<const CategoryExample> examples, const CategoryOptions& options) {
-  std::vector<std::uint8_t> descriptors;
-  for (const CategoryExample& example : examples) {
-    if (!example.learns) continue;
-    descriptors.insert(descriptors.end(), example.features.descriptors.begin(), example.features.descriptors.end());
-  }
-  return Vocabulary::Learn(descriptors, options.vocabulary, options.seed);
-}
-
-void LearnFisher(std::span<const CategoryExample> examples, CategoryModel& model) {
+std::vector<const FeatureSet*> LearnedSets(std::span<const CategoryExample> examples) {
   std::vector<const FeatureSet*> sets;
   for (const CategoryExample& example : examples)
     if (example.learns) sets.push_back(&example.features);
-  model.fisher = FisherEncoder::Learn(sets, model.options.fisher, model.options.seed);
+  return sets;
 }
 
 std::vector<WordedPicture> PicturesOf(std::span<const CategoryExample> examples, const CategoryModel& model) {
@@ -260,13 +251,13 @@ Expected<CategoryModel> TrainCategories(std::span<const CategoryExample> example
   model.program_version = kVersion;
   model.options = options;
   model.nodes = NodesOf(examples);
-  model.vocabulary = LearnVocabulary(examples, options);
-  if (options.scoring == "linear") LearnFisher(examples, model);
-  const std::vector<WordedPicture> pictures = PicturesOf(examples, model);
+  const std::vector<const FeatureSet*> sets = LearnedSets(examples);
+  model.vocabulary = Vocabulary::Learn(sets, options.vocabulary, options.seed);
   if (options.scoring == "linear") {
-    LearnLinear(examples, pictures, model);
+    model.fisher = FisherEncoder::Learn(sets, options.fisher, options.seed);
+    LearnLinear(examples, PicturesOf(examples, model), model);
   } else {
-    LearnLikelihoods(examples, pictures, model);
+    LearnLikelihoods(examples, model);
   }
   return model;
 }
