@@ -33,7 +33,8 @@ def pair(path: Path, cross_first: bool, seed: int):
 FOLDER = program.folder_until_exit()
 TRAIN = [pair(FOLDER / f"train{i}.pgm", i % 2 == 0, i) for i in range(16)]
 TEST = [pair(FOLDER / f"test{i}.pgm", i % 2 == 0, 100 + i) for i in range(10)]
-SMALL = {"vocabulary": {"words": 80, "iterations": 5}, "phrases": {"parts": 24}}
+# The two kinds are each other's mirror images.
+SMALL = {"features": {"mirrored": False}, "vocabulary": {"words": 80, "iterations": 5}, "phrases": {"parts": 24}}
 
 
 def listing(rows) -> str:

@@ -16,7 +16,7 @@ namespace victorious {
 namespace {
 
 constexpr std::array<std::uint8_t, 8> kMagic = {0x8A, 'V', 'C', 'A', 'T', 0x0D, 0x0A, 0x1A};
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 
 struct Header {
   std::array<std::uint8_t, 8> magic = kMagic;
@@ -122,16 +122,53 @@ Calibration GetCalibration(Reader& in) {
 void PutWeights(const LinearWeights& weights, Writer& out) {
   out.PutVector(weights.words);
   out.PutVector(weights.phrases);
+  out.PutVector(weights.fisher);
   out.Put(weights.offset);
 }
 
-LinearWeights GetWeights(std::size_t words, std::size_t phrases, Reader& in) {
+LinearWeights GetWeights(std::size_t words, std::size_t phrases, std::size_t fisher, Reader& in) {
   LinearWeights weights;
   weights.words = in.GetVector(words);
   weights.phrases = in.GetVector(phrases);
+  weights.fisher = in.GetVector(fisher);
   weights.offset = in.Get<float>();
   in.Require(std::isfinite(weights.offset));
   return weights;
+}
+
+void PutEncoder(const FisherEncoder& encoder, Writer& out) {
+  out.Put(static_cast<std::uint8_t>(encoder.places));
+  out.PutVector(encoder.share);
+  out.PutVector(encoder.mean);
+  out.PutVector(encoder.projection.reshaped());
+  out.PutVector(encoder.centre.reshaped());
+  out.PutVector(encoder.deviation.reshaped());
+}
+
+FisherEncoder GetEncoder(Reader& in) {
+  FisherEncoder encoder;
+  const auto places = in.Get<std::uint8_t>();
+  in.Require(places <= 1);
+  encoder.places = places == 1;
+  const std::vector<float> share = in.GetFloats();
+  in.Require(std::ranges::all_of(share, [](float value) { return value > 0; }));
+  const auto components = static_cast<Eigen::Index>(share.size());
+  encoder.share = Eigen::Map<const Eigen::VectorXf>(share.data(), components);
+  encoder.mean = in.GetVector(components > 0 ? kDescriptorSize : 0);
+  const std::vector<float> projection = in.GetFloats();
+  const std::size_t dimensions = projection.size() / kDescriptorSize;
+  in.Require(projection.size() % kDescriptorSize == 0 && (dimensions > 0) == (components > 0));
+  const std::size_t values = components > 0 ? dimensions + (encoder.places ? 2 : 0) : 0;
+  encoder.centre = in.GetVector(values * share.size());
+  encoder.deviation = in.GetVector(values * share.size());
+  in.Require((encoder.deviation.array() > 0).all());
+  if (!in.ok()) return {};
+  const auto rows = static_cast<Eigen::Index>(values);
+  encoder.projection = Eigen::Map<const Eigen::MatrixXf>(projection.data(), static_cast<Eigen::Index>(dimensions),
+                                                         static_cast<Eigen::Index>(kDescriptorSize));
+  encoder.centre.resize(rows, components);
+  encoder.deviation.resize(rows, components);
+  return encoder;
 }
 
 void PutGrammar(const PhraseGrammar& grammar, Writer& out) {
@@ -198,9 +235,10 @@ void GetLinear(CategoryModel& model, Reader& in) {
   model.part_of_word = in.GetAll<std::uint16_t>();
   in.Require(model.part_of_word.size() == words);
   in.Require(std::ranges::all_of(model.part_of_word, [&](std::uint16_t part) { return part < model.parts; }));
+  model.fisher = GetEncoder(in);
   for (std::size_t n = 0; n < model.nodes.size() && in.ok(); ++n) {
-    model.word_weights.push_back(GetWeights(words, 0, in));
-    model.phrase_weights.push_back(GetWeights(words, PhraseCount(model.parts), in));
+    model.word_weights.push_back(GetWeights(words, 0, 0, in));
+    model.phrase_weights.push_back(GetWeights(words, PhraseCount(model.parts), model.fisher.size(), in));
   }
 }
 
@@ -252,6 +290,10 @@ Expected<CategoryModel> Parse(std::span<const std::byte> bytes) {
         ErrorCode::kUnsupported,
         fmt::format("written by a newer version (format {}; this program reads up to {})", header.version, kVersion));
   }
+  if (header.version > 0 && header.version < kVersion) {
+    return Fail(ErrorCode::kUnsupported, fmt::format("written by an older version (format {}; this program reads {})",
+                                                     header.version, kVersion));
+  }
   const auto payload = bytes.subspan(sizeof(Header));
   if (header.version == 0 || header.payload_size != payload.size())
     return Fail(ErrorCode::kDataLoss, fmt::format("cut off or damaged ({} bytes, expected {})", bytes.size(),
@@ -273,6 +315,7 @@ std::vector<std::byte> EncodeCategories(const CategoryModel& model) {
   if (model.options.scoring == "linear") {
     payload.Put(static_cast<std::uint16_t>(model.parts));
     payload.PutAll(std::span<const std::uint16_t>(model.part_of_word));
+    PutEncoder(model.fisher, payload);
     for (std::size_t n = 0; n < model.nodes.size(); ++n) {
       PutWeights(model.word_weights[n], payload);
       PutWeights(model.phrase_weights[n], payload);

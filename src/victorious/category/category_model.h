@@ -34,11 +34,12 @@ struct CategoryNode {
   Calibration words;    ///< of CategoryMethod::kWords
 };
 
-/// One node's weights in the linear classifier. The score is words . h_w + phrases . h_p + offset, with the histograms
-/// of histogram.h.
+/// One node's weights in the linear classifier. The score is words . h_w + phrases . h_p + fisher . f + offset, with
+/// the histograms of histogram.h and the vector of fisher.h.
 struct LinearWeights {
   Eigen::VectorXf words;
   Eigen::VectorXf phrases;  ///< empty for CategoryMethod::kWords
+  Eigen::VectorXf fisher;   ///< the same
   float offset = 0;
 };
 
@@ -52,6 +53,7 @@ struct CategoryModel {
   // Of scoring "linear"; else empty.
   std::vector<std::uint16_t> part_of_word;
   std::size_t parts = 0;
+  FisherEncoder fisher;
   std::vector<LinearWeights> phrase_weights;  ///< one a node
   std::vector<LinearWeights> word_weights;    ///< one a node
 
@@ -89,7 +91,7 @@ struct CategoryResult {
 
 CategoryResult Classify(const CategoryModel& model, const WordedPicture& picture, CategoryMethod method);
 
-/// The picture as the model's words.
+/// The picture as the model's words, with its Fisher vector where the model has them.
 WordedPicture WordsOf(const CategoryModel& model, const FeatureSet& features);
 
 /// Whether `ancestor` is `name` or above it: "vehicle" of "vehicle/car", not of "vehicles".

@@ -72,6 +72,9 @@ TEST(CategoryModel, DamagedFilesAreRefused) {
   auto newer = bytes;
   newer[8] = std::byte{9};
   EXPECT_THAT(refusal(newer), HasSubstr("newer version"));
+  auto older = bytes;
+  older[8] = std::byte{1};
+  EXPECT_THAT(refusal(older), HasSubstr("train again"));
 }
 
 TEST(CategoryModel, AHierarchyHasAScoreForEachLevel) {

@@ -19,6 +19,7 @@ void CategoryOptions::ListFields(FieldList& fields) {
              {.min = 1e-6, .max = 1e6, .reason = "linear: penalty of large weights; the larger, the smoother"});
   fields.AddGroup("vocabulary", vocabulary);
   fields.AddGroup("phrases", phrases);
+  fields.AddGroup("fisher", fisher);
   fields.AddGroup("plsa", plsa);
   fields.AddGroup("grammar", grammar);
 }

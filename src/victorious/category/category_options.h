@@ -6,6 +6,7 @@
 #include <string>
 
 #include "victorious/base/options.h"
+#include "victorious/category/fisher.h"
 #include "victorious/category/histogram.h"
 #include "victorious/category/phrase_grammar.h"
 #include "victorious/category/plsa.h"
@@ -21,6 +22,7 @@ struct CategoryOptions {
   double lambda = 0.1;
   VocabularyOptions vocabulary;
   PhraseOptions phrases;
+  FisherOptions fisher;
   PlsaOptions plsa;
   GrammarOptions grammar;
 

@@ -22,8 +22,11 @@ std::vector<double> LinearScores(const CategoryModel& model, const WordedPicture
         CountPhrases(FindPhrases(picture, model.part_of_word, model.parts, model.options.phrases), model.parts));
   }
   std::vector<double> scores;
-  for (const LinearWeights& weights : with_phrases ? model.phrase_weights : model.word_weights)
-    scores.push_back(DotWith(weights.words, words) + DotWith(weights.phrases, phrases) + weights.offset);
+  for (const LinearWeights& weights : with_phrases ? model.phrase_weights : model.word_weights) {
+    double score = weights.offset + DotWith(weights.words, words);
+    if (with_phrases) score += DotWith(weights.phrases, phrases) + weights.fisher.dot(picture.fisher);
+    scores.push_back(score);
+  }
   return scores;
 }
 
@@ -39,7 +42,9 @@ int TargetOf(std::string_view category, std::string_view node) {
 }
 
 WordedPicture WordsOf(const CategoryModel& model, const FeatureSet& features) {
-  return WordsOf(features, model.vocabulary, model.options.soft_words, model.options.softness);
+  WordedPicture picture = WordsOf(features, model.vocabulary, model.options.soft_words, model.options.softness);
+  picture.fisher = model.fisher.Encode(features);
+  return picture;
 }
 
 CategoryResult Classify(const CategoryModel& model, const WordedPicture& picture, CategoryMethod method) {

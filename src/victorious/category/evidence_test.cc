@@ -20,7 +20,7 @@ TEST(Evidence, AddsUpToThePhrasesPartOfTheScore) {
   double sum = 0;
   for (const PhraseEvidence& one : evidence) sum += one.weight;
   const LinearWeights& weights = model->phrase_weights[0];
-  double rest = weights.offset;
+  double rest = weights.offset + weights.fisher.dot(picture.fisher);
   for (const auto& [word, value] : Hellinger(CountWords(picture, model->vocabulary.size())))
     rest += static_cast<double>(weights.words(word)) * value;
   EXPECT_NEAR(sum + rest, Classify(*model, picture, CategoryMethod::kPhrases).scores[0].raw, 1e-4);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include <opencv2/core/utility.hpp>
 
@@ -17,39 +18,40 @@ struct Learned {
   std::vector<PhraseGrammar> grammars;
 };
 
-Learned LearnOn(const Indices& used, std::span<const WordedPicture> pictures, std::span<const int> topic_of_picture,
-                int topics, const CategoryModel& model) {
+// A view of a model's, or of a held-out part's.
+struct Scorer {
+  const CategoryModel& model;
+  const Vocabulary& vocabulary;
+  const TopicModel& topics;
+  std::span<const PhraseGrammar> grammars;
+};
+
+WordedPicture WordsBy(const Vocabulary& vocabulary, const FeatureSet& features, const CategoryOptions& options) {
+  return WordsOf(features, vocabulary, options.soft_words, options.softness);
+}
+
+Learned LearnOn(const Indices& used, std::span<const CategoryExample> examples, std::span<const int> topic_of_picture,
+                const Vocabulary& vocabulary, const CategoryModel& model) {
+  const auto topics = static_cast<int>(model.topic_nodes.size());
+  std::vector<WordedPicture> pictures;
   std::vector<WordCounts> counts;
   std::vector<int> topic;
   for (const std::size_t i : used) {
-    counts.push_back(CountWords(pictures[i], model.vocabulary.size()));
+    pictures.push_back(WordsBy(vocabulary, examples[i].features, model.options));
+    counts.push_back(CountWords(pictures.back(), vocabulary.size()));
     topic.push_back(topic_of_picture[i]);
   }
   Learned learned;
-  learned.topics = LearnTopics(counts, topic, topics, model.vocabulary.size(), model.options.plsa, model.options.seed);
+  learned.topics = LearnTopics(counts, topic, topics, vocabulary.size(), model.options.plsa, model.options.seed);
   for (int z = 0; z < topics; ++z) {
     std::vector<const WordedPicture*> own;
-    for (const std::size_t i : used)
-      if (topic_of_picture[i] == z) own.push_back(&pictures[i]);
+    for (std::size_t i = 0; i < used.size(); ++i)
+      if (topic[i] == z) own.push_back(&pictures[i]);
     const Eigen::VectorXf likelihoods = learned.topics.word_given_topic.col(z);
     learned.grammars.push_back(PhraseGrammar::Learn(
         own, {likelihoods.data(), static_cast<std::size_t>(likelihoods.size())}, model.options.grammar));
   }
   return learned;
-}
-
-// How likely the picture is under each topic; of words, each topic's share of it.
-std::vector<double> TopicLikelihoods(const TopicModel& topics, std::span<const PhraseGrammar> grammars,
-                                     const WordedPicture& picture, const CategoryModel& model, CategoryMethod method) {
-  std::vector<double> likelihoods;
-  if (method == CategoryMethod::kWords) {
-    const WordCounts counts = CountWords(picture, model.vocabulary.size());
-    const Eigen::VectorXd shares = TopicShares(topics, counts, model.options.plsa);
-    likelihoods.assign(shares.begin(), shares.end());
-  } else {
-    for (const PhraseGrammar& grammar : grammars) likelihoods.push_back(grammar.Likelihood(picture));
-  }
-  return likelihoods;
 }
 
 std::vector<double> NodeScores(std::span<const double> topic_likelihoods, const CategoryModel& model) {
@@ -66,10 +68,28 @@ std::vector<double> NodeScores(std::span<const double> topic_likelihoods, const 
   return scores;
 }
 
+std::vector<double> ScoresBy(const Scorer& scorer, const WordedPicture& picture, CategoryMethod method) {
+  const CategoryModel& model = scorer.model;
+  const bool by_phrases = method == CategoryMethod::kPhrases;
+  std::vector<double> scores(model.nodes.size());
+  if (by_phrases) {
+    std::vector<double> likelihoods;
+    for (const PhraseGrammar& grammar : scorer.grammars) likelihoods.push_back(grammar.Likelihood(picture));
+    scores = NodeScores(likelihoods, model);
+    for (double& score : scores) score *= model.options.grammar.power;
+  }
+  if (!by_phrases || model.options.grammar.word_prior) {
+    const WordCounts counts = CountWords(picture, scorer.vocabulary.size());
+    const Eigen::VectorXd shares = TopicShares(scorer.topics, counts, model.options.plsa);
+    const std::vector<double> of_words = NodeScores({shares.data(), static_cast<std::size_t>(shares.size())}, model);
+    std::ranges::transform(scores, of_words, scores.begin(), std::plus());
+  }
+  return scores;
+}
+
 }  // namespace
 
-void LearnLikelihoods(std::span<const CategoryExample> examples, std::span<const WordedPicture> pictures,
-                      CategoryModel& model) {
+void LearnLikelihoods(std::span<const CategoryExample> examples, CategoryModel& model) {
   for (std::size_t n = 0; n < model.nodes.size(); ++n)
     if (model.nodes[n].labels) model.topic_nodes.push_back(static_cast<std::uint32_t>(n));
   std::vector<int> topic_of_picture;
@@ -78,7 +98,6 @@ void LearnLikelihoods(std::span<const CategoryExample> examples, std::span<const
         model.topic_nodes, [&](std::uint32_t node) { return model.nodes[node].name == example.category; });
     topic_of_picture.push_back(static_cast<int>(topic - model.topic_nodes.begin()));
   }
-  const auto topics = static_cast<int>(model.topic_nodes.size());
 
   constexpr int kParts = 5;
   const auto part_of = [&](std::size_t i) { return examples[i].picture % kParts; };
@@ -91,12 +110,16 @@ void LearnLikelihoods(std::span<const CategoryExample> examples, std::span<const
       Indices rest;
       for (std::size_t i = 0; i < examples.size(); ++i)
         if (part_of(i) != part && examples[i].learns) rest.push_back(i);
-      const Learned learned = LearnOn(rest, pictures, topic_of_picture, topics, model);
+      std::vector<const FeatureSet*> sets;
+      for (const std::size_t i : rest) sets.push_back(&examples[i].features);
+      const Vocabulary vocabulary = Vocabulary::Learn(sets, model.options.vocabulary, model.options.seed);
+      const Learned learned = LearnOn(rest, examples, topic_of_picture, vocabulary, model);
+      const Scorer scorer{model, vocabulary, learned.topics, learned.grammars};
       for (std::size_t i = 0; i < examples.size(); ++i) {
         if (part_of(i) != part || !examples[i].calibrates) continue;
+        const WordedPicture picture = WordsBy(vocabulary, examples[i].features, model.options);
         const auto score = [&](CategoryMethod method) {
-          const auto scores =
-              NodeScores(TopicLikelihoods(learned.topics, learned.grammars, pictures[i], model, method), model);
+          const std::vector<double> scores = ScoresBy(scorer, picture, method);
           return Eigen::RowVectorXd(Eigen::Map<const Eigen::RowVectorXd>(scores.data(), nodes));
         };
         words.row(static_cast<Eigen::Index>(i)) = score(CategoryMethod::kWords);
@@ -115,13 +138,13 @@ void LearnLikelihoods(std::span<const CategoryExample> examples, std::span<const
   Indices all;
   for (std::size_t i = 0; i < examples.size(); ++i)
     if (examples[i].learns) all.push_back(i);
-  Learned learned = LearnOn(all, pictures, topic_of_picture, topics, model);
+  Learned learned = LearnOn(all, examples, topic_of_picture, model.vocabulary, model);
   model.topics = std::move(learned.topics);
   model.grammars = std::move(learned.grammars);
 }
 
 std::vector<double> LikelihoodScores(const CategoryModel& model, const WordedPicture& picture, CategoryMethod method) {
-  return NodeScores(TopicLikelihoods(model.topics, model.grammars, picture, model, method), model);
+  return ScoresBy({model, model.vocabulary, model.topics, model.grammars}, picture, method);
 }
 
 }  // namespace victorious

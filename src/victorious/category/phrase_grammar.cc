@@ -83,7 +83,15 @@ void GrammarOptions::ListFields(FieldList& fields) {
   fields.Add("radius_px", radius_px,
              {.min = 1, .max = 10000, .unit = "px", .reason = "R: two words farther apart make no phrase"});
   fields.Add("kernel_cap", kernel_cap,
-             {.min = 1, .max = 1e8, .reason = "the most that one sample can say in equation 3.1"});
+             {.min = 1, .max = 1e8, .reason = "the most that one sample can say in equation 3.1 (thesis: 10000)"});
+  fields.Add(
+      "word_prior", word_prior,
+      {.reason = "whether the topics that pLSA gives a picture's words are the prior of its phrases' likelihood"});
+  fields.Add("power", power,
+             {.min = 0,
+              .max = 1,
+              .reason = "exponent of equation 3.3's likelihood; below 1 since its pairs share keypoints, and are not "
+                        "evidence independent of each other or of the words"});
 }
 
 double CellKernel(std::size_t measure, int cells, double cap) {

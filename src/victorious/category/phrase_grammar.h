@@ -31,6 +31,8 @@ struct GrammarOptions {
   double word_share = 0.05;
   double radius_px = 50.0;
   double kernel_cap = 10000.0;
+  bool word_prior = false;
+  double power = 1.0;
 
   void ListFields(FieldList& fields);
 };

@@ -11,6 +11,13 @@ namespace {
 struct Seen {
   SparseVector words;
   SparseVector phrases;
+  Eigen::VectorXf fisher;
+};
+
+// What the parts of a picture count in the comparison of two, beside words, which count 1.
+struct PartWeights {
+  double phrases = 0;
+  double fisher = 0;
 };
 
 // What a mark says of a node: +1, -1, or 0 for nothing.
@@ -28,10 +35,10 @@ double Score(const LinearWeights& weights, const Seen& seen) {
   for (const auto& [word, value] : seen.words) score += static_cast<double>(weights.words(word)) * value;
   if (weights.phrases.size() == 0) return score;
   for (const auto& [phrase, value] : seen.phrases) score += static_cast<double>(weights.phrases(phrase)) * value;
-  return score;
+  return score + weights.fisher.dot(seen.fisher);
 }
 
-void Refine(std::span<const Seen> seen, std::span<const int> targets, double phrase_weight, double lambda,
+void Refine(std::span<const Seen> seen, std::span<const int> targets, const PartWeights& part, double lambda,
             LinearWeights& weights) {
   const bool with_phrases = weights.phrases.size() > 0;
   std::vector<const Seen*> used;
@@ -48,14 +55,19 @@ void Refine(std::span<const Seen> seen, std::span<const int> targets, double phr
     for (Eigen::Index j = 0; j < count; ++j) {
       const Seen& a = *used[static_cast<std::size_t>(i)];
       const Seen& b = *used[static_cast<std::size_t>(j)];
-      system(i, j) = 1 + Dot(a.words, b.words) + (with_phrases ? phrase_weight * Dot(a.phrases, b.phrases) : 0);
+      system(i, j) = 1 + Dot(a.words, b.words);
+      if (with_phrases) system(i, j) += part.phrases * Dot(a.phrases, b.phrases) + part.fisher * a.fisher.dot(b.fisher);
     }
     system(i, i) += lambda;
   }
   const Eigen::VectorXd alpha = system.ldlt().solve(Eigen::Map<const Eigen::VectorXd>(missing.data(), count));
   for (Eigen::Index i = 0; i < count; ++i) {
-    AddTo(weights.words, used[static_cast<std::size_t>(i)]->words, alpha(i));
-    if (with_phrases) AddTo(weights.phrases, used[static_cast<std::size_t>(i)]->phrases, phrase_weight * alpha(i));
+    const Seen& one = *used[static_cast<std::size_t>(i)];
+    AddTo(weights.words, one.words, alpha(i));
+    if (with_phrases) {
+      AddTo(weights.phrases, one.phrases, part.phrases * alpha(i));
+      weights.fisher += static_cast<float>(part.fisher * alpha(i)) * one.fisher;
+    }
     weights.offset += static_cast<float>(alpha(i));
   }
 }
@@ -70,16 +82,17 @@ Expected<CategoryModel> RefineCategories(CategoryModel model, std::span<const Ca
     if (std::ranges::find(model.nodes, mark.category, &CategoryNode::name) == model.nodes.end())
       return Fail(ErrorCode::kInvalidArgument,
                   fmt::format("category {}: the model does not have it: a new category needs training", mark.category));
-    const WordedPicture picture = WordsOf(model, mark.features);
+    WordedPicture picture = WordsOf(model, mark.features);
     const auto phrases = FindPhrases(picture, model.part_of_word, model.parts, model.options.phrases);
-    seen.push_back(
-        {Hellinger(CountWords(picture, model.vocabulary.size())), Hellinger(CountPhrases(phrases, model.parts))});
+    seen.push_back({Hellinger(CountWords(picture, model.vocabulary.size())),
+                    Hellinger(CountPhrases(phrases, model.parts)), std::move(picture.fisher)});
   }
+  const PartWeights part{.phrases = model.options.phrases.weight, .fisher = model.options.fisher.weight};
   for (std::size_t n = 0; n < model.nodes.size(); ++n) {
     std::vector<int> targets;
     for (const CategoryMark& mark : marks) targets.push_back(MarkedTarget(mark, model.nodes[n]));
-    Refine(seen, targets, model.options.phrases.weight, model.options.lambda, model.word_weights[n]);
-    Refine(seen, targets, model.options.phrases.weight, model.options.lambda, model.phrase_weights[n]);
+    Refine(seen, targets, part, model.options.lambda, model.word_weights[n]);
+    Refine(seen, targets, part, model.options.lambda, model.phrase_weights[n]);
   }
   return model;
 }

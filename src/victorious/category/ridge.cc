@@ -15,42 +15,34 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-RidgeFit FitRidge(const MatrixXd& kernel, std::span<const int> target, std::span<const int> group, double lambda) {
+RidgeFit FitRidge(const MatrixXd& kernel, const Eigen::MatrixXi& targets, std::span<const int> group,
+                  const VectorXd& penalty) {
   const Index all = kernel.rows();
-  VICTORIOUS_CHECK(static_cast<std::size_t>(all) == target.size() && target.size() == group.size());
+  VICTORIOUS_CHECK(all == targets.rows() && all == penalty.size() && static_cast<std::size_t>(all) == group.size());
   std::vector<Index> used;
-  for (Index i = 0; i < all; ++i)
-    if (target[static_cast<std::size_t>(i)] != 0) used.push_back(i);
-  const auto positives = static_cast<double>(std::ranges::count(target, 1));
-  const double negatives = static_cast<double>(used.size()) - positives;
-  VICTORIOUS_CHECK(positives > 0 && negatives > 0);
-
-  MatrixXd system = kernel(used, used);
-  VectorXd y(static_cast<Index>(used.size()));
-  for (Index i = 0; i < y.size(); ++i) {
-    y(i) = target[static_cast<std::size_t>(used[static_cast<std::size_t>(i)])];
-    system(i, i) += lambda * 2 * (y(i) > 0 ? positives : negatives) / static_cast<double>(used.size());
-  }
-  const MatrixXd inverse = system.ldlt().solve(MatrixXd::Identity(system.rows(), system.cols()));
-  const VectorXd alpha = inverse * y;
-
-  RidgeFit fit{.alpha = VectorXd::Zero(all), .held_out = kernel(Eigen::all, used) * alpha};
   std::map<int, std::vector<Index>> used_of_group;  // places in `used`
-  for (Index i = 0; i < y.size(); ++i) {
-    const Index example = used[static_cast<std::size_t>(i)];
-    fit.alpha(example) = alpha(i);
-    used_of_group[group[static_cast<std::size_t>(example)]].push_back(i);
-  }
-  // Without a group, the others' weights are what they are less what the group's weights had them make up for.
-  std::map<int, VectorXd> alpha_without;
-  for (const auto& [number, members] : used_of_group) {
-    const MatrixXd block = inverse(members, members);
-    const VectorXd own = alpha(members);
-    alpha_without[number] = alpha - inverse(Eigen::all, members) * block.lu().solve(own);
-  }
   for (Index i = 0; i < all; ++i) {
-    const auto without = alpha_without.find(group[static_cast<std::size_t>(i)]);
-    if (without != alpha_without.end()) fit.held_out(i) = kernel(i, used).dot(without->second);
+    const bool learned = (targets.row(i).array() != 0).all();
+    VICTORIOUS_CHECK(learned || (targets.row(i).array() == 0).all());
+    if (!learned) continue;
+    used_of_group[group[static_cast<std::size_t>(i)]].push_back(static_cast<Index>(used.size()));
+    used.push_back(i);
+  }
+  MatrixXd system = kernel(used, used);
+  system.diagonal() += penalty(used);
+  const MatrixXd inverse = system.llt().solve(MatrixXd::Identity(system.rows(), system.cols()));
+  const MatrixXd alpha = inverse * targets(used, Eigen::all).cast<double>();
+
+  RidgeFit fit{.alpha = MatrixXd::Zero(all, targets.cols()), .held_out = kernel(Eigen::all, used) * alpha};
+  fit.alpha(used, Eigen::all) = alpha;
+  std::map<int, std::vector<Index>> all_of_group;
+  for (Index i = 0; i < all; ++i) all_of_group[group[static_cast<std::size_t>(i)]].push_back(i);
+  for (const auto& [number, members] : used_of_group) {
+    // Without a group, the others' weights are what they are less what the group's weights had them make up for.
+    const MatrixXd own = MatrixXd(inverse(members, members)).lu().solve(MatrixXd(alpha(members, Eigen::all)));
+    const MatrixXd without = alpha - inverse(Eigen::all, members) * own;
+    const std::vector<Index>& held_out = all_of_group[number];
+    fit.held_out(held_out, Eigen::all) = kernel(held_out, used) * without;
   }
   return fit;
 }

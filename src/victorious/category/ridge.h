@@ -12,19 +12,21 @@
 
 namespace victorious {
 
+/// A row an example, a column a problem.
 struct RidgeFit {
-  Eigen::VectorXd alpha;     ///< the score of x is sum over i of alpha_i k(x, x_i)
-  Eigen::VectorXd held_out;  ///< of each example, the score without its group
+  Eigen::MatrixXd alpha;     ///< the score of x is sum over i of alpha_i k(x, x_i)
+  Eigen::MatrixXd held_out;  ///< of each example, the score without its group
 };
 
 /// @param kernel  symmetric, positive semidefinite; with whatever stands for the offset (a constant 1) added
-/// @param target  +1 or -1 an example; 0: not learned from, but scored without its group like the others
-/// @param group   examples with equal numbers are held out together
-/// @param lambda  above 0; the weight of the penalty on each example, less where its class is small: both classes count
-///                alike as a whole
-/// @pre there is at least one +1 and one -1
-RidgeFit FitRidge(const Eigen::MatrixXd& kernel, std::span<const int> target, std::span<const int> group,
-                  double lambda);
+/// @param targets  a row an example, a column a problem: +1 or -1; rows of 0: not learned from, but scored without
+///                 their groups like the others
+/// @param group    examples with equal numbers are held out together
+/// @param penalty  one an example, above 0: the larger, the less it counts
+/// @pre a row is of 0 as a whole or not at all
+/// Cost: one factorisation, whatever the number of problems.
+RidgeFit FitRidge(const Eigen::MatrixXd& kernel, const Eigen::MatrixXi& targets, std::span<const int> group,
+                  const Eigen::VectorXd& penalty);
 
 /// A score to a probability: 1 / (1 + exp(-(slope score + offset))).
 struct Calibration {

@@ -12,18 +12,20 @@ namespace {
 
 struct Problem {
   Eigen::MatrixXd kernel;
-  std::vector<int> target;
+  Eigen::MatrixXi targets;  // of two problems
   std::vector<int> group;
+  Eigen::VectorXd penalty;
 };
 
 Problem RandomProblem(std::uint64_t seed) {
   Random random(seed);
   Eigen::MatrixXd x(24, 5);
-  Problem problem;
+  Problem problem{.kernel = {}, .targets = Eigen::MatrixXi(24, 2), .group = {}, .penalty = Eigen::VectorXd(24)};
   for (Eigen::Index i = 0; i < x.rows(); ++i) {
-    problem.target.push_back(i % 3 == 0 ? 1 : -1);
+    problem.targets.row(i) << (i % 3 == 0 ? 1 : -1), (i % 4 == 0 ? 1 : -1);
+    problem.penalty(i) = random.Uniform(0.3, 1.5);
     problem.group.push_back(static_cast<int>(i / 2));
-    for (Eigen::Index k = 0; k < x.cols(); ++k) x(i, k) = random.Normal() + 0.7 * problem.target.back();
+    for (Eigen::Index k = 0; k < x.cols(); ++k) x(i, k) = random.Normal() + 0.7 * problem.targets(i, 0);
   }
   problem.kernel = x * x.transpose();
   problem.kernel.array() += 1;
@@ -32,33 +34,25 @@ Problem RandomProblem(std::uint64_t seed) {
 
 TEST(Ridge, HeldOutScoresAreThoseOfTrainingWithoutTheGroup) {
   const Problem problem = RandomProblem(1);
-  const double lambda = 0.7;
-  const RidgeFit fit = FitRidge(problem.kernel, problem.target, problem.group, lambda);
-  // With the penalties of the whole, the others alone.
-  const double positives = 8;
-  const double count = 24;
+  const RidgeFit fit = FitRidge(problem.kernel, problem.targets, problem.group, problem.penalty);
   for (const int left_out : {0, 5, 11}) {
     std::vector<Eigen::Index> others;
     for (Eigen::Index i = 0; i < 24; ++i)
       if (problem.group[static_cast<std::size_t>(i)] != left_out) others.push_back(i);
     Eigen::MatrixXd system = problem.kernel(others, others);
-    Eigen::VectorXd y(system.rows());
-    for (Eigen::Index i = 0; i < y.size(); ++i) {
-      y(i) = problem.target[static_cast<std::size_t>(others[static_cast<std::size_t>(i)])];
-      system(i, i) += lambda * 2 * (y(i) > 0 ? positives : count - positives) / count;
-    }
-    const Eigen::VectorXd alpha = system.ldlt().solve(y);
+    system.diagonal() += problem.penalty(others);
+    const Eigen::MatrixXd alpha = system.ldlt().solve(problem.targets(others, Eigen::all).cast<double>());
     for (const Eigen::Index i : {2 * left_out, 2 * left_out + 1})
-      EXPECT_NEAR(fit.held_out(i), problem.kernel(i, others).dot(alpha), 1e-9);
+      EXPECT_LT((fit.held_out.row(i) - problem.kernel(i, others) * alpha).norm(), 1e-9);
   }
 }
 
 TEST(Ridge, ScoresExamplesThatItDoesNotLearnFrom) {
   Problem problem = RandomProblem(2);
-  problem.target[3] = 0;
-  const RidgeFit fit = FitRidge(problem.kernel, problem.target, problem.group, 0.5);
-  EXPECT_EQ(fit.alpha(3), 0);
-  EXPECT_NE(fit.held_out(3), 0);
+  problem.targets.row(3).setZero();
+  const RidgeFit fit = FitRidge(problem.kernel, problem.targets, problem.group, problem.penalty);
+  EXPECT_EQ(fit.alpha.row(3).norm(), 0);
+  EXPECT_NE(fit.held_out(3, 1), 0);
 }
 
 TEST(Calibration, IsTheShareOfPositivesAmongEqualScores) {

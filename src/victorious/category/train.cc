@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <cmath>
 #include <map>
-#include <numeric>
 #include <set>
 
 #include <fmt/format.h>
@@ -72,13 +70,20 @@ std::vector<CategoryNode> NodesOf(std::span<const CategoryExample> examples) {
   return nodes;
 }
 
-Vocabulary LearnVocabulary(std::span<const CategoryExample> examples, const CategoryOptions& options) {
-  std::vector<std::uint8_t> descriptors;
-  for (const CategoryExample& example : examples) {
-    if (!example.learns) continue;
-    descriptors.insert(descriptors.end(), example.features.descriptors.begin(), example.features.descriptors.end());
-  }
-  return Vocabulary::Learn(descriptors, options.vocabulary, options.seed);
+std::vector<const FeatureSet*> LearnedSets(std::span<const CategoryExample> examples) {
+  std::vector<const FeatureSet*> sets;
+  for (const CategoryExample& example : examples)
+    if (example.learns) sets.push_back(&example.features);
+  return sets;
+}
+
+std::vector<WordedPicture> PicturesOf(std::span<const CategoryExample> examples, const CategoryModel& model) {
+  std::vector<WordedPicture> pictures(examples.size());
+  cv::parallel_for_({0, static_cast<int>(examples.size())}, [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i)
+      pictures[static_cast<std::size_t>(i)] = WordsOf(model, examples[static_cast<std::size_t>(i)].features);
+  });
+  return pictures;
 }
 
 // Words that look alike, grouped.
@@ -92,86 +97,149 @@ void LearnParts(CategoryModel& model) {
     model.part_of_word.push_back(static_cast<std::uint16_t>(part.index));
 }
 
-struct Histograms {
-  SparseVector words;
-  SparseVector phrases;
+// What the linear classifier compares of a set of pictures.
+struct Seen {
+  std::vector<SparseVector> words;
+  std::vector<SparseVector> phrases;
+  Eigen::MatrixXf fisher;  // a column a picture
 };
 
-std::vector<Histograms> HistogramsOf(const CategoryModel& model, std::span<const WordedPicture> pictures) {
-  std::vector<Histograms> histograms(pictures.size());
+Seen See(const CategoryModel& model, std::span<const WordedPicture> pictures) {
+  Seen seen{.words = std::vector<SparseVector>(pictures.size()),
+            .phrases = std::vector<SparseVector>(pictures.size()),
+            .fisher = {static_cast<Eigen::Index>(model.fisher.size()), static_cast<Eigen::Index>(pictures.size())}};
   cv::parallel_for_({0, static_cast<int>(pictures.size())}, [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) {
-      const WordedPicture& picture = pictures[static_cast<std::size_t>(i)];
-      const auto phrases = FindPhrases(picture, model.part_of_word, model.parts, model.options.phrases);
-      histograms[static_cast<std::size_t>(i)] = {Hellinger(CountWords(picture, model.vocabulary.size())),
-                                                 Hellinger(CountPhrases(phrases, model.parts))};
+      const auto at = static_cast<std::size_t>(i);
+      const auto phrases = FindPhrases(pictures[at], model.part_of_word, model.parts, model.options.phrases);
+      seen.words[at] = Hellinger(CountWords(pictures[at], model.vocabulary.size()));
+      seen.phrases[at] = Hellinger(CountPhrases(phrases, model.parts));
+      seen.fisher.col(i) = pictures[at].fisher;
     }
   });
-  return histograms;
+  return seen;
 }
 
-Eigen::MatrixXd KernelOf(std::span<const Histograms> histograms, SparseVector Histograms::* part) {
-  const auto count = static_cast<Eigen::Index>(histograms.size());
+// @param size  above every index
+Eigen::MatrixXd KernelOf(std::span<const SparseVector> vectors, std::size_t size) {
+  const auto count = static_cast<Eigen::Index>(vectors.size());
   Eigen::MatrixXd kernel(count, count);
   cv::parallel_for_({0, static_cast<int>(count)}, [&](const cv::Range& range) {
-    for (Eigen::Index i = range.start; i < range.end; ++i)
-      for (Eigen::Index j = 0; j <= i; ++j)
-        kernel(i, j) = kernel(j, i) =
-            Dot(histograms[static_cast<std::size_t>(i)].*part, histograms[static_cast<std::size_t>(j)].*part);
+    std::vector<float> dense(size);
+    for (Eigen::Index i = range.start; i < range.end; ++i) {
+      const SparseVector& own = vectors[static_cast<std::size_t>(i)];
+      for (const auto& [index, value] : own) dense[index] = value;
+      for (Eigen::Index j = 0; j <= i; ++j) {
+        float sum = 0;
+        for (const auto& [index, value] : vectors[static_cast<std::size_t>(j)]) sum += value * dense[index];
+        kernel(i, j) = kernel(j, i) = sum;
+      }
+      for (const auto& [index, value] : own) dense[index] = 0;
+    }
   });
   return kernel;
 }
 
-// Sum over the examples of alpha times the histogram.
-Eigen::VectorXf Weights(std::span<const Histograms> histograms, SparseVector Histograms::* part,
-                        const Eigen::VectorXd& alpha, double factor, std::size_t size) {
+Eigen::MatrixXd KernelOf(const Eigen::MatrixXf& columns) {
+  Eigen::MatrixXf kernel = Eigen::MatrixXf::Zero(columns.cols(), columns.cols());
+  kernel.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
+  return Eigen::MatrixXf(kernel.selfadjointView<Eigen::Lower>()).cast<double>();
+}
+
+// Sum over the examples of alpha times the vector.
+Eigen::VectorXf Weights(std::span<const SparseVector> vectors, const Eigen::VectorXd& alpha, std::size_t size) {
   Eigen::VectorXf weights = Eigen::VectorXf::Zero(static_cast<Eigen::Index>(size));
-  for (std::size_t i = 0; i < histograms.size(); ++i)
-    for (const auto& [index, value] : histograms[i].*part)
-      weights(index) += static_cast<float>(factor * alpha(static_cast<Eigen::Index>(i)) * value);
+  for (std::size_t i = 0; i < vectors.size(); ++i)
+    for (const auto& [index, value] : vectors[i])
+      weights(index) += static_cast<float>(alpha(static_cast<Eigen::Index>(i)) * value);
   return weights;
 }
 
-// A node that all examples show needs no weights: its calibration makes it certain.
-RidgeFit Fit(const Eigen::MatrixXd& kernel, std::span<const int> targets, std::span<const int> groups, double lambda) {
-  if (std::ranges::count(targets, -1) > 0) return FitRidge(kernel, targets, groups, lambda);
-  return {.alpha = Eigen::VectorXd::Zero(kernel.rows()), .held_out = Eigen::VectorXd::Zero(kernel.rows())};
+// Penalties by which all categories count alike as a whole, on average `lambda` an example.
+Eigen::VectorXd PenaltiesOf(std::span<const CategoryExample> examples, double lambda) {
+  std::map<std::string, double> count;
+  double all = 0;
+  for (const CategoryExample& example : examples) {
+    if (!example.learns) continue;
+    count[example.category] += 1;
+    all += 1;
+  }
+  Eigen::VectorXd penalties(static_cast<Eigen::Index>(examples.size()));
+  for (std::size_t i = 0; i < examples.size(); ++i) {
+    const double of_category = count.contains(examples[i].category) ? count[examples[i].category] : 1;
+    penalties(static_cast<Eigen::Index>(i)) = lambda * of_category * static_cast<double>(count.size()) / all;
+  }
+  return penalties;
+}
+
+// One method's weights and calibrations of all nodes. Nodes that learn from the same examples share a factorisation.
+struct NodeFits {
+  Eigen::MatrixXd alpha;  // a column a node
+  std::vector<Calibration> calibrations;
+};
+
+NodeFits FitNodes(const Eigen::MatrixXd& kernel, std::span<const CategoryExample> examples,
+                  const CategoryModel& model) {
+  std::vector<int> groups;
+  for (const CategoryExample& example : examples) groups.push_back(example.picture);
+  const Eigen::VectorXd penalties = PenaltiesOf(examples, model.options.lambda);
+  const auto rows = static_cast<Eigen::Index>(examples.size());
+  std::map<std::vector<bool>, std::vector<Eigen::Index>> nodes_of;  // by which examples say something of them
+  Eigen::MatrixXi targets(rows, static_cast<Eigen::Index>(model.nodes.size()));
+  for (Eigen::Index n = 0; n < targets.cols(); ++n) {
+    std::vector<bool> learns;
+    for (std::size_t i = 0; i < examples.size(); ++i) {
+      const int target = TargetOf(examples[i].category, model.nodes[static_cast<std::size_t>(n)].name);
+      targets(static_cast<Eigen::Index>(i), n) = target;
+      learns.push_back(examples[i].learns && target != 0);
+    }
+    nodes_of[learns].push_back(n);
+  }
+  NodeFits fits{.alpha = {rows, targets.cols()}, .calibrations = std::vector<Calibration>(model.nodes.size())};
+  for (const auto& [learns, nodes] : nodes_of) {
+    Eigen::MatrixXi learned = targets(Eigen::all, nodes);
+    for (Eigen::Index i = 0; i < rows; ++i)
+      if (!learns[static_cast<std::size_t>(i)]) learned.row(i).setZero();
+    const RidgeFit fit = FitRidge(kernel, learned, groups, penalties);
+    fits.alpha(Eigen::all, nodes) = fit.alpha;
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      const Eigen::VectorXi column = targets.col(nodes[k]);
+      fits.calibrations[static_cast<std::size_t>(nodes[k])] =
+          CalibrateOn(examples, {column.data(), examples.size()}, fit.held_out.col(static_cast<Eigen::Index>(k)));
+    }
+  }
+  return fits;
 }
 
 void LearnLinear(std::span<const CategoryExample> examples, std::span<const WordedPicture> pictures,
                  CategoryModel& model) {
   LearnParts(model);
-  const std::vector<Histograms> histograms = HistogramsOf(model, pictures);
-  const Eigen::MatrixXd word_kernel = KernelOf(histograms, &Histograms::words).array() + 1.0;
+  const Seen seen = See(model, pictures);
   const double phrase_weight = model.options.phrases.weight;
-  const Eigen::MatrixXd joint_kernel = word_kernel + phrase_weight * KernelOf(histograms, &Histograms::phrases);
-  std::vector<int> groups;
-  for (const CategoryExample& example : examples) groups.push_back(example.picture);
-
-  model.word_weights.resize(model.nodes.size());
-  model.phrase_weights.resize(model.nodes.size());
-  cv::parallel_for_({0, static_cast<int>(model.nodes.size())}, [&](const cv::Range& range) {
-    for (auto n = static_cast<std::size_t>(range.start); n < static_cast<std::size_t>(range.end); ++n) {
-      CategoryNode& node = model.nodes[n];
-      std::vector<int> targets;
-      std::vector<int> learned;
-      for (const CategoryExample& example : examples) {
-        targets.push_back(TargetOf(example.category, node.name));
-        learned.push_back(example.learns ? targets.back() : 0);
-      }
-      const auto learn = [&](const Eigen::MatrixXd& kernel, double phrases, Calibration& calibration) {
-        const RidgeFit fit = Fit(kernel, learned, groups, model.options.lambda);
-        calibration = CalibrateOn(examples, targets, fit.held_out);
-        return LinearWeights{.words = Weights(histograms, &Histograms::words, fit.alpha, 1, model.vocabulary.size()),
-                             .phrases = phrases > 0 ? Weights(histograms, &Histograms::phrases, fit.alpha, phrases,
-                                                              PhraseCount(model.parts))
-                                                    : Eigen::VectorXf(),
-                             .offset = static_cast<float>(fit.alpha.sum())};
-      };
-      model.word_weights[n] = learn(word_kernel, 0, node.words);
-      model.phrase_weights[n] = learn(joint_kernel, phrase_weight, node.phrases);
-    }
-  });
+  const double fisher_weight = model.options.fisher.weight;
+  const std::size_t phrases = PhraseCount(model.parts);
+  const Eigen::MatrixXd word_kernel = KernelOf(seen.words, model.vocabulary.size()).array() + 1.0;
+  const Eigen::MatrixXd joint_kernel =
+      word_kernel + phrase_weight * KernelOf(seen.phrases, phrases) + fisher_weight * KernelOf(seen.fisher);
+  const NodeFits by_words = FitNodes(word_kernel, examples, model);
+  const NodeFits by_phrases = FitNodes(joint_kernel, examples, model);
+  for (std::size_t n = 0; n < model.nodes.size(); ++n) {
+    const auto weights = [&](const NodeFits& fits) {
+      const Eigen::VectorXd alpha = fits.alpha.col(static_cast<Eigen::Index>(n));
+      return LinearWeights{.words = Weights(seen.words, alpha, model.vocabulary.size()),
+                           .phrases = {},
+                           .fisher = {},
+                           .offset = static_cast<float>(alpha.sum())};
+    };
+    model.nodes[n].words = by_words.calibrations[n];
+    model.nodes[n].phrases = by_phrases.calibrations[n];
+    model.word_weights.push_back(weights(by_words));
+    const Eigen::VectorXd alpha = by_phrases.alpha.col(static_cast<Eigen::Index>(n));
+    LinearWeights joint = weights(by_phrases);
+    joint.phrases = Weights(seen.phrases, phrase_weight * alpha, phrases);
+    joint.fisher = seen.fisher * (fisher_weight * alpha).cast<float>();
+    model.phrase_weights.push_back(std::move(joint));
+  }
 }
 
 }  // namespace
@@ -183,13 +251,13 @@ Expected<CategoryModel> TrainCategories(std::span<const CategoryExample> example
   model.program_version = kVersion;
   model.options = options;
   model.nodes = NodesOf(examples);
-  model.vocabulary = LearnVocabulary(examples, options);
-  std::vector<WordedPicture> pictures;
-  for (const CategoryExample& example : examples) pictures.push_back(WordsOf(model, example.features));
+  const std::vector<const FeatureSet*> sets = LearnedSets(examples);
+  model.vocabulary = Vocabulary::Learn(sets, options.vocabulary, options.seed);
   if (options.scoring == "linear") {
-    LearnLinear(examples, pictures, model);
+    model.fisher = FisherEncoder::Learn(sets, options.fisher, options.seed);
+    LearnLinear(examples, PicturesOf(examples, model), model);
   } else {
-    LearnLikelihoods(examples, pictures, model);
+    LearnLikelihoods(examples, model);
   }
   return model;
 }

@@ -120,6 +120,14 @@ Vocabulary Vocabulary::Learn(std::span<const std::uint8_t> descriptors, const Vo
   return {std::move(centres), options.root};
 }
 
+Vocabulary Vocabulary::Learn(std::span<const FeatureSet* const> sets, const VocabularyOptions& options,
+                             std::uint64_t seed) {
+  std::vector<std::uint8_t> descriptors;
+  for (const FeatureSet* set : sets)
+    descriptors.insert(descriptors.end(), set->descriptors.begin(), set->descriptors.end());
+  return Learn(descriptors, options, seed);
+}
+
 std::vector<Neighbour> Vocabulary::NearestWords(std::span<const std::uint8_t> descriptors, std::size_t few) const {
   if (!root_) return Nearest(descriptors, packed_, few);
   return Nearest(RootDescriptors(descriptors), packed_, few);

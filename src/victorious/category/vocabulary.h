@@ -36,6 +36,10 @@ class Vocabulary {
   static Vocabulary Learn(std::span<const std::uint8_t> descriptors, const VocabularyOptions& options,
                           std::uint64_t seed);
 
+  /// The same from the descriptors of all `sets`.
+  static Vocabulary Learn(std::span<const FeatureSet* const> sets, const VocabularyOptions& options,
+                          std::uint64_t seed);
+
   [[nodiscard]] std::size_t size() const { return packed_.count; }
   [[nodiscard]] bool root() const { return root_; }
   [[nodiscard]] std::span<const std::uint8_t> centres() const { return centres_; }

@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "victorious/category/vocabulary.h"
 #include "victorious/types/feature_set.h"
 
@@ -21,6 +23,7 @@ struct WordedPicture {
   std::vector<Keypoint> keypoints;
   std::size_t few = 1;            ///< words a keypoint
   std::vector<WordShare> shares;  ///< `few` a keypoint, the nearest word first; of each keypoint they sum to 1
+  Eigen::VectorXf fisher;         ///< empty, unless a model that has an encoder (fisher.h) made the picture
   int width = 0;                  ///< px
   int height = 0;                 ///< px
 

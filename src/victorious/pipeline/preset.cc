@@ -36,9 +36,13 @@ constexpr std::string_view kThesis = R"({
   "pose.refine_plane": false,
   "features.kind": "keypoints",
   "features.surroundings": "calibrate",
-  "category.scoring": "likelihood",
-  "category.soft_words": 1,
-  "category.vocabulary.root": false
+  "features.mirrored": false,
+  "scoring": "likelihood",
+  "soft_words": 1,
+  "vocabulary.root": false,
+  "grammar.kernel_cap": 3.0,
+  "grammar.word_prior": true,
+  "grammar.power": 0.1
 })";
 
 constexpr std::string_view kLearnt = R"({

@@ -5,6 +5,7 @@
 #include "victorious/geolocate/locate_options.h"
 #include "victorious/model/cad_model.h"
 #include "victorious/pipeline/index_options.h"
+#include "victorious/recognize/category_pictures.h"
 
 namespace victorious {
 namespace {
@@ -17,6 +18,11 @@ TEST(Preset, ThesisSetsWhatTheThesisSaysInEachList) {
   EXPECT_EQ(index.recognize.match.ratio, 0.8);
   EXPECT_EQ(index.recognize.cascade.radius_px, 75);
   EXPECT_EQ(index.features.impulse_share, 1);
+  CategoryTrainOptions category;
+  ASSERT_TRUE(ApplyPreset("thesis", FieldsOf(category)).has_value());
+  EXPECT_EQ(category.features.kind, "keypoints");
+  EXPECT_EQ(category.category.scoring, "likelihood");
+  EXPECT_TRUE(category.category.grammar.word_prior);
   CadModelOptions cad;
   ASSERT_TRUE(ApplyPreset("thesis", FieldsOf(cad)).has_value());
   EXPECT_EQ(cad.features.contrast_threshold, index.features.contrast_threshold);

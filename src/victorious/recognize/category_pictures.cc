@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 
 #include "victorious/video/image_file.h"
 
@@ -22,6 +23,9 @@ void CategoryFeatureOptions::ListFields(FieldList& fields) {
              {.choices = {"none", "calibrate", "learn"},
               .reason = "what the whole picture about a box is for. learn: an example like the crop, since what will "
                         "be classified has surroundings; calibrate: only to turn scores into probabilities"});
+  fields.Add(
+      "mirrored", mirrored,
+      {.reason = "learn from each picture's mirror image too: false where left and right tell categories apart"});
   fields.AddGroup("dense", dense);
   fields.AddGroup("keypoints", keypoints);
 }
@@ -63,20 +67,28 @@ Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryEye& eye, const 
   const cv::Rect part(x0, y0, x1 - x0, y1 - y0);
   const bool with_whole = part.size() != grey.size() && eye.options().surroundings != "none";
   std::vector<CategoryExample> examples;
-  VICTORIOUS_ASSIGN_OR_RETURN(FeatureSet features, eye.Look(grey(part).clone()));
-  examples.push_back({.category = category,
-                      .features = std::move(features),
-                      .picture = number,
-                      .learns = true,
-                      .calibrates = !with_whole});
-  if (with_whole) {
-    VICTORIOUS_ASSIGN_OR_RETURN(FeatureSet whole, eye.Look(grey));
+  const auto add = [&](const cv::Mat& seen, bool learns, bool calibrates) -> Status {
+    VICTORIOUS_ASSIGN_OR_RETURN(FeatureSet features, eye.Look(seen));
     examples.push_back({.category = category,
-                        .features = std::move(whole),
+                        .features = std::move(features),
                         .picture = number,
-                        .learns = eye.options().surroundings == "learn",
-                        .calibrates = true});
-  }
+                        .learns = learns,
+                        .calibrates = calibrates});
+    return {};
+  };
+  const auto add_mirrored = [&](const cv::Mat& seen) -> Status {
+    if (!eye.options().mirrored) return {};
+    cv::Mat mirrored;
+    cv::flip(seen, mirrored, 1);
+    return add(mirrored, /*learns=*/true, /*calibrates=*/false);
+  };
+  const cv::Mat cut_out = grey(part).clone();
+  VICTORIOUS_RETURN_IF_ERROR(add(cut_out, /*learns=*/true, /*calibrates=*/!with_whole));
+  VICTORIOUS_RETURN_IF_ERROR(add_mirrored(cut_out));
+  if (!with_whole) return examples;
+  const bool learns = eye.options().surroundings == "learn";
+  VICTORIOUS_RETURN_IF_ERROR(add(grey, learns, /*calibrates=*/true));
+  if (learns) VICTORIOUS_RETURN_IF_ERROR(add_mirrored(grey));
   return examples;
 }
 

@@ -23,6 +23,7 @@ namespace victorious {
 struct CategoryFeatureOptions {
   std::string kind = "dense";
   std::string surroundings = "learn";
+  bool mirrored = true;
   DenseOptions dense;
   FeatureOptions keypoints;
 
@@ -59,7 +60,7 @@ class CategoryEye {
 };
 
 /// What a picture gives: the part within `box` to learn from, and where the box leaves something out, the whole picture
-/// for what the option `surroundings` says.
+/// for what the option `surroundings` says; of both, what is learned from, a mirrored copy where `mirrored` is set.
 /// @param number  the picture's, which all its examples share
 Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryEye& eye, const cv::Mat& grey, const Box& box,
                                                   const std::string& category, int number);

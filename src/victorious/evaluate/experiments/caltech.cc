@@ -6,8 +6,11 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <opencv2/core/utility.hpp>
 
+#include "victorious/base/check.h"
 #include "victorious/base/random.h"
+#include "victorious/pipeline/preset.h"
 #include "victorious/video/image_file.h"
 
 namespace victorious {
@@ -50,7 +53,12 @@ Split SplitBySeed(std::span<const CategoryListRow> rows, std::uint64_t seed) {
       std::swap(members[i], members[i + random.Below(static_cast<std::uint32_t>(candidates - i))]);
     const auto middle = members.begin() + static_cast<std::ptrdiff_t>(count);
     split.train.insert(split.train.end(), members.begin(), middle);
-    split.test.insert(split.test.end(), middle, members.end());
+    constexpr std::ptrdiff_t kMostTests = 100;
+    const auto left = members.end() - middle;
+    const std::ptrdiff_t tests = std::min(kMostTests, left);
+    for (std::ptrdiff_t i = 0; i < tests; ++i)
+      std::swap(middle[i], middle[i + random.Below(static_cast<std::uint32_t>(left - i))]);
+    split.test.insert(split.test.end(), middle, middle + tests);
   }
   return split;
 }
@@ -72,7 +80,7 @@ Expected<CaltechFeatures> CaltechFeatures::Load(const ExperimentSettings& settin
     VICTORIOUS_ASSIGN_OR_RETURN(features.whole_[i], eye.Look(grey));
     // Where an example is the whole picture, its features are kept once.
     for (CategoryExample& example : features.examples_[i])
-      if (example.features.keypoints == features.whole_[i].keypoints) example.features = {};
+      if (example.features.descriptors == features.whole_[i].descriptors) example.features = {};
     return {};
   };
   VICTORIOUS_RETURN_IF_ERROR(ForEachPicture(FolderOf(settings), features.rows_, look, [](std::size_t) {}));
@@ -103,13 +111,17 @@ Expected<TestScores> TrainAndTest(const CaltechFeatures& features, const Categor
   const auto start = std::chrono::steady_clock::now();
   VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model, TrainCategories(features.ExamplesOf(split.train), seeded));
   scores.train_s = SecondsSince(start);
-  for (const std::size_t i : split.test) {
-    const WordedPicture picture = WordsOf(model, features.Whole(i));
+  std::vector<WordedPicture> pictures(split.test.size());
+  cv::parallel_for_({0, static_cast<int>(pictures.size())}, [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i)
+      pictures[static_cast<std::size_t>(i)] = WordsOf(model, features.Whole(split.test[static_cast<std::size_t>(i)]));
+  });
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
     const auto scoring = std::chrono::steady_clock::now();
-    scores.phrases.push_back(Classify(model, picture, CategoryMethod::kPhrases));
-    scores.phrase_scoring_ms += 1000 * SecondsSince(scoring) / static_cast<double>(split.test.size());
-    scores.words.push_back(Classify(model, picture, CategoryMethod::kWords));
-    scores.truth.push_back(features.rows()[i].category);
+    scores.phrases.push_back(Classify(model, pictures[i], CategoryMethod::kPhrases));
+    scores.phrase_scoring_ms += 1000 * SecondsSince(scoring) / static_cast<double>(pictures.size());
+    scores.words.push_back(Classify(model, pictures[i], CategoryMethod::kWords));
+    scores.truth.push_back(features.rows()[split.test[i]].category);
   }
   if (model_out != nullptr) *model_out = std::move(model);
   return scores;
@@ -149,11 +161,13 @@ Ranking RankingOf(const TestScores& scores, const CategoryModel& model, Category
 
 CategoryTrainOptions ThesisCategories() {
   CategoryTrainOptions options;
-  options.features.kind = "keypoints";
-  options.features.surroundings = "calibrate";
-  options.category.scoring = "likelihood";
-  options.category.soft_words = 1;
-  options.category.vocabulary.root = false;
+  VICTORIOUS_CHECK(ApplyPreset("thesis", FieldsOf(options)).has_value());
+  return options;
+}
+
+CategoryTrainOptions ThesisCategoriesAsPrinted() {
+  CategoryTrainOptions options = ThesisCategories();
+  options.category.grammar = GrammarOptions();
   return options;
 }
 

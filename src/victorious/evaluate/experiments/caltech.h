@@ -1,5 +1,6 @@
 // The Caltech-101 pictures of the data given, their features kept in memory, and random splits by seed: per class
-// min(30, half) of the pictures with boxes train (whole pictures where a class has no boxes), the rest tests, whole.
+// min(30, half) of the pictures with boxes train (whole pictures where a class has no boxes); of the rest, 100 at most
+// test, whole: over 20 seeds as many as there are, in a fraction of the time.
 #pragma once
 
 #include <cstdint>
@@ -26,6 +27,11 @@ inline constexpr double kSmootherCap = 3;
 /// The pictures of some categories; all of them where `categories` is empty. Errors: kNotFound without the data.
 Expected<std::vector<CategoryListRow>> CaltechRows(const ExperimentSettings& settings,
                                                    std::span<const std::string> categories);
+
+/// How pictures are split, for the notes of reports.
+inline constexpr const char* kSplitNote =
+    "Per class and seed min(30, half) of the pictures that have boxes train (any, where none has), and 100 of the rest "
+    "at most test, whole";
 
 struct Split {
   std::vector<std::size_t> train;  ///< rows
@@ -85,7 +91,10 @@ struct Ranking {
 Ranking RankingOf(const TestScores& scores, const CategoryModel& model, CategoryMethod method,
                   const std::string& category);
 
-/// The thesis's features and method, as it has them.
+/// The thesis's features and method, in the reading that reaches its figures (--params thesis).
 CategoryTrainOptions ThesisCategories();
+
+/// The same with equations 3.1 to 3.3 as they are printed: cap 10000, phrases alone.
+CategoryTrainOptions ThesisCategoriesAsPrinted();
 
 }  // namespace victorious

@@ -11,6 +11,8 @@ Expected<Report> RunFigure320(const ExperimentSettings& settings);
 Expected<Report> RunFigure321(const ExperimentSettings& settings);
 Expected<Report> RunTable36(const ExperimentSettings& settings);
 Expected<Report> RunTable37(const ExperimentSettings& settings);
+Expected<Report> RunTableSteps(const ExperimentSettings& settings);
+Expected<Report> RunTableTwelve(const ExperimentSettings& settings);
 Expected<Report> RunTableBoxes(const ExperimentSettings& settings);
 
 }  // namespace victorious

@@ -43,10 +43,10 @@ TEST(Split, TrainsOnBoxesAndTestsOnTheRest) {
                     .box = i < 48 ? std::optional(Box{0, 0, 1, 1}) : std::nullopt,
                     .mark = {},
                     .where = {}});
-  for (int i = 0; i < 80; ++i) rows.push_back({.image = "b", .category = "whole", .box = {}, .mark = {}, .where = {}});
+  for (int i = 0; i < 180; ++i) rows.push_back({.image = "b", .category = "whole", .box = {}, .mark = {}, .where = {}});
   const Split split = SplitBySeed(rows, 3);
   EXPECT_EQ(split.train.size(), 25U + 30U) << "half of few, 30 of many";
-  EXPECT_EQ(split.train.size() + split.test.size(), rows.size());
+  EXPECT_EQ(split.test.size(), 25U + 100U) << "all of few, 100 of many";
   for (const std::size_t i : split.train) EXPECT_TRUE(rows[i].box || rows[i].category == "whole");
   EXPECT_EQ(SplitBySeed(rows, 3).train, split.train);
   EXPECT_NE(SplitBySeed(rows, 4).train, split.train);

@@ -46,9 +46,9 @@ struct Tiling {
   }
 };
 
-WordedPicture Jumbled(const WordedPicture& picture, const std::array<int, kTiles>& order) {
-  const Tiling tiling({picture.width, picture.height});
-  WordedPicture jumbled = picture;
+FeatureSet Jumbled(const FeatureSet& picture, const std::array<int, kTiles>& order) {
+  const Tiling tiling({picture.image_width, picture.image_height});
+  FeatureSet jumbled = picture;
   for (Keypoint& keypoint : jumbled.keypoints) {
     const int tile = tiling.TileAt(keypoint.x, keypoint.y);
     const cv::Point2d shift = tiling.Corner(order[static_cast<std::size_t>(tile)]) - tiling.Corner(tile);
@@ -91,7 +91,7 @@ Status MeasureInto(Shares& shares, const CaltechFeatures& features, const Catego
     const auto node =
         static_cast<std::size_t>(std::ranges::find(model.nodes, category, &CategoryNode::name) - model.nodes.begin());
     const WordedPicture whole = WordsOf(model, features.Whole(row));
-    const WordedPicture jumbled = Jumbled(whole, Shuffle(random));
+    const WordedPicture jumbled = WordsOf(model, Jumbled(features.Whole(row), Shuffle(random)));
     const auto score = [&](const WordedPicture& picture, CategoryMethod method) {
       return Classify(model, picture, method).scores[node].raw;
     };

@@ -29,10 +29,8 @@ struct Curve {
 Expected<Report> Roc(const ExperimentSettings& settings, const std::string& category, const std::string& title) {
   const std::array<std::string, 2> pair = {kAirplanes, kCars};
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, CaltechRows(settings, pair));
-  CategoryTrainOptions smoother = ThesisCategories();
-  smoother.category.grammar.kernel_cap = kSmootherCap;
-  const std::array methods = {std::pair{std::string("thesis"), ThesisCategories()},
-                              std::pair{std::string("thesis, smoother kernel"), smoother},
+  const std::array methods = {std::pair{std::string("thesis as printed"), ThesisCategoriesAsPrinted()},
+                              std::pair{std::string("thesis, words as prior"), ThesisCategories()},
                               std::pair{std::string("ours"), CategoryTrainOptions()}};
   Report report{.title = title, .columns = {"method", "words or phrases", "area under ROC"}};
   for (const double share : kFalseAlarms) report.columns.push_back(fmt::format("detected at {:g}", share));

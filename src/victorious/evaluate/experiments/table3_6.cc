@@ -45,7 +45,7 @@ Status MeasureInto(Figures& figures, const CaltechFeatures& features, const Cate
 Expected<Report> RunTable36(const ExperimentSettings& settings) {
   const std::array<std::string, 3> categories = {kAirplanes, kCars, kBackground};
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, CaltechRows(settings, categories));
-  const CategoryTrainOptions thesis = ThesisCategories();
+  const CategoryTrainOptions thesis = ThesisCategoriesAsPrinted();
   const CategoryTrainOptions ours;
   VICTORIOUS_ASSIGN_OR_RETURN(const auto keypoints, CaltechFeatures::Load(settings, rows, thesis.features));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto dense, CaltechFeatures::Load(settings, rows, ours.features));

@@ -1,0 +1,182 @@
+#include "victorious/category/fisher.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+
+#include "victorious/base/check.h"
+#include "victorious/base/random.h"
+#include "victorious/category/vocabulary.h"
+
+namespace victorious {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXf;
+using Eigen::VectorXf;
+
+// A column a feature: the roots of its descriptor.
+MatrixXf RootsOf(const FeatureSet& features) {
+  const std::vector<std::uint8_t> roots = RootDescriptors(features.descriptors);
+  using Bytes = Eigen::Matrix<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic>;
+  return Eigen::Map<const Bytes>(roots.data(), static_cast<Index>(kDescriptorSize), static_cast<Index>(features.size()))
+      .cast<float>();
+}
+
+// A column a feature: its projected descriptor and, where asked for, its place in the picture below.
+MatrixXf Reduce(const FisherEncoder& encoder, const FeatureSet& features) {
+  const Index dimensions = encoder.projection.rows();
+  const auto count = static_cast<Index>(features.size());
+  MatrixXf reduced(dimensions + (encoder.places ? 2 : 0), count);
+  reduced.topRows(dimensions).noalias() = encoder.projection * (RootsOf(features).colwise() - encoder.mean);
+  if (!encoder.places) return reduced;
+  const auto width = static_cast<float>(std::max(1, features.image_width));
+  const auto height = static_cast<float>(std::max(1, features.image_height));
+  for (Index i = 0; i < count; ++i) {
+    const Keypoint& keypoint = features.keypoints[static_cast<std::size_t>(i)];
+    reduced(dimensions, i) = keypoint.x / width;
+    reduced(dimensions + 1, i) = keypoint.y / height;
+  }
+  return reduced;
+}
+
+// Components x features: how much of each feature each component explains.
+MatrixXf Posteriors(const FisherEncoder& encoder, const MatrixXf& reduced) {
+  const MatrixXf precision = encoder.deviation.array().square().inverse();
+  const VectorXf constant = encoder.share.array().log() - (0.5F * precision.array() * encoder.centre.array().square() +
+                                                           encoder.deviation.array().log())
+                                                              .colwise()
+                                                              .sum()
+                                                              .transpose();
+  MatrixXf posteriors = precision.cwiseProduct(encoder.centre).transpose() * reduced;
+  posteriors.noalias() -= 0.5F * precision.transpose() * reduced.cwiseAbs2();
+  posteriors.colwise() += constant;
+  for (auto column : posteriors.colwise()) {
+    column = (column.array() - column.maxCoeff()).exp();
+    column /= column.sum();
+  }
+  return posteriors;
+}
+
+// Sums over the features, weighted by a component's posteriors.
+struct Moments {
+  VectorXf zeroth;  // one a component
+  MatrixXf first;   // values x components
+  MatrixXf second;
+};
+
+Moments MomentsOf(const FisherEncoder& encoder, const MatrixXf& reduced) {
+  const MatrixXf posteriors = Posteriors(encoder, reduced);
+  return {.zeroth = posteriors.rowwise().sum(),
+          .first = reduced * posteriors.transpose(),
+          .second = reduced.cwiseAbs2() * posteriors.transpose()};
+}
+
+// At most `most` features of all sets, drawn by seed, as a set of pictures of unit size.
+FeatureSet Draw(std::span<const FeatureSet* const> sets, std::size_t most, Random& random) {
+  std::vector<std::pair<const FeatureSet*, std::size_t>> all;
+  for (const FeatureSet* set : sets)
+    for (std::size_t i = 0; i < set->size(); ++i) all.emplace_back(set, i);
+  FeatureSet drawn;
+  drawn.image_width = drawn.image_height = 1;
+  for (std::size_t i = 0; i < std::min(most, all.size()); ++i) {
+    std::swap(all[i], all[i + random.Below(static_cast<std::uint32_t>(all.size() - i))]);
+    const auto& [set, at] = all[i];
+    const auto row = std::span(set->descriptors).subspan(at * kDescriptorSize, kDescriptorSize);
+    drawn.descriptors.insert(drawn.descriptors.end(), row.begin(), row.end());
+    Keypoint keypoint = set->keypoints[at];
+    keypoint.x /= static_cast<float>(std::max(1, set->image_width));
+    keypoint.y /= static_cast<float>(std::max(1, set->image_height));
+    drawn.keypoints.push_back(keypoint);
+  }
+  return drawn;
+}
+
+void FitProjection(const FeatureSet& sample, int dimensions, FisherEncoder& encoder) {
+  const MatrixXf roots = RootsOf(sample);
+  encoder.mean = roots.rowwise().mean();
+  const MatrixXf centred = roots.colwise() - encoder.mean;
+  const Eigen::MatrixXd covariance = (centred * centred.transpose()).cast<double>();
+  // Eigenvalues rise: the last axes are the principal ones.
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(covariance);
+  encoder.projection = axes.eigenvectors().rightCols(dimensions).transpose().cast<float>();
+}
+
+// Expectation-maximisation from single features as centres.
+void FitMixture(const MatrixXf& reduced, const FisherOptions& options, FisherEncoder& encoder) {
+  const Index count = reduced.cols();
+  const Index components = std::min<Index>(options.components, count);
+  constexpr float kLeastVariance = 1e-6F;
+  const VectorXf spread = (reduced.colwise() - VectorXf(reduced.rowwise().mean())).cwiseAbs2().rowwise().mean();
+  const VectorXf variance = spread.cwiseMax(kLeastVariance);
+  // The features lie in random order: the first ones are as good a start as any.
+  encoder.centre = reduced.leftCols(components);
+  encoder.deviation = (0.5F * variance.array().sqrt()).matrix().replicate(1, components);
+  encoder.share = VectorXf::Constant(components, 1.0F / static_cast<float>(components));
+  for (int i = 0; i < options.iterations; ++i) {
+    const Moments moments = MomentsOf(encoder, reduced);
+    for (Index k = 0; k < components; ++k) {
+      constexpr float kLeastFeatures = 1e-3F;
+      constexpr float kLeastVarianceShare = 0.01F;  // a component of one feature would explain it without bound
+      const float weight = std::max(moments.zeroth(k), kLeastFeatures);
+      encoder.centre.col(k) = moments.first.col(k) / weight;
+      const VectorXf own = moments.second.col(k) / weight - encoder.centre.col(k).cwiseAbs2();
+      encoder.deviation.col(k) = own.cwiseMax(kLeastVarianceShare * variance).cwiseSqrt();
+      encoder.share(k) = weight;
+    }
+    encoder.share /= encoder.share.sum();
+  }
+}
+
+}  // namespace
+
+void FisherOptions::ListFields(FieldList& fields) {
+  fields.Add("components", components,
+             {.min = 0, .max = 4096, .reason = "Gaussians that features are told apart by; 0: no Fisher vectors"});
+  fields.Add("dimensions", dimensions,
+             {.min = 1, .max = 128, .reason = "principal axes of the descriptors that are kept"});
+  fields.Add("places", places, {.reason = "whether where a feature lies in the picture counts"});
+  fields.Add("samples", samples, {.min = 1, .max = 10e6, .reason = "features that are learned from, drawn by seed"});
+  fields.Add("iterations", iterations, {.min = 1, .max = 1000, .reason = "rounds of expectation-maximisation"});
+  fields.Add("weight", weight,
+             {.min = 0, .max = 100, .reason = "of Fisher vectors against words in the comparison of two pictures"});
+}
+
+FisherEncoder FisherEncoder::Learn(std::span<const FeatureSet* const> sets, const FisherOptions& options,
+                                   std::uint64_t seed) {
+  FisherEncoder encoder;
+  if (options.components == 0) return encoder;
+  Random random(seed);
+  const FeatureSet sample = Draw(sets, static_cast<std::size_t>(options.samples), random);
+  VICTORIOUS_CHECK(sample.size() > 0);
+  encoder.places = options.places;
+  FitProjection(sample, options.dimensions, encoder);
+  FitMixture(Reduce(encoder, sample), options, encoder);
+  return encoder;
+}
+
+VectorXf FisherEncoder::Encode(const FeatureSet& features) const {
+  if (features.size() == 0 || size() == 0) return VectorXf::Zero(static_cast<Index>(size()));
+  const Moments moments = MomentsOf(*this, Reduce(*this, features));
+  const Index values = centre.rows();
+  VectorXf vector(static_cast<Index>(size()));
+  for (Index k = 0; k < centre.cols(); ++k) {
+    const auto mean_k = centre.col(k);
+    const auto deviation_k = deviation.col(k);
+    const float count = moments.zeroth(k);
+    const VectorXf first = (moments.first.col(k) - count * mean_k).cwiseQuotient(deviation_k);
+    const VectorXf squares =
+        moments.second.col(k) - 2 * mean_k.cwiseProduct(moments.first.col(k)) + count * mean_k.cwiseAbs2();
+    const VectorXf second = squares.cwiseQuotient(deviation_k.cwiseAbs2()).array() - count;
+    vector.segment(2 * values * k, values) = first / std::sqrt(share(k));
+    vector.segment(2 * values * k + values, values) = second / std::sqrt(2 * share(k));
+  }
+  vector = vector.array().sign() * vector.array().abs().sqrt();
+  const float length = vector.norm();
+  return length > 0 ? VectorXf(vector / length) : vector;
+}
+
+}  // namespace victorious

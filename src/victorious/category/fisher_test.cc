@@ -1,0 +1,93 @@
+#include "victorious/category/fisher.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "victorious/base/random.h"
+#include "victorious/category/category_test_tools.h"
+
+namespace victorious {
+namespace {
+
+constexpr FisherOptions kSmall{.components = 4, .dimensions = 6, .samples = 500, .iterations = 8};
+
+FeatureSet Drawn(std::uint64_t seed) {
+  Random random(seed);
+  return DenseFeatures(testing::DrawPair(true, random), testing::CoarseGrid());
+}
+
+FisherEncoder Learnt(const FisherOptions& options = kSmall) {
+  const FeatureSet a = Drawn(1);
+  const FeatureSet b = Drawn(2);
+  const std::vector<const FeatureSet*> sets = {&a, &b};
+  return FisherEncoder::Learn(sets, options, 7);
+}
+
+TEST(Fisher, VectorsAreOfUnitLengthAndDeterministic) {
+  const FisherEncoder encoder = Learnt();
+  ASSERT_EQ(encoder.size(), 2U * 4 * (6 + 2));
+  const Eigen::VectorXf vector = encoder.Encode(Drawn(3));
+  EXPECT_NEAR(vector.norm(), 1, 1e-5);
+  EXPECT_EQ(vector, Learnt().Encode(Drawn(3)));
+  EXPECT_NEAR(encoder.share.sum(), 1, 1e-5);
+  EXPECT_GT(encoder.deviation.minCoeff(), 0);
+}
+
+// Features of one of two kinds, with a little noise.
+FeatureSet OfKind(bool first, std::uint64_t seed) {
+  Random random(seed);
+  FeatureSet features;
+  features.image_width = features.image_height = 100;
+  for (int i = 0; i < 40; ++i) {
+    features.keypoints.push_back(
+        {static_cast<float>(random.Uniform(0, 100)), static_cast<float>(random.Uniform(0, 100)), 2, 0});
+    for (std::size_t k = 0; k < kDescriptorSize; ++k)
+      features.descriptors.push_back(
+          static_cast<std::uint8_t>((k < 64) == first ? 60 + random.Below(20) : random.Below(4)));
+  }
+  return features;
+}
+
+TEST(Fisher, KindsGetTheirOwnComponents) {
+  const FeatureSet a = OfKind(true, 1);
+  const FeatureSet b = OfKind(false, 2);
+  const std::vector<const FeatureSet*> sets = {&a, &b};
+  const FisherEncoder encoder = FisherEncoder::Learn(
+      sets, {.components = 2, .dimensions = 2, .places = false, .samples = 500, .iterations = 20}, 3);
+  EXPECT_NEAR(encoder.share(0), 0.5, 0.01);
+  // The first principal axis, which stands last, tells the kinds apart; within a kind it hardly varies.
+  EXPECT_GT(std::abs(encoder.centre(1, 0) - encoder.centre(1, 1)), 10 * encoder.deviation.row(1).maxCoeff() / 3);
+  const Eigen::VectorXf one = encoder.Encode(OfKind(true, 3));
+  EXPECT_GT(one.dot(encoder.Encode(OfKind(true, 4))), one.dot(encoder.Encode(OfKind(false, 5))) + 0.3);
+}
+
+TEST(Fisher, PlacesCountOnlyWhereAskedFor) {
+  FeatureSet moved = Drawn(3);
+  for (Keypoint& keypoint : moved.keypoints) keypoint.x = static_cast<float>(moved.image_width) - keypoint.x;
+  EXPECT_GT((Learnt().Encode(moved) - Learnt().Encode(Drawn(3))).norm(), 0.1);
+  FisherOptions options = kSmall;
+  options.places = false;
+  EXPECT_EQ(Learnt(options).Encode(moved), Learnt(options).Encode(Drawn(3)));
+}
+
+TEST(Fisher, NothingGivesNothing) {
+  EXPECT_EQ(Learnt().Encode({}).norm(), 0);
+  FisherOptions none = kSmall;
+  none.components = 0;
+  EXPECT_EQ(Learnt(none).size(), 0U);
+  EXPECT_EQ(Learnt(none).Encode(Drawn(1)).size(), 0);
+}
+
+TEST(Fisher, FewFeaturesGiveFewComponents) {
+  FeatureSet few = Drawn(1);
+  few.keypoints.resize(3);
+  few.descriptors.resize(3 * kDescriptorSize);
+  const FeatureSet* const set = &few;
+  const FisherEncoder encoder = FisherEncoder::Learn(std::span(&set, 1), kSmall, 1);
+  EXPECT_EQ(encoder.share.size(), 3);
+  EXPECT_TRUE(encoder.Encode(Drawn(2)).allFinite());
+}
+
+}  // namespace
+}  // namespace victorious
