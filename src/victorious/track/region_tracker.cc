@@ -61,7 +61,7 @@ std::vector<TrackStep> RegionTracker::Step(const Frame& frame) {
     if (track.velocity_px_s || !options_.predict_motion || picture_moves_.contains(track.last.get())) continue;
     CameraMotion motion;
     motion.Step(track.last->grey());
-    picture_moves_[track.last.get()] = motion.Step(now_->grey());
+    picture_moves_[track.last.get()] = motion.Step(now_->grey()).value_or(Similarity2{});
   }
   std::vector<TrackStep> steps;
   std::vector<Track> active;
