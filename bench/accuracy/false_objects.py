@@ -18,6 +18,7 @@ import argparse
 import json
 import math
 import random
+import re
 import sys
 import time
 from collections import Counter
@@ -97,15 +98,17 @@ def count(program: Program, video: Path, library: Path, db: Path, params: Path |
         leftover.unlink()
     telemetry = video.parent / "telemetry.csv"
     begun = time.monotonic()
-    program("index", video, "--models", library, "--db", db,
-            *(["--telemetry", telemetry] if telemetry.exists() else []), *(["--params", params] if params else []))  # fmt: skip
+    told = program.run("index", video, "--models", library, "--db", db,
+                       *(["--telemetry", telemetry] if telemetry.exists() else []),
+                       *(["--params", params] if params else [])).stderr  # fmt: skip
     took = time.monotonic() - begun
     sightings = program("export", "--db", db, "--format", "sightings").splitlines()
     objects = [json.loads(line) for line in program("export", "--db", db, "--format", "objects").splitlines()]
     for model, found in sorted(Counter(o["model"] for o in objects).items()):
         print(f"  {video}: {found} {model}", file=sys.stderr, flush=True)
-    held = json.loads(program("doctor", video, "--json"))
-    return Tally(held["frames_read"], held["duration_s"], len(sightings), len(objects)), took
+    frames = int(re.search(r"(\d+) frames searched", told)[1])
+    frame_rate = json.loads(program("doctor", video, "--json"))["frame_rate"]
+    return Tally(frames, frames / frame_rate, len(sightings), len(objects)), took
 
 
 def main():

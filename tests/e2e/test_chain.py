@@ -154,7 +154,7 @@ class FindsTest(program.ProgramTest):
         self.succeeds("index", video, "--models", program.models(), "--db", db, "--params", params)
         self.assertEqual(self.succeeds("search", "--db", db, "--json").out, "")
         self.assertIn("(rejected: too faint: chance finds", self.succeeds("search", "--db", db, "--rejected").out)
-        rows = [json.loads(line) for line in self.export(db, "objects", "--rejected").splitlines()]
+        rows = self.succeeds("search", "--db", db, "--rejected", "--json").rows()
         self.assertGreater(len(rows), 0)
         for row in rows:
             self.assertEqual(set(row), OBJECT_KEYS | {"rejected"})

@@ -75,7 +75,6 @@ struct FilterArguments {
   std::optional<double> from_s;
   std::optional<double> to_s;
   std::string near;
-  bool rejected = false;
 
   void AddTo(CLI::App& app);
   /// Errors: kInvalidArgument for times that end before they begin; for no place; for both a

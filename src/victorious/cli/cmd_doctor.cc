@@ -82,12 +82,13 @@ struct Probe {
   std::int64_t frames = 0;
   double last_time_s = 0;
   bool at_end = false;
+  bool live = false;
   std::vector<DataPacket> packets;
 };
 
 Expected<Probe> ReadBeginning(VideoReader& reader) {
   constexpr std::int64_t kMostFrames = 300;
-  Probe probe;
+  Probe probe{.live = reader.info().live};
   while (probe.frames < kMostFrames) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Frame> frame, reader.NextFrame());
     if (!frame) {
@@ -108,10 +109,11 @@ std::string Indented(const std::vector<std::string>& lines) {
   return text;
 }
 
-// Whether telemetry's clock is the picture's; empty where telemetry tells no pointing at all.
-std::string ClockOf(const std::string& source, const Telemetry& telemetry) {
+// Whether telemetry's clock is the picture's; empty where telemetry tells no pointing at all, or the video cannot be
+// read a second time.
+std::string ClockOf(const std::string& source, const Probe& probe, const Telemetry& telemetry) {
   const TelemetryOptions defaults;
-  if (!std::ranges::any_of(telemetry.states, &CameraState::IsComplete)) return {};
+  if (probe.live || !std::ranges::any_of(telemetry.states, &CameraState::IsComplete)) return {};
   TimeOffsetOptions options;
   constexpr double kWatch_s = 20;
   options.watch_s = kWatch_s;
@@ -125,7 +127,7 @@ Report DescribePlace(const std::string& source, const Probe& probe) {
   const auto inside = TelemetryFromPackets(probe.packets, {});
   if (inside && inside->records > 0) {
     std::vector<std::string> said = DescribeTelemetry(*inside);
-    if (std::string clock = ClockOf(source, *inside); !clock.empty()) said.push_back(std::move(clock));
+    if (std::string clock = ClockOf(source, probe, *inside); !clock.empty()) said.push_back(std::move(clock));
     return {"telemetry in the file\n" + Indented(said), {{"source", source}, {"says", said}}};
   }
   const auto beside = TelemetryBeside(source);
@@ -138,7 +140,7 @@ Report DescribePlace(const std::string& source, const Probe& probe) {
   const auto telemetry = ReadTelemetry(beside->string(), {});
   std::vector<std::string> said = telemetry ? DescribeTelemetry(*telemetry) : std::vector{telemetry.error().message};
   if (telemetry) {
-    if (std::string clock = ClockOf(source, *telemetry); !clock.empty()) said.push_back(std::move(clock));
+    if (std::string clock = ClockOf(source, probe, *telemetry); !clock.empty()) said.push_back(std::move(clock));
   }
   return {fmt::format("telemetry beside it, {}\n", OneLine(beside->string())) + Indented(said),
           {{"source", beside->string()}, {"says", said}}};
@@ -172,6 +174,7 @@ Expected<Report> DescribeVideo(const std::string& source) {
   for (const std::string& warning : reader->warnings()) text += fmt::format("  damage     {}\n", warning);
   text += "Finding objects: everything needed is there.\n";
   Report place = DescribePlace(source, probe);
+  if (Interrupt().IsCancelled()) return Fail(ErrorCode::kCancelled, fmt::format("{}: interrupted", source));
   text += "Placing them on the map: " + place.text;
   return Report{std::move(text),
                 {{"file", source},

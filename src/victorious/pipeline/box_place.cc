@@ -5,6 +5,7 @@
 
 #include "victorious/geolocate/error_ellipse.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/geometry/camera.h"
 #include "victorious/geometry/lens.h"
 #include "victorious/pipeline/object_place.h"
 #include "victorious/pipeline/sight.h"
@@ -36,16 +37,16 @@ Place At(const Place& place, double time_s) {
   return then;
 }
 
-// A point of the tangent plane at `place` as the camera sees it: px, and its depth.
+// Where a camera sees a point, px, and how much of the world a pixel is there.
 struct Projection {
   Vector2d pixel;
-  double depth_m = 0;
+  double m_per_px = 0;
 };
 
 std::optional<Projection> Project(const GeodeticPoint& point, const CameraState& camera, const cv::Size& image) {
   const Vector3d in_camera = CameraFromEnu(*camera.attitude) * TangentPlane(camera.place).EnuFromGeodetic(point);
   if (!(in_camera.z() > 0)) return std::nullopt;
-  const double focal_px = image.width / 2.0 / std::tan(*camera.hfov_rad / 2);
+  const double focal_px = FocalLengthPx(*camera.hfov_rad, image.width);
   const Vector2d shown = Distort(in_camera.hnormalized(), camera.distortion.value_or(LensDistortion{}));
   return Projection{focal_px * shown + Vector2d(image.width / 2.0, image.height / 2.0), in_camera.z() / focal_px};
 }
@@ -140,7 +141,7 @@ std::optional<SeenBox> ExpectBox(const GeodeticPoint& place, const Box& before, 
   const auto is = Project(place, camera, image_size);
   const auto is_north = Project(north, camera, image_size);
   if (!was || !was_north || !is || !is_north) return std::nullopt;
-  const double scale = was->depth_m / is->depth_m;
+  const double scale = was->m_per_px / is->m_per_px;
   const Vector2d from = was_north->pixel - was->pixel;
   const Vector2d to = is_north->pixel - is->pixel;
   const double width = scale * before.width;

@@ -10,6 +10,7 @@
 
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "victorious/pipeline/object_place.h"
 
@@ -280,7 +281,7 @@ std::vector<ObjectRecord> MakeObjects(std::vector<SeenRun> runs, std::int64_t fr
     if (thing.runs[0]->of_category) {
       if (!std::exchange(object.rejected, {}).empty()) object.place.reset();
     } else if (object.rejected.empty() && IsFaint(thing, frames_searched, options)) {
-      object.rejected = fmt::format("too faint: chance finds as much in {} frames", frames_searched);
+      object.rejected = fmt::format("too faint: chance finds as much in {} frames of one model", frames_searched);
     }
     if (object.place && object.rejected.empty() && thing.where.too_large) {
       heights.Add(thing, object.place->point.altitude_m);
@@ -295,7 +296,14 @@ std::vector<ObjectRecord> MakeObjects(std::vector<SeenRun> runs, std::int64_t fr
 
 namespace {
 
-// Of each video, once for each model.
+// How many frames a search goes on from one that it searches as a whole to the next.
+std::int64_t StepOf(const SearchRecord& search) {
+  const auto options = nlohmann::json::parse(search.options_json, nullptr, /*allow_exceptions=*/false);
+  const auto every = options.is_object() ? options.find("every") : options.end();
+  return every != options.end() && every->is_number_integer() ? std::max<std::int64_t>(1, *every) : 1;
+}
+
+// As a whole; of each video, once for each model.
 Expected<std::int64_t> FramesSearched(const std::vector<ModelRecord>& models, IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
   std::int64_t frames = 0;
@@ -303,7 +311,9 @@ Expected<std::int64_t> FramesSearched(const std::vector<ModelRecord>& models, In
     for (const ModelRecord& model : models) {
       if (model.IsCategory()) continue;
       VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> search, store.FindSearch(video.id, model.id));
-      if (search) frames += search->next_frame;
+      if (!search) continue;
+      const std::int64_t step = StepOf(*search);
+      frames += (search->next_frame + step - 1) / step;
     }
   }
   return frames;

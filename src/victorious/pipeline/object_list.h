@@ -31,8 +31,8 @@ struct SeenRun {
 };
 
 /// Deterministic, whatever the order of runs. Objects by id; of each the id, model, runs, place, heading, rejection.
-/// @param frames_searched  in which runs could have been found: those of each video, once for each model; the more,
-///                         the more chance finds, and the clearer a find must be
+/// @param frames_searched  as a whole, in which runs could have been found: those of each video, once for each model;
+///                         the more, the more chance finds, and the clearer a find must be
 std::vector<ObjectRecord> MakeObjects(std::vector<SeenRun> runs, std::int64_t frames_searched,
                                       const ObjectOptions& options);
 

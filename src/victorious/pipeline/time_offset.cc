@@ -14,6 +14,7 @@
 #include "victorious/features/feature_extractor.h"
 #include "victorious/features/impulse_noise.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/geometry/camera.h"
 #include "victorious/track/camera_motion.h"
 #include "victorious/video/video_reader.h"
 
@@ -123,7 +124,7 @@ class Comparison {
     const auto state = cameras_.At(time_s);
     if (!state || !state->attitude || !state->hfov_rad) return std::nullopt;
     return Posed{plane_.EnuFromGeodetic(state->place), CameraFromEnu(*state->attitude),
-                 seen_.image.width / 2.0 / std::tan(*state->hfov_rad / 2)};
+                 FocalLengthPx(*state->hfov_rad, seen_.image.width)};
   }
 
   // All motion up to a time within a pair, or at its ends.

@@ -46,7 +46,9 @@ Expected<std::vector<Timeline>> TimelinesOf(const TrueMovie& movie, const Experi
     timelines[sighting.object].frames[sighting.frame] = ByOf(sighting, options);
   }
   std::vector<Timeline> all;
-  for (auto& [id, timeline] : timelines) all.push_back(std::move(timeline));
+  for (auto& [id, timeline] : timelines) {
+    if (!timeline.frames.empty()) all.push_back(std::move(timeline));
+  }
   std::ranges::sort(all, {}, [](const Timeline& one) { return one.frames.begin()->first; });
   return all;
 }
