@@ -197,14 +197,15 @@ bool IsFaint(const Thing& thing, std::int64_t frames_searched, const ObjectOptio
     best = std::max(best, run->record.score);
     frames += static_cast<double>(run->record.frames);
   }
-  const double expected_by_chance = options.false_share * static_cast<double>(frames_searched);
-  return best * frames < expected_by_chance * (1 - best);
+  constexpr double kMostByChance = 0.1;  // finds as clear as this one, in all that was searched
+  const double even_by_chance = options.false_share * static_cast<double>(frames_searched);
+  return best * frames * kMostByChance < even_by_chance * (1 - best);
 }
 
-// The lowest land is the Dead Sea's shore, 440 m below the sea; pits and the geoid are allowed for.
+// The lowest land is the Dead Sea's shore, some 440 m below the sea.
 bool LiesBelowAnyGround(const Place& place) {
-  constexpr double kLowestGround_m = -700;
-  constexpr double kSigmas = 3;
+  constexpr double kLowestGround_m = -500;
+  constexpr double kSigmas = 2;
   return place.point.altitude_m + kSigmas * std::sqrt(place.covariance_enu_m2(2, 2)) < kLowestGround_m;
 }
 

@@ -184,14 +184,14 @@ TEST(ObjectList, WhatLiesBelowAnyGroundIsRejected) {
   EXPECT_THAT(ObjectsFrom({{.id = 1, .place_enu = {0, 900, -1500}}})[0].rejected, HasSubstr("below the sea"));
 }
 
-// Of 100,000 frames chance gives a find of odds of 1 to 1600: nine to one is not enough, 30 frames of it neither, but
-// of 300 to one they are; and in a minute's search one frame of nine to one is.
+// In 100,000 frames chance makes 1600 finds of even odds, so that a find must be of 16,000 to one: nine to one is not
+// enough, 30 frames of it neither, but of 600 to one they are; and of 50 frames one of nine to one is.
 TEST(ObjectList, TheLongerTheSearchTheClearerMustAFindBe) {
   const Seen faint{.id = 1, .frames = 1, .score = 0.9};
   const Seen longer{.id = 1, .frames = 30, .score = 0.9};
-  const Seen clear{.id = 1, .frames = 30, .score = 0.9967};
-  EXPECT_EQ(ObjectsFrom({faint}, {}, 500)[0].rejected, "");
-  EXPECT_THAT(ObjectsFrom({faint}, {}, 1000)[0].rejected, HasSubstr("too faint"));
+  const Seen clear{.id = 1, .frames = 30, .score = 0.9984};
+  EXPECT_EQ(ObjectsFrom({faint}, {}, 50)[0].rejected, "");
+  EXPECT_THAT(ObjectsFrom({faint}, {}, 100)[0].rejected, HasSubstr("too faint"));
   EXPECT_EQ(ObjectsFrom({longer}, {}, 1000)[0].rejected, "");
   EXPECT_THAT(ObjectsFrom({longer}, {}, 100'000)[0].rejected, HasSubstr("100000 frames"));
   EXPECT_EQ(ObjectsFrom({clear}, {}, 100'000)[0].rejected, "");

@@ -59,8 +59,8 @@ void ObjectOptions::ListFields(FieldList& fields) {
              {.min = 0,
               .max = 1,
               .unit = "",
-              .reason = "how often, for each frame searched for each model, chance gives even odds; what is so faint "
-                        "that chance gives one in all that was searched is rejected; 0 rejects none"});
+              .reason = "finds of even odds that chance makes in a frame searched for a model; what is so faint that "
+                        "chance makes more than a tenth of one in all that was searched is rejected; 0 rejects none"});
   fields.Add(
       "middle_above_ground_m", middle_above_ground_m,
       {.min = -100,
