@@ -5,12 +5,14 @@
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <numeric>
 #include <ranges>
 #include <set>
 #include <utility>
 
 #include "victorious/geometry/angles.h"
 #include "victorious/kernels/nearest.h"
+#include "victorious/pose/pooled_template.h"
 
 namespace victorious {
 
@@ -21,6 +23,12 @@ void VoteSearchOptions::ListFields(FieldList& fields) {
               .reason = "scene keypoints tried for each template keypoint, the likest first"});
   fields.Add("most_followed", most_followed,
              {.min = 0, .max = 100000, .reason = "views whose neighbours are compared too: those of most evidence"});
+  fields.Add("most_pooled", most_pooled,
+             {.min = 0,
+              .max = 100000,
+              .unit = "views",
+              .reason = "of most evidence, whose votes are counted once more together with those of the views beside "
+                        "them: an object seen between two views has keypoints of both"});
   fields.Add("most_lit", most_lit,
              {.min = 0,
               .max = 100000,
@@ -165,28 +173,62 @@ class Comparison {
     return leads;
   }
 
+  // Looks once more at those of most evidence, each together with the looks beside it in the same light.
+  void Pool(int most) {
+    std::vector<std::size_t> order(compared_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, std::greater{}, [&](std::size_t i) { return compared_[i].evidence; });
+    for (const std::size_t i : order | std::views::take(most)) {
+      const Compared& one = compared_[i];
+      if (one.evidence == kNoEvidence) break;
+      if (one.evidence >= scene_.options.votes.another_evidence) continue;  // found beyond doubt
+      std::vector<ComparedTemplate> beside;
+      for (const Compared& other : compared_) {
+        if (AreBeside(one.look, other.look)) beside.push_back(TemplateOf(other));
+      }
+      if (beside.empty() || PointsOf(one).empty()) continue;
+      const PooledTemplate pooled = victorious::Pool(TemplateOf(one), beside);
+      Vote(one.look.view, pooled.keypoints, pooled.points_in_model, pooled.matches);
+    }
+  }
+
   std::vector<Candidate> TakeCandidates() { return std::move(candidates_); }
 
  private:
+  // A look, and what came of it.
+  struct Compared {
+    Look look;
+    std::shared_ptr<const LitTemplate> lit;  // null: under a soft sky
+    std::vector<RankedMatch> matches;
+    double evidence = kNoEvidence;
+  };
+
   double Try(const Look& look) {
-    const std::shared_ptr<const LitTemplate> made = look.sun_view ? lit_->Under({*look.sun_view, look.view}) : nullptr;
-    const FeatureView features = made ? made->features.View() : model_.ViewFeatures(look.view);
-    const std::span<const Point3> points = made ? std::span(made->points_in_model) : PointsOf(look.view);
-    const ModelView& view = model_.views[look.view];
-    const std::vector<RankedMatch> matches =
-        scene_.ranked.Match(kernels::PackQueries(features.descriptors), scene_.options.nearest);
+    Compared compared{.look = look, .lit = {}, .matches = {}};
+    if (look.sun_view) compared.lit = lit_->Under({*look.sun_view, look.view});
+    const FeatureView features = FeaturesOf(compared);
+    compared.matches = scene_.ranked.Match(kernels::PackQueries(features.descriptors), scene_.options.nearest);
+    compared.evidence = Vote(look.view, features.keypoints, PointsOf(compared), compared.matches);
+    compared_.push_back(std::move(compared));
+    return compared_.back().evidence;
+  }
+
+  // The most evidence of a pose of these keypoints, which the view shows.
+  double Vote(std::size_t number, std::span<const Keypoint> keypoints, std::span<const Point3> points,
+              std::span<const RankedMatch> matches) {
+    const ModelView& view = model_.views[number];
     std::optional<UprightPrior> upright;
     if (vertical_ && view.angles) {
       upright.emplace(*vertical_, view.angles->off_nadir_rad, scene_.options.most_tilt_rad);
     }
     double most_evidence = kNoEvidence;
-    for (Pose& pose : VotePoses(scene_.features, features.keypoints, matches, view.outline, scene_.options.votes,
-                                scene_.pose, upright)) {
+    for (Pose& pose :
+         VotePoses(scene_.features, keypoints, matches, view.outline, scene_.options.votes, scene_.pose, upright)) {
       most_evidence = std::max(most_evidence, *pose.evidence);
       if (!points.empty()) {
         for (const Match& match : pose.inliers) pose.inlier_points.push_back(points[match.model]);
       }
-      candidates_.push_back({.view = look.view,
+      candidates_.push_back({.view = number,
                              .matches = matches.size(),
                              .views = looks_,
                              .outline = view.outline,
@@ -195,9 +237,25 @@ class Comparison {
     return most_evidence;
   }
 
-  [[nodiscard]] std::span<const Point3> PointsOf(std::size_t view) const {
+  [[nodiscard]] bool AreBeside(const Look& one, const Look& other) const {
+    const std::vector<std::uint32_t>& neighbours = model_.views[one.view].neighbours;
+    return one.sun_view.has_value() == other.sun_view.has_value() &&
+           std::ranges::find(neighbours, other.view) != neighbours.end();
+  }
+
+  [[nodiscard]] FeatureView FeaturesOf(const Compared& compared) const {
+    return compared.lit ? compared.lit->features.View() : model_.ViewFeatures(compared.look.view);
+  }
+
+  [[nodiscard]] std::span<const Point3> PointsOf(const Compared& compared) const {
+    if (compared.lit) return compared.lit->points_in_model;
     if (model_.points_in_model.empty()) return {};
-    return model_.points_in_model.subspan(model_.views[view].first_feature, model_.views[view].feature_count);
+    const ModelView& view = model_.views[compared.look.view];
+    return model_.points_in_model.subspan(view.first_feature, view.feature_count);
+  }
+
+  [[nodiscard]] ComparedTemplate TemplateOf(const Compared& compared) const {
+    return {FeaturesOf(compared).keypoints, PointsOf(compared), compared.matches};
   }
 
   const ObjectModel& model_;
@@ -205,6 +263,7 @@ class Comparison {
   const VoteScene& scene_;
   const std::optional<Vertical>& vertical_;
   std::size_t looks_;
+  std::vector<Compared> compared_;
   std::vector<Candidate> candidates_;
 };
 
@@ -239,6 +298,7 @@ std::vector<Candidate> VoteSearch::Search(const VoteScene& scene, const FrameCon
     }
   }
   comparison.Try(near);
+  comparison.Pool(options.most_pooled);
   return comparison.TakeCandidates();
 }
 
@@ -254,6 +314,7 @@ std::vector<Candidate> VoteSearch::SearchViews(const VoteScene& scene, const Fra
     looks.push_back(LitLook(*model_, view, *conditions.sun_ahead, scene.options.sun_step_rad));
   }
   comparison.Try(looks);
+  comparison.Pool(scene.options.most_pooled);
   return comparison.TakeCandidates();
 }
 

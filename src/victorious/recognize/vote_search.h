@@ -2,6 +2,7 @@
 //
 // Neighbouring views look alike: a scene is first compared with every few, the scouts, of which each other view is a
 // neighbour; then with the neighbours of those that found most. Less than half the work for nearly the same finds.
+// Where most was found, the votes of neighbours are counted together, too (pose/pooled_template.h).
 //
 // Where the camera's attitude is known, only the views that an upright object can show are compared; where the sun is
 // known, too, each also as the sun would show it: an object that stands upright and is seen from a view's azimuth has
@@ -28,6 +29,7 @@ namespace victorious {
 struct VoteSearchOptions {
   int nearest = 4;
   int most_followed = 6;
+  int most_pooled = 6;
   int most_lit = 16;
   double most_tilt_rad = 0.35;
   double sun_step_rad = 0.35;

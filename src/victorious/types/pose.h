@@ -17,7 +17,9 @@ struct Pose {
   Similarity2 scene_from_template;  ///< MLESAC's
   /// The similarity, or the affine map or homography that explains the matches better; template pixels to scene pixels.
   Eigen::Matrix3d scene_from_template_plane = Eigen::Matrix3d::Identity();
-  MatchSet inliers;  ///< the matches that obey the similarity
+  /// The matches that obey the similarity. Where a view was compared under the sun, or together with those beside it,
+  /// their `model` counts the keypoints of what was compared.
+  MatchSet inliers;
   /// The inliers' places on the object, metres, one each; empty where the model has no depth.
   std::vector<Point3> inlier_points;
   std::size_t distinct_inliers = 0;  ///< different template keypoints among them

@@ -1,0 +1,132 @@
+#include "victorious/pose/pooled_template.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+
+#include <Eigen/Core>
+#include <Eigen/QR>
+
+#include "victorious/geometry/angles.h"
+#include "victorious/geometry/solvers/similarity.h"
+
+namespace victorious {
+namespace {
+
+// How a view shows places on the object, in pixels: affine, for it is seen from far away.
+using ViewMap = Eigen::Matrix<double, 2, 4>;
+
+std::optional<ViewMap> MapOf(const ComparedTemplate& view) {
+  constexpr std::size_t kLeast = 8;
+  if (view.keypoints.size() < kLeast) return std::nullopt;
+  const auto count = static_cast<Eigen::Index>(view.keypoints.size());
+  Eigen::MatrixX4d places(count, 4);
+  Eigen::MatrixX2d pixels(count, 2);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Point3& place = view.points_in_model[static_cast<std::size_t>(i)];
+    const Keypoint& keypoint = view.keypoints[static_cast<std::size_t>(i)];
+    places.row(i) << place.x, place.y, place.z, 1;
+    pixels.row(i) << keypoint.x, keypoint.y;
+  }
+  return places.completeOrthogonalDecomposition().solve(pixels).transpose();
+}
+
+// A neighbour's keypoints as the view would show them: each at its place, all turned and sized alike.
+std::vector<Keypoint> Carried(const ComparedTemplate& neighbour, const ViewMap& map) {
+  std::vector<PointPair> pairs;
+  for (std::size_t i = 0; i < neighbour.keypoints.size(); ++i) {
+    const Point3& place = neighbour.points_in_model[i];
+    pairs.push_back({.source = {neighbour.keypoints[i].x, neighbour.keypoints[i].y},
+                     .target = map * Eigen::Vector4d(place.x, place.y, place.z, 1)});
+  }
+  const std::optional<Similarity2> turned = SolveSimilarity(pairs);
+  if (!turned) return {};
+  std::vector<Keypoint> carried(neighbour.keypoints.begin(), neighbour.keypoints.end());
+  for (std::size_t i = 0; i < carried.size(); ++i) {
+    carried[i].x = static_cast<float>(pairs[i].target.x());
+    carried[i].y = static_cast<float>(pairs[i].target.y());
+    carried[i].scale_px = static_cast<float>(carried[i].scale_px * turned->scale);
+    carried[i].orientation_rad = static_cast<float>(WrapAngle(carried[i].orientation_rad + turned->rotation_rad));
+  }
+  return carried;
+}
+
+// Finds, among keypoints of a template, the one of a place and kind.
+class KeypointGrid {
+ public:
+  void Add(const Keypoint& keypoint, std::uint32_t number) {
+    cells_[CellOf(CellAlong(keypoint.x), CellAlong(keypoint.y))].push_back(number);
+  }
+
+  [[nodiscard]] std::optional<std::uint32_t> Find(const Keypoint& wanted, std::span<const Keypoint> keypoints) const {
+    for (std::int32_t x = CellAlong(wanted.x) - 1; x <= CellAlong(wanted.x) + 1; ++x) {
+      for (std::int32_t y = CellAlong(wanted.y) - 1; y <= CellAlong(wanted.y) + 1; ++y) {
+        const auto cell = cells_.find(CellOf(x, y));
+        if (cell == cells_.end()) continue;
+        const auto alike =
+            std::ranges::find_if(cell->second, [&](std::uint32_t one) { return AreAlike(wanted, keypoints[one]); });
+        if (alike != cell->second.end()) return *alike;
+      }
+    }
+    return std::nullopt;
+  }
+
+ private:
+  static constexpr float kNear_px = 3;  // templates are some 400 px across
+  static constexpr float kScaleFactor = 1.35F;
+  static constexpr double kTurn_rad = 0.4;
+
+  static std::int32_t CellAlong(float px) { return static_cast<std::int32_t>(std::floor(px / kNear_px)); }
+  static std::uint64_t CellOf(std::int32_t x, std::int32_t y) {
+    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) << 32U | static_cast<std::uint32_t>(y);
+  }
+
+  static bool AreAlike(const Keypoint& a, const Keypoint& b) {
+    return std::hypot(a.x - b.x, a.y - b.y) <= kNear_px &&
+           std::max(a.scale_px, b.scale_px) <= kScaleFactor * std::min(a.scale_px, b.scale_px) &&
+           std::abs(WrapAngle(a.orientation_rad - b.orientation_rad)) <= kTurn_rad;
+  }
+
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;
+};
+
+}  // namespace
+
+PooledTemplate Pool(const ComparedTemplate& view, std::span<const ComparedTemplate> neighbours) {
+  PooledTemplate pooled{.keypoints = {view.keypoints.begin(), view.keypoints.end()},
+                        .points_in_model = {view.points_in_model.begin(), view.points_in_model.end()},
+                        .matches = {view.matches.begin(), view.matches.end()}};
+  const std::optional<ViewMap> map = MapOf(view);
+  if (!map) return pooled;
+
+  KeypointGrid grid;
+  for (std::uint32_t i = 0; i < pooled.keypoints.size(); ++i) grid.Add(pooled.keypoints[i], i);
+  std::vector<std::uint32_t> times(pooled.keypoints.size(), 1);  // a keypoint was tried
+  for (const ComparedTemplate& neighbour : neighbours) {
+    const std::vector<Keypoint> carried = Carried(neighbour, *map);
+    std::vector<std::uint32_t> number(carried.size());
+    for (std::size_t i = 0; i < carried.size(); ++i) {
+      const auto same = grid.Find(carried[i], pooled.keypoints);
+      number[i] = same.value_or(static_cast<std::uint32_t>(pooled.keypoints.size()));
+      if (same) {
+        ++times[*same];
+        continue;
+      }
+      grid.Add(carried[i], number[i]);
+      pooled.keypoints.push_back(carried[i]);
+      pooled.points_in_model.push_back(neighbour.points_in_model[i]);
+      times.push_back(1);
+    }
+    if (carried.empty()) continue;
+    for (const RankedMatch& match : neighbour.matches) {
+      pooled.matches.push_back({match.scene, number[match.model], match.rank});
+    }
+  }
+  for (RankedMatch& match : pooled.matches) match.rank *= times[match.model];
+  std::ranges::stable_sort(pooled.matches, {}, &RankedMatch::model);
+  return pooled;
+}
+
+}  // namespace victorious
