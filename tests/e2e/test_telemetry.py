@@ -133,6 +133,7 @@ class TelemetryTest(program.ProgramTest):
                      self.scratch / "b.csv")
         self.assertFalse((self.scratch / "b.csv").exists())
         self.refuses(2, ["--video"], "telemetry", table, "--estimate-offset")
+        self.refuses(2, ["--video", "--estimate-offset"], "telemetry", table, "--video", video)
         self.refuses(2, ["no FILE"], "telemetry")
         self.refuses(2, ["no telemetry in it or beside it"], "telemetry", "--video", video)
 

@@ -78,6 +78,9 @@ Status Run(const Arguments& arguments) {
   if (arguments.file.empty() && arguments.video.empty()) {
     return Fail(ErrorCode::kInvalidArgument, "no FILE and no --video: name what holds the telemetry");
   }
+  if (!arguments.file.empty() && !arguments.video.empty() && !arguments.estimate_offset) {
+    return Fail(ErrorCode::kInvalidArgument, "--video beside FILE: only for --estimate-offset");
+  }
   VICTORIOUS_ASSIGN_OR_RETURN(Telemetry telemetry, Read(arguments, parameters.telemetry));
   const std::string& source = arguments.file.empty() ? arguments.video : arguments.file;
   for (const std::string& warning : telemetry.warnings) spdlog::warn("{}", OneLine(source + ": " + warning));

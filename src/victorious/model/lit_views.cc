@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <mutex>
 #include <new>
@@ -25,20 +26,21 @@ namespace {
 
 class LitViews : public LitTemplates {
  public:
-  LitViews(const ObjectModel& model, const CadModelOptions& options, std::unique_ptr<const FeatureExtractor> extractor)
-      : model_(model), options_(options), extractor_(std::move(extractor)) {}
+  LitViews(const ObjectModel& model, const CadModelOptions& options, std::unique_ptr<const FeatureExtractor> extractor,
+           std::size_t most_kept)
+      : model_(model), options_(options), extractor_(std::move(extractor)), most_kept_(most_kept) {}
 
   std::shared_ptr<const LitTemplate> Under(const LitView& wanted) const override {
-    Slot& slot = SlotOf(wanted);
-    MakeIfUnclaimed(wanted, slot);
-    slot.made.wait(false);
-    return slot.lit;
+    const std::shared_ptr<Slot> slot = SlotOf(wanted);
+    MakeIfUnclaimed(wanted, *slot);
+    slot->made.wait(false);
+    return slot->lit;
   }
 
   void Prepare(std::span<const LitView> wanted) const override {
     oneapi::tbb::this_task_arena::isolate([&] {  // else a thread that waits for the others could take up a whole frame
       oneapi::tbb::parallel_for(std::size_t{0}, wanted.size(),
-                                [&](std::size_t i) { MakeIfUnclaimed(wanted[i], SlotOf(wanted[i])); });
+                                [&](std::size_t i) { MakeIfUnclaimed(wanted[i], *SlotOf(wanted[i])); });
     });
   }
 
@@ -62,9 +64,28 @@ class LitViews : public LitTemplates {
     std::shared_ptr<const LitTemplate> lit;  // once made
   };
 
-  Slot& SlotOf(const LitView& wanted) const {
+  struct Kept {
+    std::shared_ptr<Slot> slot;  // who waits for it keeps it, too
+    std::uint64_t last_use = 0;
+  };
+
+  std::shared_ptr<Slot> SlotOf(const LitView& wanted) const {
     const std::scoped_lock lock(mutex_);
-    return slots_[wanted];  // a map's elements stay where they are
+    Kept& kept = kept_[wanted];
+    if (!kept.slot) kept.slot = std::make_shared<Slot>();
+    kept.last_use = ++uses_;
+    std::shared_ptr<Slot> slot = kept.slot;
+    if (kept_.size() > most_kept_) ForgetOlderHalf();
+    return slot;
+  }
+
+  // A camera that circles comes by every view under every sun.
+  void ForgetOlderHalf() const {
+    std::vector<std::uint64_t> uses;
+    for (const auto& [view, kept] : kept_) uses.push_back(kept.last_use);
+    const auto middle = uses.begin() + static_cast<std::ptrdiff_t>(uses.size() / 2);
+    std::ranges::nth_element(uses, middle);
+    std::erase_if(kept_, [&](const auto& one) { return one.second.last_use < *middle; });
   }
 
   void MakeIfUnclaimed(const LitView& wanted, Slot& slot) const {
@@ -94,9 +115,11 @@ class LitViews : public LitTemplates {
   ObjectModel model_;
   CadModelOptions options_;
   std::unique_ptr<const FeatureExtractor> extractor_;
+  std::size_t most_kept_;
   std::shared_ptr<const LitTemplate> nothing_ = std::make_shared<const LitTemplate>();
   mutable std::mutex mutex_;
-  mutable std::map<LitView, Slot> slots_;
+  mutable std::map<LitView, Kept> kept_;
+  mutable std::uint64_t uses_ = 0;
   mutable std::map<std::pair<std::size_t, int>, std::shared_ptr<const ViewPicture>> pictures_;
 };
 
@@ -108,7 +131,7 @@ Light ClearDay(const ViewDirection& sun) {
   return {.sky = 0.4, .ground = 0.25, .sun = 0.9, .to_sun_in_world = DirectionToCamera(sun)};
 }
 
-Expected<std::unique_ptr<const LitTemplates>> MakeLitViews(const ObjectModel& model) {
+Expected<std::unique_ptr<const LitTemplates>> MakeLitViews(const ObjectModel& model, std::size_t most_kept) {
   if (model.views.empty() || !std::ranges::all_of(model.views, HasSurface)) return nullptr;
   CadModelOptions options;
   const auto json = nlohmann::json::parse(model.options_json, nullptr, /*allow_exceptions=*/false);
@@ -116,7 +139,7 @@ Expected<std::unique_ptr<const LitTemplates>> MakeLitViews(const ObjectModel& mo
     return std::unexpected(std::move(status).error().WithContext(fmt::format("model {}", model.name)));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(options.features));
-  return std::make_unique<const LitViews>(model, options, std::move(extractor));
+  return std::make_unique<const LitViews>(model, options, std::move(extractor), most_kept);
 }
 
 }  // namespace victorious

@@ -2,6 +2,7 @@
 // which suns a video needs is known only then, and all of them would be many times the model.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 
 #include "victorious/base/error.h"
@@ -17,7 +18,8 @@ namespace victorious {
 [[nodiscard]] Light ClearDay(const ViewDirection& sun);
 
 /// Nothing for a model that keeps no renderings (photos, or made by an earlier version).
-/// Error: kInvalidArgument, options in the model that this version does not know.
-Expected<std::unique_ptr<const LitTemplates>> MakeLitViews(const ObjectModel& model);
+/// @param most_kept  in memory, of some 60 kB each; of more the longest unused are forgotten, and made again if asked
+/// for Error: kInvalidArgument, options in the model that this version does not know.
+Expected<std::unique_ptr<const LitTemplates>> MakeLitViews(const ObjectModel& model, std::size_t most_kept = 1000);
 
 }  // namespace victorious

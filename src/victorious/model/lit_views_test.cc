@@ -89,6 +89,21 @@ TEST(LitViews, ASunBringsItsOwnFeatures) {
   }
 }
 
+// What is forgotten is made again as it was; what was just asked for is not forgotten.
+TEST(LitViews, OnlySoManyAreKept) {
+  const auto lit = MakeLitViews(WaffleModel(), 4).value();
+  const auto first = lit->Under({7, 1});
+  for (std::size_t view = 2; view < 5; ++view) static_cast<void>(lit->Under({7, view}));
+  EXPECT_EQ(lit->Under({7, 1}), first);
+  const auto fifth = lit->Under({7, 5});  // one too many: of 2, 3, 4, 1, 5 the older ones go
+  EXPECT_EQ(lit->Under({7, 5}), fifth);
+  EXPECT_EQ(lit->Under({7, 1}), first);
+  for (std::size_t view = 2; view < 6; ++view) static_cast<void>(lit->Under({7, view}));
+  const auto again = lit->Under({7, 1});
+  EXPECT_NE(again, first);
+  EXPECT_EQ(again->features.descriptors, first->features.descriptors);
+}
+
 // Threads that prepare the same views at once get the same ones, each made once.
 TEST(LitViews, ThreadsShareTheWork) {
   const auto lit = MakeLitViews(WaffleModel()).value();

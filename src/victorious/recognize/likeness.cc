@@ -20,6 +20,10 @@ void LikenessOptions::ListFields(FieldList& fields) {
   fields.Add(
       "most", most,
       {.min = 0, .max = 1000, .reason = "poses of a model looked at again in a frame, the likest first; 0: none"});
+  fields.Add("most_in_frame", most_in_frame,
+             {.min = 0,
+              .max = 100000,
+              .reason = "poses of all models looked at again in a frame, so that many models do not make it slow"});
   fields.Add("least_evidence", least_evidence,
              {.min = -100,
               .max = 1000,

@@ -25,6 +25,7 @@ namespace victorious {
 
 struct LikenessOptions {
   int most = 2;
+  int most_in_frame = 12;
   double least_evidence = -2.0;
   double most_evidence = 6.0;
   int elsewhere = 40;

@@ -48,6 +48,12 @@ Expected<Recognizer> Recognizer::Create(std::vector<ObjectModel> models, const s
                                         const std::vector<std::shared_ptr<const LitTemplates>>& lit) {
   VICTORIOUS_CHECK(lit.empty() || lit.size() == models.size());
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
+  if (options.likeness.least_evidence > options.likeness.most_evidence) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("likeness.least_evidence {:g}: above likeness.most_evidence {:g}, so that nothing would be "
+                            "looked at; set likeness.most 0 for that",
+                            options.likeness.least_evidence, options.likeness.most_evidence));
+  }
   VICTORIOUS_RETURN_IF_ERROR(CheckEngine(models, engine));
   return Recognizer(std::move(models), options, lit);
 }
@@ -114,11 +120,14 @@ void Recognizer::WeighByLikeness(const cv::Mat& grey, std::vector<Detection>& de
   const LikenessOptions& options = options_.likeness;
   cv::Mat scene;
   std::map<std::size_t, int> looks;  // by model
+  int in_frame = 0;
   for (Detection& detection : detections) {
     const auto voter = std::ranges::find(voters_, detection.model, &std::pair<std::size_t, VoteSearch>::first);
     if (voter == voters_.end() || voter->second.lit() == nullptr) continue;
     if (detection.evidence < options.least_evidence || detection.evidence > options.most_evidence) continue;
+    if (in_frame == options.most_in_frame) break;
     if (looks[detection.model]++ >= options.most) continue;
+    ++in_frame;
     if (scene.empty()) scene = SceneForLikeness(grey, options);
     const std::optional<double> sigmas = SigmasOfLikeness(scene, (*models_)[detection.model], *voter->second.lit(),
                                                           detection.view, detection.pose.scene_from_template, options);

@@ -311,8 +311,14 @@ TEST(Recognizer, LikenessDecidesWhatIsInDoubt) {
   options.likeness.even_sigmas = 100;
   options.likeness.decades_per_sigma = 100;
   EXPECT_EQ(evidence(options, scene), std::nullopt);
-  options.likeness.most = 0;
-  EXPECT_EQ(evidence(options, scene), votes);
+  RecognizeOptions none = options;
+  none.likeness.most = 0;
+  EXPECT_EQ(evidence(none, scene), votes);
+  none = options;
+  none.likeness.most_in_frame = 0;
+  EXPECT_EQ(evidence(none, scene), votes);
+  options.likeness.least_evidence = 1001;
+  EXPECT_EQ(Recognizer::Create({}, "opencv", options).error().code, ErrorCode::kInvalidArgument);
 }
 
 TEST(Recognizer, VotesFindNothingInOtherScenes) {
