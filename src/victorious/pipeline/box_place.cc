@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "victorious/geolocate/error_ellipse.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/camera.h"
 #include "victorious/geometry/lens.h"
@@ -21,20 +20,6 @@ bool AtTheEdge(const Box& box, const cv::Size& image) {
   constexpr double kMarginPx = 1;
   return box.x < kMarginPx || box.y < kMarginPx || box.x + box.width > image.width - kMarginPx ||
          box.y + box.height > image.height - kMarginPx;
-}
-
-// Taken to another time by how it moves, and by how sure that is.
-Place At(const Place& place, double time_s) {
-  Place then = place;
-  then.time_s = time_s;
-  if (!place.velocity_enu || place.velocity_enu->norm() == 0) return then;
-  const double after_s = time_s - place.time_s;
-  then.point = TangentPlane(place.point).GeodeticFromEnu(after_s * *place.velocity_enu);
-  if (place.velocity_covariance_enu) then.covariance_enu_m2 += after_s * after_s * *place.velocity_covariance_enu;
-  constexpr double kShare = 0.9;
-  then.ce90_m = CircularError(then.covariance_enu_m2.topLeftCorner<2, 2>(), kShare);
-  then.le90_m = LinearError90(then.covariance_enu_m2(2, 2));
-  return then;
 }
 
 // Where a camera sees a point, px, and how much of the world a pixel is there.
@@ -151,22 +136,10 @@ std::optional<SeenBox> ExpectBox(const GeodeticPoint& place, const Box& before, 
 }
 
 bool GoesBy(const Sight& sight, const Place& place, const BoxPlaceOptions& options) {
-  const TangentPlane plane(sight.line.camera);
-  const Vector3d to = plane.EnuFromGeodetic(place.point);
-  const double distance_m = to.norm();
-  const double cos_elevation = std::cos(sight.line.elevation_rad);
-  const Vector3d along(std::sin(sight.line.azimuth_rad) * cos_elevation,
-                       std::cos(sight.line.azimuth_rad) * cos_elevation, std::sin(sight.line.elevation_rad));
-  const Vector3d off = to - to.dot(along) * along;
-  if (to.dot(along) <= 0) return false;
+  Sight line_alone = sight;
+  line_alone.line.range_m.reset();
   // What the flight errs as a whole counts too: another flight errs on its own.
-  const CommonErrorOptions& common = options.locate.common;
-  const double turn_rad = std::hypot(sight.line.sigma_rad.value_or(0),
-                                     sight.sigma_attitude_rad.value_or(RadiansFromDegrees(common.boresight_rise_deg)));
-  const double shift_m = sight.sigma_position_m.value_or(common.position_m);
-  const double own_m2 = turn_rad * turn_rad * distance_m * distance_m + shift_m * shift_m;
-  const Eigen::Matrix3d covariance = place.covariance_enu_m2 + own_m2 * Eigen::Matrix3d::Identity();
-  return std::sqrt(off.dot(covariance.inverse() * off)) <= options.gate_sigma;
+  return SigmasOff(line_alone, place, 0, options.locate, 1) <= options.gate_sigma;
 }
 
 }  // namespace victorious

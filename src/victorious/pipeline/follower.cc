@@ -70,6 +70,8 @@ std::vector<TrackStep> Follower::Step(const Frame& frame) {
   if (frame.index % options_.restart_frames == 0) {
     for (const auto& [id, followed] : tracks_) tracker_.Stop(id);
     tracks_.clear();
+    constexpr std::int64_t kMostTracks = 1'000'000;  // that begin before all begin anew
+    last_number_ = frame.index / options_.restart_frames * kMostTracks;
   }
   std::vector<TrackStep> active;
   for (TrackStep& step : tracker_.Step(frame)) {
@@ -99,18 +101,21 @@ bool Follower::IsDue(const TrackStep& step, const Frame& frame) const {
 }
 
 // A detection of a whole-frame search: of one of the steps that are open yet, or a new track.
-void Follower::Take(const Detection& detection, const FeatureSet& features, std::int64_t frame,
-                    std::vector<TrackStep>& open) {
+std::optional<std::int64_t> Follower::Take(const Detection& detection, const FeatureSet& features, std::int64_t frame,
+                                           std::vector<TrackStep>& open) {
   std::vector<TrackStep> alike;
   std::ranges::copy_if(open, std::back_inserter(alike),
                        [&](const TrackStep& step) { return tracks_.at(step.track).last.model == detection.model; });
   if (const auto step = StepOf(detection.box, alike, options_.least_overlap); step != alike.end()) {
     Confirm(step->track, detection, features, frame);
-    std::erase_if(open, [&](const TrackStep& other) { return other.track == step->track; });
-    return;
+    const std::uint64_t track = step->track;
+    std::erase_if(open, [&](const TrackStep& other) { return other.track == track; });
+    return tracks_.at(track).number;
   }
   const TrackStep step = tracker_.Start(detection.outline, PointsOf(detection, features));
-  if (step.state == TrackState::kActive) tracks_[step.track] = {detection, 1, frame};
+  if (step.state != TrackState::kActive) return std::nullopt;
+  tracks_[step.track] = {.last = detection, .number = ++last_number_, .recognised = 1, .searched_frame = frame};
+  return last_number_;
 }
 
 // Features of the region alone, in the frame's pixels; then the views that the object may show by now.
@@ -165,8 +170,8 @@ Expected<std::vector<Seen>> Follower::Follow(const Frame& frame, const std::opti
   std::vector<Seen> seen;
   if (whole) {
     for (const Detection& detection : whole->detections) {
-      Take(detection, whole->features, frame.index, open);
-      seen.push_back({.detection = detection, .features = whole->features});
+      const auto number = Take(detection, whole->features, frame.index, open);
+      seen.push_back({.detection = detection, .features = whole->features, .track = number});
     }
   }
   std::vector<Region> regions;
@@ -196,6 +201,7 @@ Expected<std::vector<Seen>> Follower::Follow(const Frame& frame, const std::opti
       tracks_.erase(track);
       continue;
     }
+    next.track = tracks_.at(track).number;
     if (!next.tracked()) Confirm(track, next.detection, next.features, frame.index);
     seen.push_back(std::move(next));
   }

@@ -40,7 +40,8 @@ struct FollowOptions {
 struct Seen {
   Detection detection;  ///< where it is tracked: the last one's, moved to this frame, resting on the points followed
   FeatureSet features;  ///< that the detection's matches count in; where it is tracked, places without descriptors
-  int followed_frames = 0;  ///< since the recogniser confirmed it; 0: it found it in this frame
+  std::optional<std::int64_t> track;  ///< its number in the video; nothing: it could not be followed from here
+  int followed_frames = 0;            ///< since the recogniser confirmed it; 0: it found it in this frame
 
   [[nodiscard]] bool tracked() const { return followed_frames > 0; }
 };
@@ -67,7 +68,8 @@ class Follower {
  private:
   // What is known of an active track beside where it is.
   struct Followed {
-    Detection last;  // confirmed
+    Detection last;           // confirmed
+    std::int64_t number = 0;  // the same however the index was stopped and gone on with
     int recognised = 0;
     std::int64_t searched_frame = 0;  // the last one in which its region was searched, or it was confirmed
   };
@@ -86,7 +88,9 @@ class Follower {
         tracker_(std::move(tracker)) {}
 
   std::vector<TrackStep> Step(const Frame& frame);
-  void Take(const Detection& detection, const FeatureSet& features, std::int64_t frame, std::vector<TrackStep>& open);
+  /// @return the number of the track that it is of by now
+  std::optional<std::int64_t> Take(const Detection& detection, const FeatureSet& features, std::int64_t frame,
+                                   std::vector<TrackStep>& open);
   void Confirm(std::uint64_t track, const Detection& detection, const FeatureSet& features, std::int64_t frame);
   void Search(const Frame& frame, const FrameConditions& conditions, Region& region) const;
   [[nodiscard]] Seen Tracked(const TrackStep& step, const Frame& frame) const;
@@ -98,6 +102,7 @@ class Follower {
   FollowOptions options_;
   RegionTracker tracker_;
   std::map<std::uint64_t, Followed> tracks_;
+  std::int64_t last_number_ = 0;
 };
 
 }  // namespace victorious

@@ -1,5 +1,9 @@
 #include "victorious/pipeline/follower.h"
 
+#include <map>
+#include <set>
+#include <utility>
+
 #include <gtest/gtest.h>
 
 #include "victorious/pipeline/drawn_flight_test.h"
@@ -102,6 +106,31 @@ TEST_F(FollowerTest, WhereItIsOnlyTrackedItRestsOnThePointsFollowed) {
   EXPECT_GT(tracked, 10) << "most frames are not searched";
 }
 
+TEST_F(FollowerTest, WhatIsFollowedKeepsItsTrack) {
+  FollowOptions options;
+  options.restart_frames = 12;
+  std::map<std::int64_t, std::pair<int, Box>> last;  // by track: frame and box
+  int continued = 0;
+  const Frames frames = FollowAll(6, options);
+  for (int i = 0; i < kFrames; ++i) {
+    std::set<std::int64_t> here;
+    for (const Seen& seen : frames.seen[i]) {
+      if (!seen.track) continue;
+      EXPECT_TRUE(here.insert(*seen.track).second) << "one sighting of a track in a frame";
+      const auto before = last.find(*seen.track);
+      if (before != last.end()) {
+        ++continued;
+        EXPECT_EQ(before->second.first / 12, i / 12) << "tracks begin anew";
+        if (before->second.first == i - 1) {
+          EXPECT_GT(IntersectionOverUnion(before->second.second, seen.detection.box), 0);
+        }
+      }
+      last[*seen.track] = {i, seen.detection.box};
+    }
+  }
+  EXPECT_GT(continued, 20);
+}
+
 // From a frame where tracks begin anew on, what was before does not matter.
 TEST_F(FollowerTest, ARestartForgetsWhatWasBefore) {
   FollowOptions options;
@@ -120,6 +149,7 @@ TEST_F(FollowerTest, ARestartForgetsWhatWasBefore) {
     for (std::size_t k = 0; k < seen.size(); ++k) {
       EXPECT_EQ(seen[k].detection.box, all.seen[i][k].detection.box);
       EXPECT_EQ(seen[k].tracked(), all.seen[i][k].tracked());
+      EXPECT_EQ(seen[k].track, all.seen[i][k].track) << "an index that goes on tells the same";
     }
   }
 }

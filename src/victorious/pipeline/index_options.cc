@@ -9,9 +9,17 @@ void RunOptions::ListFields(FieldList& fields) {
        .max = 3600,
        .unit = "s",
        .reason = "a sighting continues a run that was last seen no longer ago than this, or than 2.5 searched frames"});
+  fields.Add("least_overlap", least_overlap,
+             {.min = 0,
+              .max = 1,
+              .reason = "intersection over union that a sighting's box needs with the run's last one, taken on "
+                        "as the picture and the object moved"});
   fields.Add(
-      "least_overlap", least_overlap,
-      {.min = 0, .max = 1, .reason = "intersection over union that a sighting's box needs with the run's last one"});
+      "gate_sigma", gate_sigma,
+      {.min = 0,
+       .max = 1e6,
+       .reason = "a sighting whose line of sight or range is off the run's place by more sigmas than this begins "
+                 "a new run, unless it was followed there"});
 }
 
 void KeepOptions::ListFields(FieldList& fields) {

@@ -15,10 +15,11 @@
 
 namespace victorious {
 
-/// How sightings of consecutive frames become runs: those that overlap.
+/// How sightings become runs (run_linker.h).
 struct RunOptions {
   double gap_s = 2.0;
   double least_overlap = 0.1;
+  double gate_sigma = 3.5;
 
   void ListFields(FieldList& fields);
 };

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/pipeline/object_place.h"
+#include "victorious/pipeline/sight.h"
 
 namespace victorious {
 namespace {
@@ -62,21 +63,6 @@ bool ShareAVideo(const Thing& a, const Thing& b) {
   });
 }
 
-// Where it is at another time, in the plane.
-struct Predicted {
-  Eigen::Vector3d point;
-  Eigen::Matrix3d covariance;
-};
-
-Predicted At(const Place& place, double time_s, const TangentPlane& plane) {
-  Predicted predicted{plane.EnuFromGeodetic(place.point), place.covariance_enu_m2};
-  if (!Moves(place)) return predicted;
-  const double after_s = time_s - place.time_s;
-  predicted.point += after_s * *place.velocity_enu;
-  if (place.velocity_covariance_enu) predicted.covariance += after_s * after_s * *place.velocity_covariance_enu;
-  return predicted;
-}
-
 double FirstTime(const Thing& thing) {
   double first_s = std::numeric_limits<double>::infinity();
   for (const SeenRun* run : thing.runs) first_s = std::min(first_s, run->record.first_time_s);
@@ -107,11 +93,12 @@ std::optional<Distance> DistanceOf(const Thing& a, const Thing& b, const ObjectO
   const bool a_first = FirstTime(a) <= FirstTime(b);
   const double between_s = (LastTime(a_first ? a : b) + FirstTime(a_first ? b : a)) / 2;
   const TangentPlane plane(of_a->point);
-  const Predicted at_a = At(*of_a, between_s, plane);
-  const Predicted at_b = At(*of_b, between_s, plane);
+  const Place at_a = At(*of_a, between_s);
+  const Place at_b = At(*of_b, between_s);
   const double slack_m2 = 2 * options.identity_slack_m * options.identity_slack_m;
-  const Eigen::Matrix3d covariance = at_a.covariance + at_b.covariance + slack_m2 * Eigen::Matrix3d::Identity();
-  const Eigen::Vector3d apart = at_b.point - at_a.point;
+  const Eigen::Matrix3d covariance =
+      at_a.covariance_enu_m2 + at_b.covariance_enu_m2 + slack_m2 * Eigen::Matrix3d::Identity();
+  const Eigen::Vector3d apart = plane.EnuFromGeodetic(at_b.point) - plane.EnuFromGeodetic(at_a.point);
   return Distance{apart.norm(), std::sqrt(apart.dot(covariance.ldlt().solve(apart)))};
 }
 
@@ -337,8 +324,7 @@ Status UpdateObjects(const ObjectOptions& options, IndexStore& store) {
     run->second.frames.push_back(sighting.frame);
     if (!sighting.sight) return true;
     std::vector<Sight>& sights = run->second.sights;
-    const bool followed = sighting.source == "tracked" && !sights.empty();
-    sighting.sight->recognition = followed ? sights.back().recognition : ++recognitions;
+    sighting.sight->recognition = RecognitionOf(sighting, sights.empty() ? nullptr : &sights.back(), recognitions);
     sights.push_back(*std::move(sighting.sight));
     return true;
   }));

@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
+#include <Eigen/Cholesky>
+
 #include "victorious/base/median.h"
+#include "victorious/geolocate/error_ellipse.h"
 #include "victorious/geometry/angles.h"
 
 namespace victorious {
@@ -146,6 +150,47 @@ std::optional<double> TooLarge(std::vector<LineOfSight> lines, LocateOptions loc
 }
 
 }  // namespace
+
+Place At(const Place& place, double time_s) {
+  Place then = place;
+  then.time_s = time_s;
+  if (!IsMoving(place)) return then;
+  const double after_s = time_s - place.time_s;
+  then.point = TangentPlane(place.point).GeodeticFromEnu(after_s * *place.velocity_enu);
+  if (place.velocity_covariance_enu) then.covariance_enu_m2 += after_s * after_s * *place.velocity_covariance_enu;
+  constexpr double kShare = 0.9;
+  then.ce90_m = CircularError(then.covariance_enu_m2.topLeftCorner<2, 2>(), kShare);
+  then.le90_m = LinearError90(then.covariance_enu_m2(2, 2));
+  return then;
+}
+
+double SigmasOff(const Sight& sight, const Place& place, double slack_m, const LocateOptions& errors,
+                 double common_share) {
+  const LineOfSight& line = sight.line;
+  const Eigen::Vector3d to = TangentPlane(line.camera).EnuFromGeodetic(place.point);
+  const double cos_elevation = std::cos(line.elevation_rad);
+  const Eigen::Vector3d along(std::sin(line.azimuth_rad) * cos_elevation, std::cos(line.azimuth_rad) * cos_elevation,
+                              std::sin(line.elevation_rad));
+  if (to.dot(along) <= 0) return std::numeric_limits<double>::infinity();
+  const CommonErrorOptions& common = errors.common;
+  const double own_rad = line.sigma_rad.value_or(RadiansFromDegrees(errors.line.angle_deg));
+  const double flight_rad =
+      sight.sigma_attitude_rad.value_or(common_share * RadiansFromDegrees(common.boresight_rise_deg));
+  const double shift_m = std::hypot(slack_m, sight.sigma_position_m.value_or(common_share * common.position_m));
+  Eigen::Matrix3d ray_from_enu;  // along it last
+  ray_from_enu.row(2) = along;
+  ray_from_enu.row(0) = along.unitOrthogonal();
+  ray_from_enu.row(1) = along.cross(Eigen::Vector3d(ray_from_enu.row(0)));
+  const double across_m2 = Square(std::hypot(own_rad, flight_rad) * to.norm()) + Square(shift_m);
+  Eigen::Matrix3d covariance = ray_from_enu * place.covariance_enu_m2 * ray_from_enu.transpose();
+  covariance.diagonal() += Eigen::Vector3d(across_m2, across_m2, Square(shift_m));
+  Eigen::Vector3d off = ray_from_enu * to;
+  if (!line.range_m) return std::sqrt(off.head<2>().dot(covariance.topLeftCorner<2, 2>().ldlt().solve(off.head<2>())));
+  const double own_range_m = line.sigma_range_m.value_or(errors.line.range_share * *line.range_m);
+  covariance(2, 2) += Square(own_range_m) + Square(common_share * common.range_share * *line.range_m);
+  off.z() -= *line.range_m;
+  return std::sqrt(off.dot(covariance.ldlt().solve(off)));
+}
 
 std::optional<double> CommonHeading(std::span<const double> headings_rad) {
   const double half_width = RadiansFromDegrees(20);

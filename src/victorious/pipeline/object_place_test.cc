@@ -1,6 +1,7 @@
 #include "victorious/pipeline/object_place.h"
 
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -125,6 +126,47 @@ TEST(ObjectPlace, WhatDriftedCountsLess) {
     }
   };
   EXPECT_GE(Coverage(drifted), 0.8);
+}
+
+TEST(ObjectPlace, ASightIsOffByItsLineAndByItsRange) {
+  Sight sight = FliesPast(1, 0).front();
+  LocateOptions errors;
+  errors.line.position_m = 0;
+  errors.common = {.position_m = 0, .height_m = 0, .heading_deg = 0, .boresight_rise_deg = 0, .range_share = 0};
+  sight.line.range_m = 100;
+  sight.line.sigma_range_m = 4;
+  sight.line.sigma_rad = 0.01;
+  const TangentPlane plane(sight.line.camera);
+  const double cos_elevation = std::cos(sight.line.elevation_rad);
+  const Eigen::Vector3d along(std::sin(sight.line.azimuth_rad) * cos_elevation,
+                              std::cos(sight.line.azimuth_rad) * cos_elevation, std::sin(sight.line.elevation_rad));
+  const auto at = [&](const Eigen::Vector3d& enu) {
+    return Place{.point = plane.GeodeticFromEnu(enu), .covariance_enu_m2 = 1e-8 * Eigen::Matrix3d::Identity()};
+  };
+  EXPECT_NEAR(SigmasOff(sight, at(100 * along), 0, errors, 1), 0, 0.01);
+  EXPECT_NEAR(SigmasOff(sight, at(108 * along), 0, errors, 1), 2, 0.01);
+  EXPECT_NEAR(SigmasOff(sight, at(108 * along), 3, errors, 1), 8 / 5.0, 0.01) << "4 and 3 m";
+  const Eigen::Vector3d beside = 100 * along + 3 * along.unitOrthogonal();
+  EXPECT_NEAR(SigmasOff(sight, at(beside), 0, errors, 1), 3, 0.02);
+  sight.line.range_m.reset();
+  EXPECT_NEAR(SigmasOff(sight, at(108 * along), 0, errors, 1), 0, 0.01) << "the line alone goes by it";
+  EXPECT_EQ(SigmasOff(sight, at(-100 * along), 0, errors, 1), std::numeric_limits<double>::infinity());
+}
+
+TEST(ObjectPlace, WhatMovesIsTakenToAnotherTimeAndGetsLessSure) {
+  const TangentPlane plane({0.8, 0.2, 500});
+  Place place{.point = plane.GeodeticFromEnu({0, 0, 0}),
+              .time_s = 2,
+              .covariance_enu_m2 = Eigen::Matrix3d::Identity(),
+              .velocity_enu = Eigen::Vector3d(3, -4, 0),
+              .velocity_covariance_enu = 0.25 * Eigen::Matrix3d::Identity(),
+              .ce90_m = 2.15};
+  const Place then = At(place, 4);
+  EXPECT_LT((plane.EnuFromGeodetic(then.point) - Eigen::Vector3d(6, -8, 0)).norm(), 1e-3);
+  EXPECT_NEAR(then.covariance_enu_m2(0, 0), 2, 1e-9);
+  EXPECT_GT(then.ce90_m, 1.3 * place.ce90_m);
+  place.velocity_enu = Eigen::Vector3d::Zero();
+  EXPECT_EQ(At(place, 4).covariance_enu_m2, place.covariance_enu_m2) << "what stands still stays";
 }
 
 }  // namespace

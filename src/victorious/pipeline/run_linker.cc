@@ -4,18 +4,139 @@
 #include <functional>
 #include <map>
 
+#include "victorious/geometry/polygon.h"
+#include "victorious/pipeline/object_place.h"
+#include "victorious/pipeline/sight.h"
+
 namespace victorious {
+namespace {
+
+// How much of a run's last time tells how its object moves, and where it is.
+constexpr double kTrail_s = 1;
+
+// It may leave the frame: what enters or leaves does not seem to move by that.
+Box ExtentOf(const SightingRecord& sighting) {
+  return sighting.outline.empty() ? sighting.box : BoundingBox(sighting.outline);
+}
+
+Eigen::Vector2d CentreOf(const Box& box) { return {box.x + box.width / 2, box.y + box.height / 2}; }
+
+Box Carried(const Box& box, const Similarity2& map) {
+  const Eigen::Vector2d centre = map.Apply(CentreOf(box));
+  const double width = map.scale * box.width;
+  const double height = map.scale * box.height;
+  return {centre.x() - width / 2, centre.y() - height / 2, width, height};
+}
+
+}  // namespace
+
+double RunLinker::HistoryS() const { return options_.gap_s + kTrail_s; }
+
+void RunLinker::See(const SightingRecord& sighting, Run& run) {
+  std::optional<Sight> sight = sighting.sight;
+  if (sight) {
+    const auto last = std::ranges::find_if(run.trail.rbegin(), run.trail.rend(),
+                                           [](const Seen& seen) { return seen.sight.has_value(); });
+    sight->recognition = RecognitionOf(sighting, last != run.trail.rend() ? &*last->sight : nullptr, recognitions_);
+  }
+  run.track = sighting.track;
+  run.trail.push_back({sighting.frame, sighting.time_s, ExtentOf(sighting), std::move(sight)});
+  std::erase_if(run.trail, [&](const Seen& seen) { return seen.time_s < sighting.time_s - kTrail_s; });
+}
 
 void RunLinker::Resume(std::span<const RunRecord> runs, std::span<const SightingRecord> sightings) {
-  std::map<std::int64_t, const RunRecord*> by_id;
-  for (const RunRecord& run : runs) by_id[run.id] = &run;
-  std::map<std::int64_t, Box> last_boxes;
-  for (const SightingRecord& sighting : sightings) last_boxes[sighting.run] = sighting.box;
-  for (const auto& [id, box] : last_boxes) {
-    if (const auto run = by_id.find(id); run != by_id.end()) {
-      runs_.push_back({.record = *run->second, .id = id, .in_batch = std::nullopt, .last_box = box});
+  std::map<std::int64_t, Run> by_id;
+  for (const RunRecord& run : runs)
+    by_id[run.id] = {.record = run, .id = run.id, .in_batch = {}, .track = {}, .trail = {}};
+  for (const SightingRecord& sighting : sightings) {
+    if (const auto run = by_id.find(sighting.run); run != by_id.end()) See(sighting, run->second);
+  }
+  for (auto& [id, run] : by_id) {
+    if (!run.trail.empty()) runs_.push_back(std::move(run));
+  }
+}
+
+std::optional<std::int64_t> RunLinker::NeededFrom() const {
+  std::optional<std::int64_t> first;
+  for (const Run& run : runs_) {
+    if (!first || run.trail.front().frame < *first) first = run.trail.front().frame;
+  }
+  return first;
+}
+
+void RunLinker::Step(std::int64_t frame, const std::optional<Similarity2>& now_from_before) {
+  if (!now_from_before) return;
+  for (Run& run : runs_) {
+    for (Seen& seen : run.trail) {
+      if (seen.frame < frame) seen.box = Carried(seen.box, *now_from_before);
     }
   }
+}
+
+// What stands lies in the picture as it is now where it was seen; what was seen to move over the ground moves on.
+Box RunLinker::Expected(const Run& run, double time_s) {
+  constexpr double kLeastBaseline_s = 0.4;  // in less, the boxes' own errors seem to be motion
+  const Seen& first = run.trail.front();
+  const Seen& last = run.trail.back();
+  Box box = last.box;
+  const double baseline_s = last.time_s - first.time_s;
+  if (baseline_s < kLeastBaseline_s) return box;
+  const Eigen::Vector2d gone = (time_s - last.time_s) / baseline_s * (CentreOf(last.box) - CentreOf(first.box));
+  box.x += gone.x();
+  box.y += gone.y();
+  return box;
+}
+
+// Whether what the sighting shows may be where the run's object is by now. The errors that objects are made with stand
+// in parameters that may change without a new search (ObjectOptions): here their defaults serve.
+bool RunLinker::CanBeOne(const Run& run, const SightingRecord& sighting) const {
+  if (!sighting.sight) return true;
+  std::vector<Sight> sights;
+  for (const Seen& seen : run.trail) {
+    if (seen.sight) sights.push_back(*seen.sight);
+  }
+  const ObjectOptions objects;
+  const std::optional<Place> place = PlaceOf(sights, objects, objects.flight_share).place;
+  if (!place) return true;
+  return SigmasOff(*sighting.sight, At(*place, sighting.time_s), objects.identity_slack_m, objects.locate,
+                   objects.flight_share) <= options_.gate_sigma;
+}
+
+std::vector<std::optional<std::size_t>> RunLinker::RunsOf(const std::vector<SightingRecord>& sightings) const {
+  std::vector<std::optional<std::size_t>> run_of(sightings.size());
+  std::vector<bool> taken(runs_.size(), false);
+  const double time_s = sightings.front().time_s;
+  const auto may_grow = [&](std::size_t r, const SightingRecord& sighting) {
+    const Run& run = runs_[r];
+    return !taken[r] && run.record.model == sighting.model && run.record.last_time_s + options_.gap_s >= time_s;
+  };
+  for (std::size_t s = 0; s < sightings.size(); ++s) {
+    for (std::size_t r = 0; r < runs_.size() && sightings[s].track && !run_of[s]; ++r) {
+      if (runs_[r].track != sightings[s].track || !may_grow(r, sightings[s])) continue;
+      run_of[s] = r;
+      taken[r] = true;
+    }
+  }
+  // Of the others, pairs of sighting and run, the best overlap first, each side once.
+  struct Pair {
+    double overlap;
+    std::size_t sighting, run;
+  };
+  std::vector<Pair> pairs;
+  for (std::size_t s = 0; s < sightings.size(); ++s) {
+    for (std::size_t r = 0; r < runs_.size() && !run_of[s]; ++r) {
+      if (!may_grow(r, sightings[s])) continue;
+      const double overlap = IntersectionOverUnion(Expected(runs_[r], time_s), ExtentOf(sightings[s]));
+      if (overlap > 0 && overlap >= options_.least_overlap) pairs.push_back({overlap, s, r});
+    }
+  }
+  std::ranges::stable_sort(pairs, std::greater{}, &Pair::overlap);
+  for (const Pair& pair : pairs) {
+    if (run_of[pair.sighting] || taken[pair.run] || !CanBeOne(runs_[pair.run], sightings[pair.sighting])) continue;
+    run_of[pair.sighting] = pair.run;
+    taken[pair.run] = true;
+  }
+  return run_of;
 }
 
 void RunLinker::Link(std::vector<SightingRecord> sightings, IndexBatch& batch) {
@@ -24,30 +145,7 @@ void RunLinker::Link(std::vector<SightingRecord> sightings, IndexBatch& batch) {
   // Runs that can grow no more are let go, unless the batch still has to be told their ids.
   std::erase_if(runs_,
                 [&](const Run& run) { return !run.in_batch && run.record.last_time_s + options_.gap_s < time_s; });
-
-  // Pairs of sighting and run, the best overlap first, each side once.
-  struct Pair {
-    double overlap;
-    std::size_t sighting, run;
-  };
-  std::vector<Pair> pairs;
-  for (std::size_t s = 0; s < sightings.size(); ++s) {
-    for (std::size_t r = 0; r < runs_.size(); ++r) {
-      const Run& run = runs_[r];
-      if (run.record.model != sightings[s].model || run.record.last_time_s + options_.gap_s < time_s) continue;
-      const double overlap = IntersectionOverUnion(run.last_box, sightings[s].box);
-      if (overlap > 0 && overlap >= options_.least_overlap) pairs.push_back({overlap, s, r});
-    }
-  }
-  std::ranges::stable_sort(pairs, std::greater{}, &Pair::overlap);
-  std::vector<std::optional<std::size_t>> run_of(sightings.size());
-  std::vector<bool> taken(runs_.size(), false);
-  for (const Pair& pair : pairs) {
-    if (run_of[pair.sighting] || taken[pair.run]) continue;
-    run_of[pair.sighting] = pair.run;
-    taken[pair.run] = true;
-  }
-
+  std::vector<std::optional<std::size_t>> run_of = RunsOf(sightings);
   for (std::size_t s = 0; s < sightings.size(); ++s) {
     SightingRecord& sighting = sightings[s];
     if (!run_of[s]) {
@@ -55,13 +153,14 @@ void RunLinker::Link(std::vector<SightingRecord> sightings, IndexBatch& batch) {
       runs_.push_back({.record = {.video = sighting.video, .model = sighting.model, .first_time_s = sighting.time_s},
                        .id = std::nullopt,
                        .in_batch = std::nullopt,
-                       .last_box = {}});
+                       .track = std::nullopt,
+                       .trail = {}});
     }
     Run& run = runs_[*run_of[s]];
     run.record.score = std::max(run.record.score, sighting.score);
     run.record.frames += 1;
     run.record.last_time_s = sighting.time_s;
-    run.last_box = sighting.box;
+    See(sighting, run);
     if (!run.in_batch) {
       run.in_batch = batch.runs.size();
       batch.runs.push_back({.id = run.id, .run = {}});

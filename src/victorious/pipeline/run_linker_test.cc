@@ -1,5 +1,6 @@
 #include "victorious/pipeline/run_linker.h"
 
+#include <cmath>
 #include <functional>
 #include <map>
 #include <string>
@@ -9,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "victorious/base/random.h"
+#include "victorious/geometry/angles.h"
 
 namespace victorious {
 namespace {
@@ -53,14 +55,22 @@ class Ledger {
 
 using Frames = std::vector<std::vector<SightingRecord>>;
 
+// How the picture moves from one frame to the next: from the frame before, one a frame; none: it stands still.
+using Motions = std::vector<Similarity2>;
+
 // Links the frames, with a commit after each frame for which `cut` says so, and a new linker where it says `kKill`.
 enum class Cut { kNone, kCommit, kKill };
 
-Ledger LinkAll(const Frames& frames, const RunOptions& options, const std::function<Cut(std::size_t)>& cut) {
+Ledger LinkAll(const Frames& frames, const RunOptions& options, const Motions& motions,
+               const std::function<Cut(std::size_t)>& cut) {
   Ledger ledger;
   RunLinker linker(options);
   IndexBatch batch;
+  const auto step = [&](std::size_t i) {
+    if (i < motions.size()) linker.Step(static_cast<std::int64_t>(i), motions[i]);
+  };
   for (std::size_t i = 0; i < frames.size(); ++i) {
+    step(i);
     linker.Link(frames[i], batch);
     const Cut here = i + 1 == frames.size() ? Cut::kCommit : cut(i);
     if (here == Cut::kNone) continue;
@@ -70,13 +80,18 @@ Ledger LinkAll(const Frames& frames, const RunOptions& options, const std::funct
     linker = RunLinker(options);
     std::vector<RunRecord> runs;
     for (const auto& [id, run] : ledger.runs) runs.push_back(run);
-    linker.Resume(runs, ledger.sightings);
+    std::vector<SightingRecord> last;
+    for (const SightingRecord& sighting : ledger.sightings) {
+      if (sighting.time_s >= kFrameS * static_cast<double>(i) - linker.HistoryS()) last.push_back(sighting);
+    }
+    linker.Resume(runs, last);
+    for (auto k = static_cast<std::size_t>(linker.NeededFrom().value_or(0)); k <= i; ++k) step(k);
   }
   return ledger;
 }
 
-Ledger LinkAll(const Frames& frames, const RunOptions& options) {
-  return LinkAll(frames, options, [](std::size_t) { return Cut::kNone; });
+Ledger LinkAll(const Frames& frames, const RunOptions& options, const Motions& motions = {}) {
+  return LinkAll(frames, options, motions, [](std::size_t) { return Cut::kNone; });
 }
 
 std::vector<std::int64_t> RunsOf(const Ledger& ledger) {
@@ -144,7 +159,80 @@ TEST(RunLinker, ModelsAreApart) {
   EXPECT_EQ(ledger.runs.at(2).model, 8);
 }
 
-// Two models, several instances, that wander, vanish and come back.
+SightingRecord Followed(SightingRecord sighting, std::int64_t track) {
+  sighting.track = track;
+  return sighting;
+}
+
+TEST(RunLinker, WhatWasFollowedIsOneRunWhereverItIsSeen) {
+  const Box here{0, 0, 40, 40};
+  const Box there{300, 0, 40, 40};
+  const Frames frames = {{Followed(Sighting(0, here), 5), Followed(Sighting(0, there), 6)},
+                         {Followed(Sighting(1, here), 6), Followed(Sighting(1, there), 5)}};
+  EXPECT_THAT(RunsOf(LinkAll(frames, RunOptions{})), ElementsAre(1, 2, 2, 1));
+  // A new track goes on with the run where it begins.
+  EXPECT_THAT(RunsOf(LinkAll({{Followed(Sighting(0, here), 5)}, {Followed(Sighting(1, here), 9)}}, RunOptions{})),
+              ElementsAre(1, 1));
+}
+
+Similarity2 Shift(double x, double y) { return {.translation = {x, y}}; }
+
+TEST(RunLinker, WhatStandsIsExpectedWhereThePictureHasGone) {
+  const Box first{300, 100, 50, 40};
+  // The picture goes 30 px a frame to the left; after ten frames another thing stands where the first one stood.
+  const Motions motions(11, Shift(-30, 0));
+  Frames frames(11);
+  frames[0] = {Sighting(0, first)};
+  frames[10] = {Sighting(10, first), Sighting(10, {3, 101, 50, 40})};
+  EXPECT_THAT(RunsOf(LinkAll(frames, RunOptions{}, motions)), ElementsAre(1, 2, 1));
+  EXPECT_THAT(RunsOf(LinkAll(frames, RunOptions{})), ElementsAre(1, 1, 2)) << "as far as is known, it stands still";
+}
+
+TEST(RunLinker, WhatMovesOverTheGroundMovesOn) {
+  // The camera follows something that drives: it stays in the middle while the picture goes by.
+  const Box middle{300, 200, 40, 40};
+  const Motions motions(26, Shift(0, 15));
+  Frames frames(26);
+  for (int i = 0; i <= 10; ++i) frames[i] = {Sighting(i, middle)};
+  frames[25] = {Sighting(25, {303, 198, 40, 40})};
+  EXPECT_THAT(RunsOf(LinkAll(frames, RunOptions{}, motions)), ::testing::Each(1));
+}
+
+// What stands at a place, 100 m north of the camera at first, which flies east at 20 m/s.
+SightingRecord Standing(std::int64_t frame, double east_m, double range_m = 0) {
+  const GeodeticPoint origin{RadiansFromDegrees(48), RadiansFromDegrees(11), 500};
+  SightingRecord sighting = Sighting(frame, {300, 200, 40, 40});
+  const Eigen::Vector3d camera(20 * sighting.time_s, 0, 100);
+  const Eigen::Vector3d to = Eigen::Vector3d(east_m, 100, 0) - camera;
+  sighting.sight = Sight{.line = {.time_s = sighting.time_s,
+                                  .camera = TangentPlane(origin).GeodeticFromEnu(camera),
+                                  .azimuth_rad = std::atan2(to.x(), to.y()),
+                                  .elevation_rad = std::asin(to.z() / to.norm()),
+                                  .range_m = range_m > 0 ? range_m : to.norm(),
+                                  .sigma_rad = 2e-3,
+                                  .sigma_range_m = 3}};
+  return sighting;
+}
+
+TEST(RunLinker, LinesAndRangesThatDoNotMeetAreOfTwoThings) {
+  const auto runs_with = [](const SightingRecord& last) {
+    Frames frames(18);
+    for (int i = 0; i < 6; ++i) frames[i] = {Standing(i, 10)};
+    frames[17] = {last};
+    return LinkAll(frames, RunOptions{}).runs.size();
+  };
+  EXPECT_EQ(runs_with(Standing(17, 10)), 1U);
+  EXPECT_EQ(runs_with(Standing(17, 22)), 2U) << "beside it";
+  EXPECT_EQ(runs_with(Standing(17, 10, 200)), 2U) << "behind it";
+  SightingRecord unknown = Standing(17, 22);
+  unknown.sight.reset();
+  EXPECT_EQ(runs_with(unknown), 1U) << "nothing tells";
+  // What was followed there is believed: an error of telemetry does not take it apart.
+  const Frames followed = {{Followed(Standing(0, 10), 4)}, {Followed(Standing(1, 30), 4)}};
+  EXPECT_THAT(RunsOf(LinkAll(followed, RunOptions{})), ElementsAre(1, 1));
+}
+
+// Two models, several instances, that wander, vanish and come back; some are followed for a while.
 Frames RandomFrames(std::uint64_t seed) {
   Random random(seed);
   std::vector<Box> places;
@@ -157,6 +245,10 @@ Frames RandomFrames(std::uint64_t seed) {
       if ((frame / 9 + i) % 3 == 0 || random.Below(5) == 0) continue;
       frames[frame].push_back(Sighting(static_cast<std::int64_t>(frame), places[i],
                                        kModel + static_cast<std::int64_t>(i % 2), random.Uniform()));
+      if (random.Below(3) == 0) frames[frame].back().track = static_cast<std::int64_t>(100 * (frame / 8) + i);
+      if (i == 0) continue;
+      frames[frame].back().sight = Standing(static_cast<std::int64_t>(frame), places[i].x / 10).sight;
+      if (random.Below(2) == 0) frames[frame].back().source = "tracked";
     }
   }
   return frames;
@@ -174,14 +266,18 @@ TEST(RunLinker, CutsBetweenBatchesAndRunsChangeNothing) {
   const RunOptions options{.gap_s = 0.65, .least_overlap = 0.1};
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     const Frames frames = RandomFrames(seed);
-    const Ledger whole = LinkAll(frames, options);
+    Random moves(seed);
+    Motions motions;
+    for (std::size_t i = 0; i < frames.size(); ++i)
+      motions.push_back(Shift(moves.Uniform(-4, 4), moves.Uniform(-4, 4)));
+    const Ledger whole = LinkAll(frames, options, motions);
     ASSERT_GT(whole.runs.size(), 10U) << "seed " << seed;
     ASSERT_LT(whole.runs.size(), whole.sightings.size() / 3) << "seed " << seed;
     for (const std::uint32_t spacing : {1U, 3U, 20U}) {
       for (const Cut kind : {Cut::kCommit, Cut::kKill}) {
         Random random(100 * seed + spacing);
-        const Ledger cut =
-            LinkAll(frames, options, [&](std::size_t) { return random.Below(spacing) == 0 ? kind : Cut::kNone; });
+        const Ledger cut = LinkAll(frames, options, motions,
+                                   [&](std::size_t) { return random.Below(spacing) == 0 ? kind : Cut::kNone; });
         EXPECT_EQ(RunsOf(cut), RunsOf(whole)) << "seed " << seed << ", one cut in " << spacing;
         EXPECT_EQ(Summary(cut), Summary(whole)) << "seed " << seed << ", one cut in " << spacing;
       }

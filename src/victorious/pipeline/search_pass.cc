@@ -20,6 +20,7 @@
 #include "victorious/pipeline/run_linker.h"
 #include "victorious/pipeline/sight.h"
 #include "victorious/pipeline/stance.h"
+#include "victorious/track/camera_motion.h"
 
 namespace victorious {
 namespace {
@@ -27,9 +28,11 @@ namespace {
 // A frame on its way: read, searched, followed, collected.
 struct Work {
   Frame frame;
-  bool whole = true;   // is searched as a whole
-  bool keep = false;   // its features are kept
-  bool again = false;  // what it gives is stored already: only followed, for the frames after it
+  bool whole = true;    // is searched as a whole
+  bool keep = false;    // its features are kept
+  bool again = false;   // what it gives is stored already: only followed, for the frames after it
+  bool passed = false;  // before all that is followed: only how the picture moves is asked for
+  std::optional<Similarity2> now_from_before;  // how it moved
   std::optional<CameraState> camera;
   Expected<FeatureSet> features = FeatureSet{};
   std::vector<Detection> detections;
@@ -60,15 +63,18 @@ bool Follows(const SearchPass& pass) { return pass.options.follow.enabled && !pa
 // Reads the frames to be searched. Serial.
 class Source {
  public:
-  Source(const SearchPass& pass, VideoReader& reader, const CancelToken& cancel, Progress& progress)
+  /// @param needed_from  the first frame whose motion is asked for, if it lies before those to search
+  Source(const SearchPass& pass, std::optional<std::int64_t> needed_from, VideoReader& reader,
+         const CancelToken& cancel, Progress& progress)
       : reader_(reader),
         cancel_(cancel),
         progress_(progress),
         clock_(pass.options.keep.interval_s),
         pass_(pass),
         next_frame_(pass.searches.front().next_frame) {
-    first_frame_ = next_frame_;
-    if (Follows(pass)) first_frame_ -= next_frame_ % pass.options.follow.restart_frames;
+    follow_from_ = next_frame_;
+    if (Follows(pass)) follow_from_ -= next_frame_ % pass.options.follow.restart_frames;
+    first_frame_ = std::min(follow_from_, needed_from.value_or(follow_from_));
   }
 
   // The next frame to search or follow, or nothing at the end, when cancelled, or on an error.
@@ -95,9 +101,10 @@ class Source {
       if (!whole && !Follows(pass_)) continue;
       auto work = std::make_shared<Work>();
       work->frame = *std::move(*frame);
-      work->whole = whole;
-      work->keep = keep;
       work->again = index < next_frame_;
+      work->passed = index < follow_from_;
+      work->whole = whole && !work->passed;
+      work->keep = keep;
       return work;
     }
     return nullptr;
@@ -121,6 +128,7 @@ class Source {
   KeepClock clock_;
   const SearchPass& pass_;
   std::int64_t next_frame_;
+  std::int64_t follow_from_;
   std::int64_t first_frame_;
   Status status_;
   bool at_end_ = false;
@@ -143,7 +151,8 @@ SightingRecord ToSighting(const SearchPass& pass, const Frame& frame, const Feat
                           .matches = static_cast<int>(detection.pose.inliers.size()),
                           .view_index = static_cast<int>(detection.view),
                           .view = model.views[detection.view].angles,
-                          .in_plane_rad = detection.pose.scene_from_template.rotation_rad};
+                          .in_plane_rad = detection.pose.scene_from_template.rotation_rad,
+                          .track = seen.track};
   const CameraState known = camera.value_or(CameraState{});
   auto stance = StanceOf(detection, model, features, known, pass.options.sight, UpInCamera(known));
   if (!stance) return sighting;
@@ -205,8 +214,9 @@ void Search(const SearchPass& pass, Work& work) {
 }
 
 // From what was found to sightings, through the follower where there is one. Serial, in the order of frames.
-void Follow(const SearchPass& pass, std::optional<Follower>& follower, Work& work) {
-  if (!work.features) return;
+void Follow(const SearchPass& pass, std::optional<Follower>& follower, CameraMotion& motion, Work& work) {
+  work.now_from_before = motion.Step(work.frame.image);
+  if (!work.features || work.passed) return;
   if (!follower) {
     for (const Detection& detection : work.detections) {
       work.sightings.push_back(ToSighting(pass, work.frame, *work.features, work.camera, {.detection = detection}));
@@ -226,11 +236,13 @@ void Follow(const SearchPass& pass, std::optional<Follower>& follower, Work& wor
   work.frame.image.release();
 }
 
-// A run may miss a searched frame or two, however far apart these are.
+// A run may miss a searched frame or two, and as many as its track may, however far apart these are.
 RunOptions RunsOf(const SearchPass& pass, double frame_rate) {
   constexpr double kFrames = 2.5;
   RunOptions runs = pass.options.runs;
-  if (frame_rate > 0) runs.gap_s = std::max(runs.gap_s, kFrames * pass.options.every / frame_rate);
+  const double frames =
+      std::max(kFrames * pass.options.every, Follows(pass) ? pass.options.follow.track.missed_frames + 1.5 : 0.0);
+  if (frame_rate > 0) runs.gap_s = std::max(runs.gap_s, frames / frame_rate);
   return runs;
 }
 
@@ -256,7 +268,7 @@ class Sink {
     });
     if (runs.empty()) return {};
     SightingFilter filter{.video_name = pass_.video.name, .rejected_too = true};
-    filter.from_s = std::ranges::max(runs, {}, &RunRecord::last_time_s).last_time_s - linker_.options().gap_s;
+    filter.from_s = std::ranges::max(runs, {}, &RunRecord::last_time_s).last_time_s - linker_.HistoryS();
     VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SightingRecord> sightings, store_.Sightings(filter));
     linker_.Resume(runs, sightings);
     return {};
@@ -264,6 +276,7 @@ class Sink {
 
   Status Add(Work& work) {
     if (!work.features) return std::unexpected(std::move(work.features).error());
+    linker_.Step(work.frame.index, work.now_from_before);
     if (work.again) return {};
     report_.frames_searched += work.whole ? 1 : 0;
     report_.sightings += static_cast<std::int64_t>(work.sightings.size());
@@ -297,6 +310,7 @@ class Sink {
   }
 
   [[nodiscard]] std::int64_t next_frame() const { return next_frame_; }
+  [[nodiscard]] std::optional<std::int64_t> NeededFrom() const { return linker_.NeededFrom(); }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -317,9 +331,10 @@ Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelTo
                      const WarningSink& warn, IndexReport& report) {
   namespace tbb = oneapi::tbb;
   Progress progress(pass.video.name, reader.info().frame_count, "frames");
-  Source source(pass, reader, cancel, progress);
   Sink sink(pass, reader.info().frame_rate, store, report);
   VICTORIOUS_RETURN_IF_ERROR(sink.Resume());
+  Source source(pass, sink.NeededFrom(), reader, cancel, progress);
+  CameraMotion motion;
   std::optional<Follower> follower;
   if (Follows(pass)) {
     VICTORIOUS_ASSIGN_OR_RETURN(
@@ -346,7 +361,7 @@ Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelTo
       return work;
     });
     const auto follow = tbb::make_filter<WorkPtr, WorkPtr>(tbb::filter_mode::serial_in_order, [&](WorkPtr work) {
-      Follow(pass, follower, *work);
+      Follow(pass, follower, motion, *work);
       return work;
     });
     const auto collect = tbb::make_filter<WorkPtr, void>(tbb::filter_mode::serial_in_order, [&](const WorkPtr& work) {

@@ -41,4 +41,8 @@ std::optional<Sight> SightOf(const Stance& stance, const CameraState& camera) {
   return sight;
 }
 
+std::int64_t RecognitionOf(const SightingRecord& sighting, const Sight* before, std::int64_t& recognitions) {
+  return sighting.source == "tracked" && before != nullptr ? before->recognition : ++recognitions;
+}
+
 }  // namespace victorious

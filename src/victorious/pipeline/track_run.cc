@@ -28,6 +28,7 @@ struct Drawn {
   Box box;
   std::int64_t frame = 0;
   std::shared_ptr<const Recognizer> recognizer;
+  Sightings doubtful;  // since it was found again; they count once it is sure
 };
 
 std::optional<CameraState> CameraAt(const std::optional<CameraTrack>& cameras, double time_s) {
@@ -100,7 +101,10 @@ class Pass {
   /// Gives the target that was started last its model.
   void Equip(std::shared_ptr<const Recognizer> recognizer) { drawn_.back().recognizer = std::move(recognizer); }
 
-  void ChangeVideo() { tracker_.ChangeVideo(); }
+  void ChangeVideo() {
+    tracker_.ChangeVideo();
+    for (Drawn& drawn : drawn_) drawn.doubtful.clear();
+  }
 
   /// The next frame: where each object is in it.
   /// @param guide  where places are known
@@ -127,13 +131,14 @@ class Pass {
   /// @return whether it is seen, and what is seen may be it
   bool Take(const BoxStep& step, const Frame& frame, std::size_t video, const Guide* guide, const Detection* recognised,
             Sightings& sightings) {
-    if (!step.seen()) return false;
-    const std::size_t drawn = drawn_[step.target].index;
-    if (guide != nullptr && guide->Contradicts(drawn, step.box, frame)) {
-      tracker_.Lose(step.target);
+    Drawn& drawn = drawn_[step.target];
+    const bool elsewhere = step.seen() && guide != nullptr && guide->Contradicts(drawn.index, step.box, frame);
+    if (elsewhere) tracker_.Lose(step.target);
+    if (elsewhere || !step.seen()) {
+      drawn.doubtful.clear();
       return false;
     }
-    BoxSighting sighting{.drawn = drawn,
+    BoxSighting sighting{.drawn = drawn.index,
                          .video = video,
                          .frame = frame.index,
                          .time_s = frame.time_s,
@@ -143,7 +148,11 @@ class Pass {
       sighting.score = recognised->score;
       sighting.matches = recognised->pose.inliers.size();
     }
-    sightings.push_back(sighting);
+    drawn.doubtful.push_back(sighting);
+    if (!step.doubtful) {
+      std::ranges::move(drawn.doubtful, std::back_inserter(sightings));
+      drawn.doubtful.clear();
+    }
     return true;
   }
 

@@ -72,7 +72,8 @@ class IndexStoreTest : public ::testing::TestWithParam<Backend> {
                                   .in_plane_rad = 0.25,
                                   .sigma_view_rad = 0.03,
                                   .distance_m = 120.5,
-                                  .sigma_distance_m = 1.5}});
+                                  .sigma_distance_m = 1.5,
+                                  .track = 60000003}});
     }
     return batch;
   }
@@ -172,6 +173,7 @@ TEST_P(IndexStoreTest, ASightingComesBackAsItWent) {
   EXPECT_EQ(s.sigma_view_rad, 0.03);
   EXPECT_EQ(s.distance_m, 120.5);
   EXPECT_EQ(s.sigma_distance_m, 1.5);
+  EXPECT_EQ(s.track, 60000003);
 }
 
 TEST_P(IndexStoreTest, UnknownAnglesAndNoOutlineStayUnknown) {

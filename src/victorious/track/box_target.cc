@@ -113,19 +113,23 @@ BoxTarget::Sight BoxTarget::Step(const BoxScene& scene) {
     box_.centre = box_.centre.cwiseMax(-size).cwiseMin(2 * size);
     return Seek(scene);
   }
+  const bool should_have_left = ShareInView(scene.image, box_) < options_.least_in_view;
   const Answer answer = AskTurned(scene.image);
   const double trust = Trust(scene.image, answer);
-  const bool left = ShareInView(scene.image, answer.box) < options_.least_in_view;
-  if (left || trust < options_.lost_trust) {
+  // At the edge the filter finds something in the frame also when the object is beyond it.
+  const bool left = ShareInView(scene.image, answer.box) < options_.least_in_view ||
+                    (should_have_left && trust < options_.learn_trust);
+  if (left || trust < (doubtful_ ? options_.return_trust : options_.lost_trust)) {
     Lose();
     return {.loss = left ? TrackLoss::kLeftFrame : TrackLoss::kOccluded};
   }
   box_ = answer.box;
   if (trust >= options_.learn_trust) {
+    doubtful_ = false;
     velocity_px_ += options_.velocity_rate * (box_.centre - carried - velocity_px_);
     Learn(scene, answer, trust);
   }
-  return {.box = box_.Upright(), .trust = trust};
+  return {.box = box_.Upright(), .trust = trust, .doubtful = doubtful_};
 }
 
 void BoxTarget::Learn(const BoxScene& scene, const Answer& answer, double trust) {
@@ -196,14 +200,16 @@ BoxTarget::Sight BoxTarget::Seek(const BoxScene& scene) {
   for (const TurnedBox& place : PlacesToSeek(scene)) {
     const Answer answer = Ask(scene.image, place);
     const double trust = Trust(scene.image, answer);
-    if (trust < options_.return_trust || trust <= best.trust) continue;
-    if (ShareInView(scene.image, answer.box) < options_.least_in_view) continue;
+    // What the frame's edge cuts off tells as much less.
+    const double share = std::min(1.0, ShareInView(scene.image, answer.box));
+    if (trust * share < options_.return_trust || trust <= best.trust) continue;
     found = answer.box;
-    best = {.box = found.Upright(), .trust = trust, .again = true};
+    best = {.box = found.Upright(), .trust = trust, .again = true, .doubtful = true};
   }
   if (best.loss == TrackLoss::kNone) {
     box_ = found;
     lost_frames_ = 0;
+    doubtful_ = true;
   } else {
     ++lost_frames_;
     if (ShareInView(scene.image, box_) < options_.least_in_view) best.loss = TrackLoss::kLeftFrame;
@@ -221,6 +227,7 @@ BoxTarget::Sight BoxTarget::Resume(const BoxScene& scene, const Box& box, double
   }
   box_ = answer.box;
   lost_frames_ = 0;
+  doubtful_ = false;
   return {.box = box_.Upright(), .trust = trust, .again = true};
 }
 

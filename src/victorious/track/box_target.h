@@ -31,6 +31,7 @@ class BoxTarget {
     Box box;                            ///< px; may leave the frame; meaningless where it is not seen
     double trust = 0;                   ///< 0 to 1
     bool again = false;                 ///< it had been lost in the frame before
+    bool doubtful = false;              ///< found again by its look alone, and never since as usual
   };
 
   /// @param box  with an area, mostly in the frame
@@ -77,6 +78,7 @@ class BoxTarget {
   double usual_likeness_ = 1;
   int learnt_frames_ = 0;
   int lost_frames_ = 0;
+  bool doubtful_ = false;  // found again by its look alone, and not learnt since
 };
 
 }  // namespace victorious

@@ -65,7 +65,8 @@ void BoxTracker::Lose(std::size_t target) {
 }
 
 BoxStep BoxTracker::Describe(std::size_t target, const BoxTarget::Sight& sight) const {
-  BoxStep step{.target = target, .loss = sight.loss, .trust = sight.trust, .again = sight.again};
+  BoxStep step{
+      .target = target, .loss = sight.loss, .trust = sight.trust, .again = sight.again, .doubtful = sight.doubtful};
   if (step.seen()) step.box = Intersection(sight.box, FrameOf(scene_.grey));
   return step;
 }

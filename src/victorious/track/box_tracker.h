@@ -31,6 +31,7 @@ struct BoxStep {
   Box box;                            ///< px, clipped to the frame; empty where it is not seen
   double trust = 0;                   ///< 0 to 1: how much its look and the filter's answer are as usual
   bool again = false;                 ///< it was not seen in the frame before
+  bool doubtful = false;              ///< found again by its look alone, and never since as sure as is usual for it
 
   [[nodiscard]] bool seen() const { return loss == TrackLoss::kNone; }
 };

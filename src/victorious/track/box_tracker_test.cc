@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "testing/drawn_town.h"
+#include "victorious/base/random.h"
 
 namespace victorious {
 namespace {
@@ -126,6 +127,34 @@ TEST(BoxTracker, SaysThatItLeftTheFrame) {
     EXPECT_LE(step.box.x + step.box.width, 400);
   }
   EXPECT_EQ(step.loss, TrackLoss::kLeftFrame);
+}
+
+// Salt and pepper over `share` of the pixels.
+cv::Mat Noisy(cv::Mat frame, double share, Random& random) {
+  for (cv::Vec3b& pixel : cv::Mat_<cv::Vec3b>(frame)) {
+    if (random.Uniform() < share) pixel = cv::Vec3b::all(random.Below(2) == 0 ? 0 : 255);
+  }
+  return frame;
+}
+
+// Noise makes looks alike, and at the edge the filter answers with what is left in the frame.
+TEST(BoxTracker, WhatLeftANoisyPictureIsNotSeenAtItsEdge) {
+  const Drive drive;
+  int seen_after = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Random random(seed);
+    const auto car = [&](int i) { return cv::Point(500 + 3 * i, 400 + 7 * static_cast<int>(seed)); };
+    const auto camera = [](int i) { return Over(450 - 10 * i, 400 + 2 * i, 2); };
+    const auto frame = [&](int i) { return Noisy(drive.Draw(car(i), camera(i)), 0.25, random); };
+    BoxTracker tracker = Started(frame(0), Drive::BoxOf(car(0), camera(0)));
+    for (int i = 1; i <= 60; ++i) {
+      const BoxStep step = tracker.Step({i, 0.1 * i, frame(i)}).front();
+      const bool left = Drive::BoxOf(car(i), camera(i)).x >= 400;
+      EXPECT_TRUE(i > 3 || step.seen()) << "seed " << seed;
+      seen_after += left && step.seen() && !step.doubtful ? 1 : 0;
+    }
+  }
+  EXPECT_LE(seen_after, 1);
 }
 
 TEST(BoxTracker, ResumesOnlyWhereThereIsSomethingLikeTheObject) {

@@ -148,6 +148,7 @@ Expected<SightingRecord> ReadSighting(const Statement& row, std::string_view nam
   sighting.sigma_view_rad = row.OptionalReal(kStance);
   sighting.distance_m = row.OptionalReal(kStance + 1);
   sighting.sigma_distance_m = row.OptionalReal(kStance + 2);
+  sighting.track = row.OptionalInteger(kStance + 3);
   if (!row.IsNull(kSight)) sighting.sight = ReadSight(row, kSight, sighting.time_s);
   return sighting;
 }

@@ -31,7 +31,8 @@ inline constexpr std::string_view kSelectSightings =
     "s.box_height_px, s.outline, s.score, s.source, s.matches, s.view_index, s.azimuth_rad, s.off_nadir_rad, "
     "s.in_plane_rad, s.camera_latitude_rad, s.camera_longitude_rad, s.camera_altitude_m, s.line_azimuth_rad, "
     "s.line_elevation_rad, s.line_sigma_rad, s.range_m, s.range_sigma_m, s.heading_rad, s.camera_sigma_m, "
-    "s.camera_sigma_rad, s.view_sigma_rad, s.distance_m, s.distance_sigma_m FROM sightings s JOIN runs r ON r.id = "
+    "s.camera_sigma_rad, s.view_sigma_rad, s.distance_m, s.distance_sigma_m, s.track FROM sightings s JOIN runs r ON "
+    "r.id = "
     "s.run JOIN objects o ON o.id = r.object ";
 inline constexpr std::string_view kSelectKeptFrames =
     "SELECT video, frame, time_s, image_width_px, image_height_px, keypoints, descriptors FROM frame_features ";

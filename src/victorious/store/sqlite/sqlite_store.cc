@@ -90,11 +90,12 @@ void BindView(const std::optional<ViewAngles>& view, Statement& insert) {
   insert.BindAt(16, view ? std::optional(view->off_nadir_rad) : std::nullopt);
 }
 
-// Parameters 28 to 30 of a new sighting.
-void BindStance(const SightingRecord& sighting, Statement& insert) {
+// Parameters 28 to 31 of a new sighting.
+void BindStanceAndTrack(const SightingRecord& sighting, Statement& insert) {
   insert.BindAt(28, sighting.sigma_view_rad);
   insert.BindAt(29, sighting.distance_m);
   insert.BindAt(30, sighting.sigma_distance_m);
+  insert.BindAt(31, sighting.track);
 }
 
 // Parameters 17 to 27 of a new sighting.
@@ -309,15 +310,16 @@ Status SqliteStore::PutSightings(const IndexBatch& batch, const std::vector<std:
           "score, source, matches, view_index, in_plane_rad, azimuth_rad, off_nadir_rad, camera_latitude_rad, "
           "camera_longitude_rad, camera_altitude_m, camera_sigma_m, camera_sigma_rad, line_azimuth_rad, "
           "line_elevation_rad, line_sigma_rad, range_m, range_sigma_m, heading_rad, view_sigma_rad, distance_m, "
-          "distance_sigma_m) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
-          "?, ?, ?)"));
+          "distance_sigma_m, track) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
+          "?, ?, "
+          "?, ?, ?, ?)"));
   for (const auto& [update, s] : batch.sightings) {
     VICTORIOUS_CHECK(update < batch.runs.size());
     insert.Bind(batch.runs[update].run.video, s.frame, run_ids[update], s.time_s, s.box.x, s.box.y, s.box.width,
                 s.box.height, OutlineBytes(s.outline), s.score, s.source, s.matches, s.view_index, s.in_plane_rad);
     BindView(s.view, insert);
     BindSight(s.sight, insert);
-    BindStance(s, insert);
+    BindStanceAndTrack(s, insert);
     VICTORIOUS_RETURN_IF_ERROR(insert.Run());
   }
   return {};

@@ -188,7 +188,7 @@ TEST_F(SqliteStoreTest, RefusesANewerVersion) {
   for (const StoreMode mode : {StoreMode::kCreate, StoreMode::kRead}) {
     const Error error = OpenError(path_, mode);
     EXPECT_EQ(error.code, ErrorCode::kUnsupported);
-    EXPECT_THAT(error.message, HasSubstr("written by a newer version (schema 99; this program reads up to 3)"));
+    EXPECT_THAT(error.message, HasSubstr("written by a newer version (schema 99; this program reads up to 4)"));
   }
 }
 
@@ -234,7 +234,7 @@ TEST_F(SqliteStoreTest, MigratesStepByStepAndOnce) {
   for (int i = 0; i < 2; ++i) {
     const Status status = Migrate(**connection, migrations);
     ASSERT_TRUE(status) << status.error().message;
-    EXPECT_EQ(*ReadVersion(**connection, 4), 4);
+    EXPECT_EQ(*ReadVersion(**connection, 5), 5);
   }
   EXPECT_EQ(*(*connection)->QueryText("SELECT count(*) FROM videos WHERE place IS NULL"), "1");
   EXPECT_EQ(OpenError(path_, StoreMode::kCreate).code, ErrorCode::kUnsupported);
@@ -306,6 +306,7 @@ TEST_F(SqliteStoreTest, AnIndexOfTheSecondVersionIsTakenOver) {
   EXPECT_EQ(sightings->front().view->azimuth_rad, 0.5);
   EXPECT_FALSE(sightings->front().sigma_view_rad);
   EXPECT_FALSE(sightings->front().distance_m);
+  EXPECT_FALSE(sightings->front().track);
 }
 
 TEST_F(SqliteStoreTest, TwoProcessesMayMakeTheSameIndexAtOnce) {
