@@ -43,13 +43,17 @@ Status SetTypes(const std::vector<std::string>& types, std::vector<DrawnBox>& bo
   return {};
 }
 
+std::string KnownTypes() {
+  std::vector<std::string_view> known;
+  for (const ObjectType& one : ObjectTypes()) known.push_back(one.name);
+  return fmt::format("{}", fmt::join(known, ", "));
+}
+
 // A word that no place follows from is said to be one.
 void TellOfNames(const std::vector<std::string>& types) {
   for (const std::string& type : types) {
     if (type.empty() || FindObjectType(type) != nullptr) continue;
-    std::vector<std::string_view> known;
-    for (const ObjectType& one : ObjectTypes()) known.push_back(one.name);
-    spdlog::info("{}: a name only; sizes and motions are known of: {}", OneLine(type), fmt::join(known, ", "));
+    spdlog::info("{}: a name only; sizes and motions are known of: {}", OneLine(type), KnownTypes());
   }
 }
 
@@ -113,10 +117,9 @@ Action SetUpTrack(CLI::App& app) {
       ->type_name("TIME")
       ->transform(TimeOfVideo())
       ->allow_extra_args(false);
-  app.add_option(
-         "--type", arguments->types,
-         "What is in the box (car, truck, person, building, ...): its usual length tells how far off it is, and "
-         "whether it may move; any other word is a name. One for all boxes, or one for each")
+  app.add_option("--type", arguments->types,
+                 "What is in the box: its usual length tells how far off it is, and whether it may move. Known are " +
+                     KnownTypes() + "; any other word is a name. One for all boxes, or one for each")
       ->type_name("WORD")
       ->allow_extra_args(false);
   app.add_option("--telemetry", arguments->telemetry,

@@ -14,6 +14,7 @@
 #include "victorious/base/error.h"
 #include "victorious/geometry/sun.h"
 #include "victorious/pipeline/index_options.h"
+#include "victorious/pipeline/warning_sink.h"
 #include "victorious/store/index_store.h"
 #include "victorious/types/lit_templates.h"
 #include "victorious/types/object_model.h"
@@ -26,9 +27,6 @@ struct IndexReport {
   bool stopped_live = false;         ///< that end is where a live source was cancelled
   std::optional<Sun> sun;            ///< where it stands, azimuth from north, if objects were sought as it lights them
 };
-
-/// Told what of a video was damaged, and where, a line each; also of a video that could not be indexed to its end.
-using WarningSink = std::function<void(const std::string& warning)>;
 
 /// One video to be indexed, and how.
 struct IndexJob {

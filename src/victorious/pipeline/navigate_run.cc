@@ -73,7 +73,7 @@ struct Cameras {
 };
 
 Expected<Cameras> CamerasOf(const NavigateJob& job, const NavigateRunOptions& options, bool live,
-                            const NavigateWarning& warn) {
+                            const WarningSink& warn) {
   std::optional<Telemetry> telemetry;
   if (job.telemetry) {
     VICTORIOUS_ASSIGN_OR_RETURN(telemetry, ReadTelemetry(*job.telemetry, options.telemetry));
@@ -99,7 +99,7 @@ Expected<Cameras> CamerasOf(const NavigateJob& job, const NavigateRunOptions& op
 
 // Drops the models of no landmark, and the landmarks of no model.
 Status Pair(std::vector<ObjectModel>& models, std::vector<Landmark>& landmarks, const std::string& list,
-            const NavigateWarning& warn) {
+            const WarningSink& warn) {
   std::set<std::string> named;
   for (const Landmark& landmark : landmarks) named.insert(landmark.model);
   std::erase_if(models, [&](const ObjectModel& model) { return !named.contains(model.name); });
@@ -278,7 +278,7 @@ bool HeldAsTold(const Navigation& navigation, const Cameras& cameras) {
 
 Expected<NavigationRun> NavigateVideo(const NavigateJob& job, std::vector<ObjectModel> models,
                                       const NavigateRunOptions& options, const CancelToken& cancel,
-                                      const NavigateWarning& warn) {
+                                      const WarningSink& warn) {
   NavigateRunOptions checked = options;
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(checked));
   VICTORIOUS_ASSIGN_OR_RETURN(LandmarkList list, ReadLandmarks(job.landmarks, options.list));

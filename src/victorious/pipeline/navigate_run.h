@@ -19,6 +19,7 @@
 #include "victorious/pipeline/landmark_list.h"
 #include "victorious/pipeline/landmark_sighting.h"
 #include "victorious/pipeline/stance.h"
+#include "victorious/pipeline/warning_sink.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/telemetry/telemetry.h"
 
@@ -62,15 +63,12 @@ struct NavigationRun {
   double estimate_ms = 0;               ///< time of the estimation, a frame
 };
 
-/// Called with a line that a person should know.
-using NavigateWarning = std::function<void(const std::string&)>;
-
 /// @param models  all that may be searched for; those of no landmark are not
 /// Errors: kInvalidArgument for options out of range, a list without a landmark, no landmark of a known model, no field
 /// of view; those of the video, the telemetry and the index; kCancelled.
 Expected<NavigationRun> NavigateVideo(const NavigateJob& job, std::vector<ObjectModel> models,
                                       const NavigateRunOptions& options, const CancelToken& cancel,
-                                      const NavigateWarning& warn);
+                                      const WarningSink& warn);
 
 /// The telemetry's table with more columns (docs/formats/navigate.md).
 std::string ToCsv(const NavigationRun& run);

@@ -20,7 +20,7 @@ constexpr std::array kTypes = {
     ObjectType{"tank", false, 8, 0.2},
     ObjectType{"motorcycle", false, 2.1, 0.12},
     ObjectType{"bicycle", false, 1.75, 0.08},
-    ObjectType{"person", false, 1.7, 0.12},
+    ObjectType{"person", false, 1.2, 0.4},  // tall from the side, short from above
     ObjectType{"helicopter", false, 14, 0.3},
     ObjectType{"airplane", false, 15, 0.7},
     ObjectType{"boat", false, 8, 0.6},

@@ -12,6 +12,7 @@
 #include "victorious/geometry/sun.h"
 #include "victorious/pipeline/index_options.h"
 #include "victorious/pipeline/indexer.h"
+#include "victorious/pipeline/warning_sink.h"
 #include "victorious/recognize/category_finder.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/store/index_store.h"

@@ -210,7 +210,7 @@ Expected<std::unique_ptr<VideoReader>> OpenTwiceReadable(const std::string& vide
 class TrackRun {
  public:
   TrackRun(std::span<const std::string> videos, std::span<const DrawnBox> boxes, const TrackRunOptions& options,
-           const CancelToken& cancel, const TrackWarning& warn)
+           const CancelToken& cancel, const WarningSink& warn)
       : videos_(videos), boxes_(boxes), options_(options), cancel_(cancel), warn_(warn), sizes_(videos.size()) {}
 
   /// @param telemetry  a file of the first video's
@@ -405,7 +405,7 @@ class TrackRun {
   std::span<const DrawnBox> boxes_;
   const TrackRunOptions& options_;
   const CancelToken& cancel_;
-  const TrackWarning& warn_;
+  const WarningSink& warn_;
   std::unique_ptr<const FeatureExtractor> extractor_;
   std::vector<std::optional<CameraTrack>> cameras_;  // by video
   std::vector<cv::Size> sizes_;                      // of frames, by video
@@ -437,7 +437,7 @@ void TrackRunOptions::ListFields(FieldList& fields) {
 Expected<std::vector<BoxSighting>> TrackBoxes(std::span<const std::string> videos, std::span<const DrawnBox> boxes,
                                               const std::optional<std::string>& telemetry,
                                               const TrackRunOptions& options, const CancelToken& cancel,
-                                              const TrackWarning& warn) {
+                                              const WarningSink& warn) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   if (videos.empty() || boxes.empty()) {
     return Fail(ErrorCode::kInvalidArgument, "nothing to follow: give a video and a box in it");

@@ -23,6 +23,7 @@
 #include "victorious/geometry/box.h"
 #include "victorious/model/photo_model.h"
 #include "victorious/pipeline/box_place.h"
+#include "victorious/pipeline/warning_sink.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/telemetry/telemetry.h"
 #include "victorious/track/box_track_options.h"
@@ -63,9 +64,6 @@ struct BoxSighting {
   std::optional<Place> place;          ///< of the object at that time, where the lines of sight tell it
 };
 
-/// Called with a line that a person should know.
-using TrackWarning = std::function<void(const std::string&)>;
-
 /// @param videos     the first is the one that the boxes are drawn in; each a file or a folder, read twice
 /// @param telemetry  a file of the first video's; nothing: what is in it or beside it, as for the others
 /// @return by video, frame, box
@@ -76,7 +74,7 @@ using TrackWarning = std::function<void(const std::string&)>;
 Expected<std::vector<BoxSighting>> TrackBoxes(std::span<const std::string> videos, std::span<const DrawnBox> boxes,
                                               const std::optional<std::string>& telemetry,
                                               const TrackRunOptions& options, const CancelToken& cancel,
-                                              const TrackWarning& warn);
+                                              const WarningSink& warn);
 
 /// JSON Lines as of docs/formats/export.md: `model` is "box-1", "box-2", …
 std::string ToJsonLines(std::span<const BoxSighting> sightings, std::span<const std::string> videos,

@@ -272,20 +272,6 @@ std::vector<TrackPoint> PointsOf(const Detection& detection, const FeatureSet& s
   return points;
 }
 
-std::optional<double> DisagreementPx(const Pose& pose, const FeatureView& view, std::span<const TrackPoint> points) {
-  std::vector<double> distances_px;
-  for (const TrackPoint& point : points) {
-    if (!point.feature || *point.feature >= view.size()) continue;
-    const Keypoint& keypoint = view.keypoints[*point.feature];
-    const Eigen::Vector3d place = pose.scene_from_template_plane * Eigen::Vector3d(keypoint.x, keypoint.y, 1);
-    distances_px.push_back((place.hnormalized() - point.place).norm());
-  }
-  if (distances_px.empty()) return std::nullopt;
-  const auto middle = distances_px.begin() + static_cast<std::ptrdiff_t>(distances_px.size() / 2);
-  std::ranges::nth_element(distances_px, middle);
-  return *middle;
-}
-
 std::string_view Name(TrackState state) { return state == TrackState::kActive ? "active" : "inactive"; }
 
 std::string_view Name(TrackLoss loss) {

@@ -110,12 +110,6 @@ class RegionTracker {
 /// The scene's keypoints that the detection rests on, with the template's that they match.
 std::vector<TrackPoint> PointsOf(const Detection& detection, const FeatureSet& scene);
 
-/// How far a recogniser's pose disagrees with what was followed: the median distance, px in the scene, between where
-/// the pose puts the template's keypoints and where the points that matched them went. Nothing if no point has a
-/// keypoint.
-/// @param view  the features of the view that the points' keypoints are of
-std::optional<double> DisagreementPx(const Pose& pose, const FeatureView& view, std::span<const TrackPoint> points);
-
 /// "active", "inactive".
 std::string_view Name(TrackState state);
 /// "none", "lost-points", "left-frame", "occluded", "unconfirmed".

@@ -305,18 +305,5 @@ TEST(RegionTracker, RefusesOptionsOutOfRange) {
   EXPECT_EQ(RegionTracker::Create({.dilation_factor = 0.5}).error().code, ErrorCode::kInvalidArgument);
 }
 
-TEST(DisagreementPx, TellsAPoseThatIsElsewhere) {
-  const std::vector<Keypoint> keypoints = {{10, 10}, {50, 10}, {30, 60}};
-  const FeatureView view{keypoints, {}};
-  const Similarity2 truth{2, 0.3, {100, 50}};
-  std::vector<TrackPoint> points;
-  for (std::uint32_t i = 0; i < 3; ++i) points.push_back({truth.Apply({keypoints[i].x, keypoints[i].y}), i});
-  Pose pose{.scene_from_template = truth, .scene_from_template_plane = truth.Matrix()};
-  EXPECT_NEAR(*DisagreementPx(pose, view, points), 0, 1e-9);
-  pose.scene_from_template_plane(0, 2) += 7;
-  EXPECT_NEAR(*DisagreementPx(pose, view, points), 7, 1e-9);
-  EXPECT_FALSE(DisagreementPx(pose, view, {}));
-}
-
 }  // namespace
 }  // namespace victorious

@@ -11,9 +11,6 @@
 namespace victorious {
 namespace {
 
-std::optional<double> DensityOf(const StudiedObject& object) { return object.density; }
-std::optional<double> ErrorOf(const StudiedObject& object) { return object.error_m; }
-
 // Settings at one place of the plot lie on one another: a line for each number of settings.
 std::vector<PlotLine> PointsOf(const Study& study) {
   std::map<std::pair<double, double>, int> counts;
@@ -46,8 +43,8 @@ Expected<Report> RunFigure52(const ExperimentSettings& settings) {
     clean += setting.Precision() == 1 ? 1 : 0;
     perfect += setting.Recall() == 1 && setting.Precision() == 1 ? 1 : 0;
     const Study alone{.movies = {}, .settings = {setting}};
-    const std::optional<double> density = Percentile(ValuesOf(alone, DensityOf), 50);
-    const std::optional<double> error_m = Percentile(ValuesOf(alone, ErrorOf), 90);
+    const std::optional<double> density = Percentile(ValuesOf(alone, &StudiedObject::density), 50);
+    const std::optional<double> error_m = Percentile(ValuesOf(alone, &StudiedObject::error_m), 90);
     report.rows.push_back({setting.name, setting.of, static_cast<double>(setting.findable),
                            static_cast<double>(setting.found), static_cast<double>(setting.false_objects),
                            setting.Recall(), setting.Precision(), setting.IdsPerObject(),

@@ -41,8 +41,6 @@ PlotLine Cumulative(const std::string& name, std::vector<double> values) {
   return line;
 }
 
-std::optional<double> DensityOf(const StudiedObject& object) { return object.density; }
-
 // How far apart the default's and the other settings' densities of one object are, at most, and objects' of one
 // setting.
 std::string Spread(const Study& study) {
@@ -87,7 +85,7 @@ Expected<Report> RunFigure53(const ExperimentSettings& settings) {
   report.plot = {.title = "Frame detection density",
                  .x = {.label = "share of the frames in view", .low = 0, .high = 1.02},
                  .y = {.label = "share of objects and settings", .low = 0, .high = 1},
-                 .lines = {Cumulative("the project's movies", ValuesOf(study, DensityOf))}};
+                 .lines = {Cumulative("the project's movies", ValuesOf(study, &StudiedObject::density))}};
   report.notes = {
       "In view: of the frames in which an object is clear, the share in which it was reported. First to last: the same "
       "from its first to its last report, as objects that enter between two whole-frame searches wait for the next. "
@@ -109,7 +107,7 @@ Expected<Report> RunFigure53(const ExperimentSettings& settings) {
         movie.name + ", default", others, [&](const StudiedObject& object) { return object.movie == movie.name; },
         report);
   }
-  report.plot.lines.push_back(Cumulative("another renderer's, default", ValuesOf(others, DensityOf)));
+  report.plot.lines.push_back(Cumulative("another renderer's, default", ValuesOf(others, &StudiedObject::density)));
   report.notes.push_back("Of another renderer, by the default setting alone: " + Describe(others.movies) + ".");
   return report;
 }

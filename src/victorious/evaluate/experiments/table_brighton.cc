@@ -61,8 +61,13 @@ Expected<Photographed> RecordOf(const std::map<std::string, std::string>& cells,
   camera.attitude = {.yaw_rad = RadiansFromDegrees(number("GimbalYawDegree")),
                      .pitch_rad = RadiansFromDegrees(number("GimbalPitchDegree")),
                      .roll_rad = RadiansFromDegrees(number("GimbalRollDegree"))};
-  camera.pinhole.width = static_cast<int>(number("ImageWidth"));
-  camera.pinhole.height = static_cast<int>(number("ImageHeight"));
+  const auto pixels = [&](const char* column) {
+    constexpr double kMost = 100'000;
+    const double count = number(column);
+    return count >= 1 && count <= kMost ? static_cast<int>(count) : 0;
+  };
+  camera.pinhole.width = pixels("ImageWidth");
+  camera.pinhole.height = pixels("ImageHeight");
   // As if on film of 36 x 24 mm, by the diagonal of the sensor, which is 4:3; the photos are cut to 16:9.
   const double diagonal_px = camera.pinhole.width * std::hypot(4, 3) / 4;
   camera.pinhole.fx = camera.pinhole.fy = number("FocalLengthIn35mmFormat") / std::hypot(36, 24) * diagonal_px;
@@ -71,9 +76,10 @@ Expected<Photographed> RecordOf(const std::map<std::string, std::string>& cells,
   const double all = camera.place.latitude_rad + camera.place.longitude_rad + camera.place.altitude_m +
                      camera.attitude.yaw_rad + camera.attitude.pitch_rad + camera.attitude.roll_rad +
                      camera.pinhole.fx + photo.above_takeoff_m;
-  if (!photo.file.empty() && std::isfinite(all)) return photo;
+  const bool has_size = camera.pinhole.width > 0 && camera.pinhole.height > 0;
+  if (!photo.file.empty() && has_size && std::isfinite(all)) return photo;
   return Fail(ErrorCode::kDataLoss,
-              fmt::format("{}: a photo without its name, place, attitude or focal length", path.string()));
+              fmt::format("{}: a photo without its name, size, place, attitude or focal length", path.string()));
 }
 
 std::vector<std::string> Cells(const std::string& line) {
