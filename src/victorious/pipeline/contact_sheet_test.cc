@@ -16,16 +16,11 @@ constexpr ContactSheetOptions kSmallTiles = {.most_tiles = 24, .columns = 2, .ti
 
 class ContactSheet : public ::testing::Test {
  protected:
-  // Two frames a second: the crate leaves and comes back as another object.
-  static testing::FlightOptions Options() {
-    testing::FlightOptions options = ShortFlight();
-    options.fps = 2;
-    return options;
-  }
-
   void SetUp() override {
+    IndexOptions options;
+    options.runs.gap_s = 0.3;  // the crate leaves, and comes back so late that it is another object
     const auto report =
-        Indexer::Create(flight_.Models(), {}).value().Index({.video = flight_.video()}, CancelToken(), *store_);
+        Indexer::Create(flight_.Models(), options).value().Index({.video = flight_.video()}, CancelToken(), *store_);
     ASSERT_TRUE(report) << report.error().message;
     objects_ = ObjectsOf(*store_);
     ASSERT_GE(objects_.size(), 3U);
@@ -43,7 +38,7 @@ class ContactSheet : public ::testing::Test {
     return sheet ? "" : sheet.error().message;
   }
 
-  DrawnFlight flight_{Options()};
+  DrawnFlight flight_{ShortFlight()};
   std::unique_ptr<IndexStore> store_ = flight_.Store("index.db");
   std::vector<ObjectRecord> objects_;
 };
