@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/camera.h"
@@ -16,12 +18,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-bool AtTheEdge(const Box& box, const cv::Size& image) {
-  constexpr double kMarginPx = 1;
-  return box.x < kMarginPx || box.y < kMarginPx || box.x + box.width > image.width - kMarginPx ||
-         box.y + box.height > image.height - kMarginPx;
-}
-
 // Where a camera sees a point, px, and how much of the world a pixel is there.
 struct Projection {
   Vector2d pixel;
@@ -34,6 +30,78 @@ std::optional<Projection> Project(const GeodeticPoint& point, const CameraState&
   const double focal_px = FocalLengthPx(*camera.hfov_rad, image.width);
   const Vector2d shown = Distort(in_camera.hnormalized(), camera.distortion.value_or(LensDistortion{}));
   return Projection{focal_px * shown + Vector2d(image.width / 2.0, image.height / 2.0), in_camera.z() / focal_px};
+}
+
+bool Moves(const Place& place) { return place.velocity_enu && place.velocity_enu->norm() > 0; }
+
+std::optional<Place> ByRange(const Sight& sight, const BoxPlaceOptions& options) {
+  ObjectOptions object;
+  object.locate = options.locate;
+  object.locate.motion = "static";
+  return PlaceOf({&sight, 1}, object, 1).place;
+}
+
+// By where it is within a second: a line through these places.
+void TellVelocity(std::span<std::optional<Place>> places, std::size_t i) {
+  constexpr double kWindow_s = 1;
+  constexpr std::size_t kFewest = 4;
+  const TangentPlane plane(places[i]->point);
+  std::vector<std::pair<double, Vector3d>> near;
+  Vector3d middle = Vector3d::Zero();
+  double middle_s = 0;
+  for (const std::optional<Place>& place : places) {
+    if (!place || std::abs(place->time_s - places[i]->time_s) > kWindow_s) continue;
+    near.emplace_back(place->time_s, plane.EnuFromGeodetic(place->point));
+    middle_s += near.back().first;
+    middle += near.back().second;
+  }
+  if (near.size() < kFewest) return;
+  const auto count = static_cast<double>(near.size());
+  middle /= count;
+  middle_s /= count;
+  double spread_s2 = 0;
+  Vector3d moved = Vector3d::Zero();
+  for (const auto& [time_s, point] : near) {
+    spread_s2 += (time_s - middle_s) * (time_s - middle_s);
+    moved += (time_s - middle_s) * (point - middle);
+  }
+  const Vector3d velocity = moved / spread_s2;
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const auto& [time_s, point] : near) {
+    const Vector3d off = point - middle - (time_s - middle_s) * velocity;
+    scatter += off * off.transpose();
+  }
+  places[i]->velocity_enu = velocity;
+  places[i]->velocity_covariance_enu = scatter / ((count - 2) * spread_s2);
+}
+
+// The ground tells better how far off a thing is than how large things of its type are.
+std::vector<Sight> WithoutRanges(std::span<const Sight> sights) {
+  std::vector<Sight> lines(sights.begin(), sights.end());
+  for (Sight& sight : lines) sight.line.range_m.reset();
+  return lines;
+}
+
+void TellGround(const Place& ground, ObjectOptions& object) {
+  object.locate.ground_sigma_m = std::sqrt(ground.covariance_enu_m2(2, 2));
+  object.SetGround(std::make_shared<const FlatGround>(ground.point.altitude_m));
+}
+
+// Where each line meets the ground, as high as a place of it nearby.
+std::vector<std::optional<Place>> OnGround(std::span<const Sight> sights, const Place& ground,
+                                           const BoxPlaceOptions& options) {
+  ObjectOptions object;
+  object.locate = options.locate;
+  object.locate.motion = "static";
+  TellGround(ground, object);
+  std::vector<std::optional<Place>> places;
+  for (const Sight& sight : WithoutRanges(sights)) {
+    places.push_back(PlaceOf({&sight, 1}, object, 1).place);
+  }
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (places[i]) TellVelocity(places, i);
+  }
+  return places;
 }
 
 }  // namespace
@@ -67,13 +135,19 @@ void BoxPlaceOptions::ListFields(FieldList& fields) {
   fields.AddGroup("locate", locate);
 }
 
+bool EndsAtTheEdge(const Box& box, const cv::Size& image) {
+  constexpr double kMarginPx = 1;
+  return box.x < kMarginPx || box.y < kMarginPx || box.x + box.width > image.width - kMarginPx ||
+         box.y + box.height > image.height - kMarginPx;
+}
+
 std::optional<Sight> SightOfBox(const Box& box, const cv::Size& image_size, const CameraState& camera,
                                 const ObjectType* type, std::int64_t recognition, const BoxPlaceOptions& options) {
   SightOptions sight_options;
   sight_options.category_centre_share = options.centre_share;
   auto stance = StanceOfBox(box, image_size, camera, sight_options);
   if (!stance) return std::nullopt;
-  if (type != nullptr && type->length_m > 0 && !AtTheEdge(box, image_size)) {
+  if (type != nullptr && type->length_m > 0 && !EndsAtTheEdge(box, image_size)) {
     const double side_px = std::max(box.width, box.height);
     stance->range_m = stance->focal_px * options.visible_share * type->length_m / side_px;
     stance->sigma_range_m = std::hypot(options.size_share, type->length_share) * *stance->range_m;
@@ -83,34 +157,54 @@ std::optional<Sight> SightOfBox(const Box& box, const cv::Size& image_size, cons
   return sight;
 }
 
-std::vector<std::optional<Place>> PlacesOf(std::span<const Sight> sights, bool stands_still,
-                                           const BoxPlaceOptions& options) {
+std::optional<Place> PlaceOfSpot(std::span<const SpotSighting> spots, const CameraTrack& cameras,
+                                 const cv::Size& image_size, const BoxPlaceOptions& options) {
+  constexpr double kFollowed_px = 8;  // a box so large: of which `centre_share` is how well the spot is followed
+  std::vector<Sight> sights;
+  for (const SpotSighting& spot : spots) {
+    const std::optional<CameraState> camera = cameras.At(spot.time_s);
+    if (!camera) continue;
+    const Box about{spot.place.x() - kFollowed_px / 2, spot.place.y() - kFollowed_px / 2, kFollowed_px, kFollowed_px};
+    if (auto sight = SightOfBox(about, image_size, *camera, nullptr, 0, options)) sights.push_back(*std::move(sight));
+  }
+  ObjectOptions object;
+  object.locate = options.locate;
+  object.locate.motion = "static";
+  const ObjectPlace found = PlaceOf(sights, object, 1);
+  return found.agreeing >= options.least_agreeing ? found.place : std::nullopt;
+}
+
+std::vector<std::optional<Place>> PlacesOf(std::span<const Sight> sights, BoxMotion motion,
+                                           const std::optional<Place>& ground, const BoxPlaceOptions& options) {
   std::vector<std::optional<Place>> places(sights.size());
   if (sights.empty()) return places;
+  if (motion == BoxMotion::kMoves && ground) return OnGround(sights, *ground, options);
   ObjectOptions object;
   object.locate = options.locate;
   object.motion_window_s = options.stretch_s;
-  if (stands_still) object.locate.motion = "static";
-  const ObjectPlace together = PlaceOf(sights, object, 1);
+  if (ground) TellGround(*ground, object);
+  if (motion == BoxMotion::kStands) object.locate.motion = "static";
+  const ObjectPlace together = ground ? PlaceOf(WithoutRanges(sights), object, 1) : PlaceOf(sights, object, 1);
   const std::optional<Place> all = together.agreeing >= options.least_agreeing ? together.place : std::nullopt;
-  const bool moves = all && all->velocity_enu && all->velocity_enu->norm() > 0;
-  const double first_s = sights.front().line.time_s;
-  const double length_s = sights.back().line.time_s - first_s;
-  const double stretches = moves ? std::max(1.0, std::ceil(length_s / options.stretch_s)) : 1;
-  const auto stretch_of = [&](const Sight& sight) {
-    return std::min(stretches - 1, std::floor((sight.line.time_s - first_s) / length_s * stretches));
-  };
-  if (stretches == 1) {
+  if (motion != BoxMotion::kMoves && !(all && Moves(*all))) {
     for (std::size_t i = 0; i < sights.size() && all; ++i) places[i] = At(*all, sights[i].line.time_s);
     return places;
   }
+  const double first_s = sights.front().line.time_s;
+  const double length_s = sights.back().line.time_s - first_s;
+  const double stretches = std::max(1.0, std::ceil(length_s / options.stretch_s));
+  const auto stretch_of = [&](const Sight& sight) {
+    return length_s > 0 ? std::min(stretches - 1, std::floor((sight.line.time_s - first_s) / length_s * stretches)) : 0;
+  };
   object.locate.motion = "velocity";
   for (std::size_t first = 0; first < sights.size();) {
     std::size_t end = first;
     while (end < sights.size() && stretch_of(sights[end]) == stretch_of(sights[first])) ++end;
     const ObjectPlace found = PlaceOf(sights.subspan(first, end - first), object, 1);
     const std::optional<Place> place = found.agreeing >= options.least_agreeing ? found.place : std::nullopt;
-    for (std::size_t i = first; i < end && place; ++i) places[i] = At(*place, sights[i].line.time_s);
+    for (std::size_t i = first; i < end; ++i) {
+      places[i] = place ? At(*place, sights[i].line.time_s) : ByRange(sights[i], options);
+    }
     first = end;
   }
   return places;

@@ -5,6 +5,7 @@
 // (types/sight.h), so that a thousand frames do not feign a small ellipse.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -17,6 +18,7 @@
 #include "victorious/geometry/box.h"
 #include "victorious/pipeline/object_options.h"
 #include "victorious/pipeline/object_type.h"
+#include "victorious/telemetry/camera_track.h"
 #include "victorious/types/camera_state.h"
 #include "victorious/types/place.h"
 #include "victorious/types/sight.h"
@@ -35,8 +37,11 @@ struct BoxPlaceOptions {
   void ListFields(FieldList& fields);
 };
 
+/// Whether it ends at the frame's edge: the object may go on beyond.
+[[nodiscard]] bool EndsAtTheEdge(const Box& box, const cv::Size& image_size);
+
 /// The sight of what a box holds.
-/// @param box         px, clipped to the frame
+/// @param box         px; may leave the frame
 /// @param image_size  the frame's, px
 /// @param type        its length tells the range, where the box does not end at the frame's edge; may be null
 /// @param recognition of its video and box, not 0
@@ -44,14 +49,35 @@ struct BoxPlaceOptions {
 std::optional<Sight> SightOfBox(const Box& box, const cv::Size& image_size, const CameraState& camera,
                                 const ObjectType* type, std::int64_t recognition, const BoxPlaceOptions& options);
 
-/// Where it is at the time of each sight. What stands still is placed by all sights together; what moves by stretches
-/// of at most `stretch_s`, in each as if it drove straight. Lines of sight alone do not tell what drives along with a
-/// camera that flies straight from what stands: it is taken to stand.
-/// @param sights      of one object in one video, in order of time
-/// @param stands_still  as far as is known
+/// What is known of how an object moves, beside its lines of sight.
+enum class BoxMotion {
+  kUnknown,  ///< as the lines say. They do not tell what drives along with a camera that flies straight from what
+             ///< stands: it is taken to stand
+  kStands,
+  kMoves,  ///< over the ground, as the picture shows
+};
+
+/// Where a spot of the ground is to be seen in a frame.
+struct SpotSighting {
+  std::int64_t frame = 0;
+  double time_s = 0;
+  Eigen::Vector2d place;  ///< px
+};
+
+/// Where a spot of the ground is, by its lines of sight; nothing where they do not tell it.
+/// @param spots  of one spot, each in another frame, in order of time
+std::optional<Place> PlaceOfSpot(std::span<const SpotSighting> spots, const CameraTrack& cameras,
+                                 const cv::Size& image_size, const BoxPlaceOptions& options);
+
+/// Where it is at the time of each sight. What stands still is placed by all sights together, drawn to the ground if
+/// that is told and may be where they meet. What moves is where each line of sight meets the ground; without one it is
+/// placed by stretches of at most `stretch_s`, in each as if it drove straight, and where the lines do not tell that
+/// either, by the range of each sight alone.
+/// @param sights  of one object in one video, in order of time
+/// @param ground  a place of the ground nearby, for what is on the ground
 /// @return one a sight, at its time; nothing where the lines do not tell it
-std::vector<std::optional<Place>> PlacesOf(std::span<const Sight> sights, bool stands_still,
-                                           const BoxPlaceOptions& options);
+std::vector<std::optional<Place>> PlacesOf(std::span<const Sight> sights, BoxMotion motion,
+                                           const std::optional<Place>& ground, const BoxPlaceOptions& options);
 
 /// Where in a frame what stands at a place is to be seen, and how large it is there, by how it was seen once before.
 struct SeenBox {

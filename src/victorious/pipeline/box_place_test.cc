@@ -73,7 +73,8 @@ TEST(BoxPlace, WhatStandsIsInsideItsEllipsoid) {
   int inside = 0;
   for (int seed = 0; seed < kFlights; ++seed) {
     const Flight flight{.seed = static_cast<std::uint64_t>(seed) + 7};
-    const auto places = PlacesOf(Fly(flight, nullptr, BoxPlaceOptions().centre_share), false, Exact());
+    const auto places =
+        PlacesOf(Fly(flight, nullptr, BoxPlaceOptions().centre_share), BoxMotion::kUnknown, {}, Exact());
     ASSERT_TRUE(places.front() && places.back());
     const Vector3d error = TangentPlane(kOrigin).EnuFromGeodetic(places.back()->point);
     inside += error.dot(places.back()->covariance_enu_m2.inverse() * error) < kChiSquared90Of3 ? 1 : 0;
@@ -85,8 +86,9 @@ TEST(BoxPlace, WhatStandsIsInsideItsEllipsoid) {
 
 TEST(BoxPlace, ATypesLengthTellsHowFarOffItIs) {
   const Flight hovers{.frames = 10, .speed_m_s = 0};
-  EXPECT_FALSE(PlacesOf(Fly(hovers, nullptr, 0), true, {}).back()) << "one line of sight, and no range";
-  const auto place = PlacesOf(Fly(hovers, FindObjectType("car"), 0), true, {}).back();
+  EXPECT_FALSE(PlacesOf(Fly(hovers, nullptr, 0), BoxMotion::kStands, {}, {}).back())
+      << "one line of sight, and no range";
+  const auto place = PlacesOf(Fly(hovers, FindObjectType("car"), 0), BoxMotion::kStands, {}, {}).back();
   ASSERT_TRUE(place);
   const double error_m = TangentPlane(kOrigin).EnuFromGeodetic(place->point).norm();
   EXPECT_LT(error_m, 60);
@@ -95,7 +97,7 @@ TEST(BoxPlace, ATypesLengthTellsHowFarOffItIs) {
 
 TEST(BoxPlace, WhatMovesIsWhereItIsAtEachTime) {
   const Flight flight{.velocity_enu = {-6, 4, 0}, .frames = 150, .circles = true};
-  const auto places = PlacesOf(Fly(flight, FindObjectType("car"), 0), false, {});
+  const auto places = PlacesOf(Fly(flight, FindObjectType("car"), 0), BoxMotion::kUnknown, {}, {});
   int told = 0;
   for (int i = 0; i < flight.frames; ++i) {
     if (!places[static_cast<std::size_t>(i)]) continue;
@@ -108,9 +110,61 @@ TEST(BoxPlace, WhatMovesIsWhereItIsAtEachTime) {
   EXPECT_GE(told, flight.frames / 2);
 }
 
+// A camera that flies straight sees what drives straight as it would see what stands elsewhere.
+TEST(BoxPlace, WhatThePictureShowsToMoveIsPlacedOnTheGround) {
+  const Flight flight{.velocity_enu = {-4, -4, 0}, .frames = 30};
+  const auto sights = Fly(flight, nullptr, 0.05);
+  Place ground{.point = TangentPlane(kOrigin).GeodeticFromEnu({8, 3, -1.2}),
+               .covariance_enu_m2 = Eigen::Matrix3d::Identity()};
+  const auto places = PlacesOf(sights, BoxMotion::kMoves, ground, {});
+  int inside = 0;
+  for (int i = 0; i < flight.frames; ++i) {
+    const auto& place = places[static_cast<std::size_t>(i)];
+    ASSERT_TRUE(place);
+    const Vector3d off = TangentPlane(kOrigin).EnuFromGeodetic(place->point) - 0.1 * i * flight.velocity_enu;
+    inside += off.head<2>().norm() < place->ce90_m ? 1 : 0;
+    EXPECT_LT(off.norm(), 4) << i;
+    EXPECT_LT((*place->velocity_enu - flight.velocity_enu).norm(), 1) << i;
+  }
+  EXPECT_GE(inside, 0.9 * flight.frames);
+  // Without the ground its type's length tells how far off it is, and no more.
+  for (const auto& place : PlacesOf(Fly(flight, FindObjectType("car"), 0), BoxMotion::kMoves, {}, {})) {
+    EXPECT_GT(place->ce90_m, 10);
+  }
+  for (const auto& place : PlacesOf(sights, BoxMotion::kMoves, {}, {})) {
+    EXPECT_TRUE(!place || place->ce90_m > 10);
+  }
+}
+
+TEST(BoxPlace, WhatStandsIsDrawnToTheGround) {
+  const auto sights = Fly({.seed = 3, .frames = 12}, nullptr, 0.1);
+  Place ground{.point = TangentPlane(kOrigin).GeodeticFromEnu({8, 3, -1.2}),
+               .covariance_enu_m2 = Eigen::Matrix3d::Identity()};
+  const auto alone = PlacesOf(sights, BoxMotion::kUnknown, {}, {}).back();
+  const auto on_ground = PlacesOf(sights, BoxMotion::kUnknown, ground, {}).back();
+  ASSERT_TRUE(on_ground);
+  EXPECT_LT(TangentPlane(kOrigin).EnuFromGeodetic(on_ground->point).head<2>().norm(), on_ground->ce90_m);
+  EXPECT_TRUE(!alone || on_ground->ce90_m < 0.7 * alone->ce90_m);
+}
+
+TEST(BoxPlace, ASpotOfTheGroundIsWhereItsLinesMeet) {
+  const Flight flight{.frames = 30};
+  std::vector<CameraState> states;
+  std::vector<SpotSighting> spots;
+  for (int i = 0; i < flight.frames; ++i) {
+    states.push_back(CameraAt(flight, 0.1 * i));
+    const auto seen = ExpectBox(kOrigin, {0, 0, 2, 2}, states.back(), states.back(), kImage);
+    spots.push_back({i, 0.1 * i, {seen->box.x + 1, seen->box.y + 1}});
+  }
+  const auto place = PlaceOfSpot(spots, CameraTrack(states, 1), kImage, {});
+  ASSERT_TRUE(place);
+  EXPECT_LT(TangentPlane(kOrigin).EnuFromGeodetic(place->point).norm(), 0.5);
+  EXPECT_FALSE(PlaceOfSpot(std::span(spots).first(1), CameraTrack(states, 1), kImage, {})) << "one line";
+}
+
 TEST(BoxPlace, ABuildingIsNotTakenToMove) {
   const Flight flight{.velocity_enu = {-6, 4, 0}, .frames = 30};
-  for (const auto& place : PlacesOf(Fly(flight, nullptr, 0), true, {})) {
+  for (const auto& place : PlacesOf(Fly(flight, nullptr, 0), BoxMotion::kStands, {}, {})) {
     if (place && place->velocity_enu) EXPECT_EQ(place->velocity_enu->norm(), 0);
   }
 }

@@ -21,8 +21,8 @@ constexpr std::array kTypes = {
     ObjectType{"motorcycle", false, 2.1, 0.12},
     ObjectType{"bicycle", false, 1.75, 0.08},
     ObjectType{"person", false, 1.2, 0.4},  // tall from the side, short from above
-    ObjectType{"helicopter", false, 14, 0.3},
-    ObjectType{"airplane", false, 15, 0.7},
+    ObjectType{"helicopter", false, 14, 0.3, true},
+    ObjectType{"airplane", false, 15, 0.7, true},
     ObjectType{"boat", false, 8, 0.6},
     ObjectType{"train", false, 0, 0},
     ObjectType{"ship", false, 0, 0},

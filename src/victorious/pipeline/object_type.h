@@ -12,6 +12,7 @@ struct ObjectType {
   bool stands_still = false;  ///< things of this kind never move
   double length_m = 0;        ///< of the longest side; 0: things of this kind are of any size
   double length_share = 0;    ///< sigma of it over it
+  bool flies = false;         ///< things of this kind need not be on the ground
 };
 
 /// By the last part of the word that is known ("car" of "vehicle/car"), whatever its case; null where none is: the word

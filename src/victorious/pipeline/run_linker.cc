@@ -87,19 +87,25 @@ Box RunLinker::Expected(const Run& run, double time_s) {
   return box;
 }
 
-// Whether what the sighting shows may be where the run's object is by now. The errors that objects are made with stand
-// in parameters that may change without a new search (ObjectOptions): here their defaults serve.
+// Whether what the sighting shows may be where the run's object is by now: where it stood or, as far as lines tell a
+// motion, where that has taken it. Telemetry may err from row to row as much as in common. The errors that objects are
+// made with stand in parameters that may change without a new search (ObjectOptions): here their defaults serve.
 bool RunLinker::CanBeOne(const Run& run, const SightingRecord& sighting) const {
   if (!sighting.sight) return true;
   std::vector<Sight> sights;
   for (const Seen& seen : run.trail) {
     if (seen.sight) sights.push_back(*seen.sight);
   }
-  const ObjectOptions objects;
-  const std::optional<Place> place = PlaceOf(sights, objects, objects.flight_share).place;
-  if (!place) return true;
-  return SigmasOff(*sighting.sight, At(*place, sighting.time_s), objects.identity_slack_m, objects.locate,
-                   objects.flight_share) <= options_.gate_sigma;
+  ObjectOptions objects;
+  for (const char* motion : {"static", "auto"}) {
+    objects.locate.motion = motion;
+    const std::optional<Place> place = PlaceOf(sights, objects, objects.flight_share).place;
+    if (!place) return true;
+    const double off =
+        SigmasOff(*sighting.sight, At(*place, sighting.time_s), objects.identity_slack_m, objects.locate, 1);
+    if (off <= options_.gate_sigma) return true;
+  }
+  return false;
 }
 
 std::vector<std::optional<std::size_t>> RunLinker::RunsOf(const std::vector<SightingRecord>& sightings) const {

@@ -232,6 +232,25 @@ TEST(RunLinker, LinesAndRangesThatDoNotMeetAreOfTwoThings) {
   EXPECT_THAT(RunsOf(LinkAll(followed, RunOptions{})), ElementsAre(1, 1));
 }
 
+TEST(RunLinker, TelemetryThatErrsFromRowToRowTakesNoRunApart) {
+  int apart = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    Random random(seed);
+    Frames frames(18);
+    for (const int i : {0, 1, 2, 3, 4, 5, 17}) {
+      SightingRecord sighting = Standing(i, 10);
+      LineOfSight& line = sighting.sight->line;
+      line.camera =
+          TangentPlane(line.camera).GeodeticFromEnu({2 * random.Normal(), 2 * random.Normal(), 2 * random.Normal()});
+      line.azimuth_rad += RadiansFromDegrees(0.5) * random.Normal();
+      line.elevation_rad += RadiansFromDegrees(0.5) * random.Normal();
+      frames[static_cast<std::size_t>(i)] = {sighting};
+    }
+    apart += LinkAll(frames, RunOptions{}).runs.size() > 1 ? 1 : 0;
+  }
+  EXPECT_LE(apart, 2);
+}
+
 // Two models, several instances, that wander, vanish and come back; some are followed for a while.
 Frames RandomFrames(std::uint64_t seed) {
   Random random(seed);

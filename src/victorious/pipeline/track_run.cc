@@ -1,6 +1,8 @@
 #include "victorious/pipeline/track_run.h"
 
 #include <algorithm>
+#include <iterator>
+#include <map>
 #include <memory>
 #include <tuple>
 #include <utility>
@@ -10,10 +12,12 @@
 
 #include "victorious/base/progress.h"
 #include "victorious/features/feature_extractor.h"
+#include "victorious/features/impulse_noise.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/store/export_json.h"
 #include "victorious/telemetry/camera_track.h"
 #include "victorious/track/box_tracker.h"
+#include "victorious/track/ground_spot.h"
 #include "victorious/video/image_file.h"
 #include "victorious/video/video_reader.h"
 
@@ -28,8 +32,17 @@ struct Drawn {
   Box box;
   std::int64_t frame = 0;
   std::shared_ptr<const Recognizer> recognizer;
-  Sightings doubtful;  // since it was found again; they count once it is sure
+  Sightings doubtful;                // since it was found again; they count once it is sure
+  std::optional<GroundSpot> ground;  // where it was drawn
+  std::optional<Box> last_box;       // in the frame before
 };
+
+/// Where the ground is to be seen that the object of a drawn box stood on.
+struct DrawnSpot {
+  std::size_t drawn = 0;
+  SpotSighting seen;
+};
+using Spots = std::vector<DrawnSpot>;
 
 std::optional<CameraState> CameraAt(const std::optional<CameraTrack>& cameras, double time_s) {
   return cameras ? cameras->At(time_s) : std::nullopt;
@@ -88,13 +101,19 @@ std::string ModelName(std::size_t drawn) { return fmt::format("box-{}", drawn + 
 /// One way through frames: forward, backward, or through another video.
 class Pass {
  public:
-  Pass(BoxTracker tracker, const FeatureExtractor& extractor, int recognize_every)
-      : tracker_(std::move(tracker)), extractor_(&extractor), recognize_every_(recognize_every) {}
+  /// @param impulse_share  of the frames (WithoutImpulses), where the ground is watched, too; else nothing
+  Pass(BoxTracker tracker, const FeatureExtractor& extractor, int recognize_every, std::optional<double> impulse_share)
+      : tracker_(std::move(tracker)),
+        extractor_(&extractor),
+        recognize_every_(recognize_every),
+        impulse_share_(impulse_share) {}
 
   /// Begins in the frame last seen. @return the box, clipped to the frame
   Expected<Box> Start(const Drawn& drawn) {
     VICTORIOUS_ASSIGN_OR_RETURN(const BoxStep step, tracker_.Start(drawn.box));
     drawn_.push_back(drawn);
+    drawn_.back().last_box = step.box;
+    if (impulse_share_) drawn_.back().ground.emplace(Clean(last_image_), step.box);
     return step.box;
   }
 
@@ -103,12 +122,20 @@ class Pass {
 
   void ChangeVideo() {
     tracker_.ChangeVideo();
-    for (Drawn& drawn : drawn_) drawn.doubtful.clear();
+    impulse_share_.reset();
+    for (Drawn& drawn : drawn_) {
+      drawn.doubtful.clear();
+      drawn.ground.reset();
+    }
   }
+
+  /// Where the ground that each object was drawn on was seen since the last call.
+  [[nodiscard]] Spots TakeSpots() { return std::exchange(spots_, {}); }
 
   /// The next frame: where each object is in it.
   /// @param guide  where places are known
   Status See(const Frame& frame, std::size_t video, const Guide* guide, Sightings& sightings) {
+    SeeGround(frame);
     std::vector<std::size_t> lost;
     for (const BoxStep& step : tracker_.Step(frame)) {
       if (!Take(step, frame, video, guide, nullptr, sightings)) lost.push_back(step.target);
@@ -132,17 +159,20 @@ class Pass {
   bool Take(const BoxStep& step, const Frame& frame, std::size_t video, const Guide* guide, const Detection* recognised,
             Sightings& sightings) {
     Drawn& drawn = drawn_[step.target];
-    const bool elsewhere = step.seen() && guide != nullptr && guide->Contradicts(drawn.index, step.box, frame);
+    const bool elsewhere = step.seen() && guide != nullptr && guide->Contradicts(drawn.index, step.extent, frame);
     if (elsewhere) tracker_.Lose(step.target);
+    drawn.last_box.reset();
     if (elsewhere || !step.seen()) {
       drawn.doubtful.clear();
       return false;
     }
+    drawn.last_box = step.box;
     BoxSighting sighting{.drawn = drawn.index,
                          .video = video,
                          .frame = frame.index,
                          .time_s = frame.time_s,
                          .box = step.box,
+                         .extent = step.extent,
                          .score = step.trust};
     if (recognised != nullptr) {
       sighting.score = recognised->score;
@@ -154,6 +184,25 @@ class Pass {
       drawn.doubtful.clear();
     }
     return true;
+  }
+
+  [[nodiscard]] cv::Mat Clean(const cv::Mat& image) const {
+    return WithoutImpulses(GreyFromBgr(image), *impulse_share_);
+  }
+
+  void SeeGround(const Frame& frame) {
+    if (!impulse_share_) return;
+    last_image_ = frame.image;
+    if (std::ranges::none_of(drawn_, [](const Drawn& drawn) { return drawn.ground.has_value(); })) return;
+    const cv::Mat clean = Clean(frame.image);
+    for (Drawn& drawn : drawn_) {
+      if (!drawn.ground) continue;
+      if (const auto place = drawn.ground->Step(clean, drawn.last_box)) {
+        spots_.push_back({drawn.index, {frame.index, frame.time_s, *place}});
+      } else {
+        drawn.ground.reset();
+      }
+    }
   }
 
   bool LookWhereItStands(std::size_t target, const Frame& frame, std::size_t video, const Guide& guide,
@@ -190,6 +239,9 @@ class Pass {
   int recognize_every_;
   std::vector<Drawn> drawn_;  // in the order of the tracker's targets
   std::int64_t seen_frames_ = 0;
+  std::optional<double> impulse_share_;
+  cv::Mat last_image_;  // where the ground is watched
+  Spots spots_;
 };
 
 Status CancelledIf(const CancelToken& cancel) {
@@ -211,7 +263,13 @@ class TrackRun {
  public:
   TrackRun(std::span<const std::string> videos, std::span<const DrawnBox> boxes, const TrackRunOptions& options,
            const CancelToken& cancel, const WarningSink& warn)
-      : videos_(videos), boxes_(boxes), options_(options), cancel_(cancel), warn_(warn), sizes_(videos.size()) {}
+      : videos_(videos),
+        boxes_(boxes),
+        options_(options),
+        cancel_(cancel),
+        warn_(warn),
+        sizes_(videos.size()),
+        spots_(boxes.size()) {}
 
   /// @param telemetry  a file of the first video's
   Expected<Sightings> Run(const std::optional<std::string>& telemetry) {
@@ -238,7 +296,8 @@ class TrackRun {
  private:
   Expected<Pass> NewPass() const {
     VICTORIOUS_ASSIGN_OR_RETURN(BoxTracker tracker, BoxTracker::Create(options_.box));
-    return Pass(std::move(tracker), *extractor_, options_.recognize_every);
+    const auto impulse_share = cameras_[0] ? std::optional(options_.model.features.impulse_share) : std::nullopt;
+    return Pass(std::move(tracker), *extractor_, options_.recognize_every, impulse_share);
   }
 
   Status GoForward(Pass& pass) {
@@ -258,6 +317,7 @@ class TrackRun {
       return {};
     };
     VICTORIOUS_RETURN_IF_ERROR(ReadAll(*reader, videos_[0], visit));
+    KeepSpots(pass);
     for (std::size_t i = 0; i < boxes_.size(); ++i) {
       if (started[i]) continue;
       return Fail(ErrorCode::kInvalidArgument,
@@ -279,7 +339,12 @@ class TrackRun {
     } else {
       warn_(fmt::format("{}: found again by its look alone: {}", ModelName(index), recognizer.error().message));
     }
-    sightings_.push_back({.drawn = index, .frame = frame.index, .time_s = frame.time_s, .box = drawn.box, .score = 1});
+    sightings_.push_back({.drawn = index,
+                          .frame = frame.index,
+                          .time_s = frame.time_s,
+                          .box = drawn.box,
+                          .extent = drawn.box,
+                          .score = 1});
     drawn_.push_back(std::move(drawn));
     return {};
   }
@@ -306,7 +371,12 @@ class TrackRun {
         progress.Update(++done);
       }
     }
+    KeepSpots(pass);
     return {};
+  }
+
+  void KeepSpots(Pass& pass) {
+    for (DrawnSpot& spot : pass.TakeSpots()) spots_[spot.drawn][spot.seen.frame] = spot.seen;
   }
 
   Expected<std::vector<Frame>> ReadStretch(std::int64_t first, std::int64_t end) const {
@@ -355,22 +425,57 @@ class TrackRun {
         const auto camera = CameraAt(cameras_[sighting.video], sighting.time_s);
         if (!camera) continue;
         const auto recognition = static_cast<std::int64_t>(sighting.video * boxes_.size() + drawn + 1);
-        sighting.sight = SightOfBox(sighting.box, sizes_[sighting.video], *camera, type, recognition, options_.place);
+        sighting.sight =
+            SightOfBox(sighting.extent, sizes_[sighting.video], *camera, type, recognition, options_.place);
         if (sighting.sight) seen[sighting.video].push_back(&sighting);
       }
-      PutPlaces(seen[0], type != nullptr && type->stands_still);
-      const bool stands = !seen[0].empty() && seen[0].front()->place && StandsStill(*seen[0].front()->place);
+      const BoxMotion motion = MotionOf(drawn, type, seen[0]);
+      // Of what may fly, and of what nobody says what it is and does not leave its spot, lines of sight alone tell
+      // more.
+      const bool on_ground = type != nullptr ? !type->flies : motion == BoxMotion::kMoves;
+      const std::optional<Place> ground = on_ground ? GroundOf(drawn) : std::nullopt;
+      PutPlaces(seen[0], motion, ground);
+      const bool stands = motion != BoxMotion::kMoves && !seen[0].empty() && seen[0].front()->place &&
+                          StandsStill(*seen[0].front()->place);
       std::vector<BoxSighting*> all;
       for (const auto& of_video : seen) all.insert(all.end(), of_video.begin(), of_video.end());
-      if (stands && all.size() > seen[0].size()) PutPlaces(all, true);
-      for (std::size_t video = 1; video < seen.size() && !stands; ++video) PutPlaces(seen[video], false);
+      if (stands && all.size() > seen[0].size()) PutPlaces(all, BoxMotion::kStands, ground);
+      for (std::size_t video = 1; video < seen.size() && !stands; ++video) PutPlaces(seen[video], motion, {});
     }
   }
 
-  void PutPlaces(const std::vector<BoxSighting*>& seen, bool stands_still) const {
+  /// By how far it leaves the spot of ground that it was drawn on, over its length: what is higher than the ground, and
+  /// is boxed a little differently from frame to frame, leaves it a little.
+  [[nodiscard]] BoxMotion MotionOf(std::size_t drawn, const ObjectType* type,
+                                   const std::vector<BoxSighting*>& seen) const {
+    if (type != nullptr && type->stands_still) return BoxMotion::kStands;
+    constexpr double kMoves = 1;
+    constexpr double kStays = 0.5;
+    double farthest = 0;
+    std::size_t compared = 0;
+    for (const BoxSighting* sighting : seen) {
+      const auto spot = spots_[drawn].find(sighting->frame);
+      if (spot == spots_[drawn].end() || EndsAtTheEdge(sighting->box, sizes_[0])) continue;
+      const Box& box = sighting->extent;
+      const Eigen::Vector2d centre(box.x + box.width / 2, box.y + box.height / 2);
+      farthest = std::max(farthest, (centre - spot->second.place).norm() / std::max(box.width, box.height));
+      ++compared;
+    }
+    if (farthest > kMoves) return BoxMotion::kMoves;
+    return farthest < kStays && 2 * compared > seen.size() ? BoxMotion::kStands : BoxMotion::kUnknown;
+  }
+
+  [[nodiscard]] std::optional<Place> GroundOf(std::size_t drawn) const {
+    if (!cameras_[0]) return std::nullopt;
+    std::vector<SpotSighting> spots;
+    for (const auto& [frame, spot] : spots_[drawn]) spots.push_back(spot);
+    return PlaceOfSpot(spots, *cameras_[0], sizes_[0], options_.place);
+  }
+
+  void PutPlaces(const std::vector<BoxSighting*>& seen, BoxMotion motion, const std::optional<Place>& ground) const {
     std::vector<Sight> sights;
     for (const BoxSighting* sighting : seen) sights.push_back(*sighting->sight);
-    const auto places = PlacesOf(sights, stands_still, options_.place);
+    const auto places = PlacesOf(sights, motion, ground, options_.place);
     for (std::size_t i = 0; i < seen.size(); ++i) seen[i]->place = places[i];
   }
 
@@ -411,6 +516,7 @@ class TrackRun {
   std::vector<cv::Size> sizes_;                      // of frames, by video
   std::vector<Drawn> drawn_;
   Sightings sightings_;
+  std::vector<std::map<std::int64_t, SpotSighting>> spots_;  // of the first video, by drawn box and frame
 };
 
 }  // namespace

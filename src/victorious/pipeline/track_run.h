@@ -58,6 +58,7 @@ struct BoxSighting {
   std::int64_t frame = 0;
   double time_s = 0;
   Box box;                             ///< px, clipped to the frame
+  Box extent;                          ///< the same where it goes on beyond the frame, px
   double score = 0;                    ///< 0 to 1: the tracker's trust, or the recogniser's score
   std::optional<std::size_t> matches;  ///< where the recogniser found it
   std::optional<Sight> sight;          ///< where there is telemetry

@@ -50,7 +50,7 @@ Expected<BoxStep> BoxTracker::Start(const Box& box) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: too little of it in the frame: {}", told, right));
   }
   targets_.emplace_back(scene_, inside, options_);
-  return BoxStep{.target = targets_.size() - 1, .box = inside, .trust = 1};
+  return BoxStep{.target = targets_.size() - 1, .box = inside, .extent = inside, .trust = 1};
 }
 
 BoxStep BoxTracker::Resume(std::size_t target, const Box& box, double turn_rad, Evidence evidence) {
@@ -67,7 +67,9 @@ void BoxTracker::Lose(std::size_t target) {
 BoxStep BoxTracker::Describe(std::size_t target, const BoxTarget::Sight& sight) const {
   BoxStep step{
       .target = target, .loss = sight.loss, .trust = sight.trust, .again = sight.again, .doubtful = sight.doubtful};
-  if (step.seen()) step.box = Intersection(sight.box, FrameOf(scene_.grey));
+  if (!step.seen()) return step;
+  step.extent = sight.box;
+  step.box = Intersection(sight.box, FrameOf(scene_.grey));
   return step;
 }
 

@@ -29,6 +29,7 @@ struct BoxStep {
   std::size_t target = 0;             ///< in order of the starts, from 0
   TrackLoss loss = TrackLoss::kNone;  ///< kNone exactly if it is seen
   Box box;                            ///< px, clipped to the frame; empty where it is not seen
+  Box extent;                         ///< the same where it goes on beyond the frame, px
   double trust = 0;                   ///< 0 to 1: how much its look and the filter's answer are as usual
   bool again = false;                 ///< it was not seen in the frame before
   bool doubtful = false;              ///< found again by its look alone, and never since as sure as is usual for it

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <system_error>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "victorious/base/file.h"
+#include "victorious/base/program_id.h"
 #include "victorious/evaluate/experiments/category_experiments.h"
 #include "victorious/evaluate/experiments/match_experiments.h"
 #include "victorious/evaluate/experiments/place_experiments.h"
@@ -18,6 +21,15 @@ namespace victorious {
 Status ExperimentSettings::CheckCancelled() const {
   if (cancel != nullptr && cancel->IsCancelled()) return Fail(ErrorCode::kCancelled, "cancelled: nothing was written");
   return {};
+}
+
+Expected<std::string> ExperimentSettings::KeptAs(const std::string& made_of) const {
+  std::string made_by = program;
+  if (made_by.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(made_by, ProgramId());
+  }
+  const std::string key = made_of + " " + made_by;
+  return fmt::format("{:016x}", Checksum(std::as_bytes(std::span(key))));
 }
 
 const CancelToken& ExperimentSettings::Cancel() const {

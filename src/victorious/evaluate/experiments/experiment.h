@@ -25,10 +25,14 @@ struct ExperimentSettings {
   std::vector<std::string> movies = {};
   /// Of these flights: at most so many frames each, over the same time; 0: as the scene file has it.
   int frames = 0;
+  std::string program = {};  ///< whose results these are; empty: ProgramId()
   const CancelToken* cancel = nullptr;
   std::function<void(std::string_view what)> progress = [](std::string_view) {};  ///< a line, now and then
 
   [[nodiscard]] Status CheckCancelled() const;
+  /// Names what is kept in `out` for the next experiment, by what it was made of, parameters among it, and by the
+  /// program: another build makes its own. 16 hexadecimal digits.
+  [[nodiscard]] Expected<std::string> KeptAs(const std::string& made_of) const;
   /// `cancel`, or one that never cancels.
   [[nodiscard]] const CancelToken& Cancel() const;
 };

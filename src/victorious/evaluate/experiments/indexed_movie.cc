@@ -11,7 +11,6 @@
 #include <fmt/ranges.h>
 
 #include "victorious/base/file.h"
-#include "victorious/base/version.h"
 #include "victorious/evaluate/experiments/match_trial.h"
 #include "victorious/model/lit_views.h"
 #include "victorious/pipeline/indexer.h"
@@ -22,8 +21,6 @@ namespace victorious {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string Digest(const std::string& text) { return fmt::format("{:016x}", Checksum(std::as_bytes(std::span(text)))); }
 
 // Models of what the truth names and there are CAD files of; other rows of the truth are left out.
 Expected<TrueMovie> ReadTrueMovie(const std::string& name, const fs::path& folder, const fs::path& cad_files,
@@ -65,8 +62,9 @@ Expected<TrueMovie> FlyScene(const std::string& name, const ExperimentSettings& 
     scene.video.frames = settings.frames;
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string content, ContentId(file, settings.Cancel()));
-  const std::string made_by = fmt::format("{} {} {}", content, scene.video.frames, kVersion);
-  const fs::path folder = settings.out / "flights" / fmt::format("{}-{}", name, Digest(made_by));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string kept_as,
+                              settings.KeptAs(fmt::format("{} {}", content, scene.video.frames)));
+  const fs::path folder = settings.out / "flights" / fmt::format("{}-{}", name, kept_as);
   if (!fs::exists(folder / "video.mp4")) {  // it comes last
     settings.progress(fmt::format("flying {}", name));
     const auto warn = [&](const std::string& warning) { settings.progress(warning); };
@@ -95,12 +93,12 @@ Expected<std::unique_ptr<IndexStore>> IndexOf(const TrueMovie& movie, const Inde
   searched.keep.interval_s = 1e6;  // nobody searches these by picture
   FieldList fields;
   searched.ListSearchFields(fields);
-  const std::string made_by = fmt::format("{} {}", ToJsonText(fields.fields()), kVersion);
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string kept_as, settings.KeptAs(ToJsonText(fields.fields())));
   const fs::path folder = settings.out / "indexes" / movie.folder.filename();
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return std::unexpected(ErrorFromErrno(error.value(), "make folder " + folder.string()));
-  VICTORIOUS_ASSIGN_OR_RETURN(auto store, OpenSqliteStore(folder / (Digest(made_by) + ".db"), StoreMode::kCreate));
+  VICTORIOUS_ASSIGN_OR_RETURN(auto store, OpenSqliteStore(folder / (kept_as + ".db"), StoreMode::kCreate));
   VICTORIOUS_ASSIGN_OR_RETURN(const Indexer indexer, Indexer::Create(movie.models, searched));
   const IndexJob job{.video = (movie.folder / "video.mp4").string(),
                      .telemetry = (movie.folder / "telemetry.csv").string(),

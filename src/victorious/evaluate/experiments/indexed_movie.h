@@ -1,5 +1,6 @@
 // Movies of known truth, indexed as `victorious index` does: what the figures of chapters 4 and 5 are made of. A movie
-// is flown once and searched once with the same parameters, and kept in OUT; a run that was stopped goes on.
+// is flown once and searched once with the same parameters by the same build, and kept in OUT; a run that was stopped
+// goes on.
 #pragma once
 
 #include <filesystem>
@@ -44,7 +45,7 @@ Expected<std::vector<TrueMovie>> FlyScenes(const std::vector<std::string>& unles
 Expected<TrueMovie> ReadMovie(const std::filesystem::path& folder, const ExperimentSettings& settings);
 
 /// The movie's index with these parameters. What decides what is found is searched once and kept, in OUT/indexes by the
-/// name of the movie, the parameters and the program's version; the objects are made anew of it each time, by
+/// name of the movie, the parameters and the program that runs; the objects are made anew of it each time, by
 /// `options.objects`.
 Expected<std::unique_ptr<IndexStore>> IndexOf(const TrueMovie& movie, const IndexOptions& options,
                                               const ExperimentSettings& settings);

@@ -7,7 +7,6 @@
 
 #include "victorious/base/check.h"
 #include "victorious/base/file.h"
-#include "victorious/base/version.h"
 #include "victorious/match/matcher.h"
 #include "victorious/model/model_library.h"
 #include "victorious/pipeline/index_options.h"
@@ -38,9 +37,8 @@ Expected<std::shared_ptr<const ObjectModel>> KeptModel(const ExperimentSettings&
                                                        const CadModelOptions& options) {
   const std::string name = cad_file.stem().string();
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string content, ContentId(cad_file, settings.Cancel()));
-  const std::string made_by = fmt::format("{} {}", kVersion, OptionsToJsonText(options));
-  const ModelLibrary library(settings.out / "models" /
-                             fmt::format("{}-{:016x}", content, Checksum(std::as_bytes(std::span(made_by)))));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string kept_as, settings.KeptAs(OptionsToJsonText(options)));
+  const ModelLibrary library(settings.out / "models" / fmt::format("{}-{}", content, kept_as));
   Expected<ObjectModel> model = library.Load(name);
   if (!model && model.error().code == ErrorCode::kNotFound) {
     VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());

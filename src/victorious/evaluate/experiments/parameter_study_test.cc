@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 #include <set>
+#include <utility>
 #include <variant>
 
 #include <fmt/format.h>
@@ -11,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "testing/data.h"
+#include "victorious/base/program_id.h"
 
 namespace victorious {
 namespace {
@@ -149,6 +151,31 @@ TEST_F(TinyFlight, IsStudiedAndSearchedOnceForWhatIsSearchedAlike) {
   };
   EXPECT_EQ(files("indexes"), 2) << "the default's serves for what comes after the search";
   EXPECT_EQ(files("flights"), 1);
+}
+
+TEST_F(TinyFlight, AnotherBuildSearchesAnew) {
+  const auto movie = FlyScene("tiny", Settings());
+  ASSERT_TRUE(movie.has_value()) << movie.error().message;
+  ExperimentSettings settings = Settings();
+  settings.out = *folder_ / "builds";
+  for (const auto& [program, indexes] : {std::pair("a", 1), std::pair("b", 2), std::pair("a", 2)}) {
+    settings.program = program;
+    EXPECT_TRUE(IndexOf(*movie, FollowingOptions(), settings).has_value());
+    const fs::directory_iterator kept(settings.out / "indexes" / movie->folder.filename());
+    EXPECT_EQ(std::ranges::count_if(kept, [](const auto& entry) { return entry.path().extension() == ".db"; }), indexes)
+        << program;
+  }
+}
+
+TEST(ExperimentSettings, WhatIsKeptIsKnownByWhatItIsMadeOfAndByTheBuild) {
+  ExperimentSettings settings{.data = {}, .scenes = {}, .out = {}};
+  const std::string own = settings.KeptAs("x").value();
+  EXPECT_EQ(settings.KeptAs("x").value(), own);
+  EXPECT_NE(settings.KeptAs("y").value(), own);
+  settings.program = ProgramId().value();
+  EXPECT_EQ(settings.KeptAs("x").value(), own);
+  settings.program = "0.0.1-0123456789abcdef";
+  EXPECT_NE(settings.KeptAs("x").value(), own);
 }
 
 TEST_F(TinyFlight, FewerFramesTakeAsLong) {

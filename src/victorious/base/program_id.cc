@@ -1,0 +1,22 @@
+#include "victorious/base/program_id.h"
+
+#include <span>
+
+#include <fmt/format.h>
+
+#include "victorious/base/file.h"
+#include "victorious/base/version.h"
+
+namespace victorious {
+
+Expected<std::string> ProgramId() {
+  static const Expected<std::string> id = ProgramIdOf("/proc/self/exe");
+  return id;
+}
+
+Expected<std::string> ProgramIdOf(const std::filesystem::path& executable) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(executable));
+  return fmt::format("{}-{:016x}", kVersion, Checksum(std::as_bytes(std::span(bytes))));
+}
+
+}  // namespace victorious
