@@ -16,7 +16,8 @@ namespace victorious {
 namespace {
 
 constexpr std::array<std::uint8_t, 8> kMagic = {0x8A, 'V', 'C', 'A', 'T', 0x0D, 0x0A, 0x1A};
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kOldestVersion = 2;  // had no shapes
 
 struct Header {
   std::array<std::uint8_t, 8> magic = kMagic;
@@ -123,14 +124,16 @@ void PutWeights(const LinearWeights& weights, Writer& out) {
   out.PutVector(weights.words);
   out.PutVector(weights.phrases);
   out.PutVector(weights.fisher);
+  if (weights.shapes.size() > 0) out.PutVector(weights.shapes);
   out.Put(weights.offset);
 }
 
-LinearWeights GetWeights(std::size_t words, std::size_t phrases, std::size_t fisher, Reader& in) {
+LinearWeights GetWeights(std::size_t words, std::size_t phrases, std::size_t fisher, std::size_t shapes, Reader& in) {
   LinearWeights weights;
   weights.words = in.GetVector(words);
   weights.phrases = in.GetVector(phrases);
   weights.fisher = in.GetVector(fisher);
+  if (shapes > 0) weights.shapes = in.GetVector(shapes);
   weights.offset = in.Get<float>();
   in.Require(std::isfinite(weights.offset));
   return weights;
@@ -169,6 +172,27 @@ FisherEncoder GetEncoder(Reader& in) {
   encoder.centre.resize(rows, components);
   encoder.deviation.resize(rows, components);
   return encoder;
+}
+
+void PutShapes(const CategoryModel& model, Writer& out) {
+  out.PutVector(model.shape.mean);
+  out.PutVector(model.shape.projection.reshaped());
+  out.PutVector(model.shape_examples.reshaped());
+}
+
+void GetShapes(CategoryModel& model, Reader& in) {
+  const std::vector<float> mean = in.GetFloats();
+  const std::vector<float> projection = in.GetFloats();
+  const std::vector<float> examples = in.GetFloats();
+  if (!in.Require(mean.size() == kRawShapeSize && !projection.empty() && projection.size() % mean.size() == 0)) return;
+  const std::size_t dimensions = projection.size() / mean.size();
+  if (!in.Require(!examples.empty() && examples.size() % dimensions == 0)) return;
+  const auto rows = static_cast<Eigen::Index>(dimensions);
+  const auto values = static_cast<Eigen::Index>(mean.size());
+  model.shape.mean = Eigen::Map<const Eigen::VectorXf>(mean.data(), values);
+  model.shape.projection = Eigen::Map<const Eigen::MatrixXf>(projection.data(), rows, values);
+  model.shape_examples =
+      Eigen::Map<const Eigen::MatrixXf>(examples.data(), rows, static_cast<Eigen::Index>(examples.size() / dimensions));
 }
 
 void PutGrammar(const PhraseGrammar& grammar, Writer& out) {
@@ -236,9 +260,11 @@ void GetLinear(CategoryModel& model, Reader& in) {
   in.Require(model.part_of_word.size() == words);
   in.Require(std::ranges::all_of(model.part_of_word, [&](std::uint16_t part) { return part < model.parts; }));
   model.fisher = GetEncoder(in);
+  if (model.options.shapes.weight > 0) GetShapes(model, in);
+  const auto shapes = static_cast<std::size_t>(model.shape_examples.cols());
   for (std::size_t n = 0; n < model.nodes.size() && in.ok(); ++n) {
-    model.word_weights.push_back(GetWeights(words, 0, 0, in));
-    model.phrase_weights.push_back(GetWeights(words, PhraseCount(model.parts), model.fisher.size(), in));
+    model.word_weights.push_back(GetWeights(words, 0, 0, shapes, in));
+    model.phrase_weights.push_back(GetWeights(words, PhraseCount(model.parts), model.fisher.size(), shapes, in));
   }
 }
 
@@ -290,9 +316,10 @@ Expected<CategoryModel> Parse(std::span<const std::byte> bytes) {
         ErrorCode::kUnsupported,
         fmt::format("written by a newer version (format {}; this program reads up to {})", header.version, kVersion));
   }
-  if (header.version > 0 && header.version < kVersion) {
-    return Fail(ErrorCode::kUnsupported, fmt::format("written by an older version (format {}; this program reads {})",
-                                                     header.version, kVersion));
+  if (header.version > 0 && header.version < kOldestVersion) {
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("written by an older version (format {}; this program reads {} to {})", header.version,
+                            kOldestVersion, kVersion));
   }
   const auto payload = bytes.subspan(sizeof(Header));
   if (header.version == 0 || header.payload_size != payload.size())
@@ -316,6 +343,7 @@ std::vector<std::byte> EncodeCategories(const CategoryModel& model) {
     payload.Put(static_cast<std::uint16_t>(model.parts));
     payload.PutAll(std::span<const std::uint16_t>(model.part_of_word));
     PutEncoder(model.fisher, payload);
+    if (model.shape.size() > 0) PutShapes(model, payload);
     for (std::size_t n = 0; n < model.nodes.size(); ++n) {
       PutWeights(model.word_weights[n], payload);
       PutWeights(model.phrase_weights[n], payload);

@@ -35,11 +35,13 @@ struct CategoryNode {
 };
 
 /// One node's weights in the linear classifier. The score is words . h_w + phrases . h_p + fisher . f + offset, with
-/// the histograms of histogram.h and the vector of fisher.h.
+/// the histograms of histogram.h and the vector of fisher.h, + shapes . how like it is to each of shape_examples
+/// (shape.h).
 struct LinearWeights {
   Eigen::VectorXf words;
   Eigen::VectorXf phrases;  ///< empty for CategoryMethod::kWords
   Eigen::VectorXf fisher;   ///< the same
+  Eigen::VectorXf shapes;   ///< one an example of CategoryModel::shape_examples
   float offset = 0;
 };
 
@@ -54,6 +56,8 @@ struct CategoryModel {
   std::vector<std::uint16_t> part_of_word;
   std::size_t parts = 0;
   FisherEncoder fisher;
+  ShapeEncoder shape;
+  Eigen::MatrixXf shape_examples;             ///< a column an example that was learned from; of a shape encoder alone
   std::vector<LinearWeights> phrase_weights;  ///< one a node
   std::vector<LinearWeights> word_weights;    ///< one a node
 
@@ -91,7 +95,7 @@ struct CategoryResult {
 
 CategoryResult Classify(const CategoryModel& model, const WordedPicture& picture, CategoryMethod method);
 
-/// The picture as the model's words, with its Fisher vector where the model has them.
+/// The picture as the model's words, with its Fisher vector and its shape where the model has them.
 WordedPicture WordsOf(const CategoryModel& model, const FeatureSet& features);
 
 /// Whether `ancestor` is `name` or above it: "vehicle" of "vehicle/car", not of "vehicles".

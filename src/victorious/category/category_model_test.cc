@@ -7,6 +7,7 @@
 
 #include "victorious/category/category_file.h"
 #include "victorious/category/category_test_tools.h"
+#include "victorious/category/refine.h"
 
 namespace victorious {
 namespace {
@@ -53,6 +54,31 @@ TEST(CategoryModel, AFileGivesTheSameScores) {
         EXPECT_EQ(a.scores[n].probability, b.scores[n].probability) << scoring;
     }
   }
+}
+
+TEST(CategoryModel, AFileKeepsShapes) {
+  const auto examples = DrawExamples(5, 3);
+  CategoryOptions options = SmallOptions();
+  options.shapes = {.weight = 3, .dimensions = 6};
+  const auto model = TrainCategories(examples, options);
+  ASSERT_TRUE(model.has_value());
+  ASSERT_EQ(model->shape_examples.cols(), 10);
+  const auto read = ParseCategories(EncodeCategories(*model), "m.vcat");
+  ASSERT_TRUE(read.has_value()) << read.error().message;
+  const CategoryResult a = Classify(*model, WordsOf(*model, examples[0].features), CategoryMethod::kPhrases);
+  const CategoryResult b = Classify(*read, WordsOf(*read, examples[0].features), CategoryMethod::kPhrases);
+  EXPECT_EQ(a.scores[0].raw, b.scores[0].raw);
+  EXPECT_FALSE(RefineCategories(*model, {}).has_value());
+}
+
+TEST(CategoryModel, AFileOfTheVersionBeforeIsRead) {
+  const auto examples = DrawExamples(4, 3);
+  const auto model = TrainCategories(examples, SmallOptions());
+  auto bytes = EncodeCategories(*model);
+  bytes[8] = std::byte{2};  // which had no shapes; nor has this one
+  const auto read = ParseCategories(bytes, "m.vcat");
+  ASSERT_TRUE(read.has_value()) << read.error().message;
+  EXPECT_EQ(EncodeCategories(*read), EncodeCategories(*model));
 }
 
 TEST(CategoryModel, DamagedFilesAreRefused) {

@@ -20,6 +20,7 @@ void CategoryOptions::ListFields(FieldList& fields) {
   fields.AddGroup("vocabulary", vocabulary);
   fields.AddGroup("phrases", phrases);
   fields.AddGroup("fisher", fisher);
+  fields.AddGroup("shapes", shapes);
   fields.AddGroup("plsa", plsa);
   fields.AddGroup("grammar", grammar);
 }

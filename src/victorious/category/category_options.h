@@ -10,6 +10,7 @@
 #include "victorious/category/histogram.h"
 #include "victorious/category/phrase_grammar.h"
 #include "victorious/category/plsa.h"
+#include "victorious/category/shape.h"
 #include "victorious/category/vocabulary.h"
 
 namespace victorious {
@@ -23,6 +24,7 @@ struct CategoryOptions {
   VocabularyOptions vocabulary;
   PhraseOptions phrases;
   FisherOptions fisher;
+  ShapeOptions shapes;
   PlsaOptions plsa;
   GrammarOptions grammar;
 

@@ -21,9 +21,13 @@ std::vector<double> LinearScores(const CategoryModel& model, const WordedPicture
     phrases = Hellinger(
         CountPhrases(FindPhrases(picture, model.part_of_word, model.parts, model.options.phrases), model.parts));
   }
+  Eigen::VectorXf compared;
+  if (model.shape.size() > 0)
+    compared = CompareShapes(model.shape_examples, picture.shape, model.options.shapes.sharpness);
   std::vector<double> scores;
   for (const LinearWeights& weights : with_phrases ? model.phrase_weights : model.word_weights) {
     double score = weights.offset + DotWith(weights.words, words);
+    if (model.shape.size() > 0) score += weights.shapes.dot(compared);
     if (with_phrases) score += DotWith(weights.phrases, phrases) + weights.fisher.dot(picture.fisher);
     scores.push_back(score);
   }
@@ -44,6 +48,7 @@ int TargetOf(std::string_view category, std::string_view node) {
 WordedPicture WordsOf(const CategoryModel& model, const FeatureSet& features) {
   WordedPicture picture = WordsOf(features, model.vocabulary, model.options.soft_words, model.options.softness);
   picture.fisher = model.fisher.Encode(features);
+  picture.shape = model.shape.Encode(features);
   return picture;
 }
 

@@ -1,6 +1,7 @@
 #include "victorious/category/held_out.h"
 
 #include <algorithm>
+#include <map>
 #include <vector>
 
 namespace victorious {
@@ -9,10 +10,20 @@ Calibration CalibrateOn(std::span<const CategoryExample> examples, std::span<con
                         const Eigen::VectorXd& scores) {
   std::vector<double> used;
   std::vector<bool> positive;
+  std::map<int, double> highest;  // of each picture that does not show the node
   for (std::size_t i = 0; i < examples.size(); ++i) {
     if (targets[i] == 0 || !examples[i].calibrates) continue;
-    used.push_back(scores(static_cast<Eigen::Index>(i)));
-    positive.push_back(targets[i] > 0);
+    const double score = scores(static_cast<Eigen::Index>(i));
+    if (targets[i] > 0) {
+      used.push_back(score);
+      positive.push_back(true);
+    } else if (const auto [at, is_new] = highest.try_emplace(examples[i].picture, score); !is_new) {
+      at->second = std::max(at->second, score);
+    }
+  }
+  for (const auto& [picture, score] : highest) {
+    used.push_back(score);
+    positive.push_back(false);
   }
   constexpr double kCertain = 20;  // a probability of 1 - 2e-9
   if (std::ranges::count(positive, false) == 0) return {.slope = 1, .offset = kCertain};

@@ -77,6 +77,9 @@ void Refine(std::span<const Seen> seen, std::span<const int> targets, const Part
 Expected<CategoryModel> RefineCategories(CategoryModel model, std::span<const CategoryMark> marks) {
   if (model.options.scoring != "linear")
     return Fail(ErrorCode::kUnsupported, "a model of scoring likelihood has no weights to refine: train it again");
+  if (model.shape.size() > 0)
+    return Fail(ErrorCode::kUnsupported,
+                "a model of windows cannot be refined: add what was right or wrong to its pictures, and train again");
   std::vector<Seen> seen;
   for (const CategoryMark& mark : marks) {
     if (std::ranges::find(model.nodes, mark.category, &CategoryNode::name) == model.nodes.end())

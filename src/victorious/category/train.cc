@@ -102,12 +102,14 @@ struct Seen {
   std::vector<SparseVector> words;
   std::vector<SparseVector> phrases;
   Eigen::MatrixXf fisher;  // a column a picture
+  Eigen::MatrixXf shapes;  // the same
 };
 
 Seen See(const CategoryModel& model, std::span<const WordedPicture> pictures) {
   Seen seen{.words = std::vector<SparseVector>(pictures.size()),
             .phrases = std::vector<SparseVector>(pictures.size()),
-            .fisher = {static_cast<Eigen::Index>(model.fisher.size()), static_cast<Eigen::Index>(pictures.size())}};
+            .fisher = {static_cast<Eigen::Index>(model.fisher.size()), static_cast<Eigen::Index>(pictures.size())},
+            .shapes = {static_cast<Eigen::Index>(model.shape.size()), static_cast<Eigen::Index>(pictures.size())}};
   cv::parallel_for_({0, static_cast<int>(pictures.size())}, [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) {
       const auto at = static_cast<std::size_t>(i);
@@ -115,6 +117,7 @@ Seen See(const CategoryModel& model, std::span<const WordedPicture> pictures) {
       seen.words[at] = Hellinger(CountWords(pictures[at], model.vocabulary.size()));
       seen.phrases[at] = Hellinger(CountPhrases(phrases, model.parts));
       seen.fisher.col(i) = pictures[at].fisher;
+      seen.shapes.col(i) = pictures[at].shape;
     }
   });
   return seen;
@@ -218,7 +221,13 @@ void LearnLinear(std::span<const CategoryExample> examples, std::span<const Word
   const double phrase_weight = model.options.phrases.weight;
   const double fisher_weight = model.options.fisher.weight;
   const std::size_t phrases = PhraseCount(model.parts);
-  const Eigen::MatrixXd word_kernel = KernelOf(seen.words, model.vocabulary.size()).array() + 1.0;
+  const double shape_weight = model.options.shapes.weight;
+  Eigen::MatrixXd word_kernel = KernelOf(seen.words, model.vocabulary.size()).array() + 1.0;
+  if (shape_weight > 0) {
+    model.shape_examples = seen.shapes;
+    word_kernel +=
+        shape_weight * CompareShapes(seen.shapes, seen.shapes, model.options.shapes.sharpness).cast<double>();
+  }
   const Eigen::MatrixXd joint_kernel =
       word_kernel + phrase_weight * KernelOf(seen.phrases, phrases) + fisher_weight * KernelOf(seen.fisher);
   const NodeFits by_words = FitNodes(word_kernel, examples, model);
@@ -229,6 +238,7 @@ void LearnLinear(std::span<const CategoryExample> examples, std::span<const Word
       return LinearWeights{.words = Weights(seen.words, alpha, model.vocabulary.size()),
                            .phrases = {},
                            .fisher = {},
+                           .shapes = (shape_weight * alpha.head(model.shape_examples.cols())).cast<float>(),
                            .offset = static_cast<float>(alpha.sum())};
     };
     model.nodes[n].words = by_words.calibrations[n];
@@ -255,6 +265,7 @@ Expected<CategoryModel> TrainCategories(std::span<const CategoryExample> example
   model.vocabulary = Vocabulary::Learn(sets, options.vocabulary, options.seed);
   if (options.scoring == "linear") {
     model.fisher = FisherEncoder::Learn(sets, options.fisher, options.seed);
+    model.shape = ShapeEncoder::Learn(sets, options.shapes);
     LearnLinear(examples, PicturesOf(examples, model), model);
   } else {
     LearnLikelihoods(examples, model);

@@ -24,6 +24,7 @@ struct WordedPicture {
   std::size_t few = 1;            ///< words a keypoint
   std::vector<WordShare> shares;  ///< `few` a keypoint, the nearest word first; of each keypoint they sum to 1
   Eigen::VectorXf fisher;         ///< empty, unless a model that has an encoder (fisher.h) made the picture
+  Eigen::VectorXf shape;          ///< the same of shapes (shape.h)
   int width = 0;                  ///< px
   int height = 0;                 ///< px
 

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "victorious/base/progress.h"
 #include "victorious/category/category_file.h"
@@ -69,11 +70,16 @@ std::string ExplanationFile(const std::string& file, std::size_t row) {
       .string();
 }
 
-Status Explain(const std::string& file, const cv::Mat& bgr, const CategoryModel& model, const WordedPicture& picture,
-               const CategoryResult& result) {
+Status Explain(const std::string& file, const cv::Mat& bgr, const CategoryModel& model, const ClassifiedPicture& seen) {
+  const CategoryResult& result = seen.result;
+  const Box& part = seen.looked_at;
+  cv::Mat looked_at = bgr(cv::Rect(cv::Rect2d(part.x, part.y, part.width, part.height)) & cv::Rect({0, 0}, bgr.size()));
+  if (looked_at.size() != cv::Size(seen.picture.width, seen.picture.height))
+    cv::resize(looked_at, looked_at, {seen.picture.width, seen.picture.height}, 0, 0, cv::INTER_AREA);
   const std::string caption =
       fmt::format("{} {:.3f}", model.nodes[result.label].name, result.scores[result.label].probability);
-  return WriteImage(file, DrawEvidence(bgr, picture, EvidenceFor(model, picture, result.label), caption));
+  return WriteImage(file,
+                    DrawEvidence(looked_at, seen.picture, EvidenceFor(model, seen.picture, result.label), caption));
 }
 
 Status Classify(const Arguments& arguments) {
@@ -85,12 +91,10 @@ Status Classify(const Arguments& arguments) {
   const CategoryMethod method = arguments.method == "words" ? CategoryMethod::kWords : CategoryMethod::kPhrases;
   std::vector<std::string> lines(rows.size());
   const auto classify = [&](std::size_t row, const cv::Mat& bgr) -> Status {
-    VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, eye.Look(GreyFromBgr(bgr)));
-    const WordedPicture picture = WordsOf(model, features);
-    const CategoryResult result = victorious::Classify(model, picture, method);
-    lines[row] = Line(rows[row].image, model, result, arguments.json);
+    VICTORIOUS_ASSIGN_OR_RETURN(const ClassifiedPicture seen, ClassifyPicture(eye, model, GreyFromBgr(bgr), method));
+    lines[row] = Line(rows[row].image, model, seen.result, arguments.json);
     if (!arguments.explain.empty())
-      VICTORIOUS_RETURN_IF_ERROR(Explain(ExplanationFile(arguments.explain, row), bgr, model, picture, result));
+      VICTORIOUS_RETURN_IF_ERROR(Explain(ExplanationFile(arguments.explain, row), bgr, model, seen));
     return {};
   };
   {

@@ -10,7 +10,7 @@
 namespace victorious {
 namespace {
 
-constexpr std::array<std::string_view, 2> kNames = {"thesis", "learnt"};
+constexpr std::array<std::string_view, 3> kNames = {"thesis", "learnt", "windows"};
 
 // By the fields' full names, of whichever list has them.
 constexpr std::string_view kThesis = R"({
@@ -58,6 +58,18 @@ constexpr std::string_view kLearnt = R"({
   "cascade.all_measures": true
 })";
 
+constexpr std::string_view kWindows = R"({
+  "features.windows.enabled": true,
+  "features.dense.sizes": 5,
+  "vocabulary.words": 1000,
+  "shapes.weight": 4.0
+})";
+
+std::string_view TextOf(std::string_view name) {
+  if (name == "thesis") return kThesis;
+  return name == "learnt" ? kLearnt : kWindows;
+}
+
 }  // namespace
 
 std::span<const std::string_view> PresetNames() { return kNames; }
@@ -70,7 +82,7 @@ Status ApplyPreset(std::string_view name, const std::vector<FieldRef>& fields) {
                 fmt::format("{}: no such preset; there are {}", name, fmt::join(kNames, ", ")));
   }
   nlohmann::json known = nlohmann::json::object();
-  const nlohmann::json preset = nlohmann::json::parse(name == "thesis" ? kThesis : kLearnt);
+  const nlohmann::json preset = nlohmann::json::parse(TextOf(name));
   for (const auto& [field, value] : preset.items()) {
     const auto same = std::ranges::find(fields, field, &FieldRef::name);
     if (same == fields.end()) continue;

@@ -37,6 +37,15 @@ TEST(Preset, LearntSetsTheCascadeAlone) {
   EXPECT_EQ(index.features.contrast_threshold, IndexOptions().features.contrast_threshold);
 }
 
+TEST(Preset, WindowsAreForCategoriesAlone) {
+  CategoryTrainOptions category;
+  ASSERT_TRUE(ApplyPreset("windows", FieldsOf(category)).has_value());
+  EXPECT_TRUE(category.features.windows.enabled);
+  EXPECT_GT(category.category.shapes.weight, 0);
+  IndexOptions index;
+  EXPECT_FALSE(ApplyPreset("windows", FieldsOf(index)).has_value());
+}
+
 TEST(Preset, LeavesTheRestAsItIs) {
   IndexOptions index;
   index.recognize.pose.seed = 17;
@@ -47,7 +56,7 @@ TEST(Preset, LeavesTheRestAsItIs) {
 TEST(Preset, UnknownNamesAndListsWithoutItsFieldsAreRefused) {
   IndexOptions index;
   EXPECT_EQ(ApplyPreset("nonsense", FieldsOf(index)).error().message,
-            "nonsense: no such preset; there are thesis, learnt");
+            "nonsense: no such preset; there are thesis, learnt, windows");
   LocateOptions locate;
   EXPECT_EQ(ApplyPreset("thesis", FieldsOf(locate)).error().message, "preset thesis: says nothing of these parameters");
   RunOptions runs;

@@ -10,6 +10,7 @@
 #include "victorious/base/file.h"
 #include "victorious/category/category_file.h"
 #include "victorious/category/evidence.h"
+#include "victorious/category/windows.h"
 
 namespace victorious {
 
@@ -55,13 +56,55 @@ CategoryFinder::CategoryFinder(CategoryModel model, CategoryEye eye, const Categ
       content_id_(fmt::format("{:016x}", Checksum(EncodeCategories(*model_)))) {
   for (std::size_t n = 0; n < model_->nodes.size(); ++n) {
     const CategoryNode& node = model_->nodes[n];
-    if (!node.labels || IsListed(options.none, node.name)) continue;
+    if (!node.labels || IsListed(options.none, node.name) || node.name == eye_.options().windows.none) continue;
     names_.push_back(node.name);
     nodes_.push_back(n);
   }
 }
 
+// A place shows one thing, and what that thing is in general.
+std::vector<FoundCategory> CategoryFinder::FindInWindows(const cv::Mat& grey) const {
+  struct Likely {
+    const SeenWindow* window;
+    std::size_t category;
+    double probability;
+  };
+  const WindowOptions& options = eye_.options().windows;
+  const std::vector<SeenWindow> windows =
+      LookThroughWindows(*model_, eye_.Clean(grey), eye_.options().dense, options, nodes_);
+  std::vector<Likely> likely;
+  for (const SeenWindow& window : windows) {
+    for (std::size_t c = 0; c < nodes_.size(); ++c) {
+      const double probability = window.result.scores[nodes_[c]].probability;
+      if (probability >= least_probability_) likely.push_back({&window, c, probability});
+    }
+  }
+  std::ranges::stable_sort(likely, std::ranges::greater(), &Likely::probability);
+  std::vector<Likely> apart;
+  for (const Likely& one : likely) {
+    const auto takes_its_place = [&](const Likely& other) {
+      const std::string& a = names_[one.category];
+      const std::string& b = names_[other.category];
+      const bool may_be_both = a != b && (IsWithin(a, b) || IsWithin(b, a));
+      return !may_be_both && ShowTheSame(one.window->box, other.window->box, options.overlap);
+    };
+    if (std::ranges::none_of(apart, takes_its_place)) apart.push_back(one);
+  }
+  std::vector<FoundCategory> found;
+  for (const Likely& one : apart) {
+    const WordedPicture& picture = one.window->picture;
+    const Box inside = SupportingBox(EvidenceFor(*model_, picture, nodes_[one.category]), picture);
+    const double scale = one.window->box.width / picture.width;
+    found.push_back({.category = one.category,
+                     .box = {one.window->box.x + inside.x * scale, one.window->box.y + inside.y * scale,
+                             inside.width * scale, inside.height * scale},
+                     .probability = one.probability});
+  }
+  return found;
+}
+
 Expected<std::vector<FoundCategory>> CategoryFinder::Find(const cv::Mat& grey) const {
+  if (eye_.options().windows.enabled) return FindInWindows(grey);
   VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, eye_.Look(grey));
   const WordedPicture picture = WordsOf(*model_, features);
   std::vector<FoundCategory> found;

@@ -1,5 +1,7 @@
-// Which categories a frame shows, and where: the whole frame is classified, and each category that is likely enough
-// gets the box that gathers most of the evidence for it (category/evidence.h). A frame gives a category once.
+// Which categories a frame shows, and where: the whole frame is classified, or windows of many sizes all over it
+// (category/windows.h), as the model was trained, and each category that is likely enough gets the box that gathers
+// most of the evidence for it there (category/evidence.h). A whole frame gives a category once; windows, as often as
+// likely ones lie apart.
 #pragma once
 
 #include <cstddef>
@@ -43,10 +45,13 @@ class CategoryFinder {
   [[nodiscard]] const std::string& content_id() const { return content_id_; }
 
   /// @param grey  CV_8UC1
-  /// By rising category. Cost: that of `category classify`, and some ms a category found.
+  /// By rising category; of windows, the likeliest first. Cost: that of `category classify`, and some ms a category
+  /// found.
   [[nodiscard]] Expected<std::vector<FoundCategory>> Find(const cv::Mat& grey) const;
 
  private:
+  [[nodiscard]] std::vector<FoundCategory> FindInWindows(const cv::Mat& grey) const;
+
   CategoryFinder(CategoryModel model, CategoryEye eye, const CategoryFindOptions& options);
 
   std::shared_ptr<const CategoryModel> model_;

@@ -16,7 +16,9 @@
 #include "victorious/category/category_list.h"
 #include "victorious/category/category_model.h"
 #include "victorious/category/dense_features.h"
+#include "victorious/category/windows.h"
 #include "victorious/features/feature_extractor.h"
+#include "victorious/recognize/window_training.h"
 
 namespace victorious {
 
@@ -25,6 +27,7 @@ struct CategoryFeatureOptions {
   std::string surroundings = "learn";
   bool mirrored = true;
   DenseOptions dense;
+  WindowOptions windows;
   FeatureOptions keypoints;
 
   void ListFields(FieldList& fields);
@@ -33,6 +36,7 @@ struct CategoryFeatureOptions {
 /// What `category train --params` sets.
 struct CategoryTrainOptions {
   CategoryFeatureOptions features;
+  WindowTrainOptions examples;
   CategoryOptions category;
 
   void ListFields(FieldList& fields);
@@ -51,6 +55,9 @@ class CategoryEye {
 
   /// @param grey  CV_8UC1
   [[nodiscard]] Expected<FeatureSet> Look(const cv::Mat& grey) const;
+
+  /// The picture without salt and pepper: what windows are cut out of.
+  [[nodiscard]] cv::Mat Clean(const cv::Mat& grey) const;
 
  private:
   CategoryEye() = default;
@@ -72,9 +79,24 @@ Status ForEachPicture(const std::filesystem::path& folder, std::span<const Categ
                       const std::function<Status(std::size_t row, const cv::Mat& bgr)>& use,
                       const std::function<void(std::size_t)>& done);
 
-/// Trains on the pictures of a list. Errors: those of reading pictures and of TrainCategories; kInvalidArgument for a
-/// row without a category or with a box outside its picture.
+/// Trains on the pictures of a list. For windows (features.windows) a picture without a box is, where its category has
+/// none at all, of none of the things; elsewhere, a thing as a whole.
+/// Errors: those of reading pictures, of TrainCategories and TrainOnWindows; kInvalidArgument for a row without a
+/// category or with a box outside its picture.
 Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::span<const CategoryListRow> rows,
                                     const CategoryTrainOptions& options, const std::function<void(std::size_t)>& done);
+
+/// A picture, or the window of it that is likeliest to show its label.
+struct ClassifiedPicture {
+  CategoryResult result;
+  Box looked_at;          ///< px of the picture
+  WordedPicture picture;  ///< what was looked at
+};
+
+/// What a picture shows, as the model was trained: as a whole, or of windows the highest score of each category, and of
+/// none of the things what the likeliest window leaves.
+/// Errors: kInvalidArgument for words alone of a model of windows.
+Expected<ClassifiedPicture> ClassifyPicture(const CategoryEye& eye, const CategoryModel& model, const cv::Mat& grey,
+                                            CategoryMethod method);
 
 }  // namespace victorious

@@ -75,6 +75,8 @@ std::span<const Experiment> Experiments() {
       Experiment{"figure5.5", "Errors of place: the helicopter and all other kinds", &RunFigure55},
       Experiment{"table-boxes", "Where categories are: boxes of the supporting phrases beside drawn ones",
                  &RunTableBoxes},
+      Experiment{"table-windows", "Things small in a frame, and several: windows beside the whole frame",
+                 &RunTableWindows},
       Experiment{"figure-calibration", "Whether scores of detections are probabilities", &RunFigureCalibration},
       Experiment{"table-stance", "Errors of view and distance, by how the camera is known", &RunTableStance},
       Experiment{"table-cheyenne", "Places by a real flight's stares, beside the recorded frame centres",

@@ -1,0 +1,36 @@
+#include "victorious/category/held_out.h"
+
+#include <gtest/gtest.h>
+
+namespace victorious {
+namespace {
+
+// `looks` windows in each of `pictures` pictures that do not show it, one of them of score 0 and the others below; and
+// as many pictures that do, of score 2.
+Calibration WithLooks(int pictures, int looks) {
+  std::vector<CategoryExample> examples;
+  std::vector<int> targets;
+  std::vector<double> scores;
+  for (int picture = 0; picture < pictures; ++picture) {
+    examples.push_back({.category = "thing", .picture = picture});
+    targets.push_back(1);
+    scores.push_back(2 + 0.1 * (picture % 5));
+    for (int look = 0; look < looks; ++look) {
+      examples.push_back({.category = "none", .picture = pictures + picture});
+      targets.push_back(-1);
+      scores.push_back(look == 0 ? 0.1 * (picture % 5) : -3.0);
+    }
+  }
+  return CalibrateOn(examples, targets, Eigen::Map<const Eigen::VectorXd>(scores.data(), std::ssize(scores)));
+}
+
+TEST(HeldOut, OfAPictureWithoutItTheHighestScoreCounts) {
+  const Calibration one = WithLooks(20, 1);
+  const Calibration many = WithLooks(20, 30);
+  EXPECT_NEAR(one.Probability(1.2), many.Probability(1.2), 1e-9);
+  EXPECT_GT(one.Probability(2.2), 0.8);
+  EXPECT_LT(many.Probability(0.2), 0.2);
+}
+
+}  // namespace
+}  // namespace victorious

@@ -1,0 +1,110 @@
+#include "victorious/category/shape.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+
+namespace victorious {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXf;
+using Eigen::VectorXf;
+
+constexpr int kPatches = 2;   // a side
+constexpr float kPatch = 12;  // side of a patch, in its keypoint's scale: four cells of three sigma
+constexpr auto kRawSize = static_cast<Index>(kRawShapeSize);
+
+// The scale whose patches are nearest to a little over half the picture.
+float ScaleOf(const FeatureSet& features) {
+  constexpr float kShare = 0.55F;
+  const float wanted = kShare * static_cast<float>(std::min(features.image_width, features.image_height)) / kPatch;
+  float best = 0;
+  for (const Keypoint& keypoint : features.keypoints) {
+    if (best == 0 || std::abs(std::log(keypoint.scale_px / wanted)) < std::abs(std::log(best / wanted)))
+      best = keypoint.scale_px;
+  }
+  return best;
+}
+
+VectorXf RawShape(const FeatureSet& features) {
+  VectorXf raw = VectorXf::Zero(kRawSize);
+  const float scale = ScaleOf(features);
+  if (scale == 0) return raw;
+  const float reach = kPatch / 2 * scale;
+  const std::array<float, kPatches> xs = {reach, static_cast<float>(features.image_width) - reach};
+  const std::array<float, kPatches> ys = {reach, static_cast<float>(features.image_height) - reach};
+  Index at = 0;
+  for (const float y : ys) {
+    for (const float x : xs) {
+      float nearest2 = reach * reach / 4;  // farther off it is another patch: this one has no contrast
+      std::size_t nearest = features.size();
+      for (std::size_t i = 0; i < features.size(); ++i) {
+        const Keypoint& keypoint = features.keypoints[i];
+        if (keypoint.scale_px != scale) continue;
+        const float distance2 = (keypoint.x - x) * (keypoint.x - x) + (keypoint.y - y) * (keypoint.y - y);
+        if (distance2 >= nearest2) continue;
+        nearest2 = distance2;
+        nearest = i;
+      }
+      if (nearest < features.size()) {
+        const auto descriptor = features.View().Descriptor(nearest);
+        float sum = 0;
+        for (const std::uint8_t value : descriptor) sum += value;
+        for (std::size_t k = 0; k < kDescriptorSize; ++k)
+          raw(at + static_cast<Index>(k)) = std::sqrt(static_cast<float>(descriptor[k]) / std::max(1.0F, sum));
+      }
+      at += static_cast<Index>(kDescriptorSize);
+    }
+  }
+  return raw;
+}
+
+}  // namespace
+
+void ShapeOptions::ListFields(FieldList& fields) {
+  fields.Add("weight", weight,
+             {.min = 0, .max = 100, .reason = "of shapes against words in the comparison of two windows; 0: none"});
+  fields.Add("dimensions", dimensions, {.min = 1, .max = 512, .reason = "principal axes of shapes that are kept"});
+  fields.Add("sharpness", sharpness,
+             {.min = 0.1, .max = 100, .reason = "how fast two windows compare less as their shapes come apart"});
+}
+
+ShapeEncoder ShapeEncoder::Learn(std::span<const FeatureSet* const> sets, const ShapeOptions& options) {
+  ShapeEncoder encoder;
+  if (options.weight == 0) return encoder;
+  MatrixXf raw(kRawSize, static_cast<Index>(sets.size()));
+  for (std::size_t i = 0; i < sets.size(); ++i) raw.col(static_cast<Index>(i)) = RawShape(*sets[i]);
+  encoder.mean = raw.rowwise().mean();
+  const MatrixXf centred = raw.colwise() - encoder.mean;
+  const Eigen::MatrixXd covariance = (centred * centred.transpose()).cast<double>() / static_cast<double>(raw.cols());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(covariance);
+  const Index dimensions = std::min<Index>({options.dimensions, kRawSize, raw.cols()});
+  // Some of the mean variance is added, so that axes that hardly anything is seen of are not blown up.
+  constexpr double kFloor = 0.3;
+  const Eigen::VectorXd variance = axes.eigenvalues().tail(dimensions).array().max(0.0) +
+                                   kFloor * covariance.trace() / static_cast<double>(kRawSize) +
+                                   std::numeric_limits<float>::min();
+  encoder.projection =
+      (variance.cwiseSqrt().cwiseInverse().asDiagonal() * axes.eigenvectors().rightCols(dimensions).transpose())
+          .cast<float>();
+  return encoder;
+}
+
+VectorXf ShapeEncoder::Encode(const FeatureSet& features) const {
+  if (size() == 0) return {};
+  VectorXf shape = projection * (RawShape(features) - mean);
+  const float length = shape.norm();
+  return length > 0 ? VectorXf(shape / length) : shape;
+}
+
+MatrixXf CompareShapes(const MatrixXf& a, const MatrixXf& b, double sharpness) {
+  const MatrixXf cosines = a.transpose() * b;
+  return (static_cast<float>(sharpness) * (cosines.array() - 1)).exp();
+}
+
+}  // namespace victorious

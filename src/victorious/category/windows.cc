@@ -1,0 +1,230 @@
+#include "victorious/category/windows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <opencv2/imgproc.hpp>
+
+#include "victorious/base/check.h"
+
+namespace victorious {
+namespace {
+
+constexpr float kReach = 6;  // of a patch from its middle, in its scale: two cells of three sigma
+
+// A stretch of a level's features that lie in one row of the grid, of one size.
+struct Row {
+  float y = 0;
+  float reach = 0;  // of their patches
+  std::size_t first = 0;
+  std::size_t end = 0;
+};
+
+// The picture at the size at which windows of one side have `side_px` pixels a side, and what is seen of it.
+struct Level {
+  double side = 0;  // of its windows, px of the picture as given
+  cv::Size size;
+  FeatureSet features;
+  WordedPicture picture;  // its words, without a Fisher vector
+  std::vector<Row> rows;
+};
+
+// DenseFeatures gives them size by size, row by row.
+std::vector<Row> RowsOf(const std::vector<Keypoint>& keypoints) {
+  std::vector<Row> rows;
+  for (std::size_t i = 0; i < keypoints.size(); ++i) {
+    const float reach = kReach * keypoints[i].scale_px;
+    if (rows.empty() || rows.back().y != keypoints[i].y || rows.back().reach != reach)
+      rows.push_back({.y = keypoints[i].y, .reach = reach, .first = i, .end = i});
+    rows.back().end = i + 1;
+  }
+  return rows;
+}
+
+Level MakeLevel(const CategoryModel& model, const cv::Mat& grey, double side, const DenseOptions& dense,
+                const WindowOptions& options) {
+  const double scale = options.side_px / side;
+  Level level{.side = side, .size = {}, .features = {}, .picture = {}, .rows = {}};
+  level.size = {std::max(options.side_px, cvRound(grey.cols * scale)),
+                std::max(options.side_px, cvRound(grey.rows * scale))};
+  cv::Mat resampled;
+  cv::resize(grey, resampled, level.size, 0, 0, scale < 1 ? cv::INTER_AREA : cv::INTER_LINEAR);
+  DenseOptions at_this_size = dense;
+  at_this_size.max_side_px = std::max(level.size.width, level.size.height);
+  level.features = DenseFeatures(resampled, at_this_size);
+  level.picture = WordsOf(level.features, model.vocabulary, model.options.soft_words, model.options.softness);
+  level.rows = RowsOf(level.features.keypoints);
+  return level;
+}
+
+struct Place {
+  std::size_t level = 0;
+  cv::Point corner;  // px of the level
+  double score = 0;  // by words
+};
+
+std::vector<int> Steps(int length, int side, int step) {
+  std::vector<int> steps;
+  for (int at = 0; at + side < length; at += step) steps.push_back(at);
+  steps.push_back(length - side);
+  return steps;
+}
+
+// The level's features whose patches lie in the window.
+std::vector<std::size_t> FeaturesIn(const Level& level, const cv::Point& corner, int side_px) {
+  constexpr float kRounding = 0.01F;
+  std::vector<std::size_t> inside;
+  for (const Row& row : level.rows) {
+    const float low = row.reach - kRounding;
+    const float high = static_cast<float>(side_px) - low;
+    const float y = row.y - static_cast<float>(corner.y);
+    if (y < low || y > high) continue;
+    const auto x_of = [&](std::size_t i) { return level.features.keypoints[i].x - static_cast<float>(corner.x); };
+    std::size_t i = row.first;
+    while (i < row.end && x_of(i) < low) ++i;
+    for (; i < row.end && x_of(i) <= high; ++i) inside.push_back(i);
+  }
+  return inside;
+}
+
+// A window's features, as of a picture of its own.
+FeatureSet CutOut(const Level& level, std::span<const std::size_t> features, const cv::Point& corner, int side_px) {
+  FeatureSet part{.keypoints = {}, .descriptors = {}, .image_width = side_px, .image_height = side_px};
+  part.keypoints.reserve(features.size());
+  part.descriptors.reserve(features.size() * kDescriptorSize);
+  for (const std::size_t i : features) {
+    Keypoint keypoint = level.features.keypoints[i];
+    keypoint.x -= static_cast<float>(corner.x);
+    keypoint.y -= static_cast<float>(corner.y);
+    part.keypoints.push_back(keypoint);
+    const auto descriptor = level.features.View().Descriptor(i);
+    part.descriptors.insert(part.descriptors.end(), descriptor.begin(), descriptor.end());
+  }
+  return part;
+}
+
+// Its words, as the level's, and its shape.
+WordedPicture WordsOf(const CategoryModel& model, const Level& level, std::span<const std::size_t> features,
+                      const FeatureSet& cut_out) {
+  WordedPicture part;
+  part.keypoints = cut_out.keypoints;
+  part.few = level.picture.few;
+  part.width = cut_out.image_width;
+  part.height = cut_out.image_height;
+  part.shares.reserve(features.size() * part.few);
+  for (const std::size_t i : features) {
+    const auto shares = level.picture.Shares(i);
+    part.shares.insert(part.shares.end(), shares.begin(), shares.end());
+  }
+  part.shape = model.shape.Encode(cut_out);
+  return part;
+}
+
+// The likeliest of the wanted nodes, as log odds: probabilities near 1 are all alike.
+double Likeliest(const CategoryModel& model, const CategoryResult& result, CategoryMethod method,
+                 std::span<const std::size_t> wanted) {
+  double best = -std::numeric_limits<double>::infinity();
+  for (const std::size_t node : wanted) {
+    const Calibration& calibration =
+        method == CategoryMethod::kPhrases ? model.nodes[node].phrases : model.nodes[node].words;
+    best = std::max(best, calibration.slope * result.scores[node].raw + calibration.offset);
+  }
+  return best;
+}
+
+SeenWindow Examine(const CategoryModel& model, const Level& level, const cv::Point& corner, int side_px) {
+  const std::vector<std::size_t> inside = FeaturesIn(level, corner, side_px);
+  const FeatureSet cut_out = CutOut(level, inside, corner, side_px);
+  SeenWindow window{.box = {}, .result = {}, .picture = WordsOf(model, level, inside, cut_out)};
+  window.picture.fisher = model.fisher.Encode(cut_out);
+  window.result = Classify(model, window.picture, CategoryMethod::kPhrases);
+  const double scale = level.side / side_px;
+  window.box = {corner.x * scale, corner.y * scale, level.side, level.side};
+  return window;
+}
+
+}  // namespace
+
+void WindowOptions::ListFields(FieldList& fields) {
+  fields.Add("enabled", enabled,
+             {.reason = "true: things are looked for in windows of many sizes all over a picture, so that they may be "
+                        "small in it, and several; false: a picture is classified as a whole"});
+  fields.Add("side_px", side_px,
+             {.min = 32, .max = 512, .unit = "px", .reason = "what a window is resampled to before features are made"});
+  fields.Add("smallest_px", smallest_px,
+             {.min = 16, .max = 4096, .unit = "px", .reason = "side of the smallest windows"});
+  fields.Add("size_factor", size_factor, {.min = 1.05, .max = 4, .reason = "from one size of windows to the next"});
+  fields.Add("step_px", step_px,
+             {.min = 2,
+              .max = 512,
+              .unit = "px",
+              .reason = "from one window to the next, after resampling; a multiple of dense.step_px spares features"});
+  fields.Add("room", room,
+             {.min = 1, .max = 4, .reason = "side of a window over the longer side of the box of the thing in it"});
+  fields.Add(
+      "examined", examined,
+      {.min = 1,
+       .max = 100000,
+       .reason = "windows of a picture that are looked at with phrases: those that words and shapes rank first"});
+  fields.Add("overlap", overlap,
+             {.min = 0,
+              .max = 1,
+              .reason = "of windows that overlap by more (intersection over union) only the likeliest counts"});
+  fields.Add("max_side_px", max_side_px,
+             {.min = 64, .max = 16384, .unit = "px", .reason = "larger pictures are searched at a reduced size"});
+  fields.Add("none", none,
+             {.reason = "the category of windows that show none of the things; training sets it, to that of the "
+                        "pictures without boxes"});
+}
+
+std::vector<double> WindowSides(const cv::Size& picture, const WindowOptions& options) {
+  const double longest = std::min(picture.width, picture.height);
+  std::vector<double> sides;
+  for (double side = options.smallest_px; side * std::sqrt(options.size_factor) < longest; side *= options.size_factor)
+    sides.push_back(side);
+  sides.push_back(longest);
+  return sides;
+}
+
+std::vector<SeenWindow> LookThroughWindows(const CategoryModel& model, const cv::Mat& grey, const DenseOptions& dense,
+                                           const WindowOptions& options, std::span<const std::size_t> wanted) {
+  VICTORIOUS_CHECK(grey.type() == CV_8UC1 && model.options.scoring == "linear");
+  const double shrink = std::min(1.0, static_cast<double>(options.max_side_px) / std::max(grey.cols, grey.rows));
+  cv::Mat picture = grey;
+  if (shrink < 1) cv::resize(grey, picture, {}, shrink, shrink, cv::INTER_AREA);
+  std::vector<Level> levels;
+  std::vector<Place> places;
+  for (const double side : WindowSides(picture.size(), options)) {
+    const Level& level = levels.emplace_back(MakeLevel(model, picture, side, dense, options));
+    for (const int y : Steps(level.size.height, options.side_px, options.step_px)) {
+      for (const int x : Steps(level.size.width, options.side_px, options.step_px)) {
+        const std::vector<std::size_t> inside = FeaturesIn(level, {x, y}, options.side_px);
+        if (inside.empty()) continue;
+        const FeatureSet cut_out = CutOut(level, inside, {x, y}, options.side_px);
+        const CategoryResult by_words = Classify(model, WordsOf(model, level, inside, cut_out), CategoryMethod::kWords);
+        places.push_back({levels.size() - 1, {x, y}, Likeliest(model, by_words, CategoryMethod::kWords, wanted)});
+      }
+    }
+  }
+  std::ranges::stable_sort(places, std::ranges::greater(), &Place::score);
+  places.resize(std::min(places.size(), static_cast<std::size_t>(options.examined)));
+  std::vector<SeenWindow> windows;
+  for (const Place& place : places) {
+    SeenWindow& window = windows.emplace_back(Examine(model, levels[place.level], place.corner, options.side_px));
+    window.box = {window.box.x / shrink, window.box.y / shrink, window.box.width / shrink, window.box.height / shrink};
+  }
+  std::ranges::stable_sort(windows, std::ranges::greater(), [&](const SeenWindow& window) {
+    return Likeliest(model, window.result, CategoryMethod::kPhrases, wanted);
+  });
+  return windows;
+}
+
+bool ShowTheSame(const Box& a, const Box& b, double overlap) {
+  // A small window in a large one shows a part of the same thing, or the thing without what is about it.
+  constexpr double kMostlyInside = 0.6;
+  return IntersectionOverUnion(a, b) > overlap ||
+         Intersection(a, b).Area() > kMostlyInside * std::min(a.Area(), b.Area());
+}
+
+}  // namespace victorious

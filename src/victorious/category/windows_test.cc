@@ -1,0 +1,67 @@
+#include "victorious/category/windows.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "victorious/category/category_test_tools.h"
+
+namespace victorious {
+namespace {
+
+using ::testing::ElementsAre;
+
+TEST(Windows, SidesRiseToTheShorterSide) {
+  const WindowOptions options{.smallest_px = 60, .size_factor = 2};
+  EXPECT_THAT(WindowSides({640, 480}, options), ElementsAre(60, 120, 240, 480));
+  EXPECT_THAT(WindowSides({640, 470}, options), ElementsAre(60, 120, 240, 470));
+  EXPECT_THAT(WindowSides({50, 200}, options), ElementsAre(50)) << "a picture smaller than any window is one";
+}
+
+TEST(Windows, ShowTheSameWhereOneLiesInTheOther) {
+  EXPECT_TRUE(ShowTheSame({0, 0, 100, 100}, {10, 10, 100, 100}, 0.2));
+  EXPECT_TRUE(ShowTheSame({0, 0, 200, 200}, {120, 120, 60, 60}, 0.2));
+  EXPECT_FALSE(ShowTheSame({0, 0, 100, 100}, {80, 0, 100, 100}, 0.2));
+  EXPECT_TRUE(ShowTheSame({0, 0, 100, 100}, {80, 0, 100, 100}, 0.1));
+}
+
+TEST(Windows, AWindowIsScoredAsItsCutOut) {
+  const DenseOptions grid = testing::CoarseGrid();
+  CategoryOptions options = testing::SmallOptions();
+  options.shapes = {.weight = 2, .dimensions = 8};
+  const CategoryModel model = TrainCategories(testing::DrawExamples(8, 1), options).value();
+  Random random(5);
+  // One size of windows alone, at the picture's own scale, on the grid.
+  const cv::Mat grey = testing::DrawPair(true, random);
+  const WindowOptions windows{.side_px = 120, .smallest_px = 120, .step_px = 10, .examined = 100};
+  const std::vector<std::size_t> wanted = {0, 1};
+  const std::vector<SeenWindow> seen = LookThroughWindows(model, grey, grid, windows, wanted);
+  ASSERT_EQ(seen.size(), 5U);  // 160 px hold 120 at 0, 10, 20, 30 and 40
+  for (const SeenWindow& window : seen) {
+    EXPECT_EQ(window.box.width, 120);
+    const cv::Rect part(static_cast<int>(window.box.x), static_cast<int>(window.box.y), 120, 120);
+    const CategoryResult alone =
+        Classify(model, WordsOf(model, DenseFeatures(grey(part).clone(), grid)), CategoryMethod::kPhrases);
+    // Smoothing sees beyond a window's edge, and not beyond a cut-out's.
+    for (const std::size_t node : wanted) EXPECT_NEAR(window.result.scores[node].raw, alone.scores[node].raw, 0.35);
+  }
+}
+
+TEST(Windows, TheLikeliestComeFirstAndNoMoreThanAskedFor) {
+  const CategoryModel model = TrainCategories(testing::DrawExamples(8, 1), testing::SmallOptions()).value();
+  Random random(6);
+  const WindowOptions windows{.side_px = 96, .smallest_px = 60, .examined = 7};
+  const std::vector<std::size_t> wanted = {0};
+  const auto seen = LookThroughWindows(model, testing::DrawPair(true, random), testing::CoarseGrid(), windows, wanted);
+  ASSERT_EQ(seen.size(), 7U);
+  for (std::size_t i = 1; i < seen.size(); ++i)
+    EXPECT_GE(seen[i - 1].result.scores[0].probability, seen[i].result.scores[0].probability);
+}
+
+TEST(Windows, APictureOfNothingHasNone) {
+  const CategoryModel model = TrainCategories(testing::DrawExamples(4, 1), testing::SmallOptions()).value();
+  const std::vector<std::size_t> wanted = {0};
+  EXPECT_TRUE(LookThroughWindows(model, cv::Mat(100, 140, CV_8UC1, cv::Scalar(90)), {}, {}, wanted).empty());
+}
+
+}  // namespace
+}  // namespace victorious

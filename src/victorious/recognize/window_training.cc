@@ -1,0 +1,215 @@
+#include "victorious/recognize/window_training.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <opencv2/core/utility.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "victorious/base/random.h"
+#include "victorious/category/windows.h"
+#include "victorious/recognize/category_pictures.h"
+
+namespace victorious {
+namespace {
+
+// A window to be cut out.
+struct Cut {
+  std::size_t picture = 0;
+  Box window;  // square, px of the picture; may reach beyond it
+  std::string category;
+  bool mirrored = false;
+  bool calibrates = false;
+};
+
+// What lies beyond a picture's edge is a piece of a background: an edge continued would be a mark of things near it.
+cv::Mat CutOut(const cv::Mat& grey, const Box& window, int side_px, const cv::Mat& background, Random& random) {
+  const int side = std::max(1, cvRound(window.width));
+  const cv::Rect wanted(cvRound(window.x), cvRound(window.y), side, side);
+  const cv::Rect inside = wanted & cv::Rect({0, 0}, grey.size());
+  cv::Mat cut;
+  if (inside == wanted) {
+    cut = grey(inside);
+  } else {
+    const int piece = std::min({side, background.cols, background.rows});
+    const auto any = [&](int room) { return static_cast<int>(random.Below(static_cast<std::uint32_t>(room) + 1)); };
+    const cv::Rect part(any(background.cols - piece), any(background.rows - piece), piece, piece);
+    cv::resize(background(part), cut, wanted.size(), 0, 0, cv::INTER_LINEAR);
+    grey(inside).copyTo(cut(inside - wanted.tl()));
+  }
+  cv::Mat resampled;
+  cv::resize(cut, resampled, {side_px, side_px}, 0, 0, side > side_px ? cv::INTER_AREA : cv::INTER_LINEAR);
+  return resampled;
+}
+
+// Inside the picture as far as it has room.
+Box Shifted(Box window, const cv::Size& picture) {
+  const auto shift = [&](double at, int length) {
+    return window.width <= length ? std::clamp(at, 0.0, length - window.width) : (length - window.width) / 2;
+  };
+  window.x = shift(window.x, picture.width);
+  window.y = shift(window.y, picture.height);
+  return window;
+}
+
+// About a thing as the windows that are looked at will be: off by up to half a step and half a factor.
+Box AboutThing(const Box& box, const WindowOptions& options, Random* random) {
+  double side = options.room * std::max(box.width, box.height);
+  double x = box.x + box.width / 2;
+  double y = box.y + box.height / 2;
+  if (random != nullptr) {
+    side *= std::pow(options.size_factor, random->Uniform(-0.5, 0.5));
+    const double half_step = 0.5 * side * options.step_px / options.side_px;
+    x += random->Uniform(-half_step, half_step);
+    y += random->Uniform(-half_step, half_step);
+  }
+  return {x - side / 2, y - side / 2, side, side};
+}
+
+// Anywhere; small windows are the more, as in a search, though not by as much.
+Box Anywhere(const cv::Size& picture, const WindowOptions& options, Random& random) {
+  const double longest = std::min(picture.width, picture.height);
+  const double shortest = std::min<double>(longest, options.smallest_px);
+  const double side = shortest * std::pow(longest / shortest, random.Uniform());
+  return {random.Uniform() * (picture.width - side), random.Uniform() * (picture.height - side), side, side};
+}
+
+bool IsAboutIt(const Box& window, const Box& about) {
+  constexpr double kLeastOverlap = 0.4;
+  return IntersectionOverUnion(window, about) >= kLeastOverlap;
+}
+
+std::vector<Cut> FirstCuts(std::span<const BoxedPicture> pictures, const CategoryTrainOptions& options,
+                           const std::string& none) {
+  const WindowOptions& windows = options.features.windows;
+  std::vector<Cut> cuts;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const BoxedPicture& picture = pictures[i];
+    Random random(MixSeed(options.category.seed, i));
+    if (!picture.box) {
+      for (int k = 0; k < options.examples.background; ++k)
+        cuts.push_back({i, Anywhere(picture.grey.size(), windows, random), picture.category, false, true});
+      continue;
+    }
+    for (int k = 0; k < options.examples.copies; ++k) {
+      const Box window = Shifted(AboutThing(*picture.box, windows, &random), picture.grey.size());
+      const bool mirrored = options.features.mirrored && k % 2 == 1;
+      cuts.push_back({i, window, picture.category, mirrored, true});
+    }
+    // What has a part of the thing in it is none: a window is to be about it.
+    const Box about = AboutThing(*picture.box, windows, nullptr);
+    int parts = 0;
+    constexpr int kTries = 20;
+    for (int k = 0; k < kTries && parts < options.examples.copies; ++k) {
+      Box window = about;
+      window.width = window.height = about.width * std::exp2(random.Uniform(-1.5, 0.5));
+      window.x += random.Uniform(-0.7, 0.7) * about.width + (about.width - window.width) / 2;
+      window.y += random.Uniform(-0.7, 0.7) * about.height + (about.height - window.height) / 2;
+      if (IsAboutIt(window, about) || window != Shifted(window, picture.grey.size())) continue;
+      cuts.push_back({i, window, none, false, false});
+      ++parts;
+    }
+  }
+  return cuts;
+}
+
+Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryEye& eye, std::span<const BoxedPicture> pictures,
+                                                  std::span<const Cut> cuts) {
+  std::vector<std::size_t> backgrounds;
+  for (std::size_t i = 0; i < pictures.size(); ++i)
+    if (!pictures[i].box) backgrounds.push_back(i);
+  std::vector<CategoryExample> examples(cuts.size());
+  std::vector<Status> statuses(cuts.size());
+  cv::parallel_for_({0, static_cast<int>(cuts.size())}, [&](const cv::Range& range) {
+    for (auto c = static_cast<std::size_t>(range.start); c < static_cast<std::size_t>(range.end); ++c) {
+      const Cut& cut = cuts[c];
+      Random random(MixSeed(cut.picture, c));
+      const cv::Mat& beyond = pictures[backgrounds[random.Below(static_cast<std::uint32_t>(backgrounds.size()))]].grey;
+      cv::Mat seen = CutOut(pictures[cut.picture].grey, cut.window, eye.options().windows.side_px, beyond, random);
+      if (cut.mirrored) cv::flip(seen, seen, 1);
+      Expected<FeatureSet> features = eye.Look(seen);
+      if (!features) {
+        statuses[c] = std::unexpected(std::move(features).error());
+        continue;
+      }
+      examples[c] = {.category = cut.category,
+                     .features = *std::move(features),
+                     .picture = static_cast<int>(cut.picture),
+                     .learns = true,
+                     .calibrates = cut.calibrates};
+    }
+  });
+  for (const Status& status : statuses) VICTORIOUS_RETURN_IF_ERROR(status);
+  return examples;
+}
+
+// What the model takes for things in pictures of none of them, and beside the things in the others.
+std::vector<Cut> Mined(const CategoryModel& model, std::span<const BoxedPicture> pictures,
+                       const CategoryTrainOptions& options, const std::string& none) {
+  std::vector<std::size_t> things;
+  for (std::size_t n = 0; n < model.nodes.size(); ++n) {
+    const auto shows = [&](const BoxedPicture& picture) {
+      return picture.box && TargetOf(picture.category, model.nodes[n].name) > 0;
+    };
+    if (std::ranges::any_of(pictures, shows)) things.push_back(n);
+  }
+  std::vector<std::vector<Cut>> of_picture(pictures.size());
+  cv::parallel_for_({0, static_cast<int>(pictures.size())}, [&](const cv::Range& range) {
+    for (auto i = static_cast<std::size_t>(range.start); i < static_cast<std::size_t>(range.end); ++i) {
+      const BoxedPicture& picture = pictures[i];
+      const std::vector<SeenWindow> windows =
+          LookThroughWindows(model, picture.grey, options.features.dense, options.features.windows, things);
+      const Box about = picture.box ? AboutThing(*picture.box, options.features.windows, nullptr) : Box{};
+      for (const SeenWindow& window : windows) {
+        if (picture.box && IsAboutIt(window.box, about)) continue;
+        if (of_picture[i].size() == static_cast<std::size_t>(options.examples.mined)) break;
+        const auto same = [&](const Cut& cut) {
+          return ShowTheSame(cut.window, window.box, options.features.windows.overlap);
+        };
+        if (std::ranges::none_of(of_picture[i], same))
+          of_picture[i].push_back({i, window.box, picture.box ? none : picture.category, false, !picture.box});
+      }
+    }
+  });
+  std::vector<Cut> cuts;
+  for (const auto& some : of_picture) cuts.insert(cuts.end(), some.begin(), some.end());
+  return cuts;
+}
+
+}  // namespace
+
+void WindowTrainOptions::ListFields(FieldList& fields) {
+  fields.Add("copies", copies,
+             {.min = 1, .max = 100, .reason = "windows about each thing, none of them quite in its middle"});
+  fields.Add("background", background,
+             {.min = 1, .max = 1000, .reason = "windows from anywhere in each picture of none of the things"});
+  fields.Add("mined", mined,
+             {.min = 0,
+              .max = 1000,
+              .reason = "windows of each picture of none of the things that a first model takes most for things"});
+}
+
+Expected<CategoryModel> TrainOnWindows(const CategoryEye& eye, std::span<const BoxedPicture> pictures,
+                                       const CategoryTrainOptions& options) {
+  const auto none = std::ranges::find_if(pictures, [](const BoxedPicture& picture) { return !picture.box; });
+  if (none == pictures.end())
+    return Fail(ErrorCode::kInvalidArgument,
+                "windows are learned against pictures of none of the things: a category is needed whose pictures have "
+                "no boxes, background say");
+  std::vector<Cut> cuts = FirstCuts(pictures, options, none->category);
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<CategoryExample> examples, ExamplesOf(eye, pictures, cuts));
+  VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model, TrainCategories(examples, options.category));
+  if (options.examples.mined > 0) {
+    VICTORIOUS_ASSIGN_OR_RETURN(std::vector<CategoryExample> hard,
+                                ExamplesOf(eye, pictures, Mined(model, pictures, options, none->category)));
+    std::ranges::move(hard, std::back_inserter(examples));
+    VICTORIOUS_ASSIGN_OR_RETURN(model, TrainCategories(examples, options.category));
+  }
+  CategoryFeatureOptions features = options.features;
+  features.windows.none = none->category;
+  model.features_json = OptionsToJsonText(features);
+  return model;
+}
+
+}  // namespace victorious

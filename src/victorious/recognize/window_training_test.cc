@@ -1,0 +1,134 @@
+#include "victorious/recognize/window_training.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "victorious/category/category_test_tools.h"
+#include "victorious/recognize/category_finder.h"
+#include "victorious/recognize/category_pictures.h"
+
+namespace victorious {
+namespace {
+
+using ::testing::HasSubstr;
+
+cv::Mat Noise(int width, int height, Random& random) {
+  cv::Mat picture(height, width, CV_8UC1);
+  for (auto& pixel : cv::Mat_<std::uint8_t>(picture)) pixel = static_cast<std::uint8_t>(95 + random.Below(20));
+  for (int i = 0; i < 6; ++i) {  // things of no category
+    const cv::Point at(static_cast<int>(random.Below(static_cast<std::uint32_t>(width))),
+                       static_cast<int>(random.Below(static_cast<std::uint32_t>(height))));
+    cv::line(picture, at, at + cv::Point(25, static_cast<int>(random.Below(30))), 60 + random.Below(130), 3);
+  }
+  return picture;
+}
+
+// A cross, or a ring, of a size in px.
+Box Draw(cv::Mat& picture, bool cross, cv::Point middle, int size) {
+  const int half = size / 2;
+  if (cross) {
+    cv::line(picture, middle - cv::Point(half, half), middle + cv::Point(half, half), 230, size / 6);
+    cv::line(picture, middle - cv::Point(half, -half), middle + cv::Point(half, -half), 230, size / 6);
+  } else {
+    cv::circle(picture, middle, half, 230, size / 6);
+  }
+  return {static_cast<double>(middle.x - half), static_cast<double>(middle.y - half), static_cast<double>(size),
+          static_cast<double>(size)};
+}
+
+CategoryTrainOptions SmallWindows() {
+  CategoryTrainOptions options;
+  options.features.dense = {.step_px = 8, .sizes = 4};
+  options.features.windows = {.enabled = true, .side_px = 64, .smallest_px = 48, .step_px = 16, .examined = 30};
+  options.examples = {.copies = 2, .background = 6, .mined = 3};
+  options.category = testing::SmallOptions();
+  options.category.shapes = {.weight = 4, .dimensions = 24};
+  return options;
+}
+
+std::vector<BoxedPicture> Pictures(int each, Random& random) {
+  std::vector<BoxedPicture> pictures;
+  for (int i = 0; i < 2 * each; ++i) {
+    BoxedPicture& picture =
+        pictures.emplace_back(BoxedPicture{i % 2 == 0 ? "cross" : "ring", Noise(160, 140, random), {}});
+    const int size = 40 + static_cast<int>(random.Below(30));
+    picture.box = Draw(picture.grey, i % 2 == 0, {60 + static_cast<int>(random.Below(40)), 70}, size);
+  }
+  for (int i = 0; i < each; ++i) pictures.push_back({"nothing", Noise(240, 200, random), {}});
+  return pictures;
+}
+
+class WindowTrainingTest : public ::testing::Test {
+ protected:
+  static Expected<CategoryModel> Train(const std::vector<BoxedPicture>& pictures) {
+    const CategoryTrainOptions options = SmallWindows();
+    return TrainOnWindows(CategoryEye::Create(options.features).value(), pictures, options);
+  }
+};
+
+TEST_F(WindowTrainingTest, FindsSeveralSmallThingsAndNothingWhereThereIsNone) {
+  Random random(3);
+  const auto model = Train(Pictures(14, random));
+  ASSERT_TRUE(model) << model.error().message;
+  const auto finder = CategoryFinder::Create(*model, {});
+  ASSERT_TRUE(finder) << finder.error().message;
+  EXPECT_THAT(finder->names(), ::testing::ElementsAre("cross", "ring")) << "nothing is not sought";
+  int found = 0;
+  int false_finds = 0;
+  constexpr int kFrames = 6;
+  for (int i = 0; i < kFrames; ++i) {
+    cv::Mat frame = Noise(320, 240, random);
+    const Box cross = Draw(frame, true, {80, 70 + 10 * i}, 44 + 4 * i);
+    const Box ring = Draw(frame, false, {230, 160 - 10 * i}, 44 + 4 * i);
+    const auto finds = finder->Find(frame);
+    ASSERT_TRUE(finds);
+    for (const FoundCategory& one : *finds) {
+      const Box& truth = one.category == 0 ? cross : ring;
+      const bool right = IntersectionOverUnion(one.box, truth) > 0.25;
+      found += right ? 1 : 0;
+      false_finds += right ? 0 : 1;
+    }
+  }
+  EXPECT_GE(found, 2 * kFrames - 3);
+  EXPECT_LE(false_finds, 3);
+  int finds_in_nothing = 0;
+  for (int i = 0; i < kFrames; ++i) finds_in_nothing += static_cast<int>(finder->Find(Noise(320, 240, random))->size());
+  EXPECT_LE(finds_in_nothing, 2);
+}
+
+TEST_F(WindowTrainingTest, APictureIsClassifiedByItsLikeliestWindow) {
+  Random random(4);
+  const auto model = Train(Pictures(10, random));
+  ASSERT_TRUE(model) << model.error().message;
+  const CategoryEye eye = CategoryEye::Of(*model).value();
+  cv::Mat picture = Noise(300, 200, random);
+  const Box ring = Draw(picture, false, {200, 90}, 50);
+  const auto seen = ClassifyPicture(eye, *model, picture, CategoryMethod::kPhrases);
+  ASSERT_TRUE(seen) << seen.error().message;
+  EXPECT_EQ(model->nodes[seen->result.label].name, "ring");
+  EXPECT_GT(IntersectionOverUnion(seen->looked_at, ring), 0.25);
+  const auto words = ClassifyPicture(eye, *model, picture, CategoryMethod::kWords);
+  ASSERT_FALSE(words);
+  EXPECT_THAT(words.error().message, HasSubstr("windows"));
+}
+
+TEST_F(WindowTrainingTest, NeedsPicturesOfNoneOfTheThings) {
+  Random random(5);
+  auto pictures = Pictures(3, random);
+  std::erase_if(pictures, [](const BoxedPicture& picture) { return !picture.box; });
+  const auto model = Train(pictures);
+  ASSERT_FALSE(model);
+  EXPECT_EQ(model.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(model.error().message, HasSubstr("no boxes"));
+}
+
+TEST_F(WindowTrainingTest, GoesWithFeaturesOnAGridAlone) {
+  CategoryFeatureOptions features = SmallWindows().features;
+  features.kind = "keypoints";
+  const auto eye = CategoryEye::Create(features);
+  ASSERT_FALSE(eye);
+  EXPECT_THAT(eye.error().message, HasSubstr("dense"));
+}
+
+}  // namespace
+}  // namespace victorious
