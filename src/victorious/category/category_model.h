@@ -75,6 +75,8 @@ struct CategoryExample {
   bool learns = true;      ///< whether categories are learned from it
   bool calibrates = true;  ///< whether its score, by a model that has not seen the picture, helps to calibrate: for
                            ///< what is like the pictures that will be classified
+  bool mirrored = false;   ///< a mirror image of another example of the picture: not learned from where it would make
+                           ///< two categories be taken for each other (scoring "linear")
 };
 
 /// Errors: kInvalidArgument for fewer than two categories to learn, a category of fewer than two pictures or without

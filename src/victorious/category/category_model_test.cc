@@ -32,6 +32,49 @@ TEST(CategoryModel, PhrasesTellApartWhatHasTheSameWords) {
   EXPECT_GE(Accuracy(*model, DrawExamples(15, 2), CategoryMethod::kPhrases), 0.9);
 }
 
+// Each picture's mirror image beside it, as recognize/ makes them.
+std::vector<CategoryExample> WithMirrorImages(int pictures_each, bool mirrored_pairs) {
+  Random random(11);
+  std::vector<CategoryExample> examples;
+  for (int i = 0; i < 2 * pictures_each; ++i) {
+    cv::Mat picture = testing::DrawPair(mirrored_pairs ? i % 2 == 0 : true, random);
+    // Where the pair is always the same way round, its turned picture is the other category.
+    if (!mirrored_pairs && i % 2 == 1) cv::rotate(picture, picture, cv::ROTATE_90_CLOCKWISE);
+    const std::string category = i % 2 == 0 ? "cross-disc" : "disc-cross";
+    for (const bool mirrored : {false, true}) {
+      cv::Mat seen = picture;
+      if (mirrored) cv::flip(picture, seen, 1);
+      examples.push_back({.category = category,
+                          .features = DenseFeatures(seen, testing::CoarseGrid()),
+                          .picture = i,
+                          .learns = true,
+                          .calibrates = !mirrored,
+                          .mirrored = mirrored});
+    }
+  }
+  return examples;
+}
+
+TEST(CategoryModel, MirrorImagesOfEachOtherAreNotLearnedFromMirrored) {
+  const auto mirrored = TrainCategories(WithMirrorImages(12, true), SmallOptions());
+  ASSERT_TRUE(mirrored.has_value()) << mirrored.error().message;
+  EXPECT_GE(Accuracy(*mirrored, DrawExamples(15, 2), CategoryMethod::kPhrases), 0.9);
+
+  auto unmarked = WithMirrorImages(12, true);
+  for (CategoryExample& example : unmarked) example.mirrored = false;
+  const auto confused = TrainCategories(unmarked, SmallOptions());
+  EXPECT_LT(Accuracy(*confused, DrawExamples(15, 2), CategoryMethod::kPhrases), 0.8) << "what it mends";
+}
+
+TEST(CategoryModel, ElsewhereMirrorImagesAreLearnedFrom) {
+  const auto examples = WithMirrorImages(10, false);
+  auto unmarked = examples;
+  for (CategoryExample& example : unmarked) example.mirrored = false;
+  const auto model = TrainCategories(examples, SmallOptions());
+  ASSERT_TRUE(model.has_value()) << model.error().message;
+  EXPECT_EQ(EncodeCategories(*model), EncodeCategories(*TrainCategories(unmarked, SmallOptions())));
+}
+
 TEST(CategoryModel, IsDeterministicBySeed) {
   const auto examples = DrawExamples(4, 1);
   for (const char* scoring : {"linear", "likelihood"}) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -214,6 +215,75 @@ NodeFits FitNodes(const Eigen::MatrixXd& kernel, std::span<const CategoryExample
   return fits;
 }
 
+// What training is told of examples, without their features.
+std::vector<CategoryExample> RolesOf(std::span<const CategoryExample> examples) {
+  std::vector<CategoryExample> roles;
+  for (const CategoryExample& example : examples) {
+    roles.push_back({.category = example.category,
+                     .features = {},
+                     .picture = example.picture,
+                     .learns = example.learns,
+                     .calibrates = example.calibrates,
+                     .mirrored = example.mirrored});
+  }
+  return roles;
+}
+
+void ForgetMirrored(const std::set<std::string>& categories, std::vector<CategoryExample>& roles) {
+  for (CategoryExample& role : roles)
+    role.learns = role.learns && !(role.mirrored && categories.contains(role.category));
+}
+
+// How often a picture of one category is taken for the other's, by models that have not seen it.
+using Confusions = std::map<std::pair<std::string, std::string>, int>;
+
+Confusions ConfusionsOf(const Eigen::MatrixXd& kernel, std::span<const CategoryExample> roles,
+                        const std::set<std::string>& categories, double lambda) {
+  const std::vector<std::string> names(categories.begin(), categories.end());
+  std::vector<int> groups;
+  Eigen::MatrixXi targets(static_cast<Eigen::Index>(roles.size()), static_cast<Eigen::Index>(names.size()));
+  for (std::size_t i = 0; i < roles.size(); ++i) {
+    groups.push_back(roles[i].picture);
+    for (std::size_t c = 0; c < names.size(); ++c) {
+      const int target = roles[i].category == names[c] ? 1 : -1;
+      targets(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c)) = roles[i].learns ? target : 0;
+    }
+  }
+  const RidgeFit fit = FitRidge(kernel, targets, groups, PenaltiesOf(roles, lambda));
+  Confusions confusions;
+  for (std::size_t i = 0; i < roles.size(); ++i) {
+    if (!roles[i].calibrates || roles[i].mirrored) continue;
+    Eigen::Index best = 0;
+    fit.held_out.row(static_cast<Eigen::Index>(i)).maxCoeff(&best);
+    const std::string& label = names[static_cast<std::size_t>(best)];
+    if (label != roles[i].category) ++confusions[std::minmax(label, roles[i].category)];
+  }
+  return confusions;
+}
+
+// Categories that are each other's mirror images: mirrored examples make them be taken for each other, by more than
+// chance would.
+std::set<std::string> MirrorImagesOfEachOther(const Eigen::MatrixXd& kernel, std::span<const CategoryExample> examples,
+                                              double lambda) {
+  std::set<std::string> handed;
+  if (std::ranges::none_of(examples, &CategoryExample::mirrored)) return handed;
+  std::vector<CategoryExample> roles = RolesOf(examples);
+  std::set<std::string> categories;
+  for (const CategoryExample& role : roles)
+    if (role.learns) categories.insert(role.category);
+  const Confusions with = ConfusionsOf(kernel, roles, categories, lambda);
+  ForgetMirrored(categories, roles);
+  Confusions without = ConfusionsOf(kernel, roles, categories, lambda);
+  for (const auto& [pair, count] : with) {
+    constexpr double kSigmas = 2;  // of the difference of two counts
+    const int before = without[pair];
+    if (count - before <= kSigmas * std::sqrt(count + before)) continue;
+    handed.insert(pair.first);
+    handed.insert(pair.second);
+  }
+  return handed;
+}
+
 void LearnLinear(std::span<const CategoryExample> examples, std::span<const WordedPicture> pictures,
                  CategoryModel& model) {
   LearnParts(model);
@@ -230,8 +300,10 @@ void LearnLinear(std::span<const CategoryExample> examples, std::span<const Word
   }
   const Eigen::MatrixXd joint_kernel =
       word_kernel + phrase_weight * KernelOf(seen.phrases, phrases) + fisher_weight * KernelOf(seen.fisher);
-  const NodeFits by_words = FitNodes(word_kernel, examples, model);
-  const NodeFits by_phrases = FitNodes(joint_kernel, examples, model);
+  std::vector<CategoryExample> roles = RolesOf(examples);
+  ForgetMirrored(MirrorImagesOfEachOther(joint_kernel, examples, model.options.lambda), roles);
+  const NodeFits by_words = FitNodes(word_kernel, roles, model);
+  const NodeFits by_phrases = FitNodes(joint_kernel, roles, model);
   for (std::size_t n = 0; n < model.nodes.size(); ++n) {
     const auto weights = [&](const NodeFits& fits) {
       const Eigen::VectorXd alpha = fits.alpha.col(static_cast<Eigen::Index>(n));

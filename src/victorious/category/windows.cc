@@ -42,14 +42,21 @@ std::vector<Row> RowsOf(const std::vector<Keypoint>& keypoints) {
   return rows;
 }
 
+cv::Size SizeOfLevel(const cv::Size& picture, double side, int side_px) {
+  const double scale = side_px / side;
+  return {std::max(side_px, cvRound(picture.width * scale)), std::max(side_px, cvRound(picture.height * scale))};
+}
+
+double ShrinkOf(const cv::Size& picture, const WindowOptions& options) {
+  return std::min(1.0, static_cast<double>(options.max_side_px) / std::max(picture.width, picture.height));
+}
+
 Level MakeLevel(const CategoryModel& model, const cv::Mat& grey, double side, const DenseOptions& dense,
                 const WindowOptions& options) {
-  const double scale = options.side_px / side;
-  Level level{.side = side, .size = {}, .features = {}, .picture = {}, .rows = {}};
-  level.size = {std::max(options.side_px, cvRound(grey.cols * scale)),
-                std::max(options.side_px, cvRound(grey.rows * scale))};
+  Level level{
+      .side = side, .size = SizeOfLevel(grey.size(), side, options.side_px), .features = {}, .picture = {}, .rows = {}};
   cv::Mat resampled;
-  cv::resize(grey, resampled, level.size, 0, 0, scale < 1 ? cv::INTER_AREA : cv::INTER_LINEAR);
+  cv::resize(grey, resampled, level.size, 0, 0, side > options.side_px ? cv::INTER_AREA : cv::INTER_LINEAR);
   DenseOptions at_this_size = dense;
   at_this_size.max_side_px = std::max(level.size.width, level.size.height);
   level.features = DenseFeatures(resampled, at_this_size);
@@ -176,6 +183,12 @@ void WindowOptions::ListFields(FieldList& fields) {
   fields.Add("none", none,
              {.reason = "the category of windows that show none of the things; training sets it, to that of the "
                         "pictures without boxes"});
+  fields.Add("usual_windows", usual_windows,
+             {.min = 0,
+              .max = 1e9,
+              .reason = "windows of a picture that probabilities were learned with; training sets it, to the mean of "
+                        "the pictures without boxes. Where there are more, the odds of each are less in proportion; 0: "
+                        "they are not"});
 }
 
 std::vector<double> WindowSides(const cv::Size& picture, const WindowOptions& options) {
@@ -187,10 +200,22 @@ std::vector<double> WindowSides(const cv::Size& picture, const WindowOptions& op
   return sides;
 }
 
+std::size_t WindowCount(const cv::Size& picture, const WindowOptions& options) {
+  const double shrink = ShrinkOf(picture, options);
+  const cv::Size size(cvRound(picture.width * shrink), cvRound(picture.height * shrink));
+  std::size_t count = 0;
+  for (const double side : WindowSides(size, options)) {
+    const cv::Size level = SizeOfLevel(size, side, options.side_px);
+    count += Steps(level.width, options.side_px, options.step_px).size() *
+             Steps(level.height, options.side_px, options.step_px).size();
+  }
+  return count;
+}
+
 std::vector<SeenWindow> LookThroughWindows(const CategoryModel& model, const cv::Mat& grey, const DenseOptions& dense,
                                            const WindowOptions& options, std::span<const std::size_t> wanted) {
   VICTORIOUS_CHECK(grey.type() == CV_8UC1 && model.options.scoring == "linear");
-  const double shrink = std::min(1.0, static_cast<double>(options.max_side_px) / std::max(grey.cols, grey.rows));
+  const double shrink = ShrinkOf(grey.size(), options);
   cv::Mat picture = grey;
   if (shrink < 1) cv::resize(grey, picture, {}, shrink, shrink, cv::INTER_AREA);
   std::vector<Level> levels;
@@ -209,10 +234,18 @@ std::vector<SeenWindow> LookThroughWindows(const CategoryModel& model, const cv:
   }
   std::ranges::stable_sort(places, std::ranges::greater(), &Place::score);
   places.resize(std::min(places.size(), static_cast<std::size_t>(options.examined)));
+  // The odds of a find fall as chances of a false one rise.
+  const double usual = options.usual_windows;
+  const double more_looks =
+      usual > 0 ? std::max(1.0, static_cast<double>(WindowCount(grey.size(), options)) / usual) : 1.0;
   std::vector<SeenWindow> windows;
   for (const Place& place : places) {
     SeenWindow& window = windows.emplace_back(Examine(model, levels[place.level], place.corner, options.side_px));
     window.box = {window.box.x / shrink, window.box.y / shrink, window.box.width / shrink, window.box.height / shrink};
+    for (const std::size_t node : wanted) {
+      double& probability = window.result.scores[node].probability;
+      probability /= probability + more_looks * (1 - probability);
+    }
   }
   std::ranges::stable_sort(windows, std::ranges::greater(), [&](const SeenWindow& window) {
     return Likeliest(model, window.result, CategoryMethod::kPhrases, wanted);

@@ -31,6 +31,7 @@ struct WindowOptions {
   double overlap = 0.2;
   int max_side_px = 1280;
   std::string none = {};
+  double usual_windows = 0;
 
   void ListFields(FieldList& fields);
 };
@@ -39,10 +40,13 @@ struct WindowOptions {
 /// side, where that is less) to the picture's shorter side.
 std::vector<double> WindowSides(const cv::Size& picture, const WindowOptions& options);
 
+/// How many windows a picture has.
+std::size_t WindowCount(const cv::Size& picture, const WindowOptions& options);
+
 /// A window of a picture, and what it shows.
 struct SeenWindow {
   Box box;                ///< px of the picture
-  CategoryResult result;  ///< by CategoryMethod::kPhrases
+  CategoryResult result;  ///< by CategoryMethod::kPhrases; probabilities are the lower the more windows there are
   WordedPicture picture;  ///< the window alone, side_px a side
 };
 

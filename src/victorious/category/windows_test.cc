@@ -46,6 +46,24 @@ TEST(Windows, AWindowIsScoredAsItsCutOut) {
   }
 }
 
+TEST(Windows, WhereThereAreMoreTheBarIsHigher) {
+  const CategoryModel model = TrainCategories(testing::DrawExamples(8, 1), testing::SmallOptions()).value();
+  Random random(5);
+  const cv::Mat grey = testing::DrawPair(true, random);
+  WindowOptions windows{.side_px = 120, .smallest_px = 120, .step_px = 10};
+  ASSERT_EQ(WindowCount(grey.size(), windows), 5U);
+  const std::vector<std::size_t> wanted = {0, 1};
+  const auto usual = LookThroughWindows(model, grey, testing::CoarseGrid(), windows, wanted);
+  windows.usual_windows = 0.5;  // a tenth of those there are
+  const auto more = LookThroughWindows(model, grey, testing::CoarseGrid(), windows, wanted);
+  ASSERT_EQ(usual.size(), more.size());
+  const auto odds = [](const SeenWindow& window) {
+    const double probability = window.result.scores[0].probability;
+    return probability / (1 - probability);
+  };
+  for (std::size_t i = 0; i < usual.size(); ++i) EXPECT_NEAR(odds(more[i]), odds(usual[i]) / 10, 1e-6 * odds(usual[i]));
+}
+
 TEST(Windows, TheLikeliestComeFirstAndNoMoreThanAskedFor) {
   const CategoryModel model = TrainCategories(testing::DrawExamples(8, 1), testing::SmallOptions()).value();
   Random random(6);

@@ -25,9 +25,9 @@ void CategoryFeatureOptions::ListFields(FieldList& fields) {
              {.choices = {"none", "calibrate", "learn"},
               .reason = "what the whole picture about a box is for. learn: an example like the crop, since what will "
                         "be classified has surroundings; calibrate: only to turn scores into probabilities"});
-  fields.Add(
-      "mirrored", mirrored,
-      {.reason = "learn from each picture's mirror image too: false where left and right tell categories apart"});
+  fields.Add("mirrored", mirrored,
+             {.reason = "learn from each picture's mirror image too; not those of categories that are each other's "
+                        "mirror images, as pictures held out tell"});
   fields.AddGroup("dense", dense);
   fields.AddGroup("windows", windows);
   fields.AddGroup("keypoints", keypoints);
@@ -79,20 +79,21 @@ Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryEye& eye, const 
   const cv::Rect part(x0, y0, x1 - x0, y1 - y0);
   const bool with_whole = part.size() != grey.size() && eye.options().surroundings != "none";
   std::vector<CategoryExample> examples;
-  const auto add = [&](const cv::Mat& seen, bool learns, bool calibrates) -> Status {
+  const auto add = [&](const cv::Mat& seen, bool learns, bool calibrates, bool mirrored = false) -> Status {
     VICTORIOUS_ASSIGN_OR_RETURN(FeatureSet features, eye.Look(seen));
     examples.push_back({.category = category,
                         .features = std::move(features),
                         .picture = number,
                         .learns = learns,
-                        .calibrates = calibrates});
+                        .calibrates = calibrates,
+                        .mirrored = mirrored});
     return {};
   };
   const auto add_mirrored = [&](const cv::Mat& seen) -> Status {
     if (!eye.options().mirrored) return {};
     cv::Mat mirrored;
     cv::flip(seen, mirrored, 1);
-    return add(mirrored, /*learns=*/true, /*calibrates=*/false);
+    return add(mirrored, /*learns=*/true, /*calibrates=*/false, /*mirrored=*/true);
   };
   const cv::Mat cut_out = grey(part).clone();
   VICTORIOUS_RETURN_IF_ERROR(add(cut_out, /*learns=*/true, /*calibrates=*/!with_whole));

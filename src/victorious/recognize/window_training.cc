@@ -137,7 +137,8 @@ Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryEye& eye, std::s
                      .features = *std::move(features),
                      .picture = static_cast<int>(cut.picture),
                      .learns = true,
-                     .calibrates = cut.calibrates};
+                     .calibrates = cut.calibrates,
+                     .mirrored = cut.mirrored};
     }
   });
   for (const Status& status : statuses) VICTORIOUS_RETURN_IF_ERROR(status);
@@ -208,6 +209,14 @@ Expected<CategoryModel> TrainOnWindows(const CategoryEye& eye, std::span<const B
   }
   CategoryFeatureOptions features = options.features;
   features.windows.none = none->category;
+  double windows = 0;
+  double backgrounds = 0;
+  for (const BoxedPicture& picture : pictures) {
+    if (picture.box) continue;
+    windows += static_cast<double>(WindowCount(picture.grey.size(), options.features.windows));
+    ++backgrounds;
+  }
+  features.windows.usual_windows = windows / backgrounds;
   model.features_json = OptionsToJsonText(features);
   return model;
 }

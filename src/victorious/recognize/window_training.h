@@ -40,7 +40,7 @@ struct BoxedPicture {
 };
 
 /// Errors: those of TrainCategories; kInvalidArgument for options out of range, and without a picture of none of them.
-/// Cost: some 40 s for 300 pictures of things and 60 of none, on two cores.
+/// Cost: that of training twice, and of looking through every picture once.
 Expected<CategoryModel> TrainOnWindows(const CategoryEye& eye, std::span<const BoxedPicture> pictures,
                                        const CategoryTrainOptions& options);
 
