@@ -8,8 +8,8 @@ DIR holds models of the scenes' objects, made by `model add`. Flight k is the k-
 another town, objects turned and moved by up to a metre and a half, another side and distance to look from. Its
 telemetry then errs along each axis of the camera's place by --position-m and about each axis of its attitude by
 --attitude-deg, in each row anew and as much again alike in the whole flight. What is alike decides nearly all, and ten
-flights are few: each of its six numbers is drawn once from each tenth of the normal distribution (a Latin hypercube). It
-is indexed and evaluated with that; with --tell, telemetry says how much it errs. One row a flight, and all together.
+flights are few: each of its six numbers is drawn once from each tenth of the normal distribution (a Latin hypercube).
+It is indexed and evaluated with that; with --tell, telemetry says how much it errs. One row a flight, and all together.
 """
 
 import argparse
@@ -149,7 +149,8 @@ def main() -> None:
             database.unlink(missing_ok=True)
             program("index", folder / "video.mp4", "--telemetry", noisy, "--models", arguments.models, "--db", database,
                     "--every", arguments.every)
-            scores.append(json.loads(program("evaluate", "--db", database, "--truth", folder / "truth.jsonl", "--json")))
+            scored = program("evaluate", "--db", database, "--truth", folder / "truth.jsonl", "--json")
+            scores.append(json.loads(scored))
             print(line_of(folder.name, scores[-1:]), flush=True)
     print(line_of("all", scores))
 
