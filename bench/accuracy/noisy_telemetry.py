@@ -1,0 +1,159 @@
+#!/usr/bin/env python3
+"""How often the truth lies in the ellipsoids that places are told with, in rendered flights whose telemetry errs.
+
+Usage: noisy_telemetry.py --models DIR [--program build/victorious] [--scenes scenes] [--flights 10] [--seed 1]
+                          [--frames 60] [--every 5] [--position-m 2] [--attitude-deg 0.5] [--tell] [--keep DIR]
+
+DIR holds models of the scenes' objects, made by `model add`. Flight k is the k-th scene (in turn) with its own seeds:
+another town, objects turned and moved by up to a metre and a half, another side and distance to look from. Its
+telemetry then errs along each axis of the camera's place by --position-m and about each axis of its attitude by
+--attitude-deg, in each row anew and as much again alike in the whole flight. What is alike decides nearly all, and ten
+flights are few: each of its six numbers is drawn once from each tenth of the normal distribution (a Latin hypercube).
+It is indexed and evaluated with that; with --tell, telemetry says how much it errs. One row a flight, and all together.
+"""
+
+import argparse
+import csv
+import json
+import math
+import random
+import statistics
+import tempfile
+from pathlib import Path
+
+from movies import Program
+
+SCENES = ("straight", "circle", "shaken", "straight_noise", "swerve_noise", "circle_noise", "shaken_noise")
+EARTH_M = 6371e3
+
+
+def turned(angles, by: float):
+    return [angle + by for angle in angles] if isinstance(angles, list) else angles + by
+
+
+def scaled(lengths, by: float):
+    return [length * by for length in lengths] if isinstance(lengths, list) else lengths * by
+
+
+def vary(scene: dict, assets: Path, draws: random.Random, frames: int) -> dict:
+    scene["assets"] = str(assets)
+    scene["seed"] = draws.randrange(1, 10**6)
+    scene["town"]["seed"] = draws.randrange(1, 10**6)
+    video = scene["video"]
+    if frames < video["frames"]:
+        video["fps"] *= (frames - 1) / (video["frames"] - 1)
+        video["frames"] = frames
+    for thing in scene["objects"]:
+        if "path_m" in thing:
+            continue
+        thing["heading_deg"] = draws.uniform(0, 360)
+        for axis in ("x_m", "y_m"):
+            thing[axis] += draws.uniform(-1.5, 1.5)
+    camera = scene["camera"]
+    for key in ("from_deg", "start_deg"):
+        if key in camera:
+            camera[key] = turned(camera[key], draws.uniform(-40, 40))
+    if "range_m" in camera:
+        camera["range_m"] = scaled(camera["range_m"], draws.uniform(0.9, 1.1))
+    return scene
+
+
+def latin_normals(flights: int, draws: random.Random) -> list[list[float]]:
+    """Six standard normal numbers a flight; of each, one a flight in every stretch of equal probability."""
+    columns = []
+    for _ in range(6):
+        stretches = list(range(flights))
+        draws.shuffle(stretches)
+        columns.append([statistics.NormalDist().inv_cdf((stretch + draws.random()) / flights) for stretch in stretches])
+    return [list(row) for row in zip(*columns, strict=True)]
+
+
+def spoil(exact: Path, noisy: Path, common: list[float], draws: random.Random, position_m: float, attitude_deg: float,
+          tell: bool) -> None:
+    with exact.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    for row in rows:
+        north, east, up, yaw, pitch, roll = (alike + draws.gauss(0, 1) for alike in common)
+        latitude = float(row["latitude_deg"])
+        metre_deg = math.degrees(1 / EARTH_M)
+        row["latitude_deg"] = latitude + north * position_m * metre_deg
+        row["longitude_deg"] = (
+            float(row["longitude_deg"]) + east * position_m * metre_deg / math.cos(math.radians(latitude))
+        )
+        row["altitude_m"] = float(row["altitude_m"]) + up * position_m
+        for name, error in (("yaw_deg", yaw), ("pitch_deg", pitch), ("roll_deg", roll)):
+            row[name] = float(row[name]) + error * attitude_deg
+        if tell:
+            row["sigma_position_m"], row["sigma_attitude_deg"] = position_m, attitude_deg
+    with noisy.open("w", newline="") as file:
+        writer = csv.DictWriter(file, rows[0].keys())
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def line_of(name: str, scores: list[dict]) -> str:
+    def total(key: str) -> int:
+        return sum(score[key] or 0 for score in scores)
+
+    located = total("located")
+
+    def share(key: str) -> str:
+        inside = sum(round((score[key] or 0) * score["located"]) for score in scores)
+        return f"{inside:4} of {located:3}"
+
+    errors = sorted(
+        one["error_m"] for score in scores for one in score["per_object"].values() if one["error_m"] is not None
+    )
+    middle = f"{errors[len(errors) // 2]:8.2f}" if errors else "       -"
+    return (
+        f"{name:<20} {total('found'):3} of {total('findable'):3} {total('false_objects'):3}  "
+        f"{middle} {max(errors, default=math.nan):8.2f}  {share('inside_90_ellipsoid')}  {share('inside_ce90')}"
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--models", type=Path, required=True)
+    parser.add_argument("--program", default="build/victorious")
+    parser.add_argument("--scenes", type=Path, default=Path("scenes"))
+    parser.add_argument("--flights", type=int, default=10)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--frames", type=int, default=60)
+    parser.add_argument("--every", type=int, default=5)
+    parser.add_argument("--position-m", type=float, default=2)
+    parser.add_argument("--attitude-deg", type=float, default=0.5)
+    parser.add_argument("--tell", action="store_true")
+    parser.add_argument("--keep", type=Path, help="flights and indexes stay here; what is there is not flown again")
+    arguments = parser.parse_args()
+    program = Program(arguments.program)
+    print(f"{'flight':<20} found      false   error m: median, largest   in the ellipsoid, in CE90")
+    scores = []
+    alike = latin_normals(arguments.flights, random.Random(arguments.seed))
+    with tempfile.TemporaryDirectory() as scratch:
+        for k in range(1, arguments.flights + 1):
+            name = SCENES[(k - 1) % len(SCENES)]
+            folder = (arguments.keep or Path(scratch)) / f"{k}-{name}"
+            folder.mkdir(parents=True, exist_ok=True)
+            source = arguments.scenes / f"{name}.json"
+            draws = random.Random(k)
+            scene = json.loads(source.read_text())
+            assets = (source.parent / scene.get("assets", "../assets")).resolve()
+            scene_file = folder / "scene.json"
+            scene_file.write_text(json.dumps(vary(scene, assets, draws, arguments.frames)))
+            if not (folder / "video.mp4").exists():  # it comes last
+                program("simulate", scene_file, "--out", folder)
+            noisy = folder / ("told.csv" if arguments.tell else "noisy.csv")
+            spoil(folder / "telemetry.csv", noisy, alike[k - 1], random.Random(1000 * arguments.seed + k),
+                  arguments.position_m, arguments.attitude_deg, arguments.tell)
+            database = folder / f"{noisy.stem}.db"
+            database.unlink(missing_ok=True)
+            program("index", folder / "video.mp4", "--telemetry", noisy, "--models", arguments.models, "--db", database,
+                    "--every", arguments.every)
+            scored = program("evaluate", "--db", database, "--truth", folder / "truth.jsonl", "--json")
+            scores.append(json.loads(scored))
+            print(line_of(folder.name, scores[-1:]), flush=True)
+    print(line_of("all", scores))
+
+
+if __name__ == "__main__":
+    main()
