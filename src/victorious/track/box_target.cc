@@ -116,19 +116,20 @@ BoxTarget::Sight BoxTarget::Step(const BoxScene& scene) {
   const bool should_have_left = ShareInView(scene.image, box_) < options_.least_in_view;
   const Answer answer = AskTurned(scene.image);
   const double trust = Trust(scene.image, answer);
-  // At the edge the filter finds something in the frame also when the object is beyond it.
-  const bool left = ShareInView(scene.image, answer.box) < options_.least_in_view ||
-                    (should_have_left && trust < options_.learn_trust);
+  const bool left = ShareInView(scene.image, answer.box) < options_.least_in_view;
   if (left || trust < (doubtful_ ? options_.return_trust : options_.lost_trust)) {
     Lose();
     return {.loss = left ? TrackLoss::kLeftFrame : TrackLoss::kOccluded};
   }
   box_ = answer.box;
+  // What the frame's edge cuts off tells as much less.
+  doubtful_ = doubtful_ && trust * ShareInView(scene.image, box_) < options_.learn_trust;
   if (trust >= options_.learn_trust) {
-    doubtful_ = false;
     velocity_px_ += options_.velocity_rate * (box_.centre - carried - velocity_px_);
     Learn(scene, answer, trust);
   }
+  // At the edge the filter finds something in the frame also when the object is beyond it.
+  if (should_have_left && trust < options_.learn_trust) return {.loss = TrackLoss::kLeftFrame};
   return {.box = box_.Upright(), .trust = trust, .doubtful = doubtful_};
 }
 
@@ -200,9 +201,8 @@ BoxTarget::Sight BoxTarget::Seek(const BoxScene& scene) {
   for (const TurnedBox& place : PlacesToSeek(scene)) {
     const Answer answer = Ask(scene.image, place);
     const double trust = Trust(scene.image, answer);
-    // What the frame's edge cuts off tells as much less.
-    const double share = std::min(1.0, ShareInView(scene.image, answer.box));
-    if (trust * share < options_.return_trust || trust <= best.trust) continue;
+    if (trust < options_.return_trust || trust <= best.trust) continue;
+    if (ShareInView(scene.image, answer.box) < options_.least_in_view) continue;
     found = answer.box;
     best = {.box = found.Upright(), .trust = trust, .again = true, .doubtful = true};
   }
