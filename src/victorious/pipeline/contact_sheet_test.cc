@@ -19,6 +19,7 @@ class ContactSheet : public ::testing::Test {
   void SetUp() override {
     IndexOptions options;
     options.runs.gap_s = 0.3;  // the crate leaves, and comes back so late that it is another object
+    options.follow.enabled = false;
     const auto report =
         Indexer::Create(flight_.Models(), options).value().Index({.video = flight_.video()}, CancelToken(), *store_);
     ASSERT_TRUE(report) << report.error().message;

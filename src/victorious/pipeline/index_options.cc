@@ -3,12 +3,12 @@
 namespace victorious {
 
 void RunOptions::ListFields(FieldList& fields) {
-  fields.Add(
-      "gap_s", gap_s,
-      {.min = 0,
-       .max = 3600,
-       .unit = "s",
-       .reason = "a sighting continues a run that was last seen no longer ago than this, or than 2.5 searched frames"});
+  fields.Add("gap_s", gap_s,
+             {.min = 0,
+              .max = 3600,
+              .unit = "s",
+              .reason = "a sighting continues a run that was last seen no longer ago than this, than 2.5 "
+                        "searched frames, or than a track may miss"});
   fields.Add("least_overlap", least_overlap,
              {.min = 0,
               .max = 1,
