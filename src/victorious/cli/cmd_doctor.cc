@@ -132,9 +132,12 @@ Report DescribePlace(const std::string& source, const Probe& probe) {
   }
   const auto beside = TelemetryBeside(source);
   if (!beside) {
+    const std::string name = OneLine(std::filesystem::path(source).stem().string());
     return {
-        "impossible: no telemetry\n"
-        "  missing: KLV or a DJI aircraft's subtitles in the file, or a .SRT or .telemetry.csv beside it\n",
+        fmt::format("impossible: no telemetry\n"
+                    "  missing: KLV or a DJI aircraft's subtitles in the file, {}.SRT or {}.telemetry.csv beside it, "
+                    "or a table that `index --telemetry` names\n",
+                    name, name),
         nullptr};
   }
   const auto telemetry = ReadTelemetry(beside->string(), {});

@@ -97,7 +97,7 @@ Action SetUpIndex(CLI::App& app) {
       ->type_name("FILE");
   app.add_option("--db", arguments->db, "The index, made if it is not there")->required()->type_name("FILE");
   app.add_option("--telemetry", arguments->telemetry,
-                 "Where the camera was (unless given: the video's own KLV, .SRT or .telemetry.csv beside it)")
+                 "Where the camera was (unless given: the video's own KLV, NAME.SRT or NAME.telemetry.csv beside it)")
       ->type_name("FILE");
   AddParams(app, arguments->params, "index");
   app.add_option("--every", arguments->every,

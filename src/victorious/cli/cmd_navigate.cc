@@ -98,9 +98,9 @@ Action SetUpNavigate(CLI::App& app) {
   app.add_option("--out", arguments->out, "The camera's states, CSV (docs/formats/navigate.md)")
       ->required()
       ->type_name("FILE");
-  app.add_option(
-         "--telemetry", arguments->telemetry,
-         "Where the camera was said to be (unless given: the video's own KLV, .SRT or .telemetry.csv beside it)")
+  app.add_option("--telemetry", arguments->telemetry,
+                 "Where the camera was said to be (unless given: the video's own KLV, NAME.SRT or NAME.telemetry.csv "
+                 "beside it)")
       ->type_name("FILE");
   AddFieldOfView(app, arguments->hfov_deg);
   AddParams(app, arguments->params, "navigate");

@@ -68,6 +68,9 @@ Status ListFoundObjects(const Arguments& arguments, const SightingFilter& filter
                        "score", "frames", "from", "to", "object", "place (CE90)", "heading", "m/s", "videos");
     for (const ListedObject& object : objects) text += ObjectLine(object);
   }
+  if (arguments.rejected && std::ranges::all_of(objects, [](const auto& one) { return one.object.rejected.empty(); })) {
+    spdlog::info("nothing was rejected");
+  }
   return WriteOutput("", text);
 }
 
@@ -112,14 +115,18 @@ Status ListMoments(const Arguments& arguments, const SightingFilter& filter, Ind
 
 // A list of finds says nothing of frames that were not searched yet.
 Status WarnOfUnfinished(const Catalogue& catalogue, IndexStore& store) {
+  if (catalogue.videos().empty()) spdlog::warn("no video of those asked for was indexed here yet");
   for (const VideoRecord& video : catalogue.videos()) {
+    bool begun = false;
     for (const ModelRecord& model : catalogue.models()) {
       VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> search, store.FindSearch(video.id, model.id));
+      begun |= search.has_value();
       if (search && !search->finished) {
         spdlog::warn("{} was searched for {} up to frame {} only: run `index` again to go on", video.name, model.name,
                      search->next_frame);
       }
     }
+    if (!begun) spdlog::warn("{} was not searched for what is asked: run `index` on it again", video.name);
   }
   return {};
 }

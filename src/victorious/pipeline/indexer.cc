@@ -114,6 +114,11 @@ Expected<Cameras> CamerasOf(const IndexJob& job, bool live, const TelemetryOptio
   Cameras cameras;
   if (!telemetry) return cameras;
   for (const std::string& warning : telemetry->warnings) tell("telemetry: " + warning);
+  if (!telemetry->states.empty() && std::ranges::none_of(telemetry->states, &CameraState::IsComplete)) {
+    tell(
+        "telemetry: nothing will get a place: where the camera was and looked and its field of view are nowhere told "
+        "together; `victorious doctor` says what is missing");
+  }
   cameras.start_utc_us = StartOf(telemetry->states);
   cameras.track.emplace(std::move(telemetry->states), options.max_gap_s);
   return cameras;

@@ -81,8 +81,9 @@ Expected<std::optional<Telemetry>> FindTelemetry(const std::string& video, const
 }
 
 std::optional<fs::path> TelemetryBeside(const std::string& video) {
-  for (const fs::path& path : {fs::path(video).replace_extension(".SRT"), fs::path(video).replace_extension(".srt"),
-                               fs::path(video + ".telemetry.csv")}) {
+  for (const fs::path& path :
+       {fs::path(video).replace_extension(".SRT"), fs::path(video).replace_extension(".srt"),
+        fs::path(video + ".telemetry.csv"), fs::path(video).replace_extension(".telemetry.csv")}) {
     std::error_code error;
     if (fs::is_regular_file(path, error)) return path;
   }

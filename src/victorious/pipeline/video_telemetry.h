@@ -24,7 +24,8 @@ Expected<Telemetry> ReadTelemetry(const std::string& source, const TelemetryOpti
 Expected<std::optional<Telemetry>> FindTelemetry(const std::string& video, const TelemetryOptions& options,
                                                  const std::function<void(const std::string&)>& tell);
 
-/// `VIDEO` with .SRT or .srt for its ending, or `VIDEO.telemetry.csv`, whichever is there first.
+/// Of `flight.mp4`: `flight.SRT`, `flight.srt`, `flight.mp4.telemetry.csv`, `flight.telemetry.csv`, whichever is there
+/// first.
 [[nodiscard]] std::optional<std::filesystem::path> TelemetryBeside(const std::string& video);
 
 }  // namespace victorious

@@ -227,6 +227,8 @@ TEST(VideoTelemetry, FindsWhatLiesBesideAVideo) {
   const testing::ScratchFolder folder;
   const std::string video = folder / "flight.mp4";
   EXPECT_EQ(TelemetryBeside(video), std::nullopt);
+  std::ofstream(folder / "flight.telemetry.csv") << "time_s\n";
+  EXPECT_EQ(TelemetryBeside(video), folder / "flight.telemetry.csv");
   std::ofstream(folder / "flight.mp4.telemetry.csv") << "time_s\n";
   EXPECT_EQ(TelemetryBeside(video), folder / "flight.mp4.telemetry.csv");
   std::ofstream(folder / "flight.SRT") << "1\n";
