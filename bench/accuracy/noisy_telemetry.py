@@ -139,8 +139,10 @@ def main() -> None:
             scene = json.loads(source.read_text())
             assets = (source.parent / scene.get("assets", "../assets")).resolve()
             scene_file = folder / "scene.json"
-            scene_file.write_text(json.dumps(vary(scene, assets, draws, arguments.frames)))
-            if not (folder / "video.mp4").exists():  # it comes last
+            text = json.dumps(vary(scene, assets, draws, arguments.frames))
+            is_flown = (folder / "video.mp4").exists() and scene_file.exists() and scene_file.read_text() == text
+            scene_file.write_text(text)
+            if not is_flown:  # the video comes last
                 program("simulate", scene_file, "--out", folder)
             noisy = folder / ("told.csv" if arguments.tell else "noisy.csv")
             spoil(folder / "telemetry.csv", noisy, alike[k - 1], random.Random(1000 * arguments.seed + k),

@@ -246,6 +246,11 @@ std::vector<SeenWindow> LookThroughWindows(const CategoryModel& model, const cv:
       double& probability = window.result.scores[node].probability;
       probability /= probability + more_looks * (1 - probability);
     }
+    for (std::size_t node = 0; node < model.nodes.size(); ++node) {  // another label may be likelier by now
+      const std::vector<CategoryScore>& scores = window.result.scores;
+      if (model.nodes[node].labels && scores[node].probability > scores[window.result.label].probability)
+        window.result.label = node;
+    }
   }
   std::ranges::stable_sort(windows, std::ranges::greater(), [&](const SeenWindow& window) {
     return Likeliest(model, window.result, CategoryMethod::kPhrases, wanted);

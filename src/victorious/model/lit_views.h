@@ -18,8 +18,8 @@ namespace victorious {
 [[nodiscard]] Light ClearDay(const ViewDirection& sun);
 
 /// Nothing for a model that keeps no renderings (photos, or made by an earlier version).
-/// @param most_kept  in memory, of some 60 kB each; of more the longest unused are forgotten, and made again if asked
-/// for Error: kInvalidArgument, options in the model that this version does not know.
+/// @param most_kept  in memory, of some 60 kB each: the longest unused are forgotten, and made again if asked for.
+/// Error: kInvalidArgument, options in the model that this version does not know.
 Expected<std::unique_ptr<const LitTemplates>> MakeLitViews(const ObjectModel& model, std::size_t most_kept = 1000);
 
 }  // namespace victorious

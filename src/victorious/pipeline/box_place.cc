@@ -49,12 +49,18 @@ void TellVelocity(std::span<std::optional<Place>> places, std::size_t i) {
   std::vector<std::pair<double, Vector3d>> near;
   Vector3d middle = Vector3d::Zero();
   double middle_s = 0;
-  for (const std::optional<Place>& place : places) {
-    if (!place || std::abs(place->time_s - places[i]->time_s) > kWindow_s) continue;
+  const auto is_near = [&](const std::optional<Place>& place) {  // false: what lies beyond is as far at least
+    if (!place) return true;
+    if (std::abs(place->time_s - places[i]->time_s) > kWindow_s) return false;
     near.emplace_back(place->time_s, plane.EnuFromGeodetic(place->point));
     middle_s += near.back().first;
     middle += near.back().second;
-  }
+    return true;
+  };
+  std::size_t begin = i;
+  while (begin > 0 && is_near(places[begin - 1])) --begin;
+  std::size_t end = i;
+  while (end < places.size() && is_near(places[end])) ++end;
   if (near.size() < kFewest) return;
   const auto count = static_cast<double>(near.size());
   middle /= count;
@@ -65,6 +71,7 @@ void TellVelocity(std::span<std::optional<Place>> places, std::size_t i) {
     spread_s2 += (time_s - middle_s) * (time_s - middle_s);
     moved += (time_s - middle_s) * (point - middle);
   }
+  if (!(spread_s2 > 0)) return;
   const Vector3d velocity = moved / spread_s2;
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const auto& [time_s, point] : near) {

@@ -451,18 +451,21 @@ class TrackRun {
     if (type != nullptr && type->stands_still) return BoxMotion::kStands;
     constexpr double kMoves = 1;
     constexpr double kStays = 0.5;
-    double farthest = 0;
-    std::size_t compared = 0;
+    constexpr double kStray = 0.05;  // a share of boxes, three at least, may lie beside the object
+    std::vector<double> away;
     for (const BoxSighting* sighting : seen) {
       const auto spot = spots_[drawn].find(sighting->frame);
       if (spot == spots_[drawn].end() || EndsAtTheEdge(sighting->box, sizes_[0])) continue;
       const Box& box = sighting->extent;
       const Eigen::Vector2d centre(box.x + box.width / 2, box.y + box.height / 2);
-      farthest = std::max(farthest, (centre - spot->second.place).norm() / std::max(box.width, box.height));
-      ++compared;
+      away.push_back((centre - spot->second.place).norm() / std::max(box.width, box.height));
     }
+    const std::size_t strays = std::max<std::size_t>(3, static_cast<std::size_t>(kStray * std::ssize(away)));
+    if (away.size() <= strays) return BoxMotion::kUnknown;
+    std::ranges::nth_element(away, away.end() - 1 - static_cast<std::ptrdiff_t>(strays));
+    const double farthest = *(away.end() - 1 - static_cast<std::ptrdiff_t>(strays));
     if (farthest > kMoves) return BoxMotion::kMoves;
-    return farthest < kStays && 2 * compared > seen.size() ? BoxMotion::kStands : BoxMotion::kUnknown;
+    return farthest < kStays && 2 * away.size() > seen.size() ? BoxMotion::kStands : BoxMotion::kUnknown;
   }
 
   [[nodiscard]] std::optional<Place> GroundOf(std::size_t drawn) const {

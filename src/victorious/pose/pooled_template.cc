@@ -30,7 +30,20 @@ std::optional<ViewMap> MapOf(const ComparedTemplate& view) {
     places.row(i) << place.x, place.y, place.z, 1;
     pixels.row(i) << keypoint.x, keypoint.y;
   }
-  return places.completeOrthogonalDecomposition().solve(pixels).transpose();
+  // About the middle, in units of the spread: a cluster or a plane of places does not tell the rest of the object.
+  const Eigen::RowVector4d middle(places.col(0).mean(), places.col(1).mean(), places.col(2).mean(), 0);
+  places.rowwise() -= middle;
+  const double spread = places.leftCols<3>().norm() / std::sqrt(static_cast<double>(count));
+  if (!(spread > 0)) return std::nullopt;
+  places.leftCols<3>() /= spread;
+  Eigen::ColPivHouseholderQR<Eigen::MatrixX4d> decomposition(places);
+  constexpr double kFlattest = 0.02;
+  decomposition.setThreshold(kFlattest);
+  if (decomposition.rank() < 4) return std::nullopt;
+  ViewMap map = decomposition.solve(pixels).transpose();
+  map.leftCols<3>() /= spread;
+  map.col(3) -= map.leftCols<3>() * middle.head<3>().transpose();
+  return map;
 }
 
 // A neighbour's keypoints as the view would show them: each at its place, all turned and sized alike.

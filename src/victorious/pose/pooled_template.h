@@ -25,7 +25,7 @@ struct PooledTemplate {
       matches;  ///< by keypoint; a keypoint that n views have was tried n times: ranks count n-fold
 };
 
-/// Only the view's own where its keypoints do not tell how it shows the object (fewer than eight).
+/// Only the view's own where its keypoints do not tell how it shows the object (fewer than eight, all in one plane).
 PooledTemplate Pool(const ComparedTemplate& view, std::span<const ComparedTemplate> neighbours);
 
 }  // namespace victorious

@@ -92,6 +92,13 @@ TEST(PooledTemplate, AViewOfTooFewKeypointsStaysAlone) {
   EXPECT_EQ(pooled.matches, view.matches);
 }
 
+TEST(PooledTemplate, APlaneDoesNotTellTheRestOfTheObject) {
+  std::vector<Point3> places = Places(1, 20);
+  for (Point3& place : places) place.z = 1;
+  const DrawnView view = Draw(places, 0);
+  EXPECT_EQ(Pool(view.Compared(), std::vector{Draw(Places(2, 30), 0.17).Compared()}).keypoints, view.keypoints);
+}
+
 // Seven true matches in each of two views, of some forty keypoints, the rest chance: together they are more.
 TEST(PooledTemplate, TogetherViewsHaveMoreEvidenceThanEachAlone) {
   Random random(3);

@@ -43,6 +43,14 @@ Expected<CategoryEye> CategoryEye::Create(const CategoryFeatureOptions& options)
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   if (options.windows.enabled && options.kind != "dense")
     return Fail(ErrorCode::kInvalidArgument, "windows.enabled: goes with features on a grid alone: kind must be dense");
+  constexpr int kMostEnlarged = 2;  // what is larger by more takes memory, and shows nothing new
+  if (options.windows.enabled && options.windows.side_px > kMostEnlarged * options.windows.smallest_px) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("windows.smallest_px {}: below half of windows.side_px {}, so that pictures would be enlarged "
+                    "more than twice",
+                    options.windows.smallest_px, options.windows.side_px));
+  }
   CategoryEye eye;
   eye.options_ = options;
   VICTORIOUS_ASSIGN_OR_RETURN(eye.extractor_, MakeFeatureExtractor(options.keypoints));

@@ -185,10 +185,11 @@ void WindowTrainOptions::ListFields(FieldList& fields) {
              {.min = 1, .max = 100, .reason = "windows about each thing, none of them quite in its middle"});
   fields.Add("background", background,
              {.min = 1, .max = 1000, .reason = "windows from anywhere in each picture of none of the things"});
-  fields.Add("mined", mined,
-             {.min = 0,
-              .max = 1000,
-              .reason = "windows of each picture of none of the things that a first model takes most for things"});
+  fields.Add(
+      "mined", mined,
+      {.min = 0,
+       .max = 1000,
+       .reason = "windows of each picture, none of the things in them, that a first model takes most for things"});
 }
 
 Expected<CategoryModel> TrainOnWindows(const CategoryEye& eye, std::span<const BoxedPicture> pictures,

@@ -103,8 +103,8 @@ struct SightingRecord {
   std::optional<double> sigma_view_rad;    ///< of the direction of view, each axis; nothing: the matched view's own
   std::optional<double> distance_m;        ///< from the camera; nothing where its field of view is not known
   std::optional<double> sigma_distance_m;  ///< goes with it
-  std::optional<std::int64_t> track;       ///< sightings of one video with the same were followed: they are one thing
-  std::optional<Sight> sight;              ///< where there is telemetry
+  std::optional<std::int64_t> track;  ///< those of a video and model with the same were followed: they are one thing
+  std::optional<Sight> sight;         ///< where there is telemetry
 };
 
 /// The features of a frame, kept for search by picture.

@@ -229,7 +229,9 @@ TEST(RegionTracker, ANewTrackIsSoughtWhereThePictureWentAndWhereItWas) {
     const auto step = passing.Step(world.Draw(moved, {280, 200}));
     ASSERT_TRUE(step);
     EXPECT_EQ(step->seen(), predict) << "it stands on ground that passes by 80 px a frame";
-    if (predict) EXPECT_GT(IntersectionOverUnion(step->box, BoundingBox(world.Outline(moved))), 0.9);
+    if (predict) {
+      EXPECT_GT(IntersectionOverUnion(step->box, BoundingBox(world.Outline(moved))), 0.9);
+    }
     Follower kept_in_view(options);
     kept_in_view.Start(world.Draw(before), world.Outline(before));
     const auto still = kept_in_view.Step(world.Draw(before, {280, 200}));

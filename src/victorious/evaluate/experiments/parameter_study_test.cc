@@ -139,7 +139,9 @@ TEST_F(TinyFlight, IsStudiedAndSearchedOnceForWhatIsSearchedAlike) {
     EXPECT_LE(setting.objects[0].density, setting.objects[0].density_between);
     ASSERT_TRUE(setting.objects[0].error_m.has_value());
     EXPECT_LT(*setting.objects[0].error_m, 0.5) << setting.name;
-    if (setting.of == "geolocation") EXPECT_EQ(setting.other_sightings, 0) << setting.name;
+    if (setting.of == "geolocation") {
+      EXPECT_EQ(setting.other_sightings, 0) << setting.name;
+    }
   }
   EXPECT_GT(study->settings[1].other_sightings, 0) << "other frames were searched as a whole";
   const auto files = [&](const char* folder) {
