@@ -78,6 +78,7 @@ std::vector<std::string> FuzzSeeds() {
     options.vocabulary.words = 8;
     options.phrases.parts = 2;
     options.grammar.word_share = 1;
+    if (options.scoring == "linear") options.shapes = {.weight = 1, .dimensions = 4};
     const auto model = TrainCategories(examples, options);
     VICTORIOUS_CHECK(model.has_value());
     const std::vector<std::byte> bytes = EncodeCategories(*model);

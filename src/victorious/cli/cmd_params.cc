@@ -25,7 +25,7 @@ Action SetUpParams(CLI::App& app) {
     bool json = false;
   };
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("OF", arguments->of,
+  app.add_option("WHOSE", arguments->of,
                  "Whose: index (search and match take its recognition part), model (of photos), cad (model of a CAD "
                  "file), features, telemetry, locate, track, navigate, category")
       ->check(

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
 #include <utility>
 
+#include <fmt/format.h>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -199,6 +202,19 @@ Expected<CategoryModel> TrainOnWindows(const CategoryEye& eye, std::span<const B
     return Fail(ErrorCode::kInvalidArgument,
                 "windows are learned against pictures of none of the things: a category is needed whose pictures have "
                 "no boxes, background say");
+  std::set<std::string> boxed;
+  for (const BoxedPicture& picture : pictures) {
+    if (picture.box) boxed.insert(picture.category);
+  }
+  const auto another = std::ranges::find_if(pictures, [&](const BoxedPicture& picture) {
+    return picture.category != none->category && !boxed.contains(picture.category);
+  });
+  if (another != pictures.end()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{} and {}: neither has a box; windows are learned against one category without boxes, the "
+                            "others need theirs",
+                            none->category, another->category));
+  }
   std::vector<Cut> cuts = FirstCuts(pictures, options, none->category);
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<CategoryExample> examples, ExamplesOf(eye, pictures, cuts));
   VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model, TrainCategories(examples, options.category));

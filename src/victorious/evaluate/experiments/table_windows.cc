@@ -114,7 +114,6 @@ Status MeasureInto(Figures& figures, const CategoryFinder& finder, std::span<con
   double things = 0;
   double found = 0;
   double finds = 0;
-  double right = 0;
   double overlap = 0;
   double empty = 0;
   double empty_with_finds = 0;
@@ -134,13 +133,12 @@ Status MeasureInto(Figures& figures, const CategoryFinder& finder, std::span<con
       constexpr double kLeastOverlap = 0.25;
       if (best < kLeastOverlap) continue;
       ++found;
-      ++right;
       overlap += best;
     }
   }
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   figures.found.push_back(100 * found / things);
-  figures.right.push_back(finds > 0 ? 100 * right / finds : 0);
+  figures.right.push_back(finds > 0 ? 100 * found / finds : 0);
   figures.overlap.push_back(found > 0 ? 100 * overlap / found : 0);
   figures.empty_frames_with_finds.push_back(100 * empty_with_finds / empty);
   figures.frames_a_second.push_back(static_cast<double>(scenes.size()) / elapsed.count());
@@ -184,7 +182,7 @@ Expected<Report> RunTableWindows(const ExperimentSettings& settings) {
                            MeanOf(one.empty_frames_with_finds), MeanOf(one.frames_a_second)});
   }
   report.notes = {
-      fmt::format("{} seeds of {} frames, as many with none, one, two and three test pictures pasted into a "
+      fmt::format("{} seeds of {} frames, with none to three test pictures pasted into a "
                   "test picture of the background. Found: the right category, overlapping the drawn box by "
                   "a quarter (intersection over union); probability 0.5 at least. {}.",
                   settings.seeds, kFrames, kSplitNote)};
