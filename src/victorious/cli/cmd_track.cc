@@ -68,9 +68,7 @@ void TellPlaces(const std::vector<BoxSighting>& sightings, std::size_t boxes) {
     spdlog::info("box-{}: at {:.2f} s at {:.6f}, {:.6f}, {:.1f} m; CE90 {:.1f} m, LE90 {:.1f} m{}", drawn + 1,
                  last->time_s, DegreesFromRadians(place.point.latitude_rad),
                  DegreesFromRadians(place.point.longitude_rad), place.point.altitude_m, place.ce90_m, place.le90_m,
-                 place.velocity_enu && place.velocity_enu->norm() > 0
-                     ? fmt::format("; it moves at {:.1f} m/s", place.velocity_enu->norm())
-                     : "");
+                 place.Moves() ? fmt::format("; it moves at {:.1f} m/s", place.velocity_enu->norm()) : "");
   }
 }
 

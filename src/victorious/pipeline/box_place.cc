@@ -32,8 +32,6 @@ std::optional<Projection> Project(const GeodeticPoint& point, const CameraState&
   return Projection{focal_px * shown + Vector2d(image.width / 2.0, image.height / 2.0), in_camera.z() / focal_px};
 }
 
-bool Moves(const Place& place) { return place.velocity_enu && place.velocity_enu->norm() > 0; }
-
 std::optional<Place> ByRange(const Sight& sight, const BoxPlaceOptions& options) {
   ObjectOptions object;
   object.locate = options.locate;
@@ -193,7 +191,7 @@ std::vector<std::optional<Place>> PlacesOf(std::span<const Sight> sights, BoxMot
   if (motion == BoxMotion::kStands) object.locate.motion = "static";
   const ObjectPlace together = ground ? PlaceOf(WithoutRanges(sights), object, 1) : PlaceOf(sights, object, 1);
   const std::optional<Place> all = together.agreeing >= options.least_agreeing ? together.place : std::nullopt;
-  if (motion != BoxMotion::kMoves && !(all && Moves(*all))) {
+  if (motion != BoxMotion::kMoves && !(all && all->Moves())) {
     for (std::size_t i = 0; i < sights.size() && all; ++i) places[i] = At(*all, sights[i].line.time_s);
     return places;
   }

@@ -42,8 +42,6 @@ ObjectPlace PlaceOf(const Thing& thing, ObjectOptions options, double common_sha
   return PlaceOf(SightsOf(thing), options, common_share);
 }
 
-bool Moves(const Place& place) { return place.velocity_enu && place.velocity_enu->norm() > 0; }
-
 bool ShareAFrame(const SeenRun& a, const SeenRun& b) {
   if (a.record.video != b.record.video) return false;
   std::vector<std::int64_t> both;
@@ -87,7 +85,7 @@ std::optional<Distance> DistanceOf(const Thing& a, const Thing& b, const ObjectO
   if (!ShareAVideo(a, b) || !InOneVideo(a) || !InOneVideo(b)) {  // another flight errs on its own
     of_a = PlaceOf(a, options, 1).place;
     of_b = PlaceOf(b, options, 1).place;
-    if (!of_a || !of_b || Moves(*of_a) || Moves(*of_b)) return std::nullopt;
+    if (!of_a || !of_b || of_a->Moves() || of_b->Moves()) return std::nullopt;
   }
   if (!of_a || !of_b) return std::nullopt;
   const bool a_first = FirstTime(a) <= FirstTime(b);
@@ -231,7 +229,7 @@ void RejectDoubles(std::vector<ObjectRecord>& objects, const std::map<std::int64
       if (!more.place || !more.rejected.empty() || more.id == less.id || runs.at(more.id)->of_category) continue;
       const auto rank = [&](const ObjectRecord& object) { return std::pair(FramesOf(object, runs), -object.id); };
       if (rank(more) <= rank(less)) continue;
-      if (Moves(*less.place) || Moves(*more.place)) continue;
+      if (less.place->Moves() || more.place->Moves()) continue;
       if (plane.EnuFromGeodetic(more.place->point).norm() >= options.least_apart_m) continue;
       less.rejected = fmt::format("stands where object {} stands", more.id);
       break;

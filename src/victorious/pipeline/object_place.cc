@@ -110,8 +110,6 @@ std::vector<LineOfSight> LinesOf(std::span<const Sight> sights, const LineErrorO
   return lines;
 }
 
-bool IsMoving(const Place& place) { return place.velocity_enu && place.velocity_enu->norm() > 0; }
-
 // Of what moves: by its last lines alone, where these tell it.
 Place LastPlace(std::span<const LineOfSight> lines, const Place& by_all, LocateOptions locate,
                 const ObjectOptions& options) {
@@ -154,7 +152,7 @@ std::optional<double> TooLarge(std::vector<LineOfSight> lines, LocateOptions loc
 Place At(const Place& place, double time_s) {
   Place then = place;
   then.time_s = time_s;
-  if (!IsMoving(place)) return then;
+  if (!place.Moves()) return then;
   const double after_s = time_s - place.time_s;
   then.point = TangentPlane(place.point).GeodeticFromEnu(after_s * *place.velocity_enu);
   if (place.velocity_covariance_enu) then.covariance_enu_m2 += after_s * after_s * *place.velocity_covariance_enu;
@@ -222,7 +220,7 @@ ObjectPlace PlaceOf(std::span<const Sight> sights, const ObjectOptions& options,
   const Expected<GeoFix> fix = Locate(lines, locate);
   if (!fix) return result;  // options were checked before
   result.place = fix->place;
-  if (fix->place && IsMoving(*fix->place)) result.place = LastPlace(lines, *fix->place, locate, options);
+  if (fix->place && fix->place->Moves()) result.place = LastPlace(lines, *fix->place, locate, options);
   result.agreeing = static_cast<double>(std::ranges::count(fix->inliers, true)) / static_cast<double>(lines.size());
   result.too_large = TooLarge(lines, locate, options.least_agreeing);
   std::vector<double> headings;

@@ -94,8 +94,6 @@ Expected<std::shared_ptr<const Recognizer>> LearnModel(const Frame& frame, const
   return std::make_shared<const Recognizer>(std::move(recognizer));
 }
 
-bool StandsStill(const Place& place) { return !place.velocity_enu || place.velocity_enu->norm() == 0; }
-
 std::string ModelName(std::size_t drawn) { return fmt::format("box-{}", drawn + 1); }
 
 /// One way through frames: forward, backward, or through another video.
@@ -113,7 +111,7 @@ class Pass {
     VICTORIOUS_ASSIGN_OR_RETURN(const BoxStep step, tracker_.Start(drawn.box));
     drawn_.push_back(drawn);
     drawn_.back().last_box = step.box;
-    if (impulse_share_) drawn_.back().ground.emplace(Clean(last_image_), step.box);
+    if (impulse_share_) drawn_.back().ground.emplace(FlowPyramid(Clean(last_image_), {}), step.box);
     return step.box;
   }
 
@@ -194,7 +192,7 @@ class Pass {
     if (!impulse_share_) return;
     last_image_ = frame.image;
     if (std::ranges::none_of(drawn_, [](const Drawn& drawn) { return drawn.ground.has_value(); })) return;
-    const cv::Mat clean = Clean(frame.image);
+    const FlowPyramid clean(Clean(frame.image), {});
     for (Drawn& drawn : drawn_) {
       if (!drawn.ground) continue;
       if (const auto place = drawn.ground->Step(clean, drawn.last_box)) {
@@ -435,8 +433,8 @@ class TrackRun {
       const bool on_ground = type != nullptr ? !type->flies : motion == BoxMotion::kMoves;
       const std::optional<Place> ground = on_ground ? GroundOf(drawn) : std::nullopt;
       PutPlaces(seen[0], motion, ground);
-      const bool stands = motion != BoxMotion::kMoves && !seen[0].empty() && seen[0].front()->place &&
-                          StandsStill(*seen[0].front()->place);
+      const bool stands =
+          motion != BoxMotion::kMoves && !seen[0].empty() && seen[0].front()->place && !seen[0].front()->place->Moves();
       std::vector<BoxSighting*> all;
       for (const auto& of_video : seen) all.insert(all.end(), of_video.begin(), of_video.end());
       if (stands && all.size() > seen[0].size()) PutPlaces(all, BoxMotion::kStands, ground);
@@ -489,7 +487,7 @@ class TrackRun {
       const auto seen = std::ranges::find_if(sightings_, [&](const BoxSighting& one) {
         return one.video == 0 && one.drawn == drawn.index && one.frame == drawn.frame;
       });
-      if (seen == sightings_.end() || !seen->place || !StandsStill(*seen->place)) continue;
+      if (seen == sightings_.end() || !seen->place || seen->place->Moves()) continue;
       standing[drawn.index] = {*seen->place, drawn.box, *CameraAt(cameras_[0], seen->time_s)};
     }
     return standing;

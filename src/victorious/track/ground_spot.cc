@@ -25,21 +25,20 @@ Box FrameOf(const cv::Mat& grey) { return {0, 0, static_cast<double>(grey.cols),
 
 }  // namespace
 
-GroundSpot::GroundSpot(const cv::Mat& grey, const Box& object)
-    : before_(FlowPyramid(grey, {})),
+GroundSpot::GroundSpot(FlowPyramid frame, const Box& object)
+    : before_(std::move(frame)),
       place_(object.x + object.width / 2, object.y + object.height / 2),
       side_px_(std::max(object.width, object.height)) {}
 
-std::optional<Eigen::Vector2d> GroundSpot::Step(const cv::Mat& grey, const std::optional<Box>& object) {
+std::optional<Eigen::Vector2d> GroundSpot::Step(const FlowPyramid& frame, const std::optional<Box>& object) {
   if (!before_) return std::nullopt;
   const FlowPyramid before = *std::exchange(before_, std::nullopt);
-  if (before.grey().size() != grey.size()) return std::nullopt;
-  const FlowPyramid now(grey, {});
+  if (before.grey().size() != frame.grey().size()) return std::nullopt;
   const double side_px = std::max(kNeighbourhood * side_px_, kLeastNeighbourhood_px);
   std::vector<Eigen::Vector2d> points =
-      ChoosePoints(before.grey(), CornersOf(Intersection(About(place_, side_px), FrameOf(grey))), kPoints);
+      ChoosePoints(before.grey(), CornersOf(Intersection(About(place_, side_px), FrameOf(frame.grey()))), kPoints);
   if (object) std::erase_if(points, [&](const auto& point) { return object->Contains(point.x(), point.y()); });
-  const auto followed = FollowPoints(before, now, points, points, {});
+  const auto followed = FollowPoints(before, frame, points, points, {});
   std::vector<PointPair> pairs;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (followed[i]) pairs.push_back({points[i], *followed[i]});
@@ -49,8 +48,8 @@ std::optional<Eigen::Vector2d> GroundSpot::Step(const cv::Mat& grey, const std::
   const auto result = Mlesac(estimator, {.outlier_area_px2 = side_px * side_px, .max_hypotheses = 200});
   if (!result || result->gamma * static_cast<double>(pairs.size()) < kLeastPoints) return std::nullopt;
   place_ = result->model.Apply(place_);
-  if (!FrameOf(grey).Contains(place_.x(), place_.y())) return std::nullopt;
-  before_ = now;
+  if (!FrameOf(frame.grey()).Contains(place_.x(), place_.y())) return std::nullopt;
+  before_ = frame;
   return place_;
 }
 

@@ -18,13 +18,13 @@ namespace victorious {
 class GroundSpot {
  public:
   /// The spot in the middle of a box.
-  /// @param grey  CV_8UC1, without salt and pepper
-  GroundSpot(const cv::Mat& grey, const Box& object);
+  /// @param frame  without salt and pepper, as all others
+  GroundSpot(FlowPyramid frame, const Box& object);
 
   /// The next frame; they come in order of time, or all in reverse.
   /// @param object  where it was in the frame before, if it was seen: no ground
   /// @return where the spot lies, px; nothing from where it was lost on, or has left the frame
-  std::optional<Eigen::Vector2d> Step(const cv::Mat& grey, const std::optional<Box>& object);
+  std::optional<Eigen::Vector2d> Step(const FlowPyramid& frame, const std::optional<Box>& object);
 
  private:
   std::optional<FlowPyramid> before_;  // none: lost

@@ -48,9 +48,9 @@ Box CarInFrame(int frame) {
 TEST(GroundSpot, StaysWhereItIsWhileTheCarDrivesAway) {
   const View view;
   const Eigen::Vector2d spot(500, 400);
-  GroundSpot ground(view.Draw(0, CarOnGround(0)), CarInFrame(0));
+  GroundSpot ground(FlowPyramid(view.Draw(0, CarOnGround(0)), {}), CarInFrame(0));
   for (int i = 1; i <= 20; ++i) {
-    const auto place = ground.Step(view.Draw(i, CarOnGround(i)), CarInFrame(i - 1));
+    const auto place = ground.Step(FlowPyramid(view.Draw(i, CarOnGround(i)), {}), CarInFrame(i - 1));
     ASSERT_TRUE(place) << i;
     EXPECT_LT((*place - View::InFrame(spot, i)).norm(), 1.5) << i;
   }
@@ -58,20 +58,20 @@ TEST(GroundSpot, StaysWhereItIsWhileTheCarDrivesAway) {
 
 TEST(GroundSpot, IsLostWhereItLeavesTheFrameOrNothingCanBeFollowed) {
   const View view;
-  GroundSpot leaves(view.Draw(0, CarOnGround(0)), CarInFrame(0));
+  GroundSpot leaves(FlowPyramid(view.Draw(0, CarOnGround(0)), {}), CarInFrame(0));
   int seen = 0;
   for (int i = 1; i <= 60; ++i) {
-    const auto place = leaves.Step(view.Draw(i, CarOnGround(0)), std::nullopt);
+    const auto place = leaves.Step(FlowPyramid(view.Draw(i, CarOnGround(0)), {}), std::nullopt);
     if (!place) continue;
     EXPECT_EQ(++seen, i) << "once lost it stays lost";
     EXPECT_GE(place->x(), 0);
   }
   EXPECT_GT(seen, 30);
   EXPECT_LT(seen, 60);
-  GroundSpot blind(cv::Mat(300, 400, CV_8UC1, cv::Scalar(90)), {100, 100, 30, 20});
-  EXPECT_FALSE(blind.Step(cv::Mat(300, 400, CV_8UC1, cv::Scalar(90)), std::nullopt));
-  GroundSpot resized(view.Draw(0, CarOnGround(0)), CarInFrame(0));
-  EXPECT_FALSE(resized.Step(cv::Mat(30, 40, CV_8UC1, cv::Scalar(90)), std::nullopt));
+  GroundSpot blind(FlowPyramid(cv::Mat(300, 400, CV_8UC1, cv::Scalar(90)), {}), {100, 100, 30, 20});
+  EXPECT_FALSE(blind.Step(FlowPyramid(cv::Mat(300, 400, CV_8UC1, cv::Scalar(90)), {}), std::nullopt));
+  GroundSpot resized(FlowPyramid(view.Draw(0, CarOnGround(0)), {}), CarInFrame(0));
+  EXPECT_FALSE(resized.Step(FlowPyramid(cv::Mat(30, 40, CV_8UC1, cv::Scalar(90)), {}), std::nullopt));
 }
 
 }  // namespace

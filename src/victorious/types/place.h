@@ -18,6 +18,9 @@ struct Place {
   std::optional<Eigen::Matrix3d> velocity_covariance_enu;
   double ce90_m = 0;  ///< radius of the horizontal circle about the point that holds the truth in 90 %
   double le90_m = 0;  ///< the same of height, up and down
+
+  /// False also where motion was not looked at.
+  [[nodiscard]] bool Moves() const { return velocity_enu && velocity_enu->norm() > 0; }
 };
 
 }  // namespace victorious
