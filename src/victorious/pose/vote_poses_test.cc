@@ -143,8 +143,8 @@ TEST(VotePoses, FindsTwoInstances) {
 // A view from 40 degrees off nadir, in an image whose vertical leans as the object at `turn_rad` does.
 UprightPrior UprightAt(double turn_rad) {
   const double off_nadir_rad = RadiansFromDegrees(40);
-  return {MakeVertical({0, off_nadir_rad - kPi / 2, -turn_rad}, 0.1, kWidth, kHeight), off_nadir_rad,
-          RadiansFromDegrees(20)};
+  return UprightPrior::Told(MakeVertical({0, off_nadir_rad - kPi / 2, -turn_rad}, 0.1, kWidth, kHeight), off_nadir_rad,
+                            RadiansFromDegrees(20));
 }
 
 TEST(VotePoses, AnUprightPoseHasMoreEvidenceWhereTheVerticalIsKnown) {

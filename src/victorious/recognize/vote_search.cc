@@ -41,6 +41,13 @@ void VoteSearchOptions::ListFields(FieldList& fields) {
               .unit = "rad",
               .reason = "where telemetry tells the camera's attitude: an object's up lies so near to the vertical, the "
                         "step between views included; 3.2 lets objects lie as they like"});
+  fields.Add(
+      "most_hanging_rad", most_hanging_rad,
+      {.min = 0,
+       .max = kPi / 2,
+       .unit = "rad",
+       .reason = "where nobody tells the camera's attitude: an object's up points no further below the picture's "
+                 "horizontal; pi/2 for a camera that may be held upside down"});
   fields.Add("sun_step_rad", sun_step_rad,
              {.min = 0.05,
               .max = 3.2,
@@ -218,8 +225,10 @@ class Comparison {
               std::span<const RankedMatch> matches) {
     const ModelView& view = model_.views[number];
     std::optional<UprightPrior> upright;
-    if (vertical_ && view.angles) {
-      upright.emplace(*vertical_, view.angles->off_nadir_rad, scene_.options.most_tilt_rad);
+    if (view.angles) {
+      const double off_nadir_rad = view.angles->off_nadir_rad;
+      upright = vertical_ ? UprightPrior::Told(*vertical_, off_nadir_rad, scene_.options.most_tilt_rad)
+                          : UprightPrior::Supposed(off_nadir_rad, scene_.options.most_hanging_rad);
     }
     double most_evidence = kNoEvidence;
     for (Pose& pose :

@@ -6,7 +6,7 @@
 //
 // Where the camera's attitude is known, only the views that an upright object can show are compared; where the sun is
 // known, too, each also as the sun would show it: an object that stands upright and is seen from a view's azimuth has
-// the sun in one place.
+// the sun in one place. Where nobody tells it, the camera is supposed to be held upright at least.
 #pragma once
 
 #include <cstddef>
@@ -32,6 +32,7 @@ struct VoteSearchOptions {
   int most_pooled = 6;
   int most_lit = 16;
   double most_tilt_rad = 0.35;
+  double most_hanging_rad = 0.35;
   double sun_step_rad = 0.35;
   double sun_evidence = 6.0;
   int most_asked = 8;
