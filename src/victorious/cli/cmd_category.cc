@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
+#include <spdlog/spdlog.h>
 
 #include "victorious/base/progress.h"
 #include "victorious/category/category_file.h"
@@ -41,7 +42,8 @@ Status Train(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
   std::optional<Progress> progress(std::in_place, arguments.list, static_cast<std::int64_t>(rows.size()), "pictures");
   Expected<CategoryModel> model = TrainOnList(
-      arguments.images, rows, options, [&](std::size_t done) { progress->Update(static_cast<std::int64_t>(done)); });
+      arguments.images, rows, options, [&](std::size_t done) { progress->Update(static_cast<std::int64_t>(done)); },
+      [](const std::string& warning) { spdlog::warn("{}", OneLine(warning)); });
   progress.reset();
   if (!model) return std::unexpected(std::move(model).error().WithContext(arguments.list));
   VICTORIOUS_RETURN_IF_ERROR(WriteCategories(arguments.out, *model));
@@ -142,7 +144,10 @@ Action SetUpCategory(CLI::App& app) {
     command->add_option("--list", arguments->list, list)->required()->type_name("CSV");
   };
   CLI::App* train = app.add_subcommand("train", "Learn categories from pictures");
-  add_pictures(train, "image,category,x0,y0,x1,y1 a line, after a header; the box in pixels, or nothing");
+  add_pictures(
+      train,
+      "image,category,x0,y0,x1,y1 a line, after a header; the box in pixels, or nothing. The image may be a CAD "
+      "file: an example of its kind, drawn from all around");
   train->add_option("--out", arguments->out, "The category model to write")->required()->type_name("FILE");
   AddParams(*train, arguments->params, "category");
   train->add_option("--seed", arguments->seed, "Of every random draw (default 1)")->type_name("N");

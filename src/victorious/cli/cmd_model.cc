@@ -1,6 +1,5 @@
 // victorious model add | list | show | remove
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -53,14 +52,6 @@ struct Arguments {
   bool json = false;
   FindableArguments findable;
 };
-
-bool IsCad(const std::filesystem::path& path) {
-  constexpr std::array kExtensions = {".glb", ".gltf", ".obj", ".ac", ".dae", ".3ds", ".ply", ".stl"};
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::ranges::find(kExtensions, extension) != kExtensions.end();
-}
 
 // The photos with what was cut out of them, one below the other.
 cv::Mat DrawCutOuts(const std::vector<Photo>& photos) {
@@ -141,7 +132,7 @@ Status Add(const Arguments& arguments) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("--length {:g}: must be the object's length in metres, above 0", *arguments.length_m));
   }
-  const bool cad = std::ranges::any_of(arguments.inputs, IsCad);
+  const bool cad = std::ranges::any_of(arguments.inputs, IsCadFile);
   if (cad && arguments.inputs.size() > 1) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("model {}: give one CAD file, or photos", arguments.name));
   }

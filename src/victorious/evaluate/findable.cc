@@ -21,6 +21,7 @@
 #include "victorious/geometry/similarity.h"
 #include "victorious/model/lit_views.h"
 #include "victorious/model/model_builder.h"
+#include "victorious/render/paste.h"
 #include "victorious/video/image_file.h"
 
 namespace victorious {
@@ -98,7 +99,7 @@ std::vector<Sample> DrawSamples(std::span<const FindableBand> bands, const Finda
     sample.direction.azimuth_rad = random.Uniform(0, 2 * kPi);
     sample.direction.off_nadir_rad =
         RadiansFromDegrees(random.Uniform(bands[sample.band].least_deg, bands[sample.band].most_deg));
-    sample.turn_rad = random.Uniform(-kPi, kPi);
+    sample.turn_rad = random.Uniform(-kPi / 2, kPi / 2);  // nobody films upside down
     sample.sun_ahead_rad = random.Uniform(-kPi, kPi);
     sample.place.x() = random.Uniform();
     sample.place.y() = random.Uniform();
@@ -125,28 +126,7 @@ Box Paste(const TurnedView& view, const Sample& sample, double size_px, cv::Mat&
   picture_from_view.translation = {sample.place.x() * (grey.cols - scaled.width) - scaled.x,
                                    sample.place.y() * (grey.rows - scaled.height) - scaled.y};
 
-  // Pixels that become smaller than one are first made as wide as those of the picture.
-  cv::Mat object;
-  cv::Mat share;
-  view.mask.convertTo(share, CV_32F, 1 / 255.0);
-  view.grey.convertTo(object, CV_32F);
-  object = object.mul(share);
-  const double shrink = 1 / picture_from_view.scale;
-  if (shrink > 1) {
-    const double sigma_px = 0.5 * std::sqrt(shrink * shrink - 1);
-    cv::GaussianBlur(object, object, {}, sigma_px);
-    cv::GaussianBlur(share, share, {}, sigma_px);
-  }
-  const Eigen::Matrix2d linear = picture_from_view.Linear();
-  const Eigen::Vector2d shift =
-      picture_from_view.translation + linear * Eigen::Vector2d(0.5, 0.5) - Eigen::Vector2d(0.5, 0.5);
-  const cv::Matx23d map(linear(0, 0), linear(0, 1), shift.x(), linear(1, 0), linear(1, 1), shift.y());
-  cv::warpAffine(object, object, map, grey.size());
-  cv::warpAffine(share, share, map, grey.size());
-  cv::Mat background;
-  grey.convertTo(background, CV_32F);
-  cv::Mat pasted = object + background.mul(1 - share);
-  pasted.convertTo(grey, CV_8U);
+  victorious::Paste(view.grey, view.mask, picture_from_view, grey);
   return boxed(picture_from_view);
 }
 

@@ -11,7 +11,6 @@
 
 #include "victorious/evaluate/experiments/match_trial.h"
 #include "victorious/model/cad_model.h"
-#include "victorious/model/lit_views.h"
 #include "victorious/model/view_surface.h"
 
 namespace victorious {

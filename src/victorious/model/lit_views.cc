@@ -127,10 +127,6 @@ bool HasSurface(const ModelView& view) { return view.angles && !view.surface.emp
 
 }  // namespace
 
-Light ClearDay(const ViewDirection& sun) {
-  return {.sky = 0.4, .ground = 0.25, .sun = 0.9, .to_sun_in_world = DirectionToCamera(sun)};
-}
-
 Expected<std::unique_ptr<const LitTemplates>> MakeLitViews(const ObjectModel& model, std::size_t most_kept) {
   if (model.views.empty() || !std::ranges::all_of(model.views, HasSurface)) return nullptr;
   CadModelOptions options;

@@ -6,16 +6,10 @@
 #include <memory>
 
 #include "victorious/base/error.h"
-#include "victorious/render/renderer.h"
-#include "victorious/render/view_sphere.h"
 #include "victorious/types/lit_templates.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {
-
-/// A clear day: of what a white surface in the sun reflects the sun gives some two thirds.
-/// @param sun  where it stands, in the model's frame
-[[nodiscard]] Light ClearDay(const ViewDirection& sun);
 
 /// Nothing for a model that keeps no renderings (photos, or made by an earlier version).
 /// @param most_kept  in memory, of some 60 kB each: the longest unused are forgotten, and made again if asked for.

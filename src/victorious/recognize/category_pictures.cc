@@ -12,7 +12,9 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
+#include "victorious/base/random.h"
 #include "victorious/features/impulse_noise.h"
+#include "victorious/render/load_mesh.h"
 #include "victorious/video/image_file.h"
 
 namespace victorious {
@@ -36,6 +38,7 @@ void CategoryFeatureOptions::ListFields(FieldList& fields) {
 void CategoryTrainOptions::ListFields(FieldList& fields) {
   fields.AddGroup("features", features);
   fields.AddGroup("examples", examples);
+  fields.AddGroup("cad", cad);
   category.ListFields(fields);
 }
 
@@ -113,72 +116,144 @@ Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryEye& eye, const 
   return examples;
 }
 
-Status ForEachPicture(const std::filesystem::path& folder, std::span<const CategoryListRow> rows,
-                      const std::function<Status(std::size_t row, const cv::Mat& bgr)>& use,
-                      const std::function<void(std::size_t)>& done) {
+namespace {
+
+// Calls `work` with each of the numbers below `count`, in any order. The first error by number is returned.
+Status OnAllCores(std::size_t count, const std::function<Status(std::size_t)>& work,
+                  const std::function<void(std::size_t)>& done = {}) {
   std::atomic<std::size_t> next = 0;
   std::atomic<bool> failed = false;
   std::mutex mutex;
   std::size_t finished = 0;
-  std::size_t first_failure = rows.size();
+  std::size_t first_failure = count;
   Status status;
-  const auto work = [&] {
-    for (std::size_t row = next++; row < rows.size() && !failed; row = next++) {
-      const Status one = [&]() -> Status {
-        Expected<Image> image = ReadImage(folder / rows[row].image);
-        if (!image) return std::unexpected(std::move(image).error().WithContext(rows[row].where));
-        return use(row, image->bgr);
-      }();
+  const auto take = [&] {
+    for (std::size_t i = next++; i < count && !failed; i = next++) {
+      const Status one = work(i);
       const std::scoped_lock lock(mutex);
       if (one) {
-        done(++finished);
-      } else if (row < first_failure) {
-        first_failure = row;
+        ++finished;
+        if (done) done(finished);
+      } else if (i < first_failure) {
+        first_failure = i;
         status = one;
         failed = true;
       }
     }
   };
   std::vector<std::jthread> threads;
-  for (unsigned i = 1; i < std::max(1U, std::thread::hardware_concurrency()); ++i) threads.emplace_back(work);
-  work();
+  for (unsigned i = 1; i < std::max(1U, std::thread::hardware_concurrency()); ++i) threads.emplace_back(take);
+  take();
   threads.clear();
   return status;
 }
 
-Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::span<const CategoryListRow> rows,
-                                    const CategoryTrainOptions& options, const std::function<void(std::size_t)>& done) {
-  VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
-  std::set<std::string> boxed;  // categories with a box
+}  // namespace
+
+Status ForEachPicture(const std::filesystem::path& folder, std::span<const CategoryListRow> rows,
+                      const std::function<Status(std::size_t row, const cv::Mat& bgr)>& use,
+                      const std::function<void(std::size_t)>& done) {
+  const auto read = [&](std::size_t row) -> Status {
+    Expected<Image> image = ReadImage(folder / rows[row].image);
+    if (!image) return std::unexpected(std::move(image).error().WithContext(rows[row].where));
+    return use(row, image->bgr);
+  };
+  return OnAllCores(rows.size(), read, done);
+}
+
+namespace {
+
+struct SortedRows {
+  std::vector<CategoryListRow> pictures;
+  std::vector<CategoryListRow> cad_files;
+  std::set<std::string> of_things;  // categories with a box or a CAD file
+};
+
+Expected<SortedRows> SortRows(std::span<const CategoryListRow> rows) {
+  SortedRows sorted;
   for (const CategoryListRow& row : rows) {
     if (row.category.empty())
       return Fail(ErrorCode::kInvalidArgument,
                   fmt::format("{}: no category: must name what the picture shows", row.where));
-    if (row.box) boxed.insert(row.category);
+    const bool cad = IsCadFile(row.image);
+    if (cad && row.box)
+      return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: a box: a CAD file is taken as a whole", row.where));
+    if (cad || row.box) sorted.of_things.insert(row.category);
+    (cad ? sorted.cad_files : sorted.pictures).push_back(row);
   }
+  return sorted;
+}
+
+// A CAD file's pictures before the backgrounds.
+Expected<std::vector<BoxedPicture>> ReadCad(const std::filesystem::path& folder, const CategoryListRow& row,
+                                            std::span<const cv::Mat> backgrounds, const CategoryTrainOptions& options,
+                                            std::uint64_t seed, const std::function<void(const std::string&)>& warn) {
+  if (backgrounds.empty()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: a CAD file is seen before pictures of none of the things: a category is needed that "
+                            "has neither boxes nor CAD files, background say",
+                            row.where));
+  }
+  Expected<LoadedMesh> loaded = LoadMesh(folder / row.image);
+  if (!loaded) return std::unexpected(std::move(loaded).error().WithContext(row.where));
+  for (const std::string& warning : loaded->warnings)
+    if (warn) warn(fmt::format("{}: {}", row.image, warning));
+  return PicturesOfCad(loaded->mesh, row.category, backgrounds, options.cad, seed);
+}
+
+}  // namespace
+
+Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::span<const CategoryListRow> rows,
+                                    const CategoryTrainOptions& options, const std::function<void(std::size_t)>& done,
+                                    const std::function<void(const std::string&)>& warn) {
+  VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
+  VICTORIOUS_ASSIGN_OR_RETURN(const SortedRows sorted, SortRows(rows));
   VICTORIOUS_ASSIGN_OR_RETURN(const CategoryEye eye, CategoryEye::Create(options.features));
   const bool by_windows = options.features.windows.enabled;
   if (by_windows && options.category.scoring != "linear")
     return Fail(ErrorCode::kInvalidArgument, "features.windows.enabled: goes with scoring linear alone");
-  std::vector<std::vector<CategoryExample>> of_row(rows.size());
-  std::vector<BoxedPicture> pictures(by_windows ? rows.size() : 0);
+
+  const std::size_t count = sorted.pictures.size();
+  std::vector<std::vector<CategoryExample>> of_picture(count);
+  std::vector<BoxedPicture> pictures(by_windows ? count : 0);
+  std::vector<cv::Mat> none(sorted.cad_files.empty() ? 0 : count);  // pictures of none of the things
   const auto look = [&](std::size_t row, const cv::Mat& bgr) -> Status {
+    const CategoryListRow& listed = sorted.pictures[row];
     const cv::Mat grey = GreyFromBgr(bgr);
-    VICTORIOUS_ASSIGN_OR_RETURN(const Box box, BoxWithin(rows[row], grey.cols, grey.rows));
-    const std::string& category = rows[row].category;
+    VICTORIOUS_ASSIGN_OR_RETURN(const Box box, BoxWithin(listed, grey.cols, grey.rows));
+    const bool of_thing = sorted.of_things.contains(listed.category);
+    if (!of_thing && !none.empty()) none[row] = grey;
     if (by_windows) {
-      pictures[row] = {.category = category,
-                       .grey = eye.Clean(grey),
-                       .box = boxed.contains(category) ? std::optional(box) : std::nullopt};
+      pictures[row] = {
+          .category = listed.category, .grey = eye.Clean(grey), .box = of_thing ? std::optional(box) : std::nullopt};
       return {};
     }
-    VICTORIOUS_ASSIGN_OR_RETURN(of_row[row], ExamplesOf(eye, grey, box, category, static_cast<int>(row)));
+    VICTORIOUS_ASSIGN_OR_RETURN(of_picture[row], ExamplesOf(eye, grey, box, listed.category, static_cast<int>(row)));
     return {};
   };
-  VICTORIOUS_RETURN_IF_ERROR(ForEachPicture(folder, rows, look, done));
+  VICTORIOUS_RETURN_IF_ERROR(ForEachPicture(folder, sorted.pictures, look, done));
+
+  std::erase_if(none, [](const cv::Mat& picture) { return picture.empty(); });
+  for (std::size_t i = 0; i < sorted.cad_files.size(); ++i) {
+    VICTORIOUS_ASSIGN_OR_RETURN(std::vector<BoxedPicture> drawn, ReadCad(folder, sorted.cad_files[i], none, options,
+                                                                         MixSeed(options.category.seed, i), warn));
+    if (by_windows) {
+      std::ranges::move(drawn, std::back_inserter(pictures));
+    } else {
+      const std::size_t first = of_picture.size();
+      of_picture.resize(first + drawn.size());
+      VICTORIOUS_RETURN_IF_ERROR(OnAllCores(drawn.size(), [&](std::size_t d) -> Status {
+        VICTORIOUS_ASSIGN_OR_RETURN(of_picture[first + d], ExamplesOf(eye, drawn[d].grey, *drawn[d].box,
+                                                                      drawn[d].category, static_cast<int>(first + d)));
+        return {};
+      }));
+    }
+    done(count + i + 1);
+  }
+
   if (by_windows) return TrainOnWindows(eye, pictures, options);
   std::vector<CategoryExample> examples;
-  for (auto& some : of_row) std::ranges::move(some, std::back_inserter(examples));
+  for (auto& some : of_picture) std::ranges::move(some, std::back_inserter(examples));
   VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model, TrainCategories(examples, options.category));
   model.features_json = OptionsToJsonText(options.features);
   return model;

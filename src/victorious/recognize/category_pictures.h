@@ -18,6 +18,7 @@
 #include "victorious/category/dense_features.h"
 #include "victorious/category/windows.h"
 #include "victorious/features/feature_extractor.h"
+#include "victorious/recognize/cad_pictures.h"
 #include "victorious/recognize/window_training.h"
 
 namespace victorious {
@@ -37,6 +38,7 @@ struct CategoryFeatureOptions {
 struct CategoryTrainOptions {
   CategoryFeatureOptions features;
   WindowTrainOptions examples;
+  CadPictureOptions cad;
   CategoryOptions category;
 
   void ListFields(FieldList& fields);
@@ -79,12 +81,18 @@ Status ForEachPicture(const std::filesystem::path& folder, std::span<const Categ
                       const std::function<Status(std::size_t row, const cv::Mat& bgr)>& use,
                       const std::function<void(std::size_t)>& done);
 
-/// Trains on the pictures of a list. For windows (features.windows) a picture without a box is, where its category has
-/// none at all, of none of the things; elsewhere, a thing as a whole.
-/// Errors: those of reading pictures, of TrainCategories and TrainOnWindows; kInvalidArgument for a row without a
-/// category or with a box outside its picture.
+/// Trains on the pictures of a list, and on its CAD files: each is an example of its kind, seen from many sides before
+/// the pictures of none of the things, which are those of the categories without boxes and CAD files. For windows
+/// (features.windows) a picture without a box is, where its category has none at all, of none of the things; elsewhere,
+/// a thing as a whole.
+/// @param done  called now and then with how many rows are done
+/// @param warn  told what is damaged in a CAD file and was left out
+/// Errors: those of reading pictures and CAD files, of TrainCategories and TrainOnWindows; kInvalidArgument for a row
+/// without a category, with a box outside its picture, and for CAD files with boxes, or without pictures of none of
+/// them.
 Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::span<const CategoryListRow> rows,
-                                    const CategoryTrainOptions& options, const std::function<void(std::size_t)>& done);
+                                    const CategoryTrainOptions& options, const std::function<void(std::size_t)>& done,
+                                    const std::function<void(const std::string&)>& warn = {});
 
 /// A picture, or the window of it that is likeliest to show its label.
 struct ClassifiedPicture {

@@ -122,6 +122,13 @@ Expected<LoadedMesh> Load(std::span<const std::byte> bytes, const std::string& n
 
 }  // namespace
 
+bool IsCadFile(const fs::path& path) {
+  constexpr std::array<std::string_view, 8> kEndings = {".glb", ".gltf", ".obj", ".ac", ".dae", ".3ds", ".ply", ".stl"};
+  std::string ending = path.extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return std::ranges::find(kEndings, ending) != kEndings.end();
+}
+
 Expected<Axis> ParseAxis(std::string_view text) {
   std::string name(text);
   std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });

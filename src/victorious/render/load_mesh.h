@@ -34,6 +34,9 @@ enum class Axis { kPlusX, kMinusX, kPlusY, kMinusY, kPlusZ, kMinusZ };
 /// "x", "+x", "-x", …, in either case.
 Expected<Axis> ParseAxis(std::string_view text);
 
+/// Whether a file's name ends as one of these formats' does, in either case.
+bool IsCadFile(const std::filesystem::path& path);
+
 struct LoadMeshOptions {
   std::optional<Axis> up;          ///< unless given, the format's
   std::optional<Axis> front;       ///< unless given, the one that goes with `up`: +Z; with Z up -Y

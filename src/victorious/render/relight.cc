@@ -73,6 +73,10 @@ double ShareLit(const Vector3d& point_in_world, const Vector3d& normal, const Se
 
 }  // namespace
 
+Light ClearDay(const ViewDirection& sun) {
+  return {.sky = 0.4, .ground = 0.25, .sun = 0.9, .to_sun_in_world = DirectionToCamera(sun)};
+}
+
 cv::Mat Relight(const cv::Mat& grey, const SeenSurface& seen, const Light& before, const Light& after,
                 const SeenSurface& from_sun) {
   const Rigid3 world_from_camera = seen.camera.camera_from_world.Inverse();

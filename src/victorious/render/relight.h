@@ -10,8 +10,13 @@
 
 #include "victorious/geometry/camera.h"
 #include "victorious/render/renderer.h"
+#include "victorious/render/view_sphere.h"
 
 namespace victorious {
+
+/// A clear day: of what a white surface in the sun reflects the sun gives some two thirds.
+/// @param sun  where it stands; the model is the world
+[[nodiscard]] Light ClearDay(const ViewDirection& sun);
 
 /// What one camera sees of an object.
 struct SeenSurface {

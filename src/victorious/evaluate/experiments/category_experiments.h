@@ -14,6 +14,7 @@ Expected<Report> RunTable37(const ExperimentSettings& settings);
 Expected<Report> RunTableSteps(const ExperimentSettings& settings);
 Expected<Report> RunTableTwelve(const ExperimentSettings& settings);
 Expected<Report> RunTableBoxes(const ExperimentSettings& settings);
+Expected<Report> RunTableCad(const ExperimentSettings& settings);
 Expected<Report> RunTableWindows(const ExperimentSettings& settings);
 
 }  // namespace victorious

@@ -77,6 +77,7 @@ std::span<const Experiment> Experiments() {
                  &RunTableBoxes},
       Experiment{"table-windows", "Things small in a frame, and several: windows beside the whole frame",
                  &RunTableWindows},
+      Experiment{"table-cad", "CAD models as examples of their kind, beside a few photos", &RunTableCad},
       Experiment{"figure-calibration", "Whether scores of detections are probabilities", &RunFigureCalibration},
       Experiment{"table-stance", "Errors of view and distance, by how the camera is known", &RunTableStance},
       Experiment{"table-cheyenne", "Places by a real flight's stares, beside the recorded frame centres",
