@@ -1,6 +1,6 @@
 // The list of pictures to train on or to classify: CSV with a header, `image,category,x0,y0,x1,y1`, columns by name in
-// any order. Only `image` is needed to classify; a row without a box means the whole picture. To train, an image may be a
-// CAD file, too.
+// any order. Only `image` is needed to classify; a row without a box means the whole picture. To train, an image may be
+// a CAD file, too.
 #pragma once
 
 #include <filesystem>
