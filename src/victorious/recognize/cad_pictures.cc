@@ -53,7 +53,10 @@ Similarity2 DrawPlace(const cv::Rect& object, const cv::Size& picture, Random& r
 void CadPictureOptions::ListFields(FieldList& fields) {
   fields.Add("views", views, {.min = 1, .max = 10000, .reason = "pictures of each CAD file, from all around it"});
   fields.Add("least_off_nadir_deg", least_off_nadir_deg,
-             {.min = 0, .max = 180, .unit = "degrees", .reason = "the steepest view from above"});
+             {.min = 0,
+              .max = 180,
+              .unit = "degrees",
+              .reason = "the steepest view from above: less for pictures taken from the air"});
   fields.Add("most_off_nadir_deg", most_off_nadir_deg,
              {.min = 0, .max = 180, .unit = "degrees", .reason = "the flattest; above 90 from below"});
   fields.Add("sunlit_share", sunlit_share,

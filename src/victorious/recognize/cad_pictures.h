@@ -19,7 +19,7 @@ namespace victorious {
 
 struct CadPictureOptions {
   int views = 25;
-  double least_off_nadir_deg = 30.0;
+  double least_off_nadir_deg = 60.0;
   double most_off_nadir_deg = 100.0;
   double sunlit_share = 0.5;
 

@@ -82,7 +82,7 @@ cv::Mat CategoryEye::Clean(const cv::Mat& grey) const {
 }
 
 Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryEye& eye, const cv::Mat& grey, const Box& box,
-                                                  const std::string& category, int number) {
+                                                  const std::string& category, int number, bool own_surroundings) {
   const int x0 = std::clamp(static_cast<int>(std::floor(box.x)), 0, grey.cols - 1);
   const int y0 = std::clamp(static_cast<int>(std::floor(box.y)), 0, grey.rows - 1);
   const int x1 = std::clamp(static_cast<int>(std::ceil(box.x + box.width)), x0 + 1, grey.cols);
@@ -110,7 +110,7 @@ Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryEye& eye, const 
   VICTORIOUS_RETURN_IF_ERROR(add(cut_out, /*learns=*/true, /*calibrates=*/!with_whole));
   VICTORIOUS_RETURN_IF_ERROR(add_mirrored(cut_out));
   if (!with_whole) return examples;
-  const bool learns = eye.options().surroundings == "learn";
+  const bool learns = own_surroundings && eye.options().surroundings == "learn";
   VICTORIOUS_RETURN_IF_ERROR(add(grey, learns, /*calibrates=*/true));
   if (learns) VICTORIOUS_RETURN_IF_ERROR(add_mirrored(grey));
   return examples;
@@ -243,8 +243,9 @@ Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::sp
       const std::size_t first = of_picture.size();
       of_picture.resize(first + drawn.size());
       VICTORIOUS_RETURN_IF_ERROR(OnAllCores(drawn.size(), [&](std::size_t d) -> Status {
-        VICTORIOUS_ASSIGN_OR_RETURN(of_picture[first + d], ExamplesOf(eye, drawn[d].grey, *drawn[d].box,
-                                                                      drawn[d].category, static_cast<int>(first + d)));
+        VICTORIOUS_ASSIGN_OR_RETURN(of_picture[first + d],
+                                    ExamplesOf(eye, drawn[d].grey, *drawn[d].box, drawn[d].category,
+                                               static_cast<int>(first + d), /*own_surroundings=*/false));
         return {};
       }));
     }

@@ -70,9 +70,11 @@ class CategoryEye {
 
 /// What a picture gives: the part within `box` to learn from, and where the box leaves something out, the whole picture
 /// for what the option `surroundings` says; of both, what is learned from, a mirrored copy where `mirrored` is set.
-/// @param number  the picture's, which all its examples share
+/// @param number            the picture's, which all its examples share
+/// @param own_surroundings  false: those of something else, which are not learned from
 Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryEye& eye, const cv::Mat& grey, const Box& box,
-                                                  const std::string& category, int number);
+                                                  const std::string& category, int number,
+                                                  bool own_surroundings = true);
 
 /// Reads the pictures of a list, on all cores, and calls `use` with each row and its grey picture, in any order and
 /// from several threads at once. The first error in the list's order is returned.
