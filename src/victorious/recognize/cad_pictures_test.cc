@@ -130,8 +130,8 @@ TEST_F(CadExampleTest, StandsForItsKind) {
     cv::cvtColor(Clutter(random), background, cv::COLOR_BGR2GRAY);
   }
   int right = 0;
-  for (const BoxedPicture& picture : PicturesOfCad(cousin, "", backgrounds, {.views = 10}, 5).value())
-    right += label(picture.grey) == "block" ? 1 : 0;
+  const std::vector<BoxedPicture> pictures = PicturesOfCad(cousin, "", backgrounds, {.views = 10}, 5).value();
+  for (const BoxedPicture& picture : pictures) right += label(picture.grey) == "block" ? 1 : 0;
   for (const cv::Mat& background : backgrounds) right += label(background) == "nothing" ? 1 : 0;
   EXPECT_GE(right, 17);
 }
