@@ -8,13 +8,11 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "victorious/base/progress.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/features/impulse_noise.h"
 #include "victorious/pipeline/video_telemetry.h"
-#include "victorious/store/export_json.h"
 #include "victorious/telemetry/camera_track.h"
 #include "victorious/track/box_tracker.h"
 #include "victorious/track/ground_spot.h"
@@ -93,8 +91,6 @@ Expected<std::shared_ptr<const Recognizer>> LearnModel(const Frame& frame, const
                               Recognizer::Create({std::move(model)}, options.model.features.engine, options.recognize));
   return std::make_shared<const Recognizer>(std::move(recognizer));
 }
-
-std::string ModelName(std::size_t drawn) { return fmt::format("box-{}", drawn + 1); }
 
 /// One way through frames: forward, backward, or through another video.
 class Pass {
@@ -320,7 +316,7 @@ class TrackRun {
       if (started[i]) continue;
       return Fail(ErrorCode::kInvalidArgument,
                   fmt::format("{}: ends at {:.3f} s, before {} at {:g} s: give a time in it", videos_[0], last_time_s,
-                              ModelName(i), boxes_[i].at_s));
+                              BoxName(i), boxes_[i].at_s));
     }
     return {};
   }
@@ -328,14 +324,14 @@ class TrackRun {
   Status Draw(std::size_t index, const Frame& frame, Pass& pass) {
     Drawn drawn{.index = index, .box = boxes_[index].box, .frame = frame.index, .recognizer = nullptr};
     Expected<Box> box = pass.Start(drawn);
-    if (!box) return std::unexpected(std::move(box).error().WithContext(ModelName(index)));
+    if (!box) return std::unexpected(std::move(box).error().WithContext(BoxName(index)));
     drawn.box = *box;
-    Expected<std::shared_ptr<const Recognizer>> recognizer = LearnModel(frame, drawn.box, ModelName(index), options_);
+    Expected<std::shared_ptr<const Recognizer>> recognizer = LearnModel(frame, drawn.box, BoxName(index), options_);
     if (recognizer) {
       drawn.recognizer = *recognizer;
       pass.Equip(drawn.recognizer);
     } else {
-      warn_(fmt::format("{}: found again by its look alone: {}", ModelName(index), recognizer.error().message));
+      warn_(fmt::format("{}: found again by its look alone: {}", BoxName(index), recognizer.error().message));
     }
     sightings_.push_back({.drawn = index,
                           .frame = frame.index,
@@ -550,35 +546,6 @@ Expected<std::vector<BoxSighting>> TrackBoxes(std::span<const std::string> video
     return Fail(ErrorCode::kInvalidArgument, "nothing to follow: give a video and a box in it");
   }
   return TrackRun(videos, boxes, options, cancel, warn).Run(telemetry);
-}
-
-std::string ToJsonLines(std::span<const BoxSighting> sightings, std::span<const std::string> videos,
-                        std::span<const DrawnBox> boxes) {
-  std::string text;
-  for (const BoxSighting& sighting : sightings) {
-    const std::string& type = boxes[sighting.drawn].type;
-    Json line{{"object_id", sighting.drawn + 1},
-              {"model", ModelName(sighting.drawn)},
-              {"category", nullptr},
-              {"type", type.empty() ? Json() : Json(type)},
-              {"video", videos[sighting.video]},
-              {"frame", sighting.frame},
-              {"time_s", TimeJson(sighting.time_s)},
-              {"box", BoxJson(sighting.box)},
-              {"score", ScoreJson(sighting.score)},
-              {"source", sighting.matches ? "recognised" : "tracked"},
-              {"matches", sighting.matches ? Json(*sighting.matches) : Json()},
-              {"view", nullptr}};
-    const std::optional<Place>& place = sighting.place;
-    line["latitude_deg"] = place ? GeodeticJson(place->point.latitude_rad) : Json();
-    line["longitude_deg"] = place ? GeodeticJson(place->point.longitude_rad) : Json();
-    line["altitude_m"] = place ? MetresJson(place->point.altitude_m) : Json();
-    line["ce90_m"] = place ? MetresJson(place->ce90_m) : Json();
-    line["le90_m"] = place ? MetresJson(place->le90_m) : Json();
-    line["speed_m_s"] = place && place->velocity_enu ? MetresJson(place->velocity_enu->norm()) : Json();
-    text += Dump(line) + "\n";
-  }
-  return text;
 }
 
 }  // namespace victorious
