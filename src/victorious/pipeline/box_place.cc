@@ -89,7 +89,7 @@ std::vector<Sight> WithoutRanges(std::span<const Sight> sights) {
 
 void TellGround(const Place& ground, ObjectOptions& object) {
   object.locate.ground_sigma_m = std::sqrt(ground.covariance_enu_m2(2, 2));
-  object.SetGround(std::make_shared<const FlatGround>(ground.point.altitude_m));
+  object.ground = std::make_shared<const FlatGround>(ground.point.altitude_m);
 }
 
 // Where each line meets the ground, as high as a place of it nearby.

@@ -161,13 +161,13 @@ Expected<Indexer> Indexer::Create(std::vector<ObjectModel> models, const IndexOp
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(options.features));
   VICTORIOUS_RETURN_IF_ERROR(CheckEngine(models, options.features.engine));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const Ground> ground, MakeGround(options.ground, warn));
+  VICTORIOUS_ASSIGN_OR_RETURN(std::shared_ptr<const Ground> ground, MakeGround(options.ground, warn));
   std::optional<CategoryFinder> finder;
   if (categories) {
     VICTORIOUS_ASSIGN_OR_RETURN(finder, CategoryFinder::Create(*std::move(categories), options.categories));
   }
   Indexer indexer(std::move(models), options, std::move(extractor), std::move(finder));
-  if (ground) indexer.options_.objects.SetGround(ground);
+  indexer.options_.objects.ground = std::move(ground);
   VICTORIOUS_RETURN_IF_ERROR(CheckNames(indexer.sought_, indexer.sought_));
   return indexer;
 }
