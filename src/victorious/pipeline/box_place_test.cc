@@ -114,8 +114,8 @@ TEST(BoxPlace, WhatMovesIsWhereItIsAtEachTime) {
 TEST(BoxPlace, WhatThePictureShowsToMoveIsPlacedOnTheGround) {
   const Flight flight{.velocity_enu = {-4, -4, 0}, .frames = 30};
   const auto sights = Fly(flight, nullptr, 0.05);
-  Place ground{.point = TangentPlane(kOrigin).GeodeticFromEnu({8, 3, -1.2}),
-               .covariance_enu_m2 = Eigen::Matrix3d::Identity()};
+  const BoxGround ground = BoxGround::About(
+      {.point = TangentPlane(kOrigin).GeodeticFromEnu({8, 3, -1.2}), .covariance_enu_m2 = Eigen::Matrix3d::Identity()});
   const auto places = PlacesOf(sights, BoxMotion::kMoves, ground, {});
   int inside = 0;
   for (int i = 0; i < flight.frames; ++i) {
@@ -138,13 +138,29 @@ TEST(BoxPlace, WhatThePictureShowsToMoveIsPlacedOnTheGround) {
 
 TEST(BoxPlace, WhatStandsIsDrawnToTheGround) {
   const auto sights = Fly({.seed = 3, .frames = 12}, nullptr, 0.1);
-  Place ground{.point = TangentPlane(kOrigin).GeodeticFromEnu({8, 3, -1.2}),
-               .covariance_enu_m2 = Eigen::Matrix3d::Identity()};
+  const BoxGround ground = BoxGround::About(
+      {.point = TangentPlane(kOrigin).GeodeticFromEnu({8, 3, -1.2}), .covariance_enu_m2 = Eigen::Matrix3d::Identity()});
   const auto alone = PlacesOf(sights, BoxMotion::kUnknown, {}, {}).back();
   const auto on_ground = PlacesOf(sights, BoxMotion::kUnknown, ground, {}).back();
   ASSERT_TRUE(on_ground);
   EXPECT_LT(TangentPlane(kOrigin).EnuFromGeodetic(on_ground->point).head<2>().norm(), on_ground->ce90_m);
   EXPECT_TRUE(!alone || on_ground->ce90_m < 0.7 * alone->ce90_m);
+}
+
+TEST(BoxPlace, WhereTheGroundIsNotKnownATypesLengthServes) {
+  class NowhereKnown final : public Ground {
+   public:
+    [[nodiscard]] std::optional<double> HeightAt(const GeodeticPoint& /*point*/) const override { return {}; }
+    [[nodiscard]] double Spacing() const override { return 1; }
+    [[nodiscard]] double Steepest() const override { return 1; }
+  };
+  const BoxGround ground{std::make_shared<const NowhereKnown>(), 1};
+  const auto sights = Fly({.frames = 10, .speed_m_s = 0}, FindObjectType("car"), 0);
+  for (const BoxMotion motion : {BoxMotion::kStands, BoxMotion::kMoves}) {
+    const auto place = PlacesOf(sights, motion, ground, {}).back();
+    ASSERT_TRUE(place);
+    EXPECT_LT(TangentPlane(kOrigin).EnuFromGeodetic(place->point).norm(), 60);
+  }
 }
 
 TEST(BoxPlace, ASpotOfTheGroundIsWhereItsLinesMeet) {

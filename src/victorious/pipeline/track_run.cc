@@ -267,6 +267,7 @@ class TrackRun {
 
   /// @param telemetry  a file of the first video's
   Expected<Sightings> Run(const std::optional<std::string>& telemetry) {
+    VICTORIOUS_ASSIGN_OR_RETURN(told_ground_, MakeGround(options_.ground, warn_));
     for (const std::string& video : videos_) VICTORIOUS_RETURN_IF_ERROR(OpenTwiceReadable(video));
     for (std::size_t video = 0; video < videos_.size(); ++video) {
       VICTORIOUS_ASSIGN_OR_RETURN(std::optional<CameraTrack> cameras,
@@ -425,16 +426,18 @@ class TrackRun {
       }
       const BoxMotion motion = MotionOf(drawn, type, seen[0]);
       // Of what may fly, and of what nobody says what it is and does not leave its spot, lines of sight alone tell
-      // more.
-      const bool on_ground = type != nullptr ? !type->flies : motion == BoxMotion::kMoves;
-      const std::optional<Place> ground = on_ground ? GroundOf(drawn) : std::nullopt;
+      // more than the spot.
+      const bool flies = type != nullptr && type->flies;
+      const std::optional<BoxGround> told = flies ? std::nullopt : ToldGround();
+      const bool on_spot = type != nullptr ? !flies : motion == BoxMotion::kMoves;
+      const std::optional<BoxGround> ground = told || !on_spot ? told : GroundOf(drawn);
       PutPlaces(seen[0], motion, ground);
       const bool stands =
           motion != BoxMotion::kMoves && !seen[0].empty() && seen[0].front()->place && !seen[0].front()->place->Moves();
       std::vector<BoxSighting*> all;
       for (const auto& of_video : seen) all.insert(all.end(), of_video.begin(), of_video.end());
       if (stands && all.size() > seen[0].size()) PutPlaces(all, BoxMotion::kStands, ground);
-      for (std::size_t video = 1; video < seen.size() && !stands; ++video) PutPlaces(seen[video], motion, {});
+      for (std::size_t video = 1; video < seen.size() && !stands; ++video) PutPlaces(seen[video], motion, told);
     }
   }
 
@@ -462,14 +465,22 @@ class TrackRun {
     return farthest < kStays && 2 * away.size() > seen.size() ? BoxMotion::kStands : BoxMotion::kUnknown;
   }
 
-  [[nodiscard]] std::optional<Place> GroundOf(std::size_t drawn) const {
+  [[nodiscard]] std::optional<BoxGround> ToldGround() const {
+    if (!told_ground_) return std::nullopt;
+    return BoxGround{told_ground_, options_.place.locate.ground_sigma_m};
+  }
+
+  /// By the spot of it that the box was drawn on.
+  [[nodiscard]] std::optional<BoxGround> GroundOf(std::size_t drawn) const {
     if (!cameras_[0]) return std::nullopt;
     std::vector<SpotSighting> spots;
     for (const auto& [frame, spot] : spots_[drawn]) spots.push_back(spot);
-    return PlaceOfSpot(spots, *cameras_[0], sizes_[0], options_.place);
+    const std::optional<Place> place = PlaceOfSpot(spots, *cameras_[0], sizes_[0], options_.place);
+    return place ? std::optional(BoxGround::About(*place)) : std::nullopt;
   }
 
-  void PutPlaces(const std::vector<BoxSighting*>& seen, BoxMotion motion, const std::optional<Place>& ground) const {
+  void PutPlaces(const std::vector<BoxSighting*>& seen, BoxMotion motion,
+                 const std::optional<BoxGround>& ground) const {
     std::vector<Sight> sights;
     for (const BoxSighting* sighting : seen) sights.push_back(*sighting->sight);
     const auto places = PlacesOf(sights, motion, ground, options_.place);
@@ -508,6 +519,7 @@ class TrackRun {
   const TrackRunOptions& options_;
   const CancelToken& cancel_;
   const WarningSink& warn_;
+  std::shared_ptr<const Ground> told_ground_;  // or null
   std::unique_ptr<const FeatureExtractor> extractor_;
   std::vector<std::optional<CameraTrack>> cameras_;  // by video
   std::vector<cv::Size> sizes_;                      // of frames, by video
@@ -522,6 +534,7 @@ void TrackRunOptions::ListFields(FieldList& fields) {
   fields.AddGroup("box", box);
   fields.AddGroup("telemetry", telemetry);
   fields.AddGroup("place", place);
+  fields.AddGroup("ground", ground);
   fields.Add("recognize_every", recognize_every,
              {.min = 1,
               .max = 100'000,

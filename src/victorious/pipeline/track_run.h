@@ -5,8 +5,9 @@
 // enough. While its object is lost, every so many frames the recogniser looks for that model in the whole frame, at any
 // scale and turn; what it finds is taken up again if the tracker trusts it as well.
 //
-// With telemetry each object gets a place on Earth (box_place.h). What stands still is also looked for by its place in
-// other videos that have telemetry, and what is found there elsewhere is not it.
+// With telemetry each object gets a place on Earth (box_place.h), on the ground that is told or that it was drawn on.
+// What stands still is also looked for by its place in other videos that have telemetry, and what is found there
+// elsewhere is not it.
 #pragma once
 
 #include <optional>
@@ -23,6 +24,7 @@
 #include "victorious/pipeline/warning_sink.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/telemetry/telemetry.h"
+#include "victorious/terrain/terrain.h"
 #include "victorious/track/box_track_options.h"
 
 namespace victorious {
@@ -31,6 +33,7 @@ struct TrackRunOptions {
   BoxTrackOptions box;
   TelemetryOptions telemetry;
   BoxPlaceOptions place;
+  GroundOptions ground;
   PhotoModelOptions model;
   RecognizeOptions recognize;
   int recognize_every = 5;
@@ -42,10 +45,9 @@ struct TrackRunOptions {
 /// @param videos     the first is the one that the boxes are drawn in; each a file or a folder, read twice
 /// @param telemetry  a file of the first video's; nothing: what is in it or beside it, as for the others
 /// @return by video, frame, box
-/// Errors: kInvalidArgument for options out of range, no boxes, a box that is outside its frame or too small, a time
-/// beyond the end, a live source; those of VideoReader; kCancelled.
-/// Cost: at 640 x 480 some 15 ms a frame for one box. Frames before the boxes are read again in stretches that fit into
-/// options.memory_mb.
+/// Errors: those of MakeGround; kInvalidArgument for options out of range, no boxes, a box that is outside its frame or
+/// too small, a time beyond the end, a live source; those of VideoReader; kCancelled. Cost: at 640 x 480 some 15 ms a
+/// frame for one box. Frames before the boxes are read again in stretches that fit into options.memory_mb.
 Expected<std::vector<BoxSighting>> TrackBoxes(std::span<const std::string> videos, std::span<const DrawnBox> boxes,
                                               const std::optional<std::string>& telemetry,
                                               const TrackRunOptions& options, const CancelToken& cancel,
