@@ -145,6 +145,16 @@ class ArgumentsTest(program.ProgramTest):
         self.succeeds("model", "add", "third", CRATE, CRATE, "--models", models, *box, *box)
         self.succeeds("evaluate", "--models", "crate,truck", "--db", INDEX, "--truth", program.flight() / "truth.jsonl")
 
+    def test_a_photo_that_is_not_cut_out_is_told(self):
+        whole = self.scratch / "whole.png"
+        self.succeeds("frame", VIDEO, "--number", "0", "--out", whole)
+        models = ("--models", self.scratch / "models")
+        told = self.succeeds("model", "add", "whole", whole, *models).messages()
+        self.assertEqual(len(told), 1, told)
+        self.assertIn("whole.png: the whole photo is taken for the object; --box", told[0])
+        self.assertEqual(self.succeeds("model", "add", "a", whole, "--box", "10,10,150,150", *models).err, "")
+        self.assertEqual(self.succeeds("model", "add", "b", CRATE, *models).err, "", "cut out by its alpha channel")
+
     def test_model_names(self):
         models = self.scratch / "models"
         for name in ("", "a/b", "../a", ".hidden", "two words", "naïve", "a\nb", "a\x1b[31mb", "x" * 101):

@@ -80,6 +80,15 @@ cv::Mat DrawCutOuts(const std::vector<Photo>& photos) {
   return picture;
 }
 
+// What surrounds an object would be learned as part of it.
+void TellWholePhotos(const std::vector<Photo>& photos) {
+  for (const Photo& photo : photos) {
+    if (!photo.mask.empty() && cv::countNonZero(photo.mask) < static_cast<int>(photo.mask.total())) continue;
+    spdlog::info("{}: the whole photo is taken for the object; --box X,Y,W,H or an alpha channel cuts it out",
+                 OneLine(photo.source));
+  }
+}
+
 Expected<ObjectModel> FromPhotos(const Arguments& arguments) {
   if (arguments.step_deg || arguments.max_off_nadir_deg || !arguments.up.empty() || !arguments.front.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
@@ -103,6 +112,7 @@ Expected<ObjectModel> FromPhotos(const Arguments& arguments) {
   }
   Expected<ObjectModel> model = MakePhotoModel(arguments.name, photos, arguments.length_m, options);
   if (model && !arguments.draw.empty()) VICTORIOUS_RETURN_IF_ERROR(WriteImage(arguments.draw, DrawCutOuts(photos)));
+  if (model && arguments.boxes.empty()) TellWholePhotos(photos);
   return model;
 }
 
