@@ -122,6 +122,12 @@ class ArgumentsTest(program.ProgramTest):
         truth = program.flight() / "truth.jsonl"
         self.refuses_unchanged("nope", "evaluate", "--db", INDEX, "--truth", truth, "--video", "nope")
 
+    def test_why_nothing_is_near(self):
+        done = self.succeeds("search", "--db", INDEX, "--near", "48,11,50")
+        self.assertEqual(done.out, "nothing found\n")
+        self.assertEqual(len(done.messages()), 1, done.err)
+        self.assertIn("has a place: index the videos with telemetry", done.err)
+
     def test_boxes(self):
         models = self.scratch / "models"
         for box in ("1,2,3", "1,2,3,4,5", "a,b,c,d", "1, 2,3,4", "1;2;3;4", "1,2,3,4px", "nan,0,9,9", "0,0,inf,9",
