@@ -223,6 +223,7 @@ void FilterArguments::AddTo(CLI::App& app) {
   app.add_option("--to", to_s, "Only up to this time of the video")->type_name("TIME")->transform(TimeOfVideo());
   app.add_option("--near", near, "Only objects at most so far from a place on Earth (degrees, metres)")
       ->type_name("LAT,LON,METRES");
+  app.add_flag("--rejected", rejected, "Also what was rejected as no object, and why");
 }
 
 Expected<SightingFilter> FilterArguments::Filter() const {
@@ -242,6 +243,7 @@ Expected<SightingFilter> FilterArguments::Filter() const {
   if (!video.empty()) filter.video_name = video;
   filter.from_s = from_s;
   filter.to_s = to_s;
+  filter.rejected_too = rejected;
   return filter;
 }
 

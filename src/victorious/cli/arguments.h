@@ -67,7 +67,8 @@ std::string OneLine(std::string text);
 /// Set by SIGINT and SIGTERM.
 CancelToken& Interrupt();
 
-/// The flags --video, --model, --category, --from, --to and --near of commands that list what an index holds.
+/// The flags --video, --model, --category, --from, --to, --near and --rejected of commands that list what an index
+/// holds.
 struct FilterArguments {
   std::string video;
   std::string model;
@@ -75,6 +76,7 @@ struct FilterArguments {
   std::optional<double> from_s;
   std::optional<double> to_s;
   std::string near;
+  bool rejected = false;
 
   void AddTo(CLI::App& app);
   /// Errors: kInvalidArgument for times that end before they begin; for no place; for both a

@@ -27,7 +27,6 @@ struct Arguments {
   std::string box;
   std::string params;
   int most = 0;
-  bool rejected = false;
   bool json = false;
 };
 
@@ -86,7 +85,8 @@ Status ListFoundObjects(const Arguments& arguments, const SightingFilter& filter
     for (const ListedObject& object : objects) text += ObjectLine(object);
   }
   if (objects.empty() && filter.near) VICTORIOUS_RETURN_IF_ERROR(TellOfPlaces(filter, catalogue, store));
-  if (arguments.rejected && std::ranges::all_of(objects, [](const auto& one) { return one.object.rejected.empty(); })) {
+  if (arguments.filter.rejected &&
+      std::ranges::all_of(objects, [](const auto& one) { return one.object.rejected.empty(); })) {
     spdlog::info("nothing was rejected");
   }
   return WriteOutput("", text);
@@ -157,11 +157,10 @@ Status Run(const Arguments& arguments) {
   if (arguments.image.empty() && !(arguments.box.empty() && arguments.params.empty())) {
     return Fail(ErrorCode::kInvalidArgument, "--box and --params go with --image");
   }
-  if (arguments.rejected && !arguments.image.empty()) {
+  if (arguments.filter.rejected && !arguments.image.empty()) {
     return Fail(ErrorCode::kInvalidArgument, "--rejected and --image: give one of them");
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(SightingFilter filter, arguments.filter.Filter());
-  filter.rejected_too = arguments.rejected;
+  VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments.filter.Filter());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenSqliteStore(arguments.db, StoreMode::kRead));
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(*store, filter));
   VICTORIOUS_RETURN_IF_ERROR(WarnOfUnfinished(catalogue, *store));
@@ -182,7 +181,6 @@ Action SetUpSearch(CLI::App& app) {
   app.add_option("--most", arguments->most, "List so many at most; 0: all")
       ->check(CLI::Range(0, 1'000'000'000))
       ->type_name("N");
-  app.add_flag("--rejected", arguments->rejected, "List also what was rejected as no object, and why");
   app.add_flag("--json", arguments->json, "One JSON object a line");
   return [=] { return Run(*arguments); };
 }
