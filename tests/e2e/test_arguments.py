@@ -177,6 +177,16 @@ class ArgumentsTest(program.ProgramTest):
         line = self.refuses(2, "", "index", VIDEO, "--models", "a\nb", "--db", self.scratch / "db", "--no\nflag")
         self.assertNotRegex(line, r"[\x00-\x1f]")
 
+    def test_experiments_are_told_by_name(self):
+        lines = self.succeeds("experiment", "list").out.splitlines()
+        self.assertGreater(len(lines), 30)
+        for line in lines:
+            self.assertRegex(line, r"^[a-z0-9.-]+: [A-Z].+")
+        names = [line.split(":")[0] for line in lines]
+        self.refuses_unchanged(names + ["experiment list"], "experiment", "nope", "--out", self.scratch / "out")
+        self.refuses_unchanged("--out", "experiment", names[0])
+        self.assertIn(lines[0], self.succeeds("experiment", "--help").out)
+
     def test_help_and_version(self):
         self.assertRegex(self.succeeds("--version").out, r"^\d+\.\d+\.\d+\n$")
         told = self.succeeds("--help").out
