@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "victorious/base/check.h"
 #include "victorious/base/file.h"
 #include "victorious/base/json.h"
 #include "victorious/geometry/angles.h"
@@ -172,6 +173,16 @@ Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields) 
   if (auto status = SetFromJson(*json, fields); !status)
     return std::unexpected(std::move(status).error().WithContext(path));
   return {};
+}
+
+Status CheckFlags(const std::vector<FieldRef>& fields, std::initializer_list<FlagOfField> flags) {
+  std::vector<FieldRef> set_by_flags;
+  for (const FlagOfField& one : flags) {
+    const auto field = std::ranges::find(fields, one.field, &FieldRef::name);
+    VICTORIOUS_CHECK(field != fields.end());
+    set_by_flags.push_back({std::string(one.flag), field->value, field->spec});
+  }
+  return Validate(set_by_flags);
 }
 
 Status WriteOutput(const std::string& path, std::string_view text) {

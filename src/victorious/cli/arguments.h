@@ -1,6 +1,7 @@
 // What several commands need of their arguments and output.
 #pragma once
 
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -54,6 +55,15 @@ void ApplyGround(const GroundArguments& arguments, GroundOptions& options);
 /// Reads `--params FILE` (JSON) into the fields, or a preset by its name (pipeline/preset.h; a file of that name is
 /// ./NAME); an empty path changes nothing.
 Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields);
+
+/// A parameter that a flag sets.
+struct FlagOfField {
+  std::string_view field;  ///< its full name
+  std::string_view flag;
+};
+
+/// Checks parameters that flags set, so that what is wrong is told of the flag. Error: kInvalidArgument.
+Status CheckFlags(const std::vector<FieldRef>& fields, std::initializer_list<FlagOfField> flags);
 
 /// Writes to stdout (`path` empty or "-"), or to a file, whole or not at all.
 Status WriteOutput(const std::string& path, std::string_view text);

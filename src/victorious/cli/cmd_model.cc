@@ -125,6 +125,8 @@ Expected<ObjectModel> FromCad(const Arguments& arguments) {
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
   if (arguments.step_deg) options.sphere.step_deg = *arguments.step_deg;
   if (arguments.max_off_nadir_deg) options.sphere.max_off_nadir_deg = *arguments.max_off_nadir_deg;
+  VICTORIOUS_RETURN_IF_ERROR(
+      CheckFlags(FieldsOf(options), {{"sphere.step", "--step"}, {"sphere.max_off_nadir", "--max-off-nadir"}}));
   LoadMeshOptions load{.up = {}, .front = {}, .length_m = arguments.length_m};
   if (!arguments.up.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(load.up, ParseAxis(arguments.up));
@@ -215,6 +217,8 @@ Expected<Findable> MeasureFindable(const ObjectModel& model, const FindableArgum
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(search)));
   FindableOptions options = arguments.options;
   options.attitude_known = !arguments.no_attitude;
+  VICTORIOUS_RETURN_IF_ERROR(
+      CheckFlags(FieldsOf(options), {{"size_px", "--size-px"}, {"noise", "--noise"}, {"directions", "--directions"}}));
   if (arguments.sun != "off") {
     double elevation_deg = 0;
     if (!CLI::detail::lexical_cast(arguments.sun, elevation_deg)) {
