@@ -1,5 +1,6 @@
 #include "victorious/pipeline/box_place.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -129,10 +130,11 @@ TEST(BoxPlace, WhatThePictureShowsToMoveIsPlacedOnTheGround) {
   EXPECT_GE(inside, 0.9 * flight.frames);
   // Without the ground its type's length tells how far off it is, and no more.
   for (const auto& place : PlacesOf(Fly(flight, FindObjectType("car"), 0), BoxMotion::kMoves, {}, {})) {
+    ASSERT_TRUE(place);
     EXPECT_GT(place->ce90_m, 10);
   }
   for (const auto& place : PlacesOf(sights, BoxMotion::kMoves, {}, {})) {
-    EXPECT_TRUE(!place || place->ce90_m > 10);
+    EXPECT_FALSE(place) << "nothing tells how far off it is";
   }
 }
 
@@ -142,9 +144,9 @@ TEST(BoxPlace, WhatStandsIsDrawnToTheGround) {
       {.point = TangentPlane(kOrigin).GeodeticFromEnu({8, 3, -1.2}), .covariance_enu_m2 = Eigen::Matrix3d::Identity()});
   const auto alone = PlacesOf(sights, BoxMotion::kUnknown, {}, {}).back();
   const auto on_ground = PlacesOf(sights, BoxMotion::kUnknown, ground, {}).back();
-  ASSERT_TRUE(on_ground);
+  ASSERT_TRUE(alone && on_ground);
   EXPECT_LT(TangentPlane(kOrigin).EnuFromGeodetic(on_ground->point).head<2>().norm(), on_ground->ce90_m);
-  EXPECT_TRUE(!alone || on_ground->ce90_m < 0.7 * alone->ce90_m);
+  EXPECT_LT(on_ground->ce90_m, 0.7 * alone->ce90_m);
 }
 
 TEST(BoxPlace, WhereTheGroundIsNotKnownATypesLengthServes) {
@@ -179,9 +181,13 @@ TEST(BoxPlace, ASpotOfTheGroundIsWhereItsLinesMeet) {
 }
 
 TEST(BoxPlace, ABuildingIsNotTakenToMove) {
-  const Flight flight{.velocity_enu = {-6, 4, 0}, .frames = 30};
-  for (const auto& place : PlacesOf(Fly(flight, nullptr, 0), BoxMotion::kStands, {}, {})) {
-    if (place && place->velocity_enu) EXPECT_EQ(place->velocity_enu->norm(), 0);
+  const Flight flight{.velocity_enu = {-1, 0.7, 0}, .frames = 150, .circles = true};  // as if it crept
+  const auto sights = Fly(flight, nullptr, 0);
+  const auto moves = [](const std::optional<Place>& place) { return place && place->Moves(); };
+  EXPECT_TRUE(std::ranges::all_of(PlacesOf(sights, BoxMotion::kUnknown, {}, {}), moves));
+  for (const auto& place : PlacesOf(sights, BoxMotion::kStands, {}, {})) {
+    ASSERT_TRUE(place);
+    EXPECT_FALSE(place->Moves());
   }
 }
 
