@@ -319,9 +319,10 @@ class TrackRun {
     KeepSpots(pass);
     for (std::size_t i = 0; i < boxes_.size(); ++i) {
       if (started[i]) continue;
+      const std::string why = reader->warnings().empty() ? "" : fmt::format(" ({})", reader->warnings().back());
       return Fail(ErrorCode::kInvalidArgument,
-                  fmt::format("{}: ends at {:.3f} s, before {} at {:g} s: give a time in it", videos_[0], last_time_s,
-                              BoxName(i), boxes_[i].at_s));
+                  fmt::format("{}: ends at {:.3f} s{}, before {} at {:g} s: give a time in it", videos_[0], last_time_s,
+                              why, BoxName(i), boxes_[i].at_s));
     }
     return {};
   }
