@@ -58,22 +58,25 @@ class ArgumentsTest(program.ProgramTest):
         db, out = self.scratch / "new.db", self.scratch / "out"
         index = ("index", VIDEO, "--models", MODELS, "--db", db)
         for words, arguments in (
-            ("every = 0", (*index, "--every", "0")),
-            ("every = -3", (*index, "--every", "-3")),
+            ("--every = 0: must be", (*index, "--every", "0")),
+            ("--every = -3: must be", (*index, "--every", "-3")),
             ("--every", (*index, "--every", "two")),
             ("--every", (*index, "--every", "99999999999")),
             ("--threads", (*index, "--threads", "-1")),
             ("--threads", (*index, "--threads", "1e3")),
-            ("most_tiles = 0", ("sheet", "--db", INDEX, "--out", out, "--most", "0")),
-            ("columns = 0", ("sheet", "--db", INDEX, "--out", out, "--columns", "0")),
-            ("ratio = 1.5", ("match", CRATE, CRATE, "--ratio", "1.5")),
-            ("ratio = 0", ("match", CRATE, CRATE, "--ratio", "0")),
-            ("ratio = nan", ("match", CRATE, CRATE, "--ratio", "nan")),
-            ("engine", ("features", CRATE, "--out", out, "--engine", "nobody")),
+            ("--most = 0: must be", ("sheet", "--db", INDEX, "--out", out, "--most", "0")),
+            ("--columns = 0: must be", ("sheet", "--db", INDEX, "--out", out, "--columns", "0")),
+            ("--ratio = 1.5: must be", ("match", CRATE, CRATE, "--ratio", "1.5")),
+            ("--ratio = 0", ("match", CRATE, CRATE, "--ratio", "0")),
+            ("--ratio = nan", ("match", CRATE, CRATE, "--ratio", "nan")),
+            ("--engine = ", ("features", CRATE, "--out", out, "--engine", "nobody")),
             ("--length", ("model", "add", "x", CRATE, "--models", out, "--length", "0")),
             ("--length", ("model", "add", "x", CRATE, "--models", out, "--length", "-2")),
             ("--length", ("model", "add", "x", CRATE, "--models", out, "--length", "nan")),
             ("--length", ("model", "add", "x", CRATE, "--models", out, "--length", "big")),
+            ("--step = 0", ("model", "add", "x", "x.glb", "--models", out, "--step", "0")),
+            ("--max-off-nadir = 200", ("model", "add", "x", "x.glb", "--models", out, "--max-off-nadir", "200")),
+            ("--directions = 1", ("model", "show", "crate", "--models", MODELS, "--findable", "--directions", "1")),
             ("one of objects, sightings", ("export", "--db", INDEX, "--format", "excel")),
             ("one of objects, sightings", ("export", "--db", INDEX, "--format", "")),
             ("params", ("params", "everything")),
@@ -122,6 +125,12 @@ class ArgumentsTest(program.ProgramTest):
         truth = program.flight() / "truth.jsonl"
         self.refuses_unchanged("nope", "evaluate", "--db", INDEX, "--truth", truth, "--video", "nope")
 
+    def test_why_nothing_is_near(self):
+        done = self.succeeds("search", "--db", INDEX, "--near", "48,11,50")
+        self.assertEqual(done.out, "nothing found\n")
+        self.assertEqual(len(done.messages()), 1, done.err)
+        self.assertIn("has a place: index the videos with telemetry", done.err)
+
     def test_boxes(self):
         models = self.scratch / "models"
         for box in ("1,2,3", "1,2,3,4,5", "a,b,c,d", "1, 2,3,4", "1;2;3;4", "1,2,3,4px", "nan,0,9,9", "0,0,inf,9",
@@ -145,6 +154,16 @@ class ArgumentsTest(program.ProgramTest):
         self.succeeds("model", "add", "third", CRATE, CRATE, "--models", models, *box, *box)
         self.succeeds("evaluate", "--models", "crate,truck", "--db", INDEX, "--truth", program.flight() / "truth.jsonl")
 
+    def test_a_photo_that_is_not_cut_out_is_told(self):
+        whole = self.scratch / "whole.png"
+        self.succeeds("frame", VIDEO, "--number", "0", "--out", whole)
+        models = ("--models", self.scratch / "models")
+        told = self.succeeds("model", "add", "whole", whole, *models).messages()
+        self.assertEqual(len(told), 1, told)
+        self.assertIn("whole.png: the whole photo is taken for the object; --box", told[0])
+        self.assertEqual(self.succeeds("model", "add", "a", whole, "--box", "10,10,150,150", *models).err, "")
+        self.assertEqual(self.succeeds("model", "add", "b", CRATE, *models).err, "", "cut out by its alpha channel")
+
     def test_model_names(self):
         models = self.scratch / "models"
         for name in ("", "a/b", "../a", ".hidden", "two words", "naïve", "a\nb", "a\x1b[31mb", "x" * 101):
@@ -160,6 +179,16 @@ class ArgumentsTest(program.ProgramTest):
         self.assertNotRegex(line, r"[\x00-\x1f]")
         line = self.refuses(2, "", "index", VIDEO, "--models", "a\nb", "--db", self.scratch / "db", "--no\nflag")
         self.assertNotRegex(line, r"[\x00-\x1f]")
+
+    def test_experiments_are_told_by_name(self):
+        lines = self.succeeds("experiment", "list").out.splitlines()
+        self.assertGreater(len(lines), 30)
+        for line in lines:
+            self.assertRegex(line, r"^[a-z0-9.-]+: [A-Z].+")
+        names = [line.split(":")[0] for line in lines]
+        self.refuses_unchanged(names + ["experiment list"], "experiment", "nope", "--out", self.scratch / "out")
+        self.refuses_unchanged("--out", "experiment", names[0])
+        self.assertIn(lines[0], self.succeeds("experiment", "--help").out)
 
     def test_help_and_version(self):
         self.assertRegex(self.succeeds("--version").out, r"^\d+\.\d+\.\d+\n$")

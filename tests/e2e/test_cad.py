@@ -113,7 +113,7 @@ class GoodTest(CadTest):
         self.assertEqual([findable["directions"], len(findable["bands"])], [3, 1])
         self.assertGreater(findable["found"], 0.6)
         self.assertTrue(tried.read_bytes().startswith(b"\x89PNG"))
-        self.refuses(2, "size_px = 1", *show, "--findable", "--size-px", "1")
+        self.refuses(2, "--size-px = 1", *show, "--findable", "--size-px", "1")
         self.refuses(2, "5 to 90", *show, "--findable", "--sun", "high")
         self.refuses(2, "--findable", *show, "--noise", "0.1")
 

@@ -77,6 +77,19 @@ class CategoryTest(program.ProgramTest):
         words = self.classify(model, "--method", "words")
         self.assertNotEqual([row["scores"] for row in words], [row["scores"] for row in results])
 
+    def test_what_no_background_means_is_told(self):
+        def train(rows):
+            listed, params = self.write("list.csv", listing(rows)), self.write("params.json", json.dumps(SMALL))
+            return self.succeeds(
+                "category", "train", "--images", FOLDER, "--list", listed, "--params", params,
+                "--out", self.scratch / "m.vcat",
+            ).messages()  # fmt: skip
+
+        told = train(TRAIN)
+        self.assertEqual(len(told), 1, told)
+        self.assertIn("every picture, whatever it shows, is called one of them", told[0])
+        self.assertEqual(train([row.replace(",disc-cross,", ",background,") for row in TRAIN]), [])
+
     def test_the_thesis_method(self):
         model = self.train(None, {"scoring": "likelihood", "soft_words": 1, "grammar": {"word_share": 0.5}})
         for method in ("phrases", "words"):

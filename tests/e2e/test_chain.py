@@ -158,6 +158,14 @@ class FindsTest(program.ProgramTest):
         self.assertGreater(len(rows), 0)
         for row in rows:
             self.assertEqual(set(row), OBJECT_KEYS | {"rejected"})
+        self.assertEqual(self.export(db, "sightings"), "")
+        self.assertGreater(len(self.export(db, "sightings", "--rejected").splitlines()), len(rows))
+        exported = [json.loads(line) for line in self.export(db, "objects", "--rejected").splitlines()]
+        self.assertEqual(exported, rows)
+        sheet = self.scratch / "sheet.png"
+        self.refuses(2, "no object to show", "sheet", "--db", db, "--out", sheet)
+        self.succeeds("sheet", "--db", db, "--out", sheet, "--rejected")
+        self.assertTrue(sheet.exists())
 
     def test_evaluate(self):
         truth = program.flight() / "truth.jsonl"

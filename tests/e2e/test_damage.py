@@ -36,6 +36,17 @@ class DamageTest(program.ProgramTest):
         expected = [(row["frame"], row["model"], row["box"]) for row in self.whole][: len(sightings)]
         self.assertEqual([(row["frame"], row["model"], row["box"]) for row in sightings], expected)
 
+    def test_that_it_is_cut_off_is_told_of_a_time_beyond(self):
+        content = VIDEO.read_bytes()
+        cut = self.write("cut.mkv", content[: len(content) * 6 // 10])
+        out = self.scratch / "out"
+        beyond = f"{(program.FRAMES - 1) * 0.1:.1f}"
+        box = ("--box", "10,10,40,40", "--at")
+        self.refuses(2, ["cut.mkv", "decoding stopped at"], "track", cut, *box, beyond, "--out", out)
+        self.refuses(2, ["cut.mkv", "decoding stopped at"], "frame", cut, "--at", beyond, "--out", f"{out}.png")
+        self.assertIn("decoding stopped at", self.succeeds("track", cut, *box, "0", "--out", out).err)
+        self.assertIn("stopped at", self.succeeds("doctor", cut).out)
+
     def test_a_hole_in_the_middle(self):
         content = bytearray(VIDEO.read_bytes())
         middle = len(content) // 2

@@ -82,19 +82,20 @@ class NavigateTest(program.ProgramTest):
         self.assertEqual(done.out, "")
         return table(out)
 
-    def off_telemetry(self) -> Path:
-        """8 m east, 5 m up and 2 degrees of yaw."""
+    def off_telemetry(self, east_m: float = 8, later_s: float = 0) -> Path:
+        """So far east, 5 m up and 2 degrees of yaw."""
         rows = table(flight() / "telemetry.csv")
-        east_deg = 8 / METRES_PER_DEGREE / math.cos(math.radians(LATITUDE_DEG))
+        east_deg = east_m / METRES_PER_DEGREE / math.cos(math.radians(LATITUDE_DEG))
         lines = [",".join(rows[0])]
         for row in rows:
             off = row | {
+                "time_s": float(row["time_s"]) + later_s,
                 "longitude_deg": float(row["longitude_deg"]) + east_deg,
                 "altitude_m": float(row["altitude_m"]) + 5,
                 "yaw_deg": float(row["yaw_deg"]) + 2,
             }
             lines.append(",".join(map(str, off.values())))
-        return self.write("off.csv", "\n".join(lines) + "\n")
+        return self.write(f"off-{east_m}-{later_s}.csv", "\n".join(lines) + "\n")
 
     def errors(self, rows: list[dict]) -> list[float]:
         truth = table(flight() / "telemetry.csv")
@@ -135,6 +136,20 @@ class NavigateTest(program.ProgramTest):
             given = ("--landmarks", landmarks, "--models", flight() / "models", "--telemetry", telemetry, *flags)
             said = self.succeeds("navigate", flight() / "video.mp4", "--out", out, *given).err
             self.assertEqual(said.count("16 of 16 frames"), looks, said)
+
+    def test_telemetry_of_another_video_is_told(self):
+        landmarks, out = self.list_of(true_landmarks()), self.scratch / "camera.csv"
+        for telemetry, words in (
+            (flight() / "telemetry.csv", None),
+            (self.off_telemetry(3000), " m from where the landmarks were seen from"),
+            (self.off_telemetry(0, 1000), "it is of 1000.00 to"),
+        ):
+            given = ("--landmarks", landmarks, "--models", flight() / "models", "--telemetry", telemetry, "--out", out)
+            said = self.succeeds("navigate", flight() / "video.mp4", *given).messages()
+            warnings = [line for line in said if line.startswith("warning: ")]
+            self.assertEqual(len(warnings), 0 if words is None else 1, said)
+            if words is not None:
+                self.assertIn(words, warnings[0])
 
     def test_a_wrong_landmark_does_not_pull(self):
         landmarks = true_landmarks()

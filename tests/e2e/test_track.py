@@ -94,6 +94,23 @@ class TrackTest(program.ProgramTest):
             self.assertGreater(row["ce90_m"], 0)
         done = self.succeeds("track", *drawn[:-4], "--type", "the mayor's", "--out", out)
         self.assertIn("a name only", done.err)
+        self.assertIn("box-1: no place is told: its lines of sight do not tell how far off it is", done.err)
+        # Where that line meets the ground is a place, too: 100 m below, at 60 degrees.
+        self.assertIn("CE90", self.succeeds("track", *drawn[:-4], "--ground", "0", "--out", out).err)
+        placed = [row for row in map(json.loads, out.read_text().splitlines()) if row["latitude_deg"] is not None]
+        self.assertTrue(placed)
+        for row in placed:
+            self.assertAlmostEqual(row["altitude_m"], 1.2, delta=0.5)
+            north_m = (row["latitude_deg"] - 48) * 111_200
+            self.assertTrue(30 < north_m < 90, row)
+
+    def test_why_no_place_is_told(self):
+        drawn = (self.video, *self.drawn("crate", self.whole_frames("crate")[0]), "--out", self.scratch / "out.jsonl")
+        self.assertIn("no place is told: nothing tells where the camera was", self.succeeds("track", *drawn).err)
+        header = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg"
+        table = self.write("late.csv", f"{header}\n1000,48,11,100,0,-60,0,20\n1001,48,11,100,0,-60,0,20\n")
+        told = self.succeeds("track", *drawn, "--telemetry", table).err
+        self.assertIn("late.csv: nothing will get a place: it is of 1000.00 to 1001.00 s", told)
 
     def test_an_output_that_cannot_be_written_is_told_first(self):
         drawn = self.drawn("crate", self.whole_frames("crate")[0])
@@ -117,6 +134,8 @@ class TrackTest(program.ProgramTest):
             ("time from 0", (self.video, "--box", "10,10,40,40", "--at", "nan")),
             ("2 --type and 1 --box", (self.video, *good, "--type", "car", "--type", "bus")),
             ("absent.csv", (self.video, *good, "--telemetry", self.scratch / "absent.csv")),
+            ("absent.tif", (self.video, *good, "--terrain", self.scratch / "absent.tif")),
+            ("told twice", (self.video, *good, "--ground", "3", "--terrain", self.scratch / "absent.tif")),
             ("absent.mp4", (self.scratch / "absent.mp4", *good)),
             ("absent.mp4", (self.video, *good, "--also", self.scratch / "absent.mp4")),
             ("text.mp4", (self.write("text.mp4", "no video"), *good)),

@@ -75,6 +75,13 @@ TEST(CategoryModel, ElsewhereMirrorImagesAreLearnedFrom) {
   EXPECT_EQ(EncodeCategories(*model), EncodeCategories(*TrainCategories(unmarked, SmallOptions())));
 }
 
+TEST(CategoryModel, KeepsTheShapesThatItLearnedFromAlone) {
+  CategoryOptions options = SmallOptions();
+  options.shapes = {.weight = 2, .dimensions = 8};
+  EXPECT_EQ(TrainCategories(WithMirrorImages(12, true), options).value().shape_examples.cols(), 24);
+  EXPECT_EQ(TrainCategories(WithMirrorImages(12, false), options).value().shape_examples.cols(), 48);
+}
+
 TEST(CategoryModel, IsDeterministicBySeed) {
   const auto examples = DrawExamples(4, 1);
   for (const char* scoring : {"linear", "likelihood"}) {

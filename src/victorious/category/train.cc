@@ -284,6 +284,19 @@ std::set<std::string> MirrorImagesOfEachOther(const Eigen::MatrixXd& kernel, std
   return handed;
 }
 
+// Examples that no category learned from only take time and room.
+void ForgetUnusedShapes(CategoryModel& model) {
+  std::vector<Eigen::Index> used;
+  for (Eigen::Index i = 0; i < model.shape_examples.cols(); ++i) {
+    const auto weighs = [&](const LinearWeights& weights) { return weights.shapes(i) != 0; };
+    if (std::ranges::any_of(model.word_weights, weighs) || std::ranges::any_of(model.phrase_weights, weighs))
+      used.push_back(i);
+  }
+  model.shape_examples = Eigen::MatrixXf(model.shape_examples(Eigen::all, used));
+  for (std::vector<LinearWeights>* of_all : {&model.word_weights, &model.phrase_weights})
+    for (LinearWeights& weights : *of_all) weights.shapes = Eigen::VectorXf(weights.shapes(used));
+}
+
 void LearnLinear(std::span<const CategoryExample> examples, std::span<const WordedPicture> pictures,
                  CategoryModel& model) {
   LearnParts(model);
@@ -322,6 +335,7 @@ void LearnLinear(std::span<const CategoryExample> examples, std::span<const Word
     joint.fisher = seen.fisher * (fisher_weight * alpha).cast<float>();
     model.phrase_weights.push_back(std::move(joint));
   }
+  ForgetUnusedShapes(model);
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ TEST(Windows, AWindowIsScoredAsItsCutOut) {
     const CategoryResult alone =
         Classify(model, WordsOf(model, DenseFeatures(grey(part).clone(), grid)), CategoryMethod::kPhrases);
     // Smoothing sees beyond a window's edge, and not beyond a cut-out's.
-    for (const std::size_t node : wanted) EXPECT_NEAR(window.result.scores[node].raw, alone.scores[node].raw, 0.35);
+    for (const std::size_t node : wanted) EXPECT_NEAR(window.result.scores[node].raw, alone.scores[node].raw, 0.02);
   }
 }
 

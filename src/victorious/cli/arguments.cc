@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "victorious/base/check.h"
 #include "victorious/base/file.h"
 #include "victorious/base/json.h"
 #include "victorious/geometry/angles.h"
@@ -174,6 +175,16 @@ Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields) 
   return {};
 }
 
+Status CheckFlags(const std::vector<FieldRef>& fields, std::initializer_list<FlagOfField> flags) {
+  std::vector<FieldRef> set_by_flags;
+  for (const FlagOfField& one : flags) {
+    const auto field = std::ranges::find(fields, one.field, &FieldRef::name);
+    VICTORIOUS_CHECK(field != fields.end());
+    set_by_flags.push_back({std::string(one.flag), field->value, field->spec});
+  }
+  return Validate(set_by_flags);
+}
+
 Status WriteOutput(const std::string& path, std::string_view text) {
   if (!path.empty() && path != "-") return WriteFileAtomically(path, text);
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
@@ -223,6 +234,7 @@ void FilterArguments::AddTo(CLI::App& app) {
   app.add_option("--to", to_s, "Only up to this time of the video")->type_name("TIME")->transform(TimeOfVideo());
   app.add_option("--near", near, "Only objects at most so far from a place on Earth (degrees, metres)")
       ->type_name("LAT,LON,METRES");
+  app.add_flag("--rejected", rejected, "Also what was rejected as no object, and why");
 }
 
 Expected<SightingFilter> FilterArguments::Filter() const {
@@ -242,6 +254,7 @@ Expected<SightingFilter> FilterArguments::Filter() const {
   if (!video.empty()) filter.video_name = video;
   filter.from_s = from_s;
   filter.to_s = to_s;
+  filter.rejected_too = rejected;
   return filter;
 }
 

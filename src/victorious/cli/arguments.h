@@ -1,6 +1,7 @@
 // What several commands need of their arguments and output.
 #pragma once
 
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -55,6 +56,15 @@ void ApplyGround(const GroundArguments& arguments, GroundOptions& options);
 /// ./NAME); an empty path changes nothing.
 Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields);
 
+/// A parameter that a flag sets.
+struct FlagOfField {
+  std::string_view field;  ///< its full name
+  std::string_view flag;
+};
+
+/// Checks parameters that flags set, so that what is wrong is told of the flag. Error: kInvalidArgument.
+Status CheckFlags(const std::vector<FieldRef>& fields, std::initializer_list<FlagOfField> flags);
+
 /// Writes to stdout (`path` empty or "-"), or to a file, whole or not at all.
 Status WriteOutput(const std::string& path, std::string_view text);
 
@@ -67,7 +77,8 @@ std::string OneLine(std::string text);
 /// Set by SIGINT and SIGTERM.
 CancelToken& Interrupt();
 
-/// The flags --video, --model, --category, --from, --to and --near of commands that list what an index holds.
+/// The flags --video, --model, --category, --from, --to, --near and --rejected of commands that list what an index
+/// holds.
 struct FilterArguments {
   std::string video;
   std::string model;
@@ -75,6 +86,7 @@ struct FilterArguments {
   std::optional<double> from_s;
   std::optional<double> to_s;
   std::string near;
+  bool rejected = false;
 
   void AddTo(CLI::App& app);
   /// Errors: kInvalidArgument for times that end before they begin; for no place; for both a

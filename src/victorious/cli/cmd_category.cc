@@ -17,6 +17,7 @@
 #include "victorious/category/refine.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/recognize/category_finder.h"
 #include "victorious/recognize/category_pictures.h"
 #include "victorious/video/image_file.h"
 
@@ -35,6 +36,19 @@ struct Arguments {
   bool json = false;
 };
 
+// Whoever classifies other pictures than of these categories must know that no answer says so.
+Status WarnWithoutBackground(const CategoryModel& model) {
+  const CategoryFindOptions defaults;
+  VICTORIOUS_ASSIGN_OR_RETURN(const CategoryFinder finder, CategoryFinder::Create(model, defaults));
+  const auto labels = static_cast<std::size_t>(std::ranges::count(model.nodes, true, &CategoryNode::labels));
+  if (finder.names().size() < labels) return {};
+  spdlog::warn(
+      "no category stands for none of these: every picture, whatever it shows, is called one of them; pictures of "
+      "anything else, listed as {}, would tell",
+      defaults.none);
+  return {};
+}
+
 Status Train(const Arguments& arguments) {
   CategoryTrainOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
@@ -47,6 +61,7 @@ Status Train(const Arguments& arguments) {
   progress.reset();
   if (!model) return std::unexpected(std::move(model).error().WithContext(arguments.list));
   VICTORIOUS_RETURN_IF_ERROR(WriteCategories(arguments.out, *model));
+  VICTORIOUS_RETURN_IF_ERROR(WarnWithoutBackground(*model));
   const auto labels = std::ranges::count(model->nodes, true, &CategoryNode::labels);
   return WriteOutput("", fmt::format("{}: {} categories, {} words, from {} pictures\n", arguments.out, labels,
                                      model->vocabulary.size(), rows.size()));

@@ -100,6 +100,7 @@ Expected<Probe> ReadBeginning(VideoReader& reader) {
     std::ranges::move(reader.TakeDataPackets(), std::back_inserter(probe.packets));
   }
   std::ranges::move(reader.TakeDataPackets(), std::back_inserter(probe.packets));
+  if (!probe.live) reader.PassOverFrames();  // for whether it ends where it should
   return probe;
 }
 

@@ -38,7 +38,19 @@ Expected<std::string> DataFolder(const std::string& given) {
   return named;
 }
 
+// "NAME: what it shows", a line each.
+std::string Names() {
+  std::string text;
+  for (const Experiment& experiment : Experiments())
+    text += fmt::format("{}: {}\n", experiment.name, experiment.summary);
+  return text;
+}
+
 Status Run(const Arguments& arguments) {
+  if (arguments.name == "list") return WriteOutput("", Names());
+  if (arguments.out.empty()) {
+    return Fail(ErrorCode::kInvalidArgument, "--out is required: the folder for NAME.json, NAME.csv and the plot");
+  }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string data, DataFolder(arguments.data));
   const ExperimentSettings settings{
       .data = data,
@@ -53,20 +65,12 @@ Status Run(const Arguments& arguments) {
   return WriteOutput("", MarkdownOf(report));
 }
 
-std::string Names() {
-  std::string text = "Which one:";
-  for (const Experiment& experiment : Experiments())
-    text += fmt::format("\n{}: {}", experiment.name, experiment.summary);
-  return text;
-}
-
 }  // namespace
 
 Action SetUpExperiment(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("NAME", arguments->name, Names())->required();
-  app.add_option("--out", arguments->out, "The folder for NAME.json, NAME.csv and the plot")
-      ->required()
+  app.add_option("NAME", arguments->name, "Which one; list: print these lines\n" + Names())->required();
+  app.add_option("--out", arguments->out, "The folder for NAME.json, NAME.csv and the plot (required, but for list)")
       ->type_name("DIR");
   app.add_option("--data", arguments->data, "The folder of outside data (default $VICTORIOUS_DATA, or ../shared/data)")
       ->type_name("DIR");

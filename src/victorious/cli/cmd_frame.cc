@@ -35,9 +35,10 @@ Status Run(const Arguments& arguments) {
     if (reached) return WriteImage(arguments.out, frame->image);
     last = std::move(frame);
   }
+  const std::string why = reader->warnings().empty() ? "" : fmt::format(" ({})", reader->warnings().back());
   return Fail(ErrorCode::kInvalidArgument,
-              fmt::format("{}: ends with frame {} at {:.3f} s, before what was asked for", arguments.video,
-                          last ? last->index : -1, last ? last->time_s : 0.0));
+              fmt::format("{}: ends with frame {} at {:.3f} s{}, before what was asked for", arguments.video,
+                          last ? last->index : -1, last ? last->time_s : 0.0, why));
 }
 
 }  // namespace

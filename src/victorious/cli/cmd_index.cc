@@ -41,6 +41,7 @@ Status Run(const Arguments& arguments) {
   IndexOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
   if (arguments.every) options.every = *arguments.every;
+  VICTORIOUS_RETURN_IF_ERROR(CheckFlags(FieldsOf(options), {{"every", "--every"}}));
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
   ApplyGround(arguments.ground, options.ground);
   std::vector<ObjectModel> models;

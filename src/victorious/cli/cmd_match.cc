@@ -110,6 +110,7 @@ Status Run(const Arguments& arguments) {
   IndexOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
   if (arguments.ratio) options.recognize.match.ratio = *arguments.ratio;
+  VICTORIOUS_RETURN_IF_ERROR(CheckFlags(FieldsOf(options), {{"match.ratio", "--ratio"}}));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
   VICTORIOUS_ASSIGN_OR_RETURN(const Image scene_image, ReadImage(arguments.scene));
   VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet scene, extractor->Extract(GreyFromBgr(scene_image.bgr)));

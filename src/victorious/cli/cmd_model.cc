@@ -71,6 +71,15 @@ cv::Mat DrawCutOuts(const std::vector<Photo>& photos) {
   return picture;
 }
 
+// What surrounds an object would be learned as part of it.
+void TellWholePhotos(const std::vector<Photo>& photos) {
+  for (const Photo& photo : photos) {
+    if (!photo.mask.empty() && cv::countNonZero(photo.mask) < static_cast<int>(photo.mask.total())) continue;
+    spdlog::info("{}: the whole photo is taken for the object; --box X,Y,W,H or an alpha channel cuts it out",
+                 OneLine(photo.source));
+  }
+}
+
 Expected<ObjectModel> FromPhotos(const Arguments& arguments) {
   if (arguments.step_deg || arguments.max_off_nadir_deg || !arguments.up.empty() || !arguments.front.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
@@ -94,6 +103,7 @@ Expected<ObjectModel> FromPhotos(const Arguments& arguments) {
   }
   Expected<ObjectModel> model = MakePhotoModel(arguments.name, photos, arguments.length_m, options);
   if (model && !arguments.draw.empty()) VICTORIOUS_RETURN_IF_ERROR(WriteImage(arguments.draw, DrawCutOuts(photos)));
+  if (model && arguments.boxes.empty()) TellWholePhotos(photos);
   return model;
 }
 
@@ -106,6 +116,8 @@ Expected<ObjectModel> FromCad(const Arguments& arguments) {
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
   if (arguments.step_deg) options.sphere.step_deg = *arguments.step_deg;
   if (arguments.max_off_nadir_deg) options.sphere.max_off_nadir_deg = *arguments.max_off_nadir_deg;
+  VICTORIOUS_RETURN_IF_ERROR(
+      CheckFlags(FieldsOf(options), {{"sphere.step", "--step"}, {"sphere.max_off_nadir", "--max-off-nadir"}}));
   LoadMeshOptions load{.up = {}, .front = {}, .length_m = arguments.length_m};
   if (!arguments.up.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(load.up, ParseAxis(arguments.up));
@@ -196,6 +208,8 @@ Expected<Findable> MeasureFindable(const ObjectModel& model, const FindableArgum
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(search)));
   FindableOptions options = arguments.options;
   options.attitude_known = !arguments.no_attitude;
+  VICTORIOUS_RETURN_IF_ERROR(
+      CheckFlags(FieldsOf(options), {{"size_px", "--size-px"}, {"noise", "--noise"}, {"directions", "--directions"}}));
   if (arguments.sun != "off") {
     double elevation_deg = 0;
     if (!CLI::detail::lexical_cast(arguments.sun, elevation_deg)) {

@@ -28,8 +28,9 @@ struct Arguments {
   std::optional<double> hfov_deg;
 };
 
-// What telemetry was off by in the frame in the middle of those with landmarks.
-void TellOffset(const Navigation& navigation) {
+// What telemetry was off by in the frame in the middle of those with landmarks; a warning where that is far more than
+// the sigma of its offset, `foreseen_m`, foresees.
+void TellOffset(const Navigation& navigation, double foreseen_m) {
   std::vector<const NavigatedFrame*> seen;
   for (const NavigatedFrame& frame : navigation.frames) {
     if (frame.landmarks > 0 && frame.offset) seen.push_back(&frame);
@@ -44,9 +45,13 @@ void TellOffset(const Navigation& navigation) {
   const auto sigma_deg = [&](int i) { return DegreesFromRadians(sigma(3 + i)); };
   spdlog::info("and by {:.2f} +- {:.2f} deg in yaw, {:.2f} +- {:.2f} in pitch, {:.2f} +- {:.2f} in roll", degrees(0),
                sigma_deg(0), degrees(1), sigma_deg(1), degrees(2), sigma_deg(2));
+  constexpr double kManySigmas = 10;
+  if (place.norm() < kManySigmas * foreseen_m) return;
+  spdlog::warn("telemetry is {:.0f} m from where the landmarks were seen from: it, or the landmarks, may be another's",
+               place.norm());
 }
 
-void Tell(const NavigationRun& run) {
+void Tell(const NavigationRun& run, const NavigateOptions& options) {
   const std::vector<NavigatedFrame>& frames = run.navigation.frames;
   const auto seen = std::ranges::count_if(frames, [](const NavigatedFrame& frame) { return frame.landmarks > 0; });
   spdlog::info("{} frames, {} with a landmark; {} sightings were not believed", run.frames, seen, run.unbelieved);
@@ -57,7 +62,7 @@ void Tell(const NavigationRun& run) {
                  DegreesFromRadians(landmark.place.latitude_rad), DegreesFromRadians(landmark.place.longitude_rad),
                  run.sightings[i]);
   }
-  TellOffset(run.navigation);
+  TellOffset(run.navigation, options.telemetry.position_m);
   spdlog::info("{:.1f} ms a frame once landmarks are followed, {:.1f} of processor time; {:.2f} to estimate the flight",
                run.tracked_ms, run.tracked_cpu_ms, run.estimate_ms);
   if (frames.empty()) spdlog::warn("no landmark was recognised, and there is no telemetry: no place is known");
@@ -81,7 +86,7 @@ Status Run(const Arguments& arguments) {
                                             [&](const std::string& warning) { warnings.push_back(warning); }));
   for (const std::string& warning : warnings) spdlog::warn("{}", OneLine(warning));
   VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments.out, ToCsv(run)));
-  Tell(run);
+  Tell(run, options.navigate);
   return {};
 }
 

@@ -27,7 +27,6 @@ struct Arguments {
   std::string box;
   std::string params;
   int most = 0;
-  bool rejected = false;
   bool json = false;
 };
 
@@ -54,6 +53,23 @@ std::string ObjectLine(const ListedObject& listed) {
                      object.rejected.empty() ? "" : fmt::format("  (rejected: {})", object.rejected));
 }
 
+// Why nothing was found near a place.
+Status TellOfPlaces(SightingFilter filter, const Catalogue& catalogue, IndexStore& store) {
+  filter.near.reset();
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> objects, ListObjects(store, catalogue, filter));
+  const auto placed =
+      std::ranges::count_if(objects, [](const ListedObject& one) { return one.object.place.has_value(); });
+  if (objects.empty()) return {};
+  if (placed == 0) {
+    spdlog::info("--near: none of the {} objects asked for has a place: index the videos with telemetry",
+                 objects.size());
+  } else {
+    spdlog::info("--near: {} of the {} objects asked for have a place, and all lie further off", placed,
+                 objects.size());
+  }
+  return {};
+}
+
 Status ListFoundObjects(const Arguments& arguments, const SightingFilter& filter, const Catalogue& catalogue,
                         IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ListedObject> objects, ListObjects(store, catalogue, filter));
@@ -68,7 +84,9 @@ Status ListFoundObjects(const Arguments& arguments, const SightingFilter& filter
                        "score", "frames", "from", "to", "object", "place (CE90)", "heading", "m/s", "videos");
     for (const ListedObject& object : objects) text += ObjectLine(object);
   }
-  if (arguments.rejected && std::ranges::all_of(objects, [](const auto& one) { return one.object.rejected.empty(); })) {
+  if (objects.empty() && filter.near) VICTORIOUS_RETURN_IF_ERROR(TellOfPlaces(filter, catalogue, store));
+  if (arguments.filter.rejected &&
+      std::ranges::all_of(objects, [](const auto& one) { return one.object.rejected.empty(); })) {
     spdlog::info("nothing was rejected");
   }
   return WriteOutput("", text);
@@ -139,11 +157,10 @@ Status Run(const Arguments& arguments) {
   if (arguments.image.empty() && !(arguments.box.empty() && arguments.params.empty())) {
     return Fail(ErrorCode::kInvalidArgument, "--box and --params go with --image");
   }
-  if (arguments.rejected && !arguments.image.empty()) {
+  if (arguments.filter.rejected && !arguments.image.empty()) {
     return Fail(ErrorCode::kInvalidArgument, "--rejected and --image: give one of them");
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(SightingFilter filter, arguments.filter.Filter());
-  filter.rejected_too = arguments.rejected;
+  VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments.filter.Filter());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenSqliteStore(arguments.db, StoreMode::kRead));
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(*store, filter));
   VICTORIOUS_RETURN_IF_ERROR(WarnOfUnfinished(catalogue, *store));
@@ -164,7 +181,6 @@ Action SetUpSearch(CLI::App& app) {
   app.add_option("--most", arguments->most, "List so many at most; 0: all")
       ->check(CLI::Range(0, 1'000'000'000))
       ->type_name("N");
-  app.add_flag("--rejected", arguments->rejected, "List also what was rejected as no object, and why");
   app.add_flag("--json", arguments->json, "One JSON object a line");
   return [=] { return Run(*arguments); };
 }

@@ -64,10 +64,11 @@ Action SetUpSheet(CLI::App& app) {
   app.add_option("--columns", arguments->options.columns, "Pictures in a row")->type_name("N");
   arguments->filter.AddTo(app);
   return [=]() -> Status {
+    VICTORIOUS_RETURN_IF_ERROR(
+        CheckFlags(FieldsOf(arguments->options), {{"most_tiles", "--most"}, {"columns", "--columns"}}));
     VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
                                 OpenSqliteStore(arguments->db, StoreMode::kRead));
-    VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(arguments->options));
     VICTORIOUS_RETURN_IF_ERROR(CheckContents(filter, arguments->options.most_tiles, *store));
     VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat sheet, DrawContactSheet(filter, arguments->options, *store));
     return WriteImage(arguments->out, sheet);

@@ -27,6 +27,7 @@ struct Arguments {
   std::vector<std::string> also;
   std::string telemetry;
   std::optional<double> hfov_deg;
+  GroundArguments ground;
   std::string params;
   std::string out;
 };
@@ -57,15 +58,29 @@ void TellOfNames(const std::vector<std::string>& types) {
   }
 }
 
-// Where each object is, when it was seen last.
+// Where each object is, when it was seen last; or why that is not told.
 void TellPlaces(const std::vector<BoxSighting>& sightings, std::size_t boxes) {
+  if (std::ranges::none_of(sightings, [](const BoxSighting& one) { return one.sight.has_value(); })) {
+    spdlog::info(
+        "no place is told: nothing tells where the camera was and looked and its field of view; --telemetry FILE does, "
+        "and `victorious doctor VIDEO` says what is missing");
+    return;
+  }
   for (std::size_t drawn = 0; drawn < boxes; ++drawn) {
     const auto last = std::ranges::find_if(sightings.rbegin(), sightings.rend(), [&](const BoxSighting& one) {
       return one.drawn == drawn && one.place.has_value();
     });
-    if (last == sightings.rend()) continue;
+    if (last == sightings.rend()) {
+      const bool in_line = std::ranges::any_of(
+          sightings, [&](const BoxSighting& one) { return one.drawn == drawn && one.sight.has_value(); });
+      spdlog::info("{}: no place is told: {}", BoxName(drawn),
+                   in_line ? "its lines of sight do not tell how far off it is; --ground METRES, --terrain FILE or "
+                             "--type WORD may"
+                           : "telemetry does not tell where the camera was while it is seen");
+      continue;
+    }
     const Place& place = *last->place;
-    spdlog::info("box-{}: at {:.2f} s at {:.6f}, {:.6f}, {:.1f} m; CE90 {:.1f} m, LE90 {:.1f} m{}", drawn + 1,
+    spdlog::info("{}: at {:.2f} s at {:.6f}, {:.6f}, {:.1f} m; CE90 {:.1f} m, LE90 {:.1f} m{}", BoxName(drawn),
                  last->time_s, DegreesFromRadians(place.point.latitude_rad),
                  DegreesFromRadians(place.point.longitude_rad), place.point.altitude_m, place.ce90_m, place.le90_m,
                  place.Moves() ? fmt::format("; it moves at {:.1f} m/s", place.velocity_enu->norm()) : "");
@@ -76,6 +91,7 @@ Status Run(const Arguments& arguments) {
   TrackRunOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
+  ApplyGround(arguments.ground, options.ground);
   VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
   if (arguments.boxes.size() != arguments.at_s.size()) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{} --box and {} --at: give one --at for each --box",
@@ -124,6 +140,7 @@ Action SetUpTrack(CLI::App& app) {
                  "The camera's states, for a place on Earth; without it, what is in the video or beside it")
       ->type_name("FILE");
   AddFieldOfView(app, arguments->hfov_deg);
+  AddGround(app, arguments->ground);
   app.add_option("--also", arguments->also, "Other videos to look for the objects in");
   app.add_option("--params", arguments->params, "Parameters (`victorious params track`)")->type_name("FILE");
   app.add_option("--out", arguments->out, "Sightings, JSON Lines (docs/formats/export.md)")

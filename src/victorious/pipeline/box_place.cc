@@ -80,29 +80,29 @@ void TellVelocity(std::span<std::optional<Place>> places, std::size_t i) {
   places[i]->velocity_covariance_enu = scatter / ((count - 2) * spread_s2);
 }
 
-// The ground tells better how far off a thing is than how large things of its type are.
-std::vector<Sight> WithoutRanges(std::span<const Sight> sights) {
+void TellGround(const BoxGround& ground, ObjectOptions& object) {
+  object.locate.ground_sigma_m = ground.sigma_m;
+  object.ground = ground.ground;
+}
+
+// The ground tells better how far off a thing is than how large things of its type are; where it is not known, that is
+// all there is.
+ObjectPlace PlaceOnGround(std::span<const Sight> sights, const ObjectOptions& object) {
   std::vector<Sight> lines(sights.begin(), sights.end());
   for (Sight& sight : lines) sight.line.range_m.reset();
-  return lines;
+  ObjectPlace found = PlaceOf(lines, object, 1);
+  return found.place ? found : PlaceOf(sights, object, 1);
 }
 
-void TellGround(const Place& ground, ObjectOptions& object) {
-  object.locate.ground_sigma_m = std::sqrt(ground.covariance_enu_m2(2, 2));
-  object.SetGround(std::make_shared<const FlatGround>(ground.point.altitude_m));
-}
-
-// Where each line meets the ground, as high as a place of it nearby.
-std::vector<std::optional<Place>> OnGround(std::span<const Sight> sights, const Place& ground,
+// Where each line meets the ground.
+std::vector<std::optional<Place>> OnGround(std::span<const Sight> sights, const BoxGround& ground,
                                            const BoxPlaceOptions& options) {
   ObjectOptions object;
   object.locate = options.locate;
   object.locate.motion = "static";
   TellGround(ground, object);
   std::vector<std::optional<Place>> places;
-  for (const Sight& sight : WithoutRanges(sights)) {
-    places.push_back(PlaceOf({&sight, 1}, object, 1).place);
-  }
+  for (const Sight& sight : sights) places.push_back(PlaceOnGround({&sight, 1}, object).place);
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (places[i]) TellVelocity(places, i);
   }
@@ -179,8 +179,12 @@ std::optional<Place> PlaceOfSpot(std::span<const SpotSighting> spots, const Came
   return found.agreeing >= options.least_agreeing ? found.place : std::nullopt;
 }
 
+BoxGround BoxGround::About(const Place& place) {
+  return {std::make_shared<const FlatGround>(place.point.altitude_m), std::sqrt(place.covariance_enu_m2(2, 2))};
+}
+
 std::vector<std::optional<Place>> PlacesOf(std::span<const Sight> sights, BoxMotion motion,
-                                           const std::optional<Place>& ground, const BoxPlaceOptions& options) {
+                                           const std::optional<BoxGround>& ground, const BoxPlaceOptions& options) {
   std::vector<std::optional<Place>> places(sights.size());
   if (sights.empty()) return places;
   if (motion == BoxMotion::kMoves && ground) return OnGround(sights, *ground, options);
@@ -189,7 +193,7 @@ std::vector<std::optional<Place>> PlacesOf(std::span<const Sight> sights, BoxMot
   object.motion_window_s = options.stretch_s;
   if (ground) TellGround(*ground, object);
   if (motion == BoxMotion::kStands) object.locate.motion = "static";
-  const ObjectPlace together = ground ? PlaceOf(WithoutRanges(sights), object, 1) : PlaceOf(sights, object, 1);
+  const ObjectPlace together = ground ? PlaceOnGround(sights, object) : PlaceOf(sights, object, 1);
   const std::optional<Place> all = together.agreeing >= options.least_agreeing ? together.place : std::nullopt;
   if (motion != BoxMotion::kMoves && !(all && all->Moves())) {
     for (std::size_t i = 0; i < sights.size() && all; ++i) places[i] = At(*all, sights[i].line.time_s);

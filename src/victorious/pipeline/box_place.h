@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,6 +17,7 @@
 #include "victorious/base/options.h"
 #include "victorious/geolocate/locate_options.h"
 #include "victorious/geometry/box.h"
+#include "victorious/geometry/ground.h"
 #include "victorious/pipeline/object_options.h"
 #include "victorious/pipeline/object_type.h"
 #include "victorious/telemetry/camera_track.h"
@@ -69,15 +71,24 @@ struct SpotSighting {
 std::optional<Place> PlaceOfSpot(std::span<const SpotSighting> spots, const CameraTrack& cameras,
                                  const cv::Size& image_size, const BoxPlaceOptions& options);
 
+/// The ground that an object is on.
+struct BoxGround {
+  std::shared_ptr<const Ground> ground;  ///< not null
+  double sigma_m = 0;                    ///< of its height
+
+  /// As high as a place of it nearby.
+  static BoxGround About(const Place& place);
+};
+
 /// Where it is at the time of each sight. What stands still is placed by all sights together, drawn to the ground if
 /// that is told and may be where they meet. What moves is where each line of sight meets the ground; without one it is
 /// placed by stretches of at most `stretch_s`, in each as if it drove straight, and where the lines do not tell that
 /// either, by the range of each sight alone.
 /// @param sights  of one object in one video, in order of time
-/// @param ground  a place of the ground nearby, for what is on the ground
+/// @param ground  for what is on the ground
 /// @return one a sight, at its time; nothing where the lines do not tell it
 std::vector<std::optional<Place>> PlacesOf(std::span<const Sight> sights, BoxMotion motion,
-                                           const std::optional<Place>& ground, const BoxPlaceOptions& options);
+                                           const std::optional<BoxGround>& ground, const BoxPlaceOptions& options);
 
 /// Where in a frame what stands at a place is to be seen, and how large it is there, by how it was seen once before.
 struct SeenBox {

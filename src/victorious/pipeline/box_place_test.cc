@@ -1,5 +1,6 @@
 #include "victorious/pipeline/box_place.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -114,8 +115,8 @@ TEST(BoxPlace, WhatMovesIsWhereItIsAtEachTime) {
 TEST(BoxPlace, WhatThePictureShowsToMoveIsPlacedOnTheGround) {
   const Flight flight{.velocity_enu = {-4, -4, 0}, .frames = 30};
   const auto sights = Fly(flight, nullptr, 0.05);
-  Place ground{.point = TangentPlane(kOrigin).GeodeticFromEnu({8, 3, -1.2}),
-               .covariance_enu_m2 = Eigen::Matrix3d::Identity()};
+  const BoxGround ground = BoxGround::About(
+      {.point = TangentPlane(kOrigin).GeodeticFromEnu({8, 3, -1.2}), .covariance_enu_m2 = Eigen::Matrix3d::Identity()});
   const auto places = PlacesOf(sights, BoxMotion::kMoves, ground, {});
   int inside = 0;
   for (int i = 0; i < flight.frames; ++i) {
@@ -129,22 +130,39 @@ TEST(BoxPlace, WhatThePictureShowsToMoveIsPlacedOnTheGround) {
   EXPECT_GE(inside, 0.9 * flight.frames);
   // Without the ground its type's length tells how far off it is, and no more.
   for (const auto& place : PlacesOf(Fly(flight, FindObjectType("car"), 0), BoxMotion::kMoves, {}, {})) {
+    ASSERT_TRUE(place);
     EXPECT_GT(place->ce90_m, 10);
   }
   for (const auto& place : PlacesOf(sights, BoxMotion::kMoves, {}, {})) {
-    EXPECT_TRUE(!place || place->ce90_m > 10);
+    EXPECT_FALSE(place) << "nothing tells how far off it is";
   }
 }
 
 TEST(BoxPlace, WhatStandsIsDrawnToTheGround) {
   const auto sights = Fly({.seed = 3, .frames = 12}, nullptr, 0.1);
-  Place ground{.point = TangentPlane(kOrigin).GeodeticFromEnu({8, 3, -1.2}),
-               .covariance_enu_m2 = Eigen::Matrix3d::Identity()};
+  const BoxGround ground = BoxGround::About(
+      {.point = TangentPlane(kOrigin).GeodeticFromEnu({8, 3, -1.2}), .covariance_enu_m2 = Eigen::Matrix3d::Identity()});
   const auto alone = PlacesOf(sights, BoxMotion::kUnknown, {}, {}).back();
   const auto on_ground = PlacesOf(sights, BoxMotion::kUnknown, ground, {}).back();
-  ASSERT_TRUE(on_ground);
+  ASSERT_TRUE(alone && on_ground);
   EXPECT_LT(TangentPlane(kOrigin).EnuFromGeodetic(on_ground->point).head<2>().norm(), on_ground->ce90_m);
-  EXPECT_TRUE(!alone || on_ground->ce90_m < 0.7 * alone->ce90_m);
+  EXPECT_LT(on_ground->ce90_m, 0.7 * alone->ce90_m);
+}
+
+TEST(BoxPlace, WhereTheGroundIsNotKnownATypesLengthServes) {
+  class NowhereKnown final : public Ground {
+   public:
+    [[nodiscard]] std::optional<double> HeightAt(const GeodeticPoint& /*point*/) const override { return {}; }
+    [[nodiscard]] double Spacing() const override { return 1; }
+    [[nodiscard]] double Steepest() const override { return 1; }
+  };
+  const BoxGround ground{std::make_shared<const NowhereKnown>(), 1};
+  const auto sights = Fly({.frames = 10, .speed_m_s = 0}, FindObjectType("car"), 0);
+  for (const BoxMotion motion : {BoxMotion::kStands, BoxMotion::kMoves}) {
+    const auto place = PlacesOf(sights, motion, ground, {}).back();
+    ASSERT_TRUE(place);
+    EXPECT_LT(TangentPlane(kOrigin).EnuFromGeodetic(place->point).norm(), 60);
+  }
 }
 
 TEST(BoxPlace, ASpotOfTheGroundIsWhereItsLinesMeet) {
@@ -163,9 +181,13 @@ TEST(BoxPlace, ASpotOfTheGroundIsWhereItsLinesMeet) {
 }
 
 TEST(BoxPlace, ABuildingIsNotTakenToMove) {
-  const Flight flight{.velocity_enu = {-6, 4, 0}, .frames = 30};
-  for (const auto& place : PlacesOf(Fly(flight, nullptr, 0), BoxMotion::kStands, {}, {})) {
-    if (place && place->velocity_enu) EXPECT_EQ(place->velocity_enu->norm(), 0);
+  const Flight flight{.velocity_enu = {-1, 0.7, 0}, .frames = 150, .circles = true};  // as if it crept
+  const auto sights = Fly(flight, nullptr, 0);
+  const auto moves = [](const std::optional<Place>& place) { return place && place->Moves(); };
+  EXPECT_TRUE(std::ranges::all_of(PlacesOf(sights, BoxMotion::kUnknown, {}, {}), moves));
+  for (const auto& place : PlacesOf(sights, BoxMotion::kStands, {}, {})) {
+    ASSERT_TRUE(place);
+    EXPECT_FALSE(place->Moves());
   }
 }
 

@@ -47,15 +47,18 @@ cv::Mat DrawTile(const Tile& tile, const cv::Mat& frame, const cv::Size& size) {
   cv::Mat small;
   cv::resize(frame, small, {}, factor, factor, cv::INTER_AREA);
   const Polygon outline = tile.best.outline.empty() ? CornersOf(tile.best.box) : tile.best.outline;
-  cv::polylines(small, Corners(outline, factor), true, {0, 255, 255}, 2, cv::LINE_AA);
+  const bool rejected = !tile.object.rejected.empty();
+  const cv::Scalar colour = rejected ? cv::Scalar(0, 0, 255) : cv::Scalar(0, 255, 255);
+  cv::polylines(small, Corners(outline, factor), true, colour, 2, cv::LINE_AA);
   small.copyTo(picture(cv::Rect({0, 0}, small.size())));
   const auto caption = [&](const std::string& text, int line) {
     cv::putText(picture, text, {4, size.height + 13 + 15 * line}, cv::FONT_HERSHEY_SIMPLEX, 0.42, cv::Scalar::all(235),
                 1, cv::LINE_AA);
   };
   caption(fmt::format("{}  score {:.2f}  object {}", tile.model, tile.object.score, tile.object.id), 0);
-  caption(fmt::format("{:.2f} s (seen {:.1f} to {:.1f} s, {} frames)", tile.best.time_s, tile.object.first_time_s,
-                      tile.object.last_time_s, tile.object.frames),
+  caption(rejected ? "rejected: " + tile.object.rejected
+                   : fmt::format("{:.2f} s (seen {:.1f} to {:.1f} s, {} frames)", tile.best.time_s,
+                                 tile.object.first_time_s, tile.object.last_time_s, tile.object.frames),
           1);
   return picture;
 }

@@ -104,20 +104,19 @@ std::optional<std::int64_t> StartOf(const std::vector<CameraState>& states) {
   return std::nullopt;
 }
 
-Expected<Cameras> CamerasOf(const IndexJob& job, bool live, const TelemetryOptions& options, const WarningSink& tell) {
+Expected<Cameras> CamerasOf(const IndexJob& job, const VideoInfo& info, const TelemetryOptions& options,
+                            const WarningSink& tell) {
   std::optional<Telemetry> telemetry;
   if (job.telemetry) {
     VICTORIOUS_ASSIGN_OR_RETURN(telemetry, ReadTelemetry(*job.telemetry, options));
-  } else if (!live) {
+  } else if (!info.live) {
     VICTORIOUS_ASSIGN_OR_RETURN(telemetry, FindTelemetry(job.video, options, tell));
   }
   Cameras cameras;
   if (!telemetry) return cameras;
   for (const std::string& warning : telemetry->warnings) tell("telemetry: " + warning);
-  if (!telemetry->states.empty() && std::ranges::none_of(telemetry->states, &CameraState::IsComplete)) {
-    tell(
-        "telemetry: nothing will get a place: where the camera was and looked and its field of view are nowhere told "
-        "together; `victorious doctor` says what is missing");
+  if (const auto why = WhyOfNoUse(telemetry->states, info.duration_s); why && !telemetry->states.empty()) {
+    tell("telemetry: nothing will get a place: " + *why);
   }
   cameras.start_utc_us = StartOf(telemetry->states);
   cameras.track.emplace(std::move(telemetry->states), options.max_gap_s);
@@ -161,13 +160,13 @@ Expected<Indexer> Indexer::Create(std::vector<ObjectModel> models, const IndexOp
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(options.features));
   VICTORIOUS_RETURN_IF_ERROR(CheckEngine(models, options.features.engine));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const Ground> ground, MakeGround(options.ground, warn));
+  VICTORIOUS_ASSIGN_OR_RETURN(std::shared_ptr<const Ground> ground, MakeGround(options.ground, warn));
   std::optional<CategoryFinder> finder;
   if (categories) {
     VICTORIOUS_ASSIGN_OR_RETURN(finder, CategoryFinder::Create(*std::move(categories), options.categories));
   }
   Indexer indexer(std::move(models), options, std::move(extractor), std::move(finder));
-  if (ground) indexer.options_.objects.SetGround(ground);
+  indexer.options_.objects.ground = std::move(ground);
   VICTORIOUS_RETURN_IF_ERROR(CheckNames(indexer.sought_, indexer.sought_));
   return indexer;
 }
@@ -196,7 +195,7 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
   const auto tell = [&](const std::string& warning) {
     if (warn) warn(warning);
   };
-  VICTORIOUS_ASSIGN_OR_RETURN(const Cameras cameras, CamerasOf(job, reader->info().live, options_.telemetry, tell));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Cameras cameras, CamerasOf(job, reader->info(), options_.telemetry, tell));
   if (!reader->info().live) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t forgotten, store.ForgetOtherContent(video, content_id));
     if (forgotten > 0) tell("has changed since it was indexed: what was found before is replaced");

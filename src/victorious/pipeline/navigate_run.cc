@@ -72,18 +72,21 @@ struct Cameras {
   }
 };
 
-Expected<Cameras> CamerasOf(const NavigateJob& job, const NavigateRunOptions& options, bool live,
+Expected<Cameras> CamerasOf(const NavigateJob& job, const NavigateRunOptions& options, const VideoInfo& info,
                             const WarningSink& warn) {
   std::optional<Telemetry> telemetry;
   if (job.telemetry) {
     VICTORIOUS_ASSIGN_OR_RETURN(telemetry, ReadTelemetry(*job.telemetry, options.telemetry));
-  } else if (!live) {
+  } else if (!info.live) {
     VICTORIOUS_ASSIGN_OR_RETURN(telemetry, FindTelemetry(job.video, options.telemetry, warn));
   }
   Cameras cameras;
   if (options.telemetry.hfov_deg > 0) cameras.hfov_rad = RadiansFromDegrees(options.telemetry.hfov_deg);
   if (telemetry) {
     for (const std::string& warning : telemetry->warnings) warn("telemetry: " + warning);
+    if (const auto why = WhyOfNoUse(telemetry->states, info.duration_s); why && !telemetry->states.empty()) {
+      warn("telemetry: landmarks alone tell where the camera was: " + *why);
+    }
     for (const CameraState& state : telemetry->states) {
       if (!cameras.hfov_rad) cameras.hfov_rad = state.hfov_rad;
     }
@@ -287,7 +290,7 @@ Expected<NavigationRun> NavigateVideo(const NavigateJob& job, std::vector<Object
   VICTORIOUS_RETURN_IF_ERROR(CheckEngine(models, options.features.engine));
   const VideoReaderOptions reading{.folder_frame_rate = options.video.folder_frame_rate};
   VICTORIOUS_ASSIGN_OR_RETURN(std::unique_ptr<VideoReader> reader, VideoReader::Open(job.video, reading));
-  VICTORIOUS_ASSIGN_OR_RETURN(const Cameras cameras, CamerasOf(job, options, reader->info().live, warn));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Cameras cameras, CamerasOf(job, options, reader->info(), warn));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
 
   std::vector<std::vector<std::size_t>> landmarks_of(models.size());

@@ -203,14 +203,16 @@ TEST(ObjectList, ObjectsStandOnTheGroundThatIsTold) {
   const Seen seen{.id = 1, .place_enu = {0, 0, 1}, .noise_rad = 1e-3, .camera_bias_enu = {0, 0, 3}};
   ObjectOptions options;
   EXPECT_NEAR(PlaceOf(ObjectsFrom({seen}, options)[0]).z(), 4, 1);
+  options.ground = std::make_shared<FlatGround>(kOrigin.altitude_m);
   options.middle_above_ground_m = 1;
   options.middle_sigma_m = 0.1;
   options.locate.ground_sigma_m = 0.1;
-  options.SetGround(std::make_shared<FlatGround>(kOrigin.altitude_m));
   const ObjectRecord on_ground = ObjectsFrom({seen}, options)[0];
   EXPECT_NEAR(PlaceOf(on_ground).z(), 1, 0.3);
   EXPECT_LT(on_ground.place->le90_m, 0.5);
   EXPECT_EQ(on_ground.rejected, "");
+  options.ground = std::make_shared<FlatGround>(kOrigin.altitude_m);
+  EXPECT_EQ(ObjectsFrom({seen}, options)[0].place->le90_m, on_ground.place->le90_m) << "told again, it is no vaguer";
   // What flies stays where its lines meet.
   const ObjectRecord flying = ObjectsFrom({{.id = 1, .place_enu = {0, 0, 31}}}, options)[0];
   EXPECT_NEAR(PlaceOf(flying).z(), 31, 1);

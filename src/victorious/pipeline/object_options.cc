@@ -1,7 +1,6 @@
 #include "victorious/pipeline/object_options.h"
 
 #include <cmath>
-#include <utility>
 
 namespace victorious {
 
@@ -72,9 +71,13 @@ void ObjectOptions::ListFields(FieldList& fields) {
   fields.AddGroup("locate", locate);
 }
 
-void ObjectOptions::SetGround(std::shared_ptr<const Ground> ground) {
-  locate.ground = std::make_shared<const RaisedGround>(std::move(ground), middle_above_ground_m);
-  locate.ground_sigma_m = std::hypot(locate.ground_sigma_m, middle_sigma_m);
+LocateOptions ObjectOptions::LocateOnGround() const {
+  LocateOptions of_middle = locate;
+  if (ground) {
+    of_middle.ground = std::make_shared<const RaisedGround>(ground, middle_above_ground_m);
+    of_middle.ground_sigma_m = std::hypot(locate.ground_sigma_m, middle_sigma_m);
+  }
+  return of_middle;
 }
 
 LocateOptions ObjectOptions::InVideo() {

@@ -21,12 +21,13 @@ struct ObjectOptions {
   double false_share = 0.016;
   double middle_above_ground_m = 1.2;
   double middle_sigma_m = 1;
-  LocateOptions locate = InVideo();
+  LocateOptions locate = InVideo();      ///< without a ground
+  std::shared_ptr<const Ground> ground;  ///< that objects stand on, or null: told with the videos, no parameter
 
   void ListFields(FieldList& fields);
 
-  /// Objects stand on it: their middle is above it as far as the parameters say.
-  void SetGround(std::shared_ptr<const Ground> ground);
+  /// `locate` with the ground that the middle of objects is on: as far above `ground` as the parameters say.
+  [[nodiscard]] LocateOptions LocateOnGround() const;
 
   /// Lines from one video err little from frame to frame; what they err more than told is measured.
   static LocateOptions InVideo();

@@ -17,7 +17,7 @@ namespace {
 
 // What telemetry tells of its errors goes before the parameters.
 LocateOptions OptionsFor(std::span<const Sight> sights, const ObjectOptions& options, double common_share) {
-  LocateOptions locate = options.locate;
+  LocateOptions locate = options.LocateOnGround();
   std::vector<double> positions_m;
   std::vector<double> attitudes_rad;
   for (const Sight& sight : sights) {

@@ -8,13 +8,11 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "victorious/base/progress.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/features/impulse_noise.h"
 #include "victorious/pipeline/video_telemetry.h"
-#include "victorious/store/export_json.h"
 #include "victorious/telemetry/camera_track.h"
 #include "victorious/track/box_tracker.h"
 #include "victorious/track/ground_spot.h"
@@ -93,8 +91,6 @@ Expected<std::shared_ptr<const Recognizer>> LearnModel(const Frame& frame, const
                               Recognizer::Create({std::move(model)}, options.model.features.engine, options.recognize));
   return std::make_shared<const Recognizer>(std::move(recognizer));
 }
-
-std::string ModelName(std::size_t drawn) { return fmt::format("box-{}", drawn + 1); }
 
 /// One way through frames: forward, backward, or through another video.
 class Pass {
@@ -271,10 +267,15 @@ class TrackRun {
 
   /// @param telemetry  a file of the first video's
   Expected<Sightings> Run(const std::optional<std::string>& telemetry) {
-    for (const std::string& video : videos_) VICTORIOUS_RETURN_IF_ERROR(OpenTwiceReadable(video));
+    VICTORIOUS_ASSIGN_OR_RETURN(told_ground_, MakeGround(options_.ground, warn_));
+    std::vector<std::optional<double>> durations_s;
+    for (const std::string& video : videos_) {
+      VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, OpenTwiceReadable(video));
+      durations_s.push_back(reader->info().duration_s);
+    }
     for (std::size_t video = 0; video < videos_.size(); ++video) {
       VICTORIOUS_ASSIGN_OR_RETURN(std::optional<CameraTrack> cameras,
-                                  CamerasOf(videos_[video], video == 0 ? telemetry : std::nullopt));
+                                  CamerasOf(videos_[video], durations_s[video], video == 0 ? telemetry : std::nullopt));
       cameras_.push_back(std::move(cameras));
     }
     VICTORIOUS_ASSIGN_OR_RETURN(extractor_, MakeFeatureExtractor(options_.model.features));
@@ -318,9 +319,10 @@ class TrackRun {
     KeepSpots(pass);
     for (std::size_t i = 0; i < boxes_.size(); ++i) {
       if (started[i]) continue;
+      const std::string why = reader->warnings().empty() ? "" : fmt::format(" ({})", reader->warnings().back());
       return Fail(ErrorCode::kInvalidArgument,
-                  fmt::format("{}: ends at {:.3f} s, before {} at {:g} s: give a time in it", videos_[0], last_time_s,
-                              ModelName(i), boxes_[i].at_s));
+                  fmt::format("{}: ends at {:.3f} s{}, before {} at {:g} s: give a time in it", videos_[0], last_time_s,
+                              why, BoxName(i), boxes_[i].at_s));
     }
     return {};
   }
@@ -328,14 +330,14 @@ class TrackRun {
   Status Draw(std::size_t index, const Frame& frame, Pass& pass) {
     Drawn drawn{.index = index, .box = boxes_[index].box, .frame = frame.index, .recognizer = nullptr};
     Expected<Box> box = pass.Start(drawn);
-    if (!box) return std::unexpected(std::move(box).error().WithContext(ModelName(index)));
+    if (!box) return std::unexpected(std::move(box).error().WithContext(BoxName(index)));
     drawn.box = *box;
-    Expected<std::shared_ptr<const Recognizer>> recognizer = LearnModel(frame, drawn.box, ModelName(index), options_);
+    Expected<std::shared_ptr<const Recognizer>> recognizer = LearnModel(frame, drawn.box, BoxName(index), options_);
     if (recognizer) {
       drawn.recognizer = *recognizer;
       pass.Equip(drawn.recognizer);
     } else {
-      warn_(fmt::format("{}: found again by its look alone: {}", ModelName(index), recognizer.error().message));
+      warn_(fmt::format("{}: found again by its look alone: {}", BoxName(index), recognizer.error().message));
     }
     sightings_.push_back({.drawn = index,
                           .frame = frame.index,
@@ -398,7 +400,7 @@ class TrackRun {
     });
   }
 
-  Expected<std::optional<CameraTrack>> CamerasOf(const std::string& video,
+  Expected<std::optional<CameraTrack>> CamerasOf(const std::string& video, std::optional<double> duration_s,
                                                  const std::optional<std::string>& file) const {
     std::optional<Telemetry> telemetry;
     if (file) {
@@ -408,6 +410,9 @@ class TrackRun {
     }
     if (!telemetry || telemetry->states.empty()) return std::nullopt;
     for (const std::string& warning : telemetry->warnings) warn_(fmt::format("{}: {}", file.value_or(video), warning));
+    if (const auto why = WhyOfNoUse(telemetry->states, duration_s)) {
+      warn_(fmt::format("{}: nothing will get a place: {}", file.value_or(video + ", telemetry"), *why));
+    }
     return std::optional(CameraTrack(std::move(telemetry->states), options_.telemetry.max_gap_s));
   }
 
@@ -429,16 +434,18 @@ class TrackRun {
       }
       const BoxMotion motion = MotionOf(drawn, type, seen[0]);
       // Of what may fly, and of what nobody says what it is and does not leave its spot, lines of sight alone tell
-      // more.
-      const bool on_ground = type != nullptr ? !type->flies : motion == BoxMotion::kMoves;
-      const std::optional<Place> ground = on_ground ? GroundOf(drawn) : std::nullopt;
+      // more than the spot.
+      const bool flies = type != nullptr && type->flies;
+      const std::optional<BoxGround> told = flies ? std::nullopt : ToldGround();
+      const bool on_spot = type != nullptr ? !flies : motion == BoxMotion::kMoves;
+      const std::optional<BoxGround> ground = told || !on_spot ? told : GroundOf(drawn);
       PutPlaces(seen[0], motion, ground);
       const bool stands =
           motion != BoxMotion::kMoves && !seen[0].empty() && seen[0].front()->place && !seen[0].front()->place->Moves();
       std::vector<BoxSighting*> all;
       for (const auto& of_video : seen) all.insert(all.end(), of_video.begin(), of_video.end());
       if (stands && all.size() > seen[0].size()) PutPlaces(all, BoxMotion::kStands, ground);
-      for (std::size_t video = 1; video < seen.size() && !stands; ++video) PutPlaces(seen[video], motion, {});
+      for (std::size_t video = 1; video < seen.size() && !stands; ++video) PutPlaces(seen[video], motion, told);
     }
   }
 
@@ -466,14 +473,22 @@ class TrackRun {
     return farthest < kStays && 2 * away.size() > seen.size() ? BoxMotion::kStands : BoxMotion::kUnknown;
   }
 
-  [[nodiscard]] std::optional<Place> GroundOf(std::size_t drawn) const {
+  [[nodiscard]] std::optional<BoxGround> ToldGround() const {
+    if (!told_ground_) return std::nullopt;
+    return BoxGround{told_ground_, options_.place.locate.ground_sigma_m};
+  }
+
+  /// By the spot of it that the box was drawn on.
+  [[nodiscard]] std::optional<BoxGround> GroundOf(std::size_t drawn) const {
     if (!cameras_[0]) return std::nullopt;
     std::vector<SpotSighting> spots;
     for (const auto& [frame, spot] : spots_[drawn]) spots.push_back(spot);
-    return PlaceOfSpot(spots, *cameras_[0], sizes_[0], options_.place);
+    const std::optional<Place> place = PlaceOfSpot(spots, *cameras_[0], sizes_[0], options_.place);
+    return place ? std::optional(BoxGround::About(*place)) : std::nullopt;
   }
 
-  void PutPlaces(const std::vector<BoxSighting*>& seen, BoxMotion motion, const std::optional<Place>& ground) const {
+  void PutPlaces(const std::vector<BoxSighting*>& seen, BoxMotion motion,
+                 const std::optional<BoxGround>& ground) const {
     std::vector<Sight> sights;
     for (const BoxSighting* sighting : seen) sights.push_back(*sighting->sight);
     const auto places = PlacesOf(sights, motion, ground, options_.place);
@@ -512,6 +527,7 @@ class TrackRun {
   const TrackRunOptions& options_;
   const CancelToken& cancel_;
   const WarningSink& warn_;
+  std::shared_ptr<const Ground> told_ground_;  // or null
   std::unique_ptr<const FeatureExtractor> extractor_;
   std::vector<std::optional<CameraTrack>> cameras_;  // by video
   std::vector<cv::Size> sizes_;                      // of frames, by video
@@ -526,6 +542,7 @@ void TrackRunOptions::ListFields(FieldList& fields) {
   fields.AddGroup("box", box);
   fields.AddGroup("telemetry", telemetry);
   fields.AddGroup("place", place);
+  fields.AddGroup("ground", ground);
   fields.Add("recognize_every", recognize_every,
              {.min = 1,
               .max = 100'000,
@@ -550,35 +567,6 @@ Expected<std::vector<BoxSighting>> TrackBoxes(std::span<const std::string> video
     return Fail(ErrorCode::kInvalidArgument, "nothing to follow: give a video and a box in it");
   }
   return TrackRun(videos, boxes, options, cancel, warn).Run(telemetry);
-}
-
-std::string ToJsonLines(std::span<const BoxSighting> sightings, std::span<const std::string> videos,
-                        std::span<const DrawnBox> boxes) {
-  std::string text;
-  for (const BoxSighting& sighting : sightings) {
-    const std::string& type = boxes[sighting.drawn].type;
-    Json line{{"object_id", sighting.drawn + 1},
-              {"model", ModelName(sighting.drawn)},
-              {"category", nullptr},
-              {"type", type.empty() ? Json() : Json(type)},
-              {"video", videos[sighting.video]},
-              {"frame", sighting.frame},
-              {"time_s", TimeJson(sighting.time_s)},
-              {"box", BoxJson(sighting.box)},
-              {"score", ScoreJson(sighting.score)},
-              {"source", sighting.matches ? "recognised" : "tracked"},
-              {"matches", sighting.matches ? Json(*sighting.matches) : Json()},
-              {"view", nullptr}};
-    const std::optional<Place>& place = sighting.place;
-    line["latitude_deg"] = place ? GeodeticJson(place->point.latitude_rad) : Json();
-    line["longitude_deg"] = place ? GeodeticJson(place->point.longitude_rad) : Json();
-    line["altitude_m"] = place ? MetresJson(place->point.altitude_m) : Json();
-    line["ce90_m"] = place ? MetresJson(place->ce90_m) : Json();
-    line["le90_m"] = place ? MetresJson(place->le90_m) : Json();
-    line["speed_m_s"] = place && place->velocity_enu ? MetresJson(place->velocity_enu->norm()) : Json();
-    text += Dump(line) + "\n";
-  }
-  return text;
 }
 
 }  // namespace victorious

@@ -5,13 +5,11 @@
 // enough. While its object is lost, every so many frames the recogniser looks for that model in the whole frame, at any
 // scale and turn; what it finds is taken up again if the tracker trusts it as well.
 //
-// With telemetry each object gets a place on Earth (box_place.h). What stands still is also looked for by its place in
-// other videos that have telemetry, and what is found there elsewhere is not it.
+// With telemetry each object gets a place on Earth (box_place.h), on the ground that is told or that it was drawn on.
+// What stands still is also looked for by its place in other videos that have telemetry, and what is found there
+// elsewhere is not it.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -20,15 +18,14 @@
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
-#include "victorious/geometry/box.h"
 #include "victorious/model/photo_model.h"
 #include "victorious/pipeline/box_place.h"
+#include "victorious/pipeline/box_sighting.h"
 #include "victorious/pipeline/warning_sink.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/telemetry/telemetry.h"
+#include "victorious/terrain/terrain.h"
 #include "victorious/track/box_track_options.h"
-#include "victorious/types/place.h"
-#include "victorious/types/sight.h"
 
 namespace victorious {
 
@@ -36,6 +33,7 @@ struct TrackRunOptions {
   BoxTrackOptions box;
   TelemetryOptions telemetry;
   BoxPlaceOptions place;
+  GroundOptions ground;
   PhotoModelOptions model;
   RecognizeOptions recognize;
   int recognize_every = 5;
@@ -44,41 +42,15 @@ struct TrackRunOptions {
   void ListFields(FieldList& fields);
 };
 
-/// A box around an object, in the first frame at this time or later.
-struct DrawnBox {
-  Box box;                ///< px
-  double at_s = 0;        ///< since the video's first frame
-  std::string type = {};  ///< what it is (object_type.h), or empty
-};
-
-/// One object in one frame.
-struct BoxSighting {
-  std::size_t drawn = 0;  ///< which of the boxes
-  std::size_t video = 0;  ///< 0: the one drawn in; from 1: the others
-  std::int64_t frame = 0;
-  double time_s = 0;
-  Box box;                             ///< px, clipped to the frame
-  Box extent;                          ///< the same where it goes on beyond the frame, px
-  double score = 0;                    ///< 0 to 1: the tracker's trust, or the recogniser's score
-  std::optional<std::size_t> matches;  ///< where the recogniser found it
-  std::optional<Sight> sight;          ///< where there is telemetry
-  std::optional<Place> place;          ///< of the object at that time, where the lines of sight tell it
-};
-
 /// @param videos     the first is the one that the boxes are drawn in; each a file or a folder, read twice
 /// @param telemetry  a file of the first video's; nothing: what is in it or beside it, as for the others
 /// @return by video, frame, box
-/// Errors: kInvalidArgument for options out of range, no boxes, a box that is outside its frame or too small, a time
-/// beyond the end, a live source; those of VideoReader; kCancelled.
-/// Cost: at 640 x 480 some 15 ms a frame for one box. Frames before the boxes are read again in stretches that fit into
-/// options.memory_mb.
+/// Errors: those of MakeGround; kInvalidArgument for options out of range, no boxes, a box that is outside its frame or
+/// too small, a time beyond the end, a live source; those of VideoReader; kCancelled. Cost: at 640 x 480 some 15 ms a
+/// frame for one box. Frames before the boxes are read again in stretches that fit into options.memory_mb.
 Expected<std::vector<BoxSighting>> TrackBoxes(std::span<const std::string> videos, std::span<const DrawnBox> boxes,
                                               const std::optional<std::string>& telemetry,
                                               const TrackRunOptions& options, const CancelToken& cancel,
                                               const WarningSink& warn);
-
-/// JSON Lines as of docs/formats/export.md: `model` is "box-1", "box-2", …
-std::string ToJsonLines(std::span<const BoxSighting> sightings, std::span<const std::string> videos,
-                        std::span<const DrawnBox> boxes);
 
 }  // namespace victorious

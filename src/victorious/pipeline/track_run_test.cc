@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "victorious/pipeline/drawn_flight_test.h"
 
@@ -68,26 +67,6 @@ TEST_F(TrackRunTest, TellsWhatIsWrong) {
   EXPECT_EQ(Run({}).error().code, ErrorCode::kInvalidArgument);
   cancel_.Cancel();
   EXPECT_EQ(Run({Drawn(0)}).error().code, ErrorCode::kCancelled);
-}
-
-TEST_F(TrackRunTest, UnknownIsNull) {
-  const std::vector<BoxSighting> sightings = {
-      {.frame = 3, .time_s = 0.3, .box = {1, 2, 3, 4}, .score = 0.5},
-      {.drawn = 1, .frame = 4, .time_s = 0.4, .box = {1, 2, 3, 4}, .score = 0.9, .matches = 12}};
-  const std::vector<DrawnBox> boxes = {{{1, 2, 3, 4}, 0.0, "vehicle/car"}, {{1, 2, 3, 4}, 0.0}};
-  const std::string text = ToJsonLines(sightings, videos_, boxes);
-  const auto first = nlohmann::json::parse(text.substr(0, text.find('\n')));
-  const auto second = nlohmann::json::parse(text.substr(text.find('\n') + 1));
-  EXPECT_EQ(first["source"], "tracked");
-  EXPECT_TRUE(first["matches"].is_null());
-  EXPECT_EQ(second["source"], "recognised");
-  EXPECT_EQ(second["matches"], 12);
-  EXPECT_EQ(second["model"], "box-2");
-  EXPECT_EQ(first["type"], "vehicle/car");
-  EXPECT_TRUE(second["type"].is_null());
-  for (const char* key : {"latitude_deg", "longitude_deg", "altitude_m", "ce90_m", "le90_m", "speed_m_s"}) {
-    EXPECT_TRUE(first.at(key).is_null()) << key;
-  }
 }
 
 }  // namespace

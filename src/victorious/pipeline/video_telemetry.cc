@@ -1,6 +1,8 @@
 #include "victorious/pipeline/video_telemetry.h"
 
+#include <algorithm>
 #include <fstream>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -78,6 +80,23 @@ Expected<std::optional<Telemetry>> FindTelemetry(const std::string& video, const
   if (own && own->records > 0) return std::optional(*std::move(own));
   if (!own) tell(own.error().message);
   return std::nullopt;
+}
+
+std::optional<std::string> WhyOfNoUse(std::span<const CameraState> states, std::optional<double> duration_s) {
+  double first_s = std::numeric_limits<double>::infinity();
+  double last_s = -first_s;
+  for (const CameraState& state : states) {
+    if (!state.IsComplete()) continue;
+    first_s = std::min(first_s, state.time_s);
+    last_s = std::max(last_s, state.time_s);
+  }
+  if (first_s > last_s) {
+    return "where the camera was and looked and its field of view are nowhere told together; `victorious doctor` says "
+           "what is missing";
+  }
+  if (last_s >= 0 && !(duration_s && first_s > *duration_s)) return std::nullopt;
+  return fmt::format("it is of {:.2f} to {:.2f} s, and the video of 0 to {}: it may be another video's", first_s,
+                     last_s, duration_s ? fmt::format("{:.2f} s", *duration_s) : "its end");
 }
 
 std::optional<fs::path> TelemetryBeside(const std::string& video) {

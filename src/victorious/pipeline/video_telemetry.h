@@ -4,10 +4,12 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "victorious/base/error.h"
 #include "victorious/telemetry/telemetry.h"
+#include "victorious/types/camera_state.h"
 
 namespace victorious {
 
@@ -23,6 +25,11 @@ Expected<Telemetry> ReadTelemetry(const std::string& source, const TelemetryOpti
 /// Errors: those of the options.
 Expected<std::optional<Telemetry>> FindTelemetry(const std::string& video, const TelemetryOptions& options,
                                                  const std::function<void(const std::string&)>& tell);
+
+/// Why no state of the camera can serve any frame of a video, in words; nothing where one may.
+/// @param duration_s  the video's, where it is known
+[[nodiscard]] std::optional<std::string> WhyOfNoUse(std::span<const CameraState> states,
+                                                    std::optional<double> duration_s);
 
 /// Of `flight.mp4`: `flight.SRT`, `flight.srt`, `flight.mp4.telemetry.csv`, `flight.telemetry.csv`, whichever is there
 /// first.

@@ -235,5 +235,21 @@ TEST(VideoTelemetry, FindsWhatLiesBesideAVideo) {
   EXPECT_EQ(TelemetryBeside(video), folder / "flight.SRT");
 }
 
+TEST(VideoTelemetry, SaysWhyItIsOfNoUse) {
+  CameraState known{.time_s = 100, .place = {}, .attitude = Attitude{}, .hfov_rad = 0.3};
+  CameraState later = known;
+  later.time_s = 160;
+  const std::vector<CameraState> states = {known, later};
+  EXPECT_FALSE(WhyOfNoUse(states, 120)) << "the last 20 s";
+  EXPECT_FALSE(WhyOfNoUse(states, {})) << "it may be long enough";
+  EXPECT_THAT(WhyOfNoUse(states, 6).value_or(""), HasSubstr("100.00 to 160.00 s, and the video of 0 to 6.00 s"));
+  known.time_s = -50;
+  later.time_s = -1;
+  EXPECT_THAT(WhyOfNoUse(std::vector{known, later}, {}).value_or(""), HasSubstr("-50.00 to -1.00 s"));
+  known.time_s = 3;
+  known.hfov_rad.reset();
+  EXPECT_THAT(WhyOfNoUse(std::vector{known}, 6).value_or(""), HasSubstr("field of view"));
+}
+
 }  // namespace
 }  // namespace victorious

@@ -113,15 +113,17 @@ std::string PlacemarkText(const ListedObject& listed, const TimeSpan& span) {
   if (listed.object.heading_rad) {
     heading = fmt::format(", heading {:.0f}°", DegreesFromRadians(*listed.object.heading_rad));
   }
+  const std::string& why = listed.object.rejected;
+  const std::string rejected = why.empty() ? "" : ", rejected: " + EscapedXml(why);
   return fmt::format(
       "<Placemark id=\"object-{}\"><name>{} {}</name>"
-      "<description>score {:.3f}, {} frames, within {:.2f} m in 90 %{}</description>"
+      "<description>score {:.3f}, {} frames, within {:.2f} m in 90 %{}{}</description>"
       "<TimeSpan><begin>{}</begin><end>{}</end></TimeSpan><styleUrl>#object</styleUrl><MultiGeometry>"
       "<Point><coordinates>{},{:.3f}</coordinates></Point>"
       "<Polygon><outerBoundaryIs><LinearRing><coordinates>{}</coordinates></LinearRing></outerBoundaryIs></Polygon>"
       "</MultiGeometry></Placemark>\n",
       listed.object.id, EscapedXml(listed.model), listed.object.id, listed.object.score, listed.object.frames,
-      place.ce90_m, heading, TimeText(span.begin_us), TimeText(span.end_us), CoordinatesText(place.point),
+      place.ce90_m, heading, rejected, TimeText(span.begin_us), TimeText(span.end_us), CoordinatesText(place.point),
       place.point.altitude_m, border);
 }
 

@@ -197,14 +197,14 @@ std::vector<TurnedBox> BoxTarget::PlacesToSeek(const BoxScene& scene) const {
 
 BoxTarget::Sight BoxTarget::Seek(const BoxScene& scene) {
   TurnedBox found;
-  Sight best{.loss = TrackLoss::kOccluded, .again = true};
+  Sight best{.loss = TrackLoss::kOccluded};
   for (const TurnedBox& place : PlacesToSeek(scene)) {
     const Answer answer = Ask(scene.image, place);
     const double trust = Trust(scene.image, answer);
     if (trust < options_.return_trust || trust <= best.trust) continue;
     if (ShareInView(scene.image, answer.box) < options_.least_in_view) continue;
     found = answer.box;
-    best = {.box = found.Upright(), .trust = trust, .again = true, .doubtful = true};
+    best = {.box = found.Upright(), .trust = trust, .doubtful = true};
   }
   if (best.loss == TrackLoss::kNone) {
     box_ = found;
@@ -228,7 +228,7 @@ BoxTarget::Sight BoxTarget::Resume(const BoxScene& scene, const Box& box, double
   box_ = answer.box;
   lost_frames_ = 0;
   doubtful_ = false;
-  return {.box = box_.Upright(), .trust = trust, .again = true};
+  return {.box = box_.Upright(), .trust = trust};
 }
 
 void BoxTarget::Lose() {

@@ -30,7 +30,6 @@ class BoxTarget {
     TrackLoss loss = TrackLoss::kNone;  ///< kNone, kOccluded or kLeftFrame
     Box box;                            ///< px; may leave the frame; meaningless where it is not seen
     double trust = 0;                   ///< 0 to 1
-    bool again = false;                 ///< it had been lost in the frame before
     bool doubtful = false;              ///< found again by its look alone, and never since as usual
   };
 

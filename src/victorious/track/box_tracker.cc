@@ -65,8 +65,7 @@ void BoxTracker::Lose(std::size_t target) {
 }
 
 BoxStep BoxTracker::Describe(std::size_t target, const BoxTarget::Sight& sight) const {
-  BoxStep step{
-      .target = target, .loss = sight.loss, .trust = sight.trust, .again = sight.again, .doubtful = sight.doubtful};
+  BoxStep step{.target = target, .loss = sight.loss, .trust = sight.trust, .doubtful = sight.doubtful};
   if (!step.seen()) return step;
   step.extent = sight.box;
   step.box = Intersection(sight.box, FrameOf(scene_.grey));

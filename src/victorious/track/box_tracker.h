@@ -31,7 +31,6 @@ struct BoxStep {
   Box box;                            ///< px, clipped to the frame; empty where it is not seen
   Box extent;                         ///< the same where it goes on beyond the frame, px
   double trust = 0;                   ///< 0 to 1: how much its look and the filter's answer are as usual
-  bool again = false;                 ///< it was not seen in the frame before
   bool doubtful = false;              ///< found again by its look alone, and never since as sure as is usual for it
 
   [[nodiscard]] bool seen() const { return loss == TrackLoss::kNone; }

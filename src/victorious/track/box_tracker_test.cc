@@ -107,11 +107,11 @@ TEST(BoxTracker, GivesNoBoxWhileTheCarIsGoneAndFindsItAgainElsewhere) {
     EXPECT_TRUE(step.box.IsEmpty()) << i;
   }
   const cv::Point elsewhere(390, 480);
-  BoxStep step;
-  for (int i = 21; i <= 26 && !step.again; ++i) {
+  BoxStep step{.loss = TrackLoss::kOccluded};
+  for (int i = 21; i <= 26 && !step.seen(); ++i) {
     step = tracker.Step({i, 0.1 * i, drive.Draw(elsewhere, camera)}).front();
   }
-  EXPECT_TRUE(step.again);
+  EXPECT_TRUE(step.seen());
   EXPECT_GT(IntersectionOverUnion(step.box, Drive::BoxOf(elsewhere, camera)), 0.5);
 }
 
@@ -179,9 +179,9 @@ TEST(BoxTracker, OutlastsBlankFramesAndFramesOfAnotherSize) {
   for (int i = 1; i <= 4; ++i) tracker.Step({i, 0.1 * i, drive.Draw(car, camera)});
   EXPECT_FALSE(tracker.Step({5, 0.5, cv::Mat(300, 400, CV_8UC3, cv::Scalar::all(0))}).front().seen());
   EXPECT_FALSE(tracker.Step({6, 0.6, cv::Mat(9, 7, CV_8UC1, cv::Scalar(90))}).front().seen());
-  BoxStep step;
-  for (int i = 7; i <= 10 && !step.again; ++i) step = tracker.Step({i, 0.1 * i, drive.Draw(car, camera)}).front();
-  EXPECT_TRUE(step.again);
+  BoxStep step{.loss = TrackLoss::kOccluded};
+  for (int i = 7; i <= 10 && !step.seen(); ++i) step = tracker.Step({i, 0.1 * i, drive.Draw(car, camera)}).front();
+  EXPECT_TRUE(step.seen());
 }
 
 TEST(BoxTracker, TakesFramesOfAnyShape) {

@@ -129,6 +129,8 @@ class MediaReader : public VideoReader {
   void TakePacket();
   void StopReading(int result);
   void Finish();
+  void NoteEnd(std::string_view what, double end_s);
+  [[nodiscard]] std::optional<double> PacketEnd() const;
   cv::Size SquareSize();
   void FillInfo(Orientation orientation, cv::Size size);
   [[nodiscard]] Orientation DisplayOrientation() const;
@@ -258,11 +260,16 @@ void MediaReader::FeedDecoder() {
 }
 
 void MediaReader::PassOverFrames() {
-  while (ReadPacket()) av_packet_unref(packet_.get());
+  std::optional<double> end_s = clock_.end_time_s();  // nothing once a packet does not say when it is shown
+  while (ReadPacket()) {
+    const std::optional<double> packet_end_s = PacketEnd();
+    end_s = end_s && packet_end_s ? std::optional(std::max(*end_s, *packet_end_s)) : std::nullopt;
+    av_packet_unref(packet_.get());
+  }
   first_time_s_.reset();
   has_ahead_ = false;
-  finished_ = true;  // where decoding stopped says nothing of the file
   avcodec_flush_buffers(decoder_.get());
+  if (!std::exchange(finished_, true) && end_s) NoteEnd("reading", *end_s);
 }
 
 // Reads up to the next packet of the video, which is then in packet_; false at the end.
@@ -307,17 +314,19 @@ void MediaReader::StopReading(int result) {
   }
 }
 
-// Says where the video stopped, if that is not where it should.
 void MediaReader::Finish() {
-  if (std::exchange(finished_, true)) return;
-  const double end_s = clock_.end_time_s();
+  if (!std::exchange(finished_, true)) NoteEnd("decoding", clock_.end_time_s());
+}
+
+// Says where the video stopped, if that is not where it should.
+void MediaReader::NoteEnd(std::string_view what, double end_s) {
   const double rate = info_.frame_rate > 0 ? info_.frame_rate : 10;
   const double tolerance_s = std::max(DurationIsTheVideos() ? 0.25 : 1.0, 2.5 / rate);
   const bool guessed = demuxer_->container().duration_estimation_method == AVFMT_DURATION_FROM_BITRATE;
   const bool short_of = info_.duration_s && !guessed && end_s + tolerance_s < *info_.duration_s;
   if (!short_of && stop_reason_.empty()) return;
   const std::string of = info_.duration_s ? fmt::format(" of {:.2f} s", *info_.duration_s) : "";
-  damage_.AddLine(fmt::format("decoding stopped at {:.2f} s{}: {}", end_s, of,
+  damage_.AddLine(fmt::format("{} stopped at {:.2f} s{}: {}", what, end_s, of,
                               stop_reason_.empty() ? "the rest is missing or damaged" : stop_reason_));
 }
 
@@ -401,6 +410,14 @@ double MediaReader::PacketTime() const {
   const auto origin_s = clock_.origin_s();
   if (!origin_s || packet_->pts == AV_NOPTS_VALUE) return clock_.end_time_s();
   return static_cast<double>(packet_->pts) * av_q2d(demuxer_->video().time_base) - *origin_s;
+}
+
+// When the showing of the packet's frame ends.
+std::optional<double> MediaReader::PacketEnd() const {
+  const auto origin_s = clock_.origin_s();
+  const std::int64_t stamp = packet_->pts != AV_NOPTS_VALUE ? packet_->pts : packet_->dts;
+  if (!origin_s || stamp == AV_NOPTS_VALUE) return std::nullopt;
+  return static_cast<double>(stamp + packet_->duration) * av_q2d(demuxer_->video().time_base) - *origin_s;
 }
 
 }  // namespace

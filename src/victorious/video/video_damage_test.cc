@@ -13,8 +13,10 @@
 namespace victorious {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::Not;
 using testing::PictureNumber;
 using testing::ScratchFolder;
@@ -88,6 +90,26 @@ TEST(VideoDamage, CutOffFilesGiveTheirFirstFrames) {
         EXPECT_THAT(outcome.warnings, Contains(HasSubstr(" of 2.0"))) << name;
       }
     }
+  }
+}
+
+TEST(VideoDamage, CutOffFilesAreToldWithoutDecodingThem) {
+  const ScratchFolder folder;
+  for (const auto& [muxer, encoder] : kKinds) {
+    WriteWhole(folder / "whole", muxer, encoder);
+    const std::string whole = testing::ReadBytes(folder / "whole");
+    const auto warnings_of = [&](double part) {
+      testing::WriteBytes(folder / "part",
+                          whole.substr(0, static_cast<std::size_t>(part * static_cast<double>(whole.size()))));
+      const auto reader = VideoReader::Open((folder / "part").string(), {.threads = 1});
+      if (!reader) return std::vector<std::string>{reader.error().message};
+      EXPECT_TRUE((*reader)->NextFrame().value());
+      (*reader)->PassOverFrames();
+      return (*reader)->warnings();
+    };
+    EXPECT_THAT(warnings_of(1), IsEmpty()) << muxer;
+    if (muxer == "mpegts" || muxer == "mpeg") continue;  // they do not say how long they should be
+    EXPECT_THAT(warnings_of(0.6), Contains(AllOf(HasSubstr("reading stopped at"), HasSubstr(" of 2.0")))) << muxer;
   }
 }
 

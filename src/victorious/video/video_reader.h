@@ -80,8 +80,8 @@ class VideoReader {
   /// The data packets met since the last call, in the order of the file (options.data_packets).
   virtual std::vector<DataPacket> TakeDataPackets() = 0;
 
-  /// Reads on to the end without decoding: for the data packets of a whole file in little time. No frame comes after
-  /// it.
+  /// Reads on to the end without decoding: for the data packets of a whole file in little time, and for whether it ends
+  /// where it should (warnings()). No frame comes after it.
   virtual void PassOverFrames() = 0;
 
   /// What was damaged so far and where, a line each: "decoding stopped at 3.20 s of 10.00 s: …". A kind of damage has

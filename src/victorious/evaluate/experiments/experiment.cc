@@ -95,7 +95,8 @@ Expected<Report> RunExperiment(const std::string& name, const ExperimentSettings
     std::vector<std::string_view> names;
     for (const Experiment& one : all) names.emplace_back(one.name);
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: no such experiment; there are {}", name, fmt::join(names, ", ")));
+                fmt::format("{}: no such experiment; `victorious experiment list` tells of each: {}", name,
+                            fmt::join(names, ", ")));
   }
   std::error_code error;
   std::filesystem::create_directories(settings.out, error);

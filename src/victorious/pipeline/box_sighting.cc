@@ -1,0 +1,41 @@
+#include "victorious/pipeline/box_sighting.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/store/export_json.h"
+
+namespace victorious {
+
+std::string BoxName(std::size_t drawn) { return fmt::format("box-{}", drawn + 1); }
+
+std::string ToJsonLines(std::span<const BoxSighting> sightings, std::span<const std::string> videos,
+                        std::span<const DrawnBox> boxes) {
+  std::string text;
+  for (const BoxSighting& sighting : sightings) {
+    const std::string& type = boxes[sighting.drawn].type;
+    Json line{{"object_id", sighting.drawn + 1},
+              {"model", BoxName(sighting.drawn)},
+              {"category", nullptr},
+              {"type", type.empty() ? Json() : Json(type)},
+              {"video", videos[sighting.video]},
+              {"frame", sighting.frame},
+              {"time_s", TimeJson(sighting.time_s)},
+              {"box", BoxJson(sighting.box)},
+              {"score", ScoreJson(sighting.score)},
+              {"source", sighting.matches ? "recognised" : "tracked"},
+              {"matches", sighting.matches ? Json(*sighting.matches) : Json()},
+              {"view", nullptr}};
+    const std::optional<Place>& place = sighting.place;
+    line["latitude_deg"] = place ? GeodeticJson(place->point.latitude_rad) : Json();
+    line["longitude_deg"] = place ? GeodeticJson(place->point.longitude_rad) : Json();
+    line["altitude_m"] = place ? MetresJson(place->point.altitude_m) : Json();
+    line["ce90_m"] = place ? MetresJson(place->ce90_m) : Json();
+    line["le90_m"] = place ? MetresJson(place->le90_m) : Json();
+    line["speed_m_s"] = place && place->velocity_enu ? MetresJson(place->velocity_enu->norm()) : Json();
+    text += Dump(line) + "\n";
+  }
+  return text;
+}
+
+}  // namespace victorious
