@@ -42,7 +42,7 @@ void CadModelOptions::ListFields(FieldList& fields) {
              {.min = 0,
               .max = 1,
               .reason = "the share of a keypoint's surroundings that must be object: near the outline a descriptor "
-                        "carries background"});
+                        "carries background, but on thin parts such as rotors it tells more than none"});
   fields.Add("least_features", least_features,
              {.min = 1, .max = 100000, .reason = "a view with fewer keypoints on the object finds nothing"});
 }

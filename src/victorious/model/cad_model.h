@@ -25,7 +25,7 @@ struct CadModelOptions {
   int least_size_px = 180;
   int most_size_px = 400;
   double distance_radii = 12.0;
-  double least_mask_share = 0.7;
+  double least_mask_share = 0.3;
   int least_features = 4;
 
   void ListFields(FieldList& fields);

@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
+#include <opencv2/imgproc.hpp>
 
 #include "victorious/model/cad_model.h"
 #include "victorious/model/template_features.h"
@@ -23,6 +24,25 @@
 
 namespace victorious {
 namespace {
+
+// At half the size: of four pixels the mean of their brightness, and the depth of one, since a mean of two surfaces is
+// on neither.
+ViewSurface Halved(const ViewSurface& surface) {
+  ViewSurface half;
+  const cv::Size size(surface.grey.cols / 2, surface.grey.rows / 2);
+  const cv::Rect even(0, 0, 2 * size.width, 2 * size.height);
+  cv::resize(surface.grey(even), half.grey, size, 0, 0, cv::INTER_AREA);
+  cv::resize(surface.seen.depth_m(even), half.seen.depth_m, size, 0, 0, cv::INTER_NEAREST);
+  half.seen.camera = surface.seen.camera;
+  PinholeCamera& pinhole = half.seen.camera.pinhole;
+  pinhole.fx /= 2;
+  pinhole.fy /= 2;
+  pinhole.cx /= 2;
+  pinhole.cy /= 2;
+  pinhole.width = size.width;
+  pinhole.height = size.height;
+  return half;
+}
 
 class LitViews : public LitTemplates {
  public:
@@ -104,12 +124,24 @@ class LitViews : public LitTemplates {
     const Expected<ViewSurface> from_sun = DecodeSurface(model_.views[wanted.sun_view].surface, model_.name);
     if (!surface || !from_sun) return {};  // a file that is damaged, for all that its checksums are right
     const ViewAngles& sun = *model_.views[wanted.sun_view].angles;
-    const cv::Mat grey = Relight(surface->grey, surface->seen, options_.light,
-                                 ClearDay({sun.azimuth_rad, sun.off_nadir_rad}), from_sun->seen);
-    const cv::Mat mask = surface->seen.depth_m == surface->seen.depth_m;  // not NaN
-    auto made = TemplateFeaturesOf({.grey = grey, .mask = mask, .outline = model_.views[wanted.view].outline},
-                                   surface->seen, *extractor_, options_);
-    return made ? *std::move(made) : LitTemplate();
+    const ViewSurface shown = wanted.coarse ? Halved(*surface) : *surface;
+    const double share = wanted.coarse ? 0.5 : 1.0;
+    const cv::Mat grey =
+        Relight(shown.grey, shown.seen, options_.light, ClearDay({sun.azimuth_rad, sun.off_nadir_rad}), from_sun->seen);
+    const cv::Mat mask = shown.seen.depth_m == shown.seen.depth_m;  // not NaN
+    Polygon outline = model_.views[wanted.view].outline;
+    for (Eigen::Vector2d& corner : outline) corner *= share;
+    auto made = TemplateFeaturesOf({.grey = grey, .mask = mask, .outline = outline}, shown.seen, *extractor_, options_);
+    if (!made) return {};
+    FeatureSet& features = made->features;
+    features.image_width = surface->grey.cols;
+    features.image_height = surface->grey.rows;
+    for (Keypoint& keypoint : features.keypoints) {
+      keypoint.x = static_cast<float>(keypoint.x / share);
+      keypoint.y = static_cast<float>(keypoint.y / share);
+      keypoint.scale_px = static_cast<float>(keypoint.scale_px / share);
+    }
+    return *std::move(made);
   }
 
   ObjectModel model_;

@@ -89,6 +89,32 @@ TEST(LitViews, ASunBringsItsOwnFeatures) {
   }
 }
 
+// Fewer features than the sharp one has, of larger keypoints, which lie where the view shows their places.
+TEST(LitViews, ACoarseOneLiesInTheSamePixels) {
+  const auto lit = MakeLitViews(WaffleModel()).value();
+  constexpr std::size_t kView = 5;
+  const auto sharp = lit->Under({7, kView});
+  const auto coarse = lit->Under({7, kView, true});
+  ASSERT_GT(coarse->features.size(), 10U);
+  EXPECT_LT(coarse->features.size(), sharp->features.size());
+  EXPECT_EQ(coarse->features.image_width, sharp->features.image_width);
+  EXPECT_EQ(coarse->features.image_height, sharp->features.image_height);
+  const auto smallest = [](const LitTemplate& one) {
+    return std::ranges::min(one.features.keypoints, {}, &Keypoint::scale_px).scale_px;
+  };
+  EXPECT_GT(smallest(*coarse), 1.5F * smallest(*sharp));
+  ASSERT_EQ(coarse->features.size(), coarse->points_in_model.size());
+  const SeenSurface seen = DecodeSurface(WaffleModel().views[kView].surface, "waffle").value().seen;
+  for (std::size_t i = 0; i < coarse->features.size(); ++i) {
+    const Keypoint& keypoint = coarse->features.keypoints[i];
+    const Point3& place = coarse->points_in_model[i];
+    const auto pixel = seen.camera.pinhole.Project(seen.camera.camera_from_world.Apply({place.x, place.y, place.z}));
+    ASSERT_TRUE(pixel);
+    EXPECT_NEAR(pixel->x(), keypoint.x, 1.0);
+    EXPECT_NEAR(pixel->y(), keypoint.y, 1.0);
+  }
+}
+
 // What is forgotten is made again as it was; what was just asked for is not forgotten.
 TEST(LitViews, OnlySoManyAreKept) {
   const auto lit = MakeLitViews(WaffleModel(), 4).value();

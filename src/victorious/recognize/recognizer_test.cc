@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
@@ -224,6 +225,7 @@ class Painted : public LitTemplates {
   }
 
   [[nodiscard]] std::shared_ptr<const LitTemplate> Under(const LitView& wanted) const override {
+    (wanted.coarse ? coarse_ : sharp_).insert(wanted.view);
     return lit_[kAround * wanted.sun_view + wanted.view];
   }
   void Prepare(std::span<const LitView> /*wanted*/) const override {}
@@ -231,8 +233,14 @@ class Painted : public LitTemplates {
     return std::make_shared<const ViewPicture>();
   }
 
+  // The views asked for under a sun.
+  [[nodiscard]] const std::set<std::size_t>& coarse() const { return coarse_; }
+  [[nodiscard]] const std::set<std::size_t>& sharp() const { return sharp_; }
+
  private:
   std::vector<std::shared_ptr<const LitTemplate>> lit_;
+  mutable std::set<std::size_t> coarse_;
+  mutable std::set<std::size_t> sharp_;
 };
 
 TEST(Recognizer, FindsTheSunByWhatItPaints) {
@@ -257,6 +265,27 @@ TEST(Recognizer, FindsTheSunByWhatItPaints) {
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].view, kView);
   EXPECT_FALSE(recognizer.FindSun(FeaturesOf(Texture(640, 480, 5)), vertical));
+}
+
+// Every other view is a scout: all of those are compared under the sun, coarsely; sharp ones are made of what is
+// followed, the view that was found among it.
+TEST(Recognizer, LitScoutsAreCoarse) {
+  constexpr std::size_t kView = 2;
+  cv::Mat scene = Texture(640, 480, 4);
+  const Vertical vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 0.3, 640, 480);
+  const Sun sun{.azimuth_rad = -5 * kPi / 6, .elevation_rad = kPi / 4};
+  Paste(Painted::PaintOf(3, kView), 1.0, 0, {320, 240}, scene);
+  const auto painted = std::make_shared<const Painted>();
+  RecognizeOptions options;
+  options.search.most_followed = 1;
+  const Recognizer recognizer = Recognizer::Create({PlainFromAround()}, "opencv", options, {painted}).value();
+  const std::vector<Detection> found =
+      recognizer.Recognize(FeaturesOf(scene), {.vertical = vertical, .sun_ahead = sun});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].view, kView);
+  EXPECT_EQ(painted->coarse().size(), kAround / 2);
+  EXPECT_TRUE(painted->coarse().contains(kView));
+  EXPECT_EQ(painted->sharp(), (std::set<std::size_t>{kView, kView + 1}));
 }
 
 // A crate whose picture, too, is known.

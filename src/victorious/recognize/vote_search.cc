@@ -33,8 +33,8 @@ void VoteSearchOptions::ListFields(FieldList& fields) {
              {.min = 0,
               .max = 100000,
               .unit = "views",
-              .reason = "of every few views those compared under the sun, too: those of most evidence without; 1000 "
-                        "finds some more under a hard sun where the camera circles, at half the speed"});
+              .reason = "of every few views those compared under the sun, too: those of most evidence without; by "
+                        "default all, since a hard sun may hide what a soft sky shows"});
   fields.Add("most_tilt_rad", most_tilt_rad,
              {.min = 0.01,
               .max = 3.2,
@@ -76,6 +76,7 @@ constexpr double kNoEvidence = -std::numeric_limits<double>::infinity();
 struct Look {
   std::size_t view;
   std::optional<std::size_t> sun_view;
+  bool coarse = false;  // as LitView
 };
 
 // The views that a scene may show: by their features, and by how far off nadir its lines of sight are.
@@ -165,7 +166,7 @@ class Comparison {
   std::vector<double> Try(std::span<const Look> looks) {
     std::vector<LitView> needed;
     for (const Look& look : looks) {
-      if (look.sun_view) needed.push_back({*look.sun_view, look.view});
+      if (look.sun_view) needed.push_back({*look.sun_view, look.view, look.coarse});
     }
     if (!needed.empty()) lit_->Prepare(needed);
     std::vector<double> evidence;
@@ -212,7 +213,7 @@ class Comparison {
 
   double Try(const Look& look) {
     Compared compared{.look = look, .lit = {}, .matches = {}};
-    if (look.sun_view) compared.lit = lit_->Under({*look.sun_view, look.view});
+    if (look.sun_view) compared.lit = lit_->Under({*look.sun_view, look.view, look.coarse});
     const FeatureView features = FeaturesOf(compared);
     compared.matches = scene_.ranked.Match(kernels::PackQueries(features.descriptors), scene_.options.nearest);
     compared.evidence = Vote(look.view, features.keypoints, PointsOf(compared), compared.matches);
@@ -248,7 +249,7 @@ class Comparison {
 
   [[nodiscard]] bool AreBeside(const Look& one, const Look& other) const {
     const std::vector<std::uint32_t>& neighbours = model_.views[one.view].neighbours;
-    return one.sun_view.has_value() == other.sun_view.has_value() &&
+    return one.sun_view.has_value() == other.sun_view.has_value() && one.coarse == other.coarse &&
            std::ranges::find(neighbours, other.view) != neighbours.end();
   }
 
@@ -298,10 +299,13 @@ std::vector<Candidate> VoteSearch::Search(const VoteScene& scene, const FrameCon
     if (std::ssize(lit) == options.most_lit) break;
     add(lead.look.view, true, lit);
   }
+  for (Look& look : lit) look.coarse = true;
   std::ranges::copy(comparison.Leads(lit), std::back_inserter(leads));
   std::vector<Look> near;
   for (const Lead& lead : ByEvidence(leads) | std::views::take(options.most_followed)) {
     if (lead.evidence == kNoEvidence) break;
+    if (lead.look.coarse)
+      near.push_back({lead.look.view, lead.look.sun_view});  // once more, as sharp as its neighbours
     for (const std::uint32_t neighbour : model_->views[lead.look.view].neighbours) {
       add(neighbour, lead.look.sun_view.has_value(), near);
     }

@@ -6,7 +6,8 @@
 //
 // Where the camera's attitude is known, only the views that an upright object can show are compared; where the sun is
 // known, too, each also as the sun would show it: an object that stands upright and is seen from a view's azimuth has
-// the sun in one place. Where nobody tells it, the camera is supposed to be held upright at least.
+// the sun in one place. Making a lit view costs far more than comparing it: those sought first are made coarsely, and
+// sharp ones only of those followed. Where nobody tells the attitude, the camera is supposed to be held upright at least.
 #pragma once
 
 #include <cstddef>
@@ -30,7 +31,7 @@ struct VoteSearchOptions {
   int nearest = 4;
   int most_followed = 6;
   int most_pooled = 6;
-  int most_lit = 16;
+  int most_lit = 1000;
   double most_tilt_rad = 0.35;
   double most_hanging_rad = 0.35;
   double sun_step_rad = 0.35;

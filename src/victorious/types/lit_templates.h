@@ -15,7 +15,7 @@
 
 namespace victorious {
 
-/// What a view's features are under another light.
+/// What a view's features are under another light, in the view's pixels.
 struct LitTemplate {
   FeatureSet features;
   std::vector<Point3> points_in_model;  ///< a feature's place on the object, metres
@@ -25,6 +25,7 @@ struct LitTemplate {
 struct LitView {
   std::size_t sun_view;
   std::size_t view;
+  bool coarse = false;  ///< of a picture of half the size: the larger keypoints alone, for a quarter of the work
 
   auto operator<=>(const LitView&) const = default;
 };
