@@ -147,6 +147,21 @@ void Join(std::vector<Thing>& things, const ObjectOptions& options) {
   }
 }
 
+// In how many of a run's frames another covers about the same pixels.
+std::int64_t FramesCovered(const SeenRun& run, const SeenRun& by, double least_overlap) {
+  if (run.record.video != by.record.video) return 0;
+  std::int64_t covered = 0;
+  auto other = by.frames.begin();
+  for (std::size_t i = 0; i < run.frames.size(); ++i) {
+    other = std::lower_bound(other, by.frames.end(), run.frames[i]);
+    if (other == by.frames.end()) break;
+    if (*other != run.frames[i]) continue;
+    const Box& box = by.boxes[static_cast<std::size_t>(other - by.frames.begin())];
+    if (IntersectionOverUnion(run.boxes[i], box) >= least_overlap) ++covered;
+  }
+  return covered;
+}
+
 std::int64_t FramesOf(const ObjectRecord& object, const std::map<std::int64_t, const SeenRun*>& runs) {
   std::int64_t frames = 0;
   for (const std::int64_t run : object.runs) frames += runs.at(run)->record.frames;
@@ -219,6 +234,27 @@ void RejectFloating(const Thing& thing, const Heights& heights, const ObjectOpti
                                 above_m > 0 ? "above" : "below");
 }
 
+// Of two solid things in the same pixels one would hide the other: the one seen less is none.
+void RejectCovered(std::vector<ObjectRecord>& objects, const std::map<std::int64_t, const SeenRun*>& runs,
+                   const ObjectOptions& options) {
+  const auto rank = [&](const ObjectRecord& object) { return std::pair(FramesOf(object, runs), -object.id); };
+  for (ObjectRecord& less : objects) {
+    if (!less.rejected.empty() || !runs.at(less.id)->of_solid) continue;
+    for (const ObjectRecord& more : objects) {
+      if (!more.rejected.empty() || more.model == less.model || !runs.at(more.id)->of_solid) continue;
+      if (rank(more) <= rank(less)) continue;
+      std::int64_t covered = 0;
+      for (const std::int64_t run : less.runs) {
+        for (const std::int64_t by : more.runs)
+          covered += FramesCovered(*runs.at(run), *runs.at(by), options.same_pixels);
+      }
+      if (2 * covered < FramesOf(less, runs)) continue;
+      less.rejected = fmt::format("seen where object {} is seen", more.id);
+      break;
+    }
+  }
+}
+
 // Of two things in one place the one seen less is none.
 void RejectDoubles(std::vector<ObjectRecord>& objects, const std::map<std::int64_t, const SeenRun*>& runs,
                    const ObjectOptions& options) {
@@ -275,6 +311,7 @@ std::vector<ObjectRecord> MakeObjects(std::vector<SeenRun> runs, std::int64_t fr
     objects.push_back(std::move(object));
   }
   for (std::size_t i = 0; i < objects.size(); ++i) RejectFloating(things[i], heights, options, objects[i]);
+  RejectCovered(objects, by_id, options);
   RejectDoubles(objects, by_id, options);
   std::ranges::sort(objects, {}, &ObjectRecord::id);
   return objects;
@@ -313,13 +350,16 @@ Status UpdateObjects(const ObjectOptions& options, IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store.Models());
   for (RunRecord& record : records) {
     const auto model = std::ranges::find(models, record.model, &ModelRecord::id);
-    runs[record.id] = {.record = record, .of_category = model != models.end() && model->IsCategory()};
+    const bool known = model != models.end();
+    runs[record.id] = {
+        .record = record, .of_category = known && model->IsCategory(), .of_solid = known && model->kind == "cad"};
   }
   std::int64_t recognitions = 0;
   VICTORIOUS_RETURN_IF_ERROR(store.VisitSightings({.rejected_too = true}, [&](SightingRecord&& sighting) {
     const auto run = runs.find(sighting.run);
     if (run == runs.end()) return true;  // added by another process since
     run->second.frames.push_back(sighting.frame);
+    run->second.boxes.push_back(sighting.box);
     if (!sighting.sight) return true;
     std::vector<Sight>& sights = run->second.sights;
     sighting.sight->recognition = RecognitionOf(sighting, sights.empty() ? nullptr : &sights.back(), recognitions);

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "victorious/base/error.h"
+#include "victorious/geometry/box.h"
 #include "victorious/pipeline/object_options.h"
 #include "victorious/store/index_store.h"
 #include "victorious/types/sight.h"
@@ -26,7 +27,9 @@ namespace victorious {
 struct SeenRun {
   RunRecord record;
   bool of_category = false;
+  bool of_solid = false;             ///< of a CAD model: nothing is seen through it
   std::vector<std::int64_t> frames;  ///< rising
+  std::vector<Box> boxes;            ///< one a frame
   std::vector<Sight> sights;         ///< by time; of those of its sightings that have one
 };
 

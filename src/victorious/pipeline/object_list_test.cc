@@ -230,6 +230,44 @@ TEST(ObjectList, OfTwoModelsInOnePlaceTheOneSeenLessIsRejected) {
   EXPECT_EQ(objects[1].rejected, "");
 }
 
+// A run without a place, of a model, in a box that goes to the right.
+SeenRun InThePicture(std::int64_t id, int frames, double x) {
+  SeenRun run{.record = {.id = id, .object = id, .video = 1, .model = id, .score = 0.99, .frames = frames},
+              .of_solid = true};
+  for (int frame = 0; frame < frames; ++frame) {
+    run.frames.push_back(frame);
+    run.boxes.push_back({x + 20.0 * frame, 100, 80, 60});
+  }
+  return run;
+}
+
+std::vector<std::string> RejectionsOf(std::vector<SeenRun> runs) {
+  std::vector<std::string> rejections;
+  for (const ObjectRecord& object : MakeObjects(std::move(runs), 100, {})) rejections.push_back(object.rejected);
+  return rejections;
+}
+
+TEST(ObjectList, OfTwoSolidThingsInTheSamePixelsTheOneSeenLessIsRejected) {
+  EXPECT_THAT(RejectionsOf({InThePicture(1, 12, 50), InThePicture(2, 30, 58)}),
+              ElementsAre("seen where object 2 is seen", ""));
+}
+
+TEST(ObjectList, WhatIsBesideOrMeetsForAMomentIsNotRejected) {
+  EXPECT_THAT(RejectionsOf({InThePicture(1, 12, 50), InThePicture(2, 30, 90)}), ElementsAre("", ""));
+  SeenRun passing = InThePicture(1, 12, 50);
+  for (std::size_t i = 5; i < passing.boxes.size(); ++i) passing.boxes[i].y = 300;
+  EXPECT_THAT(RejectionsOf({passing, InThePicture(2, 30, 50)}), ElementsAre("", ""));
+  SeenRun elsewhere = InThePicture(1, 12, 50);
+  elsewhere.record.video = 2;
+  EXPECT_THAT(RejectionsOf({elsewhere, InThePicture(2, 30, 50)}), ElementsAre("", ""));
+}
+
+TEST(ObjectList, PhotosMayShowAPartOfWhatAnotherShows) {
+  SeenRun photo = InThePicture(1, 12, 50);
+  photo.of_solid = false;
+  EXPECT_THAT(RejectionsOf({photo, InThePicture(2, 30, 50)}), ElementsAre("", ""));
+}
+
 TEST(ObjectList, CategoriesHaveAPlaceAndRejectNobody) {
   const Seen category{.id = 2, .model = 2, .frames = 40, .of_category = true, .noise_rad = 0.01};
   const auto objects = ObjectsFrom({{.id = 1, .frames = 20}, category});

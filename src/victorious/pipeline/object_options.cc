@@ -54,6 +54,12 @@ void ObjectOptions::ListFields(FieldList& fields) {
               .max = 1000,
               .unit = "m",
               .reason = "of two objects whose middles are nearer, the one seen less is rejected"});
+  fields.Add(
+      "same_pixels", same_pixels,
+      {.min = 0,
+       .max = 1,
+       .reason = "of two objects of different CAD models the one seen less is rejected where their boxes overlap "
+                 "by as much (intersection over union) in half of its frames"});
   fields.Add("false_share", false_share,
              {.min = 0,
               .max = 1,

@@ -18,6 +18,7 @@ struct ObjectOptions {
   double scale_allowance = 1.6;
   double floating_m = 15;
   double least_apart_m = 1.5;
+  double same_pixels = 0.6;
   double false_share = 0.016;
   double middle_above_ground_m = 1.2;
   double middle_sigma_m = 1;
