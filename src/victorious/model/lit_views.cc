@@ -124,8 +124,9 @@ class LitViews : public LitTemplates {
     const Expected<ViewSurface> from_sun = DecodeSurface(model_.views[wanted.sun_view].surface, model_.name);
     if (!surface || !from_sun) return {};  // a file that is damaged, for all that its checksums are right
     const ViewAngles& sun = *model_.views[wanted.sun_view].angles;
-    const ViewSurface shown = wanted.coarse ? Halved(*surface) : *surface;
-    const double share = wanted.coarse ? 0.5 : 1.0;
+    const bool halved = wanted.coarse && std::min(surface->grey.cols, surface->grey.rows) >= 2;
+    const ViewSurface shown = halved ? Halved(*surface) : *surface;
+    const double share = halved ? 0.5 : 1.0;
     const cv::Mat grey =
         Relight(shown.grey, shown.seen, options_.light, ClearDay({sun.azimuth_rad, sun.off_nadir_rad}), from_sun->seen);
     const cv::Mat mask = shown.seen.depth_m == shown.seen.depth_m;  // not NaN

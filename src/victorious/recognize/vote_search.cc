@@ -185,6 +185,7 @@ class Comparison {
   void Pool(int most) {
     std::vector<std::size_t> order(compared_.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
+    std::erase_if(order, [&](std::size_t i) { return compared_[i].look.coarse; });  // has a sharp one if it is any good
     std::ranges::stable_sort(order, std::greater{}, [&](std::size_t i) { return compared_[i].evidence; });
     for (const std::size_t i : order | std::views::take(most)) {
       const Compared& one = compared_[i];
