@@ -131,6 +131,26 @@ class CategoryTest(program.ProgramTest):
         self.refuses(2, "boat", *command, self.write("boat.csv", f"image,category,mark\n{picture},boat,right\n"))
         self.assertFalse(better.exists())
 
+    def test_a_cad_file_stands_for_its_kind(self):
+        model = self.scratch / "model.vcat"
+        jet = program.REPOSITORY / "assets" / "models" / "jet.glb"
+        nothing = [f"{row.split(',')[0]},background,,,," for row in TRAIN]
+        params = self.write("params.json", json.dumps({**SMALL, "cad": {"views": 6}}))
+        rows = self.write("train.csv", listing([*nothing, f"{jet},jet,,,,"]))
+        result = self.succeeds(
+            "category", "train", "--images", FOLDER, "--list", rows, "--params", params, "--out", model
+        )
+        self.assertIn("from 16 pictures and 1 CAD file", result.out)
+        self.assertEqual({row["label"] for row in self.classify(model)}, {"background"})
+
+    def test_bad_cad_files(self):
+        jet = program.REPOSITORY / "assets" / "models" / "jet.glb"
+        self.refuses_list(["line 18", "none of the things", "background say"], listing([*TRAIN, f"{jet},jet,,,,"]))
+        self.refuses_list(["line 18", "a box"], listing([*TRAIN, f"{jet},jet,0,0,9,9"]))
+        (FOLDER / "broken.glb").write_bytes(b"glTF and no more")
+        nothing = [f"{row.split(',')[0]},background,,,," for row in TRAIN]
+        self.refuses_list(["line 18", "broken.glb"], listing([*nothing, "broken.glb,jet,,,,"]))
+
     def test_bad_lists(self):
         self.refuses_list("no pictures", "")
         self.refuses_list("no column image", "\n".join(TRAIN))

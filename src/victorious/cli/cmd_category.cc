@@ -19,6 +19,7 @@
 #include "victorious/cli/command.h"
 #include "victorious/recognize/category_finder.h"
 #include "victorious/recognize/category_pictures.h"
+#include "victorious/render/load_mesh.h"
 #include "victorious/video/image_file.h"
 
 namespace victorious::cli {
@@ -63,8 +64,10 @@ Status Train(const Arguments& arguments) {
   VICTORIOUS_RETURN_IF_ERROR(WriteCategories(arguments.out, *model));
   VICTORIOUS_RETURN_IF_ERROR(WarnWithoutBackground(*model));
   const auto labels = std::ranges::count(model->nodes, true, &CategoryNode::labels);
-  return WriteOutput("", fmt::format("{}: {} categories, {} words, from {} pictures\n", arguments.out, labels,
-                                     model->vocabulary.size(), rows.size()));
+  const auto cad_files = std::ranges::count_if(rows, [](const CategoryListRow& row) { return IsCadFile(row.image); });
+  const std::string cad = cad_files == 0 ? "" : fmt::format(" and {} CAD file{}", cad_files, cad_files == 1 ? "" : "s");
+  return WriteOutput("", fmt::format("{}: {} categories, {} words, from {} pictures{}\n", arguments.out, labels,
+                                     model->vocabulary.size(), std::ssize(rows) - cad_files, cad));
 }
 
 std::string Line(const std::string& image, const CategoryModel& model, const CategoryResult& result, bool json) {

@@ -86,7 +86,7 @@ struct Probe {
   std::vector<DataPacket> packets;
 };
 
-Expected<Probe> ReadBeginning(VideoReader& reader) {
+Expected<Probe> ReadBeginning(VideoReader& reader, const std::string& source) {
   constexpr std::int64_t kMostFrames = 300;
   Probe probe{.live = reader.info().live};
   while (probe.frames < kMostFrames) {
@@ -99,8 +99,10 @@ Expected<Probe> ReadBeginning(VideoReader& reader) {
     probe.last_time_s = frame->time_s;
     std::ranges::move(reader.TakeDataPackets(), std::back_inserter(probe.packets));
   }
+  std::error_code error;
+  const bool at_hand = std::filesystem::is_regular_file(source, error);
+  if (at_hand) reader.PassOverFrames();  // telemetry that comes later, and whether the file ends where it should
   std::ranges::move(reader.TakeDataPackets(), std::back_inserter(probe.packets));
-  if (!probe.live) reader.PassOverFrames();  // for whether it ends where it should
   return probe;
 }
 
@@ -161,7 +163,7 @@ ordered_json StreamsOf(const VideoInfo& info) {
 Expected<Report> DescribeVideo(const std::string& source) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(source, {.data_packets = true}));
   const VideoInfo info = reader->info();
-  VICTORIOUS_ASSIGN_OR_RETURN(const Probe probe, ReadBeginning(*reader));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Probe probe, ReadBeginning(*reader, source));
   std::string text =
       fmt::format("{}\n  container  {}\n  picture    {} x {} px, {}{}{}{}\n", source, info.container, info.width,
                   info.height, info.codec, info.frame_rate > 0 ? fmt::format(", {:.3g} frames/s", info.frame_rate) : "",
@@ -170,9 +172,9 @@ Expected<Report> DescribeVideo(const std::string& source) {
   text += fmt::format(
       "  length     {}{}\n",
       info.duration_s ? fmt::format("{:.2f} s by the container", *info.duration_s) : "not told by the container",
-      probe.at_end
-          ? fmt::format("; {} frames, the last at {:.2f} s", probe.frames, probe.last_time_s)
-          : fmt::format("; the first {} frames ({:.2f} s) were read for this report", probe.frames, probe.last_time_s));
+      probe.at_end ? fmt::format("; {} frames, the last at {:.2f} s", probe.frames, probe.last_time_s)
+                   : fmt::format("; the first {} frames ({:.2f} s) were decoded for this report", probe.frames,
+                                 probe.last_time_s));
   for (const StreamInfo& stream : info.streams)
     text += fmt::format("  stream {}   {} ({})\n", stream.index, stream.type, stream.codec);
   for (const std::string& warning : reader->warnings()) text += fmt::format("  damage     {}\n", warning);

@@ -99,7 +99,10 @@ std::vector<Sample> DrawSamples(std::span<const FindableBand> bands, const Finda
     sample.direction.azimuth_rad = random.Uniform(0, 2 * kPi);
     sample.direction.off_nadir_rad =
         RadiansFromDegrees(random.Uniform(bands[sample.band].least_deg, bands[sample.band].most_deg));
-    sample.turn_rad = random.Uniform(-kPi / 2, kPi / 2);  // nobody films upside down
+    // Nobody films upside down, but from above any way is up.
+    constexpr double kFromAbove_rad = 0.35;
+    const double most_turn_rad = sample.direction.off_nadir_rad < kFromAbove_rad ? kPi : kPi / 2;
+    sample.turn_rad = random.Uniform(-most_turn_rad, most_turn_rad);
     sample.sun_ahead_rad = random.Uniform(-kPi, kPi);
     sample.place.x() = random.Uniform();
     sample.place.y() = random.Uniform();

@@ -81,9 +81,9 @@ struct BoxGround {
 };
 
 /// Where it is at the time of each sight. What stands still is placed by all sights together, drawn to the ground if
-/// that is told and may be where they meet. What moves is where each line of sight meets the ground; without one it is
-/// placed by stretches of at most `stretch_s`, in each as if it drove straight, and where the lines do not tell that
-/// either, by the range of each sight alone.
+/// that is told and may be where they meet. What is told to move is where each line of sight meets the ground. Without
+/// one, and where the lines alone show that it moves, it is placed by stretches of at most `stretch_s`, in each as if
+/// it drove straight, and where they do not tell that either, by the range of each sight alone.
 /// @param sights  of one object in one video, in order of time
 /// @param ground  for what is on the ground
 /// @return one a sight, at its time; nothing where the lines do not tell it

@@ -26,19 +26,22 @@ std::string HeadOf(const std::string& path) {
 }
 
 // Out of a video; with no records where it has none.
-Expected<Telemetry> ReadPackets(const std::string& source, const TelemetryOptions& options) {
+// @param damage  what was damaged in the file; null: whoever reads its frames tells that
+Expected<Telemetry> ReadPackets(const std::string& source, const TelemetryOptions& options,
+                                std::vector<std::string>* damage) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(source, {.data_packets = true}));
   if (reader->info().live) {
     return Fail(ErrorCode::kInvalidArgument, "a live source: its telemetry has no end; give a file");
   }
   reader->PassOverFrames();
-  VICTORIOUS_ASSIGN_OR_RETURN(Telemetry telemetry, TelemetryFromPackets(reader->TakeDataPackets(), options));
-  for (const std::string& warning : reader->warnings()) telemetry.warnings.push_back(warning);
-  return telemetry;
+  if (damage != nullptr) *damage = reader->warnings();
+  return TelemetryFromPackets(reader->TakeDataPackets(), options);
 }
 
 Expected<Telemetry> ReadFromVideo(const std::string& source, const TelemetryOptions& options) {
-  VICTORIOUS_ASSIGN_OR_RETURN(Telemetry telemetry, ReadPackets(source, options));
+  std::vector<std::string> damage;
+  VICTORIOUS_ASSIGN_OR_RETURN(Telemetry telemetry, ReadPackets(source, options, &damage));
+  std::ranges::move(damage, std::back_inserter(telemetry.warnings));
   if (telemetry.records == 0) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: no telemetry: no KLV and no subtitles of a DJI aircraft are in this video", source));
@@ -70,7 +73,7 @@ Expected<std::optional<Telemetry>> FindTelemetry(const std::string& video, const
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   std::error_code error;
   Expected<Telemetry> own = Telemetry{};
-  if (!fs::is_directory(video, error)) own = ReadPackets(video, options);
+  if (!fs::is_directory(video, error)) own = ReadPackets(video, options, nullptr);
   if (own && !own->packets.empty()) return std::optional(*std::move(own));
   if (const auto beside = TelemetryBeside(video)) {
     Expected<Telemetry> read = ReadTelemetry(beside->string(), options);

@@ -23,9 +23,8 @@ class UprightPrior {
   }
 
   /// @param off_nadir_rad     of the view
-  /// @param most_hanging_rad  how far below the picture's horizontal the object's up may point, [0, pi/2]; views less
-  /// far
-  ///                          off the nadir can be turned in any way
+  /// @param most_hanging_rad  how far below the picture's horizontal the object's up may point, [0, pi/2]; views
+  ///                          nearer to the nadir than this can be turned in any way
   static UprightPrior Supposed(double off_nadir_rad, double most_hanging_rad) {
     const double lowest = -std::sin(most_hanging_rad);
     const double steepness = std::max(std::sin(off_nadir_rad), -lowest);

@@ -18,6 +18,8 @@
 namespace victorious {
 namespace {
 
+constexpr int kSize_px = 320;  // of the object's bounding sphere, as it is rendered
+
 ViewDirection DrawDirection(double least_off_nadir_deg, double most_off_nadir_deg, Random& random) {
   const double azimuth_rad = random.Uniform(0, 2 * kPi);
   return {azimuth_rad, RadiansFromDegrees(random.Uniform(least_off_nadir_deg, most_off_nadir_deg))};
@@ -32,7 +34,7 @@ Light DrawLight(double sunlit_share, Random& random) {
   return light;
 }
 
-// Anywhere in a picture of this size, as large as fills the share of it, and hardly turned.
+// Anywhere in a picture of this size, as large as fills a share of it.
 Similarity2 DrawPlace(const cv::Rect& object, const cv::Size& picture, Random& random) {
   constexpr double kLeastShare = 0.6;
   constexpr double kMostShare = 0.95;
@@ -51,16 +53,34 @@ Similarity2 DrawPlace(const cv::Rect& object, const cv::Size& picture, Random& r
 }  // namespace
 
 void CadPictureOptions::ListFields(FieldList& fields) {
-  fields.Add("views", views, {.min = 1, .max = 10000, .reason = "pictures of each CAD file, from all around it"});
+  fields.Add("views", views, {.min = 1, .max = 1000, .reason = "pictures of each CAD file, from all around it"});
   fields.Add("least_off_nadir_deg", least_off_nadir_deg,
              {.min = 0,
               .max = 180,
-              .unit = "degrees",
+              .unit = "deg",
               .reason = "the steepest view from above: less for pictures taken from the air"});
   fields.Add("most_off_nadir_deg", most_off_nadir_deg,
-             {.min = 0, .max = 180, .unit = "degrees", .reason = "the flattest; above 90 from below"});
-  fields.Add("sunlit_share", sunlit_share,
-             {.min = 0, .max = 1, .reason = "of the pictures that a hard sun lights, from anywhere"});
+             {.min = 0, .max = 180, .unit = "deg", .reason = "the flattest; above 90 from below"});
+  fields.Add(
+      "sunlit_share", sunlit_share,
+      {.min = 0, .max = 1, .reason = "of the pictures that a hard sun lights, from anywhere but near the horizon"});
+}
+
+Status CheckRange(const CadPictureOptions& options) {
+  if (options.least_off_nadir_deg <= options.most_off_nadir_deg) return {};
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("cad.least_off_nadir_deg {:g}: above cad.most_off_nadir_deg {:g}",
+                          options.least_off_nadir_deg, options.most_off_nadir_deg));
+}
+
+cv::Mat BackgroundForCad(const cv::Mat& grey) {
+  constexpr double kLongest_px = 1.5 * kSize_px;
+  const double scale = kLongest_px / std::max(grey.cols, grey.rows);
+  if (scale >= 1) return grey;
+  cv::Mat shrunk;
+  cv::resize(grey, shrunk, {std::max(1, cvRound(scale * grey.cols)), std::max(1, cvRound(scale * grey.rows))}, 0, 0,
+             cv::INTER_AREA);
+  return shrunk;
 }
 
 Expected<std::vector<BoxedPicture>> PicturesOfCad(const Mesh& mesh, const std::string& category,
@@ -68,17 +88,12 @@ Expected<std::vector<BoxedPicture>> PicturesOfCad(const Mesh& mesh, const std::s
                                                   const CadPictureOptions& options, std::uint64_t seed) {
   VICTORIOUS_CHECK(!backgrounds.empty());
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
-  if (options.least_off_nadir_deg > options.most_off_nadir_deg) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("cad.least_off_nadir_deg {:g}: above cad.most_off_nadir_deg {:g}",
-                            options.least_off_nadir_deg, options.most_off_nadir_deg));
-  }
+  VICTORIOUS_RETURN_IF_ERROR(CheckRange(options));
   VICTORIOUS_ASSIGN_OR_RETURN(Renderer renderer, Renderer::Create());
   VICTORIOUS_ASSIGN_OR_RETURN(const MeshId uploaded, renderer.Upload(mesh));
   const MeshInstance instance{.mesh = uploaded, .world_from_mesh = {}};
   const Sphere sphere = BoundingSphere(mesh);
   constexpr double kDistanceRadii = 12;
-  constexpr int kSize_px = 320;
   Random random(seed);
   std::vector<BoxedPicture> pictures;
   for (int i = 0; i < options.views; ++i) {

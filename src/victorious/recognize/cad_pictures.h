@@ -26,6 +26,12 @@ struct CadPictureOptions {
   void ListFields(FieldList& fields);
 };
 
+/// Error: kInvalidArgument, a range without views.
+Status CheckRange(const CadPictureOptions& options);
+
+/// A picture as CAD models are drawn before it: not larger than they are drawn, so that both are as sharp.
+[[nodiscard]] cv::Mat BackgroundForCad(const cv::Mat& grey);
+
 /// @param backgrounds  CV_8UC1, at least one
 /// @return             pictures of the backgrounds' sizes, of `category`, the object in its box
 /// Errors: kInvalidArgument for options out of range; kInternal where nothing can render.

@@ -167,6 +167,7 @@ struct SortedRows {
   std::vector<CategoryListRow> pictures;
   std::vector<CategoryListRow> cad_files;
   std::set<std::string> of_things;  // categories with a box or a CAD file
+  std::set<std::string> of_none;    // those that are not, and neither above nor below one that is
 };
 
 Expected<SortedRows> SortRows(std::span<const CategoryListRow> rows) {
@@ -181,6 +182,18 @@ Expected<SortedRows> SortRows(std::span<const CategoryListRow> rows) {
     if (cad || row.box) sorted.of_things.insert(row.category);
     (cad ? sorted.cad_files : sorted.pictures).push_back(row);
   }
+  for (const CategoryListRow& row : sorted.pictures) {
+    const bool of_thing = std::ranges::any_of(sorted.of_things, [&](const std::string& thing) {
+      return IsWithin(thing, row.category) || IsWithin(row.category, thing);
+    });
+    if (!of_thing) sorted.of_none.insert(row.category);
+  }
+  if (!sorted.cad_files.empty() && sorted.of_none.empty()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: a CAD file is seen before pictures of none of the things: a category is needed that "
+                            "has neither boxes nor CAD files, background say",
+                            sorted.cad_files.front().where));
+  }
   return sorted;
 }
 
@@ -188,17 +201,13 @@ Expected<SortedRows> SortRows(std::span<const CategoryListRow> rows) {
 Expected<std::vector<BoxedPicture>> ReadCad(const std::filesystem::path& folder, const CategoryListRow& row,
                                             std::span<const cv::Mat> backgrounds, const CategoryTrainOptions& options,
                                             std::uint64_t seed, const std::function<void(const std::string&)>& warn) {
-  if (backgrounds.empty()) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: a CAD file is seen before pictures of none of the things: a category is needed that "
-                            "has neither boxes nor CAD files, background say",
-                            row.where));
-  }
   Expected<LoadedMesh> loaded = LoadMesh(folder / row.image);
   if (!loaded) return std::unexpected(std::move(loaded).error().WithContext(row.where));
   for (const std::string& warning : loaded->warnings)
     if (warn) warn(fmt::format("{}: {}", row.image, warning));
-  return PicturesOfCad(loaded->mesh, row.category, backgrounds, options.cad, seed);
+  auto pictures = PicturesOfCad(loaded->mesh, row.category, backgrounds, options.cad, seed);
+  if (!pictures) return std::unexpected(std::move(pictures).error().WithContext(row.where));
+  return pictures;
 }
 
 }  // namespace
@@ -212,6 +221,12 @@ Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::sp
   const bool by_windows = options.features.windows.enabled;
   if (by_windows && options.category.scoring != "linear")
     return Fail(ErrorCode::kInvalidArgument, "features.windows.enabled: goes with scoring linear alone");
+  if (!sorted.cad_files.empty()) {
+    VICTORIOUS_RETURN_IF_ERROR(CheckRange(options.cad));
+    if (sorted.of_none.size() > 1 && warn)
+      warn(fmt::format("CAD files are drawn before the pictures of {}, as of none of the things",
+                       fmt::join(sorted.of_none, ", ")));
+  }
 
   const std::size_t count = sorted.pictures.size();
   std::vector<std::vector<CategoryExample>> of_picture(count);
@@ -222,10 +237,10 @@ Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::sp
     const cv::Mat grey = GreyFromBgr(bgr);
     VICTORIOUS_ASSIGN_OR_RETURN(const Box box, BoxWithin(listed, grey.cols, grey.rows));
     const bool of_thing = sorted.of_things.contains(listed.category);
-    if (!of_thing && !none.empty()) none[row] = grey;
+    const cv::Mat seen = by_windows ? eye.Clean(grey) : grey;
+    if (!none.empty() && sorted.of_none.contains(listed.category)) none[row] = BackgroundForCad(seen);
     if (by_windows) {
-      pictures[row] = {
-          .category = listed.category, .grey = eye.Clean(grey), .box = of_thing ? std::optional(box) : std::nullopt};
+      pictures[row] = {.category = listed.category, .grey = seen, .box = of_thing ? std::optional(box) : std::nullopt};
       return {};
     }
     VICTORIOUS_ASSIGN_OR_RETURN(of_picture[row], ExamplesOf(eye, grey, box, listed.category, static_cast<int>(row)));
@@ -240,12 +255,15 @@ Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::sp
     if (by_windows) {
       std::ranges::move(drawn, std::back_inserter(pictures));
     } else {
+      // Held out together, so that what calibrates is another model than what was learned from, where there is another.
+      const bool alone =
+          1 == std::ranges::count(sorted.cad_files, sorted.cad_files[i].category, &CategoryListRow::category);
       const std::size_t first = of_picture.size();
       of_picture.resize(first + drawn.size());
       VICTORIOUS_RETURN_IF_ERROR(OnAllCores(drawn.size(), [&](std::size_t d) -> Status {
-        VICTORIOUS_ASSIGN_OR_RETURN(of_picture[first + d],
-                                    ExamplesOf(eye, drawn[d].grey, *drawn[d].box, drawn[d].category,
-                                               static_cast<int>(first + d), /*own_surroundings=*/false));
+        VICTORIOUS_ASSIGN_OR_RETURN(
+            of_picture[first + d], ExamplesOf(eye, drawn[d].grey, *drawn[d].box, drawn[d].category,
+                                              static_cast<int>(alone ? first + d : first), /*own_surroundings=*/false));
         return {};
       }));
     }

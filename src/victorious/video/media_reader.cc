@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <optional>
 #include <string_view>
 #include <thread>
@@ -130,7 +131,8 @@ class MediaReader : public VideoReader {
   void StopReading(int result);
   void Finish();
   void NoteEnd(std::string_view what, double end_s);
-  [[nodiscard]] std::optional<double> PacketEnd() const;
+  void NotePacket();
+  [[nodiscard]] std::optional<double> EndOfPackets() const;
   cv::Size SquareSize();
   void FillInfo(Orientation orientation, cv::Size size);
   [[nodiscard]] Orientation DisplayOrientation() const;
@@ -158,6 +160,8 @@ class MediaReader : public VideoReader {
   bool finished_ = false;
   std::string stop_reason_;  ///< why no packets are left, where it is not the end
   std::int64_t next_index_ = 0;
+  std::int64_t packets_end_ticks_ = std::numeric_limits<std::int64_t>::min();  ///< of the video's packets read so far
+  bool unstamped_packets_ = false;                                             ///< one of them does not say when it is
 };
 
 Status MediaReader::Start() {
@@ -260,15 +264,11 @@ void MediaReader::FeedDecoder() {
 }
 
 void MediaReader::PassOverFrames() {
-  std::optional<double> end_s = clock_.end_time_s();  // nothing once a packet does not say when it is shown
-  while (ReadPacket()) {
-    const std::optional<double> packet_end_s = PacketEnd();
-    end_s = end_s && packet_end_s ? std::optional(std::max(*end_s, *packet_end_s)) : std::nullopt;
-    av_packet_unref(packet_.get());
-  }
+  while (ReadPacket()) av_packet_unref(packet_.get());
   first_time_s_.reset();
   has_ahead_ = false;
   avcodec_flush_buffers(decoder_.get());
+  const std::optional<double> end_s = EndOfPackets();
   if (!std::exchange(finished_, true) && end_s) NoteEnd("reading", *end_s);
 }
 
@@ -277,12 +277,13 @@ bool MediaReader::ReadPacket() {
   for (int errors = 0; !draining_;) {
     const int result = demuxer_->Read(packet_.get());
     if (result == AVERROR_INVALIDDATA && ++errors <= kMaxReadErrors) {
-      damage_.Add("a part of the container that cannot be read", clock_.end_time_s());
+      damage_.Add("a part of the container that cannot be read", EndOfPackets().value_or(clock_.end_time_s()));
     } else if (result == AVERROR(EAGAIN) && ++errors <= kMaxReadErrors) {
       std::this_thread::sleep_for(kRetryPause);
     } else if (result < 0) {
       StopReading(result);
     } else if (packet_->stream_index == demuxer_->video().index) {
+      NotePacket();
       return true;
     } else {
       const AVStream& stream = demuxer_->stream(packet_->stream_index);
@@ -412,12 +413,23 @@ double MediaReader::PacketTime() const {
   return static_cast<double>(packet_->pts) * av_q2d(demuxer_->video().time_base) - *origin_s;
 }
 
-// When the showing of the packet's frame ends.
-std::optional<double> MediaReader::PacketEnd() const {
-  const auto origin_s = clock_.origin_s();
+void MediaReader::NotePacket() {
   const std::int64_t stamp = packet_->pts != AV_NOPTS_VALUE ? packet_->pts : packet_->dts;
-  if (!origin_s || stamp == AV_NOPTS_VALUE) return std::nullopt;
-  return static_cast<double>(stamp + packet_->duration) * av_q2d(demuxer_->video().time_base) - *origin_s;
+  unstamped_packets_ = unstamped_packets_ || stamp == AV_NOPTS_VALUE;
+  if (stamp == AV_NOPTS_VALUE ||
+      stamp > std::numeric_limits<std::int64_t>::max() - std::max<std::int64_t>(0, packet_->duration))
+    return;
+  packets_end_ticks_ = std::max(packets_end_ticks_, stamp + std::max<std::int64_t>(0, packet_->duration));
+}
+
+// When the showing of the last frame read ends, whether or not it was decoded yet; nothing where not all packets say.
+std::optional<double> MediaReader::EndOfPackets() const {
+  const auto origin_s = clock_.origin_s();
+  if (!origin_s || unstamped_packets_ || packets_end_ticks_ == std::numeric_limits<std::int64_t>::min()) {
+    return std::nullopt;
+  }
+  const double end_s = static_cast<double>(packets_end_ticks_) * av_q2d(demuxer_->video().time_base) - *origin_s;
+  return std::max(end_s, clock_.end_time_s());
 }
 
 }  // namespace

@@ -113,6 +113,27 @@ TEST(VideoDamage, CutOffFilesAreToldWithoutDecodingThem) {
   }
 }
 
+// Decoders hold frames back: what they were given of a short file is all of it.
+TEST(VideoDamage, WholeFilesArePassedOverWithoutAWord) {
+  const ScratchFolder folder;
+  for (const auto& [muxer, encoder] : kKinds) {
+    for (const int frames : {5, 7, 12, 40}) {
+      WriteTestVideo(folder / "whole", {.muxer = muxer,
+                                        .encoder = encoder,
+                                        .time_base_hz = 25,
+                                        .pts = SteadyTimes(frames, 1),
+                                        .max_b_frames = encoder == "libx264" ? 2 : 0});
+      for (const int decoded : {0, 1, frames / 2}) {
+        const auto reader = VideoReader::Open((folder / "whole").string(), {.threads = 8});
+        ASSERT_TRUE(reader) << muxer << ", " << frames << " frames: " << reader.error().message;
+        for (int i = 0; i < decoded; ++i) EXPECT_TRUE((*reader)->NextFrame().value());
+        (*reader)->PassOverFrames();
+        EXPECT_THAT((*reader)->warnings(), IsEmpty()) << muxer << ", " << decoded << " of " << frames;
+      }
+    }
+  }
+}
+
 TEST(VideoDamage, Mp4WithoutItsIndexIsNotAVideo) {
   const ScratchFolder folder;
   WriteWhole(folder / "whole.mp4", "mp4", "libx264");
