@@ -92,6 +92,7 @@ Expected<RenderedTemplate> RenderTemplate(Renderer& renderer, MeshId mesh, const
 // All that a view's rendering becomes.
 struct MadeView {
   LitTemplate features;
+  std::size_t textured = 0;  // features of the object's surface, rather than of its corners before the background
   std::vector<std::byte> surface;
 };
 
@@ -100,6 +101,8 @@ Expected<MadeView> MakeView(const RenderedTemplate& rendered, const FeatureExtra
   MadeView made;
   const SeenSurface seen{rendered.camera, rendered.depth_m};
   VICTORIOUS_ASSIGN_OR_RETURN(made.features, TemplateFeaturesOf(rendered.picture, seen, extractor, options));
+  constexpr double kOfTheSurface = 0.7;
+  made.textured = CountOnObject(rendered.picture, made.features.features, kOfTheSurface);
   VICTORIOUS_ASSIGN_OR_RETURN(made.surface, EncodeSurface({rendered.picture.grey, seen}));
   return made;
 }
@@ -124,7 +127,7 @@ Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, co
   // Rendered one after the other (the renderer belongs to one thread), a chunk at a time; then features on all cores.
   constexpr int kChunk = 32;
   ModelBuilder builder;
-  std::size_t most_features = 0;
+  std::size_t most_textured = 0;
   for (int first = 0; first < count; first += kChunk) {
     const int size = std::min(kChunk, count - first);
     std::vector<RenderedTemplate> rendered;
@@ -149,13 +152,13 @@ Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, co
                            .thumbnail = {},
                            .surface = {}};
       const LitTemplate& found = made[i]->features;
-      most_features = std::max(most_features, found.features.size());
+      most_textured = std::max(most_textured, made[i]->textured);
       VICTORIOUS_RETURN_IF_ERROR(builder.Add(std::move(model_view), found.features, found.points_in_model,
                                              view.picture.thumbnail, std::move(made[i]->surface)));
     }
     if (progress) progress(first + size, count);
   }
-  if (most_features == 0) {
+  if (most_textured < static_cast<std::size_t>(options.least_features)) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: no view has {} features or more: the model needs texture, or a larger least_size_px",
                             source, options.least_features));

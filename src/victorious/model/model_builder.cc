@@ -98,6 +98,11 @@ Expected<FeatureSet> FeaturesOnObject(const ObjectPicture& picture, const Featur
   return kept;
 }
 
+std::size_t CountOnObject(const ObjectPicture& picture, const FeatureSet& features, double least_mask_share) {
+  const OnObject on_object(picture, least_mask_share);
+  return static_cast<std::size_t>(std::ranges::count_if(features.keypoints, on_object));
+}
+
 Polygon OutlineOfMask(const cv::Mat& mask) {
   // Contours run through the centres of the outermost pixels: on a mask of twice the size they come within a quarter
   // pixel of the edge.

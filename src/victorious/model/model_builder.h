@@ -37,6 +37,9 @@ void AppendFeature(const Keypoint& keypoint, const FeatureSet& from, std::size_t
 Expected<FeatureSet> FeaturesOnObject(const ObjectPicture& picture, const FeatureExtractor& extractor,
                                       const OnObjectOptions& options);
 
+/// How many of the features are of the object itself: their surroundings are object by that share at least.
+std::size_t CountOnObject(const ObjectPicture& picture, const FeatureSet& features, double least_mask_share);
+
 /// The object's outline in its mask (not 0: object): the contour of its largest part, simplified; the hull of all parts
 /// where the largest is not most of it. Clockwise on the screen; empty for an empty mask.
 Polygon OutlineOfMask(const cv::Mat& mask);
