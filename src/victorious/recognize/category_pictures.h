@@ -71,7 +71,7 @@ class CategoryEye {
 /// What a picture gives: the part within `box` to learn from, and where the box leaves something out, the whole picture
 /// for what the option `surroundings` says; of both, what is learned from, a mirrored copy where `mirrored` is set.
 /// @param number            the picture's, which all its examples share
-/// @param own_surroundings  false: those of something else, which are not learned from
+/// @param own_surroundings  false: those of something else, of which nothing is learned: the part alone counts
 Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryEye& eye, const cv::Mat& grey, const Box& box,
                                                   const std::string& category, int number,
                                                   bool own_surroundings = true);
