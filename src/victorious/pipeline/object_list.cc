@@ -168,6 +168,11 @@ std::int64_t FramesOf(const ObjectRecord& object, const std::map<std::int64_t, c
   return frames;
 }
 
+// In more frames; of as many, the one that was seen first.
+bool IsSeenMore(const ObjectRecord& a, const ObjectRecord& b, const std::map<std::int64_t, const SeenRun*>& runs) {
+  return std::pair(FramesOf(a, runs), -a.id) > std::pair(FramesOf(b, runs), -b.id);
+}
+
 // The middle height of what is known by its lines rather than its size, and was seen in the same video.
 class Heights {
  public:
@@ -237,12 +242,11 @@ void RejectFloating(const Thing& thing, const Heights& heights, const ObjectOpti
 // Of two solid things in the same pixels one would hide the other: the one seen less is none.
 void RejectCovered(std::vector<ObjectRecord>& objects, const std::map<std::int64_t, const SeenRun*>& runs,
                    const ObjectOptions& options) {
-  const auto rank = [&](const ObjectRecord& object) { return std::pair(FramesOf(object, runs), -object.id); };
   for (ObjectRecord& less : objects) {
     if (!less.rejected.empty() || !runs.at(less.id)->of_solid) continue;
     for (const ObjectRecord& more : objects) {
       if (!more.rejected.empty() || more.model == less.model || !runs.at(more.id)->of_solid) continue;
-      if (rank(more) <= rank(less)) continue;
+      if (!IsSeenMore(more, less, runs)) continue;
       std::int64_t covered = 0;
       for (const std::int64_t run : less.runs) {
         for (const std::int64_t by : more.runs)
@@ -263,8 +267,7 @@ void RejectDoubles(std::vector<ObjectRecord>& objects, const std::map<std::int64
     const TangentPlane plane(less.place->point);
     for (const ObjectRecord& more : objects) {
       if (!more.place || !more.rejected.empty() || more.id == less.id || runs.at(more.id)->of_category) continue;
-      const auto rank = [&](const ObjectRecord& object) { return std::pair(FramesOf(object, runs), -object.id); };
-      if (rank(more) <= rank(less)) continue;
+      if (!IsSeenMore(more, less, runs)) continue;
       if (less.place->Moves() || more.place->Moves()) continue;
       if (plane.EnuFromGeodetic(more.place->point).norm() >= options.least_apart_m) continue;
       less.rejected = fmt::format("stands where object {} stands", more.id);
