@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <optional>
 #include <string_view>
 #include <thread>
@@ -160,8 +159,8 @@ class MediaReader : public VideoReader {
   bool finished_ = false;
   std::string stop_reason_;  ///< why no packets are left, where it is not the end
   std::int64_t next_index_ = 0;
-  std::int64_t packets_end_ticks_ = std::numeric_limits<std::int64_t>::min();  ///< of the video's packets read so far
-  bool unstamped_packets_ = false;                                             ///< one of them does not say when it is
+  std::optional<double> packets_end_ticks_;  ///< of the video's packets read so far
+  bool unstamped_packets_ = false;           ///< one of them does not say when it is
 };
 
 Status MediaReader::Start() {
@@ -416,19 +415,16 @@ double MediaReader::PacketTime() const {
 void MediaReader::NotePacket() {
   const std::int64_t stamp = packet_->pts != AV_NOPTS_VALUE ? packet_->pts : packet_->dts;
   unstamped_packets_ = unstamped_packets_ || stamp == AV_NOPTS_VALUE;
-  if (stamp == AV_NOPTS_VALUE ||
-      stamp > std::numeric_limits<std::int64_t>::max() - std::max<std::int64_t>(0, packet_->duration))
-    return;
-  packets_end_ticks_ = std::max(packets_end_ticks_, stamp + std::max<std::int64_t>(0, packet_->duration));
+  if (unstamped_packets_) return;
+  const double end_ticks = static_cast<double>(stamp) + std::max(0.0, static_cast<double>(packet_->duration));
+  packets_end_ticks_ = std::max(end_ticks, packets_end_ticks_.value_or(end_ticks));
 }
 
 // When the showing of the last frame read ends, whether or not it was decoded yet; nothing where not all packets say.
 std::optional<double> MediaReader::EndOfPackets() const {
   const auto origin_s = clock_.origin_s();
-  if (!origin_s || unstamped_packets_ || packets_end_ticks_ == std::numeric_limits<std::int64_t>::min()) {
-    return std::nullopt;
-  }
-  const double end_s = static_cast<double>(packets_end_ticks_) * av_q2d(demuxer_->video().time_base) - *origin_s;
+  if (!origin_s || unstamped_packets_ || !packets_end_ticks_) return std::nullopt;
+  const double end_s = *packets_end_ticks_ * av_q2d(demuxer_->video().time_base) - *origin_s;
   return std::max(end_s, clock_.end_time_s());
 }
 
