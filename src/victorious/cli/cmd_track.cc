@@ -58,33 +58,36 @@ void TellOfNames(const std::vector<std::string>& types) {
   }
 }
 
-// Where each object is, when it was seen last; or why that is not told.
-void TellPlaces(const std::vector<BoxSighting>& sightings, std::size_t boxes) {
-  if (std::ranges::none_of(sightings, [](const BoxSighting& one) { return one.sight.has_value(); })) {
-    spdlog::info(
-        "no place is told: nothing tells where the camera was and looked and its field of view; --telemetry FILE does, "
-        "and `victorious doctor VIDEO` says what is missing");
-    return;
-  }
-  for (std::size_t drawn = 0; drawn < boxes; ++drawn) {
-    const auto last = std::ranges::find_if(sightings.rbegin(), sightings.rend(), [&](const BoxSighting& one) {
-      return one.drawn == drawn && one.place.has_value();
-    });
-    if (last == sightings.rend()) {
-      const bool in_line = std::ranges::any_of(
-          sightings, [&](const BoxSighting& one) { return one.drawn == drawn && one.sight.has_value(); });
-      spdlog::info("{}: no place is told: {}", BoxName(drawn),
-                   in_line ? "its lines of sight do not tell how far off it is; --ground METRES, --terrain FILE or "
-                             "--type WORD may"
-                           : "telemetry does not tell where the camera was while it is seen");
+// When an object was seen, in which videos.
+void TellWhen(const std::vector<BoxSighting>& sightings, const std::vector<std::string>& videos, std::size_t drawn) {
+  for (std::size_t video = 0; video < videos.size(); ++video) {
+    std::vector<const BoxSighting*> seen;
+    for (const BoxSighting& one : sightings) {
+      if (one.drawn == drawn && one.video == video) seen.push_back(&one);
+    }
+    if (seen.empty()) {
+      spdlog::info("{}: not seen in {}", BoxName(drawn), OneLine(videos[video]));
       continue;
     }
-    const Place& place = *last->place;
-    spdlog::info("{}: at {:.2f} s at {:.6f}, {:.6f}, {:.1f} m; CE90 {:.1f} m, LE90 {:.1f} m{}", BoxName(drawn),
-                 last->time_s, DegreesFromRadians(place.point.latitude_rad),
-                 DegreesFromRadians(place.point.longitude_rad), place.point.altitude_m, place.ce90_m, place.le90_m,
-                 place.Moves() ? fmt::format("; it moves at {:.1f} m/s", place.velocity_enu->norm()) : "");
+    spdlog::info("{}: seen in {} frames of {}, {:.2f} to {:.2f} s", BoxName(drawn), seen.size(), OneLine(videos[video]),
+                 seen.front()->time_s, seen.back()->time_s);
   }
+}
+
+// Where an object is, when it was seen last; or why that is not told.
+void TellPlace(const TrackedBoxes& tracked, std::size_t drawn) {
+  if (!tracked.why_no_place[drawn].empty()) {
+    spdlog::info("{}: no place is told: {}", BoxName(drawn), tracked.why_no_place[drawn]);
+    return;
+  }
+  const auto last =
+      std::ranges::find_if(tracked.sightings.rbegin(), tracked.sightings.rend(),
+                           [&](const BoxSighting& one) { return one.drawn == drawn && one.place.has_value(); });
+  const Place& place = *last->place;
+  spdlog::info("{}: at {:.2f} s at {:.6f}, {:.6f}, {:.1f} m; CE90 {:.1f} m, LE90 {:.1f} m{}", BoxName(drawn),
+               last->time_s, DegreesFromRadians(place.point.latitude_rad),
+               DegreesFromRadians(place.point.longitude_rad), place.point.altitude_m, place.ce90_m, place.le90_m,
+               place.Moves() ? fmt::format("; it moves at {:.1f} m/s", place.velocity_enu->norm()) : "");
 }
 
 Status Run(const Arguments& arguments) {
@@ -108,12 +111,15 @@ Status Run(const Arguments& arguments) {
   std::vector<std::string> warnings;  // an error stays the only line
   const auto warn = [&](const std::string& warning) { warnings.push_back(warning); };
   const auto telemetry = arguments.telemetry.empty() ? std::nullopt : std::optional(arguments.telemetry);
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<BoxSighting> sightings,
+  VICTORIOUS_ASSIGN_OR_RETURN(const TrackedBoxes tracked,
                               TrackBoxes(videos, boxes, telemetry, options, Interrupt(), warn));
   for (const std::string& warning : warnings) spdlog::warn("{}", OneLine(warning));
-  VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments.out, ToJsonLines(sightings, videos, boxes)));
+  VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments.out, ToJsonLines(tracked.sightings, videos, boxes)));
   TellOfNames(arguments.types);
-  TellPlaces(sightings, boxes.size());
+  for (std::size_t drawn = 0; drawn < boxes.size(); ++drawn) {
+    TellWhen(tracked.sightings, videos, drawn);
+    TellPlace(tracked, drawn);
+  }
   return {};
 }
 

@@ -32,13 +32,6 @@ std::optional<Projection> Project(const GeodeticPoint& point, const CameraState&
   return Projection{focal_px * shown + Vector2d(image.width / 2.0, image.height / 2.0), in_camera.z() / focal_px};
 }
 
-std::optional<Place> ByRange(const Sight& sight, const BoxPlaceOptions& options) {
-  ObjectOptions object;
-  object.locate = options.locate;
-  object.locate.motion = "static";
-  return PlaceOf({&sight, 1}, object, 1).place;
-}
-
 // By where it is within a second: a line through these places.
 void TellVelocity(std::span<std::optional<Place>> places, std::size_t i) {
   constexpr double kWindow_s = 1;
@@ -94,15 +87,16 @@ ObjectPlace PlaceOnGround(std::span<const Sight> sights, const ObjectOptions& ob
   return found.place ? found : PlaceOf(sights, object, 1);
 }
 
-// Where each line meets the ground.
-std::vector<std::optional<Place>> OnGround(std::span<const Sight> sights, const BoxGround& ground,
-                                           const BoxPlaceOptions& options) {
-  ObjectOptions object;
-  object.locate = options.locate;
+// Where its line meets the ground, or, where that is not told, by its range.
+std::optional<Place> Alone(const Sight& sight, ObjectOptions object) {
   object.locate.motion = "static";
-  TellGround(ground, object);
+  return PlaceOnGround({&sight, 1}, object).place;
+}
+
+// Where each line meets the ground.
+std::vector<std::optional<Place>> OnGround(std::span<const Sight> sights, const ObjectOptions& object) {
   std::vector<std::optional<Place>> places;
-  for (const Sight& sight : sights) places.push_back(PlaceOnGround({&sight, 1}, object).place);
+  for (const Sight& sight : sights) places.push_back(Alone(sight, object));
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (places[i]) TellVelocity(places, i);
   }
@@ -187,14 +181,15 @@ std::vector<std::optional<Place>> PlacesOf(std::span<const Sight> sights, BoxMot
                                            const std::optional<BoxGround>& ground, const BoxPlaceOptions& options) {
   std::vector<std::optional<Place>> places(sights.size());
   if (sights.empty()) return places;
-  if (motion == BoxMotion::kMoves && ground) return OnGround(sights, *ground, options);
   ObjectOptions object;
   object.locate = options.locate;
   object.motion_window_s = options.stretch_s;
   if (ground) TellGround(*ground, object);
+  if (motion == BoxMotion::kMoves && ground) return OnGround(sights, object);
   if (motion == BoxMotion::kStands) object.locate.motion = "static";
   const ObjectPlace together = ground ? PlaceOnGround(sights, object) : PlaceOf(sights, object, 1);
   const std::optional<Place> all = together.agreeing >= options.least_agreeing ? together.place : std::nullopt;
+  if (motion == BoxMotion::kUnknown && ground && !all) return OnGround(sights, object);
   if (motion != BoxMotion::kMoves && !(all && all->Moves())) {
     for (std::size_t i = 0; i < sights.size() && all; ++i) places[i] = At(*all, sights[i].line.time_s);
     return places;
@@ -212,7 +207,7 @@ std::vector<std::optional<Place>> PlacesOf(std::span<const Sight> sights, BoxMot
     const ObjectPlace found = PlaceOf(sights.subspan(first, end - first), object, 1);
     const std::optional<Place> place = found.agreeing >= options.least_agreeing ? found.place : std::nullopt;
     for (std::size_t i = first; i < end; ++i) {
-      places[i] = place ? At(*place, sights[i].line.time_s) : ByRange(sights[i], options);
+      places[i] = place ? At(*place, sights[i].line.time_s) : Alone(sights[i], object);
     }
     first = end;
   }

@@ -81,9 +81,10 @@ struct BoxGround {
 };
 
 /// Where it is at the time of each sight. What stands still is placed by all sights together, drawn to the ground if
-/// that is told and may be where they meet. What is told to move is where each line of sight meets the ground. Without
-/// one, and where the lines alone show that it moves, it is placed by stretches of at most `stretch_s`, in each as if
-/// it drove straight, and where they do not tell that either, by the range of each sight alone.
+/// that is told and may be where they meet. What is told to move, and what the lines show to do neither that nor drive
+/// straight, is where each line of sight meets the ground. Without one, and where the lines alone show that it moves,
+/// it is placed by stretches of at most `stretch_s`, in each as if it drove straight, and where they do not tell that
+/// either, by each sight alone: where it meets the ground, or by its range.
 /// @param sights  of one object in one video, in order of time
 /// @param ground  for what is on the ground
 /// @return one a sight, at its time; nothing where the lines do not tell it

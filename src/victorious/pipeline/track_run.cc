@@ -1,7 +1,7 @@
 #include "victorious/pipeline/track_run.h"
 
 #include <algorithm>
-#include <iterator>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <tuple>
@@ -11,12 +11,10 @@
 
 #include "victorious/base/progress.h"
 #include "victorious/features/feature_extractor.h"
-#include "victorious/features/impulse_noise.h"
+#include "victorious/pipeline/box_pass.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/telemetry/camera_track.h"
 #include "victorious/track/box_tracker.h"
-#include "victorious/track/ground_spot.h"
-#include "victorious/video/image_file.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious {
@@ -24,219 +22,8 @@ namespace {
 
 using Sightings = std::vector<BoxSighting>;
 
-/// A box, the frame it was drawn in, and the model that was made of it, if it has keypoints enough.
-struct Drawn {
-  std::size_t index = 0;
-  Box box;
-  std::int64_t frame = 0;
-  std::shared_ptr<const Recognizer> recognizer;
-  Sightings doubtful;                // since it was found again; they count once it is sure
-  std::optional<GroundSpot> ground;  // where it was drawn
-  std::optional<Box> last_box;       // in the frame before
-};
-
-/// Where the ground is to be seen that the object of a drawn box stood on.
-struct DrawnSpot {
-  std::size_t drawn = 0;
-  SpotSighting seen;
-};
-using Spots = std::vector<DrawnSpot>;
-
-std::optional<CameraState> CameraAt(const std::optional<CameraTrack>& cameras, double time_s) {
-  return cameras ? cameras->At(time_s) : std::nullopt;
-}
-
-/// What stands at a known place, and how it was seen where it was drawn.
-struct Standing {
-  Place place;
-  Box box;
-  CameraState camera;
-};
-
-/// What places tell of the drawn boxes' objects in one more video.
-class Guide {
- public:
-  Guide(const std::vector<std::optional<Standing>>& standing, const std::optional<CameraTrack>& cameras,
-        const BoxPlaceOptions& options)
-      : standing_(standing), cameras_(cameras), options_(options) {}
-
-  /// What is seen there stands elsewhere.
-  [[nodiscard]] bool Contradicts(std::size_t drawn, const Box& box, const Frame& frame) const {
-    const auto camera = CameraAt(cameras_, frame.time_s);
-    if (!standing_[drawn] || !camera) return false;
-    const auto sight = SightOfBox(box, frame.image.size(), *camera, nullptr, 0, options_);
-    return sight && !GoesBy(*sight, standing_[drawn]->place, options_);
-  }
-
-  [[nodiscard]] std::optional<SeenBox> Expect(std::size_t drawn, const Frame& frame) const {
-    const auto camera = CameraAt(cameras_, frame.time_s);
-    if (!standing_[drawn] || !camera) return std::nullopt;
-    const Standing& standing = *standing_[drawn];
-    return ExpectBox(standing.place.point, standing.box, standing.camera, *camera, frame.image.size());
-  }
-
- private:
-  const std::vector<std::optional<Standing>>& standing_;
-  const std::optional<CameraTrack>& cameras_;
-  const BoxPlaceOptions& options_;
-};
-
-/// A cut of the frame as the drawn box's object, searched for by its keypoints.
-Expected<std::shared_ptr<const Recognizer>> LearnModel(const Frame& frame, const Box& box, const std::string& name,
-                                                       const TrackRunOptions& options) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const Photo photo, PreparePhoto(name, frame.image, {}, box));
-  const Photo photos[] = {photo};
-  VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel model, MakePhotoModel(name, photos, std::nullopt, options.model));
-  VICTORIOUS_ASSIGN_OR_RETURN(Recognizer recognizer,
-                              Recognizer::Create({std::move(model)}, options.model.features.engine, options.recognize));
-  return std::make_shared<const Recognizer>(std::move(recognizer));
-}
-
-/// One way through frames: forward, backward, or through another video.
-class Pass {
- public:
-  /// @param impulse_share  of the frames (WithoutImpulses), where the ground is watched, too; else nothing
-  Pass(BoxTracker tracker, const FeatureExtractor& extractor, int recognize_every, std::optional<double> impulse_share)
-      : tracker_(std::move(tracker)),
-        extractor_(&extractor),
-        recognize_every_(recognize_every),
-        impulse_share_(impulse_share) {}
-
-  /// Begins in the frame last seen. @return the box, clipped to the frame
-  Expected<Box> Start(const Drawn& drawn) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const BoxStep step, tracker_.Start(drawn.box));
-    drawn_.push_back(drawn);
-    drawn_.back().last_box = step.box;
-    if (impulse_share_) drawn_.back().ground.emplace(FlowPyramid(Clean(last_image_), {}), step.box);
-    return step.box;
-  }
-
-  /// Gives the target that was started last its model.
-  void Equip(std::shared_ptr<const Recognizer> recognizer) { drawn_.back().recognizer = std::move(recognizer); }
-
-  void ChangeVideo() {
-    tracker_.ChangeVideo();
-    impulse_share_.reset();
-    for (Drawn& drawn : drawn_) {
-      drawn.doubtful.clear();
-      drawn.ground.reset();
-    }
-  }
-
-  /// Where the ground that each object was drawn on was seen since the last call.
-  [[nodiscard]] Spots TakeSpots() { return std::exchange(spots_, {}); }
-
-  /// The next frame: where each object is in it.
-  /// @param guide  where places are known
-  Status See(const Frame& frame, std::size_t video, const Guide* guide, Sightings& sightings) {
-    SeeGround(frame);
-    std::vector<std::size_t> lost;
-    for (const BoxStep& step : tracker_.Step(frame)) {
-      if (!Take(step, frame, video, guide, nullptr, sightings)) lost.push_back(step.target);
-    }
-    ++seen_frames_;
-    if (seen_frames_ % recognize_every_ != 0) return {};
-    if (guide != nullptr) {
-      std::erase_if(lost,
-                    [&](std::size_t target) { return LookWhereItStands(target, frame, video, *guide, sightings); });
-    }
-    std::erase_if(lost, [&](std::size_t target) { return drawn_[target].recognizer == nullptr; });
-    if (lost.empty()) return {};
-    VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet scene, extractor_->Extract(GreyFromBgr(frame.image)));
-    for (const std::size_t target : lost) Recognise(target, scene, frame, video, guide, sightings);
-    return {};
-  }
-
- private:
-  /// @param recognised  by the recogniser, with its score and matches
-  /// @return whether it is seen, and what is seen may be it
-  bool Take(const BoxStep& step, const Frame& frame, std::size_t video, const Guide* guide, const Detection* recognised,
-            Sightings& sightings) {
-    Drawn& drawn = drawn_[step.target];
-    const bool elsewhere = step.seen() && guide != nullptr && guide->Contradicts(drawn.index, step.extent, frame);
-    if (elsewhere) tracker_.Lose(step.target);
-    drawn.last_box.reset();
-    if (elsewhere || !step.seen()) {
-      drawn.doubtful.clear();
-      return false;
-    }
-    drawn.last_box = step.box;
-    BoxSighting sighting{.drawn = drawn.index,
-                         .video = video,
-                         .frame = frame.index,
-                         .time_s = frame.time_s,
-                         .box = step.box,
-                         .extent = step.extent,
-                         .score = step.trust};
-    if (recognised != nullptr) {
-      sighting.score = recognised->score;
-      sighting.matches = recognised->pose.inliers.size();
-    }
-    drawn.doubtful.push_back(sighting);
-    if (!step.doubtful) {
-      std::ranges::move(drawn.doubtful, std::back_inserter(sightings));
-      drawn.doubtful.clear();
-    }
-    return true;
-  }
-
-  [[nodiscard]] cv::Mat Clean(const cv::Mat& image) const {
-    return WithoutImpulses(GreyFromBgr(image), *impulse_share_);
-  }
-
-  void SeeGround(const Frame& frame) {
-    if (!impulse_share_) return;
-    last_image_ = frame.image;
-    if (std::ranges::none_of(drawn_, [](const Drawn& drawn) { return drawn.ground.has_value(); })) return;
-    const FlowPyramid clean(Clean(frame.image), {});
-    for (Drawn& drawn : drawn_) {
-      if (!drawn.ground) continue;
-      if (const auto place = drawn.ground->Step(clean, drawn.last_box)) {
-        spots_.push_back({drawn.index, {frame.index, frame.time_s, *place}});
-      } else {
-        drawn.ground.reset();
-      }
-    }
-  }
-
-  bool LookWhereItStands(std::size_t target, const Frame& frame, std::size_t video, const Guide& guide,
-                         Sightings& sightings) {
-    const auto expected = guide.Expect(drawn_[target].index, frame);
-    if (!expected) return false;
-    const Box inside = Intersection(
-        expected->box, {0, 0, static_cast<double>(frame.image.cols), static_cast<double>(frame.image.rows)});
-    constexpr double kLeastInView = 0.5;
-    if (!(inside.Area() > kLeastInView * expected->box.Area())) return false;
-    const BoxStep step = tracker_.Resume(target, expected->box, expected->turn_rad, BoxTracker::Evidence::kPlace);
-    return Take(step, frame, video, &guide, nullptr, sightings);
-  }
-
-  void Recognise(std::size_t target, const FeatureSet& scene, const Frame& frame, std::size_t video, const Guide* guide,
-                 Sightings& sightings) {
-    const Drawn& drawn = drawn_[target];
-    const std::vector<Detection> detections = drawn.recognizer->Recognize(scene);
-    if (detections.empty()) return;
-    const Detection& best = detections.front();
-    // The drawn box's shape, whatever the turn: a box around a turned outline would be too large.
-    const Box around = BoundingBox(best.outline);
-    const double scale = best.pose.scene_from_template.scale;
-    const double width = drawn.box.width * scale;
-    const double height = drawn.box.height * scale;
-    const Box box{around.x + (around.width - width) / 2, around.y + (around.height - height) / 2, width, height};
-    const BoxStep step =
-        tracker_.Resume(target, box, best.pose.scene_from_template.rotation_rad, BoxTracker::Evidence::kLook);
-    Take(step, frame, video, guide, &best, sightings);
-  }
-
-  BoxTracker tracker_;
-  const FeatureExtractor* extractor_;
-  int recognize_every_;
-  std::vector<Drawn> drawn_;  // in the order of the tracker's targets
-  std::int64_t seen_frames_ = 0;
-  std::optional<double> impulse_share_;
-  cv::Mat last_image_;  // where the ground is watched
-  Spots spots_;
-};
+/// @param type  or null
+bool Flies(const ObjectType* type) { return type != nullptr && type->flies; }
 
 Status CancelledIf(const CancelToken& cancel) {
   if (cancel.IsCancelled()) return Fail(ErrorCode::kCancelled, "interrupted: nothing was written");
@@ -266,7 +53,7 @@ class TrackRun {
         spots_(boxes.size()) {}
 
   /// @param telemetry  a file of the first video's
-  Expected<Sightings> Run(const std::optional<std::string>& telemetry) {
+  Expected<TrackedBoxes> Run(const std::optional<std::string>& telemetry) {
     VICTORIOUS_ASSIGN_OR_RETURN(told_ground_, MakeGround(options_.ground, warn_));
     std::vector<std::optional<double>> durations_s;
     for (const std::string& video : videos_) {
@@ -279,27 +66,32 @@ class TrackRun {
       cameras_.push_back(std::move(cameras));
     }
     VICTORIOUS_ASSIGN_OR_RETURN(extractor_, MakeFeatureExtractor(options_.model.features));
-    VICTORIOUS_ASSIGN_OR_RETURN(Pass forward, NewPass());
+    VICTORIOUS_ASSIGN_OR_RETURN(BoxPass forward, NewPass());
     VICTORIOUS_RETURN_IF_ERROR(GoForward(forward));
     VICTORIOUS_RETURN_IF_ERROR(GoBackward());
     PlaceAll();
-    const std::vector<std::optional<Standing>> standing = WhatStands();
+    const std::vector<std::optional<StandingBox>> standing = WhatStands();
     for (std::size_t video = 1; video < videos_.size(); ++video) {
-      Pass search = forward;
+      BoxPass search = forward;
       VICTORIOUS_RETURN_IF_ERROR(GoThrough(video, standing, search));
     }
     if (videos_.size() > 1) PlaceAll();
-    return std::move(sightings_);
+    TrackedBoxes tracked{.sightings = std::move(sightings_)};
+    WarnOfGround(tracked.sightings);
+    for (std::size_t drawn = 0; drawn < boxes_.size(); ++drawn) {
+      tracked.why_no_place.push_back(WhyNoPlace(drawn, tracked.sightings));
+    }
+    return tracked;
   }
 
  private:
-  Expected<Pass> NewPass() const {
+  Expected<BoxPass> NewPass() const {
     VICTORIOUS_ASSIGN_OR_RETURN(BoxTracker tracker, BoxTracker::Create(options_.box));
     const auto impulse_share = cameras_[0] ? std::optional(options_.model.features.impulse_share) : std::nullopt;
-    return Pass(std::move(tracker), *extractor_, options_.recognize_every, impulse_share);
+    return BoxPass(std::move(tracker), *extractor_, options_.recognize_every, impulse_share);
   }
 
-  Status GoForward(Pass& pass) {
+  Status GoForward(BoxPass& pass) {
     VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, OpenTwiceReadable(videos_[0]));
     std::vector<bool> started(boxes_.size(), false);
     double last_time_s = 0;
@@ -327,32 +119,33 @@ class TrackRun {
     return {};
   }
 
-  Status Draw(std::size_t index, const Frame& frame, Pass& pass) {
-    Drawn drawn{.index = index, .box = boxes_[index].box, .frame = frame.index, .recognizer = nullptr};
-    Expected<Box> box = pass.Start(drawn);
+  Status Draw(std::size_t index, const Frame& frame, BoxPass& pass) {
+    DrawnTarget target{.drawn = index, .box = boxes_[index].box, .frame = frame.index};
+    Expected<Box> box = pass.Start(target);
     if (!box) return std::unexpected(std::move(box).error().WithContext(BoxName(index)));
-    drawn.box = *box;
-    Expected<std::shared_ptr<const Recognizer>> recognizer = LearnModel(frame, drawn.box, BoxName(index), options_);
+    target.box = *box;
+    Expected<std::shared_ptr<const Recognizer>> recognizer =
+        LearnBox(frame, target.box, BoxName(index), options_.model, options_.recognize);
     if (recognizer) {
-      drawn.recognizer = *recognizer;
-      pass.Equip(drawn.recognizer);
+      target.recognizer = *recognizer;
+      pass.Equip(target.recognizer);
     } else {
       warn_(fmt::format("{}: found again by its look alone: {}", BoxName(index), recognizer.error().message));
     }
     sightings_.push_back({.drawn = index,
                           .frame = frame.index,
                           .time_s = frame.time_s,
-                          .box = drawn.box,
-                          .extent = drawn.box,
+                          .box = target.box,
+                          .extent = target.box,
                           .score = 1});
-    drawn_.push_back(std::move(drawn));
+    targets_.push_back(std::move(target));
     return {};
   }
 
   Status GoBackward() {
-    VICTORIOUS_ASSIGN_OR_RETURN(Pass pass, NewPass());
+    VICTORIOUS_ASSIGN_OR_RETURN(BoxPass pass, NewPass());
     std::int64_t end = 0;
-    for (const Drawn& drawn : drawn_) end = std::max(end, drawn.frame + 1);
+    for (const DrawnTarget& target : targets_) end = std::max(end, target.frame + 1);
     if (end <= 1) return {};
     VICTORIOUS_ASSIGN_OR_RETURN(const auto first, OpenTwiceReadable(videos_[0]));
     const std::int64_t frame_bytes = std::int64_t{3} * first->info().width * first->info().height;
@@ -365,8 +158,8 @@ class TrackRun {
       for (auto frame = frames.rbegin(); frame != frames.rend(); ++frame) {
         VICTORIOUS_RETURN_IF_ERROR(CancelledIf(cancel_));
         VICTORIOUS_RETURN_IF_ERROR(pass.See(*frame, 0, nullptr, sightings_));
-        for (const Drawn& drawn : drawn_) {
-          if (drawn.frame == frame->index) VICTORIOUS_RETURN_IF_ERROR(pass.Start(drawn));
+        for (const DrawnTarget& target : targets_) {
+          if (target.frame == frame->index) VICTORIOUS_RETURN_IF_ERROR(pass.Start(target));
         }
         progress.Update(++done);
       }
@@ -375,7 +168,7 @@ class TrackRun {
     return {};
   }
 
-  void KeepSpots(Pass& pass) {
+  void KeepSpots(BoxPass& pass) {
     for (DrawnSpot& spot : pass.TakeSpots()) spots_[spot.drawn][spot.seen.frame] = spot.seen;
   }
 
@@ -390,10 +183,10 @@ class TrackRun {
     }
   }
 
-  Status GoThrough(std::size_t video, const std::vector<std::optional<Standing>>& standing, Pass& pass) {
+  Status GoThrough(std::size_t video, const std::vector<std::optional<StandingBox>>& standing, BoxPass& pass) {
     VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, OpenTwiceReadable(videos_[video]));
     pass.ChangeVideo();
-    const Guide guide(standing, cameras_[video], options_.place);
+    const BoxGuide guide(standing, cameras_[video], options_.place);
     return ReadAll(*reader, videos_[video], [&](const Frame& frame) {
       sizes_[video] = frame.image.size();
       return pass.See(frame, video, &guide, sightings_);
@@ -425,7 +218,7 @@ class TrackRun {
       std::vector<std::vector<BoxSighting*>> seen(videos_.size());
       for (BoxSighting& sighting : sightings_) {
         if (sighting.drawn != drawn) continue;
-        const auto camera = CameraAt(cameras_[sighting.video], sighting.time_s);
+        const auto camera = CameraOf(sighting);
         if (!camera) continue;
         const auto recognition = static_cast<std::int64_t>(sighting.video * boxes_.size() + drawn + 1);
         sighting.sight =
@@ -435,7 +228,7 @@ class TrackRun {
       const BoxMotion motion = MotionOf(drawn, type, seen[0]);
       // Of what may fly, and of what nobody says what it is and does not leave its spot, lines of sight alone tell
       // more than the spot.
-      const bool flies = type != nullptr && type->flies;
+      const bool flies = Flies(type);
       const std::optional<BoxGround> told = flies ? std::nullopt : ToldGround();
       const bool on_spot = type != nullptr ? !flies : motion == BoxMotion::kMoves;
       const std::optional<BoxGround> ground = told || !on_spot ? told : GroundOf(drawn);
@@ -473,6 +266,11 @@ class TrackRun {
     return farthest < kStays && 2 * away.size() > seen.size() ? BoxMotion::kStands : BoxMotion::kUnknown;
   }
 
+  [[nodiscard]] std::optional<CameraState> CameraOf(const BoxSighting& sighting) const {
+    const std::optional<CameraTrack>& cameras = cameras_[sighting.video];
+    return cameras ? cameras->At(sighting.time_s) : std::nullopt;
+  }
+
   [[nodiscard]] std::optional<BoxGround> ToldGround() const {
     if (!told_ground_) return std::nullopt;
     return BoxGround{told_ground_, options_.place.locate.ground_sigma_m};
@@ -487,6 +285,52 @@ class TrackRun {
     return place ? std::optional(BoxGround::About(*place)) : std::nullopt;
   }
 
+  /// Where lines of sight meet far from the ground that is told, they are believed.
+  void WarnOfGround(const Sightings& sightings) const {
+    if (!told_ground_) return;
+    constexpr double kFarSigmas = 3;
+    for (std::size_t drawn = 0; drawn < boxes_.size(); ++drawn) {
+      if (Flies(FindObjectType(boxes_[drawn].type))) continue;
+      const auto seen = std::ranges::find_if(
+          sightings, [&](const BoxSighting& one) { return one.drawn == drawn && one.place.has_value(); });
+      if (seen == sightings.end()) continue;
+      const GeodeticPoint& point = seen->place->point;
+      const std::optional<double> ground_m = told_ground_->HeightAt(point);
+      const double sigma_m = std::sqrt(seen->place->covariance_enu_m2(2, 2)) + options_.place.locate.ground_sigma_m;
+      if (!ground_m || std::abs(point.altitude_m - *ground_m) <= kFarSigmas * sigma_m) continue;
+      warn_(
+          fmt::format("{}: its lines of sight meet at {:.1f} m, and the ground that is told is at {:.1f} m there: it "
+                      "is placed as if none were told",
+                      BoxName(drawn), point.altitude_m, *ground_m));
+    }
+  }
+
+  /// Empty for what has one.
+  [[nodiscard]] std::string WhyNoPlace(std::size_t drawn, const Sightings& sightings) const {
+    const auto of_it = [&](const BoxSighting& one) { return one.drawn == drawn; };
+    const auto any = [&](const auto& what) {
+      return std::ranges::any_of(sightings, [&](const BoxSighting& one) { return of_it(one) && what(one); });
+    };
+    if (any([](const BoxSighting& one) { return one.place.has_value(); })) return "";
+    if (any([](const BoxSighting& one) { return one.sight.has_value(); })) {
+      return told_ground_ ? "its lines of sight do not tell how far off it is, and do not meet the ground that is told"
+                          : "its lines of sight do not tell how far off it is; --ground METRES, --terrain FILE or "
+                            "--type WORD may";
+    }
+    if (std::ranges::none_of(cameras_, [](const auto& one) { return one.has_value(); })) {
+      return "nothing tells where the camera was and looked and its field of view; --telemetry FILE does, and "
+             "`victorious doctor VIDEO` says what is missing";
+    }
+    if (any([&](const BoxSighting& one) { return CameraOf(one).has_value(); })) {
+      return "telemetry does not tell all of where the camera was, where it looked and its field of view while it is "
+             "seen; `victorious doctor VIDEO` says what is missing";
+    }
+    const auto first = std::ranges::find_if(sightings, of_it);
+    const auto last = std::ranges::find_if(sightings.rbegin(), sightings.rend(), of_it);
+    return fmt::format("telemetry tells of no moment from {:.2f} to {:.2f} s, in which it is seen", first->time_s,
+                       last->time_s);
+  }
+
   void PutPlaces(const std::vector<BoxSighting*>& seen, BoxMotion motion,
                  const std::optional<BoxGround>& ground) const {
     std::vector<Sight> sights;
@@ -496,14 +340,14 @@ class TrackRun {
   }
 
   /// By the sightings of the video that they were drawn in.
-  [[nodiscard]] std::vector<std::optional<Standing>> WhatStands() const {
-    std::vector<std::optional<Standing>> standing(boxes_.size());
-    for (const Drawn& drawn : drawn_) {
+  [[nodiscard]] std::vector<std::optional<StandingBox>> WhatStands() const {
+    std::vector<std::optional<StandingBox>> standing(boxes_.size());
+    for (const DrawnTarget& target : targets_) {
       const auto seen = std::ranges::find_if(sightings_, [&](const BoxSighting& one) {
-        return one.video == 0 && one.drawn == drawn.index && one.frame == drawn.frame;
+        return one.video == 0 && one.drawn == target.drawn && one.frame == target.frame;
       });
       if (seen == sightings_.end() || !seen->place || seen->place->Moves()) continue;
-      standing[drawn.index] = {*seen->place, drawn.box, *CameraAt(cameras_[0], seen->time_s)};
+      standing[target.drawn] = {*seen->place, target.box, *CameraOf(*seen)};
     }
     return standing;
   }
@@ -531,7 +375,7 @@ class TrackRun {
   std::unique_ptr<const FeatureExtractor> extractor_;
   std::vector<std::optional<CameraTrack>> cameras_;  // by video
   std::vector<cv::Size> sizes_;                      // of frames, by video
-  std::vector<Drawn> drawn_;
+  std::vector<DrawnTarget> targets_;
   Sightings sightings_;
   std::vector<std::map<std::int64_t, SpotSighting>> spots_;  // of the first video, by drawn box and frame
 };
@@ -558,10 +402,9 @@ void TrackRunOptions::ListFields(FieldList& fields) {
   fields.AddGroup("recognize", recognize);
 }
 
-Expected<std::vector<BoxSighting>> TrackBoxes(std::span<const std::string> videos, std::span<const DrawnBox> boxes,
-                                              const std::optional<std::string>& telemetry,
-                                              const TrackRunOptions& options, const CancelToken& cancel,
-                                              const WarningSink& warn) {
+Expected<TrackedBoxes> TrackBoxes(std::span<const std::string> videos, std::span<const DrawnBox> boxes,
+                                  const std::optional<std::string>& telemetry, const TrackRunOptions& options,
+                                  const CancelToken& cancel, const WarningSink& warn) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   if (videos.empty() || boxes.empty()) {
     return Fail(ErrorCode::kInvalidArgument, "nothing to follow: give a video and a box in it");

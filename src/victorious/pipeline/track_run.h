@@ -42,15 +42,18 @@ struct TrackRunOptions {
   void ListFields(FieldList& fields);
 };
 
+struct TrackedBoxes {
+  std::vector<BoxSighting> sightings;     ///< by video, frame, box
+  std::vector<std::string> why_no_place;  ///< by box; empty for what has one
+};
+
 /// @param videos     the first is the one that the boxes are drawn in; each a file or a folder, read twice
 /// @param telemetry  a file of the first video's; nothing: what is in it or beside it, as for the others
-/// @return by video, frame, box
 /// Errors: those of MakeGround; kInvalidArgument for options out of range, no boxes, a box that is outside its frame or
 /// too small, a time beyond the end, a live source; those of VideoReader; kCancelled. Cost: at 640 x 480 some 15 ms a
 /// frame for one box. Frames before the boxes are read again in stretches that fit into options.memory_mb.
-Expected<std::vector<BoxSighting>> TrackBoxes(std::span<const std::string> videos, std::span<const DrawnBox> boxes,
-                                              const std::optional<std::string>& telemetry,
-                                              const TrackRunOptions& options, const CancelToken& cancel,
-                                              const WarningSink& warn);
+Expected<TrackedBoxes> TrackBoxes(std::span<const std::string> videos, std::span<const DrawnBox> boxes,
+                                  const std::optional<std::string>& telemetry, const TrackRunOptions& options,
+                                  const CancelToken& cancel, const WarningSink& warn);
 
 }  // namespace victorious

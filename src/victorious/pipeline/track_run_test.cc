@@ -1,5 +1,10 @@
 #include "victorious/pipeline/track_run.h"
 
+#include <fstream>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,14 +27,29 @@ class TrackRunTest : public ::testing::Test {
     return {row.box, frame / flight_.options().fps};
   }
 
-  Expected<std::vector<BoxSighting>> Run(const std::vector<DrawnBox>& boxes, const TrackRunOptions& options = {}) {
-    return TrackBoxes(videos_, boxes, {}, options, cancel_,
+  Expected<TrackedBoxes> Track(const std::vector<DrawnBox>& boxes, const TrackRunOptions& options = {}) {
+    return TrackBoxes(videos_, boxes, telemetry_, options, cancel_,
                       [&](const std::string& line) { warnings_.push_back(line); });
+  }
+
+  Expected<std::vector<BoxSighting>> Run(const std::vector<DrawnBox>& boxes, const TrackRunOptions& options = {}) {
+    Expected<TrackedBoxes> tracked = Track(boxes, options);
+    if (!tracked) return std::unexpected(std::move(tracked).error());
+    return std::move(tracked->sightings);
+  }
+
+  // The camera stands still, from one time to another.
+  void TellCamera(double from_s, double to_s) {
+    telemetry_ = (folder_ / "telemetry.csv").string();
+    std::ofstream rows(*telemetry_);
+    rows << "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg\n";
+    for (double time_s = from_s; time_s <= to_s; time_s += 0.5) rows << time_s << ",42,-71,100,0,-60,0,50\n";
   }
 
   testing::SyntheticFlight flight_;
   testing::ScratchFolder folder_;
   std::vector<std::string> videos_;
+  std::optional<std::string> telemetry_;
   CancelToken cancel_;
   std::vector<std::string> warnings_;
 };
@@ -67,6 +87,32 @@ TEST_F(TrackRunTest, TellsWhatIsWrong) {
   EXPECT_EQ(Run({}).error().code, ErrorCode::kInvalidArgument);
   cancel_.Cancel();
   EXPECT_EQ(Run({Drawn(0)}).error().code, ErrorCode::kCancelled);
+}
+
+TEST_F(TrackRunTest, WhyThereIsNoPlaceIsTold) {
+  const auto why = [&] { return Track({Drawn(25)}).value().why_no_place.at(0); };
+  EXPECT_THAT(why(), HasSubstr("nothing tells where the camera was"));
+  TellCamera(100, 101);
+  EXPECT_THAT(why(), HasSubstr("telemetry tells of no moment from"));
+  TellCamera(0, 10);
+  EXPECT_THAT(why(), HasSubstr("do not tell how far off"));
+}
+
+TEST_F(TrackRunTest, WhatHasAPlaceNeedsNoExcuse) {
+  TellCamera(0, 10);
+  TrackRunOptions options;
+  options.ground.height_m = 20;
+  const TrackedBoxes tracked = Track({Drawn(25)}, options).value();
+  EXPECT_THAT(tracked.why_no_place.at(0), ::testing::IsEmpty());
+  EXPECT_TRUE(tracked.sightings.back().place.has_value());
+}
+
+TEST_F(TrackRunTest, AGroundAboveTheCameraIsNotTakenForWhatIsMissing) {
+  TellCamera(0, 10);
+  TrackRunOptions options;
+  options.ground.height_m = 200;
+  const TrackedBoxes tracked = Track({Drawn(25)}, options).value();
+  EXPECT_THAT(tracked.why_no_place.at(0), HasSubstr("do not meet the ground that is told"));
 }
 
 }  // namespace
