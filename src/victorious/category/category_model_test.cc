@@ -82,6 +82,14 @@ TEST(CategoryModel, KeepsTheShapesThatItLearnedFromAlone) {
   EXPECT_EQ(TrainCategories(WithMirrorImages(12, false), options).value().shape_examples.cols(), 48);
 }
 
+TEST(CategoryModel, ManyPicturesAreLearnedFromWithoutFisherVectors) {
+  CategoryOptions options = SmallOptions();
+  options.fisher.components = 0;
+  const CategoryModel model = TrainCategories(DrawExamples(30, 1), options).value();
+  EXPECT_EQ(model.fisher.size(), 0U);
+  EXPECT_GE(Accuracy(model, DrawExamples(15, 2), CategoryMethod::kPhrases), 0.9);
+}
+
 TEST(CategoryModel, IsDeterministicBySeed) {
   const auto examples = DrawExamples(4, 1);
   for (const char* scoring : {"linear", "likelihood"}) {

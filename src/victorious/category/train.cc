@@ -146,6 +146,7 @@ Eigen::MatrixXd KernelOf(std::span<const SparseVector> vectors, std::size_t size
 
 Eigen::MatrixXd KernelOf(const Eigen::MatrixXf& columns) {
   Eigen::MatrixXf kernel = Eigen::MatrixXf::Zero(columns.cols(), columns.cols());
+  if (columns.rows() == 0) return kernel.cast<double>();  // which Eigen 3.4's rankUpdate divides by
   kernel.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
   return Eigen::MatrixXf(kernel.selfadjointView<Eigen::Lower>()).cast<double>();
 }
