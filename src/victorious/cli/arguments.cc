@@ -258,4 +258,19 @@ Expected<SightingFilter> FilterArguments::Filter() const {
   return filter;
 }
 
+Expected<std::string> WhyNoneIsNear(SightingFilter filter, IndexStore& store) {
+  if (!filter.near) return "";
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> near, store.Objects(filter));
+  filter.near.reset();
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> asked, store.Objects(filter));
+  if (!near.empty() || asked.empty()) return "";
+  const auto placed = std::ranges::count_if(asked, [](const ObjectRecord& one) { return one.place.has_value(); });
+  if (placed == 0) {
+    return fmt::format("--near: none of the {} objects asked for has a place: index the videos with telemetry",
+                       asked.size());
+  }
+  return fmt::format("--near: {} of the {} objects asked for have a place, and all lie further off", placed,
+                     asked.size());
+}
+
 }  // namespace victorious::cli

@@ -94,4 +94,7 @@ struct FilterArguments {
   [[nodiscard]] Expected<SightingFilter> Filter() const;
 };
 
+/// Why no object is near the place that a filter asks for, for a person; empty where one is, or none is asked for.
+Expected<std::string> WhyNoneIsNear(SightingFilter filter, IndexStore& store);
+
 }  // namespace victorious::cli

@@ -50,6 +50,12 @@ Status WarnWithoutBackground(const CategoryModel& model) {
   return {};
 }
 
+// What is told of a line of the list names it already.
+Error OfList(Error error, const std::string& list) {
+  if (error.message.starts_with(list + " line ")) return error;
+  return std::move(error).WithContext(list);
+}
+
 Status Train(const Arguments& arguments) {
   CategoryTrainOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
@@ -60,7 +66,7 @@ Status Train(const Arguments& arguments) {
       arguments.images, rows, options, [&](std::size_t done) { progress->Update(static_cast<std::int64_t>(done)); },
       [](const std::string& warning) { spdlog::warn("{}", OneLine(warning)); });
   progress.reset();
-  if (!model) return std::unexpected(std::move(model).error().WithContext(arguments.list));
+  if (!model) return std::unexpected(OfList(std::move(model).error(), arguments.list));
   VICTORIOUS_RETURN_IF_ERROR(WriteCategories(arguments.out, *model));
   VICTORIOUS_RETURN_IF_ERROR(WarnWithoutBackground(*model));
   const auto labels = std::ranges::count(model->nodes, true, &CategoryNode::labels);
@@ -145,7 +151,7 @@ Status Refine(const Arguments& arguments) {
   };
   VICTORIOUS_RETURN_IF_ERROR(ForEachPicture(arguments.images, rows, look, [](std::size_t) {}));
   Expected<CategoryModel> refined = RefineCategories(std::move(model), marks);
-  if (!refined) return std::unexpected(std::move(refined).error().WithContext(arguments.list));
+  if (!refined) return std::unexpected(OfList(std::move(refined).error(), arguments.list));
   VICTORIOUS_RETURN_IF_ERROR(WriteCategories(arguments.out, *refined));
   return WriteOutput("", fmt::format("{}: refined by {} marks\n", arguments.out, marks.size()));
 }

@@ -48,6 +48,7 @@ std::string Names() {
 
 Status Run(const Arguments& arguments) {
   if (arguments.name == "list") return WriteOutput("", Names());
+  VICTORIOUS_RETURN_IF_ERROR(FindExperiment(arguments.name));
   if (arguments.out.empty()) {
     return Fail(ErrorCode::kInvalidArgument, "--out is required: the folder for NAME.json, NAME.csv and the plot");
   }
@@ -61,8 +62,16 @@ Status Run(const Arguments& arguments) {
       .frames = arguments.frames,
       .cancel = &Interrupt(),
       .progress = [&](std::string_view what) { fmt::print(stderr, "{}: {}\n", arguments.name, what); }};
-  VICTORIOUS_ASSIGN_OR_RETURN(const Report report, RunExperiment(arguments.name, settings));
-  return WriteOutput("", MarkdownOf(report));
+  const Expected<Report> report = RunExperiment(arguments.name, settings);
+  if (report) return WriteOutput("", MarkdownOf(*report));
+  std::error_code error;
+  if (report.error().code == ErrorCode::kNotFound && !std::filesystem::is_directory(arguments.scenes, error)) {
+    return Fail(
+        ErrorCode::kNotFound,
+        fmt::format("{}; {} is no folder of scene files: run from the repository's root, or name it by --scenes",
+                    report.error().message, arguments.scenes));
+  }
+  return std::unexpected(report.error());
 }
 
 }  // namespace

@@ -2,6 +2,9 @@
 #include <filesystem>
 #include <memory>
 #include <sstream>
+#include <string>
+
+#include <spdlog/spdlog.h>
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
@@ -32,6 +35,8 @@ Action SetUpExport(CLI::App& app) {
     VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
                                 OpenSqliteStore(arguments->db, StoreMode::kRead));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string why_none, WhyNoneIsNear(filter, *store));
+    if (!why_none.empty()) spdlog::info(why_none);
     std::ostringstream text;
     VICTORIOUS_RETURN_IF_ERROR(Export(*store, format, filter, text));
     return WriteOutput(arguments->out, text.view());

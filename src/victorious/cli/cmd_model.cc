@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <spdlog/spdlog.h>
 
+#include "victorious/base/median.h"
 #include "victorious/base/progress.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
@@ -236,6 +237,25 @@ Expected<Findable> MeasureFindable(const ObjectModel& model, const FindableArgum
   return found;
 }
 
+// A line a view; of many, how much they hold.
+std::string ViewsText(const ObjectModel& model) {
+  constexpr std::size_t kMostLines = 12;
+  std::string text;
+  if (model.views.size() > kMostLines) {
+    std::vector<double> counts;
+    for (const ModelView& view : model.views) counts.push_back(static_cast<double>(view.feature_count));
+    const auto [fewest, most] = std::ranges::minmax(counts);
+    return fmt::format("  a view    {} to {} features, median {}; --json lists the views, --views FILE draws them\n",
+                       fewest, most, Median(counts));
+  }
+  for (const ModelView& view : model.views) {
+    const Box box = BoundingBox(view.outline);
+    text += fmt::format("  view      {}: {} x {} px, object {:.0f} x {:.0f} px at {:.0f},{:.0f}, {} features\n",
+                        view.source, view.width, view.height, box.width, box.height, box.x, box.y, view.feature_count);
+  }
+  return text;
+}
+
 Status Show(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel model, ModelLibrary(arguments.folder).Load(arguments.name));
   std::optional<Findable> findable;
@@ -256,12 +276,7 @@ Status Show(const Arguments& arguments) {
       "{}\n  from      {}\n  length    {}\n  features  {} in {} views\n  engine    {}, version {}\n  options   {}\n",
       model.name, model.kind, SizeText(model), model.features.size(), model.views.size(), model.engine,
       model.program_version, model.options_json);
-  for (const ModelView& view : model.views) {
-    const Box box = BoundingBox(view.outline);
-    text += fmt::format("  view      {}: {} x {} px, object {:.0f} x {:.0f} px at {:.0f},{:.0f}, {} features\n",
-                        view.source, view.width, view.height, box.width, box.height, box.x, box.y, view.feature_count);
-  }
-  return WriteOutput("", text);
+  return WriteOutput("", text + ViewsText(model));
 }
 
 void AddFindableFlags(CLI::App& show, FindableArguments& findable) {

@@ -53,23 +53,6 @@ std::string ObjectLine(const ListedObject& listed) {
                      object.rejected.empty() ? "" : fmt::format("  (rejected: {})", object.rejected));
 }
 
-// Why nothing was found near a place.
-Status TellOfPlaces(SightingFilter filter, const Catalogue& catalogue, IndexStore& store) {
-  filter.near.reset();
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> objects, ListObjects(store, catalogue, filter));
-  const auto placed =
-      std::ranges::count_if(objects, [](const ListedObject& one) { return one.object.place.has_value(); });
-  if (objects.empty()) return {};
-  if (placed == 0) {
-    spdlog::info("--near: none of the {} objects asked for has a place: index the videos with telemetry",
-                 objects.size());
-  } else {
-    spdlog::info("--near: {} of the {} objects asked for have a place, and all lie further off", placed,
-                 objects.size());
-  }
-  return {};
-}
-
 Status ListFoundObjects(const Arguments& arguments, const SightingFilter& filter, const Catalogue& catalogue,
                         IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ListedObject> objects, ListObjects(store, catalogue, filter));
@@ -84,7 +67,10 @@ Status ListFoundObjects(const Arguments& arguments, const SightingFilter& filter
                        "score", "frames", "from", "to", "object", "place (CE90)", "heading", "m/s", "videos");
     for (const ListedObject& object : objects) text += ObjectLine(object);
   }
-  if (objects.empty() && filter.near) VICTORIOUS_RETURN_IF_ERROR(TellOfPlaces(filter, catalogue, store));
+  if (objects.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string why, WhyNoneIsNear(filter, store));
+    if (!why.empty()) spdlog::info(why);
+  }
   if (arguments.filter.rejected &&
       std::ranges::all_of(objects, [](const auto& one) { return one.object.rejected.empty(); })) {
     spdlog::info("nothing was rejected");

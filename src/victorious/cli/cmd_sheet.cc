@@ -69,6 +69,8 @@ Action SetUpSheet(CLI::App& app) {
     VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
                                 OpenSqliteStore(arguments->db, StoreMode::kRead));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string why_none, WhyNoneIsNear(filter, *store));
+    if (!why_none.empty()) return Fail(ErrorCode::kInvalidArgument, why_none);
     VICTORIOUS_RETURN_IF_ERROR(CheckContents(filter, arguments->options.most_tiles, *store));
     VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat sheet, DrawContactSheet(filter, arguments->options, *store));
     return WriteImage(arguments->out, sheet);

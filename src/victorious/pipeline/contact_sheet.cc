@@ -131,9 +131,7 @@ Expected<cv::Mat> DrawContactSheet(const SightingFilter& filter, const ContactSh
     VICTORIOUS_RETURN_IF_ERROR(DrawTilesOf(*catalogue.Video(video), of_video, options.tile_width_px));
   }
   std::erase_if(tiles, [](const Tile& tile) { return tile.picture.empty(); });
-  if (tiles.empty())
-    return Fail(ErrorCode::kInvalidArgument,
-                "the index holds no object to show here: index a video with its models first");
+  if (tiles.empty()) return Fail(ErrorCode::kInvalidArgument, "the index holds no object to show of what is asked for");
   return Compose(tiles, options);
 }
 

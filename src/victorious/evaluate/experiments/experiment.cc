@@ -88,7 +88,7 @@ std::span<const Experiment> Experiments() {
   return kExperiments;
 }
 
-Expected<Report> RunExperiment(const std::string& name, const ExperimentSettings& settings) {
+Expected<const Experiment*> FindExperiment(const std::string& name) {
   const auto all = Experiments();
   const auto experiment = std::ranges::find_if(all, [&](const Experiment& one) { return name == one.name; });
   if (experiment == all.end()) {
@@ -98,6 +98,11 @@ Expected<Report> RunExperiment(const std::string& name, const ExperimentSettings
                 fmt::format("{}: no such experiment; `victorious experiment list` tells of each: {}", name,
                             fmt::join(names, ", ")));
   }
+  return &*experiment;
+}
+
+Expected<Report> RunExperiment(const std::string& name, const ExperimentSettings& settings) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const Experiment* const experiment, FindExperiment(name));
   std::error_code error;
   std::filesystem::create_directories(settings.out, error);
   if (error) return std::unexpected(ErrorFromErrno(error.value(), "make folder " + settings.out.string()));

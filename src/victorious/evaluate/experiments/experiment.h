@@ -46,6 +46,9 @@ struct Experiment {
 /// Every experiment, in the thesis's order.
 std::span<const Experiment> Experiments();
 
+/// Error: kInvalidArgument for a name that is none.
+Expected<const Experiment*> FindExperiment(const std::string& name);
+
 /// Runs the experiment and writes its report. Errors: kInvalidArgument for a name that is none, kNotFound for data that
 /// are missing; those of writing.
 Expected<Report> RunExperiment(const std::string& name, const ExperimentSettings& settings);
