@@ -56,6 +56,12 @@ void IndexOptions::ListSearchFields(FieldList& fields) {
   fields.AddGroup("follow", follow);
   fields.AddGroup("runs", runs);
   fields.AddGroup("keep", keep);
+  fields.Add("live_wait_s", live_wait_s,
+             {.min = 0,
+              .max = 60,
+              .unit = "s",
+              .reason = "a live source's frame waits so long for telemetry of its moment or later, which may come once "
+                        "a second; where none comes beside the frames, none waits"});
   fields.Add(
       "every", every,
       {.min = 1,

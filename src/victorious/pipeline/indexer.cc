@@ -189,7 +189,9 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models_before, store.Models());
   VICTORIOUS_RETURN_IF_ERROR(CheckNames(sought_, models_before));
-  const VideoReaderOptions reading{.threads = job.threads, .folder_frame_rate = options_.video.folder_frame_rate};
+  const VideoReaderOptions reading{.data_packets = true,  // of a live source they come once
+                                   .threads = job.threads,
+                                   .folder_frame_rate = options_.video.folder_frame_rate};
   VICTORIOUS_ASSIGN_OR_RETURN(std::unique_ptr<VideoReader> reader, VideoReader::Open(video, reading));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string content_id, ContentIdOf(*reader, video, cancel));
   const auto tell = [&](const std::string& warning) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -17,6 +18,7 @@
 #include "victorious/geometry/angles.h"
 #include "victorious/pipeline/daylight.h"
 #include "victorious/pipeline/follower.h"
+#include "victorious/pipeline/live_cameras.h"
 #include "victorious/pipeline/run_linker.h"
 #include "victorious/pipeline/sight.h"
 #include "victorious/pipeline/stance.h"
@@ -60,7 +62,13 @@ class KeepClock {
 // Categories are sought in whole frames only.
 bool Follows(const SearchPass& pass) { return pass.options.follow.enabled && !pass.recognizer.models().empty(); }
 
-// Reads the frames to be searched. Serial.
+// Telemetry comes beside the frames, where it came with nothing before.
+bool HasLiveTelemetry(const SearchPass& pass, const VideoInfo& info) {
+  const auto tells = [](const StreamInfo& stream) { return stream.type == "data" || stream.type == "subtitle"; };
+  return info.live && pass.cameras == nullptr && std::ranges::any_of(info.streams, tells);
+}
+
+// Reads the frames to be searched, and what telemetry tells of each. Serial.
 class Source {
  public:
   /// @param needed_from  the first frame whose motion is asked for, if it lies before those to search
@@ -72,6 +80,7 @@ class Source {
         clock_(pass.options.keep.interval_s),
         pass_(pass),
         next_frame_(pass.searches.front().next_frame) {
+    if (HasLiveTelemetry(pass, reader.info())) live_.emplace(pass.options.telemetry);
     follow_from_ = next_frame_;
     if (Follows(pass)) follow_from_ -= next_frame_ % pass.options.follow.restart_frames;
     first_frame_ = std::min(follow_from_, needed_from.value_or(follow_from_));
@@ -79,28 +88,18 @@ class Source {
 
   // The next frame to search or follow, or nothing at the end, when cancelled, or on an error.
   WorkPtr Next() {
-    while (status_ && !cancel_.IsCancelled()) {
-      Expected<std::optional<Frame>> frame = reader_.NextFrame();
-      if (!frame) {
-        status_ = std::unexpected(std::move(frame).error());
-        break;
-      }
-      if (!*frame) {
-        at_end_ = true;
-        break;
-      }
-      ++frames_read_;
-      last_time_s_ = (*frame)->time_s;
-      const std::int64_t index = (*frame)->index;
+    while (std::optional<Frame> frame = NextFrame()) {
+      const std::int64_t index = frame->index;
       const bool whole = IsWhole(index);
-      const bool keep = whole && clock_.Keeps((*frame)->time_s);
+      const bool keep = whole && clock_.Keeps(frame->time_s);
       if (index < first_frame_) {
         progress_.Update(index + 1);  // before any frame is on its way: nobody else reports yet
         continue;
       }
       if (!whole && !Follows(pass_)) continue;
       auto work = std::make_shared<Work>();
-      work->frame = *std::move(*frame);
+      work->camera = CameraAt(frame->time_s);
+      work->frame = *std::move(frame);
       work->again = index < next_frame_;
       work->passed = index < follow_from_;
       work->whole = whole && !work->passed;
@@ -115,11 +114,64 @@ class Source {
   [[nodiscard]] std::int64_t frames_read() const { return frames_read_; }
   [[nodiscard]] double last_time_s() const { return last_time_s_; }
 
+  // Of what came beside the frames.
+  [[nodiscard]] std::vector<std::string> TelemetryWarnings() const {
+    return live_ ? live_->Warnings() : std::vector<std::string>();
+  }
+
  private:
   // Tracks begin with whole-frame searches.
   [[nodiscard]] bool IsWhole(std::int64_t index) const {
     const FollowOptions& follow = pass_.options.follow;
     return index % pass_.options.every == 0 || (follow.enabled && index % follow.restart_frames == 0);
+  }
+
+  // A live source's frames wait until telemetry tells of them, for a while.
+  std::optional<Frame> NextFrame() {
+    if (!live_) return ReadFrame();
+    const double patience_s = pass_.options.live_wait_s;
+    while (true) {
+      std::optional<Frame> frame = ReadFrame();
+      const bool ends = !frame;
+      if (frame) waiting_.push_back(*std::move(frame));
+      if (waiting_.empty()) return std::nullopt;
+      const double first_s = waiting_.front().time_s;
+      if (!ends && !live_->Covers(first_s) && waiting_.back().time_s < first_s + patience_s) continue;
+      Frame first = std::move(waiting_.front());
+      waiting_.pop_front();
+      return first;
+    }
+  }
+
+  std::optional<Frame> ReadFrame() {
+    if (!status_ || at_end_ || cancel_.IsCancelled()) return std::nullopt;
+    Expected<std::optional<Frame>> frame = reader_.NextFrame();
+    if (!frame) {
+      status_ = std::unexpected(std::move(frame).error());
+      return std::nullopt;
+    }
+    if (!*frame) {
+      at_end_ = true;
+      return std::nullopt;
+    }
+    ++frames_read_;
+    last_time_s_ = (*frame)->time_s;
+    std::vector<DataPacket> packets = reader_.TakeDataPackets();
+    if (live_) status_ = live_->Add(std::move(packets), last_time_s_);
+    return *std::move(frame);
+  }
+
+  // As far as telemetry tells, and the parameters.
+  [[nodiscard]] std::optional<CameraState> CameraAt(double time_s) const {
+    std::optional<CameraState> camera;
+    if (pass_.cameras != nullptr) camera = pass_.cameras->At(time_s);
+    if (live_) camera = live_->At(time_s);
+    const double hfov_deg = pass_.options.telemetry.hfov_deg;
+    if (hfov_deg > 0) {
+      if (!camera) camera.emplace(CameraState{.time_s = time_s});
+      if (!camera->hfov_rad) camera->hfov_rad = RadiansFromDegrees(hfov_deg);
+    }
+    return camera;
   }
 
   VideoReader& reader_;
@@ -134,6 +186,8 @@ class Source {
   bool at_end_ = false;
   std::int64_t frames_read_ = 0;
   double last_time_s_ = 0;
+  std::optional<LiveCameras> live_;
+  std::deque<Frame> waiting_;  // of a live source, for its telemetry
 };
 
 SightingRecord ToSighting(const SearchPass& pass, const Frame& frame, const FeatureSet& features,
@@ -168,18 +222,6 @@ SightingRecord ToSighting(const SearchPass& pass, const Frame& frame, const Feat
   return sighting;
 }
 
-// As far as telemetry tells, and the parameters.
-std::optional<CameraState> CameraAt(const SearchPass& pass, double time_s) {
-  std::optional<CameraState> camera;
-  if (pass.cameras != nullptr) camera = pass.cameras->At(time_s);
-  const double hfov_deg = pass.options.telemetry.hfov_deg;
-  if (hfov_deg > 0) {
-    if (!camera) camera.emplace(CameraState{.time_s = time_s});
-    if (!camera->hfov_rad) camera->hfov_rad = RadiansFromDegrees(hfov_deg);
-  }
-  return camera;
-}
-
 SightingRecord ToSighting(const SearchPass& pass, const Work& work, const FoundCategory& found) {
   const CameraState known = work.camera.value_or(CameraState{});
   const auto stance = StanceOfBox(found.box, work.frame.image.size(), known, pass.options.sight);
@@ -194,7 +236,6 @@ SightingRecord ToSighting(const SearchPass& pass, const Work& work, const FoundC
 
 // Features and recognition of whole frames. Parallel.
 void Search(const SearchPass& pass, Work& work) {
-  work.camera = CameraAt(pass, work.frame.time_s);
   if (!work.whole) return;
   if (pass.categories != nullptr && !work.again) {
     Expected<std::vector<FoundCategory>> found = pass.categories->Find(work.frame.image);
@@ -370,7 +411,10 @@ Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelTo
     });
     tbb::parallel_pipeline(static_cast<std::size_t>(threads) * 2, read & search & follow & collect);
   });
-  if (warn) std::ranges::for_each(reader.warnings(), warn);
+  if (warn) {
+    std::ranges::for_each(reader.warnings(), warn);
+    for (const std::string& warning : source.TelemetryWarnings()) warn("telemetry: " + warning);
+  }
   VICTORIOUS_RETURN_IF_ERROR(status);
   const bool cancelled = source.status() && !source.at_end();
   report.stopped_live = cancelled && reader.info().live;  // nobody can go on with it later

@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "victorious/pipeline/drawn_flight_test.h"
+#include "victorious/telemetry/klv_test_tools.h"
+#include "victorious/video/image_file.h"
 
 namespace victorious {
 namespace {
@@ -36,16 +38,23 @@ class FakeReader final : public VideoReader {
     before_frame_(next_);
     if (next_ == broken_at) return Fail(ErrorCode::kInternal, "broken");
     const std::int64_t index = next_++;
-    return Frame{.index = index, .time_s = static_cast<double>(index) / 10, .image = cv::Mat(32, 32, CV_8UC1, 128.0)};
+    if (packet_of) packets_ = packet_of(index);
+    const cv::Mat picture = picture_of ? picture_of(index) : cv::Mat(32, 32, CV_8UC1, 128.0);
+    return Frame{.index = index, .time_s = static_cast<double>(index) / 10, .image = picture};
   }
-  std::vector<DataPacket> TakeDataPackets() override { return {}; }
+  std::vector<DataPacket> TakeDataPackets() override { return std::exchange(packets_, {}); }
   void PassOverFrames() override { next_ = kFrames; }
   [[nodiscard]] const std::vector<std::string>& warnings() const override { return warnings_; }
 
+  void AddStream(const std::string& type) { info_.streams.push_back({.index = 1, .type = type, .codec = {}}); }
+
   std::int64_t broken_at = -1;
+  std::function<cv::Mat(std::int64_t)> picture_of;                 // grey; else one of one grey
+  std::function<std::vector<DataPacket>(std::int64_t)> packet_of;  // what comes with a frame
 
  private:
   VideoInfo info_;
+  std::vector<DataPacket> packets_;
   std::function<void(std::int64_t)> before_frame_;
   std::int64_t next_ = 0;
   std::vector<std::string> warnings_ = {"at 0.10 s: something damaged"};
@@ -141,6 +150,31 @@ TEST_F(SearchPassTest, FramesPassedOverOnTheWayToTheFirstAreShown) {
   ::testing::internal::CaptureStderr();
   EXPECT_FALSE(Run(reader, /*first_frame=*/100));
   EXPECT_THAT(::testing::internal::GetCapturedStderr(), AllOf(HasSubstr("fake.mp4"), HasSubstr("21 of 200 frames")));
+}
+
+TEST_F(SearchPassTest, ALiveSourcesOwnTelemetryTellsWhereThingsAre) {
+  FakeReader reader(/*live=*/true, [&](std::int64_t frame) {
+    if (frame == 14) cancel_.Cancel();
+  });
+  reader.AddStream("data");
+  reader.picture_of = [&](std::int64_t /*frame*/) { return GreyFromBgr(flight_.flight().Render(0).image); };
+  reader.packet_of = [](std::int64_t frame) -> std::vector<DataPacket> {
+    if (frame % 5 != 0) return {};  // two a second, seen from as high as 1000 m
+    const std::string text = CameraPacket(1'700'000'000'000'000 + static_cast<std::uint64_t>(frame) * 100'000);
+    const Bytes bytes = BytesOf(text);
+    return {{.stream = 1,
+             .kind = DataKind::kKlv,
+             .time_s = static_cast<double>(frame) / 10,
+             .bytes = {bytes.begin(), bytes.end()}}};
+  };
+  const Status status = Run(reader);
+  ASSERT_TRUE(status) << status.error().message;
+  EXPECT_EQ(VideosOf(*store_).at(0).frame_count, 15);
+  const std::vector<SightingRecord> sightings = SightingsOf(*store_);
+  ASSERT_EQ(sightings.size(), 15U);
+  for (const SightingRecord& sighting : sightings) {
+    EXPECT_EQ(sighting.sight.has_value(), sighting.frame <= 10) << sighting.frame;  // to the last packet
+  }
 }
 
 }  // namespace

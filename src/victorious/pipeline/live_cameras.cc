@@ -1,0 +1,59 @@
+#include "victorious/pipeline/live_cameras.h"
+
+#include <algorithm>
+
+#include "victorious/telemetry/camera_track.h"
+
+namespace victorious {
+
+Status LiveCameras::Add(std::vector<DataPacket> packets, double now_s) {
+  constexpr double kDecodeEvery_s = 0.2;
+  for (DataPacket& packet : packets) {
+    if (stream_ && packet.stream != *stream_) continue;
+    if (!packet.time_s) packet.time_s = now_s;
+    pending_[packet.stream].push_back(std::move(packet));
+  }
+  if (pending_.empty() || (stream_ && now_s < decoded_s_ + kDecodeEvery_s)) return {};
+  decoded_s_ = now_s;
+  for (const auto& [stream, of_stream] : std::exchange(pending_, {})) {
+    if (!stream_ || stream == *stream_) VICTORIOUS_RETURN_IF_ERROR(Decode(of_stream, stream));
+  }
+  return {};
+}
+
+Status LiveCameras::Decode(const std::vector<DataPacket>& packets, int stream) {
+  constexpr std::size_t kMostWarnings = 20;
+  VICTORIOUS_ASSIGN_OR_RETURN(const Telemetry telemetry, TelemetryFromPackets(packets, options_));
+  for (const std::string& warning : telemetry.warnings) {
+    if (warnings_.size() < kMostWarnings && std::ranges::find(warnings_, warning) == warnings_.end()) {
+      warnings_.push_back(warning);
+    }
+  }
+  if (telemetry.states.empty()) return {};
+  stream_ = stream;
+  Take(telemetry.states);
+  return {};
+}
+
+void LiveCameras::Take(std::span<const CameraState> states) {
+  constexpr double kKept_s = 30;
+  for (const CameraState& state : states) {
+    if (states_.empty() || state.time_s > states_.back().time_s) states_.push_back(state);
+  }
+  const double oldest_s = states_.back().time_s - kKept_s;
+  std::erase_if(states_, [&](const CameraState& state) { return state.time_s < oldest_s; });
+}
+
+std::optional<CameraState> LiveCameras::At(double time_s) const {
+  return CameraTrack(states_, options_.max_gap_s).At(time_s);
+}
+
+std::vector<std::string> LiveCameras::Warnings() const {
+  if (stream_) return warnings_;
+  std::vector<std::string> all = warnings_;
+  all.emplace_back(
+      "nothing that came with the live source tells where the camera was and looked: nothing gets a place");
+  return all;
+}
+
+}  // namespace victorious

@@ -1,0 +1,75 @@
+#include "victorious/pipeline/live_cameras.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "victorious/geometry/angles.h"
+#include "victorious/telemetry/klv_test_tools.h"
+
+namespace victorious {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr std::uint64_t kStart_us = 1'700'000'000'000'000;
+
+DataPacket Packet(const std::string& text, std::optional<double> time_s, int stream = 1) {
+  const Bytes bytes = BytesOf(text);
+  return {.stream = stream, .kind = DataKind::kKlv, .time_s = time_s, .bytes = {bytes.begin(), bytes.end()}};
+}
+
+DataPacket CameraAt(double time_s, int stream = 1) {
+  return Packet(CameraPacket(kStart_us + static_cast<std::uint64_t>(time_s * 1e6)), time_s, stream);
+}
+
+TEST(LiveCameras, TellOfAMomentOnceAPacketOfALaterOneIsThere) {
+  LiveCameras cameras({});
+  ASSERT_TRUE(cameras.Add({CameraAt(0)}, 0));
+  EXPECT_FALSE(cameras.Covers(0.5));
+  EXPECT_FALSE(cameras.At(0.5));
+  ASSERT_TRUE(cameras.Add({CameraAt(1)}, 1));
+  EXPECT_TRUE(cameras.Covers(0.5));
+  const std::optional<CameraState> state = cameras.At(0.5);
+  ASSERT_TRUE(state);
+  EXPECT_NEAR(DegreesFromRadians(state->place.latitude_rad), 42, 1e-6);
+  EXPECT_THAT(cameras.Warnings(), IsEmpty());
+}
+
+TEST(LiveCameras, WhatCarriesNoTimeIsOfTheMomentAtWhichItCame) {
+  LiveCameras cameras({});
+  ASSERT_TRUE(cameras.Add({Packet(CameraPacket(kStart_us), std::nullopt)}, 3));
+  EXPECT_TRUE(cameras.At(3.05));
+  EXPECT_FALSE(cameras.At(0));
+}
+
+TEST(LiveCameras, AreOfTheFirstStreamThatTellsOfACamera) {
+  LiveCameras cameras({});
+  const std::string other = St0601Packet({{2, BigEndian(kStart_us, 8)}});
+  ASSERT_TRUE(cameras.Add({Packet(other, 0.0, 1), CameraAt(0, 2)}, 0));
+  ASSERT_TRUE(cameras.Add({CameraAt(0.5, 3), CameraAt(0.6, 2)}, 1));
+  EXPECT_TRUE(cameras.Covers(0.6));
+  EXPECT_FALSE(cameras.Covers(0.61));
+}
+
+TEST(LiveCameras, KeepTheLastSecondsOnly) {
+  LiveCameras cameras({});
+  for (int second = 0; second <= 100; ++second) ASSERT_TRUE(cameras.Add({CameraAt(second)}, second));
+  EXPECT_TRUE(cameras.At(80));
+  EXPECT_FALSE(cameras.At(60));
+}
+
+TEST(LiveCameras, SayThatNothingTellsOfACamera) {
+  LiveCameras cameras({});
+  ASSERT_TRUE(cameras.Add({Packet("no KLV at all", 0.0)}, 0));
+  EXPECT_THAT(cameras.Warnings().back(), HasSubstr("nothing gets a place"));
+}
+
+}  // namespace
+}  // namespace victorious
