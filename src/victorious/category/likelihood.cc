@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
+#include <string>
+#include <vector>
 
 #include <opencv2/core/utility.hpp>
 
@@ -87,6 +90,17 @@ std::vector<double> ScoresBy(const Scorer& scorer, const WordedPicture& picture,
   return scores;
 }
 
+// Of each example its picture's number among those of its category: held out by it, no category is as a whole.
+std::vector<int> NumbersWithinCategories(std::span<const CategoryExample> examples) {
+  std::map<std::string, std::map<int, int>> numbers;  // by category and picture
+  std::vector<int> all;
+  for (const CategoryExample& example : examples) {
+    std::map<int, int>& own = numbers[example.category];
+    all.push_back(own.try_emplace(example.picture, static_cast<int>(own.size())).first->second);
+  }
+  return all;
+}
+
 }  // namespace
 
 void LearnLikelihoods(std::span<const CategoryExample> examples, CategoryModel& model) {
@@ -100,7 +114,8 @@ void LearnLikelihoods(std::span<const CategoryExample> examples, CategoryModel& 
   }
 
   constexpr int kParts = 5;
-  const auto part_of = [&](std::size_t i) { return examples[i].picture % kParts; };
+  const std::vector<int> numbers = NumbersWithinCategories(examples);
+  const auto part_of = [&](std::size_t i) { return numbers[i] % kParts; };
   const auto nodes = static_cast<Eigen::Index>(model.nodes.size());
   const auto count = static_cast<Eigen::Index>(examples.size());
   Eigen::MatrixXd words = Eigen::MatrixXd::Zero(count, nodes);
@@ -112,6 +127,7 @@ void LearnLikelihoods(std::span<const CategoryExample> examples, CategoryModel& 
         if (part_of(i) != part && examples[i].learns) rest.push_back(i);
       std::vector<const FeatureSet*> sets;
       for (const std::size_t i : rest) sets.push_back(&examples[i].features);
+      if (std::ranges::all_of(sets, [](const FeatureSet* set) { return set->size() == 0; })) continue;
       const Vocabulary vocabulary = Vocabulary::Learn(sets, model.options.vocabulary, model.options.seed);
       const Learned learned = LearnOn(rest, examples, topic_of_picture, vocabulary, model);
       const Scorer scorer{model, vocabulary, learned.topics, learned.grammars};

@@ -79,7 +79,7 @@ Expected<CategoryModel> RefineCategories(CategoryModel model, std::span<const Ca
     return Fail(ErrorCode::kUnsupported, "a model of scoring likelihood has no weights to refine: train it again");
   if (model.shape.size() > 0)
     return Fail(ErrorCode::kUnsupported,
-                "a model of windows cannot be refined: add what was right or wrong to its pictures, and train again");
+                "a model of shapes cannot be refined: add what was right or wrong to its pictures, and train again");
   std::vector<Seen> seen;
   for (const CategoryMark& mark : marks) {
     if (std::ranges::find(model.nodes, mark.category, &CategoryNode::name) == model.nodes.end())

@@ -20,7 +20,7 @@ struct CategoryMark {
 
 /// The model's weights, both methods', changed to fit the marks; calibrations stay.
 /// Errors: kInvalidArgument for a category that the model does not have; kUnsupported for scoring "likelihood", which
-/// has no weights: train again.
+/// has no weights, and for shapes, whose weights are those of examples: train again.
 Expected<CategoryModel> RefineCategories(CategoryModel model, std::span<const CategoryMark> marks);
 
 }  // namespace victorious

@@ -136,6 +136,13 @@ Status Classify(const Arguments& arguments) {
 Status Refine(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model, ReadCategories(arguments.model));
   VICTORIOUS_ASSIGN_OR_RETURN(const CategoryEye eye, CategoryEye::Of(model));
+  if (eye.options().windows.enabled) {
+    return Fail(
+        ErrorCode::kUnsupported,
+        fmt::format("{}: a model of windows cannot be refined: add what was right or wrong to its pictures, and "
+                    "train again",
+                    arguments.model));
+  }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
   std::vector<CategoryMark> marks(rows.size());
   const auto look = [&](std::size_t row, const cv::Mat& bgr) -> Status {

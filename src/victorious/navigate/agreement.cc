@@ -113,11 +113,9 @@ class Electorate {
   };
 
   [[nodiscard]] Choice Elect(const std::vector<bool>& wrong) const {
-    constexpr std::size_t kMostLeaders = 120;
-    const std::size_t stride = nodes.size() / kMostLeaders + 1;
     Choice best;
     std::vector<std::pair<double, std::size_t>> scores;  // of all leaders
-    for (std::size_t leader = 0; leader < nodes.size(); leader += stride) {
+    for (const std::size_t leader : Candidates()) {
       if (wrong[nodes[leader].landmark]) continue;
       // Student's t distribution: telemetry that is off by far is seldom, not impossible.
       const double offset = SquaredOffset(nodes[leader]);
@@ -153,6 +151,22 @@ class Electorate {
 
  private:
   static constexpr double kGate = 22.46;  // chi squared of 6, 99.9 %
+
+  // Some of many, over all time: of a sighting all claims, so that no landmark is passed over.
+  [[nodiscard]] std::vector<std::size_t> Candidates() const {
+    constexpr std::size_t kMost = 120;
+    const std::size_t stride = nodes.size() / kMost + 1;
+    std::vector<std::size_t> candidates;
+    std::size_t sightings = 0;
+    for (std::size_t n = 0; n < nodes.size();) {
+      const std::size_t sighting = nodes[n].sighting;
+      const bool asked = sightings++ % stride == 0;
+      for (; n < nodes.size() && nodes[n].sighting == sighting; ++n) {
+        if (asked) candidates.push_back(n);
+      }
+    }
+    return candidates;
+  }
 
   // Infinity for what is surely outside the gate.
   [[nodiscard]] double SquaredApart(const Node& a, const Node& b) const {

@@ -194,6 +194,18 @@ TEST(Navigate, TellsLandmarksOfOneModelApart) {
   }
 }
 
+// Of many sightings some lead: each landmark must come to be one of them.
+TEST(Navigate, OfTwoLandmarksOfOneModelTheSecondIsFoundAlone) {
+  LandmarkFlight flight({.seed = 4, .frames = 480, .frame_rate = 60, .landmarks = 2});
+  std::erase_if(flight.sightings, [](const LandmarkSighting& sighting) { return sighting.model == 0; });
+  ASSERT_GE(flight.sightings.size(), 60U);
+  for (LandmarkSighting& sighting : flight.sightings) sighting.model = 0;
+  flight.landmarks_of = {{0, 1}};
+  const Navigation navigation = Estimate(flight);
+  const auto right = std::ranges::count(navigation.landmark_of, std::optional<std::size_t>(1));
+  EXPECT_GT(right, 0.9 * static_cast<double>(flight.sightings.size()));
+}
+
 // A town of the same landmark: what is far from the camera costs next to nothing, and changes nothing.
 TEST(Navigate, AListOfThousandsCostsAsMuchAsThoseAround) {
   for (const bool telemetry : {true, false}) {

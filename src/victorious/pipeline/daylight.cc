@@ -109,17 +109,22 @@ Expected<std::optional<Sun>> FindDaylight(const DaylightSurvey& survey, VideoRea
   const std::int64_t frames = reader.info().frame_count.value_or(0);
   const std::int64_t wanted = std::clamp<std::int64_t>(
       frames / kOneIn, survey.options.least_frames, std::max(survey.options.least_frames, survey.options.most_frames));
-  const std::int64_t step = std::max<std::int64_t>(1, frames / wanted);
+  constexpr std::int64_t kUnknownStep = 25;  // where nobody tells how long the video is
+  const std::int64_t step = frames > 0 ? std::max<std::int64_t>(1, frames / wanted) : kUnknownStep;
   constexpr std::size_t kTogether = 2;  // asked at once, however many threads there are
   std::vector<Answer> answers;
   std::vector<Frame> asked;
+  int asked_frames = 0;
   bool more = true;
   while (more) {
     if (cancel.IsCancelled())
       return Fail(ErrorCode::kCancelled, "stopped while looking for the sun; run again to go on");
     Expected<std::optional<Frame>> frame = reader.NextFrame();
-    more = frame && *frame;
-    if (more && (*frame)->index % step == step / 2) asked.push_back(*std::move(*frame));
+    more = frame && *frame && asked_frames < std::max(survey.options.least_frames, survey.options.most_frames);
+    if (more && (*frame)->index % step == step / 2) {
+      asked.push_back(*std::move(*frame));
+      ++asked_frames;
+    }
     if (asked.size() < kTogether && more) continue;
     std::vector<std::optional<Answer>> told(asked.size());
     oneapi::tbb::parallel_for(std::size_t{0}, asked.size(),

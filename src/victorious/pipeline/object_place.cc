@@ -15,7 +15,7 @@
 namespace victorious {
 namespace {
 
-// What telemetry tells of its errors goes before the parameters.
+// What telemetry tells of its errors goes before the parameters, within what they may be.
 LocateOptions OptionsFor(std::span<const Sight> sights, const ObjectOptions& options, double common_share) {
   LocateOptions locate = options.LocateOnGround();
   std::vector<double> positions_m;
@@ -25,10 +25,12 @@ LocateOptions OptionsFor(std::span<const Sight> sights, const ObjectOptions& opt
     if (sight.sigma_attitude_rad) attitudes_rad.push_back(*sight.sigma_attitude_rad);
   }
   if (!positions_m.empty()) {
-    locate.line.position_m = locate.common.position_m = locate.common.height_m = Median(positions_m);
+    constexpr double kMost_m = 1e5;
+    locate.line.position_m = locate.common.position_m = locate.common.height_m = std::min(kMost_m, Median(positions_m));
   }
   if (!attitudes_rad.empty()) {
-    const double attitude_deg = DegreesFromRadians(Median(attitudes_rad));
+    constexpr double kMost_deg = 90;
+    const double attitude_deg = std::min(kMost_deg, DegreesFromRadians(Median(attitudes_rad)));
     locate.common.heading_deg = locate.common.boresight_rise_deg = attitude_deg;
     locate.common.boresight_side_deg = 0;
   }
@@ -192,20 +194,24 @@ double SigmasOff(const Sight& sight, const Place& place, double slack_m, const L
 
 std::optional<double> CommonHeading(std::span<const double> headings_rad) {
   const double half_width = RadiansFromDegrees(20);
+  // Three times round, so that no window has an end in it; and sums up to each.
+  std::vector<double> sorted;
+  for (const double heading : headings_rad) sorted.push_back(WrapAngle(heading));
+  std::ranges::sort(sorted);
+  std::vector<double> round;
+  for (const double turns : {-1.0, 0.0, 1.0}) {
+    for (const double heading : sorted) round.push_back(heading + turns * 2 * kPi);
+  }
+  std::vector<double> sums = {0};
+  for (const double heading : round) sums.push_back(sums.back() + heading);
   std::ptrdiff_t most = 0;
   double best = 0;
-  for (const double candidate : headings_rad) {
-    double sum = 0;
-    std::ptrdiff_t near = 0;
-    for (const double heading : headings_rad) {
-      const double turn = WrapAngle(heading - candidate);
-      if (std::abs(turn) > half_width) continue;
-      sum += turn;
-      ++near;
-    }
-    if (near <= most) continue;
-    most = near;
-    best = candidate + sum / static_cast<double>(near);
+  for (const double candidate : sorted) {
+    const auto first = std::ranges::lower_bound(round, candidate - half_width) - round.begin();
+    const auto end = std::ranges::upper_bound(round, candidate + half_width) - round.begin();
+    if (end - first <= most) continue;
+    most = end - first;
+    best = (sums[static_cast<std::size_t>(end)] - sums[static_cast<std::size_t>(first)]) / static_cast<double>(most);
   }
   if (most == 0) return std::nullopt;
   const double heading = WrapAngle(best);

@@ -169,5 +169,16 @@ TEST(ObjectPlace, WhatMovesIsTakenToAnotherTimeAndGetsLessSure) {
   EXPECT_EQ(At(place, 4).covariance_enu_m2, place.covariance_enu_m2) << "what stands still stays";
 }
 
+TEST(CommonHeading, IsTheMiddleOfTheDensest40DegreesAcrossNorthToo) {
+  std::vector<double> headings;
+  for (const double degrees : {350.0, 355.0, 0.0, 5.0, 10.0, 90.0, 91.0, 180.0}) {
+    headings.push_back(RadiansFromDegrees(degrees));
+  }
+  const std::optional<double> heading = CommonHeading(headings);
+  ASSERT_TRUE(heading);
+  EXPECT_NEAR(WrapAngle(*heading), 0, 1e-9);
+  EXPECT_FALSE(CommonHeading({}));
+}
+
 }  // namespace
 }  // namespace victorious

@@ -1,6 +1,7 @@
 #include "victorious/pipeline/search_pass.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <deque>
@@ -342,14 +343,20 @@ class Sink {
       record.finished = finished;
       batch_.progress.push_back({.search = std::move(record), .expected_next_frame = committed_frame_});
     }
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::int64_t> ids, store_.Commit(batch_));
-    linker_.Committed(ids);
+    const Expected<std::vector<std::int64_t>> ids = store_.Commit(batch_);
+    if (!ids) {
+      can_commit_ = false;
+      return std::unexpected(ids.error());
+    }
+    linker_.Committed(*ids);
     batch_ = {};
     committed_frame_ = next_frame_;
     last_commit_ = Clock::now();
     return {};
   }
 
+  /// False once it has failed.
+  [[nodiscard]] bool can_commit() const { return can_commit_; }
   [[nodiscard]] std::int64_t next_frame() const { return next_frame_; }
   [[nodiscard]] std::optional<std::int64_t> NeededFrom() const { return linker_.NeededFrom(); }
 
@@ -364,6 +371,7 @@ class Sink {
   std::int64_t next_frame_;
   std::int64_t committed_frame_;
   Clock::time_point last_commit_;
+  bool can_commit_ = true;
 };
 
 }  // namespace
@@ -386,14 +394,15 @@ Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelTo
 
   const int threads =
       pass.threads > 0 ? pass.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  Status status;
+  Status status;  // of those that collect, who alone write it
+  std::atomic<bool> failed = false;
   // An arena alone gets no more threads than the machine has processors, and oneTBB says so on stderr.
   const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
   tbb::task_arena arena(threads);
   arena.execute([&] {
     const auto read =
         tbb::make_filter<void, WorkPtr>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) {
-          WorkPtr work = status ? source.Next() : nullptr;
+          WorkPtr work = failed ? nullptr : source.Next();
           if (!work) control.stop();
           return work;
         });
@@ -407,6 +416,7 @@ Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelTo
     });
     const auto collect = tbb::make_filter<WorkPtr, void>(tbb::filter_mode::serial_in_order, [&](const WorkPtr& work) {
       if (status) status = sink.Add(*work);
+      if (!status) failed = true;
       progress.Update(work->frame.index + 1);
     });
     tbb::parallel_pipeline(static_cast<std::size_t>(threads) * 2, read & search & follow & collect);
@@ -415,10 +425,13 @@ Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelTo
     std::ranges::for_each(reader.warnings(), warn);
     for (const std::string& warning : source.TelemetryWarnings()) warn("telemetry: " + warning);
   }
-  VICTORIOUS_RETURN_IF_ERROR(status);
+  // What was searched before an error or a cancel is stored, too.
+  if (!status) {
+    if (sink.can_commit()) VICTORIOUS_RETURN_IF_ERROR(sink.Commit(false));
+    return status;
+  }
   const bool cancelled = source.status() && !source.at_end();
   report.stopped_live = cancelled && reader.info().live;  // nobody can go on with it later
-  // What was searched before an error or a cancel is stored, too.
   VICTORIOUS_RETURN_IF_ERROR(sink.Commit(source.at_end() || report.stopped_live));
   VICTORIOUS_RETURN_IF_ERROR(source.status());
   if (cancelled && !report.stopped_live) {

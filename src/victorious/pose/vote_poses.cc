@@ -146,7 +146,7 @@ inline int Agree(const Votes& votes, std::size_t a, std::size_t b, float reach2_
 
 struct Support {
   int votes = 0;
-  double log_likelihood = 0;  ///< of so many votes beyond those that chance brings, over chance alone (Poisson)
+  double log_likelihood = 0;  ///< of so many votes over chance alone (Poisson); 0 where chance brings as many
 };
 
 std::vector<Support> SupportOfEach(const Votes& votes, const std::vector<Window>& windows, float turn_rad,
@@ -158,7 +158,7 @@ std::vector<Support> SupportOfEach(const Votes& votes, const std::vector<Window>
     for (std::size_t j = window.begin; j < window.end; ++j) count += Agree(votes, i, j, window.reach2_px2, turn_rad);
     const double chance = std::min(1.0, kPi * window.reach2_px2 / scene_area_px2) * std::min(1.0, turn_rad / kPi);
     const double expected = std::max(1e-6, static_cast<double>(window.end - window.begin) * chance);
-    all[i] = {count, count * std::log(count / expected) - (count - expected)};
+    all[i] = {count, count > expected ? count * std::log(count / expected) - (count - expected) : 0};
   }
   return all;
 }

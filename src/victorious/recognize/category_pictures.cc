@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <exception>
 #include <mutex>
 #include <set>
 #include <thread>
@@ -127,9 +128,20 @@ Status OnAllCores(std::size_t count, const std::function<Status(std::size_t)>& w
   std::size_t finished = 0;
   std::size_t first_failure = count;
   Status status;
+  std::exception_ptr thrown;
   const auto take = [&] {
-    for (std::size_t i = next++; i < count && !failed; i = next++) {
-      const Status one = work(i);
+    while (!failed) {  // what was taken before a failure is done: it may fail at a lower number
+      const std::size_t i = next++;
+      if (i >= count) return;
+      Status one;
+      try {
+        one = work(i);
+      } catch (...) {  // OpenCV's, or no memory
+        const std::scoped_lock lock(mutex);
+        thrown = std::current_exception();
+        failed = true;
+        return;
+      }
       const std::scoped_lock lock(mutex);
       if (one) {
         ++finished;
@@ -145,6 +157,7 @@ Status OnAllCores(std::size_t count, const std::function<Status(std::size_t)>& w
   for (unsigned i = 1; i < std::max(1U, std::thread::hardware_concurrency()); ++i) threads.emplace_back(take);
   take();
   threads.clear();
+  if (thrown) std::rethrow_exception(thrown);
   return status;
 }
 

@@ -76,7 +76,7 @@ Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryEye& eye, const 
                                                   const std::string& category, int number,
                                                   bool own_surroundings = true);
 
-/// Reads the pictures of a list, on all cores, and calls `use` with each row and its grey picture, in any order and
+/// Reads the pictures of a list, on all cores, and calls `use` with each row and its picture, in any order and
 /// from several threads at once. The first error in the list's order is returned.
 /// @param done  called now and then with how many pictures are done
 Status ForEachPicture(const std::filesystem::path& folder, std::span<const CategoryListRow> rows,

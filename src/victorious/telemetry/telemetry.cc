@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
@@ -33,12 +34,13 @@ std::optional<int> MainStream(const std::vector<KlvPacket>& packets) {
   return most == counts.end() ? std::nullopt : std::optional(most->first);
 }
 
-// What is to be added to a packet's own clock to get the video's: from the packets that have both; where none has, the
-// first packet is the time 0.
-std::optional<double> ClockOffset(const std::vector<KlvPacket>& packets) {
+// What is to be added to the own clock of a stream's packets to get the video's: from those that have both; where none
+// has, the first is the time 0.
+std::optional<double> ClockOffset(const std::vector<KlvPacket>& packets, int stream) {
   std::vector<double> offsets;
   std::optional<std::int64_t> first_us;
   for (const KlvPacket& packet : packets) {
+    if (packet.stream != stream || HasBadChecksum(packet)) continue;
     const auto own_us = PrecisionTime(packet);
     if (!own_us) continue;
     if (!first_us) first_us = own_us;
@@ -51,7 +53,7 @@ std::optional<double> ClockOffset(const std::vector<KlvPacket>& packets) {
 
 // Packets of one stream to states; the container's time before the packet's own.
 void AddKlvStates(const std::vector<KlvPacket>& packets, int stream, Telemetry& telemetry) {
-  const auto offset_s = ClockOffset(packets);
+  const auto offset_s = ClockOffset(packets, stream);
   for (const KlvPacket& packet : packets) {
     if (packet.stream != stream) continue;
     auto state = CameraFromKlv(packet);
@@ -112,12 +114,26 @@ void WarnOfNoCamera(Telemetry& telemetry) {
                   missing.empty() ? "" : "; missing, or marked unknown: ", fmt::join(missing, ", ")));
 }
 
-// The times of frames rise, and so must those of states: what repeats or goes back is left out.
+// The times of frames rise, and so must those of states. As few as may be are left out: of a clock that jumps ahead
+// once, the one state, and not all that come after it.
 void KeepRising(Telemetry& telemetry) {
-  std::vector<CameraState> rising;
-  for (const CameraState& state : telemetry.states) {
-    if (rising.empty() || state.time_s > rising.back().time_s) rising.push_back(state);
+  const std::vector<CameraState>& states = telemetry.states;
+  constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+  std::vector<std::size_t> ends;  // of the rising rows of 1, 2, ... states, the one that ends earliest
+  std::vector<std::size_t> before(states.size(), kNone);
+  const auto time_of = [&](std::size_t i) { return states[i].time_s; };
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const auto end = std::ranges::lower_bound(ends, states[i].time_s, {}, time_of);
+    if (end != ends.begin()) before[i] = *std::prev(end);
+    if (end == ends.end()) {
+      ends.push_back(i);
+    } else if (states[i].time_s < time_of(*end)) {
+      *end = i;
+    }
   }
+  std::vector<CameraState> rising;
+  for (std::size_t i = ends.empty() ? kNone : ends.back(); i != kNone; i = before[i]) rising.push_back(states[i]);
+  std::ranges::reverse(rising);
   const std::size_t left_out = telemetry.states.size() - rising.size();
   if (left_out > 0) {
     telemetry.warnings.push_back(fmt::format("{} of {} camera states repeat a time or go back in it, and are left out",

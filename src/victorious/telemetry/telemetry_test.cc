@@ -56,6 +56,23 @@ TEST(Telemetry, TimesThatRepeatOrGoBackAreLeftOut) {
   EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("2 of 5 camera states")));
 }
 
+TEST(Telemetry, OfAClockThatJumpsAheadOnceOneStateIsLeftOut) {
+  const auto telemetry =
+      ParseTelemetry(std::string(kHeader) + "0,42,-71,1,\n1,42,-71,1,\n3601,42,-71,1,\n2,42,-71,1,\n3,42,-71,1,\n", {});
+  ASSERT_TRUE(telemetry);
+  ASSERT_EQ(telemetry->states.size(), 4U);
+  EXPECT_EQ(telemetry->states.back().time_s, 3);
+}
+
+TEST(Telemetry, ADamagedPacketIsNotTheTimeZero) {
+  std::string damaged = CameraPacket(1'000'000'000);
+  damaged.back() = static_cast<char>(damaged.back() + 1);
+  const auto telemetry = ParseTelemetry(damaged + CameraPacket(5'000'000) + CameraPacket(5'500'000), {});
+  ASSERT_TRUE(telemetry) << telemetry.error().message;
+  ASSERT_EQ(telemetry->states.size(), 2U);
+  EXPECT_NEAR(telemetry->states[0].time_s, 0, 1e-6);
+}
+
 TEST(Telemetry, JumpsAndGapsAreTold) {
   const auto telemetry = ParseTelemetry(std::string(kHeader) + "0,42,-71,1,\n1,43,-71,1,\n9,43,-71,1,\n", {});
   ASSERT_TRUE(telemetry);

@@ -81,7 +81,8 @@ BoxTarget::Answer BoxTarget::Ask(const Levels& image, const TurnedBox& about) co
 // How sure it is that the answer is the object: 1 where both the filter's answer and the look are as usual.
 double BoxTarget::Trust(const Levels& image, const Answer& answer) const {
   if (learnt_frames_ == 0) return 1;
-  const double sharpness = std::clamp(answer.sharpness / usual_sharpness_, 0.0, 1.0);
+  constexpr double kLeastSharpness = 1e-6;  // of a patch of one grey: the filter tells nothing
+  const double sharpness = std::clamp(answer.sharpness / std::max(kLeastSharpness, usual_sharpness_), 0.0, 1.0);
   const double likeness = std::clamp(appearance_.Likeness(image, answer.box) / usual_likeness_, 0.0, 1.0);
   return std::sqrt(sharpness * likeness);
 }

@@ -184,6 +184,17 @@ TEST(BoxTracker, OutlastsBlankFramesAndFramesOfAnotherSize) {
   EXPECT_TRUE(step.seen());
 }
 
+TEST(BoxTracker, ABoxOnOneGreyIsLost) {
+  const cv::Mat grey(300, 400, CV_8UC3, cv::Scalar::all(128));
+  BoxTracker tracker = Started(grey, {100, 100, 40, 30});
+  BoxStep last;
+  for (int i = 1; i <= 5; ++i) {
+    last = tracker.Step({i, 0.1 * i, grey}).front();
+    EXPECT_TRUE(std::isfinite(last.trust));
+  }
+  EXPECT_FALSE(last.seen());
+}
+
 TEST(BoxTracker, TakesFramesOfAnyShape) {
   const Drive drive;
   const cv::Mat first = drive.Draw(cv::Point(500, 400), Over(500, 400));

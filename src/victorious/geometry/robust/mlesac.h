@@ -166,7 +166,9 @@ std::optional<MlesacResult<typename Estimator::Model>> Mlesac(const Estimator& e
       const double all_inliers = std::pow(best->gamma, static_cast<double>(kSample));
       if (all_inliers < 1) {
         const double enough = std::log(1 - settings.confidence) / std::log1p(-all_inliers);
-        needed = std::min(settings.max_hypotheses, std::max(tried + 1, static_cast<int>(std::ceil(enough))));
+        const double most = settings.max_hypotheses;  // `enough` may be beyond any integer
+        needed =
+            std::min(settings.max_hypotheses, std::max(tried + 1, static_cast<int>(std::ceil(std::min(enough, most)))));
       }
     }
   }
