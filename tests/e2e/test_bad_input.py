@@ -14,9 +14,6 @@ class VideosTest(program.ProgramTest):
     def refuses_video(self, video, words=""):
         db = self.scratch / "index.db"
         self.refuses(2, [video, words], "index", video, "--models", MODELS, "--db", db)
-        # What stands under the index's name is an index: a good video can be added.
-        self.assertEqual(self.export(db, "sightings"), "")
-        db.unlink()
         self.assertEqual([path for path in self.scratch.iterdir() if path.name.startswith("index")], [])
         self.refuses(2, video, "doctor", video)
 
@@ -37,6 +34,17 @@ class VideosTest(program.ProgramTest):
         self.refuses_video(self.scratch / "folder", "without pictures")
         self.write("texts/notes.txt", "no picture")
         self.refuses_video(self.scratch / "texts", "without pictures")
+
+    def test_a_bad_video_beside_a_good_one_is_told_and_the_good_one_indexed(self):
+        db = self.scratch / "index.db"
+        missing = self.scratch / "none.mp4"
+        done = program.run("index", missing, VIDEO, "--models", MODELS, "--db", db)
+        self.assertEqual(done.status, 2)
+        self.assertIn(f"error: {missing}: no such file", done.err)
+        self.assertNotEqual(self.export(db, "sightings"), "")
+        before = self.export(db, "sightings")
+        self.refuses(2, missing, "index", missing, "--models", MODELS, "--db", db)
+        self.assertEqual(self.export(db, "sightings"), before)
 
     def test_a_model_under_a_video_s_name(self):
         model = self.write("model.mp4", (MODELS / "crate.vmodel").read_bytes())

@@ -137,13 +137,16 @@ class LocateTest(program.ProgramTest):
         for content, words in {
             "": ["no lines of sight"],
             "time_s\n1\n": [":1: no column latitude_deg"],
-            good + "8,91,0,200,0,-30\n": [":10: latitude_deg", "from -90 to 90"],
-            good + "8,nan,0,200,0,-30\n": [":10: latitude_deg"],
-            good + "8,0,0\n": [":10: no altitude_m"],
+            good.splitlines()[0] + "\n8,91,0,200,0,-30\n": [":2: latitude_deg", "from -90 to 90"],
             b"\x00\xff\x00\n\x01": [":1: no column time_s"],
         }.items():
             path = self.write("bad.csv", content)
             self.refuses(2, [path, *words], "locate", path)
+        for row, word in {"8,nan,0,200,0,-30": ":10: latitude_deg", "8,0,0": ":10: no altitude_m"}.items():
+            path = self.write("partly.csv", good + row + "\n")
+            done = self.succeeds("locate", path, "--json")
+            self.assertIn(word, done.err)
+            self.assertEqual(json.loads(done.out)["inliers"][8], False)
         path = self.write("lines.csv", good)
         self.refuses(2, "--ground", "locate", path, "--method", "ground")
         self.refuses(2, "guess", "locate", path, "--method", "guess")

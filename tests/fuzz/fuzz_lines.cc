@@ -24,18 +24,18 @@ void CheckFix(const victorious::GeoFix& fix, std::size_t lines) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const auto lines = victorious::ParseLinesOfSight({reinterpret_cast<const char*>(data), size}, "lines.csv");
-  if (!lines) {
-    VICTORIOUS_CHECK(lines.error().message.find('\n') == std::string::npos);
+  const auto table = victorious::ParseLinesOfSight({reinterpret_cast<const char*>(data), size}, "lines.csv");
+  if (!table) {
+    VICTORIOUS_CHECK(table.error().message.find('\n') == std::string::npos);
     return 0;
   }
   for (const char* motion : {"static", "velocity"}) {
     for (const char* method : {"ml", "ransac", "prior", "least-squares", "ground"}) {
       victorious::LocateOptions options{.motion = motion, .method = method, .max_hypotheses = 50};
       if (options.method == "ground") options.ground = std::make_shared<victorious::FlatGround>(10);
-      const auto fix = victorious::Locate(*lines, options);
+      const auto fix = victorious::Locate(table->lines, options);
       VICTORIOUS_CHECK(fix.has_value());
-      CheckFix(*fix, lines->size());
+      CheckFix(*fix, table->lines.size());
     }
   }
   return 0;

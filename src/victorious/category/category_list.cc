@@ -2,56 +2,23 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <map>
 
 #include <fmt/format.h>
 
 #include "victorious/base/file.h"
+#include "victorious/base/text.h"
 
 namespace victorious {
 namespace {
 
 constexpr std::array<std::string_view, 4> kBoxColumns = {"x0", "y0", "x1", "y1"};
 
-std::string_view Trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r";
-  const std::size_t first = text.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
-
-// Fields between commas; a field in double quotes may hold commas, and quotes doubled.
-std::vector<std::string> Split(std::string_view line) {
-  std::vector<std::string> fields;
-  std::string field;
-  bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    if (line[i] == '"') {
-      if (quoted && i + 1 < line.size() && line[i + 1] == '"') {
-        field += line[++i];
-      } else {
-        quoted = !quoted;
-      }
-    } else if (line[i] == ',' && !quoted) {
-      fields.emplace_back(Trimmed(field));
-      field.clear();
-    } else {
-      field += line[i];
-    }
-  }
-  fields.emplace_back(Trimmed(field));
-  return fields;
-}
-
-std::optional<double> Number(const std::string& text) {
-  double number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+std::optional<double> PixelsIn(std::string_view text) {
   constexpr double kFarthestPx = 1e7;
-  if (error != std::errc() || end != text.data() + text.size() || !(std::abs(number) < kFarthestPx))
-    return std::nullopt;
-  return number;
+  const auto number = NumberIn(text);
+  return number && std::abs(*number) < kFarthestPx ? number : std::nullopt;
 }
 
 using Fields = std::map<std::string_view, std::string>;
@@ -67,7 +34,7 @@ Expected<std::optional<Box>> ParseBox(const Fields& fields, const std::string& w
     written += (i > 0 ? "," : "") + text;
     if (text.empty()) continue;
     ++given;
-    const auto number = Number(text);
+    const auto number = PixelsIn(text);
     numbers = numbers && number.has_value();
     edges[i] = number.value_or(0);
   }
@@ -100,16 +67,13 @@ Expected<CategoryListRow> ParseRow(const Fields& fields, std::string where) {
 }  // namespace
 
 Expected<std::vector<CategoryListRow>> ParseCategoryList(std::string_view text, const std::string& name_for_errors) {
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  text = WithoutByteOrderMark(text);
   std::vector<std::string> columns;
   std::vector<CategoryListRow> rows;
   for (int number = 1; !text.empty(); ++number) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = Trimmed(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
+    const std::string_view line = WithoutBlanks(TakeLine(text));
     if (line.empty()) continue;
-    const std::vector<std::string> values = Split(line);
+    const std::vector<std::string> values = SplitRow(line);
     if (columns.empty()) {
       columns = values;
       if (std::ranges::find(columns, "image") == columns.end())

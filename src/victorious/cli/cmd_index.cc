@@ -1,6 +1,10 @@
 // victorious index VIDEO... --models DIR --categories FILE --db FILE
+#include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
+#include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -11,6 +15,7 @@
 #include "victorious/geometry/angles.h"
 #include "victorious/model/model_library.h"
 #include "victorious/pipeline/indexer.h"
+#include "victorious/video/video_reader.h"
 
 namespace victorious::cli {
 namespace {
@@ -28,6 +33,23 @@ struct Arguments {
   bool redo = false;
   int threads = 0;
 };
+
+Error Both(const std::optional<Error>& one, const Error& other) {
+  return one ? Error{one->code, one->message + "; " + other.message} : other;
+}
+
+// Of videos that cannot be read no index is made.
+Status CheckAnyOpens(const std::vector<std::string>& videos) {
+  std::optional<Error> failure;
+  for (const std::string& video : videos) {
+    if (video.contains("://")) return {};  // a live source is opened once
+    const auto opened = VideoReader::Open(video, {});
+    if (opened) return {};
+    failure = Both(failure, opened.error());
+  }
+  if (failure) return std::unexpected(*std::move(failure));
+  return {};
+}
 
 Status Run(const Arguments& arguments) {
   if (arguments.telemetry && arguments.videos.size() > 1) {
@@ -59,6 +81,8 @@ Status Run(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Indexer indexer,
                               Indexer::Create(std::move(models), options, std::move(categories),
                                               [](const std::string& warning) { spdlog::warn("{}", warning); }));
+  std::error_code error;
+  if (!std::filesystem::exists(arguments.db, error)) VICTORIOUS_RETURN_IF_ERROR(CheckAnyOpens(arguments.videos));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
                               OpenSqliteStore(arguments.db, StoreMode::kCreate));
   // A video that cannot be read does not keep the others from being indexed.
@@ -69,7 +93,7 @@ Status Run(const Arguments& arguments) {
         .video = video, .telemetry = arguments.telemetry, .redo = arguments.redo, .threads = arguments.threads};
     const Expected<IndexReport> report = indexer.Index(job, Interrupt(), *store, warn);
     if (!report) {
-      failure = failure ? Error{failure->code, failure->message + "; " + report.error().message} : report.error();
+      failure = Both(failure, report.error());
       if (report.error().code == ErrorCode::kCancelled) break;
       continue;
     }

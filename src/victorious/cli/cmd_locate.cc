@@ -91,6 +91,22 @@ std::string TextOf(const GeoFix& fix) {
   return text;
 }
 
+void WarnOfRows(const std::vector<std::string>& problems) {
+  constexpr std::size_t kMost = 20;
+  for (std::size_t i = 0; i < std::min(kMost, problems.size()); ++i) {
+    spdlog::warn("{}: the row is left out", OneLine(problems[i]));
+  }
+  if (problems.size() > kMost) spdlog::warn("{} rows more are left out", problems.size() - kMost);
+}
+
+// One a row of the file: what could not be read agrees with nothing.
+std::vector<bool> ByRow(const std::vector<bool>& inliers, const std::vector<bool>& is_read) {
+  std::vector<bool> by_row;
+  std::size_t next = 0;
+  for (const bool read : is_read) by_row.push_back(read && inliers[next++]);
+  return by_row;
+}
+
 Status Run(const Arguments& arguments) {
   LocateOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
@@ -100,8 +116,10 @@ Status Run(const Arguments& arguments) {
   ApplyGround(arguments.ground, ground);
   VICTORIOUS_ASSIGN_OR_RETURN(options.ground,
                               MakeGround(ground, [](const std::string& line) { spdlog::warn("{}", line); }));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<LineOfSight> lines, ReadLinesOfSight(arguments.lines));
-  VICTORIOUS_ASSIGN_OR_RETURN(const GeoFix fix, Locate(lines, options));
+  VICTORIOUS_ASSIGN_OR_RETURN(const LineTable table, ReadLinesOfSight(arguments.lines));
+  VICTORIOUS_ASSIGN_OR_RETURN(GeoFix fix, Locate(table.lines, options));
+  WarnOfRows(table.problems);
+  fix.inliers = ByRow(fix.inliers, table.is_read);
   return WriteOutput("", arguments.json ? JsonOf(fix).dump(1) + "\n" : TextOf(fix));
 }
 

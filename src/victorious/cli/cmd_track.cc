@@ -1,9 +1,11 @@
 // victorious track VIDEO --box X,Y,W,H --at SECONDS: what a person drew a box around, wherever it is
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -90,6 +92,18 @@ void TellPlace(const TrackedBoxes& tracked, std::size_t drawn) {
                place.Moves() ? fmt::format("; it moves at {:.1f} m/s", place.velocity_enu->norm()) : "");
 }
 
+// What is seen in a video that is given twice would count twice.
+Status CheckDifferent(const std::vector<std::string>& videos) {
+  std::error_code error;
+  for (auto one = videos.begin(); one != videos.end(); ++one) {
+    for (auto other = videos.begin(); other != one; ++other) {
+      if (*one != *other && !std::filesystem::equivalent(*one, *other, error)) continue;
+      return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: is given twice: give it once", *one));
+    }
+  }
+  return {};
+}
+
 Status Run(const Arguments& arguments) {
   TrackRunOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
@@ -108,6 +122,7 @@ Status Run(const Arguments& arguments) {
   VICTORIOUS_RETURN_IF_ERROR(SetTypes(arguments.types, boxes));
   std::vector<std::string> videos = {arguments.video};
   videos.insert(videos.end(), arguments.also.begin(), arguments.also.end());
+  VICTORIOUS_RETURN_IF_ERROR(CheckDifferent(videos));
   std::vector<std::string> warnings;  // an error stays the only line
   const auto warn = [&](const std::string& warning) { warnings.push_back(warning); };
   const auto telemetry = arguments.telemetry.empty() ? std::nullopt : std::optional(arguments.telemetry);

@@ -100,6 +100,33 @@ void Measure(LocateOptions options, const World& world) {
   }
 }
 
+// On a short arc the ranges tell how far off the object is: told as a share, they must not draw it near.
+TEST(Coverage, RangesOnShortArcsAreNotBiased) {
+  constexpr int kShortFlights = 100;
+  double along_sigmas = 0;
+  int inside = 0;
+  for (int i = 0; i < kShortFlights; ++i) {
+    DrawnLinesOptions flight = Flight(i);
+    flight.count = 60;
+    flight.arc_deg = 6;
+    DrawnLines drawn = DrawLinesOfSight(flight);
+    Random random(static_cast<std::uint64_t>(i) + 9000);
+    for (LineOfSight& line : drawn.lines) {
+      const double distance_m = TangentPlane(line.camera).EnuFromGeodetic(drawn.object).norm();
+      line.range_m = distance_m * (1 + LocateOptions{}.line.range_share * random.Normal());
+    }
+    const auto fix = Locate(drawn.lines, {});
+    ASSERT_TRUE(fix && fix->place) << i;
+    const TangentPlane plane(fix->place->point);
+    const Eigen::Vector3d off = plane.EnuFromGeodetic(drawn.object);
+    const Eigen::Vector3d along = -plane.EnuFromGeodetic(drawn.lines.front().camera).normalized();
+    along_sigmas -= along.dot(off) / std::sqrt(along.dot(fix->place->covariance_enu_m2 * along)) / kShortFlights;
+    inside += off.dot(fix->place->covariance_enu_m2.ldlt().solve(off)) <= kChiSquared90Of3 ? 1 : 0;
+  }
+  EXPECT_NEAR(along_sigmas, 0, 0.3);
+  EXPECT_GE(inside, 75);
+}
+
 TEST(Coverage, MostLikely) { Measure({.method = "ml"}, {}); }
 TEST(Coverage, MostLikelyAmongWrongLines) { Measure({.method = "ml"}, {.wrong_share = 0.2}); }
 TEST(Coverage, MostLikelyMoving) { Measure({.motion = "velocity"}, {}); }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <optional>
 #include <string>
 #include <utility>
@@ -10,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "victorious/base/file.h"
+#include "victorious/base/text.h"
 #include "victorious/geometry/angles.h"
 
 namespace victorious {
@@ -51,23 +51,6 @@ constexpr std::array<Column, kCount> kColumns = {{
     {"sigma_range_m", kLeast, kFarthestM, "metres", false},
 }};
 
-std::string_view Trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r";
-  const std::size_t first = text.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
-
-std::vector<std::string_view> Cells(std::string_view line) {
-  std::vector<std::string_view> cells;
-  while (true) {
-    const std::size_t comma = line.find(',');
-    cells.push_back(Trimmed(line.substr(0, comma)));
-    if (comma == std::string_view::npos) return cells;
-    line.remove_prefix(comma + 1);
-  }
-}
-
 // What stands in a cell, short and without control characters, for a message of one line.
 std::string Shown(std::string_view cell) {
   constexpr std::size_t kLongest = 40;
@@ -80,7 +63,7 @@ std::string Shown(std::string_view cell) {
 using Positions = std::array<std::optional<std::size_t>, kCount>;
 
 Expected<Positions> ParseHeader(std::string_view line) {
-  const std::vector<std::string_view> names = Cells(line);
+  const std::vector<std::string> names = SplitRow(line);
   Positions positions;
   for (std::size_t at = 0; at < names.size(); ++at) {
     const auto* const column = std::ranges::find(kColumns, names[at], &Column::name);
@@ -103,12 +86,8 @@ Expected<Positions> ParseHeader(std::string_view line) {
 
 Expected<std::optional<double>> ParseCell(const Column& column, std::string_view cell) {
   if (cell.empty() && !column.needed) return std::nullopt;
-  double value = 0;
-  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  // Written so that NaN fails.
-  const bool right =
-      error == std::errc() && end == cell.data() + cell.size() && value >= column.least && value <= column.most;
-  if (right) return value;
+  const auto value = NumberIn(cell);
+  if (value && *value >= column.least && *value <= column.most) return value;
   return Fail(ErrorCode::kInvalidArgument, fmt::format("{} is \"{}\": give a number of {} from {} to {}", column.name,
                                                        Shown(cell), column.unit, column.least, column.most));
 }
@@ -119,7 +98,7 @@ std::optional<double> Radians(std::optional<double> degrees) {
 }
 
 Expected<LineOfSight> ParseRow(std::string_view line, const Positions& positions) {
-  const std::vector<std::string_view> cells = Cells(line);
+  const std::vector<std::string> cells = SplitRow(line);
   std::array<std::optional<double>, kCount> values;
   for (std::size_t i = 0; i < kCount; ++i) {
     if (!positions[i]) continue;
@@ -142,16 +121,13 @@ Expected<LineOfSight> ParseRow(std::string_view line, const Positions& positions
 
 }  // namespace
 
-Expected<std::vector<LineOfSight>> ParseLinesOfSight(std::string_view text, std::string_view name) {
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+Expected<LineTable> ParseLinesOfSight(std::string_view text, std::string_view name) {
+  text = WithoutByteOrderMark(text);
   std::optional<Positions> positions;
-  std::vector<LineOfSight> lines;
+  LineTable table;
   for (std::size_t number = 1; !text.empty(); ++number) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    if (Trimmed(line).empty()) continue;
+    const std::string_view line = TakeLine(text);
+    if (WithoutBlanks(line).empty()) continue;
     const std::string where = fmt::format("{}:{}", name, number);
     if (!positions) {
       auto header = ParseHeader(line);
@@ -160,15 +136,21 @@ Expected<std::vector<LineOfSight>> ParseLinesOfSight(std::string_view text, std:
       continue;
     }
     auto row = ParseRow(line, *positions);
-    if (!row) return std::unexpected(std::move(row).error().WithContext(where));
-    lines.push_back(*std::move(row));
+    table.is_read.push_back(row.has_value());
+    if (row) {
+      table.lines.push_back(*std::move(row));
+    } else {
+      table.problems.push_back(std::move(row).error().WithContext(where).message);
+    }
   }
-  if (!lines.empty()) return lines;
+  if (!table.lines.empty()) return table;
   return Fail(ErrorCode::kInvalidArgument,
-              fmt::format("{}: no lines of sight: give a header and at least one row below it", name));
+              table.problems.empty()
+                  ? fmt::format("{}: no lines of sight: give a header and at least one row below it", name)
+                  : table.problems.front());
 }
 
-Expected<std::vector<LineOfSight>> ReadLinesOfSight(const std::filesystem::path& path) {
+Expected<LineTable> ReadLinesOfSight(const std::filesystem::path& path) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
   return ParseLinesOfSight(text, path.string());
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -10,11 +11,18 @@
 
 namespace victorious {
 
-/// Rows in the order of the text's lines; empty lines and columns of other names are passed over. Any bytes are safe.
-/// Errors: kInvalidArgument, one line with `name`, the line's number, what is wrong there and what would be right.
-Expected<std::vector<LineOfSight>> ParseLinesOfSight(std::string_view text, std::string_view name);
+struct LineTable {
+  std::vector<LineOfSight> lines;     ///< in the order of the rows that can be read
+  std::vector<bool> is_read;          ///< one a row
+  std::vector<std::string> problems;  ///< one a row that cannot be read: where, what is wrong, what would be right
+};
+
+/// Empty lines and columns of other names are passed over. Any bytes are safe.
+/// Errors: kInvalidArgument, one line with `name` and the line's number, for a header that lacks a column, and where no
+/// row can be read.
+Expected<LineTable> ParseLinesOfSight(std::string_view text, std::string_view name);
 
 /// The same from a file.
-Expected<std::vector<LineOfSight>> ReadLinesOfSight(const std::filesystem::path& path);
+Expected<LineTable> ReadLinesOfSight(const std::filesystem::path& path);
 
 }  // namespace victorious

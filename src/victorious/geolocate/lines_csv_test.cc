@@ -16,23 +16,24 @@ using ::testing::Not;
 const std::string kHeader = "time_s,latitude_deg,longitude_deg,altitude_m,azimuth_deg,elevation_deg";
 
 TEST(LinesCsv, ReadsColumnsByNameInAnyOrder) {
-  const auto lines = ParseLinesOfSight(
+  const auto table = ParseLinesOfSight(
       "\xEF\xBB\xBFsigma_deg, elevation_deg,azimuth_deg,remark,altitude_m,longitude_deg,latitude_deg,time_s,range_m\r\n"
       "0.5,-30,90,a car,120,-71,42,1.5,240\r\n"
       "\r\n"
       ",-31,91,,121,-71,42,2.5,\r\n",
       "lines.csv");
-  ASSERT_TRUE(lines) << lines.error().message;
-  ASSERT_EQ(lines->size(), 2);
-  const LineOfSight& first = lines->front();
+  ASSERT_TRUE(table) << table.error().message;
+  const std::vector<LineOfSight>& lines = table->lines;
+  ASSERT_EQ(lines.size(), 2);
+  const LineOfSight& first = lines.front();
   EXPECT_EQ(first.time_s, 1.5);
   EXPECT_EQ(first.camera, (GeodeticPoint{RadiansFromDegrees(42), RadiansFromDegrees(-71), 120}));
   EXPECT_DOUBLE_EQ(first.azimuth_rad, kPi / 2);
   EXPECT_DOUBLE_EQ(first.elevation_rad, -kPi / 6);
   EXPECT_EQ(first.range_m, 240);
   EXPECT_DOUBLE_EQ(*first.sigma_rad, RadiansFromDegrees(0.5));
-  EXPECT_FALSE(lines->back().range_m);
-  EXPECT_FALSE(lines->back().sigma_rad);
+  EXPECT_FALSE(lines.back().range_m);
+  EXPECT_FALSE(lines.back().sigma_rad);
 }
 
 struct BadCase {
@@ -47,12 +48,12 @@ TEST(LinesCsv, SaysFileLineAndWhatWouldBeRight) {
       {kHeader + "\n", {"lines.csv: no lines of sight"}},
       {"time_s,latitude_deg\n0,1\n", {"lines.csv:1: no column longitude_deg"}},
       {kHeader + ",time_s\n" + good, {"lines.csv:1: column time_s stands twice"}},
-      {kHeader + "\n" + good + "1,97,-71,120,90,-30\n", {"lines.csv:3: latitude_deg is \"97\"", "from -90 to 90"}},
-      {kHeader + "\n" + good + "nan,42,-71,120,90,-30\n", {"lines.csv:3: time_s is \"nan\"", "a number of s"}},
-      {kHeader + "\n" + good + "1,42,-71,1e999,90,-30\n", {"lines.csv:3: altitude_m"}},
-      {kHeader + "\n" + good + "1,42,-71,120,north,-30\n", {"lines.csv:3: azimuth_deg is \"north\""}},
-      {kHeader + "\n" + good + "1,42,-71,,90,-30\n", {"lines.csv:3: altitude_m is \"\""}},
-      {kHeader + "\n" + good + "1,42,-71\n", {"lines.csv:3: no altitude_m", "after 3 of at least 4"}},
+      {kHeader + "\n" + "1,97,-71,120,90,-30\n", {"lines.csv:2: latitude_deg is \"97\"", "from -90 to 90"}},
+      {kHeader + "\n" + "nan,42,-71,120,90,-30\n", {"lines.csv:2: time_s is \"nan\"", "a number of s"}},
+      {kHeader + "\n" + "1,42,-71,1e999,90,-30\n", {"lines.csv:2: altitude_m"}},
+      {kHeader + "\n" + "1,42,-71,120,north,-30\n", {"lines.csv:2: azimuth_deg is \"north\""}},
+      {kHeader + "\n" + "1,42,-71,,90,-30\n", {"lines.csv:2: altitude_m is \"\""}},
+      {kHeader + "\n" + "1,42,-71\n", {"lines.csv:2: no altitude_m", "after 3 of at least 4"}},
       {kHeader + ",range_m\n0,42,-71,120,90,-30,-5\n", {"lines.csv:2: range_m is \"-5\""}},
       {kHeader + ",sigma_deg\n0,42,-71,120,90,-30,0\n", {"lines.csv:2: sigma_deg is \"0\""}},
   };
@@ -63,6 +64,18 @@ TEST(LinesCsv, SaysFileLineAndWhatWouldBeRight) {
     EXPECT_THAT(lines.error().message, Not(HasSubstr("\n")));
     for (const std::string& word : bad.words) EXPECT_THAT(lines.error().message, HasSubstr(word));
   }
+}
+
+TEST(LinesCsv, ARowThatCannotBeReadIsLeftOutAndTold) {
+  const auto table = ParseLinesOfSight(
+      "\"time_s\",latitude_deg,longitude_deg,altitude_m,azimuth_deg,elevation_deg\n"
+      "0,42,-71,120,90,-30\n1,nan,-71,120,90,-30\n\"2\",42,-71,120,90,-30\n3,42,-7",
+      "lines.csv");
+  ASSERT_TRUE(table) << table.error().message;
+  EXPECT_EQ(table->lines.size(), 2U);
+  EXPECT_THAT(table->is_read, ::testing::ElementsAre(true, false, true, false));
+  EXPECT_THAT(table->problems,
+              ::testing::ElementsAre(HasSubstr("lines.csv:3: latitude_deg is \"nan\""), HasSubstr("lines.csv:5: no")));
 }
 
 }  // namespace

@@ -31,6 +31,7 @@ void SetRange(const LineOfSight& line, const TangentPlane& plane, const LocateOp
   if (line.range_m) {
     ray.range_source = RangeSource::kMeasured;
     ray.range_m = *line.range_m;
+    if (!line.sigma_range_m) ray.range_share = options.line.range_share;
     ray.sigma_range_m = line.sigma_range_m.value_or(options.line.range_share * ray.range_m);
     return;
   }

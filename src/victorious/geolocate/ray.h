@@ -36,6 +36,7 @@ struct Ray {
   RangeSource range_source = RangeSource::kNone;
   double range_m = 0;
   double sigma_range_m = 0;
+  double range_share = 0;             ///< sigma over the true range, where that is all that is known of it; else 0
   Eigen::Vector3d normal;             ///< of the ground where the range ends, if that is from the ground
   double ground_share = 0;            ///< by how much the range changes with the ground's height there, m/m
   std::optional<NoGround> no_ground;  ///< why there is no range from a ground that was told

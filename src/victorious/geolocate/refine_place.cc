@@ -162,7 +162,7 @@ class Refinement {
                                    new OffsetError{ray, sigmas_, SightOf(ray, estimate, noise_factor)}),
                                &huber, place, velocity, common);
       if (ray.range_source != RangeSource::kMeasured) continue;
-      const double sigma_m = std::hypot(ray.sigma_range_m, options_.line.position_m);
+      const double sigma_m = std::hypot(SigmaOfRange(ray, estimate), options_.line.position_m);
       problem.AddResidualBlock(
           new ceres::AutoDiffCostFunction<RangeError, 1, 3, 3, kCommonErrors>(new RangeError{ray, sigmas_, sigma_m}),
           &huber, place, velocity, common);
@@ -247,6 +247,11 @@ class Refinement {
 
   [[nodiscard]] Eigen::Vector3d ToObject(const Ray& ray, const Estimate& estimate) const {
     return Seen<double>(ray, sigmas_, estimate.place.data(), estimate.velocity.data(), estimate.common.data());
+  }
+
+  // A share is one of the true range: of what was measured it would trust the short ones more, and draw the place near.
+  [[nodiscard]] double SigmaOfRange(const Ray& ray, const Estimate& estimate) const {
+    return ray.range_share > 0 ? ray.range_share * ToObject(ray, estimate).norm() : ray.sigma_range_m;
   }
 
   [[nodiscard]] Sight SightOf(const Ray& ray, const Estimate& estimate, double noise_factor) const {

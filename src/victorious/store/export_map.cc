@@ -43,14 +43,57 @@ Json PositionJson(const GeodeticPoint& point) {
   return {GeodeticJson(point.longitude_rad), GeodeticJson(point.latitude_rad)};
 }
 
+using Ring = std::vector<GeodeticPoint>;
+
+// What of a closed ring lies east of a meridian (`east`), or west of it; closed.
+Ring Beside(const Ring& ring, double longitude_rad, bool east) {
+  const auto inside = [&](const GeodeticPoint& point) {
+    return east ? point.longitude_rad >= longitude_rad : point.longitude_rad <= longitude_rad;
+  };
+  Ring part;
+  for (std::size_t i = 0; i + 1 < ring.size(); ++i) {
+    const GeodeticPoint& a = ring[i];
+    const GeodeticPoint& b = ring[i + 1];
+    if (inside(a)) part.push_back(a);
+    if (inside(a) == inside(b)) continue;
+    const double share = (longitude_rad - a.longitude_rad) / (b.longitude_rad - a.longitude_rad);
+    part.push_back({a.latitude_rad + share * (b.latitude_rad - a.latitude_rad), longitude_rad, a.altitude_m});
+  }
+  if (!part.empty()) part.push_back(part.front());
+  return part;
+}
+
+// A ring about a place, cut where it crosses the antimeridian (RFC 7946, section 3.1.9).
+std::vector<Ring> CutAtAntimeridian(Ring ring, double middle_longitude_rad) {
+  for (GeodeticPoint& point : ring) {
+    point.longitude_rad = middle_longitude_rad + WrapAngle(point.longitude_rad - middle_longitude_rad);
+  }
+  for (const double edge_rad : {-kPi, kPi}) {
+    const auto [west, east] = std::ranges::minmax(ring, {}, &GeodeticPoint::longitude_rad);
+    if (!(west.longitude_rad < edge_rad && edge_rad < east.longitude_rad)) continue;
+    std::vector<Ring> parts = {Beside(ring, edge_rad, false), Beside(ring, edge_rad, true)};
+    Ring& beyond = edge_rad < 0 ? parts.front() : parts.back();
+    for (GeodeticPoint& point : beyond) point.longitude_rad -= 2 * edge_rad;
+    return parts;
+  }
+  return {std::move(ring)};
+}
+
+std::vector<Ring> RingsOf(const Place& place) { return CutAtAntimeridian(EllipseOf(place), place.point.longitude_rad); }
+
 Json FeatureJson(const ListedObject& listed) {
   const Place& place = *listed.object.place;
   Json point = PositionJson(place.point);
   point.push_back(MetresJson(place.point.altitude_m));
-  Json border = Json::array();
-  for (const GeodeticPoint& corner : EllipseOf(place)) border.push_back(PositionJson(corner));
-  const Json geometries = Json::array({{{"type", "Point"}, {"coordinates", std::move(point)}},
-                                       {{"type", "Polygon"}, {"coordinates", Json::array({std::move(border)})}}});
+  Json polygons = Json::array();
+  for (const Ring& ring : RingsOf(place)) {
+    Json border = Json::array();
+    for (const GeodeticPoint& corner : ring) border.push_back(PositionJson(corner));
+    polygons.push_back(Json::array({std::move(border)}));
+  }
+  const Json ellipse = polygons.size() == 1 ? Json{{"type", "Polygon"}, {"coordinates", polygons.front()}}
+                                            : Json{{"type", "MultiPolygon"}, {"coordinates", polygons}};
+  const Json geometries = Json::array({{{"type", "Point"}, {"coordinates", std::move(point)}}, ellipse});
   return {{"type", "Feature"},
           {"id", listed.object.id},
           {"geometry", {{"type", "GeometryCollection"}, {"geometries", geometries}}},
@@ -107,8 +150,12 @@ Expected<std::map<std::int64_t, TimeSpan>> SpansOf(IndexStore& store) {
 
 std::string PlacemarkText(const ListedObject& listed, const TimeSpan& span) {
   const Place& place = *listed.object.place;
-  std::string border;
-  for (const GeodeticPoint& corner : EllipseOf(place)) border += CoordinatesText(corner) + " ";
+  std::string ellipse;
+  for (const Ring& ring : RingsOf(place)) {
+    ellipse += "<Polygon><outerBoundaryIs><LinearRing><coordinates>";
+    for (const GeodeticPoint& corner : ring) ellipse += CoordinatesText(corner) + " ";
+    ellipse += "</coordinates></LinearRing></outerBoundaryIs></Polygon>";
+  }
   std::string heading;
   if (listed.object.heading_rad) {
     heading = fmt::format(", heading {:.0f}°", DegreesFromRadians(*listed.object.heading_rad));
@@ -120,11 +167,10 @@ std::string PlacemarkText(const ListedObject& listed, const TimeSpan& span) {
       "<description>score {:.3f}, {} frames, within {:.2f} m in 90 %{}{}</description>"
       "<TimeSpan><begin>{}</begin><end>{}</end></TimeSpan><styleUrl>#object</styleUrl><MultiGeometry>"
       "<Point><coordinates>{},{:.3f}</coordinates></Point>"
-      "<Polygon><outerBoundaryIs><LinearRing><coordinates>{}</coordinates></LinearRing></outerBoundaryIs></Polygon>"
-      "</MultiGeometry></Placemark>\n",
+      "{}</MultiGeometry></Placemark>\n",
       listed.object.id, EscapedXml(listed.model), listed.object.id, listed.object.score, listed.object.frames,
       place.ce90_m, heading, rejected, TimeText(span.begin_us), TimeText(span.end_us), CoordinatesText(place.point),
-      place.point.altitude_m, border);
+      place.point.altitude_m, ellipse);
 }
 
 }  // namespace

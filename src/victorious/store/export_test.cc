@@ -184,6 +184,28 @@ TEST_F(ExportTest, AnEmptyIndexGivesEmptyFiles) {
   EXPECT_EQ(json::parse(Text(ExportFormat::kCoco)), json::parse(R"({"images":[],"annotations":[],"categories":[]})"));
 }
 
+TEST_F(ExportTest, AnEllipseAcrossTheAntimeridianIsCutThere) {
+  ObjectRecord object = store_->Objects({}).value().front();
+  object.place.emplace();
+  object.place->point = {RadiansFromDegrees(-17), RadiansFromDegrees(179.99999), 5};
+  object.place->covariance_enu_m2 = 9 * Eigen::Matrix3d::Identity();
+  ASSERT_TRUE(store_->PutObjects(std::span(&object, 1)));
+  const json feature = json::parse(Text(ExportFormat::kGeoJson)).at("features").at(0);
+  const json& ellipse = feature.at("geometry").at("geometries").at(1);
+  EXPECT_EQ(ellipse.at("type"), "MultiPolygon");
+  ASSERT_EQ(ellipse.at("coordinates").size(), 2U);
+  for (const json& polygon : ellipse.at("coordinates")) {
+    const json& ring = polygon.at(0);
+    EXPECT_EQ(ring.front(), ring.back());
+    for (const json& corner : ring) {
+      const double longitude_deg = corner.at(0);
+      EXPECT_GT(longitude_deg * ring.at(0).at(0).get<double>(), 0) << "one side of it";
+      EXPECT_GT(std::abs(longitude_deg), 179.999);
+      EXPECT_LE(std::abs(longitude_deg), 180);
+    }
+  }
+}
+
 TEST(ExportFormatTest, IsNamedAsTheContractSays) {
   EXPECT_EQ(*ParseExportFormat("objects"), ExportFormat::kObjects);
   EXPECT_EQ(*ParseExportFormat("sightings"), ExportFormat::kSightings);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <map>
 #include <optional>
@@ -10,8 +11,9 @@
 
 #include <fmt/format.h>
 
+#include "victorious/base/text.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/telemetry/number_text.h"
+#include "victorious/telemetry/utc_text.h"
 
 namespace victorious {
 namespace {
@@ -19,28 +21,25 @@ namespace {
 constexpr std::size_t kMostWarnings = 20;
 constexpr std::array<std::string_view, 4> kPlaceColumns = {"time_s", "latitude_deg", "longitude_deg", "altitude_m"};
 constexpr std::array<std::string_view, 5> kDistortionColumns = {"k1", "k2", "p1", "p2", "k3"};
-constexpr std::array<std::pair<VerticalDatum, std::string_view>, 4> kDatums = {{
+constexpr std::array<std::pair<VerticalDatum, std::string_view>, 5> kDatums = {{
     {VerticalDatum::kEllipsoid, "ellipsoid"},
     {VerticalDatum::kEgm96, "egm96"},
     {VerticalDatum::kEgm2008, "egm2008"},
     {VerticalDatum::kTakeoff, "takeoff"},
+    {VerticalDatum::kUnknown, "unknown"},
 }};
 
-std::string_view WithoutByteOrderMark(std::string_view text) {
-  constexpr std::string_view kMark = "\xEF\xBB\xBF";
-  if (text.starts_with(kMark)) text.remove_prefix(kMark.size());
-  return text;
-}
+using Columns = std::map<std::string, std::size_t, std::less<>>;
 
 // The cells of one row by the name of their column.
 class Row {
  public:
-  Row(const std::map<std::string_view, std::size_t>& columns, std::vector<std::string_view> cells)
-      : columns_(columns), cells_(std::move(cells)) {}
+  Row(const Columns& columns, std::vector<std::string> cells) : columns_(columns), cells_(std::move(cells)) {}
 
   [[nodiscard]] std::string_view Text(std::string_view column) const {
     const auto at = columns_.find(column);
-    return at != columns_.end() && at->second < cells_.size() ? cells_[at->second] : std::string_view();
+    return at != columns_.end() && at->second < cells_.size() ? std::string_view(cells_[at->second])
+                                                              : std::string_view();
   }
 
   /// Nothing for an empty cell; an error for one that is no number within the bounds.
@@ -60,8 +59,8 @@ class Row {
   }
 
  private:
-  const std::map<std::string_view, std::size_t>& columns_;
-  std::vector<std::string_view> cells_;
+  const Columns& columns_;
+  std::vector<std::string> cells_;
 };
 
 Expected<std::optional<Attitude>> AttitudeOfRow(const Row& row) {
@@ -76,9 +75,9 @@ Expected<VerticalDatum> DatumOfRow(const Row& row) {
   const std::string_view name = row.Text("vertical_datum");
   if (name.empty()) return VerticalDatum::kEllipsoid;
   if (const auto datum = VerticalDatumOf(name)) return *datum;
-  return Fail(
-      ErrorCode::kInvalidArgument,
-      fmt::format("vertical_datum is \"{}\": must be ellipsoid, egm96, egm2008 or takeoff", name.substr(0, 40)));
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("vertical_datum is \"{}\": must be ellipsoid, egm96, egm2008, takeoff or unknown",
+                          name.substr(0, 40)));
 }
 
 // Coefficients that are left out are 0; nothing if all are.
@@ -100,7 +99,8 @@ Expected<CameraState> StateOfRow(const Row& row) {
   VICTORIOUS_ASSIGN_OR_RETURN(state.time_s, row.Needed("time_s", -kLongest, kLongest));
   VICTORIOUS_ASSIGN_OR_RETURN(const double latitude_deg, row.Needed("latitude_deg", -90, 90));
   VICTORIOUS_ASSIGN_OR_RETURN(const double longitude_deg, row.Needed("longitude_deg", -180, 360));
-  VICTORIOUS_ASSIGN_OR_RETURN(state.place.altitude_m, row.Needed("altitude_m", -kHighest, kHighest));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto altitude_m, row.Number("altitude_m", -kHighest, kHighest));
+  state.place.altitude_m = altitude_m.value_or(0);
   state.place.latitude_rad = RadiansFromDegrees(latitude_deg);
   state.place.longitude_rad = RadiansFromDegrees(longitude_deg > 180 ? longitude_deg - 360 : longitude_deg);
   VICTORIOUS_ASSIGN_OR_RETURN(state.attitude, AttitudeOfRow(row));
@@ -110,6 +110,7 @@ Expected<CameraState> StateOfRow(const Row& row) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto sigma_deg, row.Number("sigma_attitude_deg", 0, 180));
   if (sigma_deg) state.sigma_attitude_rad = RadiansFromDegrees(*sigma_deg);
   VICTORIOUS_ASSIGN_OR_RETURN(state.datum, DatumOfRow(row));
+  if (!altitude_m) state.datum = VerticalDatum::kUnknown;
   VICTORIOUS_ASSIGN_OR_RETURN(state.distortion, DistortionOfRow(row));
   state.utc_us = MicrosecondsOfUtc(row.Text("utc"));
   return state;
@@ -149,9 +150,11 @@ const std::array<OptionalColumn, 9>& OptionalColumns() {
 
 std::string NeededCells(const CameraState& state) {
   const auto& attitude = state.attitude;
-  return fmt::format("{:.6f},{:.10f},{:.10f},{:.4f},{},{},{},{}", state.time_s,
+  const bool has_height = state.datum != VerticalDatum::kUnknown;
+  return fmt::format("{:.6f},{:.10f},{:.10f},{},{},{},{},{}", state.time_s,
                      DegreesFromRadians(state.place.latitude_rad), DegreesFromRadians(state.place.longitude_rad),
-                     state.place.altitude_m, attitude ? Cell(DegreesFromRadians(attitude->yaw_rad)) : "",
+                     has_height ? fmt::format("{:.4f}", state.place.altitude_m) : "",
+                     attitude ? Cell(DegreesFromRadians(attitude->yaw_rad)) : "",
                      attitude ? Cell(DegreesFromRadians(attitude->pitch_rad)) : "",
                      attitude ? Cell(DegreesFromRadians(attitude->roll_rad)) : "", Cell(Degrees(state.hfov_rad)));
 }
@@ -160,16 +163,17 @@ std::string NeededCells(const CameraState& state) {
 
 bool LooksLikeCameraCsv(std::string_view text) {
   text = WithoutByteOrderMark(text);
-  const std::vector<std::string_view> names = SplitAtCommas(TakeLine(text));
-  return std::ranges::count_if(names, [](std::string_view name) {
+  const std::vector<std::string> names = SplitRow(TakeLine(text));
+  return std::ranges::count_if(names, [](const std::string& name) {
            return std::ranges::find(kPlaceColumns, name) != kPlaceColumns.end();
          }) >= 2;
 }
 
 Expected<CameraRows> ParseCameraCsv(std::string_view text) {
   text = WithoutByteOrderMark(text);
-  std::map<std::string_view, std::size_t> columns;
-  for (const std::string_view name : SplitAtCommas(TakeLine(text))) columns.emplace(name, columns.size());
+  Columns columns;
+  std::size_t at = 0;
+  for (const std::string& name : SplitRow(TakeLine(text))) columns.emplace(name, at++);
   for (const std::string_view name : kPlaceColumns) {
     if (!columns.contains(name)) {
       return Fail(ErrorCode::kInvalidArgument, fmt::format("the header has no column {}: a telemetry table needs {}",
@@ -177,16 +181,23 @@ Expected<CameraRows> ParseCameraCsv(std::string_view text) {
     }
   }
   CameraRows rows;
+  int without_moment = 0;
   for (int line = 2; !text.empty(); ++line) {
     const std::string_view cells = TakeLine(text);
     if (WithoutBlanks(cells).empty()) continue;
     ++rows.rows;
-    auto state = StateOfRow(Row(columns, SplitAtCommas(cells)));
+    const Row row(columns, SplitRow(cells));
+    auto state = StateOfRow(row);
     if (state) {
+      without_moment += !row.Text("utc").empty() && !state->utc_us ? 1 : 0;
       rows.states.push_back(*std::move(state));
     } else if (rows.warnings.size() < kMostWarnings) {
       rows.warnings.push_back(fmt::format("line {} is left out: {}", line, state.error().message));
     }
+  }
+  if (without_moment > 0) {
+    rows.warnings.push_back(
+        fmt::format("utc of {} rows is no ISO 8601 time, as in 2026-05-27T13:14:22.911Z: left out", without_moment));
   }
   if (!rows.states.empty()) return rows;
   return Fail(ErrorCode::kInvalidArgument, rows.warnings.empty()

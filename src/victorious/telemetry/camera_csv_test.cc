@@ -52,13 +52,36 @@ TEST(CameraCsv, WhatIsWrittenIsReadAgain) {
 TEST(CameraCsv, BadRowsAreLeftOutAndTold) {
   const auto rows = ParseCameraCsv(std::string(kHeader) +
                                    "0,42,-71,100,0,-90,0,40\n1,95,-71,100,0,-90,0,40\n"
-                                   "2,nan,-71,100,0,-90,0,40\n\n3,42,-71\n4,42,-71,100,0,-90,0,40");
+                                   "2,nan,-71,100,0,-90,0,40\n\n3,42,\n4,42,-71,100,0,-90,0,40");
   ASSERT_TRUE(rows);
   EXPECT_EQ(rows->rows, 5);
   EXPECT_EQ(rows->states.size(), 2U);
   ASSERT_EQ(rows->warnings.size(), 3U);
   EXPECT_EQ(rows->warnings[0], "line 3 is left out: latitude_deg is \"95\": must be a number from -90 to 90");
-  EXPECT_EQ(rows->warnings[2], "line 6 is left out: altitude_m is empty");
+  EXPECT_EQ(rows->warnings[2], "line 6 is left out: longitude_deg is empty");
+}
+
+TEST(CameraCsv, AHeightThatIsNotToldIsUnknownBothWays) {
+  const auto rows = ParseCameraCsv(std::string(kHeader) + "0,42,-71,,0,-90,0,40\n");
+  ASSERT_TRUE(rows);
+  ASSERT_EQ(rows->states.size(), 1U);
+  EXPECT_EQ(rows->states[0].datum, VerticalDatum::kUnknown);
+  EXPECT_FALSE(rows->states[0].IsComplete());
+  const auto again = ParseCameraCsv(CameraCsvText(rows->states, {}, {}));
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->states[0].datum, VerticalDatum::kUnknown);
+}
+
+TEST(CameraCsv, MomentsOfOtherZonesAreRead) {
+  const auto rows = ParseCameraCsv(
+      "time_s,latitude_deg,longitude_deg,altitude_m,utc\n0,42,-71,100,2024-01-01T02:00:00+02:00\n"
+      "1,42,-71,100,2023-12-31T20:30:01-0330\n2,42,-71,100,yesterday\n");
+  ASSERT_TRUE(rows);
+  EXPECT_EQ(rows->states[0].utc_us, 1'704'067'200'000'000);
+  EXPECT_EQ(rows->states[1].utc_us, 1'704'067'201'000'000);
+  EXPECT_FALSE(rows->states[2].utc_us);
+  ASSERT_EQ(rows->warnings.size(), 1U);
+  EXPECT_NE(rows->warnings[0].find("1 rows"), std::string::npos);
 }
 
 TEST(CameraCsv, NothingToUseIsAnError) {

@@ -5,11 +5,13 @@
 #include <cctype>
 #include <cmath>
 #include <cstdint>
+#include <span>
 
 #include <fmt/format.h>
 
+#include "victorious/base/text.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/telemetry/number_text.h"
+#include "victorious/telemetry/utc_text.h"
 
 namespace victorious {
 namespace {
@@ -28,35 +30,69 @@ std::optional<std::string_view> After(std::string_view text, std::string_view wo
   return std::nullopt;
 }
 
-// The number behind "word:" or "word :".
-std::optional<double> NumberAfter(std::string_view text, std::string_view word) {
-  auto rest = After(text, word);
-  if (!rest) return std::nullopt;
-  rest->remove_prefix(std::min(rest->find_first_not_of(" \t"), rest->size()));
-  if (!rest->starts_with(':')) return std::nullopt;
-  rest->remove_prefix(1);
-  return TakeNumber(*rest);
+void TrimFront(std::string_view& text) { text.remove_prefix(std::min(text.find_first_not_of(" \t"), text.size())); }
+
+// A number and the letters behind it: "25.1m", "11.5 W".
+struct Quantity {
+  double number = 0;
+  std::string_view unit = {};
+
+  [[nodiscard]] bool IsHeight() const { return unit == "m" || unit == "M" || IsFeet(); }
+  [[nodiscard]] bool IsFeet() const { return unit == "ft" || unit == "FT"; }
+  [[nodiscard]] double Metres() const {
+    constexpr double kMetresPerFoot = 0.3048;
+    return IsFeet() ? kMetresPerFoot * number : number;
+  }
+  [[nodiscard]] bool IsNorthing() const { return unit == "N" || unit == "S"; }
+  [[nodiscard]] bool IsEasting() const { return unit == "E" || unit == "W"; }
+  // South and west of a number that has no sign of its own are below 0.
+  [[nodiscard]] double Degrees() const { return unit == "S" || unit == "W" ? -std::abs(number) : number; }
+};
+
+// Off the front.
+std::optional<Quantity> TakeQuantity(std::string_view& text) {
+  const auto number = TakeNumber(text);
+  if (!number) return std::nullopt;
+  TrimFront(text);
+  const auto is_letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; };
+  const auto end = std::ranges::find_if_not(text, is_letter);
+  const Quantity quantity{*number, text.substr(0, static_cast<std::size_t>(end - text.begin()))};
+  text.remove_prefix(quantity.unit.size());
+  return quantity;
 }
 
-// The three numbers of "word (a, b, c)", with whatever unit behind the last; a decimal comma is not told from a comma
-// between numbers, so there must be a blank or three plain numbers.
-struct Triple {
-  std::array<double, 3> numbers;
-  bool metres;  ///< an M or m stands behind the last
-};
+// The number behind "word:" or "word :". A decimal comma makes it none: where it ends is not sure.
+std::optional<Quantity> QuantityAfter(std::string_view text, std::string_view word) {
+  auto rest = After(text, word);
+  if (!rest) return std::nullopt;
+  TrimFront(*rest);
+  if (!rest->starts_with(':')) return std::nullopt;
+  rest->remove_prefix(1);
+  const auto quantity = TakeQuantity(*rest);
+  const bool goes_on = rest->size() > 1 && rest->starts_with(',') && (*rest)[1] >= '0' && (*rest)[1] <= '9';
+  return goes_on ? std::nullopt : quantity;
+}
+
+std::optional<double> NumberAfter(std::string_view text, std::string_view word) {
+  const auto quantity = QuantityAfter(text, word);
+  return quantity ? std::optional(quantity->number) : std::nullopt;
+}
+
+// The three numbers of "word (a, b, c)"; a decimal comma is not told from a comma between numbers, so there must be a
+// blank or three plain numbers.
+using Triple = std::array<Quantity, 3>;
 
 std::optional<Triple> TripleAfter(std::string_view text, std::string_view word) {
   auto rest = After(text, word);
   if (!rest) return std::nullopt;
-  rest->remove_prefix(std::min(rest->find_first_not_of(" \t"), rest->size()));
+  TrimFront(*rest);
   if (!rest->starts_with('(')) return std::nullopt;
-  Triple triple{};
-  for (double& number : triple.numbers) {
+  Triple triple;
+  for (Quantity& quantity : triple) {
     rest->remove_prefix(1);  // the bracket, or the comma
-    const auto taken = TakeNumber(*rest);
+    const auto taken = TakeQuantity(*rest);
     if (!taken) return std::nullopt;
-    number = *taken;
-    triple.metres = rest->starts_with('M') || rest->starts_with('m');
+    quantity = *taken;
     const std::size_t end = rest->find_first_of(",)\n");
     if (end == std::string_view::npos) return std::nullopt;
     rest->remove_prefix(end);
@@ -64,7 +100,10 @@ std::optional<Triple> TripleAfter(std::string_view text, std::string_view word) 
   return triple;
 }
 
-bool SetPlace(CameraState& state, double latitude_deg, double longitude_deg) {
+bool SetPlace(CameraState& state, const Quantity& latitude, const Quantity& longitude) {
+  if (latitude.IsEasting() || longitude.IsNorthing()) return false;
+  const double latitude_deg = latitude.Degrees();
+  const double longitude_deg = longitude.Degrees();
   if (!(std::abs(latitude_deg) <= 90 && std::abs(longitude_deg) <= 180)) return false;
   if (latitude_deg == 0 && longitude_deg == 0) return false;
   state.place.latitude_rad = RadiansFromDegrees(latitude_deg);
@@ -72,38 +111,51 @@ bool SetPlace(CameraState& state, double latitude_deg, double longitude_deg) {
   return true;
 }
 
-void SetHeight(CameraState& state, double altitude_m, VerticalDatum datum) {
-  state.place.altitude_m = altitude_m;
-  state.datum = datum;
+void SetTakeoffHeight(CameraState& state, const Quantity& height) {
+  state.place.altitude_m = height.Metres();
+  state.datum = VerticalDatum::kTakeoff;
+}
+
+// By the word that comes last of those that are there.
+struct HeightWord {
+  std::string_view word;
+  VerticalDatum datum = VerticalDatum::kTakeoff;
+};
+
+void SetHeight(std::string_view text, std::span<const HeightWord> words, CameraState& state) {
+  for (const auto& [word, datum] : words) {
+    const auto height = QuantityAfter(text, word);
+    if (!height) continue;
+    state.place.altitude_m = height->Metres();
+    state.datum = datum;
+  }
 }
 
 // "[latitude: …] [longitude: …]" and what stands beside it.
 bool ReadBrackets(std::string_view text, CameraState& state) {
-  const auto latitude_deg = NumberAfter(text, "latitude");
-  auto longitude_deg = NumberAfter(text, "longitude");
-  if (!longitude_deg) longitude_deg = NumberAfter(text, "longtitude");
-  if (!latitude_deg || !longitude_deg || !SetPlace(state, *latitude_deg, *longitude_deg)) return false;
+  const auto latitude = QuantityAfter(text, "latitude");
+  auto longitude = QuantityAfter(text, "longitude");
+  if (!longitude) longitude = QuantityAfter(text, "longtitude");
+  if (!latitude || !longitude || !SetPlace(state, *latitude, *longitude)) return false;
   // "altitude" alone is above the sea with some aircraft and above the take-off with others: the lesser promise.
-  SetHeight(state, NumberAfter(text, "altitude").value_or(0), VerticalDatum::kTakeoff);
-  if (const auto relative_m = NumberAfter(text, "rel_alt")) SetHeight(state, *relative_m, VerticalDatum::kTakeoff);
-  if (const auto absolute_m = NumberAfter(text, "abs_alt")) SetHeight(state, *absolute_m, VerticalDatum::kEgm96);
+  constexpr std::array<HeightWord, 3> kWords = {{{"altitude"}, {"rel_alt"}, {"abs_alt", VerticalDatum::kEgm96}}};
+  SetHeight(text, kWords, state);
   return true;
 }
 
-// "GPS(…)": longitude first, but for the family that writes a height in metres as the third number.
+// "GPS(…)": longitude first, but for the family that writes a height as the third number, and where letters tell.
 bool ReadGps(std::string_view text, CameraState& state) {
   const auto gps = TripleAfter(text, "GPS");
   if (!gps) return false;
-  const auto& [first, second, third] = gps->numbers;
-  const bool latitude_first = gps->metres || std::abs(second) > 90;
+  const auto& [first, second, third] = *gps;
+  const bool latitude_first = first.IsNorthing() || second.IsEasting() ||
+                              (!first.IsEasting() && (third.IsHeight() || std::abs(second.number) > 90));
   if (!SetPlace(state, latitude_first ? first : second, latitude_first ? second : first)) return false;
-  SetHeight(state, gps->metres ? third : 0, VerticalDatum::kTakeoff);
-  if (const auto barometer_m = NumberAfter(text, "BAROMETER")) {
-    SetHeight(state, *barometer_m, VerticalDatum::kTakeoff);
-  }
-  if (const auto barometer_m = NumberAfter(text, "Hb")) SetHeight(state, *barometer_m, VerticalDatum::kTakeoff);
-  if (auto height = After(text, "H")) {
-    if (const auto height_m = TakeNumber(*height)) SetHeight(state, *height_m, VerticalDatum::kTakeoff);
+  if (third.IsHeight()) SetTakeoffHeight(state, third);
+  constexpr std::array<HeightWord, 2> kWords = {{{"BAROMETER"}, {"Hb"}}};
+  SetHeight(text, kWords, state);
+  if (auto rest = After(text, "H")) {
+    if (const auto height = TakeQuantity(*rest)) SetTakeoffHeight(state, *height);
   }
   return true;
 }
@@ -118,7 +170,8 @@ std::optional<Attitude> AttitudeFrom(std::optional<double> yaw_deg, std::optiona
 
 std::optional<Attitude> ReadAttitude(std::string_view text) {
   if (const auto gimbal = TripleAfter(text, "G.PRY")) {
-    return AttitudeFrom(gimbal->numbers[2], gimbal->numbers[0], gimbal->numbers[1]);
+    const auto& [pitch, roll, yaw] = *gimbal;
+    return AttitudeFrom(yaw.number, pitch.number, roll.number);
   }
   return AttitudeFrom(NumberAfter(text, "gb_yaw"), NumberAfter(text, "gb_pitch"), NumberAfter(text, "gb_roll"));
 }
@@ -226,7 +279,7 @@ std::optional<double> TimeOf(const Cue& cue, std::optional<std::int64_t>& first_
 }  // namespace
 
 std::optional<CameraState> CameraFromDjiText(std::string_view text) {
-  CameraState state;
+  CameraState state{.datum = VerticalDatum::kUnknown};
   if (!ReadBrackets(text, state) && !ReadGps(text, state)) return std::nullopt;
   state.attitude = ReadAttitude(text);
   state.hfov_rad = ReadFieldOfView(text);
@@ -235,7 +288,7 @@ std::optional<CameraState> CameraFromDjiText(std::string_view text) {
 
 bool LooksLikeDjiSrt(std::string_view text) {
   constexpr std::size_t kEnough = 4096;
-  const std::string_view head = text.substr(0, kEnough);
+  const std::string_view head = WithoutByteOrderMark(text).substr(0, kEnough);
   constexpr std::array<std::string_view, 7> kMarks = {"GPS(",    "GPS (",    "HOME(", "latitude",
                                                       "[iso : ", "FrameCnt", "SrtCnt"};
   const bool marked = std::ranges::any_of(kMarks, [&](std::string_view mark) { return head.contains(mark); });
@@ -244,6 +297,7 @@ bool LooksLikeDjiSrt(std::string_view text) {
 
 DjiSubtitles ParseDjiSrt(std::string_view text) {
   DjiSubtitles subtitles;
+  text = WithoutByteOrderMark(text);
   std::optional<std::int64_t> first_moment_us;
   int without_place = 0;
   int without_time = 0;

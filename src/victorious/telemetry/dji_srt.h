@@ -14,7 +14,7 @@
 namespace victorious {
 
 /// What one text says; the state's time is 0. Nothing for a text without a place, and for the place 0, 0 that stands
-/// for none.
+/// for none; of unknown datum where no height is told.
 [[nodiscard]] std::optional<CameraState> CameraFromDjiText(std::string_view text);
 
 struct DjiSubtitles {

@@ -40,11 +40,11 @@ TEST(DjiSrt, GimbalAngles) {
       "[gb_yaw: -75.6 gb_pitch: -12.5 gb_roll: 0.0]");
   ASSERT_TRUE(m300 && m300->attitude);
   EXPECT_NEAR(DegreesFromRadians(m300->attitude->yaw_rad), 284.4, 1e-6);
-  EXPECT_FALSE(CameraFromDjiText("[latitude: 49.1] [longitude: 14.6]")->attitude);
+  EXPECT_FALSE(CameraFromDjiText("[latitude: 49.1] [longitude: 14.6] [rel_alt: 1]").value().attitude);
 }
 
 TEST(DjiSrt, FieldOfViewFromTheFocalLength) {
-  const std::string place = "[latitude: 49.1] [longitude: 14.6] ";
+  const std::string place = "[latitude: 49.1] [longitude: 14.6] [rel_alt: 1] ";
   EXPECT_NEAR(DegreesFromRadians(*CameraFromDjiText(place + "[focal_len: 24.00]")->hfov_rad), 76.3, 0.1);
   EXPECT_NEAR(DegreesFromRadians(*CameraFromDjiText(place + "[focal_len : 240]")->hfov_rad), 76.3, 0.1);
   EXPECT_NEAR(DegreesFromRadians(*CameraFromDjiText(place + "[focal_len: 24.00] [dzoom: 2.00]")->hfov_rad), 42.9, 0.1);
@@ -52,15 +52,41 @@ TEST(DjiSrt, FieldOfViewFromTheFocalLength) {
 
 TEST(DjiSrt, NoPlace) {
   for (const char* text : {"", "GPS(N/A,N/A,3) BAROMETER:0.0", "[latitude: 0.000] [longitude: 0.000] [rel_alt: 0.4]",
-                           "[latitude: 91] [longitude: 10]", "GPS(", "GPS(1,2", "[latitude: nan] [longitude: 1]"}) {
+                           "[latitude: 91] [longitude: 10]", "GPS(", "GPS(1,2", "[latitude: nan] [longitude: 1]",
+                           "[latitude: 48,123] [longitude: 11,512] [rel_alt: 10,5]",
+                           "[latitude: 48.1 E] [longitude: 11.5 N] [rel_alt: 10]"}) {
     EXPECT_FALSE(CameraFromDjiText(text)) << text;
   }
 }
 
+TEST(DjiSrt, LettersTellTheHemisphereAndTheUnit) {
+  ExpectPlace(CameraFromDjiText("[latitude: 48.1 S] [longitude: 11.5 W] [rel_alt: 10]"), -48.1, -11.5, 10,
+              VerticalDatum::kTakeoff);
+  ExpectPlace(CameraFromDjiText("GPS(48.1000N,11.5000W,12) BAROMETER:100ft"), 48.1, -11.5, 30.48,
+              VerticalDatum::kTakeoff);
+  ExpectPlace(CameraFromDjiText("GPS (11.5, 48.1, 16), D 8.9ft, H 25.00ft"), 48.1, 11.5, 7.62, VerticalDatum::kTakeoff);
+}
+
+TEST(DjiSrt, AHeightThatIsNotToldIsUnknown) {
+  for (const char* text :
+       {"[latitude: 48.1] [longitude: 11.5]", "[latitude: 48.1] [longitude: 11.5] [rel_alt: n/a abs_alt: nan]",
+        "GPS(11.5,48.1,16)", "GPS (11.5, 48.1, 16), D 8.9m"}) {
+    ExpectPlace(CameraFromDjiText(text), 48.1, 11.5, 0, VerticalDatum::kUnknown);
+  }
+}
+
+TEST(DjiSrt, MayBeginWithAByteOrderMark) {
+  EXPECT_EQ(ParseDjiSrt("\xEF\xBB\xBF"
+                        "1\n00:00:00,000 --> 00:00:00,033\nGPS(11.5,48.1,16)\n\n")
+                .states.size(),
+            1U);
+}
+
 TEST(DjiSrt, CuesTheirTimesAndBlankLinesInside) {
   const DjiSubtitles subtitles = ParseDjiSrt(
-      "1\r\n00:00:00,000 --> 00:00:00,033\r\n[latitude: 49.1] [longitude: 14.6]\r\n\r\n0\r\n[ct : 5]\r\n\r\n"
-      "2\r\n00:01:00,033 --> 00:01:00,066\r\n[latitude: 49.2] [longitude: 14.6]\r\n\r\n"
+      "1\r\n00:00:00,000 --> 00:00:00,033\r\n[latitude: 49.1] [longitude: 14.6] [rel_alt: 1]\r\n\r\n0\r\n[ct : "
+      "5]\r\n\r\n"
+      "2\r\n00:01:00,033 --> 00:01:00,066\r\n[latitude: 49.2] [longitude: 14.6] [rel_alt: 1]\r\n\r\n"
       "3\r\n00:01:01,000 --> 00:01:02,000\r\nHOME(1,");
   EXPECT_EQ(subtitles.cues, 3);
   ASSERT_EQ(subtitles.states.size(), 2U);
@@ -72,8 +98,8 @@ TEST(DjiSrt, CuesTheirTimesAndBlankLinesInside) {
 
 TEST(DjiSrt, WithoutCueTimesTheMomentsCount) {
   const DjiSubtitles subtitles = ParseDjiSrt(
-      "1\n2017.08.05 14:11:51,393,525,393,525\n[latitude : -20.2] [longtitude : 149.0]\n\n"
-      "2\n2017.08.05 14:11:52,393,525\n[latitude : -20.2] [longtitude : 149.0]\n\n");
+      "1\n2017.08.05 14:11:51,393,525,393,525\n[latitude : -20.2] [longtitude : 149.0] [altitude: 9]\n\n"
+      "2\n2017.08.05 14:11:52,393,525\n[latitude : -20.2] [longtitude : 149.0] [altitude: 9]\n\n");
   ASSERT_EQ(subtitles.states.size(), 2U);
   EXPECT_NEAR(subtitles.states[1].time_s, 1.0, 1e-6);
   EXPECT_FALSE(subtitles.warnings.empty());

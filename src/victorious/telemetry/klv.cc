@@ -78,6 +78,7 @@ KlvUnits SplitKlv(Bytes bytes) {
       Warn(found, length ? fmt::format("a KLV unit at byte {} says that it has {} bytes, where {} are left", at,
                                        *length, value.size())
                          : fmt::format("a KLV unit at byte {} is cut off before its length", at));
+      if (!found.cut_off) found.cut_off = at;
       at += kLabelStart.size();
       continue;
     }
@@ -88,6 +89,7 @@ KlvUnits SplitKlv(Bytes bytes) {
                            .label = rest.first(kUniversalLabelSize),
                            .value = value.first(static_cast<std::size_t>(*length))});
     at += size;
+    found.cut_off.reset();
   }
   return found;
 }

@@ -38,7 +38,8 @@ struct KlvUnit {
 
 struct KlvUnits {
   std::vector<KlvUnit> units;
-  std::vector<std::string> warnings;  ///< a line for each place where bytes were passed over or cut off
+  std::vector<std::string> warnings;   ///< a line for each place where bytes were passed over or cut off
+  std::optional<std::size_t> cut_off;  ///< where a unit begins that goes on beyond the bytes, behind all others
 };
 
 [[nodiscard]] KlvUnits SplitKlv(Bytes bytes);

@@ -1,6 +1,9 @@
 #include "victorious/telemetry/klv_packets.h"
 
 #include <iterator>
+#include <map>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -18,6 +21,46 @@ KlvPacket DecodeUnit(const KlvUnit& unit) {
   return {.label = HexText(unit.label), .offset = unit.offset};
 }
 
+// A metadata cell of MPEG-TS (ISO 13818-1, 2.12.4): service, number, flags, length; then so many bytes.
+constexpr std::size_t kCellHeader = 5;
+
+bool IsCell(Bytes bytes) {
+  return bytes.size() > kCellHeader && UnsignedOf(bytes.subspan(3, 2)) == bytes.size() - kCellHeader;
+}
+
+// Puts together the units of one stream that the container handed out in pieces.
+class PieceJoiner {
+ public:
+  /// What is whole by now, each with the time of its first piece.
+  std::vector<DataPacket> Take(const DataPacket& packet) {
+    const Bytes bytes(packet.bytes);
+    const Bytes content = IsCell(bytes) ? bytes.subspan(kCellHeader) : bytes;
+    std::vector<DataPacket> whole;
+    DataPacket joined = packet;
+    if (begun_ && !StartsWithUniversalLabel(content) && begun_->bytes.size() < kMostBytes) {
+      joined = *std::exchange(begun_, std::nullopt);
+      joined.bytes.insert(joined.bytes.end(), content.begin(), content.end());
+    }
+    if (begun_) whole.push_back(*std::exchange(begun_, std::nullopt));
+    if (const auto cut_off = SplitKlv(joined.bytes).cut_off) {
+      begun_ = joined;
+      const auto at = static_cast<std::ptrdiff_t>(*cut_off);
+      begun_->bytes.erase(begun_->bytes.begin(), begun_->bytes.begin() + at);
+      joined.bytes.resize(*cut_off);
+    }
+    if (!joined.bytes.empty()) whole.push_back(std::move(joined));
+    return whole;
+  }
+
+  /// What is still in pieces at the end.
+  [[nodiscard]] const std::optional<DataPacket>& begun() const { return begun_; }
+
+ private:
+  static constexpr std::size_t kMostBytes = std::size_t{1} << 20;  // no telemetry is as large
+
+  std::optional<DataPacket> begun_;
+};
+
 }  // namespace
 
 KlvPackets DecodeKlv(Bytes bytes) {
@@ -27,21 +70,34 @@ KlvPackets DecodeKlv(Bytes bytes) {
   return decoded;
 }
 
+namespace {
+
+// Adds what is in a container's packet, with its stream and time.
+void Decode(const DataPacket& packet, KlvPackets& all) {
+  KlvPackets some = DecodeKlv(Bytes(packet.bytes));
+  for (KlvPacket& decoded : some.packets) {
+    decoded.stream = packet.stream;
+    decoded.time_s = packet.time_s;
+  }
+  std::ranges::move(some.packets, std::back_inserter(all.packets));
+  for (const std::string& warning : some.warnings) {
+    if (all.warnings.size() == kMostWarnings) break;
+    const std::string when = packet.time_s ? fmt::format(" at {:.2f} s", *packet.time_s) : "";
+    all.warnings.push_back(fmt::format("stream {}{}: {}", packet.stream, when, warning));
+  }
+}
+
+}  // namespace
+
 KlvPackets DecodeKlv(std::span<const DataPacket> packets) {
   KlvPackets all;
+  std::map<int, PieceJoiner> joiners;  // by stream
   for (const DataPacket& packet : packets) {
     if (packet.kind != DataKind::kKlv) continue;
-    KlvPackets some = DecodeKlv(Bytes(packet.bytes));
-    for (KlvPacket& decoded : some.packets) {
-      decoded.stream = packet.stream;
-      decoded.time_s = packet.time_s;
-    }
-    std::ranges::move(some.packets, std::back_inserter(all.packets));
-    for (const std::string& warning : some.warnings) {
-      if (all.warnings.size() == kMostWarnings) break;
-      const std::string when = packet.time_s ? fmt::format(" at {:.2f} s", *packet.time_s) : "";
-      all.warnings.push_back(fmt::format("stream {}{}: {}", packet.stream, when, warning));
-    }
+    for (const DataPacket& whole : joiners[packet.stream].Take(packet)) Decode(whole, all);
+  }
+  for (const auto& [stream, joiner] : joiners) {
+    if (joiner.begun()) Decode(*joiner.begun(), all);
   }
   return all;
 }
@@ -51,7 +107,8 @@ std::optional<std::int64_t> PrecisionTime(const KlvPacket& packet) {
   constexpr std::uint64_t kYear10000 = 253'402'300'800'000'000;
   for (const KlvItem& item : packet.items) {
     if (item.number != kPrecisionTimeStamp && item.name != eg0104::kTimeStamp) continue;
-    if (const auto* time_us = std::get_if<std::uint64_t>(&item.value); time_us != nullptr && *time_us < kYear10000) {
+    if (const auto* time_us = std::get_if<std::uint64_t>(&item.value);
+        time_us != nullptr && *time_us > 0 && *time_us < kYear10000) {
       return static_cast<std::int64_t>(*time_us);
     }
   }

@@ -18,10 +18,10 @@ struct KlvPackets {
 
 [[nodiscard]] KlvPackets DecodeKlv(Bytes bytes);
 
-/// Those of kind kKlv, with the container's stream and time; the others are passed over.
+/// Those of kind kKlv, with the container's stream and time; the others are passed over. A unit may come in pieces.
 [[nodiscard]] KlvPackets DecodeKlv(std::span<const DataPacket> packets);
 
-/// Microseconds since 1970-01-01 UTC by the packet's own clock; nothing if it does not say.
+/// Microseconds since 1970-01-01 UTC by the packet's own clock; nothing if it does not say, or says 0.
 [[nodiscard]] std::optional<std::int64_t> PrecisionTime(const KlvPacket& packet);
 
 /// "MISB ST 0601", "MISB EG 0104", "other".

@@ -13,8 +13,8 @@
 #include "victorious/telemetry/camera_csv.h"
 #include "victorious/telemetry/klv.h"
 #include "victorious/telemetry/klv_packets.h"
-#include "victorious/telemetry/number_text.h"
 #include "victorious/telemetry/telemetry.h"
+#include "victorious/telemetry/utc_text.h"
 
 namespace victorious {
 namespace {
@@ -73,7 +73,7 @@ Json StateToJson(const CameraState& state) {
   return {{"time_s", state.time_s},
           {"latitude_deg", DegreesFromRadians(state.place.latitude_rad)},
           {"longitude_deg", DegreesFromRadians(state.place.longitude_rad)},
-          {"altitude_m", state.place.altitude_m},
+          {"altitude_m", state.datum == VerticalDatum::kUnknown ? Json() : Json(state.place.altitude_m)},
           {"vertical_datum", Name(state.datum)},
           {"yaw_deg", attitude ? Json(DegreesFromRadians(attitude->yaw_rad)) : Json()},
           {"pitch_deg", attitude ? Json(DegreesFromRadians(attitude->pitch_rad)) : Json()},
@@ -128,7 +128,9 @@ void AddMissing(std::vector<std::string>& lines, const std::vector<CameraState>&
   if (lacks([](const CameraState& state) { return state.hfov_rad.has_value(); })) {
     lines.emplace_back("missing: the horizontal field of view");
   }
-  if (lacks([](const CameraState& state) { return state.datum == VerticalDatum::kEllipsoid; })) {
+  if (lacks([](const CameraState& state) { return state.datum != VerticalDatum::kUnknown; })) {
+    lines.emplace_back("missing: the camera's height");
+  } else if (lacks([](const CameraState& state) { return state.datum == VerticalDatum::kEllipsoid; })) {
     lines.push_back(fmt::format("missing: heights above the ellipsoid (they count from {})", Name(states[0].datum)));
   }
 }
@@ -161,10 +163,12 @@ std::vector<std::string> DescribeTelemetry(const Telemetry& telemetry) {
     lines.emplace_back("missing: a camera state: place, height and pointing together");
   } else {
     const CameraState& first = states.front();
-    lines.push_back(fmt::format("from {:.2f} s to {:.2f} s; first at {:.6f}, {:.6f}, {:.1f} m ({})", first.time_s,
+    const std::string height = first.datum == VerticalDatum::kUnknown
+                                   ? "at an unknown height"
+                                   : fmt::format("{:.1f} m ({})", first.place.altitude_m, Name(first.datum));
+    lines.push_back(fmt::format("from {:.2f} s to {:.2f} s; first at {:.6f}, {:.6f}, {}", first.time_s,
                                 states.back().time_s, DegreesFromRadians(first.place.latitude_rad),
-                                DegreesFromRadians(first.place.longitude_rad), first.place.altitude_m,
-                                Name(first.datum)));
+                                DegreesFromRadians(first.place.longitude_rad), height));
     const auto complete = std::ranges::count_if(states, &CameraState::IsComplete);
     lines.push_back(fmt::format("states from which a place on the map follows: {}", Share(complete, states.size())));
     AddMissing(lines, states);

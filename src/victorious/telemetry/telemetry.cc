@@ -51,19 +51,32 @@ std::optional<double> ClockOffset(const std::vector<KlvPacket>& packets, int str
   return std::nullopt;
 }
 
-// Packets of one stream to states; the container's time before the packet's own.
-void AddKlvStates(const std::vector<KlvPacket>& packets, int stream, Telemetry& telemetry) {
+// Packets of one stream to states; the container's time before the packet's own. Of several packets that the container
+// handed out as one, and so at one time, the first has it, and the others are later by their own clock.
+// @return of how many states nothing tells the time
+int AddKlvStates(const std::vector<KlvPacket>& packets, int stream, Telemetry& telemetry) {
+  int untimed = 0;
   const auto offset_s = ClockOffset(packets, stream);
+  const KlvPacket* first_at_time = nullptr;
   for (const KlvPacket& packet : packets) {
-    if (packet.stream != stream) continue;
+    if (packet.stream != stream || HasBadChecksum(packet)) continue;
+    if (packet.time_s && !(first_at_time != nullptr && first_at_time->time_s == packet.time_s)) first_at_time = &packet;
     auto state = CameraFromKlv(packet);
     if (!state) continue;
-    if (!packet.time_s) {
-      if (!state->utc_us || !offset_s) continue;
+    if (packet.time_s) {
+      const auto own_us = PrecisionTime(packet);
+      const auto first_us = PrecisionTime(*first_at_time);
+      if (own_us && first_us) state->time_s += kSecondsPerMicrosecond * static_cast<double>(*own_us - *first_us);
+    } else {
+      if (!state->utc_us || !offset_s) {
+        ++untimed;
+        continue;
+      }
       state->time_s = *offset_s + kSecondsPerMicrosecond * static_cast<double>(*state->utc_us);
     }
     telemetry.states.push_back(*state);
   }
+  return untimed;
 }
 
 void WarnOfClock(Telemetry& telemetry) {
@@ -180,13 +193,19 @@ Expected<Telemetry> FromKlv(KlvPackets decoded, const TelemetryOptions& options)
   telemetry.packets = std::move(decoded.packets);
   telemetry.records = static_cast<int>(telemetry.packets.size());
   const auto stream = MainStream(telemetry.packets);
+  bool tells_camera = false;
   if (stream) {
     const bool others = std::ranges::any_of(telemetry.packets, [&](const KlvPacket& packet) {
       return packet.stream != *stream && packet.standard != KlvStandard::kOther;
     });
     if (others)
       telemetry.warnings.push_back(fmt::format("several KLV streams: the camera is that of stream {}", *stream));
-    AddKlvStates(telemetry.packets, *stream, telemetry);
+    const int untimed = AddKlvStates(telemetry.packets, *stream, telemetry);
+    if (untimed > 0) {
+      telemetry.warnings.push_back(fmt::format(
+          "{} KLV packets tell a camera, and neither they (item 2, the time stamp) nor the video tell when", untimed));
+    }
+    tells_camera = untimed > 0 || !telemetry.states.empty();
   }
   const auto known = std::ranges::find_if(
       telemetry.packets, [](const KlvPacket& packet) { return packet.standard != KlvStandard::kOther; });
@@ -195,7 +214,7 @@ Expected<Telemetry> FromKlv(KlvPackets decoded, const TelemetryOptions& options)
   WarnOfChecksums(telemetry.packets, telemetry.warnings);
   WarnOfProblems(telemetry.packets, telemetry.warnings);
   WarnOfFrameCentre(telemetry.packets, telemetry.warnings);
-  if (telemetry.states.empty() && known != telemetry.packets.end()) WarnOfNoCamera(telemetry);
+  if (!tells_camera && known != telemetry.packets.end()) WarnOfNoCamera(telemetry);
   return Finish(std::move(telemetry), options);
 }
 

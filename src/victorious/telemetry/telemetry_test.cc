@@ -56,6 +56,52 @@ TEST(Telemetry, TimesThatRepeatOrGoBackAreLeftOut) {
   EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("2 of 5 camera states")));
 }
 
+TEST(Telemetry, PacketsInOnePieceOfTheContainerAreApartByTheirOwnClock) {
+  const std::vector packets = {Packet(1, 1.0, CameraPacket(5'000'000) + CameraPacket(5'100'000)),
+                               Packet(1, 1.2, CameraPacket(5'200'000) + CameraPacket(5'300'000))};
+  const auto telemetry = TelemetryFromPackets(packets, {});
+  ASSERT_TRUE(telemetry);
+  ASSERT_EQ(telemetry->states.size(), 4U);
+  EXPECT_NEAR(telemetry->states[1].time_s, 1.1, 1e-6);
+  EXPECT_NEAR(telemetry->states[2].time_s, 1.2, 1e-6);
+}
+
+TEST(Telemetry, APacketInPiecesIsPutTogether) {
+  const std::string first = CameraPacket(5'000'000);
+  const std::string second = CameraPacket(5'100'000);
+  const auto cell = [](const std::string& piece) {
+    return std::string("\0\1\xDF", 3) + BigEndian(piece.size(), 2) + piece;
+  };
+  const std::vector bare = {Packet(1, 1.0, first.substr(0, 40)), Packet(1, 1.01, first.substr(40)),
+                            Packet(1, 1.1, second.substr(0, 7)), Packet(1, 1.11, second.substr(7))};
+  const std::vector cells = {Packet(1, 1.0, cell(first.substr(0, 40))), Packet(1, 1.01, cell(first.substr(40))),
+                             Packet(1, 1.1, cell(second))};
+  for (const std::vector<DataPacket>& packets : {bare, cells}) {
+    const auto telemetry = TelemetryFromPackets(packets, {});
+    ASSERT_TRUE(telemetry);
+    ASSERT_EQ(telemetry->states.size(), 2U);
+    EXPECT_NEAR(telemetry->states[0].time_s, 1.0, 1e-9);
+    EXPECT_THAT(telemetry->warnings, ::testing::IsEmpty());
+  }
+}
+
+TEST(Telemetry, APacketThatIsCutOffIsTold) {
+  const std::vector packets = {Packet(1, 1.0, CameraPacket(5'000'000).substr(0, 40)),
+                               Packet(1, 1.1, CameraPacket(5'100'000))};
+  const auto telemetry = TelemetryFromPackets(packets, {});
+  ASSERT_TRUE(telemetry);
+  EXPECT_EQ(telemetry->states.size(), 1U);
+  EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("stream 1 at 1.00 s: a KLV unit")));
+}
+
+TEST(Telemetry, PacketsWithoutATimeAreToldToLackIt) {
+  const auto telemetry = ParseTelemetry(CameraPacket(0) + CameraPacket(0), {});
+  ASSERT_TRUE(telemetry);
+  EXPECT_TRUE(telemetry->states.empty());
+  EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("2 KLV packets tell a camera")));
+  EXPECT_THAT(telemetry->warnings, ::testing::Not(Contains(HasSubstr("no packet tells"))));
+}
+
 TEST(Telemetry, OfAClockThatJumpsAheadOnceOneStateIsLeftOut) {
   const auto telemetry =
       ParseTelemetry(std::string(kHeader) + "0,42,-71,1,\n1,42,-71,1,\n3601,42,-71,1,\n2,42,-71,1,\n3,42,-71,1,\n", {});
@@ -149,7 +195,7 @@ TEST(Telemetry, PlainWordsSayWhatIsMissing) {
   EXPECT_THAT(lines, Contains(HasSubstr("where the camera looks")));
   EXPECT_THAT(lines, Contains(HasSubstr("field of view")));
   EXPECT_THAT(lines, Contains(HasSubstr("above the ellipsoid")));
-  EXPECT_THAT(DescribeTelemetry(*ParseTelemetry(CameraPacket(0), {})), Contains(HasSubstr("follows: all")));
+  EXPECT_THAT(DescribeTelemetry(*ParseTelemetry(CameraPacket(1), {})), Contains(HasSubstr("follows: all")));
 }
 
 }  // namespace

@@ -54,8 +54,13 @@ Status AddGeoidOf(std::vector<CameraState>& states, VerticalDatum datum, const T
 
 Status BringToEllipsoid(std::vector<CameraState>& states, const TelemetryOptions& options,
                         std::vector<std::string>& warnings) {
+  if (Has(states, VerticalDatum::kUnknown)) {
+    warnings.emplace_back("a place without a height is told: no place on the map follows from it");
+  }
   if (const auto datum = VerticalDatumOf(options.vertical_datum)) {
-    for (CameraState& state : states) state.datum = *datum;
+    for (CameraState& state : states) {
+      if (state.datum != VerticalDatum::kUnknown) state.datum = *datum;
+    }
   }
   VICTORIOUS_RETURN_IF_ERROR(AddGeoidOf(states, VerticalDatum::kEgm96, options, warnings));
   VICTORIOUS_RETURN_IF_ERROR(AddGeoidOf(states, VerticalDatum::kEgm2008, options, warnings));

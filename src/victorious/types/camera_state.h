@@ -16,6 +16,7 @@ enum class VerticalDatum {
   kEgm96,      ///< mean sea level, as the geoid EGM96 has it
   kEgm2008,    ///< mean sea level, as the geoid EGM2008 has it
   kTakeoff,    ///< the place where the aircraft took off
+  kUnknown,    ///< nothing: no height is told, and the altitude means nothing
 };
 
 struct CameraState {

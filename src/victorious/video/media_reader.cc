@@ -393,7 +393,11 @@ std::optional<double> MediaReader::VideoDuration() const {
     return static_cast<double>(video.nb_frames) / rate;
   }
   if (video.duration > 0) return static_cast<double>(video.duration) * av_q2d(video.time_base);
-  if (container.duration > 0) return static_cast<double>(container.duration) / AV_TIME_BASE;
+  std::int64_t duration = container.duration;
+  // Matroska tells the time at which the last frame ends; the first need not begin at 0.
+  const bool tells_end = std::string_view(container.iformat->name).starts_with("matroska");
+  if (tells_end && container.start_time > 0) duration -= container.start_time;
+  if (duration > 0) return static_cast<double>(duration) / AV_TIME_BASE;
   return std::nullopt;
 }
 

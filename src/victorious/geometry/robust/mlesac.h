@@ -117,19 +117,22 @@ std::optional<MlesacResult<typename Estimator::Model>> Mlesac(const Estimator& e
   std::optional<MlesacResult<Model>> best;
   const double log_outlier_density = -std::log(settings.outlier_area_px2);
 
-  const auto evaluate = [&](const Model& model) {
+  const auto evaluate = [&](const Model& model, double sigma_px) {
     estimator.SquaredResiduals(model, squared);
-    internal::InlierRatios(squared, estimator.SigmaPx(model), settings.outlier_area_px2, ratios);
+    internal::InlierRatios(squared, sigma_px, settings.outlier_area_px2, ratios);
     return internal::FitMixture(ratios, log_outlier_density);
+  };
+  const auto keep = [&](const Model& model, const internal::MixtureFit& fit) {
+    best->model = model;
+    best->gamma = fit.gamma;
+    best->log_likelihood = fit.log_likelihood;
   };
   const auto keep_if_better = [&](const std::optional<Model>& model) {
     if (!model) return false;
-    const internal::MixtureFit fit = evaluate(*model);
+    const internal::MixtureFit fit = evaluate(*model, estimator.SigmaPx(*model));
     if (best && !(fit.log_likelihood > best->log_likelihood)) return false;
     if (!best) best.emplace();
-    best->model = *model;
-    best->gamma = fit.gamma;
-    best->log_likelihood = fit.log_likelihood;
+    keep(*model, fit);
     return true;
   };
 
@@ -177,14 +180,20 @@ std::optional<MlesacResult<typename Estimator::Model>> Mlesac(const Estimator& e
 
   best->probabilities.resize(count);
   const auto posterior = [&] {
-    evaluate(best->model);
+    evaluate(best->model, estimator.SigmaPx(best->model));
     for (std::size_t i = 0; i < count; ++i) {
       best->probabilities[i] = best->gamma * ratios[i] / (best->gamma * ratios[i] + (1 - best->gamma));
     }
   };
   for (int round = 0; round < settings.refinements; ++round) {
     posterior();
-    if (!keep_if_better(estimator.FromWeights(best->probabilities))) break;
+    // Expectation and maximisation: likelier at the same deviation. Each at its own, the smaller model would win.
+    const double sigma_px = estimator.SigmaPx(best->model);
+    const std::optional<Model> refined = estimator.FromWeights(best->probabilities);
+    if (!refined) break;
+    const double before = evaluate(best->model, sigma_px).log_likelihood;
+    if (!(evaluate(*refined, sigma_px).log_likelihood > before)) break;
+    keep(*refined, evaluate(*refined, estimator.SigmaPx(*refined)));
   }
   posterior();
   return best;

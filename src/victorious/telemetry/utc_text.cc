@@ -1,15 +1,15 @@
-#include "victorious/telemetry/number_text.h"
+#include "victorious/telemetry/utc_text.h"
 
+#include <algorithm>
 #include <charconv>
 #include <chrono>
-#include <cmath>
 
 #include <fmt/format.h>
 
+#include "victorious/base/text.h"
+
 namespace victorious {
 namespace {
-
-constexpr std::string_view kBlanks = " \t\r\n\f\v";
 
 // Takes a whole number without a sign off the front.
 std::optional<int> TakeDigits(std::string_view& text) {
@@ -38,48 +38,22 @@ std::int64_t TakeMicroseconds(std::string_view& text) {
   return fraction;
 }
 
+// By how much the zone's clocks are ahead: nothing, "Z", "+02:00", "+0200" or "+02".
+std::optional<std::chrono::minutes> TakeZone(std::string_view& text) {
+  if (text.empty() || TakeOneOf(text, "Z")) return std::chrono::minutes(0);
+  const int sign = text[0] == '-' ? -1 : 1;
+  if (!TakeOneOf(text, "+-")) return std::nullopt;
+  const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
+  auto number = TakeDigits(text);
+  if (!number) return std::nullopt;
+  if (digits == 4) return std::chrono::minutes(sign * (60 * (*number / 100) + *number % 100));
+  if (digits != 2) return std::nullopt;
+  const auto minutes = TakeOneOf(text, ":") ? TakeDigits(text) : std::optional(0);
+  if (!minutes) return std::nullopt;
+  return std::chrono::minutes(sign * (60 * *number + *minutes));
+}
+
 }  // namespace
-
-std::string_view WithoutBlanks(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
-
-std::optional<double> TakeNumber(std::string_view& text) {
-  text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
-  std::string_view digits = text;
-  if (digits.starts_with('+')) digits.remove_prefix(1);
-  double number = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-  if (error != std::errc() || !std::isfinite(number)) return std::nullopt;
-  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
-  return number;
-}
-
-std::optional<double> NumberIn(std::string_view text) {
-  text = WithoutBlanks(text);
-  const auto number = TakeNumber(text);
-  return text.empty() ? number : std::nullopt;
-}
-
-std::string_view TakeLine(std::string_view& text) {
-  const std::size_t end = std::min(text.find('\n'), text.size());
-  std::string_view line = text.substr(0, end);
-  text.remove_prefix(std::min(end + 1, text.size()));
-  if (line.ends_with('\r')) line.remove_suffix(1);
-  return line;
-}
-
-std::vector<std::string_view> SplitAtCommas(std::string_view line) {
-  std::vector<std::string_view> cells;
-  while (true) {
-    const std::size_t end = std::min(line.find(','), line.size());
-    cells.push_back(WithoutBlanks(line.substr(0, end)));
-    if (end == line.size()) return cells;
-    line.remove_prefix(end + 1);
-  }
-}
 
 std::optional<std::int64_t> MicrosecondsOfUtc(std::string_view text) {
   namespace chr = std::chrono;
@@ -100,9 +74,10 @@ std::optional<std::int64_t> MicrosecondsOfUtc(std::string_view text) {
   const chr::year_month_day date(chr::year(*year), chr::month(static_cast<unsigned>(*month)),
                                  chr::day(static_cast<unsigned>(*day)));
   const std::int64_t fraction_us = TakeMicroseconds(text);
-  if (!date.ok() || !(text.empty() || text == "Z")) return std::nullopt;
+  const auto ahead = TakeZone(text);
+  if (!date.ok() || !ahead || !text.empty()) return std::nullopt;
   const chr::microseconds moment = chr::sys_days(date).time_since_epoch() + chr::hours(*hour) + chr::minutes(*minute) +
-                                   chr::seconds(*second) + chr::microseconds(fraction_us);
+                                   chr::seconds(*second) + chr::microseconds(fraction_us) - *ahead;
   return moment.count();
 }
 

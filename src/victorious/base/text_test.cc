@@ -1,0 +1,38 @@
+#include "victorious/base/text.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace victorious {
+namespace {
+
+using ::testing::ElementsAre;
+
+TEST(Text, RowsSplitAtCommasButNotWithinQuotes) {
+  EXPECT_THAT(SplitRow("a, b ,,c"), ElementsAre("a", "b", "", "c"));
+  EXPECT_THAT(SplitRow(R"("time_s","a, b","say ""no""")"), ElementsAre("time_s", "a, b", R"(say "no")"));
+  EXPECT_THAT(SplitRow(""), ElementsAre(""));
+  EXPECT_THAT(SplitRow(R"("never closed, and on)"), ElementsAre("never closed, and on"));
+}
+
+TEST(Text, LinesEndAsOnAnySystem) {
+  std::string_view text = WithoutByteOrderMark("\xEF\xBB\xBFone\r\ntwo\n\nfour");
+  EXPECT_EQ(TakeLine(text), "one");
+  EXPECT_EQ(TakeLine(text), "two");
+  EXPECT_EQ(TakeLine(text), "");
+  EXPECT_EQ(TakeLine(text), "four");
+  EXPECT_TRUE(text.empty());
+}
+
+TEST(Text, NumbersAreWholeCells) {
+  EXPECT_EQ(NumberIn(" +1.5 "), 1.5);
+  EXPECT_EQ(NumberIn("-2e3"), -2000);
+  for (const char* none : {"", "1,5", "1 m", "nan", "inf", "1e999", "0x10", "+-1"})
+    EXPECT_FALSE(NumberIn(none)) << none;
+  std::string_view text = " 25.1m";
+  EXPECT_EQ(TakeNumber(text), 25.1);
+  EXPECT_EQ(text, "m");
+}
+
+}  // namespace
+}  // namespace victorious
