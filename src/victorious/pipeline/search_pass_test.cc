@@ -43,6 +43,7 @@ class FakeReader final : public VideoReader {
     return Frame{.index = index, .time_s = static_cast<double>(index) / 10, .image = picture};
   }
   std::vector<DataPacket> TakeDataPackets() override { return std::exchange(packets_, {}); }
+  bool SkipTo(double /*time_s*/) override { return false; }
   void PassOverFrames() override { next_ = kFrames; }
   [[nodiscard]] const std::vector<std::string>& warnings() const override { return warnings_; }
 

@@ -97,6 +97,7 @@ class TrackRun {
     double last_time_s = 0;
     const auto visit = [&](const Frame& frame) -> Status {
       sizes_[0] = frame.image.size();
+      times_s_.push_back(frame.time_s);
       VICTORIOUS_RETURN_IF_ERROR(pass.See(frame, 0, nullptr, sightings_));
       last_time_s = frame.time_s;
       for (std::size_t i = 0; i < boxes_.size(); ++i) {
@@ -172,15 +173,32 @@ class TrackRun {
     for (DrawnSpot& spot : pass.TakeSpots()) spots_[spot.drawn][spot.seen.frame] = spot.seen;
   }
 
+  /// The first video's frames from one number to before another, as the way forward saw them.
   Expected<std::vector<Frame>> ReadStretch(std::int64_t first, std::int64_t end) const {
-    VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, OpenTwiceReadable(videos_[0]));
-    std::vector<Frame> frames;
-    while (true) {
-      VICTORIOUS_RETURN_IF_ERROR(CancelledIf(cancel_));
-      VICTORIOUS_ASSIGN_OR_RETURN(std::optional<Frame> frame, reader->NextFrame());
-      if (!frame || frame->index >= end) return frames;
-      if (frame->index >= first) frames.push_back(*std::move(frame));
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto entered, OpenTwiceReadable(videos_[0]));
+    if (entered->SkipTo(times_s_[static_cast<std::size_t>(first)])) {
+      VICTORIOUS_ASSIGN_OR_RETURN(std::vector<Frame> frames, ReadBetween(*entered, first, end));
+      if (std::ssize(frames) == end - first && entered->warnings().empty()) return frames;
     }
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto whole, OpenTwiceReadable(videos_[0]));
+    return ReadBetween(*whole, first, end);
+  }
+
+  /// Those of the frames that come whose times are these frames'.
+  Expected<std::vector<Frame>> ReadBetween(VideoReader& reader, std::int64_t first, std::int64_t end) const {
+    constexpr double kSameTime_s = 1e-6;
+    std::vector<Frame> frames;
+    std::int64_t wanted = first;
+    while (wanted < end) {
+      VICTORIOUS_RETURN_IF_ERROR(CancelledIf(cancel_));
+      VICTORIOUS_ASSIGN_OR_RETURN(std::optional<Frame> frame, reader.NextFrame());
+      if (!frame) break;
+      while (wanted < end && times_s_[static_cast<std::size_t>(wanted)] < frame->time_s - kSameTime_s) ++wanted;
+      if (wanted == end || times_s_[static_cast<std::size_t>(wanted)] > frame->time_s + kSameTime_s) continue;
+      frame->index = wanted++;
+      frames.push_back(*std::move(frame));
+    }
+    return frames;
   }
 
   Status GoThrough(std::size_t video, const std::vector<std::optional<StandingBox>>& standing, BoxPass& pass) {
@@ -375,6 +393,7 @@ class TrackRun {
   std::unique_ptr<const FeatureExtractor> extractor_;
   std::vector<std::optional<CameraTrack>> cameras_;  // by video
   std::vector<cv::Size> sizes_;                      // of frames, by video
+  std::vector<double> times_s_;                      // of the first video's frames
   std::vector<DrawnTarget> targets_;
   Sightings sightings_;
   std::vector<std::map<std::int64_t, SpotSighting>> spots_;  // of the first video, by drawn box and frame

@@ -51,7 +51,8 @@ struct TrackedBoxes {
 /// @param telemetry  a file of the first video's; nothing: what is in it or beside it, as for the others
 /// Errors: those of MakeGround; kInvalidArgument for options out of range, no boxes, a box that is outside its frame or
 /// too small, a time beyond the end, a live source; those of VideoReader; kCancelled. Cost: at 640 x 480 some 15 ms a
-/// frame for one box. Frames before the boxes are read again in stretches that fit into options.memory_mb.
+/// frame for one box. Frames before the boxes are read again in stretches that fit into options.memory_mb, each from
+/// the key frame before it where the video can be entered there, else from the beginning.
 Expected<TrackedBoxes> TrackBoxes(std::span<const std::string> videos, std::span<const DrawnBox> boxes,
                                   const std::optional<std::string>& telemetry, const TrackRunOptions& options,
                                   const CancelToken& cancel, const WarningSink& warn);

@@ -91,6 +91,10 @@ int Demuxer::Read(AVPacket* packet) {
   return result < 0 && TimeIsUp() ? AVERROR_EXIT : result;  // not every protocol says why it gave up
 }
 
+int Demuxer::SeekBefore(std::int64_t stamp) {
+  return av_seek_frame(context_, video_index_, stamp, AVSEEK_FLAG_BACKWARD);
+}
+
 bool Demuxer::IsLive() const {
   const auto scheme = UrlScheme(source_.name);
   if (!source_.remote) return false;

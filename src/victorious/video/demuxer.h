@@ -33,6 +33,10 @@ class Demuxer {
   /// The next packet of any stream that is not discarded. Returns FFmpeg's result: AVERROR_EOF at the end.
   int Read(AVPacket* packet);
 
+  /// Goes on with packets from a key frame of the video at or before a stamp, in units of the stream's time base.
+  /// Returns FFmpeg's result.
+  int SeekBefore(std::int64_t stamp);
+
   /// A remote source that sends what is there now, and no more of it later: any that does not tell its length.
   [[nodiscard]] bool IsLive() const;
 

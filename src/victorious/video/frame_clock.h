@@ -32,6 +32,12 @@ class FrameClock {
   /// @param duration_s  of this frame; 0 if unknown
   Reading Next(std::optional<std::int64_t> pts, double duration_s, const Following& following = {});
 
+  /// The next frame is not the one after the last: its stamp tells its time, whatever came before.
+  void Jump() {
+    started_ = false;
+    shift_s_ = 0;
+  }
+
   /// The first frame's time on the container's clock; nothing before the first stamped frame.
   [[nodiscard]] std::optional<double> origin_s() const;
 

@@ -114,6 +114,7 @@ class MediaReader : public VideoReader {
   [[nodiscard]] Expected<std::string> ContentId(const CancelToken& cancel, const ByteProgress& progress) const override;
   Expected<std::optional<Frame>> NextFrame() override;
   std::vector<DataPacket> TakeDataPackets() override { return data_.Take(clock_.origin_s()); }
+  bool SkipTo(double time_s) override;
   void PassOverFrames() override;
   [[nodiscard]] const std::vector<std::string>& warnings() const override { return damage_.lines(); }
 
@@ -138,6 +139,7 @@ class MediaReader : public VideoReader {
   [[nodiscard]] std::optional<double> VideoDuration() const;
   [[nodiscard]] bool DurationIsTheVideos() const;
   [[nodiscard]] double PacketTime() const;
+  [[nodiscard]] std::int64_t StampAt(double time_s) const;
 
   MediaSource source_;
   VideoReaderOptions options_;
@@ -260,6 +262,24 @@ void MediaReader::NoteDamage(double time_s) {
 // Reads up to the next packet of the video, and decodes it.
 void MediaReader::FeedDecoder() {
   if (ReadPacket()) TakePacket();
+}
+
+bool MediaReader::SkipTo(double time_s) {
+  constexpr double kReordering_s = 1;  // by which a frame may be stored behind those shown after it
+  const auto origin_s = clock_.origin_s();
+  if (source_.remote || !stamped_ || !origin_s || !damage_.lines().empty()) return false;
+  if (time_s <= kReordering_s) return false;  // an MPEG-TS is not entered before its second key frame
+  if (demuxer_->SeekBefore(StampAt(time_s - kReordering_s)) < 0) return false;
+  avcodec_flush_buffers(decoder_.get());
+  first_time_s_.reset();
+  has_ahead_ = draining_ = finished_ = false;
+  clock_.Jump();
+  return true;
+}
+
+std::int64_t MediaReader::StampAt(double time_s) const {
+  const double ticks = (time_s + clock_.origin_s().value_or(0)) / av_q2d(demuxer_->video().time_base);
+  return static_cast<std::int64_t>(std::clamp(std::floor(ticks), -1e18, 1e18));
 }
 
 void MediaReader::PassOverFrames() {

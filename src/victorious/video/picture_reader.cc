@@ -62,6 +62,12 @@ class PictureReader : public VideoReader {
   [[nodiscard]] Expected<std::string> ContentId(const CancelToken& cancel, const ByteProgress& progress) const override;
   Expected<std::optional<Frame>> NextFrame() override;
   std::vector<DataPacket> TakeDataPackets() override { return {}; }
+  bool SkipTo(double time_s) override {
+    const double places = std::clamp(time_s, 0.0, TimeOf(files_.size())) * options_.folder_frame_rate;
+    next_place_ = first_place_ + static_cast<std::size_t>(places);
+    first_.reset();
+    return true;
+  }
   void PassOverFrames() override {
     first_.reset();
     next_place_ = files_.size();

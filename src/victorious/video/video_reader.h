@@ -80,6 +80,11 @@ class VideoReader {
   /// The data packets met since the last call, in the order of the file (options.data_packets).
   virtual std::vector<DataPacket> TakeDataPackets() = 0;
 
+  /// Goes on at, or somewhat before, a time of the video, forward or back, without decoding all up to there. Frames are
+  /// known by their time from then on: their index counts on, and the first may be damaged, which warnings() tells.
+  /// @return false where the source cannot, or at its beginning; it is to be opened anew then
+  virtual bool SkipTo(double time_s) = 0;
+
   /// Reads on to the end without decoding: for the data packets of a whole file in little time, and for whether it ends
   /// where it should (warnings()). No frame comes after it.
   virtual void PassOverFrames() = 0;

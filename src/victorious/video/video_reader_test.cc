@@ -267,6 +267,40 @@ TEST(VideoReader, ThreadsChangeNothing) {
   }
 }
 
+// Each container in which a video can be entered, with frames stored in another order than they are shown in.
+TEST(VideoReader, FramesAfterASkipAreThoseOfTheWholeVideo) {
+  const testing::ScratchFolder folder;
+  for (const std::string muxer : {"mp4", "matroska", "mpegts", "avi"}) {
+    const std::string path = folder / ("video." + muxer);
+    const int time_base_hz = muxer == "avi" ? 25 : 1000;
+    WriteTestVideo(path, {.muxer = muxer,
+                          .time_base_hz = time_base_hz,
+                          .pts = SteadyTimes(100, time_base_hz / 25),
+                          .max_b_frames = muxer == "avi" ? 0 : 2});
+    std::map<double, int> numbers;
+    const auto whole = MustOpen(path);
+    while (const auto frame = *whole->NextFrame()) numbers[frame->time_s] = PictureNumber(frame->image);
+    EXPECT_FALSE(MustOpen(path)->SkipTo(0)) << muxer << ": nothing to skip";
+    for (const double time_s : {2.5, 3.9, 1.21}) {
+      const auto reader = MustOpen(path);
+      ASSERT_TRUE(reader->SkipTo(time_s)) << muxer;
+      auto frame = *reader->NextFrame();
+      ASSERT_TRUE(frame) << muxer;
+      EXPECT_LE(frame->time_s, time_s + 1e-9) << muxer;
+      EXPECT_TRUE(time_s < 2 || frame->time_s > 0) << muxer << ": from the beginning";
+      int read = 0;
+      for (; frame; frame = *reader->NextFrame()) {
+        if (frame->time_s < time_s - 1e-9) continue;
+        ASSERT_TRUE(numbers.contains(frame->time_s)) << muxer << " " << frame->time_s;
+        EXPECT_EQ(PictureNumber(frame->image), numbers[frame->time_s]);
+        ++read;
+      }
+      EXPECT_EQ(read, std::ranges::count_if(numbers, [&](const auto& one) { return one.first >= time_s - 1e-9; }))
+          << muxer << " " << time_s;
+    }
+  }
+}
+
 TEST(VideoReader, ChangeOfSizeIsScaledBack) {
   const ScratchFolder folder;
   TestVideo part{.muxer = "mpegts", .encoder = "mpeg1video", .time_base_hz = 25, .pts = SteadyTimes(20, 1)};
