@@ -110,7 +110,7 @@ class TrackTest(program.ProgramTest):
         header = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg"
         table = self.write("late.csv", f"{header}\n1000,48,11,100,0,-60,0,20\n1001,48,11,100,0,-60,0,20\n")
         told = self.succeeds("track", *drawn, "--telemetry", table).err
-        self.assertIn("late.csv: nothing will get a place: it is of 1000.00 to 1001.00 s", told)
+        self.assertIn("telemetry: nothing will get a place: it is of 1000.00 to 1001.00 s", told)
 
     def test_an_output_that_cannot_be_written_is_told_first(self):
         drawn = self.drawn("crate", self.whole_frames("crate")[0])

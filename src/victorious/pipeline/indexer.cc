@@ -96,7 +96,7 @@ struct Cameras {
   std::optional<std::int64_t> start_utc_us;
 };
 
-// The time of day of the first frame, from the state that is nearest to it.
+// The time of day of the first frame, by the first state that has one.
 std::optional<std::int64_t> StartOf(const std::vector<CameraState>& states) {
   for (const CameraState& state : states) {
     if (state.utc_us) return *state.utc_us - std::llround(state.time_s * 1e6);
@@ -106,18 +106,10 @@ std::optional<std::int64_t> StartOf(const std::vector<CameraState>& states) {
 
 Expected<Cameras> CamerasOf(const IndexJob& job, const VideoInfo& info, const TelemetryOptions& options,
                             const WarningSink& tell) {
-  std::optional<Telemetry> telemetry;
-  if (job.telemetry) {
-    VICTORIOUS_ASSIGN_OR_RETURN(telemetry, ReadTelemetry(*job.telemetry, options));
-  } else if (!info.live) {
-    VICTORIOUS_ASSIGN_OR_RETURN(telemetry, FindTelemetry(job.video, options, tell));
-  }
+  VICTORIOUS_ASSIGN_OR_RETURN(std::optional<Telemetry> telemetry,
+                              TelemetryOf(job.video, info, job.telemetry, options, "nothing will get a place", tell));
   Cameras cameras;
   if (!telemetry) return cameras;
-  for (const std::string& warning : telemetry->warnings) tell("telemetry: " + warning);
-  if (const auto why = WhyOfNoUse(telemetry->states, info.duration_s); why && !telemetry->states.empty()) {
-    tell("telemetry: nothing will get a place: " + *why);
-  }
   cameras.start_utc_us = StartOf(telemetry->states);
   cameras.track.emplace(std::move(telemetry->states), options.max_gap_s);
   return cameras;

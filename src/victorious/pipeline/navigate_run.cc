@@ -74,19 +74,12 @@ struct Cameras {
 
 Expected<Cameras> CamerasOf(const NavigateJob& job, const NavigateRunOptions& options, const VideoInfo& info,
                             const WarningSink& warn) {
-  std::optional<Telemetry> telemetry;
-  if (job.telemetry) {
-    VICTORIOUS_ASSIGN_OR_RETURN(telemetry, ReadTelemetry(*job.telemetry, options.telemetry));
-  } else if (!info.live) {
-    VICTORIOUS_ASSIGN_OR_RETURN(telemetry, FindTelemetry(job.video, options.telemetry, warn));
-  }
+  VICTORIOUS_ASSIGN_OR_RETURN(std::optional<Telemetry> telemetry,
+                              TelemetryOf(job.video, info, job.telemetry, options.telemetry,
+                                          "landmarks alone tell where the camera was", warn));
   Cameras cameras;
   if (options.telemetry.hfov_deg > 0) cameras.hfov_rad = RadiansFromDegrees(options.telemetry.hfov_deg);
   if (telemetry) {
-    for (const std::string& warning : telemetry->warnings) warn("telemetry: " + warning);
-    if (const auto why = WhyOfNoUse(telemetry->states, info.duration_s); why && !telemetry->states.empty()) {
-      warn("telemetry: landmarks alone tell where the camera was: " + *why);
-    }
     for (const CameraState& state : telemetry->states) {
       if (!cameras.hfov_rad) cameras.hfov_rad = state.hfov_rad;
     }

@@ -55,14 +55,14 @@ class TrackRun {
   /// @param telemetry  a file of the first video's
   Expected<TrackedBoxes> Run(const std::optional<std::string>& telemetry) {
     VICTORIOUS_ASSIGN_OR_RETURN(told_ground_, MakeGround(options_.ground, warn_));
-    std::vector<std::optional<double>> durations_s;
+    std::vector<VideoInfo> infos;  // of all, before any is read on
     for (const std::string& video : videos_) {
       VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, OpenTwiceReadable(video));
-      durations_s.push_back(reader->info().duration_s);
+      infos.push_back(reader->info());
     }
     for (std::size_t video = 0; video < videos_.size(); ++video) {
       VICTORIOUS_ASSIGN_OR_RETURN(std::optional<CameraTrack> cameras,
-                                  CamerasOf(videos_[video], durations_s[video], video == 0 ? telemetry : std::nullopt));
+                                  CamerasOf(videos_[video], infos[video], video == 0 ? telemetry : std::nullopt));
       cameras_.push_back(std::move(cameras));
     }
     VICTORIOUS_ASSIGN_OR_RETURN(extractor_, MakeFeatureExtractor(options_.model.features));
@@ -211,19 +211,13 @@ class TrackRun {
     });
   }
 
-  Expected<std::optional<CameraTrack>> CamerasOf(const std::string& video, std::optional<double> duration_s,
+  Expected<std::optional<CameraTrack>> CamerasOf(const std::string& video, const VideoInfo& info,
                                                  const std::optional<std::string>& file) const {
-    std::optional<Telemetry> telemetry;
-    if (file) {
-      VICTORIOUS_ASSIGN_OR_RETURN(telemetry, ReadTelemetry(*file, options_.telemetry));
-    } else {
-      VICTORIOUS_ASSIGN_OR_RETURN(telemetry, FindTelemetry(video, options_.telemetry, warn_));
-    }
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        std::optional<Telemetry> telemetry,
+        TelemetryOf(video, info, file, options_.telemetry, "nothing will get a place",
+                    [&](const std::string& warning) { warn_(fmt::format("{}: {}", video, warning)); }));
     if (!telemetry || telemetry->states.empty()) return std::nullopt;
-    for (const std::string& warning : telemetry->warnings) warn_(fmt::format("{}: {}", file.value_or(video), warning));
-    if (const auto why = WhyOfNoUse(telemetry->states, duration_s)) {
-      warn_(fmt::format("{}: nothing will get a place: {}", file.value_or(video + ", telemetry"), *why));
-    }
     return std::optional(CameraTrack(std::move(telemetry->states), options_.telemetry.max_gap_s));
   }
 

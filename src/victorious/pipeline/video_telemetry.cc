@@ -85,6 +85,23 @@ Expected<std::optional<Telemetry>> FindTelemetry(const std::string& video, const
   return std::nullopt;
 }
 
+Expected<std::optional<Telemetry>> TelemetryOf(const std::string& video, const VideoInfo& info,
+                                               const std::optional<std::string>& file, const TelemetryOptions& options,
+                                               std::string_view useless,
+                                               const std::function<void(const std::string&)>& tell) {
+  std::optional<Telemetry> telemetry;
+  if (file) {
+    VICTORIOUS_ASSIGN_OR_RETURN(telemetry, ReadTelemetry(*file, options));
+  } else if (!info.live) {
+    VICTORIOUS_ASSIGN_OR_RETURN(telemetry, FindTelemetry(video, options, tell));
+  }
+  if (!telemetry) return telemetry;
+  for (const std::string& warning : telemetry->warnings) tell("telemetry: " + warning);
+  const auto why = WhyOfNoUse(telemetry->states, info.duration_s);
+  if (why && !telemetry->states.empty()) tell(fmt::format("telemetry: {}: {}", useless, *why));
+  return telemetry;
+}
+
 std::optional<std::string> WhyOfNoUse(std::span<const CameraState> states, std::optional<double> duration_s) {
   double first_s = std::numeric_limits<double>::infinity();
   double last_s = -first_s;

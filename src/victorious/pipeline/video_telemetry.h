@@ -6,10 +6,12 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "victorious/base/error.h"
 #include "victorious/telemetry/telemetry.h"
 #include "victorious/types/camera_state.h"
+#include "victorious/video/video_reader.h"
 
 namespace victorious {
 
@@ -25,6 +27,16 @@ Expected<Telemetry> ReadTelemetry(const std::string& source, const TelemetryOpti
 /// Errors: those of the options.
 Expected<std::optional<Telemetry>> FindTelemetry(const std::string& video, const TelemetryOptions& options,
                                                  const std::function<void(const std::string&)>& tell);
+
+/// What tells of a video: a file that was named, else what is in it or beside it; nothing of a live source without a
+/// file. What is not as it should be is told.
+/// @param info     of the video
+/// @param useless  what follows where no state serves any of its frames: "nothing will get a place"
+/// Errors: those of ReadTelemetry for a file, and of the options.
+Expected<std::optional<Telemetry>> TelemetryOf(const std::string& video, const VideoInfo& info,
+                                               const std::optional<std::string>& file, const TelemetryOptions& options,
+                                               std::string_view useless,
+                                               const std::function<void(const std::string&)>& tell);
 
 /// Why no state of the camera can serve any frame of a video, in words; nothing where one may.
 /// @param duration_s  the video's, where it is known

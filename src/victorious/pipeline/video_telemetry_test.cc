@@ -189,6 +189,8 @@ struct DjiFile {
   bool attitude;
 };
 
+void PrintTo(const DjiFile& file, std::ostream* out) { *out << file.name; }
+
 class DjiFiles : public ::testing::TestWithParam<DjiFile> {};
 
 TEST_P(DjiFiles, StatesOfEveryDialect) {
