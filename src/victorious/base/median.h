@@ -1,4 +1,4 @@
-// The median of numbers.
+// The median of numbers, and of one distribution.
 #pragma once
 
 #include <algorithm>
@@ -6,6 +6,9 @@
 #include <vector>
 
 namespace victorious {
+
+/// The median length of two standard normal numbers: sqrt(2 ln 2).
+inline constexpr double kRayleighMedian = 1.1774100225154747;
 
 /// The middle one in order, of an even number the upper of the two in the middle; 0 of none.
 inline double Median(std::vector<double> values) {

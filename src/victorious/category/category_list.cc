@@ -102,7 +102,7 @@ Expected<std::vector<CategoryListRow>> ReadCategoryList(const std::filesystem::p
 }
 
 Expected<Box> BoxWithin(const CategoryListRow& row, int width_px, int height_px) {
-  const Box whole{0, 0, static_cast<double>(width_px), static_cast<double>(height_px)};
+  const Box whole = FrameBox(width_px, height_px);
   if (!row.box) return whole;
   const Box inside = Intersection(*row.box, whole);
   if (!inside.IsEmpty()) return inside;

@@ -102,7 +102,7 @@ Box SupportingBox(const std::vector<PhraseEvidence>& evidence, const WordedPictu
   const double cell_px = std::max(1.0, std::max(picture.width, picture.height) / static_cast<double>(kCellsAcross));
   const cv::Rect cells = BestRectangle(EvidenceGrid(evidence, picture, cell_px));
   const Box box{cells.x * cell_px, cells.y * cell_px, cells.width * cell_px, cells.height * cell_px};
-  return Intersection(box, {0, 0, static_cast<double>(picture.width), static_cast<double>(picture.height)});
+  return Intersection(box, FrameBox(picture.width, picture.height));
 }
 
 cv::Mat DrawEvidence(const cv::Mat& bgr, const WordedPicture& picture, const std::vector<PhraseEvidence>& evidence,

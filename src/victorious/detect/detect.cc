@@ -88,15 +88,10 @@ bool AreOne(const Footprint& a, const Footprint& b, const DetectOptions& options
   return common > options.suppression_overlap * smaller;
 }
 
-double ShareInView(const Polygon& outline, const SceneSize& scene) {
-  const Polygon inside = ClipToBox(outline, {0, 0, scene.width_px, scene.height_px});
-  return std::abs(SignedArea(inside)) / std::max(1e-9, std::abs(SignedArea(outline)));
-}
-
 Detection ToDetection(const Candidate& candidate, const SceneSize& scene, const DetectOptions& options) {
   Detection detection{.model = candidate.model, .view = candidate.view, .pose = candidate.pose};
   detection.outline = ProjectPolygon(candidate.pose.scene_from_template_plane, candidate.outline);
-  detection.box = BoundingBox(ClipToBox(detection.outline, {0, 0, scene.width_px, scene.height_px}));
+  detection.box = BoundingBox(ClipToBox(detection.outline, FrameBox(scene.width_px, scene.height_px)));
   detection.evidence =
       candidate.pose.evidence
           ? *candidate.pose.evidence - std::log10(static_cast<double>(std::max<std::size_t>(1, candidate.views)))
@@ -133,7 +128,8 @@ std::vector<Detection> Detect(std::span<const Candidate> candidates, const Scene
   for (const Candidate& candidate : candidates) {
     Detection detection = ToDetection(candidate, scene, options);
     const bool large_enough = std::min(detection.box.width, detection.box.height) >= options.least_side_px;
-    const bool in_view = ShareInView(detection.outline, scene) >= options.least_in_view;
+    const bool in_view =
+        ShareInside(detection.outline, FrameBox(scene.width_px, scene.height_px)) >= options.least_in_view;
     const bool wide_enough = detection.pose.extent >= options.least_extent;
     if (large_enough && in_view && wide_enough && detection.score >= options.least_score) {
       detections.push_back(std::move(detection));

@@ -10,6 +10,7 @@
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
+#include "victorious/base/median.h"
 #include "victorious/geolocate/consensus.h"
 #include "victorious/geolocate/error_ellipse.h"
 #include "victorious/geolocate/linear_place.h"
@@ -252,11 +253,7 @@ bool Moves(std::span<const LineOfSight> lines, const Located& standing, const Lo
   if (!standing.fix.place) return true;
   const std::vector<double> of_standing = OffsetsFrom(rays, *standing.motion, options);
   const std::vector<double> of_moving = OffsetsFrom(rays, *moving.motion, options);
-  std::vector<double> sorted = of_moving;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::ranges::nth_element(sorted, middle);
-  constexpr double kRayleighMedian = 1.1774100225154747;
-  const double factor = std::max(1.0, *middle / kRayleighMedian);
+  const double factor = std::max(1.0, Median(of_moving) / kRayleighMedian);
   const auto cost = [&](const std::vector<double>& offsets) {
     double sum = 0;
     for (const double offset : offsets) sum += std::pow(std::min(offset / factor, options.gate_sigma), 2);

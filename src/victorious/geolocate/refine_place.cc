@@ -12,6 +12,7 @@
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
+#include "victorious/base/median.h"
 #include "victorious/geolocate/linear_place.h"
 
 namespace victorious {
@@ -223,10 +224,7 @@ class Refinement {
     }
     constexpr std::size_t kFewest = 10;  // fewer say nothing of their spread
     if (offsets.size() < kFewest) return 1;
-    const auto middle = offsets.begin() + static_cast<std::ptrdiff_t>(offsets.size() / 2);
-    std::ranges::nth_element(offsets, middle);
-    constexpr double kRayleighMedian = 1.1774100225154747;  // of two standard normal numbers' length: sqrt(2 ln 2)
-    return std::max(1.0, *middle / kRayleighMedian);
+    return std::max(1.0, Median(std::move(offsets)) / kRayleighMedian);
   }
 
  private:

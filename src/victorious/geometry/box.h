@@ -20,6 +20,9 @@ struct Box {
   bool operator==(const Box&) const = default;
 };
 
+/// All of a frame, or of a picture.
+inline Box FrameBox(double width_px, double height_px) { return {0, 0, width_px, height_px}; }
+
 /// The common part; empty where there is none.
 inline Box Intersection(const Box& a, const Box& b) {
   const double x0 = std::max(a.x, b.x);

@@ -63,6 +63,11 @@ Polygon ClipToConvex(const Polygon& subject, const Polygon& clip) {
 
 Polygon ClipToBox(const Polygon& subject, const Box& box) { return ClipToConvex(subject, CornersOf(box)); }
 
+double ShareInside(const Polygon& subject, const Box& box) {
+  const double area = std::abs(SignedArea(subject));
+  return area > 0 ? std::abs(SignedArea(ClipToBox(subject, box))) / area : 0.0;
+}
+
 bool IsConvex(const Polygon& polygon) {
   const std::size_t n = polygon.size();
   if (n < 3) return false;

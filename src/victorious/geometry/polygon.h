@@ -28,6 +28,9 @@ Polygon ClipToConvex(const Polygon& subject, const Polygon& clip);
 /// The part inside a box.
 Polygon ClipToBox(const Polygon& subject, const Box& box);
 
+/// The share of its area that is inside a box; 0 of what has no area.
+double ShareInside(const Polygon& subject, const Box& box);
+
 /// True if all turns are in one sense and the outline goes round once; false for what has no area or is not finite.
 bool IsConvex(const Polygon& polygon);
 

@@ -82,7 +82,7 @@ Expected<RenderedTemplate> RenderTemplate(Renderer& renderer, MeshId mesh, const
                           .camera = camera,
                           .view = view};
   constexpr int kThumbnailPx = 72;
-  const Box whole{0, 0, static_cast<double>(side), static_cast<double>(side)};  // so that all are of one scale
+  const Box whole = FrameBox(side, side);  // so that all are of one scale
   result.picture.thumbnail = ThumbnailOf(rendered.bgr, whole, kThumbnailPx);
   cv::cvtColor(rendered.bgr, result.picture.grey, cv::COLOR_BGR2GRAY);
   result.picture.outline = OutlineOfMask(result.picture.mask);

@@ -56,7 +56,7 @@ Expected<Photo> LoadPhoto(const std::filesystem::path& path, const std::optional
 Expected<Photo> PreparePhoto(const std::string& source, const cv::Mat& bgr, const cv::Mat& alpha,
                              const std::optional<Box>& box) {
   Photo photo{.source = source, .grey = GreyFromBgr(bgr), .mask = {}, .outline = {}, .thumbnail = {}};
-  const Box whole{0, 0, static_cast<double>(bgr.cols), static_cast<double>(bgr.rows)};
+  const Box whole = FrameBox(bgr.cols, bgr.rows);
   if (box) VICTORIOUS_RETURN_IF_ERROR(CheckBox(source, *box, bgr.size()));
   photo.outline = CornersOf(box.value_or(whole));
   photo.thumbnail = ThumbnailOf(bgr, box.value_or(whole), kThumbnailPx);

@@ -127,8 +127,7 @@ bool BoxPass::LookWhereItStands(std::size_t target, const Frame& frame, std::siz
                                 std::vector<BoxSighting>& sightings) {
   const auto expected = guide.Expect(followed_[target].target.drawn, frame);
   if (!expected) return false;
-  const Box inside =
-      Intersection(expected->box, {0, 0, static_cast<double>(frame.image.cols), static_cast<double>(frame.image.rows)});
+  const Box inside = Intersection(expected->box, FrameBox(frame.image.cols, frame.image.rows));
   constexpr double kLeastInView = 0.5;
   if (!(inside.Area() > kLeastInView * expected->box.Area())) return false;
   const BoxStep step = tracker_.Resume(target, expected->box, expected->turn_rad, BoxTracker::Evidence::kPlace);

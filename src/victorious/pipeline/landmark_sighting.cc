@@ -56,7 +56,6 @@ std::vector<Offset> OffsetsOf(const Stance& stance, double sigma) {
 double NoiseFactor(const std::vector<Offset>& offsets) {
   std::vector<double> lengths;
   for (const Offset& offset : offsets) lengths.push_back(offset.off.norm());
-  constexpr double kRayleighMedian = 1.1774100225154747;
   return std::max(1.0, Median(std::move(lengths)) / kRayleighMedian);
 }
 

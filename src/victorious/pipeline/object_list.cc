@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/median.h"
 #include "victorious/pipeline/object_place.h"
 #include "victorious/pipeline/sight.h"
 
@@ -182,10 +183,7 @@ class Heights {
   [[nodiscard]] std::optional<double> Usual(const Thing& thing) const {
     const auto found = of_video_.find(thing.runs[0]->record.video);
     if (found == of_video_.end()) return std::nullopt;
-    std::vector<double> heights_m = found->second;
-    const auto middle = heights_m.begin() + static_cast<std::ptrdiff_t>(heights_m.size() / 2);
-    std::ranges::nth_element(heights_m, middle);
-    return *middle;
+    return Median(found->second);
   }
 
  private:

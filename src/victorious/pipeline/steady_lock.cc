@@ -34,7 +34,7 @@ class Together {
     std::optional<TrackStep> step;
     if (const auto steps = tracker_.Step(frame); !steps.empty()) step = steps.front();
     const bool active = step && step->state == TrackState::kActive;
-    const Box whole{0, 0, static_cast<double>(frame.image.cols), static_cast<double>(frame.image.rows)};
+    const Box whole = FrameBox(frame.image.cols, frame.image.rows);
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Found> found,
                                 Search(frame.image, active ? step->search_box : whole, *recognizer_, *extractor_));
     if (!found) return active && step->seen() ? std::optional(step->outline) : std::nullopt;

@@ -305,8 +305,7 @@ Expected<ClassifiedPicture> ClassifyInWindows(const CategoryEye& eye, const Cate
     WordedPicture nothing =
         WordsOf(model, {.keypoints = {}, .descriptors = {}, .image_width = grey.cols, .image_height = grey.rows});
     CategoryResult result = Classify(model, nothing, CategoryMethod::kPhrases);
-    return ClassifiedPicture{
-        std::move(result), {0, 0, static_cast<double>(grey.cols), static_cast<double>(grey.rows)}, std::move(nothing)};
+    return ClassifiedPicture{std::move(result), FrameBox(grey.cols, grey.rows), std::move(nothing)};
   }
   const SeenWindow* chosen = &windows.front();
   CategoryResult result = chosen->result;
@@ -334,8 +333,7 @@ Expected<ClassifiedPicture> ClassifyPicture(const CategoryEye& eye, const Catego
   VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, eye.Look(grey));
   WordedPicture picture = WordsOf(model, features);
   CategoryResult result = Classify(model, picture, method);
-  return ClassifiedPicture{
-      std::move(result), {0, 0, static_cast<double>(grey.cols), static_cast<double>(grey.rows)}, std::move(picture)};
+  return ClassifiedPicture{std::move(result), FrameBox(grey.cols, grey.rows), std::move(picture)};
 }
 
 }  // namespace victorious

@@ -44,7 +44,7 @@ Json SegmentationJson(const Polygon& polygon) {
 }
 
 Json AnnotationJson(const SightingRecord& sighting, const VideoRecord& video, std::size_t id, std::size_t image_id) {
-  const Box picture{0, 0, static_cast<double>(video.width), static_cast<double>(video.height)};
+  const Box picture = FrameBox(video.width, video.height);
   const Polygon visible = ClipToBox(sighting.outline, picture);
   const double area = visible.size() < 3 ? sighting.box.Area() : std::abs(SignedArea(visible));
   return {{"id", id},

@@ -32,9 +32,7 @@ FilterShape ShapeFor(const Box& box, double window_factor) {
 
 double ShareInView(const Levels& picture, const TurnedBox& turned) {
   const cv::Mat& image = picture.image();
-  const Box box = turned.Upright();
-  const Box frame{0, 0, static_cast<double>(image.cols), static_cast<double>(image.rows)};
-  return Intersection(box, frame).Area() / box.Area();
+  return ShareInside(CornersOf(turned.Upright()), FrameBox(image.cols, image.rows));
 }
 
 cv::Mat GreyLook(const Levels& image, const TurnedBox& box) {

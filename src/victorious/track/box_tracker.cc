@@ -10,12 +10,6 @@
 #include "victorious/base/check.h"
 
 namespace victorious {
-namespace {
-
-Box FrameOf(const cv::Mat& image) { return {0, 0, static_cast<double>(image.cols), static_cast<double>(image.rows)}; }
-
-}  // namespace
-
 Expected<BoxTracker> BoxTracker::Create(const BoxTrackOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   return BoxTracker(options);
@@ -35,7 +29,7 @@ std::vector<BoxStep> BoxTracker::Step(const Frame& frame) {
 Expected<BoxStep> BoxTracker::Start(const Box& box) {
   VICTORIOUS_CHECK(!scene_.image.empty());
   constexpr double kLeastSide_px = 4;
-  const Box frame = FrameOf(scene_.grey);
+  const Box frame = FrameBox(scene_.grey.cols, scene_.grey.rows);
   const Box inside = Intersection(box, frame);
   const std::string told = fmt::format("box {:g},{:g},{:g},{:g}", box.x, box.y, box.width, box.height);
   const std::string right = fmt::format("give x,y,w,h inside {:g} x {:g} px, at least {:g} px to a side", frame.width,
@@ -68,7 +62,7 @@ BoxStep BoxTracker::Describe(std::size_t target, const BoxTarget::Sight& sight) 
   BoxStep step{.target = target, .loss = sight.loss, .trust = sight.trust, .doubtful = sight.doubtful};
   if (!step.seen()) return step;
   step.extent = sight.box;
-  step.box = Intersection(sight.box, FrameOf(scene_.grey));
+  step.box = Intersection(sight.box, FrameBox(scene_.grey.cols, scene_.grey.rows));
   return step;
 }
 

@@ -21,8 +21,6 @@ Box About(const Eigen::Vector2d& centre, double side_px) {
   return {centre.x() - side_px / 2, centre.y() - side_px / 2, side_px, side_px};
 }
 
-Box FrameOf(const cv::Mat& grey) { return {0, 0, static_cast<double>(grey.cols), static_cast<double>(grey.rows)}; }
-
 }  // namespace
 
 GroundSpot::GroundSpot(FlowPyramid frame, const Box& object)
@@ -35,8 +33,9 @@ std::optional<Eigen::Vector2d> GroundSpot::Step(const FlowPyramid& frame, const 
   const FlowPyramid before = *std::exchange(before_, std::nullopt);
   if (before.grey().size() != frame.grey().size()) return std::nullopt;
   const double side_px = std::max(kNeighbourhood * side_px_, kLeastNeighbourhood_px);
-  std::vector<Eigen::Vector2d> points =
-      ChoosePoints(before.grey(), CornersOf(Intersection(About(place_, side_px), FrameOf(frame.grey()))), kPoints);
+  std::vector<Eigen::Vector2d> points = ChoosePoints(
+      before.grey(), CornersOf(Intersection(About(place_, side_px), FrameBox(frame.grey().cols, frame.grey().rows))),
+      kPoints);
   if (object) std::erase_if(points, [&](const auto& point) { return object->Contains(point.x(), point.y()); });
   const auto followed = FollowPoints(before, frame, points, points, {});
   std::vector<PointPair> pairs;
@@ -48,7 +47,7 @@ std::optional<Eigen::Vector2d> GroundSpot::Step(const FlowPyramid& frame, const 
   const auto result = Mlesac(estimator, {.outlier_area_px2 = side_px * side_px, .max_hypotheses = 200});
   if (!result || result->gamma * static_cast<double>(pairs.size()) < kLeastPoints) return std::nullopt;
   place_ = result->model.Apply(place_);
-  if (!FrameOf(frame.grey()).Contains(place_.x(), place_.y())) return std::nullopt;
+  if (!FrameBox(frame.grey().cols, frame.grey().rows).Contains(place_.x(), place_.y())) return std::nullopt;
   before_ = frame;
   return place_;
 }

@@ -25,17 +25,10 @@ Polygon Moved(Polygon outline, const Similarity2& map) {
   return outline;
 }
 
-Box FrameBox(const cv::Mat& image) { return {0, 0, static_cast<double>(image.cols), static_cast<double>(image.rows)}; }
-
 Box Dilated(const Box& box, double factor) {
   const double width = box.width * factor;
   const double height = box.height * factor;
   return {box.x - (width - box.width) / 2, box.y - (height - box.height) / 2, width, height};
-}
-
-double ShareInView(const Polygon& outline, const Box& frame) {
-  const double area = std::abs(SignedArea(outline));
-  return area > 0 ? std::abs(SignedArea(ClipToBox(outline, frame))) / area : 0.0;
 }
 
 cv::Mat GreyOf(const cv::Mat& image) {
@@ -105,7 +98,7 @@ void RegionTracker::Stop(std::uint64_t id) {
 }
 
 std::vector<RegionTracker::TemplatePoint> RegionTracker::TemplateFrom(std::span<const TrackPoint> points) const {
-  const Box frame = FrameBox(now_->grey());
+  const Box frame = FrameBox(now_->grey().cols, now_->grey().rows);
   std::vector<TemplatePoint> usable;
   for (const TrackPoint& point : points) {
     if (!frame.Contains(point.place.x(), point.place.y())) continue;
@@ -163,7 +156,7 @@ RegionTracker::Sighting RegionTracker::Look(const Track& track, const Eigen::Vec
     if (result->probabilities[k] > 0.5) sighting.places.emplace_back(of_pair[k], pairs[k].target);
   }
   // Points that are beyond the frame now cannot speak.
-  const Box frame = FrameBox(now_->grey());
+  const Box frame = FrameBox(now_->grey().cols, now_->grey().rows);
   const auto in_view = std::ranges::count_if(track.points, [&](const TemplatePoint& point) {
     const Eigen::Vector2d place = result->model.Apply(point.origin.place);
     return frame.Contains(place.x(), place.y());
@@ -196,7 +189,7 @@ void RegionTracker::Move(Track& track, const Sighting& sighting) const {
 }
 
 void RegionTracker::TakeUpAgain(Track& track) const {
-  const Box frame = FrameBox(now_->grey());
+  const Box frame = FrameBox(now_->grey().cols, now_->grey().rows);
   const Eigen::Matrix2d linear = track.last_from_template.Linear();
   for (TemplatePoint& point : track.points) {
     if (point.alive) continue;
@@ -221,7 +214,7 @@ TrackLoss RegionTracker::WhyNotSeen(const Track& track) const {
 
 TrackStep RegionTracker::Advance(Track& track) const {
   ++track.unconfirmed_frames;
-  const Box frame = FrameBox(now_->grey());
+  const Box frame = FrameBox(now_->grey().cols, now_->grey().rows);
   Sighting sighting = Look(track, Drift(track));
   // What the camera follows stays where it is while the picture moves.
   if (!sighting.enough && !track.velocity_px_s) sighting = Look(track, Eigen::Vector2d::Zero());
@@ -234,7 +227,7 @@ TrackStep RegionTracker::Advance(Track& track) const {
   }
   if (track.unconfirmed_frames > options_.unconfirmed_frames) loss = TrackLoss::kUnconfirmed;
   TrackStep step = Describe(track, loss);
-  if (ShareInView(step.outline, frame) < options_.least_in_view) step = Describe(track, TrackLoss::kLeftFrame);
+  if (ShareInside(step.outline, frame) < options_.least_in_view) step = Describe(track, TrackLoss::kLeftFrame);
   const bool given_up = track.missed_frames > options_.missed_frames || step.loss == TrackLoss::kUnconfirmed ||
                         step.loss == TrackLoss::kLeftFrame;
   if (given_up) step.state = TrackState::kInactive;
@@ -242,7 +235,7 @@ TrackStep RegionTracker::Advance(Track& track) const {
 }
 
 TrackStep RegionTracker::Describe(const Track& track, TrackLoss loss) const {
-  const Box frame = FrameBox(now_->grey());
+  const Box frame = FrameBox(now_->grey().cols, now_->grey().rows);
   TrackStep step{.track = track.id,
                  .frame = frame_,
                  .time_s = time_s_,

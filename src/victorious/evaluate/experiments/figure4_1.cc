@@ -197,7 +197,7 @@ Expected<Report> RunFigure41(const ExperimentSettings& settings) {
     every_view.emplace_back(one.views.size());
     for (std::size_t view = 0; view < one.views.size(); ++view) every_view.back()[view] = view;
   }
-  const Box whole{0, 0, static_cast<double>(frames[0].image.cols), static_cast<double>(frames[0].image.rows)};
+  const Box whole = FrameBox(frames[0].image.cols, frames[0].image.rows);
   settings.progress("searching a whole frame, view by view");
   VICTORIOUS_ASSIGN_OR_RETURN(const Searched before,
                               SearchBox(scenery, frames[0], whole, every_view, conditions(frames[0])));

@@ -43,7 +43,7 @@ struct Lock {
 
 double Overlap(const std::optional<Polygon>& outline, const Box& truth, const cv::Size& size) {
   if (!outline) return 0;
-  const Box frame{0, 0, static_cast<double>(size.width), static_cast<double>(size.height)};
+  const Box frame = FrameBox(size.width, size.height);
   return IntersectionOverUnion(Intersection(BoundingBox(*outline), frame), truth);
 }
 

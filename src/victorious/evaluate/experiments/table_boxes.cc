@@ -25,9 +25,7 @@ struct Overlaps {
   std::vector<double> centre_off;  // along an axis, root mean square, over the found box's longer side
 };
 
-Box WholeOf(const WordedPicture& picture) {
-  return {0, 0, static_cast<double>(picture.width), static_cast<double>(picture.height)};
-}
+Box WholeOf(const WordedPicture& picture) { return FrameBox(picture.width, picture.height); }
 
 void MeasureInto(Overlaps& overlaps, const CategoryModel& model, const CaltechFeatures& features,
                  std::span<const std::size_t> test, const std::string& category) {
