@@ -131,17 +131,19 @@ class Source {
   std::optional<Frame> NextFrame() {
     if (!live_) return ReadFrame();
     const double patience_s = pass_.options.live_wait_s;
-    while (true) {
-      std::optional<Frame> frame = ReadFrame();
-      const bool ends = !frame;
-      if (frame) waiting_.push_back(*std::move(frame));
-      if (waiting_.empty()) return std::nullopt;
+    const auto has_waited = [&] {
       const double first_s = waiting_.front().time_s;
-      if (!ends && !live_->Covers(first_s) && waiting_.back().time_s < first_s + patience_s) continue;
-      Frame first = std::move(waiting_.front());
-      waiting_.pop_front();
-      return first;
+      return live_->Covers(first_s) || waiting_.back().time_s >= first_s + patience_s;
+    };
+    while (waiting_.empty() || !has_waited()) {
+      std::optional<Frame> frame = ReadFrame();
+      if (!frame) break;
+      waiting_.push_back(*std::move(frame));
     }
+    if (waiting_.empty()) return std::nullopt;
+    Frame first = std::move(waiting_.front());
+    waiting_.pop_front();
+    return first;
   }
 
   std::optional<Frame> ReadFrame() {

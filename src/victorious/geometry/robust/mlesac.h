@@ -191,8 +191,7 @@ std::optional<MlesacResult<typename Estimator::Model>> Mlesac(const Estimator& e
     const double sigma_px = estimator.SigmaPx(best->model);
     const std::optional<Model> refined = estimator.FromWeights(best->probabilities);
     if (!refined) break;
-    const double before = evaluate(best->model, sigma_px).log_likelihood;
-    if (!(evaluate(*refined, sigma_px).log_likelihood > before)) break;
+    if (!(evaluate(*refined, sigma_px).log_likelihood > best->log_likelihood)) break;
     keep(*refined, evaluate(*refined, estimator.SigmaPx(*refined)));
   }
   posterior();
