@@ -31,6 +31,7 @@ struct Seen {
   double score = 0.99;
   bool of_category = false;  // then nothing says how far off it is
   double noise_rad = 1e-4;
+  double heading_noise_rad = 0.05;
   double too_large = 1;        // the object, as its ranges have it
   double camera_from_m = -60;  // eastwards, at frame 0
   double camera_speed_m_s = 12;
@@ -63,7 +64,7 @@ SeenRun RunOf(const Seen& seen) {
       sight.line.range_m.reset();
       sight.line.sigma_rad = seen.noise_rad;
     }
-    sight.heading_rad = WrapAngle(1.0 + 0.05 * random.Normal() + (frame % 4 == 0 ? kPi : 0));
+    sight.heading_rad = WrapAngle(1.0 + seen.heading_noise_rad * random.Normal() + (frame % 4 == 0 ? kPi : 0));
     run.sights.push_back(sight);
   }
   return run;
@@ -185,17 +186,35 @@ TEST(ObjectList, WhatLiesBelowAnyGroundIsRejected) {
 }
 
 // In 100,000 frames chance makes 1600 finds of even odds, so that a find must be of 16,000 to one: nine to one is not
-// enough, 30 frames of it neither, but of 600 to one they are; and of 50 frames one of nine to one is.
+// enough, 30 frames of it neither, but of 1000 to one they are; and of 50 frames one of nine to one is.
 TEST(ObjectList, TheLongerTheSearchTheClearerMustAFindBe) {
   const Seen faint{.id = 1, .frames = 1, .score = 0.9};
   const Seen longer{.id = 1, .frames = 30, .score = 0.9};
-  const Seen clear{.id = 1, .frames = 30, .score = 0.9984};
+  const Seen clear{.id = 1, .frames = 30, .score = 0.999};
   EXPECT_EQ(ObjectsFrom({faint}, {}, 50)[0].rejected, "");
   EXPECT_THAT(ObjectsFrom({faint}, {}, 100)[0].rejected, HasSubstr("too faint"));
   EXPECT_EQ(ObjectsFrom({longer}, {}, 1000)[0].rejected, "");
   EXPECT_THAT(ObjectsFrom({longer}, {}, 100'000)[0].rejected, HasSubstr("100000 frames"));
   EXPECT_EQ(ObjectsFrom({clear}, {}, 100'000)[0].rejected, "");
   EXPECT_EQ(ObjectsFrom({faint}, {.false_share = 0}, 100'000)[0].rejected, "");
+}
+
+// The same 30 frames, each of which shows it turned otherwise: most are not of the same thing, or of none.
+TEST(ObjectList, FramesThatContradictEachOtherMakeAFindNoClearer) {
+  const Seen alike{.id = 1, .score = 0.9};
+  const Seen turned{.id = 1, .score = 0.9, .heading_noise_rad = 3};
+  EXPECT_EQ(ObjectsFrom({alike}, {}, 1000)[0].rejected, "");
+  EXPECT_THAT(ObjectsFrom({turned}, {}, 1000)[0].rejected, HasSubstr("too faint"));
+}
+
+// Two sights of anything meet somewhere, if it may move as it likes: they tell no more than one.
+TEST(ObjectList, TwoSightsOfWhatMovesAreAsFaintAsOne) {
+  const Seen parked{.id = 1, .first_frame = 1, .frames = 2, .score = 0.9};
+  const Seen moving{.id = 1, .velocity_enu = {40, 30, 0}, .first_frame = 1, .frames = 2, .score = 0.9};
+  const Seen longer{.id = 1, .velocity_enu = {40, 30, 0}, .frames = 30, .score = 0.9};
+  EXPECT_EQ(ObjectsFrom({parked}, {}, 100)[0].rejected, "");
+  EXPECT_THAT(ObjectsFrom({moving}, {}, 100)[0].rejected, HasSubstr("too faint"));
+  EXPECT_EQ(ObjectsFrom({longer}, {}, 100)[0].rejected, "");
 }
 
 TEST(ObjectList, ObjectsStandOnTheGroundThatIsTold) {

@@ -42,6 +42,9 @@ LocateOptions OptionsFor(std::span<const Sight> sights, const ObjectOptions& opt
   return locate;
 }
 
+// Headings of one object are found so near to each other.
+constexpr double kAlike_rad = RadiansFromDegrees(20);
+
 double Square(double value) { return value * value; }
 
 // What was measured once and then followed errs alike by as much as the first measurement does, and each by an error of
@@ -149,6 +152,19 @@ std::optional<double> TooLarge(std::vector<LineOfSight> lines, LocateOptions loc
   return Median(std::move(factors));
 }
 
+// How many of the sights that meet at a place show the object turned alike. A velocity is found for any two, so that of
+// what moves one tells nothing.
+int BorneOut(std::span<const Sight> sights, const GeoFix& fix, const std::optional<double>& heading_rad) {
+  if (!fix.place) return 0;
+  int alike = 0;
+  for (std::size_t i = 0; i < sights.size(); ++i) {
+    if (!fix.inliers[i]) continue;
+    const std::optional<double>& own_rad = sights[i].heading_rad;
+    if (!own_rad || std::abs(WrapAngle(*own_rad - *heading_rad)) <= kAlike_rad) ++alike;
+  }
+  return std::max(1, fix.place->Moves() ? alike - 1 : alike);
+}
+
 }  // namespace
 
 Place At(const Place& place, double time_s) {
@@ -193,7 +209,6 @@ double SigmasOff(const Sight& sight, const Place& place, double slack_m, const L
 }
 
 std::optional<double> CommonHeading(std::span<const double> headings_rad) {
-  const double half_width = RadiansFromDegrees(20);
   // Three times round, so that no window has an end in it; and sums up to each.
   std::vector<double> sorted;
   for (const double heading : headings_rad) sorted.push_back(WrapAngle(heading));
@@ -207,8 +222,8 @@ std::optional<double> CommonHeading(std::span<const double> headings_rad) {
   std::ptrdiff_t most = 0;
   double best = 0;
   for (const double candidate : sorted) {
-    const auto first = std::ranges::lower_bound(round, candidate - half_width) - round.begin();
-    const auto end = std::ranges::upper_bound(round, candidate + half_width) - round.begin();
+    const auto first = std::ranges::lower_bound(round, candidate - kAlike_rad) - round.begin();
+    const auto end = std::ranges::upper_bound(round, candidate + kAlike_rad) - round.begin();
     if (end - first <= most) continue;
     most = end - first;
     best = (sums[static_cast<std::size_t>(end)] - sums[static_cast<std::size_t>(first)]) / static_cast<double>(most);
@@ -234,6 +249,7 @@ ObjectPlace PlaceOf(std::span<const Sight> sights, const ObjectOptions& options,
     if (sights[i].heading_rad && (fix->inliers[i] || !fix->place)) headings.push_back(*sights[i].heading_rad);
   }
   result.heading_rad = CommonHeading(headings);
+  result.borne_out = BorneOut(sights, *fix, result.heading_rad);
   return result;
 }
 

@@ -63,21 +63,31 @@ struct Guess {
 
 using Field = double Guess::*;
 
+// Of an object's points so many are in the frame, or nothing can be told.
+constexpr double kLeastShare = 0.4;
+
 class PictureOnScene {
  public:
-  PictureOnScene(const cv::Mat& scene, const ViewPicture& picture) : scene_(scene), picture_(picture) {}
+  // @param least  points in the frame
+  PictureOnScene(const cv::Mat& scene, const ViewPicture& picture, double least)
+      : scene_(scene), picture_(picture), least_(least) {}
+
+  // The picture's points that are in the frame.
+  [[nodiscard]] std::vector<PicturePoint> Seen(const Guess& guess) const {
+    const Eigen::Matrix<float, 2, 3> project = Projection(guess);
+    const Eigen::Vector2f middle = MiddleOf(guess);
+    std::vector<PicturePoint> seen;
+    for (const PicturePoint& point : picture_.points) {
+      if (IsInFrame(project * point.place + middle)) seen.push_back(point);
+    }
+    return seen;
+  }
 
   // atanh of the correlation; nothing where too few points are in the frame.
   [[nodiscard]] std::optional<double> At(const Guess& guess) const {
-    constexpr double kLeastShare = 0.4;
     constexpr double kFaintest = 4;  // grey levels squared: a smaller variance tells nothing
-    const Eigen::Matrix3d turned =
-        (Eigen::AngleAxisd(guess.turn_rad, Eigen::Vector3d::UnitZ()) *
-         Eigen::AngleAxisd(guess.tip_rad, Eigen::Vector3d::UnitX()) * picture_.camera_from_model *
-         Eigen::AngleAxisd(guess.yaw_rad, Eigen::Vector3d::UnitZ()))
-            .toRotationMatrix();
-    const Eigen::Matrix<float, 2, 3> project = (std::exp(guess.log_scale) * turned.topRows<2>()).cast<float>();
-    const Eigen::Vector2f middle(static_cast<float>(guess.x), static_cast<float>(guess.y));
+    const Eigen::Matrix<float, 2, 3> project = Projection(guess);
+    const Eigen::Vector2f middle = MiddleOf(guess);
     double n = 0;
     double sum_a = 0;
     double sum_b = 0;
@@ -86,10 +96,7 @@ class PictureOnScene {
     double sum_ab = 0;
     for (const PicturePoint& point : picture_.points) {
       const Eigen::Vector2f at = project * point.place + middle;
-      if (!(at.x() >= 0 && at.y() >= 0 && at.x() < static_cast<float>(scene_.cols) &&
-            at.y() < static_cast<float>(scene_.rows))) {
-        continue;
-      }
+      if (!IsInFrame(at)) continue;
       const double a = point.brightness;
       const double b = scene_.at<float>(static_cast<int>(at.y()), static_cast<int>(at.x()));
       n += 1;
@@ -99,7 +106,7 @@ class PictureOnScene {
       sum_bb += b * b;
       sum_ab += a * b;
     }
-    if (n < kLeastShare * static_cast<double>(picture_.points.size())) return std::nullopt;
+    if (n < least_) return std::nullopt;
     const double variance_a = sum_aa / n - sum_a * sum_a / (n * n) + kFaintest;
     const double variance_b = sum_bb / n - sum_b * sum_b / (n * n) + kFaintest;
     const double r = (sum_ab / n - sum_a * sum_b / (n * n)) / std::sqrt(variance_a * variance_b);
@@ -124,6 +131,22 @@ class PictureOnScene {
   }
 
  private:
+  [[nodiscard]] Eigen::Matrix<float, 2, 3> Projection(const Guess& guess) const {
+    const Eigen::Matrix3d turned =
+        (Eigen::AngleAxisd(guess.turn_rad, Eigen::Vector3d::UnitZ()) *
+         Eigen::AngleAxisd(guess.tip_rad, Eigen::Vector3d::UnitX()) * picture_.camera_from_model *
+         Eigen::AngleAxisd(guess.yaw_rad, Eigen::Vector3d::UnitZ()))
+            .toRotationMatrix();
+    return (std::exp(guess.log_scale) * turned.topRows<2>()).cast<float>();
+  }
+  static Eigen::Vector2f MiddleOf(const Guess& guess) {
+    return {static_cast<float>(guess.x), static_cast<float>(guess.y)};
+  }
+  [[nodiscard]] bool IsInFrame(const Eigen::Vector2f& at) const {
+    return at.x() >= 0 && at.y() >= 0 && at.x() < static_cast<float>(scene_.cols) &&
+           at.y() < static_cast<float>(scene_.rows);
+  }
+
   struct Step {
     Field field;
     double size;
@@ -148,6 +171,7 @@ class PictureOnScene {
 
   const cv::Mat& scene_;
   const ViewPicture& picture_;
+  double least_;
 };
 
 // A view's picture, and how the view lies to the one that matched.
@@ -155,6 +179,7 @@ struct Beside {
   std::shared_ptr<const ViewPicture> picture;
   Eigen::Vector2d centre_px;  // of the view's image: where the middle of the object's bounding sphere is seen
   double turn_rad;            // of the object in the image, from the view that matched to this one
+  double least;               // of its points that must be in the frame
 };
 
 std::vector<Beside> PicturesBeside(const ObjectModel& model, const LitTemplates& pictures, std::size_t view,
@@ -181,7 +206,9 @@ std::vector<Beside> PicturesBeside(const ObjectModel& model, const LitTemplates&
       const Eigen::Quaterniond turn = picture->camera_from_model * all.front().picture->camera_from_model.conjugate();
       turn_rad = WrapAngle(2 * std::atan2(turn.z(), turn.w()));
     }
-    all.push_back({std::move(picture), {model.views[number].width / 2.0, model.views[number].height / 2.0}, turn_rad});
+    const double least = kLeastShare * static_cast<double>(picture->points.size());
+    all.push_back(
+        {std::move(picture), {model.views[number].width / 2.0, model.views[number].height / 2.0}, turn_rad, least});
   }
   return all;
 }
@@ -193,16 +220,32 @@ struct Place {
   double turn_rad;
 };
 
+Guess GuessAt(const Place& place, const Beside& beside) {
+  const Similarity2 about_centre{place.scale, place.turn_rad - beside.turn_rad, place.centre_px};
+  const Eigen::Vector2d middle = about_centre.Apply(beside.picture->middle_px - beside.centre_px);
+  return {.x = middle.x(),
+          .y = middle.y(),
+          .log_scale = std::log(place.scale * beside.picture->pixels_per_m),
+          .turn_rad = about_centre.rotation_rad};
+}
+
+// Few points are alike by chance more easily than many: what a place shows of the object is all that is compared, there
+// and elsewhere.
+void KeepWhatIsSeen(const cv::Mat& scene, const Place& place, std::vector<Beside>& pictures) {
+  for (Beside& beside : pictures) {
+    auto seen = PictureOnScene(scene, *beside.picture, beside.least).Seen(GuessAt(place, beside));
+    if (seen.size() == beside.picture->points.size()) continue;
+    auto rest = std::make_shared<ViewPicture>(*beside.picture);
+    rest->points = std::move(seen);
+    beside.picture = std::move(rest);
+  }
+}
+
 std::optional<double> MostLikeness(const cv::Mat& scene, const std::vector<Beside>& pictures, const Place& place) {
   std::optional<double> most;
   for (const Beside& beside : pictures) {
-    const Similarity2 about_centre{place.scale, place.turn_rad - beside.turn_rad, place.centre_px};
-    const Eigen::Vector2d middle = about_centre.Apply(beside.picture->middle_px - beside.centre_px);
-    const std::optional<double> found = PictureOnScene(scene, *beside.picture)
-                                            .Climb({.x = middle.x(),
-                                                    .y = middle.y(),
-                                                    .log_scale = std::log(place.scale * beside.picture->pixels_per_m),
-                                                    .turn_rad = about_centre.rotation_rad});
+    const std::optional<double> found =
+        PictureOnScene(scene, *beside.picture, beside.least).Climb(GuessAt(place, beside));
     if (found && (!most || *found > *most)) most = found;
   }
   return most;
@@ -231,16 +274,17 @@ std::optional<double> SigmasOfLikeness(const cv::Mat& scene, const ObjectModel& 
   constexpr double kMostHalfOctaves = 8;
   const double half_octaves =
       std::clamp(std::round(-2 * std::log2(scene_from_template.scale)), -kMostHalfOctaves, kMostHalfOctaves);
-  const std::vector<Beside> beside = PicturesBeside(model, pictures, view, static_cast<int>(half_octaves));
+  std::vector<Beside> beside = PicturesBeside(model, pictures, view, static_cast<int>(half_octaves));
   if (beside.empty()) return std::nullopt;
   const Place guess{
       .centre_px = scene_from_template.Apply(Eigen::Vector2d(model.views[view].width, model.views[view].height) / 2),
       .scale = scene_from_template.scale,
       .turn_rad = scene_from_template.rotation_rad};
+  const double apart_px = ReachPx(*beside.front().picture, guess.scale);
+  KeepWhatIsSeen(scene, guess, beside);
   const std::optional<double> here = MostLikeness(scene, beside, guess);
   if (!here) return std::nullopt;
 
-  const double apart_px = ReachPx(*beside.front().picture, guess.scale);
   Random random(1);
   std::vector<double> elsewhere;
   for (int tries = 0; std::ssize(elsewhere) < options.elsewhere && tries < 4 * options.elsewhere; ++tries) {
