@@ -6,6 +6,9 @@
 namespace victorious {
 
 /// ln C(n, k), 0 <= k <= n; by the gamma function, so that neither need be whole.
-inline double LogChoose(double n, double k) { return std::lgamma(n + 1) - std::lgamma(k + 1) - std::lgamma(n - k + 1); }
+inline double LogChoose(double n, double k) {
+  int sign = 0;  // std::lgamma puts it into a global, where threads meet
+  return ::lgamma_r(n + 1, &sign) - ::lgamma_r(k + 1, &sign) - ::lgamma_r(n - k + 1, &sign);
+}
 
 }  // namespace victorious

@@ -58,13 +58,11 @@ void DetectOptions::ListFields(FieldList& fields) {
 
 namespace {
 
-// An agreeing match's turn and scale agree within the grammar's bounds, which a wrong match meets about so often.
-constexpr double kTurnAndScaleChance = 0.1;
-
 double AgreementChance(const Pose& pose, const SceneSize& scene) {
   const double radius = kAgreementSigmas * pose.sigma_px;
-  const double place = kPi * radius * radius / std::max(1.0, scene.width_px * scene.height_px);
-  return std::min(1.0, place) * kTurnAndScaleChance;
+  const double place =
+      kPi * radius * radius / std::max(1.0, scene.searched_px2.value_or(scene.width_px * scene.height_px));
+  return std::min(1.0, place) * kAgreementTurnAndScaleChance;
 }
 
 // Where a detection lies, for suppression.
@@ -95,7 +93,7 @@ Detection ToDetection(const Candidate& candidate, const SceneSize& scene, const 
   detection.evidence =
       candidate.pose.evidence
           ? *candidate.pose.evidence - std::log10(static_cast<double>(std::max<std::size_t>(1, candidate.views)))
-          : Evidence(candidate.matches, candidate.pose.distinct_inliers, AgreementChance(candidate.pose, scene),
+          : Evidence(candidate.matches, candidate.pose.agreeing, AgreementChance(candidate.pose, scene),
                      candidate.views);
   detection.score = ScoreOf(detection.evidence, options);
   return detection;

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -49,6 +50,7 @@ struct Candidate {
 struct SceneSize {
   double width_px = 0;
   double height_px = 0;
+  std::optional<double> searched_px2 = {};  ///< over which a wrong match may lie; nothing: all of it
 };
 
 /// What is found of a model does not depend on which others are searched for.

@@ -14,6 +14,7 @@ Candidate CandidateAt(double x, double y, std::size_t agreeing, std::size_t mode
   candidate.pose.scene_from_template = {1.0, 0.0, {x, y}};
   candidate.pose.scene_from_template_plane = candidate.pose.scene_from_template.Matrix();
   candidate.pose.distinct_inliers = agreeing;
+  candidate.pose.agreeing = agreeing;
   candidate.pose.sigma_px = 3;
   candidate.pose.extent = 0.4;
   return candidate;

@@ -64,8 +64,8 @@ struct Setting {
 struct Sought {
   bool found = false;
   bool right_view = false;
-  cv::Mat bgr;
-  Box box;  // the true one
+  cv::Mat bgr;  // where somebody watches
+  Box box;      // the true one
 };
 
 // What a sample came to.
@@ -312,6 +312,7 @@ Expected<Findable> HowFindable(const ObjectModel& model, const FeatureOptions& f
   Watched watched(cancel, watch);
   VICTORIOUS_RETURN_IF_ERROR(watched.Each(samples.size(), [&](std::size_t i) -> Status {
     VICTORIOUS_ASSIGN_OR_RETURN(outcomes[i], search.Measure(samples[i], asked));
+    if (!watch.picture) outcomes[i].at_size.bgr.release();
     return {};
   }));
 

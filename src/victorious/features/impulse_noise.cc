@@ -11,16 +11,42 @@ constexpr int kStandsOut = 35;  // grey levels: below, codecs' ringing about an 
 constexpr int kFarthest = 3;    // px to the pixels that replace an impulse
 
 // 255 where there is an impulse.
-cv::Mat ImpulsesOf(const cv::Mat& grey) {
-  cv::Mat median;
+// @param median  of the 3 x 3 about each pixel
+cv::Mat ImpulsesOf(const cv::Mat& grey, const cv::Mat& median) {
   cv::Mat difference;
-  cv::medianBlur(grey, median, 3);
   cv::absdiff(grey, median, difference);
   cv::Mat impulses = difference > kStandsOut;
-  cv::medianBlur(grey, median, 5);
-  cv::absdiff(grey, median, difference);
+  cv::Mat wider;
+  cv::medianBlur(grey, wider, 5);
+  cv::absdiff(grey, wider, difference);
   impulses |= difference > 2 * kStandsOut;
   return impulses;
+}
+
+// 255 where at most one of the eight neighbours is set, too.
+cv::Mat NearlyAlone(const cv::Mat& set) {
+  cv::Mat count;
+  cv::boxFilter(set / 255, count, CV_8U, {3, 3}, {-1, -1}, /*normalize=*/false, cv::BORDER_CONSTANT);
+  return set & (count <= 2);
+}
+
+// The share of impulses among the pixels of flat places. Elsewhere thin lines, leaves and print stand out, too; there
+// only noise does, dot by dot.
+double ShareOfImpulses(const cv::Mat& grey, const cv::Mat& median) {
+  constexpr int kFlat = 20;               // grey levels between the medians of a flat place
+  constexpr double kLeastOfImage = 0.02;  // in less, a dot or two would be a large share
+  cv::Mat highest;
+  cv::Mat lowest;
+  cv::dilate(median, highest, {});
+  cv::erode(median, lowest, {});
+  const cv::Mat flat = highest - lowest < kFlat;
+  cv::Mat above;
+  cv::Mat below;
+  cv::subtract(grey, median, above);  // saturates at 0
+  cv::subtract(median, grey, below);
+  const cv::Mat dots = (NearlyAlone(above > kStandsOut) | NearlyAlone(below > kStandsOut)) & flat;
+  return cv::countNonZero(dots) /
+         std::max<double>(cv::countNonZero(flat), kLeastOfImage * static_cast<double>(grey.total()));
 }
 
 // The mean of the nearest clean pixels; the pixel itself where there is none within reach.
@@ -46,8 +72,10 @@ uchar Repaired(const cv::Mat& grey, const cv::Mat& impulses, int x, int y) {
 
 cv::Mat WithoutImpulses(const cv::Mat& grey, double least_share) {
   if (std::min(grey.rows, grey.cols) < 5) return grey;
-  const cv::Mat impulses = ImpulsesOf(grey);
-  if (cv::countNonZero(impulses) < least_share * static_cast<double>(impulses.total())) return grey;
+  cv::Mat median;
+  cv::medianBlur(grey, median, 3);
+  if (ShareOfImpulses(grey, median) < least_share) return grey;
+  const cv::Mat impulses = ImpulsesOf(grey, median);
   cv::Mat clean = grey.clone();
   for (int y = 0; y < grey.rows; ++y) {
     for (int x = 0; x < grey.cols; ++x) {

@@ -10,9 +10,9 @@ namespace victorious {
 /// 5 x 5; impulses become the mean of the nearest pixels that are none, weighted by 1 / distance^2. Every other pixel
 /// stays as it is, unlike under a median filter.
 /// @param grey         CV_8UC1
-/// @param least_share  an image with a smaller share of impulses is clean: what stands out in it are lamps and
-///                     markings, and it is returned as it is
-/// Cost: some 2 ms for 640 x 480 pixels.
+/// @param least_share  an image is clean, and returned as it is, that has a smaller share of impulses in its flat
+///                     places: whether there are any is asked there, where no lines, leaves and print stand out
+/// Cost: some 3 ms for 640 x 480 pixels.
 cv::Mat WithoutImpulses(const cv::Mat& grey, double least_share);
 
 }  // namespace victorious

@@ -20,6 +20,10 @@ struct Vertical {
 
   /// The vertical in the frame of the camera once it looks at `pixel`; of length 1.
   [[nodiscard]] Eigen::Vector3d SeenAt(const Eigen::Vector2d& pixel) const;
+
+  /// Of the line of sight through `pixel`, clockwise seen from above, from where the camera is headed: the azimuth of
+  /// the line through the image's middle, or of the image's own up where that line is plumb; (-pi, pi].
+  [[nodiscard]] double AzimuthAt(const Eigen::Vector2d& pixel) const;
 };
 
 /// Of a camera with square pixels and its principal point at the image's centre.

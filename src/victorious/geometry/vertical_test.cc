@@ -36,5 +36,20 @@ TEST(Vertical, TurnsTheShortestWay) {
   }
 }
 
+// Against each line of sight's azimuth on Earth.
+TEST(Vertical, TellsTheAzimuthOfEachLineOfSight) {
+  for (const Attitude& attitude : {Attitude{1.0, -0.7, 0.2}, Attitude{-2.5, -1.4, 0}, Attitude{0.3, 0.1, -0.1}}) {
+    const Vertical vertical = MakeVertical(attitude, 1.2, 640, 480);
+    for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(3, 5), Eigen::Vector2d(630, 240), Eigen::Vector2d(320, 240)}) {
+      const Eigen::Vector3d enu = CameraFromEnu(attitude).conjugate() * vertical.pinhole.RayOf(pixel);
+      const double expected = std::atan2(enu.x(), enu.y()) - attitude.yaw_rad;
+      EXPECT_NEAR(WrapAngle(vertical.AzimuthAt(pixel) - expected), 0, 1e-9);
+    }
+  }
+  const Vertical plumb = MakeVertical({1.0, -kPi / 2, 0}, 1.2, 640, 480);
+  EXPECT_NEAR(plumb.AzimuthAt({630, 240}), kPi / 2, 1e-9);
+  EXPECT_NEAR(plumb.AzimuthAt({320, 10}), 0, 1e-9);
+}
+
 }  // namespace
 }  // namespace victorious

@@ -288,6 +288,28 @@ std::vector<Tally> CountVotes(const std::vector<Node>& nodes, const Grid& grid, 
   return tallies;
 }
 
+// Where to part the nodes so that those of a part receive so many ballots together that they fit into memory.
+std::vector<std::uint32_t> PartsOf(const std::vector<Node>& nodes, const Grid& grid) {
+  constexpr std::size_t kMostBallots = std::size_t{1} << 24;
+  const auto count = static_cast<std::uint32_t>(nodes.size());
+  if (nodes.size() * nodes.size() <= kMostBallots) return {0, count};
+  std::vector<std::size_t> ballots(nodes.size());
+  ForEachPair(nodes, grid, [&](std::uint32_t i, std::uint32_t j, double, double, double distance2) {
+    ballots[i] += distance2 < nodes[i].radius2 ? 1 : 0;
+    ballots[j] += distance2 < nodes[j].radius2 ? 1 : 0;
+  });
+  std::vector<std::uint32_t> parts = {0};
+  std::size_t together = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    together += ballots[i];
+    if (together <= kMostBallots || i == parts.back()) continue;
+    parts.push_back(i);
+    together = ballots[i];
+  }
+  parts.push_back(count);
+  return parts;
+}
+
 // The same, with each template keypoint counted once as a voter.
 template <typename Agree>
 std::vector<Tally> CountDistinctVotes(const std::vector<Node>& nodes, const Grid& grid, const Agree& agree) {
@@ -296,21 +318,29 @@ std::vector<Tally> CountDistinctVotes(const std::vector<Node>& nodes, const Grid
     bool vote;
     auto operator<=>(const Ballot&) const = default;
   };
-  std::vector<Ballot> ballots;
-  ForEachPair(nodes, grid, [&](std::uint32_t i, std::uint32_t j, double dx, double dy, double distance2) {
-    const bool vote = agree(nodes[i], nodes[j], dx, dy);
-    if (distance2 < nodes[i].radius2) ballots.push_back({i, nodes[j].model, vote});
-    if (distance2 < nodes[j].radius2) ballots.push_back({j, nodes[i].model, vote});
-  });
-  std::ranges::sort(ballots);
+  const std::vector<std::uint32_t> parts = PartsOf(nodes, grid);
   std::vector<Tally> tallies(nodes.size());
-  for (std::size_t b = 0; b < ballots.size(); ++b) {
-    // The last of a receiver's ballots of one voter has the vote, if there is any.
-    const bool last = b + 1 == ballots.size() || ballots[b + 1].receiver != ballots[b].receiver ||
-                      ballots[b + 1].voter != ballots[b].voter;
-    if (!last) continue;
-    ++tallies[ballots[b].receiver].possible;
-    if (ballots[b].vote) ++tallies[ballots[b].receiver].votes;
+  std::vector<Ballot> ballots;
+  for (std::size_t part = 0; part + 1 < parts.size(); ++part) {
+    const auto receives = [&](std::uint32_t i) { return i >= parts[part] && i < parts[part + 1]; };
+    ballots.clear();
+    ForEachPair(nodes, grid, [&](std::uint32_t i, std::uint32_t j, double dx, double dy, double distance2) {
+      const bool for_i = receives(i) && distance2 < nodes[i].radius2;
+      const bool for_j = receives(j) && distance2 < nodes[j].radius2;
+      if (!for_i && !for_j) return;
+      const bool vote = agree(nodes[i], nodes[j], dx, dy);
+      if (for_i) ballots.push_back({i, nodes[j].model, vote});
+      if (for_j) ballots.push_back({j, nodes[i].model, vote});
+    });
+    std::ranges::sort(ballots);
+    for (std::size_t b = 0; b < ballots.size(); ++b) {
+      // The last of a receiver's ballots of one voter has the vote, if there is any.
+      const bool last = b + 1 == ballots.size() || ballots[b + 1].receiver != ballots[b].receiver ||
+                        ballots[b + 1].voter != ballots[b].voter;
+      if (!last) continue;
+      ++tallies[ballots[b].receiver].possible;
+      if (ballots[b].vote) ++tallies[ballots[b].receiver].votes;
+    }
   }
   return tallies;
 }

@@ -174,6 +174,17 @@ TEST(Cascade, DistinctSupportStopsRepeatedPatterns) {
   for (const Match& match : with) EXPECT_LT(match.model, 4U);
 }
 
+// So many voters all within R of each other are counted in parts.
+TEST(Cascade, VeryManyVotersAgreeWithTheDefinitionToo) {
+  const World world = MakeWorld(100, 4100, {1.0, 0.3, {200, 200}}, 1.0, 9);
+  CascadeOptions options;
+  options.radius_px = 2000;
+  options.filter = "third";
+  options.distinct_stages = 1;
+  EXPECT_TRUE(Equal(FilterByGrammar(world.scene, world.model, world.matches, options),
+                    FilterByGrammarRef(world.scene, world.model, world.matches, options)));
+}
+
 TEST(Cascade, EmptyAndSingleMatchesGiveNothing) {
   World world = MakeWorld(1, 0, {1.0, 0.0, {0, 0}}, 0.0, 1);
   EXPECT_TRUE(FilterByGrammar(world.scene, world.model, world.matches, {}).third.empty());

@@ -117,6 +117,10 @@ int ObjectSizePx(double diameter_m, const CadModelOptions& options) {
 Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, const std::string& source,
                                    const CadModelOptions& options, const std::function<void(int, int)>& progress) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
+  if (options.least_size_px > options.most_size_px) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("least_size_px {}: above most_size_px {}; it must not be",
+                                                         options.least_size_px, options.most_size_px));
+  }
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
   VICTORIOUS_ASSIGN_OR_RETURN(const ViewSphere sphere, MakeViewSphere(options.sphere));
   VICTORIOUS_ASSIGN_OR_RETURN(Renderer renderer, Renderer::Create());

@@ -74,6 +74,7 @@ class LitViews : public LitTemplates {
     auto made = std::make_shared<const ViewPicture>(surface ? PictureOf(*surface, std::exp2(half_octaves / 2.0))
                                                             : ViewPicture());
     const std::scoped_lock lock(mutex_);  // another thread may have made the same by now
+    if (pictures_.size() >= most_kept_) pictures_.clear();
     return pictures_.try_emplace(key, std::move(made)).first->second;
   }
 
@@ -112,7 +113,7 @@ class LitViews : public LitTemplates {
     if (slot.claimed.exchange(true)) return;
     try {
       slot.lit = std::make_shared<const LitTemplate>(Make(wanted));
-    } catch (const std::bad_alloc&) {
+    } catch (...) {         // memory that ran out, as the libraries report it
       slot.lit = nothing_;  // or those who wait would wait for ever
     }
     slot.made = true;

@@ -38,7 +38,7 @@ Status CheckBox(const std::string& source, const Box& box, const cv::Size& size)
                   source, box.x, box.y, box.width, box.height, size.width, size.height));
 }
 
-// What lies outside the object takes the object's mean grey, softly, so that its rim makes no keypoints of its own.
+// What lies outside the object takes the object's mean grey, so that its rim makes few keypoints of its own.
 cv::Mat FlattenBackground(const cv::Mat& grey, const cv::Mat& mask) {
   const double mean = cv::mean(grey, mask)[0];
   cv::Mat result(grey.size(), CV_8UC1, cv::Scalar(mean));
@@ -60,7 +60,7 @@ Expected<Photo> PreparePhoto(const std::string& source, const cv::Mat& bgr, cons
   if (box) VICTORIOUS_RETURN_IF_ERROR(CheckBox(source, *box, bgr.size()));
   photo.outline = CornersOf(box.value_or(whole));
   photo.thumbnail = ThumbnailOf(bgr, box.value_or(whole), kThumbnailPx);
-  if (alpha.empty()) return photo;
+  if (alpha.empty() || cv::countNonZero(alpha < kOpaque) == 0) return photo;  // a screenshot's alpha tells nothing
 
   photo.mask = alpha >= kOpaque;
   if (box) {

@@ -108,13 +108,16 @@ std::optional<std::int64_t> Follower::Take(const Detection& detection, const Fea
                        [&](const TrackStep& step) { return tracks_.at(step.track).last.model == detection.model; });
   if (const auto step = StepOf(detection.box, alike, options_.least_overlap); step != alike.end()) {
     Confirm(step->track, detection, features, frame);
+    double& surest = tracks_.at(step->track).surest;
+    surest = std::max(surest, detection.score);
     const std::uint64_t track = step->track;
     std::erase_if(open, [&](const TrackStep& other) { return other.track == track; });
     return tracks_.at(track).number;
   }
   const TrackStep step = tracker_.Start(detection.outline, PointsOf(detection, features));
   if (step.state != TrackState::kActive) return std::nullopt;
-  tracks_[step.track] = {.last = detection, .number = ++last_number_, .recognised = 1, .searched_frame = frame};
+  tracks_[step.track] = {
+      .last = detection, .surest = detection.score, .number = ++last_number_, .recognised = 1, .searched_frame = frame};
   return last_number_;
 }
 
@@ -126,8 +129,10 @@ void Follower::Search(const Frame& frame, const FrameConditions& conditions, Reg
   const ModelView& view = recognizer_.models()[last.model].views[last.view];
   std::vector<std::size_t> views(view.neighbours.begin(), view.neighbours.end());
   views.push_back(last.view);
-  for (Detection& detection : recognizer_.RecognizeViews(*region.features, last.model, views, conditions)) {
+  for (Detection& detection :
+       recognizer_.RecognizeViews(*region.features, last.model, views, conditions, frame.image)) {
     if (IntersectionOverUnion(detection.box, BoxOf(region.step)) < options_.least_overlap) continue;
+    detection.score = std::min(detection.score, tracks_.at(region.step.track).surest);
     region.found = std::move(detection);
     return;
   }

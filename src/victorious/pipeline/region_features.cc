@@ -19,6 +19,8 @@ Expected<FeatureSet> FeaturesIn(const cv::Mat& grey, const Box& region, const Fe
   }
   features.image_width = whole.width;
   features.image_height = whole.height;
+  features.part = {static_cast<double>(cut.x), static_cast<double>(cut.y), static_cast<double>(cut.width),
+                   static_cast<double>(cut.height)};
   return features;
 }
 

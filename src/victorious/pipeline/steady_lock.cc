@@ -63,7 +63,7 @@ class Together {
 Expected<std::vector<LockStep>> CompareLock(VideoReader& reader, const Recognizer& recognizer,
                                             const FeatureExtractor& extractor, const TrackOptions& options,
                                             const CancelToken& cancel) {
-  constexpr double kNoisyShare = 0.01;  // of pixels that are salt or pepper
+  constexpr double kNoisyShare = 0.02;  // of pixels that are salt or pepper
   TrackOptions unguarded = options;
   unguarded.least_likeness = -1;
   unguarded.unconfirmed_frames = 1'000'000;

@@ -11,22 +11,21 @@ namespace {
 
 Eigen::Vector2d PlaceOf(const Keypoint& keypoint) { return {keypoint.x, keypoint.y}; }
 
-// Whether the scene could show a template keypoint: in the frame, and not too small to be found there.
+// Whether the scene could show a template keypoint: where it was looked at, and not too small to be found there.
 class Visibility {
  public:
   Visibility(const Similarity2& pose, const FeatureSet& scene, double least_scale_px)
-      : pose_(pose), linear_(pose.Linear()), scene_(scene), least_scale_px_(least_scale_px) {}
+      : pose_(pose), linear_(pose.Linear()), searched_(scene.Searched()), least_scale_px_(least_scale_px) {}
 
   bool operator()(const Keypoint& keypoint) const {
     const Eigen::Vector2d place = linear_ * PlaceOf(keypoint) + pose_.translation;
-    return keypoint.scale_px * pose_.scale >= least_scale_px_ && place.x() >= 0 && place.y() >= 0 &&
-           place.x() < scene_.image_width && place.y() < scene_.image_height;
+    return keypoint.scale_px * pose_.scale >= least_scale_px_ && searched_.Contains(place.x(), place.y());
   }
 
  private:
   const Similarity2& pose_;
   Eigen::Matrix2d linear_;
-  const FeatureSet& scene_;
+  Box searched_;
   double least_scale_px_;
 };
 
@@ -77,7 +76,7 @@ std::vector<double> Chances(const Similarity2& pose, std::span<const RankedMatch
 // The decades of the number of poses that differ: places a window apart; turns and scales that move the object's rim by
 // a window, over the whole circle and four octaves.
 double PoseDecades(const Similarity2& pose, double radius_px, double size_px, const FeatureSet& scene) {
-  const double windows = static_cast<double>(scene.image_width) * scene.image_height / (kPi * radius_px * radius_px);
+  const double windows = scene.Searched().Area() / (kPi * radius_px * radius_px);
   const double rim = std::max(1.0, 0.5 * size_px * pose.scale / radius_px);
   const double octaves = 4 * std::log(2.0);
   return std::log10(std::max(1.0, windows)) + std::log10(2 * kPi * rim) + std::log10(octaves * rim);

@@ -5,6 +5,7 @@
 #include <functional>
 #include <utility>
 
+#include "victorious/geometry/angles.h"
 #include "victorious/geometry/robust/mlesac.h"
 #include "victorious/geometry/robust/similarity_estimator.h"
 #include "victorious/pose/match_pairs.h"
@@ -55,6 +56,22 @@ std::size_t CountDistinct(const MatchSet& matches) {
       std::ranges::distance(keypoints.begin(), std::unique(keypoints.begin(), keypoints.end())));
 }
 
+// Of the inliers, whose posterior says little of chance, those that agree as closely as few wrong matches do.
+MatchSet Agreeing(std::span<const Keypoint> scene, std::span<const Keypoint> model, const Pose& pose) {
+  const Similarity2& map = pose.scene_from_template;
+  const double reach_px = kAgreementSigmas * pose.sigma_px;
+  MatchSet agreeing;
+  for (const Match& match : pose.inliers) {
+    const Keypoint& s = scene[match.scene];
+    const Keypoint& m = model[match.model];
+    if ((map.Apply(Eigen::Vector2d(m.x, m.y)) - Eigen::Vector2d(s.x, s.y)).norm() > reach_px) continue;
+    if (std::abs(std::log(s.scale_px / (m.scale_px * map.scale))) > std::log(kAgreementScale)) continue;
+    if (std::abs(WrapAngle(s.orientation_rad - m.orientation_rad - map.rotation_rad)) > kAgreementTurn_rad) continue;
+    agreeing.push_back(match);
+  }
+  return agreeing;
+}
+
 }  // namespace
 
 std::vector<Pose> EstimatePoses(std::span<const Keypoint> scene, std::span<const Keypoint> model,
@@ -86,9 +103,10 @@ std::vector<Pose> EstimatePoses(std::span<const Keypoint> scene, std::span<const
     }
     pose.distinct_inliers = CountDistinct(pose.inliers);
     rest = std::move(outliers);
-    if (pose.inliers.empty()) break;
+    if (pose.inliers.size() < static_cast<std::size_t>(options.least_inliers)) break;
     // A repeated pattern that one template keypoint serves can outnumber a true instance: it is taken out, no more.
     if (pose.distinct_inliers < static_cast<std::size_t>(options.least_inliers)) continue;
+    pose.agreeing = CountDistinct(Agreeing(scene, model, pose));
     pose.extent = Extent(inlier_pairs, outline);
     pose.scene_from_template_plane = pose.scene_from_template.Matrix();
     if (options.refine_plane) {

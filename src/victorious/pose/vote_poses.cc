@@ -209,7 +209,7 @@ class PoseFinder {
         options_(pose),
         upright_(upright),
         size_px_(std::sqrt(std::abs(SignedArea(outline)))),
-        scene_area_px2_(static_cast<double>(scene.image_width) * scene.image_height) {}
+        scene_area_px2_(std::max(1.0, scene.Searched().Area())) {}
 
   std::vector<Pose> Find() const {
     const Box bounds = BoundingBox(outline_);

@@ -26,6 +26,12 @@ void RecognizeOptions::ListFields(FieldList& fields) {
 
 namespace {
 
+SceneSize SizeOf(const FeatureSet& scene) {
+  return {.width_px = static_cast<double>(scene.image_width),
+          .height_px = static_cast<double>(scene.image_height),
+          .searched_px2 = scene.Searched().Area()};
+}
+
 bool IsSearchedByVotes(const ObjectModel& model, const RecognizeOptions& options) {
   return options.method == "votes" || (options.method == "auto" && model.kind == "cad");
 }
@@ -79,12 +85,11 @@ Recognizer::Recognizer(std::vector<ObjectModel> models, const RecognizeOptions& 
 StagedMatches Recognizer::Filter(const FeatureSet& scene, const ViewRef& ref, MatchSet matches) const {
   const ObjectModel& model = (*models_)[ref.model];
   const std::span<const Keypoint> template_keypoints = model.ViewFeatures(ref.view).keypoints;
-  const double scene_area_px2 = static_cast<double>(scene.image_width) * scene.image_height;
   StagedMatches staged;
   staged.ratio = std::move(matches);
   staged.cascade = FilterByGrammar(scene.keypoints, template_keypoints, staged.ratio, options_.cascade);
   staged.poses = EstimatePoses(scene.keypoints, template_keypoints, staged.cascade.third, model.views[ref.view].outline,
-                               scene_area_px2, options_.pose);
+                               scene.Searched().Area(), options_.pose);
   return staged;
 }
 
@@ -138,9 +143,19 @@ void Recognizer::WeighByLikeness(const cv::Mat& grey, std::vector<Detection>& de
   std::erase_if(detections, [&](const Detection& one) { return one.score < options_.detect.least_score; });
 }
 
+std::vector<Detection> Recognizer::DetectVoted(std::span<const Candidate> candidates, const SceneSize& size,
+                                               const cv::Mat& grey) const {
+  if (grey.empty() || options_.likeness.most == 0) return Detect(candidates, size, options_.detect);
+  DetectOptions doubtful = options_.detect;
+  doubtful.least_score = std::min(doubtful.least_score, ScoreOf(options_.likeness.least_evidence, options_.detect));
+  std::vector<Detection> detections = Detect(candidates, size, doubtful);
+  WeighByLikeness(grey, detections);
+  return detections;
+}
+
 std::vector<Detection> Recognizer::Recognize(const FeatureSet& scene, const FrameConditions& conditions,
                                              const cv::Mat& grey) const {
-  const SceneSize size{static_cast<double>(scene.image_width), static_cast<double>(scene.image_height)};
+  const SceneSize size = SizeOf(scene);
   std::vector<Candidate> candidates;
   if (!views_.empty()) SearchByGrammar(scene, candidates);
   std::vector<Detection> detections = Detect(candidates, size, options_.detect);
@@ -148,13 +163,7 @@ std::vector<Detection> Recognizer::Recognize(const FeatureSet& scene, const Fram
 
   candidates.clear();
   SearchByVotes(scene, conditions, candidates);
-  DetectOptions doubtful = options_.detect;
-  const bool looks = !grey.empty() && options_.likeness.most > 0;
-  if (looks) {
-    doubtful.least_score = std::min(doubtful.least_score, ScoreOf(options_.likeness.least_evidence, options_.detect));
-  }
-  std::vector<Detection> voted = Detect(candidates, size, doubtful);
-  if (looks) WeighByLikeness(grey, voted);
+  const std::vector<Detection> voted = DetectVoted(candidates, size, grey);
   detections.insert(detections.end(), voted.begin(), voted.end());
   std::ranges::stable_sort(detections, [](const Detection& a, const Detection& b) {
     return a.score != b.score ? a.score > b.score : a.model < b.model;
@@ -163,29 +172,28 @@ std::vector<Detection> Recognizer::Recognize(const FeatureSet& scene, const Fram
 }
 
 std::vector<Detection> Recognizer::RecognizeViews(const FeatureSet& scene, std::size_t model,
-                                                  std::span<const std::size_t> views,
-                                                  const FrameConditions& conditions) const {
+                                                  std::span<const std::size_t> views, const FrameConditions& conditions,
+                                                  const cv::Mat& grey) const {
   std::vector<Candidate> candidates;
   const auto voter = std::ranges::find(voters_, model, &std::pair<std::size_t, VoteSearch>::first);
   if (voter != voters_.end()) {
     const RankedMatcher ranked(scene.View());
     candidates = voter->second.SearchViews({scene, ranked, options_.search, options_.pose}, conditions, views);
     for (Candidate& candidate : candidates) candidate.model = model;
-  } else {
-    for (const std::size_t view : views) {
-      StagedMatches staged = MatchView(scene, model, view);
-      for (Pose& pose : staged.poses) {
-        candidates.push_back({.model = model,
-                              .view = view,
-                              .matches = staged.ratio.size(),
-                              .views = views.size(),
-                              .outline = (*models_)[model].views[view].outline,
-                              .pose = std::move(pose)});
-      }
+    return DetectVoted(candidates, SizeOf(scene), grey);
+  }
+  for (const std::size_t view : views) {
+    StagedMatches staged = MatchView(scene, model, view);
+    for (Pose& pose : staged.poses) {
+      candidates.push_back({.model = model,
+                            .view = view,
+                            .matches = staged.ratio.size(),
+                            .views = views.size(),
+                            .outline = (*models_)[model].views[view].outline,
+                            .pose = std::move(pose)});
     }
   }
-  const SceneSize size{static_cast<double>(scene.image_width), static_cast<double>(scene.image_height)};
-  return Detect(candidates, size, options_.detect);
+  return Detect(candidates, SizeOf(scene), options_.detect);
 }
 
 bool Recognizer::KnowsSuns() const {

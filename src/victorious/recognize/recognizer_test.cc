@@ -267,6 +267,32 @@ TEST(Recognizer, FindsTheSunByWhatItPaints) {
   EXPECT_FALSE(recognizer.FindSun(FeaturesOf(Texture(640, 480, 5)), vertical));
 }
 
+// A wide camera sees what stands aside from another side than it looks to, and so under another sun.
+TEST(Recognizer, TheSunIsThatOfTheLineOfSight) {
+  constexpr std::size_t kView = 2;
+  constexpr std::size_t kSunView = 3;
+  const Eigen::Vector2d at(560, 240);
+  cv::Mat scene = Texture(640, 480, 4);
+  Paste(Painted::PaintOf(kSunView, kView), 1.0, 0, at, scene);
+  const FeatureSet features = FeaturesOf(scene);
+  RecognizeOptions options;
+  options.search.most_tilt_rad = 0.6;  // the paint is not drawn as it leans there
+  options.search.sun_step_rad = 0.26;  // as far apart as the suns of this test are
+  const Recognizer recognizer =
+      Recognizer::Create({PlainFromAround()}, "opencv", options, {std::make_shared<const Painted>()}).value();
+  const Vertical vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 1.1, 640, 480);
+  const double aside_rad = vertical.AzimuthAt(at);
+  ASSERT_GT(aside_rad, 0.5);
+
+  const std::optional<SunFound> found_sun = recognizer.FindSun(features, vertical);
+  ASSERT_TRUE(found_sun);
+  EXPECT_NEAR(WrapAngle(found_sun->ahead.azimuth_rad - aside_rad + 5 * kPi / 6), 0, 0.2);
+  const std::vector<Detection> found =
+      recognizer.Recognize(features, {.vertical = vertical, .sun_ahead = found_sun->ahead});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].view, kView);
+}
+
 // Every other view is a scout: all of those are compared under the sun, coarsely; sharp ones are made of what is
 // followed, the view that was found among it.
 TEST(Recognizer, LitScoutsAreCoarse) {

@@ -11,6 +11,9 @@
 #include <utility>
 
 #include "victorious/geometry/angles.h"
+#include "victorious/geometry/box.h"
+#include "victorious/geometry/homography.h"
+#include "victorious/geometry/polygon.h"
 #include "victorious/kernels/nearest.h"
 #include "victorious/pose/pooled_template.h"
 
@@ -76,20 +79,33 @@ constexpr double kNoEvidence = -std::numeric_limits<double>::infinity();
 struct Look {
   std::size_t view;
   std::optional<std::size_t> sun_view;
+  double sun_rad = 0;   // the sun's azimuth from that of the object's line of sight
   bool coarse = false;  // as LitView
 };
+
+// A grid over a part of the frame.
+std::vector<Eigen::Vector2d> PixelsOver(const Box& part) {
+  constexpr int kCells = 8;
+  std::vector<Eigen::Vector2d> pixels;
+  for (int i = 0; i < (kCells + 1) * (kCells + 1); ++i) {
+    pixels.emplace_back(part.x + part.width * (i % (kCells + 1)) / kCells,
+                        part.y + part.height * (i / (kCells + 1)) / kCells);
+  }
+  return pixels;
+}
+
+double OffNadir(const Vertical& vertical, const Eigen::Vector2d& pixel) {
+  return std::acos(std::clamp(-vertical.SeenAt(pixel).z(), -1.0, 1.0));
+}
 
 // The views that a scene may show: by their features, and by how far off nadir its lines of sight are.
 std::vector<bool> ChooseViews(const ObjectModel& model, const std::optional<Vertical>& vertical, double most_tilt_rad) {
   double least_rad = 0;
   double most_rad = kPi;
   if (vertical) {
-    constexpr int kCells = 8;
     std::swap(least_rad, most_rad);
-    for (int i = 0; i < (kCells + 1) * (kCells + 1); ++i) {
-      const Eigen::Vector2d pixel(vertical->pinhole.width * (i % (kCells + 1)) / static_cast<double>(kCells),
-                                  vertical->pinhole.height * (i / (kCells + 1)) / static_cast<double>(kCells));
-      const double off_nadir_rad = std::acos(std::clamp(-vertical->SeenAt(pixel).z(), -1.0, 1.0));
+    for (const Eigen::Vector2d& pixel : PixelsOver(FrameBox(vertical->pinhole.width, vertical->pinhole.height))) {
+      const double off_nadir_rad = OffNadir(*vertical, pixel);
       least_rad = std::min(least_rad, off_nadir_rad);
       most_rad = std::max(most_rad, off_nadir_rad);
     }
@@ -137,11 +153,27 @@ double SunAhead(double view_azimuth_rad, double sun_in_model_rad) {
   return WrapAngle(sun_in_model_rad - view_azimuth_rad - kPi);
 }
 
-// A view under the sun that stands where `sun` does ahead of it.
-Look LitLook(const ObjectModel& model, std::size_t view, const Sun& sun, double sun_step_rad) {
-  const double azimuth_rad = SunInModel(model.views[view].angles->azimuth_rad, sun.azimuth_rad);
+// A view under the sun that stands at `sun_rad` from its line of sight.
+Look LitLook(const ObjectModel& model, std::size_t view, double sun_rad, double elevation_rad, double sun_step_rad) {
+  const double azimuth_rad = SunInModel(model.views[view].angles->azimuth_rad, sun_rad);
   const double shared_rad = sun_step_rad * std::round(azimuth_rad / sun_step_rad);
-  return {view, ViewFromSun(model, shared_rad, sun.elevation_rad)};
+  return {.view = view, .sun_view = ViewFromSun(model, shared_rad, elevation_rad), .sun_rad = sun_rad};
+}
+
+// Where the sun stands from the lines of sight at which a part of the frame can show a view: a wide camera's lines
+// spread far, and each looks at its object from another side. In steps that all views share, none further off than
+// half of one.
+std::vector<double> SunsFrom(const FrameConditions& conditions, const Box& part, double off_nadir_rad,
+                             const VoteSearchOptions& options) {
+  const double step_rad = 2 * options.sun_step_rad;
+  std::set<double> asides;
+  for (const Eigen::Vector2d& pixel : PixelsOver(part)) {
+    if (std::abs(OffNadir(*conditions.vertical, pixel) - off_nadir_rad) > options.most_tilt_rad) continue;
+    asides.insert(std::round(conditions.vertical->AzimuthAt(pixel) / step_rad));
+  }
+  std::vector<double> suns;
+  for (const double aside : asides) suns.push_back(conditions.sun_ahead->azimuth_rad - aside * step_rad);
+  return suns;
 }
 
 // A look, and the most evidence of a pose that it found.
@@ -250,8 +282,8 @@ class Comparison {
 
   [[nodiscard]] bool AreBeside(const Look& one, const Look& other) const {
     const std::vector<std::uint32_t>& neighbours = model_.views[one.view].neighbours;
-    return one.sun_view.has_value() == other.sun_view.has_value() && one.coarse == other.coarse &&
-           std::ranges::find(neighbours, other.view) != neighbours.end();
+    return one.sun_view.has_value() == other.sun_view.has_value() && one.sun_rad == other.sun_rad &&
+           one.coarse == other.coarse && std::ranges::find(neighbours, other.view) != neighbours.end();
   }
 
   [[nodiscard]] FeatureView FeaturesOf(const Compared& compared) const {
@@ -286,29 +318,43 @@ std::vector<Candidate> VoteSearch::Search(const VoteScene& scene, const FrameCon
   Comparison comparison(*model_, lit_.get(), scene, conditions.vertical, model_->views.size() * (sunny ? 2 : 1));
 
   const std::vector<bool> chosen = ChooseViews(*model_, conditions.vertical, options.most_tilt_rad);
-  std::set<std::pair<std::size_t, bool>> tried;  // a view, and whether under the sun
-  const auto add = [&](std::size_t view, bool under_sun, std::vector<Look>& looks) {
-    if (!chosen[view] || (under_sun && !(sunny && TellsHeading(model_->views[view])))) return;
-    if (!tried.emplace(view, under_sun).second) return;
-    looks.push_back(under_sun ? LitLook(*model_, view, *conditions.sun_ahead, options.sun_step_rad) : Look{view, {}});
+  std::set<std::pair<std::size_t, std::optional<std::size_t>>> tried;  // a view, under which sun
+  const auto add = [&](const Look& look, std::vector<Look>& looks) {
+    if (chosen[look.view] && tried.emplace(look.view, look.sun_view).second) looks.push_back(look);
+  };
+  const auto add_lit = [&](std::size_t view, double sun_rad, std::vector<Look>& looks) {
+    if (!TellsHeading(model_->views[view])) return;
+    add(LitLook(*model_, view, sun_rad, conditions.sun_ahead->elevation_rad, options.sun_step_rad), looks);
   };
   std::vector<Look> soft;
-  for (const std::size_t view : ChooseScouts(*model_, chosen)) add(view, false, soft);
+  for (const std::size_t view : ChooseScouts(*model_, chosen)) add({view, {}}, soft);
   std::vector<Lead> leads = comparison.Leads(soft);
   std::vector<Look> lit;
-  for (const Lead& lead : ByEvidence(leads)) {  // those without any, too: a hard sun may hide all that a soft sky shows
-    if (std::ssize(lit) == options.most_lit) break;
-    add(lead.look.view, true, lit);
+  if (sunny) {
+    // Those without any evidence, too: a hard sun may hide all that a soft sky shows.
+    for (const Lead& lead : ByEvidence(leads) | std::views::take(options.most_lit)) {
+      const ModelView& view = model_->views[lead.look.view];
+      if (!view.angles) continue;
+      for (const double sun_rad :
+           SunsFrom(conditions, scene.features.Searched(), view.angles->off_nadir_rad, options)) {
+        add_lit(lead.look.view, sun_rad, lit);
+      }
+    }
   }
   for (Look& look : lit) look.coarse = true;
   std::ranges::copy(comparison.Leads(lit), std::back_inserter(leads));
   std::vector<Look> near;
   for (const Lead& lead : ByEvidence(leads) | std::views::take(options.most_followed)) {
     if (lead.evidence == kNoEvidence) break;
-    if (lead.look.coarse)
-      near.push_back({lead.look.view, lead.look.sun_view});  // once more, as sharp as its neighbours
+    Look sharp = lead.look;
+    sharp.coarse = false;
+    if (lead.look.coarse) near.push_back(sharp);  // once more, as sharp as its neighbours
     for (const std::uint32_t neighbour : model_->views[lead.look.view].neighbours) {
-      add(neighbour, lead.look.sun_view.has_value(), near);
+      if (lead.look.sun_view) {
+        add_lit(neighbour, lead.look.sun_rad, near);
+      } else {
+        add({neighbour, {}}, near);
+      }
     }
   }
   comparison.Try(near);
@@ -321,11 +367,16 @@ std::vector<Candidate> VoteSearch::SearchViews(const VoteScene& scene, const Fra
   const bool sunny = lit_ && conditions.vertical && conditions.sun_ahead;
   Comparison comparison(*model_, lit_.get(), scene, conditions.vertical, views.size() * (sunny ? 2 : 1));
   std::vector<Look> looks;
-  for (const std::size_t view : views) {
-    if (model_->views[view].feature_count == 0) continue;
-    looks.push_back({view, {}});
-    if (!sunny || !TellsHeading(model_->views[view])) continue;
-    looks.push_back(LitLook(*model_, view, *conditions.sun_ahead, scene.options.sun_step_rad));
+  for (const std::size_t number : views) {
+    const ModelView& view = model_->views[number];
+    if (view.feature_count == 0) continue;
+    looks.push_back({number, {}});
+    if (!sunny || !TellsHeading(view)) continue;
+    const Sun& sun = *conditions.sun_ahead;
+    for (const double sun_rad :
+         SunsFrom(conditions, scene.features.Searched(), view.angles->off_nadir_rad, scene.options)) {
+      looks.push_back(LitLook(*model_, number, sun_rad, sun.elevation_rad, scene.options.sun_step_rad));
+    }
   }
   comparison.Try(looks);
   comparison.Pool(scene.options.most_pooled);
@@ -380,7 +431,14 @@ std::optional<SunFound> VoteSearch::FindSun(const VoteScene& scene, const Vertic
   const std::vector<double> nearer_evidence = comparison.Try(nearer);
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < suns.size(); ++i) mean += std::pow(10.0, nearer_evidence[i] - evidence[best]) * suns[i];
-  const Sun ahead{.azimuth_rad = SunAhead(model_->views[view].angles->azimuth_rad, std::atan2(mean.y(), mean.x())),
+  // From the line of sight of the object that told to the camera's own.
+  const std::vector<Candidate> told = comparison.TakeCandidates();
+  const Candidate& surest =
+      *std::ranges::max_element(told, {}, [](const Candidate& candidate) { return *candidate.pose.evidence; });
+  const Box seen = BoundingBox(ProjectPolygon(surest.pose.scene_from_template_plane, surest.outline));
+  const double aside_rad = vertical.AzimuthAt({seen.x + seen.width / 2, seen.y + seen.height / 2});
+  const double azimuth_rad = SunAhead(model_->views[view].angles->azimuth_rad, std::atan2(mean.y(), mean.x()));
+  const Sun ahead{.azimuth_rad = WrapAngle(azimuth_rad + aside_rad),
                   .elevation_rad = std::atan2(mean.z(), std::hypot(mean.x(), mean.y()))};
   return SunFound{ahead, evidence[best]};
 }

@@ -112,7 +112,7 @@ int RunAndWrite(const std::function<Expected<std::string>()>& work, int fd) {
     if (result) return WriteAll(fd, *result) ? kDone : kOutOfMemory;
     const std::string error = static_cast<char>(result.error().code) + result.error().message;
     return WriteAll(fd, error) ? kFailed : kOutOfMemory;
-  } catch (const std::bad_alloc&) {
+  } catch (...) {  // the libraries report memory that ran out in ways of their own
     return kOutOfMemory;
   }
 }

@@ -132,13 +132,19 @@ bool PartsCoverTriangles(const Mesh& mesh) {
 
 bool IsConsistent(const Mesh& mesh) {
   const std::size_t vertices = mesh.positions.size();
-  const auto has_corners = [&](const auto& triangle) { return std::ranges::max(triangle) < vertices; };
-  const auto has_texture = [&](const Material& material) {
-    return material.texture >= -1 && material.texture < static_cast<int>(mesh.textures.size());
+  const auto has_corners = [&](const auto& triangle) {
+    return std::ranges::all_of(
+        triangle, [&](std::uint32_t corner) { return corner < vertices && mesh.positions[corner].allFinite(); });
+  };
+  const auto is_usable = [&](const Material& material) {
+    const auto is_wrap = [](TextureWrap wrap) { return wrap >= TextureWrap::kRepeat && wrap <= TextureWrap::kMirror; };
+    return material.texture >= -1 && material.texture < static_cast<int>(mesh.textures.size()) &&
+           material.alpha_mode >= AlphaMode::kOpaque && material.alpha_mode <= AlphaMode::kBlend &&
+           is_wrap(material.wrap_u) && is_wrap(material.wrap_v);
   };
   return mesh.normals.size() == vertices && mesh.uvs.size() == vertices &&
          (mesh.colours.empty() || mesh.colours.size() == vertices) &&
-         std::ranges::all_of(mesh.triangles, has_corners) && std::ranges::all_of(mesh.materials, has_texture) &&
+         std::ranges::all_of(mesh.triangles, has_corners) && std::ranges::all_of(mesh.materials, is_usable) &&
          PartsCoverTriangles(mesh);
 }
 

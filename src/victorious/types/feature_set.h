@@ -4,9 +4,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
+
+#include "victorious/geometry/box.h"
 
 namespace victorious {
 
@@ -50,9 +53,11 @@ struct FeatureSet {
   std::vector<std::uint8_t> descriptors;  ///< 128 a keypoint
   int image_width = 0;                    ///< px
   int image_height = 0;                   ///< px
+  std::optional<Box> part;                ///< of the image, which alone was looked at, px; nothing: all of it
 
   [[nodiscard]] std::size_t size() const { return keypoints.size(); }
   [[nodiscard]] FeatureView View() const { return {keypoints, descriptors}; }
+  [[nodiscard]] Box Searched() const { return part.value_or(FrameBox(image_width, image_height)); }
 };
 
 }  // namespace victorious

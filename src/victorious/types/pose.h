@@ -23,7 +23,10 @@ struct Pose {
   /// The inliers' places on the object, metres, one each; empty where the model has no depth.
   std::vector<Point3> inlier_points;
   std::size_t distinct_inliers = 0;  ///< different template keypoints among them
-  double extent = 0;                 ///< area of the inliers' hull over the outline's, in the template
+  /// Those of them that a wrong match is one of as seldom as is told (geometry/robust/similarity_estimator.h): in
+  /// place, turn and scale. Counted where `evidence` is none.
+  std::size_t agreeing = 0;
+  double extent = 0;  ///< area of the inliers' hull over the outline's, in the template
   /// Where the stage that found the pose knows it: decades by which chance is too unlikely, one view searched.
   std::optional<double> evidence;
   double sigma_px = 0;  ///< the deviation of an inlier from the similarity's place, as assumed

@@ -80,7 +80,7 @@ Pooled Run(const std::vector<const MatchTrial*>& trials, double ratio, const Mat
 }  // namespace
 
 Expected<Report> RunChapter3Filters(const ExperimentSettings& settings) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<PooledScene> scenes, PoolScenes(settings, kFrames));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<PooledScene> scenes, PoolScenes(settings, kFrames, Movies::kToo));
   Report report{
       .title = "What filters keep and leave of matches, all scenes pooled",
       .columns = {"setting", "trials", "ratio", "filter", "true before", "true kept %", "false before", "false after",

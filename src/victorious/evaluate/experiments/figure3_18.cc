@@ -113,11 +113,14 @@ void AddErrors(const RealView& view, const Stance& stance, Errors& errors) {
 
 // Whether a find is where the object is; nothing is known of views without truth.
 bool IsWhereItShouldBe(const RealView& view, const Find& find) {
-  if (!find.stance || !view.camera_from_object) return find.detection.has_value();
-  const Eigen::Vector2d off =
-      find.stance->camera_from_object->translation.hnormalized() - view.camera_from_object->translation.hnormalized();
+  if (!view.camera_from_object) return find.detection.has_value();
+  const Eigen::Vector2d truth = view.focal_px * view.camera_from_object->translation.hnormalized();
+  const Box& box = find.detection->box;
+  const Eigen::Vector2d found =
+      find.stance ? Eigen::Vector2d(view.focal_px * find.stance->camera_from_object->translation.hnormalized())
+                  : Eigen::Vector2d(box.x + (box.width - view.bgr.cols) / 2, box.y + (box.height - view.bgr.rows) / 2);
   constexpr double kFarPx = 40;
-  return view.focal_px * off.norm() < kFarPx;
+  return (found - truth).norm() < kFarPx;
 }
 
 Cell Shown(const std::vector<double>& values, double percent) {

@@ -39,7 +39,7 @@ std::vector<Cell> RowOf(const std::string& movie, const std::vector<Judged>& jud
           static_cast<double>(reported.size()),
           reported.empty() ? Cell("-") : Cell(static_cast<double>(right) / static_cast<double>(reported.size())),
           CalibrationError(reported),
-          CalibrationError(by_others)};
+          by_others.empty() ? Cell("-") : Cell(CalibrationError(by_others))};
 }
 
 std::vector<Judged> Together(const std::vector<std::vector<Judged>>& of_movies) {

@@ -5,6 +5,8 @@
 #include <set>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "victorious/evaluate/experiments/video_frames.h"
 
 namespace victorious {
@@ -25,7 +27,7 @@ Expected<std::vector<fs::path>> Sorted(const fs::path& folder, bool folders) {
 
 }  // namespace
 
-Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings, int frames) {
+Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings, int frames, Movies with) {
   std::vector<PooledScene> pool;
   int flights = 0;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<fs::path> files, Sorted(settings.scenes, false));
@@ -43,7 +45,12 @@ Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings
     ++flights;
   }
   const fs::path movies = settings.data / "movies";
-  if (!fs::exists(movies)) return pool;
+  const bool any_movies = with == Movies::kToo && fs::exists(movies);
+  if (pool.empty() && !any_movies) {
+    return Fail(ErrorCode::kNotFound,
+                fmt::format("{}: no scene files (.json) to draw pictures of", settings.scenes.string()));
+  }
+  if (!any_movies) return pool;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<fs::path> folders, Sorted(movies, true));
   for (const fs::path& folder : folders) {
     VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());

@@ -16,9 +16,11 @@ struct PooledScene {
   int flight = 0;  ///< whose picture it is, counted through the pool
 };
 
+enum class Movies { kToo, kNone };
+
 /// `frames` pictures of each scene file of the folder settings.scenes and of each movie of settings.data, spread over
-/// its length.
-Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings, int frames);
+/// its length; one at least.
+Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings, int frames, Movies with);
 
 /// One trial for each kind of object of each picture of which half or more is in view.
 Expected<std::vector<MatchTrial>> PoolTrials(const ExperimentSettings& settings, const MatchSetup& setup,

@@ -49,7 +49,7 @@ PinholeCamera ForPicture(PinholeCamera camera, const cv::Mat& picture) {
   return camera;
 }
 
-// The first frame, and at most so many others, evenly; never none.
+// The first frame, and at most so many others, evenly.
 Expected<std::vector<RealView>> ReadVideo(const fs::path& path, double focal_px) {
   constexpr std::int64_t kMost = 40;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t count, CountFrames(path));
@@ -60,6 +60,7 @@ Expected<std::vector<RealView>> ReadVideo(const fs::path& path, double focal_px)
   for (const Frame& frame : frames) {
     views.push_back({.bgr = frame.image, .focal_px = focal_px, .camera_from_object = {}});
   }
+  if (views.empty()) return Fail(ErrorCode::kDataLoss, fmt::format("{}: a video without frames", path.string()));
   return views;
 }
 
@@ -106,15 +107,16 @@ struct Click {
 };
 
 // How the camera stood, the mesh being the world.
-Rigid3 PoseByClicks(std::span<const Click> clicks, const Mesh& mesh, const PinholeCamera& camera) {
+Expected<Rigid3> PoseByClicks(std::span<const Click> clicks, const Mesh& mesh, const PinholeCamera& camera) {
   const Vector3d middle = BoundingBox(mesh).center();
   std::vector<SeenPoint> points;
   for (const auto& [corner, at_px] : clicks) {
     points.push_back({mesh.positions[corner].cast<double>() - middle, camera.RayOf(at_px).head<2>()});
   }
   const auto pose = PoseByPoints(points, 1 / camera.fx);
-  const Rigid3 best = pose ? pose->camera_from_object : Rigid3();
-  return {best.rotation, best.translation - best.rotation * middle};
+  if (!pose) return Fail(ErrorCode::kDataLoss, "no pose puts the model's corners where they were clicked");
+  const Rigid3& best = pose->camera_from_object;
+  return Rigid3{best.rotation, best.translation - best.rotation * middle};
 }
 
 Expected<RealObject> LoadTeaBox(const fs::path& folder) {
@@ -132,7 +134,8 @@ Expected<RealObject> LoadTeaBox(const fs::path& folder) {
   VICTORIOUS_ASSIGN_OR_RETURN(const PinholeCamera other, ReadCamera(folder / "teabox_left.xml"));
   VICTORIOUS_ASSIGN_OR_RETURN(box.views, ReadVideo(folder / "teabox.mp4", camera.fx));
   VICTORIOUS_ASSIGN_OR_RETURN(box.other_views, ReadVideo(folder / "teabox_left.mp4", other.fx));
-  box.first_camera = {ForPicture(camera, box.views.front().bgr), PoseByClicks(clicks, box.mesh, camera)};
+  VICTORIOUS_ASSIGN_OR_RETURN(const Rigid3 first_pose, PoseByClicks(clicks, box.mesh, camera));
+  box.first_camera = {ForPicture(camera, box.views.front().bgr), first_pose};
   return box;
 }
 

@@ -72,11 +72,12 @@ Logistic FitLogistic(std::span<const Judged> judged) {
 }
 
 std::vector<std::vector<Judged>> ScoredByOthers(const std::vector<std::vector<Judged>>& groups) {
+  if (groups.size() == 1) return std::vector<std::vector<Judged>>(1);
   std::vector<std::vector<Judged>> scored = groups;
   for (std::size_t held_out = 0; held_out < groups.size(); ++held_out) {
     std::vector<Judged> others;
     for (std::size_t i = 0; i < groups.size(); ++i) {
-      if (i != held_out || groups.size() == 1) others.insert(others.end(), groups[i].begin(), groups[i].end());
+      if (i != held_out) others.insert(others.end(), groups[i].begin(), groups[i].end());
     }
     const Logistic curve = FitLogistic(others);
     for (Judged& one : scored[held_out]) one.score = curve.ScoreOf(one.evidence);

@@ -43,7 +43,8 @@ struct Logistic {
 /// beyond what any target but 1 explains. Where all are right or all wrong, a curve that says little.
 [[nodiscard]] Logistic FitLogistic(std::span<const Judged> judged);
 
-/// Each group's scores by the curve that fits all other groups; the group itself where it is the only one.
+/// Each group's scores by the curve that fits all other groups; of a group alone there is nothing to fit to, and
+/// nothing scored.
 [[nodiscard]] std::vector<std::vector<Judged>> ScoredByOthers(const std::vector<std::vector<Judged>>& groups);
 
 }  // namespace victorious

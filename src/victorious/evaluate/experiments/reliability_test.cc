@@ -66,7 +66,7 @@ TEST(Reliability, AHeldOutGroupIsScoredByTheOthers) {
   for (const auto& [group, curve] : {std::pair(scored[0], second), std::pair(scored[1], first)}) {
     for (const Judged& one : group) ASSERT_NEAR(one.score, curve.ScoreOf(one.evidence), 0.05);
   }
-  EXPECT_LT(CalibrationError(ScoredByOthers({Draw(first, {0, 1}, 5)})[0]), 0.01);
+  EXPECT_TRUE(ScoredByOthers({Draw(first, {0, 1}, 5)})[0].empty()) << "no others";
 }
 
 }  // namespace
