@@ -31,10 +31,12 @@ void FeatureOptions::ListFields(FieldList& fields) {
        .max = 16384,
        .unit = "px",
        .reason = "larger images are searched at a reduced size of this longest side, which bounds time and memory"});
-  fields.Add("impulse_share", impulse_share,
-             {.min = 0,
-              .max = 1,
-              .reason = "salt-and-pepper noise is taken out of images of which it is more than this share; 1 never"});
+  fields.Add(
+      "impulse_share", impulse_share,
+      {.min = 0,
+       .max = 1,
+       .reason = "salt-and-pepper noise is taken out of images in whose flat places it is more than this share; 1 "
+                 "never"});
 }
 
 FeatureOptions FaintFeatures() {

@@ -43,10 +43,12 @@ void LikenessOptions::ListFields(FieldList& fields) {
               .reason = "evidence of one more standard deviation of likeness; fitted, as even_sigmas"});
   fields.Add("even_sigmas", even_sigmas,
              {.min = -100, .max = 100, .reason = "likeness above elsewhere's that speaks neither for nor against"});
-  fields.Add("impulse_share", impulse_share,
-             {.min = 0,
-              .max = 1,
-              .reason = "salt-and-pepper noise is taken out of a frame with a larger share of it; 1 never"});
+  fields.Add(
+      "impulse_share", impulse_share,
+      {.min = 0,
+       .max = 1,
+       .reason =
+           "salt-and-pepper noise is taken out of a frame with a larger share of it in its flat places; 1 never"});
 }
 
 namespace {

@@ -188,13 +188,14 @@ Status Try(const Trial& trial, const ExperimentSettings& settings, Report& repor
 }  // namespace
 
 Expected<Report> RunFigure318(const ExperimentSettings& settings) {
-  Report report{.title = "Real pictures against CAD models",
-                .notes = {"Searched with the camera's field of view known, and without telemetry; the first frame is "
-                          "left out where it gave the paint. The cube's truth is the first frame's pose, moved as a "
-                          "board of tags beside it moves; frames of the tea box have no truth: look at the pictures "
-                          "(green: the box as it is thought to stand; yellow: matches; red frame: not found)."},
-                .columns = {"object", "paint", "frames", "found", "elsewhere", "view error 50 %, deg", "90 %",
-                            "rotation error 50 %, deg", "distance error 50 %, %", "middle off 50 %, px", "90 %"}};
+  Report report{
+      .title = "Real pictures against CAD models",
+      .notes = {"Searched with the camera's field of view known, and without telemetry; the first frame is "
+                "left out where it gave the paint. The truth of cube and dragon is the first frame's pose, moved as a "
+                "board of tags beside it moves; frames of the tea box have no truth: look at the pictures "
+                "(green: the box as it is thought to stand; yellow: matches; red frame: not found)."},
+      .columns = {"object", "paint", "frames", "found", "elsewhere", "view error 50 %, deg", "90 %",
+                  "rotation error 50 %, deg", "distance error 50 %, %", "middle off 50 %, px", "90 %"}};
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<RealObject> objects, LoadRealObjects(settings.data));
   for (const RealObject& object : objects) {
     VICTORIOUS_RETURN_IF_ERROR(Try({object.name, "plain", object.mesh, object.views, 0}, settings, report));

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <regex>
+#include <span>
 #include <sstream>
 #include <utility>
 
@@ -10,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/core/persistence.hpp>
+#include <zlib.h>
 
 #include "victorious/base/file.h"
 #include "victorious/base/json.h"
@@ -177,31 +180,62 @@ Expected<std::vector<Rigid3>> ReadBoard(const fs::path& path) {
   return board;
 }
 
-Expected<RealObject> LoadCube(const fs::path& folder) {
+// A whole file, unpacked by gzip.
+Expected<std::string> ReadPacked(const fs::path& path) {
+  constexpr std::size_t kMostBytes = std::size_t{64} << 20;
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.c_str(), "rb"), gzclose);
+  if (!file) return Fail(ErrorCode::kNotFound, fmt::format("{}: no such file", path.string()));
+  std::string bytes(kMostBytes, '\0');
+  const int read = gzread(file.get(), bytes.data(), static_cast<unsigned>(bytes.size()));
+  if (read <= 0) return Fail(ErrorCode::kDataLoss, fmt::format("{}: not a file packed by gzip", path.string()));
+  bytes.resize(static_cast<std::size_t>(read));
+  return bytes;
+}
+
+Expected<Mesh> ReadMesh(const fs::path& path, Axis up) {
+  const LoadMeshOptions axes{.up = up, .front = Axis::kPlusX, .length_m = {}};
+  if (path.extension() == ".gz") {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string bytes, ReadPacked(path));
+    VICTORIOUS_ASSIGN_OR_RETURN(LoadedMesh loaded,
+                                DecodeMesh(std::as_bytes(std::span(bytes)), path.stem().string(), axes));
+    return std::move(loaded.mesh);
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(LoadedMesh loaded, LoadMesh(path, axes));
+  return std::move(loaded.mesh);
+}
+
+// A thing that stands beside a board of tags.
+struct BesideBoard {
+  const char* name;
+  const char* mesh_file;
+  Axis up;                            // of the file, as it stands
+  Eigen::Quaterniond mesh_from_told;  // the mesh's axes from those that its pose is told in
+};
+
+Expected<RealObject> LoadBesideBoard(const fs::path& folder, const BesideBoard& thing) {
   VICTORIOUS_ASSIGN_OR_RETURN(const PinholeCamera camera, ReadCamera(folder / "cam.json"));
-  RealObject cube{.name = "cube", .mesh = {}, .views = {}, .first_camera = {}, .other_views = {}};
-  VICTORIOUS_ASSIGN_OR_RETURN(LoadedMesh loaded,
-                              LoadMesh(folder / "models/cube/cube.obj", {.up = Axis::kPlusZ, .front = Axis::kPlusX}));
-  cube.mesh = std::move(loaded.mesh);
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(folder / "init/cube.json"));
+  RealObject object{.name = thing.name, .mesh = {}, .views = {}, .first_camera = {}, .other_views = {}};
+  VICTORIOUS_ASSIGN_OR_RETURN(object.mesh, ReadMesh(folder / "models" / thing.name / thing.mesh_file, thing.up));
+  const fs::path pose_file = folder / "init" / fmt::format("{}.json", thing.name);
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(pose_file));
   VICTORIOUS_ASSIGN_OR_RETURN(const nlohmann::json rows, ParseJson(text));
-  VICTORIOUS_ASSIGN_OR_RETURN(const Eigen::Matrix4d first, MatrixIn(rows, folder / "init/cube.json"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Eigen::Matrix4d first, MatrixIn(rows, pose_file));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Rigid3> board, ReadBoard(folder / "apriltag_data.json.gz"));
-  const Vector3d middle = BoundingBox(cube.mesh).center();
-  const Rigid3 first_pose = RigidOf(first);
+  const Vector3d middle = BoundingBox(object.mesh).center();
+  const Rigid3 first_pose = RigidOf(first) * Rigid3{thing.mesh_from_told.conjugate(), Vector3d::Zero()};
   for (std::size_t i = 0; i < board.size(); ++i) {
     const fs::path picture = folder / "frames" / fmt::format("color_image_{:04}.png", i);
     if (!fs::exists(picture)) continue;
     VICTORIOUS_ASSIGN_OR_RETURN(const Image image, ReadImage(picture));
     const Rigid3 pose = board[i] * board[0].Inverse() * first_pose;
-    cube.views.push_back(
+    object.views.push_back(
         {.bgr = image.bgr, .focal_px = camera.fx, .camera_from_object = Rigid3{pose.rotation, pose.Apply(middle)}});
   }
-  if (cube.views.empty()) {
+  if (object.views.empty()) {
     return Fail(ErrorCode::kNotFound, fmt::format("{}: no pictures", (folder / "frames").string()));
   }
-  cube.first_camera = {ForPicture(camera, cube.views.front().bgr), first_pose};
-  return cube;
+  object.first_camera = {ForPicture(camera, object.views.front().bgr), first_pose};
+  return object;
 }
 
 }  // namespace
@@ -210,7 +244,15 @@ Expected<std::vector<RealObject>> LoadRealObjects(const fs::path& data) {
   const fs::path folder = data / "real/recognition";
   std::vector<RealObject> objects;
   VICTORIOUS_ASSIGN_OR_RETURN(objects.emplace_back(), LoadTeaBox(folder / "visp_video/teabox"));
-  VICTORIOUS_ASSIGN_OR_RETURN(objects.emplace_back(), LoadCube(folder / "visp_cad_multi"));
+  const BesideBoard cube{
+      .name = "cube", .mesh_file = "cube.obj", .up = Axis::kPlusZ, .mesh_from_told = Eigen::Quaterniond::Identity()};
+  const BesideBoard dragon{.name = "dragon",
+                           .mesh_file = "dragon.obj.gz",
+                           .up = Axis::kMinusZ,
+                           .mesh_from_told = Eigen::Quaterniond(Eigen::AngleAxisd(kPi / 2, Vector3d::UnitX()))};
+  for (const BesideBoard& thing : {cube, dragon}) {
+    VICTORIOUS_ASSIGN_OR_RETURN(objects.emplace_back(), LoadBesideBoard(folder / "visp_cad_multi", thing));
+  }
   return objects;
 }
 

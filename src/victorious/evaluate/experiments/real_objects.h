@@ -25,13 +25,13 @@ struct RealView {
 
 struct RealObject {
   std::string name;
-  Mesh mesh;                          ///< without colours
+  Mesh mesh;                          ///< of one colour at most
   std::vector<RealView> views;        ///< the first one's pose is exact
   PosedCamera first_camera;           ///< of the first view; the mesh is the world
   std::vector<RealView> other_views;  ///< by another camera, in another place
 };
 
-/// The tea box and the cube. Errors: kNotFound, and those of reading.
+/// The tea box, the cube and the dragon. Errors: kNotFound, and those of reading.
 Expected<std::vector<RealObject>> LoadRealObjects(const std::filesystem::path& data);
 
 }  // namespace victorious
