@@ -58,11 +58,24 @@ void DetectOptions::ListFields(FieldList& fields) {
 
 namespace {
 
-double AgreementChance(const Pose& pose, const SceneSize& scene) {
-  const double radius = kAgreementSigmas * pose.sigma_px;
-  const double place =
-      kPi * radius * radius / std::max(1.0, scene.searched_px2.value_or(scene.width_px * scene.height_px));
-  return std::min(1.0, place) * kAgreementTurnAndScaleChance;
+// The chance that a wrong match agrees with a pose within a radius.
+double AgreementChance(double radius_px, const SceneSize& scene) {
+  const double area_px2 = scene.searched_px2.value_or(scene.width_px * scene.height_px);
+  return std::min(1.0, kPi * radius_px * radius_px / std::max(1.0, area_px2)) * kAgreementTurnAndScaleChance;
+}
+
+// The most evidence that any radius gives, the number of radii tried taken off: of a photo seen from aside the
+// similarity is wrong by more than its keypoints' noise, and fewer agree closely. None below the noise.
+double EvidenceOf(const Candidate& candidate, const SceneSize& scene) {
+  const std::vector<double>& off_px = candidate.pose.agreeing_px;
+  constexpr std::size_t kFewest = 3;
+  if (off_px.size() < kFewest) return 0;
+  double most = 0;
+  for (std::size_t k = kFewest; k <= off_px.size(); ++k) {
+    const double chance = AgreementChance(std::max(candidate.pose.sigma_px, off_px[k - 1]), scene);
+    most = std::max(most, Evidence(candidate.matches, k, chance, candidate.views));
+  }
+  return std::max(0.0, most - std::log10(static_cast<double>(off_px.size() - kFewest + 1)));
 }
 
 // Where a detection lies, for suppression.
@@ -93,8 +106,7 @@ Detection ToDetection(const Candidate& candidate, const SceneSize& scene, const 
   detection.evidence =
       candidate.pose.evidence
           ? *candidate.pose.evidence - std::log10(static_cast<double>(std::max<std::size_t>(1, candidate.views)))
-          : Evidence(candidate.matches, candidate.pose.agreeing, AgreementChance(candidate.pose, scene),
-                     candidate.views);
+          : EvidenceOf(candidate, scene);
   detection.score = ScoreOf(detection.evidence, options);
   return detection;
 }
@@ -134,9 +146,7 @@ std::vector<Detection> Detect(std::span<const Candidate> candidates, const Scene
     }
   }
   std::ranges::stable_sort(detections, [](const Detection& a, const Detection& b) {
-    if (a.model != b.model) return a.model < b.model;  // evidence and numbers of inliers do not compare across models
-    if (a.pose.evidence && b.pose.evidence) return a.evidence > b.evidence;
-    if (a.pose.distinct_inliers != b.pose.distinct_inliers) return a.pose.distinct_inliers > b.pose.distinct_inliers;
+    if (a.model != b.model) return a.model < b.model;  // evidence does not compare across models
     return a.evidence > b.evidence;
   });
 

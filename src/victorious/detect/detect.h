@@ -6,7 +6,8 @@
 // The score comes from the expected number of poses as good as this one by chance (the a-contrario test of Moisan and
 // Stival, IJCV 57, 2004; the same question as Lowe's, CVPR 2001, section 5). With n matches of the template in the
 // scene, k of them agreeing, p the chance that a wrong match agrees with a given pose in place, turn and scale:
-//   expected = views * C(n, 2) * P(at least k - 2 of n - 2 agree),   evidence = -log10(expected).
+//   expected = views * C(n, 2) * P(at least k - 2 of n - 2 agree),   evidence = -log10(expected),
+// at the radius, of as many as there are inliers, at which that is least.
 // score = 1 / (1 + exp(-(evidence - even) / scale)), with a curve fitted to the share that is right on three
 // movies without a sun (docs/results.md, `victorious experiment figure-calibration`).
 // A pose that carries its own evidence (pose/vote_poses.h) keeps it, less the number of views searched.

@@ -14,8 +14,8 @@ Candidate CandidateAt(double x, double y, std::size_t agreeing, std::size_t mode
   candidate.pose.scene_from_template = {1.0, 0.0, {x, y}};
   candidate.pose.scene_from_template_plane = candidate.pose.scene_from_template.Matrix();
   candidate.pose.distinct_inliers = agreeing;
-  candidate.pose.agreeing = agreeing;
   candidate.pose.sigma_px = 3;
+  candidate.pose.agreeing_px.assign(agreeing, 5.0);
   candidate.pose.extent = 0.4;
   return candidate;
 }
@@ -72,6 +72,7 @@ TEST(Detect, ALongObjectPlacedDifferentlyByTwoViewsIsOne) {
   shifted.pose.scene_from_template.translation = {190, 105};
   shifted.pose.scene_from_template_plane = shifted.pose.scene_from_template.Matrix();
   shifted.pose.distinct_inliers = 9;
+  shifted.pose.agreeing_px.assign(9, 5.0);
   const std::vector<Candidate> one = {along, shifted};
   EXPECT_EQ(Detect(one, kScene, {}).size(), 1U);
   Candidate beside = along;  // parked alongside
@@ -88,6 +89,41 @@ TEST(Detect, BoxIsTheOutlineClippedToTheFrame) {
   ASSERT_EQ(detections.size(), 1U);
   EXPECT_EQ(detections[0].box, (Box{0, 450, 40, 30}));
   EXPECT_EQ(detections[0].outline[0], Eigen::Vector2d(-20, 450));
+}
+
+TEST(Detect, WhatAgreesMoreCloselyHasMoreEvidence) {
+  Candidate loose = CandidateAt(100, 100, 9);
+  loose.pose.agreeing_px.assign(9, 12.0);
+  Candidate close = loose;
+  close.pose.agreeing_px.assign(9, 1.0);
+  Candidate partly = loose;  // six as closely, three far off
+  partly.pose.agreeing_px = {1, 1, 1, 1, 1, 1, 40, 40, 40};
+  Candidate six = loose;
+  six.pose.agreeing_px.assign(6, 1.0);
+  const auto evidence = [](const Candidate& one) {
+    return Detect(std::span(&one, 1), kScene, {.least_score = 0})[0].evidence;
+  };
+  EXPECT_GT(evidence(close), evidence(loose) + 3);
+  EXPECT_NEAR(evidence(partly), evidence(six), 0.5) << "those far off neither help nor harm";
+}
+
+// As well supported by its close matches, though it has fewer inliers in all.
+TEST(Detect, OfOneInstanceThePoseOfMoreEvidenceIsKept) {
+  Candidate many = CandidateAt(100, 100, 12);
+  many.pose.agreeing_px.assign(6, 5.0);
+  const Candidate agreed = CandidateAt(104, 98, 10);
+  const std::vector<Candidate> both = {many, agreed};
+  const std::vector<Detection> detections = Detect(both, kScene, {});
+  ASSERT_EQ(detections.size(), 1U);
+  EXPECT_EQ(detections[0].pose.distinct_inliers, 10U);
+}
+
+TEST(Detect, InAPartOfTheFrameAgreementIsLessSurprising) {
+  const Candidate candidate = CandidateAt(100, 100, 8);
+  SceneSize part = kScene;
+  part.searched_px2 = 100 * 80;
+  const double whole = Detect(std::span(&candidate, 1), kScene, {.least_score = 0})[0].evidence;
+  EXPECT_LT(Detect(std::span(&candidate, 1), part, {.least_score = 0})[0].evidence, whole - 5);
 }
 
 TEST(Detect, AgreementInOneCornerIsNoDetection) {

@@ -24,7 +24,7 @@ struct FeatureOptions {
   double sigma_px = 1.6;
   int max_features = 0;
   int max_side_px = 2048;
-  double impulse_share = 0.02;
+  double impulse_share = 0.015;
 
   void ListFields(FieldList& fields);
 };

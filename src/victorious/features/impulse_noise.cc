@@ -30,8 +30,8 @@ cv::Mat NearlyAlone(const cv::Mat& set) {
   return set & (count <= 2);
 }
 
-// The share of impulses among the pixels of flat places. Elsewhere thin lines, leaves and print stand out, too; there
-// only noise does, dot by dot.
+// The share of impulses among the pixels of flat places: of salt where it can stand out, and of pepper. Elsewhere thin
+// lines, leaves and print stand out, too; there only noise does, dot by dot.
 double ShareOfImpulses(const cv::Mat& grey, const cv::Mat& median) {
   constexpr int kFlat = 20;               // grey levels between the medians of a flat place
   constexpr double kLeastOfImage = 0.02;  // in less, a dot or two would be a large share
@@ -40,13 +40,16 @@ double ShareOfImpulses(const cv::Mat& grey, const cv::Mat& median) {
   cv::dilate(median, highest, {});
   cv::erode(median, lowest, {});
   const cv::Mat flat = highest - lowest < kFlat;
+  const auto share = [&](const cv::Mat& stands_out, const cv::Mat& where) {
+    const double least = kLeastOfImage * static_cast<double>(grey.total());
+    return cv::countNonZero(NearlyAlone(stands_out) & where) / std::max<double>(cv::countNonZero(where), least);
+  };
   cv::Mat above;
   cv::Mat below;
   cv::subtract(grey, median, above);  // saturates at 0
   cv::subtract(median, grey, below);
-  const cv::Mat dots = (NearlyAlone(above > kStandsOut) | NearlyAlone(below > kStandsOut)) & flat;
-  return cv::countNonZero(dots) /
-         std::max<double>(cv::countNonZero(flat), kLeastOfImage * static_cast<double>(grey.total()));
+  return share(above > kStandsOut, flat & (median < 255 - kStandsOut)) +
+         share(below > kStandsOut, flat & (median > kStandsOut));
 }
 
 // The mean of the nearest clean pixels; the pixel itself where there is none within reach.

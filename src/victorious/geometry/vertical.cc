@@ -13,19 +13,20 @@ Eigen::Vector3d Vertical::SeenAt(const Eigen::Vector2d& pixel) const {
 }
 
 double Vertical::AzimuthAt(const Eigen::Vector2d& pixel) const {
-  constexpr double kPlumb = 1e-3;  // rad
   const auto level = [&](const Eigen::Vector3d& ray) -> Eigen::Vector3d {
     return ray - ray.dot(up_in_camera) * up_in_camera;
   };
-  Eigen::Vector3d ahead = level(Eigen::Vector3d::UnitZ());
-  if (ahead.norm() < kPlumb) ahead = level(-Eigen::Vector3d::UnitY());
+  const Eigen::Vector3d ahead = level(ahead_in_camera);
   const Eigen::Vector3d there = level(pinhole.RayOf(pixel));
   return std::atan2(-up_in_camera.dot(ahead.cross(there)), ahead.dot(there));
 }
 
 Vertical MakeVertical(const Attitude& attitude, double hfov_rad, int width_px, int height_px) {
-  return {.pinhole = CentredPinhole(hfov_rad, width_px, height_px),
-          .up_in_camera = CameraFromEnu(attitude) * Eigen::Vector3d::UnitZ()};
+  const Eigen::Quaterniond camera_from_enu = CameraFromEnu(attitude);
+  return {
+      .pinhole = CentredPinhole(hfov_rad, width_px, height_px),
+      .up_in_camera = camera_from_enu * Eigen::Vector3d::UnitZ(),
+      .ahead_in_camera = camera_from_enu * Eigen::Vector3d(std::sin(attitude.yaw_rad), std::cos(attitude.yaw_rad), 0)};
 }
 
 Eigen::Vector3d UpOfView(double off_nadir_rad, double turn_rad) {

@@ -17,12 +17,13 @@ namespace victorious {
 struct Vertical {
   PinholeCamera pinhole;
   Eigen::Vector3d up_in_camera = -Eigen::Vector3d::UnitZ();  ///< of length 1
+  /// Where azimuths are counted from, whatever it is tipped by; not along `up_in_camera`.
+  Eigen::Vector3d ahead_in_camera = Eigen::Vector3d::UnitZ();
 
   /// The vertical in the frame of the camera once it looks at `pixel`; of length 1.
   [[nodiscard]] Eigen::Vector3d SeenAt(const Eigen::Vector2d& pixel) const;
 
-  /// Of the line of sight through `pixel`, clockwise seen from above, from where the camera is headed: the azimuth of
-  /// the line through the image's middle, or of the image's own up where that line is plumb; (-pi, pi].
+  /// Of the line of sight through `pixel`, clockwise seen from above, from where the camera is headed; (-pi, pi].
   [[nodiscard]] double AzimuthAt(const Eigen::Vector2d& pixel) const;
 };
 

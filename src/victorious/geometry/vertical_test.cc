@@ -38,7 +38,8 @@ TEST(Vertical, TurnsTheShortestWay) {
 
 // Against each line of sight's azimuth on Earth.
 TEST(Vertical, TellsTheAzimuthOfEachLineOfSight) {
-  for (const Attitude& attitude : {Attitude{1.0, -0.7, 0.2}, Attitude{-2.5, -1.4, 0}, Attitude{0.3, 0.1, -0.1}}) {
+  for (const Attitude& attitude :
+       {Attitude{1.0, -0.7, 0.2}, Attitude{-2.5, -1.4, 0}, Attitude{0.3, 0.1, -0.1}, Attitude{0.3, -kPi / 2, 0.1}}) {
     const Vertical vertical = MakeVertical(attitude, 1.2, 640, 480);
     for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(3, 5), Eigen::Vector2d(630, 240), Eigen::Vector2d(320, 240)}) {
       const Eigen::Vector3d enu = CameraFromEnu(attitude).conjugate() * vertical.pinhole.RayOf(pixel);

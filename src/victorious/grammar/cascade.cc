@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "victorious/geometry/angles.h"
@@ -176,6 +177,21 @@ class Grid {
     }
   }
 
+  // Calls visit(j) for each node in the cell of a node and in those about it, itself included.
+  template <typename Visit>
+  void ForEachAround(const Node& node, Visit&& visit) const {
+    const auto cell = static_cast<int>(CellOf(node));
+    const int column = cell % columns_;
+    for (int row = std::max(0, cell / columns_ - 1); row <= std::min(rows_ - 1, cell / columns_ + 1); ++row) {
+      const int first = row * columns_ + std::max(0, column - 1);
+      const int last = row * columns_ + std::min(columns_ - 1, column + 1);
+      for (std::uint32_t j = begin_[static_cast<std::size_t>(first)]; j < begin_[static_cast<std::size_t>(last) + 1];
+           ++j) {
+        visit(j);
+      }
+    }
+  }
+
  private:
   [[nodiscard]] std::size_t CellOf(const Node& node) const {
     const auto column = static_cast<std::size_t>((node.x - x0_) / cell_);
@@ -288,70 +304,41 @@ std::vector<Tally> CountVotes(const std::vector<Node>& nodes, const Grid& grid, 
   return tallies;
 }
 
-// Where to part the nodes so that those of a part receive so many ballots together that they fit into memory.
-std::vector<std::uint32_t> PartsOf(const std::vector<Node>& nodes, const Grid& grid) {
-  constexpr std::size_t kMostBallots = std::size_t{1} << 24;
-  const auto count = static_cast<std::uint32_t>(nodes.size());
-  if (nodes.size() * nodes.size() <= kMostBallots) return {0, count};
-  std::vector<std::size_t> ballots(nodes.size());
-  ForEachPair(nodes, grid, [&](std::uint32_t i, std::uint32_t j, double, double, double distance2) {
-    ballots[i] += distance2 < nodes[i].radius2 ? 1 : 0;
-    ballots[j] += distance2 < nodes[j].radius2 ? 1 : 0;
-  });
-  std::vector<std::uint32_t> parts = {0};
-  std::size_t together = 0;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    together += ballots[i];
-    if (together <= kMostBallots || i == parts.back()) continue;
-    parts.push_back(i);
-    together = ballots[i];
-  }
-  parts.push_back(count);
-  return parts;
-}
-
 // The same, with each template keypoint counted once as a voter.
+// @param voters  template keypoints
 template <typename Agree>
-std::vector<Tally> CountDistinctVotes(const std::vector<Node>& nodes, const Grid& grid, const Agree& agree) {
-  struct Ballot {
-    std::uint32_t receiver, voter;
-    bool vote;
-    auto operator<=>(const Ballot&) const = default;
-  };
-  const std::vector<std::uint32_t> parts = PartsOf(nodes, grid);
+std::vector<Tally> CountDistinctVotes(const std::vector<Node>& nodes, const Grid& grid, std::size_t voters,
+                                      const Agree& agree) {
+  constexpr std::uint32_t kNobody = ~std::uint32_t{0};
+  std::vector<std::uint32_t> asked_by(voters, kNobody);  // the last receiver that a keypoint could vote for, and did
+  std::vector<std::uint32_t> voted_for(voters, kNobody);
   std::vector<Tally> tallies(nodes.size());
-  std::vector<Ballot> ballots;
-  for (std::size_t part = 0; part + 1 < parts.size(); ++part) {
-    const auto receives = [&](std::uint32_t i) { return i >= parts[part] && i < parts[part + 1]; };
-    ballots.clear();
-    ForEachPair(nodes, grid, [&](std::uint32_t i, std::uint32_t j, double dx, double dy, double distance2) {
-      const bool for_i = receives(i) && distance2 < nodes[i].radius2;
-      const bool for_j = receives(j) && distance2 < nodes[j].radius2;
-      if (!for_i && !for_j) return;
-      const bool vote = agree(nodes[i], nodes[j], dx, dy);
-      if (for_i) ballots.push_back({i, nodes[j].model, vote});
-      if (for_j) ballots.push_back({j, nodes[i].model, vote});
+  for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+    const Node& receiver = nodes[i];
+    grid.ForEachAround(receiver, [&](std::uint32_t j) {
+      const Node& voter = nodes[j];
+      if (voted_for[voter.model] == i) return;
+      const double dx = voter.x - receiver.x;
+      const double dy = voter.y - receiver.y;
+      const double distance2 = dx * dx + dy * dy;
+      if (distance2 == 0 || !(distance2 < receiver.radius2)) return;
+      if (std::exchange(asked_by[voter.model], i) != i) ++tallies[i].possible;
+      if (!agree(receiver, voter, dx, dy)) return;
+      voted_for[voter.model] = i;
+      ++tallies[i].votes;
     });
-    std::ranges::sort(ballots);
-    for (std::size_t b = 0; b < ballots.size(); ++b) {
-      // The last of a receiver's ballots of one voter has the vote, if there is any.
-      const bool last = b + 1 == ballots.size() || ballots[b + 1].receiver != ballots[b].receiver ||
-                        ballots[b + 1].voter != ballots[b].voter;
-      if (!last) continue;
-      ++tallies[ballots[b].receiver].possible;
-      if (ballots[b].vote) ++tallies[ballots[b].receiver].votes;
-    }
   }
   return tallies;
 }
 
 template <typename Agree>
-void Stage(std::vector<Node>& nodes, const CascadeOptions& options, double approval, bool distinct,
+void Stage(std::vector<Node>& nodes, const CascadeOptions& options, double approval, bool distinct, std::size_t voters,
            const Agree& agree) {
   if (nodes.empty()) return;
   const double largest_radius2 = std::ranges::max(nodes, {}, &Node::radius2).radius2;
   const Grid grid(nodes, std::sqrt(largest_radius2));
-  const std::vector<Tally> tallies = distinct ? CountDistinctVotes(nodes, grid, agree) : CountVotes(nodes, grid, agree);
+  const std::vector<Tally> tallies =
+      distinct ? CountDistinctVotes(nodes, grid, voters, agree) : CountVotes(nodes, grid, agree);
   std::vector<Node> kept;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (Approved(tallies[i], options.least_votes, approval)) kept.push_back(nodes[i]);
@@ -382,9 +369,9 @@ CascadeResult FilterByGrammar(std::span<const Keypoint> scene, std::span<const K
   std::vector<Node> nodes = MakeNodes(scene, model, matches, options);
   const auto stage = [&](const char* name, double approval, bool distinct, const auto& agree) {
     if (runs(name) && options.all_measures) {
-      Stage(nodes, options, approval, distinct, AllAgree(options));
+      Stage(nodes, options, approval, distinct, model.size(), AllAgree(options));
     } else if (runs(name)) {
-      Stage(nodes, options, approval, distinct, agree);
+      Stage(nodes, options, approval, distinct, model.size(), agree);
     }
     return MatchesOf(nodes, matches);
   };

@@ -129,8 +129,7 @@ void Follower::Search(const Frame& frame, const FrameConditions& conditions, Reg
   const ModelView& view = recognizer_.models()[last.model].views[last.view];
   std::vector<std::size_t> views(view.neighbours.begin(), view.neighbours.end());
   views.push_back(last.view);
-  for (Detection& detection :
-       recognizer_.RecognizeViews(*region.features, last.model, views, conditions, frame.image)) {
+  for (Detection& detection : recognizer_.RecognizeViews(*region.features, last.model, views, conditions)) {
     if (IntersectionOverUnion(detection.box, BoxOf(region.step)) < options_.least_overlap) continue;
     detection.score = std::min(detection.score, tracks_.at(region.step.track).surest);
     region.found = std::move(detection);
@@ -171,7 +170,8 @@ Seen Follower::Tracked(const TrackStep& step, const Frame& frame) const {
 
 Expected<std::vector<Seen>> Follower::Follow(const Frame& frame, const std::optional<WholeFrame>& whole,
                                              const FrameConditions& conditions) {
-  std::vector<TrackStep> open = Step(CleanGrey(frame, impulse_share_));
+  const Frame clean = CleanGrey(frame, impulse_share_);  // as a whole: a part alone is too little to tell noise by
+  std::vector<TrackStep> open = Step(clean);
   std::vector<Seen> seen;
   if (whole) {
     for (const Detection& detection : whole->detections) {
@@ -182,7 +182,7 @@ Expected<std::vector<Seen>> Follower::Follow(const Frame& frame, const std::opti
   std::vector<Region> regions;
   for (TrackStep& step : open) regions.push_back({.step = std::move(step)});
   oneapi::tbb::parallel_for_each(regions, [&](Region& region) {
-    if (IsDue(region.step, frame)) Search(frame, conditions, region);
+    if (IsDue(region.step, frame)) Search(clean, conditions, region);
   });
   for (Region& region : regions) {
     if (!region.features) return std::unexpected(std::move(region.features).error());

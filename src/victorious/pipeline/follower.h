@@ -69,7 +69,7 @@ class Follower {
   // What is known of an active track beside where it is.
   struct Followed {
     Detection last;           // confirmed
-    double surest = 0;        // score of a whole frame's: its region, where it is supposed, tells where it is, not what
+    double surest = 0;        // best score of its finds in whole frames, which one in its region cannot exceed
     std::int64_t number = 0;  // the same however the index was stopped and gone on with
     int recognised = 0;
     std::int64_t searched_frame = 0;  // the last one in which its region was searched, or it was confirmed

@@ -190,20 +190,32 @@ class Heights {
   std::map<std::int64_t, std::vector<double>> of_video_;
 };
 
+double LogOdds(double score) {
+  constexpr double kSurest = 1 - 1e-12;
+  const double share = std::clamp(score, 1 - kSurest, kSurest);
+  return std::log(share / (1 - share));
+}
+
 // A score is the probability that a find is right where there is something to find; its odds are how much likelier it
 // is right than wrong. Of finds that chance makes, those of odds above x are some 1/x as many as those of even odds,
 // and they are as short as any: a thing seen in n frames that bear each other out is n times less likely one of them.
+// Its odds are those of a typical frame, the mean of their logarithms: of the best of n chance has n to choose from.
 bool IsFaint(const Thing& thing, std::size_t sights, std::int64_t frames_searched, const ObjectOptions& options) {
-  double best = 0;
+  double log_odds = 0;
+  double recognised = 0;
   double frames = 0;
   for (const SeenRun* run : thing.runs) {
-    best = std::max(best, run->record.score);
     frames += static_cast<double>(run->record.frames);
+    for (const double score : run->scores) {
+      log_odds += LogOdds(score);
+      ++recognised;
+    }
   }
+  if (recognised > 0) log_odds /= recognised;
   if (thing.where.place) frames = std::max(1.0, frames * thing.where.borne_out / static_cast<double>(sights));
   constexpr double kMostByChance = 0.1;  // finds as clear as this one, in all that was searched
   const double even_by_chance = options.false_share * static_cast<double>(frames_searched);
-  return best * frames * kMostByChance < even_by_chance * (1 - best);
+  return std::exp(log_odds) * frames * kMostByChance < even_by_chance;
 }
 
 // The lowest land is the Dead Sea's shore, some 440 m below the sea.
@@ -363,6 +375,7 @@ Status UpdateObjects(const ObjectOptions& options, IndexStore& store) {
     if (run == runs.end()) return true;  // added by another process since
     run->second.frames.push_back(sighting.frame);
     run->second.boxes.push_back(sighting.box);
+    if (sighting.source == "recognised") run->second.scores.push_back(sighting.score);
     if (!sighting.sight) return true;
     std::vector<Sight>& sights = run->second.sights;
     sighting.sight->recognition = RecognitionOf(sighting, sights.empty() ? nullptr : &sights.back(), recognitions);

@@ -30,6 +30,7 @@ struct SeenRun {
   bool of_solid = false;             ///< of a CAD model: nothing is seen through it
   std::vector<std::int64_t> frames;  ///< rising
   std::vector<Box> boxes;            ///< one a frame
+  std::vector<double> scores;        ///< of those frames in which it was recognised
   std::vector<Sight> sights;         ///< by time; of those of its sightings that have one
 };
 

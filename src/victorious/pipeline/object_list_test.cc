@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -29,7 +30,8 @@ struct Seen {
   int first_frame = 0;
   int frames = 30;
   double score = 0.99;
-  bool of_category = false;  // then nothing says how far off it is
+  std::optional<double> first_score;  // of the first frame, where it is another
+  bool of_category = false;           // then nothing says how far off it is
   double noise_rad = 1e-4;
   double heading_noise_rad = 0.05;
   double too_large = 1;        // the object, as its ranges have it
@@ -52,6 +54,7 @@ SeenRun RunOf(const Seen& seen) {
     const Eigen::Vector3d camera(seen.camera_from_m + seen.camera_speed_m_s * time_s, -70, 100);
     const Eigen::Vector3d line = seen.place_enu + time_s * seen.velocity_enu - camera;
     run.frames.push_back(frame);
+    run.scores.push_back(frame == seen.first_frame ? seen.first_score.value_or(seen.score) : seen.score);
     Sight sight;
     sight.line = {.time_s = time_s,
                   .camera = plane.GeodeticFromEnu(camera + seen.camera_bias_enu),
@@ -199,6 +202,14 @@ TEST(ObjectList, TheLongerTheSearchTheClearerMustAFindBe) {
   EXPECT_EQ(ObjectsFrom({faint}, {.false_share = 0}, 100'000)[0].rejected, "");
 }
 
+// One clear frame among faint ones is what chance brings in as many.
+TEST(ObjectList, WhatIsClearOnceIsAsFaintAsItsOtherFrames) {
+  const Seen faint{.id = 1, .score = 0.8};
+  const Seen once{.id = 1, .score = 0.8, .first_score = 0.99};
+  EXPECT_THAT(ObjectsFrom({faint}, {}, 1000)[0].rejected, HasSubstr("too faint"));
+  EXPECT_THAT(ObjectsFrom({once}, {}, 1000)[0].rejected, HasSubstr("too faint"));
+}
+
 // The same 30 frames, each of which shows it turned otherwise: most are not of the same thing, or of none.
 TEST(ObjectList, FramesThatContradictEachOtherMakeAFindNoClearer) {
   const Seen alike{.id = 1, .score = 0.9};
@@ -255,6 +266,7 @@ SeenRun InThePicture(std::int64_t id, int frames, double x) {
               .of_solid = true};
   for (int frame = 0; frame < frames; ++frame) {
     run.frames.push_back(frame);
+    run.scores.push_back(0.99);
     run.boxes.push_back({x + 20.0 * frame, 100, 80, 60});
   }
   return run;

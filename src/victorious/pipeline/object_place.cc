@@ -152,17 +152,21 @@ std::optional<double> TooLarge(std::vector<LineOfSight> lines, LocateOptions loc
   return Median(std::move(factors));
 }
 
-// How many of the sights that meet at a place show the object turned alike. A velocity is found for any two, so that of
-// what moves one tells nothing.
-int BorneOut(std::span<const Sight> sights, const GeoFix& fix, const std::optional<double>& heading_rad) {
+// How many of the sights that meet at a place show the object turned alike: of what stands as most do, of what moves as
+// just before. A velocity is found for any two sights, and without ranges for any three, so that these tell nothing.
+int BorneOut(std::span<const Sight> sights, const GeoFix& fix, std::optional<double> heading_rad) {
   if (!fix.place) return 0;
+  bool ranged = false;
   int alike = 0;
   for (std::size_t i = 0; i < sights.size(); ++i) {
     if (!fix.inliers[i]) continue;
+    ranged = ranged || sights[i].line.range_m;
     const std::optional<double>& own_rad = sights[i].heading_rad;
     if (!own_rad || std::abs(WrapAngle(*own_rad - *heading_rad)) <= kAlike_rad) ++alike;
+    if (own_rad && fix.place->Moves()) heading_rad = own_rad;
   }
-  return std::max(1, fix.place->Moves() ? alike - 1 : alike);
+  const int needed = fix.place->Moves() ? (ranged ? 1 : 2) : 0;
+  return std::max(1, alike - needed);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "victorious/features/feature_extractor.h"
 #include "victorious/features/impulse_noise.h"
 #include "victorious/pipeline/region_features.h"
 #include "victorious/track/region_tracker.h"
@@ -63,7 +64,6 @@ class Together {
 Expected<std::vector<LockStep>> CompareLock(VideoReader& reader, const Recognizer& recognizer,
                                             const FeatureExtractor& extractor, const TrackOptions& options,
                                             const CancelToken& cancel) {
-  constexpr double kNoisyShare = 0.02;  // of pixels that are salt or pepper
   TrackOptions unguarded = options;
   unguarded.least_likeness = -1;
   unguarded.unconfirmed_frames = 1'000'000;
@@ -75,7 +75,7 @@ Expected<std::vector<LockStep>> CompareLock(VideoReader& reader, const Recognize
     if (cancel.IsCancelled()) return Fail(ErrorCode::kCancelled, "interrupted");
     VICTORIOUS_ASSIGN_OR_RETURN(std::optional<Frame> frame, reader.NextFrame());
     if (!frame) return steps;
-    frame->image = WithoutImpulses(frame->image, kNoisyShare);
+    frame->image = WithoutImpulses(frame->image, FeatureOptions().impulse_share);
     LockStep step{.frame = frame->index, .time_s = frame->time_s, .alone = std::nullopt, .together = std::nullopt};
     for (const TrackStep& one : alone.Step(*frame)) {
       if (one.seen()) step.alone = one.outline;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <utility>
 
 #include "victorious/geometry/angles.h"
@@ -56,20 +57,23 @@ std::size_t CountDistinct(const MatchSet& matches) {
       std::ranges::distance(keypoints.begin(), std::unique(keypoints.begin(), keypoints.end())));
 }
 
-// Of the inliers, whose posterior says little of chance, those that agree as closely as few wrong matches do.
-MatchSet Agreeing(std::span<const Keypoint> scene, std::span<const Keypoint> model, const Pose& pose) {
+// How far each template keypoint's nearest inlier lies off that agrees in turn and scale, too; ascending.
+std::vector<double> AgreeingPx(std::span<const Keypoint> scene, std::span<const Keypoint> model, const Pose& pose) {
   const Similarity2& map = pose.scene_from_template;
-  const double reach_px = kAgreementSigmas * pose.sigma_px;
-  MatchSet agreeing;
+  std::map<std::uint32_t, double> nearest_px;
   for (const Match& match : pose.inliers) {
     const Keypoint& s = scene[match.scene];
     const Keypoint& m = model[match.model];
-    if ((map.Apply(Eigen::Vector2d(m.x, m.y)) - Eigen::Vector2d(s.x, s.y)).norm() > reach_px) continue;
     if (std::abs(std::log(s.scale_px / (m.scale_px * map.scale))) > std::log(kAgreementScale)) continue;
     if (std::abs(WrapAngle(s.orientation_rad - m.orientation_rad - map.rotation_rad)) > kAgreementTurn_rad) continue;
-    agreeing.push_back(match);
+    const double off_px = (map.Apply(Eigen::Vector2d(m.x, m.y)) - Eigen::Vector2d(s.x, s.y)).norm();
+    const auto [known, first] = nearest_px.try_emplace(match.model, off_px);
+    if (!first) known->second = std::min(known->second, off_px);
   }
-  return agreeing;
+  std::vector<double> ascending;
+  for (const auto& [keypoint, off_px] : nearest_px) ascending.push_back(off_px);
+  std::ranges::sort(ascending);
+  return ascending;
 }
 
 }  // namespace
@@ -106,7 +110,7 @@ std::vector<Pose> EstimatePoses(std::span<const Keypoint> scene, std::span<const
     if (pose.inliers.size() < static_cast<std::size_t>(options.least_inliers)) break;
     // A repeated pattern that one template keypoint serves can outnumber a true instance: it is taken out, no more.
     if (pose.distinct_inliers < static_cast<std::size_t>(options.least_inliers)) continue;
-    pose.agreeing = CountDistinct(Agreeing(scene, model, pose));
+    pose.agreeing_px = AgreeingPx(scene, model, pose);
     pose.extent = Extent(inlier_pairs, outline);
     pose.scene_from_template_plane = pose.scene_from_template.Matrix();
     if (options.refine_plane) {

@@ -31,7 +31,7 @@ struct LikenessOptions {
   int elsewhere = 40;
   double decades_per_sigma = 2.0;
   double even_sigmas = 2.3;
-  double impulse_share = 0.02;
+  double impulse_share = 0.015;
 
   void ListFields(FieldList& fields);
 };

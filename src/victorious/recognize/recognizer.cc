@@ -143,16 +143,6 @@ void Recognizer::WeighByLikeness(const cv::Mat& grey, std::vector<Detection>& de
   std::erase_if(detections, [&](const Detection& one) { return one.score < options_.detect.least_score; });
 }
 
-std::vector<Detection> Recognizer::DetectVoted(std::span<const Candidate> candidates, const SceneSize& size,
-                                               const cv::Mat& grey) const {
-  if (grey.empty() || options_.likeness.most == 0) return Detect(candidates, size, options_.detect);
-  DetectOptions doubtful = options_.detect;
-  doubtful.least_score = std::min(doubtful.least_score, ScoreOf(options_.likeness.least_evidence, options_.detect));
-  std::vector<Detection> detections = Detect(candidates, size, doubtful);
-  WeighByLikeness(grey, detections);
-  return detections;
-}
-
 std::vector<Detection> Recognizer::Recognize(const FeatureSet& scene, const FrameConditions& conditions,
                                              const cv::Mat& grey) const {
   const SceneSize size = SizeOf(scene);
@@ -163,7 +153,13 @@ std::vector<Detection> Recognizer::Recognize(const FeatureSet& scene, const Fram
 
   candidates.clear();
   SearchByVotes(scene, conditions, candidates);
-  const std::vector<Detection> voted = DetectVoted(candidates, size, grey);
+  DetectOptions doubtful = options_.detect;
+  const bool looks = !grey.empty() && options_.likeness.most > 0;
+  if (looks) {
+    doubtful.least_score = std::min(doubtful.least_score, ScoreOf(options_.likeness.least_evidence, options_.detect));
+  }
+  std::vector<Detection> voted = Detect(candidates, size, doubtful);
+  if (looks) WeighByLikeness(grey, voted);
   detections.insert(detections.end(), voted.begin(), voted.end());
   std::ranges::stable_sort(detections, [](const Detection& a, const Detection& b) {
     return a.score != b.score ? a.score > b.score : a.model < b.model;
@@ -172,15 +168,15 @@ std::vector<Detection> Recognizer::Recognize(const FeatureSet& scene, const Fram
 }
 
 std::vector<Detection> Recognizer::RecognizeViews(const FeatureSet& scene, std::size_t model,
-                                                  std::span<const std::size_t> views, const FrameConditions& conditions,
-                                                  const cv::Mat& grey) const {
+                                                  std::span<const std::size_t> views,
+                                                  const FrameConditions& conditions) const {
   std::vector<Candidate> candidates;
   const auto voter = std::ranges::find(voters_, model, &std::pair<std::size_t, VoteSearch>::first);
   if (voter != voters_.end()) {
     const RankedMatcher ranked(scene.View());
     candidates = voter->second.SearchViews({scene, ranked, options_.search, options_.pose}, conditions, views);
     for (Candidate& candidate : candidates) candidate.model = model;
-    return DetectVoted(candidates, SizeOf(scene), grey);
+    return Detect(candidates, SizeOf(scene), options_.detect);
   }
   for (const std::size_t view : views) {
     StagedMatches staged = MatchView(scene, model, view);

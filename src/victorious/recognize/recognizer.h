@@ -75,11 +75,9 @@ class Recognizer {
 
   /// Of one model, those that some of its views show: where it is known already what is seen, and about how.
   /// @param scene  of the part of a frame where it should be, in the frame's pixels
-  /// @param grey   the whole frame, as for Recognize()
   [[nodiscard]] std::vector<Detection> RecognizeViews(const FeatureSet& scene, std::size_t model,
                                                       std::span<const std::size_t> views,
-                                                      const FrameConditions& conditions,
-                                                      const cv::Mat& grey = {}) const;
+                                                      const FrameConditions& conditions) const;
 
   /// Whether FindSun() can tell anything: a model has views under a sun.
   [[nodiscard]] bool KnowsSuns() const;
@@ -103,8 +101,6 @@ class Recognizer {
   void SearchByGrammar(const FeatureSet& scene, std::vector<Candidate>& candidates) const;
   void SearchByVotes(const FeatureSet& scene, const FrameConditions& conditions,
                      std::vector<Candidate>& candidates) const;
-  [[nodiscard]] std::vector<Detection> DetectVoted(std::span<const Candidate> candidates, const SceneSize& size,
-                                                   const cv::Mat& grey) const;
   void WeighByLikeness(const cv::Mat& grey, std::vector<Detection>& detections) const;
 
   std::shared_ptr<const std::vector<ObjectModel>> models_;  ///< where it is, however often this moves

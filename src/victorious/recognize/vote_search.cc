@@ -79,36 +79,38 @@ constexpr double kNoEvidence = -std::numeric_limits<double>::infinity();
 struct Look {
   std::size_t view;
   std::optional<std::size_t> sun_view;
-  double sun_rad = 0;   // the sun's azimuth from that of the object's line of sight
-  bool coarse = false;  // as LitView
+  std::optional<double> aside_rad = {};  // of the lines of sight that show it under this sun; nothing: of any
+  bool coarse = false;                   // as LitView
 };
 
-// A grid over a part of the frame.
-std::vector<Eigen::Vector2d> PixelsOver(const Box& part) {
-  constexpr int kCells = 8;
-  std::vector<Eigen::Vector2d> pixels;
-  for (int i = 0; i < (kCells + 1) * (kCells + 1); ++i) {
-    pixels.emplace_back(part.x + part.width * (i % (kCells + 1)) / kCells,
-                        part.y + part.height * (i / (kCells + 1)) / kCells);
-  }
-  return pixels;
-}
+// A line of sight: how far off nadir, and its azimuth from where the camera is headed.
+struct SightLine {
+  double off_nadir_rad;
+  double aside_rad;
+};
 
-double OffNadir(const Vertical& vertical, const Eigen::Vector2d& pixel) {
-  return std::acos(std::clamp(-vertical.SeenAt(pixel).z(), -1.0, 1.0));
+// Over a part of the frame, evenly; none where nobody tells the camera's attitude.
+std::vector<SightLine> SightLines(const std::optional<Vertical>& vertical, const Box& part) {
+  constexpr int kCells = 8;
+  std::vector<SightLine> lines;
+  if (!vertical) return lines;
+  for (int i = 0; i < (kCells + 1) * (kCells + 1); ++i) {
+    const Eigen::Vector2d pixel(part.x + part.width * (i % (kCells + 1)) / kCells,
+                                part.y + part.height * (i / (kCells + 1)) / kCells);
+    lines.push_back({std::acos(std::clamp(-vertical->SeenAt(pixel).z(), -1.0, 1.0)), vertical->AzimuthAt(pixel)});
+  }
+  return lines;
 }
 
 // The views that a scene may show: by their features, and by how far off nadir its lines of sight are.
-std::vector<bool> ChooseViews(const ObjectModel& model, const std::optional<Vertical>& vertical, double most_tilt_rad) {
+// @param lines  of the scene; none where nobody tells them
+std::vector<bool> ChooseViews(const ObjectModel& model, const std::vector<SightLine>& lines, double most_tilt_rad) {
   double least_rad = 0;
   double most_rad = kPi;
-  if (vertical) {
-    std::swap(least_rad, most_rad);
-    for (const Eigen::Vector2d& pixel : PixelsOver(FrameBox(vertical->pinhole.width, vertical->pinhole.height))) {
-      const double off_nadir_rad = OffNadir(*vertical, pixel);
-      least_rad = std::min(least_rad, off_nadir_rad);
-      most_rad = std::max(most_rad, off_nadir_rad);
-    }
+  if (!lines.empty()) {
+    const auto [least, most] = std::ranges::minmax_element(lines, {}, &SightLine::off_nadir_rad);
+    least_rad = least->off_nadir_rad;
+    most_rad = most->off_nadir_rad;
   }
   std::vector<bool> chosen;
   for (const ModelView& view : model.views) {
@@ -129,6 +131,12 @@ std::vector<std::size_t> ChooseScouts(const ObjectModel& model, const std::vecto
     for (const std::uint32_t neighbour : model.views[view].neighbours) covered[neighbour] = true;
   }
   return scouts;
+}
+
+// Of the object in the scene.
+Eigen::Vector2d MiddleOf(const Pose& pose, const Polygon& outline) {
+  const Box box = BoundingBox(ProjectPolygon(pose.scene_from_template_plane, outline));
+  return {box.x + box.width / 2, box.y + box.height / 2};
 }
 
 // The view whose camera stands nearest to where the sun does.
@@ -153,27 +161,28 @@ double SunAhead(double view_azimuth_rad, double sun_in_model_rad) {
   return WrapAngle(sun_in_model_rad - view_azimuth_rad - kPi);
 }
 
-// A view under the sun that stands at `sun_rad` from its line of sight.
-Look LitLook(const ObjectModel& model, std::size_t view, double sun_rad, double elevation_rad, double sun_step_rad) {
-  const double azimuth_rad = SunInModel(model.views[view].angles->azimuth_rad, sun_rad);
+// A view as a line of sight shows it under the sun that stands where `sun` does ahead of the camera.
+Look LitLook(const ObjectModel& model, std::size_t view, double aside_rad, const Sun& sun, double sun_step_rad) {
+  const double azimuth_rad = SunInModel(model.views[view].angles->azimuth_rad, sun.azimuth_rad - aside_rad);
   const double shared_rad = sun_step_rad * std::round(azimuth_rad / sun_step_rad);
-  return {.view = view, .sun_view = ViewFromSun(model, shared_rad, elevation_rad), .sun_rad = sun_rad};
+  return {.view = view, .sun_view = ViewFromSun(model, shared_rad, sun.elevation_rad), .aside_rad = aside_rad};
 }
 
-// Where the sun stands from the lines of sight at which a part of the frame can show a view: a wide camera's lines
-// spread far, and each looks at its object from another side. In steps that all views share, none further off than
-// half of one.
-std::vector<double> SunsFrom(const FrameConditions& conditions, const Box& part, double off_nadir_rad,
-                             const VoteSearchOptions& options) {
-  const double step_rad = 2 * options.sun_step_rad;
-  std::set<double> asides;
-  for (const Eigen::Vector2d& pixel : PixelsOver(part)) {
-    if (std::abs(OffNadir(*conditions.vertical, pixel) - off_nadir_rad) > options.most_tilt_rad) continue;
-    asides.insert(std::round(conditions.vertical->AzimuthAt(pixel) / step_rad));
+// Lines of sight share a sun within half of this to either side.
+double AsideStep(const VoteSearchOptions& options) { return 2 * options.sun_step_rad; }
+
+// How far aside the lines of sight lie that can show a view: a wide camera's spread far, and each looks at its object
+// from another side, and so under another sun. In steps that all views share.
+std::vector<double> Asides(const std::vector<SightLine>& lines, const ModelView& view,
+                           const VoteSearchOptions& options) {
+  std::set<double> steps;
+  for (const SightLine& line : lines) {
+    if (std::abs(line.off_nadir_rad - view.angles->off_nadir_rad) > options.most_tilt_rad) continue;
+    steps.insert(std::round(line.aside_rad / AsideStep(options)));
   }
-  std::vector<double> suns;
-  for (const double aside : asides) suns.push_back(conditions.sun_ahead->azimuth_rad - aside * step_rad);
-  return suns;
+  std::vector<double> asides;
+  for (const double step : steps) asides.push_back(step * AsideStep(options));
+  return asides;
 }
 
 // A look, and the most evidence of a pose that it found.
@@ -229,7 +238,7 @@ class Comparison {
       }
       if (beside.empty() || PointsOf(one).empty()) continue;
       const PooledTemplate pooled = victorious::Pool(TemplateOf(one), beside);
-      Vote(one.look.view, pooled.keypoints, pooled.points_in_model, pooled.matches);
+      Vote(one.look, pooled.keypoints, pooled.points_in_model, pooled.matches);
     }
   }
 
@@ -249,15 +258,15 @@ class Comparison {
     if (look.sun_view) compared.lit = lit_->Under({*look.sun_view, look.view, look.coarse});
     const FeatureView features = FeaturesOf(compared);
     compared.matches = scene_.ranked.Match(kernels::PackQueries(features.descriptors), scene_.options.nearest);
-    compared.evidence = Vote(look.view, features.keypoints, PointsOf(compared), compared.matches);
+    compared.evidence = Vote(look, features.keypoints, PointsOf(compared), compared.matches);
     compared_.push_back(std::move(compared));
     return compared_.back().evidence;
   }
 
-  // The most evidence of a pose of these keypoints, which the view shows.
-  double Vote(std::size_t number, std::span<const Keypoint> keypoints, std::span<const Point3> points,
+  // The most evidence of a pose of these keypoints, which the look shows.
+  double Vote(const Look& look, std::span<const Keypoint> keypoints, std::span<const Point3> points,
               std::span<const RankedMatch> matches) {
-    const ModelView& view = model_.views[number];
+    const ModelView& view = model_.views[look.view];
     std::optional<UprightPrior> upright;
     if (view.angles) {
       const double off_nadir_rad = view.angles->off_nadir_rad;
@@ -267,11 +276,12 @@ class Comparison {
     double most_evidence = kNoEvidence;
     for (Pose& pose :
          VotePoses(scene_.features, keypoints, matches, view.outline, scene_.options.votes, scene_.pose, upright)) {
+      if (!IsUnderItsSun(look, pose)) continue;
       most_evidence = std::max(most_evidence, *pose.evidence);
       if (!points.empty()) {
         for (const Match& match : pose.inliers) pose.inlier_points.push_back(points[match.model]);
       }
-      candidates_.push_back({.view = number,
+      candidates_.push_back({.view = look.view,
                              .matches = matches.size(),
                              .views = looks_,
                              .outline = view.outline,
@@ -280,9 +290,16 @@ class Comparison {
     return most_evidence;
   }
 
+  // So that each place of the frame is compared under one sun.
+  [[nodiscard]] bool IsUnderItsSun(const Look& look, const Pose& pose) const {
+    if (!look.aside_rad) return true;
+    const double aside_rad = vertical_->AzimuthAt(MiddleOf(pose, model_.views[look.view].outline));
+    return std::abs(WrapAngle(aside_rad - *look.aside_rad)) <= AsideStep(scene_.options) / 2;
+  }
+
   [[nodiscard]] bool AreBeside(const Look& one, const Look& other) const {
     const std::vector<std::uint32_t>& neighbours = model_.views[one.view].neighbours;
-    return one.sun_view.has_value() == other.sun_view.has_value() && one.sun_rad == other.sun_rad &&
+    return one.sun_view.has_value() == other.sun_view.has_value() && one.aside_rad == other.aside_rad &&
            one.coarse == other.coarse && std::ranges::find(neighbours, other.view) != neighbours.end();
   }
 
@@ -317,44 +334,38 @@ std::vector<Candidate> VoteSearch::Search(const VoteScene& scene, const FrameCon
   const bool sunny = lit_ && conditions.vertical && conditions.sun_ahead;
   Comparison comparison(*model_, lit_.get(), scene, conditions.vertical, model_->views.size() * (sunny ? 2 : 1));
 
-  const std::vector<bool> chosen = ChooseViews(*model_, conditions.vertical, options.most_tilt_rad);
-  std::set<std::pair<std::size_t, std::optional<std::size_t>>> tried;  // a view, under which sun
-  const auto add = [&](const Look& look, std::vector<Look>& looks) {
-    if (chosen[look.view] && tried.emplace(look.view, look.sun_view).second) looks.push_back(look);
-  };
-  const auto add_lit = [&](std::size_t view, double sun_rad, std::vector<Look>& looks) {
-    if (!TellsHeading(model_->views[view])) return;
-    add(LitLook(*model_, view, sun_rad, conditions.sun_ahead->elevation_rad, options.sun_step_rad), looks);
+  const std::vector<SightLine> lines = SightLines(conditions.vertical, scene.features.Searched());
+  const std::vector<bool> chosen = ChooseViews(*model_, lines, options.most_tilt_rad);
+  std::set<std::pair<std::size_t, std::optional<double>>> tried;  // a view, and how far aside where under the sun
+  const auto add = [&](std::size_t view, std::optional<double> aside_rad, std::vector<Look>& looks) {
+    if (!chosen[view] || (aside_rad && !TellsHeading(model_->views[view]))) return;
+    if (!tried.emplace(view, aside_rad).second) return;
+    looks.push_back(aside_rad ? LitLook(*model_, view, *aside_rad, *conditions.sun_ahead, options.sun_step_rad)
+                              : Look{.view = view, .sun_view = {}});
   };
   std::vector<Look> soft;
-  for (const std::size_t view : ChooseScouts(*model_, chosen)) add({view, {}}, soft);
+  for (const std::size_t view : ChooseScouts(*model_, chosen)) add(view, {}, soft);
   std::vector<Lead> leads = comparison.Leads(soft);
   std::vector<Look> lit;
-  if (sunny) {
-    // Those without any evidence, too: a hard sun may hide all that a soft sky shows.
-    for (const Lead& lead : ByEvidence(leads) | std::views::take(options.most_lit)) {
-      const ModelView& view = model_->views[lead.look.view];
-      if (!view.angles) continue;
-      for (const double sun_rad :
-           SunsFrom(conditions, scene.features.Searched(), view.angles->off_nadir_rad, options)) {
-        add_lit(lead.look.view, sun_rad, lit);
-      }
-    }
+  std::set<std::size_t> lit_views;
+  for (const Lead& lead : ByEvidence(leads)) {  // those without any, too: a hard sun may hide all that a soft sky shows
+    const ModelView& view = model_->views[lead.look.view];
+    if (!sunny || std::ssize(lit_views) == options.most_lit) break;
+    if (!TellsHeading(view)) continue;
+    lit_views.insert(lead.look.view);
+    for (const double aside_rad : Asides(lines, view, options)) add(lead.look.view, aside_rad, lit);
   }
   for (Look& look : lit) look.coarse = true;
   std::ranges::copy(comparison.Leads(lit), std::back_inserter(leads));
   std::vector<Look> near;
   for (const Lead& lead : ByEvidence(leads) | std::views::take(options.most_followed)) {
     if (lead.evidence == kNoEvidence) break;
-    Look sharp = lead.look;
-    sharp.coarse = false;
-    if (lead.look.coarse) near.push_back(sharp);  // once more, as sharp as its neighbours
+    if (lead.look.coarse) {  // once more, as sharp as its neighbours
+      near.push_back(lead.look);
+      near.back().coarse = false;
+    }
     for (const std::uint32_t neighbour : model_->views[lead.look.view].neighbours) {
-      if (lead.look.sun_view) {
-        add_lit(neighbour, lead.look.sun_rad, near);
-      } else {
-        add({neighbour, {}}, near);
-      }
+      add(neighbour, lead.look.aside_rad, near);
     }
   }
   comparison.Try(near);
@@ -364,30 +375,31 @@ std::vector<Candidate> VoteSearch::Search(const VoteScene& scene, const FrameCon
 
 std::vector<Candidate> VoteSearch::SearchViews(const VoteScene& scene, const FrameConditions& conditions,
                                                std::span<const std::size_t> views) const {
+  const VoteSearchOptions& options = scene.options;
   const bool sunny = lit_ && conditions.vertical && conditions.sun_ahead;
   Comparison comparison(*model_, lit_.get(), scene, conditions.vertical, views.size() * (sunny ? 2 : 1));
+  const std::vector<SightLine> lines = SightLines(conditions.vertical, scene.features.Searched());
   std::vector<Look> looks;
   for (const std::size_t number : views) {
     const ModelView& view = model_->views[number];
     if (view.feature_count == 0) continue;
-    looks.push_back({number, {}});
+    looks.push_back({.view = number, .sun_view = {}});
     if (!sunny || !TellsHeading(view)) continue;
-    const Sun& sun = *conditions.sun_ahead;
-    for (const double sun_rad :
-         SunsFrom(conditions, scene.features.Searched(), view.angles->off_nadir_rad, scene.options)) {
-      looks.push_back(LitLook(*model_, number, sun_rad, sun.elevation_rad, scene.options.sun_step_rad));
+    for (const double aside_rad : Asides(lines, view, options)) {
+      looks.push_back(LitLook(*model_, number, aside_rad, *conditions.sun_ahead, options.sun_step_rad));
     }
   }
   comparison.Try(looks);
-  comparison.Pool(scene.options.most_pooled);
+  comparison.Pool(options.most_pooled);
   return comparison.TakeCandidates();
 }
 
 std::vector<SunLead> VoteSearch::FindSunLeads(const VoteScene& scene, const Vertical& vertical) const {
   if (!lit_) return {};
+  const std::vector<SightLine> lines = SightLines(vertical, scene.features.Searched());
   std::vector<Look> looks;
-  for (const std::size_t view : ChooseScouts(*model_, ChooseViews(*model_, vertical, scene.options.most_tilt_rad))) {
-    if (TellsHeading(model_->views[view])) looks.push_back({view, {}});
+  for (const std::size_t view : ChooseScouts(*model_, ChooseViews(*model_, lines, scene.options.most_tilt_rad))) {
+    if (TellsHeading(model_->views[view])) looks.push_back({.view = view, .sun_view = {}});
   }
   const std::optional<Vertical> known = vertical;
   const std::vector<double> evidence = Comparison(*model_, nullptr, scene, known, looks.size()).Try(looks);
@@ -435,8 +447,7 @@ std::optional<SunFound> VoteSearch::FindSun(const VoteScene& scene, const Vertic
   const std::vector<Candidate> told = comparison.TakeCandidates();
   const Candidate& surest =
       *std::ranges::max_element(told, {}, [](const Candidate& candidate) { return *candidate.pose.evidence; });
-  const Box seen = BoundingBox(ProjectPolygon(surest.pose.scene_from_template_plane, surest.outline));
-  const double aside_rad = vertical.AzimuthAt({seen.x + seen.width / 2, seen.y + seen.height / 2});
+  const double aside_rad = vertical.AzimuthAt(MiddleOf(surest.pose, surest.outline));
   const double azimuth_rad = SunAhead(model_->views[view].angles->azimuth_rad, std::atan2(mean.y(), mean.x()));
   const Sun ahead{.azimuth_rad = WrapAngle(azimuth_rad + aside_rad),
                   .elevation_rad = std::atan2(mean.z(), std::hypot(mean.x(), mean.y()))};

@@ -10,6 +10,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <opencv2/core.hpp>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -112,7 +113,10 @@ int RunAndWrite(const std::function<Expected<std::string>()>& work, int fd) {
     if (result) return WriteAll(fd, *result) ? kDone : kOutOfMemory;
     const std::string error = static_cast<char>(result.error().code) + result.error().message;
     return WriteAll(fd, error) ? kFailed : kOutOfMemory;
-  } catch (...) {  // the libraries report memory that ran out in ways of their own
+  } catch (const cv::Exception& exception) {
+    if (exception.code != cv::Error::StsNoMem) throw;
+    return kOutOfMemory;
+  } catch (const std::bad_alloc&) {
     return kOutOfMemory;
   }
 }

@@ -23,9 +23,9 @@ struct Pose {
   /// The inliers' places on the object, metres, one each; empty where the model has no depth.
   std::vector<Point3> inlier_points;
   std::size_t distinct_inliers = 0;  ///< different template keypoints among them
-  /// Those of them that a wrong match is one of as seldom as is told (geometry/robust/similarity_estimator.h): in
-  /// place, turn and scale. Counted where `evidence` is none.
-  std::size_t agreeing = 0;
+  /// How far those of them lie from where the similarity puts them that agree with it in turn and scale, too
+  /// (geometry/robust/similarity_estimator.h); px, ascending. Known where `evidence` is none.
+  std::vector<double> agreeing_px;
   double extent = 0;  ///< area of the inliers' hull over the outline's, in the template
   /// Where the stage that found the pose knows it: decades by which chance is too unlikely, one view searched.
   std::optional<double> evidence;

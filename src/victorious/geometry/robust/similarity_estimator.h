@@ -13,7 +13,7 @@ namespace victorious {
 /// How far, in the deviations that SigmaPx gives, a match that agrees with a similarity may lie from its place.
 inline constexpr double kAgreementSigmas = 2.5;
 
-/// How its keypoints' turn and scale may differ from the similarity's; and how often those of a wrong match that lies
+/// How far a match's turn and scale may differ from the similarity's; and how often those of a wrong match that lies
 /// there differ by no more: turns are anything, and scales seldom within a factor.
 inline constexpr double kAgreementTurn_rad = 0.5;
 inline constexpr double kAgreementScale = 1.7;
