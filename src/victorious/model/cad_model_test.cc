@@ -190,6 +190,9 @@ TEST(MakeCadModel, OptionsOutOfRangeAreRefused) {
   CadModelOptions options = FewViews();
   options.least_size_px = 1;
   EXPECT_FALSE(MakeCadModel("box", BlottedBox(), "box.glb", options));
+  options.least_size_px = 300;
+  options.most_size_px = 200;
+  EXPECT_FALSE(MakeCadModel("box", BlottedBox(), "box.glb", options));
 }
 
 }  // namespace

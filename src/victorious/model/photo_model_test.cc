@@ -98,6 +98,17 @@ TEST(PreparePhoto, TheAlphaChannelGivesTheOutline) {
   }
 }
 
+// As screenshots have it.
+TEST(PreparePhoto, AnAlphaChannelThatHidesNothingChangesNothing) {
+  Picture picture = ThingOnGround(ThingKind::kCrate);
+  picture.alpha.setTo(255);
+  const Photo opaque = Prepare(picture, ThingBox(picture));
+  picture.alpha = cv::Mat();
+  const Photo without = Prepare(picture, ThingBox(picture));
+  EXPECT_EQ(opaque.outline, without.outline);
+  EXPECT_EQ(cv::norm(opaque.grey, without.grey, cv::NORM_INF), 0) << "its surroundings stay";
+}
+
 TEST(PreparePhoto, BoxAndAlphaTogetherGiveWhatIsInBoth) {
   const Picture picture = ThingOnGround(ThingKind::kCrate);
   const Box left_half{0, 0, picture.bgr.cols / 2.0, static_cast<double>(picture.bgr.rows)};

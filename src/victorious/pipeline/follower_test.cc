@@ -61,6 +61,28 @@ TEST_F(FollowerTest, BetweenWholeFramesObjectsAreSeenInTheirRegions) {
   EXPECT_GT(recognised_between, 5) << "the recogniser confirms what is followed";
 }
 
+// In its region it is supposed to be there: that it is found says where, and no more about what it is.
+TEST_F(FollowerTest, InItsRegionAThingIsNoSurerThanInAWholeFrame) {
+  constexpr double kScore = 0.85;
+  Follower follower = Follower::Create(recognizer_, *extractor_, 0.01, {}).value();
+  int between = 0;
+  for (int i = 0; i < kFrames; ++i) {
+    cv::Mat grey;
+    cv::cvtColor(flight_.flight().Render(i).image, grey, cv::COLOR_BGR2GRAY);
+    const FeatureSet features = extractor_->Extract(grey).value();
+    std::vector<Detection> detections = recognizer_.Recognize(features);
+    for (Detection& detection : detections) detection.score = kScore;
+    std::optional<WholeFrame> whole;
+    if (i % 6 == 0) whole.emplace(features, detections);
+    const std::vector<Seen> seen = follower.Follow({.index = i, .time_s = 0.1 * i, .image = grey}, whole, {}).value();
+    for (const Seen& one : seen) {
+      EXPECT_LE(one.detection.score, kScore);
+      between += i % 6 != 0 && !one.tracked() ? 1 : 0;
+    }
+  }
+  EXPECT_GT(between, 5);
+}
+
 TEST_F(FollowerTest, AnObjectIsSeenOnceInAFrame) {
   for (const std::vector<Seen>& seen : FollowAll(3, {}).seen) {
     for (std::size_t i = 0; i < seen.size(); ++i) {

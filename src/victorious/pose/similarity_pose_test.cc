@@ -111,6 +111,19 @@ TEST(SimilarityPose, ARepeatedPatternHidesNoInstance) {
   for (const Match& match : poses[0].inliers) EXPECT_LT(match.model, first);
 }
 
+// Matches in their places whose keypoints are turned or sized otherwise are inliers of the map, and no evidence for it.
+TEST(SimilarityPose, TellsHowFarThoseLieThatAgreeInTurnAndScale) {
+  World world = Planar(Similarity2{1, 0, {60, 50}}.Matrix(), 18, 0.7, 4);
+  for (std::size_t i = 0; i < 6; ++i) world.scene[i].orientation_rad = 2;
+  for (std::size_t i = 6; i < 12; ++i) world.scene[i].scale_px = 8;
+  const std::vector<Pose> poses = world.Poses();
+  ASSERT_EQ(poses.size(), 1U);
+  EXPECT_EQ(poses[0].distinct_inliers, 18U);
+  ASSERT_EQ(poses[0].agreeing_px.size(), 6U);
+  EXPECT_TRUE(std::ranges::is_sorted(poses[0].agreeing_px));
+  EXPECT_LT(poses[0].agreeing_px.back(), 6);
+}
+
 TEST(SimilarityPose, SameSeedSameResult) {
   const World world = Planar(Similarity2{0.9, 1.0, {200, 100}}.Matrix(), 60, 2.0, 3);
   EXPECT_EQ(world.Poses()[0].scene_from_template_plane, world.Poses()[0].scene_from_template_plane);

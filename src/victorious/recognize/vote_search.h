@@ -6,7 +6,8 @@
 //
 // Where the camera's attitude is known, only the views that an upright object can show are compared; where the sun is
 // known, too, each also as the sun would show it: an object that stands upright and is seen from a view's azimuth has
-// the sun in one place. Making a lit view costs far more than comparing it: those sought first are made coarsely, and
+// the sun in one place. A wide camera's lines of sight come from several azimuths; each place is compared under the sun
+// of its own. Making a lit view costs far more than comparing it: those sought first are made coarsely, and
 // sharp ones only of those followed. Where nobody tells the attitude, the camera is supposed to be held upright at
 // least.
 #pragma once
