@@ -168,22 +168,41 @@ Look LitLook(const ObjectModel& model, std::size_t view, double aside_rad, const
   return {.view = view, .sun_view = ViewFromSun(model, shared_rad, sun.elevation_rad), .aside_rad = aside_rad};
 }
 
-// Lines of sight share a sun within half of this to either side.
-double AsideStep(const VoteSearchOptions& options) { return 2 * options.sun_step_rad; }
-
-// How far aside the lines of sight lie that can show a view: a wide camera's spread far, and each looks at its object
-// from another side, and so under another sun. In steps that all views share.
-std::vector<double> Asides(const std::vector<SightLine>& lines, const ModelView& view,
-                           const VoteSearchOptions& options) {
-  std::set<double> steps;
-  for (const SightLine& line : lines) {
-    if (std::abs(line.off_nadir_rad - view.angles->off_nadir_rad) > options.most_tilt_rad) continue;
-    steps.insert(std::round(line.aside_rad / AsideStep(options)));
+// A wide camera's lines of sight spread far, and each looks at its object from another side, and so under another sun.
+// They are taken together in cells of some two steps of the sun, mostly one.
+class AsideCells {
+ public:
+  AsideCells(const std::vector<SightLine>& lines, double sun_step_rad) : lines_(lines) {
+    if (lines.empty()) return;
+    const auto [least, most] = std::ranges::minmax_element(lines, {}, &SightLine::aside_rad);
+    const double spread_rad = most->aside_rad - least->aside_rad;
+    count_ = std::max(1.0, std::round(spread_rad / (2 * sun_step_rad)));
+    width_rad_ = spread_rad / count_;
+    first_rad_ = least->aside_rad + width_rad_ / 2;
   }
-  std::vector<double> asides;
-  for (const double step : steps) asides.push_back(step * AsideStep(options));
-  return asides;
-}
+
+  // The middle of the cell that a line of sight is in, or, beyond the frame, of the one nearest to it.
+  [[nodiscard]] double MiddleOf(double aside_rad) const {
+    if (!(width_rad_ > 0)) return first_rad_;
+    return first_rad_ + width_rad_ * std::clamp(std::round((aside_rad - first_rad_) / width_rad_), 0.0, count_ - 1);
+  }
+
+  // The middles of those with lines of sight that can show a view.
+  [[nodiscard]] std::set<double> MiddlesOf(const ModelView& view, double most_tilt_rad) const {
+    std::set<double> middles;
+    for (const SightLine& line : lines_) {
+      if (std::abs(line.off_nadir_rad - view.angles->off_nadir_rad) > most_tilt_rad) continue;
+      middles.insert(MiddleOf(line.aside_rad));
+    }
+    return middles;
+  }
+
+ private:
+  const std::vector<SightLine>& lines_;
+  double count_ = 1;
+  double width_rad_ = 0;
+  double first_rad_ = 0;
+};
 
 // A look, and the most evidence of a pose that it found.
 struct Lead {
@@ -201,7 +220,19 @@ class Comparison {
  public:
   Comparison(const ObjectModel& model, const LitTemplates* lit, const VoteScene& scene,
              const std::optional<Vertical>& vertical, std::size_t looks)
-      : model_(model), lit_(lit), scene_(scene), vertical_(vertical), looks_(looks) {}
+      : model_(model),
+        lit_(lit),
+        scene_(scene),
+        vertical_(vertical),
+        looks_(looks),
+        lines_(SightLines(vertical, scene.features.Searched())),
+        cells_(lines_, scene.options.sun_step_rad) {}
+
+  Comparison(const Comparison&) = delete;  // cells_ looks at lines_
+  Comparison& operator=(const Comparison&) = delete;
+
+  [[nodiscard]] const std::vector<SightLine>& lines() const { return lines_; }
+  [[nodiscard]] const AsideCells& cells() const { return cells_; }
 
   // The most evidence of a pose that each look finds.
   std::vector<double> Try(std::span<const Look> looks) {
@@ -294,7 +325,7 @@ class Comparison {
   [[nodiscard]] bool IsUnderItsSun(const Look& look, const Pose& pose) const {
     if (!look.aside_rad) return true;
     const double aside_rad = vertical_->AzimuthAt(MiddleOf(pose, model_.views[look.view].outline));
-    return std::abs(WrapAngle(aside_rad - *look.aside_rad)) <= AsideStep(scene_.options) / 2;
+    return cells_.MiddleOf(aside_rad) == *look.aside_rad;
   }
 
   [[nodiscard]] bool AreBeside(const Look& one, const Look& other) const {
@@ -323,6 +354,8 @@ class Comparison {
   const VoteScene& scene_;
   const std::optional<Vertical>& vertical_;
   std::size_t looks_;
+  std::vector<SightLine> lines_;  // of what is searched
+  AsideCells cells_;
   std::vector<Compared> compared_;
   std::vector<Candidate> candidates_;
 };
@@ -334,8 +367,7 @@ std::vector<Candidate> VoteSearch::Search(const VoteScene& scene, const FrameCon
   const bool sunny = lit_ && conditions.vertical && conditions.sun_ahead;
   Comparison comparison(*model_, lit_.get(), scene, conditions.vertical, model_->views.size() * (sunny ? 2 : 1));
 
-  const std::vector<SightLine> lines = SightLines(conditions.vertical, scene.features.Searched());
-  const std::vector<bool> chosen = ChooseViews(*model_, lines, options.most_tilt_rad);
+  const std::vector<bool> chosen = ChooseViews(*model_, comparison.lines(), options.most_tilt_rad);
   std::set<std::pair<std::size_t, std::optional<double>>> tried;  // a view, and how far aside where under the sun
   const auto add = [&](std::size_t view, std::optional<double> aside_rad, std::vector<Look>& looks) {
     if (!chosen[view] || (aside_rad && !TellsHeading(model_->views[view]))) return;
@@ -353,7 +385,9 @@ std::vector<Candidate> VoteSearch::Search(const VoteScene& scene, const FrameCon
     if (!sunny || std::ssize(lit_views) == options.most_lit) break;
     if (!TellsHeading(view)) continue;
     lit_views.insert(lead.look.view);
-    for (const double aside_rad : Asides(lines, view, options)) add(lead.look.view, aside_rad, lit);
+    for (const double aside_rad : comparison.cells().MiddlesOf(view, options.most_tilt_rad)) {
+      add(lead.look.view, aside_rad, lit);
+    }
   }
   for (Look& look : lit) look.coarse = true;
   std::ranges::copy(comparison.Leads(lit), std::back_inserter(leads));
@@ -378,14 +412,13 @@ std::vector<Candidate> VoteSearch::SearchViews(const VoteScene& scene, const Fra
   const VoteSearchOptions& options = scene.options;
   const bool sunny = lit_ && conditions.vertical && conditions.sun_ahead;
   Comparison comparison(*model_, lit_.get(), scene, conditions.vertical, views.size() * (sunny ? 2 : 1));
-  const std::vector<SightLine> lines = SightLines(conditions.vertical, scene.features.Searched());
   std::vector<Look> looks;
   for (const std::size_t number : views) {
     const ModelView& view = model_->views[number];
     if (view.feature_count == 0) continue;
     looks.push_back({.view = number, .sun_view = {}});
     if (!sunny || !TellsHeading(view)) continue;
-    for (const double aside_rad : Asides(lines, view, options)) {
+    for (const double aside_rad : comparison.cells().MiddlesOf(view, options.most_tilt_rad)) {
       looks.push_back(LitLook(*model_, number, aside_rad, *conditions.sun_ahead, options.sun_step_rad));
     }
   }
