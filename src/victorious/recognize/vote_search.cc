@@ -16,6 +16,7 @@
 #include "victorious/geometry/polygon.h"
 #include "victorious/kernels/nearest.h"
 #include "victorious/pose/pooled_template.h"
+#include "victorious/recognize/sight_cells.h"
 
 namespace victorious {
 
@@ -83,35 +84,9 @@ struct Look {
   bool coarse = false;                   // as LitView
 };
 
-// A line of sight: how far off nadir, and its azimuth from where the camera is headed.
-struct SightLine {
-  double off_nadir_rad;
-  double aside_rad;
-};
-
-// Over a part of the frame, evenly; none where nobody tells the camera's attitude.
-std::vector<SightLine> SightLines(const std::optional<Vertical>& vertical, const Box& part) {
-  constexpr int kCells = 8;
-  std::vector<SightLine> lines;
-  if (!vertical) return lines;
-  for (int i = 0; i < (kCells + 1) * (kCells + 1); ++i) {
-    const Eigen::Vector2d pixel(part.x + part.width * (i % (kCells + 1)) / kCells,
-                                part.y + part.height * (i / (kCells + 1)) / kCells);
-    lines.push_back({std::acos(std::clamp(-vertical->SeenAt(pixel).z(), -1.0, 1.0)), vertical->AzimuthAt(pixel)});
-  }
-  return lines;
-}
-
 // The views that a scene may show: by their features, and by how far off nadir its lines of sight are.
-// @param lines  of the scene; none where nobody tells them
-std::vector<bool> ChooseViews(const ObjectModel& model, const std::vector<SightLine>& lines, double most_tilt_rad) {
-  double least_rad = 0;
-  double most_rad = kPi;
-  if (!lines.empty()) {
-    const auto [least, most] = std::ranges::minmax_element(lines, {}, &SightLine::off_nadir_rad);
-    least_rad = least->off_nadir_rad;
-    most_rad = most->off_nadir_rad;
-  }
+std::vector<bool> ChooseViews(const ObjectModel& model, const SightCells& cells, double most_tilt_rad) {
+  const auto [least_rad, most_rad] = cells.OffNadir();
   std::vector<bool> chosen;
   for (const ModelView& view : model.views) {
     const bool fits = !view.angles || (view.angles->off_nadir_rad >= least_rad - most_tilt_rad &&
@@ -168,42 +143,6 @@ Look LitLook(const ObjectModel& model, std::size_t view, double aside_rad, const
   return {.view = view, .sun_view = ViewFromSun(model, shared_rad, sun.elevation_rad), .aside_rad = aside_rad};
 }
 
-// A wide camera's lines of sight spread far, and each looks at its object from another side, and so under another sun.
-// They are taken together in cells of some two steps of the sun, mostly one.
-class AsideCells {
- public:
-  AsideCells(const std::vector<SightLine>& lines, double sun_step_rad) : lines_(lines) {
-    if (lines.empty()) return;
-    const auto [least, most] = std::ranges::minmax_element(lines, {}, &SightLine::aside_rad);
-    const double spread_rad = most->aside_rad - least->aside_rad;
-    count_ = std::max(1.0, std::round(spread_rad / (2 * sun_step_rad)));
-    width_rad_ = spread_rad / count_;
-    first_rad_ = least->aside_rad + width_rad_ / 2;
-  }
-
-  // The middle of the cell that a line of sight is in, or, beyond the frame, of the one nearest to it.
-  [[nodiscard]] double MiddleOf(double aside_rad) const {
-    if (!(width_rad_ > 0)) return first_rad_;
-    return first_rad_ + width_rad_ * std::clamp(std::round((aside_rad - first_rad_) / width_rad_), 0.0, count_ - 1);
-  }
-
-  // The middles of those with lines of sight that can show a view.
-  [[nodiscard]] std::set<double> MiddlesOf(const ModelView& view, double most_tilt_rad) const {
-    std::set<double> middles;
-    for (const SightLine& line : lines_) {
-      if (std::abs(line.off_nadir_rad - view.angles->off_nadir_rad) > most_tilt_rad) continue;
-      middles.insert(MiddleOf(line.aside_rad));
-    }
-    return middles;
-  }
-
- private:
-  const std::vector<SightLine>& lines_;
-  double count_ = 1;
-  double width_rad_ = 0;
-  double first_rad_ = 0;
-};
-
 // A look, and the most evidence of a pose that it found.
 struct Lead {
   Look look;
@@ -225,14 +164,10 @@ class Comparison {
         scene_(scene),
         vertical_(vertical),
         looks_(looks),
-        lines_(SightLines(vertical, scene.features.Searched())),
-        cells_(lines_, scene.options.sun_step_rad) {}
+        cells_(vertical, scene.features.Searched(), 2 * scene.options.sun_step_rad) {}
 
-  Comparison(const Comparison&) = delete;  // cells_ looks at lines_
-  Comparison& operator=(const Comparison&) = delete;
-
-  [[nodiscard]] const std::vector<SightLine>& lines() const { return lines_; }
-  [[nodiscard]] const AsideCells& cells() const { return cells_; }
+  // Which places of what is searched are compared under which sun.
+  [[nodiscard]] const SightCells& cells() const { return cells_; }
 
   // The most evidence of a pose that each look finds.
   std::vector<double> Try(std::span<const Look> looks) {
@@ -354,8 +289,7 @@ class Comparison {
   const VoteScene& scene_;
   const std::optional<Vertical>& vertical_;
   std::size_t looks_;
-  std::vector<SightLine> lines_;  // of what is searched
-  AsideCells cells_;
+  SightCells cells_;
   std::vector<Compared> compared_;
   std::vector<Candidate> candidates_;
 };
@@ -367,7 +301,7 @@ std::vector<Candidate> VoteSearch::Search(const VoteScene& scene, const FrameCon
   const bool sunny = lit_ && conditions.vertical && conditions.sun_ahead;
   Comparison comparison(*model_, lit_.get(), scene, conditions.vertical, model_->views.size() * (sunny ? 2 : 1));
 
-  const std::vector<bool> chosen = ChooseViews(*model_, comparison.lines(), options.most_tilt_rad);
+  const std::vector<bool> chosen = ChooseViews(*model_, comparison.cells(), options.most_tilt_rad);
   std::set<std::pair<std::size_t, std::optional<double>>> tried;  // a view, and how far aside where under the sun
   const auto add = [&](std::size_t view, std::optional<double> aside_rad, std::vector<Look>& looks) {
     if (!chosen[view] || (aside_rad && !TellsHeading(model_->views[view]))) return;
@@ -385,7 +319,7 @@ std::vector<Candidate> VoteSearch::Search(const VoteScene& scene, const FrameCon
     if (!sunny || std::ssize(lit_views) == options.most_lit) break;
     if (!TellsHeading(view)) continue;
     lit_views.insert(lead.look.view);
-    for (const double aside_rad : comparison.cells().MiddlesOf(view, options.most_tilt_rad)) {
+    for (const double aside_rad : comparison.cells().MiddlesOf(view.angles->off_nadir_rad, options.most_tilt_rad)) {
       add(lead.look.view, aside_rad, lit);
     }
   }
@@ -418,7 +352,7 @@ std::vector<Candidate> VoteSearch::SearchViews(const VoteScene& scene, const Fra
     if (view.feature_count == 0) continue;
     looks.push_back({.view = number, .sun_view = {}});
     if (!sunny || !TellsHeading(view)) continue;
-    for (const double aside_rad : comparison.cells().MiddlesOf(view, options.most_tilt_rad)) {
+    for (const double aside_rad : comparison.cells().MiddlesOf(view.angles->off_nadir_rad, options.most_tilt_rad)) {
       looks.push_back(LitLook(*model_, number, aside_rad, *conditions.sun_ahead, options.sun_step_rad));
     }
   }
@@ -429,9 +363,9 @@ std::vector<Candidate> VoteSearch::SearchViews(const VoteScene& scene, const Fra
 
 std::vector<SunLead> VoteSearch::FindSunLeads(const VoteScene& scene, const Vertical& vertical) const {
   if (!lit_) return {};
-  const std::vector<SightLine> lines = SightLines(vertical, scene.features.Searched());
+  const SightCells cells(vertical, scene.features.Searched(), 2 * scene.options.sun_step_rad);
   std::vector<Look> looks;
-  for (const std::size_t view : ChooseScouts(*model_, ChooseViews(*model_, lines, scene.options.most_tilt_rad))) {
+  for (const std::size_t view : ChooseScouts(*model_, ChooseViews(*model_, cells, scene.options.most_tilt_rad))) {
     if (TellsHeading(model_->views[view])) looks.push_back({.view = view, .sun_view = {}});
   }
   const std::optional<Vertical> known = vertical;
