@@ -110,7 +110,6 @@ TEST(PooledTemplate, TogetherViewsHaveMoreEvidenceThanEachAlone) {
                                static_cast<float>(1.5 * std::exp2(2 * random.Uniform())),
                                static_cast<float>(2 * kPi * random.Uniform() - kPi)});
   }
-  scene.descriptors.resize(scene.keypoints.size() * kDescriptorSize);
   const Similarity2 pose{0.8, 0.4, {180, 40}};
   std::uint32_t in_scene = 0;
   const auto match = [&](DrawnView& view) {

@@ -53,20 +53,35 @@ double ShareThatAgrees(const Keypoint& keypoint, const Similarity2& pose, const 
   return std::max(kLeastCount, count / wider) / static_cast<double>(scene.size());
 }
 
-// Each inlier's chance, those left out that overlap a likelier one in the scene; ascending.
+// Whether two keypoints of the scene look alike, as those of a repeated pattern do: nearer than most right matches are.
+// Descriptors are some 512 long.
+bool LookAlike(const FeatureSet& scene, std::size_t a, std::size_t b) {
+  constexpr int kAlike = 150;
+  if (scene.descriptors.empty()) return false;  // places alone
+  const auto of_a = scene.View().Descriptor(a);
+  const auto of_b = scene.View().Descriptor(b);
+  int squared = 0;
+  for (std::size_t i = 0; i < kDescriptorSize; ++i) squared += (of_a[i] - of_b[i]) * (of_a[i] - of_b[i]);
+  return squared < kAlike * kAlike;
+}
+
+// Each inlier's chance, ascending; those left out that tell nothing of their own: that overlap a likelier one in the
+// scene, or look like it. Where one joint of a pavement is taken for a part of the object, the next ones are, too.
 std::vector<double> Chances(const Similarity2& pose, std::span<const RankedMatch> inliers, const PoseWindow& window,
                             const FeatureSet& scene, std::span<const Keypoint> model, const VoteOptions& options) {
   std::vector<RankedMatch> by_rank(inliers.begin(), inliers.end());
   std::ranges::stable_sort(by_rank, {}, &RankedMatch::rank);
-  std::vector<Keypoint> taken;
+  std::vector<std::size_t> taken;
   std::vector<double> chances;
   for (const RankedMatch& match : by_rank) {
     const Keypoint& keypoint = scene.keypoints[match.scene];
-    const bool overlaps = std::ranges::any_of(taken, [&](const Keypoint& other) {
-      return (PlaceOf(keypoint) - PlaceOf(other)).norm() < options.apart * std::max(keypoint.scale_px, other.scale_px);
+    const bool tells_nothing = std::ranges::any_of(taken, [&](std::size_t known) {
+      const Keypoint& other = scene.keypoints[known];
+      const double reach_px = options.apart * std::max(keypoint.scale_px, other.scale_px);
+      return (PlaceOf(keypoint) - PlaceOf(other)).norm() < reach_px || LookAlike(scene, match.scene, known);
     });
-    if (overlaps) continue;
-    taken.push_back(keypoint);
+    if (tells_nothing) continue;
+    taken.push_back(match.scene);
     chances.push_back(std::min(1.0, match.rank * ShareThatAgrees(model[match.model], pose, window, scene, options)));
   }
   std::ranges::sort(chances);

@@ -33,7 +33,6 @@ struct World {
     scene.keypoints.push_back({static_cast<float>(place.x()), static_cast<float>(place.y()),
                                static_cast<float>(keypoint.scale_px * kPose.scale),
                                static_cast<float>(WrapAngle(keypoint.orientation_rad + kPose.rotation_rad))});
-    scene.descriptors.resize(scene.keypoints.size() * kDescriptorSize);
   }
 
   [[nodiscard]] double Evidence(std::size_t first_inliers) const {
