@@ -200,7 +200,7 @@ double LogOdds(double score) {
 // is right than wrong. Of finds that chance makes, those of odds above x are some 1/x as many as those of even odds,
 // and they are as short as any: a thing seen in n frames that bear each other out is n times less likely one of them.
 // Its odds are those of a typical frame, the mean of their logarithms: of the best of n chance has n to choose from.
-bool IsFaint(const Thing& thing, std::size_t sights, std::int64_t frames_searched, const ObjectOptions& options) {
+bool IsFaint(const Thing& thing, std::int64_t frames_searched, const ObjectOptions& options) {
   double log_odds = 0;
   double recognised = 0;
   double frames = 0;
@@ -212,7 +212,7 @@ bool IsFaint(const Thing& thing, std::size_t sights, std::int64_t frames_searche
     }
   }
   if (recognised > 0) log_odds /= recognised;
-  if (thing.where.place) frames = std::max(1.0, frames * thing.where.borne_out / static_cast<double>(sights));
+  if (thing.where.place) frames = std::max(1.0, frames * thing.where.borne_out);
   constexpr double kMostByChance = 0.1;  // finds as clear as this one, in all that was searched
   const double even_by_chance = options.false_share * static_cast<double>(frames_searched);
   return std::exp(log_odds) * frames * kMostByChance < even_by_chance;
@@ -308,16 +308,15 @@ std::vector<ObjectRecord> MakeObjects(std::vector<SeenRun> runs, std::int64_t fr
   Heights heights;
   for (Thing& thing : things) {
     thing.where = PlaceOf(thing, options, 1);
-    const std::size_t sights = SightsOf(thing).size();
     ObjectRecord object{.id = thing.runs[0]->record.id,
                         .model = thing.runs[0]->record.model,
                         .place = thing.where.place,
                         .heading_rad = thing.where.heading_rad,
-                        .rejected = WhyNone(thing.where, sights, options)};
+                        .rejected = WhyNone(thing.where, SightsOf(thing).size(), options)};
     for (const SeenRun* run : thing.runs) object.runs.push_back(run->record.id);
     if (thing.runs[0]->of_category) {
       if (!std::exchange(object.rejected, {}).empty()) object.place.reset();
-    } else if (object.rejected.empty() && IsFaint(thing, sights, frames_searched, options)) {
+    } else if (object.rejected.empty() && IsFaint(thing, frames_searched, options)) {
       object.rejected = fmt::format("too faint: chance finds as much in {} frames of one model", frames_searched);
     }
     if (object.place && object.rejected.empty() && thing.where.too_large) {

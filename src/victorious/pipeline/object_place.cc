@@ -253,7 +253,7 @@ ObjectPlace PlaceOf(std::span<const Sight> sights, const ObjectOptions& options,
     if (sights[i].heading_rad && (fix->inliers[i] || !fix->place)) headings.push_back(*sights[i].heading_rad);
   }
   result.heading_rad = CommonHeading(headings);
-  result.borne_out = BorneOut(sights, *fix, result.heading_rad);
+  result.borne_out = BorneOut(sights, *fix, result.heading_rad) / static_cast<double>(lines.size());
   return result;
 }
 

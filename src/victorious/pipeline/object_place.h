@@ -15,7 +15,7 @@ struct ObjectPlace {
   std::optional<Place> place;
   std::optional<double> heading_rad;  ///< clockwise from north
   double agreeing = 0;                ///< the share of sights whose lines meet at the place
-  int borne_out = 0;                  ///< sights that bear each other out: they meet there, turned alike
+  double borne_out = 0;               ///< the share that bears each other out: they meet there, turned alike
   std::optional<double> too_large;    ///< the factor by which the object seems too large for where its lines meet
 };
 
