@@ -18,7 +18,7 @@ testing::DrawnLines NoisyLines(std::uint64_t seed, const Eigen::Vector3d& veloci
                                     .noise_deg = 0.5});
 }
 
-// Over many seeds: how often the place is within 3 sigma and 95 % of the true lines are kept.
+// Counts over many seeds how often the place is within 3 sigma and how often 95 % of the inliers are kept.
 std::vector<std::pair<std::string, double>> Reliability(const LocateOptions& settings,
                                                         const Eigen::Vector3d& velocity_enu, int seeds) {
   int near = 0;

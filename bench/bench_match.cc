@@ -12,7 +12,7 @@
 namespace victorious::bench {
 namespace {
 
-// As OpenCV's matcher is fastest: 32-bit floats.
+// 32-bit floats, the fastest type for OpenCV's matcher.
 cv::Mat FloatDescriptors(const FeatureView& features) {
   cv::Mat descriptors(static_cast<int>(features.size()), static_cast<int>(kDescriptorSize), CV_32F);
   std::ranges::copy(features.descriptors, descriptors.begin<float>());

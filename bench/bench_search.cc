@@ -13,9 +13,9 @@
 namespace victorious::bench {
 namespace {
 
-constexpr int kKeypoints = 1300;  // a frame
+constexpr int kKeypoints = 1300;  // per frame
 
-// An index of one video of which a frame a second is kept: `frames` of them, the flight's own over and over.
+// An index of one video with `frames` kept frames, one per second: the flight's frames repeated.
 std::unique_ptr<IndexStore> MakeIndex(const std::filesystem::path& path, const testing::SyntheticFlight& flight,
                                       int frames) {
   constexpr int kDrawnFrames = 30;

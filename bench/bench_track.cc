@@ -20,13 +20,13 @@ std::vector<Frame> DrawnFrames(const testing::SyntheticFlight& flight, int count
   return frames;
 }
 
-/// Frames a second: each is followed once, but the first.
+/// Frames per second; the first frame is not tracked.
 void AddRate(std::size_t frames, Result& result) {
   result.figures = {{"frames_per_s", 1000 * static_cast<double>(frames - 1) / result.median_ms}};
 }
 
 Result TimeRegions(const std::vector<Frame>& frames, const Settings& settings) {
-  constexpr int kPoints = 50;  // a region
+  constexpr int kPoints = 50;  // per region
   const std::vector<Box> boxes = {{60, 60, 120, 100}, {300, 80, 140, 120}, {80, 280, 130, 110}, {400, 300, 120, 120}};
   const auto follow = [&] {
     RegionTracker tracker = RegionTracker::Create({}).value();

@@ -1,5 +1,5 @@
-// box-peers VIDEO X,Y,W,H NAME [FRAMES]: follows a box of the first frame with one of OpenCV's trackers, for
-// bench/accuracy/box_tracking.py. Prints a line a frame: its number and the box (x y w h) or "none".
+// box-peers VIDEO X,Y,W,H NAME [FRAMES]: tracks a box of the first frame by one of OpenCV's trackers, for
+// bench/accuracy/box_tracking.py. Prints one line per frame: its number and the box (x y w h) or "none".
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>

@@ -17,7 +17,7 @@ double MillisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-// The mean time of one of `repetitions` runs.
+// The mean time of `repetitions` calls.
 double TimeMs(const Contestant& contestant, int repetitions) {
   volatile double sink = 0;
   const Clock::time_point start = Clock::now();
@@ -31,7 +31,7 @@ double Median(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
 }
 
-// Thousandths of a millisecond where milliseconds would begin with zeros.
+// Formats as us, ms or s, whichever has a value of at least 1.
 std::string TimeText(double ms) {
   if (ms < 1) return fmt::format("{:.2f} us", 1000 * ms);
   if (ms < 1000) return fmt::format("{:.2f} ms", ms);

@@ -1,5 +1,5 @@
-// How speed is compared: ours and its peers run in turn, in one process, on the same input, and each one's median
-// counts. A machine's slow moments then fall on all of them alike.
+// The benchmark harness. Our implementation and its peers run alternately, in one process, on the same input; the
+// medians of their times are compared. Disturbances of the machine then affect all of them equally.
 #pragma once
 
 #include <functional>
@@ -12,20 +12,20 @@
 
 namespace victorious::bench {
 
-/// Something to be timed. What it returns is thrown away, but the compiler cannot know that.
+/// A function to time. Its result is discarded, but prevents the compiler from removing the computation.
 struct Contestant {
   std::string name;
   std::function<double()> run;
 };
 
-/// How long a comparison may take.
+/// Limits on the duration of a comparison.
 struct Effort {
-  double budget_s = 4.0;  ///< for all rounds, once least_rounds are done
-  int least_rounds = 5;   ///< so many are timed whatever they take
+  double budget_s = 4.0;  ///< for all rounds, after least_rounds
+  int least_rounds = 5;   ///< rounds timed regardless of budget_s
   int most_rounds = 201;
-  double least_time_ms = 1.0;  ///< what is faster is repeated within a round until it takes so long
+  double least_time_ms = 1.0;  ///< faster functions are repeated within a round to take at least this long
 
-  /// One round of one run: enough to see that it runs.
+  /// One round of one call, for smoke tests.
   static Effort Quick() { return {.budget_s = 0, .least_rounds = 1, .most_rounds = 1, .least_time_ms = 0}; }
 };
 
@@ -34,17 +34,18 @@ struct Result {
   std::string name;
   double median_ms = 0;  ///< ours
   std::vector<std::pair<std::string, double>> peer_median_ms;
-  std::vector<std::pair<std::string, double>> figures;  ///< what the input was, and other readings of the median
+  std::vector<std::pair<std::string, double>> figures;  ///< sizes of the input, and other measurements
 };
 
-/// Times ours and each peer in turn, round by round. One run of each goes before, untimed.
+/// Times our implementation and each peer alternately, round by round. Calls each once before to set the number of
+/// repetitions; this call is not counted.
 Result Compare(std::string name, const Contestant& ours, const std::vector<Contestant>& peers, const Effort& effort);
 
-/// {"cascade_0.8": {"median_ms": .., "peers": {"reference": ..}, "ratio_to_reference": .., ...}, ...}; above 1: ours is
-/// faster.
+/// {"cascade_0.8": {"median_ms": .., "peers": {"reference": ..}, "ratio_to_reference": .., ...}, ...}; a ratio
+/// above 1 means that ours is faster.
 nlohmann::ordered_json ToJson(const std::vector<Result>& results);
 
-/// The same, a line a comparison.
+/// The same as text, one line per comparison.
 std::string ToText(const std::vector<Result>& results);
 
 }  // namespace victorious::bench

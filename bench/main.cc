@@ -1,5 +1,5 @@
-// victorious-bench [NAME] [--json] [--quick]: how fast each stage and the whole are, beside their peers, in one run.
-// `victorious bench` starts it. Stages run on one core, the search by picture on all.
+// victorious-bench [NAME] [--json] [--quick]: measures the speed of each stage and of whole frames against peers.
+// `victorious bench` starts it. Stages run on one core, the search by image on all cores.
 #include <algorithm>
 #include <array>
 #include <cstdio>

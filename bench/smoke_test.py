@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Whether every benchmark runs and reports as documented: smoke_test.py PROGRAM. Times are read, never judged."""
+"""Checks that every benchmark runs and reports as documented: smoke_test.py PROGRAM. Does not assess the times."""
 
 import json
 import subprocess

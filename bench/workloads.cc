@@ -20,14 +20,14 @@
 namespace victorious::bench {
 namespace {
 
-// Drawn input is what we make it: an error in it is our mistake.
+// Unwraps a result for generated input, for which an error is a programming error.
 template <typename T>
 T Take(Expected<T> value) {
   VICTORIOUS_CHECK(value.has_value());
   return *std::move(value);
 }
 
-// The flat thing from afar: foreshortened along the line of sight, which is turned upwards in the picture.
+// A view of the flat object from afar: foreshortened along the projected line of sight, which points up in the image.
 cv::Mat SeenFrom(const cv::Mat& thing, double azimuth_rad, double off_nadir_rad) {
   const double c = std::cos(azimuth_rad);
   const double s = std::sin(azimuth_rad);
@@ -57,7 +57,7 @@ std::vector<Photo> AllRoundPhotos(const cv::Mat& thing, int every) {
   return photos;
 }
 
-// `count` different numbers below `bound`.
+// Draws `count` distinct numbers below `bound`.
 std::vector<std::uint32_t> DrawDistinct(std::size_t count, std::size_t bound, Random& random) {
   VICTORIOUS_CHECK(count <= bound);
   std::vector<std::uint32_t> numbers(bound);
@@ -75,7 +75,7 @@ testing::SyntheticFlight DrawnFlight() {
   testing::FlightOptions options;
   options.seed = 8;
   options.things = 4;
-  options.blur_px = 1.25;  // brings some 1300 keypoints, as many as the thesis's frames have
+  options.blur_px = 1.25;  // results in about 1300 keypoints, as in the thesis's frames
   return testing::SyntheticFlight(options);
 }
 

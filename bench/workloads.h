@@ -1,4 +1,4 @@
-// What the benchmarks run on: drawn by seed, the same on every machine.
+// Synthetic inputs of the benchmarks: generated from a seed, identical on every machine.
 #pragma once
 
 #include <cstddef>
@@ -16,33 +16,33 @@
 
 namespace victorious::bench {
 
-/// A flight over a drawn town, 640 x 480 px, with four things on the ground.
+/// A flight over a synthetic town, 640 x 480 px, with four objects on the ground.
 testing::SyntheticFlight DrawnFlight();
 
-/// One of its frames, grey, with some 1300 keypoints.
+/// One of its frames in grey, with about 1300 keypoints.
 cv::Mat GreyFrame(const testing::SyntheticFlight& flight, int index = 0);
 
-/// The features of a grey picture by the default engine.
-/// @param most  the strongest so many; 0: all
+/// The features of a grey image by the default engine.
+/// @param most  the number of strongest features to keep; 0: all
 FeatureSet FeaturesOf(const cv::Mat& grey, int most = 0);
 
-/// A drawn thing, cut out by its alpha channel.
+/// A synthetic object, with its alpha channel as mask.
 /// @param bgra  CV_8UC4
 Photo PhotoOf(const cv::Mat& bgra);
 
-/// The thing's photo as a model of one view.
+/// A model with one view, the object's photo.
 ObjectModel PhotoModel(const testing::SyntheticFlight& flight, int thing);
 
-/// Each of the flight's things as a camera sees it from all around, down to 70 degrees off nadir: 1 + 7 x 36 = 253
-/// views of the 100 strongest features each (or fewer, where a view has fewer).
-/// @param every  only each so-many-th view
+/// Models of the flight's objects with views from all azimuths, up to 70 degrees off nadir: 1 + 7 x 36 = 253 views with
+/// the 100 strongest features each (or all, if a view has fewer).
+/// @param every  use only every n-th view
 std::vector<ObjectModel> AllRoundModels(const testing::SyntheticFlight& flight, int every = 1);
 
-/// The views of all models, one after the other.
+/// The views of all models, concatenated.
 std::vector<FeatureView> ViewsOf(const std::vector<ObjectModel>& models);
 
-/// One template's matches in a scene: `true_matches` as a similarity puts them, with the noise of real keypoints; the
-/// rest between any two keypoints.
+/// One template's matches in a scene: `true_matches` inliers of a similarity, with noise as of real keypoints, and
+/// `false_matches` random pairs of keypoints.
 struct MatchedScene {
   std::vector<Keypoint> scene;
   std::vector<Keypoint> model;
@@ -50,7 +50,7 @@ struct MatchedScene {
 };
 MatchedScene DrawnMatches(std::size_t true_matches, std::size_t false_matches, std::uint64_t seed);
 
-/// The matches' places, template to scene.
+/// The point pairs of the matches, template to scene.
 std::vector<PointPair> PairsOf(const MatchedScene& scene, const MatchSet& matches);
 
 }  // namespace victorious::bench

@@ -1,4 +1,5 @@
-// Outside data for tests: read from $VICTORIOUS_DATA (default ../shared/data beside the project), never copied into it.
+// External test data, read from $VICTORIOUS_DATA (default ../shared/data beside the project), never copied into the
+// repository; and scratch folders.
 #pragma once
 
 #include <filesystem>
@@ -9,10 +10,10 @@
 
 namespace victorious::testing {
 
-/// $VICTORIOUS_DATA/relative, whether or not it exists.
+/// Returns $VICTORIOUS_DATA/relative, which need not exist.
 std::filesystem::path DataPath(std::string_view relative);
 
-/// An empty folder of this test's own, removed with the object.
+/// A temporary empty folder; the destructor removes it.
 class ScratchFolder {
  public:
   ScratchFolder();
@@ -29,7 +30,7 @@ class ScratchFolder {
 
 }  // namespace victorious::testing
 
-/// Declares `variable` as the path of outside data, and skips the test, by name, where it is absent.
+/// Declares `variable` as the path of external data; skips the test with a message if it does not exist.
 #define VICTORIOUS_DATA_OR_SKIP(variable, relative)                                 \
   const std::filesystem::path variable = ::victorious::testing::DataPath(relative); \
   if (!std::filesystem::exists(variable)) GTEST_SKIP() << "SKIPPED: no outside data at " << variable

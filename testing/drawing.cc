@@ -12,7 +12,7 @@
 namespace victorious::testing {
 namespace {
 
-constexpr int kFixedBits = 4;  // OpenCV draws at sixteenths of a pixel
+constexpr int kFixedBits = 4;  // OpenCV draws with a resolution of 1/16 px
 constexpr double kFixedOne = 1 << kFixedBits;
 
 }  // namespace
@@ -32,7 +32,7 @@ cv::Mat SmoothNoise(cv::Size size, double wavelength_px, Random& random) {
   cv::Mat grid(cells(size.height), cells(size.width), CV_32F);
   for (int y = 0; y < grid.rows; ++y) {
     for (int x = 0; x < grid.cols; ++x) {
-      // Of unit variance, near enough to a normal, and bounded.
+      // Unit variance, approximately normal, bounded.
       const auto [a, b, c] = Uniforms(random, {{-1, 1}, {-1, 1}, {-1, 1}});
       grid.at<float>(y, x) = static_cast<float>(a + b + c);
     }
@@ -78,7 +78,7 @@ cv::Point2d Pencil::ToPicture(cv::Point2d point) const {
 }
 
 cv::Point Pencil::Fixed(cv::Point2d point) const {
-  const cv::Point2d at = ToPicture(point) - cv::Point2d(0.5, 0.5);  // OpenCV's pixel centres lie at whole numbers
+  const cv::Point2d at = ToPicture(point) - cv::Point2d(0.5, 0.5);  // OpenCV's pixel centres are at integers
   return {cvRound(at.x * kFixedOne), cvRound(at.y * kFixedOne)};
 }
 

@@ -1,4 +1,4 @@
-// A pencil for drawn worlds: shapes in their own coordinates, colours, and noise that looks the same on every machine.
+// Drawing primitives for synthetic images: shapes in local coordinates, colours, and reproducible noise.
 #pragma once
 
 #include <array>
@@ -15,19 +15,19 @@ namespace victorious::testing {
 
 using Colour = cv::Scalar;  ///< blue, green, red: 0 to 255
 
-/// The colour made brighter (factor > 1) or darker.
+/// Returns the colour scaled by `factor`: brighter (factor > 1) or darker.
 Colour Shade(const Colour& colour, double factor);
 
-/// A colour of the list, a little brighter or darker.
+/// Returns a random colour of the list with a small random change of brightness.
 Colour PickColour(std::initializer_list<Colour> palette, Random& random);
 
-/// Zero mean, unit variance, CV_32F; its bumps are about `wavelength_px` wide.
+/// Returns smooth noise of zero mean and unit variance (CV_32F) with a correlation length of about `wavelength_px`.
 cv::Mat SmoothNoise(cv::Size size, double wavelength_px, Random& random);
 
 /// image *= 1 + noise * strength / 255, pixel by pixel, from `strength` (CV_8U) and `noise` (CV_32F).
 void ApplyTexture(cv::Mat& image, const cv::Mat& noise, const cv::Mat& strength);
 
-/// `count` letters and digits that cannot be mistaken for each other.
+/// Returns `count` random letters and digits, without characters that look alike.
 std::string RandomLabel(int count, Random& random);
 
 struct Range {
@@ -35,8 +35,8 @@ struct Range {
   double high;
 };
 
-/// A uniform draw from each range, in their order. (Draws that stand side by side in one expression come in an order of
-/// the compiler's own choice.)
+/// Draws one uniform number from each range, in order. (Within one expression, the compiler may choose the order of
+/// evaluation.)
 template <std::size_t N>
 std::array<double, N> Uniforms(Random& random, const Range (&ranges)[N]) {
   std::array<double, N> draws;
@@ -44,28 +44,28 @@ std::array<double, N> Uniforms(Random& random, const Range (&ranges)[N]) {
   return draws;
 }
 
-/// Draws on a picture in coordinates of its own: turned, moved and scaled. Every shape is anti-aliased.
+/// Draws anti-aliased shapes on an image in a local coordinate system (rotated, translated, scaled).
 class Pencil {
  public:
-  /// @param picture  drawn on, shared
-  /// @param origin   where the pencil's (0, 0) lies, px
-  /// @param angle_rad  from the picture's +x towards +y
-  /// @param scale    picture pixels per unit
+  /// @param picture  the image to draw on; shared
+  /// @param origin   the local origin in the image, px
+  /// @param angle_rad  rotation from the image's +x towards +y
+  /// @param scale    image pixels per local unit
   Pencil(const cv::Mat& picture, cv::Point2d origin, double angle_rad = 0.0, double scale = 1.0);
 
-  /// The same place and turn on another picture.
+  /// Returns a pencil with the same coordinate system on another image.
   [[nodiscard]] Pencil On(const cv::Mat& picture) const;
   [[nodiscard]] cv::Point2d ToPicture(cv::Point2d point) const;
 
   void Fill(const std::vector<cv::Point2d>& corners, const Colour& colour);
-  /// The rectangle about (x, y) of the given width and height.
+  /// A filled rectangle centred at (x, y).
   void Box(double x, double y, double width, double height, const Colour& colour);
   void Frame(double x, double y, double width, double height, const Colour& colour, double thickness = 1.0);
   void Disc(double x, double y, double radius, const Colour& colour);
   void Oval(double x, double y, double half_width, double half_height, const Colour& colour);
   void Ring(double x, double y, double radius, const Colour& colour, double thickness = 1.0);
   void Line(cv::Point2d from, cv::Point2d to, const Colour& colour, double thickness = 1.0);
-  /// Stroke letters, centred at (x, y), `height` units high, never wider than `max_width`. Along the picture's x.
+  /// Text in a stroke font, centred at (x, y), `height` units high, at most `max_width` wide, along the image's x axis.
   void Text(double x, double y, const std::string& text, double height, double max_width, const Colour& colour,
             double thickness);
 

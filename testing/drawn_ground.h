@@ -1,4 +1,4 @@
-// Ground whose heights are a formula.
+// A Ground with heights given by a function.
 #pragma once
 
 #include <cmath>
@@ -10,7 +10,7 @@
 
 namespace victorious::testing {
 
-/// Heights above the ellipsoid by metres east and north of a point; NaN: not known.
+/// Heights above the ellipsoid as a function of metres east and north of a point; NaN: unknown.
 class DrawnGround final : public Ground {
  public:
   DrawnGround(const GeodeticPoint& origin, std::function<double(double east_m, double north_m)> height)

@@ -16,7 +16,7 @@ Vector3d NormalVector(Random& random) {
   return {x, y, random.Normal()};
 }
 
-// The line from a camera to a point, both in the plane; its angles are about the camera's own axes.
+// The line from a camera to a point, both in the tangent plane; its angles refer to the camera's own tangent plane.
 LineOfSight Sight(const TangentPlane& plane, const Vector3d& camera, const Vector3d& point) {
   const Vector3d seen = plane.LocalEnuFromEnu(camera) * (point - camera);
   return {.camera = plane.GeodeticFromEnu(camera),

@@ -1,4 +1,5 @@
-// Lines of sight from a flight past one object, with the truth: own and common errors as of telemetry, wrong lines.
+// Synthetic lines of sight from a flight past one object, with truth: independent and common telemetry errors,
+// outliers.
 #pragma once
 
 #include <cstdint>
@@ -14,16 +15,16 @@ struct DrawnLinesOptions {
   std::uint64_t seed = 1;
   int count = 100;
   double duration_s = 60;
-  double distance_m = 300;                ///< from the object's place at the last line, along the ground
+  double distance_m = 300;                ///< horizontal, from the object's place at the last line
   double height_m = 200;                  ///< above the object
-  double arc_deg = 120;                   ///< of the circle flown; 0 stands still
+  double arc_deg = 120;                   ///< arc of the circle flown; 0: the camera does not move
   Eigen::Vector3d velocity_enu{0, 0, 0};  ///< of the object, m/s
-  double wrong_share = 0;                 ///< of lines that point elsewhere: up to 15 degrees off in each angle
-  double noise_position_m = 0;            ///< of each line, each axis
-  double noise_deg = 0;                   ///< of each line, azimuth and elevation
-  double bias_position_m = 0;             ///< sigma of one draw a flight, each axis
-  double bias_deg = 0;                    ///< sigma of one draw a flight, azimuth and elevation
-  double range_share = 0;                 ///< sigma of told ranges over the distance; 0: none are told
+  double wrong_share = 0;                 ///< fraction of outliers: up to 15 degrees off in each angle
+  double noise_position_m = 0;            ///< sigma, independent for each line and axis
+  double noise_deg = 0;                   ///< sigma, independent for each line, azimuth and elevation
+  double bias_position_m = 0;             ///< sigma of the common error of the flight, per axis
+  double bias_deg = 0;                    ///< sigma of the common error of the flight, azimuth and elevation
+  double range_share = 0;                 ///< sigma of the given ranges, as a fraction of the distance; 0: no ranges
 };
 
 struct DrawnLines {

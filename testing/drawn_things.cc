@@ -13,15 +13,15 @@
 namespace victorious::testing {
 namespace {
 
-constexpr int kDetail = 2;     // drawn at twice the size, then reduced by area
-constexpr double kMargin = 2;  // transparent px around, so that the edge can be interpolated
+constexpr int kDetail = 2;     // drawn at twice the size, then downsampled by area
+constexpr double kMargin = 2;  // transparent border in px, for interpolation at the edge
 
 using Corners = std::vector<cv::Point2d>;
 
 const Colour kInk(28, 26, 24);
 const Colour kChalk(232, 236, 238);
 
-/// The other half of an outline that is symmetric about x = 0.
+/// Completes one half of an outline that is symmetric about x = 0.
 Corners Mirrored(Corners half) {
   for (auto i = half.size(); i-- > 0;) half.push_back({-half[i].x, half[i].y});
   return half;
@@ -75,7 +75,7 @@ void Emblem(Pencil& pencil, double x, double y, double radius, Random& random) {
   pencil.Fill(star, kChalk);
 }
 
-/// Small plates, hatches and labels, where they fall: what breaks the symmetry of a drawn thing.
+/// Small plates, hatches and labels at random positions, which break the symmetry of an object.
 void Fittings(Pencil& pencil, double width, double height, int count, const Colour& base, Random& random) {
   for (int i = 0; i < count; ++i) {
     const auto [w, h] = Uniforms(random, {{6, 18}, {5, 14}});

@@ -1,4 +1,4 @@
-// Flat things to look for, drawn by seed: rich in corners, and different seeds give things that can be told apart.
+// Synthetic planar objects to search for, generated from a seed: rich in corners, and distinguishable by seed.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace victorious::testing {
 
-/// All seen from straight above.
+/// All drawn as seen from nadir.
 enum class ThingKind {
   kCrate,     ///< a stencilled crate, 176 x 176 px
   kTruck,     ///< a loaded truck, 120 x 200 px, with mirrors
@@ -24,7 +24,7 @@ std::string_view Name(ThingKind kind);
 
 struct DrawnThing {
   cv::Mat picture;  ///< CV_8UC4, BGRA, alpha not premultiplied
-  Polygon outline;  ///< of what is opaque, px
+  Polygon outline;  ///< of the opaque pixels, px
 };
 
 DrawnThing DrawThing(ThingKind kind, std::uint64_t seed);

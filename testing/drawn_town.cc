@@ -47,7 +47,7 @@ class Town {
     double width;
   };
 
-  /// Streets along one axis, the first and the last outside the picture.
+  /// Streets along one axis; the first and the last are outside the image.
   std::vector<Street> LayOut(double length) {
     std::vector<Street> streets;
     for (double at = random_.Uniform(-420, -60); at < length + 700; at += random_.Uniform(520, 760)) {
@@ -64,7 +64,7 @@ class Town {
 
   Pencil Plain() { return {colour_, {0, 0}}; }
 
-  /// A plain area of one material.
+  /// A uniform area of one material.
   void Surface(const cv::Rect2d& area, const Colour& colour, double strength) {
     const double x = area.x + area.width / 2;
     const double y = area.y + area.height / 2;
@@ -91,7 +91,7 @@ class Town {
 
   Colour Asphalt() { return PickColour({{92, 90, 88}, {106, 102, 100}, {98, 100, 100}}, random_); }
 
-  /// Draws along a street: u runs along it, v across, from its middle.
+  /// Draws in street coordinates: u along the street, v across, from its middle.
   void MarkStreet(const Street& street, const std::vector<Street>& across, double length, bool upright) {
     Pencil pencil(colour_, upright ? cv::Point2d(street.middle, 0) : cv::Point2d(0, street.middle),
                   upright ? kPi / 2 : 0);
@@ -123,7 +123,7 @@ class Town {
     }
   }
 
-  /// Mended patches, cracks, manholes and stains.
+  /// Repaired patches, cracks, manholes and stains.
   void RepairStreet(Pencil& pencil, const Street& street, double length) {
     const double edge = street.width / 2 - 8;
     for (double u = 0; u < length; u += random_.Uniform(50, 130)) {
@@ -326,7 +326,7 @@ class Town {
     ApplyTexture(colour_, darker, mask);
   }
 
-  /// Grain, unevenness and wear at scales of 2 to 150 px, and the softness of a lens.
+  /// Noise texture at scales of 2 to 150 px, and lens blur.
   void Weather() {
     cv::Mat noise = SmoothNoise(size_, 2.2, random_);
     noise += 0.9 * SmoothNoise(size_, 5, random_);

@@ -1,5 +1,5 @@
-// A toy town from the air, drawn by seed: streets with their markings, roofs, gardens, trees and parked cars, sharp at
-// one pixel and with texture at every scale above it.
+// A synthetic aerial image of a town, generated from a seed: streets with markings, roofs, gardens, trees and parked
+// cars, with detail down to one pixel and texture at all larger scales.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace victorious::testing {
 
-/// CV_8UC3. A car is about 84 px long, a house 180, a block of houses 500.
+/// Returns a CV_8UC3 image. A car is about 84 px long, a house 180 px, a block of houses 500 px.
 cv::Mat DrawTown(cv::Size size, std::uint64_t seed);
 
 }  // namespace victorious::testing

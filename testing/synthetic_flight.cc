@@ -15,16 +15,16 @@
 namespace victorious::testing {
 namespace {
 
-constexpr double kClimb = 0.2;          // of the zoom, up and down
-constexpr double kSwell = 0.1;          // of a thing's scale, up and down
-constexpr double kSwayRad = 0.7;        // the camera's turn to either side
-constexpr double kFirstThing = 0.12;    // of the camera's way
-constexpr double kThingSpacing = 0.38;  // of the camera's way, at most
+constexpr double kClimb = 0.2;          // relative amplitude of the zoom
+constexpr double kSwell = 0.1;          // relative amplitude of a thing's scale
+constexpr double kSwayRad = 0.7;        // amplitude of the camera's rotation
+constexpr double kFirstThing = 0.12;    // position on the camera path, as a fraction of its length
+constexpr double kThingSpacing = 0.38;  // as a fraction of the camera path, maximum
 constexpr int kMaxThings = 8;
-constexpr std::uint8_t kOpaque = 128;   // from half covered on, a pixel counts as the thing's
+constexpr std::uint8_t kOpaque = 128;   // alpha from which a pixel belongs to the thing (half covered)
 const Eigen::Vector2d kShadowPx(7, 5);  // ground px
 
-// Purposes of a seed: each draws from its own stream.
+// Random streams of the seed, one for each purpose.
 enum SeedUse : std::uint64_t { kTownSeed = 0x7001, kPathSeed = 0x7002, kThingSeed = 0x7003, kNoiseSeed = 0x7004 };
 
 std::uint64_t SeedFor(std::uint64_t seed, std::uint64_t use) { return Random(seed ^ (use << 40)).Next(); }
@@ -49,7 +49,7 @@ cv::Mat Premultiplied(const cv::Mat& bgra) {
   return result;
 }
 
-/// A soft dark copy of a picture's alpha.
+/// A blurred, dark copy of an image's alpha channel.
 cv::Mat ShadowOf(const cv::Mat& bgra) {
   cv::Mat alpha;
   cv::extractChannel(bgra, alpha, 3);
@@ -68,13 +68,13 @@ Eigen::Matrix3d Shift(double x, double y) {
   return matrix;
 }
 
-/// Picture pixels per frame pixel at a point of the frame: the square root of the Jacobian's determinant.
+/// Image pixels per frame pixel at a point of the frame: the square root of the determinant of the Jacobian.
 double LocalScale(const Eigen::Matrix3d& picture_from_frame, const Eigen::Vector2d& at) {
   const double w = picture_from_frame.row(2).dot(at.homogeneous());
   return std::sqrt(std::abs(picture_from_frame.determinant() / (w * w * w)));
 }
 
-/// The picture as it lies in a region of the frame, from the level of its pyramid whose pixels are nearest in size.
+/// Warps the image into a region of the frame, from the pyramid level with the closest pixel size.
 cv::Mat LayInto(const std::vector<cv::Mat>& pyramid, const Eigen::Matrix3d& frame_from_picture, const cv::Rect& region,
                 int border) {
   const Eigen::Matrix3d picture_from_frame = frame_from_picture.inverse();
@@ -82,7 +82,7 @@ cv::Mat LayInto(const std::vector<cv::Mat>& pyramid, const Eigen::Matrix3d& fram
   const double octave = std::round(std::log2(LocalScale(picture_from_frame, middle)));
   const auto level = static_cast<std::size_t>(std::clamp(octave, 0.0, static_cast<double>(pyramid.size() - 1)));
 
-  // OpenCV's pixel centres lie at whole numbers, and its pyramid keeps every second of them.
+  // OpenCV's pixel centres are at integers, and its pyramid keeps every second pixel.
   Eigen::Matrix3d level_from_picture = Eigen::Matrix3d::Identity();
   level_from_picture.topLeftCorner<2, 2>() *= std::exp2(-static_cast<double>(level));
   const Eigen::Matrix3d map =
@@ -94,7 +94,7 @@ cv::Mat LayInto(const std::vector<cv::Mat>& pyramid, const Eigen::Matrix3d& fram
   return laid;
 }
 
-/// `over` (premultiplied BGRA) on top of `under` (BGR), both of one size.
+/// Composites `over` (premultiplied BGRA) onto `under` (BGR) of the same size.
 void Blend(const cv::Mat& over, cv::Mat under) {
   for (int y = 0; y < under.rows; ++y) {
     const auto* above = over.ptr<cv::Vec4b>(y);
@@ -120,7 +120,7 @@ Polygon OutlineOf(const cv::Mat& picture) {
   return CornersOf({0, 0, static_cast<double>(picture.cols), static_cast<double>(picture.rows)});
 }
 
-/// The whole pixels that an outline touches, and one more all round.
+/// The bounding rectangle of the pixels that an outline touches, with a border of one pixel.
 cv::Rect PixelsAround(const Polygon& outline) {
   const Box box = BoundingBox(outline);
   const int x0 = static_cast<int>(std::floor(box.x)) - 1;
@@ -129,7 +129,7 @@ cv::Rect PixelsAround(const Polygon& outline) {
           static_cast<int>(std::ceil(box.y + box.height)) + 1 - y0};
 }
 
-/// Lays the picture over the frame, where they meet.
+/// Composites the image onto the frame, where they intersect.
 void Overlay(const std::vector<cv::Mat>& pyramid, const Eigen::Matrix3d& frame_from_picture, cv::Mat& frame) {
   const Polygon outline = Mapped(frame_from_picture, OutlineOf(pyramid[0]));
   const cv::Rect region = PixelsAround(outline) & cv::Rect({0, 0}, frame.size());
@@ -137,7 +137,7 @@ void Overlay(const std::vector<cv::Mat>& pyramid, const Eigen::Matrix3d& frame_f
   Blend(LayInto(pyramid, frame_from_picture, region, cv::BORDER_CONSTANT), frame(region));
 }
 
-/// Where the picture covers the region's pixels at least by half: 255 there, 0 elsewhere.
+/// A mask of the region: 255 where the image covers at least half of a pixel, else 0.
 cv::Mat Cover(const std::vector<cv::Mat>& pyramid, const Eigen::Matrix3d& frame_from_picture, const cv::Rect& region) {
   cv::Mat alpha;
   cv::extractChannel(LayInto(pyramid, frame_from_picture, region, cv::BORDER_CONSTANT), alpha, 3);
@@ -182,7 +182,7 @@ void SyntheticFlight::PlaceThings() {
     thing.shadow = Halvings(ShadowOf(thing.drawn.picture));
     const double aside = (i % 2 == 0 ? -0.16 : 0.16) * frame_height;
     thing.course.base = start_ + Eigen::Vector2d((kFirstThing + i * spacing) * reach_px_, aside);
-    const double way = i == 0 ? 0.0 : random.Uniform(-0.6, 0.6);  // the first moves along the camera's way
+    const double way = i == 0 ? 0.0 : random.Uniform(-0.6, 0.6);  // the first thing moves along the camera path
     thing.course.swing = 0.16 * frame_height * Eigen::Vector2d(std::cos(way), std::sin(way));
     thing.course.phase_rad = i == 0 ? 0.0 : random.Uniform(0, 2 * kPi);
     thing.course.heading_rad = random.Uniform(-kPi, kPi);

@@ -1,11 +1,11 @@
-// A flight over a drawn town with exact truth: things lie and move on the ground, the camera passes, turns, climbs, and
-// comes back another way. For tests of whole chains. The same options give the same pixels, whatever the
-// number of threads.
+// A synthetic flight over a drawn town with exact ground truth, for end-to-end tests. Planar objects ("things") lie and
+// move on the ground; the camera passes over them, rotates, climbs, and returns. The same options give the same pixels,
+// for any number of threads.
 //
-// Frames: thing (its picture, px), ground (the town's picture, px), frame (px); first pixel's centre at (0.5, 0.5).
-// The camera's middle goes out and back along a line of `path_widths` frame widths on the ground, once in the whole
-// flight. Things lie along that line in their order: the first is in view at the start and again at the end, later ones
-// come, go and come back, and a camera far out sees none of the first.
+// Coordinate frames: thing (its image, px), ground (the town's image, px), frame (px); the first pixel's centre is at
+// (0.5, 0.5). The camera's footprint moves out and back along a line of `path_widths` frame widths on the ground, once
+// in the whole flight. The things lie along that line in their order: the first is in view at the start and at the end,
+// later ones enter, leave and return, and the farthest camera positions show none of the first.
 #pragma once
 
 #include <cstdint>
@@ -30,37 +30,37 @@ struct FlightOptions {
   int width = 640;           ///< px
   int height = 480;          ///< px
   int things = 2;            ///< 0 to 8, of the kinds of drawn_things.h in turn
-  double thing_scale = 1.0;  ///< ground px per px of a thing's picture, about which it swells and shrinks by a tenth
-  double zoom = 0.8;         ///< frame px per ground px, about which the camera climbs and sinks by a fifth
-  double path_widths = 1.5;  ///< how far out the camera goes, in frame widths; 0 stays where it is
-  double blur_px = 0.4;      ///< sigma of the lens; 0: none
-  double noise = 2.0;        ///< standard deviation of the sensor, grey levels
+  double thing_scale = 1.0;  ///< mean ground px per px of a thing's image; varies by 10 %
+  double zoom = 0.8;         ///< mean frame px per ground px; varies by 20 % as the camera climbs and descends
+  double path_widths = 1.5;  ///< length of the camera path in frame widths; 0: no translation
+  double blur_px = 0.4;      ///< sigma of the lens blur; 0: no blur
+  double noise = 2.0;        ///< standard deviation of the sensor noise, grey levels
 };
 
-/// What is true of one thing in one frame.
+/// The ground truth of one thing in one frame.
 struct TruthRow {
   int thing = 0;           ///< index
   std::int64_t frame = 0;  ///< from 0
   double time_s = 0;
   std::string object;  ///< "crate-1"
   std::string model;   ///< "crate"
-  Polygon outline;     ///< whole, px in the frame: may leave it, and may be hidden in part
+  Polygon outline;     ///< complete outline, frame px; may exceed the frame or be occluded in part
   Box box;             ///< of the visible pixels, px
-  double visible = 0;  ///< visible pixels over those it would have unhidden and uncropped
-  int pixels = 0;      ///< visible ones
+  double visible = 0;  ///< visible pixels, as a fraction of the pixels without occlusion and cropping
+  int pixels = 0;      ///< number of visible pixels
 };
 
 class SyntheticFlight {
  public:
   explicit SyntheticFlight(const FlightOptions& options);
 
-  /// Frame `index` of 0 to options.frames - 1; CV_8UC3.
+  /// Renders frame `index`, 0 to options.frames - 1; CV_8UC3.
   [[nodiscard]] Frame Render(int index) const;
 
-  /// Every thing with a pixel in view, in order of the things.
+  /// Returns the truth of every thing with at least one visible pixel, in order of the things.
   [[nodiscard]] std::vector<TruthRow> Truth(int index) const;
 
-  /// The thing as drawn, BGRA with alpha: the photo to search by.
+  /// The thing's image, BGRA: the photo for a model.
   [[nodiscard]] cv::Mat ThingPhoto(int thing) const;
   /// "crate", "truck", "sign", "aircraft", "crate2", ...
   [[nodiscard]] std::string ThingName(int thing) const;
@@ -70,13 +70,13 @@ class SyntheticFlight {
   [[nodiscard]] const FlightOptions& options() const { return options_; }
 
  private:
-  /// A flat picture that is laid into the frame: halved again and again, colours premultiplied by alpha.
+  /// An image pyramid for warping into the frame, colours premultiplied by alpha.
   using Pyramid = std::vector<cv::Mat>;
 
-  /// How a thing lies and moves on the ground.
+  /// The motion of a thing on the ground.
   struct Course {
     Eigen::Vector2d base;   ///< ground px
-    Eigen::Vector2d swing;  ///< ground px, from base to either end of its way
+    Eigen::Vector2d swing;  ///< ground px, amplitude of the motion around base
     double phase_rad = 0;
     double heading_rad = 0;  ///< at the start
     double turn_rad = 0;     ///< over the whole flight
@@ -96,8 +96,8 @@ class SyntheticFlight {
   void PlaceThings();
 
   FlightOptions options_;
-  Eigen::Vector2d start_;  ///< of the camera's way, ground px
-  double reach_px_ = 0;    ///< length of its way, ground px
+  Eigen::Vector2d start_;  ///< start of the camera path, ground px
+  double reach_px_ = 0;    ///< length of the camera path, ground px
   double heading_rad_ = 0;
   double climb_phase_rad_ = 0;
   Pyramid ground_;

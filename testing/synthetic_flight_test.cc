@@ -23,7 +23,8 @@ FlightOptions SmallFlight(std::uint64_t seed) {
 
 double LargestDifference(const cv::Mat& a, const cv::Mat& b) { return cv::norm(a, b, cv::NORM_INF); }
 
-/// Mean difference of the green of a thing's opaque pixels and of the frame where they should lie, `aside_px` moved.
+/// Mean absolute difference of the green channel between a thing's opaque pixels and the frame at their true positions,
+/// shifted by `aside_px`.
 double MeanDifference(const cv::Mat& image, const cv::Mat& photo, const Eigen::Matrix3d& frame_from_thing,
                       const Eigen::Vector2d& aside_px) {
   double sum = 0;

@@ -8,9 +8,9 @@
 namespace victorious::testing {
 namespace {
 
-const cv::Point2d kSunlight(0.8, 0.6);  // the way shadows fall, in the picture
+const cv::Point2d kSunlight(0.8, 0.6);  // direction of the shadows in the image
 
-/// How bright a slope that faces along (x, y) of the picture is: 1 when level.
+/// Brightness of a slope that faces along (x, y) of the image; 1 for a horizontal surface.
 double Sunlit(double x, double y) { return 1.0 - 0.22 * (x * kSunlight.x + y * kSunlight.y); }
 
 void Tiles(Pencil& pencil, cv::Point2d corner, cv::Point2d down, double length, const Colour& colour, Random& random) {
@@ -156,7 +156,7 @@ void PaintCar(Pencil& pencil, const TownPiece& piece, Random& random) {
       {{40, 40, 170}, {170, 90, 40}, {215, 215, 215}, {60, 60, 62}, {150, 150, 155}, {60, 120, 60}, {50, 170, 215}},
       random);
   const double l = piece.width / 2;   // half the length, along x
-  const double b = piece.height / 2;  // half the breadth
+  const double b = piece.height / 2;  // half the width
   const Colour glass(75, 62, 50);
   pencil.Fill({{-l, -b * 0.8},
                {-l * 0.92, -b},

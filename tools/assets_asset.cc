@@ -17,18 +17,18 @@
 namespace victorious::assets {
 namespace {
 
-constexpr int kSupersampling = 2;  // the atlas is painted twice as large: edges of paint come out smooth
+constexpr int kSupersampling = 2;  // the atlas is painted at twice its size, for antialiasing
 constexpr int kSkyDirections = 48;
 constexpr int kSkyMap_px = 384;
 
-/// What lies under each texel: the outermost surface of the texel's chart.
+/// The surface under each texel: the outermost of the texel's chart.
 struct Bake {
   explicit Bake(cv::Size size)
       : position(size, CV_32FC3), normal(size, CV_32FC3), depth(size, CV_32F, -1e9F), part(size, CV_16S, -1) {}
   cv::Mat position;  ///< in the part's axes
   cv::Mat normal;
   cv::Mat depth;
-  cv::Mat part;  ///< -1 where there is none
+  cv::Mat part;  ///< -1 if the texel is not covered
 };
 
 Vec3 ToVec3(const cv::Vec3f& v) { return {v[0], v[1], v[2]}; }
@@ -91,7 +91,7 @@ void ForEachTexel(const Bake& bake, const Visit& visit) {
   });
 }
 
-/// What one direction of the sky sees of the model: the distance to the first surface.
+/// A depth map of the model from one direction of the sky.
 class SkyMap {
  public:
   SkyMap(const Vec3& direction, const Vec3& centre, float radius)
@@ -111,7 +111,7 @@ class SkyMap {
   }
 
   [[nodiscard]] bool Sees(const Vec3& point, const Vec3& normal) const {
-    // Off the surface by a pixel and a half, or it would lie in its own shadow.
+    // Offset by 1.5 px from the surface, against self-shadowing.
     const Vec3 lifted = point + normal * (1.5F / scale_);
     const cv::Point2f at = On(lifted);
     const int x = static_cast<int>(at.x), y = static_cast<int>(at.y);
@@ -130,7 +130,7 @@ class SkyMap {
   cv::Mat height_;
 };
 
-/// Directions spread evenly over the upper half of the sphere (a spiral by the golden angle).
+/// Directions evenly distributed over the upper hemisphere (golden angle spiral).
 Vec3 SkyDirection(int index) {
   const float height = (static_cast<float>(index) + 0.5F) / kSkyDirections;
   const float angle = static_cast<float>(index) * std::numbers::pi_v<float> * (3 - std::sqrt(5.0F));
@@ -138,7 +138,7 @@ Vec3 SkyDirection(int index) {
   return {out * std::cos(angle), height, out * std::sin(angle)};
 }
 
-/// The share of its half of the sky that each texel sees, 0 to 1; what looks down sees a little.
+/// The visible fraction of the sky of each texel, 0 to 1; downward surfaces get a small minimum.
 cv::Mat SkyLight(const Asset& asset, const Bake& bake, const Vec3& least, const Vec3& greatest) {
   const Vec3 centre = (least + greatest) / 2;
   const float radius = (greatest - least).norm() / 2 + 0.1F;
@@ -168,7 +168,7 @@ cv::Mat SkyLight(const Asset& asset, const Bake& bake, const Vec3& least, const 
   return light;
 }
 
-/// Gives the texels between the charts the colour of the nearest covered one, so that no seam shows when they blend.
+/// Fills the texels between the charts with the nearest covered colour, so that filtering shows no seams.
 void FillGaps(cv::Mat& texture, const cv::Mat& part) {
   const cv::Mat empty = part < 0;
   cv::Mat distance, labels;
@@ -212,7 +212,7 @@ Extent ExtentOf(const Asset& asset) {
   return extent;
 }
 
-/// On the ground, the origin under the middle, and as long as it shall be.
+/// Scales the model to its length and moves the origin to the ground below its centre.
 Eigen::Affine3f Placement(const Asset& asset, const Extent& extent) {
   const Vec3 size = extent.greatest - extent.least;
   const float scale = asset.length_m > 0 ? asset.length_m / size.z() : 1;
@@ -251,7 +251,7 @@ cv::Mat PaintTexture(const Asset& asset, const Unwrap& unwrap, const Bake& bake,
   return texture;
 }
 
-/// Corners that agree in place, normal and texture become one vertex.
+/// Merges corners of equal position, normal and texture coordinates into one vertex.
 void AddTriangles(const Asset& asset, const Unwrap& unwrap, const std::vector<std::vector<Vec3>>& normals,
                   const Eigen::Affine3f& placement, Finished& model) {
   for (std::size_t index = 0; index < asset.parts.size(); ++index) {

@@ -1,4 +1,4 @@
-// Everything that make_assets makes, by name.
+// tools/: the models and town assets that make_assets writes, by path.
 #pragma once
 
 #include <functional>
@@ -25,7 +25,7 @@ Asset BoatTrailer();
 Asset PropellerPlane();
 
 struct Entry {
-  std::string path;  ///< below the folder of assets
+  std::string path;  ///< relative to the assets folder, without extension
   std::function<Asset()> make;
 };
 const std::vector<Entry>& Catalogue();

@@ -41,7 +41,7 @@ void AddWheels(Asset& asset, const Wheels& wheels) {
 
 Polygon SideOutline(const Polygon& upper, float sill, const std::vector<float>& axles, float axle_height,
                     float radius) {
-  Polygon outline = upper;  // from the front's foot over the top to the rear's foot
+  Polygon outline = upper;  // from the bottom front over the top to the bottom rear
   const float half = std::sqrt(std::max(0.0F, radius * radius - (sill - axle_height) * (sill - axle_height)));
   const float angle = std::asin((sill - axle_height) / radius) * 57.29578F;
   for (const float z : axles) {
@@ -55,7 +55,7 @@ Polygon SideOutline(const Polygon& upper, float sill, const std::vector<float>& 
 
 void DrawWindow(Stencil& stencil, const std::vector<cv::Point2d>& corners) {
   stencil.Fill(corners, kWindow);
-  // The gleam: the pane's own shape, pulled towards its first corner.
+  // The reflection: the pane's shape, shrunk towards its first corner.
   std::vector<cv::Point2d> gleam;
   for (const cv::Point2d& corner : corners) gleam.push_back(corners[0] + (corner - corners[0]) * 0.5);
   stencil.Fill(gleam, {112, 98, 84});

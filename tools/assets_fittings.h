@@ -1,4 +1,4 @@
-// What many machines have: wheels, windows, lamps, mirrors, ladders, aerials.
+// tools/: parts common to many vehicles: wheels, windows, lamps, mirrors, ladders, aerials.
 #pragma once
 
 #include <string>
@@ -17,10 +17,10 @@ inline const Colour kWindow{42, 36, 30};
 inline const Colour kWhite{222, 226, 226};
 inline const Colour kBlack{34, 33, 32};
 
-/// A tyre with its rim about the x axis, its middle at the origin, its face towards +x.
+/// A tyre with its rim around the x axis, centred at the origin, facing +x.
 Mesh WheelMesh(float radius, float width, int segments = 16);
 
-/// Wheels on both sides at each z, at |x| of their middle. `rear_twins` of the last axles have two wheels a side.
+/// Wheels on both sides at each z, with their centres at +-x. The last `rear_twins` axles have two wheels per side.
 struct Wheels {
   float radius = 0.4F;
   float width = 0.25F;
@@ -32,10 +32,10 @@ struct Wheels {
 };
 void AddWheels(Asset& asset, const Wheels& wheels);
 
-/// The rounded cut-outs of wheel arches in the lower edge of a side view, from the rear (least z) to the front.
+/// A side view whose lower edge has round wheel arches, from the rear (minimum z) to the front.
 Polygon SideOutline(const Polygon& upper, float sill, const std::vector<float>& axles, float axle_height, float radius);
 
-/// A pane with a slanting gleam and a rubber frame.
+/// A pane with a diagonal reflection and a rubber frame.
 void DrawWindow(Stencil& stencil, const std::vector<cv::Point2d>& corners);
 /// Draws the same on the left and on the right.
 template <typename Draw>
@@ -58,7 +58,7 @@ Mesh Aerial(float x, float y, float z, float height);
 /// A rack of bars around a rectangle, `height` above `y`.
 Mesh RoofRack(float x0, float z0, float x1, float z1, float y, float height);
 
-/// The part of a taper: x shrinks by `share` per metre above `y0`.
+/// Tapers a mesh: x shrinks by the fraction `share` per metre above `y0`.
 Mesh Tapered(Mesh mesh, float y0, float share);
 
 }  // namespace victorious::assets

@@ -19,14 +19,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// glTF's numbers for its types and targets.
+// Constants of glTF 2.0: component types and buffer targets.
 constexpr int kUnsignedShort = 5123;
 constexpr int kUnsignedInt = 5125;
 constexpr int kFloat = 5126;
 constexpr int kArrayBuffer = 34962;
 constexpr int kElementArrayBuffer = 34963;
 
-/// The binary chunk while it grows, with the views and accessors that describe it.
+/// A growing binary chunk, with its buffer views and accessors.
 struct Binary {
   std::string bytes;
   Json views = Json::array();

@@ -24,7 +24,7 @@ float Corner(int x, int y, int period, std::uint32_t seed) {
   return static_cast<float>(h >> 8) * 0x1.0p-24F;
 }
 
-/// Noise on a lattice of `cells` cells a period, -1 to 1. `u`, `v` in periods.
+/// Lattice noise with `cells` cells per period, -1 to 1. `u`, `v` in periods.
 float Lattice(float u, float v, int cells, std::uint32_t seed) {
   const float x = u * static_cast<float>(cells), y = v * static_cast<float>(cells);
   const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
@@ -45,7 +45,7 @@ float Rough(float u, float v, int cells, int octaves, std::uint32_t seed, float 
   return sum;
 }
 
-/// Scattered stones: which one is nearest (0 to 1, its own number), and how far it is in cells.
+/// Random stones: an identifier of the nearest one, 0 to 1, and its distance in cells.
 struct Stone {
   float number = 0;
   float distance = 9;
@@ -65,7 +65,7 @@ Stone Nearest(float u, float v, int cells, std::uint32_t seed) {
   return nearest;
 }
 
-/// Bricks of a by b in running bond: the brick's own number, and whether the place is in a joint.
+/// Bricks of a by b in running bond: an identifier of the brick, and whether the position is in a joint.
 struct Bond {
   float number;
   bool joint;
@@ -185,7 +185,7 @@ void Ground::Lay(const Material& material, const std::vector<cv::Point2d>& outli
       for (int x = 0; x < picture_.cols; ++x) {
         const int share = mask.at<std::uint8_t>(y, x);
         if (share == 0) continue;
-        // Four places a texel: joints and stones come out smooth.
+        // Four samples per texel, for antialiasing.
         Ink sum(0, 0, 0);
         for (const auto& [dx, dy] : {std::pair{0.25F, 0.25F}, {0.75F, 0.25F}, {0.25F, 0.75F}, {0.75F, 0.75F}}) {
           const float scale = 1 / static_cast<float>(texels_per_m_);
@@ -199,7 +199,7 @@ void Ground::Lay(const Material& material, const std::vector<cv::Point2d>& outli
 }
 
 void Ground::LayBox(const Material& material, double x0, double y0, double x1, double y1) {
-  constexpr double kOver = 0.1;  // the outer borders are crossed, or they would be half covered
+  constexpr double kOver = 0.1;  // extends beyond the outer borders, which would else be half covered
   const auto out = [&](double at) { return at <= 0 ? -kOver : (at >= side_m_ ? at + kOver : at); };
   Lay(material, {{out(x0), out(y0)}, {out(x1), out(y0)}, {out(x1), out(y1)}, {out(x0), out(y1)}});
 }

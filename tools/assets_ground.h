@@ -1,5 +1,5 @@
-// Ground as pictures seen from above: materials that repeat without a seam, and what lies and is painted on them. In
-// metres from the picture's top left, x to the right, y down.
+// tools/: ground textures seen from above: seamless periodic materials, and objects and markings on them. Coordinates
+// are metres from the image's top left corner, x to the right, y down.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace victorious::assets {
 
-/// The colour of a material at a place, m. Repeats every `period_m` (whole metres).
+/// The colour of a material at a position, m. Periodic with `period_m` (whole metres).
 using Material = std::function<Ink(float x, float y, float period_m)>;
 
 Ink Asphalt(float x, float y, float period_m);
@@ -29,28 +29,28 @@ Ink Gravel(float x, float y, float period_m);
 Ink Brick(float x, float y, float period_m);
 Ink Dirt(float x, float y, float period_m);
 
-/// A square piece of ground while it is drawn.
+/// A square of ground to draw on.
 class Ground {
  public:
-  /// @param wraps  what crosses a border goes on at the opposite one
+  /// @param wraps  drawings that cross a border continue at the opposite border
   Ground(float side_m, int side_px, const Material& base, std::uint64_t seed, bool wraps);
 
   [[nodiscard]] const cv::Mat& picture() const { return picture_; }
   [[nodiscard]] float side_m() const { return side_m_; }
   Random& random() { return random_; }
 
-  /// Another material within an outline, m.
+  /// Fills an outline, m, with another material.
   void Lay(const Material& material, const std::vector<cv::Point2d>& outline);
   void LayBox(const Material& material, double x0, double y0, double x1, double y1);
   void LayDisc(const Material& material, double x, double y, double radius);
 
-  /// Calls `draw` with a pencil in metres: once, or once for each border that the drawing may cross.
+  /// Calls `draw` with a pencil in metres: once, or also once for each border that the drawing may cross.
   void Draw(const std::function<void(testing::Pencil&)>& draw);
-  /// Paint on the ground, worn off in places.
+  /// Draws markings that are partly worn off.
   void Paint(const Colour& colour, const std::function<void(testing::Pencil&, const Colour&)>& draw, double wear = 0.3);
 
   void Cracks(int count, double length_m, const Colour& colour);
-  /// Seals of tar over cracks: broad, black, winding.
+  /// Tar seals over cracks: broad, black, winding lines.
   void TarSeals(int count, double length_m);
   void Patches(int count, const Material& material);
   void Stains(int count, double least_m, double greatest_m, double light);
@@ -59,10 +59,10 @@ class Ground {
   void Manhole(double x, double y, double radius);
   void Drain(double x, double y);
   void TyreTrack(const std::vector<cv::Point2d>& path, double gauge, double light);
-  /// A pair of tracks that winds from one place of the border to another.
+  /// Pairs of tracks, each winding from one border point to another.
   void TyreTracks(int count, double light);
 
-  /// Soft darkening (light < 1) about a line: worn wheel paths, dirt along kerbs.
+  /// Soft darkening (light < 1) along a line: worn wheel paths, dirt along kerbs.
   void Wear(double x0, double y0, double x1, double y1, double width_m, double light);
 
  private:
@@ -85,14 +85,14 @@ struct MaterialEntry {
 };
 const std::vector<MaterialEntry>& Materials();
 
-/// Pieces of streets and places, kTileSide_m square; roads run along z and are kRoadWidth_m wide.
+/// Tiles of streets and squares, kTileSide_m to a side; roads run along z and are kRoadWidth_m wide.
 inline constexpr float kTileSide_m = 24;
 struct TileEntry {
   std::string name;
   std::function<Ground()> make;
 };
 const std::vector<TileEntry>& Tiles();
-/// A flat square at y = 0 that wears the picture; the picture's top is the front (+z).
+/// A flat square at y = 0 with the image as its texture; the image's top is the front (+z).
 Finished GroundTile(const Ground& ground);
 
 }  // namespace victorious::assets

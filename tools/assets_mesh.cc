@@ -29,7 +29,7 @@ Polygon CounterClockwise(Polygon outline) {
   return outline;
 }
 
-/// The outline moved inwards by `distance` along its corners' bisectors.
+/// The outline moved inwards by `distance` along the bisectors of its corners.
 Polygon Inset(const Polygon& outline, float distance) {
   const std::size_t count = outline.size();
   Polygon inset(count);
@@ -50,7 +50,7 @@ bool InTriangle(const Eigen::Vector2f& p, const Eigen::Vector2f& a, const Eigen:
   return Cross(b - a, p - a) >= 0 && Cross(c - b, p - b) >= 0 && Cross(a - c, p - c) >= 0;
 }
 
-/// Triangles of a simple polygon, by cutting ears off it. Indices into `outline`, counter-clockwise.
+/// Triangulates a simple polygon by ear clipping. Indices into `outline`, counter-clockwise.
 std::vector<std::array<int, 3>> CutEars(const Polygon& outline) {
   std::vector<int> left(outline.size());
   for (std::size_t i = 0; i < left.size(); ++i) left[i] = static_cast<int>(i);
@@ -84,7 +84,7 @@ std::vector<std::array<int, 3>> CutEars(const Polygon& outline) {
   return triangles;
 }
 
-/// Triangles of a ring that lies in a plane, or nearly.
+/// Triangulates a planar or nearly planar ring.
 std::vector<std::array<int, 3>> CapTriangles(const Ring& ring) {
   Vec3 normal = Vec3::Zero();
   for (std::size_t i = 0; i < ring.size(); ++i) normal += ring[i].cross(ring[(i + 1) % ring.size()]);
@@ -104,7 +104,7 @@ float Volume(const Mesh& mesh) {
 }
 
 Mesh FacingOutwards(Mesh mesh) {
-  // About its own middle, so that a far-off place costs no precision.
+  // Relative to its centroid, for precision far from the origin.
   Vec3 middle = Vec3::Zero();
   for (const Vec3& point : mesh.points) middle += point / static_cast<float>(mesh.points.size());
   if (Volume(Moved(mesh, Eigen::Affine3f(Eigen::Translation3f(-middle)))) < 0) {
@@ -280,7 +280,7 @@ Mesh Cylinder(const Vec3& from, const Vec3& to, float radius, int segments) {
 Mesh Tube(const std::vector<Vec3>& path, float radius, int segments) {
   Mesh mesh;
   for (std::size_t i = 0; i + 1 < path.size(); ++i) {
-    // Each piece reaches a little into the next, which closes the elbow.
+    // Each segment overlaps the next, which closes the elbow.
     const Vec3 overlap = (path[i + 1] - path[i]).normalized() * (radius * 0.6F);
     mesh.Add(Cylinder(path[i] - overlap, path[i + 1] + overlap, radius, segments));
   }
@@ -299,7 +299,7 @@ Mesh Ball(const Vec3& centre, const Vec3& radii, int segments) {
 }
 
 Mesh Wing(const std::vector<WingSection>& sections, const Vec3& up) {
-  // Share of the chord, and of half the thickness, from the leading edge over the top and back below.
+  // Fractions of the chord and of half the thickness, from the leading edge over the top and back below.
   constexpr std::array<std::array<float, 2>, 10> kFoil = {{{0.0F, 0.0F},
                                                            {0.04F, 0.55F},
                                                            {0.2F, 0.95F},

@@ -10,7 +10,7 @@ namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
-/// A fair mix of the bits of a cell's place, in [0, 1).
+/// A hash of a cell's position, in [0, 1).
 float CellValue(int x, int y, int z, std::uint32_t seed) {
   std::uint32_t h = seed * 0x9E3779B9U + static_cast<std::uint32_t>(x) * 0x85EBCA6BU +
                     static_cast<std::uint32_t>(y) * 0xC2B2AE35U + static_cast<std::uint32_t>(z) * 0x27D4EB2FU;
@@ -229,7 +229,7 @@ void Stencil::Hazard(double a0, double b0, double a1, double b1, const Colour& f
   const double low = std::min(b0, b1), high = std::max(b0, b1), left = std::min(a0, a1), right = std::max(a0, a1);
   const double rise = high - low;
   for (double a = left - rise; a < right; a += 2 * stripe) {
-    // The slanting band, cut off at the box's ends.
+    // The diagonal band, clipped at the box's ends.
     std::vector<cv::Point2d> band;
     for (const auto& [at, b] : {std::pair{a, low}, {a + stripe, low}, {a + stripe + rise, high}, {a + rise, high}}) {
       const double cut = std::clamp(at, left, right);

@@ -1,4 +1,4 @@
-// Paint as a function of the place on a surface, weather, and a stencil for what people paint on machines.
+// tools/: paint as a function of the 3D surface position, weathering, and a stencil for markings on vehicles.
 #pragma once
 
 #include <cstdint>
@@ -15,11 +15,11 @@ namespace victorious::assets {
 
 using testing::Colour;
 
-/// Where a chart looks from. The model's front is +z, its left +x.
+/// The direction from which a chart is seen. The model's front is +z, its left +x.
 enum class Side { kLeft, kRight, kTop, kBottom, kFront, kBack };
 
 struct Surface {
-  Vec3 position;  ///< m, in the part's own axes
+  Vec3 position;  ///< m, in the part's axes
   Vec3 normal;
 };
 
@@ -31,39 +31,39 @@ Ink Rgb(int red, int green, int blue);
 Ink Mix(const Ink& a, const Ink& b, float share_of_b);
 Colour Pigment(const Ink& ink);
 
-/// 0 below `low`, 1 above `high`, smooth between.
+/// Smooth step: 0 below `low`, 1 above `high`.
 float Ramp(float value, float low, float high);
 
-/// Smooth noise in space, about -1 to 1; its bumps are about a unit wide.
+/// Smooth 3D noise, about -1 to 1, with a wavelength of about one unit.
 float Noise(const Vec3& p, std::uint32_t seed);
-/// Noise of halving wavelengths and strengths, about -1 to 1.
+/// Fractal noise, about -1 to 1: octaves of halving wavelength and amplitude.
 float Fractal(const Vec3& p, std::uint32_t seed, int octaves);
-/// The distance to the nearest of scattered points, one a unit cube: 0 to about 1.
+/// Cellular noise: the distance to the nearest of random points, one per unit cube; 0 to about 1.
 float Cells(const Vec3& p, std::uint32_t seed);
 
 // --- Paints ----------------------------------------------------------------------------------------------------------
 
-/// One colour, a little uneven.
+/// One colour, slightly uneven.
 Paint Coat(const Ink& colour, float unevenness = 0.05F, std::uint32_t seed = 1);
-/// Patches with crisp edges: the first colour lies below, each other one covers the share given of it.
+/// A camouflage patch over the base colour, with sharp edges; `share` is the fraction of the surface that it covers.
 struct Patch {
   Ink colour;
   float share = 0.3F;
 };
 Paint Camouflage(const Ink& base, const std::vector<Patch>& patches, float patch_m, std::uint32_t seed);
-/// Glass that shows a bright sky above and the dark inside below.
+/// Glass that reflects a bright sky in its upper part and shows a dark interior in its lower part.
 Paint Glass(std::uint32_t seed = 3);
-/// Rubber about an axle along x, a rim within `rim_radius` with `bolts` round it.
+/// Rubber around an axle along x, with a rim within `rim_radius` that has `bolts` bolts.
 Paint Wheel(float radius, float rim_radius, const Ink& rim, int bolts);
 Paint Metal(const Ink& colour, std::uint32_t seed = 5);
 
 struct Weather {
   Ink dust = {105, 125, 140};
-  float dust_height_m = 0.5F;  ///< thick at the ground, gone twice as high
+  float dust_height_m = 0.5F;  ///< full at the ground, zero at twice this height
   float dust_share = 0.45F;
-  float streaks = 0.14F;  ///< of the light, down the sides
-  float stains = 0.10F;   ///< of the light, in patches
-  float grain = 0.03F;    ///< of the light, of a few centimetres
+  float streaks = 0.14F;  ///< relative amplitude of vertical streaks
+  float stains = 0.10F;   ///< relative amplitude of stains
+  float grain = 0.03F;    ///< relative amplitude of noise of a few centimetres
   std::uint32_t seed = 7;
 };
 Ink Weathered(const Weather& weather, const Ink& colour, const Surface& surface);
@@ -71,15 +71,15 @@ Ink Weathered(const Weather& weather, const Ink& colour, const Surface& surface)
 // --- Stencil ---------------------------------------------------------------------------------------------------------
 
 inline constexpr double kPlainShade = 128;
-inline const Colour kGroove{72};  ///< the dark of a gap between panels
-inline const Colour kRidge{160};  ///< the light on an edge
+inline const Colour kGroove{72};  ///< the dark gap between panels
+inline const Colour kRidge{160};  ///< the highlight on an edge
 inline const Colour kSoot{50};
 
-/// Draws on one chart in the metres of its part. (a, b) is (z, y) on the left and right, (z, x) on top and bottom,
-/// (x, y) in front and at the back. Letters always read the right way round.
+/// Draws on one chart in metres of its part. (a, b) is (z, y) on the left and right, (z, x) on top and bottom,
+/// (x, y) in front and at the back. Text is never mirrored.
 class Stencil {
  public:
-  /// @param origin  where the part's origin lies on `picture`, px
+  /// @param origin  the part's origin on `picture`, px
   Stencil(const cv::Mat& picture, cv::Point2d origin, double texels_per_m, Side side);
 
   void Fill(const std::vector<cv::Point2d>& corners, const Colour& colour);
@@ -91,12 +91,12 @@ class Stencil {
   void Path(const std::vector<cv::Point2d>& points, const Colour& colour, double thickness = 0.02);
   void Text(double a, double b, const std::string& text, double height, const Colour& colour, double stroke = 0);
 
-  /// A lid or door: a gap round it, light on its edge, bolts in the corners.
+  /// A lid or door: a gap around it, a highlight on its edge, bolts in the corners.
   void Panel(double a0, double b0, double a1, double b1);
   void Rivets(double a0, double b0, double a1, double b1, double step);
-  /// Dark slots with light bars between; along a, or along b.
+  /// Dark slots with bright bars between, along a or along b.
   void Grille(double a0, double b0, double a1, double b1, int slots, bool along_a = true);
-  /// Slanting stripes within a box, over what is there.
+  /// Diagonal stripes within a box.
   void Hazard(double a0, double b0, double a1, double b1, const Colour& first, const Colour& second, double stripe);
 
  private:

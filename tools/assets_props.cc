@@ -1,4 +1,4 @@
-// Trees, parked cars and what stands about in streets and yards.
+// tools/: trees, parked cars, and furniture of streets and yards.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -19,13 +19,13 @@ struct TreeStyle {
   float radius = 3;
   float trunk = 2;  ///< m, up to the crown
   int blobs = 9;
-  float blob_share = 0.5F;  ///< a blob's radius, of the crown's
+  float blob_share = 0.5F;  ///< radius of a blob relative to the crown's
   float cone = 0;           ///< 0 round, 1 pointed
   Ink dark, light;
   std::uint32_t seed = 1;
 };
 
-/// A ball of leaves, thrown out of round at two scales.
+/// A ball of leaves, deformed by noise at two scales.
 Mesh LeafBlob(const Vec3& centre, const Vec3& radii, std::uint32_t seed) {
   return Bent(Ball(Vec3::Zero(), Vec3::Ones(), 16), [=](const Vec3& p) {
     const Vec3 out = p.normalized();

@@ -1,4 +1,4 @@
-// The shipped models and town as they lie in assets/: read here by a reader that shares nothing with their writer.
+// Tests the shipped models and town assets in assets/ with a reader that shares no code with their writer.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -42,7 +42,7 @@ std::uint32_t Word(const std::string& bytes, std::size_t at) {
   return word;
 }
 
-/// Reads what glTF 2.0's chapter "GLB File Format" describes, as far as these files go.
+/// Reads the subset of glTF 2.0, chapter "GLB File Format", that these files use.
 class GlbReader {
  public:
   explicit GlbReader(const std::string& bytes) : bytes_(bytes) {
@@ -113,7 +113,7 @@ Read ReadGlb(const fs::path& path) {
   return GlbReader(*bytes).Mesh();
 }
 
-/// The part of the width that the vertices take which lie in this share of the length, from the front.
+/// The width of the vertices in a range of the length (fractions from the front), relative to the model's width.
 float WidthWithin(const Read& mesh, float from, float to) {
   const float length = mesh.greatest.z() - mesh.least.z();
   float half = 0;
@@ -167,7 +167,7 @@ TEST(ShippedAssets, ReadmeSaysTheSizeAndTrianglesOfEveryModel) {
 }
 
 TEST(ShippedAssets, TheFrontLooksAlongZ) {
-  // What is thin lies in front: the gun, the nose, the boom. The jet's tail is broad, the helicopter's is not.
+  // The thin end is in front (gun, nose, boom). The jet's tail is broad, the helicopter's is not.
   EXPECT_LT(WidthWithin(ReadGlb(kFolder / "models/tank.glb"), 0, 0.2F), 0.2F);
   EXPECT_LT(WidthWithin(ReadGlb(kFolder / "models/jet.glb"), 0, 0.25F), 0.2F);
   EXPECT_LT(WidthWithin(ReadGlb(kFolder / "models/excavator.glb"), 0, 0.4F), 0.6F);
@@ -202,7 +202,7 @@ TEST(Mesh, SolidsFaceOutwards) {
   EXPECT_NEAR(volume(Box({5, 1, 2}, {1, 2, 3}, 0)), 6, 1e-3);
   EXPECT_NEAR(volume(Mirrored(Box({5, 1, 2}, {1, 2, 3}, 0))), 6, 1e-3);
   EXPECT_NEAR(volume(Cylinder({0, 0, 1}, {0, 0, 3}, 1, 64)), 2 * 3.1416, 0.02);
-  // An L is concave: its caps are cut into ears.
+  // An L is concave: its caps need ear clipping.
   const Polygon letter = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
   for (const Axis axis : {Axis::kX, Axis::kY, Axis::kZ}) EXPECT_NEAR(volume(Extrude(letter, axis, -1, 1)), 6, 1e-4);
 }

@@ -1,4 +1,5 @@
-// Streets and places, as tiles of kTileSide_m: the middle is at (kMiddle, kMiddle), roads run up and down the picture.
+// tools/: streets and squares as tiles of kTileSide_m. The centre is (kMiddle, kMiddle); roads run up and down the
+// image.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -46,7 +47,7 @@ void Age(Ground& ground) {
   ground.Specks(140, 0.05, 0.16, {{190, 198, 200}, {70, 116, 140}, {60, 80, 96}});
 }
 
-/// Verge, pavement, carriageway and kerbs of a straight street, without paint on it.
+/// Verge, pavement, carriageway and kerbs of a straight street, without markings.
 Ground Street(std::uint64_t seed, const Material& pavement) {
   Ground ground = Bare(Asphalt, seed);
   Age(ground);
@@ -81,7 +82,7 @@ void Solid(Ground& ground, cv::Point2d from, cv::Point2d to, const Colour& colou
   ground.Paint(colour, [&](Pencil& pencil, const Colour& ink) { pencil.Line(from, to, ink, width); });
 }
 
-/// An arrow on a lane, 4 m long; `direction` -1 points up the picture, 1 down. `turn` bends its head aside.
+/// An arrow on a lane, 4 m long; `direction` -1 points up the image, 1 down. `turn` bends its head aside.
 void Arrow(Ground& ground, double x, double y, double direction, double turn) {
   ground.Paint(kLineWhite, [&](Pencil& pencil, const Colour& ink) {
     pencil.Box(x, y, 0.22, 3, ink);
@@ -100,7 +101,7 @@ void Words(Ground& ground, double x, double y, const std::string& text, double h
                [&](Pencil& pencil, const Colour& ink) { pencil.Text(x, y, text, height, 8, ink, height * 0.16); });
 }
 
-/// Bars of a zebra crossing over the road: at `at` up and down the picture, or across it.
+/// Bars of a zebra crossing over the road: at `at` along the image's columns, or across them.
 void Zebra(Ground& ground, double at, bool along) {
   ground.Paint(kLineWhite, [&](Pencil& pencil, const Colour& ink) {
     for (double bar = kMiddle - kHalfRoad + 0.5; bar < kMiddle + kHalfRoad - 0.2; bar += 1) {

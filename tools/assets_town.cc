@@ -1,4 +1,4 @@
-// Buildings of a town. Their fronts look along +z.
+// tools/: the buildings of the town. Their fronts face +z.
 #include "tools/assets_town.h"
 
 #include <algorithm>
@@ -149,7 +149,7 @@ Asset Building(std::string name) {
   return asset;
 }
 
-/// A block with a flat roof and what stands on it.
+/// A block with a flat roof and its roof structures.
 struct Block {
   std::string name;
   float half_x, half_z, height;
@@ -166,7 +166,7 @@ Asset FlatBlock(const Block& block, Mesh on_roof) {
       .share_sides = true;
   asset.Add("parapet", Parapet(block.half_x, block.half_z, block.height), Coat(Rgb(176, 172, 162), 0.08F)).density =
       0.5F;
-  // The roof is a skin on the walls' top, so that it has felt of its own.
+  // The roof is a separate part, so that it has its own paint.
   asset
       .Add("roof", Box({0, block.height + 0.03F, 0}, {2 * block.half_x - 0.1F, 0.06F, 2 * block.half_z - 0.1F}, 0.01F),
            FlatRoof(block.roof, block.seed))

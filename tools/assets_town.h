@@ -1,4 +1,4 @@
-// What stands in the town: buildings, and trees, cars and street furniture.
+// tools/: the assets of the town: buildings, trees, cars and street furniture.
 #pragma once
 
 #include <vector>

@@ -13,17 +13,17 @@
 namespace victorious::assets {
 namespace {
 
-constexpr float kBelow = 0.3F;  // the share of the scale that the underside gets, which hardly anyone sees
+constexpr float kBelow = 0.3F;  // texture scale of the rarely visible underside, relative to the rest
 
 Side Facing(const Vec3& normal, bool share_sides) {
   const Vec3 size = normal.cwiseAbs();
-  // A slanting roof or bonnet belongs to the view from above: that is where the camera flies.
+  // Sloping roofs and bonnets use the top chart: the camera looks from above.
   if (size.y() * 1.15F >= std::max(size.x(), size.z())) return normal.y() > 0 ? Side::kTop : Side::kBottom;
   if (size.x() >= size.z()) return normal.x() > 0 || share_sides ? Side::kLeft : Side::kRight;
   return normal.z() > 0 || share_sides ? Side::kFront : Side::kBack;
 }
 
-/// Puts the charts on shelves, the tallest first; false where they do not fit.
+/// Shelf packing, tallest chart first; false if the charts do not fit.
 bool Pack(std::vector<Chart>& charts, const std::vector<std::size_t>& order, int atlas_px) {
   int x = 0;
   int y = 0;

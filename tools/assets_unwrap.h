@@ -1,4 +1,4 @@
-// Which chart each triangle lies on, and where each chart lies on the atlas.
+// tools/: texture unwrapping: the chart of each triangle, and the position of each chart on the atlas.
 #pragma once
 
 #include <vector>
@@ -16,14 +16,14 @@ struct Unwrap {
   std::vector<std::vector<int>> chart_of;  ///< [part][triangle]
 };
 
-/// A place in a chart's own right and down, m.
+/// A point in a chart's right and down axes, m.
 cv::Point2f OnChart(const Vec3& point, Side side);
-/// The direction a chart looks from.
+/// The unit vector from the model towards the viewpoint of a chart.
 Vec3 Outward(Side side);
-/// Where a part's point lies on the atlas, px, pixel centres at 0.5.
+/// A part's point on the atlas, px, pixel centres at 0.5.
 cv::Point2f OnAtlas(const Vec3& point, const Chart& chart);
 
-/// Charts at the greatest scale at which they all fit on a square atlas.
+/// Packs the charts at the maximum scale at which all fit on a square atlas.
 Unwrap UnwrapParts(const std::vector<Part>& parts, int atlas_px);
 
 }  // namespace victorious::assets

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Repeats the tables and figures of a chapter of the thesis, and writes docs/chapterN.md from them.
+"""Reproduces the tables and figures of a thesis chapter and writes docs/chapterN.md from them.
 
 Usage: chapter_page.py CHAPTER PROGRAM [--data DIR] [--results DIR] [--docs DIR] [--frames N]
-CHAPTER is 3, matches and the cascade; or 5, which is chapters 4 and 5: tracking, places and the whole system.
-Runs `PROGRAM experiment NAME` for each that has no NAME.json in the results' folder yet, then writes the page and copies
-its pictures to docs/images/chapterN. From the repository's root. --frames goes to the experiments: shorter flights.
+CHAPTER is 3 (matches and the cascade) or 5 (chapters 4 and 5: tracking, geolocation and the whole system).
+Runs `PROGRAM experiment NAME` for each experiment without a NAME.json in the results folder, then writes the page and
+copies its images to docs/images/chapterN. Run it from the repository's root. --frames is passed to the experiments to
+shorten the flights.
 """
 
 import argparse
@@ -18,7 +19,7 @@ from pathlib import Path
 
 MOST_PICTURE_BYTES = 150_000
 
-# Experiment, heading, what is to be seen, the pictures beside the plot.
+# Experiment name, heading, introduction, images besides the plot.
 Section = tuple[str, str, str, list[str]]
 
 CHAPTER3_SECTIONS: list[Section] = [
@@ -82,7 +83,7 @@ def table(rows: list[dict], columns: list[str] | None = None) -> str:
 
 
 def pivot(rows: list[dict], keys: list[str], name: str, show, names: list[str]) -> list[dict]:
-    """One row for each value of the keys, one column for each of the names, filled by show(row)."""
+    """One row per value of the keys, one column per name; each cell is show(row)."""
     pivoted: dict[tuple, dict] = {}
     for row in rows:
         if row[name] in names:
@@ -138,7 +139,7 @@ def body(name: str, rows: list[dict]) -> str:
 
 
 def example_line(name: str, rows: list[dict], before: str, after: str, key: str, thesis: str) -> str:
-    """What is kept of one running example's true matches, all ratios together."""
+    """A line on one running example: true matches kept and false matches left, summed over all ratios."""
     counts = []
     for setting in ("its setting here", "ours"):
         kept, whole, wrong = (sum(row[f"{setting}: {which}"] for row in rows if row[key] == when)
@@ -148,7 +149,7 @@ def example_line(name: str, rows: list[dict], before: str, after: str, key: str,
 
 
 def shares_of(rows: list[dict]) -> str:
-    """True kept, false among what is left, and how many times fewer false ones, of some rows' matches together."""
+    """Of all matches of the rows: true matches kept, false ones among the rest, reduction factor of false ones."""
     before = sum(row["true before"] for row in rows)
     kept = sum(row["true before"] * row["true kept %"] / 100 for row in rows)
     false_after = sum(row["false after"] for row in rows)
@@ -159,7 +160,7 @@ def shares_of(rows: list[dict]) -> str:
 
 
 def cascade_targets(reports: dict[str, dict]) -> str:
-    """What was asked of the cascade, beside what it reached."""
+    """Targets and results of the cascade."""
     text = example_line("The running example", reports["table3.3"]["rows"], "none", "third", "filtering",
                          "55 of 55, none false")
     text += example_line("The second object", reports["table3.4"]["rows"], "before", "after", "when",
@@ -205,7 +206,7 @@ measures. Flights, models and indexes are made once and kept in the results' fol
 the same runs.
 """
 
-# Of density: at 25, 50 and 75 %. Of places, m: at 50, 75 and 90 %.
+# Targets: density quartiles (25, 50, 75 %), and position errors, m, at 50, 75 and 90 %.
 ASKED_DENSITIES = (0.90, 0.97, 1.0)
 ASKED_ERRORS_M = (0.3, 0.5, 1.0)
 
@@ -215,7 +216,7 @@ def three(row: dict, keys: tuple[str, str, str], digits: int) -> str:
 
 
 def system_targets(reports: dict[str, dict]) -> str:
-    """What was asked of the whole system, beside what it reached."""
+    """Targets and results of the whole system."""
     settings = reports["figure5.2"]["rows"]
     whole = sum(row["recall"] == 1 for row in settings)
     clean = sum(row["precision"] == 1 for row in settings)
@@ -249,7 +250,7 @@ def system_targets(reports: dict[str, dict]) -> str:
 
 @dataclass
 class Chapter:
-    """A page: its head, what is said in short, and a section for each experiment."""
+    """A page: its head, its summary of targets, and one section per experiment."""
 
     head: str
     targets: Callable[[dict[str, dict]], str]
@@ -263,7 +264,7 @@ CHAPTERS = {
 
 
 def read_reports(arguments: argparse.Namespace, sections: list[Section]) -> dict[str, dict]:
-    """Of each experiment, run if it has none yet."""
+    """The report of each experiment by name; runs the experiments that have none."""
     reports = {}
     for name, *_ in sections:
         file = arguments.results / f"{name}.json"

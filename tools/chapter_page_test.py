@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests of chapter_page.py: reports in, the page out."""
+"""Tests of chapter_page.py: from reports to the page."""
 
 import json
 import subprocess
@@ -53,7 +53,7 @@ class PageTest(unittest.TestCase):
             (results / f"{name}.json").write_text(json.dumps(report_of(name)))
             for picture in pictures:
                 (results / picture).write_bytes(b"x" * picture_bytes)
-        # Every report is there, so the program is never run.
+        # All reports exist, so the program is never run.
         return subprocess.run([sys.executable, chapter_page.__file__, chapter, "/nowhere", "--results", results, "--docs",
                                folder / "docs"], capture_output=True, text=True, check=False)
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Whether every tracked C++ file of ROOT (default: the folder above) is as clang-format-19 writes it. Exits with 77,
-# which ctest shows as skipped, where clang-format-19 or git's list of files is missing.
+# check_format.sh [ROOT]: checks that clang-format-19 would change no tracked C++ file of ROOT (default: the parent of
+# this folder). Exits with 77, which ctest shows as skipped, if clang-format-19 or git's list of files is missing.
 set -euo pipefail
 cd "${1:-$(dirname "$0")/..}"
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Checks the house rules that the compiler does not: who includes whom (layers.toml), where third-party headers may
-stand, how long a file may be, and that no mark of unfinished work is left.
+"""Checks project rules that the compiler does not: the include layers (layers.toml), the places where third-party
+headers may be included, the length of files, and the absence of markers of unfinished work.
 
 Usage: check_layers.py [ROOT]
-Prints one line a finding, "path:line: what is wrong: what would be right"; exits with 1 if there is any.
+Prints one line per finding, "path:line: problem: remedy"; exits with 1 if there is any.
 """
 
 import re
@@ -24,8 +24,8 @@ PROJECT_ROOTS = ("victorious/", "testing/", "tests/", "tools/", "bench/", "hwy/"
 
 class ThirdParty(NamedTuple):
     header: re.Pattern  # of the included path
-    place: re.Pattern  # of the paths, within src/victorious, that may include it
-    right: str  # what would be right
+    place: re.Pattern  # of the paths, relative to src/victorious, that may include it
+    right: str  # the rule, for the message
 
 
 THIRD_PARTY = (
@@ -68,7 +68,7 @@ def includes_of(text: str) -> Iterator[Include]:
 
 
 def check_folders(root: Path, levels: dict[str, int]) -> Iterator[Finding]:
-    """Every folder is listed, and every listed folder is there."""
+    """Every folder is listed, and every listed folder exists."""
     present = {path.name for path in (root / SOURCES).iterdir() if path.is_dir()}
     for name in sorted(present - levels.keys()):
         yield Finding(SOURCES / name, 1, f"folder {name} is not listed in layers.toml: give it a level")
@@ -77,7 +77,7 @@ def check_folders(root: Path, levels: dict[str, int]) -> Iterator[Finding]:
 
 
 def check_level(path: Path, include: Include, levels: dict[str, int]) -> Iterator[Finding]:
-    """A folder includes itself and folders of a lower level."""
+    """A folder may include itself and folders of a lower level."""
     folder = path.relative_to(SOURCES).parts[0]
     target = include.path.removeprefix("victorious/").split("/")[0]
     if target == folder:

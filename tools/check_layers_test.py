@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests of check_layers.py: small trees, each with one fault or none."""
+"""Tests of check_layers.py on small trees with at most one violation each."""
 
 import contextlib
 import io

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# demo.sh PROGRAM SCENE MODELS DIR: simulates the flight of SCENE into DIR, finds in it what the scene's truth names,
-# by the CAD models MODELS/NAME.glb, and shows the finds. Run again, it makes and searches nothing twice.
+# demo.sh PROGRAM SCENE MODELS DIR: simulates the flight of SCENE into DIR, searches it for the objects of the scene's
+# ground truth with the CAD models MODELS/NAME.glb, and shows the results. A second run reuses all existing results.
 set -euo pipefail
 
 if [[ $# -ne 4 ]]; then
@@ -17,13 +17,13 @@ db=$dir/index.db
 
 say() { printf '\n%s\n' "$*"; }
 
-# The video is written last: where it is, the other two are.
+# The video is written last: if it exists, telemetry and truth exist too.
 if [[ ! -e $flight/video.mp4 ]]; then
   say "Simulating a flight over a small town:"
   "$program" simulate "$scene" --out "$flight"
 fi
 
-# Another build may search otherwise: what an older one made is made anew.
+# Another build may give other results: the models, views and index of an older build are deleted.
 if [[ -e $models && $program -nt $models ]]; then
   rm -r "$models"
   rm -rf "$dir/views" "$db"*

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Runs each libFuzzer target of a build (cmake --preset fuzz, target fuzz_targets) for some time, on a corpus that is
-# kept in the build folder and starts from the target's own seeds. What it finds lies in the corpus folder's parent.
+# fuzz.sh BUILD_DIR [SECONDS]: runs each libFuzzer target of a build (cmake --preset fuzz, target fuzz_targets) for
+# SECONDS (default 60). The corpus is kept in BUILD_DIR/fuzz/TARGET/corpus and starts from the target's own seeds.
+# Findings and the log are written to BUILD_DIR/fuzz/TARGET.
 set -euo pipefail
 
 if [[ $# -lt 1 || $# -gt 2 ]]; then

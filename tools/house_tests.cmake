@@ -1,4 +1,4 @@
-# The house's own tests: who may include whom, and how the sources are laid out.
+# Tests of the project rules: include layers, format, generated pages.
 find_package(Python3 3.11 REQUIRED COMPONENTS Interpreter)
 
 add_test(NAME house/layers

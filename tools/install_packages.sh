@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs every Debian 12 package that the build, the tests and the demo need. Does nothing when all are there.
-# With --tidy, the tools of the format, lint and fuzz presets too.
+# install_packages.sh [--tidy]: installs the Debian 12 packages that the build, the tests and the demo need. Does nothing
+# if all are installed. --tidy adds the tools of the format, lint and fuzz presets.
 set -euo pipefail
 
 packages=(

@@ -1,5 +1,5 @@
-// make_assets DIR [NAME...]: makes the project's own models and town in DIR, all of it or what is named. The same bytes
-// each time with the same OpenCV. Nothing of it comes from elsewhere: shapes and paint are in the assets_*.cc beside.
+// make_assets DIR [NAME...]: writes the project's models and town assets to DIR, all of them or those named. The output
+// is byte-identical for the same version of OpenCV. All shapes and textures are procedural: see assets_*.cc.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -73,7 +73,7 @@ Status MakeAll(const fs::path& folder, const std::vector<std::string>& names) {
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    fmt::print(stderr, "make_assets: give the folder to write to: make_assets DIR [NAME...]\n");
+    fmt::print(stderr, "make_assets: no output folder: must be make_assets DIR [NAME...]\n");
     return victorious::ExitStatus(victorious::ErrorCode::kInvalidArgument);
   }
   if (const Status made = MakeAll(argv[1], {argv + 2, argv + argc}); !made) {

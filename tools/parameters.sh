@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# parameters.sh PROGRAM [--check FILE]: prints docs/parameters.md from the program's own field lists; with --check, fails
-# where the file says something else.
+# parameters.sh PROGRAM [--check FILE]: prints docs/parameters.md from the program's field lists; with --check, fails if
+# FILE differs.
 set -euo pipefail
 program=$1
 

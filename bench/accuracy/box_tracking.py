@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""How well boxes drawn in a video's first frame are followed, beside OpenCV's CSRT, KCF and MIL in the same run.
+"""Compares box tracking from a video's first frame with OpenCV's CSRT, KCF and MIL in the same run.
 
 Usage: box_tracking.py [--program build/victorious] [--peers build/box-peers] [--data ../shared/data]
                        [--sequences car,david,...] [--json]
 
-Success AUC: the area under the share of frames whose overlap (intersection over union) with the truth is above a
-threshold of 0, 0.05, ... 1, over the frames in which the object is there; a frame without a box overlaps by 0. Where an
-object goes and returns: the frames until it is found again (overlap of 0.5) after each return, and the share of the
-frames without it that have a box. Speed: frames a second of processor time, reading the video included, whatever else
-the machine does.
+Success AUC: the area under the success plot, that is the fraction of frames with an overlap (intersection over union)
+above a threshold of 0, 0.05, ... 1, over the frames that contain the object; a frame without a box has overlap 0. If
+the object leaves and returns: the number of frames until it is found again (overlap 0.5) after each return, and the
+fraction of frames without the object that have a box (false positives). Speed: frames per second of CPU time, including
+reading the video.
 """
 
 import argparse
@@ -31,7 +31,7 @@ Box = tuple[float, float, float, float]  # x, y, width, height, px
 class Sequence(NamedTuple):
     video: str
     truth: str
-    corners: bool = False  # the truth is x1,y1,x2,y2
+    corners: bool = False  # the truth has the form x1,y1,x2,y2
 
 
 SEQUENCES = {
@@ -47,14 +47,14 @@ SEQUENCES = {
 
 
 class Followed(NamedTuple):
-    boxes: dict[int, Box]  # by frame, where there is one
+    boxes: dict[int, Box]  # by frame; frames without a box are absent
     processor_s: float
 
 
 class Score(NamedTuple):
     auc: float
     frames_a_second: float
-    returns: list[int | None]  # frames until each was found again
+    returns: list[int | None]  # for each return, the frames until the object is found again
     absent_frames: int
     false_boxes: int
 
@@ -81,7 +81,7 @@ def overlap(a: Box, b: Box) -> float:
 
 
 def run(command: list[object]) -> tuple[str, float]:
-    """Its standard output, and the processor time that it took."""
+    """Returns its standard output and its CPU time."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run(list(map(str, command)), capture_output=True, text=True)
     if done.returncode != 0:

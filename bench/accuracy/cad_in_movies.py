@@ -1,28 +1,28 @@
 #!/usr/bin/env python3
-"""How well the objects of movies are found by their CAD models.
+"""Measures precision and recall of the search for CAD models in movies with ground truth.
 
 Usage: cad_in_movies.py [MOVIE...] [--program build/victorious] [--models assets/models] [--params FILE]
                         [--tool FILE] [--work build/cad_in_movies]
 
-MOVIE is a scene (scenes/NAME.json), or a folder with video.mp4 and truth.jsonl; without any, the scenes of the project
-but the demo's and the single pictures of chapter 3. A scene is simulated into WORK/flights/NAME unless it is there
-already; what --program makes of the scene may have changed since: delete the folder then. Models are made anew each
-time, from DIR/NAME.glb of --models, of everything that the truth names; what has no such file is not searched for, and
-said so. Each movie is indexed once, with all its models together and its telemetry.csv if it has one, into WORK/NAME.db
-(`victorious sheet --db WORK/NAME.db --out OUT.jpg` draws its finds).
+MOVIE is a scene (scenes/NAME.json), or a folder with video.mp4 and truth.jsonl; by default all scenes of the project
+except the demo and the single images of chapter 3. A scene is simulated into WORK/flights/NAME unless that folder
+exists; delete the folder if the renderer of --program has changed. Models are built in each run from DIR/NAME.glb of
+--models, for every model name in the truth; names without such a file are reported and not searched for. Each movie is
+indexed once, with all its models together and its telemetry.csv if it exists, into WORK/NAME.db
+(`victorious sheet --db WORK/NAME.db --out OUT.jpg` draws the detections).
 
-One row a movie, then rows over all movies, those without and with noise, and each model:
+Prints one row per movie, then rows over all movies, those without and with noise, and each model:
 
-  precision  sighting precision, as `victorious evaluate` counts
+  precision  sighting precision, as counted by `victorious evaluate`
   recall     sighting recall, likewise
-  view       share of the right sightings of clear rows whose view is within 10 degrees (great circle) of the truth's
-  frames/s   of `victorious index`, opening the video and writing the index included
-  clear      rows of the truth that recall asks for
+  view       fraction of the true positives of clear rows whose view is within 10 degrees (great circle) of the truth
+  frames/s   of `victorious index`, including opening the video and writing the index
+  clear      number of truth rows over which recall is computed
   then       the recall of each object
 
-Every movie's precision and recall must be what `victorious evaluate --json` says. --tool names an independent scorer
-(--truth, --objects, --sightings, --models, --json; the same keys as `evaluate`), which must agree, too. Where one does
-not, that is said, and the exit status is 1.
+Every movie's precision and recall must equal those of `victorious evaluate --json`. --tool names an independent scorer
+(--truth, --objects, --sightings, --models, --json; the same keys as `evaluate`), which must agree as well. A
+disagreement is reported, and the exit status is 1.
 """
 
 import argparse
@@ -42,20 +42,20 @@ from movies import Movie, Program, is_clear, pair
 REPOSITORY = Path(__file__).resolve().parents[2]
 RIGHT_VIEW_DEG = 10
 TOLERANCE = 1e-6
-ROUNDED = 6e-3  # of metres and degrees, which exports round
+ROUNDED = 6e-3  # tolerance in metres and degrees, which exports round
 HEAD = f"{'':<18}{'precision':>10}{'recall':>8}{'view':>8}{'frames/s':>10}{'clear':>7}"
 
 
 @dataclass
 class Tally:
-    """Counts of rows and sightings; of movies, models or objects together, their sum."""
+    """Counts of truth rows and sightings of a movie or model, or their sums."""
 
-    right: int = 0  # sightings of clear rows
-    wrong: int = 0  # sightings of nothing
+    right: int = 0  # true positives: sightings of clear rows
+    wrong: int = 0  # false positives
     asked: int = 0  # clear rows of findable objects
-    got: int = 0  # of these, seen
-    viewed: int = 0  # right ones that tell their view
-    right_view: int = 0  # of these, near the truth's
+    got: int = 0  # of these, detected
+    viewed: int = 0  # true positives with a view
+    right_view: int = 0  # of these, close to the true view
     frames: int = 0
     seconds: float = 0
 
@@ -79,7 +79,7 @@ class Tally:
 
 @dataclass
 class Result:
-    """One movie's."""
+    """The result of one movie."""
 
     of_model: dict[str, Tally] = field(default_factory=dict)
     recall_of: dict[str, float] = field(default_factory=dict)  # by findable object
@@ -102,7 +102,7 @@ def shown(value: float | None, digits: int = 3) -> str:
 
 
 def angle_deg(a: dict, b: dict) -> float:
-    """Between two directions to the camera."""
+    """The angle between two directions to the camera."""
     p, q = math.radians(a["off_nadir_deg"]), math.radians(b["off_nadir_deg"])
     turn = math.radians(a["azimuth_deg"] - b["azimuth_deg"])
     cosine = math.cos(p) * math.cos(q) + math.sin(p) * math.sin(q) * math.cos(turn)
@@ -110,7 +110,7 @@ def angle_deg(a: dict, b: dict) -> float:
 
 
 def simulated(program: Program, movie: Path, work: Path) -> Path:
-    """The folder of a movie, which is one or a scene."""
+    """Returns the folder of a movie; simulates it first if it is a scene."""
     if movie.is_dir():
         return movie
     folder = work / "flights" / movie.stem
@@ -121,13 +121,13 @@ def simulated(program: Program, movie: Path, work: Path) -> Path:
 
 
 def noise_of(movie: Path) -> float | None:
-    """The share of noisy pixels, where a scene tells."""
+    """Returns the fraction of noisy pixels of a scene; None if it is unknown."""
     scene = movie / "scene.json" if movie.is_dir() else movie
     return json.loads(scene.read_text())["video"].get("noise", 0) if scene.exists() else None
 
 
 class Models:
-    """Searchable models, each made when first asked for."""
+    """Searchable models, each built on first use."""
 
     def __init__(self, program: Program, cad: Path, folder: Path):
         self.program, self.cad, self.folder = program, cad, folder
@@ -137,7 +137,7 @@ class Models:
         return (self.cad / f"{name}.glb").exists()
 
     def library(self, name: str, models: list[str]) -> Path:
-        """A library of these models alone."""
+        """Makes a library of only these models."""
         library = self.folder / "of" / name
         library.mkdir(parents=True)
         for model in models:
@@ -150,7 +150,7 @@ class Models:
 
 
 def index(program: Program, movie: Movie, library: Path, db: Path, params: Path | None) -> tuple[int, float]:
-    """Frames searched, and seconds."""
+    """Indexes a movie. Returns the number of searched frames and the duration in seconds."""
     print(f"indexing {movie.video}", file=sys.stderr, flush=True)
     db.unlink(missing_ok=True)
     began = time.monotonic()
@@ -184,7 +184,7 @@ def tally(movie: Movie, sightings: list[dict]) -> Result:
 
 
 def differences(own: object, other: object, where: str) -> list[str]:
-    """The keys of `other` that `own` does not have alike."""
+    """Returns the keys of `other` whose values differ in `own`."""
     if isinstance(other, dict) and isinstance(own, dict):
         return [line for key, value in other.items() for line in differences(own.get(key), value, f"{where} {key}")]
     if isinstance(own, float) and isinstance(other, float):
@@ -248,7 +248,7 @@ def parse() -> argparse.Namespace:
 
 
 def run(arguments: argparse.Namespace, program: Program, models: Models) -> dict[str, Tally]:
-    """Prints a row a movie; the sums."""
+    """Prints one row per movie. Returns the sums."""
     pooled: dict[str, Tally] = {"all": Tally(), "without noise": Tally(), "with noise": Tally()}
     print(HEAD, flush=True)
     for path in arguments.movies:

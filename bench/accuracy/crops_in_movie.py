@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""How well crops of a movie's own objects are found again in the whole movie.
+"""Measures precision and recall of the search for crops of a movie's own objects in the whole movie.
 
 Usage: crops_in_movie.py MOVIE... [--program build/victorious] [--seeds N] [--params FILE] [--work DIR]
 
-MOVIE is a folder with video.mp4 and truth.jsonl. Of each object one box is cut out of one frame and becomes a model of
-one photo; the movie is indexed with all of them and scored. The frame is that of the median box among those in which
-the object is fully visible; then, for each seed, one drawn at random among those in which more than 0.9 of it is.
-Printed are the totals of `victorious evaluate --json`, the same counts an object (right, wrong, clear rows), and every
-wrong sighting with its overlap with the true box.
+MOVIE is a folder with video.mp4 and truth.jsonl. For each object, a box is cut out of one frame and becomes a model of
+one photo; the movie is indexed with all these models and scored. The frame is the one with the median box among those
+in which the object is fully visible; then, for each seed, a random one among those in which more than 0.9 of the object
+is visible. Prints the totals of `victorious evaluate --json`, the same counts per object (true positives, false
+positives, clear rows), and every false positive with its overlap with the true box.
 """
 
 import argparse
@@ -23,7 +23,7 @@ CROP_VISIBLE = 0.9
 
 
 def choose_rows(movie: Movie, seed: int | None) -> list[dict]:
-    """One row a model; nothing for an object that is never in full view."""
+    """One row per model; none for an object that is never fully visible."""
     chosen = {}
     for name, rows in sorted(movie.rows_of.items()):
         full = [row for row in rows if row["visible"] > CROP_VISIBLE]
@@ -41,7 +41,7 @@ def choose_rows(movie: Movie, seed: int | None) -> list[dict]:
 
 
 def index_crops(program: Program, movie: Movie, rows: list[dict], params: str | None, work: Path) -> Path:
-    """The index of the movie, searched for the crops."""
+    """Indexes the movie with the crops as models. Returns the index."""
     work.mkdir(parents=True)
     for row in rows:
         picture = work / f"{row['model']}.png"

@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
-"""How many objects are found where there are none.
+"""Measures the rate of false positives in videos without the objects.
 
 Usage: false_objects.py [VIDEO...] --models DIR [--program build/victorious] [--flights 10] [--frames 60] [--fps 1]
                         [--params FILE] [--work build/false_objects]
 
-Every CAD model of DIR (*.glb) is searched for at once, where it cannot be: in FLIGHTS simulated flights of FRAMES frames
-at FPS frames/s over empty towns, and in each VIDEO, whose objects are none of them. The flights are drawn by number: the
-town and what is parked there, the sun, height, slant, speed and turning of the camera, noise, blur and grain differ.
-The vehicles of assets/models that the towns park are of other makes than DIR's, but alike: who looks for a pickup may
-be shown one. A flight that is in WORK already is not drawn again, nor a model made; delete WORK after a change there.
+All CAD models of DIR (*.glb) are searched for together in videos that do not contain them: FLIGHTS simulated flights of
+FRAMES frames at FPS frames/s over towns without them, and each VIDEO. The flight number seeds the town and its parked
+vehicles, the sun, the height, off-nadir angle, speed and rotation of the camera, noise, blur and sensor noise. The
+vehicles of assets/models parked in the towns are of other makes than those of DIR, but similar (distractors). Flights
+and models that exist in WORK are reused; delete WORK after a change.
 
-One row a video: frames, seconds of it, sightings, objects, and frames/s of `victorious index`. Then, by kind of video
-and together: false objects, those of the hour of as many frames a second, and the 95 % upper limit of a Poisson rate.
+Prints one row per video: frames, duration in seconds, sightings, objects, and frames/s of `victorious index`. Then, per
+kind of video and in total: false objects, false objects per hour, and the 95 % upper limit of the Poisson rate.
 """
 
 import argparse
@@ -43,7 +43,7 @@ class Tally:
 
 
 def upper_limit(count: int, confidence: float = 0.95) -> float:
-    """The mean of a Poisson distribution that gives more than COUNT with this probability."""
+    """The mean of the Poisson distribution that exceeds COUNT with this probability."""
     below, above = 0.0, 2.0 * count + 20
 
     def share(mean: float) -> float:

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""How well `model show --findable` foretells what a flight finds.
+"""Compares the recall predicted by `model show --findable` with the recall in simulated flights.
 
 Usage: findable.py [--program build/victorious] [--models assets/models] [--scene scenes/circle_noise.json]
                    [--names jeep,tank,jet] [--frames 24] [--far 1,1.8,2.7] [--noise 0,0.07]
                    [--directions 24] [--work build/findable]
 
-The scene is simulated with so many frames, from so many times as far and with so much noise, each into its own folder
-of WORK unless it is there already, and indexed with its telemetry. One row a flight and a model: the median size of its
-clear rows (the longer side of their box), the share of them found, and what is foretold for that size, that noise and
-the scene's sun. Then the mean error, and the mean of foretold less found.
+The scene is simulated with FRAMES frames, for each distance factor of FAR and each noise level, into a folder of WORK
+unless that folder exists, and indexed with its telemetry. Prints one row per flight and model: the median size of the
+clear rows (the longer side of their box), the measured recall, and the recall predicted for that size, that noise and
+the scene's sun. Then the mean absolute error, and the mean of prediction minus measurement.
 """
 
 import argparse

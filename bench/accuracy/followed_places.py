@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""What sightings that are only followed do for places, in telemetry that errs.
+"""Measures the effect of tracked sightings on geolocation with erroneous telemetry.
 
 Usage: followed_places.py MOVIE... --models DIR [--program build/victorious] [--draws 5] [--position-m 0.5]
                           [--attitude-deg 0.05] [--every 10]
 
-MOVIE is a folder with video.mp4, telemetry.csv (exact) and truth.jsonl; DIR holds models made by `model add`. Each movie
-is indexed once, whole frames searched every EVERY frames and nothing else. Then, for each draw, its stored sights are
-shifted by errors of each frame and as much again common to the flight, told as sigmas, and placed anew: with the
-followed sightings' sights and without them. One row a movie and way, means over the draws.
+MOVIE is a folder with video.mp4, telemetry.csv (exact) and truth.jsonl; DIR contains models made by `model add`. Each
+movie is indexed once, with a complete search of every EVERY-th frame only. Then, for each draw, random errors are added
+to the stored bearing observations: per-frame errors, and common errors of the flight with the same standard deviations,
+which are stored as sigmas. The objects are then geolocated with and without the bearing observations of tracked
+sightings. Prints one row per movie and variant, with means over the draws.
 """
 
 import argparse
@@ -87,7 +88,7 @@ def main() -> None:
                     database = Path(folder) / f"{movie.name}-{seed}-{followed}.db"
                     shutil.copy(indexed, database)
                     shift(database, seed, arguments.position_m, math.radians(arguments.attitude_deg), followed)
-                    index(movie, database, motion_window_s=5.01)  # other parameters: places are made anew
+                    index(movie, database, motion_window_s=5.01)  # changed parameters: recomputes the places
                     scored = subprocess.run(
                         [arguments.program, "evaluate", "--db", database, "--truth", movie / "truth.jsonl", "--json"],
                         check=True, capture_output=True, text=True,

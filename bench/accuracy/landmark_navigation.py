@@ -1,24 +1,24 @@
 #!/usr/bin/env python3
-"""How well `victorious navigate` tells where a movie's camera was.
+"""Measures the accuracy of the camera poses that `victorious navigate` estimates.
 
 Usage: landmark_navigation.py MOVIE --models DIR [--landmarks truth|DB] [--case NAME...] [--seeds N]
                               [--program build/victorious] [--params FILE] [--work build/landmark_navigation]
 
-MOVIE is a folder with video.mp4, telemetry.csv (exact) and truth.jsonl; DIR has the models of its objects. Landmarks
-are the objects of truth that stand still, exactly placed, or those of an index DB. Cases:
+MOVIE is a folder with video.mp4, telemetry.csv (exact) and truth.jsonl; DIR contains the models of its objects.
+Landmarks are the static objects of the truth at their exact places, or the objects of an index DB. Cases:
 
-  drift    telemetry off by 10 m along each axis and 3 degrees in yaw, pitch and roll (sigmas), walking on by 0.5 m and
-           0.15 degrees in a second
-  noise    the same, and 2 m and 0.5 degrees in each row
-  ramp     telemetry exact in the first frame and off by 10 m and 3 degrees, one way, in the last
-  none     no telemetry, the field of view alone
-  moved    as drift, and the landmark that the movie shows longest is told 50 m away
-  unmoved  as none, and the landmark that the movie shows longest is told 50 m away
+  drift    telemetry with errors of 10 m along each axis and 3 degrees in yaw, pitch and roll (sigmas), plus a random
+           walk of 0.5 m and 0.15 degrees per second
+  noise    the same, plus 2 m and 0.5 degrees of white noise in each row
+  ramp     telemetry exact in the first frame; the error grows to 10 m and 3 degrees in the last frame
+  none     no telemetry, only the field of view
+  moved    as drift, and the landmark visible longest is given 50 m from its true place
+  unmoved  as none, and the landmark visible longest is given 50 m from its true place
 
-A row a case and seed: errors of the place (m) and of the attitude (degrees), over all frames: of telemetry, median and
-95 %; of the result, median and 95 %; the share of frames whose truth lies in the 90 % ellipsoid of the place, and in
-the 90 % sphere of the attitude; frames with a landmark; median ms a frame once landmarks are followed,
-and of processor time.
+Prints one row per case and seed, with errors of the position (m) and of the attitude (degrees) over all frames: median
+and 95 % quantile for the telemetry and for the result; the fraction of frames whose truth lies in the 90 % ellipsoid of
+the position, and in the 90 % sphere of the attitude; the number of frames with a landmark; the median time per frame in
+ms while landmarks are tracked, and the CPU time.
 """
 
 import argparse
@@ -39,7 +39,7 @@ EQUATOR_M, FLATTENING = 6378137.0, 1 / 298.257223563
 
 
 def metres_per_degree(latitude_deg: float) -> tuple[float, float]:
-    """East and north."""
+    """Metres east and north."""
     sine = math.sin(math.radians(latitude_deg))
     squared = FLATTENING * (2 - FLATTENING)
     across = EQUATOR_M / math.sqrt(1 - squared * sine * sine)
@@ -70,7 +70,7 @@ def product(a: list, b: list) -> list:
 
 
 def attitude(row: dict) -> list:
-    """enu_from_camera, as docs/formats/telemetry.md composes it."""
+    """The rotation enu_from_camera, as defined in docs/formats/telemetry.md."""
     yaw, pitch, roll = (math.radians(float(row[key])) for key in ("yaw_deg", "pitch_deg", "roll_deg"))
     about_up = [[math.cos(yaw), math.sin(yaw), 0], [-math.sin(yaw), math.cos(yaw), 0], [0, 0, 1]]
     about_right = [[1, 0, 0], [0, math.cos(pitch), -math.sin(pitch)], [0, math.sin(pitch), math.cos(pitch)]]
@@ -86,7 +86,7 @@ def turn_deg(row: dict, truth: dict) -> float:
 
 
 def squared_sigmas(error: list[float], row: dict) -> float:
-    """error' inverse(covariance) error, by elimination."""
+    """The squared Mahalanobis distance error' covariance^-1 error, by Gaussian elimination."""
     axes = ("east", "north", "up")
     matrix = [[0.0] * 3 + [error[i]] for i in range(3)]
     for i in range(3):
@@ -112,10 +112,10 @@ def read_table(path: Path) -> list[dict]:
 
 
 def spoiled(rows: list[dict], case: str, seed: int) -> list[dict]:
-    """Telemetry that is off as the case wants."""
+    """Writes telemetry with the errors of the case."""
     draw = random.Random(seed)
     if case == "ramp":
-        offset = [draw.choice((-1, 1)) * size for size in (6, 6, 5, 1.7, 1.7, 1.7)]  # 10 m and 3 degrees long
+        offset = [draw.choice((-1, 1)) * size for size in (6, 6, 5, 1.7, 1.7, 1.7)]  # norms of 10 m and 3 degrees
     else:
         offset = [draw.gauss(0, size) for size in (10, 10, 10, 3, 3, 3)]
     result = []
@@ -143,7 +143,7 @@ def write_table(rows: list[dict], path: Path) -> None:
 
 
 def true_landmarks(movie: Movie, models: Path) -> list[dict]:
-    """Those that stand still, the one in view longest first."""
+    """The static objects, ordered by the number of frames that show them."""
     keys = ("latitude_deg", "longitude_deg", "altitude_m", "heading_deg")
     objects = sorted(movie.rows_of.values(), key=len, reverse=True)
     still = [rows for rows in objects if all(rows[0][key] == row[key] for row in rows for key in keys)]

@@ -1,6 +1,6 @@
-"""What the measurements on movies share: a movie with its truth, the program, and which sighting shows what.
+"""Shared by the measurements on movies: a movie with its truth, the program, and the matching of sightings to truth.
 
-The rules of what is clear, findable and paired are those of `victorious evaluate`.
+The rules for clear rows, findable objects and pairs are those of `victorious evaluate`.
 """
 
 import json
@@ -13,11 +13,11 @@ from typing import Iterator
 CLEAR_VISIBLE = 0.5
 CLEAR_SIDE_PX = 24
 LEAST_OVERLAP = 0.4
-LEAST_ROWS = 10  # clear ones of a findable object
+LEAST_ROWS = 10  # minimum number of clear rows of a findable object
 
 
 class Movie:
-    """A folder with video.mp4 and truth.jsonl; the truth of `models` alone, where they are given."""
+    """A folder with video.mp4 and truth.jsonl; if `models` is given, only their truth."""
 
     def __init__(self, folder: Path, models: set[str] | None = None):
         self.folder = folder
@@ -36,13 +36,13 @@ class Movie:
         return sorted({rows[0]["model"] for rows in self.rows_of.values()})
 
     def findable(self) -> dict[str, int]:
-        """The clear rows of each object that has enough of them."""
+        """The number of clear rows of each findable object."""
         clear = {name: sum(map(is_clear, rows)) for name, rows in sorted(self.rows_of.items())}
         return {name: count for name, count in clear.items() if count >= LEAST_ROWS}
 
 
 class Program:
-    """Ends with the program's own error where it fails."""
+    """Runs the program; exits with its error message if it fails."""
 
     def __init__(self, path: str):
         self.path = path
@@ -69,7 +69,7 @@ def overlap(a: list[float], b: list[float]) -> float:
 
 
 def pair(movie: Movie, sightings: list[dict]) -> Iterator[tuple[dict, dict | None]]:
-    """Each sighting with the row of truth that it shows, best score first within a frame and a model."""
+    """Yields each sighting with its truth row, or None; greedy by descending score within a frame and model."""
     taken = set()
     for sighting in sorted(sightings, key=lambda s: -s["score"]):
         candidates = [

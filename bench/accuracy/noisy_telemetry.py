@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
-"""How often the truth lies in the ellipsoids that places are told with, in rendered flights whose telemetry errs.
+"""Measures how often the truth lies in the confidence ellipsoids of places, in simulated flights with noisy telemetry.
 
 Usage: noisy_telemetry.py --models DIR [--program build/victorious] [--scenes scenes] [--flights 10] [--seed 1]
                           [--frames 60] [--every 5] [--position-m 2] [--attitude-deg 0.5] [--tell] [--keep DIR]
 
-DIR holds models of the scenes' objects, made by `model add`. Flight k is the k-th scene (in turn) with its own seeds:
-another town, objects turned and moved by up to a metre and a half, another side and distance to look from. Its
-telemetry then errs along each axis of the camera's place by --position-m and about each axis of its attitude by
---attitude-deg, in each row anew and as much again alike in the whole flight. What is alike decides nearly all, and ten
-flights are few: each of its six numbers is drawn once from each tenth of the normal distribution (a Latin hypercube).
-It is indexed and evaluated with that; with --tell, telemetry says how much it errs. One row a flight, and all together.
+DIR contains models of the scenes' objects, made by `model add`. Flight k uses the k-th scene (cyclically) with its own
+seeds: another town, objects rotated and moved by up to 1.5 m, another azimuth and range of the camera. Errors are added
+to its telemetry: white noise of --position-m per axis of the position and --attitude-deg per axis of the attitude in
+each row, plus a common error of the flight with the same sigmas. The common error dominates, and ten flights are few,
+so each of its six components is drawn once from each tenth of the normal distribution (a Latin hypercube). The flight
+is indexed and evaluated with this telemetry; with --tell, the telemetry contains the sigmas. Prints one row per flight,
+and the total.
 """
 
 import argparse
@@ -59,7 +60,7 @@ def vary(scene: dict, assets: Path, draws: random.Random, frames: int) -> dict:
 
 
 def latin_normals(flights: int, draws: random.Random) -> list[list[float]]:
-    """Six standard normal numbers a flight; of each, one a flight in every stretch of equal probability."""
+    """Six standard normal numbers per flight, as a Latin hypercube: each number has one flight in every quantile interval."""
     columns = []
     for _ in range(6):
         stretches = list(range(flights))
@@ -142,7 +143,7 @@ def main() -> None:
             text = json.dumps(vary(scene, assets, draws, arguments.frames))
             is_flown = (folder / "video.mp4").exists() and scene_file.exists() and scene_file.read_text() == text
             scene_file.write_text(text)
-            if not is_flown:  # the video comes last
+            if not is_flown:  # the video is written last
                 program("simulate", scene_file, "--out", folder)
             noisy = folder / ("told.csv" if arguments.tell else "noisy.csv")
             spoil(folder / "telemetry.csv", noisy, alike[k - 1], random.Random(1000 * arguments.seed + k),

@@ -1,5 +1,4 @@
-// The cascade on flat scenes with known homographies: what it keeps of the true matches, and what it leaves of the
-// false.
+// Accuracy of the cascade on planar scenes with known homographies: true matches kept, and false matches kept.
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -51,7 +50,7 @@ void Print(const std::string& name, const Counts& counts) {
              100 * counts.FalseShare());
 }
 
-// The first picture of the series as the template, each of `numbers` as the scene.
+// The first image of the series is the template, each of `numbers` a scene.
 Counts CountPairs(const Series& series, const std::vector<int>& numbers, const RecognizeOptions& options = {}) {
   const Recognizer recognizer = RecognizerOf({ModelOf(series.name(), series.Picture(1))}, options);
   const std::span<const Keypoint> model = recognizer.models()[0].ViewFeatures(0).keypoints;
@@ -78,14 +77,14 @@ Counts CountPairs(const Series& series, const std::vector<int>& numbers, const R
 
 TEST(CascadeTruth, KeepsTheTrueAndDropsTheFalseOnFlatScenes) {
   VICTORIOUS_DATA_OR_SKIP(data, kRecognitionData);
-  // The pairs in which the object must be found.
+  // The image pairs in which the object must be found.
   Counts easy = CountPairs(Series("graf"), {2, 3});
   easy += CountPairs(Series("boat"), {2, 3, 4});
   Print("these five", easy);
   EXPECT_GE(easy.TrueKept(), 0.98);
   EXPECT_LE(easy.FalseShare(), 0.005);
 
-  // Harder views of the same, in which the picture is flat as far as it is matched.
+  // Harder views of the same series, in which the matched part of the scene is planar.
   Counts flat = easy;
   flat += CountPairs(Series("graf"), {4, 5, 6});
   flat += CountPairs(Series("boat"), {5});
@@ -94,8 +93,8 @@ TEST(CascadeTruth, KeepsTheTrueAndDropsTheFalseOnFlatScenes) {
   EXPECT_GE(flat.TrueKept(), 0.98);
   EXPECT_LE(flat.FalseShare(), 0.005);
 
-  // Two scenes are not flat: a pillar stands out of the wall, and boats and a bank lie before the plane that boat's
-  // homographies are of. Nearly all matches there are right, though false by the homography.
+  // Two scenes are not planar: a pillar stands out of the wall, and boats and a bank are in front of the plane of
+  // boat's homographies. Nearly all matches there are correct, although the homography makes them false.
   Counts all = flat;
   all += CountPairs(Series("boat"), {6});
   all += CountPairs(Series("wall"), {3});
@@ -104,7 +103,7 @@ TEST(CascadeTruth, KeepsTheTrueAndDropsTheFalseOnFlatScenes) {
   EXPECT_LE(all.FalseShare(), 0.01);
 }
 
-// Thresholds learnt from simulated pictures of vehicles hold on photographs that they have nothing to do with.
+// Thresholds learnt from simulated images of vehicles generalise to unrelated photographs.
 TEST(CascadeTruth, LearntThresholdsHoldOnPhotographs) {
   VICTORIOUS_DATA_OR_SKIP(data, kRecognitionData);
   RecognizeOptions learnt;

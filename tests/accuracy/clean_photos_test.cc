@@ -1,4 +1,5 @@
-// Photos without noise are left as they are (features/impulse_noise.h), however full of leaves and print.
+// The impulse noise filter (features/impulse_noise.h) does not change photos without noise, even with foliage and
+// print.
 #include <algorithm>
 #include <filesystem>
 #include <vector>

@@ -1,4 +1,4 @@
-// Real pictures whose truth is known: $VICTORIOUS_DATA/real/recognition.
+// Real images with ground truth: $VICTORIOUS_DATA/real/recognition.
 #pragma once
 
 #include <filesystem>
@@ -18,9 +18,10 @@
 
 namespace victorious::testing {
 
-/// Below $VICTORIOUS_DATA.
+/// Path relative to $VICTORIOUS_DATA.
 inline constexpr std::string_view kRecognitionData = "real/recognition";
 
+/// The features of a grey image by the default engine.
 FeatureSet FeaturesOf(const cv::Mat& grey);
 
 /// A model of one photo, with the default options.
@@ -28,7 +29,7 @@ ObjectModel ModelOf(const std::string& name, const cv::Mat& bgr, const std::opti
 
 Recognizer RecognizerOf(std::vector<ObjectModel> models, const RecognizeOptions& options = {});
 
-/// A series of pictures of one flat thing: img1.png, img2.png, … and H1to2p, … from the first to the others.
+/// A series of images of a planar scene: img1.png, img2.png, …, and the homographies H1to2p, … from the first image.
 class Series {
  public:
   /// @param name  "graf", "boat" or "wall"
@@ -36,7 +37,8 @@ class Series {
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] cv::Mat Picture(int number) const;
-  /// picture_from_first, for the first pixel's centre at (0.5, 0.5). (The files are for centres at integers.)
+  /// The homography picture_from_first, for the first pixel's centre at (0.5, 0.5). (The files use centres at
+  /// integers.)
   [[nodiscard]] Eigen::Matrix3d FromFirst(int number) const;
 
  private:
@@ -44,12 +46,12 @@ class Series {
   std::filesystem::path folder_;
 };
 
-/// The map from template to scene that OpenCV finds by itself: its SIFT, its matcher, its RANSAC.
+/// The homography from template to scene by OpenCV's SIFT, matcher and RANSAC, as a reference.
 Eigen::Matrix3d HomographyByOpenCv(const cv::Mat& template_grey, const cv::Mat& scene_grey);
 
 Polygon Project(const Polygon& outline, const Eigen::Matrix3d& map);
 
-/// Overlap of a found outline with the true one (convex), both as they are and both clipped to the picture.
+/// The intersection over union of a found outline and the true one (convex): whole, and clipped to the image.
 struct OutlineAgreement {
   double whole = 0;
   double in_view = 0;

@@ -1,4 +1,4 @@
-// Known objects in real pictures: found once, where they are, and nowhere else.
+// Recognition of known objects in real images: one detection at the true place, and no false positives.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -26,7 +26,7 @@ Polygon WholeOf(const cv::Mat& picture) {
   return CornersOf({0, 0, static_cast<double>(picture.cols), static_cast<double>(picture.rows)});
 }
 
-// A scene, the only model that is in it, and where.
+// A scene with the name and outline of the only model in it.
 struct Scene {
   std::string name;
   cv::Mat picture;

@@ -1,5 +1,5 @@
-// draw_flight DIR FRAMES: draws what the end-to-end tests search. A small flight in DIR/flight.mkv and DIR/flight.mp4,
-// with the truth of all its things in DIR/truth.jsonl, and each thing's photo in DIR/NAME.png.
+// draw_flight DIR FRAMES: renders the input of the end-to-end tests. Writes a small flight to DIR/flight.mkv and
+// DIR/flight.mp4, the truth of all its objects to DIR/truth.jsonl, and each object's photo to DIR/NAME.png.
 #include <charconv>
 #include <cstdio>
 #include <filesystem>

@@ -1,4 +1,4 @@
-"""What the end-to-end tests share: the program as a child process, a drawn flight, and what an error looks like."""
+"""Shared by the end-to-end tests: the program as a child process, a synthetic flight, and checks of error output."""
 
 import atexit
 import functools
@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 SKIPPED = 77  # exit status of a file whose tests were all skipped
-FRAMES = 40  # of the drawn flight
+FRAMES = 40  # of the synthetic flight
 PROGRESS = re.compile(r"^.+: \d+( of \d+)? \w+, [\d.]+ a second$")
 REPOSITORY = Path(__file__).resolve().parents[2]
 
@@ -35,7 +35,7 @@ class Outcome(NamedTuple):
     err: str
 
     def messages(self) -> list[str]:
-        """The lines on stderr that are not progress."""
+        """The lines on stderr except progress."""
         return [line for line in self.err.splitlines() if not PROGRESS.match(line)]
 
     def rows(self) -> list[dict]:
@@ -58,7 +58,7 @@ def folder_until_exit() -> Path:
 
 @functools.cache
 def flight(frames: int = FRAMES) -> Path:
-    """A folder with flight.mkv, flight.mp4, truth.jsonl and photos (draw_flight.cc). Not to be written to."""
+    """A folder with flight.mkv, flight.mp4, truth.jsonl and photos (draw_flight.cc). Read-only."""
     folder = folder_until_exit()
     subprocess.run([DRAW_FLIGHT, folder, str(frames)], check=True)
     return folder
@@ -66,7 +66,7 @@ def flight(frames: int = FRAMES) -> Path:
 
 @functools.cache
 def models() -> Path:
-    """A library with the crate and the truck. Not to be written to."""
+    """A model library with the crate and the truck. Read-only."""
     folder = folder_until_exit() / "models"
     for name in ("crate", "truck"):
         done = run("model", "add", name, flight() / f"{name}.png", "--models", folder)
@@ -76,7 +76,7 @@ def models() -> Path:
 
 @functools.cache
 def index() -> Path:
-    """An index of flight.mkv. Only to be read."""
+    """An index of flight.mkv. Read-only."""
     path = folder_until_exit() / "index.db"
     done = run("index", flight() / "flight.mkv", "--models", models(), "--db", path)
     assert done.status == 0, done.err
@@ -84,7 +84,7 @@ def index() -> Path:
 
 
 def plain_picture(path: Path, width: int = 160, height: int = 120) -> Path:
-    """A picture without features: plain grey."""
+    """A uniform grey image, without features."""
     path.write_bytes(b"P6\n%d %d\n255\n" % (width, height) + b"\x80" * (3 * width * height))
     return path
 
@@ -102,7 +102,7 @@ class ProgramTest(unittest.TestCase):
         return done
 
     def refuses(self, status: int, words, *arguments, **options) -> str:
-        """The program ends with `status`, one line of error that holds every one of `words`, and no result."""
+        """Checks that the program exits with `status` and one line of error that contains all `words`, without any output."""
         done = run(*arguments, **options)
         said = f"{' '.join(map(str, arguments))}\n{done.err}"
         self.assertEqual(done.status, status, said)
@@ -115,7 +115,7 @@ class ProgramTest(unittest.TestCase):
         return messages[0]
 
     def files(self) -> dict[str, bytes]:
-        """What lies in the scratch folder, by name."""
+        """The contents of the files in the scratch folder, by name."""
         return {
             str(path.relative_to(self.scratch)): path.read_bytes() for path in self.scratch.rglob("*") if path.is_file()
         }

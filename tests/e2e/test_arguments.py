@@ -1,4 +1,4 @@
-"""Bad usage: exit status 2 and one line that says what would be right; nothing is written."""
+"""Bad usage: exit status 2 and a one-line error with the correct usage; no file is written."""
 
 import unittest
 
@@ -48,7 +48,7 @@ class ArgumentsTest(program.ProgramTest):
             ("extra", ("export", "--db", INDEX, "--format", "mot", "extra")),
             ("--at or --number", ("frame", VIDEO, "--at", "0", "--number", "0", "--out", out)),
             ("--image and --model", ("search", "--db", INDEX, "--image", CRATE, "--model", "crate")),
-            ("go with --image", ("search", "--db", INDEX, "--box", "1,2,3,4")),
+            ("need --image", ("search", "--db", INDEX, "--box", "1,2,3,4")),
             ("boxes for 1 photos", ("model", "add", "x", CRATE, "--box", "1,1,9,9", "--box", "1,1,9,9", "--models", out)),
         ):
             with self.subTest(arguments):
@@ -97,7 +97,7 @@ class ArgumentsTest(program.ProgramTest):
         self.refuses_unchanged(
             ("--from 3", "--to 2"), "sheet", "--db", INDEX, "--out", self.scratch / "x.png", "--from", "3", "--to", "2"
         )
-        for words, at in (("--at", "-1"), ("--at", "nan"), ("--at", "1:75"), ("before what was asked for", "1:39")):
+        for words, at in (("--at", "-1"), ("--at", "nan"), ("--at", "1:75"), ("before the requested frame", "1:39")):
             self.refuses_unchanged(words, "frame", VIDEO, "--at", at, "--out", self.scratch / "x.png")
         self.refuses_unchanged("--number", "frame", VIDEO, "--number", "-1", "--out", self.scratch / "x.png")
 
@@ -118,7 +118,7 @@ class ArgumentsTest(program.ProgramTest):
             with self.subTest(command):
                 self.refuses_unchanged(("nope.mp4", "flight.mkv"), *command, "--db", INDEX, "--video", "nope.mp4")
                 self.refuses_unchanged(("tank", "crate, truck"), *command, "--db", INDEX, "--model", "tank")
-        # The end of a name counts part by part.
+        # The end of a name matches whole path components only.
         self.refuses_unchanged("light.mkv", "search", "--db", INDEX, "--video", "light.mkv")
         self.refuses_unchanged(("tank", "crate, truck"), "model", "show", "tank", "--models", MODELS)
         self.refuses_unchanged(("tank", "crate, truck"), "model", "remove", "tank", "--models", MODELS)
@@ -160,7 +160,7 @@ class ArgumentsTest(program.ProgramTest):
         models = ("--models", self.scratch / "models")
         told = self.succeeds("model", "add", "whole", whole, *models).messages()
         self.assertEqual(len(told), 1, told)
-        self.assertIn("whole.png: the whole photo is taken for the object; --box", told[0])
+        self.assertIn("whole.png: the whole photo is used as the object; cut it out by --box", told[0])
         self.assertEqual(self.succeeds("model", "add", "a", whole, "--box", "10,10,150,150", *models).err, "")
         self.assertEqual(self.succeeds("model", "add", "b", CRATE, *models).err, "", "cut out by its alpha channel")
 

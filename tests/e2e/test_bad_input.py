@@ -1,4 +1,4 @@
-"""Bad input: exit status 2 and one line that names the file and says what would be right; nothing half-written."""
+"""Bad input: exit status 2 and a one-line error with the file's name and the remedy; no partial output."""
 
 import sqlite3
 import unittest
@@ -7,7 +7,7 @@ import program
 
 VIDEO, MODELS, INDEX = program.flight() / "flight.mkv", program.models(), program.index()
 CRATE = program.flight() / "crate.png"
-MATROSKA_CLUSTER = b"\x1f\x43\xb6\x75"  # where the frames begin
+MATROSKA_CLUSTER = b"\x1f\x43\xb6\x75"  # start of the frames
 
 
 class VideosTest(program.ProgramTest):
@@ -60,7 +60,7 @@ class VideosTest(program.ProgramTest):
         whole = VIDEO.read_bytes()
         self.refuses_video(self.write("header.mkv", whole[: whole.index(MATROSKA_CLUSTER)]))
         mp4 = (program.flight() / "flight.mp4").read_bytes()
-        self.refuses_video(self.write("cut.mp4", mp4[: len(mp4) // 2]))  # its index of frames stands at the end
+        self.refuses_video(self.write("cut.mp4", mp4[: len(mp4) // 2]))  # the frame index is at the end of the file
 
     def test_a_url_that_does_not_answer(self):
         self.refuses(
@@ -83,7 +83,7 @@ class PhotosTest(program.ProgramTest):
     def refuses_photo(self, photo, words=""):
         out = self.scratch / "out"
         self.refuses(2, [photo, words], "model", "add", "x", photo, "--models", out)
-        # Nothing is made of the good photo either.
+        # The good photo is not used either.
         self.refuses(2, [photo, words], "model", "add", "x", CRATE, photo, "--models", out)
         self.refuses(2, [photo, words], "search", "--db", INDEX, "--image", photo)
         self.assertFalse(out.exists())

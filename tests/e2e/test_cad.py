@@ -1,4 +1,4 @@
-"""CAD files as models: what is good, what is damaged in part, and what is refused in one line and bounded time."""
+"""CAD files as models: valid files, partly damaged files, and files rejected with a one-line error in bounded time."""
 
 import json
 import random
@@ -11,12 +11,12 @@ from pathlib import Path
 
 import program
 
-FEW_VIEWS = ("--step", "90", "--max-off-nadir", "0")  # one from straight above
+FEW_VIEWS = ("--step", "90", "--max-off-nadir", "0")  # only the nadir view
 OUTSIDE = program.REPOSITORY.parent / "shared/data/models"
 
 
 def png(width: int, height: int, seed: int) -> bytes:
-    """Squares of 4 pixels in random greys."""
+    """Random grey squares of 4 pixels."""
     draw = random.Random(seed)
     squares = [[draw.randrange(256) for _ in range(width // 4)] for _ in range(height // 4)]
     rows = b"".join(b"\0" + bytes(squares[y // 4][x // 4] for x in range(width)) for y in range(height))
@@ -29,7 +29,7 @@ def png(width: int, height: int, seed: int) -> bytes:
 
 
 def roof_obj(size_x: float = 4, size_z: float = 2, extra: str = "") -> str:
-    """A level, textured rectangle at y = 0, seen from above."""
+    """A horizontal, textured rectangle at y = 0, visible from above."""
     x, z = size_x / 2, size_z / 2
     corners = ((-x, z), (x, z), (x, -z), (-x, -z))
     return (
@@ -122,7 +122,7 @@ class GoodTest(CadTest):
         self.assertAlmostEqual(self.shown()["length_m"], 6, 4)
 
     def test_length_of_a_gltf_is_along_its_front(self):
-        # 4 along x, 2 along z: as OBJ 4 long, as glTF 2.
+        # 4 along x, 2 along z: length 4 as OBJ (longest side), 2 as glTF (along z).
         x, z = 2, 1
         positions = struct.pack("<12f", -x, 0, z, x, 0, z, x, 0, -z, -x, 0, -z)
         uvs = struct.pack("<8f", 0, 1, 1, 1, 1, 0, 0, 0)
@@ -158,7 +158,7 @@ class GoodTest(CadTest):
     def test_an_outside_model_in_time(self):
         began = time.monotonic()
         self.succeeds("model", "add", "humvee", OUTSIDE / "humvee.glb", "--models", self.models)
-        self.assertLess(time.monotonic() - began, 60)  # 30 s on two cores of one's own
+        self.assertLess(time.monotonic() - began, 60)  # 30 s on two idle cores
 
 
 class DamagedInPartTest(CadTest):

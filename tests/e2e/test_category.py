@@ -1,4 +1,4 @@
-"""`category train` and `category classify`: what is learned from pictures, and one clear line for bad input."""
+"""`category train` and `category classify`: training, classification, and one-line errors for bad input."""
 
 import json
 import random
@@ -12,7 +12,7 @@ WIDTH, HEIGHT = 160, 120
 
 
 def pair(path: Path, cross_first: bool, seed: int):
-    """A cross beside a disc, or a disc beside a cross, somewhere in a picture."""
+    """Draws a cross to the left of a disc, or the reverse, at a random place of an image."""
     draw = random.Random(seed)
     x, y = 30 + draw.randrange(50), 30 + draw.randrange(60)
     cross, disc = (x, x + 40) if cross_first else (x + 40, x)
@@ -33,7 +33,7 @@ def pair(path: Path, cross_first: bool, seed: int):
 FOLDER = program.folder_until_exit()
 TRAIN = [pair(FOLDER / f"train{i}.pgm", i % 2 == 0, i) for i in range(16)]
 TEST = [pair(FOLDER / f"test{i}.pgm", i % 2 == 0, 100 + i) for i in range(10)]
-# The two kinds are each other's mirror images.
+# The two categories are mirror images of each other.
 SMALL = {"features": {"mirrored": False}, "vocabulary": {"words": 80, "iterations": 5}, "phrases": {"parts": 24}}
 
 
@@ -87,7 +87,7 @@ class CategoryTest(program.ProgramTest):
 
         told = train(TRAIN)
         self.assertEqual(len(told), 1, told)
-        self.assertIn("every picture, whatever it shows, is called one of them", told[0])
+        self.assertIn("every image is labelled as one of the categories", told[0])
         self.assertEqual(train([row.replace(",disc-cross,", ",background,") for row in TRAIN]), [])
 
     def test_the_thesis_method(self):
@@ -113,7 +113,7 @@ class CategoryTest(program.ProgramTest):
         self.succeeds(*command, "--explain", self.scratch / "why.png")
         for name in ("why.png", "why-2.png"):
             self.assertTrue((self.scratch / name).read_bytes().startswith(b"\x89PNG"))
-        self.refuses(2, "--method words", *command, "--method", "words", "--explain", self.scratch / "no.png")
+        self.refuses(2, "--method phrases", *command, "--method", "words", "--explain", self.scratch / "no.png")
         self.refuses(2, "no.txt", *command, "--explain", self.scratch / "no.txt")
 
     def test_feedback(self):
@@ -157,7 +157,7 @@ class CategoryTest(program.ProgramTest):
         self.refuses_list(["line 2", "no category"], "image\ntrain0.pgm\n")
         self.refuses_list(["line 2", "is empty"], listing(["train0.pgm,a,10,10,10,50"]))
         self.refuses_list(["line 2", "four numbers"], listing(["train0.pgm,a,10,10"]))
-        self.refuses_list(["line 18", "outside the picture", "160 x 120"], listing([*TRAIN, "train1.pgm,a,500,10,600,20"]))
+        self.refuses_list(["line 18", "outside the image", "160 x 120"], listing([*TRAIN, "train1.pgm,a,500,10,600,20"]))
         self.refuses_list(["line 18", "nowhere.png"], listing([*TRAIN, "nowhere.png,a,,,,"]))
         (FOLDER / "broken.png").write_bytes(b"\x89PNG\r\n\x1a\nand no more")
         self.refuses_list(["line 18", "broken.png"], listing([*TRAIN, "broken.png,a,,,,"]))

@@ -1,4 +1,4 @@
-"""From photos and a video to the list of finds, as a user does it, and what every export writes."""
+"""The complete workflow of a user, from photos and a video to the list of objects, and all exports."""
 
 import json
 import shutil
@@ -153,7 +153,7 @@ class FindsTest(program.ProgramTest):
         video = program.flight() / "flight.mkv"
         self.succeeds("index", video, "--models", program.models(), "--db", db, "--params", params)
         self.assertEqual(self.succeeds("search", "--db", db, "--json").out, "")
-        self.assertIn("(rejected: too faint: chance finds", self.succeeds("search", "--db", db, "--rejected").out)
+        self.assertIn("(rejected: not significant: as strong a false detection", self.succeeds("search", "--db", db, "--rejected").out)
         rows = self.succeeds("search", "--db", db, "--rejected", "--json").rows()
         self.assertGreater(len(rows), 0)
         for row in rows:
@@ -163,7 +163,7 @@ class FindsTest(program.ProgramTest):
         exported = [json.loads(line) for line in self.export(db, "objects", "--rejected").splitlines()]
         self.assertEqual(exported, rows)
         sheet = self.scratch / "sheet.png"
-        self.refuses(2, "no object to show", "sheet", "--db", db, "--out", sheet)
+        self.refuses(2, "no object in the index passes the filter", "sheet", "--db", db, "--out", sheet)
         self.succeeds("sheet", "--db", db, "--out", sheet, "--rejected")
         self.assertTrue(sheet.exists())
 
@@ -177,7 +177,7 @@ class FindsTest(program.ProgramTest):
         self.assertGreater(score["sighting_recall"], 0.8)
         self.assertGreater(score["sighting_precision"], 0.95)
         self.assertIn("findable", self.succeeds("evaluate", *flags).out)
-        # Of the third thing, no model was made.
+        # The third object has no model.
         everything = json.loads(self.succeeds("evaluate", *flags[:4], "--json").out)
         self.assertEqual((everything["findable"], everything["found"]), (3, 2))
 
@@ -285,7 +285,7 @@ def overlap(a, b):
 
 
 def without_ids(sightings):
-    """Sightings by frame and model; the numbers of objects differ with the order of the runs."""
+    """Sightings by frame and model; object ids depend on the order of the index runs."""
     rows = []
     for line in sightings.splitlines():
         row = json.loads(line)

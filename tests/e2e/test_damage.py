@@ -1,4 +1,4 @@
-"""Input that is damaged in part is used as far as it goes: a warning that says where, exit status 0."""
+"""Partly damaged input is used as far as possible: a warning with the position of the damage, exit status 0."""
 
 import json
 import shutil
@@ -11,11 +11,11 @@ VIDEO, MODELS, INDEX = program.flight() / "flight.mkv", program.models(), progra
 
 class DamageTest(program.ProgramTest):
     def index(self, video):
-        """The video's sightings, and what was warned of."""
+        """Returns the video's sightings and the warnings."""
         db = self.scratch / "index.db"
         done = self.succeeds("index", video, "--models", MODELS, "--db", db)
         warnings = [line for line in done.messages() if line.startswith("warning: ")]
-        self.assertEqual(len(done.messages()), len(warnings) + 1, done.err)  # and what was done
+        self.assertEqual(len(done.messages()), len(warnings) + 1, done.err)  # and the summary line
         for line in warnings:
             self.assertIn(str(video), line)
         sightings = [json.loads(line) for line in self.export(db, "sightings").splitlines()]

@@ -1,4 +1,4 @@
-"""`tools/demo.sh`, what `make demo` runs: on a short flight with one object to be found among others, and again."""
+"""`tools/demo.sh` (`make demo`) on a short flight with one searched object among others, and a repeated call."""
 
 import json
 import math
@@ -19,8 +19,8 @@ class DemoTest(program.ProgramTest):
         )  # fmt: skip
 
     def short_scene(self) -> str:
-        """The demo's scene, passed over in six frames. The jet is to be found: first it is out of view, then it is not.
-        The others are only there."""
+        """The demo's scene in six frames. The jet is searched for; it is out of view first, then in view. The other
+        objects are distractors."""
         scene = json.loads(SCENE.read_text())
         scene["assets"] = str(MODELS.parent)
         scene["video"] |= {"frames": 6, "fps": 1}
@@ -34,7 +34,7 @@ class DemoTest(program.ProgramTest):
         return json.dumps(scene)
 
     def metres_off(self, demo) -> float:
-        """How far the one find's place is from the truth, along the ground."""
+        """The horizontal error of the place of the only object found."""
         (find,) = json.loads((demo / "finds.geojson").read_text())["features"]
         told = find["properties"]
         true = json.loads((demo / "flight" / "truth.jsonl").read_text().splitlines()[-1])
@@ -56,8 +56,8 @@ class DemoTest(program.ProgramTest):
             self.assertIn(f"demo/{name}", made)
         again = self.demo(*arguments)
         self.assertEqual(again.returncode, 0, again.stderr)
-        self.assertIn("all of it was indexed before", again.stderr)
-        self.assertNotIn("a second", again.stderr)  # no progress: nothing was made
+        self.assertIn("already indexed", again.stderr)
+        self.assertNotIn("a second", again.stderr)  # no progress: no step was repeated
         changed = {name for name, content in self.files().items() if made.get(name) != content}
         self.assertLessEqual(changed, {"demo/index.db"})
 
@@ -68,7 +68,7 @@ class DemoTest(program.ProgramTest):
         clear = {row["frame"] for row in truth if row["visible"] > 0.9}
         found = {row["frame"] for row in sightings}
         self.assertGreaterEqual(len(clear), 2, truth)
-        self.assertLessEqual(in_view, {2, 3, 4, 5})  # frames without it are searched, too
+        self.assertLessEqual(in_view, {2, 3, 4, 5})  # frames without it are searched as well
         self.assertLessEqual(clear, found)
         self.assertLessEqual(found, in_view)
 

@@ -1,4 +1,4 @@
-"""What `features` writes."""
+"""The output of `features`."""
 
 import json
 import math
@@ -26,10 +26,10 @@ class FeaturesTest(program.ProgramTest):
             descriptor = [int(number) for number in numbers[4:]]
             self.assertTrue(0 <= min(descriptor) and max(descriptor) <= 255)
             length = math.sqrt(sum(value * value for value in descriptor))
-            self.assertTrue(400 < length < 600, length)  # the unit vector times 512, rounded and clipped
+            self.assertTrue(400 < length < 600, length)  # a unit vector times 512, rounded and clipped
 
     def test_places_follow_the_picture(self):
-        """White discs on black: the middle of the first pixel lies at 0.5, 0.5."""
+        """White discs on black: the centre of the first pixel is at 0.5, 0.5."""
 
         def keypoints(name, cx, cy):
             rows = bytes(

@@ -1,7 +1,7 @@
-"""A full disk: exit status 1, one line, nothing half-written; with room again, work goes on.
+"""A full disk: exit status 1, a one-line error, no partial output; the work resumes when there is space again.
 
-A small file system of the test's own where the system lets it mount one (in a mount namespace, so that it is gone with
-the program), and the limit on a file's size everywhere.
+Uses a small file system if the system allows mounting one (in a mount namespace, so that it is removed with the
+program), and the file size limit otherwise.
 """
 
 import resource
@@ -70,7 +70,7 @@ class FileLimitTest(program.ProgramTest):
             self.assertRegex(done.stderr, r"\Aerror: .*standard output.*\n\Z")
 
     def test_nobody_reads_the_output(self):
-        """As in `victorious export ... | head -1`: the reader's wish is no error to be told of."""
+        """As in `victorious export ... | head -1`: a closed pipe is not reported as an error."""
         with subprocess.Popen(
             [program.PROGRAM, "export", "--db", INDEX, "--format", "coco"], stdout=subprocess.PIPE, stderr=subprocess.PIPE
         ) as export:
@@ -82,7 +82,7 @@ class FileLimitTest(program.ProgramTest):
 
 class SmallDiskTest(program.ProgramTest):
     def on_a_small_disk(self, size, *arguments):
-        """The outcome, and the names of what is left on the disk."""
+        """Returns the outcome and the names of the files left on the disk."""
         place, listing = self.scratch / "disk", self.scratch / "listing"
         place.mkdir(exist_ok=True)
         command = [place, size, listing, program.PROGRAM, *arguments]
@@ -103,7 +103,7 @@ class SmallDiskTest(program.ProgramTest):
             (("export", "--db", INDEX, "--format", "sightings", "--out", place / "sightings.jsonl"), []),
             (
                 ("index", VIDEO, "--models", MODELS, "--db", place / "index.db"),
-                ["index.db", "index.db-wal", "index.db-shm"],  # the log holds what is committed: it belongs to the index
+                ["index.db", "index.db-wal", "index.db-shm"],  # the write-ahead log contains commits: it is part of the index
             ),
         ):
             for size in (4096, 8192):

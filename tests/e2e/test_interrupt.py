@@ -1,4 +1,4 @@
-"""`index` stopped at any moment, by the user or by SIGKILL, goes on where it was, and ends as if nothing had been."""
+"""`index`, stopped at any moment by the user or by SIGKILL, resumes, with the same final result as without the stop."""
 
 import contextlib
 import random
@@ -16,7 +16,7 @@ VIDEO = program.flight(FRAMES) / "flight.mkv"
 
 
 def contents(path):
-    """What the index holds, down to the frames kept: exports show the rest."""
+    """The content of the index including kept frames, which the exports do not show."""
     with contextlib.closing(sqlite3.connect(path)) as db:
         return [
             db.execute(query).fetchall()
@@ -35,7 +35,7 @@ class InterruptTest(program.ProgramTest):
     def setUp(self):
         super().setUp()
         self.db = self.scratch / "index.db"
-        # With every frame kept, it commits every 32 frames.
+        # If every frame is kept, a commit happens every 32 frames.
         self.params = self.write("params.json", '{"keep.interval_s": 0}')
 
     def command(self, db):
@@ -47,7 +47,7 @@ class InterruptTest(program.ProgramTest):
         )
 
     def next_frame(self):
-        """How far the search had come at its last commit."""
+        """The progress of the search at its last commit."""
         with contextlib.suppress(sqlite3.OperationalError):
             with contextlib.closing(sqlite3.connect(f"file:{self.db}?mode=ro", uri=True, timeout=5)) as db:
                 return db.execute("SELECT coalesce(max(next_frame), 0) FROM searches").fetchone()[0]
@@ -72,7 +72,7 @@ class InterruptTest(program.ProgramTest):
         whole, duration_s = self.uninterrupted()
         moments = random.Random(SEED)
         kills = [moments.uniform(0, 0.5 * duration_s) for _ in range(5)]
-        for delay_s in sorted(kills):  # the first in the middle of opening, the last beyond a commit
+        for delay_s in sorted(kills):  # the first during opening, the last after a commit
             with self.start() as process:
                 with contextlib.suppress(subprocess.TimeoutExpired):
                     process.wait(delay_s)
@@ -87,7 +87,7 @@ class InterruptTest(program.ProgramTest):
         self.assertEqual(sorted(path.name for path in self.scratch.glob("index*")), ["index.db"])
 
     def export_while_unfinished(self):
-        """What a kill leaves can be read, where there is anything yet."""
+        """The index after a kill can be read, if it exists."""
         done = program.run("export", "--db", self.db, "--format", "sightings")
         if done.status != 0:
             self.assertEqual((done.status, len(done.messages())), (2, 1), done.err)
@@ -102,11 +102,11 @@ class InterruptTest(program.ProgramTest):
                 process.send_signal(stop)
                 out, err = process.communicate(timeout=60)
             if process.returncode == 0:
-                break  # it had come to its end
+                break  # it had finished before
             outcome = program.Outcome(process.returncode, out, err)
             self.assertEqual(outcome.status, 1, err)
             self.assertEqual(len(outcome.messages()), 1, err)
-            self.assertRegex(outcome.messages()[0], r"error: .*flight.mkv: stopped at frame \d+; run again to go on")
+            self.assertRegex(outcome.messages()[0], r"error: .*flight.mkv: stopped at frame \d+; run again to resume")
             self.assertEqual([path.name for path in self.scratch.glob("index*")], ["index.db"])
             self.assertGreater(self.next_frame(), done)
         self.succeeds(*self.command(self.db))

@@ -1,4 +1,4 @@
-"""`locate`: lines of sight in a file, a place as text and as JSON."""
+"""`locate`: from lines of sight in a file to a place as text and JSON."""
 
 import json
 import math
@@ -12,11 +12,11 @@ KEYS = {
     "latitude_deg", "longitude_deg", "altitude_m", "place_time_s", "velocity_enu_m_s", "speed_m_s", "course_deg",
     "covariance_enu_m2", "velocity_covariance_enu_m2_s2", "ce90_m", "le90_m", "inliers", "status",
 }  # fmt: skip
-METRES_PER_DEGREE = 111_320  # about: of latitude, and of longitude at the equator
+METRES_PER_DEGREE = 111_320  # approximate; of latitude, and of longitude at the equator
 
 
 def lines(eastwards_m_s=0.0) -> str:
-    """Eight cameras on the equator's circle about (0, 0), 300 m off and 200 m up; the object is at (0, 0) at 7 s."""
+    """Eight cameras on a circle around (0, 0), at 300 m distance and 200 m height; the object is at (0, 0) at 7 s."""
     rows = [HEADER]
     for i in range(8):
         angle = math.radians(45 * i)
@@ -29,7 +29,7 @@ def lines(eastwards_m_s=0.0) -> str:
 
 
 def geotiff(width: int, step_deg: float, north_deg: float, rows: list[list[float]]) -> bytes:
-    """Heights as a GeoTIFF in WGS 84, its left edge on the meridian of Greenwich; rows from the north."""
+    """Writes heights as a GeoTIFF in WGS 84, with the left edge at longitude 0; rows from north to south."""
     heights = b"".join(struct.pack(f"<{width}f", *row) for row in rows)
     scale = struct.pack("<3d", step_deg, step_deg, 0)
     tie = struct.pack("<6d", 0, 0, 0, 0, north_deg, 0)
@@ -87,11 +87,11 @@ class LocateTest(program.ProgramTest):
         path = self.write("lines.csv", lines())
         said = self.succeeds("locate", path).out
         self.assertRegex(said, r"CE90 [\d.]+ m, LE90 [\d.]+ m")
-        self.assertIn("8 of 8 agree", said)
+        self.assertIn("8 of 8 are inliers", said)
 
     def test_no_place_is_a_result(self):
         place = self.located(HEADER + "\n0,42,-71,100,10,-30\n")
-        self.assertEqual(place["status"], "undetermined: one line of sight alone needs a range")
+        self.assertEqual(place["status"], "undetermined: a single line of sight needs a range")
         self.assertEqual(place["inliers"], [False])
         for key in KEYS - {"status", "inliers"}:
             self.assertIsNone(place[key], key)
@@ -104,13 +104,13 @@ class LocateTest(program.ProgramTest):
         self.assertLess(self.located(one, "--ground", "0", "--params", params)["le90_m"], place["le90_m"])
 
     def test_terrain(self):
-        # A plain 20 m above the ellipsoid that ends on the equator, where a ridge of 60 m stands.
+        # A plain 20 m above the ellipsoid that ends at the equator with a ridge of 60 m.
         path = self.write("hill.tif", geotiff(100, 0.00001, 0.0005, [[60.0] * 100] * 40 + [[20.0] * 100] * 60))
         one = HEADER + "\n0,-0.0004,0.0005,100,0,{}\n"
         flags = ("--terrain", path, "--terrain-datum", "ellipsoid")
         down = self.located(one.format(-90), *flags)
         self.assertAlmostEqual(down["altitude_m"], 20, delta=0.01)
-        north = self.located(one.format(-45), *flags)  # the ridge is 55 m off: 45 m above the ellipsoid there
+        north = self.located(one.format(-45), *flags)  # the ridge is 55 m away: 45 m above the ellipsoid there
         self.assertAlmostEqual(north["altitude_m"], 100 - (north["latitude_deg"] + 0.0004) * 110_574, delta=0.01)
         self.assertGreater(north["altitude_m"], 25)
         away = self.located(one.format(-20), *flags)
@@ -120,17 +120,17 @@ class LocateTest(program.ProgramTest):
         lines_path = self.write("lines.csv", lines())
         hill = geotiff(100, 0.00001, 0.0005, [[20.0] * 100] * 100)
         path = self.write("hill.tif", hill)
-        self.refuses(2, [path, "what its heights count from"], "locate", lines_path, "--terrain", path)
-        self.refuses(2, "told twice", "locate", lines_path, "--terrain", path, "--ground", "0")
+        self.refuses(2, [path, "no vertical datum"], "locate", lines_path, "--terrain", path)
+        self.refuses(2, "given twice", "locate", lines_path, "--terrain", path, "--ground", "0")
         self.refuses(2, "none.tif", "locate", lines_path, "--terrain", self.scratch / "none.tif")
         self.refuses(2, "mars", "locate", lines_path, "--terrain", path, "--terrain-datum", "mars")
         for content in (b"", b"II*\0", hill[:200], b"\x89PNG\r\n\x1a\n" + bytes(100)):
             path = self.write("bad.tif", content)
             self.refuses(2, path, "locate", lines_path, "--terrain", path, "--terrain-datum", "ellipsoid")
-        # Half of it is there: used, with a warning.
+        # Half of the file exists: it is used, with a warning.
         path = self.write("half.tif", hill[: len(hill) // 2])
         outcome = self.succeeds("locate", lines_path, "--terrain", path, "--terrain-datum", "ellipsoid")
-        self.assertIn("cut off", outcome.err)
+        self.assertIn("truncated", outcome.err)
 
     def test_bad_input_is_one_line(self):
         good = lines()

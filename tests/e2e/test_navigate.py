@@ -1,4 +1,4 @@
-"""`navigate`: the camera's place from landmarks, over a small flight past textured roofs."""
+"""`navigate`: camera poses from landmarks, in a small flight over textured roofs."""
 
 import csv
 import functools
@@ -11,7 +11,7 @@ from test_cad import FEW_VIEWS, png, roof_obj
 
 ROOFS = {"red": (-7, 2), "green": (0, -3), "blue": (8, 3), "grey": (14, -3)}  # metres to the right and ahead
 LATITUDE_DEG, LONGITUDE_DEG = 47.0, 8.0
-METRES_PER_DEGREE = 111_320  # about: of latitude
+METRES_PER_DEGREE = 111_320  # approximate; of latitude
 HFOV_DEG = 24
 COLUMNS = {
     "time_s", "latitude_deg", "longitude_deg", "altitude_m", "yaw_deg", "pitch_deg", "roll_deg", "hfov_deg",
@@ -26,7 +26,7 @@ OFFSETS = {
 
 @functools.cache
 def flight() -> Path:
-    """A folder with video.mp4, telemetry.csv, truth.jsonl and models/. Not to be written to."""
+    """A folder with video.mp4, telemetry.csv, truth.jsonl and models/. Read-only."""
     folder = program.folder_until_exit()
     for seed, name in enumerate(ROOFS):
         (folder / f"{name}.mtl").write_text(f"newmtl roof\nKd 1 1 1\nmap_Kd {name}.png\n")
@@ -83,7 +83,7 @@ class NavigateTest(program.ProgramTest):
         return table(out)
 
     def off_telemetry(self, east_m: float = 8, later_s: float = 0) -> Path:
-        """So far east, 5 m up and 2 degrees of yaw."""
+        """Telemetry with an error of the given distance east, 5 m up and 2 degrees of yaw."""
         rows = table(flight() / "telemetry.csv")
         east_deg = east_m / METRES_PER_DEGREE / math.cos(math.radians(LATITUDE_DEG))
         lines = [",".join(rows[0])]
@@ -120,7 +120,7 @@ class NavigateTest(program.ProgramTest):
         errors = self.errors(rows)
         self.assertLess(errors[len(errors) // 2], 1.5)
         self.assertEqual(float(rows[0]["hfov_deg"]), HFOV_DEG)
-        # What it writes is telemetry.
+        # The output is valid telemetry.
         read = self.succeeds("telemetry", self.scratch / "camera.csv").out
         self.assertEqual(len(read.splitlines()), len(rows) + 1)
 
@@ -141,8 +141,8 @@ class NavigateTest(program.ProgramTest):
         landmarks, out = self.list_of(true_landmarks()), self.scratch / "camera.csv"
         for telemetry, words in (
             (flight() / "telemetry.csv", None),
-            (self.off_telemetry(3000), " m from where the landmarks were seen from"),
-            (self.off_telemetry(0, 1000), "it is of 1000.00 to"),
+            (self.off_telemetry(3000), " m from the position estimated from landmarks"),
+            (self.off_telemetry(0, 1000), "it covers 1000.00 to"),
         ):
             given = ("--landmarks", landmarks, "--models", flight() / "models", "--telemetry", telemetry, "--out", out)
             said = self.succeeds("navigate", flight() / "video.mp4", *given).messages()
@@ -174,8 +174,8 @@ class NavigateTest(program.ProgramTest):
         out = self.scratch / "camera.csv"
         flags = ("--landmarks", self.list_of(landmarks), "--models", flight() / "models", "--out", out, "--hfov", "20")
         done = self.succeeds("navigate", grey, *flags)
-        self.assertIn("no place is known", done.err)
-        self.assertEqual(set(out.read_text().strip().split(",")), COLUMNS)  # the header alone
+        self.assertIn("the camera position is unknown", done.err)
+        self.assertEqual(set(out.read_text().strip().split(",")), COLUMNS)  # only the header
 
 
 class BadInputTest(program.ProgramTest):
@@ -218,7 +218,7 @@ class BadInputTest(program.ProgramTest):
         done = self.succeeds(
             "navigate", grey, "--landmarks", landmarks, "--models", flight() / "models", "--out", out, "--hfov", "20"
         )
-        self.assertIn("line 2 is left out", done.err)
+        self.assertIn("line 2 is skipped", done.err)
         self.assertIn("zeppelin", done.err)
 
 

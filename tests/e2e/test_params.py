@@ -1,4 +1,4 @@
-"""--params: unknown names and values out of range are refused, all of them in one line, and nothing is written."""
+"""--params: unknown names and values out of range are rejected, all in one line, and no file is written."""
 
 import json
 import unittest

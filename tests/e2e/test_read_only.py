@@ -1,6 +1,6 @@
-"""A folder or file that may not be written: exit status 1, one line that names it, nothing left behind.
+"""A read-only folder or file: exit status 1, a one-line error with its name, no files left behind.
 
-Root may write anywhere: then the program runs as nobody.
+Root can write anywhere, so for root the program runs as user nobody.
 """
 
 import os
@@ -16,7 +16,7 @@ AS_NOBODY = {"user": NOBODY, "group": NOBODY, "extra_groups": []} if os.geteuid(
 
 
 def may_run_as_nobody() -> bool:
-    """Nobody can start the program, and may not write where it is not allowed."""
+    """Checks that user nobody can start the program and cannot write to read-only folders."""
     try:
         return subprocess.run([program.PROGRAM, "--version"], capture_output=True, check=False, **AS_NOBODY).returncode == 0
     except OSError:

@@ -1,4 +1,4 @@
-"""`evaluate` scores as the independent tool of the project's data does."""
+"""`evaluate` agrees with the independent scorer of the project's data."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""`victorious simulate`: three files that agree with one another, the same each time, and nothing half-written."""
+"""`victorious simulate`: three consistent output files, reproducible, and no partial output."""
 
 import csv
 import json
@@ -65,7 +65,7 @@ class SimulateTest(program.ProgramTest):
                 self.assertAlmostEqual(seen_y, y + height / 2, delta=0.1 * height + 1, msg=str(row))
         tank = [row for row in truth if row["object"] == "tank-1"]
         self.assertEqual(len(tank), FRAMES)
-        self.assertAlmostEqual(tank[0]["heading_deg"], 65, places=2)  # the town's heading and its own
+        self.assertAlmostEqual(tank[0]["heading_deg"], 65, places=2)  # the sum of the town's heading and its own
         self.assertAlmostEqual(telemetry[0]["yaw_deg"], (170 + 25 + 180) % 360, places=2)
         self.assertAlmostEqual(telemetry[0]["pitch_deg"], -55, places=2)
 
@@ -101,7 +101,7 @@ class SimulateTest(program.ProgramTest):
         refuses("broken.glb", with_changes(objects=[{"id": "a", "model": "a", "file": "broken.glb"}]))
 
     def test_shipped_scenes(self):
-        """Each begins: everything it names is there."""
+        """Each scene starts: all files that it names exist."""
         scenes = sorted((program.REPOSITORY / "scenes").rglob("*.json"))
         self.assertGreaterEqual(len(scenes), 13)
         for path in scenes:
@@ -137,7 +137,7 @@ class SimulateTest(program.ProgramTest):
 
 
 def project(place: dict, camera: dict) -> tuple[float, float]:
-    """Where a place is seen, px: flat-earth mathematics of its own, good to centimetres over a hundred metres."""
+    """Projects a place to the image, px, by an independent flat-Earth computation, accurate to centimetres over 100 m."""
     metres_a_degree = math.pi / 180 * 6.378e6
     latitude = math.radians(camera["latitude_deg"])
     flattening_north, flattening_east = 1 - 0.0067 * (1 - 1.5 * math.sin(latitude) ** 2), 1 + 0.0034 * math.sin(latitude) ** 2

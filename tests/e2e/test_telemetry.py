@@ -1,4 +1,4 @@
-"""`victorious telemetry` and what `doctor` says of it: tables in and out, exit status, one line for what is no use."""
+"""`victorious telemetry` and `doctor` on telemetry: tables in and out, exit status, one-line errors for bad input."""
 
 import csv
 import gzip
@@ -32,7 +32,7 @@ def packet(items: bytes) -> bytes:
 
 
 def plain(value):
-    """A value of the reference decoding without what explains it; nothing for sets and packs, which stay bytes."""
+    """A value of the reference decoding without its explanation; None for sets and packs, which stay bytes."""
     if isinstance(value, dict):
         return value["value"] if set(value) == {"length", "value"} else value.get("integer")
     if isinstance(value, list):
@@ -58,7 +58,7 @@ class TelemetryTest(program.ProgramTest):
         table = self.write("a.csv", "\n".join([HEADER, ROWS[0], "0.05,99,0,0,0,0,0,40", ROWS[1]]) + "\n")
         done = self.succeeds("telemetry", table)
         self.assertEqual(len(self.rows(done.out)), 2)
-        self.assertIn("line 3 is left out: latitude_deg", done.err)
+        self.assertIn("line 3 is skipped: latitude_deg", done.err)
 
     def test_subtitles_without_a_fix_give_no_row(self):
         done = self.succeeds("telemetry", self.write("a.SRT", SUBTITLES))
@@ -111,14 +111,14 @@ class TelemetryTest(program.ProgramTest):
         self.assertGreater(compared, 30 * 100)
 
     def test_sets_within_the_set_are_told_and_passed_over(self):
-        nested = b"\x30\x03\x01\x01\x02" + b"\x4a\x04\x05\x7f\x00\x00"  # one whole, one that lies about a length
+        nested = b"\x30\x03\x01\x01\x02" + b"\x4a\x04\x05\x7f\x00\x00"  # one complete item, one with a wrong length
         file = self.write("a.klv", packet(b"\x02\x08" + (1_000_000).to_bytes(8, "big") + nested + b"\x05\x02\x71\xc2"))
         report = json.loads(self.succeeds("telemetry", file, "--json").out)
         self.assertEqual(report["nested_sets"], [{"number": 48, "name": "Security Local Set", "packets": 1},
                                                  {"number": 74, "name": "VMTI Local Set", "packets": 1}])
         items = {item["number"]: item for item in report["packets"][0]["items"]}
         self.assertEqual(items[48]["value"], {"hex": "010102"})
-        self.assertIn("cut off at byte 0 of 4", items[74]["note"])
+        self.assertIn("truncated at byte 0 of 4", items[74]["note"])
         self.assertAlmostEqual(items[5]["value"], 159.974365, places=6)
         self.assertIn("Security Local Set (48) in 1 packets, VMTI Local Set (74)", self.succeeds("doctor", file).out)
 
@@ -126,7 +126,7 @@ class TelemetryTest(program.ProgramTest):
         table = self.write("a.csv", "\n".join([HEADER, *(f"{i},42,-71,100,10,-45,1,40" for i in range(6))]) + "\n")
         video = program.flight() / "flight.mp4"
         done = self.succeeds("telemetry", table, "--video", video, "--estimate-offset")
-        self.assertIn("not told: ", done.out, "a camera that stands says nothing")
+        self.assertIn("unknown: ", done.out, "a camera that stands says nothing")
         report = json.loads(self.succeeds("telemetry", table, "--video", video, "--estimate-offset", "--json").out)
         self.assertIsNone(report["time_offset_s"])
         self.refuses(2, ["nothing to write"], "telemetry", table, "--video", video, "--estimate-offset", "--out",
@@ -134,8 +134,8 @@ class TelemetryTest(program.ProgramTest):
         self.assertFalse((self.scratch / "b.csv").exists())
         self.refuses(2, ["--video"], "telemetry", table, "--estimate-offset")
         self.refuses(2, ["--video", "--estimate-offset"], "telemetry", table, "--video", video)
-        self.refuses(2, ["no FILE"], "telemetry")
-        self.refuses(2, ["no telemetry in it or beside it"], "telemetry", "--video", video)
+        self.refuses(2, ["neither FILE"], "telemetry")
+        self.refuses(2, ["no telemetry in the video or beside it"], "telemetry", "--video", video)
 
     def test_what_is_no_telemetry(self):
         self.refuses(2, ["gone.klv"], "telemetry", self.scratch / "gone.klv")
@@ -148,7 +148,7 @@ class TelemetryTest(program.ProgramTest):
     def test_doctor_says_what_is_missing(self):
         text = self.succeeds("doctor", self.write("a.SRT", SUBTITLES)).out
         self.assertIn("DJI subtitles: 2 records, 1 camera states", text)
-        self.assertIn("missing: where the camera looks", text)
+        self.assertIn("missing: the camera's attitude", text)
         self.assertIn("missing: heights above the ellipsoid", text)
         text = self.succeeds("doctor", program.flight() / "flight.mp4").out
         self.assertIn("impossible: no telemetry", text)
@@ -157,8 +157,8 @@ class TelemetryTest(program.ProgramTest):
         video = self.write("v.mp4", (program.flight() / "flight.mp4").read_bytes())
         self.write("v.mp4.telemetry.csv", "\n".join([HEADER, *ROWS]) + "\n")
         text = self.succeeds("doctor", video).out
-        self.assertIn("telemetry beside it", text)
-        self.assertIn("a place on the map follows: all", text)
+        self.assertIn("telemetry beside the file", text)
+        self.assertIn("complete for geolocation: all", text)
 
 
 if __name__ == "__main__":

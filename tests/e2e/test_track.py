@@ -1,4 +1,4 @@
-"""`track`: boxes drawn in a video, followed both ways and into other videos; and what is refused."""
+"""`track`: user boxes tracked forwards, backwards and in other videos; and rejected input."""
 
 import json
 import unittest
@@ -7,7 +7,7 @@ import program
 
 KEYS = {"object_id", "model", "category", "video", "frame", "time_s", "box", "score", "source", "matches", "view"}
 PLACE = {"latitude_deg", "longitude_deg", "altitude_m", "ce90_m", "le90_m", "speed_m_s"}
-FRAME_S = 0.1  # of the drawn flight
+FRAME_S = 0.1  # of the synthetic flight
 
 
 def overlap(a, b) -> float:
@@ -78,7 +78,7 @@ class TrackTest(program.ProgramTest):
         x, y, width, height = self.truth["crate"][start]["box"]
         inside = ("--box", f"{x + width / 4},{y + height / 4},{width / 2},{height / 2}", "--at", str(start * FRAME_S))
         rows = ["time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg"]
-        # The camera is known about the moment of the box only: one line of sight, and the range by a car's length.
+        # Camera states exist only around the time of the box: one line of sight, and the range from a car's length.
         rows += [f"{start * FRAME_S + after_s:.2f},48.0,11.0,100,0,-60,0,20" for after_s in (0, 0.02)]
         table = self.write("camera.csv", "\n".join(rows) + "\n")
         out = self.scratch / "out.jsonl"
@@ -94,8 +94,8 @@ class TrackTest(program.ProgramTest):
             self.assertGreater(row["ce90_m"], 0)
         done = self.succeeds("track", *drawn[:-4], "--type", "the mayor's", "--out", out)
         self.assertIn("a name only", done.err)
-        self.assertIn("box-1: no place is told: its lines of sight do not tell how far off it is", done.err)
-        # Where that line meets the ground is a place, too: 100 m below, at 60 degrees.
+        self.assertIn("box-1: no place: its lines of sight do not determine its distance", done.err)
+        # The intersection of that line with the ground is a place as well: 100 m below, at 60 degrees.
         self.assertIn("CE90", self.succeeds("track", *drawn[:-4], "--ground", "0", "--out", out).err)
         placed = [row for row in map(json.loads, out.read_text().splitlines()) if row["latitude_deg"] is not None]
         self.assertTrue(placed)
@@ -106,11 +106,11 @@ class TrackTest(program.ProgramTest):
 
     def test_why_no_place_is_told(self):
         drawn = (self.video, *self.drawn("crate", self.whole_frames("crate")[0]), "--out", self.scratch / "out.jsonl")
-        self.assertIn("no place is told: nothing tells where the camera was", self.succeeds("track", *drawn).err)
+        self.assertIn("no place: no telemetry with camera position", self.succeeds("track", *drawn).err)
         header = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg"
         table = self.write("late.csv", f"{header}\n1000,48,11,100,0,-60,0,20\n1001,48,11,100,0,-60,0,20\n")
         told = self.succeeds("track", *drawn, "--telemetry", table).err
-        self.assertIn("telemetry: nothing will get a place: it is of 1000.00 to 1001.00 s", told)
+        self.assertIn("telemetry: nothing will get a place: it covers 1000.00 to 1001.00 s", told)
 
     def test_an_output_that_cannot_be_written_is_told_first(self):
         drawn = self.drawn("crate", self.whole_frames("crate")[0])
@@ -130,12 +130,12 @@ class TrackTest(program.ProgramTest):
             ("ends at", (self.video, "--box", "10,10,40,40", "--at", "999")),
             ("2 --box and 1 --at", (self.video, *good, "--box", "10,10,40,40")),
             ("1 --box and 2 --at", (self.video, *good, "--at", "1")),
-            ("time from 0", (self.video, "--box", "10,10,40,40", "--at", "-1")),
-            ("time from 0", (self.video, "--box", "10,10,40,40", "--at", "nan")),
+            ("time of at least 0", (self.video, "--box", "10,10,40,40", "--at", "-1")),
+            ("time of at least 0", (self.video, "--box", "10,10,40,40", "--at", "nan")),
             ("2 --type and 1 --box", (self.video, *good, "--type", "car", "--type", "bus")),
             ("absent.csv", (self.video, *good, "--telemetry", self.scratch / "absent.csv")),
             ("absent.tif", (self.video, *good, "--terrain", self.scratch / "absent.tif")),
-            ("told twice", (self.video, *good, "--ground", "3", "--terrain", self.scratch / "absent.tif")),
+            ("given twice", (self.video, *good, "--ground", "3", "--terrain", self.scratch / "absent.tif")),
             ("absent.mp4", (self.scratch / "absent.mp4", *good)),
             ("absent.mp4", (self.video, *good, "--also", self.scratch / "absent.mp4")),
             ("text.mp4", (self.write("text.mp4", "no video"), *good)),

@@ -1,4 +1,4 @@
-// Any bytes as a CAD file: the first byte says of which format.
+// Fuzzes the CAD file readers; the first byte selects the format.
 #include <algorithm>
 #include <array>
 #include <span>

@@ -1,5 +1,5 @@
-// Category models and lists of pictures, from bytes that anybody may have written: whole files, and payloads whose
-// checksum is right. What is accepted must classify, and be written again.
+// Fuzzes category models and image lists: whole files, and payloads with a valid checksum. An accepted model must
+// classify, and survive a write-read round trip.
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -51,7 +51,7 @@ void ParseAndUse(std::span<const std::byte> bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::span<const std::byte> input = std::as_bytes(std::span(data, size));
   ParseAndUse(input);
-  if (size >= kHeaderSize) {  // what follows the header, with the size and checksum that fit
+  if (size >= kHeaderSize) {  // the payload after the header, with a matching size and checksum
     std::vector<std::byte> mended(input.begin(), input.end());
     const std::uint64_t payload_size = size - kHeaderSize;
     const std::uint64_t checksum = victorious::Checksum(input.subspan(kHeaderSize));

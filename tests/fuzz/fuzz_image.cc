@@ -1,4 +1,4 @@
-// Any bytes as a picture.
+// Fuzzes the image reader.
 #include <span>
 #include <string>
 
@@ -41,7 +41,7 @@ std::vector<std::string> FuzzSeeds() {
   add(".tif", deep);
   add(".png", grey);
   add(".pgm", grey);
-  // A JPEG that is to be turned: an EXIF segment with the orientation 6 behind the first marker.
+  // A rotated JPEG: an EXIF segment with orientation 6 after the first marker.
   constexpr std::string_view kExif(
       "\xFF\xE1\x00\x22"
       "Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0",

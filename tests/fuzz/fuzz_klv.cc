@@ -1,4 +1,4 @@
-// Any bytes as KLV: decoded as far as they go, and what comes out is a camera that can stand on the Earth.
+// Fuzzes the KLV decoder. It decodes as far as possible; decoded camera states must be valid positions on the Earth.
 #include <cmath>
 #include <cstdint>
 #include <string>

@@ -1,4 +1,4 @@
-// Any bytes as a list of landmarks: read or refused with one line, and what is read is a place.
+// Fuzzes the reader of landmark lists: it reads them or fails with a one-line error; places read must be valid.
 #include <cmath>
 #include <cstdint>
 #include <string>

@@ -1,4 +1,5 @@
-// Any bytes as lines of sight: read or refused with one line, and what is read has a place that is finite, or none.
+// Fuzzes the reader of lines of sight: it reads them or fails with a one-line error; the estimated place must be finite
+// or absent.
 #include <cstdint>
 #include <memory>
 #include <string>

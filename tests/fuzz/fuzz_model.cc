@@ -1,5 +1,5 @@
-// Model files, from bytes that anybody may have written: as a whole file, and as one section of a file whose checksums
-// are right: description, keypoints, thumbnails, surfaces. What is accepted is drawn, too.
+// Fuzzes model files: as a whole file, and as one section (metadata, keypoints, thumbnails, surfaces) of a file with
+// valid checksums. Accepted models are also drawn.
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -28,7 +28,7 @@ constexpr std::array<std::uint8_t, victorious::kDescriptorSize> kDescriptor = {7
 
 std::span<const std::byte> Bytes(const std::string& text) { return std::as_bytes(std::span(text)); }
 
-// What is accepted must be usable to its last byte, and be written again.
+// An accepted model must be completely readable, and survive a write-read round trip.
 void ParseAndUse(std::span<const std::byte> bytes) {
   const auto model = victorious::ParseModel(bytes, nullptr, "fuzz");
   if (!model) return;
@@ -80,7 +80,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                                Section{"descript", descriptors}};
   ParseAndUse(victorious::EncodeSections(featured));
 
-  // As the whole section, and as a picture whose size is right.
+  // As the whole section, and as an image with a matching size.
   std::string sized(sizeof(std::uint32_t), '\0');
   const auto picture_size = static_cast<std::uint32_t>(size);
   std::memcpy(sized.data(), &picture_size, sizeof(picture_size));

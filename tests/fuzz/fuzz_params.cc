@@ -1,4 +1,4 @@
-// Any bytes as a file of parameters: taken or refused with one line, whole or not at all, and what is taken comes back.
+// Fuzzes parameter files: accepted as a whole, or rejected with a one-line error; accepted values survive a round trip.
 #include <cstdint>
 #include <string>
 #include <string_view>

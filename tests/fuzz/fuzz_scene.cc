@@ -1,4 +1,5 @@
-// Any bytes as a scene: read or refused with one line; what is read has a town, and a camera everywhere on its way.
+// Fuzzes the scene reader: it reads the scene or fails with a one-line error; a scene read must have a town and a valid
+// camera everywhere on its path.
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -29,7 +30,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
   }
   victorious::SceneTown town = scene.town;
-  town.squares = {-2, -2, 2, 2};  // as much as is quick
+  town.squares = {-2, -2, 2, 2};  // small enough to be fast
   for (const victorious::Placement& placement : victorious::LayOutTown(town)) {
     VICTORIOUS_CHECK(placement.place_m.allFinite() && placement.asset.starts_with("town/"));
   }

@@ -1,4 +1,4 @@
-// Any bytes as the subtitles of a DJI aircraft.
+// Fuzzes the reader of DJI subtitles.
 #include <cmath>
 #include <cstdint>
 #include <string>

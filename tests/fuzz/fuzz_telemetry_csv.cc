@@ -1,4 +1,5 @@
-// Any bytes as a telemetry table: read or refused with one line; what is read can be written and read again.
+// Fuzzes the reader of telemetry tables: it reads them or fails with a one-line error; tables read survive a round
+// trip.
 #include <cstdint>
 #include <string>
 #include <string_view>

@@ -1,4 +1,4 @@
-// Any bytes as a terrain: read or refused with one line, and what is read has heights that land can have, or none.
+// Fuzzes the terrain reader: it reads the file or fails with a one-line error; heights must be plausible or unknown.
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -30,7 +30,7 @@ std::string BytesOf(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// A hill of 40 x 30 heights by (10 N, 20 E).
+// A hill of 40 x 30 height samples near (10 N, 20 E).
 std::string Hill(const char* system_name, const std::vector<const char*>& creation) {
   GDALRegister_GTiff();
   std::vector<char*> options;

@@ -1,4 +1,4 @@
-// Any bytes as a truth file: read or refused with one line, and what is read can be scored.
+// Fuzzes the truth reader: it reads the file or fails with a one-line error; truth read can be scored.
 #include <cstdint>
 #include <string>
 #include <string_view>

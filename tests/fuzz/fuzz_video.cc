@@ -1,4 +1,4 @@
-// Any bytes as a video file: demuxer, decoder, conversion, clock and data packets.
+// Fuzzes the video reader: demuxer, decoder, conversion, presentation times and data packets.
 #include <string>
 
 #include <sys/mman.h>
@@ -18,7 +18,7 @@ using victorious::testing::SteadyTimes;
 using victorious::testing::TestPacket;
 using victorious::testing::TestVideo;
 
-// A file in memory, under a name that can be opened.
+// A file in memory with a path that can be opened.
 class MemoryFile {
  public:
   MemoryFile(const std::uint8_t* data, std::size_t size) : fd_(::memfd_create("fuzz", MFD_CLOEXEC)) {

@@ -1,8 +1,8 @@
-// A fuzz target without a fuzzer: runs it on its seeds and on mutations of them by a fixed seed, in seconds. A failure
-// leaves the input in a file.
-//   TARGET_replay [MUTATIONS]     the test, 200 mutations unless told
-//   TARGET_replay --write FOLDER  writes the seeds: where libFuzzer starts
-//   TARGET_replay --run FILE...   runs these inputs: what libFuzzer or a test left behind
+// Runs a fuzz target without a fuzzer, on its seeds and on mutations of them from a fixed random seed; takes seconds.
+// On failure, writes the input to a file.
+//   TARGET_replay [MUTATIONS]     the test; 200 mutations by default
+//   TARGET_replay --write FOLDER  writes the seeds, the initial corpus of libFuzzer
+//   TARGET_replay --run FILE...   runs these inputs, for instance failures of libFuzzer or of a test
 #include <algorithm>
 #include <charconv>
 #include <csignal>
@@ -31,7 +31,7 @@ void Save(const fs::path& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
-// The program is about to end, so what is not async-signal-safe here can do no further harm.
+// The program is about to end, so functions that are not async-signal-safe do no further harm.
 void SaveInputAndEnd(int signal) {
   Save(failure_path, current_input);
   std::fprintf(stderr, "signal %d; the input is in %s\n", signal, failure_path.c_str());
@@ -43,7 +43,7 @@ void Run(const std::string& input) {
   LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(input.data()), input.size());
 }
 
-// One change: a bit, a byte, a cut, an insertion, a copy of another place.
+// One mutation: flips a bit, sets a byte, truncates, inserts, or copies from another place.
 void Mutate(std::string& bytes, Random& random) {
   if (bytes.empty()) {
     bytes.push_back(static_cast<char>(random.Next()));

@@ -1,10 +1,11 @@
-// A wish to stop, asked for by a signal or another thread, looked at between units of work.
+// A cancellation flag, set by a signal handler or another thread and polled between units of work.
 #pragma once
 
 #include <atomic>
 
 namespace victorious {
 
+/// Thread-safe.
 class CancelToken {
  public:
   /// Async-signal-safe.

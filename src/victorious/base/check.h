@@ -1,4 +1,5 @@
-// VICTORIOUS_CHECK: a programmer's mistake, never reachable from input. It prints where and ends the program.
+// VICTORIOUS_CHECK: an assertion for programming errors, which input must never trigger. It prints file, line and
+// condition, and aborts. Active in all builds.
 #pragma once
 
 #include <cstdio>

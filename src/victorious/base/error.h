@@ -1,5 +1,5 @@
-// Errors as values. Every function that can fail on what it is given returns Expected<T> or Status; a programmer's
-// mistake is a VICTORIOUS_CHECK (check.h). Third-party exceptions stop at the module that calls them.
+// Errors as values. Every function that can fail on its input returns Expected<T> or Status; programming errors are
+// VICTORIOUS_CHECK (check.h). Third-party exceptions are caught in the module that calls the library.
 #pragma once
 
 #include <expected>
@@ -9,26 +9,26 @@
 
 namespace victorious {
 
-/// The closed set of reasons. One table (ExitStatus) maps them to the program's exit status.
+/// The closed set of error reasons. ExitStatus maps them to the program's exit status.
 enum class ErrorCode {
-  kInvalidArgument,   ///< a value, flag, file or parameter that cannot be used: the caller must change it
-  kNotFound,          ///< the named thing does not exist
+  kInvalidArgument,   ///< an unusable value, flag, file or parameter: the caller must change it
+  kNotFound,          ///< the named item does not exist
   kAlreadyExists,     ///< the name is taken
-  kDataLoss,          ///< outside bytes that are corrupt, cut off or of another program
-  kUnsupported,       ///< well formed, but of a kind or a version this program does not read
+  kDataLoss,          ///< external data that is corrupt, truncated or of another program
+  kUnsupported,       ///< well-formed, but of a kind or version that this program does not read
   kPermissionDenied,  ///< a read-only folder or file
   kNoSpace,           ///< a full disk
-  kConflict,          ///< another process is at the same work: try again later
-  kCancelled,         ///< the user stopped it
-  kInternal,          ///< a library or the system failed in a way that input does not explain
+  kConflict,          ///< another process does the same work: try again later
+  kCancelled,         ///< the user cancelled the operation
+  kInternal,          ///< a library or the system failed for a reason that the input does not explain
 };
 
-/// What went wrong. `message` is one line: what, where, and what would be right.
+/// An error. `message` is one line: what is wrong, where, and what would be right.
 struct Error {
   ErrorCode code = ErrorCode::kInternal;
   std::string message;
 
-  /// The same error with `context` put in front ("context: message"), added on the way up.
+  /// Returns the error with `context` prepended ("context: message"). Callers use it while passing the error up.
   [[nodiscard]] Error WithContext(std::string_view context) && {
     message.insert(0, ": ").insert(0, context);
     return std::move(*this);
@@ -46,14 +46,15 @@ using Status = std::expected<void, Error>;
   return std::unexpected(Error{code, std::move(message)});
 }
 
-/// The error of a failed system call, with `errno` turned into the nearest code: a full disk, a read-only folder, …
-/// @param what  what was tried and on which path, e.g. "write models/box.vmodel"
+/// Returns the error of a failed system call, with the error code that matches `errno_value` (full disk, read-only
+/// folder, …).
+/// @param what  the operation and its path, e.g. "write models/box.vmodel"
 [[nodiscard]] Error ErrorFromErrno(int errno_value, std::string_view what);
 
-/// The program's exit status for an error: 2 for bad usage and bad input, 1 for anything else.
+/// Returns the program's exit status for an error: 2 for bad usage and bad input, 1 otherwise.
 [[nodiscard]] int ExitStatus(ErrorCode code);
 
-/// The code's name in snake case, as logs and JSON show it.
+/// Returns the code's name in snake case, for logs and JSON.
 [[nodiscard]] std::string_view Name(ErrorCode code);
 
 }  // namespace victorious
@@ -61,7 +62,7 @@ using Status = std::expected<void, Error>;
 #define VICTORIOUS_CONCAT_INNER(a, b) a##b
 #define VICTORIOUS_CONCAT(a, b) VICTORIOUS_CONCAT_INNER(a, b)
 
-/// Returns the error of `expression` (a Status or Expected) to the caller, if it has one.
+/// Returns from the calling function with the error of `expression` (a Status or Expected), if it has one.
 #define VICTORIOUS_RETURN_IF_ERROR(expression)                       \
   do {                                                               \
     if (auto victorious_status = (expression); !victorious_status) { \
@@ -69,8 +70,9 @@ using Status = std::expected<void, Error>;
     }                                                                \
   } while (false)
 
+/// Declares a variable with the value of an Expected, or returns its error from the calling function:
 /// `VICTORIOUS_ASSIGN_OR_RETURN(const auto value, Compute());`
-// NOLINTBEGIN(bugprone-macro-parentheses): a declaration cannot stand in parentheses
+// NOLINTBEGIN(bugprone-macro-parentheses): a declaration cannot be parenthesised
 #define VICTORIOUS_ASSIGN_OR_RETURN(declaration, expression) \
   VICTORIOUS_ASSIGN_OR_RETURN_INNER(VICTORIOUS_CONCAT(victorious_result_, __LINE__), declaration, expression)
 #define VICTORIOUS_ASSIGN_OR_RETURN_INNER(result, declaration, expression) \

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Closes the descriptor on every way out.
+// RAII: closes the descriptor.
 class Descriptor {
  public:
   explicit Descriptor(int fd) : fd_(fd) {}
@@ -42,9 +42,9 @@ struct OpenFile {
 };
 
 Expected<OpenFile> OpenRegularFile(const fs::path& path) {
-  // Without O_NONBLOCK, opening a pipe would wait for its writer before it can be refused.
+  // Without O_NONBLOCK, opening a pipe would block until a writer opens it, before it can be rejected.
   Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  struct stat info{};
+  struct stat info {};
   if (file.fd() < 0 || ::fstat(file.fd(), &info) != 0) return std::unexpected(ErrorFromErrno(errno, path.string()));
   if (!S_ISREG(info.st_mode)) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: not a regular file", path.string()));
@@ -52,7 +52,7 @@ Expected<OpenFile> OpenRegularFile(const fs::path& path) {
   return OpenFile{std::move(file), static_cast<std::size_t>(info.st_size)};
 }
 
-// Reads until `buffer` is full or the file ends; the number of bytes read.
+// Reads until `buffer` is full or the file ends. Returns the number of bytes read.
 Expected<std::size_t> ReadInto(std::span<char> buffer, int fd, const fs::path& path) {
   std::size_t done = 0;
   while (done < buffer.size()) {
@@ -65,7 +65,7 @@ Expected<std::size_t> ReadInto(std::span<char> buffer, int fd, const fs::path& p
   return done;
 }
 
-// Hashes files one after the other, telling how far it is, until it is cancelled.
+// Hashes files one after the other, with progress and cancellation.
 class Hasher {
  public:
   Hasher(const CancelToken& cancel, const ByteProgress& progress, std::int64_t total_bytes)
@@ -77,7 +77,7 @@ class Hasher {
     XXH3_128bits_reset(&state);
     while (true) {
       if (cancel_.IsCancelled()) {
-        return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped while its content id was made", path.string()));
+        return Fail(ErrorCode::kCancelled, fmt::format("{}: cancelled while computing the content id", path.string()));
       }
       VICTORIOUS_ASSIGN_OR_RETURN(const std::size_t count, ReadInto(buffer_, file.descriptor.fd(), path));
       XXH3_128bits_update(&state, buffer_.data(), count);
@@ -107,13 +107,13 @@ std::int64_t TotalBytes(std::span<const fs::path> files) {
 
 std::string IdText(const XXH128_hash_t& hash) { return fmt::format("{:016x}{:016x}", hash.high64, hash.low64); }
 
-// A new file of a name like `path`, in the same folder: its name and descriptor (negative: errno says why).
+// Creates a temporary file beside `path`. Returns its name and descriptor (negative: errno gives the reason).
 std::pair<fs::path, int> CreateBeside(const fs::path& path) {
   static std::atomic<unsigned> counter{0};
   while (true) {
     fs::path name = path.string() + fmt::format(".tmp-{}-{}", ::getpid(), counter++);
     const int fd = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
-    // A name that is taken was left by a killed process of the same id: the next is tried.
+    // An existing name was left by a killed process with the same process id: tries the next one.
     if (fd >= 0 || errno != EEXIST) return {std::move(name), fd};
   }
 }
@@ -128,19 +128,19 @@ Status WriteAll(int fd, std::span<const std::byte> bytes, const fs::path& path) 
   return {};
 }
 
-// What a chain of symbolic links ends in, whether or not that exists.
+// Follows a chain of symbolic links to its target, which need not exist.
 Expected<fs::path> FollowLinks(fs::path path) {
-  constexpr int kMostLinks = 40;  // as many as the system follows
+  constexpr int kMostLinks = 40;  // the limit of the operating system
   for (int links = 0; links < kMostLinks; ++links) {
     std::error_code not_a_link;
     const fs::path target = fs::read_symlink(path, not_a_link);
     if (not_a_link) return path;
-    path = path.parent_path() / target;  // an absolute target stands alone
+    path = path.parent_path() / target;  // an absolute target replaces the path
   }
   return std::unexpected(ErrorFromErrno(ELOOP, path.string()));
 }
 
-// A device or a pipe, which has no old content to keep.
+// Writes to a device or a pipe, which has no old content to preserve.
 Status WriteInPlace(const fs::path& path, std::span<const std::byte> bytes) {
   const Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
   if (file.fd() < 0) return std::unexpected(ErrorFromErrno(errno, fmt::format("write {}", path.string())));
@@ -171,7 +171,7 @@ Expected<std::string> ReadFile(const fs::path& path, std::size_t max_bytes) {
   VICTORIOUS_ASSIGN_OR_RETURN(const OpenFile file, OpenRegularFile(path));
   if (file.size > max_bytes) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: {} bytes, more than the {} that can be read", path.string(), file.size, max_bytes));
+                fmt::format("{}: {} bytes, above the limit of {}", path.string(), file.size, max_bytes));
   }
   std::string bytes(file.size, '\0');
   VICTORIOUS_ASSIGN_OR_RETURN(const std::size_t count, ReadInto(bytes, file.descriptor.fd(), path));
@@ -180,7 +180,7 @@ Expected<std::string> ReadFile(const fs::path& path, std::size_t max_bytes) {
 }
 
 Status WriteFileAtomically(const fs::path& path, std::span<const std::byte> bytes) {
-  struct stat info{};
+  struct stat info {};
   if (::stat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode)) return WriteInPlace(path, bytes);
   VICTORIOUS_ASSIGN_OR_RETURN(const fs::path target, FollowLinks(path));
   return Replace(target, bytes);
@@ -210,7 +210,7 @@ Expected<std::string> ContentId(const fs::path& file, const CancelToken& cancel,
   return IdText(hash);
 }
 
-// Each file's name and hash, hashed: no shift of bytes between names and contents gives the same.
+// Hashes each file's name and hash, so that moving bytes between names and contents changes the result.
 Expected<std::string> ContentIdOfFiles(std::span<const fs::path> files, const CancelToken& cancel,
                                        const ByteProgress& progress) {
   Hasher hasher(cancel, progress, TotalBytes(files));

@@ -44,7 +44,7 @@ std::optional<ErrorCode> CodeOf(const Expected<T>& result) {
   return result ? std::nullopt : std::optional(result.error().code);
 }
 
-// While it lives, files of this process cannot grow beyond `bytes`: the nearest thing to a full disk.
+// RAII: limits the file size of this process to `bytes`, to simulate a full disk.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) : old_handler_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -64,7 +64,7 @@ class FileSizeLimit {
   void (*old_handler_)(int);
 };
 
-// While it lives, the process has no special rights, even if root runs the test.
+// RAII: drops root privileges, in case root runs the test.
 class OrdinaryUser {
  public:
   OrdinaryUser() {
@@ -109,7 +109,7 @@ TEST(ReadFile, MissingFileIsNamed) {
 TEST(ReadFile, RefusesWhatIsNoRegularFile) {
   const ScratchFolder scratch;
   EXPECT_EQ(CodeOf(ReadFile(scratch.path())), ErrorCode::kInvalidArgument);
-  // A pipe that nobody writes to must not hang the program.
+  // A pipe without a writer must not block the program.
   ASSERT_EQ(::mkfifo((scratch / "pipe").c_str(), 0600), 0);
   EXPECT_EQ(CodeOf(ReadFile(scratch / "pipe")), ErrorCode::kInvalidArgument);
   EXPECT_EQ(CodeOf(MappedFile::Open(scratch / "pipe")), ErrorCode::kInvalidArgument);
@@ -168,7 +168,7 @@ TEST(WriteFileAtomically, RefusesAMissingFolderAndAFoldersName) {
 }
 
 TEST(WriteFileAtomically, GoesOnBesideWhatAKilledProcessOfTheSameIdLeft) {
-  // In a container the program has the same process id each time, and counts from 0 each time.
+  // In a container, the program has the same process id each time, and its counter starts at 0.
   const ScratchFolder scratch;
   for (int i = 0; i < 500; ++i) Put(scratch / fmt::format("file.tmp-{}-{}", ::getpid(), i), "half");
   ASSERT_TRUE(WriteFileAtomically(scratch / "file", "whole"));
@@ -198,7 +198,7 @@ TEST(WriteFileAtomically, ALinkStaysAndItsTargetIsReplaced) {
   EXPECT_TRUE(fs::is_symlink(scratch / "circle"));
 }
 
-// Through links, so that a failure of this test cannot harm the machine's own devices.
+// Uses links, so that a failure of this test cannot damage the machine's devices.
 TEST(WriteFileAtomically, DevicesAndPipesAreWrittenTo) {
   const ScratchFolder scratch;
   fs::create_symlink("/dev/null", scratch / "null");

@@ -12,7 +12,7 @@ namespace victorious {
 using nlohmann::json;
 
 Expected<json> ParseJson(std::string_view text) {
-  std::vector<std::set<std::string>> keys;  // of the objects that are open
+  std::vector<std::set<std::string>> keys;  // of the open objects, innermost last
   std::string twice;
   const json::parser_callback_t watch = [&](int /*depth*/, json::parse_event_t event, json& parsed) {
     if (event == json::parse_event_t::object_start) keys.emplace_back();

@@ -1,4 +1,4 @@
-// JSON that people write: comments are let through, a key that is given twice is not.
+// A parser for JSON written by people: accepts comments, rejects duplicate keys.
 #pragma once
 
 #include <string_view>
@@ -9,7 +9,7 @@
 
 namespace victorious {
 
-/// Any bytes are safe. Errors: kInvalidArgument, "not JSON", or the first key that an object has twice.
+/// Safe for any bytes. Error: kInvalidArgument with "not JSON", or with the first duplicate key.
 Expected<nlohmann::json> ParseJson(std::string_view text);
 
 }  // namespace victorious

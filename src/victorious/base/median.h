@@ -1,4 +1,4 @@
-// The median of numbers, and of one distribution.
+// The median of samples, and of the Rayleigh distribution.
 #pragma once
 
 #include <algorithm>
@@ -7,10 +7,10 @@
 
 namespace victorious {
 
-/// The median length of two standard normal numbers: sqrt(2 ln 2).
+/// The median of the Rayleigh distribution with sigma 1 (the norm of two standard normal variables): sqrt(2 ln 2).
 inline constexpr double kRayleighMedian = 1.1774100225154747;
 
-/// The middle one in order, of an even number the upper of the two in the middle; 0 of none.
+/// Returns the median; for an even number of values the upper of the two middle ones; 0 for an empty vector. O(n).
 inline double Median(std::vector<double> values) {
   if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

@@ -43,20 +43,21 @@ std::string_view TypeText(const FieldRef& field) {
                     field.value);
 }
 
-// JSON on one line; bytes that are not UTF-8 are replaced.
+// JSON on one line; replaces bytes that are not UTF-8.
 std::string Dump(const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); }
 
 std::string ValueText(const json& value) {
   if (value.is_structured()) return fmt::format("an {}", value.type_name());
   if (value.is_number_float()) {
-    // NaN and the infinities have no JSON form.
+    // JSON cannot represent NaN and infinities.
     if (const double number = value.get<double>(); !std::isfinite(number)) return fmt::format("{}", number);
   }
   return Dump(value);
 }
 
 bool TypeFits(const FieldRef& field, const json& value) {
-  // JSON compares signed with unsigned numbers by their bits; as doubles, no large number passes for a negative one.
+  // nlohmann::json compares signed and unsigned numbers bitwise. Compared as doubles, a large number does not equal a
+  // negative one.
   const double number = value.is_number() ? value.get<double>() : 0.0;
   return std::visit(Overloaded{[&](const double*) { return value.is_number() && std::isfinite(number); },
                                [&](const int*) {
@@ -80,7 +81,7 @@ bool InRange(const FieldSpec& spec, const json& value) {
   return true;
 }
 
-// The constraint that `value` violates, or nothing.
+// Returns a message with the constraint that `value` violates, or empty.
 std::string Violation(const FieldRef& field, const json& value) {
   const bool type_fits = TypeFits(field, value);
   if (type_fits && InRange(field.spec, value)) return {};
@@ -102,7 +103,7 @@ std::size_t EditDistance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-// How far `name` is from a field's full name, or from its last part if that is nearer.
+// The edit distance of `name` to a field's full name, or to its last part if that is smaller.
 std::size_t NameDistance(std::string_view name, std::string_view field_name) {
   const std::string_view last_part = field_name.substr(field_name.rfind('.') + 1);
   return std::min(EditDistance(name, field_name), EditDistance(name, last_part));
@@ -121,8 +122,8 @@ bool IsGroup(const std::string& name, const std::vector<FieldRef>& fields) {
 
 using NamedValues = std::vector<std::pair<std::string, const json*>>;
 
-// Flattens {"match": {"ratio": 0.8}} and {"match.ratio": 0.8} alike. Goes down only into groups that exist, so that the
-// depth is the options' and not the input's.
+// Flattens {"match": {"ratio": 0.8}} and {"match.ratio": 0.8} alike. Descends only into groups that exist, so that the
+// options, not the input, bound the recursion depth.
 void Flatten(const json& node, const std::string& prefix, const std::vector<FieldRef>& fields, NamedValues& out) {
   for (const auto& [key, value] : node.items()) {
     const std::string name = prefix + key;

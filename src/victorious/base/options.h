@@ -1,5 +1,5 @@
-// One field list an options struct: it feeds validation, JSON, `--params` and the manual, so that nothing is typed
-// twice.
+// Field lists of options structs. One list per struct serves validation, JSON, `--params` and the manual, so that no
+// parameter is declared twice.
 //
 //   struct MatchOptions {
 //     double ratio = 0.8;
@@ -26,16 +26,16 @@
 
 namespace victorious {
 
-/// What a field means and which values it may take.
+/// The meaning of a field and its allowed values.
 struct FieldSpec {
   double min = -std::numeric_limits<double>::infinity();  ///< smallest value, inclusive
   double max = std::numeric_limits<double>::infinity();   ///< largest value, inclusive
-  std::vector<std::string> choices = {};                  ///< for text: the only values allowed; empty: any
-  std::string unit = {};                                  ///< "px", "s", …; empty where it has none
-  std::string reason = {};                                ///< what it does and why the default is what it is
+  std::vector<std::string> choices = {};                  ///< for text: the allowed values; empty: any
+  std::string unit = {};                                  ///< "px", "s", …; empty if dimensionless
+  std::string reason = {};                                ///< the effect of the field and the reason for its default
 };
 
-/// A field of one live options struct: its full name, its value and its spec. Valid while that struct lives.
+/// A reference to a field of an options struct: full name, value and spec. Valid during the lifetime of that struct.
 struct FieldRef {
   std::string name;
   std::variant<double*, int*, bool*, std::uint64_t*, std::string*> value;
@@ -64,6 +64,7 @@ class FieldList {
   std::vector<FieldRef> fields_;
 };
 
+/// Returns the fields of `options`; they point into it.
 template <typename Options>
 std::vector<FieldRef> FieldsOf(Options& options) {
   FieldList list;
@@ -71,20 +72,21 @@ std::vector<FieldRef> FieldsOf(Options& options) {
   return list.fields();
 }
 
-/// The values as nested JSON: {"match": {"ratio": 0.8}, …}.
+/// Returns the values as nested JSON: {"match": {"ratio": 0.8}, …}.
 nlohmann::json ToJson(const std::vector<FieldRef>& fields);
 
-/// Sets the fields that `json` names, nested or dotted ("match.ratio"). Unknown names, wrong types and values outside
-/// their range are all reported, in one error of one line; then no field is changed.
+/// Sets the fields named in `json`, nested or dotted ("match.ratio"). Error: kInvalidArgument with all unknown names,
+/// wrong types and values out of range in one line; then no field is changed.
 Status SetFromJson(const nlohmann::json& json, const std::vector<FieldRef>& fields);
 
-/// Every violated constraint as "field = value: constraint", in one error of one line; OK if there is none.
+/// Checks all constraints. Error: kInvalidArgument with every violated constraint as "field = value: constraint", in
+/// one line.
 Status Validate(const std::vector<FieldRef>& fields);
 
-/// The manual: one Markdown table row a field (name, default, range, unit, reason).
+/// Returns a Markdown table with one row per field (name, default, range, unit, reason).
 std::string MarkdownTable(const std::vector<FieldRef>& fields);
 
-/// ToJson as text, keys sorted: equal options give equal text.
+/// Returns ToJson as text with sorted keys: equal options give equal text.
 std::string ToJsonText(const std::vector<FieldRef>& fields);
 
 template <typename Options>

@@ -103,7 +103,7 @@ TEST(SetFromJson, TakesNestedAndDottedNamesAlike) {
   ASSERT_TRUE(Set(nested, R"({"match": {"ratio": 0.7}, "verbose": true})"));
   EXPECT_EQ(nested.match.ratio, 0.7);
   EXPECT_TRUE(nested.verbose);
-  EXPECT_EQ(nested.match.neighbours, 2);  // what is not named keeps its value
+  EXPECT_EQ(nested.match.neighbours, 2);  // a field that is not named keeps its value
   TestOptions dotted;
   ASSERT_TRUE(Set(dotted, R"({"match.ratio": 0.7, "verbose": true})"));
   EXPECT_EQ(OptionsToJsonText(dotted), OptionsToJsonText(nested));
@@ -209,7 +209,7 @@ TEST(Validate, ListsEveryViolation) {
 TEST(Validate, NotANumberAndInfinityViolateEveryRange) {
   for (const double value : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
     TestOptions options;
-    options.gain = value;  // has no bounds
+    options.gain = value;  // without bounds
     options.match.ratio = value;
     const Status status = ValidateOptions(options);
     ASSERT_FALSE(status) << value;

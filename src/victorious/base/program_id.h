@@ -1,5 +1,4 @@
-// Which program this is, for what it makes and keeps: a version is worked on for long, and gives other results by and
-// by.
+// Identifies the program build in files that it writes: builds of the same version may give different results.
 #pragma once
 
 #include <filesystem>
@@ -9,12 +8,11 @@
 
 namespace victorious {
 
-/// The version, and the checksum of the executable that runs: "0.1.0-0123456789abcdef". Libraries that are linked
-/// dynamically are not looked at.
-/// Cost: the executable is read once, some 10 ms.
+/// Returns the version and the checksum of the running executable: "0.1.0-0123456789abcdef". Ignores dynamically linked
+/// libraries. Cost: reads the executable once, about 10 ms.
 Expected<std::string> ProgramId();
 
-/// The same of another executable of this version.
+/// The same for another executable of this version.
 Expected<std::string> ProgramIdOf(const std::filesystem::path& executable);
 
 }  // namespace victorious

@@ -46,7 +46,7 @@ void Progress::Draw(bool last) {
   } else {
     line = fmt::format("{}: {} {}, {:.1f} a second\n", label_, of_total, unit_, rate);
   }
-  // Not fmt::print, which throws: nobody reading the progress is no reason to stop the work.
+  // Not fmt::print, which throws: a closed stderr must not stop the work.
   std::fputs(line.c_str(), stderr);
   std::fflush(stderr);
 }

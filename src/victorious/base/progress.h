@@ -1,4 +1,4 @@
-// Progress of long work: a bar on a terminal, plain lines every few seconds otherwise, both on stderr.
+// Reports the progress of long work on stderr: a bar on a terminal, plain lines every few seconds otherwise.
 #pragma once
 
 #include <chrono>
@@ -8,18 +8,19 @@
 
 namespace victorious {
 
-/// Not thread-safe: one thread reports. Ends its line when destroyed.
+/// Not thread-safe: report from one thread. The destructor ends the line.
 class Progress {
  public:
-  /// @param label  what is being worked on, e.g. a file's name
-  /// @param total  units of work, if known
-  /// @param unit   what is counted, in the plural: "frames"
+  /// @param label  the item being processed, e.g. a file name
+  /// @param total  number of units of work, if known
+  /// @param unit   the name of the units, in the plural: "frames"
   Progress(std::string label, std::optional<std::int64_t> total, std::string unit);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// `done` units so far; draws at most ten times a second on a terminal, once in five seconds elsewhere.
+  /// Reports the number of units done so far. Draws at most ten times a second on a terminal, every five seconds
+  /// elsewhere.
   void Update(std::int64_t done);
 
  private:

@@ -1,4 +1,5 @@
-// Random numbers by seed: the same seed gives the same draws on every machine and compiler (std::distributions do not).
+// A seeded random number generator. The same seed gives the same numbers on every machine and compiler (unlike the
+// distributions of the standard library).
 #pragma once
 
 #include <cmath>
@@ -9,7 +10,7 @@
 
 namespace victorious {
 
-/// SplitMix64 (Steele, Lea, Flood 2014): 64 bits of state, passes BigCrush, a few cycles a draw.
+/// SplitMix64 (Steele, Lea, Flood 2014): 64 bits of state, passes BigCrush, a few cycles per number.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -21,7 +22,7 @@ class Random {
     return z ^ (z >> 31);
   }
 
-  /// Uniform in [0, bound), without the modulo's bias beyond 2^-32 (Lemire's multiplication). bound >= 1.
+  /// Uniform in [0, bound), with a bias below 2^-32 (Lemire's multiplication). bound >= 1.
   std::uint32_t Below(std::uint32_t bound) {
     VICTORIOUS_CHECK(bound > 0);
     return static_cast<std::uint32_t>(((Next() >> 32) * bound) >> 32);
@@ -42,9 +43,8 @@ class Random {
   std::uint64_t state_;
 };
 
-/// The seed of one of many streams of draws that have nothing to do with each other or with their neighbours' by
-/// `seed`: for each purpose, square or frame, its number
-/// `stream`, below 2^32.
+/// Returns the seed of stream number `stream` (below 2^32) of `seed`. Streams, and the same streams of other seeds, are
+/// statistically independent: one stream for each purpose, square or frame.
 [[nodiscard]] inline std::uint64_t MixSeed(std::uint64_t seed, std::uint64_t stream) {
   return Random(seed ^ (stream << 32)).Next();
 }

@@ -1,4 +1,4 @@
-// Text that others wrote: its lines, the cells of a table, numbers.
+// Parsing of external text: lines, cells of a table, numbers.
 #pragma once
 
 #include <optional>
@@ -12,17 +12,18 @@ namespace victorious {
 
 [[nodiscard]] std::string_view WithoutBlanks(std::string_view text);
 
-/// Takes a line off the front, without its end ("\n", "\r\n").
+/// Removes a line from the front of `text` and returns it without its end ("\n", "\r\n").
 [[nodiscard]] std::string_view TakeLine(std::string_view& text);
 
-/// The cells between commas, without blanks around them. A cell in double quotes may hold commas, and quotes doubled
-/// (RFC 4180, but for line ends).
+/// Splits a line into cells at commas, and trims blanks. A cell in double quotes may contain commas, and doubled quotes
+/// (RFC 4180, except line ends).
 [[nodiscard]] std::vector<std::string> SplitRow(std::string_view line);
 
-/// Takes a number off the front, after blanks; nothing if none stands there, and for infinities and NaN.
+/// Removes a number, after blanks, from the front of `text` and returns it; std::nullopt if there is no number, and for
+/// infinities and NaN.
 [[nodiscard]] std::optional<double> TakeNumber(std::string_view& text);
 
-/// The number that is the whole of `text` but for blanks around it.
+/// Parses the whole of `text`, without blanks around it, as a number; std::nullopt if it is not one.
 [[nodiscard]] std::optional<double> NumberIn(std::string_view text);
 
 }  // namespace victorious

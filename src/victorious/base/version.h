@@ -1,4 +1,4 @@
-// The program's version, stored with everything it writes.
+// The program's version, stored in every file that it writes.
 #pragma once
 
 namespace victorious {

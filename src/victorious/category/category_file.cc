@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::array<std::uint8_t, 8> kMagic = {0x8A, 'V', 'C', 'A', 'T', 0x0D, 0x0A, 0x1A};
 constexpr std::uint32_t kVersion = 3;
-constexpr std::uint32_t kOldestVersion = 2;  // had no shapes
+constexpr std::uint32_t kOldestVersion = 2;  // without shapes
 
 struct Header {
   std::array<std::uint8_t, 8> magic = kMagic;
@@ -35,7 +35,7 @@ class Writer {
   void Put(const T& value) {
     Append(std::as_bytes(std::span(&value, 1)));
   }
-  /// The number of values, then the values.
+  /// Writes the number of values, then the values.
   template <typename T>
   void PutAll(std::span<const T> values) {
     Put(static_cast<std::uint64_t>(values.size()));
@@ -53,7 +53,8 @@ class Writer {
   std::vector<std::byte> bytes_;
 };
 
-// Once something does not fit, everything that follows is empty and ok() is false.
+// Reads values in sequence. After the first read beyond the end or failed requirement, ok() is false and every read
+// returns an empty value.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) : rest_(bytes) {}
@@ -290,7 +291,7 @@ Expected<CategoryModel> ParsePayload(std::span<const std::byte> payload) {
   model.program_version = in.GetText();
   model.features_json = in.GetText();
   const std::string options = in.GetText();
-  if (!in.ok()) return Fail(ErrorCode::kDataLoss, "damaged (cut off)");
+  if (!in.ok()) return Fail(ErrorCode::kDataLoss, "damaged (truncated)");
   VICTORIOUS_ASSIGN_OR_RETURN(model.options, ParseOptions(options));
   model.nodes = GetNodes(in);
   auto centres = in.GetAll<std::uint8_t>();
@@ -326,7 +327,7 @@ Expected<CategoryModel> Parse(std::span<const std::byte> bytes) {
     return Fail(ErrorCode::kDataLoss, fmt::format("cut off or damaged ({} bytes, expected {})", bytes.size(),
                                                   header.payload_size + sizeof(Header)));
   if (Checksum(payload) != header.payload_checksum)
-    return Fail(ErrorCode::kDataLoss, "damaged (the checksum is wrong)");
+    return Fail(ErrorCode::kDataLoss, "damaged (wrong checksum)");
   return ParsePayload(payload);
 }
 

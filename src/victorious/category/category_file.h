@@ -1,4 +1,5 @@
-// A category model on disk: one file, versioned, checksummed, bounded. docs/formats/category.md describes every byte.
+// Serialisation of a CategoryModel: a single file with a version number, a checksum and bounded allocations. Written
+// by `category train` and read by classification. docs/formats/category.md describes the format byte by byte.
 #pragma once
 
 #include <cstddef>
@@ -12,16 +13,19 @@
 
 namespace victorious {
 
+/// Returns the bytes of the file: header and payload.
 std::vector<std::byte> EncodeCategories(const CategoryModel& model);
 
-/// Whole or not at all.
+/// Writes the file atomically: on an error, `path` is unchanged. Errors: those of WriteFileAtomically (base/file.h).
 Status WriteCategories(const std::filesystem::path& path, const CategoryModel& model);
 
-/// Errors: kNotFound; kDataLoss (not a category model, damaged, cut off); kUnsupported (a newer version).
+/// Reads a model. Errors: kNotFound; kDataLoss (not a category model, damaged or truncated); kUnsupported (written by a
+/// newer version, or by one older than the oldest supported).
 Expected<CategoryModel> ReadCategories(const std::filesystem::path& path);
 
-/// The same from bytes in memory. Never reads outside `bytes`, and takes memory in proportion to them, whatever they
-/// hold.
+/// Parses a model from memory. Reads only inside `bytes` and allocates memory proportional to their number, also for
+/// hostile input.
+/// @param name_for_errors  prefix of error messages, e.g. the file's path
 Expected<CategoryModel> ParseCategories(std::span<const std::byte> bytes, const std::string& name_for_errors);
 
 }  // namespace victorious

@@ -43,7 +43,7 @@ Expected<std::optional<Box>> ParseBox(const Fields& fields, const std::string& w
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: box {} {}", where, written, what));
   };
   if (given < 4 || !numbers)
-    return fail("must be four numbers x0,y0,x1,y1 in pixels, or nothing for the whole picture");
+    return fail("must be four numbers x0,y0,x1,y1 in pixels, or empty for the whole image");
   const Box box{edges[0], edges[1], edges[2] - edges[0], edges[3] - edges[1]};
   if (box.IsEmpty()) return fail("is empty: x1 must be above x0, and y1 above y0");
   return box;
@@ -57,7 +57,7 @@ Expected<CategoryListRow> ParseRow(const Fields& fields, std::string where) {
   CategoryListRow row{
       .image = text("image"), .category = text("category"), .box = {}, .mark = text("mark"), .where = std::move(where)};
   if (row.image.empty())
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: no image: must be a picture's path", row.where));
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: no image: must be the path of an image", row.where));
   if (!row.mark.empty() && row.mark != "right" && row.mark != "wrong")
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: mark {}: must be right or wrong", row.where, row.mark));
   VICTORIOUS_ASSIGN_OR_RETURN(row.box, ParseBox(fields, row.where));
@@ -91,7 +91,7 @@ Expected<std::vector<CategoryListRow>> ParseCategoryList(std::string_view text, 
   }
   if (rows.empty())
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: no pictures: must have a header and a line a picture", name_for_errors));
+                fmt::format("{}: no pictures: must have a header and one line per image", name_for_errors));
   return rows;
 }
 
@@ -108,7 +108,7 @@ Expected<Box> BoxWithin(const CategoryListRow& row, int width_px, int height_px)
   if (!inside.IsEmpty()) return inside;
   return Fail(
       ErrorCode::kInvalidArgument,
-      fmt::format("{}: box {:g},{:g},{:g},{:g} lies outside the picture, which is {} x {} px", row.where, row.box->x,
+      fmt::format("{}: box {:g},{:g},{:g},{:g} lies outside the image, which is {} x {} px", row.where, row.box->x,
                   row.box->y, row.box->x + row.box->width, row.box->y + row.box->height, width_px, height_px));
 }
 

@@ -1,6 +1,6 @@
-// The list of pictures to train on or to classify: CSV with a header, `image,category,x0,y0,x1,y1`, columns by name in
-// any order. Only `image` is needed to classify; a row without a box means the whole picture. To train, an image may be
-// a CAD file, too.
+// Parses the list of images to train on or to classify: CSV with a header, `image,category,x0,y0,x1,y1`; columns are
+// identified by name, in any order. Classification needs only `image`; a row without a box stands for the whole image.
+// For training, an image may also be a CAD file.
 #pragma once
 
 #include <filesystem>
@@ -15,21 +15,23 @@
 namespace victorious {
 
 struct CategoryListRow {
-  std::string image;       ///< as written: relative to the folder of images
-  std::string category;    ///< empty where not given
-  std::optional<Box> box;  ///< px; not empty, though it may lie outside the picture
-  std::string mark;        ///< "right", "wrong", or empty: what a user says of a result (column `mark`)
-  std::string where;       ///< "list.csv line 7", for messages
+  std::string image;       ///< path as written in the list, relative to the image folder
+  std::string category;    ///< empty if not given
+  std::optional<Box> box;  ///< px; has a positive area, but may lie outside the image
+  std::string mark;        ///< "right", "wrong" or empty: the user's feedback on a result (column `mark`)
+  std::string where;       ///< source position for messages: "list.csv line 7"
 };
 
-/// Errors: kInvalidArgument, with the line, for a list without rows or without the column `image`, a row without an
-/// image, boxes that are no numbers, are empty or have only some of the four numbers, and marks that are neither.
+/// Parses the CSV text.
+/// Errors: kInvalidArgument, with the line number, for a list without rows or without the column `image`, a row without
+/// an image, a box that is not numeric, is empty or is incomplete, and a mark other than "right" and "wrong".
 Expected<std::vector<CategoryListRow>> ParseCategoryList(std::string_view text, const std::string& name_for_errors);
 
+/// Reads and parses a list of at most 256 MiB. Errors: those of ReadFile and ParseCategoryList.
 Expected<std::vector<CategoryListRow>> ReadCategoryList(const std::filesystem::path& path);
 
-/// The part of the row's box inside a picture; the whole picture where the row has none.
-/// Errors: kInvalidArgument for a box that lies outside.
+/// Returns the row's box (px) clipped to an image of the given size, or the whole image if the row has no box.
+/// Errors: kInvalidArgument for a box that lies entirely outside the image.
 Expected<Box> BoxWithin(const CategoryListRow& row, int width_px, int height_px);
 
 }  // namespace victorious

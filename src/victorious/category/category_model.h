@@ -1,8 +1,9 @@
-// What training learns and classification needs, and the two verbs between them.
+// Image classification by category: the trained model, and the functions TrainCategories and Classify.
 //
-// Categories may stand in a hierarchy: "vehicle/car/sedan" is a sedan, which is a car, which is a vehicle. Every node
-// that training pictures name, and all its ancestors, has a score of its own; a picture's label is the likeliest of the
-// nodes that pictures were named by. A category for "none of these" is one like the others: give it pictures.
+// Categories may form a hierarchy: an image of "vehicle/car/sedan" is also an image of "vehicle/car" and of "vehicle".
+// Every node that is named in training, and each of its ancestors, has its own score. The label of an image is the most
+// probable node among those that are named in training. A background category ("none of these") is an ordinary
+// category with its own training images.
 #pragma once
 
 #include <cstddef>
@@ -23,88 +24,94 @@
 
 namespace victorious {
 
-/// How a picture is scored: by words and phrases, or by words alone (the baseline).
+/// Features that enter the score: visual words and phrases, or visual words only (the baseline).
 enum class CategoryMethod { kPhrases, kWords };
 
 /// A node of the hierarchy.
 struct CategoryNode {
-  std::string name;     ///< with its ancestors' names: "vehicle/car"
-  bool labels = false;  ///< whether pictures were named by it: such nodes can be a picture's label
-  Calibration phrases;  ///< of CategoryMethod::kPhrases
-  Calibration words;    ///< of CategoryMethod::kWords
+  std::string name;     ///< full path: "vehicle/car"
+  bool labels = false;  ///< true if training images carry this name: only such nodes can be a label
+  Calibration phrases;  ///< for CategoryMethod::kPhrases
+  Calibration words;    ///< for CategoryMethod::kWords
 };
 
-/// One node's weights in the linear classifier. The score is words . h_w + phrases . h_p + fisher . f + offset, with
-/// the histograms of histogram.h and the vector of fisher.h, + shapes . how like it is to each of shape_examples
-/// (shape.h).
+/// Weights of one node in the linear classifier:
+///   score = words . h_w + phrases . h_p + fisher . f + shapes . s + offset
+/// where h_w and h_p are the histograms of histogram.h, f is the Fisher vector of fisher.h, and s holds the shape
+/// kernel values with each of CategoryModel::shape_examples (shape.h).
 struct LinearWeights {
   Eigen::VectorXf words;
   Eigen::VectorXf phrases;  ///< empty for CategoryMethod::kWords
-  Eigen::VectorXf fisher;   ///< the same
-  Eigen::VectorXf shapes;   ///< one an example of CategoryModel::shape_examples
+  Eigen::VectorXf fisher;   ///< empty for CategoryMethod::kWords
+  Eigen::VectorXf shapes;   ///< one weight per column of CategoryModel::shape_examples
   float offset = 0;
 };
 
+/// A trained model.
 struct CategoryModel {
-  std::string program_version;  ///< that made it
-  std::string features_json;    ///< the options of whoever makes its features; opaque here
+  std::string program_version;  ///< version of the program that trained the model
+  std::string features_json;    ///< options of the feature extraction, as JSON; not interpreted in this folder
   CategoryOptions options;
   Vocabulary vocabulary;
-  std::vector<CategoryNode> nodes;  ///< sorted by name, so that ancestors stand before their descendants
+  std::vector<CategoryNode> nodes;  ///< sorted by name, so that ancestors precede their descendants
 
-  // Of scoring "linear"; else empty.
-  std::vector<std::uint16_t> part_of_word;
-  std::size_t parts = 0;
+  // Scoring "linear" only; otherwise empty.
+  std::vector<std::uint16_t> part_of_word;  ///< cluster index of each word, below word_clusters
+  std::size_t parts = 0;                    ///< number of word clusters
   FisherEncoder fisher;
   ShapeEncoder shape;
-  Eigen::MatrixXf shape_examples;             ///< a column an example that was learned from; of a shape encoder alone
-  std::vector<LinearWeights> phrase_weights;  ///< one a node
-  std::vector<LinearWeights> word_weights;    ///< one a node
+  Eigen::MatrixXf shape_examples;             ///< one column per training example; empty without a shape encoder
+  std::vector<LinearWeights> phrase_weights;  ///< one per node, for CategoryMethod::kPhrases
+  std::vector<LinearWeights> word_weights;    ///< one per node, for CategoryMethod::kWords
 
-  // Of scoring "likelihood"; else empty.
-  std::vector<std::uint32_t> topic_nodes;  ///< a topic's node
+  // Scoring "likelihood" only; otherwise empty.
+  std::vector<std::uint32_t> topic_nodes;  ///< node index of each topic
   TopicModel topics;
-  std::vector<PhraseGrammar> grammars;  ///< one a topic
+  std::vector<PhraseGrammar> grammars;  ///< one per topic
 };
 
-/// A picture, or a part of one, to learn from.
+/// A training example: an image or a crop of one.
 struct CategoryExample {
   std::string category;
   FeatureSet features;
-  int picture = 0;         ///< examples of one picture have one number
-  bool learns = true;      ///< whether categories are learned from it
-  bool calibrates = true;  ///< whether its score, by a model that has not seen the picture, helps to calibrate: for
-                           ///< what is like the pictures that will be classified
-  bool mirrored = false;   ///< a mirror image of another example of the picture: not learned from where it would make
-                           ///< two categories be taken for each other (scoring "linear")
+  int picture = 0;         ///< image id: equal for all examples that come from one image
+  bool learns = true;      ///< true if the classifier is trained on it
+  bool calibrates = true;  ///< true if its held-out score is used for calibration; set it for examples that
+                           ///< resemble the images to be classified
+  bool mirrored = false;   ///< true for a mirrored copy of another example of the image; excluded from training if
+                           ///< it increases the confusion of two categories (scoring "linear")
 };
 
-/// Errors: kInvalidArgument for fewer than two categories to learn, a category of fewer than two pictures or without
-/// features,
-/// a category's name that is empty or has empty parts, options out of range.
+/// Trains a model. Deterministic for a given options.seed.
+/// Errors: kInvalidArgument for fewer than two categories, a category with fewer than two images or without features,
+/// a category name that is empty or has empty components, and options out of range.
 Expected<CategoryModel> TrainCategories(std::span<const CategoryExample> examples, const CategoryOptions& options);
 
-/// One node's score of a picture.
+/// Score of one node for one image.
 struct CategoryScore {
-  double raw = 0;          ///< before calibration: comparable between pictures
+  double raw = 0;          ///< uncalibrated; comparable between images
   double probability = 0;  ///< calibrated
 };
 
 struct CategoryResult {
-  std::vector<CategoryScore> scores;  ///< one a node
-  std::size_t label = 0;              ///< the node
+  std::vector<CategoryScore> scores;  ///< one per node
+  std::size_t label = 0;              ///< index of the most probable node with can_be_label
 };
 
+/// Scores an image on all nodes and selects its label.
+/// @param picture  made by QuantiseFeatures with this model
 CategoryResult Classify(const CategoryModel& model, const WordedPicture& picture, CategoryMethod method);
 
-/// The picture as the model's words, with its Fisher vector and its shape where the model has them.
+/// Quantises an image's features with the model's vocabulary, and computes its Fisher vector and its shape vector if
+/// the model has these encoders.
 WordedPicture WordsOf(const CategoryModel& model, const FeatureSet& features);
 
-/// Whether `ancestor` is `name` or above it: "vehicle" of "vehicle/car", not of "vehicles".
+/// Returns true if `ancestor` equals `name` or is one of its ancestors: "vehicle" for "vehicle/car", not for
+/// "vehicles".
 bool IsWithin(std::string_view name, std::string_view ancestor);
 
-/// What a picture of `category` says of `node`: +1: it shows it; -1: it does not; 0: it may, being named more
-/// generally.
+/// Training target of an image of `category` for `node`: +1 positive, -1 negative, 0 unknown (`category` is a proper
+/// ancestor of `node`).
 int TargetOf(std::string_view category, std::string_view node);
 
 }  // namespace victorious

@@ -32,13 +32,13 @@ TEST(CategoryModel, PhrasesTellApartWhatHasTheSameWords) {
   EXPECT_GE(Accuracy(*model, DrawExamples(15, 2), CategoryMethod::kPhrases), 0.9);
 }
 
-// Each picture's mirror image beside it, as recognize/ makes them.
+// Examples with a mirrored copy of each image, as recognize/ makes them.
 std::vector<CategoryExample> WithMirrorImages(int pictures_each, bool mirrored_pairs) {
   Random random(11);
   std::vector<CategoryExample> examples;
   for (int i = 0; i < 2 * pictures_each; ++i) {
     cv::Mat picture = testing::DrawPair(mirrored_pairs ? i % 2 == 0 : true, random);
-    // Where the pair is always the same way round, its turned picture is the other category.
+    // If all pairs have the same order, the second category is the image rotated by 90 degrees.
     if (!mirrored_pairs && i % 2 == 1) cv::rotate(picture, picture, cv::ROTATE_90_CLOCKWISE);
     const std::string category = i % 2 == 0 ? "cross-disc" : "disc-cross";
     for (const bool mirrored : {false, true}) {
@@ -133,7 +133,7 @@ TEST(CategoryModel, AFileOfTheVersionBeforeIsRead) {
   const auto examples = DrawExamples(4, 3);
   const auto model = TrainCategories(examples, SmallOptions());
   auto bytes = EncodeCategories(*model);
-  bytes[8] = std::byte{2};  // which had no shapes; nor has this one
+  bytes[8] = std::byte{2};  // version 2 has no shapes; this model has none either
   const auto read = ParseCategories(bytes, "m.vcat");
   ASSERT_TRUE(read.has_value()) << read.error().message;
   EXPECT_EQ(EncodeCategories(*read), EncodeCategories(*model));

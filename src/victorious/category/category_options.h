@@ -1,5 +1,5 @@
-// The options of training categories (`victorious params category`). The thesis's method is `scoring` "likelihood" with
-// the thesis's features; docs/results.md has it as a file.
+// Options of category training (`victorious params category`). The thesis's method is `scoring` "likelihood" with the
+// thesis's features; docs/results.md contains these parameters as a file.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Drawn pictures of two categories that share their parts: a cross beside a disc, in this order or the other one.
+// Synthetic images of two categories with the same parts: a cross beside a disc, in this order or in the other one.
 #pragma once
 
 #include <string>
@@ -12,7 +12,8 @@
 
 namespace victorious::testing {
 
-/// A cross on the left of a disc, or right of it, at a place drawn by `random`, on 160 x 120 px of faint noise.
+/// Draws a cross to the left (cross_first) or to the right of a disc, at a random position, on weak noise.
+/// Returns CV_8UC1, 160 x 120 px.
 inline cv::Mat DrawPair(bool cross_first, Random& random) {
   cv::Mat picture(120, 160, CV_8UC1);
   for (auto& pixel : cv::Mat_<std::uint8_t>(picture)) pixel = static_cast<std::uint8_t>(100 + random.Below(8));
@@ -27,9 +28,10 @@ inline cv::Mat DrawPair(bool cross_first, Random& random) {
   return picture;
 }
 
-/// Coarse enough for tests.
+/// A coarse grid, for fast tests.
 inline DenseOptions CoarseGrid() { return {.step_px = 10, .sizes = 3}; }
 
+/// Draws `pictures_each` images of each category, with dense features.
 inline std::vector<CategoryExample> DrawExamples(int pictures_each, std::uint64_t seed) {
   Random random(seed);
   std::vector<CategoryExample> examples;
@@ -42,7 +44,7 @@ inline std::vector<CategoryExample> DrawExamples(int pictures_each, std::uint64_
   return examples;
 }
 
-/// Small enough for tests.
+/// Options for small, fast models.
 inline CategoryOptions SmallOptions(const std::string& scoring = "linear") {
   CategoryOptions options;
   options.scoring = scoring;

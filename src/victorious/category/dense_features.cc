@@ -13,14 +13,15 @@
 namespace victorious {
 namespace {
 
-constexpr int kCells = 4;         // a side
-constexpr int kOrientations = 8;  // a cell
-constexpr float kClip = 0.2F;     // Lowe: no orientation of a cell may dominate a descriptor
+constexpr int kCells = 4;         // per side
+constexpr int kOrientations = 8;  // per cell
+constexpr float kClip = 0.2F;     // Lowe's limit of one orientation of a cell in the normalised descriptor
 constexpr float kUnit = 512.0F;
 
 using Planes = std::array<cv::Mat, kOrientations>;
 
-// The gradient's magnitude, shared between the two nearest of 8 orientations, averaged over a cell about each pixel.
+// Gradient magnitude per orientation, interpolated linearly between the two nearest of 8 orientations and averaged over
+// a cell around each pixel.
 Planes OrientationPlanes(const cv::Mat& grey, double cell_px) {
   cv::Mat image;
   grey.convertTo(image, CV_32F);
@@ -88,22 +89,22 @@ void AppendDescriptor(Raw& raw, std::vector<std::uint8_t>& out) {
 }  // namespace
 
 void DenseOptions::ListFields(FieldList& fields) {
-  fields.Add("step_px", step_px, {.min = 2, .max = 64, .unit = "px", .reason = "between neighbours on the grid"});
+  fields.Add("step_px", step_px, {.min = 2, .max = 64, .unit = "px", .reason = "spacing of the grid points"});
   fields.Add("smallest_cell_px", smallest_cell_px,
-             {.min = 2, .max = 32, .unit = "px", .reason = "side of a cell of the smallest patches, which have 4 x 4"});
-  fields.Add("sizes", sizes, {.min = 1, .max = 8, .reason = "sizes of patches"});
-  fields.Add("size_factor", size_factor, {.min = 1.1, .max = 4, .reason = "from one size to the next"});
+             {.min = 2, .max = 32, .unit = "px", .reason = "side of a cell at the smallest scale, of 4 x 4 per patch"});
+  fields.Add("sizes", sizes, {.min = 1, .max = 8, .reason = "number of patch scales"});
+  fields.Add("size_factor", size_factor, {.min = 1.1, .max = 4, .reason = "ratio of successive scales"});
   fields.Add("least_contrast", least_contrast,
              {.min = 0,
               .max = 255,
-              .reason = "patches whose mean gradient (grey levels a pixel, root of the sum over cells) is less are "
-                        "left out: sky says nothing"});
+              .reason = "patches with a lower mean gradient (grey levels per pixel, root of the sum of squares over "
+                        "cells) are omitted: uniform regions such as sky are uninformative"});
   fields.Add("max_side_px", max_side_px,
              {.min = 64,
               .max = 4096,
               .unit = "px",
-              .reason = "larger images are searched at a reduced size of this longest side: categories are of views "
-                        "of some 300 px, and time and memory stay bounded"});
+              .reason = "images with a longer side are downscaled to it: categories are trained on images of about "
+                        "300 px, and the limit bounds time and memory"});
 }
 
 FeatureSet DenseFeatures(const cv::Mat& grey, const DenseOptions& options) {

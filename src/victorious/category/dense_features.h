@@ -1,8 +1,9 @@
-// Descriptors on a grid, at several sizes, all upright: what a category is described by where keypoints are few. A grey
-// image in; a FeatureSet in Lowe's layout out.
-// Method: gradients of the smoothed image are spread over 8 orientations, each plane is averaged over cells, and 4 x 4
-// cells about each grid point make a descriptor. Source: A. Bosch, A. Zisserman, X. Munoz, "Image classification using
-// random forests and ferns", ICCV 2007 (dense SIFT at several sizes); descriptor: D. Lowe, IJCV 60(2), 2004.
+// Dense SIFT: upright descriptors on a regular grid at several scales, for category classification, where sparse
+// keypoints are too few. Input: a grey image. Output: a FeatureSet with descriptors in Lowe's layout.
+// Method: the gradient magnitudes of the smoothed image are assigned to 8 orientation planes by linear interpolation;
+// each plane is averaged over cells; 4 x 4 cells around each grid point form a descriptor.
+// Source: A. Bosch, A. Zisserman, X. Munoz, "Image classification using random forests and ferns", ICCV 2007 (dense
+// SIFT at several scales); descriptor: D. Lowe, IJCV 60(2), 2004.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -23,10 +24,12 @@ struct DenseOptions {
   void ListFields(FieldList& fields);
 };
 
-/// @param grey  CV_8UC1, any size; images larger than max_side_px are searched at reduced size.
-/// Keypoints are in pixels of `grey`, of orientation 0, size by size, row by row. A descriptor covers 4 x 4 cells; its
-/// scale_px is a third of a cell, as Lowe's. Patches without contrast give none.
-/// Cost: some 8 ms for 300 x 200 pixels at the default.
+/// Computes dense descriptors.
+/// @param grey  CV_8UC1, any size; an image whose longer side exceeds max_side_px is downscaled first
+/// @return      keypoints in pixels of `grey`, with orientation 0, ordered by scale, then by row, then by column. A
+///              descriptor covers 4 x 4 cells; scale_px is a third of a cell, as in Lowe's SIFT. Patches below
+///              min_contrast are omitted.
+/// Cost: about 8 ms for 300 x 200 pixels with the defaults.
 FeatureSet DenseFeatures(const cv::Mat& grey, const DenseOptions& options);
 
 }  // namespace victorious

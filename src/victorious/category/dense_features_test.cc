@@ -14,7 +14,7 @@ TEST(DenseFeatures, AreAGridInsideThePicture) {
   const cv::Mat picture = testing::DrawPair(true, random);
   const FeatureSet features =
       DenseFeatures(picture, {.step_px = 10, .smallest_cell_px = 6, .sizes = 1, .least_contrast = 0});
-  // 160 x 120 less 12 px all round, every 10 px.
+  // 160 x 120 px minus a margin of 12 px on each side, step 10 px.
   EXPECT_EQ(features.size(), 14U * 10U);
   EXPECT_EQ(features.descriptors.size(), features.size() * kDescriptorSize);
   EXPECT_EQ(features.keypoints[0], (Keypoint{12, 12, 2, 0}));

@@ -14,7 +14,7 @@ std::vector<PhraseEvidence> LinearEvidence(const CategoryModel& model, const Wor
   const auto phrases = FindPhrases(picture, model.part_of_word, model.parts, model.options.phrases);
   const SparseVector counts = CountPhrases(phrases, model.parts);
   const SparseVector values = Hellinger(counts);
-  std::vector<float> each(PhraseCount(model.parts));  // what one occurrence of a phrase adds
+  std::vector<float> each(PhraseCount(model.parts));  // contribution of one occurrence of each phrase
   for (std::size_t k = 0; k < counts.size(); ++k) {
     const auto [phrase, value] = values[k];
     each[phrase] = model.phrase_weights[node].phrases(phrase) * value / counts[k].second;
@@ -40,9 +40,9 @@ std::vector<PhraseEvidence> LikelihoodEvidence(const CategoryModel& model, const
   return evidence;
 }
 
-constexpr int kCellsAcross = 32;  // of the longer side
+constexpr int kCellsAcross = 32;  // of the grid, along the longer side
 
-// Evidence by cell of the picture, less the mean.
+// Contributions summed per grid cell of the image, minus the mean over cells.
 cv::Mat_<double> EvidenceGrid(const std::vector<PhraseEvidence>& evidence, const WordedPicture& picture,
                               double cell_px) {
   cv::Mat_<double> grid(std::max(1, static_cast<int>(std::ceil(picture.height / cell_px))),
@@ -60,7 +60,7 @@ cv::Mat_<double> EvidenceGrid(const std::vector<PhraseEvidence>& evidence, const
   return grid;
 }
 
-// The rectangle of cells with the largest sum: for each pair of rows, the best run of columns (Kadane).
+// The rectangle of cells with the maximum sum: Kadane's algorithm over the columns for each pair of rows.
 cv::Rect BestRectangle(const cv::Mat_<double>& grid) {
   cv::Rect best(0, 0, grid.cols, grid.rows);
   double best_sum = 0;
@@ -109,13 +109,13 @@ cv::Mat DrawEvidence(const cv::Mat& bgr, const WordedPicture& picture, const std
                      const std::string& caption) {
   constexpr double kDim = 0.55;
   constexpr std::size_t kDrawn = 150;
-  constexpr int kLeastWidthPx = 480;  // small pictures are enlarged, so that lines stay apart
+  constexpr int kLeastWidthPx = 480;  // smaller images are enlarged to keep lines distinguishable
   const double zoom = std::max(1.0, static_cast<double>(kLeastWidthPx) / std::max(1, bgr.cols));
   cv::Mat canvas;
   cv::resize(bgr, canvas, {}, zoom, zoom, cv::INTER_LINEAR);
   canvas *= kDim;
   const auto place = [&](const Keypoint& keypoint) { return cv::Point2f(keypoint.x, keypoint.y) * zoom; };
-  // The strongest last, on top.
+  // In order of increasing weight, so that the strongest are on top.
   const std::size_t count = std::min(kDrawn, evidence.size());
   for (std::size_t k = count; k-- > 0;) {
     if (evidence[k].weight <= 0) continue;

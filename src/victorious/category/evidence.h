@@ -1,4 +1,5 @@
-// Why a picture got a score: which phrases spoke for a category, and where in the picture (thesis, section 6.1).
+// Explains a category score: the phrases that contribute to a node's raw score, and their location in the image
+// (thesis, section 6.1).
 #pragma once
 
 #include <cstddef>
@@ -12,24 +13,25 @@
 
 namespace victorious {
 
-/// A phrase of a picture and what it adds to a node's raw score; of scoring "likelihood", its share of equation 3.3's
-/// sum.
+/// A phrase in an image and its contribution to a node's raw score. With scoring "likelihood" the weight is its
+/// fraction of the sum in equation 3.3.
 struct PhraseEvidence {
-  std::uint32_t i = 0;  ///< keypoints of the picture
-  std::uint32_t j = 0;
-  double weight = 0;  ///< below 0: it speaks against the node
+  std::uint32_t i = 0;  ///< index of the first keypoint of the image
+  std::uint32_t j = 0;  ///< index of the second keypoint
+  double weight = 0;  ///< negative: the phrase lowers the score
 };
 
-/// All phrases that say anything, the strongest for the node first.
+/// Returns all phrases with a non-zero contribution to the node, by decreasing weight.
 std::vector<PhraseEvidence> EvidenceFor(const CategoryModel& model, const WordedPicture& picture, std::size_t node);
 
-/// Where the category is: the box that gathers most evidence above the picture's mean. The picture's own box where the
-/// evidence is even, or there is none.
-/// Cost: some 0.1 ms beside the sum over the evidence.
+/// Localises the category: returns the box (px) that maximises the sum of contributions above the image's mean, on a
+/// grid of 32 cells along the longer side (maximum-sum rectangle by Kadane's algorithm). Returns the whole image if the
+/// contributions are uniform or empty.
+/// Cost: about 0.1 ms plus the accumulation of the contributions.
 Box SupportingBox(const std::vector<PhraseEvidence>& evidence, const WordedPicture& picture);
 
-/// The picture with the phrases that spoke most for the node, the stronger the brighter, the supporting box, and a line
-/// of text.
+/// Draws the phrases with the largest positive contributions (brightness proportional to the weight), the supporting
+/// box and a caption on the image. Returns CV_8UC3, at least 480 px wide.
 cv::Mat DrawEvidence(const cv::Mat& bgr, const WordedPicture& picture, const std::vector<PhraseEvidence>& evidence,
                      const std::string& caption);
 

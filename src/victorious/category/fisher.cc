@@ -18,7 +18,7 @@ using Eigen::Index;
 using Eigen::MatrixXf;
 using Eigen::VectorXf;
 
-// A column a feature: the roots of its descriptor.
+// The square roots of the descriptors, one column per feature.
 MatrixXf RootsOf(const FeatureSet& features) {
   const std::vector<std::uint8_t> roots = RootDescriptors(features.descriptors);
   using Bytes = Eigen::Matrix<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic>;
@@ -26,7 +26,7 @@ MatrixXf RootsOf(const FeatureSet& features) {
       .cast<float>();
 }
 
-// A column a feature: its projected descriptor and, where asked for, its place in the picture below.
+// The projected descriptors, one column per feature; with encoder.append_position, the relative position is appended.
 MatrixXf Reduce(const FisherEncoder& encoder, const FeatureSet& features) {
   const Index dimensions = encoder.projection.rows();
   const auto count = static_cast<Index>(features.size());
@@ -43,7 +43,7 @@ MatrixXf Reduce(const FisherEncoder& encoder, const FeatureSet& features) {
   return reduced;
 }
 
-// Components x features: how much of each feature each component explains.
+// Posteriors P(component | feature), components x features.
 MatrixXf Posteriors(const FisherEncoder& encoder, const MatrixXf& reduced) {
   const MatrixXf precision = encoder.deviation.array().square().inverse();
   const VectorXf constant = encoder.share.array().log() - (0.5F * precision.array() * encoder.centre.array().square() +
@@ -61,9 +61,9 @@ MatrixXf Posteriors(const FisherEncoder& encoder, const MatrixXf& reduced) {
   return posteriors;
 }
 
-// Sums over the features, weighted by a component's posteriors.
+// Sums over the features of 1, x and x^2, weighted by the posteriors.
 struct Moments {
-  VectorXf zeroth;  // one a component
+  VectorXf zeroth;  // one per component
   MatrixXf first;   // values x components
   MatrixXf second;
 };
@@ -75,7 +75,7 @@ Moments MomentsOf(const FisherEncoder& encoder, const MatrixXf& reduced) {
           .second = reduced.cwiseAbs2() * posteriors.transpose()};
 }
 
-// At most `most` features of all sets, drawn by seed, as a set of pictures of unit size.
+// Samples at most `most` features of all sets, with positions relative to the size of their image.
 FeatureSet Draw(std::span<const FeatureSet* const> sets, std::size_t most, Random& random) {
   std::vector<std::pair<const FeatureSet*, std::size_t>> all;
   for (const FeatureSet* set : sets)
@@ -100,19 +100,19 @@ void FitProjection(const FeatureSet& sample, int dimensions, FisherEncoder& enco
   encoder.mean = roots.rowwise().mean();
   const MatrixXf centred = roots.colwise() - encoder.mean;
   const Eigen::MatrixXd covariance = (centred * centred.transpose()).cast<double>();
-  // Eigenvalues rise: the last axes are the principal ones.
+  // Eigenvalues are increasing: the last eigenvectors are the principal axes.
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(covariance);
   encoder.projection = axes.eigenvectors().rightCols(dimensions).transpose().cast<float>();
 }
 
-// Expectation-maximisation from single features as centres.
+// Fits the mixture by expectation-maximisation; the initial means are single features.
 void FitMixture(const MatrixXf& reduced, const FisherOptions& options, FisherEncoder& encoder) {
   const Index count = reduced.cols();
   const Index components = std::min<Index>(options.components, count);
   constexpr float kLeastVariance = 1e-6F;
   const VectorXf spread = (reduced.colwise() - VectorXf(reduced.rowwise().mean())).cwiseAbs2().rowwise().mean();
   const VectorXf variance = spread.cwiseMax(kLeastVariance);
-  // The features lie in random order: the first ones are as good a start as any.
+  // The features are in random order, so the first ones are a random initialisation.
   encoder.centre = reduced.leftCols(components);
   encoder.deviation = (0.5F * variance.array().sqrt()).matrix().replicate(1, components);
   encoder.share = VectorXf::Constant(components, 1.0F / static_cast<float>(components));
@@ -120,7 +120,7 @@ void FitMixture(const MatrixXf& reduced, const FisherOptions& options, FisherEnc
     const Moments moments = MomentsOf(encoder, reduced);
     for (Index k = 0; k < components; ++k) {
       constexpr float kLeastFeatures = 1e-3F;
-      constexpr float kLeastVarianceShare = 0.01F;  // a component of one feature would explain it without bound
+      constexpr float kLeastVarianceShare = 0.01F;  // avoids the singularity of a component on one feature
       const float weight = std::max(moments.zeroth(k), kLeastFeatures);
       encoder.centre.col(k) = moments.first.col(k) / weight;
       const VectorXf own = moments.second.col(k) / weight - encoder.centre.col(k).cwiseAbs2();
@@ -135,14 +135,14 @@ void FitMixture(const MatrixXf& reduced, const FisherOptions& options, FisherEnc
 
 void FisherOptions::ListFields(FieldList& fields) {
   fields.Add("components", components,
-             {.min = 0, .max = 4096, .reason = "Gaussians that features are told apart by; 0: no Fisher vectors"});
+             {.min = 0, .max = 4096, .reason = "components of the Gaussian mixture; 0: no Fisher vectors"});
   fields.Add("dimensions", dimensions,
-             {.min = 1, .max = 128, .reason = "principal axes of the descriptors that are kept"});
-  fields.Add("places", places, {.reason = "whether where a feature lies in the picture counts"});
-  fields.Add("samples", samples, {.min = 1, .max = 10e6, .reason = "features that are learned from, drawn by seed"});
-  fields.Add("iterations", iterations, {.min = 1, .max = 1000, .reason = "rounds of expectation-maximisation"});
+             {.min = 1, .max = 128, .reason = "number of principal axes of the descriptors"});
+  fields.Add("places", places, {.reason = "append the relative position in the image to a descriptor"});
+  fields.Add("samples", samples, {.min = 1, .max = 10e6, .reason = "features sampled for training, by seed"});
+  fields.Add("iterations", iterations, {.min = 1, .max = 1000, .reason = "iterations of expectation-maximisation"});
   fields.Add("weight", weight,
-             {.min = 0, .max = 100, .reason = "of Fisher vectors against words in the comparison of two pictures"});
+             {.min = 0, .max = 100, .reason = "weight of the Fisher kernel relative to that of words"});
 }
 
 FisherEncoder FisherEncoder::Learn(std::span<const FeatureSet* const> sets, const FisherOptions& options,

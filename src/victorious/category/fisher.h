@@ -1,14 +1,14 @@
-// Fisher vectors: what a picture's descriptors are like, and where in the picture which kind of them lies, beyond how
-// many there are of each kind. Features in, one dense vector of fixed length out.
-// Method: descriptors (their roots) are projected onto their principal axes, the keypoint's place in the picture is
-// appended, and a mixture of Gaussians with diagonal covariances is fitted to all of them. For each Gaussian k with
-// share w_k, mean m_k and deviations s_k, and each feature x of posterior p_k,
+// Fisher vectors: encode the distribution of an image's descriptors and of their positions beyond word counts. Input: a
+// feature set. Output: a dense vector of fixed length.
+// Method: descriptors (their square roots, RootSIFT) are projected onto their principal axes, the keypoint's relative
+// position in the image is appended, and a Gaussian mixture with diagonal covariances is fitted to a sample of them.
+// For Gaussian k with weight w_k, mean m_k and standard deviations s_k, and features x with posterior p_k,
 //
 //   first  = sum p_k (x - m_k) / s_k / sqrt(w_k),   second = sum p_k ((x - m_k)^2 / s_k^2 - 1) / sqrt(2 w_k),
 //
-// of which the signed square roots are taken, at unit length.
+// followed by the signed square root and L2 normalisation.
 // Source: F. Perronnin, J. Sanchez, T. Mensink, "Improving the Fisher kernel for large-scale image classification",
-// ECCV 2010; places: J. Sanchez, F. Perronnin, T. de Campos, "Modeling the spatial layout of images beyond spatial
+// ECCV 2010; positions: J. Sanchez, F. Perronnin, T. de Campos, "Modeling the spatial layout of images beyond spatial
 // pyramids", PRL 33, 2012.
 #pragma once
 
@@ -34,22 +34,25 @@ struct FisherOptions {
   void ListFields(FieldList& fields);
 };
 
-/// A projection and a mixture of Gaussians; without components it encodes nothing.
+/// A PCA projection and a Gaussian mixture. Without components, Encode returns an empty vector.
 struct FisherEncoder {
-  Eigen::VectorXf mean;        ///< of the descriptors' roots, 128
-  Eigen::MatrixXf projection;  ///< dimensions x 128, of unit rows
-  bool places = false;         ///< whether x / width and y / height follow the projected descriptor
-  Eigen::VectorXf share;       ///< one a component, above 0; they sum to 1
-  Eigen::MatrixXf centre;      ///< values of a feature x components
-  Eigen::MatrixXf deviation;   ///< the same, above 0
+  Eigen::VectorXf mean;        ///< mean of the descriptors' square roots, 128 values
+  Eigen::MatrixXf projection;  ///< principal axes, dimensions x 128, rows of unit length
+  bool places = false;         ///< true if x / width and y / height are appended to the projected descriptor
+  Eigen::VectorXf share;       ///< mixture weights, one per component, positive, sum 1
+  Eigen::MatrixXf centre;      ///< means, values of a feature x components
+  Eigen::MatrixXf deviation;   ///< standard deviations, values of a feature x components, positive
 
-  /// Fits to `options.samples` features, drawn by seed. Fewer features than components give fewer components.
+  /// Fits projection and mixture to `options.samples` features, sampled by seed. The number of components is at most
+  /// the number of features.
+  /// @pre options.components is 0 or the sets contain at least one feature
   static FisherEncoder Learn(std::span<const FeatureSet* const> sets, const FisherOptions& options, std::uint64_t seed);
 
-  /// Length of what Encode returns.
+  /// Length of the vector that Encode returns.
   [[nodiscard]] std::size_t size() const { return 2 * static_cast<std::size_t>(centre.size()); }
 
-  /// Of unit length; zeros of a picture without features. Cost: some 5 ms for 2000 features at the default.
+  /// Returns the Fisher vector with unit L2 norm, or zeros for an image without features.
+  /// Cost: about 5 ms for 2000 features with the defaults.
   [[nodiscard]] Eigen::VectorXf Encode(const FeatureSet& features) const;
 };
 

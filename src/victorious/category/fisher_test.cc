@@ -34,7 +34,7 @@ TEST(Fisher, VectorsAreOfUnitLengthAndDeterministic) {
   EXPECT_GT(encoder.deviation.minCoeff(), 0);
 }
 
-// Features of one of two kinds, with a little noise.
+// Features of one of two clusters, with weak noise.
 FeatureSet OfKind(bool first, std::uint64_t seed) {
   Random random(seed);
   FeatureSet features;
@@ -56,7 +56,7 @@ TEST(Fisher, KindsGetTheirOwnComponents) {
   const FisherEncoder encoder = FisherEncoder::Learn(
       sets, {.components = 2, .dimensions = 2, .places = false, .samples = 500, .iterations = 20}, 3);
   EXPECT_NEAR(encoder.share(0), 0.5, 0.01);
-  // The first principal axis, which stands last, tells the kinds apart; within a kind it hardly varies.
+  // The first principal axis (the last row) separates the clusters; its variance within a cluster is small.
   EXPECT_GT(std::abs(encoder.centre(1, 0) - encoder.centre(1, 1)), 10 * encoder.deviation.row(1).maxCoeff() / 3);
   const Eigen::VectorXf one = encoder.Encode(OfKind(true, 3));
   EXPECT_GT(one.dot(encoder.Encode(OfKind(true, 4))), one.dot(encoder.Encode(OfKind(false, 5))) + 0.3);

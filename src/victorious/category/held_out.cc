@@ -10,7 +10,7 @@ Calibration CalibrateOn(std::span<const CategoryExample> examples, std::span<con
                         const Eigen::VectorXd& scores) {
   std::vector<double> used;
   std::vector<bool> positive;
-  std::map<int, double> highest;  // of each picture that does not show the node
+  std::map<int, double> highest;  // maximum score of each negative image
   for (std::size_t i = 0; i < examples.size(); ++i) {
     if (targets[i] == 0 || !examples[i].calibrates) continue;
     const double score = scores(static_cast<Eigen::Index>(i));

@@ -1,4 +1,4 @@
-// From the scores of examples that a model has not seen to the calibration of one node.
+// Calibrates one node from held-out scores: scores of examples by models that were trained without them.
 #pragma once
 
 #include <span>
@@ -7,11 +7,12 @@
 
 namespace victorious {
 
-/// @param targets  +1, -1, or 0 for examples left out
-/// @param scores   one an example, each from a model that has not seen its picture
-/// Of a picture that does not show the node the highest score counts, whatever the number of its examples: where more
-/// windows are looked at, one of them comes near the node by chance. A node that all examples that calibrate show, or
-/// none, is certain.
+/// Fits the score-to-probability map of a node to held-out scores.
+/// @param targets  per example: +1, -1, or 0 for examples that are ignored
+/// @param scores   per example: the score by a model that was trained without the example's image
+/// Only examples with used_for_calibration enter. A negative image enters once, with the maximum score of its examples:
+/// with more windows per image, the maximum over negative windows rises by chance. If the examples are all positive or
+/// all negative, the probability is constant, 2e-9 from 1 or 0.
 Calibration CalibrateOn(std::span<const CategoryExample> examples, std::span<const int> targets,
                         const Eigen::VectorXd& scores);
 

@@ -5,8 +5,8 @@
 namespace victorious {
 namespace {
 
-// `looks` windows in each of `pictures` pictures that do not show it, one of them of score 0 and the others below; and
-// as many pictures that do, of score 2.
+// Calibration on `pictures` negative images with `looks` windows each, of maximum score 0, and on as many positive
+// images of score 2.
 Calibration WithLooks(int pictures, int looks) {
   std::vector<CategoryExample> examples;
   std::vector<int> targets;

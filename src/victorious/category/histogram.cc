@@ -11,27 +11,27 @@
 namespace victorious {
 namespace {
 
-// Keypoints of one size have one level: a factor of 1.5 apart, as far as sizes of DenseFeatures are.
+// Scale level of a keypoint: levels differ by a factor of 1.5, as the scales of DenseFeatures.
 int SizeLevel(const Keypoint& keypoint) {
   constexpr double kLevelsPerNat = 2.466;  // 1 / ln 1.5
   return static_cast<int>(std::lround(std::log(keypoint.scale_px) * kLevelsPerNat));
 }
 
-constexpr float kCellsPerScale = 3;  // a descriptor's cell is 3 sigma wide
+constexpr float kCellsPerScale = 3;  // width of a descriptor's cell, in sigma
 
 struct Direction {
   float cosine;
   float sine;
 };
 
-// Which of four sectors of a half turn the line lies in, and whether the pair must be turned round to get it there.
+// Direction of the connecting line as one of four sectors of a half turn; `reversed` if the pair must be swapped.
 struct Sector {
   std::uint32_t number;
   bool reversed;
 };
 
 Sector SectorOf(float along, float across) {
-  constexpr float kTan = 0.41421356F;  // of 22.5 degrees: sectors are about the axes and the diagonals
+  constexpr float kTan = 0.41421356F;  // of 22.5 degrees: sectors are centred on the axes and the diagonals
   const float a = std::abs(along);
   const float b = std::abs(across);
   if (b < kTan * a) return {0, along < 0};
@@ -39,7 +39,7 @@ Sector SectorOf(float along, float across) {
   return {(along > 0) == (across > 0) ? 1U : 3U, across < 0};
 }
 
-// By size, then by y, then by x.
+// Keypoint indices ordered by scale level, then by y, then by x.
 std::vector<std::uint32_t> RowByRow(std::span<const Keypoint> keypoints, std::span<const int> level) {
   std::vector<std::uint32_t> order(keypoints.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -48,7 +48,7 @@ std::vector<std::uint32_t> RowByRow(std::span<const Keypoint> keypoints, std::sp
   return order;
 }
 
-// For each place in that order, where its row ends: the keypoints of one size and y.
+// For each position in that order, the end of its row, i.e. of the keypoints of equal level and y.
 std::vector<std::size_t> RowEnds(std::span<const Keypoint> keypoints, std::span<const int> level,
                                  std::span<const std::uint32_t> order) {
   std::vector<std::size_t> ends(order.size());
@@ -64,15 +64,15 @@ std::vector<std::size_t> RowEnds(std::span<const Keypoint> keypoints, std::span<
 
 void PhraseOptions::ListFields(FieldList& fields) {
   fields.Add("parts", parts,
-             {.min = 2, .max = 1024, .reason = "groups of words that look alike, which phrases are of"});
+             {.min = 2, .max = 1024, .reason = "clusters of similar words, from which phrases are built"});
   fields.Add("nearest_cells", nearest_cells,
-             {.min = 0, .max = 100, .unit = "cells", .reason = "nearer pairs share pixels: no phrase"});
+             {.min = 0, .max = 100, .unit = "cells", .reason = "minimum distance: nearer patches overlap"});
   fields.Add("far_cells", far_cells,
-             {.min = 0, .max = 100, .unit = "cells", .reason = "from here on the two words are far, not near"});
+             {.min = 0, .max = 100, .unit = "cells", .reason = "distance from which a pair is far, not near"});
   fields.Add("farthest_cells", farthest_cells,
-             {.min = 0, .max = 100, .unit = "cells", .reason = "pairs farther apart make no phrase (R of the thesis)"});
+             {.min = 0, .max = 100, .unit = "cells", .reason = "maximum distance of a phrase (R in the thesis)"});
   fields.Add("weight", weight,
-             {.min = 0, .max = 100, .reason = "of phrases against words in the comparison of two pictures"});
+             {.min = 0, .max = 100, .reason = "weight of the phrase kernel relative to that of words"});
 }
 
 double Dot(const SparseVector& a, const SparseVector& b) {
@@ -137,7 +137,7 @@ std::vector<PhraseOccurrence> FindPhrases(const WordedPicture& picture, std::spa
     const float nearest2 = squared(options.nearest_cells);
     const float far2 = squared(options.far_cells);
     const float farthest2 = squared(options.farthest_cells);
-    // The rest of the keypoint's own row, then of each row below it the stretch that the circle cuts out.
+    // Candidates: the rest of the keypoint's row, then in each row below it the interval inside the circle.
     std::size_t b = a + 1;
     for (std::size_t row_begin = a; row_begin < count; row_begin = row_end[row_begin]) {
       const std::uint32_t in_row = order[row_begin];
@@ -156,7 +156,7 @@ std::vector<PhraseOccurrence> FindPhrases(const WordedPicture& picture, std::spa
         const float distance2 = dx * dx + dy * dy;
         if (distance2 < nearest2) continue;
         const std::uint32_t j = order[b];
-        // The mean orientation's direction, up to its length, which the sector does not depend on.
+        // Direction of the mean orientation, not normalised: the sector does not depend on its length.
         const float mean_x = direction[i].cosine + direction[j].cosine;
         const float mean_y = direction[i].sine + direction[j].sine;
         if (mean_x * mean_x + mean_y * mean_y < 1) continue;  // orientations more than 120 degrees apart

@@ -1,11 +1,11 @@
-// What the linear classifier sees of a picture: how often each word occurs, and how often each phrase.
+// Input of the linear classifier: histograms of an image's visual words and of its phrases.
 //
-// A phrase is two words at a certain place to each other, the thesis's idea in the form of counts. For counts to repeat
-// between pictures, words that look alike share a part (a cluster of words), and the geometric measures are coarse: the
-// two keypoints are of one size (scale ratio), near or far in units of that size (scale to distance), in one of four
-// directions to their mean orientation (theta_b), and of like orientation (theta_a). Counts are compared by their
-// square roots, at unit length (Hellinger kernel): what repeats within a picture says little more than the first time,
-// and large pictures count as small ones.
+// A phrase is a pair of words with a quantised relative geometry: the thesis's bag of phrases, used as counts. To make
+// counts repeatable between images, similar words share a word cluster, and the four pair measures are quantised
+// coarsely: the two keypoints have the same scale level (scale ratio), are near or far in units of that scale (scale to
+// distance), lie in one of four directions relative to their mean orientation (theta_b), and have similar orientations
+// (theta_a). Histograms are compared by the Hellinger kernel, i.e. the square roots of counts with L2 normalisation: it
+// damps bursts of one word within an image and cancels the image's size.
 #pragma once
 
 #include <cstdint>
@@ -28,35 +28,38 @@ struct PhraseOptions {
   void ListFields(FieldList& fields);
 };
 
-/// A sparse vector: entries by rising index.
+/// A sparse vector: (index, value) pairs by increasing index.
 using SparseVector = std::vector<std::pair<std::uint32_t, float>>;
 
+/// Dot product.
 double Dot(const SparseVector& a, const SparseVector& b);
 
-/// How often each word occurs (soft shares summed).
+/// Histogram of words: the soft-assignment weights summed over the keypoints.
+/// @param words  size of the vocabulary
 SparseVector CountWords(const WordedPicture& picture, std::size_t words);
 
-/// Counts to what is compared: square roots, at unit length.
+/// Maps counts to Hellinger features: square roots, normalised to unit L2 norm.
 SparseVector Hellinger(SparseVector counts);
 
-/// A phrase's occurrence in a picture: two keypoints, and which phrase.
+/// An occurrence of a phrase in an image.
 struct PhraseOccurrence {
-  std::uint32_t i = 0;
-  std::uint32_t j = 0;
-  std::uint32_t phrase = 0;
+  std::uint32_t i = 0;       ///< index of the first keypoint
+  std::uint32_t j = 0;       ///< index of the second keypoint
+  std::uint32_t phrase = 0;  ///< below PhraseCount
 };
 
-inline constexpr std::size_t kPlacesOfPhrase = 8;  ///< 4 directions, near and far
+inline constexpr std::size_t kPlacesOfPhrase = 8;  ///< geometry bins per pair of clusters: 4 directions x {near, far}
 
-/// parts^2 x kPlacesOfPhrase.
+/// Number of distinct phrases: word_clusters^2 x kPhraseGeometryBins.
 std::size_t PhraseCount(std::size_t parts);
 
-/// Every phrase of a picture. A keypoint's part is that of its nearest word.
-/// @param part_of_word  below `parts`
-/// Cost: the pairs of keypoints of one size within farthest_cells of it.
+/// Finds all phrases of an image. A keypoint's cluster is that of its nearest word.
+/// @param part_of_word  cluster index of each word, below the number of clusters
+/// Cost: linear in the number of keypoint pairs of one scale level within max_distance_cells of each other.
 std::vector<PhraseOccurrence> FindPhrases(const WordedPicture& picture, std::span<const std::uint16_t> part_of_word,
                                           std::size_t parts, const PhraseOptions& options);
 
+/// Histogram of phrases; counts saturate at 65535.
 SparseVector CountPhrases(std::span<const PhraseOccurrence> phrases, std::size_t parts);
 
 }  // namespace victorious

@@ -21,7 +21,7 @@ struct Learned {
   std::vector<PhraseGrammar> grammars;
 };
 
-// A view of a model's, or of a held-out part's.
+// References to the parts of a full model, or of one cross-validation fold.
 struct Scorer {
   const CategoryModel& model;
   const Vocabulary& vocabulary;
@@ -58,7 +58,7 @@ Learned LearnOn(const Indices& used, std::span<const CategoryExample> examples, 
 }
 
 std::vector<double> NodeScores(std::span<const double> topic_likelihoods, const CategoryModel& model) {
-  // What no training picture ever showed is unlikely, not impossible.
+  // Lower bound of a likelihood: an unseen phrase or word does not exclude a topic.
   constexpr double kLeast = 1e-12;
   std::vector<double> scores;
   for (const CategoryNode& node : model.nodes) {
@@ -90,7 +90,7 @@ std::vector<double> ScoresBy(const Scorer& scorer, const WordedPicture& picture,
   return scores;
 }
 
-// Of each example its picture's number among those of its category: held out by it, no category is as a whole.
+// For each example, the index of its image within its category. Folds by this index never hold out a whole category.
 std::vector<int> NumbersWithinCategories(std::span<const CategoryExample> examples) {
   std::map<std::string, std::map<int, int>> numbers;  // by category and picture
   std::vector<int> all;

@@ -14,7 +14,7 @@
 namespace victorious {
 namespace {
 
-// What each grid covers; beyond it measures count as at its end. Ratios as natural logarithms.
+// Range of a measure; values outside are clamped, angles wrap. Ratios are natural logarithms.
 struct Grid {
   double low;
   double high;
@@ -38,7 +38,7 @@ int CellDistance(std::size_t measure, std::uint8_t a, std::uint8_t b) {
   return kGrids[measure].wraps ? std::min(apart, kMeasureCells - apart) : apart;
 }
 
-// The integral of min(1 / x^2, cap) from 0 to x.
+// Integral of min(1 / x^2, cap) from 0 to x.
 double KernelIntegral(double x, double cap) {
   const double edge = 1 / std::sqrt(cap);
   const double size = std::abs(x);
@@ -54,7 +54,7 @@ bool InOrder(std::uint16_t a, const Keypoint& i, std::uint16_t b, const Keypoint
   return std::tuple(a, -i.scale_px, i.x, i.y) <= std::tuple(b, -j.scale_px, j.x, j.y);
 }
 
-// Visits the pairs within R whose words are both in the grammar, in their order; returns how many pairs lie within R.
+// Visits the ordered pairs within R whose words are both in the grammar. Returns the number of all pairs within R.
 template <typename Visit>
 std::size_t VisitWordPairs(const WordedPicture& picture,
                            const std::unordered_map<std::uint32_t, std::uint16_t>& index_of_word, double radius_px,
@@ -79,19 +79,19 @@ std::size_t VisitWordPairs(const WordedPicture& picture,
 
 void GrammarOptions::ListFields(FieldList& fields) {
   fields.Add("word_share", word_share,
-             {.min = 0.0001, .max = 1, .reason = "W(z): this share of the words, those of highest P(w|z)"});
+             {.min = 0.0001, .max = 1, .reason = "W(z): fraction of the vocabulary, the words of highest P(w|z)"});
   fields.Add("radius_px", radius_px,
-             {.min = 1, .max = 10000, .unit = "px", .reason = "R: two words farther apart make no phrase"});
+             {.min = 1, .max = 10000, .unit = "px", .reason = "R: maximum distance of a phrase"});
   fields.Add("kernel_cap", kernel_cap,
-             {.min = 1, .max = 1e8, .reason = "the most that one sample can say in equation 3.1 (thesis: 10000)"});
+             {.min = 1, .max = 1e8, .reason = "maximum contribution of one sample to equation 3.1 (thesis: 10000)"});
   fields.Add(
       "word_prior", word_prior,
-      {.reason = "whether the topics that pLSA gives a picture's words are the prior of its phrases' likelihood"});
+      {.reason = "use the pLSA topic mixture of an image's words as the prior of its phrases"});
   fields.Add("power", power,
              {.min = 0,
               .max = 1,
-              .reason = "exponent of equation 3.3's likelihood; below 1 since its pairs share keypoints, and are not "
-                        "evidence independent of each other or of the words"});
+              .reason = "exponent of the likelihood of equation 3.3; below 1 because pairs share keypoints and are "
+                        "not independent of each other or of the words"});
 }
 
 double CellKernel(std::size_t measure, int cells, double cap) {
@@ -148,7 +148,7 @@ void PhraseGrammar::BuildTables() {
           static_cast<float>(CellKernel(measure, cells, options_.kernel_cap));
   }
   std::ranges::stable_sort(samples_, {}, [](const PhraseSample& s) { return PairKey(s.first, s.second); });
-  constexpr std::size_t kFewSamples = 16;  // a table costs as much memory as 400 samples
+  constexpr std::size_t kFewSamples = 16;  // a table takes the memory of 400 samples
   for (std::size_t first = 0; first < samples_.size();) {
     const std::uint32_t key = PairKey(samples_[first].first, samples_[first].second);
     std::size_t end = first;

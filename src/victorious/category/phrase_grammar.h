@@ -1,15 +1,15 @@
-// The thesis's bag-of-phrases (section 3.4): how likely the pairs of words of a picture are, each with its four
-// geometric measures, under the distributions that a category's training pictures showed.
+// The thesis's bag of phrases (section 3.4): the likelihood of an image's word pairs, each with its four geometric
+// measures, under the distributions of a category's training images.
 //
 //   P(g(w1, w2) = a | z) ~ 1/n sum over i of min(1 / (a - a_i)^2, 10000)                (3.1)
 //   P(w1, w2 | z) = P(w1|z) P(w2|z) product over the four measures g of P(g = a_g | z)    (3.2)
 //   P(d | z) = sum over pairs within R whose words are both in W(z) of P(w1, w2 | z)      (3.3)
 //
-// Equation 3.1 sums over every training sample; here each measure is a grid of cells. Ratios are taken in logarithms,
-// angles wrap, and the kernel is averaged over a cell. Samples in one cell are merged; of a pair of words with many
-// samples the sums are kept as a table, so that a pair costs the same however much was learned. The order of a pair is
-// that of its words, and of equal words the larger scale first. Equation 3.3 grows with the picture: it is divided by
-// the number of pairs within R, whatever their words.
+// Equation 3.1 sums over every training sample. Here each measure is quantised to a grid of kMeasureCells cells: ratios
+// are taken in logarithms, angles wrap, and the kernel is averaged over a cell. Word pairs with many samples keep the
+// sums as a table, so that the cost of a pair does not depend on the number of samples. A pair is ordered by word; two
+// equal words are ordered by decreasing scale. The sum of equation 3.3 grows with the image, so it is divided by the
+// number of keypoint pairs within R, irrespective of their words.
 #pragma once
 
 #include <array>
@@ -37,41 +37,42 @@ struct GrammarOptions {
   void ListFields(FieldList& fields);
 };
 
-/// A pair's four measures, each as the cell of its grid: log of the scale ratio, log of scale to distance, theta_a,
-/// theta_b.
+/// Quantised measures of a pair, as cell indices: log of the scale ratio, log of scale to distance, theta_a (difference
+/// of the orientations), theta_b (mean orientation relative to the connecting line).
 using MeasureCells = std::array<std::uint8_t, kMeasures>;
 
-/// One pair of a training picture.
+/// One word pair of a training image.
 struct PhraseSample {
   std::uint16_t first = 0;  ///< index into the grammar's words
-  std::uint16_t second = 0;
+  std::uint16_t second = 0;  ///< index into the grammar's words
   MeasureCells cells{};
 };
 
-/// A phrase that a picture holds: two keypoints, and P(w1, w2 | z).
+/// A phrase found in an image.
 struct FoundPhrase {
-  std::uint32_t i = 0;
-  std::uint32_t j = 0;
-  double likelihood = 0;
+  std::uint32_t i = 0;    ///< index of the first keypoint
+  std::uint32_t j = 0;    ///< index of the second keypoint
+  double likelihood = 0;  ///< P(w1, w2 | z)
 };
 
 class PhraseGrammar {
  public:
   PhraseGrammar() = default;
   /// @param words        W(z), distinct, at most 65535
-  /// @param likelihoods  P(w|z) of each of them
-  /// @param samples      with indices into `words`
+  /// @param likelihoods  P(w|z) for each word
+  /// @param samples      indices refer to `words`
   PhraseGrammar(std::vector<std::uint32_t> words, std::vector<float> likelihoods, std::vector<PhraseSample> samples,
                 const GrammarOptions& options);
 
-  /// W(z): the share `options.word_share` of the words with the highest P(w|z).
+  /// Learns a grammar. W(z) is the fraction `options.word_fraction` of the vocabulary with the highest P(w|z).
+  /// @param word_likelihoods  P(w|z) for each word of the vocabulary
   static PhraseGrammar Learn(std::span<const WordedPicture* const> pictures, std::span<const float> word_likelihoods,
                              const GrammarOptions& options);
 
-  /// Equation 3.3, divided by the number of pairs within R; 0 for a picture without pairs.
+  /// Equation 3.3 divided by the number of pairs within R; 0 for an image without pairs.
   [[nodiscard]] double Likelihood(const WordedPicture& picture) const;
 
-  /// The addends of equation 3.3 that are not 0.
+  /// Returns the non-zero terms of equation 3.3.
   [[nodiscard]] std::vector<FoundPhrase> Phrases(const WordedPicture& picture) const;
 
   [[nodiscard]] std::span<const std::uint32_t> words() const { return words_; }
@@ -82,7 +83,7 @@ class PhraseGrammar {
   struct Entry {
     std::uint32_t first_sample = 0;
     std::uint32_t sample_count = 0;
-    std::uint32_t table = 0;  // 1 + its number; 0: summed from the samples
+    std::uint32_t table = 0;  // 1 + index of the table; 0: no table, summed from the samples
   };
 
   void BuildTables();
@@ -91,18 +92,19 @@ class PhraseGrammar {
 
   std::vector<std::uint32_t> words_;
   std::vector<float> likelihoods_;
-  std::vector<PhraseSample> samples_;  // sorted by pair
+  std::vector<PhraseSample> samples_;  // sorted by PairKey
   GrammarOptions options_;
   std::unordered_map<std::uint32_t, std::uint16_t> index_of_word_;
-  std::unordered_map<std::uint32_t, Entry> entries_;  // by pair
+  std::unordered_map<std::uint32_t, Entry> entries_;  // by PairKey
   std::vector<float> tables_;
-  std::array<std::vector<float>, kMeasures> kernels_;  // by distance in cells
+  std::array<std::vector<float>, kMeasures> kernels_;  // per measure, by the distance in cells
 };
 
-/// The measures of the pair (i, j) on their grids.
+/// Computes and quantises the measures of the pair (i, j).
 MeasureCells CellsOf(const Keypoint& i, const Keypoint& j);
 
-/// Equation 3.1's kernel, averaged over the cell that is `cells` away, of the grid of a measure.
+/// The kernel of equation 3.1 averaged over the cell at a distance of `cells` cells, on the grid of `measure`.
+/// @param cap  upper limit of the kernel (10000 in the thesis)
 double CellKernel(std::size_t measure, int cells, double cap);
 
 }  // namespace victorious

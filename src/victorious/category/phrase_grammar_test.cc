@@ -30,7 +30,7 @@ WordedPicture RandomPicture(std::uint64_t seed, std::size_t keypoints, std::uint
 
 TEST(CellKernel, IsTheKernelOfEquation31AveragedOverACell) {
   constexpr double kCap = 10000;
-  constexpr double kWidth = 5.0 / kMeasureCells;  // of the grid of the scale ratio
+  constexpr double kWidth = 5.0 / kMeasureCells;  // cell width of the scale ratio
   for (const int cells : {0, 1, 7}) {
     double sum = 0;
     constexpr int kSteps = 200000;
@@ -59,7 +59,7 @@ TEST(VisitPairs, FindsEachPairWithinTheRadiusOnce) {
   EXPECT_EQ(found, expected);
 }
 
-// Equation 3.3 as the thesis prints it, a sum over every sample, on the cells' grid.
+// Equation 3.3 as in the thesis, a sum over every sample, with quantised measures.
 double BruteForce(const std::vector<WordedPicture>& training, const std::vector<float>& likelihoods,
                   const WordedPicture& picture, const GrammarOptions& options) {
   const auto measures_of = [&](const WordedPicture& from, std::uint32_t a, std::uint32_t b) {
@@ -95,7 +95,7 @@ double BruteForce(const std::vector<WordedPicture>& training, const std::vector<
 }
 
 TEST(PhraseGrammar, EqualsTheSumOverEverySample) {
-  // Decreasing likelihoods, so that W(z) in its order is the vocabulary in its order.
+  // With decreasing likelihoods the order of W(z) is that of the vocabulary.
   const std::vector<float> likelihoods = {0.4F, 0.3F, 0.2F, 0.1F};
   const GrammarOptions options = {.word_share = 1};
   std::vector<WordedPicture> training;
@@ -129,7 +129,7 @@ TEST(PhraseGrammar, IsInvariantUnderShiftTurnAndOrder) {
   };
   const double value = likelihood(a, b, 0, 1);
   EXPECT_DOUBLE_EQ(likelihood(b, a, 1, 0), value);
-  // A quarter turn about the origin, and a shift.
+  // A rotation by 90 degrees about the origin and a translation.
   const auto turned = [](const Keypoint& k) {
     return Keypoint{-k.y + 150, k.x + 5, k.scale_px, k.orientation_rad + 1.5707963F};
   };

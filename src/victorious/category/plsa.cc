@@ -22,7 +22,7 @@ void NormaliseColumns(MatrixXd& matrix) {
   for (Eigen::Index column = 0; column < matrix.cols(); ++column) matrix.col(column) /= matrix.col(column).sum();
 }
 
-// P(z|d,w) of one word; `likelihood` is P(w|d).
+// P(z|d,w) of one word; sets `likelihood` to P(w|d).
 VectorXd Posterior(const VectorXd& joint, double temper, double& likelihood) {
   likelihood = joint.sum();
   VectorXd posterior = temper == 1.0 ? joint : VectorXd(joint.array().pow(temper));
@@ -41,7 +41,7 @@ Fit RunOnce(std::span<const WordCounts> pictures, const MatrixXd& label_share, s
   fit.word_given_topic.resize(static_cast<Eigen::Index>(words), topics);
   for (double& value : fit.word_given_topic.reshaped()) value = 1 + random.Uniform();
   NormaliseColumns(fit.word_given_topic);
-  // The first shares are those of the labels, a little softened: no topic may begin at 0, from where none returns.
+  // Initial P(z|d): the labels, smoothed, because EM never leaves a probability of 0.
   constexpr double kSoftening = 0.05;
   MatrixXd topic_given_picture = label_share.array() + kSoftening;
   NormaliseColumns(topic_given_picture);
@@ -70,16 +70,16 @@ Fit RunOnce(std::span<const WordCounts> pictures, const MatrixXd& label_share, s
 }  // namespace
 
 void PlsaOptions::ListFields(FieldList& fields) {
-  fields.Add("iterations", iterations, {.min = 1, .max = 10000, .reason = "rounds of expectation-maximisation"});
-  fields.Add("restarts", restarts, {.min = 1, .max = 100, .reason = "random starts, of which the likeliest end stays"});
+  fields.Add("iterations", iterations, {.min = 1, .max = 10000, .reason = "iterations of expectation-maximisation"});
+  fields.Add("restarts", restarts, {.min = 1, .max = 100, .reason = "random restarts; the most likely result is kept"});
   fields.Add("temper", temper,
-             {.min = 0.1, .max = 1, .reason = "exponent of the posterior; below 1 topics stay softer (Hofmann)"});
+             {.min = 0.1, .max = 1, .reason = "exponent beta of tempered EM (Hofmann); below 1 smooths the topics"});
   fields.Add("label_weight", label_weight,
              {.min = 0,
               .max = 1000,
-              .reason = "how much the category of a training picture counts beside its words; 0: only as a start"});
+              .reason = "weight of the category of a training image relative to its words; 0: initialisation only"});
   fields.Add("word_floor", word_floor,
-             {.min = 1e-6, .max = 100, .reason = "occurrences that every word has in every category beforehand"});
+             {.min = 1e-6, .max = 100, .reason = "pseudo-count of every word in every category"});
 }
 
 TopicModel LearnTopics(std::span<const WordCounts> pictures, std::span<const int> topic_of_picture, int topics,

@@ -1,8 +1,8 @@
-// Probabilistic latent semantic analysis: a picture's words are a mixture of topics, P(w|d) = sum over z P(w|z) P(z|d),
-// one topic a category. Source: T. Hofmann, "Probabilistic latent semantic indexing", SIGIR 1999; thesis,
-// section 2.1.2. Method: tempered expectation-maximisation, P(z|d,w) ~ (P(w|z) P(z|d))^beta, from several starts, of
-// which the one of highest likelihood stays. What a training picture shows is known: its P(z|d) is drawn towards its
-// own category.
+// Probabilistic latent semantic analysis: an image's words are a mixture of topics, P(w|d) = sum over z P(w|z) P(z|d),
+// with one topic per category.
+// Method: tempered expectation-maximisation, P(z|d,w) ~ (P(w|z) P(z|d))^beta, with random restarts; the result of the
+// highest likelihood is kept. Training is supervised: the category of a training image acts as a prior on its P(z|d).
+// Source: T. Hofmann, "Probabilistic latent semantic indexing", SIGIR 1999; thesis, section 2.1.2.
 #pragma once
 
 #include <cstdint>
@@ -26,18 +26,22 @@ struct PlsaOptions {
   void ListFields(FieldList& fields);
 };
 
-/// How often each word occurs in a picture, by rising word.
+/// Histogram of words of an image: (word, count) by increasing word.
 using WordCounts = std::vector<std::pair<std::uint32_t, float>>;
 
 struct TopicModel {
-  Eigen::MatrixXf word_given_topic;  ///< words x topics; each column sums to 1
+  Eigen::MatrixXf word_given_topic;  ///< P(w|z), words x topics; each column sums to 1
 };
 
-/// @param topic_of_picture  of each picture, below `topics`
+/// Learns P(w|z). Deterministic for a given seed.
+/// @param topic_of_picture  topic index of each image, below `topics`
+/// @param topics            number of topics
+/// @param words             size of the vocabulary
 TopicModel LearnTopics(std::span<const WordCounts> pictures, std::span<const int> topic_of_picture, int topics,
                        std::size_t words, const PlsaOptions& options, std::uint64_t seed);
 
-/// P(z|d) of a new picture: the same iteration with P(w|z) held fixed. Even where the picture has no words.
+/// Estimates P(z|d) of a new image by the same iteration with P(w|z) held fixed (folding-in). Uniform for an image
+/// without words.
 Eigen::VectorXd TopicShares(const TopicModel& model, const WordCounts& picture, const PlsaOptions& options);
 
 }  // namespace victorious

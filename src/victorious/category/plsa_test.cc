@@ -7,7 +7,7 @@
 namespace victorious {
 namespace {
 
-// Pictures of two topics: topic 0 has the words 0 to 9, topic 1 the words 5 to 14.
+// Images of two topics: topic 0 has the words 0 to 9, topic 1 the words 5 to 14.
 std::vector<WordCounts> Pictures(std::vector<int>& topics) {
   Random random(4);
   std::vector<WordCounts> pictures;

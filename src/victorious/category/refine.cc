@@ -14,13 +14,13 @@ struct Seen {
   Eigen::VectorXf fisher;
 };
 
-// What the parts of a picture count in the comparison of two, beside words, which count 1.
+// Weights of the kernels of phrases and Fisher vectors relative to that of words, which has weight 1.
 struct PartWeights {
   double phrases = 0;
   double fisher = 0;
 };
 
-// What a mark says of a node: +1, -1, or 0 for nothing.
+// Target of a mark for a node: +1, -1, or 0 for unknown.
 int MarkedTarget(const CategoryMark& mark, const CategoryNode& node) {
   if (mark.right) return TargetOf(mark.category, node.name);
   return IsWithin(node.name, mark.category) ? -1 : 0;
@@ -42,7 +42,7 @@ void Refine(std::span<const Seen> seen, std::span<const int> targets, const Part
             LinearWeights& weights) {
   const bool with_phrases = weights.phrases.size() > 0;
   std::vector<const Seen*> used;
-  std::vector<double> missing;  // from each score to what it should be
+  std::vector<double> missing;  // residuals: target score minus current score
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const double short_of = 1 - targets[i] * Score(weights, seen[i]);
     if (targets[i] == 0 || short_of <= 0) continue;
@@ -76,15 +76,15 @@ void Refine(std::span<const Seen> seen, std::span<const int> targets, const Part
 
 Expected<CategoryModel> RefineCategories(CategoryModel model, std::span<const CategoryMark> marks) {
   if (model.options.scoring != "linear")
-    return Fail(ErrorCode::kUnsupported, "a model of scoring likelihood has no weights to refine: train it again");
+    return Fail(ErrorCode::kUnsupported, "a model with scoring likelihood has no weights to refine: train it again");
   if (model.shape.size() > 0)
     return Fail(ErrorCode::kUnsupported,
-                "a model of shapes cannot be refined: add what was right or wrong to its pictures, and train again");
+                "a model with shapes cannot be refined: add the marked images to its training images, and train again");
   std::vector<Seen> seen;
   for (const CategoryMark& mark : marks) {
     if (std::ranges::find(model.nodes, mark.category, &CategoryNode::name) == model.nodes.end())
       return Fail(ErrorCode::kInvalidArgument,
-                  fmt::format("category {}: the model does not have it: a new category needs training", mark.category));
+                  fmt::format("category {}: not in the model: a new category needs training", mark.category));
     WordedPicture picture = WordsOf(model, mark.features);
     const auto phrases = FindPhrases(picture, model.part_of_word, model.parts, model.options.phrases);
     seen.push_back({Hellinger(CountWords(picture, model.vocabulary.size())),

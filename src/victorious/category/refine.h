@@ -1,8 +1,7 @@
-// Feedback: a model made better by results that a user marked right or wrong, in seconds and without the pictures that
-// it was trained on.
-// Method: regularised least squares about the weights that there are: the smallest change that gives each marked
-// picture its due. A mark that the model agrees with by a clear margin changes nothing. What training showed is kept
-// only in the weights: marks that contradict it win where there are enough of them.
+// Updates a model from user feedback (results marked right or wrong), within seconds and without the training images.
+// Method: regularised least squares on the change of the weights: the smallest change for which each marked image
+// reaches its target score of +1 or -1. A mark whose margin is already at least 1 has no effect. The training data
+// enter only through the current weights: enough contradicting marks override them.
 #pragma once
 
 #include <span>
@@ -11,16 +10,16 @@
 
 namespace victorious {
 
-/// A picture that a user looked at: it shows `category`, or it does not.
+/// User feedback on one image: `right` if it shows `category`.
 struct CategoryMark {
   std::string category;
   bool right = true;
   FeatureSet features;
 };
 
-/// The model's weights, both methods', changed to fit the marks; calibrations stay.
+/// Returns the model with the weights of both methods fitted to the marks; calibrations are unchanged.
 /// Errors: kInvalidArgument for a category that the model does not have; kUnsupported for scoring "likelihood", which
-/// has no weights, and for shapes, whose weights are those of examples: train again.
+/// has no weights, and for models with shapes, whose weights belong to training examples: these need retraining.
 Expected<CategoryModel> RefineCategories(CategoryModel model, std::span<const CategoryMark> marks);
 
 }  // namespace victorious

@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// A model of so few pictures that it knows little.
+// A model trained on few images, of low accuracy.
 CategoryModel RawModel() { return *TrainCategories(testing::DrawExamples(3, 1), testing::SmallOptions()); }
 
 double Accuracy(const CategoryModel& model, std::span<const CategoryExample> examples) {
@@ -23,7 +23,7 @@ double Accuracy(const CategoryModel& model, std::span<const CategoryExample> exa
   return right / static_cast<double>(examples.size());
 }
 
-// The same two things as negatives: bright discs, dark crosses.
+// The same two shapes with inverted contrast: bright discs, dark crosses.
 std::vector<CategoryExample> DrawNegatives(int pictures_each, std::uint64_t seed) {
   Random random(seed);
   std::vector<CategoryExample> examples;

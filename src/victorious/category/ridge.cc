@@ -20,7 +20,7 @@ RidgeFit FitRidge(const MatrixXd& kernel, const Eigen::MatrixXi& targets, std::s
   const Index all = kernel.rows();
   VICTORIOUS_CHECK(all == targets.rows() && all == penalty.size() && static_cast<std::size_t>(all) == group.size());
   std::vector<Index> used;
-  std::map<int, std::vector<Index>> used_of_group;  // places in `used`
+  std::map<int, std::vector<Index>> used_of_group;  // group id to indices into `used`
   for (Index i = 0; i < all; ++i) {
     const bool learned = (targets.row(i).array() != 0).all();
     VICTORIOUS_CHECK(learned || (targets.row(i).array() == 0).all());
@@ -38,7 +38,7 @@ RidgeFit FitRidge(const MatrixXd& kernel, const Eigen::MatrixXi& targets, std::s
   std::map<int, std::vector<Index>> all_of_group;
   for (Index i = 0; i < all; ++i) all_of_group[group[static_cast<std::size_t>(i)]].push_back(i);
   for (const auto& [number, members] : used_of_group) {
-    // Without a group, the others' weights are what they are less what the group's weights had them make up for.
+    // Block-wise leave-one-group-out: alpha_-g = alpha - inverse(:, g) inverse(g, g)^-1 alpha(g).
     const MatrixXd own = MatrixXd(inverse(members, members)).lu().solve(MatrixXd(alpha(members, Eigen::all)));
     const MatrixXd without = alpha - inverse(Eigen::all, members) * own;
     const std::vector<Index>& held_out = all_of_group[number];
@@ -59,7 +59,7 @@ Calibration Calibrate(std::span<const double> scores, const std::vector<bool>& p
   for (const double score : scores) spread = std::max(spread, std::abs(score));
   if (spread == 0) return {.slope = 1, .offset = 0};
 
-  // On scores of size 1, so that one damping fits all.
+  // Scores are scaled to a maximum of 1, so that one damping constant suits all inputs.
   Eigen::Vector2d at(1, 0);
   constexpr int kRounds = 100;
   for (int round = 0; round < kRounds; ++round) {

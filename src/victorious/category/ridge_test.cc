@@ -12,7 +12,7 @@ namespace {
 
 struct Problem {
   Eigen::MatrixXd kernel;
-  Eigen::MatrixXi targets;  // of two problems
+  Eigen::MatrixXi targets;  // two problems
   std::vector<int> group;
   Eigen::VectorXd penalty;
 };
@@ -56,7 +56,7 @@ TEST(Ridge, ScoresExamplesThatItDoesNotLearnFrom) {
 }
 
 TEST(Calibration, IsTheShareOfPositivesAmongEqualScores) {
-  // Of the score 1, 8 of 10 are positive; of the score -1, 2 of 10.
+  // 8 of 10 examples of score 1 are positive, and 2 of 10 of score -1.
   std::vector<double> scores;
   std::vector<bool> positive;
   for (int i = 0; i < 1000; ++i) {

@@ -15,11 +15,11 @@ using Eigen::Index;
 using Eigen::MatrixXf;
 using Eigen::VectorXf;
 
-constexpr int kPatches = 2;   // a side
-constexpr float kPatch = 12;  // side of a patch, in its keypoint's scale: four cells of three sigma
+constexpr int kPatches = 2;   // per side
+constexpr float kPatch = 12;  // side of a patch in units of the keypoint's scale: four cells of three sigma
 constexpr auto kRawSize = static_cast<Index>(kRawShapeSize);
 
-// The scale whose patches are nearest to a little over half the picture.
+// The keypoint scale whose patch side is nearest to 0.55 of the image's shorter side; 0 without keypoints.
 float ScaleOf(const FeatureSet& features) {
   constexpr float kShare = 0.55F;
   const float wanted = kShare * static_cast<float>(std::min(features.image_width, features.image_height)) / kPatch;
@@ -41,7 +41,7 @@ VectorXf RawShape(const FeatureSet& features) {
   Index at = 0;
   for (const float y : ys) {
     for (const float x : xs) {
-      float nearest2 = reach * reach / 4;  // farther off it is another patch: this one has no contrast
+      float nearest2 = reach * reach / 4;  // a farther keypoint is another patch: this one was omitted for low contrast
       std::size_t nearest = features.size();
       for (std::size_t i = 0; i < features.size(); ++i) {
         const Keypoint& keypoint = features.keypoints[i];
@@ -68,10 +68,10 @@ VectorXf RawShape(const FeatureSet& features) {
 
 void ShapeOptions::ListFields(FieldList& fields) {
   fields.Add("weight", weight,
-             {.min = 0, .max = 100, .reason = "of shapes against words in the comparison of two windows; 0: none"});
-  fields.Add("dimensions", dimensions, {.min = 1, .max = 512, .reason = "principal axes of shapes that are kept"});
+             {.min = 0, .max = 100, .reason = "weight of the shape kernel relative to that of words; 0: no shapes"});
+  fields.Add("dimensions", dimensions, {.min = 1, .max = 512, .reason = "number of principal axes of shapes"});
   fields.Add("sharpness", sharpness,
-             {.min = 0.1, .max = 100, .reason = "how fast two windows compare less as their shapes come apart"});
+             {.min = 0.1, .max = 100, .reason = "of the kernel exp(sharpness (x.y - 1)); larger is more local"});
 }
 
 ShapeEncoder ShapeEncoder::Learn(std::span<const FeatureSet* const> sets, const ShapeOptions& options) {
@@ -84,7 +84,7 @@ ShapeEncoder ShapeEncoder::Learn(std::span<const FeatureSet* const> sets, const 
   const Eigen::MatrixXd covariance = (centred * centred.transpose()).cast<double>() / static_cast<double>(raw.cols());
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(covariance);
   const Index dimensions = std::min<Index>({options.dimensions, kRawSize, raw.cols()});
-  // Some of the mean variance is added, so that axes that hardly anything is seen of are not blown up.
+  // Regularisation: a fraction of the mean variance is added, so that axes of low variance are not amplified.
   constexpr double kFloor = 0.3;
   const Eigen::VectorXd variance = axes.eigenvalues().tail(dimensions).array().max(0.0) +
                                    kFloor * covariance.trace() / static_cast<double>(kRawSize) +

@@ -1,9 +1,9 @@
-// The shape of a window: where in it gradients run in which direction, as four patches tell that share it out. Two
-// windows are alike in shape where, of what tells windows apart, the same is strong and weak in both.
-// Method: the roots of the four descriptors, one below the other, are whitened (projected onto the principal axes of
-// all examples' and divided by the deviation along each) and taken at unit length. Two pictures compare as
-// exp(sharpness (x.y - 1)): a picture is like the few examples that are seen from the same side as it is, whatever it
-// has in common with the rest of its category.
+// Shape of a window: whitened gradients (orientation histograms) of four patches that cover the window, and an exemplar
+// kernel between two shapes.
+// Method: the square roots of the four descriptors, concatenated, are whitened (projected onto the principal axes of
+// all examples and divided by the standard deviation along each) and normalised to unit length. The kernel of two
+// shapes is exp(sharpness (x.y - 1)): it is local, so that a window matches the few examples of the same viewpoint
+// rather than the mean of its category.
 // Source: B. Hariharan, J. Malik, D. Ramanan, "Discriminative decorrelation for clustering and classification", ECCV
 // 2012 (whitened gradients); M. Aubry et al., "Seeing 3D chairs", CVPR 2014 (renderings as exemplars).
 #pragma once
@@ -18,7 +18,7 @@
 
 namespace victorious {
 
-/// Values of four descriptors.
+/// Length of the raw shape vector: four descriptors.
 inline constexpr std::size_t kRawShapeSize = 4 * kDescriptorSize;
 
 struct ShapeOptions {
@@ -29,22 +29,24 @@ struct ShapeOptions {
   void ListFields(FieldList& fields);
 };
 
-/// A projection that whitens; without one it encodes nothing.
+/// A whitening projection. Without one, Encode returns an empty vector.
 struct ShapeEncoder {
-  Eigen::VectorXf mean;
+  Eigen::VectorXf mean;        ///< kRawShapeSize values
   Eigen::MatrixXf projection;  ///< dimensions x length of mean
 
-  /// Fewer examples than dimensions give fewer dimensions. Nothing where options.weight is 0.
+  /// Fits the whitening. The dimension is at most the number of examples. Returns an empty encoder if options.weight is
+  /// 0.
   static ShapeEncoder Learn(std::span<const FeatureSet* const> sets, const ShapeOptions& options);
 
-  /// Length of what Encode returns.
+  /// Length of the vector that Encode returns.
   [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(projection.rows()); }
 
-  /// Of unit length, of square pictures' features on a grid (DenseFeatures).
+  /// Returns the shape vector with unit L2 norm.
+  /// @param features  dense features (DenseFeatures) of a square image
   [[nodiscard]] Eigen::VectorXf Encode(const FeatureSet& features) const;
 };
 
-/// How alike shapes are: a row a column of `a`, a column a column of `b`.
+/// Kernel matrix exp(sharpness (a_i.b_j - 1)): rows for the columns of `a`, columns for the columns of `b`.
 [[nodiscard]] Eigen::MatrixXf CompareShapes(const Eigen::MatrixXf& a, const Eigen::MatrixXf& b, double sharpness);
 
 }  // namespace victorious

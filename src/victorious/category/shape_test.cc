@@ -7,7 +7,7 @@
 namespace victorious {
 namespace {
 
-// A bar across a square picture of faint noise, at an angle.
+// A bar at an angle across a square image with weak noise.
 FeatureSet Bar(double angle_deg, std::uint64_t seed) {
   Random random(seed);
   cv::Mat picture(96, 96, CV_8UC1);

@@ -22,8 +22,8 @@ Status CheckName(const std::string& name) {
   if (!has_empty_part) return {};
   return Fail(
       ErrorCode::kInvalidArgument,
-      fmt::format("category \"{}\": must be a name, or names from the general to the special with one / between "
-                  "them, as in vehicle/car",
+      fmt::format("category \"{}\": must be a name, or names from general to specific separated by single "
+                  "slashes, as in vehicle/car",
                   name));
 }
 
@@ -42,17 +42,17 @@ Status CheckExamples(std::span<const CategoryExample> examples) {
   }
   if (categories.size() < 2) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}; at least two are needed, to tell one from the other: a background class of any other "
-                            "pictures will do",
+                fmt::format("{}; at least two are needed; the second may be a background category of arbitrary other "
+                            "images",
                             categories.empty() ? "no categories" : "one category"));
   }
   for (const auto& [name, seen] : categories) {
     if (seen.pictures.size() < 2)
       return Fail(ErrorCode::kInvalidArgument,
-                  fmt::format("category {}: one picture; at least two are needed to learn what they share", name));
+                  fmt::format("category {}: one picture; at least two are needed", name));
     if (seen.features == 0)
       return Fail(ErrorCode::kInvalidArgument,
-                  fmt::format("category {}: no features in any of its {} pictures; larger or sharper ones are needed",
+                  fmt::format("category {}: no features in any of its {} images; larger or sharper images are needed",
                               name, seen.pictures.size()));
   }
   return {};
@@ -87,23 +87,23 @@ std::vector<WordedPicture> PicturesOf(std::span<const CategoryExample> examples,
   return pictures;
 }
 
-// Words that look alike, grouped.
+// Clusters the words by k-means on their centres.
 void LearnParts(CategoryModel& model) {
   VocabularyOptions options = model.options.vocabulary;
   options.words = model.options.phrases.parts;
-  options.root = false;  // the words are compared as they are
+  options.root = false;  // the centres are already square-rooted
   const Vocabulary parts = Vocabulary::Learn(model.vocabulary.centres(), options, model.options.seed);
   model.parts = parts.size();
   for (const kernels::Neighbour& part : parts.NearestWords(model.vocabulary.centres(), 1))
     model.part_of_word.push_back(static_cast<std::uint16_t>(part.index));
 }
 
-// What the linear classifier compares of a set of pictures.
+// Input of the linear classifier for a set of images.
 struct Seen {
   std::vector<SparseVector> words;
   std::vector<SparseVector> phrases;
-  Eigen::MatrixXf fisher;  // a column a picture
-  Eigen::MatrixXf shapes;  // the same
+  Eigen::MatrixXf fisher;  // one column per image
+  Eigen::MatrixXf shapes;  // one column per image
 };
 
 Seen See(const CategoryModel& model, std::span<const WordedPicture> pictures) {
@@ -124,7 +124,8 @@ Seen See(const CategoryModel& model, std::span<const WordedPicture> pictures) {
   return seen;
 }
 
-// @param size  above every index
+// Kernel matrix of sparse vectors.
+// @param size  dimension of the vectors
 Eigen::MatrixXd KernelOf(std::span<const SparseVector> vectors, std::size_t size) {
   const auto count = static_cast<Eigen::Index>(vectors.size());
   Eigen::MatrixXd kernel(count, count);
@@ -146,12 +147,12 @@ Eigen::MatrixXd KernelOf(std::span<const SparseVector> vectors, std::size_t size
 
 Eigen::MatrixXd KernelOf(const Eigen::MatrixXf& columns) {
   Eigen::MatrixXf kernel = Eigen::MatrixXf::Zero(columns.cols(), columns.cols());
-  if (columns.rows() == 0) return kernel.cast<double>();  // which Eigen 3.4's rankUpdate divides by
+  if (columns.rows() == 0) return kernel.cast<double>();  // Eigen 3.4's rankUpdate divides by rows()
   kernel.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
   return Eigen::MatrixXf(kernel.selfadjointView<Eigen::Lower>()).cast<double>();
 }
 
-// Sum over the examples of alpha times the vector.
+// Primal weights: the sum over the examples of alpha times the vector.
 Eigen::VectorXf Weights(std::span<const SparseVector> vectors, const Eigen::VectorXd& alpha, std::size_t size) {
   Eigen::VectorXf weights = Eigen::VectorXf::Zero(static_cast<Eigen::Index>(size));
   for (std::size_t i = 0; i < vectors.size(); ++i)
@@ -160,7 +161,7 @@ Eigen::VectorXf Weights(std::span<const SparseVector> vectors, const Eigen::Vect
   return weights;
 }
 
-// Penalties by which all categories count alike as a whole, on average `lambda` an example.
+// Penalties that give all categories equal total weight; their mean over the examples is `lambda`.
 Eigen::VectorXd PenaltiesOf(std::span<const CategoryExample> examples, double lambda) {
   std::map<std::string, double> count;
   double all = 0;
@@ -177,9 +178,10 @@ Eigen::VectorXd PenaltiesOf(std::span<const CategoryExample> examples, double la
   return penalties;
 }
 
-// One method's weights and calibrations of all nodes. Nodes that learn from the same examples share a factorisation.
+// Dual weights and calibrations of all nodes for one method. Nodes with the same training examples share a
+// factorisation.
 struct NodeFits {
-  Eigen::MatrixXd alpha;  // a column a node
+  Eigen::MatrixXd alpha;  // one column per node
   std::vector<Calibration> calibrations;
 };
 
@@ -189,7 +191,7 @@ NodeFits FitNodes(const Eigen::MatrixXd& kernel, std::span<const CategoryExample
   for (const CategoryExample& example : examples) groups.push_back(example.picture);
   const Eigen::VectorXd penalties = PenaltiesOf(examples, model.options.lambda);
   const auto rows = static_cast<Eigen::Index>(examples.size());
-  std::map<std::vector<bool>, std::vector<Eigen::Index>> nodes_of;  // by which examples say something of them
+  std::map<std::vector<bool>, std::vector<Eigen::Index>> nodes_of;  // by their training examples
   Eigen::MatrixXi targets(rows, static_cast<Eigen::Index>(model.nodes.size()));
   for (Eigen::Index n = 0; n < targets.cols(); ++n) {
     std::vector<bool> learns;
@@ -216,7 +218,7 @@ NodeFits FitNodes(const Eigen::MatrixXd& kernel, std::span<const CategoryExample
   return fits;
 }
 
-// What training is told of examples, without their features.
+// Copies the examples without their features.
 std::vector<CategoryExample> RolesOf(std::span<const CategoryExample> examples) {
   std::vector<CategoryExample> roles;
   for (const CategoryExample& example : examples) {
@@ -235,7 +237,7 @@ void ForgetMirrored(const std::set<std::string>& categories, std::vector<Categor
     role.learns = role.learns && !(role.mirrored && categories.contains(role.category));
 }
 
-// How often a picture of one category is taken for the other's, by models that have not seen it.
+// Number of confusions for each pair of categories, by held-out scores.
 using Confusions = std::map<std::pair<std::string, std::string>, int>;
 
 Confusions ConfusionsOf(const Eigen::MatrixXd& kernel, std::span<const CategoryExample> roles,
@@ -262,8 +264,8 @@ Confusions ConfusionsOf(const Eigen::MatrixXd& kernel, std::span<const CategoryE
   return confusions;
 }
 
-// Categories that are each other's mirror images: mirrored examples make them be taken for each other, by more than
-// chance would.
+// Returns the chiral categories, i.e. pairs that are mirror images of each other: mirrored examples increase their
+// confusions significantly (2 sigma).
 std::set<std::string> MirrorImagesOfEachOther(const Eigen::MatrixXd& kernel, std::span<const CategoryExample> examples,
                                               double lambda) {
   std::set<std::string> handed;
@@ -276,7 +278,7 @@ std::set<std::string> MirrorImagesOfEachOther(const Eigen::MatrixXd& kernel, std
   ForgetMirrored(categories, roles);
   Confusions without = ConfusionsOf(kernel, roles, categories, lambda);
   for (const auto& [pair, count] : with) {
-    constexpr double kSigmas = 2;  // of the difference of two counts
+    constexpr double kSigmas = 2;  // standard deviations of the difference of two counts
     const int before = without[pair];
     if (count - before <= kSigmas * std::sqrt(count + before)) continue;
     handed.insert(pair.first);
@@ -285,7 +287,7 @@ std::set<std::string> MirrorImagesOfEachOther(const Eigen::MatrixXd& kernel, std
   return handed;
 }
 
-// Examples that no category learned from only take time and room.
+// Removes shape examples whose weights are zero for all nodes.
 void ForgetUnusedShapes(CategoryModel& model) {
   std::vector<Eigen::Index> used;
   for (Eigen::Index i = 0; i < model.shape_examples.cols(); ++i) {

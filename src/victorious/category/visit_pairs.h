@@ -1,4 +1,4 @@
-// The pairs of keypoints that lie near each other.
+// Enumerates the pairs of neighbouring keypoints.
 #pragma once
 
 #include <algorithm>
@@ -12,11 +12,12 @@
 
 namespace victorious {
 
-/// Calls `visit(i, j)`, i < j, for each pair of keypoints no farther apart than `radius_px`, two at one place excepted:
-/// no line connects them. Cost: the pairs of keypoints whose heights differ by less than the radius.
+/// Calls `visit(i, j)`, i < j, for each pair of keypoints at a distance of at most `radius_px`. Coincident keypoints
+/// are skipped: they define no connecting line. Cost: linear in the number of pairs whose y differs by at most the
+/// radius.
 template <typename Visit>
 void VisitPairs(std::span<const Keypoint> keypoints, double radius_px, const Visit& visit) {
-  // By rising y: the partners of a keypoint follow it until they lie too far down.
+  // Sorted by y: the candidates of a keypoint follow it until dy exceeds the radius.
   std::vector<std::uint32_t> order(keypoints.size());
   std::iota(order.begin(), order.end(), 0U);
   std::ranges::sort(order, {}, [&](std::uint32_t i) { return std::pair(keypoints[i].y, i); });

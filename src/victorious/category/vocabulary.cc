@@ -20,7 +20,7 @@ std::span<const std::uint8_t> Row(std::span<const std::uint8_t> rows, std::size_
   return rows.subspan(i * kDescriptorSize, kDescriptorSize);
 }
 
-// In blocks over all cores; each answer depends on its query alone.
+// Nearest words of each row, in parallel over blocks. Each result depends only on its query, not on the blocks.
 std::vector<Neighbour> Nearest(std::span<const std::uint8_t> rows, const kernels::PackedDescriptors& set,
                                std::size_t few) {
   constexpr std::size_t kBlock = 1024;
@@ -38,7 +38,7 @@ std::vector<Neighbour> Nearest(std::span<const std::uint8_t> rows, const kernels
   return out;
 }
 
-// `most` of the rows drawn by seed, in random order; all of them where there are fewer.
+// Samples at most `most` rows, in random order.
 std::vector<std::uint8_t> Draw(std::span<const std::uint8_t> rows, std::size_t most, Random& random) {
   std::vector<std::uint32_t> order(rows.size() / kDescriptorSize);
   std::iota(order.begin(), order.end(), 0U);
@@ -53,8 +53,8 @@ std::vector<std::uint8_t> Draw(std::span<const std::uint8_t> rows, std::size_t m
   return drawn;
 }
 
-// The means of the samples nearest to each centre. A centre that has lost all its samples moves to the sample that is
-// worst served, each such centre to another one.
+// Means of the samples assigned to each centre. An empty cluster is re-initialised with the sample farthest from its
+// centre, each empty cluster with a different sample.
 std::vector<std::uint8_t> Means(std::span<const std::uint8_t> samples, std::span<const Neighbour> nearest,
                                 std::size_t words) {
   std::vector<std::uint32_t> sums(words * kDescriptorSize);
@@ -89,13 +89,13 @@ std::vector<std::uint8_t> Means(std::span<const std::uint8_t> samples, std::span
 }  // namespace
 
 void VocabularyOptions::ListFields(FieldList& fields) {
-  fields.Add("words", words, {.min = 2, .max = 65536, .reason = "words of the vocabulary (thesis: 3000)"});
+  fields.Add("words", words, {.min = 2, .max = 65536, .reason = "size of the vocabulary (thesis: 3000)"});
   fields.Add("root", root,
-             {.reason = "compare the square roots of descriptors (RootSIFT), which lets no single strong gradient "
-                        "decide; the thesis does not"});
-  fields.Add("iterations", iterations, {.min = 1, .max = 1000, .reason = "rounds of k-means"});
+             {.reason = "compare the square roots of descriptors (RootSIFT), which limits the influence of single "
+                        "strong gradients; thesis: false"});
+  fields.Add("iterations", iterations, {.min = 1, .max = 1000, .reason = "iterations of k-means"});
   fields.Add("samples", samples,
-             {.min = 2, .max = 10e6, .reason = "descriptors that words are learned from, drawn by seed"});
+             {.min = 2, .max = 10e6, .reason = "descriptors sampled for k-means, by seed"});
 }
 
 Vocabulary::Vocabulary(std::vector<std::uint8_t> centres, bool root)
@@ -107,7 +107,7 @@ Vocabulary Vocabulary::Learn(std::span<const std::uint8_t> descriptors, const Vo
   Random random(seed);
   std::vector<std::uint8_t> samples = Draw(descriptors, static_cast<std::size_t>(options.samples), random);
   if (options.root) samples = RootDescriptors(samples);
-  // The samples lie in random order: the first ones are as good a start as any.
+  // The samples are in random order, so the first ones are a random initialisation.
   const std::size_t words = std::min(static_cast<std::size_t>(options.words), samples.size() / kDescriptorSize);
   std::vector<std::uint8_t> centres(samples.begin(),
                                     samples.begin() + static_cast<std::ptrdiff_t>(words * kDescriptorSize));

@@ -1,6 +1,6 @@
-// The visual vocabulary: words are the centres of clusters of descriptors (thesis, sections 2.1.2 and 3.6.2), and each
-// descriptor of a picture is replaced by the nearest word, or the few nearest.
-// Method: Lloyd's k-means on a sample, with exact nearest centres (kernels/nearest.h: cheaper here than any tree).
+// The visual vocabulary: words are cluster centres of descriptors (thesis, sections 2.1.2 and 3.6.2); each descriptor
+// of an image is assigned to its nearest word or its k nearest words.
+// Method: Lloyd's k-means on a sample, with exact nearest neighbours (kernels/nearest.h: cheaper here than any tree).
 // RootSIFT: R. Arandjelovic and A. Zisserman, "Three things everyone should know to improve object retrieval", CVPR
 // 2012.
 #pragma once
@@ -28,15 +28,18 @@ struct VocabularyOptions {
 class Vocabulary {
  public:
   Vocabulary() = default;
-  /// @param centres  128 bytes a word, as compared: after the root, where `root`
+  /// @param centres  128 bytes per word, in the space of comparison: square-rooted if `root`
+  /// @param root     true if descriptors are compared as RootSIFT
   Vocabulary(std::vector<std::uint8_t> centres, bool root);
 
-  /// @param descriptors  128 bytes each, as features/ makes them; at least one
-  /// Fewer different descriptors than words give fewer words. Deterministic by seed, whatever the number of threads.
+  /// Learns the words by k-means.
+  /// @param descriptors  128 bytes each, as computed by features/; at least one
+  /// The number of words is at most the number of descriptors. Deterministic for a given seed, independent of the
+  /// number of threads.
   static Vocabulary Learn(std::span<const std::uint8_t> descriptors, const VocabularyOptions& options,
                           std::uint64_t seed);
 
-  /// The same from the descriptors of all `sets`.
+  /// Learns the words from the descriptors of all `sets`.
   static Vocabulary Learn(std::span<const FeatureSet* const> sets, const VocabularyOptions& options,
                           std::uint64_t seed);
 
@@ -44,7 +47,7 @@ class Vocabulary {
   [[nodiscard]] bool root() const { return root_; }
   [[nodiscard]] std::span<const std::uint8_t> centres() const { return centres_; }
 
-  /// The `few` nearest words of each descriptor, nearest first: `few` entries a feature. 1 <= few <= 8.
+  /// Returns the k nearest words of each descriptor, nearest first: k entries per descriptor, 1 <= k <= 8.
   [[nodiscard]] std::vector<kernels::Neighbour> NearestWords(std::span<const std::uint8_t> descriptors,
                                                              std::size_t few) const;
 
@@ -54,7 +57,7 @@ class Vocabulary {
   kernels::PackedDescriptors packed_;
 };
 
-/// RootSIFT in bytes: the square root of each value's share of the sum, times 512, at most 255.
+/// RootSIFT in bytes: min(255, 512 sqrt(value / sum of the descriptor)), rounded.
 std::vector<std::uint8_t> RootDescriptors(std::span<const std::uint8_t> descriptors);
 
 }  // namespace victorious

@@ -11,7 +11,7 @@
 namespace victorious {
 namespace {
 
-// `per_cluster` descriptors near each of `clusters` corners far apart.
+// `per_cluster` descriptors near each of `clusters` well-separated centres.
 std::vector<std::uint8_t> Clusters(std::size_t clusters, std::size_t per_cluster, std::uint64_t seed) {
   Random random(seed);
   std::vector<std::uint8_t> rows;

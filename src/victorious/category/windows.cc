@@ -11,26 +11,26 @@
 namespace victorious {
 namespace {
 
-constexpr float kReach = 6;  // of a patch from its middle, in its scale: two cells of three sigma
+constexpr float kReach = 6;  // half side of a patch in units of the keypoint's scale: two cells of three sigma
 
-// A stretch of a level's features that lie in one row of the grid, of one size.
+// A contiguous range of features of one scale in one row of the grid.
 struct Row {
   float y = 0;
-  float reach = 0;  // of their patches
+  float reach = 0;  // half side of their patches, px
   std::size_t first = 0;
   std::size_t end = 0;
 };
 
-// The picture at the size at which windows of one side have `side_px` pixels a side, and what is seen of it.
+// The image resampled for one window size, so that a window has `side_px` pixels per side, with its features.
 struct Level {
-  double side = 0;  // of its windows, px of the picture as given
+  double side = 0;  // side of its windows, px of the image before resampling
   cv::Size size;
   FeatureSet features;
-  WordedPicture picture;  // its words, without a Fisher vector
+  WordedPicture picture;  // quantised features, without a Fisher vector
   std::vector<Row> rows;
 };
 
-// DenseFeatures gives them size by size, row by row.
+// Relies on the order of DenseFeatures: by scale, then by row.
 std::vector<Row> RowsOf(const std::vector<Keypoint>& keypoints) {
   std::vector<Row> rows;
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
@@ -67,8 +67,8 @@ Level MakeLevel(const CategoryModel& model, const cv::Mat& grey, double side, co
 
 struct Place {
   std::size_t level = 0;
-  cv::Point corner;  // px of the level
-  double score = 0;  // by words
+  cv::Point corner;  // top left, px of the level
+  double score = 0;  // log odds by words and shapes
 };
 
 std::vector<int> Steps(int length, int side, int step) {
@@ -78,7 +78,7 @@ std::vector<int> Steps(int length, int side, int step) {
   return steps;
 }
 
-// The level's features whose patches lie in the window.
+// Indices of the features whose patches lie entirely in the window.
 std::vector<std::size_t> FeaturesIn(const Level& level, const cv::Point& corner, int side_px) {
   constexpr float kRounding = 0.01F;
   std::vector<std::size_t> inside;
@@ -95,7 +95,7 @@ std::vector<std::size_t> FeaturesIn(const Level& level, const cv::Point& corner,
   return inside;
 }
 
-// A window's features, as of a picture of its own.
+// The features of a window, with positions relative to its corner.
 FeatureSet CutOut(const Level& level, std::span<const std::size_t> features, const cv::Point& corner, int side_px) {
   FeatureSet part{.keypoints = {}, .descriptors = {}, .image_width = side_px, .image_height = side_px};
   part.keypoints.reserve(features.size());
@@ -111,7 +111,7 @@ FeatureSet CutOut(const Level& level, std::span<const std::size_t> features, con
   return part;
 }
 
-// Its words, as the level's, and its shape.
+// The quantised features of a window: words copied from the level, and the shape of the crop.
 WordedPicture WordsOf(const CategoryModel& model, const Level& level, std::span<const std::size_t> features,
                       const FeatureSet& cut_out) {
   WordedPicture part;
@@ -128,7 +128,7 @@ WordedPicture WordsOf(const CategoryModel& model, const Level& level, std::span<
   return part;
 }
 
-// The likeliest of the wanted nodes, as log odds: probabilities near 1 are all alike.
+// Maximum log odds over the wanted nodes. Log odds, because probabilities near 1 lose resolution.
 double Likeliest(const CategoryModel& model, const CategoryResult& result, CategoryMethod method,
                  std::span<const std::size_t> wanted) {
   double best = -std::numeric_limits<double>::infinity();
@@ -155,40 +155,41 @@ SeenWindow Examine(const CategoryModel& model, const Level& level, const cv::Poi
 
 void WindowOptions::ListFields(FieldList& fields) {
   fields.Add("enabled", enabled,
-             {.reason = "true: things are looked for in windows of many sizes all over a picture, so that they may be "
-                        "small in it, and several; false: a picture is classified as a whole"});
+             {.reason = "true: sliding windows of many sizes, for objects that are small in the image or occur "
+                        "several times; false: an image is classified as a whole"});
   fields.Add("side_px", side_px,
-             {.min = 32, .max = 512, .unit = "px", .reason = "what a window is resampled to before features are made"});
+             {.min = 32, .max = 512, .unit = "px", .reason = "side to which a window is resampled for the features"});
   fields.Add("smallest_px", smallest_px,
              {.min = 16, .max = 4096, .unit = "px", .reason = "side of the smallest windows"});
-  fields.Add("size_factor", size_factor, {.min = 1.05, .max = 4, .reason = "from one size of windows to the next"});
+  fields.Add("size_factor", size_factor, {.min = 1.05, .max = 4, .reason = "ratio of successive window sizes"});
   fields.Add("step_px", step_px,
              {.min = 2,
               .max = 512,
               .unit = "px",
-              .reason = "from one window to the next, after resampling; a multiple of dense.step_px spares features"});
+              .reason = "step between windows, after resampling; use a multiple of dense.step_px"});
   fields.Add("room", room,
-             {.min = 1, .max = 4, .reason = "side of a window over the longer side of the box of the thing in it"});
+             {.min = 1, .max = 4, .reason = "side of a window relative to the longer side of the object's box"});
   fields.Add(
       "examined", examined,
       {.min = 1,
        .max = 100000,
-       .reason = "windows of a picture that are looked at with phrases: those that words and shapes rank first"});
+       .reason = "windows per image that are rescored with phrases and Fisher vectors: the best by words and shapes"});
   fields.Add("overlap", overlap,
              {.min = 0,
               .max = 1,
-              .reason = "of windows that overlap by more (intersection over union) only the likeliest counts"});
+              .reason = "non-maximum suppression: of windows with a greater intersection over union only the most "
+                        "probable is kept"});
   fields.Add("max_side_px", max_side_px,
-             {.min = 64, .max = 16384, .unit = "px", .reason = "larger pictures are searched at a reduced size"});
+             {.min = 64, .max = 16384, .unit = "px", .reason = "images with a longer side are downscaled to it"});
   fields.Add("none", none,
-             {.reason = "the category of windows that show none of the things; training sets it, to that of the "
-                        "pictures without boxes"});
+             {.reason = "background category, of windows without an object; set by training to the category of the "
+                        "images without boxes"});
   fields.Add("usual_windows", usual_windows,
              {.min = 0,
               .max = 1e9,
-              .reason = "windows of a picture that probabilities were learned with; training sets it, to the mean of "
-                        "the pictures without boxes. Where there are more, the odds of each are less in proportion; 0: "
-                        "they are not"});
+              .reason = "mean number of windows per image in calibration; set by training from the images without "
+                        "boxes. For images with more windows, the odds of each window are reduced in proportion; 0: no "
+                        "correction"});
 }
 
 std::vector<double> WindowSides(const cv::Size& picture, const WindowOptions& options) {
@@ -234,7 +235,7 @@ std::vector<SeenWindow> LookThroughWindows(const CategoryModel& model, const cv:
   }
   std::ranges::stable_sort(places, std::ranges::greater(), &Place::score);
   places.resize(std::min(places.size(), static_cast<std::size_t>(options.examined)));
-  // The odds of a find fall as chances of a false one rise.
+  // Correction for multiple testing: the odds are divided by the ratio of the number of windows to that in calibration.
   const double usual = options.usual_windows;
   const double more_looks =
       usual > 0 ? std::max(1.0, static_cast<double>(WindowCount(grey.size(), options)) / usual) : 1.0;
@@ -246,7 +247,7 @@ std::vector<SeenWindow> LookThroughWindows(const CategoryModel& model, const cv:
       double& probability = window.result.scores[node].probability;
       probability /= probability + more_looks * (1 - probability);
     }
-    for (std::size_t node = 0; node < model.nodes.size(); ++node) {  // another label may be likelier by now
+    for (std::size_t node = 0; node < model.nodes.size(); ++node) {  // the most probable label may have changed
       const std::vector<CategoryScore>& scores = window.result.scores;
       if (model.nodes[node].labels && scores[node].probability > scores[window.result.label].probability)
         window.result.label = node;
@@ -259,7 +260,7 @@ std::vector<SeenWindow> LookThroughWindows(const CategoryModel& model, const cv:
 }
 
 bool ShowTheSame(const Box& a, const Box& b, double overlap) {
-  // A small window in a large one shows a part of the same thing, or the thing without what is about it.
+  // A small window in a large one shows a part of the same object, or the object without its surroundings.
   constexpr double kMostlyInside = 0.6;
   return IntersectionOverUnion(a, b) > overlap ||
          Intersection(a, b).Area() > kMostlyInside * std::min(a.Area(), b.Area());

@@ -1,9 +1,9 @@
-// Windows: what is small in a frame, or one of several things, is looked for in squares of many sizes all over it. A
-// grey picture and a category model in; its likeliest windows, each with its scores, out.
-// Method: the picture is resampled once a size, so that a window of that size has `side_px` pixels a side; features and
-// words are made once of each such picture, and a window has those that lie in it as a whole, so that it looks as its
-// cut-out would. Words and shapes (shape.h) rank all windows; the first `examined` of them are scored with phrases and
-// Fisher vectors, too.
+// Sliding-window classification, for objects that are small in the image or occur several times: square windows of many
+// sizes over the whole image. Input: a grey image and a category model. Output: the windows of the highest scores.
+// Method: the image is resampled once per window size to `side_px` pixels per window side. Features and words are
+// computed once per resampled image; a window contains those whose patches lie entirely inside, so that its score
+// equals that of its crop. Words and shapes (shape.h) rank all windows; the best `max_rescored` windows are rescored
+// with phrases and Fisher vectors.
 #pragma once
 
 #include <cstddef>
@@ -36,30 +36,31 @@ struct WindowOptions {
   void ListFields(FieldList& fields);
 };
 
-/// The sides of the windows that are looked at in a picture, px, rising: from smallest_px (or the picture's shorter
-/// side, where that is less) to the picture's shorter side.
+/// Returns the window sides for an image, px, increasing: from min_window_px (or the image's shorter side if that is
+/// smaller) to the image's shorter side.
 std::vector<double> WindowSides(const cv::Size& picture, const WindowOptions& options);
 
-/// How many windows a picture has.
+/// Returns the number of windows in an image, over all sizes.
 std::size_t WindowCount(const cv::Size& picture, const WindowOptions& options);
 
-/// A window of a picture, and what it shows.
+/// A window with its classification.
 struct SeenWindow {
-  Box box;                ///< px of the picture
-  CategoryResult result;  ///< by CategoryMethod::kPhrases; probabilities are the lower the more windows there are
-  WordedPicture picture;  ///< the window alone, side_px a side
+  Box box;                ///< px of the input image
+  CategoryResult result;  ///< by CategoryMethod::kPhrases; probabilities are corrected for the number of windows
+  WordedPicture picture;  ///< words of the crop, in an image of side_px x side_px
 };
 
-/// @param model   of scoring "linear"
+/// Classifies all windows of an image.
+/// @param model   with scoring "linear"
 /// @param grey    CV_8UC1
-/// @param wanted  nodes: windows are ranked by the likeliest of these
-/// @return        the windows that were examined, likeliest first; windows without features are none
-/// Cost: features and words of some 2.5 pictures of the size given, and 2 ms for each window that is examined.
+/// @param wanted  node indices; windows are ranked by the most probable of these
+/// @return        the rescored windows by decreasing probability; windows without features are omitted
+/// Cost: features and words of about 2.5 images of the given size, and 2 ms per rescored window.
 std::vector<SeenWindow> LookThroughWindows(const CategoryModel& model, const cv::Mat& grey, const DenseOptions& dense,
                                            const WindowOptions& options, std::span<const std::size_t> wanted);
 
-/// Whether two windows show one thing: they overlap by more than `overlap` (intersection over union), or the smaller
-/// lies mostly in the larger.
+/// Returns true if two windows show the same object: their intersection over union exceeds `overlap`, or more than 60 %
+/// of the smaller lies in the larger. For non-maximum suppression.
 bool ShowTheSame(const Box& a, const Box& b, double overlap);
 
 }  // namespace victorious

@@ -30,18 +30,18 @@ TEST(Windows, AWindowIsScoredAsItsCutOut) {
   options.shapes = {.weight = 2, .dimensions = 8};
   const CategoryModel model = TrainCategories(testing::DrawExamples(8, 1), options).value();
   Random random(5);
-  // One size of windows alone, at the picture's own scale, on the grid.
+  // A single window size, at the image's own scale, aligned with the grid.
   const cv::Mat grey = testing::DrawPair(true, random);
   const WindowOptions windows{.side_px = 120, .smallest_px = 120, .step_px = 10, .examined = 100};
   const std::vector<std::size_t> wanted = {0, 1};
   const std::vector<SeenWindow> seen = LookThroughWindows(model, grey, grid, windows, wanted);
-  ASSERT_EQ(seen.size(), 5U);  // 160 px hold 120 at 0, 10, 20, 30 and 40
+  ASSERT_EQ(seen.size(), 5U);  // windows of 120 px in 160 px start at 0, 10, 20, 30 and 40
   for (const SeenWindow& window : seen) {
     EXPECT_EQ(window.box.width, 120);
     const cv::Rect part(static_cast<int>(window.box.x), static_cast<int>(window.box.y), 120, 120);
     const CategoryResult alone =
         Classify(model, WordsOf(model, DenseFeatures(grey(part).clone(), grid)), CategoryMethod::kPhrases);
-    // Smoothing sees beyond a window's edge, and not beyond a cut-out's.
+    // Smoothing uses pixels beyond the border of a window, but not beyond that of a crop.
     for (const std::size_t node : wanted) EXPECT_NEAR(window.result.scores[node].raw, alone.scores[node].raw, 0.02);
   }
 }
@@ -54,7 +54,7 @@ TEST(Windows, WhereThereAreMoreTheBarIsHigher) {
   ASSERT_EQ(WindowCount(grey.size(), windows), 5U);
   const std::vector<std::size_t> wanted = {0, 1};
   const auto usual = LookThroughWindows(model, grey, testing::CoarseGrid(), windows, wanted);
-  windows.usual_windows = 0.5;  // a tenth of those there are
+  windows.usual_windows = 0.5;  // a tenth of the number of windows
   const auto more = LookThroughWindows(model, grey, testing::CoarseGrid(), windows, wanted);
   ASSERT_EQ(usual.size(), more.size());
   const auto odds = [](const SeenWindow& window) {

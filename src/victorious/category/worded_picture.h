@@ -1,4 +1,5 @@
-// A picture as a category sees it: keypoints, each with the words of the vocabulary that it looks most like.
+// An image as quantised features: keypoints, each with the visual words that it is assigned to.
+// Soft assignment: J. Philbin et al., "Lost in quantization", CVPR 2008.
 #pragma once
 
 #include <cstddef>
@@ -13,22 +14,24 @@
 
 namespace victorious {
 
-/// How many of a keypoint's descriptor belongs to a word.
+/// Soft assignment of a keypoint to a word.
 struct WordShare {
-  std::uint32_t word = 0;
-  float share = 1;
+  std::uint32_t word = 0;  ///< index in the vocabulary
+  float share = 1;         ///< weight of the assignment, 0 to 1
 };
 
+/// Quantised features of an image, or of a crop.
 struct WordedPicture {
   std::vector<Keypoint> keypoints;
-  std::size_t few = 1;            ///< words a keypoint
-  std::vector<WordShare> shares;  ///< `few` a keypoint, the nearest word first; of each keypoint they sum to 1
-  Eigen::VectorXf fisher;         ///< empty, unless a model that has an encoder (fisher.h) made the picture
-  Eigen::VectorXf shape;          ///< the same of shapes (shape.h)
+  std::size_t few = 1;            ///< words per keypoint
+  std::vector<WordShare> shares;  ///< `words_per_keypoint` per keypoint, nearest first; their weights sum to 1
+  Eigen::VectorXf fisher;         ///< Fisher vector (fisher.h); empty if the model has no encoder
+  Eigen::VectorXf shape;          ///< shape vector (shape.h); empty if the model has no encoder
   int width = 0;                  ///< px
   int height = 0;                 ///< px
 
   [[nodiscard]] std::size_t size() const { return keypoints.size(); }
+  /// The word assignments of keypoint i.
   [[nodiscard]] std::span<const WordShare> Shares(std::size_t i) const {
     return std::span(shares).subspan(i * few, few);
   }
@@ -36,9 +39,10 @@ struct WordedPicture {
   [[nodiscard]] std::uint32_t Word(std::size_t i) const { return shares[i * few].word; }
 };
 
-/// @param few            words a keypoint, 1 to 8; at most the vocabulary's size
-/// @param softness       how much farther than the nearest word (as a distance of descriptors) a word may be and still
-///                       get exp(-1/2) of its share; the larger, the more even
+/// Assigns each keypoint to its nearest words, with weights proportional to exp(-(d^2 - d_nearest^2) / (2 sigma^2)) of
+/// the descriptor distance d.
+/// @param few       words per keypoint, 1 to 8; clamped to the vocabulary's size
+/// @param softness  sigma of the weights, in descriptor distance (descriptors have length 512)
 WordedPicture WordsOf(const FeatureSet& features, const Vocabulary& vocabulary, int few, double softness);
 
 }  // namespace victorious

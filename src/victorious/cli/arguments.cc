@@ -26,7 +26,7 @@ namespace victorious::cli {
 
 namespace {
 
-// Finite numbers with commas between; nothing for any other text.
+// Parses kCount finite, comma-separated numbers; std::nullopt for any other text.
 template <std::size_t kCount>
 std::optional<std::array<double, kCount>> ParseNumbers(std::string_view text) {
   std::array<double, kCount> numbers{};
@@ -68,7 +68,7 @@ Expected<Box> ParseBox(std::string_view text) {
 
 namespace {
 
-// All of the text, as a number from 0 on.
+// Parses the whole text as a finite number of at least 0.
 std::optional<double> NumberFromZero(std::string_view text) {
   double number = 0;
   const char* const end = text.data() + text.size();
@@ -77,7 +77,7 @@ std::optional<double> NumberFromZero(std::string_view text) {
   return number;
 }
 
-// Hours, minutes and seconds; only the first may be 60 or more, only the last has a fraction.
+// Parses [[hours:]minutes:]seconds. Only the first part may be 60 or more; only the last part may have a fraction.
 std::optional<double> SecondsOf(std::string_view text) {
   constexpr int kMostParts = 3;
   double seconds = 0;
@@ -86,7 +86,7 @@ std::optional<double> SecondsOf(std::string_view text) {
     const bool last = colon == std::string_view::npos;
     const std::string_view digits = text.substr(0, colon);
     const std::optional<double> number = NumberFromZero(digits);
-    const bool alone = part == 0 && last;  // it may have an exponent
+    const bool alone = part == 0 && last;  // a single part may have an exponent
     const bool plain = digits.find_first_not_of(last ? "0123456789." : "0123456789") == std::string_view::npos;
     if (!number || !(plain || alone) || (part > 0 && *number >= 60)) return std::nullopt;
     seconds = 60 * seconds + *number;
@@ -101,7 +101,7 @@ std::optional<double> SecondsOf(std::string_view text) {
 Expected<double> ParseTime(std::string_view text) {
   if (const std::optional<double> seconds = SecondsOf(text)) return *seconds;
   return Fail(ErrorCode::kInvalidArgument,
-              fmt::format("\"{}\": must be a time from 0 on, in seconds or as 1:30 or 1:02:03.5", text));
+              fmt::format("\"{}\": must be a time of at least 0, in seconds or as 1:30 or 1:02:03.5", text));
 }
 
 CLI::Validator TimeOfVideo() {
@@ -128,22 +128,22 @@ void AddFieldOfView(CLI::App& app, std::optional<double>& hfov_deg) {
     if (degrees && *degrees > 0 && *degrees < 180) return {};
     return fmt::format("\"{}\": must be above 0 and below 180 degrees", text);
   };
-  app.add_option("--hfov", hfov_deg, "The camera's full horizontal field of view, degrees, whatever telemetry tells")
+  app.add_option("--hfov", hfov_deg, "The camera's full horizontal field of view in degrees; overrides telemetry")
       ->check(CLI::Validator(check, ""))
       ->type_name("DEG");
 }
 
 void AddGround(CLI::App& app, GroundArguments& ground) {
-  app.add_option("--ground", ground.height_m, "The height of flat ground above the ellipsoid, that objects are on")
+  app.add_option("--ground", ground.height_m, "Height of flat ground above the ellipsoid, in metres")
       ->check(CLI::Range(-1e3, 1e5))
       ->type_name("METRES");
-  app.add_option("--terrain", ground.terrain, "The ground that objects are on: a GeoTIFF of heights")
+  app.add_option("--terrain", ground.terrain, "Terrain heights as a GeoTIFF, used instead of flat ground")
       ->type_name("FILE");
   app.add_option("--terrain-datum", ground.vertical_datum,
-                 "What the terrain's heights count from, whatever the file says")
+                 "Vertical datum of the terrain heights; overrides the file's")
       ->check(CLI::IsMember({"ellipsoid", "egm96", "egm2008"}));
   app.add_option("--geoid", ground.geoid_grid,
-                 "A .gtx grid of the geoid that the terrain's heights count from (unless given: EGM96's of PROJ)")
+                 "A .gtx geoid grid to which the terrain heights refer (default: the EGM96 grid of PROJ)")
       ->type_name("FILE");
 }
 
@@ -196,11 +196,12 @@ Status WriteOutput(const std::string& path, std::string_view text) {
 Status CheckOutput(const std::string& path) {
   if (path.empty() || path == "-") return {};
   namespace fs = std::filesystem;
-  std::error_code unknown;  // then writing tells
+  std::error_code unknown;  // ignored: writing reports the error
   const fs::file_status status = fs::status(path, unknown);
-  fs::path written = path;  // a device or a pipe
+  fs::path written = path;  // a device or a pipe is written directly
   if (fs::is_regular_file(status) || !fs::exists(status)) {
-    written = fs::weakly_canonical(fs::absolute(path), unknown).parent_path();  // gets a new file
+    written = fs::weakly_canonical(fs::absolute(path), unknown)
+                  .parent_path();  // an atomic write creates a new file in the folder
   }
   if (!fs::is_directory(status) && ::access(written.c_str(), W_OK) == 0) return {};
   return std::unexpected(ErrorFromErrno(fs::is_directory(status) ? EISDIR : errno, fmt::format("write {}", path)));
@@ -208,14 +209,15 @@ Status CheckOutput(const std::string& path) {
 
 std::string OneLine(std::string text) {
   constexpr char kDelete = 0x7f;
-  std::ranges::replace_if(text, [](char c) { return static_cast<unsigned char>(c) < ' ' || c == kDelete; }, '?');
+  std::ranges::replace_if(
+      text, [](char c) { return static_cast<unsigned char>(c) < ' ' || c == kDelete; }, '?');
   return text;
 }
 
 CancelToken& Interrupt() {
   static CancelToken token;
   static const bool installed = [] {
-    const auto handler = [](int) { token.Cancel(); };  // may come before `installed` is
+    const auto handler = [](int) { token.Cancel(); };  // may run before `installed` is set
     std::signal(SIGINT, handler);
     std::signal(SIGTERM, handler);
     return true;
@@ -225,25 +227,26 @@ CancelToken& Interrupt() {
 }
 
 void FilterArguments::AddTo(CLI::App& app) {
-  app.add_option("--video", video, "Only this video: its name as indexed, or its last parts")->type_name("NAME");
+  app.add_option("--video", video, "Only this video: its indexed name, or the last parts of its path")
+      ->type_name("NAME");
   app.add_option("--model", model, "Only this model")->type_name("NAME");
-  app.add_option("--category", category, "Only this category, and those within it")->type_name("NAME");
-  app.add_option("--from", from_s, "Only from this time of the video on: seconds, or as 1:30 or 1:02:03.5")
+  app.add_option("--category", category, "Only this category and its subcategories")->type_name("NAME");
+  app.add_option("--from", from_s, "Only from this video time on: seconds, or as 1:30 or 1:02:03.5")
       ->type_name("TIME")
       ->transform(TimeOfVideo());
-  app.add_option("--to", to_s, "Only up to this time of the video")->type_name("TIME")->transform(TimeOfVideo());
-  app.add_option("--near", near, "Only objects at most so far from a place on Earth (degrees, metres)")
+  app.add_option("--to", to_s, "Only up to this video time")->type_name("TIME")->transform(TimeOfVideo());
+  app.add_option("--near", near, "Only objects within this distance of a place (degrees, metres)")
       ->type_name("LAT,LON,METRES");
-  app.add_flag("--rejected", rejected, "Also what was rejected as no object, and why");
+  app.add_flag("--rejected", rejected, "Include rejected objects, with the reason");
 }
 
 Expected<SightingFilter> FilterArguments::Filter() const {
   if (from_s && to_s && *from_s > *to_s) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("--from {:g} lies after --to {:g}: give a time and a later one", *from_s, *to_s));
+                fmt::format("--from {:g} is after --to {:g}: --to must be the later time", *from_s, *to_s));
   }
   if (!model.empty() && !category.empty()) {
-    return Fail(ErrorCode::kInvalidArgument, "--model and --category: give one of them");
+    return Fail(ErrorCode::kInvalidArgument, "--model and --category exclude each other: give one of them");
   }
   SightingFilter filter;
   if (!near.empty()) {
@@ -266,10 +269,10 @@ Expected<std::string> WhyNoneIsNear(SightingFilter filter, IndexStore& store) {
   if (!near.empty() || asked.empty()) return "";
   const auto placed = std::ranges::count_if(asked, [](const ObjectRecord& one) { return one.place.has_value(); });
   if (placed == 0) {
-    return fmt::format("--near: none of the {} objects asked for has a place: index the videos with telemetry",
+    return fmt::format("--near: none of the {} matching objects has a place: index the videos with telemetry",
                        asked.size());
   }
-  return fmt::format("--near: {} of the {} objects asked for have a place, and all lie further off", placed,
+  return fmt::format("--near: {} of the {} matching objects have a place, and all are farther away", placed,
                      asked.size());
 }
 

@@ -1,4 +1,4 @@
-// What several commands need of their arguments and output.
+// Argument parsing, parameter files and output shared by several commands.
 #pragma once
 
 #include <initializer_list>
@@ -19,7 +19,7 @@
 
 namespace victorious::cli {
 
-/// What --ground and its like were given.
+/// The values of --ground, --terrain, --terrain-datum and --geoid; an empty member was not given.
 struct GroundArguments {
   std::optional<double> height_m;
   std::string terrain;
@@ -27,58 +27,59 @@ struct GroundArguments {
   std::string geoid_grid;
 };
 
-/// "x,y,w,h" in pixels.
+/// Parses "x,y,w,h" in pixels. Error: kInvalidArgument for any other text or a box without area.
 Expected<Box> ParseBox(std::string_view text);
 
-/// A time of a video, as seconds ("90", "12.5") or with minutes or hours before them ("1:30", "1:02:03.5"), in seconds
-/// from 0 on. Error: kInvalidArgument.
+/// Parses a presentation time: seconds ("90", "12.5"), minutes:seconds ("1:30") or hours:minutes:seconds ("1:02:03.5").
+/// Returns seconds, at least 0. Error: kInvalidArgument.
 Expected<double> ParseTime(std::string_view text);
 
-/// For options that hold seconds: takes what ParseTime takes.
+/// A CLI11 transform for options in seconds: accepts the texts of ParseTime.
 CLI::Validator TimeOfVideo();
 
-/// "latitude,longitude,metres", degrees.
+/// Parses "latitude,longitude,metres" (latitude and longitude in degrees). Error: kInvalidArgument.
 Expected<Surroundings> ParseSurroundings(std::string_view text);
 
-/// The option --params. `lists` is what `victorious params` lists them by.
+/// Adds the option --params. `lists` is the argument with which `victorious params` lists these parameters.
 void AddParams(CLI::App& app, std::string& params, std::string_view lists);
 
-/// The option --hfov.
+/// Adds the option --hfov.
 void AddFieldOfView(CLI::App& app, std::optional<double>& hfov_deg);
 
-/// The options --ground, --terrain, --terrain-datum and --geoid; `ground` keeps what they do not set.
+/// Adds the options --ground, --terrain, --terrain-datum and --geoid. Options that are not given leave `ground`
+/// unchanged.
 void AddGround(CLI::App& app, GroundArguments& ground);
 
-/// Sets those that were given.
+/// Copies the values that were given to `options`.
 void ApplyGround(const GroundArguments& arguments, GroundOptions& options);
 
-/// Reads `--params FILE` (JSON) into the fields, or a preset by its name (pipeline/preset.h; a file of that name is
-/// ./NAME); an empty path changes nothing.
+/// Sets the fields from the JSON file `path`, or from the preset of that name (pipeline/preset.h; use ./NAME for a file
+/// with a preset's name). An empty path changes nothing. Errors: kNotFound; kInvalidArgument with the path.
 Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields);
 
-/// A parameter that a flag sets.
+/// A flag and the parameter that it sets.
 struct FlagOfField {
-  std::string_view field;  ///< its full name
+  std::string_view field;  ///< the field's full name
   std::string_view flag;
 };
 
-/// Checks parameters that flags set, so that what is wrong is told of the flag. Error: kInvalidArgument.
+/// Validates the parameters that flags set, so that the message names the flag. Error: kInvalidArgument.
 Status CheckFlags(const std::vector<FieldRef>& fields, std::initializer_list<FlagOfField> flags);
 
-/// Writes to stdout (`path` empty or "-"), or to a file, whole or not at all.
+/// Writes `text` to stdout (`path` empty or "-"), or atomically to a file.
 Status WriteOutput(const std::string& path, std::string_view text);
 
-/// Whether WriteOutput could write there, asked before long work.
+/// Checks that WriteOutput can write to `path`. Called before long work.
 Status CheckOutput(const std::string& path);
 
-/// The text with its control characters (of a file's name, say) replaced by '?': a message stays one line.
+/// Replaces control characters (for instance of a file name) by '?', so that a message stays one line.
 std::string OneLine(std::string text);
 
-/// Set by SIGINT and SIGTERM.
+/// The token that SIGINT and SIGTERM cancel. The first call installs the signal handlers.
 CancelToken& Interrupt();
 
-/// The flags --video, --model, --category, --from, --to, --near and --rejected of commands that list what an index
-/// holds.
+/// The flags --video, --model, --category, --from, --to, --near and --rejected of the commands that list the content of
+/// an index.
 struct FilterArguments {
   std::string video;
   std::string model;
@@ -89,12 +90,13 @@ struct FilterArguments {
   bool rejected = false;
 
   void AddTo(CLI::App& app);
-  /// Errors: kInvalidArgument for times that end before they begin; for no place; for both a
-  /// model and a category.
+  /// Returns the filter that the flags describe. Errors: kInvalidArgument if --from is after --to, if --near cannot be
+  /// parsed, or if both --model and --category are given.
   [[nodiscard]] Expected<SightingFilter> Filter() const;
 };
 
-/// Why no object is near the place that a filter asks for, for a person; empty where one is, or none is asked for.
+/// A message for the user that explains why no object matches filter.near; empty if one matches, or if filter.near is
+/// not set.
 Expected<std::string> WhyNoneIsNear(SightingFilter filter, IndexStore& store);
 
 }  // namespace victorious::cli

@@ -17,7 +17,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// What parsing says against a command line; nothing if it takes it.
+// The parser's error message for a command line; empty if the line is accepted.
 std::string Complaint(const std::string& line, FilterArguments& filter) {
   CLI::App app;
   filter.AddTo(app);

@@ -1,4 +1,4 @@
-// victorious bench [NAME]: starts the benchmarks, a program of their own that lies beside this one
+// victorious bench [NAME]: starts victorious-bench, a separate program in the same folder
 #include <cerrno>
 #include <filesystem>
 #include <memory>
@@ -19,15 +19,15 @@ Action SetUpBench(CLI::App& app) {
   };
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("NAME", arguments->name,
-                 "One benchmark: sift, match, cascade, mlesac, frame, search, locate; without it, all");
-  app.add_flag("--json", arguments->json, "Medians, and every peer's as ratio_to_<peer>");
+                 "One benchmark: sift, match, cascade, mlesac, frame, search, locate (default: all)");
+  app.add_flag("--json", arguments->json, "Print medians, and the ratio to every reference as ratio_to_<peer>");
   return [=]() -> Status {
     std::error_code error;
     const std::filesystem::path program =
         std::filesystem::read_symlink("/proc/self/exe", error).replace_filename("victorious-bench");
     if (!std::filesystem::exists(program, error)) {
       return Fail(ErrorCode::kNotFound,
-                  fmt::format("{}: the benchmarks are not built; `make build` builds them", program.string()));
+                  fmt::format("{}: not found: build the benchmarks with `make build`", program.string()));
     }
     std::vector<std::string> words = {program.string()};
     if (!arguments->name.empty()) words.push_back(arguments->name);

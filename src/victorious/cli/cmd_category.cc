@@ -37,20 +37,20 @@ struct Arguments {
   bool json = false;
 };
 
-// Whoever classifies other pictures than of these categories must know that no answer says so.
+// Warns if the model has no background class: an image of none of the categories would still get one of their labels.
 Status WarnWithoutBackground(const CategoryModel& model) {
   const CategoryFindOptions defaults;
   VICTORIOUS_ASSIGN_OR_RETURN(const CategoryFinder finder, CategoryFinder::Create(model, defaults));
   const auto labels = static_cast<std::size_t>(std::ranges::count(model.nodes, true, &CategoryNode::labels));
   if (finder.names().size() < labels) return {};
   spdlog::warn(
-      "no category stands for none of these: every picture, whatever it shows, is called one of them; pictures of "
-      "anything else, listed as {}, would tell",
+      "no background category: every image is labelled as one of the categories, whatever it shows; add images of "
+      "other objects, listed as {}, to the training list",
       defaults.none);
   return {};
 }
 
-// What is told of a line of the list names it already.
+// Prefixes the error with the list's name, unless it already names a line of the list.
 Error OfList(Error error, const std::string& list) {
   if (error.message.starts_with(list + " line ")) return error;
   return std::move(error).WithContext(list);
@@ -88,7 +88,7 @@ std::string Line(const std::string& image, const CategoryModel& model, const Cat
   return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-// Where the picture's evidence goes: FILE itself for one picture, FILE-2.png and so on for those after the first.
+// The output file of --explain for one image: FILE itself for the first image, FILE-2.png and so on for the others.
 std::string ExplanationFile(const std::string& file, std::size_t row) {
   if (row == 0) return file;
   const std::filesystem::path path(file);
@@ -113,7 +113,7 @@ Status Classify(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const CategoryEye eye, CategoryEye::Of(model));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
   if (!arguments.explain.empty() && arguments.method == "words")
-    return Fail(ErrorCode::kInvalidArgument, "--explain draws phrases: not with --method words");
+    return Fail(ErrorCode::kInvalidArgument, "--explain draws phrases: it needs --method phrases");
   const CategoryMethod method = arguments.method == "words" ? CategoryMethod::kWords : CategoryMethod::kPhrases;
   std::vector<std::string> lines(rows.size());
   const auto classify = [&](std::size_t row, const cv::Mat& bgr) -> Status {
@@ -139,7 +139,7 @@ Status Refine(const Arguments& arguments) {
   if (eye.options().windows.enabled) {
     return Fail(
         ErrorCode::kUnsupported,
-        fmt::format("{}: a model of windows cannot be refined: add what was right or wrong to its pictures, and "
+        fmt::format("{}: a model with windows cannot be refined: add the marked examples to the training images and "
                     "train again",
                     arguments.model));
   }
@@ -149,8 +149,8 @@ Status Refine(const Arguments& arguments) {
     const CategoryListRow& listed = rows[row];
     if (listed.category.empty() || listed.mark.empty()) {
       return Fail(ErrorCode::kInvalidArgument,
-                  fmt::format("{}: no {}: a line must have image,category,mark, the mark being right or wrong",
-                              listed.where, listed.category.empty() ? "category" : "mark"));
+                  fmt::format("{}: no {}: a line must be image,category,mark, with mark right or wrong", listed.where,
+                              listed.category.empty() ? "category" : "mark"));
     }
     marks[row] = {.category = listed.category, .right = listed.mark == "right", .features = {}};
     VICTORIOUS_ASSIGN_OR_RETURN(marks[row].features, eye.Look(GreyFromBgr(bgr)));
@@ -160,7 +160,7 @@ Status Refine(const Arguments& arguments) {
   Expected<CategoryModel> refined = RefineCategories(std::move(model), marks);
   if (!refined) return std::unexpected(OfList(std::move(refined).error(), arguments.list));
   VICTORIOUS_RETURN_IF_ERROR(WriteCategories(arguments.out, *refined));
-  return WriteOutput("", fmt::format("{}: refined by {} marks\n", arguments.out, marks.size()));
+  return WriteOutput("", fmt::format("{}: refined with {} marks\n", arguments.out, marks.size()));
 }
 
 }  // namespace
@@ -169,35 +169,37 @@ Action SetUpCategory(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.require_subcommand(1);
   const auto add_pictures = [&](CLI::App* command, const char* list) {
-    command->add_option("--images", arguments->images, "The folder that the list's paths are relative to")
+    command->add_option("--images", arguments->images, "Folder to which the paths of the list are relative")
         ->required()
         ->type_name("DIR");
     command->add_option("--list", arguments->list, list)->required()->type_name("CSV");
   };
-  CLI::App* train = app.add_subcommand("train", "Learn categories from pictures");
+  CLI::App* train = app.add_subcommand("train", "Train a category model from images");
   add_pictures(
       train,
-      "image,category,x0,y0,x1,y1 a line, after a header; the box in pixels, or nothing. The image may be a CAD "
-      "file: an example of its kind, drawn from all around");
+      "CSV with a header and lines image,category,x0,y0,x1,y1; the box is in pixels, or empty. An image may be a CAD "
+      "file: it is rendered from all directions");
   train->add_option("--out", arguments->out, "The category model to write")->required()->type_name("FILE");
   AddParams(*train, arguments->params, "category");
-  train->add_option("--seed", arguments->seed, "Of every random draw (default 1)")->type_name("N");
+  train->add_option("--seed", arguments->seed, "Seed of the random numbers (default 1)")->type_name("N");
 
-  CLI::App* classify = app.add_subcommand("classify", "What pictures show: a label and a score a category");
+  CLI::App* classify = app.add_subcommand("classify", "Classify images: a label, and a score for each category");
   classify->add_option("--model", arguments->model, "A category model")->required()->type_name("FILE");
-  add_pictures(classify, "Pictures, a line each, after a header: image, and whatever columns else");
-  classify->add_option("--method", arguments->method, "phrases, or words alone (the baseline)")
+  add_pictures(classify, "CSV with a header and one image per line: the column image; other columns are ignored");
+  classify->add_option("--method", arguments->method, "phrases, or words (bag-of-words baseline)")
       ->check(CLI::IsMember({"phrases", "words"}));
   classify
       ->add_option("--explain", arguments->explain,
-                   "Draw the phrases that spoke for the label, and their box, into this PNG; of further pictures into "
+                   "Draw the phrases that support the label, and their box, into this PNG; for further images into "
                    "FILE-2.png, ...")
       ->type_name("FILE");
-  classify->add_flag("--json", arguments->json, "A JSON line a picture, with every category's score");
+  classify->add_flag("--json", arguments->json, "One JSON line per image, with the score of every category");
 
-  CLI::App* refine = app.add_subcommand("refine", "A model made better by results marked right or wrong");
-  refine->add_option("--model", arguments->model, "A category model; it stays as it is")->required()->type_name("FILE");
-  add_pictures(refine, "image,category,mark a line, after a header; the mark is right or wrong");
+  CLI::App* refine = app.add_subcommand("refine", "Refine a model by results marked right or wrong");
+  refine->add_option("--model", arguments->model, "The category model to refine; it is not changed")
+      ->required()
+      ->type_name("FILE");
+  add_pictures(refine, "CSV with a header and lines image,category,mark; mark is right or wrong");
   refine->add_option("--out", arguments->out, "The new category model to write")->required()->type_name("FILE");
   return [=] {
     if (refine->parsed()) return Refine(*arguments);

@@ -1,4 +1,4 @@
-// victorious doctor [FILE]: what this machine offers, or what a file holds and what is missing for which result
+// victorious doctor [FILE]: describes this machine, or the content of a file and what is missing for which result
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -34,7 +34,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-// The same twice: for people, and for programs (--json).
+// One report in two forms: text, and JSON for programs (--json).
 struct Report {
   std::string text;
   ordered_json json;
@@ -44,8 +44,8 @@ std::string GpuText() {
   std::error_code error;
   const bool nvidia = fs::exists("/dev/nvidia0", error);
   const bool other = fs::exists("/dev/dri/renderD128", error);
-  if (!nvidia && !other) return "none here (and none is needed)";
-  return fmt::format("{} is there; this version does not use it", nvidia ? "an NVIDIA one" : "one");
+  if (!nvidia && !other) return "none (not required)";
+  return fmt::format("{} is present; this version does not use it", nvidia ? "an NVIDIA GPU" : "a GPU");
 }
 
 Report Machine() {
@@ -57,13 +57,13 @@ Report Machine() {
       "  feature engines  {}\n"
       "  video            {}\n"
       "  decoders         {}{}\n"
-      "  drawn videos     {}\n"
-      "  pictures         OpenCV {}\n"
+      "  video encoder    {}\n"
+      "  images           OpenCV {}\n"
       "  GPU              {}\n",
       kVersion, std::thread::hardware_concurrency(), kernels::NearestTwoTarget(), fmt::join(FeatureEngines(), ", "),
       codecs.libraries, fmt::join(codecs.decoders, ", "),
       codecs.missing.empty() ? "" : fmt::format("; missing: {}", fmt::join(codecs.missing, ", ")),
-      codecs.h264_encoder ? "H.264 (libx264)" : "cannot be encoded here: libx264 is missing", CV_VERSION, GpuText());
+      codecs.h264_encoder ? "H.264 (libx264)" : "unavailable: libx264 is missing", CV_VERSION, GpuText());
   return {std::move(text),
           {{"version", kVersion},
            {"processors", std::thread::hardware_concurrency()},
@@ -77,7 +77,7 @@ Report Machine() {
            {"gpu", GpuText()}}};
 }
 
-// What was read of a video to describe it.
+// The part of a video that was read to describe it.
 struct Probe {
   std::int64_t frames = 0;
   double last_time_s = 0;
@@ -101,7 +101,7 @@ Expected<Probe> ReadBeginning(VideoReader& reader, const std::string& source) {
   }
   std::error_code error;
   const bool at_hand = std::filesystem::is_regular_file(source, error);
-  if (at_hand) reader.PassOverFrames();  // telemetry that comes later, and whether the file ends where it should
+  if (at_hand) reader.PassOverFrames();  // reads later telemetry, and detects a truncated file
   std::ranges::move(reader.TakeDataPackets(), std::back_inserter(probe.packets));
   return probe;
 }
@@ -112,8 +112,8 @@ std::string Indented(const std::vector<std::string>& lines) {
   return text;
 }
 
-// Whether telemetry's clock is the picture's; empty where telemetry tells no pointing at all, or the video cannot be
-// read a second time.
+// Describes the time offset between telemetry and video; empty if telemetry has no attitude or the video cannot be read
+// a second time.
 std::string ClockOf(const std::string& source, const Probe& probe, const Telemetry& telemetry) {
   const TelemetryOptions defaults;
   if (probe.live || !std::ranges::any_of(telemetry.states, &CameraState::IsComplete)) return {};
@@ -125,7 +125,7 @@ std::string ClockOf(const std::string& source, const Probe& probe, const Telemet
   return Describe(EstimateTimeOffset(*seen, CameraTrack(telemetry.states, defaults.max_gap_s), options));
 }
 
-// What is known of the camera, from the file itself or from what lies beside it. As JSON null where nothing is.
+// Describes the telemetry in the file or beside it; JSON null if there is none.
 Report DescribePlace(const std::string& source, const Probe& probe) {
   const auto inside = TelemetryFromPackets(probe.packets, {});
   if (inside && inside->records > 0) {
@@ -139,7 +139,7 @@ Report DescribePlace(const std::string& source, const Probe& probe) {
     return {
         fmt::format("impossible: no telemetry\n"
                     "  missing: KLV or a DJI aircraft's subtitles in the file, {}.SRT or {}.telemetry.csv beside it, "
-                    "or a table that `index --telemetry` names\n",
+                    "or a table given to `index --telemetry`\n",
                     name, name),
         nullptr};
   }
@@ -148,7 +148,7 @@ Report DescribePlace(const std::string& source, const Probe& probe) {
   if (telemetry) {
     if (std::string clock = ClockOf(source, probe, *telemetry); !clock.empty()) said.push_back(std::move(clock));
   }
-  return {fmt::format("telemetry beside it, {}\n", OneLine(beside->string())) + Indented(said),
+  return {fmt::format("telemetry beside the file, {}\n", OneLine(beside->string())) + Indented(said),
           {{"source", beside->string()}, {"says", said}}};
 }
 
@@ -164,24 +164,24 @@ Expected<Report> DescribeVideo(const std::string& source) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(source, {.data_packets = true}));
   const VideoInfo info = reader->info();
   VICTORIOUS_ASSIGN_OR_RETURN(const Probe probe, ReadBeginning(*reader, source));
-  std::string text =
-      fmt::format("{}\n  container  {}\n  picture    {} x {} px, {}{}{}{}\n", source, info.container, info.width,
-                  info.height, info.codec, info.frame_rate > 0 ? fmt::format(", {:.3g} frames/s", info.frame_rate) : "",
-                  info.pixel_aspect != 1 ? fmt::format(", pixels of {:.4g}:1 made square", info.pixel_aspect) : "",
-                  info.rotation_deg != 0 ? fmt::format(", turned {} degrees to stand upright", info.rotation_deg) : "");
+  std::string text = fmt::format(
+      "{}\n  container  {}\n  picture    {} x {} px, {}{}{}{}\n", source, info.container, info.width, info.height,
+      info.codec, info.frame_rate > 0 ? fmt::format(", {:.3g} frames/s", info.frame_rate) : "",
+      info.pixel_aspect != 1 ? fmt::format(", pixel aspect ratio {:.4g}:1 corrected", info.pixel_aspect) : "",
+      info.rotation_deg != 0 ? fmt::format(", rotated by {} degrees to be upright", info.rotation_deg) : "");
   text += fmt::format(
       "  length     {}{}\n",
-      info.duration_s ? fmt::format("{:.2f} s by the container", *info.duration_s) : "not told by the container",
+      info.duration_s ? fmt::format("{:.2f} s by the container", *info.duration_s) : "not given by the container",
       probe.at_end ? fmt::format("; {} frames, the last at {:.2f} s", probe.frames, probe.last_time_s)
                    : fmt::format("; the first {} frames ({:.2f} s) were decoded for this report", probe.frames,
                                  probe.last_time_s));
   for (const StreamInfo& stream : info.streams)
     text += fmt::format("  stream {}   {} ({})\n", stream.index, stream.type, stream.codec);
   for (const std::string& warning : reader->warnings()) text += fmt::format("  damage     {}\n", warning);
-  text += "Finding objects: everything needed is there.\n";
+  text += "Finding objects: possible.\n";
   Report place = DescribePlace(source, probe);
   if (Interrupt().IsCancelled()) return Fail(ErrorCode::kCancelled, fmt::format("{}: interrupted", source));
-  text += "Placing them on the map: " + place.text;
+  text += "Geolocating objects: " + place.text;
   return Report{std::move(text),
                 {{"file", source},
                  {"kind", "video"},
@@ -256,7 +256,7 @@ Expected<Report> DescribeTelemetryFile(const std::string& path) {
   return Report{fmt::format("{}\n{}", path, Indented(said)), {{"file", path}, {"kind", "telemetry"}, {"says", said}}};
 }
 
-// By the file's first bytes, whatever it is called.
+// Determines the kind by the file's first bytes, not by its name.
 Expected<Report> Describe(const std::string& path) {
   std::array<char, 16> head{};
   std::ifstream(path, std::ios::binary).read(head.data(), head.size());
@@ -282,9 +282,9 @@ Action SetUpDoctor(CLI::App& app) {
   };
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("FILE", arguments->file,
-                 "A video, a folder of frames, a picture, telemetry, a model (.vmodel) or an index (.db); without it, "
-                 "this machine");
-  app.add_flag("--json", arguments->json, "One JSON object");
+                 "A video, a folder of frames, an image, telemetry, a model (.vmodel) or an index (.db); without it, "
+                 "this machine is described");
+  app.add_flag("--json", arguments->json, "Print one JSON object");
   return [=]() -> Status {
     if (arguments->file.empty()) return Print(Machine(), arguments->json);
     VICTORIOUS_ASSIGN_OR_RETURN(const Report report, Describe(arguments->file));

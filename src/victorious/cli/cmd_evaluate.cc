@@ -29,7 +29,8 @@ Status Run(const Arguments& arguments) {
   if (!arguments.video.empty()) filter.video_name = arguments.video;
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(*store, filter));
   if (catalogue.videos().size() > 1) {
-    return Fail(ErrorCode::kInvalidArgument, "the index holds several videos: choose the truth's with --video");
+    return Fail(ErrorCode::kInvalidArgument,
+                "the index contains several videos: select that of the truth with --video");
   }
   if (!arguments.models.empty()) {
     const std::set<std::string> keep(arguments.models.begin(), arguments.models.end());
@@ -45,12 +46,12 @@ Status Run(const Arguments& arguments) {
 Action SetUpEvaluate(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("--db", arguments->db, "The index")->required()->type_name("FILE");
-  app.add_option("--truth", arguments->truth, "truth.jsonl of the video")->required()->type_name("FILE");
-  app.add_option("--models", arguments->models, "The models that were searched: truth of others is left out")
+  app.add_option("--truth", arguments->truth, "Ground truth (truth.jsonl) of the video")->required()->type_name("FILE");
+  app.add_option("--models", arguments->models, "Models that were searched: truth of other models is ignored")
       ->delimiter(',')
       ->type_name("A,B");
-  app.add_option("--video", arguments->video, "The video, where the index holds several")->type_name("NAME");
-  app.add_flag("--json", arguments->json, "As JSON");
+  app.add_option("--video", arguments->video, "The video, if the index contains several")->type_name("NAME");
+  app.add_flag("--json", arguments->json, "Print JSON");
   return [=] { return Run(*arguments); };
 }
 

@@ -25,20 +25,20 @@ struct Arguments {
   int frames = 0;
 };
 
-// A folder that was named must be there; the default one need not be for what draws its own pictures.
+// A folder that was named must exist. The default one need not: some experiments render their own images.
 Expected<std::string> DataFolder(const std::string& given) {
   const char* const set = std::getenv("VICTORIOUS_DATA");
   const std::string named = given.empty() && set != nullptr ? set : given;
   if (named.empty()) return "../shared/data";
   std::error_code error;
   if (!std::filesystem::is_directory(named, error)) {
-    return Fail(ErrorCode::kNotFound, fmt::format("{} {}: no such folder of outside data",
+    return Fail(ErrorCode::kNotFound, fmt::format("{} {}: folder of external data not found",
                                                   given.empty() ? "VICTORIOUS_DATA" : "--data", named));
   }
   return named;
 }
 
-// "NAME: what it shows", a line each.
+// "NAME: summary", one line for each experiment.
 std::string Names() {
   std::string text;
   for (const Experiment& experiment : Experiments())
@@ -50,7 +50,8 @@ Status Run(const Arguments& arguments) {
   if (arguments.name == "list") return WriteOutput("", Names());
   VICTORIOUS_RETURN_IF_ERROR(FindExperiment(arguments.name));
   if (arguments.out.empty()) {
-    return Fail(ErrorCode::kInvalidArgument, "--out is required: the folder for NAME.json, NAME.csv and the plot");
+    return Fail(ErrorCode::kInvalidArgument,
+                "--out is required: give the output folder for NAME.json, NAME.csv and the plot");
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string data, DataFolder(arguments.data));
   const ExperimentSettings settings{
@@ -66,10 +67,9 @@ Status Run(const Arguments& arguments) {
   if (report) return WriteOutput("", MarkdownOf(*report));
   std::error_code error;
   if (report.error().code == ErrorCode::kNotFound && !std::filesystem::is_directory(arguments.scenes, error)) {
-    return Fail(
-        ErrorCode::kNotFound,
-        fmt::format("{}; {} is no folder of scene files: run from the repository's root, or name it by --scenes",
-                    report.error().message, arguments.scenes));
+    return Fail(ErrorCode::kNotFound,
+                fmt::format("{}; {} is not a folder of scene files: run from the repository's root, or give --scenes",
+                            report.error().message, arguments.scenes));
   }
   return std::unexpected(report.error());
 }
@@ -78,23 +78,24 @@ Status Run(const Arguments& arguments) {
 
 Action SetUpExperiment(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("NAME", arguments->name, "Which one; list: print these lines\n" + Names())->required();
-  app.add_option("--out", arguments->out, "The folder for NAME.json, NAME.csv and the plot (required, but for list)")
+  app.add_option("NAME", arguments->name, "The experiment; list prints these lines\n" + Names())->required();
+  app.add_option("--out", arguments->out,
+                 "Output folder for NAME.json, NAME.csv and the plot (required, except for list)")
       ->type_name("DIR");
-  app.add_option("--data", arguments->data, "The folder of outside data (default $VICTORIOUS_DATA, or ../shared/data)")
+  app.add_option("--data", arguments->data, "Folder of external data (default $VICTORIOUS_DATA, or ../shared/data)")
       ->type_name("DIR");
   app.add_option("--scenes", arguments->scenes,
-                 "The folder of scene files, for those that draw pictures (default scenes)")
+                 "Folder of scene files, for experiments that render images (default scenes)")
       ->type_name("DIR");
   app.add_option("--seeds", arguments->seeds, "Random splits to average over (default 20)")
       ->check(CLI::Range(1, 10000))
       ->type_name("N");
   app.add_option("--movies", arguments->movies,
-                 "Of chapters 4 and 5: the scene files to fly, by name (default: each experiment's own choice)")
+                 "Chapters 4 and 5: the scene files to simulate, by name (default: each experiment's own choice)")
       ->delimiter(',')
       ->type_name("A,B");
   app.add_option("--frames", arguments->frames,
-                 "Of these flights: at most so many frames each, over the same time (default: as the scene has it)")
+                 "Largest number of frames per simulated flight, over the same time (default: as in the scene)")
       ->check(CLI::Range(2, 1000000))
       ->type_name("N");
   return [=] { return Run(*arguments); };

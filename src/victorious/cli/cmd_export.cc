@@ -24,13 +24,13 @@ Action SetUpExport(CLI::App& app) {
   app.add_option("--format", arguments->format, "objects, sightings (JSON Lines), geojson, kml, mot, coco")
       ->required()
       ->type_name("FORMAT");
-  app.add_option("--out", arguments->out, "Where it goes, instead of to standard output")->type_name("FILE");
+  app.add_option("--out", arguments->out, "Output file (default: standard output)")->type_name("FILE");
   arguments->filter.AddTo(app);
   return [=]() -> Status {
     VICTORIOUS_ASSIGN_OR_RETURN(const ExportFormat format, ParseExportFormat(arguments->format));
     std::error_code error;
     if (std::filesystem::equivalent(arguments->db, arguments->out, error)) {
-      return Fail(ErrorCode::kInvalidArgument, "--out is the index itself: give another file");
+      return Fail(ErrorCode::kInvalidArgument, "--out is the index itself: give another file name");
     }
     VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,

@@ -45,10 +45,10 @@ Action SetUpFeatures(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("IMAGE", arguments->image, "A picture (PNG, JPEG)")->required();
   app.add_option("--out", arguments->out,
-                 "Where the features go: `N 128`, then x y scale orientation_rad d1 … d128 a line")
+                 "Output file: `N 128`, then one line per feature: x y scale orientation_rad d1 … d128")
       ->required()
       ->type_name("FILE");
-  app.add_option("--engine", arguments->engine, "Who computes them")->type_name("NAME");
+  app.add_option("--engine", arguments->engine, "The feature engine")->type_name("NAME");
   app.add_option("--params", arguments->params, "Parameters, JSON (`victorious params features` lists them)")
       ->type_name("FILE");
   return [=] { return Run(*arguments); };

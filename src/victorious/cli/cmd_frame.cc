@@ -1,4 +1,4 @@
-// victorious frame VIDEO --at TIME --out PNG: one frame as a picture, to cut an object out of
+// victorious frame VIDEO --at TIME --out PNG: writes one frame as an image, to cut an object out
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -37,7 +37,7 @@ Status Run(const Arguments& arguments) {
   }
   const std::string why = reader->warnings().empty() ? "" : fmt::format(" ({})", reader->warnings().back());
   return Fail(ErrorCode::kInvalidArgument,
-              fmt::format("{}: ends with frame {} at {:.3f} s{}, before what was asked for", arguments.video,
+              fmt::format("{}: ends with frame {} at {:.3f} s{}, before the requested frame", arguments.video,
                           last ? last->index : -1, last ? last->time_s : 0.0, why));
 }
 
@@ -46,13 +46,13 @@ Status Run(const Arguments& arguments) {
 Action SetUpFrame(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("VIDEO", arguments->video, "A file or a folder of frames")->required();
-  app.add_option("--at", arguments->at_s, "The first frame at this time or later: seconds, or as 1:30 or 1:02:03.5")
+  app.add_option("--at", arguments->at_s, "First frame at this time or later: seconds, or as 1:30 or 1:02:03.5")
       ->type_name("TIME")
       ->transform(TimeOfVideo());
-  app.add_option("--number", arguments->number, "The frame of this number, from 0")
+  app.add_option("--number", arguments->number, "Frame number, from 0")
       ->type_name("N")
       ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()));
-  app.add_option("--out", arguments->out, "The picture (.png, .jpg)")->required()->type_name("FILE");
+  app.add_option("--out", arguments->out, "The output image (.png, .jpg)")->required()->type_name("FILE");
   return [=] { return Run(*arguments); };
 }
 

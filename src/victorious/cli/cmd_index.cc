@@ -38,7 +38,7 @@ Error Both(const std::optional<Error>& one, const Error& other) {
   return one ? Error{one->code, one->message + "; " + other.message} : other;
 }
 
-// Of videos that cannot be read no index is made.
+// Fails if no video can be opened, so that no empty index is created.
 Status CheckAnyOpens(const std::vector<std::string>& videos) {
   std::optional<Error> failure;
   for (const std::string& video : videos) {
@@ -53,7 +53,8 @@ Status CheckAnyOpens(const std::vector<std::string>& videos) {
 
 Status Run(const Arguments& arguments) {
   if (arguments.telemetry && arguments.videos.size() > 1) {
-    return Fail(ErrorCode::kInvalidArgument, "--telemetry goes with one video: index several one after the other");
+    return Fail(ErrorCode::kInvalidArgument,
+                "--telemetry applies to one video: index several videos one after the other");
   }
   if (arguments.models.empty() && arguments.categories.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
@@ -71,7 +72,7 @@ Status Run(const Arguments& arguments) {
     VICTORIOUS_ASSIGN_OR_RETURN(models, ModelLibrary(arguments.models).LoadAll());
     if (models.empty()) {
       return Fail(ErrorCode::kNotFound,
-                  fmt::format("{}: no models to search for; make one with `victorious model add`", arguments.models));
+                  fmt::format("{}: no models; make one with `victorious model add`", arguments.models));
     }
   }
   std::optional<CategoryModel> categories;
@@ -85,7 +86,7 @@ Status Run(const Arguments& arguments) {
   if (!std::filesystem::exists(arguments.db, error)) VICTORIOUS_RETURN_IF_ERROR(CheckAnyOpens(arguments.videos));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
                               OpenSqliteStore(arguments.db, StoreMode::kCreate));
-  // A video that cannot be read does not keep the others from being indexed.
+  // A video that cannot be read does not prevent the others from being indexed.
   std::optional<Error> failure;
   for (const std::string& video : arguments.videos) {
     const auto warn = [&](const std::string& warning) { spdlog::warn("{}: {}", video, warning); };
@@ -97,15 +98,15 @@ Status Run(const Arguments& arguments) {
       if (report.error().code == ErrorCode::kCancelled) break;
       continue;
     }
-    if (report->stopped_live) spdlog::info("{}: a live source, stopped here as its end", OneLine(video));
+    if (report->stopped_live) spdlog::info("{}: live source, indexed up to the interruption", OneLine(video));
     const bool known = report->frames_searched == 0 && !report->stopped_live;
     if (report->sun) {
       const double azimuth_deg = DegreesFromRadians(report->sun->azimuth_rad);
-      spdlog::info("{}: the sun at azimuth {:.0f}, elevation {:.0f} degrees", OneLine(video),
+      spdlog::info("{}: sun at azimuth {:.0f}, elevation {:.0f} degrees", OneLine(video),
                    azimuth_deg < 0 ? azimuth_deg + 360 : azimuth_deg, DegreesFromRadians(report->sun->elevation_rad));
     }
     spdlog::info("{}: {} frames searched, {} sightings{}", OneLine(video), report->frames_searched, report->sightings,
-                 known ? " (all of it was indexed before)" : "");
+                 known ? " (already indexed)" : "");
   }
   if (failure) return std::unexpected(*std::move(failure));
   return {};
@@ -116,23 +117,24 @@ Status Run(const Arguments& arguments) {
 Action SetUpIndex(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("VIDEO", arguments->videos, "Files, folders of frames, or live URLs")->required();
-  app.add_option("--models", arguments->models, "The folder of models to search for")->type_name("DIR");
+  app.add_option("--models", arguments->models, "Folder of models to search for")->type_name("DIR");
   app.add_option("--categories", arguments->categories,
-                 "A category model (`victorious category train`): its categories are searched for, too")
+                 "A category model (`victorious category train`), whose categories are searched for as well")
       ->type_name("FILE");
-  app.add_option("--db", arguments->db, "The index, made if it is not there")->required()->type_name("FILE");
+  app.add_option("--db", arguments->db, "The index; created if it does not exist")->required()->type_name("FILE");
   app.add_option("--telemetry", arguments->telemetry,
-                 "Where the camera was (unless given: the video's own KLV, NAME.SRT or NAME.telemetry.csv beside it)")
+                 "Camera states (default: the video's own KLV, or NAME.SRT or NAME.telemetry.csv beside it)")
       ->type_name("FILE");
   AddParams(app, arguments->params, "index");
   app.add_option("--every", arguments->every,
-                 "Search every N-th frame as a whole; between them, only where objects are followed")
+                 "Search every N-th frame completely; in between, only regions around tracked objects")
       ->type_name("N");
   AddFieldOfView(app, arguments->hfov_deg);
   AddGround(app, arguments->ground);
   app.add_flag("--redo", arguments->redo,
-               "Forget what was found of these models and categories in these videos, and search again");
-  app.add_option("--threads", arguments->threads, "Threads; 0: as many as the machine has")->check(CLI::Range(0, 1024));
+               "Delete the results of these models and categories in these videos, and search again");
+  app.add_option("--threads", arguments->threads, "Number of threads; 0: one per processor")
+      ->check(CLI::Range(0, 1024));
   return [=] { return Run(*arguments); };
 }
 

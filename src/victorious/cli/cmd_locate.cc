@@ -42,7 +42,7 @@ double CourseDeg(const Eigen::Vector3d& velocity_enu) {
   return course < 0 ? course + 360 : course;
 }
 
-// What is not known is null, never 0.
+// Unknown values are null, never 0.
 Json JsonOf(const GeoFix& fix) {
   Json json = {{"latitude_deg", nullptr},
                {"longitude_deg", nullptr},
@@ -87,19 +87,19 @@ std::string TextOf(const GeoFix& fix) {
     text += fmt::format("velocity {:.2f} m/s towards {:.1f} deg\n", place.velocity_enu->norm(),
                         CourseDeg(*place.velocity_enu));
   }
-  text += fmt::format("lines    {} of {} agree\n", std::ranges::count(fix.inliers, true), fix.inliers.size());
+  text += fmt::format("lines    {} of {} are inliers\n", std::ranges::count(fix.inliers, true), fix.inliers.size());
   return text;
 }
 
 void WarnOfRows(const std::vector<std::string>& problems) {
   constexpr std::size_t kMost = 20;
   for (std::size_t i = 0; i < std::min(kMost, problems.size()); ++i) {
-    spdlog::warn("{}: the row is left out", OneLine(problems[i]));
+    spdlog::warn("{}: row ignored", OneLine(problems[i]));
   }
-  if (problems.size() > kMost) spdlog::warn("{} rows more are left out", problems.size() - kMost);
+  if (problems.size() > kMost) spdlog::warn("{} more rows ignored", problems.size() - kMost);
 }
 
-// One a row of the file: what could not be read agrees with nothing.
+// Expands the inlier flags from the lines that were read to all rows of the file; rows that were not read are outliers.
 std::vector<bool> ByRow(const std::vector<bool>& inliers, const std::vector<bool>& is_read) {
   std::vector<bool> by_row;
   std::size_t next = 0;
@@ -130,13 +130,13 @@ Action SetUpLocate(CLI::App& app) {
   app.add_option("LINES", arguments->lines, "Lines of sight (CSV, docs/formats/locate.md)")
       ->required()
       ->type_name("FILE");
-  app.add_option("--motion", arguments->motion, "How the object moves (static unless told)")
+  app.add_option("--motion", arguments->motion, "Motion model of the object (default static)")
       ->check(CLI::IsMember({"static", "velocity", "auto"}));
-  app.add_option("--method", arguments->method, "The estimator (ml unless told)")
+  app.add_option("--method", arguments->method, "The estimator (default ml)")
       ->check(CLI::IsMember({"ml", "ransac", "prior", "least-squares", "ground"}));
   AddGround(app, arguments->ground);
   app.add_option("--params", arguments->params, "Parameters (`victorious params locate`)")->type_name("FILE");
-  app.add_flag("--json", arguments->json, "As JSON");
+  app.add_flag("--json", arguments->json, "Print JSON");
   return [=] { return Run(*arguments); };
 }
 

@@ -1,4 +1,4 @@
-// victorious match SCENE TEMPLATE: what each stage leaves of two images' matches
+// victorious match SCENE TEMPLATE: the matches of two images after each stage
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -80,7 +80,8 @@ ordered_json Report(const FeatureSet& scene, const FeatureView& model, const Sta
   return json;
 }
 
-// The scene with the template beside it: what the grammar dropped in cyan, what stayed in red, the outline in yellow.
+// Draws the scene beside the template: matches rejected by the grammar in cyan, matches kept in red, the outline in
+// yellow.
 cv::Mat Draw(const cv::Mat& scene_image, const cv::Mat& model_image, const FeatureSet& scene, const FeatureView& model,
              const StagedMatches& staged, const Polygon& outline) {
   const int height = std::max(scene_image.rows, model_image.rows);
@@ -135,10 +136,10 @@ Status Run(const Arguments& arguments) {
   for (const Stage& stage : StagesOf(staged, pose != nullptr ? pose->inliers : none))
     text += fmt::format("{:<8} {:>6} matches\n", stage.name, stage.matches->size());
   if (pose == nullptr) {
-    text += "no pose: the template was not found\n";
+    text += "no pose: template not found\n";
   } else {
     const Similarity2& similarity = pose->scene_from_template;
-    text += fmt::format("pose     scale {:.3f}, turned {:.1f} degrees, template's origin at {:.1f},{:.1f}\n",
+    text += fmt::format("pose     scale {:.3f}, rotation {:.1f} degrees, template origin at {:.1f},{:.1f}\n",
                         similarity.scale, DegreesFromRadians(similarity.rotation_rad), similarity.translation.x(),
                         similarity.translation.y());
   }
@@ -149,12 +150,13 @@ Status Run(const Arguments& arguments) {
 
 Action SetUpMatch(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("SCENE", arguments->scene, "The picture to search in")->required();
-  app.add_option("TEMPLATE", arguments->model, "The picture of the object; its alpha channel cuts it out")->required();
+  app.add_option("SCENE", arguments->scene, "The image to search")->required();
+  app.add_option("TEMPLATE", arguments->model, "The image of the object; an alpha channel masks the background")
+      ->required();
   app.add_option("--ratio", arguments->ratio, "Lowe's ratio test (default 0.8)")->type_name("R");
   AddParams(app, arguments->params, "index");
   app.add_option("--draw", arguments->draw, "Draw the matches and the outline into this PNG")->type_name("FILE");
-  app.add_flag("--json", arguments->json, "Every stage's matches as JSON");
+  app.add_flag("--json", arguments->json, "Print the matches of every stage as JSON");
   return [=] { return Run(*arguments); };
 }
 

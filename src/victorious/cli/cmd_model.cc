@@ -27,7 +27,7 @@
 namespace victorious::cli {
 namespace {
 
-// `model show --findable` and what it is asked with.
+// The flags of `model show --findable`.
 struct FindableArguments {
   bool wanted = false;
   FindableOptions options;
@@ -54,7 +54,7 @@ struct Arguments {
   FindableArguments findable;
 };
 
-// The photos with what was cut out of them, one below the other.
+// Draws the photos, with the outline of the object in each, one below the other.
 cv::Mat DrawCutOuts(const std::vector<Photo>& photos) {
   std::vector<cv::Mat> rows;
   int width = 0;
@@ -72,11 +72,11 @@ cv::Mat DrawCutOuts(const std::vector<Photo>& photos) {
   return picture;
 }
 
-// What surrounds an object would be learned as part of it.
+// Without a cut-out, the background would be learned as part of the object.
 void TellWholePhotos(const std::vector<Photo>& photos) {
   for (const Photo& photo : photos) {
     if (!photo.mask.empty() && cv::countNonZero(photo.mask) < static_cast<int>(photo.mask.total())) continue;
-    spdlog::info("{}: the whole photo is taken for the object; --box X,Y,W,H or an alpha channel cuts it out",
+    spdlog::info("{}: the whole photo is used as the object; cut it out by --box X,Y,W,H or an alpha channel",
                  OneLine(photo.source));
   }
 }
@@ -84,11 +84,11 @@ void TellWholePhotos(const std::vector<Photo>& photos) {
 Expected<ObjectModel> FromPhotos(const Arguments& arguments) {
   if (arguments.step_deg || arguments.max_off_nadir_deg || !arguments.up.empty() || !arguments.front.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
-                "--step, --max-off-nadir, --up and --front are for CAD files, not for photos");
+                "--step, --max-off-nadir, --up and --front apply to CAD files, not to photos");
   }
   if (!arguments.boxes.empty() && arguments.boxes.size() != arguments.inputs.size()) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{} boxes for {} photos: give one --box a photo, in their order, or none",
+                fmt::format("{} boxes for {} photos: give one --box for each photo, in their order, or none",
                             arguments.boxes.size(), arguments.inputs.size()));
   }
   PhotoModelOptions options;
@@ -111,7 +111,7 @@ Expected<ObjectModel> FromPhotos(const Arguments& arguments) {
 Expected<ObjectModel> FromCad(const Arguments& arguments) {
   const std::string& input = arguments.inputs.front();
   if (!arguments.boxes.empty() || !arguments.draw.empty()) {
-    return Fail(ErrorCode::kInvalidArgument, "--box and --draw are for photos, not for CAD files");
+    return Fail(ErrorCode::kInvalidArgument, "--box and --draw apply to photos, not to CAD files");
   }
   CadModelOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
@@ -203,7 +203,7 @@ Status List(const Arguments& arguments) {
   return WriteOutput("", text);
 }
 
-// Of the very search that `index` makes.
+// Measures the recall of the same search that `index` runs.
 Expected<Findable> MeasureFindable(const ObjectModel& model, const FindableArguments& arguments) {
   IndexOptions search;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(search)));
@@ -215,7 +215,7 @@ Expected<Findable> MeasureFindable(const ObjectModel& model, const FindableArgum
     double elevation_deg = 0;
     if (!CLI::detail::lexical_cast(arguments.sun, elevation_deg)) {
       return Fail(ErrorCode::kInvalidArgument,
-                  fmt::format("--sun {}: must be its elevation, 5 to 90 degrees, or off", OneLine(arguments.sun)));
+                  fmt::format("--sun {}: must be an elevation of 5 to 90 degrees, or off", OneLine(arguments.sun)));
     }
     options.sun_deg = elevation_deg;
   }
@@ -237,7 +237,7 @@ Expected<Findable> MeasureFindable(const ObjectModel& model, const FindableArgum
   return found;
 }
 
-// A line a view; of many, how much they hold.
+// One line for each view; for more than 12 views, only statistics of their features.
 std::string ViewsText(const ObjectModel& model) {
   constexpr std::size_t kMostLines = 12;
   std::string text;
@@ -245,7 +245,7 @@ std::string ViewsText(const ObjectModel& model) {
     std::vector<double> counts;
     for (const ModelView& view : model.views) counts.push_back(static_cast<double>(view.feature_count));
     const auto [fewest, most] = std::ranges::minmax(counts);
-    return fmt::format("  a view    {} to {} features, median {}; --json lists the views, --views FILE draws them\n",
+    return fmt::format("  per view  {} to {} features, median {}; --json lists the views, --views FILE draws them\n",
                        fewest, most, Median(counts));
   }
   for (const ModelView& view : model.views) {
@@ -281,26 +281,28 @@ Status Show(const Arguments& arguments) {
 
 void AddFindableFlags(CLI::App& show, FindableArguments& findable) {
   CLI::Option* wanted =
-      show.add_flag("--findable", findable.wanted, "Measure how findable it is, by pictures made of its own views");
+      show.add_flag("--findable", findable.wanted,
+                    "Measure the fraction of rendered test images in which the search finds the model");
   const auto add = [&](CLI::Option* option) {
     option->needs(wanted);
     return option;
   };
-  add(show.add_option("--size-px", findable.options.size_px,
-                      "Of its box in the picture, the longest side (default 64)"))
+  add(show.add_option("--size-px", findable.options.size_px, "Longest side of its box in the image (default 64)"))
       ->type_name("PX");
-  add(show.add_option("--noise", findable.options.noise, "Share of pixels turned white or black (default 0)"))
+  add(show.add_option("--noise", findable.options.noise, "Fraction of salt-and-pepper pixels (default 0)"))
       ->type_name("SHARE");
-  add(show.add_option("--sun", findable.sun, "The sun's elevation in degrees, or off: soft light (default)"))
+  add(show.add_option("--sun", findable.sun, "Elevation of the sun in degrees, or off: diffuse light (default)"))
       ->type_name("DEG");
-  add(show.add_flag("--no-attitude", findable.no_attitude, "As without telemetry that tells the camera's attitude"));
-  add(show.add_option("--directions", findable.options.directions,
-                      "Directions it is seen from: more are slower and tell shares closer (default 24)"))
+  add(show.add_flag("--no-attitude", findable.no_attitude,
+                    "Search without the camera's attitude, as without telemetry"));
+  add(show.add_option(
+          "--directions", findable.options.directions,
+          "Number of view directions: more take longer and estimate fractions more accurately (default 24)"))
       ->type_name("N");
-  add(show.add_option("--seed", findable.options.seed, "Of all that is by chance (default 1)"))->type_name("N");
-  add(show.add_option("--draw", findable.draw, "Draw what was searched into this picture: found green, missed red"))
+  add(show.add_option("--seed", findable.options.seed, "Seed of the random numbers (default 1)"))->type_name("N");
+  add(show.add_option("--draw", findable.draw, "Draw the test images into this file: found green, missed red"))
       ->type_name("FILE");
-  add(show.add_option("--params", findable.params, "Parameters of the search, as of `index` (JSON)"))
+  add(show.add_option("--params", findable.params, "Parameters of the search, as for `index` (JSON)"))
       ->type_name("FILE");
 }
 
@@ -311,45 +313,46 @@ Action SetUpModel(CLI::App& app) {
   app.require_subcommand(1);
   const auto add_subcommand = [&](const char* name, const char* summary) {
     CLI::App* command = app.add_subcommand(name, summary);
-    command->add_option("--models", arguments->folder, "The folder of models")->required()->type_name("DIR");
+    command->add_option("--models", arguments->folder, "Folder of models")->required()->type_name("DIR");
     return command;
   };
   CLI::App* add = add_subcommand("add", "Make a searchable model from a CAD file or from photos");
-  add->add_option("NAME", arguments->name, "What the object is called from now on")->required();
+  add->add_option("NAME", arguments->name, "Name of the object")->required();
   add->add_option("INPUT", arguments->inputs,
-                  "One CAD file (glTF, GLB, OBJ, AC3D, COLLADA, 3DS, PLY, STL), or photos (PNG, JPEG) cut out by an "
-                  "alpha channel or --box")
+                  "One CAD file (glTF, GLB, OBJ, AC3D, COLLADA, 3DS, PLY, STL), or photos (PNG, JPEG) with an alpha "
+                  "channel or --box")
       ->required();
-  add->add_option("--box", arguments->boxes, "The object in the photo, x,y,w,h in pixels; one a photo, in their order")
+  add->add_option("--box", arguments->boxes,
+                  "The object in the photo, x,y,w,h in pixels; one for each photo, in their order")
       ->type_name("X,Y,W,H")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->allow_extra_args(false);  // what follows a box is no other box
+      ->allow_extra_args(false);  // the word after a box is not another box
   add->add_option("--length", arguments->length_m,
-                  "The object's length, metres: its longest side; of a glTF its extent along the front axis (+Z). CAD "
-                  "units are metres unless it is given, photos have no size")
+                  "Length of the object in metres: its longest side; for glTF its extent along the front axis (+Z). "
+                  "Without it, CAD units are metres and photos have no size")
       ->type_name("M");
   add->add_option("--step", arguments->step_deg, "CAD: degrees between views (default 10)")->type_name("DEG");
   add->add_option("--max-off-nadir", arguments->max_off_nadir_deg,
-                  "CAD: the lowest views, degrees from straight above (default 70)")
+                  "CAD: largest off-nadir angle of the views, degrees (default 70)")
       ->type_name("DEG");
-  add->add_option("--up", arguments->up, "CAD: the file's axis that points up, as in +y; by default the format's")
+  add->add_option("--up", arguments->up, "CAD: the file's axis that points up, as in +y (default: by format)")
       ->type_name("AXIS");
-  add->add_option("--front", arguments->front, "CAD: the file's axis that points to the front; by default the format's")
+  add->add_option("--front", arguments->front, "CAD: the file's axis that points to the front (default: by format)")
       ->type_name("AXIS");
-  add->add_option("--draw", arguments->draw, "Draw the photos with what is cut out of them into this picture")
+  add->add_option("--draw", arguments->draw, "Draw the photos with the object outlines into this file")
       ->type_name("FILE");
   AddParams(*add, arguments->params, "model|cad");
-  CLI::App* list = add_subcommand("list", "The models of a folder");
-  list->add_flag("--json", arguments->json, "One JSON object a line");
-  CLI::App* show = add_subcommand("show", "One model's views, features, size, and what made it");
+  CLI::App* list = add_subcommand("list", "List the models of a folder");
+  list->add_flag("--json", arguments->json, "One JSON object per line");
+  CLI::App* show = add_subcommand("show", "Show one model's views, features, size and origin");
   show->add_option("NAME", arguments->name)->required();
-  show->add_flag("--json", arguments->json, "As JSON");
-  show->add_option("--views", arguments->views, "Draw all its views into this picture (.png, .jpg)")->type_name("FILE");
+  show->add_flag("--json", arguments->json, "Print JSON");
+  show->add_option("--views", arguments->views, "Draw all its views into this file (.png, .jpg)")->type_name("FILE");
   AddFindableFlags(*show, arguments->findable);
   CLI::App* remove = add_subcommand("remove", "Delete a model");
   remove->add_option("NAME", arguments->name)->required();
-  remove->add_flag("--json", arguments->json, "Print what was removed as JSON");
+  remove->add_flag("--json", arguments->json, "Print the removed model as JSON");
   return [=]() -> Status {
     if (add->parsed()) return Add(*arguments);
     if (list->parsed()) return List(*arguments);

@@ -1,4 +1,4 @@
-// victorious navigate VIDEO --landmarks DB --models DIR --out FILE.csv: where the camera was, by what it saw
+// victorious navigate VIDEO --landmarks DB --models DIR --out FILE.csv: estimates the camera pose from landmarks
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -28,8 +28,8 @@ struct Arguments {
   std::optional<double> hfov_deg;
 };
 
-// What telemetry was off by in the frame in the middle of those with landmarks; a warning where that is far more than
-// the sigma of its offset, `foreseen_m`, foresees.
+// Logs the estimated telemetry error of the middle frame among those with landmarks. Warns if it exceeds 10 times
+// `foreseen_m`, the standard deviation of the modelled position offset.
 void TellOffset(const Navigation& navigation, double foreseen_m) {
   std::vector<const NavigatedFrame*> seen;
   for (const NavigatedFrame& frame : navigation.frames) {
@@ -39,22 +39,24 @@ void TellOffset(const Navigation& navigation, double foreseen_m) {
   const NavigatedFrame& frame = *seen[seen.size() / 2];
   const auto sigma = [&](int i) { return std::sqrt(std::max(0.0, frame.offset->covariance(i, i))); };
   const Eigen::Vector3d& place = frame.offset->place_enu_m;
-  spdlog::info("telemetry at {:.1f} s was off by {:.2f} +- {:.2f} m east, {:.2f} +- {:.2f} north, {:.2f} +- {:.2f} up",
+  spdlog::info("telemetry error at {:.1f} s: {:.2f} +- {:.2f} m east, {:.2f} +- {:.2f} north, {:.2f} +- {:.2f} up",
                frame.camera.time_s, place.x(), sigma(0), place.y(), sigma(1), place.z(), sigma(2));
   const auto degrees = [&](int i) { return DegreesFromRadians(frame.offset->attitude_rad[i]); };
   const auto sigma_deg = [&](int i) { return DegreesFromRadians(sigma(3 + i)); };
-  spdlog::info("and by {:.2f} +- {:.2f} deg in yaw, {:.2f} +- {:.2f} in pitch, {:.2f} +- {:.2f} in roll", degrees(0),
+  spdlog::info("attitude error: {:.2f} +- {:.2f} deg yaw, {:.2f} +- {:.2f} pitch, {:.2f} +- {:.2f} roll", degrees(0),
                sigma_deg(0), degrees(1), sigma_deg(1), degrees(2), sigma_deg(2));
   constexpr double kManySigmas = 10;
   if (place.norm() < kManySigmas * foreseen_m) return;
-  spdlog::warn("telemetry is {:.0f} m from where the landmarks were seen from: it, or the landmarks, may be another's",
-               place.norm());
+  spdlog::warn(
+      "telemetry is {:.0f} m from the position estimated from landmarks: telemetry or landmarks may be of another "
+      "flight",
+      place.norm());
 }
 
 void Tell(const NavigationRun& run, const NavigateOptions& options) {
   const std::vector<NavigatedFrame>& frames = run.navigation.frames;
   const auto seen = std::ranges::count_if(frames, [](const NavigatedFrame& frame) { return frame.landmarks > 0; });
-  spdlog::info("{} frames, {} with a landmark; {} sightings were not believed", run.frames, seen, run.unbelieved);
+  spdlog::info("{} frames, {} with a landmark; {} sightings rejected as outliers", run.frames, seen, run.unbelieved);
   for (std::size_t i = 0; i < run.landmarks.size(); ++i) {
     if (run.sightings[i] == 0) continue;
     const Landmark& landmark = run.landmarks[i];
@@ -63,9 +65,10 @@ void Tell(const NavigationRun& run, const NavigateOptions& options) {
                  run.sightings[i]);
   }
   TellOffset(run.navigation, options.telemetry.position_m);
-  spdlog::info("{:.1f} ms a frame once landmarks are followed, {:.1f} of processor time; {:.2f} to estimate the flight",
-               run.tracked_ms, run.tracked_cpu_ms, run.estimate_ms);
-  if (frames.empty()) spdlog::warn("no landmark was recognised, and there is no telemetry: no place is known");
+  spdlog::info(
+      "{:.1f} ms per frame while landmarks are tracked, {:.1f} ms of CPU time; {:.2f} ms to estimate the trajectory",
+      run.tracked_ms, run.tracked_cpu_ms, run.estimate_ms);
+  if (frames.empty()) spdlog::warn("no landmark recognised and no telemetry: the camera position is unknown");
 }
 
 Status Run(const Arguments& arguments) {
@@ -75,11 +78,10 @@ Status Run(const Arguments& arguments) {
   VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectModel> models, ModelLibrary(arguments.models).LoadAll());
   if (models.empty()) {
-    return Fail(
-        ErrorCode::kNotFound,
-        fmt::format("{}: no models to recognise landmarks by; make one with `victorious model add`", arguments.models));
+    return Fail(ErrorCode::kNotFound,
+                fmt::format("{}: no landmark models; make one with `victorious model add`", arguments.models));
   }
-  std::vector<std::string> warnings;  // an error stays the only line
+  std::vector<std::string> warnings;  // collected, so that an error stays the only line
   const NavigateJob job{.video = arguments.video, .landmarks = arguments.landmarks, .telemetry = arguments.telemetry};
   VICTORIOUS_ASSIGN_OR_RETURN(const NavigationRun run,
                               NavigateVideo(job, std::move(models), options, Interrupt(),
@@ -96,16 +98,15 @@ Action SetUpNavigate(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("VIDEO", arguments->video, "A file or a folder of frames")->required();
   app.add_option("--landmarks", arguments->landmarks,
-                 "Objects of known place: an index, or a list as `export --format objects` writes it")
+                 "Objects of known place: an index, or a list written by `export --format objects`")
       ->required()
       ->type_name("DB");
-  app.add_option("--models", arguments->models, "The folder of the landmarks' models")->required()->type_name("DIR");
-  app.add_option("--out", arguments->out, "The camera's states, CSV (docs/formats/navigate.md)")
+  app.add_option("--models", arguments->models, "Folder of the landmarks' models")->required()->type_name("DIR");
+  app.add_option("--out", arguments->out, "The estimated camera states, CSV (docs/formats/navigate.md)")
       ->required()
       ->type_name("FILE");
   app.add_option("--telemetry", arguments->telemetry,
-                 "Where the camera was said to be (unless given: the video's own KLV, NAME.SRT or NAME.telemetry.csv "
-                 "beside it)")
+                 "Prior camera states (default: the video's own KLV, or NAME.SRT or NAME.telemetry.csv beside it)")
       ->type_name("FILE");
   AddFieldOfView(app, arguments->hfov_deg);
   AddParams(app, arguments->params, "navigate");

@@ -1,4 +1,4 @@
-// victorious params: every parameter, from the field lists themselves
+// victorious params: lists every parameter, from the field lists of the options structs
 #include <map>
 #include <memory>
 #include <string>
@@ -26,11 +26,11 @@ Action SetUpParams(CLI::App& app) {
   };
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("WHOSE", arguments->of,
-                 "Whose: index (search and match take its recognition part), model (of photos), cad (model of a CAD "
-                 "file), features, telemetry, locate, track, navigate, category")
+                 "Command or stage: index (search and match use its recognition part), model (from photos), cad (model "
+                 "from a CAD file), features, telemetry, locate, track, navigate, category")
       ->check(
           CLI::IsMember({"index", "model", "cad", "features", "telemetry", "locate", "track", "navigate", "category"}));
-  app.add_flag("--json", arguments->json, "The defaults as JSON, ready to be edited and given to --params");
+  app.add_flag("--json", arguments->json, "Print the defaults as JSON, to be edited and given to --params");
   return [=]() -> Status {
     IndexOptions index;
     PhotoModelOptions model;

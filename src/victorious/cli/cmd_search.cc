@@ -1,4 +1,4 @@
-// victorious search --db FILE: ranked lists of objects, or of moments that look like a picture
+// victorious search --db FILE: lists objects by rank, or moments similar to an image
 #include <algorithm>
 #include <memory>
 
@@ -73,7 +73,7 @@ Status ListFoundObjects(const Arguments& arguments, const SightingFilter& filter
   }
   if (arguments.filter.rejected &&
       std::ranges::all_of(objects, [](const auto& one) { return one.object.rejected.empty(); })) {
-    spdlog::info("nothing was rejected");
+    spdlog::info("no object was rejected");
   }
   return WriteOutput("", text);
 }
@@ -117,34 +117,35 @@ Status ListMoments(const Arguments& arguments, const SightingFilter& filter, Ind
   return WriteOutput("", text);
 }
 
-// A list of finds says nothing of frames that were not searched yet.
+// Warns of videos that were searched only in part or not at all: the list does not cover them.
 Status WarnOfUnfinished(const Catalogue& catalogue, IndexStore& store) {
-  if (catalogue.videos().empty()) spdlog::warn("no video of those asked for was indexed here yet");
+  if (catalogue.videos().empty()) spdlog::warn("no matching video in this index");
   for (const VideoRecord& video : catalogue.videos()) {
     bool begun = false;
     for (const ModelRecord& model : catalogue.models()) {
       VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> search, store.FindSearch(video.id, model.id));
       begun |= search.has_value();
       if (search && !search->finished) {
-        spdlog::warn("{} was searched for {} up to frame {} only: run `index` again to go on", video.name, model.name,
+        spdlog::warn("{}: searched for {} up to frame {} only: run `index` again to continue", video.name, model.name,
                      search->next_frame);
       }
     }
-    if (!begun) spdlog::warn("{} was not searched for what is asked: run `index` on it again", video.name);
+    if (!begun) spdlog::warn("{}: not searched for the requested models: run `index` on it", video.name);
   }
   return {};
 }
 
 Status Run(const Arguments& arguments) {
   if (!arguments.image.empty() && !(arguments.filter.model.empty() && arguments.filter.category.empty())) {
-    return Fail(ErrorCode::kInvalidArgument, arguments.filter.model.empty() ? "--image and --category: give one of them"
-                                                                            : "--image and --model: give one of them");
+    return Fail(ErrorCode::kInvalidArgument, arguments.filter.model.empty()
+                                                 ? "--image and --category exclude each other: give one of them"
+                                                 : "--image and --model exclude each other: give one of them");
   }
   if (arguments.image.empty() && !(arguments.box.empty() && arguments.params.empty())) {
-    return Fail(ErrorCode::kInvalidArgument, "--box and --params go with --image");
+    return Fail(ErrorCode::kInvalidArgument, "--box and --params need --image");
   }
   if (arguments.filter.rejected && !arguments.image.empty()) {
-    return Fail(ErrorCode::kInvalidArgument, "--rejected and --image: give one of them");
+    return Fail(ErrorCode::kInvalidArgument, "--rejected and --image exclude each other: give one of them");
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments.filter.Filter());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenSqliteStore(arguments.db, StoreMode::kRead));
@@ -160,14 +161,14 @@ Action SetUpSearch(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("--db", arguments->db, "The index")->required()->type_name("FILE");
   arguments->filter.AddTo(app);
-  app.add_option("--image", arguments->image, "An example picture: list the moments that show what it shows")
+  app.add_option("--image", arguments->image, "Example image: list the moments that show its object")
       ->type_name("FILE");
-  app.add_option("--box", arguments->box, "The object in the example picture")->type_name("X,Y,W,H");
+  app.add_option("--box", arguments->box, "The object in the example image")->type_name("X,Y,W,H");
   AddParams(app, arguments->params, "index");
-  app.add_option("--most", arguments->most, "List so many at most; 0: all")
+  app.add_option("--most", arguments->most, "Largest number of rows; 0: all")
       ->check(CLI::Range(0, 1'000'000'000))
       ->type_name("N");
-  app.add_flag("--json", arguments->json, "One JSON object a line");
+  app.add_flag("--json", arguments->json, "One JSON object per line");
   return [=] { return Run(*arguments); };
 }
 

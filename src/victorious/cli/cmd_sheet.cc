@@ -1,4 +1,4 @@
-// victorious sheet --db FILE --out PNG: the finds as pictures
+// victorious sheet --db FILE --out PNG: draws the found objects on a contact sheet
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -20,19 +20,20 @@
 namespace victorious::cli {
 namespace {
 
-// Frames of another video under the old name would be shown as finds.
+// Checks that the file still has the indexed content; else frames of another video would be shown.
 Status CheckContent(const VideoRecord& video) {
   std::error_code failed;
-  if (!std::filesystem::exists(video.name, failed)) return {};  // opening it says so; an address has no content
+  if (!std::filesystem::exists(video.name, failed))
+    return {};  // opening it reports that; a URL has no content id to check
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(video.name, {}));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string content_id, reader->ContentId(Interrupt(), {}));
   if (content_id == video.content_id) return {};
   return Fail(ErrorCode::kInvalidArgument,
-              fmt::format("{}: not the video that was indexed under this name: put that one back, or index this one",
+              fmt::format("{}: not the video that was indexed under this name: restore that file, or index this one",
                           video.name));
 }
 
-// Of the videos whose objects are shown.
+// Checks the videos of the objects shown.
 Status CheckContents(const SightingFilter& filter, int most_tiles, IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(store, filter));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> objects, store.Objects(filter));
@@ -56,12 +57,13 @@ Action SetUpSheet(CLI::App& app) {
     FilterArguments filter;
   };
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("--db", arguments->db, "The index; its videos must still be where they were")
+  app.add_option("--db", arguments->db, "The index; its videos must still be at their paths")
       ->required()
       ->type_name("FILE");
-  app.add_option("--out", arguments->out, "The picture (.png, .jpg)")->required()->type_name("FILE");
-  app.add_option("--most", arguments->options.most_tiles, "Objects shown, best first")->type_name("N");
-  app.add_option("--columns", arguments->options.columns, "Pictures in a row")->type_name("N");
+  app.add_option("--out", arguments->out, "The output image (.png, .jpg)")->required()->type_name("FILE");
+  app.add_option("--most", arguments->options.most_tiles, "Largest number of objects to show, best first")
+      ->type_name("N");
+  app.add_option("--columns", arguments->options.columns, "Images per row")->type_name("N");
   arguments->filter.AddTo(app);
   return [=]() -> Status {
     VICTORIOUS_RETURN_IF_ERROR(

@@ -28,10 +28,10 @@ Status Run(const Arguments& arguments) {
 Action SetUpSimulate(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("SCENE", arguments->scene, "The scene, JSON")->required()->type_name("SCENE.json");
-  app.add_option("--out", arguments->out, "The folder for video.mp4, telemetry.csv and truth.jsonl")
+  app.add_option("--out", arguments->out, "Output folder for video.mp4, telemetry.csv and truth.jsonl")
       ->required()
       ->type_name("DIR");
-  app.add_flag("--gpu", arguments->gpu, "Draw on a GPU where there is one: faster, and not pixel for pixel the same");
+  app.add_flag("--gpu", arguments->gpu, "Render on a GPU if there is one: faster, but not pixel-identical");
   return [=] { return Run(*arguments); };
 }
 

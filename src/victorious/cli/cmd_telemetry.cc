@@ -35,7 +35,7 @@ nlohmann::json ToJson(const TimeOffset& offset, double before_s) {
           {"status", offset.status}};
 }
 
-// Of a file, a video's own or what lies beside it.
+// Reads telemetry from a file, from the video, or from a file beside the video.
 Expected<Telemetry> Read(const Arguments& arguments, const TelemetryOptions& options) {
   if (!arguments.file.empty()) return ReadTelemetry(arguments.file, options);
   VICTORIOUS_ASSIGN_OR_RETURN(
@@ -43,19 +43,19 @@ Expected<Telemetry> Read(const Arguments& arguments, const TelemetryOptions& opt
       FindTelemetry(arguments.video, options, [](const std::string& line) { spdlog::warn("{}", OneLine(line)); }));
   if (!telemetry) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: no telemetry in it or beside it: name its file", arguments.video));
+                fmt::format("{}: no telemetry in the video or beside it: give the telemetry file", arguments.video));
   }
   return *std::move(telemetry);
 }
 
-// The offset goes to standard output, the table with it taken into account to --out.
+// Prints the time offset to standard output, and writes the corrected table to --out.
 Status RunEstimate(const Arguments& arguments, const TimedTelemetryOptions& parameters, Telemetry telemetry) {
   const std::string& video = arguments.video.empty() ? arguments.file : arguments.video;
   if (arguments.video.empty() && IsTelemetryFile(arguments.file)) {
-    return Fail(ErrorCode::kInvalidArgument, "--estimate-offset: needs the picture too: name its --video");
+    return Fail(ErrorCode::kInvalidArgument, "--estimate-offset: needs the video as well: give --video");
   }
   if (telemetry.states.empty()) {
-    return Fail(ErrorCode::kInvalidArgument, "--estimate-offset: the telemetry tells no state of the camera");
+    return Fail(ErrorCode::kInvalidArgument, "--estimate-offset: the telemetry contains no camera state");
   }
   VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
   VICTORIOUS_ASSIGN_OR_RETURN(const ImageMotions seen, MeasureMotions(video, parameters.offset, Interrupt()));
@@ -76,10 +76,10 @@ Status Run(const Arguments& arguments) {
   TimedTelemetryOptions parameters;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(parameters)));
   if (arguments.file.empty() && arguments.video.empty()) {
-    return Fail(ErrorCode::kInvalidArgument, "no FILE and no --video: name what holds the telemetry");
+    return Fail(ErrorCode::kInvalidArgument, "neither FILE nor --video given: name the source of the telemetry");
   }
   if (!arguments.file.empty() && !arguments.video.empty() && !arguments.estimate_offset) {
-    return Fail(ErrorCode::kInvalidArgument, "--video beside FILE: only for --estimate-offset");
+    return Fail(ErrorCode::kInvalidArgument, "--video together with FILE: only for --estimate-offset");
   }
   VICTORIOUS_ASSIGN_OR_RETURN(Telemetry telemetry, Read(arguments, parameters.telemetry));
   const std::string& source = arguments.file.empty() ? arguments.video : arguments.file;
@@ -93,15 +93,17 @@ Status Run(const Arguments& arguments) {
 
 Action SetUpTelemetry(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("FILE", arguments->file, "A video, KLV, the .SRT of a DJI aircraft, or a table");
-  app.add_option("--video", arguments->video, "The video that it belongs to; without FILE, its own telemetry is read")
+  app.add_option("FILE", arguments->file, "A video, KLV, the .SRT of a DJI aircraft, or a table (CSV)");
+  app.add_option("--video", arguments->video,
+                 "The video of the telemetry; without FILE, the video's own telemetry is read")
       ->type_name("FILE");
   app.add_flag("--estimate-offset", arguments->estimate_offset,
-               "By how much its clock is early or late, told by the picture's motion; with --out, the table put right");
-  app.add_option("--out", arguments->out, "Where to write; without it, standard output")->type_name("FILE");
+               "Estimate the offset between the telemetry clock and the video clock from image motion; --out writes "
+               "the corrected table");
+  app.add_option("--out", arguments->out, "Output file (default: standard output)")->type_name("FILE");
   app.add_option("--params", arguments->params, "Parameters as JSON (`victorious params telemetry`)")
       ->type_name("FILE");
-  app.add_flag("--json", arguments->json, "Every decoded item, checksum and time stamp, as JSON");
+  app.add_flag("--json", arguments->json, "Print every decoded item, checksum and time stamp as JSON");
   return [=] { return Run(*arguments); };
 }
 

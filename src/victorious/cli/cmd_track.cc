@@ -1,4 +1,4 @@
-// victorious track VIDEO --box X,Y,W,H --at SECONDS: what a person drew a box around, wherever it is
+// victorious track VIDEO --box X,Y,W,H --at SECONDS: tracks the objects in user boxes through videos
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -34,7 +34,7 @@ struct Arguments {
   std::string out;
 };
 
-// One type for all boxes, or one for each.
+// Assigns the object types: one for all boxes, or one for each.
 Status SetTypes(const std::vector<std::string>& types, std::vector<DrawnBox>& boxes) {
   if (types.empty()) return {};
   if (types.size() != 1 && types.size() != boxes.size()) {
@@ -52,15 +52,16 @@ std::string KnownTypes() {
   return fmt::format("{}", fmt::join(known, ", "));
 }
 
-// A word that no place follows from is said to be one.
+// Logs the types that are not in the table of object types: they give neither a length nor a motion model.
 void TellOfNames(const std::vector<std::string>& types) {
   for (const std::string& type : types) {
     if (type.empty() || FindObjectType(type) != nullptr) continue;
-    spdlog::info("{}: a name only; sizes and motions are known of: {}", OneLine(type), KnownTypes());
+    spdlog::info("{}: not a known object type, used as a name only; sizes and motions are known for: {}", OneLine(type),
+                 KnownTypes());
   }
 }
 
-// When an object was seen, in which videos.
+// Logs in which frames and videos an object was seen.
 void TellWhen(const std::vector<BoxSighting>& sightings, const std::vector<std::string>& videos, std::size_t drawn) {
   for (std::size_t video = 0; video < videos.size(); ++video) {
     std::vector<const BoxSighting*> seen;
@@ -76,29 +77,29 @@ void TellWhen(const std::vector<BoxSighting>& sightings, const std::vector<std::
   }
 }
 
-// Where an object is, when it was seen last; or why that is not told.
+// Logs the place of an object when it was last seen, or the reason why there is none.
 void TellPlace(const TrackedBoxes& tracked, std::size_t drawn) {
   if (!tracked.why_no_place[drawn].empty()) {
-    spdlog::info("{}: no place is told: {}", BoxName(drawn), tracked.why_no_place[drawn]);
+    spdlog::info("{}: no place: {}", BoxName(drawn), tracked.why_no_place[drawn]);
     return;
   }
   const auto last =
       std::ranges::find_if(tracked.sightings.rbegin(), tracked.sightings.rend(),
                            [&](const BoxSighting& one) { return one.drawn == drawn && one.place.has_value(); });
   const Place& place = *last->place;
-  spdlog::info("{}: at {:.2f} s at {:.6f}, {:.6f}, {:.1f} m; CE90 {:.1f} m, LE90 {:.1f} m{}", BoxName(drawn),
+  spdlog::info("{}: place at {:.2f} s: {:.6f}, {:.6f}, {:.1f} m; CE90 {:.1f} m, LE90 {:.1f} m{}", BoxName(drawn),
                last->time_s, DegreesFromRadians(place.point.latitude_rad),
                DegreesFromRadians(place.point.longitude_rad), place.point.altitude_m, place.ce90_m, place.le90_m,
-               place.Moves() ? fmt::format("; it moves at {:.1f} m/s", place.velocity_enu->norm()) : "");
+               place.Moves() ? fmt::format("; moving at {:.1f} m/s", place.velocity_enu->norm()) : "");
 }
 
-// What is seen in a video that is given twice would count twice.
+// Sightings in a video that is given twice would be counted twice.
 Status CheckDifferent(const std::vector<std::string>& videos) {
   std::error_code error;
   for (auto one = videos.begin(); one != videos.end(); ++one) {
     for (auto other = videos.begin(); other != one; ++other) {
       if (*one != *other && !std::filesystem::equivalent(*one, *other, error)) continue;
-      return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: is given twice: give it once", *one));
+      return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: given twice: give each video once", *one));
     }
   }
   return {};
@@ -123,7 +124,7 @@ Status Run(const Arguments& arguments) {
   std::vector<std::string> videos = {arguments.video};
   videos.insert(videos.end(), arguments.also.begin(), arguments.also.end());
   VICTORIOUS_RETURN_IF_ERROR(CheckDifferent(videos));
-  std::vector<std::string> warnings;  // an error stays the only line
+  std::vector<std::string> warnings;  // collected, so that an error stays the only line
   const auto warn = [&](const std::string& warning) { warnings.push_back(warning); };
   const auto telemetry = arguments.telemetry.empty() ? std::nullopt : std::optional(arguments.telemetry);
   VICTORIOUS_ASSIGN_OR_RETURN(const TrackedBoxes tracked,
@@ -143,26 +144,29 @@ Status Run(const Arguments& arguments) {
 Action SetUpTrack(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("VIDEO", arguments->video, "A file or a folder of frames")->required();
-  app.add_option("--box", arguments->boxes, "Around an object, px; repeatable, with one --at each: box-1, box-2, ...")
+  app.add_option("--box", arguments->boxes,
+                 "Box around an object, px; repeatable, with one --at each: box-1, box-2, ...")
       ->required()
       ->type_name("X,Y,W,H")
       ->allow_extra_args(false);
-  app.add_option("--at", arguments->at_s, "The box is in the first frame at this time or later: seconds, or as 1:30")
+  app.add_option("--at", arguments->at_s,
+                 "Time of the box, in the first frame at this time or later: seconds, or as 1:30")
       ->required()
       ->type_name("TIME")
       ->transform(TimeOfVideo())
       ->allow_extra_args(false);
   app.add_option("--type", arguments->types,
-                 "What is in the box: its usual length tells how far off it is, and whether it may move. Known are " +
-                     KnownTypes() + "; any other word is a name. One for all boxes, or one for each")
+                 "Object type in the box; it gives the usual length, from which the range follows, and whether the "
+                 "object may move. Known: " +
+                     KnownTypes() + "; any other word is only a name. One for all boxes, or one for each")
       ->type_name("WORD")
       ->allow_extra_args(false);
   app.add_option("--telemetry", arguments->telemetry,
-                 "The camera's states, for a place on Earth; without it, what is in the video or beside it")
+                 "Camera states, to geolocate the objects (default: telemetry in the video or beside it)")
       ->type_name("FILE");
   AddFieldOfView(app, arguments->hfov_deg);
   AddGround(app, arguments->ground);
-  app.add_option("--also", arguments->also, "Other videos to look for the objects in");
+  app.add_option("--also", arguments->also, "Further videos to search for the objects");
   app.add_option("--params", arguments->params, "Parameters (`victorious params track`)")->type_name("FILE");
   app.add_option("--out", arguments->out, "Sightings, JSON Lines (docs/formats/export.md)")
       ->required()

@@ -1,5 +1,5 @@
-// What a command is: a row of main.cc's table. `setup` adds the command's arguments to its parser and returns what to
-// do once they are parsed. Files named cmd_<verb>.cc hold one command each.
+// The command interface: one row of the table in main.cc. `setup` adds the command's arguments to its parser and
+// returns the action to call after parsing. Each file cmd_<verb>.cc implements one command.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,5 @@
-// The program: a table of commands. Errors are one line on stderr; the exit status is ExitStatus's (base/error.h).
+// The program: dispatches to a table of commands. An error is one line on stderr; ExitStatus (base/error.h) gives the
+// exit status.
 #include <algorithm>
 #include <array>
 #include <csignal>
@@ -23,26 +24,24 @@ namespace {
 
 constexpr std::array kCommands = {
     Command{"model", "Make", "Make, list, show and remove models of objects", &SetUpModel},
-    Command{"frame", "Make", "One frame of a video as a picture, to cut an object out of", &SetUpFrame},
-    Command{"category", "Make", "Learn categories from pictures, and say what others show", &SetUpCategory},
-    Command{"simulate", "Make", "A flight over a drawn town, with telemetry and truth", &SetUpSimulate},
-    Command{"index", "Find", "Find every model in every video, and keep what was found", &SetUpIndex},
-    Command{"search", "Find", "The ranked list of what was found, or of moments that look like a picture",
-            &SetUpSearch},
-    Command{"export", "Find", "What was found, for other programs: objects, sightings, mot, coco", &SetUpExport},
-    Command{"track", "Find", "Follow what boxes are drawn around, through this video and others", &SetUpTrack},
-    Command{"sheet", "Find", "What was found, as pictures", &SetUpSheet},
-    Command{"locate", "Find", "Where on Earth lines of sight meet, and how surely", &SetUpLocate},
-    Command{"navigate", "Find", "Where the camera was, by objects in view whose place is known", &SetUpNavigate},
-    Command{"match", "Look inside", "Match two pictures, stage by stage", &SetUpMatch},
-    Command{"features", "Look inside", "The features of a picture, as text", &SetUpFeatures},
-    Command{"telemetry", "Look inside", "The camera's states that a video or a file of telemetry tells",
-            &SetUpTelemetry},
-    Command{"params", "Look inside", "Every parameter, its default, range and reason", &SetUpParams},
-    Command{"doctor", "Look inside", "What this machine offers, or what a file holds", &SetUpDoctor},
+    Command{"frame", "Make", "Write one frame of a video as an image, to cut an object out", &SetUpFrame},
+    Command{"category", "Make", "Train categories from images, and classify images", &SetUpCategory},
+    Command{"simulate", "Make", "Render a flight over a scene, with telemetry and ground truth", &SetUpSimulate},
+    Command{"index", "Find", "Find every model in every video, and store the results", &SetUpIndex},
+    Command{"search", "Find", "List the objects found, ranked, or the moments similar to an image", &SetUpSearch},
+    Command{"export", "Find", "Export the results: objects, sightings, geojson, kml, mot, coco", &SetUpExport},
+    Command{"track", "Find", "Track the objects in user boxes through one or more videos", &SetUpTrack},
+    Command{"sheet", "Find", "Draw the objects found on a contact sheet", &SetUpSheet},
+    Command{"locate", "Find", "Locate the intersection of lines of sight, with covariance", &SetUpLocate},
+    Command{"navigate", "Find", "Estimate the camera pose from landmarks of known place", &SetUpNavigate},
+    Command{"match", "Look inside", "Match two images, stage by stage", &SetUpMatch},
+    Command{"features", "Look inside", "Print the features of an image as text", &SetUpFeatures},
+    Command{"telemetry", "Look inside", "Print the camera states of a video or telemetry file", &SetUpTelemetry},
+    Command{"params", "Look inside", "List every parameter with default, range and reason", &SetUpParams},
+    Command{"doctor", "Look inside", "Describe this machine, or the content of a file", &SetUpDoctor},
     Command{"evaluate", "Measure", "Score an index against ground truth", &SetUpEvaluate},
-    Command{"experiment", "Measure", "Repeat a table or figure of the thesis", &SetUpExperiment},
-    Command{"bench", "Measure", "The speed of each stage, beside its peers", &SetUpBench},
+    Command{"experiment", "Measure", "Reproduce a table or figure of the thesis", &SetUpExperiment},
+    Command{"bench", "Measure", "Measure the speed of each stage against reference implementations", &SetUpBench},
 };
 
 int Fail(const Error& error) {
@@ -66,8 +65,8 @@ int Main(int argc, char** argv) {
   }
   const auto is_named = [&](const Command& command) { return argc > 1 && std::string_view(command.name) == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && std::ranges::none_of(kCommands, is_named)) {
-    return Fail(
-        {ErrorCode::kInvalidArgument, fmt::format("{}: no such command; `victorious --help` lists them", argv[1])});
+    return Fail({ErrorCode::kInvalidArgument,
+                 fmt::format("{}: unknown command; `victorious --help` lists the commands", argv[1])});
   }
   try {
     app.parse(argc, argv);
@@ -75,7 +74,7 @@ int Main(int argc, char** argv) {
     return app.exit(request);
   } catch (const CLI::ParseError& error) {
     return Fail(
-        {ErrorCode::kInvalidArgument, fmt::format("{} (`victorious {}--help` tells more)", error.what(),
+        {ErrorCode::kInvalidArgument, fmt::format("{} (see `victorious {}--help`)", error.what(),
                                                   argc > 1 && argv[1][0] != '-' ? std::string(argv[1]) + " " : "")});
   }
   if (const Status status = chosen(); !status) return Fail(status.error());
@@ -86,7 +85,7 @@ int Main(int argc, char** argv) {
 }  // namespace victorious::cli
 
 int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // beyond `ulimit -f` writing fails, as on a full disk
+  std::signal(SIGXFSZ, SIG_IGN);  // beyond `ulimit -f`, writing fails as on a full disk
   try {
     return victorious::cli::Main(argc, argv);
   } catch (const std::bad_alloc&) {

@@ -16,56 +16,57 @@ void DetectOptions::ListFields(FieldList& fields) {
   fields.Add("suppression_fraction", suppression_fraction,
              {.min = 0,
               .max = 10,
-              .reason = "a detection is dropped when its centre lies nearer to a better one of the same model than "
-                        "this share of the smaller one's size (square root of its area)"});
+              .reason = "a detection is suppressed if its centre is nearer to that of a better one of the same model "
+                        "than this fraction of the smaller one's size (square root of its area)"});
   fields.Add("suppression_overlap", suppression_overlap,
              {.min = 0,
               .max = 1,
-              .reason = "a detection is dropped, too, when its outline and a better one's of the same model share more "
-                        "than this of the smaller one: neighbouring views place one long object differently"});
+              .reason = "a detection is suppressed if its outline and that of a better one of the same model overlap "
+                        "by more than this fraction of the smaller area: neighbouring views localise a long object "
+                        "differently"});
   fields.Add("even_evidence", even_evidence,
              {.min = -100,
               .max = 1000,
               .unit = "decades",
-              .reason = "evidence at which half of the detections are right, and the score is one half"});
+              .reason = "-log10 NFA at which the precision, and the score, is one half"});
   fields.Add(
       "evidence_scale", evidence_scale,
       {.min = 0.01,
        .max = 1000,
        .unit = "decades",
        .reason =
-           "further evidence that takes the odds up by a factor of e; both from `experiment figure-calibration`"});
+           "increase of -log10 NFA that raises the odds by a factor of e; both from `experiment figure-calibration`"});
   fields.Add("least_score", least_score,
              {.min = 0,
               .max = 1,
-              .reason = "detections below this are not reported; the default is that of an evidence of 4 decades"});
+              .reason = "minimum score of a detection; the default is the score of -log10 NFA = 4 decades"});
   fields.Add("least_side_px", least_side_px,
              {.min = 0,
               .max = 10000,
               .unit = "px",
-              .reason = "detections whose box in the frame is narrower are not reported"});
+              .reason = "minimum of the width and height of a detection's box in the frame"});
   fields.Add("least_in_view", least_in_view,
              {.min = 0,
               .max = 1,
-              .reason = "detections of which a smaller share of the outline's area lies in the frame are not reported: "
-                        "what is left of a photo's corners at the frame's edge is mostly background"});
+              .reason = "minimum fraction of the outline's area inside the frame: a photo's corner at the frame's edge "
+                        "shows mostly background"});
   fields.Add("least_extent", least_extent,
              {.min = 0,
               .max = 1,
-              .reason = "detections whose inliers' hull covers a smaller share of the outline are not reported: "
-                        "agreement in one corner only is mostly a piece of background that the photo shows too"});
+              .reason = "minimum fraction of the outline that the inliers' convex hull covers: inliers in one corner "
+                        "only lie mostly on background that the photo shows, too"});
 }
 
 namespace {
 
-// The chance that a wrong match agrees with a pose within a radius.
+// p: the chance that a false match agrees with a pose within a radius, and in rotation and scale.
 double AgreementChance(double radius_px, const SceneSize& scene) {
   const double area_px2 = scene.searched_px2.value_or(scene.width_px * scene.height_px);
   return std::min(1.0, kPi * radius_px * radius_px / std::max(1.0, area_px2)) * kAgreementTurnAndScaleChance;
 }
 
-// The most evidence that any radius gives, the number of radii tried taken off: of a photo seen from aside the
-// similarity is wrong by more than its keypoints' noise, and fewer agree closely. None below the noise.
+// -log10 NFA, maximised over the radius and corrected for the number of radii; at least 0. Each residual is a candidate
+// radius, at least sigma_px: a photo seen obliquely deviates from a similarity by more than the keypoint noise.
 double EvidenceOf(const Candidate& candidate, const SceneSize& scene) {
   const std::vector<double>& off_px = candidate.pose.agreeing_px;
   constexpr std::size_t kFewest = 3;
@@ -78,7 +79,7 @@ double EvidenceOf(const Candidate& candidate, const SceneSize& scene) {
   return std::max(0.0, most - std::log10(static_cast<double>(off_px.size() - kFewest + 1)));
 }
 
-// Where a detection lies, for suppression.
+// The image region of a detection, for suppression.
 struct Footprint {
   Polygon hull;
   Eigen::Vector2d centre;
@@ -91,7 +92,7 @@ Footprint FootprintOf(const Polygon& outline) {
   return {ConvexHull(outline), centre, std::sqrt(std::abs(SignedArea(outline)))};
 }
 
-// The same instance, seen through two views: their centres lie close together, or one covers much of the other.
+// True if two detections are the same instance: their centres lie close together, or their hulls overlap.
 bool AreOne(const Footprint& a, const Footprint& b, const DetectOptions& options) {
   if ((a.centre - b.centre).norm() < options.suppression_fraction * std::min(a.size_px, b.size_px)) return true;
   const double common = std::abs(SignedArea(ClipToConvex(a.hull, b.hull)));
@@ -124,7 +125,7 @@ double Evidence(std::size_t matches, std::size_t agreeing, double chance, std::s
   const double k = static_cast<double>(agreeing) - 2;
   if (k <= n * chance) return 0;
   const double first_term = LogChoose(n, k) + k * std::log(chance) + (n - k) * std::log1p(-chance);
-  // Beyond the mean the terms fall at least geometrically: the tail is at most the first term over 1 - their ratio.
+  // Beyond the mean the terms fall at least geometrically, so the tail is at most first_term / (1 - ratio).
   const double ratio = (n - k) / (k + 1) * chance / (1 - chance);
   const double log_tail = first_term - std::log1p(-std::min(ratio, 0.999));
   const double log_tests =
@@ -146,7 +147,7 @@ std::vector<Detection> Detect(std::span<const Candidate> candidates, const Scene
     }
   }
   std::ranges::stable_sort(detections, [](const Detection& a, const Detection& b) {
-    if (a.model != b.model) return a.model < b.model;  // evidence does not compare across models
+    if (a.model != b.model) return a.model < b.model;  // the NFA is not comparable across models
     return a.evidence > b.evidence;
   });
 

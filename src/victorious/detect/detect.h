@@ -1,16 +1,17 @@
-// detect/, in: the poses of every view of every model. Out: detections: an outline, a box, a score; one an instance.
-// Neighbouring views see the same instance too: the best supported is kept, and every other of the model whose centre
-// falls near it is dropped (non-maximum suppression over templates; thesis, section 3.3.3), as is every other that
-// covers much of it.
+// detect/, after pose/. In: the planar fits of every view of every model. Out: detections, one per instance, with an
+// outline, a box and a score.
+// Neighbouring views fire on the same instance. Non-maximum suppression over the templates of a model keeps the most
+// significant one and drops those whose centre lies near it or whose outline overlaps it (thesis, section 3.3.3).
 //
-// The score comes from the expected number of poses as good as this one by chance (the a-contrario test of Moisan and
-// Stival, IJCV 57, 2004; the same question as Lowe's, CVPR 2001, section 5). With n matches of the template in the
-// scene, k of them agreeing, p the chance that a wrong match agrees with a given pose in place, turn and scale:
-//   expected = views * C(n, 2) * P(at least k - 2 of n - 2 agree),   evidence = -log10(expected),
-// at the radius, of as many as there are inliers, at which that is least.
-// score = 1 / (1 + exp(-(evidence - even) / scale)), with a curve fitted to the share that is right on three
-// movies without a sun (docs/results.md, `victorious experiment figure-calibration`).
-// A pose that carries its own evidence (pose/vote_poses.h) keeps it, less the number of views searched.
+// Significance: the number of false alarms (NFA) of the a contrario test of Moisan and Stival (IJCV 57, 2004); compare
+// Lowe (CVPR 2001, section 5). With n matches of the template in the scene, k of them agreeing with the pose, and p the
+// chance that a false match agrees with a given pose in position, rotation and scale:
+//   NFA = views * C(n, 2) * P(at least k - 2 of n - 2 agree),   significance = -log10 NFA,
+// maximised over the radius; the number of radii tried (one per inlier) is corrected for.
+//   score = 1 / (1 + exp(-(-log10 NFA - score_midpoint) / score_scale)),
+// a logistic curve fitted to the precision on three movies without sun (docs/results.md, `victorious experiment
+// figure-calibration`).
+// A fit with its own -log10 NFA (pose/vote_poses.h) keeps it, minus log10 of the number of views searched.
 #pragma once
 
 #include <cstddef>
@@ -38,12 +39,12 @@ struct DetectOptions {
   void ListFields(FieldList& fields);
 };
 
-/// A pose that may be a detection.
+/// A planar fit before thresholds and non-maximum suppression.
 struct Candidate {
-  std::size_t model = 0;
-  std::size_t view = 0;
-  std::size_t matches = 0;  ///< n: of this view, after the ratio test
-  std::size_t views = 1;    ///< of its model: more views, more chances to be fooled
+  std::size_t model = 0;    ///< index into the models that were searched
+  std::size_t view = 0;     ///< index into that model's views
+  std::size_t matches = 0;  ///< n: number of matches of this view after the ratio test
+  std::size_t views = 1;    ///< number of views searched of the model: the number of tests in the NFA
   Polygon outline;          ///< of the object in the template, px
   Pose pose;
 };
@@ -51,18 +52,20 @@ struct Candidate {
 struct SceneSize {
   double width_px = 0;
   double height_px = 0;
-  std::optional<double> searched_px2 = {};  ///< over which a wrong match may lie; nothing: all of it
+  std::optional<double> searched_px2 = {};  ///< area of the searched region; nullopt: the whole image
 };
 
-/// What is found of a model does not depend on which others are searched for.
-/// @return best first; only those of a score of at least options.least_score
+/// Models are independent: the detections of one do not depend on which others are searched.
+/// @return by falling score; only scores of at least options.min_score
 std::vector<Detection> Detect(std::span<const Candidate> candidates, const SceneSize& scene,
                               const DetectOptions& options);
 
-/// A detection's score, 0 to 1 (above).
+/// The score, 0 to 1, of a -log10 NFA in decades (formula above).
 double ScoreOf(double evidence, const DetectOptions& options);
 
-/// The evidence of k of n matches agreeing on a pose (above). 0 or less: chance explains it.
+/// -log10 NFA of `agreeing` = k of `matches` = n matches that agree with a pose (formula above), decades. Values of 0
+/// or less: chance explains the pose. 0 for k < 3, k > n or chance >= 1, and if k - 2 does not exceed its expectation.
+/// @param chance  p
 double Evidence(std::size_t matches, std::size_t agreeing, double chance, std::size_t views);
 
 }  // namespace victorious

@@ -57,7 +57,7 @@ TEST(Detect, ModelsWithTheirOwnEvidenceDoNotMeddleWithOthers) {
     candidate.pose.evidence = evidence;
     return candidate;
   };
-  // One instance: of model 1 the pose of more evidence is kept, though it has fewer inliers.
+  // One instance of model 1: the lower NFA wins, although that pose has fewer inliers.
   const std::vector<Candidate> candidates = {with_evidence(100, 3, 10), CandidateAt(300, 100, 9),
                                              with_evidence(104, 9, 5), CandidateAt(303, 100, 14)};
   const std::vector<Detection> detections = Detect(candidates, kScene, {});
@@ -107,7 +107,7 @@ TEST(Detect, WhatAgreesMoreCloselyHasMoreEvidence) {
   EXPECT_NEAR(evidence(partly), evidence(six), 0.5) << "those far off neither help nor harm";
 }
 
-// As well supported by its close matches, though it has fewer inliers in all.
+// The NFA of the close matches decides, not the total number of inliers.
 TEST(Detect, OfOneInstanceThePoseOfMoreEvidenceIsKept) {
   Candidate many = CandidateAt(100, 100, 12);
   many.pose.agreeing_px.assign(6, 5.0);

@@ -13,9 +13,9 @@
 namespace victorious {
 namespace {
 
-// Noise of every scale, the coarser the stronger, as natural ground has it.
+// A sum of noise octaves whose amplitude rises with the wavelength, as natural ground.
 cv::Mat Ground(cv::Size size, Random& random) {
-  constexpr double kContrast = 2.2;  // grey levels of each scale, at a wavelength of one pixel
+  constexpr double kContrast = 2.2;  // grey levels, amplitude of an octave with a wavelength of one pixel
   cv::Mat ground(size, CV_32F, cv::Scalar(random.Uniform(95, 150)));
   for (int wavelength_px = 2; wavelength_px <= 128; wavelength_px *= 2) {
     cv::Mat draws(size.height / wavelength_px + 3, size.width / wavelength_px + 3, CV_32F);
@@ -30,7 +30,8 @@ cv::Mat Ground(cv::Size size, Random& random) {
   return ground;
 }
 
-// A rectangle somewhere, of one grey, often with parts of its own in rows: windows, planks, parked things.
+// Draws a rectangle of one grey at a random place, often with a row of smaller ones on it: windows, planks, parked
+// cars.
 void StrewThing(cv::Mat& picture, Random& random) {
   constexpr int kFine = 4;  // bits of a pixel's fraction
   const double angle_rad = random.Uniform(-kPi, kPi);
@@ -66,7 +67,7 @@ cv::Mat DrawClutter(cv::Size size, std::uint64_t seed) {
   ground.convertTo(picture, CV_8U);
   const int things = static_cast<int>(kThingsPerPixel * size.area());
   for (int i = 0; i < things; ++i) StrewThing(picture, random);
-  // What lies there is not of one grey either.
+  // Adds noise to the rectangles too.
   cv::Mat grain = Ground(size, random);
   grain = (grain - cv::mean(grain)[0]) * 0.35;
   cv::add(picture, grain, picture, cv::noArray(), CV_8U);

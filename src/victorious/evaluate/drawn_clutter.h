@@ -1,5 +1,8 @@
-// A background in which nothing is to be found: ground of all scales, strewn with straight-edged things, as a town has
-// them. By its seed alone, so that a model can be tried before there is a video.
+// Synthetic clutter: a background image without the object, for the detectability test of a model (findable.h).
+//
+// Method: sum of noise octaves (wavelengths of 2 to 128 px, amplitude proportional to the square root of the
+// wavelength, as natural ground), then random straight-edged rectangles, as a town has them. The image depends on its
+// size and seed alone.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +11,7 @@
 
 namespace victorious {
 
-/// CV_8UC1.
+/// Returns an image of `size`, CV_8UC1. Deterministic by `seed`.
 [[nodiscard]] cv::Mat DrawClutter(cv::Size size, std::uint64_t seed);
 
 }  // namespace victorious

@@ -28,12 +28,12 @@ namespace victorious {
 
 void FindableOptions::ListFields(FieldList& fields) {
   fields.Add("size_px", size_px,
-             {.min = 8, .max = 400, .unit = "px", .reason = "the longest side of the box around the object"});
-  fields.Add("noise", noise, {.min = 0, .max = 0.9, .reason = "share of pixels turned to white or black"});
-  fields.Add("attitude_known", attitude_known, {.reason = "whether telemetry tells how the camera was held"});
+             {.min = 8, .max = 400, .unit = "px", .reason = "the longest side of the object's bounding box"});
+  fields.Add("noise", noise, {.min = 0, .max = 0.9, .reason = "fraction of pixels with salt-and-pepper noise"});
+  fields.Add("attitude_known", attitude_known, {.reason = "whether telemetry gives the camera's attitude"});
   fields.Add("directions", directions,
-             {.min = 3, .max = 10000, .reason = "from which the object is seen: more tell the shares closer"});
-  fields.Add("seed", seed, {.reason = "of directions, turns, clutter and noise"});
+             {.min = 3, .max = 10000, .reason = "number of test directions: more reduce the error of the fractions"});
+  fields.Add("seed", seed, {.reason = "of the directions, in-plane rotations, clutter and noise"});
 }
 
 namespace {
@@ -43,17 +43,17 @@ const cv::Size kPicture(640, 480);
 constexpr double kLeastOverlap = 0.4;
 constexpr double kRightView_rad = RadiansFromDegrees(10.0);
 
-// One direction, and all that is by chance when it is seen.
+// One test direction with its random parameters.
 struct Sample {
   std::size_t band;
   ViewDirection direction;
-  double turn_rad;        // clockwise, of the object in the picture
+  double turn_rad;        // in-plane rotation of the object, clockwise
   double sun_ahead_rad;   // as FrameConditions::sun_ahead
-  Eigen::Vector2d place;  // 0 to 1, of the object in the room that the picture leaves it
+  Eigen::Vector2d place;  // 0 to 1, position within the range that keeps the object in the image
   std::uint64_t seed;
 };
 
-// What a sample is seen in.
+// The imaging conditions of a sample.
 struct Setting {
   double size_px;
   double noise;
@@ -64,14 +64,14 @@ struct Setting {
 struct Sought {
   bool found = false;
   bool right_view = false;
-  cv::Mat bgr;  // where somebody watches
-  Box box;      // the true one
+  cv::Mat bgr;  // the test image, kept only for the callback
+  Box box;      // the true box
 };
 
-// What a sample came to.
+// The result of a sample.
 struct Outcome {
   Sought at_size;
-  std::size_t least = kLadder_px.size();  // rung of the ladder
+  std::size_t least = kLadder_px.size();  // index of the minimum detected size in the ladder; its length if none
 };
 
 std::vector<FindableBand> MakeBands(const ObjectModel& model) {
@@ -99,7 +99,7 @@ std::vector<Sample> DrawSamples(std::span<const FindableBand> bands, const Finda
     sample.direction.azimuth_rad = random.Uniform(0, 2 * kPi);
     sample.direction.off_nadir_rad =
         RadiansFromDegrees(random.Uniform(bands[sample.band].least_deg, bands[sample.band].most_deg));
-    // Nobody films upside down, but from above any way is up.
+    // The camera is never upside down, except near nadir, where every in-plane rotation occurs.
     constexpr double kFromAbove_rad = 0.35;
     const double most_turn_rad = sample.direction.off_nadir_rad < kFromAbove_rad ? kPi : kPi / 2;
     sample.turn_rad = random.Uniform(-most_turn_rad, most_turn_rad);
@@ -112,8 +112,8 @@ std::vector<Sample> DrawSamples(std::span<const FindableBand> bands, const Finda
   return samples;
 }
 
-// Pastes the object onto the picture, so large that the longest side of its box is `size_px`. The box; empty: nothing
-// of it is seen.
+// Pastes the object onto the image, scaled so that the longest side of its bounding box is `size_px`. Returns the box;
+// empty if nothing of the object is visible.
 Box Paste(const TurnedView& view, const Sample& sample, double size_px, cv::Mat& grey) {
   Polygon outline = OutlineOfMask(view.mask);
   if (outline.size() < 3) return {};
@@ -137,7 +137,7 @@ double AngleBetween(const ViewDirection& a, const ViewDirection& b) {
   return std::acos(std::clamp(DirectionToCamera(a).dot(DirectionToCamera(b)), -1.0, 1.0));
 }
 
-// Of a camera that looks straight at the object from far away.
+// The frame conditions of a distant camera with the object on its optical axis.
 FrameConditions ConditionsOf(const Sample& sample, const Setting& setting) {
   FrameConditions conditions;
   if (!setting.attitude_known) return conditions;
@@ -176,18 +176,19 @@ class Search {
     spoiling.degrade.noise = setting.noise;
     VICTORIOUS_RETURN_IF_ERROR(Spoil(spoiling, sample.seed, sought.bgr));
     VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, extractor_->Extract(GreyFromBgr(sought.bgr)));
-    // Votes alone decide: the picture is the view's own rendering, which likeness would find more like than any video.
+    // Only the votes decide, without the image: it is made from the model's own rendering, so that its NCC score would
+    // be higher than in any video.
     for (const Detection& detection : recognizer_.Recognize(features, ConditionsOf(sample, setting))) {
       if (IntersectionOverUnion(detection.box, sought.box) < kLeastOverlap) continue;
       const ViewAngles& angles = *model_->views[detection.view].angles;
       sought.found = true;
       sought.right_view = AngleBetween({angles.azimuth_rad, angles.off_nadir_rad}, sample.direction) <= kRightView_rad;
-      break;  // the best of them
+      break;  // the best detection
     }
     return sought;
   }
 
-  // At the size asked for, then the least rung of the ladder, by halving what is left of it.
+  // Tests the size of the options, then finds the minimum size of the ladder by bisection.
   [[nodiscard]] Expected<Outcome> Measure(const Sample& sample, Setting setting) const {
     VICTORIOUS_ASSIGN_OR_RETURN(const TurnedView view, Seen(sample, setting.sun_deg));
     Outcome outcome;
@@ -216,12 +217,12 @@ class Search {
   std::unique_ptr<const FeatureExtractor> extractor_;
 };
 
-// Counts what is done, for progress and cancelling.
+// Runs loops in parallel with progress and cancellation.
 class Watched {
  public:
   Watched(const CancelToken& cancel, const FindableWatch& watch) : cancel_(cancel), watch_(watch) {}
 
-  // fn(i) for i in 0 .. count, on all cores; the first error, if any.
+  // Calls fn(i) for i in [0, count) on all cores; returns the first error, if any.
   template <typename Fn>
   Status Each(std::size_t count, Fn fn) {
     all_ += static_cast<int>(count);
@@ -252,7 +253,7 @@ void Count(const Outcome& outcome, FoundShare& share) {
   share.right_view += outcome.at_size.right_view ? 1 : 0;
 }
 
-// By the rungs at which each of some directions is found first.
+// Computes the sizes from the minimum detected rung of each direction.
 LeastSizes LeastOf(std::vector<std::size_t> rungs) {
   std::ranges::sort(rungs);
   const auto at = [&](double share) -> std::optional<double> {
@@ -274,13 +275,13 @@ Status Check(const ObjectModel& model, const FindableOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   if (options.sun_deg && !(*options.sun_deg >= 5 && *options.sun_deg <= 90)) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("sun = {:g}: must be its elevation, 5 to 90 degrees, or off", *options.sun_deg));
+                fmt::format("sun = {:g}: must be an elevation of 5 to 90 degrees, or off", *options.sun_deg));
   }
   const auto rendered = [](const ModelView& view) { return view.angles && !view.surface.empty(); };
   if (model.views.empty() || !std::ranges::all_of(model.views, rendered)) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("model {}: only of models made of CAD files by this version is kept what this needs; of "
-                            "photos the videos themselves tell",
+                fmt::format("model {}: has no view renderings: must be made of a CAD file by this version; evaluate a "
+                            "model of photos on videos",
                             model.name));
   }
   return {};
@@ -334,7 +335,7 @@ Expected<Findable> HowFindable(const ObjectModel& model, const FeatureOptions& f
   }
   result.least = LeastOf(rungs);
 
-  // What would help: the same pictures that nothing was found in, without one of what makes them hard.
+  // Ablation: repeats the missed samples without one of the difficulties.
   const auto eased = [&](const Setting& setting) -> Expected<FoundShare> {
     std::vector<Outcome> again = outcomes;
     std::vector<std::size_t> missed;

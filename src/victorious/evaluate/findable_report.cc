@@ -1,4 +1,4 @@
-// What HowFindable() measured, as JSON and in plain words.
+// Formats the result of MeasureDetectability() as JSON and as text with advice.
 #include <utility>
 
 #include <fmt/format.h>
@@ -19,7 +19,7 @@ nlohmann::ordered_json ShareOrNull(const std::optional<FoundShare>& share) {
   return share ? nlohmann::ordered_json(share->Share()) : nlohmann::ordered_json();
 }
 
-// The share of those found whose view is right; unknown where none is.
+// The fraction of the detections with a correct view; std::nullopt without detections.
 std::optional<double> RightView(const FoundShare& share) {
   if (share.found == 0) return std::nullopt;
   return static_cast<double>(share.right_view) / share.found;
@@ -44,24 +44,24 @@ std::string Row(const std::string& name, const FoundShare& share, const LeastSiz
 }
 
 std::string SettingText(const FindableOptions& options) {
-  return fmt::format("{:g} px, {}, {}, the camera's attitude {}", options.size_px,
-                     options.sun_deg ? fmt::format("a sun {:g} degrees high", *options.sun_deg) : "soft light",
+  return fmt::format("{:g} px, {}, {}, camera attitude {}", options.size_px,
+                     options.sun_deg ? fmt::format("sun elevation {:g} degrees", *options.sun_deg) : "diffuse light",
                      options.noise > 0 ? fmt::format("noise {:g}", options.noise) : "no noise",
-                     options.attitude_known ? "known" : "not known");
+                     options.attitude_known ? "known" : "unknown");
 }
 
 std::string BandText(const FindableBand& band, double largest_px) {
-  const std::string where = fmt::format("{:.0f} to {:.0f} degrees off straight above", band.least_deg, band.most_deg);
+  const std::string where = fmt::format("{:.0f} to {:.0f} degrees off nadir", band.least_deg, band.most_deg);
   if (band.least.most_px)
-    return fmt::format("Seen {}, 90 % are found at {:g} px and more.", where, *band.least.most_px);
+    return fmt::format("At {}, 90 % are detected from {:g} px.", where, *band.least.most_px);
   const std::string why =
-      fmt::format("The model has {:.0f} features a view there: {}", band.features,
-                  "more texture would help, and larger templates (`model add --params`, least_size_px)");
+      fmt::format("The model has {:.0f} features per view there: {}", band.features,
+                  "add texture, or use larger templates (`model add --params`, least_size_px)");
   if (band.least.half_px) {
-    return fmt::format("Seen {}, half are found at {:g} px and more, 90 % at no size up to {:g} px. {}.", where,
+    return fmt::format("At {}, 50 % are detected from {:g} px, and 90 % at no size up to {:g} px. {}.", where,
                        *band.least.half_px, largest_px, why);
   }
-  return fmt::format("Seen {}, fewer than half are found, up to {:g} px. {}.", where, largest_px, why);
+  return fmt::format("At {}, fewer than 50 % are detected at all sizes up to {:g} px. {}.", where, largest_px, why);
 }
 
 std::vector<std::string> Advice(const Findable& findable) {
@@ -69,21 +69,21 @@ std::vector<std::string> Advice(const Findable& findable) {
   for (const FindableBand& band : findable.bands) advice.push_back(BandText(band, findable.largest_px));
   const auto would = [&](const std::optional<FoundShare>& share, const char* how) {
     if (!share || share->found <= findable.share.found) return;
-    advice.push_back(fmt::format("{} {:.2f} instead of {:.2f} would be found at {:g} px.", how, share->Share(),
-                                 findable.share.Share(), findable.options.size_px));
+    advice.push_back(fmt::format("{0}, the detected fraction at {3:g} px rises from {2:.2f} to {1:.2f}.", how,
+                                 share->Share(), findable.share.Share(), findable.options.size_px));
   };
   would(findable.quiet, "Without the noise");
-  would(findable.soft, "In soft light");
-  would(findable.upright, "With telemetry that tells the camera's attitude");
+  would(findable.soft, "In diffuse light");
+  would(findable.upright, "With the camera's attitude from telemetry");
   if (findable.share.Share() < kMost && findable.least.most_px && *findable.least.most_px > findable.options.size_px) {
-    advice.push_back(fmt::format("From nearer, or at a longer focal length: at {:g} px and more 90 % are found.",
+    advice.push_back(fmt::format("From nearer, or with a longer focal length: 90 % are detected from {:g} px.",
                                  *findable.least.most_px));
   }
   const std::optional<double> right = RightView(findable.share);
   if (right && *right < kMost) {
     advice.push_back(
-        fmt::format("The view, and with it the heading, is within 10 degrees in {:.2f} of what is found: sides look "
-                    "alike, or show little at this size.",
+        fmt::format("The view, and with it the heading, is within 10 degrees for a fraction {:.2f} of the detections: "
+                    "the object's sides look similar, or lack detail at this size.",
                     *right));
   }
   return advice;
@@ -115,7 +115,7 @@ nlohmann::ordered_json ToJson(const Findable& findable) {
 
 std::string ToText(const Findable& findable) {
   std::string text = fmt::format(
-      "  findable  at {}; by {} directions between its views\n    {:<14} {:>12} {:>10} {:>10} {:>10} {:>9}\n",
+      "  findable  at {}; {} directions between the model's views\n    {:<14} {:>12} {:>10} {:>10} {:>10} {:>9}\n",
       SettingText(findable.options), findable.share.asked, "off nadir", "found", "right view", "50 % from", "90 % from",
       "features");
   for (const FindableBand& band : findable.bands) {
@@ -125,7 +125,7 @@ std::string ToText(const Findable& findable) {
   if (findable.bands.size() > 1) text += Row("all", findable.share, findable.least, "");
   for (const std::string& line : Advice(findable)) text += fmt::format("    {}\n", line);
   text +=
-      "    An upper limit: flights find less, where object, light and ground differ from the model's own pictures.\n";
+      "    An upper limit: a flight detects less, as object, light and ground differ from the model's renderings.\n";
   return text;
 }
 

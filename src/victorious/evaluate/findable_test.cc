@@ -40,7 +40,7 @@ TEST(Findable, TheLargeAreFoundTheTinyAreNot) {
   }
 }
 
-// In noise less is found; the same pictures without it are asked for then.
+// Noise reduces the detections, and the missed images are then repeated without it.
 TEST(Findable, NoiseHidesAndItsAbsenceHelps) {
   FindableOptions options = Few(100);
   const Findable quiet = Measure(testing::WaffleModel(), options).value();
@@ -70,7 +70,7 @@ TEST(Findable, IsSeenInASunWithoutAnAttitude) {
   EXPECT_GT(lit.share.found, 0);
 }
 
-// The flat, uniform side of a model: it is said where, and why.
+// A uniform side of the model: the report names the interval and the reason.
 TEST(Findable, SaysWhatWouldHelp) {
   Findable findable;
   findable.largest_px = 256;
@@ -81,10 +81,11 @@ TEST(Findable, SaysWhatWouldHelp) {
   findable.bands[0] = {.least_deg = 0, .most_deg = 35, .share = {}, .least = {.half_px = 32, .most_px = 64}};
   findable.bands[1] = {.least_deg = 35, .most_deg = 70, .share = {}, .least = {}, .features = 7};
   const std::string text = ToText(findable);
-  EXPECT_NE(text.find("Seen 0 to 35 degrees off straight above, 90 % are found at 64 px and more"), std::string::npos)
+  EXPECT_NE(text.find("At 0 to 35 degrees off nadir, 90 % are detected from 64 px"), std::string::npos)
       << text;
-  EXPECT_NE(text.find("7 features a view"), std::string::npos) << text;
-  EXPECT_NE(text.find("Without the noise 0.80 instead of 0.40"), std::string::npos) << text;
+  EXPECT_NE(text.find("7 features per view"), std::string::npos) << text;
+  EXPECT_NE(text.find("Without the noise, the detected fraction at 64 px rises from 0.40 to 0.80"), std::string::npos)
+      << text;
   const auto json = ToJson(findable);
   EXPECT_TRUE(json["bands"][1]["half_found_from_px"].is_null());
   EXPECT_EQ(json["found_without_noise"], 0.8);

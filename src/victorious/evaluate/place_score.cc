@@ -17,7 +17,7 @@ PlaceError ComparePlaces(const std::optional<Place>& place, const std::optional<
   error.across_m = off.head<2>().norm();
   error.all_m = off.norm();
   error.in_ce90 = *error.across_m <= place->ce90_m;
-  constexpr double kNinetyPercent = 6.251;  // of chi-squared with three degrees of freedom
+  constexpr double kNinetyPercent = 6.251;  // quantile of chi-square with three degrees of freedom
   const Eigen::LLT<Eigen::Matrix3d> covariance(place->covariance_enu_m2);
   error.in_ellipsoid = covariance.info() == Eigen::Success && off.dot(covariance.solve(off)) <= kNinetyPercent;
   return error;

@@ -1,4 +1,7 @@
-// How far reported places are from the true ones.
+// Errors of reported object places against ground truth, and the coverage of their uncertainty.
+//
+// Method: the error vector e = (east, north, up) is taken in the tangent plane at the true place. The 90 % ellipsoid
+// test is the chi-square gate e^T C^-1 e <= 6.251 (3 degrees of freedom).
 #pragma once
 
 #include <optional>
@@ -9,16 +12,16 @@
 
 namespace victorious {
 
-/// One reported object beside the truth at the time of its place.
+/// Errors of one reported object against the truth row nearest to the time of its place.
 struct PlaceError {
-  std::optional<double> across_m;     ///< along the ground
-  std::optional<double> all_m;        ///< in space
-  bool in_ellipsoid = false;          ///< the truth is in the 90 % ellipsoid of the covariance
-  bool in_ce90 = false;               ///< and within CE90 along the ground
-  std::optional<double> heading_rad;  ///< 0 to pi
+  std::optional<double> across_m;     ///< horizontal error
+  std::optional<double> all_m;        ///< 3-D error
+  bool in_ellipsoid = false;          ///< the truth lies in the 90 % ellipsoid; false for a singular covariance
+  bool in_ce90 = false;               ///< the horizontal error is at most CE90
+  std::optional<double> heading_rad;  ///< absolute heading error, 0 to pi
 };
 
-/// What differs where either side is not known is not there.
+/// Computes the errors. A field is std::nullopt (a bool: false) if either side of its comparison is unknown.
 PlaceError ComparePlaces(const std::optional<Place>& place, const std::optional<double>& heading_rad,
                          const TruthRow& truth);
 

@@ -17,7 +17,7 @@ Expected<Reported> ReadReported(IndexStore& store, const SightingFilter& filter)
   }
   for (const SightingRecord& row : sightings) {
     const ModelRecord* model = catalogue.Model(row.model);
-    if (model == nullptr || model->IsCategory()) continue;  // added by another process since
+    if (model == nullptr || model->IsCategory()) continue;  // added by another process after the catalogue was read
     reported.sightings.push_back({.object = row.object,
                                   .frame = row.frame,
                                   .model = model->name,

@@ -1,4 +1,5 @@
-// From an index to what is scored: the objects and sightings of models; categories are left out, as truth names models.
+// Reads from an index the objects and sightings to score (score.h). Category objects and sightings are left out,
+// because the ground truth names models only.
 #pragma once
 
 #include <vector>
@@ -9,14 +10,14 @@
 
 namespace victorious {
 
-/// What an index reports.
+/// The content of an index that is scored.
 struct Reported {
   std::vector<ReportedObject> objects;  ///< best first
   std::vector<ReportedSighting> sightings;
 };
 
-/// @param filter  lets one video through, for ScoreIndex()
-/// Errors: those of Catalogue::Read and of reading.
+/// @param filter  must select a single video for ScoreIndex()
+/// Errors: those of Catalogue::Read and of reading the store.
 Expected<Reported> ReadReported(IndexStore& store, const SightingFilter& filter);
 
 }  // namespace victorious

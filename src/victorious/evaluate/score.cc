@@ -26,21 +26,21 @@ constexpr double kClearSidePx = 24;
 constexpr std::size_t kFindableRows = 10;
 constexpr double kPairedOverlap = 0.4;
 
-constexpr int kNothing = -1;  // shown by a sighting without a pair
+constexpr int kNothing = -1;  // the object of a sighting without a pair
 
 std::optional<double> Ratio(double part, double whole) {
   return whole > 0 ? std::optional(part / whole) : std::nullopt;
 }
 
-/// One true object.
+/// A true object.
 struct TrueObject {
   std::string name;
-  std::vector<std::int64_t> clear_frames;  ///< one a clear row
+  std::vector<std::int64_t> clear_frames;  ///< one per clear row
 
   [[nodiscard]] bool IsFindable() const { return clear_frames.size() >= kFindableRows; }
 };
 
-/// The truth, its objects numbered, and its rows found by frame and model.
+/// The truth with its objects numbered and its rows indexed by frame and model.
 class TruthTable {
  public:
   explicit TruthTable(std::span<const TruthRow> rows)
@@ -61,7 +61,7 @@ class TruthTable {
   [[nodiscard]] const TruthRow& row(std::size_t i) const { return rows_[i]; }
   [[nodiscard]] int ObjectOf(std::size_t row) const { return object_of_row_[row]; }
 
-  /// The object's row at the place's time, or where there is no place, its middle row.
+  /// The object's row nearest in time to the place; its middle row without a place.
   [[nodiscard]] const TruthRow& RowFor(int object, const std::optional<Place>& place) const {
     std::vector<const TruthRow*> own;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
@@ -72,7 +72,7 @@ class TruthTable {
                                       [&](const TruthRow* row) { return std::abs(row->time_s - place->time_s); });
   }
 
-  /// The free row that `sighting` overlaps most, and enough; takes it, so that its object is not paired again there.
+  /// Returns the unassigned row with the maximum overlap of at least kPairedOverlap, and marks it as assigned.
   std::optional<std::size_t> Take(const ReportedSighting& sighting) {
     std::optional<std::size_t> best;
     double best_overlap = 0;
@@ -91,7 +91,7 @@ class TruthTable {
  private:
   static std::pair<std::int64_t, std::string_view> KeyOf(const TruthRow& row) { return {row.frame, row.model}; }
 
-  /// One place for each object and frame, even where several rows describe it.
+  /// Numbers the slots: one per object and frame, also if several rows describe it.
   void NumberPlaces() {
     std::vector<std::size_t> order(rows_.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -107,18 +107,18 @@ class TruthTable {
   std::vector<TrueObject> objects_;
   std::vector<int> object_of_row_;
   std::vector<std::size_t> place_of_row_;
-  std::vector<std::size_t> by_frame_;  ///< rows by frame and model, else in the order given
-  std::vector<bool> taken_;            ///< a place
+  std::vector<std::size_t> by_frame_;  ///< rows sorted by frame and model (stable)
+  std::vector<bool> taken_;            ///< whether each slot is assigned
 };
 
-/// A true object that a reported one shows, or kNothing.
+/// The true object that a sighting of a reported object shows, or kNothing.
 struct Vote {
   std::int64_t reported;
   int shown;
   auto operator<=>(const Vote&) const = default;
 };
 
-/// A frame in which a reported object shows a true one.
+/// A frame in which a reported object shows a true object.
 struct Hit {
   int shown;
   std::int64_t reported;
@@ -126,16 +126,16 @@ struct Hit {
   auto operator<=>(const Hit&) const = default;
 };
 
-/// What the pairing of sightings with truth tells. Votes and hits are sorted.
+/// The result of pairing sightings with truth. Votes and hits are sorted.
 struct Pairing {
-  std::vector<Vote> votes;  ///< one a sighting
-  std::vector<Hit> hits;    ///< each once
+  std::vector<Vote> votes;  ///< one per sighting
+  std::vector<Hit> hits;    ///< unique
   int right = 0;
   int wrong = 0;
   std::vector<double> view_errors_rad;
 };
 
-/// Of each sighting the row it is paired with, the best scored first.
+/// Pairs each sighting with a row, in the order of falling scores.
 std::vector<std::optional<std::size_t>> TakeRows(TruthTable& truth, std::span<const ReportedSighting> sightings) {
   std::vector<std::size_t> order(sightings.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -169,8 +169,8 @@ Pairing Pair(TruthTable& truth, std::span<const ReportedSighting> sightings) {
   return pairing;
 }
 
-/// The true object that more than half of the reported one's sightings show; kNothing if there is none. Where there is
-/// one, it stands in the middle of the sorted votes.
+/// The true object that more than half of the reported object's sightings show; kNothing if there is none. A majority
+/// always includes the middle of the sorted votes.
 int MajorityOf(std::int64_t reported, const std::vector<Vote>& votes) {
   const auto own = std::ranges::equal_range(votes, reported, {}, &Vote::reported);
   if (own.empty()) return kNothing;
@@ -179,7 +179,7 @@ int MajorityOf(std::int64_t reported, const std::vector<Vote>& votes) {
   return same.size() * 2 > own.size() ? middle : kNothing;
 }
 
-/// Precision and recall after the first n reported objects that count.
+/// Precision and recall after the first n reported objects that are not ignored.
 struct CurvePoint {
   double recall;
   double precision;
@@ -199,7 +199,8 @@ double AveragePrecision(const std::vector<CurvePoint>& curve) {
   return sum / (kLevels + 1);
 }
 
-/// Who claimed each true object, by its number; fills the counts of objects.
+/// Assigns reported objects to true objects and fills the object counts of `score`. Returns the id of the reported
+/// object that is assigned to each true object, by the number of the true object.
 std::unordered_map<int, std::int64_t> ScoreObjects(const TruthTable& truth, std::span<const ReportedObject> objects,
                                                    const std::vector<Vote>& votes, Score& score,
                                                    std::map<std::string, PlaceError>& place_errors) {
@@ -214,7 +215,7 @@ std::unordered_map<int, std::int64_t> ScoreObjects(const TruthTable& truth, std:
       place_errors.emplace(truth.objects()[shown].name,
                            ComparePlaces(object.place, object.heading_rad, truth.RowFor(shown, object.place)));
     } else {
-      continue;  // small or brief, but real: neither asked for nor held against it
+      continue;  // a true object that is not findable: ignored
     }
     const double counted = score.found + score.false_objects;
     curve.push_back(
@@ -226,7 +227,7 @@ std::unordered_map<int, std::int64_t> ScoreObjects(const TruthTable& truth, std:
   return claimed_by;
 }
 
-/// How the findable objects were shown, frame by frame.
+/// Scores the frames in which the findable objects are shown: density, sighting recall and ids.
 void ScoreCoverage(const TruthTable& truth, const std::unordered_map<int, std::int64_t>& claimed_by,
                    const std::vector<Hit>& hits, Score& score) {
   std::vector<double> densities;
@@ -275,7 +276,7 @@ void ScoreCoverage(const TruthTable& truth, const std::unordered_map<int, std::i
   score.ids_per_object = Ratio(ids, shown_objects);
 }
 
-/// Where the found objects are said to be.
+/// Scores the places of the found objects.
 void ScorePlaces(const std::map<std::string, PlaceError>& errors, Score& score) {
   std::vector<double> across_m;
   std::vector<double> all_m;
@@ -309,7 +310,7 @@ std::optional<double> InDegrees(const std::optional<double>& radians) {
   return radians ? std::optional(DegreesFromRadians(*radians)) : std::nullopt;
 }
 
-/// Rounded in decimal, as it prints.
+/// Rounds to the decimal value that is printed.
 double ToThreeDecimals(double value) { return std::stod(fmt::format("{:.3f}", value)); }
 
 }  // namespace

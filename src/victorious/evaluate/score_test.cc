@@ -129,7 +129,7 @@ TEST(ScoreTest, OfSeveralSightingsOnOneObjectTheBestScoredIsRight) {
   worse.view = ViewAngles{0, 0.7};
   const Score score = ScoreIndex(truth, {}, std::vector<ReportedSighting>{worse, better});
   EXPECT_THAT(score.sighting_precision, Optional(0.5));
-  EXPECT_NEAR(*score.view_error_p50_rad, 0.3, 1e-12);  // the pair is the better one's
+  EXPECT_NEAR(*score.view_error_p50_rad, 0.3, 1e-12);  // the sighting with the higher score is paired
 }
 
 TEST(ScoreTest, DensityBetweenCountsFromTheFirstToTheLastReport) {
@@ -159,7 +159,7 @@ TEST(ScoreTest, ASightingOfWhatIsNotClearCountsNeitherWay) {
   const Score score = ScoreIndex(TrueIn(10, "a", small), Objects({1}), SeenIn(1, 0, 10, small));
   EXPECT_FALSE(score.sighting_precision);
   EXPECT_EQ(score.found, 0);
-  EXPECT_EQ(score.false_objects, 0);  // real, though too small to be asked for
+  EXPECT_EQ(score.false_objects, 0);  // a true object, but too small to be findable
   EXPECT_FALSE(score.precision);
 }
 
@@ -170,8 +170,8 @@ TEST(ScoreTest, TheSecondObjectForTheSameTruthIsFalse) {
   EXPECT_EQ(score.false_objects, 1);
   EXPECT_THAT(score.precision, Optional(0.5));
   EXPECT_THAT(score.sighting_precision, Optional(1.0));
-  EXPECT_THAT(score.sighting_recall, Optional(1.0));  // any object's sightings
-  EXPECT_THAT(score.density_p50, Optional(0.5));      // the claimant's only
+  EXPECT_THAT(score.sighting_recall, Optional(1.0));  // counts the sightings of any object
+  EXPECT_THAT(score.density_p50, Optional(0.5));      // counts the assigned object's only
   EXPECT_THAT(score.ids_per_object, Optional(2.0));
 }
 
@@ -289,8 +289,8 @@ TEST(ScoreTest, ReportsHoldTheKeysInOrder) {
   EXPECT_THAT(ToText(score), HasSubstr("cep50_m                         -\n"));
 }
 
-/// A random flight and index with every kind of fault: misses, false ones, duplicates, splits, jitter, small and
-/// hidden.
+/// A random flight and index with all kinds of errors: misses, false positives, duplicates, splits, jitter, small and
+/// occluded objects.
 struct RandomCase {
   std::vector<TruthRow> truth;
   std::vector<ReportedObject> objects;
@@ -328,7 +328,7 @@ struct RandomCase {
     PutPlaces(random);
   }
 
-  // Objects stand about a point, and are said to stand within some metres of it.
+  // Places objects around a point, and reports them within some metres of it.
   void PutPlaces(Random& random) {
     const GeodeticPoint middle{-0.6, 2.6, 40};
     const TangentPlane plane(middle);

@@ -18,16 +18,16 @@ using Json = nlohmann::json;
 
 constexpr double kLargestFrame = 9007199254740992.0;  // 2^53: beyond it, doubles skip whole numbers
 
-/// The value under `key`, or null where it is missing.
+/// The value of `key`, or null if it is missing.
 const Json& Value(const Json& object, const char* key) {
   static const Json null;
   const auto at = object.find(key);
   return at == object.end() ? null : *at;
 }
 
-/// The error of a key: it is missing, or it is there and not what it should be.
+/// The error for a key that is missing or has a wrong value.
 std::unexpected<Error> BadKey(const Json& value, std::string_view key, std::string_view wanted) {
-  return Fail(ErrorCode::kInvalidArgument, value.is_null() ? fmt::format("{} is missing: give {}", key, wanted)
+  return Fail(ErrorCode::kInvalidArgument, value.is_null() ? fmt::format("{} is missing: expected {}", key, wanted)
                                                            : fmt::format("{} is not {}", key, wanted));
 }
 
@@ -39,12 +39,12 @@ Expected<double> NumberOf(const Json& row, const char* key) {
 
 Expected<std::string> TextOf(const Json& row, const char* key) {
   const Json& value = Value(row, key);
-  if (!value.is_string()) return BadKey(value, key, "a text");
+  if (!value.is_string()) return BadKey(value, key, "a string");
   return value.get<std::string>();
 }
 
 Expected<std::int64_t> FrameOf(const Json& row) {
-  constexpr std::string_view kWanted = "a whole number from 0";
+  constexpr std::string_view kWanted = "a whole number >= 0";
   const Json& value = Value(row, "frame");
   if (!value.is_number()) return BadKey(value, "frame", kWanted);
   const double frame = value.get<double>();
@@ -62,21 +62,21 @@ Expected<Box> BoxOf(const Json& row) {
     numbers[i] = value[i].get<double>();
   }
   const Box box{numbers[0], numbers[1], numbers[2], numbers[3]};
-  if (box.width < 0 || box.height < 0) return BadKey(value, "box", "of a width and height from 0");
+  if (box.width < 0 || box.height < 0) return BadKey(value, "box", "[x, y, width, height] with width and height >= 0");
   return box;
 }
 
 Expected<std::optional<ViewAngles>> ViewOf(const Json& row) {
   const Json& value = Value(row, "view");
   if (value.is_null()) return std::nullopt;
-  if (!value.is_object()) return BadKey(value, "view", "an object of azimuth_deg and off_nadir_deg");
+  if (!value.is_object()) return BadKey(value, "view", "an object with azimuth_deg and off_nadir_deg");
   if (value.empty()) return std::nullopt;
   VICTORIOUS_ASSIGN_OR_RETURN(const double azimuth_deg, NumberOf(value, "azimuth_deg"));
   VICTORIOUS_ASSIGN_OR_RETURN(const double off_nadir_deg, NumberOf(value, "off_nadir_deg"));
   return ViewAngles{RadiansFromDegrees(azimuth_deg), RadiansFromDegrees(off_nadir_deg)};
 }
 
-/// Nothing where the key is missing or null.
+/// std::nullopt if the key is missing or null.
 Expected<std::optional<double>> OptionalNumberOf(const Json& row, const char* key) {
   if (Value(row, key).is_null()) return std::nullopt;
   return NumberOf(row, key);

@@ -1,4 +1,4 @@
-// Ground truth as files hold it: truth.jsonl, one line a frame and an object with a part in view.
+// Reader of ground truth files: truth.jsonl, one JSON object per line, for each frame and each object partly in view.
 #pragma once
 
 #include <cstdint>
@@ -18,21 +18,23 @@ namespace victorious {
 /// One object in one frame.
 struct TruthRow {
   std::int64_t frame = 0;  ///< from 0
-  std::string object;      ///< which one: "humvee-1"
-  std::string model;       ///< of which kind: "humvee"
-  Box box;                 ///< of the visible pixels, px
-  double visible = 0;      ///< visible pixels over those it would have unhidden and uncropped
+  std::string object;      ///< name of the instance: "humvee-1"
+  std::string model;       ///< name of its model: "humvee"
+  Box box;                 ///< bounding box of the visible pixels, px
+  double visible = 0;      ///< visible pixels over its pixels without occlusion and cropping
   std::optional<ViewAngles> view;
   double time_s = 0;                   ///< presentation time
-  std::optional<GeodeticPoint> place;  ///< of the middle of the object's bounding box
+  std::optional<GeodeticPoint> place;  ///< of the centre of the object's bounding box
   std::optional<double> heading_rad;   ///< of its front, clockwise from north
 };
 
-/// Rows in the order of the text's lines; empty lines are passed over, and keys that scoring does not need are ignored.
-/// Any bytes are safe. Errors: kInvalidArgument, with `name`, the line, and what is missing or wrong there.
+/// Returns the rows in the order of the lines. Empty lines are skipped; keys that scoring does not need are ignored.
+/// Any bytes are safe.
+/// @param name  of the source, for messages
+/// Errors: kInvalidArgument, with `name`, the line number, and the missing or wrong key.
 Expected<std::vector<TruthRow>> ParseTruth(std::string_view text, std::string_view name);
 
-/// The same from a file.
+/// Reads and parses a file. Errors: those of ReadFile and of ParseTruth.
 Expected<std::vector<TruthRow>> ReadTruth(const std::filesystem::path& path);
 
 }  // namespace victorious

@@ -18,7 +18,7 @@ namespace {
 
 ViewDirection DirectionOf(const ModelView& view) { return {view.angles->azimuth_rad, view.angles->off_nadir_rad}; }
 
-// One part in so many of a pixel's sides is carried over by itself, so that turning tears no gaps into a surface.
+// Each pixel is warped as 3 x 3 splats, so that the rotation opens no gaps in a surface.
 constexpr int kParts = 3;
 
 struct Splat {
@@ -28,7 +28,7 @@ struct Splat {
   double grey;
 };
 
-// Every part of a pixel, where the camera sees it once the object is turned about `middle` (both in camera frames).
+// Projects each splat after the rotation of the object about `middle` (both in the camera frame).
 std::vector<Splat> Carry(const ViewSurface& surface, const cv::Mat& grey, const Eigen::Quaterniond& turn,
                          const Eigen::Vector3d& middle) {
   const PinholeCamera& pinhole = surface.seen.camera.pinhole;
@@ -50,7 +50,7 @@ std::vector<Splat> Carry(const ViewSurface& surface, const cv::Mat& grey, const 
   return splats;
 }
 
-// The mean of the nearest splats of each pixel; what lies behind them by more than `thickness_m` is hidden.
+// Averages the nearest splats of each pixel; splats behind these by more than `thickness_m` are occluded.
 TurnedView Draw(const std::vector<Splat>& splats, const cv::Size& size, double thickness_m) {
   cv::Mat nearest_m(size, CV_64F, cv::Scalar(std::numeric_limits<double>::infinity()));
   for (const Splat& splat : splats) {
@@ -71,7 +71,7 @@ TurnedView Draw(const std::vector<Splat>& splats, const cv::Size& size, double t
   return view;
 }
 
-// Pixels without a splat, most of whose neighbours have one, take their mean.
+// A pixel without a splat takes the mean of its 8 neighbours if at least 5 of them have one.
 void FillGaps(TurnedView& view) {
   constexpr int kLeastNeighbours = 5;
   const TurnedView before{view.grey.clone(), view.mask.clone()};

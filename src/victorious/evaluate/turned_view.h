@@ -1,6 +1,8 @@
-// What a CAD model looks like from between its views: a view's rendering, of which the model keeps picture and depth,
-// lit and turned a few degrees. So that no test of a model shows it the very pictures that it was made of, and none
-// needs the CAD file.
+// Novel view synthesis for the detectability test (findable.h): the appearance of a CAD model from a direction between
+// its views. The test must not use the images that the model was built from, and it does not need the CAD file.
+//
+// Method: depth-image-based rendering. The nearest view's stored rendering (grey image and depth) is relit if a sun is
+// given, then forward-warped by 3 x 3 splats per pixel with a depth test; small gaps take the mean of their neighbours.
 #pragma once
 
 #include <optional>
@@ -15,14 +17,14 @@ namespace victorious {
 
 struct TurnedView {
   cv::Mat grey;  ///< CV_8UC1
-  cv::Mat mask;  ///< CV_8UC1, 255 where the object is
+  cv::Mat mask;  ///< CV_8UC1, 255 on the object
 };
 
-/// The object from `direction`, turned from its nearest view: pixel by pixel, each at its place on the object; small
-/// gaps take what is around them, what the view does not show stays missing.
-/// @param model  every view has angles and a surface
-/// @param sun    where it stands, in the model's frame; none: the light that the model was drawn in
-/// Errors: kDataLoss for a damaged surface; kInvalidArgument for options in the model that this version does not know.
+/// Renders the object from `direction` by warping its nearest view. Surfaces that the nearest view does not show stay
+/// missing in the mask.
+/// @param model  every view must have angles and a surface
+/// @param sun    direction to the sun in the model's frame; std::nullopt: the light of the model's own renderings
+/// Errors: kDataLoss for a damaged surface; kInvalidArgument for unknown options stored in the model.
 Expected<TurnedView> TurnView(const ObjectModel& model, const ViewDirection& direction,
                               const std::optional<ViewDirection>& sun);
 

@@ -25,7 +25,7 @@ double SharedMask(const TurnedView& a, const TurnedView& b) {
   return static_cast<double>(cv::countNonZero(a.mask & b.mask)) / cv::countNonZero(a.mask | b.mask);
 }
 
-// What lies between two views, turned from the one and from the other, is one picture; the views themselves are not.
+// A direction between two views renders alike from both of them, although the views themselves differ.
 TEST(TurnedView, BothNeighboursTurnIntoTheSamePicture) {
   const ObjectModel& model = testing::WaffleModel();
   const TurnedView left = TurnView(model, FromDegrees(44.9, 40), {}).value();   // from azimuth 30
@@ -37,7 +37,7 @@ TEST(TurnedView, BothNeighboursTurnIntoTheSamePicture) {
   EXPECT_LT(MeanDifference(left, right), 0.75 * MeanDifference(before, after));
 }
 
-// Turned as little as between views; turned more, what stood behind something stays missing.
+// Holds for small rotations, as between views; larger rotations leave occluded surfaces missing.
 TEST(TurnedView, HasNoGaps) {
   const TurnedView view = TurnView(testing::WaffleModel(), FromDegrees(0, 4), {}).value();
   const cv::Rect middle(view.mask.cols / 2 - 20, view.mask.rows / 2 - 20, 40, 40);

@@ -1,11 +1,11 @@
-// Only for tests: a small textured model made of a mesh, of few views.
+// For tests only: a small CAD model with relief and few views.
 #pragma once
 
 #include "victorious/types/object_model.h"
 
 namespace victorious::testing {
 
-/// A slab with blocks of different sizes and heights on it, 4 m long: views every 30 degrees down to 60 off nadir.
+/// A slab 4 m long with 40 blocks of different sizes and heights; views every 30 degrees, off-nadir angles up to 60.
 const ObjectModel& WaffleModel();
 
 }  // namespace victorious::testing

@@ -9,33 +9,33 @@ void FeatureOptions::ListFields(FieldList& fields) {
   fields.Add(
       "engine", engine,
       {.choices = FeatureEngines(),
-       .reason = "who computes the features; models and indexes of one engine cannot be matched with another's"});
-  fields.Add("octave_layers", octave_layers, {.min = 1, .max = 8, .reason = "scales sampled an octave (Lowe: 3)"});
+       .reason = "feature extractor; models and indexes of different engines cannot be matched with each other"});
+  fields.Add("octave_layers", octave_layers, {.min = 1, .max = 8, .reason = "layers per octave (Lowe: 3)"});
   fields.Add(
       "contrast_threshold", contrast_threshold,
       {.min = 0,
        .max = 1,
-       .reason = "least contrast of a keypoint, over all layers of an octave; lower finds more and fainter ones"});
+       .reason = "minimum contrast of a keypoint, over all layers of an octave; lower finds more and fainter ones"});
   fields.Add(
       "edge_threshold", edge_threshold,
       {.min = 1,
        .max = 1000,
-       .reason = "largest ratio of principal curvatures; lower drops more keypoints that lie on edges (Lowe: 10)"});
+       .reason = "maximum ratio of principal curvatures; lower drops more keypoints that lie on edges (Lowe: 10)"});
   fields.Add("sigma_px", sigma_px,
              {.min = 0.5, .max = 10, .unit = "px", .reason = "blur of the first layer of each octave (Lowe: 1.6)"});
   fields.Add("max_features", max_features,
-             {.min = 0, .max = 1e6, .reason = "keep so many of the highest contrast; 0 keeps all"});
+             {.min = 0, .max = 1e6, .reason = "maximum number of keypoints, of the highest contrast; 0 keeps all"});
   fields.Add(
       "max_side_px", max_side_px,
       {.min = 64,
        .max = 16384,
        .unit = "px",
-       .reason = "larger images are searched at a reduced size of this longest side, which bounds time and memory"});
+       .reason = "larger images are reduced to this longest side before extraction, which bounds time and memory"});
   fields.Add(
       "impulse_share", impulse_share,
       {.min = 0,
        .max = 1,
-       .reason = "salt-and-pepper noise is taken out of images in whose flat places it is more than this share; 1 "
+       .reason = "salt-and-pepper noise is removed if it covers more than this fraction of an image's flat regions; 1: "
                  "never"});
 }
 

@@ -1,5 +1,5 @@
-// features/, in: a grey image. Out: its keypoints and descriptors. One interface for every engine; the engine's name
-// travels with what it made, because descriptors of two engines are not comparable.
+// features/, in: a grey image. Out: its keypoints and descriptors. One interface for all engines; models and indexes
+// store the engine's name, because descriptors of different engines are not comparable.
 // Source: D. Lowe, "Distinctive image features from scale-invariant keypoints", IJCV 60(2), 2004.
 #pragma once
 
@@ -29,24 +29,25 @@ struct FeatureOptions {
   void ListFields(FieldList& fields);
 };
 
-/// For objects of little texture, and the scenes that they are sought in: keypoints of less contrast than Lowe's, and
-/// more of those on edges. Twice as many as by default.
+/// Options for objects of little texture and the scenes to search for them: a lower contrast threshold (0.015) and a
+/// higher edge threshold (20) than Lowe's. About twice as many keypoints as by default.
 FeatureOptions FaintFeatures();
 
 /// The engines of this build, by name.
 std::vector<std::string> FeatureEngines();
 
-/// Thread-safe: one extractor serves any number of threads.
+/// Extracts features. Thread-safe.
 class FeatureExtractor {
  public:
   virtual ~FeatureExtractor() = default;
 
-  /// @param grey  CV_8UC1. Images too small to hold a keypoint give none.
-  /// Keypoints are in pixels of `grey`, in an order that depends on the image alone.
+  /// @param grey  CV_8UC1
+  /// @return keypoints in pixels of `grey`, in deterministic order; empty if the image is too small for a keypoint.
+  /// Errors: kInternal for an exception of OpenCV.
   virtual Expected<FeatureSet> Extract(const cv::Mat& grey) const = 0;
 };
 
-/// Errors: kInvalidArgument for options out of range or an engine that this build lacks.
+/// Errors: kInvalidArgument for options out of range or an engine that is not in this build.
 Expected<std::unique_ptr<const FeatureExtractor>> MakeFeatureExtractor(const FeatureOptions& options);
 
 }  // namespace victorious

@@ -11,7 +11,7 @@
 namespace victorious {
 namespace {
 
-// A bright Gaussian blob: one keypoint at its centre, of a scale proportional to its sigma.
+// A bright Gaussian blob: one keypoint at its centre, with a scale proportional to its sigma.
 cv::Mat Blob(int side, double x, double y, double sigma) {
   cv::Mat image(side, side, CV_8UC1);
   for (int row = 0; row < side; ++row) {

@@ -7,11 +7,11 @@
 namespace victorious {
 namespace {
 
-constexpr int kStandsOut = 35;  // grey levels: below, codecs' ringing about an impulse would be taken for more of them
-constexpr int kFarthest = 3;    // px to the pixels that replace an impulse
+constexpr int kStandsOut = 35;  // grey levels above the median; lower values detect codec ringing around an impulse
+constexpr int kFarthest = 3;    // px, radius of the pixels that replace an impulse
 
-// 255 where there is an impulse.
-// @param median  of the 3 x 3 about each pixel
+// Mask: 255 at impulses.
+// @param median  3 x 3 median of `grey`
 cv::Mat ImpulsesOf(const cv::Mat& grey, const cv::Mat& median) {
   cv::Mat difference;
   cv::absdiff(grey, median, difference);
@@ -23,18 +23,18 @@ cv::Mat ImpulsesOf(const cv::Mat& grey, const cv::Mat& median) {
   return impulses;
 }
 
-// 255 where at most one of the eight neighbours is set, too.
+// Mask: keeps set pixels with at most one set pixel among the eight neighbours.
 cv::Mat NearlyAlone(const cv::Mat& set) {
   cv::Mat count;
   cv::boxFilter(set / 255, count, CV_8U, {3, 3}, {-1, -1}, /*normalize=*/false, cv::BORDER_CONSTANT);
   return set & (count <= 2);
 }
 
-// The share of impulses among the pixels of flat places: of salt where it can stand out, and of pepper. Elsewhere thin
-// lines, leaves and print stand out, too; there only noise does, dot by dot.
+// The fraction of impulses in flat regions: of salt among pixels dark enough for it, plus of pepper among pixels bright
+// enough. In flat regions isolated outliers are noise; elsewhere also thin lines, leaves and print.
 double ShareOfImpulses(const cv::Mat& grey, const cv::Mat& median) {
-  constexpr int kFlat = 20;               // grey levels between the medians of a flat place
-  constexpr double kLeastOfImage = 0.02;  // in less, a dot or two would be a large share
+  constexpr int kFlat = 20;               // grey levels, bound on the range of the 3 x 3 medians
+  constexpr double kLeastOfImage = 0.02;  // minimum denominator, fraction of the image: robust to few flat pixels
   cv::Mat highest;
   cv::Mat lowest;
   cv::dilate(median, highest, {});
@@ -52,7 +52,7 @@ double ShareOfImpulses(const cv::Mat& grey, const cv::Mat& median) {
          share(below > kStandsOut, flat & (median > kStandsOut));
 }
 
-// The mean of the nearest clean pixels; the pixel itself where there is none within reach.
+// The mean of the nearest clean pixels, weighted by 1 / distance^2; the pixel itself if none is within kMaxReach.
 uchar Repaired(const cv::Mat& grey, const cv::Mat& impulses, int x, int y) {
   for (int reach = 1; reach <= kFarthest; ++reach) {
     float sum = 0;

@@ -12,7 +12,7 @@
 namespace victorious {
 namespace {
 
-// Hills of grey, without noise.
+// A smooth grey image without noise.
 cv::Mat Hills() {
   cv::Mat image(120, 160, CV_8UC1);
   for (int y = 0; y < image.rows; ++y) {
@@ -44,7 +44,7 @@ TEST(ImpulseNoise, TakesSaltAndPepperOut) {
   }
 }
 
-// At night only salt stands out.
+// In a dark image only salt differs from the background.
 TEST(ImpulseNoise, IsFoundInTheDarkToo) {
   const cv::Mat clean = Hills() / 6;
   const cv::Mat noisy = WithSaltAndPepper(clean.clone(), 0.03);
@@ -57,7 +57,7 @@ TEST(ImpulseNoise, LeavesCleanImagesAndTheirLampsAlone) {
   EXPECT_EQ(cv::norm(WithoutImpulses(clean, 0.015), clean, cv::NORM_INF), 0);
 }
 
-// Thin branches, letters and dots stand out from their surroundings as impulses do: in every tenth pixel of this one.
+// Thin branches, letters and dots differ from their surroundings as impulses do: in every tenth pixel of this image.
 TEST(ImpulseNoise, LeavesCleanPicturesFullOfThinThingsAlone) {
   cv::Mat clean(240, 320, CV_8UC1, cv::Scalar(150));
   Random random(2);

@@ -15,9 +15,9 @@
 namespace victorious {
 namespace {
 
-// OpenCV doubles the image so that the doubled pixel i lies at (i + 0.5) / 2 - 0.5 of the original, but halves the
-// keypoints' coordinates as if it lay at i / 2: they come out 0.25 px too far right and down. Its pixel centres are at
-// integers, ours at halves.
+// OpenCV doubles the image so that the doubled pixel i lies at (i + 0.5) / 2 - 0.5 of the original, but computes the
+// keypoint coordinates as i / 2: they are 0.25 px too far right and down. OpenCV's pixel centres are at integers, the
+// project's at halves.
 constexpr float kShiftPx = 0.5F - 0.25F;
 
 class OpenCvSift final : public FeatureExtractor {
@@ -54,7 +54,7 @@ class OpenCvSift final : public FeatureExtractor {
   static constexpr int kLeastSidePx = 8;
 
   void Compute(const cv::Mat& grey, FeatureSet& features) const {
-    // Made anew each time: cv::SIFT does not promise to be thread-safe, and costs nothing to make.
+    // A new instance per call: cv::SIFT does not guarantee thread safety, and construction is cheap.
     const cv::Ptr<cv::SIFT> sift =
         cv::SIFT::create(options_.max_features, options_.octave_layers, options_.contrast_threshold,
                          options_.edge_threshold, options_.sigma_px, CV_8U);

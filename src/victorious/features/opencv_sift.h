@@ -1,4 +1,4 @@
-// The `opencv` engine: OpenCV's SIFT, with its keypoints brought to the project's conventions.
+// The `opencv` engine: OpenCV's SIFT, with keypoints converted to the project's conventions (README.md).
 #pragma once
 
 #include <memory>

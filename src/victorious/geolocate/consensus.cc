@@ -14,7 +14,7 @@ namespace {
 using Eigen::ArrayXd;
 using Eigen::Index;
 
-// The rays column by column, so that many are tested by one instruction.
+// The rays as a structure of arrays, so that the evaluation is vectorised.
 class FrustumTable {
  public:
   explicit FrustumTable(std::span<const Ray> rays) : columns_(static_cast<Index>(rays.size()), kColumns) {
@@ -25,7 +25,7 @@ class FrustumTable {
     }
   }
 
-  /// The sum over rays, or infinity as soon as it is above `most`.
+  /// The MSAC cost over all rays, or infinity as soon as it exceeds `max_cost`.
   [[nodiscard]] double Cost(const Motion& motion, double most) const {
     constexpr Index kBlock = 128;
     double cost = 0;
@@ -51,7 +51,8 @@ class FrustumTable {
     const Some along2 = along.square();
     const Some off2 = x.square() + y.square() + z.square() - along2;
     const Some share = off2 / (column(7) + along2 * column(8));
-    const Some beyond = (column(9) - along).max(along - column(10));  // above 0: too near, behind or too far
+    // above 0: outside the frustum's distance range, or behind the camera
+    const Some beyond = (column(9) - along).max(along - column(10));
     return (beyond > 0).select(1.0, share.min(1.0).max(0.0));
   }
 
@@ -69,7 +70,7 @@ struct Candidate {
   double cost = std::numeric_limits<double>::infinity();
 };
 
-// Refits to the inliers as long as the cost falls.
+// Refits to the inliers while the cost falls.
 void Refit(std::span<const Ray> rays, const FrustumTable& table, bool moving, Candidate& candidate) {
   constexpr int kMostRounds = 5;
   for (int round = 0; round < kMostRounds; ++round) {
@@ -88,7 +89,7 @@ class Sampler {
 
   [[nodiscard]] std::size_t size() const { return size_; }
 
-  /// The solution of rays drawn by lot, if it lies in the frustum of each.
+  /// The solution of a random sample, if it lies in the frustum of each sampled ray.
   std::optional<Motion> Draw() {
     std::array<std::uint32_t, 3> chosen{};
     system_.Clear();
@@ -114,7 +115,7 @@ class Sampler {
   NormalSystem system_;
 };
 
-// How many samples until one without outliers was drawn with the confidence asked for.
+// The number of samples that contain an outlier-free one with the given confidence.
 double SamplesNeeded(double inlier_share, std::size_t sample_size, double confidence) {
   const double clean = std::pow(inlier_share, static_cast<double>(sample_size));
   if (clean <= 0) return std::numeric_limits<double>::infinity();
@@ -129,7 +130,8 @@ std::optional<Consensus> FindConsensus(std::span<const Ray> rays, const LocateOp
   const FrustumTable table(rays);
   Sampler sampler(rays, moving, options.seed);
   Candidate best;
-  // A clean sample may be badly placed (rays nearly parallel), so that some are drawn whatever the inliers' share.
+  // An outlier-free sample may be degenerate (nearly parallel rays), so a minimum number of samples is used for any
+  // inlier ratio.
   constexpr double kFewest = 150;
   double wanted = options.max_hypotheses;
   int drawn = 0;
@@ -140,7 +142,7 @@ std::optional<Consensus> FindConsensus(std::span<const Ray> rays, const LocateOp
     if (!(candidate.cost < best.cost)) continue;
     Refit(rays, table, moving, candidate);
     best = candidate;
-    const double inlier_share = 1 - best.cost / static_cast<double>(rays.size());  // from below
+    const double inlier_share = 1 - best.cost / static_cast<double>(rays.size());  // lower bound
     wanted = std::max(kFewest, SamplesNeeded(inlier_share, sampler.size(), options.confidence));
   }
   if (!std::isfinite(best.cost)) return std::nullopt;

@@ -1,9 +1,11 @@
-// RANSAC over lines of sight (thesis, section 4.3.3): the place that lies in most rays' conic frusta.
+// RANSAC over lines of sight (thesis, section 4.3.3): finds the place that lies in the conic frusta of the largest
+// number of rays. Called by locate.h for the methods `ransac` and `ml`.
 //
-// A hypothesis is the linear solution of two rays (three where the object moves). Its cost is MSAC's (Torr and
-// Zisserman 2000): over all rays, the squared distance from the ray over the frustum's squared radius there, or 1
-// outside. Each hypothesis that beats the best is refitted to its own inliers while that helps (Chum, Matas, Kittler
-// 2003). A hypothesis is given up as soon as its cost exceeds the best.
+// A hypothesis is the linear solution (linear_place.h) of two rays, or of three if the object moves. Its cost is that
+// of MSAC (Torr and Zisserman 2000), summed over all rays: the squared distance from the ray divided by the squared
+// frustum radius there, truncated to 1 outside the frustum. Each hypothesis that improves on the best one is refitted
+// to its own inliers while the cost falls (LO-RANSAC; Chum, Matas, Kittler 2003). The evaluation of a hypothesis stops
+// as soon as its cost exceeds the best one.
 #pragma once
 
 #include <optional>
@@ -17,11 +19,12 @@ namespace victorious {
 
 struct Consensus {
   Motion motion;
-  std::vector<bool> inliers;  ///< one a ray
-  int hypotheses = 0;         ///< drawn
+  std::vector<bool> inliers;  ///< one per ray
+  int hypotheses = 0;         ///< number of hypotheses drawn
 };
 
-/// Nothing where no sample lies in its own rays' frusta. At least one ray.
+/// Returns std::nullopt if no sample lies in the frusta of its own rays. `rays` must not be empty. Deterministic for a
+/// given `options.seed`.
 std::optional<Consensus> FindConsensus(std::span<const Ray> rays, const LocateOptions& options);
 
 }  // namespace victorious

@@ -1,4 +1,4 @@
-// How honest the ellipses are: over many flights, the share whose 90 % ellipsoid holds the truth.
+// Coverage of the covariances: the fraction of flights whose 90 % regions contain the truth.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -24,7 +24,7 @@ constexpr int kFlights = 200;
 constexpr double kChiSquared90Of3 = 6.2513886;
 constexpr double kChiSquared90Of2 = 4.6051702;
 
-// Circles and parts of them, near and far, low and high.
+// Circular arcs, near and far, low and high.
 DrawnLinesOptions Flight(int number) {
   Random random(static_cast<std::uint64_t>(number) + 1000);
   DrawnLinesOptions flight{.seed = static_cast<std::uint64_t>(number) + 1, .count = 200};
@@ -38,7 +38,7 @@ DrawnLinesOptions Flight(int number) {
   return flight;
 }
 
-// The same of an object that drives past.
+// The same with a moving object.
 DrawnLinesOptions MovingFlight(int number) {
   DrawnLinesOptions flight = Flight(number);
   flight.arc_deg = std::max(flight.arc_deg, 120.0);
@@ -53,7 +53,7 @@ struct Coverage {
   double height = 0;
 };
 
-// Hills of some 10 m over 300 m, the object's place told as high as it is, give or take the ground's sigma.
+// Hills of about 10 m over 300 m; the ground height at the object has an error with the ground's sigma.
 std::shared_ptr<const Ground> Hills(int number, const GeodeticPoint& object, double sigma_m) {
   Random random(static_cast<std::uint64_t>(number) + 5000);
   const double told_m = object.altitude_m + sigma_m * random.Normal();
@@ -100,7 +100,7 @@ void Measure(LocateOptions options, const World& world) {
   }
 }
 
-// On a short arc the ranges tell how far off the object is: told as a share, they must not draw it near.
+// On a short arc the ranges determine the distance: given as relative errors, they must not bias it towards the camera.
 TEST(Coverage, RangesOnShortArcsAreNotBiased) {
   constexpr int kShortFlights = 100;
   double along_sigmas = 0;

@@ -10,12 +10,13 @@
 namespace victorious {
 namespace {
 
-// The probability within radius r of axes a >= b. By angle from the long axis, the normal density integrates over the
-// radius in closed form:  1 / (2 pi a b)  int (1 - exp(-r^2 g / 2)) / g dphi,  g = cos^2 / a^2 + sin^2 / b^2.
-// Flat ellipses are all at the angles near 0; tan(phi) = (b / a) tan(psi) spreads them evenly, and leaves the mean over
-// psi of 1 - exp(-r^2 / (2 (a^2 cos^2 psi + b^2 sin^2 psi))).
+// The probability within radius r of a normal distribution with axes a >= b. With polar angle phi from the long axis,
+// the normal density integrates over the radius in closed form:
+//   1 / (2 pi a b)  int (1 - exp(-r^2 g / 2)) / g dphi,  g = cos^2 / a^2 + sin^2 / b^2.
+// For elongated ellipses the mass concentrates at phi near 0. The substitution tan(phi) = (b / a) tan(psi) spreads it
+// evenly, and leaves the mean over psi of 1 - exp(-r^2 / (2 (a^2 cos^2 psi + b^2 sin^2 psi))).
 double ShareWithin(double radius, double long_axis, double short_axis) {
-  constexpr int kSteps = 256;  // of a periodic function: the error falls exponentially with the steps
+  constexpr int kSteps = 256;  // of a periodic function: the error falls exponentially with the number of steps
   double sum = 0;
   for (int i = 0; i < kSteps; ++i) {
     const double psi = (i + 0.5) * kPi / 2 / kSteps;
@@ -34,7 +35,8 @@ double CircularError(const Eigen::Matrix2d& covariance, double share) {
   const double short_axis = std::sqrt(std::max(0.0, axes.eigenvalues()(0)));
   if (!(long_axis > 0)) return 0;
   double inside = 0;
-  double outside = long_axis * std::sqrt(-2 * std::log1p(-share));  // of a circle of that radius: the largest there is
+  // for a circle with the long axis as radius: an upper bound
+  double outside = long_axis * std::sqrt(-2 * std::log1p(-share));
   for (int i = 0; i < 60; ++i) {
     const double middle = (inside + outside) / 2;
     (ShareWithin(middle, long_axis, short_axis) < share ? inside : outside) = middle;

@@ -1,15 +1,17 @@
-// What a covariance says in one number: CE90 and LE90.
+// Scalar accuracy measures of a position covariance: CE90 and LE90.
 #pragma once
 
 #include <Eigen/Core>
 
 namespace victorious {
 
-/// The radius of the circle about the mean that holds `share` (in (0, 1)) of a normal distribution with this
-/// covariance: exact for every shape of the ellipse, unlike the usual formulas. In the covariance's unit of length.
+/// The radius of the circle about the mean that contains the given probability (in (0, 1)) of a bivariate normal
+/// distribution with this covariance, for example 0.9 for CE90. Computed by numerical integration, so it is exact for
+/// any aspect ratio of the error ellipse, unlike the usual closed-form approximations. Same unit of length as the
+/// covariance.
 double CircularError(const Eigen::Matrix2d& covariance, double share);
 
-/// Half the interval about the mean that holds 90 % of a normal distribution.
+/// LE90: half the width of the interval about the mean that contains 90 % of a normal distribution with this variance.
 double LinearError90(double variance);
 
 }  // namespace victorious

@@ -18,10 +18,10 @@ using Eigen::Vector3d;
 using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
 using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
 
-// Below this pivot (of a matrix with ones on its diagonal) a direction is open: lines within a millionth of a radian.
+// Minimum pivot of a matrix with unit diagonal; below it the system is singular: lines parallel within 1e-6 rad.
 constexpr double kLeastPivot = 1e-12;
 
-// The system with its unknowns scaled so that the diagonal is 1: metres and metres a second become comparable.
+// The factorised system, with its unknowns scaled to a unit diagonal: metres and metres per second become comparable.
 struct Scaled {
   SmallVector scale;
   Eigen::LDLT<SmallMatrix> factors;
@@ -42,8 +42,8 @@ Matrix3d WeightOf(const Ray& ray) {
   return Matrix3d::Identity() - (1 - ray.range_weight) * ray.forward * ray.forward.transpose();
 }
 
-// Where an error of the observed point goes. A range taken from the ground changes with the ray, such that the point
-// stays on the ground.
+// Maps an error of the observed point to the point. If the range is from the ground, it changes with the ray such that
+// the point stays on the ground.
 Matrix3d PointFromError(const Ray& ray) {
   if (ray.range_source != RangeSource::kGround || ray.range_weight == 0) return Matrix3d::Identity();
   return Matrix3d::Identity() - ray.forward * ray.normal.transpose() / ray.forward.dot(ray.normal);
@@ -51,8 +51,8 @@ Matrix3d PointFromError(const Ray& ray) {
 
 using OwnEffect = Eigen::Matrix<double, 3, 5>;
 
-// Columns: by how much one sigma of each of the ray's own errors, east, north, up, side, rise, moves the observed
-// point.
+// Columns: displacement of the observed point by one sigma of each of the ray's own errors: east, north, up, side,
+// rise.
 OwnEffect OwnEffectOn(const Ray& ray, double distance_m, const LocateOptions& options) {
   OwnEffect effect;
   effect << options.line.position_m * Matrix3d::Identity(), distance_m * ray.sigma_rad * ray.side,
@@ -65,9 +65,9 @@ Matrix3d RangeCovariance(const Ray& ray) {
   return ray.sigma_range_m * ray.sigma_range_m * ray.forward * ray.forward.transpose();
 }
 
-using CommonEffect = Eigen::Matrix<double, 3, kCommonErrors + 1>;  // the last: the ground's height
+using CommonEffect = Eigen::Matrix<double, 3, kCommonErrors + 1>;  // last column: the ground's height
 
-// Columns: by how much one sigma of each common error moves the observed point.
+// Columns: displacement of the observed point by one sigma of each common error.
 CommonEffect CommonEffectOn(const Ray& ray, double distance_m, const LocateOptions& options) {
   CommonEffect effect = CommonEffect::Zero();
   effect.leftCols<3>() = Matrix3d::Identity();
@@ -83,8 +83,9 @@ CommonEffect CommonEffectOn(const Ray& ray, double distance_m, const LocateOptio
   return effect;
 }
 
-// The share of the rays' own errors, as told, that differs from ray to ray: what of it their offsets from the object
-// show. The rest is alike in all of them: a camera that stands still errs in one way, however often it looks.
+// The fraction of the variance of the rays' own errors that is independent between rays, estimated from the rays'
+// offsets from the object. The remainder is common to all rays: the errors of a stationary camera repeat in every
+// frame.
 double OwnShare(std::span<const Ray> rays, const std::vector<bool>& chosen, const Motion& motion,
                 const LocateOptions& options) {
   double squares = 0;
@@ -100,7 +101,7 @@ double OwnShare(std::span<const Ray> rays, const std::vector<bool>& chosen, cons
   return freedom > 0 ? std::min(1.0, squares / freedom) : 1;
 }
 
-// What an unknown does to the point at the ray's time, transposed: place, then velocity.
+// The transposed design matrix: derivative of the point at the ray's time by the unknowns, place then velocity.
 MatrixXd TransposedDesign(const Ray& ray, Eigen::Index unknowns) {
   MatrixXd design(unknowns, 3);
   design.topRows<3>().setIdentity();
@@ -200,7 +201,7 @@ std::optional<MatrixXd> LinearCovariance(std::span<const Ray> rays, const std::v
   const double feigned = FeignedFactor(std::ranges::count(chosen, true));
   const double own_share = as_one ? OwnShare(rays, chosen, motion, options) : 1;
   MatrixXd own = MatrixXd::Zero(unknowns, unknowns);
-  MatrixXd alike = MatrixXd::Zero(unknowns, OwnEffect::ColsAtCompileTime);  // of the rays' own errors
+  MatrixXd alike = MatrixXd::Zero(unknowns, OwnEffect::ColsAtCompileTime);  // common part of the rays' own errors
   MatrixXd common = MatrixXd::Zero(unknowns, kCommonErrors + 1);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (!chosen[i]) continue;
@@ -230,7 +231,7 @@ std::vector<bool> KeepWithinFrusta(std::span<const Ray> rays, bool moving) {
     const NormalSystem before = system;
     system.Add(rays[i]);
     so_far.push_back(i);
-    const auto motion = system.Solve();  // while nothing is determined, nothing speaks against a ray
+    const auto motion = system.Solve();  // a singular system gives no reason to reject the ray
     if (motion && !std::ranges::all_of(so_far, [&](std::size_t k) { return InFrustum(rays[k], *motion); })) {
       system = before;
       so_far.pop_back();

@@ -1,8 +1,10 @@
-// The linear estimators: the point nearest to lines, with or without ranges along them.
+// Linear estimators of the object's place: the point nearest to the lines of sight, with or without ranges. Used by
+// consensus.h (hypotheses), locate.h (methods `least-squares`, `prior`, `ransac`, `ground`) and refine_place.h
+// (covariance terms).
 //
 // Minimises  sum_i (o + v t_i - y_i)' W_i (o + v t_i - y_i),  W_i = I - (1 - w_i) s_i s_i',  y_i = r_i + range_i s_i,
-// where w_i is the weight of the range (0: none). This is equation 4.2 of the thesis with the distances a_i eliminated:
-// a system of 3, with velocity of 6, unknowns.
+// where w_i is the weight of the range (0: no range). This is equation 4.2 of the thesis with the distances a_i
+// eliminated: a linear system with 3 unknowns, or 6 with velocity.
 #pragma once
 
 #include <optional>
@@ -15,30 +17,33 @@
 
 namespace victorious {
 
-inline constexpr int kCommonErrors = 7;  ///< east, north, up; heading, side, rise; range factor
+/// position east, north, up; heading, boresight side, boresight rise; range factor
+inline constexpr int kCommonErrors = 7;
 
-/// Their standard deviations: metres, radians, a share.
+/// Standard deviations of the common errors, in that order: metres, radians, a fraction of the range.
 Eigen::Matrix<double, kCommonErrors, 1> CommonSigmas(const CommonErrorOptions& options);
 
-/// The normal equations, grown ray by ray.
+/// The normal equations, accumulated ray by ray.
 class NormalSystem {
  public:
   explicit NormalSystem(bool moving) : unknowns_(moving ? 6 : 3) {}
 
   void Add(const Ray& ray) { Add(ray, ray.forward, 0); }
 
-  /// The ray across another direction, near its own: its offset is then measured at `distance_m`.
+  /// Adds the ray with its offset measured perpendicular to `along` (unit vector close to ray.forward), at
+  /// `distance_m`.
   void Add(const Ray& ray, const Eigen::Vector3d& along, double distance_m);
 
-  /// Takes off what a direction's variance, rad^2, feigns to tell of the distance.
+  /// Subtracts the spurious information about the distance that noise in the ray's direction contributes.
+  /// @param variance  of the direction, rad^2
   void Discount(const Ray& ray, double variance);
 
   void Clear();
 
-  /// Nothing where the rays leave a direction (or a velocity) open.
+  /// Returns std::nullopt if the rays do not determine the place (or the velocity).
   [[nodiscard]] std::optional<Motion> Solve() const;
 
-  /// The inverse of the system's matrix; unknowns x unknowns.
+  /// The inverse of the normal matrix, unknowns x unknowns; std::nullopt if it is singular.
   [[nodiscard]] std::optional<Eigen::MatrixXd> Inverse() const;
 
  private:
@@ -49,22 +54,24 @@ class NormalSystem {
   int unknowns_;
 };
 
-/// The solution over the chosen rays.
+/// The linear solution from the chosen rays; `chosen` has one entry per ray.
 std::optional<Motion> SolveLinear(std::span<const Ray> rays, const std::vector<bool>& chosen, bool moving);
 
-/// Solves again from `start`, each ray across its likely direction (ray.h) until nothing changes: without the pull
-/// along the rays that their own errors have on SolveLinear.
+/// Iterates the linear solution from `start`, measuring each ray's offset perpendicular to its maximum-likelihood
+/// direction (ray.h), until it converges. Removes the bias of SolveLinear along the rays that the rays' own errors
+/// cause.
 std::optional<Motion> SolveBalanced(std::span<const Ray> rays, const std::vector<bool>& chosen, const Motion& start,
                                     const LocateOptions& options);
 
-/// The covariance of these solutions: each ray's own errors, and the common ones, carried through the system.
-/// @param as_one  the rays are as good as one: what their scatter does not show of their own errors is alike in all of
-///                them, and does not average out
+/// The covariance of these solutions by linear propagation of each ray's own errors and of the common errors. 3 x 3, or
+/// 6 x 6 with velocity; std::nullopt if the system is singular.
+/// @param estimate_correlation  if true, the part of the rays' own errors that does not show in their scatter counts as
+///                              identical in all rays, so that it does not average out (a stationary camera)
 std::optional<Eigen::MatrixXd> LinearCovariance(std::span<const Ray> rays, const std::vector<bool>& chosen,
                                                 const Motion& motion, const LocateOptions& options, bool as_one);
 
-/// Method `prior`: ray by ray in order of time; one that would pull the solution out of a kept ray's frustum, or lies
-/// apart from it, is left out.
+/// Method `prior`: adds the rays one by one in order of time. Rejects a ray if the solution with it leaves the frustum
+/// of the ray itself or of a ray already kept. Returns one flag per ray. Quadratic in the number of rays.
 std::vector<bool> KeepWithinFrusta(std::span<const Ray> rays, bool moving);
 
 }  // namespace victorious

@@ -36,8 +36,8 @@ enum : std::size_t {
   kCount
 };
 
-constexpr double kFarthestM = 1e7;  // beyond it, nothing on Earth is seen
-constexpr double kLeast = 1e-6;     // of what must be above 0
+constexpr double kFarthestM = 1e7;  // no object on Earth is visible beyond it
+constexpr double kLeast = 1e-6;     // minimum of values that must be > 0
 
 constexpr std::array<Column, kCount> kColumns = {{
     {"time_s", -1e12, 1e12, "s", true},
@@ -51,15 +51,16 @@ constexpr std::array<Column, kCount> kColumns = {{
     {"sigma_range_m", kLeast, kFarthestM, "metres", false},
 }};
 
-// What stands in a cell, short and without control characters, for a message of one line.
+// The content of a cell for a one-line message: truncated, without control characters.
 std::string Shown(std::string_view cell) {
   constexpr std::size_t kLongest = 40;
   std::string shown(cell.substr(0, kLongest));
-  std::ranges::replace_if(shown, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }, '?');
+  std::ranges::replace_if(
+      shown, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }, '?');
   return cell.size() > kLongest ? shown + "..." : shown;
 }
 
-// Where each known column stands.
+// The index of each known column in the file.
 using Positions = std::array<std::optional<std::size_t>, kCount>;
 
 Expected<Positions> ParseHeader(std::string_view line) {
@@ -70,14 +71,14 @@ Expected<Positions> ParseHeader(std::string_view line) {
     if (column == kColumns.end()) continue;
     auto& position = positions[static_cast<std::size_t>(column - kColumns.begin())];
     if (position)
-      return Fail(ErrorCode::kInvalidArgument, fmt::format("column {} stands twice: keep one", column->name));
+      return Fail(ErrorCode::kInvalidArgument, fmt::format("column {} occurs twice: keep one", column->name));
     position = at;
   }
   for (std::size_t i = 0; i < kCount; ++i) {
     if (positions[i] || !kColumns[i].needed) continue;
     return Fail(
         ErrorCode::kInvalidArgument,
-        fmt::format("no column {}: the first line names the columns, at least time_s,latitude_deg,longitude_deg,"
+        fmt::format("no column {}: the first line must name at least the columns time_s,latitude_deg,longitude_deg,"
                     "altitude_m,azimuth_deg,elevation_deg",
                     kColumns[i].name));
   }
@@ -88,8 +89,9 @@ Expected<std::optional<double>> ParseCell(const Column& column, std::string_view
   if (cell.empty() && !column.needed) return std::nullopt;
   const auto value = NumberIn(cell);
   if (value && *value >= column.least && *value <= column.most) return value;
-  return Fail(ErrorCode::kInvalidArgument, fmt::format("{} is \"{}\": give a number of {} from {} to {}", column.name,
-                                                       Shown(cell), column.unit, column.least, column.most));
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("{} is \"{}\": must be a number of {} from {} to {}", column.name, Shown(cell), column.unit,
+                          column.least, column.most));
 }
 
 std::optional<double> Radians(std::optional<double> degrees) {
@@ -146,7 +148,7 @@ Expected<LineTable> ParseLinesOfSight(std::string_view text, std::string_view na
   if (!table.lines.empty()) return table;
   return Fail(ErrorCode::kInvalidArgument,
               table.problems.empty()
-                  ? fmt::format("{}: no lines of sight: give a header and at least one row below it", name)
+                  ? fmt::format("{}: no lines of sight: must have a header and at least one row below it", name)
                   : table.problems.front());
 }
 

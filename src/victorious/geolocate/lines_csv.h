@@ -1,4 +1,4 @@
-// Lines of sight as a file holds them (docs/formats/locate.md).
+// Reads lines of sight from CSV (format: docs/formats/locate.md).
 #pragma once
 
 #include <filesystem>
@@ -12,17 +12,16 @@
 namespace victorious {
 
 struct LineTable {
-  std::vector<LineOfSight> lines;     ///< in the order of the rows that can be read
-  std::vector<bool> is_read;          ///< one a row
-  std::vector<std::string> problems;  ///< one a row that cannot be read: where, what is wrong, what would be right
+  std::vector<LineOfSight> lines;     ///< in the order of the valid rows
+  std::vector<bool> is_read;          ///< one per row
+  std::vector<std::string> problems;  ///< one per invalid row: file and line, what is wrong, what would be right
 };
 
-/// Empty lines and columns of other names are passed over. Any bytes are safe.
-/// Errors: kInvalidArgument, one line with `name` and the line's number, for a header that lacks a column, and where no
-/// row can be read.
+/// Parses CSV text. Ignores empty lines and unknown columns. Safe for arbitrary bytes. Errors: kInvalidArgument, one
+/// line with `name` and the line number, if the header lacks a column or no row is valid.
 Expected<LineTable> ParseLinesOfSight(std::string_view text, std::string_view name);
 
-/// The same from a file.
+/// As above, from a file. Errors: also those of ReadFile.
 Expected<LineTable> ReadLinesOfSight(const std::filesystem::path& path);
 
 }  // namespace victorious

@@ -47,7 +47,7 @@ TEST(LinesCsv, SaysFileLineAndWhatWouldBeRight) {
       {"", {"lines.csv: no lines of sight", "header"}},
       {kHeader + "\n", {"lines.csv: no lines of sight"}},
       {"time_s,latitude_deg\n0,1\n", {"lines.csv:1: no column longitude_deg"}},
-      {kHeader + ",time_s\n" + good, {"lines.csv:1: column time_s stands twice"}},
+      {kHeader + ",time_s\n" + good, {"lines.csv:1: column time_s occurs twice"}},
       {kHeader + "\n" + "1,97,-71,120,90,-30\n", {"lines.csv:2: latitude_deg is \"97\"", "from -90 to 90"}},
       {kHeader + "\n" + "nan,42,-71,120,90,-30\n", {"lines.csv:2: time_s is \"nan\"", "a number of s"}},
       {kHeader + "\n" + "1,42,-71,1e999,90,-30\n", {"lines.csv:2: altitude_m"}},

@@ -20,16 +20,16 @@
 namespace victorious {
 namespace {
 
-// What an estimator found. An error here is the status of a fix without a place.
+// The result of an estimator. The error is the status of a fix without a place.
 struct Solution {
   Motion motion;
-  Eigen::MatrixXd covariance;  // place, then velocity where there is one; in the plane
+  Eigen::MatrixXd covariance;  // of the place, followed by the velocity if it is estimated; in the tangent plane
   std::vector<bool> inliers;
 };
 using Outcome = std::expected<Solution, std::string>;
 
 constexpr const char* kNoBaseline =
-    "undetermined: the lines of sight differ too little, for their errors, to tell a distance";
+    "undetermined: the lines of sight differ too little, for their errors, to determine the distance";
 
 bool Moving(const LocateOptions& options) { return options.motion == "velocity"; }
 
@@ -41,34 +41,34 @@ bool MostlyBehind(std::span<const Ray> rays, const std::vector<bool>& chosen, co
   return 2 * behind > std::ranges::count(chosen, true);
 }
 
-// Of a ground that was told.
+// The reason why the given ground yields no place.
 std::string WhyNoGround(std::span<const Ray> rays) {
   const auto all = [&](NoGround why) {
     return std::ranges::all_of(rays, [&](const Ray& ray) { return ray.no_ground == why; });
   };
   if (all(NoGround::kBelow)) return "undetermined: the camera is below the ground";
   if (all(NoGround::kUnknown))
-    return "undetermined: the line of sight leaves the terrain, or meets it where it has no height";
-  return "undetermined: no line of sight meets the ground";
+    return "undetermined: the line of sight leaves the terrain, or intersects it where it has no height";
+  return "undetermined: no line of sight intersects the ground";
 }
 
 std::string WhyOpen(std::span<const Ray> rays, const std::vector<bool>& chosen, const LocateOptions& options) {
   const auto count = std::ranges::count(chosen, true);
   if (count == 1 && rays.size() > 1) return WhyOpen(rays, std::vector<bool>(rays.size(), true), options);
   if (count == 0) return WhyNoGround(rays);
-  if (count == 1 && Moving(options)) return "undetermined: one line of sight alone tells no velocity";
+  if (count == 1 && Moving(options)) return "undetermined: a single line of sight does not determine a velocity";
   if (count == 1 && options.ground && rays.size() == 1) return WhyNoGround(rays);
-  if (count == 1) return "undetermined: one line of sight alone needs a range";
+  if (count == 1) return "undetermined: a single line of sight needs a range";
   const auto motion = SolveLinear(rays, chosen, Moving(options));
   if (!motion) {
     return Moving(options) ? "undetermined: too few lines of sight, or too parallel, for a place and a velocity"
                            : "undetermined: the lines of sight are parallel";
   }
   if (MostlyBehind(rays, chosen, *motion)) return "undetermined: the lines of sight meet behind the camera";
-  return "undetermined: the lines of sight do not meet within their errors";
+  return "undetermined: the lines of sight do not intersect within their errors";
 }
 
-// A place that may as well be at the camera, or at twice the distance, is not told.
+// The status if the place is too uncertain to report: it might as well be at the camera or at twice the distance.
 std::optional<std::string> WhyTooUncertain(std::span<const Ray> rays, const Solution& solution, double largest_share) {
   double distance_m = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -80,11 +80,11 @@ std::optional<std::string> WhyTooUncertain(std::span<const Ray> rays, const Solu
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly).eigenvalues()(2);
   const double sigma_m = std::sqrt(std::max(0.0, largest));
   if (std::isfinite(sigma_m) && sigma_m <= largest_share * distance_m) return std::nullopt;
-  return fmt::format("undetermined: the lines of sight fix the place to no better than {:.0f} m at {:.0f} m", sigma_m,
-                     distance_m);
+  return fmt::format("undetermined: the lines of sight determine the place only to {:.0f} m (1 sigma) at {:.0f} m",
+                     sigma_m, distance_m);
 }
 
-// Whether the lines tell the distance without any range.
+// True if the lines determine the distance without ranges.
 bool TellDistance(std::span<const Ray> rays, const std::vector<bool>& chosen, const Motion& motion,
                   const LocateOptions& options) {
   std::vector<Ray> blind(rays.begin(), rays.end());
@@ -108,10 +108,11 @@ Outcome SolveOver(std::span<const Ray> rays, std::vector<bool> chosen, const Loc
   return Solution{*motion, *std::move(covariance), std::move(chosen)};
 }
 
-// The place as it is if it is on the ground, too: by the errors of both. Nothing where the ground is not known, and for
-// what is too far from it: that is not on the ground.
+// The solution combined with the constraint that the object is on the ground, by the errors of both. Returns
+// std::nullopt if the ground height is not known, or if the place is outside the gate: the object is then not on the
+// ground.
 std::optional<Solution> OnGround(Solution solution, const TangentPlane& plane, const LocateOptions& options) {
-  constexpr int kRounds = 3;  // the ground is another under another place
+  constexpr int kRounds = 3;  // the ground patch depends on the place
   const Solution told = solution;
   for (int round = 0; round < kRounds; ++round) {
     const auto patch = PatchBelow(*options.ground, plane, solution.motion.place);
@@ -129,7 +130,7 @@ std::optional<Solution> OnGround(Solution solution, const TangentPlane& plane, c
   return solution;
 }
 
-// The mean of where the ranges end, in which the lines' scatter has no say along them.
+// The mean of the end points of the ranges; the lines' intersection has no weight along them.
 Outcome SolveByRanges(std::span<const Ray> rays, std::vector<bool> chosen, const TangentPlane& plane,
                       const LocateOptions& options) {
   std::vector<Ray> ranged(rays.begin(), rays.end());
@@ -202,10 +203,10 @@ Place PlaceOf(const Solution& solution, const TangentPlane& plane, double time_s
   return place;
 }
 
-// One way of moving.
+// The result for one motion model.
 struct Located {
   GeoFix fix;
-  std::optional<Motion> motion;  // in the plane, where there is a place
+  std::optional<Motion> motion;  // in the tangent plane; std::nullopt if there is no place
 };
 
 Located LocateAs(const std::string& motion, std::span<const LineOfSight> lines, LocateOptions options) {
@@ -229,7 +230,7 @@ Located LocateAs(const std::string& motion, std::span<const LineOfSight> lines, 
   return located;
 }
 
-// The rays' offsets from where the object was, over their own errors there.
+// The rays' offsets from the object, in units of their own errors there.
 std::vector<double> OffsetsFrom(std::span<const Ray> rays, const Motion& motion, const LocateOptions& options) {
   std::vector<double> offsets;
   for (const Ray& ray : rays) {
@@ -242,8 +243,8 @@ std::vector<double> OffsetsFrom(std::span<const Ray> rays, const Motion& motion,
   return offsets;
 }
 
-// Whether the lines say that the object moves: by the Bayesian information criterion (Schwarz 1978) over offsets that
-// count at most as an outlier's, in the errors that the moving object leaves; and by more than `least_travel_m`.
+// Selects the motion model: true if the object moves, by the Bayesian information criterion (Schwarz 1978) over
+// truncated squared offsets, scaled by the residual noise of the moving solution; and by more than `min_travel_m`.
 bool Moves(std::span<const LineOfSight> lines, const Located& standing, const Located& moving,
            const LocateOptions& options) {
   if (!moving.fix.place) return false;
@@ -259,11 +260,11 @@ bool Moves(std::span<const LineOfSight> lines, const Located& standing, const Lo
     for (const double offset : offsets) sum += std::pow(std::min(offset / factor, options.gate_sigma), 2);
     return sum;
   };
-  constexpr double kUnknowns = 3;  // of a velocity
+  constexpr double kUnknowns = 3;  // of the velocity
   return cost(of_standing) - cost(of_moving) > kUnknowns * std::log(2.0 * static_cast<double>(lines.size()));
 }
 
-// What does not move has the velocity 0, as well as it is known.
+// Motion `auto`. A static object gets velocity 0, with the velocity covariance of the moving solution.
 GeoFix LocateByEvidence(std::span<const LineOfSight> lines, const LocateOptions& options) {
   Located standing = LocateAs("static", lines, options);
   const Located moving = LocateAs("velocity", lines, options);
@@ -281,8 +282,9 @@ Expected<GeoFix> Locate(std::span<const LineOfSight> lines, const LocateOptions&
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   if (lines.empty()) return Fail(ErrorCode::kInvalidArgument, "no lines of sight: give at least one");
   if (options.method == "ground" && !options.ground) {
-    return Fail(ErrorCode::kInvalidArgument,
-                "the method ground needs the ground: its height (--ground METRES) or a terrain (--terrain FILE.tif)");
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        "the method ground needs a ground: give its height (--ground METRES) or a terrain (--terrain FILE.tif)");
   }
   if (options.motion == "auto") return LocateByEvidence(lines, options);
   return LocateAs(options.motion, lines, options).fix;

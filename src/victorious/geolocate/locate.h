@@ -1,15 +1,17 @@
-// Lines of sight in, a place on Earth with its covariance out.
+// Geolocation: estimates the place of an object on Earth, with covariance, from lines of sight. Called with the bearing
+// observations of an object by pipeline/object_place.cc, and with a CSV file by `victorious locate`.
 //
-// Thesis, section 4.3.3: an object at o, moving with v, is seen at time t_i from camera r_i along the unit vector s_i:
+// Measurement model (thesis, section 4.3.3): an object at o with velocity v is observed at time t_i by a camera at r_i
+// along the unit vector s_i:
 //   o + v t_i = r_i + a_i s_i,   a_i > 0
-// The estimators, by name of the method:
+// The estimators, by the name of the method:
 //   least-squares  the point nearest to all lines; eliminating the a_i leaves a system of 3 x 3, or 6 x 6 with velocity
-//   prior          the same with the ranges known from apparent size; a line whose conic frustum the solution would
-//                  leave is set aside
-//   ransac         the place in most lines' frusta, then as `prior` over those
-//   ground         the mean of where the lines meet the ground, for comparison
-//   ml             from ransac's place, the most likely one: every line's own errors, Huber's loss, and the errors
-//                  common to the flight as unknowns with priors, so that many lines do not feign a small ellipse
+//   prior          the same with ranges from apparent size; rejects a line if the solution would leave its conic
+//   frustum ransac         the place in the frusta of the largest number of lines, then as `prior` over these inliers
+//   ground         the mean of the intersections of the lines with the ground; a baseline for comparison
+//   ml             maximum likelihood, started from ransac's place: each line's own errors, Huber's loss, and the
+//   errors
+//                  common to the flight as unknowns with priors, so that many lines do not yield too small an ellipse
 #pragma once
 
 #include <optional>
@@ -25,14 +27,15 @@
 namespace victorious {
 
 struct GeoFix {
-  std::optional<Place> place;  ///< none where the lines do not determine one
-  std::vector<bool> inliers;   ///< one a line
-  std::string status;          ///< "ok", or why there is no place
+  std::optional<Place> place;  ///< std::nullopt if the lines do not determine a place
+  std::vector<bool> inliers;   ///< one per line
+  std::string status;          ///< "ok", or the reason why there is no place
 };
 
-/// Lines in any order. Too few lines, parallel lines, a point behind the camera are results with a status, not errors.
-/// Errors: kInvalidArgument for options out of range, no lines, or the method `ground` without a ground height.
-/// Cost: ml, ransac, least-squares, ground linear in the lines; prior at worst quadratic.
+/// Estimates the place; the lines may be in any order. Too few lines, parallel lines or an intersection behind the
+/// camera give a result with a status, not an error. Errors: kInvalidArgument for options out of range, no lines, or
+/// the method `ground` without a ground. Cost: linear in the number of lines for ml, ransac, least-squares and ground;
+/// at worst quadratic for prior.
 Expected<GeoFix> Locate(std::span<const LineOfSight> lines, const LocateOptions& options);
 
 }  // namespace victorious

@@ -1,4 +1,4 @@
-// The parameters of geolocation.
+// The parameters of geolocation (locate.h).
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace victorious {
 
-/// Standard deviations of what errs alike in all lines of a flight. It does not average out.
+/// Standard deviations of the errors that are common to all lines of sight of a flight. They do not average out.
 struct CommonErrorOptions {
   double position_m = 2;
   double height_m = 2;
@@ -20,26 +20,38 @@ struct CommonErrorOptions {
   double range_share = 0.02;
 
   void ListFields(FieldList& fields) {
-    fields.Add(
-        "position_m", position_m,
-        {.min = 0, .max = 1e5, .unit = "m", .reason = "sigma of the cameras' common error, east and north each"});
+    fields.Add("position_m", position_m,
+               {.min = 0,
+                .max = 1e5,
+                .unit = "m",
+                .reason = "sigma of the common error of the camera positions, east and north each"});
     fields.Add("height_m", height_m,
-               {.min = 0, .max = 1e5, .unit = "m", .reason = "sigma of the common error in height: of take-off, say"});
+               {.min = 0,
+                .max = 1e5,
+                .unit = "m",
+                .reason = "sigma of the common error in height, for example of the take-off height"});
     fields.Add("heading_deg", heading_deg,
-               {.min = 0, .max = 180, .unit = "deg", .reason = "sigma of the common error about the vertical"});
-    fields.Add("boresight_side_deg", boresight_side_deg,
+               {.min = 0, .max = 180, .unit = "deg", .reason = "sigma of the common error in heading"});
+    fields.Add(
+        "boresight_side_deg", boresight_side_deg,
+        {.min = 0,
+         .max = 90,
+         .unit = "deg",
+         .reason = "sigma of the camera's boresight misalignment to the side, in addition to the heading error"});
+    fields.Add("boresight_rise_deg", boresight_rise_deg,
                {.min = 0,
                 .max = 90,
                 .unit = "deg",
-                .reason = "sigma of the camera's misalignment to the side, beyond what heading holds already"});
-    fields.Add("boresight_rise_deg", boresight_rise_deg,
-               {.min = 0, .max = 90, .unit = "deg", .reason = "sigma of the common error in elevation"});
+                .reason = "sigma of the common error in elevation (boresight misalignment upwards)"});
     fields.Add("range_share", range_share,
-               {.min = 0, .max = 1, .unit = "", .reason = "sigma of the ranges' common factor: object size, lens"});
+               {.min = 0,
+                .max = 1,
+                .unit = "",
+                .reason = "sigma of the common relative error of the ranges: object size, focal length"});
   }
 };
 
-/// What one line's own error is; `sigma_*` columns of the lines go before.
+/// Standard deviations of the independent errors of one line. The `sigma_*` columns of the lines take precedence.
 struct LineErrorOptions {
   double position_m = 2;
   double angle_deg = 0.5;
@@ -47,11 +59,17 @@ struct LineErrorOptions {
 
   void ListFields(FieldList& fields) {
     fields.Add("position_m", position_m,
-               {.min = 0, .max = 1e5, .unit = "m", .reason = "sigma of a camera's own error, along each axis"});
+               {.min = 0,
+                .max = 1e5,
+                .unit = "m",
+                .reason = "sigma of the independent error of a camera position, along each axis"});
     fields.Add("angle_deg", angle_deg,
-               {.min = 1e-6, .max = 90, .unit = "deg", .reason = "sigma of each angle, where a line tells none"});
+               {.min = 1e-6, .max = 90, .unit = "deg", .reason = "sigma of each angle, for lines without sigma_deg"});
     fields.Add("range_share", range_share,
-               {.min = 1e-6, .max = 10, .unit = "", .reason = "sigma over range, where a line tells none"});
+               {.min = 1e-6,
+                .max = 10,
+                .unit = "",
+                .reason = "sigma of the range divided by the range, for lines without sigma_range_m"});
   }
 };
 
@@ -70,49 +88,57 @@ struct LocateOptions {
   std::uint64_t seed = 1;
   LineErrorOptions line;
   CommonErrorOptions common;
-  std::shared_ptr<const Ground> ground;  ///< that objects are on, if any: told with the lines, no parameter
+  std::shared_ptr<const Ground> ground;  ///< on which objects stand, if given; set by the caller, not a parameter
 
   void ListFields(FieldList& fields) {
     fields.Add("motion", motion,
                {.choices = {"static", "velocity", "auto"},
-                .reason = "how the object moves: not at all, or steadily; auto: as the lines say"});
+                .reason = "motion model of the object: static, constant velocity, or auto: selected from the lines"});
     fields.Add("least_travel_m", least_travel_m,
                {.min = 0,
                 .max = 1e5,
                 .unit = "m",
-                .reason = "auto takes less than this, over the time of the lines, for standing still"});
-    fields.Add("method", method,
-               {.choices = {"ml", "ransac", "prior", "least-squares", "ground"},
-                .reason = "the estimator; ml refines what ransac keeps, and alone weighs errors as they are"});
+                .reason = "auto selects static if the object moves by less than this over the duration of the lines"});
+    fields.Add(
+        "method", method,
+        {.choices = {"ml", "ransac", "prior", "least-squares", "ground"},
+         .reason =
+             "the estimator; ml refines ransac's inliers and is the only one that weighs every error by its model"});
     fields.Add("identity_radius_m", identity_radius_m,
                {.min = 0,
                 .max = 1e4,
                 .unit = "m",
-                .reason = "IDENTITY_RADIUS: how far from its line a point of one object may lie, errors apart"});
+                .reason = "IDENTITY_RADIUS: maximum distance of a point of the object from its line, without errors"});
     fields.Add("distance_prior_allowance", distance_prior_allowance,
                {.min = 1,
                 .max = 1e3,
                 .unit = "",
-                .reason = "DISTANCE_PRIOR_ALLOWANCE: the largest factor between the distance and the range told"});
-    fields.Add(
-        "gate_sigma", gate_sigma,
-        {.min = 0.5,
-         .max = 20,
-         .unit = "",
-         .reason = "a line further off than this many sigmas is an outlier: 3 keep 98.9 % of two normal angles"});
+                .reason = "DISTANCE_PRIOR_ALLOWANCE: maximum factor between the distance and the given range"});
+    fields.Add("gate_sigma", gate_sigma,
+               {.min = 0.5,
+                .max = 20,
+                .unit = "",
+                .reason = "a line with a larger residual, in sigmas, is an outlier: 3 keeps 98.9 % of inliers with two "
+                          "normal angles"});
     fields.Add("robust_sigma", robust_sigma,
-               {.min = 0.5, .max = 20, .unit = "", .reason = "where Huber's loss of the refinement turns linear"});
+               {.min = 0.5,
+                .max = 20,
+                .unit = "",
+                .reason = "residual, in sigmas, where Huber's loss of the refinement becomes linear"});
     fields.Add("largest_error_share", largest_error_share,
                {.min = 0.01,
                 .max = 10,
                 .unit = "",
-                .reason = "a place whose largest sigma is a greater share of the distance is none: it is withheld"});
+                .reason = "maximum sigma of a place along any axis, as a fraction of its distance; a less certain "
+                          "place is not reported"});
     fields.Add("ground_sigma_m", ground_sigma_m,
-               {.min = 1e-3, .max = 1e5, .unit = "m", .reason = "sigma of the ground's height, where one is told"});
-    fields.Add("max_hypotheses", max_hypotheses, {.min = 1, .max = 1e6, .reason = "samples that RANSAC draws at most"});
+               {.min = 1e-3, .max = 1e5, .unit = "m", .reason = "sigma of the ground height, if a ground is given"});
+    fields.Add("max_hypotheses", max_hypotheses, {.min = 1, .max = 1e6, .reason = "maximum number of RANSAC samples"});
     fields.Add("confidence", confidence,
-               {.min = 0.5, .max = 0.9999999, .reason = "RANSAC ends when a clean sample was drawn with this chance"});
-    fields.Add("seed", seed, {.reason = "of RANSAC's draws"});
+               {.min = 0.5,
+                .max = 0.9999999,
+                .reason = "RANSAC stops when an outlier-free sample has been drawn with this probability"});
+    fields.Add("seed", seed, {.reason = "random seed of RANSAC"});
     fields.AddGroup("line", line);
     fields.AddGroup("common", common);
   }

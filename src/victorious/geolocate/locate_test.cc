@@ -69,7 +69,7 @@ TEST_P(EachMethod, SendsOneLineItsRange) {
 TEST_P(EachMethod, SaysThatOneLineNeedsARange) {
   const GeoFix fix = Located(DrawLinesOfSight({.count = 1}).lines, options);
   EXPECT_FALSE(fix.place);
-  EXPECT_EQ(fix.status, "undetermined: one line of sight alone needs a range");
+  EXPECT_EQ(fix.status, "undetermined: a single line of sight needs a range");
   EXPECT_EQ(Inliers(fix), 0);
 }
 
@@ -91,7 +91,7 @@ TEST_P(EachMethod, SaysThatLinesMeetBehindTheCamera) {
 }
 
 TEST_P(EachMethod, TellsNoPlaceWhereTheDistanceIsOpen) {
-  // A metre of baseline at 360 m: what is measured is the noise.
+  // A baseline of 1 m at 360 m: the offsets are only noise.
   const GeoFix fix =
       Located(DrawLinesOfSight({.arc_deg = 0.2, .noise_position_m = 1, .noise_deg = 0.1}).lines, options);
   EXPECT_FALSE(fix.place);
@@ -142,12 +142,12 @@ TEST_P(EachMethod, KeepsTheEllipseOfManyLinesAboveTheCommonErrors) {
   const GeoFix few = Located(DrawLinesOfSight(flight).lines, options);
   const GeoFix many = Located(DrawLinesOfSight(longer).lines, options);
   ASSERT_TRUE(few.place && many.place) << few.status << many.status;
-  EXPECT_GT(many.place->ce90_m, 3 * 2.146 * 0.99);  // what 3 m along each axis alone give
+  EXPECT_GT(many.place->ce90_m, 3 * 2.146 * 0.99);  // CE90 of 3 m along each axis alone
   EXPECT_GT(many.place->ce90_m, 0.8 * few.place->ce90_m);
 }
 
-// A camera that stands still errs in one way, however often it looks: what the lines' scatter does not show of their
-// own errors is alike in all of them.
+// The errors of a stationary camera repeat in every frame: the part of the lines' own errors that does not show in
+// their scatter is common to all of them.
 TEST(Locate, OneLineTakenManyTimesTellsNoMoreThanOnce) {
   const DrawnLines drawn = DrawLinesOfSight({.count = 1});
   const std::vector<LineOfSight> many(50, drawn.lines.front());
@@ -171,7 +171,7 @@ TEST(Locate, SetsWrongLinesAside) {
     for (std::size_t i = 0; i < drawn.wrong.size(); ++i) EXPECT_TRUE(fix.inliers[i] || drawn.wrong[i]) << method << i;
   }
   const GeoFix all = Located(drawn.lines, {.method = "least-squares"});
-  EXPECT_GT(ErrorOf(all, drawn.object), 2);  // what the others are for
+  EXPECT_GT(ErrorOf(all, drawn.object), 2);  // least squares is not robust
 }
 
 TEST(Locate, PriorLeavesOutWhatPullsThePlaceOutOfAFrustum) {
@@ -201,13 +201,13 @@ TEST(Locate, GroundGivesOneLineItsPlace) {
     const GeoFix fix = Located(drawn.lines, options);
     EXPECT_LT(ErrorOf(fix, drawn.object), 0.02) << method;
     ASSERT_TRUE(fix.place) << method;
-    // The ellipse leans along the ground: height is known as well as the ground's.
+    // The error ellipsoid is flat along the ground: the height is known as well as the ground's.
     EXPECT_NEAR(fix.place->le90_m, options.ground_sigma_m * 1.645, 0.1) << method;
     EXPECT_GT(fix.place->ce90_m, 5) << method;
   }
 }
 
-// A hillside that rises by one in two to the north, seen from the south.
+// A hillside that rises by one in two to the north, observed from the south.
 TEST(Locate, TerrainGivesOneLineItsPlace) {
   const testing::DrawnLinesOptions flight{.count = 1};
   const DrawnLines drawn = DrawLinesOfSight(flight);
@@ -220,7 +220,7 @@ TEST(Locate, TerrainGivesOneLineItsPlace) {
     const GeoFix fix = Located(drawn.lines, options);
     EXPECT_LT(ErrorOf(fix, drawn.object), 0.02) << method << ": " << fix.status;
     ASSERT_TRUE(fix.place);
-    // What errs along the ground errs along the slope.
+    // The error along the ground follows the slope.
     const Eigen::Vector3d across = Eigen::Vector3d(0, -0.5, 1).normalized();
     const double across_sigma_m = std::sqrt(across.dot(fix.place->covariance_enu_m2 * across));
     EXPECT_NEAR(across_sigma_m, options.ground_sigma_m * across.z(), 0.05) << method;
@@ -266,7 +266,7 @@ TEST(Locate, WhatFliesIsNotDrawnToTheGround) {
   EXPECT_NEAR(ErrorOf(with, drawn.object), ErrorOf(without, drawn.object), 1e-3);
 }
 
-// Ranges that err by a fifth, and ground that is known to half a metre.
+// Ranges with a relative error of 20 %, and a ground known to 0.5 m.
 TEST(Locate, GroundMendsPlacesByRange) {
   const DrawnLines drawn = DrawLinesOfSight({.seed = 5, .count = 5, .arc_deg = 0, .range_share = 0.2});
   LocateOptions options;
@@ -280,7 +280,7 @@ TEST(Locate, GroundMendsPlacesByRange) {
   EXPECT_LT(ErrorOf(on_ground, drawn.object), 0.2 * ErrorOf(by_range, drawn.object));
   EXPECT_LT(on_ground.place->le90_m, 0.2 * by_range.place->le90_m);
   EXPECT_LT(on_ground.place->ce90_m, by_range.place->ce90_m);
-  // Far above the ground it stands on nothing.
+  // Far above the ground the object is not on it.
   options.ground = std::make_shared<FlatGround>(drawn.object.altitude_m - 190);
   EXPECT_NEAR(ErrorOf(Located(drawn.lines, options), drawn.object), ErrorOf(by_range, drawn.object), 1e-6);
 }

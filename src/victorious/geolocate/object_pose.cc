@@ -23,11 +23,11 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kLeastDepthM = 1e-3;
-constexpr double kCauchyScale = 2;  // residuals of so many sigmas count half
+constexpr double kCauchyScale = 2;  // residuals of this many sigmas have half weight
 
-// How much larger than sigma the offsets of the points that count are, squared: at least 1. Few points leave small
-// offsets behind, because the pose bends to them and they were chosen for agreeing: the six unknowns are paid for
-// twice.
+// The ratio of the inliers' residual variance to sigma^2, at least 1. For a small number of points the residuals are
+// too small, because the pose is fitted to them and they were selected for agreement: the six unknowns are therefore
+// subtracted twice.
 double NoiseFactor2(std::span<const double> squared_offsets, std::span<const double> weights) {
   constexpr double kUnknowns = 6;
   double sum = 0;
@@ -40,7 +40,7 @@ double NoiseFactor2(std::span<const double> squared_offsets, std::span<const dou
   return std::max(1.0, (sum + kUnknowns) / std::max(1.0, 2 * count - kUnknowns));
 }
 
-// The translation that fits best under a known rotation: linear in it. Each point weighs 1 unless told otherwise.
+// The least-squares translation for a known rotation: linear. Empty weights are all 1.
 std::optional<Vector3d> TranslationFor(std::span<const SeenPoint> points, const Quaterniond& rotation,
                                        std::span<const double> weights) {
   Matrix3d normal = Matrix3d::Zero();
@@ -61,10 +61,10 @@ std::optional<Vector3d> TranslationFor(std::span<const SeenPoint> points, const 
   return translation;
 }
 
-// The sum that is minimised.
+// The objective function.
 class Fit {
  public:
-  /// @param weights  of the points, one each, which are then squared as they are; none: under Cauchy's loss
+  /// @param weights  one per point, for weighted squared residuals; empty: Cauchy's loss
   Fit(std::span<const SeenPoint> points, const Quaterniond& start, const ObjectPoseOptions& options,
       std::span<const double> weights = {})
       : points_(points), weights_(weights), start_(start), options_(options) {}
@@ -80,7 +80,7 @@ class Fit {
     return cost;
   }
 
-  /// The normal equations at `pose`: turns about the camera's axes, then moves along them.
+  /// The normal equations at `pose`: rotation about the camera's axes, then translation along them.
   void Linearise(const Rigid3& pose, Matrix6& normal, Vector6& gradient) const {
     normal.setZero();
     gradient.setZero();
@@ -108,7 +108,7 @@ class Fit {
     gradient.head<3>() += up.transpose() * UpPriorOf(pose);
   }
 
-  /// Squared, in sigmas; of a point that is not before the camera a very large number.
+  /// Squared residuals in sigmas; a very large number for a point that is not in front of the camera.
   void SquaredOffsets(const Rigid3& pose, std::span<double> out) const {
     constexpr double kVeryLarge = 1e12;
     for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -123,7 +123,7 @@ class Fit {
     if (p.z() < kLeastDepthM) return std::nullopt;
     return (Vector2d(p.x() / p.z(), p.y() / p.z()) - point.seen) / options_.sigma;
   }
-  // A turn about the line of sight is seen well, and free.
+  // A rotation about the optical ray to the object is well observed and has no prior.
   [[nodiscard]] static Matrix3d AcrossOf(const Rigid3& pose) {
     const Vector3d sight = pose.translation.normalized();
     return Matrix3d::Identity() - sight * sight.transpose();
@@ -177,7 +177,8 @@ Rigid3 Minimise(const Fit& fit, Rigid3 pose, int most_steps) {
 
 constexpr int kMostSteps = 30;
 
-// MLESAC's estimator: as few points as hold the pose together with the priors. Residuals are in sigmas, for pixels.
+// Estimator for MLESAC: the minimal sample that determines the pose together with the priors. Residuals are in sigmas
+// instead of pixels.
 class PoseEstimator {
  public:
   using Model = Rigid3;
@@ -189,7 +190,7 @@ class PoseEstimator {
   [[nodiscard]] std::size_t size() const { return points_.size(); }
 
   [[nodiscard]] std::optional<Rigid3> FromSample(std::span<const std::uint32_t> sample) const {
-    constexpr int kFewSteps = 4;  // roughly: FromWeights goes on from the best
+    constexpr int kFewSteps = 4;  // coarse: FromWeights refines the best hypothesis
     std::array<SeenPoint, kSampleSize> few;
     for (std::size_t i = 0; i < kSampleSize; ++i) few[i] = points_[sample[i]];
     constexpr std::array<double, kSampleSize> kEqual = {1, 1, 1};
@@ -219,7 +220,7 @@ class PoseEstimator {
   const ObjectPoseOptions& options_;
 };
 
-// Where the minimisation starts, and which points it trusts: as Fit takes their weights.
+// Initial value of the minimisation, and the points' weights as PoseObjective takes them.
 struct Start {
   Rigid3 pose;
   std::vector<double> weights;
@@ -228,7 +229,7 @@ struct Start {
 std::optional<Start> StartOf(std::span<const SeenPoint> points, const Quaterniond& rotation,
                              const ObjectPoseOptions& options) {
   if (options.hypotheses > 0) {
-    constexpr double kOutlierArea = 400;  // in sigmas squared: where the matches' own windows let a wrong one lie
+    constexpr double kOutlierArea = 400;  // in sigmas squared: the matching window within which outliers lie
     auto agreed = Mlesac(PoseEstimator(points, rotation, options), {.outlier_area_px2 = kOutlierArea,
                                                                     .max_hypotheses = options.hypotheses,
                                                                     .refinements = 3,
@@ -240,9 +241,10 @@ std::optional<Start> StartOf(std::span<const SeenPoint> points, const Quaternion
   return Start{{rotation, *translation}, {}};
 }
 
-// Of the direction to the camera in the object's own frame: from the covariance of turns and moves in the camera's.
+// Sigma of the direction to the camera in the object's frame, from the covariance of (rotation, translation).
 double ViewSigma(const Rigid3& pose, const Matrix6& covariance) {
-  // d = -R' t / |t|: a turn w of the object and a move m change R d by -(w x s) - m across / |t|, s the line of sight.
+  // d = -R' t / |t|: a rotation w and a translation m change R d by -(w x s) - m across / |t|, where s is the direction
+  // to the object.
   const double range_m = pose.translation.norm();
   const Vector3d sight = pose.translation / range_m;
   Eigen::Matrix<double, 3, 6> jacobian;

@@ -1,12 +1,13 @@
-// How an object stands before the camera, from points of it that are seen: its six degrees of freedom.
+// Estimates the pose (6 degrees of freedom) of an object relative to the camera from 3D-2D point correspondences: PnP
+// with priors. Called by pipeline/stance.cc with the inlier matches of a CAD model's view.
 //
-// Minimises over rotation R and translation t, from the direction of the view that matched,
-//   sum_i w_i |project(R p_i + t) - seen_i|^2 / sigma^2 + |turn across the line of sight|^2 / sigma_view^2
+// Minimises over rotation R and translation t, starting from the direction of the matched view,
+//   sum_i w_i |project(R p_i + t) - seen_i|^2 / sigma^2 + |rotation across the line of sight|^2 / sigma_view^2
 //     + |tilt against the vertical|^2 / sigma_up^2
-// by Levenberg and Marquardt's method. The priors hold the object to the view that matched, up to what the views' grid
-// leaves open, and upright where the vertical is known: the points alone (few, or nearly in one plane) would let it
-// tilt. The weights are MLESAC's (geometry/robust/mlesac.h): how likely each point is to agree with the best of the
-// poses that samples of three give. Points that matched by chance do not pull.
+// by the Levenberg-Marquardt method. The priors keep the rotation near that of the matched view, within the spacing of
+// the view grid, and the object upright where the vertical is known: few or nearly coplanar points alone leave the tilt
+// undetermined. The weights w_i are MLESAC's posterior inlier probabilities (geometry/robust/mlesac.h) under the best
+// of the poses from samples of three points, so that outliers have no influence.
 #pragma once
 
 #include <cstdint>
@@ -19,30 +20,33 @@
 
 namespace victorious {
 
-/// A point of the object and where it is seen: at depth 1 before the camera, right and down, lens undone.
+/// A 3D point of the object and its observation in normalised image coordinates (depth 1), x right and y down, lens
+/// distortion removed.
 struct SeenPoint {
-  Eigen::Vector3d point;  ///< m, the origin in the middle of the object; x to its front, z up
+  Eigen::Vector3d point;  ///< m, in the object's frame: origin at its centre, x to its front, z up
   Eigen::Vector2d seen;   ///< X / Z, Y / Z
 };
 
 struct ObjectPoseOptions {
-  double sigma = 1e-3;                               ///< of a point's place at depth 1, along each axis
-  double sigma_view_rad = 0.1;                       ///< of the direction of the view that matched
-  std::optional<Eigen::Vector3d> up_in_camera = {};  ///< the vertical, of length 1, where it is known
-  double sigma_up_rad = 0.1;                         ///< how far the object's up leans from it, about each axis
-  int hypotheses = 100;                              ///< MLESAC's, at most; 0: from the view's rotation alone
+  double sigma = 1e-3;          ///< of an observed point in normalised coordinates, along each axis
+  double sigma_view_rad = 0.1;  ///< of the direction of the matched view: width of the rotation prior
+  std::optional<Eigen::Vector3d> up_in_camera = {};  ///< unit vector of the vertical, where it is known
+  double sigma_up_rad = 0.1;                         ///< of the object's up axis against the vertical, about each axis
+  int hypotheses = 100;  ///< maximum number of MLESAC hypotheses; 0: start from the view's rotation alone
   std::uint64_t seed = 1;
 };
 
 struct ObjectPose {
   Rigid3 camera_from_object;
-  double sigma_angle_rad = 0;  ///< of the direction to the origin, each axis
-  double sigma_range_m = 0;    ///< of the distance to it
-  double sigma_view_rad = 0;   ///< of the direction from the object to the camera, in its own frame, each axis
+  double sigma_angle_rad = 0;  ///< of the direction to the origin, about each axis
+  double sigma_range_m = 0;    ///< of the distance to the origin
+  /// of the direction from the object to the camera, in the object's frame, about each axis
+  double sigma_view_rad = 0;
 };
 
-/// @param camera_from_object  the rotation to start from: of the view that matched, turned as in the picture
-/// Nothing for fewer than three points, or where they do not fit before the camera. Deterministic.
+/// Estimates the pose with its standard deviations.
+/// @param camera_from_object  initial rotation: that of the matched view, with the in-plane rotation of the match
+/// @return std::nullopt for fewer than three points, or if no pose in front of the camera fits. Deterministic.
 std::optional<ObjectPose> FitObjectPose(std::span<const SeenPoint> points, const Eigen::Quaterniond& camera_from_object,
                                         const ObjectPoseOptions& options);
 

@@ -55,7 +55,7 @@ TEST(ObjectPose, SaysHowFarItMayErr) {
     EXPECT_GT(found->sigma_angle_rad, 0.1 / kFocalPx);
     EXPECT_LT(found->sigma_angle_rad, 1.5 / kFocalPx);
   }
-  EXPECT_GT(near, 0.6 * kDraws);  // one sigma holds 68 %
+  EXPECT_GT(near, 0.6 * kDraws);  // one sigma contains 68 %
 }
 
 TEST(ObjectPose, AWrongPointDoesNotPullItAway) {

@@ -9,7 +9,7 @@
 namespace victorious {
 namespace {
 
-constexpr double kNearestM = 1;  // nothing is seen from nearer, and what is behind the camera has a distance below 0
+constexpr double kNearestM = 1;  // minimum distance of an object; points behind the camera have negative distance
 
 double Square(double value) { return value * value; }
 
@@ -26,7 +26,7 @@ void SetDirection(const LineOfSight& line, const TangentPlane& plane, Ray& ray) 
       plane_from_local * Eigen::Vector3d(-sin_azimuth * sin_elevation, -cos_azimuth * sin_elevation, ray.cos_elevation);
 }
 
-// A line that tells no range gets that to the ground, where it meets it.
+// Uses the line's range if it has one, else the distance to its intersection with the ground.
 void SetRange(const LineOfSight& line, const TangentPlane& plane, const LocateOptions& options, Ray& ray) {
   if (line.range_m) {
     ray.range_source = RangeSource::kMeasured;
@@ -57,7 +57,7 @@ void SetRange(const LineOfSight& line, const TangentPlane& plane, const LocateOp
       std::hypot(options.ground_sigma_m * ray.ground_share, std::hypot(options.line.position_m, slide_m) / towards);
 }
 
-// least-squares knows no ranges, save of a line that is alone: that one goes its prior's way.
+// `least-squares` ignores ranges, except for a single line, which is placed by its range as in `prior`.
 double RangeWeight(const Ray& ray, const LocateOptions& options, bool alone) {
   if (ray.range_source == RangeSource::kNone) return 0;
   if (alone || options.method == "ground") return 1;
@@ -73,7 +73,7 @@ Frustum FrustumOf(const Ray& ray, const LocateOptions& options) {
   Frustum frustum;
   const double gate2 = Square(options.gate_sigma);
   frustum.base_m2 = Square(options.identity_radius_m) + gate2 * Square(options.line.position_m);
-  frustum.slope = gate2 * (Square(ray.sigma_rad) + common_rad2 / 2);  // of two angles: half of it each
+  frustum.slope = gate2 * (Square(ray.sigma_rad) + common_rad2 / 2);  // two axes: half of the variance each
   frustum.nearest_m = kNearestM;
   frustum.farthest_m = std::numeric_limits<double>::infinity();
   if (ray.range_source == RangeSource::kMeasured) {
@@ -123,7 +123,7 @@ double LikelyVariance(const Ray& ray, double distance_m, double sigma_position_m
 }
 
 double FeignedFactor(std::ptrdiff_t count) {
-  constexpr double kSigmas = 3;  // the mean of 2 n squares scatters by 1 / sqrt(n)
+  constexpr double kSigmas = 3;  // the mean of 2 n squared residuals has a standard deviation of 1 / sqrt(n)
   return 2 * (1 + kSigmas / std::sqrt(static_cast<double>(std::max<std::ptrdiff_t>(1, count))));
 }
 

@@ -1,4 +1,5 @@
-// Lines of sight in one tangent plane, with everything that the estimators ask of them worked out once.
+// Lines of sight in one tangent plane, with the quantities that the estimators need precomputed: directions, range,
+// weights and conic frustum.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +16,8 @@ namespace victorious {
 
 enum class RangeSource { kNone, kMeasured, kGround };
 
-/// The conic frustum of uncertainty: at distance a along the ray a point may lie sqrt(base_m2 + a^2 slope) off it.
+/// The conic frustum of uncertainty (thesis, section 4.3.3): at distance a along the ray, a point of the object may lie
+/// up to sqrt(base_m2 + a^2 slope) from the ray. nearest_m and farthest_m bound a.
 struct Frustum {
   double base_m2 = 0;
   double slope = 0;
@@ -23,28 +25,28 @@ struct Frustum {
   double farthest_m = 0;
 };
 
-/// One line in the plane's axes. forward, side, rise are unit vectors: along the line, to its right, and across both
-/// upwards, so that errors in azimuth and elevation are turns towards side and rise.
+/// One line of sight in the plane's axes. forward, side and rise are orthonormal: along the line, to its right, and
+/// upwards perpendicular to both, so that errors in azimuth and elevation rotate the ray towards side and rise.
 struct Ray {
-  double time_s = 0;  ///< after the last line's: at most 0
+  double time_s = 0;  ///< relative to the last line: at most 0
   Eigen::Vector3d camera;
   Eigen::Vector3d forward;
   Eigen::Vector3d side;
   Eigen::Vector3d rise;
-  double cos_elevation = 1;  ///< what a heading error does to the direction
+  double cos_elevation = 1;  ///< derivative of the direction, towards side, by the heading error
   double sigma_rad = 0;
   RangeSource range_source = RangeSource::kNone;
   double range_m = 0;
   double sigma_range_m = 0;
-  double range_share = 0;             ///< sigma over the true range, where that is all that is known of it; else 0
-  Eigen::Vector3d normal;             ///< of the ground where the range ends, if that is from the ground
-  double ground_share = 0;            ///< by how much the range changes with the ground's height there, m/m
-  std::optional<NoGround> no_ground;  ///< why there is no range from a ground that was told
-  double range_weight = 0;  ///< of the range in the linear systems, beside 1 for each direction across the ray
+  double range_share = 0;             ///< sigma relative to the true range, if only a relative error is given; else 0
+  Eigen::Vector3d normal;             ///< of the ground at the end of the ray, if the range is from the ground
+  double ground_share = 0;            ///< derivative of the range by the ground's height there, m/m
+  std::optional<NoGround> no_ground;  ///< why the ray does not intersect the given ground
+  double range_weight = 0;  ///< of the range in the linear systems, relative to 1 for each direction across the ray
   Frustum frustum;
 };
 
-/// Where an object is at time 0 and how it moves, in the plane.
+/// Linear motion of the object in the plane: its place at time 0 and its velocity.
 struct Motion {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< m/s
@@ -52,25 +54,31 @@ struct Motion {
   [[nodiscard]] Eigen::Vector3d At(double time_s) const { return place + time_s * velocity; }
 };
 
-/// One ray a line, in the plane at the first line's camera, which is `plane`. `options.method` decides how much the
-/// ranges count.
+/// Returns one ray per line, in `plane`, which must be the tangent plane at the first line's camera. `options.method`
+/// determines the weight of the ranges.
 std::vector<Ray> MakeRays(std::span<const LineOfSight> lines, const TangentPlane& plane, const LocateOptions& options);
 
-/// Whether the object is in the ray's frustum when it was seen.
+/// True if the object lies in the ray's frustum at the time of the ray.
 bool InFrustum(const Ray& ray, const Motion& motion);
 
-/// The most likely true direction from a camera to a place: between the ray as `told` (without common errors, if these
-/// are known) and `seen`, the place from the camera as told, nearer to the one that errs less. Across that direction, a
-/// ray's own error and the axes that it is measured along are uncorrelated. Across either of the two they are not,
-/// which draws the place along the rays, and far where these leave it loose.
+/// The maximum-likelihood estimate of the true direction from the camera to the object: a weighted mean of the measured
+/// direction and of the direction to the estimated place, closer to the more accurate one. Offsets measured
+/// perpendicular to it are uncorrelated with the ray's own error. Offsets perpendicular to either input direction are
+/// correlated with it, which biases the estimated place along the rays, strongly so if the rays determine the distance
+/// poorly.
+/// @param measured          direction of the ray, corrected for the common errors where these are estimated
+/// @param to_object         from the measured camera position to the estimated place, m
+/// @param sigma_position_m  of the camera position, each axis
 Eigen::Vector3d LikelyDirection(const Ray& ray, const Eigen::Vector3d& told, const Eigen::Vector3d& seen,
                                 double sigma_position_m);
 
-/// The variance of that direction, rad^2 along each axis. So much parallel rays seem to differ, which feigns a
-/// baseline: the squared sine of the angle between rays is what tells the distance.
+/// The variance of MaxLikelihoodDirection, rad^2 along each axis. Parallel rays appear to differ in direction by this
+/// amount, which simulates a baseline: the information about the distance is the squared sine of the angle between
+/// rays.
 double LikelyVariance(const Ray& ray, double distance_m, double sigma_position_m);
 
-/// What the variances that `count` rays feign are to be taken times, so that their scatter feigns nothing either.
+/// The factor for the variances of `count` rays when they are subtracted from the information (see DirectionVariance);
+/// it includes a margin of three sigmas for their sampling error.
 double FeignedFactor(std::ptrdiff_t count);
 
 }  // namespace victorious

@@ -28,16 +28,17 @@ struct Estimate {
   [[nodiscard]] Motion motion() const { return {place, velocity}; }
 };
 
-// A ray as one round of the minimisation sees it: what depends on the place and would draw it off if it moved along.
+// The linearisation of a ray in one round: quantities that depend on the place, kept constant because they would bias
+// the estimate if they varied with it.
 struct Sight {
   double distance_m = 0;
   double sigma_m = 0;     // of the ray's own error at that distance, across the ray
-  Eigen::Vector3d along;  // the most likely true direction
-  Eigen::Vector3d side;   // across it
+  Eigen::Vector3d along;  // maximum-likelihood direction
+  Eigen::Vector3d side;   // perpendicular to `along`
   Eigen::Vector3d rise;
 };
 
-// From the camera, moved by its common error, to the object.
+// Vector from the camera, corrected by its common error, to the object.
 template <typename T>
 Eigen::Matrix<T, 3, 1> Seen(const Ray& ray, const CommonVector& sigmas, const T* place, const T* velocity,
                             const T* common) {
@@ -46,7 +47,7 @@ Eigen::Matrix<T, 3, 1> Seen(const Ray& ray, const CommonVector& sigmas, const T*
   return seen;
 }
 
-// How far the object is off the ray, to the side and upwards, over the ray's own error there.
+// Residual: the object's offset from the ray, to the side and upwards, in units of the ray's own error there.
 struct OffsetError {
   const Ray& ray;
   const CommonVector& sigmas;
@@ -77,10 +78,10 @@ struct RangeError {
   }
 };
 
-// The ground as it lies straight below the place that a round starts from.
+// Residual: distance from the ground patch vertically below the place at the start of the round.
 struct GroundError {
   GroundPatch patch;
-  double sigma_m;  // across the ground
+  double sigma_m;  // along the normal
 
   template <typename T>
   bool operator()(const T* place, T* residual) const {
@@ -98,7 +99,7 @@ struct CommonPrior {
   }
 };
 
-// The normal matrix J'J of the unknowns that are free.
+// The normal matrix J'J of the free unknowns.
 Eigen::MatrixXd NormalMatrix(ceres::Problem& problem, std::vector<double*> free) {
   ceres::Problem::EvaluateOptions evaluate;
   evaluate.parameter_blocks = std::move(free);
@@ -116,7 +117,7 @@ Eigen::MatrixXd NormalMatrix(ceres::Problem& problem, std::vector<double*> free)
   return normal;
 }
 
-// Nothing where the matrix, its diagonal scaled to 1, is singular.
+// The inverse; std::nullopt if the matrix, scaled to unit diagonal, is singular.
 std::optional<Eigen::MatrixXd> Inverse(const Eigen::MatrixXd& normal) {
   if (!normal.allFinite() || !(normal.diagonal().minCoeff() > 0)) return std::nullopt;
   const Eigen::VectorXd scale = normal.diagonal().cwiseSqrt().cwiseInverse();
@@ -129,8 +130,8 @@ std::optional<Eigen::MatrixXd> Inverse(const Eigen::MatrixXd& normal) {
   return Eigen::MatrixXd(scale.asDiagonal() * inverse * scale.asDiagonal());
 }
 
-// The covariance of what was estimated, from the normal matrix of all unknowns. What was held at 0, and errs by one
-// sigma, moves the estimate by  inverse(N_ee) N_eh.
+// The covariance of the estimated unknowns, from the normal matrix of all unknowns. An unknown that is set to 0 but has
+// an error of one sigma shifts the estimate by  inverse(N_ee) N_eh.
 std::optional<Eigen::MatrixXd> Covariance(const Eigen::MatrixXd& normal, const std::vector<int>& held) {
   std::vector<int> estimated;
   for (int i = 0; i < normal.rows(); ++i) {
@@ -147,7 +148,8 @@ class Refinement {
   Refinement(std::span<const Ray> rays, const TangentPlane& plane, const LocateOptions& options)
       : rays_(rays), plane_(plane), options_(options), sigmas_(CommonSigmas(options.common)) {}
 
-  /// One minimisation with the sights as at the start; the covariance where it exists.
+  /// One minimisation with the linearisation at the start. Returns the covariance, or std::nullopt if it does not
+  /// exist.
   std::optional<Eigen::MatrixXd> Minimise(const std::vector<bool>& inliers, double noise_factor, Estimate& estimate) {
     ceres::Problem::Options shared;
     shared.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -176,9 +178,9 @@ class Refinement {
       problem.AddResidualBlock(new ceres::AutoDiffCostFunction<GroundError, 1, 3>(new GroundError{*patch, sigma_m}),
                                nullptr, place);
     }
-    // To the lines, the place is nearly the same as the flight's errors in position, elevation and range factor: were
-    // these free, the lines' own errors would choose. They stay 0 and widen the ellipse; a known ground tells the first
-    // two apart.
+    // Errors in position, elevation and range factor have nearly the same effect on the lines as a shift of the place:
+    // as free unknowns, they would absorb the lines' own errors. They stay 0 and inflate the covariance; a known ground
+    // separates the first two.
     std::vector<int> held = {6};
     if (!patch) held = {0, 1, 2, 5, 6};
     problem.SetManifold(common, new ceres::SubsetManifold(kCommonErrors, held));
@@ -202,7 +204,8 @@ class Refinement {
     return Covariance(normal, held);
   }
 
-  /// The rays that pass the object, without the common errors, within the gate and the identity radius.
+  /// The inliers: rays whose offset from the object, corrected for the common errors, is within the gate and the
+  /// identity radius.
   [[nodiscard]] std::vector<bool> InliersOf(const Estimate& estimate, double noise_factor) const {
     std::vector<bool> inliers(rays_.size());
     for (std::size_t i = 0; i < rays_.size(); ++i) {
@@ -216,19 +219,19 @@ class Refinement {
     return inliers;
   }
 
-  /// How many times larger the rays' own errors are than told: from the median, at least 1.
+  /// The ratio of the rays' own errors to their given sigmas, from the median residual, at least 1.
   [[nodiscard]] double NoiseFactor(const std::vector<bool>& inliers, const Estimate& estimate) const {
     std::vector<double> offsets;
     for (std::size_t i = 0; i < rays_.size(); ++i) {
       if (inliers[i]) offsets.push_back(OffsetOf(rays_[i], SightOf(rays_[i], estimate, 1), estimate).norm());
     }
-    constexpr std::size_t kFewest = 10;  // fewer say nothing of their spread
+    constexpr std::size_t kFewest = 10;  // minimum number of residuals for an estimate of their spread
     if (offsets.size() < kFewest) return 1;
     return std::max(1.0, Median(std::move(offsets)) / kRayleighMedian);
   }
 
  private:
-  // What the rays' own errors seem to tell of the place, and of the velocity where there are 6 unknowns.
+  // The spurious information about the place (and the velocity, with 6 unknowns) due to noise in the rays' directions.
   [[nodiscard]] Eigen::MatrixXd Feigned(const std::vector<bool>& inliers, double noise_factor, const Estimate& estimate,
                                         int unknowns) const {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(unknowns, unknowns);
@@ -247,7 +250,8 @@ class Refinement {
     return Seen<double>(ray, sigmas_, estimate.place.data(), estimate.velocity.data(), estimate.common.data());
   }
 
-  // A share is one of the true range: of what was measured it would trust the short ones more, and draw the place near.
+  // A relative sigma refers to the true range: relative to the measured range it would weight short ranges more and
+  // bias the place towards the camera.
   [[nodiscard]] double SigmaOfRange(const Ray& ray, const Estimate& estimate) const {
     return ray.range_share > 0 ? ray.range_share * ToObject(ray, estimate).norm() : ray.sigma_range_m;
   }
@@ -295,7 +299,7 @@ std::optional<RefinedPlace> RefinePlace(std::span<const Ray> rays, const Motion&
     const double told = std::exchange(noise_factor, refinement.NoiseFactor(inliers, estimate));
     std::vector<bool> chosen = refinement.InliersOf(estimate, noise_factor);
     if (std::ranges::none_of(chosen, std::identity())) return std::nullopt;
-    constexpr double kSettled = 0.01;  // of the errors' size
+    constexpr double kSettled = 0.01;  // relative to the standard deviation
     const double sigma_m = std::sqrt(covariance->topLeftCorner<3, 3>().trace());
     const bool settled =
         (estimate.place - before).norm() < kSettled * sigma_m && std::abs(noise_factor - told) < kSettled;

@@ -1,4 +1,4 @@
-// Angles are radians inside; degrees stand only at an edge (files, flags, pages).
+// Angle conversions. Angles are radians inside the program; degrees occur only at its interfaces (files, flags, pages).
 #pragma once
 
 #include <cmath>
@@ -11,7 +11,7 @@ inline constexpr double kPi = std::numbers::pi;
 constexpr double DegreesFromRadians(double radians) { return radians * (180.0 / kPi); }
 constexpr double RadiansFromDegrees(double degrees) { return degrees * (kPi / 180.0); }
 
-/// The same direction in [-pi, pi].
+/// The equivalent angle in [-pi, pi].
 inline double WrapAngle(double angle_rad) { return std::remainder(angle_rad, 2.0 * kPi); }
 
 }  // namespace victorious

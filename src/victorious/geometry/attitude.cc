@@ -29,9 +29,9 @@ Attitude AttitudeOf(const Quaterniond& camera_from_enu) {
   const Vector3d forward = enu_from_camera.col(2);
   Attitude attitude;
   attitude.pitch_rad = std::asin(std::clamp(forward.z(), -1.0, 1.0));
-  constexpr double kVertical = 1e-9;  // of the optical axis's horizontal part
+  constexpr double kVertical = 1e-9;  // horizontal component of the optical axis
   const bool vertical = forward.head<2>().norm() < kVertical;
-  // A camera without roll has its right side on the horizon, a quarter turn clockwise from its yaw.
+  // The right axis of a camera without roll is horizontal, 90 degrees clockwise from its yaw.
   attitude.yaw_rad = vertical ? std::atan2(-right.y(), right.x()) : std::atan2(forward.x(), forward.y());
   if (!vertical) {
     const Vector3d level_right(std::cos(attitude.yaw_rad), -std::sin(attitude.yaw_rad), 0);

@@ -1,7 +1,8 @@
-// How a camera is held: yaw, pitch and roll against east, north and up. The camera's frame is that of camera.h.
+// Camera attitude: yaw, pitch and roll relative to east, north, up (ENU). The camera frame is that of camera.h.
 //
-// It starts level, looking north; turns by yaw about up (clockwise seen from above), then by pitch about its own right
-// (up is positive, -90 degrees looks straight down), then by roll about its optical axis (its right side goes down):
+// Zero attitude is level, looking north. Yaw rotates about up (clockwise seen from above), then pitch about the
+// camera's right axis (positive up, -90 degrees looks straight down), then roll about the optical axis (right side
+// down):
 //   enu_from_camera = Rz(-yaw) Rx(pitch) B Rz(roll),  B: right -> east, down -> -up, forward -> north
 #pragma once
 
@@ -18,8 +19,8 @@ struct Attitude {
 
 [[nodiscard]] Eigen::Quaterniond CameraFromEnu(const Attitude& attitude);
 
-/// Yaw in [0, 2 pi), roll in [-pi, pi]. Where the camera looks straight up or down only the sum or the difference of
-/// yaw and roll is defined; roll is then 0.
+/// The inverse of CameraFromEnu. Yaw in [0, 2 pi), roll in [-pi, pi]. If the camera looks straight up or down, only the
+/// sum or the difference of yaw and roll is defined; roll is then 0.
 [[nodiscard]] Attitude AttitudeOf(const Eigen::Quaterniond& camera_from_enu);
 
 }  // namespace victorious

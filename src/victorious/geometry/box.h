@@ -20,10 +20,10 @@ struct Box {
   bool operator==(const Box&) const = default;
 };
 
-/// All of a frame, or of a picture.
+/// The box of a whole frame or image.
 inline Box FrameBox(double width_px, double height_px) { return {0, 0, width_px, height_px}; }
 
-/// The common part; empty where there is none.
+/// The intersection; empty if the boxes do not overlap.
 inline Box Intersection(const Box& a, const Box& b) {
   const double x0 = std::max(a.x, b.x);
   const double y0 = std::max(a.y, b.y);
@@ -32,7 +32,7 @@ inline Box Intersection(const Box& a, const Box& b) {
   return {x0, y0, std::max(0.0, x1 - x0), std::max(0.0, y1 - y0)};
 }
 
-/// Intersection over union, 0 to 1; 0 where both are empty.
+/// Intersection over union, 0 to 1; 0 if both are empty.
 inline double IntersectionOverUnion(const Box& a, const Box& b) {
   const double common = Intersection(a, b).Area();
   const double joined = a.Area() + b.Area() - common;

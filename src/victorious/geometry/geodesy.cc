@@ -33,7 +33,7 @@ GeodeticPoint TangentPlane::GeodeticFromEnu(const Eigen::Vector3d& point_in_enu)
 
 Eigen::Quaterniond TangentPlane::LocalEnuFromEnu(const Eigen::Vector3d& point_in_enu) const {
   double unused = 0;
-  std::vector<double> enu_from_local(9);  // by rows
+  std::vector<double> enu_from_local(9);  // row-major
   PlaneAt(origin_).Reverse(point_in_enu.x(), point_in_enu.y(), point_in_enu.z(), unused, unused, unused,
                            enu_from_local);
   const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> turn(enu_from_local.data());

@@ -1,8 +1,8 @@
-// Places on Earth: geodetic coordinates on the WGS 84 ellipsoid, and the tangent plane at a point, whose axes are east,
-// north and up (ENU) there.
+// Geodetic coordinates on the WGS 84 ellipsoid, and the tangent plane at a point with its axes east, north and up
+// (ENU). Computed by GeographicLib.
 //
-// The planes of two points are turned against each other: by the convergence of the meridians about the vertical, and
-// by the Earth's curvature. Over the hundred metres of a flight that is a thousandth of a degree.
+// The tangent planes of two points are rotated against each other: by the meridian convergence about the vertical, and
+// by the Earth's curvature. Over the hundred metres of a flight this is a thousandth of a degree.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +18,7 @@ struct GeodeticPoint {
   bool operator==(const GeodeticPoint&) const = default;
 };
 
-/// East, north and up at `origin`, metres; straight, so that a far point of the ground lies below it.
+/// Cartesian coordinates east, north, up at `origin`, metres. The plane is flat: distant ground lies below it.
 class TangentPlane {
  public:
   explicit TangentPlane(const GeodeticPoint& origin) : origin_(origin) {}
@@ -28,7 +28,7 @@ class TangentPlane {
   [[nodiscard]] Eigen::Vector3d EnuFromGeodetic(const GeodeticPoint& point) const;
   [[nodiscard]] GeodeticPoint GeodeticFromEnu(const Eigen::Vector3d& point_in_enu) const;
 
-  /// Turns a direction from this plane's axes to those of the plane at `point_in_enu`.
+  /// The rotation from this plane's axes to those of the tangent plane at `point_in_enu`.
   [[nodiscard]] Eigen::Quaterniond LocalEnuFromEnu(const Eigen::Vector3d& point_in_enu) const;
 
  private:

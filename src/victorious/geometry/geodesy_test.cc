@@ -38,11 +38,12 @@ TEST(TangentPlane, AxesTurnWithTheMeridians) {
   const TangentPlane plane(Place(60, 20, 0));
   const Vector3d east_km(1000, 0, 0);
   const Eigen::Quaterniond turn = plane.LocalEnuFromEnu(east_km);
-  // Going east in the north, the local north leans to the left of the origin's: by the longitude times sin 60.
+  // For a displacement to the east, the local north is rotated to the left of the origin's: by the longitude times sin
+  // 60.
   const double longitude_rad = plane.GeodeticFromEnu(east_km).longitude_rad - plane.origin().longitude_rad;
   const Vector3d origin_north = turn * Vector3d::UnitY();
   EXPECT_NEAR(std::atan2(origin_north.x(), origin_north.y()), longitude_rad * std::sin(RadiansFromDegrees(60)), 1e-7);
-  // And the ground bends away: the origin's up leans back by a kilometre over the Earth's radius.
+  // The local up is tilted by the displacement over the Earth's radius.
   EXPECT_NEAR((turn * Vector3d::UnitZ()).x(), -1000 / 6.39e6, 1e-6);
 }
 

@@ -8,12 +8,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kFarthestM = 2e5;  // beyond it nothing is seen from the air
-constexpr double kHighestM = 9000;  // above it there is no ground to come
+constexpr double kFarthestM = 2e5;  // maximum range of a ray
+constexpr double kHighestM = 9000;  // altitude above all ground
 constexpr double kSettledM = 1e-3;
-constexpr double kLeastFall = 0.01;  // flatter than half a degree, a ray meets the ground anywhere
+constexpr double kLeastFall = 0.01;  // minimum sine of the incidence angle, about half a degree
 
-// A ray and the ground under it.
+// A ray above the ground, parametrised by distance.
 class Descent {
  public:
   Descent(const Ground& ground, const TangentPlane& plane, const Vector3d& from, const Vector3d& along)
@@ -21,7 +21,7 @@ class Descent {
 
   [[nodiscard]] Vector3d PointAt(double distance_m) const { return from_ + distance_m * along_; }
 
-  // How far the ray is above the ground there; nothing where the ground is not known.
+  // Height of the ray above the ground, m; std::nullopt where the ground is not known.
   [[nodiscard]] std::optional<double> ClearanceAt(double distance_m) const {
     const GeodeticPoint point = plane_.GeodeticFromEnu(PointAt(distance_m));
     const auto height_m = ground_.HeightAt(point);
@@ -29,19 +29,19 @@ class Descent {
     return point.altitude_m - *height_m;
   }
 
-  // By how much a metre along the ray brings it down, at most 1; below 0 where it rises.
+  // Height lost per metre along the ray, at most 1; negative where it rises.
   [[nodiscard]] double FallAt(double distance_m) const {
     return -(plane_.LocalEnuFromEnu(PointAt(distance_m)) * along_).z();
   }
 
-  // How far it may go on without passing the ground; over ground that is not known, a hundredth of the way so far.
+  // A step that cannot pass through the ground; over unknown ground, 1 % of the distance so far.
   [[nodiscard]] double StepAt(double distance_m, const std::optional<double>& clearance_m) const {
     constexpr double kUnknownShare = 0.01;
     const double fall = FallAt(distance_m);
     const double level = std::sqrt(std::max(0.0, 1 - fall * fall));
     const double least_m = ground_.Spacing() / 2 / std::max(level, kLeastFall);
     if (!clearance_m) return std::max(least_m, kUnknownShare * distance_m);
-    const double closing = ground_.Steepest() * level + fall;  // m of clearance, at most, a metre along
+    const double closing = ground_.Steepest() * level + fall;  // maximum loss of clearance per metre along the ray
     return closing > 0 ? std::max(least_m, *clearance_m / closing) : kFarthestM;
   }
 
@@ -49,7 +49,7 @@ class Descent {
     return plane_.GeodeticFromEnu(PointAt(distance_m)).altitude_m > kHighestM && FallAt(distance_m) <= 0;
   }
 
-  // Between a point above the ground and one below it, or on it.
+  // Bisects between a point above the ground and one on or below it.
   [[nodiscard]] std::optional<double> CrossingBetween(double above_m, double below_m) const {
     while (below_m - above_m > kSettledM) {
       const double middle_m = (above_m + below_m) / 2;
@@ -88,8 +88,8 @@ std::optional<GroundPatch> PatchBelow(const Ground& ground, const TangentPlane& 
 std::expected<GroundPatch, NoGround> MeetGround(const Ground& ground, const TangentPlane& plane, const Vector3d& from,
                                                 const Vector3d& along, double slack_m) {
   const Descent descent(ground, plane, from, along);
-  std::optional<double> above_m;  // the last point that is known to be above the ground, if nothing unknown came since
-  bool emerging = false;          // it started a little below
+  std::optional<double> above_m;  // the last point known to be above the ground, unless the ground became unknown since
+  bool emerging = false;          // the ray started slightly below the ground
   bool known = false;
   double distance_m = 0;
   while (distance_m < kFarthestM) {
@@ -110,7 +110,7 @@ std::expected<GroundPatch, NoGround> MeetGround(const Ground& ground, const Tang
       if (*clearance_m < -slack_m) return std::unexpected(NoGround::kBelow);
       emerging = true;
     } else {
-      return std::unexpected(NoGround::kUnknown);  // it went below where the ground is not known
+      return std::unexpected(NoGround::kUnknown);  // the ray went below the ground where it is not known
     }
     if (descent.IsAboveAll(distance_m)) break;
     distance_m += descent.StepAt(distance_m, above_m ? clearance_m : std::nullopt);

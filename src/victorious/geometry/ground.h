@@ -1,10 +1,11 @@
-// The ground: how high it is, and where a line of sight meets it.
+// The ground surface: its height, and the intersection of a line of sight with it. Used by geolocate/; terrain/
+// implements Ground for GeoTIFF height models.
 //
-// A ray is followed from its camera. Where it is c above the ground it may go on by c / (s + d) along the ground, s
-// being the steepest slope that the ground is supposed to have and d how fast the ray falls, and by half the ground's
-// spacing at least; where it is below, the crossing lies between the last two points and is halved out. What is thinner
-// than these steps may be passed over: a mast, not a hill. Heights count from the ellipsoid, so that the Earth's
-// curvature needs no word.
+// A ray is marched from the camera. At clearance c above the ground it advances by c / (s + d) along the ground, where
+// s is the maximum slope assumed for the ground and d the descent of the ray, and by at least half the ground's
+// spacing. The first point below the ground brackets the intersection, which is found by bisection. Structures thinner
+// than the steps may be missed: a mast, not a hill. Heights are above the ellipsoid, so the Earth's curvature needs no
+// correction.
 #pragma once
 
 #include <expected>
@@ -18,18 +19,18 @@
 
 namespace victorious {
 
-/// Immutable; any number of threads may ask it at once.
+/// A height model. Immutable and thread-safe.
 class Ground {
  public:
   virtual ~Ground() = default;
 
-  /// Above the ellipsoid, m, at the point's latitude and longitude. Nothing where it is not known.
+  /// Height above the ellipsoid, m, at the point's latitude and longitude; std::nullopt where it is not known.
   [[nodiscard]] virtual std::optional<double> HeightAt(const GeodeticPoint& point) const = 0;
 
-  /// Between neighbouring heights, m, > 0: it is straight between them.
+  /// Distance between neighbouring height samples, m, > 0; the surface is linear between them.
   [[nodiscard]] virtual double Spacing() const = 0;
 
-  /// The steepest slope that a search for it supposes, m/m.
+  /// Maximum slope that the ray marching assumes, m/m.
   [[nodiscard]] virtual double Steepest() const = 0;
 
  protected:
@@ -38,7 +39,7 @@ class Ground {
   Ground& operator=(const Ground&) = default;
 };
 
-/// Of one height everywhere.
+/// A ground of constant height.
 class FlatGround final : public Ground {
  public:
   explicit FlatGround(double height_m) : height_m_(height_m) {}
@@ -51,7 +52,7 @@ class FlatGround final : public Ground {
   double height_m_;
 };
 
-/// Another ground, raised: where the middle of what stands on it is.
+/// Another ground shifted upwards, for example to the centres of the objects that stand on it.
 class RaisedGround final : public Ground {
  public:
   RaisedGround(std::shared_ptr<const Ground> ground, double by_m) : ground_(std::move(ground)), by_m_(by_m) {}
@@ -68,27 +69,29 @@ class RaisedGround final : public Ground {
   double by_m_;
 };
 
-/// A place of the ground, and how the ground lies there.
+/// A point on the ground with the surface normal there.
 struct GroundPatch {
-  Eigen::Vector3d point;   ///< in the plane
-  Eigen::Vector3d normal;  ///< in the plane; of length 1, upwards
+  Eigen::Vector3d point;   ///< in the tangent plane
+  Eigen::Vector3d normal;  ///< in the tangent plane; unit vector, upwards
 };
 
-/// The ground straight below or above a point. Nothing where it is not known.
+/// The ground vertically below or above a point; std::nullopt where it is not known.
 std::optional<GroundPatch> PatchBelow(const Ground& ground, const TangentPlane& plane,
                                       const Eigen::Vector3d& point_in_plane);
 
-/// Why a ray meets no ground.
+/// Why a ray does not intersect the ground.
 enum class NoGround {
-  kBelow,    ///< it starts below the ground
-  kUnknown,  ///< it leaves what is known of the ground, or meets it where it is not known
-  kAbove,    ///< it stays above the ground, or is all but parallel to it where they meet
+  kBelow,    ///< the ray starts below the ground
+  kUnknown,  ///< the ray leaves the area of known ground, or intersects it where the height is not known
+  kAbove,    ///< the ray stays above the ground, or is nearly parallel to it at the intersection
 };
 
-/// Where a ray first meets the ground from above. The ground that is not known between the camera and where it is known
-/// again counts as passed if the ray comes out of it above.
-/// @param from, along  in the plane; `along` of length 1
-/// @param slack_m      how far below the ground the ray may start, by errors of height: it must come out of it first
+/// The first intersection of a ray with the ground from above. A stretch of unknown ground between the camera and known
+/// ground counts as passed if the ray leaves it above the ground.
+/// @param from, along  in the tangent plane; `along` is a unit vector
+/// @param slack_m      maximum depth below the ground at which the ray may start, to allow for height errors; the ray
+/// must
+///                     then emerge from the ground first
 std::expected<GroundPatch, NoGround> MeetGround(const Ground& ground, const TangentPlane& plane,
                                                 const Eigen::Vector3d& from, const Eigen::Vector3d& along,
                                                 double slack_m);

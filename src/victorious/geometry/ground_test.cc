@@ -35,7 +35,7 @@ TEST(Ground, ARayMeetsFlatGroundThatBendsWithTheEarth) {
   EXPECT_EQ(Meet(ground, {0, 0, 110}, {100, 0, 110}).error(), NoGround::kAbove);
   EXPECT_EQ(Meet(ground, {0, 0, 110}, {100, 0, 200}).error(), NoGround::kAbove);
   EXPECT_EQ(Meet(ground, {0, 0, 5}, {100, 0, -50}).error(), NoGround::kBelow);
-  EXPECT_EQ(Meet(ground, {0, 0, 9}, {100, 0, -50}, 3).error(), NoGround::kBelow) << "it never comes out";
+  EXPECT_EQ(Meet(ground, {0, 0, 9}, {100, 0, -50}, 3).error(), NoGround::kBelow) << "it never emerges";
 }
 
 TEST(Ground, ARayMeetsTheFirstOfTwoHills) {
@@ -46,7 +46,7 @@ TEST(Ground, ARayMeetsTheFirstOfTwoHills) {
   ASSERT_TRUE(near);
   EXPECT_LT(near->point.x(), 300);
   EXPECT_LT(near->normal.x(), -0.2) << "it faces the camera";
-  const auto far = Meet(ground, {0, 0, 60}, {300, 0, 41});  // a metre above the first top
+  const auto far = Meet(ground, {0, 0, 60}, {300, 0, 41});  // 1 m above the first hill's top
   ASSERT_TRUE(far);
   EXPECT_GT(far->point.x(), 500);
   const auto behind = Meet(ground, {450, 0, 30}, {500, 0, 0});
@@ -54,8 +54,8 @@ TEST(Ground, ARayMeetsTheFirstOfTwoHills) {
   EXPECT_NEAR(behind->point.x(), 500, 5);
 }
 
-// Whatever the ground and the ray: the point is on the ground, on the ray, and nothing of the way there is below
-// ground.
+// For random grounds and rays: the intersection is on the ground and on the ray, and no earlier point of the ray is
+// below the ground.
 TEST(Ground, APointMetIsTheFirst) {
   Random random(7);
   int met_count = 0;
@@ -100,7 +100,7 @@ TEST(Ground, ACameraALittleBelowTheGroundSeesWhereItComesOut) {
   const DrawnGround slope(kPlane.origin(),
                           [](double east, double) { return east < 50 ? 10 - 0.2 * east : -20 + 0.2 * (east - 50); });
   EXPECT_EQ(Meet(slope, {0, 0, 9}, {100, 0, -6}).error(), NoGround::kBelow);
-  const auto met = Meet(slope, {0, 0, 9}, {100, 0, -6}, 2);  // it comes out after 20 m
+  const auto met = Meet(slope, {0, 0, 9}, {100, 0, -6}, 2);  // it emerges after 20 m
   ASSERT_TRUE(met);
   EXPECT_GT(met->point.x(), 60);
 }

@@ -1,4 +1,4 @@
-// Projective maps of the plane.
+// Applies homographies to points and polygons of the plane.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,12 +8,12 @@
 
 namespace victorious {
 
-/// The image of `point` under a 3x3 homography (target_from_source). Points on the horizon come out as infinities.
+/// The image of `point` under a 3x3 homography (target_from_source). Not finite for points on the horizon.
 inline Eigen::Vector2d ApplyHomography(const Eigen::Matrix3d& homography, const Eigen::Vector2d& point) {
   return (homography * point.homogeneous()).hnormalized();
 }
 
-/// The corners' images.
+/// Maps each corner.
 inline Polygon ProjectPolygon(const Eigen::Matrix3d& homography, const Polygon& polygon) {
   Polygon projected;
   projected.reserve(polygon.size());

@@ -1,5 +1,5 @@
-// The geometric grammar's four measures of a pair of keypoints (thesis, section 3.2.4). All are relative: the same
-// under shift, turn and scaling of the image; together with the two places they fix both keypoints' scales and
+// The four pair measures of the geometric grammar (thesis, section 3.2.4). All are invariant under translation,
+// rotation and scaling of the image; together with the two positions they determine both keypoints' scales and
 // orientations.
 #pragma once
 
@@ -10,16 +10,17 @@
 
 namespace victorious {
 
-/// Of the pair (i, j), d being the length and direction of the line from i to j.
+/// Measures of the pair (i, j); d is the vector from keypoint i to keypoint j.
 struct PairMeasures {
   double scale_ratio = 1;                   ///< s_i / s_j
-  double mean_scale_to_distance = 0;        ///< (s_i + s_j) / (2 |d|); infinite where the two lie at one place
+  double mean_scale_to_distance = 0;        ///< (s_i + s_j) / (2 |d|); infinite if the two positions coincide
   double orientation_difference_rad = 0;    ///< theta_a = o_j - o_i, wrapped
-  double mean_orientation_to_line_rad = 0;  ///< theta_b = line's direction - mean orientation, wrapped
+  double mean_orientation_to_line_rad = 0;  ///< theta_b = direction of d - mean orientation, wrapped
 };
 
-/// The mean of two orientations is the middle of the short way from o_i to o_j. For opposite orientations both ways are
-/// equally short and the mean is one of two: compare such measures by MeanOrientationDistortion, which is not upset.
+/// The mean of two orientations is the middle of the shorter arc from o_i to o_j. For opposite orientations both arcs
+/// are equally long and the mean is ambiguous by pi: compare such measures with MeanOrientationDistortion, which is
+/// invariant to it.
 /// @tparam PointLike  has x, y, scale_px, orientation_rad (types/feature_set.h: Keypoint)
 template <typename PointLike>
 PairMeasures MeasurePair(const PointLike& i, const PointLike& j) {
@@ -34,19 +35,20 @@ PairMeasures MeasurePair(const PointLike& i, const PointLike& j) {
   return measures;
 }
 
-/// The thesis's distortion factor of a ratio (section 3.3.3): max(a/b, b/a) >= 1.
+/// The distortion of a ratio (thesis, section 3.3.3): max(a/b, b/a) >= 1.
 inline double RatioDistortion(double a, double b) { return std::max(a / b, b / a); }
 
-/// The distortion of theta_a: the wrapped absolute difference. Ratios of angles mean nothing near 0.
+/// The distortion of theta_a: the absolute wrapped difference. A ratio of angles is meaningless near 0.
 inline double OrientationDistortion(const PairMeasures& a, const PairMeasures& b) {
   return std::abs(WrapAngle(a.orientation_difference_rad - b.orientation_difference_rad));
 }
 
-/// The distortion of theta_b. Where orientations are nearly opposite in both pairs, noise may send the two short ways
-/// round opposite sides, and the two means apart by pi: then the half turn is taken back.
+/// The distortion of theta_b. If the orientations are nearly opposite in both pairs, noise may put the shorter arcs on
+/// opposite sides, so that the two means differ by pi; this half turn is then removed.
 inline double MeanOrientationDistortion(const PairMeasures& a, const PairMeasures& b) {
   const bool opposite_sides =
-      std::abs(a.orientation_difference_rad - b.orientation_difference_rad) > kPi;  // the short way between them wraps
+      // the shorter arc between them wraps
+      std::abs(a.orientation_difference_rad - b.orientation_difference_rad) > kPi;
   const double half_turn = opposite_sides ? kPi : 0.0;
   return std::abs(WrapAngle(a.mean_orientation_to_line_rad - b.mean_orientation_to_line_rad + half_turn));
 }

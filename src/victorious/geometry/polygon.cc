@@ -16,7 +16,7 @@ double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Ve
 }  // namespace
 
 double SignedArea(const Polygon& polygon) {
-  // A fan of triangles from the first corner: exact however far the polygon is from the origin.
+  // A triangle fan from the first corner: no cancellation for polygons far from the origin.
   double twice = 0;
   for (std::size_t i = 2; i < polygon.size(); ++i) twice += Cross(polygon[0], polygon[i - 1], polygon[i]);
   return twice / 2;
@@ -77,7 +77,7 @@ bool IsConvex(const Polygon& polygon) {
     const Eigen::Vector2d in = polygon[(i + 1) % n] - polygon[i];
     const Eigen::Vector2d out = polygon[(i + 2) % n] - polygon[(i + 1) % n];
     const double turn = std::atan2(in.x() * out.y() - in.y() * out.x(), in.dot(out));
-    if (!(std::abs(turn) < kPi)) return false;  // turns back on itself, or is not finite
+    if (!(std::abs(turn) < kPi)) return false;  // reverses direction, or is not finite
     if (turn == 0) continue;
     const int turn_sense = turn > 0 ? 1 : -1;
     if (sense != 0 && turn_sense != sense) return false;

@@ -1,4 +1,4 @@
-// Simple polygons in pixels: an object's outline, and how much two outlines agree.
+// Simple polygons in pixels: object outlines, clipping, and intersection over union.
 #pragma once
 
 #include <vector>
@@ -9,29 +9,29 @@
 
 namespace victorious {
 
-/// Corners in order (either sense), finite, none repeated.
+/// Corners in order (either orientation), finite, without repetitions.
 using Polygon = std::vector<Eigen::Vector2d>;
 
-/// Signed area: positive when the corners turn from +x towards +y (clockwise on the screen).
+/// Signed area: positive if the corners turn from +x towards +y (clockwise on the screen).
 double SignedArea(const Polygon& polygon);
 
-/// The smallest box around the corners; empty for no corners.
+/// The bounding box of the corners; empty for no corners.
 Box BoundingBox(const Polygon& polygon);
 
-/// The box's four corners, from the left top, clockwise on the screen.
+/// The box's four corners, from the top left, clockwise on the screen.
 Polygon CornersOf(const Box& box);
 
-/// The part of `subject` inside the convex polygon `clip` (Sutherland and Hodgman 1974); nothing is inside a clip
-/// without area. O(n m).
+/// The part of `subject` inside the convex polygon `clip` (Sutherland and Hodgman 1974); empty if `clip` has no area.
+/// O(n m).
 Polygon ClipToConvex(const Polygon& subject, const Polygon& clip);
 
-/// The part inside a box.
+/// The part of `subject` inside a box.
 Polygon ClipToBox(const Polygon& subject, const Box& box);
 
-/// The share of its area that is inside a box; 0 of what has no area.
+/// The fraction of the area that is inside a box; 0 for a polygon without area.
 double ShareInside(const Polygon& subject, const Box& box);
 
-/// True if all turns are in one sense and the outline goes round once; false for what has no area or is not finite.
+/// True if all turns have the same sense and the outline winds once; false if it has no area or is not finite.
 bool IsConvex(const Polygon& polygon);
 
 /// The convex hull, clockwise on the screen (Andrew's monotone chain). O(n log n).

@@ -54,7 +54,7 @@ Similarity2 RandomMove(Random& random) {
           .translation = {random.Uniform(-1000, 1000), random.Uniform(-1000, 1000)}};
 }
 
-// True if `point` is inside the convex, clockwise `hull`, or nearer than 1e-9 to it.
+// True if `point` is inside the convex, clockwise `hull`, or within 1e-9 of it.
 bool Holds(const Polygon& hull, const Vector2d& point) {
   for (std::size_t i = 0; i < hull.size(); ++i) {
     const Vector2d edge = hull[(i + 1) % hull.size()] - hull[i];
@@ -126,7 +126,7 @@ TEST(ClipToConvex, TheSenseOfTheClipDoesNotMatter) {
 }
 
 TEST(ClipToConvex, WhatLiesOutsideABigTriangleOfAnOutlineIsCut) {
-  // Corners far outside the frame, as an outline has that leaves it.
+  // Corners far outside the frame, as of an outline that extends beyond it.
   const Polygon clipped = ClipToBox({{-1000, -1000}, {3000, -1000}, {-1000, 3000}}, {0, 0, 640, 480});
   EXPECT_NEAR(SignedArea(clipped), 640.0 * 480.0, 1e-6);
 }
@@ -196,7 +196,7 @@ TEST(ConvexHull, IsConvexClockwiseAndHoldsEveryPoint) {
     const Polygon hull = ConvexHull(points);
     EXPECT_TRUE(IsConvex(hull));
     EXPECT_GT(SignedArea(hull), 0);
-    EXPECT_EQ(ConvexHull(hull).size(), hull.size());  // a hull is its own hull
+    EXPECT_EQ(ConvexHull(hull).size(), hull.size());  // the hull of a hull is the same
     for (const Vector2d& point : points) EXPECT_TRUE(Holds(hull, point));
     for (const Vector2d& corner : hull) EXPECT_NE(std::ranges::find(points, corner), points.end());
   }

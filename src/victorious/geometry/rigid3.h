@@ -1,4 +1,4 @@
-// Space's rigid motions: rotation and translation, no scale.
+// Rigid transformations of space: rotation and translation, no scale.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,11 +6,11 @@
 
 namespace victorious {
 
-/// point_in_target = rotation * point_in_source + translation. Named target_from_source, so that products read
-/// correctly by themselves: camera_from_model = camera_from_world * world_from_model.
+/// point_in_target = rotation * point_in_source + translation. Variables are named target_from_source, so that products
+/// chain: camera_from_model = camera_from_world * world_from_model.
 struct Rigid3 {
-  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< of unit length
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();         ///< the source's origin, in the target
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< unit quaternion
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();         ///< the source's origin, in the target frame
 
   [[nodiscard]] Eigen::Vector3d Apply(const Eigen::Vector3d& point) const { return rotation * point + translation; }
 
@@ -27,7 +27,7 @@ struct Rigid3 {
   }
 };
 
-/// First `b`, then `a`.
+/// Composition: applies `b` first, then `a`.
 inline Rigid3 operator*(const Rigid3& a, const Rigid3& b) {
   return {(a.rotation * b.rotation).normalized(), a.Apply(b.translation)};
 }

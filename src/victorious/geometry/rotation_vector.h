@@ -1,4 +1,4 @@
-// Rotations as vectors: along the axis, as long as the angle in radians.
+// Rotation vectors (axis times angle in radians): the exponential and logarithmic maps of SO(3).
 #pragma once
 
 #include <cmath>
@@ -14,7 +14,7 @@ inline Eigen::Quaterniond RotationOf(const Eigen::Vector3d& vector) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, vector / angle));
 }
 
-/// The shorter way round: at most pi long.
+/// The rotation vector of the shorter rotation: length at most pi.
 inline Eigen::Vector3d VectorOf(const Eigen::Quaterniond& rotation) {
   const double sine = rotation.vec().norm();  // of half the angle
   if (!(sine > 0)) return Eigen::Vector3d::Zero();
@@ -22,7 +22,7 @@ inline Eigen::Vector3d VectorOf(const Eigen::Quaterniond& rotation) {
   return 2 * half / sine * rotation.vec();
 }
 
-/// The matrix of the cross product: SkewOf(a) * b = a x b.
+/// The cross product matrix: CrossProductMatrix(a) * b = a x b.
 inline Eigen::Matrix3d SkewOf(const Eigen::Vector3d& v) {
   return (Eigen::Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
 }

@@ -1,4 +1,4 @@
-// The plane's similarities: scale, rotation, translation (the thesis's RST transform, section 3.3.3).
+// Similarity transformations of the plane: scale, rotation, translation (RST transform; thesis, section 3.3.3).
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,7 @@
 namespace victorious {
 
 /// target = scale * R(rotation) * source + translation. Rotation turns +x towards +y (down in an image: clockwise).
-/// Named target_from_source, so that products read correctly by themselves.
+/// Variables are named target_from_source, so that products chain.
 struct Similarity2 {
   double scale = 1.0;         ///< > 0
   double rotation_rad = 0.0;  ///< in [-pi, pi]

@@ -8,7 +8,7 @@ namespace victorious {
 
 Sun SunAt(std::int64_t utc_us, const GeodeticPoint& place) {
   constexpr double kMicrosecondsPerDay = 86400e6;
-  constexpr double kNoonOfYear2000 = 10957.5;  // days since 1970
+  constexpr double kNoonOfYear2000 = 10957.5;  // 2000-01-01 12:00 UTC, in days since 1970
   const double days = static_cast<double>(utc_us) / kMicrosecondsPerDay - kNoonOfYear2000;
   const double mean_longitude = RadiansFromDegrees(280.460 + 0.9856474 * days);
   const double anomaly = RadiansFromDegrees(357.528 + 0.9856003 * days);

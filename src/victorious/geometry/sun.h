@@ -1,4 +1,4 @@
-// Where the sun stands in the sky.
+// The sun's position in the sky.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@ struct Sun {
   double elevation_rad = 0;  ///< above the horizon, without refraction
 };
 
-/// From the low-precision formulas of the Astronomical Almanac (Michalsky, Solar Energy 40, 1988): within 0.02 degrees
-/// from 1950 to 2050.
+/// The sun's direction at a time and place, by the low-precision formulas of the Astronomical Almanac (Michalsky, Solar
+/// Energy 40, 1988): accurate to 0.02 degrees from 1950 to 2050.
 /// @param utc_us  microseconds since 1970-01-01 UTC
 [[nodiscard]] Sun SunAt(std::int64_t utc_us, const GeodeticPoint& place);
 

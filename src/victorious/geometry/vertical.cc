@@ -7,7 +7,7 @@ namespace victorious {
 Eigen::Vector3d Vertical::SeenAt(const Eigen::Vector2d& pixel) const {
   const Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d ray = pinhole.RayOf(pixel).normalized();
-  // The shortest turn from ray to axis is two reflections: ray to -axis, through the plane between, then to axis.
+  // The smallest rotation from ray to axis is two reflections: ray to -axis, in the bisecting plane, then to axis.
   const Eigen::Vector3d middle = ray + axis;
   return up_in_camera - middle * (middle.dot(up_in_camera) / (1 + ray.z())) + 2 * axis * ray.dot(up_in_camera);
 }

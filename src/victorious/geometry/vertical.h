@@ -1,10 +1,11 @@
-// Which way is up along each line of sight of a frame, from how the camera was held.
+// The direction of the vertical along each line of sight of a frame, from the camera's attitude. Used to restrict the
+// views and in-plane rotations of upright objects (recognize/, pose/upright.h).
 //
-// An object far away looks as its views do: the camera turned to look straight at it. Turned the shortest way, so that
-// nothing rolls, the vertical is seen then at
+// A distant object looks like its view, rendered by a virtual camera that looks straight at it. If the camera is
+// rotated onto the line of sight by the smallest rotation (no roll), the vertical is
 //   up = (sin(off_nadir) sin(lean), -sin(off_nadir) cos(lean), -cos(off_nadir))
-// in the camera's frame (camera.h): off_nadir of the line of sight, lean of the vertical's image, clockwise from the
-// image's own up.
+// in the rotated camera's frame (camera.h): off_nadir of the line of sight, lean of the image of the vertical,
+// clockwise from the image's up direction.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,22 +17,24 @@ namespace victorious {
 
 struct Vertical {
   PinholeCamera pinhole;
-  Eigen::Vector3d up_in_camera = -Eigen::Vector3d::UnitZ();  ///< of length 1
-  /// Where azimuths are counted from, whatever it is tipped by; not along `up_in_camera`.
+  Eigen::Vector3d up_in_camera = -Eigen::Vector3d::UnitZ();  ///< unit vector
+  /// The direction of azimuth 0, with any inclination; not parallel to `up_in_camera`.
   Eigen::Vector3d ahead_in_camera = Eigen::Vector3d::UnitZ();
 
-  /// The vertical in the frame of the camera once it looks at `pixel`; of length 1.
+  /// The vertical (unit vector) in the frame of the camera rotated to look at `pixel`.
   [[nodiscard]] Eigen::Vector3d SeenAt(const Eigen::Vector2d& pixel) const;
 
-  /// Of the line of sight through `pixel`, clockwise seen from above, from where the camera is headed; (-pi, pi].
+  /// Azimuth of the line of sight through `pixel`, clockwise seen from above, relative to the camera's heading; (-pi,
+  /// pi].
   [[nodiscard]] double AzimuthAt(const Eigen::Vector2d& pixel) const;
 };
 
-/// Of a camera with square pixels and its principal point at the image's centre.
+/// Makes the Vertical of a camera with square pixels and its principal point at the image centre.
 /// @param hfov_rad  full horizontal field of view, (0, pi)
 [[nodiscard]] Vertical MakeVertical(const Attitude& attitude, double hfov_rad, int width_px, int height_px);
 
-/// Where a view from `off_nadir_rad` shows the object's own up, if it is turned by `turn_rad` in the image.
+/// The object's up axis (unit vector) in the camera frame of a view from `off_nadir_rad`, rotated by `turn_rad` in the
+/// image.
 [[nodiscard]] Eigen::Vector3d UpOfView(double off_nadir_rad, double turn_rad);
 
 }  // namespace victorious

@@ -21,13 +21,13 @@ TEST(Vertical, StandsInTheMiddleAsTheCameraIsHeld) {
 
 TEST(Vertical, LeansAwayFromTheMiddleInANadirImage) {
   const Vertical vertical = MakeVertical({0, -kPi / 2, 0}, 1.0, 640, 480);
-  const Eigen::Vector3d seen = vertical.SeenAt({620, 240});  // what stands there shows its top farther right
+  const Eigen::Vector3d seen = vertical.SeenAt({620, 240});  // the top of an upright object there appears farther right
   EXPECT_NEAR(seen.x(), std::sin(std::atan(300 / vertical.pinhole.fx)), 1e-9);
   EXPECT_NEAR(seen.y(), 0, 1e-9);
   EXPECT_LT(seen.z(), 0);
 }
 
-// Against the rotation itself, made by another way.
+// Compares with the explicit rotation.
 TEST(Vertical, TurnsTheShortestWay) {
   const Vertical vertical = MakeVertical({1.0, -0.7, 0.2}, 0.9, 640, 480);
   for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(3, 5), Eigen::Vector2d(600, 40), Eigen::Vector2d(100, 470)}) {
@@ -36,7 +36,7 @@ TEST(Vertical, TurnsTheShortestWay) {
   }
 }
 
-// Against each line of sight's azimuth on Earth.
+// Compares with each line of sight's azimuth on Earth.
 TEST(Vertical, TellsTheAzimuthOfEachLineOfSight) {
   for (const Attitude& attitude :
        {Attitude{1.0, -0.7, 0.2}, Attitude{-2.5, -1.4, 0}, Attitude{0.3, 0.1, -0.1}, Attitude{0.3, -kPi / 2, 0.1}}) {

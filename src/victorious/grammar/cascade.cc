@@ -1,5 +1,5 @@
-// The cascade as it runs. What depends on one match alone is computed once a match (scale ratio, turn, place), so that
-// a pair costs a few additions; pairs beyond R are never looked at, because matches are sorted into cells of side R.
+// The fast cascade. Quantities of a single match (scale ratio, rotation, position) are computed once per match, so that
+// a pair costs a few additions. A grid of cells of side R limits the pairs to neighbouring cells.
 #include "victorious/grammar/cascade.h"
 
 #include <algorithm>
@@ -15,12 +15,12 @@ namespace victorious {
 void CascadeOptions::ListFields(FieldList& fields) {
   fields.Add("filter", filter,
              {.choices = {"cascade", "first", "second", "third", "neighbours", "none"},
-              .reason = "what drops matches before poses are sought: the cascade of three stages; one of its stages "
-                        "alone; voting by nearest neighbours as in Video Google; nothing"});
+              .reason = "filter of the matches before pose estimation: the cascade of three stages; one of its stages "
+                        "alone; voting by nearest neighbours as in Video Google; no filter"});
   fields.Add("radius", radius,
              {.choices = {"fixed", "scale"},
-              .reason = "where R comes from: radius_px; or from each match's scale change and the template's radius, "
-                        "which asks for no guess of the object's size in the scene"});
+              .reason = "source of R. fixed: radius_px; scale: each match's scale change times the template's radius, "
+                        "which needs no prior on the object's size in the scene"});
   fields.Add(
       "radius_px", radius_px,
       {.min = 1,
@@ -29,7 +29,9 @@ void CascadeOptions::ListFields(FieldList& fields) {
        .reason =
            "R: matches within this distance in the scene vote for each other; about the object's radius (table 3.1)"});
   fields.Add("radius_share", radius_share,
-             {.min = 0.01, .max = 100, .reason = "with radius = scale: R as a share of the template's radius as seen"});
+             {.min = 0.01,
+              .max = 100,
+              .reason = "with radius = scale: R as a fraction of the template's radius in the scene"});
   fields.Add(
       "scale_distortion", scale_distortion,
       {.min = 1,
@@ -46,7 +48,7 @@ void CascadeOptions::ListFields(FieldList& fields) {
       {.min = 0,
        .max = 1,
        .reason =
-           "DIST_APPROVE_THRESHOLD: the share of possible votes a match needs to stay in the first stage (table 3.1)"});
+           "DIST_APPROVE_THRESHOLD: the fraction of possible votes that keeps a match in the first stage (table 3.1)"});
   fields.Add(
       "orientation_distortion_rad", orientation_distortion_rad,
       {.min = 0,
@@ -64,30 +66,32 @@ void CascadeOptions::ListFields(FieldList& fields) {
       {.min = 0,
        .max = 1,
        .reason =
-           "ANG_APPROVE_THRESHOLD: the share of possible votes a match needs to stay in the second stage (table 3.1)"});
+           "ANG_APPROVE_THRESHOLD: the fraction of possible votes that keeps a match in the second stage (table 3.1)"});
   fields.Add("third_approval", third_approval,
              {.min = 0,
               .max = 1,
-              .reason = "RE_DIST_APPROVE_THRESHOLD: the share of possible votes a match needs to stay in the third "
+              .reason = "RE_DIST_APPROVE_THRESHOLD: the fraction of possible votes that keeps a match in the third "
                         "stage (table 3.1)"});
   fields.Add(
       "least_votes", least_votes,
-      {.min = 0, .max = 1000, .reason = "votes a match needs in every stage (section 3.3.3: one alone is unreliable)"});
+      {.min = 0,
+       .max = 1000,
+       .reason = "minimum number of votes of a match in every stage (section 3.3.3: a single vote is unreliable)"});
   fields.Add("distinct_stages", distinct_stages,
              {.min = 0,
               .max = 3,
-              .reason = "in so many of the last stages only voters that match distinct template keypoints count "
-                        "(section 3.3.4: the third alone)"});
+              .reason = "number of final stages in which only votes from distinct template keypoints count "
+                        "(section 3.3.4: the third stage only)"});
   fields.Add(
       "all_measures", all_measures,
-      {.reason = "each stage asks for agreement in all four measures of a pair, not in its own two: chance agrees "
-                 "so rarely that a lower first_approval will do, and a pair costs more"});
+      {.reason = "each stage requires agreement in all four measures of a pair, not in its own two: chance agreement "
+                 "is rarer, so that a lower first_approval suffices, and a pair costs more"});
   fields.AddGroup("neighbours", neighbours);
 }
 
 namespace {
 
-// One match, as pairs see it.
+// The quantities of one match that the pair tests need.
 struct Node {
   double x, y;                // scene, px
   double model_x, model_y;    // template, px
@@ -99,7 +103,7 @@ struct Node {
   std::uint32_t match;        // position in the caller's matches
 };
 
-// The largest distance of a template's keypoints from their mean place, px.
+// The largest distance of a template keypoint from the centroid of all, px.
 double TemplateRadius(std::span<const Keypoint> model) {
   double x = 0;
   double y = 0;
@@ -129,7 +133,8 @@ std::vector<Node> MakeNodes(std::span<const Keypoint> scene, std::span<const Key
   return nodes;
 }
 
-// Nodes sorted into square cells at least R wide, so that all within R of a node lie in its cell or the 8 around it.
+// Sorts the nodes into square cells of side >= R, so that all nodes within R of a node lie in its cell or its 8
+// neighbours.
 class Grid {
  public:
   Grid(std::vector<Node>& nodes, double radius) {
@@ -141,7 +146,7 @@ class Grid {
       x1 = std::max(x1, node.x);
       y1 = std::max(y1, node.y);
     }
-    // No more cells than a few a node, however small R is.
+    // Bounds the number of cells by a few per node for small R.
     const double least_cell =
         std::sqrt((x1 - x0_ + 1) * (y1 - y0_ + 1) / (4.0 * static_cast<double>(nodes.size()) + 4));
     cell_ = std::max(radius, least_cell);
@@ -163,7 +168,7 @@ class Grid {
       for (int column = 0; column < columns_; ++column) {
         const std::size_t cell =
             static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
-        // Own cell and the next to the right are one run of nodes; the three below are another.
+        // The own cell and its right neighbour are one contiguous range of nodes; the three cells below are another.
         const std::uint32_t run_end = begin_[cell + (column + 1 < columns_ ? 2 : 1)];
         const std::size_t below = cell + static_cast<std::size_t>(columns_);
         const bool has_below = row + 1 < rows_;
@@ -177,7 +182,7 @@ class Grid {
     }
   }
 
-  // Calls visit(j) for each node in the cell of a node and in those about it, itself included.
+  // Calls visit(j) for each node in the cell of a node and in the 8 cells around it, the node itself included.
   template <typename Visit>
   void ForEachAround(const Node& node, Visit&& visit) const {
     const auto cell = static_cast<int>(CellOf(node));
@@ -207,7 +212,7 @@ class Grid {
   std::vector<std::uint32_t> begin_;
 };
 
-// The first two measures agree: scale ratios, and mean scale over distance.
+// Predicate on the first two measures: scale ratio, and mean scale over distance.
 class ScalesAgree {
  public:
   explicit ScalesAgree(const CascadeOptions& options)
@@ -231,9 +236,9 @@ class ScalesAgree {
   double distance2_;
 };
 
-// The last two measures agree. With t the turn of each match, theta_a changes by t_j - t_i, and theta_b by the line's
-// turn less the mean turn, which is t_i plus half of theta_a's change: the same as by the definition, and steady where
-// the two orientations are opposite.
+// Predicate on the last two measures. With t the rotation of each match, theta_a changes by t_j - t_i, and theta_b by
+// the rotation of the connecting line minus the mean rotation t_i + (t_j - t_i) / 2. Equals the definition, and is
+// stable where the two orientations are opposite.
 class AnglesAgree {
  public:
   explicit AnglesAgree(const CascadeOptions& options)
@@ -277,8 +282,8 @@ bool Approved(const Tally& tally, int least_votes, double approval) {
   return tally.votes >= static_cast<std::uint32_t>(least_votes) && tally.votes > approval * tally.possible;
 }
 
-// Calls visit(i, j, dx, dy, distance2) once for each pair of nodes, i < j, that lie at two places, one within the R of
-// the other or both.
+// Calls visit(i, j, dx, dy, distance2) once for each pair of nodes, i < j, at different positions, at least one of them
+// within the R of the other.
 template <typename Visit>
 void ForEachPair(const std::vector<Node>& nodes, const Grid& grid, const Visit& visit) {
   grid.ForEachNear([&](std::uint32_t i, std::uint32_t j) {
@@ -304,13 +309,13 @@ std::vector<Tally> CountVotes(const std::vector<Node>& nodes, const Grid& grid, 
   return tallies;
 }
 
-// The same, with each template keypoint counted once as a voter.
-// @param voters  template keypoints
+// As CountVotes, with each template keypoint counted once as a voter.
+// @param voters  number of template keypoints
 template <typename Agree>
 std::vector<Tally> CountDistinctVotes(const std::vector<Node>& nodes, const Grid& grid, std::size_t voters,
                                       const Agree& agree) {
   constexpr std::uint32_t kNobody = ~std::uint32_t{0};
-  std::vector<std::uint32_t> asked_by(voters, kNobody);  // the last receiver that a keypoint could vote for, and did
+  std::vector<std::uint32_t> asked_by(voters, kNobody);  // per voter: the last receiver within reach; then voted for
   std::vector<std::uint32_t> voted_for(voters, kNobody);
   std::vector<Tally> tallies(nodes.size());
   for (std::uint32_t i = 0; i < nodes.size(); ++i) {

@@ -1,9 +1,10 @@
-// grammar/, in: one template's matches. Out: those that obey the geometric grammar.
-// Matches vote for each other: a pair of matches whose scene keypoints lie within R of each other casts a vote for both
-// if its geometric measures (geometry/pair_measures.h) agree between scene and template. A match stays whose approval,
-// votes over possible votes, is high enough, and who got two votes or more. Three stages: scales and distances, then
-// orientations, then scales and distances again at a stricter approval, where only votes from distinct template
-// keypoints count. Source: thesis, sections 3.3.1 to 3.3.4, algorithms 1 to 3, table 3.1.
+// grammar/, between match/ and pose/. In: one template's matches. Out: the matches that satisfy the geometric grammar.
+// Method: pairwise voting. A pair of matches whose scene keypoints lie within R of each other votes for both if its
+// geometric measures (geometry/pair_measures.h) agree between scene and template. A match is kept if its approval
+//   approval = votes / possible votes
+// exceeds the stage's threshold and it has at least min_votes (two) votes. Three stages: scales and distances;
+// orientations; scales and distances at a stricter approval, where only votes from distinct template keypoints count.
+// Source: thesis, sections 3.3.1 to 3.3.4, algorithms 1 to 3, table 3.1.
 #pragma once
 
 #include <span>
@@ -16,13 +17,13 @@
 
 namespace victorious {
 
-/// The defaults are the thesis's (table 3.1; the names in capitals are its own). docs/adr/0006 tells how angles are
-/// meant.
+/// The defaults are those of the thesis (table 3.1; the names in capitals are the thesis's). docs/adr/0006 defines the
+/// angles.
 struct CascadeOptions {
   std::string filter = "cascade";
   std::string radius = "fixed";
   double radius_px = 75;                    ///< R
-  double radius_share = 1;                  ///< of the template's radius, where R comes from scale
+  double radius_share = 1;                  ///< R over the projected template radius, for radius = "scale"
   double scale_distortion = 1.45;           ///< SCALE_FUDGE_FACTOR
   double distance_distortion = 1.45;        ///< DIST_SCALE_FUDGE_FACTOR
   double first_approval = 0.2;              ///< DIST_APPROVE_THRESHOLD
@@ -38,8 +39,8 @@ struct CascadeOptions {
   void ListFields(FieldList& fields);
 };
 
-/// What is left after each stage, each a subset of the one before, in the matches' order. A stage that `filter` leaves
-/// out changes nothing; neighbour voting takes the first one's place.
+/// The matches after each stage, each a subset of the stage before, in the input order. A stage that `filter` leaves
+/// out passes its input on. Neighbour voting returns its result in all three.
 struct CascadeResult {
   MatchSet first;
   MatchSet second;
@@ -47,16 +48,16 @@ struct CascadeResult {
 };
 
 /// Each pair counts once, a match never votes for itself, and only matched scene keypoints are possible voters. Two
-/// matches at one place in the scene (one keypoint with two orientations) form no pair: they have no line between them,
-/// and are not independent evidence. Two that match one place in the template are possible voters that never agree.
-/// Where R comes from scale, each match has its own: its scale change times the template's radius, which is the largest
-/// distance of a template keypoint from the middle of them all; a match then votes for all in whose R it lies.
-/// @param scene, model  the keypoints that the matches index
-/// Cost: linear in the number of pairs within R (the largest R), by a grid of cells of R.
+/// matches at one position in the scene (one keypoint with two orientations) form no pair: no line connects them, and
+/// they are not independent. Two matches at one position in the template are possible voters that never agree.
+/// With radius = "scale" each match has its own R: its scale change times the template's radius, the largest distance
+/// of a template keypoint from the centroid of all; a match votes for every match within whose R it lies.
+/// @param scene, model  the keypoints of the scene and of the template that the matches index
+/// Cost: linear in the number of pairs within R (the largest R), by a grid of cells of side R.
 CascadeResult FilterByGrammar(std::span<const Keypoint> scene, std::span<const Keypoint> model, const MatchSet& matches,
                               const CascadeOptions& options);
 
-/// The definition: the same, written as the thesis's algorithms are, every pair of matches compared. Quadratic.
+/// The reference implementation: the same result by the thesis's algorithms, over all pairs of matches. Quadratic.
 CascadeResult FilterByGrammarRef(std::span<const Keypoint> scene, std::span<const Keypoint> model,
                                  const MatchSet& matches, const CascadeOptions& options);
 

@@ -1,4 +1,4 @@
-// The cascade by the book: algorithms 1 to 3, then section 3.3.4. The definition that cascade.cc is compared with.
+// The reference cascade: the thesis's algorithms 1 to 3, then section 3.3.4. The tests compare cascade.cc with it.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -37,7 +37,7 @@ std::vector<double> RadiiOf(std::span<const Keypoint> scene, std::span<const Key
 MatchSet Stage(std::span<const Keypoint> scene, std::span<const Keypoint> model, const MatchSet& matches,
                const CascadeOptions& options, double approval, bool distinct, const Agree& agree) {
   const std::vector<double> radii = RadiiOf(scene, model, matches, options);
-  // A voter is known by its own number or, where votes must be distinct, by the template keypoint it matches.
+  // A voter is identified by its match index or, if votes must be distinct, by its template keypoint.
   std::vector<std::set<std::uint32_t>> votes(matches.size());
   std::vector<std::set<std::uint32_t>> possible_votes(matches.size());
   for (std::uint32_t i = 0; i < matches.size(); ++i) {

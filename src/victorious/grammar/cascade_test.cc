@@ -63,7 +63,7 @@ TEST(Cascade, AgreesWithTheDefinition) {
     Similarity2 pose{
         std::exp(random.Uniform(-1, 1)), random.Uniform(-kPi, kPi), {random.Uniform(0, 500), random.Uniform(0, 400)}};
     World world = MakeWorld(random.Below(30), random.Below(150), pose, random.Uniform(0, 2), seed);
-    // Some keypoints with two orientations, and some that lie at one place of the template.
+    // Some keypoints with two orientations, and some that lie at one position of the template.
     for (std::size_t i = 0; i + 7 < world.scene.size(); i += 7) {
       world.scene[i + 1].x = world.scene[i].x;
       world.scene[i + 1].y = world.scene[i].y;
@@ -102,7 +102,7 @@ TEST(Cascade, KeepsTheTrueAndDropsTheFalse) {
   EXPECT_LE(kept_false, 0.01 * (kept_true + kept_false));
 }
 
-// Laws: the measures are relative, so the result does not depend on the scene's shift, turn or (with R) size.
+// The measures are relative: the result is invariant to translation, rotation and (with R) scale of the scene.
 TEST(Cascade, IsInvariantUnderSimilaritiesOfTheScene) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const World world = MakeWorld(20, 100, {1.0, 0.3, {200, 200}}, 1.0, seed);
@@ -122,7 +122,7 @@ TEST(Cascade, IsInvariantUnderSimilaritiesOfTheScene) {
   }
 }
 
-// With R from scale the size needs no telling.
+// With R from the matches' scale no prior on the size is needed.
 TEST(Cascade, RadiusFromScaleFollowsTheObject) {
   CascadeOptions options;
   options.radius = "scale";
@@ -174,7 +174,7 @@ TEST(Cascade, DistinctSupportStopsRepeatedPatterns) {
   for (const Match& match : with) EXPECT_LT(match.model, 4U);
 }
 
-// So many voters all within R of each other are counted in parts.
+// Very many voters, all within R of each other.
 TEST(Cascade, VeryManyVotersAgreeWithTheDefinitionToo) {
   const World world = MakeWorld(100, 4100, {1.0, 0.3, {200, 200}}, 1.0, 9);
   CascadeOptions options;

@@ -12,15 +12,15 @@ void NeighbourVotingOptions::ListFields(FieldList& fields) {
   fields.Add("nearest", nearest,
              {.min = 1,
               .max = 1000,
-              .reason = "k: of so many nearest keypoints, in the scene and in the template, matches count as support "
-                        "(Video Google: 15)"});
+              .reason = "k: number of nearest keypoints, in the scene and in the template, whose matches count as "
+                        "support (Video Google: 15)"});
   fields.Add("least_votes", least_votes,
-             {.min = 0, .max = 1000, .reason = "m: supporting matches that a match needs (Video Google: 1)"});
+             {.min = 0, .max = 1000, .reason = "m: minimum number of supporting matches (Video Google: 1)"});
 }
 
 namespace {
 
-// The keypoints nearest to one of them, itself left out; of equally near ones the first.
+// The k nearest keypoints of a keypoint, without itself; ties go to the lower index. Cached.
 class Neighbourhoods {
  public:
   Neighbourhoods(std::span<const Keypoint> keypoints, int nearest)
@@ -59,7 +59,7 @@ class Neighbourhoods {
 
 MatchSet FilterByNeighbours(std::span<const Keypoint> scene, std::span<const Keypoint> model, const MatchSet& matches,
                             const NeighbourVotingOptions& options) {
-  // Where each scene keypoint's matches lead to, to find the matches of a neighbourhood without looking at all of them.
+  // Template keypoints by scene keypoint, to look up the matches of a neighbourhood.
   std::multimap<std::uint32_t, std::uint32_t> model_of;
   for (const Match& match : matches) model_of.emplace(match.scene, match.model);
   Neighbourhoods in_scene(scene, options.nearest);

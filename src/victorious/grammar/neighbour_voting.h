@@ -1,8 +1,8 @@
-// The voting that the thesis's is measured against: by nearest neighbours, as Video Google does it. A match is
-// supported by each other match from one of the k keypoints nearest to its own in the scene to one of the k nearest in
-// the template; with too little support it is dropped. Nothing is asked of scales, directions or distances. Source: J.
-// Sivic and A. Zisserman, "Video Google: a text retrieval approach to object matching in videos", ICCV 2003 (k = 15, m
-// = 1); thesis, section 3.3.1 and figure 3-4.
+// grammar/, the baseline of the cascade: voting by nearest neighbours, as in Video Google. A match is supported by each
+// other match from one of the k nearest keypoints in the scene to one of the k nearest keypoints in the template. A
+// match with fewer than m supporting matches is dropped. Scales, orientations and distances are not compared.
+// Source: J. Sivic and A. Zisserman, "Video Google: a text retrieval approach to object matching in videos", ICCV 2003
+// (k = 15, m = 1); thesis, section 3.3.1 and figure 3-4.
 #pragma once
 
 #include <span>
@@ -20,10 +20,11 @@ struct NeighbourVotingOptions {
   void ListFields(FieldList& fields);
 };
 
-/// The matches with enough support, in their order. The nearest are among all keypoints, matched or not, not counting
-/// the match's own; a keypoint that another orientation doubles is a neighbour like any other.
-/// @param scene, model  the keypoints that the matches index
-/// Cost: the matched keypoints times all keypoints of their image.
+/// The neighbours are taken among all keypoints, matched or not, without the match's own keypoint; a second keypoint at
+/// the same position with another orientation counts as a neighbour.
+/// @param scene, model  the keypoints of the scene and of the template that the matches index
+/// @return the matches with enough support, in the input order
+/// Cost: matched keypoints x all keypoints of their image.
 MatchSet FilterByNeighbours(std::span<const Keypoint> scene, std::span<const Keypoint> model, const MatchSet& matches,
                             const NeighbourVotingOptions& options);
 

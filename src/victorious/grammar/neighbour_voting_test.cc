@@ -7,7 +7,7 @@ namespace {
 
 Keypoint At(float x, float y) { return {.x = x, .y = y, .scale_px = 2, .orientation_rad = 0}; }
 
-// Figure 3-4 in small: a row of keypoints, 10 px apart, in both pictures; some of them match.
+// Figure 3-4 in small: a row of keypoints, 10 px apart, in both images; some of them match.
 std::vector<Keypoint> Row(int count) {
   std::vector<Keypoint> row;
   for (int i = 0; i < count; ++i) row.push_back(At(static_cast<float>(10 * i), 0));
@@ -16,7 +16,7 @@ std::vector<Keypoint> Row(int count) {
 
 TEST(NeighbourVoting, KeepsMatchesWhoseNeighboursMatchNeighbours) {
   const std::vector<Keypoint> row = Row(100);
-  // 10 and 11 support each other; 50 leads far from where its neighbour 51 leads.
+  // 10 and 11 support each other; 50 matches a keypoint far from that of its neighbour 51.
   const MatchSet matches = {{10, 40, 0.5F}, {11, 41, 0.5F}, {50, 3, 0.5F}, {51, 90, 0.5F}};
   EXPECT_EQ(FilterByNeighbours(row, row, matches, {.nearest = 4, .least_votes = 1}),
             (MatchSet{matches[0], matches[1]}));
@@ -24,7 +24,7 @@ TEST(NeighbourVoting, KeepsMatchesWhoseNeighboursMatchNeighbours) {
   EXPECT_EQ(FilterByNeighbours(row, row, matches, {.nearest = 4, .least_votes = 0}), matches);
 }
 
-// What the thesis finds wrong with it (section 3.3.1): spurious keypoints saturate the neighbourhood.
+// The weakness that the thesis describes (section 3.3.1): spurious keypoints saturate the neighbourhood.
 TEST(NeighbourVoting, ClutterBetweenNeighboursTakesTheirSupport) {
   std::vector<Keypoint> scene = Row(20);
   const MatchSet matches = {{10, 10, 0.5F}, {11, 11, 0.5F}};

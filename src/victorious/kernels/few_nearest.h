@@ -1,4 +1,4 @@
-// Shared by the vector implementations of FindNearestFew: one query's few nearest so far.
+// Shared by the vector implementations of FindNearestFew: the running k nearest descriptors of one query.
 #pragma once
 
 #include <cstddef>
@@ -8,18 +8,19 @@
 
 namespace victorious::kernels {
 
-/// Larger than any |b|^2 - 256 sum(b) - 2 q.b of real descriptors (below 2^25), and far from overflow: that of padding.
+/// The constant of padding descriptors: larger than |b|^2 - 256 sum(b) - 2 q.b of any real descriptor (below 2^25), and
+/// far from overflow.
 inline constexpr std::int32_t kNeverLeast = 1 << 29;
 
-/// Partial distances, which lack |q|^2, in ascending order; kNeverLeast where nothing was found yet. Descriptors come
-/// in the order of their indices, so that of equal distances the lower index stays first.
+/// Partial distances (without |q|^2) in ascending order; kPaddingDistance in empty slots. Descriptors must be inserted
+/// in the order of their indices, so that the lower index stays first among equal distances.
 class FewNearest {
  public:
   explicit FewNearest(std::size_t few) : few_(few) {
     for (std::int32_t& distance : distance_) distance = kNeverLeast;
   }
 
-  /// What a descriptor must be nearer than to get in.
+  /// The k-th smallest partial distance so far: a descriptor must be nearer to be inserted.
   [[nodiscard]] std::int32_t Worst() const { return distance_[few_ - 1]; }
 
   void Insert(std::int32_t distance, std::uint32_t index) {

@@ -1,4 +1,4 @@
-// The definitions of FindNearestTwo and FindNearestFew: one byte at a time.
+// The reference implementations of FindNearestTwo and FindNearestFew: one byte at a time.
 #include <algorithm>
 #include <vector>
 

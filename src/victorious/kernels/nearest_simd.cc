@@ -9,7 +9,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "victorious/kernels/nearest_simd.cc"
 #include <hwy/foreach_target.h>
-// After foreach_target.h, as Highway wants it.
+// Highway requires this order: after foreach_target.h.
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
@@ -75,7 +75,7 @@ HWY_INLINE void Update(V32 constant, V32 sum, std::size_t block, std::size_t lan
   hn::Store(hn::IfThenElse(hn::Lt(distance, best), this_block, best_block), d32, result.block + lane);
 }
 
-constexpr std::size_t kTile = 4;  // queries at a time: each load of the set serves so many
+constexpr std::size_t kTile = 4;  // queries per tile: each load of the set serves all of them
 constexpr std::size_t kGroups = kDescriptorBytes / 4;
 
 struct QueryTile {
@@ -132,7 +132,7 @@ void FindNearestTwoTarget(const PackedQueries& queries, const PackedDescriptors&
   }
 }
 
-// Lets those lanes in that are nearer than the worst of the few.
+// Inserts the lanes that are nearer than the current k-th nearest.
 HWY_INLINE void Admit(V32 constant, V32 sum, std::size_t first_index, FewNearest& found) {
   const D32 d32;
   const V32 distance = hn::Sub(constant, hn::Add(sum, sum));

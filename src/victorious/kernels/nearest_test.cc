@@ -23,7 +23,7 @@ std::vector<std::uint8_t> RandomRows(Random& random, std::size_t count, std::uin
   return rows;
 }
 
-// From the unpacked rows, so that packing is tested too.
+// Computed from the unpacked rows, so that the test covers packing, too.
 std::vector<NearestTwo> Expected(const std::vector<std::uint8_t>& queries, const std::vector<std::uint8_t>& set) {
   std::vector<NearestTwo> result(queries.size() / kDescriptorBytes);
   for (std::size_t q = 0; q < result.size(); ++q) {
@@ -67,12 +67,12 @@ struct Implementation {
   std::string name;
   Find find;
   FindFew find_few;
-  std::int64_t highway_target = 0;  ///< the only instruction set that Highway may choose; 0: its own choice
+  std::int64_t highway_target = 0;  ///< the only instruction set that Highway may use; 0: Highway's choice
 
   friend std::ostream& operator<<(std::ostream& out, const Implementation& one) { return out << one.name; }
 };
 
-// The definition, the one in use, and Highway's code for every instruction set that this machine has.
+// The reference, VNNI, the dispatched one, and Highway's code for every instruction set of this machine.
 std::vector<Implementation> Implementations() {
   std::vector<Implementation> all = {{"ref", &FindNearestTwoRef, &FindNearestFewRef},
                                      {"vnni", &FindNearestTwoVnni, &FindNearestFewVnni},
@@ -85,10 +85,10 @@ std::vector<Implementation> Implementations() {
   return all;
 }
 
-// Mask 0 gives Highway its own choice back.
+// Mask 0 restores Highway's own choice.
 void LetHighwayChooseFrom(std::int64_t targets) {
   hwy::SetSupportedTargetsForTest(targets);
-  hwy::GetChosenTarget().DeInit();  // the next call chooses anew
+  hwy::GetChosenTarget().DeInit();  // the next call dispatches again
 }
 
 class NearestTest : public ::testing::TestWithParam<Implementation> {

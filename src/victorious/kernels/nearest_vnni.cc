@@ -1,5 +1,5 @@
 // FindNearestTwo and FindNearestFew with the 8-bit dot product of AVX-512 VNNI, which Debian's Highway lacks: 64
-// products an instruction.
+// products per instruction.
 #include "victorious/base/check.h"
 #include "victorious/kernels/few_nearest.h"
 #include "victorious/kernels/nearest.h"
@@ -12,7 +12,7 @@
 #include <cstring>
 #include <vector>
 
-// GCC 12 takes the intrinsics' own undefined registers for mistakes of ours.
+// GCC 12 reports false positives for the undefined registers inside the intrinsics.
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #include <immintrin.h>
 
@@ -22,7 +22,7 @@ namespace {
 #define VICTORIOUS_VNNI __attribute__((target("avx512f,avx512bw,avx512vnni")))
 
 constexpr std::size_t kGroups = kDescriptorBytes / 4;
-constexpr std::size_t kTile = 8;  // queries at a time: 8 sums, 24 running results and the block in 32 registers' reach
+constexpr std::size_t kTile = 8;  // queries per tile: 8 sums and 24 running results fill the 32 registers
 
 // The 8 partial products q.b of one block's 16 descriptors with 8 queries. GCC keeps the array in registers.
 VICTORIOUS_VNNI inline void DotBlock(const std::uint8_t* block, const std::int8_t* const (&rows)[kTile],
@@ -105,7 +105,7 @@ VICTORIOUS_VNNI void FindNearestFewVnni(const PackedQueries& queries, const Pack
       for (std::size_t t = 0; t < kTile; ++t) {
         const __m512i distance = _mm512_sub_epi32(constant, _mm512_slli_epi32(sums[t], 1));
         unsigned nearer = _mm512_cmplt_epi32_mask(distance, worst[t]);
-        if (nearer == 0) continue;  // nearly always, once the first blocks are seen
+        if (nearer == 0) continue;  // the common case after the first blocks
         alignas(64) std::int32_t distances[kBlockDescriptors];
         _mm512_store_si512(distances, distance);
         for (; nearer != 0; nearer &= nearer - 1) {

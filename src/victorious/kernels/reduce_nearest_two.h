@@ -1,4 +1,4 @@
-// Shared by the vector implementations: 16 lanes' running results into one.
+// Shared by the vector implementations of FindNearestTwo: reduces the running results of 16 lanes to one.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace victorious::kernels {
 
-/// Lane l has seen the descriptors l, l + 16, l + 32, …: its least partial distance, in which block that was, and its
-/// second least. Partial distances lack |q|^2.
+/// Lane l processes the descriptors l, l + 16, l + 32, …: its smallest partial distance, the block of that minimum, and
+/// its second smallest. Partial distances omit |q|^2.
 struct LaneResults {
   alignas(64) std::int32_t best[kBlockDescriptors];
   alignas(64) std::int32_t second[kBlockDescriptors];

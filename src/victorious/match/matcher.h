@@ -1,7 +1,7 @@
 // match/, in: a scene's features and the templates'. Out: for each template, the matches that pass Lowe's ratio test.
 // Each scene keypoint is compared with every keypoint of the template; it matches the nearest if that is nearer than
 // `ratio` times the second nearest of the same template (Lowe 2004; thesis, section 3.5.3). A template keypoint may
-// serve several scene keypoints, because several instances of the object can be in view.
+// match several scene keypoints, because several instances of the object can be in view.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ struct MatchOptions {
   void ListFields(FieldList& fields);
 };
 
-/// Templates made ready for matching, once; then read by any number of threads.
+/// Templates with packed descriptors. Immutable and thread-safe after construction.
 class TemplateSet {
  public:
   TemplateSet() = default;
@@ -34,9 +34,9 @@ class TemplateSet {
   std::vector<kernels::PackedDescriptors> templates_;
 };
 
-/// One MatchSet a template, each in the order of the scene's keypoints. A template of fewer than two keypoints has no
-/// second nearest, so no evidence, so no match.
-/// Cost: scene x template keypoints x 128 bytes, at the speed of kernels/nearest.h.
+/// @return one MatchSet per template, in the order of the scene's keypoints. A template of fewer than two keypoints has
+///         no second nearest descriptor and no matches.
+/// Cost: scene x template keypoints x 128 bytes (kernels/nearest.h).
 std::vector<MatchSet> MatchFeatures(const FeatureView& scene, const TemplateSet& templates,
                                     const MatchOptions& options);
 

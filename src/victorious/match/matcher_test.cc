@@ -41,9 +41,9 @@ TEST(Matcher, RatioIsStrictAndWithinTheTemplate) {
   FeatureSet model = RandomFeatures(20, 3);
   FeatureSet scene = RandomFeatures(1, 4);
   CopyDescriptor(scene, 0, model, 5);
-  CopyDescriptor(scene, 0, model, 6);  // a twin in the template: no ratio below 1 can pass
+  CopyDescriptor(scene, 0, model, 6);  // a duplicate in the template: the ratio is 1 and never passes
   EXPECT_TRUE(MatchOne(scene, model, 1.0)[0].empty());
-  const FeatureSet other = RandomFeatures(20, 5);  // a twin in another template does not matter
+  const FeatureSet other = RandomFeatures(20, 5);  // a duplicate in another template has no effect
   FeatureSet single = RandomFeatures(20, 6);
   CopyDescriptor(scene, 0, single, 9);
   const std::vector<FeatureView> templates = {model.View(), single.View(), other.View()};

@@ -1,7 +1,6 @@
-// match/, the other way round: each template keypoint with the few scene keypoints that look most like it, without a
-// test. Where the scene is cluttered and the object has little texture, a template keypoint's true partner is often
-// among its nearest few of thousands, though no ratio test lets it through; which of them are true is for votes
-// (pose/vote_poses.h) to find. docs/adr/0008 has the figures.
+// match/, from template to scene: for each template keypoint the k nearest scene keypoints, without a ratio test. For
+// objects of little texture in cluttered scenes the true match is often among the k nearest of thousands but fails the
+// ratio test. The vote search (pose/vote_poses.h) finds the true ones. Measurements: docs/adr/0008.
 #pragma once
 
 #include <vector>
@@ -12,14 +11,14 @@
 
 namespace victorious {
 
-/// A scene made ready once, then compared with any number of templates by any number of threads.
+/// A scene with packed descriptors, matched with any number of templates. Thread-safe.
 class RankedMatcher {
  public:
   explicit RankedMatcher(const FeatureView& scene) : scene_(kernels::Pack(scene.descriptors)) {}
 
   /// @param model    a template's descriptors
-  /// @param nearest  how many scene keypoints for each of the template's, 1 to kernels::kMostNeighbours
-  /// @return in the order of the template's keypoints, then of rank; none if the scene has no more than `nearest`
+  /// @param nearest  k, the number of scene keypoints per template keypoint, 1 to kernels::kMaxNeighbours
+  /// @return sorted by template keypoint, then by rank; empty if the scene has no more than `nearest` keypoints
   /// Cost: that of MatchFeatures().
   [[nodiscard]] std::vector<RankedMatch> Match(const kernels::PackedQueries& model, int nearest) const;
 

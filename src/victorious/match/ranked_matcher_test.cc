@@ -19,7 +19,7 @@ TEST(RankedMatcher, RanksTheLikestFirstThoughItsRatioWouldFail) {
   Random random(3);
   FeatureSet scene = RandomFeatures(random, 60);
   const FeatureSet model = RandomFeatures(random, 2);
-  // Two keypoints of the scene look like the template's second, one a little more: no ratio test tells them apart.
+  // Two scene keypoints are nearly equally near to the template's second keypoint: a ratio test rejects both.
   for (const std::size_t i : {std::size_t{20}, std::size_t{40}}) {
     for (std::size_t byte = 0; byte < kDescriptorSize; ++byte) {
       scene.descriptors[i * kDescriptorSize + byte] = model.descriptors[kDescriptorSize + byte];

@@ -23,16 +23,15 @@ void CadModelOptions::ListFields(FieldList& fields) {
   fields.AddGroup("sphere", sphere);
   fields.AddGroup("light", light);
   fields.AddGroup("render", render);
-  fields.Add(
-      "pixels_per_m", pixels_per_m,
-      {.min = 0.01,
-       .max = 1e6,
-       .unit = "px/m",
-       .reason = "how large the object is in the templates: about as large as it appears in the video, or larger"});
+  fields.Add("pixels_per_m", pixels_per_m,
+             {.min = 0.01,
+              .max = 1e6,
+              .unit = "px/m",
+              .reason = "scale of the templates: about that of the object in the video, or larger"});
   fields.Add("least_size_px", least_size_px,
-             {.min = 32, .max = 2048, .unit = "px", .reason = "diameter of the object's bounding sphere, at least"});
+             {.min = 32, .max = 2048, .unit = "px", .reason = "minimum diameter of the object's bounding sphere"});
   fields.Add("most_size_px", most_size_px,
-             {.min = 32, .max = 2048, .unit = "px", .reason = "diameter of the object's bounding sphere, at most"});
+             {.min = 32, .max = 2048, .unit = "px", .reason = "maximum diameter of the object's bounding sphere"});
   fields.Add("distance_radii", distance_radii,
              {.min = 1.5,
               .max = 1e6,
@@ -41,15 +40,16 @@ void CadModelOptions::ListFields(FieldList& fields) {
   fields.Add("least_mask_share", least_mask_share,
              {.min = 0,
               .max = 1,
-              .reason = "the share of a keypoint's surroundings that must be object: near the outline a descriptor "
-                        "carries background, but on thin parts such as rotors it tells more than none"});
-  fields.Add("least_features", least_features,
-             {.min = 1, .max = 100000, .reason = "a view with fewer keypoints on the object finds nothing"});
+              .reason = "minimum fraction of a descriptor's support region that is object: near the outline "
+                        "descriptors include background, but on thin parts such as rotors they still help"});
+  fields.Add(
+      "least_features", least_features,
+      {.min = 1, .max = 100000, .reason = "a view with fewer keypoints on the object is stored without features"});
 }
 
 namespace {
 
-// What is left of a rendering once features are to be found: the picture, and where its pixels lie.
+// A rendering, ready for feature extraction: image, depth map and camera.
 struct RenderedTemplate {
   ObjectPicture picture;
   cv::Mat depth_m;
@@ -60,7 +60,7 @@ struct RenderedTemplate {
 Expected<RenderedTemplate> RenderTemplate(Renderer& renderer, MeshId mesh, const Sphere& sphere,
                                           const ViewSphere::View& view, const std::string& source,
                                           const CadModelOptions& options) {
-  constexpr int kRoomPx = 16;  // around the sphere's outline
+  constexpr int kRoomPx = 16;  // margin around the outline of the bounding sphere
   const int size_px = ObjectSizePx(2 * sphere.radius, options);
   const int side = size_px + 2 * kRoomPx;
   VICTORIOUS_ASSIGN_OR_RETURN(PosedCamera camera, CameraForView(view.direction, sphere,
@@ -82,17 +82,17 @@ Expected<RenderedTemplate> RenderTemplate(Renderer& renderer, MeshId mesh, const
                           .camera = camera,
                           .view = view};
   constexpr int kThumbnailPx = 72;
-  const Box whole = FrameBox(side, side);  // so that all are of one scale
+  const Box whole = FrameBox(side, side);  // not cropped: all thumbnails have the same scale
   result.picture.thumbnail = ThumbnailOf(rendered.bgr, whole, kThumbnailPx);
   cv::cvtColor(rendered.bgr, result.picture.grey, cv::COLOR_BGR2GRAY);
   result.picture.outline = OutlineOfMask(result.picture.mask);
   return result;
 }
 
-// All that a view's rendering becomes.
+// What the model stores of a rendering, and its number of textured features.
 struct MadeView {
   LitTemplate features;
-  std::size_t textured = 0;  // features of the object's surface, rather than of its corners before the background
+  std::size_t textured = 0;  // features on the surface of the object, away from its outline
   std::vector<std::byte> surface;
 };
 
@@ -118,7 +118,7 @@ Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, co
                                    const CadModelOptions& options, const std::function<void(int, int)>& progress) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   if (options.least_size_px > options.most_size_px) {
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("least_size_px {}: above most_size_px {}; it must not be",
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("least_size_px {}: must be at most most_size_px {}",
                                                          options.least_size_px, options.most_size_px));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
@@ -128,7 +128,7 @@ Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, co
   const Sphere bounds = BoundingSphere(mesh);
   const int count = static_cast<int>(sphere.views.size());
 
-  // Rendered one after the other (the renderer belongs to one thread), a chunk at a time; then features on all cores.
+  // Renders a chunk of views sequentially (the renderer belongs to one thread), then extracts features on all cores.
   constexpr int kChunk = 32;
   ModelBuilder builder;
   std::size_t most_textured = 0;

@@ -1,6 +1,6 @@
-// A CAD model in, an ObjectModel out: rendered from all sides on the sphere of views, each rendering a view with
-// features that know their place on the object (thesis, section 3.5.1: templates at 10 degrees before a plain
-// background).
+// Makes an ObjectModel from a CAD model: renders it from every direction of the view sphere; each rendering becomes a
+// view (template) whose features have 3D points on the object (thesis, section 3.5.1: templates every 10 degrees before
+// a plain background).
 #pragma once
 
 #include <functional>
@@ -31,15 +31,16 @@ struct CadModelOptions {
   void ListFields(FieldList& fields);
 };
 
-/// How large the object's bounding sphere is drawn, px across.
+/// Diameter of the object's bounding sphere in the renderings, px: diameter_m * pixels_per_m, clamped to
+/// [min_size_px, max_size_px].
 [[nodiscard]] int ObjectSizePx(double diameter_m, const CadModelOptions& options);
 
 /// @param mesh      in the model frame, metres
-/// @param source    the CAD file's path as given
-/// @param progress  told the number of views done, of all
-/// Views with fewer features than options.least_features are kept without features: nothing is found by them.
-/// Errors: kInvalidArgument for options out of range or a model none of whose views has enough features; kInternal
-/// where nothing can render.
+/// @param source    path of the CAD file as given
+/// @param progress  called with the number of finished views and the number of all views
+/// Views with fewer features than options.min_features are stored without features; a search cannot match them.
+/// Errors: kInvalidArgument for options out of range, or if no view has enough features; kInternal if no device can
+/// render.
 Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, const std::string& source,
                                    const CadModelOptions& options, const std::function<void(int, int)>& progress = {});
 

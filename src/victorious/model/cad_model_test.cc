@@ -23,7 +23,7 @@ using ::testing::HasSubstr;
 
 const Vector3d kHalfSize(1.0, 0.5, 0.4);
 
-// Blots of every grey, another pattern for each seed.
+// A texture of random grey blobs; the pattern depends on the seed.
 cv::Mat Blots(std::uint64_t seed) {
   cv::Mat texture(128, 128, CV_8UC4, cv::Scalar(120, 120, 120, 255));
   Random random(seed);
@@ -63,7 +63,7 @@ const ObjectModel& BoxModel() {
   return model;
 }
 
-// From the box's surface, m.
+// Distance of a point from the surface of the box, m.
 double DistanceFromSurface(const Vector3d& point) {
   const Vector3d beyond = point.cwiseAbs() - kHalfSize;
   return beyond.maxCoeff() > 0 ? beyond.cwiseMax(0).norm() : -beyond.maxCoeff();
@@ -71,7 +71,7 @@ double DistanceFromSurface(const Vector3d& point) {
 
 Vector3d PointOf(const Point3& point) { return {point.x, point.y, point.z}; }
 
-// The camera of a view, as the options say and from the angles that are stored.
+// The camera of a view, computed from the options and the stored view angles.
 PosedCamera CameraOf(const ModelView& view) {
   const CadModelOptions options = FewViews();
   const double radius_m = kHalfSize.norm();
@@ -108,8 +108,8 @@ TEST(MakeCadModel, PlacesAreSeenWhereTheirKeypointsAre) {
 }
 
 TEST(MakeCadModel, AnglesSayWhereTheCameraStood) {
-  // What a view sees is on the side of the camera: d = (-cos az sin off, sin az sin off, cos off), by the definition of
-  // azimuth and off-nadir.
+  // The points of a view lie on the side of the camera: d = (-cos az sin off, sin az sin off, cos off), by the
+  // definition of azimuth and off-nadir angle.
   const ObjectModel& model = BoxModel();
   ASSERT_EQ(model.views.size(), 25);
   for (const ModelView& view : model.views) {

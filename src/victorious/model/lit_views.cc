@@ -25,8 +25,8 @@
 namespace victorious {
 namespace {
 
-// At half the size: of four pixels the mean of their brightness, and the depth of one, since a mean of two surfaces is
-// on neither.
+// Downsamples by 2: the mean of four grey values, but the depth of one pixel, because the mean depth of two surfaces
+// lies on neither.
 ViewSurface Halved(const ViewSurface& surface) {
   ViewSurface half;
   const cv::Size size(surface.grey.cols / 2, surface.grey.rows / 2);
@@ -58,7 +58,7 @@ class LitViews : public LitTemplates {
   }
 
   void Prepare(std::span<const LitView> wanted) const override {
-    oneapi::tbb::this_task_arena::isolate([&] {  // else a thread that waits for the others could take up a whole frame
+    oneapi::tbb::this_task_arena::isolate([&] {  // else a waiting thread could start on another frame
       oneapi::tbb::parallel_for(std::size_t{0}, wanted.size(),
                                 [&](std::size_t i) { MakeIfUnclaimed(wanted[i], *SlotOf(wanted[i])); });
     });
@@ -73,7 +73,7 @@ class LitViews : public LitTemplates {
     const Expected<ViewSurface> surface = DecodeSurface(model_.views[view].surface, model_.name);
     auto made = std::make_shared<const ViewPicture>(surface ? PictureOf(*surface, std::exp2(half_octaves / 2.0))
                                                             : ViewPicture());
-    const std::scoped_lock lock(mutex_);  // another thread may have made the same by now
+    const std::scoped_lock lock(mutex_);  // another thread may have added the same entry meanwhile
     if (pictures_.size() >= most_kept_) pictures_.clear();
     return pictures_.try_emplace(key, std::move(made)).first->second;
   }
@@ -82,11 +82,11 @@ class LitViews : public LitTemplates {
   struct Slot {
     std::atomic<bool> claimed = false;
     std::atomic<bool> made = false;
-    std::shared_ptr<const LitTemplate> lit;  // once made
+    std::shared_ptr<const LitTemplate> lit;  // valid once `made` is true
   };
 
   struct Kept {
-    std::shared_ptr<Slot> slot;  // who waits for it keeps it, too
+    std::shared_ptr<Slot> slot;  // co-owned by waiting threads
     std::uint64_t last_use = 0;
   };
 
@@ -100,7 +100,8 @@ class LitViews : public LitTemplates {
     return slot;
   }
 
-  // A camera that circles comes by every view under every sun.
+  // Evicts the least recently used half of the cache. Needed because a circling camera requests every view under every
+  // sun.
   void ForgetOlderHalf() const {
     std::vector<std::uint64_t> uses;
     for (const auto& [view, kept] : kept_) uses.push_back(kept.last_use);
@@ -113,8 +114,8 @@ class LitViews : public LitTemplates {
     if (slot.claimed.exchange(true)) return;
     try {
       slot.lit = std::make_shared<const LitTemplate>(Make(wanted));
-    } catch (...) {         // memory that ran out, as the libraries report it
-      slot.lit = nothing_;  // or those who wait would wait for ever
+    } catch (...) {         // out of memory, as reported by the libraries
+      slot.lit = nothing_;  // waiting threads must be released
     }
     slot.made = true;
     slot.made.notify_all();
@@ -123,7 +124,7 @@ class LitViews : public LitTemplates {
   [[nodiscard]] LitTemplate Make(const LitView& wanted) const {
     const Expected<ViewSurface> surface = DecodeSurface(model_.views[wanted.view].surface, model_.name);
     const Expected<ViewSurface> from_sun = DecodeSurface(model_.views[wanted.sun_view].surface, model_.name);
-    if (!surface || !from_sun) return {};  // a file that is damaged, for all that its checksums are right
+    if (!surface || !from_sun) return {};  // a damaged file whose checksums are nevertheless right
     const ViewAngles& sun = *model_.views[wanted.sun_view].angles;
     const bool halved = wanted.coarse && std::min(surface->grey.cols, surface->grey.rows) >= 2;
     const ViewSurface shown = halved ? Halved(*surface) : *surface;

@@ -1,5 +1,6 @@
-// A CAD model's views under a hard sun, made from the renderings that the model keeps when they are first asked for:
-// which suns a video needs is known only then, and all of them would be many times the model.
+// Relit templates: the views of a CAD model under strong sunlight with cast shadows, relit (render/relight.h) from the
+// renderings that the model stores. They are made on demand and cached, because the sun directions of a video are not
+// known before, and all of them together would be many times the size of the model.
 #pragma once
 
 #include <cstddef>
@@ -11,9 +12,10 @@
 
 namespace victorious {
 
-/// Nothing for a model that keeps no renderings (photos, or made by an earlier version).
-/// @param most_kept  in memory, of some 60 kB each: the longest unused are forgotten, and made again if asked for.
-/// Error: kInvalidArgument, options in the model that this version does not know.
+/// Null for a model without stored renderings (from photos, or made by an earlier version).
+/// @param max_kept  capacity of the cache, in templates of about 60 kB each. The least recently used ones are evicted
+///                  and made again on demand.
+/// Error: kInvalidArgument, the model has options that this version does not know.
 Expected<std::unique_ptr<const LitTemplates>> MakeLitViews(const ObjectModel& model, std::size_t most_kept = 1000);
 
 }  // namespace victorious

@@ -18,7 +18,7 @@
 namespace victorious {
 namespace {
 
-// A box with a raised square grid on it, so that light alone gives it features.
+// An untextured box with a raised square grid on it: shading alone gives features.
 Mesh Waffle() {
   Mesh mesh = testing::Box({-2, -2, -0.5F}, {2, 2, 0});
   for (int x = -2; x <= 2; ++x) {
@@ -66,12 +66,13 @@ TEST(ViewSurface, DamageIsOneClearError) {
     EXPECT_NE(result.error().message.find("model waffle"), std::string::npos);
   }
   std::vector<std::byte> elsewhere(sound.begin(), sound.end());
-  elsewhere[104] = std::byte{0x7F};  // the picture's left edge, beyond the rendering's width
+  elsewhere[104] = std::byte{0x7F};  // the left edge of the stored crop, beyond the rendering's width
   elsewhere[105] = std::byte{0x7F};
   EXPECT_FALSE(DecodeSurface(elsewhere, "model waffle"));
 }
 
-// Features and places as those under a soft sky have them; others for another sun; the same when asked again.
+// Relit templates have features and points of the same form as the original ones; they depend on the sun, and repeated
+// requests give the same ones.
 TEST(LitViews, ASunBringsItsOwnFeatures) {
   const auto lit = MakeLitViews(WaffleModel()).value();
   ASSERT_NE(lit, nullptr);
@@ -89,7 +90,7 @@ TEST(LitViews, ASunBringsItsOwnFeatures) {
   }
 }
 
-// Fewer features than the sharp one has, of larger keypoints, which lie where the view shows their places.
+// A coarse template has fewer features than the full one, with larger keypoints, at the projections of their points.
 TEST(LitViews, ACoarseOneLiesInTheSamePixels) {
   const auto lit = MakeLitViews(WaffleModel()).value();
   constexpr std::size_t kView = 5;
@@ -115,7 +116,7 @@ TEST(LitViews, ACoarseOneLiesInTheSamePixels) {
   }
 }
 
-// What is forgotten is made again as it was; what was just asked for is not forgotten.
+// An evicted template is made again identically; the most recently used one is not evicted.
 TEST(LitViews, OnlySoManyAreKept) {
   const auto lit = MakeLitViews(WaffleModel(), 4).value();
   const auto first = lit->Under({7, 1});
@@ -130,7 +131,7 @@ TEST(LitViews, OnlySoManyAreKept) {
   EXPECT_EQ(again->features.descriptors, first->features.descriptors);
 }
 
-// Threads that prepare the same views at once get the same ones, each made once.
+// Threads that prepare the same views concurrently share them; each is made once.
 TEST(LitViews, ThreadsShareTheWork) {
   const auto lit = MakeLitViews(WaffleModel()).value();
   std::vector<LitView> wanted;
@@ -154,7 +155,7 @@ TEST(LitViews, ThreadsShareTheWork) {
   EXPECT_EQ(std::set(got.front().begin(), got.front().end()).size(), wanted.size());
 }
 
-// Each point lies on the object, and is seen where the rendering is as bright as it says.
+// Each point lies on the object and projects to a pixel of its brightness.
 TEST(LitViews, APictureIsTheRendering) {
   const auto views = MakeLitViews(WaffleModel()).value();
   constexpr std::size_t kView = 5;

@@ -12,10 +12,11 @@
 namespace victorious {
 namespace {
 
-// A descriptor looks at 4 x 4 cells of 3 sigma each around its keypoint, the outer ones faintly.
+// Radius of a descriptor's support region in units of the keypoint's scale: it has 4 x 4 cells of 3 sigma each; the
+// outer ones have low weight.
 constexpr float kDescriptorReach = 4.5F;
 
-// The share of a square that is object, from the mask's integral.
+// The fraction of a square that is object, from the integral image of the mask.
 double ShareOfObject(const cv::Mat& integral, float x, float y, float reach) {
   const int x0 = std::clamp(static_cast<int>(std::floor(x - reach)), 0, integral.cols - 1);
   const int y0 = std::clamp(static_cast<int>(std::floor(y - reach)), 0, integral.rows - 1);
@@ -27,7 +28,7 @@ double ShareOfObject(const cv::Mat& integral, float x, float y, float reach) {
   return inside / std::max(1.0, area);
 }
 
-// Which keypoints are the object's.
+// Predicate: the keypoint lies on the object, and enough of its descriptor's support region does.
 class OnObject {
  public:
   OnObject(const ObjectPicture& picture, double least_share)
@@ -52,10 +53,10 @@ class OnObject {
   cv::Mat integral_;
 };
 
-// The object with its surroundings: the picture's own where it has them, its rim continued beyond.
+// A crop around the object with a margin; beyond the image the border pixels are replicated.
 struct Surroundings {
   cv::Mat grey;
-  int x = 0;  // of the cut's left upper corner, in the picture
+  int x = 0;  // position of the crop's left upper corner in the image
   int y = 0;
 };
 
@@ -104,8 +105,8 @@ std::size_t CountOnObject(const ObjectPicture& picture, const FeatureSet& featur
 }
 
 Polygon OutlineOfMask(const cv::Mat& mask) {
-  // Contours run through the centres of the outermost pixels: on a mask of twice the size they come within a quarter
-  // pixel of the edge.
+  // Contours pass through the centres of the outermost pixels. On a mask upsampled by 2 they are within a quarter pixel
+  // of the edge.
   cv::Mat doubled;
   cv::resize(mask, doubled, {}, 2, 2, cv::INTER_NEAREST);
   std::vector<std::vector<cv::Point>> contours;

@@ -1,4 +1,4 @@
-// Pictures of an object in, one view each; an ObjectModel out. What photos and renderings share.
+// Builds an ObjectModel from images of an object, one view each. Shared by photo_model.h and cad_model.h.
 #pragma once
 
 #include <cstddef>
@@ -16,49 +16,51 @@
 
 namespace victorious {
 
-/// A picture of the object, ready for features.
+/// An image of the object, ready for feature extraction.
 struct ObjectPicture {
-  std::string source;  ///< the path as given, or which view of it
+  std::string source;  ///< the path as given; for a rendering also its direction
   cv::Mat grey;        ///< CV_8UC1
-  cv::Mat mask;        ///< CV_8UC1, 0 outside the object; empty: all of `outline` is object
-  Polygon outline;     ///< of the object, px, the first pixel's centre at 0.5
-  cv::Mat thumbnail;   ///< CV_8UC3, ThumbnailOf() the picture in colour
+  cv::Mat mask;        ///< CV_8UC1, 0 outside the object; empty: the whole of `outline` is object
+  Polygon outline;     ///< of the object, px; the centre of the first pixel is at 0.5
+  cv::Mat thumbnail;   ///< CV_8UC3, MakeThumbnail() of the colour image
 };
 
 struct OnObjectOptions {
-  int margin_px = 24;             ///< of the object's surroundings that features are computed from, too
-  double least_mask_share = 0.0;  ///< of a keypoint's surroundings that must be object, 0 to 1 (CadModelOptions)
+  int margin_px = 24;             ///< margin around the object in the image that features are computed from
+  double least_mask_share = 0.0;  ///< minimum fraction of a descriptor's support region that is object, 0 to 1
 };
 
-/// Appends one feature to `to`: `keypoint`, with the descriptor of feature `i` of `from`.
+/// Appends one feature to `to`: `keypoint` with the descriptor of feature `i` of `from`.
 void AppendFeature(const Keypoint& keypoint, const FeatureSet& from, std::size_t i, FeatureSet& to);
 
-/// The picture's features that lie on the object, in pixels of the picture.
+/// Extracts the features that lie on the object. Keypoints are in pixels of `picture`. Errors: those of the extractor.
 Expected<FeatureSet> FeaturesOnObject(const ObjectPicture& picture, const FeatureExtractor& extractor,
                                       const OnObjectOptions& options);
 
-/// How many of the features are of the object itself: their surroundings are object by that share at least.
+/// The number of features whose descriptor support region is object by at least the given fraction.
 std::size_t CountOnObject(const ObjectPicture& picture, const FeatureSet& features, double least_mask_share);
 
-/// The object's outline in its mask (not 0: object): the contour of its largest part, simplified; the hull of all parts
-/// where the largest is not most of it. Clockwise on the screen; empty for an empty mask.
+/// The object's outline in a mask (not 0: object): the simplified contour of the largest connected component, or the
+/// convex hull of all components if the largest has 80 % of the area or less. Clockwise on the screen; empty for an
+/// empty mask.
 Polygon OutlineOfMask(const cv::Mat& mask);
 
-/// A part of a picture, reduced so that its longest side has at most `side_px`; what lies outside the picture is left
-/// out.
+/// Crops `part` (clipped to the image) and downscales it so that its longest side has at most `side_px` pixels. Never
+/// enlarges.
 cv::Mat ThumbnailOf(const cv::Mat& bgr, const Box& part, int side_px);
 
-/// Gathers views. The model's features lie one view after the other.
+/// Collects views. The model's features are stored view by view, in the order of the calls.
 class ModelBuilder {
  public:
-  /// @param view       without its features' range, its thumbnail and its surface, which are set here
-  /// @param points     the features' places on the object, one each, or none
-  /// @param thumbnail  ObjectPicture's
-  /// @param surface    EncodeSurface()'s bytes, or none
+  /// @param view       its feature range, thumbnail and surface are set by the builder
+  /// @param points     3D points of the features in the model frame, one per feature; or empty
+  /// @param thumbnail  of ObjectImage
+  /// @param surface    the bytes of EncodeSurface(), or empty
   Status Add(ModelView view, const FeatureSet& features, const std::vector<Point3>& points, const cv::Mat& thumbnail,
              std::vector<std::byte> surface = {});
 
-  /// @param model  what a model has beside views and features; completed and returned
+  /// @param model  the other fields of the model
+  /// @return `model` with the views, features and their storage
   [[nodiscard]] ObjectModel Finish(ObjectModel model) &&;
 
  private:

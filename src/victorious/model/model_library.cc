@@ -55,7 +55,7 @@ Expected<std::vector<std::string>> ModelLibrary::Names() const {
   std::error_code error;
   if (!fs::is_directory(folder_, error)) {
     return Fail(ErrorCode::kNotFound,
-                fmt::format("{}: no such folder of models; `victorious model add` makes one", folder_.string()));
+                fmt::format("{}: no such model folder; `victorious model add` makes one", folder_.string()));
   }
   std::vector<std::string> names;
   for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
@@ -80,7 +80,7 @@ Expected<ObjectModel> ModelLibrary::Load(std::string_view name) const {
   std::error_code error;
   if (!fs::exists(PathOf(name), error)) return std::unexpected(NotThere(name));
   VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel model, ReadModelFile(PathOf(name)));
-  // The file's name counts: a file may be copied or renamed.
+  // The file name gives the model's name: a file may be copied or renamed.
   model.name = name;
   return model;
 }

@@ -1,4 +1,4 @@
-// The library of models: a folder with one file a model, NAME.vmodel (docs/formats/model.md).
+// The model library: a folder with one file per model, NAME.vmodel (docs/formats/model.md).
 #pragma once
 
 #include <filesystem>
@@ -17,16 +17,17 @@ class ModelLibrary {
 
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
 
-  /// OK if a model of this name can be added: the name is a file name of letters, digits, '.', '_', '-'
-  /// (kInvalidArgument) and not taken (kAlreadyExists).
+  /// OK if a model of this name can be added. Errors: kInvalidArgument, the name is not a file name of letters, digits,
+  /// '.', '_', '-'; kAlreadyExists, the library has a model of this name.
   [[nodiscard]] Status CheckNewName(std::string_view name) const;
 
-  /// Writes the model, making the folder if it is not there. Errors: CheckNewName's, and those of writing.
+  /// Writes the model; creates the folder if it does not exist. Errors: those of CheckNewName() and of writing.
   [[nodiscard]] Status Add(const ObjectModel& model) const;
 
-  /// The names in alphabetical order, of files that are named as models are; kNotFound if there is no such folder.
+  /// The names of all files with valid model names, in alphabetical order. Error: kNotFound, no such folder.
   [[nodiscard]] Expected<std::vector<std::string>> Names() const;
 
+  /// Errors: kInvalidArgument, kNotFound, and those of ReadModelFile().
   [[nodiscard]] Expected<ObjectModel> Load(std::string_view name) const;
   [[nodiscard]] Expected<std::vector<ObjectModel>> LoadAll() const;
   [[nodiscard]] Status Remove(std::string_view name) const;

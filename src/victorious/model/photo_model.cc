@@ -18,16 +18,16 @@ void PhotoModelOptions::ListFields(FieldList& fields) {
              {.min = 0,
               .max = 512,
               .unit = "px",
-              .reason = "features are computed from the object and so much around it, the photo being continued beyond "
-                        "its edges: so that keypoints near them are found"});
+              .reason = "margin around the object in the image that features are computed from; beyond the photo its "
+                        "border is replicated, so that keypoints near the border are found"});
   fields.Add("least_features", least_features,
              {.min = 1, .max = 100000, .reason = "a photo with fewer keypoints on the object is refused"});
 }
 
 namespace {
 
-constexpr int kOpaque = 128;       // alpha from which a pixel is object
-constexpr int kThumbnailPx = 160;  // few photos make a model: they may be larger than a rendering's
+constexpr int kOpaque = 128;       // pixels with at least this alpha are object
+constexpr int kThumbnailPx = 160;  // larger than for renderings, because a model has few photos
 
 Status CheckBox(const std::string& source, const Box& box, const cv::Size& size) {
   const bool inside = box.x >= 0 && box.y >= 0 && box.x + box.width <= size.width && box.y + box.height <= size.height;
@@ -38,7 +38,7 @@ Status CheckBox(const std::string& source, const Box& box, const cv::Size& size)
                   source, box.x, box.y, box.width, box.height, size.width, size.height));
 }
 
-// What lies outside the object takes the object's mean grey, so that its rim makes few keypoints of its own.
+// Sets the background to the object's mean grey, so that its outline gives few keypoints.
 cv::Mat FlattenBackground(const cv::Mat& grey, const cv::Mat& mask) {
   const double mean = cv::mean(grey, mask)[0];
   cv::Mat result(grey.size(), CV_8UC1, cv::Scalar(mean));
@@ -60,7 +60,7 @@ Expected<Photo> PreparePhoto(const std::string& source, const cv::Mat& bgr, cons
   if (box) VICTORIOUS_RETURN_IF_ERROR(CheckBox(source, *box, bgr.size()));
   photo.outline = CornersOf(box.value_or(whole));
   photo.thumbnail = ThumbnailOf(bgr, box.value_or(whole), kThumbnailPx);
-  if (alpha.empty() || cv::countNonZero(alpha < kOpaque) == 0) return photo;  // a screenshot's alpha tells nothing
+  if (alpha.empty() || cv::countNonZero(alpha < kOpaque) == 0) return photo;  // fully opaque, e.g. a screenshot
 
   photo.mask = alpha >= kOpaque;
   if (box) {
@@ -72,13 +72,13 @@ Expected<Photo> PreparePhoto(const std::string& source, const cv::Mat& bgr, cons
   }
   if (cv::countNonZero(photo.mask) == 0) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: nothing of the object shows: the alpha channel is transparent {}", source,
+                fmt::format("{}: no pixel of the object is opaque: the alpha channel is transparent {}", source,
                             box ? "in the box" : "everywhere"));
   }
   photo.outline = OutlineOfMask(photo.mask);
   if (std::abs(SignedArea(photo.outline)) < 1) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: the object that the alpha channel shows has no area", source));
+                fmt::format("{}: the opaque part of the alpha channel has no area", source));
   }
   photo.grey = FlattenBackground(photo.grey, photo.mask);
   photo.thumbnail = ThumbnailOf(bgr, BoundingBox(photo.outline), kThumbnailPx);

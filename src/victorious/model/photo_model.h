@@ -1,4 +1,4 @@
-// model/, in: photos of an object, each cut out by an alpha channel or a box. Out: an ObjectModel, one view a photo.
+// Makes an ObjectModel from photos of an object, one view each. An alpha channel or a box marks the object.
 #pragma once
 
 #include <filesystem>
@@ -29,18 +29,21 @@ struct PhotoModelOptions {
   void ListFields(FieldList& fields);
 };
 
-/// Reads a photo. The object is what the box encloses, or what the alpha channel shows, or the whole picture.
-/// Errors: those of ReadImage; kInvalidArgument for a box that is empty or not inside the photo, or a photo whose alpha
-/// channel shows nothing.
+/// Reads a photo. The object is the opaque part inside the box; without a box, the opaque part; without transparency,
+/// the box or the whole photo.
+/// Errors: those of ReadImage; kInvalidArgument if the box is empty or not inside the photo, or if no pixel of the
+/// object is opaque.
 Expected<Photo> LoadPhoto(const std::filesystem::path& path, const std::optional<Box>& box);
 
-/// The same from a picture in memory.
+/// The same from an image in memory.
+/// @param bgr    CV_8UC3
 /// @param alpha  CV_8UC1 or empty
 Expected<Photo> PreparePhoto(const std::string& source, const cv::Mat& bgr, const cv::Mat& alpha,
                              const std::optional<Box>& box);
 
 /// @param length_m  the object's longest side, if known
-/// Errors: kInvalidArgument for a photo with fewer than options.least_features keypoints on the object.
+/// Errors: kInvalidArgument for options out of range, no photos, or a photo with fewer than options.min_features
+/// keypoints on the object.
 Expected<ObjectModel> MakePhotoModel(const std::string& name, std::span<const Photo> photos,
                                      std::optional<double> length_m, const PhotoModelOptions& options);
 

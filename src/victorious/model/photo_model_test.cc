@@ -27,7 +27,7 @@ struct Picture {
   cv::Mat alpha;
 };
 
-// A drawn thing in the middle of a larger picture, with its alpha channel.
+// A synthetic object in the middle of a larger image, with its alpha channel.
 constexpr int kMarginPx = 40;
 
 Picture ThingOnGround(ThingKind kind) {
@@ -86,19 +86,19 @@ TEST(PreparePhoto, TheAlphaChannelGivesTheOutline) {
     const Photo photo = Prepare(picture, std::nullopt);
     const double opaque = cv::countNonZero(picture.alpha >= 128);
     EXPECT_EQ(cv::countNonZero(photo.mask), opaque);
-    // The corners lie on the middles of the outermost pixels, and the outline is simplified by a few of them.
+    // The contour passes through the centres of the outermost pixels; the simplification moves it by a few pixels.
     EXPECT_NEAR(SignedArea(photo.outline) / opaque, 1.0, 0.07) << Name(kind);
     const cv::Rect shown = cv::boundingRect(photo.mask);
     const Box bounds = {double(shown.x), double(shown.y), double(shown.width), double(shown.height)};
     EXPECT_GT(IntersectionOverUnion(BoundingBox(photo.outline), bounds), 0.9) << Name(kind);
-    // What is not object is flat.
+    // The background is uniform.
     cv::Mat deviation;
     cv::meanStdDev(photo.grey, cv::noArray(), deviation, photo.mask == 0);
     EXPECT_EQ(deviation.at<double>(0), 0.0);
   }
 }
 
-// As screenshots have it.
+// The alpha channel of a screenshot.
 TEST(PreparePhoto, AnAlphaChannelThatHidesNothingChangesNothing) {
   Picture picture = ThingOnGround(ThingKind::kCrate);
   picture.alpha.setTo(255);
@@ -204,7 +204,7 @@ TEST(MakePhotoModel, KeypointsLieOnTheObjectInPixelsOfThePhoto) {
   }
 }
 
-// A picture that is all object has keypoints up to its edges, at the places that they have in a larger picture.
+// An image that is all object has keypoints up to its edges, at the same positions as in a larger image.
 TEST(MakePhotoModel, TheMarginDoesNotMoveKeypoints) {
   const Picture picture = ThingOnGround(ThingKind::kCrate);
   const Photo whole = Prepare({picture.bgr, {}}, std::nullopt);

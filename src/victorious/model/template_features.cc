@@ -7,7 +7,7 @@
 namespace victorious {
 namespace {
 
-// A keypoint's place on the object; nothing where the rendering has no depth.
+// Back-projects a keypoint to a 3D point in the model frame; std::nullopt if its pixel has no depth.
 std::optional<Point3> PlaceOf(const Keypoint& keypoint, const SeenSurface& seen, const Rigid3& model_from_camera) {
   const int column = std::clamp(static_cast<int>(keypoint.x), 0, seen.depth_m.cols - 1);
   const int row = std::clamp(static_cast<int>(keypoint.y), 0, seen.depth_m.rows - 1);

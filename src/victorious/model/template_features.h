@@ -1,4 +1,4 @@
-// What a rendering of an object becomes: features that know their place on the object.
+// Extracts the features of a rendering, with their 3D points on the object from its depth map.
 #pragma once
 
 #include "victorious/base/error.h"
@@ -10,8 +10,9 @@
 
 namespace victorious {
 
-/// The features that have a place on the object; none where there are fewer than options.least_features.
-/// @param seen  what `picture` shows; the model is the world
+/// The features on the object that have a depth; empty if there are fewer than options.min_features.
+/// @param depth_map  of the same rendering as `picture`; its world frame is the model frame
+/// Errors: those of the extractor.
 Expected<LitTemplate> TemplateFeaturesOf(const ObjectPicture& picture, const SeenSurface& seen,
                                          const FeatureExtractor& extractor, const CadModelOptions& options);
 

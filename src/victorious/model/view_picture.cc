@@ -8,7 +8,7 @@
 namespace victorious {
 
 ViewPicture PictureOf(const ViewSurface& surface, double shrink) {
-  constexpr double kRim_px = 3.0;  // of the scene: what the background shines into, and where the outline errs
+  constexpr double kRim_px = 3.0;  // scene pixels; excludes mixed pixels and outline errors
   constexpr double kPoints = 300;
   constexpr std::size_t kFewest = 40;
   const cv::Mat& depth_m = surface.seen.depth_m;
@@ -17,7 +17,7 @@ ViewPicture PictureOf(const ViewSurface& surface, double shrink) {
   cv::Mat inside;
   cv::erode(mask, inside, cv::Mat::ones(2 * rim + 1, 2 * rim + 1, CV_8U));
 
-  // The mean of the object alone: the background has no part in it.
+  // Gaussian mean over object pixels only (normalised convolution).
   cv::Mat weight;
   mask.convertTo(weight, CV_32F, 1 / 255.0);
   cv::Mat sum;

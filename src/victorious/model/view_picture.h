@@ -1,5 +1,5 @@
-// A rendering's inside as points with a brightness: what is compared with a scene where a pose
-// is in doubt (recognize/likeness.h).
+// Samples a rendering of the object as 3D points with a brightness. The NCC check of uncertain poses
+// (recognize/likeness.h) projects them into the scene and compares the brightness.
 #pragma once
 
 #include "victorious/model/view_surface.h"
@@ -7,9 +7,10 @@
 
 namespace victorious {
 
-/// @param shrink  the scene shows the object so many times smaller than the rendering, > 0
-/// Some 300 points, each the mean of the object about it. Without points where hardly any of the object is away from
-/// its rim.
+/// Samples about 300 points on a regular grid inside the object's outline. The brightness of a point is a Gaussian mean
+/// over object pixels only.
+/// @param shrink  size of the object in the rendering over its size in the scene, > 0
+/// @return without points if fewer than 40 samples are more than 3 scene pixels inside the outline
 [[nodiscard]] ViewPicture PictureOf(const ViewSurface& surface, double shrink);
 
 }  // namespace victorious

@@ -21,7 +21,7 @@ constexpr int kMostThumbnailPx = 256;
 constexpr int kColumns = 36;
 constexpr int kGapPx = 4;
 constexpr int kCaptionPx = 18;
-constexpr int kLabelPx = 92;  // left of each row
+constexpr int kLabelPx = 92;  // width of the row labels
 constexpr int kTitlePx = 26;
 
 const cv::Scalar kPaper = cv::Scalar::all(40);
@@ -42,11 +42,12 @@ Expected<cv::Mat> DecodeThumbnail(const ObjectModel& model, std::size_t view) {
   const std::string name = fmt::format("model {}, thumbnail of view {}", model.name, view);
   VICTORIOUS_ASSIGN_OR_RETURN(Image image, DecodeImage(model.views[view].thumbnail, name));
   if (std::max(image.bgr.cols, image.bgr.rows) <= kMostThumbnailPx) return std::move(image.bgr);
-  return Fail(ErrorCode::kDataLoss, fmt::format("{}: {} x {} pixels, at most {} a side are right", name, image.bgr.cols,
+  return Fail(ErrorCode::kDataLoss, fmt::format("{}: {} x {} pixels: must be at most {} a side", name, image.bgr.cols,
                                                 image.bgr.rows, kMostThumbnailPx));
 }
 
-// The views in their order on the sheet: rings by off-nadir angle, each by azimuth; then those without angles.
+// The views in sheet order, keyed by off-nadir angle in degrees (rings), each ring sorted by azimuth; views without
+// angles are last.
 std::map<double, std::vector<std::size_t>> Rings(const ObjectModel& model) {
   constexpr double kNoAngles = 1e9;
   std::map<double, std::vector<std::size_t>> rings;
@@ -102,13 +103,13 @@ void DrawTile(const ModelView& view, const cv::Mat& picture, std::uint64_t most_
 Expected<cv::Mat> DrawViewSheet(const ObjectModel& model) {
   if (std::ranges::all_of(model.views, [](const ModelView& view) { return view.thumbnail.empty(); })) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("model {}: its file holds no pictures of its views, because version {} kept none: remove "
+                fmt::format("model {}: its file has no thumbnails of its views, because version {} kept none: remove "
                             "the model and add it again",
                             model.name, model.program_version));
   }
   if (model.views.size() > kMostViews) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("model {}: {} views are too many for one picture, at most {} can be drawn", model.name,
+                fmt::format("model {}: {} views are too many for one sheet: must be at most {}", model.name,
                             model.views.size(), kMostViews));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Row> rows, LayOut(model));
@@ -132,8 +133,8 @@ Expected<cv::Mat> DrawViewSheet(const ObjectModel& model) {
                       kTitlePx + static_cast<int>(rows.size()) * step.height);
   if (static_cast<std::int64_t>(size.width) * size.height > kMostSheetPixels) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("model {}: its views make a picture of {} x {} pixels, at most {} in all can be drawn",
-                            model.name, size.width, size.height, kMostSheetPixels));
+                fmt::format("model {}: its views make a sheet of {} x {} pixels: must be at most {} in all", model.name,
+                            size.width, size.height, kMostSheetPixels));
   }
   cv::Mat sheet(size, CV_8UC3, kPaper);
   Write(sheet, title, {kGapPx, 18}, 0.5);

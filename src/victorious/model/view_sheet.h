@@ -1,4 +1,4 @@
-// A model's views as one picture, for people: is this the object, seen from where it should be, and with features?
+// Draws a contact sheet of a model's views for visual inspection: object, view angles, number of features.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -8,12 +8,12 @@
 
 namespace victorious {
 
-/// One tile a view: its thumbnail, its azimuth in degrees where it has one, the number of its features and a bar as
-/// long as that number is beside the largest. Views with angles stand ring by ring, straight above first, by azimuth;
-/// a ring of more than 36 goes on below. Those without angles follow in their order.
+/// One tile per view: thumbnail, azimuth in degrees if known, number of features, and a bar whose length is that number
+/// relative to the maximum. Views with angles are sorted by off-nadir angle (one row per ring, wrapped after 36 views),
+/// then by azimuth. Views without angles follow in their order.
 /// @return CV_8UC3
-/// Errors: kInvalidArgument, a model whose file holds no thumbnails, or more views than can be drawn (2000); kDataLoss,
-/// a damaged thumbnail, or one larger than 256 pixels a side.
+/// Errors: kInvalidArgument, the model has no thumbnails, or more than 2000 views, or the sheet is too large;
+/// kDataLoss, a damaged thumbnail, or one larger than 256 pixels a side.
 Expected<cv::Mat> DrawViewSheet(const ObjectModel& model);
 
 }  // namespace victorious

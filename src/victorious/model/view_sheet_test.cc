@@ -13,7 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// A model of `count` views of 20 degrees each, all straight from the side, with plain thumbnails of this colour.
+// A model of `count` views, 20 degrees apart, all at off-nadir 90 degrees, with thumbnails of this colour.
 ObjectModel ModelOf(int count, const cv::Size& thumbnail, const cv::Scalar& colour) {
   ModelBuilder builder;
   FeatureSet features;
@@ -27,7 +27,7 @@ ObjectModel ModelOf(int count, const cv::Size& thumbnail, const cv::Scalar& colo
   return std::move(builder).Finish({.name = "thing", .kind = "cad", .program_version = "0.0.1"});
 }
 
-// How many pixels are of the thumbnails' colour.
+// The number of pixels of the thumbnails' colour.
 int CountOf(const cv::Mat& sheet, const cv::Scalar& colour) {
   cv::Mat close;
   cv::inRange(sheet, colour - cv::Scalar::all(6), colour + cv::Scalar::all(6), close);

@@ -15,21 +15,21 @@
 namespace victorious {
 namespace {
 
-// Stored as it stands: never reorder.
+// Stored in model files as is: never reorder.
 struct Header {
   double fx, cx, cy;             // px; fy is fx
   double qw, qx, qy, qz;         // camera_from_model
   double tx, ty, tz;             // m
-  double nearest_m, farthest_m;  // depths of 1 and 65535
+  double nearest_m, farthest_m;  // depths of the codes 1 and 65535
   std::int32_t width, height;    // px, of the rendering
-  std::int32_t left, top;        // of the picture in it
-  std::int32_t background;       // grey level around it
+  std::int32_t left, top;        // px, position of the stored crop in it
+  std::int32_t background;       // grey level outside the crop
   std::int32_t reserved;         // 0
 };
 static_assert(sizeof(Header) == 120);
 
 constexpr int kMostSidePx = 4096;
-constexpr double kDepths = 65534;  // steps between nearest and farthest
+constexpr double kDepths = 65534;  // quantisation steps between nearest_m and farthest_m
 
 bool IsSound(const Header& header, const cv::Mat& picture) {
   const double numbers[] = {header.fx, header.cx, header.cy, header.qw, header.qx,        header.qy,

@@ -1,5 +1,5 @@
-// A rendering kept in a model file so that it can be lit anew (render/relight.h): picture, depth, camera. The bytes are
-// those of docs/formats/model.md, section surfaces.
+// The rendering of a view as stored in a model file: grey image, depth map, camera. Used for relighting
+// (render/relight.h). docs/formats/model.md, section surfaces, describes the bytes.
 #pragma once
 
 #include <cstddef>
@@ -15,14 +15,15 @@
 namespace victorious {
 
 struct ViewSurface {
-  cv::Mat grey;      ///< CV_8UC1, sRGB, before a plain background
-  SeenSurface seen;  ///< the model is the world
+  cv::Mat grey;      ///< CV_8UC1, sRGB, uniform background
+  SeenSurface seen;  ///< of the same size; its world frame is the model frame
 };
 
-/// @param surface  of one size, the object in it
+/// @param surface  image and depth map of the same size; depth is quantised to 65534 steps over the range of depths
+/// Errors: those of EncodePng().
 Expected<std::vector<std::byte>> EncodeSurface(const ViewSurface& surface);
 
-/// Error: kDataLoss, bytes that no EncodeSurface() made; `name` says of what.
+/// The inverse of EncodeSurface(). Error: kDataLoss, damaged bytes; the message starts with `name`.
 Expected<ViewSurface> DecodeSurface(std::span<const std::byte> bytes, const std::string& name);
 
 }  // namespace victorious

@@ -17,7 +17,7 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-// A claim less what telemetry tells of its frame: so it is comparable with those of other frames.
+// A pose hypothesis relative to telemetry's pose of the same frame: so hypotheses of different frames are comparable.
 struct Node {
   std::size_t sighting = 0;
   std::size_t landmark = 0;
@@ -25,10 +25,10 @@ struct Node {
   Quaterniond offset;  // of enu_from_camera
   Vector3d place;
   Matrix6 covariance;
-  double place_variance = 0;  // sum along the axes
+  double place_variance = 0;  // sum over the axes
 };
 
-// What is lost on the way from one frame to another.
+// The variance that the transfer of a hypothesis from one frame to another adds.
 class Carrier {
  public:
   explicit Carrier(const Flight& flight) : flight_(flight) {}
@@ -49,7 +49,7 @@ class Carrier {
     return (Vector6() << turn, turn, turn, move, move, move).finished();
   }
 
-  /// So long a window that what is lost in it stays small beside what a claim may err.
+  /// The longest window in which the added variance stays small relative to that of a hypothesis.
   [[nodiscard]] double WindowS(double claim_sigma_m) const {
     const double allowed_m = claim_sigma_m / 3;
     const double by_motion = allowed_m / flight_.sigmas.speed_m_s;
@@ -74,7 +74,7 @@ class Carrier {
     return node;
   }
 
-  /// The state in a frame that a node of it leads to, or one of another frame where both have telemetry.
+  /// The state of a frame according to a hypothesis of that frame, or of another frame if both have telemetry.
   [[nodiscard]] FlightState StateAt(std::size_t frame, const Node& node) const {
     FlightState state;
     state.place = node.place;
@@ -95,34 +95,34 @@ class Carrier {
   const Flight& flight_;
 };
 
-// The claims of one stretch of time, which are comparable.
+// The comparable hypotheses of one time window.
 class Electorate {
  public:
   Electorate(const Flight& flight, std::span<const LandmarkSighting> sightings, const Carrier& carrier)
       : flight_(flight), sightings_(sightings), carrier_(carrier) {}
 
-  /// By time, those of a sighting together.
+  /// Ordered by time; those of one sighting are adjacent.
   std::vector<Node> nodes;
 
-  /// The claim that leads, and which nodes agree with it.
+  /// The hypothesis with the highest score, and the nodes that agree with it.
   struct Choice {
     std::optional<std::size_t> leader;
     std::vector<std::size_t> supporters;
     double score = 0;
-    bool clear = false;  // no claim that does not agree with the leader's finds nearly as much agreement
+    bool clear = false;  // no hypothesis outside the best one's gate has nearly the same score
   };
 
   [[nodiscard]] Choice Elect(const std::vector<bool>& wrong) const {
     Choice best;
-    std::vector<std::pair<double, std::size_t>> scores;  // of all leaders
+    std::vector<std::pair<double, std::size_t>> scores;  // of all hypotheses tried
     for (const std::size_t leader : Candidates()) {
       if (wrong[nodes[leader].landmark]) continue;
-      // Student's t distribution: telemetry that is off by far is seldom, not impossible.
+      // Student's t distribution: large telemetry errors are rare, but possible.
       const double offset = SquaredOffset(nodes[leader]);
       Choice choice{.leader = leader, .supporters = {}, .score = -6 * std::log1p(offset / 6)};
-      std::map<std::size_t, int> seen;  // sightings, by landmark
+      std::map<std::size_t, int> seen;  // number of sightings per landmark
       std::size_t n = 0;
-      while (n < nodes.size()) {  // each sighting agrees as the landmark that fits best
+      while (n < nodes.size()) {  // each sighting supports through its best-fitting landmark
         const std::size_t sighting = nodes[n].sighting;
         double nearest = kGate;
         std::optional<std::size_t> supporter;
@@ -137,7 +137,7 @@ class Electorate {
         choice.supporters.push_back(*supporter);
         seen[nodes[*supporter].landmark] += 1;
       }
-      if (seen.size() == 1 && offset > kGate) continue;  // its word against telemetry's
+      if (seen.size() == 1 && offset > kGate) continue;  // a single landmark does not outvote telemetry
       for (const auto& [landmark, count] : seen) choice.score += kLandmarkWeight * std::log1p(count);
       scores.emplace_back(choice.score, leader);
       if (!best.leader || choice.score > best.score) best = std::move(choice);
@@ -150,9 +150,10 @@ class Electorate {
   }
 
  private:
-  static constexpr double kGate = 22.46;  // chi squared of 6, 99.9 %
+  static constexpr double kGate = 22.46;  // chi-square gate, 6 degrees of freedom, 99.9 %
 
-  // Some of many, over all time: of a sighting all claims, so that no landmark is passed over.
+  // A subset of the hypotheses, spread over the window: all hypotheses of every n-th sighting, so that no landmark is
+  // omitted.
   [[nodiscard]] std::vector<std::size_t> Candidates() const {
     constexpr std::size_t kMost = 120;
     const std::size_t stride = nodes.size() / kMost + 1;
@@ -168,10 +169,11 @@ class Electorate {
     return candidates;
   }
 
-  // Infinity for what is surely outside the gate.
+  // The squared Mahalanobis distance of two hypotheses; infinity if certainly outside the gate.
   [[nodiscard]] double SquaredApart(const Node& a, const Node& b) const {
     const Vector6 lost = carrier_.Variance(sightings_[a.sighting].frame, sightings_[b.sighting].frame);
-    // Six numbers are no fewer sigmas apart than three of them, and these no fewer than along their widest axis.
+    // A lower bound of the Mahalanobis distance: the translation alone, with the variance of its widest axis bounded by
+    // the trace.
     const double widest = a.place_variance + b.place_variance + lost.tail<3>().sum();
     if ((a.place - b.place).squaredNorm() > kGate * widest) return std::numeric_limits<double>::infinity();
     Vector6 apart;
@@ -181,7 +183,7 @@ class Electorate {
     return SquaredSigmas(apart, covariance);
   }
 
-  // How far from what telemetry tells.
+  // The squared Mahalanobis distance from telemetry.
   [[nodiscard]] double SquaredOffset(const Node& node) const {
     if (!flight_.frames[sightings_[node.sighting].frame].told) return 0;
     Vector6 apart;
@@ -203,7 +205,7 @@ class Electorate {
   const Carrier& carrier_;
 };
 
-// Between frames of known pose: the place linear, the attitude on the sphere; beyond them as the nearest.
+// Interpolates between frames of known pose: the place linearly, the attitude by slerp; extrapolates as constant.
 void FillGaps(const Flight& flight, const std::vector<bool>& known, std::vector<FlightState>& states) {
   std::optional<std::size_t> before;
   for (std::size_t k = 0; k <= states.size(); ++k) {
@@ -257,7 +259,7 @@ std::vector<std::optional<std::size_t>> FindAgreement(const Flight& flight, std:
         landmark_of[electorate.nodes[n].sighting] = electorate.nodes[n].landmark;
       }
     } else {
-      // Undecided: what can be of one landmark alone is taken to be of it, the rest is left until more is known.
+      // Ambiguous: accept the sightings with a single candidate landmark, and leave the others until more is known.
       for (const Node& node : electorate.nodes) {
         if (candidates.Of(node.sighting).size() == 1 && !wrong[node.landmark]) {
           landmark_of[node.sighting] = node.landmark;
@@ -269,7 +271,7 @@ std::vector<std::optional<std::size_t>> FindAgreement(const Flight& flight, std:
   const double window_s = carrier.WindowS(options.claim_sigma_m);
   for (std::size_t i = 0; i < sightings.size(); ++i) {
     const double time_s = flight.frames[sightings[i].frame].time_s;
-    // Only the claims of one window are held at a time.
+    // Only the hypotheses of one window are held in memory.
     if (!electorate.nodes.empty() && time_s - electorate.nodes.front().time_s > window_s) decide();
     for (const std::size_t landmark : candidates.Of(i)) {
       const Node node = carrier.NodeOf(sightings[i], i, landmark, ClaimOf(sightings[i], landmarks[landmark]));
@@ -284,7 +286,7 @@ std::vector<FlightState> StartOf(const Flight& flight, std::span<const FlightLan
                                  std::span<const LandmarkSighting> sightings,
                                  std::span<const std::optional<std::size_t>> landmark_of) {
   const Carrier carrier(flight);
-  // The best claim of each frame that has one.
+  // The most accurate hypothesis of each frame that has one.
   std::map<std::size_t, Node> best;
   for (std::size_t i = 0; i < sightings.size(); ++i) {
     if (!landmark_of[i]) continue;
@@ -301,7 +303,7 @@ std::vector<FlightState> StartOf(const Flight& flight, std::span<const FlightLan
       states[k] = carrier.StateAt(k, own->second);
       known[k] = true;
     } else if (flight.frames[k].told) {
-      // By the offset of the nearest frame with one.
+      // Telemetry, corrected by the offset of the nearest frame with a hypothesis.
       const Node* nearest = &as_told;
       double apart_s = std::numeric_limits<double>::infinity();
       auto after = best.lower_bound(k);

@@ -1,9 +1,10 @@
-// Which sightings to believe, and of which landmark each is, before anything is estimated.
+// Initial data association for landmark navigation: which sightings are inliers, and of which landmark each is, before
+// any estimation; and the initial states for the smoother.
 //
-// A sighting, taken as one of a landmark, claims where the camera stands and how it is held. Telemetry (or the guess
-// that the camera stays where it is) carries claims from frame to frame, at a growing loss. In each window of time the
-// claim is sought that most landmarks agree with: a landmark counts by the logarithm of its sightings, so that one
-// wrong landmark that is seen all the time does not outvote two right ones.
+// A sighting together with a landmark yields a hypothesis of the camera pose. Telemetry, or else the assumption that
+// the camera stays in place, transfers hypotheses from frame to frame with growing variance. In each time window the
+// hypothesis supported by the most landmarks wins; a landmark counts by the logarithm of its number of sightings, so
+// that one wrong landmark that is always in view does not outvote two correct ones.
 #pragma once
 
 #include <cstddef>
@@ -21,26 +22,29 @@
 
 namespace victorious {
 
-/// Where a camera stands, in the flight's tangent plane, with the covariance of (turn about the plane's axes, move).
+/// A hypothesis of the camera pose in the flight's tangent plane, with the covariance of (rotation about the plane's
+/// axes, translation).
 struct PoseClaim {
   Eigen::Quaterniond camera_from_enu;
   Eigen::Vector3d place;
   Matrix6 covariance;
 };
 
-/// From a sighting, if it is of this landmark.
+/// The camera pose that follows from a sighting, if it is of this landmark.
 PoseClaim ClaimOf(const LandmarkSighting& sighting, const FlightLandmark& landmark);
 
-/// @param sightings  by frame
-/// @param wrong      one a landmark: those that no sighting is taken to be of
-/// @return one a sighting: the landmark that it is taken to be; none where it agrees with too little
+/// Associates sightings with landmarks by consensus of their pose hypotheses.
+/// @param sightings  ordered by frame
+/// @param wrong      one per landmark: true for landmarks that are excluded from the association
+/// @return one per sighting: index of the landmark; std::nullopt for an outlier
 std::vector<std::optional<std::size_t>> FindAgreement(const Flight& flight, std::span<const FlightLandmark> landmarks,
                                                       std::span<const LandmarkSighting> sightings,
                                                       const Candidates& candidates, const std::vector<bool>& wrong,
                                                       const NavigateOptions& options);
 
-/// A state a frame, near the truth where sightings are near: what they claim, carried on by telemetry, or between them
-/// in a straight line.
+/// Initial states for the smoother, one per frame: from the associated sightings where there are any; else from
+/// telemetry corrected by the offset at the nearest such frame, or without telemetry interpolated linearly between
+/// them.
 std::vector<FlightState> StartOf(const Flight& flight, std::span<const FlightLandmark> landmarks,
                                  std::span<const LandmarkSighting> sightings,
                                  std::span<const std::optional<std::size_t>> landmark_of);

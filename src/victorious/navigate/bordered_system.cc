@@ -10,14 +10,14 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// The chain alone is L diag(P) L': P the pivots, E the blocks below the diagonal of L.
+// Factors of the chain: L diag(P) L', where P are the pivots and E the blocks below the diagonal of L.
 struct BorderedSystem::Factors {
   std::vector<Eigen::LLT<MatrixXd>> pivots;
   std::vector<MatrixXd> below;     // E_k = U_k' inverse(P_k)
   std::vector<MatrixXd> solved;    // inverse(chain) * border, by block
-  Eigen::LLT<MatrixXd> remainder;  // of the corner: C - B' inverse(chain) B
+  Eigen::LLT<MatrixXd> remainder;  // Schur complement of the chain: C - B' inverse(chain) B
 
-  // inverse(chain) * right side, in place.
+  // inverse(chain) * sides, in place.
   void SolveChain(std::vector<MatrixXd>& sides) const {
     for (std::size_t k = 1; k < sides.size(); ++k) sides[k] -= below[k - 1] * sides[k - 1];
     for (std::size_t k = sides.size(); k-- > 0;) {
@@ -92,7 +92,7 @@ std::optional<BorderedSystem::Covariances> BorderedSystem::Invert() const {
   if (border_size() > 0) factors->remainder.solveInPlace(inverse.border);
   inverse.blocks.resize(blocks());
   const MatrixXd identity = MatrixXd::Identity(block_size_, block_size_);
-  for (std::size_t k = blocks(); k-- > 0;) {  // of the chain alone
+  for (std::size_t k = blocks(); k-- > 0;) {  // of the chain without the border
     inverse.blocks[k] = factors->pivots[k].solve(identity);
     if (k + 1 < blocks()) {
       inverse.blocks[k] += factors->below[k].transpose() * inverse.blocks[k + 1] * factors->below[k];
@@ -101,7 +101,7 @@ std::optional<BorderedSystem::Covariances> BorderedSystem::Invert() const {
   for (std::size_t k = 0; k < blocks(); ++k) {
     MatrixXd cross = -factors->solved[k] * inverse.border;
     inverse.blocks[k] -= cross * factors->solved[k].transpose();
-    factors->solved[k] = std::move(cross);  // in its place: they are the largest that is held
+    factors->solved[k] = std::move(cross);  // reuses the memory of the largest matrices
   }
   inverse.cross = std::move(factors->solved);
   return inverse;

@@ -1,13 +1,13 @@
-// Normal equations of a chain of equal blocks with a border:
+// Normal equations of a chain of equal blocks with a border (arrow matrix), used by smoother.h:
 //
 //   | D0 U0             B0 |   | x0 |   | g0 |
 //   | .  D1 U1          B1 |   | x1 |   | g1 |
 //   |    .  ..  ..      .. | * | .. | = | .. |     symmetric, positive definite
 //   | .  .  ..          C  |   | y  |   | h  |
 //
-// x: what follows each other in time, each tied to the next alone; y: what all of them share. Solved by Cholesky's
-// method from block to block, then for the border (Schur complement): linear in the number of blocks, and so are the
-// blocks' covariances. Memory: blocks x block_size x border_size numbers.
+// x: the states of successive frames, each coupled only to the next; y: the unknowns shared by all frames. Solved by
+// block Cholesky factorisation along the chain and the Schur complement for the border. Time is linear in the number of
+// blocks, also for the blocks' covariances. Memory: blocks x block_size x border_size numbers.
 #pragma once
 
 #include <optional>
@@ -19,10 +19,10 @@ namespace victorious {
 
 class BorderedSystem {
  public:
-  /// Some of a block's columns of the border.
+  /// Some columns of a block's part of the border.
   struct Part {
     Eigen::Index first = 0;
-    Eigen::MatrixXd columns;  ///< block_size x any
+    Eigen::MatrixXd columns;  ///< block_size x any number
   };
 
   BorderedSystem(std::size_t blocks, Eigen::Index block_size, Eigen::Index border_size);
@@ -32,8 +32,8 @@ class BorderedSystem {
   [[nodiscard]] Eigen::Index border_size() const { return corner.rows(); }
 
   std::vector<Eigen::MatrixXd> diagonal;  ///< D, block_size x block_size
-  std::vector<Eigen::MatrixXd> upper;     ///< U, one fewer: block k with block k + 1
-  std::vector<std::vector<Part>> border;  ///< B, the sum of parts: most of it is 0
+  std::vector<Eigen::MatrixXd> upper;     ///< U, one fewer: couples block k with block k + 1
+  std::vector<std::vector<Part>> border;  ///< B, as a sum of parts: sparse
   std::vector<Eigen::VectorXd> right;     ///< g
   Eigen::MatrixXd corner;                 ///< C
   Eigen::VectorXd corner_right;           ///< h
@@ -42,16 +42,17 @@ class BorderedSystem {
     std::vector<Eigen::VectorXd> blocks;  ///< x
     Eigen::VectorXd border;               ///< y
   };
-  /// @param damping  by so much of itself the whole matrix's diagonal is taken larger
-  /// Nothing where the matrix is not positive definite.
+  /// Solves the system.
+  /// @param damping  relative increase of the matrix's diagonal (Levenberg-Marquardt)
+  /// @return std::nullopt if the matrix is not positive definite
   [[nodiscard]] std::optional<Solution> Solve(double damping = 0) const;
 
   struct Covariances {
     std::vector<Eigen::MatrixXd> blocks;  ///< of each x
-    std::vector<Eigen::MatrixXd> cross;   ///< of each x with y
+    std::vector<Eigen::MatrixXd> cross;   ///< cross-covariance of each x with y
     Eigen::MatrixXd border;               ///< of y
   };
-  /// The blocks on the diagonal of the inverse, and the border's columns. Nothing where it is not positive definite.
+  /// The diagonal blocks and the border's columns of the inverse; std::nullopt if the matrix is not positive definite.
   [[nodiscard]] std::optional<Covariances> Invert() const;
 
  private:

@@ -22,11 +22,11 @@ BorderedSystem DrawnSystem(std::size_t blocks, Index size, Index border) {
   Random random(17 + blocks);
   BorderedSystem system(blocks, size, border);
   for (std::size_t k = 0; k < blocks; ++k) {
-    const MatrixXd j = Drawn(random, 3 * size, 2 * size + border);  // ties block k, the next and the border
+    const MatrixXd j = Drawn(random, 3 * size, 2 * size + border);  // couples block k, the next block and the border
     const bool last = k + 1 == blocks;
     const MatrixXd normal = j.transpose() * j;
     system.diagonal[k] += normal.topLeftCorner(size, size);
-    // The first column apart from the others, as of two landmarks.
+    // The first column as a separate part, as if of two landmarks.
     const Index first = std::min<Index>(border, 1);
     system.border[k].push_back({0, normal.block(0, 2 * size, size, first)});
     system.border[k].push_back({first, normal.topRightCorner(size, border - first)});

@@ -12,11 +12,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::size_t kFewest = 16;  // so many are never too many, however far telemetry is off
+constexpr std::size_t kFewest = 16;  // minimum number of candidates, however large the telemetry error
 
 double Squared(double value) { return value * value; }
 
-// Where telemetry has what is seen, and the sum of the variances along the axes.
+// The position of the observed object predicted by telemetry, and the sum of the variances along the axes.
 struct Expected {
   Vector3d place;
   double variance_m2 = 0;
@@ -39,7 +39,7 @@ Expected ExpectedOf(const Flight& flight, std::size_t told_frame, const Landmark
 
 std::vector<std::size_t> Near(const Expected& expected, std::span<const FlightLandmark> landmarks,
                               std::span<const std::size_t> of_model, double gate_sigma) {
-  std::vector<std::pair<double, std::size_t>> off;  // squared, as a share of what it may be
+  std::vector<std::pair<double, std::size_t>> off;  // squared distance relative to the gate
   for (const std::size_t landmark : of_model) {
     const Matrix6& prior = landmarks[landmark].prior_covariance;
     const double variance_m2 = expected.variance_m2 + prior.bottomRightCorner<3, 3>().trace();
@@ -62,7 +62,7 @@ Candidates::Candidates(const Flight& flight, std::span<const FlightLandmark> lan
                        std::span<const LandmarkSighting> sightings, const NavigateOptions& options)
     : landmarks_of_(landmarks_of), near_(sightings.size()) {
   for (const LandmarkSighting& sighting : sightings) model_of_.push_back(sighting.model);
-  std::vector<std::size_t> told;  // frames
+  std::vector<std::size_t> told;  // frames with telemetry
   for (std::size_t k = 0; k < flight.frames.size(); ++k) {
     if (flight.frames[k].told) told.push_back(k);
   }

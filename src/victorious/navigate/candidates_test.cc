@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kSide = 71;
 
-// Landmarks of one model, every 50 m over some kilometres, and a camera 100 m above that looks straight down at one.
+// Landmarks of one model, every 50 m over some kilometres; a camera 100 m above looks straight down at one.
 class CandidatesTest : public ::testing::Test {
  protected:
   CandidatesTest() {
@@ -33,7 +33,8 @@ class CandidatesTest : public ::testing::Test {
     sighting_.information = Matrix6::Identity();
   }
 
-  // By telemetry in one frame, of a sighting in the other: the camera is above landmark `below`, and told to be `off`.
+  // Telemetry in one frame, sighting in the other: the camera is above landmark `below`, with a telemetry error of
+  // `off`.
   std::vector<std::size_t> Of(std::size_t below, const Vector3d& off) {
     const Vector3d place = landmarks_[below].enu_from_landmark.translation + Vector3d(0, 0, 100) + off;
     flight_.frames[0].told = ToldPose{place, {0, -kPi / 2, 0}, Quaterniond::Identity()};

@@ -12,11 +12,12 @@
 namespace victorious {
 namespace {
 
-using Numbers = std::vector<std::size_t>;  // of sightings
+using Numbers = std::vector<std::size_t>;  // indices of sightings
 
-constexpr double kBesideS = 4;  // before and after a landmark is seen, the flight is still known to some degree
+// margin before and after a landmark is in view, in which the flight is still known to some degree
+constexpr double kBesideS = 4;
 
-// The flight while one landmark is seen, by that landmark alone.
+// The flight while one landmark is in view, estimated from only that landmark.
 class Witness {
  public:
   Witness(const Flight& flight, const FlightLandmark& landmark, std::span<const LandmarkSighting> sightings,
@@ -43,10 +44,11 @@ class Witness {
 
   struct Distance {
     double squared = 0;  // in sigmas
-    double sigma_m = 0;  // of the flight there
+    double sigma_m = 0;  // of the estimated place in that frame
   };
 
-  /// How far off a sighting is, if it is of this landmark; nothing where the flight is not known well enough to tell.
+  /// The squared innovation of a sighting, if it is of this landmark; std::nullopt if the flight is not accurate enough
+  /// there.
   [[nodiscard]] std::optional<Distance> DistanceOf(const LandmarkSighting& sighting, const FlightLandmark& landmark,
                                                    double most_sigma_m) const {
     if (!smoothed_ || sighting.frame < first_ || sighting.frame - first_ >= smoothed_->states.size()) {
@@ -69,15 +71,15 @@ class Witness {
   std::optional<SmoothedFlight> smoothed_;
 };
 
-// For each two landmarks: 1 they agree, -1 they contradict each other, 0 nothing is known.
+// For each pair of landmarks: 1 consistent, -1 contradictory, 0 unknown.
 using Verdicts = std::map<std::pair<std::size_t, std::size_t>, int>;
 
-// What one landmark's flight says of another's sightings: those nearest in time decide.
+// Tests another landmark's sightings against one landmark's flight: a vote of those nearest in time.
 int VerdictOf(const Witness& witness, std::span<const LandmarkSighting> sightings, const Numbers& own,
               const Numbers& others, const FlightLandmark& other, const NavigateOptions& options) {
   constexpr std::size_t kAsked = 7;
   const auto frame_of = [&](std::size_t i) { return sightings[i].frame; };
-  std::vector<std::pair<std::size_t, std::size_t>> nearest;  // frames apart, sighting
+  std::vector<std::pair<std::size_t, std::size_t>> nearest;  // distance in frames, sighting
   for (const std::size_t i : others) {
     const std::size_t frame = sightings[i].frame;
     const auto after = std::ranges::lower_bound(own, frame, {}, frame_of);
@@ -92,14 +94,15 @@ int VerdictOf(const Witness& witness, std::span<const LandmarkSighting> sighting
   for (const auto& [apart, i] : nearest) {
     const auto distance = witness.DistanceOf(sightings[i], other, options.claim_sigma_m);
     if (!distance) continue;
-    // To agree where little is known says nothing.
+    // Agreement under a large uncertainty is not significant.
     const bool agrees = distance->squared < options.gate_sigma * options.gate_sigma;
     if (!agrees || distance->sigma_m < options.claim_sigma_m / 3) sum += agrees ? 1 : -1;
   }
   return (sum > 0) - (sum < 0);
 }
 
-// How much more a flight by all but the wrong landmarks costs than their own flights: what it takes to agree.
+// The cost of a flight by all landmarks that are not wrong, minus the costs of their separate flights: their
+// inconsistency.
 double StrainOf(const Flight& flight, std::span<const FlightLandmark> landmarks,
                 std::span<const LandmarkSighting> sightings, std::span<const std::optional<std::size_t>> landmark_of,
                 const std::vector<bool>& wrong, const std::map<std::size_t, double>& alone) {
@@ -133,13 +136,13 @@ std::vector<bool> FindContradictions(const Flight& flight, std::span<const Fligh
     if (landmark_of[i]) seen[*landmark_of[i]].push_back(i);
   }
   Verdicts verdicts;
-  std::map<std::size_t, double> alone;  // what each landmark's own flight costs
+  std::map<std::size_t, double> alone;  // cost of each landmark's separate flight
   for (const auto& [one, own] : seen) {
     const Witness witness(flight, landmarks[one], sightings, own);
     alone[one] = witness.cost();
     for (const auto& [other, others] : seen) {
       if (other == one) continue;
-      // Each asks the other: who knows more decides, and a contradiction outweighs an agreement.
+      // Test in both directions: a known result overrides an unknown one, and a contradiction overrides an agreement.
       int& verdict = verdicts[std::minmax(one, other)];
       const int said = VerdictOf(witness, sightings, own, others, landmarks[other], options);
       verdict = verdict < 0 || said < 0 ? -1 : std::max(verdict, said);
@@ -147,7 +150,7 @@ std::vector<bool> FindContradictions(const Flight& flight, std::span<const Fligh
   }
   std::vector<bool> wrong(landmarks.size(), false);
   while (true) {
-    std::map<std::size_t, int> balance;  // contradictions less agreements
+    std::map<std::size_t, int> balance;  // contradictions minus agreements
     std::vector<std::size_t> contradicted;
     for (const auto& [pair, verdict] : verdicts) {
       if (wrong[pair.first] || wrong[pair.second]) continue;

@@ -1,10 +1,11 @@
-// Which landmarks are not where they are told to be, by contradiction with others: without telemetry a landmark that is
-// seen alone for a while is believed there, and only what was before and after it, or beside it, speaks against it.
+// Detects landmarks whose given place is wrong, by their inconsistency with other landmarks. Only needed without
+// telemetry: a wrong landmark that is alone in view for a while is then accepted there, and only sightings of other
+// landmarks before, after or at the same time contradict it.
 //
-// The flight is estimated from the sightings of each landmark alone. Wherever that is sure enough, it tells how the
-// others should have been seen. Of landmarks that contradict each other, the one that contradicts most others, and
-// agrees with fewest, is taken to be wrong, until no two contradict each other. Of several alike it is the one without
-// which all others make the smoothest flight.
+// The flight is estimated from the sightings of each landmark alone. Where this estimate is accurate enough, it
+// predicts the sightings of the other landmarks. Of the landmarks that contradict each other, the one with the most
+// contradictions and the fewest agreements is rejected, until no two contradict each other. Ties are resolved by the
+// cost of the smoothed flight: the landmark is rejected without which all others give the smallest cost.
 #pragma once
 
 #include <cstddef>
@@ -18,11 +19,12 @@
 
 namespace victorious {
 
-/// @param sightings    by frame
-/// @param landmark_of  one a sighting: of which landmark it is taken to be
-/// @return one a landmark
-/// Cost: for each landmark that of smoothing the flight while it is seen, and some seconds before and after, and of
-/// looking up all sightings; where several contradict alike, that of smoothing the whole flight without each of them.
+/// Finds the wrong landmarks.
+/// @param sightings             ordered by frame
+/// @param landmark_by_sighting  one per sighting: index of its landmark, or std::nullopt
+/// @return one per landmark: true if it is wrong Cost: per landmark, smoothing the flight while it is in view and some
+/// seconds before and after, and one pass over all sightings; in the case of a tie, smoothing the whole flight without
+/// each of the tied landmarks.
 std::vector<bool> FindContradictions(const Flight& flight, std::span<const FlightLandmark> landmarks,
                                      std::span<const LandmarkSighting> sightings,
                                      std::span<const std::optional<std::size_t>> landmark_of,

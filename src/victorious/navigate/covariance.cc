@@ -9,7 +9,7 @@
 namespace victorious {
 namespace {
 
-// By correlations: so metres and radians, and variances of any size, are alike.
+// Factorisation of the correlation matrix: independent of units and of the magnitude of the variances.
 struct Factors {
   Vector6 sigma_inverse;
   Eigen::LLT<Matrix6> correlation;

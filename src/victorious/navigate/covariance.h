@@ -1,4 +1,4 @@
-// What a covariance of six numbers, or an information matrix, is asked for: its inverse, and lengths in its sigmas.
+// Guarded operations on 6 x 6 covariance and information matrices: inverse and Mahalanobis distance.
 #pragma once
 
 #include <optional>
@@ -7,14 +7,15 @@
 
 namespace victorious {
 
-/// Nothing where it is no covariance: a variance that is 0, negative or not finite, or correlations that cannot be.
-/// Correlations that cannot be told from 1 are taken as a little less.
+/// The inverse; std::nullopt if the matrix is not a covariance: a variance that is 0, negative or not finite, or a
+/// correlation matrix that is not positive definite. Correlations numerically equal to 1 are slightly reduced.
 std::optional<Matrix6> InverseOf(const Matrix6& covariance);
 
-/// Of a sighting: what its information leaves open may be anything.
+/// The covariance of a sighting from its information matrix, regularised: components without information get a variance
+/// of pi^2 rad^2 (rotation) or 1e8 m^2 (translation).
 Matrix6 CovarianceOf(const Matrix6& information);
 
-/// Squared length in sigmas; infinity, which is near nothing, where it is no covariance.
+/// The squared Mahalanobis distance; infinity if the matrix is not a covariance.
 double SquaredSigmas(const Vector6& off, const Matrix6& covariance);
 
 }  // namespace victorious

@@ -9,7 +9,7 @@
 namespace victorious {
 namespace {
 
-// Of radians and metres, far apart in size.
+// Radians and metres, of very different magnitudes.
 Matrix6 Drawn() {
   Matrix6 root;
   for (int i = 0; i < 36; ++i) root(i / 6, i % 6) = std::sin(1.0 + 7 * i * i) * (i < 18 ? 1e-4 : 1e3);
@@ -20,7 +20,7 @@ TEST(Covariance, IsInverted) {
   const Matrix6 covariance = Drawn();
   const auto inverse = InverseOf(covariance);
   ASSERT_TRUE(inverse);
-  const Vector6 sigma = covariance.diagonal().cwiseSqrt();  // so that all are of the same size
+  const Vector6 sigma = covariance.diagonal().cwiseSqrt();  // normalises to the same magnitude
   const Matrix6 product = sigma.cwiseInverse().asDiagonal() * covariance * *inverse * sigma.asDiagonal();
   EXPECT_TRUE(product.isApprox(Matrix6::Identity(), 1e-6)) << product;
   const Vector6 off = covariance * Vector6::LinSpaced(-1, 2);

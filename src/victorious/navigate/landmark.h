@@ -1,4 +1,4 @@
-// What landmark navigation starts from: objects whose place on Earth is known, and sightings of them.
+// The input types of landmark navigation: landmarks (objects at known places), sightings of them, and video frames.
 #pragma once
 
 #include <cstddef>
@@ -21,27 +21,28 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 /// An object that stands upright at a known place.
 struct Landmark {
   std::string model;
-  GeodeticPoint place;                                          ///< of the middle of its bounding box
-  Eigen::Matrix3d covariance_enu_m2 = Eigen::Matrix3d::Zero();  ///< of the place; 0 where it is exact
-  std::optional<double> heading_rad;                            ///< of its front, clockwise from north
-  double sigma_heading_rad = 0;                                 ///< of a heading that is known
+  GeodeticPoint place;                                          ///< of the centre of its bounding box
+  Eigen::Matrix3d covariance_enu_m2 = Eigen::Matrix3d::Zero();  ///< of the place; 0 if it is exact
+  std::optional<double> heading_rad;  ///< of its front, clockwise from north; std::nullopt if not known
+  double sigma_heading_rad = 0;       ///< of the heading, if known
 };
 
-/// One object seen in one frame: how it stands before the camera. Its axes: x front, y left, z up, the origin in the
-/// middle of its bounding box.
+/// One sighting: the pose of an object relative to the camera in one frame. Object axes: x front, y left, z up, origin
+/// at the centre of its bounding box.
 struct LandmarkSighting {
-  std::size_t frame = 0;  ///< into the frames
-  std::size_t model = 0;  ///< a number: any landmark of that model may be what is seen
+  std::size_t frame = 0;  ///< index into the frames
+  std::size_t model = 0;  ///< model index: the sighting may be of any landmark of that model
   Rigid3 camera_from_landmark;
-  /// Inverse covariance of its error (turn, move), rad and m: truth is the pose turned by `turn` about the camera's
-  /// axes, then moved by `move` along them. What was not seen, such as the range or the turn of a photo's object, is 0.
+  /// Inverse covariance of the error (rotation, translation), rad and m: the true pose is the estimated one, rotated
+  /// about the camera's axes, then translated along them. Zero for components that were not observed, such as the range
+  /// or the rotation of an object modelled from photos.
   Matrix6 information = Matrix6::Zero();
 };
 
-/// A frame of the video, with what telemetry tells of it.
+/// A frame of the video, with the camera state measured by telemetry.
 struct NavigationFrame {
   double time_s = 0;
-  std::optional<CameraState> told;  ///< complete (CameraState::IsComplete) but for the field of view; at time_s
+  std::optional<CameraState> told;  ///< complete (CameraState::IsComplete) except for the field of view; at time_s
 };
 
 }  // namespace victorious

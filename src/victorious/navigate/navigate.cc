@@ -33,7 +33,7 @@ TangentPlane PlaneOf(const NavigationInput& input) {
   return TangentPlane({});
 }
 
-// How much rows scatter about the mean of those beside them.
+// The standard deviation of telemetry rows about the interpolation of their neighbours.
 struct RowNoise {
   double position_m = 0;
   double attitude_rad = 0;
@@ -46,7 +46,8 @@ RowNoise NoiseOf(std::span<const CameraState> rows, const TelemetryErrorOptions&
     const TangentPlane plane(rows[i].place);
     const double whole_s = rows[i + 1].time_s - rows[i - 1].time_s;
     const double share = (rows[i].time_s - rows[i - 1].time_s) / whole_s;
-    const double factor = std::sqrt(1 + share * share + (1 - share) * (1 - share));  // of the difference's noise
+    // ratio of the difference's noise to that of one row
+    const double factor = std::sqrt(1 + share * share + (1 - share) * (1 - share));
     const Vector3d off =
         (1 - share) * plane.EnuFromGeodetic(rows[i - 1].place) + share * plane.EnuFromGeodetic(rows[i + 1].place);
     for (const double axis : off) places.push_back(std::abs(axis) / factor);
@@ -56,7 +57,7 @@ RowNoise NoiseOf(std::span<const CameraState> rows, const TelemetryErrorOptions&
       attitudes.push_back(std::abs(axis) / factor);
     }
   }
-  constexpr double kSigmaOfMedian = 1.4826;  // of normal numbers' magnitude
+  constexpr double kSigmaOfMedian = 1.4826;  // of the absolute value of normal variates
   RowNoise noise{options.position_noise_m, RadiansFromDegrees(options.attitude_noise_deg)};
   if (!places.empty()) noise.position_m = std::max(noise.position_m, kSigmaOfMedian * Median(places));
   if (!attitudes.empty()) noise.attitude_rad = std::max(noise.attitude_rad, kSigmaOfMedian * Median(attitudes));
@@ -87,7 +88,7 @@ Flight FlightOf(const NavigationInput& input, const TangentPlane& plane, const N
   const RowNoise noise = NoiseOf(input.rows, options.telemetry);
   const auto told = static_cast<double>(
       std::ranges::count_if(input.frames, [](const NavigationFrame& frame) { return frame.told.has_value(); }));
-  // Between two rows there is nothing new to be told.
+  // Frames between two rows repeat the same measurement: their sigmas are increased accordingly.
   const double repeats = std::sqrt(std::max(1.0, told / std::max<double>(1, static_cast<double>(input.rows.size()))));
   for (const NavigationFrame& frame : input.frames) {
     FlightFrame next{frame.time_s, std::nullopt};
@@ -102,11 +103,11 @@ Flight FlightOf(const NavigationInput& input, const TangentPlane& plane, const N
   return flight;
 }
 
-// What is not known of its heading may be anything.
+// The landmark in the tangent plane; an unknown heading gets a standard deviation of pi.
 FlightLandmark InPlane(const Landmark& landmark, const TangentPlane& plane, const LandmarkErrorOptions& options) {
   const Vector3d place = plane.EnuFromGeodetic(landmark.place);
   const Quaterniond enu_from_local = plane.LocalEnuFromEnu(place).conjugate();
-  // Its front along x, which points east: a quarter turn from a heading of north.
+  // Its front is along x, which points east: a quarter turn from a heading of north.
   const Quaterniond local_from_landmark(AngleAxisd(kPi / 2 - landmark.heading_rad.value_or(0), Vector3d::UnitZ()));
   Matrix6 covariance = Matrix6::Zero();
   const double turn = std::pow(RadiansFromDegrees(options.turn_deg), 2);
@@ -123,7 +124,8 @@ std::vector<FlightLandmark> InPlane(std::span<const Landmark> landmarks, const T
   return all;
 }
 
-// What is surely too far from a sighting, by the landmarks' middles alone: of thousands few are left to look at.
+// Excludes landmarks that are certainly too far from a sighting, by the translation alone: a cheap pre-test for
+// thousands of landmarks.
 class MoveGate {
  public:
   MoveGate(const LandmarkSighting& sighting, double noise, const SmoothedFlight& smoothed)
@@ -134,8 +136,8 @@ class MoveGate {
                 4 * block.block<3, 3>(3, 3).trace();
   }
 
-  /// Squared, in sigmas: no fewer than along the widest axis. What errs together counts at most twice: once for the
-  /// state and the landmark, once for its turn and its place.
+  /// True if outside the gate; the trace bounds the variance of the principal axis. Correlated errors count at most
+  /// twice: once for the state and the landmark, once for its rotation and its place.
   [[nodiscard]] bool IsBeyond(double squared_sigmas, const Rigid3& landmark, double place_variance) const {
     const Vector3d in_camera = state_.camera_from_enu * (landmark.translation - state_.place);
     const double widest = variance_ + 4 * in_camera.squaredNorm() * turn_variance_ + 2 * place_variance;
@@ -149,7 +151,7 @@ class MoveGate {
   double variance_ = 0;
 };
 
-// Sightings of one landmark within `correlation_s` count as one.
+// Sightings of one landmark within `correlation_s` count as one: their information is divided by their number.
 std::vector<LandmarkSighting> Thinned(const NavigationInput& input, double correlation_s) {
   std::vector<LandmarkSighting> thinned(input.sightings.begin(), input.sightings.end());
   if (correlation_s <= 0) return thinned;
@@ -160,7 +162,7 @@ std::vector<LandmarkSighting> Thinned(const NavigationInput& input, double corre
     const double time_s = time_of(thinned[i]);
     while (time_of(thinned[first]) < time_s - correlation_s / 2) ++first;
     while (last < thinned.size() && time_of(thinned[last]) <= time_s + correlation_s / 2) ++last;
-    std::vector<std::size_t> frames;  // with a sighting of the same
+    std::vector<std::size_t> frames;  // frames with a sighting of the same model
     for (std::size_t k = first; k < last; ++k) {
       if (thinned[k].model == thinned[i].model) frames.push_back(thinned[k].frame);
     }
@@ -170,7 +172,7 @@ std::vector<LandmarkSighting> Thinned(const NavigationInput& input, double corre
   return thinned;
 }
 
-// The sightings that are believed, and what they make of the flight.
+// Alternates between data association and smoothing.
 class Navigator {
  public:
   Navigator(const NavigationInput& input, const NavigateOptions& options)
@@ -231,12 +233,12 @@ class Navigator {
     return SmoothFlight(flight_, used, ties, start);
   }
 
-  // Each sighting as of the landmark that is nearest to it, if one is near.
+  // Associates each sighting with the nearest landmark inside the gate.
   std::vector<std::optional<std::size_t>> Believe(const SmoothedFlight& smoothed) {
     std::vector<std::optional<std::size_t>> believed(sightings_.size());
     std::vector<double> squares;
     for (std::size_t i = 0; i < whole_.size(); ++i) {
-      // To believe means something only where the flight expects something.
+      // Association is meaningful only where the flight predicts the sighting accurately enough.
       const Matrix3d of_place = smoothed.covariances.blocks[whole_[i].frame].block<3, 3>(3, 3);
       if (std::sqrt(of_place.trace() / 3) > options_.claim_sigma_m) continue;
       double nearest = options_.gate_sigma * options_.gate_sigma;
@@ -252,9 +254,9 @@ class Navigator {
       }
       if (believed[i]) squares.push_back(SquaredResidual(whole_[i], *believed[i], smoothed));
     }
-    // Sightings that scatter more than they tell widen the covariance.
+    // Sightings that scatter more than their covariances inflate the covariance.
     constexpr std::size_t kFewest = 10;
-    constexpr double kMedianOf6 = 5.348;  // of chi squared of 6
+    constexpr double kMedianOf6 = 5.348;  // chi-square with 6 degrees of freedom
     noise_ = squares.size() < kFewest ? 1 : std::max(1.0, Median(squares) / kMedianOf6);
     return believed;
   }
@@ -264,7 +266,7 @@ class Navigator {
     return used ? smoothed.landmarks[*used] : landmarks_[landmark].enu_from_landmark;
   }
 
-  // The sum along the axes.
+  // The sum of the variances along the axes.
   [[nodiscard]] double PlaceVariance(const SmoothedFlight& smoothed, std::size_t landmark) const {
     const auto& used = at_border_[landmark];
     if (!used) return landmarks_[landmark].prior_covariance.bottomRightCorner<3, 3>().trace();
@@ -279,7 +281,7 @@ class Navigator {
     return off.dot(sighting.information * off) * 6 / DimensionsOf(sighting.information);
   }
 
-  // Squared, in sigmas of the sighting and of what the flight expects together.
+  // The normalised innovation squared of a sighting: by its own covariance and that of the prediction.
   [[nodiscard]] double DistanceOf(const LandmarkSighting& sighting, std::size_t landmark,
                                   const SmoothedFlight& smoothed) const {
     const FlightState& state = smoothed.states[sighting.frame];
@@ -310,7 +312,7 @@ class Navigator {
       const FlightState& state = smoothed.states[k];
       const Eigen::MatrixXd& block = smoothed.covariances.blocks[k];
       const Quaterniond local_from_enu = plane_.LocalEnuFromEnu(state.place);
-      Matrix6 local = Matrix6::Zero();  // (place, turn) from (turn, place)
+      Matrix6 local = Matrix6::Zero();  // (place, rotation) from (rotation, place)
       local.topRightCorner<3, 3>() = local_from_enu.toRotationMatrix();
       local.bottomLeftCorner<3, 3>().setIdentity();
       NavigatedFrame& frame = frames[k];
@@ -339,16 +341,16 @@ class Navigator {
   }
 
   const NavigateOptions& options_;
-  Matrix3d common_;  // covariance of what all landmarks' places err alike
+  Matrix3d common_;  // covariance of the error common to all landmarks' places
   TangentPlane plane_;
   Flight flight_;
   std::vector<FlightLandmark> landmarks_;
-  std::vector<LandmarkSighting> sightings_;  // with the information that each adds
-  std::span<const LandmarkSighting> whole_;  // with the information that each has by itself
+  std::vector<LandmarkSighting> sightings_;  // with information reduced for correlation
+  std::span<const LandmarkSighting> whole_;  // with their full information
   Candidates candidates_;
   std::vector<bool> wrong_;
-  std::vector<std::optional<std::size_t>> at_border_;  // one a landmark: where in the flight last smoothed
-  double noise_ = 1;  // factor by which the sightings' covariances are larger than told
+  std::vector<std::optional<std::size_t>> at_border_;  // one per landmark: index in the last smoothed flight
+  double noise_ = 1;                                   // factor of the sightings' covariances, from their scatter
 };
 
 }  // namespace

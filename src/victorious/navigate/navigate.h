@@ -1,11 +1,13 @@
-// Landmark navigation: known objects in view tell where the camera is and how it is held, with telemetry that drifts or
-// without any.
+// Landmark navigation: estimates the camera's trajectory (position and attitude per frame) from sightings of objects at
+// known places, with telemetry that drifts or without telemetry. Called by pipeline/navigate_run.cc.
 //
-//   landmarks, sightings -> which to believe (agreement.h, contradiction.h) -> the most likely flight (smoother.h) ->
-//   which to believe after all, by how far each is from where the flight has it -> ... until that stays -> states with
+// Iterates between data association and smoothing:
+//   landmarks, sightings -> initial association (agreement.h, contradiction.h) -> maximum-likelihood flight
+//   (smoother.h)
+//   -> association by a gate on each sighting's innovation -> ... until the association is stable -> states with
 //   covariance
 //
-// The inverse of geolocate/: there the camera is known and the object is sought.
+// The inverse of geolocate/, where the camera is known and the object's place is estimated.
 #pragma once
 
 #include <cstddef>
@@ -23,42 +25,42 @@
 namespace victorious {
 
 struct NavigationInput {
-  std::span<const NavigationFrame> frames;  ///< by strictly rising time
-  std::span<const CameraState> rows;        ///< telemetry as recorded, by time; tells how much its rows scatter
+  std::span<const NavigationFrame> frames;  ///< in strictly ascending order of time
+  std::span<const CameraState> rows;        ///< telemetry as recorded, by time; determines the noise of its rows
   std::span<const Landmark> landmarks;
-  std::span<const std::vector<std::size_t>> landmarks_of;  ///< by number of model: which of the landmarks are of it
-  std::span<const LandmarkSighting> sightings;             ///< by frame
-  /// Of an error that all landmarks' places have in common: those located in one flight share its errors. It moves the
-  /// flight as a whole, so nothing seen can tell it.
+  std::span<const std::vector<std::size_t>> landmarks_of;  ///< by model index: the indices of its landmarks
+  std::span<const LandmarkSighting> sightings;             ///< ordered by frame
+  /// Covariance of an error that is common to all landmarks' places, for example if all were located in one flight. It
+  /// shifts the flight as a whole and is unobservable.
   Eigen::Matrix3d common_covariance_enu_m2 = Eigen::Matrix3d::Zero();
 };
 
-/// What telemetry told less what was so.
+/// The error of telemetry: measured minus estimated.
 struct TelemetryOffset {
   Eigen::Vector3d place_enu_m;
   Eigen::Vector3d attitude_rad;  ///< of yaw, pitch and roll
-  Matrix6 covariance;            ///< of both
+  Matrix6 covariance;            ///< of both: (place, attitude)
 };
 
-/// Of one frame.
+/// The estimate for one frame.
 struct NavigatedFrame {
-  CameraState camera;  ///< sigmas are root mean squares over the axes; no field of view
-  Matrix6 covariance;  ///< of (place east, north, up in m; turn about the camera's right, down and forward in rad)
-  int landmarks = 0;   ///< seen here and believed
-  std::optional<TelemetryOffset> offset;  ///< where there is telemetry
+  CameraState camera;  ///< its sigmas are root mean squares over the axes; without field of view
+  /// of (place east, north, up in m; rotation about the camera's right, down and forward axes in rad)
+  Matrix6 covariance;
+  int landmarks = 0;                      ///< number of landmarks associated with a sighting in this frame
+  std::optional<TelemetryOffset> offset;  ///< std::nullopt for frames without telemetry
 };
 
 struct Navigation {
-  std::vector<NavigatedFrame> frames;                   ///< one a frame; none at all where nothing tells any place
-  std::vector<std::optional<std::size_t>> landmark_of;  ///< one a sighting; none where it is not believed
+  std::vector<NavigatedFrame> frames;  ///< one per frame; empty if nothing determines the camera's place
+  std::vector<std::optional<std::size_t>> landmark_of;  ///< one per sighting; std::nullopt for outliers
 };
 
-/// Without telemetry and without a believed sighting there are no frames in the result.
-/// Errors: kInvalidArgument for options out of range.
-/// Cost: 0.2 to 0.4 ms a frame with a few landmarks. Each step of the smoother and its memory grow with frames x
-/// landmarks seen, its covariances with frames x their square. With telemetry, of a model's landmarks those near what
-/// it tells are tried, and at least 16; without it all are. Then, too, landmarks are held against each other two by
-/// two (contradiction.h).
+/// Estimates the flight. Without telemetry and without an associated sighting the result has no frames. Errors:
+/// kInvalidArgument for options out of range. Cost: 0.2 to 0.4 ms per frame with a few landmarks. Each iteration of the
+/// smoother and its memory are linear in frames x landmarks in view, the covariances in frames x the square of the
+/// landmarks in view. With telemetry, of each model only the landmarks near the predicted position, and at least 16,
+/// are candidates; without telemetry all are, and landmarks are also compared pairwise (contradiction.h).
 Expected<Navigation> Navigate(const NavigationInput& input, NavigateOptions options);
 
 }  // namespace victorious

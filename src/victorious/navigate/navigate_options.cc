@@ -7,46 +7,57 @@ void TelemetryErrorOptions::ListFields(FieldList& fields) {
              {.min = 1e-3,
               .max = 1e6,
               .unit = "m",
-              .reason = "sigma of the offset of telemetry's places along each axis; where telemetry tells its own, "
-                        "that counts"});
+              .reason = "sigma of the initial offset of telemetry's positions, along each axis; sigmas "
+                        "given by telemetry take precedence"});
   fields.Add("attitude_deg", attitude_deg,
              {.min = 1e-3,
               .max = 180,
               .unit = "deg",
-              .reason = "sigma of the offset of telemetry's yaw, pitch and roll; where telemetry tells its own, that "
-                        "counts"});
+              .reason = "sigma of the initial offset of telemetry's yaw, pitch and roll; sigmas given by "
+                        "telemetry take precedence"});
   fields.Add("position_drift_m", position_drift_m,
              {.min = 0,
               .max = 1e3,
               .unit = "m",
-              .reason = "sigma of how far the places' offset drifts in a second; in more seconds, with their root"});
+              .reason = "sigma of the random walk of the position offset after one second; grows with "
+                        "the square root of time"});
   fields.Add("attitude_drift_deg", attitude_drift_deg,
-             {.min = 0, .max = 90, .unit = "deg", .reason = "the same of the attitude's offset"});
+             {.min = 0,
+              .max = 90,
+              .unit = "deg",
+              .reason = "sigma of the random walk of the attitude offset after one second"});
   fields.Add("position_noise_m", position_noise_m,
              {.min = 1e-3,
               .max = 1e3,
               .unit = "m",
-              .reason = "sigma of a row's own error in its place, at least; how much more it is, the rows' scatter "
-                        "tells"});
+              .reason = "minimum sigma of the independent position noise of a telemetry row; raised to "
+                        "the scatter of the rows"});
   fields.Add("attitude_noise_deg", attitude_noise_deg,
-             {.min = 1e-3, .max = 90, .unit = "deg", .reason = "the same of its attitude"});
+             {.min = 1e-3,
+              .max = 90,
+              .unit = "deg",
+              .reason = "minimum sigma of the independent attitude noise of a telemetry row; raised to "
+                        "the scatter of the rows"});
 }
 
 void MotionOptions::ListFields(FieldList& fields) {
   fields.Add("speed_m_s", speed_m_s,
-             {.min = 1e-3, .max = 1e4, .unit = "m/s", .reason = "sigma of the camera's speed along each axis"});
+             {.min = 1e-3, .max = 1e4, .unit = "m/s", .reason = "sigma of the camera's velocity, along each axis"});
   fields.Add("speed_change_m_s", speed_change_m_s,
              {.min = 1e-3,
               .max = 1e3,
               .unit = "m/s",
-              .reason = "sigma of how much its speed changes in a second, along each axis: a tight circle's 5 m/s"});
-  fields.Add("turn_deg_s", turn_deg_s,
-             {.min = 1e-3, .max = 1e4, .unit = "deg/s", .reason = "sigma of how fast it turns, about each axis"});
+              .reason = "sigma of the random walk of the velocity after one second, along each axis: 5 "
+                        "m/s in a tight circle"});
+  fields.Add(
+      "turn_deg_s", turn_deg_s,
+      {.min = 1e-3, .max = 1e4, .unit = "deg/s", .reason = "sigma of the camera's angular rate, about each axis"});
   fields.Add("turn_change_deg_s", turn_change_deg_s,
              {.min = 1e-3,
               .max = 1e4,
               .unit = "deg/s",
-              .reason = "sigma of how much that changes in a second: a hand's shake"});
+              .reason = "sigma of the random walk of the angular rate after one second: a hand-held "
+                        "camera shakes"});
 }
 
 void LandmarkErrorOptions::ListFields(FieldList& fields) {
@@ -54,19 +65,20 @@ void LandmarkErrorOptions::ListFields(FieldList& fields) {
              {.min = 1e-3,
               .max = 100,
               .unit = "m",
-              .reason = "sigma of where the middle of a landmark seems to be, beside what is told of its place, the "
-                        "same in all frames"});
+              .reason = "sigma of the apparent centre of a landmark, in addition to the covariance of "
+                        "its place; constant over all frames"});
   fields.Add("turn_deg", turn_deg,
              {.min = 1e-3,
               .max = 90,
               .unit = "deg",
-              .reason = "the same of how it seems turned; it also stands upright no better than this"});
+              .reason = "sigma of the apparent rotation of a landmark, constant over all frames; also of "
+                        "its tilt against the vertical"});
   fields.Add("correlation_s", correlation_s,
              {.min = 0,
               .max = 1e3,
               .unit = "s",
-              .reason = "sightings of a landmark within so long err alike, and count as one: they rest on the same "
-                        "view of its model"});
+              .reason = "sightings of a landmark within this time have the same error and count as one: "
+                        "they match the same view of its model"});
 }
 
 void NavigateOptions::ListFields(FieldList& fields) {
@@ -77,13 +89,14 @@ void NavigateOptions::ListFields(FieldList& fields) {
              {.min = 1,
               .max = 100,
               .unit = "",
-              .reason = "a sighting further than so many sigmas from where its landmark should be is set aside"});
+              .reason = "gate of the data association: a sighting with a larger residual, in sigmas, is "
+                        "an outlier"});
   fields.Add("claim_sigma_m", claim_sigma_m,
              {.min = 0.1,
               .max = 1e4,
               .unit = "m",
-              .reason = "a sighting that alone tells the camera's place no better has no say in which landmarks are "
-                        "right"});
+              .reason = "maximum position sigma of a camera pose hypothesis from one sighting; less "
+                        "accurate ones do not vote in the initial association"});
 }
 
 }  // namespace victorious

@@ -5,7 +5,7 @@
 
 namespace victorious {
 
-/// Telemetry's errors: an offset, which drifts as a random walk, and noise from row to row.
+/// Telemetry errors: an offset that drifts as a random walk, and noise per row.
 struct TelemetryErrorOptions {
   double position_m = 10;
   double attitude_deg = 3;
@@ -17,7 +17,7 @@ struct TelemetryErrorOptions {
   void ListFields(FieldList& fields);
 };
 
-/// How the camera moves.
+/// Motion model of the camera.
 struct MotionOptions {
   double speed_m_s = 40;
   double speed_change_m_s = 5;
@@ -27,7 +27,7 @@ struct MotionOptions {
   void ListFields(FieldList& fields);
 };
 
-/// What errs alike in all sightings of a landmark.
+/// Errors that are common to all sightings of a landmark.
 struct LandmarkErrorOptions {
   double middle_m = 0.1;
   double turn_deg = 1;

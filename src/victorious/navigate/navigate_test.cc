@@ -19,7 +19,7 @@ using testing::LandmarkFlightOptions;
 struct Errors {
   std::vector<double> places_m;
   std::vector<double> turns_deg;
-  int inside = 0;  // frames whose truth lies in the 90 % ellipsoid of the place
+  int inside = 0;  // frames whose true place lies in the 90 % ellipsoid
 
   [[nodiscard]] double Place(double share) const { return At(places_m, share); }
   [[nodiscard]] double Turn(double share) const { return At(turns_deg, share); }
@@ -94,7 +94,7 @@ TEST(Navigate, CovarianceHoldsTheTruth) {
   Errors without;
   Errors self_located;
   NavigateOptions options;
-  options.landmark = {.middle_m = 0.001, .turn_deg = 0.001, .correlation_s = 0};  // what the flights draw
+  options.landmark = {.middle_m = 0.001, .turn_deg = 0.001, .correlation_s = 0};  // as simulated
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const LandmarkFlight noisy({.seed = seed, .noise_position_m = 1, .noise_attitude_deg = 0.3});
     with.Add(noisy, Estimate(noisy, options));
@@ -135,7 +135,7 @@ TEST(Navigate, AWrongLandmarkDoesNotPullItAway) {
   }
 }
 
-// Landmarks that are hardly ever seen together: what came before and after speaks against the wrong one.
+// Landmarks that are hardly ever in view together: sightings before and after contradict the wrong one.
 TEST(Navigate, WithoutTelemetryAWrongLandmarkContradictsTheOthers) {
   for (const std::size_t wrong : {0U, 1U, 3U}) {
     int believed = 0;
@@ -194,7 +194,7 @@ TEST(Navigate, TellsLandmarksOfOneModelApart) {
   }
 }
 
-// Of many sightings some lead: each landmark must come to be one of them.
+// Only a subset of the hypotheses is tried as the reference: each landmark must occur in it.
 TEST(Navigate, OfTwoLandmarksOfOneModelTheSecondIsFoundAlone) {
   LandmarkFlight flight({.seed = 4, .frames = 480, .frame_rate = 60, .landmarks = 2});
   std::erase_if(flight.sightings, [](const LandmarkSighting& sighting) { return sighting.model == 0; });
@@ -206,7 +206,7 @@ TEST(Navigate, OfTwoLandmarksOfOneModelTheSecondIsFoundAlone) {
   EXPECT_GT(right, 0.9 * static_cast<double>(flight.sightings.size()));
 }
 
-// A town of the same landmark: what is far from the camera costs next to nothing, and changes nothing.
+// A town of identical landmarks: those far from the camera cost almost nothing and do not change the result.
 TEST(Navigate, AListOfThousandsCostsAsMuchAsThoseAround) {
   for (const bool telemetry : {true, false}) {
     LandmarkFlight flight({.seed = 4, .landmarks = 5, .telemetry = telemetry});
@@ -261,7 +261,7 @@ TEST(Navigate, UsesDirectionsAlone) {
     for (Landmark& landmark : flight.landmarks) landmark.heading_rad.reset();
     errors.Add(flight, Estimate(flight));
   }
-  EXPECT_LT(errors.Place(0.5), 8);  // telemetry alone: some 15 m
+  EXPECT_LT(errors.Place(0.5), 8);  // telemetry alone: about 15 m
   EXPECT_GT(errors.Inside(), 0.7);
 }
 

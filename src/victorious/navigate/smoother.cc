@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 using Vector12 = Eigen::Matrix<double, 12, 1>;
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
 
-// Where in a frame's block each unknown begins.
+// Index of each unknown in a frame's block.
 constexpr Index kTurn = 0;
 constexpr Index kPlace = 3;
 constexpr Index kTurnRate = 6;
@@ -34,8 +34,8 @@ constexpr double kStudentFreedom = 6;
 
 double InverseSquare(double sigma) { return 1 / (sigma * sigma); }
 
-// Student's t distribution of `count` numbers whose squares in sigmas are `squared` together: minus the logarithm of
-// its likelihood, and the factor by which it weighs them less than a normal distribution would.
+// Robust error model, a t distribution of `count` residuals whose normalised squares sum to `squared`: the negative
+// log-likelihood, and the weight relative to a normal distribution.
 struct Student {
   Student(double squared, double count)
       : cost(0.5 * (kStudentFreedom + count) * std::log1p(squared / kStudentFreedom)),
@@ -50,7 +50,7 @@ struct Estimate {
   std::vector<Rigid3> landmarks;
 };
 
-// Half the squares that a random walk of both a number and its rate adds, over time dt: information of (number, rate).
+// Information of (value, rate) for a value whose rate changes by white noise, after time dt (constant-velocity model).
 Matrix12 MotionInformation(double dt, const FlightSigmas& sigmas) {
   Matrix12 information = Matrix12::Zero();
   const auto fill = [&](Index number, Index rate, double change) {
@@ -71,12 +71,12 @@ class Smoother {
   Smoother(const Flight& flight, std::span<const FlightLandmark> landmarks, std::span<const FlightTie> ties)
       : flight_(flight), landmarks_(landmarks), ties_(ties) {
     for (const FlightLandmark& landmark : landmarks) {
-      // One whose covariance is none tells nothing.
+      // A singular prior adds no information.
       landmark_information_.push_back(InverseOf(landmark.prior_covariance).value_or(Matrix6::Zero()));
     }
   }
 
-  /// What the estimate costs: minus the logarithm of its likelihood. Its normal equations go to `system`, if given.
+  /// The negative log-likelihood of the estimate. Adds its normal equations to `system`, if given.
   double Weigh(const Estimate& estimate, BorderedSystem* system) const {
     double cost = WeighFirst(estimate, system);
     for (std::size_t k = 0; k < flight_.frames.size(); ++k) {
@@ -116,7 +116,7 @@ class Smoother {
   }
 
  private:
-  // The first state: nothing is known of it but how fast it may be, and how far off telemetry may be.
+  // Prior of the first state: wide in the pose; sigmas for the velocities and for the telemetry offset.
   double WeighFirst(const Estimate& estimate, BorderedSystem* system) const {
     const FlightSigmas& sigmas = flight_.sigmas;
     const FlightState& first = estimate.states.front();
@@ -134,7 +134,7 @@ class Smoother {
     tie(kTurnRate, first.turn_rate, sigmas.turn_rad_s);
     tie(kVelocity, first.velocity, sigmas.speed_m_s);
     if (!flight_.has_told) return cost;
-    // Telemetry that is off by far more than its sigma does not hold the estimate back.
+    // Heavy tails: a telemetry offset far above its sigma does not dominate the estimate.
     const auto tie_offset = [&](Index at, const Vector3d& value, double sigma) {
       const double squared = value.squaredNorm() * InverseSquare(sigma);
       const Student student(squared, 3);
@@ -146,7 +146,7 @@ class Smoother {
     return cost;
   }
 
-  // From frame k to the next.
+  // Motion model from frame k to the next.
   double WeighMotion(const Estimate& estimate, std::size_t k, BorderedSystem* system) const {
     constexpr double kLeastStepS = 1e-3;
     const double dt = std::max(kLeastStepS, flight_.frames[k + 1].time_s - flight_.frames[k].time_s);
@@ -173,7 +173,7 @@ class Smoother {
     if (!flight_.has_told) return cost;
     const auto walk = [&](Index at, const Vector3d& change, double drift, double least) {
       const double sure = 1 / (dt * std::max(drift * drift, least * least));
-      const Student student(sure * change.squaredNorm(), 3);  // now and then telemetry jumps
+      const Student student(sure * change.squaredNorm(), 3);  // telemetry may jump
       const double weight = student.weight * sure;
       cost += student.cost;
       if (system == nullptr) return;
@@ -183,7 +183,7 @@ class Smoother {
       system->right[k].segment<3>(at) += weight * change;
       system->right[k + 1].segment<3>(at) -= weight * change;
     };
-    constexpr double kLeastDriftM = 1e-3;  // for a system that can be solved
+    constexpr double kLeastDriftM = 1e-3;  // keeps the system well-conditioned
     constexpr double kLeastDriftRad = 1e-5;
     walk(kPlaceOffset, next.place_offset - now.place_offset, flight_.sigmas.drift_position_m, kLeastDriftM);
     walk(kAttitudeOffset, next.attitude_offset - now.attitude_offset, flight_.sigmas.drift_attitude_rad,
@@ -295,7 +295,7 @@ SightingJacobian SightingDerivative(const FlightState& state, const Rigid3& enu_
   return jacobian;
 }
 
-// (W^-1 + S)^-1 = W - W (W + S^-1)^-1 W, which needs no inverse of W.
+// (W^-1 + S)^-1 = W - W (W + S^-1)^-1 W, which does not need the inverse of W.
 double SquaredDistance(const Vector6& error, const Matrix6& information, const Matrix6& expected_covariance) {
   const auto expected = InverseOf(expected_covariance);
   if (!expected) return std::numeric_limits<double>::infinity();
@@ -310,7 +310,7 @@ double DimensionsOf(const Matrix6& information) {
 std::optional<SmoothedFlight> SmoothFlight(const Flight& flight, std::span<const FlightLandmark> landmarks,
                                            std::span<const FlightTie> ties, std::vector<FlightState> start) {
   constexpr int kMostSteps = 40;
-  constexpr double kSettled = 1e-3;  // of a cost that is half a square of sigmas
+  constexpr double kSettled = 1e-3;  // of a cost that is half a sum of squared normalised residuals
   constexpr double kMostDamping = 1e8;
   const Smoother smoother(flight, landmarks, ties);
   Estimate estimate{std::move(start), {}};

@@ -1,13 +1,13 @@
-// The most likely flight, given which sighting is of which landmark: a Gauss-Newton (Levenberg) iteration over the
-// states of all frames at once, which is an iterated Kalman smoother in information form. Unknown are
-//   of each frame  attitude, place, turn rate, velocity and, with telemetry, the offsets of what it tells
-//   of all frames  where each landmark seen really is, and how turned
-// tied to each other by
-//   motion         turn rate and velocity change as random walks
-//   telemetry      told = state + offset + noise; the offset walks from frame to frame
-//   sightings      camera_from_landmark as seen
-//   landmarks      as told, with their covariance
-// Telemetry and sightings err by Student's t distribution: what is far off counts little.
+// Maximum-likelihood estimate of the flight for a given data association: Levenberg-Marquardt over the states of all
+// frames at once, i.e. an iterated Kalman smoother in information form. The unknowns are
+//   per frame     attitude, place, angular rate, velocity and, with telemetry, the offsets of telemetry
+//   per landmark  the true place and rotation of each observed landmark
+// coupled by
+//   motion        angular rate and velocity change as random walks
+//   telemetry     measured = state + offset + noise; the offset is a random walk from frame to frame
+//   sightings     camera_from_landmark as observed
+//   landmarks     the given places, with their covariance
+// Telemetry and sightings have Student's t errors: outliers have little influence.
 #pragma once
 
 #include <cstddef>
@@ -24,15 +24,15 @@
 
 namespace victorious {
 
-/// What telemetry tells of a frame, in the flight's tangent plane.
+/// The camera pose measured by telemetry in one frame, in the flight's tangent plane.
 struct ToldPose {
   Eigen::Vector3d place;
-  Attitude attitude;                  ///< against north and the vertical there
-  Eigen::Quaterniond local_from_enu;  ///< from the tangent plane's axes to those there
-  double sigma_position_m = 0;        ///< of its noise
-  double sigma_attitude_rad = 0;      ///< likewise
+  Attitude attitude;                  ///< relative to north and the local vertical
+  Eigen::Quaterniond local_from_enu;  ///< rotation from the tangent plane's axes to the local ones
+  double sigma_position_m = 0;        ///< of the noise
+  double sigma_attitude_rad = 0;      ///< of the noise
 
-  /// Without these offsets of yaw, pitch and roll.
+  /// The camera's rotation after subtraction of these offsets of yaw, pitch and roll.
   [[nodiscard]] Eigen::Quaterniond CameraFromEnuLess(const Eigen::Vector3d& attitude_offset) const;
 };
 
@@ -41,23 +41,23 @@ struct FlightFrame {
   std::optional<ToldPose> told;
 };
 
-/// Of a frame; unknown are changes to it in this order, three each.
+/// The state of a frame. The unknowns are increments to its members in this order, three each.
 struct FlightState {
-  Eigen::Quaterniond camera_from_enu = Eigen::Quaterniond::Identity();  ///< changed by a turn about camera's axes
+  Eigen::Quaterniond camera_from_enu = Eigen::Quaterniond::Identity();  ///< increment: rotation about the camera's axes
   Eigen::Vector3d place = Eigen::Vector3d::Zero();                      ///< m, in the tangent plane
   Eigen::Vector3d turn_rate = Eigen::Vector3d::Zero();                  ///< rad/s, about the camera's axes
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();                   ///< m/s
-  Eigen::Vector3d place_offset = Eigen::Vector3d::Zero();               ///< m, telemetry's: told less true
+  Eigen::Vector3d place_offset = Eigen::Vector3d::Zero();               ///< m, of telemetry: measured minus true
   Eigen::Vector3d attitude_offset = Eigen::Vector3d::Zero();            ///< rad, of yaw, pitch and roll
 };
 
-/// A landmark in the tangent plane; unknown are a turn about the plane's axes and a move along them.
+/// A landmark in the tangent plane. The unknowns are a rotation about the plane's axes and a translation along them.
 struct FlightLandmark {
   Rigid3 enu_from_landmark;
-  Matrix6 prior_covariance;  ///< of (turn, move) from what was told
+  Matrix6 prior_covariance;  ///< of (rotation, translation), from the given place and heading
 };
 
-/// A sighting taken as one of a landmark.
+/// A sighting associated with a landmark.
 struct FlightTie {
   std::size_t frame = 0;
   std::size_t landmark = 0;
@@ -65,52 +65,55 @@ struct FlightTie {
   Matrix6 information;
 };
 
+/// Standard deviations of the process model, along or about each axis.
 struct FlightSigmas {
-  double offset_position_m = 0;    ///< in the first frame
-  double offset_attitude_rad = 0;  ///< likewise
-  double drift_position_m = 0;     ///< in a second
-  double drift_attitude_rad = 0;   ///< likewise
+  double offset_position_m = 0;    ///< initial
+  double offset_attitude_rad = 0;  ///< initial
+  double drift_position_m = 0;     ///< of the random walk, after one second
+  double drift_attitude_rad = 0;   ///< after one second
   double speed_m_s = 0;
-  double speed_change_m_s = 0;  ///< in a second
+  double speed_change_m_s = 0;  ///< of the random walk, after one second
   double turn_rad_s = 0;
-  double turn_change_rad_s = 0;  ///< in a second
+  double turn_change_rad_s = 0;  ///< of the random walk, after one second
 };
 
 struct Flight {
   std::vector<FlightFrame> frames;
   FlightSigmas sigmas;
-  bool has_told = false;  ///< any frame has telemetry: offsets are unknowns
+  bool has_told = false;  ///< true if any frame has telemetry: the offsets are then unknowns
 };
 
-/// A flight's estimate. Without covariances where there is none.
+/// The estimated flight.
 struct SmoothedFlight {
-  std::vector<FlightState> states;  ///< one a frame
-  std::vector<Rigid3> landmarks;    ///< enu_from_landmark, corrected
+  std::vector<FlightState> states;  ///< one per frame
+  std::vector<Rigid3> landmarks;    ///< enu_from_landmark, estimated
   BorderedSystem::Covariances covariances;
-  double cost = 0;  ///< minus the logarithm of its likelihood
+  double cost = 0;  ///< negative log-likelihood
 };
 
-/// @param start      one a frame: near enough for an iteration
-/// @param landmarks  only such as have a tie
-/// Nothing where the equations cannot be solved.
+/// Estimates the flight.
+/// @param start      one per frame: within the convergence region
+/// @param landmarks  only those with at least one constraint
+/// @return std::nullopt if the equations cannot be solved
 std::optional<SmoothedFlight> SmoothFlight(const Flight& flight, std::span<const FlightLandmark> landmarks,
                                            std::span<const FlightTie> ties, std::vector<FlightState> start);
 
-/// How a sighting differs from how a landmark should be seen: (turn, move), see LandmarkSighting::information.
+/// The residual of a sighting: (rotation, translation), predicted relative to observed; see
+/// LandmarkSighting::information.
 Vector6 SightingError(const Rigid3& seen, const FlightState& state, const Rigid3& enu_from_landmark);
 
-/// Its derivative by (turn, place) of the state, and by (turn, move) of the landmark.
+/// Jacobians of the residual by (rotation, place) of the state, and by (rotation, translation) of the landmark.
 struct SightingJacobian {
   Matrix6 by_state;
   Matrix6 by_landmark;
 };
 SightingJacobian SightingDerivative(const FlightState& state, const Rigid3& enu_from_landmark);
 
-/// How far off a sighting is, squared, in sigmas of its own and of what was expected together; infinity where what was
-/// expected is no covariance.
+/// The normalised innovation squared of a sighting: the squared Mahalanobis distance under the sum of its own
+/// covariance and that of the prediction; infinity if `expected_covariance` is not a covariance.
 double SquaredDistance(const Vector6& error, const Matrix6& information, const Matrix6& expected_covariance);
 
-/// How many numbers a sighting tells: those with any information.
+/// The number of components of a sighting with any information.
 double DimensionsOf(const Matrix6& information);
 
 }  // namespace victorious

@@ -49,7 +49,7 @@ TEST(Smoother, SightingDerivativeIsThatOfItsError) {
   }
 }
 
-// A camera at rest, one exact landmark, no telemetry: the first and the last frame see it.
+// A static camera, one exact landmark, no telemetry: observed in the first and the last frame.
 TEST(Smoother, BridgesFramesWithoutSightings) {
   Random random(5);
   const FlightState truth = DrawnState(random);

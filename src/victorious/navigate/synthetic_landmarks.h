@@ -1,4 +1,4 @@
-// For tests: flights past landmarks, with what telemetry would tell and what would be seen, drawn with known errors.
+// For tests: simulated flights past landmarks, with telemetry and sightings of known error distribution.
 #pragma once
 
 #include <cmath>
@@ -18,20 +18,20 @@ struct LandmarkFlightOptions {
   double frame_rate = 10;
   int landmarks = 4;
   bool telemetry = true;
-  double offset_position_m = 10;  // sigma of telemetry's offset along each axis
+  double offset_position_m = 10;  // sigma of the telemetry offset along each axis
   double offset_attitude_deg = 3;
-  double drift_position_m = 0.5;  // sigma in a second
+  double drift_position_m = 0.5;  // sigma of the random walk after one second
   double drift_attitude_deg = 0.15;
   double noise_position_m = 0;  // sigma of each row
   double noise_attitude_deg = 0;
-  double jump_m = 0;       // of telemetry, east, in the middle of the flight
-  double common_m = 0;     // sigma of what all landmarks' places err alike
-  double landmark_m = 0;   // sigma of where landmarks are told to be
-  double wrong_share = 0;  // of sightings
+  double jump_m = 0;       // step of the telemetry offset, east, in the middle of the flight
+  double common_m = 0;     // sigma of the error common to all landmarks' places
+  double landmark_m = 0;   // sigma of the given places of landmarks
+  double wrong_share = 0;  // fraction of sightings that are outliers
 };
 
-/// A camera flies straight at some 90 m, looking ahead and down at landmarks on the ground, of which it sees those
-/// within half a view of 16 degrees.
+/// A camera flies straight at a height of about 90 m, looking ahead and down at landmarks on the ground, and observes
+/// those within 8 degrees of its optical axis.
 class LandmarkFlight {
  public:
   explicit LandmarkFlight(const LandmarkFlightOptions& options)
@@ -50,13 +50,13 @@ class LandmarkFlight {
 
   std::vector<NavigationFrame> frames;
   std::vector<CameraState> rows;
-  std::vector<Landmark> landmarks;                     // as told
-  std::vector<std::vector<std::size_t>> landmarks_of;  // each of a model of its own
+  std::vector<Landmark> landmarks;                     // with their given places
+  std::vector<std::vector<std::size_t>> landmarks_of;  // each landmark has its own model
   std::vector<LandmarkSighting> sightings;
   std::vector<CameraState> truth;
-  std::vector<bool> is_wrong;  // one a sighting
+  std::vector<bool> is_wrong;  // one per sighting
 
-  /// (place, turn) of the estimate less the truth, as NavigatedFrame::covariance has them.
+  /// (place, rotation): estimate minus truth, as in NavigatedFrame::covariance.
   [[nodiscard]] Vector6 ErrorOf(const NavigatedFrame& estimate, std::size_t frame) const {
     const TangentPlane plane(truth[frame].place);
     Vector6 error;
@@ -120,7 +120,7 @@ class LandmarkFlight {
     }
     offsets.push_back(offset_);
     frames.push_back(frame);
-    // The plane's axes turn by less than 1e-5 over the flight: the same as those at the camera.
+    // The tangent plane's axes rotate by less than 1e-5 over the flight, so they serve as the local axes.
     for (std::size_t i = 0; i < landmarks.size(); ++i) See(i, camera_from_enu, place);
   }
 
@@ -129,7 +129,7 @@ class LandmarkFlight {
     if (in_camera.head<2>().norm() > std::tan(RadiansFromDegrees(8)) * in_camera.z()) return;
     const Eigen::Quaterniond upright(
         Eigen::AngleAxisd(kPi / 2 - *landmarks[landmark].heading_rad, Eigen::Vector3d::UnitZ()));
-    Vector6 sigma;  // 1.5 degrees, 0.3 px of 2300 across, 2 % along
+    Vector6 sigma;  // rotation 1.5 degrees; 0.3 px across at a focal length of 2300 px; 2 % of the range
     sigma << Eigen::Vector3d::Constant(RadiansFromDegrees(1.5)), 0.016, 0.016, 2.4;
     LandmarkSighting sighting;
     sighting.frame = frames.size() - 1;
@@ -151,7 +151,7 @@ class LandmarkFlight {
   Vector6 offset_ = Vector6::Zero();
 
  public:
-  std::vector<Vector6> offsets;  // telemetry's, (place, yaw, pitch, roll), without noise
+  std::vector<Vector6> offsets;  // of telemetry, (place, yaw, pitch, roll), without noise
 };
 
 }  // namespace victorious::testing

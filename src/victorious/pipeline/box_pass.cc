@@ -140,7 +140,7 @@ void BoxPass::Recognise(std::size_t target, const FeatureSet& scene, const Frame
   const std::vector<Detection> detections = drawn.recognizer->Recognize(scene);
   if (detections.empty()) return;
   const Detection& best = detections.front();
-  // The drawn box's shape, whatever the turn: a box around a turned outline would be too large.
+  // Keeps the shape of the user box at any rotation: a box around the rotated outline would be too large.
   const Box around = BoundingBox(best.outline);
   const double scale = best.pose.scene_from_template.scale;
   const double width = drawn.box.width * scale;

@@ -1,6 +1,8 @@
-// One way through the frames of a video in user-specified tracking (track_run.h): forward, backward, or through another
-// video. The tracker follows the boxes' objects; what is lost is looked for where its place is to be seen, and by its
-// model.
+// User-specified tracking (track_run.h), one pass over the frames of a video: forward, backward, or over another video.
+//
+// Per frame, the correlation-filter tracker (track/box_tracker.h) updates every target. Every `recognize_every` frames
+// each lost target is searched for: first at the image position that its place on Earth predicts, then by keypoint
+// matching against the model made of its box.
 #pragma once
 
 #include <cstddef>
@@ -29,40 +31,42 @@
 
 namespace victorious {
 
-/// A drawn box as a pass begins with it.
+/// A user box at the start of a pass.
 struct DrawnTarget {
-  std::size_t drawn = 0;                                   ///< which of the boxes
-  Box box;                                                 ///< clipped to its frame, px
-  std::int64_t frame = 0;                                  ///< it was drawn in
-  std::shared_ptr<const Recognizer> recognizer = nullptr;  ///< of its model; null where it has not keypoints enough
+  std::size_t drawn = 0;                                   ///< index into the user boxes
+  Box box;                                                 ///< px, clipped to the frame
+  std::int64_t frame = 0;                                  ///< index of the frame in which the user drew it
+  std::shared_ptr<const Recognizer> recognizer = nullptr;  ///< null: too few keypoints in the box
 };
 
-/// Where the ground is to be seen that the object of a drawn box stood on.
+/// One image observation of the ground point on which a user box was drawn.
 struct DrawnSpot {
   std::size_t drawn = 0;
   SpotSighting seen;
 };
 
-/// What stands at a known place, and how it was seen where it was drawn.
+/// A static object with a known place, and the box and the camera state when it was drawn.
 struct StandingBox {
   Place place;
   Box box;
   CameraState camera;
 };
 
-/// What places tell of the drawn boxes' objects in one more video. Refers to what it is given.
+/// Predicts user boxes' objects in another video from their places. Keeps references to its arguments, which must
+/// outlive it.
 class BoxGuide {
  public:
-  /// @param standing  by drawn box; nothing for what moves or has no place
-  /// @param cameras   of the video; nothing without telemetry
+  /// @param standing  one entry per user box; std::nullopt if the object moves or has no place
+  /// @param cameras   camera track of the video; std::nullopt without telemetry
   BoxGuide(const std::vector<std::optional<StandingBox>>& standing, const std::optional<CameraTrack>& cameras,
            const BoxPlaceOptions& options)
       : standing_(standing), cameras_(cameras), options_(options) {}
 
-  /// Whether what is seen there stands elsewhere.
+  /// True if the line of sight through `box` misses the object's known place by more than BoxPlaceOptions::gate_sigma:
+  /// the box holds another object. False without a place or a camera state.
   [[nodiscard]] bool Contradicts(std::size_t drawn, const Box& box, const Frame& frame) const;
 
-  /// Where it is to be seen; may be outside the frame.
+  /// The predicted box, which may lie outside the frame. std::nullopt without a place or a camera state.
   [[nodiscard]] std::optional<SeenBox> Expect(std::size_t drawn, const Frame& frame) const;
 
  private:
@@ -73,16 +77,17 @@ class BoxGuide {
   const BoxPlaceOptions& options_;
 };
 
-/// A cut of a frame as a model that is searched for by its keypoints.
-/// Errors: those of MakePhotoModel: too few keypoints
+/// Makes an object model of an image region, and a recogniser that searches for it by keypoints.
+/// Errors: those of MakePhotoModel: too few keypoints.
 Expected<std::shared_ptr<const Recognizer>> LearnBox(const Frame& frame, const Box& box, const std::string& name,
                                                      const PhotoModelOptions& model, const RecognizeOptions& recognize);
 
 class BoxPass {
  public:
   /// @param extractor        outlives the pass
-  /// @param recognize_every  frames between looks for what is lost
-  /// @param impulse_share    of the frames (WithoutImpulses), where the ground is watched, too; else nothing
+  /// @param recognize_every  frames between two searches for lost targets
+  /// @param impulse_share    impulse noise fraction of the frames (WithoutImpulses) if ground points are to be tracked;
+  ///                         std::nullopt to track none
   BoxPass(BoxTracker tracker, const FeatureExtractor& extractor, int recognize_every,
           std::optional<double> impulse_share)
       : tracker_(std::move(tracker)),
@@ -90,34 +95,36 @@ class BoxPass {
         recognize_every_(recognize_every),
         impulse_share_(impulse_share) {}
 
-  /// Begins in the frame last seen. @return the box, clipped to the frame
-  /// Errors: those of BoxTracker::Start: a box outside the frame or too small
+  /// Adds a target in the last processed frame. Returns its box, clipped to the frame.
+  /// Errors: those of BoxTracker::Start: a box outside the frame, or too small.
   Expected<Box> Start(const DrawnTarget& target);
 
-  /// Gives the target that was started last its model.
+  /// Sets the recogniser of the most recently added target.
   void Equip(std::shared_ptr<const Recognizer> recognizer);
 
-  /// The next frame is another video's: what was seen is lost, and its ground no longer watched.
+  /// The next frame belongs to another video: marks all targets lost and stops tracking ground points.
   void ChangeVideo();
 
-  /// The next frame: adds where each object is seen in it, and where it was seen before that is sure by now.
-  /// @param guide  where places are known, else null
-  /// Errors: those of FeatureExtractor::Extract
+  /// Processes the next frame. Appends one sighting per visible target, and the sightings of earlier frames that were
+  /// provisional and are now confirmed.
+  /// @param guide  place priors, or null
+  /// Errors: those of FeatureExtractor::Extract.
   Status See(const Frame& frame, std::size_t video, const BoxGuide* guide, std::vector<BoxSighting>& sightings);
 
-  /// Where the ground that each object was drawn on was seen since the last call.
+  /// Returns and clears the ground point observations since the last call.
   [[nodiscard]] std::vector<DrawnSpot> TakeSpots() { return std::exchange(spots_, {}); }
 
  private:
   struct Followed {
     DrawnTarget target;
-    std::vector<BoxSighting> doubtful = {};           // since it was found again; they count once it is sure
-    std::optional<GroundSpot> ground = std::nullopt;  // where it was drawn
-    std::optional<Box> last_box = std::nullopt;       // in the frame before
+    std::vector<BoxSighting> doubtful = {};           // provisional since re-detection; appended once confirmed
+    std::optional<GroundSpot> ground = std::nullopt;  // ground point on which the box was drawn
+    std::optional<Box> last_box = std::nullopt;       // in the previous frame
   };
 
-  // @param recognised  by the recogniser, with its score and matches
-  // @return whether it is seen, and what is seen may be it
+  // Updates a target from a tracker step.
+  // @param recognised  the detection, with score and matches, if the recogniser re-detected the target; else null
+  // @return true if the target is visible and consistent with its place
   bool Take(const BoxStep& step, const Frame& frame, std::size_t video, const BoxGuide* guide,
             const Detection* recognised, std::vector<BoxSighting>& sightings);
   [[nodiscard]] cv::Mat Clean(const cv::Mat& image) const;
@@ -133,7 +140,7 @@ class BoxPass {
   std::vector<Followed> followed_;  // in the order of the tracker's targets
   std::int64_t seen_frames_ = 0;
   std::optional<double> impulse_share_;
-  cv::Mat last_image_;  // where the ground is watched
+  cv::Mat last_image_;  // kept only if ground points are tracked
   std::vector<DrawnSpot> spots_;
 };
 

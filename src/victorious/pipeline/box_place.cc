@@ -18,7 +18,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// Where a camera sees a point, px, and how much of the world a pixel is there.
+// Image point of a 3D point, px, and its ground sampling distance.
 struct Projection {
   Vector2d pixel;
   double m_per_px = 0;
@@ -32,7 +32,7 @@ std::optional<Projection> Project(const GeodeticPoint& point, const CameraState&
   return Projection{focal_px * shown + Vector2d(image.width / 2.0, image.height / 2.0), in_camera.z() / focal_px};
 }
 
-// By where it is within a second: a line through these places.
+// Estimates the velocity by a least-squares line through the places within 1 s.
 void TellVelocity(std::span<std::optional<Place>> places, std::size_t i) {
   constexpr double kWindow_s = 1;
   constexpr std::size_t kFewest = 4;
@@ -40,7 +40,7 @@ void TellVelocity(std::span<std::optional<Place>> places, std::size_t i) {
   std::vector<std::pair<double, Vector3d>> near;
   Vector3d middle = Vector3d::Zero();
   double middle_s = 0;
-  const auto is_near = [&](const std::optional<Place>& place) {  // false: what lies beyond is as far at least
+  const auto is_near = [&](const std::optional<Place>& place) {  // false ends the scan: later ones are at least as far
     if (!place) return true;
     if (std::abs(place->time_s - places[i]->time_s) > kWindow_s) return false;
     near.emplace_back(place->time_s, plane.EnuFromGeodetic(place->point));
@@ -78,8 +78,8 @@ void TellGround(const BoxGround& ground, ObjectOptions& object) {
   object.ground = ground.ground;
 }
 
-// The ground tells better how far off a thing is than how large things of its type are; where it is not known, that is
-// all there is.
+// The ground constrains the distance better than the size prior of the type. Uses the ranges only if the lines of sight
+// alone give no place.
 ObjectPlace PlaceOnGround(std::span<const Sight> sights, const ObjectOptions& object) {
   std::vector<Sight> lines(sights.begin(), sights.end());
   for (Sight& sight : lines) sight.line.range_m.reset();
@@ -87,13 +87,13 @@ ObjectPlace PlaceOnGround(std::span<const Sight> sights, const ObjectOptions& ob
   return found.place ? found : PlaceOf(sights, object, 1);
 }
 
-// Where its line meets the ground, or, where that is not told, by its range.
+// One observation alone: at the intersection of its line of sight with the ground, or by its range.
 std::optional<Place> Alone(const Sight& sight, ObjectOptions object) {
   object.locate.motion = "static";
   return PlaceOnGround({&sight, 1}, object).place;
 }
 
-// Where each line meets the ground.
+// Each observation alone, at the intersection of its line of sight with the ground.
 std::vector<std::optional<Place>> OnGround(std::span<const Sight> sights, const ObjectOptions& object) {
   std::vector<std::optional<Place>> places;
   for (const Sight& sight : sights) places.push_back(Alone(sight, object));
@@ -109,28 +109,29 @@ void BoxPlaceOptions::ListFields(FieldList& fields) {
   fields.Add("centre_share", centre_share,
              {.min = 0,
               .max = 1,
-              .reason = "sigma of an object's middle over the longer side of its box: how it was drawn, and what it "
-                        "holds beside the object"});
+              .reason = "standard deviation of an object's centre over the longer side of its box: how the box was "
+                        "drawn, and background within it"});
   fields.Add("visible_share", visible_share,
              {.min = 0.05,
               .max = 2,
-              .reason = "how long the longer side of a box is over that of its object: things are seen foreshortened"});
-  fields.Add("size_share", size_share, {.min = 1e-3, .max = 10, .reason = "sigma of that over itself"});
+              .reason = "ratio of the longer side of a box to that of its object, because of foreshortening"});
+  fields.Add("size_share", size_share, {.min = 1e-3, .max = 10, .reason = "relative standard deviation of that ratio"});
   fields.Add("least_agreeing", least_agreeing,
              {.min = 0,
               .max = 1,
-              .reason = "share of the lines of sight that must meet in a place; where fewer do, something else was "
-                        "followed, too"});
-  fields.Add("stretch_s", stretch_s,
-             {.min = 0.5,
-              .max = 1e6,
-              .unit = "s",
-              .reason = "what moves is placed by stretches of at most so much: in each it is taken to drive straight"});
+              .reason = "fraction of the lines of sight that must be inliers of a place; if fewer are, the track has "
+                        "drifted to something else"});
+  fields.Add(
+      "stretch_s", stretch_s,
+      {.min = 0.5,
+       .max = 1e6,
+       .unit = "s",
+       .reason = "a moving object is placed in intervals of at most this length, with constant velocity in each"});
   fields.Add("gate_sigma", gate_sigma,
              {.min = 0.5,
               .max = 100,
-              .reason = "what is found in another video is another object if its line of sight is further off its "
-                        "place than so many sigmas"});
+              .reason = "a detection in another video is another object if the Mahalanobis distance of its line of "
+                        "sight to the object's place exceeds this"});
   fields.AddGroup("locate", locate);
 }
 
@@ -158,7 +159,7 @@ std::optional<Sight> SightOfBox(const Box& box, const cv::Size& image_size, cons
 
 std::optional<Place> PlaceOfSpot(std::span<const SpotSighting> spots, const CameraTrack& cameras,
                                  const cv::Size& image_size, const BoxPlaceOptions& options) {
-  constexpr double kFollowed_px = 8;  // a box so large: of which `centre_share` is how well the spot is followed
+  constexpr double kFollowed_px = 8;  // box size; centre_share of it is the tracking error of the point
   std::vector<Sight> sights;
   for (const SpotSighting& spot : spots) {
     const std::optional<CameraState> camera = cameras.At(spot.time_s);
@@ -236,7 +237,7 @@ std::optional<SeenBox> ExpectBox(const GeodeticPoint& place, const Box& before, 
 bool GoesBy(const Sight& sight, const Place& place, const BoxPlaceOptions& options) {
   Sight line_alone = sight;
   line_alone.line.range_m.reset();
-  // What the flight errs as a whole counts too: another flight errs on its own.
+  // Errors common to a flight count in full: the place comes from another flight, with independent ones.
   return SigmasOff(line_alone, place, 0, options.locate, 1) <= options.gate_sigma;
 }
 

@@ -1,8 +1,12 @@
-// Where on Earth what a drawn box holds is: lines of sight to the box's middle, and how far off a thing of its type of
-// that size in the picture stands.
+// Geolocation of user boxes: a box and the camera state give a bearing observation of the box centre; bearings, the
+// ground and the size of the object's type give its place.
 //
-// How a box was drawn, and what it holds beside the object, is alike in all frames: the lines of one video err together
-// (types/sight.h), so that a thousand frames do not feign a small ellipse.
+// The bearing goes through the box centre. Its range, if the type has a known length L, is f visible_share L / s, for a
+// focal length f (px) and the longer box side s (px).
+//
+// The offset of the box centre from the object centre is the same in all frames of a video. All bearings of one video
+// therefore share one `recognition` id and have a fully correlated error (types/sight.h): more frames do not shrink the
+// covariance of the place below this common error.
 #pragma once
 
 #include <cstdint>
@@ -39,71 +43,75 @@ struct BoxPlaceOptions {
   void ListFields(FieldList& fields);
 };
 
-/// Whether it ends at the frame's edge: the object may go on beyond.
+/// True if a side of the box lies within 1 px of the image border or beyond: the object may extend outside the frame.
 [[nodiscard]] bool EndsAtTheEdge(const Box& box, const cv::Size& image_size);
 
-/// The sight of what a box holds.
-/// @param box         px; may leave the frame
-/// @param image_size  the frame's, px
-/// @param type        its length tells the range, where the box does not end at the frame's edge; may be null
-/// @param recognition of its video and box, not 0
-/// Nothing where the camera's state is not complete.
+/// Bearing observation of the centre of a box. std::nullopt if the camera state is incomplete.
+/// @param box          px; may leave the frame
+/// @param image_size   of the frame, px
+/// @param type         its length gives the range, unless the box touches the image border; may be null
+/// @param recognition  id shared by all observations of this video and box, not 0
 std::optional<Sight> SightOfBox(const Box& box, const cv::Size& image_size, const CameraState& camera,
                                 const ObjectType* type, std::int64_t recognition, const BoxPlaceOptions& options);
 
-/// What is known of how an object moves, beside its lines of sight.
+/// Prior knowledge about the motion of an object.
 enum class BoxMotion {
-  kUnknown,  ///< as the lines say. They do not tell what drives along with a camera that flies straight from what
-             ///< stands: it is taken to stand
+  kUnknown,  ///< decided by the lines of sight. These cannot separate an object that drives along with a camera that
+             ///< flies straight from a static one: it is taken as static
   kStands,
-  kMoves,  ///< over the ground, as the picture shows
+  kMoves,  ///< moves over the ground, measured in the image
 };
 
-/// Where a spot of the ground is to be seen in a frame.
+/// Image observation of a ground point in one frame.
 struct SpotSighting {
   std::int64_t frame = 0;
   double time_s = 0;
   Eigen::Vector2d place;  ///< px
 };
 
-/// Where a spot of the ground is, by its lines of sight; nothing where they do not tell it.
-/// @param spots  of one spot, each in another frame, in order of time
+/// Geolocates a static ground point by the intersection of its lines of sight. std::nullopt if too few of them agree.
+/// @param spots  observations of one point, each in another frame, in order of time
 std::optional<Place> PlaceOfSpot(std::span<const SpotSighting> spots, const CameraTrack& cameras,
                                  const cv::Size& image_size, const BoxPlaceOptions& options);
 
-/// The ground that an object is on.
+/// The ground under an object, with its standard deviation.
 struct BoxGround {
   std::shared_ptr<const Ground> ground;  ///< not null
-  double sigma_m = 0;                    ///< of its height
+  double sigma_m = 0;                    ///< standard deviation of the height
 
-  /// As high as a place of it nearby.
+  /// Flat ground at the height of a nearby ground point.
   static BoxGround About(const Place& place);
 };
 
-/// Where it is at the time of each sight. What stands still is placed by all sights together, drawn to the ground if
-/// that is told and may be where they meet. What is told to move, and what the lines show to do neither that nor drive
-/// straight, is where each line of sight meets the ground. Without one, and where the lines alone show that it moves,
-/// it is placed by stretches of at most `stretch_s`, in each as if it drove straight, and where they do not tell that
-/// either, by each sight alone: where it meets the ground, or by its range.
+/// Estimates the place of one object at the time of each observation:
+/// - A static object gets one place from all observations, with the ground as a constraint if it is given and
+///   compatible with the intersection.
+/// - With a given ground, an object that moves (kMoves), or whose lines of sight fit neither a static point nor a
+///   straight drive, is placed at the intersection of each line of sight with the ground.
+/// - Without a ground, a moving object is placed in intervals of at most `stretch_s` with constant velocity in each.
+///   Where that fails, each observation is placed alone, by the ground or by its range.
 /// @param sights  of one object in one video, in order of time
-/// @param ground  for what is on the ground
-/// @return one a sight, at its time; nothing where the lines do not tell it
+/// @param ground  for objects that stand on the ground, else std::nullopt
+/// @return one place per observation, at its time; std::nullopt where the place is not determined
 std::vector<std::optional<Place>> PlacesOf(std::span<const Sight> sights, BoxMotion motion,
                                            const std::optional<BoxGround>& ground, const BoxPlaceOptions& options);
 
-/// Where in a frame what stands at a place is to be seen, and how large it is there, by how it was seen once before.
+/// Predicted image box of a static object.
 struct SeenBox {
   Box box;
-  double turn_rad = 0;  ///< of the ground in the picture since then, from +x towards +y
+  double turn_rad = 0;  ///< clockwise in-plane rotation of the ground since the earlier view
 };
 
-/// @param before, camera_before  how it was seen, and from where
-/// @param camera                  from where it is looked for
-/// Nothing where it is not before the camera, or a camera's state is not complete.
+/// Predicts the box of a static object in another view: centre by projection, size by the ratio of ground sampling
+/// distances, rotation by the projected north direction. std::nullopt if the place is behind a camera, or a camera
+/// state is incomplete.
+/// @param before, camera_before  box and camera state of the earlier view
+/// @param camera                 camera state of the new view
 std::optional<SeenBox> ExpectBox(const GeodeticPoint& place, const Box& before, const CameraState& camera_before,
                                  const CameraState& camera, const cv::Size& image_size);
 
-/// Whether a line of sight goes by a place, as near as their errors allow.
+/// True if the line of sight passes the place within `gate_sigma` (Mahalanobis distance of bearing, place and the
+/// errors common to a flight).
 [[nodiscard]] bool GoesBy(const Sight& sight, const Place& place, const BoxPlaceOptions& options);
 
 }  // namespace victorious

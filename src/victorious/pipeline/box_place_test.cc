@@ -19,10 +19,10 @@ constexpr double kChiSquared90Of3 = 6.2513886;
 
 struct Flight {
   std::uint64_t seed = 1;
-  Vector3d velocity_enu{0, 0, 0};  // of the object, at the origin at the time 0
+  Vector3d velocity_enu{0, 0, 0};  // of the object, which is at the origin at time 0
   double length_m = 4.4;
-  int frames = 60;      // ten a second
-  double from_m = -60;  // east, where the camera is first
+  int frames = 60;      // 10 per second
+  double from_m = -60;  // initial east coordinate of the camera
   double speed_m_s = 20;
   bool circles = false;
 };
@@ -39,7 +39,7 @@ CameraState CameraAt(const Flight& flight, double time_s) {
           .sigma_attitude_rad = 1e-4};
 }
 
-// The box around the object, drawn a little off its middle: alike in all frames.
+// The box around the object, with the same offset from its centre in all frames.
 std::vector<Sight> Fly(const Flight& flight, const ObjectType* type, double centre_share) {
   Random random(flight.seed);
   const double off_x = centre_share * random.Normal();
@@ -111,7 +111,7 @@ TEST(BoxPlace, WhatMovesIsWhereItIsAtEachTime) {
   EXPECT_GE(told, flight.frames / 2);
 }
 
-// A camera that flies straight sees what drives straight as it would see what stands elsewhere.
+// A camera that flies straight cannot distinguish an object that drives straight from a static object elsewhere.
 TEST(BoxPlace, WhatThePictureShowsToMoveIsPlacedOnTheGround) {
   const Flight flight{.velocity_enu = {-4, -4, 0}, .frames = 30};
   const auto sights = Fly(flight, nullptr, 0.05);
@@ -128,7 +128,7 @@ TEST(BoxPlace, WhatThePictureShowsToMoveIsPlacedOnTheGround) {
     EXPECT_LT((*place->velocity_enu - flight.velocity_enu).norm(), 1) << i;
   }
   EXPECT_GE(inside, 0.9 * flight.frames);
-  // Without the ground its type's length tells how far off it is, and no more.
+  // Without the ground, the length of its type gives the range, and nothing else does.
   for (const auto& place : PlacesOf(Fly(flight, FindObjectType("car"), 0), BoxMotion::kMoves, {}, {})) {
     ASSERT_TRUE(place);
     EXPECT_GT(place->ce90_m, 10);
@@ -181,7 +181,7 @@ TEST(BoxPlace, ASpotOfTheGroundIsWhereItsLinesMeet) {
 }
 
 TEST(BoxPlace, ABuildingIsNotTakenToMove) {
-  const Flight flight{.velocity_enu = {-1, 0.7, 0}, .frames = 150, .circles = true};  // as if it crept
+  const Flight flight{.velocity_enu = {-1, 0.7, 0}, .frames = 150, .circles = true};  // as if it moved slowly
   const auto sights = Fly(flight, nullptr, 0);
   const auto moves = [](const std::optional<Place>& place) { return place && place->Moves(); };
   EXPECT_TRUE(std::ranges::all_of(PlacesOf(sights, BoxMotion::kUnknown, {}, {}), moves));

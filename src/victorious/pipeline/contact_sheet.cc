@@ -16,9 +16,10 @@
 namespace victorious {
 
 void ContactSheetOptions::ListFields(FieldList& fields) {
-  fields.Add("most_tiles", most_tiles, {.min = 1, .max = 1000, .reason = "objects shown, best first"});
+  fields.Add("most_tiles", most_tiles,
+             {.min = 1, .max = 1000, .reason = "maximum number of objects shown, best first"});
   fields.Add("columns", columns, {.min = 1, .max = 50, .reason = "tiles in a row"});
-  fields.Add("tile_width_px", tile_width_px, {.min = 64, .max = 2000, .unit = "px", .reason = "of one tile"});
+  fields.Add("tile_width_px", tile_width_px, {.min = 64, .max = 2000, .unit = "px", .reason = "width of a tile"});
 }
 
 namespace {
@@ -39,7 +40,7 @@ std::vector<cv::Point> Corners(const Polygon& outline, double factor) {
   return corners;
 }
 
-// The frame, reduced to the tile, with the outline on it.
+// The frame, scaled to the tile, with the outline drawn onto it.
 cv::Mat DrawTile(const Tile& tile, const cv::Mat& frame, const cv::Size& size) {
   cv::Mat picture(size.height + kCaptionHeightPx, size.width, CV_8UC3, cv::Scalar::all(24));
   const double factor =
@@ -105,7 +106,7 @@ Expected<cv::Mat> DrawContactSheet(const SightingFilter& filter, const ContactSh
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(store, filter));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> objects, store.Objects(filter));
   std::vector<Tile> tiles;
-  std::map<std::int64_t, std::size_t> tile_of;  // object -> its tile
+  std::map<std::int64_t, std::size_t> tile_of;  // object id -> tile index
   for (const ObjectRecord& object : objects) {
     if (tiles.size() == static_cast<std::size_t>(options.most_tiles)) break;
     const ModelRecord* model = catalogue.Model(object.model);
@@ -122,7 +123,7 @@ Expected<cv::Mat> DrawContactSheet(const SightingFilter& filter, const ContactSh
     }
     return true;
   }));
-  // An object's time may hold the one asked for, and no sighting lie in it.
+  // The time interval of an object may overlap the requested one without a sighting in it.
   std::erase_if(tiles, [](const Tile& tile) { return tile.best.matches < 0; });
 
   std::map<std::int64_t, std::vector<Tile*>> by_video;
@@ -131,7 +132,9 @@ Expected<cv::Mat> DrawContactSheet(const SightingFilter& filter, const ContactSh
     VICTORIOUS_RETURN_IF_ERROR(DrawTilesOf(*catalogue.Video(video), of_video, options.tile_width_px));
   }
   std::erase_if(tiles, [](const Tile& tile) { return tile.picture.empty(); });
-  if (tiles.empty()) return Fail(ErrorCode::kInvalidArgument, "the index holds no object to show of what is asked for");
+  if (tiles.empty())
+    return Fail(ErrorCode::kInvalidArgument,
+                "no object in the index passes the filter: widen --video, --from, --to, or index a video first");
   return Compose(tiles, options);
 }
 

@@ -1,4 +1,4 @@
-// The finds as pictures: one tile an object, its best sighting drawn onto the frame it is in.
+// Contact sheet of an index: one tile per object, with the outline of its best sighting drawn onto the video frame.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -17,8 +17,9 @@ struct ContactSheetOptions {
   void ListFields(FieldList& fields);
 };
 
-/// @return CV_8UC3, best objects first, in rows
-/// Errors: kInvalidArgument if there is no object to show; those of reading the videos, which must be where they were.
+/// Returns a CV_8UC3 image with the tiles in rows, best objects first.
+/// Errors: kInvalidArgument if no object passes the filter; those of reading the videos, which must still be at their
+/// paths.
 Expected<cv::Mat> DrawContactSheet(const SightingFilter& filter, const ContactSheetOptions& options, IndexStore& store);
 
 }  // namespace victorious

@@ -18,7 +18,7 @@ class ContactSheet : public ::testing::Test {
  protected:
   void SetUp() override {
     IndexOptions options;
-    options.runs.gap_s = 0.3;  // the crate leaves, and comes back so late that it is another object
+    options.runs.gap_s = 0.3;  // the crate returns after a longer gap, as another object
     options.follow.enabled = false;
     const auto report =
         Indexer::Create(flight_.Models(), options).value().Index({.video = flight_.video()}, CancelToken(), *store_);
@@ -44,14 +44,14 @@ class ContactSheet : public ::testing::Test {
   std::vector<ObjectRecord> objects_;
 };
 
-// Pixels of the outlines' yellow, which the drawn town has none of.
+// Pixels of the outlines' yellow, which the rendered town does not contain.
 int Yellow(const cv::Mat& picture) {
   cv::Mat yellow;
   cv::inRange(picture, cv::Scalar(0, 250, 250), cv::Scalar(5, 255, 255), yellow);
   return cv::countNonZero(yellow);
 }
 
-// Tiles that are not the background between them.
+// Tiles that differ from the background between them.
 int Tiles(const cv::Mat& sheet, int columns, int rows) {
   int tiles = 0;
   for (int row = 0; row < rows; ++row) {
@@ -80,21 +80,22 @@ TEST_F(ContactSheet, ShowsNoMoreThanAskedForAndNoOthers) {
   EXPECT_EQ(Tiles(Draw(trucks, {.most_tiles = 9, .columns = 1, .tile_width_px = 160}), 1, count), count);
 }
 
-// An object counts where any of its time does, also where it was not seen in that time: it has nothing to be shown by.
+// An object passes the time filter if its interval overlaps it, even without a sighting in it: then there is no tile.
 TEST_F(ContactSheet, LeavesOutObjectsThatAreNotSeenInTheTimeAskedFor) {
   for (const ObjectRecord& object : objects_) {
     if (object.frames < 2) continue;
     const SightingFilter between{.from_s = object.first_time_s + 0.01, .to_s = object.first_time_s + 0.02};
     ASSERT_TRUE(SightingsOf(*store_, between).empty());
     ASSERT_FALSE(ObjectsOf(*store_, between).empty());
-    EXPECT_THAT(ErrorOf(between, kSmallTiles), HasSubstr("no object to show"));
+    EXPECT_THAT(ErrorOf(between, kSmallTiles), HasSubstr("no object in the index passes the filter"));
     return;
   }
   FAIL() << "no object was seen twice";
 }
 
 TEST_F(ContactSheet, SaysWhyItCannotBeDrawn) {
-  EXPECT_THAT(ErrorOf({.from_s = 1000}, kSmallTiles), AllOf(HasSubstr("no object to show"), Not(HasSubstr("\n"))));
+  EXPECT_THAT(ErrorOf({.from_s = 1000}, kSmallTiles),
+              AllOf(HasSubstr("no object in the index passes the filter"), Not(HasSubstr("\n"))));
   EXPECT_THAT(ErrorOf({.model_name = "nobody"}, kSmallTiles), HasSubstr("nobody"));
   EXPECT_THAT(ErrorOf({}, {.most_tiles = 0, .columns = 0, .tile_width_px = 1}),
               AllOf(HasSubstr("most_tiles = 0"), HasSubstr("columns = 0"), HasSubstr("tile_width_px = 1")));

@@ -14,20 +14,22 @@ namespace victorious {
 void DaylightOptions::ListFields(FieldList& fields) {
   fields.Add("sun", sun,
              {.choices = {"auto", "off"},
-              .reason = "auto: CAD models are sought as the sun lights them, too, where telemetry tells the camera's "
-                        "attitude; off: under a soft sky only"});
+              .reason = "auto: also searches for CAD models with templates relit for the sun's direction, if telemetry "
+                        "has the camera's attitude; off: templates for diffuse light only"});
   fields.Add("least_frames", least_frames,
              {.min = 1,
               .max = 1e6,
               .unit = "frames",
-              .reason = "asked where the sun stands, if telemetry has no clock; of long videos one in a hundred"});
-  fields.Add("most_frames", most_frames,
-             {.min = 1, .max = 1e6, .unit = "frames", .reason = "asked where the sun stands, at most"});
+              .reason = "minimum number of frames sampled for the sun's direction if telemetry has no clock; in long "
+                        "videos one frame in a hundred"});
+  fields.Add(
+      "most_frames", most_frames,
+      {.min = 1, .max = 1e6, .unit = "frames", .reason = "maximum number of frames sampled for the sun's direction"});
 }
 
 namespace {
 
-// How near two answers must be to agree: the suns that are tried first stand so far apart.
+// Two estimates agree within this angle: the spacing of the coarse grid of sun directions.
 constexpr double kAgree_rad = kPi / 6;
 
 Eigen::Vector3d DirectionOf(const Sun& sun) {
@@ -40,7 +42,8 @@ Sun SunIn(const Eigen::Vector3d& direction) {
           .elevation_rad = std::atan2(direction.z(), std::hypot(direction.x(), direction.y()))};
 }
 
-// By the first state that has a clock. So low a sun lights nothing hard.
+// By the ephemeris, at the first state with a clock. An outer std::nullopt: no clock. An inner std::nullopt: the sun is
+// too low to cast hard light.
 std::optional<std::optional<Sun>> SunByClock(const CameraTrack& cameras) {
   constexpr double kLowest_rad = 0.1;
   const auto timed =
@@ -50,15 +53,15 @@ std::optional<std::optional<Sun>> SunByClock(const CameraTrack& cameras) {
   return sun.elevation_rad > kLowest_rad ? std::optional(sun) : std::nullopt;
 }
 
-// What one frame says.
+// Sun direction estimated from one frame.
 struct Answer {
-  Eigen::Vector3d direction;  // of length 1
+  Eigen::Vector3d direction;  // unit vector
   double evidence;
 };
 
-// Answers that agree with one of them: the most that do.
+// The largest set of estimates that agree with one of them.
 struct Agreement {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();  // of their directions, by their evidence
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();  // directions weighted by evidence
   int count = 0;
 };
 
@@ -103,22 +106,22 @@ Expected<std::optional<Sun>> FindDaylight(const DaylightSurvey& survey, VideoRea
                                           const CancelToken& cancel) {
   if (survey.options.sun == "off" || !survey.recognizer.KnowsSuns()) return std::nullopt;
   if (const auto known = SunByClock(survey.cameras)) return *known;
-  if (reader.info().live) return std::nullopt;  // what is asked could not be searched any more
+  if (reader.info().live) return std::nullopt;  // a live source cannot be read again for the search
 
   constexpr std::int64_t kOneIn = 100;
   const std::int64_t frames = reader.info().frame_count.value_or(0);
   const std::int64_t wanted = std::clamp<std::int64_t>(
       frames / kOneIn, survey.options.least_frames, std::max(survey.options.least_frames, survey.options.most_frames));
-  constexpr std::int64_t kUnknownStep = 25;  // where nobody tells how long the video is
+  constexpr std::int64_t kUnknownStep = 25;  // if the length of the video is unknown
   const std::int64_t step = frames > 0 ? std::max<std::int64_t>(1, frames / wanted) : kUnknownStep;
-  constexpr std::size_t kTogether = 2;  // asked at once, however many threads there are
+  constexpr std::size_t kTogether = 2;  // frames processed in parallel, independent of the number of threads
   std::vector<Answer> answers;
   std::vector<Frame> asked;
   int asked_frames = 0;
   bool more = true;
   while (more) {
     if (cancel.IsCancelled())
-      return Fail(ErrorCode::kCancelled, "stopped while looking for the sun; run again to go on");
+      return Fail(ErrorCode::kCancelled, "stopped while estimating the sun's direction; run again to resume");
     Expected<std::optional<Frame>> frame = reader.NextFrame();
     more = frame && *frame && asked_frames < std::max(survey.options.least_frames, survey.options.most_frames);
     if (more && (*frame)->index % step == step / 2) {

@@ -1,5 +1,5 @@
-// Where the sun stands in a video, so that objects are sought as it lights them: by the telemetry's clock, or by how
-// some object in some frames is lit.
+// Estimates the sun's direction in a video, so that CAD models are searched for with templates relit for it: by an
+// ephemeris if telemetry has a clock, else by a consensus of sampled frames on which relit templates match best.
 #pragma once
 
 #include <optional>
@@ -27,11 +27,12 @@ struct DaylightOptions {
   void ListFields(FieldList& fields);
 };
 
-/// What a frame is searched with.
+/// Search conditions of a frame: the vertical in the camera's frame and the sun's direction relative to the camera's
+/// yaw. Empty if the attitude or the field of view is unknown.
 [[nodiscard]] FrameConditions ConditionsOf(const std::optional<CameraState>& camera, const cv::Size& size_px,
                                            const std::optional<Sun>& sun);
 
-/// What a survey works on. The references outlive it.
+/// Input of FindDaylight. The references outlive it.
 struct DaylightSurvey {
   const CameraTrack& cameras;
   const Recognizer& recognizer;
@@ -39,11 +40,12 @@ struct DaylightSurvey {
   const DaylightOptions& options;
 };
 
-/// Where the sun stands, by the clock if the telemetry has one. Else frames from all over the video are asked
-/// (Recognizer::FindSun), until three agree; two are enough at the end, and one if no other answers. Nothing at night,
-/// under clouds, or where nothing tells. Deterministic.
-/// @param reader  from its beginning; is read as far as need be
-/// Errors: kCancelled. A video that cannot be read further says what its search says.
+/// The sun's direction (azimuth from north). Taken from the ephemeris if telemetry has a clock. Otherwise frames are
+/// sampled over the whole video (Recognizer::FindSun) until three estimates agree within 30 degrees; at the end two
+/// agreeing estimates suffice, or one if it is the only one. std::nullopt at night, under overcast, or if no frame
+/// determines it. Deterministic.
+/// @param reader  at its first frame; reads as far as needed
+/// Errors: kCancelled. A read error ends the sampling; the later search of the same video reports it.
 Expected<std::optional<Sun>> FindDaylight(const DaylightSurvey& survey, VideoReader& reader, const CancelToken& cancel);
 
 }  // namespace victorious

@@ -1,5 +1,5 @@
-// What the tests of this folder share: a short drawn flight on disk, models of the things in it, and what an index
-// holds as text that can be compared.
+// Shared by the tests of this folder: a short synthetic flight on disk, models of its objects, and the contents of an
+// index as comparable text.
 #pragma once
 
 #include <memory>
@@ -20,7 +20,7 @@
 
 namespace victorious {
 
-/// A crate and a truck, both seen more than once; small, so that a second is enough to draw and search it.
+/// A crate and a truck, both visible more than once; small, so that rendering and searching take a second.
 inline testing::FlightOptions ShortFlight(int frames = 20) {
   testing::FlightOptions options;
   options.seed = 5;
@@ -43,7 +43,7 @@ inline void WriteVideo(const testing::SyntheticFlight& flight, const std::filesy
   ASSERT_TRUE(finished) << finished.error().message;
 }
 
-/// A thing's picture, cut out by its alpha channel, reduced by `factor`.
+/// Image of an object, masked by its alpha channel, scaled by `factor`.
 inline Photo PhotoOf(const testing::SyntheticFlight& flight, int thing, double factor = 1.0) {
   cv::Mat picture;
   cv::resize(flight.ThingPhoto(thing), picture, {}, factor, factor, cv::INTER_AREA);
@@ -54,7 +54,7 @@ inline Photo PhotoOf(const testing::SyntheticFlight& flight, int thing, double f
   return PreparePhoto(flight.ThingName(thing), bgr, alpha, std::nullopt).value();
 }
 
-/// The flight of one seed in a folder of its own, with its video and a library of the models asked for.
+/// The flight of one seed in its own folder, with its video and a library of the requested models.
 class DrawnFlight {
  public:
   explicit DrawnFlight(const testing::FlightOptions& options) : flight_(options) {
@@ -65,7 +65,7 @@ class DrawnFlight {
   [[nodiscard]] std::string video() const { return (folder_ / "flight.mkv").string(); }
   [[nodiscard]] std::filesystem::path operator/(std::string_view name) const { return folder_ / name; }
 
-  /// The model of a thing, as read back from a library: with its id.
+  /// Model of an object, as read back from a library, so that it has an id.
   [[nodiscard]] ObjectModel Model(int thing, double factor = 1.0) const {
     const ModelLibrary library(folder_ / ("models-" + std::to_string(factor)));
     const std::string name = flight_.ThingName(thing);
@@ -77,7 +77,7 @@ class DrawnFlight {
   }
   [[nodiscard]] std::vector<ObjectModel> Models() const { return {Model(0), Model(1)}; }
 
-  /// A new index in this folder, or the one that is there.
+  /// Creates or opens an index in this folder.
   [[nodiscard]] std::unique_ptr<IndexStore> Store(std::string_view name) const {
     Expected<std::unique_ptr<IndexStore>> store = OpenSqliteStore(folder_ / name, StoreMode::kCreate);
     EXPECT_TRUE(store) << store.error().message;
@@ -99,7 +99,7 @@ inline std::vector<ObjectRecord> ObjectsOf(IndexStore& store, const SightingFilt
 
 inline std::vector<VideoRecord> VideosOf(IndexStore& store) { return store.Videos().value(); }
 
-/// Everything that an index holds: what it exports, its searches, and which frames it keeps with how many features.
+/// All contents of an index: the exports, the searches, and the kept frames with their numbers of features.
 inline std::string Contents(IndexStore& store) {
   std::ostringstream text;
   for (const ExportFormat format : {ExportFormat::kObjects, ExportFormat::kSightings}) {

@@ -13,30 +13,28 @@ namespace victorious {
 
 void FollowOptions::ListFields(FieldList& fields) {
   fields.Add("enabled", enabled,
-             {.reason = "objects that were found are followed and sought in their regions; else only whole frames are "
-                        "searched, each for itself"});
-  fields.Add(
-      "least_overlap", least_overlap,
-      {.min = 0, .max = 1, .reason = "intersection over union at which what is recognised is what was followed there"});
+             {.reason = "detected objects are tracked and searched for in their regions; otherwise every full frame is "
+                        "searched independently"});
+  fields.Add("least_overlap", least_overlap,
+             {.min = 0, .max = 1, .reason = "intersection over union above which a detection is assigned to a track"});
   fields.Add("restart_frames", restart_frames,
              {.min = 1,
               .max = 1e6,
               .unit = "frames",
-              .reason = "all tracks begin anew so often: so many frames at most are followed again when an index goes "
-                        "on after a stop"});
+              .reason = "all tracks restart at this interval: the maximum number of frames that are tracked again when "
+                        "an index resumes"});
   fields.Add("least_recognised", least_recognised,
              {.min = 1,
               .max = 1000,
               .unit = "frames",
-              .reason = "frames in which a track was recognised before it counts where it is only followed: what was "
-                        "recognised by mistake seldom is twice"});
-  fields.Add(
-      "search_every", search_every,
-      {.min = 1,
-       .max = 1000,
-       .unit = "frames",
-       .reason = "from one search of a track's region to the next, as long as it is seen: 1 confirms it in every "
-                 "frame, more saves time"});
+              .reason = "frames in which a track must have been recognised before a tracked sighting counts: false "
+                        "recognitions seldom repeat"});
+  fields.Add("search_every", search_every,
+             {.min = 1,
+              .max = 1000,
+              .unit = "frames",
+              .reason = "interval between searches of a visible track's region: 1 confirms the track in every frame, "
+                        "more saves time"});
   fields.AddGroup("track", track);
 }
 
@@ -50,7 +48,7 @@ Frame CleanGrey(const Frame& frame, double impulse_share) {
   return clean;
 }
 
-// The step that the detection is of, most probably.
+// The step with the highest overlap with the detection, or the end.
 std::vector<TrackStep>::iterator StepOf(const Box& box, std::vector<TrackStep>& steps, double least_overlap) {
   const auto overlap = [&](const TrackStep& step) { return IntersectionOverUnion(box, BoxOf(step)); };
   const auto best = std::ranges::max_element(steps, {}, overlap);
@@ -70,7 +68,7 @@ std::vector<TrackStep> Follower::Step(const Frame& frame) {
   if (frame.index % options_.restart_frames == 0) {
     for (const auto& [id, followed] : tracks_) tracker_.Stop(id);
     tracks_.clear();
-    constexpr std::int64_t kMostTracks = 1'000'000;  // that begin before all begin anew
+    constexpr std::int64_t kMostTracks = 1'000'000;  // upper bound of tracks between two restarts
     last_number_ = frame.index / options_.restart_frames * kMostTracks;
   }
   std::vector<TrackStep> active;
@@ -93,14 +91,14 @@ void Follower::Confirm(std::uint64_t track, const Detection& detection, const Fe
   followed.searched_frame = frame;
 }
 
-// As long as it is seen, its region need not be searched in every frame.
+// The region of a visible, confirmed track is searched only every `search_every` frames.
 bool Follower::IsDue(const TrackStep& step, const Frame& frame) const {
   const Followed& followed = tracks_.at(step.track);
   return !step.seen() || followed.recognised < options_.least_recognised ||
          frame.index - followed.searched_frame >= options_.search_every;
 }
 
-// A detection of a whole-frame search: of one of the steps that are open yet, or a new track.
+// Assigns a detection of a full-frame search to an open step of the same model, or starts a track.
 std::optional<std::int64_t> Follower::Take(const Detection& detection, const FeatureSet& features, std::int64_t frame,
                                            std::vector<TrackStep>& open) {
   std::vector<TrackStep> alike;
@@ -121,7 +119,7 @@ std::optional<std::int64_t> Follower::Take(const Detection& detection, const Fea
   return last_number_;
 }
 
-// Features of the region alone, in the frame's pixels; then the views that the object may show by now.
+// Extracts features of the region only, in frame coordinates; then matches the last view and its neighbours.
 void Follower::Search(const Frame& frame, const FrameConditions& conditions, Region& region) const {
   region.features = FeaturesIn(frame.image, region.step.search_box, extractor_);
   if (!region.features || region.features->keypoints.empty()) return;
@@ -149,7 +147,7 @@ Seen Follower::Tracked(const TrackStep& step, const Frame& frame) const {
                                         WrapAngle(moved.rotation_rad + last.scene_from_template.rotation_rad),
                                         moved.Apply(last.scene_from_template.translation)};
   detection.pose.scene_from_template_plane = moved.Matrix() * last.scene_from_template_plane;
-  // The points stand in the order of the matches that they were made of.
+  // The points keep the order of the matches from which they were made.
   detection.pose.inliers.clear();
   detection.pose.inlier_points.clear();
   seen.features.image_width = frame.image.cols;
@@ -170,7 +168,7 @@ Seen Follower::Tracked(const TrackStep& step, const Frame& frame) const {
 
 Expected<std::vector<Seen>> Follower::Follow(const Frame& frame, const std::optional<WholeFrame>& whole,
                                              const FrameConditions& conditions) {
-  const Frame clean = CleanGrey(frame, impulse_share_);  // as a whole: a part alone is too little to tell noise by
+  const Frame clean = CleanGrey(frame, impulse_share_);  // over the whole frame: a region has too few pixels for it
   std::vector<TrackStep> open = Step(clean);
   std::vector<Seen> seen;
   if (whole) {
@@ -196,7 +194,7 @@ Expected<std::vector<Seen>> Follower::Follow(const Frame& frame, const std::opti
     } else {
       continue;
     }
-    // Two tracks that lead to one object are one.
+    // Two tracks of one object: keep the first.
     const bool is_double = std::ranges::any_of(seen, [&](const Seen& other) {
       return other.detection.model == next.detection.model &&
              IntersectionOverUnion(other.detection.box, next.detection.box) >= options_.least_overlap;

@@ -1,10 +1,10 @@
-// The architecture of the thesis's section 4.4 between whole-frame searches: what was found is followed to the next
-// frame (track/region_tracker.h), and there only the regions that tracks lead to are searched, for the view that
-// matched last and its neighbours. What the recogniser confirms becomes the track's template; what it does not is a
-// `tracked` sighting, as long as it looks as it did.
+// Tracking between full-frame searches (thesis, section 4.4). Each detection is propagated to the next frame by
+// Lucas-Kanade tracking of its matched keypoints (track/region_tracker.h). Only the regions of interest that the tracks
+// predict are searched, for the view that matched last and its neighbours. A re-detection becomes the track's new
+// template; without one the track gives a `tracked` sighting as long as its appearance check passes.
 //
-// All tracks begin anew every `restart_frames` frames, from what a whole-frame search finds there: an index that goes
-// on after a stop begins at such a frame, and ends as if it had not been stopped.
+// All tracks restart every `restart_frames` frames, from the full-frame search of that frame. An index that is resumed
+// restarts at such a frame, so that its result equals that of an uninterrupted run.
 #pragma once
 
 #include <cstdint>
@@ -36,43 +36,44 @@ struct FollowOptions {
   void ListFields(FieldList& fields);
 };
 
-/// An object seen in a frame.
+/// An object in one frame, detected or tracked.
 struct Seen {
-  Detection detection;  ///< where it is tracked: the last one's, moved to this frame, resting on the points followed
-  FeatureSet features;  ///< that the detection's matches count in; where it is tracked, places without descriptors
-  std::optional<std::int64_t> track;  ///< its number in the video; nothing: it could not be followed from here
-  int followed_frames = 0;            ///< since the recogniser confirmed it; 0: it found it in this frame
+  Detection detection;  ///< if tracked: the last detection, moved to this frame, with the tracked points as its inliers
+  FeatureSet features;  ///< features that the detection's matches index; if tracked: points without descriptors
+  std::optional<std::int64_t> track;  ///< track id, unique within the video; std::nullopt if no track could be started
+  int followed_frames = 0;            ///< frames since the last recognition; 0: recognised in this frame
 
   [[nodiscard]] bool tracked() const { return followed_frames > 0; }
 };
 
-/// What a whole-frame search found.
+/// Result of a full-frame search.
 struct WholeFrame {
   const FeatureSet& features;
   const std::vector<Detection>& detections;  ///< best first
 };
 
-/// Frames in order. Deterministic. Not thread-safe; searches the regions of a frame on all cores.
+/// Takes frames in order. Deterministic. Not thread-safe; searches the regions of a frame on all cores.
 class Follower {
  public:
   /// The references outlive it. Errors: options out of range.
   static Expected<Follower> Create(const Recognizer& recognizer, const FeatureExtractor& extractor,
                                    double impulse_share, const FollowOptions& options);
 
-  /// @param whole  nothing where only regions are searched
-  /// @return what is seen in the frame: first what the whole-frame search found, then by track
-  /// Errors: those of features.
+  /// Processes the next frame.
+  /// @param whole  result of the full-frame search; std::nullopt if only regions are searched
+  /// @return the objects in the frame: first those of the full-frame search, then by track
+  /// Errors: those of feature extraction.
   Expected<std::vector<Seen>> Follow(const Frame& frame, const std::optional<WholeFrame>& whole,
                                      const FrameConditions& conditions);
 
  private:
-  // What is known of an active track beside where it is.
+  // State of an active track, apart from its position.
   struct Followed {
-    Detection last;           // confirmed
-    double surest = 0;        // best score of its finds in whole frames, which one in its region cannot exceed
-    std::int64_t number = 0;  // the same however the index was stopped and gone on with
+    Detection last;     // last recognition
+    double surest = 0;  // highest score of its full-frame detections; the upper bound of a score found in its region
+    std::int64_t number = 0;  // track id; does not depend on where the index was interrupted
     int recognised = 0;
-    std::int64_t searched_frame = 0;  // the last one in which its region was searched, or it was confirmed
+    std::int64_t searched_frame = 0;  // last frame in which its region was searched or it was recognised
   };
   struct Region {
     TrackStep step;
@@ -89,7 +90,7 @@ class Follower {
         tracker_(std::move(tracker)) {}
 
   std::vector<TrackStep> Step(const Frame& frame);
-  /// @return the number of the track that it is of by now
+  /// Assigns a detection of a full-frame search to an open track, or starts one. Returns the track id.
   std::optional<std::int64_t> Take(const Detection& detection, const FeatureSet& features, std::int64_t frame,
                                    std::vector<TrackStep>& open);
   void Confirm(std::uint64_t track, const Detection& detection, const FeatureSet& features, std::int64_t frame);

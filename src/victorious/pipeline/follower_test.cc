@@ -11,14 +11,14 @@
 namespace victorious {
 namespace {
 
-// One flight and what follows it; the whole-frame search runs on every so many frames.
+// One flight and its follower; full-frame searches at a fixed interval.
 class FollowerTest : public ::testing::Test {
  protected:
   static constexpr int kFrames = 24;
 
   struct Frames {
     std::vector<std::vector<Seen>> seen;  // by frame
-    int truths = 0;                       // clear views of things, in all frames
+    int truths = 0;                       // number of clearly visible objects, over all frames
     int found = 0;                        // of these
   };
 
@@ -61,7 +61,7 @@ TEST_F(FollowerTest, BetweenWholeFramesObjectsAreSeenInTheirRegions) {
   EXPECT_GT(recognised_between, 5) << "the recogniser confirms what is followed";
 }
 
-// In its region it is supposed to be there: that it is found says where, and no more about what it is.
+// A detection in a predicted region confirms the position; its score is capped by the full-frame score.
 TEST_F(FollowerTest, InItsRegionAThingIsNoSurerThanInAWholeFrame) {
   constexpr double kScore = 0.85;
   Follower follower = Follower::Create(recognizer_, *extractor_, 0.01, {}).value();
@@ -153,7 +153,7 @@ TEST_F(FollowerTest, WhatIsFollowedKeepsItsTrack) {
   EXPECT_GT(continued, 20);
 }
 
-// From a frame where tracks begin anew on, what was before does not matter.
+// After a restart frame, earlier frames have no influence.
 TEST_F(FollowerTest, ARestartForgetsWhatWasBefore) {
   FollowOptions options;
   options.restart_frames = 12;

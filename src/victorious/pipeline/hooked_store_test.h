@@ -1,4 +1,4 @@
-// A store for the tests of this folder that something can happen to.
+// A store for the tests of this folder that can fail or interrupt.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@
 
 namespace victorious {
 
-// Passes everything on, and asks `before_commit` first.
+// Forwards all calls; calls `before_commit` before each commit.
 class HookedStore final : public IndexStore {
  public:
   HookedStore(IndexStore& store, std::function<Status()> before_commit)

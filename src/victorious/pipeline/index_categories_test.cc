@@ -1,4 +1,4 @@
-// Categories in an index: sightings like those of models, gone on with, and never mixed up with models.
+// Categories in an index: sightings like those of models, resumable, and separate from models.
 #include <set>
 
 #include <gmock/gmock.h>
@@ -17,7 +17,7 @@ namespace {
 using ::testing::HasSubstr;
 
 constexpr int kFrames = 80;
-constexpr int kChange = 40;  // the first frame of the second category
+constexpr int kChange = 40;  // first frame of the second category
 
 CategoryModel TrainedModel(std::uint64_t seed = 1) {
   CategoryModel model = TrainCategories(testing::DrawExamples(8, seed), testing::SmallOptions()).value();
@@ -29,7 +29,7 @@ CategoryModel TrainedModel(std::uint64_t seed = 1) {
 
 class IndexCategoriesTest : public ::testing::Test {
  protected:
-  // A cross before a disc, then behind it; each stands still.
+  // A cross before a disc, then behind it; each is static.
   void SetUp() override {
     auto writer = VideoWriter::Create(video_, {.width = 160, .height = 120, .fps = 10});
     ASSERT_TRUE(writer) << writer.error().message;
@@ -73,7 +73,7 @@ TEST_F(IndexCategoriesTest, FindsEachWhenItIsThere) {
     EXPECT_GE(right, kChange - 2);
     EXPECT_EQ(right, static_cast<int>(sightings.size()));
     const std::vector<ObjectRecord> objects = ObjectsOf(*store, filter);
-    ASSERT_EQ(objects.size(), 1);  // one run of frames
+    ASSERT_EQ(objects.size(), 1);  // one tracklet
     EXPECT_EQ(objects[0].frames, right);
   }
   const std::string contents = Contents(*store);
@@ -94,7 +94,7 @@ TEST_F(IndexCategoriesTest, EveryNthFrameAlone) {
 
 TEST_F(IndexCategoriesTest, StoppedAndGoneOnWithIsTheSame) {
   IndexOptions options;
-  options.keep.interval_s = 0;  // so that frames are stored before the video's end
+  options.keep.interval_s = 0;  // so that frames are stored before the end of the video
   const auto whole = Store("whole.db");
   ASSERT_TRUE(TryIndex(*whole, options));
 
@@ -156,10 +156,10 @@ TEST_F(IndexCategoriesTest, ModelsAndCategoriesAreApart) {
   namesake.name = "cross-disc";
   const auto both = Indexer::Create({namesake}, {}, TrainedModel());
   ASSERT_FALSE(both);
-  EXPECT_THAT(both.error().message, HasSubstr("cross-disc: the name of a model and of a category"));
+  EXPECT_THAT(both.error().message, HasSubstr("cross-disc: is the name of both a model and a category"));
   const auto later = Indexer::Create({namesake}, {}).value().Index({.video = video_}, {}, *store);
   ASSERT_FALSE(later);
-  EXPECT_THAT(later.error().message, HasSubstr("cross-disc: the name of a model and of a category"));
+  EXPECT_THAT(later.error().message, HasSubstr("cross-disc: is the name of both a model and a category"));
   EXPECT_FALSE(SightingsOf(*store, {.category_name = "cross-disc"}).empty());
 }
 

@@ -7,19 +7,18 @@ void RunOptions::ListFields(FieldList& fields) {
              {.min = 0,
               .max = 3600,
               .unit = "s",
-              .reason = "a sighting continues a run that was last seen no longer ago than this, than 2.5 "
-                        "searched frames, or than a track may miss"});
+              .reason = "maximum time from a tracklet's last sighting to the next; raised to 2.5 searched frames or "
+                        "the frames that a track may miss, if these are longer"});
   fields.Add("least_overlap", least_overlap,
              {.min = 0,
               .max = 1,
-              .reason = "intersection over union that a sighting's box needs with the run's last one, taken on "
-                        "as the picture and the object moved"});
-  fields.Add(
-      "gate_sigma", gate_sigma,
-      {.min = 0,
-       .max = 1e6,
-       .reason = "a sighting whose line of sight or range is off the run's place by more sigmas than this begins "
-                 "a new run, unless it was followed there"});
+              .reason = "minimum intersection over union of a sighting's box with the tracklet's predicted box, which "
+                        "includes camera and object motion"});
+  fields.Add("gate_sigma", gate_sigma,
+             {.min = 0,
+              .max = 1e6,
+              .reason = "a sighting starts a new tracklet if the Mahalanobis distance of its line of sight and range "
+                        "to the tracklet's place exceeds this, unless it has the same track"});
 }
 
 void KeepOptions::ListFields(FieldList& fields) {
@@ -27,8 +26,8 @@ void KeepOptions::ListFields(FieldList& fields) {
              {.min = 0,
               .max = 1e6,
               .unit = "s",
-              .reason = "the features of one frame in so many seconds are kept for search by picture; 0 keeps every "
-                        "frame searched (docs/formats/index.md tells what they weigh)"});
+              .reason = "interval at which the features of a frame are kept for search by example image; 0 keeps every "
+                        "searched frame (docs/formats/index.md gives their size)"});
 }
 
 void VideoOptions::ListFields(FieldList& fields) {
@@ -36,7 +35,7 @@ void VideoOptions::ListFields(FieldList& fields) {
              {.min = 0.001,
               .max = 1000,
               .unit = "frames/s",
-              .reason = "the times of a folder's pictures, which carry none of their own"});
+              .reason = "frame rate of a folder of images, which have no time stamps"});
 }
 
 void IndexOptions::ListFields(FieldList& fields) {
@@ -60,15 +59,14 @@ void IndexOptions::ListSearchFields(FieldList& fields) {
              {.min = 0,
               .max = 60,
               .unit = "s",
-              .reason = "a live source's frame waits so long for telemetry of its moment or later, which may come once "
-                        "a second; where none comes beside the frames, none waits"});
-  fields.Add(
-      "every", every,
-      {.min = 1,
-       .max = 1e6,
-       .unit = "frames",
-       .reason = "frames from one whole-frame search to the next; between them objects are followed, and sought in "
-                 "their regions alone"});
+              .reason = "maximum wait of a live source's frame for telemetry of its time or later, which may arrive "
+                        "once a second; no wait if the source has no telemetry stream"});
+  fields.Add("every", every,
+             {.min = 1,
+              .max = 1e6,
+              .unit = "frames",
+              .reason = "interval between full-frame searches; in between, objects are tracked and searched for in "
+                        "their regions only"});
 }
 
 }  // namespace victorious

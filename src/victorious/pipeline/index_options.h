@@ -1,5 +1,5 @@
-// Every parameter of an index run in one struct, which is what `--params` reads, what an index stores with its results,
-// and what `victorious params` prints.
+// All parameters of an index run in one struct: read from `--params`, stored in the index with the results, and printed
+// by `victorious params`.
 #pragma once
 
 #include "victorious/base/options.h"
@@ -15,7 +15,7 @@
 
 namespace victorious {
 
-/// How sightings become runs (run_linker.h).
+/// How sightings are linked into tracklets (run_linker.h).
 struct RunOptions {
   double gap_s = 2.0;
   double least_overlap = 0.1;
@@ -24,14 +24,14 @@ struct RunOptions {
   void ListFields(FieldList& fields);
 };
 
-/// What is kept of the frames for search by picture.
+/// Which frames' features the index keeps for search by example image.
 struct KeepOptions {
   double interval_s = 1.0;
 
   void ListFields(FieldList& fields);
 };
 
-/// How sources are read.
+/// How video sources are read.
 struct VideoOptions {
   double folder_frame_rate = 10.0;
 
@@ -56,8 +56,8 @@ struct IndexOptions {
 
   void ListFields(FieldList& fields);
 
-  /// Those that decide what is stored of a video. The others only say what is made of that (object_list.h), so may
-  /// change without a new search.
+  /// Lists the parameters that affect what is stored for a video. The others only affect data association
+  /// (object_list.h), so they may change without a new search.
   void ListSearchFields(FieldList& fields);
 };
 

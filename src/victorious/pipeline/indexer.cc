@@ -23,7 +23,7 @@
 namespace victorious {
 namespace {
 
-// The names of the parameters in which two stored texts differ, with both values.
+// Lists the parameters that differ between two stored JSON texts, with both values.
 std::string Difference(const std::string& before, const std::string& now) {
   const auto a = nlohmann::json::parse(before, nullptr, /*allow_exceptions=*/false);
   const auto b = nlohmann::json::parse(now, nullptr, /*allow_exceptions=*/false);
@@ -41,7 +41,7 @@ std::string Difference(const std::string& before, const std::string& now) {
   return changes.empty() ? "another version's parameters" : fmt::format("{}", fmt::join(changes, "; "));
 }
 
-// The reader's content id, with a bar where making it takes longer than a moment.
+// The reader's content id; shows a progress bar for large files.
 Expected<std::string> ContentIdOf(const VideoReader& reader, const std::string& video, const CancelToken& cancel) {
   constexpr std::int64_t kLongBytes = std::int64_t{256} << 20;
   constexpr std::int64_t kMegabyte = 1'000'000;
@@ -53,13 +53,13 @@ Expected<std::string> ContentIdOf(const VideoReader& reader, const std::string& 
   });
 }
 
-// The parameters of a run, as the store keeps them.
+// The parameters as the store keeps them, as JSON.
 struct StoredParameters {
   std::string all;
   std::string features;
 };
 
-// Refuses what was searched with other parameters, before anything is changed.
+// Fails if a model was searched for with other parameters, before anything is changed.
 Status CheckParameters(const VideoRecord& video, const std::vector<ModelRecord>& sought, const StoredParameters& now,
                        IndexStore& store) {
   const auto refuse = [&](const std::string& before, const std::string& wanted) {
@@ -75,7 +75,7 @@ Status CheckParameters(const VideoRecord& video, const std::vector<ModelRecord>&
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> stored, store.Models());
   for (const ModelRecord& record : stored) {
     const bool is_searched = std::ranges::any_of(sought, [&](const ModelRecord& one) {
-      return one.name == record.name && one.model_id == record.model_id;  // of another content: searched anew
+      return one.name == record.name && one.model_id == record.model_id;  // other content is searched anew
     });
     if (!is_searched) continue;
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before, store.FindSearch(video.id, record.id));
@@ -90,13 +90,13 @@ std::string SearchOptionsText(IndexOptions options) {
   return ToJsonText(fields.fields());
 }
 
-// What telemetry tells of a video.
+// Telemetry of a video.
 struct Cameras {
   std::optional<CameraTrack> track;
   std::optional<std::int64_t> start_utc_us;
 };
 
-// The time of day of the first frame, by the first state that has one.
+// UTC time of the first frame, from the first state with a clock.
 std::optional<std::int64_t> StartOf(const std::vector<CameraState>& states) {
   for (const CameraState& state : states) {
     if (state.utc_us) return *state.utc_us - std::llround(state.time_s * 1e6);
@@ -120,13 +120,13 @@ struct PlannedSearch {
   SearchRecord search;
 };
 
-// An index knows what it holds by name: a category would take the place of the model, or the model the category's.
+// The index identifies models and categories by name, so one would overwrite the other.
 Status CheckNames(const std::vector<ModelRecord>& sought, const std::vector<ModelRecord>& others) {
   for (const ModelRecord& one : sought) {
     for (const ModelRecord& other : others) {
       if (one.name != other.name || one.IsCategory() == other.IsCategory()) continue;
       return Fail(ErrorCode::kInvalidArgument,
-                  fmt::format("{}: the name of a model and of a category: give one of them another name", one.name));
+                  fmt::format("{}: is the name of both a model and a category: rename one of them", one.name));
     }
   }
   return {};
@@ -177,11 +177,11 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
   const std::string& video = job.video;
   VICTORIOUS_CHECK(job.lit.empty() || job.lit.size() == models_.size());
   if (cancel.IsCancelled()) {
-    return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped before it was opened; run again to go on", video));
+    return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped before it was opened; run again to resume", video));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models_before, store.Models());
   VICTORIOUS_RETURN_IF_ERROR(CheckNames(sought_, models_before));
-  const VideoReaderOptions reading{.data_packets = true,  // of a live source they come once
+  const VideoReaderOptions reading{.data_packets = true,  // a live source sends them once
                                    .threads = job.threads,
                                    .folder_frame_rate = options_.video.folder_frame_rate};
   VICTORIOUS_ASSIGN_OR_RETURN(std::unique_ptr<VideoReader> reader, VideoReader::Open(video, reading));
@@ -192,7 +192,7 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
   VICTORIOUS_ASSIGN_OR_RETURN(const Cameras cameras, CamerasOf(job, reader->info(), options_.telemetry, tell));
   if (!reader->info().live) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t forgotten, store.ForgetOtherContent(video, content_id));
-    if (forgotten > 0) tell("has changed since it was indexed: what was found before is replaced");
+    if (forgotten > 0) tell("the video has changed since it was indexed: its earlier results are replaced");
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const VideoRecord record, store.PutVideo({.content_id = content_id,
                                                                         .name = video,
@@ -207,10 +207,11 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
   if (!job.redo) {
     VICTORIOUS_RETURN_IF_ERROR(CheckParameters(record, sought_, parameters, store));
   } else {
-    VICTORIOUS_RETURN_IF_ERROR(store.ForgetKeptFrames(record.id));  // others may be kept now, of other features
+    VICTORIOUS_RETURN_IF_ERROR(
+        store.ForgetKeptFrames(record.id));  // the kept frames and their features may now be others
   }
 
-  // What has frames left, by the first of these frames: each group is searched in one reading.
+  // Searches with frames left, grouped by their first frame: one pass per group.
   std::map<std::int64_t, std::vector<PlannedSearch>> groups;
   for (std::size_t s = 0; s < sought_.size(); ++s) {
     const ModelRecord& sought = sought_[s];
@@ -218,8 +219,9 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
       return before.name == sought.name && before.model_id != sought.model_id;
     });
     if (changed) {
-      tell(fmt::format("{} {} is not the one searched for before: its earlier finds, in other videos too, are dropped",
-                       sought.IsCategory() ? "category" : "model", sought.name));
+      tell(fmt::format(
+          "{} {} differs from the one searched for before: its earlier results, in other videos too, are dropped",
+          sought.IsCategory() ? "category" : "model", sought.name));
     }
     VICTORIOUS_ASSIGN_OR_RETURN(const ModelRecord stored, store.PutModel(sought));
     if (job.redo) VICTORIOUS_RETURN_IF_ERROR(store.ForgetSearch(record.id, stored.id));

@@ -1,6 +1,7 @@
-// pipeline/, the main job: video -> features -> recognize -> objects -> store. A frame's way through the program, in
-// the order the data flows. Frames are searched on all cores; what they gave is linked and stored in their order, so
-// that the result does not depend on the number of threads.
+// The main job: video -> features -> recognition -> tracklets -> objects -> store.
+//
+// Frames are searched in parallel on all cores. Linking and storing are serial in frame order, so the result does not
+// depend on the number of threads.
 #pragma once
 
 #include <cstdint>
@@ -22,39 +23,39 @@
 namespace victorious {
 
 struct IndexReport {
-  std::int64_t frames_searched = 0;  ///< in this run
-  std::int64_t sightings = 0;        ///< found in this run
-  bool stopped_live = false;         ///< that end is where a live source was cancelled
-  std::optional<Sun> sun;            ///< where it stands, azimuth from north, if objects were sought as it lights them
+  std::int64_t frames_searched = 0;  ///< number of frames searched as a whole by this call
+  std::int64_t sightings = 0;        ///< number found by this call
+  bool stopped_live = false;         ///< true if a cancelled live source ends here
+  std::optional<Sun> sun;            ///< sun direction, azimuth from north, if relit templates were used
 };
 
-/// One video to be indexed, and how.
+/// One video to index, and how.
 struct IndexJob {
-  std::string video;                     ///< a path or URL, also the name under which it is stored
-  std::optional<std::string> telemetry;  ///< a file; unless given, the video's own, or what lies beside it
-  bool redo = false;                     ///< forget what was found of what is sought in it, and search again
-  int threads = 0;                       ///< 0: as many as the machine has
-  /// One a model (MakeLitViews): what is made of them stays with the caller, for other jobs with the same models.
-  /// Empty: made anew for this video, and forgotten after it.
+  std::string video;                     ///< path or URL; also the name under which it is stored
+  std::optional<std::string> telemetry;  ///< telemetry file; if not given, the video's own, or a file beside it
+  bool redo = false;                     ///< drop the stored results of these models in this video, and search again
+  int threads = 0;                       ///< 0: one per hardware thread
+  /// Relit templates (MakeLitViews), one entry per model. The caller keeps them, to share them between jobs with the
+  /// same models. If empty, they are made for this video and released after it.
   std::vector<std::shared_ptr<const LitTemplates>> lit = {};
 };
 
-/// Searches videos for a set of models and of categories, and keeps what it finds. One video at a time.
+/// Searches videos, one at a time, for a set of models and categories, and stores what it finds.
 class Indexer {
  public:
-  /// @param categories  sought beside the models
-  /// @param warn        of the ground that the options tell
-  /// Errors: parameters out of range; a model of another feature engine, or of a category's name; those of
-  /// CategoryFinder and of MakeGround.
+  /// @param categories  searched for in addition to the models; optional
+  /// @param warn        receives warnings about the given ground
+  /// Errors: kInvalidArgument for parameters out of range, a model of another feature engine, or a model and a category
+  /// with the same name; those of CategoryFinder and of MakeGround.
   static Expected<Indexer> Create(std::vector<ObjectModel> models, const IndexOptions& options,
                                   std::optional<CategoryModel> categories = {}, const WarningSink& warn = {});
 
-  /// Goes on where an earlier run stopped, searches new models alone in what was indexed before, and doubles nothing.
-  /// Progress is stored every few seconds together with what was found, so that a kill loses no more than that.
-  /// At its end, done or stopped, the objects of the whole index are made anew (object_list.h).
-  /// Errors: those of VideoReader, IndexStore, and a telemetry file that was named; kInvalidArgument if the video was
-  /// indexed with other parameters and redo is not asked for; kCancelled, after what was done is stored. A live source,
-  /// which cannot be gone on with, ends where it is cancelled: no error.
+  /// Indexes one video. Resumes where an earlier call stopped; in a video indexed before searches for new models only;
+  /// stores nothing twice. Commits results and progress together every 2 s, so that a kill loses no more than that. At
+  /// the end, finished or cancelled, recomputes the objects of the whole index (object_list.h).
+  /// Errors: those of VideoReader, IndexStore, and of a telemetry file that was given; kInvalidArgument if the video
+  /// was indexed with other parameters and `redo` is false; kCancelled, after what was done is stored. A cancelled live
+  /// source, which cannot be resumed, ends normally, without an error.
   Expected<IndexReport> Index(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
                               const WarningSink& warn = {}) const;
 
@@ -69,7 +70,7 @@ class Indexer {
   IndexOptions options_;
   std::unique_ptr<const FeatureExtractor> extractor_;
   std::optional<CategoryFinder> categories_;
-  std::vector<ModelRecord> sought_;  // what the store is to know: the models, then the categories
+  std::vector<ModelRecord> sought_;  // models, then categories, as stored
 };
 
 }  // namespace victorious

@@ -44,7 +44,7 @@ IndexReport Index(const std::string& video, std::vector<ObjectModel> models, Ind
   return report.value_or(IndexReport{});
 }
 
-// Commits come every 32 kept frames, and every two seconds: with all frames kept, these runs have several.
+// A commit every 32 kept frames and every two seconds: with all frames kept, these runs have several.
 RunSetup ManyCommits() {
   RunSetup run;
   run.options.keep.interval_s = 0;
@@ -65,7 +65,7 @@ TEST(Indexer, FindsWhatIsThereWhereItIs) {
   int found = 0;
   int wrong = 0;
   for (int frame = 0; frame < flight.flight().options().frames; ++frame) {
-    std::set<std::size_t> right;  // places in `sightings`
+    std::set<std::size_t> right;  // indices into `sightings`
     for (const testing::TruthRow& row : flight.flight().Truth(frame)) {
       const bool clear = row.visible > 0.8;
       findable += clear ? 1 : 0;
@@ -120,7 +120,7 @@ TEST(Indexer, ANewModelIsSearchedAlone) {
   EXPECT_THAT(SightingsOf(*store, first), SizeIs(sightings));
   EXPECT_THAT(ObjectsOf(*store, first), SizeIs(objects.size()));
 
-  // The same as both at once, but for the objects' numbers.
+  // The same as both in one call, except for the object ids.
   const auto both = flight.Store("both.db");
   Index(flight.video(), flight.Models(), *both);
   EXPECT_EQ(SightingsOf(*store).size(), SightingsOf(*both).size());
@@ -163,7 +163,7 @@ TEST(Indexer, OtherParametersAreRefusedAndChangeNothing) {
   edge.options.runs.gap_s = 3;
   for (const auto& [run, difference] : {std::pair<RunSetup, std::string>{ratio, "match.ratio was 0.8, is 0.7"},
                                         std::pair<RunSetup, std::string>{edge, "edge_threshold was 20.0, is 12.0"}}) {
-    // A changed model is no reason to lose what was found: nothing was searched in its stead.
+    // A changed model does not drop stored results before it has been searched for.
     const Expected<IndexReport> report = TryIndex(flight.video(), {flight.Model(0, 0.8), flight.Model(1)}, *store, run);
     ASSERT_FALSE(report);
     EXPECT_EQ(report.error().code, ErrorCode::kInvalidArgument);
@@ -207,7 +207,7 @@ TEST(Indexer, SearchesEveryNthFrame) {
   const auto store = flight.Store("fifth.db");
   const IndexReport report = Index(flight.video(), flight.Models(), *store, run);
   EXPECT_EQ(report.frames_searched, 4);  // 0, 5, 10, 15
-  // Frame and matches: which object a sighting belongs to may differ.
+  // Compares frame and matches: the object of a sighting may differ.
   std::set<std::pair<std::int64_t, int>> expected;
   for (const SightingRecord& sighting : SightingsOf(*all)) {
     if (sighting.frame % 5 == 0) expected.emplace(sighting.frame, sighting.matches);
@@ -219,7 +219,7 @@ TEST(Indexer, SearchesEveryNthFrame) {
   EXPECT_EQ(VideosOf(*store).at(0).frame_count, flight.flight().options().frames) << "all of them, searched or not";
 }
 
-// Stopped again and again, after each first commit, until the end is reached.
+// Interrupted after each first commit until the end is reached.
 TEST(Indexer, CancelledAndGoneOnWithItGivesWhatOneRunGives) {
   const DrawnFlight flight(ShortFlight(72));
   const auto whole = flight.Store("whole.db");
@@ -245,15 +245,15 @@ TEST(Indexer, CancelledAndGoneOnWithItGivesWhatOneRunGives) {
     EXPECT_THAT(report.error().message, AllOf(HasSubstr(flight.video()), HasSubstr("run again")));
     const std::int64_t next = store->FindSearch(1, 1).value().value().next_frame;
     EXPECT_GT(next, frames);
-    EXPECT_LE(next, 72);  // the last commit may be the one that is cancelled: its objects are not made yet
+    EXPECT_LE(next, 72);  // the last commit may be the cancelled one: its objects are not computed yet
     frames = 0;
   }
   EXPECT_GE(runs, 3);
   EXPECT_EQ(Contents(*store), Contents(*whole));
 }
 
-// Between whole-frame searches what is found depends on the frames before: those back to where tracks began anew are
-// followed once more.
+// Between full-frame searches the result depends on earlier frames: those since the last restart of tracking are
+// tracked again.
 TEST(Indexer, StoppedBetweenWholeFramesItEndsAsOneRunDoes) {
   const DrawnFlight flight(ShortFlight(40));
   RunSetup run;
@@ -294,7 +294,8 @@ TEST(Indexer, CancelledAtOnceItStopsAtOnce) {
   EXPECT_EQ(Index(flight.video(), flight.Models(), *store).frames_searched, 12);
 }
 
-// A model that came while another was half done is searched from the beginning; both end the same.
+// A model that is added while another is half done is searched for from the beginning; both results equal those of one
+// run.
 TEST(Indexer, ModelsThatAreDifferentlyFarEachGoOnWhereTheyStopped) {
   const DrawnFlight flight(ShortFlight(48));
   const auto store = flight.Store("index.db");
@@ -334,7 +335,7 @@ TEST(Indexer, AnyNumberOfThreadsGivesTheSame) {
   EXPECT_THAT(contents[0], HasSubstr("crate"));
 }
 
-// More than the machine has processors, too: nothing but progress may stand on stderr.
+// More threads than the machine has processors: only progress may be written to stderr.
 TEST(Indexer, AnyNumberOfThreadsIsTakenWithoutAWord) {
   const DrawnFlight flight(ShortFlight(4));
   const auto store = flight.Store("index.db");
@@ -373,7 +374,7 @@ TEST(Indexer, TheUserSaysHowFastAFolderIs) {
   EXPECT_EQ(VideosOf(*store).at(0).duration_s, 0.5);
 }
 
-// An index or a log beside the pictures does not make another video of them.
+// An index or a log file beside the images does not change the content id.
 TEST(Indexer, AFolderStaysTheSameVideoWhenOtherFilesComeIntoIt) {
   const DrawnFlight flight(ShortFlight(3));
   const fs::path folder = flight / "frames";
@@ -425,7 +426,7 @@ TEST(Indexer, WhatIsOnlyFollowedTellsALineOfSight) {
   run.options.follow.search_every = 10;
   const auto store = flight.Store("index.db");
   Index(flight.video(), flight.Models(), *store, run);
-  std::map<std::int64_t, double> recognised_rad;  // by run
+  std::map<std::int64_t, double> recognised_rad;  // by tracklet
   int followed = 0;
   for (const SightingRecord& sighting : SightingsOf(*store, {.rejected_too = true})) {
     ASSERT_TRUE(sighting.sight) << sighting.frame;
@@ -480,7 +481,7 @@ TEST(Indexer, TwoProcessesAtOneVideoDoNotDoubleIt) {
   const DrawnFlight flight(ShortFlight(12));
   const auto store = flight.Store("index.db");
   bool first = true;
-  // Before this run stores its first batch, another one does all of the work.
+  // Before this process stores its first batch, another one does all of the work.
   HookedStore raced(*store, [&]() -> Status {
     if (std::exchange(first, false)) Index(flight.video(), flight.Models(), *store);
     return {};

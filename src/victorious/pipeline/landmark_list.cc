@@ -18,15 +18,18 @@ namespace victorious {
 
 void LandmarkListOptions::ListFields(FieldList& fields) {
   fields.Add("heading_deg", heading_deg,
-             {.min = 0, .max = 180, .unit = "deg", .reason = "sigma of a landmark's heading, where nothing tells it"});
+             {.min = 0,
+              .max = 180,
+              .unit = "deg",
+              .reason = "standard deviation of a landmark's heading if the list gives none"});
   fields.Add("common_share", common_share,
              {.min = 0,
               .max = 1,
               .unit = "",
-              .reason = "sigma of what all landmarks' places err alike over that of the best of them: 1 for those that "
-                        "were located in one flight, 0 for those that were surveyed one by one"});
+              .reason = "standard deviation of the error common to all landmarks' places, over that of the best place: "
+                        "1 for landmarks located in one flight, 0 for landmarks surveyed independently"});
   fields.Add("most_speed_m_s", most_speed_m_s,
-             {.min = 0, .max = 1e3, .unit = "m/s", .reason = "what moves faster is no landmark"});
+             {.min = 0, .max = 1e3, .unit = "m/s", .reason = "objects that move faster are not landmarks"});
 }
 
 namespace {
@@ -35,7 +38,7 @@ using InputJson = nlohmann::json;
 
 constexpr std::string_view kSqlite = "SQLite format 3";
 
-// Nothing where the key is missing or null.
+// std::nullopt if the key is missing or null.
 Expected<std::optional<double>> NumberAt(const InputJson& json, const char* key, double least, double most) {
   const auto at = json.find(key);
   if (at == json.end() || at->is_null()) return std::nullopt;
@@ -51,7 +54,7 @@ Expected<double> NeededAt(const InputJson& json, const char* key, double least, 
   return *number;
 }
 
-// Exact where the key is missing or null.
+// Zero if the key is missing or null.
 Expected<Eigen::Matrix3d> CovarianceAt(const InputJson& json) {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   const auto at = json.find("covariance_enu_m2");
@@ -102,12 +105,12 @@ Expected<Landmark> ParseLandmark(std::string_view line, const LandmarkListOption
   landmark.sigma_heading_rad = RadiansFromDegrees(sigma_deg.value_or(options.heading_deg));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto speed_m_s, NumberAt(json, "speed_m_s", 0, 1e4));
   if (speed_m_s.value_or(0) > options.most_speed_m_s) {
-    return Fail(ErrorCode::kInvalidArgument, "what moves is no landmark");
+    return Fail(ErrorCode::kInvalidArgument, "it moves: only static objects are landmarks");
   }
   return landmark;
 }
 
-// Warnings of what is left out: the first few, then how many more.
+// Collects warnings about skipped entries: the first 20, then the number of the others.
 class LeftOut {
  public:
   explicit LeftOut(std::vector<std::string>& warnings) : warnings_(warnings) {}
@@ -121,7 +124,7 @@ class LeftOut {
     }
   }
   void TellOfMore() {
-    if (more_ > 0) warnings_.push_back(fmt::format("and {} more are left out", more_));
+    if (more_ > 0) warnings_.push_back(fmt::format("and {} more are skipped", more_));
   }
 
  private:
@@ -136,10 +139,10 @@ Expected<LandmarkList> LandmarksOf(IndexStore& store, const LandmarkListOptions&
   LeftOut left_out(list.warnings);
   for (const ListedObject& listed : objects) {
     const ObjectRecord& object = listed.object;
-    if (listed.is_category) continue;  // no model recognises it
+    if (listed.is_category) continue;  // categories are not recognised by a model
     if (!object.place || SpeedOf(object).value_or(0) > options.most_speed_m_s) {
-      left_out.Tell(fmt::format("object {}, {}, is left out: {}", object.id, listed.model,
-                                object.place ? "it moves" : "its place is not known"));
+      left_out.Tell(fmt::format("object {}, {}, is skipped: {}", object.id, listed.model,
+                                object.place ? "it moves" : "it has no place"));
       continue;
     }
     list.landmarks.push_back({.model = listed.model,
@@ -150,8 +153,7 @@ Expected<LandmarkList> LandmarksOf(IndexStore& store, const LandmarkListOptions&
   }
   left_out.TellOfMore();
   if (list.landmarks.empty()) {
-    return Fail(ErrorCode::kInvalidArgument,
-                "no object of known place that stands still: index a video with telemetry first");
+    return Fail(ErrorCode::kInvalidArgument, "no static object with a place: index a video with telemetry first");
   }
   return list;
 }
@@ -170,7 +172,7 @@ Expected<LandmarkList> ParseLandmarks(std::string_view text, const LandmarkListO
     if (landmark) {
       list.landmarks.push_back(*std::move(landmark));
     } else {
-      left_out.Tell(fmt::format("line {} is left out: {}", number, landmark.error().message));
+      left_out.Tell(fmt::format("line {} is skipped: {}", number, landmark.error().message));
     }
   }
   left_out.TellOfMore();

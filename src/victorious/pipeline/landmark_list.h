@@ -1,4 +1,4 @@
-// Landmarks from an index, whose objects of known place they are, or from a list in the format `objects`.
+// Reads landmarks: objects of known place from an index, or a list in the export format `objects`.
 #pragma once
 
 #include <string>
@@ -21,17 +21,19 @@ struct LandmarkListOptions {
 
 struct LandmarkList {
   std::vector<Landmark> landmarks;
-  /// Of the error that all places have in common: of the best of them, so far as errors are common.
+  /// Covariance of the error common to all landmarks: (common_share)^2 times the covariance of the best-located one.
   Eigen::Matrix3d common_covariance_enu_m2 = Eigen::Matrix3d::Zero();
-  std::vector<std::string> warnings;  ///< what was left out, a line each; of many the first, and how many more
+  std::vector<std::string> warnings;  ///< skipped entries, one line each: the first 20, then the number of the others
 };
 
-/// A list, a JSON object a line (docs/formats/navigate.md). Lines that cannot be used are left out and told.
-/// Errors: kInvalidArgument where no line can be used.
+/// Parses a list with one JSON object per line (docs/formats/navigate.md). Skips lines that cannot be used, with a
+/// warning.
+/// Errors: kInvalidArgument if no line can be used.
 Expected<LandmarkList> ParseLandmarks(std::string_view text, const LandmarkListOptions& options);
 
-/// An index, or a list.
-/// Errors: those of reading; kInvalidArgument where no object has a place and stands still.
+/// Reads an index or a list.
+/// Errors: those of reading; kInvalidArgument if the index holds no static object with a place, or the list no usable
+/// line.
 Expected<LandmarkList> ReadLandmarks(const std::string& path, const LandmarkListOptions& options);
 
 }  // namespace victorious

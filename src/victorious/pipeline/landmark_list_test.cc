@@ -62,7 +62,7 @@ TEST(LandmarkList, LeavesOutWhatCannotBeUsed) {
     const LandmarkList list = Parsed(line + "\n\n" + std::string(kLine));
     EXPECT_EQ(list.landmarks.size(), 1) << line;
     ASSERT_EQ(list.warnings.size(), 1) << line;
-    EXPECT_TRUE(list.warnings.front().starts_with("line 1 is left out: ")) << list.warnings.front();
+    EXPECT_TRUE(list.warnings.front().starts_with("line 1 is skipped: ")) << list.warnings.front();
     const auto alone = ParseLandmarks(line, {});
     ASSERT_FALSE(alone) << line;
     EXPECT_EQ(alone.error().code, ErrorCode::kInvalidArgument);
@@ -76,8 +76,8 @@ TEST(LandmarkList, TellsTheFirstOfManyThatItLeavesOut) {
   const LandmarkList list = Parsed(text);
   EXPECT_EQ(list.landmarks.size(), 1);
   ASSERT_EQ(list.warnings.size(), 21);
-  EXPECT_TRUE(list.warnings.front().starts_with("line 2 is left out: ")) << list.warnings.front();
-  EXPECT_EQ(list.warnings.back(), "and 980 more are left out");
+  EXPECT_TRUE(list.warnings.front().starts_with("line 2 is skipped: ")) << list.warnings.front();
+  EXPECT_EQ(list.warnings.back(), "and 980 more are skipped");
 }
 
 TEST(LandmarkList, KnowsAnIndexFromAList) {

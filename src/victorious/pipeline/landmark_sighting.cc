@@ -14,15 +14,19 @@
 namespace victorious {
 
 void SightingOptions::ListFields(FieldList& fields) {
+  fields.Add("least_turn_deg", least_turn_deg,
+             {.min = 1e-3,
+              .max = 90,
+              .unit = "deg",
+              .reason = "minimum standard deviation of a landmark's rotation in one frame"});
   fields.Add(
-      "least_turn_deg", least_turn_deg,
-      {.min = 1e-3, .max = 90, .unit = "deg", .reason = "sigma of how a landmark seems turned in one frame, at least"});
-  fields.Add("sure_points", sure_points,
-             {.min = 0,
-              .max = 1e4,
-              .unit = "points",
-              .reason = "added to that: the square of this over the number of points that it was recognised by, in "
-                        "degrees; a third of it may be those of a view from elsewhere, three times as many never are"});
+      "sure_points", sure_points,
+      {.min = 0,
+       .max = 1e4,
+       .unit = "points",
+       .reason =
+           "adds the square of this over the number of matched points, in degrees, to that standard deviation: up to a "
+           "third of this number of points may be matched to a wrong view, three times this number never are"});
 }
 
 namespace {
@@ -32,7 +36,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 struct Offset {
-  Vector2d off;  // in sigmas
+  Vector2d off;  // in standard deviations
   Eigen::Matrix<double, 2, 6> jacobian;
 };
 
@@ -52,14 +56,14 @@ std::vector<Offset> OffsetsOf(const Stance& stance, double sigma) {
   return offsets;
 }
 
-// Points that scatter more than they should tell less.
+// Robust scale of the residuals, at least 1: inflates the covariance if they exceed the modelled noise.
 double NoiseFactor(const std::vector<Offset>& offsets) {
   std::vector<double> lengths;
   for (const Offset& offset : offsets) lengths.push_back(offset.off.norm());
   return std::max(1.0, Median(std::move(lengths)) / kRayleighMedian);
 }
 
-// Of (turn, move), from the points alone and the view that matched.
+// Covariance of (rotation, translation), from the points and the rotation prior of the matched view. Cauchy weights.
 Matrix6 CovarianceOf(const Stance& stance, const SightOptions& options) {
   const std::vector<Offset> offsets = OffsetsOf(stance, options.point_sigma_px / stance.focal_px);
   const double factor = NoiseFactor(offsets);
@@ -71,13 +75,13 @@ Matrix6 CovarianceOf(const Stance& stance, const SightOptions& options) {
     information += weight / (factor * factor) * offset.jacobian.transpose() * offset.jacobian;
   }
   information.topLeftCorner<3, 3>() += across / std::pow(RadiansFromDegrees(options.view_sigma_deg), 2);
-  constexpr double kAnyM = 1e4;  // what the points do not tell at all
+  constexpr double kAnyM = 1e4;  // weak prior for unobserved directions
   information.diagonal().array() += Eigen::Array<double, 6, 1>(
       (Vector6() << Vector3d::Constant(1 / (kPi * kPi)), Vector3d::Constant(1 / (kAnyM * kAnyM))).finished());
   return information.llt().solve(Matrix6::Identity());
 }
 
-// Of turns about the middle of the points.
+// Covariance of a rotation about the centroid of the points.
 Matrix6 TurnCovarianceOf(const Stance& stance, const SightingOptions& options) {
   Vector3d middle = Vector3d::Zero();
   for (const SeenPoint& point : stance.points) middle += stance.camera_from_object->rotation * point.point;

@@ -1,4 +1,4 @@
-// From how an object stands before the camera to a sighting of a landmark, with what it is worth.
+// Converts an object pose into a landmark sighting with its information matrix, for landmark navigation (navigate/).
 #pragma once
 
 #include <optional>
@@ -9,8 +9,9 @@
 
 namespace victorious {
 
-/// Matched points err together, and of few some are matched to a view from elsewhere: what they tell of how the object
-/// is turned is never better than these. The errors are turns about the points' middle, so they move the object's.
+/// Lower bounds of the rotation error. The errors of matched points are correlated, and of few points some are matched
+/// to a view from another side, so the covariance of the pose fit is too small. The added error is a rotation about the
+/// centroid of the points, so it shifts the object's centre, too.
 struct SightingOptions {
   double least_turn_deg = 1;
   double sure_points = 30;
@@ -18,8 +19,10 @@ struct SightingOptions {
   void ListFields(FieldList& fields);
 };
 
-/// @param sight  the errors of points, of the direction and of the range
-/// The frame and the model are left to the caller. Nothing where neither points nor a range tell its distance.
+/// Returns a sighting with its pose and information matrix; the caller sets `frame` and `model`. std::nullopt if the
+/// object pose has no range, or its covariance is singular. Without a 6-DoF pose the sighting constrains the position
+/// only.
+/// @param sight  standard deviations of points, direction and range
 std::optional<LandmarkSighting> SightingOf(const Stance& stance, const SightOptions& sight,
                                            const SightingOptions& options);
 

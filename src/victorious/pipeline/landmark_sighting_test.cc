@@ -18,7 +18,7 @@ constexpr double kRangeM = 120;
 
 Rigid3 Truth() { return {RotationOf(Vector3d(0.9, -0.4, 0.3)), Vector3d(6, -4, kRangeM)}; }
 
-// Seen by some points of it, each off by a pixel along each axis.
+// A pose from some points, each with a noise of one pixel along each axis.
 Stance Drawn(Random& random, int count) {
   Stance stance{.focal_px = kFocalPx};
   for (int i = 0; i < count; ++i) {
@@ -55,7 +55,7 @@ TEST(LandmarkSighting, InformationIsThatOfItsError) {
     ASSERT_TRUE(sighting);
     sum += ErrorOf(*sighting).dot(sighting->information * ErrorOf(*sighting));
   }
-  EXPECT_GT(sum / kDraws, 4);  // six numbers; the view that matched was exact, which is not known
+  EXPECT_GT(sum / kDraws, 4);  // 6 degrees of freedom; the matched view was exact, which the estimator does not assume
   EXPECT_LT(sum / kDraws, 7.5);
 }
 
@@ -73,7 +73,7 @@ TEST(LandmarkSighting, IsNeverBetterThanItsFloors) {
   EXPECT_NEAR(std::sqrt(covariance(3, 3)), std::hypot(0.3 / kFocalPx * kRangeM, 0.01 * 6), 0.05);
 }
 
-// Seen by few points at one end of it, and turned wrongly: the errors are within what it tells.
+// Few points at one end of the object, and a rotation error: the errors are consistent with the covariance.
 TEST(LandmarkSighting, OfFewPointsItMayBeTurnedAboutThem) {
   Random random(13);
   Stance stance = Drawn(random, 10);

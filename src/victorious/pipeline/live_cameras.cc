@@ -52,7 +52,7 @@ std::vector<std::string> LiveCameras::Warnings() const {
   if (stream_) return warnings_;
   std::vector<std::string> all = warnings_;
   all.emplace_back(
-      "nothing that came with the live source tells where the camera was and looked: nothing gets a place");
+      "the live source carries no telemetry with camera position, attitude and field of view: objects get no place");
   return all;
 }
 

@@ -1,7 +1,7 @@
-// The camera's states of a live source, from the telemetry that comes beside its frames.
+// Camera states of a live source, decoded from the telemetry packets that arrive with its frames.
 //
-// What comes is decoded a few times a second. What carries no time of its own is of the moment at which it came; of
-// several streams the first that tells of a camera counts. Only the last seconds are kept.
+// Packets are decoded every 0.2 s. A packet without a time stamp gets the time of the newest frame. Of several data
+// streams, the first one with camera states is used. Only the last 30 s of states are kept.
 #pragma once
 
 #include <map>
@@ -22,18 +22,18 @@ class LiveCameras {
  public:
   explicit LiveCameras(TelemetryOptions options) : options_(std::move(options)) {}
 
-  /// @param packets  what came since the last call
-  /// @param now_s    of the newest frame
-  /// Errors: those of the options.
+  /// @param packets  packets since the last call
+  /// @param now_s    time of the newest frame
+  /// Errors: those of the telemetry options.
   Status Add(std::vector<DataPacket> packets, double now_s);
 
-  /// Whether all is known of this moment: what is still to come is of later ones.
+  /// True if a state at `time_s` or later has arrived, so that later packets cannot change the state at `time_s`.
   [[nodiscard]] bool Covers(double time_s) const { return !states_.empty() && states_.back().time_s >= time_s; }
 
-  /// As CameraTrack::At.
+  /// Interpolated state, as CameraTrack::At.
   [[nodiscard]] std::optional<CameraState> At(double time_s) const;
 
-  /// What was not as it should be, a line each.
+  /// Warnings, one line each.
   [[nodiscard]] std::vector<std::string> Warnings() const;
 
  private:
@@ -42,9 +42,9 @@ class LiveCameras {
 
   TelemetryOptions options_;
   std::map<int, std::vector<DataPacket>> pending_;  // by stream, not yet decoded
-  double decoded_s_ = 0;                            // of the newest frame when they last were
-  std::optional<int> stream_;                       // that tells of the camera
-  std::vector<CameraState> states_;                 // by rising time
+  double decoded_s_ = 0;                            // time of the newest frame at the last decoding
+  std::optional<int> stream_;                       // the stream with camera states
+  std::vector<CameraState> states_;                 // by ascending time
   std::vector<std::string> warnings_;
 };
 

@@ -68,7 +68,7 @@ TEST(LiveCameras, KeepTheLastSecondsOnly) {
 TEST(LiveCameras, SayThatNothingTellsOfACamera) {
   LiveCameras cameras({});
   ASSERT_TRUE(cameras.Add({Packet("no KLV at all", 0.0)}, 0));
-  EXPECT_THAT(cameras.Warnings().back(), HasSubstr("nothing gets a place"));
+  EXPECT_THAT(cameras.Warnings().back(), HasSubstr("objects get no place"));
 }
 
 }  // namespace

@@ -23,7 +23,7 @@
 namespace victorious {
 
 NavigateRunOptions::NavigateRunOptions() {
-  follow.restart_frames = 1000000;  // nothing goes on with it after a stop
+  follow.restart_frames = 1000000;  // never restarted: a navigation run is not resumed
   follow.search_every = 5;
 }
 
@@ -39,15 +39,18 @@ void NavigateRunOptions::ListFields(FieldList& fields) {
   navigate.ListFields(fields);
   fields.AddGroup("sighting", sighting);
   fields.Add("second_look", second_look,
-             {.reason = "without telemetry, or where its attitude turns out a degree off, the video is gone through "
-                        "twice: the second time it is known about how the camera was held, so that landmarks are "
-                        "sought upright and as the sun lights them"});
+             {.reason = "runs a second pass over the video if there is no telemetry, or if its attitude is off by a "
+                        "degree or more: the second pass uses the estimated attitude for upright and relit templates"});
   fields.Add("every", every,
              {.min = 1,
               .max = 1e6,
               .unit = "frames",
-              .reason = "from one whole-frame search to the next while a landmark is followed"});
-  fields.Add("lost_every", lost_every, {.min = 1, .max = 1e6, .unit = "frames", .reason = "the same while none is"});
+              .reason = "interval between full-frame searches while a landmark is tracked"});
+  fields.Add("lost_every", lost_every,
+             {.min = 1,
+              .max = 1e6,
+              .unit = "frames",
+              .reason = "interval between full-frame searches while no landmark is tracked"});
 }
 
 namespace {
@@ -58,12 +61,12 @@ double MillisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-// The telemetry, if any; what it says of the camera's view, or what is told in its place.
+// Telemetry, if there is any, and the field of view from telemetry or from the parameters.
 struct Cameras {
   std::optional<CameraTrack> track;
   std::optional<double> hfov_rad;
 
-  /// With a field of view.
+  /// The state at a time, always with a field of view.
   [[nodiscard]] CameraState At(double time_s) const {
     CameraState camera{.time_s = time_s, .place = {}};
     if (track) camera = track->At(time_s).value_or(camera);
@@ -74,9 +77,9 @@ struct Cameras {
 
 Expected<Cameras> CamerasOf(const NavigateJob& job, const NavigateRunOptions& options, const VideoInfo& info,
                             const WarningSink& warn) {
-  VICTORIOUS_ASSIGN_OR_RETURN(std::optional<Telemetry> telemetry,
-                              TelemetryOf(job.video, info, job.telemetry, options.telemetry,
-                                          "landmarks alone tell where the camera was", warn));
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      std::optional<Telemetry> telemetry,
+      TelemetryOf(job.video, info, job.telemetry, options.telemetry, "navigation uses landmarks only", warn));
   Cameras cameras;
   if (options.telemetry.hfov_deg > 0) cameras.hfov_rad = RadiansFromDegrees(options.telemetry.hfov_deg);
   if (telemetry) {
@@ -86,14 +89,15 @@ Expected<Cameras> CamerasOf(const NavigateJob& job, const NavigateRunOptions& op
     cameras.track.emplace(std::move(telemetry->states), options.telemetry.max_gap_s);
   }
   if (!cameras.hfov_rad) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: the camera's field of view is not known: give --hfov DEG, or telemetry that has it",
-                            job.video));
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("{}: the camera's field of view is unknown: give --hfov DEG, or telemetry with a field of view",
+                    job.video));
   }
   return cameras;
 }
 
-// Drops the models of no landmark, and the landmarks of no model.
+// Drops models without a landmark and landmarks without a model.
 Status Pair(std::vector<ObjectModel>& models, std::vector<Landmark>& landmarks, const std::string& list,
             const WarningSink& warn) {
   std::set<std::string> named;
@@ -102,31 +106,31 @@ Status Pair(std::vector<ObjectModel>& models, std::vector<Landmark>& landmarks, 
   std::set<std::string> missing = named;
   for (const ObjectModel& model : models) missing.erase(model.name);
   if (models.empty()) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: no model of its landmarks ({}) is in the folder of models: make it with `victorious "
-                            "model add`",
-                            list, fmt::join(missing, ", ")));
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("{}: no model of its landmarks ({}) is in the model folder: make one with `victorious model add`",
+                    list, fmt::join(missing, ", ")));
   }
-  if (!missing.empty()) warn(fmt::format("landmarks without a model are left out: {}", fmt::join(missing, ", ")));
+  if (!missing.empty()) warn(fmt::format("landmarks without a model are skipped: {}", fmt::join(missing, ", ")));
   std::erase_if(landmarks, [&](const Landmark& landmark) { return missing.contains(landmark.model); });
   return {};
 }
 
-// What finds landmarks. The references outlive it.
+// What a pass needs to find landmarks. The references outlive it.
 struct Tools {
   const NavigateRunOptions& options;
   const Recognizer& recognizer;
   const FeatureExtractor& extractor;
-  std::vector<std::vector<std::size_t>> landmarks_of;  // by model
+  std::vector<std::vector<std::size_t>> landmarks_of;  // landmark indices, by model
 };
 
-// How the camera was held, as far as that is known before landmarks are sought; and where the sun stood.
+// Attitude that is known before the search, and the sun's direction.
 struct Held {
   const CameraTrack* track = nullptr;
   std::optional<Sun> sun;
 };
 
-// One way through the video.
+// One pass over the video.
 class Pass {
  public:
   Pass(const Tools& tools, Follower follower, const Cameras& cameras, const Held& held)
@@ -196,7 +200,7 @@ struct Source {
   bool live = false;
 };
 
-// From the beginning of the reader to its end.
+// Runs a pass from the first frame of the reader to its end.
 Expected<Pass> GoThrough(const Tools& tools, const Source& source, const Cameras& cameras,
                          const std::optional<CameraTrack>& held, std::unique_ptr<VideoReader>& reader,
                          const CancelToken& cancel) {
@@ -224,7 +228,7 @@ Expected<Pass> GoThrough(const Tools& tools, const Source& source, const Cameras
   return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped; nothing was written", source.video));
 }
 
-// One way through the video, and what it tells of the flight.
+// Runs a pass over the video and estimates the trajectory.
 Expected<NavigationRun> OnePass(const Tools& tools, const Source& source, const Cameras& cameras,
                                 const std::optional<CameraTrack>& held, const LandmarkList& list,
                                 std::unique_ptr<VideoReader>& reader, const CancelToken& cancel) {
@@ -243,8 +247,8 @@ Expected<NavigationRun> OnePass(const Tools& tools, const Source& source, const 
   return run;
 }
 
-// How the camera was held in the frames in which that is known well enough to seek objects upright; nothing where it is
-// in none.
+// Estimated camera states of the frames whose attitude is accurate enough for upright templates. std::nullopt if there
+// are none.
 std::optional<CameraTrack> HeldBy(const Navigation& navigation, const Cameras& cameras,
                                   const NavigateRunOptions& options) {
   constexpr double kMostSigmaDeg = 6;
@@ -258,7 +262,7 @@ std::optional<CameraTrack> HeldBy(const Navigation& navigation, const Cameras& c
   return CameraTrack(std::move(states), options.telemetry.max_gap_s);
 }
 
-// Whether telemetry's attitude was right to what matters to a search: objects upright, lit as the sun lights them.
+// True if the median error of telemetry's attitude is below 1 degree, which suffices for upright and relit templates.
 bool HeldAsTold(const Navigation& navigation, const Cameras& cameras) {
   constexpr double kMattersDeg = 1;
   std::vector<double> turns_rad;
@@ -304,8 +308,7 @@ Expected<NavigationRun> NavigateVideo(const NavigateJob& job, std::vector<Object
   std::optional<CameraTrack> held = cameras.track;
   VICTORIOUS_ASSIGN_OR_RETURN(NavigationRun run, OnePass(tools, source, cameras, held, list, reader, cancel));
   if (options.second_look && !source.live && (!cameras.track || !HeldAsTold(run.navigation, cameras))) {
-    // Now it is known about how the camera was held, or better than telemetry told, so that the second way through
-    // finds more.
+    // The attitude is now known, or known better than from telemetry, so a second pass finds more.
     held = HeldBy(run.navigation, cameras, options);
     if (held) {
       VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(job.video, reading));
@@ -344,7 +347,7 @@ std::string ToCsv(const NavigationRun& run) {
     }
   }
   const bool offset = std::ranges::any_of(frames, [](const NavigatedFrame& frame) { return frame.offset.has_value(); });
-  // Those of every row, also where there is none.
+  // Columns that are written even if they are empty.
   constexpr std::array<std::string_view, 3> kAlways = {"sigma_position_m", "sigma_attitude_deg", "vertical_datum"};
   if (!offset) return CameraCsvText(run.states, columns, kAlways);
   const auto add_offset = [&](const char* name, const auto& value) {

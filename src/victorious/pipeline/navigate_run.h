@@ -1,5 +1,6 @@
-// Landmark navigation over a video: landmarks are recognised in whole frames, followed from frame to frame and now and
-// then recognised again in their regions (follower.h); what they tell goes to navigate/ with the telemetry, if any.
+// Landmark navigation over a video. Landmarks are recognised in full frames, tracked from frame to frame and
+// re-recognised in their regions of interest (follower.h). Their sightings, and telemetry if there is any, are the
+// input of the estimation in navigate/.
 #pragma once
 
 #include <cstdint>
@@ -47,30 +48,31 @@ struct NavigateRunOptions {
 
 struct NavigateJob {
   std::string video;
-  std::string landmarks;                 ///< an index, or a list
-  std::optional<std::string> telemetry;  ///< unless given, that of the video
+  std::string landmarks;                 ///< path of an index, or of a list (landmark_list.h)
+  std::optional<std::string> telemetry;  ///< telemetry file; if not given, that of the video
 };
 
 struct NavigationRun {
   Navigation navigation;
-  std::vector<CameraState> states;      ///< one a frame, with field of view and lens; none where nothing tells a place
-  std::vector<Landmark> landmarks;      ///< of the models that were searched for
-  std::vector<std::int64_t> sightings;  ///< of each: frames in which it was believed
-  std::int64_t unbelieved = 0;          ///< sightings that were not
-  std::int64_t frames = 0;              ///< read
-  double tracked_ms = 0;                ///< median time of a frame that was not searched as a whole, landmarks in it
-  double tracked_cpu_ms = 0;            ///< of it, processor time of all threads
-  double estimate_ms = 0;               ///< time of the estimation, a frame
+  std::vector<CameraState> states;      ///< per localised frame, with field of view and lens
+  std::vector<Landmark> landmarks;      ///< those whose model was searched for
+  std::vector<std::int64_t> sightings;  ///< number of accepted sightings per landmark
+  std::int64_t unbelieved = 0;          ///< number of rejected sightings
+  std::int64_t frames = 0;              ///< number of frames read
+  double tracked_ms = 0;                ///< median wall time of a frame with landmarks that is tracked only, ms
+  double tracked_cpu_ms = 0;            ///< median processor time of such a frame, all threads, ms
+  double estimate_ms = 0;               ///< time of the estimation per frame, ms
 };
 
-/// @param models  all that may be searched for; those of no landmark are not
-/// Errors: kInvalidArgument for options out of range, a list without a landmark, no landmark of a known model, no field
-/// of view; those of the video, the telemetry and the index; kCancelled.
+/// Estimates the camera's trajectory over a video.
+/// @param models  candidates; models without a landmark are dropped
+/// Errors: kInvalidArgument for options out of range, a list without landmarks, no landmark with a known model, or an
+/// unknown field of view; those of the video, the telemetry and the index; kCancelled.
 Expected<NavigationRun> NavigateVideo(const NavigateJob& job, std::vector<ObjectModel> models,
                                       const NavigateRunOptions& options, const CancelToken& cancel,
                                       const WarningSink& warn);
 
-/// The telemetry's table with more columns (docs/formats/navigate.md).
+/// The telemetry table with additional columns (docs/formats/navigate.md).
 std::string ToCsv(const NavigationRun& run);
 
 }  // namespace victorious

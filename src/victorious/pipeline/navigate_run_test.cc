@@ -9,7 +9,7 @@
 namespace victorious {
 namespace {
 
-// What a run makes of real landmarks is tested with the whole command (tests/e2e/test_navigate.py).
+// Real landmarks are tested with the whole command (tests/e2e/test_navigate.py).
 
 constexpr std::string_view kCrate = R"({"model":"crate","latitude_deg":52.5,"longitude_deg":13.4,"altitude_m":75.5})";
 

@@ -19,10 +19,10 @@
 namespace victorious {
 namespace {
 
-// Runs that are one thing, as far as is known.
+// Tracklets merged into one object hypothesis.
 struct Thing {
   std::vector<const SeenRun*> runs;  // by id
-  ObjectPlace where;                 // for comparison with others of its flight
+  ObjectPlace where;                 // place for the comparison with others of its flight
 };
 
 std::vector<Sight> SightsOf(const Thing& thing) {
@@ -37,7 +37,7 @@ bool InOneVideo(const Thing& thing) {
                              [&](const SeenRun* run) { return run->record.video == thing.runs[0]->record.video; });
 }
 
-// Several videos have no common clock: what they share stands still.
+// Videos have no common clock, so an object of several videos is modelled as static.
 ObjectPlace PlaceOf(const Thing& thing, ObjectOptions options, double common_share) {
   if (!InOneVideo(thing)) options.locate.motion = "static";
   return PlaceOf(SightsOf(thing), options, common_share);
@@ -74,7 +74,7 @@ double LastTime(const Thing& thing) {
   return last_s;
 }
 
-// How far two things are apart, in metres and in sigmas, at the moment between them.
+// Distance of two hypotheses at the time midway between them: Euclidean and Mahalanobis.
 struct Distance {
   double metres = 0;
   double sigmas = 0;
@@ -83,7 +83,7 @@ struct Distance {
 std::optional<Distance> DistanceOf(const Thing& a, const Thing& b, const ObjectOptions& options) {
   std::optional<Place> of_a = a.where.place;
   std::optional<Place> of_b = b.where.place;
-  if (!ShareAVideo(a, b) || !InOneVideo(a) || !InOneVideo(b)) {  // another flight errs on its own
+  if (!ShareAVideo(a, b) || !InOneVideo(a) || !InOneVideo(b)) {  // flights have independent common errors
     of_a = PlaceOf(a, options, 1).place;
     of_b = PlaceOf(b, options, 1).place;
     if (!of_a || !of_b || of_a->Moves() || of_b->Moves()) return std::nullopt;
@@ -109,9 +109,10 @@ Thing Joined(const Thing& a, const Thing& b, const ObjectOptions& options) {
   return joined;
 }
 
-// Joins things of one model, the nearest pair first, until no two can be one.
+// Agglomerative merging of the hypotheses of one model, nearest pair (Mahalanobis) first, until no pair passes the
+// gates.
 void Join(std::vector<Thing>& things, const ObjectOptions& options) {
-  using Pair = std::pair<std::int64_t, std::int64_t>;  // the first runs of two things
+  using Pair = std::pair<std::int64_t, std::int64_t>;  // first tracklet ids of two hypotheses
   std::map<Pair, double> distances;
   const auto id_of = [](const Thing& thing) { return thing.runs[0]->record.id; };
   const auto measure = [&](const Thing& a, const Thing& b) {
@@ -148,7 +149,7 @@ void Join(std::vector<Thing>& things, const ObjectOptions& options) {
   }
 }
 
-// In how many of a run's frames another covers about the same pixels.
+// Number of frames in which another tracklet covers the same pixels (intersection over union).
 std::int64_t FramesCovered(const SeenRun& run, const SeenRun& by, double least_overlap) {
   if (run.record.video != by.record.video) return 0;
   std::int64_t covered = 0;
@@ -169,12 +170,12 @@ std::int64_t FramesOf(const ObjectRecord& object, const std::map<std::int64_t, c
   return frames;
 }
 
-// In more frames; of as many, the one that was seen first.
+// True if `a` has more frames; ties go to the smaller id, the object seen first.
 bool IsSeenMore(const ObjectRecord& a, const ObjectRecord& b, const std::map<std::int64_t, const SeenRun*>& runs) {
   return std::pair(FramesOf(a, runs), -a.id) > std::pair(FramesOf(b, runs), -b.id);
 }
 
-// The middle height of what is known by its lines rather than its size, and was seen in the same video.
+// Median height, per video, of the objects whose place follows from intersection and not from apparent size only.
 class Heights {
  public:
   void Add(const Thing& thing, double altitude_m) {
@@ -196,10 +197,10 @@ double LogOdds(double score) {
   return std::log(share / (1 - share));
 }
 
-// A score is the probability that a find is right where there is something to find; its odds are how much likelier it
-// is right than wrong. Of finds that chance makes, those of odds above x are some 1/x as many as those of even odds,
-// and they are as short as any: a thing seen in n frames that bear each other out is n times less likely one of them.
-// Its odds are those of a typical frame, the mean of their logarithms: of the best of n chance has n to choose from.
+// A contrario test. A score p is the probability that a detection is right if there is an object, with odds p / (1 -
+// p). The expected number of false detections with odds above x is about 1/x of that with even odds (`false_share` per
+// frame and model), and they last one frame. An object in n consistent frames is therefore n times less likely to be
+// false. Its odds are those of a typical frame, exp(mean of the log odds): the maximum over n frames would be biased.
 bool IsFaint(const Thing& thing, std::int64_t frames_searched, const ObjectOptions& options) {
   double log_odds = 0;
   double recognised = 0;
@@ -213,12 +214,12 @@ bool IsFaint(const Thing& thing, std::int64_t frames_searched, const ObjectOptio
   }
   if (recognised > 0) log_odds /= recognised;
   if (thing.where.place) frames = std::max(1.0, frames * thing.where.borne_out);
-  constexpr double kMostByChance = 0.1;  // finds as clear as this one, in all that was searched
+  constexpr double kMostByChance = 0.1;  // maximum expected number of false detections as strong, over the whole search
   const double even_by_chance = options.false_share * static_cast<double>(frames_searched);
   return std::exp(log_odds) * frames * kMostByChance < even_by_chance;
 }
 
-// The lowest land is the Dead Sea's shore, some 440 m below the sea.
+// The lowest land is the shore of the Dead Sea, about 440 m below sea level.
 bool LiesBelowAnyGround(const Place& place) {
   constexpr double kLowestGround_m = -500;
   constexpr double kSigmas = 2;
@@ -228,29 +229,30 @@ bool LiesBelowAnyGround(const Place& place) {
 std::string WhyNone(const ObjectPlace& where, std::size_t sights, const ObjectOptions& options) {
   constexpr std::size_t kFewestToDisagree = 3;
   if (where.place && LiesBelowAnyGround(*where.place)) {
-    return fmt::format("{:.0f} m below the sea, where no ground is", -where.place->point.altitude_m);
+    return fmt::format("{:.0f} m below the sea, below any ground", -where.place->point.altitude_m);
   }
   if (where.too_large &&
       (*where.too_large > options.scale_allowance || *where.too_large < 1 / options.scale_allowance)) {
     return *where.too_large > 1 ? fmt::format("{:.1f} times too large for its distance", *where.too_large)
                                 : fmt::format("{:.1f} times too small for its distance", 1 / *where.too_large);
   }
-  if (sights >= kFewestToDisagree && where.agreeing < options.least_agreeing) return "its lines of sight do not meet";
+  if (sights >= kFewestToDisagree && where.agreeing < options.least_agreeing)
+    return "its lines of sight do not intersect";
   return {};
 }
 
-// What is far from the usual height by its size alone.
+// Rejects an object whose height follows from its size only and is far from the median height.
 void RejectFloating(const Thing& thing, const Heights& heights, const ObjectOptions& options, ObjectRecord& object) {
   if (thing.where.too_large || !object.place || !object.rejected.empty() || thing.runs[0]->of_category) return;
   const std::optional<double> usual_m = heights.Usual(thing);
   if (!usual_m) return;
   const double above_m = object.place->point.altitude_m - *usual_m;
   if (std::abs(above_m) < options.floating_m) return;
-  object.rejected = fmt::format("{:.0f} m {} the other objects, by its size alone", std::abs(above_m),
+  object.rejected = fmt::format("{:.0f} m {} the other objects, judged by its size only", std::abs(above_m),
                                 above_m > 0 ? "above" : "below");
 }
 
-// Of two solid things in the same pixels one would hide the other: the one seen less is none.
+// Rejects the less-observed of two CAD objects in the same pixels: one would occlude the other.
 void RejectCovered(std::vector<ObjectRecord>& objects, const std::map<std::int64_t, const SeenRun*>& runs,
                    const ObjectOptions& options) {
   for (ObjectRecord& less : objects) {
@@ -264,13 +266,13 @@ void RejectCovered(std::vector<ObjectRecord>& objects, const std::map<std::int64
           covered += FramesCovered(*runs.at(run), *runs.at(by), options.same_pixels);
       }
       if (2 * covered < FramesOf(less, runs)) continue;
-      less.rejected = fmt::format("seen where object {} is seen", more.id);
+      less.rejected = fmt::format("in the same pixels as object {}", more.id);
       break;
     }
   }
 }
 
-// Of two things in one place the one seen less is none.
+// Rejects the less-observed of two coincident static objects.
 void RejectDoubles(std::vector<ObjectRecord>& objects, const std::map<std::int64_t, const SeenRun*>& runs,
                    const ObjectOptions& options) {
   for (ObjectRecord& less : objects) {
@@ -281,7 +283,7 @@ void RejectDoubles(std::vector<ObjectRecord>& objects, const std::map<std::int64
       if (!IsSeenMore(more, less, runs)) continue;
       if (less.place->Moves() || more.place->Moves()) continue;
       if (plane.EnuFromGeodetic(more.place->point).norm() >= options.least_apart_m) continue;
-      less.rejected = fmt::format("stands where object {} stands", more.id);
+      less.rejected = fmt::format("at the same place as object {}", more.id);
       break;
     }
   }
@@ -317,7 +319,9 @@ std::vector<ObjectRecord> MakeObjects(std::vector<SeenRun> runs, std::int64_t fr
     if (thing.runs[0]->of_category) {
       if (!std::exchange(object.rejected, {}).empty()) object.place.reset();
     } else if (object.rejected.empty() && IsFaint(thing, frames_searched, options)) {
-      object.rejected = fmt::format("too faint: chance finds as much in {} frames of one model", frames_searched);
+      object.rejected =
+          fmt::format("not significant: as strong a false detection is expected by chance in {} frames of one model",
+                      frames_searched);
     }
     if (object.place && object.rejected.empty() && thing.where.too_large) {
       heights.Add(thing, object.place->point.altitude_m);
@@ -333,14 +337,14 @@ std::vector<ObjectRecord> MakeObjects(std::vector<SeenRun> runs, std::int64_t fr
 
 namespace {
 
-// How many frames a search goes on from one that it searches as a whole to the next.
+// Number of frames between two full-frame searches.
 std::int64_t StepOf(const SearchRecord& search) {
   const auto options = nlohmann::json::parse(search.options_json, nullptr, /*allow_exceptions=*/false);
   const auto every = options.is_object() ? options.find("every") : options.end();
   return every != options.end() && every->is_number_integer() ? std::max<std::int64_t>(1, *every) : 1;
 }
 
-// As a whole; of each video, once for each model.
+// Number of full-frame searches, summed over videos and models; categories do not count.
 Expected<std::int64_t> FramesSearched(const std::vector<ModelRecord>& models, IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
   std::int64_t frames = 0;
@@ -371,7 +375,7 @@ Status UpdateObjects(const ObjectOptions& options, IndexStore& store) {
   std::int64_t recognitions = 0;
   VICTORIOUS_RETURN_IF_ERROR(store.VisitSightings({.rejected_too = true}, [&](SightingRecord&& sighting) {
     const auto run = runs.find(sighting.run);
-    if (run == runs.end()) return true;  // added by another process since
+    if (run == runs.end()) return true;  // added by another process in the meantime
     run->second.frames.push_back(sighting.frame);
     run->second.boxes.push_back(sighting.box);
     if (sighting.source == "recognised") run->second.scores.push_back(sighting.score);

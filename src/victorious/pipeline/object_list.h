@@ -1,13 +1,16 @@
-// The one place where objects come to be: from runs, each a stretch in which one thing was seen in one video, to
-// objects, each with one identity over all its runs, one place, and a reason where it is rejected.
+// Data association: tracklets -> objects. An object has one identity over all its tracklets, one place, and a reason if
+// it is rejected.
 //
-//   runs -> their places -> runs of one model that can be one thing are joined, the nearest first -> what cannot be
+//   tracklets -> their places -> agglomerative merging, per model, nearest pair first -> rejection of false alarms
 //
-// Two runs of a video that share a frame are two things. Others are one if their places, taken to the same moment by
-// how they move, are within a gate of their covariance, and the lines of both meet where the two together are.
+// Two tracklets that share a frame are two objects. Two others are merged if
+// - the Mahalanobis distance of their places, both propagated to the time midway between them, passes
+//   `identity_gate_sigma`,
+// - their distance is at most `identity_farthest_m`, and
+// - a fraction `least_agreeing` of all their lines of sight are inliers of the common place.
 //
-// Everything is made from what is stored: the same whether a video was indexed in one go or in many, and made anew
-// when another video shows more.
+// The input is what the store holds. The result is therefore independent of how often indexing was interrupted, and is
+// recomputed when another video adds tracklets.
 #pragma once
 
 #include <cstdint>
@@ -22,25 +25,27 @@
 
 namespace victorious {
 
-/// What is known of a run. A category's runs become objects like others, but none is rejected: it says that a kind of
-/// things was seen, whichever of them, and is no rival of the object that stands there.
+/// A tracklet with its observations. Category tracklets form objects in the same way, but are never rejected and reject
+/// no other object: a category sighting does not identify an instance.
 struct SeenRun {
   RunRecord record;
   bool of_category = false;
-  bool of_solid = false;             ///< of a CAD model: nothing is seen through it
-  std::vector<std::int64_t> frames;  ///< rising
-  std::vector<Box> boxes;            ///< one a frame
-  std::vector<double> scores;        ///< of those frames in which it was recognised
-  std::vector<Sight> sights;         ///< by time; of those of its sightings that have one
+  bool of_solid = false;             ///< of a CAD model: opaque, so it occludes what is behind it
+  std::vector<std::int64_t> frames;  ///< ascending
+  std::vector<Box> boxes;            ///< one per frame
+  std::vector<double> scores;        ///< scores of the recognised (not tracked) sightings
+  std::vector<Sight> sights;         ///< bearing observations, by time; only of sightings that have one
 };
 
-/// Deterministic, whatever the order of runs. Objects by id; of each the id, model, runs, place, heading, rejection.
-/// @param frames_searched  as a whole, in which runs could have been found: those of each video, once for each model;
-///                         the more, the more chance finds, and the clearer a find must be
+/// Associates tracklets to objects. Deterministic and independent of the order of `runs`. Returns the objects by id;
+/// sets id, model, runs, place, heading and the reason of rejection.
+/// @param frames_searched  number of full-frame searches, summed over videos and models: the number of tests of the a
+///                         contrario decision. The more tests, the more significant an object must be
 std::vector<ObjectRecord> MakeObjects(std::vector<SeenRun> runs, std::int64_t frames_searched,
                                       const ObjectOptions& options);
 
-/// Makes the objects of everything that an index holds, and stores them.
+/// Recomputes the objects of the whole index and stores them.
+/// Errors: those of IndexStore.
 Status UpdateObjects(const ObjectOptions& options, IndexStore& store);
 
 }  // namespace victorious

@@ -20,9 +20,9 @@ using ::testing::HasSubstr;
 const GeodeticPoint kOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 500};
 constexpr double kFrameS = 0.1;
 
-// How a thing is seen from a camera that flies past.
+// Observations of an object from a camera that flies past.
 struct Seen {
-  std::int64_t id = 0;  // of the run
+  std::int64_t id = 0;  // of the tracklet
   std::int64_t video = 1;
   std::int64_t model = 1;
   Eigen::Vector3d place_enu{0, 0, 1};
@@ -30,14 +30,14 @@ struct Seen {
   int first_frame = 0;
   int frames = 30;
   double score = 0.99;
-  std::optional<double> first_score;  // of the first frame, where it is another
-  bool of_category = false;           // then nothing says how far off it is
+  std::optional<double> first_score;  // score of the first frame, if different
+  bool of_category = false;           // then there is no range
   double noise_rad = 1e-4;
   double heading_noise_rad = 0.05;
-  double too_large = 1;        // the object, as its ranges have it
-  double camera_from_m = -60;  // eastwards, at frame 0
+  double too_large = 1;        // ratio by which the ranges are wrong
+  double camera_from_m = -60;  // east coordinate at frame 0
   double camera_speed_m_s = 12;
-  Eigen::Vector3d camera_bias_enu{0, 0, 0};  // in what telemetry says
+  Eigen::Vector3d camera_bias_enu{0, 0, 0};  // error of telemetry
 };
 
 SeenRun RunOf(const Seen& seen) {
@@ -118,7 +118,7 @@ TEST(ObjectList, AReturnAfterALossIsTheSameObject) {
 }
 
 TEST(ObjectList, TwoOfAKindTenMetresApartStayTwo) {
-  // Seen at different times, and never together.
+  // Observed at different times, never in one frame.
   EXPECT_THAT(RunsOf(ObjectsFrom({{.id = 1, .place_enu = {-5, 0, 1}, .frames = 20},
                                   {.id = 2, .place_enu = {5, 0, 1}, .first_frame = 30, .frames = 20}})),
               ElementsAre(ElementsAre(1), ElementsAre(2)));
@@ -188,48 +188,49 @@ TEST(ObjectList, WhatLiesBelowAnyGroundIsRejected) {
   EXPECT_THAT(ObjectsFrom({{.id = 1, .place_enu = {0, 900, -1500}}})[0].rejected, HasSubstr("below the sea"));
 }
 
-// In 100,000 frames chance makes 1600 finds of even odds, so that a find must be of 16,000 to one: nine to one is not
-// enough, 30 frames of it neither, but of 1000 to one they are; and of 50 frames one of nine to one is.
+// In 100,000 searched frames 1600 false detections of even odds are expected, so that odds of 16,000 to 1 are required.
+// Odds of 9 to 1 are insufficient, also over 30 frames; odds of 1000 to 1 over 30 frames suffice. In 50 searched
+// frames, odds of 9 to 1 in one frame suffice.
 TEST(ObjectList, TheLongerTheSearchTheClearerMustAFindBe) {
   const Seen faint{.id = 1, .frames = 1, .score = 0.9};
   const Seen longer{.id = 1, .frames = 30, .score = 0.9};
   const Seen clear{.id = 1, .frames = 30, .score = 0.999};
   EXPECT_EQ(ObjectsFrom({faint}, {}, 50)[0].rejected, "");
-  EXPECT_THAT(ObjectsFrom({faint}, {}, 100)[0].rejected, HasSubstr("too faint"));
+  EXPECT_THAT(ObjectsFrom({faint}, {}, 100)[0].rejected, HasSubstr("not significant"));
   EXPECT_EQ(ObjectsFrom({longer}, {}, 1000)[0].rejected, "");
   EXPECT_THAT(ObjectsFrom({longer}, {}, 100'000)[0].rejected, HasSubstr("100000 frames"));
   EXPECT_EQ(ObjectsFrom({clear}, {}, 100'000)[0].rejected, "");
   EXPECT_EQ(ObjectsFrom({faint}, {.false_share = 0}, 100'000)[0].rejected, "");
 }
 
-// One clear frame among faint ones is what chance brings in as many.
+// One clear frame among faint ones is as frequent among false detections.
 TEST(ObjectList, WhatIsClearOnceIsAsFaintAsItsOtherFrames) {
   const Seen faint{.id = 1, .score = 0.8};
   const Seen once{.id = 1, .score = 0.8, .first_score = 0.99};
-  EXPECT_THAT(ObjectsFrom({faint}, {}, 1000)[0].rejected, HasSubstr("too faint"));
-  EXPECT_THAT(ObjectsFrom({once}, {}, 1000)[0].rejected, HasSubstr("too faint"));
+  EXPECT_THAT(ObjectsFrom({faint}, {}, 1000)[0].rejected, HasSubstr("not significant"));
+  EXPECT_THAT(ObjectsFrom({once}, {}, 1000)[0].rejected, HasSubstr("not significant"));
 }
 
-// The same 30 frames, each of which shows it turned otherwise: most are not of the same thing, or of none.
+// The same 30 frames with different headings: most of them are inconsistent.
 TEST(ObjectList, FramesThatContradictEachOtherMakeAFindNoClearer) {
   const Seen alike{.id = 1, .score = 0.9};
   const Seen turned{.id = 1, .score = 0.9, .heading_noise_rad = 3};
   EXPECT_EQ(ObjectsFrom({alike}, {}, 1000)[0].rejected, "");
-  EXPECT_THAT(ObjectsFrom({turned}, {}, 1000)[0].rejected, HasSubstr("too faint"));
+  EXPECT_THAT(ObjectsFrom({turned}, {}, 1000)[0].rejected, HasSubstr("not significant"));
 }
 
-// Two sights of anything meet somewhere, if it may move as it likes: they tell no more than one.
+// Two observations always fit a moving object: they count as one.
 TEST(ObjectList, TwoSightsOfWhatMovesAreAsFaintAsOne) {
   const Seen parked{.id = 1, .first_frame = 1, .frames = 2, .score = 0.9};
   const Seen moving{.id = 1, .velocity_enu = {40, 30, 0}, .first_frame = 1, .frames = 2, .score = 0.9};
   const Seen longer{.id = 1, .velocity_enu = {40, 30, 0}, .frames = 30, .score = 0.9};
   EXPECT_EQ(ObjectsFrom({parked}, {}, 100)[0].rejected, "");
-  EXPECT_THAT(ObjectsFrom({moving}, {}, 100)[0].rejected, HasSubstr("too faint"));
+  EXPECT_THAT(ObjectsFrom({moving}, {}, 100)[0].rejected, HasSubstr("not significant"));
   EXPECT_EQ(ObjectsFrom({longer}, {}, 100)[0].rejected, "");
 }
 
 TEST(ObjectList, ObjectsStandOnTheGroundThatIsTold) {
-  // Telemetry is 3 m too high: the lines alone cannot know.
+  // Telemetry is 3 m too high, which the lines of sight alone cannot detect.
   const Seen seen{.id = 1, .place_enu = {0, 0, 1}, .noise_rad = 1e-3, .camera_bias_enu = {0, 0, 3}};
   ObjectOptions options;
   EXPECT_NEAR(PlaceOf(ObjectsFrom({seen}, options)[0]).z(), 4, 1);
@@ -243,24 +244,24 @@ TEST(ObjectList, ObjectsStandOnTheGroundThatIsTold) {
   EXPECT_EQ(on_ground.rejected, "");
   options.ground = std::make_shared<FlatGround>(kOrigin.altitude_m);
   EXPECT_EQ(ObjectsFrom({seen}, options)[0].place->le90_m, on_ground.place->le90_m) << "told again, it is no vaguer";
-  // What flies stays where its lines meet.
+  // A flying object stays at the intersection of its lines of sight.
   const ObjectRecord flying = ObjectsFrom({{.id = 1, .place_enu = {0, 0, 31}}}, options)[0];
   EXPECT_NEAR(PlaceOf(flying).z(), 31, 1);
   EXPECT_EQ(flying.rejected, "");
 }
 
 TEST(ObjectList, LinesThatDoNotMeetAreNoObject) {
-  EXPECT_THAT(ObjectsFrom({{.id = 1, .noise_rad = 0.2}})[0].rejected, HasSubstr("do not meet"));
+  EXPECT_THAT(ObjectsFrom({{.id = 1, .noise_rad = 0.2}})[0].rejected, HasSubstr("do not intersect"));
 }
 
 TEST(ObjectList, OfTwoModelsInOnePlaceTheOneSeenLessIsRejected) {
   const auto objects =
       ObjectsFrom({{.id = 1, .model = 1, .frames = 20}, {.id = 2, .model = 2, .place_enu = {0.3, 0, 1}, .frames = 30}});
-  EXPECT_THAT(objects[0].rejected, HasSubstr("where object 2 stands"));
+  EXPECT_THAT(objects[0].rejected, HasSubstr("at the same place as object 2"));
   EXPECT_EQ(objects[1].rejected, "");
 }
 
-// A run without a place, of a model, in a box that goes to the right.
+// A tracklet without a place, of a model, in a box that moves to the right.
 SeenRun InThePicture(std::int64_t id, int frames, double x) {
   SeenRun run{.record = {.id = id, .object = id, .video = 1, .model = id, .score = 0.99, .frames = frames},
               .of_solid = true};
@@ -280,7 +281,7 @@ std::vector<std::string> RejectionsOf(std::vector<SeenRun> runs) {
 
 TEST(ObjectList, OfTwoSolidThingsInTheSamePixelsTheOneSeenLessIsRejected) {
   EXPECT_THAT(RejectionsOf({InThePicture(1, 12, 50), InThePicture(2, 30, 58)}),
-              ElementsAre("seen where object 2 is seen", ""));
+              ElementsAre("in the same pixels as object 2", ""));
 }
 
 TEST(ObjectList, WhatIsBesideOrMeetsForAMomentIsNotRejected) {

@@ -1,4 +1,4 @@
-// The parameters of what makes objects of runs: where they are, which runs are one, which are false.
+// Parameters of data association: geolocation of objects, merging of tracklets, rejection of false alarms.
 #pragma once
 
 #include <memory>
@@ -22,15 +22,16 @@ struct ObjectOptions {
   double false_share = 0.016;
   double middle_above_ground_m = 1.2;
   double middle_sigma_m = 1;
-  LocateOptions locate = InVideo();      ///< without a ground
-  std::shared_ptr<const Ground> ground;  ///< that objects stand on, or null: told with the videos, no parameter
+  LocateOptions locate = InVideo();      ///< without a ground constraint
+  std::shared_ptr<const Ground> ground;  ///< under the objects, or null; given with the videos, not a parameter
 
   void ListFields(FieldList& fields);
 
-  /// `locate` with the ground that the middle of objects is on: as far above `ground` as the parameters say.
+  /// `locate` with the ground raised by the height of objects' centres, with the combined standard deviation.
   [[nodiscard]] LocateOptions LocateOnGround() const;
 
-  /// Lines from one video err little from frame to frame; what they err more than told is measured.
+  /// Defaults for lines of sight from one video: a small position error from frame to frame, and a motion model
+  /// selected from the data.
   static LocateOptions InVideo();
 };
 

@@ -15,7 +15,7 @@
 namespace victorious {
 namespace {
 
-// What telemetry tells of its errors goes before the parameters, within what they may be.
+// Standard deviations from telemetry replace those of the parameters, clamped to their allowed range.
 LocateOptions OptionsFor(std::span<const Sight> sights, const ObjectOptions& options, double common_share) {
   LocateOptions locate = options.LocateOnGround();
   std::vector<double> positions_m;
@@ -42,18 +42,19 @@ LocateOptions OptionsFor(std::span<const Sight> sights, const ObjectOptions& opt
   return locate;
 }
 
-// Headings of one object are found so near to each other.
+// Headings of one object agree within this angle.
 constexpr double kAlike_rad = RadiansFromDegrees(20);
 
 double Square(double value) { return value * value; }
 
-// What was measured once and then followed errs alike by as much as the first measurement does, and each by an error of
-// its own. Taken for independent ones, so many together tell no more than they do if each has the variance
+// Decorrelates observations that rest on one recognition. Observation i has the variance own_i + shared: tracked
+// observations inherit the error of the recognition. The solver assumes independence. The weighted mean of independent
+// observations has the same variance as that of the correlated ones if each gets the variance
 //   own (1 + shared sum(1 / own)).
-// @param variances  of each alone, the first measurement's first
-// @param more       of each one's own error beside; not in the variances, nor in what is returned
+// @param variances  total variance of each; the recognition is the first
+// @param more       additional independent variance of each; neither in `variances` nor in the result
 std::vector<double> Unshared(std::vector<double> variances, const std::vector<double>& more) {
-  constexpr double kLeastOwn = 0.1;  // of the shared one: else those with next to none of their own count alone
+  constexpr double kLeastOwn = 0.1;  // of the shared one; bounds the weight of those with almost none
   const double shared = variances.front();
   double told = 0;
   for (std::size_t i = 0; i < variances.size(); ++i) {
@@ -64,8 +65,9 @@ std::vector<double> Unshared(std::vector<double> variances, const std::vector<do
   return variances;
 }
 
-// Lines whose attitude errs from frame to frame, as telemetry tells, err more than their place in the picture.
-// @param followed  indices of sights that rest on one recognition, in order of time
+// Sets the angular standard deviations. The attitude noise from telemetry and the position noise are independent from
+// frame to frame.
+// @param followed  indices of observations that rest on one recognition, in order of time
 void SetAngles(std::span<const Sight> sights, const std::vector<std::size_t>& followed, const LineErrorOptions& errors,
                std::vector<LineOfSight>& lines) {
   std::vector<double> told;
@@ -115,7 +117,7 @@ std::vector<LineOfSight> LinesOf(std::span<const Sight> sights, const LineErrorO
   return lines;
 }
 
-// Of what moves: by its last lines alone, where these tell it.
+// Place of a moving object from its last observations only, if they determine it.
 Place LastPlace(std::span<const LineOfSight> lines, const Place& by_all, LocateOptions locate,
                 const ObjectOptions& options) {
   std::vector<LineOfSight> last(lines.begin(), lines.end());
@@ -126,8 +128,7 @@ Place LastPlace(std::span<const LineOfSight> lines, const Place& by_all, LocateO
   return fix && fix->place ? *fix->place : by_all;
 }
 
-// Where the lines meet if their ranges are left out, whatever the ground, the ranges tell how large the object would
-// be.
+// Triangulates without ranges and ground, and compares the distances with the ranges by apparent size.
 std::optional<double> TooLarge(std::vector<LineOfSight> lines, LocateOptions locate, double least_agreeing) {
   locate.ground.reset();
   std::vector<double> ranges_m;
@@ -152,8 +153,8 @@ std::optional<double> TooLarge(std::vector<LineOfSight> lines, LocateOptions loc
   return Median(std::move(factors));
 }
 
-// How many of the sights that meet at a place show the object turned alike: of what stands as most do, of what moves as
-// just before. A velocity is found for any two sights, and without ranges for any three, so that these tell nothing.
+// Number of inliers whose headings agree: for a static object with the common heading, for a moving one with the
+// previous heading. Subtracts the observations that a moving model fits in any case: two with ranges, three without.
 int BorneOut(std::span<const Sight> sights, const GeoFix& fix, std::optional<double> heading_rad) {
   if (!fix.place) return 0;
   bool ranged = false;
@@ -197,7 +198,7 @@ double SigmasOff(const Sight& sight, const Place& place, double slack_m, const L
   const double flight_rad =
       sight.sigma_attitude_rad.value_or(common_share * RadiansFromDegrees(common.boresight_rise_deg));
   const double shift_m = std::hypot(slack_m, sight.sigma_position_m.value_or(common_share * common.position_m));
-  Eigen::Matrix3d ray_from_enu;  // along it last
+  Eigen::Matrix3d ray_from_enu;  // third row: along the line of sight
   ray_from_enu.row(2) = along;
   ray_from_enu.row(0) = along.unitOrthogonal();
   ray_from_enu.row(1) = along.cross(Eigen::Vector3d(ray_from_enu.row(0)));
@@ -213,7 +214,7 @@ double SigmasOff(const Sight& sight, const Place& place, double slack_m, const L
 }
 
 std::optional<double> CommonHeading(std::span<const double> headings_rad) {
-  // Three times round, so that no window has an end in it; and sums up to each.
+  // Three turns, so that no window wraps around; prefix sums give window means.
   std::vector<double> sorted;
   for (const double heading : headings_rad) sorted.push_back(WrapAngle(heading));
   std::ranges::sort(sorted);
@@ -243,7 +244,7 @@ ObjectPlace PlaceOf(std::span<const Sight> sights, const ObjectOptions& options,
   const LocateOptions locate = OptionsFor(sights, options, common_share);
   const std::vector<LineOfSight> lines = LinesOf(sights, locate.line);
   const Expected<GeoFix> fix = Locate(lines, locate);
-  if (!fix) return result;  // options were checked before
+  if (!fix) return result;  // cannot fail: options are validated by the caller
   result.place = fix->place;
   if (fix->place && fix->place->Moves()) result.place = LastPlace(lines, *fix->place, locate, options);
   result.agreeing = static_cast<double>(std::ranges::count(fix->inliers, true)) / static_cast<double>(lines.size());

@@ -15,13 +15,13 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 const GeodeticPoint kOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 500};
-constexpr int kGroups = 12;    // times that the object was recognised
-constexpr int kFollowed = 10;  // frames from one such time to the next
+constexpr int kGroups = 12;    // number of recognitions
+constexpr int kFollowed = 10;  // frames from one recognition to the next
 constexpr int kFlights = 200;
-constexpr double kSigma = 1e-3;  // of a recognised sight's angles, rad, and of its range over itself
+constexpr double kSigma = 1e-3;  // of a recognised observation's angles, rad; relative, of its range
 constexpr double kChiSquared90Of3 = 6.2513886;
 
-// Nothing errs but what a test says.
+// No errors except those that a test sets.
 ObjectOptions Exact() {
   ObjectOptions options;
   options.locate.motion = "static";
@@ -35,7 +35,7 @@ ObjectOptions Exact() {
   return options;
 }
 
-// A camera flies past the origin. Sights that were followed err as that did which they were followed from.
+// A camera flies past the origin. Tracked observations inherit the error of their recognition.
 std::vector<Sight> FliesPast(std::uint64_t seed, double attitude_rad = 0) {
   Random random(seed);
   const auto error = [&](double sigma) { return Vector2d(sigma * random.Normal(), sigma * random.Normal()); };
@@ -64,7 +64,7 @@ std::vector<Sight> FliesPast(std::uint64_t seed, double attitude_rad = 0) {
   return sights;
 }
 
-// The share of flights whose 90 % ellipsoid holds the truth.
+// Fraction of flights whose 90 % ellipsoid contains the truth.
 template <typename Change>
 double Coverage(const Change& change) {
   int inside = 0;
@@ -117,7 +117,7 @@ TEST(ObjectPlace, ButTelemetrysOwnErrorsAverageOutOverThem) {
 }
 
 TEST(ObjectPlace, WhatDriftedCountsLess) {
-  // The followed ones are all off to one side, and say how far they may be.
+  // The tracked ones have a common bias, and a standard deviation that covers it.
   const auto drifted = [](std::vector<Sight>& sights) {
     for (std::size_t i = 0; i < sights.size(); ++i) {
       const double drift_rad = kSigma * static_cast<double>(i % kFollowed);

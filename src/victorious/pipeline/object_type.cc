@@ -8,7 +8,7 @@
 namespace victorious {
 namespace {
 
-// Lengths of common ones, and half of what they span.
+// Typical lengths, and half of their spread.
 constexpr std::array kTypes = {
     ObjectType{"vehicle", false, 5.5, 0.4},
     ObjectType{"car", false, 4.4, 0.12},

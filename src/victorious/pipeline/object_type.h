@@ -1,5 +1,5 @@
-// What a person says that an object is, in a word ("vehicle", "vehicle/car"), and what follows from the word: whether
-// such things move, and how long they are, which tells how far off they stand.
+// Object types that a user can give to a box ("vehicle", "vehicle/car"), with their priors: whether such objects move,
+// and their length, which gives a range from the apparent size.
 #pragma once
 
 #include <span>
@@ -9,14 +9,14 @@ namespace victorious {
 
 struct ObjectType {
   std::string_view name;
-  bool stands_still = false;  ///< things of this kind never move
-  double length_m = 0;        ///< of the longest side; 0: things of this kind are of any size
-  double length_share = 0;    ///< sigma of it over it
-  bool flies = false;         ///< things of this kind need not be on the ground
+  bool stands_still = false;  ///< objects of this type never move
+  double length_m = 0;        ///< longest side, m; 0: unknown, no size prior
+  double length_share = 0;    ///< relative standard deviation of the length
+  bool flies = false;         ///< objects of this type need not be on the ground
 };
 
-/// By the last part of the word that is known ("car" of "vehicle/car"), whatever its case; null where none is: the word
-/// is a name, and nothing follows from it.
+/// Finds the type by the last known part of a path ("car" of "vehicle/car"), ignoring case. Null if no part is known:
+/// the word is then a mere name without priors.
 [[nodiscard]] const ObjectType* FindObjectType(std::string_view word);
 
 [[nodiscard]] std::span<const ObjectType> ObjectTypes();

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kNames = {"thesis", "learnt", "windows"};
 
-// By the fields' full names, of whichever list has them.
+// Keys are full field names; each list of fields uses those that it has.
 constexpr std::string_view kThesis = R"({
   "features.contrast_threshold": 0.04,
   "features.edge_threshold": 10.0,
@@ -86,13 +86,14 @@ Status ApplyPreset(std::string_view name, const std::vector<FieldRef>& fields) {
   for (const auto& [field, value] : preset.items()) {
     const auto same = std::ranges::find(fields, field, &FieldRef::name);
     if (same == fields.end()) continue;
-    // A choice of the same name that has no such value is another one: `locate` has its own "method".
+    // A choice field that does not have this value is another field of the same name: `locate` has its own "method".
     const auto& choices = same->spec.choices;
     const bool fits = choices.empty() || std::ranges::find(choices, value.get<std::string>()) != choices.end();
     if (fits) known[field] = value;
   }
   if (known.empty())
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("preset {}: says nothing of these parameters", name));
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("preset {}: sets none of the parameters of this command", name));
   return SetFromJson(known, fields);
 }
 

@@ -58,7 +58,8 @@ TEST(Preset, UnknownNamesAndListsWithoutItsFieldsAreRefused) {
   EXPECT_EQ(ApplyPreset("nonsense", FieldsOf(index)).error().message,
             "nonsense: no such preset; there are thesis, learnt, windows");
   LocateOptions locate;
-  EXPECT_EQ(ApplyPreset("thesis", FieldsOf(locate)).error().message, "preset thesis: says nothing of these parameters");
+  EXPECT_EQ(ApplyPreset("thesis", FieldsOf(locate)).error().message,
+            "preset thesis: sets none of the parameters of this command");
   RunOptions runs;
   EXPECT_EQ(ApplyPreset("thesis", FieldsOf(runs)).error().code, ErrorCode::kInvalidArgument);
 }

@@ -1,4 +1,4 @@
-// The features of a part of a frame, where an object is expected.
+// Extracts features in a region of interest of a frame.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -10,9 +10,10 @@
 
 namespace victorious {
 
-/// @param grey    the whole frame
+/// Extracts the features of a region.
+/// @param grey    the whole frame, CV_8U
 /// @param region  px, may leave the frame
-/// @return in the frame's pixels; none where the region lies outside
+/// @return keypoints in pixels of the whole frame; empty if the region lies outside
 /// Errors: those of the extractor.
 Expected<FeatureSet> FeaturesIn(const cv::Mat& grey, const Box& region, const FeatureExtractor& extractor);
 

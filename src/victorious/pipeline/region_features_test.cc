@@ -6,7 +6,7 @@
 namespace victorious {
 namespace {
 
-// A bright disc on dark ground.
+// A bright disc on dark background.
 cv::Mat Disc(cv::Point middle) {
   cv::Mat grey(200, 300, CV_8UC1, cv::Scalar(30));
   cv::circle(grey, middle, 6, cv::Scalar(220), cv::FILLED, cv::LINE_AA);

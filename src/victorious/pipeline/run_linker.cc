@@ -11,10 +11,10 @@
 namespace victorious {
 namespace {
 
-// How much of a run's last time tells how its object moves, and where it is.
+// Length of the trail from which a tracklet's velocity and place are estimated.
 constexpr double kTrail_s = 1;
 
-// It may leave the frame: what enters or leaves does not seem to move by that.
+// May leave the frame: a clipped box would seem to move when an object enters or leaves.
 Box ExtentOf(const SightingRecord& sighting) {
   return sighting.outline.empty() ? sighting.box : BoundingBox(sighting.outline);
 }
@@ -73,9 +73,9 @@ void RunLinker::Step(std::int64_t frame, const std::optional<Similarity2>& now_f
   }
 }
 
-// What stands lies in the picture as it is now where it was seen; what was seen to move over the ground moves on.
+// Predicted box at a time: the last box, moved by the camera motion, plus the object's own velocity over the trail.
 Box RunLinker::Expected(const Run& run, double time_s) {
-  constexpr double kLeastBaseline_s = 0.4;  // in less, the boxes' own errors seem to be motion
+  constexpr double kLeastBaseline_s = 0.4;  // below this, box noise dominates the velocity
   const Seen& first = run.trail.front();
   const Seen& last = run.trail.back();
   Box box = last.box;
@@ -87,9 +87,9 @@ Box RunLinker::Expected(const Run& run, double time_s) {
   return box;
 }
 
-// Whether what the sighting shows may be where the run's object is by now: where it stood or, as far as lines tell a
-// motion, where that has taken it. Telemetry may err from row to row as much as in common. The errors that objects are
-// made with stand in parameters that may change without a new search (ObjectOptions): here their defaults serve.
+// True if the observation passes the gate of the tracklet's place, under a static or an automatically selected motion
+// model. Telemetry's common errors count in full, because they may vary from frame to frame. The error parameters of
+// data association may change without a new search (ObjectOptions), so their defaults are used here.
 bool RunLinker::CanBeOne(const Run& run, const SightingRecord& sighting) const {
   if (!sighting.sight) return true;
   std::vector<Sight> sights;
@@ -123,7 +123,7 @@ std::vector<std::optional<std::size_t>> RunLinker::RunsOf(const std::vector<Sigh
       taken[r] = true;
     }
   }
-  // Of the others, pairs of sighting and run, the best overlap first, each side once.
+  // Remaining sightings: greedy assignment by overlap, one sighting per tracklet.
   struct Pair {
     double overlap;
     std::size_t sighting, run;
@@ -148,7 +148,7 @@ std::vector<std::optional<std::size_t>> RunLinker::RunsOf(const std::vector<Sigh
 void RunLinker::Link(std::vector<SightingRecord> sightings, IndexBatch& batch) {
   if (sightings.empty()) return;
   const double time_s = sightings.front().time_s;
-  // Runs that can grow no more are let go, unless the batch still has to be told their ids.
+  // Drops tracklets that cannot grow any more, unless the store still has to assign their ids.
   std::erase_if(runs_,
                 [&](const Run& run) { return !run.in_batch && run.record.last_time_s + options_.gap_s < time_s; });
   std::vector<std::optional<std::size_t>> run_of = RunsOf(sightings);

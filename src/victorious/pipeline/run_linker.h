@@ -1,9 +1,10 @@
-// From sightings to runs. A sighting continues the run
-//   - whose last sighting is of the same track (follower.h), whatever the picture shows; or else
-//   - whose box, taken on as the picture has moved since and as the object moved over the ground, it overlaps most,
-//     unless their lines of sight and ranges cannot be of one thing.
-// Any other begins a new run. Which runs are one object is decided when all are known (object_list.h): a run too many
-// is joined there by its place, a run that holds two things is never taken apart.
+// Links sightings to tracklets. A sighting continues the tracklet
+//   - whose last sighting has the same track id (follower.h); else
+//   - with the highest overlap (IoU) with its predicted box, which moves with the camera motion (image registration)
+//     and with the object's own velocity. The pair is refused if bearing and range exceed a Mahalanobis gate.
+// Any other sighting starts a tracklet. Pairs are assigned greedily, highest overlap first. Association of tracklets to
+// objects follows when all tracklets of the index are known (object_list.h): it can merge a split tracklet, but never
+// splits one that holds two objects.
 #pragma once
 
 #include <cstdint>
@@ -18,38 +19,39 @@
 
 namespace victorious {
 
-/// The runs of one video that may still grow. Results do not depend on how the frames are cut into batches.
+/// The tracklets of one video that may still grow. Results do not depend on how frames are split into batches.
 class RunLinker {
  public:
   explicit RunLinker(const RunOptions& options) : options_(options) {}
 
   [[nodiscard]] const RunOptions& options() const { return options_; }
 
-  /// How long before a frame sightings may lie that decide how its own are linked.
+  /// How far back sightings affect the linking of a frame, s.
   [[nodiscard]] double HistoryS() const;
 
-  /// Takes up where an earlier run stopped. Step() follows, for the frames since NeededFrom() and then for the new
+  /// Resumes after an interruption. The caller then calls Step() for the frames since NeededFrom(), then for the new
   /// ones.
-  /// @param sightings  of the video, the last HistoryS() of them at least, in order of frames
+  /// @param sightings  of the video, at least the last HistoryS(), in order of frames
   void Resume(std::span<const RunRecord> runs, std::span<const SightingRecord> sightings);
 
-  /// The first frame that a sighting which still counts was in: how the picture moved is asked for from there on.
-  /// Nothing where there is none.
+  /// The earliest frame with a sighting that still affects linking: camera motion is needed from there on. std::nullopt
+  /// if there is none.
   [[nodiscard]] std::optional<std::int64_t> NeededFrom() const;
 
-  /// The next frame. Before Link of its sightings; frames that were told before change nothing.
-  /// @param now_from_before  how the picture moved since the frame told before; nothing: as far as is known, not at all
+  /// Moves all predicted boxes by the camera motion. Call it for each frame, before Link for its sightings. No effect
+  /// on sightings of this frame or later.
+  /// @param now_from_before  camera motion since the previous call's frame; std::nullopt if unknown, taken as no motion
   void Step(std::int64_t frame, const std::optional<Similarity2>& now_from_before);
 
-  /// Adds one frame's sightings (of any models) to the batch, each with its run, new or continued. Frames come in
-  /// order.
+  /// Adds the sightings of one frame (of any models) to the batch, each with a new or a continued tracklet. Frames come
+  /// in order.
   void Link(std::vector<SightingRecord> sightings, IndexBatch& batch);
 
-  /// Tells the ids that the store gave to the batch's runs. The next batch starts empty.
+  /// Sets the ids that the store gave to the batch's tracklets. The next batch starts empty.
   void Committed(std::span<const std::int64_t> ids);
 
  private:
-  // A sighting of a run, where it lies in the picture as it is now.
+  // A sighting of a tracklet, its box moved to the current frame.
   struct Seen {
     std::int64_t frame = 0;
     double time_s = 0;
@@ -58,10 +60,10 @@ class RunLinker {
   };
   struct Run {
     RunRecord record;
-    std::optional<std::int64_t> id;       // once committed
-    std::optional<std::size_t> in_batch;  // its place in the current batch's runs
-    std::optional<std::int64_t> track;    // of the last sighting
-    std::vector<Seen> trail;              // its last sightings
+    std::optional<std::int64_t> id;       // set once committed
+    std::optional<std::size_t> in_batch;  // index into the current batch's tracklets
+    std::optional<std::int64_t> track;    // track id of the last sighting
+    std::vector<Seen> trail;              // its sightings of the last second
   };
 
   void See(const SightingRecord& sighting, Run& run);

@@ -31,7 +31,7 @@ SightingRecord Sighting(std::int64_t frame, const Box& box, std::int64_t model =
   return sighting;
 }
 
-// Does what a store does with batches: gives new runs ids in their order, replaces grown ones, keeps sightings.
+// Emulates the store: assigns ids to new tracklets in their order, replaces updated ones, keeps sightings.
 class Ledger {
  public:
   std::vector<std::int64_t> Commit(const IndexBatch& batch) {
@@ -55,10 +55,10 @@ class Ledger {
 
 using Frames = std::vector<std::vector<SightingRecord>>;
 
-// How the picture moves from one frame to the next: from the frame before, one a frame; none: it stands still.
+// Camera motion from the previous frame, one entry per frame; empty: no motion.
 using Motions = std::vector<Similarity2>;
 
-// Links the frames, with a commit after each frame for which `cut` says so, and a new linker where it says `kKill`.
+// Links the frames, with a commit after each frame that `cut` selects, and a new linker for `kKill`.
 enum class Cut { kNone, kCommit, kKill };
 
 Ledger LinkAll(const Frames& frames, const RunOptions& options, const Motions& motions,
@@ -120,17 +120,17 @@ TEST(RunLinker, AGapLongerThanAllowedEndsARun) {
   const Box box{10, 10, 40, 40};
   EXPECT_THAT(RunsOf(LinkAll({{Sighting(0, box)}, {Sighting(10, box)}}, options)), ElementsAre(1, 1));
   EXPECT_THAT(RunsOf(LinkAll({{Sighting(0, box)}, {Sighting(11, box)}}, options)), ElementsAre(1, 2));
-  // Frames without any sighting change nothing.
+  // Frames without sightings change nothing.
   EXPECT_THAT(RunsOf(LinkAll({{Sighting(0, box)}, {}, {}, {Sighting(11, box)}}, options)), ElementsAre(1, 2));
 }
 
 TEST(RunLinker, TooLittleOverlapBeginsANewRun) {
   const Box box{0, 0, 30, 10};
-  const Box shifted{20, 0, 30, 10};  // 100 of 500 px: a fifth in common
+  const Box shifted{20, 0, 30, 10};  // 100 of 500 px: IoU 0.2
   const Frames frames = {{Sighting(0, box)}, {Sighting(1, shifted)}};
   EXPECT_THAT(RunsOf(LinkAll(frames, {.gap_s = 1, .least_overlap = 0.19})), ElementsAre(1, 1));
   EXPECT_THAT(RunsOf(LinkAll(frames, {.gap_s = 1, .least_overlap = 0.21})), ElementsAre(1, 2));
-  // Even where nothing is asked for, what does not overlap at all is another run.
+  // Even with a minimum overlap of 0, boxes without any overlap are different tracklets.
   EXPECT_THAT(RunsOf(LinkAll({{Sighting(0, box)}, {Sighting(1, {31, 0, 30, 10})}}, {.least_overlap = 0})),
               ElementsAre(1, 2));
 }
@@ -144,7 +144,7 @@ TEST(RunLinker, OverlapIsWithTheLastSighting) {
 TEST(RunLinker, EachRunContinuesInOneSightingAndTheBestOverlapGoesFirst) {
   const Box left{0, 0, 40, 40};
   const Box right{30, 0, 40, 40};
-  // Both sightings of the second frame overlap both runs; they come in the other order.
+  // Both sightings of the second frame overlap both tracklets; they come in the opposite order.
   const Frames frames = {{Sighting(0, left), Sighting(0, right)},
                          {Sighting(1, {31, 0, 40, 40}), Sighting(1, {1, 0, 40, 40})},
                          {Sighting(2, {2, 0, 40, 40}), Sighting(2, {4, 0, 40, 40}), Sighting(2, {32, 0, 40, 40})}};
@@ -170,7 +170,7 @@ TEST(RunLinker, WhatWasFollowedIsOneRunWhereverItIsSeen) {
   const Frames frames = {{Followed(Sighting(0, here), 5), Followed(Sighting(0, there), 6)},
                          {Followed(Sighting(1, here), 6), Followed(Sighting(1, there), 5)}};
   EXPECT_THAT(RunsOf(LinkAll(frames, RunOptions{})), ElementsAre(1, 2, 2, 1));
-  // A new track goes on with the run where it begins.
+  // A new track continues the tracklet at its first box.
   EXPECT_THAT(RunsOf(LinkAll({{Followed(Sighting(0, here), 5)}, {Followed(Sighting(1, here), 9)}}, RunOptions{})),
               ElementsAre(1, 1));
 }
@@ -179,7 +179,8 @@ Similarity2 Shift(double x, double y) { return {.translation = {x, y}}; }
 
 TEST(RunLinker, WhatStandsIsExpectedWhereThePictureHasGone) {
   const Box first{300, 100, 50, 40};
-  // The picture goes 30 px a frame to the left; after ten frames another thing stands where the first one stood.
+  // The background moves 30 px per frame to the left; after ten frames another object is at the image position of the
+  // first.
   const Motions motions(11, Shift(-30, 0));
   Frames frames(11);
   frames[0] = {Sighting(0, first)};
@@ -189,7 +190,7 @@ TEST(RunLinker, WhatStandsIsExpectedWhereThePictureHasGone) {
 }
 
 TEST(RunLinker, WhatMovesOverTheGroundMovesOn) {
-  // The camera follows something that drives: it stays in the middle while the picture goes by.
+  // The camera follows a driving object: it stays at the image centre while the background moves.
   const Box middle{300, 200, 40, 40};
   const Motions motions(26, Shift(0, 15));
   Frames frames(26);
@@ -198,7 +199,7 @@ TEST(RunLinker, WhatMovesOverTheGroundMovesOn) {
   EXPECT_THAT(RunsOf(LinkAll(frames, RunOptions{}, motions)), ::testing::Each(1));
 }
 
-// What stands at a place, 100 m north of the camera at first, which flies east at 20 m/s.
+// A static object, initially 100 m north of the camera, which flies east at 20 m/s.
 SightingRecord Standing(std::int64_t frame, double east_m, double range_m = 0) {
   const GeodeticPoint origin{RadiansFromDegrees(48), RadiansFromDegrees(11), 500};
   SightingRecord sighting = Sighting(frame, {300, 200, 40, 40});
@@ -227,7 +228,7 @@ TEST(RunLinker, LinesAndRangesThatDoNotMeetAreOfTwoThings) {
   SightingRecord unknown = Standing(17, 22);
   unknown.sight.reset();
   EXPECT_EQ(runs_with(unknown), 1U) << "nothing tells";
-  // What was followed there is believed: an error of telemetry does not take it apart.
+  // The same track overrides the gate: an error of telemetry does not split the tracklet.
   const Frames followed = {{Followed(Standing(0, 10), 4)}, {Followed(Standing(1, 30), 4)}};
   EXPECT_THAT(RunsOf(LinkAll(followed, RunOptions{})), ElementsAre(1, 1));
 }
@@ -251,7 +252,7 @@ TEST(RunLinker, TelemetryThatErrsFromRowToRowTakesNoRunApart) {
   EXPECT_LE(apart, 2);
 }
 
-// Two models, several instances, that wander, vanish and come back; some are followed for a while.
+// Two models with several instances that move, vanish and return; some have tracks for a while.
 Frames RandomFrames(std::uint64_t seed) {
   Random random(seed);
   std::vector<Box> places;

@@ -12,19 +12,19 @@
 namespace victorious {
 namespace {
 
-// A moment ends where the object is missing from kept frames for longer than this.
+// A segment ends where the object is missing from kept frames for longer than this.
 constexpr double kLongestGapS = 2.5;
 
-// The strongest features of the example: so many keep the search of an hour within seconds, however rich the picture.
+// Number of strongest features of the example: keeps the search of an hour of video within seconds for any image.
 constexpr int kMostExampleFeatures = 500;
 
 struct Hit {
   std::int64_t video;
-  std::int64_t place;  // of the frame among those kept
+  std::int64_t place;  // index among the kept frames
   Moment moment;
 };
 
-// The recogniser for the example, made with the very options that made a video's kept features.
+// Makes the recogniser of the example with the feature options of the video's kept features.
 Expected<Recognizer> MakeRecognizer(const Photo& example, const VideoRecord& video, const RecognizeOptions& options) {
   PhotoModelOptions model_options;
   const auto json = nlohmann::json::parse(video.features_json, nullptr, /*allow_exceptions=*/false);
@@ -55,7 +55,7 @@ std::optional<Hit> BestHit(const Recognizer& recognizer, const KeptFrame& frame,
               .frames = 1}};
 }
 
-// Joins hits of one video that follow each other. Hits come by video and time.
+// Merges consecutive hits of one video. Hits are sorted by video and time.
 std::vector<Hit> JoinMoments(std::vector<Hit> hits) {
   std::vector<Hit> moments;
   for (Hit& hit : hits) {
@@ -90,7 +90,7 @@ Expected<std::vector<Moment>> SearchByImage(const Photo& example, const Sighting
     const Recognizer* recognizer;
   };
   std::map<std::int64_t, SearchedVideo> by_id;
-  std::map<std::string, Recognizer> recognizers;  // by the options of the features kept
+  std::map<std::string, Recognizer> recognizers;  // by the feature options
   for (const VideoRecord& video : videos) {
     if (video.features_json.empty()) continue;
     auto recognizer = recognizers.find(video.features_json);
@@ -101,7 +101,7 @@ Expected<std::vector<Moment>> SearchByImage(const Photo& example, const Sighting
     by_id.emplace(video.id, SearchedVideo{video.name, &recognizer->second});
   }
 
-  // Read in the store's order, searched on all cores, a few hundred frames at a time.
+  // Read in the store's order, searched in parallel, in chunks of 256 frames.
   constexpr std::size_t kChunk = 256;
   std::vector<KeptFrame> chunk;
   std::vector<Hit> hits;
@@ -118,16 +118,15 @@ Expected<std::vector<Moment>> SearchByImage(const Photo& example, const Sighting
     chunk.clear();
   };
   VICTORIOUS_RETURN_IF_ERROR(store.VisitKeptFrames(filter, [&](KeptFrame&& frame) {
-    if (!by_id.contains(frame.video)) return true;  // added by another process since
+    if (!by_id.contains(frame.video)) return true;  // added by another process in the meantime
     chunk.push_back(std::move(frame));
     if (chunk.size() == kChunk) search_chunk();
     return true;
   }));
   search_chunk();
   if (searched == 0) {
-    return Fail(
-        ErrorCode::kInvalidArgument,
-        "the index holds no frames' features to search in: index a video first, or widen --video, --from, --to");
+    return Fail(ErrorCode::kInvalidArgument,
+                "the index has no kept features to search: index a video first, or widen --video, --from, --to");
   }
 
   std::vector<Moment> moments;

@@ -1,5 +1,5 @@
-// Search by picture: an example of an object as the query over videos that are indexed already. Nothing is decoded: the
-// features kept of one frame in so many seconds (docs/formats/index.md) are searched as a scene's.
+// Search by example image in videos that are indexed already. Decodes no video: matches the example against the kept
+// features, those of one frame per `keep.interval_s` (docs/formats/index.md).
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@
 
 namespace victorious {
 
-/// A stretch of one video in which the object is seen in one kept frame after the other, or never missed for longer
-/// than 2.5 s; told by its best frame.
+/// An interval of one video in which consecutive kept frames show the object, or with gaps of at most 2.5 s; described
+/// by its best frame.
 struct Moment {
   std::string video;
   std::int64_t frame = 0;
@@ -25,12 +25,13 @@ struct Moment {
   int matches = 0;
   double first_time_s = 0;
   double last_time_s = 0;
-  int frames = 0;  ///< kept frames with the object
+  int frames = 0;  ///< number of kept frames with the object
 };
 
-/// @param example  the object's picture
-/// @return best first
-/// Errors: those of the store; kInvalidArgument if no features were kept, or the example has too few.
+/// Searches the kept frames for the object of an example image.
+/// @param example  image of the object
+/// @return intervals, best score first
+/// Errors: those of the store; kInvalidArgument if no features are kept, or the example has too few.
 Expected<std::vector<Moment>> SearchByImage(const Photo& example, const SightingFilter& filter,
                                             const RecognizeOptions& options, IndexStore& store);
 

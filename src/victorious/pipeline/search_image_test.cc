@@ -18,7 +18,7 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::SizeIs;
 
-// Two frames a second: the crate leaves for more than the seconds that a moment may miss it.
+// Two frames per second: the crate is absent for longer than the maximum gap of a segment.
 testing::FlightOptions SlowFlight(std::uint64_t seed = 5) {
   testing::FlightOptions options = ShortFlight();
   options.seed = seed;
@@ -70,7 +70,7 @@ TEST(SearchByImage, FindsTheMomentsThatShowWhatThePictureShows) {
   EXPECT_GE(moments[0].matches, moments[1].matches) << "best first";
 }
 
-// The truck was never searched for: what it looks like comes from a frame of the video itself.
+// The truck has no model: its example image is a crop of the video itself.
 TEST(SearchByImage, TakesACutOutOfAFrame) {
   const DrawnFlight flight(SlowFlight());
   const auto store = IndexedWith(flight, 0);
@@ -111,7 +111,7 @@ TEST(SearchByImage, LooksOnlyWhereItIsTold) {
   EXPECT_LE(early[0].last_time_s, 4);
 }
 
-// However far apart the kept frames are, those that follow each other and show the object are one moment.
+// Consecutive kept frames with the object are one segment, whatever the interval between them.
 TEST(SearchByImage, FramesThatAreKeptFarApartAreStillOneMoment) {
   testing::FlightOptions options = SlowFlight();
   options.fps = 0.25;
@@ -132,7 +132,7 @@ TEST(SearchByImage, AVideoThatIsNotAskedForNeedNotBeReadable) {
   EXPECT_THAT(all.error().message, AllOf(HasSubstr("other.mp4"), HasSubstr("newer"), Not(HasSubstr("\n"))));
 }
 
-// As another process leaves it that adds a video in between.
+// The state after another process has added a video in the meantime.
 TEST(SearchByImage, FramesOfAVideoThatIsNotKnownAreLeftOut) {
   const DrawnFlight flight(SlowFlight());
   const auto store = IndexedWith(flight, 0);

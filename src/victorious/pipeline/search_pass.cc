@@ -28,14 +28,14 @@
 namespace victorious {
 namespace {
 
-// A frame on its way: read, searched, followed, collected.
+// A frame in the pipeline: read, searched, tracked, collected.
 struct Work {
   Frame frame;
-  bool whole = true;    // is searched as a whole
-  bool keep = false;    // its features are kept
-  bool again = false;   // what it gives is stored already: only followed, for the frames after it
-  bool passed = false;  // before all that is followed: only how the picture moves is asked for
-  std::optional<Similarity2> now_from_before;  // how it moved
+  bool whole = true;                           // full-frame search
+  bool keep = false;                           // keep its features
+  bool again = false;                          // results are stored already: only updates the trackers
+  bool passed = false;                         // before the restart of tracking: only camera motion is needed
+  std::optional<Similarity2> now_from_before;  // camera motion from the previous frame
   std::optional<CameraState> camera;
   Expected<FeatureSet> features = FeatureSet{};
   std::vector<Detection> detections;
@@ -44,7 +44,7 @@ struct Work {
 };
 using WorkPtr = std::shared_ptr<Work>;
 
-// Chooses one frame in so many seconds, from the video's beginning on: the same frames however often it is interrupted.
+// Selects one frame per interval, counted from the beginning of the video: the same frames after any interruption.
 class KeepClock {
  public:
   explicit KeepClock(double interval_s) : interval_s_(interval_s) {}
@@ -60,19 +60,19 @@ class KeepClock {
   double last_slot_ = -1;
 };
 
-// Categories are sought in whole frames only.
+// True if objects are tracked between full-frame searches. Categories are searched for in full frames only.
 bool Follows(const SearchPass& pass) { return pass.options.follow.enabled && !pass.recognizer.models().empty(); }
 
-// Telemetry comes beside the frames, where it came with nothing before.
+// True for a live source with data streams, if no telemetry was given.
 bool HasLiveTelemetry(const SearchPass& pass, const VideoInfo& info) {
   const auto tells = [](const StreamInfo& stream) { return stream.type == "data" || stream.type == "subtitle"; };
   return info.live && pass.cameras == nullptr && std::ranges::any_of(info.streams, tells);
 }
 
-// Reads the frames to be searched, and what telemetry tells of each. Serial.
+// Reads the frames to search, with their camera states. Serial.
 class Source {
  public:
-  /// @param needed_from  the first frame whose motion is asked for, if it lies before those to search
+  /// @param needed_from  first frame whose camera motion is needed, if before those to search
   Source(const SearchPass& pass, std::optional<std::int64_t> needed_from, VideoReader& reader,
          const CancelToken& cancel, Progress& progress)
       : reader_(reader),
@@ -87,14 +87,14 @@ class Source {
     first_frame_ = std::min(follow_from_, needed_from.value_or(follow_from_));
   }
 
-  // The next frame to search or follow, or nothing at the end, when cancelled, or on an error.
+  // The next frame to search or track; null at the end, when cancelled, or on an error.
   WorkPtr Next() {
     while (std::optional<Frame> frame = NextFrame()) {
       const std::int64_t index = frame->index;
       const bool whole = IsWhole(index);
       const bool keep = whole && clock_.Keeps(frame->time_s);
       if (index < first_frame_) {
-        progress_.Update(index + 1);  // before any frame is on its way: nobody else reports yet
+        progress_.Update(index + 1);  // before any frame enters the pipeline: nothing else reports progress yet
         continue;
       }
       if (!whole && !Follows(pass_)) continue;
@@ -115,19 +115,19 @@ class Source {
   [[nodiscard]] std::int64_t frames_read() const { return frames_read_; }
   [[nodiscard]] double last_time_s() const { return last_time_s_; }
 
-  // Of what came beside the frames.
+  // Warnings of a live source's telemetry.
   [[nodiscard]] std::vector<std::string> TelemetryWarnings() const {
     return live_ ? live_->Warnings() : std::vector<std::string>();
   }
 
  private:
-  // Tracks begin with whole-frame searches.
+  // Tracks restart with a full-frame search.
   [[nodiscard]] bool IsWhole(std::int64_t index) const {
     const FollowOptions& follow = pass_.options.follow;
     return index % pass_.options.every == 0 || (follow.enabled && index % follow.restart_frames == 0);
   }
 
-  // A live source's frames wait until telemetry tells of them, for a while.
+  // Holds back a live source's frames until their telemetry has arrived, for at most `live_wait_s`.
   std::optional<Frame> NextFrame() {
     if (!live_) return ReadFrame();
     const double patience_s = pass_.options.live_wait_s;
@@ -164,7 +164,7 @@ class Source {
     return *std::move(frame);
   }
 
-  // As far as telemetry tells, and the parameters.
+  // Camera state from telemetry, with the parameters' field of view as fallback.
   [[nodiscard]] std::optional<CameraState> CameraAt(double time_s) const {
     std::optional<CameraState> camera;
     if (pass_.cameras != nullptr) camera = pass_.cameras->At(time_s);
@@ -190,7 +190,7 @@ class Source {
   std::int64_t frames_read_ = 0;
   double last_time_s_ = 0;
   std::optional<LiveCameras> live_;
-  std::deque<Frame> waiting_;  // of a live source, for its telemetry
+  std::deque<Frame> waiting_;  // frames of a live source that wait for telemetry
 };
 
 SightingRecord ToSighting(const SearchPass& pass, const Frame& frame, const FeatureSet& features,
@@ -237,7 +237,7 @@ SightingRecord ToSighting(const SearchPass& pass, const Work& work, const FoundC
           .sight = stance ? SightOf(*stance, known) : std::nullopt};
 }
 
-// Features and recognition of whole frames. Parallel.
+// Features, recognition and categories of full frames. Parallel.
 void Search(const SearchPass& pass, Work& work) {
   if (!work.whole) return;
   if (pass.categories != nullptr && !work.again) {
@@ -257,7 +257,7 @@ void Search(const SearchPass& pass, Work& work) {
   }
 }
 
-// From what was found to sightings, through the follower where there is one. Serial, in the order of frames.
+// Makes sightings of detections, through the follower if there is one. Serial, in the order of frames.
 void Follow(const SearchPass& pass, std::optional<Follower>& follower, CameraMotion& motion, Work& work) {
   work.now_from_before = motion.Step(work.frame.image);
   if (!work.features || work.passed) return;
@@ -280,7 +280,7 @@ void Follow(const SearchPass& pass, std::optional<Follower>& follower, CameraMot
   work.frame.image.release();
 }
 
-// A run may miss a searched frame or two, and as many as its track may, however far apart these are.
+// Raises the gap of a tracklet to 2.5 searched frames, and to the number of frames that a track may miss.
 RunOptions RunsOf(const SearchPass& pass, double frame_rate) {
   constexpr double kFrames = 2.5;
   RunOptions runs = pass.options.runs;
@@ -302,7 +302,7 @@ class Sink {
         committed_frame_(next_frame_),
         last_commit_(Clock::now()) {}
 
-  // Takes up the runs that may still grow.
+  // Restores the tracklets that may still grow.
   Status Resume() {
     if (next_frame_ == 0) return {};
     VICTORIOUS_ASSIGN_OR_RETURN(std::vector<RunRecord> runs, store_.Runs());
@@ -357,7 +357,7 @@ class Sink {
     return {};
   }
 
-  /// False once it has failed.
+  /// False after a failed commit.
   [[nodiscard]] bool can_commit() const { return can_commit_; }
   [[nodiscard]] std::int64_t next_frame() const { return next_frame_; }
   [[nodiscard]] std::optional<std::int64_t> NeededFrom() const { return linker_.NeededFrom(); }
@@ -396,9 +396,9 @@ Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelTo
 
   const int threads =
       pass.threads > 0 ? pass.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  Status status;  // of those that collect, who alone write it
+  Status status;  // written by the serial collect stage only
   std::atomic<bool> failed = false;
-  // An arena alone gets no more threads than the machine has processors, and oneTBB says so on stderr.
+  // An arena cannot exceed the hardware concurrency without global_control; oneTBB would warn on stderr.
   const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
   tbb::task_arena arena(threads);
   arena.execute([&] {
@@ -427,18 +427,18 @@ Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelTo
     std::ranges::for_each(reader.warnings(), warn);
     for (const std::string& warning : source.TelemetryWarnings()) warn("telemetry: " + warning);
   }
-  // What was searched before an error or a cancel is stored, too.
+  // Commits what was searched before an error or a cancellation.
   if (!status) {
     if (sink.can_commit()) VICTORIOUS_RETURN_IF_ERROR(sink.Commit(false));
     return status;
   }
   const bool cancelled = source.status() && !source.at_end();
-  report.stopped_live = cancelled && reader.info().live;  // nobody can go on with it later
+  report.stopped_live = cancelled && reader.info().live;  // cannot be resumed
   VICTORIOUS_RETURN_IF_ERROR(sink.Commit(source.at_end() || report.stopped_live));
   VICTORIOUS_RETURN_IF_ERROR(source.status());
   if (cancelled && !report.stopped_live) {
     return Fail(ErrorCode::kCancelled,
-                fmt::format("{}: stopped at frame {}; run again to go on", pass.video.name, sink.next_frame()));
+                fmt::format("{}: stopped at frame {}; run again to resume", pass.video.name, sink.next_frame()));
   }
   return store.SetVideoLength(pass.video.id, source.frames_read(), source.last_time_s());
 }

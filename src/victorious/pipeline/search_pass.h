@@ -1,4 +1,4 @@
-// One reading of one video, searched for one set of models and categories from one frame on.
+// One pass over one video: searches it for a set of models and categories from a given frame on.
 #pragma once
 
 #include <cstdint>
@@ -21,24 +21,25 @@
 
 namespace victorious {
 
-/// What a pass works on. The references outlive it.
+/// Input of a pass. The references outlive it.
 struct SearchPass {
   const VideoRecord& video;
-  /// One a model of the recogniser, in its order, then one a category; all at the same next_frame.
+  /// One entry per model of the recogniser, in its order, then one per category; all with the same next_frame.
   std::span<const SearchRecord> searches;
   const Recognizer& recognizer;
-  const CategoryFinder* categories = nullptr;  ///< nothing: no category is sought
-  /// Of each category of the finder what the store knows it by; nothing for those that are not sought in this pass.
+  const CategoryFinder* categories = nullptr;  ///< null: no categories are searched for
+  /// Database id of each category of the finder; std::nullopt for those that this pass does not search for.
   std::span<const std::optional<std::int64_t>> category_ids = {};
   const FeatureExtractor& extractor;
   const IndexOptions& options;
-  const CameraTrack* cameras = nullptr;  ///< telemetry, if there is any
-  std::optional<Sun> sun;                ///< where it stands, if known (daylight.h)
-  int threads = 0;                       ///< 0: as many as the machine has
+  const CameraTrack* cameras = nullptr;  ///< telemetry, or null
+  std::optional<Sun> sun;                ///< sun direction, if known (daylight.h)
+  int threads = 0;                       ///< 0: one per hardware thread
 };
 
-/// Reads `reader` to its end and commits to `store` as it goes; adds what it did to `report`. A live source that is
-/// cancelled is at its end. Warnings are told however it ends.
+/// Reads `reader` to its end, commits to `store` on the way, and adds the counts to `report`. A cancelled live source
+/// counts as ended. Warnings are passed to `warn` in any case.
+/// Errors: those of reading, of feature extraction and of the store; kCancelled, after what was done is stored.
 Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelToken& cancel, IndexStore& store,
                      const WarningSink& warn, IndexReport& report);
 

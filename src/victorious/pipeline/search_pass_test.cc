@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 
 constexpr std::int64_t kFrames = 200;
 
-// Grey pictures, 10 a second; `before_frame` is told the number of each.
+// Grey images, 10 per second; `before_frame` is called with the index of each.
 class FakeReader final : public VideoReader {
  public:
   FakeReader(bool live, std::function<void(std::int64_t)> before_frame) : before_frame_(std::move(before_frame)) {
@@ -50,8 +50,8 @@ class FakeReader final : public VideoReader {
   void AddStream(const std::string& type) { info_.streams.push_back({.index = 1, .type = type, .codec = {}}); }
 
   std::int64_t broken_at = -1;
-  std::function<cv::Mat(std::int64_t)> picture_of;                 // grey; else one of one grey
-  std::function<std::vector<DataPacket>(std::int64_t)> packet_of;  // what comes with a frame
+  std::function<cv::Mat(std::int64_t)> picture_of;                 // grey image; default: a uniform one
+  std::function<std::vector<DataPacket>(std::int64_t)> packet_of;  // data packets that arrive with a frame
 
  private:
   VideoInfo info_;
@@ -61,7 +61,7 @@ class FakeReader final : public VideoReader {
   std::vector<std::string> warnings_ = {"at 0.10 s: something damaged"};
 };
 
-// One pass over a fake video, into an index of its own.
+// One pass over a fake video, into its own index.
 class SearchPassTest : public ::testing::Test {
  protected:
   Status Run(VideoReader& reader, std::int64_t first_frame = 0) {
@@ -126,7 +126,7 @@ TEST_F(SearchPassTest, AFileThatIsCancelledSaysWhichAndWhere) {
   });
   const Status status = Run(reader);
   ASSERT_FALSE(status);
-  EXPECT_EQ(status.error(), (Error{ErrorCode::kCancelled, "fake.mp4: stopped at frame 21; run again to go on"}));
+  EXPECT_EQ(status.error(), (Error{ErrorCode::kCancelled, "fake.mp4: stopped at frame 21; run again to resume"}));
   EXPECT_FALSE(report_.stopped_live);
   ASSERT_TRUE(search_);
   EXPECT_FALSE(search_->finished);
@@ -160,7 +160,7 @@ TEST_F(SearchPassTest, ALiveSourcesOwnTelemetryTellsWhereThingsAre) {
   reader.AddStream("data");
   reader.picture_of = [&](std::int64_t /*frame*/) { return GreyFromBgr(flight_.flight().Render(0).image); };
   reader.packet_of = [](std::int64_t frame) -> std::vector<DataPacket> {
-    if (frame % 5 != 0) return {};  // two a second, seen from as high as 1000 m
+    if (frame % 5 != 0) return {};  // 2 per second, from an altitude of 1000 m
     const std::string text = CameraPacket(1'700'000'000'000'000 + static_cast<std::uint64_t>(frame) * 100'000);
     const Bytes bytes = BytesOf(text);
     return {{.stream = 1,
@@ -174,7 +174,7 @@ TEST_F(SearchPassTest, ALiveSourcesOwnTelemetryTellsWhereThingsAre) {
   const std::vector<SightingRecord> sightings = SightingsOf(*store_);
   ASSERT_EQ(sightings.size(), 15U);
   for (const SightingRecord& sighting : sightings) {
-    EXPECT_EQ(sighting.sight.has_value(), sighting.frame <= 10) << sighting.frame;  // to the last packet
+    EXPECT_EQ(sighting.sight.has_value(), sighting.frame <= 10) << sighting.frame;  // up to the last packet
   }
 }
 

@@ -11,7 +11,7 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-// Clockwise from north, [0, 2 pi); nothing for what points up or down.
+// Clockwise from north, [0, 2 pi); std::nullopt for a near-vertical direction.
 std::optional<double> BearingOf(const Vector3d& direction_enu) {
   constexpr double kLeastHorizontal = 0.1;
   if (direction_enu.head<2>().norm() < kLeastHorizontal) return std::nullopt;

@@ -1,7 +1,8 @@
-// From how an object stands before the camera, and the camera's state, to the line along which it was seen, its range
-// and its heading.
+// Converts an object pose in the camera's frame and the camera's state into a bearing observation: line of sight in
+// east-north-up, range, and heading of the object.
 //
-// The line goes to the middle of the object (stance.h); of models that know their points, the front gives the heading.
+// The line of sight goes to the object's centre (stance.h). The heading is the azimuth of the object's front (+x); it
+// exists only with a 6-DoF pose.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +15,14 @@
 
 namespace victorious {
 
-/// @param camera  at the frame's time
-/// Nothing where the camera's state is not complete.
+/// Makes the bearing observation of an object pose. std::nullopt if the camera state is incomplete.
+/// @param camera  at the time of the frame
 std::optional<Sight> SightOf(const Stance& stance, const CameraState& camera);
 
-/// Sight::recognition of a run's next sight: where it was only followed, that of the one before it (or null); else a
-/// new one.
-/// @param recognitions  how many there are; counts on
+/// Returns the `recognition` id of a tracklet's next observation: that of the previous observation if the sighting is
+/// tracked and there is one, else a new id. Observations with the same id have a common error.
+/// @param before        previous observation of the tracklet, or null
+/// @param recognitions  counter of ids; incremented for a new id
 std::int64_t RecognitionOf(const SightingRecord& sighting, const Sight* before, std::int64_t& recognitions);
 
 }  // namespace victorious

@@ -68,7 +68,7 @@ TEST(Sight, APhotoHasARangeOnlyWhereItsLengthIsKnown) {
   ASSERT_TRUE(sight);
   EXPECT_FALSE(sight->line.range_m);
   EXPECT_FALSE(sight->heading_rad);
-  EXPECT_NEAR(DegreesFromRadians(sight->line.elevation_rad), -90, 1.3);  // (320, 240) but for 50 px, 1.2 degrees
+  EXPECT_NEAR(DegreesFromRadians(sight->line.elevation_rad), -90, 1.3);  // (320, 240) up to 50 px, 1.2 degrees
   model.length_m = 4;
   sight = SightOf(StanceOf(detection, model, scene, camera, {}).value(), camera);
   EXPECT_NEAR(*sight->line.range_m, kFocalPx * 4 / 100, 1e-6);

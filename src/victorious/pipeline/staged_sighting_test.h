@@ -1,4 +1,5 @@
-// What the tests of stances and sights share: an object of known place before a camera, and the detection of it.
+// Shared by the tests of object poses and bearing observations: an object of known place before a camera, and its
+// detection.
 #pragma once
 
 #include <cmath>
@@ -25,7 +26,7 @@ inline CameraState LookingDown(double pitch_deg, double yaw_deg) {
           .hfov_rad = RadiansFromDegrees(16)};
 }
 
-// A model with one view, whose points stand about a middle that is not the origin; and what a camera sees of it.
+// A model with one view whose points have a centre off the origin, and what a camera sees of it.
 struct Staged {
   ObjectModel model;
   std::shared_ptr<FeatureSet> features = std::make_shared<FeatureSet>();
@@ -34,8 +35,8 @@ struct Staged {
   Detection detection;
 };
 
-// The object stands upright at `object_enu` from the camera, its front towards `heading_deg`, and is seen through
-// `lens`; the view that matched is a few degrees off.
+// The object is upright at `object_enu` from the camera, its front towards `heading_deg`, seen through `lens`; the
+// matched view is a few degrees off.
 inline Staged Stage(const CameraState& camera, const Eigen::Vector3d& object_enu, double heading_deg,
                     const LensDistortion& lens) {
   Staged staged;
@@ -63,7 +64,7 @@ inline Staged Stage(const CameraState& camera, const Eigen::Vector3d& object_enu
     const Eigen::Vector3f point = (middle + off).cast<float>();
     staged.points->push_back({point.x(), point.y(), point.z()});
   }
-  // The template's upright is the model's up: how far that is turned in the picture.
+  // The template's upright is the model's up: its in-plane rotation in the image.
   const Eigen::Vector2d up = show({0, 0, 1}) - show({0, 0, -1});
   Similarity2& similarity = staged.detection.pose.scene_from_template;
   similarity.rotation_rad = std::atan2(up.x(), -up.y());

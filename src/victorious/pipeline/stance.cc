@@ -16,56 +16,66 @@ namespace victorious {
 
 void SightOptions::ListFields(FieldList& fields) {
   fields.Add("point_sigma_px", point_sigma_px,
-             {.min = 1e-3, .max = 100, .unit = "px", .reason = "sigma of a matched keypoint's place in the frame"});
-  fields.Add("view_sigma_deg", view_sigma_deg,
              {.min = 1e-3,
-              .max = 180,
-              .unit = "deg",
-              .reason = "how far the direction of sight is from that of the view that matched: views stand 10 degrees "
-                        "apart"});
+              .max = 100,
+              .unit = "px",
+              .reason = "standard deviation of a matched keypoint's position in the frame"});
+  fields.Add(
+      "view_sigma_deg", view_sigma_deg,
+      {.min = 1e-3,
+       .max = 180,
+       .unit = "deg",
+       .reason =
+           "standard deviation of the direction of view from that of the matched view: views are 10 degrees apart"});
   fields.Add("up_sigma_deg", up_sigma_deg,
              {.min = 1e-3,
               .max = 180,
               .unit = "deg",
-              .reason = "how far an object's up leans from the vertical, where telemetry tells that; 180 lets objects "
-                        "lie as they like"});
-  fields.Add("least_view_sigma_deg", least_view_sigma_deg,
-             {.min = 0,
-              .max = 180,
-              .unit = "deg",
-              .reason = "the direction of sight is never known better than this: matched points err together"});
+              .reason = "standard deviation of an object's up axis from the vertical, if telemetry gives the attitude; "
+                        "180 allows any orientation"});
+  fields.Add(
+      "least_view_sigma_deg", least_view_sigma_deg,
+      {.min = 0,
+       .max = 180,
+       .unit = "deg",
+       .reason = "minimum standard deviation of the direction of view: errors of matched points are correlated"});
   fields.Add("least_sigma_px", least_sigma_px,
              {.min = 0,
               .max = 100,
               .unit = "px",
-              .reason = "the middle of an object is never known better than this: for the same reason"});
+              .reason = "minimum standard deviation of an object's centre, for the same reason"});
   fields.Add("least_range_share", least_range_share,
-             {.min = 0, .max = 1, .reason = "sigma over range, at least: for the same reason"});
+             {.min = 0, .max = 1, .reason = "minimum relative standard deviation of the range, for the same reason"});
   fields.Add("hypotheses", hypotheses,
-             {.min = 0, .max = 10000, .reason = "poses of three points tried, at most; 0 trusts every matched point"});
-  fields.Add("photo_centre_share", photo_centre_share,
              {.min = 0,
-              .max = 1,
-              .unit = "",
-              .reason = "sigma of a photo's object's middle over its size: another side of it has another middle"});
-  fields.Add("photo_range_share", photo_range_share,
-             {.min = 1e-3,
-              .max = 10,
-              .unit = "",
-              .reason = "sigma over range, of a photo's object of known length: it is seen foreshortened"});
+              .max = 10000,
+              .reason = "maximum number of three-point pose hypotheses; 0 takes every match as an inlier"});
+  fields.Add(
+      "photo_centre_share", photo_centre_share,
+      {.min = 0,
+       .max = 1,
+       .unit = "",
+       .reason = "standard deviation of a photo object's centre over its size: another side has another centre"});
+  fields.Add(
+      "photo_range_share", photo_range_share,
+      {.min = 1e-3,
+       .max = 10,
+       .unit = "",
+       .reason =
+           "relative standard deviation of the range of a photo object of known length, because of foreshortening"});
   fields.Add("drift_px", drift_px,
              {.min = 0,
               .max = 100,
               .unit = "px",
-              .reason = "sigma of an object's middle that each frame adds in which the object is only followed, not "
-                        "recognised"});
-  fields.Add("drift_range_share", drift_range_share,
-             {.min = 0, .max = 1, .unit = "", .reason = "sigma over range that each such frame adds"});
+              .reason = "standard deviation of an object's centre added by each frame in which it is only tracked"});
+  fields.Add(
+      "drift_range_share", drift_range_share,
+      {.min = 0, .max = 1, .unit = "", .reason = "relative standard deviation of the range added by each such frame"});
   fields.Add("category_centre_share", category_centre_share,
              {.min = 0,
               .max = 1,
               .unit = "",
-              .reason = "sigma of the middle of what a category's box holds over the box's longer side"});
+              .reason = "standard deviation of the centre of a category's object over the longer side of its box"});
 }
 
 namespace {
@@ -74,7 +84,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// The picture's plane at depth 1, the lens undone: of a camera with square pixels, its principal point in the middle.
+// Normalised image plane (z = 1) with the lens undistorted; square pixels, principal point at the image centre.
 class ImagePlane {
  public:
   ImagePlane(const cv::Size& image, double hfov_rad, const std::optional<LensDistortion>& lens)
@@ -92,7 +102,7 @@ class ImagePlane {
   LensDistortion lens_;
 };
 
-// The matched points' places on the object, m.
+// 3D points of the matches in the model's frame, m.
 std::vector<Vector3d> PlacesOf(const Detection& detection, const ObjectModel& model) {
   std::vector<Vector3d> places;
   const auto add = [&](const Point3& point) { places.emplace_back(point.x, point.y, point.z); };
@@ -103,17 +113,17 @@ std::vector<Vector3d> PlacesOf(const Detection& detection, const ObjectModel& mo
   return places;
 }
 
-// A camera that looks along the optical axis, turned the shortest way to look in another direction.
+// Smallest rotation that takes the optical axis to a direction.
 Quaterniond Towards(const Vector3d& direction) { return Quaterniond::FromTwoVectors(Vector3d::UnitZ(), direction); }
 
-// How far a view from a direction is turned in the image, clockwise.
+// Clockwise image rotation of the object relative to the rendered view of a direction.
 double TurnOf(const Rigid3& camera_from_object, const ViewDirection& direction) {
   const Quaterniond turn = Towards(camera_from_object.translation.normalized()).conjugate() *
                            camera_from_object.rotation * CameraFromModel(direction).conjugate();
   return WrapAngle(2 * std::atan2(turn.z(), turn.w()));
 }
 
-// How the view that matched is turned before the camera, as it lies in the picture.
+// Initial rotation: that of the matched view, at its position and in-plane rotation in the image.
 Quaterniond RotationOfView(const Detection& detection, const ModelView& view, const ImagePlane& image) {
   const Vector2d picture_middle(view.width / 2.0, view.height / 2.0);
   const Vector3d towards = image.DirectionOf(detection.pose.scene_from_template.Apply(picture_middle));
@@ -121,7 +131,7 @@ Quaterniond RotationOfView(const Detection& detection, const ModelView& view, co
          CameraFromModel({view.angles->azimuth_rad, view.angles->off_nadir_rad});
 }
 
-// Of a model that knows its points in space.
+// Models with 3D points: 6-DoF fit.
 std::optional<Stance> SeenByPoints(const Detection& detection, const ObjectModel& model, const FeatureSet& scene,
                                    const ImagePlane& image, const SightOptions& options,
                                    const std::optional<Vector3d>& up_in_camera) {
@@ -159,7 +169,7 @@ std::optional<Stance> SeenByPoints(const Detection& detection, const ObjectModel
 
 cv::Size SizeOf(const FeatureSet& scene) { return {scene.image_width, scene.image_height}; }
 
-// Of a photo: by its outline.
+// Photos: direction and range from the outline.
 std::optional<Stance> SeenByOutline(const Detection& detection, const ObjectModel& model, const ImagePlane& image,
                                     const SightOptions& options) {
   const Polygon& outline = model.views[detection.view].outline;
@@ -199,7 +209,7 @@ std::optional<Stance> StanceOf(const Detection& detection, const ObjectModel& mo
     if (!stance && model.kind != "cad") stance = SeenByOutline(detection, model, image, options);
     return stance;
   }
-  // A supposed field of view puts the object too far or too near, and hardly turns it: it is small before the camera.
+  // An assumed field of view scales the distance, but hardly affects the rotation: the object is small in the image.
   constexpr double kSupposedFovRad = 0.5;
   std::optional<Stance> stance =
       SeenByPoints(detection, model, scene, {SizeOf(scene), kSupposedFovRad, std::nullopt}, options, up_in_camera);

@@ -1,10 +1,11 @@
-// From a detection to how the object stands before the camera: in which direction, how far off, how turned.
+// Estimates the object pose of a detection: direction, range and rotation relative to the camera, with standard
+// deviations.
 //
-// Models that know their points in space (CAD): their matched points fix the object's six degrees of freedom
-// (geolocate/object_pose.h), and so the direction of view between the views, which stand 10 degrees apart; where the
-// vertical is known, the object is supposed to stand upright, give or take. The direction to it is that to the middle
-// of the bounding box. Photos: the direction is that to the middle of the outline; a range only where the object's
-// length is known.
+// - Models with 3D points (CAD): perspective-n-point on the matched points (geolocate/object_pose.h) gives all 6 DoF.
+//   This interpolates the direction of view between the rendered views, which are 10 degrees apart. If the vertical is
+//   known, a prior keeps the object upright within `up_sigma_deg`. The direction is that to the centre of the bounding
+//   box.
+// - Photos: the direction is that to the centre of the outline; a range only if the object's length is known.
 #pragma once
 
 #include <optional>
@@ -41,47 +42,46 @@ struct SightOptions {
   void ListFields(FieldList& fields);
 };
 
-/// From where an object is seen.
+/// Direction of view of an object.
 struct SeenView {
   ViewAngles angles;        ///< of the direction to the camera, in the model's frame
-  double in_plane_rad = 0;  ///< clockwise turn in the image from a view from there, as rendered, to the scene
-  double sigma_rad = 0;     ///< of the direction, each axis
+  double in_plane_rad = 0;  ///< clockwise image rotation from the rendered view of that direction to the scene
+  double sigma_rad = 0;     ///< standard deviation of the direction, each axis
 };
 
 struct Stance {
-  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< to the object's middle, of unit length, camera's frame
-  double sigma_rad = 0;                                  ///< of it, about each axis across
-  std::optional<double> range_m;                         ///< to the object's middle
-  double sigma_range_m = 0;                              ///< where there is a range
-  /// Of models that know their points, from the model's axes (x front, y left, z up) about the middle of the bounding
-  /// box. Where the camera's field of view is not known, moved by what a supposed one makes of it.
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< to the object's centre, unit length, camera frame
+  double sigma_rad = 0;                                  ///< about each transverse axis
+  std::optional<double> range_m;                         ///< to the object's centre
+  double sigma_range_m = 0;                              ///< valid if there is a range
+  /// Only of models with 3D points: from the model's axes (x front, y left, z up) about the centre of the bounding box.
+  /// If the camera's field of view is unknown, the translation is that of an assumed one.
   std::optional<Rigid3> camera_from_object;
-  std::vector<SeenPoint> points;  ///< that tell it
-  double focal_px = 0;            ///< known or supposed
-  std::optional<SeenView> view;   ///< of models that know their points
+  std::vector<SeenPoint> points;  ///< the points of the fit
+  double focal_px = 0;            ///< of the camera, or assumed
+  std::optional<SeenView> view;   ///< only of models with 3D points
 };
 
-/// How a camera with a pitch and a roll sees the vertical: its up, of length 1, in the camera's frame; nothing where
-/// its attitude is not known.
+/// The vertical seen by a camera: the unit up vector in the camera's frame. std::nullopt if the attitude is unknown.
 [[nodiscard]] std::optional<Eigen::Vector3d> UpInCamera(const CameraState& camera);
 
-/// @param scene         the frame's features, which the detection's matches count in
-/// @param camera        its field of view and lens, as far as known; nothing else of it counts. Without a field of view
-///                      there is no range, and nothing of photos
-/// @param up_in_camera  the vertical, of length 1, if the object is to be upright
-/// Nothing where the detection does not tell where the object's middle is.
+/// Estimates the object pose of a detection. std::nullopt if the detection does not determine the object's centre.
+/// @param scene         features of the frame, which the detection's matches index
+/// @param camera        only field of view and lens are used. Without a field of view the result has no range, and
+///                      photos give no result
+/// @param up_in_camera  unit up vector for the upright prior; std::nullopt for none
 std::optional<Stance> StanceOf(const Detection& detection, const ObjectModel& model, const FeatureSet& scene,
                                const CameraState& camera, const SightOptions& options,
                                const std::optional<Eigen::Vector3d>& up_in_camera = {});
 
-/// Adds what an object's stance errs by more where it was only followed for so many frames since it was recognised:
-/// followed points drift off the places on the object that they stand for, all to one side as it turns.
-/// @param frames  0 changes nothing
+/// Adds the drift of tracking to the standard deviations of direction and range. Tracked points drift off their places
+/// on the object, in a common direction as it turns, so the error grows linearly with the number of frames.
+/// @param frames  frames since the last recognition; 0 changes nothing
 void Age(Stance& stance, int frames, const SightOptions& options);
 
-/// The direction to what a box holds, of which nothing else is known: to the box's middle.
-/// @param image_size  the frame's, px
-/// Nothing where the camera's field of view is not known.
+/// Direction to the centre of a box, without further knowledge of its content. std::nullopt if the camera's field of
+/// view is unknown.
+/// @param image_size  of the frame, px
 std::optional<Stance> StanceOfBox(const Box& box, const cv::Size& image_size, const CameraState& camera,
                                   const SightOptions& options);
 

@@ -14,7 +14,7 @@ namespace {
 
 const Eigen::Vector3d kPlaceEnu(40, 55, -100);
 
-// The direction to the camera, seen from an object that stands upright at kPlaceEnu.
+// Direction to the camera from an upright object at kPlaceEnu.
 Eigen::Vector3d TrueDirection(double heading_deg) {
   const Eigen::AngleAxisd enu_from_model(kPi / 2 - RadiansFromDegrees(heading_deg), Eigen::Vector3d::UnitZ());
   return enu_from_model.inverse() * (-kPlaceEnu.normalized());
@@ -25,7 +25,7 @@ double ViewErrorDeg(const Stance& stance, const Eigen::Vector3d& truth) {
   return DegreesFromRadians(std::acos(std::clamp(found.dot(truth), -1.0, 1.0)));
 }
 
-// Keypoints as they are placed in pictures.
+// Noise of keypoint positions.
 void Blur(Staged& staged, double sigma_px, std::uint64_t seed) {
   Random random(seed);
   for (Keypoint& keypoint : staged.scene.keypoints) {
@@ -105,7 +105,7 @@ TEST(Stance, SaysHowFarItMayErr) {
     const auto stance = StanceOfStaged(staged, camera);
     ASSERT_TRUE(stance);
     const double error_rad = RadiansFromDegrees(ViewErrorDeg(*stance, TrueDirection(300)));
-    view_inside += error_rad < 2.15 * stance->view->sigma_rad ? 1 : 0;  // 90 % of two axes
+    view_inside += error_rad < 2.15 * stance->view->sigma_rad ? 1 : 0;  // 90 % of a 2-D normal distribution
     distance_inside += std::abs(*stance->range_m - kPlaceEnu.norm()) < 1.64 * stance->sigma_range_m ? 1 : 0;
   }
   EXPECT_GE(view_inside, 80);
@@ -135,7 +135,7 @@ TEST(Stance, AModelWithoutPointsHasNone) {
 }
 
 TEST(Stance, OfABoxIsTheDirectionToItsMiddle) {
-  const CameraState camera{.hfov_rad = kPi / 2};  // at depth 1, half the width
+  const CameraState camera{.hfov_rad = kPi / 2};  // tan(hfov / 2) = 1
   const auto stance = StanceOfBox({300, 150, 100, 60}, {400, 300}, camera, {.category_centre_share = 0.1});
   ASSERT_TRUE(stance);
   EXPECT_TRUE(stance->direction.isApprox(Eigen::Vector3d(150, 30, 200).normalized(), 1e-9)) << stance->direction;

@@ -10,13 +10,13 @@
 namespace victorious {
 namespace {
 
-/// A detection with the features that it rests on.
+/// A detection with the features that it indexes.
 struct Found {
   Detection detection;
   FeatureSet scene;
 };
 
-/// Searches a part of the frame; what it finds is in pixels of the whole.
+/// Searches a region of the frame; results are in frame coordinates.
 Expected<std::optional<Found>> Search(const cv::Mat& grey, const Box& region, const Recognizer& recognizer,
                                       const FeatureExtractor& extractor) {
   VICTORIOUS_ASSIGN_OR_RETURN(FeatureSet scene, FeaturesIn(grey, region, extractor));
@@ -25,7 +25,7 @@ Expected<std::optional<Found>> Search(const cv::Mat& grey, const Box& region, co
   return Found{std::move(detections.front()), std::move(scene)};
 }
 
-/// The tracker whose template is the recogniser's last find.
+/// A tracker whose template is the recogniser's last detection.
 class Together {
  public:
   Together(RegionTracker tracker, const Recognizer& recognizer, const FeatureExtractor& extractor)
@@ -49,7 +49,7 @@ class Together {
     return found->detection.outline;
   }
 
-  /// Of the last find.
+  /// Points of the last detection.
   [[nodiscard]] const std::vector<TrackPoint>& last_points() const { return last_points_; }
 
  private:

@@ -1,5 +1,5 @@
-// The thesis's figure 4-2: one object followed by the tracker alone, and by tracker and recogniser together, each of
-// whose finds becomes the tracker's template.
+// Experiment of the thesis's figure 4-2: one object tracked by the tracker alone, and by tracker and recogniser
+// together, where each detection becomes the tracker's new template.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace victorious {
 
-/// Where each has the object's outline in one frame, px; nothing where it has none.
+/// Outline of the object in one frame by either method, px; std::nullopt where it is lost.
 struct LockStep {
   std::int64_t frame = 0;
   double time_s = 0;
@@ -24,12 +24,12 @@ struct LockStep {
   std::optional<Polygon> together;
 };
 
-/// Both begin at the first detection. Alone, the tracker follows whatever moves (least_likeness -1) and is never
-/// confirmed; together, the recogniser searches the tracked region in every frame, and the whole frame while there is
-/// none.
+/// Runs both methods from the first detection on. Alone, the tracker runs without appearance check (least_likeness -1)
+/// and without confirmation. Together, the recogniser searches the tracked region in every frame, and the whole frame
+/// while the track is lost.
 /// @param reader      of grey frames
 /// @param recognizer  of one model
-/// @return a step a frame, from the first detection on; none if there is no detection
+/// @return one step per frame, from the first detection on; empty without a detection
 /// Errors: kInvalidArgument for options out of range; those of reading; kCancelled.
 Expected<std::vector<LockStep>> CompareLock(VideoReader& reader, const Recognizer& recognizer,
                                             const FeatureExtractor& extractor, const TrackOptions& options,

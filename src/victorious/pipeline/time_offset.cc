@@ -25,18 +25,18 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr std::size_t kFewestPairs = 20;
-constexpr int kUnknowns = 5;  // offset, one over the height above the ground, three biases
+constexpr int kUnknowns = 5;  // time offset, s; inverse height above the ground, 1/m; three biases, px
 using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
 using Normal = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
-// Where a picture's motion is looked at: half way to its corners.
+// Sample points of the image motion, halfway to the image corners, relative to the centre, px.
 std::array<Vector2d, 4> Corners(const cv::Size& image) {
   const double x = image.width / 4.0;
   const double y = image.height / 4.0;
   return {Vector2d(-x, -y), Vector2d(x, -y), Vector2d(x, y), Vector2d(-x, y)};
 }
 
-// Shifts of the four places to the picture's: right, down, and turned, all in px.
+// Converts the shifts of the four points to motion components: right, down, rotation, all in px.
 Vector3d Components(const std::array<Vector2d, 4>& corners, const std::array<Vector2d, 4>& shifts) {
   Vector2d mean = Vector2d::Zero();
   double turn = 0;
@@ -47,7 +47,7 @@ Vector3d Components(const std::array<Vector2d, 4>& corners, const std::array<Vec
   return {mean.x(), mean.y(), turn / corners[0].norm()};
 }
 
-// Telemetry as the comparison needs it: in one plane.
+// A camera pose in one east-north-up tangent plane.
 struct Posed {
   Vector3d place;
   Eigen::Quaterniond camera_from_plane;
@@ -78,7 +78,7 @@ class Comparison {
   [[nodiscard]] const Vector3d& measured(std::size_t i) const { return measured_[i]; }
   [[nodiscard]] double time_s(std::size_t i) const { return seen_.motions[i].from_s; }
 
-  // The mean of the pair's motion `apart_s / 2` earlier and later; nothing where frames are missing there.
+  // Mean of the measured motion, shifted by `apart_s / 2` earlier and later; std::nullopt if frames are missing there.
   [[nodiscard]] std::optional<Vector3d> MeasuredAbout(std::size_t i, double apart_s) const {
     Vector3d sum = Vector3d::Zero();
     for (const double shift_s : {-apart_s / 2, apart_s / 2}) {
@@ -90,7 +90,7 @@ class Comparison {
     return sum;
   }
 
-  // The camera at both moments of every pair, telemetry moved by an offset; nothing where it does not reach.
+  // Camera poses at both times of every pair, for a time offset; std::nullopt where telemetry has none.
   using Poses = std::vector<std::optional<std::pair<Posed, Posed>>>;
   [[nodiscard]] Poses PosesAt(double offset_s) const {
     Poses poses(size());
@@ -102,15 +102,16 @@ class Comparison {
     return poses;
   }
 
-  // How the ground should move, at a depth of 1 / `per_m` below the camera's usual height; 0: far away.
+  // Predicted motion of flat ground at a depth of 1 / `per_m` below the median camera height; 0: at infinity.
   [[nodiscard]] std::optional<Vector3d> Predict(const std::pair<Posed, Posed>& pair, double per_m) const {
     std::array<Vector2d, 4> shifts;
     const auto& [from, to] = pair;
     for (std::size_t k = 0; k < corners_.size(); ++k) {
       const Vector3d ray = from.camera_from_plane.conjugate() *
                            Vector3d(corners_[k].x() / from.focal_px, corners_[k].y() / from.focal_px, 1);
-      // The ground d rays away, over d: (place + d ray - place') / d. What looks above the horizon sees far things.
-      const double above = 1 + per_m * (from.place.z() - height_m_);  // the camera's height over the usual one
+      // A ground point at d along the ray, divided by d: (place + d ray - place') / d. Rays above the horizon are at
+      // infinity.
+      const double above = 1 + per_m * (from.place.z() - height_m_);  // camera height relative to the median
       const double per_ray = above > 0 ? per_m * std::max(0.0, -ray.z()) / above : 0;
       const Vector3d there = to.camera_from_plane * (ray + per_ray * (from.place - to.place));
       if (!(there.z() > 0)) return std::nullopt;
@@ -127,7 +128,7 @@ class Comparison {
                  FocalLengthPx(*state->hfov_rad, seen_.image.width)};
   }
 
-  // All motion up to a time within a pair, or at its ends.
+  // Accumulated motion up to a time within a pair, or at its ends.
   [[nodiscard]] std::optional<Vector3d> SumAt(double time_s) const {
     constexpr double kSameTime_s = 1e-6;
     const std::vector<ImageMotion>& motions = seen_.motions;
@@ -143,10 +144,10 @@ class Comparison {
   std::array<Vector2d, 4> corners_;
   double height_m_ = 0;
   std::vector<Vector3d> measured_;
-  std::vector<Vector3d> sums_;  // of measured_, up to and with each
+  std::vector<Vector3d> sums_;  // prefix sums of measured_, inclusive
 };
 
-// What is left, without biases taken off; pairs that telemetry does not reach are left out.
+// Residuals before subtraction of biases, for the pairs that telemetry covers.
 struct Left {
   std::vector<std::size_t> pairs;
   std::vector<Vector3d> residuals;
@@ -173,7 +174,7 @@ Vector3d Medians(const std::vector<Vector3d>& values) {
   return middle;
 }
 
-// The mean absolute rest, the biases taken off.
+// Mean absolute residual after subtraction of the median biases.
 double RoughCost(const Left& left) {
   if (left.residuals.size() < kFewestPairs) return std::numeric_limits<double>::infinity();
   const Vector3d bias = Medians(left.residuals);
@@ -184,10 +185,10 @@ double RoughCost(const Left& left) {
 
 struct Candidate {
   Unknowns unknowns = Unknowns::Zero();
-  double cost = std::numeric_limits<double>::infinity();  // rough
+  double cost = std::numeric_limits<double>::infinity();  // mean absolute residual
 };
 
-// The local minima over the offset, best first.
+// Grid search over offset and height. Returns the local minima over the offset, best first.
 std::vector<Candidate> Seek(const Comparison& comparison, const TimeOffsetOptions& options) {
   constexpr std::array kHeights_m = {15.0, 30.0, 60.0, 90.0, 130.0, 190.0, 280.0, 420.0, 800.0, 1600.0, 3200.0, 6400.0};
   const double step_s = options.pair_s / 2;
@@ -220,16 +221,16 @@ std::vector<Candidate> Seek(const Comparison& comparison, const TimeOffsetOption
   return minima;
 }
 
-// One minimum in detail.
+// A refined local minimum.
 struct Fit {
   Unknowns unknowns = Unknowns::Zero();
-  Left left;             // biases taken off
-  Vector3d scales_px;    // robust sigmas of what is left
-  double variance = 0;   // of the offset, s^2, were everything left independent
-  double in_blocks = 0;  // the same, where it is alike within a second
+  Left left;             // biases subtracted
+  Vector3d scales_px;    // robust standard deviations of the residuals
+  double variance = 0;   // of the offset, s^2, for independent residuals
+  double in_blocks = 0;  // the same, for residuals correlated within 1 s
 };
 
-// Of each component.
+// Robust standard deviation (MAD) per component.
 Vector3d ScalesOf(const Left& left) {
   constexpr double kSigmaOfMedian = 1.4826;
   constexpr double kLeastPx = 0.02;
@@ -242,7 +243,7 @@ Vector3d ScalesOf(const Left& left) {
   return scales;
 }
 
-constexpr double kHuber = 2;  // in sigmas
+constexpr double kHuber = 2;  // in standard deviations
 
 double HuberWeight(double sigmas) { return std::abs(sigmas) <= kHuber ? 1 : kHuber / std::abs(sigmas); }
 
@@ -257,16 +258,16 @@ double HuberCost(const Left& left, const Vector3d& scales_px) {
   return left.residuals.empty() ? 0 : cost / static_cast<double>(left.residuals.size());
 }
 
-// By how much the prediction of each pair changes with offset and height; biases change it by 1.
+// Derivatives of the predictions by offset and inverse height; those by the biases are 1.
 //
-// Telemetry's own noise is in the predictions and in their slopes, and between two rows interpolation makes it less:
-// least squares would draw the offset to where it is least. So slopes are taken over the time from one row to the next,
+// Noise of telemetry is in predictions and derivatives, and interpolation between two rows reduces it, which would bias
+// least squares towards the offset of least noise. Derivatives are therefore finite differences over one row interval,
 //   (p(offset + row / 2) - p(offset - row / 2)) / row,
-// and what is left is against the mean of these two, whose noise is alike: their product has none on average. What was
-// measured is taken at the same times.
+// and residuals are against the mean of these two predictions, whose noise is uncorrelated with their difference. The
+// measured motion is averaged at the same times.
 struct Slopes {
   Left at;
-  std::vector<Eigen::Matrix<double, 3, 2>> slopes;  // one a pair of `at`
+  std::vector<Eigen::Matrix<double, 3, 2>> slopes;  // one per pair of `at`
 };
 
 Slopes SlopesOf(const Comparison& comparison, const Unknowns& unknowns, double row_s) {
@@ -292,7 +293,7 @@ Slopes SlopesOf(const Comparison& comparison, const Unknowns& unknowns, double r
   return result;
 }
 
-// J'WJ and J'Wr; of what is left in blocks of a second, the sum of squares of J'Wr.
+// Normal equations J'WJ and J'Wr, and the sum over blocks of 1 s of the outer products of J'Wr (meat of the sandwich).
 struct System {
   Normal normal = Normal::Zero();
   Unknowns gradient = Unknowns::Zero();
@@ -329,7 +330,7 @@ System SystemOf(const Comparison& comparison, const Slopes& slopes, const Vector
     }
   }
   system.AddBlock(block, blocks);
-  // The unknowns were fitted to the same blocks, and follow them.
+  // Degrees-of-freedom correction: the unknowns were fitted to the same blocks.
   system.blocks *= static_cast<double>(blocks) / std::max(1, blocks - kUnknowns);
   return system;
 }
@@ -338,11 +339,11 @@ constexpr double kNotAMinimum = 1e6;
 
 std::optional<Fit> Refine(const Comparison& comparison, Unknowns unknowns, double row_s) {
   constexpr int kRounds = 40;
-  constexpr int kCareful = 8;  // rounds that must leave less than before
+  constexpr int kCareful = 8;  // iterations with step halving
   constexpr double kEnough_s = 1e-5;
   const auto system_at = [&](const Slopes& slopes, const Vector3d& scales_px) {
     System system = SystemOf(comparison, slopes, scales_px);
-    // What does not matter (the height, of a camera that only turns) stays as it is.
+    // Damping keeps unobservable unknowns (the height, if the camera only rotates) at their value.
     for (int k = 0; k < kUnknowns; ++k) system.normal(k, k) *= 1 + 1e-9;
     system.normal(1, 1) += 1e-6;
     return system;
@@ -374,7 +375,8 @@ std::optional<Fit> Refine(const Comparison& comparison, Unknowns unknowns, doubl
   const System system = system_at(slopes, fit.scales_px);
   const Normal inverse = system.normal.inverse();
   if (!inverse.allFinite() || !(inverse(0, 0) > 0)) return std::nullopt;
-  // Noise makes slopes steeper than they are; how the gradient itself changes tells how steep.
+  // Noise inflates the derivatives. The numerical derivative of the gradient gives the true curvature; their ratio
+  // corrects the variance.
   const auto gradient_at = [&](double apart_s) {
     Unknowns there = unknowns;
     there[0] += apart_s;
@@ -389,7 +391,7 @@ std::optional<Fit> Refine(const Comparison& comparison, Unknowns unknowns, doubl
   return fit;
 }
 
-// The share of the motion's variance about its middle that telemetry tells: by mean sizes, which outliers draw less.
+// Fraction of the motion's variance about its median that telemetry explains, from mean absolute values for robustness.
 double Explained(const Comparison& comparison, const Left& left, double row_s) {
   std::vector<Vector3d> measured;
   for (const std::size_t i : left.pairs) measured.push_back(comparison.MeasuredAbout(i, row_s).value());
@@ -404,7 +406,7 @@ double Explained(const Comparison& comparison, const Left& left, double row_s) {
   return 1 - share * share;
 }
 
-// From one row of telemetry to the next.
+// Median interval between telemetry rows, s.
 double RowOf(const CameraTrack& cameras) {
   std::vector<double> rows_s;
   for (std::size_t i = 1; i < cameras.states().size(); ++i) {
@@ -418,32 +420,31 @@ TimeOffset None(std::string why, std::size_t pairs) { return {.pairs = pairs, .s
 }  // namespace
 
 void TimeOffsetOptions::ListFields(FieldList& fields) {
-  fields.Add("most_s", most_s,
-             {.min = 0.1, .max = 600, .unit = "s", .reason = "offsets are sought up to this, early and late"});
+  fields.Add("most_s", most_s, {.min = 0.1, .max = 600, .unit = "s", .reason = "maximum absolute offset searched"});
   fields.Add("pair_s", pair_s,
              {.min = 0.01,
               .max = 2,
               .unit = "s",
-              .reason = "between two frames that are compared, at least: nearer ones move too little"});
+              .reason = "minimum interval between two compared frames: less gives too little motion"});
   fields.Add("watch_s", watch_s,
-             {.min = 2, .max = 1e6, .unit = "s", .reason = "how much of the video's beginning is looked at"});
-  fields.Add(
-      "least_sigma_s", least_sigma_s,
-      {.min = 0,
-       .max = 10,
-       .unit = "s",
-       .reason = "an offset is never surer than this: how long frames are exposed, and how times are rounded, is "
-                 "not known"});
-  fields.Add("largest_sigma_s", largest_sigma_s,
-             {.min = 1e-4,
-              .max = 100,
+             {.min = 2, .max = 1e6, .unit = "s", .reason = "length of the video's beginning that is used"});
+  fields.Add("least_sigma_s", least_sigma_s,
+             {.min = 0,
+              .max = 10,
               .unit = "s",
-              .reason = "an offset that is less sure than this is none: the camera's motion changes too little"});
+              .reason = "minimum standard error of the offset: exposure time and rounding of time stamps are unknown"});
+  fields.Add(
+      "largest_sigma_s", largest_sigma_s,
+      {.min = 1e-4,
+       .max = 100,
+       .unit = "s",
+       .reason =
+           "maximum standard error of the offset; above it there is none: the camera's motion changes too little"});
   fields.Add("least_explained", least_explained,
              {.min = 0,
               .max = 1,
-              .reason = "share of the motion's variance that telemetry must tell: of less, it is not that of the "
-                        "picture"});
+              .reason = "minimum fraction of the image motion's variance that telemetry must explain: below it, "
+                        "telemetry does not match the video"});
 }
 
 Expected<ImageMotions> MeasureMotions(const std::string& video, const TimeOffsetOptions& options,
@@ -472,10 +473,10 @@ Expected<ImageMotions> MeasureMotions(const std::string& video, const TimeOffset
 TimeOffset EstimateTimeOffset(const ImageMotions& seen, const CameraTrack& cameras, const TimeOffsetOptions& options) {
   const auto tells = [](const CameraState& state) { return state.attitude && state.hfov_rad; };
   if (std::ranges::none_of(cameras.states(), tells)) {
-    return None("telemetry does not tell where the camera looks, or its field of view", 0);
+    return None("telemetry has no attitude or no field of view", 0);
   }
   if (seen.motions.size() < kFewestPairs) {
-    return None(fmt::format("the picture's motion can be told of {} pairs of frames only", seen.motions.size()),
+    return None(fmt::format("the image motion is measurable for {} pairs of frames only", seen.motions.size()),
                 seen.motions.size());
   }
   const Comparison comparison(seen, cameras);
@@ -486,7 +487,7 @@ TimeOffset EstimateTimeOffset(const ImageMotions& seen, const CameraTrack& camer
     if (fits.size() == kMostMinima) break;
     if (auto fit = Refine(comparison, candidate.unknowns, row_s)) fits.push_back(*std::move(fit));
   }
-  if (fits.empty()) return None("telemetry and video have too little time in common", seen.motions.size());
+  if (fits.empty()) return None("telemetry and video overlap too little in time", seen.motions.size());
   const Vector3d scales_px =
       std::ranges::min_element(fits, {}, [](const Fit& fit) { return fit.scales_px.prod(); })->scales_px;
   const auto cost = [&](const Fit& fit) { return HuberCost(fit.left, scales_px); };
@@ -496,16 +497,16 @@ TimeOffset EstimateTimeOffset(const ImageMotions& seen, const CameraTrack& camer
                     .pairs = best.left.pairs.size()};
   const double offset_s = best.unknowns[0];
   if (!(result.sigma_s <= options.largest_sigma_s)) {
-    result.status = fmt::format("the camera's motion changes too little to tell: the standard error would be {:.2g} s",
-                                result.sigma_s);
+    result.status =
+        fmt::format("the camera's motion changes too little: the standard error would be {:.2g} s", result.sigma_s);
     return result;
   }
   if (!(result.explained >= options.least_explained)) {
-    result.status = fmt::format("telemetry tells {:.0f} % of the picture's motion, at whichever offset",
+    result.status = fmt::format("telemetry explains only {:.0f} % of the image motion's variance at any offset",
                                 100 * std::max(0.0, result.explained));
     return result;
   }
-  // Another minimum is as good if its cost is not clearly higher; what is left is not independent.
+  // Another minimum is equally good if its cost is not significantly higher; the residuals are correlated.
   constexpr double kClearly = 9;
   const double alike = std::max(1.0, best.in_blocks / best.variance);
   for (const Fit& other : fits) {
@@ -514,11 +515,11 @@ TimeOffset EstimateTimeOffset(const ImageMotions& seen, const CameraTrack& camer
     const double worse = (cost(other) - cost(best)) * static_cast<double>(result.pairs);
     if (worse > kClearly * alike) continue;
     result.status =
-        fmt::format("the motion comes again: {:+.2f} s fits as well as {:+.2f} s", other.unknowns[0], offset_s);
+        fmt::format("the motion is periodic: {:+.2f} s fits as well as {:+.2f} s", other.unknowns[0], offset_s);
     return result;
   }
   if (std::abs(offset_s) > options.most_s) {
-    result.status = fmt::format("beyond the {:g} s that are looked through: raise most_s", options.most_s);
+    result.status = fmt::format("beyond the searched range of {:g} s: raise most_s", options.most_s);
     return result;
   }
   result.offset_s = offset_s;
@@ -527,7 +528,7 @@ TimeOffset EstimateTimeOffset(const ImageMotions& seen, const CameraTrack& camer
 }
 
 std::string Describe(const TimeOffset& offset) {
-  if (!offset.offset_s) return "offset of telemetry's clock: not told: " + offset.status;
+  if (!offset.offset_s) return "offset of telemetry's clock: unknown: " + offset.status;
   return fmt::format("offset of telemetry's clock: {:+.3f} s, standard error {:.3f} s (time_offset_s adds it)",
                      *offset.offset_s, offset.sigma_s);
 }

@@ -1,14 +1,14 @@
-// By how much a video's telemetry is early or late, told by the picture: as the camera turns and flies, the ground
-// moves through the picture, and telemetry says how it should.
+// Estimates the time offset between a video and its telemetry by comparing the image motion with the motion that
+// telemetry predicts:
 //
 //   measured motion(t) = f(camera(t - offset), camera(t + dt - offset), height above the ground) + bias + noise
 //
-// Each pair of frames gives the background's shift and turn (track/camera_motion.h); f sees the ground, flat and at an
-// unknown height, through the camera at both moments. Offset, height and the bias of each of the three components are
-// those that leave the least, in Huber's sense: sought over a grid, then by Gauss and Newton's method.
+// Each pair of frames gives the background's shift and rotation (track/camera_motion.h). f projects flat ground of
+// unknown height through the camera at both times. The unknowns are the offset, one over the height, and a bias per
+// motion component. They minimise a Huber loss: a grid search, then Gauss-Newton.
 //
-// The standard error holds what is left over as it is: blocks of it, of a second each, may be alike within. Where the
-// camera's motion hardly changes, or comes again after a while, or is not that of the picture, there is no offset.
+// The standard error is a sandwich estimate with residual blocks of 1 s, which may be correlated within. There is no
+// offset if the camera's motion hardly changes, is periodic, or does not match the image motion.
 #pragma once
 
 #include <optional>
@@ -38,7 +38,7 @@ struct TimeOffsetOptions {
   void ListFields(FieldList& fields);
 };
 
-/// How telemetry is read, and its offset estimated.
+/// Parameters of reading telemetry and of estimating its offset.
 struct TimedTelemetryOptions {
   TelemetryOptions telemetry;
   TimeOffsetOptions offset;
@@ -49,7 +49,7 @@ struct TimedTelemetryOptions {
   }
 };
 
-/// How the background moved through the picture from one frame to another.
+/// Background motion from one frame to another.
 struct ImageMotion {
   double from_s = 0;
   double to_s = 0;
@@ -62,23 +62,23 @@ struct ImageMotions {
 };
 
 struct TimeOffset {
-  std::optional<double> offset_s;  ///< to be added to telemetry's times
-  double sigma_s = 0;              ///< of it, where there is one
-  double explained = 0;            ///< the share of the motion's variance that telemetry tells, 0 to 1
-  std::size_t pairs = 0;           ///< of frames that were compared
-  std::string status;              ///< "ok", or why there is none
+  std::optional<double> offset_s;  ///< s, to be added to telemetry's times
+  double sigma_s = 0;              ///< standard error of the offset, s
+  double explained = 0;            ///< fraction of the image motion's variance that telemetry explains, 0 to 1
+  std::size_t pairs = 0;           ///< number of frame pairs compared
+  std::string status;              ///< "ok", or the reason why there is no offset
 };
 
-/// Of the video's first `watch_s`. Errors: those of VideoReader; kCancelled.
-/// Cost: some 10 ms a pair at 640 x 480, and reading.
+/// Measures the image motion of the video's first `watch_s`. Errors: those of VideoReader; kCancelled.
+/// Cost: some 10 ms per pair at 640 x 480, and reading.
 Expected<ImageMotions> MeasureMotions(const std::string& video, const TimeOffsetOptions& options,
                                       const CancelToken& cancel);
 
-/// @param cameras  telemetry's states, on the video's clock but for the offset
-/// Deterministic. Cost: half a second for a minute of video.
+/// Estimates the offset. Deterministic. Cost: half a second for a minute of video.
+/// @param cameras  telemetry's states, on the video's clock up to the offset
 TimeOffset EstimateTimeOffset(const ImageMotions& seen, const CameraTrack& cameras, const TimeOffsetOptions& options);
 
-/// In plain words, one line.
+/// The result as one line of text.
 [[nodiscard]] std::string Describe(const TimeOffset& offset);
 
 }  // namespace victorious

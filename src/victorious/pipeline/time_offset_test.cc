@@ -21,7 +21,7 @@ const GeodeticPoint kOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 400}
 const cv::Size kImage(640, 480);
 const double kHfov = RadiansFromDegrees(18);
 
-// Where the camera is, and how it is held: over flat ground at the origin's height, 15 s of it.
+// 15 s of camera poses over flat ground at the height of the origin.
 using Path = std::function<CameraState(double time_s)>;
 
 CameraState Above(const Vector3d& enu, double yaw_deg, double pitch_deg, double roll_deg, double time_s) {
@@ -45,7 +45,7 @@ CameraState Rocking(double time_s) {
 
 constexpr double kLength_s = 15;
 
-// What a camera on this path sees of points on the ground, with the noise of what is followed.
+// Image motion of ground points seen from this path, with tracking noise.
 ImageMotions Film(const Path& path, std::uint64_t seed = 1, double noise_px = 0.15) {
   Random random(seed);
   const TangentPlane plane(kOrigin);
@@ -73,7 +73,7 @@ ImageMotions Film(const Path& path, std::uint64_t seed = 1, double noise_px = 0.
   return seen;
 }
 
-// Its telemetry, ten states a second, whose clock is `late_s` off.
+// Its telemetry, 10 states per second, with a clock error of `late_s`.
 CameraTrack Recorded(const Path& path, double late_s) {
   std::vector<CameraState> states;
   for (int i = -30; i < (kLength_s + 3) * 10; ++i) {
@@ -132,7 +132,7 @@ TEST(TimeOffset, AStraightFlightTellsNone) {
 TEST(TimeOffset, AMotionThatComesAgainTellsNone) {
   const TimeOffset offset = EstimateTimeOffset(Film(Rocking), Recorded(Rocking, 0.3), {});
   EXPECT_FALSE(offset.offset_s);
-  EXPECT_THAT(offset.status, HasSubstr("comes again"));
+  EXPECT_THAT(offset.status, HasSubstr("is periodic"));
 }
 
 TEST(TimeOffset, TelemetryOfAnotherFlightTellsNone) {

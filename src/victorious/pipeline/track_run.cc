@@ -22,7 +22,7 @@ namespace {
 
 using Sightings = std::vector<BoxSighting>;
 
-/// @param type  or null
+/// True if objects of the type need not be on the ground. @param type  or null
 bool Flies(const ObjectType* type) { return type != nullptr && type->flies; }
 
 Status CancelledIf(const CancelToken& cancel) {
@@ -39,7 +39,7 @@ Expected<std::unique_ptr<VideoReader>> OpenTwiceReadable(const std::string& vide
   return reader;
 }
 
-/// Everything of one call of TrackBoxes.
+/// State of one call of TrackBoxes.
 class TrackRun {
  public:
   TrackRun(std::span<const std::string> videos, std::span<const DrawnBox> boxes, const TrackRunOptions& options,
@@ -52,10 +52,10 @@ class TrackRun {
         sizes_(videos.size()),
         spots_(boxes.size()) {}
 
-  /// @param telemetry  a file of the first video's
+  /// @param telemetry  telemetry file of the first video
   Expected<TrackedBoxes> Run(const std::optional<std::string>& telemetry) {
     VICTORIOUS_ASSIGN_OR_RETURN(told_ground_, MakeGround(options_.ground, warn_));
-    std::vector<VideoInfo> infos;  // of all, before any is read on
+    std::vector<VideoInfo> infos;  // of all videos, before any is read to its end
     for (const std::string& video : videos_) {
       VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, OpenTwiceReadable(video));
       infos.push_back(reader->info());
@@ -131,7 +131,7 @@ class TrackRun {
       target.recognizer = *recognizer;
       pass.Equip(target.recognizer);
     } else {
-      warn_(fmt::format("{}: found again by its look alone: {}", BoxName(index), recognizer.error().message));
+      warn_(fmt::format("{}: re-detected by its template only: {}", BoxName(index), recognizer.error().message));
     }
     sightings_.push_back({.drawn = index,
                           .frame = frame.index,
@@ -173,7 +173,7 @@ class TrackRun {
     for (DrawnSpot& spot : pass.TakeSpots()) spots_[spot.drawn][spot.seen.frame] = spot.seen;
   }
 
-  /// The first video's frames from one number to before another, as the way forward saw them.
+  /// Reads the first video's frames [first, end), as the forward pass saw them.
   Expected<std::vector<Frame>> ReadStretch(std::int64_t first, std::int64_t end) const {
     VICTORIOUS_ASSIGN_OR_RETURN(const auto entered, OpenTwiceReadable(videos_[0]));
     if (entered->SkipTo(times_s_[static_cast<std::size_t>(first)])) {
@@ -184,7 +184,7 @@ class TrackRun {
     return ReadBetween(*whole, first, end);
   }
 
-  /// Those of the frames that come whose times are these frames'.
+  /// Reads on and returns the frames whose time stamps are those of [first, end).
   Expected<std::vector<Frame>> ReadBetween(VideoReader& reader, std::int64_t first, std::int64_t end) const {
     constexpr double kSameTime_s = 1e-6;
     std::vector<Frame> frames;
@@ -221,7 +221,7 @@ class TrackRun {
     return std::optional(CameraTrack(std::move(telemetry->states), options_.telemetry.max_gap_s));
   }
 
-  /// Gives every sighting its sight and its place, and puts them in order.
+  /// Sorts the sightings and sets their bearing observation and place.
   void PlaceAll() {
     std::ranges::sort(sightings_, {},
                       [](const BoxSighting& one) { return std::tuple(one.video, one.frame, one.drawn); });
@@ -238,8 +238,8 @@ class TrackRun {
         if (sighting.sight) seen[sighting.video].push_back(&sighting);
       }
       const BoxMotion motion = MotionOf(drawn, type, seen[0]);
-      // Of what may fly, and of what nobody says what it is and does not leave its spot, lines of sight alone tell
-      // more than the spot.
+      // The ground point constrains the place only if the object is on the ground: a type that does not fly, or an
+      // untyped object that leaves its ground point.
       const bool flies = Flies(type);
       const std::optional<BoxGround> told = flies ? std::nullopt : ToldGround();
       const bool on_spot = type != nullptr ? !flies : motion == BoxMotion::kMoves;
@@ -254,14 +254,14 @@ class TrackRun {
     }
   }
 
-  /// By how far it leaves the spot of ground that it was drawn on, over its length: what is higher than the ground, and
-  /// is boxed a little differently from frame to frame, leaves it a little.
+  /// Classifies the motion by the largest distance of the box from the ground point on which it was drawn, over the
+  /// box's longer side. Tall objects and box jitter cause small distances also for static objects.
   [[nodiscard]] BoxMotion MotionOf(std::size_t drawn, const ObjectType* type,
                                    const std::vector<BoxSighting*>& seen) const {
     if (type != nullptr && type->stands_still) return BoxMotion::kStands;
     constexpr double kMoves = 1;
     constexpr double kStays = 0.5;
-    constexpr double kStray = 0.05;  // a share of boxes, three at least, may lie beside the object
+    constexpr double kStray = 0.05;  // fraction of outlier boxes ignored, at least three
     std::vector<double> away;
     for (const BoxSighting* sighting : seen) {
       const auto spot = spots_[drawn].find(sighting->frame);
@@ -288,7 +288,7 @@ class TrackRun {
     return BoxGround{told_ground_, options_.place.locate.ground_sigma_m};
   }
 
-  /// By the spot of it that the box was drawn on.
+  /// Ground at the ground point on which the box was drawn.
   [[nodiscard]] std::optional<BoxGround> GroundOf(std::size_t drawn) const {
     if (!cameras_[0]) return std::nullopt;
     std::vector<SpotSighting> spots;
@@ -297,7 +297,7 @@ class TrackRun {
     return place ? std::optional(BoxGround::About(*place)) : std::nullopt;
   }
 
-  /// Where lines of sight meet far from the ground that is told, they are believed.
+  /// Warns if the place is far from the given ground: the lines of sight override the ground.
   void WarnOfGround(const Sightings& sightings) const {
     if (!told_ground_) return;
     constexpr double kFarSigmas = 3;
@@ -311,13 +311,13 @@ class TrackRun {
       const double sigma_m = std::sqrt(seen->place->covariance_enu_m2(2, 2)) + options_.place.locate.ground_sigma_m;
       if (!ground_m || std::abs(point.altitude_m - *ground_m) <= kFarSigmas * sigma_m) continue;
       warn_(
-          fmt::format("{}: its lines of sight meet at {:.1f} m, and the ground that is told is at {:.1f} m there: it "
-                      "is placed as if none were told",
+          fmt::format("{}: its lines of sight intersect at {:.1f} m, but the given ground is at {:.1f} m there: the "
+                      "ground is ignored",
                       BoxName(drawn), point.altitude_m, *ground_m));
     }
   }
 
-  /// Empty for what has one.
+  /// Reason why an object has no place; empty if it has one.
   [[nodiscard]] std::string WhyNoPlace(std::size_t drawn, const Sightings& sightings) const {
     const auto of_it = [&](const BoxSighting& one) { return one.drawn == drawn; };
     const auto any = [&](const auto& what) {
@@ -325,21 +325,21 @@ class TrackRun {
     };
     if (any([](const BoxSighting& one) { return one.place.has_value(); })) return "";
     if (any([](const BoxSighting& one) { return one.sight.has_value(); })) {
-      return told_ground_ ? "its lines of sight do not tell how far off it is, and do not meet the ground that is told"
-                          : "its lines of sight do not tell how far off it is; --ground METRES, --terrain FILE or "
-                            "--type WORD may";
+      return told_ground_ ? "its lines of sight do not determine its distance, and do not meet the given ground"
+                          : "its lines of sight do not determine its distance: give --ground METRES, --terrain FILE or "
+                            "--type WORD";
     }
     if (std::ranges::none_of(cameras_, [](const auto& one) { return one.has_value(); })) {
-      return "nothing tells where the camera was and looked and its field of view; --telemetry FILE does, and "
-             "`victorious doctor VIDEO` says what is missing";
+      return "no telemetry with camera position, attitude and field of view: give --telemetry FILE; `victorious doctor "
+             "VIDEO` reports what is missing";
     }
     if (any([&](const BoxSighting& one) { return CameraOf(one).has_value(); })) {
-      return "telemetry does not tell all of where the camera was, where it looked and its field of view while it is "
-             "seen; `victorious doctor VIDEO` says what is missing";
+      return "telemetry lacks camera position, attitude or field of view while the object is visible; `victorious "
+             "doctor VIDEO` reports what is missing";
     }
     const auto first = std::ranges::find_if(sightings, of_it);
     const auto last = std::ranges::find_if(sightings.rbegin(), sightings.rend(), of_it);
-    return fmt::format("telemetry tells of no moment from {:.2f} to {:.2f} s, in which it is seen", first->time_s,
+    return fmt::format("telemetry has no state from {:.2f} to {:.2f} s, while the object is visible", first->time_s,
                        last->time_s);
   }
 
@@ -351,7 +351,7 @@ class TrackRun {
     for (std::size_t i = 0; i < seen.size(); ++i) seen[i]->place = places[i];
   }
 
-  /// By the sightings of the video that they were drawn in.
+  /// Static objects, from their sightings in the first video.
   [[nodiscard]] std::vector<std::optional<StandingBox>> WhatStands() const {
     std::vector<std::optional<StandingBox>> standing(boxes_.size());
     for (const DrawnTarget& target : targets_) {
@@ -386,11 +386,11 @@ class TrackRun {
   std::shared_ptr<const Ground> told_ground_;  // or null
   std::unique_ptr<const FeatureExtractor> extractor_;
   std::vector<std::optional<CameraTrack>> cameras_;  // by video
-  std::vector<cv::Size> sizes_;                      // of frames, by video
-  std::vector<double> times_s_;                      // of the first video's frames
+  std::vector<cv::Size> sizes_;                      // frame sizes, by video
+  std::vector<double> times_s_;                      // time stamps of the first video's frames
   std::vector<DrawnTarget> targets_;
   Sightings sightings_;
-  std::vector<std::map<std::int64_t, SpotSighting>> spots_;  // of the first video, by drawn box and frame
+  std::vector<std::map<std::int64_t, SpotSighting>> spots_;  // of the first video, by user box and frame
 };
 
 }  // namespace
@@ -404,13 +404,13 @@ void TrackRunOptions::ListFields(FieldList& fields) {
              {.min = 1,
               .max = 100'000,
               .unit = "frames",
-              .reason = "a lost object of enough keypoints is sought by them in every so many-th frame: as costly as "
-                        "some ten frames of following"});
+              .reason = "interval at which a lost object is searched for by its keypoints: costs as much as tracking "
+                        "some ten frames"});
   fields.Add("memory_mb", memory_mb,
              {.min = 1,
               .max = 1'000'000,
               .unit = "MiB",
-              .reason = "of frames held at once on the way backward: less reads the video more often"});
+              .reason = "memory for the frames of the backward pass: less reads the video more often"});
   fields.AddGroup("model", model);
   fields.AddGroup("recognize", recognize);
 }
@@ -420,7 +420,7 @@ Expected<TrackedBoxes> TrackBoxes(std::span<const std::string> videos, std::span
                                   const CancelToken& cancel, const WarningSink& warn) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   if (videos.empty() || boxes.empty()) {
-    return Fail(ErrorCode::kInvalidArgument, "nothing to follow: give a video and a box in it");
+    return Fail(ErrorCode::kInvalidArgument, "nothing to track: give a video and a box in it");
   }
   return TrackRun(videos, boxes, options, cancel, warn).Run(telemetry);
 }

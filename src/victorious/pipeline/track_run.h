@@ -1,13 +1,13 @@
-// User-specified tracking: boxes that a person drew in frames of a video are followed to its end and to its beginning,
-// and looked for in other videos.
+// User-specified tracking: objects in boxes that a user drew are tracked to the end and to the beginning of a video,
+// and searched for in other videos.
 //
-// Each box is followed by track/ (box_tracker.h), and becomes an object model on the spot where it has keypoints
-// enough. While its object is lost, every so many frames the recogniser looks for that model in the whole frame, at any
-// scale and turn; what it finds is taken up again if the tracker trusts it as well.
+// Each box is tracked by track/ (box_tracker.h). If it has enough keypoints, an object model is made of it. While the
+// object is lost, the recogniser searches the whole frame for that model every `recognize_every` frames, at any scale
+// and rotation; the tracker verifies a detection before it resumes the track.
 //
-// With telemetry each object gets a place on Earth (box_place.h), on the ground that is told or that it was drawn on.
-// What stands still is also looked for by its place in other videos that have telemetry, and what is found there
-// elsewhere is not it.
+// With telemetry each object gets a place on Earth (box_place.h), on the given ground or on the ground point on which
+// the box was drawn. In other videos with telemetry, static objects are also searched for by their place, and
+// detections elsewhere are rejected.
 #pragma once
 
 #include <optional>
@@ -43,16 +43,17 @@ struct TrackRunOptions {
 };
 
 struct TrackedBoxes {
-  std::vector<BoxSighting> sightings;     ///< by video, frame, box
-  std::vector<std::string> why_no_place;  ///< by box; empty for what has one
+  std::vector<BoxSighting> sightings;     ///< sorted by video, frame, box
+  std::vector<std::string> why_no_place;  ///< one per box; empty if it has a place
 };
 
-/// @param videos     the first is the one that the boxes are drawn in; each a file or a folder, read twice
-/// @param telemetry  a file of the first video's; nothing: what is in it or beside it, as for the others
+/// Tracks user boxes.
+/// @param videos     files or folders; the boxes are drawn in the first. Each is read twice
+/// @param telemetry  telemetry file of the first video; std::nullopt: what is in or beside the video, as for the others
 /// Errors: those of MakeGround; kInvalidArgument for options out of range, no boxes, a box that is outside its frame or
-/// too small, a time beyond the end, a live source; those of VideoReader; kCancelled. Cost: at 640 x 480 some 15 ms a
-/// frame for one box. Frames before the boxes are read again in stretches that fit into options.memory_mb, each from
-/// the key frame before it where the video can be entered there, else from the beginning.
+/// too small, a time beyond the end, or a live source; those of VideoReader; kCancelled. Cost: at 640 x 480 some 15 ms
+/// per frame and box. The backward pass reads intervals of frames that fit into options.memory_mb, each from the key
+/// frame before it if the video is seekable there, else from the beginning.
 Expected<TrackedBoxes> TrackBoxes(std::span<const std::string> videos, std::span<const DrawnBox> boxes,
                                   const std::optional<std::string>& telemetry, const TrackRunOptions& options,
                                   const CancelToken& cancel, const WarningSink& warn);

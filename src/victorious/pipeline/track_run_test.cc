@@ -38,7 +38,7 @@ class TrackRunTest : public ::testing::Test {
     return std::move(tracked->sightings);
   }
 
-  // The camera stands still, from one time to another.
+  // A static camera, from one time to another.
   void TellCamera(double from_s, double to_s) {
     telemetry_ = (folder_ / "telemetry.csv").string();
     std::ofstream rows(*telemetry_);
@@ -78,7 +78,7 @@ TEST_F(TrackRunTest, ABoxOfOneColourIsFollowedByItsLookAlone) {
   const auto sightings = Run({{{30, 40, 20, 14}, 0.0}}).value();
   ASSERT_EQ(sightings.size(), 5U);
   EXPECT_NEAR(sightings.back().box.x, 42, 3);
-  EXPECT_THAT(warnings_, ::testing::ElementsAre(HasSubstr("by its look alone")));
+  EXPECT_THAT(warnings_, ::testing::ElementsAre(HasSubstr("by its template only")));
 }
 
 TEST_F(TrackRunTest, TellsWhatIsWrong) {
@@ -91,11 +91,11 @@ TEST_F(TrackRunTest, TellsWhatIsWrong) {
 
 TEST_F(TrackRunTest, WhyThereIsNoPlaceIsTold) {
   const auto why = [&] { return Track({Drawn(25)}).value().why_no_place.at(0); };
-  EXPECT_THAT(why(), HasSubstr("nothing tells where the camera was"));
+  EXPECT_THAT(why(), HasSubstr("no telemetry with camera position"));
   TellCamera(100, 101);
-  EXPECT_THAT(why(), HasSubstr("telemetry tells of no moment from"));
+  EXPECT_THAT(why(), HasSubstr("telemetry has no state from"));
   TellCamera(0, 10);
-  EXPECT_THAT(why(), HasSubstr("do not tell how far off"));
+  EXPECT_THAT(why(), HasSubstr("do not determine its distance"));
 }
 
 TEST_F(TrackRunTest, WhatHasAPlaceNeedsNoExcuse) {
@@ -112,7 +112,7 @@ TEST_F(TrackRunTest, AGroundAboveTheCameraIsNotTakenForWhatIsMissing) {
   TrackRunOptions options;
   options.ground.height_m = 200;
   const TrackedBoxes tracked = Track({Drawn(25)}, options).value();
-  EXPECT_THAT(tracked.why_no_place.at(0), HasSubstr("do not meet the ground that is told"));
+  EXPECT_THAT(tracked.why_no_place.at(0), HasSubstr("do not meet the given ground"));
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kHeadSize = 4096;  // bytes that tell what a file is
+constexpr std::size_t kHeadSize = 4096;  // bytes by which the file type is recognised
 
 std::string HeadOf(const std::string& path) {
   std::string head(kHeadSize, '\0');
@@ -25,8 +25,8 @@ std::string HeadOf(const std::string& path) {
   return head;
 }
 
-// Out of a video; with no records where it has none.
-// @param damage  what was damaged in the file; null: whoever reads its frames tells that
+// Reads the data packets of a video; no records if it has none.
+// @param damage  receives warnings of damage in the file; null: the reader of the frames reports them
 Expected<Telemetry> ReadPackets(const std::string& source, const TelemetryOptions& options,
                                 std::vector<std::string>* damage) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(source, {.data_packets = true}));
@@ -111,11 +111,11 @@ std::optional<std::string> WhyOfNoUse(std::span<const CameraState> states, std::
     last_s = std::max(last_s, state.time_s);
   }
   if (first_s > last_s) {
-    return "where the camera was and looked and its field of view are nowhere told together; `victorious doctor` says "
-           "what is missing";
+    return "no state has camera position, attitude and field of view together; `victorious doctor` reports what is "
+           "missing";
   }
   if (last_s >= 0 && !(duration_s && first_s > *duration_s)) return std::nullopt;
-  return fmt::format("it is of {:.2f} to {:.2f} s, and the video of 0 to {}: it may be another video's", first_s,
+  return fmt::format("it covers {:.2f} to {:.2f} s, but the video 0 to {}: it may belong to another video", first_s,
                      last_s, duration_s ? fmt::format("{:.2f} s", *duration_s) : "its end");
 }
 

@@ -1,4 +1,4 @@
-// The telemetry of a video: out of the file itself, or out of one that lies beside it.
+// Finds and reads the telemetry of a video: embedded in the file, or in a file beside it.
 #pragma once
 
 #include <filesystem>
@@ -15,36 +15,36 @@
 
 namespace victorious {
 
-/// Whether it is a file of telemetry, and no video: by its first bytes, or by an ending that no video has.
+/// True if the file is a telemetry file and not a video: by its extension or its first bytes.
 [[nodiscard]] bool IsTelemetryFile(const std::string& path);
 
-/// Reads a file of telemetry (KLV, DJI subtitles, a table), or a video's own.
-/// Errors: those of reading; kInvalidArgument for what holds no telemetry.
+/// Reads a telemetry file (KLV, DJI subtitles, a table), or a video's embedded telemetry.
+/// Errors: those of reading; kInvalidArgument if the source holds no telemetry.
 Expected<Telemetry> ReadTelemetry(const std::string& source, const TelemetryOptions& options);
 
-/// A video's own telemetry (KLV), or a file's beside it, or its own subtitles; nothing where there is none.
-/// @param tell  what is there and cannot be read
+/// Finds a video's telemetry. Order: embedded KLV, a file beside it, embedded subtitles. std::nullopt if there is none.
+/// @param tell  receives warnings about telemetry that cannot be read
 /// Errors: those of the options.
 Expected<std::optional<Telemetry>> FindTelemetry(const std::string& video, const TelemetryOptions& options,
                                                  const std::function<void(const std::string&)>& tell);
 
-/// What tells of a video: a file that was named, else what is in it or beside it; nothing of a live source without a
-/// file. What is not as it should be is told.
+/// Reads the given file, else finds the video's telemetry as FindTelemetry does. std::nullopt for a live source without
+/// a file. Passes warnings to `tell`.
 /// @param info     of the video
-/// @param useless  what follows where no state serves any of its frames: "nothing will get a place"
-/// Errors: those of ReadTelemetry for a file, and of the options.
+/// @param useless  the consequence to report if no state covers the video: "nothing will get a place"
+/// Errors: those of ReadTelemetry for a given file, and of the options.
 Expected<std::optional<Telemetry>> TelemetryOf(const std::string& video, const VideoInfo& info,
                                                const std::optional<std::string>& file, const TelemetryOptions& options,
                                                std::string_view useless,
                                                const std::function<void(const std::string&)>& tell);
 
-/// Why no state of the camera can serve any frame of a video, in words; nothing where one may.
-/// @param duration_s  the video's, where it is known
+/// Explains why no camera state is usable for any frame of a video; std::nullopt if one may be.
+/// @param duration_s  of the video, if known
 [[nodiscard]] std::optional<std::string> WhyOfNoUse(std::span<const CameraState> states,
                                                     std::optional<double> duration_s);
 
-/// Of `flight.mp4`: `flight.SRT`, `flight.srt`, `flight.mp4.telemetry.csv`, `flight.telemetry.csv`, whichever is there
-/// first.
+/// The telemetry file beside a video: of `flight.mp4` the first that exists of `flight.SRT`, `flight.srt`,
+/// `flight.mp4.telemetry.csv`, `flight.telemetry.csv`.
 [[nodiscard]] std::optional<std::filesystem::path> TelemetryBeside(const std::string& video);
 
 }  // namespace victorious

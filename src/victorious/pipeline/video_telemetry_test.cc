@@ -1,4 +1,4 @@
-// Against files that others made, whose decoding is known.
+// Tests with third-party files of known content.
 #include "victorious/pipeline/video_telemetry.h"
 
 #include <algorithm>
@@ -29,7 +29,7 @@ Telemetry MustRead(const std::filesystem::path& path) {
   return telemetry ? *std::move(telemetry) : Telemetry();
 }
 
-// Metres from a line of sight to a point, its signed distance along the line left out.
+// Distance in metres from a point to a line of sight, without the component along the line.
 double MissOf(const CameraState& state, const GeodeticPoint& point) {
   const Eigen::Vector3d towards = TangentPlane(state.place).EnuFromGeodetic(point);
   return (CameraFromEnu(*state.attitude) * towards).head<2>().norm();
@@ -58,7 +58,7 @@ TEST(VideoTelemetry, LineOfSightMeetsTheRecordedFrameCentre) {
   }
 }
 
-// The heights of both are above the sea, so that the geoid drops out.
+// Both heights are above mean sea level, so the geoid cancels.
 TEST(VideoTelemetry, SteadyStaresOfARealFlightMeetTheirPoint) {
   VICTORIOUS_DATA_OR_SKIP(path, "real/fmv_klv/raw_packets/Cheyenne.bin");
   const Telemetry telemetry = MustRead(path);
@@ -125,7 +125,7 @@ TEST(VideoTelemetry, ElderUniversalSet) {
   EXPECT_NEAR(DegreesFromRadians(first.place.latitude_rad), 38.1599, 1e-4);
   EXPECT_NEAR(DegreesFromRadians(first.place.longitude_rad), -77.356, 1e-3);
   EXPECT_NEAR(DegreesFromRadians(*first.hfov_rad), 0.8, 1e-6);
-  // The line of sight, as long as the packet's slant range, ends near the frame centre, 3.4 km away.
+  // The line of sight, at the packet's slant range, ends near the frame centre, 3.4 km away.
   const Eigen::Vector3d end = CameraFromEnu(*first.attitude).conjugate() * Eigen::Vector3d(0, 0, 3430.4);
   const GeodeticPoint met = TangentPlane(first.place).GeodeticFromEnu(end);
   EXPECT_NEAR(DegreesFromRadians(met.latitude_rad), 38.1851, 2e-3);
@@ -149,7 +149,7 @@ TEST(VideoTelemetry, SyntheticStreamAndVideosWithout) {
   }
 }
 
-// Hexadecimal packets beside JSON of what they say.
+// Hexadecimal packets with their content as JSON.
 class KlvCorpus : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(KlvCorpus, ItemsAndChecksums) {
@@ -244,7 +244,7 @@ TEST(VideoTelemetry, SaysWhyItIsOfNoUse) {
   const std::vector<CameraState> states = {known, later};
   EXPECT_FALSE(WhyOfNoUse(states, 120)) << "the last 20 s";
   EXPECT_FALSE(WhyOfNoUse(states, {})) << "it may be long enough";
-  EXPECT_THAT(WhyOfNoUse(states, 6).value_or(""), HasSubstr("100.00 to 160.00 s, and the video of 0 to 6.00 s"));
+  EXPECT_THAT(WhyOfNoUse(states, 6).value_or(""), HasSubstr("100.00 to 160.00 s, but the video 0 to 6.00 s"));
   known.time_s = -50;
   later.time_s = -1;
   EXPECT_THAT(WhyOfNoUse(std::vector{known, later}, {}).value_or(""), HasSubstr("-50.00 to -1.00 s"));

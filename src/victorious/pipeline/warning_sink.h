@@ -1,4 +1,4 @@
-// Where the jobs tell what a person should know, and that does not stop them.
+// Receiver of warnings: problems that a user should know of and that do not stop a job.
 #pragma once
 
 #include <functional>
@@ -6,7 +6,7 @@
 
 namespace victorious {
 
-/// Called with one line at a time: what of a video, its telemetry or a list was damaged or left out, and where.
+/// Called with one line per warning: what of a video, its telemetry or a list was damaged or skipped, and where.
 using WarningSink = std::function<void(const std::string& warning)>;
 
 }  // namespace victorious

@@ -1,4 +1,4 @@
-// What the ways from matches to poses share: matches as point pairs, and how much of the object they speak for.
+// pose/, shared by EstimatePoses and VotePoses: matches as point pairs, and the fraction of the object they cover.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,8 @@
 
 namespace victorious {
 
-/// @param matches  Match or RankedMatch, in their order
+/// Template point (source) and scene point (target) of each match, px, in the order of the matches.
+/// @param matches  a range of Match or RankedMatch
 template <typename Matches>
 std::vector<PointPair> PairsOf(std::span<const Keypoint> scene, std::span<const Keypoint> model,
                                const Matches& matches) {
@@ -27,7 +28,7 @@ std::vector<PointPair> PairsOf(std::span<const Keypoint> scene, std::span<const 
   return pairs;
 }
 
-/// The share of the object that the inliers speak for: their hull's area over the outline's, in the template.
+/// Area of the inliers' convex hull over the outline's area, in the template; 0 to about 1.
 inline double Extent(const std::vector<PointPair>& inliers, const Polygon& outline) {
   std::vector<Eigen::Vector2d> places;
   places.reserve(inliers.size());

@@ -19,7 +19,7 @@ using Solve = std::function<std::optional<Eigen::Matrix3d>(std::span<const Point
 
 struct Kind {
   int parameters;
-  std::size_t least_pairs;  ///< more than fix the map: so many that it is tested, too
+  std::size_t least_pairs;  ///< more than the minimal sample, so that the fit is overdetermined (similarity: minimal)
   Solve solve;
 };
 
@@ -28,10 +28,11 @@ struct Fit {
   double log_likelihood;
 };
 
-// Posterior inlier probabilities under the mixture, and the data's log likelihood.
+// E step: writes the posterior inlier probabilities under a Gaussian-uniform mixture to `weights`.
+// @return the log likelihood of the pairs
 double Posterior(std::span<const PointPair> pairs, const Eigen::Matrix3d& map, double sigma, double area,
                  std::vector<double>& weights) {
-  constexpr double kInlierShare = 0.9;  // the pairs come as a similarity's inliers
+  constexpr double kInlierShare = 0.9;  // prior: the pairs are the inliers of a similarity
   const double density = kInlierShare / (2 * std::numbers::pi * sigma * sigma);
   const double outlier = (1 - kInlierShare) / area;
   double log_likelihood = 0;
@@ -61,7 +62,8 @@ std::optional<Fit> FitByAnnealing(std::span<const PointPair> pairs, const Kind& 
   return fit;
 }
 
-// A plausible view of the outline: not turned over, not beyond the horizon, convex if it was, not blown up.
+// True if the projected outline is plausible: not mirrored, in front of the horizon, convex if it was convex, and its
+// area within a factor of three of the similarity's.
 bool KeepsShape(const Eigen::Matrix3d& map, const Similarity2& similarity, const Polygon& outline) {
   constexpr double kMostAreaChange = 3.0;
   const bool before_horizon = std::ranges::all_of(

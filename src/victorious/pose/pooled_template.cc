@@ -15,7 +15,7 @@
 namespace victorious {
 namespace {
 
-// How a view shows places on the object, in pixels: affine, for it is seen from far away.
+// Affine camera of a view: homogeneous surface point (m) to pixel. Views are rendered from a large distance.
 using ViewMap = Eigen::Matrix<double, 2, 4>;
 
 std::optional<ViewMap> MapOf(const ComparedTemplate& view) {
@@ -30,7 +30,7 @@ std::optional<ViewMap> MapOf(const ComparedTemplate& view) {
     places.row(i) << place.x, place.y, place.z, 1;
     pixels.row(i) << keypoint.x, keypoint.y;
   }
-  // About the middle, in units of the spread: a cluster or a plane of places does not tell the rest of the object.
+  // Centred and scaled, so that the rank test rejects clusters and planes of points, which do not determine the map.
   const Eigen::RowVector4d middle(places.col(0).mean(), places.col(1).mean(), places.col(2).mean(), 0);
   places.rowwise() -= middle;
   const double spread = places.leftCols<3>().norm() / std::sqrt(static_cast<double>(count));
@@ -46,7 +46,8 @@ std::optional<ViewMap> MapOf(const ComparedTemplate& view) {
   return map;
 }
 
-// A neighbour's keypoints as the view would show them: each at its place, all turned and sized alike.
+// A neighbour's keypoints in the view's image: positions through the affine camera, orientations and scales through
+// the one similarity that fits best. Empty if no similarity fits.
 std::vector<Keypoint> Carried(const ComparedTemplate& neighbour, const ViewMap& map) {
   std::vector<PointPair> pairs;
   for (std::size_t i = 0; i < neighbour.keypoints.size(); ++i) {
@@ -66,7 +67,7 @@ std::vector<Keypoint> Carried(const ComparedTemplate& neighbour, const ViewMap& 
   return carried;
 }
 
-// Finds, among keypoints of a template, the one of a place and kind.
+// Hash grid that finds a keypoint of similar position, scale and orientation.
 class KeypointGrid {
  public:
   void Add(const Keypoint& keypoint, std::uint32_t number) {
@@ -87,7 +88,7 @@ class KeypointGrid {
   }
 
  private:
-  static constexpr float kNear_px = 3;  // templates are some 400 px across
+  static constexpr float kNear_px = 3;  // templates are about 400 px wide
   static constexpr float kScaleFactor = 1.35F;
   static constexpr double kTurn_rad = 0.4;
 
@@ -116,7 +117,7 @@ PooledTemplate Pool(const ComparedTemplate& view, std::span<const ComparedTempla
 
   KeypointGrid grid;
   for (std::uint32_t i = 0; i < pooled.keypoints.size(); ++i) grid.Add(pooled.keypoints[i], i);
-  std::vector<std::uint32_t> times(pooled.keypoints.size(), 1);  // a keypoint was tried
+  std::vector<std::uint32_t> times(pooled.keypoints.size(), 1);  // number of views that contain the keypoint
   for (const ComparedTemplate& neighbour : neighbours) {
     const std::vector<Keypoint> carried = Carried(neighbour, *map);
     std::vector<std::uint32_t> number(carried.size());

@@ -1,5 +1,6 @@
-// A view and what its neighbours were matched with: their keypoints, where the view would show them. Seen between two
-// views, an object has keypoints of both, too few of either; together they agree on one pose.
+// pose/, for VotePoses: pools a view with its neighbours. An object seen from between two views matches keypoints of
+// both, too few of either. The neighbours' keypoints are transferred into the view's image through their surface points
+// and an affine camera (x = A X + b, linear least squares on the view's keypoints), so that all matches vote together.
 #pragma once
 
 #include <span>
@@ -11,21 +12,22 @@
 
 namespace victorious {
 
-/// A template that was compared with a scene; what the spans point into is the caller's.
+/// A template with its matches in a scene. Non-owning.
 struct ComparedTemplate {
   std::span<const Keypoint> keypoints;
-  std::span<const Point3> points_in_model;  ///< a keypoint's place on the object, m; one each
-  std::span<const RankedMatch> matches;     ///< by keypoint
+  std::span<const Point3> points_in_model;  ///< surface point of each keypoint, model frame, m
+  std::span<const RankedMatch> matches;     ///< in the order of the template keypoints
 };
 
 struct PooledTemplate {
-  std::vector<Keypoint> keypoints;  ///< the view's own first, in their order; in its pixels
+  std::vector<Keypoint> keypoints;  ///< the view's own first, in their order, then the neighbours'; in the view's px
   std::vector<Point3> points_in_model;
   std::vector<RankedMatch>
-      matches;  ///< by keypoint; a keypoint that n views have was tried n times: ranks count n-fold
+      matches;  ///< by template keypoint; ranks of a keypoint that n views share are multiplied by n (n trials)
 };
 
-/// Only the view's own where its keypoints do not tell how it shows the object (fewer than eight, all in one plane).
+/// Returns the view's own keypoints and matches if the affine camera is not determined: fewer than eight keypoints, or
+/// nearly coplanar surface points.
 PooledTemplate Pool(const ComparedTemplate& view, std::span<const ComparedTemplate> neighbours);
 
 }  // namespace victorious

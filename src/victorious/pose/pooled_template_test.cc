@@ -14,7 +14,7 @@
 namespace victorious {
 namespace {
 
-// A view's keypoints and what they were matched with.
+// A view's keypoints and their matches.
 struct DrawnView {
   std::vector<Keypoint> keypoints;
   std::vector<Point3> points_in_model;
@@ -28,7 +28,7 @@ Point3 RandomPlace(Random& random) {
   return {along(4), along(2), along(1)};
 }
 
-// As a camera far away shows a place, from the side and turned by so much; some 40 px a metre.
+// Orthographic projection of a point: view direction rotated by side_rad, image by turn_rad; 40 px per metre.
 Eigen::Vector2d Shown(const Point3& place, double side_rad, double turn_rad, double pixels_per_m = 40) {
   const Eigen::Vector2d flat(place.x * std::cos(side_rad) - place.z * std::sin(side_rad), place.y);
   return Eigen::Vector2d(200, 150) + pixels_per_m * (Eigen::Rotation2Dd(turn_rad) * flat);
@@ -99,7 +99,7 @@ TEST(PooledTemplate, APlaneDoesNotTellTheRestOfTheObject) {
   EXPECT_EQ(Pool(view.Compared(), std::vector{Draw(Places(2, 30), 0.17).Compared()}).keypoints, view.keypoints);
 }
 
-// Seven true matches in each of two views, of some forty keypoints, the rest chance: together they are more.
+// Each of two views has 40 keypoints with seven true matches; pooled, the significance is higher than of either view.
 TEST(PooledTemplate, TogetherViewsHaveMoreEvidenceThanEachAlone) {
   Random random(3);
   FeatureSet scene;
@@ -113,7 +113,7 @@ TEST(PooledTemplate, TogetherViewsHaveMoreEvidenceThanEachAlone) {
   const Similarity2 pose{0.8, 0.4, {180, 40}};
   std::uint32_t in_scene = 0;
   const auto match = [&](DrawnView& view) {
-    const DrawnView as_shown = Draw(view.points_in_model, 0);  // both are seen as the first view shows them
+    const DrawnView as_shown = Draw(view.points_in_model, 0);  // the scene shows both from the first view's direction
     for (std::uint32_t i = 0; i < view.keypoints.size(); ++i) {
       for (std::uint32_t rank = 1; rank <= 4; ++rank) view.matches.push_back({1000 + random.Below(1000), i, rank});
       if (i >= 7) continue;

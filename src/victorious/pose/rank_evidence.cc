@@ -11,7 +11,7 @@ namespace {
 
 Eigen::Vector2d PlaceOf(const Keypoint& keypoint) { return {keypoint.x, keypoint.y}; }
 
-// Whether the scene could show a template keypoint: where it was looked at, and not too small to be found there.
+// Predicate: the template keypoint projects into the searched region and is large enough there to be detected.
 class Visibility {
  public:
   Visibility(const Similarity2& pose, const FeatureSet& scene, double least_scale_px)
@@ -29,8 +29,9 @@ class Visibility {
   double least_scale_px_;
 };
 
-// The share of the scene's keypoints that would do for one of the template's: counted over wider windows than asked
-// for, because few lie in the narrow ones, and none in many.
+// The fraction of scene keypoints that agree with the projection of a template keypoint in position, scale and
+// orientation: p for rank 1. Counted over windows twice as wide, since narrow windows hold few keypoints or none, and
+// then reduced by the ratio of the windows.
 double ShareThatAgrees(const Keypoint& keypoint, const Similarity2& pose, const PoseWindow& window,
                        const FeatureSet& scene, const VoteOptions& options) {
   constexpr double kWider = 2;
@@ -53,11 +54,11 @@ double ShareThatAgrees(const Keypoint& keypoint, const Similarity2& pose, const 
   return std::max(kLeastCount, count / wider) / static_cast<double>(scene.size());
 }
 
-// Whether two keypoints of the scene look alike, as those of a repeated pattern do: nearer than most right matches are.
-// Descriptors are some 512 long.
+// True if two scene descriptors belong to a repeated texture: their distance is below that of most true matches.
+// Descriptors have a norm of about 512.
 bool LookAlike(const FeatureSet& scene, std::size_t a, std::size_t b) {
   constexpr int kAlike = 150;
-  if (scene.descriptors.empty()) return false;  // places alone
+  if (scene.descriptors.empty()) return false;  // positions only
   const auto of_a = scene.View().Descriptor(a);
   const auto of_b = scene.View().Descriptor(b);
   int squared = 0;
@@ -65,8 +66,8 @@ bool LookAlike(const FeatureSet& scene, std::size_t a, std::size_t b) {
   return squared < kAlike * kAlike;
 }
 
-// Each inlier's chance, ascending; those left out that tell nothing of their own: that overlap a likelier one in the
-// scene, or look like it. Where one joint of a pavement is taken for a part of the object, the next ones are, too.
+// The chance p of each independent inlier, ascending. Omits an inlier that overlaps one of lower rank in the scene or
+// has a similar descriptor: false matches on a repeated texture, the joints of a pavement for example, come together.
 std::vector<double> Chances(const Similarity2& pose, std::span<const RankedMatch> inliers, const PoseWindow& window,
                             const FeatureSet& scene, std::span<const Keypoint> model, const VoteOptions& options) {
   std::vector<RankedMatch> by_rank(inliers.begin(), inliers.end());
@@ -88,8 +89,8 @@ std::vector<double> Chances(const Similarity2& pose, std::span<const RankedMatch
   return chances;
 }
 
-// The decades of the number of poses that differ: places a window apart; turns and scales that move the object's rim by
-// a window, over the whole circle and four octaves.
+// log10 of the number T of distinguishable poses: positions one window apart, times rotations (full circle) and scales
+// (four octaves) that move the object's rim by one window.
 double PoseDecades(const Similarity2& pose, double radius_px, double size_px, const FeatureSet& scene) {
   const double windows = scene.Searched().Area() / (kPi * radius_px * radius_px);
   const double rim = std::max(1.0, 0.5 * size_px * pose.scale / radius_px);
@@ -104,8 +105,7 @@ double RankEvidence(const Similarity2& scene_from_template, std::span<const Rank
                     const VoteOptions& options) {
   const std::vector<double> chances = Chances(scene_from_template, inliers, window, scene, model, options);
   const Visibility visible(scene_from_template, scene, options.least_scale_px);
-  // An inlier may lie just outside of the frame, or be just too small, by what the windows allow: it is one of n, too,
-  // so that k are drawn from n.
+  // The windows admit inliers slightly outside the frame or slightly too small. They count in n, so that k <= n.
   const auto expected = std::ranges::count_if(model, visible);
   const auto unexpected =
       std::ranges::count_if(inliers, [&](const RankedMatch& match) { return !visible(model[match.model]); });

@@ -1,4 +1,5 @@
-// How unlikely chance is as the cause of a pose whose inliers are known by rank. The formula stands in vote_poses.h.
+// pose/, for VotePoses: the -log10 NFA (a contrario) of a similarity from the ranks of its inliers. The formula is
+// in vote_poses.h.
 #pragma once
 
 #include <span>
@@ -8,15 +9,16 @@
 
 namespace victorious {
 
-/// How far from where a pose puts it an inlier may lie.
+/// The inlier radius in the scene.
 struct PoseWindow {
-  double radius_px = 0;
-  double widest_px = 0;  ///< the largest radius that was tried: over it keypoints are counted
+  double radius_px = 0;  ///< largest residual of an inlier
+  double widest_px = 0;  ///< the largest radius that was tried; twice this radius counts the scene keypoints
 };
 
-/// @param inliers  of the pose, each template keypoint once
-/// @param size_px  of the object in the template: the square root of its outline's area
-/// @return decades, for one view searched; negative where chance explains the pose
+/// @param inliers  of the similarity, each template keypoint once
+/// @param size_px  size of the object in the template: square root of the outline's area
+/// @return -log10 NFA, decades, for one searched view; negative if chance explains the pose
+/// Cost: inliers x scene keypoints.
 double RankEvidence(const Similarity2& scene_from_template, std::span<const RankedMatch> inliers,
                     const PoseWindow& window, double size_px, const FeatureSet& scene, std::span<const Keypoint> model,
                     const VoteOptions& options);

@@ -17,7 +17,7 @@ constexpr double kSizePx = 140;
 constexpr PoseWindow kWindow = {.radius_px = 6, .widest_px = 12};
 const Similarity2 kPose{1.5, 0.4, {320, 100}};
 
-// A template of 30 keypoints at a pose in a scene of 1000, each found, at a rank of 1 to 4. They are 15 px apart, and
+// A template of 30 keypoints in a scene of 1000 keypoints, all matched at ranks 1 to 4. They are 15 px apart, and
 // `apart` is small, so that none overlap.
 struct World {
   FeatureSet scene;
@@ -65,18 +65,18 @@ double Binomial(int n, int k) {
   return value;
 }
 
-// T: places a window apart, times turns and scales that move the rim by a window.
+// T: positions one window apart, times rotations and scales that move the rim by one window.
 double PosesThatDiffer() {
   const double rim = 0.5 * kSizePx * kPose.scale / kWindow.radius_px;
   return kWidth * kHeight / (kPi * kWindow.radius_px * kWindow.radius_px) * (2 * kPi * rim) * (4 * std::log(2.0) * rim);
 }
 
-// The chance of each of the first inliers, counted one keypoint at a time.
+// The chance p of each of the first inliers, counted by brute force; ascending.
 std::vector<double> ChancesOf(const World& world, std::size_t first_inliers) {
   std::vector<double> chances;
   for (std::size_t i = 0; i < first_inliers; ++i) {
     const RankedMatch& match = world.inliers[i];
-    const Keypoint& expected = world.scene.keypoints[match.scene];  // it lies exactly there
+    const Keypoint& expected = world.scene.keypoints[match.scene];  // equals the projection exactly
     int wide = 0;
     for (const Keypoint& other : world.scene.keypoints) {
       const bool near = std::hypot(other.x - expected.x, other.y - expected.y) <= 2 * kWindow.widest_px;
@@ -114,7 +114,7 @@ TEST(RankEvidence, ClaimsNoMoreThanTheBinomialTail) {
     const World world = MakeWorld(seed);
     for (const std::size_t found : {1U, 5U, 12U, 30U}) {
       const std::vector<double> chances = ChancesOf(world, found);
-      double rarest = 1;  // the least over k of the probability that k or more of 30 are found with p_k or less
+      double rarest = 1;  // minimum over k of the probability that k or more of 30 have a chance of at most p_k
       for (int k = 1; k <= static_cast<int>(found); ++k) {
         const double p = chances[static_cast<std::size_t>(k - 1)];
         double tail = 0;
@@ -153,10 +153,10 @@ TEST(RankEvidence, WhatIsMissedThoughVisibleCountsAgainstIt) {
   EXPECT_LT(world.Evidence(10), before - 1);
 }
 
-// k is drawn from n: an inlier that the pose puts where the scene could not show it is one of n, like any other.
+// An inlier whose projection is not visible still counts in n.
 TEST(RankEvidence, InliersOutOfViewAreAmongThoseTried) {
   World unseen = MakeWorld(8);
-  // Ten of 0.75 px in the scene are not expected there.
+  // Ten keypoints have a scale of 0.75 px in the scene, below the minimum.
   for (std::size_t i = 0; i < 30; ++i) {
     unseen.model[i].scale_px = i < 10 ? 0.5F : 4.0F;
     unseen.scene.keypoints[unseen.inliers[i].scene].scale_px = unseen.model[i].scale_px * 1.5F;
@@ -179,9 +179,9 @@ TEST(RankEvidence, AWindowOfAllTurnsIsNoWiderThanTheCircle) {
   World world = MakeWorld(9);
   world.options.turn_rad = kPi;
   const double all_turns = world.Evidence(10);
-  world.options.turn_rad = 3.2;  // the option's largest value
+  world.options.turn_rad = 3.2;  // the option's maximum
   EXPECT_DOUBLE_EQ(world.Evidence(10), all_turns);
-  world.options.turn_rad = kPi / 2;  // doubled to count in, all keypoints are in the window: half of them would do
+  world.options.turn_rad = kPi / 2;  // the doubled counting window holds all orientations, the window itself half
   EXPECT_GT(world.Evidence(10), all_turns + 1);
 }
 

@@ -19,31 +19,31 @@ void PoseOptions::ListFields(FieldList& fields) {
              {.min = 0.1,
               .max = 100,
               .unit = "px",
-              .reason = "deviation of a true match's place: keypoint noise, in the scene's pixels at scale 1 or below, "
-                        "in the template's above"});
+              .reason = "standard deviation of the keypoint position of a true match: in scene pixels at scale 1 or "
+                        "below, in template pixels above"});
   fields.Add("shape_fraction", shape_fraction,
              {.min = 0,
               .max = 1,
-              .reason = "how far a similarity may be wrong about an object seen from another side, as a share of the "
-                        "object's size (square root of its outline's area)"});
+              .reason = "standard deviation of the model error of a similarity for an object seen from another side, "
+                        "as a fraction of the object's size (square root of its outline's area)"});
   fields.Add("least_inliers", least_inliers,
              {.min = 2,
               .max = 1000,
-              .reason = "distinct template keypoints that must agree on a pose; two fix it, more speak for it"});
+              .reason = "minimum number of distinct template keypoints among the inliers of a pose; two determine it"});
   fields.Add("max_instances", max_instances,
-             {.min = 1, .max = 1000, .reason = "instances of one template looked for in one image"});
+             {.min = 1, .max = 1000, .reason = "maximum number of instances of one template in one image"});
   fields.Add(
       "max_hypotheses", max_hypotheses,
-      {.min = 1, .max = 1e6, .reason = "pairs of matches that MLESAC tries at most; fewer matches are searched whole"});
+      {.min = 1, .max = 1e6, .reason = "maximum number of MLESAC samples; few matches are sampled exhaustively"});
   fields.Add(
       "confidence", confidence,
       {.min = 0.5,
        .max = 0.999999,
-       .reason = "MLESAC stops once a better pair has been missed with no more than the rest of this probability"});
+       .reason = "MLESAC stops when the probability of having missed a better sample is at most 1 minus this"});
   fields.Add(
       "refine_plane", refine_plane,
-      {.reason = "replace the similarity by an affine map or homography for the outline where the matches support it"});
-  fields.Add("seed", seed, {.reason = "of MLESAC's draws: the same seed gives the same result"});
+      {.reason = "use an affine map or a homography for the outline if the matches support it"});
+  fields.Add("seed", seed, {.reason = "random seed of MLESAC: equal seeds give equal results"});
 }
 
 namespace {
@@ -57,7 +57,8 @@ std::size_t CountDistinct(const MatchSet& matches) {
       std::ranges::distance(keypoints.begin(), std::unique(keypoints.begin(), keypoints.end())));
 }
 
-// How far each template keypoint's nearest inlier lies off that agrees in turn and scale, too; ascending.
+// For each template keypoint the smallest residual, px, of its inliers that also agree in rotation and scale;
+// ascending.
 std::vector<double> AgreeingPx(std::span<const Keypoint> scene, std::span<const Keypoint> model, const Pose& pose) {
   const Similarity2& map = pose.scene_from_template;
   std::map<std::uint32_t, double> nearest_px;
@@ -108,7 +109,7 @@ std::vector<Pose> EstimatePoses(std::span<const Keypoint> scene, std::span<const
     pose.distinct_inliers = CountDistinct(pose.inliers);
     rest = std::move(outliers);
     if (pose.inliers.size() < static_cast<std::size_t>(options.least_inliers)) break;
-    // A repeated pattern that one template keypoint serves can outnumber a true instance: it is taken out, no more.
+    // Matches of a repeated pattern to one template keypoint can outnumber a true instance: remove them, report none.
     if (pose.distinct_inliers < static_cast<std::size_t>(options.least_inliers)) continue;
     pose.agreeing_px = AgreeingPx(scene, model, pose);
     pose.extent = Extent(inlier_pairs, outline);

@@ -1,6 +1,6 @@
-// pose/, in: the matches that survived the grammar. Out: where the template lies in the scene: for each instance a
-// similarity by MLESAC (thesis, section 3.3.3) and, where the matches support it, the plane's affine map or homography
-// that brings the outline to where it is.
+// pose/, in: the matches that passed the grammar. Out: for each instance a planar fit: a similarity by MLESAC (Torr and
+// Zisserman 2000; thesis, section 3.3.3) and, if the matches support it, an affine map or a homography for the outline
+// (plane_refinement.h).
 #pragma once
 
 #include <cstdint>
@@ -28,10 +28,11 @@ struct PoseOptions {
   void ListFields(FieldList& fields);
 };
 
-/// Every instance, the best supported first: MLESAC, its inliers taken out, MLESAC again, until fewer than
-/// least_inliers distinct ones agree. No instance is a result, not an error. Deterministic by options.seed.
-/// @param outline        of the object in the template, px
-/// @param scene_area_px2 over which a wrong match may lie
+/// Sequential MLESAC: fits one instance, removes its inliers and repeats until fewer than min_inliers inliers remain or
+/// max_instances are found. Deterministic for a given options.seed.
+/// @param outline         of the object in the template, px
+/// @param scene_area_px2  area of the uniform outlier distribution
+/// @return by falling number of distinct inliers; empty if there is no instance (not an error)
 std::vector<Pose> EstimatePoses(std::span<const Keypoint> scene, std::span<const Keypoint> model,
                                 const MatchSet& matches, const Polygon& outline, double scene_area_px2,
                                 const PoseOptions& options);

@@ -91,8 +91,8 @@ TEST(SimilarityPose, CoincidentTemplateKeypointsAreNoSupport) {
   EXPECT_TRUE(World().Poses().empty());
 }
 
-// Three template keypoints that many scene keypoints match (windows of a house) agree with each other better than the
-// object's ten do; they are no instance, and must not hide it.
+// Three template keypoints match many scene keypoints (windows of a house). Their consensus exceeds that of the
+// object's ten keypoints; they are no instance and must not hide the object.
 TEST(SimilarityPose, ARepeatedPatternHidesNoInstance) {
   World world = Planar(Similarity2{1.0, 0.3, {60, 50}}.Matrix(), 10, 0.7, 4);
   const auto first = static_cast<std::uint32_t>(world.model.size());
@@ -111,7 +111,7 @@ TEST(SimilarityPose, ARepeatedPatternHidesNoInstance) {
   for (const Match& match : poses[0].inliers) EXPECT_LT(match.model, first);
 }
 
-// Matches in their places whose keypoints are turned or sized otherwise are inliers of the map, and no evidence for it.
+// Matches at the right position with another orientation or scale are inliers, but not listed in agreeing_px.
 TEST(SimilarityPose, TellsHowFarThoseLieThatAgreeInTurnAndScale) {
   World world = Planar(Similarity2{1, 0, {60, 50}}.Matrix(), 18, 0.7, 4);
   for (std::size_t i = 0; i < 6; ++i) world.scene[i].orientation_rad = 2;

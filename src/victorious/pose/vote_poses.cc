@@ -19,51 +19,55 @@ void VoteOptions::ListFields(FieldList& fields) {
   fields.Add("place_share", place_share,
              {.min = 0.01,
               .max = 1,
-              .reason = "votes for one pose put the object's centre within this share of its length of each other: "
-                        "what the errors of a keypoint's size and direction make of its place"});
+              .reason = "votes for one pose agree on the object's centre within this fraction of its length: the "
+                        "effect of keypoint scale and orientation errors on the centre"});
   fields.Add("scale_factor", scale_factor,
-             {.min = 1.01, .max = 4, .reason = "votes for one pose, and its inliers, agree on scale within this"});
+             {.min = 1.01,
+              .max = 4,
+              .reason = "votes for one pose, and its inliers, agree in scale within this factor"});
   fields.Add("turn_rad", turn_rad,
              {.min = 0.01,
               .max = 3.2,
               .unit = "rad",
-              .reason = "votes for one pose, and its inliers, agree on the turn within this"});
+              .reason = "votes for one pose, and its inliers, agree in rotation within this"});
   fields.Add(
       "most_seeds", most_seeds,
-      {.min = 1, .max = 100, .reason = "poses followed up in one view: those whose votes chance explains least"});
+      {.min = 1,
+       .max = 100,
+       .reason = "vote clusters of one view that MLESAC fits: those of the highest likelihood ratio"});
   fields.Add("another_evidence", another_evidence,
              {.min = -100,
               .max = 1000,
               .unit = "decades",
-              .reason = "a seed that led to a pose of so much evidence found an instance, and another is followed in "
-                        "its stead: several may stand in one frame"});
+              .reason = "-log10 NFA from which a pose is an instance; its seed does not count towards the maximum "
+                        "number of seeds, since one frame may show several instances"});
   fields.Add("least_votes", least_votes,
-             {.min = 2, .max = 1000, .reason = "distinct template keypoints that must vote for a pose"});
+             {.min = 2, .max = 1000, .reason = "minimum number of distinct template keypoints that vote for a pose"});
   fields.Add("apart", apart,
              {.min = 0,
               .max = 100,
-              .reason = "inliers nearer to each other than this times their scale see the same pixels of the scene, "
+              .reason = "inliers nearer to each other than this times their scale depend on the same scene pixels "
                         "and count once"});
   fields.Add("least_scale_px", least_scale_px,
              {.min = 0,
               .max = 100,
               .unit = "px",
-              .reason = "template keypoints that would be smaller than this in the scene are not expected there"});
+              .reason = "template keypoints whose scale in the scene is smaller than this count as not visible"});
   fields.Add("dependence_decades", dependence_decades,
              {.min = -100,
               .max = 100,
               .unit = "decades",
-              .reason = "taken off the evidence: keypoints of one texture look alike, which the model of chance does "
-                        "not know"});
+              .reason = "subtracted from the -log10 NFA: the background model assumes independence, but keypoints "
+                        "of one texture look alike"});
 }
 
 namespace {
 
-// What each match says of the object, side by side in memory and in the order of scale.
+// The votes as a structure of arrays, sorted by log_scale.
 struct Votes {
   std::vector<float> log_scale;
   std::vector<float> turn_rad;
-  std::vector<float> x;              // of the object's centre in the scene, px
+  std::vector<float> x;              // object centre in the scene, px
   std::vector<float> y;              // px
   std::vector<std::uint32_t> match;  // index into the matches
 
@@ -108,14 +112,14 @@ Votes CollectVotes(std::span<const Keypoint> scene, std::span<const Keypoint> mo
   return votes;
 }
 
-// The windows within which votes agree.
+// Tolerances within which votes agree.
 struct Windows {
   float log_scale;
   float turn_rad;
-  float place_px;  // at scale 1
+  float place_px;  // distance of the centres at scale 1
 };
 
-// Votes that agree with one in scale, [begin, end), and how near to it in place.
+// For one vote: the range [begin, end) of votes that agree in scale, and the squared radius for the centre.
 struct Window {
   std::size_t begin;
   std::size_t end;
@@ -135,7 +139,7 @@ std::vector<Window> WindowOfEach(const Votes& votes, const Windows& windows) {
   return all;
 }
 
-// Without branches, so that the compiler makes vectors of it: most of the time of a search by votes is here.
+// 1 if two votes agree, else 0. Branch-free, so that the compiler vectorises it: the hot loop of a vote search.
 inline int Agree(const Votes& votes, std::size_t a, std::size_t b, float reach2_px2, float turn_rad) {
   const float dx = votes.x[a] - votes.x[b];
   const float dy = votes.y[a] - votes.y[b];
@@ -146,7 +150,7 @@ inline int Agree(const Votes& votes, std::size_t a, std::size_t b, float reach2_
 
 struct Support {
   int votes = 0;
-  double log_likelihood = 0;  ///< of so many votes over chance alone (Poisson); 0 where chance brings as many
+  double log_likelihood = 0;  ///< Poisson log-likelihood ratio of the count over chance; 0 if chance explains it
 };
 
 std::vector<Support> SupportOfEach(const Votes& votes, const std::vector<Window>& windows, float turn_rad,
@@ -164,12 +168,13 @@ std::vector<Support> SupportOfEach(const Votes& votes, const std::vector<Window>
 }
 
 std::size_t CountDistinct(std::span<const RankedMatch> matches) {
-  std::size_t count = 0;  // they come by template keypoint
+  std::size_t count = 0;  // the matches are sorted by template keypoint
   for (std::size_t i = 0; i < matches.size(); ++i) count += i == 0 || matches[i].model != matches[i - 1].model ? 1 : 0;
   return count;
 }
 
-// Every match that agrees with the pose in place, scale and turn; of one keypoint's the nearest.
+// The matches that agree with the pose in position, scale and rotation, one-to-one: each scene and each template
+// keypoint only in its match of the smallest residual. By rising residual.
 std::vector<RankedMatch> Gather(const Similarity2& pose, double radius_px, std::span<const Keypoint> scene,
                                 std::span<const Keypoint> model, std::span<const RankedMatch> matches,
                                 const VoteOptions& options) {
@@ -195,7 +200,7 @@ std::vector<RankedMatch> Gather(const Similarity2& pose, double radius_px, std::
   return kept;
 }
 
-// One template against one scene, with what all its poses share.
+// Searches one template in one scene.
 class PoseFinder {
  public:
   PoseFinder(const FeatureSet& scene, std::span<const Keypoint> model, std::span<const RankedMatch> matches,
@@ -222,8 +227,8 @@ class PoseFinder {
     const std::vector<Support> support = SupportOfEach(votes, windows, turn_rad, scene_area_px2_);
     std::vector<bool> used(votes.size());
     std::vector<Pose> poses;
-    // A seed without a pose has had its turn, too: the next ones in its stead cost a third of the time, and what they
-    // bring is chance more often than not (docs/adr/0008).
+    // A seed without a pose counts, too: replacing it would cost a third of the time, mostly for chance poses
+    // (docs/adr/0008).
     int turns = votes_.most_seeds;
     while (turns > 0) {
       const std::optional<std::size_t> seed = BestSeed(support, used);
@@ -249,14 +254,15 @@ class PoseFinder {
   std::optional<std::size_t> BestSeed(const std::vector<Support>& support, const std::vector<bool>& used) const {
     std::optional<std::size_t> best;
     for (std::size_t i = 0; i < support.size(); ++i) {
-      // Several may be of one template keypoint: how many are distinct is PoseOf's to see.
+      // Upper bound: several votes may come from one template keypoint; FitPose counts the distinct ones.
       if (used[i] || support[i].votes < votes_.least_votes) continue;
       if (!best || support[i].log_likelihood > support[*best].log_likelihood) best = i;
     }
     return best;
   }
 
-  // From votes that agree roughly to the pose that most matches agree on closely.
+  // Fits a similarity to the voters of a seed by MLESAC and refines it. std::nullopt if there are too few distinct
+  // template keypoints or inliers.
   std::optional<Pose> PoseOf(std::vector<std::uint32_t> members, double reach2_px2) const {
     std::ranges::sort(members);
     std::vector<RankedMatch> voters;
@@ -271,7 +277,8 @@ class PoseFinder {
     return Narrowed(agreed->model);
   }
 
-  // The pose at the window that gives it most evidence: the nearer a view is to how the object is seen, the narrower.
+  // Refits with windows of 1, 1/2 and 1/4 of the inlier radius and returns the pose of the highest -log10 NFA: the
+  // smaller the viewpoint difference, the smaller the best window.
   std::optional<Pose> Narrowed(Similarity2 map) const {
     std::optional<Pose> best;
     for (const double narrower : {1.0, 0.5, 0.25}) {

@@ -1,17 +1,21 @@
-// pose/, by votes: ranked matches, of which few are true, in; poses out. Each match alone fixes a similarity, because
-// keypoints have a size and a direction; true ones agree on the object's place, scale and turn (Lowe 2004, section 7.3,
-// with windows about each vote instead of bins). Where votes agree more than chance lets them, MLESAC finds what they
-// agree on, and every match near it is gathered.
+// pose/, Hough voting. In: ranked matches with a low inlier ratio. Out: planar fits with their -log10 NFA.
 //
-// The evidence of a pose is a-contrario, as in detect/detect.h, but knows how far down its template keypoint's list of
-// likest scene keypoints an inlier stands. Were descriptors to say nothing, an inlier of rank r would be there with the
-// chance p = r * (scene keypoints that lie, and are turned and sized, as the pose demands) / (scene keypoints). With n
-// template keypoints that the scene could show, the k-th smallest chance p_k and T poses that differ in the scene,
-//   evidence = max over k of -log10(T C(n, k) p_k^k) - dependence_decades,
-// at most -log10(T) - dependence_decades where chance explains it all; the largest over three widths of the windows.
-// Inliers that overlap each other in the scene see the same pixels: of those only the best counts. n holds every
-// inlier, also one that the pose puts just out of the frame or makes just too small. Where the camera's attitude is
-// known, votes for poses that would tip the object over do not count, and T is so much smaller.
+// Method. Each match determines a similarity, because keypoints have scale and orientation; it votes for the object's
+// centre, scale and rotation. True matches agree (Lowe 2004, section 7.3; here with a window around each vote instead
+// of bins). The votes with the highest Poisson log-likelihood ratio over the expected chance count are seeds. For each
+// seed MLESAC fits a similarity to its voters, and all ranked matches that agree with it become inliers.
+//
+// Significance, a contrario (Desolneux, Moisan and Morel; as in detect/detect.h), with the rank r of each inlier in its
+// template keypoint's list. Under the background model descriptors are uninformative, and an inlier of rank r occurs
+// with the chance
+//   p = r * (scene keypoints that agree with the pose in position, rotation and scale) / (scene keypoints).
+// With n visible template keypoints, the k-th smallest chance p_k and T distinguishable poses in the scene,
+//   -log10 NFA = max over k of -log10(T C(n, k) p_k^k) - dependence_decades,
+// and -log10(T) - dependence_decades for k = 0; the maximum over three window widths (1, 1/2, 1/4).
+// Of inliers that overlap in the scene, and see the same pixels, only the one of lowest rank counts; likewise of
+// inliers with similar descriptors. n includes every inlier, also one that projects just outside the frame or is just
+// below the minimum scale. A prior on the upright pose (upright.h) discards votes for overturned objects and reduces T.
+// docs/adr/0008 has the measurements.
 #pragma once
 
 #include <optional>
@@ -42,11 +46,12 @@ struct VoteOptions {
   void ListFields(FieldList& fields);
 };
 
-/// At most votes.most_seeds poses, and one more for each that is an instance beyond doubt (votes.another_evidence),
-/// each with its evidence, most of it first. Deterministic.
-/// @param matches  of one template, by template keypoint
+/// The poses of one template. Follows at most votes.max_seeds seeds; a seed whose pose reaches
+/// votes.instance_neg_log10_nfa is an instance and does not count towards this limit. Deterministic.
+/// @param matches  of one template, sorted by template keypoint
 /// @param outline  of the object in the template, px
-/// @param upright  what the camera's attitude allows of the template; nothing: every pose
+/// @param upright  prior on the rotation; nullopt: every pose is allowed
+/// @return by falling -log10 NFA, set in each fit; may be empty
 std::vector<Pose> VotePoses(const FeatureSet& scene, std::span<const Keypoint> model,
                             std::span<const RankedMatch> matches, const Polygon& outline, const VoteOptions& votes,
                             const PoseOptions& options, const std::optional<UprightPrior>& upright = {});

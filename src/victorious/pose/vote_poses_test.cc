@@ -28,8 +28,8 @@ Keypoint Moved(const Keypoint& keypoint, const Similarity2& pose, Random& random
           static_cast<float>(WrapAngle(keypoint.orientation_rad + pose.rotation_rad + noise(0.15)))};
 }
 
-// A template of 100 keypoints in a scene of 3000; `found` of them are in it, at `pose`, each at a rank of 1 to 4 in its
-// keypoint's list; the rest of the lists is chance.
+// A template of 100 keypoints in a scene of 3000. `found` of them are in the scene at `pose`, at ranks 1 to 4; all
+// other ranked matches are random.
 struct World {
   FeatureSet scene;
   std::vector<Keypoint> model;
@@ -74,7 +74,7 @@ TEST(VotePoses, FindsAPoseThatThreeMatchesInAHundredAgreeOn) {
   EXPECT_GT(*pose.evidence, 4);
 }
 
-// The joints of a pavement: where one is taken for a part of the object, the others are, too.
+// Repeated texture, for example the joints of a pavement: false matches come together.
 TEST(VotePoses, MatchesThatAllLookAlikeAreAsGoodAsOne) {
   World world = MakeWorld(1, 12, {0.9, 1.1, {350, 200}});
   const double evidence = *Find(world).front().evidence;
@@ -86,7 +86,7 @@ TEST(VotePoses, MatchesThatAllLookAlikeAreAsGoodAsOne) {
 }
 
 TEST(VotePoses, ChanceAloneHasNoEvidence) {
-  const VoteOptions few_votes{.least_votes = 2};  // so that some agree by chance
+  const VoteOptions few_votes{.least_votes = 2};  // low, so that some votes agree by chance
   const PoseOptions few_inliers{.least_inliers = 2};
   std::size_t poses = 0;
   for (std::uint64_t seed = 10; seed < 30; ++seed) {
@@ -100,14 +100,14 @@ TEST(VotePoses, ChanceAloneHasNoEvidence) {
   EXPECT_GT(poses, 10U);
 }
 
-// Many votes of few template keypoints are no pose.
+// Many votes of few template keypoints give no pose.
 TEST(VotePoses, VotesOfOneKeypointCountOnce) {
   const Similarity2 elsewhere{1.0, -2, {200, 300}};
   World world = MakeWorld(6, 0, {});
   Random random(7);
   for (std::size_t m = 50; m < 53; ++m) {
     for (std::size_t rank = 0; rank < 4; ++rank) {
-      const std::size_t like = 4 * m + rank;  // its list, and a scene keypoint of its own
+      const std::size_t like = 4 * m + rank;  // index into the ranked matches and of a scene keypoint for each
       world.scene.keypoints[like] = Moved(world.model[m], elsewhere, random);
       world.matches[like].scene = static_cast<std::uint32_t>(like);
     }
@@ -127,7 +127,7 @@ TEST(VotePoses, InliersOnOneSpotCountOnce) {
   const Similarity2 truth{1.0, 0, {200, 200}};
   World world = MakeWorld(2, 12, truth);
   const double before = *Find(world).front().evidence;
-  // All twelve move to within two pixels of three places, in the template and in the scene.
+  // All twelve move to within two pixels of three points, in the template and in the scene.
   for (std::size_t i = 0; i < 12; ++i) {
     const auto spot = static_cast<float>(i % 3);
     const auto shift = 0.5F * static_cast<float>(i / 3);
@@ -154,7 +154,7 @@ TEST(VotePoses, FindsTwoInstances) {
             100);
 }
 
-// A view from 40 degrees off nadir, in an image whose vertical leans as the object at `turn_rad` does.
+// A view from 40 degrees off nadir, in an image whose vertical is rotated by `turn_rad`, as the object is.
 UprightPrior UprightAt(double turn_rad) {
   const double off_nadir_rad = RadiansFromDegrees(40);
   return UprightPrior::Told(MakeVertical({0, off_nadir_rad - kPi / 2, -turn_rad}, 0.1, kWidth, kHeight), off_nadir_rad,

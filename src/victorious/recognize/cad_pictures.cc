@@ -18,7 +18,7 @@
 namespace victorious {
 namespace {
 
-constexpr int kSize_px = 320;  // of the object's bounding sphere, as it is rendered
+constexpr int kSize_px = 320;  // rendered diameter of the object's bounding sphere
 
 ViewDirection DrawDirection(double least_off_nadir_deg, double most_off_nadir_deg, Random& random) {
   const double azimuth_rad = random.Uniform(0, 2 * kPi);
@@ -34,7 +34,7 @@ Light DrawLight(double sunlit_share, Random& random) {
   return light;
 }
 
-// Anywhere in a picture of this size, as large as fills a share of it.
+// A random position in a background of this size, at a scale that fills a random fraction of it.
 Similarity2 DrawPlace(const cv::Rect& object, const cv::Size& picture, Random& random) {
   constexpr double kLeastShare = 0.6;
   constexpr double kMostShare = 0.95;
@@ -53,23 +53,26 @@ Similarity2 DrawPlace(const cv::Rect& object, const cv::Size& picture, Random& r
 }  // namespace
 
 void CadPictureOptions::ListFields(FieldList& fields) {
-  fields.Add("views", views, {.min = 1, .max = 1000, .reason = "pictures of each CAD file, from all around it"});
+  fields.Add("views", views, {.min = 1, .max = 1000, .reason = "renderings per CAD file, from random azimuths"});
   fields.Add("least_off_nadir_deg", least_off_nadir_deg,
              {.min = 0,
               .max = 180,
               .unit = "deg",
-              .reason = "the steepest view from above: less for pictures taken from the air"});
+              .reason = "minimum off-nadir angle of the renderings: lower for aerial images"});
   fields.Add("most_off_nadir_deg", most_off_nadir_deg,
-             {.min = 0, .max = 180, .unit = "deg", .reason = "the flattest; above 90 from below"});
+             {.min = 0,
+              .max = 180,
+              .unit = "deg",
+              .reason = "maximum off-nadir angle of the renderings; above 90 seen from below"});
   fields.Add(
       "sunlit_share", sunlit_share,
-      {.min = 0, .max = 1, .reason = "of the pictures that a hard sun lights, from anywhere but near the horizon"});
+      {.min = 0, .max = 1, .reason = "fraction of renderings lit by a sun, at random but not near the horizon"});
 }
 
 Status CheckRange(const CadPictureOptions& options) {
   if (options.least_off_nadir_deg <= options.most_off_nadir_deg) return {};
   return Fail(ErrorCode::kInvalidArgument,
-              fmt::format("cad.least_off_nadir_deg {:g}: above cad.most_off_nadir_deg {:g}",
+              fmt::format("cad.least_off_nadir_deg {:g}: must not exceed cad.most_off_nadir_deg {:g}",
                           options.least_off_nadir_deg, options.most_off_nadir_deg));
 }
 
@@ -106,7 +109,7 @@ Expected<std::vector<BoxedPicture>> PicturesOfCad(const Mesh& mesh, const std::s
     VICTORIOUS_ASSIGN_OR_RETURN(const RenderedView rendered, renderer.Render(std::span(&instance, 1), camera,
                                                                              DrawLight(options.sunlit_share, random)));
     const cv::Rect seen = cv::boundingRect(rendered.mask);
-    if (seen.empty()) continue;  // a sheet from its edge
+    if (seen.empty()) continue;  // a flat mesh seen edge-on
     cv::Mat object;
     cv::cvtColor(rendered.bgr, object, cv::COLOR_BGR2GRAY);
     constexpr double kDarkest = 0.6;

@@ -1,6 +1,6 @@
-// A CAD model as the example of its kind: pictures of it from many sides, before pictures that do not show it.
-// Method: renderings lit softly or by a hard sun, with the shadows that the object throws on itself; brighter or darker
-// by chance, as things of a kind are painted; laid over a picture that they fill for the most part.
+// Training examples of a category from a CAD model: renderings from random directions, composited over background
+// images. Method (domain randomisation): diffuse light or a sun with self-shadowing; random gain, since objects of one
+// category differ in paint; the object fills 60 to 95 % of the background image.
 #pragma once
 
 #include <cstdint>
@@ -26,15 +26,16 @@ struct CadPictureOptions {
   void ListFields(FieldList& fields);
 };
 
-/// Error: kInvalidArgument, a range without views.
+/// Errors: kInvalidArgument if the minimum off-nadir angle exceeds the maximum.
 Status CheckRange(const CadPictureOptions& options);
 
-/// A picture as CAD models are drawn before it: not larger than they are drawn, so that both are as sharp.
+/// Reduces a background image to at most 1.5 times the size of the renderings, so that both are equally sharp.
 [[nodiscard]] cv::Mat BackgroundForCad(const cv::Mat& grey);
 
 /// @param backgrounds  CV_8UC1, at least one
-/// @return             pictures of the backgrounds' sizes, of `category`, the object in its box
-/// Errors: kInvalidArgument for options out of range; kInternal where nothing can render.
+/// @return             labelled images of `category`, of the backgrounds' sizes, each with the object's box; views that
+///                     show no pixel of the mesh are left out
+/// Errors: kInvalidArgument for options out of range; kInternal if no renderer is available.
 Expected<std::vector<BoxedPicture>> PicturesOfCad(const Mesh& mesh, const std::string& category,
                                                   std::span<const cv::Mat> backgrounds,
                                                   const CadPictureOptions& options, std::uint64_t seed);

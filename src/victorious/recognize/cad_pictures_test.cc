@@ -64,7 +64,7 @@ TEST(CadPictures, RefuseAnEmptyRangeOfViews) {
   EXPECT_THAT(pictures.error().message, HasSubstr("least_off_nadir_deg 80"));
 }
 
-// A folder with clutter of lines and a CAD file of a block.
+// A folder with clutter images and a CAD file of a block.
 class CadExampleTest : public ::testing::Test {
  protected:
   CadExampleTest() {
@@ -141,7 +141,7 @@ TEST_F(CadExampleTest, NeedsPicturesOfNoneOfTheThings) {
   AddCad();
   const Expected<CategoryModel> model = Train();
   ASSERT_FALSE(model);
-  EXPECT_THAT(model.error().message, HasSubstr("row 17: a CAD file is seen before pictures of none of the things"));
+  EXPECT_THAT(model.error().message, HasSubstr("row 17: a CAD file requires background images"));
 }
 
 TEST_F(CadExampleTest, RefusesABoxAndDamage) {

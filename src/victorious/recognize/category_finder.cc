@@ -18,11 +18,10 @@ void CategoryFindOptions::ListFields(FieldList& fields) {
   fields.Add("least_probability", least_probability,
              {.min = 0,
               .max = 1,
-              .reason = "a category is sighted where its calibrated probability is this at least: by default where it "
-                        "is likelier there than not"});
+              .reason = "minimum calibrated probability of a category sighting; the default is even odds"});
   fields.Add("none", none,
-             {.reason = "categories that stand for none of these, by their whole names with commas between: they help "
-                        "to tell the others, and are not sighted"});
+             {.reason = "background categories, by full names separated by commas: the classifier uses them, and they "
+                        "are not reported"});
 }
 
 namespace {
@@ -46,7 +45,8 @@ Expected<CategoryFinder> CategoryFinder::Create(CategoryModel model, const Categ
   if (!finder.names_.empty()) return finder;
   return Fail(
       ErrorCode::kInvalidArgument,
-      fmt::format("categories: all of them stand for none of these ({}): train with one to find", options.none));
+      fmt::format("categories: all are background ({}): train the model with at least one other category",
+                  options.none));
 }
 
 CategoryFinder::CategoryFinder(CategoryModel model, CategoryEye eye, const CategoryFindOptions& options)
@@ -62,7 +62,7 @@ CategoryFinder::CategoryFinder(CategoryModel model, CategoryEye eye, const Categ
   }
 }
 
-// A place shows one thing, and what that thing is in general.
+// Non-maximum suppression over windows: one category per region, plus categories above and below it in the hierarchy.
 std::vector<FoundCategory> CategoryFinder::FindInWindows(const cv::Mat& grey) const {
   struct Likely {
     const SeenWindow* window;
@@ -108,7 +108,7 @@ Expected<std::vector<FoundCategory>> CategoryFinder::Find(const cv::Mat& grey) c
   VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, eye_.Look(grey));
   const WordedPicture picture = WordsOf(*model_, features);
   std::vector<FoundCategory> found;
-  if (picture.size() == 0) return found;  // nothing to see, so nothing to place
+  if (picture.size() == 0) return found;  // no features
   const CategoryResult result = Classify(*model_, picture, CategoryMethod::kPhrases);
   for (std::size_t c = 0; c < nodes_.size(); ++c) {
     const double probability = result.scores[nodes_[c]].probability;

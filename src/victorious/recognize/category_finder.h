@@ -1,7 +1,7 @@
-// Which categories a frame shows, and where: the whole frame is classified, or windows of many sizes all over it
-// (category/windows.h), as the model was trained, and each category that is likely enough gets the box that gathers
-// most of the evidence for it there (category/evidence.h). A whole frame gives a category once; windows, as often as
-// likely ones lie apart.
+// Finds the categories of a frame and their boxes. Classifies the whole frame or multi-scale sliding windows
+// (category/windows.h), as the model was trained. Each category above the probability threshold gets the box that
+// contains most of the evidence for it (category/evidence.h). A whole frame yields each category at most once; windows
+// yield one result per non-overlapping window.
 #pragma once
 
 #include <cstddef>
@@ -28,25 +28,25 @@ struct CategoryFindOptions {
 
 struct FoundCategory {
   std::size_t category = 0;  ///< index into CategoryFinder::names()
-  Box box;                   ///< of the supporting phrases, px, within the frame
+  Box box;                   ///< bounding box of the supporting phrases, px, inside the frame
   double probability = 0;    ///< calibrated
 };
 
 /// Finds the categories of one model. Thread-safe.
 class CategoryFinder {
  public:
-  /// Errors: kInvalidArgument for options out of range and where no category is left to find; kDataLoss for a model
+  /// Errors: kInvalidArgument for options out of range and if all categories are background; kDataLoss for a model
   /// whose feature options cannot be read.
   static Expected<CategoryFinder> Create(CategoryModel model, const CategoryFindOptions& options);
 
-  /// The categories that pictures were named by, without those that stand for none of these.
+  /// The labels of the training images without the background categories.
   [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
-  /// Of the model: another one's finds are others.
+  /// Checksum of the model; identifies its results.
   [[nodiscard]] const std::string& content_id() const { return content_id_; }
 
   /// @param grey  CV_8UC1
-  /// By rising category; of windows, the likeliest first. Cost: that of `category classify`, and some ms a category
-  /// found.
+  /// @return whole frame: by rising category index; windows: by falling probability
+  /// Cost: that of `category classify`, plus a few ms per category found.
   [[nodiscard]] Expected<std::vector<FoundCategory>> Find(const cv::Mat& grey) const;
 
  private:
@@ -58,7 +58,7 @@ class CategoryFinder {
   CategoryEye eye_;
   double least_probability_;
   std::vector<std::string> names_;
-  std::vector<std::size_t> nodes_;  // of each name
+  std::vector<std::size_t> nodes_;  // index of each name's node in the model
   std::string content_id_;
 };
 

@@ -19,7 +19,7 @@ CategoryModel SmallModel() {
   return model;
 }
 
-// Of what is much brighter or darker than the noise.
+// The bounding box of the pixels that are much brighter or darker than the noise.
 Box BoxOfThings(const cv::Mat& grey) {
   const cv::Rect rect = cv::boundingRect((grey < 60) | (grey > 150));
   return {static_cast<double>(rect.x), static_cast<double>(rect.y), static_cast<double>(rect.width),

@@ -23,14 +23,14 @@ namespace victorious {
 void CategoryFeatureOptions::ListFields(FieldList& fields) {
   fields.Add("kind", kind,
              {.choices = {"dense", "keypoints"},
-              .reason = "dense: descriptors on a grid, also where nothing stands out; keypoints: SIFT, as the thesis"});
+              .reason = "dense: descriptors on a grid, also at low contrast; keypoints: SIFT, as the thesis"});
   fields.Add("surroundings", surroundings,
              {.choices = {"none", "calibrate", "learn"},
-              .reason = "what the whole picture about a box is for. learn: an example like the crop, since what will "
-                        "be classified has surroundings; calibrate: only to turn scores into probabilities"});
+              .reason = "use of the whole image around a box. learn: an example like the crop, since images to "
+                        "classify have surroundings; calibrate: only to calibrate probabilities; none: not used"});
   fields.Add("mirrored", mirrored,
-             {.reason = "learn from each picture's mirror image too; not those of categories that are each other's "
-                        "mirror images, as pictures held out tell"});
+             {.reason = "learn from the mirror image of each image, too, except for categories that are mirror images "
+                        "of each other according to held-out images"});
   fields.AddGroup("dense", dense);
   fields.AddGroup("windows", windows);
   fields.AddGroup("keypoints", keypoints);
@@ -46,13 +46,13 @@ void CategoryTrainOptions::ListFields(FieldList& fields) {
 Expected<CategoryEye> CategoryEye::Create(const CategoryFeatureOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   if (options.windows.enabled && options.kind != "dense")
-    return Fail(ErrorCode::kInvalidArgument, "windows.enabled: goes with features on a grid alone: kind must be dense");
-  constexpr int kMostEnlarged = 2;  // what is larger by more takes memory, and shows nothing new
+    return Fail(ErrorCode::kInvalidArgument, "windows.enabled: requires features on a grid: kind must be dense");
+  constexpr int kMostEnlarged = 2;  // further enlargement costs memory and adds no information
   if (options.windows.enabled && options.windows.side_px > kMostEnlarged * options.windows.smallest_px) {
     return Fail(
         ErrorCode::kInvalidArgument,
-        fmt::format("windows.smallest_px {}: below half of windows.side_px {}, so that pictures would be enlarged "
-                    "more than twice",
+        fmt::format("windows.smallest_px {}: must be at least half of windows.side_px {}, so that images are enlarged "
+                    "at most twice",
                     options.windows.smallest_px, options.windows.side_px));
   }
   CategoryEye eye;
@@ -67,10 +67,10 @@ Expected<CategoryEye> CategoryEye::Of(const CategoryModel& model) {
   const Status status =
       json.is_discarded() ? Fail(ErrorCode::kDataLoss, "not JSON") : SetFromJson(json, FieldsOf(options));
   if (options.windows.enabled && model.options.scoring != "linear")
-    return Fail(ErrorCode::kDataLoss, "the category model is of windows, and not of scoring linear: train again");
+    return Fail(ErrorCode::kDataLoss, "category model: windows require scoring linear: train again");
   if (status) return Create(options);
   return Fail(ErrorCode::kDataLoss,
-              fmt::format("options of the category model's features: {}: train again", status.error().message));
+              fmt::format("category model: feature options: {}: train again", status.error().message));
 }
 
 Expected<FeatureSet> CategoryEye::Look(const cv::Mat& grey) const {
@@ -119,7 +119,8 @@ Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryEye& eye, const 
 
 namespace {
 
-// Calls `work` with each of the numbers below `count`, in any order. The first error by number is returned.
+// Calls `work` with each index below `count`, in any order, on all cores. Returns the error of the lowest index;
+// rethrows exceptions.
 Status OnAllCores(std::size_t count, const std::function<Status(std::size_t)>& work,
                   const std::function<void(std::size_t)>& done = {}) {
   std::atomic<std::size_t> next = 0;
@@ -130,13 +131,13 @@ Status OnAllCores(std::size_t count, const std::function<Status(std::size_t)>& w
   Status status;
   std::exception_ptr thrown;
   const auto take = [&] {
-    while (!failed) {  // what was taken before a failure is done: it may fail at a lower number
+    while (!failed) {  // work in progress is completed after a failure: it may fail at a lower index
       const std::size_t i = next++;
       if (i >= count) return;
       Status one;
       try {
         one = work(i);
-      } catch (...) {  // OpenCV's, or no memory
+      } catch (...) {  // OpenCV's exceptions, or std::bad_alloc
         const std::scoped_lock lock(mutex);
         thrown = std::current_exception();
         failed = true;
@@ -179,8 +180,8 @@ namespace {
 struct SortedRows {
   std::vector<CategoryListRow> pictures;
   std::vector<CategoryListRow> cad_files;
-  std::set<std::string> of_things;  // categories with a box or a CAD file
-  std::set<std::string> of_none;    // those that are not, and neither above nor below one that is
+  std::set<std::string> of_things;  // object categories: those with a box or a CAD file
+  std::set<std::string> of_none;    // background: the others, neither above nor below an object category
 };
 
 Expected<SortedRows> SortRows(std::span<const CategoryListRow> rows) {
@@ -188,10 +189,10 @@ Expected<SortedRows> SortRows(std::span<const CategoryListRow> rows) {
   for (const CategoryListRow& row : rows) {
     if (row.category.empty())
       return Fail(ErrorCode::kInvalidArgument,
-                  fmt::format("{}: no category: must name what the picture shows", row.where));
+                  fmt::format("{}: no category: name the category that the image shows", row.where));
     const bool cad = IsCadFile(row.image);
     if (cad && row.box)
-      return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: a box: a CAD file is taken as a whole", row.where));
+      return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: a box: not allowed for a CAD file", row.where));
     if (cad || row.box) sorted.of_things.insert(row.category);
     (cad ? sorted.cad_files : sorted.pictures).push_back(row);
   }
@@ -203,14 +204,14 @@ Expected<SortedRows> SortRows(std::span<const CategoryListRow> rows) {
   }
   if (!sorted.cad_files.empty() && sorted.of_none.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: a CAD file is seen before pictures of none of the things: a category is needed that "
-                            "has neither boxes nor CAD files, background say",
+                fmt::format("{}: a CAD file requires background images: add a category without boxes and without CAD "
+                            "files, for example background",
                             sorted.cad_files.front().where));
   }
   return sorted;
 }
 
-// A CAD file's pictures before the backgrounds.
+// The renderings of a CAD file in front of the backgrounds.
 Expected<std::vector<BoxedPicture>> ReadCad(const std::filesystem::path& folder, const CategoryListRow& row,
                                             std::span<const cv::Mat> backgrounds, const CategoryTrainOptions& options,
                                             std::uint64_t seed, const std::function<void(const std::string&)>& warn) {
@@ -233,18 +234,18 @@ Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::sp
   VICTORIOUS_ASSIGN_OR_RETURN(const CategoryEye eye, CategoryEye::Create(options.features));
   const bool by_windows = options.features.windows.enabled;
   if (by_windows && options.category.scoring != "linear")
-    return Fail(ErrorCode::kInvalidArgument, "features.windows.enabled: goes with scoring linear alone");
+    return Fail(ErrorCode::kInvalidArgument, "features.windows.enabled: requires scoring linear");
   if (!sorted.cad_files.empty()) {
     VICTORIOUS_RETURN_IF_ERROR(CheckRange(options.cad));
     if (sorted.of_none.size() > 1 && warn)
-      warn(fmt::format("CAD files are drawn before the pictures of {}, as of none of the things",
+      warn(fmt::format("CAD files are rendered in front of the images of {}, taken as background",
                        fmt::join(sorted.of_none, ", ")));
   }
 
   const std::size_t count = sorted.pictures.size();
   std::vector<std::vector<CategoryExample>> of_picture(count);
   std::vector<BoxedPicture> pictures(by_windows ? count : 0);
-  std::vector<cv::Mat> none(sorted.cad_files.empty() ? 0 : count);  // pictures of none of the things
+  std::vector<cv::Mat> none(sorted.cad_files.empty() ? 0 : count);  // background images
   const auto look = [&](std::size_t row, const cv::Mat& bgr) -> Status {
     const CategoryListRow& listed = sorted.pictures[row];
     const cv::Mat grey = GreyFromBgr(bgr);
@@ -268,7 +269,7 @@ Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::sp
     if (by_windows) {
       std::ranges::move(drawn, std::back_inserter(pictures));
     } else {
-      // Held out together, so that what calibrates is another model than what was learned from, where there is another.
+      // Renderings of one CAD file are held out together, so that another CAD file calibrates, if the category has one.
       const bool alone =
           1 == std::ranges::count(sorted.cad_files, sorted.cad_files[i].category, &CategoryListRow::category);
       const std::size_t first = of_picture.size();
@@ -293,7 +294,8 @@ Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::sp
 
 namespace {
 
-// Of windows: each node's highest score; of none of the things, that of the window likeliest to show one.
+// The maximum score of each object category over the windows; for the background the score of the window that is most
+// likely to show an object.
 Expected<ClassifiedPicture> ClassifyInWindows(const CategoryEye& eye, const CategoryModel& model, const cv::Mat& grey) {
   const WindowOptions& options = eye.options().windows;
   std::vector<std::size_t> things;
@@ -301,7 +303,7 @@ Expected<ClassifiedPicture> ClassifyInWindows(const CategoryEye& eye, const Cate
     if (model.nodes[n].name != options.none) things.push_back(n);
   const std::vector<SeenWindow> windows =
       LookThroughWindows(model, eye.Clean(grey), eye.options().dense, options, things);
-  if (windows.empty()) {  // nothing to see
+  if (windows.empty()) {  // no features
     WordedPicture nothing =
         WordsOf(model, {.keypoints = {}, .descriptors = {}, .image_width = grey.cols, .image_height = grey.rows});
     CategoryResult result = Classify(model, nothing, CategoryMethod::kPhrases);
@@ -328,7 +330,8 @@ Expected<ClassifiedPicture> ClassifyPicture(const CategoryEye& eye, const Catego
                                             CategoryMethod method) {
   if (eye.options().windows.enabled) {
     if (method == CategoryMethod::kPhrases) return ClassifyInWindows(eye, model, grey);
-    return Fail(ErrorCode::kInvalidArgument, "words alone are for models of whole pictures: this one is of windows");
+    return Fail(ErrorCode::kInvalidArgument,
+                "method words: requires a model of whole images: this model is of windows");
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, eye.Look(grey));
   WordedPicture picture = WordsOf(model, features);

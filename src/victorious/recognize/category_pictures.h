@@ -1,5 +1,5 @@
-// From pictures to what category/ learns from and classifies: features as the options say, of keypoints or on a grid.
-// Training and everything that classifies with a model share this, so that both see a picture alike.
+// Connects images and category/: extracts SIFT or dense-grid features for training and classification. Both use the
+// same code, so that a model sees training and test images alike.
 #pragma once
 
 #include <filesystem>
@@ -34,7 +34,7 @@ struct CategoryFeatureOptions {
   void ListFields(FieldList& fields);
 };
 
-/// What `category train --params` sets.
+/// The parameters of `category train --params`.
 struct CategoryTrainOptions {
   CategoryFeatureOptions features;
   WindowTrainOptions examples;
@@ -44,13 +44,13 @@ struct CategoryTrainOptions {
   void ListFields(FieldList& fields);
 };
 
-/// Makes the features of pictures. Thread-safe.
+/// Extracts the features of images for category/. Thread-safe.
 class CategoryEye {
  public:
   /// Errors: kInvalidArgument for options out of range.
   static Expected<CategoryEye> Create(const CategoryFeatureOptions& options);
 
-  /// The eye that a model's pictures were seen by. Errors: kDataLoss for a model whose options cannot be read.
+  /// With the options that the model was trained with. Errors: kDataLoss for a model whose options cannot be read.
   static Expected<CategoryEye> Of(const CategoryModel& model);
 
   [[nodiscard]] const CategoryFeatureOptions& options() const { return options_; }
@@ -58,7 +58,7 @@ class CategoryEye {
   /// @param grey  CV_8UC1
   [[nodiscard]] Expected<FeatureSet> Look(const cv::Mat& grey) const;
 
-  /// The picture without salt and pepper: what windows are cut out of.
+  /// The image without salt-and-pepper noise: the source of windows.
   [[nodiscard]] cv::Mat Clean(const cv::Mat& grey) const;
 
  private:
@@ -68,44 +68,45 @@ class CategoryEye {
   std::shared_ptr<const FeatureExtractor> extractor_;
 };
 
-/// What a picture gives: the part within `box` to learn from, and where the box leaves something out, the whole picture
-/// for what the option `surroundings` says; of both, what is learned from, a mirrored copy where `mirrored` is set.
-/// @param number            the picture's, which all its examples share
-/// @param own_surroundings  false: those of something else, of which nothing is learned: the part alone counts
+/// The training examples of one image: the crop to `box`; if the crop is smaller than the image, also the whole image,
+/// with the role that the option `surroundings` gives; and, with the option `mirrored`, a mirrored copy of each example
+/// that is learned from.
+/// @param number            number of the image, shared by all its examples (cross-validation keeps them together)
+/// @param own_surroundings  false: the surroundings belong to another image (a composited background); only the crop is
+///                          used
 Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryEye& eye, const cv::Mat& grey, const Box& box,
                                                   const std::string& category, int number,
                                                   bool own_surroundings = true);
 
-/// Reads the pictures of a list, on all cores, and calls `use` with each row and its picture, in any order and
-/// from several threads at once. The first error in the list's order is returned.
-/// @param done  called now and then with how many pictures are done
+/// Reads the images of a list on all cores and calls `use` with each row and its image, in any order and concurrently
+/// from several threads.
+/// @param done  progress callback, with the number of images done
+/// Errors: the first error in the list's order.
 Status ForEachPicture(const std::filesystem::path& folder, std::span<const CategoryListRow> rows,
                       const std::function<Status(std::size_t row, const cv::Mat& bgr)>& use,
                       const std::function<void(std::size_t)>& done);
 
-/// Trains on the pictures of a list, and on its CAD files: each is an example of its kind, seen from many sides before
-/// the pictures of none of the things, which are those of the categories without boxes and CAD files. For windows
-/// (features.windows) a picture without a box is, where its category has none at all, of none of the things; elsewhere,
-/// a thing as a whole.
-/// @param done  called now and then with how many rows are done
-/// @param warn  told what is damaged in a CAD file and was left out
-/// Errors: those of reading pictures and CAD files, of TrainCategories and TrainOnWindows; kInvalidArgument for a row
-/// without a category, with a box outside its picture, and for CAD files with boxes, or without pictures of none of
-/// them.
+/// Trains on the images and CAD files of a list. CAD files are rendered in front of the background images: images of
+/// categories without boxes and without CAD files. For windows (features.windows) an image without a box is background
+/// if its category has no boxes at all; else the whole image shows the object.
+/// @param done  progress callback, with the number of rows done
+/// @param warn  warning callback, for damaged parts of CAD files that are left out
+/// Errors: those of reading images and CAD files, of TrainCategories and TrainOnWindows; kInvalidArgument for a row
+/// without a category or with a box outside its image, and for CAD files with a box or without background images.
 Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::span<const CategoryListRow> rows,
                                     const CategoryTrainOptions& options, const std::function<void(std::size_t)>& done,
                                     const std::function<void(const std::string&)>& warn = {});
 
-/// A picture, or the window of it that is likeliest to show its label.
+/// A classified image, or its window with the highest probability of the label.
 struct ClassifiedPicture {
   CategoryResult result;
-  Box looked_at;          ///< px of the picture
-  WordedPicture picture;  ///< what was looked at
+  Box looked_at;          ///< the classified region, px of the image
+  WordedPicture picture;  ///< the visual words of that region
 };
 
-/// What a picture shows, as the model was trained: as a whole, or of windows the highest score of each category, and of
-/// none of the things what the likeliest window leaves.
-/// Errors: kInvalidArgument for words alone of a model of windows.
+/// Classifies an image as the model was trained: as a whole, or by windows: the maximum score of each category over the
+/// windows, and for the background category the score of the window that is most likely to show an object.
+/// Errors: kInvalidArgument for CategoryMethod::kWords with a model of windows.
 Expected<ClassifiedPicture> ClassifyPicture(const CategoryEye& eye, const CategoryModel& model, const cv::Mat& grey,
                                             CategoryMethod method);
 

@@ -19,62 +19,62 @@ namespace victorious {
 void LikenessOptions::ListFields(FieldList& fields) {
   fields.Add(
       "most", most,
-      {.min = 0, .max = 1000, .reason = "poses of a model looked at again in a frame, the likest first; 0: none"});
+      {.min = 0, .max = 1000, .reason = "maximum number of rescored poses per model and frame, best first; 0: none"});
   fields.Add("most_in_frame", most_in_frame,
              {.min = 0,
               .max = 100000,
-              .reason = "poses of all models looked at again in a frame, so that many models do not make it slow"});
+              .reason = "maximum number of rescored poses per frame, over all models: bounds the time"});
   fields.Add("least_evidence", least_evidence,
              {.min = -100,
               .max = 1000,
               .unit = "decades",
-              .reason = "of a pose that is looked at again: of what has less, hardly anything is right"});
+              .reason = "minimum -log10 NFA of a rescored pose: below it hardly any pose is true"});
   fields.Add("most_evidence", most_evidence,
              {.min = -100,
               .max = 1000,
               .unit = "decades",
-              .reason = "of a pose that is looked at again: what has more is beyond doubt, behind a tree, too"});
+              .reason = "maximum -log10 NFA of a rescored pose: above it a pose is certain, also if partly occluded"});
   fields.Add("elsewhere", elsewhere,
-             {.min = 10, .max = 10000, .reason = "random places of the frame that likeness is measured against"});
+             {.min = 10, .max = 10000, .reason = "number of random poses for the null distribution of the NCC score"});
   fields.Add("decades_per_sigma", decades_per_sigma,
              {.min = 0,
               .max = 100,
               .unit = "decades",
-              .reason = "evidence of one more standard deviation of likeness; fitted, as even_sigmas"});
+              .reason = "increase of -log10 NFA per unit of the NCC z-score; fitted by logistic regression"});
   fields.Add("even_sigmas", even_sigmas,
-             {.min = -100, .max = 100, .reason = "likeness above elsewhere's that speaks neither for nor against"});
+             {.min = -100, .max = 100, .reason = "NCC z-score that leaves the -log10 NFA unchanged; fitted"});
   fields.Add(
       "impulse_share", impulse_share,
       {.min = 0,
        .max = 1,
        .reason =
-           "salt-and-pepper noise is taken out of a frame with a larger share of it in its flat places; 1 never"});
+           "salt-and-pepper noise is removed above this fraction of impulses in a frame's flat regions; 1: never"});
 }
 
 namespace {
 
-// How the object lies before the camera, from a view on: in weak perspective.
+// A pose hypothesis in weak perspective, relative to the camera of a view.
 struct Guess {
-  double x = 0;          // of the picture's middle in the scene, px
+  double x = 0;          // projection of the samples' centroid into the scene, px
   double y = 0;          // px
-  double log_scale = 0;  // of scene pixels a metre
-  double turn_rad = 0;   // in the image
-  double yaw_rad = 0;    // of the object, about its own up
-  double tip_rad = 0;    // of the camera, about the image's x axis
+  double log_scale = 0;  // ln of scene pixels per metre
+  double turn_rad = 0;   // in-plane rotation
+  double yaw_rad = 0;    // rotation of the object about its up axis
+  double tip_rad = 0;    // rotation of the camera about the image's x axis
 };
 
 using Field = double Guess::*;
 
-// Of an object's points so many are in the frame, or nothing can be told.
+// Minimum fraction of the surface samples inside the frame.
 constexpr double kLeastShare = 0.4;
 
 class PictureOnScene {
  public:
-  // @param least  points in the frame
+  // @param least  minimum number of samples in the frame
   PictureOnScene(const cv::Mat& scene, const ViewPicture& picture, double least)
       : scene_(scene), picture_(picture), least_(least) {}
 
-  // The picture's points that are in the frame.
+  // The samples that project into the frame.
   [[nodiscard]] std::vector<PicturePoint> Seen(const Guess& guess) const {
     const Eigen::Matrix<float, 2, 3> project = Projection(guess);
     const Eigen::Vector2f middle = MiddleOf(guess);
@@ -85,9 +85,9 @@ class PictureOnScene {
     return seen;
   }
 
-  // atanh of the correlation; nothing where too few points are in the frame.
+  // atanh of the correlation; std::nullopt if too few samples are in the frame.
   [[nodiscard]] std::optional<double> At(const Guess& guess) const {
-    constexpr double kFaintest = 4;  // grey levels squared: a smaller variance tells nothing
+    constexpr double kFaintest = 4;  // grey levels squared, added to both variances as regularisation
     const Eigen::Matrix<float, 2, 3> project = Projection(guess);
     const Eigen::Vector2f middle = MiddleOf(guess);
     double n = 0;
@@ -115,7 +115,7 @@ class PictureOnScene {
     return std::atanh(std::clamp(r, -0.99, 0.99));
   }
 
-  // The most that steps from a guess lead to.
+  // The maximum NCC score by hill climbing from a hypothesis, with step sizes halved twice.
   [[nodiscard]] std::optional<double> Climb(Guess guess) const {
     std::optional<double> best = At(guess);
     if (!best) return std::nullopt;
@@ -154,7 +154,7 @@ class PictureOnScene {
     double size;
   };
 
-  // Each step either way, where it leads to more; false where none does.
+  // Tries each step in both directions and accepts improvements; false if there is none.
   bool TakeSteps(const std::array<Step, 6>& steps, Guess& guess, double& best) const {
     bool any = false;
     for (const Step& step : steps) {
@@ -176,12 +176,12 @@ class PictureOnScene {
   double least_;
 };
 
-// A view's picture, and how the view lies to the one that matched.
+// The surface samples of a view, and its in-plane rotation relative to the matched view.
 struct Beside {
   std::shared_ptr<const ViewPicture> picture;
-  Eigen::Vector2d centre_px;  // of the view's image: where the middle of the object's bounding sphere is seen
-  double turn_rad;            // of the object in the image, from the view that matched to this one
-  double least;               // of its points that must be in the frame
+  Eigen::Vector2d centre_px;  // centre of the view's image: projection of the bounding sphere's centre
+  double turn_rad;            // in-plane rotation of the object from the matched view to this view
+  double least;               // minimum number of samples inside the frame
 };
 
 std::vector<Beside> PicturesBeside(const ObjectModel& model, const LitTemplates& pictures, std::size_t view,
@@ -200,7 +200,7 @@ std::vector<Beside> PicturesBeside(const ObjectModel& model, const LitTemplates&
   for (const std::size_t number : numbers) {
     std::shared_ptr<const ViewPicture> picture = pictures.Picture(number, half_octaves);
     if (picture->points.empty()) {
-      if (all.empty()) return {};  // the view that matched itself
+      if (all.empty()) return {};  // the matched view itself has no surface
       continue;
     }
     double turn_rad = 0;
@@ -215,9 +215,9 @@ std::vector<Beside> PicturesBeside(const ObjectModel& model, const LitTemplates&
   return all;
 }
 
-// Where a guess puts the view that matched.
+// The position of the matched view in the scene.
 struct Place {
-  Eigen::Vector2d centre_px;  // of its image
+  Eigen::Vector2d centre_px;  // of the view's image centre, in the scene
   double scale;
   double turn_rad;
 };
@@ -231,8 +231,8 @@ Guess GuessAt(const Place& place, const Beside& beside) {
           .turn_rad = about_centre.rotation_rad};
 }
 
-// Few points are alike by chance more easily than many: what a place shows of the object is all that is compared, there
-// and elsewhere.
+// Drops the samples outside the frame at the tested pose, for all poses: few samples correlate by chance more easily
+// than many, so the null distribution must use the same samples.
 void KeepWhatIsSeen(const cv::Mat& scene, const Place& place, std::vector<Beside>& pictures) {
   for (Beside& beside : pictures) {
     auto seen = PictureOnScene(scene, *beside.picture, beside.least).Seen(GuessAt(place, beside));
@@ -253,7 +253,7 @@ std::optional<double> MostLikeness(const cv::Mat& scene, const std::vector<Besid
   return most;
 }
 
-// The mean distance of a picture's points from their middle, in the scene.
+// Mean distance of the samples from their centroid, in scene px.
 double ReachPx(const ViewPicture& picture, double scale) {
   double sum_m = 0;
   for (const PicturePoint& point : picture.points) sum_m += point.place.norm();

@@ -1,14 +1,16 @@
-// recognize/, once a pose is guessed: does the scene look there as the view does? Paint too faint and too plain for
-// keypoints, and an object's large patches of light and dark, tell it still.
+// recognize/, after VoteSearch and Detect: rescores an uncertain detection by direct image comparison. Uses image
+// content that yields no keypoints: low-contrast paint and large light and dark regions.
 //
-// The likeness of a pose is atanh(r), r the correlation between how bright the view shows the object's points
-// (types/lit_templates.h) and how bright the scene is where the pose puts them: contrast does not count, its sign does.
-// A guess is first improved, by steps in place, scale, turn and direction of view, from the view that matched and from
-// those beside it. How much its likeness L says is
-// measured in the scene itself: the same is done from guesses at random places and turns, of mean m and deviation s,
-//   sigmas = (L - m) / s,   evidence += decades_per_sigma (sigmas - even_sigmas).
-// The two constants are those of the logistic curve of both that fits what is right and wrong in three movies
-// (docs/results.md, "Tried for recall"); the scale of the evidence, and so of the score, stays what it was.
+// The NCC score of a pose is the Fisher transform L = atanh(r) of the normalised cross-correlation r between the
+// rendered brightness of the object's surface points (types/lit_templates.h) and the scene's brightness at their
+// projections (weak perspective): invariant to contrast, but not to its sign. The pose is refined by coordinate-wise
+// hill climbing over position, scale, in-plane rotation, yaw and tip, from the matched view and its neighbours of the
+// same off-nadir angle; L is the maximum. The null distribution is measured in the scene: the same refinement from
+// random positions and rotations has mean m and standard deviation s,
+//   z = (L - m) / s,   -log10 NFA += decades_per_sigma (z - neutral_z_score).
+// The two constants come from a logistic regression of true and false detections on both quantities in three movies
+// (docs/results.md, "Tried for recall"), scaled so that the mapping from -log10 NFA to the score stays unchanged.
+// docs/adr/0014 has the reasons.
 #pragma once
 
 #include <cstddef>
@@ -36,18 +38,19 @@ struct LikenessOptions {
   void ListFields(FieldList& fields);
 };
 
-/// A scene made ready to be looked at.
+/// Prepares a scene for NCC: removes impulse noise and blurs by kAppearanceBlur_px.
 /// @param grey  CV_8UC1
-/// @return CV_32FC1, of the same size: without impulses, blurred by kPictureBlur_px
+/// @return CV_32FC1 of the same size
 [[nodiscard]] cv::Mat SceneForLikeness(const cv::Mat& grey, const LikenessOptions& options);
 
-/// By how many sigmas the scene looks more like the object at a pose than elsewhere (above). Deterministic.
-/// @param scene                SceneForLikeness()
-/// @param pictures             of the model
-/// @param scene_from_template  the guess, of the pixels of the model's `view`
-/// Nothing where that cannot be told: little of the object is in the frame or away from its rim, or there is no other
-/// place for it.
-/// Cost: some 15 ms.
+/// The z-score of the NCC score at a pose against random poses in the same scene (formula above). Deterministic.
+/// @param scene                from PrepareSceneForNcc()
+/// @param pictures             surface samples of the model's views
+/// @param view                 index of the matched view
+/// @param scene_from_template  initial pose, from pixels of `view` to pixels of the scene
+/// @return std::nullopt if less than 40 % of the surface samples are in the frame, if the view has no surface samples,
+///         or if fewer than half of the random poses can be evaluated
+/// Cost: about 15 ms.
 [[nodiscard]] std::optional<double> SigmasOfLikeness(const cv::Mat& scene, const ObjectModel& model,
                                                      const LitTemplates& pictures, std::size_t view,
                                                      const Similarity2& scene_from_template,

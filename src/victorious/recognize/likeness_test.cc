@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kSidePx = 90;
 
-// Broad patches of light and dark, without a corner in them.
+// Large light and dark regions without corners.
 cv::Mat Patches(const cv::Size& size, double breadth_px, std::uint64_t seed) {
   Random random(seed);
   cv::Mat image(size, CV_32F);
@@ -31,7 +31,7 @@ cv::Mat Patches(const cv::Size& size, double breadth_px, std::uint64_t seed) {
   return grey;
 }
 
-// A flat square seen from straight above, one pixel a metre.
+// A flat square seen from the nadir, one pixel per metre.
 class Flat : public LitTemplates {
  public:
   explicit Flat(const cv::Mat& grey) {
@@ -67,7 +67,7 @@ Similarity2 PoseAt(const Eigen::Vector2d& middle, double turn_rad) {
   return pose;
 }
 
-// A town of patches with the object in it, at a contrast of its own.
+// A background of light and dark regions with the object in it, at a given contrast.
 cv::Mat SceneWith(const cv::Mat& object, double contrast) {
   cv::Mat scene = Patches({640, 480}, 6, 11);
   const Similarity2 pose = PoseAt(kMiddle, kTurn_rad);
@@ -92,7 +92,7 @@ TEST(Likeness, TellsTheObjectFromOtherPlaces) {
   const Flat views(object);
   for (const double contrast : {1.0, 0.3}) {
     const cv::Mat scene = SceneWith(object, contrast);
-    // The guess is somewhat off, as those of votes are.
+    // The initial pose has a small error, as that of a vote search.
     const auto right = Look(scene, views, PoseAt(kMiddle + Eigen::Vector2d(4, -3), kTurn_rad + 0.06));
     ASSERT_TRUE(right);
     EXPECT_GT(*right, 5) << contrast;
@@ -111,8 +111,8 @@ TEST(Likeness, DarkForLightIsAnotherObject) {
   EXPECT_LT(*sigmas, 0);
 }
 
-// The model of chance itself: of guesses where the object is not, sigmas are those of a deviate; of objects half out of
-// the frame, too, whose fewer points match by chance more easily.
+// The null distribution: z-scores of false poses have zero mean and unit variance, also at the frame's edge, where
+// fewer samples are compared.
 TEST(Likeness, WrongPosesScatterAsOthersDo) {
   const Flat views(Patches({kSidePx, kSidePx}, 6, 1));
   const cv::Mat scene = Patches({640, 480}, 6, 11);
@@ -138,8 +138,8 @@ TEST(Likeness, SaysNothingWhereItCannotTell) {
   const cv::Mat object = Patches({kSidePx, kSidePx}, 6, 1);
   const cv::Mat scene = SceneWith(object, 1);
   EXPECT_FALSE(Look(scene, Flat(object), PoseAt({-30, 200}, 0)));                            // hardly in the frame
-  EXPECT_FALSE(Look(scene, Flat(cv::Mat()), PoseAt(kMiddle, 0)));                            // no picture
-  EXPECT_FALSE(Look(scene(cv::Rect(370, 170, 60, 60)), Flat(object), PoseAt({30, 30}, 0)));  // no other place
+  EXPECT_FALSE(Look(scene, Flat(cv::Mat()), PoseAt(kMiddle, 0)));                            // no surface samples
+  EXPECT_FALSE(Look(scene(cv::Rect(370, 170, 60, 60)), Flat(object), PoseAt({30, 30}, 0)));  // no null samples
 }
 
 TEST(Likeness, IsTheSameEachTime) {

@@ -14,8 +14,8 @@ namespace victorious {
 void RecognizeOptions::ListFields(FieldList& fields) {
   fields.Add("method", method,
              {.choices = {"auto", "grammar", "votes"},
-              .reason = "from matches to poses: grammar, the thesis's ratio test, cascade and MLESAC; votes of ranked "
-                        "matches; auto, votes for CAD models and the grammar for photos"});
+              .reason = "pose estimation from matches: grammar, the thesis's ratio test, cascade and MLESAC; votes, "
+                        "Hough voting of ranked matches; auto, votes for CAD models and the grammar for photos"});
   fields.AddGroup("search", search);
   fields.AddGroup("match", match);
   fields.AddGroup("cascade", cascade);
@@ -43,7 +43,7 @@ Status CheckEngine(std::span<const ObjectModel> models, std::string_view engine)
     if (model.engine == engine) continue;
     return Fail(
         ErrorCode::kInvalidArgument,
-        fmt::format("model {} has features of the engine {}, the search uses {}: make the model again with that engine",
+        fmt::format("model {}: features of engine {}, but the search uses {}: make the model again with that engine",
                     model.name, model.engine, engine));
   }
   return {};
@@ -56,8 +56,8 @@ Expected<Recognizer> Recognizer::Create(std::vector<ObjectModel> models, const s
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   if (options.likeness.least_evidence > options.likeness.most_evidence) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("likeness.least_evidence {:g}: above likeness.most_evidence {:g}, so that nothing would be "
-                            "looked at; set likeness.most 0 for that",
+                fmt::format("likeness.least_evidence {:g}: must not exceed likeness.most_evidence {:g}; to disable "
+                            "rescoring set likeness.most 0",
                             options.likeness.least_evidence, options.likeness.most_evidence));
   }
   VICTORIOUS_RETURN_IF_ERROR(CheckEngine(models, engine));
@@ -120,11 +120,12 @@ void Recognizer::SearchByVotes(const FeatureSet& scene, const FrameConditions& c
   }
 }
 
-// What likeness adds to the evidence of those in doubt, the likest first, or takes away.
+// Rescores the uncertain detections by NCC, in the given order, within the limits per model and per frame; erases those
+// below the minimum score.
 void Recognizer::WeighByLikeness(const cv::Mat& grey, std::vector<Detection>& detections) const {
   const LikenessOptions& options = options_.likeness;
   cv::Mat scene;
-  std::map<std::size_t, int> looks;  // by model
+  std::map<std::size_t, int> looks;  // rescored detections by model index
   int in_frame = 0;
   for (Detection& detection : detections) {
     const auto voter = std::ranges::find(voters_, detection.model, &std::pair<std::size_t, VoteSearch>::first);
@@ -199,7 +200,7 @@ bool Recognizer::KnowsSuns() const {
 std::optional<SunFound> Recognizer::FindSun(const FeatureSet& scene, const Vertical& vertical) const {
   const RankedMatcher ranked(scene.View());
   const VoteScene ready{scene, ranked, options_.search, options_.pose};
-  std::vector<std::pair<std::size_t, SunLead>> leads;  // of a voter
+  std::vector<std::pair<std::size_t, SunLead>> leads;  // with the index into voters_
   for (std::size_t i = 0; i < voters_.size(); ++i) {
     for (const SunLead& lead : voters_[i].second.FindSunLeads(ready, vertical)) leads.emplace_back(i, lead);
   }

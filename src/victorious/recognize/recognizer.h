@@ -1,9 +1,9 @@
-// recognize/, the stages from match to detect as one call: what index, match, search by picture (and later tracking and
-// navigation) share. In: a scene's features. Out: the models' instances in it.
+// recognize/, the stages match, grammar, pose and detect as one call, shared by indexing, `match` and the search by
+// image. In: a scene's features. Out: the detections of all models.
 //
-// Two ways lead from matches to poses. The grammar is the thesis's: ratio test, cascade, MLESAC. Votes (vote_search.h)
-// use matches that no ratio test lets through, and find models of little texture in cluttered scenes; what they leave
-// in doubt the scene's picture may decide (likeness.h).
+// Two methods lead from matches to poses. The grammar is the thesis's: ratio test, cascade, MLESAC. The vote search
+// (vote_search.h) uses matches that fail the ratio test and finds models of little texture in cluttered scenes; an NCC
+// comparison with the image rescores its uncertain detections (likeness.h).
 #pragma once
 
 #include <cstddef>
@@ -45,21 +45,21 @@ struct RecognizeOptions {
   void ListFields(FieldList& fields);
 };
 
-/// What each stage left of one template's matches.
+/// The matches of one template after each stage.
 struct StagedMatches {
   MatchSet ratio;
   CascadeResult cascade;
-  std::vector<Pose> poses;  ///< best supported first
+  std::vector<Pose> poses;  ///< by falling number of distinct inliers
 };
 
-/// OK if all models have features of this engine; else kInvalidArgument with the first that has not.
+/// Errors: kInvalidArgument with the name of the first model whose features come from another engine.
 Status CheckEngine(std::span<const ObjectModel> models, std::string_view engine);
 
-/// Immutable once made: any number of threads may ask it at once.
+/// Finds the instances of models in scenes. Immutable and thread-safe.
 class Recognizer {
  public:
-  /// @param engine  of the scenes' features (CheckEngine)
-  /// @param lit     each model's views under a sun and as pictures, null where there are none; or empty: of no model
+  /// @param engine  feature engine of the scenes (CheckEngine)
+  /// @param lit     one source of relit templates per model, null for a model without; or empty for none at all
   /// Errors: kInvalidArgument for options out of range or models of another engine.
   static Expected<Recognizer> Create(std::vector<ObjectModel> models, const std::string& engine,
                                      const RecognizeOptions& options,
@@ -67,25 +67,29 @@ class Recognizer {
 
   [[nodiscard]] const std::vector<ObjectModel>& models() const { return *models_; }
 
-  /// Every instance of every model, best first. Deterministic.
-  /// @param conditions  as far as known: models of known views are sought upright, and lit as the sun lights them
-  /// @param grey        the scene, CV_8UC1, to look again at what votes leave in doubt; empty: they decide
+  /// The detections of all models, by falling score. Deterministic.
+  /// @param conditions  known priors: restrict models with known view angles to upright poses, and relight their
+  ///                    templates for the sun
+  /// @param grey        the scene's image, CV_8UC1, for the NCC rescoring of uncertain detections; empty: no rescoring
   [[nodiscard]] std::vector<Detection> Recognize(const FeatureSet& scene, const FrameConditions& conditions = {},
                                                  const cv::Mat& grey = {}) const;
 
-  /// Of one model, those that some of its views show: where it is known already what is seen, and about how.
-  /// @param scene  of the part of a frame where it should be, in the frame's pixels
+  /// The detections of some views of one model, for tracking: the object and its approximate aspect are known.
+  /// @param scene  features of a region of interest, in the frame's pixels
+  /// @param model  index into models()
+  /// @param views  indices into the model's views
   [[nodiscard]] std::vector<Detection> RecognizeViews(const FeatureSet& scene, std::size_t model,
                                                       std::span<const std::size_t> views,
                                                       const FrameConditions& conditions) const;
 
-  /// Whether FindSun() can tell anything: a model has views under a sun.
+  /// True if EstimateSun() can succeed: at least one model has relit templates.
   [[nodiscard]] bool KnowsSuns() const;
 
-  /// Where the sun stands, from how an object in the scene is lit; mostly nothing.
+  /// Estimates the sun's direction from the shading of an object in the scene. std::nullopt in most scenes: no object
+  /// is significant enough (VoteSearch::EstimateSun).
   [[nodiscard]] std::optional<SunFound> FindSun(const FeatureSet& scene, const Vertical& vertical) const;
 
-  /// One view of one model by the grammar, whatever the method, stage by stage.
+  /// The stages of the grammar for one view of one model, independent of the configured method.
   [[nodiscard]] StagedMatches MatchView(const FeatureSet& scene, std::size_t model, std::size_t view) const;
 
  private:
@@ -103,10 +107,10 @@ class Recognizer {
                      std::vector<Candidate>& candidates) const;
   void WeighByLikeness(const cv::Mat& grey, std::vector<Detection>& detections) const;
 
-  std::shared_ptr<const std::vector<ObjectModel>> models_;  ///< where it is, however often this moves
+  std::shared_ptr<const std::vector<ObjectModel>> models_;  ///< on the heap: the vote searches keep pointers to models
   std::vector<ViewRef> views_;  ///< of the models searched by the grammar, in the order of templates_
   TemplateSet templates_;
-  std::vector<std::pair<std::size_t, VoteSearch>> voters_;  ///< the models searched by votes
+  std::vector<std::pair<std::size_t, VoteSearch>> voters_;  ///< model index and search of the models searched by votes
   RecognizeOptions options_;
 };
 

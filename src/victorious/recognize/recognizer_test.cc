@@ -16,7 +16,7 @@
 namespace victorious {
 namespace {
 
-// A picture full of corners, different for each seed.
+// A random image full of corners, different for each seed.
 cv::Mat Texture(int width, int height, std::uint64_t seed) {
   Random random(seed);
   cv::Mat image(height, width, CV_8UC1, cv::Scalar(random.Below(256)));
@@ -109,7 +109,7 @@ RecognizeOptions ByVotes() {
 TEST(Recognizer, VotesFindEachInstanceToo) {
   const cv::Mat crate = Texture(120, 90, 1);
   cv::Mat scene = Texture(640, 480, 4);
-  // More than seeds are followed in a view.
+  // More instances than the maximum number of seeds.
   const std::vector<Similarity2> truth = {
       Paste(crate, 1.0, 0.5, {110, 110}, scene), Paste(crate, 0.8, -2.0, {270, 100}, scene),
       Paste(crate, 0.9, 0.5, {430, 120}, scene), Paste(crate, 1.0, 3.0, {120, 340}, scene),
@@ -146,7 +146,7 @@ TEST(Recognizer, ViewsThatAreNamedFindWhatTheyShow) {
   }
 }
 
-// Without features, a view scouts for none of its neighbours.
+// A view without features is no coarse view and does not cover its neighbours.
 TEST(Recognizer, AViewWithoutFeaturesHidesNoNeighbour) {
   const cv::Mat crate = Texture(120, 90, 1);
   ObjectModel model = ModelOf("crate", crate);
@@ -161,7 +161,8 @@ TEST(Recognizer, AViewWithoutFeaturesHidesNoNeighbour) {
   EXPECT_EQ(MakeRecognizer({model}).Recognize(FeaturesOf(scene)).size(), 1U);
 }
 
-// A ring of views, each a neighbour of the two beside it; only one shows what is in the scene, and no scout is it.
+// A ring of views, each a neighbour of the adjacent two; only one shows the object in the scene, and it is no coarse
+// view.
 TEST(Recognizer, VotesReachViewsBetweenScouts) {
   const cv::Mat crate = Texture(120, 90, 1);
   cv::Mat blurred;
@@ -193,8 +194,8 @@ TEST(Recognizer, VotesReachViewsBetweenScouts) {
   EXPECT_EQ(detections[0].view, 1U);
 }
 
-// A model seen from twelve azimuths at 40 degrees off nadir. Under a soft sky it is plain; each sun that stands above
-// one of the azimuths paints it.
+// A model with views from twelve azimuths at 40 degrees off nadir. Under diffuse light it has another texture; each sun
+// above one of the azimuths gives it its own texture.
 constexpr double kOffNadir_rad = 40 * kPi / 180;
 constexpr std::size_t kAround = 12;
 
@@ -233,7 +234,7 @@ class Painted : public LitTemplates {
     return std::make_shared<const ViewPicture>();
   }
 
-  // The views asked for under a sun.
+  // The views queried under a sun, at half and at full resolution.
   [[nodiscard]] const std::set<std::size_t>& coarse() const { return coarse_; }
   [[nodiscard]] const std::set<std::size_t>& sharp() const { return sharp_; }
 
@@ -257,7 +258,7 @@ TEST(Recognizer, FindsTheSunByWhatItPaints) {
   const std::optional<SunFound> found_sun = recognizer.FindSun(features, vertical);
   ASSERT_TRUE(found_sun);
   const Sun sun = found_sun->ahead;
-  // Seen from azimuth 60, lit from azimuth 90: the camera looks towards 240, and the sun stands 150 before that.
+  // Seen from azimuth 60, lit from azimuth 90: the camera looks towards 240, so the sun's relative azimuth is -150.
   EXPECT_NEAR(WrapAngle(sun.azimuth_rad + 5 * kPi / 6), 0, 0.2);
 
   EXPECT_TRUE(recognizer.Recognize(features, {.vertical = vertical, .sun_ahead = {}}).empty());
@@ -267,7 +268,7 @@ TEST(Recognizer, FindsTheSunByWhatItPaints) {
   EXPECT_FALSE(recognizer.FindSun(FeaturesOf(Texture(640, 480, 5)), vertical));
 }
 
-// A wide camera sees what stands aside from another side than it looks to, and so under another sun.
+// In a wide field of view the azimuth of the line of sight, and with it the relative sun, varies.
 TEST(Recognizer, TheSunIsThatOfTheLineOfSight) {
   constexpr std::size_t kView = 2;
   constexpr std::size_t kSunView = 3;
@@ -276,8 +277,8 @@ TEST(Recognizer, TheSunIsThatOfTheLineOfSight) {
   Paste(Painted::PaintOf(kSunView, kView), 1.0, 0, at, scene);
   const FeatureSet features = FeaturesOf(scene);
   RecognizeOptions options;
-  options.search.most_tilt_rad = 0.6;  // the paint is not drawn as it leans there
-  options.search.sun_step_rad = 0.1;   // much nearer than the suns of this test are
+  options.search.most_tilt_rad = 0.6;  // the scene does not model the lean of the object there
+  options.search.sun_step_rad = 0.1;   // much finer than the suns of this test
   const Recognizer recognizer =
       Recognizer::Create({PlainFromAround()}, "opencv", options, {std::make_shared<const Painted>()}).value();
   const Vertical vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 1.1, 640, 480);
@@ -293,8 +294,8 @@ TEST(Recognizer, TheSunIsThatOfTheLineOfSight) {
   EXPECT_EQ(found[0].view, kView);
 }
 
-// Every other view is a scout: all of those are compared under the sun, coarsely; sharp ones are made of what is
-// followed, the view that was found among it.
+// Every other view is a coarse view, relit at half resolution; only the refined views, and the coarse view that they
+// extend, are relit at full resolution.
 TEST(Recognizer, LitScoutsAreCoarse) {
   constexpr std::size_t kView = 2;
   cv::Mat scene = Texture(640, 480, 4);
@@ -314,7 +315,7 @@ TEST(Recognizer, LitScoutsAreCoarse) {
   EXPECT_EQ(painted->sharp(), (std::set<std::size_t>{kView, kView + 1}));
 }
 
-// A crate whose picture, too, is known.
+// A crate with surface samples.
 class Pictured : public LitTemplates {
  public:
   explicit Pictured(const cv::Mat& grey) {
@@ -359,7 +360,7 @@ TEST(Recognizer, LikenessDecidesWhatIsInDoubt) {
   };
   RecognizeOptions options = ByVotes();
   const double votes = evidence(options, {}).value();
-  EXPECT_EQ(evidence(options, scene), votes);  // beyond doubt: not looked at again
+  EXPECT_EQ(evidence(options, scene), votes);  // certain: not rescored
   options.likeness.most_evidence = 1000;
   EXPECT_GT(evidence(options, scene).value(), votes + 4);
   EXPECT_LT(evidence(options, 255 - scene).value_or(0), votes - 4);

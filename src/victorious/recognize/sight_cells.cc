@@ -9,7 +9,7 @@ namespace victorious {
 
 SightCells::SightCells(const std::optional<Vertical>& vertical, const Box& part, double width_rad) {
   if (!vertical) return;
-  constexpr int kSteps = 8;  // over the part's width, and over its height
+  constexpr int kSteps = 8;  // grid intervals over the region's width and height
   for (int row = 0; row <= kSteps; ++row) {
     for (int column = 0; column <= kSteps; ++column) {
       const Eigen::Vector2d pixel(part.x + part.width * column / kSteps, part.y + part.height * row / kSteps);
@@ -17,7 +17,7 @@ SightCells::SightCells(const std::optional<Vertical>& vertical, const Box& part,
     }
   }
   const auto [least, most] = std::ranges::minmax_element(lines_, {}, &Line::aside_rad);
-  const bool all_around = most->aside_rad - least->aside_rad > 1.5 * kPi;  // the nadir is in it
+  const bool all_around = most->aside_rad - least->aside_rad > 1.5 * kPi;  // the region contains the nadir
   const double from_rad = all_around ? -kPi : least->aside_rad;
   const double spread_rad = all_around ? 2 * kPi : most->aside_rad - least->aside_rad;
   count_ = std::max(1.0, std::round(spread_rad / width_rad));

@@ -1,5 +1,6 @@
-// A frame's lines of sight, in cells by azimuth: a wide camera's spread far, and each looks at its object from another
-// side, and so under another sun.
+// recognize/, for VoteSearch: divides a frame's lines of sight into cells of azimuth. In a wide field of view the
+// azimuth of the line of sight varies, and with it the sun's direction relative to the viewing direction, so each cell
+// needs its own relit templates.
 #pragma once
 
 #include <optional>
@@ -14,19 +15,21 @@ namespace victorious {
 
 class SightCells {
  public:
-  /// @param vertical   nothing where nobody tells the camera's attitude: then there are no lines, and one cell
-  /// @param part       of the frame, which is searched, px
-  /// @param width_rad  of a cell, about: as many as the spread needs, mostly one
+  /// @param vertical   in the camera frame; nullopt for an unknown attitude: one cell without lines of sight
+  /// @param part       searched region of the frame, px; sampled on a 9 x 9 grid
+  /// @param width_rad  approximate width of a cell; the region's azimuth range is divided evenly, mostly into one cell
   SightCells(const std::optional<Vertical>& vertical, const Box& part, double width_rad);
 
-  /// How far off nadir the lines are, least and most, rad; 0 and pi where there are none.
+  /// Minimum and maximum off-nadir angle of the lines of sight, rad; 0 and pi for an unknown attitude.
   [[nodiscard]] std::pair<double, double> OffNadir() const;
 
-  /// The middle of the cell that an azimuth (Vertical::AzimuthAt) is in, or, beyond the part, of the one nearest to it.
+  /// The centre azimuth, rad, of the cell that contains `aside_rad`, or of the nearest cell outside the region.
+  /// @param aside_rad  azimuth relative to the line of sight through the image centre (Vertical::AzimuthAt)
   [[nodiscard]] double MiddleOf(double aside_rad) const;
 
-  /// The middles of the cells with lines that can show a view of what stands upright.
-  /// @param most_tilt_rad  by how much these may lie from the view's own
+  /// The centre azimuths, rad, of the cells whose lines of sight can show a view of an upright object; empty for an
+  /// unknown attitude.
+  /// @param max_tilt_rad  bound on the difference between the off-nadir angles of line of sight and view
   [[nodiscard]] std::set<double> MiddlesOf(double view_off_nadir_rad, double most_tilt_rad) const;
 
  private:
@@ -38,7 +41,7 @@ class SightCells {
   std::vector<Line> lines_;
   double count_ = 1;
   double width_rad_ = 0;
-  double first_rad_ = 0;  // middle of the first cell
+  double first_rad_ = 0;  // centre of the first cell
 };
 
 }  // namespace victorious

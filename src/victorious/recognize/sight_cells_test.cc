@@ -40,7 +40,7 @@ TEST(SightCells, AWideCamerasLinesAreNeverFarFromTheMiddleOfTheirs) {
   EXPECT_GE(SightCells(Camera(45, 70), kFrame, kWidth_rad).MiddlesOf(RadiansFromDegrees(45), kTilt_rad).size(), 2);
 }
 
-// The cells of a view are those of the lines that can show it.
+// A view has only the cells whose lines of sight can show it.
 TEST(SightCells, AFlatViewIsSeenInFewCellsOfACameraThatLooksDown) {
   const SightCells cells(Camera(20, 70), kFrame, kWidth_rad);
   EXPECT_LT(cells.MiddlesOf(RadiansFromDegrees(70), RadiansFromDegrees(15)).size(),

@@ -24,51 +24,53 @@ void VoteSearchOptions::ListFields(FieldList& fields) {
   fields.Add("nearest", nearest,
              {.min = 1,
               .max = static_cast<double>(kernels::kMostNeighbours),
-              .reason = "scene keypoints tried for each template keypoint, the likest first"});
+              .reason = "ranked matches per template keypoint: its nearest scene keypoints"});
   fields.Add("most_followed", most_followed,
-             {.min = 0, .max = 100000, .reason = "views whose neighbours are compared too: those of most evidence"});
+             {.min = 0,
+              .max = 100000,
+              .reason = "coarse views whose neighbours are matched, too: those of the highest -log10 NFA"});
   fields.Add("most_pooled", most_pooled,
              {.min = 0,
               .max = 100000,
               .unit = "views",
-              .reason = "of most evidence, whose votes are counted once more together with those of the views beside "
-                        "them: an object seen between two views has keypoints of both"});
+              .reason = "views of the highest -log10 NFA that vote once more together with the matches of their "
+                        "neighbours: an object seen from between two views matches keypoints of both"});
   fields.Add("most_lit", most_lit,
              {.min = 0,
               .max = 100000,
               .unit = "views",
-              .reason = "of every few views those compared under the sun, too: those of most evidence without; by "
-                        "default all, since a hard sun may hide what a soft sky shows"});
+              .reason = "coarse views that are also matched relit by the sun: those of the highest -log10 NFA under "
+                        "diffuse light; by default all, since direct sun may hide features of diffuse light"});
   fields.Add("most_tilt_rad", most_tilt_rad,
              {.min = 0.01,
               .max = 3.2,
               .unit = "rad",
-              .reason = "where telemetry tells the camera's attitude: an object's up lies so near to the vertical, the "
-                        "step between views included; 3.2 lets objects lie as they like"});
+              .reason = "with known camera attitude: maximum angle between an object's up axis and the vertical, the "
+                        "angular step between views included; 3.2 allows any attitude of the object"});
   fields.Add(
       "most_hanging_rad", most_hanging_rad,
       {.min = 0,
        .max = kPi / 2,
        .unit = "rad",
-       .reason = "where nobody tells the camera's attitude: an object's up points no further below the picture's "
-                 "horizontal; pi/2 for a camera that may be held upside down"});
+       .reason = "with unknown camera attitude: maximum angle of an object's up axis below the image's horizontal; "
+                 "pi/2 for a camera that may be upside down"});
   fields.Add("sun_step_rad", sun_step_rad,
              {.min = 0.05,
               .max = 3.2,
               .unit = "rad",
-              .reason = "azimuths of the sun so near to each other share what views look like under it: finer is more "
-                        "alike, and more to make and to keep in memory"});
+              .reason = "quantisation step of the sun's azimuth for relit templates; finer is more accurate, and needs "
+                        "more renderings and memory"});
   fields.Add("sun_evidence", sun_evidence,
              {.min = -100,
               .max = 1000,
               .unit = "decades",
-              .reason = "evidence that an object must have for its light to tell where the sun stands"});
+              .reason = "minimum -log10 NFA of a pose whose shading determines the sun's direction"});
   fields.Add("most_asked", most_asked,
              {.min = 1,
               .max = 100000,
               .unit = "views",
-              .reason = "in a frame, where the sun stands: those of most evidence under a soft sky; each is compared "
-                        "under eight suns"});
+              .reason = "views per frame that are tested for the sun's direction: those of the highest -log10 NFA "
+                        "under diffuse light; each is relit by eight suns"});
   fields.AddGroup("votes", votes);
 }
 
@@ -76,15 +78,15 @@ namespace {
 
 constexpr double kNoEvidence = -std::numeric_limits<double>::infinity();
 
-// A view under a soft sky, or under the sun that stands where another view's camera does.
+// A template to match: a view under diffuse light, or relit by a sun in the direction of another view's camera.
 struct Look {
   std::size_t view;
-  std::optional<std::size_t> sun_view;
-  std::optional<double> aside_rad = {};  // of the lines of sight that show it under this sun; nothing: of any
-  bool coarse = false;                   // as LitView
+  std::optional<std::size_t> sun_view;   // nullopt: diffuse light
+  std::optional<double> aside_rad = {};  // centre of the azimuth cell that this sun is valid for; nullopt: any
+  bool coarse = false;                   // half resolution, as in RelitTemplateKey
 };
 
-// The views that a scene may show: by their features, and by how far off nadir its lines of sight are.
+// For each view: true if the scene may show it: it has features, and its off-nadir angle fits the lines of sight.
 std::vector<bool> ChooseViews(const ObjectModel& model, const SightCells& cells, double most_tilt_rad) {
   const auto [least_rad, most_rad] = cells.OffNadir();
   std::vector<bool> chosen;
@@ -96,7 +98,8 @@ std::vector<bool> ChooseViews(const ObjectModel& model, const SightCells& cells,
   return chosen;
 }
 
-// Of the chosen views some none of which are neighbours, so many that every other is a neighbour of one.
+// The coarse views: a maximal independent set of the chosen views in the neighbour graph (greedy). Every chosen view is
+// a coarse view or the neighbour of one.
 std::vector<std::size_t> ChooseScouts(const ObjectModel& model, const std::vector<bool>& chosen) {
   std::vector<std::size_t> scouts;
   std::vector<bool> covered(model.views.size());
@@ -108,13 +111,14 @@ std::vector<std::size_t> ChooseScouts(const ObjectModel& model, const std::vecto
   return scouts;
 }
 
-// Of the object in the scene.
+// The centre of the object's box in the scene, px.
 Eigen::Vector2d MiddleOf(const Pose& pose, const Polygon& outline) {
   const Box box = BoundingBox(ProjectPolygon(pose.scene_from_template_plane, outline));
   return {box.x + box.width / 2, box.y + box.height / 2};
 }
 
-// The view whose camera stands nearest to where the sun does.
+// The view whose camera direction is nearest to the sun's direction: quantises the sun.
+// @param azimuth_rad  of the sun in the model frame, as ViewAngles::azimuth_rad
 std::size_t ViewFromSun(const ObjectModel& model, double azimuth_rad, double elevation_rad) {
   const auto closeness = [&](const ModelView& view) {
     const ViewAngles& angles = *view.angles;
@@ -124,26 +128,28 @@ std::size_t ViewFromSun(const ObjectModel& model, double azimuth_rad, double ele
   return static_cast<std::size_t>(std::ranges::max_element(model.views, {}, closeness) - model.views.begin());
 }
 
-// From straight above no view tells how the object is turned, and so where its sun stands.
+// True if the view is oblique enough to determine the object's heading, and with it the sun in the model frame.
 bool TellsHeading(const ModelView& view) {
   constexpr double kLeastOffNadir_rad = 0.3;
   return view.angles && view.angles->off_nadir_rad >= kLeastOffNadir_rad;
 }
 
-// Where the sun stands as a view's azimuth, if the object is seen from another view's azimuth; and back.
+// Converts the sun's azimuth between the viewing direction (relative) and the model frame (as ViewAngles::azimuth_rad),
+// for an object seen from view_azimuth_rad.
 double SunInModel(double view_azimuth_rad, double sun_ahead_rad) { return view_azimuth_rad + kPi + sun_ahead_rad; }
 double SunAhead(double view_azimuth_rad, double sun_in_model_rad) {
   return WrapAngle(sun_in_model_rad - view_azimuth_rad - kPi);
 }
 
-// A view as a line of sight shows it under the sun that stands where `sun` does ahead of the camera.
+// The relit template of a view for an azimuth cell: the sun's azimuth in the model's frame, quantised to sun_step_rad.
+// @param sun  relative to the viewing direction through the image centre
 Look LitLook(const ObjectModel& model, std::size_t view, double aside_rad, const Sun& sun, double sun_step_rad) {
   const double azimuth_rad = SunInModel(model.views[view].angles->azimuth_rad, sun.azimuth_rad - aside_rad);
   const double shared_rad = sun_step_rad * std::round(azimuth_rad / sun_step_rad);
   return {.view = view, .sun_view = ViewFromSun(model, shared_rad, sun.elevation_rad), .aside_rad = aside_rad};
 }
 
-// A look, and the most evidence of a pose that it found.
+// A matched template and the highest -log10 NFA of its poses.
 struct Lead {
   Look look;
   double evidence;
@@ -154,7 +160,7 @@ std::vector<Lead> ByEvidence(std::vector<Lead> leads) {
   return leads;
 }
 
-// One model against one scene.
+// Matches templates of one model with one scene and collects the poses.
 class Comparison {
  public:
   Comparison(const ObjectModel& model, const LitTemplates* lit, const VoteScene& scene,
@@ -166,10 +172,10 @@ class Comparison {
         looks_(looks),
         cells_(vertical, scene.features.Searched(), 2 * scene.options.sun_step_rad) {}
 
-  // Which places of what is searched are compared under which sun.
+  // The azimuth cells of the searched region.
   [[nodiscard]] const SightCells& cells() const { return cells_; }
 
-  // The most evidence of a pose that each look finds.
+  // Matches templates; returns the highest -log10 NFA of each, minus infinity without a pose.
   std::vector<double> Try(std::span<const Look> looks) {
     std::vector<LitView> needed;
     for (const Look& look : looks) {
@@ -188,16 +194,17 @@ class Comparison {
     return leads;
   }
 
-  // Looks once more at those of most evidence, each together with the looks beside it in the same light.
+  // Pools each of the best templates with the matched neighbours of the same light and votes again.
   void Pool(int most) {
     std::vector<std::size_t> order(compared_.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::erase_if(order, [&](std::size_t i) { return compared_[i].look.coarse; });  // has a sharp one if it is any good
+    // Half resolution is left out: the good ones have been matched at full resolution, too.
+    std::erase_if(order, [&](std::size_t i) { return compared_[i].look.coarse; });
     std::ranges::stable_sort(order, std::greater{}, [&](std::size_t i) { return compared_[i].evidence; });
     for (const std::size_t i : order | std::views::take(most)) {
       const Compared& one = compared_[i];
       if (one.evidence == kNoEvidence) break;
-      if (one.evidence >= scene_.options.votes.another_evidence) continue;  // found beyond doubt
+      if (one.evidence >= scene_.options.votes.another_evidence) continue;  // already certain
       std::vector<ComparedTemplate> beside;
       for (const Compared& other : compared_) {
         if (AreBeside(one.look, other.look)) beside.push_back(TemplateOf(other));
@@ -211,10 +218,10 @@ class Comparison {
   std::vector<Candidate> TakeCandidates() { return std::move(candidates_); }
 
  private:
-  // A look, and what came of it.
+  // A matched template and its results.
   struct Compared {
     Look look;
-    std::shared_ptr<const LitTemplate> lit;  // null: under a soft sky
+    std::shared_ptr<const LitTemplate> lit;  // null: diffuse light
     std::vector<RankedMatch> matches;
     double evidence = kNoEvidence;
   };
@@ -229,7 +236,7 @@ class Comparison {
     return compared_.back().evidence;
   }
 
-  // The most evidence of a pose of these keypoints, which the look shows.
+  // Adds the poses of a template's keypoints to the candidates; returns their highest -log10 NFA.
   double Vote(const Look& look, std::span<const Keypoint> keypoints, std::span<const Point3> points,
               std::span<const RankedMatch> matches) {
     const ModelView& view = model_.views[look.view];
@@ -256,7 +263,7 @@ class Comparison {
     return most_evidence;
   }
 
-  // So that each place of the frame is compared under one sun.
+  // True if the pose lies in the azimuth cell that the template was relit for: each position has one sun.
   [[nodiscard]] bool IsUnderItsSun(const Look& look, const Pose& pose) const {
     if (!look.aside_rad) return true;
     const double aside_rad = vertical_->AzimuthAt(MiddleOf(pose, model_.views[look.view].outline));
@@ -302,7 +309,7 @@ std::vector<Candidate> VoteSearch::Search(const VoteScene& scene, const FrameCon
   Comparison comparison(*model_, lit_.get(), scene, conditions.vertical, model_->views.size() * (sunny ? 2 : 1));
 
   const std::vector<bool> chosen = ChooseViews(*model_, comparison.cells(), options.most_tilt_rad);
-  std::set<std::pair<std::size_t, std::optional<double>>> tried;  // a view, and how far aside where under the sun
+  std::set<std::pair<std::size_t, std::optional<double>>> tried;  // view and azimuth cell; nullopt: diffuse light
   const auto add = [&](std::size_t view, std::optional<double> aside_rad, std::vector<Look>& looks) {
     if (!chosen[view] || (aside_rad && !TellsHeading(model_->views[view]))) return;
     if (!tried.emplace(view, aside_rad).second) return;
@@ -314,7 +321,7 @@ std::vector<Candidate> VoteSearch::Search(const VoteScene& scene, const FrameCon
   std::vector<Lead> leads = comparison.Leads(soft);
   std::vector<Look> lit;
   std::set<std::size_t> lit_views;
-  for (const Lead& lead : ByEvidence(leads)) {  // those without any, too: a hard sun may hide all that a soft sky shows
+  for (const Lead& lead : ByEvidence(leads)) {  // also those without a pose: direct sun may hide all diffuse features
     const ModelView& view = model_->views[lead.look.view];
     if (!sunny || std::ssize(lit_views) == options.most_lit) break;
     if (!TellsHeading(view)) continue;
@@ -328,7 +335,7 @@ std::vector<Candidate> VoteSearch::Search(const VoteScene& scene, const FrameCon
   std::vector<Look> near;
   for (const Lead& lead : ByEvidence(leads) | std::views::take(options.most_followed)) {
     if (lead.evidence == kNoEvidence) break;
-    if (lead.look.coarse) {  // once more, as sharp as its neighbours
+    if (lead.look.coarse) {  // again at full resolution, as its neighbours
       near.push_back(lead.look);
       near.back().coarse = false;
     }
@@ -393,7 +400,7 @@ std::optional<SunFound> VoteSearch::FindSun(const VoteScene& scene, const Vertic
   const double soft = std::ranges::max(leads, {}, &SunLead::evidence).evidence;
   if (evidence[best] < std::max(scene.options.sun_evidence, soft + 1)) return std::nullopt;
 
-  // Nearer, by the same view: the mean of the suns about, by how much more each explains.
+  // Refinement with the same view: the mean of the sun directions on a 10 degree grid, weighted by 1 / NFA.
   const std::size_t view = lit[best].view;
   const double first_rad = model_->views[*lit[best].sun_view].angles->azimuth_rad;
   std::vector<Look> nearer;
@@ -410,7 +417,7 @@ std::optional<SunFound> VoteSearch::FindSun(const VoteScene& scene, const Vertic
   const std::vector<double> nearer_evidence = comparison.Try(nearer);
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < suns.size(); ++i) mean += std::pow(10.0, nearer_evidence[i] - evidence[best]) * suns[i];
-  // From the line of sight of the object that told to the camera's own.
+  // From the object's line of sight to the viewing direction through the image centre.
   const std::vector<Candidate> told = comparison.TakeCandidates();
   const Candidate& surest =
       *std::ranges::max_element(told, {}, [](const Candidate& candidate) { return *candidate.pose.evidence; });

@@ -1,15 +1,18 @@
-// One model of many views searched in a scene by votes: match/ranked_matcher.h and pose/vote_poses.h over its views.
+// recognize/, searches one model of many views in a scene: ranked matches (match/ranked_matcher.h) and Hough voting
+// (pose/vote_poses.h) for each view, coarse to fine.
 //
-// Neighbouring views look alike: a scene is first compared with every few, the scouts, of which each other view is a
-// neighbour; then with the neighbours of those that found most. Less than half the work for nearly the same finds.
-// Where most was found, the votes of neighbours are counted together, too (pose/pooled_template.h).
+// 1. Coarse views: a maximal independent set of the view graph, so that every view is a coarse view or the neighbour of
+//    one. All of them are matched, since neighbouring views look alike.
+// 2. Refinement: the neighbours of the coarse views with the highest -log10 NFA. Less than half the cost for nearly the
+//    same detections.
+// 3. Pooling: the best views vote once more together with the matches of their neighbours (pose/pooled_template.h).
 //
-// Where the camera's attitude is known, only the views that an upright object can show are compared; where the sun is
-// known, too, each also as the sun would show it: an object that stands upright and is seen from a view's azimuth has
-// the sun in one place. A wide camera's lines of sight come from several azimuths; each place is compared under the sun
-// of its own. Making a lit view costs far more than comparing it: those sought first are made coarsely, and
-// sharp ones only of those followed. Where nobody tells the attitude, the camera is supposed to be held upright at
-// least.
+// Priors. With a known camera attitude only views that an upright object can show are matched; with an unknown attitude
+// the camera is assumed to be held upright (pose/upright.h). With a known sun each view is also matched as a relit
+// template: for an upright object, the view's azimuth determines the sun's direction in the model frame. In a wide
+// field of view that direction varies, and each azimuth cell (sight_cells.h) uses its own sun. Rendering a relit
+// template costs far more than matching it: coarse views are relit at half resolution, and only refined views at full
+// resolution.
 #pragma once
 
 #include <cstddef>
@@ -44,49 +47,51 @@ struct VoteSearchOptions {
   void ListFields(FieldList& fields);
 };
 
-/// A scene made ready, and how it is searched. The references outlive it.
+/// A prepared scene and the search options. Non-owning: the referenced objects must outlive it.
 struct VoteScene {
   const FeatureSet& features;
-  const RankedMatcher& ranked;  ///< of the features
+  const RankedMatcher& ranked;  ///< made from `features`
   const VoteSearchOptions& options;
   const PoseOptions& pose;
 };
 
-/// A view that may tell where the sun stands.
+/// A view whose shading in the scene may determine the sun's direction.
 struct SunLead {
   std::size_t view;
-  double evidence;  ///< decades, under a soft sky; minus infinity without any pose
+  double evidence;  ///< -log10 NFA of its best pose under diffuse light; minus infinity without a pose
 };
 
+/// An estimate of the sun's direction.
 struct SunFound {
-  Sun ahead;        ///< as FrameConditions::sun_ahead
-  double evidence;  ///< decades
+  Sun ahead;        ///< relative to the viewing direction, as FrameConditions::relative_sun
+  double evidence;  ///< -log10 NFA of the pose that determines it
 };
 
-/// Immutable once made: any number of threads may ask it at once.
+/// Immutable and thread-safe.
 class VoteSearch {
  public:
-  /// @param model  outlives this
-  /// @param lit    its views under a sun and as pictures; null: none
+  /// @param model  must outlive this
+  /// @param lit    source of the model's relit templates; null: none
   VoteSearch(const ObjectModel& model, std::shared_ptr<const LitTemplates> lit)
       : model_(&model), lit_(std::move(lit)) {}
 
   [[nodiscard]] bool KnowsSuns() const { return lit_ != nullptr; }
   [[nodiscard]] const LitTemplates* lit() const { return lit_.get(); }
 
-  /// The poses of every view compared; of Candidate, `model` is left to the caller.
+  /// The poses of all views that are matched, as candidates for Detect(). The caller sets Candidate::model_index.
   [[nodiscard]] std::vector<Candidate> Search(const VoteScene& scene, const FrameConditions& conditions) const;
 
-  /// The same of these views alone: where it is known already how the object is seen.
+  /// As Search(), for these views only, without the coarse-to-fine selection: the aspect is known.
   [[nodiscard]] std::vector<Candidate> SearchViews(const VoteScene& scene, const FrameConditions& conditions,
                                                    std::span<const std::size_t> views) const;
 
-  /// What of the scene could tell where the sun stands: views seen from aside that an upright object can show, by their
-  /// evidence under a soft sky. None without views under a sun.
+  /// The coarse views that may determine the sun: oblique views that an upright object can show, with their -log10 NFA
+  /// under diffuse light. In the order of the views; empty without relit templates.
   [[nodiscard]] std::vector<SunLead> FindSunLeads(const VoteScene& scene, const Vertical& vertical) const;
 
-  /// Where the sun stands, from how an instance of the model is lit in one of these views; nothing where no sun brings
-  /// options.sun_evidence, and as much more than a soft sky does that it is no chance.
+  /// Estimates the sun by matching these views relit from eight azimuths at 45 degrees elevation, then on a 10 degree
+  /// grid around the best. std::nullopt if the best -log10 NFA is below options.min_sun_neg_log10_nfa or less than one
+  /// decade above that of diffuse light.
   [[nodiscard]] std::optional<SunFound> FindSun(const VoteScene& scene, const Vertical& vertical,
                                                 std::span<const SunLead> leads) const;
 

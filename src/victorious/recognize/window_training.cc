@@ -17,7 +17,7 @@
 namespace victorious {
 namespace {
 
-// A window to be cut out.
+// A training window to sample.
 struct Cut {
   std::size_t picture = 0;
   Box window;  // square, px of the picture; may reach beyond it
@@ -26,7 +26,8 @@ struct Cut {
   bool calibrates = false;
 };
 
-// What lies beyond a picture's edge is a piece of a background: an edge continued would be a mark of things near it.
+// Fills the part of a window outside the image with a random piece of a background image: replicated borders would be a
+// cue for objects near the edge.
 cv::Mat CutOut(const cv::Mat& grey, const Box& window, int side_px, const cv::Mat& background, Random& random) {
   const int side = std::max(1, cvRound(window.width));
   const cv::Rect wanted(cvRound(window.x), cvRound(window.y), side, side);
@@ -46,7 +47,7 @@ cv::Mat CutOut(const cv::Mat& grey, const Box& window, int side_px, const cv::Ma
   return resampled;
 }
 
-// Inside the picture as far as it has room.
+// Shifts a window into the image; centres it along a side that is too short.
 Box Shifted(Box window, const cv::Size& picture) {
   const auto shift = [&](double at, int length) {
     return window.width <= length ? std::clamp(at, 0.0, length - window.width) : (length - window.width) / 2;
@@ -56,7 +57,8 @@ Box Shifted(Box window, const cv::Size& picture) {
   return window;
 }
 
-// About a thing as the windows that are looked at will be: off by up to half a step and half a factor.
+// The window around an object, jittered by up to half a step and half a scale factor as in a sliding-window search; not
+// jittered for random == nullptr.
 Box AboutThing(const Box& box, const WindowOptions& options, Random* random) {
   double side = options.room * std::max(box.width, box.height);
   double x = box.x + box.width / 2;
@@ -70,7 +72,7 @@ Box AboutThing(const Box& box, const WindowOptions& options, Random* random) {
   return {x - side / 2, y - side / 2, side, side};
 }
 
-// Anywhere; small windows are the more, as in a search, though not by as much.
+// A window at a random position with a log-uniform side: small windows are more frequent, as in a search.
 Box Anywhere(const cv::Size& picture, const WindowOptions& options, Random& random) {
   const double longest = std::min(picture.width, picture.height);
   const double shortest = std::min<double>(longest, options.smallest_px);
@@ -100,7 +102,7 @@ std::vector<Cut> FirstCuts(std::span<const BoxedPicture> pictures, const Categor
       const bool mirrored = options.features.mirrored && k % 2 == 1;
       cuts.push_back({i, window, picture.category, mirrored, true});
     }
-    // What has a part of the thing in it is none: a window is to be about it.
+    // Windows with only a part of the object are negatives: a detection must be centred on the object.
     const Box about = AboutThing(*picture.box, windows, nullptr);
     int parts = 0;
     constexpr int kTries = 20;
@@ -148,7 +150,7 @@ Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryEye& eye, std::s
   return examples;
 }
 
-// What the model takes for things in pictures of none of them, and beside the things in the others.
+// Hard negatives: false positives of the model in background images and beside the objects.
 std::vector<Cut> Mined(const CategoryModel& model, std::span<const BoxedPicture> pictures,
                        const CategoryTrainOptions& options, const std::string& none) {
   std::vector<std::size_t> things;
@@ -185,14 +187,14 @@ std::vector<Cut> Mined(const CategoryModel& model, std::span<const BoxedPicture>
 
 void WindowTrainOptions::ListFields(FieldList& fields) {
   fields.Add("copies", copies,
-             {.min = 1, .max = 100, .reason = "windows about each thing, none of them quite in its middle"});
+             {.min = 1, .max = 100, .reason = "jittered positive windows per object"});
   fields.Add("background", background,
-             {.min = 1, .max = 1000, .reason = "windows from anywhere in each picture of none of the things"});
+             {.min = 1, .max = 1000, .reason = "random negative windows per background image"});
   fields.Add(
       "mined", mined,
       {.min = 0,
        .max = 1000,
-       .reason = "windows of each picture, none of the things in them, that a first model takes most for things"});
+       .reason = "hard negatives per image: windows without an object that score highest under a first model"});
 }
 
 Expected<CategoryModel> TrainOnWindows(const CategoryEye& eye, std::span<const BoxedPicture> pictures,
@@ -200,8 +202,7 @@ Expected<CategoryModel> TrainOnWindows(const CategoryEye& eye, std::span<const B
   const auto none = std::ranges::find_if(pictures, [](const BoxedPicture& picture) { return !picture.box; });
   if (none == pictures.end())
     return Fail(ErrorCode::kInvalidArgument,
-                "windows are learned against pictures of none of the things: a category is needed whose pictures have "
-                "no boxes, background say");
+                "windows require background images: add a category whose images have no boxes, for example background");
   std::set<std::string> boxed;
   for (const BoxedPicture& picture : pictures) {
     if (picture.box) boxed.insert(picture.category);
@@ -211,8 +212,8 @@ Expected<CategoryModel> TrainOnWindows(const CategoryEye& eye, std::span<const B
   });
   if (another != pictures.end()) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{} and {}: neither has a box; windows are learned against one category without boxes, the "
-                            "others need theirs",
+                fmt::format("{} and {}: neither has boxes; windows require exactly one background category without "
+                            "boxes, and boxes for all others",
                             none->category, another->category));
   }
   std::vector<Cut> cuts = FirstCuts(pictures, options, none->category);

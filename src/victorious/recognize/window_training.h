@@ -1,9 +1,9 @@
-// Categories for windows (category/windows.h): what is learned from is cut out of pictures as windows will be, the
-// things about the middle, not quite, and of what is none of them windows from anywhere.
-// Method: a first model of random windows looks through the pictures of none of them; what it takes for a thing there
-// is learned from, too (hard negatives: N. Dalal and B. Triggs, "Histograms of oriented gradients for human detection",
-// CVPR 2005). Scores become probabilities by the highest score of each such picture: where many windows are looked at,
-// a find must be the clearer (category/held_out.h).
+// Trains a category model for sliding windows (category/windows.h). Positive windows contain an object, jittered in
+// position and scale as in a search; negative windows come from random positions of background images.
+// Method: a first model is trained on these windows; its false positives in the background images and beside the
+// objects are added as hard negatives, and the model is trained again (N. Dalal and B. Triggs, "Histograms of oriented
+// gradients for human detection", CVPR 2005). Probabilities are calibrated with the maximum score of each background
+// image, which accounts for the number of windows searched (category/held_out.h).
 #pragma once
 
 #include <optional>
@@ -23,7 +23,7 @@ namespace victorious {
 class CategoryEye;
 struct CategoryTrainOptions;
 
-/// What windows are cut out of pictures to learn from.
+/// Numbers of training windows per image.
 struct WindowTrainOptions {
   int copies = 2;
   int background = 10;
@@ -32,15 +32,16 @@ struct WindowTrainOptions {
   void ListFields(FieldList& fields);
 };
 
-/// A picture to cut windows out of.
+/// A labelled image to sample windows from.
 struct BoxedPicture {
   std::string category;
   cv::Mat grey;            ///< CV_8UC1
-  std::optional<Box> box;  ///< of the thing, px; nothing: none of the things is anywhere in the picture
+  std::optional<Box> box;  ///< of the object, px; nullopt: a background image without any object
 };
 
-/// Errors: those of TrainCategories; kInvalidArgument for options out of range, and without a picture of none of them.
-/// Cost: that of training twice, and of looking through every picture once.
+/// Errors: those of TrainCategories; kInvalidArgument for options out of range, without background images, and if more
+/// than one category has no boxes.
+/// Cost: training twice, and one sliding-window search of every image.
 Expected<CategoryModel> TrainOnWindows(const CategoryEye& eye, std::span<const BoxedPicture> pictures,
                                        const CategoryTrainOptions& options);
 

@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 cv::Mat Noise(int width, int height, Random& random) {
   cv::Mat picture(height, width, CV_8UC1);
   for (auto& pixel : cv::Mat_<std::uint8_t>(picture)) pixel = static_cast<std::uint8_t>(95 + random.Below(20));
-  for (int i = 0; i < 6; ++i) {  // things of no category
+  for (int i = 0; i < 6; ++i) {  // clutter
     const cv::Point at(static_cast<int>(random.Below(static_cast<std::uint32_t>(width))),
                        static_cast<int>(random.Below(static_cast<std::uint32_t>(height))));
     cv::line(picture, at, at + cv::Point(25, static_cast<int>(random.Below(30))), 60 + random.Below(130), 3);

@@ -30,7 +30,7 @@
 namespace victorious {
 namespace {
 
-// Other people's text within one line of ours.
+// External text for a one-line message: truncated, control characters replaced by spaces.
 std::string OneLine(std::string_view text) {
   constexpr std::size_t kLongest = 200;
   std::string line(text.substr(0, kLongest));
@@ -61,7 +61,7 @@ class SceneConverter {
     const aiMesh* mesh;
     aiMatrix4x4 file_from_mesh;
   };
-  // Where a material's texture coordinates come from.
+  // The texture coordinates of a material: UV channel and transform.
   struct UvSource {
     unsigned channel = 0;
     Eigen::Affine2f transform = Eigen::Affine2f::Identity();
@@ -70,7 +70,7 @@ class SceneConverter {
   Mesh& mesh() { return loaded_.mesh; }
   [[nodiscard]] bool IsGltf() const { return format_ == CadFormat::kGltf; }
 
-  // Every mesh where a node places it.
+  // Traverses the node graph; collects every mesh instance with its accumulated transform.
   void FindTransforms() {
     std::vector<std::pair<const aiNode*, aiMatrix4x4>> open;
     if (scene_.mRootNode != nullptr) open.emplace_back(scene_.mRootNode, scene_.mRootNode->mTransformation);
@@ -128,7 +128,7 @@ class SceneConverter {
     source.Get(AI_MATKEY_COLOR_DIFFUSE, colour);
     float opacity = 1;
     source.Get(AI_MATKEY_OPACITY, opacity);
-    // Editors write black, or the importer its grey, where texture or vertices hold the colour.
+    // If a texture or the vertices define the colour, editors write black and the importer its default grey.
     const bool unset = textured && colour.r == 0 && colour.g == 0 && colour.b == 0;
     if (unset || HasVertexColours(static_cast<unsigned>(mesh_materials()))) colour = {1, 1, 1, 1};
     const auto linear = [](float value) { return LinearFromSrgb(UnitRange(value)); };
@@ -137,7 +137,7 @@ class SceneConverter {
 
   [[nodiscard]] std::size_t mesh_materials() const { return loaded_.mesh.materials.size(); }
 
-  // The texture of the base colour, if there is one.
+  // Adds the base-colour texture, if the material has one.
   UvSource AddTexture(const aiMaterial& source, Material& material) {
     aiTextureType type = aiTextureType_BASE_COLOR;
     if (source.GetTextureCount(type) == 0) type = aiTextureType_DIFFUSE;
@@ -157,8 +157,8 @@ class SceneConverter {
     return uv;
   }
 
-  // KHR_texture_transform: scaled, turned, moved, about the image's left upper corner. The importer has rewritten the
-  // offset for a turn about the middle and an origin below; this takes its rewriting back.
+  // KHR_texture_transform: scale, rotation, translation about the image's left upper corner. The importer rewrites the
+  // offset for a rotation about the centre and an origin at the bottom; this undoes it.
   static Eigen::Affine2f GltfTransform(const aiUVTransform& imported) {
     const float c = std::cos(imported.mRotation);
     const float s = -std::sin(imported.mRotation);  // the importer negates the angle
@@ -176,7 +176,7 @@ class SceneConverter {
     return mode == aiTextureMapMode_Mirror ? TextureWrap::kMirror : TextureWrap::kRepeat;
   }
 
-  // Each picture is decoded once; -1, with a warning, for one that cannot be.
+  // Index of a texture in the mesh; decodes each file once. -1, with a warning, if it cannot be decoded.
   int TextureIndex(const std::string& name) {
     const auto [place, is_new] = texture_indices_.try_emplace(name, -1);
     if (!is_new) return place->second;
@@ -193,7 +193,7 @@ class SceneConverter {
   [[nodiscard]] Expected<cv::Mat> ReadTexture(const std::string& name) const {
     if (const aiTexture* embedded = scene_.GetEmbeddedTexture(name.c_str())) {
       if (embedded->mHeight != 0)
-        return Fail(ErrorCode::kUnsupported, name + ": raw pixels, not a PNG or JPEG picture");
+        return Fail(ErrorCode::kUnsupported, name + ": raw pixels; must be a PNG or JPEG image");
       const auto* bytes = reinterpret_cast<const std::byte*>(embedded->pcData);
       return DecodeTexture(std::span(bytes, embedded->mWidth), name);
     }
@@ -207,7 +207,7 @@ class SceneConverter {
     return std::any_of(bgra.begin<cv::Vec4b>(), bgra.end<cv::Vec4b>(), [](const cv::Vec4b& p) { return p[3] != 255; });
   }
 
-  // Exporters like to call everything blended; what is opaque all the same needs no sorting.
+  // Many exporters mark every material as blended. Opaque ones do not need depth sorting.
   void DrawAsOpaqueIfItIs(Material& material) const {
     const bool see_through = material.base_colour.w() < 1 || !loaded_.mesh.colours.empty() || TextureHasAlpha(material);
     if (material.alpha_mode == AlphaMode::kBlend && !see_through) material.alpha_mode = AlphaMode::kOpaque;
@@ -220,7 +220,7 @@ class SceneConverter {
       if (mesh().triangles.size() + placed.mesh->mNumFaces > kMaxTriangles ||
           mesh().positions.size() + placed.mesh->mNumVertices > 3 * kMaxTriangles) {
         return Fail(ErrorCode::kUnsupported,
-                    fmt::format("more than {} triangles: a simpler model is right", kMaxTriangles));
+                    fmt::format("more than {} triangles: simplify the model", kMaxTriangles));
       }
       AddVertices(placed, uv_sources_[static_cast<std::size_t>(material)]);
       AddTriangles(placed);
@@ -235,7 +235,7 @@ class SceneConverter {
     first_vertex_ = mesh().positions.size();
     aiMatrix3x3 normal_matrix(placed.file_from_mesh);
     normal_matrix.Inverse().Transpose();
-    // A 3DS file holds none; the importer's own run round every edge.
+    // 3DS files have no normals; those that the importer makes are smoothed over every edge.
     const bool has_normals = source.HasNormals() && format_ != CadFormat::k3ds;
     const bool has_uv =
         uv_source.channel < AI_MAX_NUMBER_OF_TEXTURECOORDS && source.HasTextureCoords(uv_source.channel);
@@ -273,7 +273,7 @@ class SceneConverter {
     const bool mirrored = placed.file_from_mesh.Determinant() < 0;
     for (unsigned i = 0; i < placed.mesh->mNumFaces; ++i) {
       const aiFace& face = placed.mesh->mFaces[i];
-      if (face.mNumIndices < 3) continue;  // points and lines
+      if (face.mNumIndices < 3) continue;  // a point or a line
       const bool whole =
           face.mNumIndices == 3 && std::all_of(face.mIndices, face.mIndices + 3, [&](unsigned corner) {
             return corner < placed.mesh->mNumVertices && mesh().positions[first_vertex_ + corner].allFinite();
@@ -290,7 +290,7 @@ class SceneConverter {
   void AddWarnings() {
     if (broken_triangles_ == 0) return;
     loaded_.warnings.push_back(
-        fmt::format("{} triangles left out: a corner of theirs does not exist or is not a number", broken_triangles_));
+        fmt::format("{} triangles left out: a vertex is missing or not finite", broken_triangles_));
   }
 
   const aiScene& scene_;
@@ -300,11 +300,11 @@ class SceneConverter {
   std::vector<Placed> placed_;
   std::vector<UvSource> uv_sources_;  // by material
   std::map<std::string, int> texture_indices_;
-  std::size_t first_vertex_ = 0;  // of the mesh that is being added
+  std::size_t first_vertex_ = 0;  // of the mesh instance that is being added
   std::size_t broken_triangles_ = 0;
 };
 
-// COLLADA's <up_axis>; Y unless it says so.
+// The <up_axis> of a COLLADA file; Y if not given.
 Axis ColladaUp(const CadFolder& folder) {
   const auto text = folder.Read(folder.name());
   if (!text) return Axis::kPlusY;
@@ -312,14 +312,14 @@ Axis ColladaUp(const CadFolder& folder) {
   return text->find("<up_axis>X_UP") != std::string::npos ? Axis::kPlusX : Axis::kPlusY;
 }
 
-// The importer reads beyond a PLY file whose header has no end.
+// assimp reads out of bounds if the header of a PLY file is not terminated.
 Status CheckPly(const CadFolder& folder) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string bytes, folder.Read(folder.name()));
   if (bytes.starts_with("ply") && bytes.find("end_header") != std::string::npos) return {};
-  return Fail(ErrorCode::kDataLoss, "damaged, or not a PLY file: its header has no end");
+  return Fail(ErrorCode::kDataLoss, "damaged, or not a PLY file: the header has no end_header");
 }
 
-// The importer of 3DS turns the scene from Z up to Y up; this turns it back.
+// assimp rotates 3DS scenes from Z up to Y up; this undoes it.
 void TurnBack3ds(Mesh& mesh) {
   const auto turn = [](Eigen::Vector3f& v) { v = Eigen::Vector3f(v.x(), -v.z(), v.y()); };
   std::ranges::for_each(mesh.positions, turn);
@@ -354,7 +354,7 @@ std::optional<CadFormat> CadFormatOf(std::string_view name) {
 Expected<ImportedMesh> ImportMesh(const CadFolder& folder, CadFormat format) {
   if (format == CadFormat::kPly) VICTORIOUS_RETURN_IF_ERROR(CheckPly(folder));
   Assimp::Importer importer;
-  importer.SetIOHandler(new CadFolderIo(folder));  // the importer deletes it
+  importer.SetIOHandler(new CadFolderIo(folder));  // the importer takes ownership
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* scene = nullptr;
@@ -366,7 +366,7 @@ Expected<ImportedMesh> ImportMesh(const CadFolder& folder, CadFormat format) {
     return Fail(ErrorCode::kDataLoss, fmt::format("damaged: {}", OneLine(exception.what())));
   }
   if (scene == nullptr) {
-    return Fail(ErrorCode::kDataLoss, fmt::format("damaged, or not of the format that its name says: {}",
+    return Fail(ErrorCode::kDataLoss, fmt::format("damaged, or not of the format of its extension: {}",
                                                   OneLine(importer.GetErrorString())));
   }
   ImportedMesh imported{.up = UpOf(format, folder)};

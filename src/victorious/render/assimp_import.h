@@ -1,4 +1,5 @@
-// Private to render/: assimp's scene as one mesh. Runs only where a crash does no harm (isolated.h).
+// Private to render/: converts an assimp scene into one Mesh. Call it only in the isolated process (isolated.h): assimp
+// may crash on hostile files.
 #pragma once
 
 #include <optional>
@@ -12,15 +13,15 @@ namespace victorious {
 
 enum class CadFormat { kGltf, kObj, kAc3d, kCollada, k3ds, kPly, kStl };
 
-/// By the name's ending, in either case.
+/// The format by file extension, case-insensitive; std::nullopt for any other extension.
 [[nodiscard]] std::optional<CadFormat> CadFormatOf(std::string_view name);
 
 struct ImportedMesh {
-  LoadedMesh loaded;       ///< in the file's own frame and unit; a missing normal is zero
-  Axis up = Axis::kPlusY;  ///< of that frame
+  LoadedMesh loaded;       ///< in the file's own frame and unit; missing normals are zero vectors
+  Axis up = Axis::kPlusY;  ///< the up axis of that frame
 };
 
-/// May throw std::bad_alloc. Error: kDataLoss, kUnsupported.
+/// Imports the CAD file of `folder`. May throw std::bad_alloc. Errors: kDataLoss, kUnsupported.
 Expected<ImportedMesh> ImportMesh(const CadFolder& folder, CadFormat format);
 
 }  // namespace victorious

@@ -25,7 +25,7 @@ class BytesStream : public Assimp::IOStream {
   std::size_t Write(const void*, std::size_t, std::size_t) override { return 0; }
   aiReturn Seek(std::size_t offset, aiOrigin origin) override {
     const std::size_t base = origin == aiOrigin_SET ? 0 : origin == aiOrigin_CUR ? at_ : bytes_.size();
-    const std::size_t target = base + offset;  // an offset back wraps around, as its type says
+    const std::size_t target = base + offset;  // unsigned: a negative offset wraps around correctly
     if (target > bytes_.size()) return aiReturn_FAILURE;
     at_ = target;
     return aiReturn_SUCCESS;

@@ -1,4 +1,4 @@
-// Private to render/: assimp's view of a CadFolder.
+// Private to render/: adapter from assimp's file interface (Assimp::IOSystem) to a CadFolder.
 #pragma once
 
 #include <assimp/IOSystem.hpp>
@@ -7,7 +7,7 @@
 
 namespace victorious {
 
-/// Read-only; every file is read whole when it is opened. `folder` must outlive it.
+/// Read-only. Open() reads the whole file into memory. `folder` must outlive this object.
 class CadFolderIo : public Assimp::IOSystem {
  public:
   explicit CadFolderIo(const CadFolder& folder) : folder_(folder) {}

@@ -14,7 +14,7 @@ namespace victorious {
 namespace fs = std::filesystem;
 namespace {
 
-// RFC 3986: "my%20tank.png" is "my tank.png".
+// Percent-decoding (RFC 3986): "my%20tank.png" becomes "my tank.png".
 std::string PercentDecoded(std::string_view text) {
   std::string decoded;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -40,7 +40,7 @@ CadFolder::CadFolder(std::span<const std::byte> bytes, std::string name, std::op
 
 std::optional<fs::path> CadFolder::Inside(const fs::path& relative) const {
   std::error_code error;
-  fs::path path = fs::canonical(*folder_ / relative, error);  // follows links: what counts is where the bytes lie
+  fs::path path = fs::canonical(*folder_ / relative, error);  // resolves links: the target must be in the folder
   if (error || !fs::is_regular_file(path, error)) return std::nullopt;
   const auto [folder_end, rest] = std::ranges::mismatch(*folder_, path);
   return folder_end == folder_->end() ? std::optional(std::move(path)) : std::nullopt;

@@ -1,4 +1,5 @@
-// Private to render/: the files that a CAD file may draw on, which are those in its own folder and below it.
+// Private to render/: resolves the file names in a CAD file. Only files in the CAD file's own folder, and below it, are
+// accessible.
 #pragma once
 
 #include <filesystem>
@@ -13,18 +14,20 @@ namespace victorious {
 
 class CadFolder {
  public:
-  /// @param bytes   the CAD file itself, used as long as this object lives
-  /// @param name    its name, without a folder
-  /// @param folder  where it lies; nothing: it stands alone
+  /// @param bytes   content of the CAD file; must outlive this object
+  /// @param name    its file name, without a folder
+  /// @param folder  its folder; std::nullopt if no other files are accessible
   CadFolder(std::span<const std::byte> bytes, std::string name, std::optional<std::filesystem::path> folder);
 
   [[nodiscard]] const std::string& name() const { return name_; }
 
-  /// Where a name that stands in the CAD file leads: nothing if there is no such file, or it lies elsewhere. A path of
-  /// another machine ("C:\work\tank.png") is looked for by its last part, a URI's escapes ("%20") are undone.
+  /// The path of a file that the CAD file refers to. std::nullopt if the file does not exist or lies outside the
+  /// folder. A path from another machine ("C:\work\tank.png") is also tried by its last component; URI escapes ("%20")
+  /// are also tried decoded.
   [[nodiscard]] std::optional<std::filesystem::path> Find(std::string_view name) const;
 
-  /// The CAD file's bytes for its own name, else those of the file that Find() finds.
+  /// The content of a file: `bytes` for the CAD file's own name, else the file that Find() returns. Errors: kNotFound,
+  /// and those of ReadFile().
   [[nodiscard]] Expected<std::string> Read(std::string_view name) const;
 
  private:

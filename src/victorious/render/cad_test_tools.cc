@@ -33,7 +33,7 @@ std::string PngOf(const cv::Mat& picture) {
   return {bytes.begin(), bytes.end()};
 }
 
-// The buffer of a GLB with its views and accessors.
+// The binary buffer of a GLB with its buffer views and accessors.
 class GlbBuffer {
  public:
   int AddView(const std::string& bytes) {

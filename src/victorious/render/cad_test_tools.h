@@ -1,4 +1,4 @@
-// For tests: small CAD files of every format, written here.
+// Test tools: builds small meshes and writes them as CAD files of every supported format.
 #pragma once
 
 #include <array>
@@ -10,31 +10,32 @@
 
 namespace victorious::testing {
 
-/// A box between two corners: 24 vertices, 12 triangles, six parts with a material each, in the order of
-/// `colours` (linear): the faces -x, +x, -y, +y, -z, +z. Each face's texture coordinates go from (0, 0) to (1, 1).
+/// An axis-aligned box from `low` to `high`: 24 vertices, 12 triangles, six parts with one material each, in the order
+/// of `colours` (linear): the faces -x, +x, -y, +y, -z, +z. The texture coordinates of each face span (0, 0) to (1, 1).
 Mesh Box(const Eigen::Vector3f& low, const Eigen::Vector3f& high, const std::array<Eigen::Vector3f, 6>& colours);
-/// All white.
+/// The same box, all white.
 Mesh Box(const Eigen::Vector3f& low, const Eigen::Vector3f& high);
 
-/// Adds a mesh's triangles to the last part of another. Both have normals and texture coordinates.
+/// Adds the triangles of `block` to the last part of `mesh`. Both meshes have normals and texture coordinates.
 void Append(const Mesh& block, Mesh& mesh);
 
-/// An upright square of side 2 about the origin, seen from +z, with a texture that is upright there.
+/// An upright square of side 2 centred at the origin. It faces +z; its texture is upright when seen from there.
 Mesh TexturedSquare(const cv::Mat& bgra);
 
 struct GlbExtras {
-  std::string node;          ///< members of the node, e.g. R"("translation":[1,0,0])"
-  std::string texture_info;  ///< members of each baseColorTexture besides its index
-  std::string top;           ///< members of the whole
-  std::string image_uri;     ///< textures lie there instead of in the file
+  std::string node;          ///< extra JSON members of the node, e.g. R"("translation":[1,0,0])"
+  std::string texture_info;  ///< extra JSON members of each baseColorTexture
+  std::string top;           ///< extra top-level JSON members
+  std::string image_uri;     ///< URI of the textures; empty: they are embedded in the file
 };
 
-// A mesh as a file, its positions as they are.
+// The functions below return a mesh as the bytes of a file. Positions are written unchanged.
 std::string GlbFrom(const Mesh& mesh, const GlbExtras& extras = {});
-/// Positions, texture coordinates, normals; the colours of parts go into `ObjMaterials` as "part0", "part1", ….
+/// Writes positions, texture coordinates and normals. ObjMaterials() writes the colours of the parts, as the materials
+/// "part0", "part1", ….
 std::string ObjFrom(const Mesh& mesh, const std::string& mtl_name = "");
 std::string ObjMaterials(const Mesh& mesh, const std::string& texture_name = "");
-/// Vertex colours as bytes, where the mesh has some.
+/// Writes vertex colours as bytes if the mesh has vertex colours.
 std::string PlyFrom(const Mesh& mesh);
 std::string StlFrom(const Mesh& mesh);
 std::string StlTextFrom(const Mesh& mesh);
@@ -42,7 +43,7 @@ std::string Ac3dFrom(const Mesh& mesh);
 std::string ColladaFrom(const Mesh& mesh, const std::string& up_axis = "Y_UP", double unit_m = 1.0);
 std::string ThreeDsFrom(const Mesh& mesh);
 
-/// A GLB of this JSON and binary chunk, whatever they hold.
+/// A GLB container with the given JSON and binary chunks; their content is not checked.
 std::string GlbOf(std::string json, std::string binary);
 
 }  // namespace victorious::testing

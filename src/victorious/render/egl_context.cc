@@ -26,7 +26,7 @@ Function Find(const char* name) {
   return reinterpret_cast<Function>(eglGetProcAddress(name));
 }
 
-// Every device that EGL knows: GPUs first, unless only software will do.
+// The displays of all EGL devices: GPUs, then software renderers; software renderers only if `software`.
 std::vector<EGLDisplay> DeviceDisplays(bool software) {
   const auto query_devices = Find<PFNEGLQUERYDEVICESEXTPROC>("eglQueryDevicesEXT");
   const auto query_string = Find<PFNEGLQUERYDEVICESTRINGEXTPROC>("eglQueryDeviceStringEXT");
@@ -84,8 +84,8 @@ Expected<EglContext> EglContext::Create(bool software) {
     if (made.MakeCurrent()) return made;
   }
   return Fail(ErrorCode::kInternal,
-              fmt::format("no device offers OpenGL 3.3 without a screen{}: Mesa's software renderer (Debian: libegl1, "
-                          "libgl1-mesa-dri) is enough",
+              fmt::format("no device supports headless OpenGL 3.3{}: install Mesa's software renderer (Debian: "
+                          "libegl1, libgl1-mesa-dri)",
                           software ? " in software" : ""));
 }
 
@@ -100,7 +100,7 @@ EglContext::~EglContext() {
 
 Status EglContext::MakeCurrent() const {
   if (eglGetCurrentContext() == context_) return {};
-  // The API to bind is the thread's, not the context's.
+  // The bound API is per thread, not per context.
   if (eglBindAPI(EGL_OPENGL_API) == EGL_TRUE &&
       eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_) == EGL_TRUE) {
     return {};

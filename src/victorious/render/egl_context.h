@@ -1,4 +1,4 @@
-// Private to render/: an OpenGL 3.3 core context without a window.
+// Private to render/: a headless OpenGL 3.3 core context (EGL).
 #pragma once
 
 #include <EGL/egl.h>
@@ -9,19 +9,20 @@ namespace victorious {
 
 class EglContext {
  public:
-  /// On the first device that offers it: GPUs before software, or only software. Error: kInternal.
+  /// Creates the context on the first device that supports it. Tries GPUs, then software renderers; software renderers
+  /// only if `software`. Error: kInternal, no device supports OpenGL 3.3.
   static Expected<EglContext> Create(bool software);
   ~EglContext();
   EglContext(EglContext&& other) noexcept;
   EglContext& operator=(EglContext&&) = delete;
 
-  /// OpenGL calls of this thread go to this context from now on. Error: kInternal.
+  /// Makes this context current on the calling thread. Error: kInternal.
   [[nodiscard]] Status MakeCurrent() const;
 
  private:
   EglContext(EGLDisplay display, EGLContext context) : display_(display), context_(context) {}
 
-  EGLDisplay display_;  // shared by all contexts of the device, therefore never terminated
+  EGLDisplay display_;  // never terminated: all contexts of the device share it
   EGLContext context_;
 };
 

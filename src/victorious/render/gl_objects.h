@@ -1,4 +1,4 @@
-// Private to render/: OpenGL's names as objects that free themselves. Their context must be current when they end.
+// Private to render/: RAII owners of OpenGL object names. Their context must be current when they are destroyed.
 #pragma once
 
 #define GL_GLEXT_PROTOTYPES 1

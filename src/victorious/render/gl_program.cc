@@ -14,7 +14,7 @@ using Log = std::array<char, 256>;
 
 Error BuildError(Log log) {
   std::ranges::replace(log, '\n', ' ');
-  return {ErrorCode::kInternal, fmt::format("the device does not take the renderer's shaders: {}", log.data())};
+  return {ErrorCode::kInternal, fmt::format("the device cannot build the renderer's shaders: {}", log.data())};
 }
 
 Status AttachShader(GLuint program, GLenum kind, const std::vector<const char*>& pieces) {
@@ -26,7 +26,7 @@ Status AttachShader(GLuint program, GLenum kind, const std::vector<const char*>&
   glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
   Log log = {};
   glGetShaderInfoLog(shader, log.size(), nullptr, log.data());
-  glDeleteShader(shader);  // lives on in the program
+  glDeleteShader(shader);  // the program keeps it alive
   if (compiled != GL_TRUE) return std::unexpected(BuildError(log));
   return {};
 }

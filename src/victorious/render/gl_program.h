@@ -14,7 +14,8 @@ namespace victorious {
 
 class GlProgram {
  public:
-  /// The fragment shader's source may come in pieces. Error: kInternal, with the driver's first line.
+  /// Compiles and links. The sources in `fragment` are concatenated. Error: kInternal, with the start of the driver's
+  /// log.
   static Expected<GlProgram> Make(const char* vertex, std::initializer_list<const char*> fragment);
   ~GlProgram();
   GlProgram(GlProgram&& other) noexcept;
@@ -22,7 +23,7 @@ class GlProgram {
 
   void Use() const { glUseProgram(name_); }
 
-  // The program must be in use. A uniform that the program does not have is passed over.
+  // Sets a uniform. The program must be in use. A uniform that the program does not have is ignored.
   void Set(const char* uniform, int value);
   void Set(const char* uniform, float value);
   void Set(const char* uniform, const Eigen::Vector2f& value);

@@ -1,11 +1,11 @@
-// Private to render/: what the passes draw into.
+// Private to render/: the framebuffers of the render passes.
 #pragma once
 
 #include "victorious/render/gl_objects.h"
 
 namespace victorious {
 
-/// A colour and a depth target of one size.
+/// A framebuffer with a colour texture and a depth buffer of the same size.
 class Target {
  public:
   Target(int width, int height, GLenum format) : width_(width), height_(height) {
@@ -42,7 +42,7 @@ class Target {
   GlRenderbuffer depth_;
 };
 
-/// What the three passes of a picture draw into.
+/// The framebuffers of the three passes over an image: supersampled colour, resolved colour, depth with instance.
 struct Targets {
   Targets(int width_px, int height_px, int samples)
       : width(width_px),
@@ -60,7 +60,7 @@ struct Targets {
   Target depth;
 };
 
-/// How far the sun's rays go, across a rectangle.
+/// The shadow map: a depth texture in the sun's parallel projection, with hardware depth comparison.
 class ShadowMap {
  public:
   ShadowMap() {

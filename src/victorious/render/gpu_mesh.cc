@@ -5,7 +5,7 @@
 namespace victorious {
 namespace {
 
-// An attribute of each vertex, or one value for all where there is none.
+// Uploads a vertex attribute; an empty array sets the constant 1 for all vertices.
 template <int Size>
 void UploadAttribute(GLuint location, const GlBuffer& buffer,
                      const std::vector<Eigen::Matrix<float, Size, 1>>& values) {

@@ -1,4 +1,4 @@
-// Private to render/: a mesh in the device's memory, and of its blended triangles what sorting needs.
+// Private to render/: a mesh in GPU memory. The centres of its blended triangles stay in main memory for depth sorting.
 #pragma once
 
 #include <array>
@@ -30,9 +30,9 @@ class GpuMesh {
   [[nodiscard]] const std::vector<BlendedTriangle>& blended() const { return blended_; }
   [[nodiscard]] const Eigen::AlignedBox3d& box() const { return box_; }
 
-  /// Binds the vertices, with the mesh's own triangles as elements.
+  /// Binds the vertex array, and the mesh's triangles as its element buffer.
   void BindVertices() const;
-  /// Binds the material's texture, or none of nature's own colour (white).
+  /// Binds the material's texture, or a white 1 x 1 texture if the material has none.
   void BindTexture(const Material& material) const;
 
  private:

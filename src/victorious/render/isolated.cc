@@ -33,10 +33,10 @@ constexpr bool kSanitized = false;
 constexpr bool kSanitized = false;
 #endif
 
-// How the copy ends.
-constexpr int kDone = 0;         // its result is in the file
-constexpr int kFailed = 1;       // its error is in the file: a byte for the code, then the message
-constexpr int kOutOfMemory = 2;  // the file is of no use
+// Exit codes of the child process.
+constexpr int kDone = 0;         // the file contains its result
+constexpr int kFailed = 1;       // the file contains its error: one byte for the code, then the message
+constexpr int kOutOfMemory = 2;  // the content of the file is undefined
 
 class FileDescriptor {
  public:
@@ -64,19 +64,19 @@ bool WriteAll(int fd, std::string_view bytes) {
 
 Expected<std::string> ReadAll(int fd) {
   struct stat status = {};
-  if (fstat(fd, &status) != 0) return std::unexpected(ErrorFromErrno(errno, "read the result of a process"));
+  if (fstat(fd, &status) != 0) return std::unexpected(ErrorFromErrno(errno, "read the result of the isolated process"));
   std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
   std::size_t done = 0;
   while (done < bytes.size()) {
     const ssize_t count = pread(fd, bytes.data() + done, bytes.size() - done, static_cast<off_t>(done));
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return Fail(ErrorCode::kInternal, "the result of a process cannot be read");
+    if (count <= 0) return Fail(ErrorCode::kInternal, "cannot read the result of the isolated process");
     done += static_cast<std::size_t>(count);
   }
   return bytes;
 }
 
-// The address space in use; limits count from there.
+// The address space of this process; the limit is relative to it.
 std::uint64_t AddressSpaceBytes() {
   std::uint64_t pages = 0;
   if (std::FILE* file = std::fopen("/proc/self/statm", "r")) {
@@ -89,10 +89,10 @@ std::uint64_t AddressSpaceBytes() {
 
 void Limit(__rlimit_resource resource, std::uint64_t soft, std::uint64_t hard) {
   const rlimit limit{soft, hard};
-  setrlimit(resource, &limit);  // a stricter limit that is already set stays
+  setrlimit(resource, &limit);  // fails if a stricter limit is set, which then stays
 }
 
-// The copy says nothing, leaves nothing behind, and does not outlive the program.
+// Sets up the child process: no output, no core dump, resource limits, killed with the parent.
 void ConfineThisProcess(const IsolationLimits& limits, std::uint64_t address_space_bytes) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   for (int signal = 1; signal < NSIG; ++signal) std::signal(signal, SIG_DFL);
@@ -123,25 +123,24 @@ int RunAndWrite(const std::function<Expected<std::string>()>& work, int fd) {
 
 Error TooLarge(const IsolationLimits& limits) {
   return {ErrorCode::kUnsupported,
-          fmt::format("takes more than {} MiB of memory to read: a smaller file is right", limits.memory_bytes >> 20)};
+          fmt::format("takes more than {} MiB of memory to read: use a smaller file", limits.memory_bytes >> 20)};
 }
 
 Expected<std::string> ResultOf(int wait_status, int fd, const IsolationLimits& limits) {
   if (WIFSIGNALED(wait_status)) {
     const int signal = WTERMSIG(wait_status);
     if (signal == SIGXCPU) {
-      return Fail(
-          ErrorCode::kUnsupported,
-          fmt::format("takes more than {} s of processor time to read: a smaller file is right, or one that is not "
-                      "damaged",
-                      limits.processor_s));
+      return Fail(ErrorCode::kUnsupported,
+                  fmt::format("takes more than {} s of processor time to read: use a smaller file, or one that is not "
+                              "damaged",
+                              limits.processor_s));
     }
     if (signal == SIGKILL) {
-      return Fail(ErrorCode::kUnsupported, "stopped while it was read: the machine may be out of memory");
+      return Fail(ErrorCode::kUnsupported, "killed while it was read: the machine may be out of memory");
     }
     if (signal == SIGXFSZ) return std::unexpected(TooLarge(limits));
-    if (signal == SIGINT || signal == SIGTERM) return Fail(ErrorCode::kCancelled, "stopped");
-    return Fail(ErrorCode::kDataLoss, "damaged: its reader crashed on it");
+    if (signal == SIGINT || signal == SIGTERM) return Fail(ErrorCode::kCancelled, "cancelled");
+    return Fail(ErrorCode::kDataLoss, "damaged: the importer crashed");
   }
   switch (WEXITSTATUS(wait_status)) {
     case kDone:
@@ -152,8 +151,8 @@ Expected<std::string> ResultOf(int wait_status, int fd, const IsolationLimits& l
     }
     case kOutOfMemory:
       return std::unexpected(TooLarge(limits));
-    default:  // a sanitizer's report
-      return Fail(ErrorCode::kDataLoss, "damaged: its reader crashed on it");
+    default:  // a sanitizer stopped the process
+      return Fail(ErrorCode::kDataLoss, "damaged: the importer crashed");
   }
 }
 
@@ -161,17 +160,17 @@ Expected<std::string> ResultOf(int wait_status, int fd, const IsolationLimits& l
 
 Expected<std::string> RunIsolated(const std::function<Expected<std::string>()>& work, const IsolationLimits& limits) {
   const FileDescriptor result(memfd_create("isolated", MFD_CLOEXEC));
-  if (result.get() < 0) return std::unexpected(ErrorFromErrno(errno, "make room for the result of a process"));
+  if (result.get() < 0) return std::unexpected(ErrorFromErrno(errno, "create the result file of the isolated process"));
   const std::uint64_t address_space_bytes = AddressSpaceBytes();
   const pid_t child = fork();
-  if (child < 0) return std::unexpected(ErrorFromErrno(errno, "start a process"));
+  if (child < 0) return std::unexpected(ErrorFromErrno(errno, "start the isolated process"));
   if (child == 0) {
     ConfineThisProcess(limits, address_space_bytes);
     _exit(RunAndWrite(work, result.get()));
   }
   int wait_status = 0;
   while (waitpid(child, &wait_status, 0) < 0) {
-    if (errno != EINTR) return std::unexpected(ErrorFromErrno(errno, "wait for a process"));
+    if (errno != EINTR) return std::unexpected(ErrorFromErrno(errno, "wait for the isolated process"));
   }
   return ResultOf(wait_status, result.get(), limits);
 }

@@ -1,4 +1,4 @@
-// Private to render/: work that may crash, in a process of its own.
+// Private to render/: runs code that may crash in a forked process with limited memory and CPU time.
 #pragma once
 
 #include <cstdint>
@@ -10,14 +10,15 @@
 namespace victorious {
 
 struct IsolationLimits {
-  std::uint64_t memory_bytes = std::uint64_t{1} << 30;  ///< address space beyond what the program has already
-  unsigned processor_s = 10;
+  std::uint64_t memory_bytes = std::uint64_t{1} << 30;  ///< address space in addition to that of the parent process
+  unsigned processor_s = 10;                            ///< CPU time, s
 };
 
-/// Runs `work` in a copy of this process (fork) that nothing else runs in, and returns its result. `work` sees the
-/// program's memory as it is; what it changes there is lost, and it must not start or wait for threads.
-/// Errors: those of `work`; kDataLoss if it crashed; kUnsupported if it went beyond the limits; kInternal if no process
-/// could be started. Under a sanitizer memory is bounded only by the sanitizer itself.
+/// Runs `work` in a forked copy of this process and returns its result. The copy has one thread only. `work` sees the
+/// memory of the parent as it is at the call; its writes to that memory are lost. `work` must not start or wait for
+/// threads.
+/// Errors: those of `work`; kDataLoss if it crashes; kUnsupported if it exceeds the limits; kInternal if the process
+/// cannot be started. Under a sanitizer only the sanitizer limits the memory.
 Expected<std::string> RunIsolated(const std::function<Expected<std::string>()>& work,
                                   const IsolationLimits& limits = {});
 

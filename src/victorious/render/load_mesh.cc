@@ -29,7 +29,7 @@ Eigen::Vector3f VectorOf(Axis axis) {
   return Eigen::Vector3f::Unit(IndexOf(axis)) * (minus ? -1.0F : 1.0F);
 }
 
-// The front that goes with an upward axis: what editors show from the front.
+// The default front axis for an up axis: the side that editors show in their front view.
 Axis DefaultFront(Axis up) { return IndexOf(up) == 2 ? Axis::kMinusY : Axis::kPlusZ; }
 
 struct Axes {
@@ -42,7 +42,7 @@ Expected<Axes> AxesOf(const LoadMeshOptions& options, Axis own_up) {
   const Axis front = options.front.value_or(DefaultFront(up));
   if (IndexOf(up) == IndexOf(front)) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("front {} and up {} lie on one line: two different axes are right",
+                fmt::format("front {} and up {}: must be two different axes",
                             kAxisNames[static_cast<std::size_t>(front)], kAxisNames[static_cast<std::size_t>(up)]));
   }
   return Axes{up, front};
@@ -58,7 +58,7 @@ void TurnIntoModelFrame(Mesh& mesh, const Axes& axes) {
   std::ranges::for_each(mesh.normals, turn);
 }
 
-// What is called an object's length; of a glTF without any along its front, the longest side too.
+// LoadedMesh::length_m for a box of this size. Also the longest side for a glTF without extent along its front axis.
 double LengthOf(const Eigen::Vector3d& size, CadFormat format) {
   return format == CadFormat::kGltf && size.x() > 0 ? size.x() : size.maxCoeff();
 }
@@ -67,7 +67,7 @@ Status Scale(Mesh& mesh, CadFormat format, const std::optional<double>& length_m
   const Eigen::Vector3d size = BoundingBox(mesh).sizes();
   const double length = LengthOf(size, format);
   if (!(length > 0)) {
-    return Fail(ErrorCode::kDataLoss, "all triangles lie in one point: nothing can be drawn");
+    return Fail(ErrorCode::kDataLoss, "all triangles lie in one point: the mesh must have an extent");
   }
   const float scale = length_m ? static_cast<float>(*length_m / length) : 1.0F;
   for (Eigen::Vector3f& position : mesh.positions) position *= scale;
@@ -76,7 +76,7 @@ Status Scale(Mesh& mesh, CadFormat format, const std::optional<double>& length_m
   const double largest = size.maxCoeff() * scale;
   if (!(largest < kLargest) || !(largest > kSmallest) || !(BoundingSphere(mesh).centre.norm() < kLargest)) {
     return Fail(ErrorCode::kDataLoss,
-                fmt::format("{:g} m long or far from its origin: {:g} to {:g} m can be drawn; its length may be given",
+                fmt::format("{:g} m long, or far from the origin: must be {:g} to {:g} m; its length may be given",
                             largest, kSmallest, kLargest));
   }
   return {};
@@ -88,7 +88,7 @@ Expected<LoadedMesh> ImportIntoModelFrame(const CadFolder& folder, CadFormat for
   Mesh& mesh = imported.loaded.mesh;
   if (mesh.triangles.empty()) {
     const std::string why = imported.loaded.warnings.empty() ? "" : " (" + imported.loaded.warnings.back() + ")";
-    return Fail(ErrorCode::kDataLoss, "no triangle that can be drawn" + why);
+    return Fail(ErrorCode::kDataLoss, "no triangle can be drawn" + why);
   }
   TurnIntoModelFrame(mesh, axes);
   VICTORIOUS_RETURN_IF_ERROR(Scale(mesh, format, options.length_m));
@@ -104,7 +104,7 @@ Expected<LoadedMesh> Load(std::span<const std::byte> bytes, const std::string& n
                 fmt::format("{}: not a CAD file (.gltf, .glb, .obj, .ac, .dae, .3ds, .ply or .stl)", name));
   }
   if (options.length_m && !(*options.length_m > 0 && std::isfinite(*options.length_m))) {
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("length {} m: above 0 is right", *options.length_m));
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("length {} m: must be above 0", *options.length_m));
   }
   const CadFolder cad_folder(bytes, fs::path(name).filename().string(), std::move(folder));
   const auto import = [&]() -> Expected<std::string> {
@@ -135,7 +135,7 @@ Expected<Axis> ParseAxis(std::string_view text) {
   if (name.size() == 1) name.insert(0, "+");
   const auto found = std::ranges::find(kAxisNames, name);
   if (found == kAxisNames.end()) {
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("axis '{}': x, y, z, -x, -y or -z is right", text));
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("axis '{}': must be x, y, z, -x, -y or -z", text));
   }
   return static_cast<Axis>(found - kAxisNames.begin());
 }

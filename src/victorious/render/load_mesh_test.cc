@@ -27,7 +27,7 @@ using testing::ScratchFolder;
 
 constexpr double kTolerance = 1e-5;
 
-// From the origin to (1, 2, 3): each axis and its sign can be told from its size.
+// From the origin to (1, 2, 3): the extents identify each axis and its sign.
 Mesh Brick() { return testing::Box({0, 0, 0}, {1, 2, 3}); }
 
 Expected<LoadedMesh> Decode(const std::string& bytes, const std::string& name, const LoadMeshOptions& options = {}) {
@@ -52,7 +52,7 @@ void ExpectOneLineError(const Expected<LoadedMesh>& loaded, const std::string& w
   EXPECT_THAT(loaded.error().message, HasSubstr(what));
 }
 
-// Corners counter-clockwise about normals of unit length that point out of the brick.
+// Checks that triangles are counter-clockwise about unit normals that point out of the brick.
 void ExpectOutwards(const Mesh& mesh) {
   const Eigen::Vector3f middle = BoundingBox(mesh).center().cast<float>();
   for (const auto& [a, b, c] : mesh.triangles) {
@@ -146,7 +146,7 @@ TEST(LoadMesh, GltfMaterialsAreHonoured) {
   brick.materials[2].alpha_cutoff = 0.25F;
   brick.materials[3].alpha_mode = AlphaMode::kBlend;
   brick.materials[3].base_colour.w() = 0.5F;
-  brick.materials[4].alpha_mode = AlphaMode::kBlend;  // with nothing to see through
+  brick.materials[4].alpha_mode = AlphaMode::kBlend;  // without any transparency
   const Mesh mesh = DecodeOrDie(testing::GlbFrom(brick), "a.glb");
   ASSERT_EQ(mesh.parts.size(), 6);
   const auto material = [&](std::size_t part) {
@@ -174,7 +174,7 @@ TEST(LoadMesh, VertexColoursAreLinearInGltfAndSrgbElsewhere) {
   EXPECT_EQ(ply.materials[0].base_colour, Eigen::Vector4f::Ones());
 }
 
-// Four texels, told apart: left upper red, right upper green, left lower blue, right lower white.
+// Four different texels: left upper red, right upper green, left lower blue, right lower white.
 cv::Mat FourTexels() {
   cv::Mat texture(2, 2, CV_8UC4);
   texture.at<cv::Vec4b>(0, 0) = {0, 0, 255, 255};
@@ -204,7 +204,7 @@ TEST(LoadMesh, TextureTransformsAreApplied) {
           R"("extensions":{"KHR_texture_transform":{"offset":[0.25,0.5],"scale":[0.5,0.25],"rotation":0.3}})",
       .top = R"("extensionsUsed":["KHR_texture_transform"])"};
   const Mesh mesh = DecodeOrDie(testing::GlbFrom(testing::TexturedSquare(FourTexels()), extras), "a.glb");
-  Eigen::Matrix2d turn;  // as the extension defines it: counter-clockwise where v goes down
+  Eigen::Matrix2d turn;  // as the extension defines it: counter-clockwise with v downwards
   turn << std::cos(0.3), std::sin(0.3), -std::sin(0.3), std::cos(0.3);
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
     const Eigen::Vector2d plain((mesh.positions[i].y() + 1) / 2, (1 - mesh.positions[i].z()) / 2);
@@ -301,7 +301,7 @@ TEST(LoadMesh, MissingNormalsAreSmoothButSharpAtEdges) {
   brick.normals.clear();
   ExpectOutwards(DecodeOrDie(testing::GlbFrom(brick), "a.glb"));
 
-  // A round wall of 24 sides, 15 degrees each, its vertices shared.
+  // A cylinder wall of 24 sides, 15 degrees each, with shared vertices.
   Mesh wall;
   constexpr int kSides = 24;
   for (int i = 0; i < kSides; ++i) {

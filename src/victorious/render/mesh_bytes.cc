@@ -9,7 +9,7 @@
 namespace victorious {
 namespace {
 
-// Eigen's fixed vectors of floats are plain numbers, which std::is_trivially_copyable does not say.
+// Fixed-size Eigen vectors of floats are plain data, although std::is_trivially_copyable is false for them.
 template <typename T>
 struct IsPlain : std::is_trivially_copyable<T> {};
 template <int Size>
@@ -45,7 +45,7 @@ class Writer {
   std::string bytes_;
 };
 
-// After a read beyond the end ok() is false and everything reads as zero or empty.
+// After a read beyond the end, ok() is false and all further reads return zero or empty.
 class Reader {
  public:
   explicit Reader(std::string_view bytes) : rest_(bytes) {}
@@ -76,7 +76,7 @@ class Reader {
     if (bytes.empty()) return {};
     return cv::Mat(rows, cols, CV_8UC4, const_cast<char*>(bytes.data())).clone();
   }
-  /// How many items of at least `item_bytes` follow.
+  /// Reads the number of items that follow, each at least `item_bytes` long.
   std::size_t Count(std::size_t item_bytes) {
     const auto count = Value<std::uint64_t>();
     if (count > rest_.size() / item_bytes) ok_ = false;
@@ -186,7 +186,7 @@ Expected<LoadedMesh> MeshFromBytes(std::string_view bytes) {
   }
   for (std::size_t left = reader.Count(1); left > 0 && reader.ok(); --left) loaded.warnings.push_back(reader.Text());
   if (!reader.ok() || !IsConsistent(mesh)) {
-    return Fail(ErrorCode::kDataLoss, "damaged: its reader returned nothing of use");
+    return Fail(ErrorCode::kDataLoss, "damaged: the importer returned an inconsistent mesh");
   }
   return loaded;
 }

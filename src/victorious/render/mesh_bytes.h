@@ -1,4 +1,4 @@
-// Private to render/: a loaded mesh as bytes, to pass it from one process to another of the same program.
+// Private to render/: serialises a loaded mesh, to pass it from the isolated import process to the parent (isolated.h).
 #pragma once
 
 #include <string>
@@ -10,7 +10,8 @@ namespace victorious {
 
 std::string BytesFromMesh(const LoadedMesh& loaded);
 
-/// Checks sizes and indices: the writer has read hostile bytes. Error: kDataLoss.
+/// The inverse of BytesFromMesh(). Checks sizes and indices, because a hostile CAD file may have taken control of the
+/// writing process. Error: kDataLoss.
 Expected<LoadedMesh> MeshFromBytes(std::string_view bytes);
 
 }  // namespace victorious

@@ -22,7 +22,7 @@ TEST(MeshBytes, ComeBackAsTheyWere) {
   EXPECT_EQ(back->warnings, loaded.warnings);
 }
 
-// What a reader that hostile bytes took over might write.
+// Bytes that an import process under the control of a hostile file could write.
 TEST(MeshBytes, WhatCannotBeDrawnIsRefused) {
   const auto refused = [](const auto& spoil) {
     LoadedMesh loaded = Loaded();

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3f;
 
 constexpr double kCreaseAngle = RadiansFromDegrees(40);
-constexpr std::size_t kMaxNeighbours = 64;  // a point with more (the tip of a fan) takes the first ones
+constexpr std::size_t kMaxNeighbours = 64;  // a point with more corners (tip of a fan) uses the first ones
 
 struct Corner {
   std::uint32_t triangle;
@@ -25,7 +25,7 @@ bool HasNormals(const Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) 
       triangle, [&](std::uint32_t vertex) { return std::abs(mesh.normals[vertex].norm() - 1.0F) < 0.01F; });
 }
 
-// Along the normal, as long as twice the area.
+// Normal of the triangle, scaled by twice its area.
 Vector3f AreaVector(const Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
   const Vector3f& origin = mesh.positions[triangle[0]];
   return (mesh.positions[triangle[1]] - origin).cross(mesh.positions[triangle[2]] - origin);
@@ -35,7 +35,7 @@ const Vector3f& PositionOf(const Mesh& mesh, const Corner& corner) {
   return mesh.positions[mesh.triangles[corner.triangle][corner.corner]];
 }
 
-// Sorted, so that the corners at one point stand together.
+// The corners of the triangles, sorted by position: corners at the same point are adjacent.
 std::vector<Corner> CornersByPosition(const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
   std::vector<Corner> corners;
   corners.reserve(3 * triangles.size());
@@ -51,7 +51,7 @@ std::vector<Corner> CornersByPosition(const Mesh& mesh, const std::vector<std::u
   return corners;
 }
 
-// The corner's triangle gets a vertex of its own there.
+// Replaces the vertex of a corner by a copy with its own normal.
 void SplitCorner(Mesh& mesh, const Corner& corner, const Vector3f& normal) {
   std::uint32_t& vertex = mesh.triangles[corner.triangle][corner.corner];
   const std::uint32_t old = vertex;

@@ -1,14 +1,14 @@
-// Private to render/: normals for triangles that came without.
+// Private to render/: computes missing vertex normals, area-weighted with a crease angle.
 #pragma once
 
 #include "victorious/render/mesh.h"
 
 namespace victorious {
 
-/// Recomputes the normals of every triangle with a corner whose normal is not of unit length (missing: zero). Its
-/// corners become vertices of their own, whose normal is the mean, weighted by area, of those triangles about the same
-/// point (of the ones to recompute) that meet this one at less than 40 degrees: smooth where the surface is, sharp at
-/// edges.
+/// Recomputes the normals of every triangle with a vertex normal that is not of unit length (a missing one is zero).
+/// Each of its corners becomes a separate vertex. The normal there is the area-weighted mean over the recomputed
+/// triangles at the same point that meet this triangle at less than 40 degrees (crease angle). Smooth surfaces are
+/// shaded smoothly; edges stay sharp.
 void FillMissingNormals(Mesh& mesh);
 
 }  // namespace victorious

@@ -12,7 +12,7 @@ void Paste(const cv::Mat& grey, const cv::Mat& mask, const Similarity2& picture_
   mask.convertTo(share, CV_32F, 1 / 255.0);
   grey.convertTo(object, CV_32F);
   object = object.mul(share);
-  // Pixels that become smaller than one are first made as wide as those of the picture.
+  // Low-pass filter before downscaling (anti-aliasing).
   const double shrink = 1 / picture_from_grey.scale;
   if (shrink > 1) {
     const double sigma_px = 0.5 * std::sqrt(shrink * shrink - 1);
@@ -20,7 +20,7 @@ void Paste(const cv::Mat& grey, const cv::Mat& mask, const Similarity2& picture_
     cv::GaussianBlur(share, share, {}, sigma_px);
   }
   const Eigen::Matrix2d linear = picture_from_grey.Linear();
-  const Eigen::Vector2d half(0.5, 0.5);  // OpenCV's pixels have their middle where ours have their corner
+  const Eigen::Vector2d half(0.5, 0.5);  // in OpenCV the centre of the first pixel is at 0, here at 0.5
   const Eigen::Vector2d shift = picture_from_grey.translation + linear * half - half;
   const cv::Matx23d map(linear(0, 0), linear(0, 1), shift.x(), linear(1, 0), linear(1, 1), shift.y());
   cv::warpAffine(object, object, map, picture.size());

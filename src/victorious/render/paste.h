@@ -1,4 +1,4 @@
-// A rendering laid over a picture, at any size and turn.
+// Composites a grey rendering into an image under a similarity transform.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -7,10 +7,11 @@
 
 namespace victorious {
 
-/// @param grey               CV_8UC1
-/// @param mask               CV_8UC1, of its size: how much of a pixel is object, 0 to 255; the rest is left out
-/// @param picture_from_grey  px; where it shrinks, pixels are averaged
-/// @param picture            CV_8UC1; what falls outside is left out
+/// Blends `grey` over `image` by the coverage in `mask`.
+/// @param grey             CV_8UC1, the rendering
+/// @param mask             CV_8UC1, same size as `grey`: coverage of each pixel by the object, 0 to 255
+/// @param image_from_grey  px; a scale below 1 applies a Gaussian low-pass filter first (anti-aliasing)
+/// @param image            CV_8UC1, changed in place; parts of the rendering outside it are clipped
 void Paste(const cv::Mat& grey, const cv::Mat& mask, const Similarity2& picture_from_grey, cv::Mat& picture);
 
 }  // namespace victorious

@@ -14,7 +14,7 @@ TEST(Paste, LaysWhatTheMaskCoversWhereTheSimilaritySays) {
   cv::Mat object = Grey(40, 20, 200);
   cv::Mat mask = Grey(40, 20, 0);
   mask(cv::Rect(10, 5, 20, 10)) = 255;
-  object.setTo(77, mask == 0);  // is never seen
+  object.setTo(77, mask == 0);  // never visible
   cv::Mat picture = Grey(100, 80, 50);
   Paste(object, mask, {.scale = 1, .rotation_rad = 0, .translation = {30, 40}}, picture);
   cv::Mat expected = Grey(100, 80, 50);
@@ -39,7 +39,7 @@ TEST(Paste, AveragesWhatItShrinks) {
 
 TEST(Paste, TurnsAndCutsOffAtTheEdge) {
   cv::Mat picture = Grey(60, 60, 50);
-  // A quarter turn clockwise: the bar that lies along x comes to stand, and half of it falls outside.
+  // A quarter turn clockwise: the horizontal bar becomes vertical, and half of it is clipped.
   Paste(Grey(40, 10, 200), Grey(40, 10, 255), {.scale = 1, .rotation_rad = kPi / 2, .translation = {30, 40}}, picture);
   EXPECT_EQ(picture.at<std::uint8_t>(55, 25), 200);
   EXPECT_EQ(picture.at<std::uint8_t>(55, 35), 50);

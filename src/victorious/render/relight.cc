@@ -32,8 +32,8 @@ Vector3d PointAt(const SeenSurface& seen, int row, int column) {
   return DepthAt(seen.depth_m, row, column) * seen.camera.pinhole.RayOf({column + 0.5, row + 0.5});
 }
 
-// Along one axis of the image: to the neighbour that lies less far in depth, so that a step between two surfaces is not
-// taken for a slope.
+// One-sided finite difference of the 3D points along an image axis. Uses the neighbour with the smaller depth
+// difference, so that a depth discontinuity is not taken for a slope.
 Vector3d Difference(const SeenSurface& seen, int row, int column, int down, int right) {
   const float here = DepthAt(seen.depth_m, row, column);
   const float next = std::abs(DepthAt(seen.depth_m, row + down, column + right) - here);
@@ -43,7 +43,7 @@ Vector3d Difference(const SeenSurface& seen, int row, int column, int down, int 
   return PointAt(seen, row, column) - PointAt(seen, row - down, column - right);
 }
 
-// Towards the camera, in the camera's frame; of length 1.
+// Unit normal in the camera frame, oriented towards the camera.
 Vector3d NormalAt(const SeenSurface& seen, int row, int column) {
   const Vector3d normal = Difference(seen, row, column, 1, 0).cross(Difference(seen, row, column, 0, 1));
   const double length = normal.norm();
@@ -51,13 +51,14 @@ Vector3d NormalAt(const SeenSurface& seen, int row, int column) {
   return normal / (normal.z() > 0 ? -length : length);
 }
 
-// The share of nine texels about a point, as seen from the sun, that nothing hides from it.
+// Visible fraction of the sun at a point: the fraction of 3 x 3 texels of the shadow map about it that do not occlude
+// it.
 double ShareLit(const Vector3d& point_in_world, const Vector3d& normal, const SeenSurface& from_sun) {
   const PinholeCamera& pinhole = from_sun.camera.pinhole;
   const Vector3d unbiased = from_sun.camera.camera_from_world.Apply(point_in_world);
   const double texel_m = unbiased.z() / pinhole.fx;
   const Vector3d point =
-      unbiased + 1.5 * texel_m * (from_sun.camera.camera_from_world.rotation * normal);  // off the surface
+      unbiased + 1.5 * texel_m * (from_sun.camera.camera_from_world.rotation * normal);  // normal offset bias
   const auto pixel = pinhole.Project(point);
   if (!pixel) return 1;
   const int column = static_cast<int>(std::floor(pixel->x()));

@@ -1,9 +1,12 @@
-// A rendering lit anew, without its mesh: what a picture and its depth tell is enough for another sun.
+// Relights a rendering for another sun from its grey image and depth map; the mesh is not needed. model/lit_views.h
+// makes relit templates with it.
 //
-// The depth gives each pixel's place and, by differences, its normal n. The picture was rendered under `before`, so the
-// albedo is its linear value over the irradiance of then, E = ground + (sky - ground)(1 + n.u)/2 + sun max(0, n.s)
-// (renderer.h), and the picture under `after` is the albedo times the irradiance of now. What the sun of `after`
-// reaches is read from the depth seen from near the sun: another rendering of the same object.
+// The depth map gives the 3D point of each pixel and, by finite differences, its normal n. The irradiance under a light
+// (renderer.h), with u up and s the direction to the sun, is
+//   E = ground + (sky - ground)(1 + n.u)/2 + sun max(0, n.s) v
+// The rendering has v = 1 (no shadows), so albedo = linear grey / E(before), and the relit image is albedo * E(after).
+// The sun visibility v under `after` comes from shadow mapping: the depth map of another rendering of the object, made
+// from near the direction of the sun.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -14,21 +17,22 @@
 
 namespace victorious {
 
-/// A clear day: of what a white surface in the sun reflects the sun gives some two thirds.
-/// @param sun  where it stands; the model is the world
+/// The light of a clear day: the sun contributes about two thirds of the irradiance of a surface that faces it.
+/// @param sun  direction from the object to the sun, in the model frame (the world frame is the model frame)
 [[nodiscard]] Light ClearDay(const ViewDirection& sun);
 
-/// What one camera sees of an object.
+/// The depth map of an object with the camera that it was rendered from.
 struct SeenSurface {
   PosedCamera camera;
-  cv::Mat depth_m;  ///< CV_32FC1, of the camera's size, along the optical axis; NaN where there is nothing
+  cv::Mat depth_m;  ///< CV_32FC1, size of the camera image, depth along the optical axis; NaN for background
 };
 
-/// @param grey        CV_8UC1, sRGB, of `seen`'s size, rendered under `before`
-/// @param before      without shadows
-/// @param after       its sun shades what it does not reach, whatever Light::shadows
-/// @param from_sun    the object seen from near the sun of `after`, all of it
-/// @return            the picture under `after`; as before where there is no depth
+/// @param grey       CV_8UC1, sRGB, size of `depth_map`, rendered under `before`
+/// @param depth_map  of the same rendering
+/// @param before     must be without shadows
+/// @param after      its sun casts shadows, regardless of Light::shadows
+/// @param from_sun   depth map of the whole object from near the direction of the sun of `after`
+/// @return           CV_8UC1, the image under `after`; pixels without depth are copied from `grey`
 [[nodiscard]] cv::Mat Relight(const cv::Mat& grey, const SeenSurface& seen, const Light& before, const Light& after,
                               const SeenSurface& from_sun);
 

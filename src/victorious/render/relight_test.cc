@@ -1,4 +1,4 @@
-// Against what the renderer itself makes of the same sun.
+// Compares Relight() with the renderer under the same sun.
 #include "victorious/render/relight.h"
 
 #include <array>

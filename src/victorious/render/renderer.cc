@@ -30,27 +30,27 @@ using Eigen::Vector3d;
 
 float LinearFromGrey(int grey) { return static_cast<float>(LinearFromSrgb(grey / 255.0)); }
 
-// Blended surfaces hide what lies behind them from this alpha on. Exporters like to call whole models blended, and
-// sorting alone draws those wrong wherever triangles reach past each other.
+// Blended surfaces with at least this alpha are drawn as opaque, with depth writes. Exporters often mark whole models
+// as blended, and depth sorting alone is wrong where triangles overlap in depth.
 constexpr float kAsGoodAsOpaque = 0.99F;
 constexpr float kNoLimit = 1e9F;
-// Blended surfaces count as there, to depth and to the sun, from this alpha on.
+// Blended surfaces with at least this alpha are in the depth map and cast shadows.
 constexpr float kThere = 0.5F;
-constexpr int kMostShadowTexels = 4096;  // a side of the shadow map
-constexpr int kShadowUnit = 1;           // where the shadow map is bound; textures are at 0
+constexpr int kMostShadowTexels = 4096;  // maximum side of the shadow map
+constexpr int kShadowUnit = 1;           // texture unit of the shadow map; material textures use unit 0
 
-// OpenGL takes an offset into the bound elements as a pointer.
+// OpenGL takes the byte offset into the bound element buffer as a pointer.
 const void* ElementsFrom(std::size_t offset) {
   return reinterpret_cast<const void*>(offset);  // NOLINT(performance-no-int-to-ptr)
 }
 
-// The range of depths that the picture needs, m.
+// Near and far clipping planes, m.
 struct DepthRange {
   double near_m;
   double far_m;
 };
 
-// Clip space as OpenGL has it, but with y down: its first row is then the picture's first.
+// Projection matrix to OpenGL clip space, but with y down: the first row of the framebuffer is the first image row.
 Matrix4f ClipFromCamera(const PinholeCamera& camera, const DepthRange& range) {
   const double depth = range.far_m - range.near_m;
   Eigen::Matrix4d clip = Eigen::Matrix4d::Zero();
@@ -82,12 +82,12 @@ struct Programs {
   GlProgram colour;
   GlProgram shaded_colour;
   GlProgram depth;
-  GlProgram opaque_caster;  // what the sun sees
-  GlProgram cut_caster;     // of that, what its material's alpha leaves
+  GlProgram opaque_caster;  // shadow map of opaque materials
+  GlProgram cut_caster;     // shadow map of masked and blended materials
   GlProgram resolve;
 };
 
-// A blended triangle of the picture that is being drawn.
+// A blended triangle of the current image, for depth sorting.
 struct Blended {
   float depth_m;
   std::uint32_t instance;
@@ -98,24 +98,26 @@ Status CheckCamera(const PinholeCamera& camera) {
   const bool finite = std::isfinite(camera.cx) && std::isfinite(camera.cy) && std::isfinite(camera.fx + camera.fy);
   if (finite && camera.fx > 0 && camera.fy > 0 && camera.width > 0 && camera.height > 0) return {};
   return Fail(ErrorCode::kInvalidArgument,
-              fmt::format("a camera of {} x {} pixels and focal lengths {}, {}: all above 0 is right", camera.width,
+              fmt::format("a camera of {} x {} pixels and focal lengths {}, {}: all must be above 0", camera.width,
                           camera.height, camera.fx, camera.fy));
 }
 
 }  // namespace
 
 void Light::ListFields(FieldList& fields) {
-  fields.Add("sky", sky, {.min = 0, .max = 10, .reason = "light from above; 1 makes a white roof white"});
-  fields.Add("ground", ground, {.min = 0, .max = 10, .reason = "light from below: what the ground throws back"});
-  fields.Add("sun", sun, {.min = 0, .max = 10, .reason = "weak, so that templates do not depend on its place"});
-  fields.Add("shadows", shadows, {.reason = "whether what stands in the sun's way shades; not in templates"});
+  fields.Add("sky", sky, {.min = 0, .max = 10, .reason = "light from above; 1 renders a white roof white"});
+  fields.Add("ground", ground, {.min = 0, .max = 10, .reason = "light from below, reflected by the ground"});
+  fields.Add("sun", sun, {.min = 0, .max = 10, .reason = "weak, so that templates hardly depend on its direction"});
+  fields.Add("shadows", shadows, {.reason = "whether objects cast shadows; off for templates"});
   fields.Add("shadow_softness_m", shadow_softness_m,
-             {.min = 0.001, .max = 100, .unit = "m", .reason = "width of a shadow's edge: that of a house's"});
+             {.min = 0.001, .max = 100, .unit = "m", .reason = "width of a shadow's edge; that of a house's shadow"});
 }
 
 void RenderOptions::ListFields(FieldList& fields) {
-  fields.Add("background", background, {.min = 0, .max = 255, .reason = "a middle grey: few edges against any object"});
-  fields.Add("supersampling", supersampling, {.min = 1, .max = 8, .reason = "4 samples a pixel smooth edges enough"});
+  fields.Add("background", background,
+             {.min = 0, .max = 255, .reason = "grey level; a middle grey gives weak edges against any object"});
+  fields.Add("supersampling", supersampling,
+             {.min = 1, .max = 8, .reason = "samples along each side of a pixel; 4 a pixel smooth edges enough"});
 }
 
 class Renderer::Device {
@@ -136,7 +138,7 @@ class Renderer::Device {
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
   }
 
-  ~Device() { std::ignore = context_.MakeCurrent(); }  // the members free themselves in it
+  ~Device() { std::ignore = context_.MakeCurrent(); }  // the destructors of the members need it
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
@@ -192,7 +194,7 @@ class Renderer::Device {
     VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(light));
     VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
     if (!(light.to_sun_in_world.norm() > 0)) {
-      return Fail(ErrorCode::kInvalidArgument, "the sun's direction has no length: above 0 is right");
+      return Fail(ErrorCode::kInvalidArgument, "the sun's direction is a zero vector: its length must be above 0");
     }
     const int largest = largest_side_px_ / options.supersampling;
     if (std::max(camera.width, camera.height) > largest) {
@@ -240,7 +242,7 @@ class Renderer::Device {
       placed_.push_back({&mesh, instance.world_from_mesh, matrix});
     }
     std::ranges::stable_sort(blended_, std::greater(), &Blended::depth_m);
-    // A camera amid the scene sees from a ten-thousandth of its depth on.
+    // For a camera inside the scene the near plane is at 1e-4 of the far plane.
     constexpr double kMargin = 0.01;
     const double far_m = farthest_m > 0 ? farthest_m * (1 + kMargin) : 1.0;
     const double near_m = std::clamp(nearest_m * (1 - kMargin), far_m * 1e-4, far_m * (1 - kMargin));
@@ -263,7 +265,7 @@ class Renderer::Device {
     }
   }
 
-  // Of blended materials only what has an alpha of `solid_from` or more.
+  // Draws a part; of blended materials only fragments with an alpha of at least `min_alpha`.
   static void DrawPart(GlProgram& program, const GpuMesh& mesh, const MeshPart& part, float solid_from) {
     const Material& material = mesh.MaterialOf(part);
     const float cutoffs[] = {0.0F, material.alpha_cutoff, solid_from};
@@ -295,7 +297,7 @@ class Renderer::Device {
     }
   }
 
-  // What DrawSolid() left, back to front, in runs of one material.
+  // Draws the blended triangles that DrawSolid() skipped, back to front, batched by material.
   void DrawBlended(GlProgram& program) {
     if (blended_.empty()) return;
     std::vector<std::array<std::uint32_t, 3>> corners(blended_.size());
@@ -326,7 +328,7 @@ class Renderer::Device {
     }
   }
 
-  // Ready for the program `shaded_colour`. False where the camera sees nothing.
+  // Renders the shadow map and sets it in the program `shaded_colour`. False if the camera sees no mesh.
   bool DrawShadowMap(const PosedCamera& camera, const Light& light) {
     std::vector<PlacedBox> boxes(placed_.size());
     std::ranges::transform(placed_, boxes.begin(), [](const Placed& placed) {
@@ -343,7 +345,7 @@ class Renderer::Device {
     return true;
   }
 
-  // In steps, so that a camera that moves can go on with the same texture.
+  // Size of the shadow map, rounded up to a multiple of 256: a moving camera can reuse the texture.
   [[nodiscard]] Eigen::Vector2i ShadowTexels(const Eigen::Vector2d& size_m, double texel_m) const {
     constexpr double kStep = 256;
     const double most = std::min(kMostShadowTexels, int{largest_side_px_});
@@ -438,7 +440,7 @@ class Renderer::Device {
     }
   }
 
-  EglContext context_;  // first, so that it ends last
+  EglContext context_;  // first, so that it is destroyed last
   Programs programs_;
   std::string name_;
   GLint largest_side_px_ = 0;
@@ -448,7 +450,7 @@ class Renderer::Device {
   std::optional<ShadowMap> shadow_map_;
   std::map<MeshId, GpuMesh> meshes_;
   int next_id_ = 0;
-  // Of the picture that is being drawn.
+  // State of the current image.
   std::vector<Placed> placed_;
   std::vector<Blended> blended_;
   Matrix4f clip_from_camera_ = Matrix4f::Identity();

@@ -27,7 +27,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using ::testing::HasSubstr;
 
-const Light kEven = {.sky = 1, .ground = 1, .sun = 0};  // every surface in its own colour
+const Light kEven = {.sky = 1, .ground = 1, .sun = 0};  // unshaded: every surface in its base colour
 
 Renderer MakeRenderer() {
   auto renderer = Renderer::Create({.software = true});
@@ -60,7 +60,7 @@ Mesh ColouredCube() {
                       {Vector3f(1, 0, 0), {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {0, 0, 0}, {1, 1, 1}});
 }
 
-// A square across the line of sight from behind, side 2, that only the camera at azimuth 0 faces.
+// A square of side 2, perpendicular to the optical axis of the camera at azimuth 0, facing it.
 Mesh SquareFacingBack(const cv::Mat& texture = cv::Mat(1, 1, CV_8UC4, cv::Scalar::all(255))) {
   Mesh mesh = testing::TexturedSquare(texture);
   // File +z is seen from behind: -x of the model; file +x is right of it: -y; file +y is up.
@@ -109,7 +109,7 @@ TEST(Renderer, UpIsUpAndNothingIsMirrored) {
   const Eigen::Vector2d left = *camera.pinhole.Project(camera.camera_from_world.Apply({0, 0.5, 0}));
   const Eigen::Vector2d back = *camera.pinhole.Project(camera.camera_from_world.Apply({-0.5, 0, 0}));
   const Eigen::Vector2d top = *camera.pinhole.Project(camera.camera_from_world.Apply({0, 0, 0.5}));
-  EXPECT_LT(left.x(), back.x());  // who looks forward sees the left side on the left
+  EXPECT_LT(left.x(), back.x());  // seen from behind, the left side is on the left
   EXPECT_LT(top.y(), std::min(left.y(), back.y()));
 }
 
@@ -121,7 +121,7 @@ TEST(Renderer, CornersStandWhereThePinholeProjectsThem) {
     for (const Vector3f& corner : ColouredCube().positions) {
       expected.extend(*camera.pinhole.Project(camera.camera_from_world.Apply(corner.cast<double>())));
     }
-    // Each border of the silhouette, to a part of a pixel from how far the corner's pixels are covered.
+    // Each border of the silhouette with subpixel accuracy, from the coverage of the corner's pixels.
     const cv::Rect box = cv::boundingRect(view.mask);
     EXPECT_NEAR(box.x, expected.min().x(), 1.0);
     EXPECT_NEAR(box.y, expected.min().y(), 1.0);
@@ -136,10 +136,10 @@ TEST(Renderer, EdgesLieWithinATenthOfAPixel) {
   const auto corner = [&](double y, double z) {
     return *camera.pinhole.Project(camera.camera_from_world.Apply({0, y, z}));
   };
-  // How much of a row and of a column is covered.
+  // Coverage of a row and of a column.
   EXPECT_NEAR(cv::sum(view.mask.row(100))[0] / 255, corner(-1, 0).x() - corner(1, 0).x(), 0.15);
   EXPECT_NEAR(cv::sum(view.mask.col(120))[0] / 255, corner(0, -1).y() - corner(0, 1).y(), 0.15);
-  // Its middle.
+  // Centre of the covered part.
   const cv::Moments moments = cv::moments(view.mask);
   EXPECT_NEAR(moments.m10 / moments.m00 + 0.5, 120, 0.02);
   EXPECT_NEAR(moments.m01 / moments.m00 + 0.5, 100, 0.02);
@@ -155,7 +155,7 @@ TEST(Renderer, DepthIsWhereTheRayMeetsThePlane) {
       const Vector3d ray = camera.pinhole.RayOf({col + 0.5, row + 0.5});
       const Vector3d origin = world_from_camera.translation;
       const Vector3d direction = world_from_camera.rotation * ray;
-      // Slabs: the ray is in the cube from `enter` to `leave`.
+      // Slab test: the ray is inside the cube from `enter` to `leave`.
       const Eigen::Array3d a = (-0.5 - origin.array()) / direction.array();
       const Eigen::Array3d b = (0.5 - origin.array()) / direction.array();
       const double enter = a.min(b).maxCoeff();
@@ -202,7 +202,7 @@ TEST(Renderer, DoubleSidedTrianglesAreLitOnTheSideSeen) {
   const Light from_behind = {.sky = 0, .ground = 0, .sun = 1, .to_sun_in_world = {-1, 0, 0}};
   EXPECT_THAT(Middle(RenderOrDie(square, CameraAt(0, 90), from_behind)), IsColour(kWhite));
   EXPECT_THAT(Middle(RenderOrDie(square, CameraAt(180, 90), from_behind)), IsColour(cv::Vec3b(0, 0, 0)));
-  for (Vector3f& normal : square.normals) normal = -normal;  // corners and normals at odds
+  for (Vector3f& normal : square.normals) normal = -normal;  // normals opposite to the winding
   EXPECT_THAT(Middle(RenderOrDie(square, CameraAt(0, 90), from_behind)), IsColour(kWhite));
 }
 
@@ -285,7 +285,7 @@ TEST(Renderer, AlphaIsIgnoredCutOrBlended) {
 }
 
 TEST(Renderer, BlendedTrianglesAreDrawnBackToFront) {
-  // Two panes of half-clear red and blue at two depths, in either order.
+  // Two half-transparent panes, red and blue, at two depths, in either order.
   const auto pane = [](const Eigen::Vector4f& colour) {
     Mesh square = SquareFacingBack();
     square.materials[0].alpha_mode = AlphaMode::kBlend;
@@ -305,7 +305,7 @@ TEST(Renderer, BlendedTrianglesAreDrawnBackToFront) {
 }
 
 TEST(Renderer, BlendedButOpaqueTrianglesHideWhatLiesBehind) {
-  // A large green plane leans so that its middle is farther than the small red square's, but covers it.
+  // A tilted green plane whose centre is farther than that of the small red square occludes the square.
   Mesh plane = SquareFacingBack();
   for (Vector3f& p : plane.positions) p = Vector3f(p.y() > 0 ? -0.2F : 9.0F, p.y() > 0 ? 0.9F : -9.0F, p.z());
   Mesh square = SquareFacingBack();
@@ -340,7 +340,7 @@ TEST(Renderer, InstancesHideEachOther) {
   EXPECT_EQ(instance(75, 100), 2);
   EXPECT_EQ(instance(150, 100), 0);
   EXPECT_EQ(instance(2, 2), -1);
-  EXPECT_THAT(At(*view, {75, 100}), IsColour(kGreen));  // turned round, it shows its front
+  EXPECT_THAT(At(*view, {75, 100}), IsColour(kGreen));  // rotated, it shows its front
 }
 
 TEST(Renderer, IsDeterministicAndKeepsNothingOfOtherPictures) {

@@ -1,4 +1,4 @@
-// Private to render/: the programs of the passes (GLSL 3.30). Camera space: x right, y down, z forward, metres.
+// Private to render/: the shaders of the render passes (GLSL 3.30). Camera frame: x right, y down, z forward, metres.
 #pragma once
 
 namespace victorious::shaders {
@@ -24,7 +24,7 @@ void main() {
 }
 )";
 
-// What both passes over the meshes share; put before their own part.
+// Common part of the fragment shaders of all passes over the meshes; prepended to their own source.
 inline constexpr const char* kMeshFragmentHead = R"(#version 330 core
 in vec3 point_in_camera;
 in vec3 normal_in_camera;
@@ -32,10 +32,10 @@ in vec2 texture_uv;
 in vec4 vertex_colour;
 uniform vec4 base_colour;
 uniform sampler2D base_texture;
-uniform vec2 alpha_range;  // outside it nothing is drawn; its upper end is not part of it
-// The texture's mean over the pixel's footprint, which is long where a surface is seen obliquely: some samples along its
-// longer axis, each as sharp as its shorter one. Drivers do this each in their own way, and Mesa's software renderer at
-// a hundred times the cost where triangles are thin.
+uniform vec2 alpha_range;  // fragments with alpha outside [x, y) are discarded
+// Anisotropic filtering: the mean of several samples along the longer axis of the pixel's footprint, at the mipmap
+// level of its shorter axis. Done here because results of drivers differ, and Mesa's software renderer takes a hundred
+// times the time for thin triangles.
 vec4 TextureColour() {
   const float kMostSamples = 8.0;
   vec2 size = vec2(textureSize(base_texture, 0));
@@ -61,26 +61,26 @@ vec4 SurfaceColour() {
 }
 )";
 
-// How much of the sun reaches a point, for kColourFragment: all of it, or what kSunDepth lets through.
+// SunVisibility() for kColourFragment, the visible fraction of the sun at the point: here 1, no shadow map.
 inline constexpr const char* kNoShadow = R"(
 float SunSeen(vec3 face) { return 1.0; }
 )";
 
-// Filtered comparisons with the depth that the sun sees, at nine places in the plane of the surface. That plane is what
-// a place's depth is compared with, so the surface itself is no shade to it; the bias is how far the map's depth can
-// be from the plane within a texel.
+// SunVisibility() with a shadow map: percentage-closer filtering with nine filtered depth comparisons in the tangent
+// plane of the surface. Each sample compares the map with the depth of the tangent plane, which avoids self-shadowing
+// (receiver-plane depth). The bias is the maximum distance of the map's depth from the plane within a texel.
 inline constexpr const char* kShadow = R"(
 uniform sampler2DShadow sun_depth;
 uniform mat4 sun_from_camera;
-uniform vec3 sun_low;   // the map's box in the sun's frame, m
+uniform vec3 sun_low;   // minimum corner and size of the map's box in the sun frame, m
 uniform vec3 sun_size;
 uniform vec2 texel_m;
-uniform vec2 step_m;    // between neighbouring places
+uniform vec2 step_m;    // between neighbouring samples
 const vec2 kPlaces[9] = vec2[](vec2(-1, -1), vec2(1, -1), vec2(-1, 1), vec2(1, 1), vec2(0, 0),
                                vec2(0, -1), vec2(-1, 0), vec2(1, 0), vec2(0, 1));
-const int kFirstPlaces = 5;  // where these agree, so do the others
+const int kFirstPlaces = 5;  // if these agree, the others are skipped
 float SunSeen(vec3 face) {
-  const float kSteepest = 0.02;  // beyond it a surface has next to no sun
+  const float kSteepest = 0.02;  // cosine; surfaces at more grazing angles get hardly any sun
   vec3 normal = mat3(sun_from_camera) * normalize(face);
   vec3 point = (sun_from_camera * vec4(point_in_camera, 1.0)).xyz - sun_low;
   vec2 slope = normal.xy / max(-normal.z, kSteepest);
@@ -108,7 +108,7 @@ out vec4 result;
 void main() {
   vec4 colour = SurfaceColour();
   vec3 normal = normalize(normal_in_camera);
-  // The side that is seen, whichever way the corners go.
+  // The geometric normal towards the camera, for either winding of the triangle.
   vec3 face = cross(dFdx(point_in_camera), dFdy(point_in_camera));
   if (dot(face, point_in_camera) > 0.0) face = -face;
   if (double_sided && dot(face, normal) < 0.0) normal = -normal;
@@ -127,7 +127,7 @@ void main() {
 }
 )";
 
-// What the sun sees: depth alone. Put after kMeshFragmentHead where a texture may have holes.
+// Fragment shaders of the shadow map pass, depth only. kMaskedCaster discards by alpha and follows kMeshFragmentHead.
 inline constexpr const char* kOpaqueCaster = R"(#version 330 core
 void main() {}
 )";
@@ -137,12 +137,12 @@ void main() { SurfaceColour(); }
 
 inline constexpr const char* kScreenVertex = R"(#version 330 core
 void main() {
-  vec2 corner = vec2((gl_VertexID << 1) & 2, gl_VertexID & 2);  // one triangle over the whole screen
+  vec2 corner = vec2((gl_VertexID << 1) & 2, gl_VertexID & 2);  // one triangle that covers the viewport
   gl_Position = vec4(2.0 * corner - 1.0, 0.0, 1.0);
 }
 )";
 
-// The mean of a pixel's samples, as sRGB (IEC 61966-2-1), blue first.
+// Resolve pass: the mean of a pixel's samples, converted to sRGB (IEC 61966-2-1), channel order blue, green, red.
 inline constexpr const char* kResolveFragment = R"(#version 330 core
 uniform sampler2D samples;
 uniform int supersampling;

@@ -1,4 +1,4 @@
-// The sun's shadows (renderer.h) against geometry.
+// Compares the renderer's cast shadows (renderer.h) with geometry.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -22,7 +22,7 @@ using Eigen::Vector3f;
 
 const Vector3d kToSun = Vector3d(0.5, -0.7, 0.9).normalized();
 
-// Half of a white ground's light is the sky's, half the sun's where it is seen: 188 and 255 as sRGB.
+// White ground: half of the light from the sky, half from the visible sun. In sRGB: 188 in shadow, 255 in the sun.
 Light SunAndSky(bool shadows, double softness_m = 0.05) {
   return {.sky = 0.5,
           .ground = 0.5,
@@ -74,7 +74,7 @@ Vector3d PointAt(const RenderedView& view, const PosedCamera& camera, int col, i
 
 int GreyAt(const RenderedView& view, int col, int row) { return view.bgr.at<cv::Vec3b>(row, col)[1]; }
 
-// How grey the ground is at a point, which must be in the picture.
+// Grey value of the ground at a point, which must be in the image.
 int GreyOfGround(const RenderedView& view, const PosedCamera& camera, const Vector3d& point) {
   const Eigen::Vector2d pixel = *camera.pinhole.Project(camera.camera_from_world.Apply(point));
   return GreyAt(view, static_cast<int>(pixel.x()), static_cast<int>(pixel.y()));
@@ -130,7 +130,7 @@ TEST(Shadow, IsNotDrawnUnlessAskedFor) {
 }
 
 TEST(Shadow, NoConvexBodyShadesItself) {
-  // Turned, so that no face lies along an axis; small and far away, and with the coarsest and the finest edges.
+  // Rotated, so that no face is parallel to an axis; small and far away, with the minimum and the maximum softness.
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.6, Vector3d(1, 2, 3).normalized()));
   for (const float size_m : {0.3F, 3.0F, 60.0F}) {
     Scene scene;
@@ -151,7 +151,7 @@ TEST(Shadow, EdgesAreAsWideAsAskedFor) {
   scene.Add(Ground());
   scene.Add(testing::Box({-5, -5, 4}, {0, 5, 4.1F}));
   const PosedCamera camera = CameraFrom(0, 0, 4);
-  // The sun stands over the y axis: the edge at x = 0 lies along the ray, its shadow at x = 0 too.
+  // The sun is in the yz plane: the edge at x = 0 and its shadow both lie at x = 0.
   Light light = SunAndSky(true);
   light.to_sun_in_world = {0, 1, 1};
   light.sun = 0.5 * std::sqrt(2.0);
@@ -160,7 +160,7 @@ TEST(Shadow, EdgesAreAsWideAsAskedFor) {
     const RenderedView view = scene.Render(camera, light);
     double least = 1e9;
     double most = -1e9;
-    for (double x = 0; x < 2; x += 0.01) {  // the half that the board itself does not cover
+    for (double x = 0; x < 2; x += 0.01) {  // the half that the board does not occlude
       const int grey = GreyOfGround(view, camera, {x, 0, 0});
       if (grey > kShaded + 3 && grey < kLit - 3) {
         least = std::min(least, x);
@@ -173,7 +173,7 @@ TEST(Shadow, EdgesAreAsWideAsAskedFor) {
   EXPECT_LT(width_m(0.05), 0.2);
 }
 
-// The middle of a roof's shadow, and that of its quarter towards +x and +y.
+// Grey values at the centre of a roof's shadow, and at that of its quarter towards +x and +y.
 struct UnderRoof {
   int middle;
   int quarter;
@@ -214,7 +214,7 @@ TEST(Shadow, BlendedSurfacesCastFromHalfAnAlphaOn) {
 TEST(Shadow, FallsIntoThePictureFromBeyondIt) {
   Scene scene;
   scene.Add(Ground());
-  // A tower towards the sun, 30 m from what is seen and as high as its shadow needs.
+  // A tower towards the sun, 30 m from the visible region, high enough that its shadow reaches it.
   const Vector3d foot = 30 * Vector3d(kToSun.x(), kToSun.y(), 0).normalized();
   scene.Add(testing::Box({-1, -1, 0}, {1, 1, 40}), {Eigen::Quaterniond::Identity(), foot});
   const PosedCamera camera = CameraFrom(0, 0, 3);
@@ -225,7 +225,7 @@ TEST(Shadow, FallsIntoThePictureFromBeyondIt) {
 }
 
 TEST(Shadow, IsSharpOverATown) {
-  // 300 m of ground from 150 m up through 15 degrees, straight down and aslant: a pole half a metre thick shades.
+  // 300 m of ground, seen from 150 m above at 15 degrees, straight down and oblique: a pole 0.5 m thick casts a shadow.
   Scene scene;
   scene.Add(testing::Box({-150, -150, -1}, {150, 150, 0}));
   scene.Add(testing::Box({-0.25, -0.25, 0}, {0.25, 0.25, 8}));
@@ -235,7 +235,8 @@ TEST(Shadow, IsSharpOverATown) {
     const double focal_px = 320 / std::tan(RadiansFromDegrees(7.5));
     camera.pinhole = {.fx = focal_px, .fy = focal_px, .cx = 320, .cy = 240, .width = 640, .height = 480};
     const RenderedView view = scene.Render(camera, SunAndSky(true));
-    const Vector3d along = -4 * Vector3d(kToSun.x(), kToSun.y(), 0) / kToSun.z();  // shade of 4 m up the pole
+    const Vector3d along =
+        -4 * Vector3d(kToSun.x(), kToSun.y(), 0) / kToSun.z();  // shadow of the point 4 m up the pole
     const Vector3d across = Vector3d(-kToSun.y(), kToSun.x(), 0).normalized();
     EXPECT_NEAR(GreyOfGround(view, camera, along), kShaded, 3);
     EXPECT_NEAR(GreyOfGround(view, camera, along + 0.6 * across), kLit, 3);
@@ -246,7 +247,7 @@ TEST(Shadow, IsSharpOverATown) {
 TEST(Shadow, BadSoftnessIsRefused) {
   Scene scene;
   EXPECT_FALSE(scene.renderer.Render({}, CameraFrom(0, 0), {.shadow_softness_m = 0}));
-  EXPECT_TRUE(scene.renderer.Render({}, CameraFrom(0, 0), {.shadows = true}));  // nothing to see
+  EXPECT_TRUE(scene.renderer.Render({}, CameraFrom(0, 0), {.shadows = true}));  // no mesh
 }
 
 }  // namespace

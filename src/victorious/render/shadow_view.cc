@@ -16,7 +16,7 @@ Vector3d CornerOf(const AlignedBox3d& box, int corner) {
   return box.corner(static_cast<AlignedBox3d::CornerType>(corner));
 }
 
-// The part of a convex polygon that lies on the positive side of a plane through the origin (Sutherland and Hodgman).
+// Clips a convex polygon to the positive side of a plane through the origin (Sutherland and Hodgman).
 Corners PartInside(const Corners& polygon, const Vector3d& normal) {
   Corners kept;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -30,14 +30,14 @@ Corners PartInside(const Corners& polygon, const Vector3d& normal) {
   return kept;
 }
 
-// The planes between which a camera sees, through its origin, normals inwards.
+// The normals of the four frustum planes through the camera centre, inwards.
 std::array<Vector3d, 4> SidesOf(const PinholeCamera& camera) {
   return {Vector3d(camera.fx, 0, camera.cx), Vector3d(-camera.fx, 0, camera.width - camera.cx),
           Vector3d(0, camera.fy, camera.cy), Vector3d(0, -camera.fy, camera.height - camera.cy)};
 }
 
-// The corners, in camera space, of what the camera can see of a box: where its faces end in the picture, and the camera
-// itself if it is within.
+// The corners, in the camera frame, of the part of a box inside the frustum: the vertices of its clipped faces, and the
+// camera centre if it is inside the box.
 Corners SeenPart(const AlignedBox3d& box, const Rigid3& camera_from_box, const PinholeCamera& camera) {
   constexpr std::array<std::array<int, 4>, 6> kFaces = {
       {{0, 1, 3, 2}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 3, 7, 5}}};
@@ -52,7 +52,8 @@ Corners SeenPart(const AlignedBox3d& box, const Rigid3& camera_from_box, const P
   return seen;
 }
 
-// Turned so that its x lies along the picture's: what is seen then fills most of its bounding rectangle.
+// The sun frame. Its x axis lies along the image's x axis, so that the visible region fills most of its bounding
+// rectangle.
 Rigid3 SunFromWorld(const PosedCamera& camera, const Vector3d& to_sun_in_world) {
   const Vector3d z = -to_sun_in_world.normalized();
   const Rigid3 world_from_camera = camera.camera_from_world.Inverse();
@@ -61,7 +62,7 @@ Rigid3 SunFromWorld(const PosedCamera& camera, const Vector3d& to_sun_in_world) 
   const Vector3d y = z.cross(along).normalized();
   Eigen::Matrix3d rotation;
   rotation << y.cross(z).transpose(), y.transpose(), z.transpose();
-  // From the camera, so that numbers stay small however far the world's origin is.
+  // The origin is the camera, so that coordinates stay small if the world's origin is far away.
   const Eigen::Quaterniond turn(rotation);
   return {turn, -(turn * world_from_camera.translation)};
 }

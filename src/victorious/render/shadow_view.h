@@ -1,4 +1,5 @@
-// Private to render/: how the sun sees what the camera sees. Sun frame: z along the sun's rays, metres.
+// Private to render/: fits the parallel projection of the shadow map to the region that the camera sees. Sun frame: z
+// along the sun's rays (away from the sun), metres.
 #pragma once
 
 #include <optional>
@@ -13,7 +14,7 @@
 
 namespace victorious {
 
-/// A box of a mesh's own frame that stands somewhere.
+/// An oriented bounding box: axis-aligned in the frame of a mesh, placed in the world.
 struct PlacedBox {
   Eigen::AlignedBox3d box;
   Rigid3 world_from_box;
@@ -21,12 +22,13 @@ struct PlacedBox {
 
 struct ShadowView {
   Rigid3 sun_from_world;
-  Eigen::AlignedBox3d box_in_sun;  ///< across the rays: all that is seen; along them: also all that shades it
-  std::vector<bool> casts;         ///< for each placed box, whether it may shade what is seen
+  Eigen::AlignedBox3d box_in_sun;  ///< in x and y: bounds of the visible geometry; in z: also of its shadow casters
+  std::vector<bool> casts;         ///< for each box of the input, whether it may cast a shadow on visible geometry
 };
 
-/// @param margin_m  how far beyond what is seen the view goes, across the rays
-/// Nothing where the camera sees none of the boxes.
+/// Clips the boxes to the camera frustum (Sutherland and Hodgman) and bounds the result in the sun frame.
+/// @param margin_m  margin around the bounds on every side, m
+/// @return std::nullopt if the camera sees none of the boxes
 std::optional<ShadowView> FitShadowView(std::span<const PlacedBox> boxes, const PosedCamera& camera,
                                         const Eigen::Vector3d& to_sun_in_world, double margin_m);
 

@@ -1,4 +1,4 @@
-// Private to render/: sRGB's curve (IEC 61966-2-1), 0 to 1 on both sides.
+// Private to render/: the sRGB transfer function (IEC 61966-2-1) and its inverse; both map [0, 1] to [0, 1].
 #pragma once
 
 #include <cmath>

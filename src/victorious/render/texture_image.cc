@@ -21,19 +21,20 @@ bool StartsWith(std::span<const std::byte> bytes, std::string_view mark) {
                                                    [](char a, std::byte b) { return static_cast<std::byte>(a) == b; });
 }
 
-// Only formats that OpenCV knows by their first bytes reach it: others may fall through to libraries behind it that
-// open other files.
+// True for PNG, JPEG and BMP, by magic number. Only these are given to OpenCV: it passes unknown bytes to further
+// libraries, which may open other files.
 bool IsKnownToOpenCv(std::span<const std::byte> bytes) {
   constexpr std::array<std::string_view, 3> kMarks = {"\x89PNG\r\n\x1a\n", "\xFF\xD8\xFF", "BM"};
   return std::ranges::any_of(kMarks, [&](std::string_view mark) { return StartsWith(bytes, mark); });
 }
 
-// Truevision TGA 2.0: an 18-byte header, an identifier, then pixels, plain or in runs; true colour or grey.
+// Truevision TGA 2.0: an 18-byte header, an identifier, then pixels, uncompressed or run-length encoded; true colour or
+// grey.
 class TgaReader {
  public:
   explicit TgaReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
 
-  // Empty if it is damaged or of a kind beyond those.
+  // Empty if the file is damaged or of another TGA type.
   cv::Mat Read() {
     const unsigned kind = U8(2);
     const bool in_runs = kind == kColourRuns || kind == kGreyRuns;
@@ -106,7 +107,7 @@ cv::Mat DecodeStored(std::span<const std::byte> bytes) {
   }
 }
 
-// Row by row with plain loops: OpenCV's colour conversion would start threads.
+// Converts to BGRA with plain loops: OpenCV's colour conversion would start threads.
 cv::Mat BgraFrom(const cv::Mat& stored, bool has_alpha) {
   const int channels = stored.channels();
   const bool deep = stored.depth() == CV_16U;
@@ -130,7 +131,7 @@ cv::Mat BgraFrom(const cv::Mat& stored, bool has_alpha) {
 Expected<cv::Mat> DecodeTexture(std::span<const std::byte> bytes, const std::string& name) {
   const bool known = IsKnownToOpenCv(bytes);
   if (!known && !name.ends_with(".tga") && !name.ends_with(".TGA")) {
-    return Fail(ErrorCode::kUnsupported, fmt::format("{}: not a PNG, JPEG, BMP or TGA picture", name));
+    return Fail(ErrorCode::kUnsupported, fmt::format("{}: not a PNG, JPEG, BMP or TGA image", name));
   }
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
     return Fail(ErrorCode::kUnsupported, fmt::format("{}: too large for a texture", name));
@@ -138,13 +139,13 @@ Expected<cv::Mat> DecodeTexture(std::span<const std::byte> bytes, const std::str
   const cv::Mat stored = known ? DecodeStored(bytes) : TgaReader(bytes).Read();
   if (stored.empty() || (stored.depth() != CV_8U && stored.depth() != CV_16U) || stored.channels() > 4) {
     return Fail(ErrorCode::kDataLoss,
-                fmt::format("{}: a picture that is damaged or of no kind that can be read", name));
+                fmt::format("{}: damaged, or an unsupported kind of PNG, JPEG, BMP or TGA image", name));
   }
   if (std::max(stored.cols, stored.rows) > kMaxTextureSide) {
-    return Fail(ErrorCode::kUnsupported, fmt::format("{}: {} x {} pixels, at most {} a side can be read", name,
-                                                     stored.cols, stored.rows, kMaxTextureSide));
+    return Fail(ErrorCode::kUnsupported, fmt::format("{}: {} x {} pixels: must be at most {} a side", name, stored.cols,
+                                                     stored.rows, kMaxTextureSide));
   }
-  // The fourth byte of a BMP pixel is padding in nearly all of them.
+  // The fourth byte of a BMP pixel is padding in nearly all files.
   const bool has_alpha = stored.channels() % 2 == 0 && !StartsWith(bytes, "BM");
   return BgraFrom(stored, has_alpha);
 }

@@ -1,4 +1,5 @@
-// Private to render/: a texture's picture. Runs only where a crash does no harm (isolated.h).
+// Private to render/: decodes texture images. Call it only in the isolated process (isolated.h): a decoder may crash on
+// hostile files.
 #pragma once
 
 #include <span>
@@ -10,8 +11,8 @@
 
 namespace victorious {
 
-/// CV_8UC4 (blue, green, red, alpha) of a PNG, JPEG, BMP or TGA. TGA has no mark of its own: bytes of none of the
-/// others are taken for it where `name` ends in .tga. Errors: kUnsupported (another format, wider or higher than
+/// Decodes a PNG, JPEG, BMP or TGA to CV_8UC4 (blue, green, red, alpha). TGA has no magic number: bytes that match no
+/// other format are read as TGA if `name` ends in .tga. Errors: kUnsupported (another format, wider or higher than
 /// kMaxTextureSide), kDataLoss.
 Expected<cv::Mat> DecodeTexture(std::span<const std::byte> bytes, const std::string& name);
 

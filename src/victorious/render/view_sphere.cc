@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A grid of rings of views; the pole stands before them.
+// Index arithmetic of the grid: view 0 is the pole, then the rings follow.
 struct Grid {
   int rings = 0;
   int around = 0;
@@ -26,7 +26,7 @@ struct Grid {
     }
     if (ring == 0) neighbours.push_back(0);
     std::ranges::sort(neighbours);
-    const auto doubled = std::ranges::unique(neighbours);  // rings of one or two views
+    const auto doubled = std::ranges::unique(neighbours);  // duplicates occur in rings of one or two views
     neighbours.erase(doubled.begin(), doubled.end());
     std::erase(neighbours, Index(ring, place));
     return neighbours;
@@ -39,7 +39,7 @@ struct Grid {
   }
 };
 
-// Upwards in the image: the direction in which off-nadir grows less, as seen from the camera.
+// The up direction of the image in the model frame: the direction of decreasing off-nadir angle.
 Vector3d ImageUp(const ViewDirection& direction) {
   const double c = std::cos(direction.off_nadir_rad);
   return {c * std::cos(direction.azimuth_rad), -c * std::sin(direction.azimuth_rad), std::sin(direction.off_nadir_rad)};
@@ -48,12 +48,16 @@ Vector3d ImageUp(const ViewDirection& direction) {
 }  // namespace
 
 void ViewSphereOptions::ListFields(FieldList& fields) {
-  fields.Add(
-      "step", step_deg,
-      {.min = 1, .max = 90, .unit = "deg", .reason = "between views; features bear some 10 degrees of turn well"});
-  fields.Add(
-      "max_off_nadir", max_off_nadir_deg,
-      {.min = 0, .max = 180, .unit = "deg", .reason = "the flattest view; a camera in the air sees no flatter ones"});
+  fields.Add("step", step_deg,
+             {.min = 1,
+              .max = 90,
+              .unit = "deg",
+              .reason = "between views; features tolerate a change of view of about 10 degrees"});
+  fields.Add("max_off_nadir", max_off_nadir_deg,
+             {.min = 0,
+              .max = 180,
+              .unit = "deg",
+              .reason = "maximum off-nadir angle of a view; an airborne camera hardly sees larger ones"});
 }
 
 Expected<ViewSphere> MakeViewSphere(const ViewSphereOptions& options) {
@@ -61,8 +65,7 @@ Expected<ViewSphere> MakeViewSphere(const ViewSphereOptions& options) {
   constexpr double kTolerance = 1e-9;
   const double around = 360.0 / options.step_deg;
   if (std::abs(around - std::round(around)) > kTolerance) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("step {} degrees: one that divides 360 is right", options.step_deg));
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("step {} degrees: must divide 360", options.step_deg));
   }
   const double below = options.max_off_nadir_deg < 180.0 ? options.max_off_nadir_deg : 180.0 - options.step_deg;
   const Grid grid{.rings = static_cast<int>(below / options.step_deg + kTolerance),
@@ -102,13 +105,13 @@ Eigen::Quaterniond CameraFromModel(const ViewDirection& direction) {
 Expected<PosedCamera> CameraForView(const ViewDirection& direction, const Sphere& sphere, const ViewFraming& framing) {
   if (!(sphere.radius > 0) || !(framing.distance_m > sphere.radius)) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("distance {} m to the middle of an object of radius {} m: more than "
-                            "its radius is right",
+                fmt::format("distance {} m to the centre of an object of radius {} m: must be "
+                            "more than its radius",
                             framing.distance_m, sphere.radius));
   }
   if (!(framing.diameter_px > 0) || framing.width_px < 1 || framing.height_px < 1) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("an object of {} px in an image of {} x {}: sizes above 0 are right", framing.diameter_px,
+                fmt::format("an object of {} px in an image of {} x {}: sizes must be above 0", framing.diameter_px,
                             framing.width_px, framing.height_px));
   }
   const double grazing = std::sqrt(framing.distance_m * framing.distance_m - sphere.radius * sphere.radius);

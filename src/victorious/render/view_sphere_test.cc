@@ -86,10 +86,10 @@ TEST(CameraForView, FramesTheSphere) {
     EXPECT_LT((*camera->pinhole.Project(centre) - Eigen::Vector2d(160, 120)).norm(), 1e-9);
     const Vector3d eye = camera->camera_from_world.Inverse().Apply(Vector3d::Zero());
     EXPECT_LT(((eye - sphere.centre).normalized() - DirectionToCamera(direction)).norm(), 1e-9);
-    // The ray through the outline touches the sphere.
+    // The ray through the outline is tangent to the sphere.
     const Vector3d ray = camera->pinhole.RayOf({160 + 100, 120}).normalized();
     EXPECT_NEAR(ray.cross(centre).norm(), sphere.radius, 1e-9);
-    // Up of the model points upwards.
+    // The model's up axis points upwards in the image.
     const Vector3d up = camera->camera_from_world.rotation * Vector3d::UnitZ();
     EXPECT_NEAR(up.x(), 0, 1e-9);
     EXPECT_LT(up.y(), 0);

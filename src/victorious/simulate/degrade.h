@@ -1,5 +1,5 @@
-// What optics and sensor do to a rendered picture, in the order light meets them: the lens blurs, the sensor adds
-// noise to every pixel and loses some altogether. Compression comes after, in the encoder.
+// Image degradation by optics and sensor, applied in physical order: Gaussian blur, Gaussian sensor noise, salt-and-
+// pepper noise. Compression follows in the encoder.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,13 @@
 namespace victorious {
 
 struct DegradeOptions {
-  double blur_px = 0;  ///< sigma of the Gaussian blur
-  double grain = 0;    ///< sigma of Gaussian noise, of each channel by itself, grey levels of 255
-  double noise = 0;    ///< share of pixels turned to white or black (salt and pepper), half each; 0 to 1
+  double blur_px = 0;  ///< standard deviation of the Gaussian blur
+  double grain = 0;    ///< standard deviation of Gaussian noise, independent per channel, grey levels (0 to 255)
+  double noise = 0;    ///< salt-and-pepper noise: fraction of pixels set to white or black, half each; 0 to 1
 };
 
+/// @param seed  of the noise of this image
 /// @param bgr   CV_8UC3, changed in place
-/// @param seed  of this picture's noise
 void Degrade(const DegradeOptions& options, std::uint64_t seed, cv::Mat& bgr);
 
 }  // namespace victorious

@@ -47,7 +47,7 @@ TEST(Degrade, BlurComesBeforeNoise) {
   cv::Mat picture = Grey();
   picture.colRange(150, 300).setTo(cv::Scalar(220, 220, 220));
   Degrade({.blur_px = 2, .noise = 0.05}, kSeed, picture);
-  // The edge is soft, and yet what noise put there is as white and black as ever.
+  // The edge is blurred, but the salt-and-pepper pixels on it are fully white and black.
   EXPECT_GT(ShareOf(picture, {255, 255, 255}), 0.02);
   int between = 0;
   for (int row = 0; row < picture.rows; ++row) {

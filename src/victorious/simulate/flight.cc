@@ -12,7 +12,7 @@
 namespace victorious {
 namespace {
 
-// Purposes of the scene's seed: each draws from its own stream.
+// Independent random streams derived from the scene's seed.
 enum SeedUse : std::uint64_t { kShakeSeed = 0x5A01, kNoiseSeed = 0x5A02 };
 
 Light LightOf(const Scene& scene) {
@@ -33,7 +33,7 @@ Light LightOf(const Scene& scene) {
 Flight::Flight(const Scene& scene, Renderer& renderer, const Stage& stage)
     : scene_(scene), renderer_(renderer), stage_(stage), light_(LightOf(scene)) {}
 
-// Objects first, so that an instance's number below theirs is the object's.
+// The objects come first: instance i < objects.size() is object i.
 std::vector<MeshInstance> Flight::Instances(const std::vector<StagedThing>& objects, const PosedCamera& camera) const {
   std::vector<MeshInstance> instances(objects.size());
   std::ranges::transform(objects, instances.begin(), [](const StagedThing& object) {

@@ -1,5 +1,5 @@
-// A scene's frames, drawn one by one: the picture as the camera delivers it, and what is known of it because it was
-// drawn. What `Simulate` writes to files, and experiments measure matches with.
+// Renders the frames of a scene one by one, with their ground truth (camera, depth, instances). `Simulate` writes them
+// to files; experiments evaluate matches with them.
 #pragma once
 
 #include <vector>
@@ -15,21 +15,23 @@
 
 namespace victorious {
 
-/// One moment of a flight.
+/// One rendered frame of a flight.
 struct DrawnFrame {
   double time_s = 0;
-  PosedCamera camera;                ///< its world is the town
-  std::vector<StagedThing> objects;  ///< the scene's, in its order, where they are now
-  RenderedView view;                 ///< before it was degraded; instance i below objects.size() is object i
-  cv::Mat bgr;                       ///< CV_8UC3, with blur, grain and noise
+  PosedCamera camera;                ///< its world frame is the town frame
+  std::vector<StagedThing> objects;  ///< the scene's objects in its order, at their poses at `time_s`
+  RenderedView view;                 ///< before degradation; instance i < objects.size() is object i
+  cv::Mat bgr;                       ///< CV_8UC3, after degradation (degrade.h)
 };
 
 class Flight {
  public:
-  /// All three must outlive it; `stage` is the scene's, on `renderer`.
+  /// `stage` is built from `scene` on `renderer`. All three must outlive this object.
   Flight(const Scene& scene, Renderer& renderer, const Stage& stage);
 
-  /// @param frame  from 0 to scene.video.frames - 1. Errors: those of Render.
+  /// Renders and degrades one frame.
+  /// @param frame  from 0 to scene.video.frames - 1
+  /// Errors: those of Render.
   Expected<DrawnFrame> Draw(int frame);
 
  private:

@@ -24,7 +24,7 @@ Value CatmullRom(const Value& before, const Value& from, const Value& to, const 
   return from + t * (linear + t * (square + t * cube));
 }
 
-// The track's value at a fraction of the flight. Beyond its ends a curve goes on straight.
+// Interpolates the knots at a fraction of the flight. The spline is extrapolated linearly by one knot at each end.
 template <typename Value>
 Value TrackAt(const std::vector<Value>& knots, double fraction, bool smooth) {
   if (knots.size() == 1) return knots.front();
@@ -41,7 +41,7 @@ Value TrackAt(const std::vector<Value>& knots, double fraction, bool smooth) {
   return CatmullRom<Value>(knot(from - 1), knot(from), knot(from + 1), knot(from + 2), t);
 }
 
-// Root mean square 1 over a long time.
+// A sum of two sines with root mean square 1 over a long time.
 double Sway(double time_s, double hz, Random& random) {
   constexpr double kGoldenRatio = 1.6180339887498949;
   const double first = std::sin(2 * kPi * (hz * time_s + random.Uniform()));
@@ -56,13 +56,13 @@ Eigen::Quaterniond ShakeOf(const SceneCamera& camera, double time_s, std::uint64
   return Eigen::Quaterniond(Eigen::AngleAxisd(turn.norm(), turn.stableNormalized()));
 }
 
-// The point `distance_m` along the path from its first point on; before it and beyond the last, straight on.
+// The point at arc length `distance_m` from the first point of the path; extrapolated linearly at both ends.
 Vector2d PointAlong(std::span<const Vector2d> path, double distance_m) {
   Vector2d direction = Vector2d::Zero();
   for (std::size_t i = 0; i + 1 < path.size(); ++i) {
     const Vector2d way = path[i + 1] - path[i];
     const double length = way.norm();
-    if (length == 0) continue;  // a point that is listed twice
+    if (length == 0) continue;  // repeated point
     direction = way / length;
     if (distance_m <= length) return path[i] + direction * distance_m;
     distance_m -= length;
@@ -88,14 +88,14 @@ Rigid3 CameraFromTown(const SceneCamera& camera, double fraction, double time_s,
   const bool smooth = camera.path == "smooth";
   const Vector2d aim = TrackAt(camera.aim_m, fraction, smooth);
   const double from = RadiansFromDegrees(TrackAt(camera.from_deg, fraction, smooth));
-  // A curve may swing beyond its knots.
+  // A spline may overshoot its knots.
   const double off_nadir = RadiansFromDegrees(
       std::clamp(TrackAt(camera.off_nadir_deg, fraction, smooth), kOffNadirDeg.low, kOffNadirDeg.high));
   const double range_m = std::clamp(TrackAt(camera.range_m, fraction, smooth), kRangeM.low, kRangeM.high);
   const Vector3d to_camera(std::sin(off_nadir) * std::sin(from), std::sin(off_nadir) * std::cos(from),
                            std::cos(off_nadir));
   const Vector3d place = Vector3d(aim.x(), aim.y(), 0) + range_m * to_camera;
-  // The town's axes are to it what east, north and up are to a map.
+  // The town frame takes the role of east-north-up in CameraFromEnu().
   const Attitude attitude{.yaw_rad = from + kPi,
                           .pitch_rad = off_nadir - kPi / 2,
                           .roll_rad = RadiansFromDegrees(TrackAt(camera.roll_deg, fraction, smooth))};

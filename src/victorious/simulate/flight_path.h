@@ -1,12 +1,13 @@
-// Where the camera is, and how it is held, at each time of a flight; and where a thing that drives is.
+// Camera pose (extrinsics) at each time of a flight, and the pose of objects that drive.
 //
-// The camera is described by what it looks at: the point of the ground on its optical axis, the direction and the
-// off-nadir angle it is seen under from there, the range, the roll. Each is a track of knots spread evenly over the
-// flight, joined by lines or by a Catmull-Rom curve (Catmull and Rom 1974), which passes through all knots without a
-// corner; the off-nadir angle and the range stay within what a scene may ask for. A circle is one aim and a direction
-// that turns.
+// The camera pose is parametrised by the aim point (where the optical axis meets the ground), the direction (azimuth)
+// and the off-nadir angle from there to the camera, the range and the roll. Each parameter is interpolated between
+// knots at equal time steps: linearly, or by a Catmull-Rom spline (Catmull and Rom 1974), which passes through all
+// knots and is smooth. Off-nadir angle and range are clamped to the limits of a scene. A circular flight has one aim
+// point and a direction that turns.
 //
-// Shake is two sines about each axis, of frequencies that have no common period, with phases drawn by seed.
+// Camera shake: about each axis the sum of two sines with incommensurable frequencies (golden ratio) and random phases
+// from the seed.
 #pragma once
 
 #include <cstdint>
@@ -19,23 +20,24 @@
 
 namespace victorious {
 
-/// Square pixels, the principal point in the middle.
+/// Intrinsics: square pixels, principal point at the image centre.
 [[nodiscard]] PinholeCamera PinholeOf(const SceneVideo& video);
 
-/// @param fraction  of the flight, 0 at the first frame, 1 at the last
-/// @param time_s    of the frame, for the shake
+/// Extrinsics: camera frame (x right, y down, z forward) from town frame, metres.
+/// @param fraction  of the flight: 0 at the first frame, 1 at the last
+/// @param time_s    time of the frame, for the shake
 /// @param seed      of the shake
 [[nodiscard]] Rigid3 CameraFromTown(const SceneCamera& camera, double fraction, double time_s, std::uint64_t seed);
 
-/// A place on the ground and a direction, in the town's frame.
+/// Position and heading on the ground, in the town frame.
 struct GroundPose {
   Eigen::Vector2d place_m = Eigen::Vector2d::Zero();
   double heading_rad = 0;  ///< clockwise from the town's y axis
 };
 
-/// Where an object stands, or drives: along its path, whose points are not all the same, from the first on, round the
-/// corners, to the end of it.
-/// @param length_m  of the object, over which it cuts corners
+/// Pose of an object at a time. An object with a path drives along it at constant speed and stops at its end. The path
+/// must have at least two different points.
+/// @param length_m  of the object: its front and its rear follow the path, so that it turns smoothly at corners
 [[nodiscard]] GroundPose GroundPoseOf(const SceneObject& object, double length_m, double time_s);
 
 }  // namespace victorious

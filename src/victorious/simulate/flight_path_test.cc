@@ -25,7 +25,7 @@ SceneCamera StraightFlight() {
   return camera;
 }
 
-// Where the optical axis meets the ground.
+// The point where the optical axis meets the ground.
 Vector2d AimOf(const Rigid3& camera_from_town) {
   const Rigid3 town_from_camera = camera_from_town.Inverse();
   const Vector3d axis = town_from_camera.rotation * Vector3d::UnitZ();
@@ -73,7 +73,7 @@ TEST(FlightPath, SmoothPassesThroughKnotsWithoutACorner) {
   EXPECT_LT((step(0.4999, 0.5) - step(0.5, 0.5001)).norm(), 0.05);
 }
 
-// Between two knots at the end of its range, a curve through lower ones swings beyond it.
+// Between two knots at the limit of the range, a spline through lower neighbours overshoots the limit.
 TEST(FlightPath, SmoothStaysWithinWhatMayBe) {
   SceneCamera camera;
   camera.path = "smooth";
@@ -87,7 +87,7 @@ TEST(FlightPath, SmoothStaysWithinWhatMayBe) {
     const double range_m = place.norm();  // the aim is the origin
     EXPECT_GE(range_m, 1 - 1e-9);
     EXPECT_LE(range_m, 10000 + 1e-6);
-    const double off_nadir_deg = DegreesFromRadians(std::atan2(-place.y(), place.z()));  // it stands behind
+    const double off_nadir_deg = DegreesFromRadians(std::atan2(-place.y(), place.z()));  // the camera is behind
     EXPECT_GE(off_nadir_deg, -1e-9) << i;
     EXPECT_LE(off_nadir_deg, 80 + 1e-9) << i;
     least_deg = std::min(least_deg, off_nadir_deg);

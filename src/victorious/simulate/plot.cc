@@ -26,13 +26,13 @@ constexpr std::array<string_view, 1> kHedge = {"props/hedge"};
 constexpr std::array<string_view, 1> kLamp = {"props/lamp_post"};
 constexpr std::array<string_view, 4> kYardGround = {"gravel", "concrete", "brick", "dirt"};
 
-constexpr double kBorderM = 10.6;  // of a square: where hedges, fences and trees stand
+constexpr double kBorderM = 10.6;  // distance of the hedges from the centre of a square
 
 void Trees(Plot& plot, double share, std::initializer_list<Vector2d> places) {
   for (const Vector2d& place : places) plot.Maybe(share, kTrees, place.x(), place.y(), 0, 1.2);
 }
 
-// Four bays' rows as they are painted on the tile.
+// Four rows of parking bays, as painted on the tile.
 void FurnishParking(Plot& plot) {
   constexpr std::array<double, 4> kRowsM = {9.3, 1.3, -1.7, -9.7};
   constexpr double kFirstBayM = -9.625;
@@ -87,7 +87,7 @@ void FurnishHomes(Plot& plot) {
   plot.Maybe(0.3, kStuff, 3, 8.8, 30, 0.5);
 }
 
-// A row of cars before the house, and trees beside them.
+// A row of cars in front of the building, and trees beside them.
 void FurnishForecourt(Plot& plot) {
   for (double x = -8.2; x < 9; x += 2.75) plot.Maybe(0.7, kCars, x, 8, plot.Chance(0.5) ? 0 : 180, 0.3);
   Trees(plot, 0.9, {{-11, 6}, {11, 6}, {-11, -11}, {11, -11}});
@@ -113,7 +113,7 @@ void FurnishShop(Plot& plot) {
   FurnishForecourt(plot);
 }
 
-// Longer than a square: it reaches over the verge of the street.
+// The warehouse is longer than a square: it extends over the verge of the street.
 void FurnishWarehouse(Plot& plot) {
   plot.Lot("concrete");
   plot.Put("buildings/warehouse", 0, 2, 0);
@@ -179,7 +179,7 @@ void Plot::Lot(string_view material) {
 void Plot::Put(string_view asset, double x_m, double y_m, double heading_deg, double sway) {
   const double x = x_m + sway * random_.Uniform(-1, 1);
   const double y = y_m + sway * random_.Uniform(-1, 1);
-  constexpr double kAskewRad = 0.12;  // for each metre of sway
+  constexpr double kAskewRad = 0.12;  // maximum change of heading per metre of position jitter
   double heading = RadiansFromDegrees(heading_deg) + sway * kAskewRad * random_.Uniform(-1, 1);
   if (asset.starts_with("trees/")) heading = random_.Uniform(0, 2 * kPi);
   Place(std::string(asset), x, y, heading);
@@ -187,7 +187,7 @@ void Plot::Put(string_view asset, double x_m, double y_m, double heading_deg, do
 
 void Plot::Maybe(double share, std::span<const string_view> assets, double x_m, double y_m, double heading_deg,
                  double sway) {
-  // All draws are made either way: a sparser town keeps the things it has.
+  // Draws all random numbers in either case: a lower density removes placements but does not change the others.
   const bool stands = random_.Uniform() < share * density_;
   const string_view asset = Pick(assets);
   if (stands) Put(asset, x_m, y_m, heading_deg, sway);
@@ -202,7 +202,7 @@ void FurnishStreet(Plot& plot) {
     if (parked) plot.Maybe(0.55, kCars, 3.4, y, 0, 0.2);
     Trees(plot, 0.45, {{-9.5, y}, {9.5, y}});
   }
-  if (kind < 0.2) plot.Maybe(0.8, kCars, 2.1, -7, 0, 0.2);  // it waits at the crossing
+  if (kind < 0.2) plot.Maybe(0.8, kCars, 2.1, -7, 0, 0.2);  // a car waiting at the crossing
   if (!parked || kind >= 0.35) plot.Maybe(0.6, kLamp, 6.4, -6, 270);
   if (parked && kind < 0.35) plot.Put("props/bus_stop", -6.2, 1, 0);
   plot.Maybe(0.6, kLamp, -6.4, 6, 90);

@@ -1,4 +1,4 @@
-// Private to simulate/: a square of the town while it is furnished, and the ways to furnish one.
+// Private to simulate/: fills one square of the town with buildings, vehicles, trees and props.
 #pragma once
 
 #include <span>
@@ -13,23 +13,25 @@
 
 namespace victorious {
 
-/// A square with its own frame: x to the right, y to its front (the street's side), from -12 m to 12 m; headings
-/// clockwise from y.
+/// One square of the town with its own frame: x to the right, y to its front (the side of the street), from -12 m to
+/// 12 m; headings clockwise from y.
 class Plot {
  public:
   Plot(const Eigen::Vector2d& middle_m, int turns, Random random, double density, std::vector<Placement>& placements)
       : middle_m_(middle_m), turns_(turns), random_(random), density_(density), placements_(placements) {}
 
+  /// Covers the square with an asset of town/tiles.
   void Tile(std::string_view tile);
-  /// A square of a material of town/ground.
+  /// Covers the middle of the square (20 m) with a material of town/ground.
   void Lot(std::string_view material);
-  /// `asset` is a name below town/; with `sway`, a bit aside and askew, as people leave things.
+  /// Places `asset`, a name below town/. `jitter_m`: maximum random offset in x and y, m; also perturbs the heading by
+  /// up to 0.12 rad per metre. Assets of trees/ get a random heading.
   void Put(std::string_view asset, double x_m, double y_m, double heading_deg, double sway = 0);
-  /// One of these, with a chance of `share` times the town's density.
+  /// Places a random one of `assets` with probability `probability` * density.
   void Maybe(double share, std::span<const std::string_view> assets, double x_m, double y_m, double heading_deg,
              double sway = 0);
 
-  /// True with this chance, whatever the density.
+  /// A Bernoulli draw with this probability, independent of the density.
   bool Chance(double share) { return random_.Uniform() < share; }
   std::string_view Pick(std::span<const std::string_view> assets) {
     return assets[random_.Below(static_cast<std::uint32_t>(assets.size()))];
@@ -47,12 +49,12 @@ class Plot {
   std::vector<Placement>& placements_;
 };
 
-/// A stretch of street along y, or where two cross.
+/// A street along y; a junction.
 void FurnishStreet(Plot& plot);
 void FurnishJunction(Plot& plot);
-/// Any other square, by lot; `at_street`: its front is a street.
+/// Any other square, chosen at random; `at_street`: its front faces a street.
 void FurnishSquare(Plot& plot, bool at_street);
-/// What goes with a tile that the scene chose: cars in a car park, trees in a park. Other tiles stay empty.
+/// A tile that the scene specifies, with its contents: cars in a car park, trees in a park. Other tiles stay empty.
 void FurnishTile(Plot& plot, std::string_view tile);
 
 }  // namespace victorious

@@ -19,13 +19,13 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMaxSceneBytes = std::size_t{1} << 24;
 constexpr std::size_t kMaxListed = 10000;  // objects, pieces, points
-constexpr double kMaxReachM = 20000;       // of anything from the origin
-constexpr int kMaxSquare = 50;             // of a town, in each direction from the origin
+constexpr double kMaxReachM = 20000;       // maximum distance from the origin, per coordinate
+constexpr int kMaxSquare = 50;             // maximum column and row of a town, in each direction from the origin
 constexpr const char* kDefaultAssets = "../assets";
 
 std::unexpected<Error> Bad(std::string message) { return Fail(ErrorCode::kInvalidArgument, std::move(message)); }
 
-// Takes a member out of an object, so that what is left are the plain fields.
+// Removes a member from a JSON object and returns it; std::nullopt if there is none. The plain fields remain.
 std::optional<Json> Take(Json& object, const char* key) {
   const auto at = object.find(key);
   if (at == object.end()) return std::nullopt;
@@ -40,7 +40,7 @@ bool IsNumberIn(const Json& value, double low, double high) {
   return number >= low && number <= high;
 }
 
-// Replaces `numbers` by the list, or by the one number, under `key`, where there is one.
+// If `key` exists, removes it and sets `numbers` to its list or single number.
 Status TakeNumbers(Json& object, const char* key, const SceneRange& range, std::vector<double>& numbers) {
   std::optional<Json> value = Take(object, key);
   if (!value) return {};
@@ -83,7 +83,7 @@ Status TakeSquares(Json& object, std::array<int, 4>& squares) {
                          -kMaxSquare, kMaxSquare));
 }
 
-// Reads the list under `key`: `read` turns each entry, an object, into a T.
+// Removes the list `key` and appends its entries to `list`; `read` converts each entry, a JSON object, into a T.
 template <typename T, typename Read>
 Status TakeList(Json& object, const char* key, const Read& read, std::vector<T>& list) {
   std::optional<Json> value = Take(object, key);
@@ -108,7 +108,7 @@ Expected<T> ReadFields(Json& json) {
   return entry;
 }
 
-// Names of assets become names of files: they must not lead elsewhere.
+// Asset names become file paths: they must not leave the assets folder.
 bool IsAssetName(std::string_view name) {
   constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz0123456789_/";
   return !name.empty() && name.front() != '/' && name.find_first_not_of(kLetters) == std::string_view::npos;
@@ -122,13 +122,13 @@ Expected<SceneObject> ReadObject(Json& json) {
       return Bad(fmt::format("{}: path_m gives it, leave one of them out", key));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(SceneObject object, ReadFields<SceneObject>(json));
-  if (object.id.empty()) return Bad("id: must be a name, as truth is to call the object");
-  if (object.model.empty()) return Bad("model: must be a name: the object's kind");
+  if (object.id.empty()) return Bad("id: must be a name; the truth names the object by it");
+  if (object.model.empty()) return Bad("model: must be a name; the truth names the object's model by it");
   if (object.file.empty() && !IsAssetName(object.model))
     return Bad("model: no shipped model has such a name; give its file");
   const bool stays =
       !path_m.empty() && std::ranges::all_of(path_m, [&](const auto& point) { return point == path_m[0]; });
-  if (stays) return Bad("path_m: all points are the same: must lead somewhere");
+  if (stays) return Bad("path_m: all points are the same: must have at least two different points");
   if (path_m.empty() && object.speed_m_s != 0) return Bad("speed_m_s: needs a path_m to drive along");
   object.path_m = std::move(path_m);
   return object;
@@ -136,13 +136,13 @@ Expected<SceneObject> ReadObject(Json& json) {
 
 Expected<ScenePiece> ReadPiece(Json& json) {
   VICTORIOUS_ASSIGN_OR_RETURN(ScenePiece piece, ReadFields<ScenePiece>(json));
-  if (!IsAssetName(piece.asset)) return Bad("asset: must be a name as \"town/trees/oak\" or \"models/bus\"");
+  if (!IsAssetName(piece.asset)) return Bad("asset: must be a name such as \"town/trees/oak\" or \"models/bus\"");
   return piece;
 }
 
 Expected<SceneTile> ReadTile(Json& json) {
   VICTORIOUS_ASSIGN_OR_RETURN(SceneTile tile, ReadFields<SceneTile>(json));
-  if (!IsAssetName(tile.tile)) return Bad("tile: must be a name as \"apron\"");
+  if (!IsAssetName(tile.tile)) return Bad("tile: must be a name such as \"apron\"");
   return tile;
 }
 
@@ -165,7 +165,7 @@ Status TakeTown(Json& root, SceneTown& town) {
   return TakeList(*at, "tiles", &ReadTile, town.tiles);
 }
 
-// A square takes one tile, and only squares of the town take any.
+// Checks that every tile lies on a square of the town, and at most one tile on each.
 Status CheckTiles(const SceneTown& town) {
   const auto [first_column, first_row, last_column, last_row] = town.squares;
   std::set<std::pair<int, int>> seen;
@@ -184,19 +184,20 @@ Status CheckTiles(const SceneTown& town) {
 Status CheckIds(const std::vector<SceneObject>& objects) {
   std::set<std::string_view> seen;
   for (const SceneObject& object : objects) {
-    if (!seen.insert(object.id).second) return Bad(fmt::format("objects: two are called {}", Json(object.id).dump()));
+    if (!seen.insert(object.id).second)
+      return Bad(fmt::format("objects: two have the id {}: ids must be unique", Json(object.id).dump()));
   }
   return {};
 }
 
-// The scene's plain fields: what is left of the JSON once the lists are taken out.
+// The plain fields of a scene: the JSON without its lists.
 struct PlainFields {
   Scene& scene;
   std::string& assets;
 
   void ListFields(FieldList& fields) {
-    fields.Add("assets", assets, {.reason = "the folder with models/ and town/, from the scene's own folder"});
-    fields.Add("seed", scene.seed, {.reason = "of noise and shake; the town has its own"});
+    fields.Add("assets", assets, {.reason = "the folder with models/ and town/, relative to the scene's folder"});
+    fields.Add("seed", scene.seed, {.reason = "of noise and camera shake; the town has its own"});
     fields.AddGroup("video", scene.video);
     fields.AddGroup("origin", scene.origin);
     fields.AddGroup("sun", scene.sun);
@@ -234,15 +235,18 @@ FieldSpec Heading(std::string reason) {
 }  // namespace
 
 void SceneVideo::ListFields(FieldList& fields) {
-  fields.Add("frames", frames, {.min = 1, .max = 100000, .reason = "how many"});
+  fields.Add("frames", frames, {.min = 1, .max = 100000, .reason = "number of frames"});
   fields.Add("fps", fps, {.min = 0.1, .max = 240, .unit = "1/s", .reason = "frames a second"});
   fields.Add("width", width, {.min = 16, .max = 4096, .unit = "px", .reason = "even"});
   fields.Add("height", height, {.min = 16, .max = 4096, .unit = "px", .reason = "even"});
   fields.Add("hfov_deg", hfov_deg, {.min = 1, .max = 120, .unit = "deg", .reason = "full horizontal field of view"});
   fields.Add("supersampling", supersampling, {.min = 1, .max = 4, .reason = "samples along each side of a pixel"});
-  fields.Add("blur_px", blur_px, {.min = 0, .max = 10, .unit = "px", .reason = "sigma of the optics' blur"});
-  fields.Add("grain", grain, {.min = 0, .max = 64, .reason = "sigma of the sensor's noise, grey levels of 255"});
-  fields.Add("noise", noise, {.min = 0, .max = 0.5, .reason = "share of pixels turned to white or black"});
+  fields.Add("blur_px", blur_px,
+             {.min = 0, .max = 10, .unit = "px", .reason = "standard deviation of the optical blur"});
+  fields.Add("grain", grain,
+             {.min = 0, .max = 64, .reason = "standard deviation of the sensor noise, grey levels (0 to 255)"});
+  fields.Add("noise", noise,
+             {.min = 0, .max = 0.5, .reason = "salt-and-pepper noise: fraction of pixels set to white or black"});
   fields.Add("crf", crf, {.min = 0, .max = 51, .reason = "x264's constant rate factor: 0 lossless"});
 }
 
@@ -250,41 +254,43 @@ void SceneOrigin::ListFields(FieldList& fields) {
   fields.Add("latitude_deg", latitude_deg, {.min = -89, .max = 89, .unit = "deg", .reason = "WGS 84"});
   fields.Add("longitude_deg", longitude_deg, {.min = -180, .max = 180, .unit = "deg", .reason = "WGS 84"});
   fields.Add("altitude_m", altitude_m, {.min = -500, .max = 9000, .unit = "m", .reason = "above the ellipsoid"});
-  fields.Add("heading_deg", heading_deg, Heading("where the town's y axis points, clockwise from north"));
+  fields.Add("heading_deg", heading_deg, Heading("heading of the town's y axis, clockwise from north"));
 }
 
 void SceneSun::ListFields(FieldList& fields) {
-  fields.Add("azimuth_deg", azimuth_deg, Heading("of the sun, clockwise from true north"));
+  fields.Add("azimuth_deg", azimuth_deg, Heading("azimuth of the sun, clockwise from true north"));
   fields.Add("elevation_deg", elevation_deg, {.min = 5, .max = 90, .unit = "deg", .reason = "above the horizon"});
-  fields.Add("strength", strength, {.min = 0, .max = 10, .reason = "its light on a white surface that faces it"});
+  fields.Add("strength", strength, {.min = 0, .max = 10, .reason = "intensity on a white surface that faces the sun"});
   fields.Add("sky", sky, {.min = 0, .max = 10, .reason = "light from straight above"});
   fields.Add("ground", ground, {.min = 0, .max = 10, .reason = "light from straight below"});
 }
 
 void SceneCamera::ListFields(FieldList& fields) {
-  fields.Add("path", path, {.choices = {"linear", "smooth"}, .reason = "between the listed values: lines or a curve"});
+  fields.Add(
+      "path", path,
+      {.choices = {"linear", "smooth"}, .reason = "interpolation between the knots: linear, or a Catmull-Rom spline"});
   fields.Add("shake_deg", shake_deg,
-             {.min = 0, .max = 5, .unit = "deg", .reason = "root mean square, about each axis"});
-  fields.Add("shake_hz", shake_hz, {.min = 0.01, .max = 50, .unit = "Hz", .reason = "how fast it shakes"});
+             {.min = 0, .max = 5, .unit = "deg", .reason = "root mean square of the camera shake about each axis"});
+  fields.Add("shake_hz", shake_hz, {.min = 0.01, .max = 50, .unit = "Hz", .reason = "frequency of the camera shake"});
 }
 
 void SceneObject::ListFields(FieldList& fields) {
   fields.Add("id", id, {.reason = "its name in the truth"});
-  fields.Add("model", model, {.reason = "its kind in the truth"});
-  fields.Add("file", file, {.reason = "its CAD file, from the scene's folder; else the shipped model"});
-  fields.Add("x_m", x_m, Metres("of its middle"));
-  fields.Add("y_m", y_m, Metres("of its middle"));
-  fields.Add("z_m", z_m, {.min = 0, .max = 1000, .unit = "m", .reason = "of its lowest point above the ground"});
-  fields.Add("heading_deg", heading_deg, Heading("of its front, clockwise from the town's y axis"));
+  fields.Add("model", model, {.reason = "its model name in the truth"});
+  fields.Add("file", file, {.reason = "its CAD file, relative to the scene's folder; default: the shipped model"});
+  fields.Add("x_m", x_m, Metres("position of the centre of its bounding box"));
+  fields.Add("y_m", y_m, Metres("position of the centre of its bounding box"));
+  fields.Add("z_m", z_m, {.min = 0, .max = 1000, .unit = "m", .reason = "height of its lowest point above the ground"});
+  fields.Add("heading_deg", heading_deg, Heading("heading of its front, clockwise from the town's y axis"));
   fields.Add("speed_m_s", speed_m_s, {.min = 0, .max = 400, .unit = "m/s", .reason = "along path_m"});
 }
 
 void ScenePiece::ListFields(FieldList& fields) {
-  fields.Add("asset", asset, {.reason = "a shipped thing: town/trees/oak, models/bus"});
-  fields.Add("x_m", x_m, Metres("of its middle"));
-  fields.Add("y_m", y_m, Metres("of its middle"));
-  fields.Add("z_m", z_m, {.min = 0, .max = 1000, .unit = "m", .reason = "of its lowest point above the ground"});
-  fields.Add("heading_deg", heading_deg, Heading("of its front, clockwise from the town's y axis"));
+  fields.Add("asset", asset, {.reason = "a shipped asset: town/trees/oak, models/bus"});
+  fields.Add("x_m", x_m, Metres("position of the centre of its bounding box"));
+  fields.Add("y_m", y_m, Metres("position of the centre of its bounding box"));
+  fields.Add("z_m", z_m, {.min = 0, .max = 1000, .unit = "m", .reason = "height of its lowest point above the ground"});
+  fields.Add("heading_deg", heading_deg, Heading("heading of its front, clockwise from the town's y axis"));
 }
 
 void SceneTile::ListFields(FieldList& fields) {
@@ -296,7 +302,7 @@ void SceneTile::ListFields(FieldList& fields) {
 
 void SceneTown::ListFields(FieldList& fields) {
   fields.Add("seed", seed, {.reason = "of the layout"});
-  fields.Add("density", density, {.min = 0, .max = 1, .reason = "how full squares and kerbs are"});
+  fields.Add("density", density, {.min = 0, .max = 1, .reason = "occupancy of squares and kerbs; 1 is full"});
   fields.Add("columns_per_street", columns_per_street,
              {.min = 2, .max = 100, .reason = "squares from street to street"});
   fields.Add("rows_per_street", rows_per_street, {.min = 2, .max = 100, .reason = "squares from street to street"});

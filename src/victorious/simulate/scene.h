@@ -1,9 +1,8 @@
-// A scene as JSON, read into a struct: what stands where in which town, under which sun, and how the camera flies over
-// it. docs/formats/scene.md describes the file.
+// Scene description, read from JSON: town, objects, sun and camera path. docs/formats/scene.md describes the file.
 //
-// The town's frame: metres, x to the right and y ahead as a map of the town lies on the table, z up, ground at 0. Its
-// origin lies at `origin`, and y points to `origin.heading_deg` there. Directions in the town (headings, `from_deg`)
-// are degrees clockwise from y. The sun alone is given by the compass.
+// Town frame: metres, x right and y ahead on the map of the town, z up, ground at z = 0. Its origin lies at `origin` on
+// the Earth; y points to the heading `origin.heading_deg` there. Directions in the town (headings, `from_deg`) are
+// degrees clockwise from y. Only the sun's azimuth is relative to true north.
 #pragma once
 
 #include <array>
@@ -20,7 +19,7 @@
 
 namespace victorious {
 
-/// The pictures, and what spoils them (degrade.h).
+/// Video format and image degradation (degrade.h).
 struct SceneVideo {
   int frames = 100;
   double fps = 10;
@@ -36,7 +35,7 @@ struct SceneVideo {
   void ListFields(FieldList& fields);
 };
 
-/// Where on Earth the town lies.
+/// Position and heading of the town frame on the Earth (WGS 84).
 struct SceneOrigin {
   double latitude_deg = 0;
   double longitude_deg = 0;
@@ -56,7 +55,7 @@ struct SceneSun {
   void ListFields(FieldList& fields);
 };
 
-/// From the least to the largest that may be.
+/// Allowed range of a value, inclusive.
 struct SceneRange {
   double low;
   double high;
@@ -64,14 +63,14 @@ struct SceneRange {
 inline constexpr SceneRange kOffNadirDeg = {0, 80};
 inline constexpr SceneRange kRangeM = {1, 10000};
 
-/// The camera's way (flight_path.h). Each list holds the values at times spread evenly from the first frame to the
-/// last; a list of one holds throughout.
+/// Camera path (flight_path.h). Each list has the values of the knots, at equal time steps from the first frame to the
+/// last; a list with one value is constant.
 struct SceneCamera {
   std::string path = "linear";
   double shake_deg = 0;
   double shake_hz = 1.5;
-  std::vector<Eigen::Vector2d> aim_m = {Eigen::Vector2d::Zero()};  ///< where on the ground the optical axis points
-  std::vector<double> from_deg = {180};                            ///< where the camera stands, seen from there
+  std::vector<Eigen::Vector2d> aim_m = {Eigen::Vector2d::Zero()};  ///< where the optical axis meets the ground
+  std::vector<double> from_deg = {180};                            ///< direction from there to the camera
   std::vector<double> off_nadir_deg = {35};
   std::vector<double> range_m = {110};
   std::vector<double> roll_deg = {0};
@@ -79,24 +78,24 @@ struct SceneCamera {
   void ListFields(FieldList& fields);
 };
 
-/// Something to be found: it is in the truth.
+/// A target object: the ground truth lists it.
 struct SceneObject {
   std::string id;
-  std::string model;  ///< its kind, as truth names it
-  std::string file;   ///< a CAD file; unless given, the asset models/<model>
-  double x_m = 0;     ///< where the middle of its bounding box stands
+  std::string model;  ///< its model name in the truth
+  std::string file;   ///< a CAD file; default: the asset models/<model>
+  double x_m = 0;     ///< position of the centre of its bounding box
   double y_m = 0;
-  double z_m = 0;  ///< of its lowest point
+  double z_m = 0;  ///< height of its lowest point
   double heading_deg = 0;
-  std::vector<Eigen::Vector2d> path_m;  ///< unless empty, it drives there: x_m, y_m and heading_deg may not be given
+  std::vector<Eigen::Vector2d> path_m;  ///< not empty: it drives along this; x_m, y_m and heading_deg must not be given
   double speed_m_s = 0;
 
   void ListFields(FieldList& fields);
 };
 
-/// Something that is only there: a tree in front of an object, a vehicle that nobody asks for.
+/// An object that the ground truth does not list: an occluder (a tree) or a distractor (another vehicle).
 struct ScenePiece {
-  std::string asset;  ///< a shipped CAD file, without its ending: "town/trees/oak", "models/bus"
+  std::string asset;  ///< a shipped CAD file, without its extension: "town/trees/oak", "models/bus"
   double x_m = 0;
   double y_m = 0;
   double z_m = 0;
@@ -105,7 +104,7 @@ struct ScenePiece {
   void ListFields(FieldList& fields);
 };
 
-/// A square of the town's ground that is chosen and not drawn by lot.
+/// A square of the town whose tile the scene specifies; the others are random.
 struct SceneTile {
   std::string tile;  ///< "apron"
   int column = 0;
@@ -115,7 +114,7 @@ struct SceneTile {
   void ListFields(FieldList& fields);
 };
 
-/// The town by lot (town.h). Square (0, 0) has its middle at the town's origin.
+/// The random town (town.h). The centre of square (0, 0) is the origin of the town frame.
 struct SceneTown {
   std::uint64_t seed = 1;
   double density = 0.7;
@@ -129,7 +128,7 @@ struct SceneTown {
 
 struct Scene {
   std::filesystem::path assets;  ///< the folder with models/ and town/
-  std::filesystem::path folder;  ///< where the scene lies: its CAD files' names start there
+  std::filesystem::path folder;  ///< folder of the scene file; paths of CAD files are relative to it
   std::uint64_t seed = 1;
   SceneVideo video;
   SceneOrigin origin;
@@ -140,11 +139,11 @@ struct Scene {
   std::vector<ScenePiece> pieces;
 };
 
-/// Any bytes are safe. Error: kInvalidArgument, one line with `name` and the first list, entry of a list or name that
-/// is wrong; where all of those are right, every other key that is unknown, of the wrong type or out of range.
+/// Parses a scene; safe for untrusted bytes. Error: kInvalidArgument, one line with `name` and the first wrong list,
+/// list entry or name; if all of these are right, with every key that is unknown, of the wrong type or out of range.
 Expected<Scene> ParseScene(std::string_view text, const std::string& name);
 
-/// The same from a file, whose folder relative names start from. Errors besides: those of reading.
+/// The same from a file; relative paths start from its folder. Further errors: those of reading.
 Expected<Scene> ReadScene(const std::filesystem::path& path);
 
 }  // namespace victorious

@@ -105,7 +105,7 @@ TEST(Scene, SaysWhichObjectIsWrong) {
               AllOf(HasSubstr("objects[1]"), HasSubstr("model")));
   EXPECT_THAT(ErrorOf(R"({"objects": [{"model": "jeep"}]})"), HasSubstr("id"));
   EXPECT_THAT(ErrorOf(R"({"objects": [{"id": "a", "model": "jeep"}, {"id": "a", "model": "tank"}]})"),
-              HasSubstr("two are called \"a\""));
+              HasSubstr("two have the id \"a\""));
   EXPECT_THAT(ErrorOf(R"({"objects": [{"id": "a", "model": "jeep", "speed_m_s": 4}]})"), HasSubstr("path_m"));
   EXPECT_THAT(ErrorOf(R"({"objects": [{"id": "a", "model": "jeep", "x_m": 4, "path_m": [[0, 0], [1, 1]]}]})"),
               AllOf(HasSubstr("x_m"), HasSubstr("path_m")));

@@ -32,10 +32,10 @@ Status MakeFolder(const fs::path& folder) {
   return {};
 }
 
-// What a frame adds to the files beside the video.
+// The data of a frame for telemetry.csv and truth.jsonl.
 struct FrameText {
   CameraState camera;
-  std::string truth;  ///< its lines
+  std::string truth;  ///< its lines of truth.jsonl
 };
 
 Expected<FrameText> TextOf(const Scene& scene, const DrawnFrame& drawn, int frame, Renderer& renderer) {

@@ -1,6 +1,6 @@
-// A scene in; a flight over it out, with everything that is true of it: what `victorious simulate` does.
+// Simulates a flight over a scene: video, telemetry and ground truth. Implements `victorious simulate`.
 //
-//   scene -> Stage (meshes in their places) -> each frame: camera -> picture, truth, telemetry -> degraded -> encoded
+//   scene -> Stage (placed meshes) -> each frame: camera -> image, truth, telemetry -> degradation -> encoder
 #pragma once
 
 #include <filesystem>
@@ -14,14 +14,15 @@
 namespace victorious {
 
 struct SimulateOptions {
-  /// Not on a GPU even if there is one: the same scene gives the same pixels each time, as long as the program and the
-  /// libraries that draw (Mesa) and the processor they draw for are the same; others may round otherwise.
+  /// Never use a GPU. The same scene then gives the same pixels each time with the same program, graphics library
+  /// (Mesa) and processor; others may round differently.
   bool software = true;
 };
 
-/// Writes video.mp4, telemetry.csv and truth.jsonl into the folder `out`, which is made if it is not there. Each is
-/// whole or not there; the video comes last. Shows progress. `warn` is told what is damaged in CAD files, a line each.
-/// Cost: some 4 frames of 640 x 480 a second in software on two cores.
+/// Writes video.mp4, telemetry.csv and truth.jsonl into the folder `out`, which is created if it does not exist. Each
+/// file is written atomically; the video is the last one. Shows progress. `warn` gets one line for each damaged part of
+/// a CAD file.
+/// Cost: about 4 frames of 640 x 480 a second in software on two cores.
 /// Errors: kInvalidArgument and those of LoadMesh (the scene), kNotFound, kPermissionDenied, kNoSpace, kCancelled.
 Status Simulate(const Scene& scene, const std::filesystem::path& out, const SimulateOptions& options,
                 const CancelToken& cancel, const std::function<void(const std::string&)>& warn);

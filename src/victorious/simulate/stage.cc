@@ -24,9 +24,9 @@ using Eigen::Vector3d;
 
 namespace fs = std::filesystem;
 
-constexpr double kMaterialSideM = 20;  // of a picture of town/ground: it repeats without a seam
+constexpr double kMaterialSideM = 20;  // side of a texture of town/ground; it tiles seamlessly
 
-// A flat square about the origin, its material repeating every kMaterialSideM.
+// A flat square centred at the origin, textured with period kMaterialSideM.
 Mesh GroundSquare(const cv::Mat& bgr, double side_m) {
   const auto half = static_cast<float>(side_m / 2);
   const auto repeats = static_cast<float>(side_m / kMaterialSideM);
@@ -43,18 +43,18 @@ Mesh GroundSquare(const cv::Mat& bgr, double side_m) {
   return mesh;
 }
 
-// The model frame's x is the object's front; the town's headings go clockwise from y.
+// The pose of a mesh in the town. The front of the model frame is x; headings in the town are clockwise from y.
 Rigid3 TownFromMesh(const StagedMesh& mesh, const GroundPose& pose, double bottom_m) {
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(kPi / 2 - pose.heading_rad, Vector3d::UnitZ()));
   const Vector3d foot(mesh.box.center().x(), mesh.box.center().y(), mesh.box.min().z());
   return {turn, Vector3d(pose.place_m.x(), pose.place_m.y(), bottom_m) - turn * foot};
 }
 
-// Things stand upright: the mesh's up is the town's.
+// Maximum and minimum z in the town frame. All instances are upright: the up axes of mesh and town are parallel.
 double TopOf(const StagedThing& thing) { return thing.town_from_mesh.translation.z() + thing.mesh.box.max().z(); }
 double BottomOf(const StagedThing& thing) { return thing.town_from_mesh.translation.z() + thing.mesh.box.min().z(); }
 
-// Ground that the town must leave free, so that nothing stands in an object or in its way.
+// Adds the zones that the town must keep free: the object's position, or its path sampled over the flight.
 void KeepClear(const SceneObject& object, const StagedMesh& mesh, double last_s, std::vector<KeptClear>& clear) {
   const double radius_m = mesh.box.sizes().head<2>().norm() / 2;
   const double length_m = mesh.box.sizes().x();
@@ -152,7 +152,7 @@ Expected<Stage> Stage::Build(const Scene& scene, Renderer& renderer, const Cance
   VICTORIOUS_RETURN_IF_ERROR(stage.PlaceObjects(scene, loader, clear));
   VICTORIOUS_RETURN_IF_ERROR(stage.PlacePieces(scene, loader, clear));
   VICTORIOUS_RETURN_IF_ERROR(stage.PlaceTown(scene, loader, clear));
-  // What stands high hides what lies below it, and is drawn first: what is hidden already costs little.
+  // Draws from top to bottom: high instances occlude lower ones, and occluded fragments fail the depth test early.
   std::ranges::stable_sort(stage.town_, std::greater(), TopOf);
   for (const StagedThing& thing : stage.town_) stage.lowest_m_ = std::min(stage.lowest_m_, BottomOf(thing));
   return stage;
@@ -170,7 +170,7 @@ std::vector<StagedThing> Stage::ObjectsAt(double time_s) const {
 
 namespace {
 
-// The pyramid of what a camera sees, as planes through its centre with their normals inwards.
+// The camera's view frustum: four planes through its centre, normals inwards.
 class Frustum {
  public:
   explicit Frustum(const PosedCamera& camera) : camera_from_town_(camera.camera_from_world) {
@@ -183,11 +183,11 @@ class Frustum {
     }
   }
 
-  // Whether a ball is in it anywhere on its straight way.
+  // True if a sphere moving along a line segment intersects the frustum anywhere (swept sphere test).
   [[nodiscard]] bool Meets(const Vector3d& from_in_town, const Vector3d& to_in_town, double radius_m) const {
     const Vector3d from = camera_from_town_.Apply(from_in_town);
     const Vector3d to = camera_from_town_.Apply(to_in_town);
-    double enters = 0;  // shares of the way
+    double enters = 0;  // parameters on the segment, 0 to 1
     double leaves = 1;
     for (const Vector3d& normal : normals_) {
       const double at_start = normal.dot(from) + radius_m;
@@ -213,7 +213,7 @@ std::vector<MeshInstance> Stage::TownSeenFrom(const PosedCamera& camera, const V
     const Eigen::AlignedBox3d& box = thing.mesh.box;
     const double radius_m = box.diagonal().norm() / 2;
     const Vector3d centre = thing.town_from_mesh.Apply(box.center());
-    // All of it, moved along the sun's rays until its highest point lies on the lowest ground, holds all of its shadow.
+    // Its bounding sphere, swept along the sun's rays until its top reaches the lowest ground, contains its shadow.
     const Vector3d fall = (TopOf(thing) - lowest_m_) / to_sun_in_town.z() * to_sun_in_town;
     if (frustum.Meets(centre, centre - fall, radius_m)) {
       seen.push_back({.mesh = thing.mesh.id, .world_from_mesh = thing.town_from_mesh});

@@ -1,5 +1,4 @@
-// The scene as the renderer holds it: every CAD file loaded once, everything standing in its place, and of all that
-// what a camera can see at a time.
+// The scene on the renderer: loads every CAD file once, places all instances, and culls them per camera.
 #pragma once
 
 #include <functional>
@@ -18,13 +17,13 @@
 
 namespace victorious {
 
-/// A mesh on the renderer.
+/// A mesh uploaded to the renderer.
 struct StagedMesh {
   MeshId id = {};
   Eigen::AlignedBox3d box;  ///< in the model frame (mesh.h)
 };
 
-/// A mesh in its place in the town.
+/// A mesh placed in the town.
 struct StagedThing {
   StagedMesh mesh;
   Rigid3 town_from_mesh;
@@ -32,16 +31,17 @@ struct StagedThing {
 
 class Stage {
  public:
-  /// Loads and places everything. `warn` is told what is damaged in CAD files, a line each; `renderer` must outlive it.
+  /// Loads and places everything. `warn` gets one line for each damaged part of a CAD file. `renderer` must outlive the
+  /// stage.
   /// Errors: those of LoadMesh, with the file's name; kCancelled.
   static Expected<Stage> Build(const Scene& scene, Renderer& renderer, const CancelToken& cancel,
                                const std::function<void(const std::string&)>& warn);
 
-  /// The scene's objects, in its order, where they are at a time.
+  /// The scene's objects in its order, at their poses at a time.
   [[nodiscard]] std::vector<StagedThing> ObjectsAt(double time_s) const;
 
-  /// The town's things that a camera sees, or whose shadow it may see.
-  /// @param to_sun_in_town  of length 1, above the horizon
+  /// Frustum culling: the instances of the town that are visible to the camera, or whose shadow may be.
+  /// @param to_sun_in_town  unit vector, above the horizon
   [[nodiscard]] std::vector<MeshInstance> TownSeenFrom(const PosedCamera& camera,
                                                        const Eigen::Vector3d& to_sun_in_town) const;
 
@@ -55,7 +55,7 @@ class Stage {
   std::vector<SceneObject> objects_;
   std::vector<StagedMesh> object_meshes_;  ///< of objects_
   std::vector<StagedThing> town_;
-  double lowest_m_ = 0;  ///< of all that stands in the town, the ground included
+  double lowest_m_ = 0;  ///< minimum z of all instances of the town and of the ground
 };
 
 }  // namespace victorious

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-// A white town of one square, with nothing on it but what a scene puts there: `town/block` is 40 m high and 8 m square.
+// A white town of one square that contains only the pieces of the scene; `town/block` is 40 m high and 8 m square.
 class StageTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -64,7 +64,7 @@ class StageTest : public ::testing::Test {
 
 TEST_F(StageTest, LongShadowsReachIntoViewFromOutside) {
   const cv::Mat without = Picture({});
-  // 40 m high, it shades the ground 149 m away.
+  // A block 40 m high casts a shadow 149 m long.
   for (const double distance_m : {40.0, 90.0, 130.0}) {
     const cv::Mat with = Picture({{.asset = "town/block", .x_m = -distance_m}});
     EXPECT_LT(with.at<cv::Vec3b>(32, 32)[0] + 40, without.at<cv::Vec3b>(32, 32)[0]) << distance_m;

@@ -1,4 +1,4 @@
-// The camera's state in a frame, as telemetry.csv has it (telemetry/camera_csv.h).
+// The ground-truth camera state of a frame, as written to telemetry.csv (telemetry/camera_csv.h).
 #pragma once
 
 #include "victorious/geometry/geodesy.h"
@@ -7,9 +7,9 @@
 
 namespace victorious {
 
-/// Where a camera is on Earth and how it is held against true north and the vertical there.
-/// @param earth             its origin is the town's
-/// @param town_heading_rad  where the town's y axis points there, clockwise from north
+/// Geodetic position of the camera (WGS 84) and its attitude relative to true north and the vertical there.
+/// @param earth             tangent plane at the origin of the town
+/// @param town_heading_rad  heading of the town's y axis at the origin, clockwise from north
 [[nodiscard]] CameraState CameraStateOf(const Rigid3& camera_from_town, const TangentPlane& earth,
                                         double town_heading_rad, double time_s, double hfov_rad);
 

@@ -22,7 +22,7 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-// Where a place on Earth is seen by a camera: the definition of docs/formats/telemetry.md, once more.
+// Projects a geodetic point into a camera: an independent implementation of docs/formats/telemetry.md.
 std::optional<Vector2d> Project(const CameraState& camera, const GeodeticPoint& place, int width, int height) {
   const PinholeCamera pinhole =
       PinholeOf({.width = width, .height = height, .hfov_deg = DegreesFromRadians(*camera.hfov_rad)});
@@ -56,7 +56,7 @@ TEST(Telemetry, APlaceIsSeenThroughItWhereTheCameraSeesIt) {
   }
 }
 
-// Another renderer's flight, made to the same definitions by other code.
+// A flight by another renderer, made to the same definitions by independent code.
 TEST(Telemetry, AgreesWithAnotherRenderersFlight) {
   VICTORIOUS_DATA_OR_SKIP(folder, "movies/dev_soft");
   const auto text = ReadFile(folder / "telemetry.csv");
@@ -71,7 +71,7 @@ TEST(Telemetry, AgreesWithAnotherRenderersFlight) {
     const GeodeticPoint place = {RadiansFromDegrees(json["latitude_deg"].get<double>()),
                                  RadiansFromDegrees(json["longitude_deg"].get<double>()),
                                  json["altitude_m"].get<double>()};
-    // From the object to the camera, in the object's own frame (front, left, up).
+    // Direction from the object to the camera, in the object's frame (front, left, up).
     const TangentPlane at_object(place);
     const Vector3d to_camera = at_object.EnuFromGeodetic(camera.place);
     const double heading = RadiansFromDegrees(json["heading_deg"].get<double>());
@@ -86,7 +86,8 @@ TEST(Telemetry, AgreesWithAnotherRenderersFlight) {
     const auto seen = Project(camera, place, 640, 480);
     ASSERT_TRUE(seen);
     const std::vector<double> box = json["box"];
-    // The middle of what is seen is near that of the bounding box in space: perspective and shape move it a little.
+    // The centre of the visible box is near the projected centre of the 3D box; perspective and shape shift it
+    // slightly.
     EXPECT_NEAR(seen->x(), box[0] + box[2] / 2, 0.12 * box[2] + 1) << line;
     EXPECT_NEAR(seen->y(), box[1] + box[3] / 2, 0.12 * box[3] + 1) << line;
   }

@@ -14,7 +14,7 @@ using Eigen::Vector2d;
 
 bool IsMultiple(int value, int of) { return value % of == 0; }
 
-// The quarter turns that bring a square's front to a street beside it.
+// The number of quarter turns after which a square's front faces an adjacent street; std::nullopt without a street.
 std::optional<int> TurnsToStreet(int column, int row, const SceneTown& town) {
   if (IsMultiple(row + 1, town.rows_per_street)) return 0;
   if (IsMultiple(row - 1, town.rows_per_street)) return 2;
@@ -48,13 +48,13 @@ void PlanSquare(int column, int row, const SceneTown& town, std::vector<Placemen
   FurnishSquare(square, to_street.has_value());
 }
 
-// What all tiles and lots lie on, and what goes on beyond the town. In squares of a whole number of the
-// material's periods, so that no seam shows, and small, so that none that is seen reaches back to the camera: that
-// would stretch the range of depths beyond what a depth buffer resolves.
+// The grass below all tiles and lots, which extends beyond the town. Its squares have a whole number of texture
+// periods, so that there are no seams. They are small, so that no visible square extends to the camera: the range of
+// depths would then exceed the resolution of the depth buffer.
 void LayUnderlay(const SceneTown& town, std::vector<Placement>& placements) {
   constexpr double kSideM = 40;
   constexpr double kBeyondM = 300;
-  constexpr double kBottomM = -0.06;  // below the tiles, by more than a depth buffer confuses
+  constexpr double kBottomM = -0.06;  // far enough below the tiles to avoid z-fighting
   const auto first = [](int square) { return std::floor((kSquareSideM * square - kBeyondM) / kSideM) * kSideM; };
   for (double y = first(town.squares[1]); y < kSquareSideM * town.squares[3] + kBeyondM; y += kSideM) {
     for (double x = first(town.squares[0]); x < kSquareSideM * town.squares[2] + kBeyondM; x += kSideM) {

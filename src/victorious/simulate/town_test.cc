@@ -72,9 +72,9 @@ TEST(Town, DensityFillsIt) {
   EXPECT_LT(count(0.5), count(1.0));
 }
 
-// The size along the front and across of each placement's mesh; nothing for ground.
+// The size of each placement's mesh along its front and across; zero for ground.
 std::vector<Vector2d> SizesOf(const std::vector<Placement>& town) {
-  static std::map<std::string, Vector2d> known;  // reading them is slow
+  static std::map<std::string, Vector2d> known;  // cached, because loading is slow
   std::vector<Vector2d> sizes_m;
   for (const Placement& placement : town) {
     const auto [at, is_new] = known.emplace(placement.asset, Vector2d::Zero());
@@ -138,7 +138,7 @@ TEST(Town, NothingStandsInsideABuilding) {
     }
     EXPECT_GT(compared, 1000);
   }
-  EXPECT_GT(left_out, 4);  // the layout alone puts trees there
+  EXPECT_GT(left_out, 4);  // LayOutTown alone places trees there
 }
 
 TEST(Town, TakesTheTilesThatAreChosen) {

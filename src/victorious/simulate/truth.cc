@@ -16,7 +16,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kLargestCanvasPx = 4096;
-constexpr double kWidestDeg = 80;  // from the optical axis: no lens of a plane image sees further
+constexpr double kWidestDeg = 80;  // maximum angle from the optical axis; perspective lenses do not exceed it
 
 struct SeenPixels {
   int count = 0;
@@ -48,8 +48,8 @@ std::vector<SeenPixels> CountPixels(const cv::Mat& instances, std::size_t object
   return seen;
 }
 
-// The part of the image plane that the object's box projects to, px, as far as a lens could see it. Where the box
-// reaches behind the camera that is all of the plane.
+// The bounding rectangle of the object's projected box in the image plane, px, clipped to the maximum field of view.
+// The whole clipped plane if the box extends behind the camera.
 Eigen::AlignedBox2d ExtentOf(const StagedThing& object, const PosedCamera& camera) {
   const PinholeCamera& pinhole = camera.pinhole;
   const double widest = std::tan(RadiansFromDegrees(kWidestDeg));
@@ -67,8 +67,8 @@ Eigen::AlignedBox2d ExtentOf(const StagedThing& object, const PosedCamera& camer
   return around.intersection(plane);
 }
 
-// The same camera with a part of its image plane as its picture: a whole number of pixels to the side, so that lines of
-// sight are the frame's own.
+// The same camera with another rectangle of its image plane as image. The offset is a whole number of pixels, so that
+// the pixels have the same rays as in the frame.
 PosedCamera CanvasOf(const Eigen::AlignedBox2d& part, const PosedCamera& camera) {
   const Vector2d low = part.min().array().floor();
   const Vector2d high = part.max().array().ceil();
@@ -80,8 +80,8 @@ PosedCamera CanvasOf(const Eigen::AlignedBox2d& part, const PosedCamera& camera)
   return canvas;
 }
 
-// How many pixels the object would have if nothing hid or cut it. What would need too large a picture is counted in a
-// smaller one.
+// The number of pixels of the object rendered alone, neither occluded nor cropped. Large images are rendered at a
+// smaller scale and the count is rescaled.
 Expected<double> PixelsAlone(const StagedThing& object, PosedCamera camera, Renderer& renderer) {
   const double largest = ExtentOf(object, camera).sizes().maxCoeff();
   const double shrink = std::min(1.0, (kLargestCanvasPx - 2) / largest);
@@ -134,7 +134,7 @@ Expected<std::vector<ObjectTruth>> TruthOf(std::span<const StagedThing> objects,
 
 std::string TruthLine(const ObjectTruth& truth, const SceneObject& object, int frame, double time_s) {
   constexpr double kMicro = 1e6;
-  constexpr double kNanoDegrees = 1e9;  // a tenth of a millimetre
+  constexpr double kNanoDegrees = 1e9;  // 1e-9 degrees are 0.1 mm
   constexpr double kTenThousandths = 1e4;
   const auto degrees = [](double radians) { return Rounded(DegreesFromRadians(radians), kTenThousandths); };
   const nlohmann::ordered_json json = {

@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 constexpr double kTownHeadingRad = 0.3;
 const TangentPlane kEarth({RadiansFromDegrees(42), RadiansFromDegrees(-71), 10});
 
-// A camera above the town's origin, a hundred metres up, the town's y upwards in its picture: 6.4 px a metre.
+// A nadir camera 100 m above the town's origin, the town's y upwards in the image: 6.4 px per metre.
 PosedCamera FromAbove() {
   SceneCamera camera;
   camera.off_nadir_deg = {0};
@@ -72,7 +72,7 @@ TEST_F(Truth, WhatHidesHalfLeavesHalf) {
   ASSERT_EQ(truth.size(), 1U);
   EXPECT_NEAR(truth[0].visible, 0.5, 0.05);
   EXPECT_NEAR(truth[0].box.x + truth[0].box.width, 160, 1);
-  EXPECT_TRUE(TruthOfBoxes({BoxAt({0, 0, 0}), BoxAt({0, 0, 2})}, 1).empty());  // and all of it, nothing
+  EXPECT_TRUE(TruthOfBoxes({BoxAt({0, 0, 0}), BoxAt({0, 0, 2})}, 1).empty());  // occluding all of it leaves no truth
 }
 
 TEST_F(Truth, WhatTheFrameCutsCountsAsHidden) {
@@ -93,7 +93,7 @@ TEST_F(Truth, ViewIsSeenFromTheObject) {
   EXPECT_NEAR(DegreesFromRadians(truth[0].view.off_nadir_rad), 40, 1e-6);
 }
 
-// Seen alone it would need a canvas of 6400 pixels: a frame of a long flight is not lost for that.
+// Rendered alone it would need an image 6400 pixels wide, more than the limit: the truth must still be computed.
 TEST_F(Truth, AnObjectMuchWiderThanTheFrameHasItsShare) {
   const Mesh mesh = testing::Box({-500, -1, -1}, {500, 1, 0});  // 1000 m long, its top at 0: 6.4 px a metre
   const Expected<MeshId> id = renderer->Upload(mesh);

@@ -22,7 +22,7 @@ std::string Names(Records&& records) {
 
 template <typename Record>
 const Record* FindById(const std::vector<Record>& records, std::int64_t id) {
-  const auto it = std::ranges::lower_bound(records, id, {}, &Record::id);  // a store lists them by id
+  const auto it = std::ranges::lower_bound(records, id, {}, &Record::id);  // a store returns them ordered by id
   return it == records.end() || it->id != id ? nullptr : &*it;
 }
 
@@ -35,8 +35,8 @@ Expected<Catalogue> Catalogue::Read(IndexStore& store, const SightingFilter& fil
   if (filter.video_name) {
     std::vector<VideoRecord> named = VideosNamed(catalogue.videos_, *filter.video_name);
     if (named.empty()) {
-      return Fail(ErrorCode::kNotFound, fmt::format("video {}: not in the index, which holds: {}", *filter.video_name,
-                                                    Names(catalogue.videos_)));
+      return Fail(ErrorCode::kNotFound, fmt::format("video {}: not in the index, which contains: {}",
+                                                    *filter.video_name, Names(catalogue.videos_)));
     }
     catalogue.videos_ = std::move(named);
   }
@@ -45,7 +45,7 @@ Expected<Catalogue> Catalogue::Read(IndexStore& store, const SightingFilter& fil
     const auto other = [&](const ModelRecord& model) { return is_category(model) || model.name != *filter.model_name; };
     if (std::ranges::all_of(catalogue.models_, other)) {
       return Fail(ErrorCode::kNotFound,
-                  fmt::format("model {}: not in the index, which holds: {}", *filter.model_name,
+                  fmt::format("model {}: not in the index, which contains: {}", *filter.model_name,
                               Names(catalogue.models_ | std::views::filter(std::not_fn(is_category)))));
     }
     std::erase_if(catalogue.models_, other);
@@ -57,7 +57,7 @@ Expected<Catalogue> Catalogue::Read(IndexStore& store, const SightingFilter& fil
     };
     if (std::ranges::all_of(catalogue.models_, other)) {
       return Fail(ErrorCode::kNotFound,
-                  fmt::format("category {}: not in the index, which holds: {}", *filter.category_name,
+                  fmt::format("category {}: not in the index, which contains: {}", *filter.category_name,
                               Names(catalogue.models_ | std::views::filter(is_category))));
     }
     std::erase_if(catalogue.models_, other);

@@ -1,4 +1,4 @@
-// The names of what an index holds, looked up by id.
+// The videos and models of an index, looked up by id. Used by the exports and by commands that print names.
 #pragma once
 
 #include <cstdint>
@@ -9,15 +9,17 @@
 
 namespace victorious {
 
-/// The videos and models of a store that a filter lets through, checked to be there: a name that is not in the index
-/// is an error (kNotFound) that tells those that are.
+/// The videos and models of a store that match a filter. A filter name that is not in the index is an error (kNotFound)
+/// that lists the names that are.
 class Catalogue {
  public:
+  /// Reads all rows and applies the filter's video, model and category names.
   static Expected<Catalogue> Read(IndexStore& store, const SightingFilter& filter);
 
   [[nodiscard]] const std::vector<VideoRecord>& videos() const { return videos_; }
   [[nodiscard]] const std::vector<ModelRecord>& models() const { return models_; }
-  /// `id` must be of a row that the same filter let through; one added meanwhile by another process has no name yet.
+  /// Returns nullptr if `id` is not in the catalogue: it does not match the filter, or another process added it after
+  /// Read. O(log n).
   [[nodiscard]] const VideoRecord* Video(std::int64_t id) const;
   [[nodiscard]] const ModelRecord* Model(std::int64_t id) const;
 

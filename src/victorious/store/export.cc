@@ -57,8 +57,8 @@ Status ExportObjects(IndexStore& store, const Catalogue& catalogue, const Sighti
   return {};
 }
 
-// What another process adds while this one writes belongs to a video or model that the catalogue may not know yet: it
-// is left to the next export.
+// Skips rows that another process adds during the export: their video or model may not be in the catalogue. The next
+// export includes them.
 Status ExportSightings(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out) {
   return store.VisitSightings(filter, [&](SightingRecord&& sighting) {
     const VideoRecord* video = catalogue.Video(sighting.video);
@@ -73,7 +73,7 @@ Status ExportMot(IndexStore& store, const Catalogue& catalogue, const SightingFi
     std::string names;
     for (const VideoRecord& video : catalogue.videos()) names += (names.empty() ? "" : ", ") + video.name;
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("format mot holds one video, and these were meant: {}: name one with --video", names));
+                fmt::format("format mot needs a single video, but these match: {}: select one with --video", names));
   }
   return store.VisitSightings(filter, [&](SightingRecord&& s) {
     if (catalogue.Video(s.video) == nullptr) return true;
@@ -110,7 +110,7 @@ Expected<ExportFormat> ParseExportFormat(std::string_view name) {
     if (known == name) return format;
     names += (names.empty() ? "" : ", ") + std::string(known);
   }
-  return Fail(ErrorCode::kInvalidArgument, fmt::format("format {}: not known: use one of {}", name, names));
+  return Fail(ErrorCode::kInvalidArgument, fmt::format("format {}: unknown: use one of {}", name, names));
 }
 
 Status Export(IndexStore& store, ExportFormat format, const SightingFilter& filter, std::ostream& out) {
@@ -119,9 +119,9 @@ Status Export(IndexStore& store, ExportFormat format, const SightingFilter& filt
   VICTORIOUS_RETURN_IF_ERROR(Write(store, format, catalogue, filter, out));
   out.flush();
   if (out.good()) return {};
-  // Streams say only that they failed; the system's reason, if it is still there, says why.
+  // A stream reports only that it failed; errno, if set, gives the reason.
   return std::unexpected(errno != 0 ? ErrorFromErrno(errno, "write the export")
-                                    : Error{ErrorCode::kInternal, "write the export: the output took no more"});
+                                    : Error{ErrorCode::kInternal, "write the export: the output stream failed"});
 }
 
 }  // namespace victorious

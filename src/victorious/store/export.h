@@ -1,4 +1,4 @@
-// What was found, as text that other programs read. docs/formats/export.md describes every field.
+// Exports the content of an index as text for other programs. docs/formats/export.md describes every field.
 #pragma once
 
 #include <iosfwd>
@@ -15,14 +15,15 @@ enum class ExportFormat {
   kMot,        ///< MOTChallenge text of one video
   kCoco,       ///< COCO detection JSON
   kGeoJson,    ///< RFC 7946: objects of known place
-  kKml,        ///< the same for Google Earth
+  kKml,        ///< KML 2.2: objects of known place, for Google Earth
 };
 
-/// By the name that `export --format` takes. kInvalidArgument with the list of names.
+/// Parses the argument of `export --format`. Error: kInvalidArgument with the list of names.
 Expected<ExportFormat> ParseExportFormat(std::string_view name);
 
-/// Writes what the filter lets through, row by row. Errors: kNotFound for a video or model that is not in the index (it
-/// lists those that are); kInvalidArgument for kMot with more than one video; kNoSpace and others of `out`.
+/// Writes the rows that match the filter, one by one. Errors: kNotFound for a video or model that is not in the index
+/// (the message lists those that are); kInvalidArgument for kMot with more than one video; kNoSpace and others of
+/// `out`.
 Status Export(IndexStore& store, ExportFormat format, const SightingFilter& filter, std::ostream& out);
 
 }  // namespace victorious

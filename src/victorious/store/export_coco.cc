@@ -33,7 +33,7 @@ Json CategoriesJson(const std::vector<ModelRecord>& models) {
   return categories;
 }
 
-// The outline inside the picture, as COCO's flat list of coordinates.
+// The outline, clipped to the image, as COCO's flat list of coordinates.
 Json SegmentationJson(const Polygon& polygon) {
   Json flat = Json::array();
   for (const Eigen::Vector2d& corner : polygon) {

@@ -9,8 +9,8 @@
 
 namespace victorious {
 
-/// One image a frame with a sighting, one category a model, one annotation a sighting; annotations as they are read,
-/// images after them.
+/// Writes one COCO image per frame with a sighting, one category per model and one annotation per sighting. Streams the
+/// annotations as they are read, and writes the images after them.
 Status ExportCoco(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out);
 
 }  // namespace victorious

@@ -9,7 +9,7 @@
 namespace victorious {
 namespace {
 
-// To the nearest multiple of 1 / `parts`; 0 for -0. What is not finite becomes null when it is dumped.
+// Rounds to the nearest multiple of 1 / `parts`; converts -0 to 0. Dump writes values that are not finite as null.
 double Round(double value, double parts) { return std::round(value * parts) / parts + 0.0; }
 
 }  // namespace

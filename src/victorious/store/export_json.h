@@ -1,4 +1,4 @@
-// What the export formats share: numbers with as many decimals as they are worth.
+// JSON values shared by the export formats: numbers rounded to their significant decimals.
 #pragma once
 
 #include <optional>
@@ -11,11 +11,14 @@
 
 namespace victorious {
 
-/// Keeps the order in which keys are added.
+/// JSON that keeps the insertion order of keys.
 using Json = nlohmann::ordered_json;
 
+/// s, to the microsecond
 Json TimeJson(double time_s);
+/// To four decimals
 Json ScoreJson(double score);
+/// Degrees, to six decimals
 Json DegreesJson(double angle_rad);
 /// m or m/s, to the millimetre
 Json MetresJson(double value_m);
@@ -28,10 +31,10 @@ Json OutlineJson(const Polygon& outline);
 /// px to two decimals
 double RoundPixels(double value_px);
 
-/// What is not known is null.
+/// Converts the value, or returns null for std::nullopt.
 Json OrNull(const std::optional<double>& value, Json (*convert)(double));
 
-/// On one line; bytes that are not UTF-8 become U+FFFD.
+/// JSON text on one line; bytes that are not UTF-8 become U+FFFD.
 std::string Dump(const Json& json);
 
 }  // namespace victorious

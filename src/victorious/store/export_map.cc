@@ -21,10 +21,10 @@
 namespace victorious {
 namespace {
 
-// The border of the ellipse that holds 90 % of a normal distribution on the ground, counter-clockwise and closed.
+// The border of the horizontal 90 % confidence ellipse of a normal distribution, counter-clockwise and closed.
 std::vector<GeodeticPoint> EllipseOf(const Place& place) {
   constexpr int kCorners = 48;
-  constexpr double kRadius = 2.145966026289347;  // sqrt(-2 ln 0.1), in sigmas
+  constexpr double kRadius = 2.145966026289347;  // sqrt(-2 ln 0.1), in standard deviations: 90 % of a 2D normal
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(place.covariance_enu_m2.topLeftCorner<2, 2>());
   Eigen::Matrix2d directions = axes.eigenvectors();
   if (directions.determinant() < 0) directions.col(1) *= -1;
@@ -45,7 +45,7 @@ Json PositionJson(const GeodeticPoint& point) {
 
 using Ring = std::vector<GeodeticPoint>;
 
-// What of a closed ring lies east of a meridian (`east`), or west of it; closed.
+// Clips a closed ring to the part east (`east`) or west of a meridian. Returns a closed ring.
 Ring Beside(const Ring& ring, double longitude_rad, bool east) {
   const auto inside = [&](const GeodeticPoint& point) {
     return east ? point.longitude_rad >= longitude_rad : point.longitude_rad <= longitude_rad;
@@ -63,7 +63,7 @@ Ring Beside(const Ring& ring, double longitude_rad, bool east) {
   return part;
 }
 
-// A ring about a place, cut where it crosses the antimeridian (RFC 7946, section 3.1.9).
+// A ring around a place, cut at the antimeridian if it crosses it (RFC 7946, section 3.1.9).
 std::vector<Ring> CutAtAntimeridian(Ring ring, double middle_longitude_rad) {
   for (GeodeticPoint& point : ring) {
     point.longitude_rad = middle_longitude_rad + WrapAngle(point.longitude_rad - middle_longitude_rad);
@@ -102,14 +102,14 @@ Json FeatureJson(const ListedObject& listed) {
 
 std::string EscapedXml(const std::string& text) {
   std::string escaped;
-  for (const char c : nlohmann::json::parse(Dump(text)).get<std::string>()) {  // bytes that are not UTF-8 replaced
+  for (const char c : nlohmann::json::parse(Dump(text)).get<std::string>()) {  // replaces bytes that are not UTF-8
     if (c == '&') {
       escaped += "&amp;";
     } else if (c == '<') {
       escaped += "&lt;";
     } else if (c == '>') {
       escaped += "&gt;";
-    } else if (static_cast<unsigned char>(c) >= 0x20 || c == '\t' || c == '\n') {  // XML knows no other control bytes
+    } else if (static_cast<unsigned char>(c) >= 0x20 || c == '\t' || c == '\n') {  // the control bytes of XML
       escaped += c;
     }
   }
@@ -132,7 +132,7 @@ struct TimeSpan {
   std::int64_t end_us = 0;
 };
 
-// When each object was first and last seen, by its id.
+// The times of the first and last sighting of each object, by its id.
 Expected<std::map<std::int64_t, TimeSpan>> SpansOf(IndexStore& store) {
   std::map<std::int64_t, std::int64_t> start_us;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());

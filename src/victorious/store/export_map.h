@@ -1,4 +1,4 @@
-// Objects on the map: GeoJSON (RFC 7946) and KML 2.2.
+// Exports geolocated objects as GeoJSON (RFC 7946) and KML 2.2.
 #pragma once
 
 #include <iosfwd>
@@ -9,10 +9,10 @@
 
 namespace victorious {
 
-/// One feature an object of known place: its point and the horizontal ellipse that holds the truth in 90 %.
+/// Writes one feature per object of known place: its point and its horizontal 90 % confidence ellipse.
 Status ExportGeoJson(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out);
 
-/// One placemark an object of known place, shown while it was seen; the same ellipse.
+/// Writes one placemark per object of known place, with the time span of its sightings and the same ellipse.
 Status ExportKml(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out);
 
 }  // namespace victorious

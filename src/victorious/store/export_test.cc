@@ -16,7 +16,7 @@ using nlohmann::json;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// Two videos; "box" is seen in frames 37 and 38 of the first, "shed" in frame 0 of the second.
+// Two videos; "box" has sightings in frames 37 and 38 of the first, "shed" in frame 0 of the second.
 class ExportTest : public ::testing::Test {
  protected:
   void SetUp() override {

@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 std::vector<fs::path> Parts(std::string_view name) {
   const fs::path path = fs::path(name).lexically_normal();
   std::vector<fs::path> parts(path.begin(), path.end());
-  if (!parts.empty() && parts.back().empty()) parts.pop_back();  // "folder/" is "folder"
+  if (!parts.empty() && parts.back().empty()) parts.pop_back();  // "folder/" equals "folder"
   return parts;
 }
 

@@ -1,4 +1,4 @@
-// The contract of IndexStore, run on every implementation: a new one adds itself to the list at the end.
+// The contract of IndexStore, tested for every implementation. A new implementation is added to the list at the end.
 #include "victorious/store/index_store.h"
 
 #include <ostream>
@@ -49,7 +49,7 @@ class IndexStoreTest : public ::testing::TestWithParam<Backend> {
     return model.value_or(ModelRecord{});
   }
 
-  // One object seen in `frames` frames of 0.5 s from `first_frame` on.
+  // One object with sightings in `frames` frames of 0.5 s from `first_frame` on.
   IndexBatch OneObject(std::int64_t first_frame, int frames, double score) const {
     IndexBatch batch;
     batch.runs.push_back({std::nullopt,
@@ -266,7 +266,7 @@ TEST_P(IndexStoreTest, RunsBecomeOneObjectWithItsPlace) {
   EXPECT_EQ(stored.heading_rad, 1.25);
   for (const SightingRecord& sighting : Sightings()) EXPECT_EQ(sighting.object, first);
 
-  // Apart again, the second has its own id back, and what is not known is not there.
+  // After the split, the second object has its own id again, and unknown values are empty.
   const std::vector<ObjectRecord> apart = {{.id = first, .model = model_, .runs = {first}},
                                            {.id = second, .model = model_, .runs = {second}}};
   ASSERT_TRUE(store_->PutObjects(apart));
@@ -323,7 +323,7 @@ TEST_P(IndexStoreTest, NearMeansAlongTheGround) {
 TEST_P(IndexStoreTest, ABatchIsWholeOrNotAtAll) {
   IndexBatch batch = OneObject(0, 3, 0.5);
   batch.progress.push_back(ProgressTo(3, 0));
-  batch.sightings[2].sighting.frame = 1;  // an object twice in one frame
+  batch.sightings[2].sighting.frame = 1;  // two sightings of one tracklet in one frame
   const auto result = store_->Commit(batch);
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);

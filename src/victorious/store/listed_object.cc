@@ -18,8 +18,8 @@ Json CovarianceJson(const Eigen::Matrix3d& covariance) {
 Expected<std::vector<ListedObject>> ListObjects(IndexStore& store, const Catalogue& catalogue,
                                                 const SightingFilter& filter) {
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectRecord> objects, store.Objects(filter));
-  // What another process adds meanwhile may be of a video or model that the catalogue does not know yet; and of an
-  // object's videos the filter may name one.
+  // Reads the names again without a filter: another process may have added videos or models, and an object may be in
+  // videos that the filter excludes.
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue everything, Catalogue::Read(store, {}));
   std::vector<ListedObject> listed;
   for (ObjectRecord& object : objects) {

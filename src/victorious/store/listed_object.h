@@ -1,4 +1,4 @@
-// An object as it is listed: with its rank and its names, and its values as people and other programs read them.
+// An object with its rank and names, as listed by `search` and exported as `objects`.
 #pragma once
 
 #include <cstddef>
@@ -17,19 +17,19 @@ namespace victorious {
 struct ListedObject {
   ObjectRecord object;
   std::size_t rank = 0;  ///< from 1
-  std::string model;     ///< the name, of a category too
+  std::string model;     ///< name of the model or category
   bool is_category = false;
-  std::vector<std::string> videos;
+  std::vector<std::string> videos;  ///< names
 };
 
-/// Best first, what the filter lets through and the catalogue knows.
+/// Returns the objects that match the filter and whose model is in the catalogue, best first.
 Expected<std::vector<ListedObject>> ListObjects(IndexStore& store, const Catalogue& catalogue,
                                                 const SightingFilter& filter);
 
-/// The keys of the format `objects` (docs/formats/export.md).
+/// One row of the format `objects` (docs/formats/export.md).
 Json ObjectJson(const ListedObject& listed);
 
-/// m/s along the ground and upwards together; nothing where motion is not known.
+/// Speed in three dimensions, m/s; std::nullopt if the motion is unknown.
 std::optional<double> SpeedOf(const ObjectRecord& object);
 
 }  // namespace victorious

@@ -17,9 +17,9 @@ namespace {
 constexpr std::string_view kMetadataTag = "metadata";
 constexpr std::string_view kKeypointsTag = "keypoint";
 constexpr std::string_view kDescriptorsTag = "descript";
-constexpr std::string_view kPointsTag = "points3";     // only in models that have depth
-constexpr std::string_view kThumbnailsTag = "thumbs";  // only in models that have some
-constexpr std::string_view kSurfacesTag = "surfaces";  // only in models that have some
+constexpr std::string_view kPointsTag = "points3";     // only in models with depth
+constexpr std::string_view kThumbnailsTag = "thumbs";  // only in models with thumbnails
+constexpr std::string_view kSurfacesTag = "surfaces";  // only in models with surfaces
 
 Expected<std::span<const std::byte>> Find(const SectionFile& file, std::string_view tag) {
   const auto it = std::ranges::find(file.sections, tag, &Section::tag);
@@ -35,13 +35,15 @@ Status Validate(const ObjectModel& model) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateMetadata(model, model.features.size()));
   if (!std::ranges::all_of(model.features.keypoints, IsUsable)) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("model {}: a keypoint without a finite place and a scale above 0", model.name));
+                fmt::format("model {}: a keypoint without a finite position and a scale above 0", model.name));
   }
   const bool points_fit = model.points_in_model.empty() || model.points_in_model.size() == model.features.size();
   if (points_fit && std::ranges::all_of(model.points_in_model, IsFinite)) return {};
-  return Fail(ErrorCode::kInvalidArgument,
-              fmt::format("model {}: {} points on the object for {} features, expected a finite one each or none",
-                          model.name, model.points_in_model.size(), model.features.size()));
+  return Fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format(
+          "model {}: {} points on the object for {} features, expected one finite point per feature, or no points",
+          model.name, model.points_in_model.size(), model.features.size()));
 }
 
 Expected<FeatureView> ParseFeatures(const SectionFile& file) {
@@ -66,7 +68,7 @@ Expected<std::span<const Point3>> ParsePoints(const SectionFile& file) {
   return std::span(reinterpret_cast<const Point3*>(it->bytes.data()), it->bytes.size() / sizeof(Point3));
 }
 
-// Something that each view has: a picture for people, or one for searching.
+// A per-view byte block: the thumbnail or the surface.
 using Piece = std::span<const std::byte> ModelView::*;
 
 Status ParsePieces(const SectionFile& file, std::string_view tag, Piece piece, std::vector<ModelView>& views) {
@@ -85,7 +87,7 @@ Status ParsePieces(const SectionFile& file, std::string_view tag, Piece piece, s
   return Fail(ErrorCode::kDataLoss, fmt::format("damaged ({} bytes of {})", bytes.size(), tag));
 }
 
-// Their sizes, then they themselves; nothing for a model without any.
+// Encodes the sizes of the blocks, then the blocks; empty if no view has one.
 std::vector<std::byte> EncodePieces(const ObjectModel& model, Piece piece) {
   std::vector<std::byte> bytes;
   const auto append = [&](std::span<const std::byte> more) { bytes.insert(bytes.end(), more.begin(), more.end()); };
@@ -98,7 +100,7 @@ std::vector<std::byte> EncodePieces(const ObjectModel& model, Piece piece) {
   return bytes;
 }
 
-// What searching with the model depends on, and nothing else: not where its pictures lay, nor which version made it.
+// The id hashes only the data that the search depends on, not the paths of the images or the program version.
 std::string IdOf(const ObjectModel& model) {
   std::string text =
       fmt::format("{} {} {:016x} {:016x}", model.kind, model.engine, Checksum(std::as_bytes(model.features.keypoints)),
@@ -110,7 +112,7 @@ std::string IdOf(const ObjectModel& model) {
   return fmt::format("{:016x}", Checksum(std::as_bytes(std::span(text))));
 }
 
-// `bytes` begin at a multiple of alignof(Keypoint).
+// `bytes` must be aligned to alignof(Keypoint).
 Expected<ObjectModel> ParseAligned(std::span<const std::byte> bytes, std::shared_ptr<const void> storage) {
   VICTORIOUS_ASSIGN_OR_RETURN(const SectionFile file, ParseSections(bytes));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto metadata, Find(file, kMetadataTag));

@@ -1,4 +1,5 @@
-// A model on disk: one file, versioned, checksummed, memory-mapped. docs/formats/model.md describes every byte.
+// Reads and writes model files: one file per model, versioned, checksummed, memory-mapped. docs/formats/model.md
+// describes every byte.
 #pragma once
 
 #include <cstddef>
@@ -13,18 +14,18 @@
 
 namespace victorious {
 
-/// The bytes of a model file. kInvalidArgument for what could not be read back: no view, a keypoint that is not finite,
-/// ….
+/// Returns the bytes of a model file. Error: kInvalidArgument for a model that could not be read back (no view, a
+/// keypoint that is not finite, …).
 Expected<std::vector<std::byte>> EncodeModel(const ObjectModel& model);
 
-/// Writes the model atomically (ObjectModel::id is ignored: it is the checksum of what is written).
+/// Writes the model atomically (ObjectModel::id is ignored: it is a checksum of the written content).
 Status WriteModelFile(const std::filesystem::path& path, const ObjectModel& model);
 
-/// Maps the file and checks all of it (checksums, bounds, counts). The model's name is the one stored inside.
+/// Maps the file and validates all of it (checksums, bounds, counts). The model's name is the one stored in the file.
 /// Errors: kNotFound; kDataLoss (not a model, damaged, cut off); kUnsupported (a newer version).
 Expected<ObjectModel> ReadModelFile(const std::filesystem::path& path);
 
-/// The same from bytes in memory that `storage` keeps alive. Never reads outside `bytes`, whatever they hold.
+/// The same for bytes in memory that `storage` keeps alive. Never reads outside `bytes`, for any content.
 Expected<ObjectModel> ParseModel(std::span<const std::byte> bytes, std::shared_ptr<const void> storage,
                                  const std::string& name_for_errors);
 

@@ -54,7 +54,7 @@ ObjectModel TestModel(std::size_t feature_count = 5) {
   return model;
 }
 
-// Everything but id and storage.
+// Compares everything except id and storage.
 bool AreEqual(const ObjectModel& a, const ObjectModel& b) {
   const auto views_equal = [](const ModelView& x, const ModelView& y) {
     const bool angles_equal = x.angles.has_value() == y.angles.has_value() &&
@@ -82,7 +82,7 @@ Expected<ObjectModel> Parse(std::span<const std::byte> bytes) {
   return ParseModel(*copy, copy, "test.vmodel");
 }
 
-// The file of a model whose description, keypoints and descriptors are these, with all checksums right.
+// A model file with the given metadata, keypoints and descriptors, and valid checksums.
 Expected<ObjectModel> ParseParts(std::string_view metadata, std::span<const Keypoint> keypoints,
                                  std::span<const std::uint8_t> descriptors) {
   const std::array sections = {Section{"metadata", std::as_bytes(std::span(metadata))},
@@ -368,7 +368,7 @@ TEST(ModelFileTest, RandomBytesNeverCrash) {
       bytes[random.Below(static_cast<std::uint32_t>(std::min<std::size_t>(bytes.size(), 160)))] =
           static_cast<std::byte>(random.Next());
     }
-    // With right checksums of header and table, so that what stands in them is looked at.
+    // With valid checksums of header and table, so that their content is checked.
     const std::uint64_t table = Checksum(std::span(bytes).subspan(64, 96));
     std::memcpy(bytes.data() + 24, &table, sizeof(table));
     const std::uint64_t header = Checksum(std::span(bytes).first(56));

@@ -18,7 +18,7 @@ constexpr std::size_t kMaxOutlineCorners = 100'000;
 constexpr int kMaxImageSizePx = 1 << 20;
 constexpr double kMaxCoordinatePx = 1e7;
 
-// Reads members of a JSON object, each only if it has the right type; remembers whether one had not.
+// Reads members of a JSON object if they have the right type; records whether a member had a wrong type.
 class Reader {
  public:
   explicit Reader(const json& object) : object_(object), ok_(object.is_object()) {}
@@ -138,7 +138,7 @@ std::optional<ModelView> ParseView(const json& object) {
   return reader.ok() ? std::optional(std::move(view)) : std::nullopt;
 }
 
-// Text from outside: bounded in size and depth, no exceptions.
+// Parses untrusted text: bounded in size and depth, without exceptions.
 std::optional<json> ParseJson(std::string_view text) {
   bool too_deep = false;
   const json::parser_callback_t guard = [&](int depth, json::parse_event_t, json&) {
@@ -156,15 +156,15 @@ bool IsSane(double coordinate_px) { return std::abs(coordinate_px) <= kMaxCoordi
 // The view's first fault; empty if there is none.
 std::string FaultOf(const ModelView& view) {
   if (view.width < 1 || view.height < 1 || view.width > kMaxImageSizePx || view.height > kMaxImageSizePx) {
-    return fmt::format("a picture of {} x {} px, expected 1 to {}", view.width, view.height, kMaxImageSizePx);
+    return fmt::format("an image of {} x {} px, expected 1 to {}", view.width, view.height, kMaxImageSizePx);
   }
   if ((!view.outline.empty() && view.outline.size() < 3) || view.outline.size() > kMaxOutlineCorners) {
-    return fmt::format("an outline of {} corners, expected 3 to {} or none", view.outline.size(), kMaxOutlineCorners);
+    return fmt::format("an outline of {} corners, expected 0 or 3 to {}", view.outline.size(), kMaxOutlineCorners);
   }
   const auto outside = [](const Eigen::Vector2d& corner) { return !IsSane(corner.x()) || !IsSane(corner.y()); };
-  if (std::ranges::any_of(view.outline, outside)) return "an outline whose corners are not places in a picture";
+  if (std::ranges::any_of(view.outline, outside)) return "an outline with corners outside the valid pixel range";
   if (view.angles && !(std::isfinite(view.angles->azimuth_rad) && std::isfinite(view.angles->off_nadir_rad))) {
-    return "angles that are not numbers";
+    return "view angles that are not finite";
   }
   return {};
 }
@@ -186,7 +186,7 @@ std::string EncodeMetadata(const ObjectModel& model) {
 }
 
 Expected<ObjectModel> ParseMetadata(std::string_view text) {
-  const std::unexpected<Error> fault = Fail(ErrorCode::kDataLoss, "damaged (its description cannot be read)");
+  const std::unexpected<Error> fault = Fail(ErrorCode::kDataLoss, "damaged (invalid metadata)");
   const std::optional<json> document = ParseJson(text);
   if (!document) return fault;
   Reader reader(*document);
@@ -217,11 +217,11 @@ Status ValidateMetadata(const ObjectModel& model, std::size_t feature_count) {
   };
   if (model.name.empty()) return fail("it has no name");
   if (model.length_m && !(*model.length_m > 0 && std::isfinite(*model.length_m)))
-    return fail("its length is not above 0 m");
+    return fail("its length must be above 0 m");
   const auto is_box = [](const Eigen::AlignedBox3d& box) {
     return box.min().allFinite() && box.max().allFinite() && (box.sizes().array() >= 0).all();
   };
-  if (model.box_m && !is_box(*model.box_m)) return fail("its bounding box has no corners");
+  if (model.box_m && !is_box(*model.box_m)) return fail("its bounding box is invalid");
   if (model.views.empty() || model.views.size() > kMaxViews) {
     return fail(fmt::format("{} views, expected 1 to {}", model.views.size(), kMaxViews));
   }
@@ -230,12 +230,12 @@ Status ValidateMetadata(const ObjectModel& model, std::size_t feature_count) {
     const ModelView& view = model.views[i];
     if (const std::string fault = FaultOf(view); !fault.empty()) return fail(fmt::format("view {} has {}", i, fault));
     if (view.first_feature != next_feature || view.feature_count > feature_count - next_feature) {
-      return fail(fmt::format("view {} has features that do not follow those of the view before it", i));
+      return fail(fmt::format("view {} has features that are not contiguous with those of the preceding view", i));
     }
     next_feature += view.feature_count;
     const auto is_other_view = [&](std::uint32_t other) { return other < model.views.size() && other != i; };
     if (!std::ranges::all_of(view.neighbours, is_other_view)) {
-      return fail(fmt::format("view {} has a neighbour that is no other view", i));
+      return fail(fmt::format("view {} has an invalid neighbour index", i));
     }
   }
   if (next_feature != feature_count) {

@@ -1,4 +1,4 @@
-// A model without its features, as the JSON text that stands in a model file.
+// The metadata section of a model file: a model without its features, as JSON.
 #pragma once
 
 #include <string>
@@ -9,14 +9,15 @@
 
 namespace victorious {
 
-/// `model` must pass ValidateMetadata. Bytes of a text that are not UTF-8 become U+FFFD.
+/// Returns the JSON text. `model` must pass ValidateMetadata. Bytes that are not UTF-8 become U+FFFD.
 std::string EncodeMetadata(const ObjectModel& model);
 
-/// The model without id, features and storage. Errors: kDataLoss, whatever the text is; without the file's name.
+/// Returns the model without id, features and storage. Error: kDataLoss for any invalid text; the message does not name
+/// the file.
 Expected<ObjectModel> ParseMetadata(std::string_view json);
 
-/// Everything about a model but its features: texts, sizes, finite numbers, and views whose features follow each other
-/// from 0 up to `feature_count`. kInvalidArgument with the first fault.
+/// Validates everything of a model except its features: texts, sizes, finite numbers, and views whose feature ranges
+/// are contiguous from 0 to `feature_count`. Error: kInvalidArgument with the first fault.
 Status ValidateMetadata(const ObjectModel& model, std::size_t feature_count);
 
 }  // namespace victorious

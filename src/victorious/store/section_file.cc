@@ -12,10 +12,10 @@
 namespace victorious {
 namespace {
 
-// The structs below lie in the file as they lie in memory.
+// The structs below are stored with their memory layout.
 static_assert(std::endian::native == std::endian::little);
 
-// As in PNG: the first byte is no text, and the line ends show a transfer that changed them.
+// As in PNG: the first byte is not ASCII, and the line ends reveal a transfer in text mode.
 constexpr std::array<char, 8> kMagic = {'\x8A', 'V', 'M', 'D', 'L', '\r', '\n', '\x1A'};
 constexpr std::uint32_t kVersion = 1;
 constexpr std::uint32_t kMaxSections = 64;
@@ -64,7 +64,7 @@ Expected<Header> ParseHeader(std::span<const std::byte> bytes) {
   std::memcpy(&header, bytes.data(), sizeof(Header));
   if (header.magic != kMagic) return Fail(ErrorCode::kDataLoss, "not a model file");
   if (header.header_checksum != HeaderChecksum(header)) {
-    return Fail(ErrorCode::kDataLoss, "damaged (the header's checksum is wrong)");
+    return Fail(ErrorCode::kDataLoss, "damaged (wrong checksum of the header)");
   }
   if (header.version > kVersion) {
     return Fail(
@@ -90,10 +90,10 @@ Expected<Section> ParseEntry(std::span<const std::byte> bytes, std::span<const s
   const std::string_view tag = TagOf(entry_bytes);
   const bool inside = entry.offset >= table_end && entry.offset <= bytes.size() &&
                       entry.size <= bytes.size() - entry.offset && entry.offset % kSectionAlignment == 0;
-  if (!inside) return Fail(ErrorCode::kDataLoss, "damaged (a section lies outside the file)");
+  if (!inside) return Fail(ErrorCode::kDataLoss, "damaged (a section is outside the file)");
   const std::span<const std::byte> content = bytes.subspan(entry.offset, entry.size);
   if (Checksum(content) != entry.checksum) {
-    return Fail(ErrorCode::kDataLoss, "damaged (a section's checksum is wrong)");
+    return Fail(ErrorCode::kDataLoss, "damaged (wrong checksum of a section)");
   }
   return Section{tag, content};
 }
@@ -131,13 +131,13 @@ Expected<SectionFile> ParseSections(std::span<const std::byte> bytes) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Header header, ParseHeader(bytes));
   const std::size_t table_size = header.section_count * sizeof(TableEntry);
   if (table_size > bytes.size() - sizeof(Header)) {
-    return Fail(ErrorCode::kDataLoss, "damaged (the table of sections does not fit)");
+    return Fail(ErrorCode::kDataLoss, "damaged (the section table does not fit)");
   }
   const std::span<const std::byte> table = bytes.subspan(sizeof(Header), table_size);
   if (Checksum(table) != header.table_checksum) {
-    return Fail(ErrorCode::kDataLoss, "damaged (the checksum of the table of sections is wrong)");
+    return Fail(ErrorCode::kDataLoss, "damaged (wrong checksum of the section table)");
   }
-  // The table holds every section's tag, size and checksum, so its checksum stands for the whole content.
+  // The table contains every section's tag, size and checksum, so its checksum identifies the whole content.
   SectionFile file{.sections = {}, .content = header.table_checksum};
   for (std::size_t i = 0; i < header.section_count; ++i) {
     const auto entry = table.subspan(i * sizeof(TableEntry), sizeof(TableEntry));

@@ -1,4 +1,4 @@
-// A file of checksummed sections: what a model is packed in. docs/formats/model.md describes every byte.
+// A container of checksummed sections, used for model files. docs/formats/model.md describes every byte.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace victorious {
 
-/// Sections begin at multiples of this, so that arrays can be used where they lie in the mapping.
+/// Alignment of sections in bytes, so that arrays can be used in place in the mapped file.
 inline constexpr std::size_t kSectionAlignment = 64;
 
 struct Section {
@@ -22,15 +22,15 @@ struct Section {
 };
 
 struct SectionFile {
-  std::vector<Section> sections;  ///< in the file's order; they point into the bytes parsed
+  std::vector<Section> sections;  ///< in file order; they point into the parsed bytes
   std::uint64_t content = 0;      ///< checksum of all tags, sizes and contents
 };
 
-/// The file's bytes: header, table, sections.
+/// Returns the bytes of the file: header, table, sections.
 std::vector<std::byte> EncodeSections(std::span<const Section> sections);
 
-/// Checks everything: sizes, bounds, alignment, checksums; tags occur once. Never reads outside `bytes`. Errors as
-/// ParseModel's, without the file's name.
+/// Validates sizes, bounds, alignment, checksums and the uniqueness of tags. Never reads outside `bytes`. Errors: as of
+/// ParseModel; the message does not name the file.
 Expected<SectionFile> ParseSections(std::span<const std::byte> bytes);
 
 }  // namespace victorious

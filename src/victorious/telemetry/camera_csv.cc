@@ -31,7 +31,7 @@ constexpr std::array<std::pair<VerticalDatum, std::string_view>, 5> kDatums = {{
 
 using Columns = std::map<std::string, std::size_t, std::less<>>;
 
-// The cells of one row by the name of their column.
+// The cells of one row, by column name.
 class Row {
  public:
   Row(const Columns& columns, std::vector<std::string> cells) : columns_(columns), cells_(std::move(cells)) {}
@@ -42,7 +42,7 @@ class Row {
                                                               : std::string_view();
   }
 
-  /// Nothing for an empty cell; an error for one that is no number within the bounds.
+  /// @return std::nullopt for an empty cell; an error for a cell that is not a number within [min, max]
   [[nodiscard]] Expected<std::optional<double>> Number(std::string_view column, double min, double max) const {
     const std::string_view text = Text(column);
     if (text.empty()) return std::nullopt;
@@ -80,7 +80,7 @@ Expected<VerticalDatum> DatumOfRow(const Row& row) {
                           name.substr(0, 40)));
 }
 
-// Coefficients that are left out are 0; nothing if all are.
+// Missing coefficients are 0; std::nullopt if all are missing.
 Expected<std::optional<std::array<double, 5>>> DistortionOfRow(const Row& row) {
   std::optional<std::array<double, 5>> distortion;
   for (std::size_t i = 0; i < kDistortionColumns.size(); ++i) {
@@ -122,7 +122,7 @@ std::optional<double> Degrees(const std::optional<double>& radians) {
   return radians ? std::optional(DegreesFromRadians(*radians)) : std::nullopt;
 }
 
-// A column that is written only where a state has something for it.
+// A column that is written only if a state has a value for it.
 struct OptionalColumn {
   std::string name;
   std::string (*cell)(const CameraState&);
@@ -192,16 +192,16 @@ Expected<CameraRows> ParseCameraCsv(std::string_view text) {
       without_moment += !row.Text("utc").empty() && !state->utc_us ? 1 : 0;
       rows.states.push_back(*std::move(state));
     } else if (rows.warnings.size() < kMostWarnings) {
-      rows.warnings.push_back(fmt::format("line {} is left out: {}", line, state.error().message));
+      rows.warnings.push_back(fmt::format("line {} is skipped: {}", line, state.error().message));
     }
   }
   if (without_moment > 0) {
-    rows.warnings.push_back(
-        fmt::format("utc of {} rows is no ISO 8601 time, as in 2026-05-27T13:14:22.911Z: left out", without_moment));
+    rows.warnings.push_back(fmt::format(
+        "utc of {} rows is ignored: must be an ISO 8601 time such as 2026-05-27T13:14:22.911Z", without_moment));
   }
   if (!rows.states.empty()) return rows;
   return Fail(ErrorCode::kInvalidArgument, rows.warnings.empty()
-                                               ? "a header without a row"
+                                               ? "the table has a header but no rows"
                                                : fmt::format("no row can be read: {}", rows.warnings[0]));
 }
 

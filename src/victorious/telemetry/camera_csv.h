@@ -1,4 +1,5 @@
-// Telemetry as a table: a header, then a row for each moment, columns by name (docs/formats/telemetry.md).
+// telemetry/: camera states as a CSV table: a header line, then one row per time; columns by name
+// (docs/formats/telemetry.md). Reader and writer.
 #pragma once
 
 #include <span>
@@ -12,31 +13,32 @@
 namespace victorious {
 
 struct CameraRows {
-  std::vector<CameraState> states;    ///< as they stand, each with its own datum
-  std::vector<std::string> warnings;  ///< rows that were left out
-  int rows = 0;
+  std::vector<CameraState> states;    ///< as read, each with its own vertical datum
+  std::vector<std::string> warnings;  ///< one line per row that was skipped, at most 20
+  int rows = 0;                       ///< rows in the table, skipped ones included
 };
 
-/// Whether the first line looks like such a table's header.
+/// Whether the first line has at least two of the columns time_s, latitude_deg, longitude_deg, altitude_m.
 [[nodiscard]] bool LooksLikeCameraCsv(std::string_view text);
 
-/// Rows that cannot be read are left out and told.
-/// Errors: kInvalidArgument for a table without the columns of time and place, or without a row that can be read.
+/// Rows that cannot be read are skipped with a warning.
+/// Errors: kInvalidArgument for a table that lacks a time or position column or has no readable row.
 Expected<CameraRows> ParseCameraCsv(std::string_view text);
 
-/// A column beside those of the states.
+/// An additional column.
 struct CsvColumn {
   std::string name;
-  std::vector<std::string> cells;  ///< one a state
+  std::vector<std::string> cells;  ///< one per state
 };
 
-/// The eight columns always, the optional ones where a state has them or `always` names them, then `more`; what is
-/// unknown is an empty cell.
+/// The table as text: the eight required columns, the optional columns that any state has or that `always` names, then
+/// `more`. Unknown values are empty cells.
 [[nodiscard]] std::string CameraCsvText(std::span<const CameraState> states, std::span<const CsvColumn> more = {},
                                         std::span<const std::string_view> always = {});
 
-/// "ellipsoid", "egm96", "egm2008", "takeoff".
+/// "ellipsoid", "egm96", "egm2008", "takeoff", "unknown".
 [[nodiscard]] std::string_view Name(VerticalDatum datum);
+/// The inverse of Name; std::nullopt for any other text.
 [[nodiscard]] std::optional<VerticalDatum> VerticalDatumOf(std::string_view name);
 
 }  // namespace victorious

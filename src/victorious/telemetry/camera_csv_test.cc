@@ -57,8 +57,8 @@ TEST(CameraCsv, BadRowsAreLeftOutAndTold) {
   EXPECT_EQ(rows->rows, 5);
   EXPECT_EQ(rows->states.size(), 2U);
   ASSERT_EQ(rows->warnings.size(), 3U);
-  EXPECT_EQ(rows->warnings[0], "line 3 is left out: latitude_deg is \"95\": must be a number from -90 to 90");
-  EXPECT_EQ(rows->warnings[2], "line 6 is left out: longitude_deg is empty");
+  EXPECT_EQ(rows->warnings[0], "line 3 is skipped: latitude_deg is \"95\": must be a number from -90 to 90");
+  EXPECT_EQ(rows->warnings[2], "line 6 is skipped: longitude_deg is empty");
 }
 
 TEST(CameraCsv, AHeightThatIsNotToldIsUnknownBothWays) {

@@ -9,7 +9,7 @@
 namespace victorious {
 namespace {
 
-constexpr double kHoldSeconds = 0.1;  // frames and packets are seldom stamped with the same moment
+constexpr double kHoldSeconds = 0.1;  // time stamps of frames and packets seldom coincide
 
 double Between(double a, double b, double share) { return a + share * (b - a); }
 
@@ -18,14 +18,15 @@ std::optional<double> Between(const std::optional<double>& a, const std::optiona
   return Between(*a, *b, share);
 }
 
-// The verticals of the two places differ by what the camera flew, which is a thousandth of a degree in 100 m.
+// Both attitudes count as in one tangent plane: verticals 100 m apart differ by a thousandth of a degree.
 std::optional<Attitude> Between(const std::optional<Attitude>& a, const std::optional<Attitude>& b, double share) {
   if (!a || !b) return std::nullopt;
   return AttitudeOf(CameraFromEnu(*a).slerp(share, CameraFromEnu(*b)));
 }
 
 GeodeticPoint Between(const GeodeticPoint& a, const GeodeticPoint& b, double share) {
-  const double eastward_rad = WrapAngle(b.longitude_rad - a.longitude_rad);  // the short way across the date line
+  const double eastward_rad =
+      WrapAngle(b.longitude_rad - a.longitude_rad);  // the shorter way, across the date line if need be
   return {Between(a.latitude_rad, b.latitude_rad, share), WrapAngle(a.longitude_rad + share * eastward_rad),
           Between(a.altitude_m, b.altitude_m, share)};
 }

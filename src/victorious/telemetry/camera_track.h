@@ -1,5 +1,5 @@
-// The camera's state at any moment of a video, from those that telemetry recorded: place linear, attitude on the
-// sphere.
+// telemetry/: the camera trajectory. Interpolates the recorded camera states to any time of the video: position
+// linearly, attitude by slerp.
 #pragma once
 
 #include <optional>
@@ -11,18 +11,18 @@ namespace victorious {
 
 class CameraTrack {
  public:
-  /// @param states     in any order; of those with the same time the first counts
-  /// @param max_gap_s  between states further apart nothing is known
+  /// @param states     in any order; of those with equal times only the first is used
+  /// @param max_gap_s  no interpolation between states further apart, s
   CameraTrack(std::vector<CameraState> states, double max_gap_s);
 
-  /// Nothing in a gap, and beyond the ends by more than a tenth of a second. What only one neighbour knows stays
-  /// unknown.
+  /// @return the interpolated state; std::nullopt in a gap, between states of different vertical datum, and more than
+  ///   0.1 s beyond the ends. An optional field that either neighbour lacks is empty.
   [[nodiscard]] std::optional<CameraState> At(double time_s) const;
 
   [[nodiscard]] const std::vector<CameraState>& states() const { return states_; }
 
  private:
-  std::vector<CameraState> states_;  ///< by rising time
+  std::vector<CameraState> states_;  ///< by increasing time
   double max_gap_s_;
 };
 

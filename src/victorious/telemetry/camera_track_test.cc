@@ -23,7 +23,7 @@ TEST(CameraTrack, PlaceLinearAttitudeOnTheSphere) {
   ASSERT_TRUE(middle && middle->attitude);
   EXPECT_NEAR(DegreesFromRadians(middle->place.longitude_rad), 10.001, 1e-9);
   EXPECT_NEAR(middle->place.altitude_m, 105, 1e-9);
-  EXPECT_NEAR(WrapAngle(middle->attitude->yaw_rad), 0, 1e-9) << "the short way through north";
+  EXPECT_NEAR(WrapAngle(middle->attitude->yaw_rad), 0, 1e-9) << "the shorter way, through north";
   EXPECT_EQ(track.At(1)->time_s, 1);
 }
 
@@ -37,7 +37,7 @@ TEST(CameraTrack, NothingInGapsAndBeyondTheEnds) {
   EXPECT_FALSE(track.At(5));
   EXPECT_FALSE(track.At(-0.5));
   EXPECT_FALSE(track.At(9.5));
-  EXPECT_TRUE(track.At(9.05)) << "frames and packets are seldom stamped alike";
+  EXPECT_TRUE(track.At(9.05)) << "time stamps of frames and packets seldom coincide";
   EXPECT_FALSE(CameraTrack({}, 2).At(0));
   EXPECT_FALSE(track.At(std::numeric_limits<double>::quiet_NaN()));
 }

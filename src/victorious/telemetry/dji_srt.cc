@@ -16,11 +16,11 @@
 namespace victorious {
 namespace {
 
-constexpr std::size_t kLongestMoment = 40;  // characters of a line that may be a date and a time
+constexpr std::size_t kLongestMoment = 40;  // maximum length of a line that may be a date and time
 
 bool IsWordCharacter(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.'; }
 
-// What follows `word`, where it stands as a word of its own; nothing if it does not.
+// The text after the first occurrence of `word` as a whole word; std::nullopt if there is none.
 std::optional<std::string_view> After(std::string_view text, std::string_view word) {
   for (std::size_t at = text.find(word); at != std::string_view::npos; at = text.find(word, at + 1)) {
     const std::string_view rest = text.substr(at + word.size());
@@ -32,7 +32,7 @@ std::optional<std::string_view> After(std::string_view text, std::string_view wo
 
 void TrimFront(std::string_view& text) { text.remove_prefix(std::min(text.find_first_not_of(" \t"), text.size())); }
 
-// A number and the letters behind it: "25.1m", "11.5 W".
+// A number with the letters that follow it as its unit: "25.1m", "11.5 W".
 struct Quantity {
   double number = 0;
   std::string_view unit = {};
@@ -45,11 +45,11 @@ struct Quantity {
   }
   [[nodiscard]] bool IsNorthing() const { return unit == "N" || unit == "S"; }
   [[nodiscard]] bool IsEasting() const { return unit == "E" || unit == "W"; }
-  // South and west of a number that has no sign of its own are below 0.
+  // South and west are negative; the number may lack the sign.
   [[nodiscard]] double Degrees() const { return unit == "S" || unit == "W" ? -std::abs(number) : number; }
 };
 
-// Off the front.
+// Reads a quantity and removes it from the front.
 std::optional<Quantity> TakeQuantity(std::string_view& text) {
   const auto number = TakeNumber(text);
   if (!number) return std::nullopt;
@@ -61,7 +61,7 @@ std::optional<Quantity> TakeQuantity(std::string_view& text) {
   return quantity;
 }
 
-// The number behind "word:" or "word :". A decimal comma makes it none: where it ends is not sure.
+// The quantity after "word:" or "word :"; std::nullopt for a number with a decimal comma, whose end is ambiguous.
 std::optional<Quantity> QuantityAfter(std::string_view text, std::string_view word) {
   auto rest = After(text, word);
   if (!rest) return std::nullopt;
@@ -78,8 +78,7 @@ std::optional<double> NumberAfter(std::string_view text, std::string_view word) 
   return quantity ? std::optional(quantity->number) : std::nullopt;
 }
 
-// The three numbers of "word (a, b, c)"; a decimal comma is not told from a comma between numbers, so there must be a
-// blank or three plain numbers.
+// The three numbers of "word (a, b, c)". Numbers with a decimal comma are not supported: it reads as a separator.
 using Triple = std::array<Quantity, 3>;
 
 std::optional<Triple> TripleAfter(std::string_view text, std::string_view word) {
@@ -116,7 +115,7 @@ void SetTakeoffHeight(CameraState& state, const Quantity& height) {
   state.datum = VerticalDatum::kTakeoff;
 }
 
-// By the word that comes last of those that are there.
+// A keyword of a height, with the datum it implies. SetHeight applies the last of those that the text has.
 struct HeightWord {
   std::string_view word;
   VerticalDatum datum = VerticalDatum::kTakeoff;
@@ -131,19 +130,19 @@ void SetHeight(std::string_view text, std::span<const HeightWord> words, CameraS
   }
 }
 
-// "[latitude: …] [longitude: …]" and what stands beside it.
+// Reads "[latitude: …] [longitude: …]" and the heights beside it.
 bool ReadBrackets(std::string_view text, CameraState& state) {
   const auto latitude = QuantityAfter(text, "latitude");
   auto longitude = QuantityAfter(text, "longitude");
   if (!longitude) longitude = QuantityAfter(text, "longtitude");
   if (!latitude || !longitude || !SetPlace(state, *latitude, *longitude)) return false;
-  // "altitude" alone is above the sea with some aircraft and above the take-off with others: the lesser promise.
+  // "altitude" alone is above the sea for some aircraft and above the take-off for others: the weaker claim is used.
   constexpr std::array<HeightWord, 3> kWords = {{{"altitude"}, {"rel_alt"}, {"abs_alt", VerticalDatum::kEgm96}}};
   SetHeight(text, kWords, state);
   return true;
 }
 
-// "GPS(…)": longitude first, but for the family that writes a height as the third number, and where letters tell.
+// Reads "GPS(…)". The longitude is first, unless the third number is a height or the letters give another order.
 bool ReadGps(std::string_view text, CameraState& state) {
   const auto gps = TripleAfter(text, "GPS");
   if (!gps) return false;
@@ -163,7 +162,8 @@ bool ReadGps(std::string_view text, CameraState& state) {
 std::optional<Attitude> AttitudeFrom(std::optional<double> yaw_deg, std::optional<double> pitch_deg,
                                      std::optional<double> roll_deg) {
   if (!yaw_deg || !pitch_deg || !roll_deg || std::abs(*pitch_deg) > 180) return std::nullopt;
-  // Gimbals that pass the vertical count on: the turns are the same, the angles then are not those of Attitude.
+  // Gimbals that pass the vertical continue to count: the rotation is right, but its angles are outside the ranges of
+  // Attitude. The conversion normalises them.
   const Attitude turns{RadiansFromDegrees(*yaw_deg), RadiansFromDegrees(*pitch_deg), RadiansFromDegrees(*roll_deg)};
   return AttitudeOf(CameraFromEnu(turns));
 }
@@ -183,8 +183,8 @@ double DigitalZoom(std::string_view text) {
   return zoom >= 1 ? zoom : 1;
 }
 
-// From the focal length that a lens would have before a frame of 36 x 24 mm with the same diagonal; the picture taken
-// for 16:9. Some aircraft write tenths of millimetres.
+// From the 35 mm equivalent focal length (same diagonal as 36 x 24 mm), for an image of 16:9. Some aircraft write
+// tenths of millimetres.
 std::optional<double> ReadFieldOfView(std::string_view text) {
   constexpr double kDiagonalMm = 43.267;
   constexpr double kWidthOverDiagonal = 0.8716;
@@ -196,7 +196,7 @@ std::optional<double> ReadFieldOfView(std::string_view text) {
   return 2 * std::atan(kDiagonalMm * kWidthOverDiagonal / (2 * *focal_mm));
 }
 
-// "01:02:03,456" as seconds, off the front.
+// Reads "01:02:03,456" as seconds and removes it from the front.
 std::optional<double> TakeCueTime(std::string_view& text) {
   double seconds = 0;
   for (int part = 0; part < 3; ++part) {
@@ -228,7 +228,8 @@ bool IsCueNumber(std::string_view line) {
   return !line.empty() && line.size() < 10 && line.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-// Of a text whose line is a date and a time; "11:51,393,525" has thousandths and then millionths.
+// The first line of a text that is a date and time, as microseconds UTC. In "11:51,393,525" thousandths and millionths
+// follow the seconds; the latter are ignored.
 std::optional<std::int64_t> MomentIn(std::string_view text) {
   while (!text.empty()) {
     const std::string_view line = WithoutBlanks(TakeLine(text)).substr(0, kLongestMoment);
@@ -245,7 +246,8 @@ struct Cue {
   std::string text;
 };
 
-// Cues begin with their number on a line of its own behind an empty line; the text may hold empty lines and numbers.
+// A cue starts with its number on a line of its own, followed by its times, or after an empty line by a date. The text
+// may contain empty lines and numbers.
 std::vector<Cue> SplitCues(std::string_view text) {
   std::vector<Cue> cues;
   bool after_blank = true;
@@ -267,7 +269,7 @@ std::vector<Cue> SplitCues(std::string_view text) {
   return cues;
 }
 
-// Times of the cues, by their own or by the moments in them.
+// The time of a cue: its own, or that of the UTC time in its text relative to the first.
 std::optional<double> TimeOf(const Cue& cue, std::optional<std::int64_t>& first_moment_us) {
   if (cue.start_s) return cue.start_s;
   const auto moment_us = MomentIn(cue.text);
@@ -314,14 +316,14 @@ DjiSubtitles ParseDjiSrt(std::string_view text) {
   }
   if (without_place > 0) {
     subtitles.warnings.push_back(
-        fmt::format("{} of {} subtitles give no place (no GPS fix, or cut off)", without_place, subtitles.cues));
+        fmt::format("{} of {} subtitles have no position (no GPS fix, or truncated)", without_place, subtitles.cues));
   }
   if (without_time > 0) {
     subtitles.warnings.push_back(fmt::format("{} of {} subtitles have no time", without_time, subtitles.cues));
   }
   if (first_moment_us) {
     subtitles.warnings.emplace_back(
-        "the subtitles have no times: the moments that stand in them are taken, from the first");
+        "the subtitles have no cue times: the UTC times in their texts are used, relative to the first");
   }
   return subtitles;
 }

@@ -1,7 +1,7 @@
-// The subtitles that DJI aircraft write beside their videos (.SRT) or into them: a text a moment, in one of many
-// dialects. Known: "[latitude: 1] [longitude: 2] [rel_alt: 3 abs_alt: 4]" with or without the gimbal's angles, also
-// with "longtitude"; "GPS(longitude, latitude, satellites) BAROMETER:m"; "GPS(latitude, longitude, heightM)" of the
-// Matrice 300; "GPS (…), HOME (longitude, latitude, heightm), H m, G.PRY (pitch, roll, yaw)" of the Phantom 4 RTK.
+// telemetry/: the subtitles that DJI aircraft write beside their videos (.SRT) or into them: one text per time, in one
+// of many dialects. Known: "[latitude: 1] [longitude: 2] [rel_alt: 3 abs_alt: 4]" with or without the gimbal's angles,
+// also with "longtitude"; "GPS(longitude, latitude, satellites) BAROMETER:m"; "GPS(latitude, longitude, heightM)" of
+// the Matrice 300; "GPS (…), HOME (longitude, latitude, heightm), H m, G.PRY (pitch, roll, yaw)" of the Phantom 4 RTK.
 #pragma once
 
 #include <optional>
@@ -13,20 +13,20 @@
 
 namespace victorious {
 
-/// What one text says; the state's time is 0. Nothing for a text without a place, and for the place 0, 0 that stands
-/// for none; of unknown datum where no height is told.
+/// Parses one text. The state's time is 0; its datum is kUnknown if the text has no height.
+/// @return std::nullopt for a text without a position, or with the position 0, 0, which means "no fix"
 [[nodiscard]] std::optional<CameraState> CameraFromDjiText(std::string_view text);
 
 struct DjiSubtitles {
-  std::vector<CameraState> states;    ///< by the cues' own times
-  std::vector<std::string> warnings;  ///< cut off, without times, …
-  int cues = 0;                       ///< texts, with a place or without
+  std::vector<CameraState> states;    ///< with the times of their cues
+  std::vector<std::string> warnings;  ///< truncated cues, cues without a time, …
+  int cues = 0;                       ///< number of texts, with or without a position
 };
 
-/// Whether the text is subtitles with anything that DJI writes.
+/// Whether the text is subtitles with a keyword that DJI aircraft write.
 [[nodiscard]] bool LooksLikeDjiSrt(std::string_view text);
 
-/// A whole .SRT file. Files without cue times are timed by the moments that stand in their texts, from the first.
+/// Parses a whole .SRT file. If the cues have no times, the UTC times in their texts are used, relative to the first.
 [[nodiscard]] DjiSubtitles ParseDjiSrt(std::string_view text);
 
 }  // namespace victorious

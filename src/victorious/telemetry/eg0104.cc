@@ -12,7 +12,7 @@ namespace {
 
 enum class Coding { kFloat, kUnsigned, kText };
 
-// Labels by their second half: what stands before it is the same but for a version.
+// Labels by their second half; the first half is the same for all, except for a version.
 struct UniversalItem {
   std::uint64_t code;
   std::string_view name;
@@ -80,7 +80,7 @@ KlvItem DecodeItem(Bytes label, Bytes bytes) {
   } else if (!bytes.empty() && bytes.size() <= sizeof(std::uint64_t)) {
     item.value = UnsignedOf(bytes);
   }
-  if (std::holds_alternative<std::monostate>(item.value)) item.note = "no number of a length that this item can have";
+  if (std::holds_alternative<std::monostate>(item.value)) item.note = "not a number of a valid length for this item";
   return item;
 }
 
@@ -100,7 +100,7 @@ KlvPacket DecodeEg0104(const KlvUnit& unit) {
     rest = rest.subspan(label.size());
     const auto length = TakeBerLength(rest);
     if (label.size() < kUniversalLabelSize || !length || *length > rest.size()) {
-      packet.problem = fmt::format("cut off at byte {} of {}: no item can be read there", at, unit.value.size());
+      packet.problem = fmt::format("truncated at byte {} of {}: no item can be read there", at, unit.value.size());
       break;
     }
     const Bytes value = rest.first(static_cast<std::size_t>(*length));

@@ -1,5 +1,5 @@
-// MISB EG 0104 (Predator UAV Basic Universal Metadata Set): the elder of ST 0601. Each item has a 16-byte label of its
-// own, and numbers are IEEE floats.
+// telemetry/: MISB EG 0104 (Predator UAV Basic Universal Metadata Set), the predecessor of ST 0601. Each item has its
+// own 16-byte label; numbers are IEEE floats.
 #pragma once
 
 #include <optional>
@@ -12,10 +12,11 @@ namespace victorious {
 
 [[nodiscard]] bool IsEg0104Label(Bytes label);
 
-/// Items with `number` 0 and their label. Never fails: what can be read is read.
+/// Decodes the items; each has `number` 0 and its label. Never fails: decodes as far as possible and describes the rest
+/// in `problem`.
 [[nodiscard]] KlvPacket DecodeEg0104(const KlvUnit& unit);
 
-/// The items that a camera's state needs, by the name that DecodeEg0104 gives them.
+/// Names, as DecodeEg0104 gives them, of the items that a camera state needs.
 namespace eg0104 {
 inline constexpr std::string_view kTimeStamp = "User Defined Time Stamp";
 inline constexpr std::string_view kLatitude = "Device Latitude";
@@ -31,7 +32,7 @@ inline constexpr std::string_view kFrameCenterElevation = "Frame Center Elevatio
 inline constexpr std::string_view kSlantRange = "Slant Range";
 }  // namespace eg0104
 
-/// The number of the item of this name; nothing if the packet lacks it.
+/// The numeric value of the item of this name; std::nullopt if the packet lacks it.
 [[nodiscard]] std::optional<double> NumberOf(const KlvPacket& packet, std::string_view name);
 
 }  // namespace victorious

@@ -33,7 +33,7 @@ Expected<Geoid> Geoid::Read(const std::filesystem::path& path) {
 
 Expected<Geoid> Geoid::Parse(std::string_view text) {
   const Bytes bytes = BytesOf(text);
-  if (bytes.size() < kHeaderSize) return Fail(ErrorCode::kDataLoss, "no geoid grid: a .gtx file is needed");
+  if (bytes.size() < kHeaderSize) return Fail(ErrorCode::kDataLoss, "not a geoid grid: must be a .gtx file");
   Geoid geoid;
   geoid.south_deg_ = DoubleAt(bytes, 0);
   geoid.west_deg_ = DoubleAt(bytes, 8);
@@ -46,7 +46,7 @@ Expected<Geoid> Geoid::Parse(std::string_view text) {
                          geoid.longitude_step_deg_ > 0 && geoid.longitude_step_deg_ <= 90 && rows >= 2 && columns >= 2;
   if (!plausible || rows > kMostBytes || columns > kMostBytes ||
       bytes.size() != kHeaderSize + sizeof(float) * rows * columns) {
-    return Fail(ErrorCode::kDataLoss, fmt::format("no geoid grid, or cut off: a .gtx file is needed"));
+    return Fail(ErrorCode::kDataLoss, fmt::format("not a geoid grid, or truncated: must be a .gtx file"));
   }
   geoid.rows_ = static_cast<int>(rows);
   geoid.columns_ = static_cast<int>(columns);
@@ -63,7 +63,7 @@ std::optional<double> Geoid::HeightAt(double latitude_rad, double longitude_rad)
   const double y = (DegreesFromRadians(latitude_rad) - south_deg_) / latitude_step_deg_;
   const double east_deg = DegreesFromRadians(longitude_rad) - west_deg_;
   const double x = (east_deg - kTurn * std::floor(east_deg / kTurn)) / longitude_step_deg_;
-  const bool around = columns_ * longitude_step_deg_ >= kTurn - 1e-6;  // the last column's neighbour is the first
+  const bool around = columns_ * longitude_step_deg_ >= kTurn - 1e-6;  // the grid is periodic in longitude
   if (!(y >= 0 && y <= rows_ - 1 && x >= 0 && x <= (around ? columns_ : columns_ - 1))) return std::nullopt;
   const int row = std::min(static_cast<int>(y), rows_ - 2);
   const int column = std::min(static_cast<int>(x), around ? columns_ - 1 : columns_ - 2);
@@ -75,7 +75,7 @@ std::optional<double> Geoid::HeightAt(double latitude_rad, double longitude_rad)
   const double right = x - column;
   const double height = (1 - up) * ((1 - right) * at(row, column) + right * at(row, column + 1)) +
                         up * ((1 - right) * at(row + 1, column) + right * at(row + 1, column + 1));
-  constexpr double kHighest = 200;  // the geoid stays within 107 m of the ellipsoid: others mean "no data"
+  constexpr double kHighest = 200;  // undulations are within 107 m; larger values mean "no data"
   return std::abs(height) <= kHighest ? std::optional(height) : std::nullopt;
 }
 

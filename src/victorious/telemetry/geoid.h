@@ -1,6 +1,7 @@
-// How high mean sea level lies above the WGS 84 ellipsoid: a grid of a geoid model in the .gtx format of NOAA and PROJ.
+// telemetry/: the geoid undulation (height of mean sea level above the WGS 84 ellipsoid) from a grid of a geoid model
+// in the .gtx format of NOAA and PROJ.
 //
-//   height above the ellipsoid = height above the sea + Geoid::HeightAt
+//   height above the ellipsoid = height above mean sea level + Geoid::UndulationAt
 #pragma once
 
 #include <filesystem>
@@ -14,13 +15,14 @@ namespace victorious {
 
 class Geoid {
  public:
-  /// Errors: those of reading; kDataLoss for a file that is no such grid, or is cut off.
+  /// Errors: those of ReadFile; kDataLoss for a file that is not a .gtx grid or is truncated.
   static Expected<Geoid> Read(const std::filesystem::path& path);
 
-  /// @param bytes  a .gtx file
+  /// @param bytes  content of a .gtx file
+  /// Errors: kDataLoss as for Read.
   static Expected<Geoid> Parse(std::string_view bytes);
 
-  /// Between the grid's points linearly along both axes, metres; nothing beyond the grid.
+  /// @return the undulation, m, by bilinear interpolation; std::nullopt outside the grid or at "no data"
   [[nodiscard]] std::optional<double> HeightAt(double latitude_rad, double longitude_rad) const;
 
  private:
@@ -30,10 +32,10 @@ class Geoid {
   double longitude_step_deg_ = 0;
   int rows_ = 0;
   int columns_ = 0;
-  std::vector<float> heights_m_;  ///< by rows, from the south
+  std::vector<float> heights_m_;  ///< row by row, from the south
 };
 
-/// Where PROJ's grid of EGM96 lies on this machine ($PROJ_DATA, $PROJ_LIB, /usr/share/proj); nothing if it does not.
+/// The path of PROJ's EGM96 grid (egm96_15.gtx) in $PROJ_DATA, $PROJ_LIB or /usr/share/proj; std::nullopt if absent.
 [[nodiscard]] std::optional<std::filesystem::path> FindEgm96Grid();
 
 }  // namespace victorious

@@ -13,7 +13,7 @@ namespace {
 
 std::string Number(double value) { return BigEndian(std::bit_cast<std::uint64_t>(value), 8); }
 
-// Around the Earth in steps of 90 degrees from -180, rows at -90, 0 and 90; heights are 10 row + column.
+// A global grid in steps of 90 degrees from longitude -180, rows at -90, 0 and 90; heights are 10 row + column.
 std::string Grid() {
   std::string text = Number(-90) + Number(-180) + Number(90) + Number(90) + BigEndian(3, 4) + BigEndian(4, 4);
   for (int row = 0; row < 3; ++row) {

@@ -11,7 +11,7 @@ namespace {
 constexpr std::array kLabelStart = {std::byte{0x06}, std::byte{0x0E}, std::byte{0x2B}, std::byte{0x34}};
 constexpr std::size_t kMostWarnings = 20;
 
-// Of the first label in `bytes`, or their size.
+// The offset of the first label in `bytes`, or their size.
 std::size_t FindLabel(Bytes bytes) {
   return static_cast<std::size_t>(std::ranges::search(bytes, kLabelStart).begin() - bytes.begin());
 }
@@ -31,7 +31,7 @@ std::optional<std::uint64_t> TakeBerLength(Bytes& bytes) {
   if (count == 0 || count > bytes.size()) return std::nullopt;
   Bytes digits = bytes.first(count);
   bytes = bytes.subspan(count);
-  while (digits.size() > sizeof(std::uint64_t)) {  // only zeros may stand in front of what fits
+  while (digits.size() > sizeof(std::uint64_t)) {  // digits that exceed 64 bits must be zero
     if (digits[0] != std::byte{0}) return std::nullopt;
     digits = digits.subspan(1);
   }
@@ -39,7 +39,7 @@ std::optional<std::uint64_t> TakeBerLength(Bytes& bytes) {
 }
 
 std::optional<std::uint64_t> TakeBerOid(Bytes& bytes) {
-  constexpr std::uint64_t kFull = std::uint64_t{1} << 57;  // from here on, seven more bits would be lost
+  constexpr std::uint64_t kFull = std::uint64_t{1} << 57;  // seven more bits would overflow
   std::uint64_t number = 0;
   while (!bytes.empty() && number < kFull) {
     const auto digit = std::to_integer<std::uint64_t>(bytes[0]);
@@ -75,9 +75,9 @@ KlvUnits SplitKlv(Bytes bytes) {
     Bytes value = rest.subspan(std::min(kUniversalLabelSize, rest.size()));
     const auto length = TakeBerLength(value);
     if (!length || *length > value.size()) {
-      Warn(found, length ? fmt::format("a KLV unit at byte {} says that it has {} bytes, where {} are left", at,
+      Warn(found, length ? fmt::format("a KLV unit at byte {} is truncated: its length is {} bytes, {} are left", at,
                                        *length, value.size())
-                         : fmt::format("a KLV unit at byte {} is cut off before its length", at));
+                         : fmt::format("a KLV unit at byte {} is truncated before its length", at));
       if (!found.cut_off) found.cut_off = at;
       at += kLabelStart.size();
       continue;

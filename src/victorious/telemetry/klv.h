@@ -1,7 +1,8 @@
-// SMPTE ST 336 as MISB uses it: a 16-byte universal label, a length by ASN.1's basic encoding rules (BER), a value.
+// telemetry/: KLV framing by SMPTE ST 336 as MISB uses it: a 16-byte universal label, a length by the basic encoding
+// rules of ASN.1 (BER), a value.
 //
-// Bytes that begin no unit are passed over up to the next label, so that what a damaged stream still holds is found,
-// and headers of MPEG-TS metadata cells between units do no harm.
+// Bytes that do not start a unit are skipped up to the next label. This resynchronises on damaged streams, and skips
+// the headers of MPEG-TS metadata cells between units.
 #pragma once
 
 #include <cstddef>
@@ -17,20 +18,22 @@ using Bytes = std::span<const std::byte>;
 
 inline constexpr std::size_t kUniversalLabelSize = 16;
 
-/// Takes a BER length, short or long, off the front of `bytes`. Nothing where it is cut off, indefinite or beyond what
-/// 64 bits hold; `bytes` is then anywhere.
+/// Reads a BER length, short or long form, and removes it from the front of `bytes`.
+/// @return std::nullopt if it is truncated, indefinite or exceeds 64 bits; `bytes` is then unspecified
 [[nodiscard]] std::optional<std::uint64_t> TakeBerLength(Bytes& bytes);
 
-/// Takes a BER object identifier (seven bits a byte, the last without the top bit) off the front of `bytes`.
+/// Reads a BER object identifier (seven bits per byte; the last byte has its top bit clear) and removes it from the
+/// front of `bytes`.
+/// @return std::nullopt if it is truncated or exceeds 64 bits; `bytes` is then unspecified
 [[nodiscard]] std::optional<std::uint64_t> TakeBerOid(Bytes& bytes);
 
-/// Big-endian, of at most eight bytes.
+/// Big-endian integers of at most eight bytes; the signed one in two's complement.
 [[nodiscard]] std::uint64_t UnsignedOf(Bytes bytes);
 [[nodiscard]] std::int64_t SignedOf(Bytes bytes);
 
-/// A unit, whole: label, length, value. Points into the bytes that were split.
+/// A complete KLV unit. Its spans point into the bytes that SplitKlv was given.
 struct KlvUnit {
-  std::size_t offset = 0;  ///< of its label, bytes from the front
+  std::size_t offset = 0;  ///< of its label from the front, bytes
   Bytes whole;             ///< label, length and value
   Bytes label;
   Bytes value;
@@ -38,16 +41,17 @@ struct KlvUnit {
 
 struct KlvUnits {
   std::vector<KlvUnit> units;
-  std::vector<std::string> warnings;   ///< a line for each place where bytes were passed over or cut off
-  std::optional<std::size_t> cut_off;  ///< where a unit begins that goes on beyond the bytes, behind all others
+  std::vector<std::string> warnings;   ///< one line per truncated unit, at most 20
+  std::optional<std::size_t> cut_off;  ///< offset of a last unit that continues beyond the bytes
 };
 
+/// Splits bytes into KLV units.
 [[nodiscard]] KlvUnits SplitKlv(Bytes bytes);
 
-/// Whether a universal label stands at the front.
+/// Whether the bytes start with a universal label.
 [[nodiscard]] bool StartsWithUniversalLabel(Bytes bytes);
 
-/// Two digits a byte.
+/// Lower-case hexadecimal, two digits per byte.
 [[nodiscard]] std::string HexText(Bytes bytes);
 
 }  // namespace victorious

@@ -54,7 +54,7 @@ std::optional<Height> HeightFrom(const std::optional<double>& ellipsoid_m, const
   return std::nullopt;
 }
 
-// Turns of a body: about down by yaw, then about right by pitch, then about forward by roll.
+// The rotation of a body: about down by yaw, then about right by pitch, then about forward by roll.
 Quaterniond BodyTurn(double yaw_deg, double pitch_deg, double roll_deg) {
   return AngleAxisd(RadiansFromDegrees(yaw_deg), Vector3d::UnitZ()) *
          AngleAxisd(RadiansFromDegrees(pitch_deg), Vector3d::UnitY()) *
@@ -85,8 +85,8 @@ std::optional<Attitude> AttitudeFromSt0601(const KlvPacket& packet) {
                           BodyTurn(*azimuth, *elevation, packet.Number(kRelativeRoll).value_or(0)));
 }
 
-// The standard counts the obliquity from backward over forward (180) to straight down (270); the producers that are
-// known write the elevation above the horizon.
+// In the standard the obliquity goes from backward over forward (180) to straight down (270). Known producers write the
+// elevation above the horizon instead.
 std::optional<double> ElevationFromObliquity(const std::optional<double>& obliquity_deg) {
   if (!obliquity_deg) return std::nullopt;
   const double elevation_deg = *obliquity_deg > 90 ? 180 - *obliquity_deg : *obliquity_deg;
@@ -109,12 +109,13 @@ std::optional<GeodeticFix> FixFrom(const std::optional<double>& latitude_deg,
                                    const std::optional<double>& longitude_deg, const std::optional<Height>& height) {
   if (!latitude_deg || !longitude_deg || !height) return std::nullopt;
   if (!(std::abs(*latitude_deg) <= 90 && std::abs(*longitude_deg) <= 180)) return std::nullopt;
-  if (*latitude_deg == 0 && *longitude_deg == 0) return std::nullopt;  // what receivers write before their first fix
+  if (*latitude_deg == 0 && *longitude_deg == 0)
+    return std::nullopt;  // GPS receivers write 0, 0 before their first fix
   return GeodeticFix{{RadiansFromDegrees(*latitude_deg), RadiansFromDegrees(*longitude_deg), height->altitude_m},
                      height->datum};
 }
 
-// Where the camera is, where it looks and what its frame's centre is, whichever standard says so.
+// The camera metadata of a packet of either standard; empty where absent.
 struct Sighting {
   std::optional<GeodeticFix> camera;
   std::optional<Attitude> attitude;
@@ -170,7 +171,7 @@ std::optional<CameraState> CameraFromKlv(const KlvPacket& packet) {
 std::vector<std::string_view> MissingForCamera(std::span<const KlvPacket> packets) {
   struct Need {
     std::string_view words;
-    std::vector<int> numbers;  // any of them will do
+    std::vector<int> numbers;  // one of them suffices
   };
   const std::vector<Need> needs = {
       {"the sensor's latitude and longitude (items 13, 14)", {kSensorLatitude}},

@@ -1,10 +1,10 @@
-// A KLV packet's items as a camera's state.
+// telemetry/: from the items of a KLV packet to a camera state.
 //
-// ST 0601 gives the platform's attitude and, against it, the sensor's, each as three turns about the axes of a body
-// (forward, right, down):  ned_from_sensor = Rz(heading) Ry(pitch) Rx(roll)  Rz(azimuth) Ry(elevation) Rx(roll).
-// The camera's optical axis is the sensor's forward axis, its image's right side the sensor's right. EG 0104 gives the
-// optical axis itself. Full-range items go before the older ones, heights above the ellipsoid before those above the
-// sea.
+// ST 0601 gives the platform's attitude and the sensor's attitude relative to it, each as three rotations about body
+// axes (forward, right, down):  ned_from_sensor = Rz(heading) Ry(pitch) Rx(roll)  Rz(azimuth) Ry(elevation) Rx(roll).
+// The camera's optical axis is the sensor's forward axis; the image's right is the sensor's right. EG 0104 gives the
+// optical axis directly. Full-range items take precedence over the older ones, heights above the ellipsoid over heights
+// above mean sea level.
 #pragma once
 
 #include <optional>
@@ -17,16 +17,18 @@
 
 namespace victorious {
 
-/// With the packet's own datum and time of day, and `time_s` as the container has it (0 if it has none). Nothing where
-/// the packet lacks a place, a height or where the sensor points, says that it does not know it, or fails its checksum.
+/// The camera state, with the packet's own vertical datum and UTC time, and the container's `time_s` (0 if it has
+/// none).
+/// @return std::nullopt if the packet lacks the position, the height or the sensor's pointing, marks one as unknown, or
+///   fails its checksum
 [[nodiscard]] std::optional<CameraState> CameraFromKlv(const KlvPacket& packet);
 
-/// What of a camera's state no packet tells, in plain words: "the platform's heading (item 5)"; ST 0601's packets
-/// alone.
+/// Descriptions of the items that a camera state needs and no packet has, such as "the platform's heading (item 5)".
+/// For ST 0601 packets only.
 [[nodiscard]] std::vector<std::string_view> MissingForCamera(std::span<const KlvPacket> packets);
 
-/// The angle at the camera between its line of sight and the frame centre that the same packet records, radians;
-/// nothing where either is missing. Large angles mean that an item is not what the standard calls it.
+/// The angle at the camera between its optical axis and the frame centre that the same packet records, radians;
+/// std::nullopt if either is missing. A large angle shows that the producer does not follow the standard.
 [[nodiscard]] std::optional<double> FrameCentreError(const KlvPacket& packet);
 
 }  // namespace victorious

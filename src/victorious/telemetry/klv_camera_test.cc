@@ -22,7 +22,7 @@ TEST(KlvCamera, PlatformAndSensorTurnsAreComposed) {
   EXPECT_NEAR(DegreesFromRadians(state->place.longitude_rad), -71, 1e-6);
   EXPECT_NEAR(state->place.altitude_m, 1000, 0.2);
   EXPECT_EQ(state->datum, VerticalDatum::kEllipsoid);
-  // Heading 90, and 90 more to the right: south, 45 degrees down.
+  // Heading 90 plus azimuth 90: south, 45 degrees down.
   EXPECT_NEAR(DegreesFromRadians(state->attitude->yaw_rad), 180, 0.01);
   EXPECT_NEAR(DegreesFromRadians(state->attitude->pitch_rad), -45, 0.01);
   EXPECT_NEAR(DegreesFromRadians(state->attitude->roll_rad), 0, 0.01);
@@ -41,7 +41,7 @@ TEST(KlvCamera, NoStateWithoutPointingOrPlace) {
   EXPECT_FALSE(CameraOf(St0601Packet(unknown_elevation)));
   auto no_fix = pointing;
   no_fix.insert(no_fix.end(), {{13, zero}, {14, zero}, {75, BigEndian(6257, 2)}, {19, zero}});
-  EXPECT_FALSE(CameraOf(St0601Packet(no_fix))) << "0, 0 is what receivers write before their first fix";
+  EXPECT_FALSE(CameraOf(St0601Packet(no_fix))) << "GPS receivers write 0, 0 before their first fix";
 }
 
 TEST(KlvCamera, NoStateFromABadChecksum) {

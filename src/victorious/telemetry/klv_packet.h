@@ -1,4 +1,4 @@
-// A KLV unit of telemetry, decoded: what its items are called, by their standard, and what they say.
+// telemetry/: a decoded KLV unit: its items by number and name of their standard, with their values.
 #pragma once
 
 #include <cstddef>
@@ -11,27 +11,27 @@
 
 namespace victorious {
 
-/// A list of whole numbers, or bytes that are another set, or a pack, and stay undecoded.
+/// A list of integers; and the undecoded bytes of a nested set or of a pack.
 using KlvList = std::vector<std::uint64_t>;
 using KlvRaw = std::vector<std::byte>;
 
-/// Nothing where the item says that it has no value, or what it says cannot be read.
+/// std::monostate if the item is marked "no value" or cannot be decoded.
 using KlvValue = std::variant<std::monostate, std::int64_t, std::uint64_t, double, std::string, KlvList, KlvRaw>;
 
 struct KlvItem {
-  int number = 0;         ///< by ST 0601; 0 in a universal set
-  std::string label;      ///< in a universal set: the item's label, as hexadecimal digits
-  std::string_view name;  ///< the standard's; "unknown" for numbers and labels that it lacks
+  int number = 0;         ///< in ST 0601; 0 in a universal set
+  std::string label;      ///< in a universal set: the item's label, hexadecimal
+  std::string_view name;  ///< from the standard; "unknown" for numbers and labels that it lacks
   std::string_view unit;  ///< empty for counts and texts
   KlvValue value;
-  std::string note;     ///< why there is no value, or what a set within the set holds; else empty
-  bool is_set = false;  ///< a set within the set: its value stays bytes
+  std::string note;     ///< why there is no value, or the item count of a nested set; else empty
+  bool is_set = false;  ///< a nested set: its value is KlvRaw
 };
 
 enum class KlvStandard { kSt0601, kEg0104, kOther };
 
 struct KlvChecksum {
-  std::uint16_t expected = 0;  ///< as the packet says
+  std::uint16_t expected = 0;  ///< as recorded in the packet
   std::uint16_t computed = 0;
 
   [[nodiscard]] bool IsValid() const { return expected == computed; }
@@ -39,15 +39,15 @@ struct KlvChecksum {
 
 struct KlvPacket {
   KlvStandard standard = KlvStandard::kOther;
-  std::string label;             ///< the unit's, as hexadecimal digits
-  int stream = 0;                ///< the container's index; 0 for bare KLV
-  std::size_t offset = 0;        ///< bytes: in the file for bare KLV, else in the container's packet
-  std::optional<double> time_s;  ///< by the container, on the video's clock
-  std::vector<KlvItem> items;    ///< in the order of the packet
+  std::string label;             ///< of the unit, hexadecimal
+  int stream = 0;                ///< the container's stream index; 0 for bare KLV
+  std::size_t offset = 0;        ///< in the file for bare KLV, else in the container's packet, bytes
+  std::optional<double> time_s;  ///< from the container, on the video's clock
+  std::vector<KlvItem> items;    ///< in packet order
   std::optional<KlvChecksum> checksum;
-  std::string problem;  ///< where decoding stopped short; empty where it did not
+  std::string problem;  ///< where decoding stopped early; empty if it did not
 
-  /// The last item of this number that has a value; nothing if there is none.
+  /// The last item of this number that has a value; nullptr if there is none.
   [[nodiscard]] const KlvItem* Find(int number) const {
     const KlvItem* found = nullptr;
     for (const KlvItem& item : items) {
@@ -56,6 +56,7 @@ struct KlvPacket {
     return found;
   }
 
+  /// The numeric value of that item; std::nullopt if there is none or it is not a number.
   [[nodiscard]] std::optional<double> Number(int number) const {
     const KlvItem* item = Find(number);
     if (item == nullptr) return std::nullopt;

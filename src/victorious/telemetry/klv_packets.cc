@@ -21,17 +21,17 @@ KlvPacket DecodeUnit(const KlvUnit& unit) {
   return {.label = HexText(unit.label), .offset = unit.offset};
 }
 
-// A metadata cell of MPEG-TS (ISO 13818-1, 2.12.4): service, number, flags, length; then so many bytes.
+// The header of an MPEG-TS metadata cell (ISO 13818-1, 2.12.4): service, number, flags, length of the content.
 constexpr std::size_t kCellHeader = 5;
 
 bool IsCell(Bytes bytes) {
   return bytes.size() > kCellHeader && UnsignedOf(bytes.subspan(3, 2)) == bytes.size() - kCellHeader;
 }
 
-// Puts together the units of one stream that the container handed out in pieces.
+// Reassembles the KLV units of one stream from the pieces that the container delivers.
 class PieceJoiner {
  public:
-  /// What is whole by now, each with the time of its first piece.
+  /// @return the data that is complete with this packet, with the time of its first piece
   std::vector<DataPacket> Take(const DataPacket& packet) {
     const Bytes bytes(packet.bytes);
     const Bytes content = IsCell(bytes) ? bytes.subspan(kCellHeader) : bytes;
@@ -52,11 +52,11 @@ class PieceJoiner {
     return whole;
   }
 
-  /// What is still in pieces at the end.
+  /// The incomplete unit, if any.
   [[nodiscard]] const std::optional<DataPacket>& begun() const { return begun_; }
 
  private:
-  static constexpr std::size_t kMostBytes = std::size_t{1} << 20;  // no telemetry is as large
+  static constexpr std::size_t kMostBytes = std::size_t{1} << 20;  // far above the size of any telemetry unit
 
   std::optional<DataPacket> begun_;
 };
@@ -72,7 +72,7 @@ KlvPackets DecodeKlv(Bytes bytes) {
 
 namespace {
 
-// Adds what is in a container's packet, with its stream and time.
+// Decodes a container packet and appends the result, with its stream and time.
 void Decode(const DataPacket& packet, KlvPackets& all) {
   KlvPackets some = DecodeKlv(Bytes(packet.bytes));
   for (KlvPacket& decoded : some.packets) {

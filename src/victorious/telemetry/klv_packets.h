@@ -1,4 +1,4 @@
-// From bytes to decoded KLV packets: bare, or as a video's container hands them out.
+// telemetry/: decodes KLV packets from bare bytes or from the data packets of a video's container.
 #pragma once
 
 #include <span>
@@ -13,15 +13,17 @@ namespace victorious {
 
 struct KlvPackets {
   std::vector<KlvPacket> packets;
-  std::vector<std::string> warnings;  ///< where bytes were passed over
+  std::vector<std::string> warnings;  ///< one line per truncated unit, at most 20
 };
 
+/// Decodes all units in the bytes. Units of unknown standards have no items.
 [[nodiscard]] KlvPackets DecodeKlv(Bytes bytes);
 
-/// Those of kind kKlv, with the container's stream and time; the others are passed over. A unit may come in pieces.
+/// Decodes the data packets of kind kKlv, with the container's stream and time; ignores the others. Reassembles a unit
+/// that spans several data packets of its stream; it has the time of the first.
 [[nodiscard]] KlvPackets DecodeKlv(std::span<const DataPacket> packets);
 
-/// Microseconds since 1970-01-01 UTC by the packet's own clock; nothing if it does not say, or says 0.
+/// The packet's own time stamp, microseconds since 1970-01-01 UTC; std::nullopt if absent, 0 or beyond the year 9999.
 [[nodiscard]] std::optional<std::int64_t> PrecisionTime(const KlvPacket& packet);
 
 /// "MISB ST 0601", "MISB EG 0104", "other".

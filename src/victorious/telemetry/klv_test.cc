@@ -15,7 +15,7 @@ TEST(Klv, BerLengthsShortAndLong) {
   EXPECT_EQ(TakeBerLength(bytes), 256U);
   EXPECT_EQ(TakeBerLength(bytes), std::nullopt);
   Bytes padded = BytesOf(text).last(11);
-  EXPECT_EQ(TakeBerLength(padded), 7U) << "zeros in front change nothing";
+  EXPECT_EQ(TakeBerLength(padded), 7U) << "leading zeros are ignored";
 }
 
 TEST(Klv, RefusesLengthsThatLie) {

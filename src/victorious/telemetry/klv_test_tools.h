@@ -1,4 +1,4 @@
-// KLV as a producer writes it, for tests and fuzz seeds.
+// telemetry/: makes KLV packets as a producer writes them, for tests and fuzz seeds.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ inline constexpr std::string_view kEg0104LabelBytes("\x06\x0E\x2B\x34\x02\x01\x0
 
 inline Bytes BytesOf(std::string_view text) { return std::as_bytes(std::span(text.data(), text.size())); }
 
-/// Big-endian.
+/// The number as `bytes` bytes, big-endian.
 inline std::string BigEndian(std::uint64_t number, int bytes) {
   std::string text;
   for (int i = bytes - 1; i >= 0; --i) text += static_cast<char>(number >> (8 * i) & 0xFF);
@@ -28,7 +28,7 @@ inline std::string BerLength(std::size_t length) {
   return length < 0x80 ? std::string(1, static_cast<char>(length)) : "\x82" + BigEndian(length, 2);
 }
 
-/// An ST 0601 packet of these items, with its checksum.
+/// An ST 0601 packet of these items (number, value), with its checksum.
 inline std::string St0601Packet(const std::vector<std::pair<int, std::string>>& items) {
   std::string value;
   for (const auto& [number, bytes] : items) {
@@ -42,8 +42,8 @@ inline std::string St0601Packet(const std::vector<std::pair<int, std::string>>& 
   return packet + BigEndian(St0601Checksum(BytesOf(packet)), 2);
 }
 
-/// A camera at 42 degrees north and 71 west, 1000 m above the ellipsoid, heading east, looking 45 degrees down to the
-/// right, 30 degrees wide.
+/// An ST 0601 packet of a camera at 42 degrees north and 71 west, 1000 m above the ellipsoid. The platform heads east,
+/// the camera points 45 degrees down to its right, with a horizontal field of view of 30 degrees.
 inline std::string CameraPacket(std::uint64_t time_us) {
   return St0601Packet({{2, BigEndian(time_us, 8)},
                        {5, BigEndian(16384, 2)},

@@ -1,4 +1,4 @@
-// What telemetry holds, for programs (JSON) and for people.
+// telemetry/: the content of a Telemetry as JSON and as a summary for people.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Bytes that are no UTF-8 become question marks, so that the JSON is one.
+// Replaces bytes that are not UTF-8, so that the JSON is valid.
 std::string Utf8Text(const std::string& text) {
   return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
 }
@@ -94,11 +94,11 @@ std::string ChecksumLine(const std::vector<KlvPacket>& packets) {
   const auto with = std::ranges::count_if(packets, [](const KlvPacket& packet) { return packet.checksum.has_value(); });
   const auto good = std::ranges::count_if(
       packets, [](const KlvPacket& packet) { return packet.checksum && packet.checksum->IsValid(); });
-  if (with == 0) return "checksums: the packets carry none";
-  return fmt::format("checksums: {} right, {} wrong", good, with - good);
+  if (with == 0) return "checksums: none in the packets";
+  return fmt::format("checksums: {} valid, {} invalid", good, with - good);
 }
 
-// How many packets hold each kind of set within the set, by its number.
+// The name of each nested set and the number of packets that have it, by item number.
 std::map<int, std::pair<std::string_view, int>> NestedSets(const std::vector<KlvPacket>& packets) {
   std::map<int, std::pair<std::string_view, int>> sets;
   for (const KlvPacket& packet : packets) {
@@ -117,13 +117,13 @@ void AddNestedSets(std::vector<std::string>& lines, const std::vector<KlvPacket>
   for (const auto& [number, set] : NestedSets(packets)) {
     names.push_back(fmt::format("{} ({}) in {} packets", set.first, number, set.second));
   }
-  if (!names.empty()) lines.push_back(fmt::format("sets within the set, passed over: {}", fmt::join(names, ", ")));
+  if (!names.empty()) lines.push_back(fmt::format("nested sets, not decoded: {}", fmt::join(names, ", ")));
 }
 
 void AddMissing(std::vector<std::string>& lines, const std::vector<CameraState>& states) {
   const auto lacks = [&](auto has) { return !std::ranges::any_of(states, has); };
   if (lacks([](const CameraState& state) { return state.attitude.has_value(); })) {
-    lines.emplace_back("missing: where the camera looks (yaw, pitch, roll)");
+    lines.emplace_back("missing: the camera's attitude (yaw, pitch, roll)");
   }
   if (lacks([](const CameraState& state) { return state.hfov_rad.has_value(); })) {
     lines.emplace_back("missing: the horizontal field of view");
@@ -131,7 +131,8 @@ void AddMissing(std::vector<std::string>& lines, const std::vector<CameraState>&
   if (lacks([](const CameraState& state) { return state.datum != VerticalDatum::kUnknown; })) {
     lines.emplace_back("missing: the camera's height");
   } else if (lacks([](const CameraState& state) { return state.datum == VerticalDatum::kEllipsoid; })) {
-    lines.push_back(fmt::format("missing: heights above the ellipsoid (they count from {})", Name(states[0].datum)));
+    lines.push_back(
+        fmt::format("missing: heights above the ellipsoid (the heights refer to {})", Name(states[0].datum)));
   }
 }
 
@@ -160,7 +161,7 @@ std::vector<std::string> DescribeTelemetry(const Telemetry& telemetry) {
   AddNestedSets(lines, telemetry.packets);
   const std::vector<CameraState>& states = telemetry.states;
   if (states.empty()) {
-    lines.emplace_back("missing: a camera state: place, height and pointing together");
+    lines.emplace_back("missing: a camera state: no packet has position, height and pointing together");
   } else {
     const CameraState& first = states.front();
     const std::string height = first.datum == VerticalDatum::kUnknown
@@ -170,7 +171,7 @@ std::vector<std::string> DescribeTelemetry(const Telemetry& telemetry) {
                                 states.back().time_s, DegreesFromRadians(first.place.latitude_rad),
                                 DegreesFromRadians(first.place.longitude_rad), height));
     const auto complete = std::ranges::count_if(states, &CameraState::IsComplete);
-    lines.push_back(fmt::format("states from which a place on the map follows: {}", Share(complete, states.size())));
+    lines.push_back(fmt::format("states complete for geolocation: {}", Share(complete, states.size())));
     AddMissing(lines, states);
   }
   for (const std::string& warning : telemetry.warnings) lines.push_back("note: " + warning);

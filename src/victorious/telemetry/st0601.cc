@@ -12,19 +12,20 @@ namespace victorious {
 namespace {
 
 constexpr int kChecksumItem = 1;
-constexpr std::size_t kMostItems = 4096;  // of a packet: a few hundred are usual, bytes of zero make millions
+constexpr std::size_t kMostItems =
+    4096;  // per packet; a few hundred are usual, but zero bytes would decode as millions
 constexpr std::size_t kLongestNumber = 8;
 
-// A value and, where there is none, why.
+// A value, or the reason why there is none.
 struct Decoded {
   KlvValue value;
   std::string note = {};
 };
 
-constexpr const char* kNoValue = "no value: out of the item's range, or unknown to the producer";
-constexpr const char* kBadLength = "not of a length that this item can have";
+constexpr const char* kNoValue = "no value: out of range, or unknown to the producer";
+constexpr const char* kBadLength = "not a valid length for this item";
 
-// Producers that write a short number into a longer item put zeros in front of it, and mean the short one's map.
+// Some producers pad a number of the standard length with leading zeros; the map of the standard length then applies.
 Bytes WithoutPadding(const ItemSpec& spec, Bytes bytes) {
   while (bytes.size() > spec.bytes && bytes[0] == std::byte{0}) bytes = bytes.subspan(1);
   return bytes;
@@ -56,7 +57,7 @@ Decoded DecodeBerOids(Bytes bytes) {
   KlvList list;
   while (!bytes.empty()) {
     const auto number = TakeBerOid(bytes);
-    if (!number) return {{}, "a list that is cut off"};
+    if (!number) return {{}, "a truncated list"};
     list.push_back(*number);
   }
   return {list};
@@ -77,7 +78,7 @@ Decoded DecodeBits(Bytes bytes) {
   return {list};
 }
 
-// An item's head, and its value, taken off the front of `bytes`; nothing where that is not whole.
+// An item's number and value, removed from the front of `bytes` by TakeItem; std::nullopt if truncated.
 struct Item {
   std::uint64_t number = 0;
   Bytes value;
@@ -92,7 +93,7 @@ std::optional<Item> TakeItem(Bytes& bytes) {
   return Item{*number, value};
 }
 
-// Its items are counted, and not opened: what is nested in them, however deep, is bytes that are passed over.
+// Counts the items of a nested set without decoding them, at any depth.
 Decoded DescribeSet(Bytes bytes) {
   Decoded decoded{KlvRaw(bytes.begin(), bytes.end())};
   std::size_t items = 0;
@@ -100,15 +101,15 @@ Decoded DescribeSet(Bytes bytes) {
     const std::size_t at = bytes.size() - rest.size();
     if (TakeItem(rest)) continue;
     decoded.note =
-        fmt::format("a set of {} items, then cut off at byte {} of {}; passed over", items, at, bytes.size());
+        fmt::format("a set of {} items, then truncated at byte {} of {}; not decoded", items, at, bytes.size());
     return decoded;
   }
-  decoded.note = fmt::format("a set of {} items; passed over", items);
+  decoded.note = fmt::format("a set of {} items; not decoded", items);
   return decoded;
 }
 
 Decoded DecodeValue(const ItemSpec& spec, Bytes bytes) {
-  if (bytes.empty()) return {{}, "empty: the item has no value any more"};
+  if (bytes.empty()) return {{}, "empty: the item no longer has a value"};
   switch (spec.coding) {
     case ItemCoding::kText:
       return {std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size())};
@@ -173,10 +174,10 @@ std::optional<double> ImapbValue(Bytes bytes, double min, double max) {
   const int bits = static_cast<int>(8 * bytes.size());
   const std::uint64_t number = UnsignedOf(bytes);
   const std::uint64_t top = std::uint64_t{1} << (bits - 1);
-  if (number > top) return std::nullopt;  // infinities, NaNs and other signals have the top bit and more
+  if (number > top) return std::nullopt;  // special values (infinities, NaNs and others) exceed the top bit
   const int range_power = static_cast<int>(std::ceil(std::log2(max - min)));
   const double scale = std::ldexp(1.0, range_power - (bits - 1));
-  const double shifted = min / scale;  // of zero, so that it maps to itself
+  const double shifted = min / scale;  // makes zero map to itself exactly
   const double offset = min < 0 && max > 0 ? shifted - std::floor(shifted) : 0;
   return scale * (static_cast<double>(number) - offset) + min;
 }
@@ -188,7 +189,7 @@ KlvPacket DecodeSt0601(const KlvUnit& unit) {
     const auto at = static_cast<std::size_t>(rest.data() - unit.value.data());
     const auto item = packet.items.size() < kMostItems ? TakeItem(rest) : std::nullopt;
     if (!item) {
-      packet.problem = fmt::format("cut off at byte {} of {}: no item can be read there", at, unit.value.size());
+      packet.problem = fmt::format("truncated at byte {} of {}: no item can be read there", at, unit.value.size());
       break;
     }
     packet.items.push_back(DecodeItem(item->number, item->value));

@@ -1,9 +1,9 @@
-// MISB ST 0601 (UAS Datalink Local Set): numbered items of BER-OID number, BER length and value, under one label.
+// telemetry/: MISB ST 0601 (UAS Datalink Local Set): items of BER-OID number, BER length and value, under one label.
 //
-// The linear maps of the standard take the length that the packet gives: with n bits, unsigned
-//   x = min + (max - min) y / (2^n - 1),  signed  x = max y / (2^(n-1) - 1),
-// whose lowest number means "no value". IMAPB is ST 1201's. Sets within the set are measured item by
-// item, and stay undecoded: whatever they hold, nothing is opened below the first level.
+// The standard's linear maps apply to the length that the packet gives. With n bits, unsigned:
+//   x = min + (max - min) y / (2^n - 1),  signed:  x = max y / (2^(n-1) - 1),
+// and the lowest signed number means "no value". IMAPB is defined by ST 1201. Nested sets are not decoded: their items
+// are counted, and their bytes are kept. Nothing below the first level is opened.
 #pragma once
 
 #include <optional>
@@ -13,16 +13,18 @@
 
 namespace victorious {
 
-/// Whether it is the local set's label, of whichever version.
+/// Whether the label is that of the local set, in any version.
 [[nodiscard]] bool IsSt0601Label(Bytes label);
 
-/// Items, checksum and the place where a damaged packet stopped. Never fails: what can be read is read.
+/// Decodes the items and the checksum. Never fails: decodes as far as possible and describes the rest in `problem`.
 [[nodiscard]] KlvPacket DecodeSt0601(const KlvUnit& unit);
 
-/// The sum of a packet's bytes up to its checksum's value, as 16-bit words, modulo 2^16.
+/// The sum of the bytes as big-endian 16-bit words, modulo 2^16.
+/// @param bytes  a packet, from its label up to the value of its checksum item, exclusive
 [[nodiscard]] std::uint16_t St0601Checksum(Bytes bytes);
 
-/// ST 1201's reverse mapping B of `bytes` (1 to 8) in [min, max]; nothing for its special values, among them NaN.
+/// The reverse mapping B of ST 1201 of `bytes` (1 to 8) to [min, max]; std::nullopt for its special values, such as
+/// NaN.
 [[nodiscard]] std::optional<double> ImapbValue(Bytes bytes, double min, double max);
 
 }  // namespace victorious

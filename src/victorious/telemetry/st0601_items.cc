@@ -7,7 +7,7 @@ namespace {
 
 using enum ItemCoding;
 
-// The items stand at their number less one.
+// Item n is at index n - 1.
 constexpr std::array kItems = {
     ItemSpec{1, "Checksum", kUnsigned},
     ItemSpec{2, "Precision Time Stamp", kUnsigned, 0, 0, "us"},

@@ -1,4 +1,4 @@
-// Private to telemetry/: the items of MISB ST 0601.19, UAS Datalink Local Set, as its table has them.
+// Private to telemetry/: the item table of MISB ST 0601.19, UAS Datalink Local Set.
 #pragma once
 
 #include <cstddef>
@@ -7,17 +7,17 @@
 namespace victorious {
 
 enum class ItemCoding {
-  kUnsigned,        ///< a whole number
-  kSigned,          ///< a whole number, two's complement
+  kUnsigned,        ///< an unsigned integer
+  kSigned,          ///< an integer in two's complement
   kText,            ///< UTF-8
-  kLinearUnsigned,  ///< 0 is `min`, all ones `max`
-  kLinearSigned,    ///< the largest number is `max`, its negative `min`, the number below that no value
-  kImapb,           ///< ST 1201, forward mapping B from [min, max]
-  kBytes,           ///< a list of bytes, each a whole number
+  kLinearUnsigned,  ///< 0 maps to `min`, all ones to `max`
+  kLinearSigned,    ///< the largest number maps to `max`, its negative to `min`; the number below means "no value"
+  kImapb,           ///< ST 1201, mapping B of [min, max]
+  kBytes,           ///< a list of integers of one byte each
   kBerOids,         ///< a list of BER object identifiers
-  kBits,            ///< a list of the bits that are set, the lowest of the last byte being 0
-  kSet,             ///< a local set of another standard, of numbered items as this one
-  kRaw,             ///< a pack
+  kBits,            ///< a list of the indices of set bits; bit 0 is the lowest of the last byte
+  kSet,             ///< a nested local set of another standard, with numbered items
+  kRaw,             ///< a pack; not decoded
 };
 
 struct ItemSpec {
@@ -27,10 +27,10 @@ struct ItemSpec {
   double min = 0;
   double max = 0;
   std::string_view unit = {};
-  std::size_t bytes = 0;  ///< of a linear item; 0 for the others, whose length is free
+  std::size_t bytes = 0;  ///< standard length of a linear item; 0 for the others, whose length varies
 };
 
-/// Nothing for numbers that the standard lacks.
+/// @return nullptr for a number that the standard lacks
 [[nodiscard]] const ItemSpec* FindSt0601Item(int number);
 
 }  // namespace victorious

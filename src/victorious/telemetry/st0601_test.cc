@@ -50,7 +50,7 @@ TEST(St0601, LowestSignedNumberIsNoValue) {
 TEST(St0601, Imapb) {
   EXPECT_NEAR(*ImapbValue(BytesOf(std::string_view("\x00\x00\x00", 3)), -900, 19000), -900, 1e-9);
   EXPECT_NEAR(*ImapbValue(BytesOf(std::string_view("\x03\x8E\x00", 3)), -900, 19000), 10, 1e-12);
-  // Zero is met exactly where it lies within the range: 117's 1 degree a second in two bytes.
+  // Zero maps exactly if it is within the range: item 117, 1 degree per second in two bytes.
   EXPECT_NEAR(*Decode(St0601Packet({{117, BigEndian(0x3E90, 2)}})).Number(117), 1.0, 1e-12);
   EXPECT_FALSE(ImapbValue(BytesOf(std::string_view("\xC8\x00", 2)), 0, 100)) << "plus infinity";
   EXPECT_FALSE(ImapbValue(BytesOf(std::string_view("\xD0\x00", 2)), 0, 100)) << "not a number";
@@ -72,7 +72,7 @@ TEST(St0601, NestedSetsAndUnknownNumbersStayBytes) {
   const KlvPacket packet = Decode(St0601Packet({{48, "\x01\x01\x03"}, {200, "\x09"}, {65, "\x13"}}));
   EXPECT_EQ(HexText(std::get<KlvRaw>(packet.items[0].value)), "010103");
   EXPECT_TRUE(packet.items[0].is_set);
-  EXPECT_EQ(packet.items[0].note, "a set of 1 items; passed over");
+  EXPECT_EQ(packet.items[0].note, "a set of 1 items; not decoded");
   EXPECT_FALSE(packet.items[1].is_set);
   EXPECT_EQ(packet.items[1].number, 200);
   EXPECT_EQ(packet.items[1].name, "unknown");
@@ -80,12 +80,13 @@ TEST(St0601, NestedSetsAndUnknownNumbersStayBytes) {
 }
 
 TEST(St0601, NestedSetsThatLieDoNotHurtWhatIsAroundThem) {
-  const std::string far = std::string("\x04\x88\x7F\xFF\xFF\xFF\xFF\xFF\xFF\xFF\x01", 11);  // says 2^63 - 1 bytes
-  const std::string zeros(60000, '\0');  // items of number 0 and no bytes
+  const std::string far =
+      std::string("\x04\x88\x7F\xFF\xFF\xFF\xFF\xFF\xFF\xFF\x01", 11);  // a length of 2^63 - 1 bytes
+  const std::string zeros(60000, '\0');                                 // items of number 0 and no bytes
   const KlvPacket packet = Decode(St0601Packet({{74, Set(1, "ab") + far}, {48, "\x80"}, {95, zeros}, {65, "\x13"}}));
   ASSERT_EQ(packet.items.size(), 5U);
-  EXPECT_EQ(packet.items[0].note, "a set of 1 items, then cut off at byte 4 of 15; passed over");
-  EXPECT_EQ(packet.items[1].note, "a set of 0 items, then cut off at byte 0 of 1; passed over");
+  EXPECT_EQ(packet.items[0].note, "a set of 1 items, then truncated at byte 4 of 15; not decoded");
+  EXPECT_EQ(packet.items[1].note, "a set of 0 items, then truncated at byte 0 of 1; not decoded");
   EXPECT_EQ(*packet.Number(65), 19);
   EXPECT_TRUE(packet.problem.empty());
   EXPECT_TRUE(packet.checksum && packet.checksum->IsValid());
@@ -95,9 +96,9 @@ TEST(St0601, SetsWithinSetsAreNotOpened) {
   std::string deep = "\x01\x01\x07";
   while (deep.size() < 30000) deep = Set(48, deep);
   const KlvPacket packet = Decode(St0601Packet({{48, deep}, {65, "\x13"}}));
-  EXPECT_EQ(packet.items[0].note, "a set of 1 items; passed over");
+  EXPECT_EQ(packet.items[0].note, "a set of 1 items; not decoded");
   EXPECT_EQ(*packet.Number(65), 19);
-  // One that is a whole packet of this standard within a packet is its bytes, and no second camera.
+  // A nested packet of this standard stays bytes and gives no second camera.
   EXPECT_EQ(Decode(St0601Packet({{100, CameraPacket(1)}, {65, "\x13"}})).items.size(), 3U);
 }
 

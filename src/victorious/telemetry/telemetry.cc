@@ -26,7 +26,7 @@ constexpr double kSecondsPerMicrosecond = 1e-6;
 
 bool HasBadChecksum(const KlvPacket& packet) { return packet.checksum && !packet.checksum->IsValid(); }
 
-// The stream with the most packets that a camera can come from: two streams are two cameras.
+// The stream with the most packets of a known standard. Streams are not merged: each is a camera of its own.
 std::optional<int> MainStream(const std::vector<KlvPacket>& packets) {
   std::map<int, int> counts;
   for (const KlvPacket& packet : packets) counts[packet.stream] += packet.standard == KlvStandard::kOther ? 0 : 1;
@@ -34,8 +34,8 @@ std::optional<int> MainStream(const std::vector<KlvPacket>& packets) {
   return most == counts.end() ? std::nullopt : std::optional(most->first);
 }
 
-// What is to be added to the own clock of a stream's packets to get the video's: from those that have both; where none
-// has, the first is the time 0.
+// The offset from the packets' own clock to the video's, s: the median difference of the packets that have both times;
+// if none has, such that the first packet is at time 0. std::nullopt if no packet has its own time.
 std::optional<double> ClockOffset(const std::vector<KlvPacket>& packets, int stream) {
   std::vector<double> offsets;
   std::optional<std::int64_t> first_us;
@@ -51,9 +51,9 @@ std::optional<double> ClockOffset(const std::vector<KlvPacket>& packets, int str
   return std::nullopt;
 }
 
-// Packets of one stream to states; the container's time before the packet's own. Of several packets that the container
-// handed out as one, and so at one time, the first has it, and the others are later by their own clock.
-// @return of how many states nothing tells the time
+// Adds the states of one stream's packets. The container's time takes precedence over the packet's own. Of several
+// packets with the same container time the first has that time; the others are later by their own clock.
+// @return the number of states without any time
 int AddKlvStates(const std::vector<KlvPacket>& packets, int stream, Telemetry& telemetry) {
   int untimed = 0;
   const auto offset_s = ClockOffset(packets, stream);
@@ -83,14 +83,14 @@ void WarnOfClock(Telemetry& telemetry) {
   const auto timed = [](const KlvPacket& packet) { return packet.time_s.has_value(); };
   if (telemetry.states.empty() || std::ranges::any_of(telemetry.packets, timed)) return;
   telemetry.warnings.emplace_back(
-      "the KLV packets carry no time of a video: the first is taken for the time 0; time_offset_s shifts them");
+      "the KLV packets have no video time: the first is at time 0; shift them by time_offset_s");
 }
 
 void WarnOfChecksums(const std::vector<KlvPacket>& packets, std::vector<std::string>& warnings) {
   const auto bad = std::ranges::count_if(packets, &HasBadChecksum);
   if (bad > 0) {
     warnings.push_back(
-        fmt::format("{} of {} KLV packets fail their checksum: no camera comes from them", bad, packets.size()));
+        fmt::format("{} of {} KLV packets fail their checksum: they give no camera state", bad, packets.size()));
   }
 }
 
@@ -98,13 +98,13 @@ void WarnOfProblems(const std::vector<KlvPacket>& packets, std::vector<std::stri
   const auto has_problem = [](const KlvPacket& packet) { return !packet.problem.empty(); };
   const auto first = std::ranges::find_if(packets, has_problem);
   if (first == packets.end()) return;
-  warnings.push_back(fmt::format("{} of {} KLV packets can be read in part only; the first at byte {}: {}",
+  warnings.push_back(fmt::format("{} of {} KLV packets are readable only in part; the first at byte {}: {}",
                                  std::ranges::count_if(packets, has_problem), packets.size(), first->offset,
                                  first->problem));
 }
 
 void WarnOfFrameCentre(const std::vector<KlvPacket>& packets, std::vector<std::string>& warnings) {
-  constexpr double kMost = RadiansFromDegrees(2);  // honest systems stay within fractions of a degree
+  constexpr double kMost = RadiansFromDegrees(2);  // consistent systems have fractions of a degree
   std::vector<double> errors_rad;
   for (const KlvPacket& packet : packets) {
     if (const auto error_rad = FrameCentreError(packet)) errors_rad.push_back(*error_rad);
@@ -113,8 +113,8 @@ void WarnOfFrameCentre(const std::vector<KlvPacket>& packets, std::vector<std::s
   const double median_rad = Median(std::move(errors_rad));
   if (median_rad <= kMost) return;
   warnings.push_back(fmt::format(
-      "line of sight and recorded frame centre disagree, {:.1f} degrees in the middle: an angle is not what "
-      "the standard calls it, and places will be wrong",
+      "optical axis and recorded frame centre disagree, {:.1f} degrees in the median: an angle does not follow "
+      "the standard, and positions will be wrong",
       DegreesFromRadians(median_rad)));
 }
 
@@ -123,16 +123,16 @@ void WarnOfNoCamera(Telemetry& telemetry) {
       std::ranges::find(telemetry.packets, KlvStandard::kSt0601, &KlvPacket::standard) != telemetry.packets.end();
   const auto missing = local ? MissingForCamera(telemetry.packets) : std::vector<std::string_view>();
   telemetry.warnings.push_back(
-      fmt::format("no packet tells place, height and pointing of the camera{}{}",
-                  missing.empty() ? "" : "; missing, or marked unknown: ", fmt::join(missing, ", ")));
+      fmt::format("no packet has position, height and pointing of the camera{}{}",
+                  missing.empty() ? "" : "; missing or marked unknown: ", fmt::join(missing, ", ")));
 }
 
-// The times of frames rise, and so must those of states. As few as may be are left out: of a clock that jumps ahead
-// once, the one state, and not all that come after it.
+// Keeps a longest subsequence of states with strictly increasing times. A clock that once jumps ahead thus costs one
+// state, not all that follow it.
 void KeepRising(Telemetry& telemetry) {
   const std::vector<CameraState>& states = telemetry.states;
   constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
-  std::vector<std::size_t> ends;  // of the rising rows of 1, 2, ... states, the one that ends earliest
+  std::vector<std::size_t> ends;  // last state of the increasing subsequence of length 1, 2, ... that ends earliest
   std::vector<std::size_t> before(states.size(), kNone);
   const auto time_of = [&](std::size_t i) { return states[i].time_s; };
   for (std::size_t i = 0; i < states.size(); ++i) {
@@ -149,7 +149,7 @@ void KeepRising(Telemetry& telemetry) {
   std::ranges::reverse(rising);
   const std::size_t left_out = telemetry.states.size() - rising.size();
   if (left_out > 0) {
-    telemetry.warnings.push_back(fmt::format("{} of {} camera states repeat a time or go back in it, and are left out",
+    telemetry.warnings.push_back(fmt::format("{} of {} camera states are skipped: their time repeats or goes back",
                                              left_out, telemetry.states.size()));
   }
   telemetry.states = std::move(rising);
@@ -167,14 +167,14 @@ void WarnOfJumps(Telemetry& telemetry, double max_gap_s) {
     jumps += metres > kFastest * seconds && metres > 10 ? 1 : 0;
     gaps += seconds > max_gap_s ? 1 : 0;
   }
-  if (jumps > 0) telemetry.warnings.push_back(fmt::format("the place jumps {} times, faster than 1000 m/s", jumps));
+  if (jumps > 0) telemetry.warnings.push_back(fmt::format("the position jumps {} times, faster than 1000 m/s", jumps));
   if (gaps > 0) {
     telemetry.warnings.push_back(
-        fmt::format("{} gaps of more than {:g} s: nothing is known of the camera in them", gaps, max_gap_s));
+        fmt::format("{} gaps of more than {:g} s: the camera state is unknown in them", gaps, max_gap_s));
   }
 }
 
-// What every kind of telemetry needs once its states are there.
+// The steps common to all formats: options, order of times, checks, vertical datum.
 Expected<Telemetry> Finish(Telemetry telemetry, const TelemetryOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   for (CameraState& state : telemetry.states) {
@@ -198,12 +198,11 @@ Expected<Telemetry> FromKlv(KlvPackets decoded, const TelemetryOptions& options)
     const bool others = std::ranges::any_of(telemetry.packets, [&](const KlvPacket& packet) {
       return packet.stream != *stream && packet.standard != KlvStandard::kOther;
     });
-    if (others)
-      telemetry.warnings.push_back(fmt::format("several KLV streams: the camera is that of stream {}", *stream));
+    if (others) telemetry.warnings.push_back(fmt::format("several KLV streams: stream {} is used", *stream));
     const int untimed = AddKlvStates(telemetry.packets, *stream, telemetry);
     if (untimed > 0) {
       telemetry.warnings.push_back(fmt::format(
-          "{} KLV packets tell a camera, and neither they (item 2, the time stamp) nor the video tell when", untimed));
+          "{} KLV packets have a camera state but no time, neither their own (item 2) nor the video's", untimed));
     }
     tells_camera = untimed > 0 || !telemetry.states.empty();
   }
@@ -227,14 +226,14 @@ Expected<Telemetry> FromDji(DjiSubtitles subtitles, const TelemetryOptions& opti
   const auto has_hfov = [](const CameraState& state) { return state.hfov_rad.has_value(); };
   if (options.hfov_deg == 0 && std::ranges::any_of(telemetry.states, has_hfov)) {
     telemetry.warnings.emplace_back(
-        "the field of view is a guess from the focal length, for a picture of 16:9 that is not cropped");
+        "the field of view is estimated from the focal length, for an uncropped image of 16:9");
   }
   return Finish(std::move(telemetry), options);
 }
 
 Bytes BytesOf(std::string_view text) { return std::as_bytes(std::span(text.data(), text.size())); }
 
-// The texts of subtitles inside a video, each of which may begin with its length.
+// Parses the subtitle packets of a video; a text may start with its length.
 DjiSubtitles SubtitlesOf(std::span<const DataPacket> packets) {
   DjiSubtitles subtitles;
   for (const DataPacket& packet : packets) {
@@ -256,27 +255,28 @@ void TelemetryOptions::ListFields(FieldList& fields) {
              {.min = -86400,
               .max = 86400,
               .unit = "s",
-              .reason = "added to the telemetry's times, where its clock and the video's differ"});
+              .reason = "offset added to the telemetry's times, if its clock and the video's differ"});
   fields.Add("max_gap_s", max_gap_s,
              {.min = 0.01,
               .max = 3600,
               .unit = "s",
-              .reason = "between states further apart nothing is known: an aircraft may turn within seconds"});
+              .reason = "maximum interval between states to interpolate: an aircraft may turn within seconds"});
   fields.Add("vertical_datum", vertical_datum,
              {.choices = {"told", "ellipsoid", "egm96", "egm2008", "takeoff"},
-              .reason = "what heights count from; told: as the format or the table says"});
+              .reason = "vertical datum of the heights; as_given: that of the format or the table"});
   fields.Add("geoid_grid", geoid_grid,
-             {.reason = "a .gtx grid of the geoid, for heights above the sea; empty: PROJ's of EGM96, where it is"});
-  fields.Add("takeoff_altitude_m", takeoff_altitude_m,
-             {.min = kUnknownHeight,
-              .max = 9000,
-              .unit = "m",
-              .reason = "of the take-off above the ellipsoid, for heights that count from it; -9999: unknown"});
+             {.reason = "a .gtx geoid grid, for heights above mean sea level; empty: PROJ's EGM96 grid, if installed"});
+  fields.Add(
+      "takeoff_altitude_m", takeoff_altitude_m,
+      {.min = kUnknownHeight,
+       .max = 9000,
+       .unit = "m",
+       .reason = "height of the take-off above the ellipsoid, for heights relative to the take-off; -9999: unknown"});
   fields.Add("hfov_deg", hfov_deg,
              {.min = 0,
               .max = 179,
               .unit = "deg",
-              .reason = "the camera's full horizontal field of view, whatever telemetry tells; 0: as told"});
+              .reason = "full horizontal field of view of the camera, overrides the telemetry; 0: from the telemetry"});
 }
 
 bool LooksLikeTelemetry(std::string_view bytes) {
@@ -298,8 +298,8 @@ Expected<Telemetry> ParseTelemetry(std::string_view bytes, const TelemetryOption
   if (!decoded.packets.empty()) return FromKlv(std::move(decoded), options);
   if (!decoded.warnings.empty()) return Fail(ErrorCode::kDataLoss, decoded.warnings[0]);
   return Fail(ErrorCode::kInvalidArgument,
-              bytes.empty() ? "empty"
-                            : "no telemetry: neither KLV, nor DJI subtitles, nor a table with time_s and latitude_deg");
+              bytes.empty() ? "empty file: must be telemetry"
+                            : "no telemetry: must be KLV, DJI subtitles, or a table with time_s and latitude_deg");
 }
 
 Expected<Telemetry> TelemetryFromPackets(std::span<const DataPacket> packets, const TelemetryOptions& options) {

@@ -1,5 +1,5 @@
-// telemetry/, in: KLV (MISB ST 0601, EG 0104), DJI subtitles or a table, as bytes or as a video's data packets. Out:
-// the camera's states on the video's clock, heights above the ellipsoid where it can be told.
+// telemetry/: entry point. In: KLV (MISB ST 0601, EG 0104), DJI subtitles or a table, as bytes or as a video's data
+// packets. Out: camera states on the video's clock, with heights above the ellipsoid if the datum can be converted.
 //
 //   bytes -> packets, cues or rows -> CameraState, each with its own datum -> order, clock, datum -> Telemetry
 #pragma once
@@ -19,8 +19,9 @@
 
 namespace victorious {
 
+/// telemetry.cc gives ranges, units and reasons.
 struct TelemetryOptions {
-  static constexpr double kUnknownHeight = -9999;  ///< m
+  static constexpr double kUnknownHeight = -9999;  ///< m: takeoff_altitude_m is unknown
 
   double time_offset_s = 0;
   double max_gap_s = 2;
@@ -33,28 +34,29 @@ struct TelemetryOptions {
 };
 
 struct Telemetry {
-  std::string format;                 ///< "MISB ST 0601", "MISB EG 0104", "DJI subtitles", "table"
-  std::vector<CameraState> states;    ///< by strictly rising time
-  std::vector<KlvPacket> packets;     ///< where it is KLV: all of them, as they stand
-  int records = 0;                    ///< packets, subtitles or rows that were read
-  std::vector<std::string> warnings;  ///< a line for each thing that is not as it should be
+  std::string format;  ///< "MISB ST 0601", "MISB EG 0104", "KLV of another standard", "DJI subtitles", "table", "none"
+  std::vector<CameraState> states;    ///< by strictly increasing time
+  std::vector<KlvPacket> packets;     ///< of KLV: all, as decoded
+  int records = 0;                    ///< number of packets, subtitles or rows
+  std::vector<std::string> warnings;  ///< one line per defect of the data
 };
 
-/// Whether bytes are of a file of telemetry, and not of a video.
+/// Whether the bytes are those of a telemetry file rather than of a video.
 [[nodiscard]] bool LooksLikeTelemetry(std::string_view bytes);
 
-/// A file of telemetry by its content. The first packet of bare KLV is the time 0.
-/// Errors: kInvalidArgument for what holds no telemetry or none that can be read, and for options that do not fit.
+/// Parses a telemetry file; the content determines the format. The first valid packet of bare KLV defines time 0.
+/// Errors: kInvalidArgument for bytes without readable telemetry and for invalid options; kDataLoss for KLV that is
+/// only truncated units.
 Expected<Telemetry> ParseTelemetry(std::string_view bytes, const TelemetryOptions& options);
 
-/// Out of a video: its KLV or, if it has none, its subtitles. `records` is 0 where it has neither.
-/// Errors: those of the options.
+/// Parses the telemetry of a video: its KLV or, if it has none, its subtitles. `records` is 0 if it has neither.
+/// Errors: kInvalidArgument for invalid options.
 Expected<Telemetry> TelemetryFromPackets(std::span<const DataPacket> packets, const TelemetryOptions& options);
 
-/// Every item of every KLV packet by its number and name, checksums, time stamps; the states; the warnings.
+/// Every item of every KLV packet by number and name, checksums and time stamps; the states; the warnings.
 nlohmann::json ToJson(const Telemetry& telemetry);
 
-/// In plain words, a line each: what it holds, and what is missing for a place on the map.
+/// A summary for people, in lines: the content, and what is missing for geolocation.
 [[nodiscard]] std::vector<std::string> DescribeTelemetry(const Telemetry& telemetry);
 
 }  // namespace victorious

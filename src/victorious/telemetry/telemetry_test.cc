@@ -36,7 +36,8 @@ TEST(Telemetry, PacketsOfAVideoAreOnItsClock) {
   ASSERT_TRUE(telemetry);
   ASSERT_EQ(telemetry->states.size(), 3U);
   EXPECT_NEAR(telemetry->states[0].time_s, 10.1, 1e-9);
-  EXPECT_NEAR(telemetry->states[1].time_s, 10.6, 1e-6) << "by its own clock, from those that have both";
+  EXPECT_NEAR(telemetry->states[1].time_s, 10.6, 1e-6)
+      << "by its own clock, with the offset of the packets that have both";
 }
 
 TEST(Telemetry, TwoStreamsAreNotMixed) {
@@ -98,8 +99,8 @@ TEST(Telemetry, PacketsWithoutATimeAreToldToLackIt) {
   const auto telemetry = ParseTelemetry(CameraPacket(0) + CameraPacket(0), {});
   ASSERT_TRUE(telemetry);
   EXPECT_TRUE(telemetry->states.empty());
-  EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("2 KLV packets tell a camera")));
-  EXPECT_THAT(telemetry->warnings, ::testing::Not(Contains(HasSubstr("no packet tells"))));
+  EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("2 KLV packets have a camera state")));
+  EXPECT_THAT(telemetry->warnings, ::testing::Not(Contains(HasSubstr("no packet has"))));
 }
 
 TEST(Telemetry, OfAClockThatJumpsAheadOnceOneStateIsLeftOut) {
@@ -149,7 +150,7 @@ TEST(Telemetry, PlaceThatThePointingContradictsIsNoticed) {
   const std::string packet = CameraPacket(0);
   const auto honest = ParseTelemetry(packet, {});
   EXPECT_THAT(honest->warnings, Not(Contains(HasSubstr("disagree"))));
-  // The same camera, and a frame centre to the north of it where it looks south.
+  // The same camera, which looks south, with a frame centre to its north.
   const std::string value = packet.substr(17, packet.size() - 17 - 4);
   const std::string lying = value + "\x17\x04" + BigEndian(1002397655, 4) + "\x18\x04" +
                             BigEndian(static_cast<std::uint32_t>(-847062994), 4) + "\x4E\x02" + BigEndian(2964, 2);
@@ -192,10 +193,10 @@ TEST(Telemetry, JsonHasEveryItemByNumberAndName) {
 
 TEST(Telemetry, PlainWordsSayWhatIsMissing) {
   const auto lines = DescribeTelemetry(*ParseTelemetry(std::string(kHeader) + "0,42,-71,30,takeoff\n", {}));
-  EXPECT_THAT(lines, Contains(HasSubstr("where the camera looks")));
+  EXPECT_THAT(lines, Contains(HasSubstr("the camera's attitude")));
   EXPECT_THAT(lines, Contains(HasSubstr("field of view")));
   EXPECT_THAT(lines, Contains(HasSubstr("above the ellipsoid")));
-  EXPECT_THAT(DescribeTelemetry(*ParseTelemetry(CameraPacket(1), {})), Contains(HasSubstr("follows: all")));
+  EXPECT_THAT(DescribeTelemetry(*ParseTelemetry(CameraPacket(1), {})), Contains(HasSubstr("geolocation: all")));
 }
 
 }  // namespace

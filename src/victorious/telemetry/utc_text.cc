@@ -11,7 +11,7 @@
 namespace victorious {
 namespace {
 
-// Takes a whole number without a sign off the front.
+// Reads an unsigned integer and removes it from the front.
 std::optional<int> TakeDigits(std::string_view& text) {
   int number = 0;
   if (text.empty() || text[0] < '0' || text[0] > '9') return std::nullopt;
@@ -27,7 +27,7 @@ bool TakeOneOf(std::string_view& text, std::string_view marks) {
   return true;
 }
 
-// Digits after a decimal mark, in millionths; 0 where there are none.
+// The digits after a decimal mark, in millionths; 0 if there are none.
 std::int64_t TakeMicroseconds(std::string_view& text) {
   if (!TakeOneOf(text, ".,")) return 0;
   std::int64_t fraction = 0;
@@ -38,7 +38,7 @@ std::int64_t TakeMicroseconds(std::string_view& text) {
   return fraction;
 }
 
-// By how much the zone's clocks are ahead: nothing, "Z", "+02:00", "+0200" or "+02".
+// The offset of a zone from UTC: an empty text, "Z", "+02:00", "+0200" or "+02".
 std::optional<std::chrono::minutes> TakeZone(std::string_view& text) {
   if (text.empty() || TakeOneOf(text, "Z")) return std::chrono::minutes(0);
   const int sign = text[0] == '-' ? -1 : 1;

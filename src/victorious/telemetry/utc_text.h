@@ -1,4 +1,4 @@
-// Private to telemetry/: moments as text.
+// Private to telemetry/: UTC times as text.
 #pragma once
 
 #include <cstdint>
@@ -8,11 +8,12 @@
 
 namespace victorious {
 
-/// ISO 8601 ("2026-05-27T13:14:22.911Z", also with a blank for the T, with a zone as in +02:00, or without one, which
-/// is taken for UTC) as microseconds since 1970; nothing for what is no such moment.
+/// Parses an ISO 8601 time such as "2026-05-27T13:14:22.911Z". A blank may stand for the T. A zone such as +02:00 is
+/// applied; without a zone the time is UTC.
+/// @return microseconds since 1970-01-01 UTC; std::nullopt for any other text
 [[nodiscard]] std::optional<std::int64_t> MicrosecondsOfUtc(std::string_view text);
 
-/// The other way; years beyond 9999 do not occur in what MicrosecondsOfUtc gives.
+/// The inverse: ISO 8601 with six decimals and "Z". For years up to 9999, as ParseUtc returns.
 [[nodiscard]] std::string UtcText(std::int64_t microseconds);
 
 }  // namespace victorious

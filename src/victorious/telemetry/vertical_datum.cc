@@ -25,7 +25,7 @@ void AddGeoid(std::vector<CameraState>& states, VerticalDatum datum, const Geoid
   }
 }
 
-// The grid that the user names counts for either geoid; PROJ's own for EGM96.
+// The user's grid applies to either geoid; PROJ's own only to EGM96.
 Expected<std::optional<Geoid>> GeoidFor(VerticalDatum datum, const TelemetryOptions& options) {
   if (!options.geoid_grid.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(Geoid geoid, Geoid::Read(options.geoid_grid));
@@ -43,9 +43,10 @@ Status AddGeoidOf(std::vector<CameraState>& states, VerticalDatum datum, const T
   VICTORIOUS_ASSIGN_OR_RETURN(const auto geoid, GeoidFor(datum, options));
   if (geoid) AddGeoid(states, datum, *geoid);
   if (Has(states, datum)) {
-    warnings.push_back(fmt::format(
-        "heights are above mean sea level ({}), and no grid of it covers the place: they stay so; name a .gtx grid",
-        Name(datum)));
+    warnings.push_back(
+        fmt::format("heights are above mean sea level ({}) and are not converted: no geoid grid covers the position; "
+                    "give a .gtx grid",
+                    Name(datum)));
   }
   return {};
 }
@@ -55,7 +56,7 @@ Status AddGeoidOf(std::vector<CameraState>& states, VerticalDatum datum, const T
 Status BringToEllipsoid(std::vector<CameraState>& states, const TelemetryOptions& options,
                         std::vector<std::string>& warnings) {
   if (Has(states, VerticalDatum::kUnknown)) {
-    warnings.emplace_back("a place without a height is told: no place on the map follows from it");
+    warnings.emplace_back("a camera position has no height: it cannot be used for geolocation");
   }
   if (const auto datum = VerticalDatumOf(options.vertical_datum)) {
     for (CameraState& state : states) {
@@ -67,7 +68,7 @@ Status BringToEllipsoid(std::vector<CameraState>& states, const TelemetryOptions
   if (!Has(states, VerticalDatum::kTakeoff)) return {};
   if (options.takeoff_altitude_m == TelemetryOptions::kUnknownHeight) {
     warnings.emplace_back(
-        "heights are above the take-off, whose own height is unknown: they stay so; give its height above the "
+        "heights are above the take-off and are not converted: its height is unknown; give its height above the "
         "ellipsoid");
     return {};
   }

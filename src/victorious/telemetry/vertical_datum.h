@@ -1,4 +1,4 @@
-// Private to telemetry/: heights above the sea or the take-off, as heights above the ellipsoid.
+// Private to telemetry/: converts heights above mean sea level or the take-off to heights above the ellipsoid.
 #pragma once
 
 #include <string>
@@ -9,8 +9,9 @@
 
 namespace victorious {
 
-/// Turns what the options and the machine's geoid grids allow to turn; the rest keeps its datum, with one line a datum.
-/// Errors: kInvalidArgument and kNotFound for a grid that the user names and that cannot be read.
+/// Converts the heights for which the options or an installed geoid grid suffice. The others keep their datum, with one
+/// warning per datum.
+/// Errors: those of Geoid::Read for a grid that cannot be read.
 Status BringToEllipsoid(std::vector<CameraState>& states, const TelemetryOptions& options,
                         std::vector<std::string>& warnings);
 

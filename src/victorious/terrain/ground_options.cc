@@ -5,14 +5,15 @@
 namespace victorious {
 
 void GroundOptions::ListFields(FieldList& fields) {
-  fields.Add("height_m", height_m,
-             {.min = -9999, .max = 1e5, .unit = "m", .reason = "of flat ground above the ellipsoid; -9999: not told"});
-  fields.Add("terrain", terrain, {.reason = "a GeoTIFF of heights; empty: none"});
+  fields.Add(
+      "height_m", height_m,
+      {.min = -9999, .max = 1e5, .unit = "m", .reason = "height of flat ground above the ellipsoid; -9999: not given"});
+  fields.Add("terrain", terrain, {.reason = "a GeoTIFF of heights; empty: no terrain"});
   fields.Add("vertical_datum", vertical_datum,
              {.choices = {"told", "ellipsoid", "egm96", "egm2008"},
-              .reason = "what the terrain's heights count from; told: as the file says"});
+              .reason = "vertical datum of the terrain's heights; told: as given in the file"});
   fields.Add("geoid_grid", geoid_grid,
-             {.reason = "a .gtx grid of the geoid that the terrain's heights count from; empty: PROJ's own of EGM96"});
+             {.reason = "a .gtx grid of the geoid that the terrain's heights refer to; empty: PROJ's grid of EGM96"});
 }
 
 Expected<std::shared_ptr<const Ground>> MakeGround(const GroundOptions& options,
@@ -21,7 +22,7 @@ Expected<std::shared_ptr<const Ground>> MakeGround(const GroundOptions& options,
   const bool flat = options.height_m != GroundOptions::kUnknownHeight;
   if (flat && !options.terrain.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("the ground is told twice, {} m and {}: give its height or a terrain", options.height_m,
+                fmt::format("the ground is given twice, {} m and {}: give its height or a terrain", options.height_m,
                             options.terrain));
   }
   if (flat) return std::make_shared<const FlatGround>(options.height_m);

@@ -32,7 +32,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What GDAL has to say goes into our own messages.
+// Captures GDAL's error messages on this thread instead of printing them.
 class Quiet {
  public:
   Quiet() {
@@ -43,11 +43,11 @@ class Quiet {
   Quiet(const Quiet&) = delete;
   Quiet& operator=(const Quiet&) = delete;
 
-  // In one line.
+  // The last message, in one line.
   [[nodiscard]] static std::string Message() {
     std::string message = CPLGetLastErrorMsg();
     std::ranges::replace_if(message, [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
-    return message.empty() ? "no reason is told" : message;
+    return message.empty() ? "no reason given" : message;
   }
 };
 
@@ -66,7 +66,7 @@ struct Destroys {
 };
 using Transform = std::unique_ptr<std::remove_pointer_t<OGRCoordinateTransformationH>, Destroys>;
 
-// Only the file itself is read: no overviews, no world file, no metadata beside it.
+// Opens a GeoTIFF; null on errors. Reads only the file itself: no external overviews, world file or metadata.
 Dataset Open(const fs::path& path) {
   GDALRegister_GTiff();
   CPLSetThreadLocalConfigOption("GTIFF_REPORT_COMPD_CS", "YES");
@@ -82,7 +82,7 @@ bool Holds(std::string_view text, std::string_view word) {
          }).begin() != text.end();
 }
 
-// What the file says that its heights count from. The name of another is told, for the message.
+// The vertical datum given in the file: std::nullopt if there is none or it is unknown; its name, for error messages.
 struct ToldDatum {
   std::optional<VerticalDatum> datum;
   std::string name;
@@ -104,7 +104,7 @@ ToldDatum DatumOf(OGRSpatialReferenceH system) {
   return {std::nullopt, name};
 }
 
-// Metres for one of the file's units of height, by the band or else by the vertical system.
+// The length of the file's unit of height in metres: that of the band, else that of the vertical coordinate system.
 Expected<double> MetresPerUnit(GDALRasterBandH band, OGRSpatialReferenceH system, const fs::path& path) {
   constexpr std::array<std::pair<std::string_view, double>, 11> kUnits = {{{"m", 1},
                                                                            {"metre", 1},
@@ -124,11 +124,11 @@ Expected<double> MetresPerUnit(GDALRasterBandH band, OGRSpatialReferenceH system
   const auto* const known = std::ranges::find(kUnits, unit, &std::pair<std::string_view, double>::first);
   if (known != kUnits.end()) return known->second;
   return Fail(ErrorCode::kUnsupported,
-              fmt::format("{}: heights in \"{}\": metres or feet are needed", path.string(), unit));
+              fmt::format("{}: heights in \"{}\": must be in metres or feet", path.string(), unit));
 }
 
-// How many of the file's blocks of heights end beyond the end of the file, of how many; GDAL finds that out when it
-// reads them.
+// The number of blocks of heights that end beyond the end of the file (truncated), and of all blocks. GDAL itself
+// reports them only when it reads them.
 std::pair<std::int64_t, std::int64_t> BlocksCutOff(GDALRasterBandH band, std::uintmax_t file_size) {
   int block_width = 0;
   int block_height = 0;
@@ -159,21 +159,21 @@ class Terrain final : public Ground {
   [[nodiscard]] double Steepest() const override { return kSteepest; }
 
  private:
-  static constexpr double kSteepest = 4;  // 76 degrees
+  static constexpr double kSteepest = 4;  // tangent of 76 degrees
   static constexpr int kTilePx = 256;
   static constexpr std::size_t kMostTiles = 1024;  // 256 MiB
 
   Status Place(const fs::path& path);
   Status SetDatum(const fs::path& path, const GroundOptions& options);
 
-  // In pixels from the file's upper left corner; nothing where the place has none.
+  // Column and row in pixels from the file's upper left corner; std::nullopt outside the file.
   [[nodiscard]] std::optional<std::pair<double, double>> PixelOf(const GeodeticPoint& point) const;
   [[nodiscard]] std::optional<double> Sample(std::int64_t column, std::int64_t row) const;
   [[nodiscard]] const std::vector<float>& TileAt(int across, int down) const;
 
   Dataset dataset_;
   GDALRasterBandH band_ = nullptr;
-  OGRSpatialReferenceH system_ = nullptr;  // the dataset's
+  OGRSpatialReferenceH system_ = nullptr;  // owned by the dataset
   Transform file_from_geodetic_;
   std::array<double, 6> pixel_from_file_{};
   bool geographic_ = false;
@@ -185,7 +185,7 @@ class Terrain final : public Ground {
   double scale_ = 1;
   std::optional<float> no_data_;
   std::optional<Geoid> geoid_;
-  mutable std::mutex mutex_;  // GDAL's handles serve one thread at a time
+  mutable std::mutex mutex_;  // GDAL handles are not thread-safe
   mutable std::map<std::pair<int, int>, std::vector<float>> tiles_;
 };
 
@@ -193,14 +193,14 @@ Expected<std::shared_ptr<const Ground>> Terrain::Read(const fs::path& path, cons
                                                       const std::function<void(const std::string&)>& tell) {
   std::error_code error;
   if (!fs::exists(path, error)) {
-    return Fail(ErrorCode::kNotFound, fmt::format("{}: no such file: a GeoTIFF of heights is needed", path.string()));
+    return Fail(ErrorCode::kNotFound, fmt::format("{}: no such file: must be a GeoTIFF of heights", path.string()));
   }
   const Quiet quiet;
   auto terrain = std::make_shared<Terrain>();
   if (fs::is_regular_file(path, error)) terrain->dataset_ = Open(path);
   if (!terrain->dataset_) {
     return Fail(ErrorCode::kDataLoss,
-                fmt::format("{}: no GeoTIFF that can be read: {}", path.string(), Quiet::Message()));
+                fmt::format("{}: not a readable GeoTIFF: {}", path.string(), Quiet::Message()));
   }
   terrain->width_ = GDALGetRasterXSize(terrain->dataset_.get());
   terrain->height_ = GDALGetRasterYSize(terrain->dataset_.get());
@@ -208,7 +208,7 @@ Expected<std::shared_ptr<const Ground>> Terrain::Read(const fs::path& path, cons
   if (GDALGetRasterCount(terrain->dataset_.get()) != 1 ||
       GDALDataTypeIsComplex(GDALGetRasterDataType(terrain->band_)) != 0) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: a picture: a GeoTIFF with one band, of heights, is needed", path.string()));
+                fmt::format("{}: an image, not heights: must be a GeoTIFF with one band of heights", path.string()));
   }
   VICTORIOUS_RETURN_IF_ERROR(terrain->Place(path));
   VICTORIOUS_RETURN_IF_ERROR(terrain->SetDatum(path, options));
@@ -220,10 +220,10 @@ Expected<std::shared_ptr<const Ground>> Terrain::Read(const fs::path& path, cons
   if (has != 0) terrain->no_data_ = static_cast<float>(no_data);
   const auto [missing, blocks] = BlocksCutOff(terrain->band_, fs::file_size(path, error));
   if (missing == blocks) {
-    return Fail(ErrorCode::kDataLoss, fmt::format("{}: cut off before the first of its heights", path.string()));
+    return Fail(ErrorCode::kDataLoss, fmt::format("{}: truncated before the first height", path.string()));
   }
   if (missing > 0 && tell) {
-    tell(fmt::format("{}: cut off: {} of its {} blocks of heights are missing; the ground is unknown there",
+    tell(fmt::format("{}: truncated: {} of its {} blocks of heights are missing; the ground is unknown there",
                      path.string(), missing, blocks));
   }
   return terrain;
@@ -232,7 +232,7 @@ Expected<std::shared_ptr<const Ground>> Terrain::Read(const fs::path& path, cons
 Status Terrain::Place(const fs::path& path) {
   const auto unplaced = [&] {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: does not say where on Earth it lies: a GeoTIFF with its coordinate system is needed",
+                fmt::format("{}: not georeferenced: must be a GeoTIFF with a coordinate system",
                             path.string()));
   };
   system_ = GDALGetSpatialRef(dataset_.get());
@@ -255,7 +255,7 @@ Status Terrain::Place(const fs::path& path) {
   const Transform geodetic_from_file(OCTNewCoordinateTransformation(level.get(), geodetic.get()));
   if (!file_from_geodetic_ || !geodetic_from_file) return unplaced();
 
-  // How far apart the heights are in the middle.
+  // Pixel spacing on the ground at the centre of the file.
   std::array<GeodeticPoint, 3> corners;
   constexpr std::array<std::pair<int, int>, 3> kSteps = {{{0, 0}, {1, 0}, {0, 1}}};
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -279,17 +279,17 @@ Status Terrain::SetDatum(const fs::path& path, const GroundOptions& options) {
       options.vertical_datum == "told" ? told.datum : VerticalDatumOf(options.vertical_datum);
   if (!datum) {
     const std::string says = told.name.empty()
-                                 ? "does not say what its heights count from"
-                                 : fmt::format("its heights count from \"{}\", which is not known", told.name);
+                                 ? "gives no vertical datum for its heights"
+                                 : fmt::format("its vertical datum \"{}\" is not known", told.name);
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: {}: tell it (--terrain-datum ellipsoid, egm96 or egm2008)", path.string(), says));
+                fmt::format("{}: {}: give it (--terrain-datum ellipsoid, egm96 or egm2008)", path.string(), says));
   }
   if (*datum == VerticalDatum::kEllipsoid) return {};
   fs::path grid = options.geoid_grid;
   if (grid.empty() && *datum == VerticalDatum::kEgm96) grid = FindEgm96Grid().value_or(fs::path());
   if (grid.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: its heights count from {}, of which no grid is at hand: name a .gtx grid (--geoid)",
+                fmt::format("{}: its vertical datum is {}, and there is no grid of it: give a .gtx grid (--geoid)",
                             path.string(), Name(*datum)));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(geoid_, Geoid::Read(grid));
@@ -300,7 +300,7 @@ std::optional<std::pair<double, double>> Terrain::PixelOf(const GeodeticPoint& p
   double x = DegreesFromRadians(point.longitude_rad);
   double y = DegreesFromRadians(point.latitude_rad);
   if (OCTTransform(file_from_geodetic_.get(), 1, &x, &y, nullptr) == 0) return std::nullopt;
-  std::array<double, 6> pixel_from_file = pixel_from_file_;  // GDAL asks for one that it may write to
+  std::array<double, 6> pixel_from_file = pixel_from_file_;  // GDAL takes a non-const array
   constexpr double kTurnDeg = 360;
   for (const double turn : {0.0, kTurnDeg, -kTurnDeg}) {
     if (turn != 0 && !geographic_) break;
@@ -326,7 +326,7 @@ const std::vector<float>& Terrain::TileAt(int across, int down) const {
                         GDT_Float32, sizeof(float), static_cast<int>(sizeof(float)) * kTilePx) == CE_None;
   };
   if (read(0, rows)) return tile;
-  for (int row = 0; row < rows; ++row) {  // damaged: what can be read is known, the rest is not
+  for (int row = 0; row < rows; ++row) {  // damaged tile: keeps the readable rows, the others are unknown
     if (read(row, 1)) continue;
     const auto start = tile.begin() + static_cast<std::ptrdiff_t>(row) * kTilePx;
     std::fill_n(start, kTilePx, std::numeric_limits<float>::quiet_NaN());
@@ -352,7 +352,7 @@ std::optional<double> Terrain::HeightAt(const GeodeticPoint& point) const {
   const Quiet quiet;
   const auto pixel = PixelOf(point);
   if (!pixel) return std::nullopt;
-  const double x = pixel->first - 0.5;  // from the middle of the first pixel
+  const double x = pixel->first - 0.5;  // relative to the centre of the first pixel
   const double y = pixel->second - 0.5;
   const auto left = static_cast<std::int64_t>(std::floor(x));
   const auto top = static_cast<std::int64_t>(std::floor(y));

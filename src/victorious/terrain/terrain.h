@@ -1,9 +1,9 @@
-// A GeoTIFF of heights in; the ground above the WGS 84 ellipsoid out. GDAL stays inside.
+// Terrain model: reads a GeoTIFF of heights and gives the ground height above the WGS 84 ellipsoid. Hides GDAL.
 //
-//   height above the ellipsoid = height in the file + what the file's vertical datum lies above the ellipsoid there
-// Between the middles of four pixels heights are bilinear; within half a pixel of the file's edge, that of the edge.
-// A pixel without a height (the file's own mark, NaN, or what no land is: below -1000 m, above 10 km) leaves the ground
-// about it unknown.
+//   height above the ellipsoid = height in the file + height of the file's vertical datum above the ellipsoid
+// Heights are interpolated bilinearly between pixel centres; within half a pixel of the file's edge the height of the
+// edge is used. If one of the four pixels has no height (no-data value, NaN, below -1000 m or above 10 km), the ground
+// there is unknown.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +17,7 @@
 
 namespace victorious {
 
-/// What the ground is; nothing is told by default.
+/// The ground that objects stand on: flat, a terrain, or unknown (the default).
 struct GroundOptions {
   static constexpr double kUnknownHeight = -9999;  ///< m
 
@@ -29,15 +29,16 @@ struct GroundOptions {
   void ListFields(FieldList& fields);
 };
 
-/// Reads as much of the file as is asked for: heights are read when they are needed, and kept.
-/// @param options  its datum and geoid; `terrain` is not looked at
-/// @param tell  a line where the file is cut off: what is missing is unknown ground
-/// Errors: kNotFound; kDataLoss for what is no GeoTIFF; kInvalidArgument for one that is not placed on the Earth, or
-/// whose heights' datum nobody tells, or for which there is no geoid grid; kUnsupported for units that are unknown.
+/// Opens the file. Heights are read on demand, in tiles, and cached.
+/// @param options  vertical datum and geoid grid; `terrain` is ignored
+/// @param warn     gets one line if the file is truncated; the ground is unknown where heights are missing
+/// Errors: kNotFound; kDataLoss, not a GeoTIFF; kInvalidArgument, no georeference, unknown vertical datum or no geoid
+/// grid for it; kUnsupported, unknown unit of height.
 Expected<std::shared_ptr<const Ground>> ReadTerrain(const std::filesystem::path& path, const GroundOptions& options,
                                                     const std::function<void(const std::string&)>& tell = {});
 
-/// Flat, a terrain, or null where none is told. Errors: kInvalidArgument for both; those of ReadTerrain.
+/// Makes flat ground or a terrain; null if the options give neither. Errors: kInvalidArgument if they give both; those
+/// of ReadTerrain.
 Expected<std::shared_ptr<const Ground>> MakeGround(const GroundOptions& options,
                                                    const std::function<void(const std::string&)>& tell = {});
 

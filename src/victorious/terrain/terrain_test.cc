@@ -1,4 +1,4 @@
-// GeoTIFFs are made here, by GDAL.
+// The tests write their GeoTIFFs with GDAL.
 #include "victorious/terrain/terrain.h"
 
 #include <array>
@@ -24,12 +24,12 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// What a test file is.
+// The content of a test GeoTIFF.
 struct Written {
   int width = 50;
   int height = 40;
-  std::array<double, 6> file_from_pixel = {500000, 2, 0, 4600000, 0, -2};  // 2 m a pixel, north up
-  std::string system = "EPSG:32633";                                       // UTM 33 N; its middle meridian is 15 E
+  std::array<double, 6> file_from_pixel = {500000, 2, 0, 4600000, 0, -2};  // 2 m per pixel, north up
+  std::string system = "EPSG:32633";                                       // UTM 33 N; its central meridian is 15 E
   std::function<float(int column, int row)> height_of = [](int, int) { return 100.0F; };
   const char* unit = nullptr;
   const char* no_data = nullptr;
@@ -81,7 +81,7 @@ class TerrainTest : public ::testing::Test {
   testing::ScratchFolder folder_;
 };
 
-// By PROJ: the way back.
+// Geodetic point from UTM coordinates, by PROJ.
 GeodeticPoint AtUtm(double east_m, double north_m) {
   OGRSpatialReferenceH utm = OSRNewSpatialReference(nullptr);
   OGRSpatialReferenceH geodetic = OSRNewSpatialReference(nullptr);
@@ -99,7 +99,7 @@ GeodeticPoint AtUtm(double east_m, double north_m) {
 TEST_F(TerrainTest, HeightsAreBilinearBetweenTheMiddlesOfPixels) {
   const auto ground = Read({.height_of = [](int x, int y) { return static_cast<float>(100 + 3 * x - 2 * y); }});
   EXPECT_NEAR(ground->Spacing(), 2, 0.01);
-  // The middle of pixel (10, 20), then a quarter of a pixel on, each way.
+  // The centre of pixel (10, 20), then a quarter of a pixel from it along each axis.
   EXPECT_NEAR(*ground->HeightAt(AtUtm(500021, 4599959)), 100 + 30 - 40, 1e-3);
   EXPECT_NEAR(*ground->HeightAt(AtUtm(500021.5, 4599959)), 100 + 30 - 40 + 0.75, 1e-3);
   EXPECT_NEAR(*ground->HeightAt(AtUtm(500021, 4599958.5)), 100 + 30 - 40 - 0.5, 1e-3);
@@ -108,7 +108,7 @@ TEST_F(TerrainTest, HeightsAreBilinearBetweenTheMiddlesOfPixels) {
 
 TEST_F(TerrainTest, EndsWhereTheFileEnds) {
   const auto ground = Read({});
-  EXPECT_EQ(ground->HeightAt(AtUtm(500000.1, 4599999.9)), 100) << "half a pixel from the middle of the first";
+  EXPECT_EQ(ground->HeightAt(AtUtm(500000.1, 4599999.9)), 100) << "half a pixel from the centre of the first";
   EXPECT_EQ(ground->HeightAt(AtUtm(500099.9, 4599920.1)), 100);
   EXPECT_FALSE(ground->HeightAt(AtUtm(499999.9, 4599999.9)));
   EXPECT_FALSE(ground->HeightAt(AtUtm(500100.1, 4599920.1)));
@@ -132,13 +132,14 @@ TEST_F(TerrainTest, HeightsAboveTheSeaComeToTheEllipsoid) {
   const GeodeticPoint point = AtUtm(500021, 4599959);
   const double sea_m = *Geoid::Read(*grid)->HeightAt(point.latitude_rad, point.longitude_rad);
   ASSERT_GT(sea_m, 30);
-  EXPECT_NEAR(*Read({.system = "EPSG:32633+5773"}, {})->HeightAt(point), 100 + sea_m, 1e-3) << "told by the file";
-  EXPECT_NEAR(*Read({}, {.vertical_datum = "egm96"})->HeightAt(point), 100 + sea_m, 1e-3) << "told by the user";
-  EXPECT_NEAR(*Read({.system = "EPSG:32633+5773"})->HeightAt(point), 100, 1e-3) << "the user goes before the file";
+  EXPECT_NEAR(*Read({.system = "EPSG:32633+5773"}, {})->HeightAt(point), 100 + sea_m, 1e-3)
+      << "datum given by the file";
+  EXPECT_NEAR(*Read({}, {.vertical_datum = "egm96"})->HeightAt(point), 100 + sea_m, 1e-3) << "datum given by the user";
+  EXPECT_NEAR(*Read({.system = "EPSG:32633+5773"})->HeightAt(point), 100, 1e-3) << "the user overrides the file";
 }
 
 TEST_F(TerrainTest, ADatumThatNobodyTellsIsAskedFor) {
-  EXPECT_THAT(Refusal({}), HasSubstr("does not say what its heights count from"));
+  EXPECT_THAT(Refusal({}), HasSubstr("gives no vertical datum"));
   EXPECT_THAT(Refusal({.system = "EPSG:32633+5703"}), HasSubstr("NAVD88"));
   EXPECT_THAT(Refusal({}, {.vertical_datum = "egm2008"}), HasSubstr("grid"));
   const auto ground =
@@ -162,7 +163,7 @@ TEST_F(TerrainTest, LongitudesMayCountOnBeyond180Degrees) {
 }
 
 TEST_F(TerrainTest, RefusesWhatIsNoTerrain) {
-  EXPECT_THAT(Refusal({.system = ""}), HasSubstr("where on Earth"));
+  EXPECT_THAT(Refusal({.system = ""}), HasSubstr("not georeferenced"));
   EXPECT_THAT(Refusal({.bands = 3}), HasSubstr("one band"));
   const auto path = folder_ / "b.tif";
   std::ofstream(path) << "II*\0 and no more";
@@ -180,7 +181,7 @@ TEST_F(TerrainTest, WhatIsCutOffIsUnknown) {
   std::string told;
   const auto ground = ReadTerrain(path, {.vertical_datum = "ellipsoid"}, [&](const std::string& line) { told = line; });
   ASSERT_TRUE(ground) << ground.error().message;
-  EXPECT_THAT(told, HasSubstr("cut off"));
+  EXPECT_THAT(told, HasSubstr("truncated"));
   EXPECT_EQ((*ground)->HeightAt(AtUtm(500001, 4599999)), 100);
   EXPECT_FALSE((*ground)->HeightAt(AtUtm(500799, 4599201)));
 }

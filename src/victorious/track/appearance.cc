@@ -10,9 +10,9 @@
 namespace victorious {
 namespace {
 
-constexpr double kLookArea_px = 1024;  // 64 cells: enough to tell a car from another, little enough to forgive a turn
+constexpr double kLookArea_px = 1024;  // 64 cells: separates similar cars, yet tolerates small rotations
 constexpr std::size_t kMostLooks = 24;
-constexpr double kSame = 0.9;  // a look so like one that is known adds nothing
+constexpr double kSame = 0.9;  // a template with at least this NCC to a stored one is redundant
 
 double Likest(const std::deque<cv::Mat>& looks, const cv::Mat& look) {
   double best = -1;
@@ -27,7 +27,7 @@ Appearance::Appearance(const Levels& image, const TurnedBox& box)
   looks_.push_back(Look(image, box));
 }
 
-// All channels, each less its mean, as one vector of length 1.
+// All channels, each minus its mean, as one vector of norm 1.
 cv::Mat Appearance::Look(const Levels& image, const TurnedBox& box) const {
   const cv::Mat cut = CutOut(image, box, look_px_);
   CellFeatures channels = GradientCells(cut);

@@ -1,6 +1,9 @@
-// track/, how the object has looked so far: to tell whether what was found is the object.
-// Source: the idea of a memory of sure looks is that of Z. Kalal, K. Mikolajczyk, J. Matas, "Tracking-learning-
-// detection", PAMI 34(7), 2012.
+// track/: the appearance model of a box target. It stores templates of the object from confident frames and scores a
+// candidate box by its best match.
+//
+// A template is the vector of all cell channels (cell_features.h) of the box, each channel minus its mean, scaled to
+// norm 1. The score of two templates is their dot product: the NCC of the cell features.
+// Source: the template memory of Z. Kalal, K. Mikolajczyk, J. Matas, "Tracking-learning-detection", PAMI 34(7), 2012.
 #pragma once
 
 #include <deque>
@@ -13,20 +16,22 @@ namespace victorious {
 
 class Appearance {
  public:
-  /// @param box  of the object as drawn, px: its look there is never forgotten
+  /// Stores the first template, which is never discarded.
+  /// @param box  the user box, px
   Appearance(const Levels& image, const TurnedBox& box);
 
-  /// How much the box's content is like the likest look of the object, -1 to 1.
+  /// @return the NCC of the box with the best matching stored template, -1 to 1
   [[nodiscard]] double Likeness(const Levels& image, const TurnedBox& box) const;
 
-  /// Keeps a look of the object, unless it adds nothing.
+  /// Adds a template of the box, unless its NCC with a stored template is 0.9 or more. Beyond 24 templates the oldest
+  /// except the first is discarded.
   void Remember(const Levels& image, const TurnedBox& box);
 
  private:
   [[nodiscard]] cv::Mat Look(const Levels& image, const TurnedBox& box) const;
 
   cv::Size look_px_;
-  std::deque<cv::Mat> looks_;  // the first is the drawn one
+  std::deque<cv::Mat> looks_;  // the first is of the user box
 };
 
 }  // namespace victorious

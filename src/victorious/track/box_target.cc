@@ -56,9 +56,9 @@ BoxTarget::BoxTarget(const BoxScene& scene, const Box& box, const BoxTrackOption
   scale_.Learn(scene.image, box_, 1);
 }
 
-// What the filter sees: the window about a box.
+// The feature window around a box, the input of the correlation filter.
 CellFeatures BoxTarget::Look(const Levels& image, const TurnedBox& box) const {
-  constexpr double kColourShare = 0.5;  // about as much energy as the gradients have
+  constexpr double kColourShare = 0.5;  // gives colours roughly the energy of the gradients
   const cv::Mat cut =
       CutOut(image, WindowAbout(box, options_.window_factor), {kWindowCells * kCell_px, kWindowCells * kCell_px});
   CellFeatures channels = GradientCells(cut);
@@ -66,7 +66,7 @@ CellFeatures BoxTarget::Look(const Levels& image, const TurnedBox& box) const {
   return channels;
 }
 
-// Where the filter puts the object in the window about a box.
+// Applies the filter to the window around a box and moves the box to the response's peak.
 BoxTarget::Answer BoxTarget::Ask(const Levels& image, const TurnedBox& about) const {
   const FilterResponse response = filter_.Respond(Look(image, about));
   const double px_per_cell = WindowAbout(about, options_.window_factor).width / kWindowCells;
@@ -76,17 +76,18 @@ BoxTarget::Answer BoxTarget::Ask(const Levels& image, const TurnedBox& about) co
   return {box, response.sharpness};
 }
 
-// How sure it is that the answer is the object: 1 where both the filter's answer and the look are as usual.
+// The geometric mean of sharpness and NCC, each relative to its running mean and clipped to 1.
 double BoxTarget::Trust(const Levels& image, const Answer& answer) const {
   if (learnt_frames_ == 0) return 1;
-  constexpr double kLeastSharpness = 1e-6;  // of a patch of one grey: the filter tells nothing
+  constexpr double kLeastSharpness = 1e-6;  // below: a uniform window, without information
   const double sharpness = std::clamp(answer.sharpness / std::max(kLeastSharpness, usual_sharpness_), 0.0, 1.0);
   const double likeness = std::clamp(appearance_.Likeness(image, answer.box) / usual_likeness_, 0.0, 1.0);
   return std::sqrt(sharpness * likeness);
 }
 
-// The answer in this frame; with what the camera has turned since the turn was last asked for, if the object has turned
-// with it. A camera that flies past shows a turn, too, that no object makes.
+// Localises the object. If the camera has rotated by 0.1 rad since the last test, also localises with that rotation and
+// returns the result with the higher sharpness times NCC: a camera that flies past shears the image, and the fitted
+// similarity then has a rotation that the object does not make.
 BoxTarget::Answer BoxTarget::AskTurned(const Levels& image) {
   constexpr double kWorthAsking_rad = 0.1;
   const Answer as_before = Ask(image, box_);
@@ -105,9 +106,9 @@ BoxTarget::Sight BoxTarget::Step(const BoxScene& scene) {
   box_.centre = carried + velocity_px_;
   pending_turn_rad_ += scene.now_from_before.rotation_rad;
   if (lost()) {
-    constexpr double kSlowing = 0.9;  // what is hidden may have stopped
+    constexpr double kSlowing = 0.9;  // an occluded object may have stopped
     velocity_px_ *= kSlowing;
-    // Far beyond the frame nothing is known of the ground's motion.
+    // Far outside the frame the estimated ground motion does not apply.
     const Eigen::Vector2d size(scene.grey.cols, scene.grey.rows);
     box_.centre = box_.centre.cwiseMax(-size).cwiseMin(2 * size);
     return Seek(scene);
@@ -121,13 +122,13 @@ BoxTarget::Sight BoxTarget::Step(const BoxScene& scene) {
     return {.loss = left ? TrackLoss::kLeftFrame : TrackLoss::kOccluded};
   }
   box_ = answer.box;
-  // What the frame's edge cuts off tells as much less.
+  // A box cut by the frame's edge supports the confidence by its visible fraction only.
   doubtful_ = doubtful_ && trust * ShareInView(scene.image, box_) < options_.learn_trust;
   if (trust >= options_.learn_trust) {
     velocity_px_ += options_.velocity_rate * (box_.centre - carried - velocity_px_);
     Learn(scene, answer, trust);
   }
-  // At the edge the filter finds something in the frame also when the object is beyond it.
+  // At the edge the filter has a peak inside the frame even if the object is outside.
   if (should_have_left && trust < options_.learn_trust) return {.loss = TrackLoss::kLeftFrame};
   return {.box = box_.Upright(), .trust = trust, .doubtful = doubtful_};
 }
@@ -136,7 +137,7 @@ void BoxTarget::Learn(const BoxScene& scene, const Answer& answer, double trust)
   const TurnedBox grown = box_.Scaled(scale_.Growth(scene.image, box_));
   if (std::min(grown.width, grown.height) >= kLeastSide_px) box_ = grown;
   ++learnt_frames_;
-  constexpr double kUsualRate = 0.02;  // what is usual is that of the last 50 frames
+  constexpr double kUsualRate = 0.02;  // running mean over roughly the last 50 frames
   const double rate = std::max(kUsualRate, 1.0 / learnt_frames_);
   usual_sharpness_ += rate * (answer.sharpness - usual_sharpness_);
   usual_likeness_ += rate * (std::max(0.1, appearance_.Likeness(scene.image, box_)) - usual_likeness_);
@@ -147,11 +148,10 @@ void BoxTarget::Learn(const BoxScene& scene, const Answer& answer, double trust)
   sure_look_ = GreyLook(scene.image, box_);
 }
 
-// Where the object was, and the places anywhere in the frame that are likest to how it was last surely seen, at another
-// size each frame.
+// The predicted box, every second frame the box where the object was lost, and the best matches (NCC) of the last
+// confident template in the whole frame; the template's scale cycles through three values from frame to frame.
 std::vector<TurnedBox> BoxTarget::PlacesToSeek(const BoxScene& scene) const {
-  constexpr double kSmall_px =
-      16;  // the side at which an object can still be told from others; sought in smaller pictures
+  constexpr double kSmall_px = 16;  // smallest side that still discriminates; the frame is scaled down to it
   constexpr std::array kSizes = {1.0, 0.8, 1.25};
   constexpr double kLeastLikeness = 0.3;
   constexpr int kMostPlaces = 4;
@@ -166,7 +166,7 @@ std::vector<TurnedBox> BoxTarget::PlacesToSeek(const BoxScene& scene) const {
   };
   cv::Mat small;
   cv::resize(scene.grey, small, {shrunk(scene.grey.cols), shrunk(scene.grey.rows)}, 0, 0, cv::INTER_AREA);
-  // The look as it lies in the frame now.
+  // The template with the rotation of the current frame.
   const Box upright = box_.Upright();
   const auto side = [&](double length_px) {
     return static_cast<int>(std::lround(std::max(kLeastSide_px, length_px * shrink)));

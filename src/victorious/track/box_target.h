@@ -1,4 +1,4 @@
-// track/, one object that a person drew a box around, followed alone (box_tracker.h follows several).
+// track/: the tracker of one user box. box_tracker.h runs one for each box and gives the method.
 #pragma once
 
 #include <vector>
@@ -16,36 +16,37 @@
 
 namespace victorious {
 
-/// What all targets share of one frame.
+/// The data of one frame that all targets share.
 struct BoxScene {
   Levels image;                 ///< CV_8UC3 or CV_8UC1
   cv::Mat grey;                 ///< CV_8UC1
-  Similarity2 now_from_before;  ///< the camera's motion since the frame before
+  Similarity2 now_from_before;  ///< the camera's motion since the previous frame, px
 };
 
 class BoxTarget {
  public:
-  /// What became of the object in one frame.
+  /// The result for one frame.
   struct Sight {
     TrackLoss loss = TrackLoss::kNone;  ///< kNone, kOccluded or kLeftFrame
-    Box box;                            ///< px; may leave the frame; meaningless where it is not seen
+    Box box;                            ///< px; may exceed the frame; undefined if the object is not seen
     double trust = 0;                   ///< 0 to 1
-    bool doubtful = false;              ///< found again by its look alone, and never since as usual
+    bool doubtful = false;              ///< re-detected by appearance, and not confirmed since
   };
 
-  /// @param box  with an area, mostly in the frame
+  /// @param box  px; of positive area, at least half of it inside the frame
   BoxTarget(const BoxScene& scene, const Box& box, const BoxTrackOptions& options);
 
-  /// Looks for the object in the next frame.
+  /// Tracks the object into the next frame; if it is lost, searches for it again.
   Sight Step(const BoxScene& scene);
 
-  /// Goes on from here: someone else says that the object is here in this frame. Nothing changes where the trust is
-  /// less than `least_trust`.
-  /// @param box  not turned: its middle and size count
-  /// @param turn_rad  how far the object has turned in the image since the box was drawn
+  /// Resumes tracking at a position in this frame that another source gives. If the confidence is below
+  /// `min_confidence`, the target does not change.
+  /// @param box  px, axis-aligned; only its centre and size are used
+  /// @param rotation_rad  rotation of the object in the image since the user box, from +x towards +y
   Sight Resume(const BoxScene& scene, const Box& box, double turn_rad, double least_trust);
 
-  /// The object may be anywhere, or not be there: in another video, or where it cannot be what was followed.
+  /// Marks the target as lost: in another video, or if the tracked object cannot be the target. Step then searches the
+  /// whole frame.
   void Lose();
 
   [[nodiscard]] bool lost() const { return lost_frames_ > 0; }
@@ -65,19 +66,19 @@ class BoxTarget {
   [[nodiscard]] std::vector<TurnedBox> PlacesToSeek(const BoxScene& scene) const;
 
   BoxTrackOptions options_;
-  TurnedBox box_;                      // where it was last seen, moved on with the camera
-  TurnedBox lost_at_;                  // the same, left where it was
-  Eigen::Vector2d velocity_px_{0, 0};  // of its own, a frame, beside the camera's motion
-  double pending_turn_rad_ = 0;        // of the camera, not yet asked for in the object
+  TurnedBox box_;                      // last seen, moved with the camera since
+  TurnedBox lost_at_;                  // last seen, in the coordinates of that frame
+  Eigen::Vector2d velocity_px_{0, 0};  // per frame, relative to the camera's motion
+  double pending_turn_rad_ = 0;        // the camera's, not yet tested on the object
   CorrelationFilter filter_;
   ScaleFilter scale_;
   Appearance appearance_;
-  cv::Mat sure_look_;  // grey, when it was last surely seen
+  cv::Mat sure_look_;  // grey, from the last confident frame
   double usual_sharpness_ = 0;
   double usual_likeness_ = 1;
   int learnt_frames_ = 0;
   int lost_frames_ = 0;
-  bool doubtful_ = false;  // found again by its look alone, and not learnt since
+  bool doubtful_ = false;  // re-detected by appearance, and not confirmed since
 };
 
 }  // namespace victorious

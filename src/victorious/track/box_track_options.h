@@ -1,4 +1,4 @@
-// The parameters of following drawn boxes (box_tracker.h).
+// track/: the parameters of BoxTracker (box_tracker.h). box_track_options.cc gives ranges, units and reasons.
 #pragma once
 
 #include "victorious/base/options.h"

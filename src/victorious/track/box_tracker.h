@@ -1,12 +1,16 @@
-// track/, in: boxes that a person drew around anything, and frames. Out: where those things are in the following
-// frames, also after they were hidden or out of view. No model of them is known, and they may be 20 px small.
+// track/: model-free single-object tracking. In: user boxes around objects, and frames. Out: the box of each object in
+// the following frames, also after an occlusion or after it left the frame. No object model is needed. Objects may be
+// as small as 20 px.
 //
-// Method, for each box: a correlation filter over gradients and colours (correlation_filter.h) answers where the object
-// is, looking where the camera's motion (camera_motion.h) and its own have carried it, and turned if it has turned with
-// the camera; another one over sizes tells how much it grew (scale_filter.h). How sharp the answer is and how like the
-// object's remembered looks the place is (appearance.h), each against what is usual for this object, make the trust.
-// With much trust the filters learn; with little, the object is not seen, nothing is learnt, and it is sought where it
-// was, and anywhere in the frame where the picture is like its last sure look.
+// Method, for each box:
+// 1. Predict: move the box by the camera's motion (camera_motion.h) and by the object's own velocity.
+// 2. Localise: a correlation filter over gradient and colour cells (correlation_filter.h) gives the position. If the
+//    camera has rotated, the rotated box is tested too.
+// 3. Confidence: the geometric mean of the response's sharpness (PSR) and of the NCC with the best stored template
+//    (appearance.h), each relative to its running mean for this object.
+// 4. High confidence: update the filters, the scale (scale_filter.h) and the templates. Low confidence: report the
+//    object as lost, update nothing, and search for it at its last position and, by template matching, in the whole
+//    frame.
 #pragma once
 
 #include <cstddef>
@@ -24,50 +28,50 @@
 
 namespace victorious {
 
-/// What became of one box's object in one frame.
+/// The result for one target in one frame.
 struct BoxStep {
-  std::size_t target = 0;             ///< in order of the starts, from 0
-  TrackLoss loss = TrackLoss::kNone;  ///< kNone exactly if it is seen
-  Box box;                            ///< px, clipped to the frame; empty where it is not seen
-  Box extent;                         ///< the same where it goes on beyond the frame, px
-  double trust = 0;                   ///< 0 to 1: how much its look and the filter's answer are as usual
-  bool doubtful = false;              ///< found again by its look alone, and never since as sure as is usual for it
+  std::size_t target = 0;             ///< index in the order of Start, from 0
+  TrackLoss loss = TrackLoss::kNone;  ///< kNone if and only if the object is seen
+  Box box;                            ///< px, clipped to the frame; empty if not seen
+  Box extent;                         ///< px, not clipped; empty if not seen
+  double trust = 0;                   ///< confidence, 0 to 1; 1: sharpness and NCC at their usual values
+  bool doubtful = false;              ///< re-detected by appearance, and not confirmed since
 
   [[nodiscard]] bool seen() const { return loss == TrackLoss::kNone; }
 };
 
-/// Follows any number of boxes. Deterministic, whatever the number of threads. Not thread-safe.
+/// Tracks any number of user boxes. Deterministic for any number of threads. Not thread-safe.
 class BoxTracker {
  public:
   /// Errors: kInvalidArgument for options out of range.
   static Expected<BoxTracker> Create(const BoxTrackOptions& options);
 
-  /// Makes `frame` the present one and looks for every target in it; targets share the machine's cores.
-  /// Frames come in order of time, or all in reverse.
-  /// @return one a target
-  /// Cost: some 10 ms a target and 3 ms a frame on one core, while seen; about twice that while lost.
+  /// Makes `frame` the current frame and tracks every target into it, targets in parallel.
+  /// Frames are in order of time, or all in reverse order.
+  /// @return one result per target
+  /// Cost on one core: about 10 ms per target and 3 ms per frame while seen; about twice that while lost.
   std::vector<BoxStep> Step(const Frame& frame);
 
-  /// Begins a target in the present frame.
-  /// Errors: kInvalidArgument for a box without area, smaller than 4 px to a side, or not mostly inside the frame.
+  /// Starts a target in the current frame.
+  /// Errors: kInvalidArgument for a box with a side below 4 px, or with less than half of it inside the frame.
   Expected<BoxStep> Start(const Box& box);
 
-  /// What tells that a lost target is in some place.
+  /// The basis for resuming a lost target at a position; sets the minimum confidence.
   enum class Evidence {
-    kLook,   ///< it was recognised there: the trust to go on with is enough
-    kPlace,  ///< it should stand there: it takes the trust to find it again by its look
+    kLook,   ///< recognised there: lost_confidence suffices
+    kPlace,  ///< only predicted there: redetect_confidence is needed
   };
 
-  /// Goes on with a lost target from here: someone else says that it is there in the present frame.
-  /// @param box  of the drawn box's shape: its middle and size count
-  /// @param turn_rad  how far the object has turned in the image since its box was drawn, from +x towards +y
-  /// @return not seen, and nothing has changed, where it has not the trust
+  /// Resumes a lost target at a position in the current frame that another source gives.
+  /// @param box  px, with the aspect ratio of the user box; only its centre and size are used
+  /// @param rotation_rad  rotation of the object in the image since the user box, from +x towards +y
+  /// @return a step that is not seen if the confidence is too low; the target then does not change
   BoxStep Resume(std::size_t target, const Box& box, double turn_rad, Evidence evidence);
 
-  /// What was followed was not the target: it is lost, and may be anywhere.
+  /// Marks a target as lost because the tracked object was not the target.
   void Lose(std::size_t target);
 
-  /// The next frame is of another video: every target may be anywhere.
+  /// Marks all targets as lost: the next frame is of another video.
   void ChangeVideo();
 
  private:

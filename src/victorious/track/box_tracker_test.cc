@@ -16,7 +16,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// A view of a town in which a small car of its own drives; the camera may move, turn and come nearer.
+// A view of a town with a small moving car; the camera may translate, rotate and approach.
 class Drive {
  public:
   Drive() : town_(testing::DrawTown({1100, 900}, 6)) {
@@ -27,7 +27,7 @@ class Drive {
     cv::rectangle(car_, {22, 4, 4, 10}, cv::Scalar(220, 220, 210), cv::FILLED);
   }
 
-  // The car's left top corner on the ground; nothing of it where it is hidden.
+  // `car_on_ground` is the car's top left corner; empty: the car is occluded.
   [[nodiscard]] cv::Mat Draw(std::optional<cv::Point> car_on_ground, const Similarity2& frame_from_ground) const {
     cv::Mat ground = town_.clone();
     if (car_on_ground) car_.copyTo(ground(cv::Rect(*car_on_ground, car_.size())));
@@ -89,7 +89,7 @@ TEST(BoxTracker, FollowsGrowthAndTurnOfTheCamera) {
     const Eigen::Vector2d miss(step.box.x + step.box.width / 2 - truth.x - truth.width / 2,
                                step.box.y + step.box.height / 2 - truth.y - truth.height / 2);
     EXPECT_LT(miss.norm(), 4) << i;
-    // The box is drawn around the ellipse inside the turned one, the truth around its corners.
+    // The tracker bounds the ellipse inscribed in the rotated box; the truth bounds the box's corners.
     EXPECT_GT(IntersectionOverUnion(step.box, truth), 0.45) << i;
   }
 }
@@ -129,7 +129,7 @@ TEST(BoxTracker, SaysThatItLeftTheFrame) {
   EXPECT_EQ(step.loss, TrackLoss::kLeftFrame);
 }
 
-// Salt and pepper over `share` of the pixels.
+// Salt-and-pepper noise on a fraction of the pixels.
 cv::Mat Noisy(cv::Mat frame, double share, Random& random) {
   for (cv::Vec3b& pixel : cv::Mat_<cv::Vec3b>(frame)) {
     if (random.Uniform() < share) pixel = cv::Vec3b::all(random.Below(2) == 0 ? 0 : 255);
@@ -137,7 +137,7 @@ cv::Mat Noisy(cv::Mat frame, double share, Random& random) {
   return frame;
 }
 
-// Noise makes looks alike, and at the edge the filter answers with what is left in the frame.
+// Noise makes appearances similar, and at the edge the filter responds to the content that remains in the frame.
 TEST(BoxTracker, WhatLeftANoisyPictureIsNotSeenAtItsEdge) {
   const Drive drive;
   int seen_after = 0;

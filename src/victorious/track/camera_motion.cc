@@ -12,10 +12,10 @@
 namespace victorious {
 namespace {
 
-constexpr int kLongSide_px = 400;  // enough for the whole, at a fraction of the cost
+constexpr int kLongSide_px = 400;  // sufficient for the global motion, at a fraction of the cost
 constexpr int kPoints = 80;
 constexpr std::size_t kLeastPoints = 12;
-constexpr double kLargestZoom = 1.5;  // from one frame to the next
+constexpr double kLargestZoom = 1.5;  // between consecutive frames
 
 }  // namespace
 

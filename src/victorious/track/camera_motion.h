@@ -1,5 +1,7 @@
-// track/, how the picture as a whole moved from one frame to the next, so that an object need not be sought where the
-// camera has left it behind.
+// track/: the global image motion between consecutive frames, to predict where an object goes.
+//
+// Method: up to 80 corners of the frame, scaled to at most 400 px on its long side, are tracked by Lucas-Kanade
+// (flow.h); MLESAC fits a similarity.
 #pragma once
 
 #include <optional>
@@ -15,11 +17,13 @@ namespace victorious {
 class CameraMotion {
  public:
   /// @param grey  CV_8UC1, the next frame
-  /// @return now_from_before, px; nothing where it cannot be told (first frame, a cut, too little to follow)
+  /// @return now_from_before, px of the full frame; std::nullopt for the first frame, after a change of size, with
+  /// fewer
+  ///   than 12 inliers (a cut, no texture) or with a scale change of 1.5 or more
   std::optional<Similarity2> Step(const cv::Mat& grey);
 
  private:
-  std::optional<FlowPyramid> before_;  // of a smaller picture
+  std::optional<FlowPyramid> before_;  // of the scaled-down previous frame
 };
 
 }  // namespace victorious

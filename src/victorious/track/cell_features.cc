@@ -12,14 +12,14 @@
 namespace victorious {
 namespace {
 
-constexpr int kSigned = 18;   // directions over the full circle
-constexpr int kUnsigned = 9;  // over half of it
-constexpr float kCut = 0.2F;  // of a normalised sum
+constexpr int kSigned = 18;   // orientations over the full circle
+constexpr int kUnsigned = 9;  // orientations over the half circle
+constexpr float kCut = 0.2F;  // upper bound of a normalised histogram value
 constexpr int kGreyBins = 5;
 constexpr int kHueBins = 6;
 
-// Each cell's gradient length by direction: rows x (columns * kSigned). A pixel is shared between the four cells
-// nearest to it.
+// The histogram of gradient magnitude by orientation of each cell: rows x (columns * kSigned). A pixel is distributed
+// bilinearly over the four nearest cells.
 cv::Mat DirectionSums(const cv::Mat& image, cv::Size cells) {
   cv::Mat grey = image;
   if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
@@ -32,13 +32,13 @@ cv::Mat DirectionSums(const cv::Mat& image, cv::Size cells) {
   cv::Mat angle;
   cv::cartToPolar(x, y, length, angle);
 
-  // One cell of margin on every side, cut off at the end.
+  // With a margin of one cell on every side, removed at the end.
   const int stride = (cells.width + 2) * kSigned;
   cv::Mat sums = cv::Mat::zeros(cells.height + 2, stride, CV_32F);
   const int width = cells.width * kCell_px;
   const int height = cells.height * kCell_px;
-  std::array<float, kCell_px> share;  // of the later cell, by the pixel's place in a cell
-  std::array<int, kCell_px> step;     // from a pixel's own cell to the earlier of the two nearest
+  std::array<float, kCell_px> share;  // weight of the later cell, by the pixel's position in its cell
+  std::array<int, kCell_px> step;     // offset of the earlier of the two nearest cells, in the padded grid
   for (int i = 0; i < kCell_px; ++i) {
     const float place = (static_cast<float>(i) + 0.5F) / kCell_px - 0.5F;  // from the cell's centre, in cells
     step[i] = place < 0 ? 0 : 1;
@@ -76,7 +76,7 @@ cv::Mat DirectionSums(const cv::Mat& image, cv::Size cells) {
   return sums(cv::Rect(kSigned, 1, cells.width * kSigned, cells.height));
 }
 
-// The squared length of each cell's unsigned sums, with a margin of one cell that repeats the edge.
+// The squared norm of each cell's unsigned histogram, with a replicated margin of one cell.
 cv::Mat Energy(const cv::Mat& sums, cv::Size cells) {
   cv::Mat energy(cells, CV_32F);
   for (int row = 0; row < cells.height; ++row) {
@@ -106,9 +106,9 @@ CellFeatures GradientCells(const cv::Mat& image) {
   if (cells.area() == 0) return channels;
   const cv::Mat sums = DirectionSums(image, cells);
   cv::Mat energy = Energy(sums, cells);
-  cv::Mat blocks;  // sums over 2 x 2 cells, each at its right lower cell
+  cv::Mat blocks;  // sums over 2 x 2 cells, stored at the lower right cell
   cv::boxFilter(energy, blocks, CV_32F, {2, 2}, {1, 1}, false, cv::BORDER_REPLICATE);
-  constexpr float kLeastEnergy = 1e-4F;  // keeps grain in flat areas from being blown up
+  constexpr float kLeastEnergy = 1e-4F;  // limits the amplification of sensor noise in flat areas
   cv::Mat factors;
   cv::Mat roots;
   cv::sqrt(blocks + kLeastEnergy, roots);
@@ -151,7 +151,7 @@ CellFeatures ColourCells(const cv::Mat& image) {
   CellFeatures channels;
   for (int k = 0; k < kColourChannels; ++k) channels.emplace_back(cv::Mat::zeros(cells, CV_32F));
   if (cells.area() == 0) return channels;
-  // A cell's mean colour tells enough of it, and costs a sixteenth.
+  // The mean colour of a cell suffices, at a sixteenth of the cost.
   cv::Mat mean;
   cv::resize(image(cv::Rect(0, 0, cells.width * kCell_px, cells.height * kCell_px)), mean, cells, 0, 0, cv::INTER_AREA);
   if (mean.channels() == 1) cv::cvtColor(mean, mean, cv::COLOR_GRAY2BGR);
@@ -163,7 +163,7 @@ CellFeatures ColourCells(const cv::Mat& image) {
       const auto r = static_cast<float>(of_row[column][2]);
       const float most = std::max({b, g, r});
       const float range = most - std::min({b, g, r});
-      // How far a colour is from grey: dark pixels have no hue that could be trusted.
+      // Saturation, 0 to 1; damped for dark pixels, whose hue is unreliable.
       const float colourful = std::min(1.0F, 2 * range / std::max(most, 64.0F));
       const float grey = (0.114F * b + 0.587F * g + 0.299F * r) / 255.0F * (kGreyBins - 1);
       const int grey_bin = std::min(static_cast<int>(grey), kGreyBins - 2);

@@ -26,9 +26,9 @@ cv::Mat Taper(cv::Size cells) {
   return taper;
 }
 
-// A Gaussian with its peak at (0, 0), going round the edges, as a spectrum; it is real.
+// The spectrum of a periodic Gaussian with its peak at (0, 0); it is real.
 cv::Mat WantedSpectrum(const FilterShape& shape) {
-  constexpr double kWidth = 1.0 / 16;  // of the object
+  constexpr double kWidth = 1.0 / 16;  // standard deviation relative to the object's size
   const double sigma = kWidth * std::sqrt(shape.object_cells.width * shape.object_cells.height);
   const auto distance = [](int i, int count) { return std::min(i, count - i); };
   cv::Mat wanted(shape.cells, CV_32F);
@@ -45,9 +45,9 @@ cv::Mat WantedSpectrum(const FilterShape& shape) {
   return real;
 }
 
-// 1 on the object, 0 outside it. The object is taken for an ellipse: the corners of a box seldom show it.
+// 1 on the object, 0 outside. The object is modelled as an ellipse, since it seldom reaches the corners of its box.
 cv::Mat Mask(const FilterShape& shape) {
-  constexpr double kReach = 1.1;  // of the ellipse over one that touches the box's sides
+  constexpr double kReach = 1.1;  // size of the ellipse relative to the inscribed one
   const double cells = std::sqrt(shape.object_cells.area()) / 2;
   cv::Mat mask(shape.cells, CV_32F);
   for (int row = 0; row < mask.rows; ++row) {
@@ -70,7 +70,7 @@ std::vector<cv::Mat> Zeros(std::size_t count, cv::Size size) {
   return zeros;
 }
 
-// The value of the picture with this spectrum at a place between its pixels, and its slopes and bends there.
+// Value, gradient and Hessian at a sub-pixel position of the real image with a given spectrum.
 struct Surface {
   double value = 0;
   cv::Vec2d slope;
@@ -103,7 +103,7 @@ Surface SurfaceAt(const cv::Mat& spectrum, cv::Point2d place) {
   return surface;
 }
 
-// Newton's steps from the highest pixel to the top.
+// Newton iterations from the highest pixel to the sub-pixel maximum.
 cv::Point2d RefinePeak(const cv::Mat& spectrum, cv::Point2d start) {
   cv::Point2d place = start;
   for (int step = 0; step < 2; ++step) {
@@ -116,7 +116,7 @@ cv::Point2d RefinePeak(const cv::Mat& spectrum, cv::Point2d start) {
   return place;
 }
 
-// The peak over the rest of the map, in deviations of the rest.
+// The peak-to-sidelobe ratio: (peak - mean) / standard deviation over the map outside the peak.
 double Sharpness(const cv::Mat& map, cv::Point peak, double height, const cv::Size2f& object_cells) {
   cv::Mat rest(map.size(), CV_8U, cv::Scalar(255));
   const auto reach_x = std::max(2, static_cast<int>(object_cells.width / 4));
@@ -156,7 +156,7 @@ void CorrelationFilter::Learn(const CellFeatures& window, double stay) {
     const Complex* values = Values(spectrum);
     for (std::size_t i = 0; i < cells; ++i) energy[i] += std::norm(values[i]);
   }
-  // Weights are counted in units of the energy of a cell, so that they mean the same for every picture.
+  // Weights are relative to the mean energy per cell, and so independent of the image's contrast.
   double total = 0;
   for (const float value : energy) total += value;
   const auto unit = static_cast<float>(std::max(1e-12, total / static_cast<double>(cells)));
@@ -167,13 +167,14 @@ void CorrelationFilter::Learn(const CellFeatures& window, double stay) {
   constexpr float kGrowth = 10.0F;
   float gamma = kFirstGamma * unit;
   const std::vector<cv::Mat> before = std::exchange(filter_, Zeros(channels, shape_.cells));
-  std::vector<cv::Mat> held = Zeros(channels, shape_.cells);   // g: the copy of f that the penalty sees
-  std::vector<cv::Mat> price = Zeros(channels, shape_.cells);  // h: the scaled price of f and g differing
+  std::vector<cv::Mat> held =
+      Zeros(channels, shape_.cells);  // g: the auxiliary copy of f that satisfies the constraint
+  std::vector<cv::Mat> price = Zeros(channels, shape_.cells);  // h: the scaled dual variable of f = g
   std::vector<Complex> projection(cells);
   const auto* y = wanted_.ptr<float>();
   for (int step = 0; step < steps; ++step) {
     const float c = mu + gamma;
-    // rho = x y + mu before + gamma (g - h), kept in filter_; then f = (rho - x (x^H rho) / (c + x^H x)) / c.
+    // rho = x y + mu before + gamma (g - h), stored in filter_; then f = (rho - x (x^H rho) / (c + x^H x)) / c.
     std::ranges::fill(projection, Complex(0, 0));
     for (std::size_t d = 0; d < channels; ++d) {
       Complex* f = Values(filter_[d]);
@@ -199,7 +200,7 @@ void CorrelationFilter::Learn(const CellFeatures& window, double stay) {
         f[i] = (f[i] - Complex(re, im)) / c;
         h[i] += f[i];
       }
-      // g = f + h on the object, 0 outside it. Spectra of real pictures: the inverse is real.
+      // g = f + h on the object, 0 outside. These are spectra of real images: the inverse transform is real.
       cv::Mat both;
       cv::idft(price[d], both, cv::DFT_REAL_OUTPUT | cv::DFT_SCALE);
       cv::dft(both.mul(mask_), held[d], cv::DFT_COMPLEX_OUTPUT);
@@ -225,7 +226,7 @@ FilterResponse CorrelationFilter::Respond(const CellFeatures& window) const {
   cv::Point peak;
   cv::minMaxLoc(map, nullptr, &response.height, nullptr, &peak);
   const cv::Point2d refined = RefinePeak(sum, peak);
-  // Shifts beyond half the window go the other way round.
+  // Shifts are periodic: those beyond half the window are negative.
   const auto centred = [](double place, int count) { return place > count / 2 ? place - count : place; };
   response.peak = {centred(refined.x, map.cols), centred(refined.y, map.rows)};
   const cv::Point middle(map.cols / 2, map.rows / 2);

@@ -30,7 +30,7 @@ TEST(GradientCells, TellsDirectionsAndNotBrightness) {
   EXPECT_GT(cells[0].at<float>(5, 5), 0.3F);
   EXPECT_NEAR(cells[4].at<float>(5, 5), 0, 0.02);  // downward
   EXPECT_NEAR(cells[9].at<float>(5, 5), 0, 0.02);  // backward
-  EXPECT_NEAR(cells[0].at<float>(5, 1), 0, 0.02);  // nothing there
+  EXPECT_NEAR(cells[0].at<float>(5, 1), 0, 0.02);  // no gradient
   const CellFeatures dimmer = GradientCells(upright * 0.5);
   EXPECT_NEAR(dimmer[0].at<float>(5, 5), cells[0].at<float>(5, 5), 0.02);
 }
@@ -61,7 +61,7 @@ TEST(CutOut, IsUprightWhateverTheTurn) {
   const cv::Mat town = Town();
   const cv::Mat upright = CutOut(Levels(town), {{300, 250}, 80, 60, 0}, {80, 60});
   EXPECT_EQ(cv::norm(upright, town(cv::Rect(260, 220, 80, 60)), cv::NORM_INF), 0);
-  // The town turned about the same place by a quarter, +x towards +y.
+  // The town rotated by 90 degrees about the same point, +x towards +y.
   cv::Mat turned;
   const cv::Matx23d quarter(0, -1, 300 + 250 - 1.0, 1, 0, 250 - 300.0);
   cv::warpAffine(town, turned, quarter, town.size());
@@ -82,7 +82,7 @@ TEST(CorrelationFilter, FindsWhereTheObjectWent) {
   const FilterResponse same = filter.Respond(WindowAt(town, 300, 250));
   EXPECT_NEAR(same.peak.x, 0, 0.1);
   EXPECT_NEAR(same.peak.y, 0, 0.1);
-  // The window moves to the left, so that the object is further to the right in it.
+  // The window moves to the left, so the object moves to the right in it.
   const FilterResponse moved = filter.Respond(WindowAt(town, 300 - 5 * kCell_px, 250 + 2 * kCell_px));
   EXPECT_NEAR(moved.peak.x, 5, 0.3);
   EXPECT_NEAR(moved.peak.y, -2, 0.3);

@@ -26,7 +26,7 @@ TurnedBox Unturned(const Box& box) {
 
 cv::Size WholeCells(double width, double height, double area_px2) {
   const double factor = std::sqrt(area_px2 / std::max(1.0, width * height));
-  // A strip of a thousand to one is cut short: it could not be told from any line anyway.
+  // Extreme aspect ratios are limited.
   const auto side = [&](double length_px) {
     return kCell_px * std::clamp(static_cast<int>(std::lround(length_px * factor / kCell_px)), 2, 64);
   };
@@ -39,7 +39,7 @@ Levels::Levels(const cv::Mat& image) {
   levels_.push_back(image);
   while (std::min(levels_.back().cols, levels_.back().rows) >= kLeastSide_px) {
     const cv::Mat& last = levels_.back();
-    cv::Mat half;  // whole pairs of pixels only: each level is exactly half
+    cv::Mat half;  // an even number of pixels: each level is exactly half
     cv::resize(last(cv::Rect(0, 0, last.cols / 2 * 2, last.rows / 2 * 2)), half, {last.cols / 2, last.rows / 2}, 0, 0,
                cv::INTER_AREA);
     levels_.push_back(half);
@@ -48,11 +48,11 @@ Levels::Levels(const cv::Mat& image) {
 
 cv::Mat CutOut(const Levels& image, const TurnedBox& box, cv::Size size) {
   VICTORIOUS_CHECK(!image.empty());
-  // The level whose pixels are as large as the cut-out's, or up to half of that.
+  // The coarsest level whose pixels are no larger than those of the crop.
   const double px_per_out = std::max(1.0, std::min(box.width / size.width, box.height / size.height));
   const std::size_t level = std::min(static_cast<std::size_t>(std::log2(px_per_out)), image.count() - 1);
   const double level_from_image = std::ldexp(1.0, -static_cast<int>(level));
-  // From the cut-out's pixels to the level's; OpenCV counts from the first pixel's centre.
+  // From the crop's pixels to the level's. In OpenCV the origin is the first pixel's centre.
   const double c = std::cos(box.turn_rad);
   const double s = std::sin(box.turn_rad);
   const Eigen::Matrix2d turn = (Eigen::Matrix2d() << c, -s, s, c).finished();

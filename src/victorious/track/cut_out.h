@@ -1,4 +1,4 @@
-// Pieces of a picture, turned upright and brought to a size.
+// track/: rotated boxes, image pyramids, and crops that are resampled to a given size.
 #pragma once
 
 #include <cstddef>
@@ -11,28 +11,29 @@
 
 namespace victorious {
 
-/// A rectangle that may be turned.
+/// A rotated rectangle.
 struct TurnedBox {
   Eigen::Vector2d centre;  ///< px
-  double width = 0;        ///< px, along its own x
-  double height = 0;       ///< px, along its own y
-  double turn_rad = 0;     ///< of its x, from the picture's +x towards +y
+  double width = 0;        ///< px, along the box's x axis
+  double height = 0;       ///< px, along the box's y axis
+  double turn_rad = 0;     ///< of the box's x axis, from the image's +x towards +y
 
   [[nodiscard]] double Area() const { return width * height; }
-  /// The same centre and turn, `factor` times as wide and as high.
+  /// The box with the same centre and rotation and `factor` times the width and height.
   [[nodiscard]] TurnedBox Scaled(double factor) const;
-  /// The upright box around the ellipse that touches its sides: for an object without corners at its box's corners, and
-  /// little changed by a small turn.
+  /// The axis-aligned bounding box of the inscribed ellipse. Objects seldom reach the corners of their box, and this
+  /// box changes little with a small rotation.
   [[nodiscard]] Box Upright() const;
 };
 
-/// The box, not turned.
+/// The same box, with rotation 0.
 TurnedBox Unturned(const Box& box);
 
-/// A size in px of this shape and about this area, whose sides are whole cells, at least two.
+/// @return a size, px, of this aspect ratio and about this area; each side is a multiple of kCell_px, from 2 to 64
+/// cells
 cv::Size WholeCells(double width, double height, double area_px2);
 
-/// A picture, halved again and again: pieces of any size come out of it at the same cost. Shares the picture.
+/// An image pyramid: crops of any size have the same cost. Level 0 shares the pixels of the image.
 class Levels {
  public:
   Levels() = default;
@@ -42,14 +43,14 @@ class Levels {
   [[nodiscard]] const cv::Mat& image() const { return levels_.front(); }
   [[nodiscard]] bool empty() const { return levels_.empty(); }
   [[nodiscard]] std::size_t count() const { return levels_.size(); }
-  /// 1 / 2^level of the picture's size, what is left after whole pixels cut off.
+  /// The image at 1 / 2^level of its size, rounded down.
   [[nodiscard]] const cv::Mat& operator[](std::size_t level) const { return levels_[level]; }
 
  private:
   std::vector<cv::Mat> levels_;
 };
 
-/// What the box encloses, turned upright and brought to a size; beyond the image its edge goes on.
+/// The content of the box, axis-aligned and resampled to `size` px (bilinear); the border is replicated.
 cv::Mat CutOut(const Levels& image, const TurnedBox& box, cv::Size size);
 
 }  // namespace victorious

@@ -11,7 +11,7 @@
 namespace victorious {
 namespace {
 
-// OpenCV puts (0, 0) at the first pixel's centre.
+// In OpenCV (0, 0) is the first pixel's centre; here it is the first pixel's corner.
 cv::Point2f ToCv(const Eigen::Vector2d& point) {
   return {static_cast<float>(point.x() - 0.5), static_cast<float>(point.y() - 0.5)};
 }
@@ -24,11 +24,11 @@ std::vector<cv::Point2f> ToCv(std::span<const Eigen::Vector2d> points) {
   return out;
 }
 
-// Lucas and Kanade suppose that brightness stays: the same mean and contrast for every frame undo changes of exposure.
+// Lucas-Kanade assumes constant brightness. A fixed mean and standard deviation for every frame compensate exposure.
 cv::Mat InEvenLight(const cv::Mat& grey) {
   constexpr double kMean = 128;
   constexpr double kDeviation = 45;
-  constexpr double kBlank = 3;  // a deviation below this is noise
+  constexpr double kBlank = 3;  // a standard deviation below this is noise
   cv::Scalar mean;
   cv::Scalar deviation;
   cv::meanStdDev(grey, mean, deviation);

@@ -1,6 +1,6 @@
-// track/, points from one frame to another: pyramidal Lucas-Kanade, followed on and back again.
-// Source: J.-Y. Bouguet, "Pyramidal implementation of the Lucas Kanade feature tracker", Intel, 2000; the check is that
-// of Z. Kalal, K. Mikolajczyk and J. Matas, "Forward-backward error", ICPR 2010.
+// track/: sparse optical flow between two frames by pyramidal Lucas-Kanade with a forward-backward check.
+// Sources: J.-Y. Bouguet, "Pyramidal implementation of the Lucas Kanade feature tracker", Intel, 2000; Z. Kalal,
+// K. Mikolajczyk and J. Matas, "Forward-backward error", ICPR 2010.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,8 @@
 
 namespace victorious {
 
-/// A frame's pyramid with its gradients, made once and shared by everything that is followed into or out of the frame.
+/// A frame's image pyramid with gradients. Made once per frame and shared by all tracks. Each frame is normalised to
+/// the same mean and contrast, against changes of exposure.
 class FlowPyramid {
  public:
   /// @param grey  CV_8UC1; shared, not copied
@@ -29,16 +30,20 @@ class FlowPyramid {
   std::vector<cv::Mat> levels_;
 };
 
-/// Where each point of `from` went.
-/// @param guesses  where to begin, one a point, px
-/// @return one a point; nothing for those that left the frame, or did not come back to within forward_backward_px
+/// Tracks points from one frame to another.
+/// @param points   px, in `from`
+/// @param guesses  initial positions in `to`, px, one per point
+/// @return the positions in `to`, px, one per point; std::nullopt for a point that left the frame or whose
+///   forward-backward error exceeds forward_backward_px; all std::nullopt if the frames differ in size
 std::vector<std::optional<Eigen::Vector2d>> FollowPoints(const FlowPyramid& from, const FlowPyramid& to,
                                                          std::span<const Eigen::Vector2d> points,
                                                          std::span<const Eigen::Vector2d> guesses,
                                                          const TrackOptions& options);
 
-/// Points inside an outline that can be followed well (Shi and Tomasi 1994), best first, spread evenly.
+/// Detects corners inside an outline (Shi and Tomasi 1994), spread evenly.
 /// @param grey  CV_8UC1
+/// @param max_points  upper bound on the number of corners
+/// @return positions, px, strongest corner first
 std::vector<Eigen::Vector2d> ChoosePoints(const cv::Mat& grey, const Polygon& outline, int most);
 
 }  // namespace victorious

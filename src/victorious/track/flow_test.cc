@@ -65,7 +65,7 @@ TEST(Patch, IsTheSameInAnotherLightAndTurnedAndScaledWithThePicture) {
 
   const Similarity2 turn{1.3, 0.5, {20, -30}};
   const Eigen::Matrix3d matrix = turn.Matrix();
-  // OpenCV counts from the first pixel's centre.
+  // In OpenCV the origin is the first pixel's centre.
   const Eigen::Vector2d offset = turn.Apply({0.5, 0.5}) - Eigen::Vector2d(0.5, 0.5);
   const cv::Matx23d affine(matrix(0, 0), matrix(0, 1), offset.x(), matrix(1, 0), matrix(1, 1), offset.y());
   cv::Mat after;

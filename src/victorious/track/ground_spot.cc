@@ -11,7 +11,7 @@
 namespace victorious {
 namespace {
 
-constexpr double kNeighbourhood = 5;  // its side over the object's
+constexpr double kNeighbourhood = 5;  // side of the corner region relative to the object's
 constexpr double kLeastNeighbourhood_px = 120;
 constexpr int kPoints = 80;
 constexpr std::size_t kLeastPoints = 12;

@@ -1,8 +1,8 @@
-// track/, a spot of the ground: where it goes in the next frames, whatever stands there or drives away. An object that
-// stays on its spot stands still; one that does not moves, which lines of sight alone may not tell.
+// track/: follows a ground point over the next frames, whether or not an object stands on it. An object that stays on
+// its ground point is static; an object that leaves it moves. Bearings alone may not determine which.
 //
-// Points around the spot, not on the object, are followed by Lucas-Kanade from frame to frame; the spot goes as most of
-// them do (MLESAC over a similarity): the ground, as far as it is flat about there.
+// Method: corners around the ground point, outside the object's box, are tracked by Lucas-Kanade from frame to frame.
+// MLESAC fits a similarity, which moves the point. This assumes that the ground around it is locally flat.
 #pragma once
 
 #include <optional>
@@ -17,19 +17,20 @@ namespace victorious {
 
 class GroundSpot {
  public:
-  /// The spot in the middle of a box.
-  /// @param frame  without salt and pepper, as all others
+  /// Starts at the centre of a box.
+  /// @param frame   without salt-and-pepper noise, as all frames
+  /// @param object  px
   GroundSpot(FlowPyramid frame, const Box& object);
 
-  /// The next frame; they come in order of time, or all in reverse.
-  /// @param object  where it was in the frame before, if it was seen: no ground
-  /// @return where the spot lies, px; nothing from where it was lost on, or has left the frame
+  /// Tracks the point into the next frame. Frames are in order of time, or all in reverse order.
+  /// @param object  the object's box in the previous frame, px, if seen; corners inside it are not used
+  /// @return the point's position, px; std::nullopt once the point is lost or has left the frame, and ever after
   std::optional<Eigen::Vector2d> Step(const FlowPyramid& frame, const std::optional<Box>& object);
 
  private:
-  std::optional<FlowPyramid> before_;  // none: lost
-  Eigen::Vector2d place_;
-  double side_px_;  // of the object
+  std::optional<FlowPyramid> before_;  // previous frame; empty: lost
+  Eigen::Vector2d place_;              // px
+  double side_px_;                     // longer side of the object's box
 };
 
 }  // namespace victorious

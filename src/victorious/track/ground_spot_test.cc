@@ -8,7 +8,7 @@
 namespace victorious {
 namespace {
 
-// A view of 400 x 300 px of a town over which the camera goes, nearer and nearer; a dark car drives in it.
+// A view of 400 x 300 px of a town with a dark moving car; the camera translates and approaches.
 class View {
  public:
   View() { cv::cvtColor(testing::DrawTown({1100, 900}, 6), town_, cv::COLOR_BGR2GRAY); }
@@ -63,7 +63,7 @@ TEST(GroundSpot, IsLostWhereItLeavesTheFrameOrNothingCanBeFollowed) {
   for (int i = 1; i <= 60; ++i) {
     const auto place = leaves.Step(FlowPyramid(view.Draw(i, CarOnGround(0)), {}), std::nullopt);
     if (!place) continue;
-    EXPECT_EQ(++seen, i) << "once lost it stays lost";
+    EXPECT_EQ(++seen, i) << "a lost point stays lost";
     EXPECT_GE(place->x(), 0);
   }
   EXPECT_GT(seen, 30);

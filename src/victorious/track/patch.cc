@@ -9,7 +9,7 @@
 namespace victorious {
 namespace {
 
-// Bilinear, the edge's pixels going on beyond the edge.
+// Bilinear interpolation with a replicated border.
 float Sample(const cv::Mat& grey, double x, double y) {
   const double u = std::clamp(x - 0.5, 0.0, grey.cols - 1.0);
   const double v = std::clamp(y - 0.5, 0.0, grey.rows - 1.0);
@@ -43,7 +43,7 @@ Patch::Patch(const cv::Mat& grey, const Eigen::Vector2d& centre, int side_px, co
     value -= mean;
     sum2 += value * value;
   }
-  // Less than a grey level of deviation is the sensor's.
+  // A standard deviation below one grey level is sensor noise.
   flat_ = sum2 < static_cast<float>(values_.size());
   const float factor = flat_ ? 0.0F : 1.0F / std::sqrt(sum2);
   for (float& value : values_) value *= factor;

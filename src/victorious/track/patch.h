@@ -1,4 +1,4 @@
-// A small picture around a point, and how much another place looks like it.
+// track/: a normalised grey patch around a point, compared by NCC.
 #pragma once
 
 #include <vector>
@@ -8,17 +8,17 @@
 
 namespace victorious {
 
-/// Grey levels on a square grid about a point, shifted to mean 0 and scaled to norm 1: what is left does not depend on
-/// brightness and contrast. All zeros where the picture is flat.
+/// Grey levels on a square grid around a point, normalised to mean 0 and norm 1, and so invariant to brightness and
+/// contrast. All zeros if flat (standard deviation below one grey level).
 class Patch {
  public:
   /// @param grey    CV_8UC1
   /// @param centre  px
-  /// @param side_px  of the grid, odd
-  /// @param linear  picture from grid: turns and scales the grid
+  /// @param side_px  side of the grid, odd
+  /// @param linear  image from grid: rotates and scales the grid
   Patch(const cv::Mat& grey, const Eigen::Vector2d& centre, int side_px, const Eigen::Matrix2d& linear);
 
-  /// Normalised correlation, -1 to 1; 0 if either is flat. Both must have the same side.
+  /// @return the NCC, -1 to 1; 0 if either patch is flat. Both must have the same side.
   [[nodiscard]] double Likeness(const Patch& other) const;
 
   [[nodiscard]] bool IsFlat() const { return flat_; }

@@ -108,7 +108,7 @@ std::vector<RegionTracker::TemplatePoint> RegionTracker::TemplateFrom(std::span<
   return usable;
 }
 
-// How far the object has gone since it was last seen, as far as its motion tells, or else the picture's.
+// The predicted shift, px, since the object was last seen: by its velocity, or else by the global image motion.
 Eigen::Vector2d RegionTracker::Drift(const Track& track) const {
   if (!options_.predict_motion) return Eigen::Vector2d::Zero();
   if (track.velocity_px_s) return *track.velocity_px_s * (time_s_ - track.last_time_s);
@@ -118,7 +118,7 @@ Eigen::Vector2d RegionTracker::Drift(const Track& track) const {
   return move->second.Apply(before) - before;
 }
 
-// Follows its points from where it was last seen, beginning `drift` px beside.
+// Tracks the points from the frame where the object was last seen, starting `drift` px off, and fits the similarity.
 RegionTracker::Sighting RegionTracker::Look(const Track& track, const Eigen::Vector2d& drift) const {
   std::vector<std::size_t> indices;
   std::vector<Eigen::Vector2d> from;
@@ -155,13 +155,14 @@ RegionTracker::Sighting RegionTracker::Look(const Track& track, const Eigen::Vec
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     if (result->probabilities[k] > 0.5) sighting.places.emplace_back(of_pair[k], pairs[k].target);
   }
-  // Points that are beyond the frame now cannot speak.
+  // Only points inside the frame count.
   const Box frame = FrameBox(now_->grey().cols, now_->grey().rows);
   const auto in_view = std::ranges::count_if(track.points, [&](const TemplatePoint& point) {
     const Eigen::Vector2d place = result->model.Apply(point.origin.place);
     return frame.Contains(place.x(), place.y());
   });
-  // An object does not halve or double its size between two frames; points on a line, wrong by a pixel, make it so.
+  // Rejects scale changes that an object does not make between two frames; near-collinear points with pixel errors give
+  // such fits.
   constexpr double kLargestGrowth = 1.5;
   const double growth = std::abs(std::log(result->model.scale / track.last_from_template.scale));
   const auto agreeing = static_cast<double>(sighting.places.size());
@@ -200,7 +201,7 @@ void RegionTracker::TakeUpAgain(Track& track) const {
   }
 }
 
-// Where the object should be there is something that it does not look like; or nothing that could be followed.
+// kOccluded if the patches at most predicted points are textured and do not match; else kLostPoints.
 TrackLoss RegionTracker::WhyNotSeen(const Track& track) const {
   const Eigen::Vector2d drift = Drift(track);
   std::size_t others = 0;
@@ -216,7 +217,7 @@ TrackStep RegionTracker::Advance(Track& track) const {
   ++track.unconfirmed_frames;
   const Box frame = FrameBox(now_->grey().cols, now_->grey().rows);
   Sighting sighting = Look(track, Drift(track));
-  // What the camera follows stays where it is while the picture moves.
+  // An object that the camera follows keeps its image position while the background moves.
   if (!sighting.enough && !track.velocity_px_s) sighting = Look(track, Eigen::Vector2d::Zero());
   if (sighting.enough) Move(track, sighting);
 

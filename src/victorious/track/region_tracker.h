@@ -1,16 +1,15 @@
-// track/, in: frames in order, and the objects that a recogniser found in them (outline and matched keypoints). Out:
-// where each object is in the following frames, or why that is not known.
+// track/: point-based tracking of recognised objects. In: frames in order, and the objects that a recogniser found in
+// them (outline and matched keypoints). Out: the outline of each object in the following frames, or why it is not seen.
 //
-// Method (thesis, sections 4.2 and 4.4): the recogniser's own matched keypoints are followed by pyramidal Lucas-Kanade,
-// on and back again; a point counts if it also still looks like its patch in the template, laid over the frame by the
-// last similarity. MLESAC over the points that are left gives
+// Method (thesis, sections 4.2 and 4.4): the matched keypoints are tracked by pyramidal Lucas-Kanade with a
+// forward-backward check (flow.h). A tracked point is kept if the NCC of its patch with the template's patch, warped by
+// the last similarity, is at least min_ncc. MLESAC over the kept points fits
 //
 //   now = scale * R * template + translation
 //
-// which moves the outline. Points that were lost are put back where this similarity has them, and taken up again once
-// they look right. The template (outline, points and their patches) is the recogniser's last word, given by Start() and
-// Confirm(); the tracker never changes it, so that it cannot drift off onto something else: it loses the object
-// instead.
+// which moves the outline. Lost points are projected by this similarity and re-acquired once their NCC reaches min_ncc.
+// The template (outline, points and their patches) comes from the recogniser, by Start() and Confirm(); the tracker
+// never changes it. The track therefore does not drift to another object: it is lost instead.
 #pragma once
 
 #include <cstddef>
@@ -34,54 +33,54 @@
 
 namespace victorious {
 
-/// Follows any number of objects; a frame's pyramid is made once for all of them. Deterministic. Not thread-safe.
+/// Tracks any number of objects; they share one pyramid per frame. Deterministic. Not thread-safe.
 class RegionTracker {
  public:
   /// Errors: kInvalidArgument for options out of range.
   static Expected<RegionTracker> Create(const TrackOptions& options);
 
-  /// Makes `frame` the present one and moves every active track to it. Frames come in order of time, or all in reverse.
-  /// A track that becomes inactive is told once more, then forgotten.
-  /// @return one a track, in order of their starts
-  /// Cost at 640 x 480: some 1.5 ms a frame, and 1 ms for each track of 50 points.
+  /// Makes `frame` the current frame and moves every active track to it. Frames are in order of time, or all in reverse
+  /// order. A track that becomes inactive is reported once more, then removed.
+  /// @return one step per track, in the order of Start
+  /// Cost at 640 x 480: about 1.5 ms per frame, and 1 ms per track of 50 points.
   std::vector<TrackStep> Step(const Frame& frame);
 
-  /// Begins a track in the present frame. With fewer than least_points that can be followed it is inactive at once.
-  /// @param outline  px, may leave the frame
-  /// @param points   on the object: of a detection (PointsOf), or chosen (ChoosePoints)
+  /// Starts a track in the current frame. It is inactive at once if fewer than min_points points can be tracked.
+  /// @param outline  px, may exceed the frame
+  /// @param points   on the object: those of a detection (MatchedPoints), or corners (DetectCorners)
   TrackStep Start(const Polygon& outline, std::span<const TrackPoint> points);
 
-  /// The recogniser's word on an active track in the present frame: these become its template.
+  /// Confirms an active track by a detection in the current frame, which becomes its template.
   TrackStep Confirm(std::uint64_t track, const Polygon& outline, std::span<const TrackPoint> points);
 
-  /// Forgets an active track.
+  /// Removes an active track.
   void Stop(std::uint64_t track);
 
  private:
   struct TemplatePoint {
     TrackPoint origin;  // in the template's frame
     Patch patch;
-    Eigen::Vector2d place;  // where it was last seen
-    bool alive = true;      // in the frame where the track was last seen
+    Eigen::Vector2d place;  // px, in the frame where it was last seen
+    bool alive = true;      // seen in the frame where the track was last seen
   };
 
   struct Track {
     std::uint64_t id = 0;
     Polygon outline;  // in the template's frame
     std::vector<TemplatePoint> points;
-    Similarity2 last_from_template;  // "last": the frame where it was last seen
-    // Of the outline's centre, there. Nothing before it was followed once: then it is supposed to have moved as the
-    // picture did.
+    Similarity2 last_from_template;  // "last": the frame where the track was last seen
+    // Of the outline's centroid, in that frame. Empty until the track was moved once; until then the global image
+    // motion predicts its motion.
     std::optional<Eigen::Vector2d> velocity_px_s;
-    std::shared_ptr<const FlowPyramid> last;  // that frame
+    std::shared_ptr<const FlowPyramid> last;  // the frame where the track was last seen
     double last_time_s = 0;
     int missed_frames = 0;
     int unconfirmed_frames = 0;
   };
 
-  // What the points say in a new frame.
+  // The motion that the tracked points give in a new frame.
   struct Sighting {
-    std::vector<std::pair<std::size_t, Eigen::Vector2d>> places;  // of the points that agree
+    std::vector<std::pair<std::size_t, Eigen::Vector2d>> places;  // index and position (px) of each inlier
     Similarity2 now_from_template;
     bool enough = false;
   };
@@ -101,13 +100,13 @@ class RegionTracker {
   std::vector<Track> tracks_;
   std::uint64_t next_id_ = 1;
   std::shared_ptr<const FlowPyramid> now_;
-  // Of frames where tracks without a velocity were last seen: how the picture moved from there to `now_`.
+  // By the frame where a track without a velocity was last seen: the global image motion from there to `now_`.
   std::map<const FlowPyramid*, Similarity2> picture_moves_;
   std::int64_t frame_ = 0;
   double time_s_ = 0;
 };
 
-/// The scene's keypoints that the detection rests on, with the template's that they match.
+/// The inlier keypoints of a detection in the scene, each with the index of its template keypoint.
 std::vector<TrackPoint> PointsOf(const Detection& detection, const FeatureSet& scene);
 
 /// "active", "inactive".

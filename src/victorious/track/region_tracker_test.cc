@@ -17,20 +17,20 @@ using ::testing::SizeIs;
 
 constexpr double kFrameInterval_s = 0.1;
 
-// OpenCV counts from the first pixel's centre, we from its corner.
+// In OpenCV the origin is the first pixel's centre, here the first pixel's corner.
 cv::Matx23d CvMap(const Similarity2& map) {
   const Eigen::Matrix2d linear = map.Linear();
   const Eigen::Vector2d offset = map.Apply({0.5, 0.5}) - Eigen::Vector2d(0.5, 0.5);
   return {linear(0, 0), linear(0, 1), offset.x(), linear(1, 0), linear(1, 1), offset.y()};
 }
 
-// A crate on a town's streets, 400 x 300 px a frame; both may move.
+// A crate on the streets of a town, in frames of 400 x 300 px; both may move.
 class World {
  public:
   explicit World(testing::ThingKind kind = testing::ThingKind::kCrate)
       : town_(testing::DrawTown({1000, 800}, 5)), thing_(testing::DrawThing(kind, 2)) {}
 
-  // `ground_px` is the place in the town's picture that lies at the frame's corner.
+  // `ground_px` is the position in the town's image of the frame's top left corner.
   [[nodiscard]] cv::Mat Draw(const Similarity2& frame_from_thing, const Eigen::Vector2d& ground_px = {200, 200}) const {
     const cv::Rect view(static_cast<int>(ground_px.x()), static_cast<int>(ground_px.y()), 400, 300);
     cv::Mat frame = town_(view).clone();
@@ -72,7 +72,7 @@ Similarity2 At(double x, double y, double scale = 0.5, double rotation_rad = 0) 
   return {scale, rotation_rad, {x, y}};
 }
 
-// One object, followed alone.
+// Tracks one object.
 class Follower {
  public:
   explicit Follower(const TrackOptions& options = {}) : tracker_(RegionTracker::Create(options).value()) {}
@@ -82,7 +82,7 @@ class Follower {
     return tracker_.Start(outline, PointsIn(frame, outline));
   }
 
-  // The step, or nothing once the track is forgotten.
+  // The step; std::nullopt once the track is removed.
   std::optional<TrackStep> Step(const cv::Mat& frame) {
     ++index_;
     const auto steps = tracker_.Step({index_, kFrameInterval_s * static_cast<double>(index_), frame});
@@ -99,7 +99,7 @@ class Follower {
 TEST(RegionTracker, FollowsAnObjectOverAGroundThatMovesOtherwise) {
   const World world;
   Follower follower;
-  // The object is told with a margin of ground about it, which does not move with it.
+  // The outline has a margin of ground, which does not move with the object.
   Box told = BoundingBox(world.Outline(At(60, 80)));
   told = {told.x - 4, told.y - 4, told.width + 8, told.height + 8};
   follower.Start(world.Draw(At(60, 80)), CornersOf(told));
@@ -147,7 +147,7 @@ TEST(RegionTracker, SaysWhenItIsHiddenAndGivesNoBox) {
   std::optional<TrackStep> step;
   for (int i = 1; i <= 14; ++i) {
     cv::Mat frame = world.Draw(At(150, 100));
-    // A bus with a pattern of its own drives over the object, and stays on it.
+    // A textured bus drives over the object and stays there.
     const int front = std::min(60 + 15 * i, 290);
     const cv::Mat bus = testing::DrawTown({160, 140}, 77);
     const cv::Rect area(std::max(0, front - 160), 80, std::min(front, 160), 140);
@@ -162,7 +162,7 @@ TEST(RegionTracker, SaysWhenItIsHiddenAndGivesNoBox) {
   EXPECT_EQ(step->state, TrackState::kInactive);
   EXPECT_EQ(step->loss, TrackLoss::kOccluded);
   EXPECT_TRUE(step->box.IsEmpty());
-  EXPECT_FALSE(follower.Step(world.Draw(At(150, 100)))) << "an inactive track is forgotten";
+  EXPECT_FALSE(follower.Step(world.Draw(At(150, 100)))) << "an inactive track is removed";
 }
 
 TEST(RegionTracker, SaysWhenItLeavesTheFrame) {
@@ -228,14 +228,14 @@ TEST(RegionTracker, ANewTrackIsSoughtWhereThePictureWentAndWhereItWas) {
     passing.Start(world.Draw(before), world.Outline(before));
     const auto step = passing.Step(world.Draw(moved, {280, 200}));
     ASSERT_TRUE(step);
-    EXPECT_EQ(step->seen(), predict) << "it stands on ground that passes by 80 px a frame";
+    EXPECT_EQ(step->seen(), predict) << "the object stands on ground that moves by 80 px per frame";
     if (predict) {
       EXPECT_GT(IntersectionOverUnion(step->box, BoundingBox(world.Outline(moved))), 0.9);
     }
     Follower kept_in_view(options);
     kept_in_view.Start(world.Draw(before), world.Outline(before));
     const auto still = kept_in_view.Step(world.Draw(before, {280, 200}));
-    EXPECT_TRUE(still && still->seen()) << "the camera follows it over the ground";
+    EXPECT_TRUE(still && still->seen()) << "the camera follows the object over the ground";
   }
 }
 

@@ -11,9 +11,9 @@ namespace victorious {
 namespace {
 
 constexpr int kSizes = 17;
-constexpr double kStep = 1.03;           // from one size to the next
-constexpr double kSampleArea_px = 1024;  // of a sample
-constexpr double kSigma = 1.0;           // of the answer, in steps
+constexpr double kStep = 1.03;           // ratio of consecutive scales
+constexpr double kSampleArea_px = 1024;  // area of a sample
+constexpr double kSigma = 1.0;           // of the desired response, in steps
 constexpr double kLeastDenominator = 1e-2;
 
 double GrowthOf(double step) { return std::pow(kStep, step - kSizes / 2); }
@@ -35,7 +35,7 @@ cv::Mat ScaleFilter::Samples(const Levels& image, const TurnedBox& box) const {
     const CellFeatures cells = GradientCells(CutOut(image, box.Scaled(GrowthOf(i)), sample_px_));
     cv::Mat column;
     for (const cv::Mat& channel : cells) column.push_back(channel.reshape(1, static_cast<int>(channel.total())));
-    // Far from the last size a sample counts less.
+    // A Hann window over the scales.
     const double taper = 0.5 - 0.5 * std::cos(2 * std::numbers::pi * (i + 1) / (kSizes + 1));
     if (samples.empty()) samples.create(column.rows, kSizes, CV_32F);
     cv::Mat(column * taper).copyTo(samples.col(i));
@@ -60,7 +60,7 @@ void ScaleFilter::Learn(const Levels& image, const TurnedBox& box, double rate) 
     denominator_ = denominator;
     return;
   }
-  // New matrices: a copy of this filter goes on as it is.
+  // New matrices: copies of this filter share the old ones and must not change.
   numerator_ = numerator_ * (1 - rate) + numerator * rate;
   denominator_ = denominator_ * (1 - rate) + denominator * rate;
 }

@@ -1,5 +1,5 @@
-// track/, how large an object has become: a correlation filter over one dimension, whose samples are the object cut out
-// at sizes around the last one.
+// track/: the scale change of an object by a one-dimensional correlation filter over scales. Its samples are the HOG
+// features of the object, cropped at 17 scales in steps of 1.03 around the last one.
 // Source: M. Danelljan, G. Hager, F. Khan, M. Felsberg, "Discriminative scale space tracking", PAMI 39(8), 2017.
 #pragma once
 
@@ -13,23 +13,23 @@ namespace victorious {
 
 class ScaleFilter {
  public:
-  /// @param box  of the object, px: its shape stays
+  /// @param box  of the object, px; its aspect ratio is kept
   explicit ScaleFilter(const TurnedBox& box);
 
-  /// Learns the object's look at this size.
-  /// @param rate  0 to 1: how much of what was learnt before is forgotten; the first call forgets all
+  /// Updates the filter with the object at this scale.
+  /// @param rate  learning rate, 0 to 1; the first call ignores it
   void Learn(const Levels& image, const TurnedBox& box, double rate);
 
-  /// @return the factor by which `box` must grow for the object to look as learnt
+  /// @return the scale factor for `box` at the peak of the response, with sub-step (parabolic) accuracy
   [[nodiscard]] double Growth(const Levels& image, const TurnedBox& box) const;
 
  private:
   [[nodiscard]] cv::Mat Samples(const Levels& image, const TurnedBox& box) const;
 
-  cv::Size sample_px_;   // each size is brought to this
-  cv::Mat wanted_;       // spectrum of a Gaussian over the sizes: 1 x sizes, complex
-  cv::Mat numerator_;    // dimensions x sizes, complex
-  cv::Mat denominator_;  // 1 x sizes
+  cv::Size sample_px_;   // each crop is resampled to this size
+  cv::Mat wanted_;       // spectrum of a Gaussian over scales: 1 x scales, complex
+  cv::Mat numerator_;    // dimensions x scales, complex
+  cv::Mat denominator_;  // 1 x scales
 };
 
 }  // namespace victorious

@@ -1,4 +1,5 @@
-// The parameters of following regions (region_tracker.h).
+// track/: the parameters of RegionTracker (region_tracker.h) and of point tracking (flow.h). track_options.cc gives
+// ranges, units and reasons.
 #pragma once
 
 #include "victorious/base/options.h"

@@ -1,4 +1,4 @@
-// Bytes that travel beside the frames: telemetry and subtitles, undecoded.
+// An undecoded packet of a data stream in the video container: telemetry or subtitles.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ enum class DataKind {
 struct DataPacket {
   int stream = 0;  ///< the container's stream index
   DataKind kind = DataKind::kOther;
-  std::optional<double> time_s;  ///< presentation time, seconds since the video's first frame; none if not stamped
+  std::optional<double> time_s;  ///< presentation time, seconds since the video's first frame; nullopt if unstamped
   std::vector<std::byte> bytes;  ///< the payload as stored
 };
 

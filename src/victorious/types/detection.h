@@ -1,4 +1,4 @@
-// An object found in one frame.
+// An object found in one frame. Made by detect/ and rescored by recognize/.
 #pragma once
 
 #include <cstddef>
@@ -10,12 +10,12 @@
 namespace victorious {
 
 struct Detection {
-  std::size_t model = 0;  ///< index into the models that were searched
+  std::size_t model = 0;  ///< index into the models that were searched; not a keypoint index, not a database id
   std::size_t view = 0;   ///< index into that model's views
   Pose pose;
-  Polygon outline;      ///< of the object in the scene, px; may leave the frame
-  Box box;              ///< of the outline clipped to the frame, px
-  double evidence = 0;  ///< decades by which chance alone is too unlikely to be the cause (detect/detect.h)
+  Polygon outline;      ///< the object's outline in the scene, px; may leave the frame
+  Box box;              ///< bounding box of the outline clipped to the frame, px
+  double evidence = 0;  ///< -log10 NFA, decades (detect/detect.h)
   double score = 0;     ///< 0 to 1, higher is likelier
 };
 

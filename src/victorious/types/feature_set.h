@@ -1,4 +1,4 @@
-// Keypoints and their descriptors, of one image.
+// Keypoints and descriptors of one image.
 #pragma once
 
 #include <cmath>
@@ -13,28 +13,29 @@
 
 namespace victorious {
 
-/// Lowe's 4 x 4 cells of 8 orientations, rows of cells first; each 0..255 (the unit vector, clipped at 0.2, times 512).
+/// SIFT (Lowe 2004): 4 x 4 cells of 8 orientation bins, cells row-major; each element 0..255 (the unit vector, clipped
+/// at 0.2, times 512).
 inline constexpr std::size_t kDescriptorSize = 128;
 
-/// A place in an image with a size and a direction. Stored as it stands in model files and indexes: never reorder.
+/// Position, scale and orientation. Model files and indexes store these bytes unchanged: never reorder the fields.
 struct Keypoint {
-  float x = 0;                ///< px, first pixel's centre at 0.5
+  float x = 0;                ///< px, to the right; the first pixel's centre is at 0.5
   float y = 0;                ///< px, down
-  float scale_px = 1;         ///< the Gaussian's sigma, in pixels of the image as given
+  float scale_px = 1;         ///< sigma of the detection Gaussian, in pixels of the input image
   float orientation_rad = 0;  ///< [-pi, pi], from +x towards +y (down)
 
   bool operator==(const Keypoint&) const = default;
 };
 static_assert(sizeof(Keypoint) == 16);
 
-/// False for what cannot come from an image: outside bytes are checked with it before they are searched.
+/// False if no image can produce this keypoint. Validates keypoints that are read from files before a search.
 inline bool IsUsable(const Keypoint& keypoint) {
   constexpr float kFarthest_px = 1e6F;
   return std::abs(keypoint.x) < kFarthest_px && std::abs(keypoint.y) < kFarthest_px && keypoint.scale_px > 0 &&
          keypoint.scale_px < kFarthest_px && std::isfinite(keypoint.orientation_rad);
 }
 
-/// A view of keypoints and descriptors that something else owns: keypoint i has descriptors[128 i, 128 (i + 1)).
+/// Non-owning view of keypoints and descriptors: keypoint i has descriptors[128 i, 128 (i + 1)).
 struct FeatureView {
   std::span<const Keypoint> keypoints;
   std::span<const std::uint8_t> descriptors;
@@ -50,13 +51,14 @@ struct FeatureView {
 
 struct FeatureSet {
   std::vector<Keypoint> keypoints;
-  std::vector<std::uint8_t> descriptors;  ///< 128 a keypoint
+  std::vector<std::uint8_t> descriptors;  ///< 128 bytes per keypoint
   int image_width = 0;                    ///< px
   int image_height = 0;                   ///< px
-  std::optional<Box> part;                ///< of the image, which alone was looked at, px; nothing: all of it
+  std::optional<Box> part;                ///< region of interest that was searched, px; nullopt: the whole image
 
   [[nodiscard]] std::size_t size() const { return keypoints.size(); }
   [[nodiscard]] FeatureView View() const { return {keypoints, descriptors}; }
+  /// The searched region, px.
   [[nodiscard]] Box Searched() const { return part.value_or(FrameBox(image_width, image_height)); }
 };
 

@@ -1,4 +1,4 @@
-// A picture out of a video (or alone), with its place in time.
+// One decoded image, of a video or a single file, with its presentation time.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@ namespace victorious {
 struct Frame {
   std::int64_t index = 0;  ///< from 0, in order of presentation
   double time_s = 0.0;     ///< presentation time, seconds since the video's first frame
-  cv::Mat image;           ///< 8-bit, upright, of square pixels, however stored: CV_8UC1 (grey) or CV_8UC3 (BGR)
+  cv::Mat image;           ///< CV_8UC1 (grey) or CV_8UC3 (BGR); upright, square pixels, whatever the container stores
 };
 
 }  // namespace victorious

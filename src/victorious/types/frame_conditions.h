@@ -1,4 +1,4 @@
-// What is known of a frame before its features are looked at: how the camera was held, where the sun stood.
+// Priors of a frame that do not depend on its features: the vertical in the camera frame and the sun's direction.
 #pragma once
 
 #include <optional>
@@ -9,8 +9,9 @@
 namespace victorious {
 
 struct FrameConditions {
-  std::optional<Vertical> vertical;
-  /// Its azimuth clockwise from that of the line of sight through the image's middle; only together with `vertical`.
+  std::optional<Vertical> vertical;  ///< from the camera's attitude; nullopt: unknown
+  /// The sun; its azimuth is measured clockwise from the azimuth of the line of sight through the image centre. Set
+  /// only together with `vertical`.
   std::optional<Sun> sun_ahead;
 };
 

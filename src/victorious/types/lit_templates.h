@@ -1,4 +1,5 @@
-// What a model's views are beyond their features: as another light would show them, and how bright each place is.
+// Interface between recognize/ and model/: templates of a CAD model relit by a sun, and the brightness of a view's
+// surface points for NCC scores. model/ implements it by re-rendering the stored surface of a view.
 #pragma once
 
 #include <compare>
@@ -15,52 +16,52 @@
 
 namespace victorious {
 
-/// What a view's features are under another light, in the view's pixels.
+/// The features of a view rendered under another light, in the view's pixels.
 struct LitTemplate {
   FeatureSet features;
-  std::vector<Point3> points_in_model;  ///< a feature's place on the object, metres
+  std::vector<Point3> points_in_model;  ///< the surface point of each feature, model frame, m
 };
 
-/// A view under the sun that stands where another view's camera does.
+/// Key of a relit template: a view, and the sun's direction quantised to the direction of another view's camera.
 struct LitView {
-  std::size_t sun_view;
-  std::size_t view;
-  bool coarse = false;  ///< of a picture of half the size: the larger keypoints alone, for a quarter of the work
+  std::size_t sun_view;  ///< index of the view whose camera lies nearest to the sun's direction
+  std::size_t view;      ///< index of the rendered view
+  bool coarse = false;   ///< rendered at half resolution: only the larger keypoints, at a quarter of the cost
 
   auto operator<=>(const LitView&) const = default;
 };
 
-/// A place on the object, and how bright a view's rendering shows it.
+/// A surface point and its rendered brightness.
 struct PicturePoint {
-  Eigen::Vector3f place = Eigen::Vector3f::Zero();  ///< m, from the picture's middle, in the model's axes
+  Eigen::Vector3f place = Eigen::Vector3f::Zero();  ///< m, relative to the centroid of the samples, model axes
   float brightness = 0;                             ///< 0 to 255
 };
 
-/// A view's rendering as points of the object: seen from another side nearby, they lie elsewhere in the image.
+/// The rendering of a view as 3D surface samples, so that it can be reprojected from nearby directions.
 struct ViewPicture {
-  std::vector<PicturePoint> points;  ///< evenly over the object, its rim left out; none where the model cannot tell
+  std::vector<PicturePoint> points;  ///< uniform over the object without its rim; empty if the model has no surface
   Eigen::Quaterniond camera_from_model = Eigen::Quaterniond::Identity();
-  Eigen::Vector2d middle_px = Eigen::Vector2d::Zero();  ///< of the points: where the view shows it
-  double pixels_per_m = 1;                              ///< of the view, there
+  Eigen::Vector2d middle_px = Eigen::Vector2d::Zero();  ///< projection of the samples' centroid into the view, px
+  double pixels_per_m = 1;                              ///< scale of the view at the centroid
 };
 
-/// A picture is blurred by so much, in pixels of the scene that it is compared with.
+/// Standard deviation of the Gaussian blur of rendering and scene, in scene pixels.
 inline constexpr double kPictureBlur_px = 1.5;
 
-/// Any number of threads may ask at once.
+/// Source of relit templates and surface samples. Thread-safe.
 class LitTemplates {
  public:
   virtual ~LitTemplates() = default;
 
-  /// Never null; without features where the model cannot tell. The same each time.
+  /// The relit template of `wanted`. Never null; without features if the model has no surface. Deterministic.
   [[nodiscard]] virtual std::shared_ptr<const LitTemplate> Under(const LitView& wanted) const = 0;
 
-  /// Makes what will be asked for: threads that need the same share the work, instead of waiting for each other at one
-  /// after the other.
+  /// Renders and caches templates that will be queried: threads that need the same templates share the work instead of
+  /// waiting for each other template by template.
   virtual void Prepare(std::span<const LitView> wanted) const = 0;
 
-  /// Of a view as it was rendered. Never null; the same each time.
-  /// @param half_octaves  the scene shows the object smaller than the view by 2^(half_octaves / 2)
+  /// The surface samples of a view under the light of its original rendering. Never null; deterministic.
+  /// @param half_octaves  the object is smaller in the scene than in the view by the factor 2^(half_octaves / 2)
   [[nodiscard]] virtual std::shared_ptr<const ViewPicture> Picture(std::size_t view, int half_octaves) const = 0;
 };
 

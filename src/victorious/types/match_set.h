@@ -1,4 +1,4 @@
-// Correspondences between a scene's keypoints and one template's.
+// Correspondences between the keypoints of a scene and of one template.
 #pragma once
 
 #include <cstdint>
@@ -6,8 +6,8 @@
 
 namespace victorious {
 
-/// Scene keypoint `scene` looks like template keypoint `model`. A template keypoint may serve several scene keypoints
-/// (several instances can be in view); a scene keypoint matches at most one keypoint of a template.
+/// A match that passes the ratio test. A template keypoint may match several scene keypoints (several instances can be
+/// in view); a scene keypoint matches at most one keypoint of a template.
 struct Match {
   std::uint32_t scene = 0;  ///< index into the scene's keypoints
   std::uint32_t model = 0;  ///< index into the template's keypoints
@@ -18,12 +18,12 @@ struct Match {
 
 using MatchSet = std::vector<Match>;
 
-/// A candidate before any test: of all the scene's keypoints, `scene` is the rank-th likest to template keypoint
-/// `model`.
+/// A match without a ratio test: the scene keypoint whose descriptor is the rank-th nearest to the template keypoint's
+/// among all scene keypoints.
 struct RankedMatch {
   std::uint32_t scene = 0;  ///< index into the scene's keypoints
   std::uint32_t model = 0;  ///< index into the template's keypoints
-  std::uint32_t rank = 1;   ///< from 1
+  std::uint32_t rank = 1;   ///< from 1, the nearest
 
   bool operator==(const RankedMatch&) const = default;
 };

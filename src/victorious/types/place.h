@@ -1,4 +1,4 @@
-// Where on Earth an object is, with what is left uncertain.
+// The geolocation of an object: position, velocity and their covariances. Made by geolocate/.
 #pragma once
 
 #include <optional>
@@ -9,17 +9,17 @@
 
 namespace victorious {
 
-/// Where an object is at a moment, and how it moves then.
+/// Position at one time and, if estimated, velocity.
 struct Place {
   GeodeticPoint point;
-  double time_s = 0;                            ///< when: the last line's time
-  Eigen::Matrix3d covariance_enu_m2;            ///< east, north, up at the point
-  std::optional<Eigen::Vector3d> velocity_enu;  ///< m/s; not there where motion was not looked at
+  double time_s = 0;                            ///< time of the last line of sight
+  Eigen::Matrix3d covariance_enu_m2;            ///< east, north, up at `point`
+  std::optional<Eigen::Vector3d> velocity_enu;  ///< m/s; nullopt if motion was not estimated
   std::optional<Eigen::Matrix3d> velocity_covariance_enu;
-  double ce90_m = 0;  ///< radius of the horizontal circle about the point that holds the truth in 90 %
-  double le90_m = 0;  ///< the same of height, up and down
+  double ce90_m = 0;  ///< CE90: radius of the horizontal circle that contains the true position with 90 %
+  double le90_m = 0;  ///< LE90: half the vertical interval that contains the true height with 90 %
 
-  /// False also where motion was not looked at.
+  /// True if the velocity is estimated and not zero; false if motion was not estimated.
   [[nodiscard]] bool Moves() const { return velocity_enu && velocity_enu->norm() > 0; }
 };
 

@@ -1,4 +1,5 @@
-// Where one instance of a template lies in a scene.
+// The planar fit of a template to one instance in a scene: a similarity, a refined plane map and their inliers. Made by
+// pose/, read by detect/.
 #pragma once
 
 #include <cstddef>
@@ -14,22 +15,22 @@
 namespace victorious {
 
 struct Pose {
-  Similarity2 scene_from_template;  ///< MLESAC's
-  /// The similarity, or the affine map or homography that explains the matches better; template pixels to scene pixels.
+  Similarity2 scene_from_template;  ///< the MLESAC estimate
+  /// Template pixels to scene pixels: the similarity, affine map or homography of the best BIC (plane_refinement.h).
   Eigen::Matrix3d scene_from_template_plane = Eigen::Matrix3d::Identity();
-  /// The matches that obey the similarity. Where a view was compared under the sun, or together with those beside it,
-  /// their `model` counts the keypoints of what was compared.
+  /// The inliers of the similarity. For a relit or a pooled template their template keypoint indices refer to that
+  /// template's keypoints, not to those of the stored view.
   MatchSet inliers;
-  /// The inliers' places on the object, metres, one each; empty where the model has no depth.
+  /// The surface points of the inliers, model frame, m, one each; empty for a model without depth.
   std::vector<Point3> inlier_points;
-  std::size_t distinct_inliers = 0;  ///< different template keypoints among them
-  /// How far those of them lie from where the similarity puts them that agree with it in turn and scale, too
-  /// (geometry/robust/similarity_estimator.h); px, ascending. Known where `evidence` is none.
+  std::size_t distinct_inliers = 0;  ///< number of different template keypoints among the inliers
+  /// Residuals of the inliers that agree with the similarity also in rotation and scale
+  /// (geometry/robust/similarity_estimator.h); px, ascending. Filled if the -log10 NFA below is not set.
   std::vector<double> agreeing_px;
-  double extent = 0;  ///< area of the inliers' hull over the outline's, in the template
-  /// Where the stage that found the pose knows it: decades by which chance is too unlikely, one view searched.
+  double extent = 0;  ///< area of the inliers' convex hull over the outline's area, in the template
+  /// -log10 NFA for one searched view, decades; set if the estimator computes it itself (pose/vote_poses.h).
   std::optional<double> evidence;
-  double sigma_px = 0;  ///< the deviation of an inlier from the similarity's place, as assumed
+  double sigma_px = 0;  ///< assumed standard deviation of an inlier's residual under the similarity
 };
 
 }  // namespace victorious

@@ -1,4 +1,4 @@
-// What one sighting tells of the object's place: along which line it was seen, from how far, how it was turned.
+// The bearing observation of one sighting: the line of sight with its range, and the object's heading.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,12 @@
 namespace victorious {
 
 struct Sight {
-  LineOfSight line;                          ///< to the middle of the object's bounding box
+  LineOfSight line;                          ///< to the centre of the object's bounding box
   std::optional<double> heading_rad;         ///< of the object's front, clockwise from north
-  std::optional<double> sigma_position_m;    ///< of the camera's place, along each axis, where telemetry tells
-  std::optional<double> sigma_attitude_rad;  ///< of the camera's attitude, about each axis, where telemetry tells
-  /// Which recognition it rests on: sights of one that were followed from it, and it itself, err alike by as much as it
-  /// errs. 0: on its own.
+  std::optional<double> sigma_position_m;    ///< of the camera position along each axis, if telemetry gives it
+  std::optional<double> sigma_attitude_rad;  ///< of the camera attitude about each axis, if telemetry gives it
+  /// Number of the recognition that this observation was made or tracked from. Observations of equal number share that
+  /// recognition's error. 0: an independent observation.
   std::int64_t recognition = 0;
 };
 

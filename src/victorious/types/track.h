@@ -1,4 +1,4 @@
-// An object followed from frame to frame.
+// The output of a tracker: the state of each tracked object in each frame. Made by track/, read by pipeline/.
 #pragma once
 
 #include <cstdint>
@@ -13,41 +13,41 @@
 
 namespace victorious {
 
-/// A place on an object that is followed.
+/// A tracked point on an object.
 struct TrackPoint {
   Eigen::Vector2d place = Eigen::Vector2d::Zero();  ///< px in the frame
-  std::optional<std::uint32_t> feature;             ///< the template's keypoint that was matched there
+  std::optional<std::uint32_t> feature;             ///< index of the template keypoint that was matched there
 };
 
 enum class TrackState {
   kActive,    ///< expected in the next frame
-  kInactive,  ///< given up: only a recogniser takes it up again
+  kInactive,  ///< lost: only a new recognition reactivates it
 };
 
-/// Why a track gave no box in a frame, or ended.
+/// Why a track has no box in a frame, or ended.
 enum class TrackLoss {
   kNone,
-  kLostPoints,   ///< too few of its points were found again, and nothing is seen where it was
-  kLeftFrame,    ///< its outline lies mostly beyond the frame
-  kOccluded,     ///< too few of its points were found again, and something else is seen where it was
-  kUnconfirmed,  ///< no recogniser has confirmed it for too many frames
+  kLostPoints,   ///< too few points were tracked, and no other object is visible at the predicted position
+  kLeftFrame,    ///< the outline lies mostly outside the frame
+  kOccluded,     ///< too few points were tracked, and something else is visible at the predicted position
+  kUnconfirmed,  ///< no recognition confirmed the track for too many frames
 };
 
-/// What became of one track in one frame.
+/// The state of one track in one frame.
 struct TrackStep {
-  std::uint64_t track = 0;  ///< its number, from 1, never used again
+  std::uint64_t track = 0;  ///< track number, from 1, never reused
   std::int64_t frame = 0;   ///< from 0
   double time_s = 0;        ///< since the video's first frame
   TrackState state = TrackState::kActive;
-  TrackLoss loss = TrackLoss::kNone;  ///< kNone exactly if it is seen in this frame
-  /// Of the object, px; may leave the frame. Where it is not seen: where its motion would have it.
+  TrackLoss loss = TrackLoss::kNone;  ///< kNone if and only if the object is tracked in this frame
+  /// Of the object, px; may leave the frame. Predicted by its motion if the object is not tracked.
   Polygon outline;
-  Box box;                         ///< of the outline clipped to the frame, px; empty where it is not seen
-  Box search_box;                  ///< where a recogniser should look for it, px, inside the frame; empty: nowhere
-  Similarity2 now_from_template;   ///< from the frame of the template to this one
-  std::vector<TrackPoint> points;  ///< that were found again and move with the object; none where it is not seen
-  double support = 0;              ///< the share of the template's points that these are, 0 to 1
-  int unconfirmed_frames = 0;      ///< since the template was made
+  Box box;                         ///< bounding box of the outline clipped to the frame, px; empty if not tracked
+  Box search_box;                  ///< region of interest for recognition, px, inside the frame; empty: none
+  Similarity2 now_from_template;   ///< from the template's frame to this frame, px
+  std::vector<TrackPoint> points;  ///< tracked points that move with the object; empty if it is not tracked
+  double support = 0;              ///< fraction of the template's points that `points` holds, 0 to 1
+  int unconfirmed_frames = 0;      ///< frames since the template was made
 
   [[nodiscard]] bool seen() const { return loss == TrackLoss::kNone; }
 };

@@ -1,4 +1,4 @@
-// What this build of FFmpeg's libraries can do, for `victorious doctor`.
+// Reports the capabilities of the linked FFmpeg libraries, for `victorious doctor`.
 #pragma once
 
 #include <string>
@@ -7,12 +7,13 @@
 namespace victorious {
 
 struct CodecReport {
-  std::string libraries;              ///< "libavformat 59.27.100, …"
-  std::vector<std::string> decoders;  ///< of the usual video codecs, those that are there
-  std::vector<std::string> missing;   ///< of the usual video codecs, those that are not
-  bool h264_encoder = false;          ///< libx264, which VideoWriter needs
+  std::string libraries;              ///< names and versions: "libavformat 59.27.100, …"
+  std::vector<std::string> decoders;  ///< available decoders, of a fixed list of common video codecs
+  std::vector<std::string> missing;   ///< missing decoders, of the same list
+  bool h264_encoder = false;          ///< true if libx264 is available (required by VideoWriter)
 };
 
+/// Queries libavformat and libavcodec.
 CodecReport DescribeCodecs();
 
 }  // namespace victorious

@@ -1,4 +1,4 @@
-// Private to video/: what was damaged and where, a line for each kind however often it happens.
+// Private to video/: collects warnings about damaged input with their times; repetitions of one kind share a line.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +10,11 @@ namespace victorious {
 
 class DamageLog {
  public:
-  /// Something wrong at a time: "at 1.20 s: what", then "at 1.20 s, and 4 times more until 5.10 s: what".
+  /// Logs an event of kind `what` at a video time. The first event gives the line "at 1.20 s: what"; repetitions
+  /// rewrite it to "at 1.20 s, and 4 times more until 5.10 s: what".
   void Add(std::string_view what, double time_s);
 
-  /// A line that stands alone.
+  /// Appends a line as it is.
   void AddLine(std::string line);
 
   [[nodiscard]] const std::vector<std::string>& lines() const { return lines_; }
@@ -23,7 +24,7 @@ class DamageLog {
     std::string what;
     double first_s = 0;
     std::int64_t repeats = 0;
-    std::size_t line = 0;
+    std::size_t line = 0;  ///< index in lines_
   };
 
   std::vector<Kind> kinds_;

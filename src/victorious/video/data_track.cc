@@ -9,7 +9,7 @@ namespace victorious {
 namespace {
 
 DataKind KindOf(const AVStream& stream, std::span<const std::byte> bytes) {
-  // SMPTE 336: every universal label begins so. Streams that are not registered as KLV are known by it.
+  // SMPTE 336: prefix of every universal label. It identifies KLV streams that are not registered as KLV.
   constexpr std::array kUniversalLabel = {std::byte{0x06}, std::byte{0x0E}, std::byte{0x2B}, std::byte{0x34}};
   if (stream.codecpar->codec_id == AV_CODEC_ID_SMPTE_KLV) return DataKind::kKlv;
   if (bytes.size() >= kUniversalLabel.size() &&

@@ -1,4 +1,5 @@
-// Private to video/: keeps the data packets until the first frame's time, which is their zero, is known.
+// Private to video/: buffers data packets until the time of the first frame, which is the origin of their times, is
+// known.
 #pragma once
 
 #include <optional>
@@ -9,18 +10,20 @@
 
 namespace victorious {
 
-/// Whether a stream holds what DataPacket is for: neither picture nor sound.
+/// Returns true for a stream of data packets: anything but video, audio and attachments.
 [[nodiscard]] bool IsDataStream(const AVStream& stream);
 
 class DataTrack {
  public:
+  /// Buffers a packet of `stream`.
   void Add(const AVStream& stream, const AVPacket& packet);
 
-  /// All packets since the last call, their times counted from `origin_s`; none where the video has no clock.
+  /// Returns all packets since the last call, in the order of Add, with times relative to `origin_s`. Without an origin
+  /// (the video has no time stamps) the packets have no time.
   std::vector<DataPacket> Take(std::optional<double> origin_s);
 
  private:
-  std::vector<DataPacket> packets_;  ///< times on the container's clock
+  std::vector<DataPacket> packets_;  ///< times in the container's clock
 };
 
 }  // namespace victorious

@@ -19,8 +19,9 @@ namespace {
 constexpr std::array<std::string_view, 12> kLiveSchemes = {"rtsp",  "rtsps", "rtp",   "udp",   "tcp", "http",
                                                            "https", "rtmp",  "rtmps", "rtmpt", "srt", "mmsh"};
 
-// What a local file may be. Only containers that hold their own bytes: no playlists, manifests or session descriptions,
-// which name other files; no text art, which would make a video of any .txt file. Sound is here to be told from noise.
+// Formats accepted for a local file. Only self-contained containers: no playlists, manifests or session descriptions,
+// which refer to other files, and no text art, which would accept any .txt file. Audio formats are included so that an
+// audio file gives the error "no video stream".
 constexpr const char* kFileFormats =
     "mov,matroska,mpegts,mpeg,mpegvideo,avi,flv,asf,ogg,mxf,gif,apng,ivf,h264,hevc,m4v,mjpeg,yuv4mpegpipe,nut,dv,vc1,"
     "obu,"
@@ -48,7 +49,7 @@ class Dictionary {
 
 bool IsCoverPicture(const AVStream& stream) { return (stream.disposition & AV_DISPOSITION_ATTACHED_PIC) != 0; }
 
-// The best video stream first: one that can be decoded, the author's default, the largest.
+// Sort key of video streams, greatest is best: decodable, flagged as default, most pixels, lowest index.
 auto VideoRank(const AVStream& stream) {
   const AVCodecParameters& codec = *stream.codecpar;
   return std::tuple(avcodec_find_decoder(codec.codec_id) != nullptr, (stream.disposition & AV_DISPOSITION_DEFAULT) != 0,
@@ -81,14 +82,14 @@ Expected<std::unique_ptr<Demuxer>> Demuxer::Open(const MediaSource& source) {
 }
 
 Demuxer::~Demuxer() {
-  StartTimer();  // closing a live source says goodbye to the other side
+  StartTimer();  // closing a live source may send a message to the peer
   avformat_close_input(&context_);
 }
 
 int Demuxer::Read(AVPacket* packet) {
   StartTimer();
   const int result = av_read_frame(context_, packet);
-  return result < 0 && TimeIsUp() ? AVERROR_EXIT : result;  // not every protocol says why it gave up
+  return result < 0 && TimeIsUp() ? AVERROR_EXIT : result;  // not every protocol reports a timeout as such
 }
 
 int Demuxer::SeekBefore(std::int64_t stamp) {
@@ -99,7 +100,7 @@ bool Demuxer::IsLive() const {
   const auto scheme = UrlScheme(source_.name);
   if (!source_.remote) return false;
   if (scheme != "http" && scheme != "https") return true;
-  // A playlist has a length of its own, whether or not it is complete: only then does it tell a duration.
+  // A playlist always has a size in bytes; only a complete one has a duration.
   const bool tells_duration =
       context_->duration > 0 && context_->duration_estimation_method != AVFMT_DURATION_FROM_BITRATE;
   const bool playlist = std::string_view(context_->iformat->name) == "hls";
@@ -160,7 +161,7 @@ Error Demuxer::OpenError(int result) const {
     return {ErrorCode::kNotFound, fmt::format("{}: {}; check that the source is sending", source_.name, reason)};
   }
   if (result == AVERROR(EACCES) || result == AVERROR(ENOENT)) return ErrorFromErrno(AVUNERROR(result), source_.name);
-  return {ErrorCode::kDataLoss, fmt::format("{}: not a video that can be read, or its head is damaged", source_.name)};
+  return {ErrorCode::kDataLoss, fmt::format("{}: not a video that can be read, or a damaged header", source_.name)};
 }
 
 bool Demuxer::TimeIsUp() const { return deadline_ && Clock::now() > *deadline_; }

@@ -1,5 +1,5 @@
-// Private to video/: opens a container, chooses its video stream and hands out packets, without ever waiting for longer
-// than the timeout and without opening anything but the one source.
+// Private to video/: opens a container, selects its video stream and reads packets. Every blocking call on a remote
+// source has a timeout, and only the given source is opened (no files or URLs that it refers to).
 #pragma once
 
 #include <chrono>
@@ -13,41 +13,44 @@
 
 namespace victorious {
 
-/// A file's path or a URL, as the user wrote it.
+/// The source as given by the user.
 struct MediaSource {
-  std::string name;
-  bool remote = false;    ///< a URL
-  double timeout_s = 10;  ///< of a remote source
+  std::string name;       ///< path or URL
+  bool remote = false;    ///< true for a URL
+  double timeout_s = 10;  ///< limit of each open and read call; remote sources only
 };
 
-/// The scheme of "rtsp://…", in lower case; nothing if `source` is a path.
+/// Returns the scheme of a URL such as "rtsp://…", in lower case; std::nullopt if `source` is a path.
 [[nodiscard]] std::optional<std::string> UrlScheme(const std::string& source);
 
 class Demuxer {
  public:
+  /// Opens a source. Errors: kInvalidArgument (unsupported URL scheme), kNotFound (also a URL without an answer),
+  /// kPermissionDenied, kDataLoss (not a video, or without a video stream).
   static Expected<std::unique_ptr<Demuxer>> Open(const MediaSource& source);
   ~Demuxer();
   Demuxer(const Demuxer&) = delete;
   Demuxer& operator=(const Demuxer&) = delete;
 
-  /// The next packet of any stream that is not discarded. Returns FFmpeg's result: AVERROR_EOF at the end.
+  /// Reads the next packet of any stream that is not discarded. Returns FFmpeg's result: AVERROR_EOF at the end,
+  /// AVERROR_EXIT on timeout.
   int Read(AVPacket* packet);
 
-  /// Goes on with packets from a key frame of the video at or before a stamp, in units of the stream's time base.
-  /// Returns FFmpeg's result.
+  /// Seeks to the last key frame of the video at or before `stamp` (units of the stream's time base). Returns FFmpeg's
+  /// result.
   int SeekBefore(std::int64_t stamp);
 
-  /// A remote source that sends what is there now, and no more of it later: any that does not tell its length.
+  /// Returns true for a remote source of unknown length, which cannot be read a second time.
   [[nodiscard]] bool IsLive() const;
 
-  /// As the protocol tells it; 0 if it does not.
+  /// Size of the source in bytes as reported by the protocol; 0 if unknown.
   [[nodiscard]] std::int64_t size_bytes() const;
 
   [[nodiscard]] const AVFormatContext& container() const { return *context_; }
   [[nodiscard]] AVStream& stream(int index) const { return *context_->streams[index]; }
   [[nodiscard]] AVStream& video() const { return *context_->streams[video_index_]; }
 
-  /// Packets of streams for which `wanted` is false will not be handed out, nor even parsed where that can be avoided.
+  /// Discards the packets of streams for which `wanted` is false; they are not parsed if the format allows it.
   template <typename Predicate>
   void KeepStreams(Predicate wanted) {
     for (unsigned i = 0; i < context_->nb_streams; ++i) {

@@ -12,7 +12,7 @@ extern "C" {
 namespace victorious {
 namespace {
 
-constexpr std::size_t kMaxAllocationBytes = std::size_t{1} << 28;  // a plane of kMaxFramePixels, 16 bits, with room
+constexpr std::size_t kMaxAllocationBytes = std::size_t{1} << 28;  // > a 16-bit plane of kMaxFramePixels
 
 void DropLogLine(void* /*object*/, int /*level*/, const char* /*format*/, va_list /*arguments*/) {}
 

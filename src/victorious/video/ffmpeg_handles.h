@@ -1,4 +1,4 @@
-// Private to video/: FFmpeg's objects, each freed by the handle that owns it, and what has to be said to FFmpeg once.
+// Private to video/: owning handles for FFmpeg objects, and the process-wide set-up of FFmpeg.
 #pragma once
 
 #include <memory>
@@ -24,14 +24,14 @@ using FrameHandle = std::unique_ptr<AVFrame, FfmpegDeleter>;
 using PacketHandle = std::unique_ptr<AVPacket, FfmpegDeleter>;
 using ScalerHandle = std::unique_ptr<SwsContext, FfmpegDeleter>;
 
-/// The largest picture a video may have: 8192 x 4096, above 8K. It bounds what a hostile file can make us allocate.
+/// Maximum number of pixels of a video frame: 8192 x 4096, above 8K. Bounds the memory that a hostile file can request.
 inline constexpr int kMaxFramePixels = 1 << 25;
 
-/// Silences FFmpeg's log (stderr is the program's own) and bounds its single allocations. Cheap; call it before any
-/// use.
+/// Disables FFmpeg's log (stderr is reserved for the program) and limits its single allocations. Idempotent and cheap;
+/// call it before any use of FFmpeg.
 void PrepareFfmpeg();
 
-/// FFmpeg's words for one of its negative results.
+/// Returns FFmpeg's message for a negative result code.
 std::string FfmpegErrorText(int result);
 
 }  // namespace victorious

@@ -30,7 +30,7 @@ std::optional<double> FrameClock::origin_s() const {
   return *origin_ticks_ * tick_s_;
 }
 
-// Stamps that are past the last frame by themselves need no shift, or no longer.
+// True if a stamp is after the last frame without the offset shift_s_.
 bool FrameClock::IsUnshifted(std::int64_t pts) const {
   return !started_ || (static_cast<double>(pts) - *origin_ticks_) * tick_s_ > last_time_s_;
 }
@@ -40,7 +40,7 @@ double FrameClock::TimeOf(std::int64_t pts) const {
 }
 
 FrameClock::Reading FrameClock::Advance(double time_s, double duration_s, bool repaired) {
-  // So far out that half a frame is below the precision of a double, only the next double is later.
+  // For very large times half a frame is below the precision of a double: use the next double.
   if (started_) time_s = std::max(time_s, std::nextafter(last_time_s_, std::numeric_limits<double>::max()));
   started_ = true;
   last_time_s_ = time_s;

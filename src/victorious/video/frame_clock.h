@@ -1,11 +1,13 @@
-// Private to video/: from the time stamps of decoded frames to strictly increasing seconds since the first frame.
+// Private to video/: converts the time stamps of decoded frames to strictly increasing seconds since the first frame.
 //
 //   time_s = (pts - pts of the first frame) * tick_s
 //
-// A frame without a stamp follows the last one by its duration. A stamp that does not go forwards is damage: the frame
-// follows the last one by half its duration, so that the next good stamp fits again; if the stamps go on from there
-// (two recordings joined), their spacing is kept. A stamp far ahead is a gap, unless the one after it comes back into
-// the gap: then it is damage, too, and the frame takes the place between its neighbours.
+// - Missing stamp: the frame follows the previous one by that frame's duration.
+// - Non-increasing stamp: damage. The frame follows the previous one by half its duration, so that the next correct
+//   stamp is again increasing. If the stamps continue from there (two concatenated recordings), their spacing is kept
+//   by an offset.
+// - Stamp far ahead: a gap, unless the next stamp lies inside the gap. Then the stamp is damaged, and the frame takes
+//   the time between its neighbours.
 #pragma once
 
 #include <cstdint>
@@ -17,32 +19,33 @@ namespace victorious {
 class FrameClock {
  public:
   struct Reading {
-    double time_s = 0;
-    bool repaired = false;  ///< the stamp was damaged
+    double time_s = 0;      ///< since the first frame
+    bool repaired = false;  ///< true if the stamp was damaged and replaced
   };
 
-  /// @param tick_s               seconds a unit of the time stamps
-  /// @param default_duration_s   of a frame that does not say how long it is shown
+  /// @param tick_s               duration of one unit of the time stamps, s
+  /// @param default_duration_s   duration of a frame whose duration is unknown, s
   FrameClock(double tick_s, double default_duration_s) : tick_s_(tick_s), default_duration_s_(default_duration_s) {}
 
-  /// The stamp of the frame after this one; nothing if there is none. Asked for only where a stamp leaves a gap.
+  /// Returns the stamp of the next frame, std::nullopt if there is none. Called only if a stamp leaves a gap.
   using Following = std::function<std::optional<std::int64_t>()>;
 
-  /// The next frame in order of presentation.
-  /// @param duration_s  of this frame; 0 if unknown
+  /// Returns the time of the next frame in presentation order.
+  /// @param pts         its stamp, if it has one
+  /// @param duration_s  its duration; 0 if unknown
   Reading Next(std::optional<std::int64_t> pts, double duration_s, const Following& following = {});
 
-  /// The next frame is not the one after the last: its stamp tells its time, whatever came before.
+  /// Resets the sequence after a seek: the time of the next frame follows from its stamp alone.
   void Jump() {
     started_ = false;
     shift_s_ = 0;
   }
 
-  /// The first frame's time on the container's clock; nothing before the first stamped frame.
+  /// Time of the first frame in the container's clock; std::nullopt before the first frame with a stamp.
   [[nodiscard]] std::optional<double> origin_s() const;
 
   [[nodiscard]] double last_time_s() const { return last_time_s_; }
-  /// When the last frame's showing ends.
+  /// End of the last frame: its time plus its duration. 0 before the first frame.
   [[nodiscard]] double end_time_s() const { return started_ ? last_time_s_ + last_duration_s_ : 0; }
 
  private:
@@ -56,7 +59,7 @@ class FrameClock {
   bool started_ = false;
   double last_time_s_ = 0;
   double last_duration_s_ = 0;
-  double shift_s_ = 0;  ///< added to stamps that started anew at an earlier time
+  double shift_s_ = 0;  ///< offset of stamps that restarted at an earlier time
 };
 
 }  // namespace victorious

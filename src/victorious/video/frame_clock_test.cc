@@ -47,7 +47,7 @@ TEST(FrameClock, OneBadStampDisturbsNoOther) {
   EXPECT_NEAR(good.time_s, 0.08, 1e-9);
 }
 
-// The times that the clock gives a video of these stamps.
+// The frame times that FrameClock computes for these stamps.
 std::vector<double> TimesOf(FrameClock& clock, const std::vector<std::int64_t>& pts) {
   std::vector<double> times_s;
   for (std::size_t i = 0; i < pts.size(); ++i) {
@@ -73,7 +73,7 @@ TEST(FrameClock, OneStampFarAheadDisturbsNoOther) {
 TEST(FrameClock, AGapGoesOnFromItsEnd) {
   FrameClock clock(kTick, 0.04);
   EXPECT_THAT(TimesOf(clock, {0, 40, 1000, 1040, 1080}), Pointwise(DoubleNear(1e-9), {0.0, 0.04, 1.0, 1.04, 1.08}));
-  // A stamp that nothing follows, or that the next one does not contradict, is taken at its word.
+  // The stamp is accepted if it is the last one, or if the next stamp is consistent with it.
   EXPECT_DOUBLE_EQ(clock.Next(9000, 0, [] { return std::nullopt; }).time_s, 9.0);
   EXPECT_DOUBLE_EQ(clock.Next(12000, 0, [] { return 100; }).time_s, 12.0);
 }

@@ -28,7 +28,7 @@ bool IsGreyFormat(const AVPixFmtDescriptor& format) {
   return format.nb_components <= 2 && (format.flags & AV_PIX_FMT_FLAG_RGB) == 0;
 }
 
-// Samples of one byte, or of two in this machine's order, that lie one after the other in plane 0.
+// True if the luma samples are contiguous in plane 0, with one byte each, or with two bytes in native byte order.
 bool HasLumaPlane(const AVFrame& frame, const AVPixFmtDescriptor& format) {
   const AVComponentDescriptor& luma = format.comp[0];
   const int sample_bytes = luma.depth > 8 ? 2 : 1;
@@ -46,7 +46,7 @@ bool HasBt601Luma(const AVFrame& frame, const AVPixFmtDescriptor& format) {
     case AVCOL_SPC_RESERVED:
       return true;
     default:
-      return IsGreyFormat(format);  // no chroma: every matrix gives the same grey
+      return IsGreyFormat(format);  // without chroma, grey does not depend on the matrix
   }
 }
 
@@ -64,12 +64,12 @@ bool IsFullRange(const AVFrame& frame, const AVPixFmtDescriptor& format) {
   }
 }
 
-// One pass: range, depth and copy.
+// Converts range and depth and copies, in one pass.
 cv::Mat GreyFromLuma(const AVFrame& frame, const AVPixFmtDescriptor& format) {
   const AVComponentDescriptor& luma = format.comp[0];
   const int type = luma.depth > 8 ? CV_16UC1 : CV_8UC1;
   const cv::Mat plane(frame.height, frame.width, type, frame.data[0], static_cast<std::size_t>(frame.linesize[0]));
-  // The sample that means 1/255 of white, in stored units: the depth, and the zero bits below the sample.
+  // Stored value that corresponds to 1/255 of white; accounts for the depth and for zero bits below the sample.
   const double unit =
       std::ldexp(1.0, luma.shift) *
       (IsFullRange(frame, format) ? (std::ldexp(1.0, luma.depth) - 1) / 255 : std::ldexp(219.0 / 255, luma.depth - 8));
@@ -84,8 +84,8 @@ cv::Mat GreyFromLuma(const AVFrame& frame, const AVPixFmtDescriptor& format) {
 Expected<cv::Mat> FrameConverter::Convert(const AVFrame& frame) {
   try {
     return ConvertAndTurn(frame);
-  } catch (const cv::Exception& exception) {  // no memory
-    return Fail(ErrorCode::kInternal, fmt::format("a frame that cannot be converted ({})", exception.err));
+  } catch (const cv::Exception& exception) {  // out of memory
+    return Fail(ErrorCode::kInternal, fmt::format("a frame cannot be converted ({})", exception.err));
   }
 }
 
@@ -125,7 +125,7 @@ Expected<cv::Mat> FrameConverter::ToBgr(const AVFrame& frame) {
   constexpr int kOne = 1 << 16;  // 16.16 fixed point
   sws_setColorspaceDetails(scaler_.get(), sws_getCoefficients(frame.colorspace), IsFullRange(frame, format) ? 1 : 0,
                            sws_getCoefficients(SWS_CS_DEFAULT), 1, 0, kOne, kOne);
-  // The scaler's vector code writes whole groups of pixels, so rows that do not end on one get room behind them.
+  // The scaler's SIMD code writes whole groups of pixels, so the rows are padded to a multiple of a group.
   constexpr int kGroup = 32;
   const int padded_width = (frame.width + kGroup - 1) / kGroup * kGroup;
   cv::Mat bgr;

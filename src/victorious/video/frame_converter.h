@@ -1,7 +1,8 @@
-// Private to video/: a decoded picture of any of FFmpeg's pixel formats as an upright 8-bit cv::Mat of square pixels.
+// Private to video/: converts a decoded frame of any FFmpeg pixel format to an upright 8-bit cv::Mat with square
+// pixels.
 //
-// Grey comes straight from the luma plane where that is BT.601 luma; limited range (16..235) is stretched to 0..255 and
-// deeper samples are brought down to 8 bits in the same pass. Everything else goes through BGR.
+// Grey output is read directly from the luma plane if that is BT.601 luma; limited range (16..235) is stretched to
+// 0..255 and deeper samples are reduced to 8 bits in the same pass. All other formats are converted through BGR.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -15,11 +16,12 @@ namespace victorious {
 
 class FrameConverter {
  public:
-  /// @param size  before turning, with square pixels; frames of another size are scaled to it
+  /// @param size  target size before rotation, with square pixels; frames of another size are scaled to it
   FrameConverter(FrameColor color, Orientation orientation, cv::Size size)
       : color_(color), orientation_(orientation), size_(size) {}
 
-  /// A picture that owns its pixels.
+  /// Returns the image (CV_8UC1 or CV_8UC3 BGR), which owns its pixels.
+  /// Errors: kUnsupported (pixel format), kInternal (out of memory).
   Expected<cv::Mat> Convert(const AVFrame& frame);
 
  private:
@@ -31,7 +33,7 @@ class FrameConverter {
   Orientation orientation_;
   cv::Size size_;
   ScalerHandle scaler_;
-  cv::Mat padded_;  ///< rows that the scaler may overrun
+  cv::Mat padded_;  ///< buffer with padded rows, because the scaler writes whole groups of pixels
 };
 
 }  // namespace victorious

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 28;
 
-// All channels as stored; empty if OpenCV cannot decode it.
+// Decodes all channels as stored; empty if OpenCV cannot decode the bytes.
 cv::Mat DecodeStored(std::span<const std::byte> bytes) {
   const cv::Mat view(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<std::byte*>(bytes.data()));
   return cv::imdecode(view, cv::IMREAD_UNCHANGED);
@@ -80,14 +80,14 @@ Expected<Image> DecodeChecked(std::span<const std::byte> bytes, const ImageHeade
     return Fail(ErrorCode::kDataLoss, fmt::format("{}: a damaged {} picture", name, Name(header.format)));
   }
   if (stored.depth() != CV_8U && stored.depth() != CV_16U) {
-    return Fail(ErrorCode::kUnsupported, fmt::format("{}: pixels that are not of 8 or 16 bits", name));
+    return Fail(ErrorCode::kUnsupported, fmt::format("{}: pixels are neither 8-bit nor 16-bit integers", name));
   }
   auto image = SplitAlpha(stored);
   if (!image) {
     return Fail(ErrorCode::kUnsupported, fmt::format("{}: {} channels, not 1 to 4", name, stored.channels()));
   }
   image->bgr = TurnUpright(image->bgr, header.orientation);
-  // The fourth byte of a BMP pixel is padding in nearly all of them.
+  // The fourth byte of a BMP pixel is almost always padding, not alpha.
   image->alpha = header.format == ImageFormat::kBmp ? cv::Mat() : TurnUpright(image->alpha, header.orientation);
   return *std::move(image);
 }
@@ -103,20 +103,20 @@ Expected<Image> DecodeImage(std::span<const std::byte> bytes, const std::string&
   VICTORIOUS_ASSIGN_OR_RETURN(const ImageHeader header, CheckedHeader(bytes, name));
   try {
     return DecodeChecked(bytes, header, name);
-  } catch (const std::exception&) {  // cv::Exception, or no memory: either way there is no picture
+  } catch (const std::exception&) {  // cv::Exception or std::bad_alloc
     return Fail(ErrorCode::kDataLoss, fmt::format("{}: a damaged {} picture", name, Name(header.format)));
   }
 }
 
 Status WriteImage(const std::filesystem::path& path, const cv::Mat& image) {
-  // Files are written once and kept: a PNG half as large is worth the time. Other formats pass over it.
+  // Halves the size of a PNG at the cost of time; other formats ignore the parameter.
   const std::vector<int> parameters = {cv::IMWRITE_PNG_COMPRESSION, 6};
   std::vector<unsigned char> bytes;
   try {
     if (cv::imencode(path.extension().string(), image, bytes, parameters))
       return WriteFileAtomically(path, std::as_bytes(std::span(bytes)));
   } catch (const cv::Exception&) {
-    // An ending that OpenCV knows no format for.
+    // The extension is unknown to OpenCV.
   }
   return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: a picture's name must end in .png or .jpg", path.string()));
 }
@@ -131,7 +131,7 @@ Expected<std::vector<std::byte>> Encode(const cv::Mat& bgr, const char* ending, 
       return std::vector<std::byte>(encoded.begin(), encoded.end());
     }
   } catch (const cv::Exception&) {
-    // An empty picture, or one too large for the format.
+    // The image is empty, or too large for the format.
   }
   return Fail(ErrorCode::kInternal,
               fmt::format("a picture of {} x {} pixels cannot be encoded as {}", bgr.cols, bgr.rows, ending));

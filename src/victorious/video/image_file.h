@@ -1,5 +1,5 @@
-// A single picture from a file: PNG, JPEG, TIFF, BMP or PNM. Decoding is OpenCV's; formats beyond these are
-// refused, because some decoders that OpenCV may be built with open other files or end the program.
+// Reads and writes single images: PNG, JPEG, TIFF, BMP and PNM, through OpenCV's decoders. Other formats are refused,
+// because some decoders that OpenCV may be built with open further files or terminate the program.
 #pragma once
 
 #include <cstddef>
@@ -16,29 +16,29 @@ namespace victorious {
 
 struct Image {
   cv::Mat bgr;    ///< CV_8UC3, upright (EXIF orientation applied)
-  cv::Mat alpha;  ///< CV_8UC1, 0 transparent to 255 opaque; empty where the file has no alpha channel
+  cv::Mat alpha;  ///< CV_8UC1, 0 transparent to 255 opaque; empty if the file has no alpha channel
 };
 
-/// Reads and decodes a picture; 16-bit pictures come down to 8. At most 2^28 pixels.
-/// Errors: kNotFound, kInvalidArgument (empty file, a folder), kDataLoss (not a picture that can be decoded),
-/// kUnsupported (too large, floating point).
+/// Reads and decodes an image of at most 2^28 pixels; 16-bit samples are reduced to 8 bits.
+/// Errors: kNotFound, kInvalidArgument (empty file, a folder), kDataLoss (not a decodable image), kUnsupported (too
+/// large, floating point).
 Expected<Image> ReadImage(const std::filesystem::path& path);
 
-/// The same from bytes in memory; `name` is for the error's text.
+/// Decodes an image from memory; `name` is the prefix of error messages. Errors: those of ReadImage.
 Expected<Image> DecodeImage(std::span<const std::byte> bytes, const std::string& name);
 
-/// Writes a BGR or grey picture atomically; the format is that of the name's ending (.png, .jpg).
-/// Errors: kInvalidArgument for an ending that names no format; those of WriteFileAtomically.
+/// Writes a BGR or grey image atomically; the file extension determines the format (.png, .jpg).
+/// Errors: kInvalidArgument for an unknown extension; those of WriteFileAtomically.
 Status WriteImage(const std::filesystem::path& path, const cv::Mat& image);
 
-/// A small JPEG of a BGR picture, the same bytes each time.
-/// @param quality  1 to 100; 80 is enough for people to look at
+/// Encodes a BGR image as JPEG, deterministically.
+/// @param quality  1 to 100; 80 suffices for viewing
 Expected<std::vector<std::byte>> EncodeJpeg(const cv::Mat& bgr, int quality = 80);
 
-/// A BGR picture without loss, as PNG.
+/// Encodes a BGR image losslessly, as PNG.
 Expected<std::vector<std::byte>> EncodePng(const cv::Mat& bgr);
 
-/// Luma as the features see it: CV_8UC1, of the BT.601 weights 0.299 R + 0.587 G + 0.114 B.
+/// Returns the luma that the feature extraction uses: CV_8UC1, BT.601 weights 0.299 R + 0.587 G + 0.114 B.
 cv::Mat GreyFromBgr(const cv::Mat& bgr);
 
 }  // namespace victorious

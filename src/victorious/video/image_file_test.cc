@@ -33,7 +33,7 @@ std::string BigEndian(std::uint32_t value, int size) {
   return bytes;
 }
 
-// A TIFF structure of one directory with one tag, the orientation.
+// A TIFF structure: one directory with the orientation tag only.
 std::string ExifBytes(int orientation) {
   return std::string("MM\0*", 4) + BigEndian(8, 4) + BigEndian(1, 2) + BigEndian(0x0112, 2) + BigEndian(3, 2) +
          BigEndian(1, 4) + BigEndian(static_cast<std::uint32_t>(orientation), 2) + std::string(6, '\0');
@@ -45,7 +45,7 @@ std::string WithExif(const std::string& jpeg, int orientation) {
          jpeg.substr(2);
 }
 
-// Left half red, right half blue, a green corner at the top left: no two orientations look alike.
+// Left half red, right half blue, a green corner at the top left: all eight orientations differ.
 cv::Mat Flag() {
   cv::Mat flag(32, 64, CV_8UC3, cv::Scalar(255, 0, 0));
   flag(cv::Rect(0, 0, 32, 32)).setTo(cv::Scalar(0, 0, 255));
@@ -71,7 +71,8 @@ TEST(ImageFile, JpegComesClose) {
   EXPECT_LT(cv::norm(image->bgr, Flag(), cv::NORM_L1) / static_cast<double>(Flag().total() * 3), 12);
 }
 
-// A damaged WebP would be handed by OpenCV to whatever library claims it: here DICOM's, which ends the program.
+// OpenCV would pass a damaged WebP on to any library that accepts it: here the DICOM library, which terminates the
+// program.
 TEST(ImageFile, WhatOpenCvWouldGiveToOtherLibrariesIsRefused) {
   std::string webp = std::string("RIFF\x84\0\0\0WEBPVP8L", 16) + std::string(112, '\n') + "DICM";
   webp += std::string("\x03\x03\x02\x04OB\x8B\x06", 8);
@@ -124,7 +125,7 @@ TEST(ImageFile, ExifOrientationIsObeyed) {
     const std::string turned = WithExif(jpeg, orientation);
     const auto image = DecodeImage(Bytes(turned), "turned.jpg");
     ASSERT_TRUE(image) << image.error().message;
-    // OpenCV's own reading of the tag is the reference.
+    // Reference: OpenCV's own interpretation of the tag.
     const cv::Mat expected = cv::imdecode(std::vector<unsigned char>(turned.begin(), turned.end()), cv::IMREAD_COLOR);
     ASSERT_EQ(image->bgr.size(), expected.size()) << orientation;
     EXPECT_EQ(LargestDifference(image->bgr, expected), 0) << orientation;
@@ -135,13 +136,13 @@ TEST(ImageFile, ExifOrientationOfPngTurnsAlphaToo) {
   cv::Mat stored(2, 4, CV_8UC4, cv::Scalar(1, 2, 3, 255));
   stored.at<cv::Vec4b>(0, 0) = {9, 8, 7, 0};
   std::string png = Encode(".png", stored);
-  // The checksum of an ancillary chunk that nobody reads may be wrong; the chunk stands behind IHDR.
+  // The checksum of the ancillary chunk is not computed: no decoder checks it. The chunk follows IHDR.
   const std::string chunk = BigEndian(static_cast<std::uint32_t>(ExifBytes(6).size()), 4) + "eXIf" + ExifBytes(6);
   png.insert(33, chunk + BigEndian(0, 4));
   const auto image = DecodeImage(Bytes(png), "turned.png");
   ASSERT_TRUE(image) << image.error().message;
   ASSERT_EQ(image->bgr.size(), cv::Size(2, 4));
-  EXPECT_EQ(image->bgr.at<cv::Vec3b>(0, 1), cv::Vec3b(9, 8, 7));  // the top left goes to the top right
+  EXPECT_EQ(image->bgr.at<cv::Vec3b>(0, 1), cv::Vec3b(9, 8, 7));  // the top left moves to the top right
   EXPECT_EQ(image->alpha.at<uchar>(0, 1), 0);
 }
 
@@ -192,7 +193,7 @@ TEST(ImageFile, TooLargeIsRefusedBeforeDecoding) {
   EXPECT_THAT(image.error().message, HasSubstr("20000 x 20000"));
 }
 
-// OpenCV looks for the next digit and would take this for 888888 x 880 pixels.
+// OpenCV skips to the next digit and would read 888888 x 880 pixels.
 TEST(ImageFile, ASizeThatDecodersReadDifferentlyIsRefused) {
   for (const std::string text : {"P6\n888888r880 255 ", "P5\n0 10 255\n", "P5\n"}) {
     const auto image = DecodeImage(Bytes(text), "strange.ppm");

@@ -8,7 +8,7 @@
 namespace victorious {
 namespace {
 
-// Reads numbers at any place; beyond the end everything is 0, which no format takes for anything valid.
+// Reads integers at any offset. Bytes beyond the end read as 0, which is invalid in every format.
 class ByteView {
  public:
   ByteView(std::span<const std::byte> bytes, std::endian order) : bytes_(bytes), order_(order) {}
@@ -43,7 +43,7 @@ constexpr std::string_view kExifPrefix("Exif\0\0", 6);
 constexpr std::string_view kLittleEndian("II*\0", 4);
 constexpr std::string_view kBigEndian("MM\0*", 4);
 
-// A tag's number in the first directory of a TIFF structure (TIFF 6.0, section 2), which EXIF is too.
+// Returns the value of a tag in the first directory of a TIFF structure (TIFF 6.0, section 2); EXIF has this structure.
 std::optional<std::uint32_t> TiffTag(std::span<const std::byte> tiff, std::uint32_t wanted) {
   constexpr std::uint32_t kShort = 3;
   const ByteView little(tiff, std::endian::little);
@@ -94,7 +94,7 @@ std::optional<ImageHeader> ReadJpeg(std::span<const std::byte> bytes) {
       header.cut_off = std::ranges::search(view.From(at), kEndOfImage).empty();
       return header;
     }
-    if (marker == 0xDA) return std::nullopt;  // the scan begins and no frame was declared
+    if (marker == 0xDA) return std::nullopt;  // start of scan without a frame header
     if (marker == 0xE1 && view.Has(at + 4, kExifPrefix)) header.orientation = ExifOrientation(view.From(at + 4));
     const bool alone = marker == 0x01 || (marker >= 0xD0 && marker <= 0xD8);
     at += alone ? 2 : std::size_t{2} + view.U16(at + 2);
@@ -108,20 +108,20 @@ std::optional<ImageHeader> ReadTiff(std::span<const std::byte> bytes) {
   const auto width = TiffTag(bytes, kWidthTag);
   const auto height = TiffTag(bytes, kHeightTag);
   if (!width || !height) return std::nullopt;
-  return ImageHeader{ImageFormat::kTiff, *width, *height};  // its orientation is obeyed by the decoder itself
+  return ImageHeader{ImageFormat::kTiff, *width, *height};  // the decoder itself applies the orientation
 }
 
 std::optional<ImageHeader> ReadBmp(std::span<const std::byte> bytes) {
   const ByteView view(bytes, std::endian::little);
   constexpr std::uint32_t kOldHeaderSize = 12;
   if (view.U32(14) == kOldHeaderSize) return ImageHeader{ImageFormat::kBmp, view.U16(18), view.U16(20)};
-  const auto magnitude = [](std::uint32_t bits) {  // a negative height means: top row first
+  const auto magnitude = [](std::uint32_t bits) {  // a negative height means top-down rows
     return static_cast<std::int32_t>(bits) < 0 ? 0 - bits : bits;
   };
   return ImageHeader{ImageFormat::kBmp, magnitude(view.U32(18)), magnitude(view.U32(22))};
 }
 
-// "P5 640 480 255 ": numbers in text, comments from # to the line's end.
+// "P5 640 480 255 ": decimal numbers, with comments from # to the end of the line.
 std::optional<ImageHeader> ReadPnm(std::span<const std::byte> bytes) {
   const ByteView view(bytes, std::endian::little);
   const auto is_space = [&](std::size_t at) { return std::isspace(static_cast<int>(view.U8(at))) != 0; };
@@ -137,7 +137,7 @@ std::optional<ImageHeader> ReadPnm(std::span<const std::byte> bytes) {
     std::uint32_t number = 0;
     constexpr std::uint32_t kLimit = 100'000'000;
     for (; is_digit(at); ++at) number = number < kLimit ? number * 10 + (view.U8(at) - '0') : number;
-    return is_space(at) || view.U8(at) == '#' ? number : 0;  // "640x480": decoders differ in what they take it for
+    return is_space(at) || view.U8(at) == '#' ? number : 0;  // rejects "640x480", which decoders parse differently
   };
   const std::uint32_t width = next_number();
   return ImageHeader{ImageFormat::kPnm, width, next_number()};

@@ -1,7 +1,8 @@
-// Private to video/: the head of a picture file, read before any decoder touches it. It bounds the size, finds the EXIF
-// orientation, and is the list of formats that are let through to OpenCV. A build of OpenCV may know many more, by way
-// of GDAL and GDCM: some open other files, some end the program on damage. Therefore only formats that OpenCV knows by
-// fixed first bytes are let through: WebP is not, because a damaged one falls through to those libraries.
+// Private to video/: parses the header of an image file before any decoder runs. It bounds the size, extracts the EXIF
+// orientation, and defines the list of formats that are passed to OpenCV. OpenCV builds may support many more formats
+// through GDAL and GDCM: some of these open further files, some terminate the program on damaged input. Therefore only
+// formats that OpenCV identifies by fixed first bytes are accepted. WebP is refused, because OpenCV passes a damaged
+// WebP file on to those libraries.
 #pragma once
 
 #include <cstddef>
@@ -16,22 +17,23 @@ namespace victorious {
 
 enum class ImageFormat { kPng, kJpeg, kTiff, kBmp, kPnm };
 
-/// "png", "jpeg", …
+/// Name of a format: "png", "jpeg", …
 [[nodiscard]] std::string_view Name(ImageFormat format);
 
+/// Contents of the header, unchecked.
 struct ImageHeader {
   ImageFormat format = ImageFormat::kPng;
   std::uint32_t width = 0;   ///< px, as stored
   std::uint32_t height = 0;  ///< px, as stored
   Orientation orientation = Orientation::kUpright;
-  bool cut_off = false;  ///< a PNG or JPEG whose end is missing
+  bool cut_off = false;  ///< true for a PNG or JPEG without its end marker
 };
 
-/// By the first bytes alone (32 are enough), however damaged the rest.
+/// Identifies the format by the first bytes (32 suffice); std::nullopt if it is none of these.
 [[nodiscard]] std::optional<ImageFormat> ImageFormatOf(std::span<const std::byte> bytes);
 
-/// Nothing if it is of none of the formats, or its size does not stand in it. The numbers are as the file says,
-/// unchecked.
+/// Parses the header. Returns std::nullopt for an unknown format or a header without a size. The values are those of
+/// the file, unchecked.
 [[nodiscard]] std::optional<ImageHeader> ReadImageHeader(std::span<const std::byte> bytes);
 
 }  // namespace victorious

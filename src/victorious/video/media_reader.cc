@@ -26,11 +26,11 @@ namespace {
 
 constexpr int kMaxThreads = 16;
 constexpr auto kRetryPause = std::chrono::milliseconds(10);
-constexpr int kMaxReadErrors = 100;     // in a row, before the rest of a file is given up
-constexpr int kMaxDecodeErrors = 1000;  // without a packet between them
+constexpr int kMaxReadErrors = 100;     // consecutive errors before reading stops
+constexpr int kMaxDecodeErrors = 1000;  // consecutive errors without a packet in between
 
 double FrameRate(const AVStream& stream) {
-  constexpr double kMaxRate = 1000;  // above it stands a time base, not a rate
+  constexpr double kMaxRate = 1000;  // greater values are a time base, not a rate
   for (const AVRational rate : {stream.avg_frame_rate, stream.r_frame_rate}) {
     if (rate.num > 0 && rate.den > 0 && av_q2d(rate) <= kMaxRate) return av_q2d(rate);
   }
@@ -44,7 +44,7 @@ FrameClock ClockOf(const AVStream& stream) {
   return {tick.num > 0 && tick.den > 0 ? av_q2d(tick) : 1 / kUsualRate, 1 / (rate > 0 ? rate : kUsualRate)};
 }
 
-// Codes without a container carry no time stamps; FFmpeg makes some up, in the order of decoding.
+// Elementary streams have no time stamps; FFmpeg generates some in decoding order.
 bool HasTimeStamps(const AVFormatContext& container) {
   static constexpr std::array<std::string_view, 7> kBareCodes = {"mpegvideo", "h264", "hevc", "m4v",
                                                                  "vc1",       "obu",  "mjpeg"};
@@ -80,7 +80,7 @@ Expected<CodecHandle> OpenDecoder(const AVStream& stream, const MediaSource& sou
   decoder->max_pixels = kMaxFramePixels;
   decoder->thread_count =
       std::min(threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency()), kMaxThreads);
-  // Frame threads hold frames back, which costs a file nothing and a live picture its freshness.
+  // Frame threads delay the output by several frames: irrelevant for a file, but latency for a live source.
   decoder->thread_type = source.remote ? FF_THREAD_SLICE : FF_THREAD_FRAME | FF_THREAD_SLICE;
   if (const int result = avcodec_open2(decoder.get(), codec, nullptr); result < 0) {
     return Fail(ErrorCode::kDataLoss, fmt::format("{}: its video ({}) cannot be decoded: {}", source.name, codec_name,
@@ -107,7 +107,7 @@ class MediaReader : public VideoReader {
     });
   }
 
-  /// Decodes the first frame, from which the sizes are known.
+  /// Decodes the first frame, which determines the sizes.
   Status Start();
 
   [[nodiscard]] const VideoInfo& info() const override { return info_; }
@@ -146,23 +146,23 @@ class MediaReader : public VideoReader {
   std::unique_ptr<Demuxer> demuxer_;
   CodecHandle decoder_;
   PacketHandle packet_;
-  FrameHandle frame_;  ///< the frame at hand
-  FrameHandle ahead_;  ///< the one after it, where has_ahead_
+  FrameHandle frame_;  ///< the current frame
+  FrameHandle ahead_;  ///< the next frame; valid if has_lookahead_
   bool has_ahead_ = false;
   FrameClock clock_;
   DamageLog damage_;
   DataTrack data_;
   std::optional<FrameConverter> converter_;
-  cv::Size stored_size_;  ///< of the first frame
+  cv::Size stored_size_;  ///< size of the first frame, px
   bool stamped_;          ///< the container has time stamps
   VideoInfo info_;
-  std::optional<double> first_time_s_;  ///< of Start()'s frame, until that is delivered
-  bool draining_ = false;               ///< no packets are left
+  std::optional<double> first_time_s_;  ///< time of the frame that Start() decoded, until it is delivered
+  bool draining_ = false;               ///< true if no packets are left
   bool finished_ = false;
-  std::string stop_reason_;  ///< why no packets are left, where it is not the end
+  std::string stop_reason_;  ///< reason for a premature end of the packets; empty at the regular end
   std::int64_t next_index_ = 0;
-  std::optional<double> packets_end_ticks_;  ///< of the video's packets read so far
-  bool unstamped_packets_ = false;           ///< one of them does not say when it is
+  std::optional<double> packets_end_ticks_;  ///< latest end of the video's packets read so far, stream time base
+  bool unstamped_packets_ = false;           ///< true if one of them has no time stamp
 };
 
 Status MediaReader::Start() {
@@ -205,7 +205,7 @@ Expected<std::optional<Frame>> MediaReader::NextFrame() {
   return std::nullopt;
 }
 
-// Leaves the next frame in frame_; false at the end.
+// Moves the next frame to frame_. Returns false at the end.
 bool MediaReader::DecodeNext() {
   if (!std::exchange(has_ahead_, false)) return Decode(frame_.get());
   std::swap(frame_, ahead_);
@@ -221,7 +221,7 @@ bool MediaReader::Decode(AVFrame* frame) {
       FeedDecoder();
       errors = 0;
     } else {
-      damage_.Add(fmt::format("a frame that cannot be decoded ({})", FfmpegErrorText(result)), clock_.end_time_s());
+      damage_.Add(fmt::format("a frame cannot be decoded ({})", FfmpegErrorText(result)), clock_.end_time_s());
       ++errors;
     }
   }
@@ -243,32 +243,32 @@ double MediaReader::ReadClock() {
   const double duration_s = static_cast<double>(frame_->pkt_duration) * av_q2d(demuxer_->video().time_base);
   const auto reading = clock_.Next(StampOf(*frame_), duration_s, [&] { return FollowingStamp(); });
   if (reading.repaired) {
-    damage_.Add("a damaged time stamp; the frame follows the one before", reading.time_s);
+    damage_.Add("a damaged time stamp, replaced by the previous frame's time plus a duration", reading.time_s);
   }
   return reading.time_s;
 }
 
 void MediaReader::NoteDamage(double time_s) {
   if ((frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame_->decode_error_flags != 0) {
-    damage_.Add("a frame that is damaged in part", time_s);
+    damage_.Add("a frame is partly damaged", time_s);
   }
   if (cv::Size(frame_->width, frame_->height) != stored_size_) {
     damage_.Add(
-        fmt::format("a frame of another size than the first; it is scaled to {} x {}", info_.width, info_.height),
+        fmt::format("the size of a frame differs from the first; it is scaled to {} x {}", info_.width, info_.height),
         time_s);
   }
 }
 
-// Reads up to the next packet of the video, and decodes it.
+// Reads the next packet of the video and sends it to the decoder.
 void MediaReader::FeedDecoder() {
   if (ReadPacket()) TakePacket();
 }
 
 bool MediaReader::SkipTo(double time_s) {
-  constexpr double kReordering_s = 1;  // by which a frame may be stored behind those shown after it
+  constexpr double kReordering_s = 1;  // bound of the reordering between decoding and presentation order, s
   const auto origin_s = clock_.origin_s();
   if (source_.remote || !stamped_ || !origin_s || !damage_.lines().empty()) return false;
-  if (time_s <= kReordering_s) return false;  // an MPEG-TS is not entered before its second key frame
+  if (time_s <= kReordering_s) return false;  // FFmpeg seeks in MPEG-TS only from the second key frame on
   if (demuxer_->SeekBefore(StampAt(time_s - kReordering_s)) < 0) return false;
   avcodec_flush_buffers(decoder_.get());
   first_time_s_.reset();
@@ -291,12 +291,12 @@ void MediaReader::PassOverFrames() {
   if (!std::exchange(finished_, true) && end_s) NoteEnd("reading", *end_s);
 }
 
-// Reads up to the next packet of the video, which is then in packet_; false at the end.
+// Reads the next packet of the video into packet_. Returns false at the end.
 bool MediaReader::ReadPacket() {
   for (int errors = 0; !draining_;) {
     const int result = demuxer_->Read(packet_.get());
     if (result == AVERROR_INVALIDDATA && ++errors <= kMaxReadErrors) {
-      damage_.Add("a part of the container that cannot be read", EndOfPackets().value_or(clock_.end_time_s()));
+      damage_.Add("a part of the container cannot be read", EndOfPackets().value_or(clock_.end_time_s()));
     } else if (result == AVERROR(EAGAIN) && ++errors <= kMaxReadErrors) {
       std::this_thread::sleep_for(kRetryPause);
     } else if (result < 0) {
@@ -315,11 +315,11 @@ bool MediaReader::ReadPacket() {
 
 void MediaReader::TakePacket() {
   if ((packet_->flags & AV_PKT_FLAG_CORRUPT) != 0) {
-    damage_.Add("a packet that the container calls damaged", PacketTime());
+    damage_.Add("a packet is marked as damaged by the container", PacketTime());
   }
   const int result = avcodec_send_packet(decoder_.get(), packet_.get());
   if (result < 0 && result != AVERROR(EAGAIN) && result != AVERROR_EOF) {
-    damage_.Add(fmt::format("a packet that cannot be decoded ({})", FfmpegErrorText(result)), PacketTime());
+    damage_.Add(fmt::format("a packet cannot be decoded ({})", FfmpegErrorText(result)), PacketTime());
   }
   av_packet_unref(packet_.get());
 }
@@ -338,7 +338,7 @@ void MediaReader::Finish() {
   if (!std::exchange(finished_, true)) NoteEnd("decoding", clock_.end_time_s());
 }
 
-// Says where the video stopped, if that is not where it should.
+// Logs a premature end: end_s is clearly before the duration, or a stop reason is set.
 void MediaReader::NoteEnd(std::string_view what, double end_s) {
   const double rate = info_.frame_rate > 0 ? info_.frame_rate : 10;
   const double tolerance_s = std::max(DurationIsTheVideos() ? 0.25 : 1.0, 2.5 / rate);
@@ -350,16 +350,17 @@ void MediaReader::NoteEnd(std::string_view what, double end_s) {
                               stop_reason_.empty() ? "the rest is missing or damaged" : stop_reason_));
 }
 
-// The size at which the pixels of the first frame are square.
+// Size of the first frame after resampling to square pixels.
 cv::Size MediaReader::SquareSize() {
-  constexpr double kNearlySquare = 0.005;  // a rounded ratio, not worth resampling
+  constexpr double kNearlySquare = 0.005;  // tolerance of a rounded ratio: not resampled
   constexpr double kMostAspect = 10;
   const AVRational ratio = av_guess_sample_aspect_ratio(nullptr, &demuxer_->video(), frame_.get());
   if (ratio.num <= 0 || ratio.den <= 0 || std::abs(av_q2d(ratio) - 1) < kNearlySquare) return stored_size_;
   const double aspect = av_q2d(ratio);
   const double width = std::round(stored_size_.width * aspect);
   if (aspect > kMostAspect || aspect < 1 / kMostAspect || width < 1 || width * stored_size_.height > kMaxFramePixels) {
-    damage_.AddLine(fmt::format("pixels of {}:{} cannot be made square; they stay as stored", ratio.num, ratio.den));
+    damage_.AddLine(fmt::format("pixels of {}:{} are beyond 10:1 or the size limit; they stay as stored",
+                                ratio.num, ratio.den));
     return stored_size_;
   }
   info_.pixel_aspect = aspect;
@@ -387,7 +388,7 @@ void MediaReader::FillInfo(Orientation orientation, cv::Size size) {
   }
 }
 
-// The container's word, or else the video's own (H.264 and H.265 may carry it in a message).
+// Orientation from the container, or else from the video stream (H.264 and H.265: an SEI message).
 Orientation MediaReader::DisplayOrientation() const {
   constexpr std::size_t kMatrixBytes = 9 * sizeof(std::int32_t);
   std::size_t size = 0;
@@ -408,20 +409,20 @@ std::optional<double> MediaReader::VideoDuration() const {
   const AVStream& video = demuxer_->video();
   const AVFormatContext& container = demuxer_->container();
   const double rate = FrameRate(video);
-  // FFmpeg takes the duration of an AVI from the part that is there; its head still counts all frames.
+  // For a truncated AVI, FFmpeg derives the duration from the available part; the header has the full frame count.
   if (std::string_view(container.iformat->name) == "avi" && video.nb_frames > 0 && rate > 0) {
     return static_cast<double>(video.nb_frames) / rate;
   }
   if (video.duration > 0) return static_cast<double>(video.duration) * av_q2d(video.time_base);
   std::int64_t duration = container.duration;
-  // Matroska tells the time at which the last frame ends; the first need not begin at 0.
+  // Matroska's duration is the end time of the last frame; the first frame need not start at 0.
   const bool tells_end = std::string_view(container.iformat->name).starts_with("matroska");
   if (tells_end && container.start_time > 0) duration -= container.start_time;
   if (duration > 0) return static_cast<double>(duration) / AV_TIME_BASE;
   return std::nullopt;
 }
 
-// Where only the container has a duration, it may be that of the sound.
+// False if only the container has a duration and there is audio: it may be the duration of the audio.
 bool MediaReader::DurationIsTheVideos() const {
   if (demuxer_->video().duration > 0) return true;
   for (unsigned i = 0; i < demuxer_->container().nb_streams; ++i) {
@@ -444,7 +445,7 @@ void MediaReader::NotePacket() {
   packets_end_ticks_ = std::max(end_ticks, packets_end_ticks_.value_or(end_ticks));
 }
 
-// When the showing of the last frame read ends, whether or not it was decoded yet; nothing where not all packets say.
+// End time of the last frame read, decoded or not; std::nullopt if a packet has no time stamp.
 std::optional<double> MediaReader::EndOfPackets() const {
   const auto origin_s = clock_.origin_s();
   if (!origin_s || unstamped_packets_ || !packets_end_ticks_) return std::nullopt;

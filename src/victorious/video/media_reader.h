@@ -1,4 +1,4 @@
-// Private to video/: the VideoReader of everything that FFmpeg demuxes and decodes.
+// Private to video/: the VideoReader for all sources that FFmpeg demuxes and decodes.
 #pragma once
 
 #include <memory>
@@ -9,6 +9,7 @@
 
 namespace victorious {
 
+/// Opens a source and decodes its first frame. Errors: those of VideoReader::Open.
 Expected<std::unique_ptr<VideoReader>> OpenMedia(const MediaSource& source, const VideoReaderOptions& options);
 
 }  // namespace victorious

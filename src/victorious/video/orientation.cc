@@ -11,7 +11,7 @@ Orientation OrientationFromExif(std::uint32_t value) {
 }
 
 Orientation OrientationFromDisplayMatrix(std::span<const std::int32_t, 9> matrix) {
-  // The stored x axis goes to (a, b) on the display, the stored y axis to (c, d).
+  // The stored x axis maps to (a, b) on the display, the stored y axis to (c, d).
   const std::int64_t a = matrix[0];
   const std::int64_t b = matrix[1];
   const std::int64_t c = matrix[3];

@@ -1,5 +1,5 @@
-// Private to video/: how a stored picture must be turned to stand upright, for EXIF (JPEG, PNG) and for the
-// display matrix of MP4 and MKV alike.
+// Private to video/: image orientation by EXIF (JPEG, PNG) or by the display matrix (MP4, MKV), and the rotation to
+// upright.
 #pragma once
 
 #include <cstdint>
@@ -9,31 +9,31 @@
 
 namespace victorious {
 
-/// The eight values of EXIF's Orientation tag: what has to be done to the stored picture.
+/// The eight values of EXIF's Orientation tag: the operation that makes the stored image upright.
 enum class Orientation {
   kUpright = 1,
-  kMirror = 2,  ///< left and right change places
+  kMirror = 2,  ///< left and right swapped
   kTurn180 = 3,
-  kFlip = 4,           ///< top and bottom change places
-  kTranspose = 5,      ///< about the main diagonal
+  kFlip = 4,           ///< top and bottom swapped
+  kTranspose = 5,      ///< reflection in the main diagonal
   kTurn90 = 6,         ///< clockwise
-  kAntiTranspose = 7,  ///< about the other diagonal
+  kAntiTranspose = 7,  ///< reflection in the other diagonal
   kTurn270 = 8,        ///< clockwise
 };
 
-/// The orientation of EXIF's number; upright for anything outside 1..8.
+/// Converts EXIF's value; kUpright for values outside 1..8.
 [[nodiscard]] Orientation OrientationFromExif(std::uint32_t value);
 
-/// The orientation nearest to FFmpeg's 3 x 3 display matrix: point in display = [x y 1] * matrix, y downwards.
+/// Returns the orientation nearest to FFmpeg's 3 x 3 display matrix: point in display = [x y 1] * matrix, y downwards.
 [[nodiscard]] Orientation OrientationFromDisplayMatrix(std::span<const std::int32_t, 9> matrix);
 
-/// The picture upright; the same pixels, not copied, where nothing has to be done.
+/// Returns the upright image; shares the pixels of `stored` for kUpright.
 [[nodiscard]] cv::Mat TurnUpright(const cv::Mat& stored, Orientation orientation);
 
-/// Whether width and height change places.
+/// Returns true if the operation swaps width and height.
 [[nodiscard]] bool SwapsSides(Orientation orientation);
 
-/// The clockwise turn in it, a mirror left aside: 0, 90, 180, 270.
+/// Returns the clockwise rotation in degrees, without the reflection: 0, 90, 180 or 270.
 [[nodiscard]] int ClockwiseTurnDeg(Orientation orientation);
 
 }  // namespace victorious

@@ -8,7 +8,7 @@
 namespace victorious {
 namespace {
 
-// Where a stored pixel lands, by turning a picture with one white pixel.
+// The position of a stored pixel after TurnUpright, found by a single white pixel.
 cv::Point PlaceAfter(Orientation orientation, cv::Point stored) {
   cv::Mat picture = cv::Mat::zeros(3, 5, CV_8UC1);
   picture.at<uchar>(stored) = 255;
@@ -27,7 +27,7 @@ TEST(Orientation, ClockwiseTurns) {
 TEST(Orientation, DisplayMatrixAgreesWithTheTurn) {
   for (int value = 1; value <= 8; ++value) {
     const Orientation orientation = OrientationFromExif(static_cast<std::uint32_t>(value));
-    // The matrix that does to the axes what the orientation does to the picture.
+    // The display matrix that corresponds to the orientation.
     const cv::Point origin = PlaceAfter(orientation, {0, 0});
     const cv::Point x_axis = PlaceAfter(orientation, {1, 0}) - origin;
     const cv::Point y_axis = PlaceAfter(orientation, {0, 1}) - origin;

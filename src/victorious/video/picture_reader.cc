@@ -40,7 +40,7 @@ bool HasPictureName(const fs::path& file) {
 
 bool IsDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
-// The run of digits at the front, without leading zeros.
+// Removes the leading digits of `text` and returns them without leading zeros.
 std::string_view TakeNumber(std::string_view& text) {
   std::size_t end = 0;
   while (end < text.size() && IsDigit(text[end])) ++end;
@@ -55,7 +55,7 @@ class PictureReader : public VideoReader {
   PictureReader(std::vector<fs::path> files, const VideoReaderOptions& options)
       : files_(std::move(files)), options_(options) {}
 
-  /// Reads the first picture, which gives the size.
+  /// Reads the first image, which determines the size.
   Status Start(const fs::path& source, std::string container);
 
   [[nodiscard]] const VideoInfo& info() const override { return info_; }
@@ -85,9 +85,9 @@ class PictureReader : public VideoReader {
   VideoReaderOptions options_;
   VideoInfo info_;
   DamageLog damage_;
-  std::optional<Frame> first_;   ///< read by Start(), not yet delivered
-  std::size_t next_place_ = 0;   ///< in files_
-  std::size_t first_place_ = 0;  ///< of the first picture that could be read
+  std::optional<Frame> first_;   ///< frame that Start() read, until it is delivered
+  std::size_t next_place_ = 0;   ///< index in files_
+  std::size_t first_place_ = 0;  ///< index in files_ of the first readable image
   std::int64_t next_index_ = 0;
 };
 
@@ -116,7 +116,7 @@ Expected<std::optional<Frame>> PictureReader::NextFrame() {
   return ReadNext();
 }
 
-// A picture that cannot be used leaves a gap in time: the others keep their places.
+// An unusable image is logged and leaves a gap in time: the others keep the time of their index.
 std::optional<Frame> PictureReader::ReadNext() {
   while (next_place_ < files_.size()) {
     const std::size_t place = next_place_++;
@@ -139,7 +139,7 @@ Expected<cv::Mat> PictureReader::ReadPicture(const fs::path& file) {
     info_.height = image.bgr.rows;
   } else if (image.bgr.size() != cv::Size(info_.width, info_.height)) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: {} x {} pixels, the first picture has {} x {}; passed over", file.string(),
+                fmt::format("{}: {} x {} pixels, the first picture has {} x {}; skipped", file.string(),
                             image.bgr.cols, image.bgr.rows, info_.width, info_.height));
   }
   return options_.color == FrameColor::kGrey ? GreyFromBgr(image.bgr) : image.bgr;
@@ -178,7 +178,7 @@ Expected<std::unique_ptr<VideoReader>> OpenPicture(const fs::path& file, const V
 
 bool IsPicture(const fs::path& file) {
   const std::string extension = LowerExtension(file);
-  if (extension == ".mjpg" || extension == ".mjpeg") return false;  // many JPEG pictures in a row
+  if (extension == ".mjpg" || extension == ".mjpeg") return false;  // Motion JPEG: a video
   std::array<char, 64> head{};
   std::ifstream stream(file, std::ios::binary);
   stream.read(head.data(), head.size());
@@ -202,7 +202,7 @@ bool NaturalLess(std::string_view a, std::string_view b) {
     }
   }
   if (a.empty() != b.empty()) return a.empty();
-  return whole_a < whole_b;  // equal but for leading zeros
+  return whole_a < whole_b;  // equal except for leading zeros
 }
 
 }  // namespace victorious

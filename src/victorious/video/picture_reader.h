@@ -1,4 +1,4 @@
-// Private to video/: the VideoReader of a folder of images, or of a single one.
+// Private to video/: the VideoReader for a folder of images or a single image.
 #pragma once
 
 #include <filesystem>
@@ -10,18 +10,19 @@
 
 namespace victorious {
 
-/// The pictures of a folder by their names' natural order ("9.png" before "10.png"); other files are passed over.
+/// Opens a folder as a video: its images by natural order of their names ("9.png" before "10.png"); other files are
+/// ignored. Errors: those of VideoReader::Open.
 Expected<std::unique_ptr<VideoReader>> OpenFolder(const std::filesystem::path& folder,
                                                   const VideoReaderOptions& options);
 
-/// A picture as a video of one frame.
+/// Opens a single image as a video of one frame. Errors: those of VideoReader::Open.
 Expected<std::unique_ptr<VideoReader>> OpenPicture(const std::filesystem::path& file,
                                                    const VideoReaderOptions& options);
 
-/// Whether the file begins as a picture does and not as a video.
+/// Returns true if the first bytes identify an image format (and the extension is not that of Motion JPEG).
 [[nodiscard]] bool IsPicture(const std::filesystem::path& file);
 
-/// Digits compare as numbers, everything else as bytes; a strict weak order, total over distinct names.
+/// Compares names: runs of digits as numbers, everything else as bytes. A strict weak order, total over distinct names.
 [[nodiscard]] bool NaturalLess(std::string_view a, std::string_view b);
 
 }  // namespace victorious

@@ -94,7 +94,7 @@ TEST(PictureReader, UnusablePicturesArePassedOverWithAWarning) {
   EXPECT_EQ(first->time_s, 0);
   EXPECT_EQ(PictureNumber(second->image), 3);
   EXPECT_EQ(second->index, 1);
-  EXPECT_DOUBLE_EQ(second->time_s, 0.2);  // its place among the files
+  EXPECT_DOUBLE_EQ(second->time_s, 0.2);  // by its index among the files
   EXPECT_FALSE(reader->NextFrame().value());
   EXPECT_THAT(reader->warnings(), ElementsAre(HasSubstr("0.png"), HasSubstr("2.png: 40 x 60 pixels")));
 }
@@ -133,7 +133,7 @@ TEST(NaturalLess, NumbersByValue) {
   EXPECT_TRUE(NaturalLess("a", "a1"));
   EXPECT_TRUE(NaturalLess("img007.png", "img8.png"));
   EXPECT_TRUE(NaturalLess("1.jpg", "1.png"));
-  EXPECT_NE(NaturalLess("01.png", "1.png"), NaturalLess("1.png", "01.png"));  // one of them comes first
+  EXPECT_NE(NaturalLess("01.png", "1.png"), NaturalLess("1.png", "01.png"));  // the order is total
   EXPECT_FALSE(NaturalLess("7", "7"));
   EXPECT_TRUE(NaturalLess("99999999999999999999998", "99999999999999999999999"));
 }

@@ -1,4 +1,4 @@
-// Damaged videos: whatever is wrong with the bytes, reading ends, times go forwards, and a warning says where.
+// Damaged videos: for any damage, reading terminates, times increase, and a warning gives the time of the damage.
 #include <algorithm>
 
 #include <gmock/gmock.h>
@@ -84,7 +84,7 @@ TEST(VideoDamage, CutOffFilesGiveTheirFirstFrames) {
       EXPECT_LE(outcome.frames, static_cast<std::size_t>(kFrames)) << name;
       EXPECT_GE(static_cast<double>(outcome.frames), kFrames * (part - 0.3)) << name;
       for (std::size_t i = 0; i + 1 < outcome.frames; ++i) EXPECT_EQ(outcome.numbers[i], static_cast<int>(i)) << name;
-      // A transport or program stream does not say how long it should be.
+      // A transport or program stream has no duration in its header.
       if (muxer != "mpegts" && muxer != "mpeg" && part < 0.8) {
         EXPECT_THAT(outcome.warnings, Contains(HasSubstr("decoding stopped at"))) << name;
         EXPECT_THAT(outcome.warnings, Contains(HasSubstr(" of 2.0"))) << name;
@@ -108,12 +108,12 @@ TEST(VideoDamage, CutOffFilesAreToldWithoutDecodingThem) {
       return (*reader)->warnings();
     };
     EXPECT_THAT(warnings_of(1), IsEmpty()) << muxer;
-    if (muxer == "mpegts" || muxer == "mpeg") continue;  // they do not say how long they should be
+    if (muxer == "mpegts" || muxer == "mpeg") continue;  // no duration in the header
     EXPECT_THAT(warnings_of(0.6), Contains(AllOf(HasSubstr("reading stopped at"), HasSubstr(" of 2.0")))) << muxer;
   }
 }
 
-// Decoders hold frames back: what they were given of a short file is all of it.
+// Decoders delay frames: at the end of a short file no frame may have been output yet.
 TEST(VideoDamage, WholeFilesArePassedOverWithoutAWord) {
   const ScratchFolder folder;
   for (const auto& [muxer, encoder] : kKinds) {
@@ -172,7 +172,7 @@ TEST(VideoDamage, ATimeStampFarAheadDisturbsNoOtherFrame) {
   std::string bytes = testing::ReadBytes(folder / "whole.ts");
   std::size_t packet = 0;
   for (int i = 0; i < 20; ++i) packet = bytes.find(std::string("\0\0\x01\xE0", 4), packet + 1);
-  char& stamp = bytes[packet + 9];  // its bits 30 to 32
+  char& stamp = bytes[packet + 9];  // bits 30 to 32 of the time stamp
   ASSERT_EQ(stamp & 0xE1, 0x21);
   stamp = static_cast<char>(stamp | 0x04);
   testing::WriteBytes(folder / "stamp.ts", bytes);

@@ -1,4 +1,4 @@
-// Live sources over the loopback: they are read as they come, and none keeps the reader waiting beyond the timeout.
+// Live sources over the loopback interface: reading works, and no call blocks beyond the timeout.
 #include <algorithm>
 #include <chrono>
 #include <future>
@@ -50,7 +50,7 @@ int FreeUdpPort() {
   return port;
 }
 
-// A TCP server of one connection on a free port of 127.0.0.1.
+// A TCP server for one connection, on a free port of 127.0.0.1.
 class Server {
  public:
   Server() : socket_(::socket(AF_INET, SOCK_STREAM, 0)), port_(BindToFreePort(socket_)) {
@@ -65,7 +65,7 @@ class Server {
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  /// Accepts in the background, sends `bytes`, then holds the connection open, silent, for `silent_s`.
+  /// Accepts in the background, sends `bytes`, then keeps the connection open without sending for `silent_s`.
   void Serve(std::string bytes, double silent_s) {
     if (thread_.joinable()) thread_.join();
     stop_ = {};
@@ -132,7 +132,7 @@ TEST(LiveVideo, ReadOverHttp) {
   EXPECT_EQ(CountFrames(**reader), 60);
 }
 
-// Opened twice over http, with `head` between the status and the video: whether it is live, and its ids.
+// Opens a source twice over http, with `head` as response header. Returns whether it is live, and both content ids.
 struct Identity {
   bool live = false;
   std::string first, second;
@@ -163,7 +163,7 @@ TEST(LiveVideo, AnHttpSourceOfKnownLengthIsTheSameEachTime) {
   EXPECT_NE(live.first, live.second);
 }
 
-// Sends datagrams of seven packets each, at a pace that a receiver can follow.
+// Sends datagrams of seven packets each, slowly enough for the receiver.
 void SendDatagrams(const std::string& bytes, int port) {
   constexpr std::size_t kDatagram = std::size_t{7} * 188;
   const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);

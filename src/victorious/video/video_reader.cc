@@ -48,7 +48,7 @@ Expected<std::unique_ptr<VideoReader>> OpenPath(const fs::path& path, const Vide
 
 Expected<std::unique_ptr<VideoReader>> VideoReader::Open(const std::string& source, const VideoReaderOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(CheckOptions(options));
-  if (source.empty()) return Fail(ErrorCode::kInvalidArgument, "no video named: a file, a folder or a URL is needed");
+  if (source.empty()) return Fail(ErrorCode::kInvalidArgument, "no video given: must be a file, a folder or a URL");
   const auto scheme = UrlScheme(source);
   if (scheme == "file") return OpenPath(source.substr(std::string_view("file://").size()), options);
   if (scheme) return OpenMedia({.name = source, .remote = true, .timeout_s = options.open_timeout_s}, options);

@@ -1,11 +1,12 @@
-// video/, in: a file, a folder of images, or a live URL. Out: frames by presentation time, and the data packets beside
-// them. Decoding is FFmpeg's (libavformat, libavcodec, libswscale), which stays inside this folder.
+// Reads videos: the first stage of every pipeline. Input: a file, a folder of images or a live URL. Output: frames by
+// presentation time, and the data packets (telemetry, subtitles) beside them. Decoding uses FFmpeg (libavformat,
+// libavcodec, libswscale), whose types do not leave this folder.
 //
-//   time_s = (presentation time stamp - the first frame's) * time base
+//   time_s = (presentation time stamp - that of the first frame) * time base
 //
-// strictly increasing; an index only counts what was delivered. Grey is BT.601 luma, 0 black to 255 white, the same as
-// GreyFromBgr (image_file.h) of the colour frame, within 3 levels and 1.2 on average, in whatever range or matrix the
-// video is stored.
+// Times are strictly increasing; a frame's index counts the delivered frames. Grey is BT.601 luma, 0 black to 255
+// white, and agrees with GreyFromBgr (image_file.h) of the colour frame within 3 levels, and 1.2 on average, for every
+// stored range and matrix.
 #pragma once
 
 #include <cstdint>
@@ -25,14 +26,14 @@ namespace victorious {
 enum class FrameColor { kGrey, kBgr };
 
 struct VideoReaderOptions {
-  FrameColor color = FrameColor::kGrey;  ///< features need grey; people want colour
-  bool data_packets = false;             ///< keep the data packets for TakeDataPackets()
-  int threads = 0;                       ///< decoder threads; 0: as many as the machine has
-  double open_timeout_s = 10.0;          ///< for live sources: until the first packet, and between packets
-  double folder_frame_rate = 10.0;       ///< frames/s of a folder of images, which carries no times
+  FrameColor color = FrameColor::kGrey;  ///< kGrey for the feature extraction, kBgr for display
+  bool data_packets = false;             ///< collect data packets for TakeDataPackets()
+  int threads = 0;                       ///< decoder threads; 0: all cores
+  double open_timeout_s = 10.0;          ///< live sources: maximum wait for the first packet, and between packets
+  double folder_frame_rate = 10.0;       ///< frames/s of a folder of images, which has no time stamps
 };
 
-/// One stream of the container, as `doctor` tells it.
+/// One stream of the container, as reported by `victorious doctor`.
 struct StreamInfo {
   int index = 0;
   std::string type;   ///< "video", "audio", "data", "subtitle", "other"
@@ -41,56 +42,58 @@ struct StreamInfo {
 
 struct VideoInfo {
   std::string container;                    ///< FFmpeg's name, "folder of images" or "picture"
-  std::string codec;                        ///< of the video stream
-  int width = 0;                            ///< px, upright and square
-  int height = 0;                           ///< px, upright and square
-  int rotation_deg = 0;                     ///< clockwise turn that made it upright: 0, 90, 180, 270
-  double pixel_aspect = 1;                  ///< width over height of a pixel as stored, before it was made square
+  std::string codec;                        ///< FFmpeg's name of the video codec
+  int width = 0;                            ///< px, after rotation, with square pixels
+  int height = 0;                           ///< px, after rotation, with square pixels
+  int rotation_deg = 0;                     ///< applied clockwise rotation: 0, 90, 180, 270
+  double pixel_aspect = 1;                  ///< sample aspect ratio as stored: pixel width over height
   double frame_rate = 0;                    ///< average, frames/s; 0 if unknown
-  std::optional<double> duration_s;         ///< as the container says
-  std::optional<std::int64_t> frame_count;  ///< as the container says, or an estimate: for progress, nothing else
-  bool live = false;                        ///< a URL that cannot be read twice: without an end that is known
+  std::optional<double> duration_s;         ///< as given by the container
+  std::optional<std::int64_t> frame_count;  ///< as given by the container, or an estimate; for progress display only
+  bool live = false;                        ///< true for a URL of unknown length, which cannot be read twice
   std::vector<StreamInfo> streams;
 };
 
 /// Reads one source from its beginning to its end. Not thread-safe; not copyable.
 class VideoReader {
  public:
-  /// Decodes as far as the first frame, so that info() is what will be delivered. A local file never makes other files
-  /// or addresses be opened: playlists are refused.
+  /// Opens a source and decodes its first frame, so that info() describes the delivered frames. A local file cannot
+  /// cause other files or URLs to be opened: playlists are refused.
   /// @param source  a path (file, folder or single picture) or a URL ("rtsp://…", "udp://…", "http://…")
   /// Errors: kNotFound (also a URL without an answer), kInvalidArgument (empty, a folder without images), kDataLoss
-  /// (not a video), kUnsupported (no decoder), each with one line that says what would be right.
+  /// (not a video), kUnsupported (no decoder); each message is one line and names the remedy.
   static Expected<std::unique_ptr<VideoReader>> Open(const std::string& source, const VideoReaderOptions& options);
 
   virtual ~VideoReader() = default;
 
   [[nodiscard]] virtual const VideoInfo& info() const = 0;
 
-  /// What the source is known by, whatever its name: the content of a file, of a folder's pictures (and of no other
-  /// file in it); address and length of what can be read again over a network; of a live source address and moment,
-  /// never twice the same. Reads a file once. Errors: those of ContentId (base/file.h), among them kCancelled.
+  /// Returns an identifier of the content, independent of the name: a hash of a file, or of the images of a folder (not
+  /// of its other files); URL and length for a network source of known length; URL and current time for a live source,
+  /// unique for each call. Reads a file once. Errors: those of ContentId (base/file.h), among them kCancelled.
   [[nodiscard]] virtual Expected<std::string> ContentId(const CancelToken& cancel,
                                                         const ByteProgress& progress) const = 0;
 
-  /// The next frame in order of presentation; nothing at the end. Damaged parts are passed over and told by warnings().
-  /// The frame owns its pixels: it may go to another thread.
+  /// Returns the next frame in presentation order; std::nullopt at the end. Damaged parts are skipped and reported by
+  /// warnings(). The frame owns its pixels and may be passed to another thread.
   virtual Expected<std::optional<Frame>> NextFrame() = 0;
 
-  /// The data packets met since the last call, in the order of the file (options.data_packets).
+  /// Returns the data packets read since the last call, in file order; empty unless options.data_packets.
   virtual std::vector<DataPacket> TakeDataPackets() = 0;
 
-  /// Goes on at, or somewhat before, a time of the video, forward or back, without decoding all up to there. Frames are
-  /// known by their time from then on: their index counts on, and the first may be damaged, which warnings() tells.
-  /// @return false where the source cannot, or at its beginning; it is to be opened anew then
+  /// Seeks, forwards or backwards, to a key frame at or shortly before `time_s`, without decoding the frames in
+  /// between. Afterwards a frame is identified by its time: the index continues to count delivered frames. The first
+  /// frames may be damaged, which warnings() reports.
+  /// @return false if the source is not seekable or time_s is near the beginning: the caller must then reopen the
+  ///               source
   virtual bool SkipTo(double time_s) = 0;
 
-  /// Reads on to the end without decoding: for the data packets of a whole file in little time, and for whether it ends
-  /// where it should (warnings()). No frame comes after it.
+  /// Reads to the end without decoding: collects the data packets of a whole file quickly, and checks for a premature
+  /// end (warnings()). NextFrame returns std::nullopt afterwards.
   virtual void PassOverFrames() = 0;
 
-  /// What was damaged so far and where, a line each: "decoding stopped at 3.20 s of 10.00 s: …". A kind of damage has
-  /// one line, which is rewritten as it happens again: read them at the end.
+  /// Returns the damage found so far, one line per kind with time and count: "decoding stopped at 3.20 s of 10.00 s:
+  /// …". Repetitions rewrite the line of their kind, so read the lines at the end.
   [[nodiscard]] virtual const std::vector<std::string>& warnings() const = 0;
 };
 

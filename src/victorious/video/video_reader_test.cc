@@ -120,9 +120,9 @@ TEST(VideoReader, OddSizes) {
       ASSERT_EQ(grey.size(), 2U);
       ASSERT_EQ(bgr[0].image.size(), size) << format;
       ASSERT_EQ(grey[0].image.size(), size) << format;
-      // Up to the last column and row.
+      // Including the last column and row.
       const cv::Rect corner(size.width - 9, size.height - 9, 9, 9);
-      if (format != "yuv420p") {  // where no chroma is lost in writing
+      if (format != "yuv420p") {  // no chroma subsampling in the file
         EXPECT_LE(cv::norm(bgr[0].image(corner), picture(corner), cv::NORM_INF), 6) << format << size;
       }
       EXPECT_LE(cv::norm(grey[0].image(corner), GreyFromBgr(picture)(corner), cv::NORM_INF), 3) << format << size;
@@ -161,7 +161,7 @@ TEST(VideoReader, GreyAgreesWithColourInEveryFormat) {
     EXPECT_LE(cv::norm(grey[0].image, GreyFromBgr(bgr[0].image), cv::NORM_L1) / static_cast<double>(picture.total()),
               1.2)
         << name;
-    // And with what was put in: black is 25, white 230, whatever the range.
+    // Also compared with the input: black is 25 and white is 230, in either range.
     EXPECT_LE(cv::norm(grey[0].image, GreyFromBgr(picture), cv::NORM_L1) / static_cast<double>(picture.total()), 2)
         << name;
   }
@@ -171,7 +171,7 @@ TEST(VideoReader, FramesAreDeliveredUpright) {
   const ScratchFolder folder;
   for (const int rotation_deg : {90, 180, 270}) {
     const cv::Mat upright = NumberedPicture(0x1D, rotation_deg == 180 ? cv::Size(96, 64) : cv::Size(64, 96));
-    cv::Mat stored;  // turned counter-clockwise by what the display will turn it clockwise
+    cv::Mat stored;  // rotated counter-clockwise by the clockwise rotation of the display matrix
     cv::rotate(upright, stored,
                rotation_deg == 90    ? cv::ROTATE_90_COUNTERCLOCKWISE
                : rotation_deg == 180 ? cv::ROTATE_180
@@ -267,7 +267,7 @@ TEST(VideoReader, ThreadsChangeNothing) {
   }
 }
 
-// Each container in which a video can be entered, with frames stored in another order than they are shown in.
+// Each seekable container, with B-frames: decoding order differs from presentation order.
 TEST(VideoReader, FramesAfterASkipAreThoseOfTheWholeVideo) {
   const testing::ScratchFolder folder;
   for (const std::string muxer : {"mp4", "matroska", "mpegts", "avi"}) {
@@ -377,7 +377,7 @@ TEST(VideoReader, DataPacketsOnTheFramesClock) {
                   .klv = {{300, label + "before"}, {400, label + "first"}, {520, label + "fourth"}}});
   const auto reader = MustOpen(folder / "klv.ts", {.data_packets = true});
   ASSERT_TRUE(reader);
-  // Packets met on the way to the first frame have their times before that frame is asked for.
+  // Packets read before the first frame already have times before the first NextFrame.
   std::vector<DataPacket> packets = reader->TakeDataPackets();
   EXPECT_FALSE(packets.empty());
   while (reader->NextFrame().value()) {
@@ -428,7 +428,7 @@ TEST(VideoReader, ErrorsAreOneLineWithTheirCode) {
                {(folder / "text.txt").string(), ErrorCode::kDataLoss, "not a video that can be read"},
                {(folder / "text.mp4").string(), ErrorCode::kDataLoss, "not a video that can be read"},
                {"/dev/null", ErrorCode::kInvalidArgument, "neither a file nor a folder"},
-               {"", ErrorCode::kInvalidArgument, "no video named"},
+               {"", ErrorCode::kInvalidArgument, "no video given"},
                {"gopher://127.0.0.1/video", ErrorCode::kInvalidArgument, "not a kind of address that can be read"},
                {"concat:" + (folder / "a.mp4").string(), ErrorCode::kNotFound, "no such file or folder"},
                {std::string(300, 'x'), ErrorCode::kInvalidArgument, "File name too long"}};
@@ -448,7 +448,7 @@ TEST(VideoReader, ErrorsAreOneLineWithTheirCode) {
   }
 }
 
-// A playlist would have FFmpeg open what it names.
+// FFmpeg would open the files and URLs that a playlist refers to.
 TEST(VideoReader, PlaylistsAreRefused) {
   const ScratchFolder folder;
   WriteTestVideo(folder / "part.ts", {.muxer = "mpegts", .pts = SteadyTimes(10, 40)});
@@ -482,7 +482,7 @@ TEST(VideoReaderRealData, FramesAndKlvPacketsAreCounted) {
     bool stamped;
   } clips[] = {{"osh_vrsg/sample-stream.ts", 277, 277, true},
                {"kwiver_aphill/aphill_short.ts", 48, 48, true},
-               {"kwiver_synthetic/h264_klv.ts", 30, 30, false},  // asynchronous: not stamped
+               {"kwiver_synthetic/h264_klv.ts", 30, 30, false},  // asynchronous KLV: no time stamps
                {"kwiver_synthetic/h264_no_klv.ts", 30, 0, false}};
   for (const auto& clip : clips) {
     const auto reader = MustOpen(folder / clip.file, {.data_packets = true});

@@ -149,7 +149,7 @@ class Muxer {
     return frame;
   }
 
-  // Half a second of silence.
+  // 0.5 s of silence.
   void AddAudio() {
     constexpr int kRate = 16000;
     const CodecHandle encoder = NewEncoder("aac");
@@ -206,7 +206,7 @@ class Muxer {
     waiting_.push_back({std::move(packet), {1, video_.time_base_hz}, waiting_.size()});
   }
 
-  // In order of decoding time over all streams, the order of each kept.
+  // Interleaves the streams by decoding time; stable within a stream.
   void WritePackets() {
     const auto before = [](const Waiting& a, const Waiting& b) {
       const int order = av_compare_ts(a.packet->dts, a.time_base, b.packet->dts, b.time_base);

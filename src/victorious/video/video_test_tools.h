@@ -1,5 +1,5 @@
-// Videos for the tests, written with FFmpeg in all the shapes that VideoWriter does not make: other codecs and
-// containers, irregular times, pixel formats, display matrices, sound, data packets, changes of size.
+// Test videos, written with FFmpeg in the variants that VideoWriter does not produce: other codecs and containers,
+// irregular time stamps, pixel formats, display matrices, audio, data packets, changes of size.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,11 @@
 
 namespace victorious::testing {
 
-/// A smooth coloured picture that carries `number` (0..255) as eight black or white fields along its top.
+/// Returns a smooth coloured image (BGR) that encodes `number` (0..255) as eight black or white fields along its top
+/// edge.
 cv::Mat NumberedPicture(int number, cv::Size size);
 
-/// The number of such a picture (CV_8UC1 or CV_8UC3), which survives lossy coding.
+/// Decodes the number of such an image (CV_8UC1 or CV_8UC3); robust to lossy coding.
 int PictureNumber(const cv::Mat& picture);
 
 struct TestPacket {
@@ -28,28 +29,28 @@ struct TestVideo {
   std::string pixel_format = "yuv420p";
   cv::Size size = {96, 64};
   int time_base_hz = 1000;        ///< ticks/s of the times below
-  std::vector<std::int64_t> pts;  ///< one a frame, increasing
-  std::vector<cv::Mat> pictures;  ///< BGR; empty: NumberedPicture of its place
+  std::vector<std::int64_t> pts;  ///< one per frame, increasing
+  std::vector<cv::Mat> pictures;  ///< BGR; empty: NumberedPicture of the frame index
   bool full_range = false;
   int color_space = 2;             ///< AVColorSpace: 2 unspecified, 1 BT.709
-  int rotation_deg = 0;            ///< of the display matrix, clockwise
-  cv::Size pixel_aspect = {0, 1};  ///< a pixel's width to its height; 0: not told
+  int rotation_deg = 0;            ///< rotation of the display matrix, clockwise
+  cv::Size pixel_aspect = {0, 1};  ///< sample aspect ratio, width : height; 0: unspecified
   int max_b_frames = 0;
   int key_frame_interval = 12;
-  bool audio = false;                      ///< a second stream of sound
-  bool video = true;                       ///< false: sound only
-  bool cover = false;                      ///< an attached picture in front of the video
-  std::vector<TestPacket> klv = {};        ///< a KLV stream (mpegts), or …
-  std::vector<TestPacket> subtitles = {};  ///< … a text stream (matroska, mp4)
+  bool audio = false;                      ///< true: adds an audio stream
+  bool video = true;                       ///< false: audio only
+  bool cover = false;                      ///< true: adds an attached picture before the video stream
+  std::vector<TestPacket> klv = {};        ///< packets of a KLV stream (mpegts)
+  std::vector<TestPacket> subtitles = {};  ///< packets of a subtitle stream (matroska, mp4)
 };
 
-/// Writes it; the test fails (by a check) if FFmpeg cannot.
+/// Writes the video; a failed check aborts the test if FFmpeg returns an error.
 void WriteTestVideo(const std::filesystem::path& path, const TestVideo& video);
 
-/// n times at a steady rate.
+/// Returns `count` equidistant time stamps: 0, step, 2 step, …
 std::vector<std::int64_t> SteadyTimes(int count, std::int64_t step);
 
-/// The file's bytes with some changed; and back.
+/// Reads a file as bytes, for tests that damage it; WriteBytes writes it back.
 std::string ReadBytes(const std::filesystem::path& path);
 void WriteBytes(const std::filesystem::path& path, const std::string& bytes);
 

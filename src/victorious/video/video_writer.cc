@@ -81,7 +81,7 @@ class H264Writer : public VideoWriter {
   fs::path temporary_;
   VideoWriterOptions options_;
   CodecHandle encoder_;
-  AVFormatContext* container_ = nullptr;  ///< null once the file is finished or given up
+  AVFormatContext* container_ = nullptr;  ///< null after Finish() or Discard()
   PacketHandle packet_;
   FrameHandle frame_;
   ScalerHandle scaler_;
@@ -112,8 +112,8 @@ Status H264Writer::OpenEncoder(AVRational rate) {
   encoder_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
   av_opt_set(encoder_->priv_data, "preset", "fast", 0);
   av_opt_set_double(encoder_->priv_data, "crf", options_.crf, 0);
-  // The macroblock tree of x264 164 reads memory that it never wrote (with AVX-512): the same frames would give another
-  // file each time.
+  // The macroblock tree of x264 164 reads uninitialised memory (with AVX-512), which makes the output
+  // non-deterministic.
   av_opt_set(encoder_->priv_data, "x264-params", "mbtree=0", 0);
   return Check(avcodec_open2(encoder_.get(), codec, nullptr), "encode");
 }
@@ -144,7 +144,7 @@ Status H264Writer::Write(const cv::Mat& image) {
   return Encode(frame_.get());
 }
 
-// Limited range, BT.601: what every player takes for granted.
+// Limited range, BT.601: the default that all players assume.
 Status H264Writer::FillFrame(const cv::Mat& image) {
   VICTORIOUS_RETURN_IF_ERROR(Check(av_frame_make_writable(frame_.get()), "encode"));
   const AVPixelFormat format = image.type() == CV_8UC1 ? AV_PIX_FMT_GRAY8 : AV_PIX_FMT_BGR24;
@@ -159,7 +159,7 @@ Status H264Writer::FillFrame(const cv::Mat& image) {
   return Check(sws_scale(scaler_.get(), planes, strides, 0, image.rows, frame_->data, frame_->linesize), "encode");
 }
 
-// Sends a frame, or with nullptr asks for the ones held back, and writes the packets that come.
+// Sends a frame to the encoder (nullptr: flushes it) and writes the available packets.
 Status H264Writer::Encode(const AVFrame* frame) {
   VICTORIOUS_RETURN_IF_ERROR(Check(avcodec_send_frame(encoder_.get(), frame), "encode"));
   while (true) {
@@ -190,7 +190,7 @@ Status H264Writer::Finish() {
   return {};
 }
 
-// On disk before it gets its name: a crash of the machine leaves no half of it.
+// Flushes the file to disk before the rename, so that a crash leaves no partial file under the final name.
 Status H264Writer::Sync() const {
   const int fd = ::open(temporary_.c_str(), O_RDONLY | O_CLOEXEC);
   const int result = fd < 0 ? -1 : ::fsync(fd);
@@ -210,7 +210,7 @@ void H264Writer::Discard() {
 Status H264Writer::Check(int result, std::string_view verb) const {
   if (result >= 0) return {};
   const std::string what = fmt::format("{} {}", verb, path_.string());
-  if (result > -1000) return std::unexpected(ErrorFromErrno(AVUNERROR(result), what));  // errno's; FFmpeg's are tags
+  if (result > -1000) return std::unexpected(ErrorFromErrno(AVUNERROR(result), what));  // an errno, not a tag
   return Fail(ErrorCode::kInternal, fmt::format("{}: {}", what, FfmpegErrorText(result)));
 }
 

@@ -1,4 +1,5 @@
-// Encodes frames into a video file (MP4 or MKV, H.264): drawn and rendered scenes, never the user's own video.
+// Encodes frames as a video file (MP4 or MKV, H.264), for rendered scenes and drawn results; never writes to the user's
+// own videos.
 #pragma once
 
 #include <filesystem>
@@ -10,26 +11,27 @@
 namespace victorious {
 
 struct VideoWriterOptions {
-  int width = 640;    ///< px, even
-  int height = 480;   ///< px, even
-  double fps = 10.0;  ///< frames/s
-  int crf = 18;       ///< x264's constant rate factor: 0 lossless to 51
+  int width = 640;    ///< px, even, 2 to 16384
+  int height = 480;   ///< px, even, 2 to 16384
+  double fps = 10.0;  ///< frames/s, above 0, at most 1000
+  int crf = 18;       ///< x264's constant rate factor, 0 (lossless) to 51
 };
 
-/// Not thread-safe. Nothing stands under `path` until Finish() has succeeded.
+/// Not thread-safe. Writes to a temporary file; `path` is created or replaced only when Finish() succeeds.
 class VideoWriter {
  public:
-  /// @param path  ends in .mp4 or .mkv, which chooses the container; a file of that name is replaced
-  /// Errors: kInvalidArgument (another ending, an odd size, …), kNotFound, kPermissionDenied, kNoSpace. After a failed
-  /// call the writer can only be destroyed, which removes what was written.
+  /// @param path  file extension .mp4 or .mkv determines the container; an existing file is replaced
+  /// Errors: kInvalidArgument (another extension, an odd size, …), kNotFound, kPermissionDenied, kNoSpace, kUnsupported
+  /// (FFmpeg without libx264). After a failed call the writer can only be destroyed, which removes the temporary file.
   static Expected<std::unique_ptr<VideoWriter>> Create(const std::filesystem::path& path,
                                                        const VideoWriterOptions& options);
   virtual ~VideoWriter() = default;
 
-  /// Appends a frame (CV_8UC1 or CV_8UC3 BGR, of the size of the options); its time is its number, from 0, over fps.
+  /// Appends a frame (CV_8UC1 or CV_8UC3 BGR, of the size in the options). Frame n, from 0, has the time n / fps.
+  /// Errors: kInvalidArgument (size or type), kNoSpace, kInternal.
   virtual Status Write(const cv::Mat& image) = 0;
 
-  /// Flushes the encoder, closes the file and gives it its final name.
+  /// Flushes the encoder, closes the file and renames it to `path`. Errors: kInvalidArgument (no frames), kNoSpace, ….
   virtual Status Finish() = 0;
 };
 

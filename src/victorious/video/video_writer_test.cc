@@ -48,7 +48,7 @@ TEST(VideoWriter, RoundTripOfCountTimesAndPixels) {
     int count = 0;
     while (const auto frame = (*reader)->NextFrame().value()) {
       EXPECT_EQ(frame->index, count);
-      EXPECT_NEAR(frame->time_s, count / 12.5, 0.0006) << name;  // MKV keeps milliseconds
+      EXPECT_NEAR(frame->time_s, count / 12.5, 0.0006) << name;  // MKV has a resolution of 1 ms
       EXPECT_EQ(PictureNumber(frame->image), count);
       const cv::Mat sent = NumberedPicture(count, {96, 64});
       EXPECT_LT(cv::norm(frame->image, sent, cv::NORM_L1) / static_cast<double>(sent.total() * 3), 4);
@@ -126,7 +126,7 @@ TEST(VideoWriter, BadFramesAreInvalidArguments) {
   EXPECT_THAT(nothing.error().message, HasSubstr("at least one frame"));
 }
 
-// A limit on the size of files stands for the full disk.
+// A limit on the file size simulates a full disk.
 TEST(VideoWriter, AFullDiskLeavesNothing) {
   const ScratchFolder folder;
   rlimit before{};

@@ -43,7 +43,7 @@ Split SplitBySeed(std::span<const CategoryListRow> rows, std::uint64_t seed) {
   for (auto& [category, members] : of_category) {
     constexpr std::size_t kMostTraining = 30;
     const std::size_t wanted = std::min(kMostTraining, members.size() / 2);
-    // Those with boxes first, unless there are none.
+    // Images with boxes first, unless there are none.
     const auto boxed_end =
         std::stable_partition(members.begin(), members.end(), [&](std::size_t i) { return rows[i].box.has_value(); });
     auto candidates = static_cast<std::size_t>(boxed_end - members.begin());
@@ -78,13 +78,13 @@ Expected<CaltechFeatures> CaltechFeatures::Load(const ExperimentSettings& settin
     VICTORIOUS_ASSIGN_OR_RETURN(features.examples_[i],
                                 victorious::ExamplesOf(eye, grey, box, row.category, static_cast<int>(i)));
     VICTORIOUS_ASSIGN_OR_RETURN(features.whole_[i], eye.Look(grey));
-    // Where an example is the whole picture, its features are kept once.
+    // Stores the features of a whole-image example once.
     for (CategoryExample& example : features.examples_[i])
       if (example.features.descriptors == features.whole_[i].descriptors) example.features = {};
     return {};
   };
   VICTORIOUS_RETURN_IF_ERROR(ForEachPicture(FolderOf(settings), features.rows_, look, [](std::size_t) {}));
-  settings.progress(fmt::format("features of {} pictures", features.rows_.size()));
+  settings.progress(fmt::format("features of {} images", features.rows_.size()));
   return features;
 }
 

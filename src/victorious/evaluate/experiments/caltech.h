@@ -1,6 +1,9 @@
-// The Caltech-101 pictures of the data given, their features kept in memory, and random splits by seed: per class
-// min(30, half) of the pictures with boxes train (whole pictures where a class has no boxes); of the rest, 100 at most
-// test, whole: over 20 seeds as many as there are, in a fraction of the time.
+// The Caltech-101 images for the experiments on categories (thesis, section 3.6): their features in memory, random
+// splits into training and test images by seed, and training and scoring on a split.
+//
+// Split: per class, min(30, half) of the images with boxes are training images (any image, if the class has no boxes).
+// At most 100 of the rest are test images, used whole. Over 20 seeds nearly all images are tested, in a fraction of
+// the time.
 #pragma once
 
 #include <cstdint>
@@ -20,27 +23,27 @@ inline constexpr const char* kAirplanes = "airplanes";
 inline constexpr const char* kCars = "car_side";
 inline constexpr const char* kBackground = "BACKGROUND_Google";
 
-/// The thesis caps the kernel of equation 3.1 at 10000: a sample says most within 0.01 radians or 1 % of a ratio, and
-/// the sum over a picture's phrases becomes a matter of a few coincidences. With this cap, it says most within 0.6.
+/// Cap of the kernel of equation 3.1. The thesis uses 10000: a sample then has weight only within 0.01 rad or 1 % of a
+/// ratio, and a few coincidences dominate the sum over an image's phrases. This cap widens the kernel to 0.6.
 inline constexpr double kSmootherCap = 3;
 
-/// The pictures of some categories; all of them where `categories` is empty. Errors: kNotFound without the data.
+/// Lists the images of `categories`; of all categories if it is empty. Errors: kNotFound without the data.
 Expected<std::vector<CategoryListRow>> CaltechRows(const ExperimentSettings& settings,
                                                    std::span<const std::string> categories);
 
-/// How pictures are split, for the notes of reports.
+/// Describes the split in the notes of reports.
 inline constexpr const char* kSplitNote =
-    "Per class and seed min(30, half) of the pictures that have boxes train (any, where none has), and 100 of the rest "
-    "at most test, whole";
+    "Per class and seed, min(30, half) of the images with boxes are for training (any image if none has a box), and at "
+    "most 100 of the rest for testing, whole";
 
 struct Split {
-  std::vector<std::size_t> train;  ///< rows
-  std::vector<std::size_t> test;
+  std::vector<std::size_t> train;  ///< indexes into the rows
+  std::vector<std::size_t> test;   ///< indexes into the rows
 };
 
 Split SplitBySeed(std::span<const CategoryListRow> rows, std::uint64_t seed);
 
-/// The features of all rows' pictures: what each gives to train on, and as it is tested.
+/// The features of all images: the training examples of each, and the features of the whole image for testing.
 class CaltechFeatures {
  public:
   static Expected<CaltechFeatures> Load(const ExperimentSettings& settings, std::vector<CategoryListRow> rows,
@@ -55,35 +58,37 @@ class CaltechFeatures {
 
   std::vector<CategoryListRow> rows_;
   std::vector<FeatureSet> whole_;
-  std::vector<std::vector<CategoryExample>> examples_;  ///< a row's; of whole pictures without their features
+  std::vector<std::vector<CategoryExample>> examples_;  ///< of each row; a whole-image example has no features here
 };
 
-/// What a model says of the pictures of a split's test.
+/// The results of a model on the test images of a split.
 struct TestScores {
   std::vector<CategoryResult> phrases;
   std::vector<CategoryResult> words;
   std::vector<std::string> truth;
   double train_s = 0;
-  double phrase_scoring_ms = 0;  ///< a picture, the features and words at hand
+  double phrase_scoring_ms = 0;  ///< per image, without the extraction of features and words
 
   [[nodiscard]] const std::vector<CategoryResult>& Of(CategoryMethod method) const {
     return method == CategoryMethod::kPhrases ? phrases : words;
   }
 };
 
-/// Trains on the split's training pictures of `trained` (all, where empty) and scores its test pictures of `tested`.
+/// Trains on the split's training images of the categories `trained`, and scores its test images of `tested`; an empty
+/// list means all categories.
+/// @param model_out  receives the trained model, if not null
 Expected<TestScores> TrainAndTest(const CaltechFeatures& features, const CategoryOptions& options, std::uint64_t seed,
                                   std::span<const std::string> trained, std::span<const std::string> tested,
                                   CategoryModel* model_out = nullptr);
 
-/// The share of a category's test pictures that got its label.
+/// The fraction of a category's test images that are labelled with it.
 double AccuracyOf(const TestScores& scores, const CategoryModel& model, CategoryMethod method,
                   const std::string& category);
 
-/// The mean of AccuracyOf over the categories that were tested.
+/// The mean of ComputeAccuracy over the tested categories.
 double MeanAccuracy(const TestScores& scores, const CategoryModel& model, CategoryMethod method);
 
-/// A category's raw scores of the test pictures, and which of them show it.
+/// A category's raw score of each test image, and whether the image shows it; input of roc.h.
 struct Ranking {
   std::vector<double> scores;
   std::vector<bool> wanted;
@@ -91,10 +96,10 @@ struct Ranking {
 Ranking RankingOf(const TestScores& scores, const CategoryModel& model, CategoryMethod method,
                   const std::string& category);
 
-/// The thesis's features and method, in the reading that reaches its figures (--params thesis).
+/// The thesis's features and method, in the interpretation that reproduces its results (--params thesis).
 CategoryTrainOptions ThesisCategories();
 
-/// The same with equations 3.1 to 3.3 as they are printed: cap 10000, phrases alone.
+/// The same with equations 3.1 to 3.3 as printed: cap 10000, phrases only.
 CategoryTrainOptions ThesisCategoriesAsPrinted();
 
 }  // namespace victorious

@@ -1,4 +1,5 @@
-// The experiments on categories (thesis, sections 3.2.1 and 3.6), each in the file of its name.
+// The experiments on categories (thesis, sections 3.2.1 and 3.6). Each is implemented in the file of its name;
+// experiment.cc registers them.
 #pragma once
 
 #include "victorious/evaluate/experiments/experiment.h"

@@ -1,5 +1,6 @@
-// Filters and settings compared over the whole pool: what each keeps of the true matches, and what is false among what
-// it leaves. Thresholds are learnt on the trials of every second flight, and measured on the others.
+// Filters and settings compared over the whole pool of trials: the fraction of true matches kept, and the fraction of
+// false ones among the kept matches. Thresholds are learnt on the trials of every second flight and tested on the
+// others.
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -18,18 +19,18 @@
 namespace victorious {
 namespace {
 
-constexpr int kFrames = 3;  // of each flight
+constexpr int kFrames = 3;  // frames of each flight
 constexpr std::array kRatios = {0.6, 0.7, 0.8, 0.85, 0.9, 0.95};
 
 double Percent(double part, double whole) { return whole > 0 ? 100 * part / whole : 0; }
 
-// How many times fewer false matches there are. With none left it has no value, only a bound: more than there were.
+// The reduction factor of false matches. If none is left, only a lower bound: the number before.
 Cell TimesFewer(int before, int after) {
   if (after > 0) return static_cast<double>(before) / after;
   return before > 0 ? fmt::format("> {}", before) : "-";
 }
 
-// The variants of the cascade that the thesis leaves open, beside MatchFilters().
+// The variants of the cascade that the thesis leaves open, in addition to MakeMatchFilters().
 std::vector<MatchFilter> Variants(const CascadeOptions& cascade) {
   std::vector<MatchFilter> variants;
   const auto add = [&](std::string name, const auto& change) {
@@ -60,7 +61,7 @@ std::vector<MatchFilter> Variants(const CascadeOptions& cascade) {
 struct Pooled {
   MatchCount before;
   MatchCount after;
-  double ms = 0;  ///< a trial
+  double ms = 0;  ///< mean per trial
 };
 
 Pooled Run(const std::vector<const MatchTrial*>& trials, double ratio, const MatchFilter& filter) {
@@ -82,10 +83,10 @@ Pooled Run(const std::vector<const MatchTrial*>& trials, double ratio, const Mat
 Expected<Report> RunChapter3Filters(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<PooledScene> scenes, PoolScenes(settings, kFrames, Movies::kToo));
   Report report{
-      .title = "What filters keep and leave of matches, all scenes pooled",
+      .title = "True and false matches kept by the filters, all scenes pooled",
       .columns = {"setting", "trials", "ratio", "filter", "true before", "true kept %", "false before", "false after",
                   "near after", "false % of what is left", "false before / after", "ms a trial"}};
-  report.plot = {.title = "False among the matches that filters leave, our setting",
+  report.plot = {.title = "False among the kept matches, our setting",
                  .x = {.label = "ratio"},
                  .y = {.label = "false % of what is left", .low = 0.1, .high = 100, .logarithmic = true}};
   for (const MatchSetup& setup : {ThesisSetup(), OurSetup()}) {
@@ -93,7 +94,7 @@ Expected<Report> RunChapter3Filters(const ExperimentSettings& settings) {
     std::vector<const MatchTrial*> all;
     std::vector<const MatchTrial*> learning;
     std::vector<const MatchTrial*> unseen;
-    std::set<int> flights;  // met so far; the trials of one go all into one half
+    std::set<int> flights;  // flights so far; all trials of a flight go into the same half
     for (const MatchTrial& trial : trials) {
       flights.insert(trial.flight);
       all.push_back(&trial);
@@ -141,7 +142,7 @@ Expected<Report> RunChapter3Filters(const ExperimentSettings& settings) {
     }
   }
   report.notes.push_back(
-      "A trial: one picture, one kind of object half of which or more is in view, the template of the nearest view.");
+      "A trial: one image, one model with an object visible by 0.5 or more, the template of the nearest view.");
   return report;
 }
 

@@ -1,5 +1,5 @@
-// Filters under one difficulty at a time: the two running examples, drawn clean and then spoilt by more and more salt
-// and pepper, blur, compression, occlusion, a smaller object, other light, or a template from another side.
+// Robustness of the filters against one degradation at a time: the two running examples with increasing salt-and-pepper
+// noise, blur, compression, occlusion, smaller scale, changed light, or a template of another view.
 #include <algorithm>
 #include <array>
 #include <functional>
@@ -21,14 +21,14 @@ namespace {
 
 constexpr double kRatio = 0.85;
 
-// One step of one difficulty.
+// One step of one degradation.
 struct Difficulty {
   std::string name;
   double value;
   std::function<void(Scene&)> change = [](Scene&) {};
   Spoiling spoiling = {.degrade = {.grain = 1}, .jpeg_quality = 90};
-  double hidden = 0;        ///< share of the object's box that is covered
-  double view_off_deg = 0;  ///< the template's view from the nearest one, in azimuth
+  double hidden = 0;        ///< occluded fraction of the object's box
+  double view_off_deg = 0;  ///< azimuth of the template's view relative to the true one
 };
 
 std::vector<Difficulty> Difficulties() {
@@ -60,21 +60,21 @@ std::vector<Difficulty> Difficulties() {
   return all;
 }
 
-// Covers the left share of a box with a part of the same picture, as something that stands before it.
+// Occludes the left fraction of a box with another part of the same image.
 void Hide(double share, const Box& box, KnownScene& scene) {
   const cv::Rect frame({0, 0}, scene.bgr.size());
   const cv::Rect cover =
       cv::Rect(cv::Point2d(box.x, box.y), cv::Size(static_cast<int>(box.width * share), static_cast<int>(box.height))) &
       frame;
   if (cover.area() == 0) return;
-  // The corner of the picture that is farthest from the object.
+  // Source: the image corner farthest from the object.
   const cv::Point from(box.x + box.width / 2 < frame.width / 2.0 ? frame.width - cover.width : 0,
                        box.y + box.height / 2 < frame.height / 2.0 ? frame.height - cover.height : 0);
   scene.bgr(cv::Rect(from, cover.size())).clone().copyTo(scene.bgr(cover));
-  scene.depth_m(cover).setTo(1);  // nearer than anything else
+  scene.depth_m(cover).setTo(1);  // m, nearer than all surfaces
 }
 
-// Templates and flights that all steps share.
+// The scene and the model that all steps share.
 struct Example {
   std::string kind;
   std::shared_ptr<const KnownTown> town;
@@ -88,7 +88,7 @@ Expected<MatchTrial> TrialUnder(const Difficulty& difficulty, const Example& exa
   VICTORIOUS_ASSIGN_OR_RETURN(KnownScene known, example.town->Draw(scene, 0, {}));
   const KnownObject* const object = known.Find(example.kind);
   if (object == nullptr)
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: must have a {} in view", known.name, example.kind));
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: must show a {}", known.name, example.kind));
   ViewDirection view = object->view;
   view.azimuth_rad += RadiansFromDegrees(difficulty.view_off_deg);
   Hide(difficulty.hidden, object->box, known);
@@ -104,8 +104,8 @@ Expected<Report> RunChapter3Sweeps(const ExperimentSettings& settings) {
   Report report{.title = "Filters under one difficulty at a time, the two running examples pooled, at a ratio of 0.85",
                 .columns = {"setting", "difficulty", "value", "filter", "true before", "false before", "true kept %",
                             "false after"}};
-  report.plot = {.title = "True matches left by the cascade, as a share of those of the easiest step",
-                 .x = {.label = "step of each difficulty, harder to the right"},
+  report.plot = {.title = "True matches kept by the cascade, relative to the easiest step",
+                 .x = {.label = "step of each difficulty, easiest first"},
                  .y = {.label = "%", .low = 0, .high = 110}};
   VICTORIOUS_ASSIGN_OR_RETURN(Renderer renderer, Renderer::Create({.software = true}));
   for (const MatchSetup& setup : {ThesisSetup(), OurSetup()}) {
@@ -154,9 +154,9 @@ Expected<Report> RunChapter3Sweeps(const ExperimentSettings& settings) {
     }
   }
   report.notes = {
-      "Each difficulty alone on pictures with a grain of 1 and JPEG of quality 90. Hidden: the left share of "
-      "the object's box is covered by another part of the picture. Size: the field of view is widened. Sun: "
-      "turned about the vertical, shadows with it."};
+      "Each difficulty alone, on images with a sensor noise of 1 and JPEG quality 90. Hidden: the left part of the "
+      "object's box is covered by another part of the image. Size: the field of view is widened. Sun: rotated "
+      "about the vertical, with its shadows."};
   return report;
 }
 

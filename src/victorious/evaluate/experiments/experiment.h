@@ -1,6 +1,6 @@
-// The thesis's tables and figures, each repeated by one file of this folder and one row of the registry.
-// A run gives a Report, which is written as NAME.json, NAME.csv and a plot, NAME.svg; figures that are pictures write
-// NAME.png beside them.
+// The registry of experiments (`victorious experiment NAME`). Each reproduces a table or figure of the thesis in one
+// file of this folder. An experiment returns a Report, which is written as NAME.json, NAME.csv and a plot, NAME.svg;
+// figures that are images also write NAME.png.
 #pragma once
 
 #include <filesystem>
@@ -17,23 +17,24 @@
 namespace victorious {
 
 struct ExperimentSettings {
-  std::filesystem::path data;    ///< the folder of outside data
-  std::filesystem::path scenes;  ///< the folder of scene files that pictures are drawn from
-  std::filesystem::path out;     ///< where pictures go; the report is written by RunExperiment
-  int seeds = 20;                ///< random splits, for means with standard errors
-  /// Of chapters 4 and 5: the scene files that are flown, by name; empty: those that the experiment chooses.
+  std::filesystem::path data;    ///< folder of external data
+  std::filesystem::path scenes;  ///< folder of scene files to render
+  std::filesystem::path out;     ///< output folder; also the cache of models, flights and indexes
+  int seeds = 20;                ///< number of random splits, for means with standard errors
+  /// Chapters 4 and 5: names of the scene files to simulate; empty: the experiment's own choice.
   std::vector<std::string> movies = {};
-  /// Of these flights: at most so many frames each, over the same time; 0: as the scene file has it.
+  /// Maximum number of frames of each simulated flight, spread over the same duration; 0: as in the scene file.
   int frames = 0;
-  std::string program = {};  ///< whose results these are; empty: ProgramId()
+  std::string program = {};  ///< id of the program build, part of the cache key; empty: ProgramId()
   const CancelToken* cancel = nullptr;
-  std::function<void(std::string_view what)> progress = [](std::string_view) {};  ///< a line, now and then
+  std::function<void(std::string_view what)> progress = [](std::string_view) {};  ///< receives lines of progress
 
+  /// Error: kCancelled if `cancel` is set and cancelled.
   [[nodiscard]] Status CheckCancelled() const;
-  /// Names what is kept in `out` for the next experiment, by what it was made of, parameters among it, and by the
-  /// program: another build makes its own. 16 hexadecimal digits.
+  /// The key of a result cached in `out`: 16 hexadecimal digits, a hash of its inputs (parameters included) and of the
+  /// program build. Another build does not reuse it.
   [[nodiscard]] Expected<std::string> KeptAs(const std::string& made_of) const;
-  /// `cancel`, or one that never cancels.
+  /// Returns `cancel`, or a token that is never cancelled if it is null.
   [[nodiscard]] const CancelToken& Cancel() const;
 };
 
@@ -43,14 +44,14 @@ struct Experiment {
   Expected<Report> (*run)(const ExperimentSettings& settings);
 };
 
-/// Every experiment, in the thesis's order.
+/// All experiments, in the order of the thesis.
 std::span<const Experiment> Experiments();
 
-/// Error: kInvalidArgument for a name that is none.
+/// Error: kInvalidArgument for an unknown name.
 Expected<const Experiment*> FindExperiment(const std::string& name);
 
-/// Runs the experiment and writes its report. Errors: kInvalidArgument for a name that is none, kNotFound for data that
-/// are missing; those of writing.
+/// Runs the experiment and writes its report. Errors: kInvalidArgument for an unknown name, kNotFound for missing data,
+/// and those of writing.
 Expected<Report> RunExperiment(const std::string& name, const ExperimentSettings& settings);
 
 }  // namespace victorious

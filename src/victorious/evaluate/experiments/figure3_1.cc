@@ -1,5 +1,5 @@
-// Figure 3.1: a picture and a jumble of its parts. Test pictures are cut into tiles and shuffled; their keypoints go
-// with their tiles, so that the words are the same to the last, and only what stands beside what has changed.
+// Figure 3.1: an image and a shuffle of its tiles. Test images are cut into tiles and shuffled. The keypoints move with
+// their tiles, so that the bag of words is unchanged and only the spatial arrangement differs.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,11 +20,11 @@ constexpr int kTilesAcross = 6;
 constexpr int kTilesDown = 4;
 constexpr int kTiles = kTilesAcross * kTilesDown;
 
-// order[tile] is where the tile goes; no tile stays.
+// Returns the destination of each tile; no tile stays in place.
 std::array<int, kTiles> Shuffle(Random& random) {
   std::array<int, kTiles> order{};
   std::iota(order.begin(), order.end(), 0);
-  // Sattolo's: one cycle through all.
+  // Sattolo's algorithm: a single cycle through all tiles.
   for (std::uint32_t i = kTiles - 1; i > 0; --i) std::swap(order[i], order[random.Below(i)]);
   return order;
 }
@@ -121,12 +121,12 @@ Status DrawExample(const ExperimentSettings& settings, const CaltechFeatures& fe
 Expected<Report> RunFigure31(const ExperimentSettings& settings) {
   const std::array<std::string, 2> pair = {kAirplanes, kCars};
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, CaltechRows(settings, pair));
-  Report report{.title = fmt::format("Test pictures cut into {} x {} tiles and shuffled", kTilesAcross, kTilesDown),
+  Report report{.title = fmt::format("Test images cut into {} x {} tiles and shuffled", kTilesAcross, kTilesDown),
                 .columns = {"method", "phrase score falls, % of pictures", "mean fall of the raw score",
                             "word score unchanged, % of pictures"}};
-  report.plot = {.title = "Shuffled pictures whose phrase score falls",
+  report.plot = {.title = "Shuffled images whose phrase score falls",
                  .x = {.label = "seed"},
-                 .y = {.label = "share (%)", .low = 50, .high = 100}};
+                 .y = {.label = "fraction (%)", .low = 50, .high = 100}};
   for (const auto& [name, options] :
        {std::pair{std::string("ours"), CategoryTrainOptions()}, std::pair{std::string("thesis"), ThesisCategories()}}) {
     VICTORIOUS_ASSIGN_OR_RETURN(const auto features, CaltechFeatures::Load(settings, rows, options.features));
@@ -144,8 +144,8 @@ Expected<Report> RunFigure31(const ExperimentSettings& settings) {
     settings.progress(name);
   }
   report.notes = {
-      fmt::format("{} seeds; airplanes and cars, 30 training pictures each; each test picture's score of its "
-                  "own category, whole and shuffled. Keypoints go with their tiles.",
+      fmt::format("{} seeds; airplanes and cars, 30 training images each; the score of each test image for its own "
+                  "category, whole and shuffled. Keypoints move with their tiles.",
                   settings.seeds)};
   return report;
 }

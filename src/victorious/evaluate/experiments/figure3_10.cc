@@ -1,4 +1,4 @@
-// Figures 3.10, 3.11 and 3.13: matches drawn as each stage leaves them, at one ratio and at several.
+// Figures 3.10, 3.11 and 3.13: drawings of the matches after each stage, at one ratio and at several.
 #include <array>
 #include <span>
 
@@ -12,7 +12,7 @@
 namespace victorious {
 namespace {
 
-// One picture a ratio and stage, ratios downwards, stages across; the counts as rows.
+// One drawing per ratio (downwards) and stage (across); the counts as rows.
 struct Drawn {
   std::vector<cv::Mat> pictures;
   Report report;
@@ -46,11 +46,11 @@ Expected<Drawn> DrawStages(const ExperimentSettings& settings, const std::string
 Expected<Report> RunFigure310(const ExperimentSettings& settings) {
   constexpr std::array kRatio = {0.8};
   VICTORIOUS_ASSIGN_OR_RETURN(Drawn drawn, DrawStages(settings, "jeep", kRatio, 4, 0.5));
-  // Clockwise from the left upper corner, as the thesis has them.
+  // Clockwise from the upper left corner, as in the thesis.
   std::swap(drawn.pictures[2], drawn.pictures[3]);
   VICTORIOUS_RETURN_IF_ERROR(WriteImage(settings.out / "figure3.10.png", Montage(drawn.pictures, 2)));
   drawn.report.title =
-      "Matches at a ratio of 0.8, clockwise from the left upper corner: none, first, second, third stage";
+      "Matches at a ratio of 0.8, clockwise from the upper left corner: none, first, second, third stage";
   return drawn.report;
 }
 
@@ -58,7 +58,7 @@ Expected<Report> RunFigure311(const ExperimentSettings& settings) {
   constexpr std::array kRatios = {0.6, 0.7, 0.8, 0.85, 0.9, 0.95};
   VICTORIOUS_ASSIGN_OR_RETURN(Drawn drawn, DrawStages(settings, "jeep", kRatios, 4, 0.25));
   VICTORIOUS_RETURN_IF_ERROR(WriteImage(settings.out / "figure3.11.png", Montage(drawn.pictures, 4)));
-  drawn.report.title = "Matches at ratios from 0.6 to 0.95 downwards, more stages across";
+  drawn.report.title = "Matches at ratios from 0.6 to 0.95 (downwards) after each stage (across)";
   return drawn.report;
 }
 
@@ -66,7 +66,7 @@ Expected<Report> RunFigure313(const ExperimentSettings& settings) {
   constexpr std::array kRatios = {0.8, 0.85, 0.9, 0.95};
   VICTORIOUS_ASSIGN_OR_RETURN(Drawn drawn, DrawStages(settings, "jet", kRatios, 5, 0.22));
   VICTORIOUS_RETURN_IF_ERROR(WriteImage(settings.out / "figure3.13.png", Montage(drawn.pictures, 5)));
-  drawn.report.title = "The second object at ratios from 0.8 to 0.95 downwards, more stages and MLESAC across";
+  drawn.report.title = "The second object at ratios from 0.8 to 0.95 (downwards) after each stage and MLESAC (across)";
   return drawn.report;
 }
 

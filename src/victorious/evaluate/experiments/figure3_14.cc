@@ -1,5 +1,5 @@
-// Figures 3.14 and 3.15: how many matches of each of the model's views every stage leaves, over the sphere of views, as
-// heat maps and as bars in space.
+// Figures 3.14 and 3.15: the number of matches of each view of the model after each stage, over the view sphere, as
+// heat maps and as 3-D bars.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,8 +24,8 @@ constexpr int kColumns = kViewColumns;
 constexpr int kRows = kViewRows;
 
 struct ViewCounts {
-  MatchTrial trial;                            ///< of the view nearest to the truth
-  std::vector<std::array<int, kStages>> left;  ///< of each view
+  MatchTrial trial;                            ///< with the view nearest to the truth
+  std::vector<std::array<int, kStages>> left;  ///< number of matches of each view after each stage
 };
 
 Expected<ViewCounts> CountViews(const ExperimentSettings& settings, const MatchSetup& setup, const std::string& kind) {
@@ -52,7 +52,7 @@ double DegreesBetween(const ObjectModel& model, std::size_t a, std::size_t b) {
   return DegreesFromRadians(std::acos(std::clamp(direction(a).dot(direction(b)), -1.0, 1.0)));
 }
 
-// One value a cell of the grid (view_grid.h).
+// The number of matches in each cell of the grid (view_grid.h).
 cv::Mat GridOf(const ViewCounts& counts, std::size_t stage) {
   std::vector<double> values;
   for (const auto& left : counts.left) values.push_back(left[stage]);
@@ -71,7 +71,7 @@ cv::Mat HeatMap(const ViewCounts& counts, std::size_t stage) {
   return HeatMapOf(grid, MostOf(stage, most), {{truth}, cv::Scalar(80, 255, 80)});
 }
 
-// Bars on the grid of views, seen from above at a slant, the farthest drawn first.
+// Draws bars on the grid of views in oblique projection, the farthest first.
 cv::Mat Bars(const ViewCounts& counts, std::size_t stage) {
   constexpr double kStepX = 7;
   constexpr double kStepY = 8;
@@ -103,17 +103,17 @@ cv::Mat Bars(const ViewCounts& counts, std::size_t stage) {
 
 template <typename Draw>
 Status WriteStages(const std::filesystem::path& path, const ViewCounts& counts, const Draw& draw) {
-  // Clockwise from the left upper corner, as the thesis has them.
+  // Clockwise from the upper left corner, as in the thesis.
   return WriteImage(path, Montage({draw(counts, 0), draw(counts, 1), draw(counts, 3), draw(counts, 2)}, 2));
 }
 
 struct Ranking {
-  int rank = 1;          ///< of the true view
-  int tied = 0;          ///< other views with as many matches
-  std::size_t best = 0;  ///< the view with the most matches
+  int rank = 1;          ///< rank of the true view
+  int tied = 0;          ///< number of other views with as many matches
+  std::size_t best = 0;  ///< view with the maximum number of matches
   int best_count = 0;
   int true_count = 0;
-  int farthest_spike = 0;  ///< the most matches of any view more than 40 degrees off
+  int farthest_spike = 0;  ///< maximum number of matches of the views more than 40 degrees away
 };
 
 Ranking Rank(const ViewCounts& counts, std::size_t stage) {
@@ -148,7 +148,7 @@ std::string CsvOfViews(const ViewCounts& counts) {
 }  // namespace
 
 Expected<Report> RunFigure314(const ExperimentSettings& settings) {
-  Report report{.title = "The view nearest to the truth among all 253, by number of matches at a ratio of 0.8",
+  Report report{.title = "Rank of the true view among all 253, by number of matches at a ratio of 0.8",
                 .columns = {"object", "setting", "filtering", "rank of the true view", "others with as many",
                             "its matches", "most matches", "the best view is off by (degrees)"}};
   PlotLine thesis_line{.name = "thesis's setting"};
@@ -174,9 +174,9 @@ Expected<Report> RunFigure314(const ExperimentSettings& settings) {
     }
   }
   report.notes = {
-      "Thesis: after the first stage the true view is ranked first, without filtering it is not. The picture: "
-      "jeep, our setting, clockwise from the left upper corner none, first, second, third; azimuth to the "
-      "right from 0, off-nadir angle downwards from 0 to 70 degrees, the true view framed green."};
+      "Thesis: the true view is ranked first after the first stage, but not without filtering. The image: jeep, "
+      "our setting, clockwise from the upper left corner none, first, second, third; azimuth to the right from "
+      "0, off-nadir angle downwards from 0 to 70 degrees, the true view framed green."};
   report.plot = {.title = "Rank of the true view of the jeep among 253",
                  .x = {.label = "stages of the cascade"},
                  .y = {.label = "rank"},
@@ -185,7 +185,7 @@ Expected<Report> RunFigure314(const ExperimentSettings& settings) {
 }
 
 Expected<Report> RunFigure315(const ExperimentSettings& settings) {
-  Report report{.title = "Matches of all views as bars: the peak at the true view and spikes far from it",
+  Report report{.title = "Matches of all views as bars: the peak at the true view and spurious peaks far from it",
                 .columns = {"object", "filtering", "matches of the true view", "most of a view over 40 degrees off",
                             "peak over spike"}};
   for (const char* kind : {"jeep", "jet"}) {
@@ -204,9 +204,9 @@ Expected<Report> RunFigure315(const ExperimentSettings& settings) {
     report.plot.lines.push_back(std::move(line));
   }
   report.notes = {
-      "Our setting. The picture: the jeep's views, clockwise from the left upper corner none, first, second, "
-      "third stage; azimuth to the right, the pole at the back."};
-  report.plot.title = "The true view's matches over the most of a view more than 40 degrees off";
+      "Our setting. The image: the jeep's views, clockwise from the upper left corner none, first, second, third "
+      "stage; azimuth to the right, the pole at the back."};
+  report.plot.title = "Matches of the true view over the maximum of the views more than 40 degrees away";
   report.plot.x = {.label = "stages of the cascade"};
   report.plot.y = {.label = "peak over spike"};
   return report;

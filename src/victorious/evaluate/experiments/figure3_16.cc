@@ -1,5 +1,5 @@
-// Figure 3.16: objects found in pictures of every scene file, with the box, and the template that found them; and how
-// many were found, missed, and found where none is.
+// Figure 3.16: objects detected in an image of every scene file, with the box and the matched template; and the numbers
+// of detections, misses and false positives.
 #include <algorithm>
 #include <array>
 #include <map>
@@ -20,17 +20,17 @@ namespace victorious {
 namespace {
 
 constexpr std::array kKinds = {"jeep", "tank", "helicopter", "jet"};
-constexpr double kFoundOverlap = 0.5;  // of the found box with the true one
+constexpr double kFoundOverlap = 0.5;  // minimum IoU of a detection with the true box
 constexpr double kLeastVisible = 0.5;
 
 struct Tally {
   int wanted = 0;
   int found = 0;
-  int elsewhere = 0;  ///< detections where no object of that kind is
+  int elsewhere = 0;  ///< false positives
   std::vector<double> view_errors_deg;
 };
 
-// A detection to be shown.
+// A detection to draw.
 struct Shown {
   const KnownScene* scene;
   const ModelView* view;
@@ -44,7 +44,7 @@ double ViewErrorDegrees(const ModelView& view, const KnownObject& object) {
   return DegreesFromRadians(std::acos(std::clamp(found.dot(DirectionToCamera(object.view)), -1.0, 1.0)));
 }
 
-// What one picture's detections come to, added to the tallies of the kinds.
+// Compares the detections of an image with its truth and updates the tally of each model.
 void Judge(const KnownScene& scene, const std::vector<Detection>& detections, const std::vector<ObjectModel>& models,
            std::map<std::string, Tally>& tallies, std::vector<Shown>& shown) {
   std::set<const KnownObject*> found;
@@ -72,7 +72,7 @@ void Judge(const KnownScene& scene, const std::vector<Detection>& detections, co
   }
 }
 
-// The whole picture, the part with the box, and the template, one below the other.
+// Draws the whole image, the crop around the box and the template, from top to bottom.
 Expected<cv::Mat> Column(const Shown& shown) {
   constexpr int kSide = 176;
   constexpr int kWhole = 132;
@@ -95,7 +95,7 @@ Expected<cv::Mat> Column(const Shown& shown) {
   cv::resize(object, object, cv::Size(kSide, kSide), 0, 0, cv::INTER_AREA);
   cv::Mat column;
   cv::vconcat(std::vector<cv::Mat>{whole, part, object}, column);
-  constexpr double kStep = 24;  // few grey levels: a small file
+  constexpr double kStep = 24;  // step of the grey levels; few levels keep the file small
   cv::medianBlur(column, column, 3);
   column.convertTo(column, CV_8U, 1 / kStep);
   column.convertTo(column, CV_8U, kStep);
@@ -103,7 +103,7 @@ Expected<cv::Mat> Column(const Shown& shown) {
   return column;
 }
 
-// Four right ones of different kinds and pictures, and one wrong one where there is any.
+// Tiles up to four true detections, one per model, and one false positive if there is any.
 Expected<cv::Mat> Picture(const std::vector<Shown>& shown) {
   std::vector<cv::Mat> columns;
   std::set<std::string> kinds;
@@ -125,7 +125,7 @@ Expected<cv::Mat> Picture(const std::vector<Shown>& shown) {
 Expected<Report> RunFigure316(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<PooledScene> scenes, PoolScenes(settings, 1, Movies::kNone));
   Report report{
-      .title = "Objects found in one picture of each scene, by all views of four models",
+      .title = "Objects detected in one image of each scene, with all views of four models",
       .columns = {"setting", "object", "in view", "found", "found elsewhere", "view off by (degrees), median"}};
   std::vector<MatchSetup> setups = {ThesisSetup(), OurSetup()};
   setups.back().recognize.method = IndexOptions().recognize.method;
@@ -158,9 +158,9 @@ Expected<Report> RunFigure316(const ExperimentSettings& settings) {
     VICTORIOUS_RETURN_IF_ERROR(WriteImage(settings.out / "figure3.16.png", picture));
   }
   report.notes = {
-      fmt::format("Found: a box of its kind overlaps the true one by {:g} or more; in view: half of it or more. "
-                  "Ours: the program's default, ranked matches' votes, without telemetry. The picture: whole "
-                  "pictures, the parts with the box, the templates; right ones green, a wrong one red.",
+      fmt::format("Found: a detection of the model has an IoU of {:g} or more with the true box; in view: visible by "
+                  "0.5 or more. Ours: the program's default, votes of ranked matches, without telemetry. The "
+                  "image: whole images, crops around the box, templates; true detections green, a false one red.",
                   kFoundOverlap)};
   return report;
 }

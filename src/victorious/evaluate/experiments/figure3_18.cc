@@ -1,6 +1,7 @@
-// Figure 3.18 and section 3.5.9: real pictures against CAD models. The thesis shows one picture of a vehicle; here two
-// things of which both video and CAD file are at hand: a tea box, and a toy cube whose pose is known in every frame.
-// Their CAD files have no colours, so that each is searched for twice: as it is, and painted with the first frame.
+// Figure 3.18 and section 3.5.9: detection of CAD models in real images. The thesis shows one image of a vehicle. Here
+// the objects have both a video and a CAD file: a tea box, and a cube and a dragon whose poses are known in every
+// frame. Their CAD files have no colours, so that each object is searched for twice: untextured, and textured with the
+// first frame.
 #include <algorithm>
 #include <cmath>
 
@@ -20,11 +21,11 @@
 namespace victorious {
 namespace {
 
-// What was found in one picture.
+// The result of the search in one image.
 struct Find {
   std::optional<Detection> detection;
   std::optional<Stance> stance;
-  std::vector<Eigen::Vector2d> matched;  // where the matches are, px
+  std::vector<Eigen::Vector2d> matched;  // scene keypoints of the inliers, px
 };
 
 CameraState CameraOf(const RealView& view) { return {.hfov_rad = 2 * std::atan(view.bgr.cols / 2.0 / view.focal_px)}; }
@@ -43,7 +44,7 @@ Expected<Find> Search(const RealView& view, const Recognizer& recognizer, const 
   return find;
 }
 
-// The edges of the bounding box of an object that stands so, as lines in the picture.
+// Draws the edges of the object's 3-D bounding box.
 void DrawBox(const Rigid3& camera_from_object, const Eigen::AlignedBox3d& box, double focal_px,
              const cv::Scalar& colour, cv::Mat& picture) {
   const auto corner = [&](int which) {
@@ -71,7 +72,7 @@ cv::Mat Draw(const RealView& view, const Find& find, const Eigen::AlignedBox3d& 
   return picture;
 }
 
-// At most twelve pictures, evenly, four a row.
+// Tiles at most twelve evenly chosen images, four per row.
 cv::Mat SheetOf(const std::vector<cv::Mat>& pictures) {
   constexpr std::size_t kMost = 12;
   constexpr std::size_t kColumns = 4;
@@ -90,12 +91,12 @@ cv::Mat SheetOf(const std::vector<cv::Mat>& pictures) {
   return sheet;
 }
 
-// Of finds whose truth is known.
+// Errors of the detections with known truth.
 struct Errors {
   std::vector<double> view_deg;
-  std::vector<double> turn_deg;  // of the whole rotation
+  std::vector<double> turn_deg;  // angle of the rotation error
   std::vector<double> distance_percent;
-  std::vector<double> middle_px;  // of the middle of the bounding box in the picture
+  std::vector<double> middle_px;  // image distance of the centre of the bounding box
 };
 
 void AddErrors(const RealView& view, const Stance& stance, Errors& errors) {
@@ -111,7 +112,7 @@ void AddErrors(const RealView& view, const Stance& stance, Errors& errors) {
                              (found.translation.hnormalized() - truth.translation.hnormalized()).norm());
 }
 
-// Whether a find is where the object is; nothing is known of views without truth.
+// Whether a detection lies within 40 px of the true centre; true for views without truth.
 bool IsWhereItShouldBe(const RealView& view, const Find& find) {
   if (!view.camera_from_object) return find.detection.has_value();
   const Eigen::Vector2d truth = view.focal_px * view.camera_from_object->translation.hnormalized();
@@ -128,17 +129,17 @@ Cell Shown(const std::vector<double>& values, double percent) {
   return value ? Cell(*value) : Cell("-");
 }
 
-// Without views left it makes no row.
+// One row of the table; there is none if no view is left.
 struct Trial {
   std::string object;
   std::string paint;
   const Mesh& mesh;
   const std::vector<RealView>& views;
-  std::size_t first_view;  // those before it were painted from
+  std::size_t first_view;  // the views before it supplied the texture
 };
 
 Status Try(const Trial& trial, const ExperimentSettings& settings, Report& report) {
-  if (trial.views.size() <= trial.first_view) return {};  // one picture alone, which gave the paint
+  if (trial.views.size() <= trial.first_view) return {};  // the only image supplied the texture
   VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
   settings.progress(fmt::format("{}, {}", trial.object, trial.paint));
   CadModelOptions making;
@@ -149,7 +150,7 @@ Status Try(const Trial& trial, const ExperimentSettings& settings, Report& repor
                            why, "-", "-", "-", "-", "-", "-"});
     return Status{};
   };
-  // Nothing to see on it: no view has features.
+  // An untextured model: no view has features.
   if (!model && model.error().code == ErrorCode::kInvalidArgument) return not_found("no features");
   if (!model) return std::unexpected(std::move(model).error());
   const Eigen::AlignedBox3d box = *model->box_m;
@@ -189,11 +190,11 @@ Status Try(const Trial& trial, const ExperimentSettings& settings, Report& repor
 
 Expected<Report> RunFigure318(const ExperimentSettings& settings) {
   Report report{
-      .title = "Real pictures against CAD models",
-      .notes = {"Searched with the camera's field of view known, and without telemetry; the first frame is "
-                "left out where it gave the paint. The truth of cube and dragon is the first frame's pose, moved as a "
-                "board of tags beside it moves; frames of the tea box have no truth: look at the pictures "
-                "(green: the box as it is thought to stand; yellow: matches; red frame: not found)."},
+      .title = "Detection of CAD models in real images",
+      .notes = {"Searched with a known field of view and without telemetry; the first frame is left out if it "
+                "supplied the texture. The true pose of cube and dragon is the first frame's pose, moved with a board "
+                "of tags beside the object; frames of the tea box have no truth: judge by the images (green: box at "
+                "the estimated pose; yellow: matches; red frame: not detected)."},
       .columns = {"object", "paint", "frames", "found", "elsewhere", "view error 50 %, deg", "90 %",
                   "rotation error 50 %, deg", "distance error 50 %, %", "middle off 50 %, px", "90 %"}};
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<RealObject> objects, LoadRealObjects(settings.data));

@@ -1,5 +1,5 @@
-// Figure 3.19: patches of training pictures that became one visual word: the words of the tightest clusters among those
-// of many pictures, a row each.
+// Figure 3.19: patches of training images that are quantised to the same visual word: one row for each of the tightest
+// clusters among the words that occur in many images.
 #include <algorithm>
 #include <array>
 #include <map>
@@ -28,12 +28,12 @@ struct Member {
 
 struct Cluster {
   std::uint32_t word = 0;
-  std::vector<Member> members;  // the nearest to the word first
+  std::vector<Member> members;  // by rising distance to the word
   std::size_t pictures = 0;
   double mean_distance = 0;
 };
 
-// What the descriptor saw, upright: 12 scales across.
+// The image patch of the descriptor, rotated upright, 12 scales wide.
 cv::Mat PatchOf(const cv::Mat& bgr, const Keypoint& keypoint) {
   constexpr double kScalesAcross = 12;
   const double factor = kPatchPx / (kScalesAcross * keypoint.scale_px);
@@ -87,7 +87,7 @@ Expected<Report> RunFigure319(const ExperimentSettings& settings) {
   const Vocabulary vocabulary = Vocabulary::Learn(descriptors, options.category.vocabulary, 1);
   const std::vector<Cluster> clusters = ClustersOf(features, split, vocabulary);
 
-  Report report{.title = "Visual words: the tightest clusters of patches from many pictures",
+  Report report{.title = "Visual words: the tightest clusters of patches from many images",
                 .columns = {"word", "patches", "pictures", "mean distance to the word"}};
   PlotLine sizes{.name = "a visual word", .points = {}, .connected = false};
   std::map<std::size_t, cv::Mat> pictures;
@@ -112,7 +112,7 @@ Expected<Report> RunFigure319(const ExperimentSettings& settings) {
     }
     cv::hconcat(patches, lines.emplace_back());
   }
-  if (lines.empty()) return Fail(ErrorCode::kInvalidArgument, "figure3.19: no word has patches of several pictures");
+  if (lines.empty()) return Fail(ErrorCode::kInvalidArgument, "figure3.19: no visual word occurs in enough images");
   cv::Mat sheet;
   cv::vconcat(lines, sheet);
   VICTORIOUS_RETURN_IF_ERROR(WriteImage(settings.out / "figure3.19.png", sheet));

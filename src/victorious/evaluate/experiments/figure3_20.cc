@@ -1,5 +1,5 @@
-// Figures 3.20 and 3.21: ROC of airplanes and of cars among each other, words and phrases; curves are averaged over the
-// seeds at equal shares of false alarms.
+// Figures 3.20 and 3.21: ROC of airplanes against cars and of cars against airplanes, for words and phrases. Curves are
+// averaged over the seeds at fixed false alarm rates.
 #include <array>
 #include <map>
 
@@ -35,8 +35,8 @@ Expected<Report> Roc(const ExperimentSettings& settings, const std::string& cate
   Report report{.title = title, .columns = {"method", "words or phrases", "area under ROC"}};
   for (const double share : kFalseAlarms) report.columns.push_back(fmt::format("detected at {:g}", share));
   report.plot = {.title = title,
-                 .x = {.label = "share of false alarms", .low = 0, .high = 1},
-                 .y = {.label = "share detected", .low = 0, .high = 1}};
+                 .x = {.label = "false alarm rate", .low = 0, .high = 1},
+                 .y = {.label = "detection rate", .low = 0, .high = 1}};
   for (const auto& [name, options] : methods) {
     VICTORIOUS_ASSIGN_OR_RETURN(const auto features, CaltechFeatures::Load(settings, rows, options.features));
     std::map<std::string, Curve> curves;
@@ -63,8 +63,8 @@ Expected<Report> Roc(const ExperimentSettings& settings, const std::string& cate
     settings.progress(name);
   }
   report.notes = {
-      fmt::format("{} seeds (the thesis: 3 runs); airplanes and cars, 30 training pictures each, the rest "
-                  "tests.",
+      fmt::format("{} seeds (thesis: 3 runs); airplanes and cars, 30 training images each, the rest for "
+                  "testing.",
                   settings.seeds)};
   return report;
 }

@@ -1,5 +1,5 @@
-// Figure 4.1: how much a tracker saves the recogniser: a frame that is searched as a whole for every view of every
-// model, and the next, where only the tracked region is, for the view that matched and its neighbours.
+// Figure 4.1: the cost of recognition with and without a tracker. One frame is searched as a whole for every view of
+// every model; the next one only in the tracked region, for the matched view and its neighbours.
 #include <algorithm>
 #include <array>
 #include <ctime>
@@ -21,9 +21,9 @@
 namespace victorious {
 namespace {
 
-constexpr const char* kKind = "jeep";  // stands for the thesis's Humvee
+constexpr const char* kKind = "jeep";  // in place of the thesis's Humvee
 
-// Processor time of all threads, the median of several runs, ms.
+// CPU time of all threads, median of 7 repetitions, ms.
 double MedianCpuMs(const std::function<void()>& step) {
   constexpr std::size_t kRuns = 7;
   std::vector<double> ms(kRuns);
@@ -35,35 +35,35 @@ double MedianCpuMs(const std::function<void()>& step) {
   return *Percentile(ms, 50);
 }
 
-// What one search looks at, and what it costs.
+// The extent and the cost of one search.
 struct Effort {
   double pixels = 0;
   double keypoints = 0;
   double models = 0;
   double views = 0;
-  double comparisons = 0;  ///< of a descriptor of the scene with one of a template
+  double comparisons = 0;  ///< descriptor comparisons, scene with template
   double features_ms = 0;
   double recognition_ms = 0;
 };
 
-// One frame's search.
+// The search of one frame.
 struct Searched {
   cv::Mat grey;
   FeatureSet features;
-  std::vector<std::vector<double>> evidence;  ///< of each model's views, decades; 0 where it was not asked
+  std::vector<std::vector<double>> evidence;  ///< -log10 NFA of each model's views; 0 for views not searched
   std::vector<std::vector<std::size_t>> views;
-  std::optional<Detection> found;  ///< of the kind that is followed
-  Box box;                         ///< that was searched
+  std::optional<Detection> found;  ///< of the tracked model
+  Box box;                         ///< searched region
   Effort effort;
 };
 
 struct Scenery {
-  const Recognizer& recognizer;  ///< that reports whatever it finds
+  const Recognizer& recognizer;  ///< with a minimum score of 0
   const FeatureExtractor& extractor;
-  std::size_t model;  ///< that is followed
+  std::size_t model;  ///< index of the tracked model
 };
 
-// What each view shows, asked one by one.
+// Recognises each view separately.
 void AskViews(const Scenery& scenery, const FrameConditions& conditions, Searched& searched) {
   for (std::size_t m = 0; m < searched.views.size(); ++m) {
     const ObjectModel& model = scenery.recognizer.models()[m];
@@ -124,7 +124,7 @@ cv::Mat DrawFrame(const Searched& searched, const cv::Scalar& colour) {
   return picture;
 }
 
-// The frame, and below it the evidence of each model's views.
+// The frame, and below it the heat map of -log10 NFA over each model's views.
 cv::Mat Column(const Searched& searched, const std::vector<ObjectModel>& models, const cv::Scalar& colour) {
   std::vector<cv::Mat> pictures = {DrawFrame(searched, colour)};
   for (std::size_t m = 0; m < models.size(); ++m) {
@@ -133,8 +133,8 @@ cv::Mat Column(const Searched& searched, const std::vector<ObjectModel>& models,
     if (searched.views[m].size() < models[m].views.size()) {
       for (const std::size_t view : searched.views[m]) framed.views.push_back(*models[m].views[view].angles);
     }
-    const std::string caption = searched.views[m].empty() ? fmt::format("{}: not asked", models[m].name)
-                                                          : fmt::format("{}: {} views, at most {:.0f} decades",
+    const std::string caption = searched.views[m].empty() ? fmt::format("{}: not searched", models[m].name)
+                                                          : fmt::format("{}: {} views, at most {:.0f}",
                                                                         models[m].name, searched.views[m].size(), most);
     pictures.push_back(HeatMapOf(GridOfViews(models[m], searched.evidence[m]), caption, framed));
   }
@@ -148,13 +148,14 @@ cv::Mat Column(const Searched& searched, const std::vector<ObjectModel>& models,
   return column;
 }
 
-// The middle one of the clear rows of the kind that has a frame after it.
+// The middle frame of the clear rows of the model kKind, such that a later row exists.
 Expected<std::int64_t> MiddleFrame(const TrueMovie& movie) {
   std::vector<std::int64_t> frames;
   for (const TruthRow& row : movie.truth) {
     if (row.model == kKind && IsClear(row)) frames.push_back(row.frame);
   }
-  if (frames.size() < 2) return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: shows no {}", movie.name, kKind));
+  if (frames.size() < 2)
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: must show a {} in two frames", movie.name, kKind));
   return frames[(frames.size() - 1) / 2];
 }
 
@@ -181,7 +182,7 @@ Expected<Report> RunFigure41(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Frame> frames,
                               ReadFrames(movie.folder / "video.mp4", numbers, FrameColor::kGrey));
   IndexOptions options = FollowingOptions();
-  options.recognize.detect.least_score = 0;  // the heat maps show everything
+  options.recognize.detect.least_score = 0;  // the heat maps show all detections
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
   VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,
                               Recognizer::Create(movie.models, options.features.engine, options.recognize));
@@ -202,7 +203,7 @@ Expected<Report> RunFigure41(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Searched before,
                               SearchBox(scenery, frames[0], whole, every_view, conditions(frames[0])));
   if (!before.found) {
-    return Fail(ErrorCode::kNotFound, fmt::format("{}, frame {}: no {} was found", movie.name, first, kKind));
+    return Fail(ErrorCode::kNotFound, fmt::format("{}, frame {}: no {} was detected", movie.name, first, kKind));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(RegionTracker tracker, RegionTracker::Create(options.follow.track));
   tracker.Step(frames[0]);
@@ -224,7 +225,7 @@ Expected<Report> RunFigure41(const ExperimentSettings& settings) {
   cv::hconcat(std::vector<cv::Mat>{left, gap, Column(after, movie.models, cv::Scalar(0, 255, 255))}, picture);
   VICTORIOUS_RETURN_IF_ERROR(WriteImage(settings.out / "figure4.1.png", picture));
 
-  Report report{.title = "A frame searched as a whole, and the next where the object is tracked",
+  Report report{.title = "Search of a whole frame, and of the tracked region in the next",
                 .columns = {"search", "pixels", "keypoints", "models", "views", "descriptors compared", "features, ms",
                             "recognition, ms", "together, ms"},
                 .rows = {RowOf("whole frame", before.effort), RowOf("tracked region", after.effort)}};
@@ -240,16 +241,16 @@ Expected<Report> RunFigure41(const ExperimentSettings& settings) {
     if (row.frame == numbers[1] && row.model == kKind) truth = &row;
   }
   report.notes = {
-      fmt::format("Frames {} and {} of {}, the {}; processor time of all threads, medians of 7 runs. What a tracker "
-                  "takes itself, some 2 ms a frame, is not counted.",
+      fmt::format("Frames {} and {} of {}, the {}; CPU time of all threads, medians of 7 repetitions. The tracker "
+                  "itself, about 2 ms per frame, is not included.",
                   numbers[0], numbers[1], movie.name, kKind),
       fmt::format("In the tracked region it is {}{}.", after.found ? "found" : "not found",
                   after.found && truth != nullptr ? fmt::format(", its box overlapping the true one by {:.2f}",
                                                                 IntersectionOverUnion(after.found->box, truth->box))
                                                   : ""),
-      "The picture: left the whole frame (blue) and the evidence of each model's 253 views, in decades by which chance "
-      "is too unlikely, azimuth to the right, off-nadir angle downwards; right the next frame with the region that the "
-      "tracker leads to (yellow) and the views that are asked there; what was found red."};
+      "The image: left the whole frame (blue) and -log10 NFA of each model's 253 views, azimuth to the right, "
+      "off-nadir angle downwards; right the next frame with the tracked region (yellow) and the views searched there; "
+      "detections in red."};
   return report;
 }
 

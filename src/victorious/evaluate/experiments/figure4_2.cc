@@ -1,4 +1,4 @@
-// Figure 4.2: objects followed by the tracker alone, and by tracker and recogniser together (pipeline/steady_lock.h).
+// Figure 4.2: objects tracked by the tracker alone, and by tracker and recogniser together (pipeline/steady_lock.h).
 #include <algorithm>
 #include <map>
 #include <utility>
@@ -18,10 +18,10 @@ namespace {
 
 constexpr double kLockedOverlap = 0.5;
 
-// One clear row of the truth, and how far each has the object there.
+// A clear truth row with the overlap that each method reaches.
 struct LockRow {
   LockStep step;
-  double alone = 0;  ///< overlap of the boxes; 0 where it has none
+  double alone = 0;  ///< IoU of the boxes; 0 if the object is lost
   double together = 0;
 };
 
@@ -48,7 +48,7 @@ double Overlap(const std::optional<Polygon>& outline, const Box& truth, const cv
 }
 
 Expected<Lock> LockOn(const TrueMovie& movie, const ObjectModel& model, const ExperimentSettings& settings) {
-  settings.progress(fmt::format("following the {} of {}", model.name, movie.name));
+  settings.progress(fmt::format("tracking the {} of {}", model.name, movie.name));
   const IndexOptions options = FollowingOptions();
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open((movie.folder / "video.mp4").string(), {}));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
@@ -68,7 +68,7 @@ Expected<Lock> LockOn(const TrueMovie& movie, const ObjectModel& model, const Ex
   return lock;
 }
 
-// Four moments; above tracker and recogniser, below the tracker alone.
+// Four frames; tracker and recogniser above, the tracker alone below.
 Expected<cv::Mat> Draw(const TrueMovie& movie, const Lock& lock) {
   constexpr int kMoments = 4;
   constexpr double kScale = 0.45;
@@ -129,7 +129,7 @@ Expected<Report> RunFigure42(const ExperimentSettings& settings) {
     }
     if (model.name == "jeep" || !shown) shown = lock;
   }
-  if (!shown) return Fail(ErrorCode::kNotFound, fmt::format("{}: nothing was found to be followed", movie.name));
+  if (!shown) return Fail(ErrorCode::kNotFound, fmt::format("{}: no object was detected to track", movie.name));
   VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat picture, Draw(movie, *shown));
   VICTORIOUS_RETURN_IF_ERROR(WriteImage(settings.out / "figure4.2.png", picture));
 
@@ -144,12 +144,12 @@ Expected<Report> RunFigure42(const ExperimentSettings& settings) {
                  .y = {.label = "overlap of boxes", .low = 0, .high = 1},
                  .lines = {alone, together}};
   report.notes = {
-      fmt::format("Movie: {}. Each object from its first find on, in the frames in which it is clear. Alone, the "
-                  "tracker follows whatever moves with the points of the first find; with the recogniser, each find in "
-                  "the tracked region is its new template. Overlap: of the outline's box with the true one, 0 where "
-                  "there is none; locked: {:g} or more.",
+      fmt::format("Movie: {}. Each object from its first detection on, in the frames in which it is clear. Alone, the "
+                  "tracker follows the points of the first detection; with the recogniser, each detection in the "
+                  "tracked region becomes its new template. Overlap: IoU of the outline's box with the true box, 0 if "
+                  "lost; locked: {:g} or more.",
                   Describe(movies), kLockedOverlap),
-      fmt::format("The picture: the {}; above with the recogniser (green), below alone (red).", shown->model)};
+      fmt::format("The image: {}; with the recogniser above (green), alone below (red).", shown->model)};
   return report;
 }
 

@@ -1,4 +1,4 @@
-// Figures 4.3 and 4.4: the conic frustum that one sighting allows, and how little is common to many.
+// Figures 4.3 and 4.4: the conic frustum of one sighting, and the intersection of the frusta of many sightings.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,14 +20,14 @@ namespace {
 
 constexpr const char* kKind = "jeep";
 
-// What was seen of one true object that stands still, by the default setting: lines of sight by time, and its place.
+// The observations of one static true object with the default setting: lines of sight by time, and the true place.
 struct SeenObject {
   std::string name;
   GeodeticPoint place;
   std::vector<LineOfSight> lines;
 };
 
-// The object's rows of the truth, by frame; nothing for one that moves.
+// The true place of a static object; std::nullopt for a moving one.
 std::optional<GeodeticPoint> StandingPlace(const TrueMovie& movie, const std::string& object) {
   std::optional<GeodeticPoint> place;
   for (const TruthRow& row : movie.truth) {
@@ -65,7 +65,7 @@ Expected<std::vector<SeenObject>> SeenIn(const TrueMovie& movie, const Experimen
     std::ranges::sort(one.lines, {}, &LineOfSight::time_s);
     all.push_back(std::move(one));
   }
-  if (all.empty()) return Fail(ErrorCode::kNotFound, fmt::format("{}: nothing that stands still was seen", movie.name));
+  if (all.empty()) return Fail(ErrorCode::kNotFound, fmt::format("{}: no static object was detected", movie.name));
   return all;
 }
 
@@ -79,7 +79,7 @@ double VolumeOf(const Ray& ray) {
   return kPi * (integral(f.farthest_m) - integral(f.nearest_m));
 }
 
-// Lines evenly over those that were seen.
+// Selects evenly spaced lines.
 std::vector<LineOfSight> Spread(const std::vector<LineOfSight>& lines, int count) {
   std::vector<LineOfSight> some;
   for (const std::int64_t at : SpreadOver(static_cast<std::int64_t>(lines.size()), count)) {
@@ -88,11 +88,11 @@ std::vector<LineOfSight> Spread(const std::vector<LineOfSight>& lines, int count
   return some;
 }
 
-// What is common to the frusta of some rays, from points drawn in the first one's.
+// The intersection of the frusta of some rays, by Monte Carlo sampling of the first frustum.
 struct Common {
   double volume_m3 = 0;
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  std::vector<Eigen::Vector2d> plan;  ///< east and north of some of its points
+  std::vector<Eigen::Vector2d> plan;  ///< east and north of some points inside
 };
 
 Common CommonTo(const std::vector<Ray>& rays) {
@@ -137,9 +137,9 @@ PlotLine Dot(const std::string& name, double x, double y) {
 }
 
 constexpr const char* kFrustumNote =
-    "The frustum's radius is identity_radius_m widened by the line's own error with the distance, its length the told "
-    "range over and times distance_prior_allowance: the parameters objects.locate.*, to which the thesis gives no "
-    "values.";
+    "The frustum's radius is identity_radius_m, widened with the distance by the line's own error. It extends from the "
+    "estimated range divided by distance_prior_allowance to the range times it: parameters objects.locate.*, for which "
+    "the thesis gives no values.";
 
 }  // namespace
 
@@ -171,7 +171,7 @@ Expected<Report> RunFigure43(const ExperimentSettings& settings) {
       }
     }
     report.plot = {
-        .title = fmt::format("What one sighting of the {} allows", one.name),
+        .title = fmt::format("Conic frustum of one sighting of the {}", one.name),
         .x = {.label = "along the line of sight from the camera, m", .low = 0, .high = 1.15 * ray.frustum.farthest_m},
         .y = {.label = "across it, m", .low = -10, .high = 10},
         .lines = {{.name = "line of sight", .points = {{0, 0}, {ray.frustum.farthest_m, 0}}, .marked = false},
@@ -179,7 +179,7 @@ Expected<Report> RunFigure43(const ExperimentSettings& settings) {
                   Dot("by apparent size", ray.range_m, 0),
                   Dot("truth", along_m, truth.dot(ray.side))}};
   }
-  report.notes = {"The middle one of each object's sightings in " + Describe(movies) + ", telemetry exact.",
+  report.notes = {"The middle sighting of each object in " + Describe(movies) + ", with exact telemetry.",
                   kFrustumNote};
   return report;
 }
@@ -188,7 +188,7 @@ Expected<Report> RunFigure44(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrueMovie> movies, FlyScenes({"circle"}, settings));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SeenObject> seen, SeenIn(movies.front(), settings));
   const LocateOptions options = FollowingOptions().objects.locate;
-  Report report{.title = "What is common to the conic frusta of many sightings",
+  Report report{.title = "Intersection of the conic frusta of many sightings",
                 .columns = {"object", "lines of sight", "common volume, m3", "share of one frustum", "truth inside",
                             "its middle is off by, m", "by `locate`, m", "CE90 told, m"}};
   for (const SeenObject& one : seen) {
@@ -218,7 +218,7 @@ Expected<Report> RunFigure44(const ExperimentSettings& settings) {
       }
       report.rows.push_back(std::move(row));
       if (&one != &TheKind(seen) || count != 3) continue;
-      // In plan about the truth, on equal scales.
+      // Plan view around the truth, with equal scales.
       const Eigen::Vector2d middle = truth.head<2>();
       report.plot = {.title = fmt::format("Three sightings of the {}, in plan", one.name),
                      .x = {.label = "east of the truth, m", .low = -18.6, .high = 18.6},
@@ -230,22 +230,22 @@ Expected<Report> RunFigure44(const ExperimentSettings& settings) {
         const Eigen::Vector2d foot = (ray.camera + along_m * ray.forward).head<2>() - middle;
         const Eigen::Vector2d ahead = ray.forward.head<2>().normalized();
         const Eigen::Vector2d across = RadiusAt(ray, along_m) * Eigen::Vector2d(-ahead.y(), ahead.x());
-        constexpr double kShownM = 8.0;  // each is far longer
+        constexpr double kShownM = 8.0;  // the frusta are far longer
         report.plot.lines.push_back(Closed(fmt::format("frustum at {:.1f} s", lines[i].time_s),
                                            {foot - kShownM * ahead + across, foot + kShownM * ahead + across,
                                             foot + kShownM * ahead - across, foot - kShownM * ahead - across}));
       }
       std::vector<Eigen::Vector2d> plan = common.plan;
       for (Eigen::Vector2d& point : plan) point -= middle;
-      report.plot.lines.push_back(Closed("common to all", ConvexHull(std::move(plan))));
+      report.plot.lines.push_back(Closed("intersection", ConvexHull(std::move(plan))));
       report.plot.lines.push_back(Dot("truth", 0, 0));
     }
   }
   report.notes = {
       "Lines spread over an object's sightings in " + Describe(movies) +
-          ", telemetry exact. The common volume is that of 400,000 points drawn in the first frustum; `locate` is the "
-          "most likely place of the same lines (method ml). The plot cuts each frustum 8 m before and behind the "
-          "truth.",
+          ", with exact telemetry. The common volume is estimated from 400,000 random points in the first frustum; "
+          "`locate` is the maximum-likelihood place from the same lines (method ml). The plot cuts each frustum 8 m "
+          "before and behind the truth.",
       kFrustumNote};
   return report;
 }

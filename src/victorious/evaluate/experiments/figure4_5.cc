@@ -1,5 +1,5 @@
-// Figure 4.5, the architecture, at work: of each object in a movie when it is active, by what it was seen, and when it
-// is inactive.
+// Figure 4.5 (the architecture): the list of objects over time, with the frames in which each object is active and the
+// component that observed it.
 #include <algorithm>
 #include <cstdint>
 #include <map>
@@ -15,7 +15,7 @@
 namespace victorious {
 namespace {
 
-// How a reported object was seen in a frame.
+// The component that observed an object in a frame.
 enum class By { kWholeFrame, kRegion, kTracker };
 
 struct Timeline {
@@ -57,7 +57,7 @@ double Count(const Timeline& timeline, By by) {
   return static_cast<double>(std::ranges::count(timeline.frames, by, [](const auto& one) { return one.second; }));
 }
 
-// Stretches in which it is seen in every frame.
+// The number of intervals of consecutive frames with an observation.
 double Stretches(const Timeline& timeline) {
   double stretches = 0;
   std::int64_t before = -2;
@@ -104,8 +104,8 @@ Expected<Report> RunFigure45(const ExperimentSettings& settings) {
   }
   report.notes = {
       fmt::format("Movie: {}; a whole-frame search in every {}th frame.", Describe(movies), FollowingOptions().every),
-      "New objects come from whole-frame searches; between these, active ones are confirmed in the region "
-      "that the tracker leads to, or followed alone. What leaves the frame becomes inactive."};
+      "New objects are detected in whole-frame searches. Between these, active objects are confirmed by the recogniser "
+      "in the tracked region, or tracked only. An object that leaves the frame becomes inactive."};
   return report;
 }
 

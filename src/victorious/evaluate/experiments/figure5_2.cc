@@ -11,7 +11,7 @@
 namespace victorious {
 namespace {
 
-// Settings at one place of the plot lie on one another: a line for each number of settings.
+// Coincident settings are drawn once: one series for each number of coincident settings.
 std::vector<PlotLine> PointsOf(const Study& study) {
   std::map<std::pair<double, double>, int> counts;
   for (const StudiedSetting& setting : study.settings) ++counts[{setting.Recall(), setting.Precision()}];
@@ -31,7 +31,7 @@ std::vector<PlotLine> PointsOf(const Study& study) {
 
 Expected<Report> RunFigure52(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Study study, RunStudy(settings));
-  Report report{.title = "Objects found under the default setting and its variations",
+  Report report{.title = "Object recall and precision with the default setting and its variations",
                 .columns = {"setting", "of", "objects", "found", "false", "recall", "precision", "identities an object",
                             "density 50 %", "place error 90 %, m", "sightings unlike the default's",
                             "places unlike the default's"}};
@@ -56,8 +56,8 @@ Expected<Report> RunFigure52(const ExperimentSettings& settings) {
                   "precision above 0.8 in 26 of 29, both 1 in 8).",
                   study.settings.size(), whole, clean, perfect),
       DescribeStudy(study),
-      "The last two columns tell that a parameter does anything: sightings that only one of the two settings has, and "
-      "objects whose error of place differs by a millimetre or more."};
+      "The last two columns show the effect of a parameter: sightings that only one of the two settings has, and "
+      "objects whose place error differs by 1 mm or more."};
   report.plot = {.title = "Objects, 29 settings",
                  .x = {.label = "recall", .low = 0, .high = 1.05},
                  .y = {.label = "precision", .low = 0, .high = 1.05},

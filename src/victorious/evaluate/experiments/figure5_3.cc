@@ -1,5 +1,5 @@
-// Figure 5.3: in which share of the frames in view the objects were reported, over all settings, movies and objects;
-// and by the default setting in the movies of another renderer, where there are any.
+// Figure 5.3: frame detection density, the fraction of the frames in view in which an object is reported, over all
+// settings, movies and objects; and with the default setting in the movies of another renderer, if there are any.
 #include <algorithm>
 #include <map>
 #include <set>
@@ -30,7 +30,7 @@ void AddRow(const std::string& what, const Study& study, const Chosen& chosen, R
   report.rows.push_back(std::move(row));
 }
 
-// The share of densities that are no higher.
+// The empirical cumulative distribution.
 PlotLine Cumulative(const std::string& name, std::vector<double> values) {
   std::ranges::sort(values);
   PlotLine line{.name = name, .points = {{0, 0}}, .marked = false};
@@ -41,8 +41,7 @@ PlotLine Cumulative(const std::string& name, std::vector<double> values) {
   return line;
 }
 
-// How far apart the default's and the other settings' densities of one object are, at most, and objects' of one
-// setting.
+// Describes the range of the densities between settings of one object, and between objects of one setting.
 std::string Spread(const Study& study) {
   std::map<std::pair<std::string, std::string>, std::vector<double>> by_object;
   std::vector<double> within;
@@ -61,8 +60,8 @@ std::string Spread(const Study& study) {
     between.push_back(most - least);
   }
   return fmt::format(
-      "From the least to the highest density it is {:.2f} between the objects of one setting and {:.2f} between the "
-      "settings of one object (medians).",
+      "The range of the density is {:.2f} over the objects of one setting and {:.2f} over the settings of one object "
+      "(medians).",
       *Percentile(within, 50), *Percentile(between, 50));
 }
 
@@ -83,13 +82,13 @@ Expected<Report> RunFigure53(const ExperimentSettings& settings) {
     AddRow(kind, study, [&](const StudiedObject& object) { return object.model == kind; }, report);
   }
   report.plot = {.title = "Frame detection density",
-                 .x = {.label = "share of the frames in view", .low = 0, .high = 1.02},
-                 .y = {.label = "share of objects and settings", .low = 0, .high = 1},
+                 .x = {.label = "fraction of the frames in view", .low = 0, .high = 1.02},
+                 .y = {.label = "fraction of objects and settings", .low = 0, .high = 1},
                  .lines = {Cumulative("the project's movies", ValuesOf(study, &StudiedObject::density))}};
   report.notes = {
-      "In view: of the frames in which an object is clear, the share in which it was reported. First to last: the same "
-      "from its first to its last report, as objects that enter between two whole-frame searches wait for the next. "
-      "Thesis: 0.452, 0.634, 0.896 at 25, 50 and 75 %.",
+      "In view: the fraction of the frames in which an object is clear that report it. First to last: the same from "
+      "its first to its last report, because an object that enters between two whole-frame searches is detected in the "
+      "next. Thesis: 0.452, 0.634, 0.896 at 25, 50 and 75 %.",
       Spread(study), DescribeStudy(study)};
 
   const Expected<std::vector<std::filesystem::path>> folders = MoviesOf(settings);
@@ -108,7 +107,7 @@ Expected<Report> RunFigure53(const ExperimentSettings& settings) {
         report);
   }
   report.plot.lines.push_back(Cumulative("another renderer's, default", ValuesOf(others, &StudiedObject::density)));
-  report.notes.push_back("Of another renderer, by the default setting alone: " + Describe(others.movies) + ".");
+  report.notes.push_back("Another renderer, default setting only: " + Describe(others.movies) + ".");
   return report;
 }
 

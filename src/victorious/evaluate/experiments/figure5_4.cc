@@ -1,4 +1,4 @@
-// Figures 5.4 and 5.5: how far places are off, by kind of object; and the helicopter beside all others.
+// Figures 5.4 and 5.5: place errors by kind of object, and of the helicopter compared with all other kinds.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,7 +12,7 @@
 namespace victorious {
 namespace {
 
-constexpr const char* kHelicopter = "helicopter";  // stands for the thesis's Apache
+constexpr const char* kHelicopter = "helicopter";  // in place of the thesis's Apache
 constexpr double kBinM = 0.02;
 
 std::vector<double> ErrorsOf(const Study& study, const std::function<bool(const std::string& model)>& chosen) {
@@ -28,7 +28,7 @@ std::set<std::string> KindsOf(const Study& study) {
   return kinds;
 }
 
-// How many errors, or which share of them, lie in each bin; beyond the last bin counts there.
+// A histogram of counts or fractions; larger errors count in the last bin.
 PlotLine Histogram(const std::string& name, const std::vector<double>& errors_m, double most_m, bool normalised) {
   const auto bins = static_cast<std::size_t>(std::ceil(most_m / kBinM));
   std::vector<double> counts(bins, 0);
@@ -56,8 +56,8 @@ Expected<std::string> NearestNote(const Study& study) {
     nearest_m = std::min(nearest_m, of_movie_m);
   }
   return fmt::format(
-      "Along the ground, one error for each found object, movie and setting. No object is ever nearer to the camera "
-      "than {:.0f} m (thesis: 100 m).",
+      "Horizontal errors, one for each found object, movie and setting. The minimum distance of an object to the "
+      "camera is {:.0f} m (thesis: 100 m).",
       nearest_m);
 }
 
@@ -76,24 +76,24 @@ void AddRow(const std::string& name, const std::vector<double>& errors_m, const 
 constexpr const char* kThesisApache = "1.9 / 2.62 / 7.32";
 constexpr const char* kThesisOthers = "0.8 / 1.42 / 1.88";
 
-// Where the plots end, so that a single far one does not press all others into the first bin.
+// The upper end of the plots, limited so that a single outlier does not compress the others into the first bin.
 double LastBinM(const Study& study) {
   constexpr double kBeyondMost = 3;
   const std::vector<double> errors_m = ErrorsOf(study, [](const std::string&) { return true; });
   return kBinM + std::min(kBeyondMost * Percentile(errors_m, 90).value_or(0), Percentile(errors_m, 100).value_or(0));
 }
 
-constexpr const char* kErrorLabel = "error along the ground, m; what is larger counts in the last bin";
+constexpr const char* kErrorLabel = "horizontal error, m; larger errors count in the last bin";
 
 }  // namespace
 
 Expected<Report> RunFigure54(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Study study, RunStudy(settings));
   VICTORIOUS_ASSIGN_OR_RETURN(std::string nearest, NearestNote(study));
-  Report report = Described("Errors of place by kind of object", {std::move(nearest), DescribeStudy(study)});
-  report.plot = {.title = "Errors of place by kind of object",
+  Report report = Described("Place errors by kind of object", {std::move(nearest), DescribeStudy(study)});
+  report.plot = {.title = "Place errors by kind of object",
                  .x = {.label = kErrorLabel},
-                 .y = {.label = "share of the kind's errors"},
+                 .y = {.label = "fraction of the kind's errors"},
                  .lines = {}};
   const double most_m = LastBinM(study);
   for (const std::string& kind : KindsOf(study)) {
@@ -108,13 +108,13 @@ Expected<Report> RunFigure55(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Study study, RunStudy(settings));
   VICTORIOUS_ASSIGN_OR_RETURN(std::string nearest, NearestNote(study));
   Report report =
-      Described("Errors of place: the helicopter and all other kinds", {std::move(nearest), DescribeStudy(study)});
+      Described("Place errors of the helicopter and of all other kinds", {std::move(nearest), DescribeStudy(study)});
   const std::vector<double> of_helicopters = ErrorsOf(study, [](const std::string& m) { return m == kHelicopter; });
   const std::vector<double> of_others = ErrorsOf(study, [](const std::string& m) { return m != kHelicopter; });
   AddRow(kHelicopter, of_helicopters, kThesisApache, report);
   AddRow("all others", of_others, kThesisOthers, report);
   const double most_m = LastBinM(study);
-  report.plot = {.title = "Errors of place: the helicopter and all other kinds",
+  report.plot = {.title = "Place errors of the helicopter and of all other kinds",
                  .x = {.label = kErrorLabel},
                  .y = {.label = "objects, movies and settings"},
                  .lines = {Histogram("helicopter", of_helicopters, most_m, /*normalised=*/false),

@@ -1,5 +1,5 @@
-// Whether scores are probabilities: of the detections scored 0.9, are nine in ten right? And the constants that make
-// them so, of the logistic curve of the evidence that fits what is found right and wrong.
+// Calibration of detection scores: the reliability diagram, the expected calibration error, and the constants of the
+// logistic curve fitted to true and false detections (reliability.h).
 #include <algorithm>
 #include <utility>
 
@@ -13,7 +13,7 @@
 namespace victorious {
 namespace {
 
-// Rightly or wrongly found; what shows too little of an object counts neither way.
+// Labels the detections of a frame; those of truth rows that are not clear are left out.
 std::vector<Judged> JudgedOf(const SearchedFrame& searched) {
   std::vector<Judged> judged;
   for (std::size_t i = 0; i < searched.detections.size(); ++i) {
@@ -63,7 +63,7 @@ Expected<Report> RunFigureCalibration(const ExperimentSettings& settings) {
   IndexOptions options;
   DetectOptions& detect = options.recognize.detect;
   const double least_score = std::exchange(detect.least_score, 0.0);
-  Report report{.title = "Scores as probabilities",
+  Report report{.title = "Calibration of detection scores",
                 .columns = {"movie", "detections", "calibration error", "of these reported", "right among reported",
                             "their calibration error", "calibration error by the other movies' curve"}};
   std::vector<std::vector<Judged>> of_movies;
@@ -83,16 +83,16 @@ Expected<Report> RunFigureCalibration(const ExperimentSettings& settings) {
   report.rows.push_back(RowOf("all", all, Together(by_others), least_score));
   const Logistic fitted = FitLogistic(all);
   report.notes = {
-      fmt::format("At most 20 frames a movie, every detection however weak (reported: those scored {:g} and more). The "
-                  "calibration error is the expected one over 10 bins of the score; in the last column each movie's "
-                  "scores are by a curve that was fitted to all movies but it.",
+      fmt::format("At most 20 frames per movie, all detections without a minimum score (reported: scores of {:g} or "
+                  "more). The calibration error is the expected one over 10 bins of the score. In the last column the "
+                  "curve is fitted to all other movies (leave-one-out).",
                   least_score),
-      fmt::format("Fitted to all of them: detect.even_evidence {:.2f}, detect.evidence_scale {:.2f} decades; in use: "
+      fmt::format("Fitted to all movies: detect.even_evidence {:.2f}, detect.evidence_scale {:.2f} decades; in use: "
                   "{:.2f} and {:.2f}.",
                   fitted.even, fitted.scale, detect.even_evidence, detect.evidence_scale)};
   report.plot = {.title = "Reliability of scores",
                  .x = {.label = "score", .low = 0, .high = 1},
-                 .y = {.label = "share that is right", .low = 0, .high = 1},
+                 .y = {.label = "fraction of true detections", .low = 0, .high = 1},
                  .lines = {LineOf("all detections", all),
                            LineOf("those reported", Reported(all, least_score)),
                            {.name = "perfect", .points = {{0, 0}, {1, 1}}, .marked = false}}};

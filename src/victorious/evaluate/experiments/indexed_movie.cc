@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Models of what the truth names and there are CAD files of; other rows of the truth are left out.
+// Loads the models that the truth names and that have a CAD file; other truth rows are left out.
 Expected<TrueMovie> ReadTrueMovie(const std::string& name, const fs::path& folder, const fs::path& cad_files,
                                   const ExperimentSettings& settings) {
   TrueMovie movie{.name = name, .folder = folder, .truth = {}, .models = {}, .lit = {}};
@@ -40,7 +40,7 @@ Expected<TrueMovie> ReadTrueMovie(const std::string& name, const fs::path& folde
     VICTORIOUS_ASSIGN_OR_RETURN(movie.lit.emplace_back(), MakeLitViews(*model));
   }
   if (movie.models.empty()) {
-    return Fail(ErrorCode::kNotFound, fmt::format("{}: no CAD files of what {} shows, expected NAME.glb",
+    return Fail(ErrorCode::kNotFound, fmt::format("{}: no CAD files of the models in {}: expected NAME.glb",
                                                   cad_files.string(), folder.string()));
   }
   return movie;
@@ -65,8 +65,8 @@ Expected<TrueMovie> FlyScene(const std::string& name, const ExperimentSettings& 
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string kept_as,
                               settings.KeptAs(fmt::format("{} {}", content, scene.video.frames)));
   const fs::path folder = settings.out / "flights" / fmt::format("{}-{}", name, kept_as);
-  if (!fs::exists(folder / "video.mp4")) {  // it comes last
-    settings.progress(fmt::format("flying {}", name));
+  if (!fs::exists(folder / "video.mp4")) {  // written last, so that its presence means a complete flight
+    settings.progress(fmt::format("simulating {}", name));
     const auto warn = [&](const std::string& warning) { settings.progress(warning); };
     VICTORIOUS_RETURN_IF_ERROR(Simulate(scene, folder, {}, settings.Cancel(), warn));
   }
@@ -90,7 +90,7 @@ Expected<std::unique_ptr<IndexStore>> IndexOf(const TrueMovie& movie, const Inde
                                               const ExperimentSettings& settings) {
   VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
   IndexOptions searched = options;
-  searched.keep.interval_s = 1e6;  // nobody searches these by picture
+  searched.keep.interval_s = 1e6;  // these indexes are never queried by image
   FieldList fields;
   searched.ListSearchFields(fields);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string kept_as, settings.KeptAs(ToJsonText(fields.fields())));

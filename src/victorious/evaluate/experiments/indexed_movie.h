@@ -1,6 +1,6 @@
-// Movies of known truth, indexed as `victorious index` does: what the figures of chapters 4 and 5 are made of. A movie
-// is flown once and searched once with the same parameters by the same build, and kept in OUT; a run that was stopped
-// goes on.
+// Movies with ground truth, indexed as `victorious index` does, for the figures of chapters 4 and 5. A movie is
+// simulated once, and indexed once for the same parameters and the same program build; both are cached in OUT. An
+// interrupted indexing resumes.
 #pragma once
 
 #include <filesystem>
@@ -20,43 +20,43 @@
 
 namespace victorious {
 
-/// The program's defaults, but for frames between whole-frame searches, the thesis's N, to which it gives no value: 5,
-/// so that objects are followed.
+/// The program's defaults, except that only every 5th frame is searched as a whole, so that objects are tracked between
+/// these. The interval is the thesis's N; the thesis gives no value.
 IndexOptions FollowingOptions();
 
 struct TrueMovie {
   std::string name;
-  std::filesystem::path folder;     ///< with video.mp4 and telemetry.csv
-  std::vector<TruthRow> truth;      ///< of what there are models of
-  std::vector<ObjectModel> models;  ///< of the CAD files of what the truth names, by name
-  /// Theirs, so that what one search made of them serves the next.
+  std::filesystem::path folder;     ///< contains video.mp4 and telemetry.csv
+  std::vector<TruthRow> truth;      ///< rows whose model is in `models`
+  std::vector<ObjectModel> models;  ///< made from the CAD files of the models that the truth names, by name
+  /// Relit templates of each model, shared so that one search reuses those of another.
   std::vector<std::shared_ptr<const LitTemplates>> lit;
 };
 
-/// SCENES/NAME.json, flown once into OUT/flights; at most `settings.frames` frames. Errors: those of ReadScene and
-/// Simulate.
+/// Simulates SCENES/NAME.json into OUT/flights, unless it is cached there; at most `settings.frames` frames. Errors:
+/// those of ReadScene and Simulate.
 Expected<TrueMovie> FlyScene(const std::string& name, const ExperimentSettings& settings);
 
-/// The scenes that settings name, else these.
+/// Simulates the scenes `settings.movies`, or those of the first argument if it is empty.
 Expected<std::vector<TrueMovie>> FlyScenes(const std::vector<std::string>& unless_named,
                                            const ExperimentSettings& settings);
 
-/// DATA/movies/NAME with the CAD files of DATA/models.
+/// Reads the movie in `folder` (one of DATA/movies), with the CAD files of DATA/models.
 Expected<TrueMovie> ReadMovie(const std::filesystem::path& folder, const ExperimentSettings& settings);
 
-/// The movie's index with these parameters. What decides what is found is searched once and kept, in OUT/indexes by the
-/// name of the movie, the parameters and the program that runs; the objects are made anew of it each time, by
+/// Returns the movie's index for these parameters. The sightings are searched once and cached in OUT/indexes, by the
+/// name of the movie, the search parameters and the program build. The data association runs anew each time, by
 /// `options.objects`.
 Expected<std::unique_ptr<IndexStore>> IndexOf(const TrueMovie& movie, const IndexOptions& options,
                                               const ExperimentSettings& settings);
 
-/// Where its telemetry has the camera.
+/// Reads the camera states of the movie's telemetry.
 Expected<CameraTrack> CamerasOf(const TrueMovie& movie);
 
-/// The least distance between a camera and the middle of an object in view, m.
+/// The minimum distance between the camera and the centre of a visible object, m; infinity without any.
 Expected<double> NearestRangeM(const TrueMovie& movie);
 
-/// "120 frames of straight" or so, for notes.
+/// Describes the movies in the notes of reports: "straight (120 frames, 6 objects), ...".
 std::string Describe(const std::vector<TrueMovie>& movies);
 
 }  // namespace victorious

@@ -30,7 +30,7 @@ Status Spoil(const Spoiling& spoiling, std::uint64_t seed, cv::Mat& bgr) {
   Degrade(spoiling.degrade, seed, bgr);
   if (spoiling.jpeg_quality == 0) return {};
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, EncodeJpeg(bgr, spoiling.jpeg_quality));
-  VICTORIOUS_ASSIGN_OR_RETURN(Image image, DecodeImage(bytes, "a drawn picture"));
+  VICTORIOUS_ASSIGN_OR_RETURN(Image image, DecodeImage(bytes, "a rendered image"));
   bgr = std::move(image.bgr);
   return {};
 }
@@ -80,7 +80,7 @@ Expected<KnownScene> KnownTown::Draw(const Scene& scene, int frame, const Spoili
 
 namespace {
 
-// The bounding box's middle stands where truth says, upright, its front (x) to the heading.
+// The pose of an upright object: the centre of its bounding box at the true place, its front (+x) towards the heading.
 Rigid3 CameraFromModel(const TruthRow& row, const Eigen::AlignedBox3d& box, const TangentPlane& earth,
                        const Eigen::Quaterniond& camera_from_enu) {
   const Eigen::Quaterniond enu_from_model(Eigen::AngleAxisd(kPi / 2 - *row.heading_rad, Eigen::Vector3d::UnitZ()));
@@ -95,12 +95,12 @@ const CameraState* StateAt(const std::vector<CameraState>& states, double time_s
   return nearest == states.end() || !nearest->IsComplete() ? nullptr : &*nearest;
 }
 
-// The CAD files of a movie's objects, each loaded once.
+// The meshes of a movie's objects, each loaded once.
 class MovieMeshes {
  public:
   MovieMeshes(std::filesystem::path folder, Renderer& renderer) : folder_(std::move(folder)), renderer_(renderer) {}
 
-  /// Null for a kind without a file.
+  /// Null for a model without a file.
   Expected<const StagedMesh*> Find(const std::string& kind) {
     if (const auto known = meshes_.find(kind); known != meshes_.end()) return &known->second;
     const std::filesystem::path file = folder_ / (kind + ".glb");
@@ -152,7 +152,7 @@ Expected<std::vector<KnownScene>> ReadKnownMovie(const std::filesystem::path& fo
                                .box = row.box,
                                .visible = row.visible});
     }
-    // The camera is the world here, whose up the light alone needs.
+    // The world frame is the camera frame here; only the light depends on the up direction, and only depth is used.
     VICTORIOUS_ASSIGN_OR_RETURN(RenderedView view, renderer.Render(instances, {known.pinhole, {}}));
     known.depth_m = std::move(view.depth_m);
     scenes.push_back(std::move(known));

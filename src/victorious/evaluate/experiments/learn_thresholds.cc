@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::array kRatios = {0.8, 0.95};
 
-// The distortions of each pair of true matches, one list a measure.
+// The distortions of each pair of true matches, one list per measure.
 struct Distortions {
   std::vector<double> scale;
   std::vector<double> distance;

@@ -1,4 +1,5 @@
-// The cascade's thresholds from pictures with truth, to be held against table 3.1's, which the thesis set by hand.
+// Learns the thresholds of the grammar's cascade from images with ground truth, for comparison with table 3.1, whose
+// values the thesis set by hand.
 #pragma once
 
 #include <vector>
@@ -8,10 +9,10 @@
 
 namespace victorious {
 
-/// Distortions: what 98 % of pairs of true matches within R stay below. Approvals and votes: of a grid, those that lose
-/// fewest true matches at ratios of 0.8 and 0.95 together, where one false match left costs as much as two true ones
-/// lost.
-/// @param start  for all that is not learnt
+/// Distortion thresholds: the 98th percentile over the pairs of true matches within the radius R. Approvals and votes:
+/// a grid search that minimises (true matches lost) + 2 (false matches left), summed over the ratios 0.8 and 0.95.
+/// @param start  supplies all parameters that are not learnt
+/// Cost: 54 runs of the cascade per trial and ratio.
 CascadeOptions LearnThresholds(const std::vector<const MatchTrial*>& trials, const CascadeOptions& start);
 
 }  // namespace victorious

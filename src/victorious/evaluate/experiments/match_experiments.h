@@ -1,4 +1,4 @@
-// The experiments of matches and the cascade, thesis sections 3.3 and 3.5: what experiment.cc lists.
+// The experiments on matches and the cascade (thesis, sections 3.3 and 3.5); experiment.cc registers them.
 #pragma once
 
 #include "victorious/evaluate/experiments/experiment.h"

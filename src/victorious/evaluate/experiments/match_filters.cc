@@ -7,7 +7,7 @@
 namespace victorious {
 namespace {
 
-constexpr double kOpenCvThresholdPx = 3;  // its default
+constexpr double kOpenCvThresholdPx = 3;  // OpenCV's default
 
 struct Points {
   std::vector<cv::Point2f> in_template;

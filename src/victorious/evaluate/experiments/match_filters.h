@@ -1,4 +1,5 @@
-// What drops wrong matches, one beside the other: the cascade, its stages alone, and what others do.
+// Filters that reject false matches, behind one interface for comparison: the cascade, its single stages, and
+// baselines.
 #pragma once
 
 #include <functional>
@@ -14,11 +15,12 @@ struct MatchFilter {
   std::function<MatchSet(const MatchTrial& trial, const MatchSet& matches)> run;
 };
 
-/// Nothing; Video Google's neighbours; each stage alone; the cascade; MLESAC after it; MLESAC, OpenCV's similarity
-/// (estimateAffinePartial2D) and homography (findHomography, both RANSAC at 3 px) alone.
+/// Returns, in this order: no filter; Video Google's neighbour voting; each stage alone; the cascade; the cascade
+/// followed by MLESAC; MLESAC alone; OpenCV's similarity (estimateAffinePartial2D) and homography (findHomography),
+/// both by RANSAC at 3 px.
 std::vector<MatchFilter> MatchFilters(const RecognizeOptions& options);
 
-/// The filter of grammar/ with these options.
+/// Returns the filter of grammar/ with these options.
 MatchFilter GrammarFilter(std::string name, const CascadeOptions& options);
 
 }  // namespace victorious

@@ -26,7 +26,7 @@ Expected<cv::Mat> DrawMatches(const MatchTrial& trial, const MatchSet& matches, 
   cv::Mat canvas(std::max(scene.rows, object.rows), scene.cols + object.cols, CV_8UC3, cv::Scalar::all(0));
   scene.copyTo(canvas(cv::Rect({0, 0}, scene.size())));
   object.copyTo(canvas(cv::Rect({scene.cols, 0}, object.size())));
-  // False ones first, so that the true ones lie on top.
+  // False matches first, so that true ones are drawn on top.
   for (const auto& [truth, colour] : {std::pair{Truth::kWrong, kFalseColour}, std::pair{Truth::kNear, kNearColour},
                                       std::pair{Truth::kRight, kTrueColour}}) {
     for (const Match& match : matches) {

@@ -1,5 +1,5 @@
-// Matches drawn for people: the scene and the template beside it, true matches red, false ones cyan, as in the thesis;
-// those that are neither (true_matches.h) yellow.
+// Draws matches for the figures: the scene with the template at its right. True matches are red and false ones cyan, as
+// in the thesis; near ones, which are neither (true_matches.h), are yellow.
 #pragma once
 
 #include <string>
@@ -11,15 +11,16 @@
 
 namespace victorious {
 
-/// CV_8UC3. The scene in few grey levels, so that lines stand out and the file stays small; its template at its right.
-/// @param scale  of the pictures
+/// Returns the drawing, CV_8UC3, over posterised images.
+/// @param scale  of the images
+/// Error: kDataLoss for a damaged surface of the template's view.
 Expected<cv::Mat> DrawMatches(const MatchTrial& trial, const MatchSet& matches, double scale,
                               const std::string& caption);
 
-/// A grey picture as CV_8UC3, dimmed, and in few steps, so that lines stand out and PNG stores it in few bytes.
+/// Returns a grey image as CV_8UC3, scaled, dimmed and posterised, so that lines stand out and the PNG file is small.
 [[nodiscard]] cv::Mat Background(const cv::Mat& grey, double scale);
 
-/// Pictures of one size side by side, `columns` a row, in reading order.
+/// Tiles images of one size, `columns` per row, in reading order.
 [[nodiscard]] cv::Mat Montage(const std::vector<cv::Mat>& pictures, int columns);
 
 }  // namespace victorious

@@ -33,7 +33,7 @@ Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<fs::path> files, Sorted(settings.scenes, false));
   for (const fs::path& file : files) {
     VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
-    settings.progress("drawing " + file.string());
+    settings.progress("rendering " + file.string());
     VICTORIOUS_ASSIGN_OR_RETURN(Renderer renderer, Renderer::Create({.software = true}));
     VICTORIOUS_ASSIGN_OR_RETURN(const KnownTown town, KnownTown::Load(file, renderer, settings.Cancel()));
     for (const std::int64_t frame : SpreadOver(town.scene().video.frames, frames)) {
@@ -48,7 +48,7 @@ Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings
   const bool any_movies = with == Movies::kToo && fs::exists(movies);
   if (pool.empty() && !any_movies) {
     return Fail(ErrorCode::kNotFound,
-                fmt::format("{}: no scene files (.json) to draw pictures of", settings.scenes.string()));
+                fmt::format("{}: no scene files: expected NAME.json", settings.scenes.string()));
   }
   if (!any_movies) return pool;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<fs::path> folders, Sorted(movies, true));

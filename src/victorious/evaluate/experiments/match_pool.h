@@ -1,5 +1,5 @@
-// Many trials to pool: every scene file's flight, and the movies where they are at hand, each in a few frames with
-// every object in view, held against the template of the nearest view.
+// A pool of match trials: a few frames of every scene file's flight, and of the movies if they are available. Each
+// visible object is matched with the template of the nearest view.
 #pragma once
 
 #include <memory>
@@ -9,20 +9,20 @@
 
 namespace victorious {
 
-/// A picture and where the CAD files of what it shows lie.
+/// An image, and the folder of its objects' CAD files.
 struct PooledScene {
   std::shared_ptr<const KnownScene> scene;
   std::filesystem::path cad_folder;
-  int flight = 0;  ///< whose picture it is, counted through the pool
+  int flight = 0;  ///< index of its flight or movie in the pool
 };
 
 enum class Movies { kToo, kNone };
 
-/// `frames` pictures of each scene file of the folder settings.scenes and of each movie of settings.data, spread over
-/// its length; one at least.
+/// Renders or reads `frames` (at least 1) images of each scene file in settings.scenes and of each movie in
+/// settings.data, evenly spaced over its length. Error: kNotFound without any image.
 Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings, int frames, Movies with);
 
-/// One trial for each kind of object of each picture of which half or more is in view.
+/// Returns one trial per image and model that has an object with a visible fraction of 0.5 or more.
 Expected<std::vector<MatchTrial>> PoolTrials(const ExperimentSettings& settings, const MatchSetup& setup,
                                              const std::vector<PooledScene>& scenes);
 

@@ -42,13 +42,13 @@ Expected<std::shared_ptr<const ObjectModel>> KeptModel(const ExperimentSettings&
   Expected<ObjectModel> model = library.Load(name);
   if (!model && model.error().code == ErrorCode::kNotFound) {
     VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
-    settings.progress(fmt::format("making a model of {}", cad_file.string()));
+    settings.progress(fmt::format("building the model of {}", cad_file.string()));
     VICTORIOUS_ASSIGN_OR_RETURN(const LoadedMesh loaded, LoadMesh(cad_file));
     VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel made,
                                 MakeCadModel(name, loaded.mesh, cad_file.filename().string(), options));
     made.length_m = loaded.length_m;
     VICTORIOUS_RETURN_IF_ERROR(library.Add(made));
-    model = library.Load(name);  // mapped, with its id, as it is from now on
+    model = library.Load(name);  // memory-mapped and with its id, as on later calls
   }
   if (!model) return std::unexpected(std::move(model).error());
   return std::make_shared<const ObjectModel>(*std::move(model));
@@ -119,7 +119,7 @@ Expected<MatchTrial> RunningExample(const ExperimentSettings& settings, const Ma
   VICTORIOUS_ASSIGN_OR_RETURN(KnownScene scene, town.Draw(0));
   const KnownObject* const object = scene.Find(kind);
   if (object == nullptr)
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: must have a {} in view", scene.name, kind));
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: must show a {}", scene.name, kind));
   const ViewDirection view = object->view;
   VICTORIOUS_ASSIGN_OR_RETURN(auto features, FeaturesOf(scene, setup.features));
   VICTORIOUS_ASSIGN_OR_RETURN(auto model,

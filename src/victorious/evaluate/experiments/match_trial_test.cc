@@ -16,7 +16,7 @@
 namespace victorious {
 namespace {
 
-// A camera ten metres above the origin that looks down: a metre is ten pixels.
+// A scene 10 m in front of a camera with a focal length of 100 px: 1 m is 10 px.
 KnownScene SceneWith(const std::vector<Rigid3>& poses) {
   KnownScene scene;
   scene.pinhole = {100, 100, 50, 50, 100, 100};
@@ -59,7 +59,7 @@ TEST(MatchTruth, WhatIsHiddenOrOutOfThePictureMatchesNothing) {
   KnownScene scene = SceneWith({At(0, 0)});
   const std::vector<Point3> points = {{0, 0, 0}, {2, 0, 0}, {8, 0, 0}};
   scene.depth_m = cv::Mat(100, 100, CV_32FC1, cv::Scalar(10));
-  scene.depth_m(cv::Rect(0, 0, 60, 100)).setTo(4);  // a wall before the first point
+  scene.depth_m(cv::Rect(0, 0, 60, 100)).setTo(4);  // a wall in front of the first point
   const MatchTruth truth(scene, "thing", points, 8);
   EXPECT_EQ(truth.Of(KeypointAt(50, 50), 0), Truth::kWrong);
   EXPECT_EQ(truth.Of(KeypointAt(70, 50), 1), Truth::kRight);
@@ -88,7 +88,7 @@ TEST(Spoil, IsDoneInTheOrderOfACamera) {
   EXPECT_EQ(clean.at<cv::Vec3b>(5, 5), cv::Vec3b(90, 120, 60));
 }
 
-// The whole way once: a picture drawn from a scene file, the object where truth says it is.
+// End to end: an image rendered from a scene file shows the object at its true pose.
 TEST(KnownTown, DrawsPicturesWhoseObjectsStandWhereTruthSays) {
   const CancelToken cancel;
   Expected<Renderer> renderer = Renderer::Create({.software = true});
@@ -103,13 +103,13 @@ TEST(KnownTown, DrawsPicturesWhoseObjectsStandWhereTruthSays) {
   EXPECT_EQ(scene->Find("tank"), nullptr);
   EXPECT_NEAR(DegreesFromRadians(jeep->view.off_nadir_rad), 60, 5) << "as in section 3.5.3";
   EXPECT_NEAR(DegreesFromRadians(jeep->view.azimuth_rad), 150, 5);
-  // A point in the middle of the object is seen inside its box.
+  // A point in the middle of the object projects into its box.
   const std::optional<Eigen::Vector2d> middle = scene->pinhole.Project(jeep->camera_from_model.Apply({0, 0, 1}));
   ASSERT_TRUE(middle.has_value());
   EXPECT_TRUE(jeep->box.Contains(middle->x(), middle->y()));
 }
 
-// Some bent squares, which have features at their corners, as an OBJ file.
+// Writes an OBJ file of some folded squares, which have features at their corners.
 void WriteCad(const std::filesystem::path& path, double side_m) {
   std::ofstream(path) << fmt::format(
       "v 0 0 0\nv {0} 0 0\nv {0} {0} 0\nv 0 {0} 0\nv 0 {0} {0}\nf 1 2 3\nf 1 3 4\nf 3 4 5\nf 1 4 5\n", side_m);

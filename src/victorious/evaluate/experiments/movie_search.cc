@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What a whole movie is searched with.
+// Everything that the search of a movie needs.
 struct Search {
   std::unique_ptr<const FeatureExtractor> extractor;
   Recognizer recognizer;
@@ -52,7 +52,7 @@ Expected<Search> Prepare(const MovieSearch& search, const ExperimentSettings& se
   return Search{std::move(extractor), std::move(recognizer), std::move(cameras), sun, std::move(truth)};
 }
 
-// What each detection shows.
+// Pairs each detection of the frame with a truth row.
 std::vector<std::optional<TruthRow>> Shown(const Search& search, const SearchedFrame& searched) {
   std::vector<TruthRow> rows;
   std::ranges::copy_if(search.truth, std::back_inserter(rows),
@@ -110,7 +110,7 @@ Expected<std::vector<ObjectModel>> ModelsFor(const std::vector<TruthRow>& truth,
     models.push_back(*model);
   }
   if (models.empty()) {
-    return Fail(ErrorCode::kNotFound, fmt::format("{}: no CAD files of what the movies show, expected NAME.glb",
+    return Fail(ErrorCode::kNotFound, fmt::format("{}: no CAD files of the models in the movies: expected NAME.glb",
                                                   (settings.data / "models").string()));
   }
   return models;
@@ -124,7 +124,7 @@ Status SearchMovie(const MovieSearch& search, const ExperimentSettings& settings
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t length, CountFrames(video));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Frame> frames,
                               ReadFrames(video, SpreadOver(length, search.frames), FrameColor::kGrey));
-  constexpr std::size_t kBatch = 4;  // between reports of progress
+  constexpr std::size_t kBatch = 4;  // frames between reports of progress
   for (std::size_t first = 0; first < frames.size(); first += kBatch) {
     VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
     settings.progress(fmt::format("{}: {} of {} frames", name, first, frames.size()));

@@ -1,5 +1,6 @@
-// What the recogniser finds in movies whose truth is known, frame by frame, whatever its score: for experiments on
-// recognition. A movie is a folder with video.mp4, telemetry.csv and truth.jsonl, as `victorious simulate` makes them.
+// Runs the recogniser on single frames of movies with ground truth and pairs its detections with the truth, for the
+// experiments on recognition. A movie is a folder with video.mp4, telemetry.csv and truth.jsonl, as `victorious
+// simulate` writes it.
 #pragma once
 
 #include <cstdint>
@@ -23,29 +24,30 @@ namespace victorious {
 
 /// One frame, searched as a whole.
 struct SearchedFrame {
-  std::string movie;  ///< its folder's name
+  std::string movie;  ///< name of its folder
   std::int64_t frame = 0;
   std::optional<CameraState> camera;
   FrameConditions conditions;
   FeatureSet features;
   std::vector<Detection> detections;           ///< best first
-  std::vector<std::optional<TruthRow>> truth;  ///< of each detection: what it shows; nothing: it is wrong
+  std::vector<std::optional<TruthRow>> truth;  ///< of each detection; std::nullopt: a false positive
 };
 
 struct MovieSearch {
   std::filesystem::path movie;
   IndexOptions options;
-  int frames = 20;  ///< at most so many, evenly over the movie
+  int frames = 20;  ///< maximum number, evenly spaced over the movie
 };
 
-/// The folders of DATA/movies, by name. Errors: kNotFound for none.
+/// Lists the movie folders in DATA/movies, sorted by name. Error: kNotFound if there are none.
 Expected<std::vector<std::filesystem::path>> MoviesOf(const ExperimentSettings& settings);
 
-/// A searchable model of each name in the movie's truth for which DATA/models has NAME.glb. Made once: kept in
-/// OUT/models.
+/// Returns the model of each name in the truth for which DATA/models has NAME.glb. Models are built once and cached in
+/// OUT/models. Error: kNotFound if there are none.
 Expected<std::vector<ObjectModel>> ModelsFor(const std::vector<TruthRow>& truth, const ExperimentSettings& settings);
 
-/// @param visit  called in the order of frames, with the models that were searched for
+/// Searches the frames of a movie, on all cores.
+/// @param visit  called for each frame in their order, with the models that are searched for; its error ends the search
 Status SearchMovie(const MovieSearch& search, const ExperimentSettings& settings,
                    const std::function<Status(const SearchedFrame&, const std::vector<ObjectModel>&)>& visit);
 

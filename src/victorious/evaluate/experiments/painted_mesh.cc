@@ -15,18 +15,18 @@ using Eigen::Vector2d;
 using Eigen::Vector3f;
 using Corners = std::array<Vector3f, 3>;
 
-// One picture's colours, and what of the mesh it sees.
+// The projection of an image onto the mesh, with visibility.
 class Painter {
  public:
   Painter(const cv::Mat& bgr, const PosedCamera& camera, const cv::Mat& depth_m, double size_m)
       : size_(bgr.size()), camera_(camera), depth_m_(depth_m), tolerance_m_(0.02 * size_m) {}
 
-  // Where a point is seen, px.
+  // The projection of a point, px.
   [[nodiscard]] std::optional<Vector2d> At(const Vector3f& point) const {
     return camera_.pinhole.Project(camera_.camera_from_world.Apply(point.cast<double>()));
   }
 
-  // Whether nothing lies before the triangle, and it is not seen edge on.
+  // Whether the triangle's centre is not occluded and the triangle is not seen edge-on.
   [[nodiscard]] bool Sees(const Corners& corners, const Vector3f& normal) const {
     constexpr float kLeastCosine = 0.1F;
     const Vector3f middle = (corners[0] + corners[1] + corners[2]) / 3;
@@ -44,7 +44,7 @@ class Painter {
     return {static_cast<float>(at.x() / size_.width), static_cast<float>(at.y() / size_.height)};
   }
 
-  // Whether its longest side is longer in the picture than a piece may be; which one.
+  // The index of the longest projected side if it is longer than 8 px; std::nullopt: no subdivision.
   [[nodiscard]] std::optional<int> SideToCut(const Corners& corners) const {
     constexpr double kMostPx = 8;
     std::optional<int> longest;
@@ -66,7 +66,7 @@ class Painter {
   double tolerance_m_;
 };
 
-// Pieces of a mesh, three vertices each.
+// The subdivided triangles, each with three vertices of its own.
 class Pieces {
  public:
   explicit Pieces(const Painter& painter) : painter_(painter) {}

@@ -1,4 +1,4 @@
-// A CAD model without colours, painted with what a picture shows of it.
+// Textures a CAD model without colours by projecting an image onto it (projective texture mapping).
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -9,11 +9,11 @@
 
 namespace victorious {
 
-/// What the picture shows of the mesh has the picture's colours, the rest is grey. Triangles are cut until each is
-/// small in the picture, so that perspective bends no texture.
-/// @param bgr     CV_8UC3
-/// @param camera  of the picture; the mesh is the world
-/// Errors: kInternal where nothing can render.
+/// Returns the mesh with the image as its texture where the image shows it; the rest is grey. Triangles are subdivided
+/// until their sides are at most 8 px in the image, so that affine texture interpolation is accurate.
+/// @param bgr     the image, CV_8UC3
+/// @param camera  of the image; the mesh frame is the world frame
+/// Error: kInternal if no renderer is available.
 Expected<Mesh> PaintedMesh(const Mesh& mesh, const cv::Mat& bgr, const PosedCamera& camera);
 
 }  // namespace victorious

@@ -12,7 +12,7 @@
 namespace victorious {
 namespace {
 
-// A box of 12 triangles about the origin, its corners counter-clockwise from outside.
+// A box of 12 triangles around the origin, counter-clockwise seen from outside.
 Mesh BoxMesh(const Eigen::Vector3f& half) {
   Mesh mesh;
   for (int i = 0; i < 8; ++i) {

@@ -84,7 +84,7 @@ int Changed(int value, double factor) {
   return factor < 1 ? value - 1 : value + 1;
 }
 
-// Of options of its own: the reference to the field ends with them.
+// Returns a setting that owns its options, because the field references point into them.
 StudySetting Varied(const VariedParameter& parameter, double factor) {
   StudySetting setting{.name = {}, .of = parameter.of, .options = FollowingOptions()};
   for (const FieldRef& field : FieldsOf(setting.options)) {
@@ -104,7 +104,7 @@ StudySetting Varied(const VariedParameter& parameter, double factor) {
 }  // namespace
 
 std::span<const VariedParameter> VariedParameters() {
-  // `every` is the thesis's N, unconfirmed_frames its M; no value of theirs is given there.
+  // `every` is the thesis's N and unconfirmed_frames its M; the thesis gives no values.
   static constexpr std::array kParameters = {
       VariedParameter{"features.contrast_threshold", "recogniser"},
       VariedParameter{"search.nearest", "recogniser"},
@@ -184,11 +184,11 @@ std::vector<double> ValuesOf(const Study& study,
 
 std::string DescribeStudy(const Study& study) {
   return fmt::format(
-      "Movies: {}; telemetry exact. Settings: the program's defaults but for a whole-frame search in every {}th frame, "
-      "between which objects are followed, and {} parameters of recogniser, tracker, association and geolocation, each "
-      "times 0.75 and times 1.25 (whole numbers by at least 1). What decides what is found is searched anew for each "
-      "setting; for the parameters named objects.* the objects alone are made anew, of the default's sightings, as "
-      "these parameters come after them.",
+      "Movies: {}; exact telemetry. Settings: the program's defaults except for a whole-frame search in every {}th "
+      "frame, between which objects are tracked, and {} parameters of recogniser, tracker, association and "
+      "geolocation, each times 0.75 and times 1.25 (integers by at least 1). Each setting runs its own search; only "
+      "for the parameters objects.*, which take effect after the search, the data association runs again on the "
+      "default's sightings.",
       Describe(study.movies), FollowingOptions().every, VariedParameters().size());
 }
 

@@ -72,7 +72,7 @@ TEST(StudiedSetting, SumsUpItsObjects) {
   EXPECT_EQ(StudiedSetting{}.Recall(), 0);
 }
 
-// A jeep alone on the ground, in 14 small frames: what the figures do on whole flights.
+// A single jeep on the ground, in 14 small frames, in place of whole flights.
 class TinyFlight : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -91,7 +91,7 @@ class TinyFlight : public ::testing::Test {
     folder_ = nullptr;
   }
 
-  // What is made is kept for the next test.
+  // The output folder is shared, so that later tests reuse its cache.
   ExperimentSettings Settings() {
     return {.data = {},
             .scenes = folder_->path(),

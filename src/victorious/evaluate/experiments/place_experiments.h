@@ -1,4 +1,4 @@
-// The experiments on places, of real data whose truth is known, each in the file of its name.
+// The experiments on geolocation with real data and known truth. Each is implemented in the file of its name.
 #pragma once
 
 #include "victorious/evaluate/experiments/experiment.h"

@@ -30,13 +30,13 @@ Expected<Json> ReadJson(const fs::path& path) {
 }
 
 Error Damaged(const fs::path& path, const Json::exception& error) {
-  return {ErrorCode::kDataLoss, fmt::format("{}: not as this survey's file is: {}", path.string(), error.what())};
+  return {ErrorCode::kDataLoss, fmt::format("{}: not in the format of this survey: {}", path.string(), error.what())};
 }
 
 struct Survey {
-  TangentPlane plane{GeodeticPoint()};  // of the site's axes
+  TangentPlane plane{GeodeticPoint()};  // east, north, up of the survey grid
   std::vector<std::string> names;
-  std::vector<Vector3d> points;  // in the plane
+  std::vector<Vector3d> points;  // in the tangent plane, m
 };
 
 PlaceTrial TrialOf(const Survey& survey, std::size_t point) {
@@ -54,7 +54,7 @@ PlaceTrial TrialOf(const Survey& survey, std::size_t point) {
   for (const double height_m : others_m) trial.others_m += height_m / count;
   double squares = 0;
   for (const double height_m : others_m) squares += std::pow(height_m - trial.others_m, 2);
-  trial.others_sigma_m = std::sqrt(squares / (count - 1) * (1 + 1 / count));  // of one more of the same kind
+  trial.others_sigma_m = std::sqrt(squares / (count - 1) * (1 + 1 / count));  // prediction error of a further point
   return trial;
 }
 
@@ -62,7 +62,7 @@ struct Beach {
   Survey survey;
   PinholeCamera pinhole;
   LensDistortion lens = {};
-  std::vector<Vector2d> clicked;                    // of each point, in the first frame
+  std::vector<Vector2d> clicked;                    // pixel of each point in the first frame
   std::vector<Eigen::Matrix<double, 6, 1>> frames;  // x, y, z; azimuth, tilt, roll
   Eigen::Matrix<double, 6, 1> telemetry;            // the same, as recorded
   double frame_s = 0;
@@ -76,7 +76,7 @@ Vector VectorIn(const Json& numbers) {
 }
 
 Beach BeachOf(const Json& json) {
-  // About where the site is: the axes are the survey's own, and a thousandth of a degree bends them by nothing.
+  // An approximate position of the site; the axes are those of the survey. An error of 0.001 degrees is negligible.
   Beach beach{
       .survey = {.plane = TangentPlane({RadiansFromDegrees(-33.73), RadiansFromDegrees(151.30), 0}),
                  .names = {},
@@ -117,7 +117,7 @@ StandingCamera CameraAt(const Beach& beach, const Eigen::Matrix<double, 6, 1>& p
           .attitude = {.yaw_rad = pose(3), .pitch_rad = pose(4) - kPi / 2, .roll_rad = -pose(5)}};
 }
 
-// Of poses that were solved by points a few hundred metres off, to a pixel or so.
+// The error model of poses solved from points at a few hundred metres, with residuals of about a pixel.
 LocateOptions SolvedErrors() {
   LocateOptions options;
   options.line.position_m = 0.1;
@@ -130,11 +130,11 @@ LocateOptions SolvedErrors() {
   return options;
 }
 
-// Where the surroundings of a pixel of one picture are in another that the same camera took from nearly the same place:
-// by normalised correlation, to a fraction of a pixel.
+// Tracks the patch around a pixel into another image of the same camera from nearly the same place, by NCC with
+// sub-pixel refinement (parabola). Returns std::nullopt below an NCC score of 0.7 or for a peak on the border.
 std::optional<Vector2d> Again(const cv::Mat& first, const Vector2d& at, const cv::Mat& next) {
   constexpr int kHalf = 30;
-  constexpr int kFarthest = 90;  // a hovering drone sways
+  constexpr int kFarthest = 90;  // search radius, px, for the drift of a hovering drone
   constexpr double kLeast = 0.7;
   const cv::Point middle(static_cast<int>(at.x()), static_cast<int>(at.y()));
   const cv::Rect around(middle.x - kHalf, middle.y - kHalf, 2 * kHalf + 1, 2 * kHalf + 1);
@@ -153,7 +153,7 @@ std::optional<Vector2d> Again(const cv::Mat& first, const Vector2d& at, const cv
   if (best < kLeast || peak.x == 0 || peak.y == 0 || peak.x == answers.cols - 1 || peak.y == answers.rows - 1) {
     return std::nullopt;
   }
-  const auto between = [](double before, double here, double after) {  // the peak of a parabola
+  const auto between = [](double before, double here, double after) {  // peak of the parabola through three values
     return (before - after) / (2 * (before - 2 * here + after));
   };
   const auto answer = [&](int x, int y) { return static_cast<double>(answers.at<float>(y, x)); };
@@ -162,7 +162,7 @@ std::optional<Vector2d> Again(const cv::Mat& first, const Vector2d& at, const cv
                   between(answer(peak.x, peak.y - 1), best, answer(peak.x, peak.y + 1)));
 }
 
-// The frames' pictures, grey, by their number from 0; few of them are there.
+// Reads the available images of the frames, grey, with their frame numbers from 0. Error: kNotFound without the first.
 Expected<std::vector<std::pair<std::size_t, cv::Mat>>> PicturesOf(const fs::path& folder, std::size_t frames) {
   std::vector<std::pair<std::size_t, cv::Mat>> pictures;
   for (std::size_t i = 0; i < frames; ++i) {
@@ -173,14 +173,14 @@ Expected<std::vector<std::pair<std::size_t, cv::Mat>>> PicturesOf(const fs::path
     pictures.emplace_back(i, GreyFromBgr(image.bgr));
   }
   if (!pictures.empty() && pictures.front().first == 0) return pictures;
-  return Fail(ErrorCode::kNotFound, fmt::format("{}: no narrabeenFrames0001.jpg", folder.string()));
+  return Fail(ErrorCode::kNotFound, fmt::format("{}: expected narrabeenFrames0001.jpg", folder.string()));
 }
 
 struct River {
   Survey survey;
   PinholeCamera pinhole;
   LensDistortion lens = {};
-  std::vector<Vector2d> seen;  // of each point
+  std::vector<Vector2d> seen;  // pixel of each point
 };
 
 River RiverOf(const Json& json) {
@@ -216,7 +216,7 @@ LineOfSight LineThrough(const Vector2d& pixel, const StandingCamera& camera, dou
           .azimuth_rad = std::atan2(direction.x(), direction.y()),
           .elevation_rad = std::asin(std::clamp(direction.z(), -1.0, 1.0)),
           .range_m = std::nullopt,
-          .sigma_rad = 1 / camera.pinhole.fx,  // a pixel
+          .sigma_rad = 1 / camera.pinhole.fx,  // one pixel
           .sigma_range_m = std::nullopt};
 }
 
@@ -245,7 +245,7 @@ Expected<std::vector<PlaceSeries>> LoadNarrabeen(const ExperimentSettings& setti
     }
   }
   PlaceSeries doubted = recorded;
-  doubted.name += ", told 3 deg";
+  doubted.name += ", stated 3 deg";
   for (PlaceTrial& trial : doubted.trials) {
     trial.told.common.heading_deg = trial.told.common.boresight_rise_deg = 3;
   }
@@ -261,7 +261,7 @@ Expected<PlaceSeries> LoadGeul(const ExperimentSettings& settings) {
   } catch (const Json::exception& error) {
     return std::unexpected(Damaged(path, error));
   }
-  PlaceSeries series{.name = "river, pose by the other crosses", .trials = {}};
+  PlaceSeries series{.name = "river, pose from the other crosses", .trials = {}};
   for (std::size_t i = 0; i < river.survey.points.size(); ++i) {
     std::vector<SeenPoint> others;
     Vector3d middle = Vector3d::Zero();
@@ -274,7 +274,7 @@ Expected<PlaceSeries> LoadGeul(const ExperimentSettings& settings) {
     middle /= static_cast<double>(others.size());
     for (SeenPoint& other : others) other.point -= middle;
     const auto pose = PoseByPoints(others, 2 / river.pinhole.fx);
-    if (!pose) return Fail(ErrorCode::kDataLoss, fmt::format("{}: the crosses give no pose", path.string()));
+    if (!pose) return Fail(ErrorCode::kDataLoss, fmt::format("{}: no camera pose fits the crosses", path.string()));
     const Rigid3 site_from_camera = pose->camera_from_object.Inverse();
     const Vector3d at = middle + site_from_camera.translation;
     const StandingCamera camera{.pinhole = river.pinhole,
@@ -284,7 +284,7 @@ Expected<PlaceSeries> LoadGeul(const ExperimentSettings& settings) {
     PlaceTrial& trial = series.trials.emplace_back(TrialOf(river.survey, i));
     const double shift_m = std::hypot(pose->sigma_range_m, site_from_camera.translation.norm() * pose->sigma_view_rad);
     const double turn_deg = DegreesFromRadians(std::hypot(pose->sigma_view_rad, pose->sigma_angle_rad));
-    trial.told.line.position_m = 0.01;  // it stands
+    trial.told.line.position_m = 0.01;  // a fixed camera
     trial.told.common = {.position_m = shift_m,
                          .height_m = shift_m,
                          .heading_deg = turn_deg,

@@ -1,8 +1,8 @@
-// Points whose place is surveyed, with the lines of sight along which pictures show them: what estimators of places are
-// held against where nothing is simulated (real/geo_gcp in the folder of outside data).
+// Surveyed ground control points with the lines of sight of real cameras to them (real/geo_gcp in the folder of
+// external data). They test the estimators of geolocate/ without simulation.
 //
-// A survey's grid is taken for east, north and up in one tangent plane. Over the few hundred metres of a site that errs
-// by a few centimetres: the grid's own scale.
+// The survey grid is treated as east, north and up of one tangent plane. Over the few hundred metres of a site, the
+// grid scale causes an error of a few centimetres.
 #pragma once
 
 #include <span>
@@ -22,7 +22,7 @@
 
 namespace victorious {
 
-/// A camera where it was when it took a picture.
+/// A georeferenced camera: intrinsics, lens distortion, place and attitude at the time of an image.
 struct StandingCamera {
   PinholeCamera pinhole;
   LensDistortion lens = {};
@@ -30,32 +30,34 @@ struct StandingCamera {
   Attitude attitude;  ///< at `place`
 };
 
-/// Along which line a pixel was seen, lens undone.
+/// Returns the line of sight through a pixel, with the lens distortion removed. Its standard deviation is one pixel.
 [[nodiscard]] LineOfSight LineThrough(const Eigen::Vector2d& pixel, const StandingCamera& camera, double time_s);
 
 /// One surveyed point.
 struct PlaceTrial {
   std::string point;
   GeodeticPoint truth;
-  LocateOptions told;              ///< the errors of the cameras and lines
-  std::vector<LineOfSight> lines;  ///< one a picture, in order of time
-  double others_m = 0;             ///< the mean height of the site's other points: flat ground, as one would tell it
-  double others_sigma_m = 0;       ///< how far a point is from that, by the others' scatter
+  LocateOptions told;              ///< the given error model of the cameras and lines
+  std::vector<LineOfSight> lines;  ///< one per image, in order of time
+  double others_m = 0;             ///< mean height of the site's other points, used as the height of flat ground
+  double others_sigma_m = 0;       ///< standard deviation of a point from that height, from the scatter of the others
 };
 
-/// Trials of one site whose cameras are known in one way.
+/// The trials of one site with one source of camera poses.
 struct PlaceSeries {
   std::string name;
   std::vector<PlaceTrial> trials;
 };
 
-/// A hovering drone above a beach, 240 to 440 m from four ground control points: with the poses that were solved for
-/// each picture, and with the telemetry of the first as it was recorded.
+/// Loads the Narrabeen data: a hovering drone above a beach, 240 to 440 m from four ground control points. Returns
+/// three series: with the pose solved for each image; with the recorded telemetry of the first image; and the same with
+/// a stated standard deviation of 3 degrees.
 /// Errors: kNotFound, and those of reading.
 Expected<std::vector<PlaceSeries>> LoadNarrabeen(const ExperimentSettings& settings);
 
-/// A fixed camera over a river, some 15 m from six crosses. Each cross is placed with the pose that the other five
-/// give.
+/// Loads the Geul data: a fixed camera over a river, about 15 m from six crosses. The camera pose of each trial is
+/// fitted to the other five crosses (leave-one-out).
+/// Errors: kNotFound, kDataLoss if no pose fits, and those of reading.
 Expected<PlaceSeries> LoadGeul(const ExperimentSettings& settings);
 
 }  // namespace victorious

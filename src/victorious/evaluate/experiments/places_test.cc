@@ -1,4 +1,4 @@
-// Places beside what was surveyed or recorded: real data that others made.
+// Places compared with surveyed or recorded ones, on external real data.
 #include <map>
 #include <string>
 
@@ -28,7 +28,7 @@ std::string TextIn(const Report& report, const std::vector<Cell>& row, std::stri
   return std::get<std::string>(row.at(at));
 }
 
-// The place of a trial by some of its lines, on ground of the point's own height.
+// Locates a trial's point from its first lines, with ground at the point's surveyed height.
 Place PlaceOnGround(const PlaceTrial& trial, std::size_t lines, const char* method) {
   LocateOptions options = trial.told;
   options.method = method;
@@ -73,7 +73,7 @@ TEST(Places, OfSurveyedPointsByAHoveringCamera) {
           << trial.point << ", " << method;
     }
   }
-  // The telemetry errs by 3 degrees: told so, the ellipses hold the truth.
+  // The telemetry is wrong by 3 degrees; with that standard deviation stated, the ellipsoids contain the truth.
   for (const PlaceTrial& trial : beach->at(2).trials) {
     const Place place = PlaceOnGround(trial, 1, "ml");
     const PlaceError error = ComparePlaces(place, std::nullopt, TruthRow{.place = trial.truth});

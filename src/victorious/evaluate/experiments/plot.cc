@@ -18,7 +18,7 @@ constexpr double kRight = 20;
 constexpr double kTop = 40;
 constexpr double kBottom = 55;
 
-// Told apart by people who see few colours, too (Okabe and Ito).
+// Distinguishable by colour-blind readers (Okabe and Ito).
 constexpr std::array kColours = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"};
 
 std::string Escaped(const std::string& text) {
@@ -35,7 +35,7 @@ std::string Escaped(const std::string& text) {
   return escaped;
 }
 
-// A value's place between the axis's ends, 0 to 1.
+// Maps values to the axis, 0 at its lower end and 1 at its upper.
 class Scale {
  public:
   Scale(const PlotAxis& axis, double least, double most) : logarithmic_(axis.logarithmic) {
@@ -53,7 +53,7 @@ class Scale {
     return std::clamp((value - low_) / (high_ - low_), 0.0, 1.0);
   }
 
-  // Some five round values; decades of a logarithmic axis.
+  // About five round values; powers of ten on a logarithmic axis.
   [[nodiscard]] std::vector<double> Ticks() const {
     constexpr double kSome = 5;
     const double raw = (high_ - low_) / kSome;
@@ -159,7 +159,7 @@ class Drawing {
     }
   }
 
-  // In the corner, bottom right, where ROC curves leave room.
+  // In the bottom right corner, which ROC curves leave free.
   void DrawLegend() {
     double y = kHeight - kBottom - 10 - 16 * (static_cast<double>(plot_.lines.size()) - 1);
     for (std::size_t i = 0; i < plot_.lines.size(); ++i, y += 16) {

@@ -1,4 +1,4 @@
-// A plot as SVG: lines, points with error bars, or bars, over two axes with round ticks.
+// Draws a plot as SVG: lines, and points with error bars, over two axes with round ticks.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@ namespace victorious {
 struct PlotPoint {
   double x = 0;
   double y = 0;
-  double error = 0;  ///< half the height of the error bar; 0: none
+  double error = 0;  ///< half the height of the error bar; 0: no bar
 };
 
 struct PlotLine {
@@ -21,7 +21,7 @@ struct PlotLine {
 
 struct PlotAxis {
   std::string label;  ///< with its unit
-  double low = 0;     ///< where `low` = `high`, the axis covers the data
+  double low = 0;     ///< if `low` equals `high`, the axis covers the data
   double high = 0;
   bool logarithmic = false;
 };

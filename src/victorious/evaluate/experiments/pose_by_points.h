@@ -1,4 +1,4 @@
-// How a known thing stands before a camera, from points of it that a person marked in a picture.
+// Estimates the 6-DoF pose of a known object from manually marked image points (PnP).
 #pragma once
 
 #include <optional>
@@ -8,9 +8,11 @@
 
 namespace victorious {
 
-/// From all sides, the pose in which the points fit best.
-/// @param sigma  of a mark at depth 1, along each axis
-/// Nothing for fewer than three points, or where they fit from no side.
+/// Fits the pose from initial directions all over the sphere (every 20 degrees, off-nadir angles up to 80) with
+/// FitObjectPose, and returns the one with the minimum sum of squared residuals.
+/// @param points  in the object's frame, with their normalised image coordinates
+/// @param sigma   standard deviation of a mark along each axis, in normalised image coordinates
+/// Returns std::nullopt for fewer than three points, or if no fit converges.
 [[nodiscard]] std::optional<ObjectPose> PoseByPoints(std::span<const SeenPoint> points, double sigma);
 
 }  // namespace victorious

@@ -29,8 +29,8 @@ namespace fs = std::filesystem;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// A camera without distortion by its calibration as ViSP writes it, in a parameter file (.xml) or as JSON; for pictures
-// of any size.
+// Reads a camera without distortion from a ViSP calibration, a parameter file (.xml) or JSON. The image size is not
+// set.
 Expected<PinholeCamera> ReadCamera(const fs::path& path) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
   PinholeCamera camera;
@@ -39,7 +39,7 @@ Expected<PinholeCamera> ReadCamera(const fs::path& path) {
     std::smatch found;
     const std::regex number(fmt::format(R"(\b{}\W+([0-9]+\.?[0-9]*))", name));
     if (!std::regex_search(text, found, number)) {
-      return Fail(ErrorCode::kDataLoss, fmt::format("{}: a calibration must say px, py, u0 and v0", path.string()));
+      return Fail(ErrorCode::kDataLoss, fmt::format("{}: a calibration must have px, py, u0 and v0", path.string()));
     }
     *value = std::stod(found[1]);
   }
@@ -52,7 +52,7 @@ PinholeCamera ForPicture(PinholeCamera camera, const cv::Mat& picture) {
   return camera;
 }
 
-// The first frame, and at most so many others, evenly.
+// Reads at most 40 evenly spaced frames, the first one included.
 Expected<std::vector<RealView>> ReadVideo(const fs::path& path, double focal_px) {
   constexpr std::int64_t kMost = 40;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t count, CountFrames(path));
@@ -63,16 +63,16 @@ Expected<std::vector<RealView>> ReadVideo(const fs::path& path, double focal_px)
   for (const Frame& frame : frames) {
     views.push_back({.bgr = frame.image, .focal_px = focal_px, .camera_from_object = {}});
   }
-  if (views.empty()) return Fail(ErrorCode::kDataLoss, fmt::format("{}: a video without frames", path.string()));
+  if (views.empty()) return Fail(ErrorCode::kDataLoss, fmt::format("{}: no frame can be decoded", path.string()));
   return views;
 }
 
-// Points and faces of a model of ViSP (.cao): numbers in that order, comments after '#'.
+// Reads points and faces of a ViSP model (.cao): numbers in that order, comments after '#'.
 Expected<Mesh> ReadCao(const fs::path& path) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
   std::istringstream numbers(std::regex_replace(text, std::regex("#[^\n]*|V1"), ""));
   const auto damaged = [&] {
-    return Fail(ErrorCode::kDataLoss, fmt::format("{}: not a model of points and faces", path.string()));
+    return Fail(ErrorCode::kDataLoss, fmt::format("{}: must be a .cao model of points and faces only", path.string()));
   };
   Mesh mesh;
   std::size_t points = 0;
@@ -103,13 +103,13 @@ Expected<Mesh> ReadCao(const fs::path& path) {
   return mesh;
 }
 
-// A corner of the mesh, by its number, and where a person sees it.
+// A corner of the mesh, by its index, and its manually marked pixel.
 struct Click {
   std::size_t corner;
   Vector2d at_px;
 };
 
-// How the camera stood, the mesh being the world.
+// The camera pose from marked corners; the mesh frame is the world frame.
 Expected<Rigid3> PoseByClicks(std::span<const Click> clicks, const Mesh& mesh, const PinholeCamera& camera) {
   const Vector3d middle = BoundingBox(mesh).center();
   std::vector<SeenPoint> points;
@@ -117,13 +117,13 @@ Expected<Rigid3> PoseByClicks(std::span<const Click> clicks, const Mesh& mesh, c
     points.push_back({mesh.positions[corner].cast<double>() - middle, camera.RayOf(at_px).head<2>()});
   }
   const auto pose = PoseByPoints(points, 1 / camera.fx);
-  if (!pose) return Fail(ErrorCode::kDataLoss, "no pose puts the model's corners where they were clicked");
+  if (!pose) return Fail(ErrorCode::kDataLoss, "no pose fits the marked corners of the model");
   const Rigid3& best = pose->camera_from_object;
   return Rigid3{best.rotation, best.translation - best.rotation * middle};
 }
 
 Expected<RealObject> LoadTeaBox(const fs::path& folder) {
-  // Where corners of the lid and of the bottom are in the first frame of teabox.mp4, by eye.
+  // Manually marked corners of the lid and of the bottom in the first frame of teabox.mp4.
   const std::array<Click, 5> clicks = {
       {{0, {192.5, 84}}, {3, {349.5, 207}}, {4, {489, 187}}, {2, {331, 377}}, {5, {463, 348}}}};
   RealObject box{.name = "tea box", .mesh = {}, .views = {}, .first_camera = {}, .other_views = {}};
@@ -161,7 +161,7 @@ Rigid3 RigidOf(const Eigen::Matrix4d& matrix) {
   return {Eigen::Quaterniond(rotation).normalized(), matrix.topRightCorner<3, 1>()};
 }
 
-// Where the board of tags stood, frame by frame: camera_from_board.
+// Reads the pose of the tag board in each frame: camera_from_board.
 Expected<std::vector<Rigid3>> ReadBoard(const fs::path& path) {
   std::vector<Rigid3> board;
   try {
@@ -176,18 +176,19 @@ Expected<std::vector<Rigid3>> ReadBoard(const fs::path& path) {
   } catch (const cv::Exception& /*damaged*/) {
     board.clear();
   }
-  if (board.empty()) return Fail(ErrorCode::kDataLoss, fmt::format("{}: no poses of the board", path.string()));
+  if (board.empty())
+    return Fail(ErrorCode::kDataLoss, fmt::format("{}: must have 4 x 4 matrices in `grid`", path.string()));
   return board;
 }
 
-// A whole file, unpacked by gzip.
+// Reads a whole gzip file, decompressed.
 Expected<std::string> ReadPacked(const fs::path& path) {
   constexpr std::size_t kMostBytes = std::size_t{64} << 20;
   const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.c_str(), "rb"), gzclose);
   if (!file) return Fail(ErrorCode::kNotFound, fmt::format("{}: no such file", path.string()));
   std::string bytes(kMostBytes, '\0');
   const int read = gzread(file.get(), bytes.data(), static_cast<unsigned>(bytes.size()));
-  if (read <= 0) return Fail(ErrorCode::kDataLoss, fmt::format("{}: not a file packed by gzip", path.string()));
+  if (read <= 0) return Fail(ErrorCode::kDataLoss, fmt::format("{}: not a gzip file", path.string()));
   bytes.resize(static_cast<std::size_t>(read));
   return bytes;
 }
@@ -204,12 +205,12 @@ Expected<Mesh> ReadMesh(const fs::path& path, Axis up) {
   return std::move(loaded.mesh);
 }
 
-// A thing that stands beside a board of tags.
+// An object that stands beside a board of tags.
 struct BesideBoard {
   const char* name;
   const char* mesh_file;
-  Axis up;                            // of the file, as it stands
-  Eigen::Quaterniond mesh_from_told;  // the mesh's axes from those that its pose is told in
+  Axis up;                            // up axis of the mesh file
+  Eigen::Quaterniond mesh_from_told;  // the mesh's axes from the axes of its pose file
 };
 
 Expected<RealObject> LoadBesideBoard(const fs::path& folder, const BesideBoard& thing) {
@@ -232,7 +233,8 @@ Expected<RealObject> LoadBesideBoard(const fs::path& folder, const BesideBoard& 
         {.bgr = image.bgr, .focal_px = camera.fx, .camera_from_object = Rigid3{pose.rotation, pose.Apply(middle)}});
   }
   if (object.views.empty()) {
-    return Fail(ErrorCode::kNotFound, fmt::format("{}: no pictures", (folder / "frames").string()));
+    return Fail(ErrorCode::kNotFound,
+                fmt::format("{}: no images: expected color_image_NNNN.png", (folder / "frames").string()));
   }
   object.first_camera = {ForPicture(camera, object.views.front().bgr), first_pose};
   return object;

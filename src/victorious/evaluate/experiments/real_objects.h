@@ -1,4 +1,4 @@
-// Things of which both pictures and a CAD file are at hand (real/recognition in the folder of outside data).
+// Real objects with both images and a CAD file (real/recognition in the folder of external data), for figure 3.18.
 #pragma once
 
 #include <filesystem>
@@ -15,23 +15,24 @@
 
 namespace victorious {
 
-/// One picture of it.
+/// One image of the object.
 struct RealView {
   cv::Mat bgr;
   double focal_px = 0;
-  /// How the object stands, from the mesh's axes about the middle of its bounding box; where that is known.
+  /// True object pose, if known. The object's frame has the mesh's axes and its origin at the centre of the mesh's
+  /// bounding box.
   std::optional<Rigid3> camera_from_object;
 };
 
 struct RealObject {
   std::string name;
-  Mesh mesh;                          ///< of one colour at most
-  std::vector<RealView> views;        ///< the first one's pose is exact
-  PosedCamera first_camera;           ///< of the first view; the mesh is the world
-  std::vector<RealView> other_views;  ///< by another camera, in another place
+  Mesh mesh;                          ///< of at most one colour
+  std::vector<RealView> views;
+  PosedCamera first_camera;           ///< of the first view; the mesh frame is the world frame
+  std::vector<RealView> other_views;  ///< by another camera at another place
 };
 
-/// The tea box, the cube and the dragon. Errors: kNotFound, and those of reading.
+/// Loads the tea box, the cube and the dragon. Errors: kNotFound, and those of reading.
 Expected<std::vector<RealObject>> LoadRealObjects(const std::filesystem::path& data);
 
 }  // namespace victorious

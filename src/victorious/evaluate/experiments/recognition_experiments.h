@@ -1,4 +1,4 @@
-// The experiments on recognition by CAD models, each in the file of its name.
+// The experiments on recognition with CAD models. Each is implemented in the file of its name.
 #pragma once
 
 #include "victorious/evaluate/experiments/experiment.h"

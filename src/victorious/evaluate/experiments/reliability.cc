@@ -39,8 +39,8 @@ double Logistic::ScoreOf(double evidence) const { return 1 / (1 + std::exp((even
 Logistic FitLogistic(std::span<const Judged> judged) {
   const auto right = static_cast<double>(std::ranges::count(judged, true, &Judged::right));
   const auto wrong = static_cast<double>(judged.size()) - right;
-  constexpr double kSlopePrior = 0.1;                              // of the squared slope, 1 / decades
-  Eigen::Vector2d line(std::log((right + 1) / (wrong + 1)), 0.1);  // odds = exp(line[0] + line[1] evidence)
+  constexpr double kSlopePrior = 0.1;                              // of the squared slope; slope per unit of -log10 NFA
+  Eigen::Vector2d line(std::log((right + 1) / (wrong + 1)), 0.1);  // log odds = line[0] + line[1] * (-log10 NFA)
   const auto loss = [&](const Eigen::Vector2d& at) {
     double sum = 0.5 * kSlopePrior * at[1] * at[1];
     for (const Judged& one : judged) {

@@ -1,4 +1,5 @@
-// How well scores are probabilities, and the curve that makes them so.
+// Calibration of detection scores: the reliability diagram, the expected calibration error, and the fit of the logistic
+// curve that maps -log10 NFA to a probability (Platt 1999).
 #pragma once
 
 #include <cstddef>
@@ -7,19 +8,19 @@
 
 namespace victorious {
 
-/// A detection whose truth is known.
+/// A detection with its truth label.
 struct Judged {
-  double evidence = 0;  ///< decades
+  double evidence = 0;  ///< -log10 NFA
   double score = 0;     ///< 0 to 1
   bool right = false;
 };
 
-/// The detections of about one score.
+/// The detections within one interval of the score.
 struct ReliabilityBin {
   std::size_t count = 0;
   double mean_score = 0;
-  double right = 0;           ///< share
-  double standard_error = 0;  ///< of that share
+  double right = 0;           ///< fraction of true detections
+  double standard_error = 0;  ///< of that fraction (binomial)
 };
 
 inline constexpr int kReliabilityBins = 10;
@@ -27,24 +28,25 @@ inline constexpr int kReliabilityBins = 10;
 /// kReliabilityBins bins of equal width over [0, 1].
 [[nodiscard]] std::vector<ReliabilityBin> Reliability(std::span<const Judged> judged);
 
-/// The expected calibration error: the mean of |mean score - share right| over the bins, by their counts. 0 for none.
+/// The expected calibration error (ECE): the mean of |mean score - fraction of true detections| over the bins, weighted
+/// by their counts; 0 for an empty span.
 [[nodiscard]] double CalibrationError(std::span<const Judged> judged);
 
-/// 1 / (1 + exp(-(evidence - even) / scale)).
+/// The logistic curve p(e) = 1 / (1 + exp(-(e - e0) / s)) of e = -log10 NFA.
 struct Logistic {
-  double even = 0;   ///< decades
-  double scale = 1;  ///< decades, > 0
+  double even = 0;   ///< e0, where the probability is 0.5
+  double scale = 1;  ///< s, > 0
 
   [[nodiscard]] double ScoreOf(double evidence) const;
 };
 
-/// The most likely curve, by Newton's method (Platt 1999), with a weak prior on its slope, so that data that can be
-/// parted leave it finite. Platt's own way to that, targets short of 0 and 1, would flatten it: evidence goes far
-/// beyond what any target but 1 explains. Where all are right or all wrong, a curve that says little.
+/// Fits the curve by maximum likelihood with Newton's method (Platt 1999). A weak Gaussian prior on the slope keeps it
+/// finite for separable data. Platt's regularisation, targets short of 0 and 1, would flatten the curve, because the
+/// significance of true detections has no upper bound. If all labels are equal, the curve is nearly flat.
 [[nodiscard]] Logistic FitLogistic(std::span<const Judged> judged);
 
-/// Each group's scores by the curve that fits all other groups; of a group alone there is nothing to fit to, and
-/// nothing scored.
+/// Leave-one-group-out cross-validation: scores each group by the curve fitted to all other groups. Returns one empty
+/// group if there is a single group.
 [[nodiscard]] std::vector<std::vector<Judged>> ScoredByOthers(const std::vector<std::vector<Judged>>& groups);
 
 }  // namespace victorious

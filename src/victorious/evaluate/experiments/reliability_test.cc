@@ -11,7 +11,7 @@
 namespace victorious {
 namespace {
 
-// Detections that are right as often as `truth` says, scored by `told`.
+// Draws detections that are true with the probability of `truth`, scored with the second curve.
 std::vector<Judged> Draw(const Logistic& truth, const Logistic& told, std::uint64_t seed) {
   Random random(seed);
   std::vector<Judged> judged;
@@ -58,7 +58,7 @@ TEST(Reliability, DataThatCanBePartedLeaveTheCurveFinite) {
   EXPECT_GT(all_right.ScoreOf(0), 0.5);
 }
 
-// Of two groups that other curves drew, each is scored by the other's.
+// Two groups drawn from different curves: each is scored with the other's curve.
 TEST(Reliability, AHeldOutGroupIsScoredByTheOthers) {
   const Logistic first{2, 1.5};
   const Logistic second{5, 0.8};

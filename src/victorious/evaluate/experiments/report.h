@@ -1,4 +1,4 @@
-// What an experiment found: a table of named figures, and a plot.
+// The result of an experiment: a table with named columns, notes, and a plot.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 
 namespace victorious {
 
-/// A mean over seeds with its standard error; the error is 0 of a single figure.
+/// A mean over seeds with its standard error; the error of a single value is 0.
 struct Measured {
   double mean = 0;
   double standard_error = 0;
@@ -24,17 +24,17 @@ using Cell = std::variant<std::string, double, Measured>;
 struct Report {
   std::string name;                ///< of the experiment
   std::string title;               ///< one line
-  std::vector<std::string> notes;  ///< how it was measured: seeds, data, what differs from the thesis
+  std::vector<std::string> notes;  ///< method: seeds, data, differences from the thesis
   std::vector<std::string> columns;
   std::vector<std::vector<Cell>> rows;  ///< each as long as `columns`
-  Plot plot;                            ///< empty of lines: none is drawn
+  Plot plot;                            ///< not written if it has no lines
 };
 
-/// Writes NAME.json, NAME.csv and, where there is a plot, NAME.svg. In CSV a Measured takes two columns, the second
+/// Writes NAME.json, NAME.csv and, if there is a plot, NAME.svg. In CSV a MeanWithError takes two columns, the second
 /// named `COLUMN standard error`.
 Status WriteReport(const Report& report, const std::filesystem::path& folder);
 
-/// The table as Markdown.
+/// Formats title, table and notes as Markdown.
 std::string MarkdownOf(const Report& report);
 
 }  // namespace victorious

@@ -1,4 +1,4 @@
-// Receiver operating characteristic: of a score's every threshold, how many of the wanted and of the others pass it.
+// Receiver operating characteristic: the rates of detections and false alarms at each threshold of a score.
 #pragma once
 
 #include <span>
@@ -7,17 +7,19 @@
 namespace victorious {
 
 struct RocPoint {
-  double false_alarms = 0;  ///< share of the others above the threshold
-  double detections = 0;    ///< share of the wanted above it
+  double false_alarms = 0;  ///< fraction of the negatives above the threshold
+  double detections = 0;    ///< fraction of the positives above the threshold
 };
 
-/// From (0, 0) to (1, 1), a point a threshold; equal scores pass together. Of both kinds at least one.
+/// Returns the curve from (0, 0) to (1, 1), one point per distinct score.
+/// @param scores  at least one of a positive and one of a negative
+/// @param wanted  whether each score belongs to a positive
 std::vector<RocPoint> RocCurve(std::span<const double> scores, const std::vector<bool>& wanted);
 
-/// The area under the curve: how often a wanted one scores above another one; equal scores count half.
+/// The area under the curve (AUC): the probability that a positive scores above a negative; ties count half.
 double RocArea(std::span<const double> scores, const std::vector<bool>& wanted);
 
-/// The curve's height at a share of false alarms, linear between its points.
+/// The detection rate at a false alarm rate, linearly interpolated.
 double DetectionsAt(std::span<const RocPoint> curve, double false_alarms);
 
 }  // namespace victorious

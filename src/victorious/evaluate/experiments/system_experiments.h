@@ -1,4 +1,5 @@
-// The experiments on tracking, geolocation and the whole system, thesis chapters 4 and 5: what experiment.cc lists.
+// The experiments on tracking, geolocation and the whole system (thesis, chapters 4 and 5); experiment.cc registers
+// them.
 #pragma once
 
 #include "victorious/evaluate/experiments/experiment.h"

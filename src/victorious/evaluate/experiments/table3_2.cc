@@ -1,4 +1,4 @@
-// Table 3.2: the matches of the running example at a ratio of 0.8, true and false, as each stage leaves them.
+// Table 3.2: true and false matches of the running example at a ratio of 0.8 after each stage.
 #include <array>
 
 #include <fmt/format.h>
@@ -14,7 +14,7 @@ struct ThesisRow {
   int right;
 };
 
-// Table 3.2; of MLESAC it gives no count.
+// Table 3.2 of the thesis; it gives no count for MLESAC.
 constexpr std::array<ThesisRow, 4> kThesis = {{{80, 10}, {15, 10}, {10, 10}, {10, 10}}};
 constexpr double kRatio = 0.8;
 
@@ -22,7 +22,7 @@ constexpr double kRatio = 0.8;
 
 Expected<Report> RunTable32(const ExperimentSettings& settings) {
   Report report{
-      .title = "Matches of one template in a noisy picture, at a ratio of 0.8, through the cascade",
+      .title = "Matches of one template in a noisy image, at a ratio of 0.8, after each stage of the cascade",
       .columns = {"filtering", "thesis: matches", "thesis: true", "thesis: false", "its setting here: matches",
                   "its setting here: true", "its setting here: false", "its setting here: true / template",
                   "its setting here: false / rest of scene", "ours: matches", "ours: true", "ours: false",
@@ -61,12 +61,12 @@ Expected<Report> RunTable32(const ExperimentSettings& settings) {
   }
   report.notes = {
       fmt::format(
-          "Here: {}; a match is true if its scene keypoint lies within {:g} px, or its own scale, of where the "
-          "true pose puts the template keypoint's place on the object, and false beyond {:g} px; the few between "
-          "are neither.",
+          "Here: {}; a match is true if its scene keypoint lies within {:g} px, or its own scale, of the projection "
+          "of the template keypoint's 3-D point with the true pose, and false beyond {:g} px; the few between are "
+          "neither.",
           ours.name, MatchTruth::kLeastTolerancePx, MatchTruth::kNearPx),
-      "Shares are of template keypoints, and of scene keypoints less template keypoints, as in the thesis. Its setting "
-      "is `--params thesis`: Lowe's keypoints, no noise taken out, table 3.1."};
+      "Fractions refer to template keypoints, and to scene keypoints less template keypoints, as in the thesis. Its "
+      "setting is `--params thesis`: Lowe's keypoints, no noise removal, table 3.1."};
   report.plot = {.title = "Matches left after each stage",
                  .x = {.label = "stages of the cascade, then MLESAC"},
                  .y = {.label = "matches"},

@@ -22,8 +22,8 @@ struct PrintedRatio {
   std::array<Printed, kStages> stages;
 };
 
-// Table 3.3. Its first stage at 0.95 is printed with 17 true, which cannot be of 13 before and after; 13 stands here,
-// and 27 false, so that its 40 matches remain.
+// Table 3.3 of the thesis. It prints 17 true matches after the first stage at 0.95, which contradicts the 13 before and
+// after it; corrected here to 13 true and 27 false of its 40 matches.
 constexpr std::array<PrintedRatio, 6> kTable33 = {{{0.6, {{{4, 4}, {4, 4}, {4, 4}, {4, 4}}}},
                                                    {0.7, {{{17, 7}, {10, 7}, {7, 7}, {7, 7}}}},
                                                    {0.8, {{{80, 10}, {15, 10}, {10, 10}, {10, 10}}}},
@@ -83,7 +83,7 @@ const std::vector<std::string> kCountColumns = {"thesis: matches",
 
 Expected<Report> RunTable33(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Both both, Both::Make(settings, "jeep"));
-  Report report{.title = "Matches of the running example at six ratios, stage by stage",
+  Report report{.title = "Matches of the running example at six ratios after each stage",
                 .columns = {"ratio", "filtering"}};
   report.columns.insert(report.columns.end(), kCountColumns.begin(), kCountColumns.end());
   std::array<PlotLine, kStages> lines;
@@ -102,7 +102,7 @@ Expected<Report> RunTable33(const ExperimentSettings& settings) {
     }
   }
   report.notes = {"Its setting: " + Shown(both.thesis) + ". Ours: " + Shown(both.ours) + ".",
-                  "The thesis prints 17 true in the first stage at 0.95, where 13 are before and after: read as 13."};
+                  "The thesis prints 17 true after the first stage at 0.95, but 13 before and after it: read as 13."};
   report.plot = {.title = "False matches after each stage, our setting",
                  .x = {.label = "ratio"},
                  .y = {.label = "false matches"},
@@ -113,7 +113,7 @@ Expected<Report> RunTable33(const ExperimentSettings& settings) {
 Expected<Report> RunFigure312(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Both both, Both::Make(settings, "jeep"));
   Report report{
-      .title = "Detected share of template keypoints over false alarms, each stage at six ratios",
+      .title = "Detection rate of template keypoints against false alarm rate, each stage at six ratios",
       .columns = {"ratio", "filtering", "thesis: detected %", "thesis: false alarms %", "its setting here: detected %",
                   "its setting here: false alarms %", "ours: detected %", "ours: false alarms %"}};
   std::array<PlotLine, kStages> lines;
@@ -145,9 +145,9 @@ Expected<Report> RunFigure312(const ExperimentSettings& settings) {
     }
   }
   report.notes = {
-      "Detected: true matches over template keypoints, which several scene keypoints may match. False alarms: "
-      "false ones over scene keypoints less template keypoints, as in the thesis."};
-  report.plot = {.title = "ROC of the stages, a point a ratio",
+      "Detected: true matches over template keypoints; several scene keypoints may match one of them. False "
+      "alarms: false matches over scene keypoints less template keypoints, as in the thesis."};
+  report.plot = {.title = "ROC of the stages, one point per ratio",
                  .x = {.label = "false alarms (%)"},
                  .y = {.label = "detected (%)", .low = 0, .high = 50},
                  .lines = {lines.begin(), lines.end()}};
@@ -157,7 +157,7 @@ Expected<Report> RunFigure312(const ExperimentSettings& settings) {
 
 Expected<Report> RunTable34(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Both both, Both::Make(settings, "jet"));
-  Report report{.title = "Matches of the second object before the cascade and after all of it",
+  Report report{.title = "Matches of the second object before and after the cascade",
                 .columns = {"ratio", "when"}};
   report.columns.insert(report.columns.end(), kCountColumns.begin(), kCountColumns.end());
   PlotLine before_line{.name = "false before, ours"};

@@ -1,4 +1,4 @@
-// Table 3.5: how long matching, each stage of the cascade and MLESAC take on the running example.
+// Table 3.5: run time of matching, each stage of the cascade and MLESAC on the running example.
 #include <array>
 #include <chrono>
 #include <functional>
@@ -29,7 +29,7 @@ constexpr std::array<PrintedTimes, 6> kThesis = {{{0.6, {0.00055, 0.000088, 0.00
                                                   {0.9, {0.00062, 0.0037, 0.0001, 0.0001, 0.3453}},
                                                   {0.95, {0.00058, 0.0202, 0.0002, 0.0001, 0.0093}}}};
 
-// The median of several runs, ms.
+// The median time of 31 runs, ms.
 double MedianMs(const std::function<void()>& step) {
   constexpr std::size_t kRuns = 31;
   std::vector<double> ms(kRuns);

@@ -1,5 +1,5 @@
-// Table 3.6: how well phrases find airplanes among cars and background, and how long they take, over the number of
-// words that phrases are formed of: of the thesis's method the likeliest words of a category, of ours the parts.
+// Table 3.6: area under ROC of airplanes against cars and background by phrases, and run time, against the number of
+// words in phrases. In the thesis's method these are the most probable words of a category, in ours the parts.
 #include <array>
 #include <map>
 
@@ -29,7 +29,7 @@ struct Figures {
   std::vector<double> score_ms;
 };
 
-// A way to score, measured for each number of words.
+// A scoring method with its results for each number of words.
 struct Method {
   std::string name;
   std::map<int, Figures> figures = {};
@@ -81,7 +81,7 @@ Expected<Report> RunTable36(const ExperimentSettings& settings) {
     settings.progress(fmt::format("seed {} of {}", seed, settings.seeds));
   }
 
-  Report report{.title = "Airplanes against cars and background: area under ROC and time over the words of phrases",
+  Report report{.title = "Airplanes against cars and background: area under ROC and time by words in phrases",
                 .columns = {"method", "words in phrases", "area under ROC", "training s", "scoring ms a picture",
                             "area, thesis", "test s, thesis"}};
   PlotLine printed_there{.name = "thesis, as printed there"};
@@ -104,11 +104,11 @@ Expected<Report> RunTable36(const ExperimentSettings& settings) {
       fmt::format("{} seeds; background trained as a class. {}. The thesis tested airplanes against cars, 3 "
                   "runs.",
                   settings.seeds, kSplitNote),
-      "Scoring: phrases of one picture, its words at hand, all three classes. Smoother kernel: the cap of "
-      "equation 3.1 lowered, the rest as written. Words in phrases: the thesis takes a category's likeliest of "
-      "3000; ours groups all 3000 into so many parts."};
+      "Scoring: phrases of one image for all three classes, without extraction of its words. Smoother kernel: "
+      "lower cap of equation 3.1, the rest as printed. Words in phrases: the thesis uses a category's most "
+      "probable of 3000 words; ours groups all 3000 into this number of parts."};
   report.plot.title = "Airplanes: area under ROC";
-  report.plot.x = {.label = "words that phrases are formed of"};
+  report.plot.x = {.label = "words in phrases"};
   report.plot.y = {.label = "area under ROC", .low = 0.5, .high = 1.0};
   return report;
 }

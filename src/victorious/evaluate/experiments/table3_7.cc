@@ -1,5 +1,5 @@
-// Table 3.7: accuracy of airplanes and cars, words and phrases, by the thesis's method and by ours; and the table of
-// steps from the one to the other.
+// Table 3.7: accuracy of airplanes and cars with words and phrases, by the thesis's method and by ours; and an ablation
+// in steps from the former to the latter.
 #include <array>
 #include <map>
 #include <optional>
@@ -25,7 +25,7 @@ std::vector<Step> Methods() {
           {"ours, the default", CategoryTrainOptions()}};
 }
 
-// Each step with what the ones before it changed.
+// The steps; each includes the changes of those before it.
 std::vector<Step> Steps() {
   std::vector<Step> steps;
   CategoryTrainOptions options = ThesisCategoriesAsPrinted();
@@ -61,7 +61,7 @@ struct Figures {
   std::vector<double> area;
 };
 
-// Features are made anew only where the options for them differ from the last step's.
+// Caches the features of the last step, and recomputes them if their options differ.
 class FeatureCache {
  public:
   FeatureCache(const ExperimentSettings& settings, std::vector<CategoryListRow> rows)
@@ -119,10 +119,10 @@ Expected<Report> Accuracies(const ExperimentSettings& settings, std::span<const 
                                     airplanes.standard_error, cars.mean, cars.standard_error));
     }
   }
-  report.notes = {fmt::format("{} seeds, means and standard errors; a gap below two standard errors is none. {}.",
+  report.notes = {fmt::format("{} seeds, means and standard errors; below two standard errors, no difference. {}.",
                               settings.seeds, kSplitNote)};
   report.plot = {.title = "Accuracy of airplanes and cars",
-                 .x = {.label = "method, in the table's order"},
+                 .x = {.label = "method, in the order of the table"},
                  .y = {.label = "accuracy (%)", .low = 40, .high = 100}};
   for (auto& [name, line] : lines) {
     line.name = name;
@@ -135,7 +135,7 @@ Expected<Report> Accuracies(const ExperimentSettings& settings, std::span<const 
 
 Expected<Report> RunTable37(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(Report report, Accuracies(settings, Methods()));
-  report.title = "Accuracy (%) of airplanes and cars, 30 training pictures each";
+  report.title = "Accuracy (%) of airplanes and cars, 30 training images each";
   const std::vector<std::vector<Cell>> printed = {
       {std::string("Vedaldi, as the thesis quotes him"), std::string("words"), 90.26, 79.57, std::string()},
       {std::string("thesis"), std::string("words"), 90.99, 89.60, std::string()},
@@ -146,7 +146,7 @@ Expected<Report> RunTable37(const ExperimentSettings& settings) {
 
 Expected<Report> RunTableSteps(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(Report report, Accuracies(settings, Steps()));
-  report.title = "Accuracy (%) of airplanes and cars, step by step: each keeps those before it";
+  report.title = "Accuracy (%) of airplanes and cars, step by step: each step includes those before it";
   return report;
 }
 

@@ -1,5 +1,5 @@
-// Where categories are: the boxes of the supporting phrases beside the boxes that people drew. No table of the thesis:
-// its section 6.1 asks for it.
+// Localisation of categories: the boxes of the supporting phrases compared with annotated boxes. Not a table of the
+// thesis; its section 6.1 proposes it.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,13 +16,13 @@
 namespace victorious {
 namespace {
 
-// Each of one seed's mean, in %.
+// One value per seed: means over the test images, %.
 struct Overlaps {
   std::vector<double> found;
-  std::vector<double> whole;  // what the picture's own box would have
-  std::vector<double> half;   // pictures in which at least half overlaps
+  std::vector<double> whole;  // overlap of the whole image with the annotated box
+  std::vector<double> half;   // fraction of images with an overlap of 0.5 or more
   std::vector<double> centre_inside;
-  std::vector<double> centre_off;  // along an axis, root mean square, over the found box's longer side
+  std::vector<double> centre_off;  // RMS offset along an axis over the longer side of the estimated box
 };
 
 Box WholeOf(const WordedPicture& picture) { return FrameBox(picture.width, picture.height); }
@@ -80,7 +80,7 @@ Expected<Report> RunTableBoxes(const ExperimentSettings& settings) {
     for (std::size_t c = 0; c < boxed.size(); ++c) MeasureInto(overlaps[c], model, features, split.test, boxed[c]);
     settings.progress(fmt::format("seed {}", seed));
   }
-  Report report{.title = "Boxes of the supporting phrases beside drawn ones, Caltech-101",
+  Report report{.title = "Boxes of the supporting phrases against annotated boxes, Caltech-101",
                 .columns = {"category", "overlap, mean %", "overlap of the whole picture, mean %",
                             "overlap of half at least, % of pictures", "middle inside the drawn box, % of pictures",
                             "middle off along an axis, RMS, % of the box's longer side"}};
@@ -90,8 +90,8 @@ Expected<Report> RunTableBoxes(const ExperimentSettings& settings) {
                            MeanOf(of.centre_off)});
   }
   report.notes = {
-      fmt::format("{} seeds; airplanes, cars and background, 30 training pictures each; the test pictures "
-                  "that have a drawn box. Overlap: intersection over union.",
+      fmt::format("{} seeds; airplanes, cars and background, 30 training images each; the test images with an "
+                  "annotated box. Overlap: intersection over union.",
                   settings.seeds)};
   return report;
 }

@@ -1,5 +1,5 @@
-// The same things in several photos from straight above: whether they come out at one place, and within the ellipses
-// that are told. No survey tells where they are.
+// Consistency of geolocation: the same objects in several nadir photos. The places from single photos must agree with
+// the joint place within their CE90. There is no surveyed truth.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -27,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A thing, marked in one photo by hand.
+// An object, manually marked in one photo.
 struct Thing {
   const char* name;
   const char* photo;
@@ -45,7 +45,7 @@ struct Photographed {
   double above_takeoff_m = 0;
 };
 
-// A photo's record: cells by column.
+// Parses a photo's record, its cells by column name.
 Expected<Photographed> RecordOf(const std::map<std::string, std::string>& cells, const fs::path& path) {
   const auto number = [&](const char* column) {
     const auto cell = cells.find(column);
@@ -68,7 +68,8 @@ Expected<Photographed> RecordOf(const std::map<std::string, std::string>& cells,
   };
   camera.pinhole.width = pixels("ImageWidth");
   camera.pinhole.height = pixels("ImageHeight");
-  // As if on film of 36 x 24 mm, by the diagonal of the sensor, which is 4:3; the photos are cut to 16:9.
+  // The 35 mm equivalent relates the diagonals of the film (36 x 24 mm) and of the 4:3 sensor; photos are cropped to
+  // 16:9.
   const double diagonal_px = camera.pinhole.width * std::hypot(4, 3) / 4;
   camera.pinhole.fx = camera.pinhole.fy = number("FocalLengthIn35mmFormat") / std::hypot(36, 24) * diagonal_px;
   camera.pinhole.cx = camera.pinhole.width / 2.0;
@@ -79,7 +80,7 @@ Expected<Photographed> RecordOf(const std::map<std::string, std::string>& cells,
   const bool has_size = camera.pinhole.width > 0 && camera.pinhole.height > 0;
   if (!photo.file.empty() && has_size && std::isfinite(all)) return photo;
   return Fail(ErrorCode::kDataLoss,
-              fmt::format("{}: a photo without its name, size, place, attitude or focal length", path.string()));
+              fmt::format("{}: a photo must have a name, size, place, attitude and focal length", path.string()));
 }
 
 std::vector<std::string> Cells(const std::string& line) {
@@ -118,13 +119,13 @@ Expected<std::vector<ObjectModel>> ModelsIn(const fs::path& folder, const Featur
   return models;
 }
 
-// A thing in a photo.
+// An object's line of sight from a photo.
 struct Sighted {
   LineOfSight line;
-  double ground_m;  // the take-off's height
+  double ground_m;  // height of the take-off
 };
 
-// Of each thing, by the best detection in each photo.
+// Returns the lines of sight of each object, from the best detection in each photo.
 Expected<std::array<std::vector<Sighted>, kThings.size()>> FindThings(const fs::path& folder,
                                                                       const std::vector<Photographed>& photos,
                                                                       const ExperimentSettings& settings) {
@@ -153,7 +154,7 @@ Expected<std::array<std::vector<Sighted>, kThings.size()>> FindThings(const fs::
 
 struct Way {
   const char* method;
-  bool ground;  // whether the take-off's height is told
+  bool ground;  // whether the ground is given, at the take-off height
 };
 
 double MeanGround(const std::vector<Sighted>& sighted) {
@@ -162,7 +163,8 @@ double MeanGround(const std::vector<Sighted>& sighted) {
   return sum_m / static_cast<double>(sighted.size());
 }
 
-// Where each photo alone puts the thing: where its line meets the ground. Those whose line does not are left out.
+// The place from each single photo: the intersection of its line of sight with the ground. Photos without one are left
+// out.
 std::vector<Place> PlacesByOne(const std::vector<Sighted>& sighted, double ground_m) {
   std::vector<Place> places;
   for (const Sighted& one : sighted) {
@@ -212,10 +214,10 @@ Expected<Report> RunTableBrighton(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Photographed> photos, PhotosOf(folder / "telemetry.csv"));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto found, FindThings(folder, photos, settings));
   Report report{
-      .title = "One thing in several photos",
-      .notes = {"Each thing is marked in one photo and found in the others by the recogniser. Photos alone: "
-                "where the one ray meets the ground, at the take-off's height give or take 2 m. Errors of lines "
-                "and flight: the defaults. Nothing was surveyed: the rows say whether the photos agree."},
+      .title = "Places of one object from several photos",
+      .notes = {"Each object is marked in one photo and detected in the others. Photos alone: the intersection of "
+                "one ray with the ground at the take-off height, with a standard deviation of 2 m. Errors of lines "
+                "and flight: the defaults. Nothing was surveyed: the rows show whether the photos agree."},
       .columns = {"thing", "photos", "method", "ground", "photos alone: farthest from it, m", "their CE90, least m",
                   "within it", "CE90, m", "above the take-off, m", "LE90, m"}};
   for (std::size_t i = 0; i < kThings.size(); ++i) {

@@ -1,5 +1,5 @@
-// A CAD model as the example of its kind: photos of the kind found among others by what CAD models, few photos, or both
-// taught. No table of the thesis: its section 1.1 asks for it.
+// CAD models as training examples of a category: retrieval of photos of the category after training with CAD models,
+// few photos, or both. Not a table of the thesis; its section 1.1 proposes it.
 #include <algorithm>
 #include <array>
 #include <string>
@@ -16,7 +16,7 @@ namespace {
 
 struct Kind {
   std::string category;
-  std::vector<std::string> models;  // of the data given
+  std::vector<std::string> models;  // CAD files in the data
 };
 
 std::vector<Kind> Kinds() {
@@ -24,22 +24,22 @@ std::vector<Kind> Kinds() {
           {kAirplanes, {"c17", "f14_tomcat", "f4_phantom", "mig21", "mig29"}}};
 }
 
-// What a kind is learned from.
+// The training examples of a category.
 struct Way {
   std::string name;
   std::size_t models;
   std::size_t photos;
 };
 
-// Of one seed each.
+// One value per seed.
 struct Figures {
   std::vector<double> area;
-  std::vector<double> first;  // of the first of the ranking those that are right, %
+  std::vector<double> first;  // precision among the first kFirst of the ranking, %
 };
 
 constexpr std::size_t kFirst = 20;
 
-// Where the rows' pictures are, from the data's folder.
+// Makes the row's image path relative to the data folder.
 CategoryListRow FromData(CategoryListRow row) {
   row.image = fmt::format("caltech101/{}", row.image);
   return row;
@@ -92,7 +92,7 @@ void MeasureInto(Figures& figures, const CaltechFeatures& features, const Split&
 Expected<Report> RunTableCad(const ExperimentSettings& settings) {
   const std::array<Way, 4> ways = {Way{"one CAD model", 1, 0}, Way{"all CAD models", 100, 0}, Way{"3 photos", 0, 3},
                                    Way{"3 photos and all CAD models", 100, 3}};
-  Report report{.title = "CAD models as examples of their kind, photos of Caltech-101",
+  Report report{.title = "CAD models as training examples of a category, photos of Caltech-101",
                 .columns = {"kind", "learned from", "area under ROC", fmt::format("right of the first {}, %", kFirst)}};
   for (const Kind& kind : Kinds()) {
     const std::array<std::string, 2> categories = {kind.category, kBackground};
@@ -112,7 +112,7 @@ Expected<Report> RunTableCad(const ExperimentSettings& settings) {
         VICTORIOUS_ASSIGN_OR_RETURN(const CategoryModel model,
                                     TrainOnList(settings.data, train, seeded, [](std::size_t) {}));
         MeasureInto(figures[w], features, split, model, kind.category);
-        settings.progress(fmt::format("{}, seed {}, {}: area {:.3f}, {:.0f} % of the first {} right", kind.category,
+        settings.progress(fmt::format("{}, seed {}, {}: area {:.3f}, {:.0f} % precision at {}", kind.category,
                                       seed, ways[w].name, figures[w].area.back(), figures[w].first.back(), kFirst));
       }
     }
@@ -120,8 +120,8 @@ Expected<Report> RunTableCad(const ExperimentSettings& settings) {
       report.rows.push_back({kind.category, ways[w].name, MeanOf(figures[w].area), MeanOf(figures[w].first)});
   }
   report.notes = {fmt::format(
-      "{} seeds. {}; background trains too. One CAD model: the seed's of those of the data given, which are {} "
-      "helicopters, and {} military airplanes where the photos are of airliners for the most part.",
+      "{} seeds. {}; background is trained too. One CAD model: chosen by the seed from those of the data, which are {} "
+      "helicopters and {} military airplanes; the photos show airliners for the most part.",
       settings.seeds, kSplitNote, Kinds()[0].models.size(), Kinds()[1].models.size())};
   return report;
 }

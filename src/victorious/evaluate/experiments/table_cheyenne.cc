@@ -1,4 +1,4 @@
-// Places by the steady stares of a real flight, beside the frame centres that its own system recorded.
+// Places from the steady stares of a real flight, compared with the frame centres that its own system recorded.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -17,14 +17,14 @@
 namespace victorious {
 namespace {
 
-// Heights of both count from the sea: what the geoid does to one it does to the other.
+// Both heights refer to mean sea level, so that the geoid's undulation cancels.
 struct Stared {
   LineOfSight line;
-  GeodeticPoint centre;  // of the frame, as recorded
+  GeodeticPoint centre;  // recorded centre of the frame
 };
 
 struct Stare {
-  std::size_t first;  // packets, from 0
+  std::size_t first;  // packet indexes, from 0
   std::size_t last;
 };
 
@@ -49,7 +49,7 @@ std::vector<Stared> StaredIn(const Telemetry& telemetry) {
   return stared;
 }
 
-// Stretches of at least 5 s in which the frame's centre stays within 30 m of where it was first.
+// Finds intervals of at least 5 s in which the frame centre stays within 30 m of its first position.
 std::vector<Stare> StaresOf(const std::vector<Stared>& stared) {
   constexpr double kSteadyM = 30;
   constexpr double kLeastS = 5;
@@ -71,7 +71,7 @@ GeodeticPoint MeanCentre(std::span<const Stared> stared) {
   return plane.GeodeticFromEnu(sum / static_cast<double>(stared.size()));
 }
 
-// How far the lines turn about the vertical, from the first to the last.
+// The change of azimuth from the first to the last line, degrees.
 double TurnDeg(std::span<const Stared> stared) {
   double turn_rad = 0;
   for (std::size_t i = 1; i < stared.size(); ++i) {
@@ -82,7 +82,7 @@ double TurnDeg(std::span<const Stared> stared) {
 
 struct Way {
   const char* method;
-  std::size_t every;  // of how many lines one is taken; 0: the one in the middle alone
+  std::size_t every;  // step between the lines used; 0: the middle line only
 };
 
 void AddRow(const std::string& name, std::span<const Stared> stared, const Way& way, Report& report) {
@@ -116,13 +116,13 @@ Expected<Report> RunTableCheyenne(const ExperimentSettings& settings) {
   const std::vector<Stared> stared = StaredIn(telemetry);
   const std::vector<Stare> stares = StaresOf(stared);
   if (stares.empty()) {
-    return Fail(ErrorCode::kDataLoss, fmt::format("{}: no packets that stare at a frame centre", path.string()));
+    return Fail(ErrorCode::kDataLoss, fmt::format("{}: no interval with a steady frame centre", path.string()));
   }
   Report report{
-      .title = "Places by a real flight's stares, beside the recorded frame centres",
-      .notes = {"Stares: stretches of 5 s or more in which the recorded frame centre stays within 30 m of where "
-                "it was first; the truth is its mean. Errors of lines and flight: the defaults. The method "
-                "ground of one line knows the recorded elevation, the others know lines alone."},
+      .title = "Places from a real flight's stares, against the recorded frame centres",
+      .notes = {"Stares: intervals of 5 s or more in which the recorded frame centre stays within 30 m of its first "
+                "position; the truth is its mean. Errors of lines and flight: the defaults. The method ground uses "
+                "one line and the recorded elevation; the others use lines only."},
       .columns = {"packets", "turn, deg", "method", "lines", "error along the ground, m", "in space, m", "CE90, m",
                   "LE90, m", "in the 90 % ellipsoid"}};
   for (const Stare& stare : stares) {

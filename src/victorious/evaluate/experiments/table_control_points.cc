@@ -1,5 +1,5 @@
-// Places of surveyed points by cameras that do not move: their lines of sight are as good as one, so that the ground
-// decides, and more pictures tell no more of what errs alike in all of them.
+// Places of surveyed points from cameras that do not move. There is no parallax, so that the ground determines the
+// distance, and further images do not reduce the errors common to all lines.
 #include <algorithm>
 #include <vector>
 
@@ -12,11 +12,11 @@
 namespace victorious {
 namespace {
 
-// How a row's places are made.
+// The configuration of a row.
 struct Way {
   const char* method;
   std::size_t most_lines;
-  bool own_height;  // the ground as the survey has it at the point; else flat, at the other points' mean height
+  bool own_height;  // ground at the point's surveyed height; else flat, at the other points' mean height
 };
 
 constexpr std::size_t kAll = 1000;
@@ -65,13 +65,13 @@ Expected<Report> RunTableControlPoints(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(PlaceSeries geul, LoadGeul(settings));
   all.push_back(std::move(geul));
   Report report{
-      .title = "Surveyed points, placed by cameras that do not move",
+      .title = "Surveyed points, located with cameras that do not move",
       .notes =
-          {"One picture and the method ground: the one ray met with the ground. Flat ground is at the mean height of "
-           "the site's other points, give or take their scatter; its own height: the ground as surveyed at the point, "
-           "give or take 5 cm. Told errors: of solved poses 0.3 m and 0.02 deg, common to all pictures; of the "
-           "telemetry the defaults (2 m, 0.5 deg), then 3 deg; of the river's camera what its fit says. The river's "
-           "30 pictures are one line of sight 30 times."},
+          {"One image and the method ground: the intersection of one ray with the ground. Flat ground: the mean height "
+           "of the site's other points, with their scatter as standard deviation; its own height: the surveyed height "
+           "of the point, with a standard deviation of 5 cm. Stated errors: solved poses 0.3 m and 0.02 deg, common to "
+           "all images; telemetry the defaults (2 m, 0.5 deg), then 3 deg; the river's camera from its fit. The "
+           "river's 30 images are one line of sight repeated 30 times."},
       .columns = {"site and cameras", "ground", "method", "pictures", "points placed",
                   "error along the ground, median m", "largest m", "CE90, median m", "LE90, median m",
                   "in the 90 % ellipsoid", "within CE90"}};

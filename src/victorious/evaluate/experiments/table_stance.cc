@@ -1,5 +1,5 @@
-// How objects stand before the camera: errors of the direction of view and of the distance, of the views that matched
-// and of the stances fitted to their points, with telemetry, with the field of view alone, and with nothing.
+// Errors of the object pose: direction of view and distance, of the matched view and of the 6-DoF pose fitted to the
+// matches, with full telemetry, with the field of view only, and without camera data.
 #include <cmath>
 #include <map>
 
@@ -14,7 +14,7 @@
 namespace victorious {
 namespace {
 
-// Of one way to know the camera, in one movie.
+// The errors with one kind of camera data, in one movie.
 struct Errors {
   std::vector<double> view_deg;
   std::vector<double> distance_percent;
@@ -27,7 +27,7 @@ constexpr const char* kTelemetry = "telemetry";
 constexpr const char* kFieldOfView = "field of view alone";
 constexpr const char* kNothing = "nothing";
 
-// By how the camera is known.
+// Errors by the kind of camera data.
 using ErrorsOf = std::map<std::string, Errors>;
 
 void Add(const Stance& stance, const TruthRow& truth, double distance_m, Errors& errors) {
@@ -39,7 +39,7 @@ void Add(const Stance& stance, const TruthRow& truth, double distance_m, Errors&
   errors.distance_sigmas.push_back(std::abs(*stance.range_m - distance_m) / stance.sigma_range_m);
 }
 
-// Of what is rightly found in a frame.
+// Adds the true detections of a frame.
 void AddFrame(const SearchedFrame& searched, const std::vector<ObjectModel>& models, const SightOptions& options,
               ErrorsOf& errors) {
   if (!searched.camera || !searched.camera->IsComplete()) return;
@@ -79,7 +79,7 @@ void AddRows(const std::string& movie, const ErrorsOf& errors, Report& report) {
   }
 }
 
-// The share of sightings within an error.
+// The fraction of sightings within an error.
 PlotLine Cumulative(const char* name, std::vector<double> values) {
   std::ranges::sort(values);
   PlotLine line{.name = name, .points = {}, .marked = false};
@@ -94,10 +94,10 @@ PlotLine Cumulative(const char* name, std::vector<double> values) {
 Expected<Report> RunTableStance(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::filesystem::path> movies, MoviesOf(settings));
   Report report{
-      .title = "How objects stand before the camera",
-      .notes = {"Right sightings of clear objects in at most 20 frames a movie. The view's error is the "
-                "angle between the true and the reported direction to the camera; of sigma, right is 2.15 "
-                "(two axes) and 1.64 (one) at 90 %."},
+      .title = "Errors of the object pose",
+      .notes = {"True sightings of clear objects in at most 20 frames per movie. The view error is the angle between "
+                "the true and the estimated direction to the camera. In sigmas, the expected 90 % quantile is 2.15 "
+                "for the view (two axes) and 1.64 for the distance (one axis)."},
       .columns = {"movie", "camera known by", "sightings", "view error 50 %, deg", "90 %", "distance error 50 %, %",
                   "90 %, %", "view error 90 %, sigmas", "distance error 90 %, sigmas"}};
   ErrorsOf all;
@@ -121,7 +121,7 @@ Expected<Report> RunTableStance(const ExperimentSettings& settings) {
   AddRows("all", all, report);
   report.plot = {.title = "Direction of view",
                  .x = {.label = "error, degrees", .low = 0, .high = 20},
-                 .y = {.label = "share of sightings", .low = 0, .high = 1},
+                 .y = {.label = "fraction of sightings", .low = 0, .high = 1},
                  .lines = {}};
   for (const char* camera : {kMatched, kTelemetry, kFieldOfView, kNothing}) {
     report.plot.lines.push_back(Cumulative(camera, all[camera].view_deg));

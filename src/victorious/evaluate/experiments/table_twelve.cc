@@ -1,4 +1,4 @@
-// Accuracy of every category of the data given, all trained together: phrases beside words.
+// Accuracy of all categories of the data, trained together: phrases compared with words.
 #include <algorithm>
 #include <map>
 
@@ -38,14 +38,14 @@ Expected<Report> RunTableTwelve(const ExperimentSettings& settings) {
                                   figures[CategoryMethod::kPhrases].mean.back(),
                                   figures[CategoryMethod::kWords].mean.back()));
   }
-  Report report{.title = "Accuracy (%) of the categories of Caltech-101 given, all trained together",
+  Report report{.title = "Accuracy (%) of the Caltech-101 categories of the data, trained together",
                 .columns = {"category", "words", "phrases"}};
   const Figures& words = figures[CategoryMethod::kWords];
   const Figures& phrases = figures[CategoryMethod::kPhrases];
   for (const auto& [category, values] : words.of_category)
     report.rows.push_back({category, MeanOf(values), MeanOf(phrases.of_category.at(category))});
   report.rows.push_back({std::string("mean of the categories"), MeanOf(words.mean), MeanOf(phrases.mean)});
-  report.notes = {fmt::format("{} seeds. {}. Training, features at hand: {:.1f} s; the model's file: {:.1f} MB.",
+  report.notes = {fmt::format("{} seeds. {}. Training without feature extraction: {:.1f} s; model file: {:.1f} MB.",
                               settings.seeds, kSplitNote, MeanOf(train_s).mean, MeanOf(file_mb).mean)};
   report.plot = {.title = "Mean accuracy of the categories",
                  .x = {.label = "seed"},

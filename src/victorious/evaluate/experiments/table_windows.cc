@@ -1,5 +1,5 @@
-// Things that are small in a frame, and several of them: pictures of Caltech-101 pasted into larger frames of
-// background, looked for in windows and in the frame as a whole. No table of the thesis.
+// Several small objects in a frame: images of Caltech-101 pasted into larger background frames, searched with sliding
+// windows and as a whole. Not a table of the thesis.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -25,7 +25,7 @@ namespace {
 
 const std::array<std::string, 4> kCategories = {kAirplanes, kCars, "Motorbikes", kBackground};
 const cv::Size kFrame = {640, 480};
-constexpr int kFrames = 60;  // a seed
+constexpr int kFrames = 60;  // per seed
 constexpr int kMostThings = 3;
 
 struct Thing {
@@ -43,7 +43,7 @@ Expected<cv::Mat> ReadGrey(const ExperimentSettings& settings, const CategoryLis
   return GreyFromBgr(image.bgr);
 }
 
-// The frame filled with the middle of a picture.
+// Fills the frame with the centre of an image.
 cv::Mat FillFrame(const cv::Mat& grey) {
   const double scale =
       std::max(static_cast<double>(kFrame.width) / grey.cols, static_cast<double>(kFrame.height) / grey.rows);
@@ -53,7 +53,7 @@ cv::Mat FillFrame(const cv::Mat& grey) {
   return large(middle & cv::Rect({0, 0}, large.size())).clone();
 }
 
-// Lays the picture into the frame so that its thing is `side_px` long, anywhere where nothing lies yet.
+// Pastes the image at a random free place, scaled so that the longer side of its object's box is `side_px`.
 void Paste(const cv::Mat& grey, const CategoryListRow& row, double side_px, Random& random, Scene& scene) {
   const Box box = BoxWithin(row, grey.cols, grey.rows).value();
   const double scale = side_px / std::max(box.width, box.height);
@@ -101,7 +101,7 @@ Expected<std::vector<Scene>> MakeScenes(const ExperimentSettings& settings, std:
   return scenes;
 }
 
-// Each of one seed, in %, but for the last.
+// One value per seed; %, except the last.
 struct Figures {
   std::vector<double> found;
   std::vector<double> right;
@@ -169,11 +169,11 @@ Expected<Report> RunTableWindows(const ExperimentSettings& settings) {
       VICTORIOUS_ASSIGN_OR_RETURN(const CategoryFinder finder,
                                   CategoryFinder::Create(std::move(model), {.none = kBackground}));
       VICTORIOUS_RETURN_IF_ERROR(MeasureInto(figures[way], finder, scenes));
-      settings.progress(fmt::format("seed {}, {}: {:.1f} % found, {:.1f} % of finds right", seed, ways[way].first,
+      settings.progress(fmt::format("seed {}, {}: recall {:.1f} %, precision {:.1f} %", seed, ways[way].first,
                                     figures[way].found.back(), figures[way].right.back()));
     }
   }
-  Report report{.title = "Small things in larger frames: airplanes, cars and motorbikes of 80 to 200 px in 640 x 480",
+  Report report{.title = "Small objects in larger frames: airplanes, cars and motorbikes of 80 to 200 px in 640 x 480",
                 .columns = {"looked at", "things found, %", "finds that are right, %", "overlap of these, %",
                             "empty frames with finds, %", "frames/s of one thread"}};
   for (std::size_t way = 0; way < ways.size(); ++way) {
@@ -182,9 +182,9 @@ Expected<Report> RunTableWindows(const ExperimentSettings& settings) {
                            MeanOf(one.empty_frames_with_finds), MeanOf(one.frames_a_second)});
   }
   report.notes = {
-      fmt::format("{} seeds of {} frames, with none to three test pictures pasted into a "
-                  "test picture of the background. Found: the right category, overlapping the drawn box by "
-                  "a quarter (intersection over union); probability 0.5 at least. {}.",
+      fmt::format("{} seeds of {} frames, with zero to three test images pasted into a test image of the "
+                  "background. Found: the correct category with an IoU of 0.25 or more with the annotated box and "
+                  "a probability of 0.5 or more. {}.",
                   settings.seeds, kFrames, kSplitNote)};
   return report;
 }

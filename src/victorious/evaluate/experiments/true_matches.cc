@@ -7,7 +7,7 @@
 namespace victorious {
 namespace {
 
-// Whether nothing stands before a place: somewhere about its pixel the scene's surface is as far away.
+// Whether a point is not occluded: in the 3 x 3 pixels around its projection, some surface is not nearer than it.
 bool IsSeen(const cv::Mat& depth_m, const Eigen::Vector2d& place, double point_depth_m, double tolerance_m) {
   if (depth_m.empty()) return true;
   for (int dy = -1; dy <= 1; ++dy) {

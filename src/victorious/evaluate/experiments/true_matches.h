@@ -1,7 +1,9 @@
-// Which matches are right, by geometry alone. A template keypoint's place on the object, as the rendering's depth gives
-// it, goes through the true pose of an object of that kind into the picture; a match is true if its scene keypoint lies
-// there and that place is not hidden. Within a few more pixels it is neither: the same edge, not the same point. What a
-// match's neighbours are, or any map fitted to matches, has no say.
+// Labels matches as true or false by geometry only, independently of neighbouring matches and of fitted maps.
+//
+// Method: the 3-D point of a template keypoint, from the rendering's depth, is projected with the true pose of each
+// object of the model. A match is true if its scene keypoint lies within max(3 px, its scale) of a projection that is
+// not occluded, and false beyond 10 px. Between these it is near, which counts as neither: typically the same edge, but
+// not the same point.
 #pragma once
 
 #include <optional>
@@ -19,7 +21,7 @@ namespace victorious {
 
 enum class Truth { kRight, kNear, kWrong };
 
-/// How many matches there are, and how many of them are right, or nearly.
+/// Number of matches, and of true and near ones among them.
 struct MatchCount {
   int matches = 0;
   int right = 0;
@@ -34,27 +36,30 @@ struct MatchCount {
   }
 };
 
-/// One template in one scene.
+/// Labels the matches of one template in one scene.
 class MatchTruth {
  public:
-  /// How far from its place a true match may lie: keypoints of larger scale are placed less exactly.
+  /// Tolerance of a true match: the larger of a distance and a multiple of the keypoint's scale, because keypoints of
+  /// larger scale are localised less accurately.
   static constexpr double kLeastTolerancePx = 3;
   static constexpr double kToleranceScales = 1;
-  static constexpr double kNearPx = 10;  ///< beyond it, and its tolerance, a match is wrong
-  /// A point is hidden if the nearest surface is nearer than it by more than this share of the object's size.
+  static constexpr double kNearPx = 10;  ///< a match beyond this distance and the tolerance is false
+  /// A point is occluded if the nearest surface is nearer by more than this fraction of the object's size.
   static constexpr double kSameSurfaceShare = 0.02;
 
-  /// @param kind    of the objects that the template shows
-  /// @param points  the template keypoints' places on the object, metres
-  /// @param size_m  the diagonal of such an object's bounding box
+  /// @param kind    name of the template's model
+  /// @param points  3-D points of the template keypoints in the model frame, metres
+  /// @param size_m  diagonal of the model's bounding box
   MatchTruth(const KnownScene& scene, std::string_view kind, std::span<const Point3> points, double size_m);
 
+  /// @param scene  the scene keypoint
+  /// @param model  index of the template keypoint
   [[nodiscard]] Truth Of(const Keypoint& scene, std::uint32_t model) const;
   [[nodiscard]] MatchCount Count(std::span<const Keypoint> scene, const MatchSet& matches) const;
 
  private:
   std::size_t points_ = 0;
-  std::vector<std::optional<Eigen::Vector2d>> places_;  ///< px, of each object all points; none: hidden or out of view
+  std::vector<std::optional<Eigen::Vector2d>> places_;  ///< px, all points of each object; nullopt: not visible
 };
 
 }  // namespace victorious

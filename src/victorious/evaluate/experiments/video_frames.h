@@ -1,4 +1,4 @@
-// A few frames of a video, spread over its length, without the others in memory.
+// Reads selected frames of a video without keeping the others in memory.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,17 @@
 
 namespace victorious {
 
-/// The numbers of the frames in the middle of `most` equal parts of so many frames, rising; each once, so that fewer
-/// come where there are fewer frames.
+/// Returns evenly spaced frame numbers, rising: the middle frame of each of N equal parts of the video. Numbers are
+/// unique, so that fewer than N are returned for a short video.
+/// @param frames  length of the video
 [[nodiscard]] std::vector<std::int64_t> SpreadOver(std::int64_t frames, int most);
 
-/// How many frames can be decoded, by decoding them: containers only estimate it.
-/// Errors: kDataLoss for none, and those of VideoReader.
+/// Counts the frames by decoding all of them, because containers only estimate the number.
+/// Errors: kDataLoss if no frame can be decoded, and those of VideoReader.
 Expected<std::int64_t> CountFrames(const std::filesystem::path& video);
 
-/// The frames of these numbers, which rise; those beyond the end are left out. Errors: those of VideoReader.
+/// Reads the frames of these numbers, which must rise; numbers beyond the end are left out. Errors: those of
+/// VideoReader.
 Expected<std::vector<Frame>> ReadFrames(const std::filesystem::path& video, std::span<const std::int64_t> numbers,
                                         FrameColor color);
 

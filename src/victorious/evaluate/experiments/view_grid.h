@@ -1,5 +1,5 @@
-// The sphere of a CAD model's views as a grid: azimuth to the right from 0, the off-nadir angle downwards from 0 to 70
-// degrees, a cell each 10 degrees.
+// Draws values over the view sphere of a CAD model as a grid: azimuth from 0 to the right, off-nadir angle from 0 to 70
+// degrees downwards, one cell per 10 degrees.
 #pragma once
 
 #include <span>
@@ -15,19 +15,20 @@ namespace victorious {
 inline constexpr int kViewColumns = 36;
 inline constexpr int kViewRows = 8;
 
-/// CV_32FC1: a value for each view of the model; the pole's fills its row.
+/// Returns the grid, CV_32FC1, kViewRows x kViewColumns. The value of the pole fills its row.
+/// @param values  one per view of the model; every view has angles
 [[nodiscard]] cv::Mat GridOfViews(const ObjectModel& model, std::span<const double> values);
 
-/// Cells to be framed in a picture of a grid.
+/// Cells to highlight by a frame.
 struct FramedViews {
   std::vector<ViewAngles> views;
   cv::Scalar colour;
 };
 
-/// CV_8UC3, with the caption above. The largest value, or 1 if that is more, is brightest.
+/// Returns the heat map, CV_8UC3, with the caption above it. The maximum of the values and 1 is the brightest colour.
 [[nodiscard]] cv::Mat HeatMapOf(const cv::Mat& grid, const std::string& caption, const FramedViews& framed);
 
-/// Writes dark letters into the left upper corner.
+/// Writes a caption in black into the upper left corner.
 void Caption(cv::Mat& picture, const std::string& text);
 
 }  // namespace victorious

@@ -1,19 +1,19 @@
-// MLESAC: random sampling whose score is a likelihood, so that no match is simply in or out.
-// Source: P. Torr and A. Zisserman, "MLESAC: a new robust estimator with application to estimating image geometry",
-// CVIU 78, 2000.
+// MLESAC: robust estimation by random sampling; the score of a hypothesis is its likelihood, so that there is no hard
+// inlier threshold. Source: P. Torr and A. Zisserman, "MLESAC: a new robust estimator with application to estimating
+// image geometry", CVIU 78, 2000.
 //
-// A residual r of dimension 2 is drawn from a mixture: with probability gamma a normal distribution of deviation sigma,
-// else uniform over an area. For each hypothesis gamma is found by expectation maximisation, and the hypothesis with
-// the greatest likelihood wins; it is then refined by EM over the model too (weighted least squares with the posterior
-// probabilities). Deterministic by seed. Small problems are searched whole instead of sampled.
+// A residual r of dimension 2 is drawn from a mixture: with probability gamma from a normal distribution with standard
+// deviation sigma, else uniformly over an area. Expectation maximisation (EM) finds gamma for each hypothesis, and the
+// hypothesis with the largest likelihood wins. It is then refined by EM over the model too (weighted least squares with
+// the posterior probabilities). Deterministic for a given seed. Small problems are searched exhaustively.
 //
 // An estimator is a small class with
 //   using Model;
-//   static constexpr std::size_t kSampleSize;                           // data a hypothesis needs
-//   std::size_t size() const;                                           // data there are
-//   std::optional<Model> FromSample(span<const uint32_t>) const;        // nothing for a degenerate sample
-//   void SquaredResiduals(const Model&, span<double> out) const;         // px^2, one a datum
-//   double SigmaPx(const Model&) const;                                 // the deviation expected under this model
+//   static constexpr std::size_t kSampleSize;                           // minimal sample
+//   std::size_t size() const;                                           // number of data
+//   std::optional<Model> FromSample(span<const uint32_t>) const;        // std::nullopt for a degenerate sample
+//   void SquaredResiduals(const Model&, span<double> out) const;        // px^2, one per datum
+//   double SigmaPx(const Model&) const;                                 // sigma of inliers under this model
 //   std::optional<Model> FromWeights(span<const double>) const;         // weighted least squares over all data
 #pragma once
 
@@ -33,32 +33,32 @@
 namespace victorious {
 
 template <typename E>
-concept MlesacEstimator =
-    requires(const E& estimator, const typename E::Model& model, std::span<const std::uint32_t> sample,
-             std::span<const double> weights, std::span<double> out) {
-      { E::kSampleSize } -> std::convertible_to<std::size_t>;
-      { estimator.size() } -> std::same_as<std::size_t>;
-      { estimator.FromSample(sample) } -> std::same_as<std::optional<typename E::Model>>;
-      { estimator.SquaredResiduals(model, out) } -> std::same_as<void>;
-      { estimator.SigmaPx(model) } -> std::same_as<double>;
-      { estimator.FromWeights(weights) } -> std::same_as<std::optional<typename E::Model>>;
-    };
+concept MlesacEstimator = requires(const E& estimator, const typename E::Model& model,
+                                   std::span<const std::uint32_t> sample, std::span<const double> weights,
+                                   std::span<double> out) {
+  { E::kSampleSize } -> std::convertible_to<std::size_t>;
+  { estimator.size() } -> std::same_as<std::size_t>;
+  { estimator.FromSample(sample) } -> std::same_as<std::optional<typename E::Model>>;
+  { estimator.SquaredResiduals(model, out) } -> std::same_as<void>;
+  { estimator.SigmaPx(model) } -> std::same_as<double>;
+  { estimator.FromWeights(weights) } -> std::same_as<std::optional<typename E::Model>>;
+};
 
 struct MlesacSettings {
-  double outlier_area_px2 = 1e6;  ///< over which a wrong match may lie anywhere: the searched image's
-  double confidence = 0.999;      ///< stop when a better hypothesis is this unlikely to have been missed
+  double outlier_area_px2 = 1e6;  ///< area over which outliers are uniform, usually that of the searched image
+  double confidence = 0.999;      ///< stop when an outlier-free sample has been drawn with this probability
   int max_hypotheses = 500;
-  int refinements = 5;  ///< rounds of EM after the search
+  int refinements = 5;  ///< EM rounds after the search
   std::uint64_t seed = 1;
 };
 
 template <typename Model>
 struct MlesacResult {
   Model model;
-  double gamma = 0;                   ///< the share of inliers, by EM
-  double log_likelihood = 0;          ///< of the data, with the mixture at its best gamma
-  std::vector<double> probabilities;  ///< of each datum being an inlier
-  int hypotheses = 0;                 ///< tried
+  double gamma = 0;                   ///< the fraction of inliers, by EM
+  double log_likelihood = 0;          ///< of the data, under the mixture with the best gamma
+  std::vector<double> probabilities;  ///< posterior probability of each datum to be an inlier
+  int hypotheses = 0;                 ///< number of hypotheses tried
 };
 
 namespace internal {
@@ -69,7 +69,7 @@ struct MixtureFit {
 };
 
 // Fits gamma by EM.
-// @param ratios  of InlierRatios
+// @param ratios  from LikelihoodRatios
 inline MixtureFit FitMixture(std::span<const double> ratios, double log_outlier_density) {
   constexpr int kRounds = 4;
   double gamma = 0.5;
@@ -79,7 +79,7 @@ inline MixtureFit FitMixture(std::span<const double> ratios, double log_outlier_
     for (const double ratio : ratios) posterior += gamma * ratio / (gamma * ratio + (1 - gamma));
     gamma = std::clamp(posterior / count, 1e-3, 1 - 1e-3);
   }
-  // The sum of logarithms as the logarithm of products, in pieces that cannot overflow.
+  // Sums the logarithms as the logarithm of products, in blocks that cannot overflow.
   double log_likelihood = count * log_outlier_density;
   double product = 1;
   for (const double ratio : ratios) {
@@ -92,7 +92,7 @@ inline MixtureFit FitMixture(std::span<const double> ratios, double log_outlier_
   return {gamma, log_likelihood + std::log(product)};
 }
 
-// Each datum's density as an inlier over its density as an outlier.
+// Each datum's density as an inlier divided by its density as an outlier.
 inline void InlierRatios(std::span<const double> squared_residuals, double sigma, double outlier_area,
                          std::span<double> ratios) {
   const double peak = outlier_area / (2 * std::numbers::pi * sigma * sigma);
@@ -103,7 +103,8 @@ inline void InlierRatios(std::span<const double> squared_residuals, double sigma
 
 }  // namespace internal
 
-/// @return nothing if there are fewer data than a sample needs, or every sample is degenerate
+/// Estimates the model.
+/// @return std::nullopt if there are fewer data than a sample needs, or every sample is degenerate
 template <MlesacEstimator Estimator>
 std::optional<MlesacResult<typename Estimator::Model>> Mlesac(const Estimator& estimator,
                                                               const MlesacSettings& settings) {
@@ -136,7 +137,7 @@ std::optional<MlesacResult<typename Estimator::Model>> Mlesac(const Estimator& e
     return true;
   };
 
-  // All samples where they are few; else draws by seed until a better one is unlikely to be missed.
+  // Enumerate all samples if they are few; else draw samples until a better one is unlikely to have been missed.
   double combinations = 1;
   for (std::size_t k = 0; k < kSample; ++k) combinations *= static_cast<double>(count - k) / static_cast<double>(k + 1);
   constexpr double kFew = 64;
@@ -169,7 +170,7 @@ std::optional<MlesacResult<typename Estimator::Model>> Mlesac(const Estimator& e
       const double all_inliers = std::pow(best->gamma, static_cast<double>(kSample));
       if (all_inliers < 1) {
         const double enough = std::log(1 - settings.confidence) / std::log1p(-all_inliers);
-        const double most = settings.max_hypotheses;  // `enough` may be beyond any integer
+        const double most = settings.max_hypotheses;  // may exceed the range of int
         needed =
             std::min(settings.max_hypotheses, std::max(tried + 1, static_cast<int>(std::ceil(std::min(enough, most)))));
       }
@@ -187,7 +188,8 @@ std::optional<MlesacResult<typename Estimator::Model>> Mlesac(const Estimator& e
   };
   for (int round = 0; round < settings.refinements; ++round) {
     posterior();
-    // Expectation and maximisation: likelier at the same deviation. Each at its own, the smaller model would win.
+    // One EM step: accept it only if the likelihood increases at the same sigma. With each model's own sigma, the model
+    // of smaller scale would win.
     const double sigma_px = estimator.SigmaPx(best->model);
     const std::optional<Model> refined = estimator.FromWeights(best->probabilities);
     if (!refined) break;

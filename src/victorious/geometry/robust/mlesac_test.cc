@@ -73,7 +73,7 @@ TEST(Mlesac, IsDeterministicBySeedAndNotUpsetByOrder) {
   EXPECT_EQ(first->hypotheses, second->hypotheses);
   std::vector<PointPair> reversed(problem.pairs.rbegin(), problem.pairs.rend());
   const auto third = Mlesac(SimilarityEstimator(reversed, {.noise_px = 1.5, .shape_px = 0}), Settings());
-  EXPECT_LT(WorstCornerError(first->model, third->model), 0.05);  // the refinement ends in one optimum
+  EXPECT_LT(WorstCornerError(first->model, third->model), 0.05);  // the refinement converges to the same optimum
 }
 
 TEST(Mlesac, DegenerateDataAreNoResult) {

@@ -1,4 +1,4 @@
-// MLESAC's estimator for the plane's similarity from point pairs (robust/mlesac.h).
+// Estimator of a similarity from point pairs, for MLESAC (mlesac.h).
 #pragma once
 
 #include <cmath>
@@ -10,11 +10,12 @@
 
 namespace victorious {
 
-/// How far, in the deviations that SigmaPx gives, a match that agrees with a similarity may lie from its place.
+/// The maximum residual, in units of SigmaPx, of a match that agrees with a similarity.
 inline constexpr double kAgreementSigmas = 2.5;
 
-/// How far a match's turn and scale may differ from the similarity's; and how often those of a wrong match that lies
-/// there differ by no more: turns are anything, and scales seldom within a factor.
+/// The maximum differences in rotation (rad) and scale (factor) between a match and the similarity; and the probability
+/// that both of an outlier at that position lie within them: the rotation of an outlier is uniform, and its scale is
+/// seldom within the factor.
 inline constexpr double kAgreementTurn_rad = 0.5;
 inline constexpr double kAgreementScale = 1.7;
 inline constexpr double kAgreementTurnAndScaleChance = 0.1;
@@ -24,12 +25,12 @@ class SimilarityEstimator {
   using Model = Similarity2;
   static constexpr std::size_t kSampleSize = 2;
 
-  /// How far a true match may lie from where the similarity puts it. Keypoints are placed with an error that grows with
-  /// magnification; and the object is no flat picture seen at right angles, so that the similarity itself is wrong by a
-  /// share of the object's size. Both deviations add in quadrature.
+  /// The standard deviation of an inlier's residual. The localisation error of keypoints grows with magnification; and
+  /// the object is not a planar image seen frontally, so that the similarity model itself is wrong by a fraction of the
+  /// object's size. The two standard deviations add in quadrature.
   struct Noise {
-    double noise_px = 1.5;  ///< of a keypoint's place, in the scene at scale 1 or below, in the template above
-    double shape_px = 0.0;  ///< of the similarity, in template pixels
+    double noise_px = 1.5;  ///< of a keypoint's position: in the scene at scale 1 or below, in the template above
+    double shape_px = 0.0;  ///< of the similarity model, in template pixels
   };
 
   /// The pairs (template to scene, px) must outlive the estimator.
@@ -40,7 +41,7 @@ class SimilarityEstimator {
   [[nodiscard]] std::optional<Similarity2> FromSample(std::span<const std::uint32_t> sample) const {
     const PointPair& a = pairs_[sample[0]];
     const PointPair& b = pairs_[sample[1]];
-    // Points nearer than their own noise fix no direction.
+    // Points closer than their own noise do not determine a rotation.
     const double least2 = 4 * noise_.noise_px * noise_.noise_px;
     if ((a.source - b.source).squaredNorm() < least2 || (a.target - b.target).squaredNorm() < least2)
       return std::nullopt;

@@ -8,9 +8,9 @@
 namespace victorious {
 namespace {
 
-// Moves the weighted mean to the origin and the weighted mean distance to sqrt(2).
+// Normalises points: weighted mean to the origin, weighted mean distance to sqrt(2).
 Eigen::Matrix3d Normalizer(std::span<const PointPair> pairs, std::span<const double> weights,
-                           Eigen::Vector2d PointPair::* side) {
+                           Eigen::Vector2d PointPair::*side) {
   double total = 0;
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -30,7 +30,7 @@ Eigen::Matrix3d Normalizer(std::span<const PointPair> pairs, std::span<const dou
   return normalizer;
 }
 
-// How near to singular a normal matrix may come: squared, the ratio of the map's least and greatest spread.
+// Minimum ratio of the smallest to the largest eigenvalue of a normal matrix: the squared ratio of the singular values.
 constexpr double kLeastConditioning = 1e-10;
 
 }  // namespace
@@ -77,7 +77,7 @@ std::optional<Eigen::Matrix3d> SolveHomography(std::span<const PointPair> pairs,
     normal += weight * (row_x * row_x.transpose() + row_y * row_y.transpose());
   }
   const Eigen::SelfAdjointEigenSolver<Matrix9> spectrum(normal);
-  // A second vanishing direction means that the points do not fix the map.
+  // A second small eigenvalue means that the points do not determine the homography.
   if (!(spectrum.eigenvalues()(1) > kLeastConditioning * spectrum.eigenvalues()(8))) return std::nullopt;
   const Vector9 h = spectrum.eigenvectors().col(0);
   Eigen::Matrix3d homography;

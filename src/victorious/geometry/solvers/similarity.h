@@ -1,6 +1,6 @@
-// Solves target = scale * R * source + translation for 2 or more weighted point pairs, in the least-squares sense.
-// With points as complex numbers, target = a source + b is linear: a = sum w conj(s') t' / sum w |s'|^2 over centred
-// points (Umeyama 1991, the plane's case without reflection).
+// Solves target = scale * R * source + translation for 2 or more weighted point pairs, by linear least squares. With
+// points as complex numbers, target = a source + b is linear: a = sum w conj(s') t' / sum w |s'|^2 over centred points
+// (Umeyama 1991, the planar case without reflection).
 #pragma once
 
 #include <optional>
@@ -17,8 +17,9 @@ struct PointPair {
   Eigen::Vector2d target;  ///< px
 };
 
-/// @param weights  one a pair, >= 0; empty: all 1
-/// @return nothing if the sources, or the targets, lie at one point
+/// Solves for the similarity.
+/// @param weights  one per pair, >= 0; empty: all 1
+/// @return std::nullopt if all sources, or all targets, coincide
 std::optional<Similarity2> SolveSimilarity(std::span<const PointPair> pairs, std::span<const double> weights = {});
 
 }  // namespace victorious

@@ -1,4 +1,4 @@
-// The WHERE of a query, made of the conditions that a SightingFilter sets.
+// Builds the WHERE clause of a query from the conditions of a SightingFilter.
 #pragma once
 
 #include <string>
@@ -12,19 +12,19 @@ namespace victorious::sqlite {
 
 class Conditions {
  public:
-  /// `expression` has one "?", which `value` fills.
+  /// `expression` contains one "?", to which `value` is bound.
   template <typename T>
   void Add(std::string_view expression, const T& value) {
     Append(expression);
     values_.emplace_back(value);
   }
-  /// `column` must be one of `ids`.
+  /// Requires `column` to be one of `ids`.
   void AddOneOf(std::string_view column, const std::vector<std::int64_t>& ids);
 
-  /// `expression` has one "{}", in which the query's own conditions stand; nothing where there are none.
+  /// `expression` contains one "{}", replaced by the WHERE clause of `query`. Adds nothing if `query` is empty.
   void AddQuery(std::string_view expression, const Conditions& query);
 
-  /// "WHERE … AND … ", or nothing.
+  /// "WHERE … AND … ", or empty.
   [[nodiscard]] const std::string& text() const { return text_; }
   void Bind(Statement& statement) const;
 

@@ -9,7 +9,7 @@ namespace victorious::sqlite {
 namespace {
 
 int OpenFlags(Access access) {
-  // One thread at a time uses a connection: SQLite's own lock on it is not needed.
+  // Only one thread at a time uses a connection, so SQLite's mutex is not needed.
   constexpr int kCommon = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
   switch (access) {
     case Access::kCreate:
@@ -24,7 +24,7 @@ int OpenFlags(Access access) {
   return kCommon | SQLITE_OPEN_READONLY | SQLITE_OPEN_URI;
 }
 
-// "file:/a%20b.db?immutable=1": every byte that has a meaning in a URI is written as %XX.
+// "file:/a%20b.db?immutable=1": every byte with a meaning in a URI is encoded as %XX.
 std::string ImmutableUri(std::string_view path) {
   std::string uri = "file:";
   for (const char c : path) {
@@ -35,8 +35,8 @@ std::string ImmutableUri(std::string_view path) {
   return uri + "?immutable=1";
 }
 
-// The system's error behind an I/O error, as far as SQLite still knows it: its last one, or that of the database's file
-// or of its journal.
+// The errno behind an I/O error, if SQLite still knows it: the connection's last error, or that of the database file or
+// of its journal.
 int SystemError(sqlite3* handle) {
   int error = sqlite3_system_errno(handle);
   for (const int which : {SQLITE_FCNTL_FILE_POINTER, SQLITE_FCNTL_JOURNAL_POINTER}) {
@@ -50,7 +50,7 @@ int SystemError(sqlite3* handle) {
   return error;
 }
 
-// A database from outside may carry a hostile schema: nothing of it is trusted or run.
+// An untrusted database may contain a hostile schema: no function or view of it is trusted or run.
 constexpr const char* kSettings =
     "PRAGMA foreign_keys = ON; PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON; PRAGMA temp_store = MEMORY;";
 
@@ -58,7 +58,7 @@ constexpr const char* kSettings =
 
 Expected<std::unique_ptr<Connection>> Connection::Open(const std::filesystem::path& path, Access access) {
   std::error_code error;
-  // Absolute, so that SQLite's special names (":memory:", "") stay names of files.
+  // An absolute path, so that SQLite's special names (":memory:", "") are file names.
   const std::string absolute = std::filesystem::absolute(path, error).string();
   if (error || path.empty()) return Fail(ErrorCode::kInvalidArgument, "an index needs the name of a file");
   const std::string target = access == Access::kImmutable ? ImmutableUri(absolute) : absolute;
@@ -84,10 +84,10 @@ Expected<Statement> Connection::Prepare(std::string_view sql) {
   const int code = sqlite3_prepare_v3(handle_, text.c_str(), static_cast<int>(text.size()) + 1,
                                       SQLITE_PREPARE_PERSISTENT, &statement, nullptr);
   if ((code & 0xff) == SQLITE_ERROR) {
-    // The program's SQL is right for the schema that the version number promises: then the schema is not.
+    // The program's SQL is valid for the schema of this version, so the schema of the file is wrong.
     return Fail(ErrorCode::kDataLoss,
-                fmt::format("{}: not laid out as its version says ({}): restore it from a copy, or index again", name_,
-                            sqlite3_errmsg(handle_)));
+                fmt::format("{}: the schema does not match the version ({}): restore it from a copy, or index again",
+                            name_, sqlite3_errmsg(handle_)));
   }
   if (code != SQLITE_OK) return std::unexpected(ErrorFromCode(code));
   return Statement(*this, std::move(text), statement);
@@ -130,7 +130,7 @@ Error Connection::ErrorFromCode(int code) const {
       return {ErrorCode::kDataLoss,
               fmt::format("{}: the index is damaged ({}): restore it from a copy, or index again", name_, reason)};
     case SQLITE_FULL:
-      return {ErrorCode::kNoSpace, fmt::format("{}: no space left to write: make room, then run it again", name_)};
+      return {ErrorCode::kNoSpace, fmt::format("{}: no space left on the disk: free some, then run it again", name_)};
     case SQLITE_READONLY:
     case SQLITE_PERM:
     case SQLITE_AUTH:
@@ -138,17 +138,17 @@ Error Connection::ErrorFromCode(int code) const {
               fmt::format("{}: cannot be written ({}): allow writing to the file and its folder", name_, reason)};
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
-      return {ErrorCode::kInternal, fmt::format("{}: another process has been writing to it for more than {} s: try "
-                                                "again when it is done",
+      return {ErrorCode::kInternal, fmt::format("{}: locked by another process for more than {} s: try "
+                                                "again when it has finished",
                                                 name_, kBusyTimeout.count())};
     case SQLITE_CONSTRAINT:
       if (code == SQLITE_CONSTRAINT_FOREIGNKEY) {
         return {ErrorCode::kNotFound,
-                fmt::format("{}: names a video or model that is not in the index (another process "
+                fmt::format("{}: refers to a video or model that is not in the index (another process "
                             "may have replaced it): run it again",
                             name_)};
       }
-      return {ErrorCode::kInvalidArgument, fmt::format("{}: refused what does not fit the index: {}", name_, reason)};
+      return {ErrorCode::kInvalidArgument, fmt::format("{}: violates a constraint of the index: {}", name_, reason)};
     case SQLITE_CANTOPEN:
     case SQLITE_IOERR: {
       if (code == SQLITE_IOERR_SHMSIZE) return ErrorFromCode(SQLITE_FULL);
@@ -168,7 +168,7 @@ Expected<Transaction> Transaction::Begin(Connection& connection) {
   return Transaction(connection);
 }
 
-// Some errors (a full disk) have rolled back already; if this fails, the next opening of the file rolls back.
+// Some errors (a full disk) roll back automatically; if this fails, the next open of the file rolls back.
 Transaction::~Transaction() {
   if (connection_ == nullptr || !connection_->IsInTransaction()) return;
   [[maybe_unused]] const Status status = connection_->Execute("ROLLBACK");

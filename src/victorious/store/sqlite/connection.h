@@ -1,4 +1,4 @@
-// SQLite as the store wants it: owned handles, errors as values, prepared statements kept for the next use.
+// A SQLite connection: RAII handles, errors as values, cached prepared statements.
 #pragma once
 
 #include <chrono>
@@ -16,17 +16,17 @@ struct sqlite3;
 
 namespace victorious::sqlite {
 
-/// How long a statement waits for another process that is writing.
+/// How long a statement waits for the write lock of another process.
 inline constexpr std::chrono::seconds kBusyTimeout{10};
 
 enum class Access {
-  kCreate,     ///< read and write; the file is made if it is not there
+  kCreate,     ///< read and write; creates the file if it does not exist
   kWrite,      ///< read and write; the file must exist
-  kRead,       ///< the file is not written; the files of its journal may be
-  kImmutable,  ///< nothing is written or locked: only for a file that nobody can be writing
+  kRead,       ///< does not write the file; may write its journal files
+  kImmutable,  ///< no writes, no locks: only for a file that no process can be writing
 };
 
-/// One open database. One thread at a time. Must outlive its statements.
+/// An open database. Use from one thread at a time. Must outlive its statements.
 class Connection {
  public:
   static Expected<std::unique_ptr<Connection>> Open(const std::filesystem::path& path, Access access);
@@ -34,24 +34,24 @@ class Connection {
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  /// A prepared statement, new or kept from an earlier use; it comes back here when it is destroyed.
+  /// Returns a prepared statement, new or from the cache. Its destructor returns it to the cache.
   Expected<Statement> Prepare(std::string_view sql);
 
-  /// Runs all statements of `sql`, without results.
+  /// Executes all statements of `sql`; ignores their results.
   Status Execute(const std::string& sql);
 
-  /// The one text that `sql` selects.
+  /// Returns the single text value that `sql` selects.
   Expected<std::string> QueryText(std::string_view sql);
 
   [[nodiscard]] std::int64_t LastInsertId() const;
-  /// Rows that the last statement inserted, changed or removed.
+  /// Number of rows that the last statement inserted, changed or deleted.
   [[nodiscard]] std::int64_t Changes() const;
   [[nodiscard]] bool IsInTransaction() const;
   /// True if the last call failed because another process holds the lock.
   [[nodiscard]] bool IsBusy() const;
   [[nodiscard]] const std::string& name() const { return name_; }
 
-  /// What SQLite's result code means here, with the file's name.
+  /// Converts a SQLite result code to an Error with the file's name.
   [[nodiscard]] Error ErrorFromCode(int code) const;
 
  private:
@@ -64,10 +64,10 @@ class Connection {
   std::unordered_map<std::string, sqlite3_stmt*> idle_;
 };
 
-/// Everything from Begin to Commit, or nothing: what is not committed is rolled back at the end of the scope.
+/// An RAII transaction: the destructor rolls back unless Commit was called.
 class Transaction {
  public:
-  /// Takes the write lock at once, so that what is read inside cannot change before it is written.
+  /// Takes the write lock immediately, so that values read inside cannot change before they are written.
   static Expected<Transaction> Begin(Connection& connection);
   ~Transaction();
   Transaction(Transaction&& other) noexcept : connection_(std::exchange(other.connection_, nullptr)) {}

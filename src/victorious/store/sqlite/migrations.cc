@@ -16,7 +16,7 @@ std::span<const Migration> Migrations() {
 }
 
 Expected<int> ReadVersion(Connection& connection, int newest) {
-  // In one statement, so that another process cannot migrate between the three.
+  // One statement, so that another process cannot migrate between the three reads.
   VICTORIOUS_ASSIGN_OR_RETURN(
       Statement select, connection.Prepare("SELECT application_id, user_version, (SELECT count(*) FROM sqlite_schema) "
                                            "FROM pragma_application_id, pragma_user_version"));
@@ -51,7 +51,7 @@ Status Migrate(Connection& connection, std::span<const Migration> migrations) {
     VICTORIOUS_ASSIGN_OR_RETURN(int version, ReadVersion(connection, newest));
     if (version >= migration.version) continue;
     VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(connection));
-    // Again, now that no other process can be migrating.
+    // Checks again while holding the write lock: no other process can be migrating now.
     VICTORIOUS_ASSIGN_OR_RETURN(version, ReadVersion(connection, newest));
     if (version >= migration.version) continue;
     VICTORIOUS_RETURN_IF_ERROR(connection.Execute(std::string(migration.sql)));

@@ -21,9 +21,9 @@ fs::path FolderOf(const fs::path& path) { return path.has_parent_path() ? path.p
 
 bool IsWritable(const fs::path& path) { return ::faccessat(AT_FDCWD, path.c_str(), W_OK, AT_EACCESS) == 0; }
 
-// The write-ahead log lets others read while one writes, and loses nothing that was committed when the program is
-// killed. Where the file system cannot have one, SQLite keeps its rollback journal, which needs more syncing.
-// Only one process can change the journal, and SQLite does not wait for another that is about to: so this does.
+// The write-ahead log allows readers while one process writes, and keeps all commits if the program is killed. On file
+// systems that do not support it, SQLite uses its rollback journal, which needs full syncing. Only one process can
+// change the journal mode, and SQLite does not wait for the lock here, so this function retries.
 Status ChooseJournal(Connection& connection) {
   const auto deadline = std::chrono::steady_clock::now() + kBusyTimeout;
   Expected<std::string> mode = connection.QueryText("PRAGMA journal_mode = WAL");
@@ -40,9 +40,9 @@ Expected<ConnectionPtr> OpenForWriting(const fs::path& path) {
   const fs::path folder = FolderOf(path);
   if (!fs::is_directory(folder, error)) {
     return Fail(ErrorCode::kNotFound,
-                fmt::format("{}: there is no folder {}: make it first", path.string(), folder.string()));
+                fmt::format("{}: folder {} does not exist: create it first", path.string(), folder.string()));
   }
-  // Asked beforehand: of a file that it may not write, SQLite says only that it cannot be opened.
+  // Checked beforehand: for a file without write permission, SQLite reports only that it cannot be opened.
   if (!IsWritable(folder) || (fs::exists(path, error) && !IsWritable(path))) {
     return Fail(ErrorCode::kPermissionDenied,
                 fmt::format("{}: cannot be written: allow writing to the file and its folder", path.string()));
@@ -55,9 +55,9 @@ Expected<ConnectionPtr> OpenForWriting(const fs::path& path) {
   return connection;
 }
 
-// Reading through a write-ahead log needs the log's files beside the database, and tidying them away afterwards needs
-// the right to write: so where writing is allowed it is asked for, and only queries are let through. Where it is not,
-// the log is read as it stands; where there is none, no other process of this user can be writing.
+// Reading a database with a write-ahead log needs the log files beside it, and removing them afterwards needs write
+// permission. With write permission, the database is opened for writing and restricted to queries (query_only). Without
+// it, an existing log is read in its current state; without a log, no other process of this user can be writing.
 Expected<ConnectionPtr> ConnectForReading(const fs::path& path) {
   if (IsWritable(path) && IsWritable(FolderOf(path))) {
     VICTORIOUS_ASSIGN_OR_RETURN(ConnectionPtr connection, Connection::Open(path, Access::kWrite));
@@ -70,7 +70,7 @@ Expected<ConnectionPtr> ConnectForReading(const fs::path& path) {
 }
 
 Expected<ConnectionPtr> OpenForReading(const fs::path& path) {
-  struct stat info{};
+  struct stat info {};
   if (::stat(path.c_str(), &info) != 0) return std::unexpected(ErrorFromErrno(errno, path.string()));
   if (!S_ISREG(info.st_mode)) return Fail(ErrorCode::kInvalidArgument, path.string() + ": not a regular file");
   VICTORIOUS_ASSIGN_OR_RETURN(ConnectionPtr connection, ConnectForReading(path));
@@ -83,7 +83,7 @@ Expected<ConnectionPtr> OpenForReading(const fs::path& path) {
   if (version < newest) {
     return Fail(ErrorCode::kUnsupported,
                 fmt::format("{}: written by an older version (schema {}; this program reads {}): run `victorious "
-                            "index` on it once, which brings it up to date",
+                            "index` on it once to migrate it",
                             path.string(), version, newest));
   }
   return connection;

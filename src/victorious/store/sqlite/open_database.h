@@ -1,4 +1,4 @@
-// From a path to a connection on an index that is known to be one, of a version that this program reads.
+// Opens the connection to an index after checking its application id and schema version.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 
 namespace victorious::sqlite {
 
-/// See OpenSqliteStore. Another program's database is not touched.
+/// See OpenSqliteStore. Never modifies another program's database.
 Expected<std::unique_ptr<Connection>> OpenDatabase(const std::filesystem::path& path, StoreMode mode);
 
 }  // namespace victorious::sqlite

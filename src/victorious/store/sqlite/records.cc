@@ -10,13 +10,13 @@
 namespace victorious::sqlite {
 namespace {
 
-// The binary columns are the structs as they lie in memory.
+// The binary columns have the memory layout of the structs.
 static_assert(std::endian::native == std::endian::little);
 static_assert(sizeof(Eigen::Vector2d) == 2 * sizeof(double));
 
 int ReadInt(const Statement& row, int column) { return static_cast<int>(row.Integer(column)); }
 
-// A blob as items of T, or an error if they do not fill it.
+// Converts a blob to items of T; an error if its size is not a multiple of the item's.
 template <typename T>
 Expected<std::vector<T>> ReadItems(std::span<const std::byte> blob, std::string_view column, std::string_view name) {
   if (blob.size() % sizeof(T) != 0) {
@@ -30,7 +30,7 @@ Expected<std::vector<T>> ReadItems(std::span<const std::byte> blob, std::string_
   return items;
 }
 
-// A vector or a symmetric matrix.
+// Reads a vector or a symmetric matrix.
 template <typename Matrix>
 Expected<Matrix> ReadNumbers(std::span<const std::byte> blob, std::string_view column, std::string_view name) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<double> numbers, ReadItems<double>(blob, column, name));
@@ -43,7 +43,7 @@ Expected<Matrix> ReadNumbers(std::span<const std::byte> blob, std::string_view c
   return Matrix(numbers.data());
 }
 
-// Ids as SQL lists them: "3,1,3"; each once, rising.
+// Parses the result of group_concat ("3,1,3") to unique ids in ascending order.
 std::vector<std::int64_t> ReadIds(const std::string& list) {
   std::vector<std::int64_t> ids;
   std::istringstream text(list);
@@ -168,10 +168,9 @@ Expected<KeptFrame> ReadKeptFrame(const Statement& row, std::string_view name) {
   }
   const bool has_size = features.keypoints.empty() || (features.image_width > 0 && features.image_height > 0);
   if (!has_size || !std::ranges::all_of(features.keypoints, IsUsable)) {
-    return Fail(ErrorCode::kDataLoss,
-                fmt::format("{}: the index is damaged (a kept frame with a keypoint that is no place in an image): "
-                            "restore it from a copy, or index again",
-                            name));
+    return Fail(ErrorCode::kDataLoss, fmt::format("{}: the index is damaged (a kept frame with an invalid keypoint): "
+                                                  "restore it from a copy, or index again",
+                                                  name));
   }
   return kept;
 }

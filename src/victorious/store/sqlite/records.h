@@ -1,5 +1,5 @@
-// The store's records as rows of SQLite: columns read in the order that the SELECT texts here name them, and the
-// binary columns, which docs/formats/index.md describes.
+// Conversion between records and SQLite rows. Columns are read in the order of the SELECT texts below.
+// docs/formats/index.md describes the binary columns.
 #pragma once
 
 #include <cstddef>
@@ -40,19 +40,20 @@ inline constexpr std::string_view kSelectKeptFrames =
 VideoRecord ReadVideo(const Statement& row);
 ModelRecord ReadModel(const Statement& row);
 RunRecord ReadRun(const Statement& row);
-/// kDataLoss as ReadSighting.
+/// Error: kDataLoss, as for ReadSighting. `name`: the file's, for the message.
 Expected<ObjectRecord> ReadObject(const Statement& row, std::string_view name);
-/// kDataLoss where a binary column has not the size it must have. `name`: the file's, for the message.
+/// Error: kDataLoss if a binary column has the wrong size. `name`: the file's, for the message.
 Expected<SightingRecord> ReadSighting(const Statement& row, std::string_view name);
+/// Error: kDataLoss, as for ReadSighting, and for an invalid keypoint.
 Expected<KeptFrame> ReadKeptFrame(const Statement& row, std::string_view name);
 
-/// The rows of a matrix, or a vector: little-endian doubles.
+/// The elements of a vector or of a symmetric matrix as little-endian doubles. Points into `numbers`.
 template <typename Matrix>
 std::span<const std::byte> NumberBytes(const Matrix& numbers) {
   return std::as_bytes(std::span(numbers.data(), static_cast<std::size_t>(numbers.size())));
 }
 
-/// Little-endian doubles x, y, x, y, ….
+/// Little-endian doubles x, y, x, y, …. Points into `outline`.
 std::span<const std::byte> OutlineBytes(const Polygon& outline);
 
 }  // namespace victorious::sqlite

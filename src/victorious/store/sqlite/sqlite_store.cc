@@ -10,7 +10,7 @@
 namespace victorious::sqlite {
 namespace {
 
-// All rows of a query, each read by `read`.
+// Returns all rows of a query, converted by `read`.
 template <typename Record>
 Expected<std::vector<Record>> ReadAll(Statement& statement, Record (*read)(const Statement&)) {
   std::vector<Record> records;
@@ -21,7 +21,7 @@ Expected<std::vector<Record>> ReadAll(Statement& statement, Record (*read)(const
   }
 }
 
-// The rows of a query one after the other, until there are no more or `visit` has had enough.
+// Visits the rows of a query until the last one, or until `visit` returns false.
 template <typename Record>
 Status VisitAll(Statement& statement, std::string_view name,
                 Expected<Record> (*read)(const Statement&, std::string_view),
@@ -34,7 +34,8 @@ Status VisitAll(Statement& statement, std::string_view name,
   }
 }
 
-// The ids of the videos that the filter names. Names are compared here and not in SQL: it knows no path parts.
+// Adds the condition on the ids of the videos that the filter names. Names are compared here, because SQL does not know
+// path components.
 Status AddVideos(IndexStore& store, const SightingFilter& filter, std::string_view column, Conditions& conditions) {
   if (!filter.video_name) return {};
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
@@ -44,7 +45,8 @@ Status AddVideos(IndexStore& store, const SightingFilter& filter, std::string_vi
   return {};
 }
 
-// The ids of the objects whose place is near enough. SQL knows no geodesy.
+// Adds the condition on the ids of the objects within filter.near. Distances are computed here, because SQL has no
+// geodesy.
 Status AddNear(Connection& connection, const SightingFilter& filter, Conditions& conditions) {
   if (!filter.near) return {};
   const TangentPlane plane(filter.near->middle);
@@ -84,13 +86,13 @@ void AddTimes(const SightingFilter& filter, std::string_view first, std::string_
   if (filter.to_s) conditions.Add(fmt::format("{} <= ?", first), *filter.to_s);
 }
 
-// Parameters 15 and 16 of a new sighting.
+// Binds parameters 15 and 16 of a new sighting.
 void BindView(const std::optional<ViewAngles>& view, Statement& insert) {
   insert.BindAt(15, view ? std::optional(view->azimuth_rad) : std::nullopt);
   insert.BindAt(16, view ? std::optional(view->off_nadir_rad) : std::nullopt);
 }
 
-// Parameters 28 to 31 of a new sighting.
+// Binds parameters 28 to 31 of a new sighting.
 void BindStanceAndTrack(const SightingRecord& sighting, Statement& insert) {
   insert.BindAt(28, sighting.sigma_view_rad);
   insert.BindAt(29, sighting.distance_m);
@@ -98,7 +100,7 @@ void BindStanceAndTrack(const SightingRecord& sighting, Statement& insert) {
   insert.BindAt(31, sighting.track);
 }
 
-// Parameters 17 to 27 of a new sighting.
+// Binds parameters 17 to 27 of a new sighting.
 void BindSight(const std::optional<Sight>& sight, Statement& insert) {
   if (!sight) {
     for (int parameter = 17; parameter <= 27; ++parameter) insert.BindAt(parameter, std::nullopt);
@@ -118,7 +120,7 @@ void BindSight(const std::optional<Sight>& sight, Statement& insert) {
   insert.BindAt(27, sight->heading_rad);
 }
 
-// Parameters 3 to 12 of an object.
+// Binds parameters 3 to 12 of an object.
 void BindPlace(const ObjectRecord& object, Statement& put) {
   for (int parameter = 3; parameter <= 12; ++parameter) put.BindAt(parameter, std::nullopt);
   put.BindAt(12, object.heading_rad);
@@ -140,7 +142,7 @@ void BindPlace(const ObjectRecord& object, Statement& put) {
 Status SqliteStore::RunOnRow(Statement& statement, std::string_view what, std::int64_t id) {
   VICTORIOUS_RETURN_IF_ERROR(statement.Run());
   if (connection_->Changes() == 1) return {};
-  return Fail(ErrorCode::kNotFound, fmt::format("{}: there is no {} {} (another process may have removed it)",
+  return Fail(ErrorCode::kNotFound, fmt::format("{}: {} {} does not exist (another process may have deleted it)",
                                                 connection_->name(), what, id));
 }
 
@@ -177,7 +179,7 @@ Expected<VideoRecord> SqliteStore::PutVideo(const VideoRecord& video) {
 }
 
 Expected<std::int64_t> SqliteStore::ForgetOtherContent(const std::string& name, const std::string& content_id) {
-  // What hangs on the old content goes with it (ON DELETE CASCADE).
+  // Deletes the dependent rows as well (ON DELETE CASCADE).
   VICTORIOUS_ASSIGN_OR_RETURN(Statement forget,
                               connection_->Prepare("DELETE FROM videos WHERE name = ? AND content_id <> ?"));
   VICTORIOUS_RETURN_IF_ERROR(forget.Bind(name, content_id).Run());
@@ -213,7 +215,7 @@ Expected<std::vector<VideoRecord>> SqliteStore::Videos() {
 
 Expected<ModelRecord> SqliteStore::PutModel(const ModelRecord& model) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
-  // What hangs on another content of this name goes with it (ON DELETE CASCADE).
+  // Deletes other content of this name with its dependent rows (ON DELETE CASCADE).
   VICTORIOUS_ASSIGN_OR_RETURN(Statement replace,
                               connection_->Prepare("DELETE FROM models WHERE name = ? AND model_id <> ?"));
   VICTORIOUS_RETURN_IF_ERROR(replace.Bind(model.name, model.model_id).Run());
@@ -249,7 +251,7 @@ Expected<std::optional<SearchRecord>> SqliteStore::FindSearch(std::int64_t video
 
 Status SqliteStore::ForgetSearch(std::int64_t video, std::int64_t model) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
-  for (const std::string_view sql : {"DELETE FROM runs WHERE video = ? AND model = ?",  // and their sightings
+  for (const std::string_view sql : {"DELETE FROM runs WHERE video = ? AND model = ?",  // cascades to their sightings
                                      "DELETE FROM searches WHERE video = ? AND model = ?"}) {
     VICTORIOUS_ASSIGN_OR_RETURN(Statement forget, connection_->Prepare(sql));
     VICTORIOUS_RETURN_IF_ERROR(forget.Bind(video, model).Run());

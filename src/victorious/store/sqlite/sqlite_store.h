@@ -1,4 +1,4 @@
-// An index in one SQLite file.
+// IndexStore in one SQLite file.
 #pragma once
 
 #include <memory>
@@ -42,7 +42,7 @@ class SqliteStore final : public IndexStore {
   Expected<std::int64_t> PutRun(const IndexBatch::RunUpdate& update);
   Status PutSightings(const IndexBatch& batch, const std::vector<std::int64_t>& run_ids);
   Status PutKeptFrames(const std::vector<KeptFrame>& frames);
-  /// An update of one row that must be there.
+  /// Runs a statement that must change exactly one row. Error: kNotFound otherwise.
   Status RunOnRow(Statement& statement, std::string_view what, std::int64_t id);
 
   std::unique_ptr<Connection> connection_;

@@ -1,5 +1,4 @@
-// What only a SQLite file can show: whose it is, which version, damage, a full disk, a killed writer, a read-only
-// folder.
+// Tests specific to SQLite files: application id, schema version, damage, full disk, killed writer, read-only folder.
 #include "victorious/store/sqlite/sqlite_store.h"
 
 #include <array>
@@ -37,7 +36,7 @@ Error OpenError(const fs::path& path, StoreMode mode) {
   return store ? Error{} : store.error();
 }
 
-// A new object with sightings in the frames [first, first + kSightingsInBatch), and the progress up to there.
+// A new object with sightings in the frames [first, first + kSightingsInBatch), and the corresponding progress.
 IndexBatch Batch(std::int64_t video, std::int64_t model, std::int64_t first) {
   IndexBatch batch;
   batch.runs.push_back({std::nullopt, {.video = video, .model = model, .score = 0.5, .frames = kSightingsInBatch}});
@@ -49,7 +48,7 @@ IndexBatch Batch(std::int64_t video, std::int64_t model, std::int64_t first) {
   return batch;
 }
 
-// Commits batches, from where the index stands, up to frame `end` or the first error.
+// Commits batches from the index's progress up to frame `end` or the first error.
 Status CommitBatches(const fs::path& path, std::int64_t end) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto store, OpenSqliteStore(path, StoreMode::kCreate));
   VICTORIOUS_ASSIGN_OR_RETURN(const VideoRecord video, store->PutVideo({.content_id = "c", .name = "a.mp4"}));
@@ -62,7 +61,7 @@ Status CommitBatches(const fs::path& path, std::int64_t end) {
   return {};
 }
 
-// The sightings that are there; they must be those of whole batches, as the progress says.
+// Returns the stored sightings, which must be those of whole batches, consistent with the progress.
 std::int64_t CountWholeBatches(IndexStore& store) {
   const auto sightings = store.Sightings({});
   EXPECT_TRUE(sightings) << sightings.error().message;
@@ -79,7 +78,7 @@ std::string IntegrityCheck(const fs::path& path) {
   return connection ? (*connection)->QueryText("PRAGMA integrity_check").value_or("failed") : "not opened";
 }
 
-// Runs `body` in a child process, which ends with what it returns; -1 if a signal ended it.
+// Runs `body` in a child process. Returns its exit status (the result of `body`); -1 if a signal ended it.
 template <typename Body>
 int InChild(Body body) {
   const pid_t child = ::fork();
@@ -89,7 +88,7 @@ int InChild(Body body) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-// For a child process: 0 if `result` failed with `code`; another result is said on stderr.
+// For a child process: returns 0 if `result` failed with `code`; prints any other result to stderr.
 template <typename Result>
 int ExpectError(const Result& result, ErrorCode code) {
   if (!result && result.error().code == code) return 0;
@@ -97,7 +96,7 @@ int ExpectError(const Result& result, ErrorCode code) {
   return 1;
 }
 
-// `body` with the rights of nobody, if this process has all rights.
+// Runs `body` as user nobody if this process is root.
 template <typename Body>
 int WithoutRights(Body body) {
   return InChild([&] {
@@ -124,7 +123,7 @@ class SqliteStoreTest : public ::testing::Test {
   ~SqliteStoreTest() override { fs::permissions(folder_.path(), fs::perms(0755)); }
 
   testing::ScratchFolder folder_;
-  fs::path path_ = folder_ / "a?b %41.db";  // a name that would mean something else in a URI
+  fs::path path_ = folder_ / "a?b %41.db";  // a name with characters that are special in a URI
 };
 
 TEST_F(SqliteStoreTest, ReadingNeverMakesAFile) {
@@ -249,7 +248,7 @@ TEST_F(SqliteStoreTest, AMigrationThatFailsChangesNothing) {
   EXPECT_EQ(CountWholeBatches(*OpenOrDie(path_)), 20);
 }
 
-// An index of the first version, as program 0.1.0 wrote it: its objects go on as runs and objects of the same ids.
+// An index of schema 1, written by program 0.1.0: its objects become tracklets and objects with the same ids.
 TEST_F(SqliteStoreTest, AnIndexOfTheFirstVersionIsTakenOver) {
   {
     const auto connection = Connection::Open(path_, Access::kCreate);
@@ -285,7 +284,7 @@ TEST_F(SqliteStoreTest, AnIndexOfTheFirstVersionIsTakenOver) {
   EXPECT_EQ(IntegrityCheck(path_), "ok");
 }
 
-// An index of the second version: its sightings' views are the matched ones, how far off the objects were is not known.
+// An index of schema 2: its sightings have the matched views; the distances of the objects are unknown.
 TEST_F(SqliteStoreTest, AnIndexOfTheSecondVersionIsTakenOver) {
   {
     const auto connection = Connection::Open(path_, Access::kCreate);

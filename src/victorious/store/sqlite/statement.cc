@@ -18,7 +18,7 @@ void Statement::BindAt(int parameter, std::int64_t value) { Note(sqlite3_bind_in
 
 void Statement::BindAt(int parameter, double value) { Note(sqlite3_bind_double(handle_, parameter, value)); }
 
-// SQLite takes a null pointer for NULL, even at length 0: an empty value needs an address.
+// SQLite binds NULL for a null pointer, even at length 0: an empty value needs a non-null pointer.
 void Statement::BindAt(int parameter, std::string_view value) {
   Note(sqlite3_bind_text64(handle_, parameter, value.empty() ? "" : value.data(), value.size(), SQLITE_TRANSIENT,
                            SQLITE_UTF8));

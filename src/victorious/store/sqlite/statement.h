@@ -1,4 +1,4 @@
-// A prepared SQL statement in use.
+// A prepared SQL statement.
 #pragma once
 
 #include <cstddef>
@@ -17,8 +17,8 @@ namespace victorious::sqlite {
 
 class Connection;
 
-/// Bind, step through the rows, read columns (from 0). Reset and handed back to its connection when destroyed, so that
-/// it holds no lock between uses.
+/// Usage: bind, step through the rows, read columns (from 0). The destructor resets the statement and returns it to its
+/// connection, so that it holds no lock between uses.
 class Statement {
  public:
   ~Statement();
@@ -29,7 +29,7 @@ class Statement {
         bind_code_(other.bind_code_) {}
   Statement& operator=(Statement&&) = delete;
 
-  /// Binds parameters 1, 2, …; a failure is reported by the next Step.
+  /// Binds parameters 1, 2, …. The next Step reports a failure.
   template <typename... Values>
   Statement& Bind(const Values&... values) {
     int parameter = 0;
@@ -48,9 +48,9 @@ class Statement {
     value ? BindAt(parameter, *value) : BindAt(parameter, std::nullopt);
   }
 
-  /// True: a row stands ready. False: there are no more.
+  /// Returns true if a row is available, false after the last row.
   Expected<bool> Step();
-  /// Steps to the end, then makes ready for the next Bind.
+  /// Steps to the end and resets the statement for the next Bind.
   Status Run();
 
   [[nodiscard]] bool IsNull(int column) const;
