@@ -15,7 +15,7 @@
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/similarity.h"
 #include "victorious/model/photo_model.h"
-#include "victorious/video/image_file.h"
+#include "victorious/image/image_file.h"
 
 namespace victorious::bench {
 namespace {

@@ -12,7 +12,7 @@
 #include "tests/accuracy/real_pictures.h"
 #include "victorious/geometry/homography.h"
 #include "victorious/pipeline/preset.h"
-#include "victorious/video/image_file.h"
+#include "victorious/image/image_file.h"
 
 namespace victorious::testing {
 namespace {

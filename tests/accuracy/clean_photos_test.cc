@@ -1,4 +1,4 @@
-// The impulse noise filter (features/impulse_noise.h) does not change photos without noise, even with foliage and
+// The impulse noise filter (image/impulse_noise.h) does not change photos without noise, even with foliage and
 // print.
 #include <algorithm>
 #include <filesystem>
@@ -10,8 +10,8 @@
 
 #include "testing/data.h"
 #include "victorious/features/feature_extractor.h"
-#include "victorious/features/impulse_noise.h"
-#include "victorious/video/image_file.h"
+#include "victorious/image/impulse_noise.h"
+#include "victorious/image/image_file.h"
 
 namespace victorious::testing {
 namespace {

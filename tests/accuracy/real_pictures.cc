@@ -13,7 +13,7 @@
 #include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/homography.h"
 #include "victorious/model/photo_model.h"
-#include "victorious/video/image_file.h"
+#include "victorious/image/image_file.h"
 
 namespace victorious::testing {
 

@@ -12,7 +12,7 @@
 
 #include "testing/data.h"
 #include "tests/accuracy/real_pictures.h"
-#include "victorious/video/image_file.h"
+#include "victorious/image/image_file.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious::testing {

@@ -8,8 +8,8 @@
 
 #include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/check.h"
-#include "victorious/render/cad_test_tools.h"
-#include "victorious/render/load_mesh.h"
+#include "testing/cad_tools.h"
+#include "victorious/mesh/load_mesh.h"
 
 namespace {
 

@@ -7,8 +7,8 @@
 
 #include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/check.h"
-#include "victorious/video/image_file.h"
-#include "victorious/video/video_test_tools.h"
+#include "victorious/image/image_file.h"
+#include "testing/video_tools.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto image = victorious::DecodeImage(std::as_bytes(std::span(data, size)), "input");

@@ -9,7 +9,7 @@
 
 #include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/check.h"
-#include "victorious/telemetry/klv_test_tools.h"
+#include "testing/klv_tools.h"
 #include "victorious/telemetry/telemetry.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

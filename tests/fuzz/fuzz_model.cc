@@ -15,7 +15,7 @@
 #include "victorious/model/view_surface.h"
 #include "victorious/store/model_file.h"
 #include "victorious/store/section_file.h"
-#include "victorious/video/image_file.h"
+#include "victorious/image/image_file.h"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/check.h"
 #include "victorious/video/video_reader.h"
-#include "victorious/video/video_test_tools.h"
+#include "testing/video_tools.h"
 
 namespace {
 

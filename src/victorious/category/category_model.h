@@ -18,7 +18,7 @@
 #include "victorious/base/error.h"
 #include "victorious/category/category_options.h"
 #include "victorious/category/ridge.h"
-#include "victorious/category/worded_picture.h"
+#include "victorious/category/quantised_image.h"
 #include "victorious/geometry/box.h"
 #include "victorious/types/feature_set.h"
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "victorious/category/category_file.h"
-#include "victorious/category/category_test_tools.h"
+#include "testing/category_tools.h"
 #include "victorious/category/refine.h"
 
 namespace victorious {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "victorious/category/category_test_tools.h"
+#include "testing/category_tools.h"
 
 namespace victorious {
 namespace {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "victorious/base/random.h"
-#include "victorious/category/category_test_tools.h"
+#include "testing/category_tools.h"
 
 namespace victorious {
 namespace {

@@ -13,14 +13,14 @@
 
 #include "victorious/base/progress.h"
 #include "victorious/category/category_file.h"
-#include "victorious/category/evidence.h"
+#include "victorious/category/explanation.h"
 #include "victorious/category/refine.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/recognize/category_finder.h"
-#include "victorious/recognize/category_pictures.h"
-#include "victorious/render/load_mesh.h"
-#include "victorious/video/image_file.h"
+#include "victorious/recognize/category_images.h"
+#include "victorious/mesh/load_mesh.h"
+#include "victorious/image/image_file.h"
 
 namespace victorious::cli {
 namespace {

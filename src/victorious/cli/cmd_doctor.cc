@@ -20,7 +20,7 @@
 #include "victorious/cli/command.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/kernels/nearest.h"
-#include "victorious/pipeline/time_offset.h"
+#include "victorious/calibrate/time_offset.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/store/index_store.h"
 #include "victorious/store/model_file.h"

@@ -10,7 +10,7 @@
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
-#include "victorious/evaluate/experiments/experiment.h"
+#include "experiments/experiment.h"
 
 namespace victorious::cli {
 namespace {

@@ -6,7 +6,7 @@
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/features/feature_extractor.h"
-#include "victorious/video/image_file.h"
+#include "victorious/image/image_file.h"
 
 namespace victorious::cli {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
-#include "victorious/video/image_file.h"
+#include "victorious/image/image_file.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious::cli {

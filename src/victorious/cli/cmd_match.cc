@@ -15,7 +15,7 @@
 #include "victorious/model/photo_model.h"
 #include "victorious/pipeline/index_options.h"
 #include "victorious/recognize/recognizer.h"
-#include "victorious/video/image_file.h"
+#include "victorious/image/image_file.h"
 
 namespace victorious::cli {
 namespace {

@@ -13,7 +13,7 @@
 #include "victorious/base/progress.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
-#include "victorious/evaluate/experiments/match_picture.h"
+#include "experiments/match_picture.h"
 #include "victorious/evaluate/findable.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/model/cad_model.h"
@@ -21,8 +21,8 @@
 #include "victorious/model/photo_model.h"
 #include "victorious/model/view_sheet.h"
 #include "victorious/pipeline/index_options.h"
-#include "victorious/render/load_mesh.h"
-#include "victorious/video/image_file.h"
+#include "victorious/mesh/load_mesh.h"
+#include "victorious/image/image_file.h"
 
 namespace victorious::cli {
 namespace {

@@ -13,9 +13,9 @@
 #include "victorious/model/photo_model.h"
 #include "victorious/pipeline/index_options.h"
 #include "victorious/pipeline/navigate_run.h"
-#include "victorious/pipeline/time_offset.h"
+#include "victorious/calibrate/time_offset.h"
 #include "victorious/pipeline/track_run.h"
-#include "victorious/recognize/category_pictures.h"
+#include "victorious/recognize/category_images.h"
 
 namespace victorious::cli {
 

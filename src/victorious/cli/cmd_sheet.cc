@@ -14,7 +14,7 @@
 #include "victorious/cli/command.h"
 #include "victorious/pipeline/contact_sheet.h"
 #include "victorious/store/catalogue.h"
-#include "victorious/video/image_file.h"
+#include "victorious/image/image_file.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious::cli {

@@ -10,7 +10,7 @@
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
-#include "victorious/pipeline/time_offset.h"
+#include "victorious/calibrate/time_offset.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/telemetry/camera_csv.h"
 #include "victorious/telemetry/camera_track.h"

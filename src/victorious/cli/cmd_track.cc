@@ -15,7 +15,7 @@
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/pipeline/object_type.h"
+#include "victorious/observe/object_type.h"
 #include "victorious/pipeline/track_run.h"
 
 namespace victorious::cli {

@@ -22,7 +22,7 @@
 #include "victorious/base/options.h"
 #include "victorious/geometry/polygon.h"
 #include "victorious/types/detection.h"
-#include "victorious/types/pose.h"
+#include "victorious/types/planar_fit.h"
 
 namespace victorious {
 

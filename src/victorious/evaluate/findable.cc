@@ -14,15 +14,15 @@
 
 #include "victorious/base/random.h"
 #include "victorious/evaluate/drawn_clutter.h"
-#include "victorious/evaluate/experiments/known_scene.h"
-#include "victorious/evaluate/experiments/match_trial.h"
+#include "experiments/known_scene.h"
+#include "experiments/match_trial.h"
 #include "victorious/evaluate/turned_view.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/similarity.h"
-#include "victorious/model/lit_views.h"
+#include "victorious/model/relit_views.h"
 #include "victorious/model/model_builder.h"
 #include "victorious/render/paste.h"
-#include "victorious/video/image_file.h"
+#include "victorious/image/image_file.h"
 
 namespace victorious {
 

@@ -7,7 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "victorious/evaluate/drawn_clutter.h"
-#include "victorious/evaluate/waffle_test.h"
+#include "testing/waffle.h"
 
 namespace victorious {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "victorious/evaluate/truth.h"
-#include "victorious/types/place.h"
+#include "victorious/types/geolocation.h"
 
 namespace victorious {
 

@@ -26,7 +26,7 @@
 #include "victorious/evaluate/truth.h"
 #include "victorious/geometry/box.h"
 #include "victorious/types/object_model.h"
-#include "victorious/types/place.h"
+#include "victorious/types/geolocation.h"
 
 namespace victorious {
 

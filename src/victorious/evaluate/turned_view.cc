@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
-#include "victorious/evaluate/experiments/match_trial.h"
+#include "experiments/match_trial.h"
 #include "victorious/model/cad_model.h"
 #include "victorious/model/view_surface.h"
 

@@ -10,7 +10,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "victorious/base/error.h"
-#include "victorious/render/view_sphere.h"
+#include "victorious/geometry/view_sphere.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {

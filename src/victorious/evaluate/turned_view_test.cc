@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "victorious/evaluate/waffle_test.h"
+#include "testing/waffle.h"
 #include "victorious/geometry/angles.h"
 
 namespace victorious {

@@ -9,7 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "victorious/base/check.h"
-#include "victorious/features/impulse_noise.h"
+#include "victorious/image/impulse_noise.h"
 #include "victorious/geometry/angles.h"
 
 namespace victorious {

@@ -1,5 +1,5 @@
 // Geolocation: estimates the place of an object on Earth, with covariance, from lines of sight. Called with the bearing
-// observations of an object by pipeline/object_place.cc, and with a CSV file by `victorious locate`.
+// observations of an object by associate/object_place.cc, and with a CSV file by `victorious locate`.
 //
 // Measurement model (thesis, section 4.3.3): an object at o with velocity v is observed at time t_i by a camera at r_i
 // along the unit vector s_i:
@@ -22,7 +22,7 @@
 #include "victorious/base/error.h"
 #include "victorious/geolocate/locate_options.h"
 #include "victorious/types/line_of_sight.h"
-#include "victorious/types/place.h"
+#include "victorious/types/geolocation.h"
 
 namespace victorious {
 

@@ -1,5 +1,5 @@
 // Estimates the pose (6 degrees of freedom) of an object relative to the camera from 3D-2D point correspondences: PnP
-// with priors. Called by pipeline/stance.cc with the inlier matches of a CAD model's view.
+// with priors. Called by observe/object_pose.cc with the inlier matches of a CAD model's view.
 //
 // Minimises over rotation R and translation t, starting from the direction of the matched view,
 //   sum_i w_i |project(R p_i + t) - seen_i|^2 / sigma^2 + |rotation across the line of sight|^2 / sigma_view^2

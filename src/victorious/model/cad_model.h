@@ -9,9 +9,9 @@
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
 #include "victorious/features/feature_extractor.h"
-#include "victorious/render/mesh.h"
+#include "victorious/types/mesh.h"
 #include "victorious/render/renderer.h"
-#include "victorious/render/view_sphere.h"
+#include "victorious/geometry/view_sphere.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {

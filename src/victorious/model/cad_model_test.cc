@@ -12,7 +12,7 @@
 
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/render/cad_test_tools.h"
+#include "testing/cad_tools.h"
 
 namespace victorious {
 namespace {

@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "victorious/base/version.h"
-#include "victorious/video/image_file.h"
+#include "victorious/image/image_file.h"
 
 namespace victorious {
 

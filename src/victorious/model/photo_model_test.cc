@@ -10,7 +10,7 @@
 #include "testing/data.h"
 #include "testing/drawn_things.h"
 #include "victorious/base/version.h"
-#include "victorious/video/image_file.h"
+#include "victorious/image/image_file.h"
 
 namespace victorious {
 namespace {

@@ -6,7 +6,7 @@
 #include "victorious/model/cad_model.h"
 #include "victorious/model/model_builder.h"
 #include "victorious/render/relight.h"
-#include "victorious/types/lit_templates.h"
+#include "victorious/recognize/relit_templates.h"
 
 namespace victorious {
 

@@ -1,9 +1,9 @@
 // Samples a rendering of the object as 3D points with a brightness. The NCC check of uncertain poses
-// (recognize/likeness.h) projects them into the scene and compares the brightness.
+// (recognize/ncc_rescoring.h) projects them into the scene and compares the brightness.
 #pragma once
 
 #include "victorious/model/view_surface.h"
-#include "victorious/types/lit_templates.h"
+#include "victorious/recognize/relit_templates.h"
 
 namespace victorious {
 

@@ -6,7 +6,7 @@
 
 #include "victorious/geometry/angles.h"
 #include "victorious/model/model_builder.h"
-#include "victorious/video/image_file.h"
+#include "victorious/image/image_file.h"
 
 namespace victorious {
 namespace {

@@ -10,7 +10,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "victorious/video/image_file.h"
+#include "victorious/image/image_file.h"
 
 namespace victorious {
 namespace {

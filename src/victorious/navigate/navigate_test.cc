@@ -8,7 +8,7 @@
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
-#include "victorious/navigate/synthetic_landmarks.h"
+#include "testing/synthetic_landmarks.h"
 
 namespace victorious {
 namespace {

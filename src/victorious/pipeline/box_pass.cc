@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
-#include "victorious/features/impulse_noise.h"
-#include "victorious/video/image_file.h"
+#include "victorious/image/impulse_noise.h"
+#include "victorious/image/image_file.h"
 
 namespace victorious {
 

@@ -19,15 +19,15 @@
 #include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/box.h"
 #include "victorious/model/photo_model.h"
-#include "victorious/pipeline/box_place.h"
+#include "victorious/associate/box_place.h"
 #include "victorious/pipeline/box_sighting.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/telemetry/camera_track.h"
 #include "victorious/track/box_tracker.h"
-#include "victorious/track/ground_spot.h"
+#include "victorious/track/ground_point.h"
 #include "victorious/types/camera_state.h"
 #include "victorious/types/frame.h"
-#include "victorious/types/place.h"
+#include "victorious/types/geolocation.h"
 
 namespace victorious {
 

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "victorious/geometry/box.h"
-#include "victorious/types/place.h"
-#include "victorious/types/sight.h"
+#include "victorious/types/geolocation.h"
+#include "victorious/types/bearing_observation.h"
 
 namespace victorious {
 

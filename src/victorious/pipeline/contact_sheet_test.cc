@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "victorious/pipeline/drawn_flight_test.h"
+#include "testing/drawn_flight.h"
 
 namespace victorious {
 namespace {

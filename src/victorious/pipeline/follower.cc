@@ -5,7 +5,7 @@
 
 #include <oneapi/tbb/parallel_for_each.h>
 
-#include "victorious/features/impulse_noise.h"
+#include "victorious/image/impulse_noise.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/pipeline/region_features.h"
 

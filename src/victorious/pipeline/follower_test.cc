@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "victorious/pipeline/drawn_flight_test.h"
+#include "testing/drawn_flight.h"
 
 namespace victorious {
 namespace {

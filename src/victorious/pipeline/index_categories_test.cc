@@ -4,11 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "victorious/category/category_test_tools.h"
-#include "victorious/pipeline/drawn_flight_test.h"
-#include "victorious/pipeline/hooked_store_test.h"
+#include "testing/category_tools.h"
+#include "testing/drawn_flight.h"
+#include "testing/hooked_store.h"
 #include "victorious/pipeline/indexer.h"
-#include "victorious/recognize/category_pictures.h"
+#include "victorious/recognize/category_images.h"
 #include "victorious/store/catalogue.h"
 
 namespace victorious {

@@ -4,10 +4,10 @@
 
 #include "victorious/base/options.h"
 #include "victorious/features/feature_extractor.h"
-#include "victorious/pipeline/daylight.h"
+#include "victorious/calibrate/sun_survey.h"
 #include "victorious/pipeline/follower.h"
-#include "victorious/pipeline/object_options.h"
-#include "victorious/pipeline/stance.h"
+#include "victorious/associate/object_options.h"
+#include "victorious/observe/object_pose.h"
 #include "victorious/recognize/category_finder.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/telemetry/telemetry.h"
@@ -15,7 +15,7 @@
 
 namespace victorious {
 
-/// How sightings are linked into tracklets (run_linker.h).
+/// How sightings are linked into tracklets (tracklet_linker.h).
 struct RunOptions {
   double gap_s = 2.0;
   double least_overlap = 0.1;
@@ -57,7 +57,7 @@ struct IndexOptions {
   void ListFields(FieldList& fields);
 
   /// Lists the parameters that affect what is stored for a video. The others only affect data association
-  /// (object_list.h), so they may change without a new search.
+  /// (associate_objects.h), so they may change without a new search.
   void ListSearchFields(FieldList& fields);
 };
 

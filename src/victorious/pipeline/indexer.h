@@ -17,7 +17,7 @@
 #include "victorious/pipeline/index_options.h"
 #include "victorious/pipeline/warning_sink.h"
 #include "victorious/store/index_store.h"
-#include "victorious/types/lit_templates.h"
+#include "victorious/recognize/relit_templates.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {
@@ -52,7 +52,7 @@ class Indexer {
 
   /// Indexes one video. Resumes where an earlier call stopped; in a video indexed before searches for new models only;
   /// stores nothing twice. Commits results and progress together every 2 s, so that a kill loses no more than that. At
-  /// the end, finished or cancelled, recomputes the objects of the whole index (object_list.h).
+  /// the end, finished or cancelled, recomputes the objects of the whole index (associate_objects.h).
   /// Errors: those of VideoReader, IndexStore, and of a telemetry file that was given; kInvalidArgument if the video
   /// was indexed with other parameters and `redo` is false; kCancelled, after what was done is stored. A cancelled live
   /// source, which cannot be resumed, ends normally, without an error.

@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 
 #include "victorious/base/file.h"
-#include "victorious/pipeline/drawn_flight_test.h"
-#include "victorious/pipeline/hooked_store_test.h"
-#include "victorious/video/image_file.h"
+#include "testing/drawn_flight.h"
+#include "testing/hooked_store.h"
+#include "victorious/image/image_file.h"
 
 namespace victorious {
 namespace {

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "victorious/geometry/angles.h"
-#include "victorious/telemetry/klv_test_tools.h"
+#include "testing/klv_tools.h"
 
 namespace victorious {
 namespace {

@@ -14,7 +14,7 @@
 #include "victorious/base/median.h"
 #include "victorious/base/progress.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/model/lit_views.h"
+#include "victorious/model/relit_views.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/telemetry/camera_csv.h"
 #include "victorious/telemetry/camera_track.h"

@@ -4,7 +4,7 @@
 
 #include "victorious/base/file.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/pipeline/drawn_flight_test.h"
+#include "testing/drawn_flight.h"
 
 namespace victorious {
 namespace {

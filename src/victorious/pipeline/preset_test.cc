@@ -5,7 +5,7 @@
 #include "victorious/geolocate/locate_options.h"
 #include "victorious/model/cad_model.h"
 #include "victorious/pipeline/index_options.h"
-#include "victorious/recognize/category_pictures.h"
+#include "victorious/recognize/category_images.h"
 
 namespace victorious {
 namespace {

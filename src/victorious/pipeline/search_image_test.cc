@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "testing/drawn_things.h"
-#include "victorious/pipeline/drawn_flight_test.h"
+#include "testing/drawn_flight.h"
 
 namespace victorious {
 namespace {

@@ -17,12 +17,12 @@
 
 #include "victorious/base/progress.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/pipeline/daylight.h"
+#include "victorious/calibrate/sun_survey.h"
 #include "victorious/pipeline/follower.h"
 #include "victorious/pipeline/live_cameras.h"
-#include "victorious/pipeline/run_linker.h"
-#include "victorious/pipeline/sight.h"
-#include "victorious/pipeline/stance.h"
+#include "victorious/associate/tracklet_linker.h"
+#include "victorious/observe/bearing_observation.h"
+#include "victorious/observe/object_pose.h"
 #include "victorious/track/camera_motion.h"
 
 namespace victorious {

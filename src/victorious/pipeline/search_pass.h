@@ -33,7 +33,7 @@ struct SearchPass {
   const FeatureExtractor& extractor;
   const IndexOptions& options;
   const CameraTrack* cameras = nullptr;  ///< telemetry, or null
-  std::optional<Sun> sun;                ///< sun direction, if known (daylight.h)
+  std::optional<Sun> sun;                ///< sun direction, if known (sun_survey.h)
   int threads = 0;                       ///< 0: one per hardware thread
 };
 

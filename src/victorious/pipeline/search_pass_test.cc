@@ -7,9 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "victorious/pipeline/drawn_flight_test.h"
-#include "victorious/telemetry/klv_test_tools.h"
-#include "victorious/video/image_file.h"
+#include "testing/drawn_flight.h"
+#include "testing/klv_tools.h"
+#include "victorious/image/image_file.h"
 
 namespace victorious {
 namespace {

@@ -19,7 +19,7 @@
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
 #include "victorious/model/photo_model.h"
-#include "victorious/pipeline/box_place.h"
+#include "victorious/associate/box_place.h"
 #include "victorious/pipeline/box_sighting.h"
 #include "victorious/pipeline/warning_sink.h"
 #include "victorious/recognize/recognizer.h"

@@ -11,7 +11,7 @@
 #include "victorious/geometry/polygon.h"
 #include "victorious/types/feature_set.h"
 #include "victorious/types/match_set.h"
-#include "victorious/types/pose.h"
+#include "victorious/types/planar_fit.h"
 
 namespace victorious {
 

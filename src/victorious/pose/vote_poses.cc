@@ -11,7 +11,7 @@
 #include "victorious/geometry/robust/similarity_estimator.h"
 #include "victorious/pose/match_pairs.h"
 #include "victorious/pose/plane_refinement.h"
-#include "victorious/pose/rank_evidence.h"
+#include "victorious/pose/rank_nfa.h"
 
 namespace victorious {
 

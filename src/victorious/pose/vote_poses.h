@@ -14,7 +14,7 @@
 // and -log10(T) - dependence_decades for k = 0; the maximum over three window widths (1, 1/2, 1/4).
 // Of inliers that overlap in the scene, and see the same pixels, only the one of lowest rank counts; likewise of
 // inliers with similar descriptors. n includes every inlier, also one that projects just outside the frame or is just
-// below the minimum scale. A prior on the upright pose (upright.h) discards votes for overturned objects and reduces T.
+// below the minimum scale. A prior on the upright pose (upright_prior.h) discards votes for overturned objects and reduces T.
 // docs/adr/0008 has the measurements.
 #pragma once
 
@@ -25,10 +25,10 @@
 #include "victorious/base/options.h"
 #include "victorious/geometry/polygon.h"
 #include "victorious/pose/similarity_pose.h"
-#include "victorious/pose/upright.h"
+#include "victorious/pose/upright_prior.h"
 #include "victorious/types/feature_set.h"
 #include "victorious/types/match_set.h"
-#include "victorious/types/pose.h"
+#include "victorious/types/planar_fit.h"
 
 namespace victorious {
 

@@ -9,7 +9,7 @@
 
 #include "victorious/base/file.h"
 #include "victorious/category/category_file.h"
-#include "victorious/category/evidence.h"
+#include "victorious/category/explanation.h"
 #include "victorious/category/windows.h"
 
 namespace victorious {

@@ -1,6 +1,6 @@
 // Finds the categories of a frame and their boxes. Classifies the whole frame or multi-scale sliding windows
 // (category/windows.h), as the model was trained. Each category above the probability threshold gets the box that
-// contains most of the evidence for it (category/evidence.h). A whole frame yields each category at most once; windows
+// contains most of the evidence for it (category/explanation.h). A whole frame yields each category at most once; windows
 // yield one result per non-overlapping window.
 #pragma once
 
@@ -15,7 +15,7 @@
 #include "victorious/base/options.h"
 #include "victorious/category/category_model.h"
 #include "victorious/geometry/box.h"
-#include "victorious/recognize/category_pictures.h"
+#include "victorious/recognize/category_images.h"
 
 namespace victorious {
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "victorious/category/category_test_tools.h"
+#include "testing/category_tools.h"
 
 namespace victorious {
 namespace {

@@ -3,7 +3,7 @@
 //
 // Two methods lead from matches to poses. The grammar is the thesis's: ratio test, cascade, MLESAC. The vote search
 // (vote_search.h) uses matches that fail the ratio test and finds models of little texture in cluttered scenes; an NCC
-// comparison with the image rescores its uncertain detections (likeness.h).
+// comparison with the image rescores its uncertain detections (ncc_rescoring.h).
 #pragma once
 
 #include <cstddef>
@@ -23,12 +23,12 @@
 #include "victorious/grammar/cascade.h"
 #include "victorious/match/matcher.h"
 #include "victorious/pose/similarity_pose.h"
-#include "victorious/recognize/likeness.h"
+#include "victorious/recognize/ncc_rescoring.h"
 #include "victorious/recognize/vote_search.h"
 #include "victorious/types/detection.h"
 #include "victorious/types/feature_set.h"
 #include "victorious/types/frame_conditions.h"
-#include "victorious/types/lit_templates.h"
+#include "victorious/recognize/relit_templates.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {

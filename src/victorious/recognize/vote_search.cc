@@ -16,7 +16,7 @@
 #include "victorious/geometry/polygon.h"
 #include "victorious/kernels/nearest.h"
 #include "victorious/pose/pooled_template.h"
-#include "victorious/recognize/sight_cells.h"
+#include "victorious/recognize/azimuth_cells.h"
 
 namespace victorious {
 

@@ -8,9 +8,9 @@
 // 3. Pooling: the best views vote once more together with the matches of their neighbours (pose/pooled_template.h).
 //
 // Priors. With a known camera attitude only views that an upright object can show are matched; with an unknown attitude
-// the camera is assumed to be held upright (pose/upright.h). With a known sun each view is also matched as a relit
+// the camera is assumed to be held upright (pose/upright_prior.h). With a known sun each view is also matched as a relit
 // template: for an upright object, the view's azimuth determines the sun's direction in the model frame. In a wide
-// field of view that direction varies, and each azimuth cell (sight_cells.h) uses its own sun. Rendering a relit
+// field of view that direction varies, and each azimuth cell (azimuth_cells.h) uses its own sun. Rendering a relit
 // template costs far more than matching it: coarse views are relit at half resolution, and only refined views at full
 // resolution.
 #pragma once
@@ -27,7 +27,7 @@
 #include "victorious/pose/vote_poses.h"
 #include "victorious/types/feature_set.h"
 #include "victorious/types/frame_conditions.h"
-#include "victorious/types/lit_templates.h"
+#include "victorious/recognize/relit_templates.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {

@@ -12,7 +12,7 @@
 
 #include "victorious/base/random.h"
 #include "victorious/category/windows.h"
-#include "victorious/recognize/category_pictures.h"
+#include "victorious/recognize/category_images.h"
 
 namespace victorious {
 namespace {

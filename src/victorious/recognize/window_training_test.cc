@@ -5,9 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "victorious/category/category_test_tools.h"
+#include "testing/category_tools.h"
 #include "victorious/recognize/category_finder.h"
-#include "victorious/recognize/category_pictures.h"
+#include "victorious/recognize/category_images.h"
 
 namespace victorious {
 namespace {

@@ -9,7 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "victorious/render/gl_objects.h"
-#include "victorious/render/mesh.h"
+#include "victorious/types/mesh.h"
 
 namespace victorious {
 

@@ -6,7 +6,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "victorious/render/srgb.h"
+#include "victorious/image/srgb.h"
 
 namespace victorious {
 namespace {

@@ -1,4 +1,4 @@
-// Relights a rendering for another sun from its grey image and depth map; the mesh is not needed. model/lit_views.h
+// Relights a rendering for another sun from its grey image and depth map; the mesh is not needed. model/relit_views.h
 // makes relit templates with it.
 //
 // The depth map gives the 3D point of each pixel and, by finite differences, its normal n. The irradiance under a light
@@ -13,7 +13,7 @@
 
 #include "victorious/geometry/camera.h"
 #include "victorious/render/renderer.h"
-#include "victorious/render/view_sphere.h"
+#include "victorious/geometry/view_sphere.h"
 
 namespace victorious {
 

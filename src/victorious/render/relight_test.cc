@@ -8,8 +8,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "victorious/geometry/angles.h"
-#include "victorious/render/cad_test_tools.h"
-#include "victorious/render/view_sphere.h"
+#include "testing/cad_tools.h"
+#include "victorious/geometry/view_sphere.h"
 
 namespace victorious {
 namespace {

@@ -20,7 +20,7 @@
 #include "victorious/render/gpu_mesh.h"
 #include "victorious/render/shaders.h"
 #include "victorious/render/shadow_view.h"
-#include "victorious/render/srgb.h"
+#include "victorious/image/srgb.h"
 
 namespace victorious {
 namespace {

@@ -25,7 +25,7 @@
 #include "victorious/base/options.h"
 #include "victorious/geometry/camera.h"
 #include "victorious/geometry/rigid3.h"
-#include "victorious/render/mesh.h"
+#include "victorious/types/mesh.h"
 
 namespace victorious {
 

@@ -16,9 +16,9 @@
 
 #include "testing/data.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/render/cad_test_tools.h"
-#include "victorious/render/load_mesh.h"
-#include "victorious/render/view_sphere.h"
+#include "testing/cad_tools.h"
+#include "victorious/mesh/load_mesh.h"
+#include "victorious/geometry/view_sphere.h"
 
 namespace victorious {
 namespace {

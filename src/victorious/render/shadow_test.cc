@@ -10,9 +10,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "victorious/geometry/angles.h"
-#include "victorious/render/cad_test_tools.h"
+#include "testing/cad_tools.h"
 #include "victorious/render/renderer.h"
-#include "victorious/render/view_sphere.h"
+#include "victorious/geometry/view_sphere.h"
 
 namespace victorious {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/simulate/degrade.h"
+#include "victorious/image/degrade.h"
 #include "victorious/simulate/flight_path.h"
 
 namespace victorious {

@@ -12,9 +12,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "victorious/geometry/angles.h"
-#include "victorious/render/load_mesh.h"
+#include "victorious/mesh/load_mesh.h"
 #include "victorious/simulate/flight_path.h"
-#include "victorious/video/image_file.h"
+#include "victorious/image/image_file.h"
 
 namespace victorious {
 namespace {

@@ -9,9 +9,9 @@
 
 #include "testing/data.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/render/cad_test_tools.h"
+#include "testing/cad_tools.h"
 #include "victorious/simulate/flight_path.h"
-#include "victorious/video/image_file.h"
+#include "victorious/image/image_file.h"
 
 namespace victorious {
 namespace {

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "victorious/geometry/angles.h"
-#include "victorious/render/load_mesh.h"
+#include "victorious/mesh/load_mesh.h"
 
 namespace victorious {
 namespace {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/geometry/angles.h"
-#include "victorious/render/cad_test_tools.h"
+#include "testing/cad_tools.h"
 #include "victorious/simulate/flight_path.h"
 
 namespace victorious {

@@ -18,8 +18,8 @@
 #include "victorious/geometry/polygon.h"
 #include "victorious/types/feature_set.h"
 #include "victorious/types/object_model.h"
-#include "victorious/types/place.h"
-#include "victorious/types/sight.h"
+#include "victorious/types/geolocation.h"
+#include "victorious/types/bearing_observation.h"
 
 namespace victorious {
 

@@ -6,7 +6,7 @@
 
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/klv_packets.h"
-#include "victorious/telemetry/klv_test_tools.h"
+#include "testing/klv_tools.h"
 
 namespace victorious {
 namespace {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "victorious/telemetry/klv_packets.h"
-#include "victorious/telemetry/klv_test_tools.h"
+#include "testing/klv_tools.h"
 
 namespace victorious {
 namespace {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/geometry/angles.h"
-#include "victorious/telemetry/klv_test_tools.h"
+#include "testing/klv_tools.h"
 
 namespace victorious {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "victorious/geometry/box.h"
 #include "victorious/geometry/polygon.h"
-#include "victorious/types/pose.h"
+#include "victorious/types/planar_fit.h"
 
 namespace victorious {
 

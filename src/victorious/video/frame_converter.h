@@ -9,7 +9,7 @@
 
 #include "victorious/base/error.h"
 #include "victorious/video/ffmpeg_handles.h"
-#include "victorious/video/orientation.h"
+#include "victorious/image/orientation.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious {

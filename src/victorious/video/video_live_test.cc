@@ -15,7 +15,7 @@
 #include "testing/data.h"
 #include "victorious/base/check.h"
 #include "victorious/video/video_reader.h"
-#include "victorious/video/video_test_tools.h"
+#include "testing/video_tools.h"
 
 namespace victorious {
 namespace {

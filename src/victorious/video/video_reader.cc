@@ -9,7 +9,7 @@
 
 #include "victorious/video/demuxer.h"
 #include "victorious/video/media_reader.h"
-#include "victorious/video/picture_reader.h"
+#include "victorious/video/image_sequence_reader.h"
 
 namespace victorious {
 namespace {

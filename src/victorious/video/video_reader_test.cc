@@ -9,8 +9,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "testing/data.h"
-#include "victorious/video/image_file.h"
-#include "victorious/video/video_test_tools.h"
+#include "victorious/image/image_file.h"
+#include "testing/video_tools.h"
 
 namespace victorious {
 namespace {

@@ -10,9 +10,9 @@
 #include <sys/resource.h>
 
 #include "testing/data.h"
-#include "victorious/video/image_file.h"
+#include "victorious/image/image_file.h"
 #include "victorious/video/video_reader.h"
-#include "victorious/video/video_test_tools.h"
+#include "testing/video_tools.h"
 
 namespace victorious {
 namespace {

@@ -1,0 +1,93 @@
+// Images with ground truth: the camera, the scene depth and the pose of each object. Matches are judged against these
+// (true_matches.h). An image is rendered from a scene file by the simulator, or is a frame of a movie with telemetry
+// and truth.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "victorious/base/cancel.h"
+#include "victorious/base/error.h"
+#include "victorious/geometry/box.h"
+#include "victorious/geometry/camera.h"
+#include "victorious/render/renderer.h"
+#include "victorious/geometry/view_sphere.h"
+#include "victorious/image/degrade.h"
+#include "victorious/simulate/scene.h"
+#include "victorious/simulate/stage.h"
+
+namespace victorious {
+
+/// One object in an image.
+struct KnownObject {
+  std::string model;         ///< name of its model
+  Rigid3 camera_from_model;  ///< metres
+  ViewDirection view;        ///< direction from its centre to the camera
+  Box box;                   ///< bounding box of its visible pixels, px
+  double visible = 1;        ///< visible pixels over its pixels without occlusion and cropping
+};
+
+struct KnownScene {
+  std::string name;  ///< "circle_noise, frame 40"
+  cv::Mat bgr;       ///< CV_8UC3
+  PinholeCamera pinhole;
+  cv::Mat depth_m;  ///< CV_32FC1, depth of the nearest surface along the optical axis; NaN: unknown
+  std::vector<KnownObject> objects;
+
+  /// The first object of a model; null if there is none.
+  [[nodiscard]] const KnownObject* Find(std::string_view model) const;
+};
+
+/// Image degradation: optics and sensor, then compression.
+struct Spoiling {
+  DegradeOptions degrade;
+  int jpeg_quality = 0;  ///< 1 to 100; 0: no compression
+};
+
+/// Degrades an image (CV_8UC3) in place as a camera and an encoder do. Deterministic by `seed`.
+Status Spoil(const Spoiling& spoiling, std::uint64_t seed, cv::Mat& bgr);
+
+/// The degradation of a scene file: its blur, sensor noise and salt-and-pepper noise, then JPEG compression with a
+/// quality of 75 in place of the video encoder.
+[[nodiscard]] Spoiling SpoilingOf(const Scene& scene);
+
+/// Renders single frames of a scene file, also with a changed camera, sun or video.
+class KnownTown {
+ public:
+  /// Loads the scene and its meshes. `renderer` must outlive the result. Errors: those of ReadScene and Stage::Build.
+  static Expected<KnownTown> Load(const std::filesystem::path& scene_file, Renderer& renderer,
+                                  const CancelToken& cancel);
+
+  [[nodiscard]] const Scene& scene() const { return scene_; }
+
+  /// Renders one frame with its truth.
+  /// @param scene  scene(), or a copy of it with another video, camera or sun
+  /// @param frame  number of the frame of the flight, from 0
+  Expected<KnownScene> Draw(const Scene& scene, int frame, const Spoiling& spoiling) const;
+  /// Renders one frame with the scene and the degradation of the file.
+  Expected<KnownScene> Draw(int frame) const { return Draw(scene_, frame, SpoilingOf(scene_)); }
+
+ private:
+  KnownTown(std::string name, Scene scene, Stage stage, Renderer& renderer);
+
+  std::string name_;
+  Scene scene_;
+  Stage stage_;
+  Renderer* renderer_;
+};
+
+/// Reads frames of a movie with their truth.
+/// @param folder  contains video.mp4, telemetry.csv and truth.jsonl
+/// @param models  folder of the objects' CAD files; objects without a file are left out
+/// @param frames  maximum number of frames, evenly spaced over the movie
+/// Objects are assumed to stand upright. The depth covers the objects only, so that occlusion by anything else shows in
+/// `visible` only.
+Expected<std::vector<KnownScene>> ReadKnownMovie(const std::filesystem::path& folder,
+                                                 const std::filesystem::path& models, int frames, Renderer& renderer);
+
+}  // namespace victorious

@@ -1,0 +1,26 @@
+// Filters that reject false matches, behind one interface for comparison: the cascade, its single stages, and
+// baselines.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "experiments/match_trial.h"
+
+namespace victorious {
+
+struct MatchFilter {
+  std::string name;
+  std::function<MatchSet(const MatchTrial& trial, const MatchSet& matches)> run;
+};
+
+/// Returns, in this order: no filter; Video Google's neighbour voting; each stage alone; the cascade; the cascade
+/// followed by MLESAC; MLESAC alone; OpenCV's similarity (estimateAffinePartial2D) and homography (findHomography),
+/// both by RANSAC at 3 px.
+std::vector<MatchFilter> MatchFilters(const RecognizeOptions& options);
+
+/// Returns the filter of grammar/ with these options.
+MatchFilter GrammarFilter(std::string name, const CascadeOptions& options);
+
+}  // namespace victorious

@@ -1,0 +1,70 @@
+#include "experiments/match_picture.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <opencv2/imgproc.hpp>
+
+#include "victorious/model/view_surface.h"
+#include "victorious/image/image_file.h"
+
+namespace victorious {
+namespace {
+
+const cv::Scalar kTrueColour(40, 40, 255);
+const cv::Scalar kNearColour(0, 200, 255);
+const cv::Scalar kFalseColour(230, 220, 0);
+
+}  // namespace
+
+Expected<cv::Mat> DrawMatches(const MatchTrial& trial, const MatchSet& matches, double scale,
+                              const std::string& caption) {
+  const cv::Mat scene = Background(GreyFromBgr(trial.scene->bgr), scale);
+  VICTORIOUS_ASSIGN_OR_RETURN(const ViewSurface surface,
+                              DecodeSurface(trial.model->views[trial.view].surface, trial.model->name));
+  const cv::Mat object = Background(surface.grey, scale);
+  cv::Mat canvas(std::max(scene.rows, object.rows), scene.cols + object.cols, CV_8UC3, cv::Scalar::all(0));
+  scene.copyTo(canvas(cv::Rect({0, 0}, scene.size())));
+  object.copyTo(canvas(cv::Rect({scene.cols, 0}, object.size())));
+  // False matches first, so that true ones are drawn on top.
+  for (const auto& [truth, colour] : {std::pair{Truth::kWrong, kFalseColour}, std::pair{Truth::kNear, kNearColour},
+                                      std::pair{Truth::kRight, kTrueColour}}) {
+    for (const Match& match : matches) {
+      const Keypoint& in_scene = trial.features->keypoints[match.scene];
+      const Keypoint& in_template = trial.Template().keypoints[match.model];
+      if (trial.truth.Of(in_scene, match.model) != truth) continue;
+      cv::line(canvas, cv::Point2d(in_scene.x * scale, in_scene.y * scale),
+               cv::Point2d(in_template.x * scale + scene.cols, in_template.y * scale), colour);
+    }
+  }
+  constexpr double kFont = 0.4;
+  cv::putText(canvas, caption, {4, canvas.rows - 6}, cv::FONT_HERSHEY_SIMPLEX, kFont, cv::Scalar::all(0), 3);
+  cv::putText(canvas, caption, {4, canvas.rows - 6}, cv::FONT_HERSHEY_SIMPLEX, kFont, cv::Scalar::all(255), 1);
+  return canvas;
+}
+
+cv::Mat Background(const cv::Mat& grey, double scale) {
+  constexpr double kStep = 24;
+  cv::Mat small;
+  cv::resize(grey, small, {}, scale, scale, cv::INTER_AREA);
+  cv::medianBlur(small, small, 3);
+  small.convertTo(small, CV_8U, 0.6 / kStep, 1.0);
+  small.convertTo(small, CV_8U, kStep);
+  cv::Mat bgr;
+  cv::cvtColor(small, bgr, cv::COLOR_GRAY2BGR);
+  return bgr;
+}
+
+cv::Mat Montage(const std::vector<cv::Mat>& pictures, int columns) {
+  constexpr int kGap = 4;
+  const cv::Size tile = pictures.front().size() + cv::Size(kGap, kGap);
+  const int rows = (static_cast<int>(pictures.size()) + columns - 1) / columns;
+  cv::Mat montage(tile.height * rows - kGap, tile.width * columns - kGap, CV_8UC3, cv::Scalar::all(255));
+  for (int i = 0; i < static_cast<int>(pictures.size()); ++i) {
+    const cv::Mat& picture = pictures[static_cast<std::size_t>(i)];
+    picture.copyTo(montage(cv::Rect({i % columns * tile.width, i / columns * tile.height}, picture.size())));
+  }
+  return montage;
+}
+
+}  // namespace victorious

@@ -1,0 +1,144 @@
+#include "experiments/movie_search.h"
+
+#include <algorithm>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include "experiments/match_trial.h"
+#include "experiments/video_frames.h"
+#include "victorious/evaluate/score.h"
+#include "victorious/model/relit_views.h"
+#include "victorious/pipeline/video_telemetry.h"
+#include "victorious/video/video_reader.h"
+
+namespace victorious {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Everything that the search of a movie needs.
+struct Search {
+  std::unique_ptr<const FeatureExtractor> extractor;
+  Recognizer recognizer;
+  std::optional<CameraTrack> cameras;
+  std::optional<Sun> sun;
+  std::vector<TruthRow> truth;
+};
+
+Expected<Search> Prepare(const MovieSearch& search, const ExperimentSettings& settings) {
+  const IndexOptions& options = search.options;
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TruthRow> truth, ReadTruth(search.movie / "truth.jsonl"));
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectModel> models, ModelsFor(truth, settings));
+  std::vector<std::shared_ptr<const LitTemplates>> lit;
+  for (const ObjectModel& model : models) {
+    VICTORIOUS_ASSIGN_OR_RETURN(lit.emplace_back(), MakeLitViews(model));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(options.features));
+  VICTORIOUS_ASSIGN_OR_RETURN(Recognizer recognizer,
+                              Recognizer::Create(std::move(models), options.features.engine, options.recognize, lit));
+  std::optional<CameraTrack> cameras;
+  std::optional<Sun> sun;
+  if (const fs::path path = search.movie / "telemetry.csv"; fs::exists(path)) {
+    VICTORIOUS_ASSIGN_OR_RETURN(Telemetry telemetry, ReadTelemetry(path.string(), options.telemetry));
+    cameras.emplace(std::move(telemetry.states), options.telemetry.max_gap_s);
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open((search.movie / "video.mp4").string(), {}));
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        sun, FindDaylight({*cameras, recognizer, *extractor, options.daylight}, *reader, settings.Cancel()));
+  }
+  return Search{std::move(extractor), std::move(recognizer), std::move(cameras), sun, std::move(truth)};
+}
+
+// Pairs each detection of the frame with a truth row.
+std::vector<std::optional<TruthRow>> Shown(const Search& search, const SearchedFrame& searched) {
+  std::vector<TruthRow> rows;
+  std::ranges::copy_if(search.truth, std::back_inserter(rows),
+                       [&](const TruthRow& row) { return row.frame == searched.frame; });
+  std::vector<ReportedSighting> sightings;
+  for (const Detection& detection : searched.detections) {
+    sightings.push_back({.frame = searched.frame,
+                         .model = search.recognizer.models()[detection.model].name,
+                         .box = detection.box,
+                         .score = detection.score,
+                         .view = {}});
+  }
+  std::vector<std::optional<TruthRow>> shown;
+  for (const std::optional<std::size_t>& row : PairSightings(rows, sightings)) {
+    shown.push_back(row ? std::optional(rows[*row]) : std::nullopt);
+  }
+  return shown;
+}
+
+Expected<SearchedFrame> SearchFrame(const Search& search, const Frame& frame) {
+  SearchedFrame searched{.frame = frame.index};
+  if (search.cameras) searched.camera = search.cameras->At(frame.time_s);
+  searched.conditions = ConditionsOf(searched.camera, frame.image.size(), search.sun);
+  VICTORIOUS_ASSIGN_OR_RETURN(searched.features, search.extractor->Extract(frame.image));
+  searched.detections = search.recognizer.Recognize(searched.features, searched.conditions, frame.image);
+  searched.truth = Shown(search, searched);
+  return searched;
+}
+
+}  // namespace
+
+Expected<std::vector<fs::path>> MoviesOf(const ExperimentSettings& settings) {
+  std::vector<fs::path> movies;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(settings.data / "movies", error)) {
+    if (fs::exists(entry.path() / "truth.jsonl")) movies.push_back(entry.path());
+  }
+  std::ranges::sort(movies);
+  if (movies.empty()) {
+    return Fail(ErrorCode::kNotFound,
+                fmt::format("{}: no movies: expected folders with video.mp4, telemetry.csv and truth.jsonl",
+                            (settings.data / "movies").string()));
+  }
+  return movies;
+}
+
+Expected<std::vector<ObjectModel>> ModelsFor(const std::vector<TruthRow>& truth, const ExperimentSettings& settings) {
+  std::set<std::string> names;
+  for (const TruthRow& row : truth) names.insert(row.model);
+  std::vector<ObjectModel> models;
+  for (const std::string& name : names) {
+    const fs::path cad = settings.data / "models" / (name + ".glb");
+    if (!fs::exists(cad)) continue;
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto model, KeptModel(settings, cad, {}));
+    models.push_back(*model);
+  }
+  if (models.empty()) {
+    return Fail(ErrorCode::kNotFound, fmt::format("{}: no CAD files of the models in the movies: expected NAME.glb",
+                                                  (settings.data / "models").string()));
+  }
+  return models;
+}
+
+Status SearchMovie(const MovieSearch& search, const ExperimentSettings& settings,
+                   const std::function<Status(const SearchedFrame&, const std::vector<ObjectModel>&)>& visit) {
+  const std::string name = search.movie.filename().string();
+  VICTORIOUS_ASSIGN_OR_RETURN(const Search prepared, Prepare(search, settings));
+  const fs::path video = search.movie / "video.mp4";
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t length, CountFrames(video));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Frame> frames,
+                              ReadFrames(video, SpreadOver(length, search.frames), FrameColor::kGrey));
+  constexpr std::size_t kBatch = 4;  // frames between reports of progress
+  for (std::size_t first = 0; first < frames.size(); first += kBatch) {
+    VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
+    settings.progress(fmt::format("{}: {} of {} frames", name, first, frames.size()));
+    const std::size_t count = std::min(kBatch, frames.size() - first);
+    std::vector<Expected<SearchedFrame>> batch(count);
+    oneapi::tbb::parallel_for(std::size_t{0}, count,
+                              [&](std::size_t i) { batch[i] = SearchFrame(prepared, frames[first + i]); });
+    for (Expected<SearchedFrame>& searched : batch) {
+      if (!searched) return std::unexpected(std::move(searched).error());
+      searched->movie = name;
+      VICTORIOUS_RETURN_IF_ERROR(visit(*searched, prepared.recognizer.models()));
+    }
+  }
+  return {};
+}
+
+}  // namespace victorious

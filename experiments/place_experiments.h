@@ -1,0 +1,12 @@
+// The experiments on geolocation with real data and known truth. Each is implemented in the file of its name.
+#pragma once
+
+#include "experiments/experiment.h"
+
+namespace victorious {
+
+Expected<Report> RunTableCheyenne(const ExperimentSettings& settings);
+Expected<Report> RunTableControlPoints(const ExperimentSettings& settings);
+Expected<Report> RunTableBrighton(const ExperimentSettings& settings);
+
+}  // namespace victorious

@@ -1,0 +1,40 @@
+// The result of an experiment: a table with named columns, notes, and a plot.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "victorious/base/error.h"
+#include "experiments/plot.h"
+
+namespace victorious {
+
+/// A mean over seeds with its standard error; the error of a single value is 0.
+struct Measured {
+  double mean = 0;
+  double standard_error = 0;
+};
+
+Measured MeanOf(const std::vector<double>& values);
+
+using Cell = std::variant<std::string, double, Measured>;
+
+struct Report {
+  std::string name;                ///< of the experiment
+  std::string title;               ///< one line
+  std::vector<std::string> notes;  ///< method: seeds, data, differences from the thesis
+  std::vector<std::string> columns;
+  std::vector<std::vector<Cell>> rows;  ///< each as long as `columns`
+  Plot plot;                            ///< not written if it has no lines
+};
+
+/// Writes NAME.json, NAME.csv and, if there is a plot, NAME.svg. In CSV a MeanWithError takes two columns, the second
+/// named `COLUMN standard error`.
+Status WriteReport(const Report& report, const std::filesystem::path& folder);
+
+/// Formats title, table and notes as Markdown.
+std::string MarkdownOf(const Report& report);
+
+}  // namespace victorious

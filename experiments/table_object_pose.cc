@@ -1,0 +1,132 @@
+// Errors of the object pose: direction of view and distance, of the matched view and of the 6-DoF pose fitted to the
+// matches, with full telemetry, with the field of view only, and without camera data.
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "experiments/movie_search.h"
+#include "experiments/recognition_experiments.h"
+#include "victorious/evaluate/score.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/observe/object_pose.h"
+
+namespace victorious {
+namespace {
+
+// The errors with one kind of camera data, in one movie.
+struct Errors {
+  std::vector<double> view_deg;
+  std::vector<double> distance_percent;
+  std::vector<double> view_sigmas;
+  std::vector<double> distance_sigmas;
+};
+
+constexpr const char* kMatched = "the view that matched";
+constexpr const char* kTelemetry = "telemetry";
+constexpr const char* kFieldOfView = "field of view alone";
+constexpr const char* kNothing = "nothing";
+
+// Errors by the kind of camera data.
+using ErrorsOf = std::map<std::string, Errors>;
+
+void Add(const Stance& stance, const TruthRow& truth, double distance_m, Errors& errors) {
+  const double error_rad = AngleBetween(stance.view->angles, *truth.view);
+  errors.view_deg.push_back(DegreesFromRadians(error_rad));
+  errors.view_sigmas.push_back(error_rad / stance.view->sigma_rad);
+  if (!stance.range_m) return;
+  errors.distance_percent.push_back(100 * std::abs(*stance.range_m / distance_m - 1));
+  errors.distance_sigmas.push_back(std::abs(*stance.range_m - distance_m) / stance.sigma_range_m);
+}
+
+// Adds the true detections of a frame.
+void AddFrame(const SearchedFrame& searched, const std::vector<ObjectModel>& models, const SightOptions& options,
+              ErrorsOf& errors) {
+  if (!searched.camera || !searched.camera->IsComplete()) return;
+  for (std::size_t i = 0; i < searched.detections.size(); ++i) {
+    const std::optional<TruthRow>& truth = searched.truth[i];
+    if (!truth || !IsClear(*truth) || !truth->view || !truth->place) continue;
+    const Detection& detection = searched.detections[i];
+    const ObjectModel& model = models[detection.model];
+    const double distance_m = TangentPlane(searched.camera->place).EnuFromGeodetic(*truth->place).norm();
+    errors[kMatched].view_deg.push_back(
+        DegreesFromRadians(AngleBetween(*model.views[detection.view].angles, *truth->view)));
+    const std::pair<const char*, CameraState> cameras[] = {
+        {kTelemetry, *searched.camera},
+        {kFieldOfView, CameraState{.hfov_rad = searched.camera->hfov_rad, .distortion = searched.camera->distortion}},
+        {kNothing, CameraState{}}};
+    for (const auto& [name, camera] : cameras) {
+      if (const auto stance = StanceOf(detection, model, searched.features, camera, options, UpInCamera(camera))) {
+        Add(*stance, *truth, distance_m, errors[name]);
+      }
+    }
+  }
+}
+
+Cell Shown(const std::vector<double>& values, double percent) {
+  const std::optional<double> value = Percentile(values, percent);
+  return value ? Cell(*value) : Cell("-");
+}
+
+void AddRows(const std::string& movie, const ErrorsOf& errors, Report& report) {
+  for (const char* camera : {kMatched, kTelemetry, kFieldOfView, kNothing}) {
+    const auto found = errors.find(camera);
+    if (found == errors.end()) continue;
+    const Errors& e = found->second;
+    report.rows.push_back({movie, camera, static_cast<double>(e.view_deg.size()), Shown(e.view_deg, 50),
+                           Shown(e.view_deg, 90), Shown(e.distance_percent, 50), Shown(e.distance_percent, 90),
+                           Shown(e.view_sigmas, 90), Shown(e.distance_sigmas, 90)});
+  }
+}
+
+// The fraction of sightings within an error.
+PlotLine Cumulative(const char* name, std::vector<double> values) {
+  std::ranges::sort(values);
+  PlotLine line{.name = name, .points = {}, .marked = false};
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    line.points.push_back({values[i], static_cast<double>(i + 1) / static_cast<double>(values.size())});
+  }
+  return line;
+}
+
+}  // namespace
+
+Expected<Report> RunTableStance(const ExperimentSettings& settings) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::filesystem::path> movies, MoviesOf(settings));
+  Report report{
+      .title = "Errors of the object pose",
+      .notes = {"True sightings of clear objects in at most 20 frames per movie. The view error is the angle between "
+                "the true and the estimated direction to the camera. In sigmas, the expected 90 % quantile is 2.15 "
+                "for the view (two axes) and 1.64 for the distance (one axis)."},
+      .columns = {"movie", "camera known by", "sightings", "view error 50 %, deg", "90 %", "distance error 50 %, %",
+                  "90 %, %", "view error 90 %, sigmas", "distance error 90 %, sigmas"}};
+  ErrorsOf all;
+  for (const std::filesystem::path& movie : movies) {
+    ErrorsOf errors;
+    const MovieSearch search{.movie = movie, .options = {}};
+    VICTORIOUS_RETURN_IF_ERROR(
+        SearchMovie(search, settings, [&](const SearchedFrame& searched, const std::vector<ObjectModel>& models) {
+          AddFrame(searched, models, search.options.sight, errors);
+          return Status{};
+        }));
+    AddRows(movie.filename().string(), errors, report);
+    for (const auto& [camera, e] : errors) {
+      Errors& sum = all[camera];
+      for (const auto member :
+           {&Errors::view_deg, &Errors::distance_percent, &Errors::view_sigmas, &Errors::distance_sigmas}) {
+        (sum.*member).insert((sum.*member).end(), (e.*member).begin(), (e.*member).end());
+      }
+    }
+  }
+  AddRows("all", all, report);
+  report.plot = {.title = "Direction of view",
+                 .x = {.label = "error, degrees", .low = 0, .high = 20},
+                 .y = {.label = "fraction of sightings", .low = 0, .high = 1},
+                 .lines = {}};
+  for (const char* camera : {kMatched, kTelemetry, kFieldOfView, kNothing}) {
+    report.plot.lines.push_back(Cumulative(camera, all[camera].view_deg));
+  }
+  return report;
+}
+
+}  // namespace victorious

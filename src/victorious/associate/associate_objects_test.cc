@@ -1,0 +1,323 @@
+#include "victorious/associate/associate_objects.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "victorious/base/random.h"
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+const GeodeticPoint kOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 500};
+constexpr double kFrameS = 0.1;
+
+// Observations of an object from a camera that flies past.
+struct Seen {
+  std::int64_t id = 0;  // of the tracklet
+  std::int64_t video = 1;
+  std::int64_t model = 1;
+  Eigen::Vector3d place_enu{0, 0, 1};
+  Eigen::Vector3d velocity_enu{0, 0, 0};
+  int first_frame = 0;
+  int frames = 30;
+  double score = 0.99;
+  std::optional<double> first_score;  // score of the first frame, if different
+  bool of_category = false;           // then there is no range
+  double noise_rad = 1e-4;
+  double heading_noise_rad = 0.05;
+  double too_large = 1;        // ratio by which the ranges are wrong
+  double camera_from_m = -60;  // east coordinate at frame 0
+  double camera_speed_m_s = 12;
+  Eigen::Vector3d camera_bias_enu{0, 0, 0};  // error of telemetry
+};
+
+SeenRun RunOf(const Seen& seen) {
+  Random random(static_cast<std::uint64_t>(seen.id));
+  const TangentPlane plane(kOrigin);
+  SeenRun run{.record = {.id = seen.id, .object = seen.id, .video = seen.video, .model = seen.model}};
+  run.of_category = seen.of_category;
+  run.record.frames = seen.frames;
+  run.record.score = seen.score;
+  run.record.first_time_s = kFrameS * seen.first_frame;
+  run.record.last_time_s = kFrameS * (seen.first_frame + seen.frames - 1);
+  for (int frame = seen.first_frame; frame < seen.first_frame + seen.frames; ++frame) {
+    const double time_s = kFrameS * frame;
+    const Eigen::Vector3d camera(seen.camera_from_m + seen.camera_speed_m_s * time_s, -70, 100);
+    const Eigen::Vector3d line = seen.place_enu + time_s * seen.velocity_enu - camera;
+    run.frames.push_back(frame);
+    run.scores.push_back(frame == seen.first_frame ? seen.first_score.value_or(seen.score) : seen.score);
+    Sight sight;
+    sight.line = {.time_s = time_s,
+                  .camera = plane.GeodeticFromEnu(camera + seen.camera_bias_enu),
+                  .azimuth_rad = std::atan2(line.x(), line.y()) + seen.noise_rad * random.Normal(),
+                  .elevation_rad = std::asin(line.z() / line.norm()) + seen.noise_rad * random.Normal(),
+                  .range_m = line.norm() / seen.too_large * (1 + 0.02 * random.Normal()),
+                  .sigma_rad = 1e-4};
+    sight.line.sigma_range_m = 0.02 * *sight.line.range_m;
+    if (seen.of_category) {
+      sight.line.range_m.reset();
+      sight.line.sigma_rad = seen.noise_rad;
+    }
+    sight.heading_rad = WrapAngle(1.0 + seen.heading_noise_rad * random.Normal() + (frame % 4 == 0 ? kPi : 0));
+    run.sights.push_back(sight);
+  }
+  return run;
+}
+
+std::vector<ObjectRecord> ObjectsFrom(const std::vector<Seen>& things, const ObjectOptions& options = {},
+                                      std::int64_t frames_searched = 100) {
+  std::vector<SeenRun> runs;
+  for (const Seen& thing : things) runs.push_back(RunOf(thing));
+  return MakeObjects(std::move(runs), frames_searched, options);
+}
+
+std::vector<std::vector<std::int64_t>> RunsOf(const std::vector<ObjectRecord>& objects) {
+  std::vector<std::vector<std::int64_t>> runs;
+  for (const ObjectRecord& object : objects) runs.push_back(object.runs);
+  return runs;
+}
+
+Eigen::Vector3d PlaceOf(const ObjectRecord& object) {
+  return TangentPlane(kOrigin).EnuFromGeodetic(object.place->point);
+}
+
+TEST(ObjectList, OneRunIsOneObjectAtItsPlace) {
+  const auto objects = ObjectsFrom({{.id = 5, .place_enu = {3, 4, 1}}});
+  ASSERT_EQ(objects.size(), 1U);
+  EXPECT_EQ(objects[0].id, 5);
+  ASSERT_TRUE(objects[0].place);
+  EXPECT_LT((PlaceOf(objects[0]) - Eigen::Vector3d(3, 4, 1)).norm(), 0.3);
+  EXPECT_EQ(objects[0].place->velocity_enu->norm(), 0) << "it stands";
+  EXPECT_NEAR(*objects[0].heading_rad, 1.0, 0.05) << "a quarter of the views is wrong";
+  EXPECT_EQ(objects[0].rejected, "");
+}
+
+TEST(ObjectList, WithoutTelemetryEachRunIsAnObjectWithoutAPlace) {
+  SeenRun a{.record = {.id = 1, .video = 1, .model = 1}, .frames = {0, 1}};
+  SeenRun b{.record = {.id = 2, .video = 1, .model = 1}, .frames = {50, 51}};
+  const auto objects = MakeObjects({a, b}, 0, {});
+  EXPECT_THAT(RunsOf(objects), ElementsAre(ElementsAre(1), ElementsAre(2)));
+  EXPECT_FALSE(objects[0].place);
+  EXPECT_FALSE(objects[0].heading_rad);
+  EXPECT_EQ(objects[0].rejected, "");
+}
+
+TEST(ObjectList, AReturnAfterALossIsTheSameObject) {
+  EXPECT_THAT(
+      RunsOf(ObjectsFrom({{.id = 1, .first_frame = 0, .frames = 20}, {.id = 2, .first_frame = 70, .frames = 20}})),
+      ElementsAre(ElementsAre(1, 2)));
+}
+
+TEST(ObjectList, TwoOfAKindTenMetresApartStayTwo) {
+  // Observed at different times, never in one frame.
+  EXPECT_THAT(RunsOf(ObjectsFrom({{.id = 1, .place_enu = {-5, 0, 1}, .frames = 20},
+                                  {.id = 2, .place_enu = {5, 0, 1}, .first_frame = 30, .frames = 20}})),
+              ElementsAre(ElementsAre(1), ElementsAre(2)));
+}
+
+TEST(ObjectList, WhatIsSeenInOneFrameIsTwoHoweverNear) {
+  EXPECT_THAT(RunsOf(ObjectsFrom({{.id = 1, .place_enu = {0, 0, 1}}, {.id = 2, .place_enu = {2, 0, 1}}})),
+              ElementsAre(ElementsAre(1), ElementsAre(2)));
+}
+
+TEST(ObjectList, OtherModelsAreOtherObjects) {
+  EXPECT_THAT(RunsOf(ObjectsFrom({{.id = 1, .frames = 20}, {.id = 2, .model = 2, .first_frame = 30, .frames = 10}})),
+              ElementsAre(ElementsAre(1), ElementsAre(2)));
+}
+
+TEST(ObjectList, WhatMovesIsFoundAgainWhereItHasMovedTo) {
+  const Eigen::Vector3d velocity(-4, 3, 0);
+  const auto objects = ObjectsFrom({{.id = 1, .velocity_enu = velocity, .frames = 30},
+                                    {.id = 2, .velocity_enu = velocity, .first_frame = 45, .frames = 30}});
+  ASSERT_THAT(RunsOf(objects), ElementsAre(ElementsAre(1, 2)));
+  EXPECT_LT((*objects[0].place->velocity_enu - velocity).norm(), 0.3);
+  EXPECT_NEAR(objects[0].place->time_s, 7.4, 1e-9);
+  EXPECT_LT((PlaceOf(objects[0]) - Eigen::Vector3d(-29.6, 22.2, 1)).norm(), 1.5);
+}
+
+TEST(ObjectList, TheSameObjectInTwoVideosIsOne) {
+  const auto objects = ObjectsFrom({{.id = 1, .place_enu = {-20, 5, 1}},
+                                    {.id = 2, .place_enu = {20, 5, 1}},
+                                    {.id = 3,
+                                     .video = 2,
+                                     .place_enu = {20, 5, 1},
+                                     .camera_from_m = 60,
+                                     .camera_speed_m_s = -9,
+                                     .camera_bias_enu = {1.5, -1, 0.5}}});
+  EXPECT_THAT(RunsOf(objects), ElementsAre(ElementsAre(1), ElementsAre(2, 3)));
+}
+
+TEST(ObjectList, TheOrderOfRunsDoesNotMatter) {
+  std::vector<Seen> things;
+  for (int i = 0; i < 6; ++i) {
+    things.push_back({.id = i + 1, .place_enu = {6.0 * (i % 3), 8, 1}, .first_frame = 40 * (i / 3), .frames = 25});
+  }
+  const auto objects = ObjectsFrom(things);
+  EXPECT_THAT(RunsOf(objects), ElementsAre(ElementsAre(1, 4), ElementsAre(2, 5), ElementsAre(3, 6)));
+  std::ranges::reverse(things);
+  const auto again = ObjectsFrom(things);
+  ASSERT_EQ(RunsOf(again), RunsOf(objects));
+  for (std::size_t i = 0; i < objects.size(); ++i) EXPECT_EQ(again[i].place->point, objects[i].place->point);
+}
+
+TEST(ObjectList, WhatIsTooLargeForItsDistanceIsRejected) {
+  const auto objects = ObjectsFrom({{.id = 1, .too_large = 5}});
+  EXPECT_THAT(objects[0].rejected, HasSubstr("5.0 times too large"));
+  EXPECT_EQ(ObjectsFrom({{.id = 1, .too_large = 5}}, {.scale_allowance = 6})[0].rejected, "");
+}
+
+TEST(ObjectList, WhatFloatsByItsSizeAloneIsRejected) {
+  const Seen floating{.id = 2, .model = 2, .first_frame = 10, .frames = 1, .too_large = 3};
+  const auto objects = ObjectsFrom({{.id = 1}, floating});
+  EXPECT_EQ(objects[0].rejected, "");
+  EXPECT_THAT(objects[1].rejected, HasSubstr("above the other objects"));
+  EXPECT_EQ(ObjectsFrom({{.id = 1}, floating}, {.floating_m = 1000})[1].rejected, "");
+  EXPECT_EQ(ObjectsFrom({floating})[0].rejected, "") << "nothing says how high the ground is";
+}
+
+TEST(ObjectList, WhatLiesBelowAnyGroundIsRejected) {
+  EXPECT_THAT(ObjectsFrom({{.id = 1, .place_enu = {0, 900, -1500}}})[0].rejected, HasSubstr("below the sea"));
+}
+
+// In 100,000 searched frames 1600 false detections of even odds are expected, so that odds of 16,000 to 1 are required.
+// Odds of 9 to 1 are insufficient, also over 30 frames; odds of 1000 to 1 over 30 frames suffice. In 50 searched
+// frames, odds of 9 to 1 in one frame suffice.
+TEST(ObjectList, TheLongerTheSearchTheClearerMustAFindBe) {
+  const Seen faint{.id = 1, .frames = 1, .score = 0.9};
+  const Seen longer{.id = 1, .frames = 30, .score = 0.9};
+  const Seen clear{.id = 1, .frames = 30, .score = 0.999};
+  EXPECT_EQ(ObjectsFrom({faint}, {}, 50)[0].rejected, "");
+  EXPECT_THAT(ObjectsFrom({faint}, {}, 100)[0].rejected, HasSubstr("not significant"));
+  EXPECT_EQ(ObjectsFrom({longer}, {}, 1000)[0].rejected, "");
+  EXPECT_THAT(ObjectsFrom({longer}, {}, 100'000)[0].rejected, HasSubstr("100000 frames"));
+  EXPECT_EQ(ObjectsFrom({clear}, {}, 100'000)[0].rejected, "");
+  EXPECT_EQ(ObjectsFrom({faint}, {.false_share = 0}, 100'000)[0].rejected, "");
+}
+
+// One clear frame among faint ones is as frequent among false detections.
+TEST(ObjectList, WhatIsClearOnceIsAsFaintAsItsOtherFrames) {
+  const Seen faint{.id = 1, .score = 0.8};
+  const Seen once{.id = 1, .score = 0.8, .first_score = 0.99};
+  EXPECT_THAT(ObjectsFrom({faint}, {}, 1000)[0].rejected, HasSubstr("not significant"));
+  EXPECT_THAT(ObjectsFrom({once}, {}, 1000)[0].rejected, HasSubstr("not significant"));
+}
+
+// The same 30 frames with different headings: most of them are inconsistent.
+TEST(ObjectList, FramesThatContradictEachOtherMakeAFindNoClearer) {
+  const Seen alike{.id = 1, .score = 0.9};
+  const Seen turned{.id = 1, .score = 0.9, .heading_noise_rad = 3};
+  EXPECT_EQ(ObjectsFrom({alike}, {}, 1000)[0].rejected, "");
+  EXPECT_THAT(ObjectsFrom({turned}, {}, 1000)[0].rejected, HasSubstr("not significant"));
+}
+
+// Two observations always fit a moving object: they count as one.
+TEST(ObjectList, TwoSightsOfWhatMovesAreAsFaintAsOne) {
+  const Seen parked{.id = 1, .first_frame = 1, .frames = 2, .score = 0.9};
+  const Seen moving{.id = 1, .velocity_enu = {40, 30, 0}, .first_frame = 1, .frames = 2, .score = 0.9};
+  const Seen longer{.id = 1, .velocity_enu = {40, 30, 0}, .frames = 30, .score = 0.9};
+  EXPECT_EQ(ObjectsFrom({parked}, {}, 100)[0].rejected, "");
+  EXPECT_THAT(ObjectsFrom({moving}, {}, 100)[0].rejected, HasSubstr("not significant"));
+  EXPECT_EQ(ObjectsFrom({longer}, {}, 100)[0].rejected, "");
+}
+
+TEST(ObjectList, ObjectsStandOnTheGroundThatIsTold) {
+  // Telemetry is 3 m too high, which the lines of sight alone cannot detect.
+  const Seen seen{.id = 1, .place_enu = {0, 0, 1}, .noise_rad = 1e-3, .camera_bias_enu = {0, 0, 3}};
+  ObjectOptions options;
+  EXPECT_NEAR(PlaceOf(ObjectsFrom({seen}, options)[0]).z(), 4, 1);
+  options.ground = std::make_shared<FlatGround>(kOrigin.altitude_m);
+  options.middle_above_ground_m = 1;
+  options.middle_sigma_m = 0.1;
+  options.locate.ground_sigma_m = 0.1;
+  const ObjectRecord on_ground = ObjectsFrom({seen}, options)[0];
+  EXPECT_NEAR(PlaceOf(on_ground).z(), 1, 0.3);
+  EXPECT_LT(on_ground.place->le90_m, 0.5);
+  EXPECT_EQ(on_ground.rejected, "");
+  options.ground = std::make_shared<FlatGround>(kOrigin.altitude_m);
+  EXPECT_EQ(ObjectsFrom({seen}, options)[0].place->le90_m, on_ground.place->le90_m) << "told again, it is no vaguer";
+  // A flying object stays at the intersection of its lines of sight.
+  const ObjectRecord flying = ObjectsFrom({{.id = 1, .place_enu = {0, 0, 31}}}, options)[0];
+  EXPECT_NEAR(PlaceOf(flying).z(), 31, 1);
+  EXPECT_EQ(flying.rejected, "");
+}
+
+TEST(ObjectList, LinesThatDoNotMeetAreNoObject) {
+  EXPECT_THAT(ObjectsFrom({{.id = 1, .noise_rad = 0.2}})[0].rejected, HasSubstr("do not intersect"));
+}
+
+TEST(ObjectList, OfTwoModelsInOnePlaceTheOneSeenLessIsRejected) {
+  const auto objects =
+      ObjectsFrom({{.id = 1, .model = 1, .frames = 20}, {.id = 2, .model = 2, .place_enu = {0.3, 0, 1}, .frames = 30}});
+  EXPECT_THAT(objects[0].rejected, HasSubstr("at the same place as object 2"));
+  EXPECT_EQ(objects[1].rejected, "");
+}
+
+// A tracklet without a place, of a model, in a box that moves to the right.
+SeenRun InThePicture(std::int64_t id, int frames, double x) {
+  SeenRun run{.record = {.id = id, .object = id, .video = 1, .model = id, .score = 0.99, .frames = frames},
+              .of_solid = true};
+  for (int frame = 0; frame < frames; ++frame) {
+    run.frames.push_back(frame);
+    run.scores.push_back(0.99);
+    run.boxes.push_back({x + 20.0 * frame, 100, 80, 60});
+  }
+  return run;
+}
+
+std::vector<std::string> RejectionsOf(std::vector<SeenRun> runs) {
+  std::vector<std::string> rejections;
+  for (const ObjectRecord& object : MakeObjects(std::move(runs), 100, {})) rejections.push_back(object.rejected);
+  return rejections;
+}
+
+TEST(ObjectList, OfTwoSolidThingsInTheSamePixelsTheOneSeenLessIsRejected) {
+  EXPECT_THAT(RejectionsOf({InThePicture(1, 12, 50), InThePicture(2, 30, 58)}),
+              ElementsAre("in the same pixels as object 2", ""));
+}
+
+TEST(ObjectList, WhatIsBesideOrMeetsForAMomentIsNotRejected) {
+  EXPECT_THAT(RejectionsOf({InThePicture(1, 12, 50), InThePicture(2, 30, 90)}), ElementsAre("", ""));
+  SeenRun passing = InThePicture(1, 12, 50);
+  for (std::size_t i = 5; i < passing.boxes.size(); ++i) passing.boxes[i].y = 300;
+  EXPECT_THAT(RejectionsOf({passing, InThePicture(2, 30, 50)}), ElementsAre("", ""));
+  SeenRun elsewhere = InThePicture(1, 12, 50);
+  elsewhere.record.video = 2;
+  EXPECT_THAT(RejectionsOf({elsewhere, InThePicture(2, 30, 50)}), ElementsAre("", ""));
+}
+
+TEST(ObjectList, PhotosMayShowAPartOfWhatAnotherShows) {
+  SeenRun photo = InThePicture(1, 12, 50);
+  photo.of_solid = false;
+  EXPECT_THAT(RejectionsOf({photo, InThePicture(2, 30, 50)}), ElementsAre("", ""));
+}
+
+TEST(ObjectList, CategoriesHaveAPlaceAndRejectNobody) {
+  const Seen category{.id = 2, .model = 2, .frames = 40, .of_category = true, .noise_rad = 0.01};
+  const auto objects = ObjectsFrom({{.id = 1, .frames = 20}, category});
+  for (const ObjectRecord& object : objects) {
+    EXPECT_EQ(object.rejected, "");
+    ASSERT_TRUE(object.place);
+    EXPECT_LT(TangentPlane(kOrigin).EnuFromGeodetic(object.place->point).head<2>().norm(), 5);
+  }
+}
+
+TEST(ObjectList, ACategoryWhoseLinesDoNotMeetHasNoPlace) {
+  Seen seen{.id = 1, .of_category = true, .noise_rad = 0.3};
+  SeenRun run = RunOf(seen);
+  for (Sight& sight : run.sights) sight.line.sigma_rad = 1e-4;
+  const auto objects = MakeObjects({run}, 0, {});
+  EXPECT_EQ(objects[0].rejected, "");
+  EXPECT_FALSE(objects[0].place);
+}
+
+}  // namespace
+}  // namespace victorious

@@ -1,0 +1,79 @@
+// Links sightings to tracklets. A sighting continues the tracklet
+//   - whose last sighting has the same track id (follower.h); else
+//   - with the highest overlap (IoU) with its predicted box, which moves with the camera motion (image registration)
+//     and with the object's own velocity. The pair is refused if bearing and range exceed a Mahalanobis gate.
+// Any other sighting starts a tracklet. Pairs are assigned greedily, highest overlap first. Association of tracklets to
+// objects follows when all tracklets of the index are known (associate_objects.h): it can merge a split tracklet, but never
+// splits one that holds two objects.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "victorious/base/error.h"
+#include "victorious/geometry/similarity.h"
+#include "victorious/pipeline/index_options.h"
+#include "victorious/store/index_store.h"
+
+namespace victorious {
+
+/// The tracklets of one video that may still grow. Results do not depend on how frames are split into batches.
+class RunLinker {
+ public:
+  explicit RunLinker(const RunOptions& options) : options_(options) {}
+
+  [[nodiscard]] const RunOptions& options() const { return options_; }
+
+  /// How far back sightings affect the linking of a frame, s.
+  [[nodiscard]] double HistoryS() const;
+
+  /// Resumes after an interruption. The caller then calls Step() for the frames since NeededFrom(), then for the new
+  /// ones.
+  /// @param sightings  of the video, at least the last HistoryS(), in order of frames
+  void Resume(std::span<const RunRecord> runs, std::span<const SightingRecord> sightings);
+
+  /// The earliest frame with a sighting that still affects linking: camera motion is needed from there on. std::nullopt
+  /// if there is none.
+  [[nodiscard]] std::optional<std::int64_t> NeededFrom() const;
+
+  /// Moves all predicted boxes by the camera motion. Call it for each frame, before Link for its sightings. No effect
+  /// on sightings of this frame or later.
+  /// @param now_from_before  camera motion since the previous call's frame; std::nullopt if unknown, taken as no motion
+  void Step(std::int64_t frame, const std::optional<Similarity2>& now_from_before);
+
+  /// Adds the sightings of one frame (of any models) to the batch, each with a new or a continued tracklet. Frames come
+  /// in order.
+  void Link(std::vector<SightingRecord> sightings, IndexBatch& batch);
+
+  /// Sets the ids that the store gave to the batch's tracklets. The next batch starts empty.
+  void Committed(std::span<const std::int64_t> ids);
+
+ private:
+  // A sighting of a tracklet, its box moved to the current frame.
+  struct Seen {
+    std::int64_t frame = 0;
+    double time_s = 0;
+    Box box;
+    std::optional<Sight> sight;
+  };
+  struct Run {
+    RunRecord record;
+    std::optional<std::int64_t> id;       // set once committed
+    std::optional<std::size_t> in_batch;  // index into the current batch's tracklets
+    std::optional<std::int64_t> track;    // track id of the last sighting
+    std::vector<Seen> trail;              // its sightings of the last second
+  };
+
+  void See(const SightingRecord& sighting, Run& run);
+  [[nodiscard]] static Box Expected(const Run& run, double time_s);
+  [[nodiscard]] bool CanBeOne(const Run& run, const SightingRecord& sighting) const;
+  [[nodiscard]] std::vector<std::optional<std::size_t>> RunsOf(const std::vector<SightingRecord>& sightings) const;
+
+  RunOptions options_;
+  std::vector<Run> runs_;
+  std::int64_t recognitions_ = 0;
+};
+
+}  // namespace victorious

@@ -1,0 +1,158 @@
+#include "victorious/calibrate/time_offset.h"
+
+#include <cmath>
+#include <functional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "victorious/base/random.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/geometry/solvers/similarity.h"
+
+namespace victorious {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using ::testing::HasSubstr;
+
+const GeodeticPoint kOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 400};
+const cv::Size kImage(640, 480);
+const double kHfov = RadiansFromDegrees(18);
+
+// 15 s of camera poses over flat ground at the height of the origin.
+using Path = std::function<CameraState(double time_s)>;
+
+CameraState Above(const Vector3d& enu, double yaw_deg, double pitch_deg, double roll_deg, double time_s) {
+  return {
+      .time_s = time_s,
+      .place = TangentPlane(kOrigin).GeodeticFromEnu(enu),
+      .attitude = Attitude{RadiansFromDegrees(yaw_deg), RadiansFromDegrees(pitch_deg), RadiansFromDegrees(roll_deg)},
+      .hfov_rad = kHfov};
+}
+
+CameraState Swerving(double time_s) {
+  return Above({8 * time_s, -60, 110}, 2 * std::sin(0.9 * time_s) - 6 * time_s + 0.4 * std::sin(5.3 * time_s),
+               -60 + 3 * std::sin(0.6 * time_s + 1) + 0.3 * std::sin(7.1 * time_s), 2 * std::sin(0.4 * time_s), time_s);
+}
+
+CameraState Straight(double time_s) { return Above({8 * time_s, -60, 110}, 0, -60, 0, time_s); }
+
+CameraState Rocking(double time_s) {
+  return Above({0, -60, 110}, 2 * std::sin(2 * kPi * time_s / 0.8), -60, 0, time_s);
+}
+
+constexpr double kLength_s = 15;
+
+// Image motion of ground points seen from this path, with tracking noise.
+ImageMotions Film(const Path& path, std::uint64_t seed = 1, double noise_px = 0.15) {
+  Random random(seed);
+  const TangentPlane plane(kOrigin);
+  const double focal_px = kImage.width / 2.0 / std::tan(kHfov / 2);
+  const Vector2d middle(kImage.width / 2.0, kImage.height / 2.0);
+  ImageMotions seen{.motions = {}, .image = kImage};
+  for (int i = 0; i + 1 < kLength_s * 10; ++i) {
+    const CameraState from = path(0.1 * i);
+    const CameraState to = path(0.1 * (i + 1));
+    std::vector<PointPair> pairs;
+    const Vector2d shift(noise_px * random.Normal(), noise_px * random.Normal());
+    const Eigen::Rotation2Dd turn(noise_px / 400 * random.Normal());
+    for (int k = 0; k < 40; ++k) {
+      const Vector2d pixel(random.Uniform(0, kImage.width), random.Uniform(0, kImage.height));
+      const Vector3d ray = CameraFromEnu(*from.attitude).conjugate() * ((pixel - middle) / focal_px).homogeneous();
+      const Vector3d at = plane.EnuFromGeodetic(from.place);
+      const Vector3d ground = at - at.z() / ray.z() * ray;
+      const Vector3d there = CameraFromEnu(*to.attitude) * (ground - plane.EnuFromGeodetic(to.place));
+      pairs.push_back({pixel, turn * (focal_px * there.hnormalized()) + middle + shift});
+    }
+    const auto map = SolveSimilarity(pairs);
+    EXPECT_TRUE(map);
+    seen.motions.push_back({from.time_s, to.time_s, *map});
+  }
+  return seen;
+}
+
+// Its telemetry, 10 states per second, with a clock error of `late_s`.
+CameraTrack Recorded(const Path& path, double late_s) {
+  std::vector<CameraState> states;
+  for (int i = -30; i < (kLength_s + 3) * 10; ++i) {
+    states.push_back(path(0.1 * i));
+    states.back().time_s += late_s;
+  }
+  return {std::move(states), 2};
+}
+
+TEST(TimeOffset, AFlightThatSwervesTellsItToPartsOfAFrame) {
+  for (const double late_s : {0.0, 0.4, -0.25, 0.037, 1.7}) {
+    const TimeOffset offset = EstimateTimeOffset(Film(Swerving), Recorded(Swerving, late_s), {});
+    ASSERT_TRUE(offset.offset_s) << late_s << ": " << offset.status;
+    EXPECT_NEAR(*offset.offset_s, -late_s, 0.01);
+    EXPECT_LT(offset.sigma_s, 0.01);
+    EXPECT_GT(offset.explained, 0.9);
+  }
+}
+
+TEST(TimeOffset, ItsStandardErrorIsRight) {
+  constexpr int kDraws = 40;
+  int inside = 0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const auto seen = Film(Swerving, 100 + static_cast<std::uint64_t>(draw), 1.5);
+    const TimeOffset offset = EstimateTimeOffset(seen, Recorded(Swerving, 0.2), {});
+    ASSERT_TRUE(offset.offset_s) << offset.status;
+    inside += std::abs(*offset.offset_s + 0.2) < 1.645 * offset.sigma_s ? 1 : 0;
+  }
+  EXPECT_GE(inside, 0.8 * kDraws);
+}
+
+TEST(TimeOffset, NoiseInTelemetryDoesNotDrawItToWhereRowsAreApart) {
+  int inside = 0;
+  constexpr int kDraws = 20;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Random random(static_cast<std::uint64_t>(draw) + 5);
+    std::vector<CameraState> states = Recorded(Swerving, 0.4).states();
+    for (CameraState& state : states) {
+      state.attitude->yaw_rad += 1e-3 * random.Normal();
+      state.attitude->pitch_rad += 1e-3 * random.Normal();
+    }
+    const TimeOffset offset = EstimateTimeOffset(Film(Swerving), CameraTrack(states, 2), {});
+    ASSERT_TRUE(offset.offset_s) << offset.status;
+    EXPECT_NEAR(*offset.offset_s, -0.4, 0.05);
+    inside += std::abs(*offset.offset_s + 0.4) < 1.645 * offset.sigma_s ? 1 : 0;
+  }
+  EXPECT_GE(inside, 0.7 * kDraws);
+}
+
+TEST(TimeOffset, AStraightFlightTellsNone) {
+  const TimeOffset offset = EstimateTimeOffset(Film(Straight), Recorded(Straight, 0.4), {});
+  EXPECT_FALSE(offset.offset_s);
+  EXPECT_THAT(offset.status, HasSubstr("too little"));
+}
+
+TEST(TimeOffset, AMotionThatComesAgainTellsNone) {
+  const TimeOffset offset = EstimateTimeOffset(Film(Rocking), Recorded(Rocking, 0.3), {});
+  EXPECT_FALSE(offset.offset_s);
+  EXPECT_THAT(offset.status, HasSubstr("is periodic"));
+}
+
+TEST(TimeOffset, TelemetryOfAnotherFlightTellsNone) {
+  const auto other = [](double time_s) {
+    return Above({8 * time_s, -60, 110}, 3 * std::sin(1.7 * time_s + 2), -60 + 2 * std::sin(2.3 * time_s), 0, time_s);
+  };
+  const TimeOffset offset = EstimateTimeOffset(Film(Swerving), Recorded(other, 0), {});
+  EXPECT_FALSE(offset.offset_s) << *offset.offset_s;
+}
+
+TEST(TimeOffset, WithoutAFieldOfViewThereIsNone) {
+  const auto blind = [](double time_s) {
+    CameraState state = Swerving(time_s);
+    state.hfov_rad.reset();
+    return state;
+  };
+  EXPECT_THAT(EstimateTimeOffset(Film(Swerving), Recorded(blind, 0), {}).status, HasSubstr("field of view"));
+  EXPECT_THAT(EstimateTimeOffset({.motions = {}, .image = kImage}, Recorded(Swerving, 0), {}).status,
+              HasSubstr("0 pairs"));
+}
+
+}  // namespace
+}  // namespace victorious

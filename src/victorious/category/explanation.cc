@@ -1,0 +1,139 @@
+#include "victorious/category/explanation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/imgproc.hpp>
+
+#include "victorious/base/check.h"
+
+namespace victorious {
+namespace {
+
+std::vector<PhraseEvidence> LinearEvidence(const CategoryModel& model, const WordedPicture& picture, std::size_t node) {
+  const auto phrases = FindPhrases(picture, model.part_of_word, model.parts, model.options.phrases);
+  const SparseVector counts = CountPhrases(phrases, model.parts);
+  const SparseVector values = Hellinger(counts);
+  std::vector<float> each(PhraseCount(model.parts));  // contribution of one occurrence of each phrase
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    const auto [phrase, value] = values[k];
+    each[phrase] = model.phrase_weights[node].phrases(phrase) * value / counts[k].second;
+  }
+  std::vector<PhraseEvidence> evidence;
+  for (const PhraseOccurrence& phrase : phrases)
+    if (each[phrase.phrase] != 0) evidence.push_back({phrase.i, phrase.j, each[phrase.phrase]});
+  return evidence;
+}
+
+std::vector<PhraseEvidence> LikelihoodEvidence(const CategoryModel& model, const WordedPicture& picture,
+                                               std::size_t node) {
+  std::vector<PhraseEvidence> evidence;
+  double sum = 0;
+  for (std::size_t z = 0; z < model.topic_nodes.size(); ++z) {
+    if (!IsWithin(model.nodes[model.topic_nodes[z]].name, model.nodes[node].name)) continue;
+    for (const FoundPhrase& phrase : model.grammars[z].Phrases(picture)) {
+      evidence.push_back({phrase.i, phrase.j, phrase.likelihood});
+      sum += phrase.likelihood;
+    }
+  }
+  for (PhraseEvidence& one : evidence) one.weight /= sum;
+  return evidence;
+}
+
+constexpr int kCellsAcross = 32;  // of the grid, along the longer side
+
+// Contributions summed per grid cell of the image, minus the mean over cells.
+cv::Mat_<double> EvidenceGrid(const std::vector<PhraseEvidence>& evidence, const WordedPicture& picture,
+                              double cell_px) {
+  cv::Mat_<double> grid(std::max(1, static_cast<int>(std::ceil(picture.height / cell_px))),
+                        std::max(1, static_cast<int>(std::ceil(picture.width / cell_px))), 0.0);
+  const auto add = [&](const Keypoint& keypoint, double weight) {
+    const int row = std::clamp(static_cast<int>(keypoint.y / cell_px), 0, grid.rows - 1);
+    const int column = std::clamp(static_cast<int>(keypoint.x / cell_px), 0, grid.cols - 1);
+    grid(row, column) += weight;
+  };
+  for (const PhraseEvidence& one : evidence) {
+    add(picture.keypoints[one.i], one.weight / 2);
+    add(picture.keypoints[one.j], one.weight / 2);
+  }
+  grid -= cv::mean(grid)[0];
+  return grid;
+}
+
+// The rectangle of cells with the maximum sum: Kadane's algorithm over the columns for each pair of rows.
+cv::Rect BestRectangle(const cv::Mat_<double>& grid) {
+  cv::Rect best(0, 0, grid.cols, grid.rows);
+  double best_sum = 0;
+  for (int top = 0; top < grid.rows; ++top) {
+    std::vector<double> column_sums(static_cast<std::size_t>(grid.cols), 0.0);
+    for (int bottom = top; bottom < grid.rows; ++bottom) {
+      double run = 0;
+      int left = 0;
+      for (int column = 0; column < grid.cols; ++column) {
+        double& sum = column_sums[static_cast<std::size_t>(column)];
+        sum += grid(bottom, column);
+        if (run <= 0) {
+          run = 0;
+          left = column;
+        }
+        run += sum;
+        constexpr double kRounding = 1e-9;
+        if (run > best_sum + kRounding) {
+          best_sum = run;
+          best = {left, top, column - left + 1, bottom - top + 1};
+        }
+      }
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<PhraseEvidence> EvidenceFor(const CategoryModel& model, const WordedPicture& picture, std::size_t node) {
+  VICTORIOUS_CHECK(node < model.nodes.size());
+  auto evidence = model.options.scoring == "linear" ? LinearEvidence(model, picture, node)
+                                                    : LikelihoodEvidence(model, picture, node);
+  std::ranges::stable_sort(evidence, std::ranges::greater(), &PhraseEvidence::weight);
+  return evidence;
+}
+
+Box SupportingBox(const std::vector<PhraseEvidence>& evidence, const WordedPicture& picture) {
+  const double cell_px = std::max(1.0, std::max(picture.width, picture.height) / static_cast<double>(kCellsAcross));
+  const cv::Rect cells = BestRectangle(EvidenceGrid(evidence, picture, cell_px));
+  const Box box{cells.x * cell_px, cells.y * cell_px, cells.width * cell_px, cells.height * cell_px};
+  return Intersection(box, FrameBox(picture.width, picture.height));
+}
+
+cv::Mat DrawEvidence(const cv::Mat& bgr, const WordedPicture& picture, const std::vector<PhraseEvidence>& evidence,
+                     const std::string& caption) {
+  constexpr double kDim = 0.55;
+  constexpr std::size_t kDrawn = 150;
+  constexpr int kLeastWidthPx = 480;  // smaller images are enlarged to keep lines distinguishable
+  const double zoom = std::max(1.0, static_cast<double>(kLeastWidthPx) / std::max(1, bgr.cols));
+  cv::Mat canvas;
+  cv::resize(bgr, canvas, {}, zoom, zoom, cv::INTER_LINEAR);
+  canvas *= kDim;
+  const auto place = [&](const Keypoint& keypoint) { return cv::Point2f(keypoint.x, keypoint.y) * zoom; };
+  // In order of increasing weight, so that the strongest are on top.
+  const std::size_t count = std::min(kDrawn, evidence.size());
+  for (std::size_t k = count; k-- > 0;) {
+    if (evidence[k].weight <= 0) continue;
+    const double strength = evidence[k].weight / evidence.front().weight;
+    const cv::Scalar colour(0, 100 + 155 * strength, 255 * strength);
+    const cv::Point2f a = place(picture.keypoints[evidence[k].i]);
+    const cv::Point2f b = place(picture.keypoints[evidence[k].j]);
+    cv::line(canvas, a, b, colour, 1, cv::LINE_AA);
+    cv::circle(canvas, a, 2, colour, cv::FILLED, cv::LINE_AA);
+    cv::circle(canvas, b, 2, colour, cv::FILLED, cv::LINE_AA);
+  }
+  const Box box = SupportingBox(evidence, picture);
+  cv::rectangle(canvas, cv::Rect2d(box.x * zoom, box.y * zoom, box.width * zoom, box.height * zoom), {255, 255, 0}, 2);
+  constexpr int kCaptionPx = 26;
+  cv::Mat framed;
+  cv::copyMakeBorder(canvas, framed, 0, kCaptionPx, 0, 0, cv::BORDER_CONSTANT, cv::Scalar::all(255));
+  cv::putText(framed, caption, {6, framed.rows - 8}, cv::FONT_HERSHEY_SIMPLEX, 0.5, cv::Scalar::all(0), 1, cv::LINE_AA);
+  return framed;
+}
+
+}  // namespace victorious

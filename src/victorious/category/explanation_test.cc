@@ -1,0 +1,63 @@
+#include "victorious/category/explanation.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "testing/category_tools.h"
+
+namespace victorious {
+namespace {
+
+TEST(Evidence, AddsUpToThePhrasesPartOfTheScore) {
+  const auto model = TrainCategories(testing::DrawExamples(8, 1), testing::SmallOptions());
+  ASSERT_TRUE(model.has_value());
+  const auto examples = testing::DrawExamples(1, 9);
+  const WordedPicture picture = WordsOf(*model, examples[0].features);
+  const auto evidence = EvidenceFor(*model, picture, 0);
+  ASSERT_FALSE(evidence.empty());
+  EXPECT_TRUE(std::ranges::is_sorted(evidence, std::ranges::greater(), &PhraseEvidence::weight));
+  double sum = 0;
+  for (const PhraseEvidence& one : evidence) sum += one.weight;
+  const LinearWeights& weights = model->phrase_weights[0];
+  double rest = weights.offset + weights.fisher.dot(picture.fisher);
+  for (const auto& [word, value] : Hellinger(CountWords(picture, model->vocabulary.size())))
+    rest += static_cast<double>(weights.words(word)) * value;
+  EXPECT_NEAR(sum + rest, Classify(*model, picture, CategoryMethod::kPhrases).scores[0].raw, 1e-4);
+}
+
+TEST(Evidence, BoxIsWhereTheEvidenceIs) {
+  WordedPicture picture{.width = 320, .height = 160};
+  std::vector<PhraseEvidence> evidence;
+  for (int x = 5; x < 320; x += 10)
+    for (int y = 5; y < 160; y += 10) picture.keypoints.push_back({static_cast<float>(x), static_cast<float>(y), 2, 0});
+  for (std::uint32_t i = 0; i < picture.size(); ++i) {
+    const Keypoint& k = picture.keypoints[i];
+    const bool inside = k.x > 100 && k.x < 200 && k.y > 40 && k.y < 120;
+    evidence.push_back({i, i, inside ? 1.0 : -0.1});
+  }
+  const Box box = SupportingBox(evidence, picture);
+  EXPECT_GT(IntersectionOverUnion(box, {100, 40, 100, 80}), 0.9);
+  EXPECT_EQ(SupportingBox({}, picture), (Box{0, 0, 320, 160}));
+}
+
+TEST(Evidence, IsDrawnForEitherScoring) {
+  Random random(4);
+  const cv::Mat grey = testing::DrawPair(true, random);
+  cv::Mat bgr;
+  cv::cvtColor(grey, bgr, cv::COLOR_GRAY2BGR);
+  for (const char* scoring : {"linear", "likelihood"}) {
+    const auto model = TrainCategories(testing::DrawExamples(4, 1), testing::SmallOptions(scoring));
+    ASSERT_TRUE(model.has_value());
+    const WordedPicture picture = WordsOf(*model, DenseFeatures(grey, testing::CoarseGrid()));
+    const auto evidence = EvidenceFor(*model, picture, 0);
+    EXPECT_FALSE(evidence.empty());
+    const cv::Mat drawn = DrawEvidence(bgr, picture, evidence, "caption");
+    EXPECT_GE(drawn.cols, 480);
+  }
+  const WordedPicture nothing{.width = 160, .height = 120};
+  EXPECT_FALSE(DrawEvidence(bgr, nothing, {}, "").empty());
+}
+
+}  // namespace
+}  // namespace victorious

@@ -1,0 +1,131 @@
+#include "victorious/geometry/view_sphere.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+using Eigen::Vector3d;
+
+// Index arithmetic of the grid: view 0 is the pole, then the rings follow.
+struct Grid {
+  int rings = 0;
+  int around = 0;
+
+  [[nodiscard]] int Index(int ring, int place) const { return 1 + ring * around + (place + around) % around; }
+
+  [[nodiscard]] std::vector<int> NeighboursOf(int ring, int place) const {
+    std::vector<int> neighbours;
+    for (int r = std::max(ring - 1, 0); r <= std::min(ring + 1, rings - 1); ++r) {
+      for (int p = place - 1; p <= place + 1; ++p) neighbours.push_back(Index(r, p));
+    }
+    if (ring == 0) neighbours.push_back(0);
+    std::ranges::sort(neighbours);
+    const auto doubled = std::ranges::unique(neighbours);  // duplicates occur in rings of one or two views
+    neighbours.erase(doubled.begin(), doubled.end());
+    std::erase(neighbours, Index(ring, place));
+    return neighbours;
+  }
+
+  [[nodiscard]] std::vector<int> NeighboursOfPole() const {
+    std::vector<int> neighbours;
+    for (int place = 0; rings > 0 && place < around; ++place) neighbours.push_back(Index(0, place));
+    return neighbours;
+  }
+};
+
+// The up direction of the image in the model frame: the direction of decreasing off-nadir angle.
+Vector3d ImageUp(const ViewDirection& direction) {
+  const double c = std::cos(direction.off_nadir_rad);
+  return {c * std::cos(direction.azimuth_rad), -c * std::sin(direction.azimuth_rad), std::sin(direction.off_nadir_rad)};
+}
+
+}  // namespace
+
+void ViewSphereOptions::ListFields(FieldList& fields) {
+  fields.Add("step", step_deg,
+             {.min = 1,
+              .max = 90,
+              .unit = "deg",
+              .reason = "between views; features tolerate a change of view of about 10 degrees"});
+  fields.Add("max_off_nadir", max_off_nadir_deg,
+             {.min = 0,
+              .max = 180,
+              .unit = "deg",
+              .reason = "maximum off-nadir angle of a view; an airborne camera hardly sees larger ones"});
+}
+
+Expected<ViewSphere> MakeViewSphere(const ViewSphereOptions& options) {
+  VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
+  constexpr double kTolerance = 1e-9;
+  const double around = 360.0 / options.step_deg;
+  if (std::abs(around - std::round(around)) > kTolerance) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("step {} degrees: must divide 360", options.step_deg));
+  }
+  const double below = options.max_off_nadir_deg < 180.0 ? options.max_off_nadir_deg : 180.0 - options.step_deg;
+  const Grid grid{.rings = static_cast<int>(below / options.step_deg + kTolerance),
+                  .around = static_cast<int>(std::lround(around))};
+  ViewSphere sphere;
+  sphere.views.push_back({{}, grid.NeighboursOfPole()});
+  for (int ring = 0; ring < grid.rings; ++ring) {
+    for (int place = 0; place < grid.around; ++place) {
+      const ViewDirection direction{.azimuth_rad = RadiansFromDegrees(place * options.step_deg),
+                                    .off_nadir_rad = RadiansFromDegrees((ring + 1) * options.step_deg)};
+      sphere.views.push_back({direction, grid.NeighboursOf(ring, place)});
+    }
+  }
+  return sphere;
+}
+
+Vector3d DirectionToCamera(const ViewDirection& direction) {
+  const double s = std::sin(direction.off_nadir_rad);
+  return {-s * std::cos(direction.azimuth_rad), s * std::sin(direction.azimuth_rad), std::cos(direction.off_nadir_rad)};
+}
+
+ViewDirection DirectionFromVector(const Vector3d& object_to_camera) {
+  const double sideways = std::hypot(object_to_camera.x(), object_to_camera.y());
+  const double azimuth = sideways > 0 ? std::atan2(object_to_camera.y(), -object_to_camera.x()) : 0.0;
+  return {.azimuth_rad = azimuth < 0 ? azimuth + 2 * kPi : azimuth,
+          .off_nadir_rad = std::atan2(sideways, object_to_camera.z())};
+}
+
+Eigen::Quaterniond CameraFromModel(const ViewDirection& direction) {
+  const Vector3d to_camera = DirectionToCamera(direction);
+  const Vector3d up = ImageUp(direction);
+  Eigen::Matrix3d rotation;
+  rotation << up.cross(to_camera).transpose(), -up.transpose(), -to_camera.transpose();
+  return Eigen::Quaterniond(rotation);
+}
+
+Expected<PosedCamera> CameraForView(const ViewDirection& direction, const Sphere& sphere, const ViewFraming& framing) {
+  if (!(sphere.radius > 0) || !(framing.distance_m > sphere.radius)) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("distance {} m to the centre of an object of radius {} m: must be "
+                            "more than its radius",
+                            framing.distance_m, sphere.radius));
+  }
+  if (!(framing.diameter_px > 0) || framing.width_px < 1 || framing.height_px < 1) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("an object of {} px in an image of {} x {}: sizes must be above 0", framing.diameter_px,
+                            framing.width_px, framing.height_px));
+  }
+  const double grazing = std::sqrt(framing.distance_m * framing.distance_m - sphere.radius * sphere.radius);
+  const double focal_px = framing.diameter_px / 2 * grazing / sphere.radius;
+
+  const Eigen::Quaterniond camera_from_model = CameraFromModel(direction);
+  const Vector3d eye = sphere.centre + framing.distance_m * DirectionToCamera(direction);
+  return PosedCamera{.pinhole = {.fx = focal_px,
+                                 .fy = focal_px,
+                                 .cx = framing.width_px / 2.0,
+                                 .cy = framing.height_px / 2.0,
+                                 .width = framing.width_px,
+                                 .height = framing.height_px},
+                     .camera_from_world = {camera_from_model, -(camera_from_model * eye)}};
+}
+
+}  // namespace victorious

@@ -1,0 +1,154 @@
+#include "victorious/image/image_file.h"
+
+#include <cstdint>
+#include <exception>
+#include <limits>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "victorious/base/file.h"
+#include "victorious/image/image_header.h"
+
+namespace victorious {
+namespace {
+
+constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 28;
+
+// Decodes all channels as stored; empty if OpenCV cannot decode the bytes.
+cv::Mat DecodeStored(std::span<const std::byte> bytes) {
+  const cv::Mat view(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<std::byte*>(bytes.data()));
+  return cv::imdecode(view, cv::IMREAD_UNCHANGED);
+}
+
+std::optional<Image> SplitAlpha(const cv::Mat& stored) {
+  cv::Mat eight_bits = stored;
+  if (stored.depth() == CV_16U) stored.convertTo(eight_bits, CV_8U, 1.0 / 257.0);
+  Image image;
+  switch (stored.channels()) {
+    case 1:
+      cv::cvtColor(eight_bits, image.bgr, cv::COLOR_GRAY2BGR);
+      return image;
+    case 2:
+      cv::extractChannel(eight_bits, image.alpha, 1);
+      cv::extractChannel(eight_bits, eight_bits, 0);
+      cv::cvtColor(eight_bits, image.bgr, cv::COLOR_GRAY2BGR);
+      return image;
+    case 3:
+      image.bgr = eight_bits;
+      return image;
+    case 4:
+      cv::extractChannel(eight_bits, image.alpha, 3);
+      cv::cvtColor(eight_bits, image.bgr, cv::COLOR_BGRA2BGR);
+      return image;
+    default:
+      return std::nullopt;
+  }
+}
+
+Expected<ImageHeader> CheckedHeader(std::span<const std::byte> bytes, const std::string& name) {
+  if (bytes.empty()) return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: the file is empty", name));
+  const auto header = ReadImageHeader(bytes);
+  if (!header || bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+    return Fail(ErrorCode::kDataLoss,
+                fmt::format("{}: not a picture that can be read (PNG, JPEG, TIFF, BMP or PNM)", name));
+  }
+  if (header->width == 0 || header->height == 0) {
+    return Fail(ErrorCode::kDataLoss,
+                fmt::format("{}: a damaged {} picture, without a size", name, Name(header->format)));
+  }
+  if (std::uint64_t{header->width} * header->height > kMaxPixels) {
+    return Fail(ErrorCode::kUnsupported, fmt::format("{}: {} x {} pixels, more than the {} that can be read", name,
+                                                     header->width, header->height, kMaxPixels));
+  }
+  if (header->cut_off) {
+    return Fail(ErrorCode::kDataLoss, fmt::format("{}: a {} picture whose end is missing", name, Name(header->format)));
+  }
+  return *header;
+}
+
+// May throw cv::Exception.
+Expected<Image> DecodeChecked(std::span<const std::byte> bytes, const ImageHeader& header, const std::string& name) {
+  const cv::Mat stored = DecodeStored(bytes);
+  if (stored.empty()) {
+    return Fail(ErrorCode::kDataLoss, fmt::format("{}: a damaged {} picture", name, Name(header.format)));
+  }
+  if (stored.depth() != CV_8U && stored.depth() != CV_16U) {
+    return Fail(ErrorCode::kUnsupported, fmt::format("{}: pixels are neither 8-bit nor 16-bit integers", name));
+  }
+  auto image = SplitAlpha(stored);
+  if (!image) {
+    return Fail(ErrorCode::kUnsupported, fmt::format("{}: {} channels, not 1 to 4", name, stored.channels()));
+  }
+  image->bgr = TurnUpright(image->bgr, header.orientation);
+  // The fourth byte of a BMP pixel is almost always padding, not alpha.
+  image->alpha = header.format == ImageFormat::kBmp ? cv::Mat() : TurnUpright(image->alpha, header.orientation);
+  return *std::move(image);
+}
+
+}  // namespace
+
+Expected<Image> ReadImage(const std::filesystem::path& path) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(path));
+  return DecodeImage(std::as_bytes(std::span(bytes)), path.string());
+}
+
+Expected<Image> DecodeImage(std::span<const std::byte> bytes, const std::string& name) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const ImageHeader header, CheckedHeader(bytes, name));
+  try {
+    return DecodeChecked(bytes, header, name);
+  } catch (const std::exception&) {  // cv::Exception or std::bad_alloc
+    return Fail(ErrorCode::kDataLoss, fmt::format("{}: a damaged {} picture", name, Name(header.format)));
+  }
+}
+
+Status WriteImage(const std::filesystem::path& path, const cv::Mat& image) {
+  // Halves the size of a PNG at the cost of time; other formats ignore the parameter.
+  const std::vector<int> parameters = {cv::IMWRITE_PNG_COMPRESSION, 6};
+  std::vector<unsigned char> bytes;
+  try {
+    if (cv::imencode(path.extension().string(), image, bytes, parameters))
+      return WriteFileAtomically(path, std::as_bytes(std::span(bytes)));
+  } catch (const cv::Exception&) {
+    // The extension is unknown to OpenCV.
+  }
+  return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: a picture's name must end in .png or .jpg", path.string()));
+}
+
+namespace {
+
+Expected<std::vector<std::byte>> Encode(const cv::Mat& bgr, const char* ending, const std::vector<int>& parameters) {
+  std::vector<unsigned char> bytes;
+  try {
+    if (cv::imencode(ending, bgr, bytes, parameters)) {
+      const auto encoded = std::as_bytes(std::span(bytes));
+      return std::vector<std::byte>(encoded.begin(), encoded.end());
+    }
+  } catch (const cv::Exception&) {
+    // The image is empty, or too large for the format.
+  }
+  return Fail(ErrorCode::kInternal,
+              fmt::format("a picture of {} x {} pixels cannot be encoded as {}", bgr.cols, bgr.rows, ending));
+}
+
+}  // namespace
+
+Expected<std::vector<std::byte>> EncodeJpeg(const cv::Mat& bgr, int quality) {
+  return Encode(bgr, ".jpg", {cv::IMWRITE_JPEG_QUALITY, quality});
+}
+
+Expected<std::vector<std::byte>> EncodePng(const cv::Mat& bgr) { return Encode(bgr, ".png", {}); }
+
+cv::Mat GreyFromBgr(const cv::Mat& bgr) {
+  cv::Mat grey;
+  cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
+  return grey;
+}
+
+}  // namespace victorious

@@ -1,0 +1,82 @@
+#include "victorious/image/impulse_noise.h"
+
+#include <cmath>
+#include <cstdint>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "victorious/base/random.h"
+
+namespace victorious {
+namespace {
+
+// A smooth grey image without noise.
+cv::Mat Hills() {
+  cv::Mat image(120, 160, CV_8UC1);
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      image.at<uchar>(y, x) = cv::saturate_cast<uchar>(128 + 50 * std::sin(x / 9.0) + 40 * std::cos(y / 7.0));
+    }
+  }
+  return image;
+}
+
+cv::Mat WithSaltAndPepper(cv::Mat image, double share) {
+  Random random(1);
+  for (int i = 0; i < share * static_cast<double>(image.total()); ++i) {
+    image.at<uchar>(static_cast<int>(random.Below(static_cast<std::uint32_t>(image.rows))),
+                    static_cast<int>(random.Below(static_cast<std::uint32_t>(image.cols)))) =
+        random.Below(2) == 0 ? 0 : 255;
+  }
+  return image;
+}
+
+TEST(ImpulseNoise, TakesSaltAndPepperOut) {
+  const cv::Mat clean = Hills();
+  for (const double share : {0.02, 0.03, 0.07, 0.15}) {
+    const cv::Mat noisy = WithSaltAndPepper(clean.clone(), share);
+    const double before = cv::norm(noisy, clean, cv::NORM_L1) / static_cast<double>(clean.total());
+    const double after =
+        cv::norm(WithoutImpulses(noisy, 0.015), clean, cv::NORM_L1) / static_cast<double>(clean.total());
+    EXPECT_LT(after, before / 15) << share;
+  }
+}
+
+// In a dark image only salt differs from the background.
+TEST(ImpulseNoise, IsFoundInTheDarkToo) {
+  const cv::Mat clean = Hills() / 6;
+  const cv::Mat noisy = WithSaltAndPepper(clean.clone(), 0.03);
+  EXPECT_LT(cv::norm(WithoutImpulses(noisy, 0.015), clean, cv::NORM_L1), cv::norm(noisy, clean, cv::NORM_L1) / 5);
+}
+
+TEST(ImpulseNoise, LeavesCleanImagesAndTheirLampsAlone) {
+  cv::Mat clean = Hills();
+  for (int i = 0; i < 20; ++i) clean.at<uchar>(5 + 5 * i, 8 + 7 * i) = 255;
+  EXPECT_EQ(cv::norm(WithoutImpulses(clean, 0.015), clean, cv::NORM_INF), 0);
+}
+
+// Thin branches, letters and dots differ from their surroundings as impulses do: in every tenth pixel of this image.
+TEST(ImpulseNoise, LeavesCleanPicturesFullOfThinThingsAlone) {
+  cv::Mat clean(240, 320, CV_8UC1, cv::Scalar(150));
+  Random random(2);
+  for (int i = 0; i < 150; ++i) {
+    const cv::Point from(static_cast<int>(random.Below(320)), static_cast<int>(random.Below(240)));
+    const cv::Point to(static_cast<int>(random.Below(320)), static_cast<int>(random.Below(240)));
+    cv::line(clean, from, to, cv::Scalar(random.Below(2) == 0 ? 30 : 240));
+  }
+  EXPECT_EQ(cv::norm(WithoutImpulses(clean, 0.015), clean, cv::NORM_INF), 0);
+  const cv::Mat noisy = WithSaltAndPepper(clean.clone(), 0.05);
+  EXPECT_GT(cv::norm(WithoutImpulses(noisy, 0.015), noisy, cv::NORM_INF), 0) << "this one is noisy";
+}
+
+TEST(ImpulseNoise, TakesImagesOfAnySize) {
+  for (const int side : {0, 1, 4, 5}) {
+    const cv::Mat tiny(side, side, CV_8UC1, cv::Scalar(7));
+    EXPECT_EQ(WithoutImpulses(tiny, 0.0).size(), tiny.size()) << side;
+  }
+}
+
+}  // namespace
+}  // namespace victorious

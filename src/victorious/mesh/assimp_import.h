@@ -1,0 +1,27 @@
+// Private to render/: converts an assimp scene into one Mesh. Call it only in the isolated process (isolated.h): assimp
+// may crash on hostile files.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "victorious/base/error.h"
+#include "victorious/mesh/cad_folder.h"
+#include "victorious/mesh/load_mesh.h"
+
+namespace victorious {
+
+enum class CadFormat { kGltf, kObj, kAc3d, kCollada, k3ds, kPly, kStl };
+
+/// The format by file extension, case-insensitive; std::nullopt for any other extension.
+[[nodiscard]] std::optional<CadFormat> CadFormatOf(std::string_view name);
+
+struct ImportedMesh {
+  LoadedMesh loaded;       ///< in the file's own frame and unit; missing normals are zero vectors
+  Axis up = Axis::kPlusY;  ///< the up axis of that frame
+};
+
+/// Imports the CAD file of `folder`. May throw std::bad_alloc. Errors: kDataLoss, kUnsupported.
+Expected<ImportedMesh> ImportMesh(const CadFolder& folder, CadFormat format);
+
+}  // namespace victorious

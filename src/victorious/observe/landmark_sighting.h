@@ -1,0 +1,29 @@
+// Converts an object pose into a landmark sighting with its information matrix, for landmark navigation (navigate/).
+#pragma once
+
+#include <optional>
+
+#include "victorious/base/options.h"
+#include "victorious/navigate/landmark.h"
+#include "victorious/observe/object_pose.h"
+
+namespace victorious {
+
+/// Lower bounds of the rotation error. The errors of matched points are correlated, and of few points some are matched
+/// to a view from another side, so the covariance of the pose fit is too small. The added error is a rotation about the
+/// centroid of the points, so it shifts the object's centre, too.
+struct SightingOptions {
+  double least_turn_deg = 1;
+  double sure_points = 30;
+
+  void ListFields(FieldList& fields);
+};
+
+/// Returns a sighting with its pose and information matrix; the caller sets `frame` and `model`. std::nullopt if the
+/// object pose has no range, or its covariance is singular. Without a 6-DoF pose the sighting constrains the position
+/// only.
+/// @param sight  standard deviations of points, direction and range
+std::optional<LandmarkSighting> SightingOf(const Stance& stance, const SightOptions& sight,
+                                           const SightingOptions& options);
+
+}  // namespace victorious

@@ -1,0 +1,129 @@
+#include "victorious/recognize/cad_examples.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
+
+#include "victorious/base/check.h"
+#include "victorious/base/random.h"
+#include "victorious/geometry/angles.h"
+#include "victorious/geometry/similarity.h"
+#include "victorious/render/paste.h"
+#include "victorious/render/relight.h"
+#include "victorious/render/renderer.h"
+#include "victorious/geometry/view_sphere.h"
+
+namespace victorious {
+namespace {
+
+constexpr int kSize_px = 320;  // rendered diameter of the object's bounding sphere
+
+ViewDirection DrawDirection(double least_off_nadir_deg, double most_off_nadir_deg, Random& random) {
+  const double azimuth_rad = random.Uniform(0, 2 * kPi);
+  return {azimuth_rad, RadiansFromDegrees(random.Uniform(least_off_nadir_deg, most_off_nadir_deg))};
+}
+
+Light DrawLight(double sunlit_share, Random& random) {
+  constexpr double kLowestSun_deg = 65;
+  const ViewDirection sun = DrawDirection(0, kLowestSun_deg, random);
+  if (random.Uniform() >= sunlit_share) return {};
+  Light light = ClearDay(sun);
+  light.shadows = true;
+  return light;
+}
+
+// A random position in a background of this size, at a scale that fills a random fraction of it.
+Similarity2 DrawPlace(const cv::Rect& object, const cv::Size& picture, Random& random) {
+  constexpr double kLeastShare = 0.6;
+  constexpr double kMostShare = 0.95;
+  const double share = random.Uniform(kLeastShare, kMostShare);
+  Similarity2 place;
+  place.scale = share * std::min(static_cast<double>(picture.width) / object.width,
+                                 static_cast<double>(picture.height) / object.height);
+  const auto shift = [&](double from, double length, double room) {
+    return random.Uniform() * (room - place.scale * length) - place.scale * from;
+  };
+  place.translation.x() = shift(object.x, object.width, picture.width);
+  place.translation.y() = shift(object.y, object.height, picture.height);
+  return place;
+}
+
+}  // namespace
+
+void CadPictureOptions::ListFields(FieldList& fields) {
+  fields.Add("views", views, {.min = 1, .max = 1000, .reason = "renderings per CAD file, from random azimuths"});
+  fields.Add("least_off_nadir_deg", least_off_nadir_deg,
+             {.min = 0,
+              .max = 180,
+              .unit = "deg",
+              .reason = "minimum off-nadir angle of the renderings: lower for aerial images"});
+  fields.Add("most_off_nadir_deg", most_off_nadir_deg,
+             {.min = 0,
+              .max = 180,
+              .unit = "deg",
+              .reason = "maximum off-nadir angle of the renderings; above 90 seen from below"});
+  fields.Add(
+      "sunlit_share", sunlit_share,
+      {.min = 0, .max = 1, .reason = "fraction of renderings lit by a sun, at random but not near the horizon"});
+}
+
+Status CheckRange(const CadPictureOptions& options) {
+  if (options.least_off_nadir_deg <= options.most_off_nadir_deg) return {};
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("cad.least_off_nadir_deg {:g}: must not exceed cad.most_off_nadir_deg {:g}",
+                          options.least_off_nadir_deg, options.most_off_nadir_deg));
+}
+
+cv::Mat BackgroundForCad(const cv::Mat& grey) {
+  constexpr double kLongest_px = 1.5 * kSize_px;
+  const double scale = kLongest_px / std::max(grey.cols, grey.rows);
+  if (scale >= 1) return grey;
+  cv::Mat shrunk;
+  cv::resize(grey, shrunk, {std::max(1, cvRound(scale * grey.cols)), std::max(1, cvRound(scale * grey.rows))}, 0, 0,
+             cv::INTER_AREA);
+  return shrunk;
+}
+
+Expected<std::vector<BoxedPicture>> PicturesOfCad(const Mesh& mesh, const std::string& category,
+                                                  std::span<const cv::Mat> backgrounds,
+                                                  const CadPictureOptions& options, std::uint64_t seed) {
+  VICTORIOUS_CHECK(!backgrounds.empty());
+  VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
+  VICTORIOUS_RETURN_IF_ERROR(CheckRange(options));
+  VICTORIOUS_ASSIGN_OR_RETURN(Renderer renderer, Renderer::Create());
+  VICTORIOUS_ASSIGN_OR_RETURN(const MeshId uploaded, renderer.Upload(mesh));
+  const MeshInstance instance{.mesh = uploaded, .world_from_mesh = {}};
+  const Sphere sphere = BoundingSphere(mesh);
+  constexpr double kDistanceRadii = 12;
+  Random random(seed);
+  std::vector<BoxedPicture> pictures;
+  for (int i = 0; i < options.views; ++i) {
+    const ViewDirection from = DrawDirection(options.least_off_nadir_deg, options.most_off_nadir_deg, random);
+    VICTORIOUS_ASSIGN_OR_RETURN(const PosedCamera camera, CameraForView(from, sphere,
+                                                                        {.distance_m = kDistanceRadii * sphere.radius,
+                                                                         .diameter_px = kSize_px,
+                                                                         .width_px = kSize_px,
+                                                                         .height_px = kSize_px}));
+    VICTORIOUS_ASSIGN_OR_RETURN(const RenderedView rendered, renderer.Render(std::span(&instance, 1), camera,
+                                                                             DrawLight(options.sunlit_share, random)));
+    const cv::Rect seen = cv::boundingRect(rendered.mask);
+    if (seen.empty()) continue;  // a flat mesh seen edge-on
+    cv::Mat object;
+    cv::cvtColor(rendered.bgr, object, cv::COLOR_BGR2GRAY);
+    constexpr double kDarkest = 0.6;
+    constexpr double kBrightest = 1.5;
+    object.convertTo(object, CV_8U, random.Uniform(kDarkest, kBrightest));
+    cv::Mat picture = backgrounds[random.Below(static_cast<std::uint32_t>(backgrounds.size()))].clone();
+    const Similarity2 place = DrawPlace(seen, picture.size(), random);
+    Paste(object, rendered.mask, place, picture);
+    const Eigen::Vector2d corner = place.Apply({seen.x, seen.y});
+    pictures.push_back({.category = category,
+                        .grey = std::move(picture),
+                        .box = Box{corner.x(), corner.y(), place.scale * seen.width, place.scale * seen.height}});
+  }
+  return pictures;
+}
+
+}  // namespace victorious

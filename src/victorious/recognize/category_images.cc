@@ -1,0 +1,342 @@
+#include "victorious/recognize/category_images.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <mutex>
+#include <set>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+
+#include "victorious/base/random.h"
+#include "victorious/image/impulse_noise.h"
+#include "victorious/mesh/load_mesh.h"
+#include "victorious/image/image_file.h"
+
+namespace victorious {
+
+void CategoryFeatureOptions::ListFields(FieldList& fields) {
+  fields.Add("kind", kind,
+             {.choices = {"dense", "keypoints"},
+              .reason = "dense: descriptors on a grid, also at low contrast; keypoints: SIFT, as the thesis"});
+  fields.Add("surroundings", surroundings,
+             {.choices = {"none", "calibrate", "learn"},
+              .reason = "use of the whole image around a box. learn: an example like the crop, since images to "
+                        "classify have surroundings; calibrate: only to calibrate probabilities; none: not used"});
+  fields.Add("mirrored", mirrored,
+             {.reason = "learn from the mirror image of each image, too, except for categories that are mirror images "
+                        "of each other according to held-out images"});
+  fields.AddGroup("dense", dense);
+  fields.AddGroup("windows", windows);
+  fields.AddGroup("keypoints", keypoints);
+}
+
+void CategoryTrainOptions::ListFields(FieldList& fields) {
+  fields.AddGroup("features", features);
+  fields.AddGroup("examples", examples);
+  fields.AddGroup("cad", cad);
+  category.ListFields(fields);
+}
+
+Expected<CategoryEye> CategoryEye::Create(const CategoryFeatureOptions& options) {
+  VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
+  if (options.windows.enabled && options.kind != "dense")
+    return Fail(ErrorCode::kInvalidArgument, "windows.enabled: requires features on a grid: kind must be dense");
+  constexpr int kMostEnlarged = 2;  // further enlargement costs memory and adds no information
+  if (options.windows.enabled && options.windows.side_px > kMostEnlarged * options.windows.smallest_px) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("windows.smallest_px {}: must be at least half of windows.side_px {}, so that images are enlarged "
+                    "at most twice",
+                    options.windows.smallest_px, options.windows.side_px));
+  }
+  CategoryEye eye;
+  eye.options_ = options;
+  VICTORIOUS_ASSIGN_OR_RETURN(eye.extractor_, MakeFeatureExtractor(options.keypoints));
+  return eye;
+}
+
+Expected<CategoryEye> CategoryEye::Of(const CategoryModel& model) {
+  CategoryFeatureOptions options;
+  const auto json = nlohmann::json::parse(model.features_json, nullptr, /*allow_exceptions=*/false);
+  const Status status =
+      json.is_discarded() ? Fail(ErrorCode::kDataLoss, "not JSON") : SetFromJson(json, FieldsOf(options));
+  if (options.windows.enabled && model.options.scoring != "linear")
+    return Fail(ErrorCode::kDataLoss, "category model: windows require scoring linear: train again");
+  if (status) return Create(options);
+  return Fail(ErrorCode::kDataLoss,
+              fmt::format("category model: feature options: {}: train again", status.error().message));
+}
+
+Expected<FeatureSet> CategoryEye::Look(const cv::Mat& grey) const {
+  if (options_.kind == "dense") return DenseFeatures(grey, options_.dense);
+  return extractor_->Extract(grey);
+}
+
+cv::Mat CategoryEye::Clean(const cv::Mat& grey) const {
+  return WithoutImpulses(grey, options_.keypoints.impulse_share);
+}
+
+Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryEye& eye, const cv::Mat& grey, const Box& box,
+                                                  const std::string& category, int number, bool own_surroundings) {
+  const int x0 = std::clamp(static_cast<int>(std::floor(box.x)), 0, grey.cols - 1);
+  const int y0 = std::clamp(static_cast<int>(std::floor(box.y)), 0, grey.rows - 1);
+  const int x1 = std::clamp(static_cast<int>(std::ceil(box.x + box.width)), x0 + 1, grey.cols);
+  const int y1 = std::clamp(static_cast<int>(std::ceil(box.y + box.height)), y0 + 1, grey.rows);
+  const cv::Rect part(x0, y0, x1 - x0, y1 - y0);
+  const bool with_whole = own_surroundings && part.size() != grey.size() && eye.options().surroundings != "none";
+  std::vector<CategoryExample> examples;
+  const auto add = [&](const cv::Mat& seen, bool learns, bool calibrates, bool mirrored = false) -> Status {
+    VICTORIOUS_ASSIGN_OR_RETURN(FeatureSet features, eye.Look(seen));
+    examples.push_back({.category = category,
+                        .features = std::move(features),
+                        .picture = number,
+                        .learns = learns,
+                        .calibrates = calibrates,
+                        .mirrored = mirrored});
+    return {};
+  };
+  const auto add_mirrored = [&](const cv::Mat& seen) -> Status {
+    if (!eye.options().mirrored) return {};
+    cv::Mat mirrored;
+    cv::flip(seen, mirrored, 1);
+    return add(mirrored, /*learns=*/true, /*calibrates=*/false, /*mirrored=*/true);
+  };
+  const cv::Mat cut_out = grey(part).clone();
+  VICTORIOUS_RETURN_IF_ERROR(add(cut_out, /*learns=*/true, /*calibrates=*/!with_whole));
+  VICTORIOUS_RETURN_IF_ERROR(add_mirrored(cut_out));
+  if (!with_whole) return examples;
+  const bool learns = eye.options().surroundings == "learn";
+  VICTORIOUS_RETURN_IF_ERROR(add(grey, learns, /*calibrates=*/true));
+  if (learns) VICTORIOUS_RETURN_IF_ERROR(add_mirrored(grey));
+  return examples;
+}
+
+namespace {
+
+// Calls `work` with each index below `count`, in any order, on all cores. Returns the error of the lowest index;
+// rethrows exceptions.
+Status OnAllCores(std::size_t count, const std::function<Status(std::size_t)>& work,
+                  const std::function<void(std::size_t)>& done = {}) {
+  std::atomic<std::size_t> next = 0;
+  std::atomic<bool> failed = false;
+  std::mutex mutex;
+  std::size_t finished = 0;
+  std::size_t first_failure = count;
+  Status status;
+  std::exception_ptr thrown;
+  const auto take = [&] {
+    while (!failed) {  // work in progress is completed after a failure: it may fail at a lower index
+      const std::size_t i = next++;
+      if (i >= count) return;
+      Status one;
+      try {
+        one = work(i);
+      } catch (...) {  // OpenCV's exceptions, or std::bad_alloc
+        const std::scoped_lock lock(mutex);
+        thrown = std::current_exception();
+        failed = true;
+        return;
+      }
+      const std::scoped_lock lock(mutex);
+      if (one) {
+        ++finished;
+        if (done) done(finished);
+      } else if (i < first_failure) {
+        first_failure = i;
+        status = one;
+        failed = true;
+      }
+    }
+  };
+  std::vector<std::jthread> threads;
+  for (unsigned i = 1; i < std::max(1U, std::thread::hardware_concurrency()); ++i) threads.emplace_back(take);
+  take();
+  threads.clear();
+  if (thrown) std::rethrow_exception(thrown);
+  return status;
+}
+
+}  // namespace
+
+Status ForEachPicture(const std::filesystem::path& folder, std::span<const CategoryListRow> rows,
+                      const std::function<Status(std::size_t row, const cv::Mat& bgr)>& use,
+                      const std::function<void(std::size_t)>& done) {
+  const auto read = [&](std::size_t row) -> Status {
+    Expected<Image> image = ReadImage(folder / rows[row].image);
+    if (!image) return std::unexpected(std::move(image).error().WithContext(rows[row].where));
+    return use(row, image->bgr);
+  };
+  return OnAllCores(rows.size(), read, done);
+}
+
+namespace {
+
+struct SortedRows {
+  std::vector<CategoryListRow> pictures;
+  std::vector<CategoryListRow> cad_files;
+  std::set<std::string> of_things;  // object categories: those with a box or a CAD file
+  std::set<std::string> of_none;    // background: the others, neither above nor below an object category
+};
+
+Expected<SortedRows> SortRows(std::span<const CategoryListRow> rows) {
+  SortedRows sorted;
+  for (const CategoryListRow& row : rows) {
+    if (row.category.empty())
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("{}: no category: name the category that the image shows", row.where));
+    const bool cad = IsCadFile(row.image);
+    if (cad && row.box)
+      return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: a box: not allowed for a CAD file", row.where));
+    if (cad || row.box) sorted.of_things.insert(row.category);
+    (cad ? sorted.cad_files : sorted.pictures).push_back(row);
+  }
+  for (const CategoryListRow& row : sorted.pictures) {
+    const bool of_thing = std::ranges::any_of(sorted.of_things, [&](const std::string& thing) {
+      return IsWithin(thing, row.category) || IsWithin(row.category, thing);
+    });
+    if (!of_thing) sorted.of_none.insert(row.category);
+  }
+  if (!sorted.cad_files.empty() && sorted.of_none.empty()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: a CAD file requires background images: add a category without boxes and without CAD "
+                            "files, for example background",
+                            sorted.cad_files.front().where));
+  }
+  return sorted;
+}
+
+// The renderings of a CAD file in front of the backgrounds.
+Expected<std::vector<BoxedPicture>> ReadCad(const std::filesystem::path& folder, const CategoryListRow& row,
+                                            std::span<const cv::Mat> backgrounds, const CategoryTrainOptions& options,
+                                            std::uint64_t seed, const std::function<void(const std::string&)>& warn) {
+  Expected<LoadedMesh> loaded = LoadMesh(folder / row.image);
+  if (!loaded) return std::unexpected(std::move(loaded).error().WithContext(row.where));
+  for (const std::string& warning : loaded->warnings)
+    if (warn) warn(fmt::format("{}: {}", row.image, warning));
+  auto pictures = PicturesOfCad(loaded->mesh, row.category, backgrounds, options.cad, seed);
+  if (!pictures) return std::unexpected(std::move(pictures).error().WithContext(row.where));
+  return pictures;
+}
+
+}  // namespace
+
+Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::span<const CategoryListRow> rows,
+                                    const CategoryTrainOptions& options, const std::function<void(std::size_t)>& done,
+                                    const std::function<void(const std::string&)>& warn) {
+  VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
+  VICTORIOUS_ASSIGN_OR_RETURN(const SortedRows sorted, SortRows(rows));
+  VICTORIOUS_ASSIGN_OR_RETURN(const CategoryEye eye, CategoryEye::Create(options.features));
+  const bool by_windows = options.features.windows.enabled;
+  if (by_windows && options.category.scoring != "linear")
+    return Fail(ErrorCode::kInvalidArgument, "features.windows.enabled: requires scoring linear");
+  if (!sorted.cad_files.empty()) {
+    VICTORIOUS_RETURN_IF_ERROR(CheckRange(options.cad));
+    if (sorted.of_none.size() > 1 && warn)
+      warn(fmt::format("CAD files are rendered in front of the images of {}, taken as background",
+                       fmt::join(sorted.of_none, ", ")));
+  }
+
+  const std::size_t count = sorted.pictures.size();
+  std::vector<std::vector<CategoryExample>> of_picture(count);
+  std::vector<BoxedPicture> pictures(by_windows ? count : 0);
+  std::vector<cv::Mat> none(sorted.cad_files.empty() ? 0 : count);  // background images
+  const auto look = [&](std::size_t row, const cv::Mat& bgr) -> Status {
+    const CategoryListRow& listed = sorted.pictures[row];
+    const cv::Mat grey = GreyFromBgr(bgr);
+    VICTORIOUS_ASSIGN_OR_RETURN(const Box box, BoxWithin(listed, grey.cols, grey.rows));
+    const bool of_thing = sorted.of_things.contains(listed.category);
+    const cv::Mat seen = by_windows ? eye.Clean(grey) : grey;
+    if (!none.empty() && sorted.of_none.contains(listed.category)) none[row] = BackgroundForCad(seen);
+    if (by_windows) {
+      pictures[row] = {.category = listed.category, .grey = seen, .box = of_thing ? std::optional(box) : std::nullopt};
+      return {};
+    }
+    VICTORIOUS_ASSIGN_OR_RETURN(of_picture[row], ExamplesOf(eye, grey, box, listed.category, static_cast<int>(row)));
+    return {};
+  };
+  VICTORIOUS_RETURN_IF_ERROR(ForEachPicture(folder, sorted.pictures, look, done));
+
+  std::erase_if(none, [](const cv::Mat& picture) { return picture.empty(); });
+  for (std::size_t i = 0; i < sorted.cad_files.size(); ++i) {
+    VICTORIOUS_ASSIGN_OR_RETURN(std::vector<BoxedPicture> drawn, ReadCad(folder, sorted.cad_files[i], none, options,
+                                                                         MixSeed(options.category.seed, i), warn));
+    if (by_windows) {
+      std::ranges::move(drawn, std::back_inserter(pictures));
+    } else {
+      // Renderings of one CAD file are held out together, so that another CAD file calibrates, if the category has one.
+      const bool alone =
+          1 == std::ranges::count(sorted.cad_files, sorted.cad_files[i].category, &CategoryListRow::category);
+      const std::size_t first = of_picture.size();
+      of_picture.resize(first + drawn.size());
+      VICTORIOUS_RETURN_IF_ERROR(OnAllCores(drawn.size(), [&](std::size_t d) -> Status {
+        VICTORIOUS_ASSIGN_OR_RETURN(
+            of_picture[first + d], ExamplesOf(eye, drawn[d].grey, *drawn[d].box, drawn[d].category,
+                                              static_cast<int>(alone ? first + d : first), /*own_surroundings=*/false));
+        return {};
+      }));
+    }
+    done(count + i + 1);
+  }
+
+  if (by_windows) return TrainOnWindows(eye, pictures, options);
+  std::vector<CategoryExample> examples;
+  for (auto& some : of_picture) std::ranges::move(some, std::back_inserter(examples));
+  VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model, TrainCategories(examples, options.category));
+  model.features_json = OptionsToJsonText(options.features);
+  return model;
+}
+
+namespace {
+
+// The maximum score of each object category over the windows; for the background the score of the window that is most
+// likely to show an object.
+Expected<ClassifiedPicture> ClassifyInWindows(const CategoryEye& eye, const CategoryModel& model, const cv::Mat& grey) {
+  const WindowOptions& options = eye.options().windows;
+  std::vector<std::size_t> things;
+  for (std::size_t n = 0; n < model.nodes.size(); ++n)
+    if (model.nodes[n].name != options.none) things.push_back(n);
+  const std::vector<SeenWindow> windows =
+      LookThroughWindows(model, eye.Clean(grey), eye.options().dense, options, things);
+  if (windows.empty()) {  // no features
+    WordedPicture nothing =
+        WordsOf(model, {.keypoints = {}, .descriptors = {}, .image_width = grey.cols, .image_height = grey.rows});
+    CategoryResult result = Classify(model, nothing, CategoryMethod::kPhrases);
+    return ClassifiedPicture{std::move(result), FrameBox(grey.cols, grey.rows), std::move(nothing)};
+  }
+  const SeenWindow* chosen = &windows.front();
+  CategoryResult result = chosen->result;
+  for (const SeenWindow& window : windows) {
+    for (const std::size_t node : things) {
+      if (window.result.scores[node].probability <= result.scores[node].probability) continue;
+      result.scores[node] = window.result.scores[node];
+      const CategoryNode& named = model.nodes[node];
+      if (!named.labels || result.scores[node].probability <= result.scores[result.label].probability) continue;
+      result.label = node;
+      chosen = &window;
+    }
+  }
+  return ClassifiedPicture{std::move(result), chosen->box, chosen->picture};
+}
+
+}  // namespace
+
+Expected<ClassifiedPicture> ClassifyPicture(const CategoryEye& eye, const CategoryModel& model, const cv::Mat& grey,
+                                            CategoryMethod method) {
+  if (eye.options().windows.enabled) {
+    if (method == CategoryMethod::kPhrases) return ClassifyInWindows(eye, model, grey);
+    return Fail(ErrorCode::kInvalidArgument,
+                "method words: requires a model of whole images: this model is of windows");
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, eye.Look(grey));
+  WordedPicture picture = WordsOf(model, features);
+  CategoryResult result = Classify(model, picture, method);
+  return ClassifiedPicture{std::move(result), FrameBox(grey.cols, grey.rows), std::move(picture)};
+}
+
+}  // namespace victorious

@@ -1,0 +1,59 @@
+// recognize/, after VoteSearch and Detect: rescores an uncertain detection by direct image comparison. Uses image
+// content that yields no keypoints: low-contrast paint and large light and dark regions.
+//
+// The NCC score of a pose is the Fisher transform L = atanh(r) of the normalised cross-correlation r between the
+// rendered brightness of the object's surface points (recognize/relit_templates.h) and the scene's brightness at their
+// projections (weak perspective): invariant to contrast, but not to its sign. The pose is refined by coordinate-wise
+// hill climbing over position, scale, in-plane rotation, yaw and tip, from the matched view and its neighbours of the
+// same off-nadir angle; L is the maximum. The null distribution is measured in the scene: the same refinement from
+// random positions and rotations has mean m and standard deviation s,
+//   z = (L - m) / s,   -log10 NFA += decades_per_sigma (z - neutral_z_score).
+// The two constants come from a logistic regression of true and false detections on both quantities in three movies
+// (docs/results.md, "Tried for recall"), scaled so that the mapping from -log10 NFA to the score stays unchanged.
+// docs/adr/0014 has the reasons.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include <opencv2/core/mat.hpp>
+
+#include "victorious/base/options.h"
+#include "victorious/geometry/similarity.h"
+#include "victorious/recognize/relit_templates.h"
+#include "victorious/types/object_model.h"
+
+namespace victorious {
+
+struct LikenessOptions {
+  int most = 2;
+  int most_in_frame = 12;
+  double least_evidence = -2.0;
+  double most_evidence = 6.0;
+  int elsewhere = 40;
+  double decades_per_sigma = 2.0;
+  double even_sigmas = 2.3;
+  double impulse_share = 0.015;
+
+  void ListFields(FieldList& fields);
+};
+
+/// Prepares a scene for NCC: removes impulse noise and blurs by kAppearanceBlur_px.
+/// @param grey  CV_8UC1
+/// @return CV_32FC1 of the same size
+[[nodiscard]] cv::Mat SceneForLikeness(const cv::Mat& grey, const LikenessOptions& options);
+
+/// The z-score of the NCC score at a pose against random poses in the same scene (formula above). Deterministic.
+/// @param scene                from PrepareSceneForNcc()
+/// @param pictures             surface samples of the model's views
+/// @param view                 index of the matched view
+/// @param scene_from_template  initial pose, from pixels of `view` to pixels of the scene
+/// @return std::nullopt if less than 40 % of the surface samples are in the frame, if the view has no surface samples,
+///         or if fewer than half of the random poses can be evaluated
+/// Cost: about 15 ms.
+[[nodiscard]] std::optional<double> SigmasOfLikeness(const cv::Mat& scene, const ObjectModel& model,
+                                                     const LitTemplates& pictures, std::size_t view,
+                                                     const Similarity2& scene_from_template,
+                                                     const LikenessOptions& options);
+
+}  // namespace victorious

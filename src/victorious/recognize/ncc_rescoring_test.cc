@@ -1,0 +1,152 @@
+#include "victorious/recognize/ncc_rescoring.h"
+
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+#include "victorious/base/random.h"
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+constexpr int kSidePx = 90;
+
+// Large light and dark regions without corners.
+cv::Mat Patches(const cv::Size& size, double breadth_px, std::uint64_t seed) {
+  Random random(seed);
+  cv::Mat image(size, CV_32F);
+  image.forEach<float>([](float& pixel, const int*) { pixel = 0; });
+  for (int row = 0; row < size.height; ++row) {
+    for (int column = 0; column < size.width; ++column) image.at<float>(row, column) = random.Uniform() < 0.5 ? 0 : 1;
+  }
+  cv::GaussianBlur(image, image, {}, breadth_px);
+  cv::normalize(image, image, 40, 200, cv::NORM_MINMAX);
+  cv::Mat grey;
+  image.convertTo(grey, CV_8U);
+  return grey;
+}
+
+// A flat square seen from the nadir, one pixel per metre.
+class Flat : public LitTemplates {
+ public:
+  explicit Flat(const cv::Mat& grey) {
+    auto picture = std::make_shared<ViewPicture>();
+    picture->middle_px = {grey.cols / 2.0, grey.rows / 2.0};
+    for (int row = 4; row < grey.rows; row += 5) {
+      for (int column = 4; column < grey.cols; column += 5) {
+        const Eigen::Vector2d at = Eigen::Vector2d(column + 0.5, row + 0.5) - picture->middle_px;
+        picture->points.push_back(
+            {Eigen::Vector3d(at.x(), at.y(), 0).cast<float>(), static_cast<float>(grey.at<std::uint8_t>(row, column))});
+      }
+    }
+    picture_ = std::move(picture);
+  }
+  [[nodiscard]] std::shared_ptr<const LitTemplate> Under(const LitView& /*wanted*/) const override {
+    return std::make_shared<const LitTemplate>();
+  }
+  void Prepare(std::span<const LitView> /*wanted*/) const override {}
+  [[nodiscard]] std::shared_ptr<const ViewPicture> Picture(std::size_t /*view*/, int /*half_octaves*/) const override {
+    return picture_;
+  }
+
+ private:
+  std::shared_ptr<const ViewPicture> picture_;
+};
+
+constexpr double kTurn_rad = 0.7;
+const Eigen::Vector2d kMiddle(400, 200);
+
+Similarity2 PoseAt(const Eigen::Vector2d& middle, double turn_rad) {
+  Similarity2 pose{1, turn_rad, Eigen::Vector2d::Zero()};
+  pose.translation = middle - pose.Linear() * Eigen::Vector2d(kSidePx / 2.0, kSidePx / 2.0);
+  return pose;
+}
+
+// A background of light and dark regions with the object in it, at a given contrast.
+cv::Mat SceneWith(const cv::Mat& object, double contrast) {
+  cv::Mat scene = Patches({640, 480}, 6, 11);
+  const Similarity2 pose = PoseAt(kMiddle, kTurn_rad);
+  const Eigen::Matrix2d a = pose.Linear();
+  const Eigen::Vector2d t = pose.translation + a * Eigen::Vector2d(0.5, 0.5) - Eigen::Vector2d(0.5, 0.5);
+  const cv::Matx23d matrix(a(0, 0), a(0, 1), t.x(), a(1, 0), a(1, 1), t.y());
+  cv::Mat painted;
+  object.convertTo(painted, CV_8U, contrast, 128 * (1 - contrast));
+  cv::warpAffine(painted, scene, matrix, scene.size(), cv::INTER_LINEAR, cv::BORDER_TRANSPARENT);
+  return scene;
+}
+
+std::optional<double> Look(const cv::Mat& grey, const LitTemplates& pictures, const Similarity2& pose) {
+  const LikenessOptions options;
+  ObjectModel model;
+  model.views.push_back({.source = "square", .width = kSidePx, .height = kSidePx, .outline = {}, .angles = {}});
+  return SigmasOfLikeness(SceneForLikeness(grey, options), model, pictures, 0, pose, options);
+}
+
+TEST(Likeness, TellsTheObjectFromOtherPlaces) {
+  const cv::Mat object = Patches({kSidePx, kSidePx}, 6, 1);
+  const Flat views(object);
+  for (const double contrast : {1.0, 0.3}) {
+    const cv::Mat scene = SceneWith(object, contrast);
+    // The initial pose has a small error, as that of a vote search.
+    const auto right = Look(scene, views, PoseAt(kMiddle + Eigen::Vector2d(4, -3), kTurn_rad + 0.06));
+    ASSERT_TRUE(right);
+    EXPECT_GT(*right, 5) << contrast;
+    for (const double x : {100.0, 200.0, 300.0}) {
+      const auto wrong = Look(scene, views, PoseAt({x, 330}, kTurn_rad));
+      ASSERT_TRUE(wrong);
+      EXPECT_LT(*wrong, 3) << x;
+    }
+  }
+}
+
+TEST(Likeness, DarkForLightIsAnotherObject) {
+  const cv::Mat object = Patches({kSidePx, kSidePx}, 6, 1);
+  const auto sigmas = Look(SceneWith(255 - object, 1), Flat(object), PoseAt(kMiddle, kTurn_rad));
+  ASSERT_TRUE(sigmas);
+  EXPECT_LT(*sigmas, 0);
+}
+
+// The null distribution: z-scores of false poses have zero mean and unit variance, also at the frame's edge, where
+// fewer samples are compared.
+TEST(Likeness, WrongPosesScatterAsOthersDo) {
+  const Flat views(Patches({kSidePx, kSidePx}, 6, 1));
+  const cv::Mat scene = Patches({640, 480}, 6, 11);
+  for (const auto& [left, right] : {std::pair(60.0, 580.0), std::pair(2.0, 8.0)}) {
+    Random random(3);
+    double sum = 0;
+    double sum2 = 0;
+    constexpr int kGuesses = 60;
+    for (int i = 0; i < kGuesses; ++i) {
+      const Eigen::Vector2d at(random.Uniform(left, right), random.Uniform(60, 420));
+      const auto sigmas = Look(scene, views, PoseAt(at, random.Uniform(-kPi, kPi)));
+      ASSERT_TRUE(sigmas);
+      sum += *sigmas;
+      sum2 += *sigmas * *sigmas;
+      EXPECT_LT(*sigmas, 4.5);
+    }
+    EXPECT_NEAR(sum / kGuesses, 0, 0.5) << left;
+    EXPECT_NEAR(std::sqrt(sum2 / kGuesses), 1, 0.5) << left;
+  }
+}
+
+TEST(Likeness, SaysNothingWhereItCannotTell) {
+  const cv::Mat object = Patches({kSidePx, kSidePx}, 6, 1);
+  const cv::Mat scene = SceneWith(object, 1);
+  EXPECT_FALSE(Look(scene, Flat(object), PoseAt({-30, 200}, 0)));                            // hardly in the frame
+  EXPECT_FALSE(Look(scene, Flat(cv::Mat()), PoseAt(kMiddle, 0)));                            // no surface samples
+  EXPECT_FALSE(Look(scene(cv::Rect(370, 170, 60, 60)), Flat(object), PoseAt({30, 30}, 0)));  // no null samples
+}
+
+TEST(Likeness, IsTheSameEachTime) {
+  const cv::Mat object = Patches({kSidePx, kSidePx}, 6, 1);
+  const cv::Mat scene = SceneWith(object, 1);
+  EXPECT_EQ(Look(scene, Flat(object), PoseAt({300, 300}, 1)), Look(scene, Flat(object), PoseAt({300, 300}, 1)));
+}
+
+}  // namespace
+}  // namespace victorious

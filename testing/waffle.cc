@@ -1,0 +1,40 @@
+#include "testing/waffle.h"
+
+#include <gtest/gtest.h>
+
+#include "victorious/base/random.h"
+#include "victorious/model/cad_model.h"
+#include "testing/cad_tools.h"
+
+namespace victorious::testing {
+namespace {
+
+Mesh Waffle() {
+  Mesh mesh = Box({-2, -1.5F, -0.3F}, {2, 1.5F, 0});
+  Random random(7);
+  for (int i = 0; i < 40; ++i) {
+    const Eigen::Vector3f at(static_cast<float>(random.Uniform(-2, 1.7)), static_cast<float>(random.Uniform(-1.5, 1.2)),
+                             0);
+    const double width_m = random.Uniform(0.1, 0.4);
+    const double depth_m = random.Uniform(0.1, 0.4);
+    const double height_m = random.Uniform(0.1, 0.5);
+    const Eigen::Vector3f size(static_cast<float>(width_m), static_cast<float>(depth_m), static_cast<float>(height_m));
+    Append(Box(at, at + size), mesh);
+  }
+  return mesh;
+}
+
+}  // namespace
+
+const ObjectModel& WaffleModel() {
+  static const ObjectModel model = [] {
+    CadModelOptions options;
+    options.sphere = {.step_deg = 30, .max_off_nadir_deg = 60};
+    auto made = MakeCadModel("waffle", Waffle(), "waffle.glb", options);
+    EXPECT_TRUE(made) << made.error().message;
+    return made.value_or(ObjectModel{});
+  }();
+  return model;
+}
+
+}  // namespace victorious::testing
