@@ -15,6 +15,7 @@
 #include "experiments/match_filters.h"
 #include "experiments/match_trial.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/model/nearest_view.h"
 
 namespace victorious {
 namespace {

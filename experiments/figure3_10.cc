@@ -8,6 +8,7 @@
 #include "experiments/match_picture.h"
 #include "experiments/match_trial.h"
 #include "victorious/image/image_file.h"
+#include "victorious/image/montage.h"
 
 namespace victorious {
 namespace {

@@ -14,6 +14,7 @@
 #include "experiments/view_grid.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/image/image_file.h"
+#include "victorious/image/montage.h"
 
 namespace victorious {
 namespace {

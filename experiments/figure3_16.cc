@@ -15,6 +15,7 @@
 #include "victorious/model/view_surface.h"
 #include "victorious/pipeline/index_options.h"
 #include "victorious/image/image_file.h"
+#include "victorious/image/montage.h"
 
 namespace victorious {
 namespace {

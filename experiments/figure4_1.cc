@@ -17,6 +17,7 @@
 #include "victorious/pipeline/region_features.h"
 #include "victorious/track/region_tracker.h"
 #include "victorious/image/image_file.h"
+#include "victorious/image/montage.h"
 
 namespace victorious {
 namespace {

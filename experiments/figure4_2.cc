@@ -12,6 +12,7 @@
 #include "experiments/video_frames.h"
 #include "experiments/steady_lock.h"
 #include "victorious/image/image_file.h"
+#include "victorious/image/montage.h"
 
 namespace victorious {
 namespace {

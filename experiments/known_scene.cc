@@ -26,15 +26,6 @@ const KnownObject* KnownScene::Find(std::string_view model) const {
   return found == objects.end() ? nullptr : &*found;
 }
 
-Status Spoil(const Spoiling& spoiling, std::uint64_t seed, cv::Mat& bgr) {
-  Degrade(spoiling.degrade, seed, bgr);
-  if (spoiling.jpeg_quality == 0) return {};
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, EncodeJpeg(bgr, spoiling.jpeg_quality));
-  VICTORIOUS_ASSIGN_OR_RETURN(Image image, DecodeImage(bytes, "a rendered image"));
-  bgr = std::move(image.bgr);
-  return {};
-}
-
 Spoiling SpoilingOf(const Scene& scene) {
   constexpr int kQuality = 75;
   return {.degrade = {.blur_px = scene.video.blur_px, .grain = scene.video.grain, .noise = scene.video.noise},

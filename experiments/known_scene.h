@@ -43,15 +43,6 @@ struct KnownScene {
   [[nodiscard]] const KnownObject* Find(std::string_view model) const;
 };
 
-/// Image degradation: optics and sensor, then compression.
-struct Spoiling {
-  DegradeOptions degrade;
-  int jpeg_quality = 0;  ///< 1 to 100; 0: no compression
-};
-
-/// Degrades an image (CV_8UC3) in place as a camera and an encoder do. Deterministic by `seed`.
-Status Spoil(const Spoiling& spoiling, std::uint64_t seed, cv::Mat& bgr);
-
 /// The degradation of a scene file: its blur, sensor noise and salt-and-pepper noise, then JPEG compression with a
 /// quality of 75 in place of the video encoder.
 [[nodiscard]] Spoiling SpoilingOf(const Scene& scene);

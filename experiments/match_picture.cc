@@ -7,6 +7,7 @@
 
 #include "victorious/model/view_surface.h"
 #include "victorious/image/image_file.h"
+#include "victorious/image/montage.h"
 
 namespace victorious {
 namespace {
@@ -41,30 +42,6 @@ Expected<cv::Mat> DrawMatches(const MatchTrial& trial, const MatchSet& matches, 
   cv::putText(canvas, caption, {4, canvas.rows - 6}, cv::FONT_HERSHEY_SIMPLEX, kFont, cv::Scalar::all(0), 3);
   cv::putText(canvas, caption, {4, canvas.rows - 6}, cv::FONT_HERSHEY_SIMPLEX, kFont, cv::Scalar::all(255), 1);
   return canvas;
-}
-
-cv::Mat Background(const cv::Mat& grey, double scale) {
-  constexpr double kStep = 24;
-  cv::Mat small;
-  cv::resize(grey, small, {}, scale, scale, cv::INTER_AREA);
-  cv::medianBlur(small, small, 3);
-  small.convertTo(small, CV_8U, 0.6 / kStep, 1.0);
-  small.convertTo(small, CV_8U, kStep);
-  cv::Mat bgr;
-  cv::cvtColor(small, bgr, cv::COLOR_GRAY2BGR);
-  return bgr;
-}
-
-cv::Mat Montage(const std::vector<cv::Mat>& pictures, int columns) {
-  constexpr int kGap = 4;
-  const cv::Size tile = pictures.front().size() + cv::Size(kGap, kGap);
-  const int rows = (static_cast<int>(pictures.size()) + columns - 1) / columns;
-  cv::Mat montage(tile.height * rows - kGap, tile.width * columns - kGap, CV_8UC3, cv::Scalar::all(255));
-  for (int i = 0; i < static_cast<int>(pictures.size()); ++i) {
-    const cv::Mat& picture = pictures[static_cast<std::size_t>(i)];
-    picture.copyTo(montage(cv::Rect({i % columns * tile.width, i / columns * tile.height}, picture.size())));
-  }
-  return montage;
 }
 
 }  // namespace victorious

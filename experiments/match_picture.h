@@ -17,10 +17,4 @@ namespace victorious {
 Expected<cv::Mat> DrawMatches(const MatchTrial& trial, const MatchSet& matches, double scale,
                               const std::string& caption);
 
-/// Returns a grey image as CV_8UC3, scaled, dimmed and posterised, so that lines stand out and the PNG file is small.
-[[nodiscard]] cv::Mat Background(const cv::Mat& grey, double scale);
-
-/// Tiles images of one size, `columns` per row, in reading order.
-[[nodiscard]] cv::Mat Montage(const std::vector<cv::Mat>& pictures, int columns);
-
 }  // namespace victorious

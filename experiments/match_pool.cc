@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "experiments/video_frames.h"
+#include "victorious/model/nearest_view.h"
 
 namespace victorious {
 namespace {

@@ -14,6 +14,7 @@
 #include "victorious/pose/similarity_pose.h"
 #include "victorious/mesh/load_mesh.h"
 #include "victorious/image/image_file.h"
+#include "victorious/model/nearest_view.h"
 
 namespace victorious {
 
@@ -52,22 +53,6 @@ Expected<std::shared_ptr<const ObjectModel>> KeptModel(const ExperimentSettings&
   }
   if (!model) return std::unexpected(std::move(model).error());
   return std::make_shared<const ObjectModel>(*std::move(model));
-}
-
-std::size_t NearestView(const ObjectModel& model, const ViewDirection& direction) {
-  const Eigen::Vector3d wanted = DirectionToCamera(direction);
-  std::size_t best = 0;
-  double best_cosine = -2;
-  for (std::size_t v = 0; v < model.views.size(); ++v) {
-    const std::optional<ViewAngles>& angles = model.views[v].angles;
-    if (!angles) continue;
-    const double cosine = wanted.dot(DirectionToCamera({angles->azimuth_rad, angles->off_nadir_rad}));
-    if (cosine > best_cosine) {
-      best_cosine = cosine;
-      best = v;
-    }
-  }
-  return best;
 }
 
 MatchTrial MakeTrial(std::shared_ptr<const KnownScene> scene, std::shared_ptr<const FeatureSet> features,

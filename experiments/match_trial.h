@@ -38,9 +38,6 @@ Expected<std::shared_ptr<const ObjectModel>> KeptModel(const ExperimentSettings&
                                                        const std::filesystem::path& cad_file,
                                                        const CadModelOptions& options);
 
-/// Returns the index of the view whose direction is nearest to the given one.
-[[nodiscard]] std::size_t NearestView(const ObjectModel& model, const ViewDirection& direction);
-
 /// Immutable; copies share the large members.
 struct MatchTrial {
   std::string name;  ///< "jeep in circle_noise, frame 40"

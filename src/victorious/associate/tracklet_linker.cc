@@ -185,4 +185,23 @@ void RunLinker::Committed(std::span<const std::int64_t> ids) {
   }
 }
 
+void RunOptions::ListFields(FieldList& fields) {
+  fields.Add("gap_s", gap_s,
+             {.min = 0,
+              .max = 3600,
+              .unit = "s",
+              .reason = "maximum time from a tracklet's last sighting to the next; raised to 2.5 searched frames or "
+                        "the frames that a track may miss, if these are longer"});
+  fields.Add("least_overlap", least_overlap,
+             {.min = 0,
+              .max = 1,
+              .reason = "minimum intersection over union of a sighting's box with the tracklet's predicted box, which "
+                        "includes camera and object motion"});
+  fields.Add("gate_sigma", gate_sigma,
+             {.min = 0,
+              .max = 1e6,
+              .reason = "a sighting starts a new tracklet if the Mahalanobis distance of its line of sight and range "
+                        "to the tracklet's place exceeds this, unless it has the same track"});
+}
+
 }  // namespace victorious

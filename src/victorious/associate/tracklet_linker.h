@@ -14,10 +14,19 @@
 
 #include "victorious/base/error.h"
 #include "victorious/geometry/similarity.h"
-#include "victorious/pipeline/index_options.h"
+#include "victorious/base/options.h"
 #include "victorious/store/index_store.h"
 
 namespace victorious {
+
+/// How sightings are linked into tracklets.
+struct RunOptions {
+  double gap_s = 2.0;
+  double least_overlap = 0.1;
+  double gate_sigma = 3.5;
+
+  void ListFields(FieldList& fields);
+};
 
 /// The tracklets of one video that may still grow. Results do not depend on how frames are split into batches.
 class RunLinker {

@@ -13,7 +13,7 @@
 #include "victorious/base/progress.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
-#include "experiments/match_picture.h"
+#include "victorious/image/montage.h"
 #include "victorious/evaluate/findable.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/model/cad_model.h"

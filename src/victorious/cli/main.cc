@@ -2,22 +2,17 @@
 // exit status.
 #include <algorithm>
 #include <array>
-#include <csignal>
-#include <exception>
-#include <functional>
-#include <new>
+#include <optional>
 #include <string_view>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <fmt/format.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
-#include <spdlog/spdlog.h>
 
 #include "victorious/base/version.h"
-#include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/cli/run_program.h"
 
 namespace victorious::cli {
 namespace {
@@ -44,16 +39,7 @@ constexpr std::array kCommands = {
     Command{"bench", "Measure", "Measure the speed of each stage against reference implementations", &SetUpBench},
 };
 
-int Fail(const Error& error) {
-  spdlog::error("{}", OneLine(error.message));
-  return ExitStatus(error.code);
-}
-
-int Main(int argc, char** argv) {
-  const auto logger = spdlog::stderr_color_mt("victorious");
-  logger->set_pattern("%^%l%$: %v");
-  spdlog::set_default_logger(logger);
-
+Expected<int> Main(int argc, char** argv) {
   CLI::App app("Finds your object in hours of video.", "victorious");
   app.set_version_flag("--version", kVersion);
   app.require_subcommand(1);
@@ -64,34 +50,20 @@ int Main(int argc, char** argv) {
     subcommand->final_callback([&chosen, action = command.setup(*subcommand)] { chosen = action; });
   }
   const auto is_named = [&](const Command& command) { return argc > 1 && std::string_view(command.name) == argv[1]; };
-  if (argc > 1 && argv[1][0] != '-' && std::ranges::none_of(kCommands, is_named)) {
-    return Fail({ErrorCode::kInvalidArgument,
-                 fmt::format("{}: unknown command; `victorious --help` lists the commands", argv[1])});
+  const bool is_command = argc > 1 && argv[1][0] != '-';
+  if (is_command && std::ranges::none_of(kCommands, is_named)) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: unknown command; `victorious --help` lists the commands", argv[1]));
   }
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& request) {  // --help, --version
-    return app.exit(request);
-  } catch (const CLI::ParseError& error) {
-    return Fail(
-        {ErrorCode::kInvalidArgument, fmt::format("{} (see `victorious {}--help`)", error.what(),
-                                                  argc > 1 && argv[1][0] != '-' ? std::string(argv[1]) + " " : "")});
-  }
-  if (const Status status = chosen(); !status) return Fail(status.error());
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const std::optional<int> ended,
+      ParseArguments(app, argc, argv, is_command ? fmt::format("victorious {}", argv[1]) : "victorious"));
+  if (ended) return *ended;
+  VICTORIOUS_RETURN_IF_ERROR(chosen());
   return 0;
 }
 
 }  // namespace
 }  // namespace victorious::cli
 
-int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // beyond `ulimit -f`, writing fails as on a full disk
-  try {
-    return victorious::cli::Main(argc, argv);
-  } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "error: out of memory\n");
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
-  }
-  return 1;
-}
+int main(int argc, char** argv) { return victorious::cli::RunProgram(argc, argv, &victorious::cli::Main); }

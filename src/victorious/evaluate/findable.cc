@@ -14,8 +14,7 @@
 
 #include "victorious/base/random.h"
 #include "victorious/evaluate/drawn_clutter.h"
-#include "experiments/known_scene.h"
-#include "experiments/match_trial.h"
+#include "victorious/image/degrade.h"
 #include "victorious/evaluate/turned_view.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/similarity.h"
@@ -23,6 +22,7 @@
 #include "victorious/model/model_builder.h"
 #include "victorious/render/paste.h"
 #include "victorious/image/image_file.h"
+#include "victorious/model/nearest_view.h"
 
 namespace victorious {
 

@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
-#include "experiments/match_trial.h"
 #include "victorious/model/cad_model.h"
 #include "victorious/model/view_surface.h"
+#include "victorious/model/nearest_view.h"
 
 namespace victorious {
 namespace {

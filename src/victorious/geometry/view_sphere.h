@@ -1,7 +1,7 @@
 // The view sphere: camera directions around the model on a grid of azimuth and off-nadir angle (the thesis's latitude
 // and longitude). MakeCadModel renders one template from each.
 //
-// With d the unit vector from the object to the camera in the model frame (x front, y left, z up; mesh.h):
+// With d the unit vector from the object to the camera in the model frame (x front, y left, z up; types/mesh.h):
 //   off_nadir = acos(d.z): 0 straight above
 //   azimuth = atan2(d.y, -d.x): 0 behind the object, 90 degrees on its left, 180 in front
 //   d = (-sin(off_nadir) cos(azimuth), sin(off_nadir) sin(azimuth), cos(off_nadir))
@@ -16,7 +16,7 @@
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
 #include "victorious/geometry/camera.h"
-#include "victorious/types/mesh.h"
+#include "victorious/geometry/sphere.h"
 
 namespace victorious {
 

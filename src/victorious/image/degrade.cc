@@ -5,6 +5,7 @@
 
 #include "victorious/base/check.h"
 #include "victorious/base/random.h"
+#include "victorious/image/image_file.h"
 
 namespace victorious {
 namespace {
@@ -37,6 +38,15 @@ void Degrade(const DegradeOptions& options, std::uint64_t seed, cv::Mat& bgr) {
   if (options.blur_px > 0) cv::GaussianBlur(bgr, bgr, {}, options.blur_px);
   if (options.grain > 0) AddGrain(options.grain, grain_seed, bgr);
   if (options.noise > 0) AddSaltAndPepper(options.noise, seeds.Next(), bgr);
+}
+
+Status Spoil(const Spoiling& spoiling, std::uint64_t seed, cv::Mat& bgr) {
+  Degrade(spoiling.degrade, seed, bgr);
+  if (spoiling.jpeg_quality == 0) return {};
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, EncodeJpeg(bgr, spoiling.jpeg_quality));
+  VICTORIOUS_ASSIGN_OR_RETURN(Image image, DecodeImage(bytes, "a rendered image"));
+  bgr = std::move(image.bgr);
+  return {};
 }
 
 }  // namespace victorious

@@ -6,6 +6,8 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "victorious/base/error.h"
+
 namespace victorious {
 
 struct DegradeOptions {
@@ -17,5 +19,14 @@ struct DegradeOptions {
 /// @param seed  of the noise of this image
 /// @param bgr   CV_8UC3, changed in place
 void Degrade(const DegradeOptions& options, std::uint64_t seed, cv::Mat& bgr);
+
+/// Image degradation: optics and sensor, then compression.
+struct Spoiling {
+  DegradeOptions degrade;
+  int jpeg_quality = 0;  ///< 1 to 100; 0: no compression
+};
+
+/// Degrades an image (CV_8UC3) in place as a camera and an encoder do. Deterministic by `seed`.
+Status Spoil(const Spoiling& spoiling, std::uint64_t seed, cv::Mat& bgr);
 
 }  // namespace victorious

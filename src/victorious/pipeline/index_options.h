@@ -7,6 +7,7 @@
 #include "victorious/calibrate/sun_survey.h"
 #include "victorious/pipeline/follower.h"
 #include "victorious/associate/object_options.h"
+#include "victorious/associate/tracklet_linker.h"
 #include "victorious/observe/object_pose.h"
 #include "victorious/recognize/category_finder.h"
 #include "victorious/recognize/recognizer.h"
@@ -14,15 +15,6 @@
 #include "victorious/terrain/terrain.h"
 
 namespace victorious {
-
-/// How sightings are linked into tracklets (tracklet_linker.h).
-struct RunOptions {
-  double gap_s = 2.0;
-  double least_overlap = 0.1;
-  double gate_sigma = 3.5;
-
-  void ListFields(FieldList& fields);
-};
 
 /// Which frames' features the index keeps for search by example image.
 struct KeepOptions {

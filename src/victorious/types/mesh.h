@@ -14,6 +14,8 @@
 #include <Eigen/Geometry>
 #include <opencv2/core/mat.hpp>
 
+#include "victorious/geometry/sphere.h"
+
 namespace victorious {
 
 enum class AlphaMode {
@@ -58,11 +60,6 @@ struct Mesh {
 
 /// Bounding box of the vertices that triangles use; empty (isEmpty()) for a mesh without triangles.
 [[nodiscard]] Eigen::AlignedBox3d BoundingBox(const Mesh& mesh);
-
-struct Sphere {
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  double radius = 0;
-};
 
 /// The sphere about the centre of the bounding box through the vertex farthest from it. Its radius is at most sqrt(3)
 /// times that of the smallest bounding sphere.
