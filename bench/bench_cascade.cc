@@ -9,11 +9,11 @@ namespace {
 
 Result CompareWithDefinition(double ratio, std::size_t true_matches, std::size_t false_matches,
                              const Settings& settings) {
-  const MatchedScene drawn = DrawnMatches(true_matches, false_matches, /*seed=*/1);
+  const MatchedScene drawn = SimulateMatches(true_matches, false_matches, /*seed=*/1);
   const auto by = [&](const char* name, auto* filter) {
-    return Contestant{name, [&, filter] {
-                        return static_cast<double>(filter(drawn.scene, drawn.model, drawn.matches, {}).third.size());
-                      }};
+    return Implementation{
+        name,
+        [&, filter] { return static_cast<double>(filter(drawn.scene, drawn.model, drawn.matches, {}).third.size()); }};
   };
   Result result = Compare(fmt::format("cascade_{:g}", ratio), by("victorious", &FilterByGrammar),
                           {by("reference", &FilterByGrammarRef)}, settings.effort());

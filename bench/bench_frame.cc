@@ -11,18 +11,18 @@ namespace {
 
 Result TimeFrame(std::string name, std::vector<ObjectModel> models, const std::string& method, const cv::Mat& frame,
                  const Settings& settings) {
-  const std::size_t views = ViewsOf(models).size();
+  const std::size_t views = CollectViews(models).size();
   const auto extractor = MakeFeatureExtractor({}).value();
   RecognizeOptions options;
   options.method = method;
   const Recognizer recognizer = Recognizer::Create(std::move(models), FeatureOptions().engine, options).value();
-  const Contestant ours = {"victorious", [&] {
-                             const FeatureSet features = extractor->Extract(frame).value();
-                             return static_cast<double>(recognizer.Recognize(features).size());
-                           }};
+  const Implementation ours = {"victorious", [&] {
+                                 const FeatureSet features = extractor->Extract(frame).value();
+                                 return static_cast<double>(recognizer.Recognize(features).size());
+                               }};
   Result result = Compare(std::move(name), ours, {}, settings.effort());
   result.figures = {{"frames_per_s", 1000 / result.median_ms},
-                    {"keypoints", static_cast<double>(FeaturesOf(frame).size())},
+                    {"keypoints", static_cast<double>(ExtractFeatures(frame).size())},
                     {"views", static_cast<double>(views)},
                     {"found", ours.run()}};
   return result;
@@ -31,12 +31,12 @@ Result TimeFrame(std::string name, std::vector<ObjectModel> models, const std::s
 }  // namespace
 
 std::vector<Result> BenchFrame(const Settings& settings) {
-  const testing::SyntheticFlight flight = DrawnFlight();
+  const testing::SyntheticFlight flight = MakeSyntheticFlight();
   const cv::Mat frame = GreyFrame(flight);
   const int every = settings.quick ? 50 : 1;
   return {TimeFrame("frame", {PhotoModel(flight, 0), PhotoModel(flight, 1)}, "grammar", frame, settings),
-          TimeFrame("frame_4x253", AllRoundModels(flight, every), "grammar", frame, settings),
-          TimeFrame("frame_4x253_votes", AllRoundModels(flight, every), "votes", frame, settings)};
+          TimeFrame("frame_4x253", MakeAllRoundModels(flight, every), "grammar", frame, settings),
+          TimeFrame("frame_4x253_votes", MakeAllRoundModels(flight, every), "votes", frame, settings)};
 }
 
 }  // namespace victorious::bench

@@ -9,13 +9,13 @@
 namespace victorious::bench {
 namespace {
 
-testing::DrawnLines NoisyLines(std::uint64_t seed, const Eigen::Vector3d& velocity_enu) {
-  return testing::DrawLinesOfSight({.seed = seed,
-                                    .count = 1000,
-                                    .velocity_enu = velocity_enu,
-                                    .wrong_share = 0.4,
-                                    .noise_position_m = 2,
-                                    .noise_deg = 0.5});
+testing::SyntheticLines NoisyLines(std::uint64_t seed, const Eigen::Vector3d& velocity_enu) {
+  return testing::SimulateLinesOfSight({.seed = seed,
+                                        .count = 1000,
+                                        .velocity_enu = velocity_enu,
+                                        .outlier_fraction = 0.4,
+                                        .noise_position_m = 2,
+                                        .noise_deg = 0.5});
 }
 
 // Counts over many seeds how often the place is within 3 sigma and how often 95 % of the inliers are kept.
@@ -24,7 +24,7 @@ std::vector<std::pair<std::string, double>> Reliability(const LocateOptions& set
   int near = 0;
   int kept = 0;
   for (int seed = 1; seed <= seeds; ++seed) {
-    const testing::DrawnLines drawn = NoisyLines(static_cast<std::uint64_t>(seed), velocity_enu);
+    const testing::SyntheticLines drawn = NoisyLines(static_cast<std::uint64_t>(seed), velocity_enu);
     LocateOptions options = settings;
     options.seed = static_cast<std::uint64_t>(seed);
     const auto fix = Locate(drawn.lines, options);
@@ -44,18 +44,18 @@ std::vector<std::pair<std::string, double>> Reliability(const LocateOptions& set
 
 Result Time(const std::string& name, const LocateOptions& options, const Eigen::Vector3d& velocity_enu,
             const Settings& settings) {
-  const testing::DrawnLines drawn = NoisyLines(1, velocity_enu);
-  const Contestant ours = {"victorious", [&] { return Locate(drawn.lines, options)->place->ce90_m; }};
+  const testing::SyntheticLines drawn = NoisyLines(1, velocity_enu);
+  const Implementation ours = {"victorious", [&] { return Locate(drawn.lines, options)->place->ce90_m; }};
   Result result = Compare(name, ours, {}, settings.effort());
   result.figures = Reliability(options, velocity_enu, settings.quick ? 2 : 1000);
   return result;
 }
 
 Result TimeConsensus(const Settings& settings) {
-  const testing::DrawnLines drawn = NoisyLines(1, {0, 0, 0});
+  const testing::SyntheticLines drawn = NoisyLines(1, {0, 0, 0});
   const LocateOptions options{.method = "ransac"};
   const std::vector<Ray> rays = MakeRays(drawn.lines, TangentPlane(drawn.lines.front().camera), options);
-  const Contestant ours = {"victorious", [&] { return FindConsensus(rays, options)->motion.place.x(); }};
+  const Implementation ours = {"victorious", [&] { return FindConsensus(rays, options)->motion.place.x(); }};
   Result result = Compare("locate_consensus", ours, {}, settings.effort());
   result.figures = {{"lines", 1000}, {"hypotheses", FindConsensus(rays, options)->hypotheses}};
   return result;

@@ -47,8 +47,8 @@ Result CompareWithOpenCv(const FeatureSet& scene, const std::vector<FeatureView>
     float_templates.push_back(FloatDescriptors(view));
     descriptors += view.size();
   }
-  const Contestant ours = {"victorious", [&] { return static_cast<double>(CountOurs(scene, templates)); }};
-  const Contestant opencv = {
+  const Implementation ours = {"victorious", [&] { return static_cast<double>(CountOurs(scene, templates)); }};
+  const Implementation opencv = {
       "opencv", [&] { return static_cast<double>(CountByOpenCv(float_scene, float_templates, MatchOptions().ratio)); }};
   Result result = Compare("match", ours, {opencv}, settings.effort());
   result.figures = {{"keypoints", static_cast<double>(scene.size())},
@@ -66,14 +66,14 @@ Result CompareKernels(const FeatureSet& scene, std::span<const FeatureView> view
   const kernels::PackedQueries queries = kernels::PackQueries(scene.descriptors);
   std::vector<kernels::NearestTwo> nearest(queries.count);
   const auto by = [&](const char* name, Kernel kernel) {
-    return Contestant{name, [&, kernel] {
-                        double sum = 0;
-                        for (std::size_t t = 0; t < templates.size(); ++t) {
-                          kernel(queries, templates[t], nearest);
-                          sum += nearest.front().best_distance2;
-                        }
-                        return sum;
-                      }};
+    return Implementation{name, [&, kernel] {
+                            double sum = 0;
+                            for (std::size_t t = 0; t < templates.size(); ++t) {
+                              kernel(queries, templates[t], nearest);
+                              sum += nearest.front().best_distance2;
+                            }
+                            return sum;
+                          }};
   };
   Result result = Compare("match_kernels", by("best", &kernels::FindNearestTwo),
                           {by("highway", &kernels::FindNearestTwoSimd), by("reference", &kernels::FindNearestTwoRef)},
@@ -85,10 +85,10 @@ Result CompareKernels(const FeatureSet& scene, std::span<const FeatureView> view
 }  // namespace
 
 std::vector<Result> BenchMatch(const Settings& settings) {
-  const testing::SyntheticFlight flight = DrawnFlight();
-  const FeatureSet scene = FeaturesOf(GreyFrame(flight));
-  const std::vector<ObjectModel> models = AllRoundModels(flight, settings.quick ? 50 : 1);
-  const std::vector<FeatureView> views = ViewsOf(models);
+  const testing::SyntheticFlight flight = MakeSyntheticFlight();
+  const FeatureSet scene = ExtractFeatures(GreyFrame(flight));
+  const std::vector<ObjectModel> models = MakeAllRoundModels(flight, settings.quick ? 50 : 1);
+  const std::vector<FeatureView> views = CollectViews(models);
   const std::size_t part = std::min<std::size_t>(views.size(), settings.quick ? 2 : 25);
   return {CompareWithOpenCv(scene, views, settings), CompareKernels(scene, std::span(views).first(part), settings)};
 }

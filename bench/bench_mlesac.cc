@@ -20,21 +20,21 @@ Result CompareWithRansac(std::string name, const std::vector<PointPair>& pairs, 
     from.emplace_back(static_cast<float>(pair.source.x()), static_cast<float>(pair.source.y()));
     to.emplace_back(static_cast<float>(pair.target.x()), static_cast<float>(pair.target.y()));
   }
-  const MlesacSettings mlesac{.outlier_area_px2 = 640.0 * 480.0};
+  const MlesacOptions mlesac{.outlier_area_px2 = 640.0 * 480.0};
   const auto estimate = [&] { return Mlesac(SimilarityEstimator(pairs, {.noise_px = kNoisePx}), mlesac); };
-  const Contestant ours = {"victorious", [&] {
-                             const auto found = estimate();
-                             return found ? found->model.scale : 0;
-                           }};
-  const Contestant opencv = {"opencv", [&] {
-                               const cv::Mat map = cv::estimateAffinePartial2D(from, to, cv::noArray(), cv::RANSAC,
-                                                                               2.5 * kNoisePx, 500, mlesac.confidence);
-                               return map.empty() ? 0 : map.at<double>(0, 0);
-                             }};
+  const Implementation ours = {"victorious", [&] {
+                                 const auto found = estimate();
+                                 return found ? found->model.scale : 0;
+                               }};
+  const Implementation opencv = {"opencv", [&] {
+                                   const cv::Mat map = cv::estimateAffinePartial2D(
+                                       from, to, cv::noArray(), cv::RANSAC, 2.5 * kNoisePx, 500, mlesac.confidence);
+                                   return map.empty() ? 0 : map.at<double>(0, 0);
+                                 }};
   Result result = Compare(std::move(name), ours, {opencv}, settings.effort());
   const auto found = estimate();
   result.figures = {{"matches", static_cast<double>(pairs.size())},
-                    {"inlier_share", found ? found->gamma : 0},
+                    {"inlier_fraction", found ? found->gamma : 0},
                     {"hypotheses", found ? found->hypotheses : 0}};
   return result;
 }
@@ -42,11 +42,11 @@ Result CompareWithRansac(std::string name, const std::vector<PointPair>& pairs, 
 }  // namespace
 
 std::vector<Result> BenchMlesac(const Settings& settings) {
-  const MatchedScene cluttered = DrawnMatches(12, 68, /*seed=*/1);
+  const MatchedScene cluttered = SimulateMatches(12, 68, /*seed=*/1);
   const MatchSet left = FilterByGrammar(cluttered.scene, cluttered.model, cluttered.matches, {}).third;
-  const MatchedScene plain = DrawnMatches(60, 20, /*seed=*/2);
-  return {CompareWithRansac("mlesac", PairsOf(cluttered, left), settings),
-          CompareWithRansac("mlesac_80", PairsOf(plain, plain.matches), settings)};
+  const MatchedScene plain = SimulateMatches(60, 20, /*seed=*/2);
+  return {CompareWithRansac("mlesac", MakePointPairs(cluttered, left), settings),
+          CompareWithRansac("mlesac_80", MakePointPairs(plain, plain.matches), settings)};
 }
 
 }  // namespace victorious::bench

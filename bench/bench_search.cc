@@ -24,7 +24,7 @@ std::unique_ptr<IndexStore> MakeIndex(const std::filesystem::path& path, const t
   std::vector<FeatureSet> drawn;
   for (int i = 0; i < std::min(kDrawnFrames, frames); ++i) {
     const int index = i * flight.options().frames / kDrawnFrames;
-    drawn.push_back(FeaturesOf(GreyFrame(flight, index), kKeypoints));
+    drawn.push_back(ExtractFeatures(GreyFrame(flight, index), kKeypoints));
   }
   std::unique_ptr<IndexStore> store = OpenSqliteStore(path, StoreMode::kCreate).value();
   const VideoRecord video =
@@ -46,14 +46,14 @@ std::unique_ptr<IndexStore> MakeIndex(const std::filesystem::path& path, const t
 
 std::vector<Result> BenchSearch(const Settings& settings) {
   const int frames = settings.quick ? 5 : 3600;
-  const testing::SyntheticFlight flight = DrawnFlight();
+  const testing::SyntheticFlight flight = MakeSyntheticFlight();
   const testing::ScratchFolder folder;
   const std::unique_ptr<IndexStore> store = MakeIndex(folder / "index.db", flight, frames);
-  const Photo example = PhotoOf(flight.ThingPhoto(0));
+  const Photo example = MakePhoto(flight.ObjectPhoto(0));
   const auto search = [&] {
-    const std::vector<Moment> moments = SearchByImage(example, {}, {}, *store).value();
+    const std::vector<VideoSegment> moments = SearchByImage(example, {}, {}, *store).value();
     int found = 0;
-    for (const Moment& moment : moments) found += moment.frames;
+    for (const VideoSegment& moment : moments) found += moment.frames;
     return static_cast<double>(found);
   };
   Result result = Compare("search", {"victorious", search}, {}, settings.effort());

@@ -14,7 +14,7 @@
 namespace victorious::bench {
 namespace {
 
-std::vector<Frame> DrawnFrames(const testing::SyntheticFlight& flight, int count) {
+std::vector<Frame> RenderFrames(const testing::SyntheticFlight& flight, int count) {
   std::vector<Frame> frames;
   for (int i = 0; i < count; ++i) frames.push_back(flight.Render(i));
   return frames;
@@ -35,8 +35,8 @@ Result TimeRegions(const std::vector<Frame>& frames, const Settings& settings) {
     cv::extractChannel(frames.front().image, grey, 1);
     for (const Box& box : boxes) {
       std::vector<TrackPoint> points;
-      for (const Eigen::Vector2d& place : ChoosePoints(grey, CornersOf(box), kPoints)) points.push_back({place, {}});
-      tracker.Start(CornersOf(box), points);
+      for (const Eigen::Vector2d& place : DetectCorners(grey, BoxCorners(box), kPoints)) points.push_back({place, {}});
+      tracker.Start(BoxCorners(box), points);
     }
     double seen = 0;
     for (std::size_t i = 1; i < frames.size(); ++i) {
@@ -50,8 +50,8 @@ Result TimeRegions(const std::vector<Frame>& frames, const Settings& settings) {
   return result;
 }
 
-Contestant Peer(const std::string& name, std::function<cv::Ptr<cv::Tracker>()> make, const std::vector<Frame>& frames,
-                const cv::Rect& start) {
+Implementation Peer(const std::string& name, std::function<cv::Ptr<cv::Tracker>()> make,
+                    const std::vector<Frame>& frames, const cv::Rect& start) {
   return {name, [&frames, start, make = std::move(make)] {
             const cv::Ptr<cv::Tracker> tracker = make();
             tracker->init(frames.front().image, start);
@@ -88,8 +88,8 @@ Result TimeBox(const std::vector<Frame>& frames, const Box& box, const Settings&
 }  // namespace
 
 std::vector<Result> BenchTrack(const Settings& settings) {
-  const testing::SyntheticFlight flight = DrawnFlight();
-  const std::vector<Frame> frames = DrawnFrames(flight, settings.quick ? 3 : 16);
+  const testing::SyntheticFlight flight = MakeSyntheticFlight();
+  const std::vector<Frame> frames = RenderFrames(flight, settings.quick ? 3 : 16);
   return {TimeRegions(frames, settings), TimeBox(frames, flight.Truth(0).front().box, settings)};
 }
 

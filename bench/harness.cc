@@ -18,10 +18,10 @@ double MillisecondsSince(Clock::time_point start) {
 }
 
 // The mean time of `repetitions` calls.
-double TimeMs(const Contestant& contestant, int repetitions) {
+double TimeMs(const Implementation& implementation, int repetitions) {
   volatile double sink = 0;
   const Clock::time_point start = Clock::now();
-  for (int i = 0; i < repetitions; ++i) sink = sink + contestant.run();
+  for (int i = 0; i < repetitions; ++i) sink = sink + implementation.run();
   return MillisecondsSince(start) / repetitions;
 }
 
@@ -40,20 +40,21 @@ std::string TimeText(double ms) {
 
 }  // namespace
 
-Result Compare(std::string name, const Contestant& ours, const std::vector<Contestant>& peers, const Effort& effort) {
-  std::vector<const Contestant*> contestants = {&ours};
-  for (const Contestant& peer : peers) contestants.push_back(&peer);
+Result Compare(std::string name, const Implementation& ours, const std::vector<Implementation>& peers,
+               const Effort& effort) {
+  std::vector<const Implementation*> implementations = {&ours};
+  for (const Implementation& peer : peers) implementations.push_back(&peer);
   std::vector<int> repetitions;
-  for (const Contestant* contestant : contestants) {
-    const double once_ms = std::max(1e-6, TimeMs(*contestant, 1));
-    repetitions.push_back(std::max(1, static_cast<int>(std::ceil(effort.least_time_ms / once_ms))));
+  for (const Implementation* implementation : implementations) {
+    const double once_ms = std::max(1e-6, TimeMs(*implementation, 1));
+    repetitions.push_back(std::max(1, static_cast<int>(std::ceil(effort.min_time_ms / once_ms))));
   }
-  std::vector<std::vector<double>> times_ms(contestants.size());
+  std::vector<std::vector<double>> times_ms(implementations.size());
   const Clock::time_point start = Clock::now();
-  for (int round = 0; round < effort.most_rounds; ++round) {
-    if (round >= effort.least_rounds && MillisecondsSince(start) > 1000 * effort.budget_s) break;
-    for (std::size_t c = 0; c < contestants.size(); ++c) {
-      times_ms[c].push_back(TimeMs(*contestants[c], repetitions[c]));
+  for (int round = 0; round < effort.max_rounds; ++round) {
+    if (round >= effort.min_rounds && MillisecondsSince(start) > 1000 * effort.budget_s) break;
+    for (std::size_t c = 0; c < implementations.size(); ++c) {
+      times_ms[c].push_back(TimeMs(*implementations[c], repetitions[c]));
     }
   }
   Result result{.name = std::move(name), .median_ms = Median(times_ms[0]), .peer_median_ms = {}, .figures = {}};

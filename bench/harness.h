@@ -13,20 +13,20 @@
 namespace victorious::bench {
 
 /// A function to time. Its result is discarded, but prevents the compiler from removing the computation.
-struct Contestant {
+struct Implementation {
   std::string name;
   std::function<double()> run;
 };
 
 /// Limits on the duration of a comparison.
 struct Effort {
-  double budget_s = 4.0;  ///< for all rounds, after least_rounds
-  int least_rounds = 5;   ///< rounds timed regardless of budget_s
-  int most_rounds = 201;
-  double least_time_ms = 1.0;  ///< faster functions are repeated within a round to take at least this long
+  double budget_s = 4.0;  ///< for all rounds, after min_rounds
+  int min_rounds = 5;     ///< rounds timed regardless of budget_s
+  int max_rounds = 201;
+  double min_time_ms = 1.0;  ///< faster functions are repeated within a round to take at least this long
 
   /// One round of one call, for smoke tests.
-  static Effort Quick() { return {.budget_s = 0, .least_rounds = 1, .most_rounds = 1, .least_time_ms = 0}; }
+  static Effort Quick() { return {.budget_s = 0, .min_rounds = 1, .max_rounds = 1, .min_time_ms = 0}; }
 };
 
 /// One line of the report.
@@ -39,7 +39,8 @@ struct Result {
 
 /// Times our implementation and each peer alternately, round by round. Calls each once before to set the number of
 /// repetitions; this call is not counted.
-Result Compare(std::string name, const Contestant& ours, const std::vector<Contestant>& peers, const Effort& effort);
+Result Compare(std::string name, const Implementation& ours, const std::vector<Implementation>& peers,
+               const Effort& effort);
 
 /// {"cascade_0.8": {"median_ms": .., "peers": {"reference": ..}, "ratio_to_reference": .., ...}, ...}; a ratio
 /// above 1 means that ours is faster.

@@ -14,21 +14,21 @@
 #include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/similarity.h"
-#include "victorious/model/photo_model.h"
 #include "victorious/image/image_file.h"
+#include "victorious/model/photo_model.h"
 
 namespace victorious::bench {
 namespace {
 
 // Unwraps a result for generated input, for which an error is a programming error.
 template <typename T>
-T Take(Expected<T> value) {
+T Unwrap(Expected<T> value) {
   VICTORIOUS_CHECK(value.has_value());
   return *std::move(value);
 }
 
 // A view of the flat object from afar: foreshortened along the projected line of sight, which points up in the image.
-cv::Mat SeenFrom(const cv::Mat& thing, double azimuth_rad, double off_nadir_rad) {
+cv::Mat RenderView(const cv::Mat& thing, double azimuth_rad, double off_nadir_rad) {
   const double c = std::cos(azimuth_rad);
   const double s = std::sin(azimuth_rad);
   const double squeeze = std::cos(off_nadir_rad);
@@ -44,14 +44,14 @@ cv::Mat SeenFrom(const cv::Mat& thing, double azimuth_rad, double off_nadir_rad)
   return view;
 }
 
-std::vector<Photo> AllRoundPhotos(const cv::Mat& thing, int every) {
+std::vector<Photo> RenderAllRoundPhotos(const cv::Mat& thing, int every) {
   constexpr int kStepDeg = 10;
   std::vector<Photo> photos;
   int number = 0;
   for (int off_nadir = 0; off_nadir <= 70; off_nadir += kStepDeg) {
     for (int azimuth = 0; azimuth < (off_nadir == 0 ? 1 : 360); azimuth += kStepDeg) {
       if (number++ % every != 0) continue;
-      photos.push_back(PhotoOf(SeenFrom(thing, RadiansFromDegrees(azimuth), RadiansFromDegrees(off_nadir))));
+      photos.push_back(MakePhoto(RenderView(thing, RadiansFromDegrees(azimuth), RadiansFromDegrees(off_nadir))));
     }
   }
   return photos;
@@ -71,48 +71,48 @@ std::vector<std::uint32_t> DrawDistinct(std::size_t count, std::size_t bound, Ra
 
 }  // namespace
 
-testing::SyntheticFlight DrawnFlight() {
+testing::SyntheticFlight MakeSyntheticFlight() {
   testing::FlightOptions options;
   options.seed = 8;
-  options.things = 4;
+  options.objects = 4;
   options.blur_px = 1.25;  // results in about 1300 keypoints, as in the thesis's frames
   return testing::SyntheticFlight(options);
 }
 
 cv::Mat GreyFrame(const testing::SyntheticFlight& flight, int index) { return GreyFromBgr(flight.Render(index).image); }
 
-Photo PhotoOf(const cv::Mat& bgra) {
+Photo MakePhoto(const cv::Mat& bgra) {
   cv::Mat bgr;
   cv::Mat alpha;
   cv::cvtColor(bgra, bgr, cv::COLOR_BGRA2BGR);
   cv::extractChannel(bgra, alpha, 3);
-  return Take(PreparePhoto("drawn", bgr, alpha, std::nullopt));
+  return Unwrap(PreparePhoto("drawn", bgr, alpha, std::nullopt));
 }
 
-FeatureSet FeaturesOf(const cv::Mat& grey, int most) {
+FeatureSet ExtractFeatures(const cv::Mat& grey, int most) {
   FeatureOptions options;
   options.max_features = most;
-  return Take(Take(MakeFeatureExtractor(options))->Extract(grey));
+  return Unwrap(Unwrap(MakeFeatureExtractor(options))->Extract(grey));
 }
 
 ObjectModel PhotoModel(const testing::SyntheticFlight& flight, int thing) {
-  const Photo photo = PhotoOf(flight.ThingPhoto(thing));
-  return Take(MakePhotoModel(flight.ThingName(thing), std::span(&photo, 1), std::nullopt, {}));
+  const Photo photo = MakePhoto(flight.ObjectPhoto(thing));
+  return Unwrap(MakePhotoModel(flight.ObjectName(thing), std::span(&photo, 1), std::nullopt, {}));
 }
 
-std::vector<ObjectModel> AllRoundModels(const testing::SyntheticFlight& flight, int every) {
+std::vector<ObjectModel> MakeAllRoundModels(const testing::SyntheticFlight& flight, int every) {
   PhotoModelOptions options;
   options.features.max_features = 100;
-  options.least_features = 1;
+  options.min_features = 1;
   std::vector<ObjectModel> models;
-  for (int thing = 0; thing < flight.options().things; ++thing) {
-    const std::vector<Photo> photos = AllRoundPhotos(flight.ThingPhoto(thing), every);
-    models.push_back(Take(MakePhotoModel(flight.ThingName(thing), photos, std::nullopt, options)));
+  for (int thing = 0; thing < flight.options().objects; ++thing) {
+    const std::vector<Photo> photos = RenderAllRoundPhotos(flight.ObjectPhoto(thing), every);
+    models.push_back(Unwrap(MakePhotoModel(flight.ObjectName(thing), photos, std::nullopt, options)));
   }
   return models;
 }
 
-std::vector<FeatureView> ViewsOf(const std::vector<ObjectModel>& models) {
+std::vector<FeatureView> CollectViews(const std::vector<ObjectModel>& models) {
   std::vector<FeatureView> views;
   for (const ObjectModel& model : models) {
     for (std::size_t v = 0; v < model.views.size(); ++v) views.push_back(model.ViewFeatures(v));
@@ -120,37 +120,37 @@ std::vector<FeatureView> ViewsOf(const std::vector<ObjectModel>& models) {
   return views;
 }
 
-MatchedScene DrawnMatches(std::size_t true_matches, std::size_t false_matches, std::uint64_t seed) {
+MatchedScene SimulateMatches(std::size_t true_matches, std::size_t false_matches, std::uint64_t seed) {
   constexpr double kNoisePx = 0.7;
   constexpr double kLogScaleNoise = 0.08;
   constexpr double kTurnNoiseRad = 0.08;
   Random random(seed);
   MatchedScene drawn;
-  const testing::SyntheticFlight flight = DrawnFlight();
-  drawn.scene = FeaturesOf(GreyFrame(flight)).keypoints;
-  drawn.model = FeaturesOf(GreyFrame(flight, 60)(cv::Rect(200, 150, 150, 120))).keypoints;
+  const testing::SyntheticFlight flight = MakeSyntheticFlight();
+  drawn.scene = ExtractFeatures(GreyFrame(flight)).keypoints;
+  drawn.model = ExtractFeatures(GreyFrame(flight, 60)(cv::Rect(200, 150, 150, 120))).keypoints;
   for (const std::uint32_t scene : DrawDistinct(false_matches, drawn.scene.size(), random)) {
     drawn.matches.push_back({scene, random.Below(static_cast<std::uint32_t>(drawn.model.size())), 0.75F});
   }
-  const Similarity2 pose{0.9, 0.7, {320, 200}};
+  const Similarity2 fit{0.9, 0.7, {320, 200}};
   for (const std::uint32_t model : DrawDistinct(true_matches, drawn.model.size(), random)) {
     const Keypoint& m = drawn.model[model];
-    const Eigen::Vector2d place = pose.Apply({m.x, m.y});
+    const Eigen::Vector2d place = fit.Apply({m.x, m.y});
     drawn.matches.push_back({static_cast<std::uint32_t>(drawn.scene.size()), model, 0.6F});
     drawn.scene.push_back(
         {static_cast<float>(place.x() + kNoisePx * random.Normal()),
          static_cast<float>(place.y() + kNoisePx * random.Normal()),
-         static_cast<float>(m.scale_px * pose.scale * std::exp(kLogScaleNoise * random.Normal())),
-         static_cast<float>(WrapAngle(m.orientation_rad + pose.rotation_rad + kTurnNoiseRad * random.Normal()))});
+         static_cast<float>(m.scale_px * fit.scale * std::exp(kLogScaleNoise * random.Normal())),
+         static_cast<float>(WrapAngle(m.orientation_rad + fit.rotation_rad + kTurnNoiseRad * random.Normal()))});
   }
   return drawn;
 }
 
-std::vector<PointPair> PairsOf(const MatchedScene& scene, const MatchSet& matches) {
+std::vector<PointPair> MakePointPairs(const MatchedScene& scene, const MatchSet& matches) {
   std::vector<PointPair> pairs;
   for (const Match& match : matches) {
-    const Keypoint& s = scene.scene[match.scene];
-    const Keypoint& m = scene.model[match.model];
+    const Keypoint& s = scene.scene[match.scene_keypoint];
+    const Keypoint& m = scene.model[match.template_keypoint];
     pairs.push_back({{m.x, m.y}, {s.x, s.y}});
   }
   return pairs;

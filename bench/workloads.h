@@ -17,18 +17,18 @@
 namespace victorious::bench {
 
 /// A flight over a synthetic town, 640 x 480 px, with four objects on the ground.
-testing::SyntheticFlight DrawnFlight();
+testing::SyntheticFlight MakeSyntheticFlight();
 
 /// One of its frames in grey, with about 1300 keypoints.
 cv::Mat GreyFrame(const testing::SyntheticFlight& flight, int index = 0);
 
 /// The features of a grey image by the default engine.
 /// @param most  the number of strongest features to keep; 0: all
-FeatureSet FeaturesOf(const cv::Mat& grey, int most = 0);
+FeatureSet ExtractFeatures(const cv::Mat& grey, int most = 0);
 
 /// A synthetic object, with its alpha channel as mask.
 /// @param bgra  CV_8UC4
-Photo PhotoOf(const cv::Mat& bgra);
+Photo MakePhoto(const cv::Mat& bgra);
 
 /// A model with one view, the object's photo.
 ObjectModel PhotoModel(const testing::SyntheticFlight& flight, int thing);
@@ -36,10 +36,10 @@ ObjectModel PhotoModel(const testing::SyntheticFlight& flight, int thing);
 /// Models of the flight's objects with views from all azimuths, up to 70 degrees off nadir: 1 + 7 x 36 = 253 views with
 /// the 100 strongest features each (or all, if a view has fewer).
 /// @param every  use only every n-th view
-std::vector<ObjectModel> AllRoundModels(const testing::SyntheticFlight& flight, int every = 1);
+std::vector<ObjectModel> MakeAllRoundModels(const testing::SyntheticFlight& flight, int every = 1);
 
 /// The views of all models, concatenated.
-std::vector<FeatureView> ViewsOf(const std::vector<ObjectModel>& models);
+std::vector<FeatureView> CollectViews(const std::vector<ObjectModel>& models);
 
 /// One template's matches in a scene: `true_matches` inliers of a similarity, with noise as of real keypoints, and
 /// `false_matches` random pairs of keypoints.
@@ -48,9 +48,9 @@ struct MatchedScene {
   std::vector<Keypoint> model;
   MatchSet matches;
 };
-MatchedScene DrawnMatches(std::size_t true_matches, std::size_t false_matches, std::uint64_t seed);
+MatchedScene SimulateMatches(std::size_t true_matches, std::size_t false_matches, std::uint64_t seed);
 
 /// The point pairs of the matches, template to scene.
-std::vector<PointPair> PairsOf(const MatchedScene& scene, const MatchSet& matches);
+std::vector<PointPair> MakePointPairs(const MatchedScene& scene, const MatchSet& matches);
 
 }  // namespace victorious::bench

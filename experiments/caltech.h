@@ -13,8 +13,8 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "victorious/category/category_model.h"
 #include "experiments/experiment.h"
+#include "victorious/category/category_model.h"
 #include "victorious/recognize/category_images.h"
 
 namespace victorious {
@@ -28,8 +28,8 @@ inline constexpr const char* kBackground = "BACKGROUND_Google";
 inline constexpr double kSmootherCap = 3;
 
 /// Lists the images of `categories`; of all categories if it is empty. Errors: kNotFound without the data.
-Expected<std::vector<CategoryListRow>> CaltechRows(const ExperimentSettings& settings,
-                                                   std::span<const std::string> categories);
+Expected<std::vector<CategoryListRow>> ReadCaltechRows(const ExperimentSettings& settings,
+                                                       std::span<const std::string> categories);
 
 /// Describes the split in the notes of reports.
 inline constexpr const char* kSplitNote =
@@ -41,7 +41,7 @@ struct Split {
   std::vector<std::size_t> test;   ///< indexes into the rows
 };
 
-Split SplitBySeed(std::span<const CategoryListRow> rows, std::uint64_t seed);
+Split MakeRandomSplit(std::span<const CategoryListRow> rows, std::uint64_t seed);
 
 /// The features of all images: the training examples of each, and the features of the whole image for testing.
 class CaltechFeatures {
@@ -51,7 +51,7 @@ class CaltechFeatures {
 
   [[nodiscard]] std::span<const CategoryListRow> rows() const { return rows_; }
   [[nodiscard]] std::vector<CategoryExample> ExamplesOf(std::span<const std::size_t> rows) const;
-  [[nodiscard]] const FeatureSet& Whole(std::size_t row) const { return whole_[row]; }
+  [[nodiscard]] const FeatureSet& WholeImage(std::size_t row) const { return whole_[row]; }
 
  private:
   CaltechFeatures() = default;
@@ -69,7 +69,7 @@ struct TestScores {
   double train_s = 0;
   double phrase_scoring_ms = 0;  ///< per image, without the extraction of features and words
 
-  [[nodiscard]] const std::vector<CategoryResult>& Of(CategoryMethod method) const {
+  [[nodiscard]] const std::vector<CategoryResult>& ResultsBy(CategoryMethod method) const {
     return method == CategoryMethod::kPhrases ? phrases : words;
   }
 };
@@ -82,8 +82,8 @@ Expected<TestScores> TrainAndTest(const CaltechFeatures& features, const Categor
                                   CategoryModel* model_out = nullptr);
 
 /// The fraction of a category's test images that are labelled with it.
-double AccuracyOf(const TestScores& scores, const CategoryModel& model, CategoryMethod method,
-                  const std::string& category);
+double ComputeAccuracy(const TestScores& scores, const CategoryModel& model, CategoryMethod method,
+                       const std::string& category);
 
 /// The mean of ComputeAccuracy over the tested categories.
 double MeanAccuracy(const TestScores& scores, const CategoryModel& model, CategoryMethod method);
@@ -91,10 +91,10 @@ double MeanAccuracy(const TestScores& scores, const CategoryModel& model, Catego
 /// A category's raw score of each test image, and whether the image shows it; input of roc.h.
 struct Ranking {
   std::vector<double> scores;
-  std::vector<bool> wanted;
+  std::vector<bool> is_positive;
 };
-Ranking RankingOf(const TestScores& scores, const CategoryModel& model, CategoryMethod method,
-                  const std::string& category);
+Ranking ComputeRanking(const TestScores& scores, const CategoryModel& model, CategoryMethod method,
+                       const std::string& category);
 
 /// The thesis's features and method, in the interpretation that reproduces its results (--params thesis).
 CategoryTrainOptions ThesisCategories();

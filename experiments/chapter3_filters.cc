@@ -9,11 +9,11 @@
 
 #include <fmt/format.h>
 
-#include "victorious/base/check.h"
 #include "experiments/learn_thresholds.h"
 #include "experiments/match_experiments.h"
 #include "experiments/match_filters.h"
 #include "experiments/match_pool.h"
+#include "victorious/base/check.h"
 #include "victorious/pipeline/preset.h"
 
 namespace victorious {
@@ -36,14 +36,14 @@ std::vector<MatchFilter> Variants(const CascadeOptions& cascade) {
   const auto add = [&](std::string name, const auto& change) {
     CascadeOptions options = cascade;
     change(options);
-    variants.push_back(GrammarFilter(std::move(name), options));
+    variants.push_back(MakeGrammarFilter(std::move(name), options));
   };
   add("cascade, R = 50 px", [](CascadeOptions& o) { o.radius_px = 50; });
   add("cascade, R = 100 px", [](CascadeOptions& o) { o.radius_px = 100; });
   for (const double share : {0.5, 0.7, 1.0}) {
     add(fmt::format("cascade, R from scale, share {:g}", share), [&](CascadeOptions& o) {
       o.radius = "scale";
-      o.radius_share = share;
+      o.radius_fraction = share;
     });
   }
   add("cascade, support distinct nowhere", [](CascadeOptions& o) { o.distinct_stages = 0; });
@@ -51,7 +51,7 @@ std::vector<MatchFilter> Variants(const CascadeOptions& cascade) {
   add("cascade, distinct in all stages", [](CascadeOptions& o) { o.distinct_stages = 3; });
   add("cascade, --params learnt", [](CascadeOptions& o) {
     RecognizeOptions options{.cascade = o};
-    const Status applied = ApplyPreset("learnt", FieldsOf(options));
+    const Status applied = ApplyPreset("learnt", CollectFields(options));
     VICTORIOUS_CHECK(applied.has_value());
     o = options.cascade;
   });
@@ -64,7 +64,7 @@ struct Pooled {
   double ms = 0;  ///< mean per trial
 };
 
-Pooled Run(const std::vector<const MatchTrial*>& trials, double ratio, const MatchFilter& filter) {
+Pooled RunFilter(const std::vector<const MatchTrial*>& trials, double ratio, const MatchFilter& filter) {
   Pooled pooled;
   for (const MatchTrial* trial : trials) {
     const MatchSet matches = trial->Matches(ratio);
@@ -81,15 +81,16 @@ Pooled Run(const std::vector<const MatchTrial*>& trials, double ratio, const Mat
 }  // namespace
 
 Expected<Report> RunChapter3Filters(const ExperimentSettings& settings) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<PooledScene> scenes, PoolScenes(settings, kFrames, Movies::kToo));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<PooledScene> scenes,
+                              PoolScenes(settings, kFrames, IncludeMovies::kYes));
   Report report{
       .title = "True and false matches kept by the filters, all scenes pooled",
       .columns = {"setting", "trials", "ratio", "filter", "true before", "true kept %", "false before", "false after",
-                  "near after", "false % of what is left", "false before / after", "ms a trial"}};
+                  "near after", "false % of kept matches", "false before / after", "ms per trial"}};
   report.plot = {.title = "False among the kept matches, our setting",
                  .x = {.label = "ratio"},
-                 .y = {.label = "false % of what is left", .low = 0.1, .high = 100, .logarithmic = true}};
-  for (const MatchSetup& setup : {ThesisSetup(), OurSetup()}) {
+                 .y = {.label = "false % of kept matches", .low = 0.1, .high = 100, .logarithmic = true}};
+  for (const MatchSetup& setup : {ThesisSetup(), DefaultSetup()}) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<MatchTrial> trials, PoolTrials(settings, setup, scenes));
     std::vector<const MatchTrial*> all;
     std::vector<const MatchTrial*> learning;
@@ -102,16 +103,17 @@ Expected<Report> RunChapter3Filters(const ExperimentSettings& settings) {
     }
     const auto add = [&](const std::string& which, const std::vector<const MatchTrial*>& some, double ratio,
                          const MatchFilter& filter) {
-      const Pooled pooled = Run(some, ratio, filter);
-      const double false_share = Percent(pooled.after.Wrong(), pooled.after.matches);
-      report.rows.push_back({setup.name, fmt::format("{} {}", which, some.size()), ratio, filter.name,
-                             static_cast<double>(pooled.before.right), Percent(pooled.after.right, pooled.before.right),
-                             static_cast<double>(pooled.before.Wrong()), static_cast<double>(pooled.after.Wrong()),
-                             static_cast<double>(pooled.after.near), false_share,
-                             TimesFewer(pooled.before.Wrong(), pooled.after.Wrong()), pooled.ms});
-      return false_share;
+      const Pooled pooled = RunFilter(some, ratio, filter);
+      const double false_fraction = Percent(pooled.after.FalseMatches(), pooled.after.matches);
+      report.rows.push_back(
+          {setup.name, fmt::format("{} {}", which, some.size()), ratio, filter.name,
+           static_cast<double>(pooled.before.correct), Percent(pooled.after.correct, pooled.before.correct),
+           static_cast<double>(pooled.before.FalseMatches()), static_cast<double>(pooled.after.FalseMatches()),
+           static_cast<double>(pooled.after.near), false_fraction,
+           TimesFewer(pooled.before.FalseMatches(), pooled.after.FalseMatches()), pooled.ms});
+      return false_fraction;
     };
-    for (const MatchFilter& filter : MatchFilters(setup.recognize)) {
+    for (const MatchFilter& filter : MakeMatchFilters(setup.recognize)) {
       PlotLine line{.name = filter.name};
       for (const double ratio : kRatios) line.points.push_back({ratio, add("all", all, ratio, filter)});
       const bool is_plotted =
@@ -129,8 +131,8 @@ Expected<Report> RunChapter3Filters(const ExperimentSettings& settings) {
         std::pair{std::string("cascade, learnt thresholds"), LearnThresholds(learning, setup.recognize.cascade)},
         std::pair{std::string("cascade, learnt, all measures in each stage"), LearnThresholds(learning, all_measures)}};
     for (const double ratio : kRatios) {
-      add("unseen", unseen, ratio, GrammarFilter("cascade, table 3.1", setup.recognize.cascade));
-      for (const auto& [name, options] : learnt) add("unseen", unseen, ratio, GrammarFilter(name, options));
+      add("unseen", unseen, ratio, MakeGrammarFilter("cascade, table 3.1", setup.recognize.cascade));
+      for (const auto& [name, options] : learnt) add("unseen", unseen, ratio, MakeGrammarFilter(name, options));
     }
     for (const auto& [name, options] : learnt) {
       report.notes.push_back(fmt::format(
@@ -138,7 +140,7 @@ Expected<Report> RunChapter3Filters(const ExperimentSettings& settings) {
           "{:.2f} rad, approvals {:g}, {:g}, {:g}, votes {}.",
           setup.name, name, options.scale_distortion, options.distance_distortion, options.orientation_distortion_rad,
           options.line_distortion_rad, options.first_approval, options.second_approval, options.third_approval,
-          options.least_votes));
+          options.min_votes));
     }
   }
   report.notes.push_back(

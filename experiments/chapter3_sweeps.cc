@@ -10,10 +10,10 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
-#include "victorious/base/random.h"
 #include "experiments/match_experiments.h"
 #include "experiments/match_filters.h"
 #include "experiments/match_trial.h"
+#include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/model/nearest_view.h"
 
@@ -27,7 +27,7 @@ struct Difficulty {
   std::string name;
   double value;
   std::function<void(Scene&)> change = [](Scene&) {};
-  Spoiling spoiling = {.degrade = {.grain = 1}, .jpeg_quality = 90};
+  ImageDegradation degradation = {.degrade = {.grain = 1}, .jpeg_quality = 90};
   double hidden = 0;        ///< occluded fraction of the object's box
   double view_off_deg = 0;  ///< azimuth of the template's view relative to the true one
 };
@@ -36,15 +36,15 @@ std::vector<Difficulty> Difficulties() {
   std::vector<Difficulty> all;
   for (const double percent : {0.0, 2.0, 5.0, 10.0, 15.0}) {
     all.push_back({.name = "salt and pepper (%)", .value = percent});
-    all.back().spoiling.degrade.noise = percent / 100;
+    all.back().degradation.degrade.noise = percent / 100;
   }
   for (const double sigma : {0.0, 0.7, 1.4, 2.1, 2.8}) {
     all.push_back({.name = "blur (sigma, px)", .value = sigma});
-    all.back().spoiling.degrade.blur_px = sigma;
+    all.back().degradation.degrade.blur_px = sigma;
   }
   for (const int quality : {90, 60, 30, 15, 8}) {
     all.push_back({.name = "JPEG quality", .value = static_cast<double>(quality)});
-    all.back().spoiling.jpeg_quality = quality;
+    all.back().degradation.jpeg_quality = quality;
   }
   for (const double percent : {0.0, 20.0, 40.0, 60.0, 80.0})
     all.push_back({.name = "hidden (%)", .value = percent, .hidden = percent / 100});
@@ -62,7 +62,7 @@ std::vector<Difficulty> Difficulties() {
 }
 
 // Occludes the left fraction of a box with another part of the same image.
-void Hide(double share, const Box& box, KnownScene& scene) {
+void Occlude(double share, const Box& box, LabelledImage& scene) {
   const cv::Rect frame({0, 0}, scene.bgr.size());
   const cv::Rect cover =
       cv::Rect(cv::Point2d(box.x, box.y), cv::Size(static_cast<int>(box.width * share), static_cast<int>(box.height))) &
@@ -78,7 +78,7 @@ void Hide(double share, const Box& box, KnownScene& scene) {
 // The scene and the model that all steps share.
 struct Example {
   std::string kind;
-  std::shared_ptr<const KnownTown> town;
+  std::shared_ptr<const SceneRenderer> town;
   std::shared_ptr<const ObjectModel> model;
 };
 
@@ -86,17 +86,18 @@ Expected<MatchTrial> TrialUnder(const Difficulty& difficulty, const Example& exa
   Scene scene = example.town->scene();
   scene.video.blur_px = scene.video.grain = scene.video.noise = 0;
   difficulty.change(scene);
-  VICTORIOUS_ASSIGN_OR_RETURN(KnownScene known, example.town->Draw(scene, 0, {}));
-  const KnownObject* const object = known.Find(example.kind);
+  VICTORIOUS_ASSIGN_OR_RETURN(LabelledImage known, example.town->Draw(scene, 0, {}));
+  const LabelledObject* const object = known.Find(example.kind);
   if (object == nullptr)
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: must show a {}", known.name, example.kind));
   ViewDirection view = object->view;
   view.azimuth_rad += RadiansFromDegrees(difficulty.view_off_deg);
-  Hide(difficulty.hidden, object->box, known);
-  VICTORIOUS_RETURN_IF_ERROR(Spoil(difficulty.spoiling, scene.seed, known.bgr));
-  VICTORIOUS_ASSIGN_OR_RETURN(auto features, FeaturesOf(known, setup.features));
+  Occlude(difficulty.hidden, object->box, known);
+  VICTORIOUS_RETURN_IF_ERROR(DegradeImage(difficulty.degradation, scene.seed, known.bgr));
+  VICTORIOUS_ASSIGN_OR_RETURN(auto features, ExtractImageFeatures(known, setup.features));
   const std::size_t nearest = NearestView(*example.model, view);
-  return MakeTrial(std::make_shared<const KnownScene>(std::move(known)), std::move(features), example.model, nearest);
+  return MakeTrial(std::make_shared<const LabelledImage>(std::move(known)), std::move(features), example.model,
+                   nearest);
 }
 
 }  // namespace
@@ -109,20 +110,21 @@ Expected<Report> RunChapter3Sweeps(const ExperimentSettings& settings) {
                  .x = {.label = "step of each difficulty, easiest first"},
                  .y = {.label = "%", .low = 0, .high = 110}};
   VICTORIOUS_ASSIGN_OR_RETURN(Renderer renderer, Renderer::Create({.software = true}));
-  for (const MatchSetup& setup : {ThesisSetup(), OurSetup()}) {
+  for (const MatchSetup& setup : {ThesisSetup(), DefaultSetup()}) {
     std::vector<Example> examples;
     for (const char* kind : {"jeep", "jet"}) {
       VICTORIOUS_ASSIGN_OR_RETURN(
-          KnownTown town,
-          KnownTown::Load(settings.scenes / fmt::format("chapter3_{}.json", kind), renderer, settings.Cancel()));
+          SceneRenderer town,
+          SceneRenderer::Load(settings.scenes / fmt::format("chapter3_{}.json", kind), renderer, settings.Cancel()));
       VICTORIOUS_ASSIGN_OR_RETURN(
-          auto model, KeptModel(settings, town.scene().assets / "models" / fmt::format("{}.glb", kind), setup.cad));
-      examples.push_back({kind, std::make_shared<const KnownTown>(std::move(town)), std::move(model)});
+          auto model,
+          LoadOrBuildModel(settings, town.scene().assets / "models" / fmt::format("{}.glb", kind), setup.cad));
+      examples.push_back({kind, std::make_shared<const SceneRenderer>(std::move(town)), std::move(model)});
     }
-    std::vector<MatchFilter> filters = MatchFilters(setup.recognize);
+    std::vector<MatchFilter> filters = MakeMatchFilters(setup.recognize);
     CascadeOptions by_scale = setup.recognize.cascade;
     by_scale.radius = "scale";
-    filters.push_back(GrammarFilter("cascade, R from scale", by_scale));
+    filters.push_back(MakeGrammarFilter("cascade, R from scale", by_scale));
     double easiest = 0;
     for (const Difficulty& difficulty : Difficulties()) {
       VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
@@ -140,16 +142,16 @@ Expected<Report> RunChapter3Sweeps(const ExperimentSettings& settings) {
           after += trial.Count(filter.run(trial, matches));
         }
         report.rows.push_back({setup.name, difficulty.name, difficulty.value, filter.name,
-                               static_cast<double>(before.right), static_cast<double>(before.Wrong()),
-                               before.right > 0 ? 100.0 * after.right / before.right : 0.0,
-                               static_cast<double>(after.Wrong())});
+                               static_cast<double>(before.correct), static_cast<double>(before.FalseMatches()),
+                               before.correct > 0 ? 100.0 * after.correct / before.correct : 0.0,
+                               static_cast<double>(after.FalseMatches())});
         if (filter.name != "cascade" || setup.name != "ours") continue;
         std::vector<PlotLine>& lines = report.plot.lines;
         if (lines.empty() || lines.back().name != difficulty.name) {
           lines.push_back({.name = difficulty.name, .points = {}});
-          easiest = std::max(1, after.right);
+          easiest = std::max(1, after.correct);
         }
-        lines.back().points.push_back({static_cast<double>(lines.back().points.size()), 100 * after.right / easiest});
+        lines.back().points.push_back({static_cast<double>(lines.back().points.size()), 100 * after.correct / easiest});
       }
       settings.progress(fmt::format("{}: {} {:g}", setup.name, difficulty.name, difficulty.value));
     }

@@ -8,13 +8,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "victorious/base/file.h"
-#include "victorious/base/program_id.h"
 #include "experiments/category_experiments.h"
 #include "experiments/match_experiments.h"
 #include "experiments/place_experiments.h"
 #include "experiments/recognition_experiments.h"
 #include "experiments/system_experiments.h"
+#include "victorious/base/file.h"
+#include "victorious/base/program_id.h"
 
 namespace victorious {
 
@@ -23,12 +23,12 @@ Status ExperimentSettings::CheckCancelled() const {
   return {};
 }
 
-Expected<std::string> ExperimentSettings::KeptAs(const std::string& made_of) const {
-  std::string made_by = program;
-  if (made_by.empty()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(made_by, ProgramId());
+Expected<std::string> ExperimentSettings::CacheKey(const std::string& inputs) const {
+  std::string program_id = program;
+  if (program_id.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(program_id, ProgramId());
   }
-  const std::string key = made_of + " " + made_by;
+  const std::string key = inputs + " " + program_id;
   return fmt::format("{:016x}", Checksum(std::as_bytes(std::span(key))));
 }
 
@@ -80,7 +80,7 @@ std::span<const Experiment> Experiments() {
                  &RunTableWindows},
       Experiment{"table-cad", "CAD models as training examples of a category, against a few photos", &RunTableCad},
       Experiment{"figure-calibration", "Calibration of detection scores", &RunFigureCalibration},
-      Experiment{"table-stance", "Errors of view and distance, by what is known of the camera", &RunTableStance},
+      Experiment{"table-object_pose", "Errors of view and distance, by what is known of the camera", &RunTableStance},
       Experiment{"table-cheyenne", "Places from a real flight's stares, against the recorded frame centres",
                  &RunTableCheyenne},
       Experiment{"table-brighton", "Agreement of the places of one object from several photos", &RunTableBrighton},

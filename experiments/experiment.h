@@ -10,9 +10,9 @@
 #include <string_view>
 #include <vector>
 
+#include "experiments/report.h"
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
-#include "experiments/report.h"
 
 namespace victorious {
 
@@ -33,7 +33,7 @@ struct ExperimentSettings {
   [[nodiscard]] Status CheckCancelled() const;
   /// The key of a result cached in `out`: 16 hexadecimal digits, a hash of its inputs (parameters included) and of the
   /// program build. Another build does not reuse it.
-  [[nodiscard]] Expected<std::string> KeptAs(const std::string& made_of) const;
+  [[nodiscard]] Expected<std::string> CacheKey(const std::string& inputs) const;
   /// Returns `cancel`, or a token that is never cancelled if it is null.
   [[nodiscard]] const CancelToken& Cancel() const;
 };

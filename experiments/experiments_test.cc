@@ -22,17 +22,17 @@ TEST(Roc, AreaIsHowOftenTheWantedScoresAbove) {
 
 TEST(Roc, CurveIsReadBetweenItsPoints) {
   const auto curve = RocCurve(std::vector<double>{4, 3, 2, 1}, {true, false, true, false});
-  EXPECT_EQ(DetectionsAt(curve, 0), 0.5);
-  EXPECT_EQ(DetectionsAt(curve, 0.5), 1);
+  EXPECT_EQ(DetectionRateAt(curve, 0), 0.5);
+  EXPECT_EQ(DetectionRateAt(curve, 0.5), 1);
   const auto tied = RocCurve(std::vector<double>{1, 1}, {true, false});
-  EXPECT_EQ(DetectionsAt(tied, 0.25), 0.25);
+  EXPECT_EQ(DetectionRateAt(tied, 0.25), 0.25);
 }
 
-TEST(Measured, IsAMeanWithItsStandardError) {
-  const Measured measured = MeanOf({1, 2, 3, 4});
+TEST(MeanWithError, IsAMeanWithItsStandardError) {
+  const MeanWithError measured = ComputeMean({1, 2, 3, 4});
   EXPECT_EQ(measured.mean, 2.5);
   EXPECT_NEAR(measured.standard_error, 0.6455, 1e-4);
-  EXPECT_EQ(MeanOf({5}).standard_error, 0);
+  EXPECT_EQ(ComputeMean({5}).standard_error, 0);
 }
 
 TEST(Split, TrainsOnBoxesAndTestsOnTheRest) {
@@ -44,12 +44,12 @@ TEST(Split, TrainsOnBoxesAndTestsOnTheRest) {
                     .mark = {},
                     .where = {}});
   for (int i = 0; i < 180; ++i) rows.push_back({.image = "b", .category = "whole", .box = {}, .mark = {}, .where = {}});
-  const Split split = SplitBySeed(rows, 3);
+  const Split split = MakeRandomSplit(rows, 3);
   EXPECT_EQ(split.train.size(), 25U + 30U) << "half of few, 30 of many";
   EXPECT_EQ(split.test.size(), 25U + 100U) << "all of few, 100 of many";
   for (const std::size_t i : split.train) EXPECT_TRUE(rows[i].box || rows[i].category == "whole");
-  EXPECT_EQ(SplitBySeed(rows, 3).train, split.train);
-  EXPECT_NE(SplitBySeed(rows, 4).train, split.train);
+  EXPECT_EQ(MakeRandomSplit(rows, 3).train, split.train);
+  EXPECT_NE(MakeRandomSplit(rows, 4).train, split.train);
 }
 
 TEST(Experiments, UnknownNamesAndMissingDataAreNamed) {
@@ -70,7 +70,7 @@ TEST(Report, IsWrittenAsJsonCsvAndSvg) {
                 .title = "A title",
                 .notes = {"a note"},
                 .columns = {"what, where", "share"},
-                .rows = {{std::string("one \"x\""), Measured{0.5, 0.1}}, {std::string("two"), 0.25}}};
+                .rows = {{std::string("one \"x\""), MeanWithError{0.5, 0.1}}, {std::string("two"), 0.25}}};
   report.plot.title = "a < b";
   report.plot.lines = {{.name = "line", .points = {{0, 0, 0.1}, {1, 2, 0}}}};
   const std::filesystem::path folder = ::testing::TempDir();
@@ -79,7 +79,7 @@ TEST(Report, IsWrittenAsJsonCsvAndSvg) {
             "\"what, where\",share,share standard error\n\"one \"\"x\"\"\",0.5,0.1\ntwo,0.25,\n");
   EXPECT_THAT(TextOf(folder / "table0.0.json"), HasSubstr("\"standard_error\": 0.1"));
   EXPECT_THAT(TextOf(folder / "table0.0.svg"), HasSubstr("a &lt; b"));
-  EXPECT_THAT(MarkdownOf(report), HasSubstr("| two | 0.25 |"));
+  EXPECT_THAT(ToMarkdown(report), HasSubstr("| two | 0.25 |"));
 }
 
 }  // namespace

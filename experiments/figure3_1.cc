@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "victorious/base/random.h"
 #include "experiments/caltech.h"
 #include "experiments/category_experiments.h"
+#include "victorious/base/random.h"
 #include "victorious/image/image_file.h"
 
 namespace victorious {
@@ -46,39 +46,39 @@ struct Tiling {
   }
 };
 
-FeatureSet Jumbled(const FeatureSet& picture, const std::array<int, kTiles>& order) {
+FeatureSet ShuffleKeypoints(const FeatureSet& picture, const std::array<int, kTiles>& order) {
   const Tiling tiling({picture.image_width, picture.image_height});
-  FeatureSet jumbled = picture;
-  for (Keypoint& keypoint : jumbled.keypoints) {
+  FeatureSet shuffled = picture;
+  for (Keypoint& keypoint : shuffled.keypoints) {
     const int tile = tiling.TileAt(keypoint.x, keypoint.y);
     const cv::Point2d shift = tiling.Corner(order[static_cast<std::size_t>(tile)]) - tiling.Corner(tile);
     keypoint.x += static_cast<float>(shift.x);
     keypoint.y += static_cast<float>(shift.y);
   }
-  return jumbled;
+  return shuffled;
 }
 
-cv::Mat JumbledPixels(const cv::Mat& picture, const std::array<int, kTiles>& order) {
+cv::Mat ShufflePixels(const cv::Mat& picture, const std::array<int, kTiles>& order) {
   const Tiling tiling(picture.size());
-  cv::Mat jumbled = picture.clone();
+  cv::Mat shuffled = picture.clone();
   const cv::Size size(static_cast<int>(tiling.width_px), static_cast<int>(tiling.height_px));
   for (int tile = 0; tile < kTiles; ++tile) {
     const cv::Rect from(cv::Point(tiling.Corner(tile)), size);
     const cv::Rect to(cv::Point(tiling.Corner(order[static_cast<std::size_t>(tile)])), size);
-    picture(from).copyTo(jumbled(to));
+    picture(from).copyTo(shuffled(to));
   }
-  return jumbled;
+  return shuffled;
 }
 
-struct Shares {
+struct ShuffleResults {
   std::vector<double> phrases_fall;
   std::vector<double> words_unchanged;
   std::vector<double> phrase_drop;
 };
 
-Status MeasureInto(Shares& shares, const CaltechFeatures& features, const CategoryOptions& options,
+Status MeasureInto(ShuffleResults& results, const CaltechFeatures& features, const CategoryOptions& options,
                    std::uint64_t seed) {
-  const Split split = SplitBySeed(features.rows(), seed);
+  const Split split = MakeRandomSplit(features.rows(), seed);
   CategoryOptions seeded = options;
   seeded.seed = seed;
   VICTORIOUS_ASSIGN_OR_RETURN(const CategoryModel model, TrainCategories(features.ExamplesOf(split.train), seeded));
@@ -90,20 +90,21 @@ Status MeasureInto(Shares& shares, const CaltechFeatures& features, const Catego
     const std::string& category = features.rows()[row].category;
     const auto node =
         static_cast<std::size_t>(std::ranges::find(model.nodes, category, &CategoryNode::name) - model.nodes.begin());
-    const WordedPicture whole = WordsOf(model, features.Whole(row));
-    const WordedPicture jumbled = WordsOf(model, Jumbled(features.Whole(row), Shuffle(random)));
-    const auto score = [&](const WordedPicture& picture, CategoryMethod method) {
+    const QuantisedImage whole = QuantiseFeatures(model, features.WholeImage(row));
+    const QuantisedImage shuffled =
+        QuantiseFeatures(model, ShuffleKeypoints(features.WholeImage(row), Shuffle(random)));
+    const auto score = [&](const QuantisedImage& picture, CategoryMethod method) {
       return Classify(model, picture, method).scores[node].raw;
     };
-    const double change = score(jumbled, CategoryMethod::kPhrases) - score(whole, CategoryMethod::kPhrases);
+    const double change = score(shuffled, CategoryMethod::kPhrases) - score(whole, CategoryMethod::kPhrases);
     falls += change < 0 ? 1 : 0;
     drop -= change;
-    unchanged += score(jumbled, CategoryMethod::kWords) == score(whole, CategoryMethod::kWords) ? 1 : 0;
+    unchanged += score(shuffled, CategoryMethod::kWords) == score(whole, CategoryMethod::kWords) ? 1 : 0;
   }
   const auto count = static_cast<double>(split.test.size());
-  shares.phrases_fall.push_back(100 * falls / count);
-  shares.words_unchanged.push_back(100 * unchanged / count);
-  shares.phrase_drop.push_back(drop / count);
+  results.phrases_fall.push_back(100 * falls / count);
+  results.words_unchanged.push_back(100 * unchanged / count);
+  results.phrase_drop.push_back(drop / count);
   return {};
 }
 
@@ -112,7 +113,7 @@ Status DrawExample(const ExperimentSettings& settings, const CaltechFeatures& fe
   VICTORIOUS_ASSIGN_OR_RETURN(const Image image, ReadImage(settings.data / "caltech101" / car->image));
   Random random(1);
   cv::Mat both;
-  cv::hconcat(image.bgr, JumbledPixels(image.bgr, Shuffle(random)), both);
+  cv::hconcat(image.bgr, ShufflePixels(image.bgr, Shuffle(random)), both);
   return WriteImage(settings.out / "figure3.1.png", both);
 }
 
@@ -120,7 +121,7 @@ Status DrawExample(const ExperimentSettings& settings, const CaltechFeatures& fe
 
 Expected<Report> RunFigure31(const ExperimentSettings& settings) {
   const std::array<std::string, 2> pair = {kAirplanes, kCars};
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, CaltechRows(settings, pair));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCaltechRows(settings, pair));
   Report report{.title = fmt::format("Test images cut into {} x {} tiles and shuffled", kTilesAcross, kTilesDown),
                 .columns = {"method", "phrase score falls, % of pictures", "mean fall of the raw score",
                             "word score unchanged, % of pictures"}};
@@ -131,15 +132,15 @@ Expected<Report> RunFigure31(const ExperimentSettings& settings) {
        {std::pair{std::string("ours"), CategoryTrainOptions()}, std::pair{std::string("thesis"), ThesisCategories()}}) {
     VICTORIOUS_ASSIGN_OR_RETURN(const auto features, CaltechFeatures::Load(settings, rows, options.features));
     if (report.rows.empty()) VICTORIOUS_RETURN_IF_ERROR(DrawExample(settings, features));
-    Shares shares;
+    ShuffleResults results;
     PlotLine line{.name = name};
     for (int seed = 1; seed <= settings.seeds; ++seed) {
       VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
-      VICTORIOUS_RETURN_IF_ERROR(MeasureInto(shares, features, options.category, static_cast<std::uint64_t>(seed)));
-      line.points.push_back({static_cast<double>(seed), shares.phrases_fall.back()});
+      VICTORIOUS_RETURN_IF_ERROR(MeasureInto(results, features, options.category, static_cast<std::uint64_t>(seed)));
+      line.points.push_back({static_cast<double>(seed), results.phrases_fall.back()});
     }
-    report.rows.push_back(
-        {name, MeanOf(shares.phrases_fall), MeanOf(shares.phrase_drop), MeanOf(shares.words_unchanged)});
+    report.rows.push_back({name, ComputeMean(results.phrases_fall), ComputeMean(results.phrase_drop),
+                           ComputeMean(results.words_unchanged)});
     report.plot.lines.push_back(line);
     settings.progress(name);
   }

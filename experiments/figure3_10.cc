@@ -21,7 +21,7 @@ struct Drawn {
 
 Expected<Drawn> DrawStages(const ExperimentSettings& settings, const std::string& kind, std::span<const double> ratios,
                            std::size_t stages, double scale) {
-  const MatchSetup setup = OurSetup();
+  const MatchSetup setup = DefaultSetup();
   VICTORIOUS_ASSIGN_OR_RETURN(const MatchTrial trial, RunningExample(settings, setup, kind));
   Drawn drawn;
   drawn.report.columns = {"ratio", "filtering", "matches", "true", "false"};
@@ -31,12 +31,12 @@ Expected<Drawn> DrawStages(const ExperimentSettings& settings, const std::string
     const StageMatches left = RunStages(trial, ratio, setup.recognize);
     for (std::size_t stage = 0; stage < stages; ++stage) {
       const MatchCount count = trial.Count(left.sets[stage]);
-      const std::string caption =
-          fmt::format("{:g} {}: {} true, {} false", ratio, StageMatches::kNames[stage], count.right, count.Wrong());
+      const std::string caption = fmt::format("{:g} {}: {} true, {} false", ratio, StageMatches::kNames[stage],
+                                              count.correct, count.FalseMatches());
       VICTORIOUS_ASSIGN_OR_RETURN(cv::Mat picture, DrawMatches(trial, left.sets[stage], scale, caption));
       drawn.pictures.push_back(std::move(picture));
       drawn.report.rows.push_back({ratio, std::string(StageMatches::kNames[stage]), static_cast<double>(count.matches),
-                                   static_cast<double>(count.right), static_cast<double>(count.Wrong())});
+                                   static_cast<double>(count.correct), static_cast<double>(count.FalseMatches())});
     }
   }
   return drawn;

@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "victorious/base/file.h"
 #include "experiments/match_experiments.h"
 #include "experiments/match_picture.h"
 #include "experiments/match_trial.h"
 #include "experiments/view_grid.h"
+#include "victorious/base/file.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/image/image_file.h"
 #include "victorious/image/montage.h"
@@ -57,10 +57,10 @@ double DegreesBetween(const ObjectModel& model, std::size_t a, std::size_t b) {
 cv::Mat GridOf(const ViewCounts& counts, std::size_t stage) {
   std::vector<double> values;
   for (const auto& left : counts.left) values.push_back(left[stage]);
-  return GridOfViews(*counts.trial.model, values);
+  return MakeViewGrid(*counts.trial.model, values);
 }
 
-std::string MostOf(std::size_t stage, double most) {
+std::string StageCaption(std::size_t stage, double most) {
   return fmt::format("{}: at most {:.0f} matches", StageMatches::kNames[stage], most);
 }
 
@@ -69,7 +69,7 @@ cv::Mat HeatMap(const ViewCounts& counts, std::size_t stage) {
   double most = 1;
   cv::minMaxLoc(grid, nullptr, &most);
   const ViewAngles truth = *counts.trial.model->views[counts.trial.view].angles;
-  return HeatMapOf(grid, MostOf(stage, most), {{truth}, cv::Scalar(80, 255, 80)});
+  return DrawHeatMap(grid, StageCaption(stage, most), {{truth}, cv::Scalar(80, 255, 80)});
 }
 
 // Draws bars on the grid of views in oblique projection, the farthest first.
@@ -98,7 +98,7 @@ cv::Mat Bars(const ViewCounts& counts, std::size_t stage) {
       cv::rectangle(picture, bar, cv::Scalar::all(200));
     }
   }
-  Caption(picture, MostOf(stage, most));
+  DrawCaption(picture, StageCaption(stage, most));
   return picture;
 }
 
@@ -114,7 +114,7 @@ struct Ranking {
   std::size_t best = 0;  ///< view with the maximum number of matches
   int best_count = 0;
   int true_count = 0;
-  int farthest_spike = 0;  ///< maximum number of matches of the views more than 40 degrees away
+  int max_far_count = 0;  ///< maximum number of matches of the views more than 40 degrees away
 };
 
 Ranking Rank(const ViewCounts& counts, std::size_t stage) {
@@ -130,7 +130,7 @@ Ranking Rank(const ViewCounts& counts, std::size_t stage) {
       ranking.best = view;
     }
     if (DegreesBetween(*counts.trial.model, view, counts.trial.view) > kFarDegrees)
-      ranking.farthest_spike = std::max(ranking.farthest_spike, count);
+      ranking.max_far_count = std::max(ranking.max_far_count, count);
   }
   return ranking;
 }
@@ -150,12 +150,12 @@ std::string CsvOfViews(const ViewCounts& counts) {
 
 Expected<Report> RunFigure314(const ExperimentSettings& settings) {
   Report report{.title = "Rank of the true view among all 253, by number of matches at a ratio of 0.8",
-                .columns = {"object", "setting", "filtering", "rank of the true view", "others with as many",
-                            "its matches", "most matches", "the best view is off by (degrees)"}};
+                .columns = {"object", "setting", "filtering", "rank of the true view", "tied views",
+                            "matches of true view", "most matches", "best view error (degrees)"}};
   PlotLine thesis_line{.name = "thesis's setting"};
   PlotLine our_line{.name = "ours"};
   for (const char* kind : {"jeep", "jet"}) {
-    for (const MatchSetup& setup : {ThesisSetup(), OurSetup()}) {
+    for (const MatchSetup& setup : {ThesisSetup(), DefaultSetup()}) {
       VICTORIOUS_ASSIGN_OR_RETURN(const ViewCounts counts, CountViews(settings, setup, kind));
       const bool shown = std::string_view(kind) == "jeep" && setup.name == "ours";
       if (shown) {
@@ -177,7 +177,7 @@ Expected<Report> RunFigure314(const ExperimentSettings& settings) {
   report.notes = {
       "Thesis: the true view is ranked first after the first stage, but not without filtering. The image: jeep, "
       "our setting, clockwise from the upper left corner none, first, second, third; azimuth to the right from "
-      "0, off-nadir angle downwards from 0 to 70 degrees, the true view framed green."};
+      "0, off-nadir angle downwards from 0 to 70 degrees, the true view highlighted green."};
   report.plot = {.title = "Rank of the true view of the jeep among 253",
                  .x = {.label = "stages of the cascade"},
                  .y = {.label = "rank"},
@@ -187,18 +187,18 @@ Expected<Report> RunFigure314(const ExperimentSettings& settings) {
 
 Expected<Report> RunFigure315(const ExperimentSettings& settings) {
   Report report{.title = "Matches of all views as bars: the peak at the true view and spurious peaks far from it",
-                .columns = {"object", "filtering", "matches of the true view", "most of a view over 40 degrees off",
-                            "peak over spike"}};
+                .columns = {"object", "filtering", "matches of the true view", "max of views over 40 degrees away",
+                            "peak to spurious peak"}};
   for (const char* kind : {"jeep", "jet"}) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const ViewCounts counts, CountViews(settings, OurSetup(), kind));
+    VICTORIOUS_ASSIGN_OR_RETURN(const ViewCounts counts, CountViews(settings, DefaultSetup(), kind));
     if (std::string_view(kind) == "jeep")
       VICTORIOUS_RETURN_IF_ERROR(WriteStages(settings.out / "figure3.15.png", counts, Bars));
     PlotLine line{.name = kind};
     for (std::size_t stage = 0; stage < kStages; ++stage) {
       const Ranking ranking = Rank(counts, stage);
-      const double ratio = ranking.true_count / std::max(1.0, static_cast<double>(ranking.farthest_spike));
+      const double ratio = ranking.true_count / std::max(1.0, static_cast<double>(ranking.max_far_count));
       report.rows.push_back({std::string(kind), std::string(StageMatches::kNames[stage]),
-                             static_cast<double>(ranking.true_count), static_cast<double>(ranking.farthest_spike),
+                             static_cast<double>(ranking.true_count), static_cast<double>(ranking.max_far_count),
                              ratio});
       line.points.push_back({static_cast<double>(stage), ratio});
     }
@@ -209,7 +209,7 @@ Expected<Report> RunFigure315(const ExperimentSettings& settings) {
       "stage; azimuth to the right, the pole at the back."};
   report.plot.title = "Matches of the true view over the maximum of the views more than 40 degrees away";
   report.plot.x = {.label = "stages of the cascade"};
-  report.plot.y = {.label = "peak over spike"};
+  report.plot.y = {.label = "peak to spurious peak"};
   return report;
 }
 

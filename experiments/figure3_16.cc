@@ -12,69 +12,70 @@
 #include "experiments/match_picture.h"
 #include "experiments/match_pool.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/model/view_surface.h"
-#include "victorious/pipeline/index_options.h"
 #include "victorious/image/image_file.h"
 #include "victorious/image/montage.h"
+#include "victorious/model/view_surface.h"
+#include "victorious/pipeline/index_options.h"
 
 namespace victorious {
 namespace {
 
 constexpr std::array kKinds = {"jeep", "tank", "helicopter", "jet"};
 constexpr double kFoundOverlap = 0.5;  // minimum IoU of a detection with the true box
-constexpr double kLeastVisible = 0.5;
+constexpr double kMinVisible = 0.5;
 
-struct Tally {
-  int wanted = 0;
+struct DetectionCounts {
+  int in_view = 0;
   int found = 0;
-  int elsewhere = 0;  ///< false positives
+  int false_positives = 0;  ///< false positives
   std::vector<double> view_errors_deg;
 };
 
 // A detection to draw.
-struct Shown {
-  const KnownScene* scene;
+struct ShownDetection {
+  const LabelledImage* scene;
   const ModelView* view;
   Box box;
   std::string caption;
   bool right;
 };
 
-double ViewErrorDegrees(const ModelView& view, const KnownObject& object) {
+double ViewErrorDegrees(const ModelView& view, const LabelledObject& object) {
   const Eigen::Vector3d found = DirectionToCamera({view.angles->azimuth_rad, view.angles->off_nadir_rad});
   return DegreesFromRadians(std::acos(std::clamp(found.dot(DirectionToCamera(object.view)), -1.0, 1.0)));
 }
 
-// Compares the detections of an image with its truth and updates the tally of each model.
-void Judge(const KnownScene& scene, const std::vector<Detection>& detections, const std::vector<ObjectModel>& models,
-           std::map<std::string, Tally>& tallies, std::vector<Shown>& shown) {
-  std::set<const KnownObject*> found;
+// Compares the detections of an image with its truth and updates the count of each model.
+void ScoreDetections(const LabelledImage& scene, const std::vector<Detection>& detections,
+                     const std::vector<ObjectModel>& models, std::map<std::string, DetectionCounts>& counts,
+                     std::vector<ShownDetection>& shown) {
+  std::set<const LabelledObject*> found;
   for (const Detection& detection : detections) {
-    const std::string kind = kKinds[detection.model];
-    const ModelView& view = models[detection.model].views[detection.view];
-    const KnownObject* best = nullptr;
-    for (const KnownObject& object : scene.objects) {
+    const std::string kind = kKinds[detection.model_index];
+    const ModelView& view = models[detection.model_index].views[detection.view];
+    const LabelledObject* best = nullptr;
+    for (const LabelledObject& object : scene.objects) {
       const bool better =
           object.model == kind && (best == nullptr || IntersectionOverUnion(object.box, detection.box) >
                                                           IntersectionOverUnion(best->box, detection.box));
       if (better) best = &object;
     }
     const bool right = best != nullptr && IntersectionOverUnion(best->box, detection.box) >= kFoundOverlap;
-    if (!right) ++tallies[kind].elsewhere;
-    if (right && best->visible >= kLeastVisible && found.insert(best).second) {
-      ++tallies[kind].found;
-      tallies[kind].view_errors_deg.push_back(ViewErrorDegrees(view, *best));
+    if (!right) ++counts[kind].false_positives;
+    if (right && best->visible >= kMinVisible && found.insert(best).second) {
+      ++counts[kind].found;
+      counts[kind].view_errors_deg.push_back(ViewErrorDegrees(view, *best));
     }
     shown.push_back({&scene, &view, detection.box, fmt::format("{} in {}", kind, scene.name), right});
   }
-  for (const KnownObject& object : scene.objects) {
+  for (const LabelledObject& object : scene.objects) {
     const bool sought = std::ranges::find(kKinds, object.model) != kKinds.end();
-    if (sought && object.visible >= kLeastVisible) ++tallies[object.model].wanted;
+    if (sought && object.visible >= kMinVisible) ++counts[object.model].in_view;
   }
 }
 
 // Draws the whole image, the crop around the box and the template, from top to bottom.
-Expected<cv::Mat> Column(const Shown& shown) {
+Expected<cv::Mat> Column(const ShownDetection& shown) {
   constexpr int kSide = 176;
   constexpr int kWhole = 132;
   cv::Mat grey;
@@ -105,11 +106,11 @@ Expected<cv::Mat> Column(const Shown& shown) {
 }
 
 // Tiles up to four true detections, one per model, and one false positive if there is any.
-Expected<cv::Mat> Picture(const std::vector<Shown>& shown) {
+Expected<cv::Mat> Picture(const std::vector<ShownDetection>& shown) {
   std::vector<cv::Mat> columns;
   std::set<std::string> kinds;
   for (const bool right : {true, false}) {
-    for (const Shown& one : shown) {
+    for (const ShownDetection& one : shown) {
       const std::string kind = one.caption.substr(0, one.caption.find(' '));
       const std::size_t most = kKinds.size() + (right ? 0 : 1);
       if (one.right != right || columns.size() >= most || (right && !kinds.insert(kind).second)) continue;
@@ -124,35 +125,36 @@ Expected<cv::Mat> Picture(const std::vector<Shown>& shown) {
 }  // namespace
 
 Expected<Report> RunFigure316(const ExperimentSettings& settings) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<PooledScene> scenes, PoolScenes(settings, 1, Movies::kNone));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<PooledScene> scenes, PoolScenes(settings, 1, IncludeMovies::kNo));
   Report report{
       .title = "Objects detected in one image of each scene, with all views of four models",
-      .columns = {"setting", "object", "in view", "found", "found elsewhere", "view off by (degrees), median"}};
-  std::vector<MatchSetup> setups = {ThesisSetup(), OurSetup()};
+      .columns = {"setting", "object", "in view", "found", "false detections", "view error (degrees), median"}};
+  std::vector<MatchSetup> setups = {ThesisSetup(), DefaultSetup()};
   setups.back().recognize.method = IndexOptions().recognize.method;
   for (const MatchSetup& setup : setups) {
     std::vector<ObjectModel> models;
     for (const char* kind : kKinds) {
       VICTORIOUS_ASSIGN_OR_RETURN(
-          const auto model, KeptModel(settings, scenes.front().cad_folder / fmt::format("{}.glb", kind), setup.cad));
+          const auto model,
+          LoadOrBuildModel(settings, scenes.front().cad_folder / fmt::format("{}.glb", kind), setup.cad));
       models.push_back(*model);
     }
     VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,
                                 Recognizer::Create(models, setup.features.engine, setup.recognize));
-    std::map<std::string, Tally> tallies;
-    std::vector<Shown> shown;
+    std::map<std::string, DetectionCounts> counts;
+    std::vector<ShownDetection> shown;
     for (const PooledScene& pooled : scenes) {
       VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
-      VICTORIOUS_ASSIGN_OR_RETURN(const auto features, FeaturesOf(*pooled.scene, setup.features));
-      Judge(*pooled.scene, recognizer.Recognize(*features), models, tallies, shown);
+      VICTORIOUS_ASSIGN_OR_RETURN(const auto features, ExtractImageFeatures(*pooled.scene, setup.features));
+      ScoreDetections(*pooled.scene, recognizer.Recognize(*features), models, counts, shown);
       settings.progress(fmt::format("{}: {}", setup.name, pooled.scene->name));
     }
-    for (auto& [kind, tally] : tallies) {
-      std::ranges::sort(tally.view_errors_deg);
+    for (auto& [kind, count] : counts) {
+      std::ranges::sort(count.view_errors_deg);
       Cell view_error = std::string();
-      if (!tally.view_errors_deg.empty()) view_error = tally.view_errors_deg[tally.view_errors_deg.size() / 2];
-      report.rows.push_back({setup.name, kind, static_cast<double>(tally.wanted), static_cast<double>(tally.found),
-                             static_cast<double>(tally.elsewhere), view_error});
+      if (!count.view_errors_deg.empty()) view_error = count.view_errors_deg[count.view_errors_deg.size() / 2];
+      report.rows.push_back({setup.name, kind, static_cast<double>(count.in_view), static_cast<double>(count.found),
+                             static_cast<double>(count.false_positives), view_error});
     }
     if (setup.name != "ours") continue;
     VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat picture, Picture(shown));

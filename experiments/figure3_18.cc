@@ -13,35 +13,36 @@
 #include "experiments/recognition_experiments.h"
 #include "victorious/evaluate/score.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/model/cad_model.h"
-#include "victorious/pipeline/index_options.h"
-#include "victorious/observe/object_pose.h"
 #include "victorious/image/image_file.h"
+#include "victorious/model/cad_model.h"
+#include "victorious/observe/object_pose.h"
+#include "victorious/pipeline/index_options.h"
 
 namespace victorious {
 namespace {
 
 // The result of the search in one image.
-struct Find {
+struct ViewResult {
   std::optional<Detection> detection;
-  std::optional<Stance> stance;
+  std::optional<ObjectPose> object_pose;
   std::vector<Eigen::Vector2d> matched;  // scene keypoints of the inliers, px
 };
 
 CameraState CameraOf(const RealView& view) { return {.hfov_rad = 2 * std::atan(view.bgr.cols / 2.0 / view.focal_px)}; }
 
-Expected<Find> Search(const RealView& view, const Recognizer& recognizer, const FeatureExtractor& extractor,
-                      const SightOptions& options) {
+Expected<ViewResult> Search(const RealView& view, const Recognizer& recognizer, const FeatureExtractor& extractor,
+                            const ObservationOptions& options) {
   VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, extractor.Extract(GreyFromBgr(view.bgr)));
   const std::vector<Detection> detections = recognizer.Recognize(features);
-  Find find;
-  if (detections.empty()) return find;
-  find.detection = detections.front();
-  find.stance = StanceOf(detections.front(), recognizer.models()[0], features, CameraOf(view), options);
-  for (const Match& match : detections.front().pose.inliers) {
-    find.matched.emplace_back(features.keypoints[match.scene].x, features.keypoints[match.scene].y);
+  ViewResult result;
+  if (detections.empty()) return result;
+  result.detection = detections.front();
+  result.object_pose =
+      EstimateObjectPose(detections.front(), recognizer.models()[0], features, CameraOf(view), options);
+  for (const Match& match : detections.front().fit.inliers) {
+    result.matched.emplace_back(features.keypoints[match.scene_keypoint].x, features.keypoints[match.scene_keypoint].y);
   }
-  return find;
+  return result;
 }
 
 // Draws the edges of the object's 3-D bounding box.
@@ -61,19 +62,19 @@ void DrawBox(const Rigid3& camera_from_object, const Eigen::AlignedBox3d& box, d
   }
 }
 
-cv::Mat Draw(const RealView& view, const Find& find, const Eigen::AlignedBox3d& box) {
+cv::Mat Draw(const RealView& view, const ViewResult& result, const Eigen::AlignedBox3d& box) {
   cv::Mat picture = view.bgr.clone();
-  if (find.stance) DrawBox(*find.stance->camera_from_object, box, view.focal_px, {0, 255, 0}, picture);
-  for (const Eigen::Vector2d& at : find.matched) {
+  if (result.object_pose) DrawBox(*result.object_pose->camera_from_object, box, view.focal_px, {0, 255, 0}, picture);
+  for (const Eigen::Vector2d& at : result.matched) {
     cv::circle(picture, cv::Point2d(at.x(), at.y()), 3, {0, 255, 255}, 1, cv::LINE_AA);
   }
-  if (!find.detection) cv::rectangle(picture, {0, 0, picture.cols, picture.rows}, {0, 0, 255}, 12);
+  if (!result.detection) cv::rectangle(picture, {0, 0, picture.cols, picture.rows}, {0, 0, 255}, 12);
   cv::resize(picture, picture, {}, 0.5, 0.5, cv::INTER_AREA);
   return picture;
 }
 
 // Tiles at most twelve evenly chosen images, four per row.
-cv::Mat SheetOf(const std::vector<cv::Mat>& pictures) {
+cv::Mat MakeContactSheet(const std::vector<cv::Mat>& pictures) {
   constexpr std::size_t kMost = 12;
   constexpr std::size_t kColumns = 4;
   std::vector<cv::Mat> rows;
@@ -99,10 +100,10 @@ struct Errors {
   std::vector<double> middle_px;  // image distance of the centre of the bounding box
 };
 
-void AddErrors(const RealView& view, const Stance& stance, Errors& errors) {
+void AddErrors(const RealView& view, const ObjectPose& object_pose, Errors& errors) {
   if (!view.camera_from_object) return;
   const Rigid3& truth = *view.camera_from_object;
-  const Rigid3& found = *stance.camera_from_object;
+  const Rigid3& found = *object_pose.camera_from_object;
   const Eigen::Vector3d to_camera = found.rotation.conjugate() * -found.translation.normalized();
   const Eigen::Vector3d true_to_camera = truth.rotation.conjugate() * -truth.translation.normalized();
   errors.view_deg.push_back(DegreesFromRadians(std::acos(std::clamp(to_camera.dot(true_to_camera), -1.0, 1.0))));
@@ -113,18 +114,19 @@ void AddErrors(const RealView& view, const Stance& stance, Errors& errors) {
 }
 
 // Whether a detection lies within 40 px of the true centre; true for views without truth.
-bool IsWhereItShouldBe(const RealView& view, const Find& find) {
-  if (!view.camera_from_object) return find.detection.has_value();
+bool IsCorrectlyLocated(const RealView& view, const ViewResult& result) {
+  if (!view.camera_from_object) return result.detection.has_value();
   const Eigen::Vector2d truth = view.focal_px * view.camera_from_object->translation.hnormalized();
-  const Box& box = find.detection->box;
+  const Box& box = result.detection->box;
   const Eigen::Vector2d found =
-      find.stance ? Eigen::Vector2d(view.focal_px * find.stance->camera_from_object->translation.hnormalized())
-                  : Eigen::Vector2d(box.x + (box.width - view.bgr.cols) / 2, box.y + (box.height - view.bgr.rows) / 2);
+      result.object_pose
+          ? Eigen::Vector2d(view.focal_px * result.object_pose->camera_from_object->translation.hnormalized())
+          : Eigen::Vector2d(box.x + (box.width - view.bgr.cols) / 2, box.y + (box.height - view.bgr.rows) / 2);
   constexpr double kFarPx = 40;
   return (found - truth).norm() < kFarPx;
 }
 
-Cell Shown(const std::vector<double>& values, double percent) {
+Cell FormatPercentile(const std::vector<double>& values, double percent) {
   const std::optional<double> value = Percentile(values, percent);
   return value ? Cell(*value) : Cell("-");
 }
@@ -138,7 +140,7 @@ struct Trial {
   std::size_t first_view;  // the views before it supplied the texture
 };
 
-Status Try(const Trial& trial, const ExperimentSettings& settings, Report& report) {
+Status EvaluateTrial(const Trial& trial, const ExperimentSettings& settings, Report& report) {
   if (trial.views.size() <= trial.first_view) return {};  // the only image supplied the texture
   VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
   settings.progress(fmt::format("{}, {}", trial.object, trial.paint));
@@ -167,23 +169,24 @@ Status Try(const Trial& trial, const ExperimentSettings& settings, Report& repor
   for (std::size_t i = trial.first_view; i < trial.views.size(); ++i) {
     VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
     const RealView& view = trial.views[i];
-    VICTORIOUS_ASSIGN_OR_RETURN(const Find find, Search(view, recognizer, *extractor, options.sight));
-    pictures.push_back(Draw(view, find, box));
-    if (!find.detection) continue;
-    if (!IsWhereItShouldBe(view, find)) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const ViewResult result, Search(view, recognizer, *extractor, options.observation));
+    pictures.push_back(Draw(view, result, box));
+    if (!result.detection) continue;
+    if (!IsCorrectlyLocated(view, result)) {
       ++wrong;
       continue;
     }
     ++found;
-    if (find.stance) AddErrors(view, *find.stance, errors);
+    if (result.object_pose) AddErrors(view, *result.object_pose, errors);
   }
   const auto views = static_cast<double>(trial.views.size() - trial.first_view);
-  report.rows.push_back({trial.object, trial.paint, views, found / views, wrong, Shown(errors.view_deg, 50),
-                         Shown(errors.view_deg, 90), Shown(errors.turn_deg, 50), Shown(errors.distance_percent, 50),
-                         Shown(errors.middle_px, 50), Shown(errors.middle_px, 90)});
+  report.rows.push_back({trial.object, trial.paint, views, found / views, wrong, FormatPercentile(errors.view_deg, 50),
+                         FormatPercentile(errors.view_deg, 90), FormatPercentile(errors.turn_deg, 50),
+                         FormatPercentile(errors.distance_percent, 50), FormatPercentile(errors.middle_px, 50),
+                         FormatPercentile(errors.middle_px, 90)});
   std::string name = fmt::format("figure3.18-{}-{}.png", trial.object, trial.paint);
   std::ranges::replace(name, ' ', '-');
-  return WriteImage(settings.out / name, SheetOf(pictures));
+  return WriteImage(settings.out / name, MakeContactSheet(pictures));
 }
 
 }  // namespace
@@ -191,21 +194,21 @@ Status Try(const Trial& trial, const ExperimentSettings& settings, Report& repor
 Expected<Report> RunFigure318(const ExperimentSettings& settings) {
   Report report{
       .title = "Detection of CAD models in real images",
-      .notes = {"Searched with a known field of view and without telemetry; the first frame is left out if it "
+      .notes = {"SearchedBox with a known field of view and without telemetry; the first frame is left out if it "
                 "supplied the texture. The true pose of cube and dragon is the first frame's pose, moved with a board "
                 "of tags beside the object; frames of the tea box have no truth: judge by the images (green: box at "
                 "the estimated pose; yellow: matches; red frame: not detected)."},
       .columns = {"object", "paint", "frames", "found", "elsewhere", "view error 50 %, deg", "90 %",
-                  "rotation error 50 %, deg", "distance error 50 %, %", "middle off 50 %, px", "90 %"}};
+                  "rotation error 50 %, deg", "distance error 50 %, %", "centre offset 50 %, px", "90 %"}};
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<RealObject> objects, LoadRealObjects(settings.data));
   for (const RealObject& object : objects) {
-    VICTORIOUS_RETURN_IF_ERROR(Try({object.name, "plain", object.mesh, object.views, 0}, settings, report));
+    VICTORIOUS_RETURN_IF_ERROR(EvaluateTrial({object.name, "plain", object.mesh, object.views, 0}, settings, report));
     const RealView& first = object.views.front();
-    VICTORIOUS_ASSIGN_OR_RETURN(const Mesh painted, PaintedMesh(object.mesh, first.bgr, object.first_camera));
-    VICTORIOUS_RETURN_IF_ERROR(Try({object.name, "painted", painted, object.views, 1}, settings, report));
+    VICTORIOUS_ASSIGN_OR_RETURN(const Mesh painted, ProjectTexture(object.mesh, first.bgr, object.first_camera));
+    VICTORIOUS_RETURN_IF_ERROR(EvaluateTrial({object.name, "painted", painted, object.views, 1}, settings, report));
     if (!object.other_views.empty()) {
-      VICTORIOUS_RETURN_IF_ERROR(
-          Try({object.name + " by another camera", "painted", painted, object.other_views, 0}, settings, report));
+      VICTORIOUS_RETURN_IF_ERROR(EvaluateTrial(
+          {object.name + " by another camera", "painted", painted, object.other_views, 0}, settings, report));
     }
   }
   return report;

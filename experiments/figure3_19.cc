@@ -49,7 +49,7 @@ cv::Mat PatchOf(const cv::Mat& bgr, const Keypoint& keypoint) {
 std::vector<Cluster> ClustersOf(const CaltechFeatures& features, const Split& split, const Vocabulary& vocabulary) {
   std::map<std::uint32_t, Cluster> clusters;
   for (const std::size_t row : split.train) {
-    const FeatureSet& set = features.Whole(row);
+    const FeatureSet& set = features.WholeImage(row);
     const auto words = vocabulary.NearestWords(set.descriptors, 1);
     for (std::size_t i = 0; i < words.size(); ++i)
       clusters[words[i].index].members.push_back({row, set.keypoints[i], words[i].distance2});
@@ -77,13 +77,13 @@ std::vector<Cluster> ClustersOf(const CaltechFeatures& features, const Split& sp
 Expected<Report> RunFigure319(const ExperimentSettings& settings) {
   const std::array<std::string, 2> pair = {kAirplanes, kCars};
   const CategoryTrainOptions options = ThesisCategories();
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, CaltechRows(settings, pair));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCaltechRows(settings, pair));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto features, CaltechFeatures::Load(settings, rows, options.features));
-  const Split split = SplitBySeed(features.rows(), 1);
+  const Split split = MakeRandomSplit(features.rows(), 1);
   std::vector<std::uint8_t> descriptors;
   for (const std::size_t row : split.train)
-    descriptors.insert(descriptors.end(), features.Whole(row).descriptors.begin(),
-                       features.Whole(row).descriptors.end());
+    descriptors.insert(descriptors.end(), features.WholeImage(row).descriptors.begin(),
+                       features.WholeImage(row).descriptors.end());
   const Vocabulary vocabulary = Vocabulary::Learn(descriptors, options.category.vocabulary, 1);
   const std::vector<Cluster> clusters = ClustersOf(features, split, vocabulary);
 
@@ -106,9 +106,10 @@ Expected<Report> RunFigure319(const ExperimentSettings& settings) {
                                     ReadImage(settings.data / "caltech101" / features.rows()[member.row].image));
         picture = image.bgr;
       }
-      cv::Mat framed;
-      cv::copyMakeBorder(PatchOf(picture, member.keypoint), framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, {255, 255, 255});
-      patches.push_back(framed);
+      cv::Mat highlighted;
+      cv::copyMakeBorder(PatchOf(picture, member.keypoint), highlighted, 1, 1, 1, 1, cv::BORDER_CONSTANT,
+                         {255, 255, 255});
+      patches.push_back(highlighted);
     }
     cv::hconcat(patches, lines.emplace_back());
   }

@@ -20,20 +20,21 @@ struct Curve {
   std::vector<double> area;
 
   void Add(const Ranking& ranking) {
-    const std::vector<RocPoint> curve = RocCurve(ranking.scores, ranking.wanted);
-    for (std::size_t i = 0; i < kFalseAlarms.size(); ++i) detections[i].push_back(DetectionsAt(curve, kFalseAlarms[i]));
-    area.push_back(RocArea(ranking.scores, ranking.wanted));
+    const std::vector<RocPoint> curve = RocCurve(ranking.scores, ranking.is_positive);
+    for (std::size_t i = 0; i < kFalseAlarms.size(); ++i)
+      detections[i].push_back(DetectionRateAt(curve, kFalseAlarms[i]));
+    area.push_back(RocArea(ranking.scores, ranking.is_positive));
   }
 };
 
 Expected<Report> Roc(const ExperimentSettings& settings, const std::string& category, const std::string& title) {
   const std::array<std::string, 2> pair = {kAirplanes, kCars};
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, CaltechRows(settings, pair));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCaltechRows(settings, pair));
   const std::array methods = {std::pair{std::string("thesis as printed"), ThesisCategoriesAsPrinted()},
                               std::pair{std::string("thesis, words as prior"), ThesisCategories()},
                               std::pair{std::string("ours"), CategoryTrainOptions()}};
   Report report{.title = title, .columns = {"method", "words or phrases", "area under ROC"}};
-  for (const double share : kFalseAlarms) report.columns.push_back(fmt::format("detected at {:g}", share));
+  for (const double rate : kFalseAlarms) report.columns.push_back(fmt::format("detected at {:g}", rate));
   report.plot = {.title = title,
                  .x = {.label = "false alarm rate", .low = 0, .high = 1},
                  .y = {.label = "detection rate", .low = 0, .high = 1}};
@@ -46,14 +47,14 @@ Expected<Report> Roc(const ExperimentSettings& settings, const std::string& cate
       VICTORIOUS_ASSIGN_OR_RETURN(
           const TestScores scores,
           TrainAndTest(features, options.category, static_cast<std::uint64_t>(seed), {}, {}, &model));
-      curves["words"].Add(RankingOf(scores, model, CategoryMethod::kWords, category));
-      curves["phrases"].Add(RankingOf(scores, model, CategoryMethod::kPhrases, category));
+      curves["words"].Add(ComputeRanking(scores, model, CategoryMethod::kWords, category));
+      curves["phrases"].Add(ComputeRanking(scores, model, CategoryMethod::kPhrases, category));
     }
     for (const auto& [method, curve] : curves) {
-      std::vector<Cell> row = {name, method, MeanOf(curve.area)};
+      std::vector<Cell> row = {name, method, ComputeMean(curve.area)};
       PlotLine line{.name = name + ", " + method, .points = {}, .connected = true, .marked = false};
       for (std::size_t i = 0; i < kFalseAlarms.size(); ++i) {
-        const Measured detected = MeanOf(curve.detections[i]);
+        const MeanWithError detected = ComputeMean(curve.detections[i]);
         row.emplace_back(detected);
         line.points.push_back({kFalseAlarms[i], detected.mean, detected.standard_error});
       }

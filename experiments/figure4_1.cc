@@ -14,10 +14,10 @@
 #include "experiments/video_frames.h"
 #include "experiments/view_grid.h"
 #include "victorious/calibrate/sun_survey.h"
-#include "victorious/pipeline/region_features.h"
-#include "victorious/track/region_tracker.h"
 #include "victorious/image/image_file.h"
 #include "victorious/image/montage.h"
+#include "victorious/pipeline/region_features.h"
+#include "victorious/track/region_tracker.h"
 
 namespace victorious {
 namespace {
@@ -37,7 +37,7 @@ double MedianCpuMs(const std::function<void()>& step) {
 }
 
 // The extent and the cost of one search.
-struct Effort {
+struct SearchCost {
   double pixels = 0;
   double keypoints = 0;
   double models = 0;
@@ -48,70 +48,69 @@ struct Effort {
 };
 
 // The search of one frame.
-struct Searched {
+struct SearchedBox {
   cv::Mat grey;
   FeatureSet features;
-  std::vector<std::vector<double>> evidence;  ///< -log10 NFA of each model's views; 0 for views not searched
+  std::vector<std::vector<double>> neg_log10_nfa;  ///< -log10 NFA of each model's views; 0 for views not searched
   std::vector<std::vector<std::size_t>> views;
   std::optional<Detection> found;  ///< of the tracked model
   Box box;                         ///< searched region
-  Effort effort;
+  SearchCost cost;
 };
 
-struct Scenery {
+struct SearchSetup {
   const Recognizer& recognizer;  ///< with a minimum score of 0
   const FeatureExtractor& extractor;
   std::size_t model;  ///< index of the tracked model
 };
 
 // Recognises each view separately.
-void AskViews(const Scenery& scenery, const FrameConditions& conditions, Searched& searched) {
+void RecognizeEachView(const SearchSetup& setup, const FrameConditions& conditions, SearchedBox& searched) {
   for (std::size_t m = 0; m < searched.views.size(); ++m) {
-    const ObjectModel& model = scenery.recognizer.models()[m];
-    std::vector<double>& evidence = searched.evidence.emplace_back(model.views.size(), 0);
+    const ObjectModel& model = setup.recognizer.models()[m];
+    std::vector<double>& neg_log10_nfa = searched.neg_log10_nfa.emplace_back(model.views.size(), 0);
     for (const std::size_t view : searched.views[m]) {
-      const auto found = scenery.recognizer.RecognizeViews(searched.features, m, std::span(&view, 1), conditions);
-      if (!found.empty()) evidence[view] = std::max(0.0, found.front().evidence);
-      searched.effort.comparisons +=
+      const auto found = setup.recognizer.RecognizeViews(searched.features, m, std::span(&view, 1), conditions);
+      if (!found.empty()) neg_log10_nfa[view] = std::max(0.0, found.front().neg_log10_nfa);
+      searched.cost.comparisons +=
           static_cast<double>(searched.features.size()) * static_cast<double>(model.views[view].feature_count);
     }
-    searched.effort.views += static_cast<double>(searched.views[m].size());
-    searched.effort.models += searched.views[m].empty() ? 0 : 1;
+    searched.cost.views += static_cast<double>(searched.views[m].size());
+    searched.cost.models += searched.views[m].empty() ? 0 : 1;
   }
 }
 
-Expected<Searched> SearchBox(const Scenery& scenery, const Frame& frame, const Box& box,
-                             std::vector<std::vector<std::size_t>> views, const FrameConditions& conditions) {
-  Searched searched{.grey = frame.image,
-                    .features = {},
-                    .evidence = {},
-                    .views = std::move(views),
-                    .found = {},
-                    .box = box,
-                    .effort = {}};
-  VICTORIOUS_ASSIGN_OR_RETURN(searched.features, FeaturesIn(frame.image, box, scenery.extractor));
-  AskViews(scenery, conditions, searched);
-  const bool whole = searched.effort.models > 1;
+Expected<SearchedBox> SearchBox(const SearchSetup& setup, const Frame& frame, const Box& box,
+                                std::vector<std::vector<std::size_t>> views, const FrameConditions& conditions) {
+  SearchedBox searched{.grey = frame.image,
+                       .features = {},
+                       .neg_log10_nfa = {},
+                       .views = std::move(views),
+                       .found = {},
+                       .box = box,
+                       .cost = {}};
+  VICTORIOUS_ASSIGN_OR_RETURN(searched.features, FeaturesIn(frame.image, box, setup.extractor));
+  RecognizeEachView(setup, conditions, searched);
+  const bool whole = searched.cost.models > 1;
   const auto recognize = [&] {
-    return whole ? scenery.recognizer.Recognize(searched.features, conditions)
-                 : scenery.recognizer.RecognizeViews(searched.features, scenery.model, searched.views[scenery.model],
-                                                     conditions);
+    return whole ? setup.recognizer.Recognize(searched.features, conditions)
+                 : setup.recognizer.RecognizeViews(searched.features, setup.model, searched.views[setup.model],
+                                                   conditions);
   };
   for (const Detection& detection : recognize()) {
-    if (detection.model == scenery.model && !searched.found) searched.found = detection;
+    if (detection.model_index == setup.model && !searched.found) searched.found = detection;
   }
-  Effort& effort = searched.effort;
-  effort.pixels = box.Area();
-  effort.keypoints = static_cast<double>(searched.features.size());
-  effort.features_ms =
-      MedianCpuMs([&] { static_cast<void>(FeaturesIn(frame.image, box, scenery.extractor).has_value()); });
-  effort.recognition_ms = MedianCpuMs([&] { static_cast<void>(recognize().size()); });
+  SearchCost& cost = searched.cost;
+  cost.pixels = box.Area();
+  cost.keypoints = static_cast<double>(searched.features.size());
+  cost.features_ms = MedianCpuMs([&] { static_cast<void>(FeaturesIn(frame.image, box, setup.extractor).has_value()); });
+  cost.recognition_ms = MedianCpuMs([&] { static_cast<void>(recognize().size()); });
   return searched;
 }
 
-cv::Mat DrawFrame(const Searched& searched, const cv::Scalar& colour) {
+cv::Mat DrawFrame(const SearchedBox& searched, const cv::Scalar& colour) {
   constexpr double kScale = 0.62;
-  cv::Mat picture = Background(searched.grey, kScale);
+  cv::Mat picture = PosteriseImage(searched.grey, kScale);
   const auto point = [&](double x, double y) {
     return cv::Point(static_cast<int>(x * kScale), static_cast<int>(y * kScale));
   };
@@ -126,18 +125,18 @@ cv::Mat DrawFrame(const Searched& searched, const cv::Scalar& colour) {
 }
 
 // The frame, and below it the heat map of -log10 NFA over each model's views.
-cv::Mat Column(const Searched& searched, const std::vector<ObjectModel>& models, const cv::Scalar& colour) {
+cv::Mat Column(const SearchedBox& searched, const std::vector<ObjectModel>& models, const cv::Scalar& colour) {
   std::vector<cv::Mat> pictures = {DrawFrame(searched, colour)};
   for (std::size_t m = 0; m < models.size(); ++m) {
-    const double most = std::ranges::max(searched.evidence[m]);
-    FramedViews framed{.views = {}, .colour = cv::Scalar(0, 255, 255)};
+    const double most = std::ranges::max(searched.neg_log10_nfa[m]);
+    HighlightedViews highlighted{.views = {}, .colour = cv::Scalar(0, 255, 255)};
     if (searched.views[m].size() < models[m].views.size()) {
-      for (const std::size_t view : searched.views[m]) framed.views.push_back(*models[m].views[view].angles);
+      for (const std::size_t view : searched.views[m]) highlighted.views.push_back(*models[m].views[view].angles);
     }
     const std::string caption = searched.views[m].empty() ? fmt::format("{}: not searched", models[m].name)
-                                                          : fmt::format("{}: {} views, at most {:.0f}",
-                                                                        models[m].name, searched.views[m].size(), most);
-    pictures.push_back(HeatMapOf(GridOfViews(models[m], searched.evidence[m]), caption, framed));
+                                                          : fmt::format("{}: {} views, at most {:.0f}", models[m].name,
+                                                                        searched.views[m].size(), most);
+    pictures.push_back(DrawHeatMap(MakeViewGrid(models[m], searched.neg_log10_nfa[m]), caption, highlighted));
   }
   int width = 0;
   for (const cv::Mat& picture : pictures) width = std::max(width, picture.cols);
@@ -150,7 +149,7 @@ cv::Mat Column(const Searched& searched, const std::vector<ObjectModel>& models,
 }
 
 // The middle frame of the clear rows of the model kKind, such that a later row exists.
-Expected<std::int64_t> MiddleFrame(const TrueMovie& movie) {
+Expected<std::int64_t> MiddleFrame(const MovieWithTruth& movie) {
   std::vector<std::int64_t> frames;
   for (const TruthRow& row : movie.truth) {
     if (row.model == kKind && IsClear(row)) frames.push_back(row.frame);
@@ -160,38 +159,38 @@ Expected<std::int64_t> MiddleFrame(const TrueMovie& movie) {
   return frames[(frames.size() - 1) / 2];
 }
 
-std::vector<Cell> RowOf(const std::string& what, const Effort& effort) {
+std::vector<Cell> MakeRow(const std::string& what, const SearchCost& cost) {
   return {what,
-          effort.pixels,
-          effort.keypoints,
-          effort.models,
-          effort.views,
-          effort.comparisons,
-          effort.features_ms,
-          effort.recognition_ms,
-          effort.features_ms + effort.recognition_ms};
+          cost.pixels,
+          cost.keypoints,
+          cost.models,
+          cost.views,
+          cost.comparisons,
+          cost.features_ms,
+          cost.recognition_ms,
+          cost.features_ms + cost.recognition_ms};
 }
 
 }  // namespace
 
 Expected<Report> RunFigure41(const ExperimentSettings& settings) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrueMovie> movies, FlyScenes({"straight"}, settings));
-  const TrueMovie& movie = movies.front();
-  VICTORIOUS_ASSIGN_OR_RETURN(const CameraTrack cameras, CamerasOf(movie));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<MovieWithTruth> movies, SimulateScenes({"straight"}, settings));
+  const MovieWithTruth& movie = movies.front();
+  VICTORIOUS_ASSIGN_OR_RETURN(const CameraTrajectory cameras, ReadCameraTrack(movie));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t first, MiddleFrame(movie));
   const std::array<std::int64_t, 2> numbers = {first, first + 1};
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Frame> frames,
                               ReadFrames(movie.folder / "video.mp4", numbers, FrameColor::kGrey));
-  IndexOptions options = FollowingOptions();
-  options.recognize.detect.least_score = 0;  // the heat maps show all detections
+  IndexOptions options = TrackingIndexOptions();
+  options.recognize.detect.min_score = 0;  // the heat maps show all detections
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
   VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,
                               Recognizer::Create(movie.models, options.features.engine, options.recognize));
   const auto model =
       static_cast<std::size_t>(std::ranges::find(movie.models, kKind, &ObjectModel::name) - movie.models.begin());
-  const Scenery scenery{recognizer, *extractor, model};
+  const SearchSetup setup{recognizer, *extractor, model};
   const auto conditions = [&](const Frame& frame) {
-    return ConditionsOf(cameras.At(frame.time_s), frame.image.size(), {});
+    return MakeFrameConditions(cameras.At(frame.time_s), frame.image.size(), {});
   };
 
   std::vector<std::vector<std::size_t>> every_view;
@@ -201,14 +200,14 @@ Expected<Report> RunFigure41(const ExperimentSettings& settings) {
   }
   const Box whole = FrameBox(frames[0].image.cols, frames[0].image.rows);
   settings.progress("searching a whole frame, view by view");
-  VICTORIOUS_ASSIGN_OR_RETURN(const Searched before,
-                              SearchBox(scenery, frames[0], whole, every_view, conditions(frames[0])));
+  VICTORIOUS_ASSIGN_OR_RETURN(const SearchedBox before,
+                              SearchBox(setup, frames[0], whole, every_view, conditions(frames[0])));
   if (!before.found) {
     return Fail(ErrorCode::kNotFound, fmt::format("{}, frame {}: no {} was detected", movie.name, first, kKind));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(RegionTracker tracker, RegionTracker::Create(options.follow.track));
   tracker.Step(frames[0]);
-  tracker.Start(before.found->outline, PointsOf(*before.found, before.features));
+  tracker.Start(before.found->outline, MatchedPoints(*before.found, before.features));
   const std::vector<TrackStep> steps = tracker.Step(frames[1]);
   if (steps.empty() || !steps.front().seen()) {
     return Fail(ErrorCode::kNotFound, fmt::format("{}, frame {}: the {} was not tracked", movie.name, first, kKind));
@@ -217,8 +216,8 @@ Expected<Report> RunFigure41(const ExperimentSettings& settings) {
   std::vector<std::vector<std::size_t>> near_views(movie.models.size());
   near_views[model].assign(matched.neighbours.begin(), matched.neighbours.end());
   near_views[model].push_back(before.found->view);
-  VICTORIOUS_ASSIGN_OR_RETURN(
-      const Searched after, SearchBox(scenery, frames[1], steps.front().search_box, near_views, conditions(frames[1])));
+  VICTORIOUS_ASSIGN_OR_RETURN(const SearchedBox after,
+                              SearchBox(setup, frames[1], steps.front().search_box, near_views, conditions(frames[1])));
 
   cv::Mat picture;
   const cv::Mat left = Column(before, movie.models, cv::Scalar(255, 120, 40));
@@ -228,15 +227,15 @@ Expected<Report> RunFigure41(const ExperimentSettings& settings) {
 
   Report report{.title = "Search of a whole frame, and of the tracked region in the next",
                 .columns = {"search", "pixels", "keypoints", "models", "views", "descriptors compared", "features, ms",
-                            "recognition, ms", "together, ms"},
-                .rows = {RowOf("whole frame", before.effort), RowOf("tracked region", after.effort)}};
-  std::vector<Cell> ratio = {"times less"};
+                            "recognition, ms", "total, ms"},
+                .rows = {MakeRow("whole frame", before.cost), MakeRow("tracked region", after.cost)}};
+  std::vector<Cell> ratio = {"reduction factor"};
   for (std::size_t i = 1; i < report.columns.size(); ++i) {
     ratio.emplace_back(std::get<double>(report.rows[0][i]) / std::max(1e-3, std::get<double>(report.rows[1][i])));
   }
   report.rows.push_back(std::move(ratio));
-  report.rows.push_back(
-      {"thesis, times less", 640.0 * 480 / (120 * 60), "", 4.0, 4 * 253.0 / 9, "", "", "", "some 1000, predicted"});
+  report.rows.push_back({"thesis, reduction factor", 640.0 * 480 / (120 * 60), "", 4.0, 4 * 253.0 / 9, "", "", "",
+                         "some 1000, predicted"});
   const TruthRow* truth = nullptr;
   for (const TruthRow& row : movie.truth) {
     if (row.frame == numbers[1] && row.model == kKind) truth = &row;

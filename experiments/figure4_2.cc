@@ -8,9 +8,9 @@
 
 #include "experiments/indexed_movie.h"
 #include "experiments/match_picture.h"
+#include "experiments/steady_lock.h"
 #include "experiments/system_experiments.h"
 #include "experiments/video_frames.h"
-#include "experiments/steady_lock.h"
 #include "victorious/image/image_file.h"
 #include "victorious/image/montage.h"
 
@@ -21,7 +21,7 @@ constexpr double kLockedOverlap = 0.5;
 
 // A clear truth row with the overlap that each method reaches.
 struct LockRow {
-  LockStep step;
+  TrackingComparisonStep step;
   double alone = 0;  ///< IoU of the boxes; 0 if the object is lost
   double together = 0;
 };
@@ -35,7 +35,7 @@ struct Lock {
     for (const LockRow& row : rows) sum += row.*overlap;
     return rows.empty() ? 0 : sum / static_cast<double>(rows.size());
   }
-  [[nodiscard]] double LockedShare(double LockRow::* overlap) const {
+  [[nodiscard]] double LockedFraction(double LockRow::* overlap) const {
     const auto locked = [&](const LockRow& row) { return row.*overlap >= kLockedOverlap; };
     return rows.empty() ? 0
                         : static_cast<double>(std::ranges::count_if(rows, locked)) / static_cast<double>(rows.size());
@@ -48,18 +48,19 @@ double Overlap(const std::optional<Polygon>& outline, const Box& truth, const cv
   return IntersectionOverUnion(Intersection(BoundingBox(*outline), frame), truth);
 }
 
-Expected<Lock> LockOn(const TrueMovie& movie, const ObjectModel& model, const ExperimentSettings& settings) {
+Expected<Lock> TrackModel(const MovieWithTruth& movie, const ObjectModel& model, const ExperimentSettings& settings) {
   settings.progress(fmt::format("tracking the {} of {}", model.name, movie.name));
-  const IndexOptions options = FollowingOptions();
+  const IndexOptions options = TrackingIndexOptions();
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open((movie.folder / "video.mp4").string(), {}));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
   VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,
                               Recognizer::Create({model}, options.features.engine, options.recognize));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<LockStep> steps,
-                              CompareLock(*reader, recognizer, *extractor, options.follow.track, settings.Cancel()));
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const std::vector<TrackingComparisonStep> steps,
+      CompareTracking(*reader, recognizer, *extractor, options.follow.track, settings.Cancel()));
   const cv::Size size(reader->info().width, reader->info().height);
   Lock lock{.model = model.name, .rows = {}};
-  for (const LockStep& step : steps) {
+  for (const TrackingComparisonStep& step : steps) {
     for (const TruthRow& row : movie.truth) {
       if (row.frame != step.frame || row.model != model.name || !IsClear(row)) continue;
       lock.rows.push_back({step, Overlap(step.alone, row.box, size), Overlap(step.together, row.box, size)});
@@ -70,12 +71,12 @@ Expected<Lock> LockOn(const TrueMovie& movie, const ObjectModel& model, const Ex
 }
 
 // Four frames; tracker and recogniser above, the tracker alone below.
-Expected<cv::Mat> Draw(const TrueMovie& movie, const Lock& lock) {
+Expected<cv::Mat> Draw(const MovieWithTruth& movie, const Lock& lock) {
   constexpr int kMoments = 4;
   constexpr double kScale = 0.45;
   std::vector<std::int64_t> numbers;
   std::vector<const LockRow*> rows;
-  for (const std::int64_t at : SpreadOver(static_cast<std::int64_t>(lock.rows.size()), kMoments)) {
+  for (const std::int64_t at : EvenlySpaced(static_cast<std::int64_t>(lock.rows.size()), kMoments)) {
     rows.push_back(&lock.rows[static_cast<std::size_t>(at)]);
     numbers.push_back(rows.back()->step.frame);
   }
@@ -84,7 +85,7 @@ Expected<cv::Mat> Draw(const TrueMovie& movie, const Lock& lock) {
   std::vector<cv::Mat> pictures;
   for (const bool together : {true, false}) {
     for (std::size_t i = 0; i < frames.size(); ++i) {
-      cv::Mat picture = Background(frames[i].image, kScale);
+      cv::Mat picture = PosteriseImage(frames[i].image, kScale);
       const std::optional<Polygon>& outline = together ? rows[i]->step.together : rows[i]->step.alone;
       std::vector<cv::Point> corners;
       for (const Eigen::Vector2d& corner : outline.value_or(Polygon())) {
@@ -103,8 +104,8 @@ Expected<cv::Mat> Draw(const TrueMovie& movie, const Lock& lock) {
 }  // namespace
 
 Expected<Report> RunFigure42(const ExperimentSettings& settings) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrueMovie> movies, FlyScenes({"circle"}, settings));
-  const TrueMovie& movie = movies.front();
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<MovieWithTruth> movies, SimulateScenes({"circle"}, settings));
+  const MovieWithTruth& movie = movies.front();
   Report report{.title = "A steady lock: the tracker alone, and with the recogniser",
                 .columns = {"object", "frames", "alone: mean overlap", "alone: locked",
                             "alone: locked in the last quarter", "with recogniser: mean overlap",
@@ -112,7 +113,7 @@ Expected<Report> RunFigure42(const ExperimentSettings& settings) {
   std::map<std::int64_t, std::pair<std::vector<double>, std::vector<double>>> by_frame;
   std::optional<Lock> shown;
   for (const ObjectModel& model : movie.models) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const Lock lock, LockOn(movie, model, settings));
+    VICTORIOUS_ASSIGN_OR_RETURN(const Lock lock, TrackModel(movie, model, settings));
     if (lock.rows.empty()) continue;
     const Lock end{
         .model = lock.model,
@@ -120,8 +121,8 @@ Expected<Report> RunFigure42(const ExperimentSettings& settings) {
     std::vector<Cell> row = {model.name, static_cast<double>(lock.rows.size())};
     for (const auto overlap : {&LockRow::alone, &LockRow::together}) {
       row.emplace_back(lock.Mean(overlap));
-      row.emplace_back(lock.LockedShare(overlap));
-      row.emplace_back(end.LockedShare(overlap));
+      row.emplace_back(lock.LockedFraction(overlap));
+      row.emplace_back(end.LockedFraction(overlap));
     }
     report.rows.push_back(std::move(row));
     for (const LockRow& one : lock.rows) {
@@ -137,8 +138,8 @@ Expected<Report> RunFigure42(const ExperimentSettings& settings) {
   PlotLine alone{.name = "tracker alone", .points = {}, .marked = false};
   PlotLine together{.name = "tracker and recogniser", .points = {}, .marked = false};
   for (const auto& [frame, overlaps] : by_frame) {
-    alone.points.push_back({static_cast<double>(frame), MeanOf(overlaps.first).mean});
-    together.points.push_back({static_cast<double>(frame), MeanOf(overlaps.second).mean});
+    alone.points.push_back({static_cast<double>(frame), ComputeMean(overlaps.first).mean});
+    together.points.push_back({static_cast<double>(frame), ComputeMean(overlaps.second).mean});
   }
   report.plot = {.title = "Overlap with the truth, mean of the objects",
                  .x = {.label = "frame"},
@@ -149,7 +150,7 @@ Expected<Report> RunFigure42(const ExperimentSettings& settings) {
                   "tracker follows the points of the first detection; with the recogniser, each detection in the "
                   "tracked region becomes its new template. Overlap: IoU of the outline's box with the true box, 0 if "
                   "lost; locked: {:g} or more.",
-                  Describe(movies), kLockedOverlap),
+                  DescribeMovies(movies), kLockedOverlap),
       fmt::format("The image: {}; with the recogniser above (green), alone below (red).", shown->model)};
   return report;
 }

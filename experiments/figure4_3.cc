@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "victorious/base/random.h"
 #include "experiments/indexed_movie.h"
 #include "experiments/system_experiments.h"
 #include "experiments/video_frames.h"
+#include "victorious/base/random.h"
 #include "victorious/geolocate/locate.h"
 #include "victorious/geolocate/ray.h"
 #include "victorious/geometry/angles.h"
@@ -21,14 +21,14 @@ namespace {
 constexpr const char* kKind = "jeep";
 
 // The observations of one static true object with the default setting: lines of sight by time, and the true place.
-struct SeenObject {
+struct ObservedObject {
   std::string name;
   GeodeticPoint place;
   std::vector<LineOfSight> lines;
 };
 
 // The true place of a static object; std::nullopt for a moving one.
-std::optional<GeodeticPoint> StandingPlace(const TrueMovie& movie, const std::string& object) {
+std::optional<GeodeticPoint> StaticPlace(const MovieWithTruth& movie, const std::string& object) {
   std::optional<GeodeticPoint> place;
   for (const TruthRow& row : movie.truth) {
     if (row.object != object || !row.place) continue;
@@ -38,30 +38,31 @@ std::optional<GeodeticPoint> StandingPlace(const TrueMovie& movie, const std::st
   return place;
 }
 
-Expected<std::vector<SeenObject>> SeenIn(const TrueMovie& movie, const ExperimentSettings& settings) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto store, IndexOf(movie, FollowingOptions(), settings));
-  std::map<std::string, SeenObject> seen;
+Expected<std::vector<ObservedObject>> CollectObservations(const MovieWithTruth& movie,
+                                                          const ExperimentSettings& settings) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto store, IndexMovie(movie, TrackingIndexOptions(), settings));
+  std::map<std::string, ObservedObject> observed;
   for (const ObjectModel& model : movie.models) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SightingRecord> sightings,
                                 store->Sightings({.model_name = model.name}));
     for (const SightingRecord& sighting : sightings) {
-      if (!sighting.sight) continue;
+      if (!sighting.observation) continue;
       for (const TruthRow& row : movie.truth) {
         constexpr double kOverlap = 0.5;
         if (row.frame != sighting.frame || row.model != model.name) continue;
         if (IntersectionOverUnion(row.box, sighting.box) < kOverlap) continue;
-        const std::optional<GeodeticPoint> place = StandingPlace(movie, row.object);
+        const std::optional<GeodeticPoint> place = StaticPlace(movie, row.object);
         if (!place) continue;
-        SeenObject& one = seen[row.object];
+        ObservedObject& one = observed[row.object];
         one.name = row.object;
         one.place = *place;
-        one.lines.push_back(sighting.sight->line);
+        one.lines.push_back(sighting.observation->line);
         break;
       }
     }
   }
-  std::vector<SeenObject> all;
-  for (auto& [name, one] : seen) {
+  std::vector<ObservedObject> all;
+  for (auto& [name, one] : observed) {
     std::ranges::sort(one.lines, {}, &LineOfSight::time_s);
     all.push_back(std::move(one));
   }
@@ -73,36 +74,36 @@ double RadiusAt(const Ray& ray, double along_m) {
   return std::sqrt(ray.frustum.base_m2 + along_m * along_m * ray.frustum.slope);
 }
 
-double VolumeOf(const Ray& ray) {
+double FrustumVolume(const Ray& ray) {
   const Frustum& f = ray.frustum;
   const auto integral = [&](double a) { return f.base_m2 * a + f.slope * a * a * a / 3; };
   return kPi * (integral(f.farthest_m) - integral(f.nearest_m));
 }
 
 // Selects evenly spaced lines.
-std::vector<LineOfSight> Spread(const std::vector<LineOfSight>& lines, int count) {
+std::vector<LineOfSight> SelectEvenly(const std::vector<LineOfSight>& lines, int count) {
   std::vector<LineOfSight> some;
-  for (const std::int64_t at : SpreadOver(static_cast<std::int64_t>(lines.size()), count)) {
+  for (const std::int64_t at : EvenlySpaced(static_cast<std::int64_t>(lines.size()), count)) {
     some.push_back(lines[static_cast<std::size_t>(at)]);
   }
   return some;
 }
 
 // The intersection of the frusta of some rays, by Monte Carlo sampling of the first frustum.
-struct Common {
+struct FrustumOverlap {
   double volume_m3 = 0;
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector2d> plan;  ///< east and north of some points inside
 };
 
-Common CommonTo(const std::vector<Ray>& rays) {
+FrustumOverlap SampleIntersection(const std::vector<Ray>& rays) {
   constexpr int kDraws = 400'000;
   constexpr std::size_t kKept = 4000;
   Random random(1);
   const Ray& first = rays.front();
   const double widest_m = RadiusAt(first, first.frustum.farthest_m);
   const double cylinder_m3 = kPi * widest_m * widest_m * (first.frustum.farthest_m - first.frustum.nearest_m);
-  Common common;
+  FrustumOverlap common;
   int inside = 0;
   for (int draw = 0; draw < kDraws; ++draw) {
     const double along_m = random.Uniform(first.frustum.nearest_m, first.frustum.farthest_m);
@@ -120,9 +121,10 @@ Common CommonTo(const std::vector<Ray>& rays) {
   return common;
 }
 
-const SeenObject& TheKind(const std::vector<SeenObject>& seen) {
-  const auto found = std::ranges::find_if(seen, [](const SeenObject& one) { return one.name.starts_with(kKind); });
-  return found != seen.end() ? *found : seen.front();
+const ObservedObject& SelectPlotted(const std::vector<ObservedObject>& observed) {
+  const auto found =
+      std::ranges::find_if(observed, [](const ObservedObject& one) { return one.name.starts_with(kKind); });
+  return found != observed.end() ? *found : observed.front();
 }
 
 PlotLine Closed(const std::string& name, std::vector<Eigen::Vector2d> corners) {
@@ -144,14 +146,16 @@ constexpr const char* kFrustumNote =
 }  // namespace
 
 Expected<Report> RunFigure43(const ExperimentSettings& settings) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrueMovie> movies, FlyScenes({"circle"}, settings));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SeenObject> seen, SeenIn(movies.front(), settings));
-  const LocateOptions options = FollowingOptions().objects.locate;
-  Report report{.title = "The conic frustum of one sighting",
-                .columns = {"object", "time, s", "true distance, m", "told by size, m", "its sigma, m", "nearest, m",
-                            "farthest, m", "radius there, m", "truth off the line, m", "truth inside", "volume, m3"}};
-  for (const SeenObject& one : seen) {
-    const std::vector<LineOfSight> lines = Spread(one.lines, 1);
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<MovieWithTruth> movies, SimulateScenes({"circle"}, settings));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObservedObject> observed,
+                              CollectObservations(movies.front(), settings));
+  const LocateOptions options = TrackingIndexOptions().objects.locate;
+  Report report{
+      .title = "The conic frustum of one sighting",
+      .columns = {"object", "time, s", "true distance, m", "range from size, m", "range sigma, m", "nearest, m",
+                  "farthest, m", "radius there, m", "truth to line, m", "truth inside", "volume, m3"}};
+  for (const ObservedObject& one : observed) {
+    const std::vector<LineOfSight> lines = SelectEvenly(one.lines, 1);
     const TangentPlane plane(lines.front().camera);
     const Ray ray = MakeRays(lines, plane, options).front();
     const Eigen::Vector3d truth = plane.EnuFromGeodetic(one.place) - ray.camera;
@@ -160,8 +164,8 @@ Expected<Report> RunFigure43(const ExperimentSettings& settings) {
     const bool inside = InFrustum(ray, Motion{.place = truth + ray.camera});
     report.rows.push_back({one.name, lines.front().time_s, truth.norm(), ray.range_m, ray.sigma_range_m,
                            ray.frustum.nearest_m, ray.frustum.farthest_m, RadiusAt(ray, along_m), off_m,
-                           inside ? "yes" : "no", VolumeOf(ray)});
-    if (&one != &TheKind(seen)) continue;
+                           inside ? "yes" : "no", FrustumVolume(ray)});
+    if (&one != &SelectPlotted(observed)) continue;
     std::vector<Eigen::Vector2d> outline;
     for (const double side : {1.0, -1.0}) {
       for (const double share : {0.0, 1.0}) {
@@ -179,27 +183,28 @@ Expected<Report> RunFigure43(const ExperimentSettings& settings) {
                   Dot("by apparent size", ray.range_m, 0),
                   Dot("truth", along_m, truth.dot(ray.side))}};
   }
-  report.notes = {"The middle sighting of each object in " + Describe(movies) + ", with exact telemetry.",
+  report.notes = {"The middle sighting of each object in " + DescribeMovies(movies) + ", with exact telemetry.",
                   kFrustumNote};
   return report;
 }
 
 Expected<Report> RunFigure44(const ExperimentSettings& settings) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrueMovie> movies, FlyScenes({"circle"}, settings));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SeenObject> seen, SeenIn(movies.front(), settings));
-  const LocateOptions options = FollowingOptions().objects.locate;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<MovieWithTruth> movies, SimulateScenes({"circle"}, settings));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObservedObject> observed,
+                              CollectObservations(movies.front(), settings));
+  const LocateOptions options = TrackingIndexOptions().objects.locate;
   Report report{.title = "Intersection of the conic frusta of many sightings",
-                .columns = {"object", "lines of sight", "common volume, m3", "share of one frustum", "truth inside",
-                            "its middle is off by, m", "by `locate`, m", "CE90 told, m"}};
-  for (const SeenObject& one : seen) {
+                .columns = {"object", "lines of sight", "common volume, m3", "fraction of one frustum", "truth inside",
+                            "centroid error, m", "locate error, m", "CE90, m"}};
+  for (const ObservedObject& one : observed) {
     double of_one_m3 = 0;
     for (const int count : {1, 2, 3, 5, 10, 30}) {
       if (static_cast<std::size_t>(count) > one.lines.size()) break;
-      const std::vector<LineOfSight> lines = Spread(one.lines, count);
+      const std::vector<LineOfSight> lines = SelectEvenly(one.lines, count);
       const TangentPlane plane(lines.front().camera);
       const std::vector<Ray> rays = MakeRays(lines, plane, options);
       const Eigen::Vector3d truth = plane.EnuFromGeodetic(one.place);
-      const Common common = CommonTo(rays);
+      const FrustumOverlap common = SampleIntersection(rays);
       if (count == 1) of_one_m3 = common.volume_m3;
       const bool inside =
           std::ranges::all_of(rays, [&](const Ray& ray) { return InFrustum(ray, Motion{.place = truth}); });
@@ -217,7 +222,7 @@ Expected<Report> RunFigure44(const ExperimentSettings& settings) {
         row[7] = fix.place->ce90_m;
       }
       report.rows.push_back(std::move(row));
-      if (&one != &TheKind(seen) || count != 3) continue;
+      if (&one != &SelectPlotted(observed) || count != 3) continue;
       // Plan view around the truth, with equal scales.
       const Eigen::Vector2d middle = truth.head<2>();
       report.plot = {.title = fmt::format("Three sightings of the {}, in plan", one.name),
@@ -242,7 +247,7 @@ Expected<Report> RunFigure44(const ExperimentSettings& settings) {
     }
   }
   report.notes = {
-      "Lines spread over an object's sightings in " + Describe(movies) +
+      "Lines spread over an object's sightings in " + DescribeMovies(movies) +
           ", with exact telemetry. The common volume is estimated from 400,000 random points in the first frustum; "
           "`locate` is the maximum-likelihood place from the same lines (method ml). The plot cuts each frustum 8 m "
           "before and behind the truth.",

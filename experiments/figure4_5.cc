@@ -16,34 +16,35 @@ namespace victorious {
 namespace {
 
 // The component that observed an object in a frame.
-enum class By { kWholeFrame, kRegion, kTracker };
+enum class ObservedBy { kWholeFrame, kRegion, kTracker };
 
 struct Timeline {
   std::string name;  ///< "jeep 3": model and id
   std::int64_t runs = 0;
-  std::map<std::int64_t, By> frames;
+  std::map<std::int64_t, ObservedBy> frames;
 };
 
-By ByOf(const SightingRecord& sighting, const IndexOptions& options) {
-  if (sighting.source != "recognised") return By::kTracker;
-  const bool whole = sighting.frame % options.every == 0 || sighting.frame % options.follow.restart_frames == 0;
-  return whole ? By::kWholeFrame : By::kRegion;
+ObservedBy ClassifySighting(const SightingRecord& sighting, const IndexOptions& options) {
+  if (sighting.source != "recognised") return ObservedBy::kTracker;
+  const bool whole =
+      sighting.frame % options.every == 0 || sighting.frame % options.follow.restart_interval_frames == 0;
+  return whole ? ObservedBy::kWholeFrame : ObservedBy::kRegion;
 }
 
-Expected<std::vector<Timeline>> TimelinesOf(const TrueMovie& movie, const ExperimentSettings& settings) {
-  const IndexOptions options = FollowingOptions();
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto store, IndexOf(movie, options, settings));
+Expected<std::vector<Timeline>> ReadTimelines(const MovieWithTruth& movie, const ExperimentSettings& settings) {
+  const IndexOptions options = TrackingIndexOptions();
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto store, IndexMovie(movie, options, settings));
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(*store, {}));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> objects, store->Objects({}));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SightingRecord> sightings, store->Sightings({}));
   std::map<std::int64_t, Timeline> timelines;
   for (const ObjectRecord& object : objects) {
     timelines[object.id] = {.name = fmt::format("{} {}", catalogue.Model(object.model)->name, object.id),
-                            .runs = static_cast<std::int64_t>(object.runs.size()),
+                            .runs = static_cast<std::int64_t>(object.tracklets.size()),
                             .frames = {}};
   }
   for (const SightingRecord& sighting : sightings) {
-    timelines[sighting.object].frames[sighting.frame] = ByOf(sighting, options);
+    timelines[sighting.object].frames[sighting.frame] = ClassifySighting(sighting, options);
   }
   std::vector<Timeline> all;
   for (auto& [id, timeline] : timelines) {
@@ -53,38 +54,38 @@ Expected<std::vector<Timeline>> TimelinesOf(const TrueMovie& movie, const Experi
   return all;
 }
 
-double Count(const Timeline& timeline, By by) {
+double Count(const Timeline& timeline, ObservedBy by) {
   return static_cast<double>(std::ranges::count(timeline.frames, by, [](const auto& one) { return one.second; }));
 }
 
 // The number of intervals of consecutive frames with an observation.
-double Stretches(const Timeline& timeline) {
-  double stretches = 0;
+double CountIntervals(const Timeline& timeline) {
+  double intervals = 0;
   std::int64_t before = -2;
   for (const auto& [frame, by] : timeline.frames) {
-    stretches += frame > before + 1 ? 1 : 0;
+    intervals += frame > before + 1 ? 1 : 0;
     before = frame;
   }
-  return stretches;
+  return intervals;
 }
 
 }  // namespace
 
 Expected<Report> RunFigure45(const ExperimentSettings& settings) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrueMovie> movies, FlyScenes({"straight"}, settings));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<MovieWithTruth> movies, SimulateScenes({"straight"}, settings));
   Report report{.title = "The list of objects over time",
                 .columns = {"movie", "object", "first frame", "last frame", "frames seen", "in whole-frame searches",
-                            "in its region", "by the tracker alone", "frames missed between", "times taken up",
-                            "runs joined by place"}};
-  for (const TrueMovie& movie : movies) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Timeline> timelines, TimelinesOf(movie, settings));
+                            "in tracked region", "by the tracker alone", "frames missed", "active intervals",
+                            "tracklets merged"}};
+  for (const MovieWithTruth& movie : movies) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Timeline> timelines, ReadTimelines(movie, settings));
     for (const Timeline& timeline : timelines) {
       const auto first = static_cast<double>(timeline.frames.begin()->first);
       const auto last = static_cast<double>(timeline.frames.rbegin()->first);
       const auto seen = static_cast<double>(timeline.frames.size());
-      report.rows.push_back({movie.name, timeline.name, first, last, seen, Count(timeline, By::kWholeFrame),
-                             Count(timeline, By::kRegion), Count(timeline, By::kTracker), last - first + 1 - seen,
-                             Stretches(timeline), static_cast<double>(timeline.runs)});
+      report.rows.push_back({movie.name, timeline.name, first, last, seen, Count(timeline, ObservedBy::kWholeFrame),
+                             Count(timeline, ObservedBy::kRegion), Count(timeline, ObservedBy::kTracker),
+                             last - first + 1 - seen, CountIntervals(timeline), static_cast<double>(timeline.runs)});
     }
     if (!report.plot.lines.empty()) continue;
     report.plot = {.title = fmt::format("Objects of {}: active where there is a point", movie.name),
@@ -103,7 +104,8 @@ Expected<Report> RunFigure45(const ExperimentSettings& settings) {
     }
   }
   report.notes = {
-      fmt::format("Movie: {}; a whole-frame search in every {}th frame.", Describe(movies), FollowingOptions().every),
+      fmt::format("Movie: {}; a whole-frame search in every {}th frame.", DescribeMovies(movies),
+                  TrackingIndexOptions().every),
       "New objects are detected in whole-frame searches. Between these, active objects are confirmed by the recogniser "
       "in the tracked region, or tracked only. An object that leaves the frame becomes inactive."};
   return report;

@@ -14,7 +14,7 @@ namespace {
 // Coincident settings are drawn once: one series for each number of coincident settings.
 std::vector<PlotLine> PointsOf(const Study& study) {
   std::map<std::pair<double, double>, int> counts;
-  for (const StudiedSetting& setting : study.settings) ++counts[{setting.Recall(), setting.Precision()}];
+  for (const SettingResult& setting : study.settings) ++counts[{setting.Recall(), setting.Precision()}];
   std::map<int, PlotLine> lines;
   for (const auto& [point, count] : counts) {
     PlotLine& line = lines[-count];
@@ -31,25 +31,25 @@ std::vector<PlotLine> PointsOf(const Study& study) {
 
 Expected<Report> RunFigure52(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Study study, RunStudy(settings));
-  Report report{.title = "Object recall and precision with the default setting and its variations",
-                .columns = {"setting", "of", "objects", "found", "false", "recall", "precision", "identities an object",
-                            "density 50 %", "place error 90 %, m", "sightings unlike the default's",
-                            "places unlike the default's"}};
+  Report report{
+      .title = "Object recall and precision with the default setting and its variations",
+      .columns = {"setting", "of", "objects", "found", "false", "recall", "precision", "ids per object", "density 50 %",
+                  "place error 90 %, m", "sightings changed from default", "places changed from default"}};
   int whole = 0;
   int clean = 0;
   int perfect = 0;
-  for (const StudiedSetting& setting : study.settings) {
+  for (const SettingResult& setting : study.settings) {
     whole += setting.Recall() == 1 ? 1 : 0;
     clean += setting.Precision() == 1 ? 1 : 0;
     perfect += setting.Recall() == 1 && setting.Precision() == 1 ? 1 : 0;
     const Study alone{.movies = {}, .settings = {setting}};
-    const std::optional<double> density = Percentile(ValuesOf(alone, &StudiedObject::density), 50);
-    const std::optional<double> error_m = Percentile(ValuesOf(alone, &StudiedObject::error_m), 90);
-    report.rows.push_back({setting.name, setting.of, static_cast<double>(setting.findable),
-                           static_cast<double>(setting.found), static_cast<double>(setting.false_objects),
-                           setting.Recall(), setting.Precision(), setting.IdsPerObject(),
-                           density ? Cell(*density) : Cell("-"), error_m ? Cell(*error_m) : Cell("-"),
-                           static_cast<double>(setting.other_sightings), static_cast<double>(setting.other_places)});
+    const std::optional<double> density = Percentile(CollectValues(alone, &ObjectResult::density), 50);
+    const std::optional<double> error_m = Percentile(CollectValues(alone, &ObjectResult::error_m), 90);
+    report.rows.push_back(
+        {setting.name, setting.of, static_cast<double>(setting.findable), static_cast<double>(setting.found),
+         static_cast<double>(setting.false_objects), setting.Recall(), setting.Precision(), setting.IdsPerObject(),
+         density ? Cell(*density) : Cell("-"), error_m ? Cell(*error_m) : Cell("-"),
+         static_cast<double>(setting.changed_sightings), static_cast<double>(setting.changed_places)});
   }
   report.notes = {
       fmt::format("Of {} settings {} have a recall of 1, {} a precision of 1, {} both (thesis: recall 1 with a "

@@ -16,21 +16,21 @@ constexpr const char* kHelicopter = "helicopter";  // in place of the thesis's A
 constexpr double kBinM = 0.02;
 
 std::vector<double> ErrorsOf(const Study& study, const std::function<bool(const std::string& model)>& chosen) {
-  return ValuesOf(study,
-                  [&](const StudiedObject& object) { return chosen(object.model) ? object.error_m : std::nullopt; });
+  return CollectValues(
+      study, [&](const ObjectResult& object) { return chosen(object.model) ? object.error_m : std::nullopt; });
 }
 
 std::set<std::string> KindsOf(const Study& study) {
   std::set<std::string> kinds;
-  for (const TrueMovie& movie : study.movies) {
+  for (const MovieWithTruth& movie : study.movies) {
     for (const TruthRow& row : movie.truth) kinds.insert(row.model);
   }
   return kinds;
 }
 
 // A histogram of counts or fractions; larger errors count in the last bin.
-PlotLine Histogram(const std::string& name, const std::vector<double>& errors_m, double most_m, bool normalised) {
-  const auto bins = static_cast<std::size_t>(std::ceil(most_m / kBinM));
+PlotLine Histogram(const std::string& name, const std::vector<double>& errors_m, double max_m, bool normalised) {
+  const auto bins = static_cast<std::size_t>(std::ceil(max_m / kBinM));
   std::vector<double> counts(bins, 0);
   for (const double error_m : errors_m) {
     const auto bin = std::min(static_cast<std::size_t>(error_m / kBinM), bins - 1);
@@ -44,15 +44,15 @@ PlotLine Histogram(const std::string& name, const std::vector<double>& errors_m,
   return line;
 }
 
-Cell Shown(const std::vector<double>& values, double percent) {
+Cell FormatPercentile(const std::vector<double>& values, double percent) {
   const std::optional<double> value = Percentile(values, percent);
   return value ? Cell(*value) : Cell("-");
 }
 
 Expected<std::string> NearestNote(const Study& study) {
   double nearest_m = std::numeric_limits<double>::infinity();
-  for (const TrueMovie& movie : study.movies) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const double of_movie_m, NearestRangeM(movie));
+  for (const MovieWithTruth& movie : study.movies) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const double of_movie_m, MinRangeM(movie));
     nearest_m = std::min(nearest_m, of_movie_m);
   }
   return fmt::format(
@@ -69,8 +69,9 @@ Report Described(const std::string& title, std::vector<std::string> notes) {
 }
 
 void AddRow(const std::string& name, const std::vector<double>& errors_m, const char* thesis, Report& report) {
-  report.rows.push_back({name, static_cast<double>(errors_m.size()), Shown(errors_m, 50), Shown(errors_m, 75),
-                         Shown(errors_m, 90), Shown(errors_m, 100), std::string(thesis)});
+  report.rows.push_back({name, static_cast<double>(errors_m.size()), FormatPercentile(errors_m, 50),
+                         FormatPercentile(errors_m, 75), FormatPercentile(errors_m, 90),
+                         FormatPercentile(errors_m, 100), std::string(thesis)});
 }
 
 constexpr const char* kThesisApache = "1.9 / 2.62 / 7.32";
@@ -95,11 +96,11 @@ Expected<Report> RunFigure54(const ExperimentSettings& settings) {
                  .x = {.label = kErrorLabel},
                  .y = {.label = "fraction of the kind's errors"},
                  .lines = {}};
-  const double most_m = LastBinM(study);
+  const double max_m = LastBinM(study);
   for (const std::string& kind : KindsOf(study)) {
     const std::vector<double> errors_m = ErrorsOf(study, [&](const std::string& model) { return model == kind; });
     AddRow(kind, errors_m, kind == kHelicopter ? kThesisApache : kThesisOthers, report);
-    report.plot.lines.push_back(Histogram(kind, errors_m, most_m, /*normalised=*/true));
+    report.plot.lines.push_back(Histogram(kind, errors_m, max_m, /*normalised=*/true));
   }
   return report;
 }
@@ -113,12 +114,12 @@ Expected<Report> RunFigure55(const ExperimentSettings& settings) {
   const std::vector<double> of_others = ErrorsOf(study, [](const std::string& m) { return m != kHelicopter; });
   AddRow(kHelicopter, of_helicopters, kThesisApache, report);
   AddRow("all others", of_others, kThesisOthers, report);
-  const double most_m = LastBinM(study);
+  const double max_m = LastBinM(study);
   report.plot = {.title = "Place errors of the helicopter and of all other kinds",
                  .x = {.label = kErrorLabel},
                  .y = {.label = "objects, movies and settings"},
-                 .lines = {Histogram("helicopter", of_helicopters, most_m, /*normalised=*/false),
-                           Histogram("all others", of_others, most_m, /*normalised=*/false)}};
+                 .lines = {Histogram("helicopter", of_helicopters, max_m, /*normalised=*/false),
+                           Histogram("all others", of_others, max_m, /*normalised=*/false)}};
   return report;
 }
 

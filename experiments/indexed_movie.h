@@ -8,55 +8,55 @@
 #include <string>
 #include <vector>
 
-#include "victorious/base/error.h"
 #include "experiments/experiment.h"
+#include "victorious/base/error.h"
 #include "victorious/evaluate/score.h"
 #include "victorious/evaluate/truth.h"
 #include "victorious/pipeline/index_options.h"
+#include "victorious/recognize/relit_templates.h"
 #include "victorious/store/index_store.h"
 #include "victorious/telemetry/camera_track.h"
-#include "victorious/recognize/relit_templates.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {
 
 /// The program's defaults, except that only every 5th frame is searched as a whole, so that objects are tracked between
 /// these. The interval is the thesis's N; the thesis gives no value.
-IndexOptions FollowingOptions();
+IndexOptions TrackingIndexOptions();
 
-struct TrueMovie {
+struct MovieWithTruth {
   std::string name;
   std::filesystem::path folder;     ///< contains video.mp4 and telemetry.csv
   std::vector<TruthRow> truth;      ///< rows whose model is in `models`
   std::vector<ObjectModel> models;  ///< made from the CAD files of the models that the truth names, by name
   /// Relit templates of each model, shared so that one search reuses those of another.
-  std::vector<std::shared_ptr<const LitTemplates>> lit;
+  std::vector<std::shared_ptr<const RelitTemplateSource>> lit;
 };
 
 /// Simulates SCENES/NAME.json into OUT/flights, unless it is cached there; at most `settings.frames` frames. Errors:
 /// those of ReadScene and Simulate.
-Expected<TrueMovie> FlyScene(const std::string& name, const ExperimentSettings& settings);
+Expected<MovieWithTruth> SimulateScene(const std::string& name, const ExperimentSettings& settings);
 
 /// Simulates the scenes `settings.movies`, or those of the first argument if it is empty.
-Expected<std::vector<TrueMovie>> FlyScenes(const std::vector<std::string>& unless_named,
-                                           const ExperimentSettings& settings);
+Expected<std::vector<MovieWithTruth>> SimulateScenes(const std::vector<std::string>& default_names,
+                                                     const ExperimentSettings& settings);
 
 /// Reads the movie in `folder` (one of DATA/movies), with the CAD files of DATA/models.
-Expected<TrueMovie> ReadMovie(const std::filesystem::path& folder, const ExperimentSettings& settings);
+Expected<MovieWithTruth> ReadMovie(const std::filesystem::path& folder, const ExperimentSettings& settings);
 
 /// Returns the movie's index for these parameters. The sightings are searched once and cached in OUT/indexes, by the
 /// name of the movie, the search parameters and the program build. The data association runs anew each time, by
 /// `options.objects`.
-Expected<std::unique_ptr<IndexStore>> IndexOf(const TrueMovie& movie, const IndexOptions& options,
-                                              const ExperimentSettings& settings);
+Expected<std::unique_ptr<IndexStore>> IndexMovie(const MovieWithTruth& movie, const IndexOptions& options,
+                                                 const ExperimentSettings& settings);
 
 /// Reads the camera states of the movie's telemetry.
-Expected<CameraTrack> CamerasOf(const TrueMovie& movie);
+Expected<CameraTrajectory> ReadCameraTrack(const MovieWithTruth& movie);
 
 /// The minimum distance between the camera and the centre of a visible object, m; infinity without any.
-Expected<double> NearestRangeM(const TrueMovie& movie);
+Expected<double> MinRangeM(const MovieWithTruth& movie);
 
 /// Describes the movies in the notes of reports: "straight (120 frames, 6 objects), ...".
-std::string Describe(const std::vector<TrueMovie>& movies);
+std::string DescribeMovies(const std::vector<MovieWithTruth>& movies);
 
 }  // namespace victorious

@@ -7,56 +7,56 @@
 
 #include <fmt/format.h>
 
+#include "experiments/video_frames.h"
 #include "victorious/base/file.h"
 #include "victorious/base/random.h"
-#include "experiments/video_frames.h"
 #include "victorious/evaluate/truth.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/geodesy.h"
+#include "victorious/image/image_file.h"
 #include "victorious/mesh/load_mesh.h"
 #include "victorious/simulate/flight.h"
 #include "victorious/simulate/truth.h"
 #include "victorious/telemetry/camera_csv.h"
-#include "victorious/image/image_file.h"
 
 namespace victorious {
 
-const KnownObject* KnownScene::Find(std::string_view model) const {
-  const auto found = std::ranges::find(objects, model, &KnownObject::model);
+const LabelledObject* LabelledImage::Find(std::string_view model) const {
+  const auto found = std::ranges::find(objects, model, &LabelledObject::model);
   return found == objects.end() ? nullptr : &*found;
 }
 
-Spoiling SpoilingOf(const Scene& scene) {
+ImageDegradation DegradationOf(const Scene& scene) {
   constexpr int kQuality = 75;
   return {.degrade = {.blur_px = scene.video.blur_px, .grain = scene.video.grain, .noise = scene.video.noise},
           .jpeg_quality = kQuality};
 }
 
-KnownTown::KnownTown(std::string name, Scene scene, Stage stage, Renderer& renderer)
+SceneRenderer::SceneRenderer(std::string name, Scene scene, Stage stage, Renderer& renderer)
     : name_(std::move(name)), scene_(std::move(scene)), stage_(std::move(stage)), renderer_(&renderer) {}
 
-Expected<KnownTown> KnownTown::Load(const std::filesystem::path& scene_file, Renderer& renderer,
-                                    const CancelToken& cancel) {
+Expected<SceneRenderer> SceneRenderer::Load(const std::filesystem::path& scene_file, Renderer& renderer,
+                                            const CancelToken& cancel) {
   VICTORIOUS_ASSIGN_OR_RETURN(Scene scene, ReadScene(scene_file));
   VICTORIOUS_ASSIGN_OR_RETURN(Stage stage, Stage::Build(scene, renderer, cancel, [](const std::string&) {}));
-  return KnownTown(scene_file.stem().string(), std::move(scene), std::move(stage), renderer);
+  return SceneRenderer(scene_file.stem().string(), std::move(scene), std::move(stage), renderer);
 }
 
-Expected<KnownScene> KnownTown::Draw(const Scene& scene, int frame, const Spoiling& spoiling) const {
+Expected<LabelledImage> SceneRenderer::Draw(const Scene& scene, int frame, const ImageDegradation& degradation) const {
   Scene clean = scene;
   clean.video.blur_px = clean.video.grain = clean.video.noise = 0;
   Flight flight(clean, *renderer_, stage_);
-  VICTORIOUS_ASSIGN_OR_RETURN(DrawnFrame drawn, flight.Draw(frame));
+  VICTORIOUS_ASSIGN_OR_RETURN(RenderedFrame drawn, flight.Draw(frame));
   const GeodeticPoint origin{RadiansFromDegrees(scene.origin.latitude_deg),
                              RadiansFromDegrees(scene.origin.longitude_deg), scene.origin.altitude_m};
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectTruth> truth,
-                              TruthOf(drawn.objects, drawn.view.instances, drawn.camera, TangentPlane(origin),
-                                      RadiansFromDegrees(scene.origin.heading_deg), *renderer_));
-  KnownScene known{.name = fmt::format("{}, frame {}", name_, frame),
-                   .bgr = std::move(drawn.bgr),
-                   .pinhole = drawn.camera.pinhole,
-                   .depth_m = std::move(drawn.view.depth_m),
-                   .objects = {}};
+                              ComputeTruth(drawn.objects, drawn.view.instances, drawn.camera, TangentPlane(origin),
+                                           RadiansFromDegrees(scene.origin.heading_deg), *renderer_));
+  LabelledImage known{.name = fmt::format("{}, frame {}", name_, frame),
+                      .bgr = std::move(drawn.bgr),
+                      .pinhole = drawn.camera.pinhole,
+                      .depth_m = std::move(drawn.view.depth_m),
+                      .objects = {}};
   for (const ObjectTruth& row : truth) {
     const auto object = static_cast<std::size_t>(row.object);
     known.objects.push_back({.model = scene.objects[object].model,
@@ -65,7 +65,8 @@ Expected<KnownScene> KnownTown::Draw(const Scene& scene, int frame, const Spoili
                              .box = row.box,
                              .visible = row.visible});
   }
-  VICTORIOUS_RETURN_IF_ERROR(Spoil(spoiling, MixSeed(scene.seed, static_cast<std::uint64_t>(frame)), known.bgr));
+  VICTORIOUS_RETURN_IF_ERROR(
+      DegradeImage(degradation, MixSeed(scene.seed, static_cast<std::uint64_t>(frame)), known.bgr));
   return known;
 }
 
@@ -109,27 +110,28 @@ class MovieMeshes {
 
 }  // namespace
 
-Expected<std::vector<KnownScene>> ReadKnownMovie(const std::filesystem::path& folder,
-                                                 const std::filesystem::path& models, int frames, Renderer& renderer) {
+Expected<std::vector<LabelledImage>> ReadLabelledMovie(const std::filesystem::path& folder,
+                                                       const std::filesystem::path& models, int frames,
+                                                       Renderer& renderer) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TruthRow> truth, ReadTruth(folder / "truth.jsonl"));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string table, ReadFile(folder / "telemetry.csv"));
   VICTORIOUS_ASSIGN_OR_RETURN(const CameraRows cameras, ParseCameraCsv(table));
   const std::filesystem::path video = folder / "video.mp4";
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t length, CountFrames(video));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Frame> chosen,
-                              ReadFrames(video, SpreadOver(length, frames), FrameColor::kBgr));
+                              ReadFrames(video, EvenlySpaced(length, frames), FrameColor::kBgr));
   MovieMeshes meshes(models, renderer);
-  std::vector<KnownScene> scenes;
+  std::vector<LabelledImage> scenes;
   for (const Frame& frame : chosen) {
     const CameraState* const camera = StateAt(cameras.states, frame.time_s);
     if (camera == nullptr) continue;
     const TangentPlane earth(camera->place);
     const Eigen::Quaterniond camera_from_enu = CameraFromEnu(*camera->attitude);
-    KnownScene known{.name = fmt::format("{}, frame {}", folder.filename().string(), frame.index),
-                     .bgr = frame.image,
-                     .pinhole = CentredPinhole(*camera->hfov_rad, frame.image.cols, frame.image.rows),
-                     .depth_m = {},
-                     .objects = {}};
+    LabelledImage known{.name = fmt::format("{}, frame {}", folder.filename().string(), frame.index),
+                        .bgr = frame.image,
+                        .pinhole = CentredPinhole(*camera->hfov_rad, frame.image.cols, frame.image.rows),
+                        .depth_m = {},
+                        .objects = {}};
     std::vector<MeshInstance> instances;
     for (const TruthRow& row : truth) {
       if (row.frame != frame.index || !row.place || !row.heading_rad || !row.view) continue;

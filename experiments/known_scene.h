@@ -15,16 +15,16 @@
 #include "victorious/base/error.h"
 #include "victorious/geometry/box.h"
 #include "victorious/geometry/camera.h"
-#include "victorious/render/renderer.h"
 #include "victorious/geometry/view_sphere.h"
 #include "victorious/image/degrade.h"
+#include "victorious/render/renderer.h"
 #include "victorious/simulate/scene.h"
 #include "victorious/simulate/stage.h"
 
 namespace victorious {
 
 /// One object in an image.
-struct KnownObject {
+struct LabelledObject {
   std::string model;         ///< name of its model
   Rigid3 camera_from_model;  ///< metres
   ViewDirection view;        ///< direction from its centre to the camera
@@ -32,39 +32,39 @@ struct KnownObject {
   double visible = 1;        ///< visible pixels over its pixels without occlusion and cropping
 };
 
-struct KnownScene {
+struct LabelledImage {
   std::string name;  ///< "circle_noise, frame 40"
   cv::Mat bgr;       ///< CV_8UC3
   PinholeCamera pinhole;
   cv::Mat depth_m;  ///< CV_32FC1, depth of the nearest surface along the optical axis; NaN: unknown
-  std::vector<KnownObject> objects;
+  std::vector<LabelledObject> objects;
 
   /// The first object of a model; null if there is none.
-  [[nodiscard]] const KnownObject* Find(std::string_view model) const;
+  [[nodiscard]] const LabelledObject* Find(std::string_view model) const;
 };
 
 /// The degradation of a scene file: its blur, sensor noise and salt-and-pepper noise, then JPEG compression with a
 /// quality of 75 in place of the video encoder.
-[[nodiscard]] Spoiling SpoilingOf(const Scene& scene);
+[[nodiscard]] ImageDegradation DegradationOf(const Scene& scene);
 
 /// Renders single frames of a scene file, also with a changed camera, sun or video.
-class KnownTown {
+class SceneRenderer {
  public:
   /// Loads the scene and its meshes. `renderer` must outlive the result. Errors: those of ReadScene and Stage::Build.
-  static Expected<KnownTown> Load(const std::filesystem::path& scene_file, Renderer& renderer,
-                                  const CancelToken& cancel);
+  static Expected<SceneRenderer> Load(const std::filesystem::path& scene_file, Renderer& renderer,
+                                      const CancelToken& cancel);
 
   [[nodiscard]] const Scene& scene() const { return scene_; }
 
   /// Renders one frame with its truth.
   /// @param scene  scene(), or a copy of it with another video, camera or sun
   /// @param frame  number of the frame of the flight, from 0
-  Expected<KnownScene> Draw(const Scene& scene, int frame, const Spoiling& spoiling) const;
+  Expected<LabelledImage> Draw(const Scene& scene, int frame, const ImageDegradation& degradation) const;
   /// Renders one frame with the scene and the degradation of the file.
-  Expected<KnownScene> Draw(int frame) const { return Draw(scene_, frame, SpoilingOf(scene_)); }
+  Expected<LabelledImage> Draw(int frame) const { return Draw(scene_, frame, DegradationOf(scene_)); }
 
  private:
-  KnownTown(std::string name, Scene scene, Stage stage, Renderer& renderer);
+  SceneRenderer(std::string name, Scene scene, Stage stage, Renderer& renderer);
 
   std::string name_;
   Scene scene_;
@@ -78,7 +78,8 @@ class KnownTown {
 /// @param frames  maximum number of frames, evenly spaced over the movie
 /// Objects are assumed to stand upright. The depth covers the objects only, so that occlusion by anything else shows in
 /// `visible` only.
-Expected<std::vector<KnownScene>> ReadKnownMovie(const std::filesystem::path& folder,
-                                                 const std::filesystem::path& models, int frames, Renderer& renderer);
+Expected<std::vector<LabelledImage>> ReadLabelledMovie(const std::filesystem::path& folder,
+                                                       const std::filesystem::path& models, int frames,
+                                                       Renderer& renderer);
 
 }  // namespace victorious

@@ -24,10 +24,10 @@ struct Distortions {
     const std::span<const Keypoint> in_model = trial.Template().keypoints;
     for (std::size_t i = 0; i < matches.size(); ++i) {
       for (std::size_t j = i + 1; j < matches.size(); ++j) {
-        const Keypoint& scene_i = in_scene[matches[i].scene];
-        const Keypoint& scene_j = in_scene[matches[j].scene];
-        const Keypoint& model_i = in_model[matches[i].model];
-        const Keypoint& model_j = in_model[matches[j].model];
+        const Keypoint& scene_i = in_scene[matches[i].scene_keypoint];
+        const Keypoint& scene_j = in_scene[matches[j].scene_keypoint];
+        const Keypoint& model_i = in_model[matches[i].template_keypoint];
+        const Keypoint& model_j = in_model[matches[j].template_keypoint];
         const double apart_px = std::hypot(scene_i.x - scene_j.x, scene_i.y - scene_j.y);
         const bool one_place = apart_px == 0 || (model_i.x == model_j.x && model_i.y == model_j.y);
         if (one_place || !(apart_px < radius_px)) continue;
@@ -55,7 +55,7 @@ double Loss(const std::vector<ReadyTrial>& ready, const CascadeOptions& options)
     const MatchSet left =
         FilterByGrammar(one.trial->features->keypoints, one.trial->Template().keypoints, one.matches, options).third;
     const MatchCount after = one.trial->Count(left);
-    loss += one.before.right - after.right + kCostOfFalse * after.Wrong();
+    loss += one.before.correct - after.correct + kCostOfFalse * after.FalseMatches();
   }
   return loss;
 }
@@ -73,7 +73,8 @@ CascadeOptions LearnThresholds(const std::vector<const MatchTrial*>& trials, con
       ready.push_back({trial, matches, before});
       if (ratio != kRatios.back()) continue;
       std::erase_if(matches, [&](const Match& match) {
-        return trial->truth.Of(trial->features->keypoints[match.scene], match.model) != Truth::kRight;
+        return trial->truth.Label(trial->features->keypoints[match.scene_keypoint], match.template_keypoint) !=
+               MatchLabel::kTrue;
       });
       distortions.Add(*trial, matches, start.radius_px);
     }
@@ -91,7 +92,7 @@ CascadeOptions LearnThresholds(const std::vector<const MatchTrial*>& trials, con
       for (const double second : {0.2, 0.3, 0.4}) {
         for (const double third : {0.5, 0.6, 0.7}) {
           CascadeOptions options = learnt;
-          options.least_votes = votes;
+          options.min_votes = votes;
           options.first_approval = first;
           options.second_approval = second;
           options.third_approval = third;

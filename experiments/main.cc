@@ -67,7 +67,7 @@ Status Run(const Arguments& arguments) {
       .cancel = &Interrupt(),
       .progress = [&](std::string_view what) { fmt::print(stderr, "{}: {}\n", arguments.name, what); }};
   const Expected<Report> report = RunExperiment(arguments.name, settings);
-  if (report) return WriteOutput("", MarkdownOf(*report));
+  if (report) return WriteOutput("", ToMarkdown(*report));
   std::error_code error;
   if (report.error().code == ErrorCode::kNotFound && !std::filesystem::is_directory(arguments.scenes, error)) {
     return Fail(ErrorCode::kNotFound,

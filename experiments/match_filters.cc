@@ -9,23 +9,23 @@ namespace {
 
 constexpr double kOpenCvThresholdPx = 3;  // OpenCV's default
 
-struct Points {
+struct PointPairs {
   std::vector<cv::Point2f> in_template;
   std::vector<cv::Point2f> in_scene;
 };
 
-Points PointsOf(const MatchTrial& trial, const MatchSet& matches) {
-  Points points;
+PointPairs CollectPoints(const MatchTrial& trial, const MatchSet& matches) {
+  PointPairs points;
   for (const Match& match : matches) {
-    const Keypoint& model = trial.Template().keypoints[match.model];
-    const Keypoint& scene = trial.features->keypoints[match.scene];
+    const Keypoint& model = trial.Template().keypoints[match.template_keypoint];
+    const Keypoint& scene = trial.features->keypoints[match.scene_keypoint];
     points.in_template.emplace_back(model.x, model.y);
     points.in_scene.emplace_back(scene.x, scene.y);
   }
   return points;
 }
 
-MatchSet Marked(const MatchSet& matches, const cv::Mat& inliers) {
+MatchSet SelectInliers(const MatchSet& matches, const cv::Mat& inliers) {
   MatchSet kept;
   for (std::size_t i = 0; i < matches.size() && i < inliers.total(); ++i) {
     if (inliers.at<unsigned char>(static_cast<int>(i)) != 0) kept.push_back(matches[i]);
@@ -35,34 +35,34 @@ MatchSet Marked(const MatchSet& matches, const cv::Mat& inliers) {
 
 MatchSet OpenCvSimilarity(const MatchTrial& trial, const MatchSet& matches) {
   if (matches.size() < 2) return {};
-  const Points points = PointsOf(trial, matches);
+  const PointPairs points = CollectPoints(trial, matches);
   cv::Mat inliers;
   cv::estimateAffinePartial2D(points.in_template, points.in_scene, inliers, cv::RANSAC, kOpenCvThresholdPx);
-  return Marked(matches, inliers);
+  return SelectInliers(matches, inliers);
 }
 
 MatchSet OpenCvHomography(const MatchTrial& trial, const MatchSet& matches) {
-  constexpr std::size_t kLeast = 4;
-  if (matches.size() < kLeast) return {};
-  const Points points = PointsOf(trial, matches);
+  constexpr std::size_t kMinMatches = 4;
+  if (matches.size() < kMinMatches) return {};
+  const PointPairs points = CollectPoints(trial, matches);
   cv::Mat inliers;
   cv::findHomography(points.in_template, points.in_scene, cv::RANSAC, kOpenCvThresholdPx, inliers);
-  return Marked(matches, inliers);
+  return SelectInliers(matches, inliers);
 }
 
 }  // namespace
 
-MatchFilter GrammarFilter(std::string name, const CascadeOptions& options) {
+MatchFilter MakeGrammarFilter(std::string name, const CascadeOptions& options) {
   return {std::move(name), [options](const MatchTrial& trial, const MatchSet& matches) {
             return FilterByGrammar(trial.features->keypoints, trial.Template().keypoints, matches, options).third;
           }};
 }
 
-std::vector<MatchFilter> MatchFilters(const RecognizeOptions& options) {
+std::vector<MatchFilter> MakeMatchFilters(const RecognizeOptions& options) {
   const auto grammar = [&](std::string name, const char* filter) {
     CascadeOptions chosen = options.cascade;
     chosen.filter = filter;
-    return GrammarFilter(std::move(name), chosen);
+    return MakeGrammarFilter(std::move(name), chosen);
   };
   const PoseOptions pose = options.pose;
   const MatchFilter cascade = grammar("cascade", "cascade");
@@ -73,11 +73,9 @@ std::vector<MatchFilter> MatchFilters(const RecognizeOptions& options) {
       grammar("second stage alone", "second"),
       grammar("third stage alone", "third"),
       cascade,
-      {"cascade, then MLESAC",
-       [=](const MatchTrial& trial, const MatchSet& matches) {
-         return trial.Mlesac(cascade.run(trial, matches), pose);
-       }},
-      {"MLESAC alone", [=](const MatchTrial& trial, const MatchSet& matches) { return trial.Mlesac(matches, pose); }},
+      {"cascade, then MLESAC", [=](const MatchTrial& trial,
+                                   const MatchSet& matches) { return trial.Mlesac(cascade.run(trial, matches), fit); }},
+      {"MLESAC alone", [=](const MatchTrial& trial, const MatchSet& matches) { return trial.Mlesac(matches, fit); }},
       {"OpenCV's similarity alone", OpenCvSimilarity},
       {"OpenCV's homography alone", OpenCvHomography}};
 }

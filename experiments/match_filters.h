@@ -18,9 +18,9 @@ struct MatchFilter {
 /// Returns, in this order: no filter; Video Google's neighbour voting; each stage alone; the cascade; the cascade
 /// followed by MLESAC; MLESAC alone; OpenCV's similarity (estimateAffinePartial2D) and homography (findHomography),
 /// both by RANSAC at 3 px.
-std::vector<MatchFilter> MatchFilters(const RecognizeOptions& options);
+std::vector<MatchFilter> MakeMatchFilters(const RecognizeOptions& options);
 
 /// Returns the filter of grammar/ with these options.
-MatchFilter GrammarFilter(std::string name, const CascadeOptions& options);
+MatchFilter MakeGrammarFilter(std::string name, const CascadeOptions& options);
 
 }  // namespace victorious

@@ -5,9 +5,9 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "victorious/model/view_surface.h"
 #include "victorious/image/image_file.h"
 #include "victorious/image/montage.h"
+#include "victorious/model/view_surface.h"
 
 namespace victorious {
 namespace {
@@ -20,20 +20,21 @@ const cv::Scalar kFalseColour(230, 220, 0);
 
 Expected<cv::Mat> DrawMatches(const MatchTrial& trial, const MatchSet& matches, double scale,
                               const std::string& caption) {
-  const cv::Mat scene = Background(GreyFromBgr(trial.scene->bgr), scale);
+  const cv::Mat scene = PosteriseImage(GreyFromBgr(trial.scene->bgr), scale);
   VICTORIOUS_ASSIGN_OR_RETURN(const ViewSurface surface,
                               DecodeSurface(trial.model->views[trial.view].surface, trial.model->name));
-  const cv::Mat object = Background(surface.grey, scale);
+  const cv::Mat object = PosteriseImage(surface.grey, scale);
   cv::Mat canvas(std::max(scene.rows, object.rows), scene.cols + object.cols, CV_8UC3, cv::Scalar::all(0));
   scene.copyTo(canvas(cv::Rect({0, 0}, scene.size())));
   object.copyTo(canvas(cv::Rect({scene.cols, 0}, object.size())));
   // False matches first, so that true ones are drawn on top.
-  for (const auto& [truth, colour] : {std::pair{Truth::kWrong, kFalseColour}, std::pair{Truth::kNear, kNearColour},
-                                      std::pair{Truth::kRight, kTrueColour}}) {
+  for (const auto& [truth, colour] :
+       {std::pair{MatchLabel::kFalse, kFalseColour}, std::pair{MatchLabel::kNear, kNearColour},
+        std::pair{MatchLabel::kTrue, kTrueColour}}) {
     for (const Match& match : matches) {
-      const Keypoint& in_scene = trial.features->keypoints[match.scene];
-      const Keypoint& in_template = trial.Template().keypoints[match.model];
-      if (trial.truth.Of(in_scene, match.model) != truth) continue;
+      const Keypoint& in_scene = trial.features->keypoints[match.scene_keypoint];
+      const Keypoint& in_template = trial.Template().keypoints[match.template_keypoint];
+      if (trial.truth.Label(in_scene, match.template_keypoint) != truth) continue;
       cv::line(canvas, cv::Point2d(in_scene.x * scale, in_scene.y * scale),
                cv::Point2d(in_template.x * scale + scene.cols, in_template.y * scale), colour);
     }

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Expected<std::vector<fs::path>> Sorted(const fs::path& folder, bool folders) {
+Expected<std::vector<fs::path>> ListSorted(const fs::path& folder, bool folders) {
   std::error_code error;
   std::vector<fs::path> paths;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
@@ -28,40 +28,39 @@ Expected<std::vector<fs::path>> Sorted(const fs::path& folder, bool folders) {
 
 }  // namespace
 
-Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings, int frames, Movies with) {
+Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings, int frames, IncludeMovies with) {
   std::vector<PooledScene> pool;
   int flights = 0;
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<fs::path> files, Sorted(settings.scenes, false));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<fs::path> files, ListSorted(settings.scenes, false));
   for (const fs::path& file : files) {
     VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
     settings.progress("rendering " + file.string());
     VICTORIOUS_ASSIGN_OR_RETURN(Renderer renderer, Renderer::Create({.software = true}));
-    VICTORIOUS_ASSIGN_OR_RETURN(const KnownTown town, KnownTown::Load(file, renderer, settings.Cancel()));
-    for (const std::int64_t frame : SpreadOver(town.scene().video.frames, frames)) {
-      VICTORIOUS_ASSIGN_OR_RETURN(KnownScene drawn, town.Draw(static_cast<int>(frame)));
-      pool.push_back({.scene = std::make_shared<const KnownScene>(std::move(drawn)),
+    VICTORIOUS_ASSIGN_OR_RETURN(const SceneRenderer town, SceneRenderer::Load(file, renderer, settings.Cancel()));
+    for (const std::int64_t frame : EvenlySpaced(town.scene().video.frames, frames)) {
+      VICTORIOUS_ASSIGN_OR_RETURN(LabelledImage drawn, town.Draw(static_cast<int>(frame)));
+      pool.push_back({.scene = std::make_shared<const LabelledImage>(std::move(drawn)),
                       .cad_folder = town.scene().assets / "models",
                       .flight = flights});
     }
     ++flights;
   }
   const fs::path movies = settings.data / "movies";
-  const bool any_movies = with == Movies::kToo && fs::exists(movies);
+  const bool any_movies = with == IncludeMovies::kYes && fs::exists(movies);
   if (pool.empty() && !any_movies) {
-    return Fail(ErrorCode::kNotFound,
-                fmt::format("{}: no scene files: expected NAME.json", settings.scenes.string()));
+    return Fail(ErrorCode::kNotFound, fmt::format("{}: no scene files: expected NAME.json", settings.scenes.string()));
   }
   if (!any_movies) return pool;
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<fs::path> folders, Sorted(movies, true));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<fs::path> folders, ListSorted(movies, true));
   for (const fs::path& folder : folders) {
     VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
     settings.progress("reading " + folder.string());
     VICTORIOUS_ASSIGN_OR_RETURN(Renderer renderer, Renderer::Create({.software = true}));
     const fs::path models = settings.data / "models";
-    VICTORIOUS_ASSIGN_OR_RETURN(auto known, ReadKnownMovie(folder, models, frames, renderer));
-    for (KnownScene& scene : known) {
+    VICTORIOUS_ASSIGN_OR_RETURN(auto known, ReadLabelledMovie(folder, models, frames, renderer));
+    for (LabelledImage& scene : known) {
       pool.push_back(
-          {.scene = std::make_shared<const KnownScene>(std::move(scene)), .cad_folder = models, .flight = flights});
+          {.scene = std::make_shared<const LabelledImage>(std::move(scene)), .cad_folder = models, .flight = flights});
     }
     ++flights;
   }
@@ -70,19 +69,19 @@ Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings
 
 Expected<std::vector<MatchTrial>> PoolTrials(const ExperimentSettings& settings, const MatchSetup& setup,
                                              const std::vector<PooledScene>& scenes) {
-  constexpr double kLeastVisible = 0.5;
+  constexpr double kMinVisible = 0.5;
   std::map<fs::path, std::shared_ptr<const ObjectModel>> models;
   std::vector<MatchTrial> trials;
   for (const PooledScene& pooled : scenes) {
     VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
-    VICTORIOUS_ASSIGN_OR_RETURN(const auto features, FeaturesOf(*pooled.scene, setup.features));
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto features, ExtractImageFeatures(*pooled.scene, setup.features));
     std::set<std::string> kinds;
-    for (const KnownObject& object : pooled.scene->objects) {
-      if (object.visible < kLeastVisible || !kinds.insert(object.model).second) continue;
+    for (const LabelledObject& object : pooled.scene->objects) {
+      if (object.visible < kMinVisible || !kinds.insert(object.model).second) continue;
       const fs::path cad_file = pooled.cad_folder / (object.model + ".glb");
       std::shared_ptr<const ObjectModel>& model = models[cad_file];
       if (!model) {
-        VICTORIOUS_ASSIGN_OR_RETURN(model, KeptModel(settings, cad_file, setup.cad));
+        VICTORIOUS_ASSIGN_OR_RETURN(model, LoadOrBuildModel(settings, cad_file, setup.cad));
       }
       trials.push_back(MakeTrial(pooled.scene, features, model, NearestView(*model, object.view)));
       trials.back().flight = pooled.flight;

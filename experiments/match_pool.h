@@ -11,16 +11,16 @@ namespace victorious {
 
 /// An image, and the folder of its objects' CAD files.
 struct PooledScene {
-  std::shared_ptr<const KnownScene> scene;
+  std::shared_ptr<const LabelledImage> scene;
   std::filesystem::path cad_folder;
   int flight = 0;  ///< index of its flight or movie in the pool
 };
 
-enum class Movies { kToo, kNone };
+enum class IncludeMovies { kYes, kNo };
 
 /// Renders or reads `frames` (at least 1) images of each scene file in settings.scenes and of each movie in
 /// settings.data, evenly spaced over its length. Error: kNotFound without any image.
-Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings, int frames, Movies with);
+Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings, int frames, IncludeMovies with);
 
 /// Returns one trial per image and model that has an object with a visible fraction of 0.5 or more.
 Expected<std::vector<MatchTrial>> PoolTrials(const ExperimentSettings& settings, const MatchSetup& setup,

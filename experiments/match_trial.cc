@@ -7,18 +7,18 @@
 
 #include "victorious/base/check.h"
 #include "victorious/base/file.h"
+#include "victorious/image/image_file.h"
 #include "victorious/match/matcher.h"
+#include "victorious/mesh/load_mesh.h"
 #include "victorious/model/model_library.h"
+#include "victorious/model/nearest_view.h"
 #include "victorious/pipeline/index_options.h"
 #include "victorious/pipeline/preset.h"
 #include "victorious/pose/similarity_pose.h"
-#include "victorious/mesh/load_mesh.h"
-#include "victorious/image/image_file.h"
-#include "victorious/model/nearest_view.h"
 
 namespace victorious {
 
-MatchSetup OurSetup() {
+MatchSetup DefaultSetup() {
   const IndexOptions index;
   MatchSetup setup{.name = "ours", .features = index.features, .cad = {}, .recognize = index.recognize};
   setup.recognize.method = "grammar";
@@ -28,18 +28,18 @@ MatchSetup OurSetup() {
 MatchSetup ThesisSetup() {
   IndexOptions index;
   CadModelOptions cad;
-  const bool applied = ApplyPreset("thesis", FieldsOf(index)) && ApplyPreset("thesis", FieldsOf(cad));
+  const bool applied = ApplyPreset("thesis", CollectFields(index)) && ApplyPreset("thesis", CollectFields(cad));
   VICTORIOUS_CHECK(applied);
   return {.name = "thesis", .features = index.features, .cad = cad, .recognize = index.recognize};
 }
 
-Expected<std::shared_ptr<const ObjectModel>> KeptModel(const ExperimentSettings& settings,
-                                                       const std::filesystem::path& cad_file,
-                                                       const CadModelOptions& options) {
+Expected<std::shared_ptr<const ObjectModel>> LoadOrBuildModel(const ExperimentSettings& settings,
+                                                              const std::filesystem::path& cad_file,
+                                                              const CadModelOptions& options) {
   const std::string name = cad_file.stem().string();
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string content, ContentId(cad_file, settings.Cancel()));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string kept_as, settings.KeptAs(OptionsToJsonText(options)));
-  const ModelLibrary library(settings.out / "models" / fmt::format("{}-{}", content, kept_as));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string cache_key, settings.CacheKey(OptionsToJsonText(options)));
+  const ModelLibrary library(settings.out / "models" / fmt::format("{}-{}", content, cache_key));
   Expected<ObjectModel> model = library.Load(name);
   if (!model && model.error().code == ErrorCode::kNotFound) {
     VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
@@ -55,7 +55,7 @@ Expected<std::shared_ptr<const ObjectModel>> KeptModel(const ExperimentSettings&
   return std::make_shared<const ObjectModel>(*std::move(model));
 }
 
-MatchTrial MakeTrial(std::shared_ptr<const KnownScene> scene, std::shared_ptr<const FeatureSet> features,
+MatchTrial MakeTrial(std::shared_ptr<const LabelledImage> scene, std::shared_ptr<const FeatureSet> features,
                      std::shared_ptr<const ObjectModel> model, std::size_t view) {
   const std::string kind = model->name;
   const ModelView& of = model->views[view];
@@ -77,9 +77,9 @@ MatchSet MatchTrial::Matches(double ratio) const {
 
 MatchSet MatchTrial::Mlesac(const MatchSet& matches, const PoseOptions& options) const {
   const double area_px2 = static_cast<double>(features->image_width) * features->image_height;
-  const std::vector<Pose> poses =
+  const std::vector<PlanarFit> fits =
       EstimatePoses(features->keypoints, Template().keypoints, matches, model->views[view].outline, area_px2, options);
-  return poses.empty() ? MatchSet() : poses.front().inliers;
+  return fits.empty() ? MatchSet() : fits.front().inliers;
 }
 
 StageMatches RunStages(const MatchTrial& trial, double ratio, const RecognizeOptions& options) {
@@ -89,7 +89,8 @@ StageMatches RunStages(const MatchTrial& trial, double ratio, const RecognizeOpt
   return {{matches, std::move(left.first), std::move(left.second), std::move(left.third), std::move(inliers)}};
 }
 
-Expected<std::shared_ptr<const FeatureSet>> FeaturesOf(const KnownScene& scene, const FeatureOptions& options) {
+Expected<std::shared_ptr<const FeatureSet>> ExtractImageFeatures(const LabelledImage& scene,
+                                                                 const FeatureOptions& options) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options));
   VICTORIOUS_ASSIGN_OR_RETURN(FeatureSet features, extractor->Extract(GreyFromBgr(scene.bgr)));
   return std::make_shared<const FeatureSet>(std::move(features));
@@ -99,18 +100,17 @@ Expected<MatchTrial> RunningExample(const ExperimentSettings& settings, const Ma
                                     const std::string& kind) {
   VICTORIOUS_ASSIGN_OR_RETURN(Renderer renderer, Renderer::Create({.software = true}));
   VICTORIOUS_ASSIGN_OR_RETURN(
-      const KnownTown town,
-      KnownTown::Load(settings.scenes / fmt::format("chapter3_{}.json", kind), renderer, settings.Cancel()));
-  VICTORIOUS_ASSIGN_OR_RETURN(KnownScene scene, town.Draw(0));
-  const KnownObject* const object = scene.Find(kind);
-  if (object == nullptr)
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: must show a {}", scene.name, kind));
+      const SceneRenderer town,
+      SceneRenderer::Load(settings.scenes / fmt::format("chapter3_{}.json", kind), renderer, settings.Cancel()));
+  VICTORIOUS_ASSIGN_OR_RETURN(LabelledImage scene, town.Draw(0));
+  const LabelledObject* const object = scene.Find(kind);
+  if (object == nullptr) return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: must show a {}", scene.name, kind));
   const ViewDirection view = object->view;
-  VICTORIOUS_ASSIGN_OR_RETURN(auto features, FeaturesOf(scene, setup.features));
+  VICTORIOUS_ASSIGN_OR_RETURN(auto features, ExtractImageFeatures(scene, setup.features));
   VICTORIOUS_ASSIGN_OR_RETURN(auto model,
-                              KeptModel(settings, town.scene().assets / "models" / (kind + ".glb"), setup.cad));
+                              LoadOrBuildModel(settings, town.scene().assets / "models" / (kind + ".glb"), setup.cad));
   const std::size_t nearest = NearestView(*model, view);
-  return MakeTrial(std::make_shared<const KnownScene>(std::move(scene)), std::move(features), std::move(model),
+  return MakeTrial(std::make_shared<const LabelledImage>(std::move(scene)), std::move(features), std::move(model),
                    nearest);
 }
 

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "victorious/base/error.h"
 #include "experiments/experiment.h"
 #include "experiments/known_scene.h"
 #include "experiments/true_matches.h"
+#include "victorious/base/error.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/model/cad_model.h"
 #include "victorious/recognize/recognizer.h"
@@ -30,18 +30,18 @@ struct MatchSetup {
 /// The preset `thesis`: Lowe's keypoints, table 3.1.
 MatchSetup ThesisSetup();
 /// The program's defaults, by the grammar.
-MatchSetup OurSetup();
+MatchSetup DefaultSetup();
 
 /// Returns the model of a CAD file, named after the file's stem. It is built once and cached in OUT/models, in a folder
 /// keyed by the file's content, the options and the program build.
-Expected<std::shared_ptr<const ObjectModel>> KeptModel(const ExperimentSettings& settings,
-                                                       const std::filesystem::path& cad_file,
-                                                       const CadModelOptions& options);
+Expected<std::shared_ptr<const ObjectModel>> LoadOrBuildModel(const ExperimentSettings& settings,
+                                                              const std::filesystem::path& cad_file,
+                                                              const CadModelOptions& options);
 
 /// Immutable; copies share the large members.
 struct MatchTrial {
   std::string name;  ///< "jeep in circle_noise, frame 40"
-  std::shared_ptr<const KnownScene> scene;
+  std::shared_ptr<const LabelledImage> scene;
   std::shared_ptr<const FeatureSet> features;  ///< of the scene
   std::shared_ptr<const ObjectModel> model;
   std::size_t view = 0;
@@ -58,7 +58,7 @@ struct MatchTrial {
 
 /// @param features  of the scene, extracted with the options of the model
 /// @param view      index of the template's view
-MatchTrial MakeTrial(std::shared_ptr<const KnownScene> scene, std::shared_ptr<const FeatureSet> features,
+MatchTrial MakeTrial(std::shared_ptr<const LabelledImage> scene, std::shared_ptr<const FeatureSet> features,
                      std::shared_ptr<const ObjectModel> model, std::size_t view);
 
 /// The matches that each stage of the cascade keeps, then MLESAC.
@@ -69,7 +69,8 @@ struct StageMatches {
 StageMatches RunStages(const MatchTrial& trial, double ratio, const RecognizeOptions& options);
 
 /// Extracts the features of an image.
-Expected<std::shared_ptr<const FeatureSet>> FeaturesOf(const KnownScene& scene, const FeatureOptions& options);
+Expected<std::shared_ptr<const FeatureSet>> ExtractImageFeatures(const LabelledImage& scene,
+                                                                 const FeatureOptions& options);
 
 /// Returns a running example of section 3.5: scenes/chapter3_jeep.json in place of the Humvee, or chapter3_jet.json in
 /// place of the MiG, with the template of the view nearest to the true one.

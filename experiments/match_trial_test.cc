@@ -17,11 +17,11 @@ namespace victorious {
 namespace {
 
 // A scene 10 m in front of a camera with a focal length of 100 px: 1 m is 10 px.
-KnownScene SceneWith(const std::vector<Rigid3>& poses) {
-  KnownScene scene;
+LabelledImage SceneWith(const std::vector<Rigid3>& fits) {
+  LabelledImage scene;
   scene.pinhole = {100, 100, 50, 50, 100, 100};
-  for (const Rigid3& pose : poses)
-    scene.objects.push_back({.model = "thing", .camera_from_model = pose, .view = {}, .box = {}, .visible = 1});
+  for (const Rigid3& fit : fits)
+    scene.objects.push_back({.model = "thing", .camera_from_model = fit, .view = {}, .box = {}, .visible = 1});
   return scene;
 }
 
@@ -34,71 +34,72 @@ Keypoint KeypointAt(float x, float y, float scale_px = 1) {
 TEST(MatchTruth, IsWhereTheTruePosePutsTheTemplatesPoint) {
   const std::vector<Point3> points = {{0, 0, 0}, {2, 0, 0}};
   const MatchTruth truth(SceneWith({At(0, 0)}), "thing", points, 8);
-  EXPECT_EQ(truth.Of(KeypointAt(50, 50), 0), Truth::kRight);
-  EXPECT_EQ(truth.Of(KeypointAt(70, 52.9F), 1), Truth::kRight);
-  EXPECT_EQ(truth.Of(KeypointAt(70, 53.1F), 1), Truth::kNear);
-  EXPECT_EQ(truth.Of(KeypointAt(70, 55, 6), 1), Truth::kRight) << "a large keypoint is placed less exactly";
-  EXPECT_EQ(truth.Of(KeypointAt(70, 61), 1), Truth::kWrong);
-  EXPECT_EQ(truth.Of(KeypointAt(50, 50), 1), Truth::kWrong) << "another point of the object";
+  EXPECT_EQ(truth.Label(KeypointAt(50, 50), 0), MatchLabel::kTrue);
+  EXPECT_EQ(truth.Label(KeypointAt(70, 52.9F), 1), MatchLabel::kTrue);
+  EXPECT_EQ(truth.Label(KeypointAt(70, 53.1F), 1), MatchLabel::kNear);
+  EXPECT_EQ(truth.Label(KeypointAt(70, 55, 6), 1), MatchLabel::kTrue) << "a large keypoint is placed less exactly";
+  EXPECT_EQ(truth.Label(KeypointAt(70, 61), 1), MatchLabel::kFalse);
+  EXPECT_EQ(truth.Label(KeypointAt(50, 50), 1), MatchLabel::kFalse) << "another point of the object";
   const std::vector<Keypoint> scene = {KeypointAt(50, 50), KeypointAt(70, 55), KeypointAt(10, 10)};
   const MatchCount count = truth.Count(scene, {{0, 0, 0.5F}, {1, 1, 0.5F}, {2, 1, 0.5F}});
-  EXPECT_EQ(count.right, 1);
+  EXPECT_EQ(count.correct, 1);
   EXPECT_EQ(count.near, 1);
-  EXPECT_EQ(count.Wrong(), 1);
+  EXPECT_EQ(count.FalseMatches(), 1);
 }
 
 TEST(MatchTruth, AnyObjectOfTheKindServesAndNoOther) {
-  KnownScene scene = SceneWith({At(-3, 0), At(3, 0)});
+  LabelledImage scene = SceneWith({At(-3, 0), At(3, 0)});
   const std::vector<Point3> points = {{0, 0, 0}};
-  EXPECT_EQ(MatchTruth(scene, "thing", points, 8).Of(KeypointAt(20, 50), 0), Truth::kRight);
-  EXPECT_EQ(MatchTruth(scene, "thing", points, 8).Of(KeypointAt(80, 50), 0), Truth::kRight);
-  EXPECT_EQ(MatchTruth(scene, "other", points, 8).Of(KeypointAt(80, 50), 0), Truth::kWrong);
+  EXPECT_EQ(MatchTruth(scene, "thing", points, 8).Label(KeypointAt(20, 50), 0), MatchLabel::kTrue);
+  EXPECT_EQ(MatchTruth(scene, "thing", points, 8).Label(KeypointAt(80, 50), 0), MatchLabel::kTrue);
+  EXPECT_EQ(MatchTruth(scene, "other", points, 8).Label(KeypointAt(80, 50), 0), MatchLabel::kFalse);
 }
 
 TEST(MatchTruth, WhatIsHiddenOrOutOfThePictureMatchesNothing) {
-  KnownScene scene = SceneWith({At(0, 0)});
+  LabelledImage scene = SceneWith({At(0, 0)});
   const std::vector<Point3> points = {{0, 0, 0}, {2, 0, 0}, {8, 0, 0}};
   scene.depth_m = cv::Mat(100, 100, CV_32FC1, cv::Scalar(10));
   scene.depth_m(cv::Rect(0, 0, 60, 100)).setTo(4);  // a wall in front of the first point
   const MatchTruth truth(scene, "thing", points, 8);
-  EXPECT_EQ(truth.Of(KeypointAt(50, 50), 0), Truth::kWrong);
-  EXPECT_EQ(truth.Of(KeypointAt(70, 50), 1), Truth::kRight);
-  EXPECT_EQ(truth.Of(KeypointAt(130, 50), 2), Truth::kWrong);
+  EXPECT_EQ(truth.Label(KeypointAt(50, 50), 0), MatchLabel::kFalse);
+  EXPECT_EQ(truth.Label(KeypointAt(70, 50), 1), MatchLabel::kTrue);
+  EXPECT_EQ(truth.Label(KeypointAt(130, 50), 2), MatchLabel::kFalse);
 }
 
 TEST(MatchTruth, WhatHidesIsMeasuredByTheObjectsSize) {
-  KnownScene scene = SceneWith({At(0, 0)});
+  LabelledImage scene = SceneWith({At(0, 0)});
   const std::vector<Point3> points = {{0, 0, 0}};
   scene.depth_m = cv::Mat(100, 100, CV_32FC1, cv::Scalar(9.8));
-  EXPECT_EQ(MatchTruth(scene, "thing", points, 4).Of(KeypointAt(50, 50), 0), Truth::kWrong) << "a shelf before a toy";
-  EXPECT_EQ(MatchTruth(scene, "thing", points, 30).Of(KeypointAt(50, 50), 0), Truth::kRight)
+  EXPECT_EQ(MatchTruth(scene, "thing", points, 4).Label(KeypointAt(50, 50), 0), MatchLabel::kFalse)
+      << "a shelf before a toy";
+  EXPECT_EQ(MatchTruth(scene, "thing", points, 30).Label(KeypointAt(50, 50), 0), MatchLabel::kTrue)
       << "an aircraft's own skin";
 }
 
-TEST(Spoil, IsDoneInTheOrderOfACamera) {
+TEST(DegradeImage, IsDoneInTheOrderOfACamera) {
   cv::Mat picture(64, 64, CV_8UC3, cv::Scalar(90, 120, 60));
   cv::Mat again = picture.clone();
-  const Spoiling spoiling{.degrade = {.noise = 0.2}, .jpeg_quality = 50};
-  ASSERT_TRUE(Spoil(spoiling, 3, picture).has_value());
-  ASSERT_TRUE(Spoil(spoiling, 3, again).has_value());
+  const ImageDegradation degradation{.degrade = {.noise = 0.2}, .jpeg_quality = 50};
+  ASSERT_TRUE(DegradeImage(degradation, 3, picture).has_value());
+  ASSERT_TRUE(DegradeImage(degradation, 3, again).has_value());
   EXPECT_EQ(cv::norm(picture, again), 0) << "by seed";
   cv::Mat clean(64, 64, CV_8UC3, cv::Scalar(90, 120, 60));
   EXPECT_GT(cv::norm(picture, clean), 0);
-  ASSERT_TRUE(Spoil({}, 3, clean).has_value());
+  ASSERT_TRUE(DegradeImage({}, 3, clean).has_value());
   EXPECT_EQ(clean.at<cv::Vec3b>(5, 5), cv::Vec3b(90, 120, 60));
 }
 
 // End to end: an image rendered from a scene file shows the object at its true pose.
-TEST(KnownTown, DrawsPicturesWhoseObjectsStandWhereTruthSays) {
+TEST(SceneRenderer, DrawsPicturesWhoseObjectsStandWhereTruthSays) {
   const CancelToken cancel;
   Expected<Renderer> renderer = Renderer::Create({.software = true});
   ASSERT_TRUE(renderer.has_value());
-  const Expected<KnownTown> town =
-      KnownTown::Load(std::filesystem::path(VICTORIOUS_SCENES) / "chapter3_jeep.json", *renderer, cancel);
+  const Expected<SceneRenderer> town =
+      SceneRenderer::Load(std::filesystem::path(VICTORIOUS_SCENES) / "chapter3_jeep.json", *renderer, cancel);
   ASSERT_TRUE(town.has_value()) << town.error().message;
-  const Expected<KnownScene> scene = town->Draw(0);
+  const Expected<LabelledImage> scene = town->Draw(0);
   ASSERT_TRUE(scene.has_value());
-  const KnownObject* const jeep = scene->Find("jeep");
+  const LabelledObject* const jeep = scene->Find("jeep");
   ASSERT_NE(jeep, nullptr);
   EXPECT_EQ(scene->Find("tank"), nullptr);
   EXPECT_NEAR(DegreesFromRadians(jeep->view.off_nadir_rad), 60, 5) << "as in section 3.5.3";
@@ -115,7 +116,7 @@ void WriteCad(const std::filesystem::path& path, double side_m) {
       "v 0 0 0\nv {0} 0 0\nv {0} {0} 0\nv 0 {0} 0\nv 0 {0} {0}\nf 1 2 3\nf 1 3 4\nf 3 4 5\nf 1 4 5\n", side_m);
 }
 
-TEST(KeptModel, IsMadeAgainForAnotherContentOrOtherOptionsAlone) {
+TEST(LoadOrBuildModel, IsMadeAgainForAnotherContentOrOtherOptionsAlone) {
   const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "kept_model_test";
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
@@ -126,32 +127,32 @@ TEST(KeptModel, IsMadeAgainForAnotherContentOrOtherOptionsAlone) {
   options.sphere.step_deg = 45;
   const std::filesystem::path cad = folder / "thing.obj";
   WriteCad(cad, 3);
-  const auto first = KeptModel(settings, cad, options);
+  const auto first = LoadOrBuildModel(settings, cad, options);
   ASSERT_TRUE(first.has_value()) << first.error().message;
   EXPECT_EQ((*first)->name, "thing");
-  const auto kept = KeptModel(settings, cad, options);
+  const auto kept = LoadOrBuildModel(settings, cad, options);
   ASSERT_TRUE(kept.has_value());
   EXPECT_EQ(made, 1);
   EXPECT_EQ((*kept)->id, (*first)->id);
   WriteCad(cad, 5);
-  const auto changed = KeptModel(settings, cad, options);
+  const auto changed = LoadOrBuildModel(settings, cad, options);
   ASSERT_TRUE(changed.has_value());
   EXPECT_EQ(made, 2);
   EXPECT_GT((*changed)->box_m->sizes().x(), 4);
   options.sphere.step_deg = 60;
-  ASSERT_TRUE(KeptModel(settings, cad, options).has_value());
+  ASSERT_TRUE(LoadOrBuildModel(settings, cad, options).has_value());
   EXPECT_EQ(made, 3);
 }
 
 TEST(MatchSetup, TheThesisAndWeDiffer) {
-  EXPECT_EQ(ThesisSetup().features.impulse_share, 1);
+  EXPECT_EQ(ThesisSetup().features.impulse_fraction, 1);
   EXPECT_EQ(ThesisSetup().recognize.cascade.radius_px, 75);
-  EXPECT_LT(OurSetup().features.contrast_threshold, ThesisSetup().features.contrast_threshold);
+  EXPECT_LT(DefaultSetup().features.contrast_threshold, ThesisSetup().features.contrast_threshold);
 }
 
-TEST(MatchFilters, StandUnderTheirNames) {
+TEST(MakeMatchFilters, StandUnderTheirNames) {
   std::vector<std::string> names;
-  for (const MatchFilter& filter : MatchFilters({})) names.push_back(filter.name);
+  for (const MatchFilter& filter : MakeMatchFilters({})) names.push_back(filter.name);
   EXPECT_THAT(names, ::testing::IsSupersetOf({"none", "neighbours (Video Google)", "cascade", "MLESAC alone",
                                               "OpenCV's homography alone"}));
 }

@@ -21,70 +21,70 @@ namespace {
 namespace fs = std::filesystem;
 
 // Everything that the search of a movie needs.
-struct Search {
+struct SearchContext {
   std::unique_ptr<const FeatureExtractor> extractor;
   Recognizer recognizer;
-  std::optional<CameraTrack> cameras;
+  std::optional<CameraTrajectory> cameras;
   std::optional<Sun> sun;
   std::vector<TruthRow> truth;
 };
 
-Expected<Search> Prepare(const MovieSearch& search, const ExperimentSettings& settings) {
+Expected<SearchContext> Prepare(const MovieSearch& search, const ExperimentSettings& settings) {
   const IndexOptions& options = search.options;
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TruthRow> truth, ReadTruth(search.movie / "truth.jsonl"));
-  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectModel> models, ModelsFor(truth, settings));
-  std::vector<std::shared_ptr<const LitTemplates>> lit;
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectModel> models, LoadModelsOf(truth, settings));
+  std::vector<std::shared_ptr<const RelitTemplateSource>> lit;
   for (const ObjectModel& model : models) {
     VICTORIOUS_ASSIGN_OR_RETURN(lit.emplace_back(), MakeLitViews(model));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(options.features));
   VICTORIOUS_ASSIGN_OR_RETURN(Recognizer recognizer,
                               Recognizer::Create(std::move(models), options.features.engine, options.recognize, lit));
-  std::optional<CameraTrack> cameras;
+  std::optional<CameraTrajectory> cameras;
   std::optional<Sun> sun;
   if (const fs::path path = search.movie / "telemetry.csv"; fs::exists(path)) {
     VICTORIOUS_ASSIGN_OR_RETURN(Telemetry telemetry, ReadTelemetry(path.string(), options.telemetry));
     cameras.emplace(std::move(telemetry.states), options.telemetry.max_gap_s);
     VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open((search.movie / "video.mp4").string(), {}));
     VICTORIOUS_ASSIGN_OR_RETURN(
-        sun, FindDaylight({*cameras, recognizer, *extractor, options.daylight}, *reader, settings.Cancel()));
+        sun, EstimateSunDirection({*cameras, recognizer, *extractor, options.daylight}, *reader, settings.Cancel()));
   }
-  return Search{std::move(extractor), std::move(recognizer), std::move(cameras), sun, std::move(truth)};
+  return SearchContext{std::move(extractor), std::move(recognizer), std::move(cameras), sun, std::move(truth)};
 }
 
 // Pairs each detection of the frame with a truth row.
-std::vector<std::optional<TruthRow>> Shown(const Search& search, const SearchedFrame& searched) {
+std::vector<std::optional<TruthRow>> PairDetections(const SearchContext& search, const SearchedFrame& searched) {
   std::vector<TruthRow> rows;
   std::ranges::copy_if(search.truth, std::back_inserter(rows),
                        [&](const TruthRow& row) { return row.frame == searched.frame; });
   std::vector<ReportedSighting> sightings;
   for (const Detection& detection : searched.detections) {
     sightings.push_back({.frame = searched.frame,
-                         .model = search.recognizer.models()[detection.model].name,
+                         .model = search.recognizer.models()[detection.model_index].name,
                          .box = detection.box,
                          .score = detection.score,
                          .view = {}});
   }
-  std::vector<std::optional<TruthRow>> shown;
+  std::vector<std::optional<TruthRow>> paired;
   for (const std::optional<std::size_t>& row : PairSightings(rows, sightings)) {
-    shown.push_back(row ? std::optional(rows[*row]) : std::nullopt);
+    paired.push_back(row ? std::optional(rows[*row]) : std::nullopt);
   }
-  return shown;
+  return paired;
 }
 
-Expected<SearchedFrame> SearchFrame(const Search& search, const Frame& frame) {
+Expected<SearchedFrame> SearchFrame(const SearchContext& search, const Frame& frame) {
   SearchedFrame searched{.frame = frame.index};
   if (search.cameras) searched.camera = search.cameras->At(frame.time_s);
-  searched.conditions = ConditionsOf(searched.camera, frame.image.size(), search.sun);
+  searched.conditions = MakeFrameConditions(searched.camera, frame.image.size(), search.sun);
   VICTORIOUS_ASSIGN_OR_RETURN(searched.features, search.extractor->Extract(frame.image));
   searched.detections = search.recognizer.Recognize(searched.features, searched.conditions, frame.image);
-  searched.truth = Shown(search, searched);
+  searched.truth = PairDetections(search, searched);
   return searched;
 }
 
 }  // namespace
 
-Expected<std::vector<fs::path>> MoviesOf(const ExperimentSettings& settings) {
+Expected<std::vector<fs::path>> FindMovies(const ExperimentSettings& settings) {
   std::vector<fs::path> movies;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(settings.data / "movies", error)) {
@@ -99,14 +99,15 @@ Expected<std::vector<fs::path>> MoviesOf(const ExperimentSettings& settings) {
   return movies;
 }
 
-Expected<std::vector<ObjectModel>> ModelsFor(const std::vector<TruthRow>& truth, const ExperimentSettings& settings) {
+Expected<std::vector<ObjectModel>> LoadModelsOf(const std::vector<TruthRow>& truth,
+                                                const ExperimentSettings& settings) {
   std::set<std::string> names;
   for (const TruthRow& row : truth) names.insert(row.model);
   std::vector<ObjectModel> models;
   for (const std::string& name : names) {
     const fs::path cad = settings.data / "models" / (name + ".glb");
     if (!fs::exists(cad)) continue;
-    VICTORIOUS_ASSIGN_OR_RETURN(const auto model, KeptModel(settings, cad, {}));
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto model, LoadOrBuildModel(settings, cad, {}));
     models.push_back(*model);
   }
   if (models.empty()) {
@@ -119,11 +120,11 @@ Expected<std::vector<ObjectModel>> ModelsFor(const std::vector<TruthRow>& truth,
 Status SearchMovie(const MovieSearch& search, const ExperimentSettings& settings,
                    const std::function<Status(const SearchedFrame&, const std::vector<ObjectModel>&)>& visit) {
   const std::string name = search.movie.filename().string();
-  VICTORIOUS_ASSIGN_OR_RETURN(const Search prepared, Prepare(search, settings));
+  VICTORIOUS_ASSIGN_OR_RETURN(const SearchContext prepared, Prepare(search, settings));
   const fs::path video = search.movie / "video.mp4";
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t length, CountFrames(video));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Frame> frames,
-                              ReadFrames(video, SpreadOver(length, search.frames), FrameColor::kGrey));
+                              ReadFrames(video, EvenlySpaced(length, search.frames), FrameColor::kGrey));
   constexpr std::size_t kBatch = 4;  // frames between reports of progress
   for (std::size_t first = 0; first < frames.size(); first += kBatch) {
     VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());

@@ -22,17 +22,17 @@ class Painter {
       : size_(bgr.size()), camera_(camera), depth_m_(depth_m), tolerance_m_(0.02 * size_m) {}
 
   // The projection of a point, px.
-  [[nodiscard]] std::optional<Vector2d> At(const Vector3f& point) const {
+  [[nodiscard]] std::optional<Vector2d> Project(const Vector3f& point) const {
     return camera_.pinhole.Project(camera_.camera_from_world.Apply(point.cast<double>()));
   }
 
   // Whether the triangle's centre is not occluded and the triangle is not seen edge-on.
-  [[nodiscard]] bool Sees(const Corners& corners, const Vector3f& normal) const {
-    constexpr float kLeastCosine = 0.1F;
+  [[nodiscard]] bool IsVisible(const Corners& corners, const Vector3f& normal) const {
+    constexpr float kMinCosine = 0.1F;
     const Vector3f middle = (corners[0] + corners[1] + corners[2]) / 3;
     const Vector3f camera = camera_.camera_from_world.Inverse().translation.cast<float>();
-    if (normal.dot((camera - middle).normalized()) < kLeastCosine) return false;
-    const auto at = At(middle);
+    if (normal.dot((camera - middle).normalized()) < kMinCosine) return false;
+    const auto at = Project(middle);
     if (!at || at->x() < 0 || at->y() < 0 || at->x() >= size_.width || at->y() >= size_.height) return false;
     const double depth_m = camera_.camera_from_world.Apply(middle.cast<double>()).z();
     const float seen_m = depth_m_.at<float>(static_cast<int>(at->y()), static_cast<int>(at->x()));
@@ -40,18 +40,18 @@ class Painter {
   }
 
   [[nodiscard]] Eigen::Vector2f TextureAt(const Vector3f& point) const {
-    const Vector2d at = At(point).value_or(Vector2d::Zero());
+    const Vector2d at = Project(point).value_or(Vector2d::Zero());
     return {static_cast<float>(at.x() / size_.width), static_cast<float>(at.y() / size_.height)};
   }
 
   // The index of the longest projected side if it is longer than 8 px; std::nullopt: no subdivision.
   [[nodiscard]] std::optional<int> SideToCut(const Corners& corners) const {
-    constexpr double kMostPx = 8;
+    constexpr double kMaxPx = 8;
     std::optional<int> longest;
-    double most = kMostPx;
+    double most = kMaxPx;
     for (int i = 0; i < 3; ++i) {
-      const auto a = At(corners[i]);
-      const auto b = At(corners[(i + 1) % 3]);
+      const auto a = Project(corners[i]);
+      const auto b = Project(corners[(i + 1) % 3]);
       if (!a || !b || (*a - *b).norm() <= most) continue;
       most = (*a - *b).norm();
       longest = i;
@@ -67,13 +67,13 @@ class Painter {
 };
 
 // The subdivided triangles, each with three vertices of its own.
-class Pieces {
+class Subdivision {
  public:
-  explicit Pieces(const Painter& painter) : painter_(painter) {}
+  explicit Subdivision(const Painter& painter) : painter_(painter) {}
 
   void Add(const Corners& corners, const Vector3f& normal) {
     const std::optional<int> side = painter_.SideToCut(corners);
-    if (side && std::min(painted_.size(), plain_.size()) < kMostPieces) {
+    if (side && std::min(painted_.size(), plain_.size()) < kMaxTriangles) {
       const int a = *side;
       const int b = (a + 1) % 3;
       const int c = (a + 2) % 3;
@@ -82,7 +82,7 @@ class Pieces {
       Add({middle, corners[b], corners[c]}, normal);
       return;
     }
-    (painter_.Sees(corners, normal) ? painted_ : plain_).push_back({corners, normal});
+    (painter_.IsVisible(corners, normal) ? painted_ : plain_).push_back({corners, normal});
   }
 
   [[nodiscard]] Mesh ToMesh(const cv::Mat& bgr) const {
@@ -115,7 +115,7 @@ class Pieces {
     Corners corners;
     Vector3f normal;
   };
-  static constexpr std::size_t kMostPieces = 1'000'000;
+  static constexpr std::size_t kMaxTriangles = 1'000'000;
 
   const Painter& painter_;
   std::vector<Piece> painted_;
@@ -124,19 +124,19 @@ class Pieces {
 
 }  // namespace
 
-Expected<Mesh> PaintedMesh(const Mesh& mesh, const cv::Mat& bgr, const PosedCamera& camera) {
+Expected<Mesh> ProjectTexture(const Mesh& mesh, const cv::Mat& bgr, const PosedCamera& camera) {
   VICTORIOUS_ASSIGN_OR_RETURN(Renderer renderer, Renderer::Create());
   VICTORIOUS_ASSIGN_OR_RETURN(const MeshId id, renderer.Upload(mesh));
   const MeshInstance instance{.mesh = id, .world_from_mesh = {}};
   VICTORIOUS_ASSIGN_OR_RETURN(const RenderedView seen, renderer.Render(std::span(&instance, 1), camera));
   const Painter painter(bgr, camera, seen.depth_m, BoundingBox(mesh).diagonal().norm());
-  Pieces pieces(painter);
+  Subdivision subdivision(painter);
   for (const std::array<std::uint32_t, 3>& triangle : mesh.triangles) {
     const Corners corners = {mesh.positions[triangle[0]], mesh.positions[triangle[1]], mesh.positions[triangle[2]]};
     const Vector3f normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-    if (normal.norm() > 0) pieces.Add(corners, normal.normalized());
+    if (normal.norm() > 0) subdivision.Add(corners, normal.normalized());
   }
-  return pieces.ToMesh(bgr);
+  return subdivision.ToMesh(bgr);
 }
 
 }  // namespace victorious

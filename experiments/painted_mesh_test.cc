@@ -6,8 +6,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "victorious/base/random.h"
-#include "victorious/render/renderer.h"
 #include "victorious/geometry/view_sphere.h"
+#include "victorious/render/renderer.h"
 
 namespace victorious {
 namespace {
@@ -55,13 +55,13 @@ cv::Mat Render(const Mesh& mesh, const PosedCamera& camera, cv::Mat& mask) {
   return view.bgr;
 }
 
-TEST(PaintedMesh, ShowsThePictureFromWhereItWasTaken) {
+TEST(ProjectTexture, ShowsThePictureFromWhereItWasTaken) {
   const Mesh box = BoxMesh({0.3F, 0.2F, 0.1F});
   const Sphere sphere = BoundingSphere(box);
   const ViewFraming framing{.distance_m = 1.2, .diameter_px = 260, .width_px = 320, .height_px = 280};
   const PosedCamera camera = CameraForView({0.6, 0.9}, sphere, framing).value();
   const cv::Mat picture = Patches(320, 280);
-  const Mesh painted = PaintedMesh(box, picture, camera).value();
+  const Mesh painted = ProjectTexture(box, picture, camera).value();
   EXPECT_GT(painted.triangles.size(), 1000U) << "cut, so that perspective bends no texture";
   cv::Mat mask;
   const cv::Mat seen = Render(painted, camera, mask);
@@ -72,11 +72,12 @@ TEST(PaintedMesh, ShowsThePictureFromWhereItWasTaken) {
   for (int channel = 0; channel < 3; ++channel) EXPECT_LT(mean[channel], 4);
 }
 
-TEST(PaintedMesh, WhatThePictureDoesNotShowIsPlain) {
+TEST(ProjectTexture, WhatThePictureDoesNotShowIsPlain) {
   const Mesh box = BoxMesh({0.3F, 0.2F, 0.1F});
   const Sphere sphere = BoundingSphere(box);
   const ViewFraming framing{.distance_m = 1.2, .diameter_px = 260, .width_px = 320, .height_px = 280};
-  const Mesh painted = PaintedMesh(box, Patches(320, 280), CameraForView({0.6, 0.9}, sphere, framing).value()).value();
+  const Mesh painted =
+      ProjectTexture(box, Patches(320, 280), CameraForView({0.6, 0.9}, sphere, framing).value()).value();
   cv::Mat mask;
   const cv::Mat behind = Render(painted, CameraForView({0.6 + 3.14159, 2.2}, sphere, framing).value(), mask);
   cv::Scalar mean;

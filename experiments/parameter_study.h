@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "victorious/base/error.h"
 #include "experiments/experiment.h"
 #include "experiments/indexed_movie.h"
+#include "victorious/base/error.h"
 #include "victorious/pipeline/index_options.h"
 
 namespace victorious {
@@ -33,7 +33,7 @@ struct StudySetting {
 std::vector<StudySetting> StudySettings();
 
 /// The result of one setting for one true object.
-struct StudiedObject {
+struct ObjectResult {
   std::string movie;
   std::string name;
   std::string model;
@@ -45,15 +45,15 @@ struct StudiedObject {
 };
 
 /// The results of one setting on all movies together.
-struct StudiedSetting {
+struct SettingResult {
   std::string name;
   std::string of;
   int findable = 0;
   int found = 0;
   int false_objects = 0;
-  std::vector<StudiedObject> objects;  ///< the findable objects, by movie and name
-  int other_sightings = 0;  ///< sightings (movie, model, frame, box) that only this or only the default has
-  int other_places = 0;     ///< objects whose horizontal error differs by 1 mm or more from the default's
+  std::vector<ObjectResult> objects;  ///< the findable objects, by movie and name
+  int changed_sightings = 0;          ///< sightings (movie, model, frame, box) that only this or only the default has
+  int changed_places = 0;             ///< objects whose horizontal error differs by 1 mm or more from the default's
 
   [[nodiscard]] double Recall() const;
   [[nodiscard]] double Precision() const;
@@ -61,8 +61,8 @@ struct StudiedSetting {
 };
 
 struct Study {
-  std::vector<TrueMovie> movies;
-  std::vector<StudiedSetting> settings;  ///< in the order of StudySettings()
+  std::vector<MovieWithTruth> movies;
+  std::vector<SettingResult> settings;  ///< in the order of StudySettings()
 };
 
 /// Evaluates all settings on the movies of `settings`, or on the scenes straight, circle and shaken. Settings that
@@ -70,12 +70,12 @@ struct Study {
 Expected<Study> RunStudy(const ExperimentSettings& settings);
 
 /// Evaluates `wanted` on `movies`; the first setting is the baseline of the comparison.
-Expected<Study> StudyMovies(std::vector<TrueMovie> movies, const std::vector<StudySetting>& wanted,
+Expected<Study> StudyMovies(std::vector<MovieWithTruth> movies, const std::vector<StudySetting>& wanted,
                             const ExperimentSettings& settings);
 
 /// Collects `value` of the findable objects over all settings; std::nullopt is skipped.
-std::vector<double> ValuesOf(const Study& study,
-                             const std::function<std::optional<double>(const StudiedObject&)>& value);
+std::vector<double> CollectValues(const Study& study,
+                                  const std::function<std::optional<double>(const ObjectResult&)>& value);
 
 /// Describes the study in the notes of reports.
 std::string DescribeStudy(const Study& study);

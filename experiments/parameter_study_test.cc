@@ -27,7 +27,7 @@ TEST(StudySettings, VaryEachParameterOnceDownAndOnceUp) {
   const std::vector<StudySetting> settings = StudySettings();
   ASSERT_GE(VariedParameters().size(), 14U);
   ASSERT_EQ(settings.size(), 2 * VariedParameters().size() + 1);
-  const std::string usual = OptionsToJsonText(FollowingOptions());
+  const std::string usual = OptionsToJsonText(TrackingIndexOptions());
   EXPECT_EQ(OptionsToJsonText(settings[0].options), usual);
   std::set<std::string> names;
   std::set<std::string> parts;
@@ -39,10 +39,10 @@ TEST(StudySettings, VaryEachParameterOnceDownAndOnceUp) {
   EXPECT_THAT(names, SizeIs(settings.size()));
   EXPECT_THAT(parts, ::testing::ElementsAre("", "association", "geolocation", "recogniser", "tracker"));
   for (std::size_t i = 1; i < settings.size(); ++i) {
-    IndexOptions before = FollowingOptions();
+    IndexOptions before = TrackingIndexOptions();
     IndexOptions now = settings[i].options;
-    const auto fields_before = FieldsOf(before);
-    const auto fields_now = FieldsOf(now);
+    const auto fields_before = CollectFields(before);
+    const auto fields_now = CollectFields(now);
     const char* const parameter = VariedParameters()[(i - 1) / 2].name;
     for (std::size_t f = 0; f < fields_before.size(); ++f) {
       if (fields_now[f].name != parameter) {
@@ -57,19 +57,19 @@ TEST(StudySettings, VaryEachParameterOnceDownAndOnceUp) {
   }
 }
 
-TEST(StudiedSetting, SumsUpItsObjects) {
-  const StudiedSetting setting{.name = "default",
-                               .of = {},
-                               .findable = 4,
-                               .found = 3,
-                               .false_objects = 1,
-                               .objects = {{.movie = "m", .name = "a", .model = "jeep", .ids = 1},
-                                           {.movie = "m", .name = "b", .model = "jeep", .ids = 2},
-                                           {.movie = "m", .name = "c", .model = "jeep", .ids = 0}}};
+TEST(SettingResult, SumsUpItsObjects) {
+  const SettingResult setting{.name = "default",
+                              .of = {},
+                              .findable = 4,
+                              .found = 3,
+                              .false_objects = 1,
+                              .objects = {{.movie = "m", .name = "a", .model = "jeep", .ids = 1},
+                                          {.movie = "m", .name = "b", .model = "jeep", .ids = 2},
+                                          {.movie = "m", .name = "c", .model = "jeep", .ids = 0}}};
   EXPECT_EQ(setting.Recall(), 0.75);
   EXPECT_EQ(setting.Precision(), 0.75);
   EXPECT_EQ(setting.IdsPerObject(), 1.5) << "of those that were shown";
-  EXPECT_EQ(StudiedSetting{}.Recall(), 0);
+  EXPECT_EQ(SettingResult{}.Recall(), 0);
 }
 
 // A single jeep on the ground, in 14 small frames, in place of whole flights.
@@ -125,12 +125,12 @@ TEST_F(TinyFlight, IsStudiedAndSearchedOnceForWhatIsSearchedAlike) {
       wanted.push_back(setting);
     }
   }
-  auto movies = FlyScenes({}, Settings());
+  auto movies = SimulateScenes({}, Settings());
   ASSERT_TRUE(movies.has_value()) << movies.error().message;
   const auto study = StudyMovies(*std::move(movies), wanted, Settings());
   ASSERT_TRUE(study.has_value()) << study.error().message;
   ASSERT_EQ(study->settings.size(), wanted.size());
-  for (const StudiedSetting& setting : study->settings) {
+  for (const SettingResult& setting : study->settings) {
     EXPECT_EQ(setting.findable, 1) << setting.name;
     EXPECT_EQ(setting.found, 1) << setting.name;
     EXPECT_EQ(setting.false_objects, 0) << setting.name;
@@ -140,10 +140,10 @@ TEST_F(TinyFlight, IsStudiedAndSearchedOnceForWhatIsSearchedAlike) {
     ASSERT_TRUE(setting.objects[0].error_m.has_value());
     EXPECT_LT(*setting.objects[0].error_m, 0.5) << setting.name;
     if (setting.of == "geolocation") {
-      EXPECT_EQ(setting.other_sightings, 0) << setting.name;
+      EXPECT_EQ(setting.changed_sightings, 0) << setting.name;
     }
   }
-  EXPECT_GT(study->settings[1].other_sightings, 0) << "other frames were searched as a whole";
+  EXPECT_GT(study->settings[1].changed_sightings, 0) << "other frames were searched as a whole";
   const auto files = [&](const char* folder) {
     int count = 0;
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(*folder_ / "out" / folder)) {
@@ -156,13 +156,13 @@ TEST_F(TinyFlight, IsStudiedAndSearchedOnceForWhatIsSearchedAlike) {
 }
 
 TEST_F(TinyFlight, AnotherBuildSearchesAnew) {
-  const auto movie = FlyScene("tiny", Settings());
+  const auto movie = SimulateScene("tiny", Settings());
   ASSERT_TRUE(movie.has_value()) << movie.error().message;
   ExperimentSettings settings = Settings();
   settings.out = *folder_ / "builds";
   for (const auto& [program, indexes] : {std::pair("a", 1), std::pair("b", 2), std::pair("a", 2)}) {
     settings.program = program;
-    EXPECT_TRUE(IndexOf(*movie, FollowingOptions(), settings).has_value());
+    EXPECT_TRUE(IndexMovie(*movie, TrackingIndexOptions(), settings).has_value());
     const fs::directory_iterator kept(settings.out / "indexes" / movie->folder.filename());
     EXPECT_EQ(std::ranges::count_if(kept, [](const auto& entry) { return entry.path().extension() == ".db"; }), indexes)
         << program;
@@ -171,20 +171,20 @@ TEST_F(TinyFlight, AnotherBuildSearchesAnew) {
 
 TEST(ExperimentSettings, WhatIsKeptIsKnownByWhatItIsMadeOfAndByTheBuild) {
   ExperimentSettings settings{.data = {}, .scenes = {}, .out = {}};
-  const std::string own = settings.KeptAs("x").value();
-  EXPECT_EQ(settings.KeptAs("x").value(), own);
-  EXPECT_NE(settings.KeptAs("y").value(), own);
+  const std::string own = settings.CacheKey("x").value();
+  EXPECT_EQ(settings.CacheKey("x").value(), own);
+  EXPECT_NE(settings.CacheKey("y").value(), own);
   settings.program = ProgramId().value();
-  EXPECT_EQ(settings.KeptAs("x").value(), own);
+  EXPECT_EQ(settings.CacheKey("x").value(), own);
   settings.program = "0.0.1-0123456789abcdef";
-  EXPECT_NE(settings.KeptAs("x").value(), own);
+  EXPECT_NE(settings.CacheKey("x").value(), own);
 }
 
 TEST_F(TinyFlight, FewerFramesTakeAsLong) {
   ExperimentSettings settings = Settings();
   settings.frames = 4;
-  const auto few = FlyScene("tiny", settings);
-  const auto all = FlyScene("tiny", Settings());
+  const auto few = SimulateScene("tiny", settings);
+  const auto all = SimulateScene("tiny", Settings());
   ASSERT_TRUE(few.has_value() && all.has_value());
   EXPECT_EQ(few->truth.back().frame, 3);
   EXPECT_EQ(all->truth.back().frame, 13);
@@ -209,8 +209,8 @@ TEST_F(TinyFlight, TheRecogniserKeepsTheLock) {
 TEST_F(TinyFlight, AFrustumHoldsTheTruthAndManyShareLittle) {
   const Report one = Run("figure4.3");
   ASSERT_THAT(one.rows, SizeIs(1));
-  EXPECT_LT(NumberAt(one, 0, "truth off the line, m"), 0.5);
-  EXPECT_NEAR(NumberAt(one, 0, "told by size, m"), NumberAt(one, 0, "true distance, m"), 8);
+  EXPECT_LT(NumberAt(one, 0, "truth to line, m"), 0.5);
+  EXPECT_NEAR(NumberAt(one, 0, "range from size, m"), NumberAt(one, 0, "true distance, m"), 8);
   const Report many = Run("figure4.4");
   ASSERT_GE(many.rows.size(), 4U);
   for (std::size_t row = 1; row < many.rows.size(); ++row) {
@@ -223,7 +223,7 @@ TEST_F(TinyFlight, TheListOfObjectsTellsBySearchAndRegion) {
   const Report report = Run("figure4.5");
   ASSERT_THAT(report.rows, SizeIs(1));
   EXPECT_EQ(NumberAt(report, 0, "in whole-frame searches"), 3) << "frames 0, 5, 10";
-  EXPECT_GE(NumberAt(report, 0, "in its region") + NumberAt(report, 0, "by the tracker alone"), 9);
+  EXPECT_GE(NumberAt(report, 0, "in tracked region") + NumberAt(report, 0, "by the tracker alone"), 9);
 }
 
 TEST_F(TinyFlight, AnUnknownSceneIsNamed) {

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "experiments/pose_by_points.h"
 #include "victorious/base/file.h"
 #include "victorious/base/json.h"
-#include "experiments/pose_by_points.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/image/image_file.h"
 
@@ -39,21 +39,21 @@ struct Survey {
   std::vector<Vector3d> points;  // in the tangent plane, m
 };
 
-PlaceTrial TrialOf(const Survey& survey, std::size_t point) {
+PlaceTrial MakePlaceTrial(const Survey& survey, std::size_t point) {
   PlaceTrial trial{.point = survey.names[point],
                    .truth = survey.plane.GeodeticFromEnu(survey.points[point]),
-                   .told = {},
+                   .locate_options = {},
                    .lines = {},
-                   .others_m = 0,
+                   .others_height_m = 0,
                    .others_sigma_m = 0};
-  std::vector<double> others_m;
+  std::vector<double> others_height_m;
   for (std::size_t i = 0; i < survey.points.size(); ++i) {
-    if (i != point) others_m.push_back(survey.plane.GeodeticFromEnu(survey.points[i]).altitude_m);
+    if (i != point) others_height_m.push_back(survey.plane.GeodeticFromEnu(survey.points[i]).altitude_m);
   }
-  const auto count = static_cast<double>(others_m.size());
-  for (const double height_m : others_m) trial.others_m += height_m / count;
+  const auto count = static_cast<double>(others_height_m.size());
+  for (const double height_m : others_height_m) trial.others_height_m += height_m / count;
   double squares = 0;
-  for (const double height_m : others_m) squares += std::pow(height_m - trial.others_m, 2);
+  for (const double height_m : others_height_m) squares += std::pow(height_m - trial.others_height_m, 2);
   trial.others_sigma_m = std::sqrt(squares / (count - 1) * (1 + 1 / count));  // prediction error of a further point
   return trial;
 }
@@ -69,13 +69,13 @@ struct Beach {
 };
 
 template <typename Vector>
-Vector VectorIn(const Json& numbers) {
+Vector ParseVector(const Json& numbers) {
   Vector vector;
   for (Eigen::Index i = 0; i < vector.size(); ++i) vector(i) = numbers.at(static_cast<std::size_t>(i)).get<double>();
   return vector;
 }
 
-Beach BeachOf(const Json& json) {
+Beach ParseBeach(const Json& json) {
   // An approximate position of the site; the axes are those of the survey. An error of 0.001 degrees is negligible.
   Beach beach{
       .survey = {.plane = TangentPlane({RadiansFromDegrees(-33.73), RadiansFromDegrees(151.30), 0}),
@@ -84,7 +84,7 @@ Beach BeachOf(const Json& json) {
       .pinhole = {},
       .clicked = {},
       .frames = {},
-      .telemetry = VectorIn<Eigen::Matrix<double, 6, 1>>(json.at("telemetry_start_beta0_x_y_z_az_tilt_roll_rad")),
+      .telemetry = ParseVector<Eigen::Matrix<double, 6, 1>>(json.at("telemetry_start_beta0_x_y_z_az_tilt_roll_rad")),
       .frame_s = json.at("frame_dt_s").get<double>()};
   const Json& lens = json.at("lens");
   beach.pinhole = {lens.at("fx"),
@@ -102,15 +102,15 @@ Beach BeachOf(const Json& json) {
     beach.survey.points.emplace_back(point.at("E").get<double>() - origin.at("X0").get<double>(),
                                      point.at("N").get<double>() - origin.at("Y0").get<double>(),
                                      point.at("z").get<double>());
-    beach.clicked.push_back(VectorIn<Vector2d>(*clicked));
+    beach.clicked.push_back(ParseVector<Vector2d>(*clicked));
   }
   for (const Json& pose : json.at("solved_betas_per_frame_x_y_z_az_tilt_roll_rad_LOCAL")) {
-    beach.frames.push_back(VectorIn<Eigen::Matrix<double, 6, 1>>(pose));
+    beach.frames.push_back(ParseVector<Eigen::Matrix<double, 6, 1>>(pose));
   }
   return beach;
 }
 
-StandingCamera CameraAt(const Beach& beach, const Eigen::Matrix<double, 6, 1>& pose) {
+GeoreferencedCamera CameraAt(const Beach& beach, const Eigen::Matrix<double, 6, 1>& pose) {
   return {.pinhole = beach.pinhole,
           .lens = beach.lens,
           .place = beach.survey.plane.GeodeticFromEnu(pose.head<3>()),
@@ -126,44 +126,44 @@ LocateOptions SolvedErrors() {
                     .heading_deg = 0.02,
                     .boresight_side_deg = 0,
                     .boresight_rise_deg = 0.02,
-                    .range_share = 0};
+                    .range_fraction = 0};
   return options;
 }
 
 // Tracks the patch around a pixel into another image of the same camera from nearly the same place, by NCC with
 // sub-pixel refinement (parabola). Returns std::nullopt below an NCC score of 0.7 or for a peak on the border.
-std::optional<Vector2d> Again(const cv::Mat& first, const Vector2d& at, const cv::Mat& next) {
+std::optional<Vector2d> TrackPatch(const cv::Mat& first, const Vector2d& at, const cv::Mat& next) {
   constexpr int kHalf = 30;
-  constexpr int kFarthest = 90;  // search radius, px, for the drift of a hovering drone
-  constexpr double kLeast = 0.7;
+  constexpr int kSearchRadius = 90;  // search radius, px, for the drift of a hovering drone
+  constexpr double kMinNcc = 0.7;
   const cv::Point middle(static_cast<int>(at.x()), static_cast<int>(at.y()));
   const cv::Rect around(middle.x - kHalf, middle.y - kHalf, 2 * kHalf + 1, 2 * kHalf + 1);
-  const cv::Rect within(middle.x - kHalf - kFarthest, middle.y - kHalf - kFarthest, 2 * (kHalf + kFarthest) + 1,
-                        2 * (kHalf + kFarthest) + 1);
+  const cv::Rect within(middle.x - kHalf - kSearchRadius, middle.y - kHalf - kSearchRadius,
+                        2 * (kHalf + kSearchRadius) + 1, 2 * (kHalf + kSearchRadius) + 1);
   const cv::Rect searched = within & cv::Rect({0, 0}, next.size());
   if ((around & cv::Rect({0, 0}, first.size())) != around || searched.width < around.width ||
       searched.height < around.height) {
     return std::nullopt;
   }
-  cv::Mat answers;
-  cv::matchTemplate(next(searched), first(around), answers, cv::TM_CCOEFF_NORMED);
+  cv::Mat ncc_scores;
+  cv::matchTemplate(next(searched), first(around), ncc_scores, cv::TM_CCOEFF_NORMED);
   double best = 0;
   cv::Point peak;
-  cv::minMaxLoc(answers, nullptr, &best, nullptr, &peak);
-  if (best < kLeast || peak.x == 0 || peak.y == 0 || peak.x == answers.cols - 1 || peak.y == answers.rows - 1) {
+  cv::minMaxLoc(ncc_scores, nullptr, &best, nullptr, &peak);
+  if (best < kMinNcc || peak.x == 0 || peak.y == 0 || peak.x == ncc_scores.cols - 1 || peak.y == ncc_scores.rows - 1) {
     return std::nullopt;
   }
   const auto between = [](double before, double here, double after) {  // peak of the parabola through three values
     return (before - after) / (2 * (before - 2 * here + after));
   };
-  const auto answer = [&](int x, int y) { return static_cast<double>(answers.at<float>(y, x)); };
+  const auto ncc_score = [&](int x, int y) { return static_cast<double>(ncc_scores.at<float>(y, x)); };
   return at + Vector2d(searched.x + peak.x - around.x, searched.y + peak.y - around.y) +
-         Vector2d(between(answer(peak.x - 1, peak.y), best, answer(peak.x + 1, peak.y)),
-                  between(answer(peak.x, peak.y - 1), best, answer(peak.x, peak.y + 1)));
+         Vector2d(between(ncc_score(peak.x - 1, peak.y), best, ncc_score(peak.x + 1, peak.y)),
+                  between(ncc_score(peak.x, peak.y - 1), best, ncc_score(peak.x, peak.y + 1)));
 }
 
 // Reads the available images of the frames, grey, with their frame numbers from 0. Error: kNotFound without the first.
-Expected<std::vector<std::pair<std::size_t, cv::Mat>>> PicturesOf(const fs::path& folder, std::size_t frames) {
+Expected<std::vector<std::pair<std::size_t, cv::Mat>>> ReadGreyFrames(const fs::path& folder, std::size_t frames) {
   std::vector<std::pair<std::size_t, cv::Mat>> pictures;
   for (std::size_t i = 0; i < frames; ++i) {
     const fs::path path = folder / fmt::format("narrabeenFrames{:04}.jpg", i + 1);
@@ -183,7 +183,7 @@ struct River {
   std::vector<Vector2d> seen;  // pixel of each point
 };
 
-River RiverOf(const Json& json) {
+River ParseRiver(const Json& json) {
   River river{.survey = {.plane = TangentPlane({RadiansFromDegrees(50.8), RadiansFromDegrees(5.9), 0}),
                          .names = {},
                          .points = {}},
@@ -195,20 +195,20 @@ River RiverOf(const Json& json) {
   const Json& lens = json.at("dist_coeffs");
   for (std::size_t i = 0; i < lens.size() && i < river.lens.size(); ++i) river.lens[i] = lens.at(i).at(0);
   const Json& points = json.at("gcps").at("dst");
-  const auto corner = VectorIn<Vector3d>(points.at(0));
+  const auto corner = ParseVector<Vector3d>(points.at(0));
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto point = VectorIn<Vector3d>(points.at(i));
+    const auto point = ParseVector<Vector3d>(points.at(i));
     river.survey.names.push_back(fmt::format("cross {}", i + 1));
     river.survey.points.emplace_back(point.x() - corner.x(), point.y() - corner.y(), point.z());
-    river.seen.push_back(VectorIn<Vector2d>(json.at("gcps").at("src").at(i)));
+    river.seen.push_back(ParseVector<Vector2d>(json.at("gcps").at("src").at(i)));
   }
   return river;
 }
 
 }  // namespace
 
-LineOfSight LineThrough(const Vector2d& pixel, const StandingCamera& camera, double time_s) {
-  const Vector2d shown = camera.pinhole.RayOf(pixel).head<2>();
+LineOfSight LineOfSightThrough(const Vector2d& pixel, const GeoreferencedCamera& camera, double time_s) {
+  const Vector2d shown = camera.pinhole.Unproject(pixel).head<2>();
   const Vector3d direction =
       CameraFromEnu(camera.attitude).conjugate() * Undistort(shown, camera.lens).homogeneous().normalized();
   return {.time_s = time_s,
@@ -225,31 +225,31 @@ Expected<std::vector<PlaceSeries>> LoadNarrabeen(const ExperimentSettings& setti
   VICTORIOUS_ASSIGN_OR_RETURN(const Json json, ReadJson(folder / "truth.json"));
   Beach beach;
   try {
-    beach = BeachOf(json);
+    beach = ParseBeach(json);
   } catch (const Json::exception& error) {
     return std::unexpected(Damaged(folder / "truth.json", error));
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto pictures, PicturesOf(folder / "frames", beach.frames.size()));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto pictures, ReadGreyFrames(folder / "frames", beach.frames.size()));
   PlaceSeries solved{.name = "beach, solved poses", .trials = {}};
   PlaceSeries recorded{.name = "beach, telemetry", .trials = {}};
   for (std::size_t i = 0; i < beach.survey.points.size(); ++i) {
-    solved.trials.push_back(TrialOf(beach.survey, i));
+    solved.trials.push_back(MakePlaceTrial(beach.survey, i));
     recorded.trials.push_back(solved.trials.back());
-    solved.trials.back().told = SolvedErrors();
-    recorded.trials.back().lines = {LineThrough(beach.clicked[i], CameraAt(beach, beach.telemetry), 0)};
+    solved.trials.back().locate_options = SolvedErrors();
+    recorded.trials.back().lines = {LineOfSightThrough(beach.clicked[i], CameraAt(beach, beach.telemetry), 0)};
     for (const auto& [frame, grey] : pictures) {
-      const auto at = frame == 0 ? beach.clicked[i] : Again(pictures.front().second, beach.clicked[i], grey);
+      const auto at = frame == 0 ? beach.clicked[i] : TrackPatch(pictures.front().second, beach.clicked[i], grey);
       if (!at) continue;
       solved.trials.back().lines.push_back(
-          LineThrough(*at, CameraAt(beach, beach.frames[frame]), static_cast<double>(frame) * beach.frame_s));
+          LineOfSightThrough(*at, CameraAt(beach, beach.frames[frame]), static_cast<double>(frame) * beach.frame_s));
     }
   }
-  PlaceSeries doubted = recorded;
-  doubted.name += ", stated 3 deg";
-  for (PlaceTrial& trial : doubted.trials) {
-    trial.told.common.heading_deg = trial.told.common.boresight_rise_deg = 3;
+  PlaceSeries with_stated_error = recorded;
+  with_stated_error.name += ", stated 3 deg";
+  for (PlaceTrial& trial : with_stated_error.trials) {
+    trial.locate_options.common.heading_deg = trial.locate_options.common.boresight_rise_deg = 3;
   }
-  return std::vector<PlaceSeries>{std::move(solved), std::move(recorded), std::move(doubted)};
+  return std::vector<PlaceSeries>{std::move(solved), std::move(recorded), std::move(with_stated_error)};
 }
 
 Expected<PlaceSeries> LoadGeul(const ExperimentSettings& settings) {
@@ -257,43 +257,43 @@ Expected<PlaceSeries> LoadGeul(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Json json, ReadJson(path));
   River river;
   try {
-    river = RiverOf(json);
+    river = ParseRiver(json);
   } catch (const Json::exception& error) {
     return std::unexpected(Damaged(path, error));
   }
   PlaceSeries series{.name = "river, pose from the other crosses", .trials = {}};
   for (std::size_t i = 0; i < river.survey.points.size(); ++i) {
-    std::vector<SeenPoint> others;
+    std::vector<PointObservation> others;
     Vector3d middle = Vector3d::Zero();
     for (std::size_t k = 0; k < river.survey.points.size(); ++k) {
       if (k == i) continue;
-      const Vector2d shown = river.pinhole.RayOf(river.seen[k]).head<2>();
+      const Vector2d shown = river.pinhole.Unproject(river.seen[k]).head<2>();
       others.push_back({river.survey.points[k], Undistort(shown, river.lens)});
       middle += river.survey.points[k];
     }
     middle /= static_cast<double>(others.size());
-    for (SeenPoint& other : others) other.point -= middle;
-    const auto pose = PoseByPoints(others, 2 / river.pinhole.fx);
+    for (PointObservation& other : others) other.point -= middle;
+    const auto pose = FitPoseToPoints(others, 2 / river.pinhole.fx);
     if (!pose) return Fail(ErrorCode::kDataLoss, fmt::format("{}: no camera pose fits the crosses", path.string()));
     const Rigid3 site_from_camera = pose->camera_from_object.Inverse();
     const Vector3d at = middle + site_from_camera.translation;
-    const StandingCamera camera{.pinhole = river.pinhole,
-                                .lens = river.lens,
-                                .place = river.survey.plane.GeodeticFromEnu(at),
-                                .attitude = AttitudeOf(pose->camera_from_object.rotation)};
-    PlaceTrial& trial = series.trials.emplace_back(TrialOf(river.survey, i));
+    const GeoreferencedCamera camera{.pinhole = river.pinhole,
+                                     .lens = river.lens,
+                                     .place = river.survey.plane.GeodeticFromEnu(at),
+                                     .attitude = AttitudeFromRotation(pose->camera_from_object.rotation)};
+    PlaceTrial& trial = series.trials.emplace_back(MakePlaceTrial(river.survey, i));
     const double shift_m = std::hypot(pose->sigma_range_m, site_from_camera.translation.norm() * pose->sigma_view_rad);
     const double turn_deg = DegreesFromRadians(std::hypot(pose->sigma_view_rad, pose->sigma_angle_rad));
-    trial.told.line.position_m = 0.01;  // a fixed camera
-    trial.told.common = {.position_m = shift_m,
-                         .height_m = shift_m,
-                         .heading_deg = turn_deg,
-                         .boresight_side_deg = 0,
-                         .boresight_rise_deg = turn_deg,
-                         .range_share = 0};
+    trial.locate_options.line.position_m = 0.01;  // a fixed camera
+    trial.locate_options.common = {.position_m = shift_m,
+                                   .height_m = shift_m,
+                                   .heading_deg = turn_deg,
+                                   .boresight_side_deg = 0,
+                                   .boresight_rise_deg = turn_deg,
+                                   .range_fraction = 0};
     constexpr int kPictures = 30;
     for (int picture = 0; picture < kPictures; ++picture) {
-      trial.lines.push_back(LineThrough(river.seen[i], camera, picture));
+      trial.lines.push_back(LineOfSightThrough(river.seen[i], camera, picture));
     }
   }
   return series;

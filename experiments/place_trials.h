@@ -11,8 +11,8 @@
 
 #include <Eigen/Core>
 
-#include "victorious/base/error.h"
 #include "experiments/experiment.h"
+#include "victorious/base/error.h"
 #include "victorious/geolocate/locate_options.h"
 #include "victorious/geolocate/object_pose.h"
 #include "victorious/geometry/attitude.h"
@@ -23,7 +23,7 @@
 namespace victorious {
 
 /// A georeferenced camera: intrinsics, lens distortion, place and attitude at the time of an image.
-struct StandingCamera {
+struct GeoreferencedCamera {
   PinholeCamera pinhole;
   LensDistortion lens = {};
   GeodeticPoint place;
@@ -31,15 +31,16 @@ struct StandingCamera {
 };
 
 /// Returns the line of sight through a pixel, with the lens distortion removed. Its standard deviation is one pixel.
-[[nodiscard]] LineOfSight LineThrough(const Eigen::Vector2d& pixel, const StandingCamera& camera, double time_s);
+[[nodiscard]] LineOfSight LineOfSightThrough(const Eigen::Vector2d& pixel, const GeoreferencedCamera& camera,
+                                             double time_s);
 
 /// One surveyed point.
 struct PlaceTrial {
   std::string point;
   GeodeticPoint truth;
-  LocateOptions told;              ///< the given error model of the cameras and lines
+  LocateOptions locate_options;    ///< the given error model of the cameras and lines
   std::vector<LineOfSight> lines;  ///< one per image, in order of time
-  double others_m = 0;             ///< mean height of the site's other points, used as the height of flat ground
+  double others_height_m = 0;      ///< mean height of the site's other points, used as the height of flat ground
   double others_sigma_m = 0;       ///< standard deviation of a point from that height, from the scatter of the others
 };
 

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "testing/data.h"
 #include "experiments/place_experiments.h"
 #include "experiments/place_trials.h"
+#include "testing/data.h"
 #include "victorious/evaluate/place_score.h"
 #include "victorious/geolocate/locate.h"
 #include "victorious/geometry/angles.h"
@@ -16,7 +16,7 @@ namespace {
 
 ExperimentSettings Settings() { return {.data = testing::DataPath(""), .scenes = {}, .out = ::testing::TempDir()}; }
 
-double NumberIn(const Report& report, const std::vector<Cell>& row, std::string_view column) {
+double ParseNumber(const Report& report, const std::vector<Cell>& row, std::string_view column) {
   const auto at = static_cast<std::size_t>(std::ranges::find(report.columns, column) - report.columns.begin());
   const double* number = std::get_if<double>(&row.at(at));
   EXPECT_NE(number, nullptr) << column;
@@ -29,24 +29,25 @@ std::string TextIn(const Report& report, const std::vector<Cell>& row, std::stri
 }
 
 // Locates a trial's point from its first lines, with ground at the point's surveyed height.
-Place PlaceOnGround(const PlaceTrial& trial, std::size_t lines, const char* method) {
-  LocateOptions options = trial.told;
+Geolocation PlaceOnGround(const PlaceTrial& trial, std::size_t lines, const char* method) {
+  LocateOptions options = trial.locate_options;
   options.method = method;
   options.ground = std::make_shared<FlatGround>(trial.truth.altitude_m);
   options.ground_sigma_m = 0.05;
   const auto fix = Locate(std::span(trial.lines).first(lines), options);
   EXPECT_TRUE(fix && fix->place) << trial.point << ": " << (fix ? fix->status : fix.error().message);
-  return fix && fix->place ? *fix->place : Place{};
+  return fix && fix->place ? *fix->place : Geolocation{};
 }
 
 TEST(Lines, GoThroughTheirPixelWithTheLensUndone) {
-  const StandingCamera camera{.pinhole = {.fx = 1000, .fy = 1000, .cx = 400, .cy = 300, .width = 800, .height = 600},
-                              .lens = {-0.3, 0.05, 0.001, 0, 0},
-                              .place = {0.5, 0.2, 100},
-                              .attitude = {.yaw_rad = 1, .pitch_rad = -0.6, .roll_rad = 0.2}};
+  const GeoreferencedCamera camera{
+      .pinhole = {.fx = 1000, .fy = 1000, .cx = 400, .cy = 300, .width = 800, .height = 600},
+      .lens = {-0.3, 0.05, 0.001, 0, 0},
+      .place = {0.5, 0.2, 100},
+      .attitude = {.yaw_rad = 1, .pitch_rad = -0.6, .roll_rad = 0.2}};
   const Eigen::Vector3d point(0.3, -0.2, 1);  // right, down, ahead
   const Eigen::Vector2d pixel = 1000 * Distort(point.head<2>(), camera.lens) + Eigen::Vector2d(400, 300);
-  const LineOfSight line = LineThrough(pixel, camera, 3);
+  const LineOfSight line = LineOfSightThrough(pixel, camera, 3);
   const Eigen::Vector3d direction = CameraFromEnu(camera.attitude).conjugate() * point.normalized();
   EXPECT_NEAR(line.elevation_rad, std::asin(direction.z()), 1e-8);
   EXPECT_NEAR(line.azimuth_rad, std::atan2(direction.x(), direction.y()), 1e-8);
@@ -63,21 +64,21 @@ TEST(Places, OfSurveyedPointsByAHoveringCamera) {
   ASSERT_EQ(solved.trials.size(), 4U);
   for (const PlaceTrial& trial : solved.trials) {
     EXPECT_EQ(trial.lines.size(), 11U) << trial.point << ": seen again in every picture";
-    const Place one = PlaceOnGround(trial, 1, "ground");
-    const PlaceError error = ComparePlaces(one, std::nullopt, TruthRow{.place = trial.truth});
-    EXPECT_LT(*error.across_m, 0.3) << trial.point;
+    const Geolocation one = PlaceOnGround(trial, 1, "ground");
+    const PlaceError error = ComputePlaceError(one, std::nullopt, TruthRow{.place = trial.truth});
+    EXPECT_LT(*error.horizontal_error_m, 0.3) << trial.point;
     for (const char* method : {"ground", "ml", "ransac", "prior"}) {
-      const Place all = PlaceOnGround(trial, trial.lines.size(), method);
+      const Geolocation all = PlaceOnGround(trial, trial.lines.size(), method);
       EXPECT_GT(all.ce90_m, 0.9 * one.ce90_m) << trial.point << ", " << method;
-      EXPECT_TRUE(ComparePlaces(all, std::nullopt, TruthRow{.place = trial.truth}).in_ellipsoid)
+      EXPECT_TRUE(ComputePlaceError(all, std::nullopt, TruthRow{.place = trial.truth}).in_ellipsoid)
           << trial.point << ", " << method;
     }
   }
   // The telemetry is wrong by 3 degrees; with that standard deviation stated, the ellipsoids contain the truth.
   for (const PlaceTrial& trial : beach->at(2).trials) {
-    const Place place = PlaceOnGround(trial, 1, "ml");
-    const PlaceError error = ComparePlaces(place, std::nullopt, TruthRow{.place = trial.truth});
-    EXPECT_GT(*error.across_m, 15) << trial.point;
+    const Geolocation place = PlaceOnGround(trial, 1, "ml");
+    const PlaceError error = ComputePlaceError(place, std::nullopt, TruthRow{.place = trial.truth});
+    EXPECT_GT(*error.horizontal_error_m, 15) << trial.point;
     EXPECT_TRUE(error.in_ellipsoid) << trial.point;
   }
 }
@@ -88,12 +89,12 @@ TEST(Places, OfSurveyedPointsByAFixedCamera) {
   ASSERT_TRUE(river) << river.error().message;
   ASSERT_EQ(river->trials.size(), 6U);
   for (const PlaceTrial& trial : river->trials) {
-    const Place one = PlaceOnGround(trial, 1, "ground");
-    const PlaceError error = ComparePlaces(one, std::nullopt, TruthRow{.place = trial.truth});
-    EXPECT_LT(*error.across_m, 0.4) << trial.point;
+    const Geolocation one = PlaceOnGround(trial, 1, "ground");
+    const PlaceError error = ComputePlaceError(one, std::nullopt, TruthRow{.place = trial.truth});
+    EXPECT_LT(*error.horizontal_error_m, 0.4) << trial.point;
     EXPECT_TRUE(error.in_ellipsoid) << trial.point;
     for (const char* method : {"ground", "ml", "ransac", "prior"}) {
-      const Place all = PlaceOnGround(trial, trial.lines.size(), method);
+      const Geolocation all = PlaceOnGround(trial, trial.lines.size(), method);
       EXPECT_GT(all.ce90_m, 0.999 * one.ce90_m) << trial.point << ", " << method << ": one line thirty times";
     }
   }
@@ -107,7 +108,7 @@ TEST(Places, OfARealFlightsStaresAreInTheirEllipsoids) {
   for (const auto& row : report->rows) {
     const std::string stare = TextIn(*report, row, "packets");
     EXPECT_EQ(TextIn(*report, row, "in the 90 % ellipsoid"), "yes") << stare;
-    if (TextIn(*report, row, "method") == "ransac") error_m[stare] = NumberIn(*report, row, "in space, m");
+    if (TextIn(*report, row, "method") == "ransac") error_m[stare] = ParseNumber(*report, row, "in space, m");
   }
   ASSERT_EQ(error_m.size(), 4U);
   EXPECT_LT(error_m["15 to 120"], 10);
@@ -120,11 +121,13 @@ TEST(Places, OfOneThingInSeveralPhotosAgree) {
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_GE(report->rows.size(), 30U) << "five things, six ways each";
   for (const auto& row : report->rows) {
-    const double photos = NumberIn(*report, row, "photos");
+    const double photos = ParseNumber(*report, row, "photos");
     EXPECT_GE(photos, 2) << TextIn(*report, row, "thing");
-    EXPECT_EQ(TextIn(*report, row, "within it"), std::to_string(int(photos)) + " of " + std::to_string(int(photos)))
+    EXPECT_EQ(TextIn(*report, row, "within their CE90"),
+              std::to_string(int(photos)) + " of " + std::to_string(int(photos)))
         << TextIn(*report, row, "thing") << ", " << TextIn(*report, row, "method");
-    EXPECT_LT(NumberIn(*report, row, "photos alone: farthest from it, m"), 4) << TextIn(*report, row, "thing");
+    EXPECT_LT(ParseNumber(*report, row, "photos alone: max distance from joint place, m"), 4)
+        << TextIn(*report, row, "thing");
   }
 }
 

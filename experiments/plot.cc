@@ -38,9 +38,9 @@ std::string Escaped(const std::string& text) {
 // Maps values to the axis, 0 at its lower end and 1 at its upper.
 class Scale {
  public:
-  Scale(const PlotAxis& axis, double least, double most) : logarithmic_(axis.logarithmic) {
-    low_ = axis.low == axis.high ? least : axis.low;
-    high_ = axis.low == axis.high ? most : axis.high;
+  Scale(const PlotAxis& axis, double low, double high) : logarithmic_(axis.logarithmic) {
+    low_ = axis.low == axis.high ? low : axis.low;
+    high_ = axis.low == axis.high ? high : axis.high;
     if (logarithmic_) {
       low_ = std::log10(std::max(low_, std::numeric_limits<double>::min()));
       high_ = std::log10(std::max(high_, std::numeric_limits<double>::min()));
@@ -48,7 +48,7 @@ class Scale {
     if (!(high_ > low_)) high_ = low_ + 1;
   }
 
-  [[nodiscard]] double Place(double value) const {
+  [[nodiscard]] double Normalise(double value) const {
     if (logarithmic_) value = std::log10(std::max(value, std::numeric_limits<double>::min()));
     return std::clamp((value - low_) / (high_ - low_), 0.0, 1.0);
   }
@@ -75,18 +75,18 @@ class Scale {
 };
 
 struct Extent {
-  double least = std::numeric_limits<double>::infinity();
-  double most = -std::numeric_limits<double>::infinity();
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
 
   void Add(double value) {
-    least = std::min(least, value);
-    most = std::max(most, value);
+    low = std::min(low, value);
+    high = std::max(high, value);
   }
 };
 
 class Drawing {
  public:
-  explicit Drawing(const Plot& plot) : plot_(plot), x_(ScaleOf(plot, true)), y_(ScaleOf(plot, false)) {}
+  explicit Drawing(const Plot& plot) : plot_(plot), x_(MakeScale(plot, true)), y_(MakeScale(plot, false)) {}
 
   std::string Draw() {
     svg_ = fmt::format(
@@ -101,7 +101,7 @@ class Drawing {
   }
 
  private:
-  static Scale ScaleOf(const Plot& plot, bool of_x) {
+  static Scale MakeScale(const Plot& plot, bool of_x) {
     Extent extent;
     for (const PlotLine& line : plot.lines) {
       for (const PlotPoint& point : line.points) {
@@ -109,12 +109,12 @@ class Drawing {
         extent.Add(of_x ? point.x : point.y + point.error);
       }
     }
-    return {of_x ? plot.x : plot.y, extent.least, extent.most};
+    return {of_x ? plot.x : plot.y, extent.low, extent.high};
   }
 
-  [[nodiscard]] double X(double value) const { return kLeft + x_.Place(value) * (kWidth - kLeft - kRight); }
+  [[nodiscard]] double X(double value) const { return kLeft + x_.Normalise(value) * (kWidth - kLeft - kRight); }
   [[nodiscard]] double Y(double value) const {
-    return kHeight - kBottom - y_.Place(value) * (kHeight - kTop - kBottom);
+    return kHeight - kBottom - y_.Normalise(value) * (kHeight - kTop - kBottom);
   }
 
   void Text(double x, double y, const char* anchor, const std::string& text, const std::string& more = "") {
@@ -177,6 +177,6 @@ class Drawing {
 
 }  // namespace
 
-std::string SvgOf(const Plot& plot) { return Drawing(plot).Draw(); }
+std::string RenderSvg(const Plot& plot) { return Drawing(plot).Draw(); }
 
 }  // namespace victorious

@@ -33,6 +33,6 @@ struct Plot {
   std::vector<PlotLine> lines;
 };
 
-std::string SvgOf(const Plot& plot);
+std::string RenderSvg(const Plot& plot);
 
 }  // namespace victorious

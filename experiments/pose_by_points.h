@@ -13,6 +13,6 @@ namespace victorious {
 /// @param points  in the object's frame, with their normalised image coordinates
 /// @param sigma   standard deviation of a mark along each axis, in normalised image coordinates
 /// Returns std::nullopt for fewer than three points, or if no fit converges.
-[[nodiscard]] std::optional<ObjectPose> PoseByPoints(std::span<const SeenPoint> points, double sigma);
+[[nodiscard]] std::optional<ObjectPoseFit> FitPoseToPoints(std::span<const PointObservation> points, double sigma);
 
 }  // namespace victorious

@@ -14,13 +14,13 @@
 #include <opencv2/core/persistence.hpp>
 #include <zlib.h>
 
-#include "victorious/base/file.h"
-#include "victorious/base/json.h"
 #include "experiments/pose_by_points.h"
 #include "experiments/video_frames.h"
+#include "victorious/base/file.h"
+#include "victorious/base/json.h"
 #include "victorious/geometry/angles.h"
-#include "victorious/mesh/load_mesh.h"
 #include "victorious/image/image_file.h"
+#include "victorious/mesh/load_mesh.h"
 
 namespace victorious {
 namespace {
@@ -54,10 +54,10 @@ PinholeCamera ForPicture(PinholeCamera camera, const cv::Mat& picture) {
 
 // Reads at most 40 evenly spaced frames, the first one included.
 Expected<std::vector<RealView>> ReadVideo(const fs::path& path, double focal_px) {
-  constexpr std::int64_t kMost = 40;
+  constexpr std::int64_t kMaxFrames = 40;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t count, CountFrames(path));
   std::vector<std::int64_t> numbers;
-  for (std::int64_t i = 0; i < count; i += (count + kMost - 1) / kMost) numbers.push_back(i);
+  for (std::int64_t i = 0; i < count; i += (count + kMaxFrames - 1) / kMaxFrames) numbers.push_back(i);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Frame> frames, ReadFrames(path, numbers, FrameColor::kBgr));
   std::vector<RealView> views;
   for (const Frame& frame : frames) {
@@ -110,13 +110,13 @@ struct Click {
 };
 
 // The camera pose from marked corners; the mesh frame is the world frame.
-Expected<Rigid3> PoseByClicks(std::span<const Click> clicks, const Mesh& mesh, const PinholeCamera& camera) {
+Expected<Rigid3> FitPoseToClicks(std::span<const Click> clicks, const Mesh& mesh, const PinholeCamera& camera) {
   const Vector3d middle = BoundingBox(mesh).center();
-  std::vector<SeenPoint> points;
+  std::vector<PointObservation> points;
   for (const auto& [corner, at_px] : clicks) {
-    points.push_back({mesh.positions[corner].cast<double>() - middle, camera.RayOf(at_px).head<2>()});
+    points.push_back({mesh.positions[corner].cast<double>() - middle, camera.Unproject(at_px).head<2>()});
   }
-  const auto pose = PoseByPoints(points, 1 / camera.fx);
+  const auto pose = FitPoseToPoints(points, 1 / camera.fx);
   if (!pose) return Fail(ErrorCode::kDataLoss, "no pose fits the marked corners of the model");
   const Rigid3& best = pose->camera_from_object;
   return Rigid3{best.rotation, best.translation - best.rotation * middle};
@@ -137,12 +137,12 @@ Expected<RealObject> LoadTeaBox(const fs::path& folder) {
   VICTORIOUS_ASSIGN_OR_RETURN(const PinholeCamera other, ReadCamera(folder / "teabox_left.xml"));
   VICTORIOUS_ASSIGN_OR_RETURN(box.views, ReadVideo(folder / "teabox.mp4", camera.fx));
   VICTORIOUS_ASSIGN_OR_RETURN(box.other_views, ReadVideo(folder / "teabox_left.mp4", other.fx));
-  VICTORIOUS_ASSIGN_OR_RETURN(const Rigid3 first_pose, PoseByClicks(clicks, box.mesh, camera));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Rigid3 first_pose, FitPoseToClicks(clicks, box.mesh, camera));
   box.first_camera = {ForPicture(camera, box.views.front().bgr), first_pose};
   return box;
 }
 
-Expected<Eigen::Matrix4d> MatrixIn(const nlohmann::json& rows, const fs::path& path) {
+Expected<Eigen::Matrix4d> ParseMatrix(const nlohmann::json& rows, const fs::path& path) {
   Eigen::Matrix4d matrix;
   for (Eigen::Index row = 0; row < 4; ++row) {
     for (Eigen::Index column = 0; column < 4; ++column) {
@@ -156,7 +156,7 @@ Expected<Eigen::Matrix4d> MatrixIn(const nlohmann::json& rows, const fs::path& p
   return matrix;
 }
 
-Rigid3 RigidOf(const Eigen::Matrix4d& matrix) {
+Rigid3 RigidFromMatrix(const Eigen::Matrix4d& matrix) {
   const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
   return {Eigen::Quaterniond(rotation).normalized(), matrix.topRightCorner<3, 1>()};
 }
@@ -171,7 +171,7 @@ Expected<std::vector<Rigid3>> ReadBoard(const fs::path& path) {
       for (int row = 0; row < 4; ++row) {
         for (int column = 0; column < 4; ++column) matrix(row, column) = static_cast<double>(frame[row][column]);
       }
-      board.push_back(RigidOf(matrix));
+      board.push_back(RigidFromMatrix(matrix));
     }
   } catch (const cv::Exception& /*damaged*/) {
     board.clear();
@@ -182,11 +182,11 @@ Expected<std::vector<Rigid3>> ReadBoard(const fs::path& path) {
 }
 
 // Reads a whole gzip file, decompressed.
-Expected<std::string> ReadPacked(const fs::path& path) {
-  constexpr std::size_t kMostBytes = std::size_t{64} << 20;
+Expected<std::string> ReadGzip(const fs::path& path) {
+  constexpr std::size_t kMaxBytes = std::size_t{64} << 20;
   const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.c_str(), "rb"), gzclose);
   if (!file) return Fail(ErrorCode::kNotFound, fmt::format("{}: no such file", path.string()));
-  std::string bytes(kMostBytes, '\0');
+  std::string bytes(kMaxBytes, '\0');
   const int read = gzread(file.get(), bytes.data(), static_cast<unsigned>(bytes.size()));
   if (read <= 0) return Fail(ErrorCode::kDataLoss, fmt::format("{}: not a gzip file", path.string()));
   bytes.resize(static_cast<std::size_t>(read));
@@ -196,7 +196,7 @@ Expected<std::string> ReadPacked(const fs::path& path) {
 Expected<Mesh> ReadMesh(const fs::path& path, Axis up) {
   const LoadMeshOptions axes{.up = up, .front = Axis::kPlusX, .length_m = {}};
   if (path.extension() == ".gz") {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::string bytes, ReadPacked(path));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string bytes, ReadGzip(path));
     VICTORIOUS_ASSIGN_OR_RETURN(LoadedMesh loaded,
                                 DecodeMesh(std::as_bytes(std::span(bytes)), path.stem().string(), axes));
     return std::move(loaded.mesh);
@@ -206,24 +206,26 @@ Expected<Mesh> ReadMesh(const fs::path& path, Axis up) {
 }
 
 // An object that stands beside a board of tags.
-struct BesideBoard {
+struct BoardObject {
   const char* name;
   const char* mesh_file;
-  Axis up;                            // up axis of the mesh file
-  Eigen::Quaterniond mesh_from_told;  // the mesh's axes from the axes of its pose file
+  Axis up;                                 // up axis of the mesh file
+  Eigen::Quaterniond mesh_from_pose_file;  // the mesh's axes from the axes of its pose file
 };
 
-Expected<RealObject> LoadBesideBoard(const fs::path& folder, const BesideBoard& thing) {
+Expected<RealObject> LoadBoardObject(const fs::path& folder, const BoardObject& board_object) {
   VICTORIOUS_ASSIGN_OR_RETURN(const PinholeCamera camera, ReadCamera(folder / "cam.json"));
-  RealObject object{.name = thing.name, .mesh = {}, .views = {}, .first_camera = {}, .other_views = {}};
-  VICTORIOUS_ASSIGN_OR_RETURN(object.mesh, ReadMesh(folder / "models" / thing.name / thing.mesh_file, thing.up));
-  const fs::path pose_file = folder / "init" / fmt::format("{}.json", thing.name);
+  RealObject object{.name = board_object.name, .mesh = {}, .views = {}, .first_camera = {}, .other_views = {}};
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      object.mesh, ReadMesh(folder / "models" / board_object.name / board_object.mesh_file, board_object.up));
+  const fs::path pose_file = folder / "init" / fmt::format("{}.json", board_object.name);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(pose_file));
   VICTORIOUS_ASSIGN_OR_RETURN(const nlohmann::json rows, ParseJson(text));
-  VICTORIOUS_ASSIGN_OR_RETURN(const Eigen::Matrix4d first, MatrixIn(rows, pose_file));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Eigen::Matrix4d first, ParseMatrix(rows, pose_file));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Rigid3> board, ReadBoard(folder / "apriltag_data.json.gz"));
   const Vector3d middle = BoundingBox(object.mesh).center();
-  const Rigid3 first_pose = RigidOf(first) * Rigid3{thing.mesh_from_told.conjugate(), Vector3d::Zero()};
+  const Rigid3 first_pose =
+      RigidFromMatrix(first) * Rigid3{board_object.mesh_from_pose_file.conjugate(), Vector3d::Zero()};
   for (std::size_t i = 0; i < board.size(); ++i) {
     const fs::path picture = folder / "frames" / fmt::format("color_image_{:04}.png", i);
     if (!fs::exists(picture)) continue;
@@ -246,14 +248,16 @@ Expected<std::vector<RealObject>> LoadRealObjects(const fs::path& data) {
   const fs::path folder = data / "real/recognition";
   std::vector<RealObject> objects;
   VICTORIOUS_ASSIGN_OR_RETURN(objects.emplace_back(), LoadTeaBox(folder / "visp_video/teabox"));
-  const BesideBoard cube{
-      .name = "cube", .mesh_file = "cube.obj", .up = Axis::kPlusZ, .mesh_from_told = Eigen::Quaterniond::Identity()};
-  const BesideBoard dragon{.name = "dragon",
+  const BoardObject cube{.name = "cube",
+                         .mesh_file = "cube.obj",
+                         .up = Axis::kPlusZ,
+                         .mesh_from_pose_file = Eigen::Quaterniond::Identity()};
+  const BoardObject dragon{.name = "dragon",
                            .mesh_file = "dragon.obj.gz",
                            .up = Axis::kMinusZ,
-                           .mesh_from_told = Eigen::Quaterniond(Eigen::AngleAxisd(kPi / 2, Vector3d::UnitX()))};
-  for (const BesideBoard& thing : {cube, dragon}) {
-    VICTORIOUS_ASSIGN_OR_RETURN(objects.emplace_back(), LoadBesideBoard(folder / "visp_cad_multi", thing));
+                           .mesh_from_pose_file = Eigen::Quaterniond(Eigen::AngleAxisd(kPi / 2, Vector3d::UnitX()))};
+  for (const BoardObject& board_object : {cube, dragon}) {
+    VICTORIOUS_ASSIGN_OR_RETURN(objects.emplace_back(), LoadBoardObject(folder / "visp_cad_multi", board_object));
   }
   return objects;
 }

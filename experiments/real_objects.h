@@ -26,7 +26,7 @@ struct RealView {
 
 struct RealObject {
   std::string name;
-  Mesh mesh;                          ///< of at most one colour
+  Mesh mesh;  ///< of at most one colour
   std::vector<RealView> views;
   PosedCamera first_camera;           ///< of the first view; the mesh frame is the world frame
   std::vector<RealView> other_views;  ///< by another camera at another place

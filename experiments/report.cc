@@ -19,17 +19,18 @@ struct Overloaded : Visitors... {
 template <typename... Visitors>
 Overloaded(Visitors...) -> Overloaded<Visitors...>;
 
-ordered_json JsonOf(const Report& report) {
+ordered_json ReportToJson(const Report& report) {
   ordered_json rows = ordered_json::array();
   for (const auto& row : report.rows) {
     ordered_json one = ordered_json::object();
     for (std::size_t i = 0; i < row.size(); ++i) {
-      one[report.columns[i]] = std::visit(
-          Overloaded{
-              [](const std::string& text) { return ordered_json(text); },
-              [](double number) { return ordered_json(number); },
-              [](const Measured& m) { return ordered_json{{"mean", m.mean}, {"standard_error", m.standard_error}}; }},
-          row[i]);
+      one[report.columns[i]] =
+          std::visit(Overloaded{[](const std::string& text) { return ordered_json(text); },
+                                [](double number) { return ordered_json(number); },
+                                [](const MeanWithError& m) {
+                                  return ordered_json{{"mean", m.mean}, {"standard_error", m.standard_error}};
+                                }},
+                     row[i]);
     }
     rows.push_back(std::move(one));
   }
@@ -48,11 +49,11 @@ std::string Quoted(const std::string& text) {
 
 bool HasErrors(const Report& report, std::size_t column) {
   for (const auto& row : report.rows)
-    if (std::holds_alternative<Measured>(row[column])) return true;
+    if (std::holds_alternative<MeanWithError>(row[column])) return true;
   return false;
 }
 
-std::string CsvOf(const Report& report) {
+std::string ReportToCsv(const Report& report) {
   std::string csv;
   for (std::size_t i = 0; i < report.columns.size(); ++i) {
     csv += (i > 0 ? "," : "") + Quoted(report.columns[i]);
@@ -66,7 +67,7 @@ std::string CsvOf(const Report& report) {
       csv += std::visit(
           Overloaded{[&](const std::string& text) { return Quoted(text) + (has_errors ? "," : ""); },
                      [&](double number) { return fmt::format("{:.6g}{}", number, has_errors ? "," : ""); },
-                     [](const Measured& m) { return fmt::format("{:.6g},{:.6g}", m.mean, m.standard_error); }},
+                     [](const MeanWithError& m) { return fmt::format("{:.6g},{:.6g}", m.mean, m.standard_error); }},
           row[i]);
     }
     csv += "\n";
@@ -76,7 +77,7 @@ std::string CsvOf(const Report& report) {
 
 }  // namespace
 
-Measured MeanOf(const std::vector<double>& values) {
+MeanWithError ComputeMean(const std::vector<double>& values) {
   if (values.empty()) return {};
   const auto count = static_cast<double>(values.size());
   double mean = 0;
@@ -88,13 +89,14 @@ Measured MeanOf(const std::vector<double>& values) {
 }
 
 Status WriteReport(const Report& report, const std::filesystem::path& folder) {
-  VICTORIOUS_RETURN_IF_ERROR(WriteFileAtomically(folder / (report.name + ".json"), JsonOf(report).dump(2) + "\n"));
-  VICTORIOUS_RETURN_IF_ERROR(WriteFileAtomically(folder / (report.name + ".csv"), CsvOf(report)));
+  VICTORIOUS_RETURN_IF_ERROR(
+      WriteFileAtomically(folder / (report.name + ".json"), ReportToJson(report).dump(2) + "\n"));
+  VICTORIOUS_RETURN_IF_ERROR(WriteFileAtomically(folder / (report.name + ".csv"), ReportToCsv(report)));
   if (report.plot.lines.empty()) return {};
-  return WriteFileAtomically(folder / (report.name + ".svg"), SvgOf(report.plot));
+  return WriteFileAtomically(folder / (report.name + ".svg"), RenderSvg(report.plot));
 }
 
-std::string MarkdownOf(const Report& report) {
+std::string ToMarkdown(const Report& report) {
   std::string text = report.title + "\n\n|";
   for (const std::string& column : report.columns) text += " " + column + " |";
   text += "\n|";
@@ -103,14 +105,14 @@ std::string MarkdownOf(const Report& report) {
   for (const auto& row : report.rows) {
     text += "|";
     for (const Cell& cell : row) {
-      text +=
-          " " +
-          std::visit(
-              Overloaded{[](const std::string& words) { return words; },
-                         [](double number) { return fmt::format("{:.4g}", number); },
-                         [](const Measured& m) { return fmt::format("{:.4g} ± {:.2g}", m.mean, m.standard_error); }},
-              cell) +
-          " |";
+      text += " " +
+              std::visit(Overloaded{[](const std::string& words) { return words; },
+                                    [](double number) { return fmt::format("{:.4g}", number); },
+                                    [](const MeanWithError& m) {
+                                      return fmt::format("{:.4g} ± {:.2g}", m.mean, m.standard_error);
+                                    }},
+                         cell) +
+              " |";
     }
     text += "\n";
   }

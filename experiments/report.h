@@ -6,20 +6,20 @@
 #include <variant>
 #include <vector>
 
-#include "victorious/base/error.h"
 #include "experiments/plot.h"
+#include "victorious/base/error.h"
 
 namespace victorious {
 
 /// A mean over seeds with its standard error; the error of a single value is 0.
-struct Measured {
+struct MeanWithError {
   double mean = 0;
   double standard_error = 0;
 };
 
-Measured MeanOf(const std::vector<double>& values);
+MeanWithError ComputeMean(const std::vector<double>& values);
 
-using Cell = std::variant<std::string, double, Measured>;
+using Cell = std::variant<std::string, double, MeanWithError>;
 
 struct Report {
   std::string name;                ///< of the experiment
@@ -35,6 +35,6 @@ struct Report {
 Status WriteReport(const Report& report, const std::filesystem::path& folder);
 
 /// Formats title, table and notes as Markdown.
-std::string MarkdownOf(const Report& report);
+std::string ToMarkdown(const Report& report);
 
 }  // namespace victorious

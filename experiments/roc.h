@@ -13,13 +13,13 @@ struct RocPoint {
 
 /// Returns the curve from (0, 0) to (1, 1), one point per distinct score.
 /// @param scores  at least one of a positive and one of a negative
-/// @param wanted  whether each score belongs to a positive
-std::vector<RocPoint> RocCurve(std::span<const double> scores, const std::vector<bool>& wanted);
+/// @param is_positive  whether each score belongs to a positive
+std::vector<RocPoint> RocCurve(std::span<const double> scores, const std::vector<bool>& is_positive);
 
 /// The area under the curve (AUC): the probability that a positive scores above a negative; ties count half.
-double RocArea(std::span<const double> scores, const std::vector<bool>& wanted);
+double RocArea(std::span<const double> scores, const std::vector<bool>& is_positive);
 
 /// The detection rate at a false alarm rate, linearly interpolated.
-double DetectionsAt(std::span<const RocPoint> curve, double false_alarms);
+double DetectionRateAt(std::span<const RocPoint> curve, double false_alarms);
 
 }  // namespace victorious

@@ -26,12 +26,12 @@ Expected<std::optional<Found>> Search(const cv::Mat& grey, const Box& region, co
 }
 
 /// A tracker whose template is the recogniser's last detection.
-class Together {
+class RecognizerAidedTracker {
  public:
-  Together(RegionTracker tracker, const Recognizer& recognizer, const FeatureExtractor& extractor)
+  RecognizerAidedTracker(RegionTracker tracker, const Recognizer& recognizer, const FeatureExtractor& extractor)
       : tracker_(std::move(tracker)), recognizer_(&recognizer), extractor_(&extractor) {}
 
-  Expected<std::optional<Polygon>> See(const Frame& frame) {
+  Expected<std::optional<Polygon>> ProcessFrame(const Frame& frame) {
     std::optional<TrackStep> step;
     if (const auto steps = tracker_.Step(frame); !steps.empty()) step = steps.front();
     const bool active = step && step->state == TrackState::kActive;
@@ -39,7 +39,7 @@ class Together {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Found> found,
                                 Search(frame.image, active ? step->search_box : whole, *recognizer_, *extractor_));
     if (!found) return active && step->seen() ? std::optional(step->outline) : std::nullopt;
-    const std::vector<TrackPoint> points = PointsOf(found->detection, found->scene);
+    const std::vector<TrackPoint> points = MatchedPoints(found->detection, found->scene);
     if (active) {
       tracker_.Confirm(step->track, found->detection.outline, points);
     } else {
@@ -61,26 +61,27 @@ class Together {
 
 }  // namespace
 
-Expected<std::vector<LockStep>> CompareLock(VideoReader& reader, const Recognizer& recognizer,
-                                            const FeatureExtractor& extractor, const TrackOptions& options,
-                                            const CancelToken& cancel) {
-  TrackOptions unguarded = options;
-  unguarded.least_likeness = -1;
-  unguarded.unconfirmed_frames = 1'000'000;
-  VICTORIOUS_ASSIGN_OR_RETURN(RegionTracker alone, RegionTracker::Create(unguarded));
+Expected<std::vector<TrackingComparisonStep>> CompareTracking(VideoReader& reader, const Recognizer& recognizer,
+                                                              const FeatureExtractor& extractor,
+                                                              const TrackOptions& options, const CancelToken& cancel) {
+  TrackOptions tracker_only_options = options;
+  tracker_only_options.min_ncc = -1;
+  tracker_only_options.unconfirmed_frames = 1'000'000;
+  VICTORIOUS_ASSIGN_OR_RETURN(RegionTracker alone, RegionTracker::Create(tracker_only_options));
   VICTORIOUS_ASSIGN_OR_RETURN(RegionTracker guarded, RegionTracker::Create(options));
-  Together together(std::move(guarded), recognizer, extractor);
-  std::vector<LockStep> steps;
+  RecognizerAidedTracker together(std::move(guarded), recognizer, extractor);
+  std::vector<TrackingComparisonStep> steps;
   while (true) {
     if (cancel.IsCancelled()) return Fail(ErrorCode::kCancelled, "interrupted");
     VICTORIOUS_ASSIGN_OR_RETURN(std::optional<Frame> frame, reader.NextFrame());
     if (!frame) return steps;
-    frame->image = WithoutImpulses(frame->image, FeatureOptions().impulse_share);
-    LockStep step{.frame = frame->index, .time_s = frame->time_s, .alone = std::nullopt, .together = std::nullopt};
+    frame->image = RemoveImpulses(frame->image, FeatureOptions().impulse_fraction);
+    TrackingComparisonStep step{
+        .frame = frame->index, .time_s = frame->time_s, .alone = std::nullopt, .together = std::nullopt};
     for (const TrackStep& one : alone.Step(*frame)) {
       if (one.seen()) step.alone = one.outline;
     }
-    VICTORIOUS_ASSIGN_OR_RETURN(step.together, together.See(*frame));
+    VICTORIOUS_ASSIGN_OR_RETURN(step.together, together.ProcessFrame(*frame));
     if (steps.empty()) {
       if (!step.together) continue;
       alone.Start(*step.together, together.last_points());

@@ -17,22 +17,22 @@
 namespace victorious {
 
 /// Outline of the object in one frame by either method, px; std::nullopt where it is lost.
-struct LockStep {
+struct TrackingComparisonStep {
   std::int64_t frame = 0;
   double time_s = 0;
   std::optional<Polygon> alone;
   std::optional<Polygon> together;
 };
 
-/// Runs both methods from the first detection on. Alone, the tracker runs without appearance check (least_likeness -1)
+/// Runs both methods from the first detection on. Alone, the tracker runs without appearance check (min_ncc -1)
 /// and without confirmation. Together, the recogniser searches the tracked region in every frame, and the whole frame
 /// while the track is lost.
 /// @param reader      of grey frames
 /// @param recognizer  of one model
 /// @return one step per frame, from the first detection on; empty without a detection
 /// Errors: kInvalidArgument for options out of range; those of reading; kCancelled.
-Expected<std::vector<LockStep>> CompareLock(VideoReader& reader, const Recognizer& recognizer,
-                                            const FeatureExtractor& extractor, const TrackOptions& options,
-                                            const CancelToken& cancel);
+Expected<std::vector<TrackingComparisonStep>> CompareTracking(VideoReader& reader, const Recognizer& recognizer,
+                                                              const FeatureExtractor& extractor,
+                                                              const TrackOptions& options, const CancelToken& cancel);
 
 }  // namespace victorious

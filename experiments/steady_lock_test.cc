@@ -7,14 +7,15 @@
 namespace victorious {
 namespace {
 
-double OverlapWithTruth(const testing::SyntheticFlight& flight, const LockStep& step, const Polygon& outline) {
+double OverlapWithTruth(const testing::SyntheticFlight& flight, const TrackingComparisonStep& step,
+                        const Polygon& outline) {
   for (const testing::TruthRow& row : flight.Truth(static_cast<int>(step.frame))) {
-    if (row.thing == 0) return IntersectionOverUnion(outline, ConvexHull(row.outline));
+    if (row.object_index == 0) return IntersectionOverUnion(outline, ConvexHull(row.outline));
   }
   return 0;
 }
 
-TEST(CompareLock, TheRecogniserKeepsTheLock) {
+TEST(CompareTracking, TheRecogniserKeepsTheLock) {
   const testing::SyntheticFlight flight(ShortFlight(40));
   const testing::ScratchFolder folder;
   WriteVideo(flight, folder / "flight.mkv");
@@ -23,14 +24,14 @@ TEST(CompareLock, TheRecogniserKeepsTheLock) {
   const Recognizer recognizer = Recognizer::Create({model}, FeatureOptions().engine, {}).value();
   const auto extractor = MakeFeatureExtractor({}).value();
   const auto reader = VideoReader::Open((folder / "flight.mkv").string(), {}).value();
-  const std::vector<LockStep> steps = CompareLock(*reader, recognizer, *extractor, {}, {}).value();
+  const std::vector<TrackingComparisonStep> steps = CompareTracking(*reader, recognizer, *extractor, {}, {}).value();
   ASSERT_GT(steps.size(), 30U);
   int in_view = 0;
   int together = 0;
   int alone = 0;
-  for (const LockStep& step : steps) {
+  for (const TrackingComparisonStep& step : steps) {
     for (const testing::TruthRow& row : flight.Truth(static_cast<int>(step.frame))) {
-      if (row.thing == 0 && row.visible > 0.7) ++in_view;
+      if (row.object_index == 0 && row.visible > 0.7) ++in_view;
     }
     constexpr double kLocked = 0.7;
     if (step.together && OverlapWithTruth(flight, step, *step.together) > kLocked) ++together;
@@ -40,7 +41,7 @@ TEST(CompareLock, TheRecogniserKeepsTheLock) {
   EXPECT_LT(alone, together) << "alone, it does not come back after the object left the frame";
 }
 
-TEST(CompareLock, NothingToFollowGivesNoSteps) {
+TEST(CompareTracking, NothingToFollowGivesNoSteps) {
   const testing::SyntheticFlight flight(ShortFlight(3));
   const testing::ScratchFolder folder;
   WriteVideo(flight, folder / "flight.mkv");
@@ -50,7 +51,7 @@ TEST(CompareLock, NothingToFollowGivesNoSteps) {
   const ObjectModel model = MakePhotoModel("other", photos, std::nullopt, {}).value();
   const Recognizer recognizer = Recognizer::Create({model}, FeatureOptions().engine, {}).value();
   const auto reader = VideoReader::Open((folder / "flight.mkv").string(), {}).value();
-  EXPECT_TRUE(CompareLock(*reader, recognizer, *MakeFeatureExtractor({}).value(), {}, {})->empty());
+  EXPECT_TRUE(CompareTracking(*reader, recognizer, *MakeFeatureExtractor({}).value(), {}, {})->empty());
 }
 
 }  // namespace

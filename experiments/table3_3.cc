@@ -14,7 +14,7 @@ constexpr std::size_t kStages = 4;
 
 struct Printed {
   int matches;
-  int right;
+  int correct;
 };
 
 struct PrintedRatio {
@@ -44,12 +44,12 @@ constexpr std::array<PrintedSecond, 4> kTable34 = {
 Cell Number(int number) { return static_cast<double>(number); }
 
 void AddCounts(const Printed& printed, std::vector<Cell>& row) {
-  for (const int number : {printed.matches, printed.right, printed.matches - printed.right})
+  for (const int number : {printed.matches, printed.correct, printed.matches - printed.correct})
     row.push_back(Number(number));
 }
 
 void AddCounts(const MatchCount& count, std::vector<Cell>& row) {
-  for (const int number : {count.matches, count.right, count.Wrong()}) row.push_back(Number(number));
+  for (const int number : {count.matches, count.correct, count.FalseMatches()}) row.push_back(Number(number));
 }
 
 // The two settings on one running example.
@@ -59,7 +59,7 @@ struct Both {
 
   static Expected<Both> Make(const ExperimentSettings& settings, const std::string& kind) {
     VICTORIOUS_ASSIGN_OR_RETURN(MatchTrial thesis, RunningExample(settings, ThesisSetup(), kind));
-    VICTORIOUS_ASSIGN_OR_RETURN(MatchTrial ours, RunningExample(settings, OurSetup(), kind));
+    VICTORIOUS_ASSIGN_OR_RETURN(MatchTrial ours, RunningExample(settings, DefaultSetup(), kind));
     return Both{std::move(thesis), std::move(ours)};
   }
 };
@@ -72,9 +72,9 @@ std::string Shown(const MatchTrial& trial) {
 const std::vector<std::string> kCountColumns = {"thesis: matches",
                                                 "thesis: true",
                                                 "thesis: false",
-                                                "its setting here: matches",
-                                                "its setting here: true",
-                                                "its setting here: false",
+                                                "thesis setting reproduced: matches",
+                                                "thesis setting reproduced: true",
+                                                "thesis setting reproduced: false",
                                                 "ours: matches",
                                                 "ours: true",
                                                 "ours: false"};
@@ -89,7 +89,7 @@ Expected<Report> RunTable33(const ExperimentSettings& settings) {
   std::array<PlotLine, kStages> lines;
   for (const PrintedRatio& printed : kTable33) {
     const StageMatches thesis = RunStages(both.thesis, printed.ratio, ThesisSetup().recognize);
-    const StageMatches ours = RunStages(both.ours, printed.ratio, OurSetup().recognize);
+    const StageMatches ours = RunStages(both.ours, printed.ratio, DefaultSetup().recognize);
     for (std::size_t stage = 0; stage < kStages; ++stage) {
       std::vector<Cell> row = {printed.ratio, std::string(StageMatches::kNames[stage])};
       AddCounts(printed.stages[stage], row);
@@ -98,7 +98,7 @@ Expected<Report> RunTable33(const ExperimentSettings& settings) {
       AddCounts(count, row);
       report.rows.push_back(std::move(row));
       lines[stage].name = fmt::format("false, {}", StageMatches::kNames[stage]);
-      lines[stage].points.push_back({printed.ratio, static_cast<double>(count.Wrong())});
+      lines[stage].points.push_back({printed.ratio, static_cast<double>(count.FalseMatches())});
     }
   }
   report.notes = {"Its setting: " + Shown(both.thesis) + ". Ours: " + Shown(both.ours) + ".",
@@ -112,30 +112,30 @@ Expected<Report> RunTable33(const ExperimentSettings& settings) {
 
 Expected<Report> RunFigure312(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Both both, Both::Make(settings, "jeep"));
-  Report report{
-      .title = "Detection rate of template keypoints against false alarm rate, each stage at six ratios",
-      .columns = {"ratio", "filtering", "thesis: detected %", "thesis: false alarms %", "its setting here: detected %",
-                  "its setting here: false alarms %", "ours: detected %", "ours: false alarms %"}};
+  Report report{.title = "Detection rate of template keypoints against false alarm rate, each stage at six ratios",
+                .columns = {"ratio", "filtering", "thesis: detected %", "thesis: false alarms %",
+                            "thesis setting reproduced: detected %", "thesis setting reproduced: false alarms %",
+                            "ours: detected %", "ours: false alarms %"}};
   std::array<PlotLine, kStages> lines;
   std::array<PlotLine, 2> thesis_lines = {PlotLine{.name = "thesis, none"}, PlotLine{.name = "thesis, third"}};
   for (const PrintedRatio& printed : kTable33) {
     const StageMatches thesis = RunStages(both.thesis, printed.ratio, ThesisSetup().recognize);
-    const StageMatches ours = RunStages(both.ours, printed.ratio, OurSetup().recognize);
+    const StageMatches ours = RunStages(both.ours, printed.ratio, DefaultSetup().recognize);
     for (std::size_t stage = 0; stage < kStages; ++stage) {
       std::vector<Cell> row = {printed.ratio, std::string(StageMatches::kNames[stage])};
-      const auto add = [&](int right, int wrong, double template_keypoints, double scene_keypoints) {
-        const PlotPoint point{100 * wrong / (scene_keypoints - template_keypoints), 100 * right / template_keypoints};
+      const auto add = [&](int correct, int wrong, double template_keypoints, double scene_keypoints) {
+        const PlotPoint point{100 * wrong / (scene_keypoints - template_keypoints), 100 * correct / template_keypoints};
         row.emplace_back(point.y);
         row.emplace_back(point.x);
         return point;
       };
       const auto add_count = [&](const MatchTrial& trial, const MatchSet& matches) {
         const MatchCount count = trial.Count(matches);
-        return add(count.right, count.Wrong(), static_cast<double>(trial.Template().size()),
+        return add(count.correct, count.FalseMatches(), static_cast<double>(trial.Template().size()),
                    static_cast<double>(trial.features->size()));
       };
       const Printed& there = printed.stages[stage];
-      const PlotPoint thesis_point = add(there.right, there.matches - there.right, kThesisTemplate, kThesisScene);
+      const PlotPoint thesis_point = add(there.correct, there.matches - there.correct, kThesisTemplate, kThesisScene);
       if (stage == 0) thesis_lines[0].points.push_back(thesis_point);
       if (stage == 3) thesis_lines[1].points.push_back(thesis_point);
       add_count(both.thesis, thesis.sets[stage]);
@@ -157,15 +157,14 @@ Expected<Report> RunFigure312(const ExperimentSettings& settings) {
 
 Expected<Report> RunTable34(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Both both, Both::Make(settings, "jet"));
-  Report report{.title = "Matches of the second object before and after the cascade",
-                .columns = {"ratio", "when"}};
+  Report report{.title = "Matches of the second object before and after the cascade", .columns = {"ratio", "when"}};
   report.columns.insert(report.columns.end(), kCountColumns.begin(), kCountColumns.end());
   PlotLine before_line{.name = "false before, ours"};
   PlotLine after_line{.name = "false after, ours"};
   PlotLine true_line{.name = "true after, ours"};
   for (const PrintedSecond& printed : kTable34) {
     const StageMatches thesis = RunStages(both.thesis, printed.ratio, ThesisSetup().recognize);
-    const StageMatches ours = RunStages(both.ours, printed.ratio, OurSetup().recognize);
+    const StageMatches ours = RunStages(both.ours, printed.ratio, DefaultSetup().recognize);
     for (const bool after : {false, true}) {
       const std::size_t stage = after ? kStages - 1 : 0;
       std::vector<Cell> row = {printed.ratio, std::string(after ? "after" : "before")};
@@ -174,8 +173,8 @@ Expected<Report> RunTable34(const ExperimentSettings& settings) {
       const MatchCount count = both.ours.Count(ours.sets[stage]);
       AddCounts(count, row);
       report.rows.push_back(std::move(row));
-      (after ? after_line : before_line).points.push_back({printed.ratio, static_cast<double>(count.Wrong())});
-      if (after) true_line.points.push_back({printed.ratio, static_cast<double>(count.right)});
+      (after ? after_line : before_line).points.push_back({printed.ratio, static_cast<double>(count.FalseMatches())});
+      if (after) true_line.points.push_back({printed.ratio, static_cast<double>(count.correct)});
     }
   }
   report.notes = {"Its setting: " + Shown(both.thesis) + ". Ours: " + Shown(both.ours) + "."};

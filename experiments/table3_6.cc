@@ -39,8 +39,8 @@ Status MeasureInto(Figures& figures, const CaltechFeatures& features, const Cate
                    std::uint64_t seed) {
   CategoryModel model;
   VICTORIOUS_ASSIGN_OR_RETURN(const TestScores scores, TrainAndTest(features, options, seed, {}, {}, &model));
-  const Ranking ranking = RankingOf(scores, model, CategoryMethod::kPhrases, kAirplanes);
-  figures.area.push_back(RocArea(ranking.scores, ranking.wanted));
+  const Ranking ranking = ComputeRanking(scores, model, CategoryMethod::kPhrases, kAirplanes);
+  figures.area.push_back(RocArea(ranking.scores, ranking.is_positive));
   figures.train_s.push_back(scores.train_s);
   figures.score_ms.push_back(scores.phrase_scoring_ms);
   return {};
@@ -50,7 +50,7 @@ Status MeasureInto(Figures& figures, const CaltechFeatures& features, const Cate
 
 Expected<Report> RunTable36(const ExperimentSettings& settings) {
   const std::array<std::string, 3> categories = {kAirplanes, kCars, kBackground};
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, CaltechRows(settings, categories));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCaltechRows(settings, categories));
   const CategoryTrainOptions thesis = ThesisCategories();
   const CategoryTrainOptions ours;
   VICTORIOUS_ASSIGN_OR_RETURN(const auto keypoints, CaltechFeatures::Load(settings, rows, thesis.features));
@@ -66,15 +66,15 @@ Expected<Report> RunTable36(const ExperimentSettings& settings) {
     for (const Row& row : kRows) {
       VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
       CategoryOptions options = ThesisCategoriesAsPrinted().category;
-      options.grammar.word_share = row.words / kVocabulary;
+      options.grammar.word_fraction = row.words / kVocabulary;
       VICTORIOUS_RETURN_IF_ERROR(MeasureInto(as_printed.figures[row.words], keypoints, options, number));
       options.grammar.kernel_cap = kSmootherCap;
       VICTORIOUS_RETURN_IF_ERROR(MeasureInto(smoother.figures[row.words], keypoints, options, number));
       options = thesis.category;
-      options.grammar.word_share = row.words / kVocabulary;
+      options.grammar.word_fraction = row.words / kVocabulary;
       VICTORIOUS_RETURN_IF_ERROR(MeasureInto(reading.figures[row.words], keypoints, options, number));
       options = ours.category;
-      options.phrases.parts = row.words;
+      options.phrases.word_clusters = row.words;
       VICTORIOUS_RETURN_IF_ERROR(MeasureInto(by_parts.figures[row.words], dense, options, number));
     }
     VICTORIOUS_RETURN_IF_ERROR(MeasureInto(best, dense, ours.category, number));
@@ -91,15 +91,16 @@ Expected<Report> RunTable36(const ExperimentSettings& settings) {
     PlotLine line{.name = method->name};
     for (const Row& row : kRows) {
       const Figures& figures = method->figures.at(row.words);
-      const Measured area = MeanOf(figures.area);
-      report.rows.push_back({method->name, static_cast<double>(row.words), area, MeanOf(figures.train_s),
-                             MeanOf(figures.score_ms), row.thesis_area, row.thesis_test_s});
+      const MeanWithError area = ComputeMean(figures.area);
+      report.rows.push_back({method->name, static_cast<double>(row.words), area, ComputeMean(figures.train_s),
+                             ComputeMean(figures.score_ms), row.thesis_area, row.thesis_test_s});
       line.points.push_back({static_cast<double>(row.words), area.mean, area.standard_error});
     }
     report.plot.lines.push_back(std::move(line));
   }
-  report.rows.push_back({std::string("ours, the default"), static_cast<double>(ours.category.phrases.parts),
-                         MeanOf(best.area), MeanOf(best.train_s), MeanOf(best.score_ms), std::string(), std::string()});
+  report.rows.push_back({std::string("ours, the default"), static_cast<double>(ours.category.phrases.word_clusters),
+                         ComputeMean(best.area), ComputeMean(best.train_s), ComputeMean(best.score_ms), std::string(),
+                         std::string()});
   report.notes = {
       fmt::format("{} seeds; background trained as a class. {}. The thesis tested airplanes against cars, 3 "
                   "runs.",

@@ -43,7 +43,7 @@ std::vector<Step> Steps() {
   step("features on a grid, at several sizes");
   options.category.vocabulary.root = ours.category.vocabulary.root;
   step("RootSIFT");
-  options.category.soft_words = ours.category.soft_words;
+  options.category.words_per_keypoint = ours.category.words_per_keypoint;
   step("soft words");
   options.features.mirrored = ours.features.mirrored;
   step("mirror images");
@@ -86,7 +86,7 @@ class FeatureCache {
 
 Expected<Report> Accuracies(const ExperimentSettings& settings, std::span<const Step> steps) {
   const std::array<std::string, 2> pair = {kAirplanes, kCars};
-  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<CategoryListRow> rows, CaltechRows(settings, pair));
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<CategoryListRow> rows, ReadCaltechRows(settings, pair));
   FeatureCache cache(settings, std::move(rows));
   Report report{.columns = {"method", "words or phrases", "airplanes", "cars", "area under ROC"}};
   std::map<std::string, PlotLine> lines;
@@ -101,18 +101,18 @@ Expected<Report> Accuracies(const ExperimentSettings& settings, std::span<const 
           const TestScores scores,
           TrainAndTest(*features, step.options.category, static_cast<std::uint64_t>(seed), {}, {}, &model));
       for (const auto& [method, name] : kMethods) {
-        const Ranking ranking = RankingOf(scores, model, method, kAirplanes);
-        figures[method].airplanes.push_back(100 * AccuracyOf(scores, model, method, kAirplanes));
-        figures[method].cars.push_back(100 * AccuracyOf(scores, model, method, kCars));
-        figures[method].area.push_back(RocArea(ranking.scores, ranking.wanted));
+        const Ranking ranking = ComputeRanking(scores, model, method, kAirplanes);
+        figures[method].airplanes.push_back(100 * ComputeAccuracy(scores, model, method, kAirplanes));
+        figures[method].cars.push_back(100 * ComputeAccuracy(scores, model, method, kCars));
+        figures[method].area.push_back(RocArea(ranking.scores, ranking.is_positive));
       }
     }
     ++place;
     for (const auto& [method, name] : kMethods) {
       const Figures& found = figures[method];
-      const Measured airplanes = MeanOf(found.airplanes);
-      const Measured cars = MeanOf(found.cars);
-      report.rows.push_back({step.name, std::string(name), airplanes, cars, MeanOf(found.area)});
+      const MeanWithError airplanes = ComputeMean(found.airplanes);
+      const MeanWithError cars = ComputeMean(found.cars);
+      report.rows.push_back({step.name, std::string(name), airplanes, cars, ComputeMean(found.area)});
       lines[std::string("airplanes, ") + name].points.push_back({place, airplanes.mean, airplanes.standard_error});
       lines[std::string("cars, ") + name].points.push_back({place, cars.mean, cars.standard_error});
       settings.progress(fmt::format("{}, {}: {:.2f} +- {:.2f}, {:.2f} +- {:.2f}", step.name, name, airplanes.mean,

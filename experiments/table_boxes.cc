@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
-#include "victorious/category/explanation.h"
 #include "experiments/caltech.h"
 #include "experiments/category_experiments.h"
+#include "victorious/category/explanation.h"
 
 namespace victorious {
 namespace {
@@ -25,7 +25,7 @@ struct Overlaps {
   std::vector<double> centre_off;  // RMS offset along an axis over the longer side of the estimated box
 };
 
-Box WholeOf(const WordedPicture& picture) { return FrameBox(picture.width, picture.height); }
+Box WholeImageBox(const QuantisedImage& picture) { return FrameBox(picture.width, picture.height); }
 
 void MeasureInto(Overlaps& overlaps, const CategoryModel& model, const CaltechFeatures& features,
                  std::span<const std::size_t> test, const std::string& category) {
@@ -40,15 +40,15 @@ void MeasureInto(Overlaps& overlaps, const CategoryModel& model, const CaltechFe
   for (const std::size_t row : test) {
     const CategoryListRow& listed = features.rows()[row];
     if (listed.category != category || !listed.box) continue;
-    const WordedPicture picture = WordsOf(model, features.Whole(row));
-    const Box box = SupportingBox(EvidenceFor(model, picture, node), picture);
-    const Box truth = Intersection(*listed.box, WholeOf(picture));
+    const QuantisedImage picture = QuantiseFeatures(model, features.WholeImage(row));
+    const Box box = SupportingBox(ComputeContributions(model, picture, node), picture);
+    const Box truth = Intersection(*listed.box, WholeImageBox(picture));
     const double overlap = IntersectionOverUnion(box, truth);
     const double x = box.x + box.width / 2;
     const double y = box.y + box.height / 2;
     ++count;
     found += overlap;
-    whole += IntersectionOverUnion(WholeOf(picture), truth);
+    whole += IntersectionOverUnion(WholeImageBox(picture), truth);
     half += overlap >= 0.5 ? 1 : 0;
     inside += x >= truth.x && x <= truth.x + truth.width && y >= truth.y && y <= truth.y + truth.height ? 1 : 0;
     off += (std::pow(x - truth.x - truth.width / 2, 2) + std::pow(y - truth.y - truth.height / 2, 2)) /
@@ -66,14 +66,14 @@ void MeasureInto(Overlaps& overlaps, const CategoryModel& model, const CaltechFe
 
 Expected<Report> RunTableBoxes(const ExperimentSettings& settings) {
   const std::array<std::string, 3> sought = {kAirplanes, kCars, kBackground};
-  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<CategoryListRow> rows, CaltechRows(settings, sought));
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<CategoryListRow> rows, ReadCaltechRows(settings, sought));
   const CategoryTrainOptions options;
   VICTORIOUS_ASSIGN_OR_RETURN(const auto features, CaltechFeatures::Load(settings, std::move(rows), options.features));
   const std::array<std::string, 2> boxed = {kAirplanes, kCars};
   std::array<Overlaps, 2> overlaps;
   for (int seed = 1; seed <= settings.seeds; ++seed) {
     VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
-    const Split split = SplitBySeed(features.rows(), static_cast<std::uint64_t>(seed));
+    const Split split = MakeRandomSplit(features.rows(), static_cast<std::uint64_t>(seed));
     CategoryOptions seeded = options.category;
     seeded.seed = static_cast<std::uint64_t>(seed);
     VICTORIOUS_ASSIGN_OR_RETURN(const CategoryModel model, TrainCategories(features.ExamplesOf(split.train), seeded));
@@ -81,13 +81,13 @@ Expected<Report> RunTableBoxes(const ExperimentSettings& settings) {
     settings.progress(fmt::format("seed {}", seed));
   }
   Report report{.title = "Boxes of the supporting phrases against annotated boxes, Caltech-101",
-                .columns = {"category", "overlap, mean %", "overlap of the whole picture, mean %",
-                            "overlap of half at least, % of pictures", "middle inside the drawn box, % of pictures",
-                            "middle off along an axis, RMS, % of the box's longer side"}};
+                .columns = {"category", "overlap, mean %", "overlap of the whole image, mean %",
+                            "overlap of 0.5 or more, % of pictures", "centre inside the annotated box, % of pictures",
+                            "centre offset along an axis, RMS, % of the box's longer side"}};
   for (std::size_t c = 0; c < boxed.size(); ++c) {
     const Overlaps& of = overlaps[c];
-    report.rows.push_back({boxed[c], MeanOf(of.found), MeanOf(of.whole), MeanOf(of.half), MeanOf(of.centre_inside),
-                           MeanOf(of.centre_off)});
+    report.rows.push_back({boxed[c], ComputeMean(of.found), ComputeMean(of.whole), ComputeMean(of.half),
+                           ComputeMean(of.centre_inside), ComputeMean(of.centre_off)});
   }
   report.notes = {
       fmt::format("{} seeds; airplanes, cars and background, 30 training images each; the test images with an "

@@ -12,15 +12,15 @@
 
 #include <fmt/format.h>
 
-#include "victorious/base/file.h"
 #include "experiments/place_experiments.h"
 #include "experiments/place_trials.h"
+#include "victorious/base/file.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/geolocate/locate.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/image/image_file.h"
 #include "victorious/model/photo_model.h"
 #include "victorious/recognize/recognizer.h"
-#include "victorious/image/image_file.h"
 
 namespace victorious {
 namespace {
@@ -28,34 +28,35 @@ namespace {
 namespace fs = std::filesystem;
 
 // An object, manually marked in one photo.
-struct Thing {
+struct MarkedObject {
   const char* name;
   const char* photo;
   Box box;  // px
 };
 
-constexpr std::array kThings = {
-    Thing{"picnic table", "DJI_0031.JPG", {1155, 515, 83, 74}},
-    Thing{"white car", "DJI_0031.JPG", {1277, 402, 141, 66}}, Thing{"silver car", "DJI_0031.JPG", {1201, 295, 130, 89}},
-    Thing{"red car", "DJI_0034.JPG", {1468, 476, 146, 80}}, Thing{"dark car", "DJI_0034.JPG", {1465, 602, 118, 67}}};
+constexpr std::array kMarkedObjects = {MarkedObject{"picnic table", "DJI_0031.JPG", {1155, 515, 83, 74}},
+                                       MarkedObject{"white car", "DJI_0031.JPG", {1277, 402, 141, 66}},
+                                       MarkedObject{"silver car", "DJI_0031.JPG", {1201, 295, 130, 89}},
+                                       MarkedObject{"red car", "DJI_0034.JPG", {1468, 476, 146, 80}},
+                                       MarkedObject{"dark car", "DJI_0034.JPG", {1465, 602, 118, 67}}};
 
-struct Photographed {
+struct PhotoRecord {
   std::string file;
-  StandingCamera camera;
+  GeoreferencedCamera camera;
   double above_takeoff_m = 0;
 };
 
 // Parses a photo's record, its cells by column name.
-Expected<Photographed> RecordOf(const std::map<std::string, std::string>& cells, const fs::path& path) {
+Expected<PhotoRecord> ParseRecord(const std::map<std::string, std::string>& cells, const fs::path& path) {
   const auto number = [&](const char* column) {
     const auto cell = cells.find(column);
     return cell == cells.end() ? std::nan("") : std::strtod(cell->second.c_str(), nullptr);
   };
-  Photographed photo;
+  PhotoRecord photo;
   const auto name = cells.find("SourceFile");
   if (name != cells.end()) photo.file = name->second;
   photo.above_takeoff_m = number("RelativeAltitude");
-  StandingCamera& camera = photo.camera;
+  GeoreferencedCamera& camera = photo.camera;
   camera.place = {RadiansFromDegrees(number("GPSLatitude")), RadiansFromDegrees(number("GPSLongitude")),
                   number("GPSAltitude")};
   camera.attitude = {.yaw_rad = RadiansFromDegrees(number("GimbalYawDegree")),
@@ -90,27 +91,27 @@ std::vector<std::string> Cells(const std::string& line) {
   return cells;
 }
 
-Expected<std::vector<Photographed>> PhotosOf(const fs::path& path) {
+Expected<std::vector<PhotoRecord>> ReadPhotos(const fs::path& path) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
   std::istringstream lines(text);
   std::string line;
   std::getline(lines, line);
   const std::vector<std::string> columns = Cells(line);
-  std::vector<Photographed> photos;
+  std::vector<PhotoRecord> photos;
   while (std::getline(lines, line)) {
     const std::vector<std::string> cells = Cells(line);
     std::map<std::string, std::string> by_column;
     for (std::size_t i = 0; i < std::min(columns.size(), cells.size()); ++i) by_column[columns[i]] = cells[i];
-    VICTORIOUS_ASSIGN_OR_RETURN(Photographed photo, RecordOf(by_column, path));
+    VICTORIOUS_ASSIGN_OR_RETURN(PhotoRecord photo, ParseRecord(by_column, path));
     photos.push_back(std::move(photo));
   }
   if (photos.empty()) return Fail(ErrorCode::kDataLoss, fmt::format("{}: no photos", path.string()));
   return photos;
 }
 
-Expected<std::vector<ObjectModel>> ModelsIn(const fs::path& folder, const FeatureOptions& features) {
+Expected<std::vector<ObjectModel>> MakeModels(const fs::path& folder, const FeatureOptions& features) {
   std::vector<ObjectModel> models;
-  for (const Thing& thing : kThings) {
+  for (const MarkedObject& thing : kMarkedObjects) {
     VICTORIOUS_ASSIGN_OR_RETURN(const Photo photo, LoadPhoto(folder / thing.photo, thing.box));
     VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel model,
                                 MakePhotoModel(thing.name, std::span(&photo, 1), std::nullopt, {.features = features}));
@@ -120,54 +121,54 @@ Expected<std::vector<ObjectModel>> ModelsIn(const fs::path& folder, const Featur
 }
 
 // An object's line of sight from a photo.
-struct Sighted {
+struct PhotoSighting {
   LineOfSight line;
   double ground_m;  // height of the take-off
 };
 
 // Returns the lines of sight of each object, from the best detection in each photo.
-Expected<std::array<std::vector<Sighted>, kThings.size()>> FindThings(const fs::path& folder,
-                                                                      const std::vector<Photographed>& photos,
-                                                                      const ExperimentSettings& settings) {
+Expected<std::array<std::vector<PhotoSighting>, kMarkedObjects.size()>> DetectObjects(
+    const fs::path& folder, const std::vector<PhotoRecord>& photos, const ExperimentSettings& settings) {
   const FeatureOptions features;
-  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectModel> models, ModelsIn(folder, features));
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectModel> models, MakeModels(folder, features));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(features));
   VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,
                               Recognizer::Create(std::move(models), features.engine, RecognizeOptions()));
-  std::array<std::vector<Sighted>, kThings.size()> found;
+  std::array<std::vector<PhotoSighting>, kMarkedObjects.size()> found;
   for (std::size_t i = 0; i < photos.size(); ++i) {
     VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
     VICTORIOUS_ASSIGN_OR_RETURN(const Image image, ReadImage(folder / photos[i].file));
     VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet scene, extractor->Extract(GreyFromBgr(image.bgr)));
-    std::array<bool, kThings.size()> seen{};
+    std::array<bool, kMarkedObjects.size()> seen{};
     for (const Detection& detection : recognizer.Recognize(scene)) {
-      if (std::exchange(seen[detection.model], true)) continue;
+      if (std::exchange(seen[detection.model_index], true)) continue;
       const Eigen::Vector2d middle(detection.box.x + detection.box.width / 2,
                                    detection.box.y + detection.box.height / 2);
-      found[detection.model].push_back({.line = LineThrough(middle, photos[i].camera, static_cast<double>(i)),
-                                        .ground_m = photos[i].camera.place.altitude_m - photos[i].above_takeoff_m});
+      found[detection.model_index].push_back(
+          {.line = LineOfSightThrough(middle, photos[i].camera, static_cast<double>(i)),
+           .ground_m = photos[i].camera.place.altitude_m - photos[i].above_takeoff_m});
     }
     settings.progress(photos[i].file);
   }
   return found;
 }
 
-struct Way {
+struct Variant {
   const char* method;
   bool ground;  // whether the ground is given, at the take-off height
 };
 
-double MeanGround(const std::vector<Sighted>& sighted) {
+double MeanGround(const std::vector<PhotoSighting>& sightings) {
   double sum_m = 0;
-  for (const Sighted& one : sighted) sum_m += one.ground_m;
-  return sum_m / static_cast<double>(sighted.size());
+  for (const PhotoSighting& one : sightings) sum_m += one.ground_m;
+  return sum_m / static_cast<double>(sightings.size());
 }
 
 // The place from each single photo: the intersection of its line of sight with the ground. Photos without one are left
 // out.
-std::vector<Place> PlacesByOne(const std::vector<Sighted>& sighted, double ground_m) {
-  std::vector<Place> places;
-  for (const Sighted& one : sighted) {
+std::vector<Geolocation> LocateFromSinglePhotos(const std::vector<PhotoSighting>& sightings, double ground_m) {
+  std::vector<Geolocation> places;
+  for (const PhotoSighting& one : sightings) {
     LocateOptions options{.method = "ground"};
     options.ground = std::make_shared<FlatGround>(ground_m);
     const auto fix = Locate(std::span(&one.line, 1), options);
@@ -176,12 +177,13 @@ std::vector<Place> PlacesByOne(const std::vector<Sighted>& sighted, double groun
   return places;
 }
 
-void AddRow(const Thing& thing, const std::vector<Sighted>& sighted, const Way& way, Report& report) {
-  const double ground_m = MeanGround(sighted);
+void AddRow(const MarkedObject& thing, const std::vector<PhotoSighting>& sightings, const Variant& way,
+            Report& report) {
+  const double ground_m = MeanGround(sightings);
   LocateOptions options{.method = way.method};
   if (way.ground) options.ground = std::make_shared<FlatGround>(ground_m);
   std::vector<LineOfSight> lines;
-  for (const Sighted& one : sighted) lines.push_back(one.line);
+  for (const PhotoSighting& one : sightings) lines.push_back(one.line);
   const auto fix = Locate(lines, options);
   std::vector<Cell> row = {std::string(thing.name), static_cast<double>(lines.size()), std::string(way.method),
                            std::string(way.ground ? "told" : "-")};
@@ -191,18 +193,18 @@ void AddRow(const Thing& thing, const std::vector<Sighted>& sighted, const Way& 
     report.rows.push_back(std::move(row));
     return;
   }
-  const Place& place = *fix->place;
+  const Geolocation& place = *fix->place;
   double farthest_m = 0;
-  double least_ce90_m = std::numeric_limits<double>::infinity();
+  double min_ce90_m = std::numeric_limits<double>::infinity();
   double inside = 0;
-  const std::vector<Place> alone = PlacesByOne(sighted, ground_m);
-  for (const Place& one : alone) {
+  const std::vector<Geolocation> alone = LocateFromSinglePhotos(sightings, ground_m);
+  for (const Geolocation& one : alone) {
     const double off_m = TangentPlane(place.point).EnuFromGeodetic(one.point).head<2>().norm();
     farthest_m = std::max(farthest_m, off_m);
-    least_ce90_m = std::min(least_ce90_m, one.ce90_m);
+    min_ce90_m = std::min(min_ce90_m, one.ce90_m);
     inside += off_m <= one.ce90_m ? 1 : 0;
   }
-  row.insert(row.end(), {farthest_m, least_ce90_m, fmt::format("{:.0f} of {}", inside, alone.size()), place.ce90_m,
+  row.insert(row.end(), {farthest_m, min_ce90_m, fmt::format("{:.0f} of {}", inside, alone.size()), place.ce90_m,
                          place.point.altitude_m - ground_m, place.le90_m});
   report.rows.push_back(std::move(row));
 }
@@ -211,24 +213,24 @@ void AddRow(const Thing& thing, const std::vector<Sighted>& sighted, const Way& 
 
 Expected<Report> RunTableBrighton(const ExperimentSettings& settings) {
   const fs::path folder = settings.data / "real/geo_gcp/brighton_beach";
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Photographed> photos, PhotosOf(folder / "telemetry.csv"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto found, FindThings(folder, photos, settings));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<PhotoRecord> photos, ReadPhotos(folder / "telemetry.csv"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto found, DetectObjects(folder, photos, settings));
   Report report{
       .title = "Places of one object from several photos",
       .notes = {"Each object is marked in one photo and detected in the others. Photos alone: the intersection of "
                 "one ray with the ground at the take-off height, with a standard deviation of 2 m. Errors of lines "
                 "and flight: the defaults. Nothing was surveyed: the rows show whether the photos agree."},
-      .columns = {"thing", "photos", "method", "ground", "photos alone: farthest from it, m", "their CE90, least m",
-                  "within it", "CE90, m", "above the take-off, m", "LE90, m"}};
-  for (std::size_t i = 0; i < kThings.size(); ++i) {
+      .columns = {"thing", "photos", "method", "ground", "photos alone: max distance from joint place, m",
+                  "their CE90, min m", "within their CE90", "CE90, m", "above the take-off, m", "LE90, m"}};
+  for (std::size_t i = 0; i < kMarkedObjects.size(); ++i) {
     if (found[i].empty()) continue;
-    for (const Way& way : std::initializer_list<Way>{{"ground", true},
-                                                     {"ml", true},
-                                                     {"ml", false},
-                                                     {"ransac", false},
-                                                     {"prior", false},
-                                                     {"least-squares", false}}) {
-      AddRow(kThings[i], found[i], way, report);
+    for (const Variant& way : std::initializer_list<Variant>{{"ground", true},
+                                                             {"ml", true},
+                                                             {"ml", false},
+                                                             {"ransac", false},
+                                                             {"prior", false},
+                                                             {"least-squares", false}}) {
+      AddRow(kMarkedObjects[i], found[i], way, report);
     }
   }
   return report;

@@ -18,7 +18,7 @@ namespace victorious {
 namespace {
 
 // Both heights refer to mean sea level, so that the geoid's undulation cancels.
-struct Stared {
+struct CentredSighting {
   LineOfSight line;
   GeodeticPoint centre;  // recorded centre of the frame
 };
@@ -28,8 +28,8 @@ struct Stare {
   std::size_t last;
 };
 
-std::vector<Stared> StaredIn(const Telemetry& telemetry) {
-  std::vector<Stared> stared;
+std::vector<CentredSighting> ReadSightings(const Telemetry& telemetry) {
+  std::vector<CentredSighting> sightings;
   for (const KlvPacket& packet : telemetry.packets) {
     const auto camera = CameraFromKlv(packet);
     const auto time_us = PrecisionTime(packet);
@@ -37,72 +37,73 @@ std::vector<Stared> StaredIn(const Telemetry& telemetry) {
     const auto longitude_deg = packet.Number(24);
     const auto elevation_m = packet.Number(25);
     if (!camera || !camera->attitude || !time_us || !latitude_deg || !longitude_deg || !elevation_m) return {};
-    stared.push_back({.line = {.time_s = static_cast<double>(*time_us) * 1e-6,
-                               .camera = camera->place,
-                               .azimuth_rad = camera->attitude->yaw_rad,
-                               .elevation_rad = camera->attitude->pitch_rad,
-                               .range_m = std::nullopt,
-                               .sigma_rad = std::nullopt,
-                               .sigma_range_m = std::nullopt},
-                      .centre = {RadiansFromDegrees(*latitude_deg), RadiansFromDegrees(*longitude_deg), *elevation_m}});
+    sightings.push_back(
+        {.line = {.time_s = static_cast<double>(*time_us) * 1e-6,
+                  .camera = camera->place,
+                  .azimuth_rad = camera->attitude->yaw_rad,
+                  .elevation_rad = camera->attitude->pitch_rad,
+                  .range_m = std::nullopt,
+                  .sigma_rad = std::nullopt,
+                  .sigma_range_m = std::nullopt},
+         .centre = {RadiansFromDegrees(*latitude_deg), RadiansFromDegrees(*longitude_deg), *elevation_m}});
   }
-  return stared;
+  return sightings;
 }
 
 // Finds intervals of at least 5 s in which the frame centre stays within 30 m of its first position.
-std::vector<Stare> StaresOf(const std::vector<Stared>& stared) {
+std::vector<Stare> FindStares(const std::vector<CentredSighting>& sightings) {
   constexpr double kSteadyM = 30;
-  constexpr double kLeastS = 5;
+  constexpr double kMinS = 5;
   std::vector<Stare> stares;
-  for (std::size_t first = 0; first < stared.size();) {
-    const TangentPlane plane(stared[first].centre);
+  for (std::size_t first = 0; first < sightings.size();) {
+    const TangentPlane plane(sightings[first].centre);
     std::size_t end = first + 1;
-    while (end < stared.size() && plane.EnuFromGeodetic(stared[end].centre).head<2>().norm() <= kSteadyM) ++end;
-    if (stared[end - 1].line.time_s - stared[first].line.time_s >= kLeastS) stares.push_back({first, end - 1});
+    while (end < sightings.size() && plane.EnuFromGeodetic(sightings[end].centre).head<2>().norm() <= kSteadyM) ++end;
+    if (sightings[end - 1].line.time_s - sightings[first].line.time_s >= kMinS) stares.push_back({first, end - 1});
     first = end;
   }
   return stares;
 }
 
-GeodeticPoint MeanCentre(std::span<const Stared> stared) {
-  const TangentPlane plane(stared.front().centre);
+GeodeticPoint MeanCentre(std::span<const CentredSighting> sightings) {
+  const TangentPlane plane(sightings.front().centre);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Stared& one : stared) sum += plane.EnuFromGeodetic(one.centre);
-  return plane.GeodeticFromEnu(sum / static_cast<double>(stared.size()));
+  for (const CentredSighting& one : sightings) sum += plane.EnuFromGeodetic(one.centre);
+  return plane.GeodeticFromEnu(sum / static_cast<double>(sightings.size()));
 }
 
 // The change of azimuth from the first to the last line, degrees.
-double TurnDeg(std::span<const Stared> stared) {
+double TurnDeg(std::span<const CentredSighting> sightings) {
   double turn_rad = 0;
-  for (std::size_t i = 1; i < stared.size(); ++i) {
-    turn_rad += WrapAngle(stared[i].line.azimuth_rad - stared[i - 1].line.azimuth_rad);
+  for (std::size_t i = 1; i < sightings.size(); ++i) {
+    turn_rad += WrapAngle(sightings[i].line.azimuth_rad - sightings[i - 1].line.azimuth_rad);
   }
   return std::abs(DegreesFromRadians(turn_rad));
 }
 
-struct Way {
+struct Variant {
   const char* method;
   std::size_t every;  // step between the lines used; 0: the middle line only
 };
 
-void AddRow(const std::string& name, std::span<const Stared> stared, const Way& way, Report& report) {
-  const GeodeticPoint truth = MeanCentre(stared);
+void AddRow(const std::string& name, std::span<const CentredSighting> sightings, const Variant& way, Report& report) {
+  const GeodeticPoint truth = MeanCentre(sightings);
   std::vector<LineOfSight> lines;
   if (way.every == 0) {
-    lines.push_back(stared[stared.size() / 2].line);
+    lines.push_back(sightings[sightings.size() / 2].line);
   } else {
-    for (std::size_t i = 0; i < stared.size(); i += way.every) lines.push_back(stared[i].line);
+    for (std::size_t i = 0; i < sightings.size(); i += way.every) lines.push_back(sightings[i].line);
   }
   LocateOptions options{.method = way.method};
   if (options.method == "ground") options.ground = std::make_shared<FlatGround>(truth.altitude_m);
   const auto fix = Locate(lines, options);
-  std::vector<Cell> row = {name, TurnDeg(stared), std::string(way.method), static_cast<double>(lines.size())};
+  std::vector<Cell> row = {name, TurnDeg(sightings), std::string(way.method), static_cast<double>(lines.size())};
   if (!fix || !fix->place) {
     row.insert(row.end(), {fix ? fix->status : fix.error().message, std::string("-"), std::string("-"),
                            std::string("-"), std::string("-")});
   } else {
-    const PlaceError error = ComparePlaces(fix->place, std::nullopt, TruthRow{.place = truth});
-    row.insert(row.end(), {*error.across_m, *error.all_m, fix->place->ce90_m, fix->place->le90_m,
+    const PlaceError error = ComputePlaceError(fix->place, std::nullopt, TruthRow{.place = truth});
+    row.insert(row.end(), {*error.horizontal_error_m, *error.spatial_error_m, fix->place->ce90_m, fix->place->le90_m,
                            std::string(error.in_ellipsoid ? "yes" : "no")});
   }
   report.rows.push_back(std::move(row));
@@ -113,8 +114,8 @@ void AddRow(const std::string& name, std::span<const Stared> stared, const Way& 
 Expected<Report> RunTableCheyenne(const ExperimentSettings& settings) {
   const std::filesystem::path path = settings.data / "real/fmv_klv/raw_packets/Cheyenne.bin";
   VICTORIOUS_ASSIGN_OR_RETURN(const Telemetry telemetry, ReadTelemetry(path.string(), {}));
-  const std::vector<Stared> stared = StaredIn(telemetry);
-  const std::vector<Stare> stares = StaresOf(stared);
+  const std::vector<CentredSighting> sightings = ReadSightings(telemetry);
+  const std::vector<Stare> stares = FindStares(sightings);
   if (stares.empty()) {
     return Fail(ErrorCode::kDataLoss, fmt::format("{}: no interval with a steady frame centre", path.string()));
   }
@@ -126,9 +127,9 @@ Expected<Report> RunTableCheyenne(const ExperimentSettings& settings) {
       .columns = {"packets", "turn, deg", "method", "lines", "error along the ground, m", "in space, m", "CE90, m",
                   "LE90, m", "in the 90 % ellipsoid"}};
   for (const Stare& stare : stares) {
-    const auto lines = std::span(stared).subspan(stare.first, stare.last - stare.first + 1);
+    const auto lines = std::span(sightings).subspan(stare.first, stare.last - stare.first + 1);
     const std::string name = fmt::format("{} to {}", stare.first, stare.last);
-    for (const Way& way : std::initializer_list<Way>{
+    for (const Variant& way : std::initializer_list<Variant>{
              {"ground", 0}, {"ml", 1}, {"ml", 8}, {"ransac", 1}, {"prior", 1}, {"least-squares", 1}}) {
       AddRow(name, lines, way, report);
     }

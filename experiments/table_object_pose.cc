@@ -22,32 +22,32 @@ struct Errors {
   std::vector<double> distance_sigmas;
 };
 
-constexpr const char* kMatched = "the view that matched";
+constexpr const char* kMatched = "matched view";
 constexpr const char* kTelemetry = "telemetry";
-constexpr const char* kFieldOfView = "field of view alone";
+constexpr const char* kFieldOfView = "field of view only";
 constexpr const char* kNothing = "nothing";
 
 // Errors by the kind of camera data.
 using ErrorsOf = std::map<std::string, Errors>;
 
-void Add(const Stance& stance, const TruthRow& truth, double distance_m, Errors& errors) {
-  const double error_rad = AngleBetween(stance.view->angles, *truth.view);
+void Add(const ObjectPose& object_pose, const TruthRow& truth, double distance_m, Errors& errors) {
+  const double error_rad = AngleBetween(object_pose.view->angles, *truth.view);
   errors.view_deg.push_back(DegreesFromRadians(error_rad));
-  errors.view_sigmas.push_back(error_rad / stance.view->sigma_rad);
-  if (!stance.range_m) return;
-  errors.distance_percent.push_back(100 * std::abs(*stance.range_m / distance_m - 1));
-  errors.distance_sigmas.push_back(std::abs(*stance.range_m - distance_m) / stance.sigma_range_m);
+  errors.view_sigmas.push_back(error_rad / object_pose.view->sigma_rad);
+  if (!object_pose.range_m) return;
+  errors.distance_percent.push_back(100 * std::abs(*object_pose.range_m / distance_m - 1));
+  errors.distance_sigmas.push_back(std::abs(*object_pose.range_m - distance_m) / object_pose.sigma_range_m);
 }
 
 // Adds the true detections of a frame.
-void AddFrame(const SearchedFrame& searched, const std::vector<ObjectModel>& models, const SightOptions& options,
+void AddFrame(const SearchedFrame& searched, const std::vector<ObjectModel>& models, const ObservationOptions& options,
               ErrorsOf& errors) {
   if (!searched.camera || !searched.camera->IsComplete()) return;
   for (std::size_t i = 0; i < searched.detections.size(); ++i) {
     const std::optional<TruthRow>& truth = searched.truth[i];
     if (!truth || !IsClear(*truth) || !truth->view || !truth->place) continue;
     const Detection& detection = searched.detections[i];
-    const ObjectModel& model = models[detection.model];
+    const ObjectModel& model = models[detection.model_index];
     const double distance_m = TangentPlane(searched.camera->place).EnuFromGeodetic(*truth->place).norm();
     errors[kMatched].view_deg.push_back(
         DegreesFromRadians(AngleBetween(*model.views[detection.view].angles, *truth->view)));
@@ -56,14 +56,15 @@ void AddFrame(const SearchedFrame& searched, const std::vector<ObjectModel>& mod
         {kFieldOfView, CameraState{.hfov_rad = searched.camera->hfov_rad, .distortion = searched.camera->distortion}},
         {kNothing, CameraState{}}};
     for (const auto& [name, camera] : cameras) {
-      if (const auto stance = StanceOf(detection, model, searched.features, camera, options, UpInCamera(camera))) {
-        Add(*stance, *truth, distance_m, errors[name]);
+      if (const auto object_pose =
+              EstimateObjectPose(detection, model, searched.features, camera, options, UpInCamera(camera))) {
+        Add(*object_pose, *truth, distance_m, errors[name]);
       }
     }
   }
 }
 
-Cell Shown(const std::vector<double>& values, double percent) {
+Cell FormatPercentile(const std::vector<double>& values, double percent) {
   const std::optional<double> value = Percentile(values, percent);
   return value ? Cell(*value) : Cell("-");
 }
@@ -73,9 +74,10 @@ void AddRows(const std::string& movie, const ErrorsOf& errors, Report& report) {
     const auto found = errors.find(camera);
     if (found == errors.end()) continue;
     const Errors& e = found->second;
-    report.rows.push_back({movie, camera, static_cast<double>(e.view_deg.size()), Shown(e.view_deg, 50),
-                           Shown(e.view_deg, 90), Shown(e.distance_percent, 50), Shown(e.distance_percent, 90),
-                           Shown(e.view_sigmas, 90), Shown(e.distance_sigmas, 90)});
+    report.rows.push_back({movie, camera, static_cast<double>(e.view_deg.size()), FormatPercentile(e.view_deg, 50),
+                           FormatPercentile(e.view_deg, 90), FormatPercentile(e.distance_percent, 50),
+                           FormatPercentile(e.distance_percent, 90), FormatPercentile(e.view_sigmas, 90),
+                           FormatPercentile(e.distance_sigmas, 90)});
   }
 }
 
@@ -92,13 +94,13 @@ PlotLine Cumulative(const char* name, std::vector<double> values) {
 }  // namespace
 
 Expected<Report> RunTableStance(const ExperimentSettings& settings) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::filesystem::path> movies, MoviesOf(settings));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::filesystem::path> movies, FindMovies(settings));
   Report report{
       .title = "Errors of the object pose",
       .notes = {"True sightings of clear objects in at most 20 frames per movie. The view error is the angle between "
                 "the true and the estimated direction to the camera. In sigmas, the expected 90 % quantile is 2.15 "
                 "for the view (two axes) and 1.64 for the distance (one axis)."},
-      .columns = {"movie", "camera known by", "sightings", "view error 50 %, deg", "90 %", "distance error 50 %, %",
+      .columns = {"movie", "camera data", "sightings", "view error 50 %, deg", "90 %", "distance error 50 %, %",
                   "90 %, %", "view error 90 %, sigmas", "distance error 90 %, sigmas"}};
   ErrorsOf all;
   for (const std::filesystem::path& movie : movies) {
@@ -106,7 +108,7 @@ Expected<Report> RunTableStance(const ExperimentSettings& settings) {
     const MovieSearch search{.movie = movie, .options = {}};
     VICTORIOUS_RETURN_IF_ERROR(
         SearchMovie(search, settings, [&](const SearchedFrame& searched, const std::vector<ObjectModel>& models) {
-          AddFrame(searched, models, search.options.sight, errors);
+          AddFrame(searched, models, search.options.observation, errors);
           return Status{};
         }));
     AddRows(movie.filename().string(), errors, report);

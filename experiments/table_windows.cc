@@ -12,13 +12,13 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "victorious/base/check.h"
-#include "victorious/base/random.h"
 #include "experiments/caltech.h"
 #include "experiments/category_experiments.h"
+#include "victorious/base/check.h"
+#include "victorious/base/random.h"
+#include "victorious/image/image_file.h"
 #include "victorious/pipeline/preset.h"
 #include "victorious/recognize/category_finder.h"
-#include "victorious/image/image_file.h"
 
 namespace victorious {
 namespace {
@@ -26,16 +26,16 @@ namespace {
 const std::array<std::string, 4> kCategories = {kAirplanes, kCars, "Motorbikes", kBackground};
 const cv::Size kFrame = {640, 480};
 constexpr int kFrames = 60;  // per seed
-constexpr int kMostThings = 3;
+constexpr int kMaxObjects = 3;
 
-struct Thing {
+struct PastedObject {
   std::string category;
   Box box;
 };
 
 struct Scene {
   cv::Mat grey;
-  std::vector<Thing> things;
+  std::vector<PastedObject> objects;
 };
 
 Expected<cv::Mat> ReadGrey(const ExperimentSettings& settings, const CategoryListRow& row) {
@@ -55,7 +55,7 @@ cv::Mat FillFrame(const cv::Mat& grey) {
 
 // Pastes the image at a random free place, scaled so that the longer side of its object's box is `side_px`.
 void Paste(const cv::Mat& grey, const CategoryListRow& row, double side_px, Random& random, Scene& scene) {
-  const Box box = BoxWithin(row, grey.cols, grey.rows).value();
+  const Box box = ClippedBox(row, grey.cols, grey.rows).value();
   const double scale = side_px / std::max(box.width, box.height);
   cv::Mat small;
   cv::resize(grey, small, {}, scale, scale, scale < 1 ? cv::INTER_AREA : cv::INTER_LINEAR);
@@ -64,13 +64,13 @@ void Paste(const cv::Mat& grey, const CategoryListRow& row, double side_px, Rand
   for (int i = 0; i < kTries; ++i) {
     const cv::Point at(static_cast<int>(random.Below(static_cast<std::uint32_t>(kFrame.width - small.cols))),
                        static_cast<int>(random.Below(static_cast<std::uint32_t>(kFrame.height - small.rows))));
-    const Box thing{at.x + scale * box.x, at.y + scale * box.y, scale * box.width, scale * box.height};
+    const Box object{at.x + scale * box.x, at.y + scale * box.y, scale * box.width, scale * box.height};
     const Box whole{static_cast<double>(at.x), static_cast<double>(at.y), static_cast<double>(small.cols),
                     static_cast<double>(small.rows)};
-    const auto in_the_way = [&](const Thing& other) { return !Intersection(other.box, whole).IsEmpty(); };
-    if (std::ranges::any_of(scene.things, in_the_way)) continue;
+    const auto in_the_way = [&](const PastedObject& other) { return !Intersection(other.box, whole).IsEmpty(); };
+    if (std::ranges::any_of(scene.objects, in_the_way)) continue;
     small.copyTo(scene.grey(cv::Rect(at, small.size())));
-    scene.things.push_back({row.category, thing});
+    scene.objects.push_back({row.category, object});
     return;
   }
 }
@@ -90,7 +90,7 @@ Expected<std::vector<Scene>> MakeScenes(const ExperimentSettings& settings, std:
   for (int i = 0; i < kFrames; ++i) {
     VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat background, ReadGrey(settings, any_of(kBackground)));
     Scene& scene = scenes.emplace_back(Scene{FillFrame(background), {}});
-    for (int k = 0; k < i % (kMostThings + 1); ++k) {
+    for (int k = 0; k < i % (kMaxObjects + 1); ++k) {
       constexpr double kSmallest_px = 80;
       constexpr double kLargest_px = 200;
       const CategoryListRow row = any_of(kCategories[random.Below(kCategories.size() - 1)]);
@@ -111,7 +111,7 @@ struct Figures {
 };
 
 Status MeasureInto(Figures& figures, const CategoryFinder& finder, std::span<const Scene> scenes) {
-  double things = 0;
+  double objects = 0;
   double found = 0;
   double finds = 0;
   double overlap = 0;
@@ -120,24 +120,24 @@ Status MeasureInto(Figures& figures, const CategoryFinder& finder, std::span<con
   const auto start = std::chrono::steady_clock::now();
   for (const Scene& scene : scenes) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<FoundCategory> all, finder.Find(scene.grey));
-    things += static_cast<double>(scene.things.size());
+    objects += static_cast<double>(scene.objects.size());
     finds += static_cast<double>(all.size());
-    empty += scene.things.empty() ? 1 : 0;
-    empty_with_finds += scene.things.empty() && !all.empty() ? 1 : 0;
-    for (const Thing& thing : scene.things) {
+    empty += scene.objects.empty() ? 1 : 0;
+    empty_with_finds += scene.objects.empty() && !all.empty() ? 1 : 0;
+    for (const PastedObject& object : scene.objects) {
       double best = 0;
       for (const FoundCategory& one : all) {
-        if (finder.names()[one.category] != thing.category) continue;
-        best = std::max(best, IntersectionOverUnion(one.box, thing.box));
+        if (finder.names()[one.category] != object.category) continue;
+        best = std::max(best, IntersectionOverUnion(one.box, object.box));
       }
-      constexpr double kLeastOverlap = 0.25;
-      if (best < kLeastOverlap) continue;
+      constexpr double kMinOverlap = 0.25;
+      if (best < kMinOverlap) continue;
       ++found;
       overlap += best;
     }
   }
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-  figures.found.push_back(100 * found / things);
+  figures.found.push_back(100 * found / objects);
   figures.right.push_back(finds > 0 ? 100 * found / finds : 0);
   figures.overlap.push_back(found > 0 ? 100 * overlap / found : 0);
   figures.empty_frames_with_finds.push_back(100 * empty_with_finds / empty);
@@ -148,15 +148,15 @@ Status MeasureInto(Figures& figures, const CategoryFinder& finder, std::span<con
 }  // namespace
 
 Expected<Report> RunTableWindows(const ExperimentSettings& settings) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, CaltechRows(settings, kCategories));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCaltechRows(settings, kCategories));
   CategoryTrainOptions windows;
-  VICTORIOUS_CHECK(ApplyPreset("windows", FieldsOf(windows)).has_value());
+  VICTORIOUS_CHECK(ApplyPreset("windows", CollectFields(windows)).has_value());
   const std::array<std::pair<std::string, CategoryTrainOptions>, 2> ways = {
       std::pair{std::string("windows"), windows}, std::pair{std::string("whole frame"), CategoryTrainOptions()}};
   std::array<Figures, 2> figures;
   for (int seed = 1; seed <= settings.seeds; ++seed) {
     const auto number = static_cast<std::uint64_t>(seed);
-    const Split split = SplitBySeed(rows, number);
+    const Split split = MakeRandomSplit(rows, number);
     std::vector<CategoryListRow> train;
     for (const std::size_t row : split.train) train.push_back(rows[row]);
     VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Scene> scenes, MakeScenes(settings, rows, split.test, number));
@@ -174,12 +174,12 @@ Expected<Report> RunTableWindows(const ExperimentSettings& settings) {
     }
   }
   Report report{.title = "Small objects in larger frames: airplanes, cars and motorbikes of 80 to 200 px in 640 x 480",
-                .columns = {"looked at", "things found, %", "finds that are right, %", "overlap of these, %",
-                            "empty frames with finds, %", "frames/s of one thread"}};
+                .columns = {"search", "objects found, %", "precision, %", "overlap of true detections, %",
+                            "empty frames with detections, %", "frames/s of one thread"}};
   for (std::size_t way = 0; way < ways.size(); ++way) {
     const Figures& one = figures[way];
-    report.rows.push_back({ways[way].first, MeanOf(one.found), MeanOf(one.right), MeanOf(one.overlap),
-                           MeanOf(one.empty_frames_with_finds), MeanOf(one.frames_a_second)});
+    report.rows.push_back({ways[way].first, ComputeMean(one.found), ComputeMean(one.right), ComputeMean(one.overlap),
+                           ComputeMean(one.empty_frames_with_finds), ComputeMean(one.frames_a_second)});
   }
   report.notes = {
       fmt::format("{} seeds of {} frames, with zero to three test images pasted into a test image of the "

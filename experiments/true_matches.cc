@@ -8,7 +8,7 @@ namespace victorious {
 namespace {
 
 // Whether a point is not occluded: in the 3 x 3 pixels around its projection, some surface is not nearer than it.
-bool IsSeen(const cv::Mat& depth_m, const Eigen::Vector2d& place, double point_depth_m, double tolerance_m) {
+bool IsVisible(const cv::Mat& depth_m, const Eigen::Vector2d& place, double point_depth_m, double tolerance_m) {
   if (depth_m.empty()) return true;
   for (int dy = -1; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx) {
@@ -23,36 +23,37 @@ bool IsSeen(const cv::Mat& depth_m, const Eigen::Vector2d& place, double point_d
 
 }  // namespace
 
-MatchTruth::MatchTruth(const KnownScene& scene, std::string_view kind, std::span<const Point3> points, double size_m)
+MatchTruth::MatchTruth(const LabelledImage& scene, std::string_view kind, std::span<const Point3> points, double size_m)
     : points_(points.size()) {
-  for (const KnownObject& object : scene.objects) {
+  for (const LabelledObject& object : scene.objects) {
     if (object.model != kind) continue;
     for (const Point3& point : points) {
       const Eigen::Vector3d in_camera = object.camera_from_model.Apply({point.x, point.y, point.z});
       std::optional<Eigen::Vector2d> place = scene.pinhole.Project(in_camera);
       const bool inside = place && place->x() >= 0 && place->y() >= 0 && place->x() < scene.pinhole.width &&
                           place->y() < scene.pinhole.height;
-      if (!inside || !IsSeen(scene.depth_m, *place, in_camera.z(), kSameSurfaceShare * size_m)) place.reset();
-      places_.push_back(place);
+      if (!inside || !IsVisible(scene.depth_m, *place, in_camera.z(), kSameSurfaceFraction * size_m)) place.reset();
+      projections_.push_back(place);
     }
   }
 }
 
-Truth MatchTruth::Of(const Keypoint& scene, std::uint32_t model) const {
+MatchLabel MatchTruth::Label(const Keypoint& scene, std::uint32_t model) const {
   double distance_px = std::numeric_limits<double>::infinity();
-  for (std::size_t i = model; i < places_.size(); i += points_) {
-    if (places_[i]) distance_px = std::min(distance_px, (*places_[i] - Eigen::Vector2d(scene.x, scene.y)).norm());
+  for (std::size_t i = model; i < projections_.size(); i += points_) {
+    if (projections_[i])
+      distance_px = std::min(distance_px, (*projections_[i] - Eigen::Vector2d(scene.x, scene.y)).norm());
   }
-  if (distance_px <= std::max(kLeastTolerancePx, kToleranceScales * scene.scale_px)) return Truth::kRight;
-  return distance_px <= kNearPx ? Truth::kNear : Truth::kWrong;
+  if (distance_px <= std::max(kMinTolerancePx, kToleranceScales * scene.scale_px)) return MatchLabel::kTrue;
+  return distance_px <= kNearPx ? MatchLabel::kNear : MatchLabel::kFalse;
 }
 
 MatchCount MatchTruth::Count(std::span<const Keypoint> scene, const MatchSet& matches) const {
   MatchCount count{.matches = static_cast<int>(matches.size())};
   for (const Match& match : matches) {
-    const Truth truth = Of(scene[match.scene], match.model);
-    count.right += truth == Truth::kRight ? 1 : 0;
-    count.near += truth == Truth::kNear ? 1 : 0;
+    const MatchLabel truth = Label(scene[match.scene_keypoint], match.template_keypoint);
+    count.correct += truth == MatchLabel::kTrue ? 1 : 0;
+    count.near += truth == MatchLabel::kNear ? 1 : 0;
   }
   return count;
 }

@@ -19,18 +19,18 @@
 
 namespace victorious {
 
-enum class Truth { kRight, kNear, kWrong };
+enum class MatchLabel { kTrue, kNear, kFalse };
 
 /// Number of matches, and of true and near ones among them.
 struct MatchCount {
   int matches = 0;
-  int right = 0;
+  int correct = 0;
   int near = 0;
 
-  [[nodiscard]] int Wrong() const { return matches - right - near; }
+  [[nodiscard]] int FalseMatches() const { return matches - correct - near; }
   MatchCount& operator+=(const MatchCount& other) {
     matches += other.matches;
-    right += other.right;
+    correct += other.correct;
     near += other.near;
     return *this;
   }
@@ -41,25 +41,25 @@ class MatchTruth {
  public:
   /// Tolerance of a true match: the larger of a distance and a multiple of the keypoint's scale, because keypoints of
   /// larger scale are localised less accurately.
-  static constexpr double kLeastTolerancePx = 3;
+  static constexpr double kMinTolerancePx = 3;
   static constexpr double kToleranceScales = 1;
   static constexpr double kNearPx = 10;  ///< a match beyond this distance and the tolerance is false
   /// A point is occluded if the nearest surface is nearer by more than this fraction of the object's size.
-  static constexpr double kSameSurfaceShare = 0.02;
+  static constexpr double kSameSurfaceFraction = 0.02;
 
   /// @param kind    name of the template's model
   /// @param points  3-D points of the template keypoints in the model frame, metres
   /// @param size_m  diagonal of the model's bounding box
-  MatchTruth(const KnownScene& scene, std::string_view kind, std::span<const Point3> points, double size_m);
+  MatchTruth(const LabelledImage& scene, std::string_view kind, std::span<const Point3> points, double size_m);
 
   /// @param scene  the scene keypoint
   /// @param model  index of the template keypoint
-  [[nodiscard]] Truth Of(const Keypoint& scene, std::uint32_t model) const;
+  [[nodiscard]] MatchLabel Label(const Keypoint& scene, std::uint32_t model) const;
   [[nodiscard]] MatchCount Count(std::span<const Keypoint> scene, const MatchSet& matches) const;
 
  private:
   std::size_t points_ = 0;
-  std::vector<std::optional<Eigen::Vector2d>> places_;  ///< px, all points of each object; nullopt: not visible
+  std::vector<std::optional<Eigen::Vector2d>> projections_;  ///< px, all points of each object; nullopt: not visible
 };
 
 }  // namespace victorious

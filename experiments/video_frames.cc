@@ -8,10 +8,10 @@
 
 namespace victorious {
 
-std::vector<std::int64_t> SpreadOver(std::int64_t frames, int most) {
+std::vector<std::int64_t> EvenlySpaced(std::int64_t frames, int max_count) {
   std::vector<std::int64_t> numbers;
-  for (std::int64_t i = 0; i < most; ++i) {
-    const std::int64_t number = (2 * i + 1) * frames / (2 * most);
+  for (std::int64_t i = 0; i < max_count; ++i) {
+    const std::int64_t number = (2 * i + 1) * frames / (2 * max_count);
     if (number < frames && (numbers.empty() || number != numbers.back())) numbers.push_back(number);
   }
   return numbers;

@@ -15,7 +15,7 @@ namespace victorious {
 /// Returns evenly spaced frame numbers, rising: the middle frame of each of N equal parts of the video. Numbers are
 /// unique, so that fewer than N are returned for a short video.
 /// @param frames  length of the video
-[[nodiscard]] std::vector<std::int64_t> SpreadOver(std::int64_t frames, int most);
+[[nodiscard]] std::vector<std::int64_t> EvenlySpaced(std::int64_t frames, int max_count);
 
 /// Counts the frames by decoding all of them, because containers only estimate the number.
 /// Errors: kDataLoss if no frame can be decoded, and those of VideoReader.

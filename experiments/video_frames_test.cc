@@ -14,11 +14,11 @@ namespace {
 
 using ::testing::ElementsAre;
 
-TEST(SpreadOver, TakesTheMiddlesOfEqualPartsEachOnce) {
-  EXPECT_THAT(SpreadOver(120, 3), ElementsAre(20, 60, 100));
-  EXPECT_THAT(SpreadOver(2, 5), ElementsAre(0, 1));
-  EXPECT_THAT(SpreadOver(1, 1), ElementsAre(0));
-  EXPECT_TRUE(SpreadOver(0, 4).empty());
+TEST(EvenlySpaced, TakesTheMiddlesOfEqualPartsEachOnce) {
+  EXPECT_THAT(EvenlySpaced(120, 3), ElementsAre(20, 60, 100));
+  EXPECT_THAT(EvenlySpaced(2, 5), ElementsAre(0, 1));
+  EXPECT_THAT(EvenlySpaced(1, 1), ElementsAre(0));
+  EXPECT_TRUE(EvenlySpaced(0, 4).empty());
 }
 
 TEST(ReadFrames, GivesThoseAskedForAndNoOthers) {

@@ -20,7 +20,7 @@ cv::Point CellOf(const ViewAngles& angles) {
 
 }  // namespace
 
-cv::Mat GridOfViews(const ObjectModel& model, std::span<const double> values) {
+cv::Mat MakeViewGrid(const ObjectModel& model, std::span<const double> values) {
   cv::Mat grid(kViewRows, kViewColumns, CV_32FC1, cv::Scalar(0));
   for (std::size_t view = 0; view < values.size(); ++view) {
     const cv::Point cell = CellOf(*model.views[view].angles);
@@ -35,7 +35,7 @@ cv::Mat GridOfViews(const ObjectModel& model, std::span<const double> values) {
   return grid;
 }
 
-cv::Mat HeatMapOf(const cv::Mat& grid, const std::string& caption, const FramedViews& framed) {
+cv::Mat DrawHeatMap(const cv::Mat& grid, const std::string& caption, const HighlightedViews& highlighted) {
   double most = 1;
   cv::minMaxLoc(grid, nullptr, &most);
   cv::Mat levels;
@@ -45,15 +45,15 @@ cv::Mat HeatMapOf(const cv::Mat& grid, const std::string& caption, const FramedV
   cv::applyColorMap(levels, colours, cv::COLORMAP_INFERNO);
   cv::Mat picture(colours.rows + kTopPx, colours.cols, CV_8UC3, cv::Scalar::all(255));
   colours.copyTo(picture(cv::Rect({0, kTopPx}, colours.size())));
-  for (const ViewAngles& view : framed.views) {
+  for (const ViewAngles& view : highlighted.views) {
     const cv::Point corner = CellOf(view) * kCellPx + cv::Point(0, kTopPx);
-    cv::rectangle(picture, cv::Rect(corner, cv::Size(kCellPx, kCellPx)), framed.colour);
+    cv::rectangle(picture, cv::Rect(corner, cv::Size(kCellPx, kCellPx)), highlighted.colour);
   }
-  Caption(picture, caption);
+  DrawCaption(picture, caption);
   return picture;
 }
 
-void Caption(cv::Mat& picture, const std::string& text) {
+void DrawCaption(cv::Mat& picture, const std::string& text) {
   constexpr double kFont = 0.42;
   cv::putText(picture, text, {6, 16}, cv::FONT_HERSHEY_SIMPLEX, kFont, cv::Scalar::all(0), 1, cv::LINE_AA);
 }

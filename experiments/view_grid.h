@@ -17,18 +17,18 @@ inline constexpr int kViewRows = 8;
 
 /// Returns the grid, CV_32FC1, kViewRows x kViewColumns. The value of the pole fills its row.
 /// @param values  one per view of the model; every view has angles
-[[nodiscard]] cv::Mat GridOfViews(const ObjectModel& model, std::span<const double> values);
+[[nodiscard]] cv::Mat MakeViewGrid(const ObjectModel& model, std::span<const double> values);
 
 /// Cells to highlight by a frame.
-struct FramedViews {
+struct HighlightedViews {
   std::vector<ViewAngles> views;
   cv::Scalar colour;
 };
 
 /// Returns the heat map, CV_8UC3, with the caption above it. The maximum of the values and 1 is the brightest colour.
-[[nodiscard]] cv::Mat HeatMapOf(const cv::Mat& grid, const std::string& caption, const FramedViews& framed);
+[[nodiscard]] cv::Mat DrawHeatMap(const cv::Mat& grid, const std::string& caption, const HighlightedViews& highlighted);
 
 /// Writes a caption in black into the upper left corner.
-void Caption(cv::Mat& picture, const std::string& text);
+void DrawCaption(cv::Mat& picture, const std::string& text);
 
 }  // namespace victorious

@@ -141,7 +141,7 @@ Mesh TexturedSquare(const cv::Mat& bgra) {
   return mesh;
 }
 
-std::string GlbOf(std::string json, std::string binary) {
+std::string GlbFromChunks(std::string json, std::string binary) {
   json.resize((json.size() + 3) / 4 * 4, ' ');
   binary.resize((binary.size() + 3) / 4 * 4, '\0');
   const auto size = static_cast<std::uint32_t>(12 + 8 + json.size() + 8 + binary.size());
@@ -197,7 +197,7 @@ std::string GlbFrom(const Mesh& mesh, const GlbExtras& extras) {
     json += fmt::format(R"("images":[{}],"textures":[{}],)", fmt::join(images, ","), fmt::join(textures, ","));
   }
   if (!extras.top.empty()) json += extras.top + ",";
-  return GlbOf(json + buffer.Json() + "}", buffer.data());
+  return GlbFromChunks(json + buffer.Json() + "}", buffer.data());
 }
 
 std::string ObjFrom(const Mesh& mesh, const std::string& mtl_name) {

@@ -44,6 +44,6 @@ std::string ColladaFrom(const Mesh& mesh, const std::string& up_axis = "Y_UP", d
 std::string ThreeDsFrom(const Mesh& mesh);
 
 /// A GLB container with the given JSON and binary chunks; their content is not checked.
-std::string GlbOf(std::string json, std::string binary);
+std::string GlbFromChunks(std::string json, std::string binary);
 
 }  // namespace victorious::testing

@@ -49,11 +49,11 @@ inline CategoryOptions SmallOptions(const std::string& scoring = "linear") {
   CategoryOptions options;
   options.scoring = scoring;
   options.vocabulary = {.words = 60, .root = true, .iterations = 6, .samples = 4000};
-  options.phrases.parts = 24;
+  options.phrases.word_clusters = 24;
   options.fisher = {.components = 8, .dimensions = 12, .samples = 1000, .iterations = 5};
   options.plsa.iterations = 15;
   options.plsa.restarts = 1;
-  options.grammar.word_share = 0.5;
+  options.grammar.word_fraction = 0.5;
   return options;
 }
 

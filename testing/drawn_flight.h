@@ -27,8 +27,8 @@ inline testing::FlightOptions ShortFlight(int frames = 20) {
   options.frames = frames;
   options.width = 256;
   options.height = 192;
-  options.things = 2;
-  options.thing_scale = 0.6;
+  options.objects = 2;
+  options.object_scale = 0.6;
   options.zoom = 1.0;
   options.path_widths = 0.8;
   return options;
@@ -46,12 +46,12 @@ inline void WriteVideo(const testing::SyntheticFlight& flight, const std::filesy
 /// Image of an object, masked by its alpha channel, scaled by `factor`.
 inline Photo PhotoOf(const testing::SyntheticFlight& flight, int thing, double factor = 1.0) {
   cv::Mat picture;
-  cv::resize(flight.ThingPhoto(thing), picture, {}, factor, factor, cv::INTER_AREA);
+  cv::resize(flight.ObjectPhoto(thing), picture, {}, factor, factor, cv::INTER_AREA);
   cv::Mat bgr;
   cv::Mat alpha;
   cv::cvtColor(picture, bgr, cv::COLOR_BGRA2BGR);
   cv::extractChannel(picture, alpha, 3);
-  return PreparePhoto(flight.ThingName(thing), bgr, alpha, std::nullopt).value();
+  return PreparePhoto(flight.ObjectName(thing), bgr, alpha, std::nullopt).value();
 }
 
 /// The flight of one seed in its own folder, with its video and a library of the requested models.
@@ -68,7 +68,7 @@ class DrawnFlight {
   /// Model of an object, as read back from a library, so that it has an id.
   [[nodiscard]] ObjectModel Model(int thing, double factor = 1.0) const {
     const ModelLibrary library(folder_ / ("models-" + std::to_string(factor)));
-    const std::string name = flight_.ThingName(thing);
+    const std::string name = flight_.ObjectName(thing);
     if (!library.Load(name)) {
       const Photo photo = PhotoOf(flight_, thing, factor);
       EXPECT_TRUE(library.Add(MakePhotoModel(name, std::span(&photo, 1), std::nullopt, {}).value()));

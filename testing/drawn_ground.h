@@ -11,9 +11,9 @@
 namespace victorious::testing {
 
 /// Heights above the ellipsoid as a function of metres east and north of a point; NaN: unknown.
-class DrawnGround final : public Ground {
+class SyntheticGround final : public Ground {
  public:
-  DrawnGround(const GeodeticPoint& origin, std::function<double(double east_m, double north_m)> height)
+  SyntheticGround(const GeodeticPoint& origin, std::function<double(double east_m, double north_m)> height)
       : plane_({origin.latitude_rad, origin.longitude_rad, 0}), height_(std::move(height)) {}
 
   [[nodiscard]] std::optional<double> HeightAt(const GeodeticPoint& point) const override {
@@ -22,7 +22,7 @@ class DrawnGround final : public Ground {
     return std::isnan(height_m) ? std::nullopt : std::optional(height_m);
   }
   [[nodiscard]] double Spacing() const override { return 2; }
-  [[nodiscard]] double Steepest() const override { return 4; }
+  [[nodiscard]] double MaxSlope() const override { return 4; }
 
  private:
   TangentPlane plane_;

@@ -17,7 +17,7 @@ Vector3d NormalVector(Random& random) {
 }
 
 // The line from a camera to a point, both in the tangent plane; its angles refer to the camera's own tangent plane.
-LineOfSight Sight(const TangentPlane& plane, const Vector3d& camera, const Vector3d& point) {
+LineOfSight MakeLineOfSight(const TangentPlane& plane, const Vector3d& camera, const Vector3d& point) {
   const Vector3d seen = plane.LocalEnuFromEnu(camera) * (point - camera);
   return {.camera = plane.GeodeticFromEnu(camera),
           .azimuth_rad = std::atan2(seen.x(), seen.y()),
@@ -27,9 +27,9 @@ LineOfSight Sight(const TangentPlane& plane, const Vector3d& camera, const Vecto
 
 }  // namespace
 
-DrawnLines DrawLinesOfSight(const DrawnLinesOptions& options) {
+SyntheticLines SimulateLinesOfSight(const SyntheticLinesOptions& options) {
   Random random(options.seed);
-  DrawnLines drawn;
+  SyntheticLines drawn;
   drawn.object = {RadiansFromDegrees(42.36), RadiansFromDegrees(-71.09), 5};
   const TangentPlane plane(drawn.object);
   const Vector3d position_bias = options.bias_position_m * NormalVector(random);
@@ -40,22 +40,22 @@ DrawnLines DrawLinesOfSight(const DrawnLinesOptions& options) {
     const double done = options.count > 1 ? static_cast<double>(i) / (options.count - 1) : 1;
     const double angle = first_rad + done * RadiansFromDegrees(options.arc_deg);
     const Vector3d camera(options.distance_m * std::cos(angle), options.distance_m * std::sin(angle), options.height_m);
-    LineOfSight line = Sight(plane, camera, (done - 1) * options.duration_s * options.velocity_enu);
+    LineOfSight line = MakeLineOfSight(plane, camera, (done - 1) * options.duration_s * options.velocity_enu);
     const double distance_m = *line.range_m;
     line.time_s = done * options.duration_s;
     line.camera = plane.GeodeticFromEnu(camera + position_bias + options.noise_position_m * NormalVector(random));
     line.azimuth_rad += RadiansFromDegrees(azimuth_bias_deg + options.noise_deg * random.Normal());
     line.elevation_rad += RadiansFromDegrees(elevation_bias_deg + options.noise_deg * random.Normal());
-    const bool wrong = random.Uniform() < options.wrong_share;
+    const bool wrong = random.Uniform() < options.outlier_fraction;
     if (wrong) {
       constexpr double kFurthestDeg = 15;
       line.azimuth_rad += RadiansFromDegrees(random.Uniform(-kFurthestDeg, kFurthestDeg));
       line.elevation_rad += RadiansFromDegrees(random.Uniform(-kFurthestDeg, kFurthestDeg));
     }
     line.range_m.reset();
-    if (options.range_share > 0) {
-      line.range_m = distance_m * std::exp(options.range_share * random.Normal());
-      line.sigma_range_m = options.range_share * distance_m;
+    if (options.range_fraction > 0) {
+      line.range_m = distance_m * std::exp(options.range_fraction * random.Normal());
+      line.sigma_range_m = options.range_fraction * distance_m;
     }
     if (options.noise_deg > 0) line.sigma_rad = RadiansFromDegrees(options.noise_deg);
     drawn.lines.push_back(line);

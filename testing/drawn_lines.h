@@ -11,7 +11,7 @@
 
 namespace victorious::testing {
 
-struct DrawnLinesOptions {
+struct SyntheticLinesOptions {
   std::uint64_t seed = 1;
   int count = 100;
   double duration_s = 60;
@@ -19,21 +19,21 @@ struct DrawnLinesOptions {
   double height_m = 200;                  ///< above the object
   double arc_deg = 120;                   ///< arc of the circle flown; 0: the camera does not move
   Eigen::Vector3d velocity_enu{0, 0, 0};  ///< of the object, m/s
-  double wrong_share = 0;                 ///< fraction of outliers: up to 15 degrees off in each angle
+  double outlier_fraction = 0;            ///< fraction of outliers: up to 15 degrees off in each angle
   double noise_position_m = 0;            ///< sigma, independent for each line and axis
   double noise_deg = 0;                   ///< sigma, independent for each line, azimuth and elevation
   double bias_position_m = 0;             ///< sigma of the common error of the flight, per axis
   double bias_deg = 0;                    ///< sigma of the common error of the flight, azimuth and elevation
-  double range_share = 0;                 ///< sigma of the given ranges, as a fraction of the distance; 0: no ranges
+  double range_fraction = 0;              ///< sigma of the given ranges, as a fraction of the distance; 0: no ranges
 };
 
-struct DrawnLines {
+struct SyntheticLines {
   std::vector<LineOfSight> lines;  ///< in order of time, from 0 s
   std::vector<bool> wrong;
   GeodeticPoint object;  ///< at the last line's time
 };
 
 /// The same options give the same lines.
-DrawnLines DrawLinesOfSight(const DrawnLinesOptions& options);
+SyntheticLines SimulateLinesOfSight(const SyntheticLinesOptions& options);
 
 }  // namespace victorious::testing

@@ -22,7 +22,7 @@ const Colour kInk(28, 26, 24);
 const Colour kChalk(232, 236, 238);
 
 /// Completes one half of an outline that is symmetric about x = 0.
-Corners Mirrored(Corners half) {
+Corners MirrorOutline(Corners half) {
   for (auto i = half.size(); i-- > 0;) half.push_back({-half[i].x, half[i].y});
   return half;
 }
@@ -197,9 +197,9 @@ const Corners& TruckHalf() {
 }
 
 void PaintCab(Pencil& pencil, const Colour& body, Random& random) {
-  pencil.Fill(Mirrored({{30, -98}, {38, -92}, {41, -52}}), body);
-  pencil.Fill(Mirrored({{40, -72}, {54, -74}, {56, -62}, {41, -60}}), Shade(body, 0.55));
-  pencil.Fill(Mirrored({{28, -80}, {34, -70}}), Colour(70, 60, 45));  // windscreen
+  pencil.Fill(MirrorOutline({{30, -98}, {38, -92}, {41, -52}}), body);
+  pencil.Fill(MirrorOutline({{40, -72}, {54, -74}, {56, -62}, {41, -60}}), Shade(body, 0.55));
+  pencil.Fill(MirrorOutline({{28, -80}, {34, -70}}), Colour(70, 60, 45));  // windscreen
   pencil.Line({-22, -72}, {-4, -79}, Colour(190, 180, 160), 1.5);
   pencil.Frame(0, -61, 60, 14, Shade(body, 0.6), 1);
   pencil.Text(0, -61, RandomLabel(4, random), 10, 54, kChalk, 2);
@@ -213,7 +213,7 @@ void PaintCab(Pencil& pencil, const Colour& body, Random& random) {
 void PaintTruck(Pencil& pencil, Random& random) {
   const Colour body =
       PickColour({{60, 110, 70}, {50, 60, 170}, {160, 110, 50}, {40, 150, 200}, {140, 140, 140}}, random);
-  pencil.Fill(Mirrored(TruckHalf()), Shade(body, 0.5));
+  pencil.Fill(MirrorOutline(TruckHalf()), Shade(body, 0.5));
   PaintCab(pencil, body, random);
   pencil.Box(0, 23, 100, 146, Shade(body, 0.85));
   pencil.Box(0, 23, 90, 136, Colour(80, 88, 92));
@@ -266,7 +266,7 @@ void PaintAircraft(Pencil& pencil, Random& random) {
   const Colour skin =
       PickColour({{225, 225, 220}, {170, 175, 180}, {90, 140, 90}, {200, 190, 120}, {60, 180, 220}}, random);
   const Colour paint = PickColour({{50, 50, 190}, {170, 80, 30}, {40, 120, 40}, {30, 130, 230}, {60, 50, 60}}, random);
-  pencil.Fill(Mirrored(AircraftHalf()), skin);
+  pencil.Fill(MirrorOutline(AircraftHalf()), skin);
   for (const double side : {-1.0, 1.0}) {  // wings: panels, flaps, tips
     for (double x = 22; x < 92; x += random.Uniform(8, 14)) {
       pencil.Line({side * x, -44 + x * 0.1}, {side * x, -4}, Shade(skin, 0.72), 1);
@@ -285,8 +285,8 @@ void PaintAircraft(Pencil& pencil, Random& random) {
   pencil.Text(-54, -24, RandomLabel(3, random), 15, 40, kInk, 3);
   const double emblem = random.Uniform(9, 12);
   Emblem(pencil, 55, -23, emblem, random);
-  pencil.Fill(Mirrored({{5, -90}, {9.5, -78}, {10, -64}}), paint);  // nose
-  pencil.Fill(Mirrored({{7, -58}, {9, -48}, {8, -28}, {6, -24}}), Colour(80, 60, 40));
+  pencil.Fill(MirrorOutline({{5, -90}, {9.5, -78}, {10, -64}}), paint);  // nose
+  pencil.Fill(MirrorOutline({{7, -58}, {9, -48}, {8, -28}, {6, -24}}), Colour(80, 60, 40));
   pencil.Line({-5, -54}, {3, -46}, Colour(220, 210, 190), 1.5);
   for (double y = -18; y < 54; y += random.Uniform(6, 11)) pencil.Line({-9, y}, {9, y}, Shade(skin, 0.7), 1);
   const auto [hatch_y, hatch_height] = Uniforms(random, {{10, 34}, {8, 14}});
@@ -306,27 +306,27 @@ struct Design {
   void (*paint)(Pencil&, Random&);
 };
 
-const Design& DesignOf(ThingKind kind) {
-  static const Design designs[kThingKinds] = {
+const Design& GetDesign(ObjectKind kind) {
+  static const Design designs[kNumObjectKinds] = {
       {"crate", 176, 176, Rectangle(176, 176), PaintCrate},
-      {"truck", 120, 200, Mirrored(TruckHalf()), PaintTruck},
+      {"truck", 120, 200, MirrorOutline(TruckHalf()), PaintTruck},
       {"sign", 192, 136, Rectangle(192, 136), PaintSign},
-      {"aircraft", 200, 184, Mirrored(AircraftHalf()), PaintAircraft},
+      {"aircraft", 200, 184, MirrorOutline(AircraftHalf()), PaintAircraft},
   };
   return designs[static_cast<int>(kind)];
 }
 
 }  // namespace
 
-std::string_view Name(ThingKind kind) { return DesignOf(kind).name; }
+std::string_view Name(ObjectKind kind) { return GetDesign(kind).name; }
 
-DrawnThing DrawThing(ThingKind kind, std::uint64_t seed) {
-  const Design& design = DesignOf(kind);
-  Random random(seed * kThingKinds + static_cast<std::uint64_t>(kind));
+SyntheticObject DrawObject(ObjectKind kind, std::uint64_t seed) {
+  const Design& design = GetDesign(kind);
+  Random random(seed * kNumObjectKinds + static_cast<std::uint64_t>(kind));
   const cv::Size size(static_cast<int>(design.width + 2 * kMargin), static_cast<int>(design.height + 2 * kMargin));
   const cv::Point2d middle(size.width / 2.0, size.height / 2.0);
 
-  cv::Mat large(size * kDetail, CV_8UC3, DesignOf(kind).outline.size() > 4 ? Colour(90, 90, 90) : kInk);
+  cv::Mat large(size * kDetail, CV_8UC3, GetDesign(kind).outline.size() > 4 ? Colour(90, 90, 90) : kInk);
   cv::Mat large_alpha = cv::Mat::zeros(size * kDetail, CV_8U);
   Pencil pencil(large, middle * kDetail, 0.0, kDetail);
   design.paint(pencil, random);
@@ -336,7 +336,7 @@ DrawnThing DrawThing(ThingKind kind, std::uint64_t seed) {
   grime += 0.8 * SmoothNoise(large.size(), 9, random);
   ApplyTexture(large, grime, cv::Mat(large.size(), CV_8U, cv::Scalar(18)));
 
-  DrawnThing thing;
+  SyntheticObject thing;
   cv::Mat colour;
   cv::Mat alpha;
   cv::resize(large, colour, size, 0, 0, cv::INTER_AREA);

@@ -19,8 +19,8 @@ class HookedStore final : public IndexStore {
   HookedStore(IndexStore& store, std::function<Status()> before_commit)
       : store_(store), before_commit_(std::move(before_commit)) {}
 
-  Expected<std::int64_t> ForgetOtherContent(const std::string& name, const std::string& content_id) override {
-    return store_.ForgetOtherContent(name, content_id);
+  Expected<std::int64_t> DeleteOtherContent(const std::string& name, const std::string& content_id) override {
+    return store_.DeleteOtherContent(name, content_id);
   }
   Expected<VideoRecord> PutVideo(const VideoRecord& video) override { return store_.PutVideo(video); }
   Status SetVideoLength(std::int64_t video, std::int64_t frames, double duration_s) override {
@@ -35,13 +35,13 @@ class HookedStore final : public IndexStore {
   Expected<std::optional<SearchRecord>> FindSearch(std::int64_t video, std::int64_t model) override {
     return store_.FindSearch(video, model);
   }
-  Status ForgetSearch(std::int64_t video, std::int64_t model) override { return store_.ForgetSearch(video, model); }
-  Status ForgetKeptFrames(std::int64_t video) override { return store_.ForgetKeptFrames(video); }
+  Status DeleteSearch(std::int64_t video, std::int64_t model) override { return store_.DeleteSearch(video, model); }
+  Status DeleteKeptFrames(std::int64_t video) override { return store_.DeleteKeptFrames(video); }
   Expected<std::vector<std::int64_t>> Commit(const IndexBatch& batch) override {
     VICTORIOUS_RETURN_IF_ERROR(before_commit_());
     return store_.Commit(batch);
   }
-  Expected<std::vector<RunRecord>> Runs() override { return store_.Runs(); }
+  Expected<std::vector<TrackletRecord>> Tracklets() override { return store_.Tracklets(); }
   Status PutObjects(std::span<const ObjectRecord> objects) override { return store_.PutObjects(objects); }
   Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) override { return store_.Objects(filter); }
   Status VisitSightings(const SightingFilter& filter, const std::function<bool(SightingRecord&&)>& visit) override {

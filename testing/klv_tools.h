@@ -15,7 +15,7 @@ namespace victorious {
 inline constexpr std::string_view kSt0601LabelBytes("\x06\x0E\x2B\x34\x02\x0B\x01\x01\x0E\x01\x03\x01\x01\0\0\0", 16);
 inline constexpr std::string_view kEg0104LabelBytes("\x06\x0E\x2B\x34\x02\x01\x01\x01\x0E\x01\x01\x02\x01\x01\0\0", 16);
 
-inline Bytes BytesOf(std::string_view text) { return std::as_bytes(std::span(text.data(), text.size())); }
+inline Bytes AsBytes(std::string_view text) { return std::as_bytes(std::span(text.data(), text.size())); }
 
 /// The number as `bytes` bytes, big-endian.
 inline std::string BigEndian(std::uint64_t number, int bytes) {
@@ -39,7 +39,7 @@ inline std::string St0601Packet(const std::vector<std::pair<int, std::string>>& 
   constexpr std::size_t kChecksumItemSize = 4;
   const std::string packet =
       std::string(kSt0601LabelBytes) + BerLength(value.size() + kChecksumItemSize) + value + "\x01\x02";
-  return packet + BigEndian(St0601Checksum(BytesOf(packet)), 2);
+  return packet + BigEndian(St0601Checksum(AsBytes(packet)), 2);
 }
 
 /// An ST 0601 packet of a camera at 42 degrees north and 71 west, 1000 m above the ellipsoid. The platform heads east,

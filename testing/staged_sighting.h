@@ -58,7 +58,7 @@ inline Staged Stage(const CameraState& camera, const Eigen::Vector3d& object_enu
   for (int i = 0; i < 24; ++i) {
     const Eigen::Vector3d off((i % 3 - 1) * 1.8, (i / 3 % 4 - 1.5) * 0.6, i % 2 == 0 ? 0.9 : 0.2 * (i % 5));
     const Eigen::Vector2d seen = show(off);
-    staged.detection.pose.inliers.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i), 0.5F});
+    staged.detection.fit.inliers.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i), 0.5F});
     staged.scene.keypoints.push_back({static_cast<float>(seen.x()), static_cast<float>(seen.y())});
     staged.features->keypoints.push_back({});
     const Eigen::Vector3f point = (middle + off).cast<float>();
@@ -66,7 +66,7 @@ inline Staged Stage(const CameraState& camera, const Eigen::Vector3d& object_enu
   }
   // The template's upright is the model's up: its in-plane rotation in the image.
   const Eigen::Vector2d up = show({0, 0, 1}) - show({0, 0, -1});
-  Similarity2& similarity = staged.detection.pose.scene_from_template;
+  Similarity2& similarity = staged.detection.fit.scene_from_template;
   similarity.rotation_rad = std::atan2(up.x(), -up.y());
   similarity.scale = 0.2;
   similarity.translation = show({0, 0, 0}) - similarity.Linear() * Eigen::Vector2d(200, 200);

@@ -15,12 +15,12 @@
 namespace victorious::testing {
 namespace {
 
-constexpr double kClimb = 0.2;          // relative amplitude of the zoom
-constexpr double kSwell = 0.1;          // relative amplitude of a thing's scale
-constexpr double kSwayRad = 0.7;        // amplitude of the camera's rotation
-constexpr double kFirstThing = 0.12;    // position on the camera path, as a fraction of its length
-constexpr double kThingSpacing = 0.38;  // as a fraction of the camera path, maximum
-constexpr int kMaxThings = 8;
+constexpr double kZoomVariation = 0.2;         // relative amplitude of the zoom
+constexpr double kScaleVariation = 0.1;        // relative amplitude of a thing's scale
+constexpr double kRotationAmplitudeRad = 0.7;  // amplitude of the camera's rotation
+constexpr double kFirstObject = 0.12;          // position on the camera path, as a fraction of its length
+constexpr double kObjectSpacing = 0.38;        // as a fraction of the camera path, maximum
+constexpr int kMaxObjects = 8;
 constexpr std::uint8_t kOpaque = 128;   // alpha from which a pixel belongs to the thing (half covered)
 const Eigen::Vector2d kShadowPx(7, 5);  // ground px
 
@@ -29,7 +29,7 @@ enum SeedUse : std::uint64_t { kTownSeed = 0x7001, kPathSeed = 0x7002, kThingSee
 
 std::uint64_t SeedFor(std::uint64_t seed, std::uint64_t use) { return Random(seed ^ (use << 40)).Next(); }
 
-std::vector<cv::Mat> Halvings(const cv::Mat& picture) {
+std::vector<cv::Mat> BuildPyramid(const cv::Mat& picture) {
   std::vector<cv::Mat> levels = {picture};
   while (std::min(levels.back().cols, levels.back().rows) > 16) {
     cv::Mat half;
@@ -39,7 +39,7 @@ std::vector<cv::Mat> Halvings(const cv::Mat& picture) {
   return levels;
 }
 
-cv::Mat Premultiplied(const cv::Mat& bgra) {
+cv::Mat PremultiplyAlpha(const cv::Mat& bgra) {
   cv::Mat result = bgra.clone();
   result.forEach<cv::Vec4b>([](cv::Vec4b& pixel, const int*) {
     for (int channel = 0; channel < 3; ++channel) {
@@ -50,7 +50,7 @@ cv::Mat Premultiplied(const cv::Mat& bgra) {
 }
 
 /// A blurred, dark copy of an image's alpha channel.
-cv::Mat ShadowOf(const cv::Mat& bgra) {
+cv::Mat MakeShadow(const cv::Mat& bgra) {
   cv::Mat alpha;
   cv::extractChannel(bgra, alpha, 3);
   cv::GaussianBlur(alpha, alpha, {}, 2.0);
@@ -117,7 +117,7 @@ Polygon Mapped(const Eigen::Matrix3d& homography, const Polygon& polygon) {
 }
 
 Polygon OutlineOf(const cv::Mat& picture) {
-  return CornersOf({0, 0, static_cast<double>(picture.cols), static_cast<double>(picture.rows)});
+  return BoxCorners({0, 0, static_cast<double>(picture.cols), static_cast<double>(picture.rows)});
 }
 
 /// The bounding rectangle of the pixels that an outline touches, with a border of one pixel.
@@ -138,7 +138,8 @@ void Overlay(const std::vector<cv::Mat>& pyramid, const Eigen::Matrix3d& frame_f
 }
 
 /// A mask of the region: 255 where the image covers at least half of a pixel, else 0.
-cv::Mat Cover(const std::vector<cv::Mat>& pyramid, const Eigen::Matrix3d& frame_from_picture, const cv::Rect& region) {
+cv::Mat ComputeCoverage(const std::vector<cv::Mat>& pyramid, const Eigen::Matrix3d& frame_from_picture,
+                        const cv::Rect& region) {
   cv::Mat alpha;
   cv::extractChannel(LayInto(pyramid, frame_from_picture, region, cv::BORDER_CONSTANT), alpha, 3);
   return alpha >= kOpaque;
@@ -155,40 +156,40 @@ void AddSensorNoise(cv::Mat& image, double deviation, std::uint64_t seed) {
 
 SyntheticFlight::SyntheticFlight(const FlightOptions& options) : options_(options) {
   VICTORIOUS_CHECK(options.frames > 0 && options.width > 0 && options.height > 0);
-  VICTORIOUS_CHECK(options.things >= 0 && options.things <= kMaxThings && options.zoom > 0);
+  VICTORIOUS_CHECK(options.objects >= 0 && options.objects <= kMaxObjects && options.zoom > 0);
   Random random(SeedFor(options.seed, kPathSeed));
   heading_rad_ = random.Uniform(-0.3, 0.3);
   climb_phase_rad_ = random.Uniform(0, 2 * kPi);
 
-  const double farthest = std::hypot(options.width, options.height) / 2 / (options.zoom * (1 - kClimb));
+  const double farthest = std::hypot(options.width, options.height) / 2 / (options.zoom * (1 - kZoomVariation));
   const double margin = farthest + 40;
   reach_px_ = options.path_widths * options.width / options.zoom;
   start_ = {margin, margin};
   const cv::Size town(static_cast<int>(reach_px_ + 2 * margin), static_cast<int>(2 * margin));
-  ground_ = Halvings(DrawTown(town, SeedFor(options.seed, kTownSeed)));
-  PlaceThings();
+  ground_ = BuildPyramid(DrawTown(town, SeedFor(options.seed, kTownSeed)));
+  PlaceObjects();
 }
 
-void SyntheticFlight::PlaceThings() {
-  const double spacing = std::min(kThingSpacing, (1 - 2 * kFirstThing) / std::max(1, options_.things - 1));
+void SyntheticFlight::PlaceObjects() {
+  const double spacing = std::min(kObjectSpacing, (1 - 2 * kFirstObject) / std::max(1, options_.objects - 1));
   const double frame_height = options_.height / options_.zoom;
-  for (int i = 0; i < options_.things; ++i) {
+  for (int i = 0; i < options_.objects; ++i) {
     Random random(SeedFor(options_.seed, kThingSeed + 16 * static_cast<std::uint64_t>(i)));
-    const auto kind = static_cast<ThingKind>(i % kThingKinds);
-    Thing thing;
-    thing.drawn = DrawThing(kind, random.Next());
-    thing.name = std::string(Name(kind)) + (i < kThingKinds ? "" : std::to_string(i / kThingKinds + 1));
-    thing.pyramid = Halvings(Premultiplied(thing.drawn.picture));
-    thing.shadow = Halvings(ShadowOf(thing.drawn.picture));
+    const auto kind = static_cast<ObjectKind>(i % kNumObjectKinds);
+    FlightObject thing;
+    thing.drawn = DrawObject(kind, random.Next());
+    thing.name = std::string(Name(kind)) + (i < kNumObjectKinds ? "" : std::to_string(i / kNumObjectKinds + 1));
+    thing.pyramid = BuildPyramid(PremultiplyAlpha(thing.drawn.picture));
+    thing.shadow = BuildPyramid(MakeShadow(thing.drawn.picture));
     const double aside = (i % 2 == 0 ? -0.16 : 0.16) * frame_height;
-    thing.course.base = start_ + Eigen::Vector2d((kFirstThing + i * spacing) * reach_px_, aside);
+    thing.course.base = start_ + Eigen::Vector2d((kFirstObject + i * spacing) * reach_px_, aside);
     const double way = i == 0 ? 0.0 : random.Uniform(-0.6, 0.6);  // the first thing moves along the camera path
     thing.course.swing = 0.16 * frame_height * Eigen::Vector2d(std::cos(way), std::sin(way));
     thing.course.phase_rad = i == 0 ? 0.0 : random.Uniform(0, 2 * kPi);
     thing.course.heading_rad = random.Uniform(-kPi, kPi);
     const double turn = random.Uniform(1.2, 2.6);
     thing.course.turn_rad = random.Uniform() < 0.5 ? -turn : turn;
-    things_.push_back(std::move(thing));
+    objects_.push_back(std::move(thing));
   }
 }
 
@@ -201,35 +202,35 @@ Eigen::Matrix3d SyntheticFlight::FrameFromGround(int index) const {
   const double phase = Phase(index);
   const Eigen::Vector2d camera = start_ + Eigen::Vector2d(reach_px_ * (1 - std::cos(phase)) / 2, 0);
   Similarity2 view;
-  view.scale = options_.zoom * (1 + kClimb * std::sin(1.5 * phase + climb_phase_rad_));
-  view.rotation_rad = heading_rad_ + kSwayRad * std::sin(phase);
+  view.scale = options_.zoom * (1 + kZoomVariation * std::sin(1.5 * phase + climb_phase_rad_));
+  view.rotation_rad = heading_rad_ + kRotationAmplitudeRad * std::sin(phase);
   view.translation = -(view.Linear() * camera);
   return Shift(options_.width / 2.0, options_.height / 2.0) * view.Matrix();
 }
 
-Similarity2 SyntheticFlight::GroundFromThing(const Thing& thing, int index) const {
+Similarity2 SyntheticFlight::GroundFromObject(const FlightObject& thing, int index) const {
   const double phase = Phase(index);
   const Course& course = thing.course;
   Similarity2 pose;
-  pose.scale = options_.thing_scale * (1 + kSwell * std::sin(2 * phase + course.phase_rad));
+  pose.scale = options_.object_scale * (1 + kScaleVariation * std::sin(2 * phase + course.phase_rad));
   pose.rotation_rad = course.heading_rad + course.turn_rad * phase / (2 * kPi);
   const Eigen::Vector2d middle(thing.drawn.picture.cols / 2.0, thing.drawn.picture.rows / 2.0);
   pose.translation = course.base + std::sin(phase + course.phase_rad) * course.swing - pose.Linear() * middle;
   return pose;
 }
 
-Eigen::Matrix3d SyntheticFlight::FrameFromThing(int thing, int index) const {
-  return FrameFromGround(index) * GroundFromThing(things_.at(thing), index).Matrix();
+Eigen::Matrix3d SyntheticFlight::FrameFromObject(int thing, int index) const {
+  return FrameFromGround(index) * GroundFromObject(objects_.at(thing), index).Matrix();
 }
 
 Frame SyntheticFlight::Render(int index) const {
   const Eigen::Matrix3d frame_from_ground = FrameFromGround(index);
   const cv::Rect whole(0, 0, options_.width, options_.height);
   cv::Mat image = LayInto(ground_, frame_from_ground, whole, cv::BORDER_REFLECT_101);
-  for (const Thing& thing : things_) {
-    const Eigen::Matrix3d ground_from_thing = GroundFromThing(thing, index).Matrix();
-    Overlay(thing.shadow, frame_from_ground * Shift(kShadowPx.x(), kShadowPx.y()) * ground_from_thing, image);
-    Overlay(thing.pyramid, frame_from_ground * ground_from_thing, image);
+  for (const FlightObject& thing : objects_) {
+    const Eigen::Matrix3d ground_from_object = GroundFromObject(thing, index).Matrix();
+    Overlay(thing.shadow, frame_from_ground * Shift(kShadowPx.x(), kShadowPx.y()) * ground_from_object, image);
+    Overlay(thing.pyramid, frame_from_ground * ground_from_object, image);
   }
   if (options_.blur_px > 0) cv::GaussianBlur(image, image, {}, options_.blur_px);
   if (options_.noise > 0)
@@ -238,33 +239,33 @@ Frame SyntheticFlight::Render(int index) const {
   return {index, index / options_.fps, image};
 }
 
-cv::Mat SyntheticFlight::CoverOf(int thing, int index, const cv::Rect& region) const {
-  return Cover(things_[thing].pyramid, FrameFromThing(thing, index), region);
+cv::Mat SyntheticFlight::ObjectCoverage(int thing, int index, const cv::Rect& region) const {
+  return ComputeCoverage(objects_[thing].pyramid, FrameFromObject(thing, index), region);
 }
 
 std::vector<TruthRow> SyntheticFlight::Truth(int index) const {
   std::vector<TruthRow> rows;
-  const int count = static_cast<int>(things_.size());
+  const int count = static_cast<int>(objects_.size());
   for (int i = 0; i < count; ++i) {
-    const Eigen::Matrix3d frame_from_thing = FrameFromThing(i, index);
-    const Polygon outline = Mapped(frame_from_thing, things_[i].drawn.outline);
-    const cv::Rect region = PixelsAround(Mapped(frame_from_thing, OutlineOf(things_[i].drawn.picture)));
+    const Eigen::Matrix3d frame_from_object = FrameFromObject(i, index);
+    const Polygon outline = Mapped(frame_from_object, objects_[i].drawn.outline);
+    const cv::Rect region = PixelsAround(Mapped(frame_from_object, OutlineOf(objects_[i].drawn.picture)));
     const cv::Rect in_view = region & cv::Rect(0, 0, options_.width, options_.height);
     if (in_view.empty()) continue;
 
-    const cv::Mat own = CoverOf(i, index, region);
+    const cv::Mat own = ObjectCoverage(i, index, region);
     cv::Mat visible = own(in_view - region.tl()).clone();
-    for (int above = i + 1; above < count; ++above) visible.setTo(0, CoverOf(above, index, in_view));
+    for (int above = i + 1; above < count; ++above) visible.setTo(0, ObjectCoverage(above, index, in_view));
     const int pixels = cv::countNonZero(visible);
     if (pixels == 0) continue;
 
     const cv::Rect box = cv::boundingRect(visible) + in_view.tl();
     TruthRow row;
-    row.thing = i;
+    row.object_index = i;
     row.frame = index;
     row.time_s = index / options_.fps;
-    row.object = things_[i].name + "-1";
-    row.model = things_[i].name;
+    row.object = objects_[i].name + "-1";
+    row.model = objects_[i].name;
     row.outline = outline;
     row.box = {double(box.x), double(box.y), double(box.width), double(box.height)};
     row.visible = static_cast<double>(pixels) / cv::countNonZero(own);
@@ -274,8 +275,8 @@ std::vector<TruthRow> SyntheticFlight::Truth(int index) const {
   return rows;
 }
 
-cv::Mat SyntheticFlight::ThingPhoto(int thing) const { return things_.at(thing).drawn.picture.clone(); }
+cv::Mat SyntheticFlight::ObjectPhoto(int thing) const { return objects_.at(thing).drawn.picture.clone(); }
 
-std::string SyntheticFlight::ThingName(int thing) const { return things_.at(thing).name; }
+std::string SyntheticFlight::ObjectName(int thing) const { return objects_.at(thing).name; }
 
 }  // namespace victorious::testing

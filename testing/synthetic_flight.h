@@ -26,20 +26,20 @@ namespace victorious::testing {
 struct FlightOptions {
   std::uint64_t seed = 1;
   int frames = 120;
-  double fps = 10.0;         ///< frames/s
-  int width = 640;           ///< px
-  int height = 480;          ///< px
-  int things = 2;            ///< 0 to 8, of the kinds of drawn_things.h in turn
-  double thing_scale = 1.0;  ///< mean ground px per px of a thing's image; varies by 10 %
-  double zoom = 0.8;         ///< mean frame px per ground px; varies by 20 % as the camera climbs and descends
-  double path_widths = 1.5;  ///< length of the camera path in frame widths; 0: no translation
-  double blur_px = 0.4;      ///< sigma of the lens blur; 0: no blur
-  double noise = 2.0;        ///< standard deviation of the sensor noise, grey levels
+  double fps = 10.0;          ///< frames/s
+  int width = 640;            ///< px
+  int height = 480;           ///< px
+  int objects = 2;            ///< 0 to 8, of the kinds of drawn_things.h in turn
+  double object_scale = 1.0;  ///< mean ground px per px of a thing's image; varies by 10 %
+  double zoom = 0.8;          ///< mean frame px per ground px; varies by 20 % as the camera climbs and descends
+  double path_widths = 1.5;   ///< length of the camera path in frame widths; 0: no translation
+  double blur_px = 0.4;       ///< sigma of the lens blur; 0: no blur
+  double noise = 2.0;         ///< standard deviation of the sensor noise, grey levels
 };
 
 /// The ground truth of one thing in one frame.
 struct TruthRow {
-  int thing = 0;           ///< index
+  int object_index = 0;    ///< index
   std::int64_t frame = 0;  ///< from 0
   double time_s = 0;
   std::string object;  ///< "crate-1"
@@ -61,11 +61,11 @@ class SyntheticFlight {
   [[nodiscard]] std::vector<TruthRow> Truth(int index) const;
 
   /// The thing's image, BGRA: the photo for a model.
-  [[nodiscard]] cv::Mat ThingPhoto(int thing) const;
+  [[nodiscard]] cv::Mat ObjectPhoto(int thing) const;
   /// "crate", "truck", "sign", "aircraft", "crate2", ...
-  [[nodiscard]] std::string ThingName(int thing) const;
+  [[nodiscard]] std::string ObjectName(int thing) const;
 
-  [[nodiscard]] Eigen::Matrix3d FrameFromThing(int thing, int index) const;
+  [[nodiscard]] Eigen::Matrix3d FrameFromObject(int thing, int index) const;
   [[nodiscard]] Eigen::Matrix3d FrameFromGround(int index) const;
   [[nodiscard]] const FlightOptions& options() const { return options_; }
 
@@ -82,8 +82,8 @@ class SyntheticFlight {
     double turn_rad = 0;     ///< over the whole flight
   };
 
-  struct Thing {
-    DrawnThing drawn;
+  struct FlightObject {
+    SyntheticObject drawn;
     std::string name;
     Pyramid pyramid;
     Pyramid shadow;
@@ -91,9 +91,9 @@ class SyntheticFlight {
   };
 
   [[nodiscard]] double Phase(int index) const;
-  [[nodiscard]] Similarity2 GroundFromThing(const Thing& thing, int index) const;
-  [[nodiscard]] cv::Mat CoverOf(int thing, int index, const cv::Rect& region) const;
-  void PlaceThings();
+  [[nodiscard]] Similarity2 GroundFromObject(const FlightObject& thing, int index) const;
+  [[nodiscard]] cv::Mat ObjectCoverage(int thing, int index, const cv::Rect& region) const;
+  void PlaceObjects();
 
   FlightOptions options_;
   Eigen::Vector2d start_;  ///< start of the camera path, ground px
@@ -101,7 +101,7 @@ class SyntheticFlight {
   double heading_rad_ = 0;
   double climb_phase_rad_ = 0;
   Pyramid ground_;
-  std::vector<Thing> things_;
+  std::vector<FlightObject> objects_;
 };
 
 }  // namespace victorious::testing

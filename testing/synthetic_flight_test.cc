@@ -17,7 +17,7 @@ FlightOptions SmallFlight(std::uint64_t seed) {
   options.seed = seed;
   options.width = 320;
   options.height = 240;
-  options.thing_scale = 0.5;
+  options.object_scale = 0.5;
   return options;
 }
 
@@ -25,7 +25,7 @@ double LargestDifference(const cv::Mat& a, const cv::Mat& b) { return cv::norm(a
 
 /// Mean absolute difference of the green channel between a thing's opaque pixels and the frame at their true positions,
 /// shifted by `aside_px`.
-double MeanDifference(const cv::Mat& image, const cv::Mat& photo, const Eigen::Matrix3d& frame_from_thing,
+double MeanDifference(const cv::Mat& image, const cv::Mat& photo, const Eigen::Matrix3d& frame_from_object,
                       const Eigen::Vector2d& aside_px) {
   double sum = 0;
   int count = 0;
@@ -33,7 +33,7 @@ double MeanDifference(const cv::Mat& image, const cv::Mat& photo, const Eigen::M
   for (int y = 0; y < photo.rows; ++y) {
     for (int x = 0; x < photo.cols; ++x) {
       const auto& pixel = photo.at<cv::Vec4b>(y, x);
-      const Eigen::Vector2d at = ApplyHomography(frame_from_thing, {x + 0.5, y + 0.5}) + aside_px;
+      const Eigen::Vector2d at = ApplyHomography(frame_from_object, {x + 0.5, y + 0.5}) + aside_px;
       const cv::Point nearest(static_cast<int>(std::floor(at.x())), static_cast<int>(std::floor(at.y())));
       if (pixel[3] < 255 || !whole.contains(nearest)) continue;
       sum += std::abs(image.at<cv::Vec3b>(nearest)[1] - pixel[1]);
@@ -45,7 +45,7 @@ double MeanDifference(const cv::Mat& image, const cv::Mat& photo, const Eigen::M
 
 std::optional<TruthRow> TruthOf(const SyntheticFlight& flight, int thing, int index) {
   for (const TruthRow& row : flight.Truth(index)) {
-    if (row.thing == thing) return row;
+    if (row.object_index == thing) return row;
   }
   return std::nullopt;
 }
@@ -76,20 +76,20 @@ TEST(SyntheticFlightTest, FramesKnowTheirPlaceInTime) {
 
 TEST(SyntheticFlightTest, ThingsAreRenderedWhereTheTruthSays) {
   FlightOptions options = SmallFlight(2);
-  options.things = 4;
-  options.thing_scale = 0.9;
+  options.objects = 4;
+  options.object_scale = 0.9;
   const SyntheticFlight flight(options);
   int compared = 0;
   for (int index = 0; index < options.frames; index += 6) {
     const cv::Mat image = flight.Render(index).image;
     for (const TruthRow& row : flight.Truth(index)) {
       if (row.visible < 1) continue;
-      const cv::Mat photo = flight.ThingPhoto(row.thing);
-      const Eigen::Matrix3d frame_from_thing = flight.FrameFromThing(row.thing, index);
-      const double here = MeanDifference(image, photo, frame_from_thing, {0, 0});
+      const cv::Mat photo = flight.ObjectPhoto(row.object_index);
+      const Eigen::Matrix3d frame_from_object = flight.FrameFromObject(row.object_index, index);
+      const double here = MeanDifference(image, photo, frame_from_object, {0, 0});
       EXPECT_LT(here, 24) << row.object << " in frame " << index;
       for (const Eigen::Vector2d& aside : {Eigen::Vector2d(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
-        EXPECT_LT(here, 0.97 * MeanDifference(image, photo, frame_from_thing, aside))
+        EXPECT_LT(here, 0.97 * MeanDifference(image, photo, frame_from_object, aside))
             << row.object << " in frame " << index << ", " << aside.transpose() << " px aside";
       }
       ++compared;
@@ -100,7 +100,7 @@ TEST(SyntheticFlightTest, ThingsAreRenderedWhereTheTruthSays) {
 
 TEST(SyntheticFlightTest, TheTruthOfAWholeThingIsItsOutline) {
   FlightOptions options = SmallFlight(3);
-  options.things = 4;
+  options.objects = 4;
   const SyntheticFlight flight(options);
   int whole = 0;
   for (int index = 0; index < options.frames; index += 5) {
@@ -126,7 +126,7 @@ TEST(SyntheticFlightTest, TheTruthOfAWholeThingIsItsOutline) {
 
 TEST(SyntheticFlightTest, ThingsLeaveTheViewAndReturn) {
   FlightOptions options = SmallFlight(4);
-  options.things = 3;
+  options.objects = 3;
   const SyntheticFlight flight(options);
   EXPECT_TRUE(TruthOf(flight, 0, 0));
   EXPECT_FALSE(TruthOf(flight, 0, 60));
@@ -143,11 +143,11 @@ TEST(SyntheticFlightTest, ThingsLeaveTheViewAndReturn) {
 
 TEST(SyntheticFlightTest, NamesAreUniqueAndObjectsCarryThem) {
   FlightOptions options = SmallFlight(4);
-  options.things = 6;
+  options.objects = 6;
   const SyntheticFlight flight(options);
-  EXPECT_EQ(flight.ThingName(0), "crate");
-  EXPECT_EQ(flight.ThingName(1), "truck");
-  EXPECT_EQ(flight.ThingName(4), "crate2");
+  EXPECT_EQ(flight.ObjectName(0), "crate");
+  EXPECT_EQ(flight.ObjectName(1), "truck");
+  EXPECT_EQ(flight.ObjectName(4), "crate2");
   const auto row = TruthOf(flight, 0, 0);
   ASSERT_TRUE(row);
   EXPECT_EQ(row->model, "crate");
@@ -155,26 +155,26 @@ TEST(SyntheticFlightTest, NamesAreUniqueAndObjectsCarryThem) {
 }
 
 TEST(DrawnThingsTest, OutlinesBoundWhatIsOpaque) {
-  for (int kind = 0; kind < kThingKinds; ++kind) {
-    const DrawnThing thing = DrawThing(static_cast<ThingKind>(kind), 1);
+  for (int kind = 0; kind < kNumObjectKinds; ++kind) {
+    const SyntheticObject thing = DrawObject(static_cast<ObjectKind>(kind), 1);
     ASSERT_EQ(thing.picture.type(), CV_8UC4);
     cv::Mat alpha;
     cv::extractChannel(thing.picture, alpha, 3);
     EXPECT_NEAR(cv::sum(alpha)[0] / 255, std::abs(SignedArea(thing.outline)), 0.03 * cv::sum(alpha)[0] / 255)
-        << Name(static_cast<ThingKind>(kind));
+        << Name(static_cast<ObjectKind>(kind));
   }
 }
 
 TEST(DrawnThingsTest, SeedsGiveThingsThatCanBeToldApart) {
-  for (int kind = 0; kind < kThingKinds; ++kind) {
+  for (int kind = 0; kind < kNumObjectKinds; ++kind) {
     for (std::uint64_t seed = 0; seed < 8; ++seed) {
-      cv::Mat a = DrawThing(static_cast<ThingKind>(kind), seed).picture;
-      cv::Mat b = DrawThing(static_cast<ThingKind>(kind), seed + 1).picture;
+      cv::Mat a = DrawObject(static_cast<ObjectKind>(kind), seed).picture;
+      cv::Mat b = DrawObject(static_cast<ObjectKind>(kind), seed + 1).picture;
       cv::cvtColor(a, a, cv::COLOR_BGRA2GRAY);
       cv::cvtColor(b, b, cv::COLOR_BGRA2GRAY);
       const cv::Rect middle(a.cols / 4, a.rows / 4, a.cols / 2, a.rows / 2);
       EXPECT_GT(cv::norm(a(middle), b(middle), cv::NORM_L1) / middle.area(), 12)
-          << Name(static_cast<ThingKind>(kind)) << " " << seed;
+          << Name(static_cast<ObjectKind>(kind)) << " " << seed;
     }
   }
 }

@@ -24,10 +24,10 @@ struct LandmarkFlightOptions {
   double drift_attitude_deg = 0.15;
   double noise_position_m = 0;  // sigma of each row
   double noise_attitude_deg = 0;
-  double jump_m = 0;       // step of the telemetry offset, east, in the middle of the flight
-  double common_m = 0;     // sigma of the error common to all landmarks' places
-  double landmark_m = 0;   // sigma of the given places of landmarks
-  double wrong_share = 0;  // fraction of sightings that are outliers
+  double jump_m = 0;            // step of the telemetry offset, east, in the middle of the flight
+  double common_m = 0;          // sigma of the error common to all landmarks' places
+  double landmark_m = 0;        // sigma of the given places of landmarks
+  double outlier_fraction = 0;  // fraction of sightings that are outliers
 };
 
 /// A camera flies straight at a height of about 90 m, looking ahead and down at landmarks on the ground, and observes
@@ -39,19 +39,20 @@ class LandmarkFlight {
     PlaceLandmarks();
     for (int k = 0; k < options.frames; ++k) AddFrame(k);
     for (const NavigationFrame& frame : frames) {
-      if (frame.told) rows.push_back(*frame.told);
+      if (frame.measured) rows.push_back(*frame.measured);
     }
   }
 
   [[nodiscard]] NavigationInput input() const {
-    return {frames,       rows,      landmarks,
-            landmarks_of, sightings, options_.common_m * options_.common_m * Eigen::Matrix3d::Identity()};
+    return {frames,    rows,
+            landmarks, landmarks_by_model,
+            sightings, options_.common_m * options_.common_m * Eigen::Matrix3d::Identity()};
   }
 
   std::vector<NavigationFrame> frames;
   std::vector<CameraState> rows;
-  std::vector<Landmark> landmarks;                     // with their given places
-  std::vector<std::vector<std::size_t>> landmarks_of;  // each landmark has its own model
+  std::vector<Landmark> landmarks;                           // with their given places
+  std::vector<std::vector<std::size_t>> landmarks_by_model;  // each landmark has its own model
   std::vector<LandmarkSighting> sightings;
   std::vector<CameraState> truth;
   std::vector<bool> is_wrong;  // one per sighting
@@ -61,7 +62,8 @@ class LandmarkFlight {
     const TangentPlane plane(truth[frame].place);
     Vector6 error;
     error << plane.EnuFromGeodetic(estimate.camera.place),
-        VectorOf(CameraFromEnu(*estimate.camera.attitude) * CameraFromEnu(*truth[frame].attitude).conjugate());
+        VectorFromRotation(CameraFromEnu(*estimate.camera.attitude) *
+                           CameraFromEnu(*truth[frame].attitude).conjugate());
     return error;
   }
 
@@ -69,23 +71,23 @@ class LandmarkFlight {
   static constexpr double kRangeM = 120;
 
   void PlaceLandmarks() {
-    const Eigen::Vector3d common = options_.common_m * Walked(1, 1).head<3>();
+    const Eigen::Vector3d common = options_.common_m * RandomStep(1, 1).head<3>();
     const double length_m = 6.0 * options_.frames / options_.frame_rate;
     for (int i = 0; i < options_.landmarks; ++i) {
       const double share = options_.landmarks > 1 ? static_cast<double>(i) / (options_.landmarks - 1) : 0.5;
       Landmark landmark{.model = "any", .place = {}, .heading_rad = random_.Uniform(0, 2 * kPi)};
       const Eigen::Vector3d place(share * length_m - length_m / 2, random_.Uniform(-9, 9), random_.Uniform(0, 2));
       true_places_.push_back(place);
-      Eigen::Vector3d told = place + common;
-      for (double& axis : told) axis += options_.landmark_m * random_.Normal();
-      landmark.place = plane_.GeodeticFromEnu(told);
+      Eigen::Vector3d measured = place + common;
+      for (double& axis : measured) axis += options_.landmark_m * random_.Normal();
+      landmark.place = plane_.GeodeticFromEnu(measured);
       landmark.covariance_enu_m2 = options_.landmark_m * options_.landmark_m * Eigen::Matrix3d::Identity();
-      landmarks_of.push_back({landmarks.size()});
+      landmarks_by_model.push_back({landmarks.size()});
       landmarks.push_back(landmark);
     }
   }
 
-  Vector6 Walked(double position, double attitude) {
+  Vector6 RandomStep(double position, double attitude) {
     Vector6 step;
     for (int i = 0; i < 6; ++i) step[i] = random_.Normal() * (i < 3 ? position : RadiansFromDegrees(attitude));
     return step;
@@ -105,26 +107,26 @@ class LandmarkFlight {
     state.place = plane_.GeodeticFromEnu(place);
     truth.push_back(state);
 
-    if (k == 0) offset_ = Walked(options_.offset_position_m, options_.offset_attitude_deg);
+    if (k == 0) offset_ = RandomStep(options_.offset_position_m, options_.offset_attitude_deg);
     const double root_s = std::sqrt(1 / options_.frame_rate);
-    if (k > 0) offset_ += root_s * Walked(options_.drift_position_m, options_.drift_attitude_deg);
+    if (k > 0) offset_ += root_s * RandomStep(options_.drift_position_m, options_.drift_attitude_deg);
     if (k == options_.frames / 2) offset_[0] += options_.jump_m;
     NavigationFrame frame{time_s, std::nullopt};
     if (options_.telemetry) {
-      const Vector6 off = offset_ + Walked(options_.noise_position_m, options_.noise_attitude_deg);
-      frame.told = state;
-      frame.told->place = plane_.GeodeticFromEnu(place + off.head<3>());
-      frame.told->attitude->yaw_rad += off[3];
-      frame.told->attitude->pitch_rad += off[4];
-      frame.told->attitude->roll_rad += off[5];
+      const Vector6 off = offset_ + RandomStep(options_.noise_position_m, options_.noise_attitude_deg);
+      frame.measured = state;
+      frame.measured->place = plane_.GeodeticFromEnu(place + off.head<3>());
+      frame.measured->attitude->yaw_rad += off[3];
+      frame.measured->attitude->pitch_rad += off[4];
+      frame.measured->attitude->roll_rad += off[5];
     }
     offsets.push_back(offset_);
     frames.push_back(frame);
     // The tangent plane's axes rotate by less than 1e-5 over the flight, so they serve as the local axes.
-    for (std::size_t i = 0; i < landmarks.size(); ++i) See(i, camera_from_enu, place);
+    for (std::size_t i = 0; i < landmarks.size(); ++i) Observe(i, camera_from_enu, place);
   }
 
-  void See(std::size_t landmark, const Eigen::Quaterniond& camera_from_enu, const Eigen::Vector3d& place) {
+  void Observe(std::size_t landmark, const Eigen::Quaterniond& camera_from_enu, const Eigen::Vector3d& place) {
     const Eigen::Vector3d in_camera = camera_from_enu * (true_places_[landmark] - place);
     if (in_camera.head<2>().norm() > std::tan(RadiansFromDegrees(8)) * in_camera.z()) return;
     const Eigen::Quaterniond upright(
@@ -136,9 +138,9 @@ class LandmarkFlight {
     sighting.model = landmark;
     Vector6 error;
     for (int i = 0; i < 6; ++i) error[i] = -sigma[i] * random_.Normal();
-    is_wrong.push_back(random_.Uniform() < options_.wrong_share);
+    is_wrong.push_back(random_.Uniform() < options_.outlier_fraction);
     if (is_wrong.back()) error.tail<3>() += Eigen::Vector3d(random_.Uniform(-20, 20), random_.Uniform(-20, 20), -30);
-    sighting.camera_from_landmark.rotation = RotationOf(error.head<3>()) * camera_from_enu * upright;
+    sighting.camera_from_landmark.rotation = RotationFromVector(error.head<3>()) * camera_from_enu * upright;
     sighting.camera_from_landmark.translation = in_camera + error.tail<3>();
     sighting.information = sigma.cwiseAbs2().cwiseInverse().asDiagonal();
     sightings.push_back(sighting);

@@ -123,7 +123,7 @@ class Muxer {
     }
     for (std::size_t i = 0; i < video_.pts.size(); ++i) {
       const cv::Mat picture =
-          video_.pictures.empty() ? NumberedPicture(static_cast<int>(i % 256), video_.size) : video_.pictures[i];
+          video_.pictures.empty() ? NumberedImage(static_cast<int>(i % 256), video_.size) : video_.pictures[i];
       const FrameHandle frame = ToFrame(picture, *encoder);
       frame->pts = video_.pts[i];
       Encode(*encoder, frame.get(), stream.index);
@@ -177,7 +177,7 @@ class Muxer {
 
   void AddCover() {
     std::vector<unsigned char> png;
-    VICTORIOUS_CHECK(cv::imencode(".png", NumberedPicture(255, {400, 300}), png));
+    VICTORIOUS_CHECK(cv::imencode(".png", NumberedImage(255, {400, 300}), png));
     AVStream& stream = AddStream();
     stream.disposition = AV_DISPOSITION_ATTACHED_PIC;
     stream.codecpar->codec_type = AVMEDIA_TYPE_VIDEO;
@@ -227,7 +227,7 @@ class Muxer {
 
 }  // namespace
 
-cv::Mat NumberedPicture(int number, cv::Size size) {
+cv::Mat NumberedImage(int number, cv::Size size) {
   cv::Mat picture(size, CV_8UC3);
   for (int y = 0; y < size.height; ++y) {
     for (int x = 0; x < size.width; ++x) {
@@ -241,7 +241,7 @@ cv::Mat NumberedPicture(int number, cv::Size size) {
   return picture;
 }
 
-int PictureNumber(const cv::Mat& picture) {
+int DecodeImageNumber(const cv::Mat& picture) {
   int number = 0;
   for (int bit = 0; bit < kNumberBits; ++bit) {
     const cv::Scalar mean = cv::mean(picture(NumberField(picture.size(), bit)));

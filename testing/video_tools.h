@@ -13,10 +13,10 @@ namespace victorious::testing {
 
 /// Returns a smooth coloured image (BGR) that encodes `number` (0..255) as eight black or white fields along its top
 /// edge.
-cv::Mat NumberedPicture(int number, cv::Size size);
+cv::Mat NumberedImage(int number, cv::Size size);
 
 /// Decodes the number of such an image (CV_8UC1 or CV_8UC3); robust to lossy coding.
-int PictureNumber(const cv::Mat& picture);
+int DecodeImageNumber(const cv::Mat& picture);
 
 struct TestPacket {
   std::int64_t pts = 0;
@@ -30,7 +30,7 @@ struct TestVideo {
   cv::Size size = {96, 64};
   int time_base_hz = 1000;        ///< ticks/s of the times below
   std::vector<std::int64_t> pts;  ///< one per frame, increasing
-  std::vector<cv::Mat> pictures;  ///< BGR; empty: NumberedPicture of the frame index
+  std::vector<cv::Mat> pictures;  ///< BGR; empty: NumberedImage of the frame index
   bool full_range = false;
   int color_space = 2;             ///< AVColorSpace: 2 unspecified, 1 BT.709
   int rotation_deg = 0;            ///< rotation of the display matrix, clockwise

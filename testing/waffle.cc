@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "testing/cad_tools.h"
 #include "victorious/base/random.h"
 #include "victorious/model/cad_model.h"
-#include "testing/cad_tools.h"
 
 namespace victorious::testing {
 namespace {

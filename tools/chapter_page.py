@@ -17,7 +17,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-MOST_PICTURE_BYTES = 150_000
+MAX_IMAGE_BYTES = 150_000
 
 # Experiment name, heading, introduction, images besides the plot.
 Section = tuple[str, str, str, list[str]]
@@ -98,7 +98,7 @@ def filters_text(rows: list[dict]) -> str:
     ratios = sorted({row["ratio"] for row in everything})
 
     def shares(row):
-        return f"{row['true kept %']:.1f} / {row['false % of what is left']:.2f}"
+        return f"{row['true kept %']:.1f} / {row['false % of kept matches']:.2f}"
 
     for setting in ("thesis", "ours"):
         mine = [row for row in everything if row["setting"] == setting]
@@ -109,7 +109,7 @@ def filters_text(rows: list[dict]) -> str:
         loose = [row for row in mine if row["ratio"] == ratios[-1]]
         text += "\nThe same at a ratio of 0.95, and what is open:\n\n"
         text += table(loose, ["filter", "true before", "true kept %", "false before", "false after", "near after",
-                              "false % of what is left", "false before / after", "ms a trial"]) + "\n"
+                              "false % of kept matches", "false before / after", "ms per trial"]) + "\n"
         unseen = [row for row in rows if row["setting"] == setting and row["trials"].startswith("unseen")]
         text += "Thresholds learnt on every second flight, measured on the others:\n\n"
         text += table(pivot(unseen, ["ratio"], "filter", shares,
@@ -141,14 +141,14 @@ def body(name: str, rows: list[dict]) -> str:
 def example_line(name: str, rows: list[dict], before: str, after: str, key: str, thesis: str) -> str:
     """A line on one running example: true matches kept and false matches left, summed over all ratios."""
     counts = []
-    for setting in ("its setting here", "ours"):
+    for setting in ("thesis setting reproduced", "ours"):
         kept, whole, wrong = (sum(row[f"{setting}: {which}"] for row in rows if row[key] == when)
                               for which, when in (("true", after), ("true", before), ("false", after)))
         counts.append(f"{setting} {kept:.0f} of {whole:.0f} kept, {wrong:.0f} false left")
     return f"- {name}, all ratios together: {'; '.join(counts)} (thesis: {thesis}).\n"
 
 
-def shares_of(rows: list[dict]) -> str:
+def match_fractions(rows: list[dict]) -> str:
     """Of all matches of the rows: true matches kept, false ones among the rest, reduction factor of false ones."""
     before = sum(row["true before"] for row in rows)
     kept = sum(row["true before"] * row["true kept %"] / 100 for row in rows)
@@ -178,7 +178,7 @@ def cascade_targets(reports: dict[str, dict]) -> str:
                 column = wanted.get((row["trials"].split()[0], row["filter"]))
                 if column and row["setting"] == setting and ratio in (row["ratio"], "together"):
                     cells.setdefault((setting, ratio), {}).setdefault(column, []).append(row)
-    return text + table([{"setting": setting, "ratio": ratio} | {name: shares_of(some[name]) for name in wanted.values()}
+    return text + table([{"setting": setting, "ratio": ratio} | {name: match_fractions(some[name]) for name in wanted.values()}
                          for (setting, ratio), some in cells.items() if len(some) == len(wanted)
                          ]) + WHAT_IS_MISSED
 
@@ -207,11 +207,11 @@ the same runs.
 """
 
 # Targets: density quartiles (25, 50, 75 %), and position errors, m, at 50, 75 and 90 %.
-ASKED_DENSITIES = (0.90, 0.97, 1.0)
-ASKED_ERRORS_M = (0.3, 0.5, 1.0)
+TARGET_DENSITIES = (0.90, 0.97, 1.0)
+TARGET_ERRORS_M = (0.3, 0.5, 1.0)
 
 
-def three(row: dict, keys: tuple[str, str, str], digits: int) -> str:
+def format_three(row: dict, keys: tuple[str, str, str], digits: int) -> str:
     return " / ".join(f"{row[key]:.{digits}f}" for key in keys)
 
 
@@ -221,7 +221,7 @@ def system_targets(reports: dict[str, dict]) -> str:
     whole = sum(row["recall"] == 1 for row in settings)
     clean = sum(row["precision"] == 1 for row in settings)
     perfect = sum(row["recall"] == 1 and row["precision"] == 1 for row in settings)
-    most_ids = max(row["identities an object"] for row in settings)
+    max_ids = max(row["ids per object"] for row in settings)
     densities = reports["figure5.3"]["rows"][0]
     in_view = ("in view, 25 %", "in view, 50 %", "in view, 75 %")
     between = ("first to last, 25 %", "first to last, 50 %", "first to last, 75 %")
@@ -232,19 +232,19 @@ def system_targets(reports: dict[str, dict]) -> str:
         {"what": f"settings with a precision of 1, of {len(settings)}", "asked for": ">= 26", "thesis": "-",
          "here": f"{clean}"},
         {"what": "settings with both", "asked for": "-", "thesis": "8", "here": f"{perfect}"},
-        {"what": "identities an object, most of a setting", "asked for": "1.00", "thesis": "-",
-         "here": f"{most_ids:.2f}"},
+        {"what": "ids per object, most of a setting", "asked for": "1.00", "thesis": "-",
+         "here": f"{max_ids:.2f}"},
         {"what": "density of the frames in view, quartiles",
-         "asked for": " / ".join(f">= {asked:.2f}" for asked in ASKED_DENSITIES), "thesis": "0.452 / 0.634 / 0.896",
-         "here": three(densities, in_view, 3)},
+         "asked for": " / ".join(f">= {asked:.2f}" for asked in TARGET_DENSITIES), "thesis": "0.452 / 0.634 / 0.896",
+         "here": format_three(densities, in_view, 3)},
         {"what": "density from the first to the last report, quartiles", "asked for": "-",
-         "thesis": "-", "here": three(densities, between, 3)},
+         "thesis": "-", "here": format_three(densities, between, 3)},
     ]
     others = [row for row in reports["figure5.5"]["rows"] if row["objects"] == "all others"]
     for row in reports["figure5.4"]["rows"] + others:
         rows.append({"what": f"place error of {row['objects']}, 50 / 75 / 90 %, m",
-                     "asked for": " / ".join(f"<= {asked}" for asked in ASKED_ERRORS_M),
-                     "thesis": row["thesis: 50 / 75 / 90 %, m"], "here": three(row, percents, 3)})
+                     "asked for": " / ".join(f"<= {asked}" for asked in TARGET_ERRORS_M),
+                     "thesis": row["thesis: 50 / 75 / 90 %, m"], "here": format_three(row, percents, 3)})
     return table(rows)
 
 
@@ -305,8 +305,8 @@ def main() -> int:
         plot = f"{name}.svg"
         for picture in drawn + ([plot] if (arguments.results / plot).exists() else []):
             size = (arguments.results / picture).stat().st_size
-            if size > MOST_PICTURE_BYTES:
-                print(f"{picture}: {size} bytes: must be at most {MOST_PICTURE_BYTES}", file=sys.stderr)
+            if size > MAX_IMAGE_BYTES:
+                print(f"{picture}: {size} bytes: must be at most {MAX_IMAGE_BYTES}", file=sys.stderr)
                 return 1
             shutil.copy(arguments.results / picture, pictures / picture)
             page += f"\n![{heading}](images/{folder}/{picture})\n"

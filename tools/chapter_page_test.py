@@ -14,7 +14,7 @@ import chapter_page
 def filter_row(setting: str, trials: str, ratio: float, name: str) -> dict:
     return {"setting": setting, "trials": trials, "ratio": ratio, "filter": name, "true before": 100.0,
             "true kept %": 98.76, "false before": 500.0, "false after": 2.0, "near after": 1.0,
-            "false % of what is left": 1.94, "false before / after": 250.0, "ms a trial": 0.1}
+            "false % of kept matches": 1.94, "false before / after": 250.0, "ms per trial": 0.1}
 
 
 def report_of(name: str) -> dict:
@@ -24,7 +24,7 @@ def report_of(name: str) -> dict:
                 for which in ("cascade", "cascade, table 3.1", "cascade, learnt thresholds",
                               "cascade, learnt, all measures in each stage")]
     elif name == "figure5.2":
-        rows = [{"setting": name, "recall": recall, "precision": 1.0, "identities an object": 1.0}
+        rows = [{"setting": name, "recall": recall, "precision": 1.0, "ids per object": 1.0}
                 for name, recall in (("default", 1.0), ("every = 4", 0.75))]
     elif name == "figure5.3":
         rows = [{"objects of": "all"} | {f"{what}, {percent} %": percent / 100
@@ -39,7 +39,7 @@ def report_of(name: str) -> dict:
                 for which in ("neighbours (Video Google)", "first stage alone", "cascade", "cascade, R from scale",
                               "cascade, then MLESAC", "MLESAC alone", "OpenCV's homography alone")]
     else:
-        counts = {f"{whose}: {what}": 3.0 for whose in ("its setting here", "ours") for what in ("true", "false")}
+        counts = {f"{whose}: {what}": 3.0 for whose in ("thesis setting reproduced", "ours") for what in ("true", "false")}
         rows = [{"ratio": 0.8, "filtering": stage, "when": when} | counts
                 for stage, when in (("none", "before"), ("third", "after"))]
     return {"experiment": name, "title": f"Title of {name}", "notes": ["A note."], "rows": rows}

@@ -131,7 +131,7 @@ Mesh RotorBlade(float root, float tip, float chord, float thickness, float droop
 }
 
 void DecorateHelicopterSides(const Canvas& canvas) {
-  OnBothSides(canvas, "fuselage", [](Stencil& colour, Stencil& shade) {
+  DrawOnBothSides(canvas, "fuselage", [](Stencil& colour, Stencil& shade) {
     for (const double z : {4.4, 3.2, 1.75, 0.7, -0.5, -1.6, -2.9, -4.1, -5.3, -6.5, -7.6})
       shade.Line(z, 0.9, z, 3.2, kGroove, 0.025);
     shade.Line(5.2, 1.62, -2.2, 1.72, kGroove, 0.025);
@@ -150,13 +150,13 @@ void DecorateHelicopterSides(const Canvas& canvas) {
     colour.Fill({{-2.55, 1.75}, {-2.4, 2.1}, {-2.3, 2.1}, {-2.45, 1.72}}, {48, 190, 220});
     colour.Hazard(-7.15, 2.02, -7.65, 2.42, {60, 190, 215}, {40, 40, 40}, 0.12);
   });
-  OnBothSides(canvas, "wings", [](Stencil& colour, Stencil& shade) {
+  DrawOnBothSides(canvas, "wings", [](Stencil& colour, Stencil& shade) {
     shade.Line(-8.0, 2.6, -9.0, 4.0, kGroove, 0.025);
     shade.Line(-7.9, 3.25, -9.2, 3.25, kGroove, 0.025);
     colour.Text(-8.35, 2.95, "08", 0.36, kWhite);
     colour.Box(-8.1, 3.75, -9.6, 3.92, {46, 52, 168});
   });
-  OnBothSides(canvas, "canopy", [](Stencil& colour, Stencil&) {
+  DrawOnBothSides(canvas, "canopy", [](Stencil& colour, Stencil&) {
     const Colour frame = Pigment(Rgb(62, 66, 50));
     colour.Path({{4.75, 1.98}, {4.1, 2.56}, {3.05, 2.62}, {2.7, 3.02}, {1.4, 3.06}, {0.95, 2.6}, {1.2, 1.95}}, frame,
                 0.12);
@@ -335,7 +335,7 @@ void DecorateJetBody(const Canvas& canvas) {
   nose.Fill({{9.0, 0.5}, {7.1, 0.5}, {7.1, -0.5}, {9.0, -0.5}}, dark);  // radome
   nose.Box(5.75, -0.4, 6.5, 0.4, {66, 64, 60});                         // anti-glare
   nose.Hazard(-6.75, -1.1, -6.6, 1.1, {56, 56, 56}, {62, 190, 214}, 0.2);
-  OnBothSides(canvas, "fuselage", [&](Stencil& colour, Stencil& shade) {
+  DrawOnBothSides(canvas, "fuselage", [&](Stencil& colour, Stencil& shade) {
     for (const double z : {6.9, 5.8, 4.6, 3.2, 2.2, 1.0, -0.4, -1.8, -3.2, -4.6, -6.0})
       shade.Line(z, 1.2, z, 2.7, kGroove, 0.028);
     shade.Line(6.8, 1.75, 2.2, 1.75, kGroove, 0.025);
@@ -356,7 +356,7 @@ void DecorateJetBody(const Canvas& canvas) {
 void DecorateJet(const Canvas& canvas) {
   DecorateJetWings(canvas);
   DecorateJetBody(canvas);
-  OnBothSides(canvas, "fins", [](Stencil& colour, Stencil& shade) {
+  DrawOnBothSides(canvas, "fins", [](Stencil& colour, Stencil& shade) {
     shade.Line(-6.2, 2.4, -7.3, 4.5, kGroove, 0.035);
     shade.Line(-4.4, 3.0, -6.9, 3.0, kGroove, 0.025);
     shade.Line(-5.2, 3.8, -7.2, 3.8, kGroove, 0.025);
@@ -367,7 +367,7 @@ void DecorateJet(const Canvas& canvas) {
   const Colour frame = Pigment(Rgb(110, 120, 128));
   Stencil canopy = canvas.Colour("canopy", Side::kTop);
   for (const double z : {5.2, 3.6, 2.35}) canopy.Line(z, -0.7, z, 0.7, frame, 0.1);
-  OnBothSides(canvas, "canopy", [&](Stencil& colour, Stencil&) {
+  DrawOnBothSides(canvas, "canopy", [&](Stencil& colour, Stencil&) {
     for (const double z : {5.15, 3.6, 2.4}) colour.Line(z, 1.9, z - 0.1, 3.2, frame, 0.1);
     colour.Line(6.2, 2.3, 1.8, 2.36, frame, 0.12);
   });
@@ -405,7 +405,7 @@ Asset Helicopter() {
   Part& rotor = asset.Add("rotor", RotorBlade(0.45F, 6.9F, 0.52F, 0.07F, 0.28F), [](const Surface& s) {
     const float x = s.position.x();
     if (x > 6.45F && x < 6.7F) return Rgb(190, 160, 60);
-    return Ink((s.position.z() > 0.17F ? Rgb(84, 84, 82) : Rgb(52, 53, 52)) *
+    return Bgr((s.position.z() > 0.17F ? Rgb(84, 84, 82) : Rgb(52, 53, 52)) *
                (1 + 0.08F * Fractal(s.position * 2, 4, 3)));
   });
   rotor.places.clear();
@@ -423,7 +423,7 @@ Asset Helicopter() {
   AddWheel(asset, 0.36F, 0.24F,
            {At(1.18F, 0.36F, 1.75F), At(-1.18F, 0.36F, 1.75F) * Turn(Axis::kY, 180), At(0.02F, 0.36F, -7.95F)});
   asset.decorate = DecorateHelicopter;
-  asset.weather = {.dust = Rgb(120, 112, 94), .dust_height_m = 0.5F, .dust_share = 0.3F, .seed = 13};
+  asset.weather = {.dust = Rgb(120, 112, 94), .dust_height_m = 0.5F, .dust_fraction = 0.3F, .seed = 13};
   return asset;
 }
 
@@ -438,7 +438,7 @@ Asset Jet() {
       .Add("nozzles", JetNozzles(),
            [](const Surface& s) {
              const float petals = std::sin(std::atan2(s.position.y() - 2.05F, std::abs(s.position.x()) - 0.62F) * 14);
-             return Ink(Mix(Rgb(120, 112, 104), Rgb(58, 54, 52), Ramp(-s.position.z(), 7.0F, 8.2F)) *
+             return Bgr(Mix(Rgb(120, 112, 104), Rgb(58, 54, 52), Ramp(-s.position.z(), 7.0F, 8.2F)) *
                         (petals > 0.7F ? 0.6F : 1.0F));
            })
       .density = 0.6F;
@@ -446,7 +446,7 @@ Asset Jet() {
       .Add("stores", JetStores(),
            [](const Surface& s) {
              const float band = std::fmod(s.position.z() + 20, 1.1F);
-             return band < 0.08F ? Rgb(70, 80, 60) : Ink(Rgb(196, 198, 196) * (1 + 0.05F * Noise(s.position * 3, 3)));
+             return band < 0.08F ? Rgb(70, 80, 60) : Bgr(Rgb(196, 198, 196) * (1 + 0.05F * Noise(s.position * 3, 3)));
            })
       .density = 0.6F;
   asset.Add("gear", JetGear(), Coat(Rgb(205, 206, 202))).density = 0.3F;
@@ -456,7 +456,7 @@ Asset Jet() {
   asset.decorate = DecorateJet;
   asset.weather = {.dust = Rgb(120, 116, 108),
                    .dust_height_m = 0.3F,
-                   .dust_share = 0.2F,
+                   .dust_fraction = 0.2F,
                    .streaks = 0.12F,
                    .stains = 0.13F,
                    .seed = 14};

@@ -9,9 +9,9 @@ namespace {
 
 // --- Jeep ------------------------------------------------------------------------------------------------------------
 
-const Ink kSand = Rgb(152, 136, 101);
-const Ink kOlive = Rgb(84, 88, 58);
-const Ink kEarth = Rgb(94, 70, 49);
+const Bgr kSand = Rgb(152, 136, 101);
+const Bgr kOlive = Rgb(84, 88, 58);
+const Bgr kEarth = Rgb(94, 70, 49);
 
 Paint JeepCamouflage() {
   return Camouflage(kSand, {{kOlive, 0.42F}, {kEarth, 0.26F}, {Rgb(44, 46, 40), 0.12F}}, 0.62F, 21);
@@ -69,7 +69,7 @@ Mesh JeepGear() {
 }
 
 void DecorateJeep(const Canvas& canvas) {
-  OnBothSides(canvas, "cab", [](Stencil& colour, Stencil& shade) {
+  DrawOnBothSides(canvas, "cab", [](Stencil& colour, Stencil& shade) {
     DrawWindow(colour, {{0.02, 1.3}, {0.7, 1.3}, {0.38, 1.74}, {0.02, 1.74}});
     DrawWindow(colour, {{-0.76, 1.3}, {-0.1, 1.3}, {-0.1, 1.74}, {-0.76, 1.74}});
     shade.Rivets(-0.84, 1.8, 0.44, 1.78, 0.09);
@@ -81,7 +81,7 @@ void DecorateJeep(const Canvas& canvas) {
   roof.Frame(-0.8, -0.74, 0.42, 0.74, kGroove);
   roof.Rivets(-0.8, 0.78, 0.42, 0.78, 0.1);
   roof.Rivets(-0.8, -0.78, 0.42, -0.78, 0.1);
-  OnBothSides(canvas, "body", [](Stencil& colour, Stencil& shade) {
+  DrawOnBothSides(canvas, "body", [](Stencil& colour, Stencil& shade) {
     DrawDoor(colour, shade, -0.02, 0.6, 0.84, 1.2);
     DrawDoor(colour, shade, -0.86, 0.6, -0.04, 1.2);
     shade.Rivets(-2.1, 1.17, 0.8, 1.17, 0.1);
@@ -111,7 +111,7 @@ void DecorateJeep(const Canvas& canvas) {
   Stencil seams = canvas.Shade("tilt", Side::kTop);
   for (const double z : {-1.195, -1.53, -1.865}) seams.Line(z, -0.9, z, 0.9, kGroove, 0.03);
   for (const double x : {-0.45, 0.45}) seams.Line(-2.2, x, -0.86, x, Colour{105}, 0.02);
-  OnBothSides(canvas, "tilt", [](Stencil& colour, Stencil& shade) {
+  DrawOnBothSides(canvas, "tilt", [](Stencil& colour, Stencil& shade) {
     for (const double z : {-1.195, -1.53, -1.865}) shade.Line(z, 1.2, z, 1.9, kGroove, 0.03);
     for (double z = -0.95; z > -2.2; z -= 0.15) colour.Line(z, 1.22, z, 1.34, {50, 60, 66}, 0.025);
     DrawWindow(colour, {{-1.75, 1.44}, {-1.3, 1.44}, {-1.3, 1.68}, {-1.75, 1.68}});
@@ -254,7 +254,7 @@ void DecorateTank(const Canvas& canvas) {
   }
   Stencil deck_marks = canvas.Colour("hull", Side::kTop);
   deck_marks.Box(-2.12, -0.9, -1.8, -0.2, {72, 110, 205});
-  OnBothSides(canvas, "skirts", [](Stencil& colour, Stencil& shade) {
+  DrawOnBothSides(canvas, "skirts", [](Stencil& colour, Stencil& shade) {
     for (int i = 0; i < 7; ++i) {
       const double z = 3.45 - 0.99 * i;
       shade.Rivets(z - 0.85, 1.27, z - 0.1, 1.27, 0.18);
@@ -277,7 +277,7 @@ void DecorateTank(const Canvas& canvas) {
   roof.Grille(-2.7, -0.9, -2.4, 0.9, 12, false);
   Stencil signs = canvas.Colour("turret", Side::kTop);
   signs.Text(-1.38, 0.48, "A3", 0.36, kWhite);
-  OnBothSides(canvas, "turret", [](Stencil& colour, Stencil& shade) {
+  DrawOnBothSides(canvas, "turret", [](Stencil& colour, Stencil& shade) {
     shade.Panel(-1.75, 1.82, -1.1, 2.14);
     shade.Panel(-1.02, 1.82, -0.35, 2.14);
     shade.Rivets(-0.2, 1.72, 1.2, 1.76, 0.16);

@@ -59,12 +59,13 @@ void Rasterise(const std::array<cv::Point2f, 3>& corners, cv::Size size, float r
 
 void BakePart(const Part& part, int index, const Unwrap& unwrap, const std::vector<Vec3>& normals, Bake& bake) {
   for (std::size_t t = 0; t < part.mesh.triangles.size(); ++t) {
-    const Chart& chart = unwrap.charts[unwrap.chart_of[index][t]];
+    const Chart& chart = unwrap.charts[unwrap.triangle_charts[index][t]];
     const auto& triangle = part.mesh.triangles[t];
     const std::array<Vec3, 3> points = {part.mesh.points[triangle[0]], part.mesh.points[triangle[1]],
                                         part.mesh.points[triangle[2]]};
     std::array<cv::Point2f, 3> corners;
-    for (std::size_t i = 0; i < 3; ++i) corners[i] = OnAtlas(points[i], chart) * static_cast<float>(kSupersampling);
+    for (std::size_t i = 0; i < 3; ++i)
+      corners[i] = ProjectToAtlas(points[i], chart) * static_cast<float>(kSupersampling);
     Rasterise(corners, bake.part.size(), 0.75F, [&](int x, int y, const Vec3& weight) {
       if (!(chart.place.x * kSupersampling <= x && x < chart.place.br().x * kSupersampling)) return;
       const Vec3 position = weight[0] * points[0] + weight[1] * points[1] + weight[2] * points[2];
@@ -139,9 +140,9 @@ Vec3 SkyDirection(int index) {
 }
 
 /// The visible fraction of the sky of each texel, 0 to 1; downward surfaces get a small minimum.
-cv::Mat SkyLight(const Asset& asset, const Bake& bake, const Vec3& least, const Vec3& greatest) {
-  const Vec3 centre = (least + greatest) / 2;
-  const float radius = (greatest - least).norm() / 2 + 0.1F;
+cv::Mat SkyLight(const Asset& asset, const Bake& bake, const Vec3& min_corner, const Vec3& max_corner) {
+  const Vec3 centre = (min_corner + max_corner) / 2;
+  const float radius = (max_corner - min_corner).norm() / 2 + 0.1F;
   cv::Mat seen(bake.part.size(), CV_32F, cv::Scalar(0.02));
   cv::Mat whole(bake.part.size(), CV_32F, cv::Scalar(0.06));
   for (int i = 0; i < kSkyDirections; ++i) {
@@ -195,8 +196,8 @@ std::vector<Chart> Enlarged(std::vector<Chart> charts) {
 }
 
 struct Extent {
-  Vec3 least = Vec3::Constant(std::numeric_limits<float>::max());
-  Vec3 greatest = -least;
+  Vec3 min_corner = Vec3::Constant(std::numeric_limits<float>::max());
+  Vec3 max_corner = -min_corner;
 };
 
 Extent ExtentOf(const Asset& asset) {
@@ -204,8 +205,8 @@ Extent ExtentOf(const Asset& asset) {
   for (const Part& part : asset.parts) {
     for (const Eigen::Affine3f& place : part.places) {
       for (const Vec3& point : part.mesh.points) {
-        extent.least = extent.least.cwiseMin(place * point);
-        extent.greatest = extent.greatest.cwiseMax(place * point);
+        extent.min_corner = extent.min_corner.cwiseMin(place * point);
+        extent.max_corner = extent.max_corner.cwiseMax(place * point);
       }
     }
   }
@@ -214,12 +215,12 @@ Extent ExtentOf(const Asset& asset) {
 
 /// Scales the model to its length and moves the origin to the ground below its centre.
 Eigen::Affine3f Placement(const Asset& asset, const Extent& extent) {
-  const Vec3 size = extent.greatest - extent.least;
+  const Vec3 size = extent.max_corner - extent.min_corner;
   const float scale = asset.length_m > 0 ? asset.length_m / size.z() : 1;
   Vec3 origin = Vec3::Zero();
   if (asset.centred) {
-    const Vec3 middle = (extent.least + extent.greatest) / 2;
-    origin = Vec3(middle.x(), extent.least.y(), middle.z());
+    const Vec3 middle = (extent.min_corner + extent.max_corner) / 2;
+    origin = Vec3(middle.x(), extent.min_corner.y(), middle.z());
   }
   return Eigen::Scaling(scale) * Eigen::Translation3f(-origin);
 }
@@ -234,16 +235,16 @@ cv::Mat PaintTexture(const Asset& asset, const Unwrap& unwrap, const Bake& bake,
   const std::vector<Chart> charts = Enlarged(unwrap.charts);
   if (asset.decorate) asset.decorate(Canvas(asset.parts, charts, colour, shade));
 
-  const cv::Mat light = SkyLight(asset, bake, extent.least, extent.greatest);
+  const cv::Mat light = SkyLight(asset, bake, extent.min_corner, extent.max_corner);
   ForEachTexel(bake, [&](int x, int y, int index) {
     const Part& part = asset.parts[index];
     const Eigen::Affine3f& place = part.places.front();
-    const Surface surface{place * ToVec3(bake.position.at<cv::Vec3f>(y, x)) - Vec3(0, extent.least.y(), 0),
+    const Surface surface{place * ToVec3(bake.position.at<cv::Vec3f>(y, x)) - Vec3(0, extent.min_corner.y(), 0),
                           place.linear() * ToVec3(bake.normal.at<cv::Vec3f>(y, x))};
-    const Ink painted = Ink(colour.at<cv::Vec3b>(y, x)) * (shade.at<std::uint8_t>(y, x) / kPlainShade);
-    const Ink weathered = Mix(painted, Weathered(asset.weather, painted, surface), part.weather);
+    const Bgr painted = Bgr(colour.at<cv::Vec3b>(y, x)) * (shade.at<std::uint8_t>(y, x) / kPlainShade);
+    const Bgr weathered = Mix(painted, Weathered(asset.weather, painted, surface), part.weather);
     const float dark = asset.corner_shadow * (1 - light.at<float>(y, x));
-    colour.at<cv::Vec3b>(y, x) = cv::Vec3b(Ink(weathered * (1 - dark)));
+    colour.at<cv::Vec3b>(y, x) = cv::Vec3b(Bgr(weathered * (1 - dark)));
   });
   FillGaps(colour, bake.part);
   cv::Mat texture;
@@ -253,13 +254,13 @@ cv::Mat PaintTexture(const Asset& asset, const Unwrap& unwrap, const Bake& bake,
 
 /// Merges corners of equal position, normal and texture coordinates into one vertex.
 void AddTriangles(const Asset& asset, const Unwrap& unwrap, const std::vector<std::vector<Vec3>>& normals,
-                  const Eigen::Affine3f& placement, Finished& model) {
+                  const Eigen::Affine3f& placement, TexturedMesh& model) {
   for (std::size_t index = 0; index < asset.parts.size(); ++index) {
     const Part& part = asset.parts[index];
     for (const Eigen::Affine3f& place : part.places) {
       std::map<std::array<int, 5>, std::uint32_t> vertices;
       for (std::size_t t = 0; t < part.mesh.triangles.size(); ++t) {
-        const int chart = unwrap.chart_of[index][t];
+        const int chart = unwrap.triangle_charts[index][t];
         for (std::size_t i = 0; i < 3; ++i) {
           const int corner = part.mesh.triangles[t][i];
           const Vec3& own_normal = normals[index][3 * t + i];
@@ -268,7 +269,7 @@ void AddTriangles(const Asset& asset, const Unwrap& unwrap, const std::vector<st
               vertices.try_emplace({corner, chart, rough(own_normal.x()), rough(own_normal.y()), rough(own_normal.z())},
                                    static_cast<std::uint32_t>(model.positions.size()));
           if (added) {
-            const cv::Point2f at = OnAtlas(part.mesh.points[corner], unwrap.charts[chart]);
+            const cv::Point2f at = ProjectToAtlas(part.mesh.points[corner], unwrap.charts[chart]);
             model.positions.push_back(placement * (place * part.mesh.points[corner]));
             model.normals.push_back((place.linear() * own_normal).normalized());
             model.uvs.emplace_back(at.x / static_cast<float>(asset.atlas_px),
@@ -296,14 +297,15 @@ Stencil Canvas::On(const cv::Mat& picture, std::string_view part, Side side) con
     if (parts_[chart.part].name != part || chart.side != side) continue;
     const cv::Mat place = picture(chart.place);
     const double margin = kChartMargin_px * kSupersampling;
-    const cv::Point2d origin(margin - chart.least.x * chart.texels_per_m, margin - chart.least.y * chart.texels_per_m);
+    const cv::Point2d origin(margin - chart.min_corner.x * chart.texels_per_m,
+                             margin - chart.min_corner.y * chart.texels_per_m);
     return {place, origin, chart.texels_per_m, side};
   }
   VICTORIOUS_CHECK(false && "no such part, or none of it faces that side");
   std::abort();
 }
 
-Finished Finish(const Asset& asset) {
+TexturedMesh BuildTexturedMesh(const Asset& asset) {
   const Unwrap unwrap = UnwrapParts(asset.parts, asset.atlas_px);
   Bake bake({asset.atlas_px * kSupersampling, asset.atlas_px * kSupersampling});
   std::vector<std::vector<Vec3>> normals;
@@ -312,7 +314,7 @@ Finished Finish(const Asset& asset) {
     BakePart(asset.parts[i], static_cast<int>(i), unwrap, normals[i], bake);
   }
   const Extent extent = ExtentOf(asset);
-  Finished model;
+  TexturedMesh model;
   model.jpeg_quality = asset.jpeg_quality;
   model.texture = PaintTexture(asset, unwrap, bake, extent);
   AddTriangles(asset, unwrap, normals, Placement(asset, extent), model);

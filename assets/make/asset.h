@@ -34,8 +34,8 @@ struct Part {
 struct Chart {
   int part = 0;
   Side side = Side::kTop;
-  cv::Point2f least;     ///< minimum of the part's extent along the chart's right and down axes, m
-  cv::Point2f greatest;  ///< maximum of the same, m
+  cv::Point2f min_corner;  ///< minimum of the part's extent along the chart's right and down axes, m
+  cv::Point2f max_corner;  ///< maximum of the same, m
   float texels_per_m = 0;
   cv::Rect place;  ///< on the atlas, margin included
 };
@@ -75,7 +75,7 @@ struct Asset {
 };
 
 /// A textured mesh, ready to be written.
-struct Finished {
+struct TexturedMesh {
   std::vector<Vec3> positions;
   std::vector<Vec3> normals;
   std::vector<Eigen::Vector2f> uvs;
@@ -85,9 +85,9 @@ struct Finished {
 };
 
 /// Unwraps, paints and shades an asset. Cost: one to two seconds.
-Finished Finish(const Asset& asset);
+TexturedMesh BuildTexturedMesh(const Asset& asset);
 
 /// The model as one GLB 2.0 file: one mesh, one material, the texture embedded as JPEG.
-Expected<std::string> GlbBytes(const std::string& name, const Finished& model);
+Expected<std::string> GlbBytes(const std::string& name, const TexturedMesh& model);
 
 }  // namespace victorious::assets

@@ -186,8 +186,8 @@ TEST(MakeAssets, MakesTheSameBytesTwice) {
   const auto& catalogue = Catalogue();
   const auto crates = std::ranges::find(catalogue, "town/props/crates", &Entry::path);
   ASSERT_NE(crates, catalogue.end());
-  const auto once = GlbBytes("crates", Finish(crates->make()));
-  const auto again = GlbBytes("crates", Finish(crates->make()));
+  const auto once = GlbBytes("crates", BuildTexturedMesh(crates->make()));
+  const auto again = GlbBytes("crates", BuildTexturedMesh(crates->make()));
   ASSERT_TRUE(once);
   ASSERT_TRUE(again);
   EXPECT_EQ(*once, *again);
@@ -221,8 +221,8 @@ TEST(Unwrap, ChartsDoNotOverlap) {
 
 TEST(Ground, MaterialsRepeatWithoutASeam) {
   for (const Material& material : {Material(Asphalt), Material(Grass), Material(Gravel), Material(Dirt)}) {
-    const Ink here = material(0.01F, 7.3F, 20);
-    const Ink there = material(20.01F, 7.3F, 20);
+    const Bgr here = material(0.01F, 7.3F, 20);
+    const Bgr there = material(20.01F, 7.3F, 20);
     EXPECT_NEAR(cv::norm(here - there), 0, 2);
   }
 }

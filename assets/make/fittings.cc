@@ -123,9 +123,9 @@ Mesh RoofRack(float x0, float z0, float x1, float z1, float y, float height) {
   return rack;
 }
 
-Mesh Tapered(Mesh mesh, float y0, float share) {
+Mesh Tapered(Mesh mesh, float y0, float fraction) {
   return Bent(std::move(mesh),
-              [=](const Vec3& p) { return Vec3(p.x() * (1 - share * std::max(0.0F, p.y() - y0)), p.y(), p.z()); });
+              [=](const Vec3& p) { return Vec3(p.x() * (1 - fraction * std::max(0.0F, p.y() - y0)), p.y(), p.z()); });
 }
 
 }  // namespace victorious::assets

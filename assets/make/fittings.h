@@ -10,9 +10,9 @@
 
 namespace victorious::assets {
 
-inline const Ink kRubber = Rgb(44, 43, 42);
-inline const Ink kDarkMetal = Rgb(58, 60, 62);
-inline const Ink kSteel = Rgb(150, 153, 156);
+inline const Bgr kRubber = Rgb(44, 43, 42);
+inline const Bgr kDarkMetal = Rgb(58, 60, 62);
+inline const Bgr kSteel = Rgb(150, 153, 156);
 inline const Colour kWindow{42, 36, 30};
 inline const Colour kWhite{222, 226, 226};
 inline const Colour kBlack{34, 33, 32};
@@ -26,7 +26,7 @@ struct Wheels {
   float width = 0.25F;
   float x = 0.8F;
   std::vector<float> z;
-  Ink rim = Rgb(120, 122, 124);
+  Bgr rim = Rgb(120, 122, 124);
   int bolts = 6;
   int rear_twins = 0;
 };
@@ -39,7 +39,7 @@ Polygon SideOutline(const Polygon& upper, float sill, const std::vector<float>& 
 void DrawWindow(Stencil& stencil, const std::vector<cv::Point2d>& corners);
 /// Draws the same on the left and on the right.
 template <typename Draw>
-void OnBothSides(const Canvas& canvas, std::string_view part, const Draw& draw) {
+void DrawOnBothSides(const Canvas& canvas, std::string_view part, const Draw& draw) {
   for (const Side side : {Side::kLeft, Side::kRight}) {
     Stencil colour = canvas.Colour(part, side);
     Stencil shade = canvas.Shade(part, side);
@@ -58,7 +58,7 @@ Mesh Aerial(float x, float y, float z, float height);
 /// A rack of bars around a rectangle, `height` above `y`.
 Mesh RoofRack(float x0, float z0, float x1, float z1, float y, float height);
 
-/// Tapers a mesh: x shrinks by the fraction `share` per metre above `y0`.
-Mesh Tapered(Mesh mesh, float y0, float share);
+/// Tapers a mesh: x shrinks by the fraction `fraction` per metre above `y0`.
+Mesh Tapered(Mesh mesh, float y0, float fraction);
 
 }  // namespace victorious::assets

@@ -62,7 +62,7 @@ void AppendChunk(std::string& bytes, std::string chunk, std::uint32_t type, char
   bytes += chunk;
 }
 
-int AddIndices(Binary& binary, const Finished& model) {
+int AddIndices(Binary& binary, const TexturedMesh& model) {
   if (model.positions.size() > 0xFFFF) {
     return binary.AddAccessor(model.indices, kUnsignedInt, "SCALAR", kElementArrayBuffer);
   }
@@ -70,7 +70,7 @@ int AddIndices(Binary& binary, const Finished& model) {
   return binary.AddAccessor(narrow, kUnsignedShort, "SCALAR", kElementArrayBuffer);
 }
 
-Json Attributes(Binary& binary, const Finished& model) {
+Json Attributes(Binary& binary, const TexturedMesh& model) {
   Vec3 least = model.positions.front();
   Vec3 greatest = least;
   for (const Vec3& position : model.positions) {
@@ -87,7 +87,7 @@ Json Attributes(Binary& binary, const Finished& model) {
 
 }  // namespace
 
-Expected<std::string> GlbBytes(const std::string& name, const Finished& model) {
+Expected<std::string> GlbBytes(const std::string& name, const TexturedMesh& model) {
   std::vector<unsigned char> picture;
   if (!cv::imencode(".jpg", model.texture, picture, {cv::IMWRITE_JPEG_QUALITY, model.jpeg_quality})) {
     return Fail(ErrorCode::kInternal, "cannot encode the texture of " + name + " as JPEG");

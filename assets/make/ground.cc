@@ -84,7 +84,7 @@ Bond RunningBond(float x, float y, float length, float height, float joint, floa
 
 int Cells(float period_m, float size_m) { return std::max(1, static_cast<int>(std::lround(period_m / size_m))); }
 
-Ink Tarmac(float x, float y, float period_m, const Ink& base, std::uint32_t seed) {
+Bgr Tarmac(float x, float y, float period_m, const Bgr& base, std::uint32_t seed) {
   const float u = x / period_m, v = y / period_m;
   const float cloud = Rough(u, v, Cells(period_m, 4), 4, seed);
   const float grit =
@@ -94,11 +94,11 @@ Ink Tarmac(float x, float y, float period_m, const Ink& base, std::uint32_t seed
 
 }  // namespace
 
-Ink Asphalt(float x, float y, float period_m) { return Tarmac(x, y, period_m, Rgb(96, 95, 94), 100); }
+Bgr Asphalt(float x, float y, float period_m) { return Tarmac(x, y, period_m, Rgb(96, 95, 94), 100); }
 
-Ink NewAsphalt(float x, float y, float period_m) { return Tarmac(x, y, period_m, Rgb(62, 63, 66), 120); }
+Bgr NewAsphalt(float x, float y, float period_m) { return Tarmac(x, y, period_m, Rgb(62, 63, 66), 120); }
 
-Ink Concrete(float x, float y, float period_m) {
+Bgr Concrete(float x, float y, float period_m) {
   constexpr float kSlab_m = 4;
   const float u = x / period_m, v = y / period_m;
   const int slabs = Cells(period_m, kSlab_m);
@@ -113,57 +113,57 @@ Ink Concrete(float x, float y, float period_m) {
   return Rgb(164, 160, 151) * (0.94F + 0.12F * tone + 0.17F * cloud + 0.05F * grit - grime);
 }
 
-Ink Slabs(float x, float y, float period_m) {
+Bgr Slabs(float x, float y, float period_m) {
   const Bond bond = RunningBond(x, y, 0.6F, 0.6F, 0.035F, period_m);
   const float cloud = Rough(x / period_m, y / period_m, Cells(period_m, 2), 4, 160);
   if (bond.joint) return Rgb(96, 92, 86);
   return Rgb(150, 145, 136) * (0.9F + 0.2F * bond.number + 0.14F * cloud);
 }
 
-Ink Grass(float x, float y, float period_m) {
+Bgr Grass(float x, float y, float period_m) {
   const float u = x / period_m, v = y / period_m;
   const float cloud = Rough(u, v, Cells(period_m, 5), 5, 180, 0.6F);
   const float tuft = Rough(u, v, Cells(period_m, 0.5F), 3, 186, 0.75F);
   const float blades = Lattice(u, v, Cells(period_m, 0.06F), 190);
-  Ink green = Mix(Rgb(80, 94, 54), Rgb(118, 120, 76), Ramp(cloud, -0.35F, 0.45F));
+  Bgr green = Mix(Rgb(80, 94, 54), Rgb(118, 120, 76), Ramp(cloud, -0.35F, 0.45F));
   green = Mix(green, Rgb(128, 112, 78), 0.75F * Ramp(Rough(u, v, Cells(period_m, 3), 4, 195), 0.28F, 0.5F));
   return green * (0.98F + 0.3F * tuft + 0.11F * blades);
 }
 
-Ink Meadow(float x, float y, float period_m) {
+Bgr Meadow(float x, float y, float period_m) {
   const float u = x / period_m, v = y / period_m;
   const float cloud = Rough(u, v, Cells(period_m, 4), 4, 210, 0.6F);
   const Stone tussock = Nearest(u, v, Cells(period_m, 0.8F), 215);
   const float blades = Lattice(u, v, Cells(period_m, 0.08F), 220) + Lattice(u, v, Cells(period_m, 0.2F), 221);
-  const Ink grass =
+  const Bgr grass =
       Mix(Rgb(88, 100, 58), Rgb(142, 134, 92), Ramp(cloud + 0.35F * (tussock.number - 0.5F), -0.3F, 0.4F));
   return grass * (1.16F - 0.42F * Ramp(tussock.distance, 0.1F, 0.75F) + 0.13F * blades);
 }
 
-Ink Gravel(float x, float y, float period_m) {
+Bgr Gravel(float x, float y, float period_m) {
   const float u = x / period_m, v = y / period_m;
   const Stone stone = Nearest(u, v, Cells(period_m, 0.12F), 230);
   const Stone rock = Nearest(u, v, Cells(period_m, 0.45F), 236);
   const float cloud = Rough(u, v, Cells(period_m, 4), 4, 240);
-  Ink colour =
+  Bgr colour =
       Mix(Rgb(140, 132, 120), Rgb(172, 165, 152), stone.number) * (1.06F - 0.3F * Ramp(stone.distance, 0.25F, 0.7F));
   if (rock.distance < 0.14F + 0.1F * rock.number && rock.number > 0.55F)
     colour = Rgb(186, 182, 172) * (0.7F + 0.4F * rock.number);
   return colour * (0.97F + 0.2F * cloud);
 }
 
-Ink Brick(float x, float y, float period_m) {
+Bgr Brick(float x, float y, float period_m) {
   const Bond bond = RunningBond(x, y, 0.4F, 0.2F, 0.03F, period_m);
   const float cloud = Rough(x / period_m, y / period_m, Cells(period_m, 3), 5, 250);
   if (bond.joint) return Rgb(94, 80, 70) * (1 + 0.15F * cloud);
   return Mix(Rgb(126, 84, 68), Rgb(158, 114, 94), bond.number) * (0.98F + 0.22F * cloud);
 }
 
-Ink Dirt(float x, float y, float period_m) {
+Bgr Dirt(float x, float y, float period_m) {
   const float u = x / period_m, v = y / period_m;
   const float cloud = Rough(u, v, Cells(period_m, 5), 6, 260, 0.62F);
   const float clods = Rough(u, v, Cells(period_m, 0.3F), 3, 270, 0.7F);
-  const Ink soil = Mix(Rgb(108, 86, 62), Rgb(164, 138, 104), Ramp(cloud, -0.4F, 0.4F));
+  const Bgr soil = Mix(Rgb(108, 86, 62), Rgb(164, 138, 104), Ramp(cloud, -0.4F, 0.4F));
   const float damp = Ramp(Rough(u, v, Cells(period_m, 4), 3, 276), 0.25F, 0.5F);
   return soil * (1 + 0.2F * clods - 0.28F * damp);
 }
@@ -186,21 +186,21 @@ void Ground::Lay(const Material& material, const std::vector<cv::Point2d>& outli
         const int share = mask.at<std::uint8_t>(y, x);
         if (share == 0) continue;
         // Four samples per texel, for antialiasing.
-        Ink sum(0, 0, 0);
+        Bgr sum(0, 0, 0);
         for (const auto& [dx, dy] : {std::pair{0.25F, 0.25F}, {0.75F, 0.25F}, {0.25F, 0.75F}, {0.75F, 0.75F}}) {
           const float scale = 1 / static_cast<float>(texels_per_m_);
           sum += material((static_cast<float>(x) + dx) * scale, (static_cast<float>(y) + dy) * scale, side_m_) * 0.25F;
         }
         cv::Vec3b& pixel = picture_.at<cv::Vec3b>(y, x);
-        pixel = cv::Vec3b(Mix(Ink(pixel), sum, static_cast<float>(share) / 255));
+        pixel = cv::Vec3b(Mix(Bgr(pixel), sum, static_cast<float>(share) / 255));
       }
     }
   });
 }
 
 void Ground::LayBox(const Material& material, double x0, double y0, double x1, double y1) {
-  constexpr double kOver = 0.1;  // extends beyond the outer borders, which would else be half covered
-  const auto out = [&](double at) { return at <= 0 ? -kOver : (at >= side_m_ ? at + kOver : at); };
+  constexpr double kOverlap_m = 0.1;  // extends beyond the outer borders, which would else be half covered
+  const auto out = [&](double at) { return at <= 0 ? -kOverlap_m : (at >= side_m_ ? at + kOverlap_m : at); };
   Lay(material, {{out(x0), out(y0)}, {out(x1), out(y0)}, {out(x1), out(y1)}, {out(x0), out(y1)}});
 }
 
@@ -245,12 +245,12 @@ void Ground::Paint(const Colour& colour, const std::function<void(Pencil&, const
   Draw([&](Pencil& pencil) { draw(pencil, Colour{255}); });
   std::swap(mask, picture_);
   const cv::Mat kept = Worn(wear);
-  const Ink ink(static_cast<float>(colour[0]), static_cast<float>(colour[1]), static_cast<float>(colour[2]));
+  const Bgr ink(static_cast<float>(colour[0]), static_cast<float>(colour[1]), static_cast<float>(colour[2]));
   for (int y = 0; y < picture_.rows; ++y) {
     for (int x = 0; x < picture_.cols; ++x) {
       const float share = static_cast<float>(mask.at<std::uint8_t>(y, x)) / 255 * kept.at<float>(y, x);
       cv::Vec3b& pixel = picture_.at<cv::Vec3b>(y, x);
-      pixel = cv::Vec3b(Mix(Ink(pixel), ink, share));
+      pixel = cv::Vec3b(Mix(Bgr(pixel), ink, share));
     }
   }
 }
@@ -259,7 +259,7 @@ void Ground::Multiply(const cv::Mat& light) {
   for (int y = 0; y < picture_.rows; ++y) {
     for (int x = 0; x < picture_.cols; ++x) {
       cv::Vec3b& pixel = picture_.at<cv::Vec3b>(y, x);
-      pixel = cv::Vec3b(Ink(pixel) * (static_cast<float>(light.at<std::uint8_t>(y, x)) / 128));
+      pixel = cv::Vec3b(Bgr(pixel) * (static_cast<float>(light.at<std::uint8_t>(y, x)) / 128));
     }
   }
 }
@@ -312,7 +312,7 @@ void Ground::Patches(int count, const Material& material) {
     const auto [x, y, w, h, light] =
         testing::Uniforms(random_, {{0, side_m_}, {0, side_m_}, {0.7, 3.5}, {0.5, 2.0}, {0.8, 1.25}});
     const float factor = static_cast<float>(light);
-    Lay([&](float px, float py, float period) { return Ink(material(px + 7, py + 3, period) * factor); },
+    Lay([&](float px, float py, float period) { return Bgr(material(px + 7, py + 3, period) * factor); },
         {{x, y}, {x + w, y}, {x + w, y + h}, {x, y + h}});
     Draw([&, x = x, y = y, w = w, h = h](Pencil& pencil) {
       pencil.Frame(x + w / 2, y + h / 2, w, h, {40, 39, 38}, 0.06);
@@ -320,12 +320,11 @@ void Ground::Patches(int count, const Material& material) {
   }
 }
 
-void Ground::Stains(int count, double least_m, double greatest_m, double light) {
+void Ground::Stains(int count, double min_m, double max_m, double light) {
   cv::Mat shade(picture_.size(), CV_8U, cv::Scalar(128));
   std::swap(shade, picture_);
   for (int i = 0; i < count; ++i) {
-    const auto [x, y, size, depth] =
-        testing::Uniforms(random_, {{0, side_m_}, {0, side_m_}, {least_m, greatest_m}, {0.4, 1}});
+    const auto [x, y, size, depth] = testing::Uniforms(random_, {{0, side_m_}, {0, side_m_}, {min_m, max_m}, {0.4, 1}});
     const Colour grey{128 * (1 + (light - 1) * depth)};
     for (int lobe = 0; lobe < 6; ++lobe) {
       const auto [dx, dy, r] = testing::Uniforms(random_, {{-0.6, 0.6}, {-0.6, 0.6}, {0.25, 0.6}});
@@ -335,14 +334,14 @@ void Ground::Stains(int count, double least_m, double greatest_m, double light) 
     }
   }
   std::swap(shade, picture_);
-  cv::GaussianBlur(shade, shade, {}, std::max(1.0, least_m * texels_per_m_ * 0.4));
+  cv::GaussianBlur(shade, shade, {}, std::max(1.0, min_m * texels_per_m_ * 0.4));
   Multiply(shade);
 }
 
-void Ground::Specks(int count, double least_m, double greatest_m, const std::vector<Colour>& colours) {
+void Ground::Specks(int count, double min_m, double max_m, const std::vector<Colour>& colours) {
   for (int i = 0; i < count; ++i) {
     const auto [x, y, size, flat, light] =
-        testing::Uniforms(random_, {{0, side_m_}, {0, side_m_}, {least_m, greatest_m}, {0.4, 1}, {0.8, 1.15}});
+        testing::Uniforms(random_, {{0, side_m_}, {0, side_m_}, {min_m, max_m}, {0.4, 1}, {0.8, 1.15}});
     const Colour colour = testing::Shade(colours[random_.Below(static_cast<std::uint32_t>(colours.size()))], light);
     Draw([&, x = x, y = y, size = size, flat = flat](Pencil& pencil) {
       pencil.Oval(x, y, size / 2, size / 2 * flat, colour);
@@ -400,9 +399,9 @@ void Ground::Wear(double x0, double y0, double x1, double y1, double width_m, do
   Multiply(shade);
 }
 
-Finished GroundTile(const Ground& ground) {
+TexturedMesh GroundTile(const Ground& ground) {
   const float half = ground.side_m() / 2;
-  Finished tile;
+  TexturedMesh tile;
   tile.positions = {{half, 0, half}, {-half, 0, half}, {-half, 0, -half}, {half, 0, -half}};
   tile.normals.assign(4, Vec3::UnitY());
   tile.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};

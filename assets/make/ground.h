@@ -9,25 +9,25 @@
 
 #include <opencv2/core.hpp>
 
-#include "testing/drawing.h"
 #include "assets/make/asset.h"
 #include "assets/make/paint.h"
+#include "testing/drawing.h"
 #include "victorious/base/random.h"
 
 namespace victorious::assets {
 
 /// The colour of a material at a position, m. Periodic with `period_m` (whole metres).
-using Material = std::function<Ink(float x, float y, float period_m)>;
+using Material = std::function<Bgr(float x, float y, float period_m)>;
 
-Ink Asphalt(float x, float y, float period_m);
-Ink NewAsphalt(float x, float y, float period_m);
-Ink Concrete(float x, float y, float period_m);
-Ink Slabs(float x, float y, float period_m);
-Ink Grass(float x, float y, float period_m);
-Ink Meadow(float x, float y, float period_m);
-Ink Gravel(float x, float y, float period_m);
-Ink Brick(float x, float y, float period_m);
-Ink Dirt(float x, float y, float period_m);
+Bgr Asphalt(float x, float y, float period_m);
+Bgr NewAsphalt(float x, float y, float period_m);
+Bgr Concrete(float x, float y, float period_m);
+Bgr Slabs(float x, float y, float period_m);
+Bgr Grass(float x, float y, float period_m);
+Bgr Meadow(float x, float y, float period_m);
+Bgr Gravel(float x, float y, float period_m);
+Bgr Brick(float x, float y, float period_m);
+Bgr Dirt(float x, float y, float period_m);
 
 /// A square of ground to draw on.
 class Ground {
@@ -53,9 +53,9 @@ class Ground {
   /// Tar seals over cracks: broad, black, winding lines.
   void TarSeals(int count, double length_m);
   void Patches(int count, const Material& material);
-  void Stains(int count, double least_m, double greatest_m, double light);
+  void Stains(int count, double min_m, double max_m, double light);
   /// Leaves, litter, stones: specks of a few centimetres.
-  void Specks(int count, double least_m, double greatest_m, const std::vector<Colour>& colours);
+  void Specks(int count, double min_m, double max_m, const std::vector<Colour>& colours);
   void Manhole(double x, double y, double radius);
   void Drain(double x, double y);
   void TyreTrack(const std::vector<cv::Point2d>& path, double gauge, double light);
@@ -93,6 +93,6 @@ struct TileEntry {
 };
 const std::vector<TileEntry>& Tiles();
 /// A flat square at y = 0 with the image as its texture; the image's top is the front (+z).
-Finished GroundTile(const Ground& ground);
+TexturedMesh GroundTile(const Ground& ground);
 
 }  // namespace victorious::assets

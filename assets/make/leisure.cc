@@ -69,7 +69,7 @@ Mesh TrailerFrame() {
 
 void DecorateBoat(const Canvas& canvas) {
   const Colour navy{96, 58, 32}, orange{52, 112, 214}, teak{92, 132, 168};
-  OnBothSides(canvas, "hull", [&](Stencil& colour, Stencil&) {
+  DrawOnBothSides(canvas, "hull", [&](Stencil& colour, Stencil&) {
     colour.Fill({{3.4, 1.5}, {-3.1, 1.22}, {-3.1, 1.4}, {3.4, 1.75}}, navy);
     colour.Fill({{3.2, 1.42}, {-3.1, 1.1}, {-3.1, 1.18}, {3.2, 1.48}}, orange);
     colour.Text(-1.9, 1.56, "SEA 12", 0.24, navy);
@@ -85,7 +85,7 @@ void DecorateBoat(const Canvas& canvas) {
   DrawWindow(cabin, {{1.15, -0.62}, {1.15, 0.62}, {0.66, 0.56}, {0.66, -0.56}});
   cabin.Line(0.9, -0.62, 0.9, 0.62, kWhite, 0.05);
   cabin.Box(1.35, -0.3, 1.8, 0.3, {70, 62, 54});
-  OnBothSides(canvas, "cabin", [](Stencil& colour, Stencil&) {
+  DrawOnBothSides(canvas, "cabin", [](Stencil& colour, Stencil&) {
     DrawWindow(colour, {{0.45, 2.05}, {1.1, 2.05}, {0.65, 2.42}, {0.45, 2.42}});
   });
 }
@@ -154,7 +154,7 @@ void DecoratePlane(const Canvas& canvas) {
     lines.Disc(0.3, s * 1.5, 0.09, kSoot);
     lines.Line(-4.75, s * 0.2, -4.75, s * 1.6, kGroove, 0.03);
   }
-  OnBothSides(canvas, "fuselage", [&](Stencil& colour, Stencil& shade) {
+  DrawOnBothSides(canvas, "fuselage", [&](Stencil& colour, Stencil& shade) {
     colour.Fill({{3.0, 1.3}, {3.0, 1.55}, {0.8, 1.45}, {-5.0, 1.72}, {-5.0, 1.62}, {0.6, 1.2}}, red);
     colour.Fill({{2.9, 1.15}, {2.9, 1.24}, {0.6, 1.12}, {-5.0, 1.6}, {-5.0, 1.57}, {0.5, 1.02}}, navy);
     DrawWindow(colour, {{0.2, 1.68}, {0.95, 1.62}, {0.66, 2.1}, {0.2, 2.14}});
@@ -168,7 +168,7 @@ void DecoratePlane(const Canvas& canvas) {
   top.Fill({{2.95, -0.14}, {2.95, 0.14}, {1.25, 0.3}, {1.25, -0.3}}, {62, 62, 60});
   DrawWindow(top, {{1.15, -0.46}, {1.15, 0.46}, {0.66, 0.42}, {0.66, -0.42}});
   top.Fill({{-1.2, -0.12}, {-1.2, 0.12}, {-4.6, 0.04}, {-4.6, -0.04}}, red);
-  OnBothSides(canvas, "fin", [&](Stencil& colour, Stencil&) {
+  DrawOnBothSides(canvas, "fin", [&](Stencil& colour, Stencil&) {
     colour.Fill({{-4.1, 2.3}, {-5.4, 2.3}, {-5.4, 2.55}, {-4.25, 2.55}}, red);
     colour.Fill({{-4.3, 2.65}, {-5.4, 2.65}, {-5.4, 2.75}, {-4.4, 2.75}}, navy);
   });
@@ -180,7 +180,7 @@ Asset BoatTrailer() {
   Asset asset{.name = "boat_trailer", .length_m = 8};
   asset.Add("hull", BoatHull(), [](const Surface& s) {
     const bool low = s.position.y() < 1.05F && s.normal.y() < 0.5F;
-    return Ink((low ? Rgb(120, 48, 42) : Rgb(218, 216, 208)) * (1 + 0.04F * Fractal(s.position, 161, 3)));
+    return Bgr((low ? Rgb(120, 48, 42) : Rgb(218, 216, 208)) * (1 + 0.04F * Fractal(s.position, 161, 3)));
   });
   asset.Add("cabin", BoatCabin(), Coat(Rgb(214, 212, 204)));
   asset.Add("seats", BoatInside(), [](const Surface& s) {
@@ -200,7 +200,7 @@ Asset BoatTrailer() {
 
 Asset PropellerPlane() {
   Asset asset{.name = "propeller_plane", .length_m = 8.3F};
-  const Ink white = Rgb(220, 220, 214);
+  const Bgr white = Rgb(220, 220, 214);
   asset.Add("fuselage", PlaneFuselage(), Coat(white, 0.03F));
   asset.Add("wings", PlaneWings(), Coat(white, 0.03F));
   asset.Add("fin", PlaneFin(), Coat(white, 0.03F));
@@ -220,7 +220,7 @@ Asset PropellerPlane() {
   wheel.places = {At(1.15F, 0.27F, 0.12F), At(-1.15F, 0.27F, 0.12F) * Turn(Axis::kY, 180), At(0, 0.27F, 2.5F)};
   asset.decorate = DecoratePlane;
   asset.weather = {
-      .dust_height_m = 0.2F, .dust_share = 0.25F, .streaks = 0.07F, .stains = 0.06F, .grain = 0.02F, .seed = 26};
+      .dust_height_m = 0.2F, .dust_fraction = 0.25F, .streaks = 0.07F, .stains = 0.06F, .grain = 0.02F, .seed = 26};
   return asset;
 }
 

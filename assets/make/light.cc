@@ -12,11 +12,11 @@ namespace {
 
 void DecoratePoliceCar(const Canvas& canvas) {
   const Colour blue{136, 66, 30}, yellow{56, 200, 216};
-  OnBothSides(canvas, "cabin", [](Stencil& colour, Stencil&) {
+  DrawOnBothSides(canvas, "cabin", [](Stencil& colour, Stencil&) {
     DrawWindow(colour, {{-0.1, 1.0}, {0.82, 1.0}, {0.36, 1.36}, {-0.1, 1.4}});
     DrawWindow(colour, {{-1.25, 1.0}, {-0.2, 1.0}, {-0.2, 1.4}, {-1.0, 1.36}});
   });
-  OnBothSides(canvas, "body", [&](Stencil& colour, Stencil& shade) {
+  DrawOnBothSides(canvas, "body", [&](Stencil& colour, Stencil& shade) {
     int cell = 0;
     for (double z = -2.2; z < 2.0; z += 0.36, ++cell) {
       colour.Box(z, 0.58, z + 0.36, 0.74, cell % 2 == 0 ? blue : yellow);
@@ -91,11 +91,11 @@ Mesh PickupLoad() {
 
 void DecoratePickup(const Canvas& canvas) {
   const Colour cream{178, 206, 214};
-  OnBothSides(canvas, "cabin", [](Stencil& colour, Stencil&) {
+  DrawOnBothSides(canvas, "cabin", [](Stencil& colour, Stencil&) {
     DrawWindow(colour, {{0.35, 1.2}, {1.22, 1.2}, {0.8, 1.62}, {0.35, 1.64}});
     DrawWindow(colour, {{-0.3, 1.2}, {0.25, 1.2}, {0.25, 1.64}, {-0.22, 1.62}});
   });
-  OnBothSides(canvas, "body", [&](Stencil& colour, Stencil& shade) {
+  DrawOnBothSides(canvas, "body", [&](Stencil& colour, Stencil& shade) {
     colour.Box(-2.7, 0.72, 2.6, 0.92, cream);
     DrawDoor(colour, shade, 0.3, 0.5, 1.2, 1.14);
     DrawDoor(colour, shade, -0.38, 0.5, 0.28, 1.14);
@@ -194,14 +194,14 @@ void DecorateExcavator(const Canvas& canvas) {
   Stencil top_marks = canvas.Colour("house", Side::kTop);
   top_marks.Hazard(-2.5, -0.85, -2.15, 0.85, yellow, dark, 0.2);
   top_marks.Text(-1.2, 0.55, "X5", 0.4, dark);
-  OnBothSides(canvas, "house", [&](Stencil& colour, Stencil& shade) {
+  DrawOnBothSides(canvas, "house", [&](Stencil& colour, Stencil& shade) {
     shade.Grille(-0.6, 1.8, -1.9, 2.3, 7);
     shade.Panel(-0.5, 1.15, -1.5, 1.65);
     shade.Panel(0.7, 1.15, -0.4, 1.65);
     colour.Text(-1.9, 1.4, "X5", 0.36, dark);
     colour.Hazard(-2.5, 1.1, -2.1, 1.7, yellow, dark, 0.16);
   });
-  OnBothSides(canvas, "boom", [&](Stencil& colour, Stencil& shade) {
+  DrawOnBothSides(canvas, "boom", [&](Stencil& colour, Stencil& shade) {
     colour.Text(4.0, 3.72, "DIGGER", 0.26, dark);
     shade.Rivets(2.9, 4.1, 5.2, 3.45, 0.2);
     shade.Line(2.4, 3.85, 3.0, 3.7, kGroove, 0.04);
@@ -209,7 +209,7 @@ void DecorateExcavator(const Canvas& canvas) {
   Stencil back = canvas.Colour("house", Side::kBack);
   back.Hazard(-1.1, 1.15, 1.1, 1.4, yellow, dark, 0.2);
   const Colour frame = Pigment(Rgb(196, 148, 40));
-  OnBothSides(canvas, "cab", [&](Stencil& colour, Stencil&) {
+  DrawOnBothSides(canvas, "cab", [&](Stencil& colour, Stencil&) {
     colour.Frame(0.02, 1.8, 1.58, 3.2, frame, 0.16);
     colour.Line(0.75, 1.7, 0.75, 3.2, frame, 0.09);
   });
@@ -263,9 +263,9 @@ Asset Pickup() {
   asset.Add("cabin", Tapered(Extrude(cabin, Axis::kX, -0.88F, 0.88F, 0.06F), 1.15F, 0.16F), paint);
   asset.Add("load", PickupLoad(), [](const Surface& s) {
     if (s.position.z() > -1.1F && s.position.x() > -0.6F)
-      return Ink(Rgb(168, 172, 174) * (1 + 0.1F * Noise(s.position * 5, 5)));
+      return Bgr(Rgb(168, 172, 174) * (1 + 0.1F * Noise(s.position * 5, 5)));
     if (s.position.x() < -0.55F && s.position.y() > 1.0F) return Rgb(196, 190, 176);
-    if (s.position.z() < -1.8F) return Ink(Rgb(158, 118, 72) * (1 + 0.2F * Noise(s.position * 8, 6)));
+    if (s.position.z() < -1.8F) return Bgr(Rgb(158, 118, 72) * (1 + 0.2F * Noise(s.position * 8, 6)));
     return s.position.x() > -0.15F ? Rgb(58, 88, 120) : Rgb(176, 128, 44);
   });
   asset
@@ -277,7 +277,7 @@ Asset Pickup() {
   asset.decorate = DecoratePickup;
   asset.weather = {.dust = Rgb(134, 116, 92),
                    .dust_height_m = 0.45F,
-                   .dust_share = 0.5F,
+                   .dust_fraction = 0.5F,
                    .streaks = 0.16F,
                    .stains = 0.12F,
                    .seed = 23};
@@ -288,7 +288,7 @@ Asset Excavator() {
   Asset asset{.name = "excavator", .length_m = 8.6F};
   const Paint yellow = [](const Surface& s) {
     const float chipped = Ramp(Fractal(s.position * 2.4F, 151, 4), 0.26F, 0.36F);
-    return Mix(Ink(Rgb(210, 158, 40) * (1 + 0.08F * Fractal(s.position * 1.2F, 155, 3))), Rgb(92, 74, 56),
+    return Mix(Bgr(Rgb(210, 158, 40) * (1 + 0.08F * Fractal(s.position * 1.2F, 155, 3))), Rgb(92, 74, 56),
                0.8F * chipped);
   };
   asset.Add("house", ExcavatorHouse(), yellow);
@@ -303,7 +303,7 @@ Asset Excavator() {
   asset.decorate = DecorateExcavator;
   asset.weather = {.dust = Rgb(128, 104, 76),
                    .dust_height_m = 0.6F,
-                   .dust_share = 0.6F,
+                   .dust_fraction = 0.6F,
                    .streaks = 0.2F,
                    .stains = 0.14F,
                    .seed = 24};

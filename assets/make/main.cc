@@ -30,7 +30,7 @@ Status MakeFolder(const fs::path& folder) {
   return {};
 }
 
-Status WriteGlb(const assets::Finished& model, const fs::path& path) {
+Status WriteGlb(const assets::TexturedMesh& model, const fs::path& path) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string bytes, assets::GlbBytes(path.stem().string(), model));
   fmt::print("{}: {} triangles, {} KB\n", path.string(), model.indices.size() / 3, bytes.size() / 1024);
   return victorious::WriteFileAtomically(path, bytes);
@@ -56,7 +56,7 @@ Status MakeAll(const fs::path& folder, const std::vector<std::string>& names) {
   }
   for (const assets::Entry& entry : assets::Catalogue()) {
     const fs::path path = folder / (entry.path + ".glb");
-    if (wanted(path)) VICTORIOUS_RETURN_IF_ERROR(WriteGlb(assets::Finish(entry.make()), path));
+    if (wanted(path)) VICTORIOUS_RETURN_IF_ERROR(WriteGlb(assets::BuildTexturedMesh(entry.make()), path));
   }
   for (const assets::MaterialEntry& entry : assets::Materials()) {
     const fs::path path = folder / "town/ground" / (entry.name + ".jpg");

@@ -29,13 +29,13 @@ double SignOfB(Side side) { return side == Side::kBottom ? 1 : -1; }
 
 }  // namespace
 
-Ink Rgb(int red, int green, int blue) {
+Bgr Rgb(int red, int green, int blue) {
   return {static_cast<float>(blue), static_cast<float>(green), static_cast<float>(red)};
 }
 
-Ink Mix(const Ink& a, const Ink& b, float share_of_b) { return a * (1 - share_of_b) + b * share_of_b; }
+Bgr Mix(const Bgr& a, const Bgr& b, float share_of_b) { return a * (1 - share_of_b) + b * share_of_b; }
 
-Colour Pigment(const Ink& ink) { return {ink[0], ink[1], ink[2]}; }
+Colour Pigment(const Bgr& ink) { return {ink[0], ink[1], ink[2]}; }
 
 float Ramp(float value, float low, float high) {
   const float t = std::clamp((value - low) / (high - low), 0.0F, 1.0F);
@@ -83,21 +83,21 @@ float Cells(const Vec3& p, std::uint32_t seed) {
   return std::sqrt(nearest);
 }
 
-Paint Coat(const Ink& colour, float unevenness, std::uint32_t seed) {
+Paint Coat(const Bgr& colour, float unevenness, std::uint32_t seed) {
   return [=](const Surface& s) { return colour * (1 + unevenness * 1.6F * Fractal(s.position * 1.3F, seed, 3)); };
 }
 
-Paint Camouflage(const Ink& base, const std::vector<Patch>& patches, float patch_m, std::uint32_t seed) {
+Paint Camouflage(const Bgr& base, const std::vector<Patch>& patches, float patch_m, std::uint32_t seed) {
   return [=](const Surface& s) {
     const Vec3 bend(Noise(s.position / (patch_m * 0.6F), seed + 50), Noise(s.position / (patch_m * 0.6F), seed + 51),
                     Noise(s.position / (patch_m * 0.6F), seed + 52));
     const Vec3 at = s.position / patch_m + 0.28F * bend;
-    Ink colour = base;
+    Bgr colour = base;
     for (std::size_t i = 0; i < patches.size(); ++i) {
       const float height = Fractal(at, seed + static_cast<std::uint32_t>(i) * 7, 3);
-      if (height > 0.42F * (1 - 2 * patches[i].share)) colour = patches[i].colour;
+      if (height > 0.42F * (1 - 2 * patches[i].fraction)) colour = patches[i].colour;
     }
-    return Ink(colour * (1 + 0.07F * Fractal(s.position * 2.1F, seed + 90, 3)));
+    return Bgr(colour * (1 + 0.07F * Fractal(s.position * 2.1F, seed + 90, 3)));
   };
 }
 
@@ -110,30 +110,30 @@ Paint Glass(std::uint32_t seed) {
   };
 }
 
-Paint Wheel(float radius, float rim_radius, const Ink& rim, int bolts) {
+Paint Wheel(float radius, float rim_radius, const Bgr& rim, int bolts) {
   return [=](const Surface& s) {
     const float r = std::hypot(s.position.y(), s.position.z());
     const float angle = std::atan2(s.position.y(), s.position.z());
     if (r > rim_radius) {
       const bool tread = r > radius * 0.93F;
       const float lug = std::sin(angle * 36 + (s.position.x() > 0 ? 8.0F : -8.0F) * s.position.x());
-      return Ink(Rgb(46, 45, 44) * (tread && lug > 0.2F ? 0.6F : 1.0F));
+      return Bgr(Rgb(46, 45, 44) * (tread && lug > 0.2F ? 0.6F : 1.0F));
     }
     const float spoke = std::cos(angle * static_cast<float>(bolts));
-    if (r > rim_radius * 0.45F && r < rim_radius * 0.8F && spoke > 0.6F) return Ink(rim * 0.35F);
-    if (r < rim_radius * 0.18F) return Ink(rim * 0.6F);
-    return Ink(rim * (r > rim_radius * 0.9F ? 0.7F : 1.0F));
+    if (r > rim_radius * 0.45F && r < rim_radius * 0.8F && spoke > 0.6F) return Bgr(rim * 0.35F);
+    if (r < rim_radius * 0.18F) return Bgr(rim * 0.6F);
+    return Bgr(rim * (r > rim_radius * 0.9F ? 0.7F : 1.0F));
   };
 }
 
-Paint Metal(const Ink& colour, std::uint32_t seed) {
+Paint Metal(const Bgr& colour, std::uint32_t seed) {
   return [=](const Surface& s) {
     const float brushed = Noise(Vec3(s.position.x() * 30, s.position.y() * 30, s.position.z() * 2), seed);
-    return Ink(colour * (1 + 0.10F * brushed + 0.12F * Fractal(s.position * 3, seed + 1, 2)));
+    return Bgr(colour * (1 + 0.10F * brushed + 0.12F * Fractal(s.position * 3, seed + 1, 2)));
   };
 }
 
-Ink Weathered(const Weather& weather, const Ink& colour, const Surface& surface) {
+Bgr Weathered(const Weather& weather, const Bgr& colour, const Surface& surface) {
   const Vec3& p = surface.position;
   const float steep = 1 - std::abs(surface.normal.y());
   const float run = Noise(Vec3(p.x() * 11, p.y() * 0.7F, p.z() * 11), weather.seed);
@@ -146,7 +146,7 @@ Ink Weathered(const Weather& weather, const Ink& colour, const Surface& surface)
   const float patchy = 0.55F + 0.45F * Fractal(p * 2.7F, weather.seed + 6, 3);
   const float lying =
       0.25F * Ramp(surface.normal.y(), 0.5F, 0.95F) * Ramp(Fractal(p * 0.9F, weather.seed + 8, 3), 0.0F, 0.5F);
-  const float dust = std::clamp(weather.dust_share * (1.4F * low * patchy + lying), 0.0F, 0.8F);
+  const float dust = std::clamp(weather.dust_fraction * (1.4F * low * patchy + lying), 0.0F, 0.8F);
   return Mix(colour * light, weather.dust, dust);
 }
 

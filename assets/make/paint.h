@@ -8,8 +8,8 @@
 
 #include <opencv2/core.hpp>
 
-#include "testing/drawing.h"
 #include "assets/make/mesh.h"
+#include "testing/drawing.h"
 
 namespace victorious::assets {
 
@@ -24,12 +24,12 @@ struct Surface {
 };
 
 /// Blue, green, red, 0 to 255.
-using Ink = cv::Vec3f;
-using Paint = std::function<Ink(const Surface&)>;
+using Bgr = cv::Vec3f;
+using Paint = std::function<Bgr(const Surface&)>;
 
-Ink Rgb(int red, int green, int blue);
-Ink Mix(const Ink& a, const Ink& b, float share_of_b);
-Colour Pigment(const Ink& ink);
+Bgr Rgb(int red, int green, int blue);
+Bgr Mix(const Bgr& a, const Bgr& b, float share_of_b);
+Colour Pigment(const Bgr& ink);
 
 /// Smooth step: 0 below `low`, 1 above `high`.
 float Ramp(float value, float low, float high);
@@ -44,29 +44,29 @@ float Cells(const Vec3& p, std::uint32_t seed);
 // --- Paints ----------------------------------------------------------------------------------------------------------
 
 /// One colour, slightly uneven.
-Paint Coat(const Ink& colour, float unevenness = 0.05F, std::uint32_t seed = 1);
-/// A camouflage patch over the base colour, with sharp edges; `share` is the fraction of the surface that it covers.
+Paint Coat(const Bgr& colour, float unevenness = 0.05F, std::uint32_t seed = 1);
+/// A camouflage patch over the base colour, with sharp edges; `fraction` is the fraction of the surface that it covers.
 struct Patch {
-  Ink colour;
-  float share = 0.3F;
+  Bgr colour;
+  float fraction = 0.3F;
 };
-Paint Camouflage(const Ink& base, const std::vector<Patch>& patches, float patch_m, std::uint32_t seed);
+Paint Camouflage(const Bgr& base, const std::vector<Patch>& patches, float patch_m, std::uint32_t seed);
 /// Glass that reflects a bright sky in its upper part and shows a dark interior in its lower part.
 Paint Glass(std::uint32_t seed = 3);
 /// Rubber around an axle along x, with a rim within `rim_radius` that has `bolts` bolts.
-Paint Wheel(float radius, float rim_radius, const Ink& rim, int bolts);
-Paint Metal(const Ink& colour, std::uint32_t seed = 5);
+Paint Wheel(float radius, float rim_radius, const Bgr& rim, int bolts);
+Paint Metal(const Bgr& colour, std::uint32_t seed = 5);
 
 struct Weather {
-  Ink dust = {105, 125, 140};
+  Bgr dust = {105, 125, 140};
   float dust_height_m = 0.5F;  ///< full at the ground, zero at twice this height
-  float dust_share = 0.45F;
+  float dust_fraction = 0.45F;
   float streaks = 0.14F;  ///< relative amplitude of vertical streaks
   float stains = 0.10F;   ///< relative amplitude of stains
   float grain = 0.03F;    ///< relative amplitude of noise of a few centimetres
   std::uint32_t seed = 7;
 };
-Ink Weathered(const Weather& weather, const Ink& colour, const Surface& surface);
+Bgr Weathered(const Weather& weather, const Bgr& colour, const Surface& surface);
 
 // --- Stencil ---------------------------------------------------------------------------------------------------------
 

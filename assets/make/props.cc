@@ -19,9 +19,9 @@ struct TreeStyle {
   float radius = 3;
   float trunk = 2;  ///< m, up to the crown
   int blobs = 9;
-  float blob_share = 0.5F;  ///< radius of a blob relative to the crown's
-  float cone = 0;           ///< 0 round, 1 pointed
-  Ink dark, light;
+  float blob_fraction = 0.5F;  ///< radius of a blob relative to the crown's
+  float cone = 0;              ///< 0 round, 1 pointed
+  Bgr dark, light;
   std::uint32_t seed = 1;
 };
 
@@ -42,7 +42,7 @@ Mesh Crown(const TreeStyle& tree) {
     const float up = (static_cast<float>(i) + 0.5F) / static_cast<float>(tree.blobs);
     const float wide = tree.radius * std::lerp(std::sqrt(std::max(0.05F, 1 - (2 * up - 0.9F) * (2 * up - 0.9F))),
                                                1.0F - 0.9F * up, tree.cone);
-    const float size = tree.radius * tree.blob_share * std::lerp(1.0F, 1.25F - up, tree.cone) *
+    const float size = tree.radius * tree.blob_fraction * std::lerp(1.0F, 1.25F - up, tree.cone) *
                        static_cast<float>(random.Uniform(0.85, 1.15));
     const float angle = static_cast<float>(i) * 2.4F + static_cast<float>(random.Uniform(-0.3, 0.3));
     const float out = std::max(0.0F, wide - size) * static_cast<float>(random.Uniform(0.7, 1.0));
@@ -54,7 +54,7 @@ Mesh Crown(const TreeStyle& tree) {
 
 Asset Tree(const TreeStyle& tree) {
   Asset asset{.name = tree.name, .atlas_px = 512, .jpeg_quality = 82, .corner_shadow = 0.75F};
-  asset.weather = {.dust_share = 0, .streaks = 0, .stains = 0.1F, .grain = 0.05F};
+  asset.weather = {.dust_fraction = 0, .streaks = 0, .stains = 0.1F, .grain = 0.05F};
   Mesh trunk =
       Loft({Section({0, 0, tree.height * 0.045F, tree.height * 0.045F, tree.height * 0.045F}, 8),
             Section({tree.trunk + 1.5F, 0, tree.height * 0.02F, tree.height * 0.02F, tree.height * 0.02F}, 8)});
@@ -63,8 +63,8 @@ Asset Tree(const TreeStyle& tree) {
     // Clusters of leaves with gaps between, lighter where they stand out.
     const float leaf = Cells(s.position * 3.4F, tree.seed), spray = Cells(s.position * 1.3F, tree.seed + 9);
     const float light = 1.35F - 0.75F * leaf - 0.3F * spray + 0.25F * Fractal(s.position * 0.8F, tree.seed + 20, 3);
-    const Ink green = Mix(tree.dark, tree.light, Ramp(Noise(s.position * 1.1F, tree.seed + 30), -0.6F, 0.7F));
-    return Ink(green * (light * (leaf > 0.62F ? 0.55F : 1.0F)));
+    const Bgr green = Mix(tree.dark, tree.light, Ramp(Noise(s.position * 1.1F, tree.seed + 30), -0.6F, 0.7F));
+    return Bgr(green * (light * (leaf > 0.62F ? 0.55F : 1.0F)));
   });
   crown.crease_deg = 60;
   return asset;
@@ -77,7 +77,7 @@ enum class Body { kHatchback, kEstate, kVan };
 struct CarStyle {
   std::string name;
   Body body = Body::kHatchback;
-  Ink colour;
+  Bgr colour;
   std::uint32_t seed = 1;
 };
 
@@ -108,14 +108,14 @@ Asset Car(const CarStyle& car) {
   AddWheels(asset, {.radius = 0.32F, .width = 0.2F, .x = half - 0.1F, .z = {1.3F, -1.3F}, .rim = kSteel, .bolts = 5});
   asset.decorate = [=](const Canvas& canvas) {
     const double belt = van ? 1.3 : 1.0, roof = van ? 1.82 : 1.4;
-    OnBothSides(canvas, "cabin", [&](Stencil& colour, Stencil&) {
+    DrawOnBothSides(canvas, "cabin", [&](Stencil& colour, Stencil&) {
       DrawWindow(colour, {{van ? 0.35 : -0.25, belt},
                           {van ? 1.35 : 0.78, belt},
                           {van ? 0.95 : 0.3, roof - 0.03},
                           {van ? 0.35 : -0.25, roof}});
       if (!van) DrawWindow(colour, {{-1.35, belt}, {-0.35, belt}, {-0.35, roof}, {-1.15, roof - 0.03}});
     });
-    OnBothSides(canvas, "body", [&](Stencil& colour, Stencil& shade) {
+    DrawOnBothSides(canvas, "body", [&](Stencil& colour, Stencil& shade) {
       DrawDoor(colour, shade, -0.3, 0.38, 0.8, van ? 1.18 : 0.95);
       if (!van) DrawDoor(colour, shade, -1.25, 0.5, -0.32, 0.95);
       shade.Line(-2.2, 0.62, 2.0, 0.6, kGroove, 0.03);
@@ -155,17 +155,17 @@ Asset Small(std::string name) {
   return asset;
 }
 
-Asset Container(const std::string& name, const Ink& colour, const std::string& label) {
+Asset Container(const std::string& name, const Bgr& colour, const std::string& label) {
   Asset asset = Small(name);
   asset.Add("box", Box({0, 1.3F, 0}, {2.44F, 2.59F, 6.06F}, 0.05F), [=](const Surface& s) {
     const float along = std::abs(s.normal.z()) > 0.6F ? s.position.x() : s.position.z();
     const float rib = std::fmod(along + 20, 0.28F);
     const float rust = Ramp(Fractal(s.position * 1.1F, 66, 4), 0.16F, 0.42F);
-    return Mix(Ink(colour * (rib < 0.1F ? 0.7F : (rib < 0.16F ? 1.15F : 1.0F))), Rgb(112, 66, 44), 0.6F * rust);
+    return Mix(Bgr(colour * (rib < 0.1F ? 0.7F : (rib < 0.16F ? 1.15F : 1.0F))), Rgb(112, 66, 44), 0.6F * rust);
   });
   asset.Add("frame", RoofRack(-1.18F, -2.98F, 1.18F, 2.98F, 0.05F, 2.52F), Coat(colour * 0.7F)).density = 0.3F;
   asset.decorate = [=](const Canvas& canvas) {
-    OnBothSides(canvas, "box", [&](Stencil& text, Stencil&) { text.Text(0, 1.5, label, 0.8, kWhite); });
+    DrawOnBothSides(canvas, "box", [&](Stencil& text, Stencil&) { text.Text(0, 1.5, label, 0.8, kWhite); });
     Stencil roof = canvas.Colour("box", Side::kTop);
     roof.Text(1.6, 0.6, label, 0.5, kWhite);
     roof.Box(-2.8, -1.0, -2.2, 1.0, {60, 180, 205});
@@ -188,7 +188,7 @@ Asset Crates() {
   asset.Add("crates", std::move(crates), [](const Surface& s) {
     const float plank = std::fmod(s.position.x() + s.position.z() + 20, 0.2F);
     const float grain = Noise(Vec3(s.position.x() * 9, s.position.y() * 2, s.position.z() * 9), 71);
-    return Ink(Rgb(164, 122, 76) * ((plank < 0.025F ? 0.5F : 1.0F) * (1 + 0.2F * grain)));
+    return Bgr(Rgb(164, 122, 76) * ((plank < 0.025F ? 0.5F : 1.0F) * (1 + 0.2F * grain)));
   });
   asset.decorate = [](const Canvas& canvas) {
     for (const Side side : {Side::kTop, Side::kLeft, Side::kRight, Side::kFront, Side::kBack}) {
@@ -222,7 +222,7 @@ Asset Hedge() {
         LeafBlob({0, 0.6F, -2.5F + static_cast<float>(i)}, {0.55F, 0.65F, 0.75F}, 80 + static_cast<std::uint32_t>(i)));
   asset.Add("hedge", std::move(hedge), [](const Surface& s) {
     const float leaf = Cells(s.position * 6, 33);
-    return Ink(Mix(Rgb(52, 72, 36), Rgb(98, 112, 58), Ramp(Noise(s.position * 2, 34), -0.5F, 0.6F)) *
+    return Bgr(Mix(Rgb(52, 72, 36), Rgb(98, 112, 58), Ramp(Noise(s.position * 2, 34), -0.5F, 0.6F)) *
                (1.3F - 0.8F * leaf));
   });
   return asset;

@@ -127,7 +127,7 @@ Ground RoadStraight() {
 Ground RoadBus() {
   Ground ground = Street(12, Brick);
   ground.LayBox(
-      [](float x, float y, float period) { return Ink(Mix(NewAsphalt(x, y, period), Rgb(132, 66, 54), 0.55F)); },
+      [](float x, float y, float period) { return Bgr(Mix(NewAsphalt(x, y, period), Rgb(132, 66, 54), 0.55F)); },
       kMiddle - kHalfRoad + 0.1, 0, kMiddle - 1.3, kSide);
   for (const double side : {-0.15, 0.15})
     Solid(ground, {kMiddle + 1.2 + side, -1}, {kMiddle + 1.2 + side, kSide + 1}, kLineYellow, 0.12);
@@ -161,9 +161,9 @@ Ground RoadCrossing() {
     Dashes(ground, kMiddle, way < 0 ? 0 : kMiddle + 3.5, way < 0 ? kMiddle - 3.5 : kSide, 2, 1, kLineWhite);
   }
   Words(ground, kMiddle + 2.25, 19, "SLOW", 1.3, kLineWhite);
-  ground.LayBox([](float x, float y, float period) { return Ink(Mix(Slabs(x, y, period), Rgb(200, 170, 70), 0.45F)); },
+  ground.LayBox([](float x, float y, float period) { return Bgr(Mix(Slabs(x, y, period), Rgb(200, 170, 70), 0.45F)); },
                 kMiddle - 7, kMiddle - 1.3, kMiddle - 4.8, kMiddle + 1.3);
-  ground.LayBox([](float x, float y, float period) { return Ink(Mix(Slabs(x, y, period), Rgb(200, 170, 70), 0.45F)); },
+  ground.LayBox([](float x, float y, float period) { return Bgr(Mix(Slabs(x, y, period), Rgb(200, 170, 70), 0.45F)); },
                 kMiddle + 4.8, kMiddle - 1.3, kMiddle + 7, kMiddle + 1.3);
   ground.Manhole(kMiddle - 2.6, 4.4, 0.36);
   return ground;
@@ -315,7 +315,7 @@ Ground Apron() {
 Ground Court() {
   Ground ground = Bare(Brick, 18);
   const auto pale = [](float x, float y, float period) {
-    return Ink(Mix(Slabs(x, y, period), Rgb(190, 184, 170), 0.4F));
+    return Bgr(Mix(Slabs(x, y, period), Rgb(190, 184, 170), 0.4F));
   };
   for (const double at : {0.0, 8.0, 16.0}) {
     ground.LayBox(pale, at, 0, at + 0.8, kSide);
@@ -390,10 +390,10 @@ Ground Park() {
 Ground Sports() {
   Ground ground = Bare(Grass, 22);
   const auto hard = [](float x, float y, float period) {
-    return Ink(Mix(Asphalt(x, y, period), Rgb(62, 104, 84), 0.6F));
+    return Bgr(Mix(Asphalt(x, y, period), Rgb(62, 104, 84), 0.6F));
   };
   const auto inner = [](float x, float y, float period) {
-    return Ink(Mix(Asphalt(x, y, period), Rgb(146, 76, 58), 0.6F));
+    return Bgr(Mix(Asphalt(x, y, period), Rgb(146, 76, 58), 0.6F));
   };
   ground.LayBox(hard, 3, 1, 21, 23);
   ground.LayBox(inner, 5, 2.5, 19, 21.5);

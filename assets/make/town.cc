@@ -83,19 +83,19 @@ Mesh Dish(float x, float z, float y) {
 }
 
 /// Roofing felt in strips with seams, pools and mended places.
-Paint FlatRoof(const Ink& colour, std::uint32_t seed) {
+Paint FlatRoof(const Bgr& colour, std::uint32_t seed) {
   return [=](const Surface& s) {
     const Vec3& p = s.position;
     const float seam = std::fmod(p.x() + 100, 1.0F);
     const float cloud = Fractal(p * 0.5F, seed, 4);
     const float pool = Ramp(Fractal(p * 0.35F, seed + 9, 3), 0.12F, 0.3F);
-    Ink felt = colour * (1 + 0.25F * cloud + 0.06F * Noise(p * 12, seed + 4)) * (1 - 0.25F * pool);
+    Bgr felt = colour * (1 + 0.25F * cloud + 0.06F * Noise(p * 12, seed + 4)) * (1 - 0.25F * pool);
     if (s.normal.y() > 0.8F && seam < 0.06F) felt *= 0.72F;
     return felt;
   };
 }
 
-Paint Tiles(const Ink& colour, bool ridge_along_z, std::uint32_t seed) {
+Paint Tiles(const Bgr& colour, bool ridge_along_z, std::uint32_t seed) {
   return [=](const Surface& s) {
     const float along = ridge_along_z ? s.position.z() : s.position.x();
     const float course = s.position.y() * 4.6F, column = along * 3.6F;
@@ -104,35 +104,35 @@ Paint Tiles(const Ink& colour, bool ridge_along_z, std::uint32_t seed) {
     const float own = Noise(Vec3(std::floor(shift) * 1.7F + 0.5F, row * 1.3F + 0.5F, 0.5F), seed);
     const float edge = course - row < 0.22F || shift - std::floor(shift) < 0.12F ? 0.66F : 1.0F;
     const float moss = Ramp(Fractal(s.position * 0.6F, seed + 3, 4), 0.12F, 0.42F);
-    return Mix(Ink(colour * (1 + 0.24F * own)), Rgb(92, 96, 72), 0.55F * moss) * edge;
+    return Mix(Bgr(colour * (1 + 0.24F * own)), Rgb(92, 96, 72), 0.55F * moss) * edge;
   };
 }
 
-Paint BrickWall(const Ink& colour, std::uint32_t seed) {
+Paint BrickWall(const Bgr& colour, std::uint32_t seed) {
   return [=](const Surface& s) {
     const float along = std::abs(s.normal.x()) > 0.5F ? s.position.z() : s.position.x();
     const float course = s.position.y() * 6, row = std::floor(course);
     const float column = along * 3 + (static_cast<int>(row) % 2 == 0 ? 0.5F : 0.0F);
     const float own = Noise(Vec3(std::floor(column) * 1.7F + 0.5F, row * 1.3F + 0.5F, 0.5F), seed);
     const bool joint = course - row < 0.16F || column - std::floor(column) < 0.08F;
-    return Ink(colour * (joint ? 1.12F : 1 + 0.16F * own) * (1 + 0.14F * Fractal(s.position * 0.7F, seed + 2, 3)));
+    return Bgr(colour * (joint ? 1.12F : 1 + 0.16F * own) * (1 + 0.14F * Fractal(s.position * 0.7F, seed + 2, 3)));
   };
 }
 
-Paint Render(const Ink& colour, std::uint32_t seed) {
+Paint Render(const Bgr& colour, std::uint32_t seed) {
   return [=](const Surface& s) {
-    return Ink(colour * (1 + 0.13F * Fractal(s.position.cwiseProduct(Vec3(0.9F, 0.3F, 0.9F)), seed, 4)));
+    return Bgr(colour * (1 + 0.13F * Fractal(s.position.cwiseProduct(Vec3(0.9F, 0.3F, 0.9F)), seed, 4)));
   };
 }
 
 /// Sheet metal: ribs across `axis`, panels of differing tone, rust.
-Paint Ribbed(const Ink& colour, bool ribs_along_x, std::uint32_t seed) {
+Paint Ribbed(const Bgr& colour, bool ribs_along_x, std::uint32_t seed) {
   return [=](const Surface& s) {
     const float across = ribs_along_x ? s.position.z() : s.position.x();
     const float rib = std::fmod(across + 200, 0.5F);
     const float sheet = Noise(Vec3(std::floor(across / 3) * 1.7F + 0.5F, 0.5F, 0.5F), seed);
     const float rust = Ramp(Fractal(s.position * 0.5F, seed + 4, 5), 0.2F, 0.45F);
-    const Ink tin = colour * (1 + 0.14F * sheet) * (rib < 0.1F ? 0.74F : (rib < 0.17F ? 1.12F : 1.0F));
+    const Bgr tin = colour * (1 + 0.14F * sheet) * (rib < 0.1F ? 0.74F : (rib < 0.17F ? 1.12F : 1.0F));
     return Mix(tin, Rgb(120, 78, 54), 0.6F * rust);
   };
 }
@@ -141,7 +141,7 @@ Asset Building(std::string name) {
   Asset asset{.name = std::move(name)};
   asset.weather = {.dust = Rgb(110, 104, 94),
                    .dust_height_m = 0.8F,
-                   .dust_share = 0.3F,
+                   .dust_fraction = 0.3F,
                    .streaks = 0.2F,
                    .stains = 0.12F,
                    .seed = 31};
@@ -154,7 +154,7 @@ struct Block {
   std::string name;
   float half_x, half_z, height;
   Paint wall;
-  Ink roof;
+  Bgr roof;
   std::uint32_t seed;
 };
 
@@ -261,7 +261,7 @@ struct House {
   std::string name;
   float half_x, half_z, eaves, ridge;
   Paint wall;
-  Ink tiles;
+  Bgr tiles;
   std::uint32_t seed;
 };
 
@@ -388,7 +388,7 @@ Asset Tower() {  // a water tower
             At(0, 11, 0)),
       [](const Surface& s) {
         const float angle = std::atan2(s.position.x(), s.position.z()) * 6.366F;
-        const Ink sheet = std::fmod(angle + 40, 2.0F) < 0.06F || std::fmod(s.position.y(), 1.4F) < 0.05F
+        const Bgr sheet = std::fmod(angle + 40, 2.0F) < 0.06F || std::fmod(s.position.y(), 1.4F) < 0.05F
                               ? Rgb(120, 126, 130)
                               : Rgb(186, 194, 196);
         const float rust = Ramp(Fractal(s.position.cwiseProduct(Vec3(0.9F, 0.25F, 0.9F)), 81, 4), 0.15F, 0.45F);
@@ -412,7 +412,8 @@ Asset Tower() {  // a water tower
            Metal(Rgb(110, 112, 112)))
       .density = 0.5F;
   asset.decorate = [](const Canvas& canvas) {
-    OnBothSides(canvas, "tank", [](Stencil& colour, Stencil&) { colour.Text(0, 13.8, "AQUA", 1.4, {110, 66, 44}); });
+    DrawOnBothSides(canvas, "tank",
+                    [](Stencil& colour, Stencil&) { colour.Text(0, 13.8, "AQUA", 1.4, {110, 66, 44}); });
     Stencil top = canvas.Colour("tank", Side::kTop);
     top.Ring(0, 0, 0.8, {90, 92, 94}, 0.15);
     top.Box(0.8, 1.2, 1.8, 2.0, {84, 86, 88});

@@ -30,7 +30,7 @@ Mesh CabMesh(const CabShape& cab) {
 
 void DecorateCab(const Canvas& canvas, const CabShape& cab, int doors) {
   const double belt = std::lerp(cab.foot, cab.top, 0.5F), head = cab.top - 0.28;
-  OnBothSides(canvas, "cab", [&](Stencil& colour, Stencil& shade) {
+  DrawOnBothSides(canvas, "cab", [&](Stencil& colour, Stencil& shade) {
     const double step = (cab.length - 0.35) / doors;
     for (int i = 0; i < doors; ++i) {
       const double front = cab.front - 0.28 - i * step, rear = front - step + 0.12;
@@ -104,11 +104,11 @@ Mesh FireLadder() {
 void DecorateFireEngine(const Canvas& canvas) {
   DecorateCab(canvas, kFireCab, 2);
   const Colour yellow{58, 200, 222};
-  OnBothSides(canvas, "cab", [&](Stencil& colour, Stencil&) {
+  DrawOnBothSides(canvas, "cab", [&](Stencil& colour, Stencil&) {
     colour.Box(1.85, 1.12, 4.66, 1.4, yellow);
     colour.Text(3.2, 1.26, "RESCUE 7", 0.2, {40, 40, 120});
   });
-  OnBothSides(canvas, "body", [&](Stencil& colour, Stencil& shade) {
+  DrawOnBothSides(canvas, "body", [&](Stencil& colour, Stencil& shade) {
     for (int i = 0; i < 4; ++i) {
       const double z = 1.55 - 1.52 * i;
       const bool over_wheel = i == 2;
@@ -182,7 +182,7 @@ Mesh TankerFittings() {
 void DecorateTanker(const Canvas& canvas) {
   DecorateCab(canvas, kTankerCab, 1);
   const Colour green{88, 118, 44}, orange{48, 128, 222};
-  OnBothSides(canvas, "tank", [&](Stencil& colour, Stencil& shade) {
+  DrawOnBothSides(canvas, "tank", [&](Stencil& colour, Stencil& shade) {
     colour.Box(2.9, 1.75, -5.6, 2.25, green);
     colour.Box(2.9, 1.62, -5.6, 1.7, orange);
     colour.Text(-1.2, 2.6, "FUEL 3000", 0.42, green);
@@ -219,7 +219,7 @@ void DecorateAmbulance(const Canvas& canvas) {
       s.Box(a, b + 0.26, std::min(a + 0.4, a1), b + 0.52, cell % 2 == 0 ? green : yellow);
     }
   };
-  OnBothSides(canvas, "box", [&](Stencil& colour, Stencil& shade) {
+  DrawOnBothSides(canvas, "box", [&](Stencil& colour, Stencil& shade) {
     chequers(colour, -3.2, 0.95, 0.95);
     colour.Text(-1.0, 2.2, "AMBULANCE", 0.3, blue);
     DrawWindow(colour, {{-0.9, 1.65}, {0.0, 1.65}, {0.0, 2.0}, {-0.9, 2.0}});
@@ -261,7 +261,7 @@ Mesh BusBody() {
 
 void DecorateBus(const Canvas& canvas) {
   const Colour teal{120, 112, 38}, cream{196, 222, 228};
-  OnBothSides(canvas, "body", [&](Stencil& colour, Stencil& shade) {
+  DrawOnBothSides(canvas, "body", [&](Stencil& colour, Stencil& shade) {
     colour.Box(6.2, 0.95, -6.2, 1.25, cream);
     colour.Fill({{-3.2, 0.3}, {-6.1, 0.3}, {-6.1, 3.0}, {-4.6, 3.0}}, cream);
     for (int i = 0; i < 8; ++i) {
@@ -301,22 +301,23 @@ void DecorateBus(const Canvas& canvas) {
 
 const CabShape kHaulerCab{.front = 5.9F, .length = 2.2F, .half_width = 1.24F, .foot = 0.6F, .top = 3.2F, .rake = 0.2F};
 
-Paint Corrugated(const Ink& colour, std::uint32_t seed) {
+Paint Corrugated(const Bgr& colour, std::uint32_t seed) {
   return [=](const Surface& s) {
     const float along = std::abs(s.normal.z()) > 0.6F ? s.position.x() : s.position.z();
     const float rib = std::fmod(along + 20, 0.3F);
     const float rust = Ramp(Fractal(s.position * 0.9F, seed, 4), 0.2F, 0.45F);
-    return Mix(Ink(colour * (rib < 0.1F ? 0.72F : (rib < 0.16F ? 1.14F : 1.0F))), Rgb(110, 68, 46), 0.6F * rust);
+    return Mix(Bgr(colour * (rib < 0.1F ? 0.72F : (rib < 0.16F ? 1.14F : 1.0F))), Rgb(110, 68, 46), 0.6F * rust);
   };
 }
 
 void DecorateHauler(const Canvas& canvas) {
   DecorateCab(canvas, kHaulerCab, 1);
-  OnBothSides(canvas, "front_box", [](Stencil& colour, Stencil&) {
+  DrawOnBothSides(canvas, "front_box", [](Stencil& colour, Stencil&) {
     colour.Text(0.2, 2.7, "SEABOX 4", 0.55, kWhite);
     colour.Box(-2.5, 1.7, 2.7, 1.85, kWhite);
   });
-  OnBothSides(canvas, "rear_box", [](Stencil& colour, Stencil&) { colour.Text(-4.6, 2.7, "TR 9", 0.6, {60, 52, 46}); });
+  DrawOnBothSides(canvas, "rear_box",
+                  [](Stencil& colour, Stencil&) { colour.Text(-4.6, 2.7, "TR 9", 0.6, {60, 52, 46}); });
   Stencil first = canvas.Colour("front_box", Side::kTop);
   first.Text(0.4, 0.0, "SB 20", 0.9, kWhite);
   first.Box(-2.5, -1.15, -2.2, 1.15, {60, 190, 215});
@@ -333,11 +334,11 @@ void DecorateHauler(const Canvas& canvas) {
 
 Asset FireEngine() {
   Asset asset{.name = "fire_engine", .length_m = 9.8F};
-  const Ink red = Rgb(166, 34, 30);
+  const Bgr red = Rgb(166, 34, 30);
   asset.Add("cab", CabMesh(kFireCab), Coat(red));
   asset.Add("body", Box({0, 1.85F, -1.45F}, {2.48F, 2.2F, 6.5F}, 0.06F), [red](const Surface& s) {
-    const Ink tread = Rgb(128, 132, 134) * (0.92F + 0.12F * Noise(s.position * 6, 8));
-    return s.normal.y() > 0.8F ? tread : Ink(red * (1 + 0.06F * Fractal(s.position, 9, 3)));
+    const Bgr tread = Rgb(128, 132, 134) * (0.92F + 0.12F * Noise(s.position * 6, 8));
+    return s.normal.y() > 0.8F ? tread : Bgr(red * (1 + 0.06F * Fractal(s.position, 9, 3)));
   });
   asset.Add("chassis", Chassis(4.6F, -4.7F, 0.55F), Coat(kDarkMetal)).density = 0.3F;
   asset.Add("ladder", FireLadder(), Metal(Rgb(186, 190, 190))).density = 0.6F;
@@ -392,8 +393,8 @@ Asset Ambulance() {
 Asset Bus() {
   Asset asset{.name = "bus", .length_m = 12};
   asset.Add("body", BusBody(), [](const Surface& s) {
-    const Ink side = Rgb(38, 112, 120), roof = Rgb(206, 206, 196);
-    return Ink((s.normal.y() > 0.6F && s.position.y() > 2.5F ? roof : side) * (1 + 0.05F * Fractal(s.position, 3, 3)));
+    const Bgr side = Rgb(38, 112, 120), roof = Rgb(206, 206, 196);
+    return Bgr((s.normal.y() > 0.6F && s.position.y() > 2.5F ? roof : side) * (1 + 0.05F * Fractal(s.position, 3, 3)));
   });
   Mesh units = Box({0, 3.12F, -3.0F}, {1.9F, 0.3F, 2.3F}, 0.1F);
   units.Add(Box({0, 3.07F, 0.3F}, {0.8F, 0.2F, 0.8F}, 0.06F))
@@ -401,7 +402,7 @@ Asset Bus() {
   asset.Add("units", std::move(units), [](const Surface& s) {
     const bool slot =
         s.normal.y() > 0.7F && std::fmod(s.position.z() + 20, 0.24F) < 0.08F && std::abs(s.position.x()) < 0.7F;
-    return Ink(Rgb(150, 154, 154) * (slot ? 0.5F : 1.0F));
+    return Bgr(Rgb(150, 154, 154) * (slot ? 0.5F : 1.0F));
   });
   asset.Add("mirrors", Mirrors(1.25F, 2.3F, 5.9F, 0.4F), Coat(Rgb(44, 44, 46))).density = 0.3F;
   AddWheels(

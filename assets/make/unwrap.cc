@@ -13,7 +13,7 @@
 namespace victorious::assets {
 namespace {
 
-constexpr float kBelow = 0.3F;  // texture scale of the rarely visible underside, relative to the rest
+constexpr float kBottomScale = 0.3F;  // texture scale of the rarely visible underside, relative to the rest
 
 Side Facing(const Vec3& normal, bool share_sides) {
   const Vec3 size = normal.cwiseAbs();
@@ -47,8 +47,8 @@ bool Pack(std::vector<Chart>& charts, const std::vector<std::size_t>& order, int
 
 bool PackAt(std::vector<Chart>& charts, const std::vector<Part>& parts, float texels_per_m, int atlas_px) {
   for (Chart& chart : charts) {
-    chart.texels_per_m = texels_per_m * parts[chart.part].density * (chart.side == Side::kBottom ? kBelow : 1.0F);
-    const cv::Point2f extent = (chart.greatest - chart.least) * chart.texels_per_m;
+    chart.texels_per_m = texels_per_m * parts[chart.part].density * (chart.side == Side::kBottom ? kBottomScale : 1.0F);
+    const cv::Point2f extent = (chart.max_corner - chart.min_corner) * chart.texels_per_m;
     chart.place.width = static_cast<int>(std::ceil(extent.x)) + 2 * kChartMargin_px;
     chart.place.height = static_cast<int>(std::ceil(extent.y)) + 2 * kChartMargin_px;
   }
@@ -61,7 +61,7 @@ bool PackAt(std::vector<Chart>& charts, const std::vector<Part>& parts, float te
 
 }  // namespace
 
-cv::Point2f OnChart(const Vec3& p, Side side) {
+cv::Point2f ProjectToChart(const Vec3& p, Side side) {
   switch (side) {
     case Side::kLeft:
       return {-p.z(), -p.y()};
@@ -85,8 +85,8 @@ Vec3 Outward(Side side) {
   return Vec3(kOutward[static_cast<std::size_t>(side)].data());
 }
 
-cv::Point2f OnAtlas(const Vec3& point, const Chart& chart) {
-  const cv::Point2f from_corner = (OnChart(point, chart.side) - chart.least) * chart.texels_per_m;
+cv::Point2f ProjectToAtlas(const Vec3& point, const Chart& chart) {
+  const cv::Point2f from_corner = (ProjectToChart(point, chart.side) - chart.min_corner) * chart.texels_per_m;
   return from_corner + cv::Point2f(static_cast<float>(chart.place.x + kChartMargin_px),
                                    static_cast<float>(chart.place.y + kChartMargin_px));
 }
@@ -96,18 +96,18 @@ Unwrap UnwrapParts(const std::vector<Part>& parts, int atlas_px) {
   for (std::size_t part = 0; part < parts.size(); ++part) {
     const Mesh& mesh = parts[part].mesh;
     std::map<Side, int> chart_at;
-    std::vector<int>& chart_of = unwrap.chart_of.emplace_back();
+    std::vector<int>& triangle_charts = unwrap.triangle_charts.emplace_back();
     for (const auto& [a, b, c] : mesh.triangles) {
       const Vec3 normal = (mesh.points[b] - mesh.points[a]).cross(mesh.points[c] - mesh.points[a]).normalized();
       const Side side = Facing(normal, parts[part].share_sides);
       const auto [found, added] = chart_at.try_emplace(side, static_cast<int>(unwrap.charts.size()));
       if (added) unwrap.charts.push_back({static_cast<int>(part), side, {1e9F, 1e9F}, {-1e9F, -1e9F}});
-      chart_of.push_back(found->second);
+      triangle_charts.push_back(found->second);
       Chart& chart = unwrap.charts[found->second];
       for (const int corner : {a, b, c}) {
-        const cv::Point2f at = OnChart(mesh.points[corner], side);
-        chart.least = {std::min(chart.least.x, at.x), std::min(chart.least.y, at.y)};
-        chart.greatest = {std::max(chart.greatest.x, at.x), std::max(chart.greatest.y, at.y)};
+        const cv::Point2f at = ProjectToChart(mesh.points[corner], side);
+        chart.min_corner = {std::min(chart.min_corner.x, at.x), std::min(chart.min_corner.y, at.y)};
+        chart.max_corner = {std::max(chart.max_corner.x, at.x), std::max(chart.max_corner.y, at.y)};
       }
     }
   }

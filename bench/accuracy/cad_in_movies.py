@@ -52,9 +52,9 @@ class Tally:
 
     right: int = 0  # true positives: sightings of clear rows
     wrong: int = 0  # false positives
-    asked: int = 0  # clear rows of findable objects
-    got: int = 0  # of these, detected
-    viewed: int = 0  # true positives with a view
+    clear_rows: int = 0  # clear rows of findable objects
+    detected: int = 0  # of these, detected
+    with_view: int = 0  # true positives with a view
     right_view: int = 0  # of these, close to the true view
     frames: int = 0
     seconds: float = 0
@@ -67,12 +67,12 @@ class Tally:
         return ratio(self.right, self.right + self.wrong)
 
     def recall(self) -> float | None:
-        return ratio(self.got, self.asked)
+        return ratio(self.detected, self.clear_rows)
 
     def line(self, name: str, more: str = "") -> str:
         cells = (
-            f"{shown(self.precision()):>10}{shown(self.recall()):>8}{shown(ratio(self.right_view, self.viewed)):>8}"
-            f"{shown(ratio(self.frames, self.seconds), 2):>10}{self.asked:>7}"
+            f"{shown(self.precision()):>10}{shown(self.recall()):>8}{shown(ratio(self.right_view, self.with_view)):>8}"
+            f"{shown(ratio(self.frames, self.seconds), 2):>10}{self.clear_rows:>7}"
         )
         return f"{name:<18}{cells}  {more}".rstrip()
 
@@ -164,7 +164,7 @@ def index(program: Program, movie: Movie, library: Path, db: Path, params: Path 
 
 def tally(movie: Movie, sightings: list[dict]) -> Result:
     result = Result({model: Tally() for model in movie.models()})
-    asked, seen = movie.findable(), Counter()
+    clear_rows, seen = movie.findable(), Counter()
     for sighting, row in pair(movie, sightings):
         of_model = result.of_model[sighting["model"]]
         if row is None:
@@ -173,12 +173,12 @@ def tally(movie: Movie, sightings: list[dict]) -> Result:
             of_model.right += 1
             seen[row["object"]] += 1
             if sighting["view"] and row["view"]:
-                of_model.viewed += 1
+                of_model.with_view += 1
                 of_model.right_view += angle_deg(sighting["view"], row["view"]) <= RIGHT_VIEW_DEG
-    for name, rows in asked.items():
+    for name, rows in clear_rows.items():
         of_model = result.of_model[movie.rows_of[name][0]["model"]]
-        of_model.asked += rows
-        of_model.got += seen[name]
+        of_model.clear_rows += rows
+        of_model.detected += seen[name]
         result.recall_of[name] = seen[name] / rows
     return result
 
@@ -193,7 +193,7 @@ def differences(own: object, other: object, where: str) -> list[str]:
     return [] if own == other else [f"{where}: {own} here, {other} there"]
 
 
-def told_by_tool(tool: Path, movie: Movie, program: Program, db: Path) -> dict:
+def score_by_tool(tool: Path, movie: Movie, program: Program, db: Path) -> dict:
     command = [sys.executable, tool, "--truth", movie.truth, "--models", ",".join(movie.models()), "--json"]
     for form in ("objects", "sightings"):
         path = db.with_suffix(f".{form}.jsonl")
@@ -217,7 +217,7 @@ def measure(program: Program, movie: Movie, name: str, models: Models, arguments
     counted = {"sighting_precision": total.precision(), "sighting_recall": total.recall()}
     disagreements = differences(score, counted, f"{name}: evaluate beside the counts:")
     if arguments.tool:
-        told = told_by_tool(arguments.tool, movie, program, db)
+        told = score_by_tool(arguments.tool, movie, program, db)
         disagreements += differences(score, told, f"{name}: evaluate beside {arguments.tool.name}:")
     for line in disagreements:
         print(line, file=sys.stderr, flush=True)
@@ -279,7 +279,7 @@ def main() -> int:
         pooled = run(arguments, program, Models(program, arguments.models, Path(scratch)))
     print()
     for name, total in pooled.items():
-        if total.asked:
+        if total.clear_rows:
             print(total.line(name))
     return 1 if arguments.disagreed else 0
 

@@ -21,7 +21,7 @@ from movies import Movie, Program, pair
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 VISIBLE = 0.5
-LEAST_ROWS = 8
+MIN_ROWS = 8
 
 
 def flight(program: Program, scene: dict, work: Path, far: float, noise: float, frames: int) -> Path:
@@ -77,7 +77,7 @@ def main():
                 rows = [
                     r for rows in movie.rows_of.values() for r in rows if r["model"] == name and r["visible"] >= VISIBLE
                 ]
-                if len(rows) < LEAST_ROWS:
+                if len(rows) < MIN_ROWS:
                     continue
                 size = round(statistics.median(max(row["box"][2:]) for row in rows))
                 found = sum((row["object"], row["frame"]) in seen for row in rows) / len(rows)

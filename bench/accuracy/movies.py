@@ -12,8 +12,8 @@ from typing import Iterator
 
 CLEAR_VISIBLE = 0.5
 CLEAR_SIDE_PX = 24
-LEAST_OVERLAP = 0.4
-LEAST_ROWS = 10  # minimum number of clear rows of a findable object
+MIN_OVERLAP = 0.4
+MIN_ROWS = 10  # minimum number of clear rows of a findable object
 
 
 class Movie:
@@ -38,7 +38,7 @@ class Movie:
     def findable(self) -> dict[str, int]:
         """The number of clear rows of each findable object."""
         clear = {name: sum(map(is_clear, rows)) for name, rows in sorted(self.rows_of.items())}
-        return {name: count for name, count in clear.items() if count >= LEAST_ROWS}
+        return {name: count for name, count in clear.items() if count >= MIN_ROWS}
 
 
 class Program:
@@ -77,7 +77,7 @@ def pair(movie: Movie, sightings: list[dict]) -> Iterator[tuple[dict, dict | Non
             for row in movie.rows_in[sighting["frame"]]
             if row["model"] == sighting["model"]
             and (row["object"], row["frame"]) not in taken
-            and overlap(row["box"], sighting["box"]) >= LEAST_OVERLAP
+            and overlap(row["box"], sighting["box"]) >= MIN_OVERLAP
         ]
         row = max(candidates, key=lambda row: overlap(row["box"], sighting["box"]), default=None)
         if row:

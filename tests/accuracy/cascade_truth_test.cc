@@ -11,8 +11,8 @@
 #include "testing/data.h"
 #include "tests/accuracy/real_pictures.h"
 #include "victorious/geometry/homography.h"
-#include "victorious/pipeline/preset.h"
 #include "victorious/image/image_file.h"
+#include "victorious/pipeline/preset.h"
 
 namespace victorious::testing {
 namespace {
@@ -52,15 +52,15 @@ void Print(const std::string& name, const Counts& counts) {
 
 // The first image of the series is the template, each of `numbers` a scene.
 Counts CountPairs(const Series& series, const std::vector<int>& numbers, const RecognizeOptions& options = {}) {
-  const Recognizer recognizer = RecognizerOf({ModelOf(series.name(), series.Picture(1))}, options);
+  const Recognizer recognizer = MakeRecognizer({MakeModel(series.name(), series.Picture(1))}, options);
   const std::span<const Keypoint> model = recognizer.models()[0].ViewFeatures(0).keypoints;
   Counts sum;
   for (const int number : numbers) {
-    const FeatureSet scene = FeaturesOf(GreyFromBgr(series.Picture(number)));
-    const Eigen::Matrix3d map = series.FromFirst(number);
+    const FeatureSet scene = ExtractFeatures(GreyFromBgr(series.Picture(number)));
+    const Eigen::Matrix3d map = series.HomographyFromFirst(number);
     const auto count = [&](const MatchSet& matches, Verdict verdict) {
       return static_cast<int>(std::ranges::count_if(matches, [&](const Match& match) {
-        return Judge(scene.keypoints[match.scene], model[match.model], map) == verdict;
+        return Judge(scene.keypoints[match.scene_keypoint], model[match.template_keypoint], map) == verdict;
       }));
     };
     const StagedMatches staged = recognizer.MatchView(scene, 0, 0);
@@ -107,7 +107,7 @@ TEST(CascadeTruth, KeepsTheTrueAndDropsTheFalseOnFlatScenes) {
 TEST(CascadeTruth, LearntThresholdsHoldOnPhotographs) {
   VICTORIOUS_DATA_OR_SKIP(data, kRecognitionData);
   RecognizeOptions learnt;
-  ASSERT_TRUE(ApplyPreset("learnt", FieldsOf(learnt)).has_value());
+  ASSERT_TRUE(ApplyPreset("learnt", CollectFields(learnt)).has_value());
   Counts all = CountPairs(Series("graf"), {2, 3, 4, 5, 6}, learnt);
   all += CountPairs(Series("boat"), {2, 3, 4, 5, 6}, learnt);
   all += CountPairs(Series("wall"), {3, 5}, learnt);

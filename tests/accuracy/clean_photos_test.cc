@@ -10,8 +10,8 @@
 
 #include "testing/data.h"
 #include "victorious/features/feature_extractor.h"
-#include "victorious/image/impulse_noise.h"
 #include "victorious/image/image_file.h"
+#include "victorious/image/impulse_noise.h"
 
 namespace victorious::testing {
 namespace {
@@ -33,7 +33,7 @@ TEST(CleanPhotos, AreNotTakenForNoisy) {
     ASSERT_TRUE(image) << image.error().message;
     const cv::Mat grey = GreyFromBgr(image->bgr);
     ++looked_at;
-    altered += cv::norm(WithoutImpulses(grey, FeatureOptions().impulse_share), grey, cv::NORM_INF) > 0 ? 1 : 0;
+    altered += cv::norm(RemoveImpulses(grey, FeatureOptions().impulse_fraction), grey, cv::NORM_INF) > 0 ? 1 : 0;
   }
   fmt::print("{} of {} photos altered\n", altered, looked_at);
   EXPECT_LE(altered, 0.05 * looked_at);

@@ -12,19 +12,19 @@
 #include "victorious/base/check.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/homography.h"
-#include "victorious/model/photo_model.h"
 #include "victorious/image/image_file.h"
+#include "victorious/model/photo_model.h"
 
 namespace victorious::testing {
 
-FeatureSet FeaturesOf(const cv::Mat& grey) { return MakeFeatureExtractor({}).value()->Extract(grey).value(); }
+FeatureSet ExtractFeatures(const cv::Mat& grey) { return MakeFeatureExtractor({}).value()->Extract(grey).value(); }
 
-ObjectModel ModelOf(const std::string& name, const cv::Mat& bgr, const std::optional<Box>& box) {
+ObjectModel MakeModel(const std::string& name, const cv::Mat& bgr, const std::optional<Box>& box) {
   const Photo photo = PreparePhoto(name, bgr, cv::Mat(), box).value();
   return MakePhotoModel(name, std::span(&photo, 1), std::nullopt, {}).value();
 }
 
-Recognizer RecognizerOf(std::vector<ObjectModel> models, const RecognizeOptions& options) {
+Recognizer MakeRecognizer(std::vector<ObjectModel> models, const RecognizeOptions& options) {
   return Recognizer::Create(std::move(models), FeatureOptions().engine, options).value();
 }
 
@@ -33,7 +33,7 @@ Series::Series(std::string_view name)
 
 cv::Mat Series::Picture(int number) const { return ReadImage(folder_ / fmt::format("img{}.png", number)).value().bgr; }
 
-Eigen::Matrix3d Series::FromFirst(int number) const {
+Eigen::Matrix3d Series::HomographyFromFirst(int number) const {
   std::ifstream file(folder_ / fmt::format("H1to{}p", number));
   Eigen::Matrix3d map;
   for (int i = 0; i < 9; ++i) file >> map(i / 3, i % 3);
@@ -43,7 +43,7 @@ Eigen::Matrix3d Series::FromFirst(int number) const {
   return half * map * half.inverse();
 }
 
-Eigen::Matrix3d HomographyByOpenCv(const cv::Mat& template_grey, const cv::Mat& scene_grey) {
+Eigen::Matrix3d EstimateHomographyByOpenCv(const cv::Mat& template_grey, const cv::Mat& scene_grey) {
   const cv::Ptr<cv::SIFT> sift = cv::SIFT::create();
   std::vector<cv::KeyPoint> template_points;
   std::vector<cv::KeyPoint> scene_points;
@@ -73,7 +73,7 @@ Polygon Project(const Polygon& outline, const Eigen::Matrix3d& map) {
   return projected;
 }
 
-OutlineAgreement CompareOutlines(const Polygon& found, const Polygon& truth, const cv::Size& picture) {
+OutlineOverlap CompareOutlines(const Polygon& found, const Polygon& truth, const cv::Size& picture) {
   const Box frame{0, 0, static_cast<double>(picture.width), static_cast<double>(picture.height)};
   return {IntersectionOverUnion(found, truth), IntersectionOverUnion(ClipToBox(found, frame), ClipToBox(truth, frame))};
 }

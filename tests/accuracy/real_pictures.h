@@ -22,12 +22,12 @@ namespace victorious::testing {
 inline constexpr std::string_view kRecognitionData = "real/recognition";
 
 /// The features of a grey image by the default engine.
-FeatureSet FeaturesOf(const cv::Mat& grey);
+FeatureSet ExtractFeatures(const cv::Mat& grey);
 
 /// A model of one photo, with the default options.
-ObjectModel ModelOf(const std::string& name, const cv::Mat& bgr, const std::optional<Box>& box = std::nullopt);
+ObjectModel MakeModel(const std::string& name, const cv::Mat& bgr, const std::optional<Box>& box = std::nullopt);
 
-Recognizer RecognizerOf(std::vector<ObjectModel> models, const RecognizeOptions& options = {});
+Recognizer MakeRecognizer(std::vector<ObjectModel> models, const RecognizeOptions& options = {});
 
 /// A series of images of a planar scene: img1.png, img2.png, …, and the homographies H1to2p, … from the first image.
 class Series {
@@ -39,7 +39,7 @@ class Series {
   [[nodiscard]] cv::Mat Picture(int number) const;
   /// The homography picture_from_first, for the first pixel's centre at (0.5, 0.5). (The files use centres at
   /// integers.)
-  [[nodiscard]] Eigen::Matrix3d FromFirst(int number) const;
+  [[nodiscard]] Eigen::Matrix3d HomographyFromFirst(int number) const;
 
  private:
   std::string name_;
@@ -47,15 +47,15 @@ class Series {
 };
 
 /// The homography from template to scene by OpenCV's SIFT, matcher and RANSAC, as a reference.
-Eigen::Matrix3d HomographyByOpenCv(const cv::Mat& template_grey, const cv::Mat& scene_grey);
+Eigen::Matrix3d EstimateHomographyByOpenCv(const cv::Mat& template_grey, const cv::Mat& scene_grey);
 
 Polygon Project(const Polygon& outline, const Eigen::Matrix3d& map);
 
 /// The intersection over union of a found outline and the true one (convex): whole, and clipped to the image.
-struct OutlineAgreement {
+struct OutlineOverlap {
   double whole = 0;
   double in_view = 0;
 };
-OutlineAgreement CompareOutlines(const Polygon& found, const Polygon& truth, const cv::Size& picture);
+OutlineOverlap CompareOutlines(const Polygon& found, const Polygon& truth, const cv::Size& picture);
 
 }  // namespace victorious::testing

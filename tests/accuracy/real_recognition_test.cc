@@ -18,12 +18,12 @@
 namespace victorious::testing {
 namespace {
 
-constexpr double kLeastOverlap = 0.7;
+constexpr double kMinOverlap = 0.7;
 
 cv::Mat Picture(const std::string& relative) { return ReadImage(DataPath(kRecognitionData) / relative).value().bgr; }
 
 Polygon WholeOf(const cv::Mat& picture) {
-  return CornersOf({0, 0, static_cast<double>(picture.cols), static_cast<double>(picture.rows)});
+  return BoxCorners({0, 0, static_cast<double>(picture.cols), static_cast<double>(picture.rows)});
 }
 
 // A scene with the name and outline of the only model in it.
@@ -39,20 +39,21 @@ class RealRecognition : public ::testing::Test {
   enum Model : std::size_t { kBox, kGraf, kBoat, kWall };
 
   static std::vector<ObjectModel> Models() {
-    return {ModelOf("box", Picture("find_object/box.png")), ModelOf("graf", Series("graf").Picture(1)),
-            ModelOf("boat", Series("boat").Picture(1)), ModelOf("wall", Series("wall").Picture(1))};
+    return {MakeModel("box", Picture("find_object/box.png")), MakeModel("graf", Series("graf").Picture(1)),
+            MakeModel("boat", Series("boat").Picture(1)), MakeModel("wall", Series("wall").Picture(1))};
   }
 
   static std::vector<Scene> Scenes() {
     const cv::Mat box = Picture("find_object/box.png");
     const cv::Mat box_scene = Picture("find_object/box_in_scene.png");
-    std::vector<Scene> scenes = {{"box in its scene", box_scene, kBox,
-                                  Project(WholeOf(box), HomographyByOpenCv(GreyFromBgr(box), GreyFromBgr(box_scene)))}};
+    std::vector<Scene> scenes = {
+        {"box in its scene", box_scene, kBox,
+         Project(WholeOf(box), EstimateHomographyByOpenCv(GreyFromBgr(box), GreyFromBgr(box_scene)))}};
     const auto add = [&](const Series& series, std::size_t model, std::initializer_list<int> numbers) {
       const Polygon whole = WholeOf(series.Picture(1));
       for (const int number : numbers) {
         scenes.push_back({fmt::format("{} 1 in {}", series.name(), number), series.Picture(number), model,
-                          Project(whole, series.FromFirst(number))});
+                          Project(whole, series.HomographyFromFirst(number))});
       }
     };
     add(Series("graf"), kGraf, {2, 3});
@@ -64,16 +65,16 @@ class RealRecognition : public ::testing::Test {
 
 TEST_F(RealRecognition, EachModelIsFoundOnceWhereItIsAndNowhereElse) {
   VICTORIOUS_DATA_OR_SKIP(data, kRecognitionData);
-  const Recognizer recognizer = RecognizerOf(Models());
+  const Recognizer recognizer = MakeRecognizer(Models());
   for (const Scene& scene : Scenes()) {
     SCOPED_TRACE(scene.name);
-    const std::vector<Detection> found = recognizer.Recognize(FeaturesOf(GreyFromBgr(scene.picture)));
+    const std::vector<Detection> found = recognizer.Recognize(ExtractFeatures(GreyFromBgr(scene.picture)));
     ASSERT_EQ(found.size(), 1U);
-    EXPECT_EQ(found[0].model, scene.model);
-    const OutlineAgreement agreement = CompareOutlines(found[0].outline, scene.outline, scene.picture.size());
+    EXPECT_EQ(found[0].model_index, scene.model);
+    const OutlineOverlap agreement = CompareOutlines(found[0].outline, scene.outline, scene.picture.size());
     fmt::print("{:<18} score {:.3f}, {:>4} inliers, overlap {:.3f} in view, {:.3f} whole\n", scene.name, found[0].score,
-               found[0].pose.inliers.size(), agreement.in_view, agreement.whole);
-    EXPECT_GE(agreement.in_view, kLeastOverlap);
+               found[0].fit.inliers.size(), agreement.in_view, agreement.whole);
+    EXPECT_GE(agreement.in_view, kMinOverlap);
   }
 }
 
@@ -87,33 +88,33 @@ TEST_F(RealRecognition, ThePostcardIsFoundInEveryFrame) {
   int frames = 0;
   int found_once = 0;
   int others = 0;
-  double least_overlap = 1;
+  double min_overlap = 1;
   while (const std::optional<Frame> frame = reader->NextFrame().value()) {
     if (!recognizer) {
       card = GreyFromBgr(frame->image)(cv::Rect(62, 82, 252, 250)).clone();
       std::vector<ObjectModel> models = Models();
-      models.push_back(ModelOf("postcard", frame->image, kPostcard));
-      recognizer = RecognizerOf(std::move(models));
+      models.push_back(MakeModel("postcard", frame->image, kPostcard));
+      recognizer = MakeRecognizer(std::move(models));
     }
     const cv::Mat grey = GreyFromBgr(frame->image);
-    const std::vector<Detection> found = recognizer->Recognize(FeaturesOf(grey));
-    const auto is_card = [](const Detection& one) { return one.model == kWall + 1; };
+    const std::vector<Detection> found = recognizer->Recognize(ExtractFeatures(grey));
+    const auto is_card = [](const Detection& one) { return one.model_index == kWall + 1; };
     const auto cards = std::ranges::count_if(found, is_card);
     ++frames;
     found_once += cards == 1 ? 1 : 0;
     others += static_cast<int>(found.size()) - static_cast<int>(cards);
     if (cards == 1 && frame->index % kCompareEvery == 0) {
-      const Polygon truth = Project(WholeOf(card), HomographyByOpenCv(card, grey));
+      const Polygon truth = Project(WholeOf(card), EstimateHomographyByOpenCv(card, grey));
       const Polygon& outline = std::ranges::find_if(found, is_card)->outline;
-      least_overlap = std::min(least_overlap, CompareOutlines(outline, truth, grey.size()).in_view);
+      min_overlap = std::min(min_overlap, CompareOutlines(outline, truth, grey.size()).in_view);
     }
   }
   fmt::print("postcard: once in {} of {} frames, least overlap {:.3f}; {} other finds\n", found_once, frames,
-             least_overlap, others);
+             min_overlap, others);
   EXPECT_GT(frames, 100);
   EXPECT_EQ(found_once, frames);
   EXPECT_EQ(others, 0);
-  EXPECT_GE(least_overlap, kLeastOverlap);
+  EXPECT_GE(min_overlap, kMinOverlap);
 }
 
 }  // namespace

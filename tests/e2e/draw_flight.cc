@@ -32,8 +32,8 @@ FlightOptions SmallFlight(int frames) {
   options.frames = frames;
   options.width = 256;
   options.height = 192;
-  options.things = 3;
-  options.thing_scale = 0.6;
+  options.objects = 3;
+  options.object_scale = 0.6;
   options.zoom = 1.0;
   options.path_widths = 1.2;
   return options;
@@ -57,11 +57,11 @@ Status WriteTruth(const SyntheticFlight& flight, const fs::path& path) {
 }
 
 Status WritePhotos(const SyntheticFlight& flight, const fs::path& folder) {
-  for (int thing = 0; thing < flight.options().things; ++thing) {
+  for (int thing = 0; thing < flight.options().objects; ++thing) {
     std::vector<std::uint8_t> bytes;
-    cv::imencode(".png", flight.ThingPhoto(thing), bytes);
+    cv::imencode(".png", flight.ObjectPhoto(thing), bytes);
     VICTORIOUS_RETURN_IF_ERROR(
-        victorious::WriteFileAtomically(folder / (flight.ThingName(thing) + ".png"), std::as_bytes(std::span(bytes))));
+        victorious::WriteFileAtomically(folder / (flight.ObjectName(thing) + ".png"), std::as_bytes(std::span(bytes))));
   }
   return {};
 }

@@ -91,7 +91,7 @@ class CategoryTest(program.ProgramTest):
         self.assertEqual(train([row.replace(",disc-cross,", ",background,") for row in TRAIN]), [])
 
     def test_the_thesis_method(self):
-        model = self.train(None, {"scoring": "likelihood", "soft_words": 1, "grammar": {"word_share": 0.5}})
+        model = self.train(None, {"scoring": "likelihood", "words_per_keypoint": 1, "grammar": {"word_fraction": 0.5}})
         for method in ("phrases", "words"):
             self.assertEqual(len(self.classify(model, "--method", method)), len(TEST))
 
@@ -197,8 +197,8 @@ class CategoryTest(program.ProgramTest):
         everything = self.export(db, "objects")
         self.refuses(2, ["boat", "cross-disc, disc-cross"], "search", "--db", db, "--category", "boat")
         self.refuses(2, "--model and --category", "search", "--db", db, "--category", "boat", "--model", "boat")
-        other = self.write("other.json", '{"categories": {"least_probability": 0.9}}')
-        self.refuses(2, ["least_probability", "--redo"], *command, "--params", other)
+        other = self.write("other.json", '{"categories": {"min_probability": 0.9}}')
+        self.refuses(2, ["min_probability", "--redo"], *command, "--params", other)
         self.assertEqual(self.export(db, "objects"), everything)
         new = self.scratch / "new.db"
         self.refuses(2, ["--models", "--categories"], "index", video, "--db", new)

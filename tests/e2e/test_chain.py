@@ -148,7 +148,7 @@ class FindsTest(program.ProgramTest):
     def test_what_was_rejected_is_listed_with_its_reason_where_asked_for(self):
         db = self.scratch / "index.db"
         params = self.write(
-            "params.json", '{"objects.false_share": 1, "detect.even_evidence": 1000, "detect.least_score": 0}'
+            "params.json", '{"objects.false_alarm_rate": 1, "detect.score_midpoint": 1000, "detect.min_score": 0}'
         )
         video = program.flight() / "flight.mkv"
         self.succeeds("index", video, "--models", program.models(), "--db", db, "--params", params)

@@ -127,7 +127,7 @@ class NavigateTest(program.ProgramTest):
     def test_telemetry_that_was_wrong_is_worth_a_second_look(self):
         landmarks = self.list_of(true_landmarks())
         out = self.scratch / "camera.csv"
-        params = self.write("once.json", '{"second_look": false}')
+        params = self.write("once.json", '{"second_pass": false}')
         for telemetry, flags, looks in (
             (flight() / "telemetry.csv", (), 1),
             (self.off_telemetry(), (), 2),

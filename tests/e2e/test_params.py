@@ -49,9 +49,9 @@ class ParamsTest(program.ProgramTest):
         params = self.write("params.json", '{"match": {"ratio": 7}, "matches": 1}')
         for command in (("match", CRATE, CRATE), ("search", "--db", INDEX, "--image", CRATE)):
             self.refuses(2, [params, "match.ratio = 7", "matches"], *command, "--params", params)
-        params = self.write("params.json", '{"least_features": 0, "match": {"ratio": 0.7}}')
+        params = self.write("params.json", '{"min_features": 0, "match": {"ratio": 0.7}}')
         self.refuses(
-            2, ["least_features = 0", "match"], "model", "add", "x", CRATE, "--models", out, "--params", params
+            2, ["min_features = 0", "match"], "model", "add", "x", CRATE, "--models", out, "--params", params
         )
         params = self.write("params.json", '{"octave_layers": 0}')
         self.refuses(2, "octave_layers = 0", "features", CRATE, "--out", out, "--params", params)

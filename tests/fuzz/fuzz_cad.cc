@@ -6,9 +6,9 @@
 
 #include <opencv2/core.hpp>
 
+#include "testing/cad_tools.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/check.h"
-#include "testing/cad_tools.h"
 #include "victorious/mesh/load_mesh.h"
 
 namespace {

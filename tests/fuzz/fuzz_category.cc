@@ -33,17 +33,17 @@ victorious::FeatureSet SomeFeatures(std::uint64_t seed) {
 }
 
 void ParseAndUse(std::span<const std::byte> bytes) {
-  const auto model = victorious::ParseCategories(bytes, "fuzz");
+  const auto model = victorious::ParseCategoryModel(bytes, "fuzz");
   if (!model) {
     VICTORIOUS_CHECK(model.error().message.find('\n') == std::string::npos);
     return;
   }
-  const victorious::WordedPicture picture = WordsOf(*model, SomeFeatures(1));
+  const victorious::QuantisedImage picture = QuantiseFeatures(*model, SomeFeatures(1));
   for (const auto method : {victorious::CategoryMethod::kPhrases, victorious::CategoryMethod::kWords}) {
     const auto result = Classify(*model, picture, method);
     VICTORIOUS_CHECK(result.scores.size() == model->nodes.size());
   }
-  VICTORIOUS_CHECK(victorious::ParseCategories(EncodeCategories(*model), "again").has_value());
+  VICTORIOUS_CHECK(victorious::ParseCategoryModel(EncodeCategoryModel(*model), "again").has_value());
 }
 
 }  // namespace
@@ -77,11 +77,11 @@ std::vector<std::string> FuzzSeeds() {
     victorious::CategoryOptions options{.scoring = scoring};
     options.vocabulary.words = 8;
     options.phrases.parts = 2;
-    options.grammar.word_share = 1;
+    options.grammar.word_fraction = 1;
     if (options.scoring == "linear") options.shapes = {.weight = 1, .dimensions = 4};
     const auto model = TrainCategories(examples, options);
     VICTORIOUS_CHECK(model.has_value());
-    const std::vector<std::byte> bytes = EncodeCategories(*model);
+    const std::vector<std::byte> bytes = EncodeCategoryModel(*model);
     seeds.emplace_back(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   }
   return seeds;

@@ -5,10 +5,10 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "testing/video_tools.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/check.h"
 #include "victorious/image/image_file.h"
-#include "testing/video_tools.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto image = victorious::DecodeImage(std::as_bytes(std::span(data, size)), "input");
@@ -23,7 +23,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 }
 
 std::vector<std::string> FuzzSeeds() {
-  const cv::Mat color = victorious::testing::NumberedPicture(0x2C, {24, 16});
+  const cv::Mat color = victorious::testing::NumberedImage(0x2C, {24, 16});
   cv::Mat alpha;
   cv::merge(std::vector<cv::Mat>{color, cv::Mat(16, 24, CV_8UC1, cv::Scalar(128))}, alpha);
   cv::Mat deep;

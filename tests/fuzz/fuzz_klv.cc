@@ -7,14 +7,14 @@
 
 #include <nlohmann/json.hpp>
 
+#include "testing/klv_tools.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/check.h"
-#include "testing/klv_tools.h"
 #include "victorious/telemetry/telemetry.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
-  const auto bytes = victorious::BytesOf(text);
+  const auto bytes = victorious::AsBytes(text);
   const victorious::DataPacket packet{
       .stream = 0, .kind = victorious::DataKind::kKlv, .time_s = 0.0, .bytes = {bytes.begin(), bytes.end()}};
   const auto telemetry = victorious::TelemetryFromPackets(std::vector{packet}, {});

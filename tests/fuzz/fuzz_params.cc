@@ -10,7 +10,7 @@
 #include "victorious/base/check.h"
 #include "victorious/pipeline/index_options.h"
 
-using victorious::FieldsOf;
+using victorious::CollectFields;
 using victorious::IndexOptions;
 using victorious::OptionsToJsonText;
 
@@ -20,7 +20,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (json.is_discarded()) return 0;
   const std::string before = OptionsToJsonText(IndexOptions{});
   IndexOptions options;
-  if (const auto status = victorious::SetFromJson(json, FieldsOf(options)); !status) {
+  if (const auto status = victorious::SetFromJson(json, CollectFields(options)); !status) {
     VICTORIOUS_CHECK(status.error().code == victorious::ErrorCode::kInvalidArgument);
     VICTORIOUS_CHECK(status.error().message.find('\n') == std::string::npos);
     VICTORIOUS_CHECK(OptionsToJsonText(options) == before);
@@ -29,7 +29,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   VICTORIOUS_CHECK(victorious::ValidateOptions(options));
   const std::string after = OptionsToJsonText(options);
   IndexOptions again;
-  VICTORIOUS_CHECK(victorious::SetFromJson(nlohmann::json::parse(after), FieldsOf(again)));
+  VICTORIOUS_CHECK(victorious::SetFromJson(nlohmann::json::parse(after), CollectFields(again)));
   VICTORIOUS_CHECK(OptionsToJsonText(again) == after);
   return 0;
 }
@@ -37,7 +37,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 std::vector<std::string> FuzzSeeds() {
   return {OptionsToJsonText(IndexOptions{}),
           R"({"match": {"ratio": 0.75}, "keep.interval_s": 2, "every": 3})",
-          R"({"runs": {"gap_s": 1e-300, "least_overlap": 1}, "features.engine": "opencv"})",
+          R"({"runs": {"gap_s": 1e-300, "min_overlap": 1}, "features.engine": "opencv"})",
           R"({"pose": {"seed": 18446744073709551615}, "every": -1, "features": {"max_features": 1e18}})",
           R"({"match": {"ratio": {"ratio": {"ratio": []}}}, "": null, "a\nb": "\ud83d\ude00"})",
           R"([{"match.ratio": 0.5}, true, "text"])",

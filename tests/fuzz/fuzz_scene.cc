@@ -26,7 +26,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const victorious::Rigid3 camera = victorious::CameraFromTown(scene.camera, fraction, 12.5, scene.seed);
     VICTORIOUS_CHECK(camera.translation.allFinite() && std::abs(camera.rotation.norm() - 1) < 1e-9);
     for (const victorious::SceneObject& object : scene.objects) {
-      VICTORIOUS_CHECK(victorious::GroundPoseOf(object, 4, 30 * fraction).place_m.allFinite());
+      VICTORIOUS_CHECK(victorious::ComputeGroundPose(object, 4, 30 * fraction).place_m.allFinite());
     }
   }
   victorious::SceneTown town = scene.town;

@@ -16,9 +16,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     VICTORIOUS_CHECK(rows.error().message.find('\n') == std::string::npos);
     return 0;
   }
-  const auto again = victorious::ParseCameraCsv(victorious::CameraCsvText(rows->states));
+  const auto again = victorious::ParseCameraCsv(victorious::FormatCameraCsv(rows->states));
   VICTORIOUS_CHECK(again.has_value() && again->states.size() == rows->states.size());
-  const victorious::CameraTrack track(rows->states, 2);
+  const victorious::CameraTrajectory track(rows->states, 2);
   for (const victorious::CameraState& state : rows->states) {
     VICTORIOUS_CHECK(track.At(state.time_s).has_value());
     (void)track.At(state.time_s + 0.5);

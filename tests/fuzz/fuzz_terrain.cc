@@ -73,7 +73,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   VICTORIOUS_CHECK(!height_m || (*height_m >= -1000 && *height_m <= 10000));
   const victorious::TangentPlane plane(camera);
   for (const auto& along : {Eigen::Vector3d(0, 0, -1), Eigen::Vector3d(0.6, 0, -0.8), Eigen::Vector3d(0.6, 0.8, 0)}) {
-    const auto met = victorious::MeetGround(**ground, plane, Eigen::Vector3d::Zero(), along, 5);
+    const auto met = victorious::IntersectGround(**ground, plane, Eigen::Vector3d::Zero(), along, 5);
     VICTORIOUS_CHECK(!met || (met->point.allFinite() && met->normal.allFinite()));
   }
   return 0;

@@ -5,10 +5,10 @@
 #include <unistd.h>
 
 #include "testing/data.h"
+#include "testing/video_tools.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "victorious/base/check.h"
 #include "victorious/video/video_reader.h"
-#include "testing/video_tools.h"
 
 namespace {
 

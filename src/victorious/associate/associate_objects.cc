@@ -12,65 +12,70 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "victorious/base/median.h"
 #include "victorious/associate/object_place.h"
+#include "victorious/base/median.h"
 #include "victorious/observe/bearing_observation.h"
 
 namespace victorious {
 namespace {
 
 // Tracklets merged into one object hypothesis.
-struct Thing {
-  std::vector<const SeenRun*> runs;  // by id
-  ObjectPlace where;                 // place for the comparison with others of its flight
+struct ObjectHypothesis {
+  std::vector<const ObservedTracklet*> tracklets;  // by id
+  ObjectPlace estimate;                            // place for the comparison with others of its flight
 };
 
-std::vector<Sight> SightsOf(const Thing& thing) {
-  std::vector<Sight> sights;
-  for (const SeenRun* run : thing.runs) sights.insert(sights.end(), run->sights.begin(), run->sights.end());
-  std::ranges::stable_sort(sights, {}, [](const Sight& sight) { return sight.line.time_s; });
-  return sights;
+std::vector<BearingObservation> CollectObservations(const ObjectHypothesis& hypothesis) {
+  std::vector<BearingObservation> observations;
+  for (const ObservedTracklet* tracklet : hypothesis.tracklets)
+    observations.insert(observations.end(), tracklet->observations.begin(), tracklet->observations.end());
+  std::ranges::stable_sort(observations, {},
+                           [](const BearingObservation& observation) { return observation.line.time_s; });
+  return observations;
 }
 
-bool InOneVideo(const Thing& thing) {
-  return std::ranges::all_of(thing.runs,
-                             [&](const SeenRun* run) { return run->record.video == thing.runs[0]->record.video; });
+bool IsInOneVideo(const ObjectHypothesis& hypothesis) {
+  return std::ranges::all_of(hypothesis.tracklets, [&](const ObservedTracklet* tracklet) {
+    return tracklet->record.video == hypothesis.tracklets[0]->record.video;
+  });
 }
 
 // Videos have no common clock, so an object of several videos is modelled as static.
-ObjectPlace PlaceOf(const Thing& thing, ObjectOptions options, double common_share) {
-  if (!InOneVideo(thing)) options.locate.motion = "static";
-  return PlaceOf(SightsOf(thing), options, common_share);
+ObjectPlace EstimatePlace(const ObjectHypothesis& hypothesis, ObjectOptions options, double common_fraction) {
+  if (!IsInOneVideo(hypothesis)) options.locate.motion = "static";
+  return EstimatePlace(CollectObservations(hypothesis), options, common_fraction);
 }
 
-bool ShareAFrame(const SeenRun& a, const SeenRun& b) {
+bool HasCommonFrame(const ObservedTracklet& a, const ObservedTracklet& b) {
   if (a.record.video != b.record.video) return false;
   std::vector<std::int64_t> both;
   std::ranges::set_intersection(a.frames, b.frames, std::back_inserter(both));
   return !both.empty();
 }
 
-bool ShareAFrame(const Thing& a, const Thing& b) {
-  return std::ranges::any_of(a.runs, [&](const SeenRun* of_a) {
-    return std::ranges::any_of(b.runs, [&](const SeenRun* of_b) { return ShareAFrame(*of_a, *of_b); });
+bool HasCommonFrame(const ObjectHypothesis& a, const ObjectHypothesis& b) {
+  return std::ranges::any_of(a.tracklets, [&](const ObservedTracklet* of_a) {
+    return std::ranges::any_of(b.tracklets, [&](const ObservedTracklet* of_b) { return HasCommonFrame(*of_a, *of_b); });
   });
 }
 
-bool ShareAVideo(const Thing& a, const Thing& b) {
-  return std::ranges::any_of(a.runs, [&](const SeenRun* of_a) {
-    return std::ranges::any_of(b.runs, [&](const SeenRun* of_b) { return of_a->record.video == of_b->record.video; });
+bool HasCommonVideo(const ObjectHypothesis& a, const ObjectHypothesis& b) {
+  return std::ranges::any_of(a.tracklets, [&](const ObservedTracklet* of_a) {
+    return std::ranges::any_of(b.tracklets,
+                               [&](const ObservedTracklet* of_b) { return of_a->record.video == of_b->record.video; });
   });
 }
 
-double FirstTime(const Thing& thing) {
+double FirstTime(const ObjectHypothesis& hypothesis) {
   double first_s = std::numeric_limits<double>::infinity();
-  for (const SeenRun* run : thing.runs) first_s = std::min(first_s, run->record.first_time_s);
+  for (const ObservedTracklet* tracklet : hypothesis.tracklets)
+    first_s = std::min(first_s, tracklet->record.first_time_s);
   return first_s;
 }
 
-double LastTime(const Thing& thing) {
+double LastTime(const ObjectHypothesis& hypothesis) {
   double last_s = -std::numeric_limits<double>::infinity();
-  for (const SeenRun* run : thing.runs) last_s = std::max(last_s, run->record.last_time_s);
+  for (const ObservedTracklet* tracklet : hypothesis.tracklets) last_s = std::max(last_s, tracklet->record.last_time_s);
   return last_s;
 }
 
@@ -80,58 +85,59 @@ struct Distance {
   double sigmas = 0;
 };
 
-std::optional<Distance> DistanceOf(const Thing& a, const Thing& b, const ObjectOptions& options) {
-  std::optional<Place> of_a = a.where.place;
-  std::optional<Place> of_b = b.where.place;
-  if (!ShareAVideo(a, b) || !InOneVideo(a) || !InOneVideo(b)) {  // flights have independent common errors
-    of_a = PlaceOf(a, options, 1).place;
-    of_b = PlaceOf(b, options, 1).place;
-    if (!of_a || !of_b || of_a->Moves() || of_b->Moves()) return std::nullopt;
+std::optional<Distance> ComputeDistance(const ObjectHypothesis& a, const ObjectHypothesis& b,
+                                        const ObjectOptions& options) {
+  std::optional<Geolocation> of_a = a.estimate.place;
+  std::optional<Geolocation> of_b = b.estimate.place;
+  if (!HasCommonVideo(a, b) || !IsInOneVideo(a) || !IsInOneVideo(b)) {  // flights have independent common errors
+    of_a = EstimatePlace(a, options, 1).place;
+    of_b = EstimatePlace(b, options, 1).place;
+    if (!of_a || !of_b || of_a->IsMoving() || of_b->IsMoving()) return std::nullopt;
   }
   if (!of_a || !of_b) return std::nullopt;
   const bool a_first = FirstTime(a) <= FirstTime(b);
   const double between_s = (LastTime(a_first ? a : b) + FirstTime(a_first ? b : a)) / 2;
   const TangentPlane plane(of_a->point);
-  const Place at_a = At(*of_a, between_s);
-  const Place at_b = At(*of_b, between_s);
-  const double slack_m2 = 2 * options.identity_slack_m * options.identity_slack_m;
+  const Geolocation at_a = PropagatePlace(*of_a, between_s);
+  const Geolocation at_b = PropagatePlace(*of_b, between_s);
+  const double slack_m2 = 2 * options.merge_slack_m * options.merge_slack_m;
   const Eigen::Matrix3d covariance =
       at_a.covariance_enu_m2 + at_b.covariance_enu_m2 + slack_m2 * Eigen::Matrix3d::Identity();
   const Eigen::Vector3d apart = plane.EnuFromGeodetic(at_b.point) - plane.EnuFromGeodetic(at_a.point);
   return Distance{apart.norm(), std::sqrt(apart.dot(covariance.ldlt().solve(apart)))};
 }
 
-Thing Joined(const Thing& a, const Thing& b, const ObjectOptions& options) {
-  Thing joined{.runs = a.runs};
-  joined.runs.insert(joined.runs.end(), b.runs.begin(), b.runs.end());
-  std::ranges::sort(joined.runs, {}, [](const SeenRun* run) { return run->record.id; });
-  joined.where = PlaceOf(joined, options, InOneVideo(joined) ? options.flight_share : 1);
+ObjectHypothesis MergedPair(const ObjectHypothesis& a, const ObjectHypothesis& b, const ObjectOptions& options) {
+  ObjectHypothesis joined{.tracklets = a.tracklets};
+  joined.tracklets.insert(joined.tracklets.end(), b.tracklets.begin(), b.tracklets.end());
+  std::ranges::sort(joined.tracklets, {}, [](const ObservedTracklet* tracklet) { return tracklet->record.id; });
+  joined.estimate = EstimatePlace(joined, options, IsInOneVideo(joined) ? options.flight_error_fraction : 1);
   return joined;
 }
 
 // Agglomerative merging of the hypotheses of one model, nearest pair (Mahalanobis) first, until no pair passes the
 // gates.
-void Join(std::vector<Thing>& things, const ObjectOptions& options) {
+void MergeHypotheses(std::vector<ObjectHypothesis>& hypotheses, const ObjectOptions& options) {
   using Pair = std::pair<std::int64_t, std::int64_t>;  // first tracklet ids of two hypotheses
   std::map<Pair, double> distances;
-  const auto id_of = [](const Thing& thing) { return thing.runs[0]->record.id; };
-  const auto measure = [&](const Thing& a, const Thing& b) {
-    if (ShareAFrame(a, b)) return;
-    const std::optional<Distance> distance = DistanceOf(a, b, options);
-    if (!distance || distance->metres > options.identity_farthest_m) return;
-    if (distance->sigmas <= options.identity_gate_sigma) distances[std::minmax(id_of(a), id_of(b))] = distance->sigmas;
+  const auto id_of = [](const ObjectHypothesis& hypothesis) { return hypothesis.tracklets[0]->record.id; };
+  const auto measure = [&](const ObjectHypothesis& a, const ObjectHypothesis& b) {
+    if (HasCommonFrame(a, b)) return;
+    const std::optional<Distance> distance = ComputeDistance(a, b, options);
+    if (!distance || distance->metres > options.max_merge_distance_m) return;
+    if (distance->sigmas <= options.merge_gate_sigma) distances[std::minmax(id_of(a), id_of(b))] = distance->sigmas;
   };
-  for (std::size_t i = 0; i < things.size(); ++i) {
-    for (std::size_t k = i + 1; k < things.size(); ++k) measure(things[i], things[k]);
+  for (std::size_t i = 0; i < hypotheses.size(); ++i) {
+    for (std::size_t k = i + 1; k < hypotheses.size(); ++k) measure(hypotheses[i], hypotheses[k]);
   }
   while (!distances.empty()) {
     const Pair nearest = std::ranges::min_element(distances, {}, [](const auto& entry) {
                            return std::pair(entry.second, entry.first);
                          })->first;
-    const auto a = std::ranges::find(things, nearest.first, id_of);
-    const auto b = std::ranges::find(things, nearest.second, id_of);
-    Thing joined = Joined(*a, *b, options);
-    if (!joined.where.place || joined.where.agreeing < options.least_agreeing) {
+    const auto a = std::ranges::find(hypotheses, nearest.first, id_of);
+    const auto b = std::ranges::find(hypotheses, nearest.second, id_of);
+    ObjectHypothesis joined = MergedPair(*a, *b, options);
+    if (!joined.estimate.place || joined.estimate.inlier_fraction < options.min_inlier_fraction) {
       distances.erase(nearest);
       continue;
     }
@@ -141,48 +147,51 @@ void Join(std::vector<Thing>& things, const ObjectOptions& options) {
     });
     *a = std::move(joined);
     const std::int64_t id = id_of(*a);
-    things.erase(b);
-    const Thing& grown = *std::ranges::find(things, id, id_of);
-    for (const Thing& other : things) {
+    hypotheses.erase(b);
+    const ObjectHypothesis& grown = *std::ranges::find(hypotheses, id, id_of);
+    for (const ObjectHypothesis& other : hypotheses) {
       if (&other != &grown) measure(grown, other);
     }
   }
 }
 
 // Number of frames in which another tracklet covers the same pixels (intersection over union).
-std::int64_t FramesCovered(const SeenRun& run, const SeenRun& by, double least_overlap) {
-  if (run.record.video != by.record.video) return 0;
+std::int64_t CountOverlappingFrames(const ObservedTracklet& tracklet, const ObservedTracklet& by, double min_overlap) {
+  if (tracklet.record.video != by.record.video) return 0;
   std::int64_t covered = 0;
   auto other = by.frames.begin();
-  for (std::size_t i = 0; i < run.frames.size(); ++i) {
-    other = std::lower_bound(other, by.frames.end(), run.frames[i]);
+  for (std::size_t i = 0; i < tracklet.frames.size(); ++i) {
+    other = std::lower_bound(other, by.frames.end(), tracklet.frames[i]);
     if (other == by.frames.end()) break;
-    if (*other != run.frames[i]) continue;
+    if (*other != tracklet.frames[i]) continue;
     const Box& box = by.boxes[static_cast<std::size_t>(other - by.frames.begin())];
-    if (IntersectionOverUnion(run.boxes[i], box) >= least_overlap) ++covered;
+    if (IntersectionOverUnion(tracklet.boxes[i], box) >= min_overlap) ++covered;
   }
   return covered;
 }
 
-std::int64_t FramesOf(const ObjectRecord& object, const std::map<std::int64_t, const SeenRun*>& runs) {
+std::int64_t CountObjectFrames(const ObjectRecord& object,
+                               const std::map<std::int64_t, const ObservedTracklet*>& tracklets) {
   std::int64_t frames = 0;
-  for (const std::int64_t run : object.runs) frames += runs.at(run)->record.frames;
+  for (const std::int64_t tracklet : object.tracklets) frames += tracklets.at(tracklet)->record.frames;
   return frames;
 }
 
 // True if `a` has more frames; ties go to the smaller id, the object seen first.
-bool IsSeenMore(const ObjectRecord& a, const ObjectRecord& b, const std::map<std::int64_t, const SeenRun*>& runs) {
-  return std::pair(FramesOf(a, runs), -a.id) > std::pair(FramesOf(b, runs), -b.id);
+bool HasMoreFrames(const ObjectRecord& a, const ObjectRecord& b,
+                   const std::map<std::int64_t, const ObservedTracklet*>& tracklets) {
+  return std::pair(CountObjectFrames(a, tracklets), -a.id) > std::pair(CountObjectFrames(b, tracklets), -b.id);
 }
 
 // Median height, per video, of the objects whose place follows from intersection and not from apparent size only.
-class Heights {
+class HeightStatistics {
  public:
-  void Add(const Thing& thing, double altitude_m) {
-    for (const SeenRun* run : thing.runs) of_video_[run->record.video].push_back(altitude_m);
+  void Add(const ObjectHypothesis& hypothesis, double altitude_m) {
+    for (const ObservedTracklet* tracklet : hypothesis.tracklets)
+      of_video_[tracklet->record.video].push_back(altitude_m);
   }
-  [[nodiscard]] std::optional<double> Usual(const Thing& thing) const {
-    const auto found = of_video_.find(thing.runs[0]->record.video);
+  [[nodiscard]] std::optional<double> MedianHeight(const ObjectHypothesis& hypothesis) const {
+    const auto found = of_video_.find(hypothesis.tracklets[0]->record.video);
     if (found == of_video_.end()) return std::nullopt;
     return Median(found->second);
   }
@@ -192,80 +201,85 @@ class Heights {
 };
 
 double LogOdds(double score) {
-  constexpr double kSurest = 1 - 1e-12;
-  const double share = std::clamp(score, 1 - kSurest, kSurest);
-  return std::log(share / (1 - share));
+  constexpr double kMaxScore = 1 - 1e-12;
+  const double probability = std::clamp(score, 1 - kMaxScore, kMaxScore);
+  return std::log(probability / (1 - probability));
 }
 
 // A contrario test. A score p is the probability that a detection is right if there is an object, with odds p / (1 -
-// p). The expected number of false detections with odds above x is about 1/x of that with even odds (`false_share` per
-// frame and model), and they last one frame. An object in n consistent frames is therefore n times less likely to be
-// false. Its odds are those of a typical frame, exp(mean of the log odds): the maximum over n frames would be biased.
-bool IsFaint(const Thing& thing, std::int64_t frames_searched, const ObjectOptions& options) {
+// p). The expected number of false detections with odds above x is about 1/x of that with even odds (`false_alarm_rate`
+// per frame and model), and they last one frame. An object in n consistent frames is therefore n times less likely to
+// be false. Its odds are those of a typical frame, exp(mean of the log odds): the maximum over n frames would be
+// biased.
+bool IsInsignificant(const ObjectHypothesis& hypothesis, std::int64_t frames_searched, const ObjectOptions& options) {
   double log_odds = 0;
   double recognised = 0;
   double frames = 0;
-  for (const SeenRun* run : thing.runs) {
-    frames += static_cast<double>(run->record.frames);
-    for (const double score : run->scores) {
+  for (const ObservedTracklet* tracklet : hypothesis.tracklets) {
+    frames += static_cast<double>(tracklet->record.frames);
+    for (const double score : tracklet->scores) {
       log_odds += LogOdds(score);
       ++recognised;
     }
   }
   if (recognised > 0) log_odds /= recognised;
-  if (thing.where.place) frames = std::max(1.0, frames * thing.where.borne_out);
-  constexpr double kMostByChance = 0.1;  // maximum expected number of false detections as strong, over the whole search
-  const double even_by_chance = options.false_share * static_cast<double>(frames_searched);
-  return std::exp(log_odds) * frames * kMostByChance < even_by_chance;
+  if (hypothesis.estimate.place) frames = std::max(1.0, frames * hypothesis.estimate.consistent_fraction);
+  constexpr double kMaxFalseAlarms =
+      0.1;  // maximum expected number of false detections as strong, over the whole search
+  const double false_alarms_at_even_odds = options.false_alarm_rate * static_cast<double>(frames_searched);
+  return std::exp(log_odds) * frames * kMaxFalseAlarms < false_alarms_at_even_odds;
 }
 
 // The lowest land is the shore of the Dead Sea, about 440 m below sea level.
-bool LiesBelowAnyGround(const Place& place) {
+bool IsBelowLowestGround(const Geolocation& place) {
   constexpr double kLowestGround_m = -500;
   constexpr double kSigmas = 2;
   return place.point.altitude_m + kSigmas * std::sqrt(place.covariance_enu_m2(2, 2)) < kLowestGround_m;
 }
 
-std::string WhyNone(const ObjectPlace& where, std::size_t sights, const ObjectOptions& options) {
-  constexpr std::size_t kFewestToDisagree = 3;
-  if (where.place && LiesBelowAnyGround(*where.place)) {
-    return fmt::format("{:.0f} m below the sea, below any ground", -where.place->point.altitude_m);
+std::string RejectionReason(const ObjectPlace& estimate, std::size_t observations, const ObjectOptions& options) {
+  constexpr std::size_t kMinObservations = 3;
+  if (estimate.place && IsBelowLowestGround(*estimate.place)) {
+    return fmt::format("{:.0f} m below the sea, below any ground", -estimate.place->point.altitude_m);
   }
-  if (where.too_large &&
-      (*where.too_large > options.scale_allowance || *where.too_large < 1 / options.scale_allowance)) {
-    return *where.too_large > 1 ? fmt::format("{:.1f} times too large for its distance", *where.too_large)
-                                : fmt::format("{:.1f} times too small for its distance", 1 / *where.too_large);
+  if (estimate.size_ratio &&
+      (*estimate.size_ratio > options.max_size_ratio || *estimate.size_ratio < 1 / options.max_size_ratio)) {
+    return *estimate.size_ratio > 1 ? fmt::format("{:.1f} times too large for its distance", *estimate.size_ratio)
+                                    : fmt::format("{:.1f} times too small for its distance", 1 / *estimate.size_ratio);
   }
-  if (sights >= kFewestToDisagree && where.agreeing < options.least_agreeing)
+  if (observations >= kMinObservations && estimate.inlier_fraction < options.min_inlier_fraction)
     return "its lines of sight do not intersect";
   return {};
 }
 
 // Rejects an object whose height follows from its size only and is far from the median height.
-void RejectFloating(const Thing& thing, const Heights& heights, const ObjectOptions& options, ObjectRecord& object) {
-  if (thing.where.too_large || !object.place || !object.rejected.empty() || thing.runs[0]->of_category) return;
-  const std::optional<double> usual_m = heights.Usual(thing);
-  if (!usual_m) return;
-  const double above_m = object.place->point.altitude_m - *usual_m;
-  if (std::abs(above_m) < options.floating_m) return;
+void RejectFloating(const ObjectHypothesis& hypothesis, const HeightStatistics& heights, const ObjectOptions& options,
+                    ObjectRecord& object) {
+  if (hypothesis.estimate.size_ratio || !object.place || !object.rejected.empty() ||
+      hypothesis.tracklets[0]->is_category)
+    return;
+  const std::optional<double> median_m = heights.MedianHeight(hypothesis);
+  if (!median_m) return;
+  const double above_m = object.place->point.altitude_m - *median_m;
+  if (std::abs(above_m) < options.max_height_deviation_m) return;
   object.rejected = fmt::format("{:.0f} m {} the other objects, judged by its size only", std::abs(above_m),
                                 above_m > 0 ? "above" : "below");
 }
 
 // Rejects the less-observed of two CAD objects in the same pixels: one would occlude the other.
-void RejectCovered(std::vector<ObjectRecord>& objects, const std::map<std::int64_t, const SeenRun*>& runs,
-                   const ObjectOptions& options) {
+void RejectOccluded(std::vector<ObjectRecord>& objects,
+                    const std::map<std::int64_t, const ObservedTracklet*>& tracklets, const ObjectOptions& options) {
   for (ObjectRecord& less : objects) {
-    if (!less.rejected.empty() || !runs.at(less.id)->of_solid) continue;
+    if (!less.rejected.empty() || !tracklets.at(less.id)->is_cad_model) continue;
     for (const ObjectRecord& more : objects) {
-      if (!more.rejected.empty() || more.model == less.model || !runs.at(more.id)->of_solid) continue;
-      if (!IsSeenMore(more, less, runs)) continue;
+      if (!more.rejected.empty() || more.model == less.model || !tracklets.at(more.id)->is_cad_model) continue;
+      if (!HasMoreFrames(more, less, tracklets)) continue;
       std::int64_t covered = 0;
-      for (const std::int64_t run : less.runs) {
-        for (const std::int64_t by : more.runs)
-          covered += FramesCovered(*runs.at(run), *runs.at(by), options.same_pixels);
+      for (const std::int64_t tracklet : less.tracklets) {
+        for (const std::int64_t by : more.tracklets)
+          covered += CountOverlappingFrames(*tracklets.at(tracklet), *tracklets.at(by), options.occlusion_iou);
       }
-      if (2 * covered < FramesOf(less, runs)) continue;
+      if (2 * covered < CountObjectFrames(less, tracklets)) continue;
       less.rejected = fmt::format("in the same pixels as object {}", more.id);
       break;
     }
@@ -273,16 +287,16 @@ void RejectCovered(std::vector<ObjectRecord>& objects, const std::map<std::int64
 }
 
 // Rejects the less-observed of two coincident static objects.
-void RejectDoubles(std::vector<ObjectRecord>& objects, const std::map<std::int64_t, const SeenRun*>& runs,
-                   const ObjectOptions& options) {
+void RejectCoincident(std::vector<ObjectRecord>& objects,
+                      const std::map<std::int64_t, const ObservedTracklet*>& tracklets, const ObjectOptions& options) {
   for (ObjectRecord& less : objects) {
-    if (!less.place || !less.rejected.empty() || runs.at(less.id)->of_category) continue;
+    if (!less.place || !less.rejected.empty() || tracklets.at(less.id)->is_category) continue;
     const TangentPlane plane(less.place->point);
     for (const ObjectRecord& more : objects) {
-      if (!more.place || !more.rejected.empty() || more.id == less.id || runs.at(more.id)->of_category) continue;
-      if (!IsSeenMore(more, less, runs)) continue;
-      if (less.place->Moves() || more.place->Moves()) continue;
-      if (plane.EnuFromGeodetic(more.place->point).norm() >= options.least_apart_m) continue;
+      if (!more.place || !more.rejected.empty() || more.id == less.id || tracklets.at(more.id)->is_category) continue;
+      if (!HasMoreFrames(more, less, tracklets)) continue;
+      if (less.place->IsMoving() || more.place->IsMoving()) continue;
+      if (plane.EnuFromGeodetic(more.place->point).norm() >= options.min_separation_m) continue;
       less.rejected = fmt::format("at the same place as object {}", more.id);
       break;
     }
@@ -291,46 +305,49 @@ void RejectDoubles(std::vector<ObjectRecord>& objects, const std::map<std::int64
 
 }  // namespace
 
-std::vector<ObjectRecord> MakeObjects(std::vector<SeenRun> runs, std::int64_t frames_searched,
-                                      const ObjectOptions& options) {
-  std::ranges::sort(runs, {}, [](const SeenRun& run) { return run.record.id; });
-  std::map<std::int64_t, const SeenRun*> by_id;
-  std::map<std::int64_t, std::vector<Thing>> of_model;
-  for (const SeenRun& run : runs) {
-    by_id[run.record.id] = &run;
-    of_model[run.record.model].push_back({.runs = {&run}, .where = PlaceOf(run.sights, options, options.flight_share)});
+std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> tracklets, std::int64_t frames_searched,
+                                             const ObjectOptions& options) {
+  std::ranges::sort(tracklets, {}, [](const ObservedTracklet& tracklet) { return tracklet.record.id; });
+  std::map<std::int64_t, const ObservedTracklet*> by_id;
+  std::map<std::int64_t, std::vector<ObjectHypothesis>> of_model;
+  for (const ObservedTracklet& tracklet : tracklets) {
+    by_id[tracklet.record.id] = &tracklet;
+    of_model[tracklet.record.model].push_back(
+        {.tracklets = {&tracklet},
+         .estimate = EstimatePlace(tracklet.observations, options, options.flight_error_fraction)});
   }
-  std::vector<Thing> things;
+  std::vector<ObjectHypothesis> hypotheses;
   for (auto& [model, of_one] : of_model) {
-    Join(of_one, options);
-    std::ranges::move(of_one, std::back_inserter(things));
+    MergeHypotheses(of_one, options);
+    std::ranges::move(of_one, std::back_inserter(hypotheses));
   }
 
   std::vector<ObjectRecord> objects;
-  Heights heights;
-  for (Thing& thing : things) {
-    thing.where = PlaceOf(thing, options, 1);
-    ObjectRecord object{.id = thing.runs[0]->record.id,
-                        .model = thing.runs[0]->record.model,
-                        .place = thing.where.place,
-                        .heading_rad = thing.where.heading_rad,
-                        .rejected = WhyNone(thing.where, SightsOf(thing).size(), options)};
-    for (const SeenRun* run : thing.runs) object.runs.push_back(run->record.id);
-    if (thing.runs[0]->of_category) {
+  HeightStatistics heights;
+  for (ObjectHypothesis& hypothesis : hypotheses) {
+    hypothesis.estimate = EstimatePlace(hypothesis, options, 1);
+    ObjectRecord object{
+        .id = hypothesis.tracklets[0]->record.id,
+        .model = hypothesis.tracklets[0]->record.model,
+        .place = hypothesis.estimate.place,
+        .heading_rad = hypothesis.estimate.heading_rad,
+        .rejected = RejectionReason(hypothesis.estimate, CollectObservations(hypothesis).size(), options)};
+    for (const ObservedTracklet* tracklet : hypothesis.tracklets) object.tracklets.push_back(tracklet->record.id);
+    if (hypothesis.tracklets[0]->is_category) {
       if (!std::exchange(object.rejected, {}).empty()) object.place.reset();
-    } else if (object.rejected.empty() && IsFaint(thing, frames_searched, options)) {
+    } else if (object.rejected.empty() && IsInsignificant(hypothesis, frames_searched, options)) {
       object.rejected =
           fmt::format("not significant: as strong a false detection is expected by chance in {} frames of one model",
                       frames_searched);
     }
-    if (object.place && object.rejected.empty() && thing.where.too_large) {
-      heights.Add(thing, object.place->point.altitude_m);
+    if (object.place && object.rejected.empty() && hypothesis.estimate.size_ratio) {
+      heights.Add(hypothesis, object.place->point.altitude_m);
     }
     objects.push_back(std::move(object));
   }
-  for (std::size_t i = 0; i < objects.size(); ++i) RejectFloating(things[i], heights, options, objects[i]);
-  RejectCovered(objects, by_id, options);
-  RejectDoubles(objects, by_id, options);
+  for (std::size_t i = 0; i < objects.size(); ++i) RejectFloating(hypotheses[i], heights, options, objects[i]);
+  RejectOccluded(objects, by_id, options);
+  RejectCoincident(objects, by_id, options);
   std::ranges::sort(objects, {}, &ObjectRecord::id);
   return objects;
 }
@@ -338,7 +355,7 @@ std::vector<ObjectRecord> MakeObjects(std::vector<SeenRun> runs, std::int64_t fr
 namespace {
 
 // Number of frames between two full-frame searches.
-std::int64_t StepOf(const SearchRecord& search) {
+std::int64_t SearchInterval(const SearchRecord& search) {
   const auto options = nlohmann::json::parse(search.options_json, nullptr, /*allow_exceptions=*/false);
   const auto every = options.is_object() ? options.find("every") : options.end();
   return every != options.end() && every->is_number_integer() ? std::max<std::int64_t>(1, *every) : 1;
@@ -353,7 +370,7 @@ Expected<std::int64_t> FramesSearched(const std::vector<ModelRecord>& models, In
       if (model.IsCategory()) continue;
       VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> search, store.FindSearch(video.id, model.id));
       if (!search) continue;
-      const std::int64_t step = StepOf(*search);
+      const std::int64_t step = SearchInterval(*search);
       frames += (search->next_frame + step - 1) / step;
     }
   }
@@ -363,32 +380,33 @@ Expected<std::int64_t> FramesSearched(const std::vector<ModelRecord>& models, In
 }  // namespace
 
 Status UpdateObjects(const ObjectOptions& options, IndexStore& store) {
-  std::map<std::int64_t, SeenRun> runs;
-  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<RunRecord> records, store.Runs());
+  std::map<std::int64_t, ObservedTracklet> tracklets;
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TrackletRecord> records, store.Tracklets());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store.Models());
-  for (RunRecord& record : records) {
+  for (TrackletRecord& record : records) {
     const auto model = std::ranges::find(models, record.model, &ModelRecord::id);
     const bool known = model != models.end();
-    runs[record.id] = {
-        .record = record, .of_category = known && model->IsCategory(), .of_solid = known && model->kind == "cad"};
+    tracklets[record.id] = {
+        .record = record, .is_category = known && model->IsCategory(), .is_cad_model = known && model->kind == "cad"};
   }
   std::int64_t recognitions = 0;
-  VICTORIOUS_RETURN_IF_ERROR(store.VisitSightings({.rejected_too = true}, [&](SightingRecord&& sighting) {
-    const auto run = runs.find(sighting.run);
-    if (run == runs.end()) return true;  // added by another process in the meantime
-    run->second.frames.push_back(sighting.frame);
-    run->second.boxes.push_back(sighting.box);
-    if (sighting.source == "recognised") run->second.scores.push_back(sighting.score);
-    if (!sighting.sight) return true;
-    std::vector<Sight>& sights = run->second.sights;
-    sighting.sight->recognition = RecognitionOf(sighting, sights.empty() ? nullptr : &sights.back(), recognitions);
-    sights.push_back(*std::move(sighting.sight));
+  VICTORIOUS_RETURN_IF_ERROR(store.VisitSightings({.include_rejected = true}, [&](SightingRecord&& sighting) {
+    const auto tracklet = tracklets.find(sighting.tracklet);
+    if (tracklet == tracklets.end()) return true;  // added by another process in the meantime
+    tracklet->second.frames.push_back(sighting.frame);
+    tracklet->second.boxes.push_back(sighting.box);
+    if (sighting.source == "recognised") tracklet->second.scores.push_back(sighting.score);
+    if (!sighting.observation) return true;
+    std::vector<BearingObservation>& observations = tracklet->second.observations;
+    sighting.observation->recognition_id =
+        NextRecognitionId(sighting, observations.empty() ? nullptr : &observations.back(), recognitions);
+    observations.push_back(*std::move(sighting.observation));
     return true;
   }));
-  std::vector<SeenRun> seen;
-  for (auto& [id, run] : runs) seen.push_back(std::move(run));
+  std::vector<ObservedTracklet> seen;
+  for (auto& [id, tracklet] : tracklets) seen.push_back(std::move(tracklet));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t frames_searched, FramesSearched(models, store));
-  return store.PutObjects(MakeObjects(std::move(seen), frames_searched, options));
+  return store.PutObjects(AssociateTracklets(std::move(seen), frames_searched, options));
 }
 
 }  // namespace victorious

@@ -5,9 +5,9 @@
 //
 // Two tracklets that share a frame are two objects. Two others are merged if
 // - the Mahalanobis distance of their places, both propagated to the time midway between them, passes
-//   `identity_gate_sigma`,
-// - their distance is at most `identity_farthest_m`, and
-// - a fraction `least_agreeing` of all their lines of sight are inliers of the common place.
+//   `merge_gate_sigma`,
+// - their distance is at most `max_merge_distance_m`, and
+// - a fraction `min_inlier_fraction` of all their lines of sight are inliers of the common place.
 //
 // The input is what the store holds. The result is therefore independent of how often indexing was interrupted, and is
 // recomputed when another video adds tracklets.
@@ -17,9 +17,9 @@
 #include <span>
 #include <vector>
 
+#include "victorious/associate/object_options.h"
 #include "victorious/base/error.h"
 #include "victorious/geometry/box.h"
-#include "victorious/associate/object_options.h"
 #include "victorious/store/index_store.h"
 #include "victorious/types/bearing_observation.h"
 
@@ -27,22 +27,22 @@ namespace victorious {
 
 /// A tracklet with its observations. Category tracklets form objects in the same way, but are never rejected and reject
 /// no other object: a category sighting does not identify an instance.
-struct SeenRun {
-  RunRecord record;
-  bool of_category = false;
-  bool of_solid = false;             ///< of a CAD model: opaque, so it occludes what is behind it
-  std::vector<std::int64_t> frames;  ///< ascending
-  std::vector<Box> boxes;            ///< one per frame
-  std::vector<double> scores;        ///< scores of the recognised (not tracked) sightings
-  std::vector<Sight> sights;         ///< bearing observations, by time; only of sightings that have one
+struct ObservedTracklet {
+  TrackletRecord record;
+  bool is_category = false;
+  bool is_cad_model = false;                     ///< of a CAD model: opaque, so it occludes what is behind it
+  std::vector<std::int64_t> frames;              ///< ascending
+  std::vector<Box> boxes;                        ///< one per frame
+  std::vector<double> scores;                    ///< scores of the recognised (not tracked) sightings
+  std::vector<BearingObservation> observations;  ///< bearing observations, by time; only of sightings that have one
 };
 
-/// Associates tracklets to objects. Deterministic and independent of the order of `runs`. Returns the objects by id;
-/// sets id, model, runs, place, heading and the reason of rejection.
+/// Associates tracklets to objects. Deterministic and independent of the order of `tracklets`. Returns the objects by
+/// id; sets id, model, tracklets, place, heading and the reason of rejection.
 /// @param frames_searched  number of full-frame searches, summed over videos and models: the number of tests of the a
 ///                         contrario decision. The more tests, the more significant an object must be
-std::vector<ObjectRecord> MakeObjects(std::vector<SeenRun> runs, std::int64_t frames_searched,
-                                      const ObjectOptions& options);
+std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> tracklets, std::int64_t frames_searched,
+                                             const ObjectOptions& options);
 
 /// Recomputes the objects of the whole index and stores them.
 /// Errors: those of IndexStore.

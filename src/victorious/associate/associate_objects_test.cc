@@ -21,7 +21,7 @@ const GeodeticPoint kOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 500}
 constexpr double kFrameS = 0.1;
 
 // Observations of an object from a camera that flies past.
-struct Seen {
+struct SimulatedTracklet {
   std::int64_t id = 0;  // of the tracklet
   std::int64_t video = 1;
   std::int64_t model = 1;
@@ -31,7 +31,7 @@ struct Seen {
   int frames = 30;
   double score = 0.99;
   std::optional<double> first_score;  // score of the first frame, if different
-  bool of_category = false;           // then there is no range
+  bool is_category = false;           // then there is no range
   double noise_rad = 1e-4;
   double heading_noise_rad = 0.05;
   double too_large = 1;        // ratio by which the ranges are wrong
@@ -40,53 +40,53 @@ struct Seen {
   Eigen::Vector3d camera_bias_enu{0, 0, 0};  // error of telemetry
 };
 
-SeenRun RunOf(const Seen& seen) {
+ObservedTracklet RunOf(const SimulatedTracklet& seen) {
   Random random(static_cast<std::uint64_t>(seen.id));
   const TangentPlane plane(kOrigin);
-  SeenRun run{.record = {.id = seen.id, .object = seen.id, .video = seen.video, .model = seen.model}};
-  run.of_category = seen.of_category;
-  run.record.frames = seen.frames;
-  run.record.score = seen.score;
-  run.record.first_time_s = kFrameS * seen.first_frame;
-  run.record.last_time_s = kFrameS * (seen.first_frame + seen.frames - 1);
+  ObservedTracklet tracklet{.record = {.id = seen.id, .object = seen.id, .video = seen.video, .model = seen.model}};
+  tracklet.is_category = seen.is_category;
+  tracklet.record.frames = seen.frames;
+  tracklet.record.score = seen.score;
+  tracklet.record.first_time_s = kFrameS * seen.first_frame;
+  tracklet.record.last_time_s = kFrameS * (seen.first_frame + seen.frames - 1);
   for (int frame = seen.first_frame; frame < seen.first_frame + seen.frames; ++frame) {
     const double time_s = kFrameS * frame;
     const Eigen::Vector3d camera(seen.camera_from_m + seen.camera_speed_m_s * time_s, -70, 100);
     const Eigen::Vector3d line = seen.place_enu + time_s * seen.velocity_enu - camera;
-    run.frames.push_back(frame);
-    run.scores.push_back(frame == seen.first_frame ? seen.first_score.value_or(seen.score) : seen.score);
-    Sight sight;
-    sight.line = {.time_s = time_s,
-                  .camera = plane.GeodeticFromEnu(camera + seen.camera_bias_enu),
-                  .azimuth_rad = std::atan2(line.x(), line.y()) + seen.noise_rad * random.Normal(),
-                  .elevation_rad = std::asin(line.z() / line.norm()) + seen.noise_rad * random.Normal(),
-                  .range_m = line.norm() / seen.too_large * (1 + 0.02 * random.Normal()),
-                  .sigma_rad = 1e-4};
-    sight.line.sigma_range_m = 0.02 * *sight.line.range_m;
-    if (seen.of_category) {
-      sight.line.range_m.reset();
-      sight.line.sigma_rad = seen.noise_rad;
+    tracklet.frames.push_back(frame);
+    tracklet.scores.push_back(frame == seen.first_frame ? seen.first_score.value_or(seen.score) : seen.score);
+    BearingObservation observation;
+    observation.line = {.time_s = time_s,
+                        .camera = plane.GeodeticFromEnu(camera + seen.camera_bias_enu),
+                        .azimuth_rad = std::atan2(line.x(), line.y()) + seen.noise_rad * random.Normal(),
+                        .elevation_rad = std::asin(line.z() / line.norm()) + seen.noise_rad * random.Normal(),
+                        .range_m = line.norm() / seen.too_large * (1 + 0.02 * random.Normal()),
+                        .sigma_rad = 1e-4};
+    observation.line.sigma_range_m = 0.02 * *observation.line.range_m;
+    if (seen.is_category) {
+      observation.line.range_m.reset();
+      observation.line.sigma_rad = seen.noise_rad;
     }
-    sight.heading_rad = WrapAngle(1.0 + seen.heading_noise_rad * random.Normal() + (frame % 4 == 0 ? kPi : 0));
-    run.sights.push_back(sight);
+    observation.heading_rad = WrapAngle(1.0 + seen.heading_noise_rad * random.Normal() + (frame % 4 == 0 ? kPi : 0));
+    tracklet.observations.push_back(observation);
   }
-  return run;
+  return tracklet;
 }
 
-std::vector<ObjectRecord> ObjectsFrom(const std::vector<Seen>& things, const ObjectOptions& options = {},
+std::vector<ObjectRecord> ObjectsFrom(const std::vector<SimulatedTracklet>& things, const ObjectOptions& options = {},
                                       std::int64_t frames_searched = 100) {
-  std::vector<SeenRun> runs;
-  for (const Seen& thing : things) runs.push_back(RunOf(thing));
-  return MakeObjects(std::move(runs), frames_searched, options);
+  std::vector<ObservedTracklet> tracklets;
+  for (const SimulatedTracklet& thing : things) tracklets.push_back(RunOf(thing));
+  return AssociateTracklets(std::move(tracklets), frames_searched, options);
 }
 
 std::vector<std::vector<std::int64_t>> RunsOf(const std::vector<ObjectRecord>& objects) {
-  std::vector<std::vector<std::int64_t>> runs;
-  for (const ObjectRecord& object : objects) runs.push_back(object.runs);
-  return runs;
+  std::vector<std::vector<std::int64_t>> tracklets;
+  for (const ObjectRecord& object : objects) tracklets.push_back(object.tracklets);
+  return tracklets;
 }
 
-Eigen::Vector3d PlaceOf(const ObjectRecord& object) {
+Eigen::Vector3d EstimatePlace(const ObjectRecord& object) {
   return TangentPlane(kOrigin).EnuFromGeodetic(object.place->point);
 }
 
@@ -95,16 +95,16 @@ TEST(ObjectList, OneRunIsOneObjectAtItsPlace) {
   ASSERT_EQ(objects.size(), 1U);
   EXPECT_EQ(objects[0].id, 5);
   ASSERT_TRUE(objects[0].place);
-  EXPECT_LT((PlaceOf(objects[0]) - Eigen::Vector3d(3, 4, 1)).norm(), 0.3);
+  EXPECT_LT((EstimatePlace(objects[0]) - Eigen::Vector3d(3, 4, 1)).norm(), 0.3);
   EXPECT_EQ(objects[0].place->velocity_enu->norm(), 0) << "it stands";
   EXPECT_NEAR(*objects[0].heading_rad, 1.0, 0.05) << "a quarter of the views is wrong";
   EXPECT_EQ(objects[0].rejected, "");
 }
 
 TEST(ObjectList, WithoutTelemetryEachRunIsAnObjectWithoutAPlace) {
-  SeenRun a{.record = {.id = 1, .video = 1, .model = 1}, .frames = {0, 1}};
-  SeenRun b{.record = {.id = 2, .video = 1, .model = 1}, .frames = {50, 51}};
-  const auto objects = MakeObjects({a, b}, 0, {});
+  ObservedTracklet a{.record = {.id = 1, .video = 1, .model = 1}, .frames = {0, 1}};
+  ObservedTracklet b{.record = {.id = 2, .video = 1, .model = 1}, .frames = {50, 51}};
+  const auto objects = AssociateTracklets({a, b}, 0, {});
   EXPECT_THAT(RunsOf(objects), ElementsAre(ElementsAre(1), ElementsAre(2)));
   EXPECT_FALSE(objects[0].place);
   EXPECT_FALSE(objects[0].heading_rad);
@@ -141,7 +141,7 @@ TEST(ObjectList, WhatMovesIsFoundAgainWhereItHasMovedTo) {
   ASSERT_THAT(RunsOf(objects), ElementsAre(ElementsAre(1, 2)));
   EXPECT_LT((*objects[0].place->velocity_enu - velocity).norm(), 0.3);
   EXPECT_NEAR(objects[0].place->time_s, 7.4, 1e-9);
-  EXPECT_LT((PlaceOf(objects[0]) - Eigen::Vector3d(-29.6, 22.2, 1)).norm(), 1.5);
+  EXPECT_LT((EstimatePlace(objects[0]) - Eigen::Vector3d(-29.6, 22.2, 1)).norm(), 1.5);
 }
 
 TEST(ObjectList, TheSameObjectInTwoVideosIsOne) {
@@ -157,7 +157,7 @@ TEST(ObjectList, TheSameObjectInTwoVideosIsOne) {
 }
 
 TEST(ObjectList, TheOrderOfRunsDoesNotMatter) {
-  std::vector<Seen> things;
+  std::vector<SimulatedTracklet> things;
   for (int i = 0; i < 6; ++i) {
     things.push_back({.id = i + 1, .place_enu = {6.0 * (i % 3), 8, 1}, .first_frame = 40 * (i / 3), .frames = 25});
   }
@@ -172,15 +172,15 @@ TEST(ObjectList, TheOrderOfRunsDoesNotMatter) {
 TEST(ObjectList, WhatIsTooLargeForItsDistanceIsRejected) {
   const auto objects = ObjectsFrom({{.id = 1, .too_large = 5}});
   EXPECT_THAT(objects[0].rejected, HasSubstr("5.0 times too large"));
-  EXPECT_EQ(ObjectsFrom({{.id = 1, .too_large = 5}}, {.scale_allowance = 6})[0].rejected, "");
+  EXPECT_EQ(ObjectsFrom({{.id = 1, .too_large = 5}}, {.max_size_ratio = 6})[0].rejected, "");
 }
 
 TEST(ObjectList, WhatFloatsByItsSizeAloneIsRejected) {
-  const Seen floating{.id = 2, .model = 2, .first_frame = 10, .frames = 1, .too_large = 3};
+  const SimulatedTracklet floating{.id = 2, .model = 2, .first_frame = 10, .frames = 1, .too_large = 3};
   const auto objects = ObjectsFrom({{.id = 1}, floating});
   EXPECT_EQ(objects[0].rejected, "");
   EXPECT_THAT(objects[1].rejected, HasSubstr("above the other objects"));
-  EXPECT_EQ(ObjectsFrom({{.id = 1}, floating}, {.floating_m = 1000})[1].rejected, "");
+  EXPECT_EQ(ObjectsFrom({{.id = 1}, floating}, {.max_height_deviation_m = 1000})[1].rejected, "");
   EXPECT_EQ(ObjectsFrom({floating})[0].rejected, "") << "nothing says how high the ground is";
 }
 
@@ -192,38 +192,38 @@ TEST(ObjectList, WhatLiesBelowAnyGroundIsRejected) {
 // Odds of 9 to 1 are insufficient, also over 30 frames; odds of 1000 to 1 over 30 frames suffice. In 50 searched
 // frames, odds of 9 to 1 in one frame suffice.
 TEST(ObjectList, TheLongerTheSearchTheClearerMustAFindBe) {
-  const Seen faint{.id = 1, .frames = 1, .score = 0.9};
-  const Seen longer{.id = 1, .frames = 30, .score = 0.9};
-  const Seen clear{.id = 1, .frames = 30, .score = 0.999};
+  const SimulatedTracklet faint{.id = 1, .frames = 1, .score = 0.9};
+  const SimulatedTracklet longer{.id = 1, .frames = 30, .score = 0.9};
+  const SimulatedTracklet clear{.id = 1, .frames = 30, .score = 0.999};
   EXPECT_EQ(ObjectsFrom({faint}, {}, 50)[0].rejected, "");
   EXPECT_THAT(ObjectsFrom({faint}, {}, 100)[0].rejected, HasSubstr("not significant"));
   EXPECT_EQ(ObjectsFrom({longer}, {}, 1000)[0].rejected, "");
   EXPECT_THAT(ObjectsFrom({longer}, {}, 100'000)[0].rejected, HasSubstr("100000 frames"));
   EXPECT_EQ(ObjectsFrom({clear}, {}, 100'000)[0].rejected, "");
-  EXPECT_EQ(ObjectsFrom({faint}, {.false_share = 0}, 100'000)[0].rejected, "");
+  EXPECT_EQ(ObjectsFrom({faint}, {.false_alarm_rate = 0}, 100'000)[0].rejected, "");
 }
 
 // One clear frame among faint ones is as frequent among false detections.
 TEST(ObjectList, WhatIsClearOnceIsAsFaintAsItsOtherFrames) {
-  const Seen faint{.id = 1, .score = 0.8};
-  const Seen once{.id = 1, .score = 0.8, .first_score = 0.99};
+  const SimulatedTracklet faint{.id = 1, .score = 0.8};
+  const SimulatedTracklet once{.id = 1, .score = 0.8, .first_score = 0.99};
   EXPECT_THAT(ObjectsFrom({faint}, {}, 1000)[0].rejected, HasSubstr("not significant"));
   EXPECT_THAT(ObjectsFrom({once}, {}, 1000)[0].rejected, HasSubstr("not significant"));
 }
 
 // The same 30 frames with different headings: most of them are inconsistent.
 TEST(ObjectList, FramesThatContradictEachOtherMakeAFindNoClearer) {
-  const Seen alike{.id = 1, .score = 0.9};
-  const Seen turned{.id = 1, .score = 0.9, .heading_noise_rad = 3};
+  const SimulatedTracklet alike{.id = 1, .score = 0.9};
+  const SimulatedTracklet turned{.id = 1, .score = 0.9, .heading_noise_rad = 3};
   EXPECT_EQ(ObjectsFrom({alike}, {}, 1000)[0].rejected, "");
   EXPECT_THAT(ObjectsFrom({turned}, {}, 1000)[0].rejected, HasSubstr("not significant"));
 }
 
 // Two observations always fit a moving object: they count as one.
 TEST(ObjectList, TwoSightsOfWhatMovesAreAsFaintAsOne) {
-  const Seen parked{.id = 1, .first_frame = 1, .frames = 2, .score = 0.9};
-  const Seen moving{.id = 1, .velocity_enu = {40, 30, 0}, .first_frame = 1, .frames = 2, .score = 0.9};
-  const Seen longer{.id = 1, .velocity_enu = {40, 30, 0}, .frames = 30, .score = 0.9};
+  const SimulatedTracklet parked{.id = 1, .first_frame = 1, .frames = 2, .score = 0.9};
+  const SimulatedTracklet moving{.id = 1, .velocity_enu = {40, 30, 0}, .first_frame = 1, .frames = 2, .score = 0.9};
+  const SimulatedTracklet longer{.id = 1, .velocity_enu = {40, 30, 0}, .frames = 30, .score = 0.9};
   EXPECT_EQ(ObjectsFrom({parked}, {}, 100)[0].rejected, "");
   EXPECT_THAT(ObjectsFrom({moving}, {}, 100)[0].rejected, HasSubstr("not significant"));
   EXPECT_EQ(ObjectsFrom({longer}, {}, 100)[0].rejected, "");
@@ -231,22 +231,22 @@ TEST(ObjectList, TwoSightsOfWhatMovesAreAsFaintAsOne) {
 
 TEST(ObjectList, ObjectsStandOnTheGroundThatIsTold) {
   // Telemetry is 3 m too high, which the lines of sight alone cannot detect.
-  const Seen seen{.id = 1, .place_enu = {0, 0, 1}, .noise_rad = 1e-3, .camera_bias_enu = {0, 0, 3}};
+  const SimulatedTracklet seen{.id = 1, .place_enu = {0, 0, 1}, .noise_rad = 1e-3, .camera_bias_enu = {0, 0, 3}};
   ObjectOptions options;
-  EXPECT_NEAR(PlaceOf(ObjectsFrom({seen}, options)[0]).z(), 4, 1);
+  EXPECT_NEAR(EstimatePlace(ObjectsFrom({seen}, options)[0]).z(), 4, 1);
   options.ground = std::make_shared<FlatGround>(kOrigin.altitude_m);
-  options.middle_above_ground_m = 1;
-  options.middle_sigma_m = 0.1;
+  options.centre_height_m = 1;
+  options.centre_height_sigma_m = 0.1;
   options.locate.ground_sigma_m = 0.1;
   const ObjectRecord on_ground = ObjectsFrom({seen}, options)[0];
-  EXPECT_NEAR(PlaceOf(on_ground).z(), 1, 0.3);
+  EXPECT_NEAR(EstimatePlace(on_ground).z(), 1, 0.3);
   EXPECT_LT(on_ground.place->le90_m, 0.5);
   EXPECT_EQ(on_ground.rejected, "");
   options.ground = std::make_shared<FlatGround>(kOrigin.altitude_m);
   EXPECT_EQ(ObjectsFrom({seen}, options)[0].place->le90_m, on_ground.place->le90_m) << "told again, it is no vaguer";
   // A flying object stays at the intersection of its lines of sight.
   const ObjectRecord flying = ObjectsFrom({{.id = 1, .place_enu = {0, 0, 31}}}, options)[0];
-  EXPECT_NEAR(PlaceOf(flying).z(), 31, 1);
+  EXPECT_NEAR(EstimatePlace(flying).z(), 31, 1);
   EXPECT_EQ(flying.rejected, "");
 }
 
@@ -262,20 +262,22 @@ TEST(ObjectList, OfTwoModelsInOnePlaceTheOneSeenLessIsRejected) {
 }
 
 // A tracklet without a place, of a model, in a box that moves to the right.
-SeenRun InThePicture(std::int64_t id, int frames, double x) {
-  SeenRun run{.record = {.id = id, .object = id, .video = 1, .model = id, .score = 0.99, .frames = frames},
-              .of_solid = true};
+ObservedTracklet InThePicture(std::int64_t id, int frames, double x) {
+  ObservedTracklet tracklet{
+      .record = {.id = id, .object = id, .video = 1, .model = id, .score = 0.99, .frames = frames},
+      .is_cad_model = true};
   for (int frame = 0; frame < frames; ++frame) {
-    run.frames.push_back(frame);
-    run.scores.push_back(0.99);
-    run.boxes.push_back({x + 20.0 * frame, 100, 80, 60});
+    tracklet.frames.push_back(frame);
+    tracklet.scores.push_back(0.99);
+    tracklet.boxes.push_back({x + 20.0 * frame, 100, 80, 60});
   }
-  return run;
+  return tracklet;
 }
 
-std::vector<std::string> RejectionsOf(std::vector<SeenRun> runs) {
+std::vector<std::string> RejectionsOf(std::vector<ObservedTracklet> tracklets) {
   std::vector<std::string> rejections;
-  for (const ObjectRecord& object : MakeObjects(std::move(runs), 100, {})) rejections.push_back(object.rejected);
+  for (const ObjectRecord& object : AssociateTracklets(std::move(tracklets), 100, {}))
+    rejections.push_back(object.rejected);
   return rejections;
 }
 
@@ -286,22 +288,22 @@ TEST(ObjectList, OfTwoSolidThingsInTheSamePixelsTheOneSeenLessIsRejected) {
 
 TEST(ObjectList, WhatIsBesideOrMeetsForAMomentIsNotRejected) {
   EXPECT_THAT(RejectionsOf({InThePicture(1, 12, 50), InThePicture(2, 30, 90)}), ElementsAre("", ""));
-  SeenRun passing = InThePicture(1, 12, 50);
+  ObservedTracklet passing = InThePicture(1, 12, 50);
   for (std::size_t i = 5; i < passing.boxes.size(); ++i) passing.boxes[i].y = 300;
   EXPECT_THAT(RejectionsOf({passing, InThePicture(2, 30, 50)}), ElementsAre("", ""));
-  SeenRun elsewhere = InThePicture(1, 12, 50);
+  ObservedTracklet elsewhere = InThePicture(1, 12, 50);
   elsewhere.record.video = 2;
   EXPECT_THAT(RejectionsOf({elsewhere, InThePicture(2, 30, 50)}), ElementsAre("", ""));
 }
 
 TEST(ObjectList, PhotosMayShowAPartOfWhatAnotherShows) {
-  SeenRun photo = InThePicture(1, 12, 50);
-  photo.of_solid = false;
+  ObservedTracklet photo = InThePicture(1, 12, 50);
+  photo.is_cad_model = false;
   EXPECT_THAT(RejectionsOf({photo, InThePicture(2, 30, 50)}), ElementsAre("", ""));
 }
 
 TEST(ObjectList, CategoriesHaveAPlaceAndRejectNobody) {
-  const Seen category{.id = 2, .model = 2, .frames = 40, .of_category = true, .noise_rad = 0.01};
+  const SimulatedTracklet category{.id = 2, .model = 2, .frames = 40, .is_category = true, .noise_rad = 0.01};
   const auto objects = ObjectsFrom({{.id = 1, .frames = 20}, category});
   for (const ObjectRecord& object : objects) {
     EXPECT_EQ(object.rejected, "");
@@ -311,10 +313,10 @@ TEST(ObjectList, CategoriesHaveAPlaceAndRejectNobody) {
 }
 
 TEST(ObjectList, ACategoryWhoseLinesDoNotMeetHasNoPlace) {
-  Seen seen{.id = 1, .of_category = true, .noise_rad = 0.3};
-  SeenRun run = RunOf(seen);
-  for (Sight& sight : run.sights) sight.line.sigma_rad = 1e-4;
-  const auto objects = MakeObjects({run}, 0, {});
+  SimulatedTracklet seen{.id = 1, .is_category = true, .noise_rad = 0.3};
+  ObservedTracklet tracklet = RunOf(seen);
+  for (BearingObservation& observation : tracklet.observations) observation.line.sigma_rad = 1e-4;
+  const auto objects = AssociateTracklets({tracklet}, 0, {});
   EXPECT_EQ(objects[0].rejected, "");
   EXPECT_FALSE(objects[0].place);
 }

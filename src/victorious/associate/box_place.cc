@@ -5,10 +5,10 @@
 #include <memory>
 #include <utility>
 
+#include "victorious/associate/object_place.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/camera.h"
 #include "victorious/geometry/lens.h"
-#include "victorious/associate/object_place.h"
 #include "victorious/observe/bearing_observation.h"
 #include "victorious/observe/object_pose.h"
 
@@ -33,26 +33,27 @@ std::optional<Projection> Project(const GeodeticPoint& point, const CameraState&
 }
 
 // Estimates the velocity by a least-squares line through the places within 1 s.
-void TellVelocity(std::span<std::optional<Place>> places, std::size_t i) {
+void EstimateVelocity(std::span<std::optional<Geolocation>> places, std::size_t i) {
   constexpr double kWindow_s = 1;
-  constexpr std::size_t kFewest = 4;
+  constexpr std::size_t kMinPlaces = 4;
   const TangentPlane plane(places[i]->point);
   std::vector<std::pair<double, Vector3d>> near;
   Vector3d middle = Vector3d::Zero();
   double middle_s = 0;
-  const auto is_near = [&](const std::optional<Place>& place) {  // false ends the scan: later ones are at least as far
-    if (!place) return true;
-    if (std::abs(place->time_s - places[i]->time_s) > kWindow_s) return false;
-    near.emplace_back(place->time_s, plane.EnuFromGeodetic(place->point));
-    middle_s += near.back().first;
-    middle += near.back().second;
-    return true;
-  };
+  const auto is_near =
+      [&](const std::optional<Geolocation>& place) {  // false ends the scan: later ones are at least as far
+        if (!place) return true;
+        if (std::abs(place->time_s - places[i]->time_s) > kWindow_s) return false;
+        near.emplace_back(place->time_s, plane.EnuFromGeodetic(place->point));
+        middle_s += near.back().first;
+        middle += near.back().second;
+        return true;
+      };
   std::size_t begin = i;
   while (begin > 0 && is_near(places[begin - 1])) --begin;
   std::size_t end = i;
   while (end < places.size() && is_near(places[end])) ++end;
-  if (near.size() < kFewest) return;
+  if (near.size() < kMinPlaces) return;
   const auto count = static_cast<double>(near.size());
   middle /= count;
   middle_s /= count;
@@ -73,32 +74,33 @@ void TellVelocity(std::span<std::optional<Place>> places, std::size_t i) {
   places[i]->velocity_covariance_enu = scatter / ((count - 2) * spread_s2);
 }
 
-void TellGround(const BoxGround& ground, ObjectOptions& object) {
+void SetGround(const ObjectGround& ground, ObjectOptions& object) {
   object.locate.ground_sigma_m = ground.sigma_m;
   object.ground = ground.ground;
 }
 
 // The ground constrains the distance better than the size prior of the type. Uses the ranges only if the lines of sight
 // alone give no place.
-ObjectPlace PlaceOnGround(std::span<const Sight> sights, const ObjectOptions& object) {
-  std::vector<Sight> lines(sights.begin(), sights.end());
-  for (Sight& sight : lines) sight.line.range_m.reset();
-  ObjectPlace found = PlaceOf(lines, object, 1);
-  return found.place ? found : PlaceOf(sights, object, 1);
+ObjectPlace PlaceOnGround(std::span<const BearingObservation> observations, const ObjectOptions& object) {
+  std::vector<BearingObservation> lines(observations.begin(), observations.end());
+  for (BearingObservation& observation : lines) observation.line.range_m.reset();
+  ObjectPlace found = EstimatePlace(lines, object, 1);
+  return found.place ? found : EstimatePlace(observations, object, 1);
 }
 
 // One observation alone: at the intersection of its line of sight with the ground, or by its range.
-std::optional<Place> Alone(const Sight& sight, ObjectOptions object) {
+std::optional<Geolocation> LocateSingle(const BearingObservation& observation, ObjectOptions object) {
   object.locate.motion = "static";
-  return PlaceOnGround({&sight, 1}, object).place;
+  return PlaceOnGround({&observation, 1}, object).place;
 }
 
 // Each observation alone, at the intersection of its line of sight with the ground.
-std::vector<std::optional<Place>> OnGround(std::span<const Sight> sights, const ObjectOptions& object) {
-  std::vector<std::optional<Place>> places;
-  for (const Sight& sight : sights) places.push_back(Alone(sight, object));
+std::vector<std::optional<Geolocation>> IntersectGround(std::span<const BearingObservation> observations,
+                                                        const ObjectOptions& object) {
+  std::vector<std::optional<Geolocation>> places;
+  for (const BearingObservation& observation : observations) places.push_back(LocateSingle(observation, object));
   for (std::size_t i = 0; i < places.size(); ++i) {
-    if (places[i]) TellVelocity(places, i);
+    if (places[i]) EstimateVelocity(places, i);
   }
   return places;
 }
@@ -106,23 +108,24 @@ std::vector<std::optional<Place>> OnGround(std::span<const Sight> sights, const 
 }  // namespace
 
 void BoxPlaceOptions::ListFields(FieldList& fields) {
-  fields.Add("centre_share", centre_share,
+  fields.Add("centre_fraction", centre_fraction,
              {.min = 0,
               .max = 1,
               .reason = "standard deviation of an object's centre over the longer side of its box: how the box was "
                         "drawn, and background within it"});
-  fields.Add("visible_share", visible_share,
+  fields.Add("length_ratio", length_ratio,
              {.min = 0.05,
               .max = 2,
               .reason = "ratio of the longer side of a box to that of its object, because of foreshortening"});
-  fields.Add("size_share", size_share, {.min = 1e-3, .max = 10, .reason = "relative standard deviation of that ratio"});
-  fields.Add("least_agreeing", least_agreeing,
+  fields.Add("size_fraction", size_fraction,
+             {.min = 1e-3, .max = 10, .reason = "relative standard deviation of that ratio"});
+  fields.Add("min_inlier_fraction", min_inlier_fraction,
              {.min = 0,
               .max = 1,
               .reason = "fraction of the lines of sight that must be inliers of a place; if fewer are, the track has "
                         "drifted to something else"});
   fields.Add(
-      "stretch_s", stretch_s,
+      "max_interval_s", max_interval_s,
       {.min = 0.5,
        .max = 1e6,
        .unit = "s",
@@ -135,88 +138,98 @@ void BoxPlaceOptions::ListFields(FieldList& fields) {
   fields.AddGroup("locate", locate);
 }
 
-bool EndsAtTheEdge(const Box& box, const cv::Size& image) {
+bool TouchesImageBorder(const Box& box, const cv::Size& image) {
   constexpr double kMarginPx = 1;
   return box.x < kMarginPx || box.y < kMarginPx || box.x + box.width > image.width - kMarginPx ||
          box.y + box.height > image.height - kMarginPx;
 }
 
-std::optional<Sight> SightOfBox(const Box& box, const cv::Size& image_size, const CameraState& camera,
-                                const ObjectType* type, std::int64_t recognition, const BoxPlaceOptions& options) {
-  SightOptions sight_options;
-  sight_options.category_centre_share = options.centre_share;
-  auto stance = StanceOfBox(box, image_size, camera, sight_options);
-  if (!stance) return std::nullopt;
-  if (type != nullptr && type->length_m > 0 && !EndsAtTheEdge(box, image_size)) {
+std::optional<BearingObservation> MakeBoxBearingObservation(const Box& box, const cv::Size& image_size,
+                                                            const CameraState& camera, const ObjectType* type,
+                                                            std::int64_t recognition_id,
+                                                            const BoxPlaceOptions& options) {
+  ObservationOptions sight_options;
+  sight_options.category_centre_fraction = options.centre_fraction;
+  auto object_pose = EstimateBoxDirection(box, image_size, camera, sight_options);
+  if (!object_pose) return std::nullopt;
+  if (type != nullptr && type->length_m > 0 && !TouchesImageBorder(box, image_size)) {
     const double side_px = std::max(box.width, box.height);
-    stance->range_m = stance->focal_px * options.visible_share * type->length_m / side_px;
-    stance->sigma_range_m = std::hypot(options.size_share, type->length_share) * *stance->range_m;
+    object_pose->range_m = object_pose->focal_px * options.length_ratio * type->length_m / side_px;
+    object_pose->sigma_range_m = std::hypot(options.size_fraction, type->length_fraction) * *object_pose->range_m;
   }
-  std::optional<Sight> sight = SightOf(*stance, camera);
-  if (sight) sight->recognition = recognition;
-  return sight;
+  std::optional<BearingObservation> observation = MakeBearingObservation(*object_pose, camera);
+  if (observation) observation->recognition_id = recognition_id;
+  return observation;
 }
 
-std::optional<Place> PlaceOfSpot(std::span<const SpotSighting> spots, const CameraTrack& cameras,
-                                 const cv::Size& image_size, const BoxPlaceOptions& options) {
-  constexpr double kFollowed_px = 8;  // box size; centre_share of it is the tracking error of the point
-  std::vector<Sight> sights;
-  for (const SpotSighting& spot : spots) {
+std::optional<Geolocation> LocateGroundPoint(std::span<const GroundPointObservation> spots,
+                                             const CameraTrajectory& cameras, const cv::Size& image_size,
+                                             const BoxPlaceOptions& options) {
+  constexpr double kPointBox_px = 8;  // box size; centre_fraction of it is the tracking error of the point
+  std::vector<BearingObservation> observations;
+  for (const GroundPointObservation& spot : spots) {
     const std::optional<CameraState> camera = cameras.At(spot.time_s);
     if (!camera) continue;
-    const Box about{spot.place.x() - kFollowed_px / 2, spot.place.y() - kFollowed_px / 2, kFollowed_px, kFollowed_px};
-    if (auto sight = SightOfBox(about, image_size, *camera, nullptr, 0, options)) sights.push_back(*std::move(sight));
+    const Box about{spot.place.x() - kPointBox_px / 2, spot.place.y() - kPointBox_px / 2, kPointBox_px, kPointBox_px};
+    if (auto observation = MakeBoxBearingObservation(about, image_size, *camera, nullptr, 0, options))
+      observations.push_back(*std::move(observation));
   }
   ObjectOptions object;
   object.locate = options.locate;
   object.locate.motion = "static";
-  const ObjectPlace found = PlaceOf(sights, object, 1);
-  return found.agreeing >= options.least_agreeing ? found.place : std::nullopt;
+  const ObjectPlace found = EstimatePlace(observations, object, 1);
+  return found.inlier_fraction >= options.min_inlier_fraction ? found.place : std::nullopt;
 }
 
-BoxGround BoxGround::About(const Place& place) {
+ObjectGround ObjectGround::AtPlace(const Geolocation& place) {
   return {std::make_shared<const FlatGround>(place.point.altitude_m), std::sqrt(place.covariance_enu_m2(2, 2))};
 }
 
-std::vector<std::optional<Place>> PlacesOf(std::span<const Sight> sights, BoxMotion motion,
-                                           const std::optional<BoxGround>& ground, const BoxPlaceOptions& options) {
-  std::vector<std::optional<Place>> places(sights.size());
-  if (sights.empty()) return places;
+std::vector<std::optional<Geolocation>> EstimateBoxPlaces(std::span<const BearingObservation> observations,
+                                                          BoxMotion motion, const std::optional<ObjectGround>& ground,
+                                                          const BoxPlaceOptions& options) {
+  std::vector<std::optional<Geolocation>> places(observations.size());
+  if (observations.empty()) return places;
   ObjectOptions object;
   object.locate = options.locate;
-  object.motion_window_s = options.stretch_s;
-  if (ground) TellGround(*ground, object);
-  if (motion == BoxMotion::kMoves && ground) return OnGround(sights, object);
-  if (motion == BoxMotion::kStands) object.locate.motion = "static";
-  const ObjectPlace together = ground ? PlaceOnGround(sights, object) : PlaceOf(sights, object, 1);
-  const std::optional<Place> all = together.agreeing >= options.least_agreeing ? together.place : std::nullopt;
-  if (motion == BoxMotion::kUnknown && ground && !all) return OnGround(sights, object);
-  if (motion != BoxMotion::kMoves && !(all && all->Moves())) {
-    for (std::size_t i = 0; i < sights.size() && all; ++i) places[i] = At(*all, sights[i].line.time_s);
+  object.motion_window_s = options.max_interval_s;
+  if (ground) SetGround(*ground, object);
+  if (motion == BoxMotion::kMoving && ground) return IntersectGround(observations, object);
+  if (motion == BoxMotion::kStatic) object.locate.motion = "static";
+  const ObjectPlace together = ground ? PlaceOnGround(observations, object) : EstimatePlace(observations, object, 1);
+  const std::optional<Geolocation> all =
+      together.inlier_fraction >= options.min_inlier_fraction ? together.place : std::nullopt;
+  if (motion == BoxMotion::kUnknown && ground && !all) return IntersectGround(observations, object);
+  if (motion != BoxMotion::kMoving && !(all && all->IsMoving())) {
+    for (std::size_t i = 0; i < observations.size() && all; ++i)
+      places[i] = PropagatePlace(*all, observations[i].line.time_s);
     return places;
   }
-  const double first_s = sights.front().line.time_s;
-  const double length_s = sights.back().line.time_s - first_s;
-  const double stretches = std::max(1.0, std::ceil(length_s / options.stretch_s));
-  const auto stretch_of = [&](const Sight& sight) {
-    return length_s > 0 ? std::min(stretches - 1, std::floor((sight.line.time_s - first_s) / length_s * stretches)) : 0;
+  const double first_s = observations.front().line.time_s;
+  const double length_s = observations.back().line.time_s - first_s;
+  const double stretches = std::max(1.0, std::ceil(length_s / options.max_interval_s));
+  const auto stretch_of = [&](const BearingObservation& observation) {
+    return length_s > 0
+               ? std::min(stretches - 1, std::floor((observation.line.time_s - first_s) / length_s * stretches))
+               : 0;
   };
   object.locate.motion = "velocity";
-  for (std::size_t first = 0; first < sights.size();) {
+  for (std::size_t first = 0; first < observations.size();) {
     std::size_t end = first;
-    while (end < sights.size() && stretch_of(sights[end]) == stretch_of(sights[first])) ++end;
-    const ObjectPlace found = PlaceOf(sights.subspan(first, end - first), object, 1);
-    const std::optional<Place> place = found.agreeing >= options.least_agreeing ? found.place : std::nullopt;
+    while (end < observations.size() && stretch_of(observations[end]) == stretch_of(observations[first])) ++end;
+    const ObjectPlace found = EstimatePlace(observations.subspan(first, end - first), object, 1);
+    const std::optional<Geolocation> place =
+        found.inlier_fraction >= options.min_inlier_fraction ? found.place : std::nullopt;
     for (std::size_t i = first; i < end; ++i) {
-      places[i] = place ? At(*place, sights[i].line.time_s) : Alone(sights[i], object);
+      places[i] = place ? PropagatePlace(*place, observations[i].line.time_s) : LocateSingle(observations[i], object);
     }
     first = end;
   }
   return places;
 }
 
-std::optional<SeenBox> ExpectBox(const GeodeticPoint& place, const Box& before, const CameraState& camera_before,
-                                 const CameraState& camera, const cv::Size& image_size) {
+std::optional<PredictedBox> PredictBox(const GeodeticPoint& place, const Box& before, const CameraState& camera_before,
+                                       const CameraState& camera, const cv::Size& image_size) {
   if (!camera_before.IsComplete() || !camera.IsComplete()) return std::nullopt;
   constexpr double kNorthM = 1;
   const GeodeticPoint north = TangentPlane(place).GeodeticFromEnu({0, kNorthM, 0});
@@ -230,15 +243,16 @@ std::optional<SeenBox> ExpectBox(const GeodeticPoint& place, const Box& before, 
   const Vector2d to = is_north->pixel - is->pixel;
   const double width = scale * before.width;
   const double height = scale * before.height;
-  return SeenBox{{is->pixel.x() - width / 2, is->pixel.y() - height / 2, width, height},
-                 WrapAngle(std::atan2(to.y(), to.x()) - std::atan2(from.y(), from.x()))};
+  return PredictedBox{{is->pixel.x() - width / 2, is->pixel.y() - height / 2, width, height},
+                      WrapAngle(std::atan2(to.y(), to.x()) - std::atan2(from.y(), from.x()))};
 }
 
-bool GoesBy(const Sight& sight, const Place& place, const BoxPlaceOptions& options) {
-  Sight line_alone = sight;
+bool IsConsistentWithPlace(const BearingObservation& observation, const Geolocation& place,
+                           const BoxPlaceOptions& options) {
+  BearingObservation line_alone = observation;
   line_alone.line.range_m.reset();
   // Errors common to a flight count in full: the place comes from another flight, with independent ones.
-  return SigmasOff(line_alone, place, 0, options.locate, 1) <= options.gate_sigma;
+  return MahalanobisDistance(line_alone, place, 0, options.locate, 1) <= options.gate_sigma;
 }
 
 }  // namespace victorious

@@ -40,32 +40,32 @@ CameraState CameraAt(const Flight& flight, double time_s) {
 }
 
 // The box around the object, with the same offset from its centre in all frames.
-std::vector<Sight> Fly(const Flight& flight, const ObjectType* type, double centre_share) {
+std::vector<BearingObservation> Fly(const Flight& flight, const ObjectType* type, double centre_fraction) {
   Random random(flight.seed);
-  const double off_x = centre_share * random.Normal();
-  const double off_y = centre_share * random.Normal();
-  const double seen_share = 0.85 * (1 + 0.2 * random.Normal());
-  std::vector<Sight> sights;
+  const double off_x = centre_fraction * random.Normal();
+  const double off_y = centre_fraction * random.Normal();
+  const double seen_fraction = 0.85 * (1 + 0.2 * random.Normal());
+  std::vector<BearingObservation> observations;
   for (int i = 0; i < flight.frames; ++i) {
     const double time_s = 0.1 * i;
     const CameraState camera = CameraAt(flight, time_s);
     const GeodeticPoint object = TangentPlane(kOrigin).GeodeticFromEnu(time_s * flight.velocity_enu);
-    const auto middle = ExpectBox(object, {0, 0, 10, 6}, camera, camera, kImage);
+    const auto middle = PredictBox(object, {0, 0, 10, 6}, camera, camera, kImage);
     const double range_m = TangentPlane(camera.place).EnuFromGeodetic(object).norm();
-    const double side_px = 320 / std::tan(RadiansFromDegrees(10)) * seen_share * flight.length_m / range_m;
+    const double side_px = 320 / std::tan(RadiansFromDegrees(10)) * seen_fraction * flight.length_m / range_m;
     const double x = middle->box.x + 5 + off_x * side_px;
     const double y = middle->box.y + 3 + off_y * side_px;
-    const auto sight =
-        SightOfBox({x - side_px / 2, y - side_px / 3, side_px, side_px / 1.5}, kImage, camera, type, 1, {});
-    EXPECT_TRUE(sight);
-    sights.push_back(*sight);
+    const auto observation = MakeBoxBearingObservation({x - side_px / 2, y - side_px / 3, side_px, side_px / 1.5},
+                                                       kImage, camera, type, 1, {});
+    EXPECT_TRUE(observation);
+    observations.push_back(*observation);
   }
-  return sights;
+  return observations;
 }
 
 BoxPlaceOptions Exact() {
   BoxPlaceOptions options;
-  options.locate.common.range_share = 0;
+  options.locate.common.range_fraction = 0;
   return options;
 }
 
@@ -75,7 +75,7 @@ TEST(BoxPlace, WhatStandsIsInsideItsEllipsoid) {
   for (int seed = 0; seed < kFlights; ++seed) {
     const Flight flight{.seed = static_cast<std::uint64_t>(seed) + 7};
     const auto places =
-        PlacesOf(Fly(flight, nullptr, BoxPlaceOptions().centre_share), BoxMotion::kUnknown, {}, Exact());
+        EstimateBoxPlaces(Fly(flight, nullptr, BoxPlaceOptions().centre_fraction), BoxMotion::kUnknown, {}, Exact());
     ASSERT_TRUE(places.front() && places.back());
     const Vector3d error = TangentPlane(kOrigin).EnuFromGeodetic(places.back()->point);
     inside += error.dot(places.back()->covariance_enu_m2.inverse() * error) < kChiSquared90Of3 ? 1 : 0;
@@ -87,9 +87,9 @@ TEST(BoxPlace, WhatStandsIsInsideItsEllipsoid) {
 
 TEST(BoxPlace, ATypesLengthTellsHowFarOffItIs) {
   const Flight hovers{.frames = 10, .speed_m_s = 0};
-  EXPECT_FALSE(PlacesOf(Fly(hovers, nullptr, 0), BoxMotion::kStands, {}, {}).back())
+  EXPECT_FALSE(EstimateBoxPlaces(Fly(hovers, nullptr, 0), BoxMotion::kStatic, {}, {}).back())
       << "one line of sight, and no range";
-  const auto place = PlacesOf(Fly(hovers, FindObjectType("car"), 0), BoxMotion::kStands, {}, {}).back();
+  const auto place = EstimateBoxPlaces(Fly(hovers, FindObjectType("car"), 0), BoxMotion::kStatic, {}, {}).back();
   ASSERT_TRUE(place);
   const double error_m = TangentPlane(kOrigin).EnuFromGeodetic(place->point).norm();
   EXPECT_LT(error_m, 60);
@@ -98,12 +98,12 @@ TEST(BoxPlace, ATypesLengthTellsHowFarOffItIs) {
 
 TEST(BoxPlace, WhatMovesIsWhereItIsAtEachTime) {
   const Flight flight{.velocity_enu = {-6, 4, 0}, .frames = 150, .circles = true};
-  const auto places = PlacesOf(Fly(flight, FindObjectType("car"), 0), BoxMotion::kUnknown, {}, {});
+  const auto places = EstimateBoxPlaces(Fly(flight, FindObjectType("car"), 0), BoxMotion::kUnknown, {}, {});
   int told = 0;
   for (int i = 0; i < flight.frames; ++i) {
     if (!places[static_cast<std::size_t>(i)]) continue;
     ++told;
-    const Place& place = *places[static_cast<std::size_t>(i)];
+    const Geolocation& place = *places[static_cast<std::size_t>(i)];
     const Vector3d off = TangentPlane(kOrigin).EnuFromGeodetic(place.point) - 0.1 * i * flight.velocity_enu;
     EXPECT_LT(off.head<2>().norm(), place.ce90_m) << i;
     EXPECT_LT((*place.velocity_enu - flight.velocity_enu).norm(), 4) << i;
@@ -114,10 +114,10 @@ TEST(BoxPlace, WhatMovesIsWhereItIsAtEachTime) {
 // A camera that flies straight cannot distinguish an object that drives straight from a static object elsewhere.
 TEST(BoxPlace, WhatThePictureShowsToMoveIsPlacedOnTheGround) {
   const Flight flight{.velocity_enu = {-4, -4, 0}, .frames = 30};
-  const auto sights = Fly(flight, nullptr, 0.05);
-  const BoxGround ground = BoxGround::About(
+  const auto observations = Fly(flight, nullptr, 0.05);
+  const ObjectGround ground = ObjectGround::AtPlace(
       {.point = TangentPlane(kOrigin).GeodeticFromEnu({8, 3, -1.2}), .covariance_enu_m2 = Eigen::Matrix3d::Identity()});
-  const auto places = PlacesOf(sights, BoxMotion::kMoves, ground, {});
+  const auto places = EstimateBoxPlaces(observations, BoxMotion::kMoving, ground, {});
   int inside = 0;
   for (int i = 0; i < flight.frames; ++i) {
     const auto& place = places[static_cast<std::size_t>(i)];
@@ -129,21 +129,21 @@ TEST(BoxPlace, WhatThePictureShowsToMoveIsPlacedOnTheGround) {
   }
   EXPECT_GE(inside, 0.9 * flight.frames);
   // Without the ground, the length of its type gives the range, and nothing else does.
-  for (const auto& place : PlacesOf(Fly(flight, FindObjectType("car"), 0), BoxMotion::kMoves, {}, {})) {
+  for (const auto& place : EstimateBoxPlaces(Fly(flight, FindObjectType("car"), 0), BoxMotion::kMoving, {}, {})) {
     ASSERT_TRUE(place);
     EXPECT_GT(place->ce90_m, 10);
   }
-  for (const auto& place : PlacesOf(sights, BoxMotion::kMoves, {}, {})) {
+  for (const auto& place : EstimateBoxPlaces(observations, BoxMotion::kMoving, {}, {})) {
     EXPECT_FALSE(place) << "nothing tells how far off it is";
   }
 }
 
 TEST(BoxPlace, WhatStandsIsDrawnToTheGround) {
-  const auto sights = Fly({.seed = 3, .frames = 12}, nullptr, 0.1);
-  const BoxGround ground = BoxGround::About(
+  const auto observations = Fly({.seed = 3, .frames = 12}, nullptr, 0.1);
+  const ObjectGround ground = ObjectGround::AtPlace(
       {.point = TangentPlane(kOrigin).GeodeticFromEnu({8, 3, -1.2}), .covariance_enu_m2 = Eigen::Matrix3d::Identity()});
-  const auto alone = PlacesOf(sights, BoxMotion::kUnknown, {}, {}).back();
-  const auto on_ground = PlacesOf(sights, BoxMotion::kUnknown, ground, {}).back();
+  const auto alone = EstimateBoxPlaces(observations, BoxMotion::kUnknown, {}, {}).back();
+  const auto on_ground = EstimateBoxPlaces(observations, BoxMotion::kUnknown, ground, {}).back();
   ASSERT_TRUE(alone && on_ground);
   EXPECT_LT(TangentPlane(kOrigin).EnuFromGeodetic(on_ground->point).head<2>().norm(), on_ground->ce90_m);
   EXPECT_LT(on_ground->ce90_m, 0.7 * alone->ce90_m);
@@ -154,12 +154,12 @@ TEST(BoxPlace, WhereTheGroundIsNotKnownATypesLengthServes) {
    public:
     [[nodiscard]] std::optional<double> HeightAt(const GeodeticPoint& /*point*/) const override { return {}; }
     [[nodiscard]] double Spacing() const override { return 1; }
-    [[nodiscard]] double Steepest() const override { return 1; }
+    [[nodiscard]] double MaxSlope() const override { return 1; }
   };
-  const BoxGround ground{std::make_shared<const NowhereKnown>(), 1};
-  const auto sights = Fly({.frames = 10, .speed_m_s = 0}, FindObjectType("car"), 0);
-  for (const BoxMotion motion : {BoxMotion::kStands, BoxMotion::kMoves}) {
-    const auto place = PlacesOf(sights, motion, ground, {}).back();
+  const ObjectGround ground{std::make_shared<const NowhereKnown>(), 1};
+  const auto observations = Fly({.frames = 10, .speed_m_s = 0}, FindObjectType("car"), 0);
+  for (const BoxMotion motion : {BoxMotion::kStatic, BoxMotion::kMoving}) {
+    const auto place = EstimateBoxPlaces(observations, motion, ground, {}).back();
     ASSERT_TRUE(place);
     EXPECT_LT(TangentPlane(kOrigin).EnuFromGeodetic(place->point).norm(), 60);
   }
@@ -168,26 +168,26 @@ TEST(BoxPlace, WhereTheGroundIsNotKnownATypesLengthServes) {
 TEST(BoxPlace, ASpotOfTheGroundIsWhereItsLinesMeet) {
   const Flight flight{.frames = 30};
   std::vector<CameraState> states;
-  std::vector<SpotSighting> spots;
+  std::vector<GroundPointObservation> spots;
   for (int i = 0; i < flight.frames; ++i) {
     states.push_back(CameraAt(flight, 0.1 * i));
-    const auto seen = ExpectBox(kOrigin, {0, 0, 2, 2}, states.back(), states.back(), kImage);
+    const auto seen = PredictBox(kOrigin, {0, 0, 2, 2}, states.back(), states.back(), kImage);
     spots.push_back({i, 0.1 * i, {seen->box.x + 1, seen->box.y + 1}});
   }
-  const auto place = PlaceOfSpot(spots, CameraTrack(states, 1), kImage, {});
+  const auto place = LocateGroundPoint(spots, CameraTrajectory(states, 1), kImage, {});
   ASSERT_TRUE(place);
   EXPECT_LT(TangentPlane(kOrigin).EnuFromGeodetic(place->point).norm(), 0.5);
-  EXPECT_FALSE(PlaceOfSpot(std::span(spots).first(1), CameraTrack(states, 1), kImage, {})) << "one line";
+  EXPECT_FALSE(LocateGroundPoint(std::span(spots).first(1), CameraTrajectory(states, 1), kImage, {})) << "one line";
 }
 
 TEST(BoxPlace, ABuildingIsNotTakenToMove) {
   const Flight flight{.velocity_enu = {-1, 0.7, 0}, .frames = 150, .circles = true};  // as if it moved slowly
-  const auto sights = Fly(flight, nullptr, 0);
-  const auto moves = [](const std::optional<Place>& place) { return place && place->Moves(); };
-  EXPECT_TRUE(std::ranges::all_of(PlacesOf(sights, BoxMotion::kUnknown, {}, {}), moves));
-  for (const auto& place : PlacesOf(sights, BoxMotion::kStands, {}, {})) {
+  const auto observations = Fly(flight, nullptr, 0);
+  const auto moves = [](const std::optional<Geolocation>& place) { return place && place->IsMoving(); };
+  EXPECT_TRUE(std::ranges::all_of(EstimateBoxPlaces(observations, BoxMotion::kUnknown, {}, {}), moves));
+  for (const auto& place : EstimateBoxPlaces(observations, BoxMotion::kStatic, {}, {})) {
     ASSERT_TRUE(place);
-    EXPECT_FALSE(place->Moves());
+    EXPECT_FALSE(place->IsMoving());
   }
 }
 
@@ -197,25 +197,25 @@ TEST(BoxPlace, IsExpectedWhereItStandsAndAsLargeAsItIsFar) {
   CameraState near = CameraAt(flight, 3);
   near.place = TangentPlane(kOrigin).GeodeticFromEnu({0, -35, 50});
   near.attitude = Attitude{0, -std::atan2(50.0, 35.0), 0};
-  const auto seen = ExpectBox(kOrigin, {300, 200, 30, 20}, before, near, kImage);
+  const auto seen = PredictBox(kOrigin, {300, 200, 30, 20}, before, near, kImage);
   ASSERT_TRUE(seen);
   EXPECT_NEAR(seen->box.x + seen->box.width / 2, 320, 0.01);
   EXPECT_NEAR(seen->box.y + seen->box.height / 2, 240, 0.01);
   EXPECT_NEAR(seen->box.width, 30 * Vector3d(-60, -70, 100).norm() / Vector3d(0, -35, 50).norm(), 0.3);
   near.attitude->pitch_rad = 1;
-  EXPECT_FALSE(ExpectBox(kOrigin, {300, 200, 30, 20}, before, near, kImage)) << "behind the camera";
+  EXPECT_FALSE(PredictBox(kOrigin, {300, 200, 30, 20}, before, near, kImage)) << "behind the camera";
   near.hfov_rad.reset();
-  EXPECT_FALSE(ExpectBox(kOrigin, {300, 200, 30, 20}, before, near, kImage));
+  EXPECT_FALSE(PredictBox(kOrigin, {300, 200, 30, 20}, before, near, kImage));
 }
 
 TEST(BoxPlace, WhatStandsElsewhereIsAnotherObject) {
-  const std::vector<Sight> sights = Fly({}, nullptr, 0);
-  Place place{.point = kOrigin, .covariance_enu_m2 = Eigen::Matrix3d::Identity()};
-  EXPECT_TRUE(GoesBy(sights[20], place, {}));
+  const std::vector<BearingObservation> observations = Fly({}, nullptr, 0);
+  Geolocation place{.point = kOrigin, .covariance_enu_m2 = Eigen::Matrix3d::Identity()};
+  EXPECT_TRUE(IsConsistentWithPlace(observations[20], place, {}));
   place.point = TangentPlane(kOrigin).GeodeticFromEnu({30, 0, 0});
-  EXPECT_FALSE(GoesBy(sights[20], place, {}));
+  EXPECT_FALSE(IsConsistentWithPlace(observations[20], place, {}));
   place.covariance_enu_m2 *= 400;
-  EXPECT_TRUE(GoesBy(sights[20], place, {})) << "it may stand there, as far as is known";
+  EXPECT_TRUE(IsConsistentWithPlace(observations[20], place, {})) << "it may stand there, as far as is known";
 }
 
 }  // namespace

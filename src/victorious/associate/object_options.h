@@ -9,21 +9,21 @@
 namespace victorious {
 
 struct ObjectOptions {
-  double identity_gate_sigma = 3.5;
-  double identity_slack_m = 0.5;
-  double identity_farthest_m = 9.5;
-  double flight_share = 0.3;
-  double least_agreeing = 0.5;
+  double merge_gate_sigma = 3.5;
+  double merge_slack_m = 0.5;
+  double max_merge_distance_m = 9.5;
+  double flight_error_fraction = 0.3;
+  double min_inlier_fraction = 0.5;
   double motion_window_s = 5;
-  double scale_allowance = 1.6;
-  double floating_m = 15;
-  double least_apart_m = 1.5;
-  double same_pixels = 0.6;
-  double false_share = 0.016;
-  double middle_above_ground_m = 1.2;
-  double middle_sigma_m = 1;
-  LocateOptions locate = InVideo();      ///< without a ground constraint
-  std::shared_ptr<const Ground> ground;  ///< under the objects, or null; given with the videos, not a parameter
+  double max_size_ratio = 1.6;
+  double max_height_deviation_m = 15;
+  double min_separation_m = 1.5;
+  double occlusion_iou = 0.6;
+  double false_alarm_rate = 0.016;
+  double centre_height_m = 1.2;
+  double centre_height_sigma_m = 1;
+  LocateOptions locate = SingleVideoDefaults();  ///< without a ground constraint
+  std::shared_ptr<const Ground> ground;          ///< under the objects, or null; given with the videos, not a parameter
 
   void ListFields(FieldList& fields);
 
@@ -32,7 +32,7 @@ struct ObjectOptions {
 
   /// Defaults for lines of sight from one video: a small position error from frame to frame, and a motion model
   /// selected from the data.
-  static LocateOptions InVideo();
+  static LocateOptions SingleVideoDefaults();
 };
 
 }  // namespace victorious

@@ -16,13 +16,14 @@ namespace victorious {
 namespace {
 
 // Standard deviations from telemetry replace those of the parameters, clamped to their allowed range.
-LocateOptions OptionsFor(std::span<const Sight> sights, const ObjectOptions& options, double common_share) {
+LocateOptions MakeLocateOptions(std::span<const BearingObservation> observations, const ObjectOptions& options,
+                                double common_fraction) {
   LocateOptions locate = options.LocateOnGround();
   std::vector<double> positions_m;
   std::vector<double> attitudes_rad;
-  for (const Sight& sight : sights) {
-    if (sight.sigma_position_m) positions_m.push_back(*sight.sigma_position_m);
-    if (sight.sigma_attitude_rad) attitudes_rad.push_back(*sight.sigma_attitude_rad);
+  for (const BearingObservation& observation : observations) {
+    if (observation.sigma_position_m) positions_m.push_back(*observation.sigma_position_m);
+    if (observation.sigma_attitude_rad) attitudes_rad.push_back(*observation.sigma_attitude_rad);
   }
   if (!positions_m.empty()) {
     constexpr double kMost_m = 1e5;
@@ -37,13 +38,13 @@ LocateOptions OptionsFor(std::span<const Sight> sights, const ObjectOptions& opt
   CommonErrorOptions& common = locate.common;
   for (double* sigma : {&common.position_m, &common.height_m, &common.heading_deg, &common.boresight_side_deg,
                         &common.boresight_rise_deg}) {
-    *sigma *= common_share;
+    *sigma *= common_fraction;
   }
   return locate;
 }
 
 // Headings of one object agree within this angle.
-constexpr double kAlike_rad = RadiansFromDegrees(20);
+constexpr double kHeadingGate_rad = RadiansFromDegrees(20);
 
 double Square(double value) { return value * value; }
 
@@ -53,73 +54,74 @@ double Square(double value) { return value * value; }
 //   own (1 + shared sum(1 / own)).
 // @param variances  total variance of each; the recognition is the first
 // @param more       additional independent variance of each; neither in `variances` nor in the result
-std::vector<double> Unshared(std::vector<double> variances, const std::vector<double>& more) {
-  constexpr double kLeastOwn = 0.1;  // of the shared one; bounds the weight of those with almost none
+std::vector<double> Decorrelate(std::vector<double> variances, const std::vector<double>& more) {
+  constexpr double kMinOwnFraction = 0.1;  // of the shared one; bounds the weight of those with almost none
   const double shared = variances.front();
-  double told = 0;
+  double total = 0;
   for (std::size_t i = 0; i < variances.size(); ++i) {
-    variances[i] = std::max({variances[i] - shared, 0.0}) + std::max(more[i], kLeastOwn * shared);
-    told += 1 / variances[i];
+    variances[i] = std::max({variances[i] - shared, 0.0}) + std::max(more[i], kMinOwnFraction * shared);
+    total += 1 / variances[i];
   }
-  for (std::size_t i = 0; i < variances.size(); ++i) variances[i] = variances[i] * (1 + shared * told) - more[i];
+  for (std::size_t i = 0; i < variances.size(); ++i) variances[i] = variances[i] * (1 + shared * total) - more[i];
   return variances;
 }
 
 // Sets the angular standard deviations. The attitude noise from telemetry and the position noise are independent from
 // frame to frame.
 // @param followed  indices of observations that rest on one recognition, in order of time
-void SetAngles(std::span<const Sight> sights, const std::vector<std::size_t>& followed, const LineErrorOptions& errors,
-               std::vector<LineOfSight>& lines) {
-  std::vector<double> told;
+void SetAngles(std::span<const BearingObservation> observations, const std::vector<std::size_t>& followed,
+               const LineErrorOptions& errors, std::vector<LineOfSight>& lines) {
+  std::vector<double> total;
   std::vector<double> more;
   for (const std::size_t i : followed) {
     const LineOfSight& line = lines[i];
-    told.push_back(Square(line.sigma_rad.value_or(RadiansFromDegrees(errors.angle_deg))));
-    more.push_back(Square(sights[i].sigma_attitude_rad.value_or(0)) +
+    total.push_back(Square(line.sigma_rad.value_or(RadiansFromDegrees(errors.angle_deg))));
+    more.push_back(Square(observations[i].sigma_attitude_rad.value_or(0)) +
                    (line.range_m ? Square(errors.position_m / *line.range_m) : 0));
   }
-  const std::vector<double> unshared = Unshared(std::move(told), more);
+  const std::vector<double> decorrelated = Decorrelate(std::move(total), more);
   for (std::size_t k = 0; k < followed.size(); ++k) {
-    lines[followed[k]].sigma_rad = std::sqrt(unshared[k] + Square(sights[followed[k]].sigma_attitude_rad.value_or(0)));
+    lines[followed[k]].sigma_rad =
+        std::sqrt(decorrelated[k] + Square(observations[followed[k]].sigma_attitude_rad.value_or(0)));
   }
 }
 
 void SetRanges(std::vector<std::size_t> followed, const LineErrorOptions& errors, std::vector<LineOfSight>& lines) {
   std::erase_if(followed, [&](std::size_t i) { return !lines[i].range_m; });
   if (followed.empty()) return;
-  std::vector<double> told;
+  std::vector<double> total;
   for (const std::size_t i : followed) {
-    told.push_back(Square(lines[i].sigma_range_m.value_or(errors.range_share * *lines[i].range_m)));
+    total.push_back(Square(lines[i].sigma_range_m.value_or(errors.range_fraction * *lines[i].range_m)));
   }
-  const std::vector<double> unshared =
-      Unshared(std::move(told), std::vector(followed.size(), Square(errors.position_m)));
-  for (std::size_t k = 0; k < followed.size(); ++k) lines[followed[k]].sigma_range_m = std::sqrt(unshared[k]);
+  const std::vector<double> decorrelated =
+      Decorrelate(std::move(total), std::vector(followed.size(), Square(errors.position_m)));
+  for (std::size_t k = 0; k < followed.size(); ++k) lines[followed[k]].sigma_range_m = std::sqrt(decorrelated[k]);
 }
 
-void SetErrors(std::span<const Sight> sights, const std::vector<std::size_t>& followed, const LineErrorOptions& errors,
-               std::vector<LineOfSight>& lines) {
-  SetAngles(sights, followed, errors, lines);
+void SetErrors(std::span<const BearingObservation> observations, const std::vector<std::size_t>& followed,
+               const LineErrorOptions& errors, std::vector<LineOfSight>& lines) {
+  SetAngles(observations, followed, errors, lines);
   SetRanges(followed, errors, lines);
 }
 
-std::vector<LineOfSight> LinesOf(std::span<const Sight> sights, const LineErrorOptions& errors) {
+std::vector<LineOfSight> MakeLines(std::span<const BearingObservation> observations, const LineErrorOptions& errors) {
   std::vector<LineOfSight> lines;
   std::map<std::int64_t, std::vector<std::size_t>> of_recognition;
-  for (std::size_t i = 0; i < sights.size(); ++i) {
-    lines.push_back(sights[i].line);
-    if (sights[i].recognition == 0) {
-      SetErrors(sights, {i}, errors, lines);
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    lines.push_back(observations[i].line);
+    if (observations[i].recognition_id == 0) {
+      SetErrors(observations, {i}, errors, lines);
     } else {
-      of_recognition[sights[i].recognition].push_back(i);
+      of_recognition[observations[i].recognition_id].push_back(i);
     }
   }
-  for (const auto& [recognition, followed] : of_recognition) SetErrors(sights, followed, errors, lines);
+  for (const auto& [recognition, followed] : of_recognition) SetErrors(observations, followed, errors, lines);
   return lines;
 }
 
-// Place of a moving object from its last observations only, if they determine it.
-Place LastPlace(std::span<const LineOfSight> lines, const Place& by_all, LocateOptions locate,
-                const ObjectOptions& options) {
+// Geolocation of a moving object from its last observations only, if they determine it.
+Geolocation EstimateLastPlace(std::span<const LineOfSight> lines, const Geolocation& by_all, LocateOptions locate,
+                              const ObjectOptions& options) {
   std::vector<LineOfSight> last(lines.begin(), lines.end());
   std::erase_if(last, [&](const LineOfSight& line) { return line.time_s < by_all.time_s - options.motion_window_s; });
   if (last.size() == lines.size()) return by_all;
@@ -129,7 +131,8 @@ Place LastPlace(std::span<const LineOfSight> lines, const Place& by_all, LocateO
 }
 
 // Triangulates without ranges and ground, and compares the distances with the ranges by apparent size.
-std::optional<double> TooLarge(std::vector<LineOfSight> lines, LocateOptions locate, double least_agreeing) {
+std::optional<double> EstimateSizeRatio(std::vector<LineOfSight> lines, LocateOptions locate,
+                                        double min_inlier_fraction) {
   locate.ground.reset();
   std::vector<double> ranges_m;
   for (LineOfSight& line : lines) {
@@ -137,57 +140,58 @@ std::optional<double> TooLarge(std::vector<LineOfSight> lines, LocateOptions loc
     ranges_m.push_back(*line.range_m);
     line.range_m.reset();
   }
-  const Expected<GeoFix> blind = Locate(lines, locate);
-  if (!blind || !blind->place) return std::nullopt;
-  const Place& place = *blind->place;
+  const Expected<GeoFix> unranged = Locate(lines, locate);
+  if (!unranged || !unranged->place) return std::nullopt;
+  const Geolocation& place = *unranged->place;
   std::vector<double> factors;
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (!blind->inliers[i]) continue;
+    if (!unranged->inliers[i]) continue;
     const TangentPlane plane(lines[i].camera);
     Eigen::Vector3d there = plane.EnuFromGeodetic(place.point);
     if (place.velocity_enu) there += (lines[i].time_s - place.time_s) * *place.velocity_enu;
     factors.push_back(there.norm() / ranges_m[i]);
   }
-  const double agreeing = static_cast<double>(factors.size()) / static_cast<double>(lines.size());
-  if (factors.empty() || agreeing < least_agreeing) return std::nullopt;
+  const double inlier_fraction = static_cast<double>(factors.size()) / static_cast<double>(lines.size());
+  if (factors.empty() || inlier_fraction < min_inlier_fraction) return std::nullopt;
   return Median(std::move(factors));
 }
 
 // Number of inliers whose headings agree: for a static object with the common heading, for a moving one with the
 // previous heading. Subtracts the observations that a moving model fits in any case: two with ranges, three without.
-int BorneOut(std::span<const Sight> sights, const GeoFix& fix, std::optional<double> heading_rad) {
+int CountConsistent(std::span<const BearingObservation> observations, const GeoFix& fix,
+                    std::optional<double> heading_rad) {
   if (!fix.place) return 0;
   bool ranged = false;
-  int alike = 0;
-  for (std::size_t i = 0; i < sights.size(); ++i) {
+  int consistent = 0;
+  for (std::size_t i = 0; i < observations.size(); ++i) {
     if (!fix.inliers[i]) continue;
-    ranged = ranged || sights[i].line.range_m;
-    const std::optional<double>& own_rad = sights[i].heading_rad;
-    if (!own_rad || std::abs(WrapAngle(*own_rad - *heading_rad)) <= kAlike_rad) ++alike;
-    if (own_rad && fix.place->Moves()) heading_rad = own_rad;
+    ranged = ranged || observations[i].line.range_m;
+    const std::optional<double>& own_rad = observations[i].heading_rad;
+    if (!own_rad || std::abs(WrapAngle(*own_rad - *heading_rad)) <= kHeadingGate_rad) ++consistent;
+    if (own_rad && fix.place->IsMoving()) heading_rad = own_rad;
   }
-  const int needed = fix.place->Moves() ? (ranged ? 1 : 2) : 0;
-  return std::max(1, alike - needed);
+  const int needed = fix.place->IsMoving() ? (ranged ? 1 : 2) : 0;
+  return std::max(1, consistent - needed);
 }
 
 }  // namespace
 
-Place At(const Place& place, double time_s) {
-  Place then = place;
+Geolocation PropagatePlace(const Geolocation& place, double time_s) {
+  Geolocation then = place;
   then.time_s = time_s;
-  if (!place.Moves()) return then;
+  if (!place.IsMoving()) return then;
   const double after_s = time_s - place.time_s;
   then.point = TangentPlane(place.point).GeodeticFromEnu(after_s * *place.velocity_enu);
   if (place.velocity_covariance_enu) then.covariance_enu_m2 += after_s * after_s * *place.velocity_covariance_enu;
-  constexpr double kShare = 0.9;
-  then.ce90_m = CircularError(then.covariance_enu_m2.topLeftCorner<2, 2>(), kShare);
+  constexpr double kProbability = 0.9;
+  then.ce90_m = CircularError(then.covariance_enu_m2.topLeftCorner<2, 2>(), kProbability);
   then.le90_m = LinearError90(then.covariance_enu_m2(2, 2));
   return then;
 }
 
-double SigmasOff(const Sight& sight, const Place& place, double slack_m, const LocateOptions& errors,
-                 double common_share) {
-  const LineOfSight& line = sight.line;
+double MahalanobisDistance(const BearingObservation& observation, const Geolocation& place, double slack_m,
+                           const LocateOptions& errors, double common_fraction) {
+  const LineOfSight& line = observation.line;
   const Eigen::Vector3d to = TangentPlane(line.camera).EnuFromGeodetic(place.point);
   const double cos_elevation = std::cos(line.elevation_rad);
   const Eigen::Vector3d along(std::sin(line.azimuth_rad) * cos_elevation, std::cos(line.azimuth_rad) * cos_elevation,
@@ -196,8 +200,9 @@ double SigmasOff(const Sight& sight, const Place& place, double slack_m, const L
   const CommonErrorOptions& common = errors.common;
   const double own_rad = line.sigma_rad.value_or(RadiansFromDegrees(errors.line.angle_deg));
   const double flight_rad =
-      sight.sigma_attitude_rad.value_or(common_share * RadiansFromDegrees(common.boresight_rise_deg));
-  const double shift_m = std::hypot(slack_m, sight.sigma_position_m.value_or(common_share * common.position_m));
+      observation.sigma_attitude_rad.value_or(common_fraction * RadiansFromDegrees(common.boresight_rise_deg));
+  const double shift_m =
+      std::hypot(slack_m, observation.sigma_position_m.value_or(common_fraction * common.position_m));
   Eigen::Matrix3d ray_from_enu;  // third row: along the line of sight
   ray_from_enu.row(2) = along;
   ray_from_enu.row(0) = along.unitOrthogonal();
@@ -207,13 +212,13 @@ double SigmasOff(const Sight& sight, const Place& place, double slack_m, const L
   covariance.diagonal() += Eigen::Vector3d(across_m2, across_m2, Square(shift_m));
   Eigen::Vector3d off = ray_from_enu * to;
   if (!line.range_m) return std::sqrt(off.head<2>().dot(covariance.topLeftCorner<2, 2>().ldlt().solve(off.head<2>())));
-  const double own_range_m = line.sigma_range_m.value_or(errors.line.range_share * *line.range_m);
-  covariance(2, 2) += Square(own_range_m) + Square(common_share * common.range_share * *line.range_m);
+  const double own_range_m = line.sigma_range_m.value_or(errors.line.range_fraction * *line.range_m);
+  covariance(2, 2) += Square(own_range_m) + Square(common_fraction * common.range_fraction * *line.range_m);
   off.z() -= *line.range_m;
   return std::sqrt(off.dot(covariance.ldlt().solve(off)));
 }
 
-std::optional<double> CommonHeading(std::span<const double> headings_rad) {
+std::optional<double> EstimateHeadingMode(std::span<const double> headings_rad) {
   // Three turns, so that no window wraps around; prefix sums give window means.
   std::vector<double> sorted;
   for (const double heading : headings_rad) sorted.push_back(WrapAngle(heading));
@@ -227,8 +232,8 @@ std::optional<double> CommonHeading(std::span<const double> headings_rad) {
   std::ptrdiff_t most = 0;
   double best = 0;
   for (const double candidate : sorted) {
-    const auto first = std::ranges::lower_bound(round, candidate - kAlike_rad) - round.begin();
-    const auto end = std::ranges::upper_bound(round, candidate + kAlike_rad) - round.begin();
+    const auto first = std::ranges::lower_bound(round, candidate - kHeadingGate_rad) - round.begin();
+    const auto end = std::ranges::upper_bound(round, candidate + kHeadingGate_rad) - round.begin();
     if (end - first <= most) continue;
     most = end - first;
     best = (sums[static_cast<std::size_t>(end)] - sums[static_cast<std::size_t>(first)]) / static_cast<double>(most);
@@ -238,23 +243,27 @@ std::optional<double> CommonHeading(std::span<const double> headings_rad) {
   return heading < 0 ? heading + 2 * kPi : heading;
 }
 
-ObjectPlace PlaceOf(std::span<const Sight> sights, const ObjectOptions& options, double common_share) {
+ObjectPlace EstimatePlace(std::span<const BearingObservation> observations, const ObjectOptions& options,
+                          double common_fraction) {
   ObjectPlace result;
-  if (sights.empty()) return result;
-  const LocateOptions locate = OptionsFor(sights, options, common_share);
-  const std::vector<LineOfSight> lines = LinesOf(sights, locate.line);
+  if (observations.empty()) return result;
+  const LocateOptions locate = MakeLocateOptions(observations, options, common_fraction);
+  const std::vector<LineOfSight> lines = MakeLines(observations, locate.line);
   const Expected<GeoFix> fix = Locate(lines, locate);
   if (!fix) return result;  // cannot fail: options are validated by the caller
   result.place = fix->place;
-  if (fix->place && fix->place->Moves()) result.place = LastPlace(lines, *fix->place, locate, options);
-  result.agreeing = static_cast<double>(std::ranges::count(fix->inliers, true)) / static_cast<double>(lines.size());
-  result.too_large = TooLarge(lines, locate, options.least_agreeing);
+  if (fix->place && fix->place->IsMoving()) result.place = EstimateLastPlace(lines, *fix->place, locate, options);
+  result.inlier_fraction =
+      static_cast<double>(std::ranges::count(fix->inliers, true)) / static_cast<double>(lines.size());
+  result.size_ratio = EstimateSizeRatio(lines, locate, options.min_inlier_fraction);
   std::vector<double> headings;
-  for (std::size_t i = 0; i < sights.size(); ++i) {
-    if (sights[i].heading_rad && (fix->inliers[i] || !fix->place)) headings.push_back(*sights[i].heading_rad);
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    if (observations[i].heading_rad && (fix->inliers[i] || !fix->place))
+      headings.push_back(*observations[i].heading_rad);
   }
-  result.heading_rad = CommonHeading(headings);
-  result.borne_out = BorneOut(sights, *fix, result.heading_rad) / static_cast<double>(lines.size());
+  result.heading_rad = EstimateHeadingMode(headings);
+  result.consistent_fraction =
+      CountConsistent(observations, *fix, result.heading_rad) / static_cast<double>(lines.size());
   return result;
 }
 

@@ -5,45 +5,46 @@
 #include <span>
 #include <vector>
 
-#include "victorious/geolocate/locate.h"
 #include "victorious/associate/object_options.h"
+#include "victorious/geolocate/locate.h"
 #include "victorious/types/bearing_observation.h"
 
 namespace victorious {
 
 struct ObjectPlace {
-  std::optional<Place> place;
+  std::optional<Geolocation> place;
   std::optional<double> heading_rad;  ///< clockwise from north, [0, 2 pi)
-  double agreeing = 0;                ///< fraction of observations that are inliers of the place
-  double borne_out = 0;  ///< fraction of observations that are inliers and agree in heading, less those that the motion
-                         ///< model fits by its degrees of freedom
-  std::optional<double> too_large;  ///< ratio of the distance by intersection to the range by apparent size (median):
-                                    ///< above 1 the object appears too large for its distance. std::nullopt if an
-                                    ///< observation has no range or the lines do not intersect
+  double inlier_fraction = 0;         ///< fraction of observations that are inliers of the place
+  double consistent_fraction = 0;  ///< fraction of observations that are inliers and agree in heading, less those that
+                                   ///< the motion model fits by its degrees of freedom
+  std::optional<double> size_ratio;  ///< ratio of the distance by intersection to the range by apparent size (median):
+                                     ///< above 1 the object appears too large for its distance. std::nullopt if an
+                                     ///< observation has no range or the lines do not intersect
 };
 
 /// Estimates place and heading. Telemetry's own standard deviations, where given, replace those of the parameters.
-/// Errors common to a flight enter with `common_share` times their standard deviation: 1 for absolute places, less for
-/// the comparison of places of one flight, where most of them cancel. The result has no place if the observations do
-/// not determine one.
+/// Errors common to a flight enter with `common_fraction` times their standard deviation: 1 for absolute places, less
+/// for the comparison of places of one flight, where most of them cancel. The result has no place if the observations
+/// do not determine one.
 /// @param sights  of one object, in order of time; may be empty
-ObjectPlace PlaceOf(std::span<const Sight> sights, const ObjectOptions& options, double common_share);
+ObjectPlace EstimatePlace(std::span<const BearingObservation> observations, const ObjectOptions& options,
+                          double common_fraction);
 
 /// Propagates a place to another time with its velocity; the covariance grows with that of the velocity. A static place
 /// only gets the new time.
-Place At(const Place& place, double time_s);
+Geolocation PropagatePlace(const Geolocation& place, double time_s);
 
 /// Mahalanobis distance between an observation and a place: 2 degrees of freedom across the line of sight, and a third
 /// along it if the observation has a range. The covariance is the sum of those of the place, of the observation and of
-/// the flight's common errors, the latter with `common_share` times their standard deviation.
+/// the flight's common errors, the latter with `common_fraction` times their standard deviation.
 /// @param place    at the time of the observation
 /// @param slack_m  additional standard deviation of the position along each axis
 /// @return infinity for a place behind the camera
-double SigmasOff(const Sight& sight, const Place& place, double slack_m, const LocateOptions& errors,
-                 double common_share);
+double MahalanobisDistance(const BearingObservation& observation, const Geolocation& place, double slack_m,
+                           const LocateOptions& errors, double common_fraction);
 
 /// Robust mean heading: the mean of the headings in the densest window of 40 degrees, in [0, 2 pi). std::nullopt
 /// without headings.
-std::optional<double> CommonHeading(std::span<const double> headings_rad);
+std::optional<double> EstimateHeadingMode(std::span<const double> headings_rad);
 
 }  // namespace victorious

@@ -3,8 +3,8 @@
 //   - with the highest overlap (IoU) with its predicted box, which moves with the camera motion (image registration)
 //     and with the object's own velocity. The pair is refused if bearing and range exceed a Mahalanobis gate.
 // Any other sighting starts a tracklet. Pairs are assigned greedily, highest overlap first. Association of tracklets to
-// objects follows when all tracklets of the index are known (associate_objects.h): it can merge a split tracklet, but never
-// splits one that holds two objects.
+// objects follows when all tracklets of the index are known (associate_objects.h): it can merge a split tracklet, but
+// never splits one that holds two objects.
 #pragma once
 
 #include <cstdint>
@@ -13,39 +13,39 @@
 #include <vector>
 
 #include "victorious/base/error.h"
-#include "victorious/geometry/similarity.h"
 #include "victorious/base/options.h"
+#include "victorious/geometry/similarity.h"
 #include "victorious/store/index_store.h"
 
 namespace victorious {
 
 /// How sightings are linked into tracklets.
-struct RunOptions {
+struct TrackletOptions {
   double gap_s = 2.0;
-  double least_overlap = 0.1;
+  double min_overlap = 0.1;
   double gate_sigma = 3.5;
 
   void ListFields(FieldList& fields);
 };
 
 /// The tracklets of one video that may still grow. Results do not depend on how frames are split into batches.
-class RunLinker {
+class TrackletLinker {
  public:
-  explicit RunLinker(const RunOptions& options) : options_(options) {}
+  explicit TrackletLinker(const TrackletOptions& options) : options_(options) {}
 
-  [[nodiscard]] const RunOptions& options() const { return options_; }
+  [[nodiscard]] const TrackletOptions& options() const { return options_; }
 
   /// How far back sightings affect the linking of a frame, s.
-  [[nodiscard]] double HistoryS() const;
+  [[nodiscard]] double HistorySeconds() const;
 
-  /// Resumes after an interruption. The caller then calls Step() for the frames since NeededFrom(), then for the new
-  /// ones.
-  /// @param sightings  of the video, at least the last HistoryS(), in order of frames
-  void Resume(std::span<const RunRecord> runs, std::span<const SightingRecord> sightings);
+  /// Resumes after an interruption. The caller then calls Step() for the frames since FirstRequiredFrame(), then for
+  /// the new ones.
+  /// @param sightings  of the video, at least the last HistorySeconds(), in order of frames
+  void Resume(std::span<const TrackletRecord> tracklets, std::span<const SightingRecord> sightings);
 
   /// The earliest frame with a sighting that still affects linking: camera motion is needed from there on. std::nullopt
   /// if there is none.
-  [[nodiscard]] std::optional<std::int64_t> NeededFrom() const;
+  [[nodiscard]] std::optional<std::int64_t> FirstRequiredFrame() const;
 
   /// Moves all predicted boxes by the camera motion. Call it for each frame, before Link for its sightings. No effect
   /// on sightings of this frame or later.
@@ -57,30 +57,31 @@ class RunLinker {
   void Link(std::vector<SightingRecord> sightings, IndexBatch& batch);
 
   /// Sets the ids that the store gave to the batch's tracklets. The next batch starts empty.
-  void Committed(std::span<const std::int64_t> ids);
+  void SetCommittedIds(std::span<const std::int64_t> ids);
 
  private:
   // A sighting of a tracklet, its box moved to the current frame.
-  struct Seen {
+  struct TrailEntry {
     std::int64_t frame = 0;
     double time_s = 0;
     Box box;
-    std::optional<Sight> sight;
+    std::optional<BearingObservation> observation;
   };
   struct Run {
-    RunRecord record;
+    TrackletRecord record;
     std::optional<std::int64_t> id;       // set once committed
     std::optional<std::size_t> in_batch;  // index into the current batch's tracklets
     std::optional<std::int64_t> track;    // track id of the last sighting
-    std::vector<Seen> trail;              // its sightings of the last second
+    std::vector<TrailEntry> trail;        // its sightings of the last second
   };
 
-  void See(const SightingRecord& sighting, Run& run);
-  [[nodiscard]] static Box Expected(const Run& run, double time_s);
-  [[nodiscard]] bool CanBeOne(const Run& run, const SightingRecord& sighting) const;
-  [[nodiscard]] std::vector<std::optional<std::size_t>> RunsOf(const std::vector<SightingRecord>& sightings) const;
+  void AppendToTrail(const SightingRecord& sighting, Run& tracklet);
+  [[nodiscard]] static Box PredictBox(const Run& tracklet, double time_s);
+  [[nodiscard]] bool IsConsistent(const Run& tracklet, const SightingRecord& sighting) const;
+  [[nodiscard]] std::vector<std::optional<std::size_t>> AssignTracklets(
+      const std::vector<SightingRecord>& sightings) const;
 
-  RunOptions options_;
+  TrackletOptions options_;
   std::vector<Run> runs_;
   std::int64_t recognitions_ = 0;
 };

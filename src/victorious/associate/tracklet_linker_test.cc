@@ -36,20 +36,20 @@ class Ledger {
  public:
   std::vector<std::int64_t> Commit(const IndexBatch& batch) {
     std::vector<std::int64_t> ids;
-    for (const IndexBatch::RunUpdate& update : batch.runs) {
-      const std::int64_t id = update.id.value_or(static_cast<std::int64_t>(runs.size()) + 1);
-      runs[id] = update.run;
-      runs[id].id = id;
+    for (const IndexBatch::TrackletUpdate& update : batch.tracklets) {
+      const std::int64_t id = update.id.value_or(static_cast<std::int64_t>(tracklets.size()) + 1);
+      tracklets[id] = update.tracklet;
+      tracklets[id].id = id;
       ids.push_back(id);
     }
     for (const IndexBatch::NewSighting& sighting : batch.sightings) {
       sightings.push_back(sighting.sighting);
-      sightings.back().run = ids[sighting.run_update];
+      sightings.back().tracklet = ids[sighting.tracklet_update];
     }
     return ids;
   }
 
-  std::map<std::int64_t, RunRecord> runs;
+  std::map<std::int64_t, TrackletRecord> tracklets;
   std::vector<SightingRecord> sightings;
 };
 
@@ -61,10 +61,10 @@ using Motions = std::vector<Similarity2>;
 // Links the frames, with a commit after each frame that `cut` selects, and a new linker for `kKill`.
 enum class Cut { kNone, kCommit, kKill };
 
-Ledger LinkAll(const Frames& frames, const RunOptions& options, const Motions& motions,
+Ledger LinkAll(const Frames& frames, const TrackletOptions& options, const Motions& motions,
                const std::function<Cut(std::size_t)>& cut) {
   Ledger ledger;
-  RunLinker linker(options);
+  TrackletLinker linker(options);
   IndexBatch batch;
   const auto step = [&](std::size_t i) {
     if (i < motions.size()) linker.Step(static_cast<std::int64_t>(i), motions[i]);
@@ -74,49 +74,49 @@ Ledger LinkAll(const Frames& frames, const RunOptions& options, const Motions& m
     linker.Link(frames[i], batch);
     const Cut here = i + 1 == frames.size() ? Cut::kCommit : cut(i);
     if (here == Cut::kNone) continue;
-    linker.Committed(ledger.Commit(batch));
+    linker.SetCommittedIds(ledger.Commit(batch));
     batch = {};
     if (here == Cut::kCommit) continue;
-    linker = RunLinker(options);
-    std::vector<RunRecord> runs;
-    for (const auto& [id, run] : ledger.runs) runs.push_back(run);
+    linker = TrackletLinker(options);
+    std::vector<TrackletRecord> tracklets;
+    for (const auto& [id, tracklet] : ledger.tracklets) tracklets.push_back(tracklet);
     std::vector<SightingRecord> last;
     for (const SightingRecord& sighting : ledger.sightings) {
-      if (sighting.time_s >= kFrameS * static_cast<double>(i) - linker.HistoryS()) last.push_back(sighting);
+      if (sighting.time_s >= kFrameS * static_cast<double>(i) - linker.HistorySeconds()) last.push_back(sighting);
     }
-    linker.Resume(runs, last);
-    for (auto k = static_cast<std::size_t>(linker.NeededFrom().value_or(0)); k <= i; ++k) step(k);
+    linker.Resume(tracklets, last);
+    for (auto k = static_cast<std::size_t>(linker.FirstRequiredFrame().value_or(0)); k <= i; ++k) step(k);
   }
   return ledger;
 }
 
-Ledger LinkAll(const Frames& frames, const RunOptions& options, const Motions& motions = {}) {
+Ledger LinkAll(const Frames& frames, const TrackletOptions& options, const Motions& motions = {}) {
   return LinkAll(frames, options, motions, [](std::size_t) { return Cut::kNone; });
 }
 
 std::vector<std::int64_t> RunsOf(const Ledger& ledger) {
-  std::vector<std::int64_t> runs;
-  for (const SightingRecord& sighting : ledger.sightings) runs.push_back(sighting.run);
-  return runs;
+  std::vector<std::int64_t> tracklets;
+  for (const SightingRecord& sighting : ledger.sightings) tracklets.push_back(sighting.tracklet);
+  return tracklets;
 }
 
-TEST(RunLinker, OverlappingSightingsAreOneRunThatGrows) {
+TEST(TrackletLinker, OverlappingSightingsAreOneRunThatGrows) {
   const Ledger ledger = LinkAll({{Sighting(2, {10, 10, 40, 40}, kModel, 0.6)},
                                  {Sighting(3, {14, 12, 40, 40}, kModel, 0.9)},
                                  {Sighting(5, {20, 14, 40, 40}, kModel, 0.7)}},
-                                RunOptions{});
+                                TrackletOptions{});
   EXPECT_THAT(RunsOf(ledger), ElementsAre(1, 1, 1));
-  const RunRecord& run = ledger.runs.at(1);
-  EXPECT_EQ(run.video, 3);
-  EXPECT_EQ(run.model, kModel);
-  EXPECT_EQ(run.frames, 3);
-  EXPECT_DOUBLE_EQ(run.score, 0.9);
-  EXPECT_DOUBLE_EQ(run.first_time_s, 0.2);
-  EXPECT_DOUBLE_EQ(run.last_time_s, 0.5);
+  const TrackletRecord& tracklet = ledger.tracklets.at(1);
+  EXPECT_EQ(tracklet.video, 3);
+  EXPECT_EQ(tracklet.model, kModel);
+  EXPECT_EQ(tracklet.frames, 3);
+  EXPECT_DOUBLE_EQ(tracklet.score, 0.9);
+  EXPECT_DOUBLE_EQ(tracklet.first_time_s, 0.2);
+  EXPECT_DOUBLE_EQ(tracklet.last_time_s, 0.5);
 }
 
-TEST(RunLinker, AGapLongerThanAllowedEndsARun) {
-  const RunOptions options{.gap_s = 1.05, .least_overlap = 0.1};
+TEST(TrackletLinker, AGapLongerThanAllowedEndsARun) {
+  const TrackletOptions options{.gap_s = 1.05, .min_overlap = 0.1};
   const Box box{10, 10, 40, 40};
   EXPECT_THAT(RunsOf(LinkAll({{Sighting(0, box)}, {Sighting(10, box)}}, options)), ElementsAre(1, 1));
   EXPECT_THAT(RunsOf(LinkAll({{Sighting(0, box)}, {Sighting(11, box)}}, options)), ElementsAre(1, 2));
@@ -124,39 +124,39 @@ TEST(RunLinker, AGapLongerThanAllowedEndsARun) {
   EXPECT_THAT(RunsOf(LinkAll({{Sighting(0, box)}, {}, {}, {Sighting(11, box)}}, options)), ElementsAre(1, 2));
 }
 
-TEST(RunLinker, TooLittleOverlapBeginsANewRun) {
+TEST(TrackletLinker, TooLittleOverlapBeginsANewRun) {
   const Box box{0, 0, 30, 10};
   const Box shifted{20, 0, 30, 10};  // 100 of 500 px: IoU 0.2
   const Frames frames = {{Sighting(0, box)}, {Sighting(1, shifted)}};
-  EXPECT_THAT(RunsOf(LinkAll(frames, {.gap_s = 1, .least_overlap = 0.19})), ElementsAre(1, 1));
-  EXPECT_THAT(RunsOf(LinkAll(frames, {.gap_s = 1, .least_overlap = 0.21})), ElementsAre(1, 2));
+  EXPECT_THAT(RunsOf(LinkAll(frames, {.gap_s = 1, .min_overlap = 0.19})), ElementsAre(1, 1));
+  EXPECT_THAT(RunsOf(LinkAll(frames, {.gap_s = 1, .min_overlap = 0.21})), ElementsAre(1, 2));
   // Even with a minimum overlap of 0, boxes without any overlap are different tracklets.
-  EXPECT_THAT(RunsOf(LinkAll({{Sighting(0, box)}, {Sighting(1, {31, 0, 30, 10})}}, {.least_overlap = 0})),
+  EXPECT_THAT(RunsOf(LinkAll({{Sighting(0, box)}, {Sighting(1, {31, 0, 30, 10})}}, {.min_overlap = 0})),
               ElementsAre(1, 2));
 }
 
-TEST(RunLinker, OverlapIsWithTheLastSighting) {
+TEST(TrackletLinker, OverlapIsWithTheLastSighting) {
   Frames frames;
   for (int i = 0; i < 20; ++i) frames.push_back({Sighting(i, {10.0 * i, 0, 40, 40})});
-  EXPECT_THAT(RunsOf(LinkAll(frames, RunOptions{})), ::testing::Each(1));
+  EXPECT_THAT(RunsOf(LinkAll(frames, TrackletOptions{})), ::testing::Each(1));
 }
 
-TEST(RunLinker, EachRunContinuesInOneSightingAndTheBestOverlapGoesFirst) {
+TEST(TrackletLinker, EachRunContinuesInOneSightingAndTheBestOverlapGoesFirst) {
   const Box left{0, 0, 40, 40};
   const Box right{30, 0, 40, 40};
   // Both sightings of the second frame overlap both tracklets; they come in the opposite order.
   const Frames frames = {{Sighting(0, left), Sighting(0, right)},
                          {Sighting(1, {31, 0, 40, 40}), Sighting(1, {1, 0, 40, 40})},
                          {Sighting(2, {2, 0, 40, 40}), Sighting(2, {4, 0, 40, 40}), Sighting(2, {32, 0, 40, 40})}};
-  EXPECT_THAT(RunsOf(LinkAll(frames, RunOptions{})), ElementsAre(1, 2, 2, 1, 1, 3, 2));
+  EXPECT_THAT(RunsOf(LinkAll(frames, TrackletOptions{})), ElementsAre(1, 2, 2, 1, 1, 3, 2));
 }
 
-TEST(RunLinker, ModelsAreApart) {
+TEST(TrackletLinker, ModelsAreApart) {
   const Box box{0, 0, 40, 40};
   const Frames frames = {{Sighting(0, box, 7), Sighting(0, box, 8)}, {Sighting(1, box, 8), Sighting(1, box, 9)}};
-  const Ledger ledger = LinkAll(frames, RunOptions{});
+  const Ledger ledger = LinkAll(frames, TrackletOptions{});
   EXPECT_THAT(RunsOf(ledger), ElementsAre(1, 2, 2, 3));
-  EXPECT_EQ(ledger.runs.at(2).model, 8);
+  EXPECT_EQ(ledger.tracklets.at(2).model, 8);
 }
 
 SightingRecord Followed(SightingRecord sighting, std::int64_t track) {
@@ -164,20 +164,20 @@ SightingRecord Followed(SightingRecord sighting, std::int64_t track) {
   return sighting;
 }
 
-TEST(RunLinker, WhatWasFollowedIsOneRunWhereverItIsSeen) {
+TEST(TrackletLinker, WhatWasFollowedIsOneRunWhereverItIsSeen) {
   const Box here{0, 0, 40, 40};
   const Box there{300, 0, 40, 40};
   const Frames frames = {{Followed(Sighting(0, here), 5), Followed(Sighting(0, there), 6)},
                          {Followed(Sighting(1, here), 6), Followed(Sighting(1, there), 5)}};
-  EXPECT_THAT(RunsOf(LinkAll(frames, RunOptions{})), ElementsAre(1, 2, 2, 1));
+  EXPECT_THAT(RunsOf(LinkAll(frames, TrackletOptions{})), ElementsAre(1, 2, 2, 1));
   // A new track continues the tracklet at its first box.
-  EXPECT_THAT(RunsOf(LinkAll({{Followed(Sighting(0, here), 5)}, {Followed(Sighting(1, here), 9)}}, RunOptions{})),
+  EXPECT_THAT(RunsOf(LinkAll({{Followed(Sighting(0, here), 5)}, {Followed(Sighting(1, here), 9)}}, TrackletOptions{})),
               ElementsAre(1, 1));
 }
 
 Similarity2 Shift(double x, double y) { return {.translation = {x, y}}; }
 
-TEST(RunLinker, WhatStandsIsExpectedWhereThePictureHasGone) {
+TEST(TrackletLinker, WhatStandsIsExpectedWhereThePictureHasGone) {
   const Box first{300, 100, 50, 40};
   // The background moves 30 px per frame to the left; after ten frames another object is at the image position of the
   // first.
@@ -185,18 +185,19 @@ TEST(RunLinker, WhatStandsIsExpectedWhereThePictureHasGone) {
   Frames frames(11);
   frames[0] = {Sighting(0, first)};
   frames[10] = {Sighting(10, first), Sighting(10, {3, 101, 50, 40})};
-  EXPECT_THAT(RunsOf(LinkAll(frames, RunOptions{}, motions)), ElementsAre(1, 2, 1));
-  EXPECT_THAT(RunsOf(LinkAll(frames, RunOptions{})), ElementsAre(1, 1, 2)) << "as far as is known, it stands still";
+  EXPECT_THAT(RunsOf(LinkAll(frames, TrackletOptions{}, motions)), ElementsAre(1, 2, 1));
+  EXPECT_THAT(RunsOf(LinkAll(frames, TrackletOptions{})), ElementsAre(1, 1, 2))
+      << "as far as is known, it stands still";
 }
 
-TEST(RunLinker, WhatMovesOverTheGroundMovesOn) {
+TEST(TrackletLinker, WhatMovesOverTheGroundMovesOn) {
   // The camera follows a driving object: it stays at the image centre while the background moves.
   const Box middle{300, 200, 40, 40};
   const Motions motions(26, Shift(0, 15));
   Frames frames(26);
   for (int i = 0; i <= 10; ++i) frames[i] = {Sighting(i, middle)};
   frames[25] = {Sighting(25, {303, 198, 40, 40})};
-  EXPECT_THAT(RunsOf(LinkAll(frames, RunOptions{}, motions)), ::testing::Each(1));
+  EXPECT_THAT(RunsOf(LinkAll(frames, TrackletOptions{}, motions)), ::testing::Each(1));
 }
 
 // A static object, initially 100 m north of the camera, which flies east at 20 m/s.
@@ -205,49 +206,49 @@ SightingRecord Standing(std::int64_t frame, double east_m, double range_m = 0) {
   SightingRecord sighting = Sighting(frame, {300, 200, 40, 40});
   const Eigen::Vector3d camera(20 * sighting.time_s, 0, 100);
   const Eigen::Vector3d to = Eigen::Vector3d(east_m, 100, 0) - camera;
-  sighting.sight = Sight{.line = {.time_s = sighting.time_s,
-                                  .camera = TangentPlane(origin).GeodeticFromEnu(camera),
-                                  .azimuth_rad = std::atan2(to.x(), to.y()),
-                                  .elevation_rad = std::asin(to.z() / to.norm()),
-                                  .range_m = range_m > 0 ? range_m : to.norm(),
-                                  .sigma_rad = 2e-3,
-                                  .sigma_range_m = 3}};
+  sighting.observation = BearingObservation{.line = {.time_s = sighting.time_s,
+                                                     .camera = TangentPlane(origin).GeodeticFromEnu(camera),
+                                                     .azimuth_rad = std::atan2(to.x(), to.y()),
+                                                     .elevation_rad = std::asin(to.z() / to.norm()),
+                                                     .range_m = range_m > 0 ? range_m : to.norm(),
+                                                     .sigma_rad = 2e-3,
+                                                     .sigma_range_m = 3}};
   return sighting;
 }
 
-TEST(RunLinker, LinesAndRangesThatDoNotMeetAreOfTwoThings) {
+TEST(TrackletLinker, LinesAndRangesThatDoNotMeetAreOfTwoThings) {
   const auto runs_with = [](const SightingRecord& last) {
     Frames frames(18);
     for (int i = 0; i < 6; ++i) frames[i] = {Standing(i, 10)};
     frames[17] = {last};
-    return LinkAll(frames, RunOptions{}).runs.size();
+    return LinkAll(frames, TrackletOptions{}).tracklets.size();
   };
   EXPECT_EQ(runs_with(Standing(17, 10)), 1U);
   EXPECT_EQ(runs_with(Standing(17, 22)), 2U) << "beside it";
   EXPECT_EQ(runs_with(Standing(17, 10, 200)), 2U) << "behind it";
   SightingRecord unknown = Standing(17, 22);
-  unknown.sight.reset();
+  unknown.observation.reset();
   EXPECT_EQ(runs_with(unknown), 1U) << "nothing tells";
   // The same track overrides the gate: an error of telemetry does not split the tracklet.
   const Frames followed = {{Followed(Standing(0, 10), 4)}, {Followed(Standing(1, 30), 4)}};
-  EXPECT_THAT(RunsOf(LinkAll(followed, RunOptions{})), ElementsAre(1, 1));
+  EXPECT_THAT(RunsOf(LinkAll(followed, TrackletOptions{})), ElementsAre(1, 1));
 }
 
-TEST(RunLinker, TelemetryThatErrsFromRowToRowTakesNoRunApart) {
+TEST(TrackletLinker, TelemetryThatErrsFromRowToRowTakesNoRunApart) {
   int apart = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     Random random(seed);
     Frames frames(18);
     for (const int i : {0, 1, 2, 3, 4, 5, 17}) {
       SightingRecord sighting = Standing(i, 10);
-      LineOfSight& line = sighting.sight->line;
+      LineOfSight& line = sighting.observation->line;
       line.camera =
           TangentPlane(line.camera).GeodeticFromEnu({2 * random.Normal(), 2 * random.Normal(), 2 * random.Normal()});
       line.azimuth_rad += RadiansFromDegrees(0.5) * random.Normal();
       line.elevation_rad += RadiansFromDegrees(0.5) * random.Normal();
       frames[static_cast<std::size_t>(i)] = {sighting};
     }
-    apart += LinkAll(frames, RunOptions{}).runs.size() > 1 ? 1 : 0;
+    apart += LinkAll(frames, TrackletOptions{}).tracklets.size() > 1 ? 1 : 0;
   }
   EXPECT_LE(apart, 2);
 }
@@ -267,7 +268,7 @@ Frames RandomFrames(std::uint64_t seed) {
                                        kModel + static_cast<std::int64_t>(i % 2), random.Uniform()));
       if (random.Below(3) == 0) frames[frame].back().track = static_cast<std::int64_t>(100 * (frame / 8) + i);
       if (i == 0) continue;
-      frames[frame].back().sight = Standing(static_cast<std::int64_t>(frame), places[i].x / 10).sight;
+      frames[frame].back().observation = Standing(static_cast<std::int64_t>(frame), places[i].x / 10).observation;
       if (random.Below(2) == 0) frames[frame].back().source = "tracked";
     }
   }
@@ -276,14 +277,14 @@ Frames RandomFrames(std::uint64_t seed) {
 
 std::vector<std::tuple<std::int64_t, double, std::int64_t, double, double>> Summary(const Ledger& ledger) {
   std::vector<std::tuple<std::int64_t, double, std::int64_t, double, double>> summary;
-  for (const auto& [id, run] : ledger.runs) {
-    summary.emplace_back(run.model, run.score, run.frames, run.first_time_s, run.last_time_s);
+  for (const auto& [id, tracklet] : ledger.tracklets) {
+    summary.emplace_back(tracklet.model, tracklet.score, tracklet.frames, tracklet.first_time_s, tracklet.last_time_s);
   }
   return summary;
 }
 
-TEST(RunLinker, CutsBetweenBatchesAndRunsChangeNothing) {
-  const RunOptions options{.gap_s = 0.65, .least_overlap = 0.1};
+TEST(TrackletLinker, CutsBetweenBatchesAndRunsChangeNothing) {
+  const TrackletOptions options{.gap_s = 0.65, .min_overlap = 0.1};
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     const Frames frames = RandomFrames(seed);
     Random moves(seed);
@@ -291,8 +292,8 @@ TEST(RunLinker, CutsBetweenBatchesAndRunsChangeNothing) {
     for (std::size_t i = 0; i < frames.size(); ++i)
       motions.push_back(Shift(moves.Uniform(-4, 4), moves.Uniform(-4, 4)));
     const Ledger whole = LinkAll(frames, options, motions);
-    ASSERT_GT(whole.runs.size(), 10U) << "seed " << seed;
-    ASSERT_LT(whole.runs.size(), whole.sightings.size() / 3) << "seed " << seed;
+    ASSERT_GT(whole.tracklets.size(), 10U) << "seed " << seed;
+    ASSERT_LT(whole.tracklets.size(), whole.sightings.size() / 3) << "seed " << seed;
     for (const std::uint32_t spacing : {1U, 3U, 20U}) {
       for (const Cut kind : {Cut::kCommit, Cut::kKill}) {
         Random random(100 * seed + spacing);

@@ -44,7 +44,7 @@ struct OpenFile {
 Expected<OpenFile> OpenRegularFile(const fs::path& path) {
   // Without O_NONBLOCK, opening a pipe would block until a writer opens it, before it can be rejected.
   Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  struct stat info {};
+  struct stat info{};
   if (file.fd() < 0 || ::fstat(file.fd(), &info) != 0) return std::unexpected(ErrorFromErrno(errno, path.string()));
   if (!S_ISREG(info.st_mode)) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: not a regular file", path.string()));
@@ -130,8 +130,8 @@ Status WriteAll(int fd, std::span<const std::byte> bytes, const fs::path& path) 
 
 // Follows a chain of symbolic links to its target, which need not exist.
 Expected<fs::path> FollowLinks(fs::path path) {
-  constexpr int kMostLinks = 40;  // the limit of the operating system
-  for (int links = 0; links < kMostLinks; ++links) {
+  constexpr int kMaxLinks = 40;  // the limit of the operating system
+  for (int links = 0; links < kMaxLinks; ++links) {
     std::error_code not_a_link;
     const fs::path target = fs::read_symlink(path, not_a_link);
     if (not_a_link) return path;
@@ -180,7 +180,7 @@ Expected<std::string> ReadFile(const fs::path& path, std::size_t max_bytes) {
 }
 
 Status WriteFileAtomically(const fs::path& path, std::span<const std::byte> bytes) {
-  struct stat info {};
+  struct stat info{};
   if (::stat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode)) return WriteInPlace(path, bytes);
   VICTORIOUS_ASSIGN_OR_RETURN(const fs::path target, FollowLinks(path));
   return Replace(target, bytes);

@@ -66,7 +66,7 @@ class FieldList {
 
 /// Returns the fields of `options`; they point into it.
 template <typename Options>
-std::vector<FieldRef> FieldsOf(Options& options) {
+std::vector<FieldRef> CollectFields(Options& options) {
   FieldList list;
   options.ListFields(list);
   return list.fields();
@@ -91,12 +91,12 @@ std::string ToJsonText(const std::vector<FieldRef>& fields);
 
 template <typename Options>
 std::string OptionsToJsonText(Options options) {
-  return ToJsonText(FieldsOf(options));
+  return ToJsonText(CollectFields(options));
 }
 
 template <typename Options>
 Status ValidateOptions(Options options) {
-  return Validate(FieldsOf(options));
+  return Validate(CollectFields(options));
 }
 
 }  // namespace victorious

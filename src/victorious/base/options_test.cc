@@ -47,11 +47,11 @@ struct TestOptions {
 };
 
 Status Set(TestOptions& options, std::string_view text) {
-  return SetFromJson(nlohmann::json::parse(text), FieldsOf(options));
+  return SetFromJson(nlohmann::json::parse(text), CollectFields(options));
 }
 
 // The error's message; empty for success.
-std::string Complaint(std::string_view text) {
+std::string ErrorText(std::string_view text) {
   TestOptions options;
   const TestOptions untouched;
   const Status status = Set(options, text);
@@ -64,7 +64,7 @@ std::string Complaint(std::string_view text) {
 
 TEST(FieldList, FlattensGroupsIntoDottedNames) {
   TestOptions options;
-  const auto fields = FieldsOf(options);
+  const auto fields = CollectFields(options);
   ASSERT_EQ(fields.size(), 8U);
   EXPECT_EQ(fields[0].name, "match.ratio");
   EXPECT_EQ(fields[1].name, "match.neighbours");
@@ -113,24 +113,24 @@ TEST(SetFromJson, TakesWholeNumbersForRealOnesAndSignedOnesForUnsigned) {
   TestOptions options;
   ASSERT_TRUE(Set(options, R"({"gain": 3, "match.ratio": 1})"));
   EXPECT_EQ(options.gain, 3.0);
-  ASSERT_TRUE(SetFromJson({{"seed", 42}}, FieldsOf(options)));  // a signed integer when made in C++
+  ASSERT_TRUE(SetFromJson({{"seed", 42}}, CollectFields(options)));  // a signed integer when made in C++
   EXPECT_EQ(options.seed, 42U);
 }
 
 TEST(SetFromJson, TakesTheEndsOfARange) {
-  EXPECT_EQ(Complaint(R"({"match": {"ratio": 0.1, "neighbours": 10}})"), "");
-  EXPECT_EQ(Complaint(R"({"offset": 2147483647, "seed": 18446744073709551615})"), "");
-  EXPECT_EQ(Complaint(R"({"offset": -2147483648, "seed": 0})"), "");
+  EXPECT_EQ(ErrorText(R"({"match": {"ratio": 0.1, "neighbours": 10}})"), "");
+  EXPECT_EQ(ErrorText(R"({"offset": 2147483647, "seed": 18446744073709551615})"), "");
+  EXPECT_EQ(ErrorText(R"({"offset": -2147483648, "seed": 0})"), "");
 }
 
 TEST(SetFromJson, TakesNothingForNoChange) {
-  EXPECT_EQ(Complaint("{}"), "");
-  EXPECT_EQ(Complaint(R"({"match": {}})"), "");
+  EXPECT_EQ(ErrorText("{}"), "");
+  EXPECT_EQ(ErrorText(R"({"match": {}})"), "");
 }
 
 TEST(SetFromJson, ReportsEveryViolationAndChangesNothing) {
   EXPECT_THAT(
-      Complaint(
+      ErrorText(
           R"({"match": {"ratio": 1.5, "neighbours": 0}, "engine": "surf", "verbose": 1, "gian": 2, "note": "fine"})"),
       AllOf(HasSubstr("match.ratio = 1.5: must be 0.1 to 1"), HasSubstr("match.neighbours = 0: must be 1 to 10"),
             HasSubstr("engine = \"surf\": must be one of opencv, own"), HasSubstr("verbose = 1: must be true or false"),
@@ -138,43 +138,43 @@ TEST(SetFromJson, ReportsEveryViolationAndChangesNothing) {
 }
 
 TEST(SetFromJson, AnUnknownNameComesWithTheNearestOne) {
-  EXPECT_THAT(Complaint(R"({"match": {"ratoi": 0.7}})"), AllOf(HasSubstr("match.ratoi"), HasSubstr("match.ratio")));
-  EXPECT_THAT(Complaint(R"({"verbos": true})"), HasSubstr("nearest is verbose"));
-  EXPECT_THAT(Complaint(R"({"ratio": 0.7})"), HasSubstr("nearest is match.ratio"));
+  EXPECT_THAT(ErrorText(R"({"match": {"ratoi": 0.7}})"), AllOf(HasSubstr("match.ratoi"), HasSubstr("match.ratio")));
+  EXPECT_THAT(ErrorText(R"({"verbos": true})"), HasSubstr("nearest is verbose"));
+  EXPECT_THAT(ErrorText(R"({"ratio": 0.7})"), HasSubstr("nearest is match.ratio"));
 }
 
 TEST(SetFromJson, AGroupIsNoValueAndAValueNoGroup) {
-  EXPECT_THAT(Complaint(R"({"match": 5})"), HasSubstr("unknown parameter"));
-  EXPECT_THAT(Complaint(R"({"match": {"ratio": {"x": 1}}})"), HasSubstr("match.ratio"));
-  EXPECT_THAT(Complaint(R"({"nothing": {}})"), HasSubstr("unknown parameter"));
+  EXPECT_THAT(ErrorText(R"({"match": 5})"), HasSubstr("unknown parameter"));
+  EXPECT_THAT(ErrorText(R"({"match": {"ratio": {"x": 1}}})"), HasSubstr("match.ratio"));
+  EXPECT_THAT(ErrorText(R"({"nothing": {}})"), HasSubstr("unknown parameter"));
 }
 
 TEST(SetFromJson, ANameGivenTwiceIsRefused) {
-  EXPECT_THAT(Complaint(R"({"match": {"ratio": 0.7}, "match.ratio": 0.9})"),
+  EXPECT_THAT(ErrorText(R"({"match": {"ratio": 0.7}, "match.ratio": 0.9})"),
               AllOf(HasSubstr("match.ratio"), HasSubstr("twice")));
 }
 
 TEST(SetFromJson, RefusesWrongTypes) {
-  EXPECT_THAT(Complaint(R"({"match.ratio": "0.8"})"), HasSubstr("match.ratio = \"0.8\": must be a number"));
-  EXPECT_THAT(Complaint(R"({"match.ratio": null})"), HasSubstr("must be a number"));
-  EXPECT_THAT(Complaint(R"({"match.ratio": [0.8]})"), HasSubstr("must be a number"));
-  EXPECT_THAT(Complaint(R"({"match.neighbours": 2.5})"), HasSubstr("must be a whole number"));
-  EXPECT_THAT(Complaint(R"({"verbose": "true"})"), HasSubstr("must be true or false"));
-  EXPECT_THAT(Complaint(R"({"engine": 3})"), HasSubstr("must be text"));
-  EXPECT_THAT(Complaint(R"({"seed": -1})"), HasSubstr("seed = -1: must be a whole number, at least 0"));
-  EXPECT_THAT(Complaint(R"({"seed": 1.5})"), HasSubstr("must be a whole number, at least 0"));
+  EXPECT_THAT(ErrorText(R"({"match.ratio": "0.8"})"), HasSubstr("match.ratio = \"0.8\": must be a number"));
+  EXPECT_THAT(ErrorText(R"({"match.ratio": null})"), HasSubstr("must be a number"));
+  EXPECT_THAT(ErrorText(R"({"match.ratio": [0.8]})"), HasSubstr("must be a number"));
+  EXPECT_THAT(ErrorText(R"({"match.neighbours": 2.5})"), HasSubstr("must be a whole number"));
+  EXPECT_THAT(ErrorText(R"({"verbose": "true"})"), HasSubstr("must be true or false"));
+  EXPECT_THAT(ErrorText(R"({"engine": 3})"), HasSubstr("must be text"));
+  EXPECT_THAT(ErrorText(R"({"seed": -1})"), HasSubstr("seed = -1: must be a whole number, at least 0"));
+  EXPECT_THAT(ErrorText(R"({"seed": 1.5})"), HasSubstr("must be a whole number, at least 0"));
 }
 
 TEST(SetFromJson, RefusesWholeNumbersThatDoNotFit) {
-  EXPECT_THAT(Complaint(R"({"offset": 2147483648})"), HasSubstr("offset = 2147483648: must be a whole number"));
-  EXPECT_THAT(Complaint(R"({"offset": -2147483649})"), HasSubstr("must be a whole number"));
-  EXPECT_THAT(Complaint(R"({"offset": 18446744073709551615})"), HasSubstr("must be a whole number"));
-  EXPECT_THAT(Complaint(R"({"offset": 18446744073709551614})"), HasSubstr("must be a whole number"));
+  EXPECT_THAT(ErrorText(R"({"offset": 2147483648})"), HasSubstr("offset = 2147483648: must be a whole number"));
+  EXPECT_THAT(ErrorText(R"({"offset": -2147483649})"), HasSubstr("must be a whole number"));
+  EXPECT_THAT(ErrorText(R"({"offset": 18446744073709551615})"), HasSubstr("must be a whole number"));
+  EXPECT_THAT(ErrorText(R"({"offset": 18446744073709551614})"), HasSubstr("must be a whole number"));
 }
 
 TEST(SetFromJson, RefusesWhatIsNoObject) {
-  EXPECT_THAT(Complaint("[1, 2]"), HasSubstr("JSON object"));
-  EXPECT_THAT(Complaint("null"), HasSubstr("JSON object"));
+  EXPECT_THAT(ErrorText("[1, 2]"), HasSubstr("JSON object"));
+  EXPECT_THAT(ErrorText("null"), HasSubstr("JSON object"));
 }
 
 TEST(SetFromJson, DeepNestingIsAnErrorAndNoStackOverflow) {
@@ -182,14 +182,14 @@ TEST(SetFromJson, DeepNestingIsAnErrorAndNoStackOverflow) {
   std::string text;
   for (int i = 0; i < depth; ++i) text += R"({"match":)";
   text += "1" + std::string(depth, '}');
-  EXPECT_THAT(Complaint(text), HasSubstr("unknown parameter"));
+  EXPECT_THAT(ErrorText(text), HasSubstr("unknown parameter"));
   std::string value = R"({"match.ratio":)";
   value += std::string(depth, '[') + std::string(depth, ']') + "}";
-  EXPECT_THAT(Complaint(value), HasSubstr("must be a number"));
+  EXPECT_THAT(ErrorText(value), HasSubstr("must be a number"));
 }
 
 TEST(SetFromJson, StrangeNamesStayOnOneLine) {
-  EXPECT_THAT(Complaint(R"({"a\nb": 1, "note": "c\nd", "engine": "e\nf"})"), HasSubstr("unknown parameter"));
+  EXPECT_THAT(ErrorText(R"({"a\nb": 1, "note": "c\nd", "engine": "e\nf"})"), HasSubstr("unknown parameter"));
 }
 
 TEST(Validate, DefaultsAreValid) { EXPECT_TRUE(ValidateOptions(TestOptions{})); }
@@ -222,7 +222,7 @@ TEST(Validate, NotANumberAndInfinityViolateEveryRange) {
 
 TEST(MarkdownTable, HasARowAField) {
   TestOptions options;
-  const std::string table = MarkdownTable(FieldsOf(options));
+  const std::string table = MarkdownTable(CollectFields(options));
   EXPECT_THAT(table, HasSubstr("| `match.ratio` | 0.8 | 0.1 to 1 |  | the ratio test's threshold |\n"));
   EXPECT_THAT(table, HasSubstr("| `engine` | \"opencv\" | one of opencv, own |  | what makes the features |\n"));
   EXPECT_THAT(table, HasSubstr("| `gain` | 1.0 | any | px |  |\n"));
@@ -237,7 +237,7 @@ struct LimitOptions {
 
 TEST(MarkdownTable, ShowsLimitsInFull) {
   LimitOptions options;
-  EXPECT_THAT(MarkdownTable(FieldsOf(options)), HasSubstr("1 to 16777217"));
+  EXPECT_THAT(MarkdownTable(CollectFields(options)), HasSubstr("1 to 16777217"));
 }
 
 }  // namespace

@@ -10,11 +10,11 @@
 namespace victorious {
 
 Expected<std::string> ProgramId() {
-  static const Expected<std::string> id = ProgramIdOf("/proc/self/exe");
+  static const Expected<std::string> id = ComputeProgramId("/proc/self/exe");
   return id;
 }
 
-Expected<std::string> ProgramIdOf(const std::filesystem::path& executable) {
+Expected<std::string> ComputeProgramId(const std::filesystem::path& executable) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(executable));
   return fmt::format("{}-{:016x}", kVersion, Checksum(std::as_bytes(std::span(bytes))));
 }

@@ -13,6 +13,6 @@ namespace victorious {
 Expected<std::string> ProgramId();
 
 /// The same for another executable of this version.
-Expected<std::string> ProgramIdOf(const std::filesystem::path& executable);
+Expected<std::string> ComputeProgramId(const std::filesystem::path& executable);
 
 }  // namespace victorious

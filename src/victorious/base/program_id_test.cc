@@ -19,11 +19,11 @@ TEST(ProgramId, IsThatOfTheProgramsContent) {
   const std::string bytes = ReadFile("/proc/self/exe").value();
   const fs::path copy = fs::path(::testing::TempDir()) / "program_id_test_copy";
   ASSERT_TRUE(WriteFileAtomically(copy, bytes));
-  EXPECT_EQ(ProgramIdOf(copy).value(), own) << "wherever it lies";
+  EXPECT_EQ(ComputeProgramId(copy).value(), own) << "wherever it lies";
   ASSERT_TRUE(WriteFileAtomically(copy, bytes + "x"));
-  EXPECT_NE(ProgramIdOf(copy).value(), own);
+  EXPECT_NE(ComputeProgramId(copy).value(), own);
   fs::remove(copy);
-  EXPECT_EQ(ProgramIdOf(copy).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(ComputeProgramId(copy).error().code, ErrorCode::kNotFound);
 }
 
 }  // namespace

@@ -12,13 +12,13 @@ constexpr std::string_view kBlanks = " \t\r\n\f\v";
 
 }  // namespace
 
-std::string_view WithoutByteOrderMark(std::string_view text) {
+std::string_view StripByteOrderMark(std::string_view text) {
   constexpr std::string_view kMark = "\xEF\xBB\xBF";
   if (text.starts_with(kMark)) text.remove_prefix(kMark.size());
   return text;
 }
 
-std::string_view WithoutBlanks(std::string_view text) {
+std::string_view TrimBlanks(std::string_view text) {
   const std::size_t first = text.find_first_not_of(kBlanks);
   if (first == std::string_view::npos) return {};
   return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
@@ -44,13 +44,13 @@ std::vector<std::string> SplitRow(std::string_view line) {
         quoted = !quoted;
       }
     } else if (line[i] == ',' && !quoted) {
-      cells.emplace_back(WithoutBlanks(cell));
+      cells.emplace_back(TrimBlanks(cell));
       cell.clear();
     } else {
       cell += line[i];
     }
   }
-  cells.emplace_back(WithoutBlanks(cell));
+  cells.emplace_back(TrimBlanks(cell));
   return cells;
 }
 
@@ -65,8 +65,8 @@ std::optional<double> TakeNumber(std::string_view& text) {
   return number;
 }
 
-std::optional<double> NumberIn(std::string_view text) {
-  text = WithoutBlanks(text);
+std::optional<double> ParseNumber(std::string_view text) {
+  text = TrimBlanks(text);
   const auto number = TakeNumber(text);
   return text.empty() ? number : std::nullopt;
 }

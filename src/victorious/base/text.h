@@ -8,9 +8,9 @@
 
 namespace victorious {
 
-[[nodiscard]] std::string_view WithoutByteOrderMark(std::string_view text);
+[[nodiscard]] std::string_view StripByteOrderMark(std::string_view text);
 
-[[nodiscard]] std::string_view WithoutBlanks(std::string_view text);
+[[nodiscard]] std::string_view TrimBlanks(std::string_view text);
 
 /// Removes a line from the front of `text` and returns it without its end ("\n", "\r\n").
 [[nodiscard]] std::string_view TakeLine(std::string_view& text);
@@ -24,6 +24,6 @@ namespace victorious {
 [[nodiscard]] std::optional<double> TakeNumber(std::string_view& text);
 
 /// Parses the whole of `text`, without blanks around it, as a number; std::nullopt if it is not one.
-[[nodiscard]] std::optional<double> NumberIn(std::string_view text);
+[[nodiscard]] std::optional<double> ParseNumber(std::string_view text);
 
 }  // namespace victorious

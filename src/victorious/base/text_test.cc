@@ -16,7 +16,7 @@ TEST(Text, RowsSplitAtCommasButNotWithinQuotes) {
 }
 
 TEST(Text, LinesEndAsOnAnySystem) {
-  std::string_view text = WithoutByteOrderMark("\xEF\xBB\xBFone\r\ntwo\n\nfour");
+  std::string_view text = StripByteOrderMark("\xEF\xBB\xBFone\r\ntwo\n\nfour");
   EXPECT_EQ(TakeLine(text), "one");
   EXPECT_EQ(TakeLine(text), "two");
   EXPECT_EQ(TakeLine(text), "");
@@ -25,10 +25,10 @@ TEST(Text, LinesEndAsOnAnySystem) {
 }
 
 TEST(Text, NumbersAreWholeCells) {
-  EXPECT_EQ(NumberIn(" +1.5 "), 1.5);
-  EXPECT_EQ(NumberIn("-2e3"), -2000);
+  EXPECT_EQ(ParseNumber(" +1.5 "), 1.5);
+  EXPECT_EQ(ParseNumber("-2e3"), -2000);
   for (const char* none : {"", "1,5", "1 m", "nan", "inf", "1e999", "0x10", "+-1"})
-    EXPECT_FALSE(NumberIn(none)) << none;
+    EXPECT_FALSE(ParseNumber(none)) << none;
   std::string_view text = " 25.1m";
   EXPECT_EQ(TakeNumber(text), 25.1);
   EXPECT_EQ(text, "m");

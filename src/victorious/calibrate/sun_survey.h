@@ -21,31 +21,32 @@ namespace victorious {
 
 struct DaylightOptions {
   std::string sun = "auto";
-  int least_frames = 6;
-  int most_frames = 200;
+  int min_frames = 6;
+  int max_frames = 200;
 
   void ListFields(FieldList& fields);
 };
 
 /// Search conditions of a frame: the vertical in the camera's frame and the sun's direction relative to the camera's
 /// yaw. Empty if the attitude or the field of view is unknown.
-[[nodiscard]] FrameConditions ConditionsOf(const std::optional<CameraState>& camera, const cv::Size& size_px,
-                                           const std::optional<Sun>& sun);
+[[nodiscard]] FrameConditions MakeFrameConditions(const std::optional<CameraState>& camera, const cv::Size& size_px,
+                                                  const std::optional<Sun>& sun);
 
-/// Input of FindDaylight. The references outlive it.
-struct DaylightSurvey {
-  const CameraTrack& cameras;
+/// Input of EstimateSunDirection. The references outlive it.
+struct DaylightInput {
+  const CameraTrajectory& cameras;
   const Recognizer& recognizer;
   const FeatureExtractor& extractor;
   const DaylightOptions& options;
 };
 
 /// The sun's direction (azimuth from north). Taken from the ephemeris if telemetry has a clock. Otherwise frames are
-/// sampled over the whole video (Recognizer::FindSun) until three estimates agree within 30 degrees; at the end two
+/// sampled over the whole video (Recognizer::EstimateSun) until three estimates agree within 30 degrees; at the end two
 /// agreeing estimates suffice, or one if it is the only one. std::nullopt at night, under overcast, or if no frame
 /// determines it. Deterministic.
 /// @param reader  at its first frame; reads as far as needed
 /// Errors: kCancelled. A read error ends the sampling; the later search of the same video reports it.
-Expected<std::optional<Sun>> FindDaylight(const DaylightSurvey& survey, VideoReader& reader, const CancelToken& cancel);
+Expected<std::optional<Sun>> EstimateSunDirection(const DaylightInput& survey, VideoReader& reader,
+                                                  const CancelToken& cancel);
 
 }  // namespace victorious

@@ -12,9 +12,9 @@
 #include "victorious/base/median.h"
 #include "victorious/base/progress.h"
 #include "victorious/features/feature_extractor.h"
-#include "victorious/image/impulse_noise.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/camera.h"
+#include "victorious/image/impulse_noise.h"
 #include "victorious/track/camera_motion.h"
 #include "victorious/video/video_reader.h"
 
@@ -24,7 +24,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr std::size_t kFewestPairs = 20;
+constexpr std::size_t kMinPairs = 20;
 constexpr int kUnknowns = 5;  // time offset, s; inverse height above the ground, 1/m; three biases, px
 using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
 using Normal = Eigen::Matrix<double, kUnknowns, kUnknowns>;
@@ -48,7 +48,7 @@ Vector3d Components(const std::array<Vector2d, 4>& corners, const std::array<Vec
 }
 
 // A camera pose in one east-north-up tangent plane.
-struct Posed {
+struct PlanePose {
   Vector3d place;
   Eigen::Quaterniond camera_from_plane;
   double focal_px = 0;
@@ -56,7 +56,7 @@ struct Posed {
 
 class Comparison {
  public:
-  Comparison(const ImageMotions& seen, const CameraTrack& cameras)
+  Comparison(const ImageMotions& seen, const CameraTrajectory& cameras)
       : seen_(seen), cameras_(cameras), plane_(cameras.states().front().place), corners_(Corners(seen.image)) {
     std::vector<double> heights_m;
     for (const CameraState& state : cameras.states()) {
@@ -79,7 +79,7 @@ class Comparison {
   [[nodiscard]] double time_s(std::size_t i) const { return seen_.motions[i].from_s; }
 
   // Mean of the measured motion, shifted by `apart_s / 2` earlier and later; std::nullopt if frames are missing there.
-  [[nodiscard]] std::optional<Vector3d> MeasuredAbout(std::size_t i, double apart_s) const {
+  [[nodiscard]] std::optional<Vector3d> MeanMeasured(std::size_t i, double apart_s) const {
     Vector3d sum = Vector3d::Zero();
     for (const double shift_s : {-apart_s / 2, apart_s / 2}) {
       const auto from = SumAt(seen_.motions[i].from_s + shift_s);
@@ -91,7 +91,7 @@ class Comparison {
   }
 
   // Camera poses at both times of every pair, for a time offset; std::nullopt where telemetry has none.
-  using Poses = std::vector<std::optional<std::pair<Posed, Posed>>>;
+  using Poses = std::vector<std::optional<std::pair<PlanePose, PlanePose>>>;
   [[nodiscard]] Poses PosesAt(double offset_s) const {
     Poses poses(size());
     for (std::size_t i = 0; i < size(); ++i) {
@@ -103,7 +103,7 @@ class Comparison {
   }
 
   // Predicted motion of flat ground at a depth of 1 / `per_m` below the median camera height; 0: at infinity.
-  [[nodiscard]] std::optional<Vector3d> Predict(const std::pair<Posed, Posed>& pair, double per_m) const {
+  [[nodiscard]] std::optional<Vector3d> Predict(const std::pair<PlanePose, PlanePose>& pair, double per_m) const {
     std::array<Vector2d, 4> shifts;
     const auto& [from, to] = pair;
     for (std::size_t k = 0; k < corners_.size(); ++k) {
@@ -121,11 +121,11 @@ class Comparison {
   }
 
  private:
-  [[nodiscard]] std::optional<Posed> PoseAt(double time_s) const {
+  [[nodiscard]] std::optional<PlanePose> PoseAt(double time_s) const {
     const auto state = cameras_.At(time_s);
     if (!state || !state->attitude || !state->hfov_rad) return std::nullopt;
-    return Posed{plane_.EnuFromGeodetic(state->place), CameraFromEnu(*state->attitude),
-                 FocalLengthPx(*state->hfov_rad, seen_.image.width)};
+    return PlanePose{plane_.EnuFromGeodetic(state->place), CameraFromEnu(*state->attitude),
+                     FocalLengthPx(*state->hfov_rad, seen_.image.width)};
   }
 
   // Accumulated motion up to a time within a pair, or at its ends.
@@ -139,7 +139,7 @@ class Comparison {
   }
 
   const ImageMotions& seen_;
-  const CameraTrack& cameras_;
+  const CameraTrajectory& cameras_;
   TangentPlane plane_;
   std::array<Vector2d, 4> corners_;
   double height_m_ = 0;
@@ -148,20 +148,20 @@ class Comparison {
 };
 
 // Residuals before subtraction of biases, for the pairs that telemetry covers.
-struct Left {
+struct ResidualSet {
   std::vector<std::size_t> pairs;
   std::vector<Vector3d> residuals;
 };
 
-Left LeftOver(const Comparison& comparison, const Comparison::Poses& poses, double per_m) {
-  Left left;
+ResidualSet ComputeResiduals(const Comparison& comparison, const Comparison::Poses& poses, double per_m) {
+  ResidualSet residual_set;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const auto predicted = poses[i] ? comparison.Predict(*poses[i], per_m) : std::nullopt;
     if (!predicted) continue;
-    left.pairs.push_back(i);
-    left.residuals.push_back(comparison.measured(i) - *predicted);
+    residual_set.pairs.push_back(i);
+    residual_set.residuals.push_back(comparison.measured(i) - *predicted);
   }
-  return left;
+  return residual_set;
 }
 
 Vector3d Medians(const std::vector<Vector3d>& values) {
@@ -175,12 +175,12 @@ Vector3d Medians(const std::vector<Vector3d>& values) {
 }
 
 // Mean absolute residual after subtraction of the median biases.
-double RoughCost(const Left& left) {
-  if (left.residuals.size() < kFewestPairs) return std::numeric_limits<double>::infinity();
-  const Vector3d bias = Medians(left.residuals);
+double MeanAbsResidual(const ResidualSet& residual_set) {
+  if (residual_set.residuals.size() < kMinPairs) return std::numeric_limits<double>::infinity();
+  const Vector3d bias = Medians(residual_set.residuals);
   double sum = 0;
-  for (const Vector3d& residual : left.residuals) sum += (residual - bias).lpNorm<1>();
-  return sum / static_cast<double>(left.residuals.size());
+  for (const Vector3d& residual : residual_set.residuals) sum += (residual - bias).lpNorm<1>();
+  return sum / static_cast<double>(residual_set.residuals.size());
 }
 
 struct Candidate {
@@ -189,22 +189,22 @@ struct Candidate {
 };
 
 // Grid search over offset and height. Returns the local minima over the offset, best first.
-std::vector<Candidate> Seek(const Comparison& comparison, const TimeOffsetOptions& options) {
+std::vector<Candidate> GridSearch(const Comparison& comparison, const TimeOffsetOptions& options) {
   constexpr std::array kHeights_m = {15.0, 30.0, 60.0, 90.0, 130.0, 190.0, 280.0, 420.0, 800.0, 1600.0, 3200.0, 6400.0};
-  const double step_s = options.pair_s / 2;
-  const int steps = static_cast<int>(std::ceil(options.most_s / step_s));
+  const double step_s = options.min_pair_interval_s / 2;
+  const int steps = static_cast<int>(std::ceil(options.max_offset_s / step_s));
   std::vector<Candidate> along;
   for (int k = -steps; k <= steps; ++k) {
     Candidate best;
     best.unknowns[0] = k * step_s;
     const Comparison::Poses poses = comparison.PosesAt(k * step_s);
     const auto try_height = [&](double per_m) {
-      const Left left = LeftOver(comparison, poses, per_m);
-      const double cost = RoughCost(left);
+      const ResidualSet residual_set = ComputeResiduals(comparison, poses, per_m);
+      const double cost = MeanAbsResidual(residual_set);
       if (cost >= best.cost) return;
       best.cost = cost;
       best.unknowns[1] = per_m;
-      best.unknowns.tail<3>() = Medians(left.residuals);
+      best.unknowns.tail<3>() = Medians(residual_set.residuals);
     };
     try_height(0);
     for (const double height_m : kHeights_m) try_height(1 / height_m);
@@ -224,21 +224,21 @@ std::vector<Candidate> Seek(const Comparison& comparison, const TimeOffsetOption
 // A refined local minimum.
 struct Fit {
   Unknowns unknowns = Unknowns::Zero();
-  Left left;             // biases subtracted
-  Vector3d scales_px;    // robust standard deviations of the residuals
-  double variance = 0;   // of the offset, s^2, for independent residuals
-  double in_blocks = 0;  // the same, for residuals correlated within 1 s
+  ResidualSet residual_set;   // biases subtracted
+  Vector3d scales_px;         // robust standard deviations of the residuals
+  double variance = 0;        // of the offset, s^2, for independent residuals
+  double block_variance = 0;  // the same, for residuals correlated within 1 s
 };
 
 // Robust standard deviation (MAD) per component.
-Vector3d ScalesOf(const Left& left) {
+Vector3d RobustScales(const ResidualSet& residual_set) {
   constexpr double kSigmaOfMedian = 1.4826;
-  constexpr double kLeastPx = 0.02;
+  constexpr double kMinPx = 0.02;
   Vector3d scales;
   for (int c = 0; c < 3; ++c) {
     std::vector<double> sizes;
-    for (const Vector3d& residual : left.residuals) sizes.push_back(std::abs(residual[c]));
-    scales[c] = std::max(kLeastPx, kSigmaOfMedian * Median(std::move(sizes)));
+    for (const Vector3d& residual : residual_set.residuals) sizes.push_back(std::abs(residual[c]));
+    scales[c] = std::max(kMinPx, kSigmaOfMedian * Median(std::move(sizes)));
   }
   return scales;
 }
@@ -247,15 +247,15 @@ constexpr double kHuber = 2;  // in standard deviations
 
 double HuberWeight(double sigmas) { return std::abs(sigmas) <= kHuber ? 1 : kHuber / std::abs(sigmas); }
 
-double HuberCost(const Left& left, const Vector3d& scales_px) {
+double HuberCost(const ResidualSet& residual_set, const Vector3d& scales_px) {
   double cost = 0;
-  for (const Vector3d& residual : left.residuals) {
+  for (const Vector3d& residual : residual_set.residuals) {
     for (int c = 0; c < 3; ++c) {
       const double size = std::abs(residual[c]) / scales_px[c];
       cost += size <= kHuber ? size * size : kHuber * (2 * size - kHuber);
     }
   }
-  return left.residuals.empty() ? 0 : cost / static_cast<double>(left.residuals.size());
+  return residual_set.residuals.empty() ? 0 : cost / static_cast<double>(residual_set.residuals.size());
 }
 
 // Derivatives of the predictions by offset and inverse height; those by the biases are 1.
@@ -265,19 +265,19 @@ double HuberCost(const Left& left, const Vector3d& scales_px) {
 //   (p(offset + row / 2) - p(offset - row / 2)) / row,
 // and residuals are against the mean of these two predictions, whose noise is uncorrelated with their difference. The
 // measured motion is averaged at the same times.
-struct Slopes {
-  Left at;
-  std::vector<Eigen::Matrix<double, 3, 2>> slopes;  // one per pair of `at`
+struct Derivatives {
+  ResidualSet at;
+  std::vector<Eigen::Matrix<double, 3, 2>> derivatives;  // one per pair of `at`
 };
 
-Slopes SlopesOf(const Comparison& comparison, const Unknowns& unknowns, double row_s) {
+Derivatives ComputeDerivatives(const Comparison& comparison, const Unknowns& unknowns, double row_s) {
   const double per_m = std::max(0.0, unknowns[1]);
   const double step_per_m = std::max(1e-5, 0.02 * per_m);
   const Comparison::Poses before = comparison.PosesAt(unknowns[0] - row_s / 2);
   const Comparison::Poses after = comparison.PosesAt(unknowns[0] + row_s / 2);
-  Slopes result;
+  Derivatives result;
   for (std::size_t i = 0; i < before.size(); ++i) {
-    const auto measured = comparison.MeasuredAbout(i, row_s);
+    const auto measured = comparison.MeanMeasured(i, row_s);
     if (!before[i] || !after[i] || !measured) continue;
     const auto earlier = comparison.Predict(*before[i], per_m);
     const auto later = comparison.Predict(*after[i], per_m);
@@ -288,13 +288,13 @@ Slopes SlopesOf(const Comparison& comparison, const Unknowns& unknowns, double r
     slope.col(1) = (*nearer - *later) / step_per_m;
     result.at.pairs.push_back(i);
     result.at.residuals.push_back(*measured - (*earlier + *later) / 2 - unknowns.tail<3>());
-    result.slopes.push_back(slope);
+    result.derivatives.push_back(slope);
   }
   return result;
 }
 
 // Normal equations J'WJ and J'Wr, and the sum over blocks of 1 s of the outer products of J'Wr (meat of the sandwich).
-struct System {
+struct NormalEquations {
   Normal normal = Normal::Zero();
   Unknowns gradient = Unknowns::Zero();
   Normal blocks = Normal::Zero();
@@ -305,24 +305,25 @@ struct System {
   }
 };
 
-System SystemOf(const Comparison& comparison, const Slopes& slopes, const Vector3d& scales_px) {
-  System system;
+NormalEquations MakeNormalEquations(const Comparison& comparison, const Derivatives& derivatives,
+                                    const Vector3d& scales_px) {
+  NormalEquations system;
   int blocks = 0;
   Unknowns block = Unknowns::Zero();
   double block_from_s = -std::numeric_limits<double>::infinity();
   constexpr double kBlock_s = 1;
-  for (std::size_t i = 0; i < slopes.slopes.size(); ++i) {
-    if (comparison.time_s(slopes.at.pairs[i]) - block_from_s >= kBlock_s) {
+  for (std::size_t i = 0; i < derivatives.derivatives.size(); ++i) {
+    if (comparison.time_s(derivatives.at.pairs[i]) - block_from_s >= kBlock_s) {
       system.AddBlock(block, blocks);
       block.setZero();
-      block_from_s = comparison.time_s(slopes.at.pairs[i]);
+      block_from_s = comparison.time_s(derivatives.at.pairs[i]);
     }
     for (int c = 0; c < 3; ++c) {
       Unknowns row = Unknowns::Zero();
-      row.head<2>() = slopes.slopes[i].row(c).transpose();
+      row.head<2>() = derivatives.derivatives[i].row(c).transpose();
       row[2 + c] = 1;
       row /= scales_px[c];
-      const double residual = slopes.at.residuals[i][c] / scales_px[c];
+      const double residual = derivatives.at.residuals[i][c] / scales_px[c];
       const double weight = HuberWeight(residual);
       system.normal += weight * row * row.transpose();
       system.gradient += weight * residual * row;
@@ -339,10 +340,10 @@ constexpr double kNotAMinimum = 1e6;
 
 std::optional<Fit> Refine(const Comparison& comparison, Unknowns unknowns, double row_s) {
   constexpr int kRounds = 40;
-  constexpr int kCareful = 8;  // iterations with step halving
+  constexpr int kLineSearchRounds = 8;  // iterations with step halving
   constexpr double kEnough_s = 1e-5;
-  const auto system_at = [&](const Slopes& slopes, const Vector3d& scales_px) {
-    System system = SystemOf(comparison, slopes, scales_px);
+  const auto system_at = [&](const Derivatives& derivatives, const Vector3d& scales_px) {
+    NormalEquations system = MakeNormalEquations(comparison, derivatives, scales_px);
     // Damping keeps unobservable unknowns (the height, if the camera only rotates) at their value.
     for (int k = 0; k < kUnknowns; ++k) system.normal(k, k) *= 1 + 1e-9;
     system.normal(1, 1) += 1e-6;
@@ -350,29 +351,29 @@ std::optional<Fit> Refine(const Comparison& comparison, Unknowns unknowns, doubl
   };
   Fit fit;
   for (int round = 0; round < kRounds; ++round) {
-    const Slopes slopes = SlopesOf(comparison, unknowns, row_s);
-    if (slopes.slopes.size() < kFewestPairs) return std::nullopt;
-    fit.scales_px = ScalesOf(slopes.at);
-    const System system = system_at(slopes, fit.scales_px);
+    const Derivatives derivatives = ComputeDerivatives(comparison, unknowns, row_s);
+    if (derivatives.derivatives.size() < kMinPairs) return std::nullopt;
+    fit.scales_px = RobustScales(derivatives.at);
+    const NormalEquations system = system_at(derivatives, fit.scales_px);
     Unknowns step = system.normal.inverse() * system.gradient;
     if (!step.allFinite()) return std::nullopt;
     if (std::abs(step[0]) > row_s) step *= row_s / std::abs(step[0]);
-    const double cost = HuberCost(slopes.at, fit.scales_px);
+    const double cost = HuberCost(derivatives.at, fit.scales_px);
     const auto after = [&](const Unknowns& change) {
       Unknowns next = unknowns + change;
       next[1] = std::max(0.0, next[1]);
       return next;
     };
-    for (int halved = 0; round < kCareful && halved < 4; ++halved) {
-      if (HuberCost(SlopesOf(comparison, after(step), row_s).at, fit.scales_px) <= cost) break;
+    for (int halved = 0; round < kLineSearchRounds && halved < 4; ++halved) {
+      if (HuberCost(ComputeDerivatives(comparison, after(step), row_s).at, fit.scales_px) <= cost) break;
       step /= 2;
     }
     unknowns = after(step);
-    if (round >= kCareful && std::abs(step[0]) < kEnough_s) break;
+    if (round >= kLineSearchRounds && std::abs(step[0]) < kEnough_s) break;
   }
-  const Slopes slopes = SlopesOf(comparison, unknowns, row_s);
-  if (slopes.slopes.size() < kFewestPairs) return std::nullopt;
-  const System system = system_at(slopes, fit.scales_px);
+  const Derivatives derivatives = ComputeDerivatives(comparison, unknowns, row_s);
+  if (derivatives.derivatives.size() < kMinPairs) return std::nullopt;
+  const NormalEquations system = system_at(derivatives, fit.scales_px);
   const Normal inverse = system.normal.inverse();
   if (!inverse.allFinite() || !(inverse(0, 0) > 0)) return std::nullopt;
   // Noise inflates the derivatives. The numerical derivative of the gradient gives the true curvature; their ratio
@@ -380,34 +381,34 @@ std::optional<Fit> Refine(const Comparison& comparison, Unknowns unknowns, doubl
   const auto gradient_at = [&](double apart_s) {
     Unknowns there = unknowns;
     there[0] += apart_s;
-    return system_at(SlopesOf(comparison, there, row_s), fit.scales_px).gradient[0];
+    return system_at(ComputeDerivatives(comparison, there, row_s), fit.scales_px).gradient[0];
   };
   const double curvature = (gradient_at(-row_s / 2) - gradient_at(row_s / 2)) / row_s;
-  const double steeper = curvature > 0 ? std::max(1.0, system.normal(0, 0) / curvature) : kNotAMinimum;
-  fit.variance = inverse(0, 0) * steeper * steeper;
-  fit.in_blocks = (inverse * system.blocks * inverse)(0, 0) * steeper * steeper;
+  const double noise_factor = curvature > 0 ? std::max(1.0, system.normal(0, 0) / curvature) : kNotAMinimum;
+  fit.variance = inverse(0, 0) * noise_factor * noise_factor;
+  fit.block_variance = (inverse * system.blocks * inverse)(0, 0) * noise_factor * noise_factor;
   fit.unknowns = unknowns;
-  fit.left = slopes.at;
+  fit.residual_set = derivatives.at;
   return fit;
 }
 
 // Fraction of the motion's variance about its median that telemetry explains, from mean absolute values for robustness.
-double Explained(const Comparison& comparison, const Left& left, double row_s) {
+double ExplainedVariance(const Comparison& comparison, const ResidualSet& residual_set, double row_s) {
   std::vector<Vector3d> measured;
-  for (const std::size_t i : left.pairs) measured.push_back(comparison.MeasuredAbout(i, row_s).value());
+  for (const std::size_t i : residual_set.pairs) measured.push_back(comparison.MeanMeasured(i, row_s).value());
   const Vector3d middle = Medians(measured);
   double all = 0;
   double rest = 0;
   for (std::size_t k = 0; k < measured.size(); ++k) {
     all += (measured[k] - middle).norm();
-    rest += left.residuals[k].norm();
+    rest += residual_set.residuals[k].norm();
   }
-  const double share = all > 0 ? rest / all : 1;
-  return 1 - share * share;
+  const double ratio = all > 0 ? rest / all : 1;
+  return 1 - ratio * ratio;
 }
 
 // Median interval between telemetry rows, s.
-double RowOf(const CameraTrack& cameras) {
+double MedianRowInterval(const CameraTrajectory& cameras) {
   std::vector<double> rows_s;
   for (std::size_t i = 1; i < cameras.states().size(); ++i) {
     rows_s.push_back(cameras.states()[i].time_s - cameras.states()[i - 1].time_s);
@@ -415,32 +416,33 @@ double RowOf(const CameraTrack& cameras) {
   return Median(std::move(rows_s));
 }
 
-TimeOffset None(std::string why, std::size_t pairs) { return {.pairs = pairs, .status = std::move(why)}; }
+TimeOffset NoOffset(std::string why, std::size_t pairs) { return {.pairs = pairs, .status = std::move(why)}; }
 
 }  // namespace
 
 void TimeOffsetOptions::ListFields(FieldList& fields) {
-  fields.Add("most_s", most_s, {.min = 0.1, .max = 600, .unit = "s", .reason = "maximum absolute offset searched"});
-  fields.Add("pair_s", pair_s,
+  fields.Add("max_offset_s", max_offset_s,
+             {.min = 0.1, .max = 600, .unit = "s", .reason = "maximum absolute offset searched"});
+  fields.Add("min_pair_interval_s", min_pair_interval_s,
              {.min = 0.01,
               .max = 2,
               .unit = "s",
               .reason = "minimum interval between two compared frames: less gives too little motion"});
-  fields.Add("watch_s", watch_s,
+  fields.Add("max_duration_s", max_duration_s,
              {.min = 2, .max = 1e6, .unit = "s", .reason = "length of the video's beginning that is used"});
-  fields.Add("least_sigma_s", least_sigma_s,
+  fields.Add("min_sigma_s", min_sigma_s,
              {.min = 0,
               .max = 10,
               .unit = "s",
               .reason = "minimum standard error of the offset: exposure time and rounding of time stamps are unknown"});
   fields.Add(
-      "largest_sigma_s", largest_sigma_s,
+      "max_sigma_s", max_sigma_s,
       {.min = 1e-4,
        .max = 100,
        .unit = "s",
        .reason =
            "maximum standard error of the offset; above it there is none: the camera's motion changes too little"});
-  fields.Add("least_explained", least_explained,
+  fields.Add("min_explained_variance", min_explained_variance,
              {.min = 0,
               .max = 1,
               .reason = "minimum fraction of the image motion's variance that telemetry must explain: below it, "
@@ -451,75 +453,76 @@ Expected<ImageMotions> MeasureMotions(const std::string& video, const TimeOffset
                                       const CancelToken& cancel) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(video, {}));
-  const double impulse_share = FeatureOptions().impulse_share;
+  const double impulse_fraction = FeatureOptions().impulse_fraction;
   ImageMotions seen;
-  CameraMotion camera;
+  ImageMotionEstimator camera;
   std::optional<double> last_s;
   Progress progress(video + ", motion", reader->info().frame_count, "frames");
   while (true) {
     if (cancel.IsCancelled()) return Fail(ErrorCode::kCancelled, video + ": interrupted");
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Frame> frame, reader->NextFrame());
-    if (!frame || frame->time_s > options.watch_s) return seen;
+    if (!frame || frame->time_s > options.max_duration_s) return seen;
     progress.Update(frame->index + 1);
     constexpr double kNearly = 0.95;
-    if (last_s && frame->time_s - *last_s < kNearly * options.pair_s) continue;
-    const auto motion = camera.Step(WithoutImpulses(frame->image, impulse_share));
+    if (last_s && frame->time_s - *last_s < kNearly * options.min_pair_interval_s) continue;
+    const auto motion = camera.Step(RemoveImpulses(frame->image, impulse_fraction));
     if (motion && last_s) seen.motions.push_back({*last_s, frame->time_s, *motion});
     seen.image = frame->image.size();
     last_s = frame->time_s;
   }
 }
 
-TimeOffset EstimateTimeOffset(const ImageMotions& seen, const CameraTrack& cameras, const TimeOffsetOptions& options) {
-  const auto tells = [](const CameraState& state) { return state.attitude && state.hfov_rad; };
-  if (std::ranges::none_of(cameras.states(), tells)) {
-    return None("telemetry has no attitude or no field of view", 0);
+TimeOffset EstimateTimeOffset(const ImageMotions& seen, const CameraTrajectory& cameras,
+                              const TimeOffsetOptions& options) {
+  const auto is_usable = [](const CameraState& state) { return state.attitude && state.hfov_rad; };
+  if (std::ranges::none_of(cameras.states(), is_usable)) {
+    return NoOffset("telemetry has no attitude or no field of view", 0);
   }
-  if (seen.motions.size() < kFewestPairs) {
-    return None(fmt::format("the image motion is measurable for {} pairs of frames only", seen.motions.size()),
-                seen.motions.size());
+  if (seen.motions.size() < kMinPairs) {
+    return NoOffset(fmt::format("the image motion is measurable for {} pairs of frames only", seen.motions.size()),
+                    seen.motions.size());
   }
   const Comparison comparison(seen, cameras);
-  const double row_s = std::max(RowOf(cameras), options.pair_s / 2);
-  constexpr std::size_t kMostMinima = 4;
+  const double row_s = std::max(MedianRowInterval(cameras), options.min_pair_interval_s / 2);
+  constexpr std::size_t kMaxMinima = 4;
   std::vector<Fit> fits;
-  for (const Candidate& candidate : Seek(comparison, options)) {
-    if (fits.size() == kMostMinima) break;
+  for (const Candidate& candidate : GridSearch(comparison, options)) {
+    if (fits.size() == kMaxMinima) break;
     if (auto fit = Refine(comparison, candidate.unknowns, row_s)) fits.push_back(*std::move(fit));
   }
-  if (fits.empty()) return None("telemetry and video overlap too little in time", seen.motions.size());
+  if (fits.empty()) return NoOffset("telemetry and video overlap too little in time", seen.motions.size());
   const Vector3d scales_px =
       std::ranges::min_element(fits, {}, [](const Fit& fit) { return fit.scales_px.prod(); })->scales_px;
-  const auto cost = [&](const Fit& fit) { return HuberCost(fit.left, scales_px); };
+  const auto cost = [&](const Fit& fit) { return HuberCost(fit.residual_set, scales_px); };
   const Fit& best = *std::ranges::min_element(fits, {}, cost);
-  TimeOffset result{.sigma_s = std::hypot(std::sqrt(std::max(best.variance, best.in_blocks)), options.least_sigma_s),
-                    .explained = Explained(comparison, best.left, row_s),
-                    .pairs = best.left.pairs.size()};
+  TimeOffset result{.sigma_s = std::hypot(std::sqrt(std::max(best.variance, best.block_variance)), options.min_sigma_s),
+                    .explained = ExplainedVariance(comparison, best.residual_set, row_s),
+                    .pairs = best.residual_set.pairs.size()};
   const double offset_s = best.unknowns[0];
-  if (!(result.sigma_s <= options.largest_sigma_s)) {
+  if (!(result.sigma_s <= options.max_sigma_s)) {
     result.status =
         fmt::format("the camera's motion changes too little: the standard error would be {:.2g} s", result.sigma_s);
     return result;
   }
-  if (!(result.explained >= options.least_explained)) {
+  if (!(result.explained >= options.min_explained_variance)) {
     result.status = fmt::format("telemetry explains only {:.0f} % of the image motion's variance at any offset",
                                 100 * std::max(0.0, result.explained));
     return result;
   }
   // Another minimum is equally good if its cost is not significantly higher; the residuals are correlated.
-  constexpr double kClearly = 9;
-  const double alike = std::max(1.0, best.in_blocks / best.variance);
+  constexpr double kSignificantCost = 9;
+  const double correlation_factor = std::max(1.0, best.block_variance / best.variance);
   for (const Fit& other : fits) {
     const double apart_s = std::abs(other.unknowns[0] - offset_s);
-    if (apart_s < std::max(4 * result.sigma_s, options.pair_s)) continue;
+    if (apart_s < std::max(4 * result.sigma_s, options.min_pair_interval_s)) continue;
     const double worse = (cost(other) - cost(best)) * static_cast<double>(result.pairs);
-    if (worse > kClearly * alike) continue;
+    if (worse > kSignificantCost * correlation_factor) continue;
     result.status =
         fmt::format("the motion is periodic: {:+.2f} s fits as well as {:+.2f} s", other.unknowns[0], offset_s);
     return result;
   }
-  if (std::abs(offset_s) > options.most_s) {
-    result.status = fmt::format("beyond the searched range of {:g} s: raise most_s", options.most_s);
+  if (std::abs(offset_s) > options.max_offset_s) {
+    result.status = fmt::format("beyond the searched range of {:g} s: raise max_offset_s", options.max_offset_s);
     return result;
   }
   result.offset_s = offset_s;

@@ -28,12 +28,12 @@
 namespace victorious {
 
 struct TimeOffsetOptions {
-  double most_s = 2;
-  double pair_s = 0.1;
-  double watch_s = 60;
-  double least_sigma_s = 0.002;
-  double largest_sigma_s = 0.1;
-  double least_explained = 0.5;
+  double max_offset_s = 2;
+  double min_pair_interval_s = 0.1;
+  double max_duration_s = 60;
+  double min_sigma_s = 0.002;
+  double max_sigma_s = 0.1;
+  double min_explained_variance = 0.5;
 
   void ListFields(FieldList& fields);
 };
@@ -69,14 +69,15 @@ struct TimeOffset {
   std::string status;              ///< "ok", or the reason why there is no offset
 };
 
-/// Measures the image motion of the video's first `watch_s`. Errors: those of VideoReader; kCancelled.
+/// Measures the image motion of the video's first `max_duration_s`. Errors: those of VideoReader; kCancelled.
 /// Cost: some 10 ms per pair at 640 x 480, and reading.
 Expected<ImageMotions> MeasureMotions(const std::string& video, const TimeOffsetOptions& options,
                                       const CancelToken& cancel);
 
 /// Estimates the offset. Deterministic. Cost: half a second for a minute of video.
 /// @param cameras  telemetry's states, on the video's clock up to the offset
-TimeOffset EstimateTimeOffset(const ImageMotions& seen, const CameraTrack& cameras, const TimeOffsetOptions& options);
+TimeOffset EstimateTimeOffset(const ImageMotions& seen, const CameraTrajectory& cameras,
+                              const TimeOffsetOptions& options);
 
 /// The result as one line of text.
 [[nodiscard]] std::string Describe(const TimeOffset& offset);

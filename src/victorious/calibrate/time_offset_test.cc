@@ -74,7 +74,7 @@ ImageMotions Film(const Path& path, std::uint64_t seed = 1, double noise_px = 0.
 }
 
 // Its telemetry, 10 states per second, with a clock error of `late_s`.
-CameraTrack Recorded(const Path& path, double late_s) {
+CameraTrajectory Recorded(const Path& path, double late_s) {
   std::vector<CameraState> states;
   for (int i = -30; i < (kLength_s + 3) * 10; ++i) {
     states.push_back(path(0.1 * i));
@@ -115,7 +115,7 @@ TEST(TimeOffset, NoiseInTelemetryDoesNotDrawItToWhereRowsAreApart) {
       state.attitude->yaw_rad += 1e-3 * random.Normal();
       state.attitude->pitch_rad += 1e-3 * random.Normal();
     }
-    const TimeOffset offset = EstimateTimeOffset(Film(Swerving), CameraTrack(states, 2), {});
+    const TimeOffset offset = EstimateTimeOffset(Film(Swerving), CameraTrajectory(states, 2), {});
     ASSERT_TRUE(offset.offset_s) << offset.status;
     EXPECT_NEAR(*offset.offset_s, -0.4, 0.05);
     inside += std::abs(*offset.offset_s + 0.4) < 1.645 * offset.sigma_s ? 1 : 0;

@@ -141,8 +141,8 @@ LinearWeights GetWeights(std::size_t words, std::size_t phrases, std::size_t fis
 }
 
 void PutEncoder(const FisherEncoder& encoder, Writer& out) {
-  out.Put(static_cast<std::uint8_t>(encoder.places));
-  out.PutVector(encoder.share);
+  out.Put(static_cast<std::uint8_t>(encoder.append_position));
+  out.PutVector(encoder.mixture_weight);
   out.PutVector(encoder.mean);
   out.PutVector(encoder.projection.reshaped());
   out.PutVector(encoder.centre.reshaped());
@@ -151,20 +151,20 @@ void PutEncoder(const FisherEncoder& encoder, Writer& out) {
 
 FisherEncoder GetEncoder(Reader& in) {
   FisherEncoder encoder;
-  const auto places = in.Get<std::uint8_t>();
-  in.Require(places <= 1);
-  encoder.places = places == 1;
-  const std::vector<float> share = in.GetFloats();
-  in.Require(std::ranges::all_of(share, [](float value) { return value > 0; }));
-  const auto components = static_cast<Eigen::Index>(share.size());
-  encoder.share = Eigen::Map<const Eigen::VectorXf>(share.data(), components);
+  const auto append_position = in.Get<std::uint8_t>();
+  in.Require(append_position <= 1);
+  encoder.append_position = append_position == 1;
+  const std::vector<float> mixture_weight = in.GetFloats();
+  in.Require(std::ranges::all_of(mixture_weight, [](float value) { return value > 0; }));
+  const auto components = static_cast<Eigen::Index>(mixture_weight.size());
+  encoder.mixture_weight = Eigen::Map<const Eigen::VectorXf>(mixture_weight.data(), components);
   encoder.mean = in.GetVector(components > 0 ? kDescriptorSize : 0);
   const std::vector<float> projection = in.GetFloats();
   const std::size_t dimensions = projection.size() / kDescriptorSize;
   in.Require(projection.size() % kDescriptorSize == 0 && (dimensions > 0) == (components > 0));
-  const std::size_t values = components > 0 ? dimensions + (encoder.places ? 2 : 0) : 0;
-  encoder.centre = in.GetVector(values * share.size());
-  encoder.deviation = in.GetVector(values * share.size());
+  const std::size_t values = components > 0 ? dimensions + (encoder.append_position ? 2 : 0) : 0;
+  encoder.centre = in.GetVector(values * mixture_weight.size());
+  encoder.deviation = in.GetVector(values * mixture_weight.size());
   in.Require((encoder.deviation.array() > 0).all());
   if (!in.ok()) return {};
   const auto rows = static_cast<Eigen::Index>(values);
@@ -203,11 +203,11 @@ void PutGrammar(const PhraseGrammar& grammar, Writer& out) {
 }
 
 PhraseGrammar GetGrammar(std::size_t vocabulary, const GrammarOptions& options, Reader& in) {
-  constexpr std::size_t kMostWords = 0xFFFE;
+  constexpr std::size_t kMaxWords = 0xFFFE;
   auto words = in.GetAll<std::uint32_t>();
   auto likelihoods = in.GetFloats();
   auto samples = in.GetAll<PhraseSample>();
-  in.Require(words.size() == likelihoods.size() && words.size() <= kMostWords);
+  in.Require(words.size() == likelihoods.size() && words.size() <= kMaxWords);
   in.Require(std::ranges::all_of(words, [&](std::uint32_t word) { return word < vocabulary; }));
   in.Require(std::ranges::all_of(likelihoods, [](float value) { return value >= 0; }));
   in.Require(std::ranges::all_of(samples, [&](const PhraseSample& sample) {
@@ -222,7 +222,7 @@ void PutNodes(const std::vector<CategoryNode>& nodes, Writer& out) {
   out.Put(static_cast<std::uint64_t>(nodes.size()));
   for (const CategoryNode& node : nodes) {
     out.PutText(node.name);
-    out.Put(static_cast<std::uint8_t>(node.labels));
+    out.Put(static_cast<std::uint8_t>(node.can_be_label));
     PutCalibration(node.phrases, out);
     PutCalibration(node.words, out);
   }
@@ -233,15 +233,15 @@ std::vector<CategoryNode> GetNodes(Reader& in) {
   const auto count = in.Get<std::uint64_t>();
   for (std::uint64_t i = 0; i < count && in.ok(); ++i) {
     CategoryNode node{.name = in.GetText()};
-    const auto labels = in.Get<std::uint8_t>();
-    in.Require(labels <= 1 && !node.name.empty());
-    node.labels = labels == 1;
+    const auto can_be_label = in.Get<std::uint8_t>();
+    in.Require(can_be_label <= 1 && !node.name.empty());
+    node.can_be_label = can_be_label == 1;
     node.phrases = GetCalibration(in);
     node.words = GetCalibration(in);
     in.Require(nodes.empty() || nodes.back().name < node.name);
     nodes.push_back(std::move(node));
   }
-  in.Require(std::ranges::any_of(nodes, &CategoryNode::labels));
+  in.Require(std::ranges::any_of(nodes, &CategoryNode::can_be_label));
   return nodes;
 }
 
@@ -249,23 +249,25 @@ Expected<CategoryOptions> ParseOptions(const std::string& text) {
   CategoryOptions options;
   const auto json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (json.is_discarded()) return Fail(ErrorCode::kDataLoss, "damaged (options)");
-  if (const Status status = SetFromJson(json, FieldsOf(options)); !status)
+  if (const Status status = SetFromJson(json, CollectFields(options)); !status)
     return Fail(ErrorCode::kDataLoss, fmt::format("damaged (options: {})", status.error().message));
   return options;
 }
 
 void GetLinear(CategoryModel& model, Reader& in) {
   const std::size_t words = model.vocabulary.size();
-  model.parts = in.Get<std::uint16_t>();
-  model.part_of_word = in.GetAll<std::uint16_t>();
-  in.Require(model.part_of_word.size() == words);
-  in.Require(std::ranges::all_of(model.part_of_word, [&](std::uint16_t part) { return part < model.parts; }));
+  model.word_clusters = in.Get<std::uint16_t>();
+  model.cluster_of_word = in.GetAll<std::uint16_t>();
+  in.Require(model.cluster_of_word.size() == words);
+  in.Require(
+      std::ranges::all_of(model.cluster_of_word, [&](std::uint16_t part) { return part < model.word_clusters; }));
   model.fisher = GetEncoder(in);
   if (model.options.shapes.weight > 0) GetShapes(model, in);
   const auto shapes = static_cast<std::size_t>(model.shape_examples.cols());
   for (std::size_t n = 0; n < model.nodes.size() && in.ok(); ++n) {
     model.word_weights.push_back(GetWeights(words, 0, 0, shapes, in));
-    model.phrase_weights.push_back(GetWeights(words, PhraseCount(model.parts), model.fisher.size(), shapes, in));
+    model.phrase_weights.push_back(
+        GetWeights(words, PhraseCount(model.word_clusters), model.fisher.size(), shapes, in));
   }
 }
 
@@ -275,12 +277,12 @@ void GetLikelihoods(CategoryModel& model, Reader& in) {
   in.Require(!model.topic_nodes.empty());
   in.Require(std::ranges::all_of(model.topic_nodes, [&](std::uint32_t node) { return node < model.nodes.size(); }));
   const auto topics = static_cast<Eigen::Index>(model.topic_nodes.size());
-  const std::vector<float> shares = in.GetFloats();
-  in.Require(shares.size() == words * model.topic_nodes.size());
-  in.Require(std::ranges::all_of(shares, [](float share) { return share >= 0; }));
+  const std::vector<float> word_given_topic = in.GetFloats();
+  in.Require(word_given_topic.size() == words * model.topic_nodes.size());
+  in.Require(std::ranges::all_of(word_given_topic, [](float mixture_weight) { return mixture_weight >= 0; }));
   if (!in.ok()) return;
   model.topics.word_given_topic =
-      Eigen::Map<const Eigen::MatrixXf>(shares.data(), static_cast<Eigen::Index>(words), topics);
+      Eigen::Map<const Eigen::MatrixXf>(word_given_topic.data(), static_cast<Eigen::Index>(words), topics);
   for (Eigen::Index z = 0; z < topics && in.ok(); ++z)
     model.grammars.push_back(GetGrammar(words, model.options.grammar, in));
 }
@@ -326,14 +328,13 @@ Expected<CategoryModel> Parse(std::span<const std::byte> bytes) {
   if (header.version == 0 || header.payload_size != payload.size())
     return Fail(ErrorCode::kDataLoss, fmt::format("cut off or damaged ({} bytes, expected {})", bytes.size(),
                                                   header.payload_size + sizeof(Header)));
-  if (Checksum(payload) != header.payload_checksum)
-    return Fail(ErrorCode::kDataLoss, "damaged (wrong checksum)");
+  if (Checksum(payload) != header.payload_checksum) return Fail(ErrorCode::kDataLoss, "damaged (wrong checksum)");
   return ParsePayload(payload);
 }
 
 }  // namespace
 
-std::vector<std::byte> EncodeCategories(const CategoryModel& model) {
+std::vector<std::byte> EncodeCategoryModel(const CategoryModel& model) {
   Writer payload;
   payload.PutText(model.program_version);
   payload.PutText(model.features_json);
@@ -341,8 +342,8 @@ std::vector<std::byte> EncodeCategories(const CategoryModel& model) {
   PutNodes(model.nodes, payload);
   payload.PutAll(model.vocabulary.centres());
   if (model.options.scoring == "linear") {
-    payload.Put(static_cast<std::uint16_t>(model.parts));
-    payload.PutAll(std::span<const std::uint16_t>(model.part_of_word));
+    payload.Put(static_cast<std::uint16_t>(model.word_clusters));
+    payload.PutAll(std::span<const std::uint16_t>(model.cluster_of_word));
     PutEncoder(model.fisher, payload);
     if (model.shape.size() > 0) PutShapes(model, payload);
     for (std::size_t n = 0; n < model.nodes.size(); ++n) {
@@ -365,16 +366,16 @@ std::vector<std::byte> EncodeCategories(const CategoryModel& model) {
   return bytes;
 }
 
-Status WriteCategories(const std::filesystem::path& path, const CategoryModel& model) {
-  return WriteFileAtomically(path, EncodeCategories(model));
+Status WriteCategoryModel(const std::filesystem::path& path, const CategoryModel& model) {
+  return WriteFileAtomically(path, EncodeCategoryModel(model));
 }
 
-Expected<CategoryModel> ReadCategories(const std::filesystem::path& path) {
+Expected<CategoryModel> ReadCategoryModel(const std::filesystem::path& path) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const MappedFile> file, MappedFile::Open(path));
-  return ParseCategories(file->bytes(), path.string());
+  return ParseCategoryModel(file->bytes(), path.string());
 }
 
-Expected<CategoryModel> ParseCategories(std::span<const std::byte> bytes, const std::string& name_for_errors) {
+Expected<CategoryModel> ParseCategoryModel(std::span<const std::byte> bytes, const std::string& name_for_errors) {
   Expected<CategoryModel> model = Parse(bytes);
   if (model) return model;
   Error error = std::move(model).error();

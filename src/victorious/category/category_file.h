@@ -14,18 +14,18 @@
 namespace victorious {
 
 /// Returns the bytes of the file: header and payload.
-std::vector<std::byte> EncodeCategories(const CategoryModel& model);
+std::vector<std::byte> EncodeCategoryModel(const CategoryModel& model);
 
 /// Writes the file atomically: on an error, `path` is unchanged. Errors: those of WriteFileAtomically (base/file.h).
-Status WriteCategories(const std::filesystem::path& path, const CategoryModel& model);
+Status WriteCategoryModel(const std::filesystem::path& path, const CategoryModel& model);
 
 /// Reads a model. Errors: kNotFound; kDataLoss (not a category model, damaged or truncated); kUnsupported (written by a
 /// newer version, or by one older than the oldest supported).
-Expected<CategoryModel> ReadCategories(const std::filesystem::path& path);
+Expected<CategoryModel> ReadCategoryModel(const std::filesystem::path& path);
 
 /// Parses a model from memory. Reads only inside `bytes` and allocates memory proportional to their number, also for
 /// hostile input.
 /// @param name_for_errors  prefix of error messages, e.g. the file's path
-Expected<CategoryModel> ParseCategories(std::span<const std::byte> bytes, const std::string& name_for_errors);
+Expected<CategoryModel> ParseCategoryModel(std::span<const std::byte> bytes, const std::string& name_for_errors);
 
 }  // namespace victorious

@@ -15,9 +15,9 @@ namespace {
 
 constexpr std::array<std::string_view, 4> kBoxColumns = {"x0", "y0", "x1", "y1"};
 
-std::optional<double> PixelsIn(std::string_view text) {
+std::optional<double> ParsePixels(std::string_view text) {
   constexpr double kFarthestPx = 1e7;
-  const auto number = NumberIn(text);
+  const auto number = ParseNumber(text);
   return number && std::abs(*number) < kFarthestPx ? number : std::nullopt;
 }
 
@@ -34,7 +34,7 @@ Expected<std::optional<Box>> ParseBox(const Fields& fields, const std::string& w
     written += (i > 0 ? "," : "") + text;
     if (text.empty()) continue;
     ++given;
-    const auto number = PixelsIn(text);
+    const auto number = ParsePixels(text);
     numbers = numbers && number.has_value();
     edges[i] = number.value_or(0);
   }
@@ -42,8 +42,7 @@ Expected<std::optional<Box>> ParseBox(const Fields& fields, const std::string& w
   const auto fail = [&](std::string_view what) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: box {} {}", where, written, what));
   };
-  if (given < 4 || !numbers)
-    return fail("must be four numbers x0,y0,x1,y1 in pixels, or empty for the whole image");
+  if (given < 4 || !numbers) return fail("must be four numbers x0,y0,x1,y1 in pixels, or empty for the whole image");
   const Box box{edges[0], edges[1], edges[2] - edges[0], edges[3] - edges[1]};
   if (box.IsEmpty()) return fail("is empty: x1 must be above x0, and y1 above y0");
   return box;
@@ -67,11 +66,11 @@ Expected<CategoryListRow> ParseRow(const Fields& fields, std::string where) {
 }  // namespace
 
 Expected<std::vector<CategoryListRow>> ParseCategoryList(std::string_view text, const std::string& name_for_errors) {
-  text = WithoutByteOrderMark(text);
+  text = StripByteOrderMark(text);
   std::vector<std::string> columns;
   std::vector<CategoryListRow> rows;
   for (int number = 1; !text.empty(); ++number) {
-    const std::string_view line = WithoutBlanks(TakeLine(text));
+    const std::string_view line = TrimBlanks(TakeLine(text));
     if (line.empty()) continue;
     const std::vector<std::string> values = SplitRow(line);
     if (columns.empty()) {
@@ -96,12 +95,12 @@ Expected<std::vector<CategoryListRow>> ParseCategoryList(std::string_view text, 
 }
 
 Expected<std::vector<CategoryListRow>> ReadCategoryList(const std::filesystem::path& path) {
-  constexpr std::size_t kMostBytes = std::size_t{256} << 20;
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMostBytes));
+  constexpr std::size_t kMaxBytes = std::size_t{256} << 20;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMaxBytes));
   return ParseCategoryList(text, path.string());
 }
 
-Expected<Box> BoxWithin(const CategoryListRow& row, int width_px, int height_px) {
+Expected<Box> ClippedBox(const CategoryListRow& row, int width_px, int height_px) {
   const Box whole = FrameBox(width_px, height_px);
   if (!row.box) return whole;
   const Box inside = Intersection(*row.box, whole);

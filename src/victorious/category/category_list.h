@@ -32,6 +32,6 @@ Expected<std::vector<CategoryListRow>> ReadCategoryList(const std::filesystem::p
 
 /// Returns the row's box (px) clipped to an image of the given size, or the whole image if the row has no box.
 /// Errors: kInvalidArgument for a box that lies entirely outside the image.
-Expected<Box> BoxWithin(const CategoryListRow& row, int width_px, int height_px);
+Expected<Box> ClippedBox(const CategoryListRow& row, int width_px, int height_px);
 
 }  // namespace victorious

@@ -46,12 +46,12 @@ TEST(CategoryList, SaysWhichLineIsWrong) {
 TEST(CategoryList, BoxesAreCutAtThePicture) {
   CategoryListRow row{
       .image = "a.jpg", .category = "plane", .box = Box{-5, 10, 20, 200}, .mark = {}, .where = "l line 2"};
-  EXPECT_EQ(*BoxWithin(row, 100, 50), (Box{0, 10, 15, 40}));
+  EXPECT_EQ(*ClippedBox(row, 100, 50), (Box{0, 10, 15, 40}));
   row.box = Box{100, 0, 10, 10};
-  EXPECT_THAT(BoxWithin(row, 100, 50).error().message,
+  EXPECT_THAT(ClippedBox(row, 100, 50).error().message,
               AllOf(HasSubstr("l line 2"), HasSubstr("outside"), HasSubstr("100 x 50")));
   row.box.reset();
-  EXPECT_EQ(*BoxWithin(row, 100, 50), (Box{0, 0, 100, 50}));
+  EXPECT_EQ(*ClippedBox(row, 100, 50), (Box{0, 0, 100, 50}));
 }
 
 }  // namespace

@@ -17,8 +17,8 @@
 
 #include "victorious/base/error.h"
 #include "victorious/category/category_options.h"
-#include "victorious/category/ridge.h"
 #include "victorious/category/quantised_image.h"
+#include "victorious/category/ridge.h"
 #include "victorious/geometry/box.h"
 #include "victorious/types/feature_set.h"
 
@@ -29,10 +29,10 @@ enum class CategoryMethod { kPhrases, kWords };
 
 /// A node of the hierarchy.
 struct CategoryNode {
-  std::string name;     ///< full path: "vehicle/car"
-  bool labels = false;  ///< true if training images carry this name: only such nodes can be a label
-  Calibration phrases;  ///< for CategoryMethod::kPhrases
-  Calibration words;    ///< for CategoryMethod::kWords
+  std::string name;           ///< full path: "vehicle/car"
+  bool can_be_label = false;  ///< true if training images carry this name: only such nodes can be a label
+  Calibration phrases;        ///< for CategoryMethod::kPhrases
+  Calibration words;          ///< for CategoryMethod::kWords
 };
 
 /// Weights of one node in the linear classifier:
@@ -56,8 +56,8 @@ struct CategoryModel {
   std::vector<CategoryNode> nodes;  ///< sorted by name, so that ancestors precede their descendants
 
   // Scoring "linear" only; otherwise empty.
-  std::vector<std::uint16_t> part_of_word;  ///< cluster index of each word, below word_clusters
-  std::size_t parts = 0;                    ///< number of word clusters
+  std::vector<std::uint16_t> cluster_of_word;  ///< cluster index of each word, below word_clusters
+  std::size_t word_clusters = 0;               ///< number of word clusters
   FisherEncoder fisher;
   ShapeEncoder shape;
   Eigen::MatrixXf shape_examples;             ///< one column per training example; empty without a shape encoder
@@ -74,12 +74,12 @@ struct CategoryModel {
 struct CategoryExample {
   std::string category;
   FeatureSet features;
-  int picture = 0;         ///< image id: equal for all examples that come from one image
-  bool learns = true;      ///< true if the classifier is trained on it
-  bool calibrates = true;  ///< true if its held-out score is used for calibration; set it for examples that
-                           ///< resemble the images to be classified
-  bool mirrored = false;   ///< true for a mirrored copy of another example of the image; excluded from training if
-                           ///< it increases the confusion of two categories (scoring "linear")
+  int picture = 0;                   ///< image id: equal for all examples that come from one image
+  bool used_for_training = true;     ///< true if the classifier is trained on it
+  bool used_for_calibration = true;  ///< true if its held-out score is used for calibration; set it for examples that
+                                     ///< resemble the images to be classified
+  bool mirrored = false;  ///< true for a mirrored copy of another example of the image; excluded from training if
+                          ///< it increases the confusion of two categories (scoring "linear")
 };
 
 /// Trains a model. Deterministic for a given options.seed.
@@ -100,11 +100,11 @@ struct CategoryResult {
 
 /// Scores an image on all nodes and selects its label.
 /// @param picture  made by QuantiseFeatures with this model
-CategoryResult Classify(const CategoryModel& model, const WordedPicture& picture, CategoryMethod method);
+CategoryResult Classify(const CategoryModel& model, const QuantisedImage& picture, CategoryMethod method);
 
 /// Quantises an image's features with the model's vocabulary, and computes its Fisher vector and its shape vector if
 /// the model has these encoders.
-WordedPicture WordsOf(const CategoryModel& model, const FeatureSet& features);
+QuantisedImage QuantiseFeatures(const CategoryModel& model, const FeatureSet& features);
 
 /// Returns true if `ancestor` equals `name` or is one of its ancestors: "vehicle" for "vehicle/car", not for
 /// "vehicles".
@@ -112,6 +112,6 @@ bool IsWithin(std::string_view name, std::string_view ancestor);
 
 /// Training target of an image of `category` for `node`: +1 positive, -1 negative, 0 unknown (`category` is a proper
 /// ancestor of `node`).
-int TargetOf(std::string_view category, std::string_view node);
+int TrainingTarget(std::string_view category, std::string_view node);
 
 }  // namespace victorious

@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "victorious/category/category_file.h"
 #include "testing/category_tools.h"
+#include "victorious/category/category_file.h"
 #include "victorious/category/refine.h"
 
 namespace victorious {
@@ -20,7 +20,7 @@ using testing::SmallOptions;
 double Accuracy(const CategoryModel& model, std::span<const CategoryExample> examples, CategoryMethod method) {
   double right = 0;
   for (const CategoryExample& example : examples) {
-    const CategoryResult result = Classify(model, WordsOf(model, example.features), method);
+    const CategoryResult result = Classify(model, QuantiseFeatures(model, example.features), method);
     right += model.nodes[result.label].name == example.category ? 1 : 0;
   }
   return right / static_cast<double>(examples.size());
@@ -47,8 +47,8 @@ std::vector<CategoryExample> WithMirrorImages(int pictures_each, bool mirrored_p
       examples.push_back({.category = category,
                           .features = DenseFeatures(seen, testing::CoarseGrid()),
                           .picture = i,
-                          .learns = true,
-                          .calibrates = !mirrored,
+                          .used_for_training = true,
+                          .used_for_calibration = !mirrored,
                           .mirrored = mirrored});
     }
   }
@@ -72,7 +72,7 @@ TEST(CategoryModel, ElsewhereMirrorImagesAreLearnedFrom) {
   for (CategoryExample& example : unmarked) example.mirrored = false;
   const auto model = TrainCategories(examples, SmallOptions());
   ASSERT_TRUE(model.has_value()) << model.error().message;
-  EXPECT_EQ(EncodeCategories(*model), EncodeCategories(*TrainCategories(unmarked, SmallOptions())));
+  EXPECT_EQ(EncodeCategoryModel(*model), EncodeCategoryModel(*TrainCategories(unmarked, SmallOptions())));
 }
 
 TEST(CategoryModel, KeepsTheShapesThatItLearnedFromAlone) {
@@ -93,8 +93,8 @@ TEST(CategoryModel, ManyPicturesAreLearnedFromWithoutFisherVectors) {
 TEST(CategoryModel, IsDeterministicBySeed) {
   const auto examples = DrawExamples(4, 1);
   for (const char* scoring : {"linear", "likelihood"}) {
-    const auto bytes = EncodeCategories(*TrainCategories(examples, SmallOptions(scoring)));
-    EXPECT_EQ(bytes, EncodeCategories(*TrainCategories(examples, SmallOptions(scoring)))) << scoring;
+    const auto bytes = EncodeCategoryModel(*TrainCategories(examples, SmallOptions(scoring)));
+    EXPECT_EQ(bytes, EncodeCategoryModel(*TrainCategories(examples, SmallOptions(scoring)))) << scoring;
   }
 }
 
@@ -103,11 +103,11 @@ TEST(CategoryModel, AFileGivesTheSameScores) {
   for (const char* scoring : {"linear", "likelihood"}) {
     const auto model = TrainCategories(examples, SmallOptions(scoring));
     ASSERT_TRUE(model.has_value());
-    const auto read = ParseCategories(EncodeCategories(*model), "m.vcat");
+    const auto read = ParseCategoryModel(EncodeCategoryModel(*model), "m.vcat");
     ASSERT_TRUE(read.has_value()) << read.error().message;
     for (const CategoryMethod method : {CategoryMethod::kPhrases, CategoryMethod::kWords}) {
-      const CategoryResult a = Classify(*model, WordsOf(*model, examples[0].features), method);
-      const CategoryResult b = Classify(*read, WordsOf(*read, examples[0].features), method);
+      const CategoryResult a = Classify(*model, QuantiseFeatures(*model, examples[0].features), method);
+      const CategoryResult b = Classify(*read, QuantiseFeatures(*read, examples[0].features), method);
       for (std::size_t n = 0; n < a.scores.size(); ++n)
         EXPECT_EQ(a.scores[n].probability, b.scores[n].probability) << scoring;
     }
@@ -121,10 +121,10 @@ TEST(CategoryModel, AFileKeepsShapes) {
   const auto model = TrainCategories(examples, options);
   ASSERT_TRUE(model.has_value());
   ASSERT_EQ(model->shape_examples.cols(), 10);
-  const auto read = ParseCategories(EncodeCategories(*model), "m.vcat");
+  const auto read = ParseCategoryModel(EncodeCategoryModel(*model), "m.vcat");
   ASSERT_TRUE(read.has_value()) << read.error().message;
-  const CategoryResult a = Classify(*model, WordsOf(*model, examples[0].features), CategoryMethod::kPhrases);
-  const CategoryResult b = Classify(*read, WordsOf(*read, examples[0].features), CategoryMethod::kPhrases);
+  const CategoryResult a = Classify(*model, QuantiseFeatures(*model, examples[0].features), CategoryMethod::kPhrases);
+  const CategoryResult b = Classify(*read, QuantiseFeatures(*read, examples[0].features), CategoryMethod::kPhrases);
   EXPECT_EQ(a.scores[0].raw, b.scores[0].raw);
   EXPECT_FALSE(RefineCategories(*model, {}).has_value());
 }
@@ -132,17 +132,17 @@ TEST(CategoryModel, AFileKeepsShapes) {
 TEST(CategoryModel, AFileOfTheVersionBeforeIsRead) {
   const auto examples = DrawExamples(4, 3);
   const auto model = TrainCategories(examples, SmallOptions());
-  auto bytes = EncodeCategories(*model);
+  auto bytes = EncodeCategoryModel(*model);
   bytes[8] = std::byte{2};  // version 2 has no shapes; this model has none either
-  const auto read = ParseCategories(bytes, "m.vcat");
+  const auto read = ParseCategoryModel(bytes, "m.vcat");
   ASSERT_TRUE(read.has_value()) << read.error().message;
-  EXPECT_EQ(EncodeCategories(*read), EncodeCategories(*model));
+  EXPECT_EQ(EncodeCategoryModel(*read), EncodeCategoryModel(*model));
 }
 
 TEST(CategoryModel, DamagedFilesAreRefused) {
-  const auto bytes = EncodeCategories(*TrainCategories(DrawExamples(3, 3), SmallOptions()));
+  const auto bytes = EncodeCategoryModel(*TrainCategories(DrawExamples(3, 3), SmallOptions()));
   const auto refusal = [](std::vector<std::byte> damaged) {
-    const auto read = ParseCategories(damaged, "m.vcat");
+    const auto read = ParseCategoryModel(damaged, "m.vcat");
     EXPECT_FALSE(read.has_value());
     return read ? std::string() : read.error().message;
   };
@@ -177,19 +177,20 @@ TEST(CategoryModel, AHierarchyHasAScoreForEachLevel) {
     std::vector<std::string> names;
     for (const CategoryNode& node : model->nodes) names.push_back(node.name);
     EXPECT_THAT(names, ElementsAre("noise", "pair", "pair/cross-disc", "pair/disc-cross"));
-    EXPECT_FALSE(model->nodes[1].labels) << "no picture was named by it";
-    const auto scores = Classify(*model, WordsOf(*model, examples[0].features), CategoryMethod::kPhrases).scores;
+    EXPECT_FALSE(model->nodes[1].can_be_label) << "no picture was named by it";
+    const auto scores =
+        Classify(*model, QuantiseFeatures(*model, examples[0].features), CategoryMethod::kPhrases).scores;
     EXPECT_GT(scores[1].probability, 0.5) << scoring;
     EXPECT_LT(scores[0].probability, 0.5) << scoring;
   }
 }
 
 TEST(CategoryModel, TargetsFollowTheHierarchy) {
-  EXPECT_EQ(TargetOf("vehicle/car/sedan", "vehicle"), 1);
-  EXPECT_EQ(TargetOf("vehicle/car", "vehicle/car"), 1);
-  EXPECT_EQ(TargetOf("vehicle/car", "vehicle/car/sedan"), 0) << "it may be a sedan";
-  EXPECT_EQ(TargetOf("vehicle/car", "vehicle/truck"), -1);
-  EXPECT_EQ(TargetOf("vehicles", "vehicle"), -1);
+  EXPECT_EQ(TrainingTarget("vehicle/car/sedan", "vehicle"), 1);
+  EXPECT_EQ(TrainingTarget("vehicle/car", "vehicle/car"), 1);
+  EXPECT_EQ(TrainingTarget("vehicle/car", "vehicle/car/sedan"), 0) << "it may be a sedan";
+  EXPECT_EQ(TrainingTarget("vehicle/car", "vehicle/truck"), -1);
+  EXPECT_EQ(TrainingTarget("vehicles", "vehicle"), -1);
 }
 
 TEST(CategoryModel, SaysWhatIsMissing) {

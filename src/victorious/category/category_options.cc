@@ -8,9 +8,9 @@ void CategoryOptions::ListFields(FieldList& fields) {
               .reason = "linear: regularised least-squares classifier on words and phrases; likelihood: the thesis's "
                         "method, pLSA for words and equation 3.3 for phrases"});
   fields.Add("seed", seed, {.reason = "seed of all random sampling"});
-  fields.Add("soft_words", soft_words,
+  fields.Add("words_per_keypoint", words_per_keypoint,
              {.min = 1, .max = 8, .reason = "nearest words that a keypoint is assigned to; thesis: 1"});
-  fields.Add("softness", softness,
+  fields.Add("assignment_sigma", assignment_sigma,
              {.min = 1,
               .max = 1000,
               .reason = "sigma of the soft assignment, in descriptor distance (descriptors have length 512): a word "

@@ -18,8 +18,8 @@ namespace victorious {
 struct CategoryOptions {
   std::string scoring = "linear";
   std::uint64_t seed = 1;
-  int soft_words = 4;
-  double softness = 50.0;
+  int words_per_keypoint = 4;
+  double assignment_sigma = 50.0;
   double lambda = 0.1;
   VocabularyOptions vocabulary;
   PhraseOptions phrases;

@@ -13,13 +13,13 @@ double DotWith(const Eigen::VectorXf& weights, const SparseVector& histogram) {
   return sum;
 }
 
-std::vector<double> LinearScores(const CategoryModel& model, const WordedPicture& picture, CategoryMethod method) {
+std::vector<double> LinearScores(const CategoryModel& model, const QuantisedImage& picture, CategoryMethod method) {
   const bool with_phrases = method == CategoryMethod::kPhrases;
   const SparseVector words = Hellinger(CountWords(picture, model.vocabulary.size()));
   SparseVector phrases;
   if (with_phrases) {
-    phrases = Hellinger(
-        CountPhrases(FindPhrases(picture, model.part_of_word, model.parts, model.options.phrases), model.parts));
+    phrases = Hellinger(CountPhrases(
+        FindPhrases(picture, model.cluster_of_word, model.word_clusters, model.options.phrases), model.word_clusters));
   }
   Eigen::VectorXf compared;
   if (model.shape.size() > 0)
@@ -40,19 +40,20 @@ bool IsWithin(std::string_view name, std::string_view ancestor) {
   return name.starts_with(ancestor) && (name.size() == ancestor.size() || name[ancestor.size()] == '/');
 }
 
-int TargetOf(std::string_view category, std::string_view node) {
+int TrainingTarget(std::string_view category, std::string_view node) {
   if (IsWithin(category, node)) return 1;
   return IsWithin(node, category) ? 0 : -1;
 }
 
-WordedPicture WordsOf(const CategoryModel& model, const FeatureSet& features) {
-  WordedPicture picture = WordsOf(features, model.vocabulary, model.options.soft_words, model.options.softness);
+QuantisedImage QuantiseFeatures(const CategoryModel& model, const FeatureSet& features) {
+  QuantisedImage picture =
+      QuantiseFeatures(features, model.vocabulary, model.options.words_per_keypoint, model.options.assignment_sigma);
   picture.fisher = model.fisher.Encode(features);
   picture.shape = model.shape.Encode(features);
   return picture;
 }
 
-CategoryResult Classify(const CategoryModel& model, const WordedPicture& picture, CategoryMethod method) {
+CategoryResult Classify(const CategoryModel& model, const QuantisedImage& picture, CategoryMethod method) {
   VICTORIOUS_CHECK(!model.nodes.empty());
   const std::vector<double> raw = model.options.scoring == "linear" ? LinearScores(model, picture, method)
                                                                     : LikelihoodScores(model, picture, method);
@@ -62,7 +63,7 @@ CategoryResult Classify(const CategoryModel& model, const WordedPicture& picture
     const CategoryNode& node = model.nodes[n];
     const Calibration& calibration = method == CategoryMethod::kPhrases ? node.phrases : node.words;
     result.scores.push_back({raw[n], calibration.Probability(raw[n])});
-    if (node.labels && result.scores[n].probability > best) {
+    if (node.can_be_label && result.scores[n].probability > best) {
       best = result.scores[n].probability;
       result.label = n;
     }

@@ -90,11 +90,11 @@ void AppendDescriptor(Raw& raw, std::vector<std::uint8_t>& out) {
 
 void DenseOptions::ListFields(FieldList& fields) {
   fields.Add("step_px", step_px, {.min = 2, .max = 64, .unit = "px", .reason = "spacing of the grid points"});
-  fields.Add("smallest_cell_px", smallest_cell_px,
+  fields.Add("min_cell_px", min_cell_px,
              {.min = 2, .max = 32, .unit = "px", .reason = "side of a cell at the smallest scale, of 4 x 4 per patch"});
   fields.Add("sizes", sizes, {.min = 1, .max = 8, .reason = "number of patch scales"});
   fields.Add("size_factor", size_factor, {.min = 1.1, .max = 4, .reason = "ratio of successive scales"});
-  fields.Add("least_contrast", least_contrast,
+  fields.Add("min_contrast", min_contrast,
              {.min = 0,
               .max = 255,
               .reason = "patches with a lower mean gradient (grey levels per pixel, root of the sum of squares over "
@@ -119,7 +119,7 @@ FeatureSet DenseFeatures(const cv::Mat& grey, const DenseOptions& options) {
   cv::Mat image = grey;
   if (size != grey.size()) cv::resize(grey, image, size, 0, 0, cv::INTER_AREA);
 
-  double cell_px = options.smallest_cell_px;
+  double cell_px = options.min_cell_px;
   for (int i = 0; i < options.sizes; ++i, cell_px *= options.size_factor) {
     const double margin_px = kCells / 2 * cell_px;
     if (2 * margin_px > std::min(size.width, size.height)) break;
@@ -127,7 +127,7 @@ FeatureSet DenseFeatures(const cv::Mat& grey, const DenseOptions& options) {
     for (double y = margin_px; y <= size.height - margin_px; y += options.step_px) {
       for (double x = margin_px; x <= size.width - margin_px; x += options.step_px) {
         Raw raw = Sample(planes, x, y, cell_px);
-        if (raw.norm <= options.least_contrast) continue;
+        if (raw.norm <= options.min_contrast) continue;
         AppendDescriptor(raw, features.descriptors);
         features.keypoints.push_back({static_cast<float>(x / shrink), static_cast<float>(y / shrink),
                                       static_cast<float>(cell_px / 3 / shrink), 0.0F});

@@ -15,10 +15,10 @@ namespace victorious {
 
 struct DenseOptions {
   int step_px = 8;
-  double smallest_cell_px = 4.0;
+  double min_cell_px = 4.0;
   int sizes = 6;
   double size_factor = 1.5;
-  double least_contrast = 2.0;
+  double min_contrast = 2.0;
   int max_side_px = 320;
 
   void ListFields(FieldList& fields);

@@ -12,8 +12,7 @@ namespace {
 TEST(DenseFeatures, AreAGridInsideThePicture) {
   Random random(1);
   const cv::Mat picture = testing::DrawPair(true, random);
-  const FeatureSet features =
-      DenseFeatures(picture, {.step_px = 10, .smallest_cell_px = 6, .sizes = 1, .least_contrast = 0});
+  const FeatureSet features = DenseFeatures(picture, {.step_px = 10, .min_cell_px = 6, .sizes = 1, .min_contrast = 0});
   // 160 x 120 px minus a margin of 12 px on each side, step 10 px.
   EXPECT_EQ(features.size(), 14U * 10U);
   EXPECT_EQ(features.descriptors.size(), features.size() * kDescriptorSize);
@@ -31,7 +30,7 @@ TEST(DenseFeatures, OfAnEdgeLieInTheGradientsOrientation) {
   // Dark above bright: the gradient points down, +90 degrees, the third of eight orientations.
   cv::Mat picture(64, 64, CV_8UC1, cv::Scalar(40));
   picture.rowRange(32, 64).setTo(200);
-  const FeatureSet features = DenseFeatures(picture, {.step_px = 32, .smallest_cell_px = 8, .sizes = 1});
+  const FeatureSet features = DenseFeatures(picture, {.step_px = 32, .min_cell_px = 8, .sizes = 1});
   ASSERT_GT(features.size(), 0U);
   const auto descriptor = features.View().Descriptor(0);
   const auto largest = std::ranges::max_element(descriptor) - descriptor.begin();

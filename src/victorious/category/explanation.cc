@@ -10,24 +10,25 @@
 namespace victorious {
 namespace {
 
-std::vector<PhraseEvidence> LinearEvidence(const CategoryModel& model, const WordedPicture& picture, std::size_t node) {
-  const auto phrases = FindPhrases(picture, model.part_of_word, model.parts, model.options.phrases);
-  const SparseVector counts = CountPhrases(phrases, model.parts);
+std::vector<PhraseContribution> LinearContributions(const CategoryModel& model, const QuantisedImage& picture,
+                                                    std::size_t node) {
+  const auto phrases = FindPhrases(picture, model.cluster_of_word, model.word_clusters, model.options.phrases);
+  const SparseVector counts = CountPhrases(phrases, model.word_clusters);
   const SparseVector values = Hellinger(counts);
-  std::vector<float> each(PhraseCount(model.parts));  // contribution of one occurrence of each phrase
+  std::vector<float> each(PhraseCount(model.word_clusters));  // contribution of one occurrence of each phrase
   for (std::size_t k = 0; k < counts.size(); ++k) {
     const auto [phrase, value] = values[k];
     each[phrase] = model.phrase_weights[node].phrases(phrase) * value / counts[k].second;
   }
-  std::vector<PhraseEvidence> evidence;
+  std::vector<PhraseContribution> evidence;
   for (const PhraseOccurrence& phrase : phrases)
     if (each[phrase.phrase] != 0) evidence.push_back({phrase.i, phrase.j, each[phrase.phrase]});
   return evidence;
 }
 
-std::vector<PhraseEvidence> LikelihoodEvidence(const CategoryModel& model, const WordedPicture& picture,
-                                               std::size_t node) {
-  std::vector<PhraseEvidence> evidence;
+std::vector<PhraseContribution> LikelihoodContributions(const CategoryModel& model, const QuantisedImage& picture,
+                                                        std::size_t node) {
+  std::vector<PhraseContribution> evidence;
   double sum = 0;
   for (std::size_t z = 0; z < model.topic_nodes.size(); ++z) {
     if (!IsWithin(model.nodes[model.topic_nodes[z]].name, model.nodes[node].name)) continue;
@@ -36,15 +37,15 @@ std::vector<PhraseEvidence> LikelihoodEvidence(const CategoryModel& model, const
       sum += phrase.likelihood;
     }
   }
-  for (PhraseEvidence& one : evidence) one.weight /= sum;
+  for (PhraseContribution& one : evidence) one.weight /= sum;
   return evidence;
 }
 
 constexpr int kCellsAcross = 32;  // of the grid, along the longer side
 
 // Contributions summed per grid cell of the image, minus the mean over cells.
-cv::Mat_<double> EvidenceGrid(const std::vector<PhraseEvidence>& evidence, const WordedPicture& picture,
-                              double cell_px) {
+cv::Mat_<double> ContributionGrid(const std::vector<PhraseContribution>& evidence, const QuantisedImage& picture,
+                                  double cell_px) {
   cv::Mat_<double> grid(std::max(1, static_cast<int>(std::ceil(picture.height / cell_px))),
                         std::max(1, static_cast<int>(std::ceil(picture.width / cell_px))), 0.0);
   const auto add = [&](const Keypoint& keypoint, double weight) {
@@ -52,7 +53,7 @@ cv::Mat_<double> EvidenceGrid(const std::vector<PhraseEvidence>& evidence, const
     const int column = std::clamp(static_cast<int>(keypoint.x / cell_px), 0, grid.cols - 1);
     grid(row, column) += weight;
   };
-  for (const PhraseEvidence& one : evidence) {
+  for (const PhraseContribution& one : evidence) {
     add(picture.keypoints[one.i], one.weight / 2);
     add(picture.keypoints[one.j], one.weight / 2);
   }
@@ -90,27 +91,28 @@ cv::Rect BestRectangle(const cv::Mat_<double>& grid) {
 
 }  // namespace
 
-std::vector<PhraseEvidence> EvidenceFor(const CategoryModel& model, const WordedPicture& picture, std::size_t node) {
+std::vector<PhraseContribution> ComputeContributions(const CategoryModel& model, const QuantisedImage& picture,
+                                                     std::size_t node) {
   VICTORIOUS_CHECK(node < model.nodes.size());
-  auto evidence = model.options.scoring == "linear" ? LinearEvidence(model, picture, node)
-                                                    : LikelihoodEvidence(model, picture, node);
-  std::ranges::stable_sort(evidence, std::ranges::greater(), &PhraseEvidence::weight);
+  auto evidence = model.options.scoring == "linear" ? LinearContributions(model, picture, node)
+                                                    : LikelihoodContributions(model, picture, node);
+  std::ranges::stable_sort(evidence, std::ranges::greater(), &PhraseContribution::weight);
   return evidence;
 }
 
-Box SupportingBox(const std::vector<PhraseEvidence>& evidence, const WordedPicture& picture) {
+Box SupportingBox(const std::vector<PhraseContribution>& evidence, const QuantisedImage& picture) {
   const double cell_px = std::max(1.0, std::max(picture.width, picture.height) / static_cast<double>(kCellsAcross));
-  const cv::Rect cells = BestRectangle(EvidenceGrid(evidence, picture, cell_px));
+  const cv::Rect cells = BestRectangle(ContributionGrid(evidence, picture, cell_px));
   const Box box{cells.x * cell_px, cells.y * cell_px, cells.width * cell_px, cells.height * cell_px};
   return Intersection(box, FrameBox(picture.width, picture.height));
 }
 
-cv::Mat DrawEvidence(const cv::Mat& bgr, const WordedPicture& picture, const std::vector<PhraseEvidence>& evidence,
-                     const std::string& caption) {
+cv::Mat DrawContributions(const cv::Mat& bgr, const QuantisedImage& picture,
+                          const std::vector<PhraseContribution>& evidence, const std::string& caption) {
   constexpr double kDim = 0.55;
   constexpr std::size_t kDrawn = 150;
-  constexpr int kLeastWidthPx = 480;  // smaller images are enlarged to keep lines distinguishable
-  const double zoom = std::max(1.0, static_cast<double>(kLeastWidthPx) / std::max(1, bgr.cols));
+  constexpr int kMinWidthPx = 480;  // smaller images are enlarged to keep lines distinguishable
+  const double zoom = std::max(1.0, static_cast<double>(kMinWidthPx) / std::max(1, bgr.cols));
   cv::Mat canvas;
   cv::resize(bgr, canvas, {}, zoom, zoom, cv::INTER_LINEAR);
   canvas *= kDim;

@@ -13,12 +13,12 @@ TEST(Evidence, AddsUpToThePhrasesPartOfTheScore) {
   const auto model = TrainCategories(testing::DrawExamples(8, 1), testing::SmallOptions());
   ASSERT_TRUE(model.has_value());
   const auto examples = testing::DrawExamples(1, 9);
-  const WordedPicture picture = WordsOf(*model, examples[0].features);
-  const auto evidence = EvidenceFor(*model, picture, 0);
+  const QuantisedImage picture = QuantiseFeatures(*model, examples[0].features);
+  const auto evidence = ComputeContributions(*model, picture, 0);
   ASSERT_FALSE(evidence.empty());
-  EXPECT_TRUE(std::ranges::is_sorted(evidence, std::ranges::greater(), &PhraseEvidence::weight));
+  EXPECT_TRUE(std::ranges::is_sorted(evidence, std::ranges::greater(), &PhraseContribution::weight));
   double sum = 0;
-  for (const PhraseEvidence& one : evidence) sum += one.weight;
+  for (const PhraseContribution& one : evidence) sum += one.weight;
   const LinearWeights& weights = model->phrase_weights[0];
   double rest = weights.offset + weights.fisher.dot(picture.fisher);
   for (const auto& [word, value] : Hellinger(CountWords(picture, model->vocabulary.size())))
@@ -27,8 +27,8 @@ TEST(Evidence, AddsUpToThePhrasesPartOfTheScore) {
 }
 
 TEST(Evidence, BoxIsWhereTheEvidenceIs) {
-  WordedPicture picture{.width = 320, .height = 160};
-  std::vector<PhraseEvidence> evidence;
+  QuantisedImage picture{.width = 320, .height = 160};
+  std::vector<PhraseContribution> evidence;
   for (int x = 5; x < 320; x += 10)
     for (int y = 5; y < 160; y += 10) picture.keypoints.push_back({static_cast<float>(x), static_cast<float>(y), 2, 0});
   for (std::uint32_t i = 0; i < picture.size(); ++i) {
@@ -49,14 +49,14 @@ TEST(Evidence, IsDrawnForEitherScoring) {
   for (const char* scoring : {"linear", "likelihood"}) {
     const auto model = TrainCategories(testing::DrawExamples(4, 1), testing::SmallOptions(scoring));
     ASSERT_TRUE(model.has_value());
-    const WordedPicture picture = WordsOf(*model, DenseFeatures(grey, testing::CoarseGrid()));
-    const auto evidence = EvidenceFor(*model, picture, 0);
+    const QuantisedImage picture = QuantiseFeatures(*model, DenseFeatures(grey, testing::CoarseGrid()));
+    const auto evidence = ComputeContributions(*model, picture, 0);
     EXPECT_FALSE(evidence.empty());
-    const cv::Mat drawn = DrawEvidence(bgr, picture, evidence, "caption");
+    const cv::Mat drawn = DrawContributions(bgr, picture, evidence, "caption");
     EXPECT_GE(drawn.cols, 480);
   }
-  const WordedPicture nothing{.width = 160, .height = 120};
-  EXPECT_FALSE(DrawEvidence(bgr, nothing, {}, "").empty());
+  const QuantisedImage nothing{.width = 160, .height = 120};
+  EXPECT_FALSE(DrawContributions(bgr, nothing, {}, "").empty());
 }
 
 }  // namespace

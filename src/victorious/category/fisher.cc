@@ -19,7 +19,7 @@ using Eigen::MatrixXf;
 using Eigen::VectorXf;
 
 // The square roots of the descriptors, one column per feature.
-MatrixXf RootsOf(const FeatureSet& features) {
+MatrixXf RootSiftColumns(const FeatureSet& features) {
   const std::vector<std::uint8_t> roots = RootDescriptors(features.descriptors);
   using Bytes = Eigen::Matrix<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic>;
   return Eigen::Map<const Bytes>(roots.data(), static_cast<Index>(kDescriptorSize), static_cast<Index>(features.size()))
@@ -27,12 +27,12 @@ MatrixXf RootsOf(const FeatureSet& features) {
 }
 
 // The projected descriptors, one column per feature; with encoder.append_position, the relative position is appended.
-MatrixXf Reduce(const FisherEncoder& encoder, const FeatureSet& features) {
+MatrixXf ProjectFeatures(const FisherEncoder& encoder, const FeatureSet& features) {
   const Index dimensions = encoder.projection.rows();
   const auto count = static_cast<Index>(features.size());
-  MatrixXf reduced(dimensions + (encoder.places ? 2 : 0), count);
-  reduced.topRows(dimensions).noalias() = encoder.projection * (RootsOf(features).colwise() - encoder.mean);
-  if (!encoder.places) return reduced;
+  MatrixXf reduced(dimensions + (encoder.append_position ? 2 : 0), count);
+  reduced.topRows(dimensions).noalias() = encoder.projection * (RootSiftColumns(features).colwise() - encoder.mean);
+  if (!encoder.append_position) return reduced;
   const auto width = static_cast<float>(std::max(1, features.image_width));
   const auto height = static_cast<float>(std::max(1, features.image_height));
   for (Index i = 0; i < count; ++i) {
@@ -46,11 +46,12 @@ MatrixXf Reduce(const FisherEncoder& encoder, const FeatureSet& features) {
 // Posteriors P(component | feature), components x features.
 MatrixXf Posteriors(const FisherEncoder& encoder, const MatrixXf& reduced) {
   const MatrixXf precision = encoder.deviation.array().square().inverse();
-  const VectorXf constant = encoder.share.array().log() - (0.5F * precision.array() * encoder.centre.array().square() +
-                                                           encoder.deviation.array().log())
-                                                              .colwise()
-                                                              .sum()
-                                                              .transpose();
+  const VectorXf constant =
+      encoder.mixture_weight.array().log() -
+      (0.5F * precision.array() * encoder.centre.array().square() + encoder.deviation.array().log())
+          .colwise()
+          .sum()
+          .transpose();
   MatrixXf posteriors = precision.cwiseProduct(encoder.centre).transpose() * reduced;
   posteriors.noalias() -= 0.5F * precision.transpose() * reduced.cwiseAbs2();
   posteriors.colwise() += constant;
@@ -68,21 +69,21 @@ struct Moments {
   MatrixXf second;
 };
 
-Moments MomentsOf(const FisherEncoder& encoder, const MatrixXf& reduced) {
+Moments ComputeMoments(const FisherEncoder& encoder, const MatrixXf& reduced) {
   const MatrixXf posteriors = Posteriors(encoder, reduced);
   return {.zeroth = posteriors.rowwise().sum(),
           .first = reduced * posteriors.transpose(),
           .second = reduced.cwiseAbs2() * posteriors.transpose()};
 }
 
-// Samples at most `most` features of all sets, with positions relative to the size of their image.
-FeatureSet Draw(std::span<const FeatureSet* const> sets, std::size_t most, Random& random) {
+// Samples at max_count `max_count` features of all sets, with positions relative to the size of their image.
+FeatureSet SampleFeatures(std::span<const FeatureSet* const> sets, std::size_t max_count, Random& random) {
   std::vector<std::pair<const FeatureSet*, std::size_t>> all;
   for (const FeatureSet* set : sets)
     for (std::size_t i = 0; i < set->size(); ++i) all.emplace_back(set, i);
   FeatureSet drawn;
   drawn.image_width = drawn.image_height = 1;
-  for (std::size_t i = 0; i < std::min(most, all.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(max_count, all.size()); ++i) {
     std::swap(all[i], all[i + random.Below(static_cast<std::uint32_t>(all.size() - i))]);
     const auto& [set, at] = all[i];
     const auto row = std::span(set->descriptors).subspan(at * kDescriptorSize, kDescriptorSize);
@@ -96,7 +97,7 @@ FeatureSet Draw(std::span<const FeatureSet* const> sets, std::size_t most, Rando
 }
 
 void FitProjection(const FeatureSet& sample, int dimensions, FisherEncoder& encoder) {
-  const MatrixXf roots = RootsOf(sample);
+  const MatrixXf roots = RootSiftColumns(sample);
   encoder.mean = roots.rowwise().mean();
   const MatrixXf centred = roots.colwise() - encoder.mean;
   const Eigen::MatrixXd covariance = (centred * centred.transpose()).cast<double>();
@@ -109,25 +110,25 @@ void FitProjection(const FeatureSet& sample, int dimensions, FisherEncoder& enco
 void FitMixture(const MatrixXf& reduced, const FisherOptions& options, FisherEncoder& encoder) {
   const Index count = reduced.cols();
   const Index components = std::min<Index>(options.components, count);
-  constexpr float kLeastVariance = 1e-6F;
+  constexpr float kMinVariance = 1e-6F;
   const VectorXf spread = (reduced.colwise() - VectorXf(reduced.rowwise().mean())).cwiseAbs2().rowwise().mean();
-  const VectorXf variance = spread.cwiseMax(kLeastVariance);
+  const VectorXf variance = spread.cwiseMax(kMinVariance);
   // The features are in random order, so the first ones are a random initialisation.
   encoder.centre = reduced.leftCols(components);
   encoder.deviation = (0.5F * variance.array().sqrt()).matrix().replicate(1, components);
-  encoder.share = VectorXf::Constant(components, 1.0F / static_cast<float>(components));
+  encoder.mixture_weight = VectorXf::Constant(components, 1.0F / static_cast<float>(components));
   for (int i = 0; i < options.iterations; ++i) {
-    const Moments moments = MomentsOf(encoder, reduced);
+    const Moments moments = ComputeMoments(encoder, reduced);
     for (Index k = 0; k < components; ++k) {
-      constexpr float kLeastFeatures = 1e-3F;
-      constexpr float kLeastVarianceShare = 0.01F;  // avoids the singularity of a component on one feature
-      const float weight = std::max(moments.zeroth(k), kLeastFeatures);
+      constexpr float kMinFeatures = 1e-3F;
+      constexpr float kMinVarianceFraction = 0.01F;  // avoids the singularity of a component on one feature
+      const float weight = std::max(moments.zeroth(k), kMinFeatures);
       encoder.centre.col(k) = moments.first.col(k) / weight;
       const VectorXf own = moments.second.col(k) / weight - encoder.centre.col(k).cwiseAbs2();
-      encoder.deviation.col(k) = own.cwiseMax(kLeastVarianceShare * variance).cwiseSqrt();
-      encoder.share(k) = weight;
+      encoder.deviation.col(k) = own.cwiseMax(kMinVarianceFraction * variance).cwiseSqrt();
+      encoder.mixture_weight(k) = weight;
     }
-    encoder.share /= encoder.share.sum();
+    encoder.mixture_weight /= encoder.mixture_weight.sum();
   }
 }
 
@@ -136,9 +137,9 @@ void FitMixture(const MatrixXf& reduced, const FisherOptions& options, FisherEnc
 void FisherOptions::ListFields(FieldList& fields) {
   fields.Add("components", components,
              {.min = 0, .max = 4096, .reason = "components of the Gaussian mixture; 0: no Fisher vectors"});
-  fields.Add("dimensions", dimensions,
-             {.min = 1, .max = 128, .reason = "number of principal axes of the descriptors"});
-  fields.Add("places", places, {.reason = "append the relative position in the image to a descriptor"});
+  fields.Add("dimensions", dimensions, {.min = 1, .max = 128, .reason = "number of principal axes of the descriptors"});
+  fields.Add("append_position", append_position,
+             {.reason = "append the relative position in the image to a descriptor"});
   fields.Add("samples", samples, {.min = 1, .max = 10e6, .reason = "features sampled for training, by seed"});
   fields.Add("iterations", iterations, {.min = 1, .max = 1000, .reason = "iterations of expectation-maximisation"});
   fields.Add("weight", weight,
@@ -150,17 +151,17 @@ FisherEncoder FisherEncoder::Learn(std::span<const FeatureSet* const> sets, cons
   FisherEncoder encoder;
   if (options.components == 0) return encoder;
   Random random(seed);
-  const FeatureSet sample = Draw(sets, static_cast<std::size_t>(options.samples), random);
+  const FeatureSet sample = SampleFeatures(sets, static_cast<std::size_t>(options.samples), random);
   VICTORIOUS_CHECK(sample.size() > 0);
-  encoder.places = options.places;
+  encoder.append_position = options.append_position;
   FitProjection(sample, options.dimensions, encoder);
-  FitMixture(Reduce(encoder, sample), options, encoder);
+  FitMixture(ProjectFeatures(encoder, sample), options, encoder);
   return encoder;
 }
 
 VectorXf FisherEncoder::Encode(const FeatureSet& features) const {
   if (features.size() == 0 || size() == 0) return VectorXf::Zero(static_cast<Index>(size()));
-  const Moments moments = MomentsOf(*this, Reduce(*this, features));
+  const Moments moments = ComputeMoments(*this, ProjectFeatures(*this, features));
   const Index values = centre.rows();
   VectorXf vector(static_cast<Index>(size()));
   for (Index k = 0; k < centre.cols(); ++k) {
@@ -171,8 +172,8 @@ VectorXf FisherEncoder::Encode(const FeatureSet& features) const {
     const VectorXf squares =
         moments.second.col(k) - 2 * mean_k.cwiseProduct(moments.first.col(k)) + count * mean_k.cwiseAbs2();
     const VectorXf second = squares.cwiseQuotient(deviation_k.cwiseAbs2()).array() - count;
-    vector.segment(2 * values * k, values) = first / std::sqrt(share(k));
-    vector.segment(2 * values * k + values, values) = second / std::sqrt(2 * share(k));
+    vector.segment(2 * values * k, values) = first / std::sqrt(mixture_weight(k));
+    vector.segment(2 * values * k + values, values) = second / std::sqrt(2 * mixture_weight(k));
   }
   vector = vector.array().sign() * vector.array().abs().sqrt();
   const float length = vector.norm();

@@ -26,7 +26,7 @@ namespace victorious {
 struct FisherOptions {
   int components = 128;
   int dimensions = 48;
-  bool places = true;
+  bool append_position = true;
   int samples = 40000;
   int iterations = 15;
   double weight = 4.0;
@@ -36,12 +36,12 @@ struct FisherOptions {
 
 /// A PCA projection and a Gaussian mixture. Without components, Encode returns an empty vector.
 struct FisherEncoder {
-  Eigen::VectorXf mean;        ///< mean of the descriptors' square roots, 128 values
-  Eigen::MatrixXf projection;  ///< principal axes, dimensions x 128, rows of unit length
-  bool places = false;         ///< true if x / width and y / height are appended to the projected descriptor
-  Eigen::VectorXf share;       ///< mixture weights, one per component, positive, sum 1
-  Eigen::MatrixXf centre;      ///< means, values of a feature x components
-  Eigen::MatrixXf deviation;   ///< standard deviations, values of a feature x components, positive
+  Eigen::VectorXf mean;            ///< mean of the descriptors' square roots, 128 values
+  Eigen::MatrixXf projection;      ///< principal axes, dimensions x 128, rows of unit length
+  bool append_position = false;    ///< true if x / width and y / height are appended to the projected descriptor
+  Eigen::VectorXf mixture_weight;  ///< mixture weights, one per component, positive, sum 1
+  Eigen::MatrixXf centre;          ///< means, values of a feature x components
+  Eigen::MatrixXf deviation;       ///< standard deviations, values of a feature x components, positive
 
   /// Fits projection and mixture to `options.samples` features, sampled by seed. The number of components is at most
   /// the number of features.

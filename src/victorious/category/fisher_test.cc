@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "victorious/base/random.h"
 #include "testing/category_tools.h"
+#include "victorious/base/random.h"
 
 namespace victorious {
 namespace {
@@ -30,7 +30,7 @@ TEST(Fisher, VectorsAreOfUnitLengthAndDeterministic) {
   const Eigen::VectorXf vector = encoder.Encode(Drawn(3));
   EXPECT_NEAR(vector.norm(), 1, 1e-5);
   EXPECT_EQ(vector, Learnt().Encode(Drawn(3)));
-  EXPECT_NEAR(encoder.share.sum(), 1, 1e-5);
+  EXPECT_NEAR(encoder.mixture_weight.sum(), 1, 1e-5);
   EXPECT_GT(encoder.deviation.minCoeff(), 0);
 }
 
@@ -54,8 +54,8 @@ TEST(Fisher, KindsGetTheirOwnComponents) {
   const FeatureSet b = OfKind(false, 2);
   const std::vector<const FeatureSet*> sets = {&a, &b};
   const FisherEncoder encoder = FisherEncoder::Learn(
-      sets, {.components = 2, .dimensions = 2, .places = false, .samples = 500, .iterations = 20}, 3);
-  EXPECT_NEAR(encoder.share(0), 0.5, 0.01);
+      sets, {.components = 2, .dimensions = 2, .append_position = false, .samples = 500, .iterations = 20}, 3);
+  EXPECT_NEAR(encoder.mixture_weight(0), 0.5, 0.01);
   // The first principal axis (the last row) separates the clusters; its variance within a cluster is small.
   EXPECT_GT(std::abs(encoder.centre(1, 0) - encoder.centre(1, 1)), 10 * encoder.deviation.row(1).maxCoeff() / 3);
   const Eigen::VectorXf one = encoder.Encode(OfKind(true, 3));
@@ -67,7 +67,7 @@ TEST(Fisher, PlacesCountOnlyWhereAskedFor) {
   for (Keypoint& keypoint : moved.keypoints) keypoint.x = static_cast<float>(moved.image_width) - keypoint.x;
   EXPECT_GT((Learnt().Encode(moved) - Learnt().Encode(Drawn(3))).norm(), 0.1);
   FisherOptions options = kSmall;
-  options.places = false;
+  options.append_position = false;
   EXPECT_EQ(Learnt(options).Encode(moved), Learnt(options).Encode(Drawn(3)));
 }
 
@@ -85,7 +85,7 @@ TEST(Fisher, FewFeaturesGiveFewComponents) {
   few.descriptors.resize(3 * kDescriptorSize);
   const FeatureSet* const set = &few;
   const FisherEncoder encoder = FisherEncoder::Learn(std::span(&set, 1), kSmall, 1);
-  EXPECT_EQ(encoder.share.size(), 3);
+  EXPECT_EQ(encoder.mixture_weight.size(), 3);
   EXPECT_TRUE(encoder.Encode(Drawn(2)).allFinite());
 }
 

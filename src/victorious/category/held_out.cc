@@ -6,13 +6,13 @@
 
 namespace victorious {
 
-Calibration CalibrateOn(std::span<const CategoryExample> examples, std::span<const int> targets,
-                        const Eigen::VectorXd& scores) {
+Calibration CalibrateHeldOut(std::span<const CategoryExample> examples, std::span<const int> targets,
+                             const Eigen::VectorXd& scores) {
   std::vector<double> used;
   std::vector<bool> positive;
   std::map<int, double> highest;  // maximum score of each negative image
   for (std::size_t i = 0; i < examples.size(); ++i) {
-    if (targets[i] == 0 || !examples[i].calibrates) continue;
+    if (targets[i] == 0 || !examples[i].used_for_calibration) continue;
     const double score = scores(static_cast<Eigen::Index>(i));
     if (targets[i] > 0) {
       used.push_back(score);

@@ -13,7 +13,7 @@ namespace victorious {
 /// Only examples with used_for_calibration enter. A negative image enters once, with the maximum score of its examples:
 /// with more windows per image, the maximum over negative windows rises by chance. If the examples are all positive or
 /// all negative, the probability is constant, 2e-9 from 1 or 0.
-Calibration CalibrateOn(std::span<const CategoryExample> examples, std::span<const int> targets,
-                        const Eigen::VectorXd& scores);
+Calibration CalibrateHeldOut(std::span<const CategoryExample> examples, std::span<const int> targets,
+                             const Eigen::VectorXd& scores);
 
 }  // namespace victorious

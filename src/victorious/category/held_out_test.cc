@@ -5,9 +5,9 @@
 namespace victorious {
 namespace {
 
-// Calibration on `pictures` negative images with `looks` windows each, of maximum score 0, and on as many positive
-// images of score 2.
-Calibration WithLooks(int pictures, int looks) {
+// Calibration on `pictures` negative images with `windows_per_image` windows each, of maximum score 0, and on as many
+// positive images of score 2.
+Calibration CalibrateWithWindows(int pictures, int windows_per_image) {
   std::vector<CategoryExample> examples;
   std::vector<int> targets;
   std::vector<double> scores;
@@ -15,18 +15,18 @@ Calibration WithLooks(int pictures, int looks) {
     examples.push_back({.category = "thing", .picture = picture});
     targets.push_back(1);
     scores.push_back(2 + 0.1 * (picture % 5));
-    for (int look = 0; look < looks; ++look) {
+    for (int look = 0; look < windows_per_image; ++look) {
       examples.push_back({.category = "none", .picture = pictures + picture});
       targets.push_back(-1);
       scores.push_back(look == 0 ? 0.1 * (picture % 5) : -3.0);
     }
   }
-  return CalibrateOn(examples, targets, Eigen::Map<const Eigen::VectorXd>(scores.data(), std::ssize(scores)));
+  return CalibrateHeldOut(examples, targets, Eigen::Map<const Eigen::VectorXd>(scores.data(), std::ssize(scores)));
 }
 
 TEST(HeldOut, OfAPictureWithoutItTheHighestScoreCounts) {
-  const Calibration one = WithLooks(20, 1);
-  const Calibration many = WithLooks(20, 30);
+  const Calibration one = CalibrateWithWindows(20, 1);
+  const Calibration many = CalibrateWithWindows(20, 30);
   EXPECT_NEAR(one.Probability(1.2), many.Probability(1.2), 1e-9);
   EXPECT_GT(one.Probability(2.2), 0.8);
   EXPECT_LT(many.Probability(0.2), 0.2);

@@ -30,7 +30,7 @@ struct Sector {
   bool reversed;
 };
 
-Sector SectorOf(float along, float across) {
+Sector QuantiseDirection(float along, float across) {
   constexpr float kTan = 0.41421356F;  // of 22.5 degrees: sectors are centred on the axes and the diagonals
   const float a = std::abs(along);
   const float b = std::abs(across);
@@ -40,7 +40,7 @@ Sector SectorOf(float along, float across) {
 }
 
 // Keypoint indices ordered by scale level, then by y, then by x.
-std::vector<std::uint32_t> RowByRow(std::span<const Keypoint> keypoints, std::span<const int> level) {
+std::vector<std::uint32_t> OrderByRow(std::span<const Keypoint> keypoints, std::span<const int> level) {
   std::vector<std::uint32_t> order(keypoints.size());
   std::iota(order.begin(), order.end(), 0U);
   std::ranges::sort(order, {},
@@ -63,13 +63,13 @@ std::vector<std::size_t> RowEnds(std::span<const Keypoint> keypoints, std::span<
 }  // namespace
 
 void PhraseOptions::ListFields(FieldList& fields) {
-  fields.Add("parts", parts,
+  fields.Add("word_clusters", word_clusters,
              {.min = 2, .max = 1024, .reason = "clusters of similar words, from which phrases are built"});
-  fields.Add("nearest_cells", nearest_cells,
+  fields.Add("min_distance_cells", min_distance_cells,
              {.min = 0, .max = 100, .unit = "cells", .reason = "minimum distance: nearer patches overlap"});
-  fields.Add("far_cells", far_cells,
+  fields.Add("far_distance_cells", far_distance_cells,
              {.min = 0, .max = 100, .unit = "cells", .reason = "distance from which a pair is far, not near"});
-  fields.Add("farthest_cells", farthest_cells,
+  fields.Add("max_distance_cells", max_distance_cells,
              {.min = 0, .max = 100, .unit = "cells", .reason = "maximum distance of a phrase (R in the thesis)"});
   fields.Add("weight", weight,
              {.min = 0, .max = 100, .reason = "weight of the phrase kernel relative to that of words"});
@@ -93,9 +93,9 @@ double Dot(const SparseVector& a, const SparseVector& b) {
   return sum;
 }
 
-SparseVector CountWords(const WordedPicture& picture, std::size_t words) {
+SparseVector CountWords(const QuantisedImage& picture, std::size_t words) {
   std::vector<float> counts(words);
-  for (const WordShare& share : picture.shares) counts[share.word] += share.share;
+  for (const WordAssignment& weight : picture.assignments) counts[weight.word] += weight.weight;
   SparseVector sparse;
   for (std::uint32_t word = 0; word < words; ++word)
     if (counts[word] > 0) sparse.emplace_back(word, counts[word]);
@@ -109,21 +109,21 @@ SparseVector Hellinger(SparseVector counts) {
   return counts;
 }
 
-std::size_t PhraseCount(std::size_t parts) { return parts * parts * kPlacesOfPhrase; }
+std::size_t PhraseCount(std::size_t word_clusters) { return word_clusters * word_clusters * kPhraseGeometryBins; }
 
-std::vector<PhraseOccurrence> FindPhrases(const WordedPicture& picture, std::span<const std::uint16_t> part_of_word,
-                                          std::size_t parts, const PhraseOptions& options) {
+std::vector<PhraseOccurrence> FindPhrases(const QuantisedImage& picture, std::span<const std::uint16_t> cluster_of_word,
+                                          std::size_t word_clusters, const PhraseOptions& options) {
   const std::size_t count = picture.size();
   std::vector<int> level(count);
-  std::vector<std::uint32_t> part(count);
+  std::vector<std::uint32_t> cluster(count);
   std::vector<Direction> direction(count);
   for (std::size_t i = 0; i < count; ++i) {
     level[i] = SizeLevel(picture.keypoints[i]);
-    part[i] = part_of_word[picture.Word(i)];
+    cluster[i] = cluster_of_word[picture.NearestWord(i)];
     const float angle = picture.keypoints[i].orientation_rad;
     direction[i] = {std::cos(angle), std::sin(angle)};
   }
-  const std::vector<std::uint32_t> order = RowByRow(picture.keypoints, level);
+  const std::vector<std::uint32_t> order = OrderByRow(picture.keypoints, level);
   std::vector<float> x_of(count);
   for (std::size_t a = 0; a < count; ++a) x_of[a] = picture.keypoints[order[a]].x;
   const std::vector<std::size_t> row_end = RowEnds(picture.keypoints, level, order);
@@ -134,16 +134,16 @@ std::vector<PhraseOccurrence> FindPhrases(const WordedPicture& picture, std::spa
     const Keypoint& first = picture.keypoints[i];
     const float cell_px = kCellsPerScale * first.scale_px;
     const auto squared = [&](double cells) { return static_cast<float>(cells * cells) * cell_px * cell_px; };
-    const float nearest2 = squared(options.nearest_cells);
-    const float far2 = squared(options.far_cells);
-    const float farthest2 = squared(options.farthest_cells);
+    const float min_distance2 = squared(options.min_distance_cells);
+    const float far_distance2 = squared(options.far_distance_cells);
+    const float max_distance2 = squared(options.max_distance_cells);
     // Candidates: the rest of the keypoint's row, then in each row below it the interval inside the circle.
     std::size_t b = a + 1;
     for (std::size_t row_begin = a; row_begin < count; row_begin = row_end[row_begin]) {
       const std::uint32_t in_row = order[row_begin];
       const float dy = picture.keypoints[in_row].y - first.y;
-      if (level[in_row] != level[i] || dy * dy > farthest2) break;
-      const float reach = std::sqrt(farthest2 - dy * dy);
+      if (level[in_row] != level[i] || dy * dy > max_distance2) break;
+      const float reach = std::sqrt(max_distance2 - dy * dy);
       const std::size_t end = row_end[row_begin];
       if (row_begin != a) {
         b = static_cast<std::size_t>(std::lower_bound(x_of.begin() + static_cast<std::ptrdiff_t>(row_begin),
@@ -154,26 +154,26 @@ std::vector<PhraseOccurrence> FindPhrases(const WordedPicture& picture, std::spa
       for (; b < end && x_of[b] <= first.x + reach; ++b) {
         const float dx = x_of[b] - first.x;
         const float distance2 = dx * dx + dy * dy;
-        if (distance2 < nearest2) continue;
+        if (distance2 < min_distance2) continue;
         const std::uint32_t j = order[b];
         // Direction of the mean orientation, not normalised: the sector does not depend on its length.
         const float mean_x = direction[i].cosine + direction[j].cosine;
         const float mean_y = direction[i].sine + direction[j].sine;
         if (mean_x * mean_x + mean_y * mean_y < 1) continue;  // orientations more than 120 degrees apart
-        const Sector sector = SectorOf(dx * mean_x + dy * mean_y, dy * mean_x - dx * mean_y);
-        const std::uint32_t place = 2 * sector.number + (distance2 > far2 ? 1 : 0);
+        const Sector sector = QuantiseDirection(dx * mean_x + dy * mean_y, dy * mean_x - dx * mean_y);
+        const std::uint32_t geometry_bin = 2 * sector.number + (distance2 > far_distance2 ? 1 : 0);
         const std::uint32_t from = sector.reversed ? j : i;
         const std::uint32_t to = sector.reversed ? i : j;
-        const auto pair = static_cast<std::uint32_t>(part[from] * parts + part[to]);
-        phrases.push_back({from, to, static_cast<std::uint32_t>(pair * kPlacesOfPhrase + place)});
+        const auto pair = static_cast<std::uint32_t>(cluster[from] * word_clusters + cluster[to]);
+        phrases.push_back({from, to, static_cast<std::uint32_t>(pair * kPhraseGeometryBins + geometry_bin)});
       }
     }
   }
   return phrases;
 }
 
-SparseVector CountPhrases(std::span<const PhraseOccurrence> phrases, std::size_t parts) {
-  std::vector<std::uint16_t> counts(PhraseCount(parts));
+SparseVector CountPhrases(std::span<const PhraseOccurrence> phrases, std::size_t word_clusters) {
+  std::vector<std::uint16_t> counts(PhraseCount(word_clusters));
   for (const PhraseOccurrence& phrase : phrases)
     if (counts[phrase.phrase] < 0xFFFF) ++counts[phrase.phrase];
   SparseVector sparse;

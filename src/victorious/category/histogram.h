@@ -19,10 +19,10 @@
 namespace victorious {
 
 struct PhraseOptions {
-  int parts = 128;
-  double nearest_cells = 1.5;
-  double far_cells = 2.75;
-  double farthest_cells = 4.0;
+  int word_clusters = 128;
+  double min_distance_cells = 1.5;
+  double far_distance_cells = 2.75;
+  double max_distance_cells = 4.0;
   double weight = 2.5;
 
   void ListFields(FieldList& fields);
@@ -36,7 +36,7 @@ double Dot(const SparseVector& a, const SparseVector& b);
 
 /// Histogram of words: the soft-assignment weights summed over the keypoints.
 /// @param words  size of the vocabulary
-SparseVector CountWords(const WordedPicture& picture, std::size_t words);
+SparseVector CountWords(const QuantisedImage& picture, std::size_t words);
 
 /// Maps counts to Hellinger features: square roots, normalised to unit L2 norm.
 SparseVector Hellinger(SparseVector counts);
@@ -48,18 +48,19 @@ struct PhraseOccurrence {
   std::uint32_t phrase = 0;  ///< below PhraseCount
 };
 
-inline constexpr std::size_t kPlacesOfPhrase = 8;  ///< geometry bins per pair of clusters: 4 directions x {near, far}
+inline constexpr std::size_t kPhraseGeometryBins =
+    8;  ///< geometry bins per pair of clusters: 4 directions x {near, far}
 
 /// Number of distinct phrases: word_clusters^2 x kPhraseGeometryBins.
-std::size_t PhraseCount(std::size_t parts);
+std::size_t PhraseCount(std::size_t word_clusters);
 
 /// Finds all phrases of an image. A keypoint's cluster is that of its nearest word.
-/// @param part_of_word  cluster index of each word, below the number of clusters
+/// @param cluster_of_word  cluster index of each word, below the number of clusters
 /// Cost: linear in the number of keypoint pairs of one scale level within max_distance_cells of each other.
-std::vector<PhraseOccurrence> FindPhrases(const WordedPicture& picture, std::span<const std::uint16_t> part_of_word,
-                                          std::size_t parts, const PhraseOptions& options);
+std::vector<PhraseOccurrence> FindPhrases(const QuantisedImage& picture, std::span<const std::uint16_t> cluster_of_word,
+                                          std::size_t word_clusters, const PhraseOptions& options);
 
 /// Histogram of phrases; counts saturate at 65535.
-SparseVector CountPhrases(std::span<const PhraseOccurrence> phrases, std::size_t parts);
+SparseVector CountPhrases(std::span<const PhraseOccurrence> phrases, std::size_t word_clusters);
 
 }  // namespace victorious

@@ -11,14 +11,14 @@
 namespace victorious {
 namespace {
 
-WordedPicture RandomPicture(std::uint64_t seed, bool on_a_grid) {
+QuantisedImage RandomPicture(std::uint64_t seed, bool on_a_grid) {
   Random random(seed);
-  WordedPicture picture{.width = 100, .height = 100};
+  QuantisedImage picture{.width = 100, .height = 100};
   for (int i = 0; i < 80; ++i) {
     const auto place = [&] { return static_cast<float>(on_a_grid ? 6.0 * random.Below(16) : random.Uniform(0, 100)); };
     picture.keypoints.push_back(
         {place(), place(), i % 2 == 0 ? 1.5F : 3.0F, on_a_grid ? 0.0F : static_cast<float>(random.Uniform(-3, 3))});
-    picture.shares.push_back({random.Below(6), 1});
+    picture.assignments.push_back({random.Below(6), 1});
   }
   return picture;
 }
@@ -29,7 +29,7 @@ const std::vector<std::uint16_t> kPartOfWord = {0, 1, 2, 0, 1, 2};
 TEST(FindPhrases, AreAllPairsOfOneSizeWithinReach) {
   const PhraseOptions options;
   for (const bool on_a_grid : {true, false}) {
-    const WordedPicture picture = RandomPicture(5, on_a_grid);
+    const QuantisedImage picture = RandomPicture(5, on_a_grid);
     std::set<std::pair<std::uint32_t, std::uint32_t>> found;
     for (const PhraseOccurrence& phrase : FindPhrases(picture, kPartOfWord, kParts, options)) {
       EXPECT_TRUE(found.insert(std::minmax(phrase.i, phrase.j)).second) << "each once";
@@ -41,10 +41,10 @@ TEST(FindPhrases, AreAllPairsOfOneSizeWithinReach) {
         const Keypoint& b = picture.keypoints[j];
         const double cells = std::hypot(a.x - b.x, a.y - b.y) / (3 * a.scale_px);
         const bool alike = std::cos(a.orientation_rad - b.orientation_rad) >= -0.5;
-        const bool expected =
-            a.scale_px == b.scale_px && alike && cells >= options.nearest_cells && cells <= options.farthest_cells;
+        const bool expected = a.scale_px == b.scale_px && alike && cells >= options.min_distance_cells &&
+                              cells <= options.max_distance_cells;
         const bool on_the_edge =
-            std::abs(cells - options.nearest_cells) < 1e-4 || std::abs(cells - options.farthest_cells) < 1e-4;
+            std::abs(cells - options.min_distance_cells) < 1e-4 || std::abs(cells - options.max_distance_cells) < 1e-4;
         if (on_the_edge) continue;
         EXPECT_EQ(found.contains({i, j}), expected) << i << " " << j << " " << cells;
       }
@@ -53,8 +53,8 @@ TEST(FindPhrases, AreAllPairsOfOneSizeWithinReach) {
 }
 
 TEST(FindPhrases, TurnWithThePicture) {
-  const WordedPicture picture = RandomPicture(7, false);
-  WordedPicture turned = picture;
+  const QuantisedImage picture = RandomPicture(7, false);
+  QuantisedImage turned = picture;
   for (Keypoint& keypoint : turned.keypoints) {
     const double c = std::cos(0.7);
     const double s = std::sin(0.7);
@@ -62,7 +62,7 @@ TEST(FindPhrases, TurnWithThePicture) {
                 static_cast<float>(s * keypoint.x + c * keypoint.y), keypoint.scale_px,
                 keypoint.orientation_rad + 0.7F};
   }
-  const auto phrases_of = [](const WordedPicture& of) {
+  const auto phrases_of = [](const QuantisedImage& of) {
     std::set<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>> phrases;
     for (const PhraseOccurrence& phrase : FindPhrases(of, kPartOfWord, kParts, PhraseOptions()))
       phrases.insert({phrase.i, phrase.j, phrase.phrase});

@@ -15,6 +15,6 @@ namespace victorious {
 void LearnLikelihoods(std::span<const CategoryExample> examples, CategoryModel& model);
 
 /// Returns the raw score of each node (natural logarithm).
-std::vector<double> LikelihoodScores(const CategoryModel& model, const WordedPicture& picture, CategoryMethod method);
+std::vector<double> LikelihoodScores(const CategoryModel& model, const QuantisedImage& picture, CategoryMethod method);
 
 }  // namespace victorious

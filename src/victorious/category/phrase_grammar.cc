@@ -27,15 +27,15 @@ constexpr double kPiD = std::numbers::pi;
 constexpr std::array<Grid, kMeasures> kGrids = {Grid{-2.5, 2.5, false}, Grid{-5.5, 0.9, false}, Grid{-kPiD, kPiD, true},
                                                 Grid{-kPiD, kPiD, true}};
 
-std::uint8_t CellOf(const Grid& grid, double value) {
+std::uint8_t QuantiseMeasure(const Grid& grid, double value) {
   const double cell = std::floor((value - grid.low) / grid.CellWidth());
   if (grid.wraps) return static_cast<std::uint8_t>(static_cast<int>(cell) & (kMeasureCells - 1));
   return static_cast<std::uint8_t>(std::clamp(cell, 0.0, kMeasureCells - 1.0));
 }
 
 int CellDistance(std::size_t measure, std::uint8_t a, std::uint8_t b) {
-  const int apart = std::abs(static_cast<int>(a) - static_cast<int>(b));
-  return kGrids[measure].wraps ? std::min(apart, kMeasureCells - apart) : apart;
+  const int distance = std::abs(static_cast<int>(a) - static_cast<int>(b));
+  return kGrids[measure].wraps ? std::min(distance, kMeasureCells - distance) : distance;
 }
 
 // Integral of min(1 / x^2, cap) from 0 to x.
@@ -50,26 +50,26 @@ std::uint32_t PairKey(std::uint16_t first, std::uint16_t second) {
   return (static_cast<std::uint32_t>(first) << 16) | second;
 }
 
-bool InOrder(std::uint16_t a, const Keypoint& i, std::uint16_t b, const Keypoint& j) {
+bool IsOrdered(std::uint16_t a, const Keypoint& i, std::uint16_t b, const Keypoint& j) {
   return std::tuple(a, -i.scale_px, i.x, i.y) <= std::tuple(b, -j.scale_px, j.x, j.y);
 }
 
 // Visits the ordered pairs within R whose words are both in the grammar. Returns the number of all pairs within R.
 template <typename Visit>
-std::size_t VisitWordPairs(const WordedPicture& picture,
+std::size_t VisitWordPairs(const QuantisedImage& picture,
                            const std::unordered_map<std::uint32_t, std::uint16_t>& index_of_word, double radius_px,
                            const Visit& visit) {
   constexpr std::uint16_t kNone = 0xFFFF;
   std::vector<std::uint16_t> index(picture.size(), kNone);
   for (std::size_t i = 0; i < picture.size(); ++i) {
-    const auto found = index_of_word.find(picture.Word(i));
+    const auto found = index_of_word.find(picture.NearestWord(i));
     if (found != index_of_word.end()) index[i] = found->second;
   }
   std::size_t pairs = 0;
   VisitPairs(picture.keypoints, radius_px, [&](std::uint32_t i, std::uint32_t j) {
     ++pairs;
     if (index[i] == kNone || index[j] == kNone) return;
-    if (!InOrder(index[i], picture.keypoints[i], index[j], picture.keypoints[j])) std::swap(i, j);
+    if (!IsOrdered(index[i], picture.keypoints[i], index[j], picture.keypoints[j])) std::swap(i, j);
     visit(i, j, index[i], index[j]);
   });
   return pairs;
@@ -78,16 +78,15 @@ std::size_t VisitWordPairs(const WordedPicture& picture,
 }  // namespace
 
 void GrammarOptions::ListFields(FieldList& fields) {
-  fields.Add("word_share", word_share,
+  fields.Add("word_fraction", word_fraction,
              {.min = 0.0001, .max = 1, .reason = "W(z): fraction of the vocabulary, the words of highest P(w|z)"});
   fields.Add("radius_px", radius_px,
              {.min = 1, .max = 10000, .unit = "px", .reason = "R: maximum distance of a phrase"});
   fields.Add("kernel_cap", kernel_cap,
              {.min = 1, .max = 1e8, .reason = "maximum contribution of one sample to equation 3.1 (thesis: 10000)"});
-  fields.Add(
-      "word_prior", word_prior,
-      {.reason = "use the pLSA topic mixture of an image's words as the prior of its phrases"});
-  fields.Add("power", power,
+  fields.Add("word_prior", word_prior,
+             {.reason = "use the pLSA topic mixture of an image's words as the prior of its phrases"});
+  fields.Add("likelihood_exponent", likelihood_exponent,
              {.min = 0,
               .max = 1,
               .reason = "exponent of the likelihood of equation 3.3; below 1 because pairs share keypoints and are "
@@ -99,11 +98,12 @@ double CellKernel(std::size_t measure, int cells, double cap) {
   return (KernelIntegral((cells + 0.5) * width, cap) - KernelIntegral((cells - 0.5) * width, cap)) / width;
 }
 
-MeasureCells CellsOf(const Keypoint& i, const Keypoint& j) {
+MeasureCells QuantiseMeasures(const Keypoint& i, const Keypoint& j) {
   const PairMeasures measures = MeasurePair(i, j);
-  return {
-      CellOf(kGrids[0], std::log(measures.scale_ratio)), CellOf(kGrids[1], std::log(measures.mean_scale_to_distance)),
-      CellOf(kGrids[2], measures.orientation_difference_rad), CellOf(kGrids[3], measures.mean_orientation_to_line_rad)};
+  return {QuantiseMeasure(kGrids[0], std::log(measures.scale_ratio)),
+          QuantiseMeasure(kGrids[1], std::log(measures.mean_scale_to_distance)),
+          QuantiseMeasure(kGrids[2], measures.orientation_difference_rad),
+          QuantiseMeasure(kGrids[3], measures.mean_orientation_to_line_rad)};
 }
 
 PhraseGrammar::PhraseGrammar(std::vector<std::uint32_t> words, std::vector<float> likelihoods,
@@ -114,14 +114,14 @@ PhraseGrammar::PhraseGrammar(std::vector<std::uint32_t> words, std::vector<float
   BuildTables();
 }
 
-PhraseGrammar PhraseGrammar::Learn(std::span<const WordedPicture* const> pictures,
+PhraseGrammar PhraseGrammar::Learn(std::span<const QuantisedImage* const> pictures,
                                    std::span<const float> word_likelihoods, const GrammarOptions& options) {
   std::vector<std::uint32_t> order(word_likelihoods.size());
   std::iota(order.begin(), order.end(), 0U);
-  constexpr double kMostWords = 0xFFFE;
+  constexpr double kMaxWords = 0xFFFE;
   const auto count =
-      static_cast<std::size_t>(std::clamp(std::round(options.word_share * static_cast<double>(order.size())), 1.0,
-                                          std::min(kMostWords, static_cast<double>(order.size()))));
+      static_cast<std::size_t>(std::clamp(std::round(options.word_fraction * static_cast<double>(order.size())), 1.0,
+                                          std::min(kMaxWords, static_cast<double>(order.size()))));
   std::ranges::sort(order, {}, [&](std::uint32_t word) { return std::pair(-word_likelihoods[word], word); });
   order.resize(count);
   std::unordered_map<std::uint32_t, std::uint16_t> index_of_word;
@@ -131,10 +131,10 @@ PhraseGrammar PhraseGrammar::Learn(std::span<const WordedPicture* const> picture
     likelihoods.push_back(word_likelihoods[order[i]]);
   }
   std::vector<PhraseSample> samples;
-  for (const WordedPicture* picture : pictures) {
+  for (const QuantisedImage* picture : pictures) {
     VisitWordPairs(*picture, index_of_word, options.radius_px,
                    [&](std::uint32_t i, std::uint32_t j, std::uint16_t first, std::uint16_t second) {
-                     samples.push_back({first, second, CellsOf(picture->keypoints[i], picture->keypoints[j])});
+                     samples.push_back({first, second, QuantiseMeasures(picture->keypoints[i], picture->keypoints[j])});
                    });
   }
   return {std::move(order), std::move(likelihoods), std::move(samples), options};
@@ -171,8 +171,8 @@ double PhraseGrammar::Density(const Entry& entry, std::size_t measure, std::uint
   if (entry.table > 0) return tables_[((entry.table - 1) * kMeasures + measure) * kMeasureCells + cell];
   double sum = 0;
   for (std::size_t s = entry.first_sample; s < entry.first_sample + entry.sample_count; ++s) {
-    const int apart = CellDistance(measure, cell, samples_[s].cells[measure]);
-    sum += kernels_[measure][static_cast<std::size_t>(apart)];
+    const int distance = CellDistance(measure, cell, samples_[s].cells[measure]);
+    sum += kernels_[measure][static_cast<std::size_t>(distance)];
   }
   return sum / entry.sample_count;
 }
@@ -186,22 +186,22 @@ double PhraseGrammar::PairLikelihood(std::uint16_t first, std::uint16_t second, 
   return likelihood;
 }
 
-double PhraseGrammar::Likelihood(const WordedPicture& picture) const {
+double PhraseGrammar::Likelihood(const QuantisedImage& picture) const {
   double sum = 0;
-  const std::size_t pairs =
-      VisitWordPairs(picture, index_of_word_, options_.radius_px,
-                     [&](std::uint32_t i, std::uint32_t j, std::uint16_t first, std::uint16_t second) {
-                       sum += PairLikelihood(first, second, CellsOf(picture.keypoints[i], picture.keypoints[j]));
-                     });
+  const std::size_t pairs = VisitWordPairs(
+      picture, index_of_word_, options_.radius_px,
+      [&](std::uint32_t i, std::uint32_t j, std::uint16_t first, std::uint16_t second) {
+        sum += PairLikelihood(first, second, QuantiseMeasures(picture.keypoints[i], picture.keypoints[j]));
+      });
   return pairs > 0 ? sum / static_cast<double>(pairs) : 0.0;
 }
 
-std::vector<FoundPhrase> PhraseGrammar::Phrases(const WordedPicture& picture) const {
+std::vector<FoundPhrase> PhraseGrammar::Phrases(const QuantisedImage& picture) const {
   std::vector<FoundPhrase> found;
   VisitWordPairs(picture, index_of_word_, options_.radius_px,
                  [&](std::uint32_t i, std::uint32_t j, std::uint16_t first, std::uint16_t second) {
                    const double likelihood =
-                       PairLikelihood(first, second, CellsOf(picture.keypoints[i], picture.keypoints[j]));
+                       PairLikelihood(first, second, QuantiseMeasures(picture.keypoints[i], picture.keypoints[j]));
                    if (likelihood > 0) found.push_back({i, j, likelihood});
                  });
   return found;

@@ -28,11 +28,11 @@ inline constexpr int kMeasureCells = 128;
 inline constexpr std::size_t kMeasures = 4;
 
 struct GrammarOptions {
-  double word_share = 0.05;
+  double word_fraction = 0.05;
   double radius_px = 50.0;
   double kernel_cap = 10000.0;
   bool word_prior = false;
-  double power = 1.0;
+  double likelihood_exponent = 1.0;
 
   void ListFields(FieldList& fields);
 };
@@ -43,7 +43,7 @@ using MeasureCells = std::array<std::uint8_t, kMeasures>;
 
 /// One word pair of a training image.
 struct PhraseSample {
-  std::uint16_t first = 0;  ///< index into the grammar's words
+  std::uint16_t first = 0;   ///< index into the grammar's words
   std::uint16_t second = 0;  ///< index into the grammar's words
   MeasureCells cells{};
 };
@@ -66,14 +66,14 @@ class PhraseGrammar {
 
   /// Learns a grammar. W(z) is the fraction `options.word_fraction` of the vocabulary with the highest P(w|z).
   /// @param word_likelihoods  P(w|z) for each word of the vocabulary
-  static PhraseGrammar Learn(std::span<const WordedPicture* const> pictures, std::span<const float> word_likelihoods,
+  static PhraseGrammar Learn(std::span<const QuantisedImage* const> pictures, std::span<const float> word_likelihoods,
                              const GrammarOptions& options);
 
   /// Equation 3.3 divided by the number of pairs within R; 0 for an image without pairs.
-  [[nodiscard]] double Likelihood(const WordedPicture& picture) const;
+  [[nodiscard]] double Likelihood(const QuantisedImage& picture) const;
 
   /// Returns the non-zero terms of equation 3.3.
-  [[nodiscard]] std::vector<FoundPhrase> Phrases(const WordedPicture& picture) const;
+  [[nodiscard]] std::vector<FoundPhrase> Phrases(const QuantisedImage& picture) const;
 
   [[nodiscard]] std::span<const std::uint32_t> words() const { return words_; }
   [[nodiscard]] std::span<const float> likelihoods() const { return likelihoods_; }
@@ -101,7 +101,7 @@ class PhraseGrammar {
 };
 
 /// Computes and quantises the measures of the pair (i, j).
-MeasureCells CellsOf(const Keypoint& i, const Keypoint& j);
+MeasureCells QuantiseMeasures(const Keypoint& i, const Keypoint& j);
 
 /// The kernel of equation 3.1 averaged over the cell at a distance of `cells` cells, on the grid of `measure`.
 /// @param cap  upper limit of the kernel (10000 in the thesis)

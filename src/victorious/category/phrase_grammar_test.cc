@@ -11,19 +11,19 @@
 namespace victorious {
 namespace {
 
-WordedPicture Picture(std::vector<Keypoint> keypoints, const std::vector<std::uint32_t>& words) {
-  WordedPicture picture{.keypoints = std::move(keypoints), .width = 200, .height = 200};
-  for (const std::uint32_t word : words) picture.shares.push_back({word, 1});
+QuantisedImage Picture(std::vector<Keypoint> keypoints, const std::vector<std::uint32_t>& words) {
+  QuantisedImage picture{.keypoints = std::move(keypoints), .width = 200, .height = 200};
+  for (const std::uint32_t word : words) picture.assignments.push_back({word, 1});
   return picture;
 }
 
-WordedPicture RandomPicture(std::uint64_t seed, std::size_t keypoints, std::uint32_t words) {
+QuantisedImage RandomPicture(std::uint64_t seed, std::size_t keypoints, std::uint32_t words) {
   Random random(seed);
-  WordedPicture picture{.width = 200, .height = 200};
+  QuantisedImage picture{.width = 200, .height = 200};
   for (std::size_t i = 0; i < keypoints; ++i) {
     picture.keypoints.push_back({static_cast<float>(random.Uniform(0, 200)), static_cast<float>(random.Uniform(0, 200)),
                                  static_cast<float>(random.Uniform(1, 6)), static_cast<float>(random.Uniform(-3, 3))});
-    picture.shares.push_back({random.Below(words), 1});
+    picture.assignments.push_back({random.Below(words), 1});
   }
   return picture;
 }
@@ -43,7 +43,7 @@ TEST(CellKernel, IsTheKernelOfEquation31AveragedOverACell) {
 }
 
 TEST(VisitPairs, FindsEachPairWithinTheRadiusOnce) {
-  const WordedPicture picture = RandomPicture(3, 60, 5);
+  const QuantisedImage picture = RandomPicture(3, 60, 5);
   std::size_t expected = 0;
   for (std::size_t i = 0; i < picture.size(); ++i)
     for (std::size_t j = i + 1; j < picture.size(); ++j)
@@ -60,12 +60,12 @@ TEST(VisitPairs, FindsEachPairWithinTheRadiusOnce) {
 }
 
 // Equation 3.3 as in the thesis, a sum over every sample, with quantised measures.
-double BruteForce(const std::vector<WordedPicture>& training, const std::vector<float>& likelihoods,
-                  const WordedPicture& picture, const GrammarOptions& options) {
-  const auto measures_of = [&](const WordedPicture& from, std::uint32_t a, std::uint32_t b) {
-    const auto key = [&](std::uint32_t i) { return std::pair(from.Word(i), -from.keypoints[i].scale_px); };
+double BruteForce(const std::vector<QuantisedImage>& training, const std::vector<float>& likelihoods,
+                  const QuantisedImage& picture, const GrammarOptions& options) {
+  const auto measures_of = [&](const QuantisedImage& from, std::uint32_t a, std::uint32_t b) {
+    const auto key = [&](std::uint32_t i) { return std::pair(from.NearestWord(i), -from.keypoints[i].scale_px); };
     if (key(b) < key(a)) std::swap(a, b);
-    return std::tuple(from.Word(a), from.Word(b), CellsOf(from.keypoints[a], from.keypoints[b]));
+    return std::tuple(from.NearestWord(a), from.NearestWord(b), QuantiseMeasures(from.keypoints[a], from.keypoints[b]));
   };
   double sum = 0;
   std::size_t pairs = 0;
@@ -74,7 +74,7 @@ double BruteForce(const std::vector<WordedPicture>& training, const std::vector<
     const auto [w1, w2, cells] = measures_of(picture, i, j);
     std::array<double, kMeasures> density{};
     int samples = 0;
-    for (const WordedPicture& from : training) {
+    for (const QuantisedImage& from : training) {
       VisitPairs(from.keypoints, options.radius_px, [&](std::uint32_t a, std::uint32_t b) {
         const auto [v1, v2, other] = measures_of(from, a, b);
         if (v1 != w1 || v2 != w2) return;
@@ -97,13 +97,13 @@ double BruteForce(const std::vector<WordedPicture>& training, const std::vector<
 TEST(PhraseGrammar, EqualsTheSumOverEverySample) {
   // With decreasing likelihoods the order of W(z) is that of the vocabulary.
   const std::vector<float> likelihoods = {0.4F, 0.3F, 0.2F, 0.1F};
-  const GrammarOptions options = {.word_share = 1};
-  std::vector<WordedPicture> training;
+  const GrammarOptions options = {.word_fraction = 1};
+  std::vector<QuantisedImage> training;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) training.push_back(RandomPicture(seed, 40, 4));
-  std::vector<const WordedPicture*> pointers;
-  for (const WordedPicture& picture : training) pointers.push_back(&picture);
+  std::vector<const QuantisedImage*> pointers;
+  for (const QuantisedImage& picture : training) pointers.push_back(&picture);
   const PhraseGrammar grammar = PhraseGrammar::Learn(pointers, likelihoods, options);
-  const WordedPicture picture = RandomPicture(77, 30, 4);
+  const QuantisedImage picture = RandomPicture(77, 30, 4);
   const double expected = BruteForce(training, likelihoods, picture, options);
   EXPECT_GT(expected, 0);
   EXPECT_NEAR(grammar.Likelihood(picture) / expected, 1, 1e-4);
@@ -111,17 +111,17 @@ TEST(PhraseGrammar, EqualsTheSumOverEverySample) {
 
 TEST(PhraseGrammar, KnowsOnlyTheLikeliestWords) {
   const std::vector<float> likelihoods = {0.1F, 0.5F, 0.1F, 0.3F};
-  const WordedPicture picture = RandomPicture(1, 30, 4);
-  const WordedPicture* const pointer = &picture;
-  const PhraseGrammar grammar = PhraseGrammar::Learn(std::span(&pointer, 1), likelihoods, {.word_share = 0.5});
+  const QuantisedImage picture = RandomPicture(1, 30, 4);
+  const QuantisedImage* const pointer = &picture;
+  const PhraseGrammar grammar = PhraseGrammar::Learn(std::span(&pointer, 1), likelihoods, {.word_fraction = 0.5});
   EXPECT_EQ(std::vector(grammar.words().begin(), grammar.words().end()), (std::vector<std::uint32_t>{1, 3}));
 }
 
 TEST(PhraseGrammar, IsInvariantUnderShiftTurnAndOrder) {
-  const WordedPicture training = RandomPicture(1, 60, 3);
-  const WordedPicture* const pointer = &training;
+  const QuantisedImage training = RandomPicture(1, 60, 3);
+  const QuantisedImage* const pointer = &training;
   const PhraseGrammar grammar =
-      PhraseGrammar::Learn(std::span(&pointer, 1), std::vector<float>(3, 0.33F), {.word_share = 1});
+      PhraseGrammar::Learn(std::span(&pointer, 1), std::vector<float>(3, 0.33F), {.word_fraction = 1});
   const Keypoint a{50, 60, 2, 0.3F};
   const Keypoint b{70, 65, 3, 1.0F};
   const auto likelihood = [&](Keypoint i, Keypoint j, std::uint32_t wi, std::uint32_t wj) {

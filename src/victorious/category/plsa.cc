@@ -23,9 +23,9 @@ void NormaliseColumns(MatrixXd& matrix) {
 }
 
 // P(z|d,w) of one word; sets `likelihood` to P(w|d).
-VectorXd Posterior(const VectorXd& joint, double temper, double& likelihood) {
+VectorXd Posterior(const VectorXd& joint, double tempering, double& likelihood) {
   likelihood = joint.sum();
-  VectorXd posterior = temper == 1.0 ? joint : VectorXd(joint.array().pow(temper));
+  VectorXd posterior = tempering == 1.0 ? joint : VectorXd(joint.array().pow(tempering));
   return posterior / std::max(posterior.sum(), std::numeric_limits<double>::min());
 }
 
@@ -34,32 +34,32 @@ struct Fit {
   double log_likelihood = 0;
 };
 
-Fit RunOnce(std::span<const WordCounts> pictures, const MatrixXd& label_share, std::size_t words,
-            const PlsaOptions& options, Random& random) {
-  const Eigen::Index topics = label_share.rows();
+Fit FitFromRandomStart(std::span<const WordCounts> pictures, const MatrixXd& label_fraction, std::size_t words,
+                       const PlsaOptions& options, Random& random) {
+  const Eigen::Index topics = label_fraction.rows();
   Fit fit;
   fit.word_given_topic.resize(static_cast<Eigen::Index>(words), topics);
   for (double& value : fit.word_given_topic.reshaped()) value = 1 + random.Uniform();
   NormaliseColumns(fit.word_given_topic);
   // Initial P(z|d): the labels, smoothed, because EM never leaves a probability of 0.
   constexpr double kSoftening = 0.05;
-  MatrixXd topic_given_picture = label_share.array() + kSoftening;
+  MatrixXd topic_given_picture = label_fraction.array() + kSoftening;
   NormaliseColumns(topic_given_picture);
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
-    MatrixXd word_sums = MatrixXd::Constant(static_cast<Eigen::Index>(words), topics, options.word_floor);
+    MatrixXd word_sums = MatrixXd::Constant(static_cast<Eigen::Index>(words), topics, options.word_pseudocount);
     fit.log_likelihood = 0;
     for (std::size_t d = 0; d < pictures.size(); ++d) {
       const auto column = static_cast<Eigen::Index>(d);
-      VectorXd shares = label_share.col(column) * options.label_weight * Sum(pictures[d]);
+      VectorXd topic_mixture = label_fraction.col(column) * options.label_weight * Sum(pictures[d]);
       for (const auto& [word, count] : pictures[d]) {
         double likelihood = 0;
         const VectorXd joint = fit.word_given_topic.row(word).transpose().cwiseProduct(topic_given_picture.col(column));
-        const VectorXd part = count * Posterior(joint, options.temper, likelihood);
-        word_sums.row(word) += part.transpose();
-        shares += part;
+        const VectorXd expected_counts = count * Posterior(joint, options.tempering, likelihood);
+        word_sums.row(word) += expected_counts.transpose();
+        topic_mixture += expected_counts;
         fit.log_likelihood += count * std::log(std::max(likelihood, std::numeric_limits<double>::min()));
       }
-      if (shares.sum() > 0) topic_given_picture.col(column) = shares / shares.sum();
+      if (topic_mixture.sum() > 0) topic_given_picture.col(column) = topic_mixture / topic_mixture.sum();
     }
     fit.word_given_topic = std::move(word_sums);
     NormaliseColumns(fit.word_given_topic);
@@ -72,43 +72,44 @@ Fit RunOnce(std::span<const WordCounts> pictures, const MatrixXd& label_share, s
 void PlsaOptions::ListFields(FieldList& fields) {
   fields.Add("iterations", iterations, {.min = 1, .max = 10000, .reason = "iterations of expectation-maximisation"});
   fields.Add("restarts", restarts, {.min = 1, .max = 100, .reason = "random restarts; the most likely result is kept"});
-  fields.Add("temper", temper,
+  fields.Add("tempering", tempering,
              {.min = 0.1, .max = 1, .reason = "exponent beta of tempered EM (Hofmann); below 1 smooths the topics"});
   fields.Add("label_weight", label_weight,
              {.min = 0,
               .max = 1000,
               .reason = "weight of the category of a training image relative to its words; 0: initialisation only"});
-  fields.Add("word_floor", word_floor,
+  fields.Add("word_pseudocount", word_pseudocount,
              {.min = 1e-6, .max = 100, .reason = "pseudo-count of every word in every category"});
 }
 
 TopicModel LearnTopics(std::span<const WordCounts> pictures, std::span<const int> topic_of_picture, int topics,
                        std::size_t words, const PlsaOptions& options, std::uint64_t seed) {
   VICTORIOUS_CHECK(pictures.size() == topic_of_picture.size());
-  MatrixXd label_share = MatrixXd::Zero(topics, static_cast<Eigen::Index>(pictures.size()));
-  for (std::size_t d = 0; d < pictures.size(); ++d) label_share(topic_of_picture[d], static_cast<Eigen::Index>(d)) = 1;
+  MatrixXd label_fraction = MatrixXd::Zero(topics, static_cast<Eigen::Index>(pictures.size()));
+  for (std::size_t d = 0; d < pictures.size(); ++d)
+    label_fraction(topic_of_picture[d], static_cast<Eigen::Index>(d)) = 1;
   Random random(seed);
   Fit best;
   for (int start = 0; start < options.restarts; ++start) {
-    Fit fit = RunOnce(pictures, label_share, words, options, random);
+    Fit fit = FitFromRandomStart(pictures, label_fraction, words, options, random);
     if (start == 0 || fit.log_likelihood > best.log_likelihood) best = std::move(fit);
   }
   return {.word_given_topic = best.word_given_topic.cast<float>()};
 }
 
-VectorXd TopicShares(const TopicModel& model, const WordCounts& picture, const PlsaOptions& options) {
+VectorXd InferTopicMixture(const TopicModel& model, const WordCounts& picture, const PlsaOptions& options) {
   const Eigen::Index topics = model.word_given_topic.cols();
-  VectorXd shares = VectorXd::Constant(topics, 1.0 / static_cast<double>(topics));
+  VectorXd topic_mixture = VectorXd::Constant(topics, 1.0 / static_cast<double>(topics));
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
     VectorXd sums = VectorXd::Zero(topics);
     for (const auto& [word, count] : picture) {
       double likelihood = 0;
-      const VectorXd joint = model.word_given_topic.row(word).transpose().cast<double>().cwiseProduct(shares);
-      sums += count * Posterior(joint, options.temper, likelihood);
+      const VectorXd joint = model.word_given_topic.row(word).transpose().cast<double>().cwiseProduct(topic_mixture);
+      sums += count * Posterior(joint, options.tempering, likelihood);
     }
-    if (sums.sum() > 0) shares = sums / sums.sum();
+    if (sums.sum() > 0) topic_mixture = sums / sums.sum();
   }
-  return shares;
+  return topic_mixture;
 }
 
 }  // namespace victorious

@@ -19,9 +19,9 @@ namespace victorious {
 struct PlsaOptions {
   int iterations = 40;
   int restarts = 3;
-  double temper = 1.0;
+  double tempering = 1.0;
   double label_weight = 4.0;
-  double word_floor = 0.05;
+  double word_pseudocount = 0.05;
 
   void ListFields(FieldList& fields);
 };
@@ -42,6 +42,6 @@ TopicModel LearnTopics(std::span<const WordCounts> pictures, std::span<const int
 
 /// Estimates P(z|d) of a new image by the same iteration with P(w|z) held fixed (folding-in). Uniform for an image
 /// without words.
-Eigen::VectorXd TopicShares(const TopicModel& model, const WordCounts& picture, const PlsaOptions& options);
+Eigen::VectorXd InferTopicMixture(const TopicModel& model, const WordCounts& picture, const PlsaOptions& options);
 
 }  // namespace victorious

@@ -35,10 +35,10 @@ TEST(Plsa, FoldsNewPicturesIn) {
   std::vector<int> topics;
   const auto pictures = Pictures(topics);
   const TopicModel model = LearnTopics(pictures, topics, 2, 15, PlsaOptions(), 1);
-  EXPECT_GT(TopicShares(model, {{0, 3.0F}, {6, 1.0F}}, PlsaOptions())(0), 0.9);
-  EXPECT_GT(TopicShares(model, {{6, 1.0F}, {13, 3.0F}}, PlsaOptions())(1), 0.9);
-  EXPECT_NEAR(TopicShares(model, {{1, 3.0F}, {13, 3.0F}}, PlsaOptions())(1), 0.5, 0.2);
-  EXPECT_EQ(TopicShares(model, {}, PlsaOptions())(0), 0.5);
+  EXPECT_GT(InferTopicMixture(model, {{0, 3.0F}, {6, 1.0F}}, PlsaOptions())(0), 0.9);
+  EXPECT_GT(InferTopicMixture(model, {{6, 1.0F}, {13, 3.0F}}, PlsaOptions())(1), 0.9);
+  EXPECT_NEAR(InferTopicMixture(model, {{1, 3.0F}, {13, 3.0F}}, PlsaOptions())(1), 0.5, 0.2);
+  EXPECT_EQ(InferTopicMixture(model, {}, PlsaOptions())(0), 0.5);
 }
 
 TEST(Plsa, IsDeterministicBySeed) {

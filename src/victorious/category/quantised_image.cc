@@ -5,24 +5,25 @@
 
 namespace victorious {
 
-WordedPicture WordsOf(const FeatureSet& features, const Vocabulary& vocabulary, int few, double softness) {
-  WordedPicture picture;
+QuantisedImage QuantiseFeatures(const FeatureSet& features, const Vocabulary& vocabulary, int words_per_keypoint,
+                                double assignment_sigma) {
+  QuantisedImage picture;
   picture.keypoints = features.keypoints;
-  picture.few = std::min(static_cast<std::size_t>(few), vocabulary.size());
+  picture.words_per_keypoint = std::min(static_cast<std::size_t>(words_per_keypoint), vocabulary.size());
   picture.width = features.image_width;
   picture.height = features.image_height;
-  const auto nearest = vocabulary.NearestWords(features.descriptors, picture.few);
-  picture.shares.reserve(nearest.size());
-  for (std::size_t first = 0; first < nearest.size(); first += picture.few) {
+  const auto nearest = vocabulary.NearestWords(features.descriptors, picture.words_per_keypoint);
+  picture.assignments.reserve(nearest.size());
+  for (std::size_t first = 0; first < nearest.size(); first += picture.words_per_keypoint) {
     double sum = 0;
-    for (std::size_t k = first; k < first + picture.few; ++k) {
+    for (std::size_t k = first; k < first + picture.words_per_keypoint; ++k) {
       const double farther2 = static_cast<double>(nearest[k].distance2) - nearest[first].distance2;
-      const double share = std::exp(-farther2 / (2 * softness * softness));
-      sum += share;
-      picture.shares.push_back({nearest[k].index, static_cast<float>(share)});
+      const double weight = std::exp(-farther2 / (2 * assignment_sigma * assignment_sigma));
+      sum += weight;
+      picture.assignments.push_back({nearest[k].index, static_cast<float>(weight)});
     }
-    for (std::size_t k = first; k < first + picture.few; ++k)
-      picture.shares[k].share = static_cast<float>(picture.shares[k].share / sum);
+    for (std::size_t k = first; k < first + picture.words_per_keypoint; ++k)
+      picture.assignments[k].weight = static_cast<float>(picture.assignments[k].weight / sum);
   }
   return picture;
 }

@@ -11,7 +11,7 @@
 namespace victorious {
 
 /// User feedback on one image: `right` if it shows `category`.
-struct CategoryMark {
+struct CategoryFeedback {
   std::string category;
   bool right = true;
   FeatureSet features;
@@ -20,6 +20,6 @@ struct CategoryMark {
 /// Returns the model with the weights of both methods fitted to the marks; calibrations are unchanged.
 /// Errors: kInvalidArgument for a category that the model does not have; kUnsupported for scoring "likelihood", which
 /// has no weights, and for models with shapes, whose weights belong to training examples: these need retraining.
-Expected<CategoryModel> RefineCategories(CategoryModel model, std::span<const CategoryMark> marks);
+Expected<CategoryModel> RefineCategories(CategoryModel model, std::span<const CategoryFeedback> marks);
 
 }  // namespace victorious

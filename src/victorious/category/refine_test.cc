@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "victorious/category/category_file.h"
 #include "testing/category_tools.h"
+#include "victorious/category/category_file.h"
 
 namespace victorious {
 namespace {
@@ -17,7 +17,7 @@ CategoryModel RawModel() { return *TrainCategories(testing::DrawExamples(3, 1), 
 double Accuracy(const CategoryModel& model, std::span<const CategoryExample> examples) {
   double right = 0;
   for (const CategoryExample& example : examples) {
-    const auto result = Classify(model, WordsOf(model, example.features), CategoryMethod::kPhrases);
+    const auto result = Classify(model, QuantiseFeatures(model, example.features), CategoryMethod::kPhrases);
     right += model.nodes[result.label].name == example.category ? 1 : 0;
   }
   return right / static_cast<double>(examples.size());
@@ -38,7 +38,7 @@ std::vector<CategoryExample> DrawNegatives(int pictures_each, std::uint64_t seed
 
 TEST(RefineCategories, LearnsWhatTrainingHadNotShown) {
   const CategoryModel model = RawModel();
-  std::vector<CategoryMark> marks;
+  std::vector<CategoryFeedback> marks;
   for (const CategoryExample& example : DrawNegatives(10, 5))
     marks.push_back({.category = example.category, .right = true, .features = example.features});
   const auto refined = RefineCategories(model, marks);
@@ -51,19 +51,19 @@ TEST(RefineCategories, AWrongResultScoresLess) {
   const CategoryModel model = RawModel();
   const auto example = testing::DrawExamples(1, 11)[0];
   const auto score = [&](const CategoryModel& of) {
-    return Classify(of, WordsOf(of, example.features), CategoryMethod::kPhrases).scores[1].raw;
+    return Classify(of, QuantiseFeatures(of, example.features), CategoryMethod::kPhrases).scores[1].raw;
   };
-  const CategoryMark mark{.category = model.nodes[1].name, .right = false, .features = example.features};
+  const CategoryFeedback mark{.category = model.nodes[1].name, .right = false, .features = example.features};
   EXPECT_LT(score(*RefineCategories(model, std::span(&mark, 1))), score(model));
 }
 
 TEST(RefineCategories, WithoutMarksChangesNothing) {
   const CategoryModel model = RawModel();
-  EXPECT_EQ(EncodeCategories(*RefineCategories(model, {})), EncodeCategories(model));
+  EXPECT_EQ(EncodeCategoryModel(*RefineCategories(model, {})), EncodeCategoryModel(model));
 }
 
 TEST(RefineCategories, SaysWhatItCannotDo) {
-  const CategoryMark mark{.category = "boat", .right = true, .features = {}};
+  const CategoryFeedback mark{.category = "boat", .right = true, .features = {}};
   EXPECT_THAT(RefineCategories(RawModel(), std::span(&mark, 1)).error().message, HasSubstr("boat"));
   const auto thesis = TrainCategories(testing::DrawExamples(3, 1), testing::SmallOptions("likelihood"));
   EXPECT_THAT(RefineCategories(*thesis, {}).error().message, HasSubstr("train it again"));

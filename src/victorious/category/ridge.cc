@@ -77,8 +77,8 @@ Calibration Calibrate(std::span<const double> scores, const std::vector<bool>& p
     at -= step;
     if (step.norm() < 1e-9) break;
   }
-  constexpr double kLeastSlope = 1e-3;
-  return {.slope = std::max(at.x(), kLeastSlope) / spread, .offset = at.y()};
+  constexpr double kMinSlope = 1e-3;
+  return {.slope = std::max(at.x(), kMinSlope) / spread, .offset = at.y()};
 }
 
 }  // namespace victorious

@@ -20,7 +20,7 @@ constexpr float kPatch = 12;  // side of a patch in units of the keypoint's scal
 constexpr auto kRawSize = static_cast<Index>(kRawShapeSize);
 
 // The keypoint scale whose patch side is nearest to 0.55 of the image's shorter side; 0 without keypoints.
-float ScaleOf(const FeatureSet& features) {
+float PatchScale(const FeatureSet& features) {
   constexpr float kShare = 0.55F;
   const float wanted = kShare * static_cast<float>(std::min(features.image_width, features.image_height)) / kPatch;
   float best = 0;
@@ -33,7 +33,7 @@ float ScaleOf(const FeatureSet& features) {
 
 VectorXf RawShape(const FeatureSet& features) {
   VectorXf raw = VectorXf::Zero(kRawSize);
-  const float scale = ScaleOf(features);
+  const float scale = PatchScale(features);
   if (scale == 0) return raw;
   const float reach = kPatch / 2 * scale;
   const std::array<float, kPatches> xs = {reach, static_cast<float>(features.image_width) - reach};

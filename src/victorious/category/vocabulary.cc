@@ -22,27 +22,27 @@ std::span<const std::uint8_t> Row(std::span<const std::uint8_t> rows, std::size_
 
 // Nearest words of each row, in parallel over blocks. Each result depends only on its query, not on the blocks.
 std::vector<Neighbour> Nearest(std::span<const std::uint8_t> rows, const kernels::PackedDescriptors& set,
-                               std::size_t few) {
+                               std::size_t k) {
   constexpr std::size_t kBlock = 1024;
   const std::size_t count = rows.size() / kDescriptorSize;
-  std::vector<Neighbour> out(count * few);
+  std::vector<Neighbour> out(count * k);
   const std::size_t blocks = (count + kBlock - 1) / kBlock;
   cv::parallel_for_({0, static_cast<int>(blocks)}, [&](const cv::Range& range) {
     for (int block = range.start; block < range.end; ++block) {
       const std::size_t first = static_cast<std::size_t>(block) * kBlock;
       const std::size_t size = std::min(kBlock, count - first);
       const auto queries = kernels::PackQueries(rows.subspan(first * kDescriptorSize, size * kDescriptorSize));
-      kernels::FindNearestFew(queries, set, few, std::span(out).subspan(first * few, size * few));
+      kernels::FindNearestFew(queries, set, k, std::span(out).subspan(first * k, size * k));
     }
   });
   return out;
 }
 
-// Samples at most `most` rows, in random order.
-std::vector<std::uint8_t> Draw(std::span<const std::uint8_t> rows, std::size_t most, Random& random) {
+// Samples at max_count `max_count` rows, in random order.
+std::vector<std::uint8_t> SampleRows(std::span<const std::uint8_t> rows, std::size_t max_count, Random& random) {
   std::vector<std::uint32_t> order(rows.size() / kDescriptorSize);
   std::iota(order.begin(), order.end(), 0U);
-  const std::size_t count = std::min(most, order.size());
+  const std::size_t count = std::min(max_count, order.size());
   std::vector<std::uint8_t> drawn;
   drawn.reserve(count * kDescriptorSize);
   for (std::size_t i = 0; i < count; ++i) {
@@ -53,10 +53,10 @@ std::vector<std::uint8_t> Draw(std::span<const std::uint8_t> rows, std::size_t m
   return drawn;
 }
 
-// Means of the samples assigned to each centre. An empty cluster is re-initialised with the sample farthest from its
-// centre, each empty cluster with a different sample.
-std::vector<std::uint8_t> Means(std::span<const std::uint8_t> samples, std::span<const Neighbour> nearest,
-                                std::size_t words) {
+// UpdateCentres of the samples assigned to each centre. An empty cluster is re-initialised with the sample farthest
+// from its centre, each empty cluster with a different sample.
+std::vector<std::uint8_t> UpdateCentres(std::span<const std::uint8_t> samples, std::span<const Neighbour> nearest,
+                                        std::size_t words) {
   std::vector<std::uint32_t> sums(words * kDescriptorSize);
   std::vector<std::uint32_t> counts(words);
   for (std::size_t i = 0; i < nearest.size(); ++i) {
@@ -65,19 +65,19 @@ std::vector<std::uint8_t> Means(std::span<const std::uint8_t> samples, std::span
     const auto row = Row(samples, i);
     for (std::size_t k = 0; k < kDescriptorSize; ++k) sum[k] += row[k];
   }
-  std::vector<std::uint32_t> worst(nearest.size());
-  std::iota(worst.begin(), worst.end(), 0U);
+  std::vector<std::uint32_t> farthest(nearest.size());
+  std::iota(farthest.begin(), farthest.end(), 0U);
   const auto empty = static_cast<std::size_t>(std::ranges::count(counts, 0U));
-  const auto worst_end = worst.begin() + static_cast<std::ptrdiff_t>(std::min(empty, worst.size()));
-  std::partial_sort(worst.begin(), worst_end, worst.end(), [&](std::uint32_t a, std::uint32_t b) {
+  const auto farthest_end = farthest.begin() + static_cast<std::ptrdiff_t>(std::min(empty, farthest.size()));
+  std::partial_sort(farthest.begin(), farthest_end, farthest.end(), [&](std::uint32_t a, std::uint32_t b) {
     return std::pair(nearest[b].distance2, a) < std::pair(nearest[a].distance2, b);
   });
-  auto next_worst = worst.begin();
+  auto next_farthest = farthest.begin();
   std::vector<std::uint8_t> means(words * kDescriptorSize);
   for (std::size_t word = 0; word < words; ++word) {
     std::uint8_t* mean = &means[word * kDescriptorSize];
     if (counts[word] == 0) {
-      std::ranges::copy(Row(samples, *next_worst++), mean);
+      std::ranges::copy(Row(samples, *next_farthest++), mean);
       continue;
     }
     for (std::size_t k = 0; k < kDescriptorSize; ++k)
@@ -94,8 +94,7 @@ void VocabularyOptions::ListFields(FieldList& fields) {
              {.reason = "compare the square roots of descriptors (RootSIFT), which limits the influence of single "
                         "strong gradients; thesis: false"});
   fields.Add("iterations", iterations, {.min = 1, .max = 1000, .reason = "iterations of k-means"});
-  fields.Add("samples", samples,
-             {.min = 2, .max = 10e6, .reason = "descriptors sampled for k-means, by seed"});
+  fields.Add("samples", samples, {.min = 2, .max = 10e6, .reason = "descriptors sampled for k-means, by seed"});
 }
 
 Vocabulary::Vocabulary(std::vector<std::uint8_t> centres, bool root)
@@ -105,17 +104,17 @@ Vocabulary Vocabulary::Learn(std::span<const std::uint8_t> descriptors, const Vo
                              std::uint64_t seed) {
   VICTORIOUS_CHECK(descriptors.size() >= kDescriptorSize && descriptors.size() % kDescriptorSize == 0);
   Random random(seed);
-  std::vector<std::uint8_t> samples = Draw(descriptors, static_cast<std::size_t>(options.samples), random);
+  std::vector<std::uint8_t> samples = SampleRows(descriptors, static_cast<std::size_t>(options.samples), random);
   if (options.root) samples = RootDescriptors(samples);
   // The samples are in random order, so the first ones are a random initialisation.
   const std::size_t words = std::min(static_cast<std::size_t>(options.words), samples.size() / kDescriptorSize);
   std::vector<std::uint8_t> centres(samples.begin(),
                                     samples.begin() + static_cast<std::ptrdiff_t>(words * kDescriptorSize));
   for (int i = 0; i < options.iterations; ++i) {
-    std::vector<std::uint8_t> means = Means(samples, Nearest(samples, kernels::Pack(centres), 1), words);
-    const bool settled = means == centres;
+    std::vector<std::uint8_t> means = UpdateCentres(samples, Nearest(samples, kernels::Pack(centres), 1), words);
+    const bool converged = means == centres;
     centres = std::move(means);
-    if (settled) break;
+    if (converged) break;
   }
   return {std::move(centres), options.root};
 }
@@ -128,9 +127,9 @@ Vocabulary Vocabulary::Learn(std::span<const FeatureSet* const> sets, const Voca
   return Learn(descriptors, options, seed);
 }
 
-std::vector<Neighbour> Vocabulary::NearestWords(std::span<const std::uint8_t> descriptors, std::size_t few) const {
-  if (!root_) return Nearest(descriptors, packed_, few);
-  return Nearest(RootDescriptors(descriptors), packed_, few);
+std::vector<Neighbour> Vocabulary::NearestWords(std::span<const std::uint8_t> descriptors, std::size_t k) const {
+  if (!root_) return Nearest(descriptors, packed_, k);
+  return Nearest(RootDescriptors(descriptors), packed_, k);
 }
 
 std::vector<std::uint8_t> RootDescriptors(std::span<const std::uint8_t> descriptors) {

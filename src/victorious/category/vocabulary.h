@@ -49,7 +49,7 @@ class Vocabulary {
 
   /// Returns the k nearest words of each descriptor, nearest first: k entries per descriptor, 1 <= k <= 8.
   [[nodiscard]] std::vector<kernels::Neighbour> NearestWords(std::span<const std::uint8_t> descriptors,
-                                                             std::size_t few) const;
+                                                             std::size_t k) const;
 
  private:
   std::vector<std::uint8_t> centres_;

@@ -11,7 +11,7 @@
 namespace victorious {
 namespace {
 
-constexpr float kReach = 6;  // half side of a patch in units of the keypoint's scale: two cells of three sigma
+constexpr float kPatchHalfSide = 6;  // half side of a patch in units of the keypoint's scale: two cells of three sigma
 
 // A contiguous range of features of one scale in one row of the grid.
 struct Row {
@@ -26,15 +26,15 @@ struct Level {
   double side = 0;  // side of its windows, px of the image before resampling
   cv::Size size;
   FeatureSet features;
-  WordedPicture picture;  // quantised features, without a Fisher vector
+  QuantisedImage picture;  // quantised features, without a Fisher vector
   std::vector<Row> rows;
 };
 
 // Relies on the order of DenseFeatures: by scale, then by row.
-std::vector<Row> RowsOf(const std::vector<Keypoint>& keypoints) {
+std::vector<Row> FindRows(const std::vector<Keypoint>& keypoints) {
   std::vector<Row> rows;
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
-    const float reach = kReach * keypoints[i].scale_px;
+    const float reach = kPatchHalfSide * keypoints[i].scale_px;
     if (rows.empty() || rows.back().y != keypoints[i].y || rows.back().reach != reach)
       rows.push_back({.y = keypoints[i].y, .reach = reach, .first = i, .end = i});
     rows.back().end = i + 1;
@@ -42,36 +42,37 @@ std::vector<Row> RowsOf(const std::vector<Keypoint>& keypoints) {
   return rows;
 }
 
-cv::Size SizeOfLevel(const cv::Size& picture, double side, int side_px) {
+cv::Size LevelSize(const cv::Size& picture, double side, int side_px) {
   const double scale = side_px / side;
   return {std::max(side_px, cvRound(picture.width * scale)), std::max(side_px, cvRound(picture.height * scale))};
 }
 
-double ShrinkOf(const cv::Size& picture, const WindowOptions& options) {
+double DownscaleFactor(const cv::Size& picture, const WindowOptions& options) {
   return std::min(1.0, static_cast<double>(options.max_side_px) / std::max(picture.width, picture.height));
 }
 
 Level MakeLevel(const CategoryModel& model, const cv::Mat& grey, double side, const DenseOptions& dense,
                 const WindowOptions& options) {
   Level level{
-      .side = side, .size = SizeOfLevel(grey.size(), side, options.side_px), .features = {}, .picture = {}, .rows = {}};
+      .side = side, .size = LevelSize(grey.size(), side, options.side_px), .features = {}, .picture = {}, .rows = {}};
   cv::Mat resampled;
   cv::resize(grey, resampled, level.size, 0, 0, side > options.side_px ? cv::INTER_AREA : cv::INTER_LINEAR);
   DenseOptions at_this_size = dense;
   at_this_size.max_side_px = std::max(level.size.width, level.size.height);
   level.features = DenseFeatures(resampled, at_this_size);
-  level.picture = WordsOf(level.features, model.vocabulary, model.options.soft_words, model.options.softness);
-  level.rows = RowsOf(level.features.keypoints);
+  level.picture = QuantiseFeatures(level.features, model.vocabulary, model.options.words_per_keypoint,
+                                   model.options.assignment_sigma);
+  level.rows = FindRows(level.features.keypoints);
   return level;
 }
 
-struct Place {
+struct Candidate {
   std::size_t level = 0;
   cv::Point corner;  // top left, px of the level
   double score = 0;  // log odds by words and shapes
 };
 
-std::vector<int> Steps(int length, int side, int step) {
+std::vector<int> WindowOffsets(int length, int side, int step) {
   std::vector<int> steps;
   for (int at = 0; at + side < length; at += step) steps.push_back(at);
   steps.push_back(length - side);
@@ -79,7 +80,7 @@ std::vector<int> Steps(int length, int side, int step) {
 }
 
 // Indices of the features whose patches lie entirely in the window.
-std::vector<std::size_t> FeaturesIn(const Level& level, const cv::Point& corner, int side_px) {
+std::vector<std::size_t> FindFeaturesInside(const Level& level, const cv::Point& corner, int side_px) {
   constexpr float kRounding = 0.01F;
   std::vector<std::size_t> inside;
   for (const Row& row : level.rows) {
@@ -96,7 +97,8 @@ std::vector<std::size_t> FeaturesIn(const Level& level, const cv::Point& corner,
 }
 
 // The features of a window, with positions relative to its corner.
-FeatureSet CutOut(const Level& level, std::span<const std::size_t> features, const cv::Point& corner, int side_px) {
+FeatureSet CropFeatures(const Level& level, std::span<const std::size_t> features, const cv::Point& corner,
+                        int side_px) {
   FeatureSet part{.keypoints = {}, .descriptors = {}, .image_width = side_px, .image_height = side_px};
   part.keypoints.reserve(features.size());
   part.descriptors.reserve(features.size() * kDescriptorSize);
@@ -112,25 +114,25 @@ FeatureSet CutOut(const Level& level, std::span<const std::size_t> features, con
 }
 
 // The quantised features of a window: words copied from the level, and the shape of the crop.
-WordedPicture WordsOf(const CategoryModel& model, const Level& level, std::span<const std::size_t> features,
-                      const FeatureSet& cut_out) {
-  WordedPicture part;
-  part.keypoints = cut_out.keypoints;
-  part.few = level.picture.few;
-  part.width = cut_out.image_width;
-  part.height = cut_out.image_height;
-  part.shares.reserve(features.size() * part.few);
+QuantisedImage QuantiseFeatures(const CategoryModel& model, const Level& level, std::span<const std::size_t> features,
+                                const FeatureSet& crop) {
+  QuantisedImage part;
+  part.keypoints = crop.keypoints;
+  part.words_per_keypoint = level.picture.words_per_keypoint;
+  part.width = crop.image_width;
+  part.height = crop.image_height;
+  part.assignments.reserve(features.size() * part.words_per_keypoint);
   for (const std::size_t i : features) {
-    const auto shares = level.picture.Shares(i);
-    part.shares.insert(part.shares.end(), shares.begin(), shares.end());
+    const auto assignments = level.picture.Assignments(i);
+    part.assignments.insert(part.assignments.end(), assignments.begin(), assignments.end());
   }
-  part.shape = model.shape.Encode(cut_out);
+  part.shape = model.shape.Encode(crop);
   return part;
 }
 
 // Maximum log odds over the wanted nodes. Log odds, because probabilities near 1 lose resolution.
-double Likeliest(const CategoryModel& model, const CategoryResult& result, CategoryMethod method,
-                 std::span<const std::size_t> wanted) {
+double MaxLogOdds(const CategoryModel& model, const CategoryResult& result, CategoryMethod method,
+                  std::span<const std::size_t> wanted) {
   double best = -std::numeric_limits<double>::infinity();
   for (const std::size_t node : wanted) {
     const Calibration& calibration =
@@ -140,11 +142,11 @@ double Likeliest(const CategoryModel& model, const CategoryResult& result, Categ
   return best;
 }
 
-SeenWindow Examine(const CategoryModel& model, const Level& level, const cv::Point& corner, int side_px) {
-  const std::vector<std::size_t> inside = FeaturesIn(level, corner, side_px);
-  const FeatureSet cut_out = CutOut(level, inside, corner, side_px);
-  SeenWindow window{.box = {}, .result = {}, .picture = WordsOf(model, level, inside, cut_out)};
-  window.picture.fisher = model.fisher.Encode(cut_out);
+ScoredWindow ScoreWindow(const CategoryModel& model, const Level& level, const cv::Point& corner, int side_px) {
+  const std::vector<std::size_t> inside = FindFeaturesInside(level, corner, side_px);
+  const FeatureSet crop = CropFeatures(level, inside, corner, side_px);
+  ScoredWindow window{.box = {}, .result = {}, .picture = QuantiseFeatures(model, level, inside, crop)};
+  window.picture.fisher = model.fisher.Encode(crop);
   window.result = Classify(model, window.picture, CategoryMethod::kPhrases);
   const double scale = level.side / side_px;
   window.box = {corner.x * scale, corner.y * scale, level.side, level.side};
@@ -159,7 +161,7 @@ void WindowOptions::ListFields(FieldList& fields) {
                         "several times; false: an image is classified as a whole"});
   fields.Add("side_px", side_px,
              {.min = 32, .max = 512, .unit = "px", .reason = "side to which a window is resampled for the features"});
-  fields.Add("smallest_px", smallest_px,
+  fields.Add("min_window_px", min_window_px,
              {.min = 16, .max = 4096, .unit = "px", .reason = "side of the smallest windows"});
   fields.Add("size_factor", size_factor, {.min = 1.05, .max = 4, .reason = "ratio of successive window sizes"});
   fields.Add("step_px", step_px,
@@ -167,10 +169,10 @@ void WindowOptions::ListFields(FieldList& fields) {
               .max = 512,
               .unit = "px",
               .reason = "step between windows, after resampling; use a multiple of dense.step_px"});
-  fields.Add("room", room,
+  fields.Add("context_factor", context_factor,
              {.min = 1, .max = 4, .reason = "side of a window relative to the longer side of the object's box"});
   fields.Add(
-      "examined", examined,
+      "max_rescored", max_rescored,
       {.min = 1,
        .max = 100000,
        .reason = "windows per image that are rescored with phrases and Fisher vectors: the best by words and shapes"});
@@ -181,10 +183,10 @@ void WindowOptions::ListFields(FieldList& fields) {
                         "probable is kept"});
   fields.Add("max_side_px", max_side_px,
              {.min = 64, .max = 16384, .unit = "px", .reason = "images with a longer side are downscaled to it"});
-  fields.Add("none", none,
+  fields.Add("background_category", background_category,
              {.reason = "background category, of windows without an object; set by training to the category of the "
                         "images without boxes"});
-  fields.Add("usual_windows", usual_windows,
+  fields.Add("calibration_windows", calibration_windows,
              {.min = 0,
               .max = 1e9,
               .reason = "mean number of windows per image in calibration; set by training from the images without "
@@ -195,71 +197,75 @@ void WindowOptions::ListFields(FieldList& fields) {
 std::vector<double> WindowSides(const cv::Size& picture, const WindowOptions& options) {
   const double longest = std::min(picture.width, picture.height);
   std::vector<double> sides;
-  for (double side = options.smallest_px; side * std::sqrt(options.size_factor) < longest; side *= options.size_factor)
+  for (double side = options.min_window_px; side * std::sqrt(options.size_factor) < longest;
+       side *= options.size_factor)
     sides.push_back(side);
   sides.push_back(longest);
   return sides;
 }
 
 std::size_t WindowCount(const cv::Size& picture, const WindowOptions& options) {
-  const double shrink = ShrinkOf(picture, options);
+  const double shrink = DownscaleFactor(picture, options);
   const cv::Size size(cvRound(picture.width * shrink), cvRound(picture.height * shrink));
   std::size_t count = 0;
   for (const double side : WindowSides(size, options)) {
-    const cv::Size level = SizeOfLevel(size, side, options.side_px);
-    count += Steps(level.width, options.side_px, options.step_px).size() *
-             Steps(level.height, options.side_px, options.step_px).size();
+    const cv::Size level = LevelSize(size, side, options.side_px);
+    count += WindowOffsets(level.width, options.side_px, options.step_px).size() *
+             WindowOffsets(level.height, options.side_px, options.step_px).size();
   }
   return count;
 }
 
-std::vector<SeenWindow> LookThroughWindows(const CategoryModel& model, const cv::Mat& grey, const DenseOptions& dense,
-                                           const WindowOptions& options, std::span<const std::size_t> wanted) {
+std::vector<ScoredWindow> ClassifyWindows(const CategoryModel& model, const cv::Mat& grey, const DenseOptions& dense,
+                                          const WindowOptions& options, std::span<const std::size_t> wanted) {
   VICTORIOUS_CHECK(grey.type() == CV_8UC1 && model.options.scoring == "linear");
-  const double shrink = ShrinkOf(grey.size(), options);
+  const double shrink = DownscaleFactor(grey.size(), options);
   cv::Mat picture = grey;
   if (shrink < 1) cv::resize(grey, picture, {}, shrink, shrink, cv::INTER_AREA);
   std::vector<Level> levels;
-  std::vector<Place> places;
+  std::vector<Candidate> candidates;
   for (const double side : WindowSides(picture.size(), options)) {
     const Level& level = levels.emplace_back(MakeLevel(model, picture, side, dense, options));
-    for (const int y : Steps(level.size.height, options.side_px, options.step_px)) {
-      for (const int x : Steps(level.size.width, options.side_px, options.step_px)) {
-        const std::vector<std::size_t> inside = FeaturesIn(level, {x, y}, options.side_px);
+    for (const int y : WindowOffsets(level.size.height, options.side_px, options.step_px)) {
+      for (const int x : WindowOffsets(level.size.width, options.side_px, options.step_px)) {
+        const std::vector<std::size_t> inside = FindFeaturesInside(level, {x, y}, options.side_px);
         if (inside.empty()) continue;
-        const FeatureSet cut_out = CutOut(level, inside, {x, y}, options.side_px);
-        const CategoryResult by_words = Classify(model, WordsOf(model, level, inside, cut_out), CategoryMethod::kWords);
-        places.push_back({levels.size() - 1, {x, y}, Likeliest(model, by_words, CategoryMethod::kWords, wanted)});
+        const FeatureSet crop = CropFeatures(level, inside, {x, y}, options.side_px);
+        const CategoryResult by_words =
+            Classify(model, QuantiseFeatures(model, level, inside, crop), CategoryMethod::kWords);
+        candidates.push_back({levels.size() - 1, {x, y}, MaxLogOdds(model, by_words, CategoryMethod::kWords, wanted)});
       }
     }
   }
-  std::ranges::stable_sort(places, std::ranges::greater(), &Place::score);
-  places.resize(std::min(places.size(), static_cast<std::size_t>(options.examined)));
+  std::ranges::stable_sort(candidates, std::ranges::greater(), &Candidate::score);
+  candidates.resize(std::min(candidates.size(), static_cast<std::size_t>(options.max_rescored)));
   // Correction for multiple testing: the odds are divided by the ratio of the number of windows to that in calibration.
-  const double usual = options.usual_windows;
-  const double more_looks =
-      usual > 0 ? std::max(1.0, static_cast<double>(WindowCount(grey.size(), options)) / usual) : 1.0;
-  std::vector<SeenWindow> windows;
-  for (const Place& place : places) {
-    SeenWindow& window = windows.emplace_back(Examine(model, levels[place.level], place.corner, options.side_px));
+  const double calibration_count = options.calibration_windows;
+  const double odds_divisor =
+      calibration_count > 0 ? std::max(1.0, static_cast<double>(WindowCount(grey.size(), options)) / calibration_count)
+                            : 1.0;
+  std::vector<ScoredWindow> windows;
+  for (const Candidate& candidate : candidates) {
+    ScoredWindow& window =
+        windows.emplace_back(ScoreWindow(model, levels[candidate.level], candidate.corner, options.side_px));
     window.box = {window.box.x / shrink, window.box.y / shrink, window.box.width / shrink, window.box.height / shrink};
     for (const std::size_t node : wanted) {
       double& probability = window.result.scores[node].probability;
-      probability /= probability + more_looks * (1 - probability);
+      probability /= probability + odds_divisor * (1 - probability);
     }
     for (std::size_t node = 0; node < model.nodes.size(); ++node) {  // the most probable label may have changed
       const std::vector<CategoryScore>& scores = window.result.scores;
-      if (model.nodes[node].labels && scores[node].probability > scores[window.result.label].probability)
+      if (model.nodes[node].can_be_label && scores[node].probability > scores[window.result.label].probability)
         window.result.label = node;
     }
   }
-  std::ranges::stable_sort(windows, std::ranges::greater(), [&](const SeenWindow& window) {
-    return Likeliest(model, window.result, CategoryMethod::kPhrases, wanted);
+  std::ranges::stable_sort(windows, std::ranges::greater(), [&](const ScoredWindow& window) {
+    return MaxLogOdds(model, window.result, CategoryMethod::kPhrases, wanted);
   });
   return windows;
 }
 
-bool ShowTheSame(const Box& a, const Box& b, double overlap) {
+bool IsSameObject(const Box& a, const Box& b, double overlap) {
   // A small window in a large one shows a part of the same object, or the object without its surroundings.
   constexpr double kMostlyInside = 0.6;
   return IntersectionOverUnion(a, b) > overlap ||

@@ -23,15 +23,15 @@ namespace victorious {
 struct WindowOptions {
   bool enabled = false;
   int side_px = 96;
-  int smallest_px = 64;
+  int min_window_px = 64;
   double size_factor = 1.3;
   int step_px = 24;
-  double room = 1.25;
-  int examined = 60;
+  double context_factor = 1.25;
+  int max_rescored = 60;
   double overlap = 0.2;
   int max_side_px = 1280;
-  std::string none = {};
-  double usual_windows = 0;
+  std::string background_category = {};
+  double calibration_windows = 0;
 
   void ListFields(FieldList& fields);
 };
@@ -44,10 +44,10 @@ std::vector<double> WindowSides(const cv::Size& picture, const WindowOptions& op
 std::size_t WindowCount(const cv::Size& picture, const WindowOptions& options);
 
 /// A window with its classification.
-struct SeenWindow {
-  Box box;                ///< px of the input image
-  CategoryResult result;  ///< by CategoryMethod::kPhrases; probabilities are corrected for the number of windows
-  WordedPicture picture;  ///< words of the crop, in an image of side_px x side_px
+struct ScoredWindow {
+  Box box;                 ///< px of the input image
+  CategoryResult result;   ///< by CategoryMethod::kPhrases; probabilities are corrected for the number of windows
+  QuantisedImage picture;  ///< words of the crop, in an image of side_px x side_px
 };
 
 /// Classifies all windows of an image.
@@ -56,11 +56,11 @@ struct SeenWindow {
 /// @param wanted  node indices; windows are ranked by the most probable of these
 /// @return        the rescored windows by decreasing probability; windows without features are omitted
 /// Cost: features and words of about 2.5 images of the given size, and 2 ms per rescored window.
-std::vector<SeenWindow> LookThroughWindows(const CategoryModel& model, const cv::Mat& grey, const DenseOptions& dense,
-                                           const WindowOptions& options, std::span<const std::size_t> wanted);
+std::vector<ScoredWindow> ClassifyWindows(const CategoryModel& model, const cv::Mat& grey, const DenseOptions& dense,
+                                          const WindowOptions& options, std::span<const std::size_t> wanted);
 
 /// Returns true if two windows show the same object: their intersection over union exceeds `overlap`, or more than 60 %
 /// of the smaller lies in the larger. For non-maximum suppression.
-bool ShowTheSame(const Box& a, const Box& b, double overlap);
+bool IsSameObject(const Box& a, const Box& b, double overlap);
 
 }  // namespace victorious

@@ -43,7 +43,7 @@ std::optional<std::array<double, kCount>> ParseNumbers(std::string_view text) {
 
 }  // namespace
 
-Expected<Surroundings> ParseSurroundings(std::string_view text) {
+Expected<GeoCircle> ParseGeoCircle(std::string_view text) {
   const auto numbers = ParseNumbers<3>(text);
   if (!numbers || std::abs((*numbers)[0]) > 90 || std::abs((*numbers)[1]) > 360 || (*numbers)[2] < 0) {
     return Fail(ErrorCode::kInvalidArgument,
@@ -51,7 +51,7 @@ Expected<Surroundings> ParseSurroundings(std::string_view text) {
                             "52.52,13.40,50",
                             text));
   }
-  return Surroundings{{RadiansFromDegrees((*numbers)[0]), RadiansFromDegrees((*numbers)[1]), 0}, (*numbers)[2]};
+  return GeoCircle{{RadiansFromDegrees((*numbers)[0]), RadiansFromDegrees((*numbers)[1]), 0}, (*numbers)[2]};
 }
 
 Expected<Box> ParseBox(std::string_view text) {
@@ -69,7 +69,7 @@ Expected<Box> ParseBox(std::string_view text) {
 namespace {
 
 // Parses the whole text as a finite number of at least 0.
-std::optional<double> NumberFromZero(std::string_view text) {
+std::optional<double> ParseNonNegative(std::string_view text) {
   double number = 0;
   const char* const end = text.data() + text.size();
   const auto [next, error] = std::from_chars(text.data(), end, number);
@@ -78,14 +78,14 @@ std::optional<double> NumberFromZero(std::string_view text) {
 }
 
 // Parses [[hours:]minutes:]seconds. Only the first part may be 60 or more; only the last part may have a fraction.
-std::optional<double> SecondsOf(std::string_view text) {
-  constexpr int kMostParts = 3;
+std::optional<double> ParseSeconds(std::string_view text) {
+  constexpr int kMaxParts = 3;
   double seconds = 0;
-  for (int part = 0; part < kMostParts; ++part) {
+  for (int part = 0; part < kMaxParts; ++part) {
     const std::size_t colon = text.find(':');
     const bool last = colon == std::string_view::npos;
     const std::string_view digits = text.substr(0, colon);
-    const std::optional<double> number = NumberFromZero(digits);
+    const std::optional<double> number = ParseNonNegative(digits);
     const bool alone = part == 0 && last;  // a single part may have an exponent
     const bool plain = digits.find_first_not_of(last ? "0123456789." : "0123456789") == std::string_view::npos;
     if (!number || !(plain || alone) || (part > 0 && *number >= 60)) return std::nullopt;
@@ -99,12 +99,12 @@ std::optional<double> SecondsOf(std::string_view text) {
 }  // namespace
 
 Expected<double> ParseTime(std::string_view text) {
-  if (const std::optional<double> seconds = SecondsOf(text)) return *seconds;
+  if (const std::optional<double> seconds = ParseSeconds(text)) return *seconds;
   return Fail(ErrorCode::kInvalidArgument,
               fmt::format("\"{}\": must be a time of at least 0, in seconds or as 1:30 or 1:02:03.5", text));
 }
 
-CLI::Validator TimeOfVideo() {
+CLI::Validator VideoTimeTransform() {
   return CLI::Validator(
       [](std::string& text) -> std::string {
         const Expected<double> seconds = ParseTime(text);
@@ -124,7 +124,7 @@ void AddParams(CLI::App& app, std::string& params, std::string_view lists) {
 
 void AddFieldOfView(CLI::App& app, std::optional<double>& hfov_deg) {
   const auto check = [](std::string& text) -> std::string {
-    const std::optional<double> degrees = NumberFromZero(text);
+    const std::optional<double> degrees = ParseNonNegative(text);
     if (degrees && *degrees > 0 && *degrees < 180) return {};
     return fmt::format("\"{}\": must be above 0 and below 180 degrees", text);
   };
@@ -157,13 +157,13 @@ void ApplyGround(const GroundArguments& arguments, GroundOptions& options) {
 Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields) {
   if (path.empty()) return {};
   if (IsPreset(path)) return ApplyPreset(path, fields);
-  constexpr std::size_t kMostBytes = 1 << 20;
+  constexpr std::size_t kMaxBytes = 1 << 20;
   const bool looks_like_a_name = path.find_first_of("./") == std::string::npos;
   if (looks_like_a_name && !std::filesystem::exists(path)) {
     return Fail(ErrorCode::kNotFound, fmt::format("--params {}: neither a file nor a preset; presets are {}", path,
                                                   fmt::join(PresetNames(), ", ")));
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMostBytes));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMaxBytes));
   const auto json = ParseJson(text);
   if (!json) {
     return Fail(ErrorCode::kInvalidArgument,
@@ -175,9 +175,9 @@ Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields) 
   return {};
 }
 
-Status CheckFlags(const std::vector<FieldRef>& fields, std::initializer_list<FlagOfField> flags) {
+Status CheckFlags(const std::vector<FieldRef>& fields, std::initializer_list<FieldFlag> flags) {
   std::vector<FieldRef> set_by_flags;
-  for (const FlagOfField& one : flags) {
+  for (const FieldFlag& one : flags) {
     const auto field = std::ranges::find(fields, one.field, &FieldRef::name);
     VICTORIOUS_CHECK(field != fields.end());
     set_by_flags.push_back({std::string(one.flag), field->value, field->spec});
@@ -209,8 +209,7 @@ Status CheckOutput(const std::string& path) {
 
 std::string OneLine(std::string text) {
   constexpr char kDelete = 0x7f;
-  std::ranges::replace_if(
-      text, [](char c) { return static_cast<unsigned char>(c) < ' ' || c == kDelete; }, '?');
+  std::ranges::replace_if(text, [](char c) { return static_cast<unsigned char>(c) < ' ' || c == kDelete; }, '?');
   return text;
 }
 
@@ -233,8 +232,8 @@ void FilterArguments::AddTo(CLI::App& app) {
   app.add_option("--category", category, "Only this category and its subcategories")->type_name("NAME");
   app.add_option("--from", from_s, "Only from this video time on: seconds, or as 1:30 or 1:02:03.5")
       ->type_name("TIME")
-      ->transform(TimeOfVideo());
-  app.add_option("--to", to_s, "Only up to this video time")->type_name("TIME")->transform(TimeOfVideo());
+      ->transform(VideoTimeTransform());
+  app.add_option("--to", to_s, "Only up to this video time")->type_name("TIME")->transform(VideoTimeTransform());
   app.add_option("--near", near, "Only objects within this distance of a place (degrees, metres)")
       ->type_name("LAT,LON,METRES");
   app.add_flag("--rejected", rejected, "Include rejected objects, with the reason");
@@ -250,30 +249,30 @@ Expected<SightingFilter> FilterArguments::Filter() const {
   }
   SightingFilter filter;
   if (!near.empty()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(filter.near, ParseSurroundings(near));
+    VICTORIOUS_ASSIGN_OR_RETURN(filter.near, ParseGeoCircle(near));
   }
   if (!model.empty()) filter.model_name = model;
   if (!category.empty()) filter.category_name = category;
   if (!video.empty()) filter.video_name = video;
   filter.from_s = from_s;
   filter.to_s = to_s;
-  filter.rejected_too = rejected;
+  filter.include_rejected = rejected;
   return filter;
 }
 
-Expected<std::string> WhyNoneIsNear(SightingFilter filter, IndexStore& store) {
+Expected<std::string> ExplainNoObjectNear(SightingFilter filter, IndexStore& store) {
   if (!filter.near) return "";
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> near, store.Objects(filter));
   filter.near.reset();
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> asked, store.Objects(filter));
-  if (!near.empty() || asked.empty()) return "";
-  const auto placed = std::ranges::count_if(asked, [](const ObjectRecord& one) { return one.place.has_value(); });
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> matching, store.Objects(filter));
+  if (!near.empty() || matching.empty()) return "";
+  const auto placed = std::ranges::count_if(matching, [](const ObjectRecord& one) { return one.place.has_value(); });
   if (placed == 0) {
     return fmt::format("--near: none of the {} matching objects has a place: index the videos with telemetry",
-                       asked.size());
+                       matching.size());
   }
   return fmt::format("--near: {} of the {} matching objects have a place, and all are farther away", placed,
-                     asked.size());
+                     matching.size());
 }
 
 }  // namespace victorious::cli

@@ -35,10 +35,10 @@ Expected<Box> ParseBox(std::string_view text);
 Expected<double> ParseTime(std::string_view text);
 
 /// A CLI11 transform for options in seconds: accepts the texts of ParseTime.
-CLI::Validator TimeOfVideo();
+CLI::Validator VideoTimeTransform();
 
 /// Parses "latitude,longitude,metres" (latitude and longitude in degrees). Error: kInvalidArgument.
-Expected<Surroundings> ParseSurroundings(std::string_view text);
+Expected<GeoCircle> ParseGeoCircle(std::string_view text);
 
 /// Adds the option --params. `lists` is the argument with which `victorious params` lists these parameters.
 void AddParams(CLI::App& app, std::string& params, std::string_view lists);
@@ -58,13 +58,13 @@ void ApplyGround(const GroundArguments& arguments, GroundOptions& options);
 Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields);
 
 /// A flag and the parameter that it sets.
-struct FlagOfField {
+struct FieldFlag {
   std::string_view field;  ///< the field's full name
   std::string_view flag;
 };
 
 /// Validates the parameters that flags set, so that the message names the flag. Error: kInvalidArgument.
-Status CheckFlags(const std::vector<FieldRef>& fields, std::initializer_list<FlagOfField> flags);
+Status CheckFlags(const std::vector<FieldRef>& fields, std::initializer_list<FieldFlag> flags);
 
 /// Writes `text` to stdout (`path` empty or "-"), or atomically to a file.
 Status WriteOutput(const std::string& path, std::string_view text);
@@ -97,6 +97,6 @@ struct FilterArguments {
 
 /// A message for the user that explains why no object matches filter.near; empty if one matches, or if filter.near is
 /// not set.
-Expected<std::string> WhyNoneIsNear(SightingFilter filter, IndexStore& store);
+Expected<std::string> ExplainNoObjectNear(SightingFilter filter, IndexStore& store);
 
 }  // namespace victorious::cli

@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 // The parser's error message for a command line; empty if the line is accepted.
-std::string Complaint(const std::string& line, FilterArguments& filter) {
+std::string ParseErrorText(const std::string& line, FilterArguments& filter) {
   CLI::App app;
   filter.AddTo(app);
   try {
@@ -31,12 +31,13 @@ std::string Complaint(const std::string& line, FilterArguments& filter) {
 
 TEST(FilterArguments, TimesAreSecondsFromZeroOn) {
   FilterArguments filter;
-  EXPECT_EQ(Complaint("--from 0 --to 1.5e2", filter), "");
+  EXPECT_EQ(ParseErrorText("--from 0 --to 1.5e2", filter), "");
   EXPECT_EQ(filter.Filter().value().from_s, 0.0);
   EXPECT_EQ(filter.Filter().value().to_s, 150.0);
   for (const std::string flag : {"--from", "--to"}) {
     for (const std::string bad : {"nan", "-nan", "-1", "-0.001", "inf", "1e999", "soon", "1s", "0x10", "1:60", "1:"}) {
-      EXPECT_THAT(Complaint(flag + " " + bad, filter), AllOf(HasSubstr(flag), HasSubstr(bad), Not(HasSubstr("\n"))))
+      EXPECT_THAT(ParseErrorText(flag + " " + bad, filter),
+                  AllOf(HasSubstr(flag), HasSubstr(bad), Not(HasSubstr("\n"))))
           << flag << ' ' << bad;
     }
   }
@@ -44,7 +45,7 @@ TEST(FilterArguments, TimesAreSecondsFromZeroOn) {
 
 TEST(FilterArguments, TimesMayHaveMinutesAndHours) {
   FilterArguments filter;
-  EXPECT_EQ(Complaint("--from 1:30 --to 1:02:03.5", filter), "");
+  EXPECT_EQ(ParseErrorText("--from 1:30 --to 1:02:03.5", filter), "");
   EXPECT_EQ(filter.Filter().value().from_s, 90.0);
   EXPECT_EQ(filter.Filter().value().to_s, 3723.5);
 }

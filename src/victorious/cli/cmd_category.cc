@@ -17,10 +17,10 @@
 #include "victorious/category/refine.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/image/image_file.h"
+#include "victorious/mesh/load_mesh.h"
 #include "victorious/recognize/category_finder.h"
 #include "victorious/recognize/category_images.h"
-#include "victorious/mesh/load_mesh.h"
-#include "victorious/image/image_file.h"
 
 namespace victorious::cli {
 namespace {
@@ -41,7 +41,7 @@ struct Arguments {
 Status WarnWithoutBackground(const CategoryModel& model) {
   const CategoryFindOptions defaults;
   VICTORIOUS_ASSIGN_OR_RETURN(const CategoryFinder finder, CategoryFinder::Create(model, defaults));
-  const auto labels = static_cast<std::size_t>(std::ranges::count(model.nodes, true, &CategoryNode::labels));
+  const auto labels = static_cast<std::size_t>(std::ranges::count(model.nodes, true, &CategoryNode::can_be_label));
   if (finder.names().size() < labels) return {};
   spdlog::warn(
       "no background category: every image is labelled as one of the categories, whatever it shows; add images of "
@@ -51,14 +51,14 @@ Status WarnWithoutBackground(const CategoryModel& model) {
 }
 
 // Prefixes the error with the list's name, unless it already names a line of the list.
-Error OfList(Error error, const std::string& list) {
+Error WithListContext(Error error, const std::string& list) {
   if (error.message.starts_with(list + " line ")) return error;
   return std::move(error).WithContext(list);
 }
 
 Status Train(const Arguments& arguments) {
   CategoryTrainOptions options;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(options)));
   if (arguments.seed) options.category.seed = *arguments.seed;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
   std::optional<Progress> progress(std::in_place, arguments.list, static_cast<std::int64_t>(rows.size()), "pictures");
@@ -66,17 +66,18 @@ Status Train(const Arguments& arguments) {
       arguments.images, rows, options, [&](std::size_t done) { progress->Update(static_cast<std::int64_t>(done)); },
       [](const std::string& warning) { spdlog::warn("{}", OneLine(warning)); });
   progress.reset();
-  if (!model) return std::unexpected(OfList(std::move(model).error(), arguments.list));
-  VICTORIOUS_RETURN_IF_ERROR(WriteCategories(arguments.out, *model));
+  if (!model) return std::unexpected(WithListContext(std::move(model).error(), arguments.list));
+  VICTORIOUS_RETURN_IF_ERROR(WriteCategoryModel(arguments.out, *model));
   VICTORIOUS_RETURN_IF_ERROR(WarnWithoutBackground(*model));
-  const auto labels = std::ranges::count(model->nodes, true, &CategoryNode::labels);
+  const auto labels = std::ranges::count(model->nodes, true, &CategoryNode::can_be_label);
   const auto cad_files = std::ranges::count_if(rows, [](const CategoryListRow& row) { return IsCadFile(row.image); });
   const std::string cad = cad_files == 0 ? "" : fmt::format(" and {} CAD file{}", cad_files, cad_files == 1 ? "" : "s");
   return WriteOutput("", fmt::format("{}: {} categories, {} words, from {} pictures{}\n", arguments.out, labels,
                                      model->vocabulary.size(), std::ssize(rows) - cad_files, cad));
 }
 
-std::string Line(const std::string& image, const CategoryModel& model, const CategoryResult& result, bool json) {
+std::string FormatResult(const std::string& image, const CategoryModel& model, const CategoryResult& result,
+                         bool json) {
   if (!json) {
     return fmt::format("{}: {} {:.3f}\n", OneLine(image), model.nodes[result.label].name,
                        result.scores[result.label].probability);
@@ -89,43 +90,45 @@ std::string Line(const std::string& image, const CategoryModel& model, const Cat
 }
 
 // The output file of --explain for one image: FILE itself for the first image, FILE-2.png and so on for the others.
-std::string ExplanationFile(const std::string& file, std::size_t row) {
+std::string ExplanationPath(const std::string& file, std::size_t row) {
   if (row == 0) return file;
   const std::filesystem::path path(file);
   return (path.parent_path() / fmt::format("{}-{}{}", path.stem().string(), row + 1, path.extension().string()))
       .string();
 }
 
-Status Explain(const std::string& file, const cv::Mat& bgr, const CategoryModel& model, const ClassifiedPicture& seen) {
-  const CategoryResult& result = seen.result;
-  const Box& part = seen.looked_at;
+Status Explain(const std::string& file, const cv::Mat& bgr, const CategoryModel& model,
+               const ClassifiedImage& classified) {
+  const CategoryResult& result = classified.result;
+  const Box& part = classified.classified_box;
   cv::Mat looked_at = bgr(cv::Rect(cv::Rect2d(part.x, part.y, part.width, part.height)) & cv::Rect({0, 0}, bgr.size()));
-  if (looked_at.size() != cv::Size(seen.picture.width, seen.picture.height))
-    cv::resize(looked_at, looked_at, {seen.picture.width, seen.picture.height}, 0, 0, cv::INTER_AREA);
+  if (looked_at.size() != cv::Size(classified.picture.width, classified.picture.height))
+    cv::resize(looked_at, looked_at, {classified.picture.width, classified.picture.height}, 0, 0, cv::INTER_AREA);
   const std::string caption =
       fmt::format("{} {:.3f}", model.nodes[result.label].name, result.scores[result.label].probability);
-  return WriteImage(file,
-                    DrawEvidence(looked_at, seen.picture, EvidenceFor(model, seen.picture, result.label), caption));
+  return WriteImage(file, DrawContributions(looked_at, classified.picture,
+                                            ComputeContributions(model, classified.picture, result.label), caption));
 }
 
 Status Classify(const Arguments& arguments) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const CategoryModel model, ReadCategories(arguments.model));
-  VICTORIOUS_ASSIGN_OR_RETURN(const CategoryEye eye, CategoryEye::Of(model));
+  VICTORIOUS_ASSIGN_OR_RETURN(const CategoryModel model, ReadCategoryModel(arguments.model));
+  VICTORIOUS_ASSIGN_OR_RETURN(const CategoryFeaturizer featurizer, CategoryFeaturizer::Of(model));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
   if (!arguments.explain.empty() && arguments.method == "words")
     return Fail(ErrorCode::kInvalidArgument, "--explain draws phrases: it needs --method phrases");
   const CategoryMethod method = arguments.method == "words" ? CategoryMethod::kWords : CategoryMethod::kPhrases;
   std::vector<std::string> lines(rows.size());
   const auto classify = [&](std::size_t row, const cv::Mat& bgr) -> Status {
-    VICTORIOUS_ASSIGN_OR_RETURN(const ClassifiedPicture seen, ClassifyPicture(eye, model, GreyFromBgr(bgr), method));
-    lines[row] = Line(rows[row].image, model, seen.result, arguments.json);
+    VICTORIOUS_ASSIGN_OR_RETURN(const ClassifiedImage classified,
+                                ClassifyImage(featurizer, model, GreyFromBgr(bgr), method));
+    lines[row] = FormatResult(rows[row].image, model, classified.result, arguments.json);
     if (!arguments.explain.empty())
-      VICTORIOUS_RETURN_IF_ERROR(Explain(ExplanationFile(arguments.explain, row), bgr, model, seen));
+      VICTORIOUS_RETURN_IF_ERROR(Explain(ExplanationPath(arguments.explain, row), bgr, model, classified));
     return {};
   };
   {
     Progress progress(arguments.list, static_cast<std::int64_t>(rows.size()), "pictures");
-    VICTORIOUS_RETURN_IF_ERROR(ForEachPicture(
+    VICTORIOUS_RETURN_IF_ERROR(ForEachImage(
         arguments.images, rows, classify, [&](std::size_t done) { progress.Update(static_cast<std::int64_t>(done)); }));
   }
   std::string text;
@@ -134,9 +137,9 @@ Status Classify(const Arguments& arguments) {
 }
 
 Status Refine(const Arguments& arguments) {
-  VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model, ReadCategories(arguments.model));
-  VICTORIOUS_ASSIGN_OR_RETURN(const CategoryEye eye, CategoryEye::Of(model));
-  if (eye.options().windows.enabled) {
+  VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model, ReadCategoryModel(arguments.model));
+  VICTORIOUS_ASSIGN_OR_RETURN(const CategoryFeaturizer featurizer, CategoryFeaturizer::Of(model));
+  if (featurizer.options().windows.enabled) {
     return Fail(
         ErrorCode::kUnsupported,
         fmt::format("{}: a model with windows cannot be refined: add the marked examples to the training images and "
@@ -144,8 +147,8 @@ Status Refine(const Arguments& arguments) {
                     arguments.model));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
-  std::vector<CategoryMark> marks(rows.size());
-  const auto look = [&](std::size_t row, const cv::Mat& bgr) -> Status {
+  std::vector<CategoryFeedback> marks(rows.size());
+  const auto read_mark = [&](std::size_t row, const cv::Mat& bgr) -> Status {
     const CategoryListRow& listed = rows[row];
     if (listed.category.empty() || listed.mark.empty()) {
       return Fail(ErrorCode::kInvalidArgument,
@@ -153,13 +156,13 @@ Status Refine(const Arguments& arguments) {
                               listed.category.empty() ? "category" : "mark"));
     }
     marks[row] = {.category = listed.category, .right = listed.mark == "right", .features = {}};
-    VICTORIOUS_ASSIGN_OR_RETURN(marks[row].features, eye.Look(GreyFromBgr(bgr)));
+    VICTORIOUS_ASSIGN_OR_RETURN(marks[row].features, featurizer.Extract(GreyFromBgr(bgr)));
     return {};
   };
-  VICTORIOUS_RETURN_IF_ERROR(ForEachPicture(arguments.images, rows, look, [](std::size_t) {}));
+  VICTORIOUS_RETURN_IF_ERROR(ForEachImage(arguments.images, rows, read_mark, [](std::size_t) {}));
   Expected<CategoryModel> refined = RefineCategories(std::move(model), marks);
-  if (!refined) return std::unexpected(OfList(std::move(refined).error(), arguments.list));
-  VICTORIOUS_RETURN_IF_ERROR(WriteCategories(arguments.out, *refined));
+  if (!refined) return std::unexpected(WithListContext(std::move(refined).error(), arguments.list));
+  VICTORIOUS_RETURN_IF_ERROR(WriteCategoryModel(arguments.out, *refined));
   return WriteOutput("", fmt::format("{}: refined with {} marks\n", arguments.out, marks.size()));
 }
 

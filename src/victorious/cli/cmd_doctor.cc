@@ -16,11 +16,11 @@
 #include <opencv2/core.hpp>
 
 #include "victorious/base/version.h"
+#include "victorious/calibrate/time_offset.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/kernels/nearest.h"
-#include "victorious/calibrate/time_offset.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/store/index_store.h"
 #include "victorious/store/model_file.h"
@@ -48,7 +48,7 @@ std::string GpuText() {
   return fmt::format("{} is present; this version does not use it", nvidia ? "an NVIDIA GPU" : "a GPU");
 }
 
-Report Machine() {
+Report DescribeMachine() {
   const CodecReport codecs = DescribeCodecs();
   std::string text = fmt::format(
       "victorious {}\n"
@@ -78,7 +78,7 @@ Report Machine() {
 }
 
 // The part of a video that was read to describe it.
-struct Probe {
+struct VideoProbe {
   std::int64_t frames = 0;
   double last_time_s = 0;
   bool at_end = false;
@@ -86,10 +86,10 @@ struct Probe {
   std::vector<DataPacket> packets;
 };
 
-Expected<Probe> ReadBeginning(VideoReader& reader, const std::string& source) {
-  constexpr std::int64_t kMostFrames = 300;
-  Probe probe{.live = reader.info().live};
-  while (probe.frames < kMostFrames) {
+Expected<VideoProbe> ProbeVideo(VideoReader& reader, const std::string& source) {
+  constexpr std::int64_t kMaxFrames = 300;
+  VideoProbe probe{.live = reader.info().live};
+  while (probe.frames < kMaxFrames) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Frame> frame, reader.NextFrame());
     if (!frame) {
       probe.at_end = true;
@@ -100,8 +100,8 @@ Expected<Probe> ReadBeginning(VideoReader& reader, const std::string& source) {
     std::ranges::move(reader.TakeDataPackets(), std::back_inserter(probe.packets));
   }
   std::error_code error;
-  const bool at_hand = std::filesystem::is_regular_file(source, error);
-  if (at_hand) reader.PassOverFrames();  // reads later telemetry, and detects a truncated file
+  const bool is_local_file = std::filesystem::is_regular_file(source, error);
+  if (is_local_file) reader.SkipToEnd();  // reads later telemetry, and detects a truncated file
   std::ranges::move(reader.TakeDataPackets(), std::back_inserter(probe.packets));
   return probe;
 }
@@ -114,26 +114,27 @@ std::string Indented(const std::vector<std::string>& lines) {
 
 // Describes the time offset between telemetry and video; empty if telemetry has no attitude or the video cannot be read
 // a second time.
-std::string ClockOf(const std::string& source, const Probe& probe, const Telemetry& telemetry) {
+std::string DescribeTimeOffset(const std::string& source, const VideoProbe& probe, const Telemetry& telemetry) {
   const TelemetryOptions defaults;
   if (probe.live || !std::ranges::any_of(telemetry.states, &CameraState::IsComplete)) return {};
   TimeOffsetOptions options;
   constexpr double kWatch_s = 20;
-  options.watch_s = kWatch_s;
-  const auto seen = MeasureMotions(source, options, Interrupt());
-  if (!seen) return {};
-  return Describe(EstimateTimeOffset(*seen, CameraTrack(telemetry.states, defaults.max_gap_s), options));
+  options.max_duration_s = kWatch_s;
+  const auto image_motions = MeasureMotions(source, options, Interrupt());
+  if (!image_motions) return {};
+  return Describe(EstimateTimeOffset(*image_motions, CameraTrajectory(telemetry.states, defaults.max_gap_s), options));
 }
 
 // Describes the telemetry in the file or beside it; JSON null if there is none.
-Report DescribePlace(const std::string& source, const Probe& probe) {
+Report DescribeTelemetrySource(const std::string& source, const VideoProbe& probe) {
   const auto inside = TelemetryFromPackets(probe.packets, {});
   if (inside && inside->records > 0) {
-    std::vector<std::string> said = DescribeTelemetry(*inside);
-    if (std::string clock = ClockOf(source, probe, *inside); !clock.empty()) said.push_back(std::move(clock));
-    return {"telemetry in the file\n" + Indented(said), {{"source", source}, {"says", said}}};
+    std::vector<std::string> statements = DescribeTelemetry(*inside);
+    if (std::string clock = DescribeTimeOffset(source, probe, *inside); !clock.empty())
+      statements.push_back(std::move(clock));
+    return {"telemetry in the file\n" + Indented(statements), {{"source", source}, {"says", statements}}};
   }
-  const auto beside = TelemetryBeside(source);
+  const auto beside = FindTelemetryFile(source);
   if (!beside) {
     const std::string name = OneLine(std::filesystem::path(source).stem().string());
     return {
@@ -144,15 +145,17 @@ Report DescribePlace(const std::string& source, const Probe& probe) {
         nullptr};
   }
   const auto telemetry = ReadTelemetry(beside->string(), {});
-  std::vector<std::string> said = telemetry ? DescribeTelemetry(*telemetry) : std::vector{telemetry.error().message};
+  std::vector<std::string> statements =
+      telemetry ? DescribeTelemetry(*telemetry) : std::vector{telemetry.error().message};
   if (telemetry) {
-    if (std::string clock = ClockOf(source, probe, *telemetry); !clock.empty()) said.push_back(std::move(clock));
+    if (std::string clock = DescribeTimeOffset(source, probe, *telemetry); !clock.empty())
+      statements.push_back(std::move(clock));
   }
-  return {fmt::format("telemetry beside the file, {}\n", OneLine(beside->string())) + Indented(said),
-          {{"source", beside->string()}, {"says", said}}};
+  return {fmt::format("telemetry beside the file, {}\n", OneLine(beside->string())) + Indented(statements),
+          {{"source", beside->string()}, {"says", statements}}};
 }
 
-ordered_json StreamsOf(const VideoInfo& info) {
+ordered_json StreamsToJson(const VideoInfo& info) {
   ordered_json streams = ordered_json::array();
   for (const StreamInfo& stream : info.streams) {
     streams.push_back({{"index", stream.index}, {"type", stream.type}, {"codec", stream.codec}});
@@ -163,7 +166,7 @@ ordered_json StreamsOf(const VideoInfo& info) {
 Expected<Report> DescribeVideo(const std::string& source) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(source, {.data_packets = true}));
   const VideoInfo info = reader->info();
-  VICTORIOUS_ASSIGN_OR_RETURN(const Probe probe, ReadBeginning(*reader, source));
+  VICTORIOUS_ASSIGN_OR_RETURN(const VideoProbe probe, ProbeVideo(*reader, source));
   std::string text = fmt::format(
       "{}\n  container  {}\n  picture    {} x {} px, {}{}{}{}\n", source, info.container, info.width, info.height,
       info.codec, info.frame_rate > 0 ? fmt::format(", {:.3g} frames/s", info.frame_rate) : "",
@@ -179,7 +182,7 @@ Expected<Report> DescribeVideo(const std::string& source) {
     text += fmt::format("  stream {}   {} ({})\n", stream.index, stream.type, stream.codec);
   for (const std::string& warning : reader->warnings()) text += fmt::format("  damage     {}\n", warning);
   text += "Finding objects: possible.\n";
-  Report place = DescribePlace(source, probe);
+  Report place = DescribeTelemetrySource(source, probe);
   if (Interrupt().IsCancelled()) return Fail(ErrorCode::kCancelled, fmt::format("{}: interrupted", source));
   text += "Geolocating objects: " + place.text;
   return Report{std::move(text),
@@ -194,7 +197,7 @@ Expected<Report> DescribeVideo(const std::string& source) {
                  {"frames_read", probe.frames},
                  {"read_to_end", probe.at_end},
                  {"last_time_s", probe.last_time_s},
-                 {"streams", StreamsOf(info)},
+                 {"streams", StreamsToJson(info)},
                  {"damage", reader->warnings()},
                  {"telemetry", std::move(place.json)}}};
 }
@@ -252,8 +255,9 @@ Expected<Report> DescribeIndex(const std::string& path) {
 
 Expected<Report> DescribeTelemetryFile(const std::string& path) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Telemetry telemetry, ReadTelemetry(path, {}));
-  const std::vector<std::string> said = DescribeTelemetry(telemetry);
-  return Report{fmt::format("{}\n{}", path, Indented(said)), {{"file", path}, {"kind", "telemetry"}, {"says", said}}};
+  const std::vector<std::string> statements = DescribeTelemetry(telemetry);
+  return Report{fmt::format("{}\n{}", path, Indented(statements)),
+                {{"file", path}, {"kind", "telemetry"}, {"says", statements}}};
 }
 
 // Determines the kind by the file's first bytes, not by its name.
@@ -286,7 +290,7 @@ Action SetUpDoctor(CLI::App& app) {
                  "this machine is described");
   app.add_flag("--json", arguments->json, "Print one JSON object");
   return [=]() -> Status {
-    if (arguments->file.empty()) return Print(Machine(), arguments->json);
+    if (arguments->file.empty()) return Print(DescribeMachine(), arguments->json);
     VICTORIOUS_ASSIGN_OR_RETURN(const Report report, Describe(arguments->file));
     return Print(report, arguments->json);
   };

@@ -36,7 +36,7 @@ Status Run(const Arguments& arguments) {
     const std::set<std::string> keep(arguments.models.begin(), arguments.models.end());
     std::erase_if(truth, [&](const TruthRow& row) { return !keep.contains(row.model); });
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const Reported reported, ReadReported(*store, filter));
+  VICTORIOUS_ASSIGN_OR_RETURN(const ReportedContent reported, ReadReported(*store, filter));
   const Score score = ScoreIndex(truth, reported.objects, reported.sightings);
   return WriteOutput("", arguments.json ? ToJson(score).dump(1) + "\n" : ToText(score));
 }

@@ -35,8 +35,8 @@ Action SetUpExport(CLI::App& app) {
     VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
                                 OpenSqliteStore(arguments->db, StoreMode::kRead));
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::string why_none, WhyNoneIsNear(filter, *store));
-    if (!why_none.empty()) spdlog::info(why_none);
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string no_object_reason, ExplainNoObjectNear(filter, *store));
+    if (!no_object_reason.empty()) spdlog::info(no_object_reason);
     std::ostringstream text;
     VICTORIOUS_RETURN_IF_ERROR(Export(*store, format, filter, text));
     return WriteOutput(arguments->out, text.view());

@@ -20,9 +20,9 @@ struct Arguments {
 
 Status Run(const Arguments& arguments) {
   FeatureOptions options;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(options)));
   if (!arguments.engine.empty()) options.engine = arguments.engine;
-  VICTORIOUS_RETURN_IF_ERROR(CheckFlags(FieldsOf(options), {{"engine", "--engine"}}));
+  VICTORIOUS_RETURN_IF_ERROR(CheckFlags(CollectFields(options), {{"engine", "--engine"}}));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options));
   VICTORIOUS_ASSIGN_OR_RETURN(const Image image, ReadImage(arguments.image));
   VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, extractor->Extract(GreyFromBgr(image.bgr)));

@@ -48,7 +48,7 @@ Action SetUpFrame(CLI::App& app) {
   app.add_option("VIDEO", arguments->video, "A file or a folder of frames")->required();
   app.add_option("--at", arguments->at_s, "First frame at this time or later: seconds, or as 1:30 or 1:02:03.5")
       ->type_name("TIME")
-      ->transform(TimeOfVideo());
+      ->transform(VideoTimeTransform());
   app.add_option("--number", arguments->number, "Frame number, from 0")
       ->type_name("N")
       ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()));

@@ -34,7 +34,7 @@ struct Arguments {
   int threads = 0;
 };
 
-Error Both(const std::optional<Error>& one, const Error& other) {
+Error CombineErrors(const std::optional<Error>& one, const Error& other) {
   return one ? Error{one->code, one->message + "; " + other.message} : other;
 }
 
@@ -45,7 +45,7 @@ Status CheckAnyOpens(const std::vector<std::string>& videos) {
     if (video.contains("://")) return {};  // a live source is opened once
     const auto opened = VideoReader::Open(video, {});
     if (opened) return {};
-    failure = Both(failure, opened.error());
+    failure = CombineErrors(failure, opened.error());
   }
   if (failure) return std::unexpected(*std::move(failure));
   return {};
@@ -62,9 +62,9 @@ Status Run(const Arguments& arguments) {
                 "category train` makes one), or both");
   }
   IndexOptions options;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(options)));
   if (arguments.every) options.every = *arguments.every;
-  VICTORIOUS_RETURN_IF_ERROR(CheckFlags(FieldsOf(options), {{"every", "--every"}}));
+  VICTORIOUS_RETURN_IF_ERROR(CheckFlags(CollectFields(options), {{"every", "--every"}}));
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
   ApplyGround(arguments.ground, options.ground);
   std::vector<ObjectModel> models;
@@ -77,7 +77,7 @@ Status Run(const Arguments& arguments) {
   }
   std::optional<CategoryModel> categories;
   if (!arguments.categories.empty()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(categories, ReadCategories(arguments.categories));
+    VICTORIOUS_ASSIGN_OR_RETURN(categories, ReadCategoryModel(arguments.categories));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const Indexer indexer,
                               Indexer::Create(std::move(models), options, std::move(categories),
@@ -94,19 +94,19 @@ Status Run(const Arguments& arguments) {
         .video = video, .telemetry = arguments.telemetry, .redo = arguments.redo, .threads = arguments.threads};
     const Expected<IndexReport> report = indexer.Index(job, Interrupt(), *store, warn);
     if (!report) {
-      failure = Both(failure, report.error());
+      failure = CombineErrors(failure, report.error());
       if (report.error().code == ErrorCode::kCancelled) break;
       continue;
     }
     if (report->stopped_live) spdlog::info("{}: live source, indexed up to the interruption", OneLine(video));
-    const bool known = report->frames_searched == 0 && !report->stopped_live;
+    const bool is_indexed = report->frames_searched == 0 && !report->stopped_live;
     if (report->sun) {
       const double azimuth_deg = DegreesFromRadians(report->sun->azimuth_rad);
       spdlog::info("{}: sun at azimuth {:.0f}, elevation {:.0f} degrees", OneLine(video),
                    azimuth_deg < 0 ? azimuth_deg + 360 : azimuth_deg, DegreesFromRadians(report->sun->elevation_rad));
     }
     spdlog::info("{}: {} frames searched, {} sightings{}", OneLine(video), report->frames_searched, report->sightings,
-                 known ? " (already indexed)" : "");
+                 is_indexed ? " (already indexed)" : "");
   }
   if (failure) return std::unexpected(*std::move(failure));
   return {};

@@ -28,9 +28,9 @@ struct Arguments {
   bool json = false;
 };
 
-Json JsonOf(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
+Json ToJson(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
 
-Json JsonOf(const Eigen::Matrix3d& matrix) {
+Json ToJson(const Eigen::Matrix3d& matrix) {
   Json rows = Json::array();
   for (const auto& row : matrix.rowwise()) rows.push_back({row.x(), row.y(), row.z()});
   return rows;
@@ -43,7 +43,7 @@ double CourseDeg(const Eigen::Vector3d& velocity_enu) {
 }
 
 // Unknown values are null, never 0.
-Json JsonOf(const GeoFix& fix) {
+Json ToJson(const GeoFix& fix) {
   Json json = {{"latitude_deg", nullptr},
                {"longitude_deg", nullptr},
                {"altitude_m", nullptr},
@@ -56,17 +56,17 @@ Json JsonOf(const GeoFix& fix) {
                {"ce90_m", nullptr},
                {"le90_m", nullptr}};
   if (fix.place) {
-    const Place& place = *fix.place;
+    const Geolocation& place = *fix.place;
     json["latitude_deg"] = DegreesFromRadians(place.point.latitude_rad);
     json["longitude_deg"] = DegreesFromRadians(place.point.longitude_rad);
     json["altitude_m"] = place.point.altitude_m;
     json["place_time_s"] = place.time_s;
-    json["covariance_enu_m2"] = JsonOf(place.covariance_enu_m2);
+    json["covariance_enu_m2"] = ToJson(place.covariance_enu_m2);
     json["ce90_m"] = place.ce90_m;
     json["le90_m"] = place.le90_m;
     if (place.velocity_enu) {
-      json["velocity_enu_m_s"] = JsonOf(*place.velocity_enu);
-      json["velocity_covariance_enu_m2_s2"] = JsonOf(*place.velocity_covariance_enu);
+      json["velocity_enu_m_s"] = ToJson(*place.velocity_enu);
+      json["velocity_covariance_enu_m2_s2"] = ToJson(*place.velocity_covariance_enu);
       json["speed_m_s"] = place.velocity_enu->norm();
       json["course_deg"] = CourseDeg(*place.velocity_enu);
     }
@@ -76,9 +76,9 @@ Json JsonOf(const GeoFix& fix) {
   return json;
 }
 
-std::string TextOf(const GeoFix& fix) {
+std::string ToText(const GeoFix& fix) {
   if (!fix.place) return fix.status + "\n";
-  const Place& place = *fix.place;
+  const Geolocation& place = *fix.place;
   std::string text = fmt::format("place    {:.7f} {:.7f} deg, {:.2f} m above the ellipsoid, at {:.3f} s\n",
                                  DegreesFromRadians(place.point.latitude_rad),
                                  DegreesFromRadians(place.point.longitude_rad), place.point.altitude_m, place.time_s);
@@ -91,36 +91,36 @@ std::string TextOf(const GeoFix& fix) {
   return text;
 }
 
-void WarnOfRows(const std::vector<std::string>& problems) {
-  constexpr std::size_t kMost = 20;
-  for (std::size_t i = 0; i < std::min(kMost, problems.size()); ++i) {
+void WarnAboutRows(const std::vector<std::string>& problems) {
+  constexpr std::size_t kMaxWarnings = 20;
+  for (std::size_t i = 0; i < std::min(kMaxWarnings, problems.size()); ++i) {
     spdlog::warn("{}: row ignored", OneLine(problems[i]));
   }
-  if (problems.size() > kMost) spdlog::warn("{} more rows ignored", problems.size() - kMost);
+  if (problems.size() > kMaxWarnings) spdlog::warn("{} more rows ignored", problems.size() - kMaxWarnings);
 }
 
 // Expands the inlier flags from the lines that were read to all rows of the file; rows that were not read are outliers.
-std::vector<bool> ByRow(const std::vector<bool>& inliers, const std::vector<bool>& is_read) {
+std::vector<bool> ExpandToRows(const std::vector<bool>& inliers, const std::vector<bool>& row_is_valid) {
   std::vector<bool> by_row;
   std::size_t next = 0;
-  for (const bool read : is_read) by_row.push_back(read && inliers[next++]);
+  for (const bool read : row_is_valid) by_row.push_back(read && inliers[next++]);
   return by_row;
 }
 
 Status Run(const Arguments& arguments) {
   LocateOptions options;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(options)));
   if (!arguments.motion.empty()) options.motion = arguments.motion;
   if (!arguments.method.empty()) options.method = arguments.method;
   GroundOptions ground;
   ApplyGround(arguments.ground, ground);
   VICTORIOUS_ASSIGN_OR_RETURN(options.ground,
                               MakeGround(ground, [](const std::string& line) { spdlog::warn("{}", line); }));
-  VICTORIOUS_ASSIGN_OR_RETURN(const LineTable table, ReadLinesOfSight(arguments.lines));
+  VICTORIOUS_ASSIGN_OR_RETURN(const LineOfSightTable table, ReadLinesOfSight(arguments.lines));
   VICTORIOUS_ASSIGN_OR_RETURN(GeoFix fix, Locate(table.lines, options));
-  WarnOfRows(table.problems);
-  fix.inliers = ByRow(fix.inliers, table.is_read);
-  return WriteOutput("", arguments.json ? JsonOf(fix).dump(1) + "\n" : TextOf(fix));
+  WarnAboutRows(table.problems);
+  fix.inliers = ExpandToRows(fix.inliers, table.row_is_valid);
+  return WriteOutput("", arguments.json ? ToJson(fix).dump(1) + "\n" : ToText(fix));
 }
 
 }  // namespace

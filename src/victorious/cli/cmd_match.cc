@@ -12,10 +12,10 @@
 #include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/homography.h"
+#include "victorious/image/image_file.h"
 #include "victorious/model/photo_model.h"
 #include "victorious/pipeline/index_options.h"
 #include "victorious/recognize/recognizer.h"
-#include "victorious/image/image_file.h"
 
 namespace victorious::cli {
 namespace {
@@ -36,7 +36,7 @@ struct Stage {
   const MatchSet* matches;
 };
 
-std::vector<Stage> StagesOf(const StagedMatches& staged, const MatchSet& inliers) {
+std::vector<Stage> ListStages(const StagedMatches& staged, const MatchSet& inliers) {
   return {{"ratio", &staged.ratio},
           {"first", &staged.cascade.first},
           {"second", &staged.cascade.second},
@@ -47,13 +47,13 @@ std::vector<Stage> StagesOf(const StagedMatches& staged, const MatchSet& inliers
 ordered_json Report(const FeatureSet& scene, const FeatureView& model, const StagedMatches& staged,
                     const Polygon& outline) {
   const MatchSet none;
-  const Pose* pose = staged.poses.empty() ? nullptr : &staged.poses.front();
+  const PlanarFit* fit = staged.fits.empty() ? nullptr : &staged.fits.front();
   ordered_json stages = ordered_json::array();
-  for (const Stage& stage : StagesOf(staged, pose != nullptr ? pose->inliers : none)) {
+  for (const Stage& stage : ListStages(staged, fit != nullptr ? fit->inliers : none)) {
     ordered_json matches = ordered_json::array();
     for (const Match& match : *stage.matches) {
-      const Keypoint& s = scene.keypoints[match.scene];
-      const Keypoint& m = model.keypoints[match.model];
+      const Keypoint& s = scene.keypoints[match.scene_keypoint];
+      const Keypoint& m = model.keypoints[match.template_keypoint];
       matches.push_back({{"scene", {s.x, s.y}},
                          {"template", {m.x, m.y}},
                          {"scale", s.scale_px / m.scale_px},
@@ -63,17 +63,17 @@ ordered_json Report(const FeatureSet& scene, const FeatureView& model, const Sta
   }
   ordered_json json = {
       {"scene_keypoints", scene.size()}, {"template_keypoints", model.size()}, {"stages", std::move(stages)}};
-  if (pose == nullptr) {
+  if (fit == nullptr) {
     json["similarity"] = nullptr;
     json["homography"] = nullptr;
     json["outline"] = nullptr;
     return json;
   }
-  const Similarity2& similarity = pose->scene_from_template;
+  const Similarity2& similarity = fit->scene_from_template;
   json["similarity"] = {{"scale", similarity.scale},
                         {"rotation_deg", DegreesFromRadians(similarity.rotation_rad)},
                         {"translation", {similarity.translation.x(), similarity.translation.y()}}};
-  const Eigen::Matrix3d& h = pose->scene_from_template_plane;
+  const Eigen::Matrix3d& h = fit->scene_from_template_plane;
   json["homography"] = {{h(0, 0), h(0, 1), h(0, 2)}, {h(1, 0), h(1, 1), h(1, 2)}, {h(2, 0), h(2, 1), h(2, 2)}};
   json["outline"] = ordered_json::array();
   for (const Eigen::Vector2d& corner : ProjectPolygon(h, outline)) json["outline"].push_back({corner.x(), corner.y()});
@@ -90,17 +90,17 @@ cv::Mat Draw(const cv::Mat& scene_image, const cv::Mat& model_image, const Featu
   model_image.copyTo(canvas(cv::Rect({scene_image.cols, 0}, model_image.size())));
   const auto draw = [&](const MatchSet& matches, const cv::Scalar& colour) {
     for (const Match& match : matches) {
-      const Keypoint& s = scene.keypoints[match.scene];
-      const Keypoint& m = model.keypoints[match.model];
+      const Keypoint& s = scene.keypoints[match.scene_keypoint];
+      const Keypoint& m = model.keypoints[match.template_keypoint];
       cv::line(canvas, cv::Point2f(s.x, s.y), cv::Point2f(m.x + static_cast<float>(scene_image.cols), m.y), colour, 1,
                cv::LINE_AA);
     }
   };
   draw(staged.ratio, {200, 200, 0});
   draw(staged.cascade.third, {0, 0, 255});
-  for (const Pose& pose : staged.poses) {
+  for (const PlanarFit& fit : staged.fits) {
     std::vector<cv::Point> corners;
-    for (const Eigen::Vector2d& corner : ProjectPolygon(pose.scene_from_template_plane, outline))
+    for (const Eigen::Vector2d& corner : ProjectPolygon(fit.scene_from_template_plane, outline))
       corners.emplace_back(cv::Point2d(corner.x(), corner.y()));
     cv::polylines(canvas, corners, true, {0, 255, 255}, 2, cv::LINE_AA);
   }
@@ -109,9 +109,9 @@ cv::Mat Draw(const cv::Mat& scene_image, const cv::Mat& model_image, const Featu
 
 Status Run(const Arguments& arguments) {
   IndexOptions options;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(options)));
   if (arguments.ratio) options.recognize.match.ratio = *arguments.ratio;
-  VICTORIOUS_RETURN_IF_ERROR(CheckFlags(FieldsOf(options), {{"match.ratio", "--ratio"}}));
+  VICTORIOUS_RETURN_IF_ERROR(CheckFlags(CollectFields(options), {{"match.ratio", "--ratio"}}));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
   VICTORIOUS_ASSIGN_OR_RETURN(const Image scene_image, ReadImage(arguments.scene));
   VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet scene, extractor->Extract(GreyFromBgr(scene_image.bgr)));
@@ -131,14 +131,14 @@ Status Run(const Arguments& arguments) {
   if (arguments.json) return WriteOutput("", Report(scene, features, staged, photo.outline).dump() + "\n");
 
   const MatchSet none;
-  const Pose* pose = staged.poses.empty() ? nullptr : &staged.poses.front();
+  const PlanarFit* fit = staged.fits.empty() ? nullptr : &staged.fits.front();
   std::string text = fmt::format("keypoints: {} in the scene, {} in the template\n", scene.size(), features.size());
-  for (const Stage& stage : StagesOf(staged, pose != nullptr ? pose->inliers : none))
+  for (const Stage& stage : ListStages(staged, fit != nullptr ? fit->inliers : none))
     text += fmt::format("{:<8} {:>6} matches\n", stage.name, stage.matches->size());
-  if (pose == nullptr) {
+  if (fit == nullptr) {
     text += "no pose: template not found\n";
   } else {
-    const Similarity2& similarity = pose->scene_from_template;
+    const Similarity2& similarity = fit->scene_from_template;
     text += fmt::format("pose     scale {:.3f}, rotation {:.1f} degrees, template origin at {:.1f},{:.1f}\n",
                         similarity.scale, DegreesFromRadians(similarity.rotation_rad), similarity.translation.x(),
                         similarity.translation.y());

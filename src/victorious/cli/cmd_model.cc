@@ -13,24 +13,24 @@
 #include "victorious/base/progress.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
-#include "victorious/image/montage.h"
 #include "victorious/evaluate/findable.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/image/image_file.h"
+#include "victorious/image/montage.h"
+#include "victorious/mesh/load_mesh.h"
 #include "victorious/model/cad_model.h"
 #include "victorious/model/model_library.h"
 #include "victorious/model/photo_model.h"
 #include "victorious/model/view_sheet.h"
 #include "victorious/pipeline/index_options.h"
-#include "victorious/mesh/load_mesh.h"
-#include "victorious/image/image_file.h"
 
 namespace victorious::cli {
 namespace {
 
 // The flags of `model show --findable`.
-struct FindableArguments {
+struct DetectabilityArguments {
   bool wanted = false;
-  FindableOptions options;
+  DetectabilityOptions options;
   std::string sun = "off";
   bool no_attitude = false;
   std::string draw;
@@ -51,7 +51,7 @@ struct Arguments {
   std::string draw;
   std::string views;
   bool json = false;
-  FindableArguments findable;
+  DetectabilityArguments findable;
 };
 
 // Draws the photos, with the outline of the object in each, one below the other.
@@ -73,7 +73,7 @@ cv::Mat DrawCutOuts(const std::vector<Photo>& photos) {
 }
 
 // Without a cut-out, the background would be learned as part of the object.
-void TellWholePhotos(const std::vector<Photo>& photos) {
+void LogUncroppedPhotos(const std::vector<Photo>& photos) {
   for (const Photo& photo : photos) {
     if (!photo.mask.empty() && cv::countNonZero(photo.mask) < static_cast<int>(photo.mask.total())) continue;
     spdlog::info("{}: the whole photo is used as the object; cut it out by --box X,Y,W,H or an alpha channel",
@@ -92,7 +92,7 @@ Expected<ObjectModel> FromPhotos(const Arguments& arguments) {
                             arguments.boxes.size(), arguments.inputs.size()));
   }
   PhotoModelOptions options;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(options)));
   std::vector<Photo> photos;
   for (std::size_t i = 0; i < arguments.inputs.size(); ++i) {
     std::optional<Box> box;
@@ -104,7 +104,7 @@ Expected<ObjectModel> FromPhotos(const Arguments& arguments) {
   }
   Expected<ObjectModel> model = MakePhotoModel(arguments.name, photos, arguments.length_m, options);
   if (model && !arguments.draw.empty()) VICTORIOUS_RETURN_IF_ERROR(WriteImage(arguments.draw, DrawCutOuts(photos)));
-  if (model && arguments.boxes.empty()) TellWholePhotos(photos);
+  if (model && arguments.boxes.empty()) LogUncroppedPhotos(photos);
   return model;
 }
 
@@ -114,11 +114,11 @@ Expected<ObjectModel> FromCad(const Arguments& arguments) {
     return Fail(ErrorCode::kInvalidArgument, "--box and --draw apply to photos, not to CAD files");
   }
   CadModelOptions options;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(options)));
   if (arguments.step_deg) options.sphere.step_deg = *arguments.step_deg;
   if (arguments.max_off_nadir_deg) options.sphere.max_off_nadir_deg = *arguments.max_off_nadir_deg;
   VICTORIOUS_RETURN_IF_ERROR(
-      CheckFlags(FieldsOf(options), {{"sphere.step", "--step"}, {"sphere.max_off_nadir", "--max-off-nadir"}}));
+      CheckFlags(CollectFields(options), {{"sphere.step", "--step"}, {"sphere.max_off_nadir", "--max-off-nadir"}}));
   LoadMeshOptions load{.up = {}, .front = {}, .length_m = arguments.length_m};
   if (!arguments.up.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(load.up, ParseAxis(arguments.up));
@@ -204,13 +204,13 @@ Status List(const Arguments& arguments) {
 }
 
 // Measures the recall of the same search that `index` runs.
-Expected<Findable> MeasureFindable(const ObjectModel& model, const FindableArguments& arguments) {
+Expected<Detectability> RunDetectabilityTest(const ObjectModel& model, const DetectabilityArguments& arguments) {
   IndexOptions search;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(search)));
-  FindableOptions options = arguments.options;
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(search)));
+  DetectabilityOptions options = arguments.options;
   options.attitude_known = !arguments.no_attitude;
-  VICTORIOUS_RETURN_IF_ERROR(
-      CheckFlags(FieldsOf(options), {{"size_px", "--size-px"}, {"noise", "--noise"}, {"directions", "--directions"}}));
+  VICTORIOUS_RETURN_IF_ERROR(CheckFlags(
+      CollectFields(options), {{"size_px", "--size-px"}, {"noise", "--noise"}, {"directions", "--directions"}}));
   if (arguments.sun != "off") {
     double elevation_deg = 0;
     if (!CLI::detail::lexical_cast(arguments.sun, elevation_deg)) {
@@ -221,27 +221,28 @@ Expected<Findable> MeasureFindable(const ObjectModel& model, const FindableArgum
   }
   std::optional<Progress> progress;
   std::vector<cv::Mat> pictures;
-  FindableWatch watch;
-  watch.progress = [&](int done, int /*all*/) {
+  DetectabilityCallbacks callbacks;
+  callbacks.progress = [&](int done, int /*all*/) {
     if (!progress) progress.emplace(model.name, std::nullopt, "directions");
     progress->Update(done);
   };
   if (!arguments.draw.empty()) {
-    watch.picture = [&](const cv::Mat& bgr) {
-      constexpr std::size_t kMostPictures = 24;
-      if (pictures.size() < kMostPictures) pictures.push_back(bgr);
+    callbacks.picture = [&](const cv::Mat& bgr) {
+      constexpr std::size_t kMaxPictures = 24;
+      if (pictures.size() < kMaxPictures) pictures.push_back(bgr);
     };
   }
-  Expected<Findable> found = HowFindable(model, search.features, search.recognize, options, Interrupt(), watch);
+  Expected<Detectability> found =
+      MeasureDetectability(model, search.features, search.recognize, options, Interrupt(), callbacks);
   if (found && !pictures.empty()) VICTORIOUS_RETURN_IF_ERROR(WriteImage(arguments.draw, Montage(pictures, 4)));
   return found;
 }
 
 // One line for each view; for more than 12 views, only statistics of their features.
 std::string ViewsText(const ObjectModel& model) {
-  constexpr std::size_t kMostLines = 12;
+  constexpr std::size_t kMaxLines = 12;
   std::string text;
-  if (model.views.size() > kMostLines) {
+  if (model.views.size() > kMaxLines) {
     std::vector<double> counts;
     for (const ModelView& view : model.views) counts.push_back(static_cast<double>(view.feature_count));
     const auto [fewest, most] = std::ranges::minmax(counts);
@@ -258,9 +259,9 @@ std::string ViewsText(const ObjectModel& model) {
 
 Status Show(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel model, ModelLibrary(arguments.folder).Load(arguments.name));
-  std::optional<Findable> findable;
+  std::optional<Detectability> findable;
   if (arguments.findable.wanted) {
-    VICTORIOUS_ASSIGN_OR_RETURN(findable, MeasureFindable(model, arguments.findable));
+    VICTORIOUS_ASSIGN_OR_RETURN(findable, RunDetectabilityTest(model, arguments.findable));
   }
   if (!arguments.views.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat sheet, DrawViewSheet(model));
@@ -279,7 +280,7 @@ Status Show(const Arguments& arguments) {
   return WriteOutput("", text + ViewsText(model));
 }
 
-void AddFindableFlags(CLI::App& show, FindableArguments& findable) {
+void AddDetectabilityFlags(CLI::App& show, DetectabilityArguments& findable) {
   CLI::Option* wanted =
       show.add_flag("--findable", findable.wanted,
                     "Measure the fraction of rendered test images in which the search finds the model");
@@ -349,7 +350,7 @@ Action SetUpModel(CLI::App& app) {
   show->add_option("NAME", arguments->name)->required();
   show->add_flag("--json", arguments->json, "Print JSON");
   show->add_option("--views", arguments->views, "Draw all its views into this file (.png, .jpg)")->type_name("FILE");
-  AddFindableFlags(*show, arguments->findable);
+  AddDetectabilityFlags(*show, arguments->findable);
   CLI::App* remove = add_subcommand("remove", "Delete a model");
   remove->add_option("NAME", arguments->name)->required();
   remove->add_flag("--json", arguments->json, "Print the removed model as JSON");

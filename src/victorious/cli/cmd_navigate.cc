@@ -29,14 +29,14 @@ struct Arguments {
 };
 
 // Logs the estimated telemetry error of the middle frame among those with landmarks. Warns if it exceeds 10 times
-// `foreseen_m`, the standard deviation of the modelled position offset.
-void TellOffset(const Navigation& navigation, double foreseen_m) {
-  std::vector<const NavigatedFrame*> seen;
+// `expected_sigma_m`, the standard deviation of the modelled position offset.
+void LogTelemetryError(const Navigation& navigation, double expected_sigma_m) {
+  std::vector<const NavigatedFrame*> with_landmark;
   for (const NavigatedFrame& frame : navigation.frames) {
-    if (frame.landmarks > 0 && frame.offset) seen.push_back(&frame);
+    if (frame.landmarks > 0 && frame.offset) with_landmark.push_back(&frame);
   }
-  if (seen.empty()) return;
-  const NavigatedFrame& frame = *seen[seen.size() / 2];
+  if (with_landmark.empty()) return;
+  const NavigatedFrame& frame = *with_landmark[with_landmark.size() / 2];
   const auto sigma = [&](int i) { return std::sqrt(std::max(0.0, frame.offset->covariance(i, i))); };
   const Eigen::Vector3d& place = frame.offset->place_enu_m;
   spdlog::info("telemetry error at {:.1f} s: {:.2f} +- {:.2f} m east, {:.2f} +- {:.2f} north, {:.2f} +- {:.2f} up",
@@ -45,18 +45,20 @@ void TellOffset(const Navigation& navigation, double foreseen_m) {
   const auto sigma_deg = [&](int i) { return DegreesFromRadians(sigma(3 + i)); };
   spdlog::info("attitude error: {:.2f} +- {:.2f} deg yaw, {:.2f} +- {:.2f} pitch, {:.2f} +- {:.2f} roll", degrees(0),
                sigma_deg(0), degrees(1), sigma_deg(1), degrees(2), sigma_deg(2));
-  constexpr double kManySigmas = 10;
-  if (place.norm() < kManySigmas * foreseen_m) return;
+  constexpr double kMaxSigmas = 10;
+  if (place.norm() < kMaxSigmas * expected_sigma_m) return;
   spdlog::warn(
       "telemetry is {:.0f} m from the position estimated from landmarks: telemetry or landmarks may be of another "
       "flight",
       place.norm());
 }
 
-void Tell(const NavigationRun& run, const NavigateOptions& options) {
+void LogSummary(const NavigationResult& run, const NavigateOptions& options) {
   const std::vector<NavigatedFrame>& frames = run.navigation.frames;
-  const auto seen = std::ranges::count_if(frames, [](const NavigatedFrame& frame) { return frame.landmarks > 0; });
-  spdlog::info("{} frames, {} with a landmark; {} sightings rejected as outliers", run.frames, seen, run.unbelieved);
+  const auto with_landmark =
+      std::ranges::count_if(frames, [](const NavigatedFrame& frame) { return frame.landmarks > 0; });
+  spdlog::info("{} frames, {} with a landmark; {} sightings rejected as outliers", run.frames, with_landmark,
+               run.rejected_sightings);
   for (std::size_t i = 0; i < run.landmarks.size(); ++i) {
     if (run.sightings[i] == 0) continue;
     const Landmark& landmark = run.landmarks[i];
@@ -64,7 +66,7 @@ void Tell(const NavigationRun& run, const NavigateOptions& options) {
                  DegreesFromRadians(landmark.place.latitude_rad), DegreesFromRadians(landmark.place.longitude_rad),
                  run.sightings[i]);
   }
-  TellOffset(run.navigation, options.telemetry.position_m);
+  LogTelemetryError(run.navigation, options.telemetry.position_m);
   spdlog::info(
       "{:.1f} ms per frame while landmarks are tracked, {:.1f} ms of CPU time; {:.2f} ms to estimate the trajectory",
       run.tracked_ms, run.tracked_cpu_ms, run.estimate_ms);
@@ -72,8 +74,8 @@ void Tell(const NavigationRun& run, const NavigateOptions& options) {
 }
 
 Status Run(const Arguments& arguments) {
-  NavigateRunOptions options;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
+  NavigateVideoOptions options;
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(options)));
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
   VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectModel> models, ModelLibrary(arguments.models).LoadAll());
@@ -83,12 +85,12 @@ Status Run(const Arguments& arguments) {
   }
   std::vector<std::string> warnings;  // collected, so that an error stays the only line
   const NavigateJob job{.video = arguments.video, .landmarks = arguments.landmarks, .telemetry = arguments.telemetry};
-  VICTORIOUS_ASSIGN_OR_RETURN(const NavigationRun run,
+  VICTORIOUS_ASSIGN_OR_RETURN(const NavigationResult run,
                               NavigateVideo(job, std::move(models), options, Interrupt(),
                                             [&](const std::string& warning) { warnings.push_back(warning); }));
   for (const std::string& warning : warnings) spdlog::warn("{}", OneLine(warning));
   VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments.out, ToCsv(run)));
-  Tell(run, options.navigate);
+  LogSummary(run, options.navigate);
   return {};
 }
 

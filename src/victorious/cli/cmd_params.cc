@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "victorious/calibrate/time_offset.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
 #include "victorious/geolocate/locate_options.h"
@@ -13,7 +14,6 @@
 #include "victorious/model/photo_model.h"
 #include "victorious/pipeline/index_options.h"
 #include "victorious/pipeline/navigate_run.h"
-#include "victorious/calibrate/time_offset.h"
 #include "victorious/pipeline/track_run.h"
 #include "victorious/recognize/category_images.h"
 
@@ -38,13 +38,18 @@ Action SetUpParams(CLI::App& app) {
     FeatureOptions features;
     TimedTelemetryOptions telemetry;
     LocateOptions locate;
-    TrackRunOptions track;
-    NavigateRunOptions navigate;
+    TrackBoxesOptions track;
+    NavigateVideoOptions navigate;
     CategoryTrainOptions category;
-    const std::map<std::string, std::vector<FieldRef>> lists = {
-        {"index", FieldsOf(index)},       {"model", FieldsOf(model)},         {"cad", FieldsOf(cad)},
-        {"features", FieldsOf(features)}, {"telemetry", FieldsOf(telemetry)}, {"locate", FieldsOf(locate)},
-        {"track", FieldsOf(track)},       {"navigate", FieldsOf(navigate)},   {"category", FieldsOf(category)}};
+    const std::map<std::string, std::vector<FieldRef>> lists = {{"index", CollectFields(index)},
+                                                                {"model", CollectFields(model)},
+                                                                {"cad", CollectFields(cad)},
+                                                                {"features", CollectFields(features)},
+                                                                {"telemetry", CollectFields(telemetry)},
+                                                                {"locate", CollectFields(locate)},
+                                                                {"track", CollectFields(track)},
+                                                                {"navigate", CollectFields(navigate)},
+                                                                {"category", CollectFields(category)}};
     const std::vector<FieldRef>& fields = lists.at(arguments->of);
     return WriteOutput("", arguments->json ? ToJson(fields).dump(2) + "\n" : MarkdownTable(fields));
   };

@@ -44,7 +44,7 @@ std::string PlaceText(const ObjectRecord& object) {
 
 std::string ObjectLine(const ListedObject& listed) {
   const ObjectRecord& object = listed.object;
-  const std::optional<double> speed_m_s = SpeedOf(object);
+  const std::optional<double> speed_m_s = ComputeSpeed(object);
   return fmt::format("{:>4}  {:<16} {:>6.3f} {:>7}  {:>8} {:>8}  {:>6}  {:<32} {:>7} {:>6}  {}{}\n", listed.rank,
                      listed.model, object.score, object.frames, TimeText(object.first_time_s),
                      TimeText(object.last_time_s), object.id, PlaceText(object),
@@ -53,8 +53,8 @@ std::string ObjectLine(const ListedObject& listed) {
                      object.rejected.empty() ? "" : fmt::format("  (rejected: {})", object.rejected));
 }
 
-Status ListFoundObjects(const Arguments& arguments, const SightingFilter& filter, const Catalogue& catalogue,
-                        IndexStore& store) {
+Status PrintObjects(const Arguments& arguments, const SightingFilter& filter, const Catalogue& catalogue,
+                    IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ListedObject> objects, ListObjects(store, catalogue, filter));
   if (arguments.most > 0) objects.resize(std::min(objects.size(), static_cast<std::size_t>(arguments.most)));
   std::string text;
@@ -68,7 +68,7 @@ Status ListFoundObjects(const Arguments& arguments, const SightingFilter& filter
     for (const ListedObject& object : objects) text += ObjectLine(object);
   }
   if (objects.empty()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::string why, WhyNoneIsNear(filter, store));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string why, ExplainNoObjectNear(filter, store));
     if (!why.empty()) spdlog::info(why);
   }
   if (arguments.filter.rejected &&
@@ -78,22 +78,22 @@ Status ListFoundObjects(const Arguments& arguments, const SightingFilter& filter
   return WriteOutput("", text);
 }
 
-Status ListMoments(const Arguments& arguments, const SightingFilter& filter, IndexStore& store) {
+Status PrintMoments(const Arguments& arguments, const SightingFilter& filter, IndexStore& store) {
   IndexOptions options;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(options)));
   std::optional<Box> box;
   if (!arguments.box.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(box, ParseBox(arguments.box));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const Photo example, LoadPhoto(arguments.image, box));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Moment> moments,
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoSegment> moments,
                               SearchByImage(example, filter, options.recognize, store));
   std::string text;
   if (!arguments.json)
     text = fmt::format("{:>4}  {:>6} {:>9} {:>9} {:>9}  {:>24}  {}\n", "rank", "score", "best at", "from", "to",
                        "box x,y,w,h", "video");
   int rank = 0;
-  for (const Moment& moment : moments) {
+  for (const VideoSegment& moment : moments) {
     if (++rank > arguments.most && arguments.most > 0) break;
     const Box& b = moment.box;
     text += arguments.json
@@ -118,7 +118,7 @@ Status ListMoments(const Arguments& arguments, const SightingFilter& filter, Ind
 }
 
 // Warns of videos that were searched only in part or not at all: the list does not cover them.
-Status WarnOfUnfinished(const Catalogue& catalogue, IndexStore& store) {
+Status WarnAboutUnfinished(const Catalogue& catalogue, IndexStore& store) {
   if (catalogue.videos().empty()) spdlog::warn("no matching video in this index");
   for (const VideoRecord& video : catalogue.videos()) {
     bool begun = false;
@@ -150,9 +150,9 @@ Status Run(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments.filter.Filter());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenSqliteStore(arguments.db, StoreMode::kRead));
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(*store, filter));
-  VICTORIOUS_RETURN_IF_ERROR(WarnOfUnfinished(catalogue, *store));
-  return arguments.image.empty() ? ListFoundObjects(arguments, filter, catalogue, *store)
-                                 : ListMoments(arguments, filter, *store);
+  VICTORIOUS_RETURN_IF_ERROR(WarnAboutUnfinished(catalogue, *store));
+  return arguments.image.empty() ? PrintObjects(arguments, filter, catalogue, *store)
+                                 : PrintMoments(arguments, filter, *store);
 }
 
 }  // namespace

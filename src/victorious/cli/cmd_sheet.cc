@@ -12,9 +12,9 @@
 
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
+#include "victorious/image/image_file.h"
 #include "victorious/pipeline/contact_sheet.h"
 #include "victorious/store/catalogue.h"
-#include "victorious/image/image_file.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious::cli {
@@ -34,11 +34,11 @@ Status CheckContent(const VideoRecord& video) {
 }
 
 // Checks the videos of the objects shown.
-Status CheckContents(const SightingFilter& filter, int most_tiles, IndexStore& store) {
+Status CheckContents(const SightingFilter& filter, int max_tiles, IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(store, filter));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> objects, store.Objects(filter));
   std::set<std::int64_t> checked;
-  for (const ObjectRecord& object : objects | std::views::take(most_tiles)) {
+  for (const ObjectRecord& object : objects | std::views::take(max_tiles)) {
     for (const std::int64_t id : object.videos) {
       const VideoRecord* video = catalogue.Video(id);
       if (video != nullptr && checked.insert(id).second) VICTORIOUS_RETURN_IF_ERROR(CheckContent(*video));
@@ -61,19 +61,19 @@ Action SetUpSheet(CLI::App& app) {
       ->required()
       ->type_name("FILE");
   app.add_option("--out", arguments->out, "The output image (.png, .jpg)")->required()->type_name("FILE");
-  app.add_option("--most", arguments->options.most_tiles, "Largest number of objects to show, best first")
+  app.add_option("--most", arguments->options.max_tiles, "Largest number of objects to show, best first")
       ->type_name("N");
   app.add_option("--columns", arguments->options.columns, "Images per row")->type_name("N");
   arguments->filter.AddTo(app);
   return [=]() -> Status {
     VICTORIOUS_RETURN_IF_ERROR(
-        CheckFlags(FieldsOf(arguments->options), {{"most_tiles", "--most"}, {"columns", "--columns"}}));
+        CheckFlags(CollectFields(arguments->options), {{"max_tiles", "--most"}, {"columns", "--columns"}}));
     VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, arguments->filter.Filter());
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store,
                                 OpenSqliteStore(arguments->db, StoreMode::kRead));
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::string why_none, WhyNoneIsNear(filter, *store));
-    if (!why_none.empty()) return Fail(ErrorCode::kInvalidArgument, why_none);
-    VICTORIOUS_RETURN_IF_ERROR(CheckContents(filter, arguments->options.most_tiles, *store));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string no_object_reason, ExplainNoObjectNear(filter, *store));
+    if (!no_object_reason.empty()) return Fail(ErrorCode::kInvalidArgument, no_object_reason);
+    VICTORIOUS_RETURN_IF_ERROR(CheckContents(filter, arguments->options.max_tiles, *store));
     VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat sheet, DrawContactSheet(filter, arguments->options, *store));
     return WriteImage(arguments->out, sheet);
   };

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
+#include "victorious/calibrate/time_offset.h"
 #include "victorious/cli/arguments.h"
 #include "victorious/cli/command.h"
-#include "victorious/calibrate/time_offset.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/telemetry/camera_csv.h"
 #include "victorious/telemetry/camera_track.h"
@@ -58,15 +58,15 @@ Status RunEstimate(const Arguments& arguments, const TimedTelemetryOptions& para
     return Fail(ErrorCode::kInvalidArgument, "--estimate-offset: the telemetry contains no camera state");
   }
   VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
-  VICTORIOUS_ASSIGN_OR_RETURN(const ImageMotions seen, MeasureMotions(video, parameters.offset, Interrupt()));
-  const CameraTrack cameras(telemetry.states, parameters.telemetry.max_gap_s);
-  const TimeOffset offset = EstimateTimeOffset(seen, cameras, parameters.offset);
+  VICTORIOUS_ASSIGN_OR_RETURN(const ImageMotions image_motions, MeasureMotions(video, parameters.offset, Interrupt()));
+  const CameraTrajectory cameras(telemetry.states, parameters.telemetry.max_gap_s);
+  const TimeOffset offset = EstimateTimeOffset(image_motions, cameras, parameters.offset);
   if (!arguments.out.empty()) {
     if (!offset.offset_s) {
       return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: nothing to write: {}", video, Describe(offset)));
     }
     for (CameraState& state : telemetry.states) state.time_s += *offset.offset_s;
-    VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments.out, CameraCsvText(telemetry.states)));
+    VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments.out, FormatCameraCsv(telemetry.states)));
   }
   return WriteOutput(
       "", arguments.json ? ToJson(offset, parameters.telemetry.time_offset_s).dump(1) + "\n" : Describe(offset) + "\n");
@@ -74,7 +74,7 @@ Status RunEstimate(const Arguments& arguments, const TimedTelemetryOptions& para
 
 Status Run(const Arguments& arguments) {
   TimedTelemetryOptions parameters;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(parameters)));
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(parameters)));
   if (arguments.file.empty() && arguments.video.empty()) {
     return Fail(ErrorCode::kInvalidArgument, "neither FILE nor --video given: name the source of the telemetry");
   }
@@ -86,7 +86,7 @@ Status Run(const Arguments& arguments) {
   for (const std::string& warning : telemetry.warnings) spdlog::warn("{}", OneLine(source + ": " + warning));
   if (arguments.estimate_offset) return RunEstimate(arguments, parameters, std::move(telemetry));
   return WriteOutput(arguments.out,
-                     arguments.json ? victorious::ToJson(telemetry).dump(1) + "\n" : CameraCsvText(telemetry.states));
+                     arguments.json ? victorious::ToJson(telemetry).dump(1) + "\n" : FormatCameraCsv(telemetry.states));
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ struct Arguments {
 };
 
 // Assigns the object types: one for all boxes, or one for each.
-Status SetTypes(const std::vector<std::string>& types, std::vector<DrawnBox>& boxes) {
+Status SetTypes(const std::vector<std::string>& types, std::vector<UserBox>& boxes) {
   if (types.empty()) return {};
   if (types.size() != 1 && types.size() != boxes.size()) {
     return Fail(
@@ -53,7 +53,7 @@ std::string KnownTypes() {
 }
 
 // Logs the types that are not in the table of object types: they give neither a length nor a motion model.
-void TellOfNames(const std::vector<std::string>& types) {
+void LogUnknownTypes(const std::vector<std::string>& types) {
   for (const std::string& type : types) {
     if (type.empty() || FindObjectType(type) != nullptr) continue;
     spdlog::info("{}: not a known object type, used as a name only; sizes and motions are known for: {}", OneLine(type),
@@ -62,7 +62,8 @@ void TellOfNames(const std::vector<std::string>& types) {
 }
 
 // Logs in which frames and videos an object was seen.
-void TellWhen(const std::vector<BoxSighting>& sightings, const std::vector<std::string>& videos, std::size_t drawn) {
+void LogSightingTimes(const std::vector<BoxSighting>& sightings, const std::vector<std::string>& videos,
+                      std::size_t drawn) {
   for (std::size_t video = 0; video < videos.size(); ++video) {
     std::vector<const BoxSighting*> seen;
     for (const BoxSighting& one : sightings) {
@@ -78,19 +79,19 @@ void TellWhen(const std::vector<BoxSighting>& sightings, const std::vector<std::
 }
 
 // Logs the place of an object when it was last seen, or the reason why there is none.
-void TellPlace(const TrackedBoxes& tracked, std::size_t drawn) {
-  if (!tracked.why_no_place[drawn].empty()) {
-    spdlog::info("{}: no place: {}", BoxName(drawn), tracked.why_no_place[drawn]);
+void LogPlace(const TrackedBoxes& tracked, std::size_t drawn) {
+  if (!tracked.place_failures[drawn].empty()) {
+    spdlog::info("{}: no place: {}", BoxName(drawn), tracked.place_failures[drawn]);
     return;
   }
   const auto last =
       std::ranges::find_if(tracked.sightings.rbegin(), tracked.sightings.rend(),
                            [&](const BoxSighting& one) { return one.drawn == drawn && one.place.has_value(); });
-  const Place& place = *last->place;
+  const Geolocation& place = *last->place;
   spdlog::info("{}: place at {:.2f} s: {:.6f}, {:.6f}, {:.1f} m; CE90 {:.1f} m, LE90 {:.1f} m{}", BoxName(drawn),
                last->time_s, DegreesFromRadians(place.point.latitude_rad),
                DegreesFromRadians(place.point.longitude_rad), place.point.altitude_m, place.ce90_m, place.le90_m,
-               place.Moves() ? fmt::format("; moving at {:.1f} m/s", place.velocity_enu->norm()) : "");
+               place.IsMoving() ? fmt::format("; moving at {:.1f} m/s", place.velocity_enu->norm()) : "");
 }
 
 // Sightings in a video that is given twice would be counted twice.
@@ -106,8 +107,8 @@ Status CheckDifferent(const std::vector<std::string>& videos) {
 }
 
 Status Run(const Arguments& arguments) {
-  TrackRunOptions options;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, FieldsOf(options)));
+  TrackBoxesOptions options;
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(options)));
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
   ApplyGround(arguments.ground, options.ground);
   VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
@@ -115,7 +116,7 @@ Status Run(const Arguments& arguments) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{} --box and {} --at: give one --at for each --box",
                                                          arguments.boxes.size(), arguments.at_s.size()));
   }
-  std::vector<DrawnBox> boxes;
+  std::vector<UserBox> boxes;
   for (std::size_t i = 0; i < arguments.boxes.size(); ++i) {
     VICTORIOUS_ASSIGN_OR_RETURN(const Box box, ParseBox(arguments.boxes[i]));
     boxes.push_back({box, arguments.at_s[i]});
@@ -131,10 +132,10 @@ Status Run(const Arguments& arguments) {
                               TrackBoxes(videos, boxes, telemetry, options, Interrupt(), warn));
   for (const std::string& warning : warnings) spdlog::warn("{}", OneLine(warning));
   VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments.out, ToJsonLines(tracked.sightings, videos, boxes)));
-  TellOfNames(arguments.types);
+  LogUnknownTypes(arguments.types);
   for (std::size_t drawn = 0; drawn < boxes.size(); ++drawn) {
-    TellWhen(tracked.sightings, videos, drawn);
-    TellPlace(tracked, drawn);
+    LogSightingTimes(tracked.sightings, videos, drawn);
+    LogPlace(tracked, drawn);
   }
   return {};
 }
@@ -153,7 +154,7 @@ Action SetUpTrack(CLI::App& app) {
                  "Time of the box, in the first frame at this time or later: seconds, or as 1:30")
       ->required()
       ->type_name("TIME")
-      ->transform(TimeOfVideo())
+      ->transform(VideoTimeTransform())
       ->allow_extra_args(false);
   app.add_option("--type", arguments->types,
                  "Object type in the box; it gives the usual length, from which the range follows, and whether the "

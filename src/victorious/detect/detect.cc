@@ -24,33 +24,33 @@ void DetectOptions::ListFields(FieldList& fields) {
               .reason = "a detection is suppressed if its outline and that of a better one of the same model overlap "
                         "by more than this fraction of the smaller area: neighbouring views localise a long object "
                         "differently"});
-  fields.Add("even_evidence", even_evidence,
+  fields.Add("score_midpoint", score_midpoint,
              {.min = -100,
               .max = 1000,
               .unit = "decades",
               .reason = "-log10 NFA at which the precision, and the score, is one half"});
   fields.Add(
-      "evidence_scale", evidence_scale,
+      "score_scale", score_scale,
       {.min = 0.01,
        .max = 1000,
        .unit = "decades",
        .reason =
            "increase of -log10 NFA that raises the odds by a factor of e; both from `experiment figure-calibration`"});
-  fields.Add("least_score", least_score,
+  fields.Add("min_score", min_score,
              {.min = 0,
               .max = 1,
               .reason = "minimum score of a detection; the default is the score of -log10 NFA = 4 decades"});
-  fields.Add("least_side_px", least_side_px,
+  fields.Add("min_side_px", min_side_px,
              {.min = 0,
               .max = 10000,
               .unit = "px",
               .reason = "minimum of the width and height of a detection's box in the frame"});
-  fields.Add("least_in_view", least_in_view,
+  fields.Add("min_in_view", min_in_view,
              {.min = 0,
               .max = 1,
               .reason = "minimum fraction of the outline's area inside the frame: a photo's corner at the frame's edge "
                         "shows mostly background"});
-  fields.Add("least_extent", least_extent,
+  fields.Add("min_extent", min_extent,
              {.min = 0,
               .max = 1,
               .reason = "minimum fraction of the outline that the inliers' convex hull covers: inliers in one corner "
@@ -62,19 +62,19 @@ namespace {
 // p: the chance that a false match agrees with a pose within a radius, and in rotation and scale.
 double AgreementChance(double radius_px, const SceneSize& scene) {
   const double area_px2 = scene.searched_px2.value_or(scene.width_px * scene.height_px);
-  return std::min(1.0, kPi * radius_px * radius_px / std::max(1.0, area_px2)) * kAgreementTurnAndScaleChance;
+  return std::min(1.0, kPi * radius_px * radius_px / std::max(1.0, area_px2)) * kAgreementRotationScaleProbability;
 }
 
 // -log10 NFA, maximised over the radius and corrected for the number of radii; at least 0. Each residual is a candidate
 // radius, at least sigma_px: a photo seen obliquely deviates from a similarity by more than the keypoint noise.
-double EvidenceOf(const Candidate& candidate, const SceneSize& scene) {
-  const std::vector<double>& off_px = candidate.pose.agreeing_px;
+double MaxNegLog10Nfa(const Candidate& candidate, const SceneSize& scene) {
+  const std::vector<double>& off_px = candidate.fit.agreeing_residuals_px;
   constexpr std::size_t kFewest = 3;
   if (off_px.size() < kFewest) return 0;
   double most = 0;
   for (std::size_t k = kFewest; k <= off_px.size(); ++k) {
-    const double chance = AgreementChance(std::max(candidate.pose.sigma_px, off_px[k - 1]), scene);
-    most = std::max(most, Evidence(candidate.matches, k, chance, candidate.views));
+    const double chance = AgreementChance(std::max(candidate.fit.sigma_px, off_px[k - 1]), scene);
+    most = std::max(most, ComputeNegLog10Nfa(candidate.matches, k, chance, candidate.views));
   }
   return std::max(0.0, most - std::log10(static_cast<double>(off_px.size() - kFewest + 1)));
 }
@@ -86,39 +86,39 @@ struct Footprint {
   double size_px;  // square root of the outline's area
 };
 
-Footprint FootprintOf(const Polygon& outline) {
+Footprint MakeFootprint(const Polygon& outline) {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   for (const Eigen::Vector2d& corner : outline) centre += corner / static_cast<double>(outline.size());
   return {ConvexHull(outline), centre, std::sqrt(std::abs(SignedArea(outline)))};
 }
 
 // True if two detections are the same instance: their centres lie close together, or their hulls overlap.
-bool AreOne(const Footprint& a, const Footprint& b, const DetectOptions& options) {
+bool IsSameInstance(const Footprint& a, const Footprint& b, const DetectOptions& options) {
   if ((a.centre - b.centre).norm() < options.suppression_fraction * std::min(a.size_px, b.size_px)) return true;
   const double common = std::abs(SignedArea(ClipToConvex(a.hull, b.hull)));
   const double smaller = std::min(std::abs(SignedArea(a.hull)), std::abs(SignedArea(b.hull)));
   return common > options.suppression_overlap * smaller;
 }
 
-Detection ToDetection(const Candidate& candidate, const SceneSize& scene, const DetectOptions& options) {
-  Detection detection{.model = candidate.model, .view = candidate.view, .pose = candidate.pose};
-  detection.outline = ProjectPolygon(candidate.pose.scene_from_template_plane, candidate.outline);
+Detection MakeDetection(const Candidate& candidate, const SceneSize& scene, const DetectOptions& options) {
+  Detection detection{.model_index = candidate.model_index, .view = candidate.view, .fit = candidate.fit};
+  detection.outline = ProjectPolygon(candidate.fit.scene_from_template_plane, candidate.outline);
   detection.box = BoundingBox(ClipToBox(detection.outline, FrameBox(scene.width_px, scene.height_px)));
-  detection.evidence =
-      candidate.pose.evidence
-          ? *candidate.pose.evidence - std::log10(static_cast<double>(std::max<std::size_t>(1, candidate.views)))
-          : EvidenceOf(candidate, scene);
-  detection.score = ScoreOf(detection.evidence, options);
+  detection.neg_log10_nfa =
+      candidate.fit.neg_log10_nfa
+          ? *candidate.fit.neg_log10_nfa - std::log10(static_cast<double>(std::max<std::size_t>(1, candidate.views)))
+          : MaxNegLog10Nfa(candidate, scene);
+  detection.score = ComputeScore(detection.neg_log10_nfa, options);
   return detection;
 }
 
 }  // namespace
 
-double ScoreOf(double evidence, const DetectOptions& options) {
-  return 1 / (1 + std::exp(-(evidence - options.even_evidence) / options.evidence_scale));
+double ComputeScore(double neg_log10_nfa, const DetectOptions& options) {
+  return 1 / (1 + std::exp(-(neg_log10_nfa - options.score_midpoint) / options.score_scale));
 }
 
-double Evidence(std::size_t matches, std::size_t agreeing, double chance, std::size_t views) {
+double ComputeNegLog10Nfa(std::size_t matches, std::size_t agreeing, double chance, std::size_t views) {
   if (agreeing < 3 || matches < agreeing) return 0;
   if (!(chance < 1)) return 0;
   const double n = static_cast<double>(matches) - 2;
@@ -137,27 +137,28 @@ std::vector<Detection> Detect(std::span<const Candidate> candidates, const Scene
                               const DetectOptions& options) {
   std::vector<Detection> detections;
   for (const Candidate& candidate : candidates) {
-    Detection detection = ToDetection(candidate, scene, options);
-    const bool large_enough = std::min(detection.box.width, detection.box.height) >= options.least_side_px;
+    Detection detection = MakeDetection(candidate, scene, options);
+    const bool large_enough = std::min(detection.box.width, detection.box.height) >= options.min_side_px;
     const bool in_view =
-        ShareInside(detection.outline, FrameBox(scene.width_px, scene.height_px)) >= options.least_in_view;
-    const bool wide_enough = detection.pose.extent >= options.least_extent;
-    if (large_enough && in_view && wide_enough && detection.score >= options.least_score) {
+        FractionInside(detection.outline, FrameBox(scene.width_px, scene.height_px)) >= options.min_in_view;
+    const bool wide_enough = detection.fit.extent >= options.min_extent;
+    if (large_enough && in_view && wide_enough && detection.score >= options.min_score) {
       detections.push_back(std::move(detection));
     }
   }
   std::ranges::stable_sort(detections, [](const Detection& a, const Detection& b) {
-    if (a.model != b.model) return a.model < b.model;  // the NFA is not comparable across models
-    return a.evidence > b.evidence;
+    if (a.model_index != b.model_index)
+      return a.model_index < b.model_index;  // the NFA is not comparable across models
+    return a.neg_log10_nfa > b.neg_log10_nfa;
   });
 
   std::vector<Detection> kept;
   std::map<std::size_t, std::vector<Footprint>> taken;  // by model
   for (Detection& detection : detections) {
-    const Footprint footprint = FootprintOf(detection.outline);
-    std::vector<Footprint>& others = taken[detection.model];
+    const Footprint footprint = MakeFootprint(detection.outline);
+    std::vector<Footprint>& others = taken[detection.model_index];
     const bool suppressed =
-        std::ranges::any_of(others, [&](const Footprint& other) { return AreOne(footprint, other, options); });
+        std::ranges::any_of(others, [&](const Footprint& other) { return IsSameInstance(footprint, other, options); });
     if (suppressed) continue;
     others.push_back(footprint);
     kept.push_back(std::move(detection));

@@ -29,24 +29,24 @@ namespace victorious {
 struct DetectOptions {
   double suppression_fraction = 0.5;
   double suppression_overlap = 0.4;
-  double even_evidence = 2.1;
-  double evidence_scale = 1.4;
-  double least_score = 0.795;
-  double least_side_px = 8;
-  double least_in_view = 0.5;
-  double least_extent = 0.06;
+  double score_midpoint = 2.1;
+  double score_scale = 1.4;
+  double min_score = 0.795;
+  double min_side_px = 8;
+  double min_in_view = 0.5;
+  double min_extent = 0.06;
 
   void ListFields(FieldList& fields);
 };
 
 /// A planar fit before thresholds and non-maximum suppression.
 struct Candidate {
-  std::size_t model = 0;    ///< index into the models that were searched
-  std::size_t view = 0;     ///< index into that model's views
-  std::size_t matches = 0;  ///< n: number of matches of this view after the ratio test
-  std::size_t views = 1;    ///< number of views searched of the model: the number of tests in the NFA
-  Polygon outline;          ///< of the object in the template, px
-  Pose pose;
+  std::size_t model_index = 0;  ///< index into the models that were searched
+  std::size_t view = 0;         ///< index into that model's views
+  std::size_t matches = 0;      ///< n: number of matches of this view after the ratio test
+  std::size_t views = 1;        ///< number of views searched of the model: the number of tests in the NFA
+  Polygon outline;              ///< of the object in the template, px
+  PlanarFit fit;
 };
 
 struct SceneSize {
@@ -61,11 +61,11 @@ std::vector<Detection> Detect(std::span<const Candidate> candidates, const Scene
                               const DetectOptions& options);
 
 /// The score, 0 to 1, of a -log10 NFA in decades (formula above).
-double ScoreOf(double evidence, const DetectOptions& options);
+double ComputeScore(double neg_log10_nfa, const DetectOptions& options);
 
 /// -log10 NFA of `agreeing` = k of `matches` = n matches that agree with a pose (formula above), decades. Values of 0
 /// or less: chance explains the pose. 0 for k < 3, k > n or chance >= 1, and if k - 2 does not exceed its expectation.
 /// @param chance  p
-double Evidence(std::size_t matches, std::size_t agreeing, double chance, std::size_t views);
+double ComputeNegLog10Nfa(std::size_t matches, std::size_t agreeing, double chance, std::size_t views);
 
 }  // namespace victorious

@@ -10,17 +10,17 @@ namespace {
 constexpr SceneSize kScene{640, 480};
 
 Candidate CandidateAt(double x, double y, std::size_t agreeing, std::size_t model = 0) {
-  Candidate candidate{.model = model, .view = 0, .matches = 80, .outline = CornersOf({0, 0, 60, 40}), .pose = {}};
-  candidate.pose.scene_from_template = {1.0, 0.0, {x, y}};
-  candidate.pose.scene_from_template_plane = candidate.pose.scene_from_template.Matrix();
-  candidate.pose.distinct_inliers = agreeing;
-  candidate.pose.sigma_px = 3;
-  candidate.pose.agreeing_px.assign(agreeing, 5.0);
-  candidate.pose.extent = 0.4;
+  Candidate candidate{.model_index = model, .view = 0, .matches = 80, .outline = BoxCorners({0, 0, 60, 40}), .fit = {}};
+  candidate.fit.scene_from_template = {1.0, 0.0, {x, y}};
+  candidate.fit.scene_from_template_plane = candidate.fit.scene_from_template.Matrix();
+  candidate.fit.distinct_inliers = agreeing;
+  candidate.fit.sigma_px = 3;
+  candidate.fit.agreeing_residuals_px.assign(agreeing, 5.0);
+  candidate.fit.extent = 0.4;
   return candidate;
 }
 
-TEST(Evidence, IsTheBinomialTail) {
+TEST(ComputeNegLog10Nfa, IsTheBinomialTail) {
   // By direct summation in double.
   const double chance = 0.01;
   double tail = 0;
@@ -29,16 +29,16 @@ TEST(Evidence, IsTheBinomialTail) {
             std::pow(1 - chance, 48 - i);
   }
   const double expected = 10 * (50 * 49 / 2) * tail;
-  EXPECT_NEAR(Evidence(50, 8, chance, 10), -std::log10(expected), 0.02);
+  EXPECT_NEAR(ComputeNegLog10Nfa(50, 8, chance, 10), -std::log10(expected), 0.02);
 }
 
-TEST(Evidence, GrowsWithAgreementAndFallsWithClutter) {
-  EXPECT_GT(Evidence(80, 8, 1e-3, 1), Evidence(80, 7, 1e-3, 1));
-  EXPECT_GT(Evidence(80, 8, 1e-3, 1), Evidence(200, 8, 1e-3, 1));
-  EXPECT_NEAR(Evidence(80, 8, 1e-3, 1) - Evidence(80, 8, 1e-3, 1000), 3, 1e-9);
-  EXPECT_EQ(Evidence(80, 2, 1e-3, 1), 0);
-  EXPECT_EQ(Evidence(2, 8, 1e-3, 1), 0);
-  EXPECT_EQ(Evidence(1000, 10, 0.5, 1), 0);
+TEST(ComputeNegLog10Nfa, GrowsWithAgreementAndFallsWithClutter) {
+  EXPECT_GT(ComputeNegLog10Nfa(80, 8, 1e-3, 1), ComputeNegLog10Nfa(80, 7, 1e-3, 1));
+  EXPECT_GT(ComputeNegLog10Nfa(80, 8, 1e-3, 1), ComputeNegLog10Nfa(200, 8, 1e-3, 1));
+  EXPECT_NEAR(ComputeNegLog10Nfa(80, 8, 1e-3, 1) - ComputeNegLog10Nfa(80, 8, 1e-3, 1000), 3, 1e-9);
+  EXPECT_EQ(ComputeNegLog10Nfa(80, 2, 1e-3, 1), 0);
+  EXPECT_EQ(ComputeNegLog10Nfa(2, 8, 1e-3, 1), 0);
+  EXPECT_EQ(ComputeNegLog10Nfa(1000, 10, 0.5, 1), 0);
 }
 
 TEST(Detect, KeepsTheBestOfNeighboursAndEveryInstance) {
@@ -46,15 +46,15 @@ TEST(Detect, KeepsTheBestOfNeighboursAndEveryInstance) {
                                              CandidateAt(300, 200, 10), CandidateAt(100, 100, 8, /*model=*/1)};
   const std::vector<Detection> detections = Detect(candidates, kScene, {});
   ASSERT_EQ(detections.size(), 3U);
-  EXPECT_EQ(detections[0].pose.distinct_inliers, 14U);
-  EXPECT_EQ(detections[1].pose.distinct_inliers, 10U);
-  EXPECT_EQ(detections[2].model, 1U);
+  EXPECT_EQ(detections[0].fit.distinct_inliers, 14U);
+  EXPECT_EQ(detections[1].fit.distinct_inliers, 10U);
+  EXPECT_EQ(detections[2].model_index, 1U);
 }
 
 TEST(Detect, ModelsWithTheirOwnEvidenceDoNotMeddleWithOthers) {
-  const auto with_evidence = [](double x, std::size_t agreeing, double evidence) {
+  const auto with_evidence = [](double x, std::size_t agreeing, double neg_log10_nfa) {
     Candidate candidate = CandidateAt(x, 100, agreeing, /*model=*/1);
-    candidate.pose.evidence = evidence;
+    candidate.fit.neg_log10_nfa = neg_log10_nfa;
     return candidate;
   };
   // One instance of model 1: the lower NFA wins, although that pose has fewer inliers.
@@ -62,30 +62,30 @@ TEST(Detect, ModelsWithTheirOwnEvidenceDoNotMeddleWithOthers) {
                                              with_evidence(104, 9, 5), CandidateAt(303, 100, 14)};
   const std::vector<Detection> detections = Detect(candidates, kScene, {});
   ASSERT_EQ(detections.size(), 2U);
-  for (const Detection& found : detections) EXPECT_EQ(found.pose.distinct_inliers, found.model == 1 ? 3U : 14U);
+  for (const Detection& found : detections) EXPECT_EQ(found.fit.distinct_inliers, found.model_index == 1 ? 3U : 14U);
 }
 
 TEST(Detect, ALongObjectPlacedDifferentlyByTwoViewsIsOne) {
   Candidate along = CandidateAt(100, 100, 14);
-  along.outline = CornersOf({0, 0, 240, 40});
+  along.outline = BoxCorners({0, 0, 240, 40});
   Candidate shifted = along;
-  shifted.pose.scene_from_template.translation = {190, 105};
-  shifted.pose.scene_from_template_plane = shifted.pose.scene_from_template.Matrix();
-  shifted.pose.distinct_inliers = 9;
-  shifted.pose.agreeing_px.assign(9, 5.0);
+  shifted.fit.scene_from_template.translation = {190, 105};
+  shifted.fit.scene_from_template_plane = shifted.fit.scene_from_template.Matrix();
+  shifted.fit.distinct_inliers = 9;
+  shifted.fit.agreeing_residuals_px.assign(9, 5.0);
   const std::vector<Candidate> one = {along, shifted};
   EXPECT_EQ(Detect(one, kScene, {}).size(), 1U);
   Candidate beside = along;  // parked alongside
-  beside.pose.scene_from_template.translation = {100, 142};
-  beside.pose.scene_from_template_plane = beside.pose.scene_from_template.Matrix();
+  beside.fit.scene_from_template.translation = {100, 142};
+  beside.fit.scene_from_template_plane = beside.fit.scene_from_template.Matrix();
   const std::vector<Candidate> two = {along, beside};
   EXPECT_EQ(Detect(two, kScene, {.suppression_fraction = 0.1}).size(), 2U);
 }
 
 TEST(Detect, BoxIsTheOutlineClippedToTheFrame) {
   const std::vector<Candidate> candidates = {CandidateAt(-20, 450, 12)};
-  const std::vector<Detection> detections = Detect(candidates, kScene, {.least_in_view = 0.49});
-  EXPECT_TRUE(Detect(candidates, kScene, {.least_in_view = 0.51}).empty());
+  const std::vector<Detection> detections = Detect(candidates, kScene, {.min_in_view = 0.49});
+  EXPECT_TRUE(Detect(candidates, kScene, {.min_in_view = 0.51}).empty());
   ASSERT_EQ(detections.size(), 1U);
   EXPECT_EQ(detections[0].box, (Box{0, 450, 40, 30}));
   EXPECT_EQ(detections[0].outline[0], Eigen::Vector2d(-20, 450));
@@ -93,44 +93,44 @@ TEST(Detect, BoxIsTheOutlineClippedToTheFrame) {
 
 TEST(Detect, WhatAgreesMoreCloselyHasMoreEvidence) {
   Candidate loose = CandidateAt(100, 100, 9);
-  loose.pose.agreeing_px.assign(9, 12.0);
+  loose.fit.agreeing_residuals_px.assign(9, 12.0);
   Candidate close = loose;
-  close.pose.agreeing_px.assign(9, 1.0);
+  close.fit.agreeing_residuals_px.assign(9, 1.0);
   Candidate partly = loose;  // six as closely, three far off
-  partly.pose.agreeing_px = {1, 1, 1, 1, 1, 1, 40, 40, 40};
+  partly.fit.agreeing_residuals_px = {1, 1, 1, 1, 1, 1, 40, 40, 40};
   Candidate six = loose;
-  six.pose.agreeing_px.assign(6, 1.0);
-  const auto evidence = [](const Candidate& one) {
-    return Detect(std::span(&one, 1), kScene, {.least_score = 0})[0].evidence;
+  six.fit.agreeing_residuals_px.assign(6, 1.0);
+  const auto neg_log10_nfa = [](const Candidate& one) {
+    return Detect(std::span(&one, 1), kScene, {.min_score = 0})[0].neg_log10_nfa;
   };
-  EXPECT_GT(evidence(close), evidence(loose) + 3);
-  EXPECT_NEAR(evidence(partly), evidence(six), 0.5) << "those far off neither help nor harm";
+  EXPECT_GT(neg_log10_nfa(close), neg_log10_nfa(loose) + 3);
+  EXPECT_NEAR(neg_log10_nfa(partly), neg_log10_nfa(six), 0.5) << "those far off neither help nor harm";
 }
 
 // The NFA of the close matches decides, not the total number of inliers.
 TEST(Detect, OfOneInstanceThePoseOfMoreEvidenceIsKept) {
   Candidate many = CandidateAt(100, 100, 12);
-  many.pose.agreeing_px.assign(6, 5.0);
+  many.fit.agreeing_residuals_px.assign(6, 5.0);
   const Candidate agreed = CandidateAt(104, 98, 10);
   const std::vector<Candidate> both = {many, agreed};
   const std::vector<Detection> detections = Detect(both, kScene, {});
   ASSERT_EQ(detections.size(), 1U);
-  EXPECT_EQ(detections[0].pose.distinct_inliers, 10U);
+  EXPECT_EQ(detections[0].fit.distinct_inliers, 10U);
 }
 
 TEST(Detect, InAPartOfTheFrameAgreementIsLessSurprising) {
   const Candidate candidate = CandidateAt(100, 100, 8);
   SceneSize part = kScene;
   part.searched_px2 = 100 * 80;
-  const double whole = Detect(std::span(&candidate, 1), kScene, {.least_score = 0})[0].evidence;
-  EXPECT_LT(Detect(std::span(&candidate, 1), part, {.least_score = 0})[0].evidence, whole - 5);
+  const double whole = Detect(std::span(&candidate, 1), kScene, {.min_score = 0})[0].neg_log10_nfa;
+  EXPECT_LT(Detect(std::span(&candidate, 1), part, {.min_score = 0})[0].neg_log10_nfa, whole - 5);
 }
 
 TEST(Detect, AgreementInOneCornerIsNoDetection) {
   Candidate corner = CandidateAt(100, 100, 12);
-  corner.pose.extent = 0.02;
+  corner.fit.extent = 0.02;
   EXPECT_TRUE(Detect(std::span(&corner, 1), kScene, {}).empty());
-  EXPECT_EQ(Detect(std::span(&corner, 1), kScene, {.least_extent = 0.01}).size(), 1U);
+  EXPECT_EQ(Detect(std::span(&corner, 1), kScene, {.min_extent = 0.01}).size(), 1U);
 }
 
 TEST(Detect, WeakOrUnseenCandidatesAreNoDetections) {

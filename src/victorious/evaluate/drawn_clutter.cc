@@ -14,7 +14,7 @@ namespace victorious {
 namespace {
 
 // A sum of noise octaves whose amplitude rises with the wavelength, as natural ground.
-cv::Mat Ground(cv::Size size, Random& random) {
+cv::Mat MakeGroundNoise(cv::Size size, Random& random) {
   constexpr double kContrast = 2.2;  // grey levels, amplitude of an octave with a wavelength of one pixel
   cv::Mat ground(size, CV_32F, cv::Scalar(random.Uniform(95, 150)));
   for (int wavelength_px = 2; wavelength_px <= 128; wavelength_px *= 2) {
@@ -32,7 +32,7 @@ cv::Mat Ground(cv::Size size, Random& random) {
 
 // Draws a rectangle of one grey at a random place, often with a row of smaller ones on it: windows, planks, parked
 // cars.
-void StrewThing(cv::Mat& picture, Random& random) {
+void DrawRectangle(cv::Mat& picture, Random& random) {
   constexpr int kFine = 4;  // bits of a pixel's fraction
   const double angle_rad = random.Uniform(-kPi, kPi);
   const double width_px = std::exp(random.Uniform(std::log(6.0), std::log(120.0)));
@@ -60,17 +60,17 @@ void StrewThing(cv::Mat& picture, Random& random) {
 }  // namespace
 
 cv::Mat DrawClutter(cv::Size size, std::uint64_t seed) {
-  constexpr double kThingsPerPixel = 130.0 / (640 * 480);
+  constexpr double kRectanglesPerPixel = 130.0 / (640 * 480);
   Random random(seed);
-  cv::Mat ground = Ground(size, random);
+  cv::Mat ground = MakeGroundNoise(size, random);
   cv::Mat picture;
   ground.convertTo(picture, CV_8U);
-  const int things = static_cast<int>(kThingsPerPixel * size.area());
-  for (int i = 0; i < things; ++i) StrewThing(picture, random);
+  const int rectangle_count = static_cast<int>(kRectanglesPerPixel * size.area());
+  for (int i = 0; i < rectangle_count; ++i) DrawRectangle(picture, random);
   // Adds noise to the rectangles too.
-  cv::Mat grain = Ground(size, random);
-  grain = (grain - cv::mean(grain)[0]) * 0.35;
-  cv::add(picture, grain, picture, cv::noArray(), CV_8U);
+  cv::Mat noise = MakeGroundNoise(size, random);
+  noise = (noise - cv::mean(noise)[0]) * 0.35;
+  cv::add(picture, noise, picture, cv::noArray(), CV_8U);
   return picture;
 }
 

@@ -14,19 +14,19 @@
 
 #include "victorious/base/random.h"
 #include "victorious/evaluate/drawn_clutter.h"
-#include "victorious/image/degrade.h"
 #include "victorious/evaluate/turned_view.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/similarity.h"
-#include "victorious/model/relit_views.h"
-#include "victorious/model/model_builder.h"
-#include "victorious/render/paste.h"
+#include "victorious/image/degrade.h"
 #include "victorious/image/image_file.h"
+#include "victorious/model/model_builder.h"
 #include "victorious/model/nearest_view.h"
+#include "victorious/model/relit_views.h"
+#include "victorious/render/paste.h"
 
 namespace victorious {
 
-void FindableOptions::ListFields(FieldList& fields) {
+void DetectabilityOptions::ListFields(FieldList& fields) {
   fields.Add("size_px", size_px,
              {.min = 8, .max = 400, .unit = "px", .reason = "the longest side of the object's bounding box"});
   fields.Add("noise", noise, {.min = 0, .max = 0.9, .reason = "fraction of pixels with salt-and-pepper noise"});
@@ -38,18 +38,18 @@ void FindableOptions::ListFields(FieldList& fields) {
 
 namespace {
 
-constexpr std::array kLadder_px = {16.0, 23.0, 32.0, 45.0, 64.0, 91.0, 128.0, 181.0, 256.0};
-const cv::Size kPicture(640, 480);
-constexpr double kLeastOverlap = 0.4;
-constexpr double kRightView_rad = RadiansFromDegrees(10.0);
+constexpr std::array kSizeLadder_px = {16.0, 23.0, 32.0, 45.0, 64.0, 91.0, 128.0, 181.0, 256.0};
+const cv::Size kImageSize(640, 480);
+constexpr double kMinOverlap = 0.4;
+constexpr double kCorrectView_rad = RadiansFromDegrees(10.0);
 
 // One test direction with its random parameters.
 struct Sample {
   std::size_t band;
   ViewDirection direction;
-  double turn_rad;        // in-plane rotation of the object, clockwise
-  double sun_ahead_rad;   // as FrameConditions::sun_ahead
-  Eigen::Vector2d place;  // 0 to 1, position within the range that keeps the object in the image
+  double turn_rad;                  // in-plane rotation of the object, clockwise
+  double relative_sun_azimuth_rad;  // as FrameConditions::relative_sun
+  Eigen::Vector2d place;            // 0 to 1, position within the range that keeps the object in the image
   std::uint64_t seed;
 };
 
@@ -61,36 +61,36 @@ struct Setting {
   bool attitude_known;
 };
 
-struct Sought {
+struct TrialResult {
   bool found = false;
-  bool right_view = false;
+  bool correct_view = false;
   cv::Mat bgr;  // the test image, kept only for the callback
   Box box;      // the true box
 };
 
 // The result of a sample.
-struct Outcome {
-  Sought at_size;
-  std::size_t least = kLadder_px.size();  // index of the minimum detected size in the ladder; its length if none
+struct SampleResult {
+  TrialResult at_size;
+  std::size_t min_size = kSizeLadder_px.size();  // index of the minimum detected size in the ladder; its length if none
 };
 
-std::vector<FindableBand> MakeBands(const ObjectModel& model) {
+std::vector<DetectabilityBand> MakeBands(const ObjectModel& model) {
   constexpr double kWidth_deg = 25;
-  double most_rad = 0;
-  for (const ModelView& view : model.views) most_rad = std::max(most_rad, view.angles->off_nadir_rad);
-  const double most_deg = DegreesFromRadians(most_rad);
-  const int count = std::max(1, static_cast<int>(std::lround(most_deg / kWidth_deg)));
-  std::vector<FindableBand> bands;
+  double max_rad = 0;
+  for (const ModelView& view : model.views) max_rad = std::max(max_rad, view.angles->off_nadir_rad);
+  const double max_deg = DegreesFromRadians(max_rad);
+  const int count = std::max(1, static_cast<int>(std::lround(max_deg / kWidth_deg)));
+  std::vector<DetectabilityBand> bands;
   for (int i = 0; i < count; ++i) {
-    FindableBand band;
-    band.least_deg = most_deg * i / count;
-    band.most_deg = most_deg * (i + 1) / count;
+    DetectabilityBand band;
+    band.min_deg = max_deg * i / count;
+    band.max_deg = max_deg * (i + 1) / count;
     bands.push_back(std::move(band));
   }
   return bands;
 }
 
-std::vector<Sample> DrawSamples(std::span<const FindableBand> bands, const FindableOptions& options) {
+std::vector<Sample> DrawSamples(std::span<const DetectabilityBand> bands, const DetectabilityOptions& options) {
   std::vector<Sample> samples;
   for (int i = 0; i < options.directions; ++i) {
     Random random(MixSeed(options.seed, static_cast<std::uint64_t>(i)));
@@ -98,12 +98,12 @@ std::vector<Sample> DrawSamples(std::span<const FindableBand> bands, const Finda
     sample.band = static_cast<std::size_t>(i) % bands.size();
     sample.direction.azimuth_rad = random.Uniform(0, 2 * kPi);
     sample.direction.off_nadir_rad =
-        RadiansFromDegrees(random.Uniform(bands[sample.band].least_deg, bands[sample.band].most_deg));
+        RadiansFromDegrees(random.Uniform(bands[sample.band].min_deg, bands[sample.band].max_deg));
     // The camera is never upside down, except near nadir, where every in-plane rotation occurs.
     constexpr double kFromAbove_rad = 0.35;
-    const double most_turn_rad = sample.direction.off_nadir_rad < kFromAbove_rad ? kPi : kPi / 2;
-    sample.turn_rad = random.Uniform(-most_turn_rad, most_turn_rad);
-    sample.sun_ahead_rad = random.Uniform(-kPi, kPi);
+    const double max_turn_rad = sample.direction.off_nadir_rad < kFromAbove_rad ? kPi : kPi / 2;
+    sample.turn_rad = random.Uniform(-max_turn_rad, max_turn_rad);
+    sample.relative_sun_azimuth_rad = random.Uniform(-kPi, kPi);
     sample.place.x() = random.Uniform();
     sample.place.y() = random.Uniform();
     sample.seed = random.Next();
@@ -114,8 +114,8 @@ std::vector<Sample> DrawSamples(std::span<const FindableBand> bands, const Finda
 
 // Pastes the object onto the image, scaled so that the longest side of its bounding box is `size_px`. Returns the box;
 // empty if nothing of the object is visible.
-Box Paste(const TurnedView& view, const Sample& sample, double size_px, cv::Mat& grey) {
-  Polygon outline = OutlineOfMask(view.mask);
+Box Paste(const WarpedView& view, const Sample& sample, double size_px, cv::Mat& grey) {
+  Polygon outline = FindMaskOutline(view.mask);
   if (outline.size() < 3) return {};
   const auto boxed = [&](const Similarity2& similarity) {
     Polygon seen;
@@ -138,18 +138,19 @@ double AngleBetween(const ViewDirection& a, const ViewDirection& b) {
 }
 
 // The frame conditions of a distant camera with the object on its optical axis.
-FrameConditions ConditionsOf(const Sample& sample, const Setting& setting) {
+FrameConditions MakeFrameConditions(const Sample& sample, const Setting& setting) {
   FrameConditions conditions;
   if (!setting.attitude_known) return conditions;
   constexpr double kFocal_px = 1e5;
   conditions.vertical = Vertical{.pinhole = {.fx = kFocal_px,
                                              .fy = kFocal_px,
-                                             .cx = 0.5 * kPicture.width,
-                                             .cy = 0.5 * kPicture.height,
-                                             .width = kPicture.width,
-                                             .height = kPicture.height},
-                                 .up_in_camera = UpOfView(sample.direction.off_nadir_rad, sample.turn_rad)};
-  if (setting.sun_deg) conditions.sun_ahead = Sun{sample.sun_ahead_rad, RadiansFromDegrees(*setting.sun_deg)};
+                                             .cx = 0.5 * kImageSize.width,
+                                             .cy = 0.5 * kImageSize.height,
+                                             .width = kImageSize.width,
+                                             .height = kImageSize.height},
+                                 .up_in_camera = ViewUpVector(sample.direction.off_nadir_rad, sample.turn_rad)};
+  if (setting.sun_deg)
+    conditions.relative_sun = Sun{sample.relative_sun_azimuth_rad, RadiansFromDegrees(*setting.sun_deg)};
   return conditions;
 }
 
@@ -158,56 +159,59 @@ class Search {
   Search(const ObjectModel& model, Recognizer recognizer, std::unique_ptr<const FeatureExtractor> extractor)
       : model_(&model), recognizer_(std::move(recognizer)), extractor_(std::move(extractor)) {}
 
-  [[nodiscard]] Expected<TurnedView> Seen(const Sample& sample, const std::optional<double>& sun_deg) const {
+  [[nodiscard]] Expected<WarpedView> RenderSample(const Sample& sample, const std::optional<double>& sun_deg) const {
     std::optional<ViewDirection> sun;
     if (sun_deg) {
-      sun = ViewDirection{sample.direction.azimuth_rad + kPi + sample.sun_ahead_rad, RadiansFromDegrees(90 - *sun_deg)};
+      sun = ViewDirection{sample.direction.azimuth_rad + kPi + sample.relative_sun_azimuth_rad,
+                          RadiansFromDegrees(90 - *sun_deg)};
     }
-    return TurnView(*model_, sample.direction, sun);
+    return WarpView(*model_, sample.direction, sun);
   }
 
-  [[nodiscard]] Expected<Sought> Try(const TurnedView& view, const Sample& sample, const Setting& setting) const {
-    constexpr Spoiling kCamera{.degrade = {.blur_px = 0.5, .grain = 1.5}, .jpeg_quality = 85};
-    Sought sought;
-    cv::Mat grey = DrawClutter(kPicture, sample.seed);
-    sought.box = Paste(view, sample, setting.size_px, grey);
-    cv::cvtColor(grey, sought.bgr, cv::COLOR_GRAY2BGR);
-    Spoiling spoiling = kCamera;
-    spoiling.degrade.noise = setting.noise;
-    VICTORIOUS_RETURN_IF_ERROR(Spoil(spoiling, sample.seed, sought.bgr));
-    VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, extractor_->Extract(GreyFromBgr(sought.bgr)));
+  [[nodiscard]] Expected<TrialResult> RunTrial(const WarpedView& view, const Sample& sample,
+                                               const Setting& setting) const {
+    constexpr ImageDegradation kCamera{.degrade = {.blur_px = 0.5, .grain = 1.5}, .jpeg_quality = 85};
+    TrialResult trial_result;
+    cv::Mat grey = DrawClutter(kImageSize, sample.seed);
+    trial_result.box = Paste(view, sample, setting.size_px, grey);
+    cv::cvtColor(grey, trial_result.bgr, cv::COLOR_GRAY2BGR);
+    ImageDegradation degradation = kCamera;
+    degradation.degrade.noise = setting.noise;
+    VICTORIOUS_RETURN_IF_ERROR(DegradeImage(degradation, sample.seed, trial_result.bgr));
+    VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, extractor_->Extract(GreyFromBgr(trial_result.bgr)));
     // Only the votes decide, without the image: it is made from the model's own rendering, so that its NCC score would
     // be higher than in any video.
-    for (const Detection& detection : recognizer_.Recognize(features, ConditionsOf(sample, setting))) {
-      if (IntersectionOverUnion(detection.box, sought.box) < kLeastOverlap) continue;
+    for (const Detection& detection : recognizer_.Recognize(features, MakeFrameConditions(sample, setting))) {
+      if (IntersectionOverUnion(detection.box, trial_result.box) < kMinOverlap) continue;
       const ViewAngles& angles = *model_->views[detection.view].angles;
-      sought.found = true;
-      sought.right_view = AngleBetween({angles.azimuth_rad, angles.off_nadir_rad}, sample.direction) <= kRightView_rad;
+      trial_result.found = true;
+      trial_result.correct_view =
+          AngleBetween({angles.azimuth_rad, angles.off_nadir_rad}, sample.direction) <= kCorrectView_rad;
       break;  // the best detection
     }
-    return sought;
+    return trial_result;
   }
 
   // Tests the size of the options, then finds the minimum size of the ladder by bisection.
-  [[nodiscard]] Expected<Outcome> Measure(const Sample& sample, Setting setting) const {
-    VICTORIOUS_ASSIGN_OR_RETURN(const TurnedView view, Seen(sample, setting.sun_deg));
-    Outcome outcome;
-    VICTORIOUS_ASSIGN_OR_RETURN(outcome.at_size, Try(view, sample, setting));
+  [[nodiscard]] Expected<SampleResult> Measure(const Sample& sample, Setting setting) const {
+    VICTORIOUS_ASSIGN_OR_RETURN(const WarpedView view, RenderSample(sample, setting.sun_deg));
+    SampleResult outcome;
+    VICTORIOUS_ASSIGN_OR_RETURN(outcome.at_size, RunTrial(view, sample, setting));
     const double asked_px = setting.size_px;
     std::size_t low = 0;
-    std::size_t high = kLadder_px.size();
+    std::size_t high = kSizeLadder_px.size();
     if (outcome.at_size.found) {
-      high = static_cast<std::size_t>(std::ranges::lower_bound(kLadder_px, asked_px) - kLadder_px.begin());
+      high = static_cast<std::size_t>(std::ranges::lower_bound(kSizeLadder_px, asked_px) - kSizeLadder_px.begin());
     } else {
-      low = static_cast<std::size_t>(std::ranges::upper_bound(kLadder_px, asked_px) - kLadder_px.begin());
+      low = static_cast<std::size_t>(std::ranges::upper_bound(kSizeLadder_px, asked_px) - kSizeLadder_px.begin());
     }
     while (low < high) {
       const std::size_t middle = (low + high) / 2;
-      setting.size_px = kLadder_px[middle];
-      VICTORIOUS_ASSIGN_OR_RETURN(const Sought sought, Try(view, sample, setting));
-      (sought.found ? high : low) = sought.found ? middle : middle + 1;
+      setting.size_px = kSizeLadder_px[middle];
+      VICTORIOUS_ASSIGN_OR_RETURN(const TrialResult trial_result, RunTrial(view, sample, setting));
+      (trial_result.found ? high : low) = trial_result.found ? middle : middle + 1;
     }
-    outcome.least = high;
+    outcome.min_size = high;
     return outcome;
   }
 
@@ -218,13 +222,14 @@ class Search {
 };
 
 // Runs loops in parallel with progress and cancellation.
-class Watched {
+class ParallelRunner {
  public:
-  Watched(const CancelToken& cancel, const FindableWatch& watch) : cancel_(cancel), watch_(watch) {}
+  ParallelRunner(const CancelToken& cancel, const DetectabilityCallbacks& callbacks)
+      : cancel_(cancel), callbacks_(callbacks) {}
 
   // Calls fn(i) for i in [0, count) on all cores; returns the first error, if any.
   template <typename Fn>
-  Status Each(std::size_t count, Fn fn) {
+  Status ForEach(std::size_t count, Fn fn) {
     all_ += static_cast<int>(count);
     std::vector<Status> status(count);
     oneapi::tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
@@ -232,7 +237,7 @@ class Watched {
       status[i] = fn(i);
       const std::scoped_lock lock(mutex_);
       ++done_;
-      if (watch_.progress) watch_.progress(done_, all_);
+      if (callbacks_.progress) callbacks_.progress(done_, all_);
     });
     if (cancel_.IsCancelled()) return Fail(ErrorCode::kCancelled, "interrupted");
     for (Status& one : status) VICTORIOUS_RETURN_IF_ERROR(std::move(one));
@@ -241,28 +246,28 @@ class Watched {
 
  private:
   const CancelToken& cancel_;
-  const FindableWatch& watch_;
+  const DetectabilityCallbacks& callbacks_;
   std::mutex mutex_;
   int done_ = 0;
   int all_ = 0;
 };
 
-void Count(const Outcome& outcome, FoundShare& share) {
-  share.asked += 1;
-  share.found += outcome.at_size.found ? 1 : 0;
-  share.right_view += outcome.at_size.right_view ? 1 : 0;
+void AddToRate(const SampleResult& outcome, DetectionRate& rate) {
+  rate.tested += 1;
+  rate.found += outcome.at_size.found ? 1 : 0;
+  rate.correct_view += outcome.at_size.correct_view ? 1 : 0;
 }
 
 // Computes the sizes from the minimum detected rung of each direction.
-LeastSizes LeastOf(std::vector<std::size_t> rungs) {
+DetectableSizes ComputeDetectableSizes(std::vector<std::size_t> rungs) {
   std::ranges::sort(rungs);
-  const auto at = [&](double share) -> std::optional<double> {
+  const auto at = [&](double rate) -> std::optional<double> {
     if (rungs.empty()) return std::nullopt;
-    const std::size_t rung = rungs[static_cast<std::size_t>(std::ceil(share * static_cast<double>(rungs.size()))) - 1];
-    if (rung == kLadder_px.size()) return std::nullopt;
-    return kLadder_px[rung];
+    const std::size_t rung = rungs[static_cast<std::size_t>(std::ceil(rate * static_cast<double>(rungs.size()))) - 1];
+    if (rung == kSizeLadder_px.size()) return std::nullopt;
+    return kSizeLadder_px[rung];
   };
-  return {.half_px = at(0.5), .most_px = at(0.9)};
+  return {.size_50_px = at(0.5), .size_90_px = at(0.9)};
 }
 
 double Median(std::vector<double> values) {
@@ -271,7 +276,7 @@ double Median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-Status Check(const ObjectModel& model, const FindableOptions& options) {
+Status CheckArguments(const ObjectModel& model, const DetectabilityOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   if (options.sun_deg && !(*options.sun_deg >= 5 && *options.sun_deg <= 90)) {
     return Fail(ErrorCode::kInvalidArgument,
@@ -289,86 +294,89 @@ Status Check(const ObjectModel& model, const FindableOptions& options) {
 
 }  // namespace
 
-Expected<Findable> HowFindable(const ObjectModel& model, const FeatureOptions& features,
-                               const RecognizeOptions& recognize, const FindableOptions& options,
-                               const CancelToken& cancel, const FindableWatch& watch) {
-  VICTORIOUS_RETURN_IF_ERROR(Check(model, options));
+Expected<Detectability> MeasureDetectability(const ObjectModel& model, const FeatureOptions& features,
+                                             const RecognizeOptions& recognize, const DetectabilityOptions& options,
+                                             const CancelToken& cancel, const DetectabilityCallbacks& callbacks) {
+  VICTORIOUS_RETURN_IF_ERROR(CheckArguments(model, options));
   VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(features));
-  std::vector<std::shared_ptr<const LitTemplates>> lit(1);
+  std::vector<std::shared_ptr<const RelitTemplateSource>> lit(1);
   VICTORIOUS_ASSIGN_OR_RETURN(lit.front(), MakeLitViews(model));
   VICTORIOUS_ASSIGN_OR_RETURN(Recognizer recognizer, Recognizer::Create({model}, features.engine, recognize, lit));
   const Search search(model, std::move(recognizer), std::move(extractor));
 
-  Findable result{.options = options,
-                  .bands = MakeBands(model),
-                  .share = {},
-                  .least = {},
-                  .largest_px = kLadder_px.back(),
-                  .quiet = {},
-                  .soft = {},
-                  .upright = {}};
+  Detectability result{.options = options,
+                       .bands = MakeBands(model),
+                       .rate = {},
+                       .min_size = {},
+                       .max_size_px = kSizeLadder_px.back(),
+                       .without_noise = {},
+                       .in_diffuse_light = {},
+                       .with_attitude = {}};
   const std::vector<Sample> samples = DrawSamples(result.bands, options);
-  const Setting asked{options.size_px, options.noise, options.sun_deg, options.attitude_known};
-  std::vector<Outcome> outcomes(samples.size());
-  Watched watched(cancel, watch);
-  VICTORIOUS_RETURN_IF_ERROR(watched.Each(samples.size(), [&](std::size_t i) -> Status {
-    VICTORIOUS_ASSIGN_OR_RETURN(outcomes[i], search.Measure(samples[i], asked));
-    if (!watch.picture) outcomes[i].at_size.bgr.release();
+  const Setting tested{options.size_px, options.noise, options.sun_deg, options.attitude_known};
+  std::vector<SampleResult> outcomes(samples.size());
+  ParallelRunner runner(cancel, callbacks);
+  VICTORIOUS_RETURN_IF_ERROR(runner.ForEach(samples.size(), [&](std::size_t i) -> Status {
+    VICTORIOUS_ASSIGN_OR_RETURN(outcomes[i], search.Measure(samples[i], tested));
+    if (!callbacks.picture) outcomes[i].at_size.bgr.release();
     return {};
   }));
 
   std::vector<std::size_t> rungs;
   for (std::size_t b = 0; b < result.bands.size(); ++b) {
-    FindableBand& band = result.bands[b];
+    DetectabilityBand& band = result.bands[b];
     std::vector<std::size_t> own;
     std::vector<double> counts;
     for (std::size_t i = 0; i < samples.size(); ++i) {
       if (samples[i].band != b) continue;
-      Count(outcomes[i], band.share);
-      Count(outcomes[i], result.share);
-      own.push_back(outcomes[i].least);
+      AddToRate(outcomes[i], band.rate);
+      AddToRate(outcomes[i], result.rate);
+      own.push_back(outcomes[i].min_size);
       counts.push_back(static_cast<double>(model.views[NearestView(model, samples[i].direction)].feature_count));
     }
-    band.least = LeastOf(own);
+    band.min_size = ComputeDetectableSizes(own);
     band.features = Median(counts);
     std::ranges::copy(own, std::back_inserter(rungs));
   }
-  result.least = LeastOf(rungs);
+  result.min_size = ComputeDetectableSizes(rungs);
 
   // Ablation: repeats the missed samples without one of the difficulties.
-  const auto eased = [&](const Setting& setting) -> Expected<FoundShare> {
-    std::vector<Outcome> again = outcomes;
+  const auto RepeatMissed = [&](const Setting& setting) -> Expected<DetectionRate> {
+    std::vector<SampleResult> again = outcomes;
     std::vector<std::size_t> missed;
     for (std::size_t i = 0; i < samples.size(); ++i) {
       if (!outcomes[i].at_size.found) missed.push_back(i);
     }
-    VICTORIOUS_RETURN_IF_ERROR(watched.Each(missed.size(), [&](std::size_t i) -> Status {
+    VICTORIOUS_RETURN_IF_ERROR(runner.ForEach(missed.size(), [&](std::size_t i) -> Status {
       const Sample& sample = samples[missed[i]];
-      VICTORIOUS_ASSIGN_OR_RETURN(const TurnedView view, search.Seen(sample, setting.sun_deg));
-      VICTORIOUS_ASSIGN_OR_RETURN(again[missed[i]].at_size, search.Try(view, sample, setting));
+      VICTORIOUS_ASSIGN_OR_RETURN(const WarpedView view, search.RenderSample(sample, setting.sun_deg));
+      VICTORIOUS_ASSIGN_OR_RETURN(again[missed[i]].at_size, search.RunTrial(view, sample, setting));
       return {};
     }));
-    FoundShare share;
-    for (const Outcome& outcome : again) Count(outcome, share);
-    return share;
+    DetectionRate rate;
+    for (const SampleResult& outcome : again) AddToRate(outcome, rate);
+    return rate;
   };
-  const auto ease = [&](bool applies, auto Setting::* what, auto value, std::optional<FoundShare>& into) -> Status {
-    if (!applies || result.share.found == result.share.asked) return {};
-    Setting setting = asked;
+  const auto repeat_missed_without = [&](bool applies, auto Setting::* what, auto value,
+                                         std::optional<DetectionRate>& into) -> Status {
+    if (!applies || result.rate.found == result.rate.tested) return {};
+    Setting setting = tested;
     setting.*what = value;
-    VICTORIOUS_ASSIGN_OR_RETURN(into, eased(setting));
+    VICTORIOUS_ASSIGN_OR_RETURN(into, RepeatMissed(setting));
     return {};
   };
-  VICTORIOUS_RETURN_IF_ERROR(ease(asked.noise > 0, &Setting::noise, 0.0, result.quiet));
-  VICTORIOUS_RETURN_IF_ERROR(ease(asked.sun_deg.has_value(), &Setting::sun_deg, std::nullopt, result.soft));
-  VICTORIOUS_RETURN_IF_ERROR(ease(!asked.attitude_known, &Setting::attitude_known, true, result.upright));
+  VICTORIOUS_RETURN_IF_ERROR(repeat_missed_without(tested.noise > 0, &Setting::noise, 0.0, result.without_noise));
+  VICTORIOUS_RETURN_IF_ERROR(
+      repeat_missed_without(tested.sun_deg.has_value(), &Setting::sun_deg, std::nullopt, result.in_diffuse_light));
+  VICTORIOUS_RETURN_IF_ERROR(
+      repeat_missed_without(!tested.attitude_known, &Setting::attitude_known, true, result.with_attitude));
 
-  if (watch.picture) {
-    for (Outcome& outcome : outcomes) {
+  if (callbacks.picture) {
+    for (SampleResult& outcome : outcomes) {
       const Box& box = outcome.at_size.box;
       const cv::Scalar colour = outcome.at_size.found ? cv::Scalar(0, 255, 0) : cv::Scalar(0, 0, 255);
       cv::rectangle(outcome.at_size.bgr, cv::Rect2d(box.x - 4, box.y - 4, box.width + 8, box.height + 8), colour, 2);
-      watch.picture(outcome.at_size.bgr);
+      callbacks.picture(outcome.at_size.bgr);
     }
   }
   return result;

@@ -27,7 +27,7 @@
 
 namespace victorious {
 
-struct FindableOptions {
+struct DetectabilityOptions {
   double size_px = 64;
   double noise = 0;
   std::optional<double> sun_deg;  ///< elevation of the sun, degrees, 5 to 90; std::nullopt: diffuse light
@@ -39,43 +39,45 @@ struct FindableOptions {
 };
 
 /// Detections over a set of directions, at the size of the options.
-struct FoundShare {
-  int asked = 0;
-  int found = 0;       ///< detections whose box has an IoU of 0.4 or more with the true box
-  int right_view = 0;  ///< detections whose view lies within 10 degrees of the true direction
+struct DetectionRate {
+  int tested = 0;
+  int found = 0;         ///< detections whose box has an IoU of 0.4 or more with the true box
+  int correct_view = 0;  ///< detections whose view lies within 10 degrees of the true direction
 
-  [[nodiscard]] double Share() const { return asked > 0 ? static_cast<double>(found) / asked : 0; }
+  [[nodiscard]] double Fraction() const { return tested > 0 ? static_cast<double>(found) / tested : 0; }
 };
 
 /// The minimum size of the ladder, px, at which a fraction of the directions is detected; std::nullopt: the fraction is
 /// not reached at the maximum size either.
-struct LeastSizes {
-  std::optional<double> half_px;  ///< 50 %
-  std::optional<double> most_px;  ///< 90 %
+struct DetectableSizes {
+  std::optional<double> size_50_px;  ///< 50 %
+  std::optional<double> size_90_px;  ///< 90 %
 };
 
 /// The directions within one interval of the off-nadir angle, degrees.
-struct FindableBand {
-  double least_deg = 0;
-  double most_deg = 0;
-  FoundShare share;
-  LeastSizes least;
+struct DetectabilityBand {
+  double min_deg = 0;
+  double max_deg = 0;
+  DetectionRate rate;
+  DetectableSizes min_size;
   double features = 0;  ///< median number of features of the nearest views
 };
 
-struct Findable {
-  FindableOptions options;
-  std::vector<FindableBand> bands;  ///< by rising off-nadir angle; the directions are spread evenly over them
-  FoundShare share;
-  LeastSizes least;
-  double largest_px = 0;              ///< maximum size of the ladder
-  std::optional<FoundShare> quiet;    ///< the same without noise; set only with noise and a missed object
-  std::optional<FoundShare> soft;     ///< the same in diffuse light; set only with a sun and a missed object
-  std::optional<FoundShare> upright;  ///< the same with known attitude; set only without it and a missed object
+struct Detectability {
+  DetectabilityOptions options;
+  std::vector<DetectabilityBand> bands;  ///< by rising off-nadir angle; the directions are spread evenly over them
+  DetectionRate rate;
+  DetectableSizes min_size;
+  double max_size_px = 0;                      ///< maximum size of the ladder
+  std::optional<DetectionRate> without_noise;  ///< the same without noise; set only with noise and a missed object
+  std::optional<DetectionRate>
+      in_diffuse_light;  ///< the same in diffuse light; set only with a sun and a missed object
+  std::optional<DetectionRate>
+      with_attitude;  ///< the same with known attitude; set only without it and a missed object
 };
 
 /// Optional callbacks: progress, and the annotated test images.
-struct FindableWatch {
+struct DetectabilityCallbacks {
   std::function<void(int done, int all)> progress;  ///< counts directions; called from any thread, one call at a time
   /// The test image of each direction at the size of the options, CV_8UC3, with the true box drawn (green: detected,
   /// red: missed). Called in the order of the directions, after the measurement.
@@ -86,13 +88,13 @@ struct FindableWatch {
 /// direction, on all cores.
 /// Errors: kInvalidArgument for options out of range, for a model without renderings (made from photos, or by an early
 /// version) or of another feature engine than `features`; kCancelled; kDataLoss for a damaged model.
-Expected<Findable> HowFindable(const ObjectModel& model, const FeatureOptions& features,
-                               const RecognizeOptions& recognize, const FindableOptions& options,
-                               const CancelToken& cancel, const FindableWatch& watch = {});
+Expected<Detectability> MeasureDetectability(const ObjectModel& model, const FeatureOptions& features,
+                                             const RecognizeOptions& recognize, const DetectabilityOptions& options,
+                                             const CancelToken& cancel, const DetectabilityCallbacks& callbacks = {});
 
-nlohmann::ordered_json ToJson(const Findable& findable);
+nlohmann::ordered_json ToJson(const Detectability& findable);
 
 /// Returns a table of the bands as text, followed by advice in sentences.
-std::string ToText(const Findable& findable);
+std::string ToText(const Detectability& findable);
 
 }  // namespace victorious

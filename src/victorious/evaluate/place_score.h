@@ -14,15 +14,15 @@ namespace victorious {
 
 /// Errors of one reported object against the truth row nearest to the time of its place.
 struct PlaceError {
-  std::optional<double> across_m;     ///< horizontal error
-  std::optional<double> all_m;        ///< 3-D error
-  bool in_ellipsoid = false;          ///< the truth lies in the 90 % ellipsoid; false for a singular covariance
-  bool in_ce90 = false;               ///< the horizontal error is at most CE90
-  std::optional<double> heading_rad;  ///< absolute heading error, 0 to pi
+  std::optional<double> horizontal_error_m;  ///< horizontal error
+  std::optional<double> spatial_error_m;     ///< 3-D error
+  bool in_ellipsoid = false;                 ///< the truth lies in the 90 % ellipsoid; false for a singular covariance
+  bool in_ce90 = false;                      ///< the horizontal error is at most CE90
+  std::optional<double> heading_rad;         ///< absolute heading error, 0 to pi
 };
 
 /// Computes the errors. A field is std::nullopt (a bool: false) if either side of its comparison is unknown.
-PlaceError ComparePlaces(const std::optional<Place>& place, const std::optional<double>& heading_rad,
-                         const TruthRow& truth);
+PlaceError ComputePlaceError(const std::optional<Geolocation>& place, const std::optional<double>& heading_rad,
+                             const TruthRow& truth);
 
 }  // namespace victorious

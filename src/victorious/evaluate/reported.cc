@@ -4,11 +4,11 @@
 
 namespace victorious {
 
-Expected<Reported> ReadReported(IndexStore& store, const SightingFilter& filter) {
+Expected<ReportedContent> ReadReported(IndexStore& store, const SightingFilter& filter) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(store, filter));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> objects, store.Objects(filter));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SightingRecord> sightings, store.Sightings(filter));
-  Reported reported;
+  ReportedContent reported;
   for (const ObjectRecord& object : objects) {
     const ModelRecord* model = catalogue.Model(object.model);
     if (model != nullptr && !model->IsCategory()) {

@@ -11,13 +11,13 @@
 namespace victorious {
 
 /// The content of an index that is scored.
-struct Reported {
+struct ReportedContent {
   std::vector<ReportedObject> objects;  ///< best first
   std::vector<ReportedSighting> sightings;
 };
 
 /// @param filter  must select a single video for ScoreIndex()
 /// Errors: those of Catalogue::Read and of reading the store.
-Expected<Reported> ReadReported(IndexStore& store, const SightingFilter& filter);
+Expected<ReportedContent> ReadReported(IndexStore& store, const SightingFilter& filter);
 
 }  // namespace victorious

@@ -26,7 +26,7 @@ constexpr double kClearSidePx = 24;
 constexpr std::size_t kFindableRows = 10;
 constexpr double kPairedOverlap = 0.4;
 
-constexpr int kNothing = -1;  // the object of a sighting without a pair
+constexpr int kNoObject = -1;  // the object of a sighting without a pair
 
 std::optional<double> Ratio(double part, double whole) {
   return whole > 0 ? std::optional(part / whole) : std::nullopt;
@@ -44,7 +44,7 @@ struct TrueObject {
 class TruthTable {
  public:
   explicit TruthTable(std::span<const TruthRow> rows)
-      : rows_(rows), object_of_row_(rows.size()), place_of_row_(rows.size()), by_frame_(rows.size()) {
+      : rows_(rows), object_of_row_(rows.size()), slot_of_row_(rows.size()), by_frame_(rows.size()) {
     std::unordered_map<std::string_view, int> numbers;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const auto [at, added] = numbers.emplace(rows[i].object, static_cast<int>(objects_.size()));
@@ -52,7 +52,7 @@ class TruthTable {
       object_of_row_[i] = at->second;
       if (IsClear(rows[i])) objects_[at->second].clear_frames.push_back(rows[i].frame);
     }
-    NumberPlaces();
+    NumberSlots();
     std::iota(by_frame_.begin(), by_frame_.end(), std::size_t{0});
     std::ranges::stable_sort(by_frame_, {}, [&](std::size_t i) { return KeyOf(rows_[i]); });
   }
@@ -62,7 +62,7 @@ class TruthTable {
   [[nodiscard]] int ObjectOf(std::size_t row) const { return object_of_row_[row]; }
 
   /// The object's row nearest in time to the place; its middle row without a place.
-  [[nodiscard]] const TruthRow& RowFor(int object, const std::optional<Place>& place) const {
+  [[nodiscard]] const TruthRow& RowAtTimeOf(int object, const std::optional<Geolocation>& place) const {
     std::vector<const TruthRow*> own;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       if (object_of_row_[i] == object) own.push_back(&rows_[i]);
@@ -73,18 +73,18 @@ class TruthTable {
   }
 
   /// Returns the unassigned row with the maximum overlap of at least kPairedOverlap, and marks it as assigned.
-  std::optional<std::size_t> Take(const ReportedSighting& sighting) {
+  std::optional<std::size_t> AssignRow(const ReportedSighting& sighting) {
     std::optional<std::size_t> best;
     double best_overlap = 0;
     for (const std::size_t i :
          std::ranges::equal_range(by_frame_, std::pair(sighting.frame, std::string_view(sighting.model)), {},
                                   [&](std::size_t row) { return KeyOf(rows_[row]); })) {
       const double overlap = IntersectionOverUnion(rows_[i].box, sighting.box);
-      if (overlap < kPairedOverlap || overlap <= best_overlap || taken_[place_of_row_[i]]) continue;
+      if (overlap < kPairedOverlap || overlap <= best_overlap || assigned_[slot_of_row_[i]]) continue;
       best = i;
       best_overlap = overlap;
     }
-    if (best) taken_[place_of_row_[*best]] = true;
+    if (best) assigned_[slot_of_row_[*best]] = true;
     return best;
   }
 
@@ -92,26 +92,26 @@ class TruthTable {
   static std::pair<std::int64_t, std::string_view> KeyOf(const TruthRow& row) { return {row.frame, row.model}; }
 
   /// Numbers the slots: one per object and frame, also if several rows describe it.
-  void NumberPlaces() {
+  void NumberSlots() {
     std::vector<std::size_t> order(rows_.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     const auto key = [&](std::size_t i) { return std::pair(rows_[i].frame, object_of_row_[i]); };
     std::ranges::sort(order, {}, key);
     for (std::size_t k = 0; k < order.size(); ++k) {
-      if (k == 0 || key(order[k]) != key(order[k - 1])) taken_.push_back(false);
-      place_of_row_[order[k]] = taken_.size() - 1;
+      if (k == 0 || key(order[k]) != key(order[k - 1])) assigned_.push_back(false);
+      slot_of_row_[order[k]] = assigned_.size() - 1;
     }
   }
 
   std::span<const TruthRow> rows_;
   std::vector<TrueObject> objects_;
   std::vector<int> object_of_row_;
-  std::vector<std::size_t> place_of_row_;
+  std::vector<std::size_t> slot_of_row_;
   std::vector<std::size_t> by_frame_;  ///< rows sorted by frame and model (stable)
-  std::vector<bool> taken_;            ///< whether each slot is assigned
+  std::vector<bool> assigned_;         ///< whether each slot is assigned
 };
 
-/// The true object that a sighting of a reported object shows, or kNothing.
+/// The true object that a sighting of a reported object shows, or kNoObject.
 struct Vote {
   std::int64_t reported;
   int shown;
@@ -136,22 +136,22 @@ struct Pairing {
 };
 
 /// Pairs each sighting with a row, in the order of falling scores.
-std::vector<std::optional<std::size_t>> TakeRows(TruthTable& truth, std::span<const ReportedSighting> sightings) {
+std::vector<std::optional<std::size_t>> AssignRows(TruthTable& truth, std::span<const ReportedSighting> sightings) {
   std::vector<std::size_t> order(sightings.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, std::greater<>(), [&](std::size_t i) { return sightings[i].score; });
   std::vector<std::optional<std::size_t>> rows(sightings.size());
-  for (const std::size_t i : order) rows[i] = truth.Take(sightings[i]);
+  for (const std::size_t i : order) rows[i] = truth.AssignRow(sightings[i]);
   return rows;
 }
 
-Pairing Pair(TruthTable& truth, std::span<const ReportedSighting> sightings) {
-  const std::vector<std::optional<std::size_t>> rows = TakeRows(truth, sightings);
+Pairing PairWithTruth(TruthTable& truth, std::span<const ReportedSighting> sightings) {
+  const std::vector<std::optional<std::size_t>> rows = AssignRows(truth, sightings);
   Pairing pairing;
   for (std::size_t i = 0; i < sightings.size(); ++i) {
     const ReportedSighting& sighting = sightings[i];
     const auto taken = rows[i];
-    const int shown = taken ? truth.ObjectOf(*taken) : kNothing;
+    const int shown = taken ? truth.ObjectOf(*taken) : kNoObject;
     pairing.votes.push_back({sighting.object, shown});
     if (!taken) {
       ++pairing.wrong;
@@ -169,14 +169,14 @@ Pairing Pair(TruthTable& truth, std::span<const ReportedSighting> sightings) {
   return pairing;
 }
 
-/// The true object that more than half of the reported object's sightings show; kNothing if there is none. A majority
+/// The true object that more than half of the reported object's sightings show; kNoObject if there is none. A majority
 /// always includes the middle of the sorted votes.
-int MajorityOf(std::int64_t reported, const std::vector<Vote>& votes) {
+int FindMajorityObject(std::int64_t reported, const std::vector<Vote>& votes) {
   const auto own = std::ranges::equal_range(votes, reported, {}, &Vote::reported);
-  if (own.empty()) return kNothing;
+  if (own.empty()) return kNoObject;
   const int middle = own[own.size() / 2].shown;
   const auto same = std::ranges::equal_range(own, middle, {}, &Vote::shown);
-  return same.size() * 2 > own.size() ? middle : kNothing;
+  return same.size() * 2 > own.size() ? middle : kNoObject;
 }
 
 /// Precision and recall after the first n reported objects that are not ignored.
@@ -204,16 +204,16 @@ double AveragePrecision(const std::vector<CurvePoint>& curve) {
 std::unordered_map<int, std::int64_t> ScoreObjects(const TruthTable& truth, std::span<const ReportedObject> objects,
                                                    const std::vector<Vote>& votes, Score& score,
                                                    std::map<std::string, PlaceError>& place_errors) {
-  std::unordered_map<int, std::int64_t> claimed_by;
+  std::unordered_map<int, std::int64_t> assigned_ids;
   std::vector<CurvePoint> curve;
   for (const ReportedObject& object : objects) {
-    const int shown = MajorityOf(object.id, votes);
-    if (shown == kNothing || !claimed_by.emplace(shown, object.id).second) {
+    const int shown = FindMajorityObject(object.id, votes);
+    if (shown == kNoObject || !assigned_ids.emplace(shown, object.id).second) {
       ++score.false_objects;
     } else if (truth.objects()[shown].IsFindable()) {
       ++score.found;
       place_errors.emplace(truth.objects()[shown].name,
-                           ComparePlaces(object.place, object.heading_rad, truth.RowFor(shown, object.place)));
+                           ComputePlaceError(object.place, object.heading_rad, truth.RowAtTimeOf(shown, object.place)));
     } else {
       continue;  // a true object that is not findable: ignored
     }
@@ -224,14 +224,14 @@ std::unordered_map<int, std::int64_t> ScoreObjects(const TruthTable& truth, std:
   score.recall = Ratio(score.found, score.findable);
   score.precision = Ratio(score.found, score.found + score.false_objects);
   if (score.findable > 0) score.average_precision = AveragePrecision(curve);
-  return claimed_by;
+  return assigned_ids;
 }
 
 /// Scores the frames in which the findable objects are shown: density, sighting recall and ids.
-void ScoreCoverage(const TruthTable& truth, const std::unordered_map<int, std::int64_t>& claimed_by,
+void ScoreCoverage(const TruthTable& truth, const std::unordered_map<int, std::int64_t>& assigned_ids,
                    const std::vector<Hit>& hits, Score& score) {
   std::vector<double> densities;
-  double asked = 0;
+  double clear_rows = 0;
   double shown = 0;
   double ids = 0;
   double shown_objects = 0;
@@ -241,35 +241,35 @@ void ScoreCoverage(const TruthTable& truth, const std::unordered_map<int, std::i
     const auto own = std::ranges::equal_range(hits, number, {}, &Hit::shown);
     Score::Object entry;
     std::unordered_set<std::int64_t> frames;
-    std::unordered_set<std::int64_t> claimant_frames;
+    std::unordered_set<std::int64_t> assigned_frames;
     std::unordered_set<std::int64_t> reported;
-    const auto claimant = claimed_by.find(number);
-    entry.found = claimant != claimed_by.end();
+    const auto assigned_id = assigned_ids.find(number);
+    entry.found = assigned_id != assigned_ids.end();
     for (const Hit& hit : own) {
       frames.insert(hit.frame);
       reported.insert(hit.reported);
-      if (entry.found && hit.reported == claimant->second) claimant_frames.insert(hit.frame);
+      if (entry.found && hit.reported == assigned_id->second) assigned_frames.insert(hit.frame);
     }
     const auto covered = [&](const std::unordered_set<std::int64_t>& by) {
       return static_cast<double>(
           std::ranges::count_if(object.clear_frames, [&](std::int64_t frame) { return by.contains(frame); }));
     };
-    entry.density = covered(claimant_frames) / static_cast<double>(object.clear_frames.size());
-    if (!claimant_frames.empty()) {
-      const auto [first, last] = std::ranges::minmax(claimant_frames);
+    entry.density = covered(assigned_frames) / static_cast<double>(object.clear_frames.size());
+    if (!assigned_frames.empty()) {
+      const auto [first, last] = std::ranges::minmax(assigned_frames);
       const auto between = std::ranges::count_if(object.clear_frames,
                                                  [&](std::int64_t frame) { return frame >= first && frame <= last; });
-      if (between > 0) entry.density_between = covered(claimant_frames) / static_cast<double>(between);
+      if (between > 0) entry.density_between = covered(assigned_frames) / static_cast<double>(between);
     }
     entry.ids = static_cast<int>(reported.size());
     densities.push_back(entry.density);
-    asked += static_cast<double>(object.clear_frames.size());
+    clear_rows += static_cast<double>(object.clear_frames.size());
     shown += covered(frames);
     ids += entry.ids;
     shown_objects += entry.ids > 0;
     score.per_object.emplace(object.name, entry);
   }
-  score.sighting_recall = Ratio(shown, asked);
+  score.sighting_recall = Ratio(shown, clear_rows);
   score.density_p25 = Percentile(densities, 25);
   score.density_p50 = Percentile(densities, 50);
   score.density_p75 = Percentile(densities, 75);
@@ -278,25 +278,25 @@ void ScoreCoverage(const TruthTable& truth, const std::unordered_map<int, std::i
 
 /// Scores the places of the found objects.
 void ScorePlaces(const std::map<std::string, PlaceError>& errors, Score& score) {
-  std::vector<double> across_m;
-  std::vector<double> all_m;
+  std::vector<double> horizontal_error_m;
+  std::vector<double> spatial_error_m;
   std::vector<double> headings_rad;
   double in_ellipsoid = 0;
   double in_ce90 = 0;
   for (const auto& [name, error] : errors) {
     if (error.heading_rad) headings_rad.push_back(*error.heading_rad);
-    if (!error.across_m) continue;
-    score.per_object.at(name).error_m = error.across_m;
-    across_m.push_back(*error.across_m);
-    all_m.push_back(*error.all_m);
+    if (!error.horizontal_error_m) continue;
+    score.per_object.at(name).error_m = error.horizontal_error_m;
+    horizontal_error_m.push_back(*error.horizontal_error_m);
+    spatial_error_m.push_back(*error.spatial_error_m);
     in_ellipsoid += error.in_ellipsoid ? 1 : 0;
     in_ce90 += error.in_ce90 ? 1 : 0;
   }
-  score.located = static_cast<int>(across_m.size());
-  score.cep50_m = Percentile(across_m, 50);
-  score.cep75_m = Percentile(across_m, 75);
-  score.cep90_m = Percentile(across_m, 90);
-  score.error3d_p50_m = Percentile(all_m, 50);
+  score.located = static_cast<int>(horizontal_error_m.size());
+  score.cep50_m = Percentile(horizontal_error_m, 50);
+  score.cep75_m = Percentile(horizontal_error_m, 75);
+  score.cep90_m = Percentile(horizontal_error_m, 90);
+  score.error3d_p50_m = Percentile(spatial_error_m, 50);
   score.inside_90_ellipsoid = Ratio(in_ellipsoid, score.located);
   score.inside_ce90 = Ratio(in_ce90, score.located);
   score.heading_error_p50_rad = Percentile(headings_rad, 50);
@@ -306,7 +306,7 @@ nlohmann::ordered_json Nullable(const std::optional<double>& value) {
   return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
 }
 
-std::optional<double> InDegrees(const std::optional<double>& radians) {
+std::optional<double> ToDegrees(const std::optional<double>& radians) {
   return radians ? std::optional(DegreesFromRadians(*radians)) : std::nullopt;
 }
 
@@ -337,18 +337,18 @@ double AngleBetween(const ViewAngles& a, const ViewAngles& b) {
 std::vector<std::optional<std::size_t>> PairSightings(std::span<const TruthRow> truth,
                                                       std::span<const ReportedSighting> sightings) {
   TruthTable table(truth);
-  return TakeRows(table, sightings);
+  return AssignRows(table, sightings);
 }
 
 Score ScoreIndex(std::span<const TruthRow> truth, std::span<const ReportedObject> objects,
                  std::span<const ReportedSighting> sightings) {
   TruthTable table(truth);
-  const Pairing pairing = Pair(table, sightings);
+  const Pairing pairing = PairWithTruth(table, sightings);
   Score score;
   score.findable = static_cast<int>(std::ranges::count_if(table.objects(), &TrueObject::IsFindable));
   std::map<std::string, PlaceError> place_errors;
-  const auto claimed_by = ScoreObjects(table, objects, pairing.votes, score, place_errors);
-  ScoreCoverage(table, claimed_by, pairing.hits, score);
+  const auto assigned_ids = ScoreObjects(table, objects, pairing.votes, score, place_errors);
+  ScoreCoverage(table, assigned_ids, pairing.hits, score);
   ScorePlaces(place_errors, score);
   score.sighting_precision = Ratio(pairing.right, pairing.right + pairing.wrong);
   score.view_error_p50_rad = Percentile(pairing.view_errors_rad, 50);
@@ -377,9 +377,9 @@ nlohmann::ordered_json ToJson(const Score& score) {
   json["error3d_p50_m"] = Nullable(score.error3d_p50_m);
   json["inside_90_ellipsoid"] = Nullable(score.inside_90_ellipsoid);
   json["inside_ce90"] = Nullable(score.inside_ce90);
-  json["heading_error_p50_deg"] = Nullable(InDegrees(score.heading_error_p50_rad));
-  json["view_error_p50_deg"] = Nullable(InDegrees(score.view_error_p50_rad));
-  json["view_error_p90_deg"] = Nullable(InDegrees(score.view_error_p90_rad));
+  json["heading_error_p50_deg"] = Nullable(ToDegrees(score.heading_error_p50_rad));
+  json["view_error_p50_deg"] = Nullable(ToDegrees(score.view_error_p50_rad));
+  json["view_error_p90_deg"] = Nullable(ToDegrees(score.view_error_p90_rad));
   json["per_object"] = nlohmann::ordered_json::object();
   for (const auto& [name, object] : score.per_object) {
     json["per_object"][name] = {{"found", object.found},

@@ -25,8 +25,8 @@
 
 #include "victorious/evaluate/truth.h"
 #include "victorious/geometry/box.h"
-#include "victorious/types/object_model.h"
 #include "victorious/types/geolocation.h"
+#include "victorious/types/object_model.h"
 
 namespace victorious {
 
@@ -43,7 +43,7 @@ struct ReportedSighting {
 /// One reported object.
 struct ReportedObject {
   std::int64_t id = 0;
-  std::optional<Place> place;
+  std::optional<Geolocation> place;
   std::optional<double> heading_rad;  ///< of its front, clockwise from north
 };
 
@@ -96,8 +96,8 @@ struct Score {
   struct Object {
     bool found = false;
     double density = 0;
-    double density_between = 0;  ///< the same over its clear rows from the first to the last frame so shown
-    int ids = 0;                 ///< reported objects that show it
+    double density_between = 0;     ///< the same over its clear rows from the first to the last frame so shown
+    int ids = 0;                    ///< reported objects that show it
     std::optional<double> error_m;  ///< horizontal
   };
   std::map<std::string, Object> per_object;  ///< the findable objects, by name

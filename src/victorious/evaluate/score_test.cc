@@ -26,28 +26,28 @@ using ::testing::Optional;
 
 constexpr Box kBox{100, 100, 40, 40};
 
-TruthRow True(std::int64_t frame, const std::string& object, const Box& box = kBox, double visible = 1.0) {
+TruthRow MakeTruthRow(std::int64_t frame, const std::string& object, const Box& box = kBox, double visible = 1.0) {
   return {frame, object, "m", box, visible, {}};
 }
 
-ReportedSighting Seen(std::int64_t object, std::int64_t frame, const Box& box = kBox, double score = 0.5) {
+ReportedSighting MakeSighting(std::int64_t object, std::int64_t frame, const Box& box = kBox, double score = 0.5) {
   return {object, frame, "m", box, score, {}};
 }
 
 /// A flight of one object of model "m" in frames 0 to frames - 1.
-std::vector<TruthRow> TrueIn(int frames, const std::string& object = "a", const Box& box = kBox) {
+std::vector<TruthRow> MakeTruthRows(int frames, const std::string& object = "a", const Box& box = kBox) {
   std::vector<TruthRow> rows;
-  for (int frame = 0; frame < frames; ++frame) rows.push_back(True(frame, object, box));
+  for (int frame = 0; frame < frames; ++frame) rows.push_back(MakeTruthRow(frame, object, box));
   return rows;
 }
 
-std::vector<ReportedSighting> SeenIn(std::int64_t object, int first, int end, const Box& box = kBox) {
+std::vector<ReportedSighting> MakeSightings(std::int64_t object, int first, int end, const Box& box = kBox) {
   std::vector<ReportedSighting> sightings;
-  for (int frame = first; frame < end; ++frame) sightings.push_back(Seen(object, frame, box));
+  for (int frame = first; frame < end; ++frame) sightings.push_back(MakeSighting(object, frame, box));
   return sightings;
 }
 
-std::vector<ReportedObject> Objects(const std::vector<std::int64_t>& ids) {
+std::vector<ReportedObject> ReportedObjects(const std::vector<std::int64_t>& ids) {
   std::vector<ReportedObject> objects;
   for (const std::int64_t id : ids) objects.push_back({.id = id});
   return objects;
@@ -60,7 +60,7 @@ std::vector<T> operator+(std::vector<T> a, const std::vector<T>& b) {
 }
 
 TEST(ScoreTest, APerfectIndexScoresOne) {
-  const Score score = ScoreIndex(TrueIn(20), Objects({7}), SeenIn(7, 0, 20));
+  const Score score = ScoreIndex(MakeTruthRows(20), ReportedObjects({7}), MakeSightings(7, 0, 20));
   EXPECT_EQ(score.findable, 1);
   EXPECT_EQ(score.found, 1);
   EXPECT_EQ(score.false_objects, 0);
@@ -82,7 +82,7 @@ TEST(ScoreTest, NothingAskedAndNothingReportedIsUnknownNotZero) {
 }
 
 TEST(ScoreTest, NothingReportedIsARecallOfZero) {
-  const Score score = ScoreIndex(TrueIn(10), {}, {});
+  const Score score = ScoreIndex(MakeTruthRows(10), {}, {});
   EXPECT_THAT(score.recall, Optional(0.0));
   EXPECT_FALSE(score.precision);
   EXPECT_THAT(score.average_precision, Optional(0.0));
@@ -94,11 +94,11 @@ TEST(ScoreTest, NothingReportedIsARecallOfZero) {
 
 TEST(ScoreTest, FindableTakesTenRowsHalfVisibleAnd24PixelsHigh) {
   const auto findable = [](std::vector<TruthRow> rows) { return ScoreIndex(rows, {}, {}).findable; };
-  EXPECT_EQ(findable(TrueIn(9)), 0);
-  EXPECT_EQ(findable(TrueIn(10)), 1);
-  EXPECT_EQ(findable(TrueIn(10, "a", {0, 0, 90, 24})), 1);
-  EXPECT_EQ(findable(TrueIn(10, "a", {0, 0, 90, 23.9})), 0);
-  auto hidden = TrueIn(10);
+  EXPECT_EQ(findable(MakeTruthRows(9)), 0);
+  EXPECT_EQ(findable(MakeTruthRows(10)), 1);
+  EXPECT_EQ(findable(MakeTruthRows(10, "a", {0, 0, 90, 24})), 1);
+  EXPECT_EQ(findable(MakeTruthRows(10, "a", {0, 0, 90, 23.9})), 0);
+  auto hidden = MakeTruthRows(10);
   hidden[3].visible = 0.5;
   EXPECT_EQ(findable(hidden), 1);
   hidden[3].visible = 0.49;
@@ -107,25 +107,25 @@ TEST(ScoreTest, FindableTakesTenRowsHalfVisibleAnd24PixelsHigh) {
 
 TEST(ScoreTest, ASightingIsRightFromAnOverlapOfFourTenths) {
   const auto precision = [](const Box& box) {
-    return ScoreIndex(TrueIn(10), {}, std::vector<ReportedSighting>{Seen(1, 0, box)}).sighting_precision;
+    return ScoreIndex(MakeTruthRows(10), {}, std::vector<ReportedSighting>{MakeSighting(1, 0, box)}).sighting_precision;
   };
   EXPECT_THAT(precision({100, 100, 40, 16}), Optional(1.0));  // 640 of 1600: exactly 0.4
   EXPECT_THAT(precision({100, 100, 40, 15.9}), Optional(0.0));
 }
 
 TEST(ScoreTest, ASightingOfAnotherModelOrFrameIsWrong) {
-  auto sightings = SeenIn(1, 0, 2);
+  auto sightings = MakeSightings(1, 0, 2);
   sightings[1].model = "other";
-  sightings.push_back(Seen(1, 10));
-  EXPECT_THAT(ScoreIndex(TrueIn(10), {}, sightings).sighting_precision, Optional(DoubleEq(1.0 / 3)));
+  sightings.push_back(MakeSighting(1, 10));
+  EXPECT_THAT(ScoreIndex(MakeTruthRows(10), {}, sightings).sighting_precision, Optional(DoubleEq(1.0 / 3)));
 }
 
 TEST(ScoreTest, OfSeveralSightingsOnOneObjectTheBestScoredIsRight) {
-  auto truth = TrueIn(10);
+  auto truth = MakeTruthRows(10);
   truth[0].view = ViewAngles{0, 0};
-  auto better = Seen(2, 0, kBox, 0.9);
+  auto better = MakeSighting(2, 0, kBox, 0.9);
   better.view = ViewAngles{0, 0.3};
-  auto worse = Seen(1, 0, kBox, 0.8);
+  auto worse = MakeSighting(1, 0, kBox, 0.8);
   worse.view = ViewAngles{0, 0.7};
   const Score score = ScoreIndex(truth, {}, std::vector<ReportedSighting>{worse, better});
   EXPECT_THAT(score.sighting_precision, Optional(0.5));
@@ -133,30 +133,32 @@ TEST(ScoreTest, OfSeveralSightingsOnOneObjectTheBestScoredIsRight) {
 }
 
 TEST(ScoreTest, DensityBetweenCountsFromTheFirstToTheLastReport) {
-  const Score score = ScoreIndex(TrueIn(20), Objects({1}), SeenIn(1, 5, 8) + SeenIn(1, 10, 12));
+  const Score score =
+      ScoreIndex(MakeTruthRows(20), ReportedObjects({1}), MakeSightings(1, 5, 8) + MakeSightings(1, 10, 12));
   EXPECT_DOUBLE_EQ(score.per_object.at("a").density, 5.0 / 20);
   EXPECT_DOUBLE_EQ(score.per_object.at("a").density_between, 5.0 / 7);
 }
 
 TEST(ScoreTest, ASightingIsPairedWithTheRowItOverlapsMost) {
   const Box beside{110, 100, 40, 40};
-  const auto truth = TrueIn(10, "a") + TrueIn(10, "b", beside);
-  const Score score = ScoreIndex(truth, Objects({1}), SeenIn(1, 0, 10, beside));
+  const auto truth = MakeTruthRows(10, "a") + MakeTruthRows(10, "b", beside);
+  const Score score = ScoreIndex(truth, ReportedObjects({1}), MakeSightings(1, 0, 10, beside));
   EXPECT_FALSE(score.per_object.at("a").found);
   EXPECT_TRUE(score.per_object.at("b").found);
 }
 
 TEST(ScoreTest, ASightingThatComesSecondTakesTheNextRow) {
   const Box beside{110, 100, 40, 40};  // both overlap each other by 0.6
-  const std::vector<TruthRow> truth = {True(0, "a"), True(0, "b", beside)};
+  const std::vector<TruthRow> truth = {MakeTruthRow(0, "a"), MakeTruthRow(0, "b", beside)};
   EXPECT_THAT(
-      ScoreIndex(truth, {}, std::vector<ReportedSighting>{Seen(1, 0), Seen(2, 0), Seen(3, 0)}).sighting_precision,
+      ScoreIndex(truth, {}, std::vector<ReportedSighting>{MakeSighting(1, 0), MakeSighting(2, 0), MakeSighting(3, 0)})
+          .sighting_precision,
       Optional(DoubleEq(2.0 / 3)));
 }
 
 TEST(ScoreTest, ASightingOfWhatIsNotClearCountsNeitherWay) {
   const Box small{0, 0, 30, 20};
-  const Score score = ScoreIndex(TrueIn(10, "a", small), Objects({1}), SeenIn(1, 0, 10, small));
+  const Score score = ScoreIndex(MakeTruthRows(10, "a", small), ReportedObjects({1}), MakeSightings(1, 0, 10, small));
   EXPECT_FALSE(score.sighting_precision);
   EXPECT_EQ(score.found, 0);
   EXPECT_EQ(score.false_objects, 0);  // a true object, but too small to be findable
@@ -164,8 +166,8 @@ TEST(ScoreTest, ASightingOfWhatIsNotClearCountsNeitherWay) {
 }
 
 TEST(ScoreTest, TheSecondObjectForTheSameTruthIsFalse) {
-  const auto sightings = SeenIn(1, 0, 10) + SeenIn(2, 10, 20);
-  const Score score = ScoreIndex(TrueIn(20), Objects({2, 1}), sightings);
+  const auto sightings = MakeSightings(1, 0, 10) + MakeSightings(2, 10, 20);
+  const Score score = ScoreIndex(MakeTruthRows(20), ReportedObjects({2, 1}), sightings);
   EXPECT_EQ(score.found, 1);
   EXPECT_EQ(score.false_objects, 1);
   EXPECT_THAT(score.precision, Optional(0.5));
@@ -177,29 +179,29 @@ TEST(ScoreTest, TheSecondObjectForTheSameTruthIsFalse) {
 
 TEST(ScoreTest, TheSecondObjectForATooSmallTruthIsFalseToo) {
   const Box small{0, 0, 20, 20};
-  const auto sightings = SeenIn(1, 0, 5, small) + SeenIn(2, 5, 10, small);
-  const Score score = ScoreIndex(TrueIn(10, "a", small), Objects({1, 2}), sightings);
+  const auto sightings = MakeSightings(1, 0, 5, small) + MakeSightings(2, 5, 10, small);
+  const Score score = ScoreIndex(MakeTruthRows(10, "a", small), ReportedObjects({1, 2}), sightings);
   EXPECT_EQ(score.found, 0);
   EXPECT_EQ(score.false_objects, 1);
 }
 
 TEST(ScoreTest, AClaimTakesMoreThanHalfOfTheSightings) {
   const Box away{300, 300, 40, 40};
-  const auto half = SeenIn(1, 0, 5) + SeenIn(1, 0, 5, away);
-  EXPECT_EQ(ScoreIndex(TrueIn(10), Objects({1}), half).found, 0);
-  EXPECT_EQ(ScoreIndex(TrueIn(10), Objects({1}), half).false_objects, 1);
-  const auto most = SeenIn(1, 0, 6) + SeenIn(1, 0, 5, away);
-  EXPECT_EQ(ScoreIndex(TrueIn(10), Objects({1}), most).found, 1);
+  const auto half = MakeSightings(1, 0, 5) + MakeSightings(1, 0, 5, away);
+  EXPECT_EQ(ScoreIndex(MakeTruthRows(10), ReportedObjects({1}), half).found, 0);
+  EXPECT_EQ(ScoreIndex(MakeTruthRows(10), ReportedObjects({1}), half).false_objects, 1);
+  const auto most = MakeSightings(1, 0, 6) + MakeSightings(1, 0, 5, away);
+  EXPECT_EQ(ScoreIndex(MakeTruthRows(10), ReportedObjects({1}), most).found, 1);
 }
 
 TEST(ScoreTest, AnObjectWithoutSightingsIsFalse) {
-  EXPECT_EQ(ScoreIndex(TrueIn(10), Objects({5}), SeenIn(1, 0, 10)).false_objects, 1);
+  EXPECT_EQ(ScoreIndex(MakeTruthRows(10), ReportedObjects({5}), MakeSightings(1, 0, 10)).false_objects, 1);
 }
 
 TEST(ScoreTest, DensityCountsClearRowsOnly) {
-  auto truth = TrueIn(20);
+  auto truth = MakeTruthRows(20);
   for (int frame = 10; frame < 20; ++frame) truth[frame].visible = 0.3;
-  const Score score = ScoreIndex(truth, Objects({1}), SeenIn(1, 5, 20));
+  const Score score = ScoreIndex(truth, ReportedObjects({1}), MakeSightings(1, 5, 20));
   EXPECT_THAT(score.density_p50, Optional(0.5));
   EXPECT_THAT(score.sighting_recall, Optional(0.5));
   EXPECT_THAT(score.sighting_precision, Optional(1.0));
@@ -208,9 +210,9 @@ TEST(ScoreTest, DensityCountsClearRowsOnly) {
 TEST(ScoreTest, PercentilesAreInterpolated) {
   const Box b{200, 100, 40, 40};
   const Box c{300, 100, 40, 40};
-  const auto truth = TrueIn(10, "a") + TrueIn(10, "b", b) + TrueIn(10, "c", c);
-  const auto sightings = SeenIn(1, 0, 2) + SeenIn(2, 0, 4, b) + SeenIn(3, 0, 10, c);
-  const Score score = ScoreIndex(truth, Objects({1, 2, 3}), sightings);
+  const auto truth = MakeTruthRows(10, "a") + MakeTruthRows(10, "b", b) + MakeTruthRows(10, "c", c);
+  const auto sightings = MakeSightings(1, 0, 2) + MakeSightings(2, 0, 4, b) + MakeSightings(3, 0, 10, c);
+  const Score score = ScoreIndex(truth, ReportedObjects({1, 2, 3}), sightings);
   EXPECT_THAT(score.density_p25, Optional(DoubleEq(0.3)));
   EXPECT_THAT(score.density_p50, Optional(DoubleEq(0.4)));
   EXPECT_THAT(score.density_p75, Optional(DoubleEq(0.7)));
@@ -218,8 +220,8 @@ TEST(ScoreTest, PercentilesAreInterpolated) {
 
 TEST(ScoreTest, IdsPerObjectLeavesOutWhatWasNeverShown) {
   const Box b{200, 100, 40, 40};
-  const auto sightings = SeenIn(1, 0, 3) + SeenIn(2, 3, 6) + SeenIn(3, 6, 9);
-  const Score score = ScoreIndex(TrueIn(10) + TrueIn(10, "b", b), Objects({1, 2, 3}), sightings);
+  const auto sightings = MakeSightings(1, 0, 3) + MakeSightings(2, 3, 6) + MakeSightings(3, 6, 9);
+  const Score score = ScoreIndex(MakeTruthRows(10) + MakeTruthRows(10, "b", b), ReportedObjects({1, 2, 3}), sightings);
   EXPECT_THAT(score.ids_per_object, Optional(3.0));
   EXPECT_EQ(score.per_object.at("a").ids, 3);
   EXPECT_EQ(score.per_object.at("b").ids, 0);
@@ -228,10 +230,10 @@ TEST(ScoreTest, IdsPerObjectLeavesOutWhatWasNeverShown) {
 TEST(ScoreTest, AveragePrecisionFollowsTheRanking) {
   const Box b{200, 100, 40, 40};
   const Box nowhere{500, 500, 40, 40};
-  const auto truth = TrueIn(10) + TrueIn(10, "b", b);
-  const auto sightings = SeenIn(1, 0, 10) + SeenIn(2, 0, 10, b) + SeenIn(9, 0, 10, nowhere);
+  const auto truth = MakeTruthRows(10) + MakeTruthRows(10, "b", b);
+  const auto sightings = MakeSightings(1, 0, 10) + MakeSightings(2, 0, 10, b) + MakeSightings(9, 0, 10, nowhere);
   const auto ap = [&](const std::vector<std::int64_t>& ranked) {
-    return ScoreIndex(truth, Objects(ranked), sightings).average_precision;
+    return ScoreIndex(truth, ReportedObjects(ranked), sightings).average_precision;
   };
   EXPECT_THAT(ap({1, 2, 9}), Optional(DoubleNear(1.0, 1e-12)));
   // Recall 0 to 0.5 at precision 1 (51 levels), beyond it 2/3 (50 levels).
@@ -241,8 +243,8 @@ TEST(ScoreTest, AveragePrecisionFollowsTheRanking) {
 }
 
 TEST(ScoreTest, ViewErrorsAreAnglesOnTheSphere) {
-  auto truth = TrueIn(10);
-  auto sightings = SeenIn(1, 0, 3);
+  auto truth = MakeTruthRows(10);
+  auto sightings = MakeSightings(1, 0, 3);
   truth[0].view = ViewAngles{0, kPi / 2};
   sightings[0].view = ViewAngles{kPi / 2, kPi / 2};  // a quarter turn at the horizon
   truth[1].view = ViewAngles{0, 0};
@@ -255,7 +257,7 @@ TEST(ScoreTest, ViewErrorsAreAnglesOnTheSphere) {
 }
 
 TEST(ScoreTest, ReportsHoldTheKeysInOrder) {
-  const Score score = ScoreIndex(TrueIn(16), Objects({1}), SeenIn(1, 0, 1));
+  const Score score = ScoreIndex(MakeTruthRows(16), ReportedObjects({1}), MakeSightings(1, 0, 1));
   const nlohmann::ordered_json json = ToJson(score);
   std::vector<std::string> keys;
   for (const auto& [key, value] : json.items()) keys.push_back(key);
@@ -343,7 +345,7 @@ struct RandomCase {
     for (ReportedObject& object : objects) {
       if (random.Uniform() < 0.7) object.heading_rad = random.Uniform(0, 2 * kPi);
       if (random.Uniform() < 0.2) continue;
-      Place place{.point = within(1), .time_s = random.Uniform(0, 5), .ce90_m = random.Uniform(0, 6)};
+      Geolocation place{.point = within(1), .time_s = random.Uniform(0, 5), .ce90_m = random.Uniform(0, 6)};
       Eigen::Matrix3d root;
       for (double& number : root.reshaped()) number = random.Normal();
       place.covariance_enu_m2 = root * root.transpose();
@@ -450,10 +452,10 @@ TEST(ScoreTest, AMillionSightingsAreNoBurden) {
   constexpr int kObjects = 10;
   for (int k = 0; k < kObjects; ++k) {
     const Box box{100.0 * k, 0, 50, 50};
-    truth = std::move(truth) + TrueIn(kFrames, std::to_string(k), box);
+    truth = std::move(truth) + MakeTruthRows(kFrames, std::to_string(k), box);
     for (int part = 0; part < 5; ++part) {
       objects.push_back({.id = 5 * k + part});
-      sightings = std::move(sightings) + SeenIn(5 * k + part, 0, kFrames, box);
+      sightings = std::move(sightings) + MakeSightings(5 * k + part, 0, kFrames, box);
     }
   }
   ASSERT_EQ(sightings.size(), 1000000U);

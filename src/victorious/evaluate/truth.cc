@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kLargestFrame = 9007199254740992.0;  // 2^53: beyond it, doubles skip whole numbers
+constexpr double kMaxFrame = 9007199254740992.0;  // 2^53: beyond it, doubles skip whole numbers
 
 /// The value of `key`, or null if it is missing.
 const Json& Value(const Json& object, const char* key) {
@@ -31,28 +31,28 @@ std::unexpected<Error> BadKey(const Json& value, std::string_view key, std::stri
                                                            : fmt::format("{} is not {}", key, wanted));
 }
 
-Expected<double> NumberOf(const Json& row, const char* key) {
+Expected<double> ParseNumber(const Json& row, const char* key) {
   const Json& value = Value(row, key);
   if (!value.is_number()) return BadKey(value, key, "a number");
   return value.get<double>();
 }
 
-Expected<std::string> TextOf(const Json& row, const char* key) {
+Expected<std::string> ParseText(const Json& row, const char* key) {
   const Json& value = Value(row, key);
   if (!value.is_string()) return BadKey(value, key, "a string");
   return value.get<std::string>();
 }
 
-Expected<std::int64_t> FrameOf(const Json& row) {
+Expected<std::int64_t> ParseFrame(const Json& row) {
   constexpr std::string_view kWanted = "a whole number >= 0";
   const Json& value = Value(row, "frame");
   if (!value.is_number()) return BadKey(value, "frame", kWanted);
   const double frame = value.get<double>();
-  if (!(frame >= 0 && frame <= kLargestFrame && frame == std::floor(frame))) return BadKey(value, "frame", kWanted);
+  if (!(frame >= 0 && frame <= kMaxFrame && frame == std::floor(frame))) return BadKey(value, "frame", kWanted);
   return static_cast<std::int64_t>(frame);
 }
 
-Expected<Box> BoxOf(const Json& row) {
+Expected<Box> ParseBox(const Json& row) {
   constexpr std::string_view kWanted = "[x, y, width, height] in pixels";
   const Json& value = Value(row, "box");
   if (!value.is_array() || value.size() != 4) return BadKey(value, "box", kWanted);
@@ -66,26 +66,26 @@ Expected<Box> BoxOf(const Json& row) {
   return box;
 }
 
-Expected<std::optional<ViewAngles>> ViewOf(const Json& row) {
+Expected<std::optional<ViewAngles>> ParseView(const Json& row) {
   const Json& value = Value(row, "view");
   if (value.is_null()) return std::nullopt;
   if (!value.is_object()) return BadKey(value, "view", "an object with azimuth_deg and off_nadir_deg");
   if (value.empty()) return std::nullopt;
-  VICTORIOUS_ASSIGN_OR_RETURN(const double azimuth_deg, NumberOf(value, "azimuth_deg"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const double off_nadir_deg, NumberOf(value, "off_nadir_deg"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const double azimuth_deg, ParseNumber(value, "azimuth_deg"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const double off_nadir_deg, ParseNumber(value, "off_nadir_deg"));
   return ViewAngles{RadiansFromDegrees(azimuth_deg), RadiansFromDegrees(off_nadir_deg)};
 }
 
 /// std::nullopt if the key is missing or null.
-Expected<std::optional<double>> OptionalNumberOf(const Json& row, const char* key) {
+Expected<std::optional<double>> ParseOptionalNumber(const Json& row, const char* key) {
   if (Value(row, key).is_null()) return std::nullopt;
-  return NumberOf(row, key);
+  return ParseNumber(row, key);
 }
 
-Expected<std::optional<GeodeticPoint>> PlaceOf(const Json& row) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto latitude_deg, OptionalNumberOf(row, "latitude_deg"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto longitude_deg, OptionalNumberOf(row, "longitude_deg"));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto altitude_m, OptionalNumberOf(row, "altitude_m"));
+Expected<std::optional<GeodeticPoint>> ParsePlace(const Json& row) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto latitude_deg, ParseOptionalNumber(row, "latitude_deg"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto longitude_deg, ParseOptionalNumber(row, "longitude_deg"));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto altitude_m, ParseOptionalNumber(row, "altitude_m"));
   if (!latitude_deg || !longitude_deg || !altitude_m) return std::nullopt;
   return GeodeticPoint{RadiansFromDegrees(*latitude_deg), RadiansFromDegrees(*longitude_deg), *altitude_m};
 }
@@ -94,16 +94,16 @@ Expected<TruthRow> ParseRow(std::string_view line) {
   const Json json = Json::parse(line, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object()) return Fail(ErrorCode::kInvalidArgument, "not a JSON object on one line");
   TruthRow row;
-  VICTORIOUS_ASSIGN_OR_RETURN(row.frame, FrameOf(json));
-  VICTORIOUS_ASSIGN_OR_RETURN(row.object, TextOf(json, "object"));
-  VICTORIOUS_ASSIGN_OR_RETURN(row.model, TextOf(json, "model"));
-  VICTORIOUS_ASSIGN_OR_RETURN(row.box, BoxOf(json));
-  VICTORIOUS_ASSIGN_OR_RETURN(row.visible, NumberOf(json, "visible"));
-  VICTORIOUS_ASSIGN_OR_RETURN(row.view, ViewOf(json));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto time_s, OptionalNumberOf(json, "time_s"));
+  VICTORIOUS_ASSIGN_OR_RETURN(row.frame, ParseFrame(json));
+  VICTORIOUS_ASSIGN_OR_RETURN(row.object, ParseText(json, "object"));
+  VICTORIOUS_ASSIGN_OR_RETURN(row.model, ParseText(json, "model"));
+  VICTORIOUS_ASSIGN_OR_RETURN(row.box, ParseBox(json));
+  VICTORIOUS_ASSIGN_OR_RETURN(row.visible, ParseNumber(json, "visible"));
+  VICTORIOUS_ASSIGN_OR_RETURN(row.view, ParseView(json));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto time_s, ParseOptionalNumber(json, "time_s"));
   row.time_s = time_s.value_or(0);
-  VICTORIOUS_ASSIGN_OR_RETURN(row.place, PlaceOf(json));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto heading_deg, OptionalNumberOf(json, "heading_deg"));
+  VICTORIOUS_ASSIGN_OR_RETURN(row.place, ParsePlace(json));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto heading_deg, ParseOptionalNumber(json, "heading_deg"));
   if (heading_deg) row.heading_rad = RadiansFromDegrees(*heading_deg);
   return row;
 }

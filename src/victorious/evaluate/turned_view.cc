@@ -10,8 +10,8 @@
 #include <opencv2/core.hpp>
 
 #include "victorious/model/cad_model.h"
-#include "victorious/model/view_surface.h"
 #include "victorious/model/nearest_view.h"
+#include "victorious/model/view_surface.h"
 
 namespace victorious {
 namespace {
@@ -19,7 +19,7 @@ namespace {
 ViewDirection DirectionOf(const ModelView& view) { return {view.angles->azimuth_rad, view.angles->off_nadir_rad}; }
 
 // Each pixel is warped as 3 x 3 splats, so that the rotation opens no gaps in a surface.
-constexpr int kParts = 3;
+constexpr int kSubpixels = 3;
 
 struct Splat {
   int row;
@@ -29,17 +29,18 @@ struct Splat {
 };
 
 // Projects each splat after the rotation of the object about `middle` (both in the camera frame).
-std::vector<Splat> Carry(const ViewSurface& surface, const cv::Mat& grey, const Eigen::Quaterniond& turn,
-                         const Eigen::Vector3d& middle) {
-  const PinholeCamera& pinhole = surface.seen.camera.pinhole;
+std::vector<Splat> ForwardWarp(const ViewSurface& surface, const cv::Mat& grey, const Eigen::Quaterniond& turn,
+                               const Eigen::Vector3d& middle) {
+  const PinholeCamera& pinhole = surface.depth_map.camera.pinhole;
   std::vector<Splat> splats;
   for (int row = 0; row < grey.rows; ++row) {
     for (int column = 0; column < grey.cols; ++column) {
-      const double depth_m = surface.seen.depth_m.at<float>(row, column);
+      const double depth_m = surface.depth_map.depth_m.at<float>(row, column);
       if (!std::isfinite(depth_m)) continue;
-      for (int part = 0; part < kParts * kParts; ++part) {
-        const Eigen::Vector2d from(column + (part % kParts + 0.5) / kParts, row + (part / kParts + 0.5) / kParts);
-        const Eigen::Vector3d place = turn * (depth_m * pinhole.RayOf(from) - middle) + middle;
+      for (int part = 0; part < kSubpixels * kSubpixels; ++part) {
+        const Eigen::Vector2d from(column + (part % kSubpixels + 0.5) / kSubpixels,
+                                   row + (part / kSubpixels + 0.5) / kSubpixels);
+        const Eigen::Vector3d place = turn * (depth_m * pinhole.Unproject(from) - middle) + middle;
         const std::optional<Eigen::Vector2d> to = pinhole.Project(place);
         if (!to || to->x() < 0 || to->y() < 0 || to->x() >= grey.cols || to->y() >= grey.rows) continue;
         splats.push_back({static_cast<int>(to->y()), static_cast<int>(to->x()), place.z(),
@@ -51,7 +52,7 @@ std::vector<Splat> Carry(const ViewSurface& surface, const cv::Mat& grey, const 
 }
 
 // Averages the nearest splats of each pixel; splats behind these by more than `thickness_m` are occluded.
-TurnedView Draw(const std::vector<Splat>& splats, const cv::Size& size, double thickness_m) {
+WarpedView RenderSplats(const std::vector<Splat>& splats, const cv::Size& size, double thickness_m) {
   cv::Mat nearest_m(size, CV_64F, cv::Scalar(std::numeric_limits<double>::infinity()));
   for (const Splat& splat : splats) {
     double& nearest = nearest_m.at<double>(splat.row, splat.column);
@@ -64,7 +65,7 @@ TurnedView Draw(const std::vector<Splat>& splats, const cv::Size& size, double t
     sum.at<double>(splat.row, splat.column) += splat.grey;
     count.at<double>(splat.row, splat.column) += 1;
   }
-  TurnedView view{.grey = {}, .mask = count > 0};
+  WarpedView view{.grey = {}, .mask = count > 0};
   cv::Mat mean;
   cv::divide(sum, cv::max(count, 1.0), mean);
   mean.convertTo(view.grey, CV_8U);
@@ -72,14 +73,14 @@ TurnedView Draw(const std::vector<Splat>& splats, const cv::Size& size, double t
 }
 
 // A pixel without a splat takes the mean of its 8 neighbours if at least 5 of them have one.
-void FillGaps(TurnedView& view) {
-  constexpr int kLeastNeighbours = 5;
-  const TurnedView before{view.grey.clone(), view.mask.clone()};
+void FillGaps(WarpedView& view) {
+  constexpr int kMinNeighbours = 5;
+  const WarpedView before{view.grey.clone(), view.mask.clone()};
   for (int row = 1; row + 1 < view.grey.rows; ++row) {
     for (int column = 1; column + 1 < view.grey.cols; ++column) {
       if (before.mask.at<std::uint8_t>(row, column) != 0) continue;
       const cv::Rect around(column - 1, row - 1, 3, 3);
-      if (cv::countNonZero(before.mask(around)) < kLeastNeighbours) continue;
+      if (cv::countNonZero(before.mask(around)) < kMinNeighbours) continue;
       view.grey.at<std::uint8_t>(row, column) =
           cv::saturate_cast<std::uint8_t>(cv::mean(before.grey(around), before.mask(around))[0]);
       view.mask.at<std::uint8_t>(row, column) = 255;
@@ -89,7 +90,7 @@ void FillGaps(TurnedView& view) {
 
 }  // namespace
 
-Expected<TurnedView> TurnView(const ObjectModel& model, const ViewDirection& direction,
+Expected<WarpedView> WarpView(const ObjectModel& model, const ViewDirection& direction,
                               const std::optional<ViewDirection>& sun) {
   const ModelView& nearest = model.views[NearestView(model, direction)];
   VICTORIOUS_ASSIGN_OR_RETURN(const ViewSurface surface, DecodeSurface(nearest.surface, model.name));
@@ -97,19 +98,19 @@ Expected<TurnedView> TurnView(const ObjectModel& model, const ViewDirection& dir
   if (sun) {
     CadModelOptions options;
     const auto json = nlohmann::json::parse(model.options_json, nullptr, /*allow_exceptions=*/false);
-    if (Status status = SetFromJson(json, FieldsOf(options)); !status) {
+    if (Status status = SetFromJson(json, CollectFields(options)); !status) {
       return std::unexpected(std::move(status).error().WithContext(fmt::format("model {}", model.name)));
     }
     VICTORIOUS_ASSIGN_OR_RETURN(const ViewSurface from_sun,
                                 DecodeSurface(model.views[NearestView(model, *sun)].surface, model.name));
-    grey = Relight(surface.grey, surface.seen, options.light, ClearDay(*sun), from_sun.seen);
+    grey = Relight(surface.grey, surface.depth_map, options.light, ClearDayLight(*sun), from_sun.depth_map);
   }
-  const PosedCamera& camera = surface.seen.camera;
+  const PosedCamera& camera = surface.depth_map.camera;
   const Eigen::Vector3d middle =
       camera.camera_from_world.Apply(model.box_m ? model.box_m->center().eval() : Eigen::Vector3d::Zero().eval());
   const Eigen::Quaterniond turn = CameraFromModel(direction) * CameraFromModel(DirectionOf(nearest)).conjugate();
   const double pixel_m = middle.z() / camera.pinhole.fx;
-  TurnedView view = Draw(Carry(surface, grey, turn, middle), grey.size(), 3 * pixel_m);
+  WarpedView view = RenderSplats(ForwardWarp(surface, grey, turn, middle), grey.size(), 3 * pixel_m);
   FillGaps(view);
   FillGaps(view);
   return view;

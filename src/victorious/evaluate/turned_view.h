@@ -15,7 +15,7 @@
 
 namespace victorious {
 
-struct TurnedView {
+struct WarpedView {
   cv::Mat grey;  ///< CV_8UC1
   cv::Mat mask;  ///< CV_8UC1, 255 on the object
 };
@@ -25,7 +25,7 @@ struct TurnedView {
 /// @param model  every view must have angles and a surface
 /// @param sun    direction to the sun in the model's frame; std::nullopt: the light of the model's own renderings
 /// Errors: kDataLoss for a damaged surface; kInvalidArgument for unknown options stored in the model.
-Expected<TurnedView> TurnView(const ObjectModel& model, const ViewDirection& direction,
+Expected<WarpedView> WarpView(const ObjectModel& model, const ViewDirection& direction,
                               const std::optional<ViewDirection>& sun);
 
 }  // namespace victorious

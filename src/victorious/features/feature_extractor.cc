@@ -32,14 +32,14 @@ void FeatureOptions::ListFields(FieldList& fields) {
        .unit = "px",
        .reason = "larger images are reduced to this longest side before extraction, which bounds time and memory"});
   fields.Add(
-      "impulse_share", impulse_share,
+      "impulse_fraction", impulse_fraction,
       {.min = 0,
        .max = 1,
        .reason = "salt-and-pepper noise is removed if it covers more than this fraction of an image's flat regions; 1: "
                  "never"});
 }
 
-FeatureOptions FaintFeatures() {
+FeatureOptions LowContrastFeatureOptions() {
   FeatureOptions options;
   options.contrast_threshold = 0.015;
   options.edge_threshold = 20;

@@ -24,14 +24,14 @@ struct FeatureOptions {
   double sigma_px = 1.6;
   int max_features = 0;
   int max_side_px = 2048;
-  double impulse_share = 0.015;
+  double impulse_fraction = 0.015;
 
   void ListFields(FieldList& fields);
 };
 
 /// Options for objects of little texture and the scenes to search for them: a lower contrast threshold (0.015) and a
 /// higher edge threshold (20) than Lowe's. About twice as many keypoints as by default.
-FeatureOptions FaintFeatures();
+FeatureOptions LowContrastFeatureOptions();
 
 /// The engines of this build, by name.
 std::vector<std::string> FeatureEngines();

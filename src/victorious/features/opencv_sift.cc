@@ -9,8 +9,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "victorious/base/check.h"
-#include "victorious/image/impulse_noise.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/image/impulse_noise.h"
 
 namespace victorious {
 namespace {
@@ -32,9 +32,9 @@ class OpenCvSift final : public FeatureExtractor {
     const int longest_px = std::max(grey.cols, grey.rows);
     const double shrink = std::min(1.0, static_cast<double>(options_.max_side_px) / std::max(1, longest_px));
     const cv::Size searched(cvRound(grey.cols * shrink), cvRound(grey.rows * shrink));
-    if (std::min(searched.width, searched.height) < kLeastSidePx) return features;
+    if (std::min(searched.width, searched.height) < kMinSidePx) return features;
     try {
-      const cv::Mat clean = options_.impulse_share < 1 ? WithoutImpulses(grey, options_.impulse_share) : grey;
+      const cv::Mat clean = options_.impulse_fraction < 1 ? RemoveImpulses(grey, options_.impulse_fraction) : grey;
       if (searched == grey.size()) {
         Compute(clean, features);
       } else {
@@ -51,7 +51,7 @@ class OpenCvSift final : public FeatureExtractor {
   }
 
  private:
-  static constexpr int kLeastSidePx = 8;
+  static constexpr int kMinSidePx = 8;
 
   void Compute(const cv::Mat& grey, FeatureSet& features) const {
     // A new instance per call: cv::SIFT does not guarantee thread safety, and construction is cheap.

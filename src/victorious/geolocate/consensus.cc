@@ -26,12 +26,12 @@ class FrustumTable {
   }
 
   /// The MSAC cost over all rays, or infinity as soon as it exceeds `max_cost`.
-  [[nodiscard]] double Cost(const Motion& motion, double most) const {
+  [[nodiscard]] double Cost(const Motion& motion, double max_cost) const {
     constexpr Index kBlock = 128;
     double cost = 0;
     for (Index first = 0; first < columns_.rows(); first += kBlock) {
-      cost += Costs<kBlock>(motion, first, std::min(kBlock, columns_.rows() - first)).sum();
-      if (cost > most) return std::numeric_limits<double>::infinity();
+      cost += BlockCosts<kBlock>(motion, first, std::min(kBlock, columns_.rows() - first)).sum();
+      if (cost > max_cost) return std::numeric_limits<double>::infinity();
     }
     return cost;
   }
@@ -39,27 +39,27 @@ class FrustumTable {
  private:
   static constexpr Index kColumns = 11;
 
-  template <int Most>
-  [[nodiscard]] Eigen::Array<double, Eigen::Dynamic, 1, 0, Most, 1> Costs(const Motion& motion, Index first,
-                                                                          Index count) const {
-    using Some = Eigen::Array<double, Eigen::Dynamic, 1, 0, Most, 1>;
+  template <int MaxRows>
+  [[nodiscard]] Eigen::Array<double, Eigen::Dynamic, 1, 0, MaxRows, 1> BlockCosts(const Motion& motion, Index first,
+                                                                                  Index count) const {
+    using Column = Eigen::Array<double, Eigen::Dynamic, 1, 0, MaxRows, 1>;
     const auto column = [&](Index c) { return columns_.col(c).segment(first, count); };
-    const Some x = motion.place.x() + motion.velocity.x() * column(0) - column(1);
-    const Some y = motion.place.y() + motion.velocity.y() * column(0) - column(2);
-    const Some z = motion.place.z() + motion.velocity.z() * column(0) - column(3);
-    const Some along = x * column(4) + y * column(5) + z * column(6);
-    const Some along2 = along.square();
-    const Some off2 = x.square() + y.square() + z.square() - along2;
-    const Some share = off2 / (column(7) + along2 * column(8));
+    const Column x = motion.place.x() + motion.velocity.x() * column(0) - column(1);
+    const Column y = motion.place.y() + motion.velocity.y() * column(0) - column(2);
+    const Column z = motion.place.z() + motion.velocity.z() * column(0) - column(3);
+    const Column along = x * column(4) + y * column(5) + z * column(6);
+    const Column along2 = along.square();
+    const Column off2 = x.square() + y.square() + z.square() - along2;
+    const Column cost_fraction = off2 / (column(7) + along2 * column(8));
     // above 0: outside the frustum's distance range, or behind the camera
-    const Some beyond = (column(9) - along).max(along - column(10));
-    return (beyond > 0).select(1.0, share.min(1.0).max(0.0));
+    const Column outside_m = (column(9) - along).max(along - column(10));
+    return (outside_m > 0).select(1.0, cost_fraction.min(1.0).max(0.0));
   }
 
   Eigen::Array<double, Eigen::Dynamic, kColumns> columns_;
 };
 
-std::vector<bool> InliersOf(std::span<const Ray> rays, const Motion& motion) {
+std::vector<bool> FindInliers(std::span<const Ray> rays, const Motion& motion) {
   std::vector<bool> inliers(rays.size());
   std::transform(rays.begin(), rays.end(), inliers.begin(), [&](const Ray& ray) { return InFrustum(ray, motion); });
   return inliers;
@@ -72,9 +72,9 @@ struct Candidate {
 
 // Refits to the inliers while the cost falls.
 void Refit(std::span<const Ray> rays, const FrustumTable& table, bool moving, Candidate& candidate) {
-  constexpr int kMostRounds = 5;
-  for (int round = 0; round < kMostRounds; ++round) {
-    const auto motion = SolveLinear(rays, InliersOf(rays, candidate.motion), moving);
+  constexpr int kMaxRounds = 5;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const auto motion = SolveLinear(rays, FindInliers(rays, candidate.motion), moving);
     if (!motion) return;
     const double cost = table.Cost(*motion, candidate.cost);
     if (!(cost < candidate.cost)) return;
@@ -112,12 +112,12 @@ class Sampler {
   std::span<const Ray> rays_;
   std::size_t size_;
   Random random_;
-  NormalSystem system_;
+  NormalEquations system_;
 };
 
 // The number of samples that contain an outlier-free one with the given confidence.
-double SamplesNeeded(double inlier_share, std::size_t sample_size, double confidence) {
-  const double clean = std::pow(inlier_share, static_cast<double>(sample_size));
+double SamplesNeeded(double inlier_fraction, std::size_t sample_size, double confidence) {
+  const double clean = std::pow(inlier_fraction, static_cast<double>(sample_size));
   if (clean <= 0) return std::numeric_limits<double>::infinity();
   if (clean >= 1) return 1;
   return std::log(1 - confidence) / std::log1p(-clean);
@@ -132,21 +132,21 @@ std::optional<Consensus> FindConsensus(std::span<const Ray> rays, const LocateOp
   Candidate best;
   // An outlier-free sample may be degenerate (nearly parallel rays), so a minimum number of samples is used for any
   // inlier ratio.
-  constexpr double kFewest = 150;
-  double wanted = options.max_hypotheses;
-  int drawn = 0;
-  for (; drawn < options.max_hypotheses && drawn < wanted; ++drawn) {
+  constexpr double kMinSamples = 150;
+  double needed = options.max_hypotheses;
+  int num_drawn = 0;
+  for (; num_drawn < options.max_hypotheses && num_drawn < needed; ++num_drawn) {
     const auto motion = sampler.Draw();
     if (!motion) continue;
     Candidate candidate{*motion, table.Cost(*motion, best.cost)};
     if (!(candidate.cost < best.cost)) continue;
     Refit(rays, table, moving, candidate);
     best = candidate;
-    const double inlier_share = 1 - best.cost / static_cast<double>(rays.size());  // lower bound
-    wanted = std::max(kFewest, SamplesNeeded(inlier_share, sampler.size(), options.confidence));
+    const double inlier_fraction = 1 - best.cost / static_cast<double>(rays.size());  // lower bound
+    needed = std::max(kMinSamples, SamplesNeeded(inlier_fraction, sampler.size(), options.confidence));
   }
   if (!std::isfinite(best.cost)) return std::nullopt;
-  return Consensus{best.motion, InliersOf(rays, best.motion), drawn};
+  return Consensus{best.motion, FindInliers(rays, best.motion), num_drawn};
 }
 
 }  // namespace victorious

@@ -11,10 +11,10 @@
 namespace victorious {
 namespace {
 
-using testing::DrawLinesOfSight;
-using testing::DrawnLines;
+using testing::SimulateLinesOfSight;
+using testing::SyntheticLines;
 
-double KeptShare(const GeoFix& fix, const DrawnLines& drawn) {
+double InlierRecall(const GeoFix& fix, const SyntheticLines& drawn) {
   int right = 0;
   int kept = 0;
   for (std::size_t i = 0; i < drawn.wrong.size(); ++i) {
@@ -24,24 +24,24 @@ double KeptShare(const GeoFix& fix, const DrawnLines& drawn) {
   return kept / static_cast<double>(right);
 }
 
-double SigmasOff(const GeoFix& fix, const GeodeticPoint& truth) {
+double MahalanobisError(const GeoFix& fix, const GeodeticPoint& truth) {
   const Eigen::Vector3d off = TangentPlane(fix.place->point).EnuFromGeodetic(truth);
   return std::sqrt(off.dot(fix.place->covariance_enu_m2.ldlt().solve(off)));
 }
 
 TEST(Consensus, HoldsAgainstFortyPercentWrong) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-    const DrawnLines drawn =
-        DrawLinesOfSight({.seed = seed, .count = 1000, .wrong_share = 0.4, .noise_position_m = 2, .noise_deg = 0.5});
+    const SyntheticLines drawn = SimulateLinesOfSight(
+        {.seed = seed, .count = 1000, .outlier_fraction = 0.4, .noise_position_m = 2, .noise_deg = 0.5});
     const auto fix = Locate(drawn.lines, {.method = "ransac", .seed = seed});
     ASSERT_TRUE(fix && fix->place) << "seed " << seed;
-    EXPECT_GE(KeptShare(*fix, drawn), 0.95) << "seed " << seed;
-    EXPECT_LE(SigmasOff(*fix, drawn.object), 3) << "seed " << seed;
+    EXPECT_GE(InlierRecall(*fix, drawn), 0.95) << "seed " << seed;
+    EXPECT_LE(MahalanobisError(*fix, drawn.object), 3) << "seed " << seed;
   }
 }
 
 TEST(Consensus, TheSameSeedKeepsTheSameLines) {
-  const DrawnLines drawn = DrawLinesOfSight({.wrong_share = 0.4, .noise_position_m = 2, .noise_deg = 0.5});
+  const SyntheticLines drawn = SimulateLinesOfSight({.outlier_fraction = 0.4, .noise_position_m = 2, .noise_deg = 0.5});
   const auto inliers = [&](std::uint64_t seed) { return Locate(drawn.lines, {.seed = seed})->inliers; };
   EXPECT_EQ(inliers(3), inliers(3));
 }

@@ -15,19 +15,19 @@
 namespace victorious {
 namespace {
 
-using testing::DrawLinesOfSight;
-using testing::DrawnGround;
-using testing::DrawnLines;
-using testing::DrawnLinesOptions;
+using testing::SimulateLinesOfSight;
+using testing::SyntheticGround;
+using testing::SyntheticLines;
+using testing::SyntheticLinesOptions;
 
 constexpr int kFlights = 200;
 constexpr double kChiSquared90Of3 = 6.2513886;
 constexpr double kChiSquared90Of2 = 4.6051702;
 
 // Circular arcs, near and far, low and high.
-DrawnLinesOptions Flight(int number) {
+SyntheticLinesOptions Flight(int number) {
   Random random(static_cast<std::uint64_t>(number) + 1000);
-  DrawnLinesOptions flight{.seed = static_cast<std::uint64_t>(number) + 1, .count = 200};
+  SyntheticLinesOptions flight{.seed = static_cast<std::uint64_t>(number) + 1, .count = 200};
   flight.distance_m = random.Uniform(100, 600);
   flight.height_m = random.Uniform(60, 500);
   flight.arc_deg = random.Uniform(30, 360);
@@ -39,8 +39,8 @@ DrawnLinesOptions Flight(int number) {
 }
 
 // The same with a moving object.
-DrawnLinesOptions MovingFlight(int number) {
-  DrawnLinesOptions flight = Flight(number);
+SyntheticLinesOptions MovingFlight(int number) {
+  SyntheticLinesOptions flight = Flight(number);
   flight.arc_deg = std::max(flight.arc_deg, 120.0);
   flight.velocity_enu = {8, -3, 0};
   return flight;
@@ -56,33 +56,33 @@ struct Coverage {
 // Hills of about 10 m over 300 m; the ground height at the object has an error with the ground's sigma.
 std::shared_ptr<const Ground> Hills(int number, const GeodeticPoint& object, double sigma_m) {
   Random random(static_cast<std::uint64_t>(number) + 5000);
-  const double told_m = object.altitude_m + sigma_m * random.Normal();
+  const double given_m = object.altitude_m + sigma_m * random.Normal();
   const double turn = random.Uniform(0, 6);
   const auto wave = [=](double east_m, double north_m) {
     return 10 * std::sin(east_m / 50 + turn) * std::cos(north_m / 70 + turn);
   };
-  return std::make_shared<DrawnGround>(
-      object, [=](double east_m, double north_m) { return told_m + wave(east_m, north_m) - wave(0, 0); });
+  return std::make_shared<SyntheticGround>(
+      object, [=](double east_m, double north_m) { return given_m + wave(east_m, north_m) - wave(0, 0); });
 }
 
-struct World {
-  double wrong_share = 0;
+struct CoverageCase {
+  double outlier_fraction = 0;
   bool one_line = false;
   bool hills = false;
 };
 
-void Measure(LocateOptions options, const World& world) {
+void Measure(LocateOptions options, const CoverageCase& test_case) {
   Coverage coverage;
   for (int i = 0; i < kFlights; ++i) {
-    DrawnLinesOptions flight = options.motion == "static" ? Flight(i) : MovingFlight(i);
-    flight.wrong_share = world.wrong_share;
-    if (world.one_line) flight.count = 1;
-    const DrawnLines drawn = DrawLinesOfSight(flight);
-    if (world.hills) options.ground = Hills(i, drawn.object, options.ground_sigma_m);
+    SyntheticLinesOptions flight = options.motion == "static" ? Flight(i) : MovingFlight(i);
+    flight.outlier_fraction = test_case.outlier_fraction;
+    if (test_case.one_line) flight.count = 1;
+    const SyntheticLines drawn = SimulateLinesOfSight(flight);
+    if (test_case.hills) options.ground = Hills(i, drawn.object, options.ground_sigma_m);
     const auto fix = Locate(drawn.lines, options);
     EXPECT_TRUE(fix && fix->place) << i;
     if (!fix || !fix->place) continue;
-    const Place& place = *fix->place;
+    const Geolocation& place = *fix->place;
     const Eigen::Vector3d off = TangentPlane(place.point).EnuFromGeodetic(drawn.object);
     const Eigen::Vector2d flat = off.head<2>();
     const Eigen::Matrix2d flat_covariance = place.covariance_enu_m2.topLeftCorner<2, 2>();
@@ -92,11 +92,12 @@ void Measure(LocateOptions options, const World& world) {
     coverage.circle += flat.norm() <= place.ce90_m ? kOne : 0;
     coverage.height += std::abs(off.z()) <= place.le90_m ? kOne : 0;
   }
-  for (const auto& [name, share] : {std::pair{"ellipsoid", coverage.ellipsoid}, std::pair{"ellipse", coverage.ellipse},
-                                    std::pair{"ce90", coverage.circle}, std::pair{"le90", coverage.height}}) {
-    ::testing::Test::RecordProperty(name, std::to_string(share));
-    EXPECT_GE(share, 0.85) << name;
-    EXPECT_LE(share, 0.95) << name;
+  for (const auto& [name, fraction] :
+       {std::pair{"ellipsoid", coverage.ellipsoid}, std::pair{"ellipse", coverage.ellipse},
+        std::pair{"ce90", coverage.circle}, std::pair{"le90", coverage.height}}) {
+    ::testing::Test::RecordProperty(name, std::to_string(fraction));
+    EXPECT_GE(fraction, 0.85) << name;
+    EXPECT_LE(fraction, 0.95) << name;
   }
 }
 
@@ -106,14 +107,14 @@ TEST(Coverage, RangesOnShortArcsAreNotBiased) {
   double along_sigmas = 0;
   int inside = 0;
   for (int i = 0; i < kShortFlights; ++i) {
-    DrawnLinesOptions flight = Flight(i);
+    SyntheticLinesOptions flight = Flight(i);
     flight.count = 60;
     flight.arc_deg = 6;
-    DrawnLines drawn = DrawLinesOfSight(flight);
+    SyntheticLines drawn = SimulateLinesOfSight(flight);
     Random random(static_cast<std::uint64_t>(i) + 9000);
     for (LineOfSight& line : drawn.lines) {
       const double distance_m = TangentPlane(line.camera).EnuFromGeodetic(drawn.object).norm();
-      line.range_m = distance_m * (1 + LocateOptions{}.line.range_share * random.Normal());
+      line.range_m = distance_m * (1 + LocateOptions{}.line.range_fraction * random.Normal());
     }
     const auto fix = Locate(drawn.lines, {});
     ASSERT_TRUE(fix && fix->place) << i;
@@ -128,7 +129,7 @@ TEST(Coverage, RangesOnShortArcsAreNotBiased) {
 }
 
 TEST(Coverage, MostLikely) { Measure({.method = "ml"}, {}); }
-TEST(Coverage, MostLikelyAmongWrongLines) { Measure({.method = "ml"}, {.wrong_share = 0.2}); }
+TEST(Coverage, MostLikelyAmongWrongLines) { Measure({.method = "ml"}, {.outlier_fraction = 0.2}); }
 TEST(Coverage, MostLikelyMoving) { Measure({.motion = "velocity"}, {}); }
 TEST(Coverage, MostLikelyOnHills) { Measure({.method = "ml"}, {.hills = true}); }
 TEST(Coverage, OneLineOnHills) { Measure({.method = "ground"}, {.one_line = true, .hills = true}); }

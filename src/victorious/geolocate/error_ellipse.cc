@@ -15,7 +15,7 @@ namespace {
 //   1 / (2 pi a b)  int (1 - exp(-r^2 g / 2)) / g dphi,  g = cos^2 / a^2 + sin^2 / b^2.
 // For elongated ellipses the mass concentrates at phi near 0. The substitution tan(phi) = (b / a) tan(psi) spreads it
 // evenly, and leaves the mean over psi of 1 - exp(-r^2 / (2 (a^2 cos^2 psi + b^2 sin^2 psi))).
-double ShareWithin(double radius, double long_axis, double short_axis) {
+double ProbabilityWithin(double radius, double long_axis, double short_axis) {
   constexpr int kSteps = 256;  // of a periodic function: the error falls exponentially with the number of steps
   double sum = 0;
   for (int i = 0; i < kSteps; ++i) {
@@ -29,17 +29,17 @@ double ShareWithin(double radius, double long_axis, double short_axis) {
 
 }  // namespace
 
-double CircularError(const Eigen::Matrix2d& covariance, double share) {
+double CircularError(const Eigen::Matrix2d& covariance, double probability) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance, Eigen::EigenvaluesOnly);
   const double long_axis = std::sqrt(std::max(0.0, axes.eigenvalues()(1)));
   const double short_axis = std::sqrt(std::max(0.0, axes.eigenvalues()(0)));
   if (!(long_axis > 0)) return 0;
   double inside = 0;
   // for a circle with the long axis as radius: an upper bound
-  double outside = long_axis * std::sqrt(-2 * std::log1p(-share));
+  double outside = long_axis * std::sqrt(-2 * std::log1p(-probability));
   for (int i = 0; i < 60; ++i) {
     const double middle = (inside + outside) / 2;
-    (ShareWithin(middle, long_axis, short_axis) < share ? inside : outside) = middle;
+    (ProbabilityWithin(middle, long_axis, short_axis) < probability ? inside : outside) = middle;
   }
   return outside;
 }

@@ -9,7 +9,7 @@ namespace victorious {
 /// distribution with this covariance, for example 0.9 for CE90. Computed by numerical integration, so it is exact for
 /// any aspect ratio of the error ellipse, unlike the usual closed-form approximations. Same unit of length as the
 /// covariance.
-double CircularError(const Eigen::Matrix2d& covariance, double share);
+double CircularError(const Eigen::Matrix2d& covariance, double probability);
 
 /// LE90: half the width of the interval about the mean that contains 90 % of a normal distribution with this variance.
 double LinearError90(double variance);

@@ -18,15 +18,15 @@
 namespace victorious {
 
 /// position east, north, up; heading, boresight side, boresight rise; range factor
-inline constexpr int kCommonErrors = 7;
+inline constexpr int kNumCommonErrors = 7;
 
 /// Standard deviations of the common errors, in that order: metres, radians, a fraction of the range.
-Eigen::Matrix<double, kCommonErrors, 1> CommonSigmas(const CommonErrorOptions& options);
+Eigen::Matrix<double, kNumCommonErrors, 1> CommonErrorSigmas(const CommonErrorOptions& options);
 
 /// The normal equations, accumulated ray by ray.
-class NormalSystem {
+class NormalEquations {
  public:
-  explicit NormalSystem(bool moving) : unknowns_(moving ? 6 : 3) {}
+  explicit NormalEquations(bool moving) : unknowns_(moving ? 6 : 3) {}
 
   void Add(const Ray& ray) { Add(ray, ray.forward, 0); }
 
@@ -36,7 +36,7 @@ class NormalSystem {
 
   /// Subtracts the spurious information about the distance that noise in the ray's direction contributes.
   /// @param variance  of the direction, rad^2
-  void Discount(const Ray& ray, double variance);
+  void SubtractNoise(const Ray& ray, double variance);
 
   void Clear();
 
@@ -50,7 +50,7 @@ class NormalSystem {
   void AddWeight(const Eigen::Matrix3d& weight, double time_s);
 
   Eigen::Matrix<double, 6, 6> matrix_ = Eigen::Matrix<double, 6, 6>::Zero();
-  Eigen::Matrix<double, 6, 1> right_ = Eigen::Matrix<double, 6, 1>::Zero();
+  Eigen::Matrix<double, 6, 1> rhs_ = Eigen::Matrix<double, 6, 1>::Zero();
   int unknowns_;
 };
 
@@ -60,7 +60,7 @@ std::optional<Motion> SolveLinear(std::span<const Ray> rays, const std::vector<b
 /// Iterates the linear solution from `start`, measuring each ray's offset perpendicular to its maximum-likelihood
 /// direction (ray.h), until it converges. Removes the bias of SolveLinear along the rays that the rays' own errors
 /// cause.
-std::optional<Motion> SolveBalanced(std::span<const Ray> rays, const std::vector<bool>& chosen, const Motion& start,
+std::optional<Motion> SolveUnbiased(std::span<const Ray> rays, const std::vector<bool>& chosen, const Motion& start,
                                     const LocateOptions& options);
 
 /// The covariance of these solutions by linear propagation of each ray's own errors and of the common errors. 3 x 3, or
@@ -68,10 +68,11 @@ std::optional<Motion> SolveBalanced(std::span<const Ray> rays, const std::vector
 /// @param estimate_correlation  if true, the part of the rays' own errors that does not show in their scatter counts as
 ///                              identical in all rays, so that it does not average out (a stationary camera)
 std::optional<Eigen::MatrixXd> LinearCovariance(std::span<const Ray> rays, const std::vector<bool>& chosen,
-                                                const Motion& motion, const LocateOptions& options, bool as_one);
+                                                const Motion& motion, const LocateOptions& options,
+                                                bool estimate_correlation);
 
 /// Method `prior`: adds the rays one by one in order of time. Rejects a ray if the solution with it leaves the frustum
 /// of the ray itself or of a ray already kept. Returns one flag per ray. Quadratic in the number of rays.
-std::vector<bool> KeepWithinFrusta(std::span<const Ray> rays, bool moving);
+std::vector<bool> SelectConsistentRays(std::span<const Ray> rays, bool moving);
 
 }  // namespace victorious

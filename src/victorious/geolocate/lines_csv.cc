@@ -20,7 +20,7 @@ struct Column {
   double least;
   double most;
   std::string_view unit;
-  bool needed;
+  bool required;
 };
 
 enum : std::size_t {
@@ -36,62 +36,61 @@ enum : std::size_t {
   kCount
 };
 
-constexpr double kFarthestM = 1e7;  // no object on Earth is visible beyond it
-constexpr double kLeast = 1e-6;     // minimum of values that must be > 0
+constexpr double kMaxDistanceM = 1e7;  // no object on Earth is visible beyond it
+constexpr double kMinPositive = 1e-6;  // minimum of values that must be > 0
 
 constexpr std::array<Column, kCount> kColumns = {{
     {"time_s", -1e12, 1e12, "s", true},
     {"latitude_deg", -90, 90, "degrees", true},
     {"longitude_deg", -180, 360, "degrees", true},
-    {"altitude_m", -kFarthestM, kFarthestM, "metres", true},
+    {"altitude_m", -kMaxDistanceM, kMaxDistanceM, "metres", true},
     {"azimuth_deg", -360, 360, "degrees", true},
     {"elevation_deg", -90, 90, "degrees", true},
-    {"range_m", kLeast, kFarthestM, "metres", false},
-    {"sigma_deg", kLeast, 90, "degrees", false},
-    {"sigma_range_m", kLeast, kFarthestM, "metres", false},
+    {"range_m", kMinPositive, kMaxDistanceM, "metres", false},
+    {"sigma_deg", kMinPositive, 90, "degrees", false},
+    {"sigma_range_m", kMinPositive, kMaxDistanceM, "metres", false},
 }};
 
 // The content of a cell for a one-line message: truncated, without control characters.
-std::string Shown(std::string_view cell) {
-  constexpr std::size_t kLongest = 40;
-  std::string shown(cell.substr(0, kLongest));
-  std::ranges::replace_if(
-      shown, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }, '?');
-  return cell.size() > kLongest ? shown + "..." : shown;
+std::string PrintableCell(std::string_view cell) {
+  constexpr std::size_t kMaxLength = 40;
+  std::string shown(cell.substr(0, kMaxLength));
+  std::ranges::replace_if(shown, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }, '?');
+  return cell.size() > kMaxLength ? shown + "..." : shown;
 }
 
 // The index of each known column in the file.
-using Positions = std::array<std::optional<std::size_t>, kCount>;
+using ColumnIndices = std::array<std::optional<std::size_t>, kCount>;
 
-Expected<Positions> ParseHeader(std::string_view line) {
+Expected<ColumnIndices> ParseHeader(std::string_view line) {
   const std::vector<std::string> names = SplitRow(line);
-  Positions positions;
+  ColumnIndices indices;
   for (std::size_t at = 0; at < names.size(); ++at) {
     const auto* const column = std::ranges::find(kColumns, names[at], &Column::name);
     if (column == kColumns.end()) continue;
-    auto& position = positions[static_cast<std::size_t>(column - kColumns.begin())];
+    auto& position = indices[static_cast<std::size_t>(column - kColumns.begin())];
     if (position)
       return Fail(ErrorCode::kInvalidArgument, fmt::format("column {} occurs twice: keep one", column->name));
     position = at;
   }
   for (std::size_t i = 0; i < kCount; ++i) {
-    if (positions[i] || !kColumns[i].needed) continue;
+    if (indices[i] || !kColumns[i].required) continue;
     return Fail(
         ErrorCode::kInvalidArgument,
         fmt::format("no column {}: the first line must name at least the columns time_s,latitude_deg,longitude_deg,"
                     "altitude_m,azimuth_deg,elevation_deg",
                     kColumns[i].name));
   }
-  return positions;
+  return indices;
 }
 
 Expected<std::optional<double>> ParseCell(const Column& column, std::string_view cell) {
-  if (cell.empty() && !column.needed) return std::nullopt;
-  const auto value = NumberIn(cell);
+  if (cell.empty() && !column.required) return std::nullopt;
+  const auto value = ParseNumber(cell);
   if (value && *value >= column.least && *value <= column.most) return value;
   return Fail(ErrorCode::kInvalidArgument,
-              fmt::format("{} is \"{}\": must be a number of {} from {} to {}", column.name, Shown(cell), column.unit,
-                          column.least, column.most));
+              fmt::format("{} is \"{}\": must be a number of {} from {} to {}", column.name, PrintableCell(cell),
+                          column.unit, column.least, column.most));
 }
 
 std::optional<double> Radians(std::optional<double> degrees) {
@@ -99,17 +98,17 @@ std::optional<double> Radians(std::optional<double> degrees) {
   return RadiansFromDegrees(*degrees);
 }
 
-Expected<LineOfSight> ParseRow(std::string_view line, const Positions& positions) {
+Expected<LineOfSight> ParseRow(std::string_view line, const ColumnIndices& indices) {
   const std::vector<std::string> cells = SplitRow(line);
   std::array<std::optional<double>, kCount> values;
   for (std::size_t i = 0; i < kCount; ++i) {
-    if (!positions[i]) continue;
-    if (*positions[i] >= cells.size()) {
-      if (!kColumns[i].needed) continue;
+    if (!indices[i]) continue;
+    if (*indices[i] >= cells.size()) {
+      if (!kColumns[i].required) continue;
       return Fail(ErrorCode::kInvalidArgument, fmt::format("no {}: the line ends after {} of at least {} cells",
-                                                           kColumns[i].name, cells.size(), *positions[i] + 1));
+                                                           kColumns[i].name, cells.size(), *indices[i] + 1));
     }
-    VICTORIOUS_ASSIGN_OR_RETURN(values[i], ParseCell(kColumns[i], cells[*positions[i]]));
+    VICTORIOUS_ASSIGN_OR_RETURN(values[i], ParseCell(kColumns[i], cells[*indices[i]]));
   }
   return LineOfSight{
       .time_s = *values[kTime],
@@ -123,22 +122,22 @@ Expected<LineOfSight> ParseRow(std::string_view line, const Positions& positions
 
 }  // namespace
 
-Expected<LineTable> ParseLinesOfSight(std::string_view text, std::string_view name) {
-  text = WithoutByteOrderMark(text);
-  std::optional<Positions> positions;
-  LineTable table;
+Expected<LineOfSightTable> ParseLinesOfSight(std::string_view text, std::string_view name) {
+  text = StripByteOrderMark(text);
+  std::optional<ColumnIndices> indices;
+  LineOfSightTable table;
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::string_view line = TakeLine(text);
-    if (WithoutBlanks(line).empty()) continue;
+    if (TrimBlanks(line).empty()) continue;
     const std::string where = fmt::format("{}:{}", name, number);
-    if (!positions) {
+    if (!indices) {
       auto header = ParseHeader(line);
       if (!header) return std::unexpected(std::move(header).error().WithContext(where));
-      positions = *header;
+      indices = *header;
       continue;
     }
-    auto row = ParseRow(line, *positions);
-    table.is_read.push_back(row.has_value());
+    auto row = ParseRow(line, *indices);
+    table.row_is_valid.push_back(row.has_value());
     if (row) {
       table.lines.push_back(*std::move(row));
     } else {
@@ -152,7 +151,7 @@ Expected<LineTable> ParseLinesOfSight(std::string_view text, std::string_view na
                   : table.problems.front());
 }
 
-Expected<LineTable> ReadLinesOfSight(const std::filesystem::path& path) {
+Expected<LineOfSightTable> ReadLinesOfSight(const std::filesystem::path& path) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
   return ParseLinesOfSight(text, path.string());
 }

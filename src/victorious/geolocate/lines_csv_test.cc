@@ -73,7 +73,7 @@ TEST(LinesCsv, ARowThatCannotBeReadIsLeftOutAndTold) {
       "lines.csv");
   ASSERT_TRUE(table) << table.error().message;
   EXPECT_EQ(table->lines.size(), 2U);
-  EXPECT_THAT(table->is_read, ::testing::ElementsAre(true, false, true, false));
+  EXPECT_THAT(table->row_is_valid, ::testing::ElementsAre(true, false, true, false));
   EXPECT_THAT(table->problems,
               ::testing::ElementsAre(HasSubstr("lines.csv:3: latitude_deg is \"nan\""), HasSubstr("lines.csv:5: no")));
 }

@@ -31,9 +31,9 @@ using Outcome = std::expected<Solution, std::string>;
 constexpr const char* kNoBaseline =
     "undetermined: the lines of sight differ too little, for their errors, to determine the distance";
 
-bool Moving(const LocateOptions& options) { return options.motion == "velocity"; }
+bool IsMoving(const LocateOptions& options) { return options.motion == "velocity"; }
 
-bool MostlyBehind(std::span<const Ray> rays, const std::vector<bool>& chosen, const Motion& motion) {
+bool IsMostlyBehind(std::span<const Ray> rays, const std::vector<bool>& chosen, const Motion& motion) {
   std::ptrdiff_t behind = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     behind += chosen[i] && (motion.At(rays[i].time_s) - rays[i].camera).dot(rays[i].forward) <= 0 ? 1 : 0;
@@ -42,34 +42,36 @@ bool MostlyBehind(std::span<const Ray> rays, const std::vector<bool>& chosen, co
 }
 
 // The reason why the given ground yields no place.
-std::string WhyNoGround(std::span<const Ray> rays) {
-  const auto all = [&](NoGround why) {
-    return std::ranges::all_of(rays, [&](const Ray& ray) { return ray.no_ground == why; });
+std::string DescribeGroundMiss(std::span<const Ray> rays) {
+  const auto all = [&](GroundMiss why) {
+    return std::ranges::all_of(rays, [&](const Ray& ray) { return ray.ground_miss == why; });
   };
-  if (all(NoGround::kBelow)) return "undetermined: the camera is below the ground";
-  if (all(NoGround::kUnknown))
+  if (all(GroundMiss::kBelow)) return "undetermined: the camera is below the ground";
+  if (all(GroundMiss::kUnknown))
     return "undetermined: the line of sight leaves the terrain, or intersects it where it has no height";
   return "undetermined: no line of sight intersects the ground";
 }
 
-std::string WhyOpen(std::span<const Ray> rays, const std::vector<bool>& chosen, const LocateOptions& options) {
+std::string DescribeUndetermined(std::span<const Ray> rays, const std::vector<bool>& chosen,
+                                 const LocateOptions& options) {
   const auto count = std::ranges::count(chosen, true);
-  if (count == 1 && rays.size() > 1) return WhyOpen(rays, std::vector<bool>(rays.size(), true), options);
-  if (count == 0) return WhyNoGround(rays);
-  if (count == 1 && Moving(options)) return "undetermined: a single line of sight does not determine a velocity";
-  if (count == 1 && options.ground && rays.size() == 1) return WhyNoGround(rays);
+  if (count == 1 && rays.size() > 1) return DescribeUndetermined(rays, std::vector<bool>(rays.size(), true), options);
+  if (count == 0) return DescribeGroundMiss(rays);
+  if (count == 1 && IsMoving(options)) return "undetermined: a single line of sight does not determine a velocity";
+  if (count == 1 && options.ground && rays.size() == 1) return DescribeGroundMiss(rays);
   if (count == 1) return "undetermined: a single line of sight needs a range";
-  const auto motion = SolveLinear(rays, chosen, Moving(options));
+  const auto motion = SolveLinear(rays, chosen, IsMoving(options));
   if (!motion) {
-    return Moving(options) ? "undetermined: too few lines of sight, or too parallel, for a place and a velocity"
-                           : "undetermined: the lines of sight are parallel";
+    return IsMoving(options) ? "undetermined: too few lines of sight, or too parallel, for a place and a velocity"
+                             : "undetermined: the lines of sight are parallel";
   }
-  if (MostlyBehind(rays, chosen, *motion)) return "undetermined: the lines of sight meet behind the camera";
+  if (IsMostlyBehind(rays, chosen, *motion)) return "undetermined: the lines of sight meet behind the camera";
   return "undetermined: the lines of sight do not intersect within their errors";
 }
 
 // The status if the place is too uncertain to report: it might as well be at the camera or at twice the distance.
-std::optional<std::string> WhyTooUncertain(std::span<const Ray> rays, const Solution& solution, double largest_share) {
+std::optional<std::string> DescribeExcessUncertainty(std::span<const Ray> rays, const Solution& solution,
+                                                     double max_fraction) {
   double distance_m = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (!solution.inliers[i]) continue;
@@ -79,31 +81,34 @@ std::optional<std::string> WhyTooUncertain(std::span<const Ray> rays, const Solu
   const double largest =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly).eigenvalues()(2);
   const double sigma_m = std::sqrt(std::max(0.0, largest));
-  if (std::isfinite(sigma_m) && sigma_m <= largest_share * distance_m) return std::nullopt;
+  if (std::isfinite(sigma_m) && sigma_m <= max_fraction * distance_m) return std::nullopt;
   return fmt::format("undetermined: the lines of sight determine the place only to {:.0f} m (1 sigma) at {:.0f} m",
                      sigma_m, distance_m);
 }
 
 // True if the lines determine the distance without ranges.
-bool TellDistance(std::span<const Ray> rays, const std::vector<bool>& chosen, const Motion& motion,
-                  const LocateOptions& options) {
-  std::vector<Ray> blind(rays.begin(), rays.end());
-  for (Ray& ray : blind) ray.range_weight = 0;
-  auto covariance = LinearCovariance(blind, chosen, motion, options, false);
+bool IsDistanceObservable(std::span<const Ray> rays, const std::vector<bool>& chosen, const Motion& motion,
+                          const LocateOptions& options) {
+  std::vector<Ray> without_ranges(rays.begin(), rays.end());
+  for (Ray& ray : without_ranges) ray.range_weight = 0;
+  auto covariance = LinearCovariance(without_ranges, chosen, motion, options, false);
   if (!covariance) return false;
-  return !WhyTooUncertain(blind, {motion, *std::move(covariance), chosen}, options.largest_error_share);
+  return !DescribeExcessUncertainty(without_ranges, {motion, *std::move(covariance), chosen},
+                                    options.max_error_fraction);
 }
 
-Outcome SolveOver(std::span<const Ray> rays, std::vector<bool> chosen, const LocateOptions& options) {
-  auto motion = SolveLinear(rays, chosen, Moving(options));
-  if (!motion || MostlyBehind(rays, chosen, *motion)) return std::unexpected(WhyOpen(rays, chosen, options));
-  if (options.method == "prior" || options.method == "ransac") motion = SolveBalanced(rays, chosen, *motion, options);
-  if (!motion || MostlyBehind(rays, chosen, *motion)) return std::unexpected(WhyOpen(rays, chosen, options));
-  const bool by_ranges = std::ranges::all_of(rays, [&](const Ray& ray) {
+Outcome SolveWithCovariance(std::span<const Ray> rays, std::vector<bool> chosen, const LocateOptions& options) {
+  auto motion = SolveLinear(rays, chosen, IsMoving(options));
+  if (!motion || IsMostlyBehind(rays, chosen, *motion))
+    return std::unexpected(DescribeUndetermined(rays, chosen, options));
+  if (options.method == "prior" || options.method == "ransac") motion = SolveUnbiased(rays, chosen, *motion, options);
+  if (!motion || IsMostlyBehind(rays, chosen, *motion))
+    return std::unexpected(DescribeUndetermined(rays, chosen, options));
+  const bool is_range_only = std::ranges::all_of(rays, [&](const Ray& ray) {
     return !chosen[static_cast<std::size_t>(&ray - rays.data())] || ray.range_weight == 1;
   });
-  const bool as_one = by_ranges || !TellDistance(rays, chosen, *motion, options);
-  auto covariance = LinearCovariance(rays, chosen, *motion, options, as_one);
+  const bool estimate_correlation = is_range_only || !IsDistanceObservable(rays, chosen, *motion, options);
+  auto covariance = LinearCovariance(rays, chosen, *motion, options, estimate_correlation);
   if (!covariance) return std::unexpected(kNoBaseline);
   return Solution{*motion, *std::move(covariance), std::move(chosen)};
 }
@@ -111,21 +116,21 @@ Outcome SolveOver(std::span<const Ray> rays, std::vector<bool> chosen, const Loc
 // The solution combined with the constraint that the object is on the ground, by the errors of both. Returns
 // std::nullopt if the ground height is not known, or if the place is outside the gate: the object is then not on the
 // ground.
-std::optional<Solution> OnGround(Solution solution, const TangentPlane& plane, const LocateOptions& options) {
+std::optional<Solution> ConstrainToGround(Solution solution, const TangentPlane& plane, const LocateOptions& options) {
   constexpr int kRounds = 3;  // the ground patch depends on the place
-  const Solution told = solution;
+  const Solution unconstrained = solution;
   for (int round = 0; round < kRounds; ++round) {
-    const auto patch = PatchBelow(*options.ground, plane, solution.motion.place);
+    const auto patch = GroundPatchAt(*options.ground, plane, solution.motion.place);
     if (!patch) return std::nullopt;
-    const Eigen::VectorXd gain = told.covariance.leftCols<3>() * patch->normal;
+    const Eigen::VectorXd gain = unconstrained.covariance.leftCols<3>() * patch->normal;
     const double sigma_m = options.ground_sigma_m * (plane.LocalEnuFromEnu(patch->point) * patch->normal).z();
     const double variance_m2 = patch->normal.dot(gain.head<3>()) + sigma_m * sigma_m;
-    const double off_m = patch->normal.dot(told.motion.place - patch->point);
+    const double off_m = patch->normal.dot(unconstrained.motion.place - patch->point);
     if (off_m * off_m > options.gate_sigma * options.gate_sigma * variance_m2) return std::nullopt;
-    const Eigen::VectorXd moved = -off_m / variance_m2 * gain;
-    solution.motion.place = told.motion.place + moved.head<3>();
-    if (moved.size() == 6) solution.motion.velocity = told.motion.velocity + moved.tail<3>();
-    solution.covariance = told.covariance - gain * gain.transpose() / variance_m2;
+    const Eigen::VectorXd step = -off_m / variance_m2 * gain;
+    solution.motion.place = unconstrained.motion.place + step.head<3>();
+    if (step.size() == 6) solution.motion.velocity = unconstrained.motion.velocity + step.tail<3>();
+    solution.covariance = unconstrained.covariance - gain * gain.transpose() / variance_m2;
   }
   return solution;
 }
@@ -141,103 +146,104 @@ Outcome SolveByRanges(std::span<const Ray> rays, std::vector<bool> chosen, const
     ranged[i].range_weight = 1;
   }
   if (std::ranges::none_of(chosen, std::identity())) {
-    return std::unexpected(options.ground ? WhyNoGround(rays) : kNoBaseline);
+    return std::unexpected(options.ground ? DescribeGroundMiss(rays) : kNoBaseline);
   }
-  auto outcome = SolveOver(ranged, std::move(chosen), options);
+  auto outcome = SolveWithCovariance(ranged, std::move(chosen), options);
   if (!outcome || !measured || !options.ground) return outcome;
-  auto on_ground = OnGround(*outcome, plane, options);
+  auto on_ground = ConstrainToGround(*outcome, plane, options);
   return on_ground ? Outcome(*std::move(on_ground)) : outcome;
 }
 
-Outcome Refined(std::span<const Ray> rays, const Consensus& start, const TangentPlane& plane,
-                const LocateOptions& options) {
+Outcome RefineConsensus(std::span<const Ray> rays, const Consensus& start, const TangentPlane& plane,
+                        const LocateOptions& options) {
   auto refined = RefinePlace(rays, start.motion, start.inliers, plane, options);
   if (!refined) return std::unexpected(kNoBaseline);
-  if (MostlyBehind(rays, refined->inliers, refined->motion)) {
+  if (IsMostlyBehind(rays, refined->inliers, refined->motion)) {
     return std::unexpected("undetermined: the lines of sight meet behind the camera");
   }
   return Solution{refined->motion, std::move(refined->covariance), std::move(refined->inliers)};
 }
 
-Outcome SolveMostLikely(std::span<const Ray> rays, Consensus start, const TangentPlane& plane,
-                        const LocateOptions& options) {
-  if (!TellDistance(rays, start.inliers, start.motion, options)) {
+Outcome SolveMaximumLikelihood(std::span<const Ray> rays, Consensus start, const TangentPlane& plane,
+                               const LocateOptions& options) {
+  if (!IsDistanceObservable(rays, start.inliers, start.motion, options)) {
     return SolveByRanges(rays, std::move(start.inliers), plane, options);
   }
-  if (!options.ground) return Refined(rays, start, plane, options);
-  LocateOptions anywhere = options;
-  anywhere.ground.reset();
-  Outcome free = Refined(rays, start, plane, anywhere);
-  if (free && !OnGround(*free, plane, options)) return free;
-  return Refined(rays, start, plane, options);
+  if (!options.ground) return RefineConsensus(rays, start, plane, options);
+  LocateOptions without_ground = options;
+  without_ground.ground.reset();
+  Outcome unconstrained = RefineConsensus(rays, start, plane, without_ground);
+  if (unconstrained && !ConstrainToGround(*unconstrained, plane, options)) return unconstrained;
+  return RefineConsensus(rays, start, plane, options);
 }
 
 Outcome Solve(std::span<const Ray> rays, const TangentPlane& plane, const LocateOptions& options) {
   std::vector<bool> all(rays.size(), true);
-  if (options.method == "least-squares") return SolveOver(rays, std::move(all), options);
-  if (options.method == "prior") return SolveOver(rays, KeepWithinFrusta(rays, Moving(options)), options);
+  if (options.method == "least-squares") return SolveWithCovariance(rays, std::move(all), options);
+  if (options.method == "prior")
+    return SolveWithCovariance(rays, SelectConsistentRays(rays, IsMoving(options)), options);
   if (options.method == "ground") {
     std::transform(rays.begin(), rays.end(), all.begin(),
                    [](const Ray& ray) { return ray.range_source == RangeSource::kGround; });
-    return SolveOver(rays, std::move(all), options);
+    return SolveWithCovariance(rays, std::move(all), options);
   }
   auto consensus = FindConsensus(rays, options);
-  if (!consensus) return std::unexpected(WhyOpen(rays, all, options));
-  if (options.method == "ransac") return SolveOver(rays, std::move(consensus->inliers), options);
-  return SolveMostLikely(rays, *std::move(consensus), plane, options);
+  if (!consensus) return std::unexpected(DescribeUndetermined(rays, all, options));
+  if (options.method == "ransac") return SolveWithCovariance(rays, std::move(consensus->inliers), options);
+  return SolveMaximumLikelihood(rays, *std::move(consensus), plane, options);
 }
 
-Place PlaceOf(const Solution& solution, const TangentPlane& plane, double time_s) {
-  const Eigen::Matrix3d turn = plane.LocalEnuFromEnu(solution.motion.place).toRotationMatrix();
-  Place place;
+Geolocation MakePlace(const Solution& solution, const TangentPlane& plane, double time_s) {
+  const Eigen::Matrix3d rotation = plane.LocalEnuFromEnu(solution.motion.place).toRotationMatrix();
+  Geolocation place;
   place.point = plane.GeodeticFromEnu(solution.motion.place);
   place.time_s = time_s;
-  place.covariance_enu_m2 = turn * solution.covariance.topLeftCorner<3, 3>() * turn.transpose();
+  place.covariance_enu_m2 = rotation * solution.covariance.topLeftCorner<3, 3>() * rotation.transpose();
   if (solution.covariance.rows() == 6) {
-    place.velocity_enu = turn * solution.motion.velocity;
-    place.velocity_covariance_enu = turn * solution.covariance.bottomRightCorner<3, 3>() * turn.transpose();
+    place.velocity_enu = rotation * solution.motion.velocity;
+    place.velocity_covariance_enu = rotation * solution.covariance.bottomRightCorner<3, 3>() * rotation.transpose();
   }
-  constexpr double kShare = 0.9;
-  place.ce90_m = CircularError(place.covariance_enu_m2.topLeftCorner<2, 2>(), kShare);
+  constexpr double kProbability = 0.9;
+  place.ce90_m = CircularError(place.covariance_enu_m2.topLeftCorner<2, 2>(), kProbability);
   place.le90_m = LinearError90(place.covariance_enu_m2(2, 2));
   return place;
 }
 
 // The result for one motion model.
-struct Located {
+struct LocateResult {
   GeoFix fix;
   std::optional<Motion> motion;  // in the tangent plane; std::nullopt if there is no place
 };
 
-Located LocateAs(const std::string& motion, std::span<const LineOfSight> lines, LocateOptions options) {
+LocateResult LocateWithMotion(const std::string& motion, std::span<const LineOfSight> lines, LocateOptions options) {
   options.motion = motion;
   const TangentPlane plane(lines.front().camera);
   const std::vector<Ray> rays = MakeRays(lines, plane, options);
-  Located located{.fix = {.inliers = std::vector<bool>(lines.size(), false)}};
+  LocateResult result{.fix = {.inliers = std::vector<bool>(lines.size(), false)}};
   const Outcome outcome = Solve(rays, plane, options);
   if (!outcome) {
-    located.fix.status = outcome.error();
-    return located;
+    result.fix.status = outcome.error();
+    return result;
   }
-  if (auto why = WhyTooUncertain(rays, *outcome, options.largest_error_share)) {
-    located.fix.status = *std::move(why);
-    return located;
+  if (auto why = DescribeExcessUncertainty(rays, *outcome, options.max_error_fraction)) {
+    result.fix.status = *std::move(why);
+    return result;
   }
-  located.fix.place = PlaceOf(*outcome, plane, std::ranges::max(lines, {}, &LineOfSight::time_s).time_s);
-  located.fix.inliers = outcome->inliers;
-  located.fix.status = "ok";
-  located.motion = outcome->motion;
-  return located;
+  result.fix.place = MakePlace(*outcome, plane, std::ranges::max(lines, {}, &LineOfSight::time_s).time_s);
+  result.fix.inliers = outcome->inliers;
+  result.fix.status = "ok";
+  result.motion = outcome->motion;
+  return result;
 }
 
 // The rays' offsets from the object, in units of their own errors there.
-std::vector<double> OffsetsFrom(std::span<const Ray> rays, const Motion& motion, const LocateOptions& options) {
+std::vector<double> NormalisedOffsets(std::span<const Ray> rays, const Motion& motion, const LocateOptions& options) {
   std::vector<double> offsets;
   for (const Ray& ray : rays) {
-    const Eigen::Vector3d seen = motion.At(ray.time_s) - ray.camera;
-    const double along_m = seen.dot(ray.forward);
+    const Eigen::Vector3d to_object = motion.At(ray.time_s) - ray.camera;
+    const double along_m = to_object.dot(ray.forward);
     const double sigma_m = std::hypot(along_m * ray.sigma_rad, options.line.position_m);
-    offsets.push_back(along_m > 0 ? (seen - along_m * ray.forward).norm() / sigma_m
+    offsets.push_back(along_m > 0 ? (to_object - along_m * ray.forward).norm() / sigma_m
                                   : std::numeric_limits<double>::infinity());
   }
   return offsets;
@@ -245,35 +251,36 @@ std::vector<double> OffsetsFrom(std::span<const Ray> rays, const Motion& motion,
 
 // Selects the motion model: true if the object moves, by the Bayesian information criterion (Schwarz 1978) over
 // truncated squared offsets, scaled by the residual noise of the moving solution; and by more than `min_travel_m`.
-bool Moves(std::span<const LineOfSight> lines, const Located& standing, const Located& moving,
-           const LocateOptions& options) {
+bool SelectsMoving(std::span<const LineOfSight> lines, const LocateResult& stationary, const LocateResult& moving,
+                   const LocateOptions& options) {
   if (!moving.fix.place) return false;
   const std::vector<Ray> rays = MakeRays(lines, TangentPlane(lines.front().camera), options);
   const double first_s = std::ranges::min(rays, {}, &Ray::time_s).time_s;
-  if (moving.motion->velocity.norm() * -first_s < options.least_travel_m) return false;
-  if (!standing.fix.place) return true;
-  const std::vector<double> of_standing = OffsetsFrom(rays, *standing.motion, options);
-  const std::vector<double> of_moving = OffsetsFrom(rays, *moving.motion, options);
-  const double factor = std::max(1.0, Median(of_moving) / kRayleighMedian);
+  if (moving.motion->velocity.norm() * -first_s < options.min_travel_m) return false;
+  if (!stationary.fix.place) return true;
+  const std::vector<double> stationary_offsets = NormalisedOffsets(rays, *stationary.motion, options);
+  const std::vector<double> moving_offsets = NormalisedOffsets(rays, *moving.motion, options);
+  const double factor = std::max(1.0, Median(moving_offsets) / kRayleighMedian);
   const auto cost = [&](const std::vector<double>& offsets) {
     double sum = 0;
     for (const double offset : offsets) sum += std::pow(std::min(offset / factor, options.gate_sigma), 2);
     return sum;
   };
   constexpr double kUnknowns = 3;  // of the velocity
-  return cost(of_standing) - cost(of_moving) > kUnknowns * std::log(2.0 * static_cast<double>(lines.size()));
+  return cost(stationary_offsets) - cost(moving_offsets) >
+         kUnknowns * std::log(2.0 * static_cast<double>(lines.size()));
 }
 
 // Motion `auto`. A static object gets velocity 0, with the velocity covariance of the moving solution.
-GeoFix LocateByEvidence(std::span<const LineOfSight> lines, const LocateOptions& options) {
-  Located standing = LocateAs("static", lines, options);
-  const Located moving = LocateAs("velocity", lines, options);
-  if (Moves(lines, standing, moving, options)) return moving.fix;
-  if (standing.fix.place && moving.fix.place) {
-    standing.fix.place->velocity_enu = Eigen::Vector3d::Zero();
-    standing.fix.place->velocity_covariance_enu = moving.fix.place->velocity_covariance_enu;
+GeoFix LocateWithModelSelection(std::span<const LineOfSight> lines, const LocateOptions& options) {
+  LocateResult stationary = LocateWithMotion("static", lines, options);
+  const LocateResult moving = LocateWithMotion("velocity", lines, options);
+  if (SelectsMoving(lines, stationary, moving, options)) return moving.fix;
+  if (stationary.fix.place && moving.fix.place) {
+    stationary.fix.place->velocity_enu = Eigen::Vector3d::Zero();
+    stationary.fix.place->velocity_covariance_enu = moving.fix.place->velocity_covariance_enu;
   }
-  return standing.fix;
+  return stationary.fix;
 }
 
 }  // namespace
@@ -286,8 +293,8 @@ Expected<GeoFix> Locate(std::span<const LineOfSight> lines, const LocateOptions&
         ErrorCode::kInvalidArgument,
         "the method ground needs a ground: give its height (--ground METRES) or a terrain (--terrain FILE.tif)");
   }
-  if (options.motion == "auto") return LocateByEvidence(lines, options);
-  return LocateAs(options.motion, lines, options).fix;
+  if (options.motion == "auto") return LocateWithModelSelection(lines, options);
+  return LocateWithMotion(options.motion, lines, options).fix;
 }
 
 }  // namespace victorious

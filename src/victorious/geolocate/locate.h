@@ -21,15 +21,15 @@
 
 #include "victorious/base/error.h"
 #include "victorious/geolocate/locate_options.h"
-#include "victorious/types/line_of_sight.h"
 #include "victorious/types/geolocation.h"
+#include "victorious/types/line_of_sight.h"
 
 namespace victorious {
 
 struct GeoFix {
-  std::optional<Place> place;  ///< std::nullopt if the lines do not determine a place
-  std::vector<bool> inliers;   ///< one per line
-  std::string status;          ///< "ok", or the reason why there is no place
+  std::optional<Geolocation> place;  ///< std::nullopt if the lines do not determine a place
+  std::vector<bool> inliers;         ///< one per line
+  std::string status;                ///< "ok", or the reason why there is no place
 };
 
 /// Estimates the place; the lines may be in any order. Too few lines, parallel lines or an intersection behind the

@@ -17,7 +17,7 @@ struct CommonErrorOptions {
   double heading_deg = 0.5;
   double boresight_side_deg = 0.1;
   double boresight_rise_deg = 0.5;
-  double range_share = 0.02;
+  double range_fraction = 0.02;
 
   void ListFields(FieldList& fields) {
     fields.Add("position_m", position_m,
@@ -43,7 +43,7 @@ struct CommonErrorOptions {
                 .max = 90,
                 .unit = "deg",
                 .reason = "sigma of the common error in elevation (boresight misalignment upwards)"});
-    fields.Add("range_share", range_share,
+    fields.Add("range_fraction", range_fraction,
                {.min = 0,
                 .max = 1,
                 .unit = "",
@@ -55,7 +55,7 @@ struct CommonErrorOptions {
 struct LineErrorOptions {
   double position_m = 2;
   double angle_deg = 0.5;
-  double range_share = 0.15;
+  double range_fraction = 0.15;
 
   void ListFields(FieldList& fields) {
     fields.Add("position_m", position_m,
@@ -65,7 +65,7 @@ struct LineErrorOptions {
                 .reason = "sigma of the independent error of a camera position, along each axis"});
     fields.Add("angle_deg", angle_deg,
                {.min = 1e-6, .max = 90, .unit = "deg", .reason = "sigma of each angle, for lines without sigma_deg"});
-    fields.Add("range_share", range_share,
+    fields.Add("range_fraction", range_fraction,
                {.min = 1e-6,
                 .max = 10,
                 .unit = "",
@@ -76,12 +76,12 @@ struct LineErrorOptions {
 struct LocateOptions {
   std::string motion = "static";
   std::string method = "ml";
-  double least_travel_m = 1;
+  double min_travel_m = 1;
   double identity_radius_m = 2;
   double distance_prior_allowance = 1.5;
   double gate_sigma = 3;
   double robust_sigma = 2.5;
-  double largest_error_share = 0.5;
+  double max_error_fraction = 0.5;
   double ground_sigma_m = 2;
   int max_hypotheses = 500;
   double confidence = 0.9999;
@@ -94,7 +94,7 @@ struct LocateOptions {
     fields.Add("motion", motion,
                {.choices = {"static", "velocity", "auto"},
                 .reason = "motion model of the object: static, constant velocity, or auto: selected from the lines"});
-    fields.Add("least_travel_m", least_travel_m,
+    fields.Add("min_travel_m", min_travel_m,
                {.min = 0,
                 .max = 1e5,
                 .unit = "m",
@@ -125,7 +125,7 @@ struct LocateOptions {
                 .max = 20,
                 .unit = "",
                 .reason = "residual, in sigmas, where Huber's loss of the refinement becomes linear"});
-    fields.Add("largest_error_share", largest_error_share,
+    fields.Add("max_error_fraction", max_error_fraction,
                {.min = 0.01,
                 .max = 10,
                 .unit = "",

@@ -15,18 +15,18 @@
 namespace victorious {
 namespace {
 
-using testing::DrawLinesOfSight;
-using testing::DrawnGround;
-using testing::DrawnLines;
 using ::testing::HasSubstr;
+using testing::SimulateLinesOfSight;
+using testing::SyntheticGround;
+using testing::SyntheticLines;
 
-GeoFix Located(const std::vector<LineOfSight>& lines, const LocateOptions& options) {
+GeoFix LocateOrFail(const std::vector<LineOfSight>& lines, const LocateOptions& options) {
   auto fix = Locate(lines, options);
   EXPECT_TRUE(fix) << fix.error().message;
   return fix ? *std::move(fix) : GeoFix{};
 }
 
-double ErrorOf(const GeoFix& fix, const GeodeticPoint& truth) {
+double PlaceError(const GeoFix& fix, const GeodeticPoint& truth) {
   return fix.place ? TangentPlane(truth).EnuFromGeodetic(fix.place->point).norm() : HUGE_VAL;
 }
 
@@ -41,51 +41,51 @@ INSTANTIATE_TEST_SUITE_P(Methods, EachMethod, ::testing::Values("least-squares",
                          [](const auto& one) { return one.param == "least-squares" ? "least_squares" : one.param; });
 
 TEST_P(EachMethod, FindsTheExactPlace) {
-  const DrawnLines drawn = DrawLinesOfSight({});
-  const GeoFix fix = Located(drawn.lines, options);
+  const SyntheticLines drawn = SimulateLinesOfSight({});
+  const GeoFix fix = LocateOrFail(drawn.lines, options);
   EXPECT_EQ(fix.status, "ok");
-  EXPECT_LT(ErrorOf(fix, drawn.object), 1e-4);
+  EXPECT_LT(PlaceError(fix, drawn.object), 1e-4);
   EXPECT_EQ(Inliers(fix), 100);
   EXPECT_FALSE(fix.place->velocity_enu);
 }
 
 TEST_P(EachMethod, FindsAMovingObjectAtTheLastLinesTime) {
   options.motion = "velocity";
-  const DrawnLines drawn = DrawLinesOfSight({.velocity_enu = {3, -2, 0.1}});
-  const GeoFix fix = Located(drawn.lines, options);
+  const SyntheticLines drawn = SimulateLinesOfSight({.velocity_enu = {3, -2, 0.1}});
+  const GeoFix fix = LocateOrFail(drawn.lines, options);
   EXPECT_EQ(fix.status, "ok");
-  EXPECT_LT(ErrorOf(fix, drawn.object), 1e-3);
+  EXPECT_LT(PlaceError(fix, drawn.object), 1e-3);
   EXPECT_DOUBLE_EQ(fix.place->time_s, 60);
   EXPECT_LT((*fix.place->velocity_enu - Eigen::Vector3d(3, -2, 0.1)).norm(), 1e-4);
 }
 
 TEST_P(EachMethod, SendsOneLineItsRange) {
-  const DrawnLines drawn = DrawLinesOfSight({.count = 1, .range_share = 1e-6});
-  const GeoFix fix = Located(drawn.lines, options);
+  const SyntheticLines drawn = SimulateLinesOfSight({.count = 1, .range_fraction = 1e-6});
+  const GeoFix fix = LocateOrFail(drawn.lines, options);
   EXPECT_EQ(fix.status, "ok");
-  EXPECT_LT(ErrorOf(fix, drawn.object), 0.01);
+  EXPECT_LT(PlaceError(fix, drawn.object), 0.01);
 }
 
 TEST_P(EachMethod, SaysThatOneLineNeedsARange) {
-  const GeoFix fix = Located(DrawLinesOfSight({.count = 1}).lines, options);
+  const GeoFix fix = LocateOrFail(SimulateLinesOfSight({.count = 1}).lines, options);
   EXPECT_FALSE(fix.place);
   EXPECT_EQ(fix.status, "undetermined: a single line of sight needs a range");
   EXPECT_EQ(Inliers(fix), 0);
 }
 
 TEST_P(EachMethod, SaysThatParallelLinesMeetNowhere) {
-  std::vector<LineOfSight> lines = DrawLinesOfSight({.count = 5}).lines;
+  std::vector<LineOfSight> lines = SimulateLinesOfSight({.count = 5}).lines;
   for (LineOfSight& line : lines) line.camera = lines[0].camera;
   for (LineOfSight& line : lines) line.azimuth_rad = lines[0].azimuth_rad, line.elevation_rad = lines[0].elevation_rad;
-  const GeoFix fix = Located(lines, options);
+  const GeoFix fix = LocateOrFail(lines, options);
   EXPECT_FALSE(fix.place);
   EXPECT_THAT(fix.status, HasSubstr("parallel"));
 }
 
 TEST_P(EachMethod, SaysThatLinesMeetBehindTheCamera) {
-  std::vector<LineOfSight> lines = DrawLinesOfSight({.count = 2}).lines;
+  std::vector<LineOfSight> lines = SimulateLinesOfSight({.count = 2}).lines;
   for (LineOfSight& line : lines) line.azimuth_rad += kPi, line.elevation_rad *= -1;
-  const GeoFix fix = Located(lines, options);
+  const GeoFix fix = LocateOrFail(lines, options);
   EXPECT_FALSE(fix.place);
   EXPECT_THAT(fix.status, HasSubstr("behind the camera"));
 }
@@ -93,7 +93,7 @@ TEST_P(EachMethod, SaysThatLinesMeetBehindTheCamera) {
 TEST_P(EachMethod, TellsNoPlaceWhereTheDistanceIsOpen) {
   // A baseline of 1 m at 360 m: the offsets are only noise.
   const GeoFix fix =
-      Located(DrawLinesOfSight({.arc_deg = 0.2, .noise_position_m = 1, .noise_deg = 0.1}).lines, options);
+      LocateOrFail(SimulateLinesOfSight({.arc_deg = 0.2, .noise_position_m = 1, .noise_deg = 0.1}).lines, options);
   EXPECT_FALSE(fix.place);
   EXPECT_THAT(fix.status, HasSubstr("undetermined: "));
 }
@@ -102,9 +102,9 @@ TEST_P(EachMethod, ACameraThatStandsStillTellsNoDistanceHoweverManyItsLines) {
   for (const int count : {5, 100, 4000}) {
     for (const double noise_m : {0.0, 2.0}) {
       if (options.method == "prior" && count > 100) continue;  // quadratic
-      const GeoFix fix =
-          Located(DrawLinesOfSight({.count = count, .arc_deg = 0, .noise_position_m = noise_m, .noise_deg = 0.5}).lines,
-                  options);
+      const GeoFix fix = LocateOrFail(
+          SimulateLinesOfSight({.count = count, .arc_deg = 0, .noise_position_m = noise_m, .noise_deg = 0.5}).lines,
+          options);
       EXPECT_TRUE(!fix.place || fix.place->ce90_m > 100) << count << " " << noise_m << " " << fix.place->ce90_m;
     }
   }
@@ -116,11 +116,11 @@ TEST(Locate, OnTheGroundTheEllipseOfACameraThatStandsStillDoesNotShrink) {
     options.ground = std::make_shared<FlatGround>(5);
     std::vector<double> ce90_m;
     for (const int count : {20, 4000}) {
-      const DrawnLines drawn =
-          DrawLinesOfSight({.count = count, .arc_deg = 0, .noise_position_m = 2, .noise_deg = 0.5});
-      const GeoFix fix = Located(drawn.lines, options);
+      const SyntheticLines drawn =
+          SimulateLinesOfSight({.count = count, .arc_deg = 0, .noise_position_m = 2, .noise_deg = 0.5});
+      const GeoFix fix = LocateOrFail(drawn.lines, options);
       ASSERT_TRUE(fix.place) << method << fix.status;
-      EXPECT_LT(ErrorOf(fix, drawn.object), 5) << method;
+      EXPECT_LT(PlaceError(fix, drawn.object), 5) << method;
       ce90_m.push_back(fix.place->ce90_m);
     }
     EXPECT_GT(ce90_m[1], 0.85 * ce90_m[0]) << method;
@@ -129,18 +129,18 @@ TEST(Locate, OnTheGroundTheEllipseOfACameraThatStandsStillDoesNotShrink) {
 
 TEST_P(EachMethod, TellsNoVelocityOfTwoLines) {
   options.motion = "velocity";
-  const GeoFix fix = Located(DrawLinesOfSight({.count = 2}).lines, options);
+  const GeoFix fix = LocateOrFail(SimulateLinesOfSight({.count = 2}).lines, options);
   EXPECT_FALSE(fix.place);
   EXPECT_THAT(fix.status, HasSubstr("velocity"));
 }
 
 TEST_P(EachMethod, KeepsTheEllipseOfManyLinesAboveTheCommonErrors) {
-  const testing::DrawnLinesOptions flight{.arc_deg = 90, .noise_position_m = 1, .noise_deg = 0.2};
-  testing::DrawnLinesOptions longer = flight;
+  const testing::SyntheticLinesOptions flight{.arc_deg = 90, .noise_position_m = 1, .noise_deg = 0.2};
+  testing::SyntheticLinesOptions longer = flight;
   longer.count = 4000;
   options.common.position_m = 3;
-  const GeoFix few = Located(DrawLinesOfSight(flight).lines, options);
-  const GeoFix many = Located(DrawLinesOfSight(longer).lines, options);
+  const GeoFix few = LocateOrFail(SimulateLinesOfSight(flight).lines, options);
+  const GeoFix many = LocateOrFail(SimulateLinesOfSight(longer).lines, options);
   ASSERT_TRUE(few.place && many.place) << few.status << many.status;
   EXPECT_GT(many.place->ce90_m, 3 * 2.146 * 0.99);  // CE90 of 3 m along each axis alone
   EXPECT_GT(many.place->ce90_m, 0.8 * few.place->ce90_m);
@@ -149,57 +149,58 @@ TEST_P(EachMethod, KeepsTheEllipseOfManyLinesAboveTheCommonErrors) {
 // The errors of a stationary camera repeat in every frame: the part of the lines' own errors that does not show in
 // their scatter is common to all of them.
 TEST(Locate, OneLineTakenManyTimesTellsNoMoreThanOnce) {
-  const DrawnLines drawn = DrawLinesOfSight({.count = 1});
+  const SyntheticLines drawn = SimulateLinesOfSight({.count = 1});
   const std::vector<LineOfSight> many(50, drawn.lines.front());
   for (const std::string method : {"ground", "prior", "ransac", "ml"}) {
     LocateOptions options{.method = method};
     options.ground = std::make_shared<FlatGround>(drawn.object.altitude_m);
-    const GeoFix once = Located(drawn.lines, options);
-    const GeoFix again = Located(many, options);
+    const GeoFix once = LocateOrFail(drawn.lines, options);
+    const GeoFix again = LocateOrFail(many, options);
     ASSERT_TRUE(once.place && again.place) << method;
-    EXPECT_LT(ErrorOf(again, drawn.object), 0.02) << method;
+    EXPECT_LT(PlaceError(again, drawn.object), 0.02) << method;
     EXPECT_GE(again.place->ce90_m, 0.999 * once.place->ce90_m) << method;
     EXPECT_LE(again.place->ce90_m, 1.1 * once.place->ce90_m) << method;
   }
 }
 
 TEST(Locate, SetsWrongLinesAside) {
-  const DrawnLines drawn = DrawLinesOfSight({.wrong_share = 0.3, .noise_position_m = 0.5, .noise_deg = 0.1});
+  const SyntheticLines drawn =
+      SimulateLinesOfSight({.outlier_fraction = 0.3, .noise_position_m = 0.5, .noise_deg = 0.1});
   for (const std::string method : {"ransac", "ml"}) {
-    const GeoFix fix = Located(drawn.lines, {.method = method});
-    EXPECT_LT(ErrorOf(fix, drawn.object), 2) << method;
+    const GeoFix fix = LocateOrFail(drawn.lines, {.method = method});
+    EXPECT_LT(PlaceError(fix, drawn.object), 2) << method;
     for (std::size_t i = 0; i < drawn.wrong.size(); ++i) EXPECT_TRUE(fix.inliers[i] || drawn.wrong[i]) << method << i;
   }
-  const GeoFix all = Located(drawn.lines, {.method = "least-squares"});
-  EXPECT_GT(ErrorOf(all, drawn.object), 2);  // least squares is not robust
+  const GeoFix all = LocateOrFail(drawn.lines, {.method = "least-squares"});
+  EXPECT_GT(PlaceError(all, drawn.object), 2);  // least squares is not robust
 }
 
 TEST(Locate, PriorLeavesOutWhatPullsThePlaceOutOfAFrustum) {
-  DrawnLines drawn = DrawLinesOfSight({.noise_deg = 0.05, .range_share = 0.05});
+  SyntheticLines drawn = SimulateLinesOfSight({.noise_deg = 0.05, .range_fraction = 0.05});
   drawn.lines[50].azimuth_rad += RadiansFromDegrees(20);
   drawn.lines[70].range_m = *drawn.lines[70].range_m * 3;
-  const GeoFix fix = Located(drawn.lines, {.method = "prior"});
-  EXPECT_LT(ErrorOf(fix, drawn.object), 1);
+  const GeoFix fix = LocateOrFail(drawn.lines, {.method = "prior"});
+  EXPECT_LT(PlaceError(fix, drawn.object), 1);
   EXPECT_EQ(Inliers(fix), 98);
   EXPECT_FALSE(fix.inliers[50]);
   EXPECT_FALSE(fix.inliers[70]);
 }
 
 TEST(Locate, RangesMakeUpForAShortBaseline) {
-  const testing::DrawnLinesOptions flight{.arc_deg = 0.5, .noise_deg = 0.1, .range_share = 0.05};
-  const DrawnLines drawn = DrawLinesOfSight(flight);
+  const testing::SyntheticLinesOptions flight{.arc_deg = 0.5, .noise_deg = 0.1, .range_fraction = 0.05};
+  const SyntheticLines drawn = SimulateLinesOfSight(flight);
   for (const std::string method : {"prior", "ransac", "ml"}) {
-    EXPECT_LT(ErrorOf(Located(drawn.lines, {.method = method}), drawn.object), 10) << method;
+    EXPECT_LT(PlaceError(LocateOrFail(drawn.lines, {.method = method}), drawn.object), 10) << method;
   }
 }
 
 TEST(Locate, GroundGivesOneLineItsPlace) {
-  const DrawnLines drawn = DrawLinesOfSight({.count = 1});
+  const SyntheticLines drawn = SimulateLinesOfSight({.count = 1});
   for (const std::string method : {"ground", "prior", "ml"}) {
     LocateOptions options{.method = method};
     options.ground = std::make_shared<FlatGround>(drawn.object.altitude_m);
-    const GeoFix fix = Located(drawn.lines, options);
-    EXPECT_LT(ErrorOf(fix, drawn.object), 0.02) << method;
+    const GeoFix fix = LocateOrFail(drawn.lines, options);
+    EXPECT_LT(PlaceError(fix, drawn.object), 0.02) << method;
     ASSERT_TRUE(fix.place) << method;
     // The error ellipsoid is flat along the ground: the height is known as well as the ground's.
     EXPECT_NEAR(fix.place->le90_m, options.ground_sigma_m * 1.645, 0.1) << method;
@@ -209,16 +210,16 @@ TEST(Locate, GroundGivesOneLineItsPlace) {
 
 // A hillside that rises by one in two to the north, observed from the south.
 TEST(Locate, TerrainGivesOneLineItsPlace) {
-  const testing::DrawnLinesOptions flight{.count = 1};
-  const DrawnLines drawn = DrawLinesOfSight(flight);
+  const testing::SyntheticLinesOptions flight{.count = 1};
+  const SyntheticLines drawn = SimulateLinesOfSight(flight);
   const double height_m = drawn.object.altitude_m;
   LocateOptions options{.method = "ml"};
   options.ground =
-      std::make_shared<DrawnGround>(drawn.object, [=](double, double north_m) { return height_m + 0.5 * north_m; });
+      std::make_shared<SyntheticGround>(drawn.object, [=](double, double north_m) { return height_m + 0.5 * north_m; });
   for (const std::string method : {"ground", "prior", "ml"}) {
     options.method = method;
-    const GeoFix fix = Located(drawn.lines, options);
-    EXPECT_LT(ErrorOf(fix, drawn.object), 0.02) << method << ": " << fix.status;
+    const GeoFix fix = LocateOrFail(drawn.lines, options);
+    EXPECT_LT(PlaceError(fix, drawn.object), 0.02) << method << ": " << fix.status;
     ASSERT_TRUE(fix.place);
     // The error along the ground follows the slope.
     const Eigen::Vector3d across = Eigen::Vector3d(0, -0.5, 1).normalized();
@@ -228,11 +229,11 @@ TEST(Locate, TerrainGivesOneLineItsPlace) {
 }
 
 TEST(Locate, SaysWhyALineMeetsNoTerrain) {
-  const DrawnLines drawn = DrawLinesOfSight({.count = 1});
+  const SyntheticLines drawn = SimulateLinesOfSight({.count = 1});
   const auto status_on = [&](const std::function<double(double, double)>& height) {
     LocateOptions options{.method = "ground"};
-    options.ground = std::make_shared<DrawnGround>(drawn.object, height);
-    const GeoFix fix = Located(drawn.lines, options);
+    options.ground = std::make_shared<SyntheticGround>(drawn.object, height);
+    const GeoFix fix = LocateOrFail(drawn.lines, options);
     EXPECT_FALSE(fix.place);
     return fix.status;
   };
@@ -241,14 +242,14 @@ TEST(Locate, SaysWhyALineMeetsNoTerrain) {
 }
 
 TEST(Locate, TerrainIsAPriorOfManyLinesOnASlope) {
-  const DrawnLines drawn = DrawLinesOfSight({.noise_position_m = 2, .noise_deg = 0.5});
+  const SyntheticLines drawn = SimulateLinesOfSight({.noise_position_m = 2, .noise_deg = 0.5});
   const double height_m = drawn.object.altitude_m;
   LocateOptions options;
-  const GeoFix without = Located(drawn.lines, options);
-  options.ground = std::make_shared<DrawnGround>(
+  const GeoFix without = LocateOrFail(drawn.lines, options);
+  options.ground = std::make_shared<SyntheticGround>(
       drawn.object, [=](double east_m, double north_m) { return height_m + 0.4 * east_m - 0.3 * north_m; });
   options.ground_sigma_m = 0.2;
-  const GeoFix with = Located(drawn.lines, options);
+  const GeoFix with = LocateOrFail(drawn.lines, options);
   ASSERT_TRUE(without.place && with.place);
   const Eigen::Vector3d across = Eigen::Vector3d(-0.4, 0.3, 1).normalized();
   EXPECT_LT(across.dot(with.place->covariance_enu_m2 * across), 0.05);
@@ -257,61 +258,61 @@ TEST(Locate, TerrainIsAPriorOfManyLinesOnASlope) {
 }
 
 TEST(Locate, WhatFliesIsNotDrawnToTheGround) {
-  const DrawnLines drawn = DrawLinesOfSight({.noise_position_m = 0.1, .noise_deg = 0.1});
+  const SyntheticLines drawn = SimulateLinesOfSight({.noise_position_m = 0.1, .noise_deg = 0.1});
   LocateOptions options;
-  const GeoFix without = Located(drawn.lines, options);
+  const GeoFix without = LocateOrFail(drawn.lines, options);
   options.ground = std::make_shared<FlatGround>(drawn.object.altitude_m - 60);
-  const GeoFix with = Located(drawn.lines, options);
+  const GeoFix with = LocateOrFail(drawn.lines, options);
   ASSERT_TRUE(without.place && with.place);
-  EXPECT_NEAR(ErrorOf(with, drawn.object), ErrorOf(without, drawn.object), 1e-3);
+  EXPECT_NEAR(PlaceError(with, drawn.object), PlaceError(without, drawn.object), 1e-3);
 }
 
 // Ranges with a relative error of 20 %, and a ground known to 0.5 m.
 TEST(Locate, GroundMendsPlacesByRange) {
-  const DrawnLines drawn = DrawLinesOfSight({.seed = 5, .count = 5, .arc_deg = 0, .range_share = 0.2});
+  const SyntheticLines drawn = SimulateLinesOfSight({.seed = 5, .count = 5, .arc_deg = 0, .range_fraction = 0.2});
   LocateOptions options;
-  options.line.range_share = 0.2;
-  options.common.range_share = 0.1;
-  const GeoFix by_range = Located(drawn.lines, options);
+  options.line.range_fraction = 0.2;
+  options.common.range_fraction = 0.1;
+  const GeoFix by_range = LocateOrFail(drawn.lines, options);
   options.ground = std::make_shared<FlatGround>(drawn.object.altitude_m);
   options.ground_sigma_m = 0.5;
-  const GeoFix on_ground = Located(drawn.lines, options);
+  const GeoFix on_ground = LocateOrFail(drawn.lines, options);
   ASSERT_TRUE(by_range.place && on_ground.place);
-  EXPECT_LT(ErrorOf(on_ground, drawn.object), 0.2 * ErrorOf(by_range, drawn.object));
+  EXPECT_LT(PlaceError(on_ground, drawn.object), 0.2 * PlaceError(by_range, drawn.object));
   EXPECT_LT(on_ground.place->le90_m, 0.2 * by_range.place->le90_m);
   EXPECT_LT(on_ground.place->ce90_m, by_range.place->ce90_m);
   // Far above the ground the object is not on it.
   options.ground = std::make_shared<FlatGround>(drawn.object.altitude_m - 190);
-  EXPECT_NEAR(ErrorOf(Located(drawn.lines, options), drawn.object), ErrorOf(by_range, drawn.object), 1e-6);
+  EXPECT_NEAR(PlaceError(LocateOrFail(drawn.lines, options), drawn.object), PlaceError(by_range, drawn.object), 1e-6);
 }
 
 TEST(Locate, GroundIsAPriorOfManyLines) {
-  const DrawnLines drawn = DrawLinesOfSight({.noise_position_m = 2, .noise_deg = 0.5});
+  const SyntheticLines drawn = SimulateLinesOfSight({.noise_position_m = 2, .noise_deg = 0.5});
   LocateOptions options;
-  const GeoFix without = Located(drawn.lines, options);
+  const GeoFix without = LocateOrFail(drawn.lines, options);
   options.ground = std::make_shared<FlatGround>(drawn.object.altitude_m);
   options.ground_sigma_m = 0.5;
-  const GeoFix with = Located(drawn.lines, options);
+  const GeoFix with = LocateOrFail(drawn.lines, options);
   ASSERT_TRUE(without.place && with.place);
   EXPECT_LT(with.place->le90_m, 0.5 * without.place->le90_m);
 }
 
 TEST(Locate, TheEllipseGrowsWhenLinesScatterMoreThanTold) {
-  const DrawnLines drawn = DrawLinesOfSight({.count = 30, .noise_position_m = 0.1, .noise_deg = 1});
-  std::vector<LineOfSight> boasting = drawn.lines;
-  for (LineOfSight& line : boasting) line.sigma_rad = RadiansFromDegrees(0.4);
+  const SyntheticLines drawn = SimulateLinesOfSight({.count = 30, .noise_position_m = 0.1, .noise_deg = 1});
+  std::vector<LineOfSight> overconfident = drawn.lines;
+  for (LineOfSight& line : overconfident) line.sigma_rad = RadiansFromDegrees(0.4);
   LocateOptions options{.identity_radius_m = 20};
   options.line.position_m = 0.1;
   options.common = {0.01, 0.01, 0.01, 0.01, 0.01, 0.01};
-  const GeoFix honest = Located(drawn.lines, options);
-  const GeoFix boasted = Located(boasting, options);
-  ASSERT_TRUE(honest.place && boasted.place);
-  EXPECT_GT(boasted.place->ce90_m, 0.7 * honest.place->ce90_m);
+  const GeoFix honest = LocateOrFail(drawn.lines, options);
+  const GeoFix from_overconfident = LocateOrFail(overconfident, options);
+  ASSERT_TRUE(honest.place && from_overconfident.place);
+  EXPECT_GT(from_overconfident.place->ce90_m, 0.7 * honest.place->ce90_m);
 }
 
 TEST(Locate, RefusesWhatCannotBeUsed) {
   EXPECT_FALSE(Locate({}, {}));
-  const DrawnLines drawn = DrawLinesOfSight({.count = 2});
+  const SyntheticLines drawn = SimulateLinesOfSight({.count = 2});
   EXPECT_FALSE(Locate(drawn.lines, {.method = "guess"}));
   EXPECT_FALSE(Locate(drawn.lines, {.method = "ground"}));
   EXPECT_FALSE(Locate(drawn.lines, {.distance_prior_allowance = 0.5}));

@@ -22,12 +22,12 @@ namespace victorious {
 
 /// A 3D point of the object and its observation in normalised image coordinates (depth 1), x right and y down, lens
 /// distortion removed.
-struct SeenPoint {
+struct PointObservation {
   Eigen::Vector3d point;  ///< m, in the object's frame: origin at its centre, x to its front, z up
   Eigen::Vector2d seen;   ///< X / Z, Y / Z
 };
 
-struct ObjectPoseOptions {
+struct ObjectPoseFitOptions {
   double sigma = 1e-3;          ///< of an observed point in normalised coordinates, along each axis
   double sigma_view_rad = 0.1;  ///< of the direction of the matched view: width of the rotation prior
   std::optional<Eigen::Vector3d> up_in_camera = {};  ///< unit vector of the vertical, where it is known
@@ -36,7 +36,7 @@ struct ObjectPoseOptions {
   std::uint64_t seed = 1;
 };
 
-struct ObjectPose {
+struct ObjectPoseFit {
   Rigid3 camera_from_object;
   double sigma_angle_rad = 0;  ///< of the direction to the origin, about each axis
   double sigma_range_m = 0;    ///< of the distance to the origin
@@ -47,7 +47,8 @@ struct ObjectPose {
 /// Estimates the pose with its standard deviations.
 /// @param camera_from_object  initial rotation: that of the matched view, with the in-plane rotation of the match
 /// @return std::nullopt for fewer than three points, or if no pose in front of the camera fits. Deterministic.
-std::optional<ObjectPose> FitObjectPose(std::span<const SeenPoint> points, const Eigen::Quaterniond& camera_from_object,
-                                        const ObjectPoseOptions& options);
+std::optional<ObjectPoseFit> FitObjectPose(std::span<const PointObservation> points,
+                                           const Eigen::Quaterniond& camera_from_object,
+                                           const ObjectPoseFitOptions& options);
 
 }  // namespace victorious

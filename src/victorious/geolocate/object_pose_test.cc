@@ -13,15 +13,16 @@ namespace {
 
 constexpr double kFocalPx = 2000;
 
-Rigid3 PoseOf(double tilt_deg, double turn_deg, const Eigen::Vector3d& place) {
+Rigid3 MakePose(double tilt_deg, double turn_deg, const Eigen::Vector3d& place) {
   return {Eigen::AngleAxisd(RadiansFromDegrees(turn_deg), Eigen::Vector3d::UnitZ()) *
               Eigen::AngleAxisd(RadiansFromDegrees(tilt_deg), Eigen::Vector3d::UnitX()),
           place};
 }
 
-std::vector<SeenPoint> PointsSeen(const Rigid3& camera_from_object, int count, double noise_px, std::uint64_t seed) {
+std::vector<PointObservation> MakeObservations(const Rigid3& camera_from_object, int count, double noise_px,
+                                               std::uint64_t seed) {
   Random random(seed);
-  std::vector<SeenPoint> points;
+  std::vector<PointObservation> points;
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector3d point(4 * random.Uniform() - 2, 2 * random.Uniform() - 1, 1.5 * random.Uniform() - 0.75);
     const Eigen::Vector3d p = camera_from_object.Apply(point);
@@ -31,23 +32,23 @@ std::vector<SeenPoint> PointsSeen(const Rigid3& camera_from_object, int count, d
   return points;
 }
 
-ObjectPoseOptions Options() { return {.sigma = 1 / kFocalPx, .sigma_view_rad = RadiansFromDegrees(6)}; }
+ObjectPoseFitOptions Options() { return {.sigma = 1 / kFocalPx, .sigma_view_rad = RadiansFromDegrees(6)}; }
 
-TEST(ObjectPose, FindsTheTruthWithoutNoise) {
-  const Rigid3 truth = PoseOf(40, 100, {3, -5, 120});
+TEST(ObjectPoseFit, FindsTheTruthWithoutNoise) {
+  const Rigid3 truth = MakePose(40, 100, {3, -5, 120});
   const auto found =
-      FitObjectPose(PointsSeen(truth, 12, 0, 1), PoseOf(44, 97, Eigen::Vector3d::Zero()).rotation, Options());
+      FitObjectPose(MakeObservations(truth, 12, 0, 1), MakePose(44, 97, Eigen::Vector3d::Zero()).rotation, Options());
   ASSERT_TRUE(found);
   EXPECT_LT((found->camera_from_object.translation - truth.translation).norm(), 0.3);
   EXPECT_LT(found->camera_from_object.rotation.angularDistance(truth.rotation), RadiansFromDegrees(1));
 }
 
-TEST(ObjectPose, SaysHowFarItMayErr) {
-  const Rigid3 truth = PoseOf(35, -60, {-2, 4, 130});
+TEST(ObjectPoseFit, SaysHowFarItMayErr) {
+  const Rigid3 truth = MakePose(35, -60, {-2, 4, 130});
   int near = 0;
   constexpr int kDraws = 200;
   for (int i = 0; i < kDraws; ++i) {
-    const auto found = FitObjectPose(PointsSeen(truth, 15, 1, 100 + i), truth.rotation, Options());
+    const auto found = FitObjectPose(MakeObservations(truth, 15, 1, 100 + i), truth.rotation, Options());
     ASSERT_TRUE(found);
     const double off = std::abs(found->camera_from_object.translation.norm() - truth.translation.norm());
     near += off < found->sigma_range_m ? 1 : 0;
@@ -58,9 +59,9 @@ TEST(ObjectPose, SaysHowFarItMayErr) {
   EXPECT_GT(near, 0.6 * kDraws);  // one sigma contains 68 %
 }
 
-TEST(ObjectPose, AWrongPointDoesNotPullItAway) {
-  const Rigid3 truth = PoseOf(40, 10, {0, 0, 100});
-  std::vector<SeenPoint> points = PointsSeen(truth, 12, 0.5, 3);
+TEST(ObjectPoseFit, AWrongPointDoesNotPullItAway) {
+  const Rigid3 truth = MakePose(40, 10, {0, 0, 100});
+  std::vector<PointObservation> points = MakeObservations(truth, 12, 0.5, 3);
   points[4].seen += Eigen::Vector2d(25, -10) / kFocalPx;
   const auto found = FitObjectPose(points, truth.rotation, Options());
   ASSERT_TRUE(found);
@@ -68,9 +69,9 @@ TEST(ObjectPose, AWrongPointDoesNotPullItAway) {
   EXPECT_NEAR(found->camera_from_object.translation.z(), 100, 3);
 }
 
-TEST(ObjectPose, TooFewPointsTellNothing) {
-  const Rigid3 truth = PoseOf(40, 10, {0, 0, 100});
-  EXPECT_FALSE(FitObjectPose(PointsSeen(truth, 2, 0, 3), truth.rotation, Options()));
+TEST(ObjectPoseFit, TooFewPointsTellNothing) {
+  const Rigid3 truth = MakePose(40, 10, {0, 0, 100});
+  EXPECT_FALSE(FitObjectPose(MakeObservations(truth, 2, 0, 3), truth.rotation, Options()));
 }
 
 }  // namespace

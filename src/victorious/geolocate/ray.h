@@ -38,10 +38,10 @@ struct Ray {
   RangeSource range_source = RangeSource::kNone;
   double range_m = 0;
   double sigma_range_m = 0;
-  double range_share = 0;             ///< sigma relative to the true range, if only a relative error is given; else 0
-  Eigen::Vector3d normal;             ///< of the ground at the end of the ray, if the range is from the ground
-  double ground_share = 0;            ///< derivative of the range by the ground's height there, m/m
-  std::optional<NoGround> no_ground;  ///< why the ray does not intersect the given ground
+  double range_fraction = 0;    ///< sigma relative to the true range, if only a relative error is given; else 0
+  Eigen::Vector3d normal;       ///< of the ground at the end of the ray, if the range is from the ground
+  double range_per_height = 0;  ///< derivative of the range by the ground's height there, m/m
+  std::optional<GroundMiss> ground_miss;  ///< why the ray does not intersect the given ground
   double range_weight = 0;  ///< of the range in the linear systems, relative to 1 for each direction across the ray
   Frustum frustum;
 };
@@ -69,16 +69,16 @@ bool InFrustum(const Ray& ray, const Motion& motion);
 /// @param measured          direction of the ray, corrected for the common errors where these are estimated
 /// @param to_object         from the measured camera position to the estimated place, m
 /// @param sigma_position_m  of the camera position, each axis
-Eigen::Vector3d LikelyDirection(const Ray& ray, const Eigen::Vector3d& told, const Eigen::Vector3d& seen,
-                                double sigma_position_m);
+Eigen::Vector3d MaxLikelihoodDirection(const Ray& ray, const Eigen::Vector3d& measured,
+                                       const Eigen::Vector3d& to_object, double sigma_position_m);
 
 /// The variance of MaxLikelihoodDirection, rad^2 along each axis. Parallel rays appear to differ in direction by this
 /// amount, which simulates a baseline: the information about the distance is the squared sine of the angle between
 /// rays.
-double LikelyVariance(const Ray& ray, double distance_m, double sigma_position_m);
+double DirectionVariance(const Ray& ray, double distance_m, double sigma_position_m);
 
 /// The factor for the variances of `count` rays when they are subtracted from the information (see DirectionVariance);
 /// it includes a margin of three sigmas for their sampling error.
-double FeignedFactor(std::ptrdiff_t count);
+double NoiseBiasFactor(std::ptrdiff_t count);
 
 }  // namespace victorious

@@ -23,7 +23,7 @@ Quaterniond CameraFromEnu(const Attitude& attitude) {
   return enu_from_camera.conjugate();
 }
 
-Attitude AttitudeOf(const Quaterniond& camera_from_enu) {
+Attitude AttitudeFromRotation(const Quaterniond& camera_from_enu) {
   const Matrix3d enu_from_camera = camera_from_enu.conjugate().toRotationMatrix();
   const Vector3d right = enu_from_camera.col(0);
   const Vector3d forward = enu_from_camera.col(2);

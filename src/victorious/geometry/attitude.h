@@ -21,6 +21,6 @@ struct Attitude {
 
 /// The inverse of CameraFromEnu. Yaw in [0, 2 pi), roll in [-pi, pi]. If the camera looks straight up or down, only the
 /// sum or the difference of yaw and roll is defined; roll is then 0.
-[[nodiscard]] Attitude AttitudeOf(const Eigen::Quaterniond& camera_from_enu);
+[[nodiscard]] Attitude AttitudeFromRotation(const Eigen::Quaterniond& camera_from_enu);
 
 }  // namespace victorious

@@ -40,7 +40,7 @@ TEST(Attitude, ComesBack) {
   Random random(17);
   for (int i = 0; i < 200; ++i) {
     const Attitude attitude = Degrees(random.Uniform(0, 360), random.Uniform(-89, 89), random.Uniform(-180, 180));
-    const Attitude back = AttitudeOf(CameraFromEnu(attitude));
+    const Attitude back = AttitudeFromRotation(CameraFromEnu(attitude));
     EXPECT_NEAR(WrapAngle(back.yaw_rad - attitude.yaw_rad), 0, 1e-9);
     EXPECT_NEAR(back.pitch_rad, attitude.pitch_rad, 1e-9);
     EXPECT_NEAR(WrapAngle(back.roll_rad - attitude.roll_rad), 0, 1e-9);
@@ -49,7 +49,7 @@ TEST(Attitude, ComesBack) {
 
 TEST(Attitude, StraightDownHasNoRoll) {
   const Eigen::Quaterniond camera_from_enu = CameraFromEnu(Degrees(40, -90, 25));
-  const Attitude attitude = AttitudeOf(camera_from_enu);
+  const Attitude attitude = AttitudeFromRotation(camera_from_enu);
   EXPECT_EQ(attitude.roll_rad, 0);
   EXPECT_LT(CameraFromEnu(attitude).angularDistance(camera_from_enu), 1e-6);
 }

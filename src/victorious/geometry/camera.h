@@ -28,7 +28,7 @@ struct PinholeCamera {
   }
 
   /// The point at depth 1 on the pixel's line of sight, in the camera frame; scaled by a depth it is the 3D point.
-  [[nodiscard]] Eigen::Vector3d RayOf(const Eigen::Vector2d& pixel) const {
+  [[nodiscard]] Eigen::Vector3d Unproject(const Eigen::Vector2d& pixel) const {
     return {(pixel.x() - cx) / fx, (pixel.y() - cy) / fy, 1.0};
   }
 };

@@ -21,7 +21,7 @@ TEST(PinholeCamera, SeesNothingBehindItself) {
 
 TEST(PinholeCamera, RayUndoesProject) {
   const Eigen::Vector3d point(1.5, -0.7, 6);
-  EXPECT_LT((kCamera.RayOf(*kCamera.Project(point)) * point.z() - point).norm(), 1e-12);
+  EXPECT_LT((kCamera.Unproject(*kCamera.Project(point)) * point.z() - point).norm(), 1e-12);
 }
 
 TEST(CentredPinhole, SeesTheEdgeHalfTheFieldOfViewOff) {

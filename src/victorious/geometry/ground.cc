@@ -8,15 +8,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kFarthestM = 2e5;  // maximum range of a ray
-constexpr double kHighestM = 9000;  // altitude above all ground
-constexpr double kSettledM = 1e-3;
-constexpr double kLeastFall = 0.01;  // minimum sine of the incidence angle, about half a degree
+constexpr double kMaxRangeM = 2e5;          // maximum range of a ray
+constexpr double kMaxGroundHeightM = 9000;  // altitude above all ground
+constexpr double kToleranceM = 1e-3;
+constexpr double kMinDescent = 0.01;  // minimum sine of the incidence angle, about half a degree
 
 // A ray above the ground, parametrised by distance.
-class Descent {
+class GroundRay {
  public:
-  Descent(const Ground& ground, const TangentPlane& plane, const Vector3d& from, const Vector3d& along)
+  GroundRay(const Ground& ground, const TangentPlane& plane, const Vector3d& from, const Vector3d& along)
       : ground_(ground), plane_(plane), from_(from), along_(along) {}
 
   [[nodiscard]] Vector3d PointAt(double distance_m) const { return from_ + distance_m * along_; }
@@ -30,28 +30,29 @@ class Descent {
   }
 
   // Height lost per metre along the ray, at most 1; negative where it rises.
-  [[nodiscard]] double FallAt(double distance_m) const {
+  [[nodiscard]] double DescentAt(double distance_m) const {
     return -(plane_.LocalEnuFromEnu(PointAt(distance_m)) * along_).z();
   }
 
   // A step that cannot pass through the ground; over unknown ground, 1 % of the distance so far.
   [[nodiscard]] double StepAt(double distance_m, const std::optional<double>& clearance_m) const {
-    constexpr double kUnknownShare = 0.01;
-    const double fall = FallAt(distance_m);
-    const double level = std::sqrt(std::max(0.0, 1 - fall * fall));
-    const double least_m = ground_.Spacing() / 2 / std::max(level, kLeastFall);
-    if (!clearance_m) return std::max(least_m, kUnknownShare * distance_m);
-    const double closing = ground_.Steepest() * level + fall;  // maximum loss of clearance per metre along the ray
-    return closing > 0 ? std::max(least_m, *clearance_m / closing) : kFarthestM;
+    constexpr double kUnknownFraction = 0.01;
+    const double descent_rate = DescentAt(distance_m);
+    const double level = std::sqrt(std::max(0.0, 1 - descent_rate * descent_rate));
+    const double min_step_m = ground_.Spacing() / 2 / std::max(level, kMinDescent);
+    if (!clearance_m) return std::max(min_step_m, kUnknownFraction * distance_m);
+    const double closing_rate =
+        ground_.MaxSlope() * level + descent_rate;  // maximum loss of clearance per metre along the ray
+    return closing_rate > 0 ? std::max(min_step_m, *clearance_m / closing_rate) : kMaxRangeM;
   }
 
-  [[nodiscard]] bool IsAboveAll(double distance_m) const {
-    return plane_.GeodeticFromEnu(PointAt(distance_m)).altitude_m > kHighestM && FallAt(distance_m) <= 0;
+  [[nodiscard]] bool IsAboveAllGround(double distance_m) const {
+    return plane_.GeodeticFromEnu(PointAt(distance_m)).altitude_m > kMaxGroundHeightM && DescentAt(distance_m) <= 0;
   }
 
   // Bisects between a point above the ground and one on or below it.
-  [[nodiscard]] std::optional<double> CrossingBetween(double above_m, double below_m) const {
-    while (below_m - above_m > kSettledM) {
+  [[nodiscard]] std::optional<double> FindCrossing(double above_m, double below_m) const {
+    while (below_m - above_m > kToleranceM) {
       const double middle_m = (above_m + below_m) / 2;
       const auto clearance_m = ClearanceAt(middle_m);
       if (!clearance_m) return std::nullopt;
@@ -69,7 +70,8 @@ class Descent {
 
 }  // namespace
 
-std::optional<GroundPatch> PatchBelow(const Ground& ground, const TangentPlane& plane, const Vector3d& point_in_plane) {
+std::optional<GroundPatch> GroundPatchAt(const Ground& ground, const TangentPlane& plane,
+                                         const Vector3d& point_in_plane) {
   GeodeticPoint below = plane.GeodeticFromEnu(point_in_plane);
   const auto height_m = ground.HeightAt(below);
   if (!height_m) return std::nullopt;
@@ -85,38 +87,38 @@ std::optional<GroundPatch> PatchBelow(const Ground& ground, const TangentPlane& 
   return GroundPatch{point, plane.LocalEnuFromEnu(point).conjugate() * normal.normalized()};
 }
 
-std::expected<GroundPatch, NoGround> MeetGround(const Ground& ground, const TangentPlane& plane, const Vector3d& from,
-                                                const Vector3d& along, double slack_m) {
-  const Descent descent(ground, plane, from, along);
+std::expected<GroundPatch, GroundMiss> IntersectGround(const Ground& ground, const TangentPlane& plane,
+                                                       const Vector3d& from, const Vector3d& along, double slack_m) {
+  const GroundRay ray(ground, plane, from, along);
   std::optional<double> above_m;  // the last point known to be above the ground, unless the ground became unknown since
-  bool emerging = false;          // the ray started slightly below the ground
+  bool is_emerging = false;       // the ray started slightly below the ground
   bool known = false;
   double distance_m = 0;
-  while (distance_m < kFarthestM) {
-    const auto clearance_m = descent.ClearanceAt(distance_m);
+  while (distance_m < kMaxRangeM) {
+    const auto clearance_m = ray.ClearanceAt(distance_m);
     known = clearance_m.has_value();
     if (!clearance_m) {
       above_m.reset();
-    } else if (*clearance_m > kSettledM) {
+    } else if (*clearance_m > kToleranceM) {
       above_m = distance_m;
-      emerging = false;
+      is_emerging = false;
     } else if (above_m) {
-      const auto met_m = descent.CrossingBetween(*above_m, distance_m);
-      const auto patch = met_m ? PatchBelow(ground, plane, descent.PointAt(*met_m)) : std::nullopt;
-      if (!patch) return std::unexpected(NoGround::kUnknown);
-      if (-along.dot(patch->normal) < kLeastFall) return std::unexpected(NoGround::kAbove);
+      const auto crossing_m = ray.FindCrossing(*above_m, distance_m);
+      const auto patch = crossing_m ? GroundPatchAt(ground, plane, ray.PointAt(*crossing_m)) : std::nullopt;
+      if (!patch) return std::unexpected(GroundMiss::kUnknown);
+      if (-along.dot(patch->normal) < kMinDescent) return std::unexpected(GroundMiss::kAbove);
       return *patch;
-    } else if (distance_m == 0 || emerging) {
-      if (*clearance_m < -slack_m) return std::unexpected(NoGround::kBelow);
-      emerging = true;
+    } else if (distance_m == 0 || is_emerging) {
+      if (*clearance_m < -slack_m) return std::unexpected(GroundMiss::kBelow);
+      is_emerging = true;
     } else {
-      return std::unexpected(NoGround::kUnknown);  // the ray went below the ground where it is not known
+      return std::unexpected(GroundMiss::kUnknown);  // the ray went below the ground where it is not known
     }
-    if (descent.IsAboveAll(distance_m)) break;
-    distance_m += descent.StepAt(distance_m, above_m ? clearance_m : std::nullopt);
+    if (ray.IsAboveAllGround(distance_m)) break;
+    distance_m += ray.StepAt(distance_m, above_m ? clearance_m : std::nullopt);
   }
-  if (emerging) return std::unexpected(NoGround::kBelow);
-  return std::unexpected(known ? NoGround::kAbove : NoGround::kUnknown);
+  if (is_emerging) return std::unexpected(GroundMiss::kBelow);
+  return std::unexpected(known ? GroundMiss::kAbove : GroundMiss::kUnknown);
 }
 
 }  // namespace victorious

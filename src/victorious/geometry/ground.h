@@ -31,7 +31,7 @@ class Ground {
   [[nodiscard]] virtual double Spacing() const = 0;
 
   /// Maximum slope that the ray marching assumes, m/m.
-  [[nodiscard]] virtual double Steepest() const = 0;
+  [[nodiscard]] virtual double MaxSlope() const = 0;
 
  protected:
   Ground() = default;
@@ -46,7 +46,7 @@ class FlatGround final : public Ground {
 
   [[nodiscard]] std::optional<double> HeightAt(const GeodeticPoint& /*point*/) const override { return height_m_; }
   [[nodiscard]] double Spacing() const override { return 1; }
-  [[nodiscard]] double Steepest() const override { return 0; }
+  [[nodiscard]] double MaxSlope() const override { return 0; }
 
  private:
   double height_m_;
@@ -55,18 +55,19 @@ class FlatGround final : public Ground {
 /// Another ground shifted upwards, for example to the centres of the objects that stand on it.
 class RaisedGround final : public Ground {
  public:
-  RaisedGround(std::shared_ptr<const Ground> ground, double by_m) : ground_(std::move(ground)), by_m_(by_m) {}
+  RaisedGround(std::shared_ptr<const Ground> ground, double offset_m)
+      : ground_(std::move(ground)), offset_m_(offset_m) {}
 
   [[nodiscard]] std::optional<double> HeightAt(const GeodeticPoint& point) const override {
     const auto height_m = ground_->HeightAt(point);
-    return height_m ? std::optional(*height_m + by_m_) : std::nullopt;
+    return height_m ? std::optional(*height_m + offset_m_) : std::nullopt;
   }
   [[nodiscard]] double Spacing() const override { return ground_->Spacing(); }
-  [[nodiscard]] double Steepest() const override { return ground_->Steepest(); }
+  [[nodiscard]] double MaxSlope() const override { return ground_->MaxSlope(); }
 
  private:
   std::shared_ptr<const Ground> ground_;
-  double by_m_;
+  double offset_m_;
 };
 
 /// A point on the ground with the surface normal there.
@@ -76,11 +77,11 @@ struct GroundPatch {
 };
 
 /// The ground vertically below or above a point; std::nullopt where it is not known.
-std::optional<GroundPatch> PatchBelow(const Ground& ground, const TangentPlane& plane,
-                                      const Eigen::Vector3d& point_in_plane);
+std::optional<GroundPatch> GroundPatchAt(const Ground& ground, const TangentPlane& plane,
+                                         const Eigen::Vector3d& point_in_plane);
 
 /// Why a ray does not intersect the ground.
-enum class NoGround {
+enum class GroundMiss {
   kBelow,    ///< the ray starts below the ground
   kUnknown,  ///< the ray leaves the area of known ground, or intersects it where the height is not known
   kAbove,    ///< the ray stays above the ground, or is nearly parallel to it at the intersection
@@ -92,8 +93,8 @@ enum class NoGround {
 /// @param slack_m      maximum depth below the ground at which the ray may start, to allow for height errors; the ray
 /// must
 ///                     then emerge from the ground first
-std::expected<GroundPatch, NoGround> MeetGround(const Ground& ground, const TangentPlane& plane,
-                                                const Eigen::Vector3d& from, const Eigen::Vector3d& along,
-                                                double slack_m);
+std::expected<GroundPatch, GroundMiss> IntersectGround(const Ground& ground, const TangentPlane& plane,
+                                                       const Eigen::Vector3d& from, const Eigen::Vector3d& along,
+                                                       double slack_m);
 
 }  // namespace victorious

@@ -13,43 +13,43 @@ namespace victorious {
 namespace {
 
 using Eigen::Vector3d;
-using testing::DrawnGround;
+using testing::SyntheticGround;
 
 const TangentPlane kPlane({0.7, 0.2, 0});
 
-std::expected<GroundPatch, NoGround> Meet(const Ground& ground, const Vector3d& from, const Vector3d& towards,
-                                          double slack_m = 0) {
-  return MeetGround(ground, kPlane, from, (towards - from).normalized(), slack_m);
+std::expected<GroundPatch, GroundMiss> Intersect(const Ground& ground, const Vector3d& from, const Vector3d& towards,
+                                                 double slack_m = 0) {
+  return IntersectGround(ground, kPlane, from, (towards - from).normalized(), slack_m);
 }
 
 TEST(Ground, ARayMeetsFlatGroundThatBendsWithTheEarth) {
   const FlatGround ground(10);
   for (const double far_m : {1.0, 300.0, 5000.0}) {
-    const auto met = Meet(ground, {0, 0, 110}, {far_m, 0, 10});
+    const auto met = Intersect(ground, {0, 0, 110}, {far_m, 0, 10});
     ASSERT_TRUE(met) << far_m;
     const GeodeticPoint point = kPlane.GeodeticFromEnu(met->point);
     EXPECT_NEAR(point.altitude_m, 10, 1e-3);
     EXPECT_NEAR(met->point.x(), far_m, far_m * 0.05);
     EXPECT_NEAR((kPlane.LocalEnuFromEnu(met->point) * met->normal).z(), 1, 1e-9);
   }
-  EXPECT_EQ(Meet(ground, {0, 0, 110}, {100, 0, 110}).error(), NoGround::kAbove);
-  EXPECT_EQ(Meet(ground, {0, 0, 110}, {100, 0, 200}).error(), NoGround::kAbove);
-  EXPECT_EQ(Meet(ground, {0, 0, 5}, {100, 0, -50}).error(), NoGround::kBelow);
-  EXPECT_EQ(Meet(ground, {0, 0, 9}, {100, 0, -50}, 3).error(), NoGround::kBelow) << "it never emerges";
+  EXPECT_EQ(Intersect(ground, {0, 0, 110}, {100, 0, 110}).error(), GroundMiss::kAbove);
+  EXPECT_EQ(Intersect(ground, {0, 0, 110}, {100, 0, 200}).error(), GroundMiss::kAbove);
+  EXPECT_EQ(Intersect(ground, {0, 0, 5}, {100, 0, -50}).error(), GroundMiss::kBelow);
+  EXPECT_EQ(Intersect(ground, {0, 0, 9}, {100, 0, -50}, 3).error(), GroundMiss::kBelow) << "it never emerges";
 }
 
 TEST(Ground, ARayMeetsTheFirstOfTwoHills) {
-  const DrawnGround ground(kPlane.origin(), [](double east, double) {
+  const SyntheticGround ground(kPlane.origin(), [](double east, double) {
     return 40 * std::exp(-std::pow((east - 300) / 40, 2)) + 60 * std::exp(-std::pow((east - 600) / 40, 2));
   });
-  const auto near = Meet(ground, {0, 0, 60}, {300, 0, 35});
+  const auto near = Intersect(ground, {0, 0, 60}, {300, 0, 35});
   ASSERT_TRUE(near);
   EXPECT_LT(near->point.x(), 300);
   EXPECT_LT(near->normal.x(), -0.2) << "it faces the camera";
-  const auto far = Meet(ground, {0, 0, 60}, {300, 0, 41});  // 1 m above the first hill's top
+  const auto far = Intersect(ground, {0, 0, 60}, {300, 0, 41});  // 1 m above the first hill's top
   ASSERT_TRUE(far);
   EXPECT_GT(far->point.x(), 500);
-  const auto behind = Meet(ground, {450, 0, 30}, {500, 0, 0});
+  const auto behind = Intersect(ground, {450, 0, 30}, {500, 0, 0});
   ASSERT_TRUE(behind);
   EXPECT_NEAR(behind->point.x(), 500, 5);
 }
@@ -63,7 +63,7 @@ TEST(Ground, APointMetIsTheFirst) {
     const double length = random.Uniform(20, 200);
     const double height = random.Uniform(0, 0.3 * length);
     const double turn = random.Uniform(0, 6);
-    const DrawnGround ground(kPlane.origin(), [=](double east, double north) {
+    const SyntheticGround ground(kPlane.origin(), [=](double east, double north) {
       return height * std::sin(east / length + turn) * std::cos(north / length);
     });
     const Vector3d from(0, 0, height + random.Uniform(2, 200));
@@ -71,7 +71,7 @@ TEST(Ground, APointMetIsTheFirst) {
     const double elevation = random.Uniform(-kPi / 2, 0.05);
     const Vector3d along(std::sin(azimuth) * std::cos(elevation), std::cos(azimuth) * std::cos(elevation),
                          std::sin(elevation));
-    const auto met = MeetGround(ground, kPlane, from, along, 0);
+    const auto met = IntersectGround(ground, kPlane, from, along, 0);
     if (!met) continue;
     ++met_count;
     const double distance_m = (met->point - from).dot(along);
@@ -87,20 +87,21 @@ TEST(Ground, APointMetIsTheFirst) {
 
 TEST(Ground, GroundThatIsNotKnownIsPassedIfTheRayComesOutAbove) {
   const auto ground_with_hole = [](double first_m, double last_m) {
-    return DrawnGround(kPlane.origin(),
-                       [=](double east, double) { return east > first_m && east < last_m ? std::nan("") : 0.0; });
+    return SyntheticGround(kPlane.origin(),
+                           [=](double east, double) { return east > first_m && east < last_m ? std::nan("") : 0.0; });
   };
-  EXPECT_TRUE(Meet(ground_with_hole(100, 200), {0, 0, 100}, {300, 0, 0}));
-  EXPECT_EQ(Meet(ground_with_hole(250, 350), {0, 0, 100}, {300, 0, 0}).error(), NoGround::kUnknown);
-  EXPECT_EQ(Meet(ground_with_hole(250, 1e9), {0, 0, 100}, {300, 0, 0}).error(), NoGround::kUnknown);
-  EXPECT_TRUE(Meet(ground_with_hole(-1e9, 200), {0, 0, 100}, {300, 0, 0})) << "the camera outside of what is known";
+  EXPECT_TRUE(Intersect(ground_with_hole(100, 200), {0, 0, 100}, {300, 0, 0}));
+  EXPECT_EQ(Intersect(ground_with_hole(250, 350), {0, 0, 100}, {300, 0, 0}).error(), GroundMiss::kUnknown);
+  EXPECT_EQ(Intersect(ground_with_hole(250, 1e9), {0, 0, 100}, {300, 0, 0}).error(), GroundMiss::kUnknown);
+  EXPECT_TRUE(Intersect(ground_with_hole(-1e9, 200), {0, 0, 100}, {300, 0, 0}))
+      << "the camera outside of what is known";
 }
 
 TEST(Ground, ACameraALittleBelowTheGroundSeesWhereItComesOut) {
-  const DrawnGround slope(kPlane.origin(),
-                          [](double east, double) { return east < 50 ? 10 - 0.2 * east : -20 + 0.2 * (east - 50); });
-  EXPECT_EQ(Meet(slope, {0, 0, 9}, {100, 0, -6}).error(), NoGround::kBelow);
-  const auto met = Meet(slope, {0, 0, 9}, {100, 0, -6}, 2);  // it emerges after 20 m
+  const SyntheticGround slope(
+      kPlane.origin(), [](double east, double) { return east < 50 ? 10 - 0.2 * east : -20 + 0.2 * (east - 50); });
+  EXPECT_EQ(Intersect(slope, {0, 0, 9}, {100, 0, -6}).error(), GroundMiss::kBelow);
+  const auto met = Intersect(slope, {0, 0, 9}, {100, 0, -6}, 2);  // it emerges after 20 m
   ASSERT_TRUE(met);
   EXPECT_GT(met->point.x(), 60);
 }
@@ -109,7 +110,8 @@ TEST(Ground, RaisedGroundIsAsHighAboveAsTold) {
   const auto ground = std::make_shared<const FlatGround>(5);
   EXPECT_EQ(*RaisedGround(ground, 1.5).HeightAt({}), 6.5);
   EXPECT_FALSE(
-      RaisedGround(std::make_shared<const DrawnGround>(kPlane.origin(), [](double, double) { return std::nan(""); }), 1)
+      RaisedGround(
+          std::make_shared<const SyntheticGround>(kPlane.origin(), [](double, double) { return std::nan(""); }), 1)
           .HeightAt({0.7, 0.2, 0}));
 }
 

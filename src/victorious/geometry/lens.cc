@@ -22,16 +22,16 @@ Vector2d Distort(const Vector2d& point, const LensDistortion& lens) {
   return RadialFactor(point.squaredNorm(), lens) * point + Tangential(point, lens);
 }
 
-Vector2d Undistort(const Vector2d& shown, const LensDistortion& lens) {
-  constexpr int kMostRounds = 50;
-  constexpr double kSettled = 1e-12;
-  Vector2d point = shown;
-  for (int round = 0; round < kMostRounds; ++round) {
-    const Vector2d next = (shown - Tangential(point, lens)) / RadialFactor(point.squaredNorm(), lens);
-    if (!next.allFinite()) return shown;
+Vector2d Undistort(const Vector2d& distorted, const LensDistortion& lens) {
+  constexpr int kMaxRounds = 50;
+  constexpr double kTolerance = 1e-12;
+  Vector2d point = distorted;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const Vector2d next = (distorted - Tangential(point, lens)) / RadialFactor(point.squaredNorm(), lens);
+    if (!next.allFinite()) return distorted;
     const double moved = (next - point).norm();
     point = next;
-    if (moved < kSettled) break;
+    if (moved < kTolerance) break;
   }
   return point;
 }

@@ -17,6 +17,6 @@ Eigen::Vector2d Distort(const Eigen::Vector2d& point, const LensDistortion& lens
 
 /// The inverse of Distort, by fixed-point iteration: exact to 1e-9 if the distortion is smaller than the image's width.
 /// Returns its argument if the iteration diverges.
-Eigen::Vector2d Undistort(const Eigen::Vector2d& shown, const LensDistortion& lens);
+Eigen::Vector2d Undistort(const Eigen::Vector2d& distorted, const LensDistortion& lens);
 
 }  // namespace victorious

@@ -33,7 +33,7 @@ Box BoundingBox(const Polygon& polygon) {
   return {low.x(), low.y(), high.x() - low.x(), high.y() - low.y()};
 }
 
-Polygon CornersOf(const Box& box) {
+Polygon BoxCorners(const Box& box) {
   return {
       {box.x, box.y}, {box.x + box.width, box.y}, {box.x + box.width, box.y + box.height}, {box.x, box.y + box.height}};
 }
@@ -61,9 +61,9 @@ Polygon ClipToConvex(const Polygon& subject, const Polygon& clip) {
   return result;
 }
 
-Polygon ClipToBox(const Polygon& subject, const Box& box) { return ClipToConvex(subject, CornersOf(box)); }
+Polygon ClipToBox(const Polygon& subject, const Box& box) { return ClipToConvex(subject, BoxCorners(box)); }
 
-double ShareInside(const Polygon& subject, const Box& box) {
+double FractionInside(const Polygon& subject, const Box& box) {
   const double area = std::abs(SignedArea(subject));
   return area > 0 ? std::abs(SignedArea(ClipToBox(subject, box))) / area : 0.0;
 }

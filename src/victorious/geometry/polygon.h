@@ -19,7 +19,7 @@ double SignedArea(const Polygon& polygon);
 Box BoundingBox(const Polygon& polygon);
 
 /// The box's four corners, from the top left, clockwise on the screen.
-Polygon CornersOf(const Box& box);
+Polygon BoxCorners(const Box& box);
 
 /// The part of `subject` inside the convex polygon `clip` (Sutherland and Hodgman 1974); empty if `clip` has no area.
 /// O(n m).
@@ -29,7 +29,7 @@ Polygon ClipToConvex(const Polygon& subject, const Polygon& clip);
 Polygon ClipToBox(const Polygon& subject, const Box& box);
 
 /// The fraction of the area that is inside a box; 0 for a polygon without area.
-double ShareInside(const Polygon& subject, const Box& box);
+double FractionInside(const Polygon& subject, const Box& box);
 
 /// True if all turns have the same sense and the outline winds once; false if it has no area or is not finite.
 bool IsConvex(const Polygon& polygon);

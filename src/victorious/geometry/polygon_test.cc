@@ -99,11 +99,11 @@ TEST(BoundingBox, IsTheSmallest) {
   EXPECT_TRUE(BoundingBox({}).IsEmpty());
 }
 
-TEST(CornersOf, RoundTripsThroughTheBoundingBox) {
+TEST(BoxCorners, RoundTripsThroughTheBoundingBox) {
   const Box box{2, 3, 10, 5};
-  EXPECT_EQ(BoundingBox(CornersOf(box)), box);
-  EXPECT_DOUBLE_EQ(SignedArea(CornersOf(box)), box.Area());
-  EXPECT_EQ(CornersOf(box).front(), Vector2d(2, 3));
+  EXPECT_EQ(BoundingBox(BoxCorners(box)), box);
+  EXPECT_DOUBLE_EQ(SignedArea(BoxCorners(box)), box.Area());
+  EXPECT_EQ(BoxCorners(box).front(), Vector2d(2, 3));
 }
 
 TEST(ClipToConvex, InsideIsKeptAndOutsideIsGone) {
@@ -204,18 +204,18 @@ TEST(ConvexHull, IsConvexClockwiseAndHoldsEveryPoint) {
 
 TEST(IntersectionOverUnionOfPolygons, KnownValues) {
   EXPECT_DOUBLE_EQ(IntersectionOverUnion(kUnitSquare, kUnitSquare), 1);
-  EXPECT_DOUBLE_EQ(IntersectionOverUnion(CornersOf({0, 0, 2, 2}), CornersOf({1, 0, 2, 2})), 1.0 / 3);
+  EXPECT_DOUBLE_EQ(IntersectionOverUnion(BoxCorners({0, 0, 2, 2}), BoxCorners({1, 0, 2, 2})), 1.0 / 3);
   // The octagon that two unit squares at 45 degrees share has the area 2 (sqrt 2 - 1).
   const double common = 2 * (std::sqrt(2.0) - 1);
   const double radius = std::sqrt(0.5);
   EXPECT_NEAR(IntersectionOverUnion(Regular(4, radius), Regular(4, radius, {0, 0}, kPi / 4)), common / (2 - common),
               1e-12);
-  EXPECT_DOUBLE_EQ(IntersectionOverUnion(kArrow, CornersOf({0, 0, 4, 4})), 6.0 / 16);  // the first need not be convex
+  EXPECT_DOUBLE_EQ(IntersectionOverUnion(kArrow, BoxCorners({0, 0, 4, 4})), 6.0 / 16);  // the first need not be convex
 }
 
 TEST(IntersectionOverUnionOfPolygons, IsZeroForWhatIsApartOrHasNoArea) {
   EXPECT_EQ(IntersectionOverUnion(kUnitSquare, Regular(4, 1, {10, 10})), 0);
-  EXPECT_EQ(IntersectionOverUnion(kUnitSquare, CornersOf({1, 0, 1, 1})), 0);  // they touch
+  EXPECT_EQ(IntersectionOverUnion(kUnitSquare, BoxCorners({1, 0, 1, 1})), 0);  // they touch
   EXPECT_EQ(IntersectionOverUnion(kUnitSquare, {}), 0);
   EXPECT_EQ(IntersectionOverUnion(Polygon{}, Polygon{}), 0);
 }
@@ -244,7 +244,7 @@ TEST(IntersectionOverUnionOfPolygons, AgreesWithBoxes) {
     SCOPED_TRACE(i);
     const Box a = BoundingBox(RandomConvex(random));
     const Box b = BoundingBox(RandomConvex(random));
-    EXPECT_NEAR(IntersectionOverUnion(CornersOf(a), CornersOf(b)), IntersectionOverUnion(a, b), 1e-12);
+    EXPECT_NEAR(IntersectionOverUnion(BoxCorners(a), BoxCorners(b)), IntersectionOverUnion(a, b), 1e-12);
   }
 }
 

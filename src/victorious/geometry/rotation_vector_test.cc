@@ -11,29 +11,30 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 TEST(RotationVector, TurnsAboutItsDirectionByItsLength) {
-  EXPECT_TRUE((RotationOf(Vector3d(0, 0, kPi / 2)) * Vector3d::UnitX()).isApprox(Vector3d::UnitY(), 1e-12));
-  EXPECT_EQ(RotationOf(Vector3d::Zero()).w(), 1);
+  EXPECT_TRUE((RotationFromVector(Vector3d(0, 0, kPi / 2)) * Vector3d::UnitX()).isApprox(Vector3d::UnitY(), 1e-12));
+  EXPECT_EQ(RotationFromVector(Vector3d::Zero()).w(), 1);
 }
 
 TEST(RotationVector, ThereAndBack) {
   for (const Vector3d& vector :
        {Vector3d(0.3, -0.2, 0.9), Vector3d(1e-12, 0, 0), Vector3d(0, 3.1, 0), Vector3d(-1e-5, 2e-5, 1e-5)}) {
-    EXPECT_TRUE(VectorOf(RotationOf(vector)).isApprox(vector, 1e-9)) << vector.transpose();
+    EXPECT_TRUE(VectorFromRotation(RotationFromVector(vector)).isApprox(vector, 1e-9)) << vector.transpose();
   }
-  EXPECT_EQ(VectorOf(Quaterniond::Identity()), Vector3d::Zero());
+  EXPECT_EQ(VectorFromRotation(Quaterniond::Identity()), Vector3d::Zero());
 }
 
 TEST(RotationVector, GoesTheShorterWay) {
-  EXPECT_TRUE(VectorOf(RotationOf(Vector3d(0, 0, 1.5 * kPi))).isApprox(Vector3d(0, 0, -0.5 * kPi), 1e-9));
-  Quaterniond turn = RotationOf(Vector3d(0.1, 0.2, 0.3));
+  EXPECT_TRUE(
+      VectorFromRotation(RotationFromVector(Vector3d(0, 0, 1.5 * kPi))).isApprox(Vector3d(0, 0, -0.5 * kPi), 1e-9));
+  Quaterniond turn = RotationFromVector(Vector3d(0.1, 0.2, 0.3));
   turn.coeffs() *= -1;  // the same rotation
-  EXPECT_TRUE(VectorOf(turn).isApprox(Vector3d(0.1, 0.2, 0.3), 1e-9));
+  EXPECT_TRUE(VectorFromRotation(turn).isApprox(Vector3d(0.1, 0.2, 0.3), 1e-9));
 }
 
 TEST(RotationVector, SkewIsTheCrossProduct) {
   const Vector3d a(1, -2, 3);
   const Vector3d b(0.5, 4, -1);
-  EXPECT_TRUE((SkewOf(a) * b).isApprox(a.cross(b), 1e-12));
+  EXPECT_TRUE((CrossProductMatrix(a) * b).isApprox(a.cross(b), 1e-12));
 }
 
 }  // namespace

@@ -19,10 +19,10 @@ struct Vertical {
   PinholeCamera pinhole;
   Eigen::Vector3d up_in_camera = -Eigen::Vector3d::UnitZ();  ///< unit vector
   /// The direction of azimuth 0, with any inclination; not parallel to `up_in_camera`.
-  Eigen::Vector3d ahead_in_camera = Eigen::Vector3d::UnitZ();
+  Eigen::Vector3d azimuth_origin_in_camera = Eigen::Vector3d::UnitZ();
 
   /// The vertical (unit vector) in the frame of the camera rotated to look at `pixel`.
-  [[nodiscard]] Eigen::Vector3d SeenAt(const Eigen::Vector2d& pixel) const;
+  [[nodiscard]] Eigen::Vector3d UpVectorAt(const Eigen::Vector2d& pixel) const;
 
   /// Azimuth of the line of sight through `pixel`, clockwise seen from above, relative to the camera's heading; (-pi,
   /// pi].
@@ -35,6 +35,6 @@ struct Vertical {
 
 /// The object's up axis (unit vector) in the camera frame of a view from `off_nadir_rad`, rotated by `turn_rad` in the
 /// image.
-[[nodiscard]] Eigen::Vector3d UpOfView(double off_nadir_rad, double turn_rad);
+[[nodiscard]] Eigen::Vector3d ViewUpVector(double off_nadir_rad, double turn_rad);
 
 }  // namespace victorious

@@ -15,13 +15,14 @@ TEST(Vertical, StandsInTheMiddleAsTheCameraIsHeld) {
   // vertical leans to the left.
   const Vertical vertical =
       MakeVertical({RadiansFromDegrees(77), RadiansFromDegrees(-30), RadiansFromDegrees(10)}, 0.5, 640, 480);
-  const Eigen::Vector3d expected = UpOfView(RadiansFromDegrees(60), RadiansFromDegrees(-10));
-  EXPECT_LT((vertical.SeenAt({320, 240}) - expected).norm(), 1e-9);
+  const Eigen::Vector3d expected = ViewUpVector(RadiansFromDegrees(60), RadiansFromDegrees(-10));
+  EXPECT_LT((vertical.UpVectorAt({320, 240}) - expected).norm(), 1e-9);
 }
 
 TEST(Vertical, LeansAwayFromTheMiddleInANadirImage) {
   const Vertical vertical = MakeVertical({0, -kPi / 2, 0}, 1.0, 640, 480);
-  const Eigen::Vector3d seen = vertical.SeenAt({620, 240});  // the top of an upright object there appears farther right
+  const Eigen::Vector3d seen =
+      vertical.UpVectorAt({620, 240});  // the top of an upright object there appears farther right
   EXPECT_NEAR(seen.x(), std::sin(std::atan(300 / vertical.pinhole.fx)), 1e-9);
   EXPECT_NEAR(seen.y(), 0, 1e-9);
   EXPECT_LT(seen.z(), 0);
@@ -31,8 +32,8 @@ TEST(Vertical, LeansAwayFromTheMiddleInANadirImage) {
 TEST(Vertical, TurnsTheShortestWay) {
   const Vertical vertical = MakeVertical({1.0, -0.7, 0.2}, 0.9, 640, 480);
   for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(3, 5), Eigen::Vector2d(600, 40), Eigen::Vector2d(100, 470)}) {
-    const auto turn = Eigen::Quaterniond::FromTwoVectors(vertical.pinhole.RayOf(pixel), Eigen::Vector3d::UnitZ());
-    EXPECT_LT((vertical.SeenAt(pixel) - turn * vertical.up_in_camera).norm(), 1e-9);
+    const auto turn = Eigen::Quaterniond::FromTwoVectors(vertical.pinhole.Unproject(pixel), Eigen::Vector3d::UnitZ());
+    EXPECT_LT((vertical.UpVectorAt(pixel) - turn * vertical.up_in_camera).norm(), 1e-9);
   }
 }
 
@@ -42,7 +43,7 @@ TEST(Vertical, TellsTheAzimuthOfEachLineOfSight) {
        {Attitude{1.0, -0.7, 0.2}, Attitude{-2.5, -1.4, 0}, Attitude{0.3, 0.1, -0.1}, Attitude{0.3, -kPi / 2, 0.1}}) {
     const Vertical vertical = MakeVertical(attitude, 1.2, 640, 480);
     for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(3, 5), Eigen::Vector2d(630, 240), Eigen::Vector2d(320, 240)}) {
-      const Eigen::Vector3d enu = CameraFromEnu(attitude).conjugate() * vertical.pinhole.RayOf(pixel);
+      const Eigen::Vector3d enu = CameraFromEnu(attitude).conjugate() * vertical.pinhole.Unproject(pixel);
       const double expected = std::atan2(enu.x(), enu.y()) - attitude.yaw_rad;
       EXPECT_NEAR(WrapAngle(vertical.AzimuthAt(pixel) - expected), 0, 1e-9);
     }

@@ -15,11 +15,13 @@ using Eigen::Vector3d;
 // Index arithmetic of the grid: view 0 is the pole, then the rings follow.
 struct Grid {
   int rings = 0;
-  int around = 0;
+  int views_per_ring = 0;
 
-  [[nodiscard]] int Index(int ring, int place) const { return 1 + ring * around + (place + around) % around; }
+  [[nodiscard]] int Index(int ring, int place) const {
+    return 1 + ring * views_per_ring + (place + views_per_ring) % views_per_ring;
+  }
 
-  [[nodiscard]] std::vector<int> NeighboursOf(int ring, int place) const {
+  [[nodiscard]] std::vector<int> FindNeighbours(int ring, int place) const {
     std::vector<int> neighbours;
     for (int r = std::max(ring - 1, 0); r <= std::min(ring + 1, rings - 1); ++r) {
       for (int p = place - 1; p <= place + 1; ++p) neighbours.push_back(Index(r, p));
@@ -32,9 +34,9 @@ struct Grid {
     return neighbours;
   }
 
-  [[nodiscard]] std::vector<int> NeighboursOfPole() const {
+  [[nodiscard]] std::vector<int> FindPoleNeighbours() const {
     std::vector<int> neighbours;
-    for (int place = 0; rings > 0 && place < around; ++place) neighbours.push_back(Index(0, place));
+    for (int place = 0; rings > 0 && place < views_per_ring; ++place) neighbours.push_back(Index(0, place));
     return neighbours;
   }
 };
@@ -63,20 +65,20 @@ void ViewSphereOptions::ListFields(FieldList& fields) {
 Expected<ViewSphere> MakeViewSphere(const ViewSphereOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   constexpr double kTolerance = 1e-9;
-  const double around = 360.0 / options.step_deg;
-  if (std::abs(around - std::round(around)) > kTolerance) {
+  const double views_per_ring = 360.0 / options.step_deg;
+  if (std::abs(views_per_ring - std::round(views_per_ring)) > kTolerance) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("step {} degrees: must divide 360", options.step_deg));
   }
   const double below = options.max_off_nadir_deg < 180.0 ? options.max_off_nadir_deg : 180.0 - options.step_deg;
   const Grid grid{.rings = static_cast<int>(below / options.step_deg + kTolerance),
-                  .around = static_cast<int>(std::lround(around))};
+                  .views_per_ring = static_cast<int>(std::lround(views_per_ring))};
   ViewSphere sphere;
-  sphere.views.push_back({{}, grid.NeighboursOfPole()});
+  sphere.views.push_back({{}, grid.FindPoleNeighbours()});
   for (int ring = 0; ring < grid.rings; ++ring) {
-    for (int place = 0; place < grid.around; ++place) {
+    for (int place = 0; place < grid.views_per_ring; ++place) {
       const ViewDirection direction{.azimuth_rad = RadiansFromDegrees(place * options.step_deg),
                                     .off_nadir_rad = RadiansFromDegrees((ring + 1) * options.step_deg)};
-      sphere.views.push_back({direction, grid.NeighboursOf(ring, place)});
+      sphere.views.push_back({direction, grid.FindNeighbours(ring, place)});
     }
   }
   return sphere;

@@ -87,7 +87,7 @@ TEST(CameraForView, FramesTheSphere) {
     const Vector3d eye = camera->camera_from_world.Inverse().Apply(Vector3d::Zero());
     EXPECT_LT(((eye - sphere.centre).normalized() - DirectionToCamera(direction)).norm(), 1e-9);
     // The ray through the outline is tangent to the sphere.
-    const Vector3d ray = camera->pinhole.RayOf({160 + 100, 120}).normalized();
+    const Vector3d ray = camera->pinhole.Unproject({160 + 100, 120}).normalized();
     EXPECT_NEAR(ray.cross(centre).norm(), sphere.radius, 1e-9);
     // The model's up axis points upwards in the image.
     const Vector3d up = camera->camera_from_world.rotation * Vector3d::UnitZ();

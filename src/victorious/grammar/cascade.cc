@@ -28,7 +28,7 @@ void CascadeOptions::ListFields(FieldList& fields) {
        .unit = "px",
        .reason =
            "R: matches within this distance in the scene vote for each other; about the object's radius (table 3.1)"});
-  fields.Add("radius_share", radius_share,
+  fields.Add("radius_fraction", radius_fraction,
              {.min = 0.01,
               .max = 100,
               .reason = "with radius = scale: R as a fraction of the template's radius in the scene"});
@@ -73,7 +73,7 @@ void CascadeOptions::ListFields(FieldList& fields) {
               .reason = "RE_DIST_APPROVE_THRESHOLD: the fraction of possible votes that keeps a match in the third "
                         "stage (table 3.1)"});
   fields.Add(
-      "least_votes", least_votes,
+      "min_votes", min_votes,
       {.min = 0,
        .max = 1000,
        .reason = "minimum number of votes of a match in every stage (section 3.3.3: a single vote is unreliable)"});
@@ -92,15 +92,15 @@ void CascadeOptions::ListFields(FieldList& fields) {
 namespace {
 
 // The quantities of one match that the pair tests need.
-struct Node {
-  double x, y;                // scene, px
-  double model_x, model_y;    // template, px
-  double scale, model_scale;  // px
-  double log_scale_change;    // ln(scene scale / template scale)
-  double turn_rad;            // scene orientation - template orientation
-  double radius2;             // R squared, px^2
-  std::uint32_t model;        // template keypoint
-  std::uint32_t match;        // position in the caller's matches
+struct MatchNode {
+  double x, y;                      // scene, px
+  double model_x, model_y;          // template, px
+  double scale, model_scale;        // px
+  double log_scale_change;          // ln(scene scale / template scale)
+  double turn_rad;                  // scene orientation - template orientation
+  double radius2;                   // R squared, px^2
+  std::uint32_t template_keypoint;  // template keypoint
+  std::uint32_t match;              // position in the caller's matches
 };
 
 // The largest distance of a template keypoint from the centroid of all, px.
@@ -116,19 +116,20 @@ double TemplateRadius(std::span<const Keypoint> model) {
   return radius;
 }
 
-std::vector<Node> MakeNodes(std::span<const Keypoint> scene, std::span<const Keypoint> model, const MatchSet& matches,
-                            const CascadeOptions& options) {
+std::vector<MatchNode> MakeNodes(std::span<const Keypoint> scene, std::span<const Keypoint> model,
+                                 const MatchSet& matches, const CascadeOptions& options) {
   const bool by_scale = options.radius == "scale";
-  const double template_radius = by_scale ? options.radius_share * TemplateRadius(model) : 0;
-  std::vector<Node> nodes;
+  const double template_radius = by_scale ? options.radius_fraction * TemplateRadius(model) : 0;
+  std::vector<MatchNode> nodes;
   nodes.reserve(matches.size());
   for (std::uint32_t i = 0; i < matches.size(); ++i) {
-    const Keypoint& s = scene[matches[i].scene];
-    const Keypoint& m = model[matches[i].model];
+    const Keypoint& s = scene[matches[i].scene_keypoint];
+    const Keypoint& m = model[matches[i].template_keypoint];
     const double scale_change = static_cast<double>(s.scale_px) / m.scale_px;
     const double radius = by_scale ? scale_change * template_radius : options.radius_px;
     nodes.push_back({s.x, s.y, m.x, m.y, s.scale_px, m.scale_px, std::log(scale_change),
-                     static_cast<double>(s.orientation_rad) - m.orientation_rad, radius * radius, matches[i].model, i});
+                     static_cast<double>(s.orientation_rad) - m.orientation_rad, radius * radius,
+                     matches[i].template_keypoint, i});
   }
   return nodes;
 }
@@ -137,27 +138,26 @@ std::vector<Node> MakeNodes(std::span<const Keypoint> scene, std::span<const Key
 // neighbours.
 class Grid {
  public:
-  Grid(std::vector<Node>& nodes, double radius) {
+  Grid(std::vector<MatchNode>& nodes, double radius) {
     double x1 = -1e300;
     double y1 = -1e300;
-    for (const Node& node : nodes) {
+    for (const MatchNode& node : nodes) {
       x0_ = std::min(x0_, node.x);
       y0_ = std::min(y0_, node.y);
       x1 = std::max(x1, node.x);
       y1 = std::max(y1, node.y);
     }
     // Bounds the number of cells by a few per node for small R.
-    const double least_cell =
-        std::sqrt((x1 - x0_ + 1) * (y1 - y0_ + 1) / (4.0 * static_cast<double>(nodes.size()) + 4));
-    cell_ = std::max(radius, least_cell);
+    const double min_cell = std::sqrt((x1 - x0_ + 1) * (y1 - y0_ + 1) / (4.0 * static_cast<double>(nodes.size()) + 4));
+    cell_ = std::max(radius, min_cell);
     columns_ = static_cast<int>((x1 - x0_) / cell_) + 1;
     rows_ = static_cast<int>((y1 - y0_) / cell_) + 1;
     begin_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) + 1, 0);
-    for (const Node& node : nodes) ++begin_[CellOf(node) + 1];
+    for (const MatchNode& node : nodes) ++begin_[CellOf(node) + 1];
     for (std::size_t c = 1; c < begin_.size(); ++c) begin_[c] += begin_[c - 1];
     std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-    std::vector<Node> sorted(nodes.size());
-    for (const Node& node : nodes) sorted[next[CellOf(node)]++] = node;
+    std::vector<MatchNode> sorted(nodes.size());
+    for (const MatchNode& node : nodes) sorted[next[CellOf(node)]++] = node;
     nodes = std::move(sorted);
   }
 
@@ -184,7 +184,7 @@ class Grid {
 
   // Calls visit(j) for each node in the cell of a node and in the 8 cells around it, the node itself included.
   template <typename Visit>
-  void ForEachAround(const Node& node, Visit&& visit) const {
+  void ForEachAround(const MatchNode& node, Visit&& visit) const {
     const auto cell = static_cast<int>(CellOf(node));
     const int column = cell % columns_;
     for (int row = std::max(0, cell / columns_ - 1); row <= std::min(rows_ - 1, cell / columns_ + 1); ++row) {
@@ -198,7 +198,7 @@ class Grid {
   }
 
  private:
-  [[nodiscard]] std::size_t CellOf(const Node& node) const {
+  [[nodiscard]] std::size_t CellOf(const MatchNode& node) const {
     const auto column = static_cast<std::size_t>((node.x - x0_) / cell_);
     const auto row = static_cast<std::size_t>((node.y - y0_) / cell_);
     return row * static_cast<std::size_t>(columns_) + column;
@@ -219,7 +219,7 @@ class ScalesAgree {
       : log_scale_(std::log(options.scale_distortion)),
         distance2_(options.distance_distortion * options.distance_distortion) {}
 
-  bool operator()(const Node& i, const Node& j, double dx, double dy) const {
+  bool operator()(const MatchNode& i, const MatchNode& j, double dx, double dy) const {
     if (!(std::abs(i.log_scale_change - j.log_scale_change) < log_scale_)) return false;
     // (a / b)^2 with a, b = mean scale over distance in the scene and the template, cross-multiplied.
     const double model_dx = j.model_x - i.model_x;
@@ -244,7 +244,7 @@ class AnglesAgree {
   explicit AnglesAgree(const CascadeOptions& options)
       : orientation_(options.orientation_distortion_rad), line_(options.line_distortion_rad) {}
 
-  bool operator()(const Node& i, const Node& j, double dx, double dy) const {
+  bool operator()(const MatchNode& i, const MatchNode& j, double dx, double dy) const {
     const double change = WrapAngle(j.turn_rad - i.turn_rad);
     if (!(std::abs(change) < orientation_)) return false;
     const double model_dx = j.model_x - i.model_x;
@@ -264,7 +264,7 @@ class AllAgree {
  public:
   explicit AllAgree(const CascadeOptions& options) : scales_(options), angles_(options) {}
 
-  bool operator()(const Node& i, const Node& j, double dx, double dy) const {
+  bool operator()(const MatchNode& i, const MatchNode& j, double dx, double dy) const {
     return scales_(i, j, dx, dy) && angles_(i, j, dx, dy);
   }
 
@@ -278,14 +278,14 @@ struct Tally {
   std::uint32_t possible = 0;
 };
 
-bool Approved(const Tally& tally, int least_votes, double approval) {
-  return tally.votes >= static_cast<std::uint32_t>(least_votes) && tally.votes > approval * tally.possible;
+bool IsApproved(const Tally& tally, int min_votes, double approval) {
+  return tally.votes >= static_cast<std::uint32_t>(min_votes) && tally.votes > approval * tally.possible;
 }
 
 // Calls visit(i, j, dx, dy, distance2) once for each pair of nodes, i < j, at different positions, at least one of them
 // within the R of the other.
 template <typename Visit>
-void ForEachPair(const std::vector<Node>& nodes, const Grid& grid, const Visit& visit) {
+void ForEachPair(const std::vector<MatchNode>& nodes, const Grid& grid, const Visit& visit) {
   grid.ForEachNear([&](std::uint32_t i, std::uint32_t j) {
     const double dx = nodes[j].x - nodes[i].x;
     const double dy = nodes[j].y - nodes[i].y;
@@ -295,7 +295,7 @@ void ForEachPair(const std::vector<Node>& nodes, const Grid& grid, const Visit& 
 }
 
 template <typename Agree>
-std::vector<Tally> CountVotes(const std::vector<Node>& nodes, const Grid& grid, const Agree& agree) {
+std::vector<Tally> CountVotes(const std::vector<MatchNode>& nodes, const Grid& grid, const Agree& agree) {
   std::vector<Tally> tallies(nodes.size());
   ForEachPair(nodes, grid, [&](std::uint32_t i, std::uint32_t j, double dx, double dy, double distance2) {
     const std::uint32_t votes_for_i = distance2 < nodes[i].radius2 ? 1 : 0;
@@ -312,24 +312,24 @@ std::vector<Tally> CountVotes(const std::vector<Node>& nodes, const Grid& grid, 
 // As CountVotes, with each template keypoint counted once as a voter.
 // @param voters  number of template keypoints
 template <typename Agree>
-std::vector<Tally> CountDistinctVotes(const std::vector<Node>& nodes, const Grid& grid, std::size_t voters,
+std::vector<Tally> CountDistinctVotes(const std::vector<MatchNode>& nodes, const Grid& grid, std::size_t voters,
                                       const Agree& agree) {
   constexpr std::uint32_t kNobody = ~std::uint32_t{0};
-  std::vector<std::uint32_t> asked_by(voters, kNobody);  // per voter: the last receiver within reach; then voted for
+  std::vector<std::uint32_t> counted_by(voters, kNobody);  // per voter: the last receiver within reach; then voted for
   std::vector<std::uint32_t> voted_for(voters, kNobody);
   std::vector<Tally> tallies(nodes.size());
   for (std::uint32_t i = 0; i < nodes.size(); ++i) {
-    const Node& receiver = nodes[i];
+    const MatchNode& receiver = nodes[i];
     grid.ForEachAround(receiver, [&](std::uint32_t j) {
-      const Node& voter = nodes[j];
-      if (voted_for[voter.model] == i) return;
+      const MatchNode& voter = nodes[j];
+      if (voted_for[voter.template_keypoint] == i) return;
       const double dx = voter.x - receiver.x;
       const double dy = voter.y - receiver.y;
       const double distance2 = dx * dx + dy * dy;
       if (distance2 == 0 || !(distance2 < receiver.radius2)) return;
-      if (std::exchange(asked_by[voter.model], i) != i) ++tallies[i].possible;
+      if (std::exchange(counted_by[voter.template_keypoint], i) != i) ++tallies[i].possible;
       if (!agree(receiver, voter, dx, dy)) return;
-      voted_for[voter.model] = i;
+      voted_for[voter.template_keypoint] = i;
       ++tallies[i].votes;
     });
   }
@@ -337,24 +337,24 @@ std::vector<Tally> CountDistinctVotes(const std::vector<Node>& nodes, const Grid
 }
 
 template <typename Agree>
-void Stage(std::vector<Node>& nodes, const CascadeOptions& options, double approval, bool distinct, std::size_t voters,
-           const Agree& agree) {
+void Stage(std::vector<MatchNode>& nodes, const CascadeOptions& options, double approval, bool distinct,
+           std::size_t voters, const Agree& agree) {
   if (nodes.empty()) return;
-  const double largest_radius2 = std::ranges::max(nodes, {}, &Node::radius2).radius2;
-  const Grid grid(nodes, std::sqrt(largest_radius2));
+  const double max_radius2 = std::ranges::max(nodes, {}, &MatchNode::radius2).radius2;
+  const Grid grid(nodes, std::sqrt(max_radius2));
   const std::vector<Tally> tallies =
       distinct ? CountDistinctVotes(nodes, grid, voters, agree) : CountVotes(nodes, grid, agree);
-  std::vector<Node> kept;
+  std::vector<MatchNode> kept;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (Approved(tallies[i], options.least_votes, approval)) kept.push_back(nodes[i]);
+    if (IsApproved(tallies[i], options.min_votes, approval)) kept.push_back(nodes[i]);
   }
   nodes = std::move(kept);
 }
 
-MatchSet MatchesOf(const std::vector<Node>& nodes, const MatchSet& matches) {
+MatchSet SelectMatches(const std::vector<MatchNode>& nodes, const MatchSet& matches) {
   std::vector<std::uint32_t> order;
   order.reserve(nodes.size());
-  for (const Node& node : nodes) order.push_back(node.match);
+  for (const MatchNode& node : nodes) order.push_back(node.match);
   std::ranges::sort(order);
   MatchSet result;
   result.reserve(order.size());
@@ -371,14 +371,14 @@ CascadeResult FilterByGrammar(std::span<const Keypoint> scene, std::span<const K
     return {kept, kept, kept};
   }
   const auto runs = [&](const char* stage) { return options.filter == "cascade" || options.filter == stage; };
-  std::vector<Node> nodes = MakeNodes(scene, model, matches, options);
+  std::vector<MatchNode> nodes = MakeNodes(scene, model, matches, options);
   const auto stage = [&](const char* name, double approval, bool distinct, const auto& agree) {
     if (runs(name) && options.all_measures) {
       Stage(nodes, options, approval, distinct, model.size(), AllAgree(options));
     } else if (runs(name)) {
       Stage(nodes, options, approval, distinct, model.size(), agree);
     }
-    return MatchesOf(nodes, matches);
+    return SelectMatches(nodes, matches);
   };
   const ScalesAgree scales_agree(options);
   CascadeResult result;

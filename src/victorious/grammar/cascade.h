@@ -23,7 +23,7 @@ struct CascadeOptions {
   std::string filter = "cascade";
   std::string radius = "fixed";
   double radius_px = 75;                    ///< R
-  double radius_share = 1;                  ///< R over the projected template radius, for radius = "scale"
+  double radius_fraction = 1;               ///< R over the projected template radius, for radius = "scale"
   double scale_distortion = 1.45;           ///< SCALE_FUDGE_FACTOR
   double distance_distortion = 1.45;        ///< DIST_SCALE_FUDGE_FACTOR
   double first_approval = 0.2;              ///< DIST_APPROVE_THRESHOLD
@@ -31,7 +31,7 @@ struct CascadeOptions {
   double line_distortion_rad = 0.6;         ///< ANG_ORIENT_FUDGE_FACTOR
   double second_approval = 0.4;             ///< ANG_APPROVE_THRESHOLD
   double third_approval = 0.6;              ///< RE_DIST_APPROVE_THRESHOLD
-  int least_votes = 2;                      ///< section 3.3.3
+  int min_votes = 2;                        ///< section 3.3.3
   int distinct_stages = 1;                  ///< section 3.3.4
   bool all_measures = false;
   NeighbourVotingOptions neighbours;
@@ -54,11 +54,11 @@ struct CascadeResult {
 /// of a template keypoint from the centroid of all; a match votes for every match within whose R it lies.
 /// @param scene, model  the keypoints of the scene and of the template that the matches index
 /// Cost: linear in the number of pairs within R (the largest R), by a grid of cells of side R.
-CascadeResult FilterByGrammar(std::span<const Keypoint> scene, std::span<const Keypoint> model, const MatchSet& matches,
-                              const CascadeOptions& options);
+CascadeResult FilterByGrammar(std::span<const Keypoint> scene, std::span<const Keypoint> template_keypoints,
+                              const MatchSet& matches, const CascadeOptions& options);
 
 /// The reference implementation: the same result by the thesis's algorithms, over all pairs of matches. Quadratic.
-CascadeResult FilterByGrammarRef(std::span<const Keypoint> scene, std::span<const Keypoint> model,
+CascadeResult FilterByGrammarRef(std::span<const Keypoint> scene, std::span<const Keypoint> template_keypoints,
                                  const MatchSet& matches, const CascadeOptions& options);
 
 }  // namespace victorious

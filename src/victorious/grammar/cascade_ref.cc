@@ -14,8 +14,8 @@ namespace {
 using Agree = std::function<bool(const PairMeasures& scene, const PairMeasures& model)>;
 
 // R of each match, px.
-std::vector<double> RadiiOf(std::span<const Keypoint> scene, std::span<const Keypoint> model, const MatchSet& matches,
-                            const CascadeOptions& options) {
+std::vector<double> ComputeRadii(std::span<const Keypoint> scene, std::span<const Keypoint> model,
+                                 const MatchSet& matches, const CascadeOptions& options) {
   double x = 0;
   double y = 0;
   for (const Keypoint& keypoint : model) {
@@ -27,8 +27,9 @@ std::vector<double> RadiiOf(std::span<const Keypoint> scene, std::span<const Key
     template_radius = std::max(template_radius, std::hypot(keypoint.x - x, keypoint.y - y));
   std::vector<double> radii;
   for (const Match& match : matches) {
-    const double scale_change = static_cast<double>(scene[match.scene].scale_px) / model[match.model].scale_px;
-    radii.push_back(options.radius == "scale" ? scale_change * (options.radius_share * template_radius)
+    const double scale_change =
+        static_cast<double>(scene[match.scene_keypoint].scale_px) / model[match.template_keypoint].scale_px;
+    radii.push_back(options.radius == "scale" ? scale_change * (options.radius_fraction * template_radius)
                                               : options.radius_px);
   }
   return radii;
@@ -36,25 +37,25 @@ std::vector<double> RadiiOf(std::span<const Keypoint> scene, std::span<const Key
 
 MatchSet Stage(std::span<const Keypoint> scene, std::span<const Keypoint> model, const MatchSet& matches,
                const CascadeOptions& options, double approval, bool distinct, const Agree& agree) {
-  const std::vector<double> radii = RadiiOf(scene, model, matches, options);
+  const std::vector<double> radii = ComputeRadii(scene, model, matches, options);
   // A voter is identified by its match index or, if votes must be distinct, by its template keypoint.
   std::vector<std::set<std::uint32_t>> votes(matches.size());
   std::vector<std::set<std::uint32_t>> possible_votes(matches.size());
   for (std::uint32_t i = 0; i < matches.size(); ++i) {
     for (std::uint32_t j = i + 1; j < matches.size(); ++j) {
-      const Keypoint& scene_i = scene[matches[i].scene];
-      const Keypoint& scene_j = scene[matches[j].scene];
+      const Keypoint& scene_i = scene[matches[i].scene_keypoint];
+      const Keypoint& scene_j = scene[matches[j].scene_keypoint];
       const double distance =
           std::hypot(static_cast<double>(scene_i.x) - scene_j.x, static_cast<double>(scene_i.y) - scene_j.y);
       if (distance == 0) continue;
       const bool j_may_vote = distance < radii[i];
       const bool i_may_vote = distance < radii[j];
-      const std::uint32_t voter_i = distinct ? matches[i].model : i;
-      const std::uint32_t voter_j = distinct ? matches[j].model : j;
+      const std::uint32_t voter_i = distinct ? matches[i].template_keypoint : i;
+      const std::uint32_t voter_j = distinct ? matches[j].template_keypoint : j;
       if (j_may_vote) possible_votes[i].insert(voter_j);
       if (i_may_vote) possible_votes[j].insert(voter_i);
-      const Keypoint& model_i = model[matches[i].model];
-      const Keypoint& model_j = model[matches[j].model];
+      const Keypoint& model_i = model[matches[i].template_keypoint];
+      const Keypoint& model_j = model[matches[j].template_keypoint];
       if (model_i.x == model_j.x && model_i.y == model_j.y) continue;
       if (agree(MeasurePair(scene_i, scene_j), MeasurePair(model_i, model_j))) {
         if (j_may_vote) votes[i].insert(voter_j);
@@ -65,7 +66,7 @@ MatchSet Stage(std::span<const Keypoint> scene, std::span<const Keypoint> model,
   MatchSet kept;
   for (std::size_t i = 0; i < matches.size(); ++i) {
     const auto count = static_cast<double>(votes[i].size());
-    if (count >= options.least_votes && count > approval * static_cast<double>(possible_votes[i].size()))
+    if (count >= options.min_votes && count > approval * static_cast<double>(possible_votes[i].size()))
       kept.push_back(matches[i]);
   }
   return kept;

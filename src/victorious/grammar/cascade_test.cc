@@ -60,9 +60,9 @@ bool Equal(const CascadeResult& a, const CascadeResult& b) {
 TEST(Cascade, AgreesWithTheDefinition) {
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     Random random(seed);
-    Similarity2 pose{
+    Similarity2 fit{
         std::exp(random.Uniform(-1, 1)), random.Uniform(-kPi, kPi), {random.Uniform(0, 500), random.Uniform(0, 400)}};
-    World world = MakeWorld(random.Below(30), random.Below(150), pose, random.Uniform(0, 2), seed);
+    World world = MakeWorld(random.Below(30), random.Below(150), fit, random.Uniform(0, 2), seed);
     // Some keypoints with two orientations, and some that lie at one position of the template.
     for (std::size_t i = 0; i + 7 < world.scene.size(); i += 7) {
       world.scene[i + 1].x = world.scene[i].x;
@@ -71,12 +71,12 @@ TEST(Cascade, AgreesWithTheDefinition) {
     CascadeOptions options;
     options.radius_px = std::exp(random.Uniform(0, 6));
     options.radius = random.Below(2) == 1 ? "scale" : "fixed";
-    options.radius_share = std::exp(random.Uniform(-2, 1));
+    options.radius_fraction = std::exp(random.Uniform(-2, 1));
     constexpr std::array kFilters = {"cascade", "cascade", "first", "second", "third", "none"};
     options.filter = kFilters[random.Below(kFilters.size())];
     options.distinct_stages = static_cast<int>(random.Below(4));
     options.all_measures = random.Below(2) == 1;
-    options.least_votes = static_cast<int>(random.Below(4));
+    options.min_votes = static_cast<int>(random.Below(4));
     EXPECT_TRUE(Equal(FilterByGrammar(world.scene, world.model, world.matches, options),
                       FilterByGrammarRef(world.scene, world.model, world.matches, options)))
         << "seed " << seed;
@@ -89,13 +89,13 @@ TEST(Cascade, KeepsTheTrueAndDropsTheFalse) {
   int all_true = 0;
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     Random random(seed);
-    const Similarity2 pose{std::exp(random.Uniform(-0.5, 0.5)),
-                           random.Uniform(-kPi, kPi),
-                           {random.Uniform(150, 450), random.Uniform(150, 350)}};
-    const World world = MakeWorld(15, 70, pose, 0.5, seed);
+    const Similarity2 fit{std::exp(random.Uniform(-0.5, 0.5)),
+                          random.Uniform(-kPi, kPi),
+                          {random.Uniform(150, 450), random.Uniform(150, 350)}};
+    const World world = MakeWorld(15, 70, fit, 0.5, seed);
     all_true += 15;
     for (const Match& match : FilterByGrammar(world.scene, world.model, world.matches, {}).third) {
-      (match.scene < world.true_matches ? kept_true : kept_false) += 1;
+      (match.scene_keypoint < world.true_matches ? kept_true : kept_false) += 1;
     }
   }
   EXPECT_GE(kept_true, 0.98 * all_true);
@@ -130,7 +130,7 @@ TEST(Cascade, RadiusFromScaleFollowsTheObject) {
     const World world = MakeWorld(20, 60, {size, 0.3, {200, 200}}, 0.3, 7);
     std::size_t kept_true = 0;
     for (const Match& match : FilterByGrammar(world.scene, world.model, world.matches, options).third)
-      kept_true += match.scene < world.true_matches ? 1 : 0;
+      kept_true += match.scene_keypoint < world.true_matches ? 1 : 0;
     EXPECT_GE(kept_true, 19U) << "size " << size;
   }
 }
@@ -171,7 +171,7 @@ TEST(Cascade, DistinctSupportStopsRepeatedPatterns) {
   const MatchSet with = FilterByGrammar(world.scene, world.model, world.matches, options).third;
   EXPECT_GT(without.size(), 4U);
   EXPECT_EQ(with.size(), 4U);
-  for (const Match& match : with) EXPECT_LT(match.model, 4U);
+  for (const Match& match : with) EXPECT_LT(match.template_keypoint, 4U);
 }
 
 // Very many voters, all within R of each other.

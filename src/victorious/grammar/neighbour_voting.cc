@@ -14,7 +14,7 @@ void NeighbourVotingOptions::ListFields(FieldList& fields) {
               .max = 1000,
               .reason = "k: number of nearest keypoints, in the scene and in the template, whose matches count as "
                         "support (Video Google: 15)"});
-  fields.Add("least_votes", least_votes,
+  fields.Add("min_votes", min_votes,
              {.min = 0, .max = 1000, .reason = "m: minimum number of supporting matches (Video Google: 1)"});
 }
 
@@ -26,8 +26,8 @@ class Neighbourhoods {
   Neighbourhoods(std::span<const Keypoint> keypoints, int nearest)
       : keypoints_(keypoints), nearest_(static_cast<std::size_t>(nearest)) {}
 
-  const std::vector<std::uint32_t>& Of(std::uint32_t centre) {
-    const auto [entry, is_new] = known_.try_emplace(centre);
+  const std::vector<std::uint32_t>& NeighboursOf(std::uint32_t centre) {
+    const auto [entry, is_new] = cache_.try_emplace(centre);
     if (is_new) entry->second = Find(centre);
     return entry->second;
   }
@@ -52,7 +52,7 @@ class Neighbourhoods {
 
   std::span<const Keypoint> keypoints_;
   std::size_t nearest_;
-  std::map<std::uint32_t, std::vector<std::uint32_t>> known_;
+  std::map<std::uint32_t, std::vector<std::uint32_t>> cache_;
 };
 
 }  // namespace
@@ -61,19 +61,19 @@ MatchSet FilterByNeighbours(std::span<const Keypoint> scene, std::span<const Key
                             const NeighbourVotingOptions& options) {
   // Template keypoints by scene keypoint, to look up the matches of a neighbourhood.
   std::multimap<std::uint32_t, std::uint32_t> model_of;
-  for (const Match& match : matches) model_of.emplace(match.scene, match.model);
+  for (const Match& match : matches) model_of.emplace(match.scene_keypoint, match.template_keypoint);
   Neighbourhoods in_scene(scene, options.nearest);
-  Neighbourhoods in_model(model, options.nearest);
+  Neighbourhoods in_template(model, options.nearest);
   MatchSet kept;
   for (const Match& match : matches) {
-    const std::vector<std::uint32_t>& model_neighbours = in_model.Of(match.model);
+    const std::vector<std::uint32_t>& model_neighbours = in_template.NeighboursOf(match.template_keypoint);
     int votes = 0;
-    for (const std::uint32_t neighbour : in_scene.Of(match.scene)) {
+    for (const std::uint32_t neighbour : in_scene.NeighboursOf(match.scene_keypoint)) {
       const auto [first, last] = model_of.equal_range(neighbour);
       for (auto other = first; other != last; ++other)
         votes += std::ranges::binary_search(model_neighbours, other->second) ? 1 : 0;
     }
-    if (votes >= options.least_votes) kept.push_back(match);
+    if (votes >= options.min_votes) kept.push_back(match);
   }
   return kept;
 }

@@ -14,8 +14,8 @@
 namespace victorious {
 
 struct NeighbourVotingOptions {
-  int nearest = 15;     ///< k
-  int least_votes = 1;  ///< m
+  int nearest = 15;   ///< k
+  int min_votes = 1;  ///< m
 
   void ListFields(FieldList& fields);
 };
@@ -25,7 +25,7 @@ struct NeighbourVotingOptions {
 /// @param scene, model  the keypoints of the scene and of the template that the matches index
 /// @return the matches with enough support, in the input order
 /// Cost: matched keypoints x all keypoints of their image.
-MatchSet FilterByNeighbours(std::span<const Keypoint> scene, std::span<const Keypoint> model, const MatchSet& matches,
-                            const NeighbourVotingOptions& options);
+MatchSet FilterByNeighbours(std::span<const Keypoint> scene, std::span<const Keypoint> template_keypoints,
+                            const MatchSet& matches, const NeighbourVotingOptions& options);
 
 }  // namespace victorious

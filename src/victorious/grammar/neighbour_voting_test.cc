@@ -18,10 +18,9 @@ TEST(NeighbourVoting, KeepsMatchesWhoseNeighboursMatchNeighbours) {
   const std::vector<Keypoint> row = Row(100);
   // 10 and 11 support each other; 50 matches a keypoint far from that of its neighbour 51.
   const MatchSet matches = {{10, 40, 0.5F}, {11, 41, 0.5F}, {50, 3, 0.5F}, {51, 90, 0.5F}};
-  EXPECT_EQ(FilterByNeighbours(row, row, matches, {.nearest = 4, .least_votes = 1}),
-            (MatchSet{matches[0], matches[1]}));
-  EXPECT_TRUE(FilterByNeighbours(row, row, matches, {.nearest = 4, .least_votes = 2}).empty());
-  EXPECT_EQ(FilterByNeighbours(row, row, matches, {.nearest = 4, .least_votes = 0}), matches);
+  EXPECT_EQ(FilterByNeighbours(row, row, matches, {.nearest = 4, .min_votes = 1}), (MatchSet{matches[0], matches[1]}));
+  EXPECT_TRUE(FilterByNeighbours(row, row, matches, {.nearest = 4, .min_votes = 2}).empty());
+  EXPECT_EQ(FilterByNeighbours(row, row, matches, {.nearest = 4, .min_votes = 0}), matches);
 }
 
 // The weakness that the thesis describes (section 3.3.1): spurious keypoints saturate the neighbourhood.

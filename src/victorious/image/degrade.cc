@@ -10,13 +10,13 @@
 namespace victorious {
 namespace {
 
-void AddGrain(double sigma, std::uint64_t seed, cv::Mat& bgr) {
+void AddSensorNoise(double sigma, std::uint64_t seed, cv::Mat& bgr) {
   cv::Mat grain(bgr.size(), CV_16SC3);
   cv::RNG(seed).fill(grain, cv::RNG::NORMAL, 0.0, sigma);
   cv::add(bgr, grain, bgr, cv::noArray(), CV_8U);
 }
 
-void AddSaltAndPepper(double share, std::uint64_t seed, cv::Mat& bgr) {
+void AddSaltAndPepper(double fraction, std::uint64_t seed, cv::Mat& bgr) {
   Random random(seed);
   const cv::Vec3b white(255, 255, 255);
   const cv::Vec3b black(0, 0, 0);
@@ -24,7 +24,7 @@ void AddSaltAndPepper(double share, std::uint64_t seed, cv::Mat& bgr) {
     auto* pixels = bgr.ptr<cv::Vec3b>(row);
     for (int col = 0; col < bgr.cols; ++col) {
       const double draw = random.Uniform();
-      if (draw < share) pixels[col] = draw < share / 2 ? white : black;
+      if (draw < fraction) pixels[col] = draw < fraction / 2 ? white : black;
     }
   }
 }
@@ -36,14 +36,14 @@ void Degrade(const DegradeOptions& options, std::uint64_t seed, cv::Mat& bgr) {
   Random seeds(seed);
   const std::uint64_t grain_seed = seeds.Next();
   if (options.blur_px > 0) cv::GaussianBlur(bgr, bgr, {}, options.blur_px);
-  if (options.grain > 0) AddGrain(options.grain, grain_seed, bgr);
+  if (options.grain > 0) AddSensorNoise(options.grain, grain_seed, bgr);
   if (options.noise > 0) AddSaltAndPepper(options.noise, seeds.Next(), bgr);
 }
 
-Status Spoil(const Spoiling& spoiling, std::uint64_t seed, cv::Mat& bgr) {
-  Degrade(spoiling.degrade, seed, bgr);
-  if (spoiling.jpeg_quality == 0) return {};
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, EncodeJpeg(bgr, spoiling.jpeg_quality));
+Status DegradeImage(const ImageDegradation& degradation, std::uint64_t seed, cv::Mat& bgr) {
+  Degrade(degradation.degrade, seed, bgr);
+  if (degradation.jpeg_quality == 0) return {};
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, EncodeJpeg(bgr, degradation.jpeg_quality));
   VICTORIOUS_ASSIGN_OR_RETURN(Image image, DecodeImage(bytes, "a rendered image"));
   bgr = std::move(image.bgr);
   return {};

@@ -21,12 +21,12 @@ struct DegradeOptions {
 void Degrade(const DegradeOptions& options, std::uint64_t seed, cv::Mat& bgr);
 
 /// Image degradation: optics and sensor, then compression.
-struct Spoiling {
+struct ImageDegradation {
   DegradeOptions degrade;
   int jpeg_quality = 0;  ///< 1 to 100; 0: no compression
 };
 
 /// Degrades an image (CV_8UC3) in place as a camera and an encoder do. Deterministic by `seed`.
-Status Spoil(const Spoiling& spoiling, std::uint64_t seed, cv::Mat& bgr);
+Status DegradeImage(const ImageDegradation& degradation, std::uint64_t seed, cv::Mat& bgr);
 
 }  // namespace victorious

@@ -52,7 +52,7 @@ std::optional<Image> SplitAlpha(const cv::Mat& stored) {
   }
 }
 
-Expected<ImageHeader> CheckedHeader(std::span<const std::byte> bytes, const std::string& name) {
+Expected<ImageHeader> ReadCheckedHeader(std::span<const std::byte> bytes, const std::string& name) {
   if (bytes.empty()) return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: the file is empty", name));
   const auto header = ReadImageHeader(bytes);
   if (!header || bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
@@ -86,9 +86,9 @@ Expected<Image> DecodeChecked(std::span<const std::byte> bytes, const ImageHeade
   if (!image) {
     return Fail(ErrorCode::kUnsupported, fmt::format("{}: {} channels, not 1 to 4", name, stored.channels()));
   }
-  image->bgr = TurnUpright(image->bgr, header.orientation);
+  image->bgr = RotateUpright(image->bgr, header.orientation);
   // The fourth byte of a BMP pixel is almost always padding, not alpha.
-  image->alpha = header.format == ImageFormat::kBmp ? cv::Mat() : TurnUpright(image->alpha, header.orientation);
+  image->alpha = header.format == ImageFormat::kBmp ? cv::Mat() : RotateUpright(image->alpha, header.orientation);
   return *std::move(image);
 }
 
@@ -100,7 +100,7 @@ Expected<Image> ReadImage(const std::filesystem::path& path) {
 }
 
 Expected<Image> DecodeImage(std::span<const std::byte> bytes, const std::string& name) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const ImageHeader header, CheckedHeader(bytes, name));
+  VICTORIOUS_ASSIGN_OR_RETURN(const ImageHeader header, ReadCheckedHeader(bytes, name));
   try {
     return DecodeChecked(bytes, header, name);
   } catch (const std::exception&) {  // cv::Exception or std::bad_alloc

@@ -9,9 +9,9 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "testing/data.h"
+#include "testing/video_tools.h"
 #include "victorious/base/random.h"
 #include "victorious/image/image_header.h"
-#include "testing/video_tools.h"
 
 namespace victorious {
 namespace {
@@ -156,12 +156,12 @@ TEST(ImageFile, ErrorsAreOneLineWithTheirCode) {
   const testing::ScratchFolder folder;
   testing::WriteBytes(folder / "empty.png", "");
   testing::WriteBytes(folder / "text.png", "this is text, not a picture\n");
-  const std::string png = Encode(".png", testing::NumberedPicture(5, {200, 100}));
+  const std::string png = Encode(".png", testing::NumberedImage(5, {200, 100}));
   testing::WriteBytes(folder / "head.png", png.substr(0, 40));
   std::string changed = png;
   changed[changed.find("IDAT") + 20] ^= 1;
   testing::WriteBytes(folder / "changed.png", changed);
-  const std::string jpeg = Encode(".jpg", testing::NumberedPicture(5, {200, 100}));
+  const std::string jpeg = Encode(".jpg", testing::NumberedImage(5, {200, 100}));
   testing::WriteBytes(folder / "half.jpg", jpeg.substr(0, jpeg.size() / 2));
   const struct {
     std::string name;

@@ -161,7 +161,7 @@ std::string_view Name(ImageFormat format) {
   return "";
 }
 
-std::optional<ImageFormat> ImageFormatOf(std::span<const std::byte> bytes) {
+std::optional<ImageFormat> DetectImageFormat(std::span<const std::byte> bytes) {
   const ByteView view(bytes, std::endian::little);
   if (view.Has(0, "\x89PNG\r\n\x1a\n") && view.Has(12, "IHDR")) return ImageFormat::kPng;
   if (view.Has(0, "\xFF\xD8\xFF")) return ImageFormat::kJpeg;
@@ -174,7 +174,7 @@ std::optional<ImageFormat> ImageFormatOf(std::span<const std::byte> bytes) {
 }
 
 std::optional<ImageHeader> ReadImageHeader(std::span<const std::byte> bytes) {
-  const auto format = ImageFormatOf(bytes);
+  const auto format = DetectImageFormat(bytes);
   if (!format) return std::nullopt;
   switch (*format) {
     case ImageFormat::kPng:

@@ -30,7 +30,7 @@ struct ImageHeader {
 };
 
 /// Identifies the format by the first bytes (32 suffice); std::nullopt if it is none of these.
-[[nodiscard]] std::optional<ImageFormat> ImageFormatOf(std::span<const std::byte> bytes);
+[[nodiscard]] std::optional<ImageFormat> DetectImageFormat(std::span<const std::byte> bytes);
 
 /// Parses the header. Returns std::nullopt for an unknown format or a header without a size. The values are those of
 /// the file, unchecked.

@@ -7,24 +7,24 @@
 namespace victorious {
 namespace {
 
-constexpr int kStandsOut = 35;  // grey levels above the median; lower values detect codec ringing around an impulse
-constexpr int kFarthest = 3;    // px, radius of the pixels that replace an impulse
+constexpr int kMinDeviation = 35;  // grey levels above the median; lower values detect codec ringing around an impulse
+constexpr int kMaxReach = 3;       // px, radius of the pixels that replace an impulse
 
 // Mask: 255 at impulses.
 // @param median  3 x 3 median of `grey`
-cv::Mat ImpulsesOf(const cv::Mat& grey, const cv::Mat& median) {
+cv::Mat DetectImpulses(const cv::Mat& grey, const cv::Mat& median) {
   cv::Mat difference;
   cv::absdiff(grey, median, difference);
-  cv::Mat impulses = difference > kStandsOut;
+  cv::Mat impulses = difference > kMinDeviation;
   cv::Mat wider;
   cv::medianBlur(grey, wider, 5);
   cv::absdiff(grey, wider, difference);
-  impulses |= difference > 2 * kStandsOut;
+  impulses |= difference > 2 * kMinDeviation;
   return impulses;
 }
 
 // Mask: keeps set pixels with at most one set pixel among the eight neighbours.
-cv::Mat NearlyAlone(const cv::Mat& set) {
+cv::Mat KeepIsolated(const cv::Mat& set) {
   cv::Mat count;
   cv::boxFilter(set / 255, count, CV_8U, {3, 3}, {-1, -1}, /*normalize=*/false, cv::BORDER_CONSTANT);
   return set & (count <= 2);
@@ -32,29 +32,29 @@ cv::Mat NearlyAlone(const cv::Mat& set) {
 
 // The fraction of impulses in flat regions: of salt among pixels dark enough for it, plus of pepper among pixels bright
 // enough. In flat regions isolated outliers are noise; elsewhere also thin lines, leaves and print.
-double ShareOfImpulses(const cv::Mat& grey, const cv::Mat& median) {
-  constexpr int kFlat = 20;               // grey levels, bound on the range of the 3 x 3 medians
-  constexpr double kLeastOfImage = 0.02;  // minimum denominator, fraction of the image: robust to few flat pixels
+double ImpulseFraction(const cv::Mat& grey, const cv::Mat& median) {
+  constexpr int kFlat = 20;                  // grey levels, bound on the range of the 3 x 3 medians
+  constexpr double kMinFlatFraction = 0.02;  // minimum denominator, fraction of the image: robust to few flat pixels
   cv::Mat highest;
   cv::Mat lowest;
   cv::dilate(median, highest, {});
   cv::erode(median, lowest, {});
   const cv::Mat flat = highest - lowest < kFlat;
-  const auto share = [&](const cv::Mat& stands_out, const cv::Mat& where) {
-    const double least = kLeastOfImage * static_cast<double>(grey.total());
-    return cv::countNonZero(NearlyAlone(stands_out) & where) / std::max<double>(cv::countNonZero(where), least);
+  const auto impulse_fraction = [&](const cv::Mat& deviates, const cv::Mat& where) {
+    const double least = kMinFlatFraction * static_cast<double>(grey.total());
+    return cv::countNonZero(KeepIsolated(deviates) & where) / std::max<double>(cv::countNonZero(where), least);
   };
   cv::Mat above;
   cv::Mat below;
   cv::subtract(grey, median, above);  // saturates at 0
   cv::subtract(median, grey, below);
-  return share(above > kStandsOut, flat & (median < 255 - kStandsOut)) +
-         share(below > kStandsOut, flat & (median > kStandsOut));
+  return impulse_fraction(above > kMinDeviation, flat & (median < 255 - kMinDeviation)) +
+         impulse_fraction(below > kMinDeviation, flat & (median > kMinDeviation));
 }
 
 // The mean of the nearest clean pixels, weighted by 1 / distance^2; the pixel itself if none is within kMaxReach.
-uchar Repaired(const cv::Mat& grey, const cv::Mat& impulses, int x, int y) {
-  for (int reach = 1; reach <= kFarthest; ++reach) {
+uchar InterpolatePixel(const cv::Mat& grey, const cv::Mat& impulses, int x, int y) {
+  for (int reach = 1; reach <= kMaxReach; ++reach) {
     float sum = 0;
     float weights = 0;
     for (int row = std::max(0, y - reach); row <= std::min(grey.rows - 1, y + reach); ++row) {
@@ -73,16 +73,16 @@ uchar Repaired(const cv::Mat& grey, const cv::Mat& impulses, int x, int y) {
 
 }  // namespace
 
-cv::Mat WithoutImpulses(const cv::Mat& grey, double least_share) {
+cv::Mat RemoveImpulses(const cv::Mat& grey, double min_fraction) {
   if (std::min(grey.rows, grey.cols) < 5) return grey;
   cv::Mat median;
   cv::medianBlur(grey, median, 3);
-  if (ShareOfImpulses(grey, median) < least_share) return grey;
-  const cv::Mat impulses = ImpulsesOf(grey, median);
+  if (ImpulseFraction(grey, median) < min_fraction) return grey;
+  const cv::Mat impulses = DetectImpulses(grey, median);
   cv::Mat clean = grey.clone();
   for (int y = 0; y < grey.rows; ++y) {
     for (int x = 0; x < grey.cols; ++x) {
-      if (impulses.at<uchar>(y, x) != 0) clean.at<uchar>(y, x) = Repaired(grey, impulses, x, y);
+      if (impulses.at<uchar>(y, x) != 0) clean.at<uchar>(y, x) = InterpolatePixel(grey, impulses, x, y);
     }
   }
   return clean;

@@ -14,6 +14,6 @@ namespace victorious {
 ///                      Flat regions decide, because lines, leaves and print produce outliers elsewhere.
 /// @return CV_8UC1 of the same size
 /// Cost: about 3 ms for 640 x 480 pixels.
-cv::Mat WithoutImpulses(const cv::Mat& grey, double least_share);
+cv::Mat RemoveImpulses(const cv::Mat& grey, double min_fraction);
 
 }  // namespace victorious

@@ -39,7 +39,7 @@ TEST(ImpulseNoise, TakesSaltAndPepperOut) {
     const cv::Mat noisy = WithSaltAndPepper(clean.clone(), share);
     const double before = cv::norm(noisy, clean, cv::NORM_L1) / static_cast<double>(clean.total());
     const double after =
-        cv::norm(WithoutImpulses(noisy, 0.015), clean, cv::NORM_L1) / static_cast<double>(clean.total());
+        cv::norm(RemoveImpulses(noisy, 0.015), clean, cv::NORM_L1) / static_cast<double>(clean.total());
     EXPECT_LT(after, before / 15) << share;
   }
 }
@@ -48,13 +48,13 @@ TEST(ImpulseNoise, TakesSaltAndPepperOut) {
 TEST(ImpulseNoise, IsFoundInTheDarkToo) {
   const cv::Mat clean = Hills() / 6;
   const cv::Mat noisy = WithSaltAndPepper(clean.clone(), 0.03);
-  EXPECT_LT(cv::norm(WithoutImpulses(noisy, 0.015), clean, cv::NORM_L1), cv::norm(noisy, clean, cv::NORM_L1) / 5);
+  EXPECT_LT(cv::norm(RemoveImpulses(noisy, 0.015), clean, cv::NORM_L1), cv::norm(noisy, clean, cv::NORM_L1) / 5);
 }
 
 TEST(ImpulseNoise, LeavesCleanImagesAndTheirLampsAlone) {
   cv::Mat clean = Hills();
   for (int i = 0; i < 20; ++i) clean.at<uchar>(5 + 5 * i, 8 + 7 * i) = 255;
-  EXPECT_EQ(cv::norm(WithoutImpulses(clean, 0.015), clean, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(RemoveImpulses(clean, 0.015), clean, cv::NORM_INF), 0);
 }
 
 // Thin branches, letters and dots differ from their surroundings as impulses do: in every tenth pixel of this image.
@@ -66,15 +66,15 @@ TEST(ImpulseNoise, LeavesCleanPicturesFullOfThinThingsAlone) {
     const cv::Point to(static_cast<int>(random.Below(320)), static_cast<int>(random.Below(240)));
     cv::line(clean, from, to, cv::Scalar(random.Below(2) == 0 ? 30 : 240));
   }
-  EXPECT_EQ(cv::norm(WithoutImpulses(clean, 0.015), clean, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(RemoveImpulses(clean, 0.015), clean, cv::NORM_INF), 0);
   const cv::Mat noisy = WithSaltAndPepper(clean.clone(), 0.05);
-  EXPECT_GT(cv::norm(WithoutImpulses(noisy, 0.015), noisy, cv::NORM_INF), 0) << "this one is noisy";
+  EXPECT_GT(cv::norm(RemoveImpulses(noisy, 0.015), noisy, cv::NORM_INF), 0) << "this one is noisy";
 }
 
 TEST(ImpulseNoise, TakesImagesOfAnySize) {
   for (const int side : {0, 1, 4, 5}) {
     const cv::Mat tiny(side, side, CV_8UC1, cv::Scalar(7));
-    EXPECT_EQ(WithoutImpulses(tiny, 0.0).size(), tiny.size()) << side;
+    EXPECT_EQ(RemoveImpulses(tiny, 0.0).size(), tiny.size()) << side;
   }
 }
 

@@ -4,7 +4,7 @@
 
 namespace victorious {
 
-cv::Mat Background(const cv::Mat& grey, double scale) {
+cv::Mat PosteriseImage(const cv::Mat& grey, double scale) {
   constexpr double kStep = 24;
   cv::Mat small;
   cv::resize(grey, small, {}, scale, scale, cv::INTER_AREA);

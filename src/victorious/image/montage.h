@@ -8,7 +8,7 @@
 namespace victorious {
 
 /// Returns a grey image as CV_8UC3, scaled, dimmed and posterised, so that lines stand out and the PNG file is small.
-[[nodiscard]] cv::Mat Background(const cv::Mat& grey, double scale);
+[[nodiscard]] cv::Mat PosteriseImage(const cv::Mat& grey, double scale);
 
 /// Tiles images of one size, `columns` per row, in reading order.
 [[nodiscard]] cv::Mat Montage(const std::vector<cv::Mat>& pictures, int columns);

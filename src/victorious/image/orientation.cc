@@ -18,13 +18,13 @@ Orientation OrientationFromDisplayMatrix(std::span<const std::int32_t, 9> matrix
   const std::int64_t d = matrix[4];
   if (std::abs(a) + std::abs(d) >= std::abs(b) + std::abs(c)) {
     if (a >= 0) return d >= 0 ? Orientation::kUpright : Orientation::kFlip;
-    return d >= 0 ? Orientation::kMirror : Orientation::kTurn180;
+    return d >= 0 ? Orientation::kMirror : Orientation::kRotate180;
   }
-  if (b >= 0) return c >= 0 ? Orientation::kTranspose : Orientation::kTurn90;
-  return c >= 0 ? Orientation::kTurn270 : Orientation::kAntiTranspose;
+  if (b >= 0) return c >= 0 ? Orientation::kTranspose : Orientation::kRotate90;
+  return c >= 0 ? Orientation::kRotate270 : Orientation::kAntiTranspose;
 }
 
-cv::Mat TurnUpright(const cv::Mat& stored, Orientation orientation) {
+cv::Mat RotateUpright(const cv::Mat& stored, Orientation orientation) {
   cv::Mat upright;
   switch (orientation) {
     case Orientation::kUpright:
@@ -32,7 +32,7 @@ cv::Mat TurnUpright(const cv::Mat& stored, Orientation orientation) {
     case Orientation::kMirror:
       cv::flip(stored, upright, 1);
       return upright;
-    case Orientation::kTurn180:
+    case Orientation::kRotate180:
       cv::rotate(stored, upright, cv::ROTATE_180);
       return upright;
     case Orientation::kFlip:
@@ -41,7 +41,7 @@ cv::Mat TurnUpright(const cv::Mat& stored, Orientation orientation) {
     case Orientation::kTranspose:
       cv::transpose(stored, upright);
       return upright;
-    case Orientation::kTurn90:
+    case Orientation::kRotate90:
       cv::rotate(stored, upright, cv::ROTATE_90_CLOCKWISE);
       return upright;
     case Orientation::kAntiTranspose: {
@@ -50,28 +50,28 @@ cv::Mat TurnUpright(const cv::Mat& stored, Orientation orientation) {
       cv::transpose(turned, upright);
       return upright;
     }
-    case Orientation::kTurn270:
+    case Orientation::kRotate270:
       cv::rotate(stored, upright, cv::ROTATE_90_COUNTERCLOCKWISE);
       return upright;
   }
   return stored;
 }
 
-bool SwapsSides(Orientation orientation) { return orientation >= Orientation::kTranspose; }
+bool SwapsWidthAndHeight(Orientation orientation) { return orientation >= Orientation::kTranspose; }
 
-int ClockwiseTurnDeg(Orientation orientation) {
+int ClockwiseRotationDeg(Orientation orientation) {
   switch (orientation) {
     case Orientation::kUpright:
     case Orientation::kMirror:
       return 0;
     case Orientation::kTranspose:
-    case Orientation::kTurn90:
+    case Orientation::kRotate90:
       return 90;
-    case Orientation::kTurn180:
+    case Orientation::kRotate180:
     case Orientation::kFlip:
       return 180;
     case Orientation::kAntiTranspose:
-    case Orientation::kTurn270:
+    case Orientation::kRotate270:
       return 270;
   }
   return 0;

@@ -13,12 +13,12 @@ namespace victorious {
 enum class Orientation {
   kUpright = 1,
   kMirror = 2,  ///< left and right swapped
-  kTurn180 = 3,
+  kRotate180 = 3,
   kFlip = 4,           ///< top and bottom swapped
   kTranspose = 5,      ///< reflection in the main diagonal
-  kTurn90 = 6,         ///< clockwise
+  kRotate90 = 6,       ///< clockwise
   kAntiTranspose = 7,  ///< reflection in the other diagonal
-  kTurn270 = 8,        ///< clockwise
+  kRotate270 = 8,      ///< clockwise
 };
 
 /// Converts EXIF's value; kUpright for values outside 1..8.
@@ -28,12 +28,12 @@ enum class Orientation {
 [[nodiscard]] Orientation OrientationFromDisplayMatrix(std::span<const std::int32_t, 9> matrix);
 
 /// Returns the upright image; shares the pixels of `stored` for kUpright.
-[[nodiscard]] cv::Mat TurnUpright(const cv::Mat& stored, Orientation orientation);
+[[nodiscard]] cv::Mat RotateUpright(const cv::Mat& stored, Orientation orientation);
 
 /// Returns true if the operation swaps width and height.
-[[nodiscard]] bool SwapsSides(Orientation orientation);
+[[nodiscard]] bool SwapsWidthAndHeight(Orientation orientation);
 
 /// Returns the clockwise rotation in degrees, without the reflection: 0, 90, 180 or 270.
-[[nodiscard]] int ClockwiseTurnDeg(Orientation orientation);
+[[nodiscard]] int ClockwiseRotationDeg(Orientation orientation);
 
 }  // namespace victorious

@@ -8,20 +8,20 @@
 namespace victorious {
 namespace {
 
-// The position of a stored pixel after TurnUpright, found by a single white pixel.
+// The position of a stored pixel after RotateUpright, found by a single white pixel.
 cv::Point PlaceAfter(Orientation orientation, cv::Point stored) {
   cv::Mat picture = cv::Mat::zeros(3, 5, CV_8UC1);
   picture.at<uchar>(stored) = 255;
   cv::Point place;
-  cv::minMaxLoc(TurnUpright(picture, orientation), nullptr, nullptr, nullptr, &place);
+  cv::minMaxLoc(RotateUpright(picture, orientation), nullptr, nullptr, nullptr, &place);
   return place;
 }
 
 TEST(Orientation, ClockwiseTurns) {
-  EXPECT_EQ(PlaceAfter(Orientation::kTurn90, {0, 0}), cv::Point(2, 0));
-  EXPECT_EQ(PlaceAfter(Orientation::kTurn180, {0, 0}), cv::Point(4, 2));
-  EXPECT_EQ(PlaceAfter(Orientation::kTurn270, {0, 0}), cv::Point(0, 4));
-  EXPECT_EQ(ClockwiseTurnDeg(Orientation::kTurn270), 270);
+  EXPECT_EQ(PlaceAfter(Orientation::kRotate90, {0, 0}), cv::Point(2, 0));
+  EXPECT_EQ(PlaceAfter(Orientation::kRotate180, {0, 0}), cv::Point(4, 2));
+  EXPECT_EQ(PlaceAfter(Orientation::kRotate270, {0, 0}), cv::Point(0, 4));
+  EXPECT_EQ(ClockwiseRotationDeg(Orientation::kRotate270), 270);
 }
 
 TEST(Orientation, DisplayMatrixAgreesWithTheTurn) {
@@ -35,7 +35,7 @@ TEST(Orientation, DisplayMatrixAgreesWithTheTurn) {
     const std::array<std::int32_t, 9> matrix = {
         x_axis.x * kOne, x_axis.y * kOne, 0, y_axis.x * kOne, y_axis.y * kOne, 0, 0, 0, 1 << 30};
     EXPECT_EQ(OrientationFromDisplayMatrix(matrix), orientation) << value;
-    EXPECT_EQ(SwapsSides(orientation), TurnUpright(cv::Mat::zeros(3, 5, CV_8UC1), orientation).cols == 3);
+    EXPECT_EQ(SwapsWidthAndHeight(orientation), RotateUpright(cv::Mat::zeros(3, 5, CV_8UC1), orientation).cols == 3);
   }
 }
 

@@ -10,14 +10,14 @@ namespace victorious::kernels {
 
 /// The constant of padding descriptors: larger than |b|^2 - 256 sum(b) - 2 q.b of any real descriptor (below 2^25), and
 /// far from overflow.
-inline constexpr std::int32_t kNeverLeast = 1 << 29;
+inline constexpr std::int32_t kPaddingDistance = 1 << 29;
 
 /// Partial distances (without |q|^2) in ascending order; kPaddingDistance in empty slots. Descriptors must be inserted
 /// in the order of their indices, so that the lower index stays first among equal distances.
 class FewNearest {
  public:
   explicit FewNearest(std::size_t few) : few_(few) {
-    for (std::int32_t& distance : distance_) distance = kNeverLeast;
+    for (std::int32_t& distance : distance_) distance = kPaddingDistance;
   }
 
   /// The k-th smallest partial distance so far: a descriptor must be nearer to be inserted.
@@ -37,14 +37,15 @@ class FewNearest {
   void Write(std::int32_t query_squared, Neighbour* out) const {
     for (std::size_t i = 0; i < few_; ++i) {
       out[i] = {};
-      if (distance_[i] < kNeverLeast) out[i] = {index_[i], static_cast<std::uint32_t>(distance_[i] + query_squared)};
+      if (distance_[i] < kPaddingDistance)
+        out[i] = {index_[i], static_cast<std::uint32_t>(distance_[i] + query_squared)};
     }
   }
 
  private:
   std::size_t few_;
-  std::int32_t distance_[kMostNeighbours];
-  std::uint32_t index_[kMostNeighbours] = {};
+  std::int32_t distance_[kMaxNeighbours];
+  std::uint32_t index_[kMaxNeighbours] = {};
 };
 
 }  // namespace victorious::kernels

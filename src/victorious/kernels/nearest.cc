@@ -10,7 +10,7 @@ PackedDescriptors Pack(std::span<const std::uint8_t> rows) {
   set.count = rows.size() / kDescriptorBytes;
   const std::size_t blocks = (set.count + kBlockDescriptors - 1) / kBlockDescriptors;
   set.blocks.assign(blocks * kBlockBytes, 0);
-  set.constant.assign(blocks * kBlockDescriptors, kNeverLeast);
+  set.constant.assign(blocks * kBlockDescriptors, kPaddingDistance);
   for (std::size_t i = 0; i < set.count; ++i) {
     const std::uint8_t* row = rows.data() + i * kDescriptorBytes;
     std::uint8_t* lane = set.blocks.data() + (i / kBlockDescriptors) * kBlockBytes + (i % kBlockDescriptors) * 4;

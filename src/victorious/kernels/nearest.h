@@ -68,7 +68,7 @@ struct Neighbour {
   bool operator==(const Neighbour&) const = default;
 };
 
-inline constexpr std::size_t kMostNeighbours = 8;
+inline constexpr std::size_t kMaxNeighbours = 8;
 
 /// The k = `few` nearest descriptors of query i in out[few i] to out[few i + few - 1], nearest first; of equal
 /// distances the lower index first. 1 <= few <= kMaxNeighbours; out.size() == few * queries.count.

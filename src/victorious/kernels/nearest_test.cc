@@ -105,7 +105,7 @@ class NearestTest : public ::testing::TestWithParam<Implementation> {
     GetParam().find(packed, Pack(set), out);
     EXPECT_EQ(out, Expected(queries, set))
         << packed.count << " queries, " << set.size() / kDescriptorBytes << " in set";
-    for (const std::size_t few : {std::size_t{1}, std::size_t{3}, kMostNeighbours}) {
+    for (const std::size_t few : {std::size_t{1}, std::size_t{3}, kMaxNeighbours}) {
       std::vector<Neighbour> neighbours(packed.count * few);
       GetParam().find_few(packed, Pack(set), few, neighbours);
       EXPECT_EQ(neighbours, ExpectedFew(queries, set, few)) << few << " of " << set.size() / kDescriptorBytes;

@@ -97,7 +97,7 @@ VICTORIOUS_VNNI void FindNearestFewVnni(const PackedQueries& queries, const Pack
     TileRows(queries, first, rows);
     std::vector<FewNearest> found(kTile, FewNearest(few));
     __m512i worst[kTile];
-    for (__m512i& one : worst) one = _mm512_set1_epi32(kNeverLeast);
+    for (__m512i& one : worst) one = _mm512_set1_epi32(kPaddingDistance);
     for (std::size_t block = 0; block < blocks; ++block) {
       __m512i sums[kTile];
       DotBlock(set.blocks.data() + block * kBlockBytes, rows, sums);

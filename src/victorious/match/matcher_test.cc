@@ -66,7 +66,7 @@ TEST(Matcher, HigherRatioOnlyAdds) {
   MatchSet previous;
   for (const double ratio : {0.6, 0.9, 0.95, 0.99, 1.0}) {
     MatchSet matches = MatchOne(scene, model, ratio)[0];
-    EXPECT_TRUE(std::ranges::includes(matches, previous, {}, &Match::scene, &Match::scene));
+    EXPECT_TRUE(std::ranges::includes(matches, previous, {}, &Match::scene_keypoint, &Match::scene_keypoint));
     previous = std::move(matches);
   }
   EXPECT_GT(previous.size(), 150U);

@@ -29,10 +29,10 @@ TEST(RankedMatcher, RanksTheLikestFirstThoughItsRatioWouldFail) {
   const std::vector<RankedMatch> matches =
       RankedMatcher(scene.View()).Match(kernels::PackQueries(model.descriptors), 2);
   ASSERT_EQ(matches.size(), 4U);
-  EXPECT_EQ(matches[2].model, 1U);
-  EXPECT_EQ(matches[2].scene, 40U);
+  EXPECT_EQ(matches[2].template_keypoint, 1U);
+  EXPECT_EQ(matches[2].scene_keypoint, 40U);
   EXPECT_EQ(matches[2].rank, 1U);
-  EXPECT_EQ(matches[3].scene, 20U);
+  EXPECT_EQ(matches[3].scene_keypoint, 20U);
   EXPECT_EQ(matches[3].rank, 2U);
 }
 

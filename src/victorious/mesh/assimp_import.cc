@@ -23,8 +23,8 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
-#include "victorious/mesh/assimp_io.h"
 #include "victorious/image/srgb.h"
+#include "victorious/mesh/assimp_io.h"
 #include "victorious/mesh/texture_image.h"
 
 namespace victorious {
@@ -32,13 +32,13 @@ namespace {
 
 // External text for a one-line message: truncated, control characters replaced by spaces.
 std::string OneLine(std::string_view text) {
-  constexpr std::size_t kLongest = 200;
-  std::string line(text.substr(0, kLongest));
+  constexpr std::size_t kMaxTextLength = 200;
+  std::string line(text.substr(0, kMaxTextLength));
   std::ranges::replace_if(line, [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
   return line;
 }
 
-float UnitRange(float value) { return std::isfinite(value) ? std::clamp(value, 0.0F, 1.0F) : 1.0F; }
+float ClampToUnit(float value) { return std::isfinite(value) ? std::clamp(value, 0.0F, 1.0F) : 1.0F; }
 
 class SceneConverter {
  public:
@@ -51,13 +51,13 @@ class SceneConverter {
     for (int material = 0; std::cmp_less(material, scene_.mNumMaterials); ++material) {
       VICTORIOUS_RETURN_IF_ERROR(AddPart(material));
     }
-    for (Material& material : mesh().materials) DrawAsOpaqueIfItIs(material);
+    for (Material& material : mesh().materials) SetOpaqueIfNoAlpha(material);
     AddWarnings();
     return std::move(loaded_);
   }
 
  private:
-  struct Placed {
+  struct PlacedMesh {
     const aiMesh* mesh;
     aiMatrix4x4 file_from_mesh;
   };
@@ -86,7 +86,7 @@ class SceneConverter {
   }
 
   [[nodiscard]] bool HasVertexColours(unsigned material) const {
-    return std::ranges::any_of(placed_, [&](const Placed& placed) {
+    return std::ranges::any_of(placed_, [&](const PlacedMesh& placed) {
       return placed.mesh->mMaterialIndex == material && placed.mesh->HasVertexColors(0);
     });
   }
@@ -114,7 +114,7 @@ class SceneConverter {
       if (mode == aiString("BLEND")) material.alpha_mode = AlphaMode::kBlend;
     }
     float cutoff = 0.5F;
-    if (source.Get(AI_MATKEY_GLTF_ALPHACUTOFF, cutoff) == aiReturn_SUCCESS) material.alpha_cutoff = UnitRange(cutoff);
+    if (source.Get(AI_MATKEY_GLTF_ALPHACUTOFF, cutoff) == aiReturn_SUCCESS) material.alpha_cutoff = ClampToUnit(cutoff);
     int two_sided = 0;
     material.double_sided = source.Get(AI_MATKEY_TWOSIDED, two_sided) == aiReturn_SUCCESS && two_sided != 0;
   }
@@ -123,7 +123,7 @@ class SceneConverter {
     aiColor4D colour(1, 1, 1, 1);
     if (IsGltf()) {
       if (source.Get(AI_MATKEY_BASE_COLOR, colour) != aiReturn_SUCCESS) source.Get(AI_MATKEY_COLOR_DIFFUSE, colour);
-      return {UnitRange(colour.r), UnitRange(colour.g), UnitRange(colour.b), UnitRange(colour.a)};
+      return {ClampToUnit(colour.r), ClampToUnit(colour.g), ClampToUnit(colour.b), ClampToUnit(colour.a)};
     }
     source.Get(AI_MATKEY_COLOR_DIFFUSE, colour);
     float opacity = 1;
@@ -131,8 +131,8 @@ class SceneConverter {
     // If a texture or the vertices define the colour, editors write black and the importer its default grey.
     const bool unset = textured && colour.r == 0 && colour.g == 0 && colour.b == 0;
     if (unset || HasVertexColours(static_cast<unsigned>(mesh_materials()))) colour = {1, 1, 1, 1};
-    const auto linear = [](float value) { return LinearFromSrgb(UnitRange(value)); };
-    return {linear(colour.r), linear(colour.g), linear(colour.b), UnitRange(opacity)};
+    const auto linear = [](float value) { return LinearFromSrgb(ClampToUnit(value)); };
+    return {linear(colour.r), linear(colour.g), linear(colour.b), ClampToUnit(opacity)};
   }
 
   [[nodiscard]] std::size_t mesh_materials() const { return loaded_.mesh.materials.size(); }
@@ -148,8 +148,8 @@ class SceneConverter {
       return {};
     }
     material.texture = TextureIndex(name.C_Str());
-    material.wrap_u = WrapOf(wrap[0]);
-    material.wrap_v = WrapOf(wrap[1]);
+    material.wrap_u = ConvertWrap(wrap[0]);
+    material.wrap_v = ConvertWrap(wrap[1]);
     aiUVTransform transform;
     if (IsGltf() && source.Get(AI_MATKEY_UVTRANSFORM(type, 0), transform) == aiReturn_SUCCESS) {
       uv.transform = GltfTransform(transform);
@@ -171,7 +171,7 @@ class SceneConverter {
     return transform;
   }
 
-  static TextureWrap WrapOf(aiTextureMapMode mode) {
+  static TextureWrap ConvertWrap(aiTextureMapMode mode) {
     if (mode == aiTextureMapMode_Clamp || mode == aiTextureMapMode_Decal) return TextureWrap::kClamp;
     return mode == aiTextureMapMode_Mirror ? TextureWrap::kMirror : TextureWrap::kRepeat;
   }
@@ -208,19 +208,18 @@ class SceneConverter {
   }
 
   // Many exporters mark every material as blended. Opaque ones do not need depth sorting.
-  void DrawAsOpaqueIfItIs(Material& material) const {
+  void SetOpaqueIfNoAlpha(Material& material) const {
     const bool see_through = material.base_colour.w() < 1 || !loaded_.mesh.colours.empty() || TextureHasAlpha(material);
     if (material.alpha_mode == AlphaMode::kBlend && !see_through) material.alpha_mode = AlphaMode::kOpaque;
   }
 
   Status AddPart(int material) {
     const auto first = static_cast<std::uint32_t>(mesh().triangles.size());
-    for (const Placed& placed : placed_) {
+    for (const PlacedMesh& placed : placed_) {
       if (std::cmp_not_equal(placed.mesh->mMaterialIndex, material)) continue;
       if (mesh().triangles.size() + placed.mesh->mNumFaces > kMaxTriangles ||
           mesh().positions.size() + placed.mesh->mNumVertices > 3 * kMaxTriangles) {
-        return Fail(ErrorCode::kUnsupported,
-                    fmt::format("more than {} triangles: simplify the model", kMaxTriangles));
+        return Fail(ErrorCode::kUnsupported, fmt::format("more than {} triangles: simplify the model", kMaxTriangles));
       }
       AddVertices(placed, uv_sources_[static_cast<std::size_t>(material)]);
       AddTriangles(placed);
@@ -230,7 +229,7 @@ class SceneConverter {
     return {};
   }
 
-  void AddVertices(const Placed& placed, const UvSource& uv_source) {
+  void AddVertices(const PlacedMesh& placed, const UvSource& uv_source) {
     const aiMesh& source = *placed.mesh;
     first_vertex_ = mesh().positions.size();
     aiMatrix3x3 normal_matrix(placed.file_from_mesh);
@@ -259,8 +258,10 @@ class SceneConverter {
     mesh().colours.resize(first_vertex_, Eigen::Vector4f::Ones());
     for (unsigned i = 0; i < source.mNumVertices; ++i) {
       const aiColor4D& colour = source.mColors[0][i];
-      const auto linear = [&](float value) { return IsGltf() ? UnitRange(value) : LinearFromSrgb(UnitRange(value)); };
-      mesh().colours.emplace_back(linear(colour.r), linear(colour.g), linear(colour.b), UnitRange(colour.a));
+      const auto linear = [&](float value) {
+        return IsGltf() ? ClampToUnit(value) : LinearFromSrgb(ClampToUnit(value));
+      };
+      mesh().colours.emplace_back(linear(colour.r), linear(colour.g), linear(colour.b), ClampToUnit(colour.a));
     }
   }
 
@@ -269,7 +270,7 @@ class SceneConverter {
     return std::isfinite(length) && length > 1e-20F ? Eigen::Vector3f(vector / length) : Eigen::Vector3f::Zero();
   }
 
-  void AddTriangles(const Placed& placed) {
+  void AddTriangles(const PlacedMesh& placed) {
     const bool mirrored = placed.file_from_mesh.Determinant() < 0;
     for (unsigned i = 0; i < placed.mesh->mNumFaces; ++i) {
       const aiFace& face = placed.mesh->mFaces[i];
@@ -297,7 +298,7 @@ class SceneConverter {
   const CadFolder& folder_;
   CadFormat format_;
   LoadedMesh loaded_;
-  std::vector<Placed> placed_;
+  std::vector<PlacedMesh> placed_;
   std::vector<UvSource> uv_sources_;  // by material
   std::map<std::string, int> texture_indices_;
   std::size_t first_vertex_ = 0;  // of the mesh instance that is being added
@@ -320,13 +321,13 @@ Status CheckPly(const CadFolder& folder) {
 }
 
 // assimp rotates 3DS scenes from Z up to Y up; this undoes it.
-void TurnBack3ds(Mesh& mesh) {
+void Undo3dsRotation(Mesh& mesh) {
   const auto turn = [](Eigen::Vector3f& v) { v = Eigen::Vector3f(v.x(), -v.z(), v.y()); };
   std::ranges::for_each(mesh.positions, turn);
   std::ranges::for_each(mesh.normals, turn);
 }
 
-Axis UpOf(CadFormat format, const CadFolder& folder) {
+Axis DefaultUpAxis(CadFormat format, const CadFolder& folder) {
   switch (format) {
     case CadFormat::kCollada:
       return ColladaUp(folder);
@@ -341,7 +342,7 @@ Axis UpOf(CadFormat format, const CadFolder& folder) {
 
 }  // namespace
 
-std::optional<CadFormat> CadFormatOf(std::string_view name) {
+std::optional<CadFormat> CadFormatFromName(std::string_view name) {
   static const std::map<std::string, CadFormat, std::less<>> formats = {
       {".gltf", CadFormat::kGltf},   {".glb", CadFormat::kGltf}, {".obj", CadFormat::kObj}, {".ac", CadFormat::kAc3d},
       {".dae", CadFormat::kCollada}, {".3ds", CadFormat::k3ds},  {".ply", CadFormat::kPly}, {".stl", CadFormat::kStl}};
@@ -366,12 +367,12 @@ Expected<ImportedMesh> ImportMesh(const CadFolder& folder, CadFormat format) {
     return Fail(ErrorCode::kDataLoss, fmt::format("damaged: {}", OneLine(exception.what())));
   }
   if (scene == nullptr) {
-    return Fail(ErrorCode::kDataLoss, fmt::format("damaged, or not of the format of its extension: {}",
-                                                  OneLine(importer.GetErrorString())));
+    return Fail(ErrorCode::kDataLoss,
+                fmt::format("damaged, or not of the format of its extension: {}", OneLine(importer.GetErrorString())));
   }
-  ImportedMesh imported{.up = UpOf(format, folder)};
+  ImportedMesh imported{.up = DefaultUpAxis(format, folder)};
   VICTORIOUS_ASSIGN_OR_RETURN(imported.loaded, SceneConverter(*scene, folder, format).Convert());
-  if (format == CadFormat::k3ds) TurnBack3ds(imported.loaded.mesh);
+  if (format == CadFormat::k3ds) Undo3dsRotation(imported.loaded.mesh);
   return imported;
 }
 

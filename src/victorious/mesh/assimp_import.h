@@ -14,7 +14,7 @@ namespace victorious {
 enum class CadFormat { kGltf, kObj, kAc3d, kCollada, k3ds, kPly, kStl };
 
 /// The format by file extension, case-insensitive; std::nullopt for any other extension.
-[[nodiscard]] std::optional<CadFormat> CadFormatOf(std::string_view name);
+[[nodiscard]] std::optional<CadFormat> CadFormatFromName(std::string_view name);
 
 struct ImportedMesh {
   LoadedMesh loaded;       ///< in the file's own frame and unit; missing normals are zero vectors

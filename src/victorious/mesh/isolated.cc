@@ -126,7 +126,7 @@ Error TooLarge(const IsolationLimits& limits) {
           fmt::format("takes more than {} MiB of memory to read: use a smaller file", limits.memory_bytes >> 20)};
 }
 
-Expected<std::string> ResultOf(int wait_status, int fd, const IsolationLimits& limits) {
+Expected<std::string> ReadChildResult(int wait_status, int fd, const IsolationLimits& limits) {
   if (WIFSIGNALED(wait_status)) {
     const int signal = WTERMSIG(wait_status);
     if (signal == SIGXCPU) {
@@ -172,7 +172,7 @@ Expected<std::string> RunIsolated(const std::function<Expected<std::string>()>& 
   while (waitpid(child, &wait_status, 0) < 0) {
     if (errno != EINTR) return std::unexpected(ErrorFromErrno(errno, "wait for the isolated process"));
   }
-  return ResultOf(wait_status, result.get(), limits);
+  return ReadChildResult(wait_status, result.get(), limits);
 }
 
 }  // namespace victorious

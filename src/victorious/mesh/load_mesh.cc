@@ -22,25 +22,25 @@ namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 6> kAxisNames = {"+x", "-x", "+y", "-y", "+z", "-z"};
 
-int IndexOf(Axis axis) { return static_cast<int>(axis) / 2; }
+int AxisIndex(Axis axis) { return static_cast<int>(axis) / 2; }
 
-Eigen::Vector3f VectorOf(Axis axis) {
+Eigen::Vector3f AxisVector(Axis axis) {
   const bool minus = static_cast<int>(axis) % 2 == 1;
-  return Eigen::Vector3f::Unit(IndexOf(axis)) * (minus ? -1.0F : 1.0F);
+  return Eigen::Vector3f::Unit(AxisIndex(axis)) * (minus ? -1.0F : 1.0F);
 }
 
 // The default front axis for an up axis: the side that editors show in their front view.
-Axis DefaultFront(Axis up) { return IndexOf(up) == 2 ? Axis::kMinusY : Axis::kPlusZ; }
+Axis DefaultFront(Axis up) { return AxisIndex(up) == 2 ? Axis::kMinusY : Axis::kPlusZ; }
 
 struct Axes {
   Axis up;
   Axis front;
 };
 
-Expected<Axes> AxesOf(const LoadMeshOptions& options, Axis own_up) {
+Expected<Axes> ResolveAxes(const LoadMeshOptions& options, Axis own_up) {
   const Axis up = options.up.value_or(own_up);
   const Axis front = options.front.value_or(DefaultFront(up));
-  if (IndexOf(up) == IndexOf(front)) {
+  if (AxisIndex(up) == AxisIndex(front)) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("front {} and up {}: must be two different axes",
                             kAxisNames[static_cast<std::size_t>(front)], kAxisNames[static_cast<std::size_t>(up)]));
@@ -48,9 +48,9 @@ Expected<Axes> AxesOf(const LoadMeshOptions& options, Axis own_up) {
   return Axes{up, front};
 }
 
-void TurnIntoModelFrame(Mesh& mesh, const Axes& axes) {
-  const Eigen::Vector3f up = VectorOf(axes.up);
-  const Eigen::Vector3f front = VectorOf(axes.front);
+void RotateIntoModelFrame(Mesh& mesh, const Axes& axes) {
+  const Eigen::Vector3f up = AxisVector(axes.up);
+  const Eigen::Vector3f front = AxisVector(axes.front);
   Eigen::Matrix3f model_from_file;
   model_from_file << front.transpose(), up.cross(front).transpose(), up.transpose();
   const auto turn = [&](Eigen::Vector3f& vector) { vector = model_from_file * vector; };
@@ -59,13 +59,13 @@ void TurnIntoModelFrame(Mesh& mesh, const Axes& axes) {
 }
 
 // LoadedMesh::length_m for a box of this size. Also the longest side for a glTF without extent along its front axis.
-double LengthOf(const Eigen::Vector3d& size, CadFormat format) {
+double ObjectLength(const Eigen::Vector3d& size, CadFormat format) {
   return format == CadFormat::kGltf && size.x() > 0 ? size.x() : size.maxCoeff();
 }
 
 Status Scale(Mesh& mesh, CadFormat format, const std::optional<double>& length_m) {
   const Eigen::Vector3d size = BoundingBox(mesh).sizes();
-  const double length = LengthOf(size, format);
+  const double length = ObjectLength(size, format);
   if (!(length > 0)) {
     return Fail(ErrorCode::kDataLoss, "all triangles lie in one point: the mesh must have an extent");
   }
@@ -84,13 +84,13 @@ Status Scale(Mesh& mesh, CadFormat format, const std::optional<double>& length_m
 
 Expected<LoadedMesh> ImportIntoModelFrame(const CadFolder& folder, CadFormat format, const LoadMeshOptions& options) {
   VICTORIOUS_ASSIGN_OR_RETURN(ImportedMesh imported, ImportMesh(folder, format));
-  VICTORIOUS_ASSIGN_OR_RETURN(const Axes axes, AxesOf(options, imported.up));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Axes axes, ResolveAxes(options, imported.up));
   Mesh& mesh = imported.loaded.mesh;
   if (mesh.triangles.empty()) {
     const std::string why = imported.loaded.warnings.empty() ? "" : " (" + imported.loaded.warnings.back() + ")";
     return Fail(ErrorCode::kDataLoss, "no triangle can be drawn" + why);
   }
-  TurnIntoModelFrame(mesh, axes);
+  RotateIntoModelFrame(mesh, axes);
   VICTORIOUS_RETURN_IF_ERROR(Scale(mesh, format, options.length_m));
   FillMissingNormals(mesh);
   return std::move(imported.loaded);
@@ -98,7 +98,7 @@ Expected<LoadedMesh> ImportIntoModelFrame(const CadFolder& folder, CadFormat for
 
 Expected<LoadedMesh> Load(std::span<const std::byte> bytes, const std::string& name, std::optional<fs::path> folder,
                           const LoadMeshOptions& options) {
-  const auto format = CadFormatOf(name);
+  const auto format = CadFormatFromName(name);
   if (!format) {
     return Fail(ErrorCode::kUnsupported,
                 fmt::format("{}: not a CAD file (.gltf, .glb, .obj, .ac, .dae, .3ds, .ply or .stl)", name));
@@ -116,7 +116,7 @@ Expected<LoadedMesh> Load(std::span<const std::byte> bytes, const std::string& n
   if (!result) return std::unexpected(std::move(result).error().WithContext(name));
   auto loaded = MeshFromBytes(*result);
   if (!loaded) return std::unexpected(std::move(loaded).error().WithContext(name));
-  loaded->length_m = LengthOf(BoundingBox(loaded->mesh).sizes(), *format);
+  loaded->length_m = ObjectLength(BoundingBox(loaded->mesh).sizes(), *format);
   return loaded;
 }
 

@@ -12,9 +12,9 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "testing/cad_tools.h"
 #include "testing/data.h"
 #include "victorious/base/file.h"
-#include "testing/cad_tools.h"
 
 namespace victorious {
 namespace {
@@ -370,7 +370,9 @@ TEST(LoadMesh, HostileGltfIsOneLine) {
   const std::string head = R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],)";
   const std::string mesh =
       R"("nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],)";
-  const auto glb = [&](const std::string& rest) { return testing::GlbOf(head + rest + "}", std::string(64, '\1')); };
+  const auto glb = [&](const std::string& rest) {
+    return testing::GlbFromChunks(head + rest + "}", std::string(64, '\1'));
+  };
   const auto accessors = [](const std::string& positions, const std::string& indices, const std::string& buffer) {
     return fmt::format(R"("accessors":[{{"bufferView":0,"componentType":5126,"type":"VEC3",{}}},)"
                        R"({{"bufferView":0,"componentType":5125,"type":"SCALAR",{}}}],)"
@@ -399,7 +401,7 @@ TEST(LoadMesh, HostileGltfIsOneLine) {
   std::string all = "0";
   for (int i = 1; i < 400'000; ++i) all += fmt::format(",{}", i);
   text.replace(text.find(R"("nodes":[0])"), 11, R"("nodes":[)" + all + "]");
-  ExpectOneLineError(Decode(testing::GlbOf(text, many.substr(binary + 8)), "a.glb"), "a.glb");
+  ExpectOneLineError(Decode(testing::GlbFromChunks(text, many.substr(binary + 8)), "a.glb"), "a.glb");
 }
 
 TEST(LoadMesh, TooManyTrianglesAreRefused) {

@@ -31,7 +31,7 @@ Vector3f AreaVector(const Mesh& mesh, const std::array<std::uint32_t, 3>& triang
   return (mesh.positions[triangle[1]] - origin).cross(mesh.positions[triangle[2]] - origin);
 }
 
-const Vector3f& PositionOf(const Mesh& mesh, const Corner& corner) {
+const Vector3f& CornerPosition(const Mesh& mesh, const Corner& corner) {
   return mesh.positions[mesh.triangles[corner.triangle][corner.corner]];
 }
 
@@ -43,8 +43,8 @@ std::vector<Corner> CornersByPosition(const Mesh& mesh, const std::vector<std::u
     for (std::uint32_t corner = 0; corner < 3; ++corner) corners.push_back({triangle, corner});
   }
   const auto before = [&](const Corner& a, const Corner& b) {
-    const Vector3f& p = PositionOf(mesh, a);
-    const Vector3f& q = PositionOf(mesh, b);
+    const Vector3f& p = CornerPosition(mesh, a);
+    const Vector3f& q = CornerPosition(mesh, b);
     return std::lexicographical_compare(p.begin(), p.end(), q.begin(), q.end());
   };
   std::ranges::stable_sort(corners, before);
@@ -75,8 +75,8 @@ void FillMissingNormals(Mesh& mesh) {
   const std::vector<Corner> corners = CornersByPosition(mesh, missing);
   const float cos_crease = static_cast<float>(std::cos(kCreaseAngle));
   for (std::size_t begin = 0, end = 0; begin < corners.size(); begin = end) {
-    const Vector3f position = PositionOf(mesh, corners[begin]);
-    while (end < corners.size() && PositionOf(mesh, corners[end]) == position) ++end;
+    const Vector3f position = CornerPosition(mesh, corners[begin]);
+    while (end < corners.size() && CornerPosition(mesh, corners[end]) == position) ++end;
     const std::size_t neighbours_end = std::min(end, begin + kMaxNeighbours);
     for (std::size_t i = begin; i < end; ++i) {
       const Vector3f& own = area_vectors[corners[i].triangle];

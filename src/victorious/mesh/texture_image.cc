@@ -37,20 +37,20 @@ class TgaReader {
   // Empty if the file is damaged or of another TGA type.
   cv::Mat Read() {
     const unsigned kind = U8(2);
-    const bool in_runs = kind == kColourRuns || kind == kGreyRuns;
-    const bool grey = kind == kGrey || kind == kGreyRuns;
+    const bool is_rle = kind == kColourRle || kind == kGreyRle;
+    const bool grey = kind == kGrey || kind == kGreyRle;
     pixel_bytes_ = U8(16) / 8;
-    const bool right_depth = grey ? pixel_bytes_ == 1 : pixel_bytes_ == 3 || pixel_bytes_ == 4;
+    const bool has_valid_depth = grey ? pixel_bytes_ == 1 : pixel_bytes_ == 3 || pixel_bytes_ == 4;
     const int width = static_cast<int>(U8(12) | U8(13) << 8);
     const int height = static_cast<int>(U8(14) | U8(15) << 8);
-    const bool right_kind = in_runs || kind == kColour || kind == kGrey;
-    if (!right_kind || U8(1) != 0 || !right_depth || width < 1 || height < 1 ||
+    const bool has_valid_kind = is_rle || kind == kColour || kind == kGrey;
+    if (!has_valid_kind || U8(1) != 0 || !has_valid_depth || width < 1 || height < 1 ||
         std::max(width, height) > kMaxTextureSide) {
       return {};
     }
     at_ = 18 + U8(0);
     cv::Mat bgra(height, width, CV_8UC4);
-    if (!(in_runs ? ReadRuns(bgra) : ReadPlain(bgra))) return {};
+    if (!(is_rle ? ReadRle(bgra) : ReadPlain(bgra))) return {};
     constexpr unsigned kTopRowFirst = 0x20;
     if ((U8(17) & kTopRowFirst) == 0) cv::flip(bgra, bgra, 0);
     return bgra;
@@ -59,8 +59,8 @@ class TgaReader {
  private:
   static constexpr unsigned kColour = 2;
   static constexpr unsigned kGrey = 3;
-  static constexpr unsigned kColourRuns = 10;
-  static constexpr unsigned kGreyRuns = 11;
+  static constexpr unsigned kColourRle = 10;
+  static constexpr unsigned kGreyRle = 11;
 
   [[nodiscard]] unsigned U8(std::size_t at) const { return at < bytes_.size() ? static_cast<unsigned>(bytes_[at]) : 0; }
 
@@ -78,7 +78,7 @@ class TgaReader {
     return at_ <= bytes_.size();
   }
 
-  bool ReadRuns(cv::Mat& bgra) {
+  bool ReadRle(cv::Mat& bgra) {
     auto pixel = bgra.begin<cv::Vec4b>();
     const auto end = bgra.end<cv::Vec4b>();
     while (pixel != end && at_ < bytes_.size()) {

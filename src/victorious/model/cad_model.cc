@@ -28,22 +28,22 @@ void CadModelOptions::ListFields(FieldList& fields) {
               .max = 1e6,
               .unit = "px/m",
               .reason = "scale of the templates: about that of the object in the video, or larger"});
-  fields.Add("least_size_px", least_size_px,
+  fields.Add("min_size_px", min_size_px,
              {.min = 32, .max = 2048, .unit = "px", .reason = "minimum diameter of the object's bounding sphere"});
-  fields.Add("most_size_px", most_size_px,
+  fields.Add("max_size_px", max_size_px,
              {.min = 32, .max = 2048, .unit = "px", .reason = "maximum diameter of the object's bounding sphere"});
   fields.Add("distance_radii", distance_radii,
              {.min = 1.5,
               .max = 1e6,
               .reason = "from the camera to the object's centre, in radii of its bounding sphere: far, so that "
                         "perspective is weak"});
-  fields.Add("least_mask_share", least_mask_share,
+  fields.Add("min_mask_fraction", min_mask_fraction,
              {.min = 0,
               .max = 1,
               .reason = "minimum fraction of a descriptor's support region that is object: near the outline "
                         "descriptors include background, but on thin parts such as rotors they still help"});
   fields.Add(
-      "least_features", least_features,
+      "min_features", min_features,
       {.min = 1, .max = 100000, .reason = "a view with fewer keypoints on the object is stored without features"});
 }
 
@@ -51,7 +51,7 @@ namespace {
 
 // A rendering, ready for feature extraction: image, depth map and camera.
 struct RenderedTemplate {
-  ObjectPicture picture;
+  ObjectImage picture;
   cv::Mat depth_m;
   PosedCamera camera;
   ViewSphere::View view;
@@ -60,9 +60,9 @@ struct RenderedTemplate {
 Expected<RenderedTemplate> RenderTemplate(Renderer& renderer, MeshId mesh, const Sphere& sphere,
                                           const ViewSphere::View& view, const std::string& source,
                                           const CadModelOptions& options) {
-  constexpr int kRoomPx = 16;  // margin around the outline of the bounding sphere
+  constexpr int kMarginPx = 16;  // margin around the outline of the bounding sphere
   const int size_px = ObjectSizePx(2 * sphere.radius, options);
-  const int side = size_px + 2 * kRoomPx;
+  const int side = size_px + 2 * kMarginPx;
   VICTORIOUS_ASSIGN_OR_RETURN(PosedCamera camera, CameraForView(view.direction, sphere,
                                                                 {.distance_m = options.distance_radii * sphere.radius,
                                                                  .diameter_px = static_cast<double>(size_px),
@@ -83,43 +83,43 @@ Expected<RenderedTemplate> RenderTemplate(Renderer& renderer, MeshId mesh, const
                           .view = view};
   constexpr int kThumbnailPx = 72;
   const Box whole = FrameBox(side, side);  // not cropped: all thumbnails have the same scale
-  result.picture.thumbnail = ThumbnailOf(rendered.bgr, whole, kThumbnailPx);
+  result.picture.thumbnail = MakeThumbnail(rendered.bgr, whole, kThumbnailPx);
   cv::cvtColor(rendered.bgr, result.picture.grey, cv::COLOR_BGR2GRAY);
-  result.picture.outline = OutlineOfMask(result.picture.mask);
+  result.picture.outline = FindMaskOutline(result.picture.mask);
   return result;
 }
 
 // What the model stores of a rendering, and its number of textured features.
-struct MadeView {
-  LitTemplate features;
+struct ProcessedView {
+  RelitTemplate features;
   std::size_t textured = 0;  // features on the surface of the object, away from its outline
   std::vector<std::byte> surface;
 };
 
-Expected<MadeView> MakeView(const RenderedTemplate& rendered, const FeatureExtractor& extractor,
-                            const CadModelOptions& options) {
-  MadeView made;
-  const SeenSurface seen{rendered.camera, rendered.depth_m};
-  VICTORIOUS_ASSIGN_OR_RETURN(made.features, TemplateFeaturesOf(rendered.picture, seen, extractor, options));
-  constexpr double kOfTheSurface = 0.7;
-  made.textured = CountOnObject(rendered.picture, made.features.features, kOfTheSurface);
-  VICTORIOUS_ASSIGN_OR_RETURN(made.surface, EncodeSurface({rendered.picture.grey, seen}));
+Expected<ProcessedView> MakeView(const RenderedTemplate& rendered, const FeatureExtractor& extractor,
+                                 const CadModelOptions& options) {
+  ProcessedView made;
+  const PosedDepthMap depth_map{rendered.camera, rendered.depth_m};
+  VICTORIOUS_ASSIGN_OR_RETURN(made.features, ExtractTemplateFeatures(rendered.picture, depth_map, extractor, options));
+  constexpr double kMinSurfaceFraction = 0.7;
+  made.textured = CountObjectFeatures(rendered.picture, made.features.features, kMinSurfaceFraction);
+  VICTORIOUS_ASSIGN_OR_RETURN(made.surface, EncodeSurface({rendered.picture.grey, depth_map}));
   return made;
 }
 
 }  // namespace
 
 int ObjectSizePx(double diameter_m, const CadModelOptions& options) {
-  const double size_px = std::min(diameter_m * options.pixels_per_m, static_cast<double>(options.most_size_px));
-  return std::max(static_cast<int>(std::lround(size_px)), options.least_size_px);
+  const double size_px = std::min(diameter_m * options.pixels_per_m, static_cast<double>(options.max_size_px));
+  return std::max(static_cast<int>(std::lround(size_px)), options.min_size_px);
 }
 
 Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, const std::string& source,
                                    const CadModelOptions& options, const std::function<void(int, int)>& progress) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
-  if (options.least_size_px > options.most_size_px) {
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("least_size_px {}: must be at most most_size_px {}",
-                                                         options.least_size_px, options.most_size_px));
+  if (options.min_size_px > options.max_size_px) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("min_size_px {}: must be at most max_size_px {}",
+                                                         options.min_size_px, options.max_size_px));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
   VICTORIOUS_ASSIGN_OR_RETURN(const ViewSphere sphere, MakeViewSphere(options.sphere));
@@ -131,7 +131,7 @@ Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, co
   // Renders a chunk of views sequentially (the renderer belongs to one thread), then extracts features on all cores.
   constexpr int kChunk = 32;
   ModelBuilder builder;
-  std::size_t most_textured = 0;
+  std::size_t max_textured = 0;
   for (int first = 0; first < count; first += kChunk) {
     const int size = std::min(kChunk, count - first);
     std::vector<RenderedTemplate> rendered;
@@ -141,7 +141,7 @@ Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, co
           RenderTemplate(renderer, uploaded, bounds, sphere.views[static_cast<std::size_t>(i)], source, options));
       rendered.push_back(std::move(view));
     }
-    std::vector<Expected<MadeView>> made(rendered.size());
+    std::vector<Expected<ProcessedView>> made(rendered.size());
     oneapi::tbb::parallel_for(std::size_t{0}, rendered.size(),
                               [&](std::size_t i) { made[i] = MakeView(rendered[i], *extractor, options); });
     for (std::size_t i = 0; i < rendered.size(); ++i) {
@@ -155,17 +155,17 @@ Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, co
                            .neighbours = {view.view.neighbours.begin(), view.view.neighbours.end()},
                            .thumbnail = {},
                            .surface = {}};
-      const LitTemplate& found = made[i]->features;
-      most_textured = std::max(most_textured, made[i]->textured);
+      const RelitTemplate& found = made[i]->features;
+      max_textured = std::max(max_textured, made[i]->textured);
       VICTORIOUS_RETURN_IF_ERROR(builder.Add(std::move(model_view), found.features, found.points_in_model,
                                              view.picture.thumbnail, std::move(made[i]->surface)));
     }
     if (progress) progress(first + size, count);
   }
-  if (most_textured < static_cast<std::size_t>(options.least_features)) {
+  if (max_textured < static_cast<std::size_t>(options.min_features)) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: no view has {} features or more: the model needs texture, or a larger least_size_px",
-                            source, options.least_features));
+                fmt::format("{}: no view has {} features or more: the model needs texture, or a larger min_size_px",
+                            source, options.min_features));
   }
   const Eigen::AlignedBox3d box = BoundingBox(mesh);
   return std::move(builder).Finish({.name = name,

@@ -9,24 +9,24 @@
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
 #include "victorious/features/feature_extractor.h"
-#include "victorious/types/mesh.h"
-#include "victorious/render/renderer.h"
 #include "victorious/geometry/view_sphere.h"
+#include "victorious/render/renderer.h"
+#include "victorious/types/mesh.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {
 
 struct CadModelOptions {
-  FeatureOptions features = FaintFeatures();
+  FeatureOptions features = LowContrastFeatureOptions();
   ViewSphereOptions sphere;
   Light light;
   RenderOptions render;
   double pixels_per_m = 22.0;
-  int least_size_px = 180;
-  int most_size_px = 400;
+  int min_size_px = 180;
+  int max_size_px = 400;
   double distance_radii = 12.0;
-  double least_mask_share = 0.3;
-  int least_features = 4;
+  double min_mask_fraction = 0.3;
+  int min_features = 4;
 
   void ListFields(FieldList& fields);
 };

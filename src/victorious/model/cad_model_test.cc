@@ -10,9 +10,9 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "testing/cad_tools.h"
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
-#include "testing/cad_tools.h"
 
 namespace victorious {
 namespace {
@@ -49,8 +49,8 @@ Mesh BlottedBox() {
 CadModelOptions FewViews() {
   CadModelOptions options;
   options.sphere = {.step_deg = 30, .max_off_nadir_deg = 60};
-  options.least_size_px = 280;
-  options.most_size_px = 280;
+  options.min_size_px = 280;
+  options.max_size_px = 280;
   return options;
 }
 
@@ -77,7 +77,7 @@ PosedCamera CameraOf(const ModelView& view) {
   const double radius_m = kHalfSize.norm();
   return *CameraForView({view.angles->azimuth_rad, view.angles->off_nadir_rad}, {{0, 0, 0}, radius_m},
                         {.distance_m = options.distance_radii * radius_m,
-                         .diameter_px = static_cast<double>(options.most_size_px),
+                         .diameter_px = static_cast<double>(options.max_size_px),
                          .width_px = view.width,
                          .height_px = view.height});
 }
@@ -178,7 +178,7 @@ TEST(MakeCadModel, ProgressCountsAllViews) {
 
 TEST(MakeCadModel, WithoutTextureThereIsOneClearError) {
   CadModelOptions options = FewViews();
-  options.least_features = 50;
+  options.min_features = 50;
   const auto model = MakeCadModel("plain", testing::Box({-1, -1, -1}, {1, 1, 1}), "plain.stl", options);
   ASSERT_FALSE(model);
   EXPECT_EQ(model.error().code, ErrorCode::kInvalidArgument);
@@ -188,10 +188,10 @@ TEST(MakeCadModel, WithoutTextureThereIsOneClearError) {
 
 TEST(MakeCadModel, OptionsOutOfRangeAreRefused) {
   CadModelOptions options = FewViews();
-  options.least_size_px = 1;
+  options.min_size_px = 1;
   EXPECT_FALSE(MakeCadModel("box", BlottedBox(), "box.glb", options));
-  options.least_size_px = 300;
-  options.most_size_px = 200;
+  options.min_size_px = 300;
+  options.max_size_px = 200;
   EXPECT_FALSE(MakeCadModel("box", BlottedBox(), "box.glb", options));
 }
 

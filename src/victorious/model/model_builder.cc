@@ -17,7 +17,7 @@ namespace {
 constexpr float kDescriptorReach = 4.5F;
 
 // The fraction of a square that is object, from the integral image of the mask.
-double ShareOfObject(const cv::Mat& integral, float x, float y, float reach) {
+double ObjectFraction(const cv::Mat& integral, float x, float y, float reach) {
   const int x0 = std::clamp(static_cast<int>(std::floor(x - reach)), 0, integral.cols - 1);
   const int y0 = std::clamp(static_cast<int>(std::floor(y - reach)), 0, integral.rows - 1);
   const int x1 = std::clamp(static_cast<int>(std::ceil(x + reach)), 0, integral.cols - 1);
@@ -29,11 +29,11 @@ double ShareOfObject(const cv::Mat& integral, float x, float y, float reach) {
 }
 
 // Predicate: the keypoint lies on the object, and enough of its descriptor's support region does.
-class OnObject {
+class ObjectKeypointFilter {
  public:
-  OnObject(const ObjectPicture& picture, double least_share)
-      : bounds_(BoundingBox(picture.outline)), mask_(picture.mask), least_share_(least_share) {
-    if (!mask_.empty() && least_share > 0) cv::integral((mask_ != 0) / 255, integral_, CV_32S);
+  ObjectKeypointFilter(const ObjectImage& picture, double min_fraction)
+      : bounds_(BoundingBox(picture.outline)), mask_(picture.mask), min_fraction_(min_fraction) {
+    if (!mask_.empty() && min_fraction > 0) cv::integral((mask_ != 0) / 255, integral_, CV_32S);
   }
 
   [[nodiscard]] bool operator()(const Keypoint& keypoint) const {
@@ -43,31 +43,31 @@ class OnObject {
     const int row = std::min(static_cast<int>(keypoint.y), mask_.rows - 1);
     if (mask_.at<std::uint8_t>(row, column) == 0) return false;
     return integral_.empty() ||
-           ShareOfObject(integral_, keypoint.x, keypoint.y, kDescriptorReach * keypoint.scale_px) >= least_share_;
+           ObjectFraction(integral_, keypoint.x, keypoint.y, kDescriptorReach * keypoint.scale_px) >= min_fraction_;
   }
 
  private:
   Box bounds_;
   cv::Mat mask_;
-  double least_share_;
+  double min_fraction_;
   cv::Mat integral_;
 };
 
 // A crop around the object with a margin; beyond the image the border pixels are replicated.
-struct Surroundings {
+struct PaddedCrop {
   cv::Mat grey;
   int x = 0;  // position of the crop's left upper corner in the image
   int y = 0;
 };
 
-Surroundings CutOut(const ObjectPicture& picture, int margin) {
+PaddedCrop CropWithMargin(const ObjectImage& picture, int margin) {
   const Box bounds = BoundingBox(picture.outline);
   const int x0 = static_cast<int>(std::floor(bounds.x)) - margin;
   const int y0 = static_cast<int>(std::floor(bounds.y)) - margin;
   const int x1 = static_cast<int>(std::ceil(bounds.x + bounds.width)) + margin;
   const int y1 = static_cast<int>(std::ceil(bounds.y + bounds.height)) + margin;
   const cv::Rect inside = cv::Rect(x0, y0, x1 - x0, y1 - y0) & cv::Rect({0, 0}, picture.grey.size());
-  Surroundings result{.grey = {}, .x = x0, .y = y0};
+  PaddedCrop result{.grey = {}, .x = x0, .y = y0};
   cv::copyMakeBorder(picture.grey(inside), result.grey, inside.y - y0, y1 - inside.br().y, inside.x - x0,
                      x1 - inside.br().x, cv::BORDER_REPLICATE | cv::BORDER_ISOLATED);
   return result;
@@ -81,30 +81,30 @@ void AppendFeature(const Keypoint& keypoint, const FeatureSet& from, std::size_t
   to.descriptors.insert(to.descriptors.end(), descriptor.begin(), descriptor.end());
 }
 
-Expected<FeatureSet> FeaturesOnObject(const ObjectPicture& picture, const FeatureExtractor& extractor,
-                                      const OnObjectOptions& options) {
-  const Surroundings surroundings = CutOut(picture, options.margin_px);
-  VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet all, extractor.Extract(surroundings.grey));
+Expected<FeatureSet> ExtractObjectFeatures(const ObjectImage& picture, const FeatureExtractor& extractor,
+                                           const ObjectFeatureOptions& options) {
+  const PaddedCrop crop = CropWithMargin(picture, options.margin_px);
+  VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet all, extractor.Extract(crop.grey));
   FeatureSet kept;
   kept.image_width = picture.grey.cols;
   kept.image_height = picture.grey.rows;
-  const OnObject on_object(picture, options.least_mask_share);
+  const ObjectKeypointFilter on_object(picture, options.min_mask_fraction);
   for (std::size_t i = 0; i < all.size(); ++i) {
     Keypoint keypoint = all.keypoints[i];
-    keypoint.x += static_cast<float>(surroundings.x);
-    keypoint.y += static_cast<float>(surroundings.y);
+    keypoint.x += static_cast<float>(crop.x);
+    keypoint.y += static_cast<float>(crop.y);
     if (!on_object(keypoint)) continue;
     AppendFeature(keypoint, all, i, kept);
   }
   return kept;
 }
 
-std::size_t CountOnObject(const ObjectPicture& picture, const FeatureSet& features, double least_mask_share) {
-  const OnObject on_object(picture, least_mask_share);
+std::size_t CountObjectFeatures(const ObjectImage& picture, const FeatureSet& features, double min_mask_fraction) {
+  const ObjectKeypointFilter on_object(picture, min_mask_fraction);
   return static_cast<std::size_t>(std::ranges::count_if(features.keypoints, on_object));
 }
 
-Polygon OutlineOfMask(const cv::Mat& mask) {
+Polygon FindMaskOutline(const cv::Mat& mask) {
   // Contours pass through the centres of the outermost pixels. On a mask upsampled by 2 they are within a quarter pixel
   // of the edge.
   cv::Mat doubled;
@@ -129,7 +129,7 @@ Polygon OutlineOfMask(const cv::Mat& mask) {
   return outline;
 }
 
-cv::Mat ThumbnailOf(const cv::Mat& bgr, const Box& part, int side_px) {
+cv::Mat MakeThumbnail(const cv::Mat& bgr, const Box& part, int side_px) {
   const cv::Rect2d wanted(part.x, part.y, part.width, part.height);
   const cv::Mat cut = bgr(cv::Rect(wanted) & cv::Rect({0, 0}, bgr.size()));
   const double factor = static_cast<double>(side_px) / std::max(cut.cols, cut.rows);

@@ -17,7 +17,7 @@
 namespace victorious {
 
 /// An image of the object, ready for feature extraction.
-struct ObjectPicture {
+struct ObjectImage {
   std::string source;  ///< the path as given; for a rendering also its direction
   cv::Mat grey;        ///< CV_8UC1
   cv::Mat mask;        ///< CV_8UC1, 0 outside the object; empty: the whole of `outline` is object
@@ -25,29 +25,29 @@ struct ObjectPicture {
   cv::Mat thumbnail;   ///< CV_8UC3, MakeThumbnail() of the colour image
 };
 
-struct OnObjectOptions {
-  int margin_px = 24;             ///< margin around the object in the image that features are computed from
-  double least_mask_share = 0.0;  ///< minimum fraction of a descriptor's support region that is object, 0 to 1
+struct ObjectFeatureOptions {
+  int margin_px = 24;              ///< margin around the object in the image that features are computed from
+  double min_mask_fraction = 0.0;  ///< minimum fraction of a descriptor's support region that is object, 0 to 1
 };
 
 /// Appends one feature to `to`: `keypoint` with the descriptor of feature `i` of `from`.
 void AppendFeature(const Keypoint& keypoint, const FeatureSet& from, std::size_t i, FeatureSet& to);
 
 /// Extracts the features that lie on the object. Keypoints are in pixels of `picture`. Errors: those of the extractor.
-Expected<FeatureSet> FeaturesOnObject(const ObjectPicture& picture, const FeatureExtractor& extractor,
-                                      const OnObjectOptions& options);
+Expected<FeatureSet> ExtractObjectFeatures(const ObjectImage& picture, const FeatureExtractor& extractor,
+                                           const ObjectFeatureOptions& options);
 
 /// The number of features whose descriptor support region is object by at least the given fraction.
-std::size_t CountOnObject(const ObjectPicture& picture, const FeatureSet& features, double least_mask_share);
+std::size_t CountObjectFeatures(const ObjectImage& picture, const FeatureSet& features, double min_mask_fraction);
 
 /// The object's outline in a mask (not 0: object): the simplified contour of the largest connected component, or the
 /// convex hull of all components if the largest has 80 % of the area or less. Clockwise on the screen; empty for an
 /// empty mask.
-Polygon OutlineOfMask(const cv::Mat& mask);
+Polygon FindMaskOutline(const cv::Mat& mask);
 
 /// Crops `part` (clipped to the image) and downscales it so that its longest side has at most `side_px` pixels. Never
 /// enlarges.
-cv::Mat ThumbnailOf(const cv::Mat& bgr, const Box& part, int side_px);
+cv::Mat MakeThumbnail(const cv::Mat& bgr, const Box& part, int side_px);
 
 /// Collects views. The model's features are stored view by view, in the order of the calls.
 class ModelBuilder {

@@ -13,29 +13,29 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kSuffix = ".vmodel";
-constexpr std::size_t kLongestName = 100;
+constexpr std::size_t kMaxNameLength = 100;
 
 Status CheckName(std::string_view name) {
   const auto allowed = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '_' ||
            c == '-';
   };
-  const bool good = !name.empty() && name.size() <= kLongestName && name.front() != '.' && name.front() != '-' &&
+  const bool good = !name.empty() && name.size() <= kMaxNameLength && name.front() != '.' && name.front() != '-' &&
                     std::ranges::all_of(name, allowed);
   if (good) return {};
   return Fail(ErrorCode::kInvalidArgument, fmt::format("model name \"{}\": up to {} letters, digits, '.', '_' and '-' "
                                                        "are allowed, the first a letter, a digit or '_'",
-                                                       name, kLongestName));
+                                                       name, kMaxNameLength));
 }
 
 }  // namespace
 
-fs::path ModelLibrary::PathOf(std::string_view name) const { return folder_ / fmt::format("{}{}", name, kSuffix); }
+fs::path ModelLibrary::ModelPath(std::string_view name) const { return folder_ / fmt::format("{}{}", name, kSuffix); }
 
 Status ModelLibrary::CheckNewName(std::string_view name) const {
   VICTORIOUS_RETURN_IF_ERROR(CheckName(name));
   std::error_code error;
-  if (fs::exists(PathOf(name), error)) {
+  if (fs::exists(ModelPath(name), error)) {
     return Fail(
         ErrorCode::kAlreadyExists,
         fmt::format("model {} is already in {}: choose another name, or remove it first", name, folder_.string()));
@@ -48,7 +48,7 @@ Status ModelLibrary::Add(const ObjectModel& model) const {
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) return std::unexpected(ErrorFromErrno(error.value(), fmt::format("create folder {}", folder_.string())));
-  return WriteModelFile(PathOf(model.name), model);
+  return WriteModelFile(ModelPath(model.name), model);
 }
 
 Expected<std::vector<std::string>> ModelLibrary::Names() const {
@@ -68,7 +68,7 @@ Expected<std::vector<std::string>> ModelLibrary::Names() const {
   return names;
 }
 
-Error ModelLibrary::NotThere(std::string_view name) const {
+Error ModelLibrary::NotFoundError(std::string_view name) const {
   const Expected<std::vector<std::string>> names = Names();
   if (!names) return names.error();
   return {ErrorCode::kNotFound, fmt::format("model {} is not in {}; there are: {}", name, folder_.string(),
@@ -78,8 +78,8 @@ Error ModelLibrary::NotThere(std::string_view name) const {
 Expected<ObjectModel> ModelLibrary::Load(std::string_view name) const {
   VICTORIOUS_RETURN_IF_ERROR(CheckName(name));
   std::error_code error;
-  if (!fs::exists(PathOf(name), error)) return std::unexpected(NotThere(name));
-  VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel model, ReadModelFile(PathOf(name)));
+  if (!fs::exists(ModelPath(name), error)) return std::unexpected(NotFoundError(name));
+  VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel model, ReadModelFile(ModelPath(name)));
   // The file name gives the model's name: a file may be copied or renamed.
   model.name = name;
   return model;
@@ -98,9 +98,9 @@ Expected<std::vector<ObjectModel>> ModelLibrary::LoadAll() const {
 Status ModelLibrary::Remove(std::string_view name) const {
   VICTORIOUS_RETURN_IF_ERROR(CheckName(name));
   std::error_code error;
-  if (fs::remove(PathOf(name), error)) return {};
-  if (error) return std::unexpected(ErrorFromErrno(error.value(), fmt::format("remove {}", PathOf(name).string())));
-  return std::unexpected(NotThere(name));
+  if (fs::remove(ModelPath(name), error)) return {};
+  if (error) return std::unexpected(ErrorFromErrno(error.value(), fmt::format("remove {}", ModelPath(name).string())));
+  return std::unexpected(NotFoundError(name));
 }
 
 }  // namespace victorious

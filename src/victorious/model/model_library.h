@@ -33,8 +33,8 @@ class ModelLibrary {
   [[nodiscard]] Status Remove(std::string_view name) const;
 
  private:
-  [[nodiscard]] std::filesystem::path PathOf(std::string_view name) const;
-  [[nodiscard]] Error NotThere(std::string_view name) const;
+  [[nodiscard]] std::filesystem::path ModelPath(std::string_view name) const;
+  [[nodiscard]] Error NotFoundError(std::string_view name) const;
 
   std::filesystem::path folder_;
 };

@@ -23,7 +23,7 @@ using ::testing::Not;
 using testing::ScratchFolder;
 
 ObjectModel MakeModel(const std::string& name) {
-  const cv::Mat picture = testing::DrawThing(testing::ThingKind::kCrate, 3).picture;
+  const cv::Mat picture = testing::DrawObject(testing::ObjectKind::kCrate, 3).picture;
   cv::Mat bgr(picture.size(), CV_8UC3);
   cv::Mat alpha(picture.size(), CV_8UC1);
   cv::Mat parts[] = {bgr, alpha};

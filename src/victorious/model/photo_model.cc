@@ -20,7 +20,7 @@ void PhotoModelOptions::ListFields(FieldList& fields) {
               .unit = "px",
               .reason = "margin around the object in the image that features are computed from; beyond the photo its "
                         "border is replicated, so that keypoints near the border are found"});
-  fields.Add("least_features", least_features,
+  fields.Add("min_features", min_features,
              {.min = 1, .max = 100000, .reason = "a photo with fewer keypoints on the object is refused"});
 }
 
@@ -58,8 +58,8 @@ Expected<Photo> PreparePhoto(const std::string& source, const cv::Mat& bgr, cons
   Photo photo{.source = source, .grey = GreyFromBgr(bgr), .mask = {}, .outline = {}, .thumbnail = {}};
   const Box whole = FrameBox(bgr.cols, bgr.rows);
   if (box) VICTORIOUS_RETURN_IF_ERROR(CheckBox(source, *box, bgr.size()));
-  photo.outline = CornersOf(box.value_or(whole));
-  photo.thumbnail = ThumbnailOf(bgr, box.value_or(whole), kThumbnailPx);
+  photo.outline = BoxCorners(box.value_or(whole));
+  photo.thumbnail = MakeThumbnail(bgr, box.value_or(whole), kThumbnailPx);
   if (alpha.empty() || cv::countNonZero(alpha < kOpaque) == 0) return photo;  // fully opaque, e.g. a screenshot
 
   photo.mask = alpha >= kOpaque;
@@ -75,13 +75,13 @@ Expected<Photo> PreparePhoto(const std::string& source, const cv::Mat& bgr, cons
                 fmt::format("{}: no pixel of the object is opaque: the alpha channel is transparent {}", source,
                             box ? "in the box" : "everywhere"));
   }
-  photo.outline = OutlineOfMask(photo.mask);
+  photo.outline = FindMaskOutline(photo.mask);
   if (std::abs(SignedArea(photo.outline)) < 1) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: the opaque part of the alpha channel has no area", source));
   }
   photo.grey = FlattenBackground(photo.grey, photo.mask);
-  photo.thumbnail = ThumbnailOf(bgr, BoundingBox(photo.outline), kThumbnailPx);
+  photo.thumbnail = MakeThumbnail(bgr, BoundingBox(photo.outline), kThumbnailPx);
   return photo;
 }
 
@@ -104,13 +104,13 @@ Expected<ObjectModel> MakePhotoModel(const std::string& name, std::span<const Ph
   ModelBuilder builder;
   for (const Photo& photo : photos) {
     VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features,
-                                FeaturesOnObject(photo, *extractor, {.margin_px = options.margin_px}));
-    if (features.size() < static_cast<std::size_t>(options.least_features)) {
+                                ExtractObjectFeatures(photo, *extractor, {.margin_px = options.margin_px}));
+    if (features.size() < static_cast<std::size_t>(options.min_features)) {
       return Fail(
           ErrorCode::kInvalidArgument,
           fmt::format("{}: {} features on the object, at least {} are needed: give a larger or sharper photo of "
                       "a textured side",
-                      photo.source, features.size(), options.least_features));
+                      photo.source, features.size(), options.min_features));
     }
     VICTORIOUS_RETURN_IF_ERROR(builder.Add({.source = photo.source,
                                             .width = photo.grey.cols,

@@ -19,12 +19,12 @@
 namespace victorious {
 
 /// A photo of the object; `source` is its path as given.
-using Photo = ObjectPicture;
+using Photo = ObjectImage;
 
 struct PhotoModelOptions {
   FeatureOptions features;
   int margin_px = 24;
-  int least_features = 4;
+  int min_features = 4;
 
   void ListFields(FieldList& fields);
 };

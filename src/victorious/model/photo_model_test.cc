@@ -16,11 +16,11 @@ namespace victorious {
 namespace {
 
 using ::testing::AllOf;
-using testing::DrawThing;
+using testing::DrawObject;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using testing::ObjectKind;
 using testing::ScratchFolder;
-using testing::ThingKind;
 
 struct Picture {
   cv::Mat bgr;
@@ -30,8 +30,8 @@ struct Picture {
 // A synthetic object in the middle of a larger image, with its alpha channel.
 constexpr int kMarginPx = 40;
 
-Picture ThingOnGround(ThingKind kind) {
-  const testing::DrawnThing thing = DrawThing(kind, 11);
+Picture ThingOnGround(ObjectKind kind) {
+  const testing::SyntheticObject thing = DrawObject(kind, 11);
   Picture picture;
   cv::Mat channels;
   cv::copyMakeBorder(thing.picture, channels, kMarginPx, kMarginPx, kMarginPx, kMarginPx, cv::BORDER_CONSTANT,
@@ -63,7 +63,7 @@ void ExpectOneLine(const Error& error, ErrorCode code, std::string_view words) {
 }
 
 TEST(PreparePhoto, WithoutAlphaOrBoxTheWholePictureIsTheObject) {
-  const Picture picture = ThingOnGround(ThingKind::kCrate);
+  const Picture picture = ThingOnGround(ObjectKind::kCrate);
   const Photo photo = Prepare({picture.bgr, {}}, std::nullopt);
   EXPECT_EQ(photo.source, "thing.png");
   EXPECT_EQ(photo.grey.type(), CV_8UC1);
@@ -73,7 +73,7 @@ TEST(PreparePhoto, WithoutAlphaOrBoxTheWholePictureIsTheObject) {
 }
 
 TEST(PreparePhoto, ABoxIsTheOutline) {
-  const Picture picture = ThingOnGround(ThingKind::kCrate);
+  const Picture picture = ThingOnGround(ObjectKind::kCrate);
   const Box box{30.5, 20, 100, 80.25};
   const Photo photo = Prepare({picture.bgr, {}}, box);
   EXPECT_EQ(BoundingBox(photo.outline), box);
@@ -81,7 +81,7 @@ TEST(PreparePhoto, ABoxIsTheOutline) {
 }
 
 TEST(PreparePhoto, TheAlphaChannelGivesTheOutline) {
-  for (const ThingKind kind : {ThingKind::kCrate, ThingKind::kTruck, ThingKind::kAircraft}) {
+  for (const ObjectKind kind : {ObjectKind::kCrate, ObjectKind::kTruck, ObjectKind::kAircraft}) {
     const Picture picture = ThingOnGround(kind);
     const Photo photo = Prepare(picture, std::nullopt);
     const double opaque = cv::countNonZero(picture.alpha >= 128);
@@ -100,7 +100,7 @@ TEST(PreparePhoto, TheAlphaChannelGivesTheOutline) {
 
 // The alpha channel of a screenshot.
 TEST(PreparePhoto, AnAlphaChannelThatHidesNothingChangesNothing) {
-  Picture picture = ThingOnGround(ThingKind::kCrate);
+  Picture picture = ThingOnGround(ObjectKind::kCrate);
   picture.alpha.setTo(255);
   const Photo opaque = Prepare(picture, ThingBox(picture));
   picture.alpha = cv::Mat();
@@ -110,7 +110,7 @@ TEST(PreparePhoto, AnAlphaChannelThatHidesNothingChangesNothing) {
 }
 
 TEST(PreparePhoto, BoxAndAlphaTogetherGiveWhatIsInBoth) {
-  const Picture picture = ThingOnGround(ThingKind::kCrate);
+  const Picture picture = ThingOnGround(ObjectKind::kCrate);
   const Box left_half{0, 0, picture.bgr.cols / 2.0, static_cast<double>(picture.bgr.rows)};
   const Photo photo = Prepare(picture, left_half);
   const Box outline = BoundingBox(photo.outline);
@@ -121,7 +121,7 @@ TEST(PreparePhoto, BoxAndAlphaTogetherGiveWhatIsInBoth) {
 }
 
 TEST(PreparePhoto, ABoxMustLieInThePhoto) {
-  const Picture picture = ThingOnGround(ThingKind::kCrate);
+  const Picture picture = ThingOnGround(ObjectKind::kCrate);
   const double width = picture.bgr.cols;
   const double height = picture.bgr.rows;
   for (const Box& box : {Box{-1, 0, 20, 20}, Box{0, -0.5, 20, 20}, Box{width - 10, 0, 11, 20},
@@ -138,7 +138,7 @@ TEST(PreparePhoto, ABoxMustLieInThePhoto) {
 }
 
 TEST(PreparePhoto, ATransparentPhotoShowsNothing) {
-  const Picture picture = ThingOnGround(ThingKind::kCrate);
+  const Picture picture = ThingOnGround(ObjectKind::kCrate);
   const cv::Mat nothing = cv::Mat::zeros(picture.alpha.size(), CV_8UC1);
   Expected<Photo> photo = PreparePhoto("thing.png", picture.bgr, nothing, std::nullopt);
   ASSERT_FALSE(photo);
@@ -155,7 +155,7 @@ TEST(PreparePhoto, ATransparentPhotoShowsNothing) {
 
 TEST(LoadPhoto, ReadsFilesAndSaysWhichCannotBeRead) {
   const ScratchFolder folder;
-  const Picture picture = ThingOnGround(ThingKind::kSign);
+  const Picture picture = ThingOnGround(ObjectKind::kSign);
   ASSERT_TRUE(WriteImage(folder / "sign.png", picture.bgr));
   const Expected<Photo> photo = LoadPhoto(folder / "sign.png", ThingBox(picture));
   ASSERT_TRUE(photo) << photo.error().message;
@@ -167,8 +167,8 @@ TEST(LoadPhoto, ReadsFilesAndSaysWhichCannotBeRead) {
 }
 
 TEST(MakePhotoModel, CarriesWhatMadeIt) {
-  const Picture crate = ThingOnGround(ThingKind::kCrate);
-  const Picture truck = ThingOnGround(ThingKind::kTruck);
+  const Picture crate = ThingOnGround(ObjectKind::kCrate);
+  const Picture truck = ThingOnGround(ObjectKind::kTruck);
   const std::vector<Photo> photos = {Prepare(crate, std::nullopt), Prepare({truck.bgr, {}}, ThingBox(truck))};
   const Expected<ObjectModel> model = MakePhotoModel("thing", photos, 2.5, {});
   ASSERT_TRUE(model) << model.error().message;
@@ -189,7 +189,7 @@ TEST(MakePhotoModel, CarriesWhatMadeIt) {
 }
 
 TEST(MakePhotoModel, KeypointsLieOnTheObjectInPixelsOfThePhoto) {
-  const Picture picture = ThingOnGround(ThingKind::kAircraft);
+  const Picture picture = ThingOnGround(ObjectKind::kAircraft);
   const Photo photo = Prepare(picture, std::nullopt);
   const ObjectModel model = MakeModel(std::span(&photo, 1));
   ASSERT_GT(model.features.size(), 20U);
@@ -206,7 +206,7 @@ TEST(MakePhotoModel, KeypointsLieOnTheObjectInPixelsOfThePhoto) {
 
 // An image that is all object has keypoints up to its edges, at the same positions as in a larger image.
 TEST(MakePhotoModel, TheMarginDoesNotMoveKeypoints) {
-  const Picture picture = ThingOnGround(ThingKind::kCrate);
+  const Picture picture = ThingOnGround(ObjectKind::kCrate);
   const Photo whole = Prepare({picture.bgr, {}}, std::nullopt);
   std::vector<std::vector<Keypoint>> keypoints;
   for (const int margin_px : {0, 24}) {
@@ -229,7 +229,7 @@ TEST(MakePhotoModel, TheMarginDoesNotMoveKeypoints) {
 
 TEST(MakePhotoModel, RefusesPhotosWithTooFewFeatures) {
   const cv::Mat grey(200, 300, CV_8UC3, cv::Scalar(128, 128, 128));
-  const Picture crate = ThingOnGround(ThingKind::kCrate);
+  const Picture crate = ThingOnGround(ObjectKind::kCrate);
   const std::vector<Photo> photos = {Prepare(crate, std::nullopt),
                                      PreparePhoto("plain.png", grey, {}, std::nullopt).value()};
   const Expected<ObjectModel> model = MakePhotoModel("thing", photos, std::nullopt, {});
@@ -242,7 +242,7 @@ TEST(MakePhotoModel, RefusesPhotosWithTooFewFeatures) {
 }
 
 TEST(MakePhotoModel, RefusesOptionsOutOfRange) {
-  const Photo photo = Prepare(ThingOnGround(ThingKind::kCrate), std::nullopt);
+  const Photo photo = Prepare(ThingOnGround(ObjectKind::kCrate), std::nullopt);
   PhotoModelOptions options;
   options.margin_px = -1;
   options.features.octave_layers = 0;

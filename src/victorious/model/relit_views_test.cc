@@ -11,9 +11,9 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "testing/cad_tools.h"
 #include "victorious/model/cad_model.h"
 #include "victorious/model/view_surface.h"
-#include "testing/cad_tools.h"
 
 namespace victorious {
 namespace {
@@ -46,15 +46,16 @@ TEST(ViewSurface, ComesBackAsItWas) {
   const auto bytes = EncodeSurface(first).value();
   const ViewSurface again = DecodeSurface(bytes, "waffle").value();
   EXPECT_EQ(cv::norm(first.grey, again.grey, cv::NORM_INF), 0);
-  const cv::Mat seen = first.seen.depth_m == first.seen.depth_m;
-  ASSERT_GT(cv::countNonZero(seen), 1000);
-  EXPECT_EQ(cv::countNonZero(seen != (again.seen.depth_m == again.seen.depth_m)), 0);
+  const cv::Mat depth_map = first.depth_map.depth_m == first.depth_map.depth_m;
+  ASSERT_GT(cv::countNonZero(depth_map), 1000);
+  EXPECT_EQ(cv::countNonZero(depth_map != (again.depth_map.depth_m == again.depth_map.depth_m)), 0);
   cv::Mat off;
-  cv::absdiff(first.seen.depth_m, again.seen.depth_m, off);
-  off.setTo(0, ~seen);
+  cv::absdiff(first.depth_map.depth_m, again.depth_map.depth_m, off);
+  off.setTo(0, ~depth_map);
   EXPECT_LT(cv::norm(off, cv::NORM_INF), 1e-3);
-  EXPECT_LT((first.seen.camera.camera_from_world.Matrix() - again.seen.camera.camera_from_world.Matrix()).norm(),
-            1e-12);
+  EXPECT_LT(
+      (first.depth_map.camera.camera_from_world.Matrix() - again.depth_map.camera.camera_from_world.Matrix()).norm(),
+      1e-12);
 }
 
 TEST(ViewSurface, DamageIsOneClearError) {
@@ -77,12 +78,12 @@ TEST(LitViews, ASunBringsItsOwnFeatures) {
   const auto lit = MakeLitViews(WaffleModel()).value();
   ASSERT_NE(lit, nullptr);
   constexpr std::size_t kView = 5;
-  const auto east = lit->Under({7, kView});
-  const auto west = lit->Under({10, kView});
+  const auto east = lit->GetTemplate({7, kView});
+  const auto west = lit->GetTemplate({10, kView});
   ASSERT_GT(east->features.size(), 10U);
   EXPECT_EQ(east->features.size(), east->points_in_model.size());
   EXPECT_NE(east->features.descriptors, west->features.descriptors);
-  EXPECT_EQ(lit->Under({7, kView}), east);
+  EXPECT_EQ(lit->GetTemplate({7, kView}), east);
   for (const Point3& point : east->points_in_model) {
     EXPECT_LE(std::abs(point.x), 2.05F);
     EXPECT_LE(std::abs(point.y), 2.05F);
@@ -94,22 +95,23 @@ TEST(LitViews, ASunBringsItsOwnFeatures) {
 TEST(LitViews, ACoarseOneLiesInTheSamePixels) {
   const auto lit = MakeLitViews(WaffleModel()).value();
   constexpr std::size_t kView = 5;
-  const auto sharp = lit->Under({7, kView});
-  const auto coarse = lit->Under({7, kView, true});
+  const auto sharp = lit->GetTemplate({7, kView});
+  const auto coarse = lit->GetTemplate({7, kView, true});
   ASSERT_GT(coarse->features.size(), 10U);
   EXPECT_LT(coarse->features.size(), sharp->features.size());
   EXPECT_EQ(coarse->features.image_width, sharp->features.image_width);
   EXPECT_EQ(coarse->features.image_height, sharp->features.image_height);
-  const auto smallest = [](const LitTemplate& one) {
+  const auto smallest = [](const RelitTemplate& one) {
     return std::ranges::min(one.features.keypoints, {}, &Keypoint::scale_px).scale_px;
   };
   EXPECT_GT(smallest(*coarse), 1.5F * smallest(*sharp));
   ASSERT_EQ(coarse->features.size(), coarse->points_in_model.size());
-  const SeenSurface seen = DecodeSurface(WaffleModel().views[kView].surface, "waffle").value().seen;
+  const PosedDepthMap depth_map = DecodeSurface(WaffleModel().views[kView].surface, "waffle").value().depth_map;
   for (std::size_t i = 0; i < coarse->features.size(); ++i) {
     const Keypoint& keypoint = coarse->features.keypoints[i];
     const Point3& place = coarse->points_in_model[i];
-    const auto pixel = seen.camera.pinhole.Project(seen.camera.camera_from_world.Apply({place.x, place.y, place.z}));
+    const auto pixel =
+        depth_map.camera.pinhole.Project(depth_map.camera.camera_from_world.Apply({place.x, place.y, place.z}));
     ASSERT_TRUE(pixel);
     EXPECT_NEAR(pixel->x(), keypoint.x, 1.0);
     EXPECT_NEAR(pixel->y(), keypoint.y, 1.0);
@@ -119,14 +121,14 @@ TEST(LitViews, ACoarseOneLiesInTheSamePixels) {
 // An evicted template is made again identically; the most recently used one is not evicted.
 TEST(LitViews, OnlySoManyAreKept) {
   const auto lit = MakeLitViews(WaffleModel(), 4).value();
-  const auto first = lit->Under({7, 1});
-  for (std::size_t view = 2; view < 5; ++view) static_cast<void>(lit->Under({7, view}));
-  EXPECT_EQ(lit->Under({7, 1}), first);
-  const auto fifth = lit->Under({7, 5});  // one too many: of 2, 3, 4, 1, 5 the older ones go
-  EXPECT_EQ(lit->Under({7, 5}), fifth);
-  EXPECT_EQ(lit->Under({7, 1}), first);
-  for (std::size_t view = 2; view < 6; ++view) static_cast<void>(lit->Under({7, view}));
-  const auto again = lit->Under({7, 1});
+  const auto first = lit->GetTemplate({7, 1});
+  for (std::size_t view = 2; view < 5; ++view) static_cast<void>(lit->GetTemplate({7, view}));
+  EXPECT_EQ(lit->GetTemplate({7, 1}), first);
+  const auto fifth = lit->GetTemplate({7, 5});  // one too many: of 2, 3, 4, 1, 5 the older ones go
+  EXPECT_EQ(lit->GetTemplate({7, 5}), fifth);
+  EXPECT_EQ(lit->GetTemplate({7, 1}), first);
+  for (std::size_t view = 2; view < 6; ++view) static_cast<void>(lit->GetTemplate({7, view}));
+  const auto again = lit->GetTemplate({7, 1});
   EXPECT_NE(again, first);
   EXPECT_EQ(again->features.descriptors, first->features.descriptors);
 }
@@ -134,16 +136,16 @@ TEST(LitViews, OnlySoManyAreKept) {
 // Threads that prepare the same views concurrently share them; each is made once.
 TEST(LitViews, ThreadsShareTheWork) {
   const auto lit = MakeLitViews(WaffleModel()).value();
-  std::vector<LitView> wanted;
+  std::vector<RelitTemplateKey> wanted;
   for (std::size_t view = 1; view < 7; ++view) wanted.push_back({8, view});
   constexpr std::size_t kThreads = 4;
-  std::vector<std::vector<std::shared_ptr<const LitTemplate>>> got(kThreads);
+  std::vector<std::vector<std::shared_ptr<const RelitTemplate>>> got(kThreads);
   {
     std::vector<std::jthread> threads;
     for (auto& mine : got) {
       threads.emplace_back([&] {
         lit->Prepare(wanted);
-        for (const LitView& one : wanted) mine.push_back(lit->Under(one));
+        for (const RelitTemplateKey& one : wanted) mine.push_back(lit->GetTemplate(one));
       });
     }
   }
@@ -161,29 +163,29 @@ TEST(LitViews, APictureIsTheRendering) {
   constexpr std::size_t kView = 5;
   const ViewSurface surface = DecodeSurface(WaffleModel().views[kView].surface, "waffle").value();
   cv::Mat blurred;
-  cv::GaussianBlur(surface.grey, blurred, {}, kPictureBlur_px);
-  const auto picture = views->Picture(kView, 0);
+  cv::GaussianBlur(surface.grey, blurred, {}, kAppearanceBlur_px);
+  const auto picture = views->GetAppearance(kView, 0);
   ASSERT_GT(picture->points.size(), 150U);
   const Eigen::Matrix3d turned = picture->camera_from_model.toRotationMatrix();
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   double off = 0;
-  for (const PicturePoint& point : picture->points) {
+  for (const SurfaceSample& point : picture->points) {
     middle += point.place.cast<double>();
     const Eigen::Vector2d at =
-        picture->middle_px + picture->pixels_per_m * (turned * point.place.cast<double>()).head<2>();
+        picture->centre_px + picture->pixels_per_m * (turned * point.place.cast<double>()).head<2>();
     const cv::Point pixel(static_cast<int>(at.x()), static_cast<int>(at.y()));
     ASSERT_TRUE(cv::Rect({0, 0}, blurred.size()).contains(pixel));
-    ASSERT_FALSE(std::isnan(surface.seen.depth_m.at<float>(pixel)));
+    ASSERT_FALSE(std::isnan(surface.depth_map.depth_m.at<float>(pixel)));
     off += std::abs(point.brightness - static_cast<float>(blurred.at<std::uint8_t>(pixel)));
   }
   const auto n = static_cast<double>(picture->points.size());
   EXPECT_LT(middle.norm() / n, 1e-3);
   EXPECT_LT(off / n, 6);  // weak perspective is a pixel or two off
 
-  EXPECT_EQ(views->Picture(kView, 0), picture);
-  const auto coarse = views->Picture(kView, 4);
-  const auto contrast = [](const ViewPicture& of) {
-    const auto [least, most] = std::ranges::minmax(of.points, {}, &PicturePoint::brightness);
+  EXPECT_EQ(views->GetAppearance(kView, 0), picture);
+  const auto coarse = views->GetAppearance(kView, 4);
+  const auto contrast = [](const ViewAppearance& of) {
+    const auto [least, most] = std::ranges::minmax(of.points, {}, &SurfaceSample::brightness);
     return most.brightness - least.brightness;
   };
   EXPECT_LT(contrast(*coarse), contrast(*picture));
@@ -192,7 +194,7 @@ TEST(LitViews, APictureIsTheRendering) {
 TEST(LitViews, ADamagedPictureIsEmpty) {
   ObjectModel model = WaffleModel();
   model.views[3].surface = model.views[3].surface.first(50);
-  EXPECT_TRUE(MakeLitViews(model).value()->Picture(3, 0)->points.empty());
+  EXPECT_TRUE(MakeLitViews(model).value()->GetAppearance(3, 0)->points.empty());
 }
 
 TEST(LitViews, PhotosHaveNone) {

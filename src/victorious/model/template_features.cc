@@ -8,33 +8,36 @@ namespace victorious {
 namespace {
 
 // Back-projects a keypoint to a 3D point in the model frame; std::nullopt if its pixel has no depth.
-std::optional<Point3> PlaceOf(const Keypoint& keypoint, const SeenSurface& seen, const Rigid3& model_from_camera) {
-  const int column = std::clamp(static_cast<int>(keypoint.x), 0, seen.depth_m.cols - 1);
-  const int row = std::clamp(static_cast<int>(keypoint.y), 0, seen.depth_m.rows - 1);
-  const double depth = seen.depth_m.at<float>(row, column);
+std::optional<Point3> BackprojectKeypoint(const Keypoint& keypoint, const PosedDepthMap& depth_map,
+                                          const Rigid3& model_from_camera) {
+  const int column = std::clamp(static_cast<int>(keypoint.x), 0, depth_map.depth_m.cols - 1);
+  const int row = std::clamp(static_cast<int>(keypoint.y), 0, depth_map.depth_m.rows - 1);
+  const double depth = depth_map.depth_m.at<float>(row, column);
   if (!std::isfinite(depth)) return std::nullopt;
-  const Eigen::Vector3d place = model_from_camera.Apply(depth * seen.camera.pinhole.RayOf({keypoint.x, keypoint.y}));
+  const Eigen::Vector3d place =
+      model_from_camera.Apply(depth * depth_map.camera.pinhole.Unproject({keypoint.x, keypoint.y}));
   return Point3{static_cast<float>(place.x()), static_cast<float>(place.y()), static_cast<float>(place.z())};
 }
 
 }  // namespace
 
-Expected<LitTemplate> TemplateFeaturesOf(const ObjectPicture& picture, const SeenSurface& seen,
-                                         const FeatureExtractor& extractor, const CadModelOptions& options) {
-  LitTemplate result;
+Expected<RelitTemplate> ExtractTemplateFeatures(const ObjectImage& picture, const PosedDepthMap& depth_map,
+                                                const FeatureExtractor& extractor, const CadModelOptions& options) {
+  RelitTemplate result;
   if (picture.outline.size() < 3) return result;
-  VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet all,
-                              FeaturesOnObject(picture, extractor, {.least_mask_share = options.least_mask_share}));
-  const Rigid3 model_from_camera = seen.camera.camera_from_world.Inverse();
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const FeatureSet all,
+      ExtractObjectFeatures(picture, extractor, {.min_mask_fraction = options.min_mask_fraction}));
+  const Rigid3 model_from_camera = depth_map.camera.camera_from_world.Inverse();
   result.features.image_width = all.image_width;
   result.features.image_height = all.image_height;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const std::optional<Point3> place = PlaceOf(all.keypoints[i], seen, model_from_camera);
+    const std::optional<Point3> place = BackprojectKeypoint(all.keypoints[i], depth_map, model_from_camera);
     if (!place) continue;
     AppendFeature(all.keypoints[i], all, i, result.features);
     result.points_in_model.push_back(*place);
   }
-  if (result.features.size() < static_cast<std::size_t>(options.least_features)) result = {};
+  if (result.features.size() < static_cast<std::size_t>(options.min_features)) result = {};
   return result;
 }
 

@@ -5,15 +5,15 @@
 #include "victorious/features/feature_extractor.h"
 #include "victorious/model/cad_model.h"
 #include "victorious/model/model_builder.h"
-#include "victorious/render/relight.h"
 #include "victorious/recognize/relit_templates.h"
+#include "victorious/render/relight.h"
 
 namespace victorious {
 
 /// The features on the object that have a depth; empty if there are fewer than options.min_features.
 /// @param depth_map  of the same rendering as `picture`; its world frame is the model frame
 /// Errors: those of the extractor.
-Expected<LitTemplate> TemplateFeaturesOf(const ObjectPicture& picture, const SeenSurface& seen,
-                                         const FeatureExtractor& extractor, const CadModelOptions& options);
+Expected<RelitTemplate> ExtractTemplateFeatures(const ObjectImage& picture, const PosedDepthMap& depth_map,
+                                                const FeatureExtractor& extractor, const CadModelOptions& options);
 
 }  // namespace victorious

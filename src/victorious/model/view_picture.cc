@@ -7,11 +7,11 @@
 
 namespace victorious {
 
-ViewPicture PictureOf(const ViewSurface& surface, double shrink) {
+ViewAppearance SampleTemplatePoints(const ViewSurface& surface, double shrink) {
   constexpr double kRim_px = 3.0;  // scene pixels; excludes mixed pixels and outline errors
   constexpr double kPoints = 300;
-  constexpr std::size_t kFewest = 40;
-  const cv::Mat& depth_m = surface.seen.depth_m;
+  constexpr std::size_t kMinPoints = 40;
+  const cv::Mat& depth_m = surface.depth_map.depth_m;
   const cv::Mat mask = depth_m == depth_m;  // not NaN
   const int rim = std::max(1, static_cast<int>(std::lround(kRim_px * shrink)));
   cv::Mat inside;
@@ -23,31 +23,31 @@ ViewPicture PictureOf(const ViewSurface& surface, double shrink) {
   cv::Mat sum;
   surface.grey.convertTo(sum, CV_32F);
   sum = sum.mul(weight);
-  const double blur_px = std::max(0.5, kPictureBlur_px * shrink);
+  const double blur_px = std::max(0.5, kAppearanceBlur_px * shrink);
   cv::GaussianBlur(sum, sum, {}, blur_px);
   cv::GaussianBlur(weight, weight, {}, blur_px);
 
-  const PosedCamera& camera = surface.seen.camera;
+  const PosedCamera& camera = surface.depth_map.camera;
   const Rigid3 model_from_camera = camera.camera_from_world.Inverse();
   const int step = std::max(1, static_cast<int>(std::sqrt(cv::countNonZero(inside) / kPoints)));
-  ViewPicture picture{.points = {}, .camera_from_model = camera.camera_from_world.rotation};
+  ViewAppearance picture{.points = {}, .camera_from_model = camera.camera_from_world.rotation};
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (int row = 0; row < inside.rows; row += step) {
     for (int column = 0; column < inside.cols; column += step) {
       if (inside.at<std::uint8_t>(row, column) == 0) continue;
       const Eigen::Vector3d place = model_from_camera.Apply(static_cast<double>(depth_m.at<float>(row, column)) *
-                                                            camera.pinhole.RayOf({column + 0.5, row + 0.5}));
+                                                            camera.pinhole.Unproject({column + 0.5, row + 0.5}));
       picture.points.push_back({place.cast<float>(), sum.at<float>(row, column) / weight.at<float>(row, column)});
       middle += place;
     }
   }
-  if (picture.points.size() < kFewest) return {};
+  if (picture.points.size() < kMinPoints) return {};
   middle /= static_cast<double>(picture.points.size());
-  for (PicturePoint& point : picture.points) point.place -= middle.cast<float>();
-  const Eigen::Vector3d seen = camera.camera_from_world.Apply(middle);
-  picture.middle_px = {camera.pinhole.fx * seen.x() / seen.z() + camera.pinhole.cx,
-                       camera.pinhole.fy * seen.y() / seen.z() + camera.pinhole.cy};
-  picture.pixels_per_m = camera.pinhole.fx / seen.z();
+  for (SurfaceSample& point : picture.points) point.place -= middle.cast<float>();
+  const Eigen::Vector3d depth_map = camera.camera_from_world.Apply(middle);
+  picture.centre_px = {camera.pinhole.fx * depth_map.x() / depth_map.z() + camera.pinhole.cx,
+                       camera.pinhole.fy * depth_map.y() / depth_map.z() + camera.pinhole.cy};
+  picture.pixels_per_m = camera.pinhole.fx / depth_map.z();
   return picture;
 }
 

@@ -11,6 +11,6 @@ namespace victorious {
 /// over object pixels only.
 /// @param shrink  size of the object in the rendering over its size in the scene, > 0
 /// @return without points if fewer than 40 samples are more than 3 scene pixels inside the outline
-[[nodiscard]] ViewPicture PictureOf(const ViewSurface& surface, double shrink);
+[[nodiscard]] ViewAppearance SampleTemplatePoints(const ViewSurface& surface, double shrink);
 
 }  // namespace victorious

@@ -15,9 +15,9 @@
 namespace victorious {
 namespace {
 
-constexpr std::int64_t kMostSheetPixels = 100'000'000;
-constexpr std::size_t kMostViews = 2000;
-constexpr int kMostThumbnailPx = 256;
+constexpr std::int64_t kMaxSheetPixels = 100'000'000;
+constexpr std::size_t kMaxViews = 2000;
+constexpr int kMaxThumbnailPx = 256;
 constexpr int kColumns = 36;
 constexpr int kGapPx = 4;
 constexpr int kCaptionPx = 18;
@@ -41,9 +41,9 @@ struct Row {
 Expected<cv::Mat> DecodeThumbnail(const ObjectModel& model, std::size_t view) {
   const std::string name = fmt::format("model {}, thumbnail of view {}", model.name, view);
   VICTORIOUS_ASSIGN_OR_RETURN(Image image, DecodeImage(model.views[view].thumbnail, name));
-  if (std::max(image.bgr.cols, image.bgr.rows) <= kMostThumbnailPx) return std::move(image.bgr);
+  if (std::max(image.bgr.cols, image.bgr.rows) <= kMaxThumbnailPx) return std::move(image.bgr);
   return Fail(ErrorCode::kDataLoss, fmt::format("{}: {} x {} pixels: must be at most {} a side", name, image.bgr.cols,
-                                                image.bgr.rows, kMostThumbnailPx));
+                                                image.bgr.rows, kMaxThumbnailPx));
 }
 
 // The views in sheet order, keyed by off-nadir angle in degrees (rings), each ring sorted by azimuth; views without
@@ -81,7 +81,7 @@ void Write(cv::Mat& sheet, const std::string& text, cv::Point left_base, double 
   cv::putText(sheet, text, left_base, cv::FONT_HERSHEY_SIMPLEX, size, kInk, 1, cv::LINE_AA);
 }
 
-void DrawTile(const ModelView& view, const cv::Mat& picture, std::uint64_t most_features, const cv::Rect& cell,
+void DrawTile(const ModelView& view, const cv::Mat& picture, std::uint64_t max_features, const cv::Rect& cell,
               cv::Mat& sheet) {
   constexpr int kBarPx = 3;
   const cv::Point inset((cell.width - picture.cols) / 2, (cell.height - kCaptionPx - picture.rows) / 2);
@@ -93,9 +93,10 @@ void DrawTile(const ModelView& view, const cv::Mat& picture, std::uint64_t most_
   const std::string features = std::to_string(view.feature_count);
   const int width = cv::getTextSize(features, cv::FONT_HERSHEY_SIMPLEX, 0.34, 1, nullptr).width;
   Write(sheet, features, {cell.br().x - width, base.y}, 0.34);
-  const double share =
-      static_cast<double>(view.feature_count) / static_cast<double>(std::max<std::uint64_t>(1, most_features));
-  cv::rectangle(sheet, cv::Rect(cell.x, cell.br().y - kBarPx, cvRound(share * cell.width), kBarPx), kBar, cv::FILLED);
+  const double fraction =
+      static_cast<double>(view.feature_count) / static_cast<double>(std::max<std::uint64_t>(1, max_features));
+  cv::rectangle(sheet, cv::Rect(cell.x, cell.br().y - kBarPx, cvRound(fraction * cell.width), kBarPx), kBar,
+                cv::FILLED);
 }
 
 }  // namespace
@@ -107,20 +108,20 @@ Expected<cv::Mat> DrawViewSheet(const ObjectModel& model) {
                             "the model and add it again",
                             model.name, model.program_version));
   }
-  if (model.views.size() > kMostViews) {
+  if (model.views.size() > kMaxViews) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("model {}: {} views are too many for one sheet: must be at most {}", model.name,
-                            model.views.size(), kMostViews));
+                            model.views.size(), kMaxViews));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Row> rows, LayOut(model));
   int side = 0;
   std::size_t columns = 0;
-  std::uint64_t most_features = 0;
+  std::uint64_t max_features = 0;
   for (const Row& row : rows) {
     columns = std::max(columns, row.tiles.size());
     for (const Tile& tile : row.tiles) {
       side = std::max({side, tile.picture.cols, tile.picture.rows});
-      most_features = std::max(most_features, model.views[tile.view].feature_count);
+      max_features = std::max(max_features, model.views[tile.view].feature_count);
     }
   }
 
@@ -131,10 +132,10 @@ Expected<cv::Mat> DrawViewSheet(const ObjectModel& model) {
   const int title_width = cv::getTextSize(title, cv::FONT_HERSHEY_SIMPLEX, 0.5, 1, nullptr).width + 2 * kGapPx;
   const cv::Size size(std::max(title_width, kLabelPx + static_cast<int>(columns) * step.width),
                       kTitlePx + static_cast<int>(rows.size()) * step.height);
-  if (static_cast<std::int64_t>(size.width) * size.height > kMostSheetPixels) {
+  if (static_cast<std::int64_t>(size.width) * size.height > kMaxSheetPixels) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("model {}: its views make a sheet of {} x {} pixels: must be at most {} in all", model.name,
-                            size.width, size.height, kMostSheetPixels));
+                            size.width, size.height, kMaxSheetPixels));
   }
   cv::Mat sheet(size, CV_8UC3, kPaper);
   Write(sheet, title, {kGapPx, 18}, 0.5);
@@ -144,7 +145,7 @@ Expected<cv::Mat> DrawViewSheet(const ObjectModel& model) {
     for (std::size_t c = 0; c < rows[r].tiles.size(); ++c) {
       const Tile& tile = rows[r].tiles[c];
       const cv::Rect cell(kLabelPx + static_cast<int>(c) * step.width, top, side, side + kCaptionPx);
-      DrawTile(model.views[tile.view], tile.picture, most_features, cell, sheet);
+      DrawTile(model.views[tile.view], tile.picture, max_features, cell, sheet);
     }
   }
   return sheet;

@@ -28,10 +28,10 @@ struct Header {
 };
 static_assert(sizeof(Header) == 120);
 
-constexpr int kMostSidePx = 4096;
+constexpr int kMaxSidePx = 4096;
 constexpr double kDepths = 65534;  // quantisation steps between nearest_m and farthest_m
 
-bool IsSound(const Header& header, const cv::Mat& picture) {
+bool IsValid(const Header& header, const cv::Mat& picture) {
   const double numbers[] = {header.fx, header.cx, header.cy, header.qw, header.qx,        header.qy,
                             header.qz, header.tx, header.ty, header.tz, header.nearest_m, header.farthest_m};
   if (!std::ranges::all_of(numbers, [](double number) { return std::isfinite(number) && std::abs(number) < 1e9; })) {
@@ -39,7 +39,7 @@ bool IsSound(const Header& header, const cv::Mat& picture) {
   }
   const double norm = std::hypot(std::hypot(header.qw, header.qx), std::hypot(header.qy, header.qz));
   return header.fx > 0 && std::abs(norm - 1) < 1e-6 && header.nearest_m > 0 && header.farthest_m >= header.nearest_m &&
-         header.width > 0 && header.height > 0 && header.width <= kMostSidePx && header.height <= kMostSidePx &&
+         header.width > 0 && header.height > 0 && header.width <= kMaxSidePx && header.height <= kMaxSidePx &&
          header.left >= 0 && header.top >= 0 && header.left <= header.width - picture.cols &&
          header.top <= header.height - picture.rows && header.background >= 0 && header.background <= 255;
 }
@@ -47,12 +47,12 @@ bool IsSound(const Header& header, const cv::Mat& picture) {
 }  // namespace
 
 Expected<std::vector<std::byte>> EncodeSurface(const ViewSurface& surface) {
-  const PosedCamera& camera = surface.seen.camera;
-  const cv::Mat seen = surface.seen.depth_m == surface.seen.depth_m;  // not NaN
-  const cv::Rect box = cv::boundingRect(seen);
+  const PosedCamera& camera = surface.depth_map.camera;
+  const cv::Mat depth_map = surface.depth_map.depth_m == surface.depth_map.depth_m;  // not NaN
+  const cv::Rect box = cv::boundingRect(depth_map);
   double nearest_m = 1;
   double farthest_m = 1;
-  if (!box.empty()) cv::minMaxLoc(surface.seen.depth_m, &nearest_m, &farthest_m, nullptr, nullptr, seen);
+  if (!box.empty()) cv::minMaxLoc(surface.depth_map.depth_m, &nearest_m, &farthest_m, nullptr, nullptr, depth_map);
   const Eigen::Quaterniond& turn = camera.camera_from_world.rotation;
   const Eigen::Vector3d& shift = camera.camera_from_world.translation;
   const Header header{.fx = camera.pinhole.fx,
@@ -77,7 +77,7 @@ Expected<std::vector<std::byte>> EncodeSurface(const ViewSurface& surface) {
   const double steps_per_m = farthest_m > nearest_m ? kDepths / (farthest_m - nearest_m) : 0;
   for (int row = 0; row < box.height; ++row) {
     for (int column = 0; column < box.width; ++column) {
-      const float depth_m = surface.seen.depth_m.at<float>(box.y + row, box.x + column);
+      const float depth_m = surface.depth_map.depth_m.at<float>(box.y + row, box.x + column);
       const int depth =
           std::isnan(depth_m) ? 0 : 1 + static_cast<int>(std::lround((depth_m - nearest_m) * steps_per_m));
       picture.at<cv::Vec3b>(row, column) = {surface.grey.at<std::uint8_t>(box.y + row, box.x + column),
@@ -100,9 +100,9 @@ Expected<ViewSurface> DecodeSurface(std::span<const std::byte> bytes, const std:
   if (bytes.size() < sizeof(header)) return damaged();
   std::memcpy(&header, bytes.data(), sizeof(header));
   const Expected<Image> image = DecodeImage(bytes.subspan(sizeof(header)), name);
-  if (!image || !IsSound(header, image->bgr)) return damaged();
+  if (!image || !IsValid(header, image->bgr)) return damaged();
   ViewSurface surface;
-  surface.seen.camera = {
+  surface.depth_map.camera = {
       .pinhole = {.fx = header.fx,
                   .fy = header.fx,
                   .cx = header.cx,
@@ -112,7 +112,7 @@ Expected<ViewSurface> DecodeSurface(std::span<const std::byte> bytes, const std:
       .camera_from_world = {Eigen::Quaterniond(header.qw, header.qx, header.qy, header.qz).normalized(),
                             {header.tx, header.ty, header.tz}}};
   surface.grey = cv::Mat(header.height, header.width, CV_8UC1, cv::Scalar(header.background));
-  surface.seen.depth_m =
+  surface.depth_map.depth_m =
       cv::Mat(header.height, header.width, CV_32FC1, cv::Scalar(std::numeric_limits<float>::quiet_NaN()));
   const double m_per_step = (header.farthest_m - header.nearest_m) / kDepths;
   for (int row = 0; row < image->bgr.rows; ++row) {
@@ -121,7 +121,7 @@ Expected<ViewSurface> DecodeSurface(std::span<const std::byte> bytes, const std:
       const int depth = pixel[1] << 8 | pixel[2];
       surface.grey.at<std::uint8_t>(header.top + row, header.left + column) = pixel[0];
       if (depth == 0) continue;
-      surface.seen.depth_m.at<float>(header.top + row, header.left + column) =
+      surface.depth_map.depth_m.at<float>(header.top + row, header.left + column) =
           static_cast<float>(header.nearest_m + (depth - 1) * m_per_step);
     }
   }

@@ -15,8 +15,8 @@
 namespace victorious {
 
 struct ViewSurface {
-  cv::Mat grey;      ///< CV_8UC1, sRGB, uniform background
-  SeenSurface seen;  ///< of the same size; its world frame is the model frame
+  cv::Mat grey;             ///< CV_8UC1, sRGB, uniform background
+  PosedDepthMap depth_map;  ///< of the same size; its world frame is the model frame
 };
 
 /// @param surface  image and depth map of the same size; depth is quantised to 65534 steps over the range of depths

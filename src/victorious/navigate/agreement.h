@@ -24,29 +24,28 @@ namespace victorious {
 
 /// A hypothesis of the camera pose in the flight's tangent plane, with the covariance of (rotation about the plane's
 /// axes, translation).
-struct PoseClaim {
+struct PoseHypothesis {
   Eigen::Quaterniond camera_from_enu;
   Eigen::Vector3d place;
   Matrix6 covariance;
 };
 
 /// The camera pose that follows from a sighting, if it is of this landmark.
-PoseClaim ClaimOf(const LandmarkSighting& sighting, const FlightLandmark& landmark);
+PoseHypothesis PoseFromSighting(const LandmarkSighting& sighting, const FlightLandmark& landmark);
 
 /// Associates sightings with landmarks by consensus of their pose hypotheses.
 /// @param sightings  ordered by frame
 /// @param wrong      one per landmark: true for landmarks that are excluded from the association
 /// @return one per sighting: index of the landmark; std::nullopt for an outlier
-std::vector<std::optional<std::size_t>> FindAgreement(const Flight& flight, std::span<const FlightLandmark> landmarks,
-                                                      std::span<const LandmarkSighting> sightings,
-                                                      const Candidates& candidates, const std::vector<bool>& wrong,
-                                                      const NavigateOptions& options);
+std::vector<std::optional<std::size_t>> FindConsensusAssociation(
+    const Flight& flight, std::span<const FlightLandmark> landmarks, std::span<const LandmarkSighting> sightings,
+    const Candidates& candidates, const std::vector<bool>& wrong, const NavigateOptions& options);
 
 /// Initial states for the smoother, one per frame: from the associated sightings where there are any; else from
 /// telemetry corrected by the offset at the nearest such frame, or without telemetry interpolated linearly between
 /// them.
-std::vector<FlightState> StartOf(const Flight& flight, std::span<const FlightLandmark> landmarks,
-                                 std::span<const LandmarkSighting> sightings,
-                                 std::span<const std::optional<std::size_t>> landmark_of);
+std::vector<FlightState> EstimateInitialStates(const Flight& flight, std::span<const FlightLandmark> landmarks,
+                                               std::span<const LandmarkSighting> sightings,
+                                               std::span<const std::optional<std::size_t>> landmark_by_sighting);
 
 }  // namespace victorious

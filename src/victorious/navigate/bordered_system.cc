@@ -31,9 +31,9 @@ BorderedSystem::BorderedSystem(std::size_t blocks, Index block_size, Index borde
     : diagonal(blocks, MatrixXd::Zero(block_size, block_size)),
       upper(blocks > 0 ? blocks - 1 : 0, MatrixXd::Zero(block_size, block_size)),
       border(blocks),
-      right(blocks, VectorXd::Zero(block_size)),
+      rhs(blocks, VectorXd::Zero(block_size)),
       corner(MatrixXd::Zero(border_size, border_size)),
-      corner_right(VectorXd::Zero(border_size)),
+      corner_rhs(VectorXd::Zero(border_size)),
       block_size_(block_size) {}
 
 std::optional<BorderedSystem::Factors> BorderedSystem::Factorise(double damping) const {
@@ -68,9 +68,9 @@ std::optional<BorderedSystem::Factors> BorderedSystem::Factorise(double damping)
 std::optional<BorderedSystem::Solution> BorderedSystem::Solve(double damping) const {
   const std::optional<Factors> factors = Factorise(damping);
   if (!factors) return std::nullopt;
-  std::vector<MatrixXd> sides(right.begin(), right.end());
+  std::vector<MatrixXd> sides(rhs.begin(), rhs.end());
   factors->SolveChain(sides);
-  VectorXd left = corner_right;
+  VectorXd left = corner_rhs;
   for (std::size_t k = 0; k < blocks(); ++k) {
     for (const Part& part : border[k]) {
       left.segment(part.first, part.columns.cols()) -= part.columns.transpose() * sides[k];

@@ -34,9 +34,9 @@ class BorderedSystem {
   std::vector<Eigen::MatrixXd> diagonal;  ///< D, block_size x block_size
   std::vector<Eigen::MatrixXd> upper;     ///< U, one fewer: couples block k with block k + 1
   std::vector<std::vector<Part>> border;  ///< B, as a sum of parts: sparse
-  std::vector<Eigen::VectorXd> right;     ///< g
+  std::vector<Eigen::VectorXd> rhs;       ///< g
   Eigen::MatrixXd corner;                 ///< C
-  Eigen::VectorXd corner_right;           ///< h
+  Eigen::VectorXd corner_rhs;             ///< h
 
   struct Solution {
     std::vector<Eigen::VectorXd> blocks;  ///< x

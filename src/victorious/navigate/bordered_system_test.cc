@@ -36,9 +36,9 @@ BorderedSystem DrawnSystem(std::size_t blocks, Index size, Index border) {
       system.upper[k] += normal.block(0, size, size, size);
       system.border[k + 1].push_back({0, normal.block(size, 2 * size, size, border)});
     }
-    system.right[k] = Drawn(random, size, 1);
+    system.rhs[k] = Drawn(random, size, 1);
   }
-  system.corner_right = Drawn(random, border, 1);
+  system.corner_rhs = Drawn(random, border, 1);
   return system;
 }
 
@@ -65,10 +65,10 @@ TEST_P(BorderedSystemTest, IsWhatTheDenseMatrixGives) {
   const auto [blocks, border] = GetParam();
   const BorderedSystem system = DrawnSystem(static_cast<std::size_t>(blocks), 4, border);
   const MatrixXd inverse = Dense(system).inverse();
-  VectorXd right(inverse.rows());
-  for (int k = 0; k < blocks; ++k) right.segment(4 * k, 4) = system.right[static_cast<std::size_t>(k)];
-  right.tail(border) = system.corner_right;
-  const VectorXd expected = inverse * right;
+  VectorXd rhs(inverse.rows());
+  for (int k = 0; k < blocks; ++k) rhs.segment(4 * k, 4) = system.rhs[static_cast<std::size_t>(k)];
+  rhs.tail(border) = system.corner_rhs;
+  const VectorXd expected = inverse * rhs;
 
   const auto solution = system.Solve();
   const auto covariances = system.Invert();

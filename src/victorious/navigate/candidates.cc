@@ -12,73 +12,75 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::size_t kFewest = 16;  // minimum number of candidates, however large the telemetry error
+constexpr std::size_t kMinCandidates = 16;  // minimum number of candidates, however large the telemetry error
 
 double Squared(double value) { return value * value; }
 
 // The position of the observed object predicted by telemetry, and the sum of the variances along the axes.
-struct Expected {
+struct Prediction {
   Vector3d place;
   double variance_m2 = 0;
 };
 
-Expected ExpectedOf(const Flight& flight, std::size_t told_frame, const LandmarkSighting& sighting) {
+Prediction PredictPosition(const Flight& flight, std::size_t told_frame, const LandmarkSighting& sighting) {
   const FlightSigmas& sigmas = flight.sigmas;
   const FlightFrame& frame = flight.frames[told_frame];
   const double walked_s = frame.time_s - flight.frames.front().time_s;
   const double apart_s = std::abs(flight.frames[sighting.frame].time_s - frame.time_s);
   const Vector3d& seen = sighting.camera_from_landmark.translation;
-  const double of_place = Squared(sigmas.offset_position_m) + walked_s * Squared(sigmas.drift_position_m) +
-                          Squared(frame.told->sigma_position_m) + Squared(sigmas.speed_m_s * apart_s);
-  const double of_attitude = Squared(sigmas.offset_attitude_rad) + walked_s * Squared(sigmas.drift_attitude_rad) +
-                             Squared(frame.told->sigma_attitude_rad) + Squared(sigmas.turn_rad_s * apart_s);
-  return {frame.told->place + frame.told->CameraFromEnuLess(Vector3d::Zero()).conjugate() * seen,
-          3 * of_place + 2 * seen.squaredNorm() * of_attitude +
-              CovarianceOf(sighting.information).bottomRightCorner<3, 3>().trace()};
+  const double position_variance_m2 = Squared(sigmas.offset_position_m) + walked_s * Squared(sigmas.drift_position_m) +
+                                      Squared(frame.measured->sigma_position_m) + Squared(sigmas.speed_m_s * apart_s);
+  const double attitude_variance_rad2 =
+      Squared(sigmas.offset_attitude_rad) + walked_s * Squared(sigmas.drift_attitude_rad) +
+      Squared(frame.measured->sigma_attitude_rad) + Squared(sigmas.angular_rate_rad_s * apart_s);
+  return {frame.measured->place + frame.measured->CorrectedCameraFromEnu(Vector3d::Zero()).conjugate() * seen,
+          3 * position_variance_m2 + 2 * seen.squaredNorm() * attitude_variance_rad2 +
+              CovarianceFromInformation(sighting.information).bottomRightCorner<3, 3>().trace()};
 }
 
-std::vector<std::size_t> Near(const Expected& expected, std::span<const FlightLandmark> landmarks,
-                              std::span<const std::size_t> of_model, double gate_sigma) {
+std::vector<std::size_t> NearbyLandmarks(const Prediction& predicted, std::span<const FlightLandmark> landmarks,
+                                         std::span<const std::size_t> model_landmarks, double gate_sigma) {
   std::vector<std::pair<double, std::size_t>> off;  // squared distance relative to the gate
-  for (const std::size_t landmark : of_model) {
+  for (const std::size_t landmark : model_landmarks) {
     const Matrix6& prior = landmarks[landmark].prior_covariance;
-    const double variance_m2 = expected.variance_m2 + prior.bottomRightCorner<3, 3>().trace();
-    const double squared_m2 = (landmarks[landmark].enu_from_landmark.translation - expected.place).squaredNorm();
+    const double variance_m2 = predicted.variance_m2 + prior.bottomRightCorner<3, 3>().trace();
+    const double squared_m2 = (landmarks[landmark].enu_from_landmark.translation - predicted.place).squaredNorm();
     off.emplace_back(squared_m2 / (gate_sigma * gate_sigma * variance_m2), landmark);
   }
-  const auto rest = off.begin() + static_cast<std::ptrdiff_t>(kFewest);
+  const auto rest = off.begin() + static_cast<std::ptrdiff_t>(kMinCandidates);
   std::ranges::nth_element(off, rest);
   off.erase(std::remove_if(rest, off.end(), [](const auto& one) { return !(one.first <= 1); }), off.end());
-  std::vector<std::size_t> near;
-  for (const auto& [share, landmark] : off) near.push_back(landmark);
-  std::ranges::sort(near);
-  return near;
+  std::vector<std::size_t> nearby;
+  for (const auto& [normalised_distance, landmark] : off) nearby.push_back(landmark);
+  std::ranges::sort(nearby);
+  return nearby;
 }
 
 }  // namespace
 
 Candidates::Candidates(const Flight& flight, std::span<const FlightLandmark> landmarks,
-                       std::span<const std::vector<std::size_t>> landmarks_of,
+                       std::span<const std::vector<std::size_t>> landmarks_by_model,
                        std::span<const LandmarkSighting> sightings, const NavigateOptions& options)
-    : landmarks_of_(landmarks_of), near_(sightings.size()) {
-  for (const LandmarkSighting& sighting : sightings) model_of_.push_back(sighting.model);
-  std::vector<std::size_t> told;  // frames with telemetry
+    : landmarks_by_model_(landmarks_by_model), nearby_(sightings.size()) {
+  for (const LandmarkSighting& sighting : sightings) sighting_models_.push_back(sighting.model);
+  std::vector<std::size_t> measured;  // frames with telemetry
   for (std::size_t k = 0; k < flight.frames.size(); ++k) {
-    if (flight.frames[k].told) told.push_back(k);
+    if (flight.frames[k].measured) measured.push_back(k);
   }
-  if (told.empty()) return;
+  if (measured.empty()) return;
   for (std::size_t i = 0; i < sightings.size(); ++i) {
-    const std::vector<std::size_t>& of_model = landmarks_of[sightings[i].model];
-    if (of_model.size() <= kFewest) continue;
+    const std::vector<std::size_t>& model_landmarks = landmarks_by_model[sightings[i].model];
+    if (model_landmarks.size() <= kMinCandidates) continue;
     const auto time_of = [&](std::size_t frame) { return flight.frames[frame].time_s; };
-    auto nearest = std::ranges::lower_bound(told, sightings[i].frame);
-    if (nearest == told.end()) --nearest;
-    if (nearest != told.begin()) {
+    auto nearest = std::ranges::lower_bound(measured, sightings[i].frame);
+    if (nearest == measured.end()) --nearest;
+    if (nearest != measured.begin()) {
       const auto before = std::prev(nearest);
       const double time_s = time_of(sightings[i].frame);
       if (std::abs(time_of(*before) - time_s) < std::abs(time_of(*nearest) - time_s)) nearest = before;
     }
-    near_[i] = Near(ExpectedOf(flight, *nearest, sightings[i]), landmarks, of_model, options.gate_sigma);
+    nearby_[i] = NearbyLandmarks(PredictPosition(flight, *nearest, sightings[i]), landmarks, model_landmarks,
+                                 options.gate_sigma);
   }
 }
 

@@ -18,18 +18,19 @@ class Candidates {
   /// Computes the candidates of all sightings.
   /// @param landmarks_by_model  landmark indices by model; must outlive this object
   Candidates(const Flight& flight, std::span<const FlightLandmark> landmarks,
-             std::span<const std::vector<std::size_t>> landmarks_of, std::span<const LandmarkSighting> sightings,
+             std::span<const std::vector<std::size_t>> landmarks_by_model, std::span<const LandmarkSighting> sightings,
              const NavigateOptions& options);
 
   /// The candidate landmarks of a sighting, in ascending order.
-  [[nodiscard]] std::span<const std::size_t> Of(std::size_t sighting) const {
-    return near_[sighting].empty() ? std::span(landmarks_of_[model_of_[sighting]]) : std::span(near_[sighting]);
+  [[nodiscard]] std::span<const std::size_t> LandmarksFor(std::size_t sighting) const {
+    return nearby_[sighting].empty() ? std::span(landmarks_by_model_[sighting_models_[sighting]])
+                                     : std::span(nearby_[sighting]);
   }
 
  private:
-  std::span<const std::vector<std::size_t>> landmarks_of_;
-  std::vector<std::size_t> model_of_;           // one per sighting
-  std::vector<std::vector<std::size_t>> near_;  // one per sighting; empty: all of its model
+  std::span<const std::vector<std::size_t>> landmarks_by_model_;
+  std::vector<std::size_t> sighting_models_;      // one per sighting
+  std::vector<std::vector<std::size_t>> nearby_;  // one per sighting; empty: all of its model
 };
 
 }  // namespace victorious

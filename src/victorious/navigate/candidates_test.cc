@@ -28,24 +28,24 @@ class CandidatesTest : public ::testing::Test {
     std::iota(of_models_.front().begin(), of_models_.front().end(), 0);
     flight_.frames.resize(2);
     flight_.frames[1].time_s = 0.1;
-    flight_.sigmas = {.offset_position_m = 10, .offset_attitude_rad = 0.05, .speed_m_s = 40, .turn_rad_s = 0.3};
+    flight_.sigmas = {.offset_position_m = 10, .offset_attitude_rad = 0.05, .speed_m_s = 40, .angular_rate_rad_s = 0.3};
     sighting_.camera_from_landmark.translation = {0, 0, 100};
     sighting_.information = Matrix6::Identity();
   }
 
   // Telemetry in one frame, sighting in the other: the camera is above landmark `below`, with a telemetry error of
   // `off`.
-  std::vector<std::size_t> Of(std::size_t below, const Vector3d& off) {
+  std::vector<std::size_t> LandmarksFor(std::size_t below, const Vector3d& off) {
     const Vector3d place = landmarks_[below].enu_from_landmark.translation + Vector3d(0, 0, 100) + off;
-    flight_.frames[0].told = ToldPose{place, {0, -kPi / 2, 0}, Quaterniond::Identity()};
-    flight_.has_told = true;
+    flight_.frames[0].measured = TelemetryPose{place, {0, -kPi / 2, 0}, Quaterniond::Identity()};
+    flight_.has_telemetry = true;
     return OfSighting();
   }
 
   std::vector<std::size_t> OfSighting() {
     sighting_.frame = 1;
     const Candidates candidates(flight_, landmarks_, of_models_, std::span(&sighting_, 1), {});
-    const auto of = candidates.Of(0);
+    const auto of = candidates.LandmarksFor(0);
     return {of.begin(), of.end()};
   }
 
@@ -57,7 +57,7 @@ class CandidatesTest : public ::testing::Test {
 
 TEST_F(CandidatesTest, AreThoseAroundWhereTelemetryHasWhatIsSeen) {
   const std::size_t below = 30 * kSide + 40;
-  const std::vector<std::size_t> near = Of(below, {15, -20, 5});
+  const std::vector<std::size_t> near = LandmarksFor(below, {15, -20, 5});
   EXPECT_TRUE(std::ranges::binary_search(near, below));
   EXPECT_LT(near.size(), 60);
   for (const std::size_t landmark : near) {
@@ -67,11 +67,11 @@ TEST_F(CandidatesTest, AreThoseAroundWhereTelemetryHasWhatIsSeen) {
   }
 }
 
-TEST_F(CandidatesTest, AreTheNearestWhereNoneIsNear) { EXPECT_EQ(Of(0, {-5000, 0, 0}).size(), 16); }
+TEST_F(CandidatesTest, AreTheNearestWhereNoneIsNear) { EXPECT_EQ(LandmarksFor(0, {-5000, 0, 0}).size(), 16); }
 
 TEST_F(CandidatesTest, OfFewAreAll) {
   of_models_.front() = {3, 7, 4000};
-  EXPECT_EQ(Of(3, {-5000, 0, 0}), of_models_.front());
+  EXPECT_EQ(LandmarksFor(3, {-5000, 0, 0}), of_models_.front());
 }
 
 TEST_F(CandidatesTest, WithoutTelemetryAreAll) { EXPECT_EQ(OfSighting(), of_models_.front()); }

@@ -27,7 +27,7 @@ namespace victorious {
 /// each of the tied landmarks.
 std::vector<bool> FindContradictions(const Flight& flight, std::span<const FlightLandmark> landmarks,
                                      std::span<const LandmarkSighting> sightings,
-                                     std::span<const std::optional<std::size_t>> landmark_of,
+                                     std::span<const std::optional<std::size_t>> landmark_by_sighting,
                                      const NavigateOptions& options);
 
 }  // namespace victorious

@@ -15,7 +15,7 @@ struct Factors {
   Eigen::LLT<Matrix6> correlation;
 };
 
-std::optional<Factors> FactorsOf(const Matrix6& covariance) {
+std::optional<Factors> Factorise(const Matrix6& covariance) {
   constexpr double kFloor = 1e-12;
   Factors factors;
   factors.sigma_inverse = covariance.diagonal().cwiseSqrt().cwiseInverse();
@@ -30,24 +30,24 @@ std::optional<Factors> FactorsOf(const Matrix6& covariance) {
 
 }  // namespace
 
-std::optional<Matrix6> InverseOf(const Matrix6& covariance) {
-  const auto factors = FactorsOf(covariance);
+std::optional<Matrix6> InvertCovariance(const Matrix6& covariance) {
+  const auto factors = Factorise(covariance);
   if (!factors) return std::nullopt;
   const Matrix6 scale = factors->sigma_inverse.asDiagonal();
   return scale * factors->correlation.solve(scale);
 }
 
-Matrix6 CovarianceOf(const Matrix6& information) {
-  constexpr double kAnyM = 1e4;
-  Vector6 anything;
-  anything << Eigen::Vector3d::Constant(kPi * kPi), Eigen::Vector3d::Constant(kAnyM * kAnyM);
+Matrix6 CovarianceFromInformation(const Matrix6& information) {
+  constexpr double kPriorSigmaM = 1e4;
+  Vector6 prior_variance;
+  prior_variance << Eigen::Vector3d::Constant(kPi * kPi), Eigen::Vector3d::Constant(kPriorSigmaM * kPriorSigmaM);
   Matrix6 regular = information;
-  regular.diagonal() += anything.cwiseInverse();
-  return InverseOf(regular).value_or(anything.asDiagonal());
+  regular.diagonal() += prior_variance.cwiseInverse();
+  return InvertCovariance(regular).value_or(prior_variance.asDiagonal());
 }
 
-double SquaredSigmas(const Vector6& off, const Matrix6& covariance) {
-  const auto factors = FactorsOf(covariance);
+double SquaredMahalanobis(const Vector6& off, const Matrix6& covariance) {
+  const auto factors = Factorise(covariance);
   if (!factors) return std::numeric_limits<double>::infinity();
   return factors->correlation.matrixL().solve(factors->sigma_inverse.cwiseProduct(off)).squaredNorm();
 }

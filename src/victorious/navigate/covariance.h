@@ -9,13 +9,13 @@ namespace victorious {
 
 /// The inverse; std::nullopt if the matrix is not a covariance: a variance that is 0, negative or not finite, or a
 /// correlation matrix that is not positive definite. Correlations numerically equal to 1 are slightly reduced.
-std::optional<Matrix6> InverseOf(const Matrix6& covariance);
+std::optional<Matrix6> InvertCovariance(const Matrix6& covariance);
 
 /// The covariance of a sighting from its information matrix, regularised: components without information get a variance
 /// of pi^2 rad^2 (rotation) or 1e8 m^2 (translation).
-Matrix6 CovarianceOf(const Matrix6& information);
+Matrix6 CovarianceFromInformation(const Matrix6& information);
 
 /// The squared Mahalanobis distance; infinity if the matrix is not a covariance.
-double SquaredSigmas(const Vector6& off, const Matrix6& covariance);
+double SquaredMahalanobis(const Vector6& off, const Matrix6& covariance);
 
 }  // namespace victorious

@@ -18,13 +18,13 @@ Matrix6 Drawn() {
 
 TEST(Covariance, IsInverted) {
   const Matrix6 covariance = Drawn();
-  const auto inverse = InverseOf(covariance);
+  const auto inverse = InvertCovariance(covariance);
   ASSERT_TRUE(inverse);
   const Vector6 sigma = covariance.diagonal().cwiseSqrt();  // normalises to the same magnitude
   const Matrix6 product = sigma.cwiseInverse().asDiagonal() * covariance * *inverse * sigma.asDiagonal();
   EXPECT_TRUE(product.isApprox(Matrix6::Identity(), 1e-6)) << product;
   const Vector6 off = covariance * Vector6::LinSpaced(-1, 2);
-  EXPECT_NEAR(SquaredSigmas(off, covariance) / off.dot(*inverse * off), 1, 1e-6);
+  EXPECT_NEAR(SquaredMahalanobis(off, covariance) / off.dot(*inverse * off), 1, 1e-6);
 }
 
 TEST(Covariance, ThatIsNoneIsNearNothing) {
@@ -35,15 +35,15 @@ TEST(Covariance, ThatIsNoneIsNearNothing) {
   impossible(0, 1) = impossible(1, 0) = 2;
   for (const Matrix6& matrix : {Matrix6(Matrix6::Zero()), negative, impossible,
                                 Matrix6(Matrix6::Constant(std::numeric_limits<double>::quiet_NaN()))}) {
-    EXPECT_FALSE(InverseOf(matrix));
-    EXPECT_EQ(SquaredSigmas(off, matrix), std::numeric_limits<double>::infinity());
+    EXPECT_FALSE(InvertCovariance(matrix));
+    EXPECT_EQ(SquaredMahalanobis(off, matrix), std::numeric_limits<double>::infinity());
   }
 }
 
 TEST(Covariance, WhoseNumbersErrAlikeIsOneAllTheSame) {
   const Matrix6 alike = Matrix6::Constant(1e12);
-  EXPECT_TRUE(InverseOf(alike));
-  EXPECT_NEAR(SquaredSigmas(Vector6::Constant(1e6), alike), 1, 1e-3);
+  EXPECT_TRUE(InvertCovariance(alike));
+  EXPECT_NEAR(SquaredMahalanobis(Vector6::Constant(1e6), alike), 1, 1e-3);
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ struct LandmarkSighting {
 /// A frame of the video, with the camera state measured by telemetry.
 struct NavigationFrame {
   double time_s = 0;
-  std::optional<CameraState> told;  ///< complete (CameraState::IsComplete) except for the field of view; at time_s
+  std::optional<CameraState> measured;  ///< complete (CameraState::IsComplete) except for the field of view; at time_s
 };
 
 }  // namespace victorious

@@ -22,13 +22,13 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-TangentPlane PlaneOf(const NavigationInput& input) {
+TangentPlane MakeTangentPlane(const NavigationInput& input) {
   for (const NavigationFrame& frame : input.frames) {
-    if (frame.told) return TangentPlane(frame.told->place);
+    if (frame.measured) return TangentPlane(frame.measured->place);
   }
   for (const LandmarkSighting& sighting : input.sightings) {
-    const std::vector<std::size_t>& of_model = input.landmarks_of[sighting.model];
-    if (!of_model.empty()) return TangentPlane(input.landmarks[of_model.front()].place);
+    const std::vector<std::size_t>& model_landmarks = input.landmarks_by_model[sighting.model];
+    if (!model_landmarks.empty()) return TangentPlane(input.landmarks[model_landmarks.front()].place);
   }
   return TangentPlane({});
 }
@@ -39,32 +39,33 @@ struct RowNoise {
   double attitude_rad = 0;
 };
 
-RowNoise NoiseOf(std::span<const CameraState> rows, const TelemetryErrorOptions& options) {
+RowNoise EstimateRowNoise(std::span<const CameraState> rows, const TelemetryErrorOptions& options) {
   std::vector<double> places;
   std::vector<double> attitudes;
   for (std::size_t i = 1; i + 1 < rows.size(); ++i) {
     const TangentPlane plane(rows[i].place);
     const double whole_s = rows[i + 1].time_s - rows[i - 1].time_s;
-    const double share = (rows[i].time_s - rows[i - 1].time_s) / whole_s;
+    const double fraction = (rows[i].time_s - rows[i - 1].time_s) / whole_s;
     // ratio of the difference's noise to that of one row
-    const double factor = std::sqrt(1 + share * share + (1 - share) * (1 - share));
+    const double factor = std::sqrt(1 + fraction * fraction + (1 - fraction) * (1 - fraction));
     const Vector3d off =
-        (1 - share) * plane.EnuFromGeodetic(rows[i - 1].place) + share * plane.EnuFromGeodetic(rows[i + 1].place);
+        (1 - fraction) * plane.EnuFromGeodetic(rows[i - 1].place) + fraction * plane.EnuFromGeodetic(rows[i + 1].place);
     for (const double axis : off) places.push_back(std::abs(axis) / factor);
     if (!rows[i - 1].attitude || !rows[i].attitude || !rows[i + 1].attitude) continue;
-    const Quaterniond between = CameraFromEnu(*rows[i - 1].attitude).slerp(share, CameraFromEnu(*rows[i + 1].attitude));
-    for (const double axis : VectorOf(CameraFromEnu(*rows[i].attitude) * between.conjugate())) {
+    const Quaterniond between =
+        CameraFromEnu(*rows[i - 1].attitude).slerp(fraction, CameraFromEnu(*rows[i + 1].attitude));
+    for (const double axis : VectorFromRotation(CameraFromEnu(*rows[i].attitude) * between.conjugate())) {
       attitudes.push_back(std::abs(axis) / factor);
     }
   }
-  constexpr double kSigmaOfMedian = 1.4826;  // of the absolute value of normal variates
+  constexpr double kMadToSigma = 1.4826;  // of the absolute value of normal variates
   RowNoise noise{options.position_noise_m, RadiansFromDegrees(options.attitude_noise_deg)};
-  if (!places.empty()) noise.position_m = std::max(noise.position_m, kSigmaOfMedian * Median(places));
-  if (!attitudes.empty()) noise.attitude_rad = std::max(noise.attitude_rad, kSigmaOfMedian * Median(attitudes));
+  if (!places.empty()) noise.position_m = std::max(noise.position_m, kMadToSigma * Median(places));
+  if (!attitudes.empty()) noise.attitude_rad = std::max(noise.attitude_rad, kMadToSigma * Median(attitudes));
   return noise;
 }
 
-FlightSigmas SigmasOf(const NavigationInput& input, const NavigateOptions& options) {
+FlightSigmas MakeFlightSigmas(const NavigationInput& input, const NavigateOptions& options) {
   std::vector<double> positions_m;
   std::vector<double> attitudes_rad;
   for (const CameraState& row : input.rows) {
@@ -79,24 +80,25 @@ FlightSigmas SigmasOf(const NavigationInput& input, const NavigateOptions& optio
       .drift_attitude_rad = RadiansFromDegrees(telemetry.attitude_drift_deg),
       .speed_m_s = options.motion.speed_m_s,
       .speed_change_m_s = options.motion.speed_change_m_s,
-      .turn_rad_s = RadiansFromDegrees(options.motion.turn_deg_s),
-      .turn_change_rad_s = RadiansFromDegrees(options.motion.turn_change_deg_s)};
+      .angular_rate_rad_s = RadiansFromDegrees(options.motion.angular_rate_deg_s),
+      .angular_rate_change_rad_s = RadiansFromDegrees(options.motion.angular_rate_change_deg_s)};
 }
 
-Flight FlightOf(const NavigationInput& input, const TangentPlane& plane, const NavigateOptions& options) {
-  Flight flight{.frames = {}, .sigmas = SigmasOf(input, options)};
-  const RowNoise noise = NoiseOf(input.rows, options.telemetry);
-  const auto told = static_cast<double>(
-      std::ranges::count_if(input.frames, [](const NavigationFrame& frame) { return frame.told.has_value(); }));
+Flight MakeFlight(const NavigationInput& input, const TangentPlane& plane, const NavigateOptions& options) {
+  Flight flight{.frames = {}, .sigmas = MakeFlightSigmas(input, options)};
+  const RowNoise noise = EstimateRowNoise(input.rows, options.telemetry);
+  const auto measured = static_cast<double>(
+      std::ranges::count_if(input.frames, [](const NavigationFrame& frame) { return frame.measured.has_value(); }));
   // Frames between two rows repeat the same measurement: their sigmas are increased accordingly.
-  const double repeats = std::sqrt(std::max(1.0, told / std::max<double>(1, static_cast<double>(input.rows.size()))));
+  const double repeats =
+      std::sqrt(std::max(1.0, measured / std::max<double>(1, static_cast<double>(input.rows.size()))));
   for (const NavigationFrame& frame : input.frames) {
     FlightFrame next{frame.time_s, std::nullopt};
-    if (frame.told && frame.told->attitude) {
-      const Vector3d place = plane.EnuFromGeodetic(frame.told->place);
-      next.told = ToldPose{place, *frame.told->attitude, plane.LocalEnuFromEnu(place), repeats * noise.position_m,
-                           repeats * noise.attitude_rad};
-      flight.has_told = true;
+    if (frame.measured && frame.measured->attitude) {
+      const Vector3d place = plane.EnuFromGeodetic(frame.measured->place);
+      next.measured = TelemetryPose{place, *frame.measured->attitude, plane.LocalEnuFromEnu(place),
+                                    repeats * noise.position_m, repeats * noise.attitude_rad};
+      flight.has_telemetry = true;
     }
     flight.frames.push_back(next);
   }
@@ -104,44 +106,45 @@ Flight FlightOf(const NavigationInput& input, const TangentPlane& plane, const N
 }
 
 // The landmark in the tangent plane; an unknown heading gets a standard deviation of pi.
-FlightLandmark InPlane(const Landmark& landmark, const TangentPlane& plane, const LandmarkErrorOptions& options) {
+FlightLandmark ToTangentPlane(const Landmark& landmark, const TangentPlane& plane,
+                              const LandmarkErrorOptions& options) {
   const Vector3d place = plane.EnuFromGeodetic(landmark.place);
   const Quaterniond enu_from_local = plane.LocalEnuFromEnu(place).conjugate();
   // Its front is along x, which points east: a quarter turn from a heading of north.
   const Quaterniond local_from_landmark(AngleAxisd(kPi / 2 - landmark.heading_rad.value_or(0), Vector3d::UnitZ()));
   Matrix6 covariance = Matrix6::Zero();
-  const double turn = std::pow(RadiansFromDegrees(options.turn_deg), 2);
+  const double turn = std::pow(RadiansFromDegrees(options.rotation_deg), 2);
   const double heading = landmark.heading_rad ? std::pow(landmark.sigma_heading_rad, 2) : kPi * kPi;
-  covariance.diagonal() << turn, turn, turn + heading, Vector3d::Constant(std::pow(options.middle_m, 2));
+  covariance.diagonal() << turn, turn, turn + heading, Vector3d::Constant(std::pow(options.centre_m, 2));
   covariance.bottomRightCorner<3, 3>() += enu_from_local * landmark.covariance_enu_m2 * enu_from_local.conjugate();
   return {{enu_from_local * local_from_landmark, place}, covariance};
 }
 
-std::vector<FlightLandmark> InPlane(std::span<const Landmark> landmarks, const TangentPlane& plane,
-                                    const LandmarkErrorOptions& options) {
+std::vector<FlightLandmark> ToTangentPlane(std::span<const Landmark> landmarks, const TangentPlane& plane,
+                                           const LandmarkErrorOptions& options) {
   std::vector<FlightLandmark> all;
-  for (const Landmark& landmark : landmarks) all.push_back(InPlane(landmark, plane, options));
+  for (const Landmark& landmark : landmarks) all.push_back(ToTangentPlane(landmark, plane, options));
   return all;
 }
 
 // Excludes landmarks that are certainly too far from a sighting, by the translation alone: a cheap pre-test for
 // thousands of landmarks.
-class MoveGate {
+class TranslationGate {
  public:
-  MoveGate(const LandmarkSighting& sighting, double noise, const SmoothedFlight& smoothed)
+  TranslationGate(const LandmarkSighting& sighting, double noise, const SmoothedFlight& smoothed)
       : state_(smoothed.states[sighting.frame]), seen_(sighting.camera_from_landmark.translation) {
     const Eigen::MatrixXd& block = smoothed.covariances.blocks[sighting.frame];
     turn_variance_ = block.topLeftCorner<3, 3>().trace();
-    variance_ = noise * CovarianceOf(sighting.information).bottomRightCorner<3, 3>().trace() +
+    variance_ = noise * CovarianceFromInformation(sighting.information).bottomRightCorner<3, 3>().trace() +
                 4 * block.block<3, 3>(3, 3).trace();
   }
 
   /// True if outside the gate; the trace bounds the variance of the principal axis. Correlated errors count at most
   /// twice: once for the state and the landmark, once for its rotation and its place.
-  [[nodiscard]] bool IsBeyond(double squared_sigmas, const Rigid3& landmark, double place_variance) const {
+  [[nodiscard]] bool IsOutside(double squared_sigmas, const Rigid3& landmark, double place_variance) const {
     const Vector3d in_camera = state_.camera_from_enu * (landmark.translation - state_.place);
-    const double widest = variance_ + 4 * in_camera.squaredNorm() * turn_variance_ + 2 * place_variance;
-    return (in_camera - seen_).squaredNorm() > squared_sigmas * widest;
+    const double variance_bound = variance_ + 4 * in_camera.squaredNorm() * turn_variance_ + 2 * place_variance;
+    return (in_camera - seen_).squaredNorm() > squared_sigmas * variance_bound;
   }
 
  private:
@@ -152,24 +155,24 @@ class MoveGate {
 };
 
 // Sightings of one landmark within `correlation_s` count as one: their information is divided by their number.
-std::vector<LandmarkSighting> Thinned(const NavigationInput& input, double correlation_s) {
-  std::vector<LandmarkSighting> thinned(input.sightings.begin(), input.sightings.end());
-  if (correlation_s <= 0) return thinned;
+std::vector<LandmarkSighting> Decorrelate(const NavigationInput& input, double correlation_s) {
+  std::vector<LandmarkSighting> decorrelated(input.sightings.begin(), input.sightings.end());
+  if (correlation_s <= 0) return decorrelated;
   const auto time_of = [&](const LandmarkSighting& sighting) { return input.frames[sighting.frame].time_s; };
   std::size_t first = 0;
   std::size_t last = 0;
-  for (std::size_t i = 0; i < thinned.size(); ++i) {
-    const double time_s = time_of(thinned[i]);
-    while (time_of(thinned[first]) < time_s - correlation_s / 2) ++first;
-    while (last < thinned.size() && time_of(thinned[last]) <= time_s + correlation_s / 2) ++last;
+  for (std::size_t i = 0; i < decorrelated.size(); ++i) {
+    const double time_s = time_of(decorrelated[i]);
+    while (time_of(decorrelated[first]) < time_s - correlation_s / 2) ++first;
+    while (last < decorrelated.size() && time_of(decorrelated[last]) <= time_s + correlation_s / 2) ++last;
     std::vector<std::size_t> frames;  // frames with a sighting of the same model
     for (std::size_t k = first; k < last; ++k) {
-      if (thinned[k].model == thinned[i].model) frames.push_back(thinned[k].frame);
+      if (decorrelated[k].model == decorrelated[i].model) frames.push_back(decorrelated[k].frame);
     }
     frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
-    thinned[i].information /= static_cast<double>(frames.size());
+    decorrelated[i].information /= static_cast<double>(frames.size());
   }
-  return thinned;
+  return decorrelated;
 }
 
 // Alternates between data association and smoothing.
@@ -177,98 +180,99 @@ class Navigator {
  public:
   Navigator(const NavigationInput& input, const NavigateOptions& options)
       : options_(options),
-        common_(input.common_covariance_enu_m2),
-        plane_(PlaneOf(input)),
-        flight_(FlightOf(input, plane_, options)),
-        landmarks_(InPlane(input.landmarks, plane_, options.landmark)),
-        sightings_(Thinned(input, options.landmark.correlation_s)),
-        whole_(input.sightings),
-        candidates_(flight_, landmarks_, input.landmarks_of, whole_, options),
+        common_covariance_(input.common_covariance_enu_m2),
+        plane_(MakeTangentPlane(input)),
+        flight_(MakeFlight(input, plane_, options)),
+        landmarks_(ToTangentPlane(input.landmarks, plane_, options.landmark)),
+        sightings_(Decorrelate(input, options.landmark.correlation_s)),
+        full_sightings_(input.sightings),
+        candidates_(flight_, landmarks_, input.landmarks_by_model, full_sightings_, options),
         wrong_(landmarks_.size(), false) {}
 
-  Navigation Run() {
+  Navigation Solve() {
     Navigation navigation;
-    auto& believed = navigation.landmark_of;
-    believed = FindAgreement(flight_, landmarks_, whole_, candidates_, wrong_, options_);
-    if (!flight_.has_told) {
-      wrong_ = FindContradictions(flight_, landmarks_, sightings_, believed, options_);
+    auto& association = navigation.landmark_by_sighting;
+    association = FindConsensusAssociation(flight_, landmarks_, full_sightings_, candidates_, wrong_, options_);
+    if (!flight_.has_telemetry) {
+      wrong_ = FindContradictions(flight_, landmarks_, sightings_, association, options_);
       if (std::ranges::find(wrong_, true) != wrong_.end()) {
-        believed = FindAgreement(flight_, landmarks_, whole_, candidates_, wrong_, options_);
+        association = FindConsensusAssociation(flight_, landmarks_, full_sightings_, candidates_, wrong_, options_);
       }
     }
-    std::vector<FlightState> start = StartOf(flight_, landmarks_, whole_, believed);
+    std::vector<FlightState> start = EstimateInitialStates(flight_, landmarks_, full_sightings_, association);
     std::optional<SmoothedFlight> smoothed;
-    constexpr int kMostRounds = 20;
-    for (int round = 0; round < kMostRounds; ++round) {
-      if (!flight_.has_told && std::ranges::none_of(believed, [](const auto& one) { return one.has_value(); })) {
+    constexpr int kMaxRounds = 20;
+    for (int round = 0; round < kMaxRounds; ++round) {
+      if (!flight_.has_telemetry &&
+          std::ranges::none_of(association, [](const auto& one) { return one.has_value(); })) {
         return navigation;
       }
-      smoothed = Smooth(believed, start);
-      if (!smoothed) return {{}, std::vector<std::optional<std::size_t>>(believed.size())};
+      smoothed = Smooth(association, start);
+      if (!smoothed) return {{}, std::vector<std::optional<std::size_t>>(association.size())};
       start = smoothed->states;
-      std::vector<std::optional<std::size_t>> again = Believe(*smoothed);
-      if (again == believed || round + 1 == kMostRounds) break;
-      believed = std::move(again);
+      std::vector<std::optional<std::size_t>> updated = AssociateNearest(*smoothed);
+      if (updated == association || round + 1 == kMaxRounds) break;
+      association = std::move(updated);
     }
-    navigation.frames = Describe(*smoothed, believed);
+    navigation.frames = MakeFrames(*smoothed, association);
     return navigation;
   }
 
  private:
-  std::optional<SmoothedFlight> Smooth(const std::vector<std::optional<std::size_t>>& believed,
+  std::optional<SmoothedFlight> Smooth(const std::vector<std::optional<std::size_t>>& association,
                                        const std::vector<FlightState>& start) {
     std::vector<FlightLandmark> used;
-    std::vector<FlightTie> ties;
-    at_border_.assign(landmarks_.size(), std::nullopt);
-    for (std::size_t i = 0; i < believed.size(); ++i) {
-      if (!believed[i]) continue;
-      std::optional<std::size_t>& place = at_border_[*believed[i]];
+    std::vector<SightingConstraint> constraints;
+    border_index_.assign(landmarks_.size(), std::nullopt);
+    for (std::size_t i = 0; i < association.size(); ++i) {
+      if (!association[i]) continue;
+      std::optional<std::size_t>& place = border_index_[*association[i]];
       if (!place) {
         place = used.size();
-        used.push_back(landmarks_[*believed[i]]);
+        used.push_back(landmarks_[*association[i]]);
       }
-      ties.push_back(
-          {sightings_[i].frame, *place, sightings_[i].camera_from_landmark, sightings_[i].information / noise_});
+      constraints.push_back({sightings_[i].frame, *place, sightings_[i].camera_from_landmark,
+                             sightings_[i].information / covariance_scale_});
     }
-    return SmoothFlight(flight_, used, ties, start);
+    return SmoothFlight(flight_, used, constraints, start);
   }
 
   // Associates each sighting with the nearest landmark inside the gate.
-  std::vector<std::optional<std::size_t>> Believe(const SmoothedFlight& smoothed) {
-    std::vector<std::optional<std::size_t>> believed(sightings_.size());
+  std::vector<std::optional<std::size_t>> AssociateNearest(const SmoothedFlight& smoothed) {
+    std::vector<std::optional<std::size_t>> association(sightings_.size());
     std::vector<double> squares;
-    for (std::size_t i = 0; i < whole_.size(); ++i) {
+    for (std::size_t i = 0; i < full_sightings_.size(); ++i) {
       // Association is meaningful only where the flight predicts the sighting accurately enough.
-      const Matrix3d of_place = smoothed.covariances.blocks[whole_[i].frame].block<3, 3>(3, 3);
-      if (std::sqrt(of_place.trace() / 3) > options_.claim_sigma_m) continue;
+      const Matrix3d position_covariance = smoothed.covariances.blocks[full_sightings_[i].frame].block<3, 3>(3, 3);
+      if (std::sqrt(position_covariance.trace() / 3) > options_.max_hypothesis_sigma_m) continue;
       double nearest = options_.gate_sigma * options_.gate_sigma;
-      const MoveGate gate(whole_[i], noise_, smoothed);
-      for (const std::size_t landmark : candidates_.Of(i)) {
+      const TranslationGate gate(full_sightings_[i], covariance_scale_, smoothed);
+      for (const std::size_t landmark : candidates_.LandmarksFor(i)) {
         if (wrong_[landmark] ||
-            gate.IsBeyond(nearest, LandmarkIn(smoothed, landmark), PlaceVariance(smoothed, landmark)))
+            gate.IsOutside(nearest, LandmarkPose(smoothed, landmark), PlaceVariance(smoothed, landmark)))
           continue;
-        const double distance = DistanceOf(whole_[i], landmark, smoothed);
+        const double distance = InnovationSquared(full_sightings_[i], landmark, smoothed);
         if (distance >= nearest) continue;
         nearest = distance;
-        believed[i] = landmark;
+        association[i] = landmark;
       }
-      if (believed[i]) squares.push_back(SquaredResidual(whole_[i], *believed[i], smoothed));
+      if (association[i]) squares.push_back(SquaredResidual(full_sightings_[i], *association[i], smoothed));
     }
     // Sightings that scatter more than their covariances inflate the covariance.
-    constexpr std::size_t kFewest = 10;
+    constexpr std::size_t kMinResiduals = 10;
     constexpr double kMedianOf6 = 5.348;  // chi-square with 6 degrees of freedom
-    noise_ = squares.size() < kFewest ? 1 : std::max(1.0, Median(squares) / kMedianOf6);
-    return believed;
+    covariance_scale_ = squares.size() < kMinResiduals ? 1 : std::max(1.0, Median(squares) / kMedianOf6);
+    return association;
   }
 
-  [[nodiscard]] const Rigid3& LandmarkIn(const SmoothedFlight& smoothed, std::size_t landmark) const {
-    const auto& used = at_border_[landmark];
+  [[nodiscard]] const Rigid3& LandmarkPose(const SmoothedFlight& smoothed, std::size_t landmark) const {
+    const auto& used = border_index_[landmark];
     return used ? smoothed.landmarks[*used] : landmarks_[landmark].enu_from_landmark;
   }
 
   // The sum of the variances along the axes.
   [[nodiscard]] double PlaceVariance(const SmoothedFlight& smoothed, std::size_t landmark) const {
-    const auto& used = at_border_[landmark];
+    const auto& used = border_index_[landmark];
     if (!used) return landmarks_[landmark].prior_covariance.bottomRightCorner<3, 3>().trace();
     const Index at = 6 * static_cast<Index>(*used) + 3;
     return smoothed.covariances.border.block<3, 3>(at, at).trace();
@@ -277,19 +281,19 @@ class Navigator {
   [[nodiscard]] double SquaredResidual(const LandmarkSighting& sighting, std::size_t landmark,
                                        const SmoothedFlight& smoothed) const {
     const Vector6 off =
-        SightingError(sighting.camera_from_landmark, smoothed.states[sighting.frame], LandmarkIn(smoothed, landmark));
-    return off.dot(sighting.information * off) * 6 / DimensionsOf(sighting.information);
+        SightingError(sighting.camera_from_landmark, smoothed.states[sighting.frame], LandmarkPose(smoothed, landmark));
+    return off.dot(sighting.information * off) * 6 / CountObservedDimensions(sighting.information);
   }
 
   // The normalised innovation squared of a sighting: by its own covariance and that of the prediction.
-  [[nodiscard]] double DistanceOf(const LandmarkSighting& sighting, std::size_t landmark,
-                                  const SmoothedFlight& smoothed) const {
+  [[nodiscard]] double InnovationSquared(const LandmarkSighting& sighting, std::size_t landmark,
+                                         const SmoothedFlight& smoothed) const {
     const FlightState& state = smoothed.states[sighting.frame];
-    const Rigid3& pose = LandmarkIn(smoothed, landmark);
-    const SightingJacobian jacobian = SightingDerivative(state, pose);
+    const Rigid3& pose = LandmarkPose(smoothed, landmark);
+    const SightingJacobian jacobian = ComputeSightingJacobian(state, pose);
     const Matrix6 of_state = smoothed.covariances.blocks[sighting.frame].topLeftCorner<6, 6>();
     Matrix6 expected = jacobian.by_state * of_state * jacobian.by_state.transpose();
-    const auto& used = at_border_[landmark];
+    const auto& used = border_index_[landmark];
     if (used) {
       const Index at = 6 * static_cast<Index>(*used);
       const Matrix6 cross = smoothed.covariances.cross[sighting.frame].block<6, 6>(0, at);
@@ -301,13 +305,13 @@ class Navigator {
       expected += jacobian.by_landmark * landmarks_[landmark].prior_covariance * jacobian.by_landmark.transpose();
     }
     const Vector6 off = SightingError(sighting.camera_from_landmark, state, pose);
-    return SquaredDistance(off, sighting.information / noise_, expected);
+    return NormalisedInnovationSquared(off, sighting.information / covariance_scale_, expected);
   }
 
-  [[nodiscard]] std::vector<NavigatedFrame> Describe(const SmoothedFlight& smoothed,
-                                                     const std::vector<std::optional<std::size_t>>& believed) const {
+  [[nodiscard]] std::vector<NavigatedFrame> MakeFrames(
+      const SmoothedFlight& smoothed, const std::vector<std::optional<std::size_t>>& association) const {
     std::vector<NavigatedFrame> frames(flight_.frames.size());
-    const bool seen_any = std::ranges::any_of(believed, [](const auto& one) { return one.has_value(); });
+    const bool has_sighting = std::ranges::any_of(association, [](const auto& one) { return one.has_value(); });
     for (std::size_t k = 0; k < frames.size(); ++k) {
       const FlightState& state = smoothed.states[k];
       const Eigen::MatrixXd& block = smoothed.covariances.blocks[k];
@@ -317,22 +321,22 @@ class Navigator {
       local.bottomLeftCorner<3, 3>().setIdentity();
       NavigatedFrame& frame = frames[k];
       frame.covariance = local * block.topLeftCorner<6, 6>() * local.transpose();
-      if (seen_any) frame.covariance.topLeftCorner<3, 3>() += common_;
+      if (has_sighting) frame.covariance.topLeftCorner<3, 3>() += common_covariance_;
       frame.camera.time_s = flight_.frames[k].time_s;
       frame.camera.place = plane_.GeodeticFromEnu(state.place);
-      frame.camera.attitude = AttitudeOf(state.camera_from_enu * local_from_enu.conjugate());
+      frame.camera.attitude = AttitudeFromRotation(state.camera_from_enu * local_from_enu.conjugate());
       frame.camera.sigma_position_m = std::sqrt(frame.covariance.topLeftCorner<3, 3>().trace() / 3);
       frame.camera.sigma_attitude_rad = std::sqrt(frame.covariance.bottomRightCorner<3, 3>().trace() / 3);
-      if (!flight_.frames[k].told) continue;
+      if (!flight_.frames[k].measured) continue;
       Matrix6 of_offset = Matrix6::Identity();
       of_offset.topLeftCorner<3, 3>() = local_from_enu.toRotationMatrix();
       frame.offset = TelemetryOffset{local_from_enu * state.place_offset, state.attitude_offset,
                                      of_offset * block.bottomRightCorner<6, 6>() * of_offset.transpose()};
-      if (seen_any) frame.offset->covariance.topLeftCorner<3, 3>() += common_;
+      if (has_sighting) frame.offset->covariance.topLeftCorner<3, 3>() += common_covariance_;
     }
     std::vector<std::pair<std::size_t, std::size_t>> seen;  // frame, landmark
-    for (std::size_t i = 0; i < believed.size(); ++i) {
-      if (believed[i]) seen.emplace_back(sightings_[i].frame, *believed[i]);
+    for (std::size_t i = 0; i < association.size(); ++i) {
+      if (association[i]) seen.emplace_back(sightings_[i].frame, *association[i]);
     }
     std::ranges::sort(seen);
     seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
@@ -341,16 +345,16 @@ class Navigator {
   }
 
   const NavigateOptions& options_;
-  Matrix3d common_;  // covariance of the error common to all landmarks' places
+  Matrix3d common_covariance_;  // covariance of the error common to all landmarks' places
   TangentPlane plane_;
   Flight flight_;
   std::vector<FlightLandmark> landmarks_;
-  std::vector<LandmarkSighting> sightings_;  // with information reduced for correlation
-  std::span<const LandmarkSighting> whole_;  // with their full information
+  std::vector<LandmarkSighting> sightings_;           // with information reduced for correlation
+  std::span<const LandmarkSighting> full_sightings_;  // with their full information
   Candidates candidates_;
   std::vector<bool> wrong_;
-  std::vector<std::optional<std::size_t>> at_border_;  // one per landmark: index in the last smoothed flight
-  double noise_ = 1;                                   // factor of the sightings' covariances, from their scatter
+  std::vector<std::optional<std::size_t>> border_index_;  // one per landmark: index in the last smoothed flight
+  double covariance_scale_ = 1;                           // factor of the sightings' covariances, from their scatter
 };
 
 }  // namespace
@@ -358,7 +362,7 @@ class Navigator {
 Expected<Navigation> Navigate(const NavigationInput& input, NavigateOptions options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   if (input.frames.empty()) return Navigation{{}, std::vector<std::optional<std::size_t>>(input.sightings.size())};
-  return Navigator(input, options).Run();
+  return Navigator(input, options).Solve();
 }
 
 }  // namespace victorious

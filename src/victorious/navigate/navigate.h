@@ -28,8 +28,8 @@ struct NavigationInput {
   std::span<const NavigationFrame> frames;  ///< in strictly ascending order of time
   std::span<const CameraState> rows;        ///< telemetry as recorded, by time; determines the noise of its rows
   std::span<const Landmark> landmarks;
-  std::span<const std::vector<std::size_t>> landmarks_of;  ///< by model index: the indices of its landmarks
-  std::span<const LandmarkSighting> sightings;             ///< ordered by frame
+  std::span<const std::vector<std::size_t>> landmarks_by_model;  ///< by model index: the indices of its landmarks
+  std::span<const LandmarkSighting> sightings;                   ///< ordered by frame
   /// Covariance of an error that is common to all landmarks' places, for example if all were located in one flight. It
   /// shifts the flight as a whole and is unobservable.
   Eigen::Matrix3d common_covariance_enu_m2 = Eigen::Matrix3d::Zero();
@@ -53,7 +53,7 @@ struct NavigatedFrame {
 
 struct Navigation {
   std::vector<NavigatedFrame> frames;  ///< one per frame; empty if nothing determines the camera's place
-  std::vector<std::optional<std::size_t>> landmark_of;  ///< one per sighting; std::nullopt for outliers
+  std::vector<std::optional<std::size_t>> landmark_by_sighting;  ///< one per sighting; std::nullopt for outliers
 };
 
 /// Estimates the flight. Without telemetry and without an associated sighting the result has no frames. Errors:

@@ -50,9 +50,9 @@ void MotionOptions::ListFields(FieldList& fields) {
               .reason = "sigma of the random walk of the velocity after one second, along each axis: 5 "
                         "m/s in a tight circle"});
   fields.Add(
-      "turn_deg_s", turn_deg_s,
+      "angular_rate_deg_s", angular_rate_deg_s,
       {.min = 1e-3, .max = 1e4, .unit = "deg/s", .reason = "sigma of the camera's angular rate, about each axis"});
-  fields.Add("turn_change_deg_s", turn_change_deg_s,
+  fields.Add("angular_rate_change_deg_s", angular_rate_change_deg_s,
              {.min = 1e-3,
               .max = 1e4,
               .unit = "deg/s",
@@ -61,13 +61,13 @@ void MotionOptions::ListFields(FieldList& fields) {
 }
 
 void LandmarkErrorOptions::ListFields(FieldList& fields) {
-  fields.Add("middle_m", middle_m,
+  fields.Add("centre_m", centre_m,
              {.min = 1e-3,
               .max = 100,
               .unit = "m",
               .reason = "sigma of the apparent centre of a landmark, in addition to the covariance of "
                         "its place; constant over all frames"});
-  fields.Add("turn_deg", turn_deg,
+  fields.Add("rotation_deg", rotation_deg,
              {.min = 1e-3,
               .max = 90,
               .unit = "deg",
@@ -91,7 +91,7 @@ void NavigateOptions::ListFields(FieldList& fields) {
               .unit = "",
               .reason = "gate of the data association: a sighting with a larger residual, in sigmas, is "
                         "an outlier"});
-  fields.Add("claim_sigma_m", claim_sigma_m,
+  fields.Add("max_hypothesis_sigma_m", max_hypothesis_sigma_m,
              {.min = 0.1,
               .max = 1e4,
               .unit = "m",

@@ -21,16 +21,16 @@ struct TelemetryErrorOptions {
 struct MotionOptions {
   double speed_m_s = 40;
   double speed_change_m_s = 5;
-  double turn_deg_s = 20;
-  double turn_change_deg_s = 20;
+  double angular_rate_deg_s = 20;
+  double angular_rate_change_deg_s = 20;
 
   void ListFields(FieldList& fields);
 };
 
 /// Errors that are common to all sightings of a landmark.
 struct LandmarkErrorOptions {
-  double middle_m = 0.1;
-  double turn_deg = 1;
+  double centre_m = 0.1;
+  double rotation_deg = 1;
   double correlation_s = 0.5;
 
   void ListFields(FieldList& fields);
@@ -41,7 +41,7 @@ struct NavigateOptions {
   MotionOptions motion;
   LandmarkErrorOptions landmark;
   double gate_sigma = 5;
-  double claim_sigma_m = 15;
+  double max_hypothesis_sigma_m = 15;
 
   void ListFields(FieldList& fields);
 };

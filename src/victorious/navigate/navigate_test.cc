@@ -94,7 +94,7 @@ TEST(Navigate, CovarianceHoldsTheTruth) {
   Errors without;
   Errors self_located;
   NavigateOptions options;
-  options.landmark = {.middle_m = 0.001, .turn_deg = 0.001, .correlation_s = 0};  // as simulated
+  options.landmark = {.centre_m = 0.001, .rotation_deg = 0.001, .correlation_s = 0};  // as simulated
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const LandmarkFlight noisy({.seed = seed, .noise_position_m = 1, .noise_attitude_deg = 0.3});
     with.Add(noisy, Estimate(noisy, options));
@@ -125,7 +125,7 @@ TEST(Navigate, AWrongLandmarkDoesNotPullItAway) {
       const Navigation navigation = Estimate(flight);
       for (std::size_t i = 0; i < flight.sightings.size(); ++i) {
         if (flight.sightings[i].model == 3) {
-          EXPECT_FALSE(navigation.landmark_of[i]) << seed;
+          EXPECT_FALSE(navigation.landmark_by_sighting[i]) << seed;
         }
       }
       wrong.Add(flight, navigation, true);
@@ -148,8 +148,8 @@ TEST(Navigate, WithoutTelemetryAWrongLandmarkContradictsTheOthers) {
       const Navigation navigation = Estimate(flight);
       for (std::size_t i = 0; i < flight.sightings.size(); ++i) {
         const bool is_wrong = flight.sightings[i].model == wrong;
-        believed += is_wrong && navigation.landmark_of[i] ? 1 : 0;
-        doubted += !is_wrong && !navigation.landmark_of[i] ? 1 : 0;
+        believed += is_wrong && navigation.landmark_by_sighting[i] ? 1 : 0;
+        doubted += !is_wrong && !navigation.landmark_by_sighting[i] ? 1 : 0;
       }
       errors.Add(flight, navigation, true);
     }
@@ -162,13 +162,13 @@ TEST(Navigate, WithoutTelemetryAWrongLandmarkContradictsTheOthers) {
 TEST(Navigate, SetsWrongSightingsAside) {
   Errors errors;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const LandmarkFlight flight({.seed = seed, .wrong_share = 0.3});
+    const LandmarkFlight flight({.seed = seed, .outlier_fraction = 0.3});
     const Navigation navigation = Estimate(flight);
     int believed_wrong = 0;
     int lost_right = 0;
     for (std::size_t i = 0; i < flight.sightings.size(); ++i) {
-      believed_wrong += flight.is_wrong[i] && navigation.landmark_of[i] ? 1 : 0;
-      lost_right += !flight.is_wrong[i] && !navigation.landmark_of[i] ? 1 : 0;
+      believed_wrong += flight.is_wrong[i] && navigation.landmark_by_sighting[i] ? 1 : 0;
+      lost_right += !flight.is_wrong[i] && !navigation.landmark_by_sighting[i] ? 1 : 0;
     }
     EXPECT_LE(believed_wrong, 2) << seed;
     EXPECT_LE(lost_right, 4) << seed;
@@ -186,10 +186,10 @@ TEST(Navigate, TellsLandmarksOfOneModelApart) {
       truth.push_back(sighting.model);
       sighting.model = 0;
     }
-    flight.landmarks_of = {{0, 1, 2, 3, 4}};
+    flight.landmarks_by_model = {{0, 1, 2, 3, 4}};
     const Navigation navigation = Estimate(flight);
     int right = 0;
-    for (std::size_t i = 0; i < truth.size(); ++i) right += navigation.landmark_of[i] == truth[i] ? 1 : 0;
+    for (std::size_t i = 0; i < truth.size(); ++i) right += navigation.landmark_by_sighting[i] == truth[i] ? 1 : 0;
     EXPECT_GT(right, 0.95 * static_cast<double>(truth.size())) << telemetry;
   }
 }
@@ -200,9 +200,9 @@ TEST(Navigate, OfTwoLandmarksOfOneModelTheSecondIsFoundAlone) {
   std::erase_if(flight.sightings, [](const LandmarkSighting& sighting) { return sighting.model == 0; });
   ASSERT_GE(flight.sightings.size(), 60U);
   for (LandmarkSighting& sighting : flight.sightings) sighting.model = 0;
-  flight.landmarks_of = {{0, 1}};
+  flight.landmarks_by_model = {{0, 1}};
   const Navigation navigation = Estimate(flight);
-  const auto right = std::ranges::count(navigation.landmark_of, std::optional<std::size_t>(1));
+  const auto right = std::ranges::count(navigation.landmark_by_sighting, std::optional<std::size_t>(1));
   EXPECT_GT(right, 0.9 * static_cast<double>(flight.sightings.size()));
 }
 
@@ -210,12 +210,12 @@ TEST(Navigate, OfTwoLandmarksOfOneModelTheSecondIsFoundAlone) {
 TEST(Navigate, AListOfThousandsCostsAsMuchAsThoseAround) {
   for (const bool telemetry : {true, false}) {
     LandmarkFlight flight({.seed = 4, .landmarks = 5, .telemetry = telemetry});
-    flight.landmarks_of.assign(1, {0, 1, 2, 3, 4});
+    flight.landmarks_by_model.assign(1, {0, 1, 2, 3, 4});
     std::vector<std::size_t> truth;
     for (LandmarkSighting& sighting : flight.sightings) truth.push_back(std::exchange(sighting.model, 0));
     const auto right = [&](const Navigation& navigation) {
       int count = 0;
-      for (std::size_t i = 0; i < truth.size(); ++i) count += navigation.landmark_of[i] == truth[i] ? 1 : 0;
+      for (std::size_t i = 0; i < truth.size(); ++i) count += navigation.landmark_by_sighting[i] == truth[i] ? 1 : 0;
       return static_cast<double>(count) / static_cast<double>(truth.size());
     };
     const auto cpu_s = [&](Navigation& navigation) {
@@ -229,7 +229,7 @@ TEST(Navigate, AListOfThousandsCostsAsMuchAsThoseAround) {
     constexpr int kSide = 71;
     for (int i = 0; i < kSide * kSide; ++i) {
       const Eigen::Vector3d place(300.0 * (i / kSide + 2), 300.0 * (i % kSide - kSide / 2), 0);
-      flight.landmarks_of.front().push_back(flight.landmarks.size());
+      flight.landmarks_by_model.front().push_back(flight.landmarks.size());
       flight.landmarks.push_back({.model = "any", .place = plane.GeodeticFromEnu(place), .heading_rad = 0.3 * i});
     }
     Navigation many;
@@ -272,7 +272,7 @@ TEST(Navigate, WithoutSightingsIsTheTelemetryAsItIs) {
   ASSERT_EQ(navigation.frames.size(), flight.frames.size());
   const NavigatedFrame& frame = navigation.frames[60];
   EXPECT_EQ(frame.landmarks, 0);
-  EXPECT_NEAR(frame.camera.place.altitude_m, flight.frames[60].told->place.altitude_m, 0.5);
+  EXPECT_NEAR(frame.camera.place.altitude_m, flight.frames[60].measured->place.altitude_m, 0.5);
   EXPECT_NEAR(*frame.camera.sigma_position_m, 10, 4);
 }
 

@@ -25,7 +25,7 @@
 namespace victorious {
 
 /// The camera pose measured by telemetry in one frame, in the flight's tangent plane.
-struct ToldPose {
+struct TelemetryPose {
   Eigen::Vector3d place;
   Attitude attitude;                  ///< relative to north and the local vertical
   Eigen::Quaterniond local_from_enu;  ///< rotation from the tangent plane's axes to the local ones
@@ -33,19 +33,19 @@ struct ToldPose {
   double sigma_attitude_rad = 0;      ///< of the noise
 
   /// The camera's rotation after subtraction of these offsets of yaw, pitch and roll.
-  [[nodiscard]] Eigen::Quaterniond CameraFromEnuLess(const Eigen::Vector3d& attitude_offset) const;
+  [[nodiscard]] Eigen::Quaterniond CorrectedCameraFromEnu(const Eigen::Vector3d& attitude_offset) const;
 };
 
 struct FlightFrame {
   double time_s = 0;
-  std::optional<ToldPose> told;
+  std::optional<TelemetryPose> measured;
 };
 
 /// The state of a frame. The unknowns are increments to its members in this order, three each.
 struct FlightState {
   Eigen::Quaterniond camera_from_enu = Eigen::Quaterniond::Identity();  ///< increment: rotation about the camera's axes
   Eigen::Vector3d place = Eigen::Vector3d::Zero();                      ///< m, in the tangent plane
-  Eigen::Vector3d turn_rate = Eigen::Vector3d::Zero();                  ///< rad/s, about the camera's axes
+  Eigen::Vector3d angular_rate = Eigen::Vector3d::Zero();               ///< rad/s, about the camera's axes
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();                   ///< m/s
   Eigen::Vector3d place_offset = Eigen::Vector3d::Zero();               ///< m, of telemetry: measured minus true
   Eigen::Vector3d attitude_offset = Eigen::Vector3d::Zero();            ///< rad, of yaw, pitch and roll
@@ -58,7 +58,7 @@ struct FlightLandmark {
 };
 
 /// A sighting associated with a landmark.
-struct FlightTie {
+struct SightingConstraint {
   std::size_t frame = 0;
   std::size_t landmark = 0;
   Rigid3 camera_from_landmark;
@@ -73,14 +73,14 @@ struct FlightSigmas {
   double drift_attitude_rad = 0;   ///< after one second
   double speed_m_s = 0;
   double speed_change_m_s = 0;  ///< of the random walk, after one second
-  double turn_rad_s = 0;
-  double turn_change_rad_s = 0;  ///< of the random walk, after one second
+  double angular_rate_rad_s = 0;
+  double angular_rate_change_rad_s = 0;  ///< of the random walk, after one second
 };
 
 struct Flight {
   std::vector<FlightFrame> frames;
   FlightSigmas sigmas;
-  bool has_told = false;  ///< true if any frame has telemetry: the offsets are then unknowns
+  bool has_telemetry = false;  ///< true if any frame has telemetry: the offsets are then unknowns
 };
 
 /// The estimated flight.
@@ -96,7 +96,8 @@ struct SmoothedFlight {
 /// @param landmarks  only those with at least one constraint
 /// @return std::nullopt if the equations cannot be solved
 std::optional<SmoothedFlight> SmoothFlight(const Flight& flight, std::span<const FlightLandmark> landmarks,
-                                           std::span<const FlightTie> ties, std::vector<FlightState> start);
+                                           std::span<const SightingConstraint> constraints,
+                                           std::vector<FlightState> start);
 
 /// The residual of a sighting: (rotation, translation), predicted relative to observed; see
 /// LandmarkSighting::information.
@@ -107,13 +108,14 @@ struct SightingJacobian {
   Matrix6 by_state;
   Matrix6 by_landmark;
 };
-SightingJacobian SightingDerivative(const FlightState& state, const Rigid3& enu_from_landmark);
+SightingJacobian ComputeSightingJacobian(const FlightState& state, const Rigid3& enu_from_landmark);
 
 /// The normalised innovation squared of a sighting: the squared Mahalanobis distance under the sum of its own
 /// covariance and that of the prediction; infinity if `expected_covariance` is not a covariance.
-double SquaredDistance(const Vector6& error, const Matrix6& information, const Matrix6& expected_covariance);
+double NormalisedInnovationSquared(const Vector6& error, const Matrix6& information,
+                                   const Matrix6& expected_covariance);
 
 /// The number of components of a sighting with any information.
-double DimensionsOf(const Matrix6& information);
+double CountObservedDimensions(const Matrix6& information);
 
 }  // namespace victorious

@@ -18,7 +18,7 @@ Vector3d Drawn(Random& random, double sigma) {
 
 FlightState DrawnState(Random& random) {
   FlightState state;
-  state.camera_from_enu = RotationOf(Drawn(random, 1));
+  state.camera_from_enu = RotationFromVector(Drawn(random, 1));
   state.place = Drawn(random, 50);
   return state;
 }
@@ -27,18 +27,18 @@ TEST(Smoother, SightingDerivativeIsThatOfItsError) {
   Random random(3);
   for (int draw = 0; draw < 20; ++draw) {
     const FlightState state = DrawnState(random);
-    const Rigid3 landmark{RotationOf(Drawn(random, 1)), Drawn(random, 50)};
+    const Rigid3 landmark{RotationFromVector(Drawn(random, 1)), Drawn(random, 50)};
     const Rigid3 seen{state.camera_from_enu * landmark.rotation,
                       state.camera_from_enu * (landmark.translation - state.place)};
-    const SightingJacobian jacobian = SightingDerivative(state, landmark);
+    const SightingJacobian jacobian = ComputeSightingJacobian(state, landmark);
     constexpr double kStep = 1e-6;
     for (int i = 0; i < 6; ++i) {
       FlightState moved = state;
       Rigid3 moved_landmark = landmark;
       const Vector3d step = kStep * Vector3d::Unit(i % 3);
       if (i < 3) {
-        moved.camera_from_enu = RotationOf(step) * state.camera_from_enu;
-        moved_landmark.rotation = RotationOf(step) * landmark.rotation;
+        moved.camera_from_enu = RotationFromVector(step) * state.camera_from_enu;
+        moved_landmark.rotation = RotationFromVector(step) * landmark.rotation;
       } else {
         moved.place += step;
         moved_landmark.translation += step;
@@ -53,20 +53,20 @@ TEST(Smoother, SightingDerivativeIsThatOfItsError) {
 TEST(Smoother, BridgesFramesWithoutSightings) {
   Random random(5);
   const FlightState truth = DrawnState(random);
-  const Rigid3 landmark{RotationOf(Drawn(random, 1)),
+  const Rigid3 landmark{RotationFromVector(Drawn(random, 1)),
                         truth.place + truth.camera_from_enu.conjugate() * Vector3d(1, 2, 90)};
   Flight flight;
   for (int k = 0; k < 11; ++k) flight.frames.push_back({1.0 * k, std::nullopt});
-  flight.sigmas = {.speed_m_s = 10, .speed_change_m_s = 1, .turn_rad_s = 0.2, .turn_change_rad_s = 0.1};
+  flight.sigmas = {.speed_m_s = 10, .speed_change_m_s = 1, .angular_rate_rad_s = 0.2, .angular_rate_change_rad_s = 0.1};
   Matrix6 information = Matrix6::Identity() * 1e4;
   const Rigid3 seen{truth.camera_from_enu * landmark.rotation,
                     truth.camera_from_enu * (landmark.translation - truth.place)};
-  const std::vector<FlightTie> ties = {{0, 0, seen, information}, {10, 0, seen, information}};
+  const std::vector<SightingConstraint> constraints = {{0, 0, seen, information}, {10, 0, seen, information}};
   const std::vector<FlightLandmark> landmarks = {{landmark, Matrix6::Identity() * 1e-6}};
   FlightState start = truth;
   start.place += Vector3d(5, -4, 3);
-  start.camera_from_enu = RotationOf(Vector3d(0.1, -0.05, 0.1)) * start.camera_from_enu;
-  const auto smoothed = SmoothFlight(flight, landmarks, ties, std::vector<FlightState>(11, start));
+  start.camera_from_enu = RotationFromVector(Vector3d(0.1, -0.05, 0.1)) * start.camera_from_enu;
+  const auto smoothed = SmoothFlight(flight, landmarks, constraints, std::vector<FlightState>(11, start));
   ASSERT_TRUE(smoothed);
   for (const FlightState& state : smoothed->states) {
     EXPECT_LT((state.place - truth.place).norm(), 1e-3);
@@ -86,9 +86,9 @@ TEST(Smoother, TellsOffsetsFromNoise) {
                            .drift_attitude_rad = 1e-4,
                            .speed_m_s = 10,
                            .speed_change_m_s = 0.1,
-                           .turn_rad_s = 0.2,
-                           .turn_change_rad_s = 0.1},
-                .has_told = true};
+                           .angular_rate_rad_s = 0.2,
+                           .angular_rate_change_rad_s = 0.1},
+                .has_telemetry = true};
   FlightState truth;
   const Attitude attitude{1.2, -0.9, 0.1};
   truth.camera_from_enu = CameraFromEnu(attitude);
@@ -96,26 +96,26 @@ TEST(Smoother, TellsOffsetsFromNoise) {
   const Vector3d attitude_offset(0.03, -0.02, 0.05);
   const Rigid3 landmark{Quaterniond::Identity(), truth.camera_from_enu.conjugate() * Vector3d(1, 2, 90)};
   const Rigid3 seen{truth.camera_from_enu, Vector3d(1, 2, 90)};
-  std::vector<FlightTie> ties;
+  std::vector<SightingConstraint> constraints;
   for (std::size_t k = 0; k < 50; ++k) {
-    const Vector3d told = place_offset + Drawn(random, 0.5);
+    const Vector3d measured = place_offset + Drawn(random, 0.5);
     const Vector3d turned = attitude_offset + Drawn(random, 0.01);
     flight.frames.push_back(
         {0.1 * static_cast<double>(k),
-         ToldPose{told,
-                  {attitude.yaw_rad + turned[0], attitude.pitch_rad + turned[1], attitude.roll_rad + turned[2]},
-                  Quaterniond::Identity(),
-                  0.5,
-                  0.01}});
-    ties.push_back({k, 0, seen, Matrix6::Identity() * 1e6});
+         TelemetryPose{measured,
+                       {attitude.yaw_rad + turned[0], attitude.pitch_rad + turned[1], attitude.roll_rad + turned[2]},
+                       Quaterniond::Identity(),
+                       0.5,
+                       0.01}});
+    constraints.push_back({k, 0, seen, Matrix6::Identity() * 1e6});
   }
   const std::vector<FlightLandmark> landmarks = {{landmark, Matrix6::Identity() * 1e-8}};
   std::vector<FlightState> start(50);
   for (std::size_t k = 0; k < start.size(); ++k) {
-    start[k].place = flight.frames[k].told->place;
-    start[k].camera_from_enu = flight.frames[k].told->CameraFromEnuLess(Vector3d::Zero());
+    start[k].place = flight.frames[k].measured->place;
+    start[k].camera_from_enu = flight.frames[k].measured->CorrectedCameraFromEnu(Vector3d::Zero());
   }
-  const auto smoothed = SmoothFlight(flight, landmarks, ties, start);
+  const auto smoothed = SmoothFlight(flight, landmarks, constraints, start);
   ASSERT_TRUE(smoothed);
   const FlightState& state = smoothed->states[25];
   EXPECT_LT(state.place.norm(), 0.02);

@@ -12,37 +12,39 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 // Clockwise from north, [0, 2 pi); std::nullopt for a near-vertical direction.
-std::optional<double> BearingOf(const Vector3d& direction_enu) {
-  constexpr double kLeastHorizontal = 0.1;
-  if (direction_enu.head<2>().norm() < kLeastHorizontal) return std::nullopt;
+std::optional<double> HorizontalAzimuth(const Vector3d& direction_enu) {
+  constexpr double kMinHorizontal = 0.1;
+  if (direction_enu.head<2>().norm() < kMinHorizontal) return std::nullopt;
   const double bearing = std::atan2(direction_enu.x(), direction_enu.y());
   return bearing < 0 ? bearing + 2 * kPi : bearing;
 }
 
 }  // namespace
 
-std::optional<Sight> SightOf(const Stance& stance, const CameraState& camera) {
+std::optional<BearingObservation> MakeBearingObservation(const ObjectPose& object_pose, const CameraState& camera) {
   if (!camera.IsComplete()) return std::nullopt;
   const Quaterniond enu_from_camera = CameraFromEnu(*camera.attitude).conjugate();
-  const Vector3d direction = enu_from_camera * stance.direction;
-  Sight sight{.line = {.time_s = camera.time_s,
-                       .camera = camera.place,
-                       .azimuth_rad = std::atan2(direction.x(), direction.y()),
-                       .elevation_rad = std::asin(std::clamp(direction.z(), -1.0, 1.0)),
-                       .range_m = stance.range_m,
-                       .sigma_rad = stance.sigma_rad},
-              .heading_rad = std::nullopt,
-              .sigma_position_m = camera.sigma_position_m,
-              .sigma_attitude_rad = camera.sigma_attitude_rad};
-  if (stance.range_m) sight.line.sigma_range_m = stance.sigma_range_m;
-  if (stance.camera_from_object) {
-    sight.heading_rad = BearingOf(enu_from_camera * (stance.camera_from_object->rotation * Vector3d::UnitX()));
+  const Vector3d direction = enu_from_camera * object_pose.direction;
+  BearingObservation observation{.line = {.time_s = camera.time_s,
+                                          .camera = camera.place,
+                                          .azimuth_rad = std::atan2(direction.x(), direction.y()),
+                                          .elevation_rad = std::asin(std::clamp(direction.z(), -1.0, 1.0)),
+                                          .range_m = object_pose.range_m,
+                                          .sigma_rad = object_pose.sigma_rad},
+                                 .heading_rad = std::nullopt,
+                                 .sigma_position_m = camera.sigma_position_m,
+                                 .sigma_attitude_rad = camera.sigma_attitude_rad};
+  if (object_pose.range_m) observation.line.sigma_range_m = object_pose.sigma_range_m;
+  if (object_pose.camera_from_object) {
+    observation.heading_rad =
+        HorizontalAzimuth(enu_from_camera * (object_pose.camera_from_object->rotation * Vector3d::UnitX()));
   }
-  return sight;
+  return observation;
 }
 
-std::int64_t RecognitionOf(const SightingRecord& sighting, const Sight* before, std::int64_t& recognitions) {
-  return sighting.source == "tracked" && before != nullptr ? before->recognition : ++recognitions;
+std::int64_t NextRecognitionId(const SightingRecord& sighting, const BearingObservation* before,
+                               std::int64_t& recognitions) {
+  return sighting.source == "tracked" && before != nullptr ? before->recognition_id : ++recognitions;
 }
 
 }  // namespace victorious

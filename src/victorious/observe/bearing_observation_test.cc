@@ -4,42 +4,44 @@
 
 #include <gtest/gtest.h>
 
-#include "victorious/geometry/angles.h"
 #include "testing/staged_sighting.h"
+#include "victorious/geometry/angles.h"
 #include "victorious/observe/object_pose.h"
 
 namespace victorious {
 namespace {
 
-std::optional<Sight> SightOfStaged(const Staged& staged, const CameraState& camera) {
-  const auto stance = StanceOf(staged.detection, staged.model, staged.scene, camera, {}, UpInCamera(camera));
-  return stance ? SightOf(*stance, camera) : std::nullopt;
+std::optional<BearingObservation> SightOfStaged(const Staged& staged, const CameraState& camera) {
+  const auto object_pose =
+      EstimateObjectPose(staged.detection, staged.model, staged.scene, camera, {}, UpInCamera(camera));
+  return object_pose ? MakeBearingObservation(*object_pose, camera) : std::nullopt;
 }
 
-void ExpectSight(const std::optional<Sight>& sight, const Eigen::Vector3d& object_enu, double heading_deg) {
-  ASSERT_TRUE(sight);
+void ExpectSight(const std::optional<BearingObservation>& observation, const Eigen::Vector3d& object_enu,
+                 double heading_deg) {
+  ASSERT_TRUE(observation);
   const double off_deg = 0.02;
-  EXPECT_NEAR(DegreesFromRadians(WrapAngle(sight->line.azimuth_rad - std::atan2(object_enu.x(), object_enu.y()))), 0,
-              off_deg);
-  EXPECT_NEAR(DegreesFromRadians(sight->line.elevation_rad - std::asin(object_enu.normalized().z())), 0, off_deg);
-  EXPECT_NEAR(*sight->line.range_m, object_enu.norm(), 0.01 * object_enu.norm());
-  EXPECT_LT(*sight->line.sigma_range_m, 0.1 * object_enu.norm());
-  EXPECT_NEAR(DegreesFromRadians(WrapAngle(*sight->heading_rad - RadiansFromDegrees(heading_deg))), 0, 3);
+  EXPECT_NEAR(DegreesFromRadians(WrapAngle(observation->line.azimuth_rad - std::atan2(object_enu.x(), object_enu.y()))),
+              0, off_deg);
+  EXPECT_NEAR(DegreesFromRadians(observation->line.elevation_rad - std::asin(object_enu.normalized().z())), 0, off_deg);
+  EXPECT_NEAR(*observation->line.range_m, object_enu.norm(), 0.01 * object_enu.norm());
+  EXPECT_LT(*observation->line.sigma_range_m, 0.1 * object_enu.norm());
+  EXPECT_NEAR(DegreesFromRadians(WrapAngle(*observation->heading_rad - RadiansFromDegrees(heading_deg))), 0, 3);
 }
 
-TEST(Sight, TellsDirectionRangeAndHeadingOfAKnownObject) {
+TEST(BearingObservation, TellsDirectionRangeAndHeadingOfAKnownObject) {
   const Eigen::Vector3d object_enu(40, 55, -100);
   const CameraState camera = LookingDown(-55, 38);
   for (const double heading_deg : {10.0, 140.0, 265.0}) {
     const Staged staged = Stage(camera, object_enu, heading_deg, {});
-    const auto sight = SightOfStaged(staged, camera);
-    ExpectSight(sight, object_enu, heading_deg);
-    EXPECT_EQ(sight->line.camera, camera.place);
-    EXPECT_EQ(sight->line.time_s, 2);
+    const auto observation = SightOfStaged(staged, camera);
+    ExpectSight(observation, object_enu, heading_deg);
+    EXPECT_EQ(observation->line.camera, camera.place);
+    EXPECT_EQ(observation->line.time_s, 2);
   }
 }
 
-TEST(Sight, TheLensIsUndone) {
+TEST(BearingObservation, TheLensIsUndone) {
   const Eigen::Vector3d object_enu(47, 60, -100);
   CameraState camera = LookingDown(-55, 38);
   camera.distortion = LensDistortion{-2.5, 8, 0.01, -0.02, 0};
@@ -47,31 +49,31 @@ TEST(Sight, TheLensIsUndone) {
   ExpectSight(SightOfStaged(staged, camera), object_enu, 140);
 }
 
-TEST(Sight, WithoutACompleteCameraThereIsNone) {
+TEST(BearingObservation, WithoutACompleteCameraThereIsNone) {
   CameraState camera = LookingDown(-55, 38);
   const Staged staged = Stage(camera, {40, 55, -100}, 10, {});
   camera.hfov_rad.reset();
   EXPECT_FALSE(SightOfStaged(staged, camera));
 }
 
-TEST(Sight, APhotoHasARangeOnlyWhereItsLengthIsKnown) {
+TEST(BearingObservation, APhotoHasARangeOnlyWhereItsLengthIsKnown) {
   ObjectModel model{.kind = "photos"};
   model.views.push_back({.width = 200, .height = 100, .outline = {{0, 0}, {200, 0}, {200, 100}, {0, 100}}});
   Detection detection;
-  detection.pose.scene_from_template = {0.5, 0, {270, 215}};
-  detection.pose.scene_from_template_plane = detection.pose.scene_from_template.Matrix();
+  detection.fit.scene_from_template = {0.5, 0, {270, 215}};
+  detection.fit.scene_from_template_plane = detection.fit.scene_from_template.Matrix();
   FeatureSet scene;
   scene.image_width = kWidth;
   scene.image_height = kHeight;
   const CameraState camera = LookingDown(-90, 0);
-  auto sight = SightOf(StanceOf(detection, model, scene, camera, {}).value(), camera);
-  ASSERT_TRUE(sight);
-  EXPECT_FALSE(sight->line.range_m);
-  EXPECT_FALSE(sight->heading_rad);
-  EXPECT_NEAR(DegreesFromRadians(sight->line.elevation_rad), -90, 1.3);  // (320, 240) up to 50 px, 1.2 degrees
+  auto observation = MakeBearingObservation(EstimateObjectPose(detection, model, scene, camera, {}).value(), camera);
+  ASSERT_TRUE(observation);
+  EXPECT_FALSE(observation->line.range_m);
+  EXPECT_FALSE(observation->heading_rad);
+  EXPECT_NEAR(DegreesFromRadians(observation->line.elevation_rad), -90, 1.3);  // (320, 240) up to 50 px, 1.2 degrees
   model.length_m = 4;
-  sight = SightOf(StanceOf(detection, model, scene, camera, {}).value(), camera);
-  EXPECT_NEAR(*sight->line.range_m, kFocalPx * 4 / 100, 1e-6);
+  observation = MakeBearingObservation(EstimateObjectPose(detection, model, scene, camera, {}).value(), camera);
+  EXPECT_NEAR(*observation->line.range_m, kFocalPx * 4 / 100, 1e-6);
 }
 
 }  // namespace

@@ -13,14 +13,14 @@
 
 namespace victorious {
 
-void SightingOptions::ListFields(FieldList& fields) {
-  fields.Add("least_turn_deg", least_turn_deg,
+void LandmarkSightingOptions::ListFields(FieldList& fields) {
+  fields.Add("min_rotation_sigma_deg", min_rotation_sigma_deg,
              {.min = 1e-3,
               .max = 90,
               .unit = "deg",
               .reason = "minimum standard deviation of a landmark's rotation in one frame"});
   fields.Add(
-      "sure_points", sure_points,
+      "reference_points", reference_points,
       {.min = 0,
        .max = 1e4,
        .unit = "points",
@@ -35,83 +35,87 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-struct Offset {
+struct Residual {
   Vector2d off;  // in standard deviations
   Eigen::Matrix<double, 2, 6> jacobian;
 };
 
-std::vector<Offset> OffsetsOf(const Stance& stance, double sigma) {
-  std::vector<Offset> offsets;
-  for (const SeenPoint& point : stance.points) {
-    const Vector3d turned = stance.camera_from_object->rotation * point.point;
-    const Vector3d p = turned + stance.camera_from_object->translation;
+std::vector<Residual> ComputeResiduals(const ObjectPose& object_pose, double sigma) {
+  std::vector<Residual> residuals;
+  for (const PointObservation& point : object_pose.points) {
+    const Vector3d turned = object_pose.camera_from_object->rotation * point.point;
+    const Vector3d p = turned + object_pose.camera_from_object->translation;
     if (!(p.z() > 0)) continue;
     Eigen::Matrix<double, 2, 3> projection;
     projection << 1 / p.z(), 0, -p.x() / (p.z() * p.z()), 0, 1 / p.z(), -p.y() / (p.z() * p.z());
-    Offset& offset = offsets.emplace_back();
-    offset.off = (p.head<2>() / p.z() - point.seen) / sigma;
-    offset.jacobian << projection * -SkewOf(turned), projection;
-    offset.jacobian /= sigma;
+    Residual& residual = residuals.emplace_back();
+    residual.off = (p.head<2>() / p.z() - point.seen) / sigma;
+    residual.jacobian << projection * -CrossProductMatrix(turned), projection;
+    residual.jacobian /= sigma;
   }
-  return offsets;
+  return residuals;
 }
 
 // Robust scale of the residuals, at least 1: inflates the covariance if they exceed the modelled noise.
-double NoiseFactor(const std::vector<Offset>& offsets) {
+double InflationFactor(const std::vector<Residual>& residuals) {
   std::vector<double> lengths;
-  for (const Offset& offset : offsets) lengths.push_back(offset.off.norm());
+  for (const Residual& residual : residuals) lengths.push_back(residual.off.norm());
   return std::max(1.0, Median(std::move(lengths)) / kRayleighMedian);
 }
 
 // Covariance of (rotation, translation), from the points and the rotation prior of the matched view. Cauchy weights.
-Matrix6 CovarianceOf(const Stance& stance, const SightOptions& options) {
-  const std::vector<Offset> offsets = OffsetsOf(stance, options.point_sigma_px / stance.focal_px);
-  const double factor = NoiseFactor(offsets);
-  const Matrix3d across = Matrix3d::Identity() - stance.direction * stance.direction.transpose();
+Matrix6 PoseCovariance(const ObjectPose& object_pose, const ObservationOptions& options) {
+  const std::vector<Residual> residuals = ComputeResiduals(object_pose, options.point_sigma_px / object_pose.focal_px);
+  const double factor = InflationFactor(residuals);
+  const Matrix3d across = Matrix3d::Identity() - object_pose.direction * object_pose.direction.transpose();
   Matrix6 information = Matrix6::Zero();
-  for (const Offset& offset : offsets) {
+  for (const Residual& residual : residuals) {
     constexpr double kCauchyScale = 2;
-    const double weight = 1 / (1 + offset.off.squaredNorm() / (kCauchyScale * kCauchyScale));
-    information += weight / (factor * factor) * offset.jacobian.transpose() * offset.jacobian;
+    const double weight = 1 / (1 + residual.off.squaredNorm() / (kCauchyScale * kCauchyScale));
+    information += weight / (factor * factor) * residual.jacobian.transpose() * residual.jacobian;
   }
   information.topLeftCorner<3, 3>() += across / std::pow(RadiansFromDegrees(options.view_sigma_deg), 2);
-  constexpr double kAnyM = 1e4;  // weak prior for unobserved directions
+  constexpr double kPriorSigmaM = 1e4;  // weak prior for unobserved directions
   information.diagonal().array() += Eigen::Array<double, 6, 1>(
-      (Vector6() << Vector3d::Constant(1 / (kPi * kPi)), Vector3d::Constant(1 / (kAnyM * kAnyM))).finished());
+      (Vector6() << Vector3d::Constant(1 / (kPi * kPi)), Vector3d::Constant(1 / (kPriorSigmaM * kPriorSigmaM)))
+          .finished());
   return information.llt().solve(Matrix6::Identity());
 }
 
 // Covariance of a rotation about the centroid of the points.
-Matrix6 TurnCovarianceOf(const Stance& stance, const SightingOptions& options) {
+Matrix6 RotationCovariance(const ObjectPose& object_pose, const LandmarkSightingOptions& options) {
   Vector3d middle = Vector3d::Zero();
-  for (const SeenPoint& point : stance.points) middle += stance.camera_from_object->rotation * point.point;
-  const double count = std::max<double>(1, static_cast<double>(stance.points.size()));
+  for (const PointObservation& point : object_pose.points)
+    middle += object_pose.camera_from_object->rotation * point.point;
+  const double count = std::max<double>(1, static_cast<double>(object_pose.points.size()));
   const double sigma_rad =
-      RadiansFromDegrees(std::hypot(options.least_turn_deg, std::pow(options.sure_points / count, 2)));
-  Eigen::Matrix<double, 6, 3> by_turn;
-  by_turn << Matrix3d::Identity(), SkewOf(middle / count);
-  return sigma_rad * sigma_rad * by_turn * by_turn.transpose();
+      RadiansFromDegrees(std::hypot(options.min_rotation_sigma_deg, std::pow(options.reference_points / count, 2)));
+  Eigen::Matrix<double, 6, 3> rotation_jacobian;
+  rotation_jacobian << Matrix3d::Identity(), CrossProductMatrix(middle / count);
+  return sigma_rad * sigma_rad * rotation_jacobian * rotation_jacobian.transpose();
 }
 
 }  // namespace
 
-std::optional<LandmarkSighting> SightingOf(const Stance& stance, const SightOptions& sight,
-                                           const SightingOptions& options) {
-  if (!stance.range_m) return std::nullopt;
+std::optional<LandmarkSighting> MakeLandmarkSighting(const ObjectPose& object_pose,
+                                                     const ObservationOptions& observation,
+                                                     const LandmarkSightingOptions& options) {
+  if (!object_pose.range_m) return std::nullopt;
   LandmarkSighting sighting;
-  const double range_m = *stance.range_m;
-  const Matrix3d along = stance.direction * stance.direction.transpose();
+  const double range_m = *object_pose.range_m;
+  const Matrix3d along = object_pose.direction * object_pose.direction.transpose();
   const Matrix3d across = Matrix3d::Identity() - along;
-  if (!stance.camera_from_object) {
-    sighting.camera_from_landmark.translation = range_m * stance.direction;
+  if (!object_pose.camera_from_object) {
+    sighting.camera_from_landmark.translation = range_m * object_pose.direction;
     sighting.information.bottomRightCorner<3, 3>() =
-        across / std::pow(range_m * stance.sigma_rad, 2) + along / std::pow(stance.sigma_range_m, 2);
+        across / std::pow(range_m * object_pose.sigma_rad, 2) + along / std::pow(object_pose.sigma_range_m, 2);
     return sighting;
   }
-  sighting.camera_from_landmark = *stance.camera_from_object;
-  Matrix6 covariance = CovarianceOf(stance, sight) + TurnCovarianceOf(stance, options);
-  covariance.bottomRightCorner<3, 3>() += across * std::pow(range_m * sight.least_sigma_px / stance.focal_px, 2) +
-                                          along * std::pow(sight.least_range_share * range_m, 2);
+  sighting.camera_from_landmark = *object_pose.camera_from_object;
+  Matrix6 covariance = PoseCovariance(object_pose, observation) + RotationCovariance(object_pose, options);
+  covariance.bottomRightCorner<3, 3>() +=
+      across * std::pow(range_m * observation.min_sigma_px / object_pose.focal_px, 2) +
+      along * std::pow(observation.min_range_fraction * range_m, 2);
   sighting.information = covariance.llt().solve(Matrix6::Identity());
   if (!sighting.information.allFinite()) return std::nullopt;
   return sighting;

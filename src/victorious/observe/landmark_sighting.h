@@ -12,9 +12,9 @@ namespace victorious {
 /// Lower bounds of the rotation error. The errors of matched points are correlated, and of few points some are matched
 /// to a view from another side, so the covariance of the pose fit is too small. The added error is a rotation about the
 /// centroid of the points, so it shifts the object's centre, too.
-struct SightingOptions {
-  double least_turn_deg = 1;
-  double sure_points = 30;
+struct LandmarkSightingOptions {
+  double min_rotation_sigma_deg = 1;
+  double reference_points = 30;
 
   void ListFields(FieldList& fields);
 };
@@ -23,7 +23,8 @@ struct SightingOptions {
 /// object pose has no range, or its covariance is singular. Without a 6-DoF pose the sighting constrains the position
 /// only.
 /// @param sight  standard deviations of points, direction and range
-std::optional<LandmarkSighting> SightingOf(const Stance& stance, const SightOptions& sight,
-                                           const SightingOptions& options);
+std::optional<LandmarkSighting> MakeLandmarkSighting(const ObjectPose& object_pose,
+                                                     const ObservationOptions& observation,
+                                                     const LandmarkSightingOptions& options);
 
 }  // namespace victorious

@@ -16,42 +16,43 @@ using Eigen::Vector3d;
 constexpr double kFocalPx = 2300;
 constexpr double kRangeM = 120;
 
-Rigid3 Truth() { return {RotationOf(Vector3d(0.9, -0.4, 0.3)), Vector3d(6, -4, kRangeM)}; }
+Rigid3 Truth() { return {RotationFromVector(Vector3d(0.9, -0.4, 0.3)), Vector3d(6, -4, kRangeM)}; }
 
 // A pose from some points, each with a noise of one pixel along each axis.
-Stance Drawn(Random& random, int count) {
-  Stance stance{.focal_px = kFocalPx};
+ObjectPose Drawn(Random& random, int count) {
+  ObjectPose object_pose{.focal_px = kFocalPx};
   for (int i = 0; i < count; ++i) {
     const Vector3d point(random.Uniform(-3, 3), random.Uniform(-1.5, 1.5), random.Uniform(-1, 1));
     const Vector3d p = Truth().Apply(point);
     const Eigen::Vector2d noise(random.Normal(), random.Normal());
-    stance.points.push_back({point, p.head<2>() / p.z() + noise / kFocalPx});
+    object_pose.points.push_back({point, p.head<2>() / p.z() + noise / kFocalPx});
   }
-  const auto pose =
-      FitObjectPose(stance.points, Truth().rotation, {.sigma = 1 / kFocalPx, .sigma_view_rad = RadiansFromDegrees(6)});
-  stance.camera_from_object = pose->camera_from_object;
-  stance.range_m = pose->camera_from_object.translation.norm();
-  stance.direction = pose->camera_from_object.translation / *stance.range_m;
-  return stance;
+  const auto pose = FitObjectPose(object_pose.points, Truth().rotation,
+                                  {.sigma = 1 / kFocalPx, .sigma_view_rad = RadiansFromDegrees(6)});
+  object_pose.camera_from_object = pose->camera_from_object;
+  object_pose.range_m = pose->camera_from_object.translation.norm();
+  object_pose.direction = pose->camera_from_object.translation / *object_pose.range_m;
+  return object_pose;
 }
 
 Vector6 ErrorOf(const LandmarkSighting& sighting) {
   Vector6 error;
-  error << VectorOf(Truth().rotation * sighting.camera_from_landmark.rotation.conjugate()),
+  error << VectorFromRotation(Truth().rotation * sighting.camera_from_landmark.rotation.conjugate()),
       Truth().translation - sighting.camera_from_landmark.translation;
   return error;
 }
 
 TEST(LandmarkSighting, InformationIsThatOfItsError) {
   Random random(11);
-  SightOptions options;
+  ObservationOptions options;
   options.point_sigma_px = 1;
-  options.least_sigma_px = 0;
-  options.least_range_share = 0;
+  options.min_sigma_px = 0;
+  options.min_range_fraction = 0;
   double sum = 0;
   constexpr int kDraws = 200;
   for (int i = 0; i < kDraws; ++i) {
-    const auto sighting = SightingOf(Drawn(random, 40), options, {.least_turn_deg = 0, .sure_points = 0});
+    const auto sighting =
+        MakeLandmarkSighting(Drawn(random, 40), options, {.min_rotation_sigma_deg = 0, .reference_points = 0});
     ASSERT_TRUE(sighting);
     sum += ErrorOf(*sighting).dot(sighting->information * ErrorOf(*sighting));
   }
@@ -61,14 +62,15 @@ TEST(LandmarkSighting, InformationIsThatOfItsError) {
 
 TEST(LandmarkSighting, IsNeverBetterThanItsFloors) {
   Random random(12);
-  SightOptions options;
-  options.least_sigma_px = 0.3;
-  options.least_range_share = 0.01;
-  const double least_turn = RadiansFromDegrees(1);
-  const auto sighting = SightingOf(Drawn(random, 4000), options, {.least_turn_deg = 1, .sure_points = 0});
+  ObservationOptions options;
+  options.min_sigma_px = 0.3;
+  options.min_range_fraction = 0.01;
+  const double min_turn = RadiansFromDegrees(1);
+  const auto sighting =
+      MakeLandmarkSighting(Drawn(random, 4000), options, {.min_rotation_sigma_deg = 1, .reference_points = 0});
   ASSERT_TRUE(sighting);
   const Matrix6 covariance = sighting->information.inverse();
-  for (int i = 0; i < 3; ++i) EXPECT_GE(covariance(i, i), least_turn * least_turn);
+  for (int i = 0; i < 3; ++i) EXPECT_GE(covariance(i, i), min_turn * min_turn);
   EXPECT_GE(std::sqrt(covariance(5, 5)), 0.0099 * kRangeM);
   EXPECT_NEAR(std::sqrt(covariance(3, 3)), std::hypot(0.3 / kFocalPx * kRangeM, 0.01 * 6), 0.05);
 }
@@ -76,34 +78,37 @@ TEST(LandmarkSighting, IsNeverBetterThanItsFloors) {
 // Few points at one end of the object, and a rotation error: the errors are consistent with the covariance.
 TEST(LandmarkSighting, OfFewPointsItMayBeTurnedAboutThem) {
   Random random(13);
-  Stance stance = Drawn(random, 10);
+  ObjectPose object_pose = Drawn(random, 10);
   const Vector3d end(2.5, 0, 0);
-  for (SeenPoint& point : stance.points) point.point += end;
-  const SightOptions sight{.view_sigma_deg = 6};
-  const auto sighting = SightingOf(stance, sight, {});
+  for (PointObservation& point : object_pose.points) point.point += end;
+  const ObservationOptions observation{.view_sigma_deg = 6};
+  const auto sighting = MakeLandmarkSighting(object_pose, observation, {});
   ASSERT_TRUE(sighting);
-  const Eigen::Matrix3d turn = Eigen::Matrix3d(RotationOf(Vector3d(0, RadiansFromDegrees(12), 0)));
-  const Vector3d middle = stance.camera_from_object->rotation * (end + Vector3d(0.1, 0, 0));
+  const Eigen::Matrix3d turn = Eigen::Matrix3d(RotationFromVector(Vector3d(0, RadiansFromDegrees(12), 0)));
+  const Vector3d middle = object_pose.camera_from_object->rotation * (end + Vector3d(0.1, 0, 0));
   Vector6 error;
-  error << VectorOf(Eigen::Quaterniond(turn)), middle - turn * middle;
+  error << VectorFromRotation(Eigen::Quaterniond(turn)), middle - turn * middle;
   const auto sigmas = [&](const LandmarkSighting& of) { return std::sqrt(error.dot(of.information * error)); };
   EXPECT_LT(sigmas(*sighting), 1.5);
-  EXPECT_GT(sigmas(*SightingOf(stance, sight, {.least_turn_deg = 1, .sure_points = 0})), 1.8);
+  EXPECT_GT(
+      sigmas(*MakeLandmarkSighting(object_pose, observation, {.min_rotation_sigma_deg = 1, .reference_points = 0})),
+      1.8);
 }
 
 TEST(LandmarkSighting, APhotoTellsWhereItIsAndNotHowItIsTurned) {
-  const Stance stance{.direction = Vector3d(0, 0.6, 0.8), .sigma_rad = 0.01, .range_m = 50, .sigma_range_m = 15};
-  const auto sighting = SightingOf(stance, {}, {});
+  const ObjectPose object_pose{
+      .direction = Vector3d(0, 0.6, 0.8), .sigma_rad = 0.01, .range_m = 50, .sigma_range_m = 15};
+  const auto sighting = MakeLandmarkSighting(object_pose, {}, {});
   ASSERT_TRUE(sighting);
   EXPECT_TRUE(sighting->camera_from_landmark.translation.isApprox(Vector3d(0, 30, 40), 1e-12));
   EXPECT_EQ((sighting->information.topLeftCorner<3, 6>().norm()), 0);
   const Eigen::Matrix3d information = sighting->information.bottomRightCorner<3, 3>();
-  EXPECT_NEAR(stance.direction.dot(information * stance.direction), 1 / (15.0 * 15), 1e-9);
+  EXPECT_NEAR(object_pose.direction.dot(information * object_pose.direction), 1 / (15.0 * 15), 1e-9);
   EXPECT_NEAR(information(0, 0), 1 / (0.5 * 0.5), 1e-9);
 }
 
 TEST(LandmarkSighting, WithoutADistanceThereIsNone) {
-  EXPECT_FALSE(SightingOf({.direction = Vector3d::UnitZ(), .sigma_rad = 0.01}, {}, {}));
+  EXPECT_FALSE(MakeLandmarkSighting({.direction = Vector3d::UnitZ(), .sigma_rad = 0.01}, {}, {}));
 }
 
 }  // namespace

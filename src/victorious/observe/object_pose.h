@@ -25,31 +25,31 @@
 
 namespace victorious {
 
-struct SightOptions {
+struct ObservationOptions {
   double point_sigma_px = 1.0;
   double view_sigma_deg = 8.0;
   double up_sigma_deg = 3.0;
-  double least_view_sigma_deg = 1.0;
-  double least_sigma_px = 0.3;
-  double least_range_share = 0.015;
+  double min_view_sigma_deg = 1.0;
+  double min_sigma_px = 0.3;
+  double min_range_fraction = 0.015;
   int hypotheses = 100;
-  double photo_centre_share = 0.1;
-  double photo_range_share = 0.3;
-  double category_centre_share = 0.25;
+  double photo_centre_fraction = 0.1;
+  double photo_range_fraction = 0.3;
+  double category_centre_fraction = 0.25;
   double drift_px = 0.05;
-  double drift_range_share = 0.002;
+  double drift_range_fraction = 0.002;
 
   void ListFields(FieldList& fields);
 };
 
 /// Direction of view of an object.
-struct SeenView {
+struct ViewEstimate {
   ViewAngles angles;        ///< of the direction to the camera, in the model's frame
   double in_plane_rad = 0;  ///< clockwise image rotation from the rendered view of that direction to the scene
   double sigma_rad = 0;     ///< standard deviation of the direction, each axis
 };
 
-struct Stance {
+struct ObjectPose {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< to the object's centre, unit length, camera frame
   double sigma_rad = 0;                                  ///< about each transverse axis
   std::optional<double> range_m;                         ///< to the object's centre
@@ -57,9 +57,9 @@ struct Stance {
   /// Only of models with 3D points: from the model's axes (x front, y left, z up) about the centre of the bounding box.
   /// If the camera's field of view is unknown, the translation is that of an assumed one.
   std::optional<Rigid3> camera_from_object;
-  std::vector<SeenPoint> points;  ///< the points of the fit
-  double focal_px = 0;            ///< of the camera, or assumed
-  std::optional<SeenView> view;   ///< only of models with 3D points
+  std::vector<PointObservation> points;  ///< the points of the fit
+  double focal_px = 0;                   ///< of the camera, or assumed
+  std::optional<ViewEstimate> view;      ///< only of models with 3D points
 };
 
 /// The vertical seen by a camera: the unit up vector in the camera's frame. std::nullopt if the attitude is unknown.
@@ -70,19 +70,20 @@ struct Stance {
 /// @param camera        only field of view and lens are used. Without a field of view the result has no range, and
 ///                      photos give no result
 /// @param up_in_camera  unit up vector for the upright prior; std::nullopt for none
-std::optional<Stance> StanceOf(const Detection& detection, const ObjectModel& model, const FeatureSet& scene,
-                               const CameraState& camera, const SightOptions& options,
-                               const std::optional<Eigen::Vector3d>& up_in_camera = {});
+std::optional<ObjectPose> EstimateObjectPose(const Detection& detection, const ObjectModel& model,
+                                             const FeatureSet& scene, const CameraState& camera,
+                                             const ObservationOptions& options,
+                                             const std::optional<Eigen::Vector3d>& up_in_camera = {});
 
 /// Adds the drift of tracking to the standard deviations of direction and range. Tracked points drift off their places
 /// on the object, in a common direction as it turns, so the error grows linearly with the number of frames.
 /// @param frames  frames since the last recognition; 0 changes nothing
-void Age(Stance& stance, int frames, const SightOptions& options);
+void AddTrackingDrift(ObjectPose& object_pose, int frames, const ObservationOptions& options);
 
 /// Direction to the centre of a box, without further knowledge of its content. std::nullopt if the camera's field of
 /// view is unknown.
 /// @param image_size  of the frame, px
-std::optional<Stance> StanceOfBox(const Box& box, const cv::Size& image_size, const CameraState& camera,
-                                  const SightOptions& options);
+std::optional<ObjectPose> EstimateBoxDirection(const Box& box, const cv::Size& image_size, const CameraState& camera,
+                                               const ObservationOptions& options);
 
 }  // namespace victorious

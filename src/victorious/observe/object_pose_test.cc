@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "victorious/base/random.h"
 #include "testing/staged_sighting.h"
+#include "victorious/base/random.h"
 #include "victorious/geometry/view_sphere.h"
 
 namespace victorious {
@@ -20,8 +20,9 @@ Eigen::Vector3d TrueDirection(double heading_deg) {
   return enu_from_model.inverse() * (-kPlaceEnu.normalized());
 }
 
-double ViewErrorDeg(const Stance& stance, const Eigen::Vector3d& truth) {
-  const Eigen::Vector3d found = DirectionToCamera({stance.view->angles.azimuth_rad, stance.view->angles.off_nadir_rad});
+double ViewErrorDeg(const ObjectPose& object_pose, const Eigen::Vector3d& truth) {
+  const Eigen::Vector3d found =
+      DirectionToCamera({object_pose.view->angles.azimuth_rad, object_pose.view->angles.off_nadir_rad});
   return DegreesFromRadians(std::acos(std::clamp(found.dot(truth), -1.0, 1.0)));
 }
 
@@ -34,51 +35,51 @@ void Blur(Staged& staged, double sigma_px, std::uint64_t seed) {
   }
 }
 
-std::optional<Stance> StanceOfStaged(const Staged& staged, const CameraState& camera) {
-  return StanceOf(staged.detection, staged.model, staged.scene, camera, {}, UpInCamera(camera));
+std::optional<ObjectPose> StanceOfStaged(const Staged& staged, const CameraState& camera) {
+  return EstimateObjectPose(staged.detection, staged.model, staged.scene, camera, {}, UpInCamera(camera));
 }
 
-TEST(Stance, IsBetweenViews) {
+TEST(ObjectPose, IsBetweenViews) {
   const CameraState camera = LookingDown(-55, 38);
   for (const double heading_deg : {10.0, 140.0, 265.0}) {
     const Staged staged = Stage(camera, kPlaceEnu, heading_deg, {});
-    const auto stance = StanceOfStaged(staged, camera);
-    ASSERT_TRUE(stance);
-    EXPECT_LT(ViewErrorDeg(*stance, TrueDirection(heading_deg)), 0.7) << "the view that matched is 4 degrees off";
-    EXPECT_NEAR(*stance->range_m, kPlaceEnu.norm(), 0.01 * kPlaceEnu.norm());
+    const auto object_pose = StanceOfStaged(staged, camera);
+    ASSERT_TRUE(object_pose);
+    EXPECT_LT(ViewErrorDeg(*object_pose, TrueDirection(heading_deg)), 0.7) << "the view that matched is 4 degrees off";
+    EXPECT_NEAR(*object_pose->range_m, kPlaceEnu.norm(), 0.01 * kPlaceEnu.norm());
   }
 }
 
-TEST(Stance, ViewAndTurnTogetherAreTheRotation) {
+TEST(ObjectPose, ViewAndTurnTogetherAreTheRotation) {
   const CameraState camera = LookingDown(-55, 38);
-  const auto stance = StanceOfStaged(Stage(camera, kPlaceEnu, 200, {}), camera);
-  ASSERT_TRUE(stance);
-  const Rigid3& stands = *stance->camera_from_object;
+  const auto object_pose = StanceOfStaged(Stage(camera, kPlaceEnu, 200, {}), camera);
+  ASSERT_TRUE(object_pose);
+  const Rigid3& stands = *object_pose->camera_from_object;
   const Eigen::Quaterniond turned =
       Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), stands.translation.normalized()) *
-      Eigen::AngleAxisd(stance->view->in_plane_rad, Eigen::Vector3d::UnitZ()) *
-      CameraFromModel({stance->view->angles.azimuth_rad, stance->view->angles.off_nadir_rad});
+      Eigen::AngleAxisd(object_pose->view->in_plane_rad, Eigen::Vector3d::UnitZ()) *
+      CameraFromModel({object_pose->view->angles.azimuth_rad, object_pose->view->angles.off_nadir_rad});
   EXPECT_LT(turned.angularDistance(stands.rotation), 1e-6);
 }
 
-TEST(Stance, NeedsNoTelemetryWhereTheFieldOfViewIsKnown) {
+TEST(ObjectPose, NeedsNoTelemetryWhereTheFieldOfViewIsKnown) {
   const CameraState camera = LookingDown(-55, 38);
   const Staged staged = Stage(camera, kPlaceEnu, 75, {});
-  const auto stance = StanceOfStaged(staged, CameraState{.hfov_rad = camera.hfov_rad});
-  ASSERT_TRUE(stance);
-  EXPECT_LT(ViewErrorDeg(*stance, TrueDirection(75)), 1.5);
-  EXPECT_NEAR(*stance->range_m, kPlaceEnu.norm(), 0.02 * kPlaceEnu.norm());
+  const auto object_pose = StanceOfStaged(staged, CameraState{.hfov_rad = camera.hfov_rad});
+  ASSERT_TRUE(object_pose);
+  EXPECT_LT(ViewErrorDeg(*object_pose, TrueDirection(75)), 1.5);
+  EXPECT_NEAR(*object_pose->range_m, kPlaceEnu.norm(), 0.02 * kPlaceEnu.norm());
 }
 
-TEST(Stance, WithoutAFieldOfViewThereIsNoDistance) {
+TEST(ObjectPose, WithoutAFieldOfViewThereIsNoDistance) {
   const Staged staged = Stage(LookingDown(-55, 38), kPlaceEnu, 75, {});
-  const auto stance = StanceOfStaged(staged, CameraState{});
-  ASSERT_TRUE(stance);
-  EXPECT_LT(ViewErrorDeg(*stance, TrueDirection(75)), 3);
-  EXPECT_FALSE(stance->range_m);
+  const auto object_pose = StanceOfStaged(staged, CameraState{});
+  ASSERT_TRUE(object_pose);
+  EXPECT_LT(ViewErrorDeg(*object_pose, TrueDirection(75)), 3);
+  EXPECT_FALSE(object_pose->range_m);
 }
 
-TEST(Stance, WrongMatchesDoNotTiltIt) {
+TEST(ObjectPose, WrongMatchesDoNotTiltIt) {
   const CameraState camera = LookingDown(-55, 38);
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     Staged staged = Stage(camera, kPlaceEnu, 75, {});
@@ -87,14 +88,14 @@ TEST(Stance, WrongMatchesDoNotTiltIt) {
       staged.scene.keypoints[i].x += 9;
       staged.scene.keypoints[i].y -= 7;
     }
-    const auto stance = StanceOfStaged(staged, camera);
-    ASSERT_TRUE(stance);
-    EXPECT_LT(ViewErrorDeg(*stance, TrueDirection(75)), 4) << seed;
-    EXPECT_NEAR(*stance->range_m, kPlaceEnu.norm(), 0.04 * kPlaceEnu.norm()) << seed;
+    const auto object_pose = StanceOfStaged(staged, camera);
+    ASSERT_TRUE(object_pose);
+    EXPECT_LT(ViewErrorDeg(*object_pose, TrueDirection(75)), 4) << seed;
+    EXPECT_NEAR(*object_pose->range_m, kPlaceEnu.norm(), 0.04 * kPlaceEnu.norm()) << seed;
   }
 }
 
-TEST(Stance, SaysHowFarItMayErr) {
+TEST(ObjectPose, SaysHowFarItMayErr) {
   const CameraState camera = LookingDown(-55, 38);
   constexpr int kDraws = 100;
   int view_inside = 0;
@@ -102,46 +103,48 @@ TEST(Stance, SaysHowFarItMayErr) {
   for (std::uint64_t seed = 0; seed < kDraws; ++seed) {
     Staged staged = Stage(camera, kPlaceEnu, 300, {});
     Blur(staged, 1, 50 + seed);
-    const auto stance = StanceOfStaged(staged, camera);
-    ASSERT_TRUE(stance);
-    const double error_rad = RadiansFromDegrees(ViewErrorDeg(*stance, TrueDirection(300)));
-    view_inside += error_rad < 2.15 * stance->view->sigma_rad ? 1 : 0;  // 90 % of a 2-D normal distribution
-    distance_inside += std::abs(*stance->range_m - kPlaceEnu.norm()) < 1.64 * stance->sigma_range_m ? 1 : 0;
+    const auto object_pose = StanceOfStaged(staged, camera);
+    ASSERT_TRUE(object_pose);
+    const double error_rad = RadiansFromDegrees(ViewErrorDeg(*object_pose, TrueDirection(300)));
+    view_inside += error_rad < 2.15 * object_pose->view->sigma_rad ? 1 : 0;  // 90 % of a 2-D normal distribution
+    distance_inside += std::abs(*object_pose->range_m - kPlaceEnu.norm()) < 1.64 * object_pose->sigma_range_m ? 1 : 0;
   }
   EXPECT_GE(view_inside, 80);
   EXPECT_GE(distance_inside, 80);
 }
 
-TEST(Stance, ErrsMoreTheLongerItIsOnlyFollowed) {
-  Stance stance{.sigma_rad = 3e-4, .range_m = 100, .sigma_range_m = 0.3, .focal_px = 2000};
-  const Stance before = stance;
-  Age(stance, 0, {});
-  EXPECT_EQ(stance.sigma_rad, before.sigma_rad);
-  EXPECT_EQ(stance.sigma_range_m, before.sigma_range_m);
-  Age(stance, 4, {.drift_px = 0.2, .drift_range_share = 0.001});
-  EXPECT_NEAR(stance.sigma_rad, 5e-4, 1e-12) << "3 and 4";
-  EXPECT_NEAR(stance.sigma_range_m, 0.5, 1e-12);
-  EXPECT_EQ(stance.direction, before.direction);
-  Stance without{.sigma_rad = 3e-4, .focal_px = 2000};
-  Age(without, 4, {});
+TEST(ObjectPose, ErrsMoreTheLongerItIsOnlyFollowed) {
+  ObjectPose object_pose{.sigma_rad = 3e-4, .range_m = 100, .sigma_range_m = 0.3, .focal_px = 2000};
+  const ObjectPose before = object_pose;
+  AddTrackingDrift(object_pose, 0, {});
+  EXPECT_EQ(object_pose.sigma_rad, before.sigma_rad);
+  EXPECT_EQ(object_pose.sigma_range_m, before.sigma_range_m);
+  AddTrackingDrift(object_pose, 4, {.drift_px = 0.2, .drift_range_fraction = 0.001});
+  EXPECT_NEAR(object_pose.sigma_rad, 5e-4, 1e-12) << "3 and 4";
+  EXPECT_NEAR(object_pose.sigma_range_m, 0.5, 1e-12);
+  EXPECT_EQ(object_pose.direction, before.direction);
+  ObjectPose without{.sigma_rad = 3e-4, .focal_px = 2000};
+  AddTrackingDrift(without, 4, {});
   EXPECT_FALSE(without.range_m);
 }
 
-TEST(Stance, AModelWithoutPointsHasNone) {
+TEST(ObjectPose, AModelWithoutPointsHasNone) {
   Staged staged = Stage(LookingDown(-55, 38), kPlaceEnu, 75, {});
   staged.model.points_in_model = {};
   EXPECT_FALSE(StanceOfStaged(staged, LookingDown(-55, 38)));
   EXPECT_FALSE(StanceOfStaged(staged, CameraState{}));
 }
 
-TEST(Stance, OfABoxIsTheDirectionToItsMiddle) {
+TEST(ObjectPose, OfABoxIsTheDirectionToItsMiddle) {
   const CameraState camera{.hfov_rad = kPi / 2};  // tan(hfov / 2) = 1
-  const auto stance = StanceOfBox({300, 150, 100, 60}, {400, 300}, camera, {.category_centre_share = 0.1});
-  ASSERT_TRUE(stance);
-  EXPECT_TRUE(stance->direction.isApprox(Eigen::Vector3d(150, 30, 200).normalized(), 1e-9)) << stance->direction;
-  EXPECT_NEAR(stance->sigma_rad, 10 / 200.0, 1e-3);
-  EXPECT_FALSE(stance->range_m);
-  EXPECT_FALSE(StanceOfBox({300, 150, 100, 60}, {400, 300}, {}, {}));
+  const auto object_pose =
+      EstimateBoxDirection({300, 150, 100, 60}, {400, 300}, camera, {.category_centre_fraction = 0.1});
+  ASSERT_TRUE(object_pose);
+  EXPECT_TRUE(object_pose->direction.isApprox(Eigen::Vector3d(150, 30, 200).normalized(), 1e-9))
+      << object_pose->direction;
+  EXPECT_NEAR(object_pose->sigma_rad, 10 / 200.0, 1e-3);
+  EXPECT_FALSE(object_pose->range_m);
+  EXPECT_FALSE(EstimateBoxDirection({300, 150, 100, 60}, {400, 300}, {}, {}));
 }
 
 }  // namespace

@@ -9,10 +9,10 @@ namespace victorious {
 
 struct ObjectType {
   std::string_view name;
-  bool stands_still = false;  ///< objects of this type never move
-  double length_m = 0;        ///< longest side, m; 0: unknown, no size prior
-  double length_share = 0;    ///< relative standard deviation of the length
-  bool flies = false;         ///< objects of this type need not be on the ground
+  bool is_static = false;      ///< objects of this type never move
+  double length_m = 0;         ///< longest side, m; 0: unknown, no size prior
+  double length_fraction = 0;  ///< relative standard deviation of the length
+  bool can_fly = false;        ///< objects of this type need not be on the ground
 };
 
 /// Finds the type by the last known part of a path ("car" of "vehicle/car"), ignoring case. Null if no part is known:

@@ -15,10 +15,10 @@ TEST(ObjectType, IsTheLastPartThatIsKnown) {
 }
 
 TEST(ObjectType, SaysWhatFollowsFromIt) {
-  EXPECT_TRUE(FindObjectType("building")->stands_still);
+  EXPECT_TRUE(FindObjectType("building")->is_static);
   EXPECT_EQ(FindObjectType("building")->length_m, 0);
   for (const ObjectType& type : ObjectTypes()) {
-    EXPECT_EQ(type.length_m > 0, type.length_share > 0) << type.name;
+    EXPECT_EQ(type.length_m > 0, type.length_fraction > 0) << type.name;
     EXPECT_EQ(FindObjectType(type.name), &type);
   }
 }

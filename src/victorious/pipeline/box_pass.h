@@ -15,11 +15,11 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "victorious/associate/box_place.h"
 #include "victorious/base/error.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/box.h"
 #include "victorious/model/photo_model.h"
-#include "victorious/associate/box_place.h"
 #include "victorious/pipeline/box_sighting.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/telemetry/camera_track.h"
@@ -32,7 +32,7 @@
 namespace victorious {
 
 /// A user box at the start of a pass.
-struct DrawnTarget {
+struct UserBoxTarget {
   std::size_t drawn = 0;                                   ///< index into the user boxes
   Box box;                                                 ///< px, clipped to the frame
   std::int64_t frame = 0;                                  ///< index of the frame in which the user drew it
@@ -40,108 +40,111 @@ struct DrawnTarget {
 };
 
 /// One image observation of the ground point on which a user box was drawn.
-struct DrawnSpot {
+struct UserBoxGroundPoint {
   std::size_t drawn = 0;
-  SpotSighting seen;
+  GroundPointObservation seen;
 };
 
 /// A static object with a known place, and the box and the camera state when it was drawn.
-struct StandingBox {
-  Place place;
+struct StaticBox {
+  Geolocation place;
   Box box;
   CameraState camera;
 };
 
 /// Predicts user boxes' objects in another video from their places. Keeps references to its arguments, which must
 /// outlive it.
-class BoxGuide {
+class BoxPlacePrior {
  public:
   /// @param standing  one entry per user box; std::nullopt if the object moves or has no place
   /// @param cameras   camera track of the video; std::nullopt without telemetry
-  BoxGuide(const std::vector<std::optional<StandingBox>>& standing, const std::optional<CameraTrack>& cameras,
-           const BoxPlaceOptions& options)
-      : standing_(standing), cameras_(cameras), options_(options) {}
+  BoxPlacePrior(const std::vector<std::optional<StaticBox>>& standing, const std::optional<CameraTrajectory>& cameras,
+                const BoxPlaceOptions& options)
+      : static_boxes_(standing), cameras_(cameras), options_(options) {}
 
   /// True if the line of sight through `box` misses the object's known place by more than BoxPlaceOptions::gate_sigma:
   /// the box holds another object. False without a place or a camera state.
-  [[nodiscard]] bool Contradicts(std::size_t drawn, const Box& box, const Frame& frame) const;
+  [[nodiscard]] bool IsInconsistent(std::size_t drawn, const Box& box, const Frame& frame) const;
 
   /// The predicted box, which may lie outside the frame. std::nullopt without a place or a camera state.
-  [[nodiscard]] std::optional<SeenBox> Expect(std::size_t drawn, const Frame& frame) const;
+  [[nodiscard]] std::optional<PredictedBox> Predict(std::size_t drawn, const Frame& frame) const;
 
  private:
   [[nodiscard]] std::optional<CameraState> CameraAt(const Frame& frame) const;
 
-  const std::vector<std::optional<StandingBox>>& standing_;
-  const std::optional<CameraTrack>& cameras_;
+  const std::vector<std::optional<StaticBox>>& static_boxes_;
+  const std::optional<CameraTrajectory>& cameras_;
   const BoxPlaceOptions& options_;
 };
 
 /// Makes an object model of an image region, and a recogniser that searches for it by keypoints.
 /// Errors: those of MakePhotoModel: too few keypoints.
-Expected<std::shared_ptr<const Recognizer>> LearnBox(const Frame& frame, const Box& box, const std::string& name,
-                                                     const PhotoModelOptions& model, const RecognizeOptions& recognize);
+Expected<std::shared_ptr<const Recognizer>> MakeBoxRecognizer(const Frame& frame, const Box& box,
+                                                              const std::string& name, const PhotoModelOptions& model,
+                                                              const RecognizeOptions& recognize);
 
 class BoxPass {
  public:
   /// @param extractor        outlives the pass
   /// @param recognize_every  frames between two searches for lost targets
-  /// @param impulse_share    impulse noise fraction of the frames (WithoutImpulses) if ground points are to be tracked;
+  /// @param impulse_fraction    impulse noise fraction of the frames (RemoveImpulses) if ground points are to be
+  /// tracked;
   ///                         std::nullopt to track none
   BoxPass(BoxTracker tracker, const FeatureExtractor& extractor, int recognize_every,
-          std::optional<double> impulse_share)
+          std::optional<double> impulse_fraction)
       : tracker_(std::move(tracker)),
         extractor_(&extractor),
         recognize_every_(recognize_every),
-        impulse_share_(impulse_share) {}
+        impulse_fraction_(impulse_fraction) {}
 
   /// Adds a target in the last processed frame. Returns its box, clipped to the frame.
   /// Errors: those of BoxTracker::Start: a box outside the frame, or too small.
-  Expected<Box> Start(const DrawnTarget& target);
+  Expected<Box> Start(const UserBoxTarget& target);
 
   /// Sets the recogniser of the most recently added target.
-  void Equip(std::shared_ptr<const Recognizer> recognizer);
+  void SetRecognizer(std::shared_ptr<const Recognizer> recognizer);
 
   /// The next frame belongs to another video: marks all targets lost and stops tracking ground points.
   void ChangeVideo();
 
   /// Processes the next frame. Appends one sighting per visible target, and the sightings of earlier frames that were
   /// provisional and are now confirmed.
-  /// @param guide  place priors, or null
+  /// @param place_prior  place priors, or null
   /// Errors: those of FeatureExtractor::Extract.
-  Status See(const Frame& frame, std::size_t video, const BoxGuide* guide, std::vector<BoxSighting>& sightings);
+  Status ProcessFrame(const Frame& frame, std::size_t video, const BoxPlacePrior* place_prior,
+                      std::vector<BoxSighting>& sightings);
 
   /// Returns and clears the ground point observations since the last call.
-  [[nodiscard]] std::vector<DrawnSpot> TakeSpots() { return std::exchange(spots_, {}); }
+  [[nodiscard]] std::vector<UserBoxGroundPoint> TakeGroundPoints() { return std::exchange(ground_points_, {}); }
 
  private:
-  struct Followed {
-    DrawnTarget target;
-    std::vector<BoxSighting> doubtful = {};           // provisional since re-detection; appended once confirmed
-    std::optional<GroundSpot> ground = std::nullopt;  // ground point on which the box was drawn
-    std::optional<Box> last_box = std::nullopt;       // in the previous frame
+  struct TrackedTarget {
+    UserBoxTarget target;
+    std::vector<BoxSighting> tentative = {};                  // provisional since re-detection; appended once confirmed
+    std::optional<GroundPointTracker> ground = std::nullopt;  // ground point on which the box was drawn
+    std::optional<Box> last_box = std::nullopt;               // in the previous frame
   };
 
   // Updates a target from a tracker step.
   // @param recognised  the detection, with score and matches, if the recogniser re-detected the target; else null
   // @return true if the target is visible and consistent with its place
-  bool Take(const BoxStep& step, const Frame& frame, std::size_t video, const BoxGuide* guide,
-            const Detection* recognised, std::vector<BoxSighting>& sightings);
-  [[nodiscard]] cv::Mat Clean(const cv::Mat& image) const;
-  void SeeGround(const Frame& frame);
-  bool LookWhereItStands(std::size_t target, const Frame& frame, std::size_t video, const BoxGuide& guide,
-                         std::vector<BoxSighting>& sightings);
-  void Recognise(std::size_t target, const FeatureSet& scene, const Frame& frame, std::size_t video,
-                 const BoxGuide* guide, std::vector<BoxSighting>& sightings);
+  bool HandleStep(const BoxTrackStep& step, const Frame& frame, std::size_t video, const BoxPlacePrior* place_prior,
+                  const Detection* recognised, std::vector<BoxSighting>& sightings);
+  [[nodiscard]] cv::Mat CleanGrey(const cv::Mat& image) const;
+  void TrackGroundPoints(const Frame& frame);
+  bool ResumeAtPlace(std::size_t target, const Frame& frame, std::size_t video, const BoxPlacePrior& place_prior,
+                     std::vector<BoxSighting>& sightings);
+  void ResumeByRecognition(std::size_t target, const FeatureSet& scene, const Frame& frame, std::size_t video,
+                           const BoxPlacePrior* place_prior, std::vector<BoxSighting>& sightings);
 
   BoxTracker tracker_;
   const FeatureExtractor* extractor_;
   int recognize_every_;
-  std::vector<Followed> followed_;  // in the order of the tracker's targets
+  std::vector<TrackedTarget> targets_;  // in the order of the tracker's targets
   std::int64_t seen_frames_ = 0;
-  std::optional<double> impulse_share_;
+  std::optional<double> impulse_fraction_;
   cv::Mat last_image_;  // kept only if ground points are tracked
-  std::vector<DrawnSpot> spots_;
+  std::vector<UserBoxGroundPoint> ground_points_;
 };
 
 }  // namespace victorious

@@ -10,7 +10,7 @@ namespace victorious {
 std::string BoxName(std::size_t drawn) { return fmt::format("box-{}", drawn + 1); }
 
 std::string ToJsonLines(std::span<const BoxSighting> sightings, std::span<const std::string> videos,
-                        std::span<const DrawnBox> boxes) {
+                        std::span<const UserBox> boxes) {
   std::string text;
   for (const BoxSighting& sighting : sightings) {
     const std::string& type = boxes[sighting.drawn].type;
@@ -26,7 +26,7 @@ std::string ToJsonLines(std::span<const BoxSighting> sightings, std::span<const 
               {"source", sighting.matches ? "recognised" : "tracked"},
               {"matches", sighting.matches ? Json(*sighting.matches) : Json()},
               {"view", nullptr}};
-    const std::optional<Place>& place = sighting.place;
+    const std::optional<Geolocation>& place = sighting.place;
     line["latitude_deg"] = place ? GeodeticJson(place->point.latitude_rad) : Json();
     line["longitude_deg"] = place ? GeodeticJson(place->point.longitude_rad) : Json();
     line["altitude_m"] = place ? MetresJson(place->point.altitude_m) : Json();

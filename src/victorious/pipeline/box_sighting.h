@@ -8,13 +8,13 @@
 #include <string>
 
 #include "victorious/geometry/box.h"
-#include "victorious/types/geolocation.h"
 #include "victorious/types/bearing_observation.h"
+#include "victorious/types/geolocation.h"
 
 namespace victorious {
 
 /// A box that a user drew around an object, in the first frame at or after a time.
-struct DrawnBox {
+struct UserBox {
   Box box;                ///< px
   double at_s = 0;        ///< s since the video's first frame
   std::string type = {};  ///< object type (object_type.h), or empty
@@ -26,12 +26,12 @@ struct BoxSighting {
   std::size_t video = 0;  ///< index of the video: 0 holds the user boxes; from 1: the other videos
   std::int64_t frame = 0;
   double time_s = 0;
-  Box box;                             ///< px, clipped to the frame
-  Box extent;                          ///< px, not clipped
-  double score = 0;                    ///< 0 to 1: the tracker's confidence, or the recogniser's score
-  std::optional<std::size_t> matches;  ///< number of inliers, if the recogniser found it
-  std::optional<Sight> sight;          ///< bearing observation, if there is telemetry
-  std::optional<Place> place;          ///< of the object at `time_s`, if the lines of sight determine it
+  Box box;                                        ///< px, clipped to the frame
+  Box extent;                                     ///< px, not clipped
+  double score = 0;                               ///< 0 to 1: the tracker's confidence, or the recogniser's score
+  std::optional<std::size_t> matches;             ///< number of inliers, if the recogniser found it
+  std::optional<BearingObservation> observation;  ///< bearing observation, if there is telemetry
+  std::optional<Geolocation> place;               ///< of the object at `time_s`, if the lines of sight determine it
 };
 
 /// Name of a user box's object: "box-1" for index 0, "box-2" for index 1, …
@@ -39,6 +39,6 @@ struct BoxSighting {
 
 /// JSON Lines (docs/formats/export.md), with BoxName as `model`.
 std::string ToJsonLines(std::span<const BoxSighting> sightings, std::span<const std::string> videos,
-                        std::span<const DrawnBox> boxes);
+                        std::span<const UserBox> boxes);
 
 }  // namespace victorious

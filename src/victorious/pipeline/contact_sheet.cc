@@ -16,8 +16,7 @@
 namespace victorious {
 
 void ContactSheetOptions::ListFields(FieldList& fields) {
-  fields.Add("most_tiles", most_tiles,
-             {.min = 1, .max = 1000, .reason = "maximum number of objects shown, best first"});
+  fields.Add("max_tiles", max_tiles, {.min = 1, .max = 1000, .reason = "maximum number of objects shown, best first"});
   fields.Add("columns", columns, {.min = 1, .max = 50, .reason = "tiles in a row"});
   fields.Add("tile_width_px", tile_width_px, {.min = 64, .max = 2000, .unit = "px", .reason = "width of a tile"});
 }
@@ -47,7 +46,7 @@ cv::Mat DrawTile(const Tile& tile, const cv::Mat& frame, const cv::Size& size) {
       std::min(static_cast<double>(size.width) / frame.cols, static_cast<double>(size.height) / frame.rows);
   cv::Mat small;
   cv::resize(frame, small, {}, factor, factor, cv::INTER_AREA);
-  const Polygon outline = tile.best.outline.empty() ? CornersOf(tile.best.box) : tile.best.outline;
+  const Polygon outline = tile.best.outline.empty() ? BoxCorners(tile.best.box) : tile.best.outline;
   const bool rejected = !tile.object.rejected.empty();
   const cv::Scalar colour = rejected ? cv::Scalar(0, 0, 255) : cv::Scalar(0, 255, 255);
   cv::polylines(small, Corners(outline, factor), true, colour, 2, cv::LINE_AA);
@@ -108,7 +107,7 @@ Expected<cv::Mat> DrawContactSheet(const SightingFilter& filter, const ContactSh
   std::vector<Tile> tiles;
   std::map<std::int64_t, std::size_t> tile_of;  // object id -> tile index
   for (const ObjectRecord& object : objects) {
-    if (tiles.size() == static_cast<std::size_t>(options.most_tiles)) break;
+    if (tiles.size() == static_cast<std::size_t>(options.max_tiles)) break;
     const ModelRecord* model = catalogue.Model(object.model);
     if (model == nullptr) continue;
     tile_of[object.id] = tiles.size();

@@ -10,7 +10,7 @@
 namespace victorious {
 
 struct ContactSheetOptions {
-  int most_tiles = 24;
+  int max_tiles = 24;
   int columns = 4;
   int tile_width_px = 320;
 

@@ -12,7 +12,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr ContactSheetOptions kSmallTiles = {.most_tiles = 24, .columns = 2, .tile_width_px = 160};
+constexpr ContactSheetOptions kSmallTiles = {.max_tiles = 24, .columns = 2, .tile_width_px = 160};
 
 class ContactSheet : public ::testing::Test {
  protected:
@@ -74,10 +74,10 @@ TEST_F(ContactSheet, ShowsEachObjectOnceWithItsOutline) {
 }
 
 TEST_F(ContactSheet, ShowsNoMoreThanAskedForAndNoOthers) {
-  EXPECT_EQ(Tiles(Draw({}, {.most_tiles = 1, .columns = 2, .tile_width_px = 160}), 1, 1), 1);
-  const SightingFilter trucks{.model_name = flight_.flight().ThingName(1)};
+  EXPECT_EQ(Tiles(Draw({}, {.max_tiles = 1, .columns = 2, .tile_width_px = 160}), 1, 1), 1);
+  const SightingFilter trucks{.model_name = flight_.flight().ObjectName(1)};
   const auto count = static_cast<int>(ObjectsOf(*store_, trucks).size());
-  EXPECT_EQ(Tiles(Draw(trucks, {.most_tiles = 9, .columns = 1, .tile_width_px = 160}), 1, count), count);
+  EXPECT_EQ(Tiles(Draw(trucks, {.max_tiles = 9, .columns = 1, .tile_width_px = 160}), 1, count), count);
 }
 
 // An object passes the time filter if its interval overlaps it, even without a sighting in it: then there is no tile.
@@ -97,8 +97,8 @@ TEST_F(ContactSheet, SaysWhyItCannotBeDrawn) {
   EXPECT_THAT(ErrorOf({.from_s = 1000}, kSmallTiles),
               AllOf(HasSubstr("no object in the index passes the filter"), Not(HasSubstr("\n"))));
   EXPECT_THAT(ErrorOf({.model_name = "nobody"}, kSmallTiles), HasSubstr("nobody"));
-  EXPECT_THAT(ErrorOf({}, {.most_tiles = 0, .columns = 0, .tile_width_px = 1}),
-              AllOf(HasSubstr("most_tiles = 0"), HasSubstr("columns = 0"), HasSubstr("tile_width_px = 1")));
+  EXPECT_THAT(ErrorOf({}, {.max_tiles = 0, .columns = 0, .tile_width_px = 1}),
+              AllOf(HasSubstr("max_tiles = 0"), HasSubstr("columns = 0"), HasSubstr("tile_width_px = 1")));
   std::filesystem::rename(flight_.video(), flight_ / "moved.mkv");
   EXPECT_THAT(ErrorOf({}, kSmallTiles), AllOf(HasSubstr(flight_.video()), Not(HasSubstr("\n"))));
 }

@@ -3,8 +3,8 @@
 // predict are searched, for the view that matched last and its neighbours. A re-detection becomes the track's new
 // template; without one the track gives a `tracked` sighting as long as its appearance check passes.
 //
-// All tracks restart every `restart_frames` frames, from the full-frame search of that frame. An index that is resumed
-// restarts at such a frame, so that its result equals that of an uninterrupted run.
+// All tracks restart every `restart_interval_frames` frames, from the full-frame search of that frame. An index that is
+// resumed restarts at such a frame, so that its result equals that of an uninterrupted run.
 #pragma once
 
 #include <cstdint>
@@ -27,17 +27,17 @@ namespace victorious {
 
 struct FollowOptions {
   bool enabled = true;
-  double least_overlap = 0.3;
-  int restart_frames = 60;
-  int least_recognised = 2;
-  int search_every = 1;
+  double min_overlap = 0.3;
+  int restart_interval_frames = 60;
+  int min_recognised_frames = 2;
+  int search_interval_frames = 1;
   TrackOptions track;
 
   void ListFields(FieldList& fields);
 };
 
 /// An object in one frame, detected or tracked.
-struct Seen {
+struct ObservedObject {
   Detection detection;  ///< if tracked: the last detection, moved to this frame, with the tracked points as its inliers
   FeatureSet features;  ///< features that the detection's matches index; if tracked: points without descriptors
   std::optional<std::int64_t> track;  ///< track id, unique within the video; std::nullopt if no track could be started
@@ -47,7 +47,7 @@ struct Seen {
 };
 
 /// Result of a full-frame search.
-struct WholeFrame {
+struct FullFrameResult {
   const FeatureSet& features;
   const std::vector<Detection>& detections;  ///< best first
 };
@@ -57,20 +57,21 @@ class Follower {
  public:
   /// The references outlive it. Errors: options out of range.
   static Expected<Follower> Create(const Recognizer& recognizer, const FeatureExtractor& extractor,
-                                   double impulse_share, const FollowOptions& options);
+                                   double impulse_fraction, const FollowOptions& options);
 
   /// Processes the next frame.
   /// @param whole  result of the full-frame search; std::nullopt if only regions are searched
   /// @return the objects in the frame: first those of the full-frame search, then by track
   /// Errors: those of feature extraction.
-  Expected<std::vector<Seen>> Follow(const Frame& frame, const std::optional<WholeFrame>& whole,
-                                     const FrameConditions& conditions);
+  Expected<std::vector<ObservedObject>> Follow(const Frame& frame, const std::optional<FullFrameResult>& whole,
+                                               const FrameConditions& conditions);
 
  private:
   // State of an active track, apart from its position.
-  struct Followed {
-    Detection last;     // last recognition
-    double surest = 0;  // highest score of its full-frame detections; the upper bound of a score found in its region
+  struct TrackRecord {
+    Detection last;  // last recognition
+    double max_full_frame_score =
+        0;  // highest score of its full-frame detections; the upper bound of a score found in its region
     std::int64_t number = 0;  // track id; does not depend on where the index was interrupted
     int recognised = 0;
     std::int64_t searched_frame = 0;  // last frame in which its region was searched or it was recognised
@@ -81,29 +82,29 @@ class Follower {
     std::optional<Detection> found;
   };
 
-  Follower(const Recognizer& recognizer, const FeatureExtractor& extractor, double impulse_share,
+  Follower(const Recognizer& recognizer, const FeatureExtractor& extractor, double impulse_fraction,
            const FollowOptions& options, RegionTracker tracker)
       : recognizer_(recognizer),
         extractor_(extractor),
-        impulse_share_(impulse_share),
+        impulse_fraction_(impulse_fraction),
         options_(options),
         tracker_(std::move(tracker)) {}
 
   std::vector<TrackStep> Step(const Frame& frame);
   /// Assigns a detection of a full-frame search to an open track, or starts one. Returns the track id.
-  std::optional<std::int64_t> Take(const Detection& detection, const FeatureSet& features, std::int64_t frame,
-                                   std::vector<TrackStep>& open);
+  std::optional<std::int64_t> AssignToTrack(const Detection& detection, const FeatureSet& features, std::int64_t frame,
+                                            std::vector<TrackStep>& open);
   void Confirm(std::uint64_t track, const Detection& detection, const FeatureSet& features, std::int64_t frame);
   void Search(const Frame& frame, const FrameConditions& conditions, Region& region) const;
-  [[nodiscard]] Seen Tracked(const TrackStep& step, const Frame& frame) const;
-  [[nodiscard]] bool IsDue(const TrackStep& step, const Frame& frame) const;
+  [[nodiscard]] ObservedObject MakeTrackedObject(const TrackStep& step, const Frame& frame) const;
+  [[nodiscard]] bool IsSearchDue(const TrackStep& step, const Frame& frame) const;
 
   const Recognizer& recognizer_;
   const FeatureExtractor& extractor_;
-  double impulse_share_;
+  double impulse_fraction_;
   FollowOptions options_;
   RegionTracker tracker_;
-  std::map<std::uint64_t, Followed> tracks_;
+  std::map<std::uint64_t, TrackRecord> tracks_;
   std::int64_t last_number_ = 0;
 };
 

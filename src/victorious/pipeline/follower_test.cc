@@ -17,9 +17,9 @@ class FollowerTest : public ::testing::Test {
   static constexpr int kFrames = 24;
 
   struct Frames {
-    std::vector<std::vector<Seen>> seen;  // by frame
-    int truths = 0;                       // number of clearly visible objects, over all frames
-    int found = 0;                        // of these
+    std::vector<std::vector<ObservedObject>> seen;  // by frame
+    int truths = 0;                                 // number of clearly visible objects, over all frames
+    int found = 0;                                  // of these
   };
 
   Frames FollowAll(int every, const FollowOptions& options) {
@@ -31,13 +31,13 @@ class FollowerTest : public ::testing::Test {
       const Frame frame{.index = i, .time_s = 0.1 * i, .image = grey};
       const FeatureSet features = extractor_->Extract(grey).value();
       const std::vector<Detection> detections = recognizer_.Recognize(features);
-      std::optional<WholeFrame> whole;
+      std::optional<FullFrameResult> whole;
       if (i % every == 0) whole.emplace(features, detections);
       result.seen.push_back(follower.Follow(frame, whole, {}).value());
       for (const testing::TruthRow& row : flight_.flight().Truth(i)) {
         if (row.visible < 0.8) continue;
         ++result.truths;
-        result.found += std::ranges::any_of(result.seen.back(), [&](const Seen& seen) {
+        result.found += std::ranges::any_of(result.seen.back(), [&](const ObservedObject& seen) {
           return IntersectionOverUnion(seen.detection.box, row.box) > 0.5;
         });
       }
@@ -46,7 +46,7 @@ class FollowerTest : public ::testing::Test {
   }
 
   DrawnFlight flight_{ShortFlight(kFrames)};
-  std::unique_ptr<const FeatureExtractor> extractor_ = MakeFeatureExtractor(FaintFeatures()).value();
+  std::unique_ptr<const FeatureExtractor> extractor_ = MakeFeatureExtractor(LowContrastFeatureOptions()).value();
   Recognizer recognizer_ = Recognizer::Create(flight_.Models(), "opencv", {}).value();
 };
 
@@ -56,7 +56,7 @@ TEST_F(FollowerTest, BetweenWholeFramesObjectsAreSeenInTheirRegions) {
   EXPECT_GE(frames.found, 0.8 * frames.truths);
   int recognised_between = 0;
   for (int i = 0; i < kFrames; ++i) {
-    for (const Seen& seen : frames.seen[i]) recognised_between += i % 6 != 0 && !seen.tracked() ? 1 : 0;
+    for (const ObservedObject& seen : frames.seen[i]) recognised_between += i % 6 != 0 && !seen.tracked() ? 1 : 0;
   }
   EXPECT_GT(recognised_between, 5) << "the recogniser confirms what is followed";
 }
@@ -72,10 +72,11 @@ TEST_F(FollowerTest, InItsRegionAThingIsNoSurerThanInAWholeFrame) {
     const FeatureSet features = extractor_->Extract(grey).value();
     std::vector<Detection> detections = recognizer_.Recognize(features);
     for (Detection& detection : detections) detection.score = kScore;
-    std::optional<WholeFrame> whole;
+    std::optional<FullFrameResult> whole;
     if (i % 6 == 0) whole.emplace(features, detections);
-    const std::vector<Seen> seen = follower.Follow({.index = i, .time_s = 0.1 * i, .image = grey}, whole, {}).value();
-    for (const Seen& one : seen) {
+    const std::vector<ObservedObject> seen =
+        follower.Follow({.index = i, .time_s = 0.1 * i, .image = grey}, whole, {}).value();
+    for (const ObservedObject& one : seen) {
       EXPECT_LE(one.detection.score, kScore);
       between += i % 6 != 0 && !one.tracked() ? 1 : 0;
     }
@@ -84,10 +85,10 @@ TEST_F(FollowerTest, InItsRegionAThingIsNoSurerThanInAWholeFrame) {
 }
 
 TEST_F(FollowerTest, AnObjectIsSeenOnceInAFrame) {
-  for (const std::vector<Seen>& seen : FollowAll(3, {}).seen) {
+  for (const std::vector<ObservedObject>& seen : FollowAll(3, {}).seen) {
     for (std::size_t i = 0; i < seen.size(); ++i) {
       for (std::size_t k = 0; k < i; ++k) {
-        if (seen[i].detection.model != seen[k].detection.model) continue;
+        if (seen[i].detection.model_index != seen[k].detection.model_index) continue;
         EXPECT_LT(IntersectionOverUnion(seen[i].detection.box, seen[k].detection.box), 0.3);
       }
     }
@@ -96,30 +97,30 @@ TEST_F(FollowerTest, AnObjectIsSeenOnceInAFrame) {
 
 TEST_F(FollowerTest, ATrackThatWasRecognisedTooSeldomDoesNotCountAlone) {
   FollowOptions strict;
-  strict.least_recognised = 1000;
-  for (const std::vector<Seen>& seen : FollowAll(4, strict).seen) {
-    for (const Seen& one : seen) EXPECT_FALSE(one.tracked());
+  strict.min_recognised_frames = 1000;
+  for (const std::vector<ObservedObject>& seen : FollowAll(4, strict).seen) {
+    for (const ObservedObject& one : seen) EXPECT_FALSE(one.tracked());
   }
 }
 
 TEST_F(FollowerTest, WhereItIsOnlyTrackedItRestsOnThePointsFollowed) {
   FollowOptions seldom;
-  seldom.search_every = 4;
+  seldom.search_interval_frames = 4;
   int tracked = 0;
-  for (const std::vector<Seen>& seen : FollowAll(12, seldom).seen) {
-    for (const Seen& one : seen) {
+  for (const std::vector<ObservedObject>& seen : FollowAll(12, seldom).seen) {
+    for (const ObservedObject& one : seen) {
       if (!one.tracked()) continue;
       ++tracked;
-      const MatchSet& inliers = one.detection.pose.inliers;
+      const MatchSet& inliers = one.detection.fit.inliers;
       ASSERT_EQ(inliers.size(), one.features.size());
       ASSERT_GT(inliers.size(), 3);
-      const FeatureView view = recognizer_.models()[one.detection.model].ViewFeatures(one.detection.view);
+      const FeatureView view = recognizer_.models()[one.detection.model_index].ViewFeatures(one.detection.view);
       std::vector<double> off_px;
       for (const Match& match : inliers) {
-        const Keypoint& from = view.keypoints[match.model];
-        const Keypoint& at = one.features.keypoints[match.scene];
+        const Keypoint& from = view.keypoints[match.template_keypoint];
+        const Keypoint& at = one.features.keypoints[match.scene_keypoint];
         off_px.push_back(
-            (one.detection.pose.scene_from_template.Apply({from.x, from.y}) - Eigen::Vector2d(at.x, at.y)).norm());
+            (one.detection.fit.scene_from_template.Apply({from.x, from.y}) - Eigen::Vector2d(at.x, at.y)).norm());
       }
       std::ranges::sort(off_px);
       EXPECT_LT(off_px[off_px.size() / 2], 3) << "the pose moves with its points";
@@ -130,13 +131,13 @@ TEST_F(FollowerTest, WhereItIsOnlyTrackedItRestsOnThePointsFollowed) {
 
 TEST_F(FollowerTest, WhatIsFollowedKeepsItsTrack) {
   FollowOptions options;
-  options.restart_frames = 12;
+  options.restart_interval_frames = 12;
   std::map<std::int64_t, std::pair<int, Box>> last;  // by track: frame and box
   int continued = 0;
   const Frames frames = FollowAll(6, options);
   for (int i = 0; i < kFrames; ++i) {
     std::set<std::int64_t> here;
-    for (const Seen& seen : frames.seen[i]) {
+    for (const ObservedObject& seen : frames.seen[i]) {
       if (!seen.track) continue;
       EXPECT_TRUE(here.insert(*seen.track).second) << "one sighting of a track in a frame";
       const auto before = last.find(*seen.track);
@@ -156,7 +157,7 @@ TEST_F(FollowerTest, WhatIsFollowedKeepsItsTrack) {
 // After a restart frame, earlier frames have no influence.
 TEST_F(FollowerTest, ARestartForgetsWhatWasBefore) {
   FollowOptions options;
-  options.restart_frames = 12;
+  options.restart_interval_frames = 12;
   const Frames all = FollowAll(6, options);
   Follower late = Follower::Create(recognizer_, *extractor_, 0.01, options).value();
   for (int i = 12; i < kFrames; ++i) {
@@ -164,7 +165,7 @@ TEST_F(FollowerTest, ARestartForgetsWhatWasBefore) {
     cv::cvtColor(flight_.flight().Render(i).image, grey, cv::COLOR_BGR2GRAY);
     const FeatureSet features = extractor_->Extract(grey).value();
     const std::vector<Detection> detections = recognizer_.Recognize(features);
-    std::optional<WholeFrame> whole;
+    std::optional<FullFrameResult> whole;
     if (i % 6 == 0) whole.emplace(features, detections);
     const auto seen = late.Follow({.index = i, .time_s = 0.1 * i, .image = grey}, whole, {}).value();
     ASSERT_EQ(seen.size(), all.seen[i].size()) << "frame " << i;

@@ -85,7 +85,7 @@ TEST_F(IndexCategoriesTest, EveryNthFrameAlone) {
   const auto store = Store("index.db");
   IndexOptions options;
   options.every = 4;
-  options.follow.restart_frames = 8;
+  options.follow.restart_interval_frames = 8;
   ASSERT_TRUE(TryIndex(*store, options));
   const std::vector<SightingRecord> sightings = SightingsOf(*store);
   EXPECT_FALSE(sightings.empty());
@@ -124,10 +124,10 @@ TEST_F(IndexCategoriesTest, OtherParametersNeedRedo) {
   const auto store = Store("index.db");
   ASSERT_TRUE(TryIndex(*store));
   IndexOptions options;
-  options.categories.least_probability = 0.6;
+  options.categories.min_probability = 0.6;
   const auto other = TryIndex(*store, options);
   ASSERT_FALSE(other);
-  EXPECT_THAT(other.error().message, HasSubstr("categories.least_probability was 0.5, is 0.6"));
+  EXPECT_THAT(other.error().message, HasSubstr("categories.min_probability was 0.5, is 0.6"));
 }
 
 TEST_F(IndexCategoriesTest, AnotherModelReplacesTheFinds) {

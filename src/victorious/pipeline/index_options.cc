@@ -32,7 +32,7 @@ void IndexOptions::ListSearchFields(FieldList& fields) {
   fields.AddGroup("categories", categories);
   fields.AddGroup("daylight", daylight);
   fields.AddGroup("telemetry", telemetry);
-  fields.AddGroup("sight", sight);
+  fields.AddGroup("sight", observation);
   fields.AddGroup("follow", follow);
   fields.AddGroup("runs", runs);
   fields.AddGroup("keep", keep);

@@ -2,13 +2,13 @@
 // by `victorious params`.
 #pragma once
 
-#include "victorious/base/options.h"
-#include "victorious/features/feature_extractor.h"
-#include "victorious/calibrate/sun_survey.h"
-#include "victorious/pipeline/follower.h"
 #include "victorious/associate/object_options.h"
 #include "victorious/associate/tracklet_linker.h"
+#include "victorious/base/options.h"
+#include "victorious/calibrate/sun_survey.h"
+#include "victorious/features/feature_extractor.h"
 #include "victorious/observe/object_pose.h"
+#include "victorious/pipeline/follower.h"
 #include "victorious/recognize/category_finder.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/telemetry/telemetry.h"
@@ -32,14 +32,14 @@ struct VideoOptions {
 
 struct IndexOptions {
   VideoOptions video;
-  FeatureOptions features = FaintFeatures();
+  FeatureOptions features = LowContrastFeatureOptions();
   RecognizeOptions recognize;
   CategoryFindOptions categories;
   DaylightOptions daylight;
   TelemetryOptions telemetry;
-  SightOptions sight;
+  ObservationOptions observation;
   FollowOptions follow;
-  RunOptions runs;
+  TrackletOptions runs;
   ObjectOptions objects;
   GroundOptions ground;
   KeepOptions keep;

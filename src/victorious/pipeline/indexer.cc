@@ -10,11 +10,11 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/associate/associate_objects.h"
 #include "victorious/base/check.h"
 #include "victorious/base/progress.h"
 #include "victorious/base/version.h"
 #include "victorious/model/relit_views.h"
-#include "victorious/associate/associate_objects.h"
 #include "victorious/pipeline/search_pass.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/telemetry/camera_track.h"
@@ -24,7 +24,7 @@ namespace victorious {
 namespace {
 
 // Lists the parameters that differ between two stored JSON texts, with both values.
-std::string Difference(const std::string& before, const std::string& now) {
+std::string DescribeDifference(const std::string& before, const std::string& now) {
   const auto a = nlohmann::json::parse(before, nullptr, /*allow_exceptions=*/false);
   const auto b = nlohmann::json::parse(now, nullptr, /*allow_exceptions=*/false);
   if (!a.is_object() || !b.is_object()) return "another version's parameters";
@@ -67,7 +67,7 @@ Status CheckParameters(const VideoRecord& video, const std::vector<ModelRecord>&
         ErrorCode::kInvalidArgument,
         fmt::format(
             "{}: was indexed with other parameters ({}): give --redo to search it again, or the same parameters",
-            video.name, Difference(before, wanted)));
+            video.name, DescribeDifference(before, wanted)));
   };
   if (!video.features_json.empty() && video.features_json != now.features) {
     return refuse(video.features_json, now.features);
@@ -92,25 +92,26 @@ std::string SearchOptionsText(IndexOptions options) {
 
 // Telemetry of a video.
 struct Cameras {
-  std::optional<CameraTrack> track;
+  std::optional<CameraTrajectory> track;
   std::optional<std::int64_t> start_utc_us;
 };
 
 // UTC time of the first frame, from the first state with a clock.
-std::optional<std::int64_t> StartOf(const std::vector<CameraState>& states) {
+std::optional<std::int64_t> FindStartTime(const std::vector<CameraState>& states) {
   for (const CameraState& state : states) {
     if (state.utc_us) return *state.utc_us - std::llround(state.time_s * 1e6);
   }
   return std::nullopt;
 }
 
-Expected<Cameras> CamerasOf(const IndexJob& job, const VideoInfo& info, const TelemetryOptions& options,
-                            const WarningSink& tell) {
-  VICTORIOUS_ASSIGN_OR_RETURN(std::optional<Telemetry> telemetry,
-                              TelemetryOf(job.video, info, job.telemetry, options, "nothing will get a place", tell));
+Expected<Cameras> ReadCameras(const IndexJob& job, const VideoInfo& info, const TelemetryOptions& options,
+                              const WarningSink& emit_warning) {
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      std::optional<Telemetry> telemetry,
+      LoadTelemetry(job.video, info, job.telemetry, options, "nothing will get a place", emit_warning));
   Cameras cameras;
   if (!telemetry) return cameras;
-  cameras.start_utc_us = StartOf(telemetry->states);
+  cameras.start_utc_us = FindStartTime(telemetry->states);
   cameras.track.emplace(std::move(telemetry->states), options.max_gap_s);
   return cameras;
 }
@@ -141,10 +142,10 @@ Indexer::Indexer(std::vector<ObjectModel> models, const IndexOptions& options,
       extractor_(std::move(extractor)),
       categories_(std::move(categories)) {
   for (const ObjectModel& model : models_)
-    sought_.push_back({.name = model.name, .model_id = model.id, .kind = model.kind});
+    targets_.push_back({.name = model.name, .model_id = model.id, .kind = model.kind});
   if (!categories_) return;
   for (const std::string& name : categories_->names())
-    sought_.push_back({.name = name, .model_id = categories_->content_id(), .kind = std::string(kCategoryKind)});
+    targets_.push_back({.name = name, .model_id = categories_->content_id(), .kind = std::string(kCategoryKind)});
 }
 
 Expected<Indexer> Indexer::Create(std::vector<ObjectModel> models, const IndexOptions& options,
@@ -159,7 +160,7 @@ Expected<Indexer> Indexer::Create(std::vector<ObjectModel> models, const IndexOp
   }
   Indexer indexer(std::move(models), options, std::move(extractor), std::move(finder));
   indexer.options_.objects.ground = std::move(ground);
-  VICTORIOUS_RETURN_IF_ERROR(CheckNames(indexer.sought_, indexer.sought_));
+  VICTORIOUS_RETURN_IF_ERROR(CheckNames(indexer.targets_, indexer.targets_));
   return indexer;
 }
 
@@ -180,19 +181,20 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
     return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped before it was opened; run again to resume", video));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models_before, store.Models());
-  VICTORIOUS_RETURN_IF_ERROR(CheckNames(sought_, models_before));
+  VICTORIOUS_RETURN_IF_ERROR(CheckNames(targets_, models_before));
   const VideoReaderOptions reading{.data_packets = true,  // a live source sends them once
                                    .threads = job.threads,
                                    .folder_frame_rate = options_.video.folder_frame_rate};
   VICTORIOUS_ASSIGN_OR_RETURN(std::unique_ptr<VideoReader> reader, VideoReader::Open(video, reading));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string content_id, ContentIdOf(*reader, video, cancel));
-  const auto tell = [&](const std::string& warning) {
+  const auto emit_warning = [&](const std::string& warning) {
     if (warn) warn(warning);
   };
-  VICTORIOUS_ASSIGN_OR_RETURN(const Cameras cameras, CamerasOf(job, reader->info(), options_.telemetry, tell));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Cameras cameras,
+                              ReadCameras(job, reader->info(), options_.telemetry, emit_warning));
   if (!reader->info().live) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t forgotten, store.ForgetOtherContent(video, content_id));
-    if (forgotten > 0) tell("the video has changed since it was indexed: its earlier results are replaced");
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t forgotten, store.DeleteOtherContent(video, content_id));
+    if (forgotten > 0) emit_warning("the video has changed since it was indexed: its earlier results are replaced");
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const VideoRecord record, store.PutVideo({.content_id = content_id,
                                                                         .name = video,
@@ -205,26 +207,26 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
 
   const StoredParameters parameters{SearchOptionsText(options_), OptionsToJsonText(options_.features)};
   if (!job.redo) {
-    VICTORIOUS_RETURN_IF_ERROR(CheckParameters(record, sought_, parameters, store));
+    VICTORIOUS_RETURN_IF_ERROR(CheckParameters(record, targets_, parameters, store));
   } else {
     VICTORIOUS_RETURN_IF_ERROR(
-        store.ForgetKeptFrames(record.id));  // the kept frames and their features may now be others
+        store.DeleteKeptFrames(record.id));  // the kept frames and their features may now be others
   }
 
   // Searches with frames left, grouped by their first frame: one pass per group.
   std::map<std::int64_t, std::vector<PlannedSearch>> groups;
-  for (std::size_t s = 0; s < sought_.size(); ++s) {
-    const ModelRecord& sought = sought_[s];
+  for (std::size_t s = 0; s < targets_.size(); ++s) {
+    const ModelRecord& sought = targets_[s];
     const bool changed = std::ranges::any_of(models_before, [&](const ModelRecord& before) {
       return before.name == sought.name && before.model_id != sought.model_id;
     });
     if (changed) {
-      tell(fmt::format(
+      emit_warning(fmt::format(
           "{} {} differs from the one searched for before: its earlier results, in other videos too, are dropped",
           sought.IsCategory() ? "category" : "model", sought.name));
     }
     VICTORIOUS_ASSIGN_OR_RETURN(const ModelRecord stored, store.PutModel(sought));
-    if (job.redo) VICTORIOUS_RETURN_IF_ERROR(store.ForgetSearch(record.id, stored.id));
+    if (job.redo) VICTORIOUS_RETURN_IF_ERROR(store.DeleteSearch(record.id, stored.id));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before, store.FindSearch(record.id, stored.id));
     if (before && before->finished) continue;
     const std::int64_t next_frame = before ? before->next_frame : 0;
@@ -244,9 +246,9 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
       VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(video, reading));
     }
     std::vector<ObjectModel> models;
-    std::vector<std::shared_ptr<const LitTemplates>> lit;
+    std::vector<std::shared_ptr<const RelitTemplateSource>> lit;
     std::vector<SearchRecord> searches;
-    std::vector<std::optional<std::int64_t>> category_ids(sought_.size() - models_.size());
+    std::vector<std::optional<std::int64_t>> category_ids(targets_.size() - models_.size());
     for (PlannedSearch& plan : planned) {
       if (plan.sought < models_.size()) {
         const ObjectModel& model = models.emplace_back(models_[plan.sought]);
@@ -267,7 +269,7 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
     std::optional<Sun> sun;
     if (cameras.track && !recognizer.models().empty()) {
       VICTORIOUS_ASSIGN_OR_RETURN(
-          sun, FindDaylight({*cameras.track, recognizer, *extractor_, options_.daylight}, *reader, cancel));
+          sun, EstimateSunDirection({*cameras.track, recognizer, *extractor_, options_.daylight}, *reader, cancel));
       if (!reader->info().live) {
         VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(video, reading));
       }

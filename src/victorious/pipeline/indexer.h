@@ -16,8 +16,8 @@
 #include "victorious/geometry/sun.h"
 #include "victorious/pipeline/index_options.h"
 #include "victorious/pipeline/warning_sink.h"
-#include "victorious/store/index_store.h"
 #include "victorious/recognize/relit_templates.h"
+#include "victorious/store/index_store.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {
@@ -37,7 +37,7 @@ struct IndexJob {
   int threads = 0;                       ///< 0: one per hardware thread
   /// Relit templates (MakeLitViews), one entry per model. The caller keeps them, to share them between jobs with the
   /// same models. If empty, they are made for this video and released after it.
-  std::vector<std::shared_ptr<const LitTemplates>> lit = {};
+  std::vector<std::shared_ptr<const RelitTemplateSource>> lit = {};
 };
 
 /// Searches videos, one at a time, for a set of models and categories, and stores what it finds.
@@ -70,7 +70,7 @@ class Indexer {
   IndexOptions options_;
   std::unique_ptr<const FeatureExtractor> extractor_;
   std::optional<CategoryFinder> categories_;
-  std::vector<ModelRecord> sought_;  // models, then categories, as stored
+  std::vector<ModelRecord> targets_;  // models, then categories, as stored
 };
 
 }  // namespace victorious

@@ -8,9 +8,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "victorious/base/file.h"
 #include "testing/drawn_flight.h"
 #include "testing/hooked_store.h"
+#include "victorious/base/file.h"
 #include "victorious/image/image_file.h"
 
 namespace victorious {
@@ -108,14 +108,14 @@ TEST(Indexer, ANewModelIsSearchedAlone) {
   const DrawnFlight flight(ShortFlight());
   const auto store = flight.Store("index.db");
   Index(flight.video(), {flight.Model(0)}, *store);
-  const SightingFilter first{.model_name = flight.flight().ThingName(0)};
+  const SightingFilter first{.model_name = flight.flight().ObjectName(0)};
   const std::size_t sightings = SightingsOf(*store, first).size();
   const std::vector<ObjectRecord> objects = ObjectsOf(*store, first);
 
   const IndexReport report = Index(flight.video(), flight.Models(), *store);
   EXPECT_EQ(report.frames_searched, flight.flight().options().frames);
   EXPECT_EQ(report.sightings,
-            static_cast<std::int64_t>(SightingsOf(*store, {.model_name = flight.flight().ThingName(1)}).size()));
+            static_cast<std::int64_t>(SightingsOf(*store, {.model_name = flight.flight().ObjectName(1)}).size()));
   EXPECT_GT(report.sightings, 0);
   EXPECT_THAT(SightingsOf(*store, first), SizeIs(sightings));
   EXPECT_THAT(ObjectsOf(*store, first), SizeIs(objects.size()));
@@ -137,7 +137,7 @@ TEST(Indexer, AChangedModelReplacesTheOldOnesFinds) {
   const auto fresh = flight.Store("fresh.db");
   Index(flight.video(), {flight.Model(0, 0.8), flight.Model(1)}, *fresh);
   for (int thing : {0, 1}) {
-    const SightingFilter filter{.model_name = flight.flight().ThingName(thing)};
+    const SightingFilter filter{.model_name = flight.flight().ObjectName(thing)};
     const std::vector<SightingRecord> got = SightingsOf(*store, filter);
     const std::vector<SightingRecord> expected = SightingsOf(*fresh, filter);
     ASSERT_THAT(got, SizeIs(expected.size()));
@@ -258,7 +258,7 @@ TEST(Indexer, StoppedBetweenWholeFramesItEndsAsOneRunDoes) {
   const DrawnFlight flight(ShortFlight(40));
   RunSetup run;
   run.options.every = 6;
-  run.options.follow.restart_frames = 16;
+  run.options.follow.restart_interval_frames = 16;
   const auto whole = flight.Store("whole.db");
   Index(flight.video(), flight.Models(), *whole, run);
   const std::vector<SightingRecord> sightings = SightingsOf(*whole);
@@ -315,7 +315,7 @@ TEST(Indexer, ModelsThatAreDifferentlyFarEachGoOnWhereTheyStopped) {
   const auto whole = flight.Store("whole.db");
   Index(flight.video(), flight.Models(), *whole, ManyCommits());
   for (int thing : {0, 1}) {
-    const SightingFilter filter{.model_name = flight.flight().ThingName(thing)};
+    const SightingFilter filter{.model_name = flight.flight().ObjectName(thing)};
     EXPECT_THAT(SightingsOf(*store, filter), SizeIs(SightingsOf(*whole, filter).size()));
     EXPECT_THAT(ObjectsOf(*store, filter), SizeIs(ObjectsOf(*whole, filter).size()));
   }
@@ -423,19 +423,19 @@ TEST(Indexer, WhatIsOnlyFollowedTellsALineOfSight) {
   ASSERT_TRUE(WriteFileAtomically(table, text));
   RunSetup run{.telemetry = table.string()};
   run.options.every = 4;
-  run.options.follow.search_every = 10;
+  run.options.follow.search_interval_frames = 10;
   const auto store = flight.Store("index.db");
   Index(flight.video(), flight.Models(), *store, run);
   std::map<std::int64_t, double> recognised_rad;  // by tracklet
   int followed = 0;
-  for (const SightingRecord& sighting : SightingsOf(*store, {.rejected_too = true})) {
-    ASSERT_TRUE(sighting.sight) << sighting.frame;
-    const double sigma_rad = sighting.sight->line.sigma_rad.value();
+  for (const SightingRecord& sighting : SightingsOf(*store, {.include_rejected = true})) {
+    ASSERT_TRUE(sighting.observation) << sighting.frame;
+    const double sigma_rad = sighting.observation->line.sigma_rad.value();
     if (sighting.source == "recognised") {
-      recognised_rad[sighting.run] = sigma_rad;
+      recognised_rad[sighting.tracklet] = sigma_rad;
     } else {
       ++followed;
-      EXPECT_NEAR(sigma_rad / recognised_rad.at(sighting.run), 1, 0.3);
+      EXPECT_NEAR(sigma_rad / recognised_rad.at(sighting.tracklet), 1, 0.3);
     }
   }
   EXPECT_GT(followed, 5);
@@ -498,12 +498,12 @@ TEST(Indexer, RefusesWhatItCannotSearchWith) {
   const DrawnFlight flight(ShortFlight(2));
   IndexOptions options;
   options.every = 0;
-  options.runs.least_overlap = 1.5;
+  options.runs.min_overlap = 1.5;
   const Expected<Indexer> out_of_range = Indexer::Create(flight.Models(), options);
   ASSERT_FALSE(out_of_range);
   EXPECT_EQ(out_of_range.error().code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(out_of_range.error().message,
-              AllOf(HasSubstr("every = 0"), HasSubstr("runs.least_overlap = 1.5"), Not(HasSubstr("\n"))));
+              AllOf(HasSubstr("every = 0"), HasSubstr("runs.min_overlap = 1.5"), Not(HasSubstr("\n"))));
   ObjectModel other = flight.Model(0);
   other.engine = "someone-elses";
   const Expected<Indexer> other_engine = Indexer::Create({other}, {});

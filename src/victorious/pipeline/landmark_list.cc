@@ -22,13 +22,13 @@ void LandmarkListOptions::ListFields(FieldList& fields) {
               .max = 180,
               .unit = "deg",
               .reason = "standard deviation of a landmark's heading if the list gives none"});
-  fields.Add("common_share", common_share,
+  fields.Add("common_fraction", common_fraction,
              {.min = 0,
               .max = 1,
               .unit = "",
               .reason = "standard deviation of the error common to all landmarks' places, over that of the best place: "
                         "1 for landmarks located in one flight, 0 for landmarks surveyed independently"});
-  fields.Add("most_speed_m_s", most_speed_m_s,
+  fields.Add("max_speed_m_s", max_speed_m_s,
              {.min = 0, .max = 1e3, .unit = "m/s", .reason = "objects that move faster are not landmarks"});
 }
 
@@ -39,17 +39,18 @@ using InputJson = nlohmann::json;
 constexpr std::string_view kSqlite = "SQLite format 3";
 
 // std::nullopt if the key is missing or null.
-Expected<std::optional<double>> NumberAt(const InputJson& json, const char* key, double least, double most) {
+Expected<std::optional<double>> NumberAt(const InputJson& json, const char* key, double min_value, double max_value) {
   const auto at = json.find(key);
   if (at == json.end() || at->is_null()) return std::nullopt;
-  if (!at->is_number() || !(at->get<double>() >= least && at->get<double>() <= most)) {
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("{} is not a number from {} to {}", key, least, most));
+  if (!at->is_number() || !(at->get<double>() >= min_value && at->get<double>() <= max_value)) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{} is not a number from {} to {}", key, min_value, max_value));
   }
   return at->get<double>();
 }
 
-Expected<double> NeededAt(const InputJson& json, const char* key, double least, double most) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto number, NumberAt(json, key, least, most));
+Expected<double> RequiredNumberAt(const InputJson& json, const char* key, double min_value, double max_value) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto number, NumberAt(json, key, min_value, max_value));
   if (!number) return Fail(ErrorCode::kInvalidArgument, fmt::format("{} is missing: give a number", key));
   return *number;
 }
@@ -74,8 +75,8 @@ Expected<Eigen::Matrix3d> CovarianceAt(const InputJson& json) {
   }
   const double size = covariance.cwiseAbs().maxCoeff();
   constexpr double kRounding = 1e-3;
-  constexpr double kMostM2 = 1e12;
-  if (!(size <= kMostM2) || (covariance - covariance.transpose()).cwiseAbs().maxCoeff() > kRounding * size) {
+  constexpr double kMaxM2 = 1e12;
+  if (!(size <= kMaxM2) || (covariance - covariance.transpose()).cwiseAbs().maxCoeff() > kRounding * size) {
     return refuse();
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance);
@@ -93,10 +94,10 @@ Expected<Landmark> ParseLandmark(std::string_view line, const LandmarkListOption
     return Fail(ErrorCode::kInvalidArgument, "model is missing: give a model's name");
   }
   landmark.model = model->get<std::string>();
-  constexpr double kMostHeightM = 1e5;
-  VICTORIOUS_ASSIGN_OR_RETURN(const double latitude_deg, NeededAt(json, "latitude_deg", -90, 90));
-  VICTORIOUS_ASSIGN_OR_RETURN(const double longitude_deg, NeededAt(json, "longitude_deg", -180, 360));
-  VICTORIOUS_ASSIGN_OR_RETURN(const double altitude_m, NeededAt(json, "altitude_m", -kMostHeightM, kMostHeightM));
+  constexpr double kMaxHeightM = 1e5;
+  VICTORIOUS_ASSIGN_OR_RETURN(const double latitude_deg, RequiredNumberAt(json, "latitude_deg", -90, 90));
+  VICTORIOUS_ASSIGN_OR_RETURN(const double longitude_deg, RequiredNumberAt(json, "longitude_deg", -180, 360));
+  VICTORIOUS_ASSIGN_OR_RETURN(const double altitude_m, RequiredNumberAt(json, "altitude_m", -kMaxHeightM, kMaxHeightM));
   landmark.place = {RadiansFromDegrees(latitude_deg), RadiansFromDegrees(longitude_deg), altitude_m};
   VICTORIOUS_ASSIGN_OR_RETURN(landmark.covariance_enu_m2, CovarianceAt(json));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto heading_deg, NumberAt(json, "heading_deg", -360, 360));
@@ -104,26 +105,26 @@ Expected<Landmark> ParseLandmark(std::string_view line, const LandmarkListOption
   if (heading_deg) landmark.heading_rad = RadiansFromDegrees(*heading_deg);
   landmark.sigma_heading_rad = RadiansFromDegrees(sigma_deg.value_or(options.heading_deg));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto speed_m_s, NumberAt(json, "speed_m_s", 0, 1e4));
-  if (speed_m_s.value_or(0) > options.most_speed_m_s) {
+  if (speed_m_s.value_or(0) > options.max_speed_m_s) {
     return Fail(ErrorCode::kInvalidArgument, "it moves: only static objects are landmarks");
   }
   return landmark;
 }
 
 // Collects warnings about skipped entries: the first 20, then the number of the others.
-class LeftOut {
+class SkipWarnings {
  public:
-  explicit LeftOut(std::vector<std::string>& warnings) : warnings_(warnings) {}
+  explicit SkipWarnings(std::vector<std::string>& warnings) : warnings_(warnings) {}
 
-  void Tell(std::string warning) {
-    constexpr std::size_t kMostWarnings = 20;
-    if (warnings_.size() < kMostWarnings) {
+  void Add(std::string warning) {
+    constexpr std::size_t kMaxWarnings = 20;
+    if (warnings_.size() < kMaxWarnings) {
       warnings_.push_back(std::move(warning));
     } else {
       ++more_;
     }
   }
-  void TellOfMore() {
+  void AddSummary() {
     if (more_ > 0) warnings_.push_back(fmt::format("and {} more are skipped", more_));
   }
 
@@ -132,17 +133,17 @@ class LeftOut {
   std::size_t more_ = 0;
 };
 
-Expected<LandmarkList> LandmarksOf(IndexStore& store, const LandmarkListOptions& options) {
+Expected<LandmarkList> ReadIndexLandmarks(IndexStore& store, const LandmarkListOptions& options) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(store, {}));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> objects, ListObjects(store, catalogue, {}));
   LandmarkList list;
-  LeftOut left_out(list.warnings);
+  SkipWarnings skipped(list.warnings);
   for (const ListedObject& listed : objects) {
     const ObjectRecord& object = listed.object;
     if (listed.is_category) continue;  // categories are not recognised by a model
-    if (!object.place || SpeedOf(object).value_or(0) > options.most_speed_m_s) {
-      left_out.Tell(fmt::format("object {}, {}, is skipped: {}", object.id, listed.model,
-                                object.place ? "it moves" : "it has no place"));
+    if (!object.place || ComputeSpeed(object).value_or(0) > options.max_speed_m_s) {
+      skipped.Add(fmt::format("object {}, {}, is skipped: {}", object.id, listed.model,
+                              object.place ? "it moves" : "it has no place"));
       continue;
     }
     list.landmarks.push_back({.model = listed.model,
@@ -151,7 +152,7 @@ Expected<LandmarkList> LandmarksOf(IndexStore& store, const LandmarkListOptions&
                               .heading_rad = object.heading_rad,
                               .sigma_heading_rad = RadiansFromDegrees(options.heading_deg)});
   }
-  left_out.TellOfMore();
+  skipped.AddSummary();
   if (list.landmarks.empty()) {
     return Fail(ErrorCode::kInvalidArgument, "no static object with a place: index a video with telemetry first");
   }
@@ -162,7 +163,7 @@ Expected<LandmarkList> LandmarksOf(IndexStore& store, const LandmarkListOptions&
 
 Expected<LandmarkList> ParseLandmarks(std::string_view text, const LandmarkListOptions& options) {
   LandmarkList list;
-  LeftOut left_out(list.warnings);
+  SkipWarnings skipped(list.warnings);
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     const std::string_view line = text.substr(0, end);
@@ -172,10 +173,10 @@ Expected<LandmarkList> ParseLandmarks(std::string_view text, const LandmarkListO
     if (landmark) {
       list.landmarks.push_back(*std::move(landmark));
     } else {
-      left_out.Tell(fmt::format("line {} is skipped: {}", number, landmark.error().message));
+      skipped.Add(fmt::format("line {} is skipped: {}", number, landmark.error().message));
     }
   }
-  left_out.TellOfMore();
+  skipped.AddSummary();
   if (!list.landmarks.empty()) return list;
   return Fail(ErrorCode::kInvalidArgument,
               fmt::format("neither an index nor a list of landmarks (JSON Lines){}",
@@ -190,14 +191,14 @@ Expected<LandmarkList> ReadLandmarks(const std::string& path, const LandmarkList
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (text.starts_with(kSqlite)) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenSqliteStore(path, StoreMode::kRead));
-    list = LandmarksOf(*store, options);
+    list = ReadIndexLandmarks(*store, options);
   } else {
     list = ParseLandmarks(text, options);
   }
   if (!list) return std::unexpected(std::move(list).error().WithContext(path));
   const auto variance = [](const Landmark& landmark) { return landmark.covariance_enu_m2.trace(); };
   const Landmark& best = *std::ranges::min_element(list->landmarks, {}, variance);
-  list->common_covariance_enu_m2 = options.common_share * options.common_share * best.covariance_enu_m2;
+  list->common_covariance_enu_m2 = options.common_fraction * options.common_fraction * best.covariance_enu_m2;
   return list;
 }
 

@@ -13,15 +13,15 @@ namespace victorious {
 
 struct LandmarkListOptions {
   double heading_deg = 2;
-  double common_share = 1;
-  double most_speed_m_s = 0.2;
+  double common_fraction = 1;
+  double max_speed_m_s = 0.2;
 
   void ListFields(FieldList& fields);
 };
 
 struct LandmarkList {
   std::vector<Landmark> landmarks;
-  /// Covariance of the error common to all landmarks: (common_share)^2 times the covariance of the best-located one.
+  /// Covariance of the error common to all landmarks: (common_fraction)^2 times the covariance of the best-located one.
   Eigen::Matrix3d common_covariance_enu_m2 = Eigen::Matrix3d::Zero();
   std::vector<std::string> warnings;  ///< skipped entries, one line each: the first 20, then the number of the others
 };

@@ -6,7 +6,7 @@
 
 namespace victorious {
 
-Status LiveCameras::Add(std::vector<DataPacket> packets, double now_s) {
+Status LiveCameraTrack::Add(std::vector<DataPacket> packets, double now_s) {
   constexpr double kDecodeEvery_s = 0.2;
   for (DataPacket& packet : packets) {
     if (stream_ && packet.stream != *stream_) continue;
@@ -21,21 +21,21 @@ Status LiveCameras::Add(std::vector<DataPacket> packets, double now_s) {
   return {};
 }
 
-Status LiveCameras::Decode(const std::vector<DataPacket>& packets, int stream) {
-  constexpr std::size_t kMostWarnings = 20;
+Status LiveCameraTrack::Decode(const std::vector<DataPacket>& packets, int stream) {
+  constexpr std::size_t kMaxWarnings = 20;
   VICTORIOUS_ASSIGN_OR_RETURN(const Telemetry telemetry, TelemetryFromPackets(packets, options_));
   for (const std::string& warning : telemetry.warnings) {
-    if (warnings_.size() < kMostWarnings && std::ranges::find(warnings_, warning) == warnings_.end()) {
+    if (warnings_.size() < kMaxWarnings && std::ranges::find(warnings_, warning) == warnings_.end()) {
       warnings_.push_back(warning);
     }
   }
   if (telemetry.states.empty()) return {};
   stream_ = stream;
-  Take(telemetry.states);
+  AppendStates(telemetry.states);
   return {};
 }
 
-void LiveCameras::Take(std::span<const CameraState> states) {
+void LiveCameraTrack::AppendStates(std::span<const CameraState> states) {
   constexpr double kKept_s = 30;
   for (const CameraState& state : states) {
     if (states_.empty() || state.time_s > states_.back().time_s) states_.push_back(state);
@@ -44,11 +44,11 @@ void LiveCameras::Take(std::span<const CameraState> states) {
   std::erase_if(states_, [&](const CameraState& state) { return state.time_s < oldest_s; });
 }
 
-std::optional<CameraState> LiveCameras::At(double time_s) const {
-  return CameraTrack(states_, options_.max_gap_s).At(time_s);
+std::optional<CameraState> LiveCameraTrack::At(double time_s) const {
+  return CameraTrajectory(states_, options_.max_gap_s).At(time_s);
 }
 
-std::vector<std::string> LiveCameras::Warnings() const {
+std::vector<std::string> LiveCameraTrack::Warnings() const {
   if (stream_) return warnings_;
   std::vector<std::string> all = warnings_;
   all.emplace_back(

@@ -18,9 +18,9 @@
 
 namespace victorious {
 
-class LiveCameras {
+class LiveCameraTrack {
  public:
-  explicit LiveCameras(TelemetryOptions options) : options_(std::move(options)) {}
+  explicit LiveCameraTrack(TelemetryOptions options) : options_(std::move(options)) {}
 
   /// @param packets  packets since the last call
   /// @param now_s    time of the newest frame
@@ -30,7 +30,7 @@ class LiveCameras {
   /// True if a state at `time_s` or later has arrived, so that later packets cannot change the state at `time_s`.
   [[nodiscard]] bool Covers(double time_s) const { return !states_.empty() && states_.back().time_s >= time_s; }
 
-  /// Interpolated state, as CameraTrack::At.
+  /// Interpolated state, as CameraTrajectory::At.
   [[nodiscard]] std::optional<CameraState> At(double time_s) const;
 
   /// Warnings, one line each.
@@ -38,7 +38,7 @@ class LiveCameras {
 
  private:
   Status Decode(const std::vector<DataPacket>& packets, int stream);
-  void Take(std::span<const CameraState> states);
+  void AppendStates(std::span<const CameraState> states);
 
   TelemetryOptions options_;
   std::map<int, std::vector<DataPacket>> pending_;  // by stream, not yet decoded

@@ -9,8 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "victorious/geometry/angles.h"
 #include "testing/klv_tools.h"
+#include "victorious/geometry/angles.h"
 
 namespace victorious {
 namespace {
@@ -21,7 +21,7 @@ using ::testing::IsEmpty;
 constexpr std::uint64_t kStart_us = 1'700'000'000'000'000;
 
 DataPacket Packet(const std::string& text, std::optional<double> time_s, int stream = 1) {
-  const Bytes bytes = BytesOf(text);
+  const Bytes bytes = AsBytes(text);
   return {.stream = stream, .kind = DataKind::kKlv, .time_s = time_s, .bytes = {bytes.begin(), bytes.end()}};
 }
 
@@ -29,8 +29,8 @@ DataPacket CameraAt(double time_s, int stream = 1) {
   return Packet(CameraPacket(kStart_us + static_cast<std::uint64_t>(time_s * 1e6)), time_s, stream);
 }
 
-TEST(LiveCameras, TellOfAMomentOnceAPacketOfALaterOneIsThere) {
-  LiveCameras cameras({});
+TEST(LiveCameraTrack, TellOfAMomentOnceAPacketOfALaterOneIsThere) {
+  LiveCameraTrack cameras({});
   ASSERT_TRUE(cameras.Add({CameraAt(0)}, 0));
   EXPECT_FALSE(cameras.Covers(0.5));
   EXPECT_FALSE(cameras.At(0.5));
@@ -42,15 +42,15 @@ TEST(LiveCameras, TellOfAMomentOnceAPacketOfALaterOneIsThere) {
   EXPECT_THAT(cameras.Warnings(), IsEmpty());
 }
 
-TEST(LiveCameras, WhatCarriesNoTimeIsOfTheMomentAtWhichItCame) {
-  LiveCameras cameras({});
+TEST(LiveCameraTrack, WhatCarriesNoTimeIsOfTheMomentAtWhichItCame) {
+  LiveCameraTrack cameras({});
   ASSERT_TRUE(cameras.Add({Packet(CameraPacket(kStart_us), std::nullopt)}, 3));
   EXPECT_TRUE(cameras.At(3.05));
   EXPECT_FALSE(cameras.At(0));
 }
 
-TEST(LiveCameras, AreOfTheFirstStreamThatTellsOfACamera) {
-  LiveCameras cameras({});
+TEST(LiveCameraTrack, AreOfTheFirstStreamThatTellsOfACamera) {
+  LiveCameraTrack cameras({});
   const std::string other = St0601Packet({{2, BigEndian(kStart_us, 8)}});
   ASSERT_TRUE(cameras.Add({Packet(other, 0.0, 1), CameraAt(0, 2)}, 0));
   ASSERT_TRUE(cameras.Add({CameraAt(0.5, 3), CameraAt(0.6, 2)}, 1));
@@ -58,15 +58,15 @@ TEST(LiveCameras, AreOfTheFirstStreamThatTellsOfACamera) {
   EXPECT_FALSE(cameras.Covers(0.61));
 }
 
-TEST(LiveCameras, KeepTheLastSecondsOnly) {
-  LiveCameras cameras({});
+TEST(LiveCameraTrack, KeepTheLastSecondsOnly) {
+  LiveCameraTrack cameras({});
   for (int second = 0; second <= 100; ++second) ASSERT_TRUE(cameras.Add({CameraAt(second)}, second));
   EXPECT_TRUE(cameras.At(80));
   EXPECT_FALSE(cameras.At(60));
 }
 
-TEST(LiveCameras, SayThatNothingTellsOfACamera) {
-  LiveCameras cameras({});
+TEST(LiveCameraTrack, SayThatNothingTellsOfACamera) {
+  LiveCameraTrack cameras({});
   ASSERT_TRUE(cameras.Add({Packet("no KLV at all", 0.0)}, 0));
   EXPECT_THAT(cameras.Warnings().back(), HasSubstr("objects get no place"));
 }

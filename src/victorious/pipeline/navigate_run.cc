@@ -22,23 +22,23 @@
 
 namespace victorious {
 
-NavigateRunOptions::NavigateRunOptions() {
-  follow.restart_frames = 1000000;  // never restarted: a navigation run is not resumed
-  follow.search_every = 5;
+NavigateVideoOptions::NavigateVideoOptions() {
+  follow.restart_interval_frames = 1000000;  // never restarted: a navigation run is not resumed
+  follow.search_interval_frames = 5;
 }
 
-void NavigateRunOptions::ListFields(FieldList& fields) {
+void NavigateVideoOptions::ListFields(FieldList& fields) {
   fields.AddGroup("video", video);
   fields.AddGroup("features", features);
   recognize.ListFields(fields);
   fields.AddGroup("daylight", daylight);
   fields.AddGroup("telemetry", telemetry);
-  fields.AddGroup("sight", sight);
+  fields.AddGroup("sight", observation);
   fields.AddGroup("follow", follow);
   fields.AddGroup("landmark_list", list);
   navigate.ListFields(fields);
   fields.AddGroup("sighting", sighting);
-  fields.Add("second_look", second_look,
+  fields.Add("second_pass", second_pass,
              {.reason = "runs a second pass over the video if there is no telemetry, or if its attitude is off by a "
                         "degree or more: the second pass uses the estimated attitude for upright and relit templates"});
   fields.Add("every", every,
@@ -63,7 +63,7 @@ double MillisecondsSince(Clock::time_point start) {
 
 // Telemetry, if there is any, and the field of view from telemetry or from the parameters.
 struct Cameras {
-  std::optional<CameraTrack> track;
+  std::optional<CameraTrajectory> track;
   std::optional<double> hfov_rad;
 
   /// The state at a time, always with a field of view.
@@ -75,11 +75,11 @@ struct Cameras {
   }
 };
 
-Expected<Cameras> CamerasOf(const NavigateJob& job, const NavigateRunOptions& options, const VideoInfo& info,
-                            const WarningSink& warn) {
+Expected<Cameras> ReadCameras(const NavigateJob& job, const NavigateVideoOptions& options, const VideoInfo& info,
+                              const WarningSink& warn) {
   VICTORIOUS_ASSIGN_OR_RETURN(
       std::optional<Telemetry> telemetry,
-      TelemetryOf(job.video, info, job.telemetry, options.telemetry, "navigation uses landmarks only", warn));
+      LoadTelemetry(job.video, info, job.telemetry, options.telemetry, "navigation uses landmarks only", warn));
   Cameras cameras;
   if (options.telemetry.hfov_deg > 0) cameras.hfov_rad = RadiansFromDegrees(options.telemetry.hfov_deg);
   if (telemetry) {
@@ -98,8 +98,8 @@ Expected<Cameras> CamerasOf(const NavigateJob& job, const NavigateRunOptions& op
 }
 
 // Drops models without a landmark and landmarks without a model.
-Status Pair(std::vector<ObjectModel>& models, std::vector<Landmark>& landmarks, const std::string& list,
-            const WarningSink& warn) {
+Status MatchModelsToLandmarks(std::vector<ObjectModel>& models, std::vector<Landmark>& landmarks,
+                              const std::string& list, const WarningSink& warn) {
   std::set<std::string> named;
   for (const Landmark& landmark : landmarks) named.insert(landmark.model);
   std::erase_if(models, [&](const ObjectModel& model) { return !named.contains(model.name); });
@@ -117,47 +117,47 @@ Status Pair(std::vector<ObjectModel>& models, std::vector<Landmark>& landmarks, 
 }
 
 // What a pass needs to find landmarks. The references outlive it.
-struct Tools {
-  const NavigateRunOptions& options;
+struct PassContext {
+  const NavigateVideoOptions& options;
   const Recognizer& recognizer;
   const FeatureExtractor& extractor;
-  std::vector<std::vector<std::size_t>> landmarks_of;  // landmark indices, by model
+  std::vector<std::vector<std::size_t>> landmarks_by_model;  // landmark indices, by model
 };
 
 // Attitude that is known before the search, and the sun's direction.
-struct Held {
-  const CameraTrack* track = nullptr;
+struct KnownAttitude {
+  const CameraTrajectory* track = nullptr;
   std::optional<Sun> sun;
 };
 
 // One pass over the video.
 class Pass {
  public:
-  Pass(const Tools& tools, Follower follower, const Cameras& cameras, const Held& held)
-      : tools_(tools), follower_(std::move(follower)), cameras_(cameras), held_(held) {}
+  Pass(const PassContext& context, Follower follower, const Cameras& cameras, const KnownAttitude& held)
+      : context_(context), follower_(std::move(follower)), cameras_(cameras), held_(held) {}
 
-  Status Take(const Frame& frame) {
+  Status ProcessFrame(const Frame& frame) {
     const Clock::time_point start = Clock::now();
     const std::clock_t cpu_start = std::clock();
     const CameraState camera = cameras_.At(frame.time_s);
     std::optional<CameraState> held;
     if (held_.track != nullptr) held = held_.track->At(frame.time_s);
-    const FrameConditions conditions = ConditionsOf(held, frame.image.size(), held_.sun);
-    const bool whole = since_whole_ + 1 >= (landmarks_last_ > 0 ? tools_.options.every : tools_.options.lost_every);
+    const FrameConditions conditions = MakeFrameConditions(held, frame.image.size(), held_.sun);
+    const bool whole = since_whole_ + 1 >= (landmarks_last_ > 0 ? context_.options.every : context_.options.lost_every);
     since_whole_ = whole ? 0 : since_whole_ + 1;
     FeatureSet features;
     std::vector<Detection> detections;
-    std::optional<WholeFrame> searched;
+    std::optional<FullFrameResult> searched;
     if (whole) {
-      VICTORIOUS_ASSIGN_OR_RETURN(features, tools_.extractor.Extract(frame.image));
-      detections = tools_.recognizer.Recognize(features, conditions, frame.image);
+      VICTORIOUS_ASSIGN_OR_RETURN(features, context_.extractor.Extract(frame.image));
+      detections = context_.recognizer.Recognize(features, conditions, frame.image);
       searched.emplace(features, detections);
     }
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Seen> all, follower_.Follow(frame, searched, conditions));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObservedObject> all, follower_.Follow(frame, searched, conditions));
     landmarks_last_ = all.size();
-    for (const Seen& seen : all) See(seen, camera);
+    for (const ObservedObject& seen : all) AddSighting(seen, camera);
     frames_.push_back({frame.time_s, std::nullopt});
-    if (camera.attitude && camera.IsComplete()) frames_.back().told = camera;
+    if (camera.attitude && camera.IsComplete()) frames_.back().measured = camera;
     if (whole || all.empty()) return {};
     tracked_ms_.push_back(MillisecondsSince(start));
     tracked_cpu_ms_.push_back(1e3 * static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC);
@@ -170,22 +170,22 @@ class Pass {
   [[nodiscard]] double tracked_cpu_ms() const { return Median(tracked_cpu_ms_); }
 
  private:
-  void See(const Seen& seen, const CameraState& camera) {
+  void AddSighting(const ObservedObject& seen, const CameraState& camera) {
     const Detection& detection = seen.detection;
-    const auto stance =
-        StanceOf(detection, tools_.recognizer.models()[detection.model], seen.features, camera, tools_.options.sight);
-    if (!stance) return;
-    auto sighting = SightingOf(*stance, tools_.options.sight, tools_.options.sighting);
+    const auto object_pose = EstimateObjectPose(detection, context_.recognizer.models()[detection.model_index],
+                                                seen.features, camera, context_.options.observation);
+    if (!object_pose) return;
+    auto sighting = MakeLandmarkSighting(*object_pose, context_.options.observation, context_.options.sighting);
     if (!sighting) return;
     sighting->frame = frames_.size();
-    sighting->model = detection.model;
+    sighting->model = detection.model_index;
     sightings_.push_back(*std::move(sighting));
   }
 
-  const Tools& tools_;
+  const PassContext& context_;
   Follower follower_;
   const Cameras& cameras_;
-  Held held_;
+  KnownAttitude held_;
   std::vector<NavigationFrame> frames_;
   std::vector<LandmarkSighting> sightings_;
   std::vector<double> tracked_ms_;
@@ -201,27 +201,28 @@ struct Source {
 };
 
 // Runs a pass from the first frame of the reader to its end.
-Expected<Pass> GoThrough(const Tools& tools, const Source& source, const Cameras& cameras,
-                         const std::optional<CameraTrack>& held, std::unique_ptr<VideoReader>& reader,
-                         const CancelToken& cancel) {
-  Held known;
+Expected<Pass> RunPass(const PassContext& context, const Source& source, const Cameras& cameras,
+                       const std::optional<CameraTrajectory>& held, std::unique_ptr<VideoReader>& reader,
+                       const CancelToken& cancel) {
+  KnownAttitude known;
   if (held) {
     known.track = &*held;
     VICTORIOUS_ASSIGN_OR_RETURN(
-        known.sun, FindDaylight({*held, tools.recognizer, tools.extractor, tools.options.daylight}, *reader, cancel));
+        known.sun, EstimateSunDirection({*held, context.recognizer, context.extractor, context.options.daylight},
+                                        *reader, cancel));
     if (!source.live) {
       VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(source.video, source.reading));
     }
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(
-      Follower follower,
-      Follower::Create(tools.recognizer, tools.extractor, tools.options.features.impulse_share, tools.options.follow));
-  Pass pass(tools, std::move(follower), cameras, known);
+  VICTORIOUS_ASSIGN_OR_RETURN(Follower follower,
+                              Follower::Create(context.recognizer, context.extractor,
+                                               context.options.features.impulse_fraction, context.options.follow));
+  Pass pass(context, std::move(follower), cameras, known);
   Progress progress(source.video, reader->info().frame_count, "frames");
   while (!cancel.IsCancelled()) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Frame> frame, reader->NextFrame());
     if (!frame) return pass;
-    VICTORIOUS_RETURN_IF_ERROR(pass.Take(*frame));
+    VICTORIOUS_RETURN_IF_ERROR(pass.ProcessFrame(*frame));
     progress.Update(frame->index + 1);
   }
   if (source.live) return pass;
@@ -229,17 +230,17 @@ Expected<Pass> GoThrough(const Tools& tools, const Source& source, const Cameras
 }
 
 // Runs a pass over the video and estimates the trajectory.
-Expected<NavigationRun> OnePass(const Tools& tools, const Source& source, const Cameras& cameras,
-                                const std::optional<CameraTrack>& held, const LandmarkList& list,
-                                std::unique_ptr<VideoReader>& reader, const CancelToken& cancel) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const Pass pass, GoThrough(tools, source, cameras, held, reader, cancel));
+Expected<NavigationResult> RunPassAndNavigate(const PassContext& context, const Source& source, const Cameras& cameras,
+                                              const std::optional<CameraTrajectory>& held, const LandmarkList& list,
+                                              std::unique_ptr<VideoReader>& reader, const CancelToken& cancel) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const Pass pass, RunPass(context, source, cameras, held, reader, cancel));
   const Clock::time_point start = Clock::now();
   std::vector<CameraState> rows;
   if (cameras.track) rows = cameras.track->states();
-  NavigationRun run;
-  VICTORIOUS_ASSIGN_OR_RETURN(run.navigation, Navigate({pass.frames(), rows, list.landmarks, tools.landmarks_of,
+  NavigationResult run;
+  VICTORIOUS_ASSIGN_OR_RETURN(run.navigation, Navigate({pass.frames(), rows, list.landmarks, context.landmarks_by_model,
                                                         pass.sightings(), list.common_covariance_enu_m2},
-                                                       tools.options.navigate));
+                                                       context.options.navigate));
   run.estimate_ms = MillisecondsSince(start) / static_cast<double>(std::max<std::size_t>(1, pass.frames().size()));
   run.frames = static_cast<std::int64_t>(pass.frames().size());
   run.tracked_ms = pass.tracked_ms();
@@ -249,77 +250,79 @@ Expected<NavigationRun> OnePass(const Tools& tools, const Source& source, const 
 
 // Estimated camera states of the frames whose attitude is accurate enough for upright templates. std::nullopt if there
 // are none.
-std::optional<CameraTrack> HeldBy(const Navigation& navigation, const Cameras& cameras,
-                                  const NavigateRunOptions& options) {
-  constexpr double kMostSigmaDeg = 6;
+std::optional<CameraTrajectory> AccurateStates(const Navigation& navigation, const Cameras& cameras,
+                                               const NavigateVideoOptions& options) {
+  constexpr double kMaxSigmaDeg = 6;
   std::vector<CameraState> states;
   for (const NavigatedFrame& frame : navigation.frames) {
-    if (*frame.camera.sigma_attitude_rad > RadiansFromDegrees(kMostSigmaDeg)) continue;
+    if (*frame.camera.sigma_attitude_rad > RadiansFromDegrees(kMaxSigmaDeg)) continue;
     states.push_back(frame.camera);
     states.back().hfov_rad = cameras.At(frame.camera.time_s).hfov_rad;
   }
   if (states.empty()) return std::nullopt;
-  return CameraTrack(std::move(states), options.telemetry.max_gap_s);
+  return CameraTrajectory(std::move(states), options.telemetry.max_gap_s);
 }
 
 // True if the median error of telemetry's attitude is below 1 degree, which suffices for upright and relit templates.
-bool HeldAsTold(const Navigation& navigation, const Cameras& cameras) {
-  constexpr double kMattersDeg = 1;
+bool IsTelemetryAttitudeAccurate(const Navigation& navigation, const Cameras& cameras) {
+  constexpr double kMaxErrorDeg = 1;
   std::vector<double> turns_rad;
   for (const NavigatedFrame& frame : navigation.frames) {
-    const CameraState told = cameras.At(frame.camera.time_s);
-    if (!told.attitude || !frame.camera.attitude) continue;
-    turns_rad.push_back(CameraFromEnu(*told.attitude).angularDistance(CameraFromEnu(*frame.camera.attitude)));
+    const CameraState measured = cameras.At(frame.camera.time_s);
+    if (!measured.attitude || !frame.camera.attitude) continue;
+    turns_rad.push_back(CameraFromEnu(*measured.attitude).angularDistance(CameraFromEnu(*frame.camera.attitude)));
   }
-  return Median(std::move(turns_rad)) < RadiansFromDegrees(kMattersDeg);
+  return Median(std::move(turns_rad)) < RadiansFromDegrees(kMaxErrorDeg);
 }
 
 }  // namespace
 
-Expected<NavigationRun> NavigateVideo(const NavigateJob& job, std::vector<ObjectModel> models,
-                                      const NavigateRunOptions& options, const CancelToken& cancel,
-                                      const WarningSink& warn) {
-  NavigateRunOptions checked = options;
+Expected<NavigationResult> NavigateVideo(const NavigateJob& job, std::vector<ObjectModel> models,
+                                         const NavigateVideoOptions& options, const CancelToken& cancel,
+                                         const WarningSink& warn) {
+  NavigateVideoOptions checked = options;
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(checked));
   VICTORIOUS_ASSIGN_OR_RETURN(LandmarkList list, ReadLandmarks(job.landmarks, options.list));
   for (const std::string& warning : list.warnings) warn(job.landmarks + ": " + warning);
-  VICTORIOUS_RETURN_IF_ERROR(Pair(models, list.landmarks, job.landmarks, warn));
+  VICTORIOUS_RETURN_IF_ERROR(MatchModelsToLandmarks(models, list.landmarks, job.landmarks, warn));
   VICTORIOUS_RETURN_IF_ERROR(CheckEngine(models, options.features.engine));
   const VideoReaderOptions reading{.folder_frame_rate = options.video.folder_frame_rate};
   VICTORIOUS_ASSIGN_OR_RETURN(std::unique_ptr<VideoReader> reader, VideoReader::Open(job.video, reading));
-  VICTORIOUS_ASSIGN_OR_RETURN(const Cameras cameras, CamerasOf(job, options, reader->info(), warn));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Cameras cameras, ReadCameras(job, options, reader->info(), warn));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
 
-  std::vector<std::vector<std::size_t>> landmarks_of(models.size());
+  std::vector<std::vector<std::size_t>> landmarks_by_model(models.size());
   for (std::size_t m = 0; m < models.size(); ++m) {
     for (std::size_t i = 0; i < list.landmarks.size(); ++i) {
-      if (list.landmarks[i].model == models[m].name) landmarks_of[m].push_back(i);
+      if (list.landmarks[i].model == models[m].name) landmarks_by_model[m].push_back(i);
     }
   }
-  std::vector<std::shared_ptr<const LitTemplates>> lit;
+  std::vector<std::shared_ptr<const RelitTemplateSource>> lit;
   for (const ObjectModel& model : models) {
-    VICTORIOUS_ASSIGN_OR_RETURN(std::shared_ptr<const LitTemplates> views, MakeLitViews(model));
+    VICTORIOUS_ASSIGN_OR_RETURN(std::shared_ptr<const RelitTemplateSource> views, MakeLitViews(model));
     lit.push_back(std::move(views));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,
                               Recognizer::Create(std::move(models), options.features.engine, options.recognize, lit));
-  const Tools tools{options, recognizer, *extractor, std::move(landmarks_of)};
+  const PassContext context{options, recognizer, *extractor, std::move(landmarks_by_model)};
   const Source source{job.video, reading, reader->info().live};
-  std::optional<CameraTrack> held = cameras.track;
-  VICTORIOUS_ASSIGN_OR_RETURN(NavigationRun run, OnePass(tools, source, cameras, held, list, reader, cancel));
-  if (options.second_look && !source.live && (!cameras.track || !HeldAsTold(run.navigation, cameras))) {
+  std::optional<CameraTrajectory> held = cameras.track;
+  VICTORIOUS_ASSIGN_OR_RETURN(NavigationResult run,
+                              RunPassAndNavigate(context, source, cameras, held, list, reader, cancel));
+  if (options.second_pass && !source.live &&
+      (!cameras.track || !IsTelemetryAttitudeAccurate(run.navigation, cameras))) {
     // The attitude is now known, or known better than from telemetry, so a second pass finds more.
-    held = HeldBy(run.navigation, cameras, options);
+    held = AccurateStates(run.navigation, cameras, options);
     if (held) {
       VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(job.video, reading));
-      VICTORIOUS_ASSIGN_OR_RETURN(run, OnePass(tools, source, cameras, held, list, reader, cancel));
+      VICTORIOUS_ASSIGN_OR_RETURN(run, RunPassAndNavigate(context, source, cameras, held, list, reader, cancel));
     }
   }
   for (const std::string& warning : reader->warnings()) warn(warning);
   run.landmarks = std::move(list.landmarks);
   run.sightings.resize(run.landmarks.size());
-  for (const auto& believed : run.navigation.landmark_of) {
-    (believed ? run.sightings[*believed] : run.unbelieved) += 1;
+  for (const auto& assigned : run.navigation.landmark_by_sighting) {
+    (assigned ? run.sightings[*assigned] : run.rejected_sightings) += 1;
   }
   for (const NavigatedFrame& frame : run.navigation.frames) {
     run.states.push_back(frame.camera);
@@ -331,7 +334,7 @@ Expected<NavigationRun> NavigateVideo(const NavigateJob& job, std::vector<Object
   return run;
 }
 
-std::string ToCsv(const NavigationRun& run) {
+std::string ToCsv(const NavigationResult& run) {
   const std::vector<NavigatedFrame>& frames = run.navigation.frames;
   std::vector<CsvColumn> columns;
   const auto add = [&](const char* name, const auto& cell) {
@@ -349,7 +352,7 @@ std::string ToCsv(const NavigationRun& run) {
   const bool offset = std::ranges::any_of(frames, [](const NavigatedFrame& frame) { return frame.offset.has_value(); });
   // Columns that are written even if they are empty.
   constexpr std::array<std::string_view, 3> kAlways = {"sigma_position_m", "sigma_attitude_deg", "vertical_datum"};
-  if (!offset) return CameraCsvText(run.states, columns, kAlways);
+  if (!offset) return FormatCameraCsv(run.states, columns, kAlways);
   const auto add_offset = [&](const char* name, const auto& value) {
     add(name, [&](const NavigatedFrame& frame) {
       return frame.offset ? fmt::format("{:.4f}", value(*frame.offset)) : std::string();
@@ -358,12 +361,13 @@ std::string ToCsv(const NavigationRun& run) {
   constexpr std::array kPlaces = {"offset_east_m", "offset_north_m", "offset_up_m"};
   constexpr std::array kAngles = {"offset_yaw_deg", "offset_pitch_deg", "offset_roll_deg"};
   for (int i = 0; i < 3; ++i) {
-    add_offset(kPlaces[i], [i](const TelemetryOffset& told) { return told.place_enu_m[i]; });
+    add_offset(kPlaces[i], [i](const TelemetryOffset& measured) { return measured.place_enu_m[i]; });
   }
   for (int i = 0; i < 3; ++i) {
-    add_offset(kAngles[i], [i](const TelemetryOffset& told) { return DegreesFromRadians(told.attitude_rad[i]); });
+    add_offset(kAngles[i],
+               [i](const TelemetryOffset& measured) { return DegreesFromRadians(measured.attitude_rad[i]); });
   }
-  return CameraCsvText(run.states, columns, kAlways);
+  return FormatCameraCsv(run.states, columns, kAlways);
 }
 
 }  // namespace victorious

@@ -12,34 +12,34 @@
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
+#include "victorious/calibrate/sun_survey.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/navigate/navigate.h"
-#include "victorious/calibrate/sun_survey.h"
+#include "victorious/observe/landmark_sighting.h"
+#include "victorious/observe/object_pose.h"
 #include "victorious/pipeline/follower.h"
 #include "victorious/pipeline/index_options.h"
 #include "victorious/pipeline/landmark_list.h"
-#include "victorious/observe/landmark_sighting.h"
-#include "victorious/observe/object_pose.h"
 #include "victorious/pipeline/warning_sink.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/telemetry/telemetry.h"
 
 namespace victorious {
 
-struct NavigateRunOptions {
-  NavigateRunOptions();
+struct NavigateVideoOptions {
+  NavigateVideoOptions();
 
   VideoOptions video;
-  FeatureOptions features = FaintFeatures();
+  FeatureOptions features = LowContrastFeatureOptions();
   RecognizeOptions recognize;
   DaylightOptions daylight;
   TelemetryOptions telemetry;
-  SightOptions sight;
+  ObservationOptions observation;
   FollowOptions follow;
   LandmarkListOptions list;
   NavigateOptions navigate;
-  SightingOptions sighting;
-  bool second_look = true;
+  LandmarkSightingOptions sighting;
+  bool second_pass = true;
   int every = 30;
   int lost_every = 5;
 
@@ -52,12 +52,12 @@ struct NavigateJob {
   std::optional<std::string> telemetry;  ///< telemetry file; if not given, that of the video
 };
 
-struct NavigationRun {
+struct NavigationResult {
   Navigation navigation;
   std::vector<CameraState> states;      ///< per localised frame, with field of view and lens
   std::vector<Landmark> landmarks;      ///< those whose model was searched for
   std::vector<std::int64_t> sightings;  ///< number of accepted sightings per landmark
-  std::int64_t unbelieved = 0;          ///< number of rejected sightings
+  std::int64_t rejected_sightings = 0;  ///< number of rejected sightings
   std::int64_t frames = 0;              ///< number of frames read
   double tracked_ms = 0;                ///< median wall time of a frame with landmarks that is tracked only, ms
   double tracked_cpu_ms = 0;            ///< median processor time of such a frame, all threads, ms
@@ -68,11 +68,11 @@ struct NavigationRun {
 /// @param models  candidates; models without a landmark are dropped
 /// Errors: kInvalidArgument for options out of range, a list without landmarks, no landmark with a known model, or an
 /// unknown field of view; those of the video, the telemetry and the index; kCancelled.
-Expected<NavigationRun> NavigateVideo(const NavigateJob& job, std::vector<ObjectModel> models,
-                                      const NavigateRunOptions& options, const CancelToken& cancel,
-                                      const WarningSink& warn);
+Expected<NavigationResult> NavigateVideo(const NavigateJob& job, std::vector<ObjectModel> models,
+                                         const NavigateVideoOptions& options, const CancelToken& cancel,
+                                         const WarningSink& warn);
 
 /// The telemetry table with additional columns (docs/formats/navigate.md).
-std::string ToCsv(const NavigationRun& run);
+std::string ToCsv(const NavigationResult& run);
 
 }  // namespace victorious

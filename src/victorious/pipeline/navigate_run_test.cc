@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "testing/drawn_flight.h"
 #include "victorious/base/file.h"
 #include "victorious/geometry/angles.h"
-#include "testing/drawn_flight.h"
 
 namespace victorious {
 namespace {
@@ -21,15 +21,15 @@ class NavigateRunTest : public ::testing::Test {
     return path.string();
   }
 
-  Expected<NavigationRun> Run(const std::string& landmarks, std::vector<ObjectModel> models,
-                              const NavigateRunOptions& options) {
+  Expected<NavigationResult> Run(const std::string& landmarks, std::vector<ObjectModel> models,
+                                 const NavigateVideoOptions& options) {
     warnings_.clear();
     return NavigateVideo({.video = flight_.video(), .landmarks = landmarks}, std::move(models), options, CancelToken(),
                          [&](const std::string& warning) { warnings_.push_back(warning); });
   }
 
-  static NavigateRunOptions WithView() {
-    NavigateRunOptions options;
+  static NavigateVideoOptions WithView() {
+    NavigateVideoOptions options;
     options.telemetry.hfov_deg = 20;
     return options;
   }
@@ -43,17 +43,17 @@ TEST_F(NavigateRunTest, APhotoWithoutALengthIsNoLandmark) {
   ASSERT_TRUE(run) << run.error().message;
   EXPECT_EQ(run->frames, 6);
   EXPECT_TRUE(run->states.empty());
-  EXPECT_EQ(run->navigation.landmark_of.size(), 0);
+  EXPECT_EQ(run->navigation.landmark_by_sighting.size(), 0);
 }
 
 TEST_F(NavigateRunTest, RefusesWhatItCannotWorkWith) {
-  const auto refused = [](const Expected<NavigationRun>& run) {
+  const auto refused = [](const Expected<NavigationResult>& run) {
     return run ? "not refused" : std::string(Name(run.error().code)) + ": " + run.error().message;
   };
   EXPECT_NE(refused(Run(List(kCrate), flight_.Models(), {})).find("--hfov"), std::string::npos);
   EXPECT_NE(refused(Run(List(kCrate), {flight_.Model(1)}, WithView())).find("crate"), std::string::npos);
   EXPECT_NE(refused(Run(List(""), flight_.Models(), WithView())).find("landmarks.jsonl"), std::string::npos);
-  NavigateRunOptions wrong = WithView();
+  NavigateVideoOptions wrong = WithView();
   wrong.every = 0;
   EXPECT_NE(refused(Run(List(kCrate), flight_.Models(), wrong)).find("every"), std::string::npos);
 }
@@ -76,7 +76,7 @@ TEST(NavigationCsv, HasItsHeaderWithoutARow) {
 }
 
 TEST(NavigationCsv, HasTheTelemetrysColumnsAndMore) {
-  NavigationRun run;
+  NavigationResult run;
   for (int i = 0; i < 2; ++i) {
     NavigatedFrame frame;
     frame.camera = {.time_s = 0.1 * i, .place = {0.9, 0.2, 100}, .attitude = Attitude{1, -1, 0}};

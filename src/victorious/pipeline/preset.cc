@@ -16,8 +16,8 @@ constexpr std::array<std::string_view, 3> kNames = {"thesis", "learnt", "windows
 constexpr std::string_view kThesis = R"({
   "features.contrast_threshold": 0.04,
   "features.edge_threshold": 10.0,
-  "features.impulse_share": 1.0,
-  "least_mask_share": 0.0,
+  "features.impulse_fraction": 1.0,
+  "min_mask_fraction": 0.0,
   "method": "grammar",
   "match.ratio": 0.8,
   "cascade.filter": "cascade",
@@ -30,7 +30,7 @@ constexpr std::string_view kThesis = R"({
   "cascade.line_distortion_rad": 0.6,
   "cascade.second_approval": 0.4,
   "cascade.third_approval": 0.6,
-  "cascade.least_votes": 2,
+  "cascade.min_votes": 2,
   "cascade.distinct_stages": 1,
   "cascade.all_measures": false,
   "pose.refine_plane": false,
@@ -38,11 +38,11 @@ constexpr std::string_view kThesis = R"({
   "features.surroundings": "calibrate",
   "features.mirrored": false,
   "scoring": "likelihood",
-  "soft_words": 1,
+  "words_per_keypoint": 1,
   "vocabulary.root": false,
   "grammar.kernel_cap": 3.0,
   "grammar.word_prior": true,
-  "grammar.power": 0.1
+  "grammar.likelihood_exponent": 0.1
 })";
 
 constexpr std::string_view kLearnt = R"({
@@ -54,7 +54,7 @@ constexpr std::string_view kLearnt = R"({
   "cascade.first_approval": 0.1,
   "cascade.second_approval": 0.2,
   "cascade.third_approval": 0.6,
-  "cascade.least_votes": 2,
+  "cascade.min_votes": 2,
   "cascade.all_measures": true
 })";
 

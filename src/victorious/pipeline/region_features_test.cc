@@ -18,7 +18,7 @@ TEST(FeaturesIn, AreInTheFramesPixels) {
   const FeatureSet features = FeaturesIn(Disc({210, 120}), {170, 80, 90, 90}, *extractor).value();
   EXPECT_EQ(features.image_width, 300);
   EXPECT_EQ(features.image_height, 200);
-  EXPECT_EQ(features.Searched(), (Box{170, 80, 91, 91})) << "wrong matches lie nowhere else";
+  EXPECT_EQ(features.SearchedBox(), (Box{170, 80, 91, 91})) << "wrong matches lie nowhere else";
   ASSERT_FALSE(features.keypoints.empty());
   for (const Keypoint& keypoint : features.keypoints) {
     EXPECT_NEAR(keypoint.x, 210.5, 8);

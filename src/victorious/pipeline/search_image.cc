@@ -13,26 +13,26 @@ namespace victorious {
 namespace {
 
 // A segment ends where the object is missing from kept frames for longer than this.
-constexpr double kLongestGapS = 2.5;
+constexpr double kMaxGapS = 2.5;
 
 // Number of strongest features of the example: keeps the search of an hour of video within seconds for any image.
-constexpr int kMostExampleFeatures = 500;
+constexpr int kMaxExampleFeatures = 500;
 
 struct Hit {
   std::int64_t video;
   std::int64_t place;  // index among the kept frames
-  Moment moment;
+  VideoSegment moment;
 };
 
 // Makes the recogniser of the example with the feature options of the video's kept features.
 Expected<Recognizer> MakeRecognizer(const Photo& example, const VideoRecord& video, const RecognizeOptions& options) {
   PhotoModelOptions model_options;
   const auto json = nlohmann::json::parse(video.features_json, nullptr, /*allow_exceptions=*/false);
-  if (auto status = SetFromJson(json, FieldsOf(model_options.features)); !status) {
+  if (auto status = SetFromJson(json, CollectFields(model_options.features)); !status) {
     return std::unexpected(std::move(status).error().WithContext(video.name + ": features kept in the index"));
   }
-  int& most = model_options.features.max_features;
-  most = most == 0 ? kMostExampleFeatures : std::min(most, kMostExampleFeatures);
+  int& max_features = model_options.features.max_features;
+  max_features = max_features == 0 ? kMaxExampleFeatures : std::min(max_features, kMaxExampleFeatures);
   VICTORIOUS_ASSIGN_OR_RETURN(ObjectModel model,
                               MakePhotoModel("example", std::span(&example, 1), std::nullopt, model_options));
   return Recognizer::Create({std::move(model)}, model_options.features.engine, options);
@@ -49,27 +49,27 @@ std::optional<Hit> BestHit(const Recognizer& recognizer, const KeptFrame& frame,
               .time_s = frame.time_s,
               .box = best.box,
               .score = best.score,
-              .matches = static_cast<int>(best.pose.inliers.size()),
+              .matches = static_cast<int>(best.fit.inliers.size()),
               .first_time_s = frame.time_s,
               .last_time_s = frame.time_s,
               .frames = 1}};
 }
 
 // Merges consecutive hits of one video. Hits are sorted by video and time.
-std::vector<Hit> JoinMoments(std::vector<Hit> hits) {
+std::vector<Hit> MergeHits(std::vector<Hit> hits) {
   std::vector<Hit> moments;
   for (Hit& hit : hits) {
-    const bool continues = !moments.empty() && moments.back().video == hit.video &&
-                           (hit.place == moments.back().place + 1 ||
-                            hit.moment.time_s - moments.back().moment.last_time_s <= kLongestGapS);
+    const bool continues =
+        !moments.empty() && moments.back().video == hit.video &&
+        (hit.place == moments.back().place + 1 || hit.moment.time_s - moments.back().moment.last_time_s <= kMaxGapS);
     if (!continues) {
       moments.push_back(std::move(hit));
       continue;
     }
     moments.back().place = hit.place;
-    Moment& moment = moments.back().moment;
+    VideoSegment& moment = moments.back().moment;
     if (hit.moment.score > moment.score || (hit.moment.score == moment.score && hit.moment.matches > moment.matches)) {
-      const Moment before = std::exchange(moment, hit.moment);
+      const VideoSegment before = std::exchange(moment, hit.moment);
       moment.first_time_s = before.first_time_s;
       moment.frames = before.frames;
     }
@@ -81,10 +81,10 @@ std::vector<Hit> JoinMoments(std::vector<Hit> hits) {
 
 }  // namespace
 
-Expected<std::vector<Moment>> SearchByImage(const Photo& example, const SightingFilter& filter,
-                                            const RecognizeOptions& options, IndexStore& store) {
+Expected<std::vector<VideoSegment>> SearchByImage(const Photo& example, const SightingFilter& filter,
+                                                  const RecognizeOptions& options, IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<VideoRecord> videos, store.Videos());
-  if (filter.video_name) videos = VideosNamed(videos, *filter.video_name);
+  if (filter.video_name) videos = FindVideosByName(videos, *filter.video_name);
   struct SearchedVideo {
     std::string name;
     const Recognizer* recognizer;
@@ -129,12 +129,12 @@ Expected<std::vector<Moment>> SearchByImage(const Photo& example, const Sighting
                 "the index has no kept features to search: index a video first, or widen --video, --from, --to");
   }
 
-  std::vector<Moment> moments;
-  for (Hit& hit : JoinMoments(std::move(hits))) {
+  std::vector<VideoSegment> moments;
+  for (Hit& hit : MergeHits(std::move(hits))) {
     hit.moment.video = by_id.at(hit.video).name;
     moments.push_back(std::move(hit.moment));
   }
-  std::ranges::stable_sort(moments, [](const Moment& a, const Moment& b) {
+  std::ranges::stable_sort(moments, [](const VideoSegment& a, const VideoSegment& b) {
     return a.score != b.score ? a.score > b.score : a.matches > b.matches;
   });
   return moments;

@@ -16,7 +16,7 @@ namespace victorious {
 
 /// An interval of one video in which consecutive kept frames show the object, or with gaps of at most 2.5 s; described
 /// by its best frame.
-struct Moment {
+struct VideoSegment {
   std::string video;
   std::int64_t frame = 0;
   double time_s = 0;
@@ -32,7 +32,7 @@ struct Moment {
 /// @param example  image of the object
 /// @return intervals, best score first
 /// Errors: those of the store; kInvalidArgument if no features are kept, or the example has too few.
-Expected<std::vector<Moment>> SearchByImage(const Photo& example, const SightingFilter& filter,
-                                            const RecognizeOptions& options, IndexStore& store);
+Expected<std::vector<VideoSegment>> SearchByImage(const Photo& example, const SightingFilter& filter,
+                                                  const RecognizeOptions& options, IndexStore& store);
 
 }  // namespace victorious

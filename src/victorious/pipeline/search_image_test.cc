@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
-#include "testing/drawn_things.h"
 #include "testing/drawn_flight.h"
+#include "testing/drawn_things.h"
 
 namespace victorious {
 namespace {
@@ -37,24 +37,24 @@ std::unique_ptr<IndexStore> IndexedWith(const DrawnFlight& flight, double keep_i
   return store;
 }
 
-std::vector<Moment> Search(const Photo& example, IndexStore& store, const SightingFilter& filter = {}) {
-  Expected<std::vector<Moment>> moments = SearchByImage(example, filter, {}, store);
+std::vector<VideoSegment> Search(const Photo& example, IndexStore& store, const SightingFilter& filter = {}) {
+  Expected<std::vector<VideoSegment>> moments = SearchByImage(example, filter, {}, store);
   EXPECT_TRUE(moments) << moments.error().message;
-  return std::move(moments).value_or(std::vector<Moment>{});
+  return std::move(moments).value_or(std::vector<VideoSegment>{});
 }
 
 std::optional<Box> TruthBox(const DrawnFlight& flight, int thing, std::int64_t frame) {
   const std::vector<testing::TruthRow> rows = flight.flight().Truth(static_cast<int>(frame));
-  const auto row = std::ranges::find(rows, thing, &testing::TruthRow::thing);
+  const auto row = std::ranges::find(rows, thing, &testing::TruthRow::object_index);
   return row == rows.end() ? std::nullopt : std::optional(row->box);
 }
 
 TEST(SearchByImage, FindsTheMomentsThatShowWhatThePictureShows) {
   const DrawnFlight flight(SlowFlight());
   const auto store = IndexedWith(flight, 0);
-  const std::vector<Moment> moments = Search(PhotoOf(flight.flight(), 0), *store);
+  const std::vector<VideoSegment> moments = Search(PhotoOf(flight.flight(), 0), *store);
   ASSERT_THAT(moments, SizeIs(2)) << "at the start, and when the camera comes back";
-  for (const Moment& moment : moments) {
+  for (const VideoSegment& moment : moments) {
     EXPECT_EQ(moment.video, flight.video());
     EXPECT_NEAR(moment.time_s, static_cast<double>(moment.frame) / 2, 1e-3);
     const std::optional<Box> truth = TruthBox(flight, 0, moment.frame);
@@ -77,7 +77,7 @@ TEST(SearchByImage, TakesACutOutOfAFrame) {
   const int frame = 4;
   const Box box = TruthBox(flight, 1, frame).value();
   const Photo example = PreparePhoto("frame.png", flight.flight().Render(frame).image, {}, box).value();
-  const std::vector<Moment> moments = Search(example, *store);
+  const std::vector<VideoSegment> moments = Search(example, *store);
   ASSERT_FALSE(moments.empty());
   EXPECT_NEAR(moments[0].time_s, frame / 2.0, 0.6);
   EXPECT_GT(IntersectionOverUnion(moments[0].box, TruthBox(flight, 1, moments[0].frame).value()), 0.6);
@@ -101,11 +101,11 @@ TEST(SearchByImage, LooksOnlyWhereItIsTold) {
   ASSERT_TRUE(report) << report.error().message;
 
   const Photo crate = PhotoOf(flight.flight(), 0);
-  EXPECT_THAT(Search(crate, *store), AllOf(Not(IsEmpty()), Each(Field(&Moment::video, flight.video()))));
+  EXPECT_THAT(Search(crate, *store), AllOf(Not(IsEmpty()), Each(Field(&VideoSegment::video, flight.video()))));
   EXPECT_THAT(Search(crate, *store, {.video_name = flight.video()}), SizeIs(2));
   EXPECT_THAT(Search(crate, *store, {.video_name = other.video()}), IsEmpty());
 
-  const std::vector<Moment> early = Search(crate, *store, {.from_s = 0.5, .to_s = 4});
+  const std::vector<VideoSegment> early = Search(crate, *store, {.from_s = 0.5, .to_s = 4});
   ASSERT_THAT(early, SizeIs(1));
   EXPECT_GE(early[0].first_time_s, 0.5);
   EXPECT_LE(early[0].last_time_s, 4);

@@ -15,26 +15,26 @@
 #include <oneapi/tbb/parallel_pipeline.h>
 #include <oneapi/tbb/task_arena.h>
 
-#include "victorious/base/progress.h"
-#include "victorious/geometry/angles.h"
-#include "victorious/calibrate/sun_survey.h"
-#include "victorious/pipeline/follower.h"
-#include "victorious/pipeline/live_cameras.h"
 #include "victorious/associate/tracklet_linker.h"
+#include "victorious/base/progress.h"
+#include "victorious/calibrate/sun_survey.h"
+#include "victorious/geometry/angles.h"
 #include "victorious/observe/bearing_observation.h"
 #include "victorious/observe/object_pose.h"
+#include "victorious/pipeline/follower.h"
+#include "victorious/pipeline/live_cameras.h"
 #include "victorious/track/camera_motion.h"
 
 namespace victorious {
 namespace {
 
 // A frame in the pipeline: read, searched, tracked, collected.
-struct Work {
+struct FrameTask {
   Frame frame;
   bool whole = true;                           // full-frame search
   bool keep = false;                           // keep its features
-  bool again = false;                          // results are stored already: only updates the trackers
-  bool passed = false;                         // before the restart of tracking: only camera motion is needed
+  bool already_stored = false;                 // results are stored already: only updates the trackers
+  bool motion_only = false;                    // before the restart of tracking: only camera motion is needed
   std::optional<Similarity2> now_from_before;  // camera motion from the previous frame
   std::optional<CameraState> camera;
   Expected<FeatureSet> features = FeatureSet{};
@@ -42,14 +42,14 @@ struct Work {
   std::vector<FoundCategory> categories;
   std::vector<SightingRecord> sightings;
 };
-using WorkPtr = std::shared_ptr<Work>;
+using FrameTaskPtr = std::shared_ptr<FrameTask>;
 
 // Selects one frame per interval, counted from the beginning of the video: the same frames after any interruption.
-class KeepClock {
+class KeptFrameSelector {
  public:
-  explicit KeepClock(double interval_s) : interval_s_(interval_s) {}
+  explicit KeptFrameSelector(double interval_s) : interval_s_(interval_s) {}
 
-  bool Keeps(double time_s) {
+  bool IsSelected(double time_s) {
     if (interval_s_ <= 0) return true;
     const double slot = std::floor(time_s / interval_s_ + 1e-9);
     return std::exchange(last_slot_, slot) != slot;
@@ -61,49 +61,51 @@ class KeepClock {
 };
 
 // True if objects are tracked between full-frame searches. Categories are searched for in full frames only.
-bool Follows(const SearchPass& pass) { return pass.options.follow.enabled && !pass.recognizer.models().empty(); }
+bool IsTrackingEnabled(const SearchPass& pass) {
+  return pass.options.follow.enabled && !pass.recognizer.models().empty();
+}
 
 // True for a live source with data streams, if no telemetry was given.
 bool HasLiveTelemetry(const SearchPass& pass, const VideoInfo& info) {
-  const auto tells = [](const StreamInfo& stream) { return stream.type == "data" || stream.type == "subtitle"; };
-  return info.live && pass.cameras == nullptr && std::ranges::any_of(info.streams, tells);
+  const auto is_telemetry = [](const StreamInfo& stream) { return stream.type == "data" || stream.type == "subtitle"; };
+  return info.live && pass.cameras == nullptr && std::ranges::any_of(info.streams, is_telemetry);
 }
 
 // Reads the frames to search, with their camera states. Serial.
-class Source {
+class FrameSource {
  public:
-  /// @param needed_from  first frame whose camera motion is needed, if before those to search
-  Source(const SearchPass& pass, std::optional<std::int64_t> needed_from, VideoReader& reader,
-         const CancelToken& cancel, Progress& progress)
+  /// @param first_required_frame  first frame whose camera motion is needed, if before those to search
+  FrameSource(const SearchPass& pass, std::optional<std::int64_t> first_required_frame, VideoReader& reader,
+              const CancelToken& cancel, Progress& progress)
       : reader_(reader),
         cancel_(cancel),
         progress_(progress),
-        clock_(pass.options.keep.interval_s),
+        selector_(pass.options.keep.interval_s),
         pass_(pass),
         next_frame_(pass.searches.front().next_frame) {
     if (HasLiveTelemetry(pass, reader.info())) live_.emplace(pass.options.telemetry);
     follow_from_ = next_frame_;
-    if (Follows(pass)) follow_from_ -= next_frame_ % pass.options.follow.restart_frames;
-    first_frame_ = std::min(follow_from_, needed_from.value_or(follow_from_));
+    if (IsTrackingEnabled(pass)) follow_from_ -= next_frame_ % pass.options.follow.restart_interval_frames;
+    first_frame_ = std::min(follow_from_, first_required_frame.value_or(follow_from_));
   }
 
   // The next frame to search or track; null at the end, when cancelled, or on an error.
-  WorkPtr Next() {
+  FrameTaskPtr Next() {
     while (std::optional<Frame> frame = NextFrame()) {
       const std::int64_t index = frame->index;
       const bool whole = IsWhole(index);
-      const bool keep = whole && clock_.Keeps(frame->time_s);
+      const bool keep = whole && selector_.IsSelected(frame->time_s);
       if (index < first_frame_) {
         progress_.Update(index + 1);  // before any frame enters the pipeline: nothing else reports progress yet
         continue;
       }
-      if (!whole && !Follows(pass_)) continue;
-      auto work = std::make_shared<Work>();
+      if (!whole && !IsTrackingEnabled(pass_)) continue;
+      auto work = std::make_shared<FrameTask>();
       work->camera = CameraAt(frame->time_s);
       work->frame = *std::move(frame);
-      work->again = index < next_frame_;
-      work->passed = index < follow_from_;
-      work->whole = whole && !work->passed;
+      work->already_stored = index < next_frame_;
+      work->motion_only = index < follow_from_;
+      work->whole = whole && !work->motion_only;
       work->keep = keep;
       return work;
     }
@@ -124,16 +126,16 @@ class Source {
   // Tracks restart with a full-frame search.
   [[nodiscard]] bool IsWhole(std::int64_t index) const {
     const FollowOptions& follow = pass_.options.follow;
-    return index % pass_.options.every == 0 || (follow.enabled && index % follow.restart_frames == 0);
+    return index % pass_.options.every == 0 || (follow.enabled && index % follow.restart_interval_frames == 0);
   }
 
   // Holds back a live source's frames until their telemetry has arrived, for at most `live_wait_s`.
   std::optional<Frame> NextFrame() {
     if (!live_) return ReadFrame();
-    const double patience_s = pass_.options.live_wait_s;
+    const double max_wait_s = pass_.options.live_wait_s;
     const auto has_waited = [&] {
       const double first_s = waiting_.front().time_s;
-      return live_->Covers(first_s) || waiting_.back().time_s >= first_s + patience_s;
+      return live_->Covers(first_s) || waiting_.back().time_s >= first_s + max_wait_s;
     };
     while (waiting_.empty() || !has_waited()) {
       std::optional<Frame> frame = ReadFrame();
@@ -180,7 +182,7 @@ class Source {
   VideoReader& reader_;
   const CancelToken& cancel_;
   Progress& progress_;
-  KeepClock clock_;
+  KeptFrameSelector selector_;
   const SearchPass& pass_;
   std::int64_t next_frame_;
   std::int64_t follow_from_;
@@ -189,58 +191,58 @@ class Source {
   bool at_end_ = false;
   std::int64_t frames_read_ = 0;
   double last_time_s_ = 0;
-  std::optional<LiveCameras> live_;
+  std::optional<LiveCameraTrack> live_;
   std::deque<Frame> waiting_;  // frames of a live source that wait for telemetry
 };
 
 SightingRecord ToSighting(const SearchPass& pass, const Frame& frame, const FeatureSet& features,
-                          const std::optional<CameraState>& camera, const Seen& seen) {
+                          const std::optional<CameraState>& camera, const ObservedObject& seen) {
   const Detection& detection = seen.detection;
-  const ObjectModel& model = pass.recognizer.models()[detection.model];
+  const ObjectModel& model = pass.recognizer.models()[detection.model_index];
   SightingRecord sighting{.video = pass.video.id,
-                          .model = pass.searches[detection.model].model,
+                          .model = pass.searches[detection.model_index].model,
                           .frame = frame.index,
                           .time_s = frame.time_s,
                           .box = detection.box,
                           .outline = detection.outline,
                           .score = detection.score,
                           .source = seen.tracked() ? "tracked" : "recognised",
-                          .matches = static_cast<int>(detection.pose.inliers.size()),
+                          .matches = static_cast<int>(detection.fit.inliers.size()),
                           .view_index = static_cast<int>(detection.view),
                           .view = model.views[detection.view].angles,
-                          .in_plane_rad = detection.pose.scene_from_template.rotation_rad,
+                          .in_plane_rad = detection.fit.scene_from_template.rotation_rad,
                           .track = seen.track};
   const CameraState known = camera.value_or(CameraState{});
-  auto stance = StanceOf(detection, model, features, known, pass.options.sight, UpInCamera(known));
-  if (!stance) return sighting;
-  Age(*stance, seen.followed_frames, pass.options.sight);
-  if (stance->view) {
-    sighting.view = stance->view->angles;
-    sighting.in_plane_rad = stance->view->in_plane_rad;
-    sighting.sigma_view_rad = stance->view->sigma_rad;
+  auto object_pose = EstimateObjectPose(detection, model, features, known, pass.options.observation, UpInCamera(known));
+  if (!object_pose) return sighting;
+  AddTrackingDrift(*object_pose, seen.followed_frames, pass.options.observation);
+  if (object_pose->view) {
+    sighting.view = object_pose->view->angles;
+    sighting.in_plane_rad = object_pose->view->in_plane_rad;
+    sighting.sigma_view_rad = object_pose->view->sigma_rad;
   }
-  sighting.distance_m = stance->range_m;
-  if (stance->range_m) sighting.sigma_distance_m = stance->sigma_range_m;
-  sighting.sight = SightOf(*stance, known);
+  sighting.distance_m = object_pose->range_m;
+  if (object_pose->range_m) sighting.sigma_distance_m = object_pose->sigma_range_m;
+  sighting.observation = MakeBearingObservation(*object_pose, known);
   return sighting;
 }
 
-SightingRecord ToSighting(const SearchPass& pass, const Work& work, const FoundCategory& found) {
+SightingRecord ToSighting(const SearchPass& pass, const FrameTask& work, const FoundCategory& found) {
   const CameraState known = work.camera.value_or(CameraState{});
-  const auto stance = StanceOfBox(found.box, work.frame.image.size(), known, pass.options.sight);
+  const auto object_pose = EstimateBoxDirection(found.box, work.frame.image.size(), known, pass.options.observation);
   return {.video = pass.video.id,
           .model = *pass.category_ids[found.category],
           .frame = work.frame.index,
           .time_s = work.frame.time_s,
           .box = found.box,
           .score = found.probability,
-          .sight = stance ? SightOf(*stance, known) : std::nullopt};
+          .observation = object_pose ? MakeBearingObservation(*object_pose, known) : std::nullopt};
 }
 
 // Features, recognition and categories of full frames. Parallel.
-void Search(const SearchPass& pass, Work& work) {
+void Search(const SearchPass& pass, FrameTask& work) {
   if (!work.whole) return;
-  if (pass.categories != nullptr && !work.again) {
+  if (pass.categories != nullptr && !work.already_stored) {
     Expected<std::vector<FoundCategory>> found = pass.categories->Find(work.frame.image);
     if (!found) {
       work.features = std::unexpected(std::move(found).error());
@@ -253,51 +255,52 @@ void Search(const SearchPass& pass, Work& work) {
   work.features = pass.extractor.Extract(work.frame.image);
   if (work.features) {
     work.detections = pass.recognizer.Recognize(
-        *work.features, ConditionsOf(work.camera, work.frame.image.size(), pass.sun), work.frame.image);
+        *work.features, MakeFrameConditions(work.camera, work.frame.image.size(), pass.sun), work.frame.image);
   }
 }
 
 // Makes sightings of detections, through the follower if there is one. Serial, in the order of frames.
-void Follow(const SearchPass& pass, std::optional<Follower>& follower, CameraMotion& motion, Work& work) {
+void Follow(const SearchPass& pass, std::optional<Follower>& follower, ImageMotionEstimator& motion, FrameTask& work) {
   work.now_from_before = motion.Step(work.frame.image);
-  if (!work.features || work.passed) return;
+  if (!work.features || work.motion_only) return;
   if (!follower) {
     for (const Detection& detection : work.detections) {
       work.sightings.push_back(ToSighting(pass, work.frame, *work.features, work.camera, {.detection = detection}));
     }
   } else {
-    std::optional<WholeFrame> whole;
+    std::optional<FullFrameResult> whole;
     if (work.whole) whole.emplace(*work.features, work.detections);
-    Expected<std::vector<Seen>> all =
-        follower->Follow(work.frame, whole, ConditionsOf(work.camera, work.frame.image.size(), pass.sun));
+    Expected<std::vector<ObservedObject>> all =
+        follower->Follow(work.frame, whole, MakeFrameConditions(work.camera, work.frame.image.size(), pass.sun));
     if (!all) {
       work.features = std::unexpected(std::move(all).error());
       return;
     }
-    for (const Seen& one : *all) work.sightings.push_back(ToSighting(pass, work.frame, one.features, work.camera, one));
+    for (const ObservedObject& one : *all)
+      work.sightings.push_back(ToSighting(pass, work.frame, one.features, work.camera, one));
   }
   for (const FoundCategory& found : work.categories) work.sightings.push_back(ToSighting(pass, work, found));
   work.frame.image.release();
 }
 
 // Raises the gap of a tracklet to 2.5 searched frames, and to the number of frames that a track may miss.
-RunOptions RunsOf(const SearchPass& pass, double frame_rate) {
+TrackletOptions MakeTrackletOptions(const SearchPass& pass, double frame_rate) {
   constexpr double kFrames = 2.5;
-  RunOptions runs = pass.options.runs;
-  const double frames =
-      std::max(kFrames * pass.options.every, Follows(pass) ? pass.options.follow.track.missed_frames + 1.5 : 0.0);
+  TrackletOptions runs = pass.options.runs;
+  const double frames = std::max(kFrames * pass.options.every,
+                                 IsTrackingEnabled(pass) ? pass.options.follow.track.missed_frames + 1.5 : 0.0);
   if (frame_rate > 0) runs.gap_s = std::max(runs.gap_s, frames / frame_rate);
   return runs;
 }
 
 // Links and stores, in the order of frames. Serial.
-class Sink {
+class ResultWriter {
  public:
-  Sink(const SearchPass& pass, double frame_rate, IndexStore& store, IndexReport& report)
+  ResultWriter(const SearchPass& pass, double frame_rate, IndexStore& store, IndexReport& report)
       : pass_(pass),
         store_(store),
         report_(report),
-        linker_(RunsOf(pass, frame_rate)),
+        linker_(MakeTrackletOptions(pass, frame_rate)),
         next_frame_(pass.searches.front().next_frame),
         committed_frame_(next_frame_),
         last_commit_(Clock::now()) {}
@@ -305,23 +308,23 @@ class Sink {
   // Restores the tracklets that may still grow.
   Status Resume() {
     if (next_frame_ == 0) return {};
-    VICTORIOUS_ASSIGN_OR_RETURN(std::vector<RunRecord> runs, store_.Runs());
-    std::erase_if(runs, [&](const RunRecord& run) {
+    VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TrackletRecord> runs, store_.Tracklets());
+    std::erase_if(runs, [&](const TrackletRecord& run) {
       return run.video != pass_.video.id ||
              std::ranges::find(pass_.searches, run.model, &SearchRecord::model) == pass_.searches.end();
     });
     if (runs.empty()) return {};
-    SightingFilter filter{.video_name = pass_.video.name, .rejected_too = true};
-    filter.from_s = std::ranges::max(runs, {}, &RunRecord::last_time_s).last_time_s - linker_.HistoryS();
+    SightingFilter filter{.video_name = pass_.video.name, .include_rejected = true};
+    filter.from_s = std::ranges::max(runs, {}, &TrackletRecord::last_time_s).last_time_s - linker_.HistorySeconds();
     VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SightingRecord> sightings, store_.Sightings(filter));
     linker_.Resume(runs, sightings);
     return {};
   }
 
-  Status Add(Work& work) {
+  Status Add(FrameTask& work) {
     if (!work.features) return std::unexpected(std::move(work.features).error());
     linker_.Step(work.frame.index, work.now_from_before);
-    if (work.again) return {};
+    if (work.already_stored) return {};
     report_.frames_searched += work.whole ? 1 : 0;
     report_.sightings += static_cast<std::int64_t>(work.sightings.size());
     linker_.Link(std::move(work.sightings), batch_);
@@ -350,7 +353,7 @@ class Sink {
       can_commit_ = false;
       return std::unexpected(ids.error());
     }
-    linker_.Committed(*ids);
+    linker_.SetCommittedIds(*ids);
     batch_ = {};
     committed_frame_ = next_frame_;
     last_commit_ = Clock::now();
@@ -360,7 +363,7 @@ class Sink {
   /// False after a failed commit.
   [[nodiscard]] bool can_commit() const { return can_commit_; }
   [[nodiscard]] std::int64_t next_frame() const { return next_frame_; }
-  [[nodiscard]] std::optional<std::int64_t> NeededFrom() const { return linker_.NeededFrom(); }
+  [[nodiscard]] std::optional<std::int64_t> FirstRequiredFrame() const { return linker_.FirstRequiredFrame(); }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -368,7 +371,7 @@ class Sink {
   const SearchPass& pass_;
   IndexStore& store_;
   IndexReport& report_;
-  RunLinker linker_;
+  TrackletLinker linker_;
   IndexBatch batch_;
   std::int64_t next_frame_;
   std::int64_t committed_frame_;
@@ -382,15 +385,15 @@ Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelTo
                      const WarningSink& warn, IndexReport& report) {
   namespace tbb = oneapi::tbb;
   Progress progress(pass.video.name, reader.info().frame_count, "frames");
-  Sink sink(pass, reader.info().frame_rate, store, report);
+  ResultWriter sink(pass, reader.info().frame_rate, store, report);
   VICTORIOUS_RETURN_IF_ERROR(sink.Resume());
-  Source source(pass, sink.NeededFrom(), reader, cancel, progress);
-  CameraMotion motion;
+  FrameSource source(pass, sink.FirstRequiredFrame(), reader, cancel, progress);
+  ImageMotionEstimator motion;
   std::optional<Follower> follower;
-  if (Follows(pass)) {
+  if (IsTrackingEnabled(pass)) {
     VICTORIOUS_ASSIGN_OR_RETURN(
         Follower made,
-        Follower::Create(pass.recognizer, pass.extractor, pass.options.features.impulse_share, pass.options.follow));
+        Follower::Create(pass.recognizer, pass.extractor, pass.options.features.impulse_fraction, pass.options.follow));
     follower.emplace(std::move(made));
   }
 
@@ -403,24 +406,27 @@ Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelTo
   tbb::task_arena arena(threads);
   arena.execute([&] {
     const auto read =
-        tbb::make_filter<void, WorkPtr>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) {
-          WorkPtr work = failed ? nullptr : source.Next();
+        tbb::make_filter<void, FrameTaskPtr>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) {
+          FrameTaskPtr work = failed ? nullptr : source.Next();
           if (!work) control.stop();
           return work;
         });
-    const auto search = tbb::make_filter<WorkPtr, WorkPtr>(tbb::filter_mode::parallel, [&](WorkPtr work) {
-      Search(pass, *work);
-      return work;
-    });
-    const auto follow = tbb::make_filter<WorkPtr, WorkPtr>(tbb::filter_mode::serial_in_order, [&](WorkPtr work) {
-      Follow(pass, follower, motion, *work);
-      return work;
-    });
-    const auto collect = tbb::make_filter<WorkPtr, void>(tbb::filter_mode::serial_in_order, [&](const WorkPtr& work) {
-      if (status) status = sink.Add(*work);
-      if (!status) failed = true;
-      progress.Update(work->frame.index + 1);
-    });
+    const auto search =
+        tbb::make_filter<FrameTaskPtr, FrameTaskPtr>(tbb::filter_mode::parallel, [&](FrameTaskPtr work) {
+          Search(pass, *work);
+          return work;
+        });
+    const auto follow =
+        tbb::make_filter<FrameTaskPtr, FrameTaskPtr>(tbb::filter_mode::serial_in_order, [&](FrameTaskPtr work) {
+          Follow(pass, follower, motion, *work);
+          return work;
+        });
+    const auto collect =
+        tbb::make_filter<FrameTaskPtr, void>(tbb::filter_mode::serial_in_order, [&](const FrameTaskPtr& work) {
+          if (status) status = sink.Add(*work);
+          if (!status) failed = true;
+          progress.Update(work->frame.index + 1);
+        });
     tbb::parallel_pipeline(static_cast<std::size_t>(threads) * 2, read & search & follow & collect);
   });
   if (warn) {

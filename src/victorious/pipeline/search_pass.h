@@ -32,9 +32,9 @@ struct SearchPass {
   std::span<const std::optional<std::int64_t>> category_ids = {};
   const FeatureExtractor& extractor;
   const IndexOptions& options;
-  const CameraTrack* cameras = nullptr;  ///< telemetry, or null
-  std::optional<Sun> sun;                ///< sun direction, if known (sun_survey.h)
-  int threads = 0;                       ///< 0: one per hardware thread
+  const CameraTrajectory* cameras = nullptr;  ///< telemetry, or null
+  std::optional<Sun> sun;                     ///< sun direction, if known (sun_survey.h)
+  int threads = 0;                            ///< 0: one per hardware thread
 };
 
 /// Reads `reader` to its end, commits to `store` on the way, and adds the counts to `report`. A cancelled live source

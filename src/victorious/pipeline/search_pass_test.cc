@@ -43,8 +43,8 @@ class FakeReader final : public VideoReader {
     return Frame{.index = index, .time_s = static_cast<double>(index) / 10, .image = picture};
   }
   std::vector<DataPacket> TakeDataPackets() override { return std::exchange(packets_, {}); }
-  bool SkipTo(double /*time_s*/) override { return false; }
-  void PassOverFrames() override { next_ = kFrames; }
+  bool SeekTo(double /*time_s*/) override { return false; }
+  void SkipToEnd() override { next_ = kFrames; }
   [[nodiscard]] const std::vector<std::string>& warnings() const override { return warnings_; }
 
   void AddStream(const std::string& type) { info_.streams.push_back({.index = 1, .type = type, .codec = {}}); }
@@ -162,7 +162,7 @@ TEST_F(SearchPassTest, ALiveSourcesOwnTelemetryTellsWhereThingsAre) {
   reader.packet_of = [](std::int64_t frame) -> std::vector<DataPacket> {
     if (frame % 5 != 0) return {};  // 2 per second, from an altitude of 1000 m
     const std::string text = CameraPacket(1'700'000'000'000'000 + static_cast<std::uint64_t>(frame) * 100'000);
-    const Bytes bytes = BytesOf(text);
+    const Bytes bytes = AsBytes(text);
     return {{.stream = 1,
              .kind = DataKind::kKlv,
              .time_s = static_cast<double>(frame) / 10,
@@ -174,7 +174,7 @@ TEST_F(SearchPassTest, ALiveSourcesOwnTelemetryTellsWhereThingsAre) {
   const std::vector<SightingRecord> sightings = SightingsOf(*store_);
   ASSERT_EQ(sightings.size(), 15U);
   for (const SightingRecord& sighting : sightings) {
-    EXPECT_EQ(sighting.sight.has_value(), sighting.frame <= 10) << sighting.frame;  // up to the last packet
+    EXPECT_EQ(sighting.observation.has_value(), sighting.frame <= 10) << sighting.frame;  // up to the last packet
   }
 }
 

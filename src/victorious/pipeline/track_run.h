@@ -15,11 +15,11 @@
 #include <string>
 #include <vector>
 
+#include "victorious/associate/box_place.h"
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
 #include "victorious/model/photo_model.h"
-#include "victorious/associate/box_place.h"
 #include "victorious/pipeline/box_sighting.h"
 #include "victorious/pipeline/warning_sink.h"
 #include "victorious/recognize/recognizer.h"
@@ -29,7 +29,7 @@
 
 namespace victorious {
 
-struct TrackRunOptions {
+struct TrackBoxesOptions {
   BoxTrackOptions box;
   TelemetryOptions telemetry;
   BoxPlaceOptions place;
@@ -43,8 +43,8 @@ struct TrackRunOptions {
 };
 
 struct TrackedBoxes {
-  std::vector<BoxSighting> sightings;     ///< sorted by video, frame, box
-  std::vector<std::string> why_no_place;  ///< one per box; empty if it has a place
+  std::vector<BoxSighting> sightings;       ///< sorted by video, frame, box
+  std::vector<std::string> place_failures;  ///< one per box; empty if it has a place
 };
 
 /// Tracks user boxes.
@@ -54,8 +54,8 @@ struct TrackedBoxes {
 /// too small, a time beyond the end, or a live source; those of VideoReader; kCancelled. Cost: at 640 x 480 some 15 ms
 /// per frame and box. The backward pass reads intervals of frames that fit into options.memory_mb, each from the key
 /// frame before it if the video is seekable there, else from the beginning.
-Expected<TrackedBoxes> TrackBoxes(std::span<const std::string> videos, std::span<const DrawnBox> boxes,
-                                  const std::optional<std::string>& telemetry, const TrackRunOptions& options,
+Expected<TrackedBoxes> TrackBoxes(std::span<const std::string> videos, std::span<const UserBox> boxes,
+                                  const std::optional<std::string>& telemetry, const TrackBoxesOptions& options,
                                   const CancelToken& cancel, const WarningSink& warn);
 
 }  // namespace victorious

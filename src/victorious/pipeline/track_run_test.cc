@@ -22,17 +22,17 @@ class TrackRunTest : public ::testing::Test {
     videos_ = {(folder_ / "flight.mkv").string()};
   }
 
-  [[nodiscard]] DrawnBox Drawn(int frame) const {
+  [[nodiscard]] UserBox Drawn(int frame) const {
     const testing::TruthRow row = flight_.Truth(frame).front();
     return {row.box, frame / flight_.options().fps};
   }
 
-  Expected<TrackedBoxes> Track(const std::vector<DrawnBox>& boxes, const TrackRunOptions& options = {}) {
+  Expected<TrackedBoxes> Track(const std::vector<UserBox>& boxes, const TrackBoxesOptions& options = {}) {
     return TrackBoxes(videos_, boxes, telemetry_, options, cancel_,
                       [&](const std::string& line) { warnings_.push_back(line); });
   }
 
-  Expected<std::vector<BoxSighting>> Run(const std::vector<DrawnBox>& boxes, const TrackRunOptions& options = {}) {
+  Expected<std::vector<BoxSighting>> Run(const std::vector<UserBox>& boxes, const TrackBoxesOptions& options = {}) {
     Expected<TrackedBoxes> tracked = Track(boxes, options);
     if (!tracked) return std::unexpected(std::move(tracked).error());
     return std::move(tracked->sightings);
@@ -55,8 +55,8 @@ class TrackRunTest : public ::testing::Test {
 };
 
 TEST_F(TrackRunTest, TheWayBackIsTheSameInShortStretches) {
-  const std::vector<DrawnBox> boxes = {Drawn(25)};
-  TrackRunOptions short_stretches;
+  const std::vector<UserBox> boxes = {Drawn(25)};
+  TrackBoxesOptions short_stretches;
   short_stretches.memory_mb = 1;  // a few frames
   const auto whole = Run(boxes).value();
   const auto in_stretches = Run(boxes, short_stretches).value();
@@ -90,7 +90,7 @@ TEST_F(TrackRunTest, TellsWhatIsWrong) {
 }
 
 TEST_F(TrackRunTest, WhyThereIsNoPlaceIsTold) {
-  const auto why = [&] { return Track({Drawn(25)}).value().why_no_place.at(0); };
+  const auto why = [&] { return Track({Drawn(25)}).value().place_failures.at(0); };
   EXPECT_THAT(why(), HasSubstr("no telemetry with camera position"));
   TellCamera(100, 101);
   EXPECT_THAT(why(), HasSubstr("telemetry has no state from"));
@@ -100,19 +100,19 @@ TEST_F(TrackRunTest, WhyThereIsNoPlaceIsTold) {
 
 TEST_F(TrackRunTest, WhatHasAPlaceNeedsNoExcuse) {
   TellCamera(0, 10);
-  TrackRunOptions options;
+  TrackBoxesOptions options;
   options.ground.height_m = 20;
   const TrackedBoxes tracked = Track({Drawn(25)}, options).value();
-  EXPECT_THAT(tracked.why_no_place.at(0), ::testing::IsEmpty());
+  EXPECT_THAT(tracked.place_failures.at(0), ::testing::IsEmpty());
   EXPECT_TRUE(tracked.sightings.back().place.has_value());
 }
 
 TEST_F(TrackRunTest, AGroundAboveTheCameraIsNotTakenForWhatIsMissing) {
   TellCamera(0, 10);
-  TrackRunOptions options;
+  TrackBoxesOptions options;
   options.ground.height_m = 200;
   const TrackedBoxes tracked = Track({Drawn(25)}, options).value();
-  EXPECT_THAT(tracked.why_no_place.at(0), HasSubstr("do not meet the given ground"));
+  EXPECT_THAT(tracked.place_failures.at(0), HasSubstr("do not meet the given ground"));
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kHeadSize = 4096;  // bytes by which the file type is recognised
 
-std::string HeadOf(const std::string& path) {
+std::string ReadHead(const std::string& path) {
   std::string head(kHeadSize, '\0');
   std::ifstream file(path, std::ios::binary);
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
@@ -33,7 +33,7 @@ Expected<Telemetry> ReadPackets(const std::string& source, const TelemetryOption
   if (reader->info().live) {
     return Fail(ErrorCode::kInvalidArgument, "a live source: its telemetry has no end; give a file");
   }
-  reader->PassOverFrames();
+  reader->SkipToEnd();
   if (damage != nullptr) *damage = reader->warnings();
   return TelemetryFromPackets(reader->TakeDataPackets(), options);
 }
@@ -57,7 +57,7 @@ bool IsTelemetryFile(const std::string& path) {
   for (const char* ending : {".klv", ".bin", ".srt", ".SRT", ".csv"}) {
     if (path.ends_with(ending)) return true;
   }
-  return LooksLikeTelemetry(HeadOf(path));
+  return LooksLikeTelemetry(ReadHead(path));
 }
 
 Expected<Telemetry> ReadTelemetry(const std::string& source, const TelemetryOptions& options) {
@@ -69,40 +69,40 @@ Expected<Telemetry> ReadTelemetry(const std::string& source, const TelemetryOpti
 }
 
 Expected<std::optional<Telemetry>> FindTelemetry(const std::string& video, const TelemetryOptions& options,
-                                                 const std::function<void(const std::string&)>& tell) {
+                                                 const std::function<void(const std::string&)>& warn) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   std::error_code error;
   Expected<Telemetry> own = Telemetry{};
   if (!fs::is_directory(video, error)) own = ReadPackets(video, options, nullptr);
   if (own && !own->packets.empty()) return std::optional(*std::move(own));
-  if (const auto beside = TelemetryBeside(video)) {
-    Expected<Telemetry> read = ReadTelemetry(beside->string(), options);
+  if (const auto telemetry_file = FindTelemetryFile(video)) {
+    Expected<Telemetry> read = ReadTelemetry(telemetry_file->string(), options);
     if (read) return std::optional(*std::move(read));
-    tell(read.error().message);
+    warn(read.error().message);
   }
   if (own && own->records > 0) return std::optional(*std::move(own));
-  if (!own) tell(own.error().message);
+  if (!own) warn(own.error().message);
   return std::nullopt;
 }
 
-Expected<std::optional<Telemetry>> TelemetryOf(const std::string& video, const VideoInfo& info,
-                                               const std::optional<std::string>& file, const TelemetryOptions& options,
-                                               std::string_view useless,
-                                               const std::function<void(const std::string&)>& tell) {
+Expected<std::optional<Telemetry>> LoadTelemetry(const std::string& video, const VideoInfo& info,
+                                                 const std::optional<std::string>& file,
+                                                 const TelemetryOptions& options, std::string_view consequence,
+                                                 const std::function<void(const std::string&)>& warn) {
   std::optional<Telemetry> telemetry;
   if (file) {
     VICTORIOUS_ASSIGN_OR_RETURN(telemetry, ReadTelemetry(*file, options));
   } else if (!info.live) {
-    VICTORIOUS_ASSIGN_OR_RETURN(telemetry, FindTelemetry(video, options, tell));
+    VICTORIOUS_ASSIGN_OR_RETURN(telemetry, FindTelemetry(video, options, warn));
   }
   if (!telemetry) return telemetry;
-  for (const std::string& warning : telemetry->warnings) tell("telemetry: " + warning);
-  const auto why = WhyOfNoUse(telemetry->states, info.duration_s);
-  if (why && !telemetry->states.empty()) tell(fmt::format("telemetry: {}: {}", useless, *why));
+  for (const std::string& warning : telemetry->warnings) warn("telemetry: " + warning);
+  const auto why = DescribeMismatch(telemetry->states, info.duration_s);
+  if (why && !telemetry->states.empty()) warn(fmt::format("telemetry: {}: {}", consequence, *why));
   return telemetry;
 }
 
-std::optional<std::string> WhyOfNoUse(std::span<const CameraState> states, std::optional<double> duration_s) {
+std::optional<std::string> DescribeMismatch(std::span<const CameraState> states, std::optional<double> duration_s) {
   double first_s = std::numeric_limits<double>::infinity();
   double last_s = -first_s;
   for (const CameraState& state : states) {
@@ -119,7 +119,7 @@ std::optional<std::string> WhyOfNoUse(std::span<const CameraState> states, std::
                      last_s, duration_s ? fmt::format("{:.2f} s", *duration_s) : "its end");
 }
 
-std::optional<fs::path> TelemetryBeside(const std::string& video) {
+std::optional<fs::path> FindTelemetryFile(const std::string& video) {
   for (const fs::path& path :
        {fs::path(video).replace_extension(".SRT"), fs::path(video).replace_extension(".srt"),
         fs::path(video + ".telemetry.csv"), fs::path(video).replace_extension(".telemetry.csv")}) {

@@ -23,28 +23,28 @@ namespace victorious {
 Expected<Telemetry> ReadTelemetry(const std::string& source, const TelemetryOptions& options);
 
 /// Finds a video's telemetry. Order: embedded KLV, a file beside it, embedded subtitles. std::nullopt if there is none.
-/// @param tell  receives warnings about telemetry that cannot be read
+/// @param warn  receives warnings about telemetry that cannot be read
 /// Errors: those of the options.
 Expected<std::optional<Telemetry>> FindTelemetry(const std::string& video, const TelemetryOptions& options,
-                                                 const std::function<void(const std::string&)>& tell);
+                                                 const std::function<void(const std::string&)>& warn);
 
 /// Reads the given file, else finds the video's telemetry as FindTelemetry does. std::nullopt for a live source without
-/// a file. Passes warnings to `tell`.
+/// a file. Passes warnings to `warn`.
 /// @param info     of the video
-/// @param useless  the consequence to report if no state covers the video: "nothing will get a place"
+/// @param consequence  the consequence to report if no state covers the video: "nothing will get a place"
 /// Errors: those of ReadTelemetry for a given file, and of the options.
-Expected<std::optional<Telemetry>> TelemetryOf(const std::string& video, const VideoInfo& info,
-                                               const std::optional<std::string>& file, const TelemetryOptions& options,
-                                               std::string_view useless,
-                                               const std::function<void(const std::string&)>& tell);
+Expected<std::optional<Telemetry>> LoadTelemetry(const std::string& video, const VideoInfo& info,
+                                                 const std::optional<std::string>& file,
+                                                 const TelemetryOptions& options, std::string_view consequence,
+                                                 const std::function<void(const std::string&)>& warn);
 
 /// Explains why no camera state is usable for any frame of a video; std::nullopt if one may be.
 /// @param duration_s  of the video, if known
-[[nodiscard]] std::optional<std::string> WhyOfNoUse(std::span<const CameraState> states,
-                                                    std::optional<double> duration_s);
+[[nodiscard]] std::optional<std::string> DescribeMismatch(std::span<const CameraState> states,
+                                                          std::optional<double> duration_s);
 
 /// The telemetry file beside a video: of `flight.mp4` the first that exists of `flight.SRT`, `flight.srt`,
 /// `flight.mp4.telemetry.csv`, `flight.telemetry.csv`.
-[[nodiscard]] std::optional<std::filesystem::path> TelemetryBeside(const std::string& video);
+[[nodiscard]] std::optional<std::filesystem::path> FindTelemetryFile(const std::string& video);
 
 }  // namespace victorious

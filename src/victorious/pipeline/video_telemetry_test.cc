@@ -48,7 +48,7 @@ TEST(VideoTelemetry, LineOfSightMeetsTheRecordedFrameCentre) {
   EXPECT_THAT(telemetry.warnings, IsEmpty());
   for (const KlvPacket& packet : telemetry.packets) {
     ASSERT_TRUE(packet.checksum && packet.checksum->IsValid());
-    const auto error_rad = FrameCentreError(packet);
+    const auto error_rad = ComputeFrameCentreError(packet);
     ASSERT_TRUE(error_rad);
     EXPECT_LT(DegreesFromRadians(*error_rad), 0.005);
     const auto camera = CameraFromKlv(packet);
@@ -228,13 +228,13 @@ TEST(VideoTelemetry, TableBesideTheMovies) {
 TEST(VideoTelemetry, FindsWhatLiesBesideAVideo) {
   const testing::ScratchFolder folder;
   const std::string video = folder / "flight.mp4";
-  EXPECT_EQ(TelemetryBeside(video), std::nullopt);
+  EXPECT_EQ(FindTelemetryFile(video), std::nullopt);
   std::ofstream(folder / "flight.telemetry.csv") << "time_s\n";
-  EXPECT_EQ(TelemetryBeside(video), folder / "flight.telemetry.csv");
+  EXPECT_EQ(FindTelemetryFile(video), folder / "flight.telemetry.csv");
   std::ofstream(folder / "flight.mp4.telemetry.csv") << "time_s\n";
-  EXPECT_EQ(TelemetryBeside(video), folder / "flight.mp4.telemetry.csv");
+  EXPECT_EQ(FindTelemetryFile(video), folder / "flight.mp4.telemetry.csv");
   std::ofstream(folder / "flight.SRT") << "1\n";
-  EXPECT_EQ(TelemetryBeside(video), folder / "flight.SRT");
+  EXPECT_EQ(FindTelemetryFile(video), folder / "flight.SRT");
 }
 
 TEST(VideoTelemetry, SaysWhyItIsOfNoUse) {
@@ -242,15 +242,15 @@ TEST(VideoTelemetry, SaysWhyItIsOfNoUse) {
   CameraState later = known;
   later.time_s = 160;
   const std::vector<CameraState> states = {known, later};
-  EXPECT_FALSE(WhyOfNoUse(states, 120)) << "the last 20 s";
-  EXPECT_FALSE(WhyOfNoUse(states, {})) << "it may be long enough";
-  EXPECT_THAT(WhyOfNoUse(states, 6).value_or(""), HasSubstr("100.00 to 160.00 s, but the video 0 to 6.00 s"));
+  EXPECT_FALSE(DescribeMismatch(states, 120)) << "the last 20 s";
+  EXPECT_FALSE(DescribeMismatch(states, {})) << "it may be long enough";
+  EXPECT_THAT(DescribeMismatch(states, 6).value_or(""), HasSubstr("100.00 to 160.00 s, but the video 0 to 6.00 s"));
   known.time_s = -50;
   later.time_s = -1;
-  EXPECT_THAT(WhyOfNoUse(std::vector{known, later}, {}).value_or(""), HasSubstr("-50.00 to -1.00 s"));
+  EXPECT_THAT(DescribeMismatch(std::vector{known, later}, {}).value_or(""), HasSubstr("-50.00 to -1.00 s"));
   known.time_s = 3;
   known.hfov_rad.reset();
-  EXPECT_THAT(WhyOfNoUse(std::vector{known}, 6).value_or(""), HasSubstr("field of view"));
+  EXPECT_THAT(DescribeMismatch(std::vector{known}, 6).value_or(""), HasSubstr("field of view"));
 }
 
 }  // namespace

@@ -16,13 +16,13 @@ namespace victorious {
 /// Template point (source) and scene point (target) of each match, px, in the order of the matches.
 /// @param matches  a range of Match or RankedMatch
 template <typename Matches>
-std::vector<PointPair> PairsOf(std::span<const Keypoint> scene, std::span<const Keypoint> model,
-                               const Matches& matches) {
+std::vector<PointPair> MakePointPairs(std::span<const Keypoint> scene, std::span<const Keypoint> model,
+                                      const Matches& matches) {
   std::vector<PointPair> pairs;
   pairs.reserve(matches.size());
   for (const auto& match : matches) {
-    const Keypoint& s = scene[match.scene];
-    const Keypoint& m = model[match.model];
+    const Keypoint& s = scene[match.scene_keypoint];
+    const Keypoint& m = model[match.template_keypoint];
     pairs.push_back({{m.x, m.y}, {s.x, s.y}});
   }
   return pairs;

@@ -19,7 +19,7 @@ using Solve = std::function<std::optional<Eigen::Matrix3d>(std::span<const Point
 
 struct Kind {
   int parameters;
-  std::size_t least_pairs;  ///< more than the minimal sample, so that the fit is overdetermined (similarity: minimal)
+  std::size_t min_pairs;  ///< more than the minimal sample, so that the fit is overdetermined (similarity: minimal)
   Solve solve;
 };
 
@@ -32,9 +32,9 @@ struct Fit {
 // @return the log likelihood of the pairs
 double Posterior(std::span<const PointPair> pairs, const Eigen::Matrix3d& map, double sigma, double area,
                  std::vector<double>& weights) {
-  constexpr double kInlierShare = 0.9;  // prior: the pairs are the inliers of a similarity
-  const double density = kInlierShare / (2 * std::numbers::pi * sigma * sigma);
-  const double outlier = (1 - kInlierShare) / area;
+  constexpr double kInlierFraction = 0.9;  // prior: the pairs are the inliers of a similarity
+  const double density = kInlierFraction / (2 * std::numbers::pi * sigma * sigma);
+  const double outlier = (1 - kInlierFraction) / area;
   double log_likelihood = 0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const double squared = (ApplyHomography(map, pairs[i].source) - pairs[i].target).squaredNorm();
@@ -64,14 +64,14 @@ std::optional<Fit> FitByAnnealing(std::span<const PointPair> pairs, const Kind& 
 
 // True if the projected outline is plausible: not mirrored, in front of the horizon, convex if it was convex, and its
 // area within a factor of three of the similarity's.
-bool KeepsShape(const Eigen::Matrix3d& map, const Similarity2& similarity, const Polygon& outline) {
-  constexpr double kMostAreaChange = 3.0;
+bool IsShapePlausible(const Eigen::Matrix3d& map, const Similarity2& similarity, const Polygon& outline) {
+  constexpr double kMaxAreaChange = 3.0;
   const bool before_horizon = std::ranges::all_of(
       outline, [&](const Eigen::Vector2d& corner) { return (map * corner.homogeneous()).z() > 0.1; });
   if (!before_horizon) return false;
   const Polygon projected = ProjectPolygon(map, outline);
   const double ratio = SignedArea(projected) / (SignedArea(outline) * similarity.scale * similarity.scale);
-  if (!(ratio > 1 / kMostAreaChange && ratio < kMostAreaChange)) return false;
+  if (!(ratio > 1 / kMaxAreaChange && ratio < kMaxAreaChange)) return false;
   return IsConvex(projected) || !IsConvex(outline);
 }
 
@@ -90,9 +90,9 @@ Eigen::Matrix3d RefinePlane(std::span<const PointPair> pairs, const Similarity2&
   Eigen::Matrix3d best = start.Matrix();
   double best_criterion = -std::numeric_limits<double>::infinity();
   for (const Kind& kind : kinds) {
-    if (pairs.size() < kind.least_pairs) break;
+    if (pairs.size() < kind.min_pairs) break;
     const auto fit = FitByAnnealing(pairs, kind, start.Matrix(), start_sigma_px, noise_px, scene_area_px2);
-    if (!fit || !KeepsShape(fit->map, start, outline)) continue;
+    if (!fit || !IsShapePlausible(fit->map, start, outline)) continue;
     const double criterion =
         fit->log_likelihood - 0.5 * kind.parameters * std::log(2.0 * static_cast<double>(pairs.size()));
     if (criterion > best_criterion) {

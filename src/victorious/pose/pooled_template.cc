@@ -18,7 +18,7 @@ namespace {
 // Affine camera of a view: homogeneous surface point (m) to pixel. Views are rendered from a large distance.
 using ViewMap = Eigen::Matrix<double, 2, 4>;
 
-std::optional<ViewMap> MapOf(const ComparedTemplate& view) {
+std::optional<ViewMap> FitViewMap(const ComparedTemplate& view) {
   constexpr std::size_t kLeast = 8;
   if (view.keypoints.size() < kLeast) return std::nullopt;
   const auto count = static_cast<Eigen::Index>(view.keypoints.size());
@@ -48,7 +48,7 @@ std::optional<ViewMap> MapOf(const ComparedTemplate& view) {
 
 // A neighbour's keypoints in the view's image: positions through the affine camera, orientations and scales through
 // the one similarity that fits best. Empty if no similarity fits.
-std::vector<Keypoint> Carried(const ComparedTemplate& neighbour, const ViewMap& map) {
+std::vector<Keypoint> TransferKeypoints(const ComparedTemplate& neighbour, const ViewMap& map) {
   std::vector<PointPair> pairs;
   for (std::size_t i = 0; i < neighbour.keypoints.size(); ++i) {
     const Point3& place = neighbour.points_in_model[i];
@@ -57,14 +57,15 @@ std::vector<Keypoint> Carried(const ComparedTemplate& neighbour, const ViewMap& 
   }
   const std::optional<Similarity2> turned = SolveSimilarity(pairs);
   if (!turned) return {};
-  std::vector<Keypoint> carried(neighbour.keypoints.begin(), neighbour.keypoints.end());
-  for (std::size_t i = 0; i < carried.size(); ++i) {
-    carried[i].x = static_cast<float>(pairs[i].target.x());
-    carried[i].y = static_cast<float>(pairs[i].target.y());
-    carried[i].scale_px = static_cast<float>(carried[i].scale_px * turned->scale);
-    carried[i].orientation_rad = static_cast<float>(WrapAngle(carried[i].orientation_rad + turned->rotation_rad));
+  std::vector<Keypoint> transferred(neighbour.keypoints.begin(), neighbour.keypoints.end());
+  for (std::size_t i = 0; i < transferred.size(); ++i) {
+    transferred[i].x = static_cast<float>(pairs[i].target.x());
+    transferred[i].y = static_cast<float>(pairs[i].target.y());
+    transferred[i].scale_px = static_cast<float>(transferred[i].scale_px * turned->scale);
+    transferred[i].orientation_rad =
+        static_cast<float>(WrapAngle(transferred[i].orientation_rad + turned->rotation_rad));
   }
-  return carried;
+  return transferred;
 }
 
 // Hash grid that finds a keypoint of similar position, scale and orientation.
@@ -80,7 +81,7 @@ class KeypointGrid {
         const auto cell = cells_.find(CellOf(x, y));
         if (cell == cells_.end()) continue;
         const auto alike =
-            std::ranges::find_if(cell->second, [&](std::uint32_t one) { return AreAlike(wanted, keypoints[one]); });
+            std::ranges::find_if(cell->second, [&](std::uint32_t one) { return AreSimilar(wanted, keypoints[one]); });
         if (alike != cell->second.end()) return *alike;
       }
     }
@@ -97,7 +98,7 @@ class KeypointGrid {
     return static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) << 32U | static_cast<std::uint32_t>(y);
   }
 
-  static bool AreAlike(const Keypoint& a, const Keypoint& b) {
+  static bool AreSimilar(const Keypoint& a, const Keypoint& b) {
     return std::hypot(a.x - b.x, a.y - b.y) <= kNear_px &&
            std::max(a.scale_px, b.scale_px) <= kScaleFactor * std::min(a.scale_px, b.scale_px) &&
            std::abs(WrapAngle(a.orientation_rad - b.orientation_rad)) <= kTurn_rad;
@@ -108,38 +109,38 @@ class KeypointGrid {
 
 }  // namespace
 
-PooledTemplate Pool(const ComparedTemplate& view, std::span<const ComparedTemplate> neighbours) {
+PooledTemplate PoolTemplates(const ComparedTemplate& view, std::span<const ComparedTemplate> neighbours) {
   PooledTemplate pooled{.keypoints = {view.keypoints.begin(), view.keypoints.end()},
                         .points_in_model = {view.points_in_model.begin(), view.points_in_model.end()},
                         .matches = {view.matches.begin(), view.matches.end()}};
-  const std::optional<ViewMap> map = MapOf(view);
+  const std::optional<ViewMap> map = FitViewMap(view);
   if (!map) return pooled;
 
   KeypointGrid grid;
   for (std::uint32_t i = 0; i < pooled.keypoints.size(); ++i) grid.Add(pooled.keypoints[i], i);
-  std::vector<std::uint32_t> times(pooled.keypoints.size(), 1);  // number of views that contain the keypoint
+  std::vector<std::uint32_t> view_count(pooled.keypoints.size(), 1);  // number of views that contain the keypoint
   for (const ComparedTemplate& neighbour : neighbours) {
-    const std::vector<Keypoint> carried = Carried(neighbour, *map);
-    std::vector<std::uint32_t> number(carried.size());
-    for (std::size_t i = 0; i < carried.size(); ++i) {
-      const auto same = grid.Find(carried[i], pooled.keypoints);
+    const std::vector<Keypoint> transferred = TransferKeypoints(neighbour, *map);
+    std::vector<std::uint32_t> number(transferred.size());
+    for (std::size_t i = 0; i < transferred.size(); ++i) {
+      const auto same = grid.Find(transferred[i], pooled.keypoints);
       number[i] = same.value_or(static_cast<std::uint32_t>(pooled.keypoints.size()));
       if (same) {
-        ++times[*same];
+        ++view_count[*same];
         continue;
       }
-      grid.Add(carried[i], number[i]);
-      pooled.keypoints.push_back(carried[i]);
+      grid.Add(transferred[i], number[i]);
+      pooled.keypoints.push_back(transferred[i]);
       pooled.points_in_model.push_back(neighbour.points_in_model[i]);
-      times.push_back(1);
+      view_count.push_back(1);
     }
-    if (carried.empty()) continue;
+    if (transferred.empty()) continue;
     for (const RankedMatch& match : neighbour.matches) {
-      pooled.matches.push_back({match.scene, number[match.model], match.rank});
+      pooled.matches.push_back({match.scene_keypoint, number[match.template_keypoint], match.rank});
     }
   }
-  for (RankedMatch& match : pooled.matches) match.rank *= times[match.model];
-  std::ranges::stable_sort(pooled.matches, {}, &RankedMatch::model);
+  for (RankedMatch& match : pooled.matches) match.rank *= view_count[match.template_keypoint];
+  std::ranges::stable_sort(pooled.matches, {}, &RankedMatch::template_keypoint);
   return pooled;
 }
 

@@ -28,6 +28,6 @@ struct PooledTemplate {
 
 /// Returns the view's own keypoints and matches if the affine camera is not determined: fewer than eight keypoints, or
 /// nearly coplanar surface points.
-PooledTemplate Pool(const ComparedTemplate& view, std::span<const ComparedTemplate> neighbours);
+PooledTemplate PoolTemplates(const ComparedTemplate& view, std::span<const ComparedTemplate> neighbours);
 
 }  // namespace victorious

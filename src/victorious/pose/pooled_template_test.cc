@@ -58,17 +58,17 @@ TEST(PooledTemplate, KeypointsOfANeighbourStandWhereTheViewWouldShowThem) {
   DrawnView neighbour = Draw(Places(2, 30), kSide_rad, 0.6, 60);
   view.matches = {{7, 3, 2}};
   neighbour.matches = {{11, 5, 1}, {12, 29, 4}};
-  const PooledTemplate pooled = Pool(view.Compared(), std::vector{neighbour.Compared()});
+  const PooledTemplate pooled = PoolTemplates(view.Compared(), std::vector{neighbour.Compared()});
   ASSERT_EQ(pooled.keypoints.size(), 50U);
   ASSERT_EQ(pooled.points_in_model.size(), 50U);
   EXPECT_TRUE(std::ranges::equal(std::span(pooled.keypoints).first(20), view.keypoints));
   const DrawnView truth = Draw(neighbour.points_in_model, 0);
   for (std::size_t i = 0; i < 30; ++i) {
-    const Keypoint& carried = pooled.keypoints[20 + i];
-    EXPECT_NEAR(carried.x, truth.keypoints[i].x, 0.1) << i;
-    EXPECT_NEAR(carried.y, truth.keypoints[i].y, 0.1) << i;
-    EXPECT_NEAR(carried.scale_px, 4, 0.2) << i;
-    EXPECT_NEAR(WrapAngle(carried.orientation_rad - truth.keypoints[i].orientation_rad), 0, 0.1) << i;
+    const Keypoint& transferred = pooled.keypoints[20 + i];
+    EXPECT_NEAR(transferred.x, truth.keypoints[i].x, 0.1) << i;
+    EXPECT_NEAR(transferred.y, truth.keypoints[i].y, 0.1) << i;
+    EXPECT_NEAR(transferred.scale_px, 4, 0.2) << i;
+    EXPECT_NEAR(WrapAngle(transferred.orientation_rad - truth.keypoints[i].orientation_rad), 0, 0.1) << i;
     EXPECT_EQ(pooled.points_in_model[20 + i], neighbour.points_in_model[i]);
   }
   EXPECT_EQ(pooled.matches, (std::vector<RankedMatch>{{7, 3, 2}, {11, 25, 1}, {12, 49, 4}}));
@@ -79,7 +79,7 @@ TEST(PooledTemplate, AKeypointOfSeveralViewsIsOneThatWasTriedSeveralTimes) {
   DrawnView neighbour = Draw(Places(1, 20), 0.1);
   view.matches = {{7, 3, 2}};
   neighbour.matches = {{11, 3, 1}};
-  const PooledTemplate pooled = Pool(view.Compared(), std::vector{neighbour.Compared(), neighbour.Compared()});
+  const PooledTemplate pooled = PoolTemplates(view.Compared(), std::vector{neighbour.Compared(), neighbour.Compared()});
   ASSERT_EQ(pooled.keypoints.size(), 20U);
   EXPECT_EQ(pooled.matches, (std::vector<RankedMatch>{{7, 3, 6}, {11, 3, 3}, {11, 3, 3}}));
 }
@@ -87,7 +87,7 @@ TEST(PooledTemplate, AKeypointOfSeveralViewsIsOneThatWasTriedSeveralTimes) {
 TEST(PooledTemplate, AViewOfTooFewKeypointsStaysAlone) {
   DrawnView view = Draw(Places(1, 7), 0);
   view.matches = {{7, 3, 2}};
-  const PooledTemplate pooled = Pool(view.Compared(), std::vector{Draw(Places(2, 30), 0.17).Compared()});
+  const PooledTemplate pooled = PoolTemplates(view.Compared(), std::vector{Draw(Places(2, 30), 0.17).Compared()});
   EXPECT_EQ(pooled.keypoints, view.keypoints);
   EXPECT_EQ(pooled.matches, view.matches);
 }
@@ -96,7 +96,8 @@ TEST(PooledTemplate, APlaneDoesNotTellTheRestOfTheObject) {
   std::vector<Point3> places = Places(1, 20);
   for (Point3& place : places) place.z = 1;
   const DrawnView view = Draw(places, 0);
-  EXPECT_EQ(Pool(view.Compared(), std::vector{Draw(Places(2, 30), 0.17).Compared()}).keypoints, view.keypoints);
+  EXPECT_EQ(PoolTemplates(view.Compared(), std::vector{Draw(Places(2, 30), 0.17).Compared()}).keypoints,
+            view.keypoints);
 }
 
 // Each of two views has 40 keypoints with seven true matches; pooled, the significance is higher than of either view.
@@ -110,7 +111,7 @@ TEST(PooledTemplate, TogetherViewsHaveMoreEvidenceThanEachAlone) {
                                static_cast<float>(1.5 * std::exp2(2 * random.Uniform())),
                                static_cast<float>(2 * kPi * random.Uniform() - kPi)});
   }
-  const Similarity2 pose{0.8, 0.4, {180, 40}};
+  const Similarity2 fit{0.8, 0.4, {180, 40}};
   std::uint32_t in_scene = 0;
   const auto match = [&](DrawnView& view) {
     const DrawnView as_shown = Draw(view.points_in_model, 0);  // the scene shows both from the first view's direction
@@ -118,26 +119,26 @@ TEST(PooledTemplate, TogetherViewsHaveMoreEvidenceThanEachAlone) {
       for (std::uint32_t rank = 1; rank <= 4; ++rank) view.matches.push_back({1000 + random.Below(1000), i, rank});
       if (i >= 7) continue;
       const Keypoint& shown = as_shown.keypoints[i];
-      const Eigen::Vector2d place = pose.Apply({shown.x, shown.y});
-      view.matches[4 * i].scene = in_scene;
+      const Eigen::Vector2d place = fit.Apply({shown.x, shown.y});
+      view.matches[4 * i].scene_keypoint = in_scene;
       scene.keypoints[in_scene++] = {static_cast<float>(place.x()), static_cast<float>(place.y()),
-                                     static_cast<float>(shown.scale_px * pose.scale),
-                                     static_cast<float>(WrapAngle(shown.orientation_rad + pose.rotation_rad))};
+                                     static_cast<float>(shown.scale_px * fit.scale),
+                                     static_cast<float>(WrapAngle(shown.orientation_rad + fit.rotation_rad))};
     }
   };
   DrawnView view = Draw(Places(4, 40), 0);
   DrawnView neighbour = Draw(Places(5, 40), 0.17);
   match(view);
   match(neighbour);
-  const Polygon outline = CornersOf({40, 70, 320, 160});
-  const auto evidence = [&](std::span<const Keypoint> keypoints, std::span<const RankedMatch> matches) {
-    const std::vector<Pose> poses = VotePoses(scene, keypoints, matches, outline, {}, {});
-    return poses.empty() ? -100.0 : *poses.front().evidence;
+  const Polygon outline = BoxCorners({40, 70, 320, 160});
+  const auto neg_log10_nfa = [&](std::span<const Keypoint> keypoints, std::span<const RankedMatch> matches) {
+    const std::vector<PlanarFit> fits = VotePoses(scene, keypoints, matches, outline, {}, {});
+    return fits.empty() ? -100.0 : *fits.front().neg_log10_nfa;
   };
-  const PooledTemplate pooled = Pool(view.Compared(), std::vector{neighbour.Compared()});
-  const double together = evidence(pooled.keypoints, pooled.matches);
-  EXPECT_GT(together, evidence(view.keypoints, view.matches) + 3);
-  EXPECT_GT(together, evidence(neighbour.keypoints, neighbour.matches) + 3);
+  const PooledTemplate pooled = PoolTemplates(view.Compared(), std::vector{neighbour.Compared()});
+  const double together = neg_log10_nfa(pooled.keypoints, pooled.matches);
+  EXPECT_GT(together, neg_log10_nfa(view.keypoints, view.matches) + 3);
+  EXPECT_GT(together, neg_log10_nfa(neighbour.keypoints, neighbour.matches) + 3);
 }
 
 }  // namespace

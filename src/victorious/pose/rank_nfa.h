@@ -19,8 +19,8 @@ struct PoseWindow {
 /// @param size_px  size of the object in the template: square root of the outline's area
 /// @return -log10 NFA, decades, for one searched view; negative if chance explains the pose
 /// Cost: inliers x scene keypoints.
-double RankEvidence(const Similarity2& scene_from_template, std::span<const RankedMatch> inliers,
-                    const PoseWindow& window, double size_px, const FeatureSet& scene, std::span<const Keypoint> model,
-                    const VoteOptions& options);
+double ComputeRankNegLog10Nfa(const Similarity2& scene_from_template, std::span<const RankedMatch> inliers,
+                              const PoseWindow& window, double size_px, const FeatureSet& scene,
+                              std::span<const Keypoint> template_keypoints, const VoteOptions& options);
 
 }  // namespace victorious

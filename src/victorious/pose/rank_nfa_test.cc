@@ -17,13 +17,13 @@ constexpr double kSizePx = 140;
 constexpr PoseWindow kWindow = {.radius_px = 6, .widest_px = 12};
 const Similarity2 kPose{1.5, 0.4, {320, 100}};
 
-// A template of 30 keypoints in a scene of 1000 keypoints, all matched at ranks 1 to 4. They are 15 px apart, and
-// `apart` is small, so that none overlap.
+// A template of 30 keypoints in a scene of 1000 keypoints, all matched at ranks 1 to 4. They are 15 px
+// min_separation_scales, and `min_separation_scales` is small, so that none overlap.
 struct World {
   FeatureSet scene;
   std::vector<Keypoint> model;
   std::vector<RankedMatch> inliers;
-  VoteOptions options = {.apart = 0.5};
+  VoteOptions options = {.min_separation_scales = 0.5};
 
   void Add(const Keypoint& keypoint, std::uint32_t rank) {
     const Eigen::Vector2d place = kPose.Apply({keypoint.x, keypoint.y});
@@ -35,8 +35,9 @@ struct World {
                                static_cast<float>(WrapAngle(keypoint.orientation_rad + kPose.rotation_rad))});
   }
 
-  [[nodiscard]] double Evidence(std::size_t first_inliers) const {
-    return RankEvidence(kPose, std::span(inliers).first(first_inliers), kWindow, kSizePx, scene, model, options);
+  [[nodiscard]] double NegLog10Nfa(std::size_t first_inliers) const {
+    return ComputeRankNegLog10Nfa(kPose, std::span(inliers).first(first_inliers), kWindow, kSizePx, scene, model,
+                                  options);
   }
 };
 
@@ -65,7 +66,7 @@ double Binomial(int n, int k) {
   return value;
 }
 
-// T: positions one window apart, times rotations and scales that move the rim by one window.
+// T: positions one window min_separation_scales, times rotations and scales that move the rim by one window.
 double PosesThatDiffer() {
   const double rim = 0.5 * kSizePx * kPose.scale / kWindow.radius_px;
   return kWidth * kHeight / (kPi * kWindow.radius_px * kWindow.radius_px) * (2 * kPi * rim) * (4 * std::log(2.0) * rim);
@@ -76,7 +77,7 @@ std::vector<double> ChancesOf(const World& world, std::size_t first_inliers) {
   std::vector<double> chances;
   for (std::size_t i = 0; i < first_inliers; ++i) {
     const RankedMatch& match = world.inliers[i];
-    const Keypoint& expected = world.scene.keypoints[match.scene];  // equals the projection exactly
+    const Keypoint& expected = world.scene.keypoints[match.scene_keypoint];  // equals the projection exactly
     int wide = 0;
     for (const Keypoint& other : world.scene.keypoints) {
       const bool near = std::hypot(other.x - expected.x, other.y - expected.y) <= 2 * kWindow.widest_px;
@@ -93,7 +94,7 @@ std::vector<double> ChancesOf(const World& world, std::size_t first_inliers) {
   return chances;
 }
 
-TEST(RankEvidence, IsTheFormulaCountedOut) {
+TEST(ComputeRankNegLog10Nfa, IsTheFormulaCountedOut) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const World world = MakeWorld(seed);
     for (const std::size_t found : {0U, 1U, 5U, 12U, 30U}) {
@@ -104,12 +105,12 @@ TEST(RankEvidence, IsTheFormulaCountedOut) {
         least = std::min(least, Binomial(30, k) * std::pow(chances[i], k));
       }
       const double expected = -std::log10(PosesThatDiffer() * least) - world.options.dependence_decades;
-      EXPECT_NEAR(world.Evidence(found), expected, 1e-4) << seed << ", " << found;
+      EXPECT_NEAR(world.NegLog10Nfa(found), expected, 1e-4) << seed << ", " << found;
     }
   }
 }
 
-TEST(RankEvidence, ClaimsNoMoreThanTheBinomialTail) {
+TEST(ComputeRankNegLog10Nfa, ClaimsNoMoreThanTheBinomialTail) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const World world = MakeWorld(seed);
     for (const std::size_t found : {1U, 5U, 12U, 30U}) {
@@ -122,44 +123,44 @@ TEST(RankEvidence, ClaimsNoMoreThanTheBinomialTail) {
         rarest = std::min(rarest, tail);
       }
       const double most = -std::log10(PosesThatDiffer() * rarest) - world.options.dependence_decades;
-      EXPECT_LE(world.Evidence(found), most + 1e-4) << seed << ", " << found;
+      EXPECT_LE(world.NegLog10Nfa(found), most + 1e-4) << seed << ", " << found;
     }
   }
 }
 
-TEST(RankEvidence, GrowsWithInliersAndFallsWithRanks) {
+TEST(ComputeRankNegLog10Nfa, GrowsWithInliersAndFallsWithRanks) {
   World world = MakeWorld(6);
-  double before = world.Evidence(0);
+  double before = world.NegLog10Nfa(0);
   for (std::size_t found = 1; found <= 30; ++found) {
-    const double now = world.Evidence(found);
+    const double now = world.NegLog10Nfa(found);
     EXPECT_GE(now, before - 1e-9) << found;
     before = now;
   }
-  EXPECT_GT(before, world.Evidence(0) + 20);
+  EXPECT_GT(before, world.NegLog10Nfa(0) + 20);
   for (std::size_t i = 0; i < 30; ++i) {
     world.inliers[i].rank += 2;
-    const double now = world.Evidence(30);
+    const double now = world.NegLog10Nfa(30);
     EXPECT_LE(now, before + 1e-9) << i;
     before = now;
   }
 }
 
-TEST(RankEvidence, WhatIsMissedThoughVisibleCountsAgainstIt) {
+TEST(ComputeRankNegLog10Nfa, WhatIsMissedThoughVisibleCountsAgainstIt) {
   World world = MakeWorld(7);
-  const double before = world.Evidence(10);
+  const double before = world.NegLog10Nfa(10);
   const std::size_t found = world.inliers.size();
   for (int i = 0; i < 20; ++i) world.model.push_back({static_cast<float>(4 + 8 * i), 60, 3, 0});
   EXPECT_EQ(world.inliers.size(), found);
-  EXPECT_LT(world.Evidence(10), before - 1);
+  EXPECT_LT(world.NegLog10Nfa(10), before - 1);
 }
 
 // An inlier whose projection is not visible still counts in n.
-TEST(RankEvidence, InliersOutOfViewAreAmongThoseTried) {
+TEST(ComputeRankNegLog10Nfa, InliersOutOfViewAreAmongThoseTried) {
   World unseen = MakeWorld(8);
   // Ten keypoints have a scale of 0.75 px in the scene, below the minimum.
   for (std::size_t i = 0; i < 30; ++i) {
     unseen.model[i].scale_px = i < 10 ? 0.5F : 4.0F;
-    unseen.scene.keypoints[unseen.inliers[i].scene].scale_px = unseen.model[i].scale_px * 1.5F;
+    unseen.scene.keypoints[unseen.inliers[i].scene_keypoint].scale_px = unseen.model[i].scale_px * 1.5F;
   }
   for (const std::size_t found : {0U, 10U, 20U, 30U}) {
     const std::vector<double> chances = ChancesOf(unseen, found);
@@ -171,18 +172,18 @@ TEST(RankEvidence, InliersOutOfViewAreAmongThoseTried) {
       least = std::min(least, Binomial(n, k) * std::pow(chances[i], k));
     }
     const double expected = -std::log10(PosesThatDiffer() * least) - unseen.options.dependence_decades;
-    EXPECT_NEAR(unseen.Evidence(found), expected, 1e-4) << found;
+    EXPECT_NEAR(unseen.NegLog10Nfa(found), expected, 1e-4) << found;
   }
 }
 
-TEST(RankEvidence, AWindowOfAllTurnsIsNoWiderThanTheCircle) {
+TEST(ComputeRankNegLog10Nfa, AWindowOfAllTurnsIsNoWiderThanTheCircle) {
   World world = MakeWorld(9);
   world.options.turn_rad = kPi;
-  const double all_turns = world.Evidence(10);
+  const double all_turns = world.NegLog10Nfa(10);
   world.options.turn_rad = 3.2;  // the option's maximum
-  EXPECT_DOUBLE_EQ(world.Evidence(10), all_turns);
+  EXPECT_DOUBLE_EQ(world.NegLog10Nfa(10), all_turns);
   world.options.turn_rad = kPi / 2;  // the doubled counting window holds all orientations, the window itself half
-  EXPECT_GT(world.Evidence(10), all_turns + 1);
+  EXPECT_GT(world.NegLog10Nfa(10), all_turns + 1);
 }
 
 }  // namespace

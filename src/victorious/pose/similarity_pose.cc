@@ -26,7 +26,7 @@ void PoseOptions::ListFields(FieldList& fields) {
               .max = 1,
               .reason = "standard deviation of the model error of a similarity for an object seen from another side, "
                         "as a fraction of the object's size (square root of its outline's area)"});
-  fields.Add("least_inliers", least_inliers,
+  fields.Add("min_inliers", min_inliers,
              {.min = 2,
               .max = 1000,
               .reason = "minimum number of distinct template keypoints among the inliers of a pose; two determine it"});
@@ -35,14 +35,12 @@ void PoseOptions::ListFields(FieldList& fields) {
   fields.Add(
       "max_hypotheses", max_hypotheses,
       {.min = 1, .max = 1e6, .reason = "maximum number of MLESAC samples; few matches are sampled exhaustively"});
-  fields.Add(
-      "confidence", confidence,
-      {.min = 0.5,
-       .max = 0.999999,
-       .reason = "MLESAC stops when the probability of having missed a better sample is at most 1 minus this"});
-  fields.Add(
-      "refine_plane", refine_plane,
-      {.reason = "use an affine map or a homography for the outline if the matches support it"});
+  fields.Add("confidence", confidence,
+             {.min = 0.5,
+              .max = 0.999999,
+              .reason = "MLESAC stops when the probability of having missed a better sample is at most 1 minus this"});
+  fields.Add("refine_plane", refine_plane,
+             {.reason = "use an affine map or a homography for the outline if the matches support it"});
   fields.Add("seed", seed, {.reason = "random seed of MLESAC: equal seeds give equal results"});
 }
 
@@ -51,7 +49,7 @@ namespace {
 std::size_t CountDistinct(const MatchSet& matches) {
   std::vector<std::uint32_t> keypoints;
   keypoints.reserve(matches.size());
-  for (const Match& match : matches) keypoints.push_back(match.model);
+  for (const Match& match : matches) keypoints.push_back(match.template_keypoint);
   std::ranges::sort(keypoints);
   return static_cast<std::size_t>(
       std::ranges::distance(keypoints.begin(), std::unique(keypoints.begin(), keypoints.end())));
@@ -59,16 +57,17 @@ std::size_t CountDistinct(const MatchSet& matches) {
 
 // For each template keypoint the smallest residual, px, of its inliers that also agree in rotation and scale;
 // ascending.
-std::vector<double> AgreeingPx(std::span<const Keypoint> scene, std::span<const Keypoint> model, const Pose& pose) {
-  const Similarity2& map = pose.scene_from_template;
+std::vector<double> AgreeingResidualsPx(std::span<const Keypoint> scene, std::span<const Keypoint> model,
+                                        const PlanarFit& fit) {
+  const Similarity2& map = fit.scene_from_template;
   std::map<std::uint32_t, double> nearest_px;
-  for (const Match& match : pose.inliers) {
-    const Keypoint& s = scene[match.scene];
-    const Keypoint& m = model[match.model];
+  for (const Match& match : fit.inliers) {
+    const Keypoint& s = scene[match.scene_keypoint];
+    const Keypoint& m = model[match.template_keypoint];
     if (std::abs(std::log(s.scale_px / (m.scale_px * map.scale))) > std::log(kAgreementScale)) continue;
-    if (std::abs(WrapAngle(s.orientation_rad - m.orientation_rad - map.rotation_rad)) > kAgreementTurn_rad) continue;
+    if (std::abs(WrapAngle(s.orientation_rad - m.orientation_rad - map.rotation_rad)) > kAgreementRotationRad) continue;
     const double off_px = (map.Apply(Eigen::Vector2d(m.x, m.y)) - Eigen::Vector2d(s.x, s.y)).norm();
-    const auto [known, first] = nearest_px.try_emplace(match.model, off_px);
+    const auto [known, first] = nearest_px.try_emplace(match.template_keypoint, off_px);
     if (!first) known->second = std::min(known->second, off_px);
   }
   std::vector<double> ascending;
@@ -79,50 +78,50 @@ std::vector<double> AgreeingPx(std::span<const Keypoint> scene, std::span<const 
 
 }  // namespace
 
-std::vector<Pose> EstimatePoses(std::span<const Keypoint> scene, std::span<const Keypoint> model,
-                                const MatchSet& matches, const Polygon& outline, double scene_area_px2,
-                                const PoseOptions& options) {
+std::vector<PlanarFit> EstimatePoses(std::span<const Keypoint> scene, std::span<const Keypoint> model,
+                                     const MatchSet& matches, const Polygon& outline, double scene_area_px2,
+                                     const PoseOptions& options) {
   const double size_px = std::sqrt(std::abs(SignedArea(outline)));
   const SimilarityEstimator::Noise noise{.noise_px = options.noise_px, .shape_px = options.shape_fraction * size_px};
-  const MlesacSettings settings{.outlier_area_px2 = std::max(1.0, scene_area_px2),
-                                .confidence = options.confidence,
-                                .max_hypotheses = options.max_hypotheses,
-                                .seed = options.seed};
-  std::vector<Pose> poses;
+  const MlesacOptions settings{.outlier_area_px2 = std::max(1.0, scene_area_px2),
+                               .confidence = options.confidence,
+                               .max_hypotheses = options.max_hypotheses,
+                               .seed = options.seed};
+  std::vector<PlanarFit> fits;
   MatchSet rest = matches;
-  while (rest.size() >= static_cast<std::size_t>(options.least_inliers) &&
-         poses.size() < static_cast<std::size_t>(options.max_instances)) {
-    const std::vector<PointPair> pairs = PairsOf(scene, model, rest);
+  while (rest.size() >= static_cast<std::size_t>(options.min_inliers) &&
+         fits.size() < static_cast<std::size_t>(options.max_instances)) {
+    const std::vector<PointPair> pairs = MakePointPairs(scene, model, rest);
     const SimilarityEstimator estimator(pairs, noise);
     const auto result = Mlesac(estimator, settings);
     if (!result) break;
-    Pose pose;
-    pose.scene_from_template = result->model;
-    pose.sigma_px = estimator.SigmaPx(result->model);
+    PlanarFit fit;
+    fit.scene_from_template = result->model;
+    fit.sigma_px = estimator.SigmaPx(result->model);
     MatchSet outliers;
     std::vector<PointPair> inlier_pairs;
     for (std::size_t i = 0; i < rest.size(); ++i) {
       const bool inlier = result->probabilities[i] > 0.5;
-      (inlier ? pose.inliers : outliers).push_back(rest[i]);
+      (inlier ? fit.inliers : outliers).push_back(rest[i]);
       if (inlier) inlier_pairs.push_back(pairs[i]);
     }
-    pose.distinct_inliers = CountDistinct(pose.inliers);
+    fit.distinct_inliers = CountDistinct(fit.inliers);
     rest = std::move(outliers);
-    if (pose.inliers.size() < static_cast<std::size_t>(options.least_inliers)) break;
+    if (fit.inliers.size() < static_cast<std::size_t>(options.min_inliers)) break;
     // Matches of a repeated pattern to one template keypoint can outnumber a true instance: remove them, report none.
-    if (pose.distinct_inliers < static_cast<std::size_t>(options.least_inliers)) continue;
-    pose.agreeing_px = AgreeingPx(scene, model, pose);
-    pose.extent = Extent(inlier_pairs, outline);
-    pose.scene_from_template_plane = pose.scene_from_template.Matrix();
+    if (fit.distinct_inliers < static_cast<std::size_t>(options.min_inliers)) continue;
+    fit.agreeing_residuals_px = AgreeingResidualsPx(scene, model, fit);
+    fit.extent = Extent(inlier_pairs, outline);
+    fit.scene_from_template_plane = fit.scene_from_template.Matrix();
     if (options.refine_plane) {
-      const double plane_noise_px = options.noise_px * std::max(1.0, pose.scene_from_template.scale);
-      pose.scene_from_template_plane =
-          RefinePlane(inlier_pairs, pose.scene_from_template, pose.sigma_px, plane_noise_px, scene_area_px2, outline);
+      const double plane_noise_px = options.noise_px * std::max(1.0, fit.scene_from_template.scale);
+      fit.scene_from_template_plane =
+          RefinePlane(inlier_pairs, fit.scene_from_template, fit.sigma_px, plane_noise_px, scene_area_px2, outline);
     }
-    poses.push_back(std::move(pose));
+    fits.push_back(std::move(fit));
   }
-  std::ranges::stable_sort(poses, std::greater{}, &Pose::distinct_inliers);
-  return poses;
+  std::ranges::stable_sort(fits, std::greater{}, &PlanarFit::distinct_inliers);
+  return fits;
 }
 
 }  // namespace victorious

@@ -18,7 +18,7 @@ namespace victorious {
 struct PoseOptions {
   double noise_px = 1.5;
   double shape_fraction = 0.04;
-  int least_inliers = 4;
+  int min_inliers = 4;
   int max_instances = 8;
   int max_hypotheses = 300;
   double confidence = 0.999;
@@ -33,8 +33,8 @@ struct PoseOptions {
 /// @param outline         of the object in the template, px
 /// @param scene_area_px2  area of the uniform outlier distribution
 /// @return by falling number of distinct inliers; empty if there is no instance (not an error)
-std::vector<Pose> EstimatePoses(std::span<const Keypoint> scene, std::span<const Keypoint> model,
-                                const MatchSet& matches, const Polygon& outline, double scene_area_px2,
-                                const PoseOptions& options);
+std::vector<PlanarFit> EstimatePoses(std::span<const Keypoint> scene, std::span<const Keypoint> template_keypoints,
+                                     const MatchSet& matches, const Polygon& outline, double scene_area_px2,
+                                     const PoseOptions& options);
 
 }  // namespace victorious

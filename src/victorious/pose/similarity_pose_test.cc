@@ -9,7 +9,7 @@
 namespace victorious {
 namespace {
 
-const Polygon kOutline = CornersOf({0, 0, 200, 150});
+const Polygon kOutline = BoxCorners({0, 0, 200, 150});
 
 struct World {
   std::vector<Keypoint> scene;
@@ -22,7 +22,7 @@ struct World {
     scene.push_back({static_cast<float>(scene_place.x()), static_cast<float>(scene_place.y()), 2, 0});
     matches.push_back({i, i, 0.5F});
   }
-  [[nodiscard]] std::vector<Pose> Poses(const PoseOptions& options = {}) const {
+  [[nodiscard]] std::vector<PlanarFit> Poses(const PoseOptions& options = {}) const {
     return EstimatePoses(scene, model, matches, kOutline, 640.0 * 480.0, options);
   }
 };
@@ -53,24 +53,24 @@ TEST(SimilarityPose, FindsEveryInstance) {
   for (std::size_t i = 0; i < second.scene.size(); ++i) {
     world.Add({second.model[i].x, second.model[i].y}, {second.scene[i].x, second.scene[i].y});
   }
-  const std::vector<Pose> poses = world.Poses();
-  ASSERT_EQ(poses.size(), 2U);
-  EXPECT_NEAR(poses[0].scene_from_template.scale, 0.6, 0.02);
-  EXPECT_NEAR(poses[0].scene_from_template.rotation_rad, 0.4, 0.02);
-  EXPECT_NEAR(poses[1].scene_from_template.scale, 0.8, 0.02);
-  EXPECT_GE(poses[0].inliers.size(), 28U);
-  EXPECT_GE(poses[1].inliers.size(), 18U);
+  const std::vector<PlanarFit> fits = world.Poses();
+  ASSERT_EQ(fits.size(), 2U);
+  EXPECT_NEAR(fits[0].scene_from_template.scale, 0.6, 0.02);
+  EXPECT_NEAR(fits[0].scene_from_template.rotation_rad, 0.4, 0.02);
+  EXPECT_NEAR(fits[1].scene_from_template.scale, 0.8, 0.02);
+  EXPECT_GE(fits[0].inliers.size(), 28U);
+  EXPECT_GE(fits[1].inliers.size(), 18U);
 }
 
 TEST(SimilarityPose, OutlineFollowsPerspectiveWhereSupported) {
   Eigen::Matrix3d tilted;
   tilted << 1.0, 0.1, 100, 0.05, 0.7, 80, 6e-4, 2e-4, 1;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const std::vector<Pose> poses = Planar(tilted, 80, 0.7, seed).Poses();
-    ASSERT_GE(poses.size(), 1U) << seed;
-    EXPECT_GT(OutlineAgreement(poses[0].scene_from_template_plane, tilted), 0.95) << seed;
-    EXPECT_GT(OutlineAgreement(poses[0].scene_from_template_plane, tilted),
-              OutlineAgreement(poses[0].scene_from_template.Matrix(), tilted))
+    const std::vector<PlanarFit> fits = Planar(tilted, 80, 0.7, seed).Poses();
+    ASSERT_GE(fits.size(), 1U) << seed;
+    EXPECT_GT(OutlineAgreement(fits[0].scene_from_template_plane, tilted), 0.95) << seed;
+    EXPECT_GT(OutlineAgreement(fits[0].scene_from_template_plane, tilted),
+              OutlineAgreement(fits[0].scene_from_template.Matrix(), tilted))
         << seed;
   }
 }
@@ -78,9 +78,9 @@ TEST(SimilarityPose, OutlineFollowsPerspectiveWhereSupported) {
 TEST(SimilarityPose, FewMatchesKeepTheSimilarity) {
   const Similarity2 truth{1.1, 0.2, {100, 100}};
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const std::vector<Pose> poses = Planar(truth.Matrix(), 5, 1.0, seed).Poses();
-    ASSERT_EQ(poses.size(), 1U) << seed;
-    EXPECT_GT(OutlineAgreement(poses[0].scene_from_template_plane, truth.Matrix()), 0.85) << seed;
+    const std::vector<PlanarFit> fits = Planar(truth.Matrix(), 5, 1.0, seed).Poses();
+    ASSERT_EQ(fits.size(), 1U) << seed;
+    EXPECT_GT(OutlineAgreement(fits[0].scene_from_template_plane, truth.Matrix()), 0.85) << seed;
   }
 }
 
@@ -105,23 +105,23 @@ TEST(SimilarityPose, ARepeatedPatternHidesNoInstance) {
           {static_cast<float>(window.x() + 350 + 0.4 * copy), static_cast<float>(window.y() + 250), 2, 0});
     }
   }
-  const std::vector<Pose> poses = world.Poses();
-  ASSERT_EQ(poses.size(), 1U);
-  EXPECT_EQ(poses[0].distinct_inliers, 10U);
-  for (const Match& match : poses[0].inliers) EXPECT_LT(match.model, first);
+  const std::vector<PlanarFit> fits = world.Poses();
+  ASSERT_EQ(fits.size(), 1U);
+  EXPECT_EQ(fits[0].distinct_inliers, 10U);
+  for (const Match& match : fits[0].inliers) EXPECT_LT(match.template_keypoint, first);
 }
 
-// Matches at the right position with another orientation or scale are inliers, but not listed in agreeing_px.
+// Matches at the right position with another orientation or scale are inliers, but not listed in agreeing_residuals_px.
 TEST(SimilarityPose, TellsHowFarThoseLieThatAgreeInTurnAndScale) {
   World world = Planar(Similarity2{1, 0, {60, 50}}.Matrix(), 18, 0.7, 4);
   for (std::size_t i = 0; i < 6; ++i) world.scene[i].orientation_rad = 2;
   for (std::size_t i = 6; i < 12; ++i) world.scene[i].scale_px = 8;
-  const std::vector<Pose> poses = world.Poses();
-  ASSERT_EQ(poses.size(), 1U);
-  EXPECT_EQ(poses[0].distinct_inliers, 18U);
-  ASSERT_EQ(poses[0].agreeing_px.size(), 6U);
-  EXPECT_TRUE(std::ranges::is_sorted(poses[0].agreeing_px));
-  EXPECT_LT(poses[0].agreeing_px.back(), 6);
+  const std::vector<PlanarFit> fits = world.Poses();
+  ASSERT_EQ(fits.size(), 1U);
+  EXPECT_EQ(fits[0].distinct_inliers, 18U);
+  ASSERT_EQ(fits[0].agreeing_residuals_px.size(), 6U);
+  EXPECT_TRUE(std::ranges::is_sorted(fits[0].agreeing_residuals_px));
+  EXPECT_LT(fits[0].agreeing_residuals_px.back(), 6);
 }
 
 TEST(SimilarityPose, SameSeedSameResult) {

@@ -20,38 +20,38 @@ class UprightPrior {
   /// @param off_nadir_rad  off-nadir angle of the view
   /// @param max_tilt_rad   bound on the angle between the object's up axis and the vertical: tilt of the object plus
   ///                       the angular step between views
-  static UprightPrior Told(const Vertical& vertical, double off_nadir_rad, double most_tilt_rad) {
-    return {vertical, off_nadir_rad, std::cos(most_tilt_rad), 0.5 * (1 - std::cos(most_tilt_rad))};
+  static UprightPrior FromVertical(const Vertical& vertical, double off_nadir_rad, double max_tilt_rad) {
+    return {vertical, off_nadir_rad, std::cos(max_tilt_rad), 0.5 * (1 - std::cos(max_tilt_rad))};
   }
 
   /// Unknown attitude: the camera is assumed to be held upright.
   /// @param off_nadir_rad    off-nadir angle of the view
   /// @param max_hanging_rad  bound on the angle of the object's up axis below the image's horizontal, [0, pi/2]; views
   ///                         nearer to the nadir than this may have any rotation
-  static UprightPrior Supposed(double off_nadir_rad, double most_hanging_rad) {
-    const double lowest = -std::sin(most_hanging_rad);
+  static UprightPrior AssumingUprightCamera(double off_nadir_rad, double max_hanging_rad) {
+    const double lowest = -std::sin(max_hanging_rad);
     const double steepness = std::max(std::sin(off_nadir_rad), -lowest);
     return {std::nullopt, off_nadir_rad, lowest, steepness > 0 ? std::acos(lowest / steepness) / kPi : 1.0};
   }
 
   /// @param centre_px  object centre in the scene
   /// @param turn_rad   in-plane rotation from view to scene, clockwise
-  [[nodiscard]] bool Allows(const Eigen::Vector2d& centre_px, double turn_rad) const {
-    const Eigen::Vector3d up = UpOfView(off_nadir_rad_, turn_rad);
-    return (vertical_ ? up.dot(vertical_->SeenAt(centre_px)) : -up.y()) >= least_;
+  [[nodiscard]] bool IsAllowed(const Eigen::Vector2d& centre_px, double turn_rad) const {
+    const Eigen::Vector3d up = ViewUpVector(off_nadir_rad_, turn_rad);
+    return (vertical_ ? up.dot(vertical_->UpVectorAt(centre_px)) : -up.y()) >= least_;
   }
 
   /// log10 of the factor by which the prior reduces the number of tested poses (views x rotations); >= 0.
-  [[nodiscard]] double Decades() const { return -std::log10(share_); }
+  [[nodiscard]] double SearchReductionDecades() const { return -std::log10(allowed_fraction_); }
 
  private:
-  UprightPrior(const std::optional<Vertical>& vertical, double off_nadir_rad, double least, double share)
-      : vertical_(vertical), off_nadir_rad_(off_nadir_rad), least_(least), share_(share) {}
+  UprightPrior(const std::optional<Vertical>& vertical, double off_nadir_rad, double least, double allowed_fraction)
+      : vertical_(vertical), off_nadir_rad_(off_nadir_rad), least_(least), allowed_fraction_(allowed_fraction) {}
 
   std::optional<Vertical> vertical_;
   double off_nadir_rad_;
-  double least_;  // minimum component of the object's up axis along the vertical, or upwards in the image
-  double share_;  // fraction of views x rotations that is allowed
+  double least_;             // minimum component of the object's up axis along the vertical, or upwards in the image
+  double allowed_fraction_;  // fraction of views x rotations that is allowed
 };
 
 }  // namespace victorious

@@ -16,39 +16,37 @@
 namespace victorious {
 
 void VoteOptions::ListFields(FieldList& fields) {
-  fields.Add("place_share", place_share,
+  fields.Add("centre_fraction", centre_fraction,
              {.min = 0.01,
               .max = 1,
               .reason = "votes for one pose agree on the object's centre within this fraction of its length: the "
                         "effect of keypoint scale and orientation errors on the centre"});
-  fields.Add("scale_factor", scale_factor,
-             {.min = 1.01,
-              .max = 4,
-              .reason = "votes for one pose, and its inliers, agree in scale within this factor"});
+  fields.Add(
+      "scale_factor", scale_factor,
+      {.min = 1.01, .max = 4, .reason = "votes for one pose, and its inliers, agree in scale within this factor"});
   fields.Add("turn_rad", turn_rad,
              {.min = 0.01,
               .max = 3.2,
               .unit = "rad",
               .reason = "votes for one pose, and its inliers, agree in rotation within this"});
-  fields.Add(
-      "most_seeds", most_seeds,
-      {.min = 1,
-       .max = 100,
-       .reason = "vote clusters of one view that MLESAC fits: those of the highest likelihood ratio"});
-  fields.Add("another_evidence", another_evidence,
+  fields.Add("max_seeds", max_seeds,
+             {.min = 1,
+              .max = 100,
+              .reason = "vote clusters of one view that MLESAC fits: those of the highest likelihood ratio"});
+  fields.Add("instance_neg_log10_nfa", instance_neg_log10_nfa,
              {.min = -100,
               .max = 1000,
               .unit = "decades",
               .reason = "-log10 NFA from which a pose is an instance; its seed does not count towards the maximum "
                         "number of seeds, since one frame may show several instances"});
-  fields.Add("least_votes", least_votes,
+  fields.Add("min_votes", min_votes,
              {.min = 2, .max = 1000, .reason = "minimum number of distinct template keypoints that vote for a pose"});
-  fields.Add("apart", apart,
+  fields.Add("min_separation_scales", min_separation_scales,
              {.min = 0,
               .max = 100,
               .reason = "inliers nearer to each other than this times their scale depend on the same scene pixels "
                         "and count once"});
-  fields.Add("least_scale_px", least_scale_px,
+  fields.Add("min_scale_px", min_scale_px,
              {.min = 0,
               .max = 100,
               .unit = "px",
@@ -82,13 +80,13 @@ struct Vote {
   std::uint32_t match;
 };
 
-Vote VoteOf(const Keypoint& scene, const Keypoint& model, const Eigen::Vector2d& centre, std::uint32_t match) {
-  const Similarity2 pose{static_cast<double>(scene.scale_px) / model.scale_px,
-                         WrapAngle(static_cast<double>(scene.orientation_rad) - model.orientation_rad),
-                         {scene.x, scene.y}};
-  const Eigen::Vector2d place = pose.Apply(centre - Eigen::Vector2d(model.x, model.y));
-  return {static_cast<float>(std::log(pose.scale)), static_cast<float>(pose.rotation_rad),
-          static_cast<float>(place.x()), static_cast<float>(place.y()), match};
+Vote MakeVote(const Keypoint& scene, const Keypoint& model, const Eigen::Vector2d& centre, std::uint32_t match) {
+  const Similarity2 fit{static_cast<double>(scene.scale_px) / model.scale_px,
+                        WrapAngle(static_cast<double>(scene.orientation_rad) - model.orientation_rad),
+                        {scene.x, scene.y}};
+  const Eigen::Vector2d place = fit.Apply(centre - Eigen::Vector2d(model.x, model.y));
+  return {static_cast<float>(std::log(fit.scale)), static_cast<float>(fit.rotation_rad), static_cast<float>(place.x()),
+          static_cast<float>(place.y()), match};
 }
 
 Votes CollectVotes(std::span<const Keypoint> scene, std::span<const Keypoint> model,
@@ -97,8 +95,8 @@ Votes CollectVotes(std::span<const Keypoint> scene, std::span<const Keypoint> mo
   std::vector<Vote> order;
   order.reserve(matches.size());
   for (std::uint32_t i = 0; i < matches.size(); ++i) {
-    const Vote vote = VoteOf(scene[matches[i].scene], model[matches[i].model], centre, i);
-    if (!upright || upright->Allows({vote.x, vote.y}, vote.turn_rad)) order.push_back(vote);
+    const Vote vote = MakeVote(scene[matches[i].scene_keypoint], model[matches[i].template_keypoint], centre, i);
+    if (!upright || upright->IsAllowed({vote.x, vote.y}, vote.turn_rad)) order.push_back(vote);
   }
   std::ranges::stable_sort(order, {}, &Vote::log_scale);
   Votes votes;
@@ -126,7 +124,7 @@ struct Window {
   float reach2_px2;
 };
 
-std::vector<Window> WindowOfEach(const Votes& votes, const Windows& windows) {
+std::vector<Window> ComputeWindows(const Votes& votes, const Windows& windows) {
   std::vector<Window> all(votes.size());
   std::size_t begin = 0;
   std::size_t end = 0;
@@ -153,8 +151,8 @@ struct Support {
   double log_likelihood = 0;  ///< Poisson log-likelihood ratio of the count over chance; 0 if chance explains it
 };
 
-std::vector<Support> SupportOfEach(const Votes& votes, const std::vector<Window>& windows, float turn_rad,
-                                   double scene_area_px2) {
+std::vector<Support> ComputeSupport(const Votes& votes, const std::vector<Window>& windows, float turn_rad,
+                                    double scene_area_px2) {
   std::vector<Support> all(votes.size());
   for (std::size_t i = 0; i < votes.size(); ++i) {
     const Window& window = windows[i];
@@ -169,32 +167,34 @@ std::vector<Support> SupportOfEach(const Votes& votes, const std::vector<Window>
 
 std::size_t CountDistinct(std::span<const RankedMatch> matches) {
   std::size_t count = 0;  // the matches are sorted by template keypoint
-  for (std::size_t i = 0; i < matches.size(); ++i) count += i == 0 || matches[i].model != matches[i - 1].model ? 1 : 0;
+  for (std::size_t i = 0; i < matches.size(); ++i)
+    count += i == 0 || matches[i].template_keypoint != matches[i - 1].template_keypoint ? 1 : 0;
   return count;
 }
 
 // The matches that agree with the pose in position, scale and rotation, one-to-one: each scene and each template
 // keypoint only in its match of the smallest residual. By rising residual.
-std::vector<RankedMatch> Gather(const Similarity2& pose, double radius_px, std::span<const Keypoint> scene,
-                                std::span<const Keypoint> model, std::span<const RankedMatch> matches,
-                                const VoteOptions& options) {
+std::vector<RankedMatch> GatherInliers(const Similarity2& fit, double radius_px, std::span<const Keypoint> scene,
+                                       std::span<const Keypoint> model, std::span<const RankedMatch> matches,
+                                       const VoteOptions& options) {
   std::vector<std::pair<double, RankedMatch>> near;
-  const double most_log = std::log(options.scale_factor);
-  const Eigen::Matrix2d linear = pose.Linear();
+  const double max_log = std::log(options.scale_factor);
+  const Eigen::Matrix2d linear = fit.Linear();
   for (const RankedMatch& match : matches) {
-    const Keypoint& s = scene[match.scene];
-    const Keypoint& m = model[match.model];
-    const Eigen::Vector2d error = linear * Eigen::Vector2d(m.x, m.y) + pose.translation - Eigen::Vector2d(s.x, s.y);
+    const Keypoint& s = scene[match.scene_keypoint];
+    const Keypoint& m = model[match.template_keypoint];
+    const Eigen::Vector2d error = linear * Eigen::Vector2d(m.x, m.y) + fit.translation - Eigen::Vector2d(s.x, s.y);
     if (error.squaredNorm() > radius_px * radius_px) continue;
-    if (std::abs(std::log(s.scale_px / (m.scale_px * pose.scale))) > most_log) continue;
-    if (std::abs(WrapAngle(s.orientation_rad - m.orientation_rad - pose.rotation_rad)) > options.turn_rad) continue;
+    if (std::abs(std::log(s.scale_px / (m.scale_px * fit.scale))) > max_log) continue;
+    if (std::abs(WrapAngle(s.orientation_rad - m.orientation_rad - fit.rotation_rad)) > options.turn_rad) continue;
     near.emplace_back(error.squaredNorm(), match);
   }
   std::ranges::stable_sort(near, {}, &std::pair<double, RankedMatch>::first);
   std::vector<RankedMatch> kept;
   for (const auto& [error2, match] : near) {
-    const bool taken = std::ranges::any_of(
-        kept, [&](const RankedMatch& other) { return other.model == match.model || other.scene == match.scene; });
+    const bool taken = std::ranges::any_of(kept, [&](const RankedMatch& other) {
+      return other.template_keypoint == match.template_keypoint || other.scene_keypoint == match.scene_keypoint;
+    });
     if (!taken) kept.push_back(match);
   }
   return kept;
@@ -204,33 +204,33 @@ std::vector<RankedMatch> Gather(const Similarity2& pose, double radius_px, std::
 class PoseFinder {
  public:
   PoseFinder(const FeatureSet& scene, std::span<const Keypoint> model, std::span<const RankedMatch> matches,
-             const Polygon& outline, const VoteOptions& votes, const PoseOptions& pose,
+             const Polygon& outline, const VoteOptions& votes, const PoseOptions& fit,
              const std::optional<UprightPrior>& upright)
       : scene_(scene),
         model_(model),
         matches_(matches),
         outline_(outline),
         votes_(votes),
-        options_(pose),
+        options_(fit),
         upright_(upright),
         size_px_(std::sqrt(std::abs(SignedArea(outline)))),
-        scene_area_px2_(std::max(1.0, scene.Searched().Area())) {}
+        scene_area_px2_(std::max(1.0, scene.SearchedBox().Area())) {}
 
-  std::vector<Pose> Find() const {
+  std::vector<PlanarFit> Find() const {
     const Box bounds = BoundingBox(outline_);
     const Eigen::Vector2d centre(bounds.x + bounds.width / 2, bounds.y + bounds.height / 2);
     const Votes votes = CollectVotes(scene_.keypoints, model_, matches_, centre, upright_);
     const float turn_rad = static_cast<float>(votes_.turn_rad);
     const std::vector<Window> windows =
-        WindowOfEach(votes, {static_cast<float>(std::log(votes_.scale_factor)), turn_rad,
-                             static_cast<float>(votes_.place_share * std::hypot(bounds.width, bounds.height))});
-    const std::vector<Support> support = SupportOfEach(votes, windows, turn_rad, scene_area_px2_);
+        ComputeWindows(votes, {static_cast<float>(std::log(votes_.scale_factor)), turn_rad,
+                               static_cast<float>(votes_.centre_fraction * std::hypot(bounds.width, bounds.height))});
+    const std::vector<Support> support = ComputeSupport(votes, windows, turn_rad, scene_area_px2_);
     std::vector<bool> used(votes.size());
-    std::vector<Pose> poses;
+    std::vector<PlanarFit> fits;
     // A seed without a pose counts, too: replacing it would cost a third of the time, mostly for chance poses
     // (docs/adr/0008).
-    int turns = votes_.most_seeds;
-    while (turns > 0) {
+    int seeds_left = votes_.max_seeds;
+    while (seeds_left > 0) {
       const std::optional<std::size_t> seed = BestSeed(support, used);
       if (!seed) break;
       const Window& window = windows[*seed];
@@ -240,14 +240,14 @@ class PoseFinder {
         used[j] = true;
         members.push_back(votes.match[j]);
       }
-      auto pose = PoseOf(std::move(members), window.reach2_px2);
-      if (!pose || *pose->evidence < votes_.another_evidence) --turns;
-      if (!pose) continue;
-      if (options_.refine_plane && *pose->evidence > 0) RefineOutline(*pose);
-      poses.push_back(std::move(*pose));
+      auto fit = FitPose(std::move(members), window.reach2_px2);
+      if (!fit || *fit->neg_log10_nfa < votes_.instance_neg_log10_nfa) --seeds_left;
+      if (!fit) continue;
+      if (options_.refine_plane && *fit->neg_log10_nfa > 0) RefineOutline(*fit);
+      fits.push_back(std::move(*fit));
     }
-    std::ranges::stable_sort(poses, std::greater{}, [](const Pose& pose) { return *pose.evidence; });
-    return poses;
+    std::ranges::stable_sort(fits, std::greater{}, [](const PlanarFit& fit) { return *fit.neg_log10_nfa; });
+    return fits;
   }
 
  private:
@@ -255,7 +255,7 @@ class PoseFinder {
     std::optional<std::size_t> best;
     for (std::size_t i = 0; i < support.size(); ++i) {
       // Upper bound: several votes may come from one template keypoint; FitPose counts the distinct ones.
-      if (used[i] || support[i].votes < votes_.least_votes) continue;
+      if (used[i] || support[i].votes < votes_.min_votes) continue;
       if (!best || support[i].log_likelihood > support[*best].log_likelihood) best = i;
     }
     return best;
@@ -263,59 +263,61 @@ class PoseFinder {
 
   // Fits a similarity to the voters of a seed by MLESAC and refines it. std::nullopt if there are too few distinct
   // template keypoints or inliers.
-  std::optional<Pose> PoseOf(std::vector<std::uint32_t> members, double reach2_px2) const {
+  std::optional<PlanarFit> FitPose(std::vector<std::uint32_t> members, double reach2_px2) const {
     std::ranges::sort(members);
     std::vector<RankedMatch> voters;
     for (const std::uint32_t member : members) voters.push_back(matches_[member]);
-    if (CountDistinct(voters) < static_cast<std::size_t>(votes_.least_votes)) return std::nullopt;
-    const std::vector<PointPair> pairs = PairsOf(scene_.keypoints, model_, voters);
+    if (CountDistinct(voters) < static_cast<std::size_t>(votes_.min_votes)) return std::nullopt;
+    const std::vector<PointPair> pairs = MakePointPairs(scene_.keypoints, model_, voters);
     const auto agreed = Mlesac(SimilarityEstimator(pairs, Noise()), {.outlier_area_px2 = kPi * reach2_px2,
                                                                      .confidence = options_.confidence,
                                                                      .max_hypotheses = options_.max_hypotheses,
                                                                      .seed = options_.seed});
     if (!agreed) return std::nullopt;
-    return Narrowed(agreed->model);
+    return BestOverWindows(agreed->model);
   }
 
   // Refits with windows of 1, 1/2 and 1/4 of the inlier radius and returns the pose of the highest -log10 NFA: the
   // smaller the viewpoint difference, the smaller the best window.
-  std::optional<Pose> Narrowed(Similarity2 map) const {
-    std::optional<Pose> best;
-    for (const double narrower : {1.0, 0.5, 0.25}) {
+  std::optional<PlanarFit> BestOverWindows(Similarity2 map) const {
+    std::optional<PlanarFit> best;
+    for (const double window_factor : {1.0, 0.5, 0.25}) {
       constexpr int kRounds = 2;
-      std::vector<RankedMatch> inliers = InliersOf(map, narrower);
+      std::vector<RankedMatch> inliers = InliersOf(map, window_factor);
       for (int round = 0; round < kRounds; ++round) {
-        const auto refined = SolveSimilarity(PairsOf(scene_.keypoints, model_, inliers));
+        const auto refined = SolveSimilarity(MakePointPairs(scene_.keypoints, model_, inliers));
         if (!refined) return best;
         map = *refined;
-        inliers = InliersOf(map, narrower);
+        inliers = InliersOf(map, window_factor);
       }
-      if (inliers.size() < static_cast<std::size_t>(options_.least_inliers)) return best;
-      Pose pose = Describe(map, inliers, narrower);
-      if (!best || *pose.evidence > *best->evidence) best = std::move(pose);
+      if (inliers.size() < static_cast<std::size_t>(options_.min_inliers)) return best;
+      PlanarFit fit = MakePose(map, inliers, window_factor);
+      if (!best || *fit.neg_log10_nfa > *best->neg_log10_nfa) best = std::move(fit);
     }
     return best;
   }
 
-  Pose Describe(const Similarity2& map, std::span<const RankedMatch> inliers, double narrower) const {
-    Pose pose;
-    pose.scene_from_template = map;
-    pose.sigma_px = narrower * SigmaPx(map);
-    pose.distinct_inliers = inliers.size();
-    for (const RankedMatch& match : inliers) pose.inliers.push_back({match.scene, match.model, 1.0F});
-    pose.extent = Extent(PairsOf(scene_.keypoints, model_, inliers), outline_);
-    pose.evidence = RankEvidence(map, inliers, {.radius_px = narrower * RadiusPx(map), .widest_px = RadiusPx(map)},
-                                 size_px_, scene_, model_, votes_) +
-                    (upright_ ? upright_->Decades() : 0);
-    pose.scene_from_template_plane = map.Matrix();
-    return pose;
+  PlanarFit MakePose(const Similarity2& map, std::span<const RankedMatch> inliers, double window_factor) const {
+    PlanarFit fit;
+    fit.scene_from_template = map;
+    fit.sigma_px = window_factor * SigmaPx(map);
+    fit.distinct_inliers = inliers.size();
+    for (const RankedMatch& match : inliers)
+      fit.inliers.push_back({match.scene_keypoint, match.template_keypoint, 1.0F});
+    fit.extent = Extent(MakePointPairs(scene_.keypoints, model_, inliers), outline_);
+    fit.neg_log10_nfa =
+        ComputeRankNegLog10Nfa(map, inliers, {.radius_px = window_factor * RadiusPx(map), .widest_px = RadiusPx(map)},
+                               size_px_, scene_, model_, votes_) +
+        (upright_ ? upright_->SearchReductionDecades() : 0);
+    fit.scene_from_template_plane = map.Matrix();
+    return fit;
   }
 
-  void RefineOutline(Pose& pose) const {
-    const std::vector<PointPair> pairs = PairsOf(scene_.keypoints, model_, pose.inliers);
-    const double noise_px = options_.noise_px * std::max(1.0, pose.scene_from_template.scale);
-    pose.scene_from_template_plane =
-        RefinePlane(pairs, pose.scene_from_template, pose.sigma_px, noise_px, scene_area_px2_, outline_);
+  void RefineOutline(PlanarFit& fit) const {
+    const std::vector<PointPair> pairs = MakePointPairs(scene_.keypoints, model_, fit.inliers);
+    const double noise_px = options_.noise_px * std::max(1.0, fit.scene_from_template.scale);
+    fit.scene_from_template_plane =
+        RefinePlane(pairs, fit.scene_from_template, fit.sigma_px, noise_px, scene_area_px2_, outline_);
   }
 
   SimilarityEstimator::Noise Noise() const {
@@ -326,8 +328,8 @@ class PoseFinder {
 
   double RadiusPx(const Similarity2& map) const { return kAgreementSigmas * SigmaPx(map); }
 
-  std::vector<RankedMatch> InliersOf(const Similarity2& map, double narrower) const {
-    return Gather(map, narrower * RadiusPx(map), scene_.keypoints, model_, matches_, votes_);
+  std::vector<RankedMatch> InliersOf(const Similarity2& map, double window_factor) const {
+    return GatherInliers(map, window_factor * RadiusPx(map), scene_.keypoints, model_, matches_, votes_);
   }
 
   const FeatureSet& scene_;
@@ -343,10 +345,10 @@ class PoseFinder {
 
 }  // namespace
 
-std::vector<Pose> VotePoses(const FeatureSet& scene, std::span<const Keypoint> model,
-                            std::span<const RankedMatch> matches, const Polygon& outline, const VoteOptions& votes,
-                            const PoseOptions& options, const std::optional<UprightPrior>& upright) {
-  if (outline.size() < 3 || matches.size() < static_cast<std::size_t>(votes.least_votes)) return {};
+std::vector<PlanarFit> VotePoses(const FeatureSet& scene, std::span<const Keypoint> model,
+                                 std::span<const RankedMatch> matches, const Polygon& outline, const VoteOptions& votes,
+                                 const PoseOptions& options, const std::optional<UprightPrior>& upright) {
+  if (outline.size() < 3 || matches.size() < static_cast<std::size_t>(votes.min_votes)) return {};
   return PoseFinder(scene, model, matches, outline, votes, options, upright).Find();
 }
 

@@ -14,8 +14,8 @@
 // and -log10(T) - dependence_decades for k = 0; the maximum over three window widths (1, 1/2, 1/4).
 // Of inliers that overlap in the scene, and see the same pixels, only the one of lowest rank counts; likewise of
 // inliers with similar descriptors. n includes every inlier, also one that projects just outside the frame or is just
-// below the minimum scale. A prior on the upright pose (upright_prior.h) discards votes for overturned objects and reduces T.
-// docs/adr/0008 has the measurements.
+// below the minimum scale. A prior on the upright pose (upright_prior.h) discards votes for overturned objects and
+// reduces T. docs/adr/0008 has the measurements.
 #pragma once
 
 #include <optional>
@@ -33,14 +33,14 @@
 namespace victorious {
 
 struct VoteOptions {
-  double place_share = 0.2;
+  double centre_fraction = 0.2;
   double scale_factor = 1.5;
   double turn_rad = 0.5;
-  int most_seeds = 3;
-  double another_evidence = 6.0;
-  int least_votes = 4;
-  double apart = 4.0;
-  double least_scale_px = 0.9;
+  int max_seeds = 3;
+  double instance_neg_log10_nfa = 6.0;
+  int min_votes = 4;
+  double min_separation_scales = 4.0;
+  double min_scale_px = 0.9;
   double dependence_decades = 4.0;
 
   void ListFields(FieldList& fields);
@@ -52,8 +52,8 @@ struct VoteOptions {
 /// @param outline  of the object in the template, px
 /// @param upright  prior on the rotation; nullopt: every pose is allowed
 /// @return by falling -log10 NFA, set in each fit; may be empty
-std::vector<Pose> VotePoses(const FeatureSet& scene, std::span<const Keypoint> model,
-                            std::span<const RankedMatch> matches, const Polygon& outline, const VoteOptions& votes,
-                            const PoseOptions& options, const std::optional<UprightPrior>& upright = {});
+std::vector<PlanarFit> VotePoses(const FeatureSet& scene, std::span<const Keypoint> template_keypoints,
+                                 std::span<const RankedMatch> matches, const Polygon& outline, const VoteOptions& votes,
+                                 const PoseOptions& options, const std::optional<UprightPrior>& upright = {});
 
 }  // namespace victorious

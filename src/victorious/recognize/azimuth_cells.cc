@@ -7,39 +7,43 @@
 
 namespace victorious {
 
-SightCells::SightCells(const std::optional<Vertical>& vertical, const Box& part, double width_rad) {
+AzimuthCells::AzimuthCells(const std::optional<Vertical>& vertical, const Box& part, double width_rad) {
   if (!vertical) return;
   constexpr int kSteps = 8;  // grid intervals over the region's width and height
   for (int row = 0; row <= kSteps; ++row) {
     for (int column = 0; column <= kSteps; ++column) {
       const Eigen::Vector2d pixel(part.x + part.width * column / kSteps, part.y + part.height * row / kSteps);
-      lines_.push_back({std::acos(std::clamp(-vertical->SeenAt(pixel).z(), -1.0, 1.0)), vertical->AzimuthAt(pixel)});
+      lines_.push_back(
+          {std::acos(std::clamp(-vertical->UpVectorAt(pixel).z(), -1.0, 1.0)), vertical->AzimuthAt(pixel)});
     }
   }
-  const auto [least, most] = std::ranges::minmax_element(lines_, {}, &Line::aside_rad);
-  const bool all_around = most->aside_rad - least->aside_rad > 1.5 * kPi;  // the region contains the nadir
-  const double from_rad = all_around ? -kPi : least->aside_rad;
-  const double spread_rad = all_around ? 2 * kPi : most->aside_rad - least->aside_rad;
+  const auto [least, most] = std::ranges::minmax_element(lines_, {}, &Line::relative_azimuth_rad);
+  const bool contains_nadir =
+      most->relative_azimuth_rad - least->relative_azimuth_rad > 1.5 * kPi;  // the region contains the nadir
+  const double from_rad = contains_nadir ? -kPi : least->relative_azimuth_rad;
+  const double spread_rad = contains_nadir ? 2 * kPi : most->relative_azimuth_rad - least->relative_azimuth_rad;
   count_ = std::max(1.0, std::round(spread_rad / width_rad));
   width_rad_ = spread_rad / count_;
   first_rad_ = from_rad + width_rad_ / 2;
 }
 
-std::pair<double, double> SightCells::OffNadir() const {
+std::pair<double, double> AzimuthCells::OffNadirRange() const {
   if (lines_.empty()) return {0, kPi};
   const auto [least, most] = std::ranges::minmax_element(lines_, {}, &Line::off_nadir_rad);
   return {least->off_nadir_rad, most->off_nadir_rad};
 }
 
-double SightCells::MiddleOf(double aside_rad) const {
+double AzimuthCells::CellCentre(double relative_azimuth_rad) const {
   if (!(width_rad_ > 0)) return first_rad_;
-  return first_rad_ + width_rad_ * std::clamp(std::round((aside_rad - first_rad_) / width_rad_), 0.0, count_ - 1);
+  return first_rad_ +
+         width_rad_ * std::clamp(std::round((relative_azimuth_rad - first_rad_) / width_rad_), 0.0, count_ - 1);
 }
 
-std::set<double> SightCells::MiddlesOf(double view_off_nadir_rad, double most_tilt_rad) const {
+std::set<double> AzimuthCells::CellCentresForView(double view_off_nadir_rad, double max_tilt_rad) const {
   std::set<double> middles;
   for (const Line& line : lines_) {
-    if (std::abs(line.off_nadir_rad - view_off_nadir_rad) <= most_tilt_rad) middles.insert(MiddleOf(line.aside_rad));
+    if (std::abs(line.off_nadir_rad - view_off_nadir_rad) <= max_tilt_rad)
+      middles.insert(CellCentre(line.relative_azimuth_rad));
   }
   return middles;
 }

@@ -17,47 +17,50 @@ Vertical Camera(double off_nadir_deg, double hfov_deg) {
   return MakeVertical({0.3, RadiansFromDegrees(off_nadir_deg - 90), 0}, RadiansFromDegrees(hfov_deg), 640, 480);
 }
 
-TEST(SightCells, ANarrowCameraHasOne) {
+TEST(AzimuthCells, ANarrowCameraHasOne) {
   const Vertical vertical = Camera(45, 18);
-  const SightCells cells(vertical, kFrame, kWidth_rad);
-  EXPECT_EQ(cells.MiddlesOf(RadiansFromDegrees(45), kTilt_rad).size(), 1);
-  EXPECT_NEAR(cells.MiddleOf(vertical.AzimuthAt({640, 480})), 0, 1e-9);
-  EXPECT_NEAR(cells.OffNadir().first, RadiansFromDegrees(45 - 6.8), 0.02);
-  EXPECT_NEAR(cells.OffNadir().second, RadiansFromDegrees(45 + 6.8), 0.02);
+  const AzimuthCells cells(vertical, kFrame, kWidth_rad);
+  EXPECT_EQ(cells.CellCentresForView(RadiansFromDegrees(45), kTilt_rad).size(), 1);
+  EXPECT_NEAR(cells.CellCentre(vertical.AzimuthAt({640, 480})), 0, 1e-9);
+  EXPECT_NEAR(cells.OffNadirRange().first, RadiansFromDegrees(45 - 6.8), 0.02);
+  EXPECT_NEAR(cells.OffNadirRange().second, RadiansFromDegrees(45 + 6.8), 0.02);
 }
 
-TEST(SightCells, AWideCamerasLinesAreNeverFarFromTheMiddleOfTheirs) {
+TEST(AzimuthCells, AWideCamerasLinesAreNeverFarFromTheMiddleOfTheirs) {
   for (const double off_nadir_deg : {0.0, 20.0, 45.0, 70.0}) {
     const Vertical vertical = Camera(off_nadir_deg, 70);
-    const SightCells cells(vertical, kFrame, kWidth_rad);
+    const AzimuthCells cells(vertical, kFrame, kWidth_rad);
     for (double x = 5; x < 640; x += 30) {
       for (double y = 5; y < 480; y += 30) {
-        const double aside_rad = vertical.AzimuthAt({x, y});
-        EXPECT_LT(std::abs(aside_rad - cells.MiddleOf(aside_rad)), RadiansFromDegrees(30)) << off_nadir_deg;
+        const double relative_azimuth_rad = vertical.AzimuthAt({x, y});
+        EXPECT_LT(std::abs(relative_azimuth_rad - cells.CellCentre(relative_azimuth_rad)), RadiansFromDegrees(30))
+            << off_nadir_deg;
       }
     }
   }
-  EXPECT_GE(SightCells(Camera(45, 70), kFrame, kWidth_rad).MiddlesOf(RadiansFromDegrees(45), kTilt_rad).size(), 2);
+  EXPECT_GE(
+      AzimuthCells(Camera(45, 70), kFrame, kWidth_rad).CellCentresForView(RadiansFromDegrees(45), kTilt_rad).size(), 2);
 }
 
 // A view has only the cells whose lines of sight can show it.
-TEST(SightCells, AFlatViewIsSeenInFewCellsOfACameraThatLooksDown) {
-  const SightCells cells(Camera(20, 70), kFrame, kWidth_rad);
-  EXPECT_LT(cells.MiddlesOf(RadiansFromDegrees(70), RadiansFromDegrees(15)).size(),
-            cells.MiddlesOf(RadiansFromDegrees(10), RadiansFromDegrees(15)).size());
+TEST(AzimuthCells, AFlatViewIsSeenInFewCellsOfACameraThatLooksDown) {
+  const AzimuthCells cells(Camera(20, 70), kFrame, kWidth_rad);
+  EXPECT_LT(cells.CellCentresForView(RadiansFromDegrees(70), RadiansFromDegrees(15)).size(),
+            cells.CellCentresForView(RadiansFromDegrees(10), RadiansFromDegrees(15)).size());
 }
 
-TEST(SightCells, APartHasItsOwn) {
+TEST(AzimuthCells, APartHasItsOwn) {
   const Vertical vertical = Camera(45, 70);
   const Box part{560, 200, 60, 60};
-  const SightCells cells(vertical, part, kWidth_rad);
-  EXPECT_NEAR(cells.MiddleOf(0), vertical.AzimuthAt({590, 230}), RadiansFromDegrees(3)) << "the nearest, from outside";
+  const AzimuthCells cells(vertical, part, kWidth_rad);
+  EXPECT_NEAR(cells.CellCentre(0), vertical.AzimuthAt({590, 230}), RadiansFromDegrees(3))
+      << "the nearest, from outside";
 }
 
-TEST(SightCells, WithoutAnAttitudeThereAreNoLines) {
-  const SightCells cells(std::nullopt, kFrame, kWidth_rad);
-  EXPECT_EQ(cells.OffNadir(), (std::pair<double, double>{0, kPi}));
-  EXPECT_TRUE(cells.MiddlesOf(1, 1).empty());
+TEST(AzimuthCells, WithoutAnAttitudeThereAreNoLines) {
+  const AzimuthCells cells(std::nullopt, kFrame, kWidth_rad);
+  EXPECT_EQ(cells.OffNadirRange(), (std::pair<double, double>{0, kPi}));
+  EXPECT_TRUE(cells.CellCentresForView(1, 1).empty());
 }
 
 }  // namespace

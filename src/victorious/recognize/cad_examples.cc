@@ -10,38 +10,38 @@
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/similarity.h"
+#include "victorious/geometry/view_sphere.h"
 #include "victorious/render/paste.h"
 #include "victorious/render/relight.h"
 #include "victorious/render/renderer.h"
-#include "victorious/geometry/view_sphere.h"
 
 namespace victorious {
 namespace {
 
 constexpr int kSize_px = 320;  // rendered diameter of the object's bounding sphere
 
-ViewDirection DrawDirection(double least_off_nadir_deg, double most_off_nadir_deg, Random& random) {
+ViewDirection SampleDirection(double min_off_nadir_deg, double max_off_nadir_deg, Random& random) {
   const double azimuth_rad = random.Uniform(0, 2 * kPi);
-  return {azimuth_rad, RadiansFromDegrees(random.Uniform(least_off_nadir_deg, most_off_nadir_deg))};
+  return {azimuth_rad, RadiansFromDegrees(random.Uniform(min_off_nadir_deg, max_off_nadir_deg))};
 }
 
-Light DrawLight(double sunlit_share, Random& random) {
+Light SampleLight(double sunlit_fraction, Random& random) {
   constexpr double kLowestSun_deg = 65;
-  const ViewDirection sun = DrawDirection(0, kLowestSun_deg, random);
-  if (random.Uniform() >= sunlit_share) return {};
-  Light light = ClearDay(sun);
+  const ViewDirection sun = SampleDirection(0, kLowestSun_deg, random);
+  if (random.Uniform() >= sunlit_fraction) return {};
+  Light light = ClearDayLight(sun);
   light.shadows = true;
   return light;
 }
 
 // A random position in a background of this size, at a scale that fills a random fraction of it.
-Similarity2 DrawPlace(const cv::Rect& object, const cv::Size& picture, Random& random) {
-  constexpr double kLeastShare = 0.6;
-  constexpr double kMostShare = 0.95;
-  const double share = random.Uniform(kLeastShare, kMostShare);
+Similarity2 SamplePlacement(const cv::Rect& object, const cv::Size& picture, Random& random) {
+  constexpr double kMinFilledFraction = 0.6;
+  constexpr double kMaxFilledFraction = 0.95;
+  const double fraction = random.Uniform(kMinFilledFraction, kMaxFilledFraction);
   Similarity2 place;
-  place.scale = share * std::min(static_cast<double>(picture.width) / object.width,
-                                 static_cast<double>(picture.height) / object.height);
+  place.scale = fraction * std::min(static_cast<double>(picture.width) / object.width,
+                                    static_cast<double>(picture.height) / object.height);
   const auto shift = [&](double from, double length, double room) {
     return random.Uniform() * (room - place.scale * length) - place.scale * from;
   };
@@ -52,31 +52,30 @@ Similarity2 DrawPlace(const cv::Rect& object, const cv::Size& picture, Random& r
 
 }  // namespace
 
-void CadPictureOptions::ListFields(FieldList& fields) {
+void CadExampleOptions::ListFields(FieldList& fields) {
   fields.Add("views", views, {.min = 1, .max = 1000, .reason = "renderings per CAD file, from random azimuths"});
-  fields.Add("least_off_nadir_deg", least_off_nadir_deg,
+  fields.Add("min_off_nadir_deg", min_off_nadir_deg,
              {.min = 0,
               .max = 180,
               .unit = "deg",
               .reason = "minimum off-nadir angle of the renderings: lower for aerial images"});
-  fields.Add("most_off_nadir_deg", most_off_nadir_deg,
+  fields.Add("max_off_nadir_deg", max_off_nadir_deg,
              {.min = 0,
               .max = 180,
               .unit = "deg",
               .reason = "maximum off-nadir angle of the renderings; above 90 seen from below"});
-  fields.Add(
-      "sunlit_share", sunlit_share,
-      {.min = 0, .max = 1, .reason = "fraction of renderings lit by a sun, at random but not near the horizon"});
+  fields.Add("sunlit_fraction", sunlit_fraction,
+             {.min = 0, .max = 1, .reason = "fraction of renderings lit by a sun, at random but not near the horizon"});
 }
 
-Status CheckRange(const CadPictureOptions& options) {
-  if (options.least_off_nadir_deg <= options.most_off_nadir_deg) return {};
+Status CheckRange(const CadExampleOptions& options) {
+  if (options.min_off_nadir_deg <= options.max_off_nadir_deg) return {};
   return Fail(ErrorCode::kInvalidArgument,
-              fmt::format("cad.least_off_nadir_deg {:g}: must not exceed cad.most_off_nadir_deg {:g}",
-                          options.least_off_nadir_deg, options.most_off_nadir_deg));
+              fmt::format("cad.min_off_nadir_deg {:g}: must not exceed cad.max_off_nadir_deg {:g}",
+                          options.min_off_nadir_deg, options.max_off_nadir_deg));
 }
 
-cv::Mat BackgroundForCad(const cv::Mat& grey) {
+cv::Mat ResizeBackgroundForCad(const cv::Mat& grey) {
   constexpr double kLongest_px = 1.5 * kSize_px;
   const double scale = kLongest_px / std::max(grey.cols, grey.rows);
   if (scale >= 1) return grey;
@@ -86,9 +85,9 @@ cv::Mat BackgroundForCad(const cv::Mat& grey) {
   return shrunk;
 }
 
-Expected<std::vector<BoxedPicture>> PicturesOfCad(const Mesh& mesh, const std::string& category,
-                                                  std::span<const cv::Mat> backgrounds,
-                                                  const CadPictureOptions& options, std::uint64_t seed) {
+Expected<std::vector<LabelledImage>> RenderCadExamples(const Mesh& mesh, const std::string& category,
+                                                       std::span<const cv::Mat> backgrounds,
+                                                       const CadExampleOptions& options, std::uint64_t seed) {
   VICTORIOUS_CHECK(!backgrounds.empty());
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   VICTORIOUS_RETURN_IF_ERROR(CheckRange(options));
@@ -98,16 +97,17 @@ Expected<std::vector<BoxedPicture>> PicturesOfCad(const Mesh& mesh, const std::s
   const Sphere sphere = BoundingSphere(mesh);
   constexpr double kDistanceRadii = 12;
   Random random(seed);
-  std::vector<BoxedPicture> pictures;
+  std::vector<LabelledImage> pictures;
   for (int i = 0; i < options.views; ++i) {
-    const ViewDirection from = DrawDirection(options.least_off_nadir_deg, options.most_off_nadir_deg, random);
+    const ViewDirection from = SampleDirection(options.min_off_nadir_deg, options.max_off_nadir_deg, random);
     VICTORIOUS_ASSIGN_OR_RETURN(const PosedCamera camera, CameraForView(from, sphere,
                                                                         {.distance_m = kDistanceRadii * sphere.radius,
                                                                          .diameter_px = kSize_px,
                                                                          .width_px = kSize_px,
                                                                          .height_px = kSize_px}));
-    VICTORIOUS_ASSIGN_OR_RETURN(const RenderedView rendered, renderer.Render(std::span(&instance, 1), camera,
-                                                                             DrawLight(options.sunlit_share, random)));
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        const RenderedView rendered,
+        renderer.Render(std::span(&instance, 1), camera, SampleLight(options.sunlit_fraction, random)));
     const cv::Rect seen = cv::boundingRect(rendered.mask);
     if (seen.empty()) continue;  // a flat mesh seen edge-on
     cv::Mat object;
@@ -116,7 +116,7 @@ Expected<std::vector<BoxedPicture>> PicturesOfCad(const Mesh& mesh, const std::s
     constexpr double kBrightest = 1.5;
     object.convertTo(object, CV_8U, random.Uniform(kDarkest, kBrightest));
     cv::Mat picture = backgrounds[random.Below(static_cast<std::uint32_t>(backgrounds.size()))].clone();
-    const Similarity2 place = DrawPlace(seen, picture.size(), random);
+    const Similarity2 place = SamplePlacement(seen, picture.size(), random);
     Paste(object, rendered.mask, place, picture);
     const Eigen::Vector2d corner = place.Apply({seen.x, seen.y});
     pictures.push_back({.category = category,

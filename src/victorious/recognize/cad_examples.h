@@ -17,27 +17,27 @@
 
 namespace victorious {
 
-struct CadPictureOptions {
+struct CadExampleOptions {
   int views = 25;
-  double least_off_nadir_deg = 60.0;
-  double most_off_nadir_deg = 100.0;
-  double sunlit_share = 0.5;
+  double min_off_nadir_deg = 60.0;
+  double max_off_nadir_deg = 100.0;
+  double sunlit_fraction = 0.5;
 
   void ListFields(FieldList& fields);
 };
 
 /// Errors: kInvalidArgument if the minimum off-nadir angle exceeds the maximum.
-Status CheckRange(const CadPictureOptions& options);
+Status CheckRange(const CadExampleOptions& options);
 
 /// Reduces a background image to at most 1.5 times the size of the renderings, so that both are equally sharp.
-[[nodiscard]] cv::Mat BackgroundForCad(const cv::Mat& grey);
+[[nodiscard]] cv::Mat ResizeBackgroundForCad(const cv::Mat& grey);
 
 /// @param backgrounds  CV_8UC1, at least one
 /// @return             labelled images of `category`, of the backgrounds' sizes, each with the object's box; views that
 ///                     show no pixel of the mesh are left out
 /// Errors: kInvalidArgument for options out of range; kInternal if no renderer is available.
-Expected<std::vector<BoxedPicture>> PicturesOfCad(const Mesh& mesh, const std::string& category,
-                                                  std::span<const cv::Mat> backgrounds,
-                                                  const CadPictureOptions& options, std::uint64_t seed);
+Expected<std::vector<LabelledImage>> RenderCadExamples(const Mesh& mesh, const std::string& category,
+                                                       std::span<const cv::Mat> backgrounds,
+                                                       const CadExampleOptions& options, std::uint64_t seed);
 
 }  // namespace victorious

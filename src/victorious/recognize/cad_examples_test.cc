@@ -8,11 +8,11 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
-#include "testing/data.h"
-#include "testing/category_tools.h"
-#include "victorious/recognize/category_images.h"
 #include "testing/cad_tools.h"
+#include "testing/category_tools.h"
+#include "testing/data.h"
 #include "victorious/image/image_file.h"
+#include "victorious/recognize/category_images.h"
 
 namespace victorious {
 namespace {
@@ -30,10 +30,10 @@ cv::Mat Plain(int level) { return {150, 200, CV_8UC1, cv::Scalar(level)}; }
 
 TEST(CadPictures, TheObjectIsInItsBoxAndNothingElseIsChanged) {
   const std::vector<cv::Mat> backgrounds = {Plain(128)};
-  const auto pictures = PicturesOfCad(Block(), "block", backgrounds, {.views = 12}, 1);
+  const auto pictures = RenderCadExamples(Block(), "block", backgrounds, {.views = 12}, 1);
   ASSERT_TRUE(pictures) << pictures.error().message;
   ASSERT_EQ(pictures->size(), 12U);
-  for (const BoxedPicture& picture : *pictures) {
+  for (const LabelledImage& picture : *pictures) {
     EXPECT_EQ(picture.category, "block");
     ASSERT_TRUE(picture.box);
     const cv::Rect changed = cv::boundingRect(cv::Mat(cv::abs(picture.grey - 128) > 3));
@@ -47,9 +47,9 @@ TEST(CadPictures, TheObjectIsInItsBoxAndNothingElseIsChanged) {
 
 TEST(CadPictures, AreTheSameForTheSameSeedOnly) {
   const std::vector<cv::Mat> backgrounds = {Plain(128), Plain(60)};
-  const auto one = PicturesOfCad(Block(), "block", backgrounds, {.views = 3}, 1).value();
-  const auto again = PicturesOfCad(Block(), "block", backgrounds, {.views = 3}, 1).value();
-  const auto other = PicturesOfCad(Block(), "block", backgrounds, {.views = 3}, 2).value();
+  const auto one = RenderCadExamples(Block(), "block", backgrounds, {.views = 3}, 1).value();
+  const auto again = RenderCadExamples(Block(), "block", backgrounds, {.views = 3}, 1).value();
+  const auto other = RenderCadExamples(Block(), "block", backgrounds, {.views = 3}, 2).value();
   for (std::size_t i = 0; i < one.size(); ++i) {
     EXPECT_EQ(cv::norm(one[i].grey, again[i].grey), 0);
     EXPECT_GT(cv::norm(one[i].grey, other[i].grey), 0);
@@ -59,9 +59,9 @@ TEST(CadPictures, AreTheSameForTheSameSeedOnly) {
 TEST(CadPictures, RefuseAnEmptyRangeOfViews) {
   const std::vector<cv::Mat> backgrounds = {Plain(128)};
   const auto pictures =
-      PicturesOfCad(Block(), "block", backgrounds, {.least_off_nadir_deg = 80, .most_off_nadir_deg = 20}, 1);
+      RenderCadExamples(Block(), "block", backgrounds, {.min_off_nadir_deg = 80, .max_off_nadir_deg = 20}, 1);
   ASSERT_FALSE(pictures);
-  EXPECT_THAT(pictures.error().message, HasSubstr("least_off_nadir_deg 80"));
+  EXPECT_THAT(pictures.error().message, HasSubstr("min_off_nadir_deg 80"));
 }
 
 // A folder with clutter images and a CAD file of a block.
@@ -114,9 +114,9 @@ TEST_F(CadExampleTest, StandsForItsKind) {
   AddCad();
   const Expected<CategoryModel> model = Train();
   ASSERT_TRUE(model) << model.error().message;
-  const CategoryEye eye = CategoryEye::Of(*model).value();
+  const CategoryFeaturizer featurizer = CategoryFeaturizer::Of(*model).value();
   const auto label = [&](const cv::Mat& grey) {
-    const CategoryResult result = ClassifyPicture(eye, *model, grey, CategoryMethod::kPhrases).value().result;
+    const CategoryResult result = ClassifyImage(featurizer, *model, grey, CategoryMethod::kPhrases).value().result;
     return model->nodes[result.label].name;
   };
   // Another block, shorter and of other greys, before other clutter.
@@ -130,8 +130,8 @@ TEST_F(CadExampleTest, StandsForItsKind) {
     cv::cvtColor(Clutter(random), background, cv::COLOR_BGR2GRAY);
   }
   int right = 0;
-  const std::vector<BoxedPicture> pictures = PicturesOfCad(cousin, "", backgrounds, {.views = 10}, 5).value();
-  for (const BoxedPicture& picture : pictures) right += label(picture.grey) == "block" ? 1 : 0;
+  const std::vector<LabelledImage> pictures = RenderCadExamples(cousin, "", backgrounds, {.views = 10}, 5).value();
+  for (const LabelledImage& picture : pictures) right += label(picture.grey) == "block" ? 1 : 0;
   for (const cv::Mat& background : backgrounds) right += label(background) == "nothing" ? 1 : 0;
   EXPECT_GE(right, 15);  // 10 by chance
 }

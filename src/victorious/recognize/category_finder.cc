@@ -15,7 +15,7 @@
 namespace victorious {
 
 void CategoryFindOptions::ListFields(FieldList& fields) {
-  fields.Add("least_probability", least_probability,
+  fields.Add("min_probability", min_probability,
              {.min = 0,
               .max = 1,
               .reason = "minimum calibrated probability of a category sighting; the default is even odds"});
@@ -40,23 +40,24 @@ bool IsListed(std::string_view list, std::string_view name) {
 
 Expected<CategoryFinder> CategoryFinder::Create(CategoryModel model, const CategoryFindOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
-  VICTORIOUS_ASSIGN_OR_RETURN(CategoryEye eye, CategoryEye::Of(model));
-  CategoryFinder finder(std::move(model), std::move(eye), options);
+  VICTORIOUS_ASSIGN_OR_RETURN(CategoryFeaturizer featurizer, CategoryFeaturizer::Of(model));
+  CategoryFinder finder(std::move(model), std::move(featurizer), options);
   if (!finder.names_.empty()) return finder;
-  return Fail(
-      ErrorCode::kInvalidArgument,
-      fmt::format("categories: all are background ({}): train the model with at least one other category",
-                  options.none));
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("categories: all are background ({}): train the model with at least one other category",
+                          options.none));
 }
 
-CategoryFinder::CategoryFinder(CategoryModel model, CategoryEye eye, const CategoryFindOptions& options)
+CategoryFinder::CategoryFinder(CategoryModel model, CategoryFeaturizer featurizer, const CategoryFindOptions& options)
     : model_(std::make_shared<const CategoryModel>(std::move(model))),
-      eye_(std::move(eye)),
-      least_probability_(options.least_probability),
-      content_id_(fmt::format("{:016x}", Checksum(EncodeCategories(*model_)))) {
+      featurizer_(std::move(featurizer)),
+      min_probability_(options.min_probability),
+      content_id_(fmt::format("{:016x}", Checksum(EncodeCategoryModel(*model_)))) {
   for (std::size_t n = 0; n < model_->nodes.size(); ++n) {
     const CategoryNode& node = model_->nodes[n];
-    if (!node.labels || IsListed(options.none, node.name) || node.name == eye_.options().windows.none) continue;
+    if (!node.can_be_label || IsListed(options.none, node.name) ||
+        node.name == featurizer_.options().windows.background_category)
+      continue;
     names_.push_back(node.name);
     nodes_.push_back(n);
   }
@@ -65,35 +66,35 @@ CategoryFinder::CategoryFinder(CategoryModel model, CategoryEye eye, const Categ
 // Non-maximum suppression over windows: one category per region, plus categories above and below it in the hierarchy.
 std::vector<FoundCategory> CategoryFinder::FindInWindows(const cv::Mat& grey) const {
   struct Likely {
-    const SeenWindow* window;
+    const ScoredWindow* window;
     std::size_t category;
     double probability;
   };
-  const WindowOptions& options = eye_.options().windows;
-  const std::vector<SeenWindow> windows =
-      LookThroughWindows(*model_, eye_.Clean(grey), eye_.options().dense, options, nodes_);
+  const WindowOptions& options = featurizer_.options().windows;
+  const std::vector<ScoredWindow> windows =
+      ClassifyWindows(*model_, featurizer_.Clean(grey), featurizer_.options().dense, options, nodes_);
   std::vector<Likely> likely;
-  for (const SeenWindow& window : windows) {
+  for (const ScoredWindow& window : windows) {
     for (std::size_t c = 0; c < nodes_.size(); ++c) {
       const double probability = window.result.scores[nodes_[c]].probability;
-      if (probability >= least_probability_) likely.push_back({&window, c, probability});
+      if (probability >= min_probability_) likely.push_back({&window, c, probability});
     }
   }
   std::ranges::stable_sort(likely, std::ranges::greater(), &Likely::probability);
   std::vector<Likely> apart;
   for (const Likely& one : likely) {
-    const auto takes_its_place = [&](const Likely& other) {
+    const auto suppresses = [&](const Likely& other) {
       const std::string& a = names_[one.category];
       const std::string& b = names_[other.category];
       const bool may_be_both = a != b && (IsWithin(a, b) || IsWithin(b, a));
-      return !may_be_both && ShowTheSame(one.window->box, other.window->box, options.overlap);
+      return !may_be_both && IsSameObject(one.window->box, other.window->box, options.overlap);
     };
-    if (std::ranges::none_of(apart, takes_its_place)) apart.push_back(one);
+    if (std::ranges::none_of(apart, suppresses)) apart.push_back(one);
   }
   std::vector<FoundCategory> found;
   for (const Likely& one : apart) {
-    const WordedPicture& picture = one.window->picture;
-    const Box inside = SupportingBox(EvidenceFor(*model_, picture, nodes_[one.category]), picture);
+    const QuantisedImage& picture = one.window->picture;
+    const Box inside = SupportingBox(ComputeContributions(*model_, picture, nodes_[one.category]), picture);
     const double scale = one.window->box.width / picture.width;
     found.push_back({.category = one.category,
                      .box = {one.window->box.x + inside.x * scale, one.window->box.y + inside.y * scale,
@@ -104,16 +105,16 @@ std::vector<FoundCategory> CategoryFinder::FindInWindows(const cv::Mat& grey) co
 }
 
 Expected<std::vector<FoundCategory>> CategoryFinder::Find(const cv::Mat& grey) const {
-  if (eye_.options().windows.enabled) return FindInWindows(grey);
-  VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, eye_.Look(grey));
-  const WordedPicture picture = WordsOf(*model_, features);
+  if (featurizer_.options().windows.enabled) return FindInWindows(grey);
+  VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, featurizer_.Extract(grey));
+  const QuantisedImage picture = QuantiseFeatures(*model_, features);
   std::vector<FoundCategory> found;
   if (picture.size() == 0) return found;  // no features
   const CategoryResult result = Classify(*model_, picture, CategoryMethod::kPhrases);
   for (std::size_t c = 0; c < nodes_.size(); ++c) {
     const double probability = result.scores[nodes_[c]].probability;
-    if (probability < least_probability_) continue;
-    const Box box = SupportingBox(EvidenceFor(*model_, picture, nodes_[c]), picture);
+    if (probability < min_probability_) continue;
+    const Box box = SupportingBox(ComputeContributions(*model_, picture, nodes_[c]), picture);
     found.push_back({.category = c, .box = box, .probability = probability});
   }
   return found;

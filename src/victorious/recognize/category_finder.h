@@ -1,7 +1,7 @@
 // Finds the categories of a frame and their boxes. Classifies the whole frame or multi-scale sliding windows
 // (category/windows.h), as the model was trained. Each category above the probability threshold gets the box that
-// contains most of the evidence for it (category/explanation.h). A whole frame yields each category at most once; windows
-// yield one result per non-overlapping window.
+// contains most of the evidence for it (category/explanation.h). A whole frame yields each category at most once;
+// windows yield one result per non-overlapping window.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@
 namespace victorious {
 
 struct CategoryFindOptions {
-  double least_probability = 0.5;
+  double min_probability = 0.5;
   std::string none = "background";
 
   void ListFields(FieldList& fields);
@@ -52,11 +52,11 @@ class CategoryFinder {
  private:
   [[nodiscard]] std::vector<FoundCategory> FindInWindows(const cv::Mat& grey) const;
 
-  CategoryFinder(CategoryModel model, CategoryEye eye, const CategoryFindOptions& options);
+  CategoryFinder(CategoryModel model, CategoryFeaturizer featurizer, const CategoryFindOptions& options);
 
   std::shared_ptr<const CategoryModel> model_;
-  CategoryEye eye_;
-  double least_probability_;
+  CategoryFeaturizer featurizer_;
+  double min_probability_;
   std::vector<std::string> names_;
   std::vector<std::size_t> nodes_;  // index of each name's node in the model
   std::string content_id_;

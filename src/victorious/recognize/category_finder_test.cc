@@ -50,7 +50,7 @@ TEST(CategoryFinder, FindsTheLikelyCategoryWhereItIs) {
 }
 
 TEST(CategoryFinder, NoneOfTheseIsNotFound) {
-  const auto finder = CategoryFinder::Create(SmallModel(), {.least_probability = 0, .none = "boat, disc-cross"});
+  const auto finder = CategoryFinder::Create(SmallModel(), {.min_probability = 0, .none = "boat, disc-cross"});
   ASSERT_TRUE(finder) << finder.error().message;
   EXPECT_THAT(finder->names(), ElementsAre("cross-disc"));
   Random random(2);
@@ -61,7 +61,7 @@ TEST(CategoryFinder, NoneOfTheseIsNotFound) {
 }
 
 TEST(CategoryFinder, APictureOfNothingHasNone) {
-  const auto finder = CategoryFinder::Create(SmallModel(), {.least_probability = 0});
+  const auto finder = CategoryFinder::Create(SmallModel(), {.min_probability = 0});
   ASSERT_TRUE(finder);
   const auto found = finder->Find(cv::Mat(120, 160, CV_8UC1, cv::Scalar(128)));
   ASSERT_TRUE(found);

@@ -14,9 +14,9 @@
 #include <opencv2/core.hpp>
 
 #include "victorious/base/random.h"
+#include "victorious/image/image_file.h"
 #include "victorious/image/impulse_noise.h"
 #include "victorious/mesh/load_mesh.h"
-#include "victorious/image/image_file.h"
 
 namespace victorious {
 
@@ -43,29 +43,30 @@ void CategoryTrainOptions::ListFields(FieldList& fields) {
   category.ListFields(fields);
 }
 
-Expected<CategoryEye> CategoryEye::Create(const CategoryFeatureOptions& options) {
+Expected<CategoryFeaturizer> CategoryFeaturizer::Create(const CategoryFeatureOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   if (options.windows.enabled && options.kind != "dense")
     return Fail(ErrorCode::kInvalidArgument, "windows.enabled: requires features on a grid: kind must be dense");
-  constexpr int kMostEnlarged = 2;  // further enlargement costs memory and adds no information
-  if (options.windows.enabled && options.windows.side_px > kMostEnlarged * options.windows.smallest_px) {
+  constexpr int kMaxEnlarged = 2;  // further enlargement costs memory and adds no information
+  if (options.windows.enabled && options.windows.side_px > kMaxEnlarged * options.windows.min_window_px) {
     return Fail(
         ErrorCode::kInvalidArgument,
-        fmt::format("windows.smallest_px {}: must be at least half of windows.side_px {}, so that images are enlarged "
-                    "at most twice",
-                    options.windows.smallest_px, options.windows.side_px));
+        fmt::format(
+            "windows.min_window_px {}: must be at least half of windows.side_px {}, so that images are enlarged "
+            "at most twice",
+            options.windows.min_window_px, options.windows.side_px));
   }
-  CategoryEye eye;
-  eye.options_ = options;
-  VICTORIOUS_ASSIGN_OR_RETURN(eye.extractor_, MakeFeatureExtractor(options.keypoints));
-  return eye;
+  CategoryFeaturizer featurizer;
+  featurizer.options_ = options;
+  VICTORIOUS_ASSIGN_OR_RETURN(featurizer.extractor_, MakeFeatureExtractor(options.keypoints));
+  return featurizer;
 }
 
-Expected<CategoryEye> CategoryEye::Of(const CategoryModel& model) {
+Expected<CategoryFeaturizer> CategoryFeaturizer::Of(const CategoryModel& model) {
   CategoryFeatureOptions options;
   const auto json = nlohmann::json::parse(model.features_json, nullptr, /*allow_exceptions=*/false);
   const Status status =
-      json.is_discarded() ? Fail(ErrorCode::kDataLoss, "not JSON") : SetFromJson(json, FieldsOf(options));
+      json.is_discarded() ? Fail(ErrorCode::kDataLoss, "not JSON") : SetFromJson(json, CollectFields(options));
   if (options.windows.enabled && model.options.scoring != "linear")
     return Fail(ErrorCode::kDataLoss, "category model: windows require scoring linear: train again");
   if (status) return Create(options);
@@ -73,47 +74,49 @@ Expected<CategoryEye> CategoryEye::Of(const CategoryModel& model) {
               fmt::format("category model: feature options: {}: train again", status.error().message));
 }
 
-Expected<FeatureSet> CategoryEye::Look(const cv::Mat& grey) const {
+Expected<FeatureSet> CategoryFeaturizer::Extract(const cv::Mat& grey) const {
   if (options_.kind == "dense") return DenseFeatures(grey, options_.dense);
   return extractor_->Extract(grey);
 }
 
-cv::Mat CategoryEye::Clean(const cv::Mat& grey) const {
-  return WithoutImpulses(grey, options_.keypoints.impulse_share);
+cv::Mat CategoryFeaturizer::Clean(const cv::Mat& grey) const {
+  return RemoveImpulses(grey, options_.keypoints.impulse_fraction);
 }
 
-Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryEye& eye, const cv::Mat& grey, const Box& box,
-                                                  const std::string& category, int number, bool own_surroundings) {
+Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryFeaturizer& featurizer, const cv::Mat& grey,
+                                                  const Box& box, const std::string& category, int number,
+                                                  bool own_surroundings) {
   const int x0 = std::clamp(static_cast<int>(std::floor(box.x)), 0, grey.cols - 1);
   const int y0 = std::clamp(static_cast<int>(std::floor(box.y)), 0, grey.rows - 1);
   const int x1 = std::clamp(static_cast<int>(std::ceil(box.x + box.width)), x0 + 1, grey.cols);
   const int y1 = std::clamp(static_cast<int>(std::ceil(box.y + box.height)), y0 + 1, grey.rows);
   const cv::Rect part(x0, y0, x1 - x0, y1 - y0);
-  const bool with_whole = own_surroundings && part.size() != grey.size() && eye.options().surroundings != "none";
+  const bool with_whole = own_surroundings && part.size() != grey.size() && featurizer.options().surroundings != "none";
   std::vector<CategoryExample> examples;
-  const auto add = [&](const cv::Mat& seen, bool learns, bool calibrates, bool mirrored = false) -> Status {
-    VICTORIOUS_ASSIGN_OR_RETURN(FeatureSet features, eye.Look(seen));
+  const auto add = [&](const cv::Mat& seen, bool used_for_training, bool used_for_calibration,
+                       bool mirrored = false) -> Status {
+    VICTORIOUS_ASSIGN_OR_RETURN(FeatureSet features, featurizer.Extract(seen));
     examples.push_back({.category = category,
                         .features = std::move(features),
                         .picture = number,
-                        .learns = learns,
-                        .calibrates = calibrates,
+                        .used_for_training = used_for_training,
+                        .used_for_calibration = used_for_calibration,
                         .mirrored = mirrored});
     return {};
   };
   const auto add_mirrored = [&](const cv::Mat& seen) -> Status {
-    if (!eye.options().mirrored) return {};
+    if (!featurizer.options().mirrored) return {};
     cv::Mat mirrored;
     cv::flip(seen, mirrored, 1);
-    return add(mirrored, /*learns=*/true, /*calibrates=*/false, /*mirrored=*/true);
+    return add(mirrored, /*used_for_training=*/true, /*used_for_calibration=*/false, /*mirrored=*/true);
   };
   const cv::Mat cut_out = grey(part).clone();
-  VICTORIOUS_RETURN_IF_ERROR(add(cut_out, /*learns=*/true, /*calibrates=*/!with_whole));
+  VICTORIOUS_RETURN_IF_ERROR(add(cut_out, /*used_for_training=*/true, /*used_for_calibration=*/!with_whole));
   VICTORIOUS_RETURN_IF_ERROR(add_mirrored(cut_out));
   if (!with_whole) return examples;
-  const bool learns = eye.options().surroundings == "learn";
-  VICTORIOUS_RETURN_IF_ERROR(add(grey, learns, /*calibrates=*/true));
-  if (learns) VICTORIOUS_RETURN_IF_ERROR(add_mirrored(grey));
+  const bool used_for_training = featurizer.options().surroundings == "learn";
+  VICTORIOUS_RETURN_IF_ERROR(add(grey, used_for_training, /*used_for_calibration=*/true));
+  if (used_for_training) VICTORIOUS_RETURN_IF_ERROR(add_mirrored(grey));
   return examples;
 }
 
@@ -121,8 +124,8 @@ namespace {
 
 // Calls `work` with each index below `count`, in any order, on all cores. Returns the error of the lowest index;
 // rethrows exceptions.
-Status OnAllCores(std::size_t count, const std::function<Status(std::size_t)>& work,
-                  const std::function<void(std::size_t)>& done = {}) {
+Status ParallelFor(std::size_t count, const std::function<Status(std::size_t)>& work,
+                   const std::function<void(std::size_t)>& done = {}) {
   std::atomic<std::size_t> next = 0;
   std::atomic<bool> failed = false;
   std::mutex mutex;
@@ -164,15 +167,15 @@ Status OnAllCores(std::size_t count, const std::function<Status(std::size_t)>& w
 
 }  // namespace
 
-Status ForEachPicture(const std::filesystem::path& folder, std::span<const CategoryListRow> rows,
-                      const std::function<Status(std::size_t row, const cv::Mat& bgr)>& use,
-                      const std::function<void(std::size_t)>& done) {
+Status ForEachImage(const std::filesystem::path& folder, std::span<const CategoryListRow> rows,
+                    const std::function<Status(std::size_t row, const cv::Mat& bgr)>& use,
+                    const std::function<void(std::size_t)>& done) {
   const auto read = [&](std::size_t row) -> Status {
     Expected<Image> image = ReadImage(folder / rows[row].image);
     if (!image) return std::unexpected(std::move(image).error().WithContext(rows[row].where));
     return use(row, image->bgr);
   };
-  return OnAllCores(rows.size(), read, done);
+  return ParallelFor(rows.size(), read, done);
 }
 
 namespace {
@@ -180,8 +183,8 @@ namespace {
 struct SortedRows {
   std::vector<CategoryListRow> pictures;
   std::vector<CategoryListRow> cad_files;
-  std::set<std::string> of_things;  // object categories: those with a box or a CAD file
-  std::set<std::string> of_none;    // background: the others, neither above nor below an object category
+  std::set<std::string> object_categories;      // object categories: those with a box or a CAD file
+  std::set<std::string> background_categories;  // background: the others, neither above nor below an object category
 };
 
 Expected<SortedRows> SortRows(std::span<const CategoryListRow> rows) {
@@ -193,16 +196,16 @@ Expected<SortedRows> SortRows(std::span<const CategoryListRow> rows) {
     const bool cad = IsCadFile(row.image);
     if (cad && row.box)
       return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: a box: not allowed for a CAD file", row.where));
-    if (cad || row.box) sorted.of_things.insert(row.category);
+    if (cad || row.box) sorted.object_categories.insert(row.category);
     (cad ? sorted.cad_files : sorted.pictures).push_back(row);
   }
   for (const CategoryListRow& row : sorted.pictures) {
-    const bool of_thing = std::ranges::any_of(sorted.of_things, [&](const std::string& thing) {
+    const bool is_object = std::ranges::any_of(sorted.object_categories, [&](const std::string& thing) {
       return IsWithin(thing, row.category) || IsWithin(row.category, thing);
     });
-    if (!of_thing) sorted.of_none.insert(row.category);
+    if (!is_object) sorted.background_categories.insert(row.category);
   }
-  if (!sorted.cad_files.empty() && sorted.of_none.empty()) {
+  if (!sorted.cad_files.empty() && sorted.background_categories.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: a CAD file requires background images: add a category without boxes and without CAD "
                             "files, for example background",
@@ -212,14 +215,14 @@ Expected<SortedRows> SortRows(std::span<const CategoryListRow> rows) {
 }
 
 // The renderings of a CAD file in front of the backgrounds.
-Expected<std::vector<BoxedPicture>> ReadCad(const std::filesystem::path& folder, const CategoryListRow& row,
-                                            std::span<const cv::Mat> backgrounds, const CategoryTrainOptions& options,
-                                            std::uint64_t seed, const std::function<void(const std::string&)>& warn) {
+Expected<std::vector<LabelledImage>> ReadCad(const std::filesystem::path& folder, const CategoryListRow& row,
+                                             std::span<const cv::Mat> backgrounds, const CategoryTrainOptions& options,
+                                             std::uint64_t seed, const std::function<void(const std::string&)>& warn) {
   Expected<LoadedMesh> loaded = LoadMesh(folder / row.image);
   if (!loaded) return std::unexpected(std::move(loaded).error().WithContext(row.where));
   for (const std::string& warning : loaded->warnings)
     if (warn) warn(fmt::format("{}: {}", row.image, warning));
-  auto pictures = PicturesOfCad(loaded->mesh, row.category, backgrounds, options.cad, seed);
+  auto pictures = RenderCadExamples(loaded->mesh, row.category, backgrounds, options.cad, seed);
   if (!pictures) return std::unexpected(std::move(pictures).error().WithContext(row.where));
   return pictures;
 }
@@ -231,52 +234,55 @@ Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::sp
                                     const std::function<void(const std::string&)>& warn) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   VICTORIOUS_ASSIGN_OR_RETURN(const SortedRows sorted, SortRows(rows));
-  VICTORIOUS_ASSIGN_OR_RETURN(const CategoryEye eye, CategoryEye::Create(options.features));
+  VICTORIOUS_ASSIGN_OR_RETURN(const CategoryFeaturizer featurizer, CategoryFeaturizer::Create(options.features));
   const bool by_windows = options.features.windows.enabled;
   if (by_windows && options.category.scoring != "linear")
     return Fail(ErrorCode::kInvalidArgument, "features.windows.enabled: requires scoring linear");
   if (!sorted.cad_files.empty()) {
     VICTORIOUS_RETURN_IF_ERROR(CheckRange(options.cad));
-    if (sorted.of_none.size() > 1 && warn)
+    if (sorted.background_categories.size() > 1 && warn)
       warn(fmt::format("CAD files are rendered in front of the images of {}, taken as background",
-                       fmt::join(sorted.of_none, ", ")));
+                       fmt::join(sorted.background_categories, ", ")));
   }
 
   const std::size_t count = sorted.pictures.size();
   std::vector<std::vector<CategoryExample>> of_picture(count);
-  std::vector<BoxedPicture> pictures(by_windows ? count : 0);
+  std::vector<LabelledImage> pictures(by_windows ? count : 0);
   std::vector<cv::Mat> none(sorted.cad_files.empty() ? 0 : count);  // background images
   const auto look = [&](std::size_t row, const cv::Mat& bgr) -> Status {
     const CategoryListRow& listed = sorted.pictures[row];
     const cv::Mat grey = GreyFromBgr(bgr);
-    VICTORIOUS_ASSIGN_OR_RETURN(const Box box, BoxWithin(listed, grey.cols, grey.rows));
-    const bool of_thing = sorted.of_things.contains(listed.category);
-    const cv::Mat seen = by_windows ? eye.Clean(grey) : grey;
-    if (!none.empty() && sorted.of_none.contains(listed.category)) none[row] = BackgroundForCad(seen);
+    VICTORIOUS_ASSIGN_OR_RETURN(const Box box, ClippedBox(listed, grey.cols, grey.rows));
+    const bool is_object = sorted.object_categories.contains(listed.category);
+    const cv::Mat seen = by_windows ? featurizer.Clean(grey) : grey;
+    if (!none.empty() && sorted.background_categories.contains(listed.category))
+      none[row] = ResizeBackgroundForCad(seen);
     if (by_windows) {
-      pictures[row] = {.category = listed.category, .grey = seen, .box = of_thing ? std::optional(box) : std::nullopt};
+      pictures[row] = {.category = listed.category, .grey = seen, .box = is_object ? std::optional(box) : std::nullopt};
       return {};
     }
-    VICTORIOUS_ASSIGN_OR_RETURN(of_picture[row], ExamplesOf(eye, grey, box, listed.category, static_cast<int>(row)));
+    VICTORIOUS_ASSIGN_OR_RETURN(of_picture[row],
+                                ExamplesOf(featurizer, grey, box, listed.category, static_cast<int>(row)));
     return {};
   };
-  VICTORIOUS_RETURN_IF_ERROR(ForEachPicture(folder, sorted.pictures, look, done));
+  VICTORIOUS_RETURN_IF_ERROR(ForEachImage(folder, sorted.pictures, look, done));
 
   std::erase_if(none, [](const cv::Mat& picture) { return picture.empty(); });
   for (std::size_t i = 0; i < sorted.cad_files.size(); ++i) {
-    VICTORIOUS_ASSIGN_OR_RETURN(std::vector<BoxedPicture> drawn, ReadCad(folder, sorted.cad_files[i], none, options,
-                                                                         MixSeed(options.category.seed, i), warn));
+    VICTORIOUS_ASSIGN_OR_RETURN(std::vector<LabelledImage> drawn, ReadCad(folder, sorted.cad_files[i], none, options,
+                                                                          MixSeed(options.category.seed, i), warn));
     if (by_windows) {
       std::ranges::move(drawn, std::back_inserter(pictures));
     } else {
-      // Renderings of one CAD file are held out together, so that another CAD file calibrates, if the category has one.
+      // Renderings of one CAD file are held out together, so that another CAD file used_for_calibration, if the
+      // category has one.
       const bool alone =
           1 == std::ranges::count(sorted.cad_files, sorted.cad_files[i].category, &CategoryListRow::category);
       const std::size_t first = of_picture.size();
       of_picture.resize(first + drawn.size());
-      VICTORIOUS_RETURN_IF_ERROR(OnAllCores(drawn.size(), [&](std::size_t d) -> Status {
+      VICTORIOUS_RETURN_IF_ERROR(ParallelFor(drawn.size(), [&](std::size_t d) -> Status {
         VICTORIOUS_ASSIGN_OR_RETURN(
-            of_picture[first + d], ExamplesOf(eye, drawn[d].grey, *drawn[d].box, drawn[d].category,
+            of_picture[first + d], ExamplesOf(featurizer, drawn[d].grey, *drawn[d].box, drawn[d].category,
                                               static_cast<int>(alone ? first + d : first), /*own_surroundings=*/false));
         return {};
       }));
@@ -284,7 +290,7 @@ Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::sp
     done(count + i + 1);
   }
 
-  if (by_windows) return TrainOnWindows(eye, pictures, options);
+  if (by_windows) return TrainOnWindows(featurizer, pictures, options);
   std::vector<CategoryExample> examples;
   for (auto& some : of_picture) std::ranges::move(some, std::back_inserter(examples));
   VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model, TrainCategories(examples, options.category));
@@ -296,47 +302,48 @@ namespace {
 
 // The maximum score of each object category over the windows; for the background the score of the window that is most
 // likely to show an object.
-Expected<ClassifiedPicture> ClassifyInWindows(const CategoryEye& eye, const CategoryModel& model, const cv::Mat& grey) {
-  const WindowOptions& options = eye.options().windows;
-  std::vector<std::size_t> things;
+Expected<ClassifiedImage> ClassifyInWindows(const CategoryFeaturizer& featurizer, const CategoryModel& model,
+                                            const cv::Mat& grey) {
+  const WindowOptions& options = featurizer.options().windows;
+  std::vector<std::size_t> object_nodes;
   for (std::size_t n = 0; n < model.nodes.size(); ++n)
-    if (model.nodes[n].name != options.none) things.push_back(n);
-  const std::vector<SeenWindow> windows =
-      LookThroughWindows(model, eye.Clean(grey), eye.options().dense, options, things);
+    if (model.nodes[n].name != options.background_category) object_nodes.push_back(n);
+  const std::vector<ScoredWindow> windows =
+      ClassifyWindows(model, featurizer.Clean(grey), featurizer.options().dense, options, object_nodes);
   if (windows.empty()) {  // no features
-    WordedPicture nothing =
-        WordsOf(model, {.keypoints = {}, .descriptors = {}, .image_width = grey.cols, .image_height = grey.rows});
+    QuantisedImage nothing = QuantiseFeatures(
+        model, {.keypoints = {}, .descriptors = {}, .image_width = grey.cols, .image_height = grey.rows});
     CategoryResult result = Classify(model, nothing, CategoryMethod::kPhrases);
-    return ClassifiedPicture{std::move(result), FrameBox(grey.cols, grey.rows), std::move(nothing)};
+    return ClassifiedImage{std::move(result), FrameBox(grey.cols, grey.rows), std::move(nothing)};
   }
-  const SeenWindow* chosen = &windows.front();
+  const ScoredWindow* chosen = &windows.front();
   CategoryResult result = chosen->result;
-  for (const SeenWindow& window : windows) {
-    for (const std::size_t node : things) {
+  for (const ScoredWindow& window : windows) {
+    for (const std::size_t node : object_nodes) {
       if (window.result.scores[node].probability <= result.scores[node].probability) continue;
       result.scores[node] = window.result.scores[node];
       const CategoryNode& named = model.nodes[node];
-      if (!named.labels || result.scores[node].probability <= result.scores[result.label].probability) continue;
+      if (!named.can_be_label || result.scores[node].probability <= result.scores[result.label].probability) continue;
       result.label = node;
       chosen = &window;
     }
   }
-  return ClassifiedPicture{std::move(result), chosen->box, chosen->picture};
+  return ClassifiedImage{std::move(result), chosen->box, chosen->picture};
 }
 
 }  // namespace
 
-Expected<ClassifiedPicture> ClassifyPicture(const CategoryEye& eye, const CategoryModel& model, const cv::Mat& grey,
-                                            CategoryMethod method) {
-  if (eye.options().windows.enabled) {
-    if (method == CategoryMethod::kPhrases) return ClassifyInWindows(eye, model, grey);
+Expected<ClassifiedImage> ClassifyImage(const CategoryFeaturizer& featurizer, const CategoryModel& model,
+                                        const cv::Mat& grey, CategoryMethod method) {
+  if (featurizer.options().windows.enabled) {
+    if (method == CategoryMethod::kPhrases) return ClassifyInWindows(featurizer, model, grey);
     return Fail(ErrorCode::kInvalidArgument,
                 "method words: requires a model of whole images: this model is of windows");
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, eye.Look(grey));
-  WordedPicture picture = WordsOf(model, features);
+  VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, featurizer.Extract(grey));
+  QuantisedImage picture = QuantiseFeatures(model, features);
   CategoryResult result = Classify(model, picture, method);
-  return ClassifiedPicture{std::move(result), FrameBox(grey.cols, grey.rows), std::move(picture)};
+  return ClassifiedImage{std::move(result), FrameBox(grey.cols, grey.rows), std::move(picture)};
 }
 
 }  // namespace victorious

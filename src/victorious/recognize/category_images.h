@@ -38,31 +38,31 @@ struct CategoryFeatureOptions {
 struct CategoryTrainOptions {
   CategoryFeatureOptions features;
   WindowTrainOptions examples;
-  CadPictureOptions cad;
+  CadExampleOptions cad;
   CategoryOptions category;
 
   void ListFields(FieldList& fields);
 };
 
 /// Extracts the features of images for category/. Thread-safe.
-class CategoryEye {
+class CategoryFeaturizer {
  public:
   /// Errors: kInvalidArgument for options out of range.
-  static Expected<CategoryEye> Create(const CategoryFeatureOptions& options);
+  static Expected<CategoryFeaturizer> Create(const CategoryFeatureOptions& options);
 
   /// With the options that the model was trained with. Errors: kDataLoss for a model whose options cannot be read.
-  static Expected<CategoryEye> Of(const CategoryModel& model);
+  static Expected<CategoryFeaturizer> Of(const CategoryModel& model);
 
   [[nodiscard]] const CategoryFeatureOptions& options() const { return options_; }
 
   /// @param grey  CV_8UC1
-  [[nodiscard]] Expected<FeatureSet> Look(const cv::Mat& grey) const;
+  [[nodiscard]] Expected<FeatureSet> Extract(const cv::Mat& grey) const;
 
   /// The image without salt-and-pepper noise: the source of windows.
   [[nodiscard]] cv::Mat Clean(const cv::Mat& grey) const;
 
  private:
-  CategoryEye() = default;
+  CategoryFeaturizer() = default;
 
   CategoryFeatureOptions options_;
   std::shared_ptr<const FeatureExtractor> extractor_;
@@ -74,17 +74,17 @@ class CategoryEye {
 /// @param number            number of the image, shared by all its examples (cross-validation keeps them together)
 /// @param own_surroundings  false: the surroundings belong to another image (a composited background); only the crop is
 ///                          used
-Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryEye& eye, const cv::Mat& grey, const Box& box,
-                                                  const std::string& category, int number,
+Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryFeaturizer& featurizer, const cv::Mat& grey,
+                                                  const Box& box, const std::string& category, int number,
                                                   bool own_surroundings = true);
 
 /// Reads the images of a list on all cores and calls `use` with each row and its image, in any order and concurrently
 /// from several threads.
 /// @param done  progress callback, with the number of images done
 /// Errors: the first error in the list's order.
-Status ForEachPicture(const std::filesystem::path& folder, std::span<const CategoryListRow> rows,
-                      const std::function<Status(std::size_t row, const cv::Mat& bgr)>& use,
-                      const std::function<void(std::size_t)>& done);
+Status ForEachImage(const std::filesystem::path& folder, std::span<const CategoryListRow> rows,
+                    const std::function<Status(std::size_t row, const cv::Mat& bgr)>& use,
+                    const std::function<void(std::size_t)>& done);
 
 /// Trains on the images and CAD files of a list. CAD files are rendered in front of the background images: images of
 /// categories without boxes and without CAD files. For windows (features.windows) an image without a box is background
@@ -98,16 +98,16 @@ Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::sp
                                     const std::function<void(const std::string&)>& warn = {});
 
 /// A classified image, or its window with the highest probability of the label.
-struct ClassifiedPicture {
+struct ClassifiedImage {
   CategoryResult result;
-  Box looked_at;          ///< the classified region, px of the image
-  WordedPicture picture;  ///< the visual words of that region
+  Box classified_box;      ///< the classified region, px of the image
+  QuantisedImage picture;  ///< the visual words of that region
 };
 
 /// Classifies an image as the model was trained: as a whole, or by windows: the maximum score of each category over the
 /// windows, and for the background category the score of the window that is most likely to show an object.
 /// Errors: kInvalidArgument for CategoryMethod::kWords with a model of windows.
-Expected<ClassifiedPicture> ClassifyPicture(const CategoryEye& eye, const CategoryModel& model, const cv::Mat& grey,
-                                            CategoryMethod method);
+Expected<ClassifiedImage> ClassifyImage(const CategoryFeaturizer& featurizer, const CategoryModel& model,
+                                        const cv::Mat& grey, CategoryMethod method);
 
 }  // namespace victorious

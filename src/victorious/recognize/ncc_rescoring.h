@@ -7,7 +7,7 @@
 // hill climbing over position, scale, in-plane rotation, yaw and tip, from the matched view and its neighbours of the
 // same off-nadir angle; L is the maximum. The null distribution is measured in the scene: the same refinement from
 // random positions and rotations has mean m and standard deviation s,
-//   z = (L - m) / s,   -log10 NFA += decades_per_sigma (z - neutral_z_score).
+//   z = (L - m) / s,   -log10 NFA += decades_per_z_score (z - neutral_z_score).
 // The two constants come from a logistic regression of true and false detections on both quantities in three movies
 // (docs/results.md, "Tried for recall"), scaled so that the mapping from -log10 NFA to the score stays unchanged.
 // docs/adr/0014 has the reasons.
@@ -25,15 +25,15 @@
 
 namespace victorious {
 
-struct LikenessOptions {
-  int most = 2;
-  int most_in_frame = 12;
-  double least_evidence = -2.0;
-  double most_evidence = 6.0;
-  int elsewhere = 40;
-  double decades_per_sigma = 2.0;
-  double even_sigmas = 2.3;
-  double impulse_share = 0.015;
+struct NccOptions {
+  int max_poses = 2;
+  int max_poses_per_frame = 12;
+  double min_neg_log10_nfa = -2.0;
+  double max_neg_log10_nfa = 6.0;
+  int null_samples = 40;
+  double decades_per_z_score = 2.0;
+  double neutral_z_score = 2.3;
+  double impulse_fraction = 0.015;
 
   void ListFields(FieldList& fields);
 };
@@ -41,7 +41,7 @@ struct LikenessOptions {
 /// Prepares a scene for NCC: removes impulse noise and blurs by kAppearanceBlur_px.
 /// @param grey  CV_8UC1
 /// @return CV_32FC1 of the same size
-[[nodiscard]] cv::Mat SceneForLikeness(const cv::Mat& grey, const LikenessOptions& options);
+[[nodiscard]] cv::Mat PrepareSceneForNcc(const cv::Mat& grey, const NccOptions& options);
 
 /// The z-score of the NCC score at a pose against random poses in the same scene (formula above). Deterministic.
 /// @param scene                from PrepareSceneForNcc()
@@ -51,9 +51,8 @@ struct LikenessOptions {
 /// @return std::nullopt if less than 40 % of the surface samples are in the frame, if the view has no surface samples,
 ///         or if fewer than half of the random poses can be evaluated
 /// Cost: about 15 ms.
-[[nodiscard]] std::optional<double> SigmasOfLikeness(const cv::Mat& scene, const ObjectModel& model,
-                                                     const LitTemplates& pictures, std::size_t view,
-                                                     const Similarity2& scene_from_template,
-                                                     const LikenessOptions& options);
+[[nodiscard]] std::optional<double> ComputeNccZScore(const cv::Mat& scene, const ObjectModel& model,
+                                                     const RelitTemplateSource& pictures, std::size_t view,
+                                                     const Similarity2& scene_from_template, const NccOptions& options);
 
 }  // namespace victorious

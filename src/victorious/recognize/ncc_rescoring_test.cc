@@ -32,47 +32,48 @@ cv::Mat Patches(const cv::Size& size, double breadth_px, std::uint64_t seed) {
 }
 
 // A flat square seen from the nadir, one pixel per metre.
-class Flat : public LitTemplates {
+class FlatSquareSource : public RelitTemplateSource {
  public:
-  explicit Flat(const cv::Mat& grey) {
-    auto picture = std::make_shared<ViewPicture>();
-    picture->middle_px = {grey.cols / 2.0, grey.rows / 2.0};
+  explicit FlatSquareSource(const cv::Mat& grey) {
+    auto picture = std::make_shared<ViewAppearance>();
+    picture->centre_px = {grey.cols / 2.0, grey.rows / 2.0};
     for (int row = 4; row < grey.rows; row += 5) {
       for (int column = 4; column < grey.cols; column += 5) {
-        const Eigen::Vector2d at = Eigen::Vector2d(column + 0.5, row + 0.5) - picture->middle_px;
+        const Eigen::Vector2d at = Eigen::Vector2d(column + 0.5, row + 0.5) - picture->centre_px;
         picture->points.push_back(
             {Eigen::Vector3d(at.x(), at.y(), 0).cast<float>(), static_cast<float>(grey.at<std::uint8_t>(row, column))});
       }
     }
     picture_ = std::move(picture);
   }
-  [[nodiscard]] std::shared_ptr<const LitTemplate> Under(const LitView& /*wanted*/) const override {
-    return std::make_shared<const LitTemplate>();
+  [[nodiscard]] std::shared_ptr<const RelitTemplate> GetTemplate(const RelitTemplateKey& /*wanted*/) const override {
+    return std::make_shared<const RelitTemplate>();
   }
-  void Prepare(std::span<const LitView> /*wanted*/) const override {}
-  [[nodiscard]] std::shared_ptr<const ViewPicture> Picture(std::size_t /*view*/, int /*half_octaves*/) const override {
+  void Prepare(std::span<const RelitTemplateKey> /*wanted*/) const override {}
+  [[nodiscard]] std::shared_ptr<const ViewAppearance> GetAppearance(std::size_t /*view*/,
+                                                                    int /*half_octaves*/) const override {
     return picture_;
   }
 
  private:
-  std::shared_ptr<const ViewPicture> picture_;
+  std::shared_ptr<const ViewAppearance> picture_;
 };
 
 constexpr double kTurn_rad = 0.7;
 const Eigen::Vector2d kMiddle(400, 200);
 
 Similarity2 PoseAt(const Eigen::Vector2d& middle, double turn_rad) {
-  Similarity2 pose{1, turn_rad, Eigen::Vector2d::Zero()};
-  pose.translation = middle - pose.Linear() * Eigen::Vector2d(kSidePx / 2.0, kSidePx / 2.0);
-  return pose;
+  Similarity2 fit{1, turn_rad, Eigen::Vector2d::Zero()};
+  fit.translation = middle - fit.Linear() * Eigen::Vector2d(kSidePx / 2.0, kSidePx / 2.0);
+  return fit;
 }
 
 // A background of light and dark regions with the object in it, at a given contrast.
 cv::Mat SceneWith(const cv::Mat& object, double contrast) {
   cv::Mat scene = Patches({640, 480}, 6, 11);
-  const Similarity2 pose = PoseAt(kMiddle, kTurn_rad);
-  const Eigen::Matrix2d a = pose.Linear();
-  const Eigen::Vector2d t = pose.translation + a * Eigen::Vector2d(0.5, 0.5) - Eigen::Vector2d(0.5, 0.5);
+  const Similarity2 fit = PoseAt(kMiddle, kTurn_rad);
+  const Eigen::Matrix2d a = fit.Linear();
+  const Eigen::Vector2d t = fit.translation + a * Eigen::Vector2d(0.5, 0.5) - Eigen::Vector2d(0.5, 0.5);
   const cv::Matx23d matrix(a(0, 0), a(0, 1), t.x(), a(1, 0), a(1, 1), t.y());
   cv::Mat painted;
   object.convertTo(painted, CV_8U, contrast, 128 * (1 - contrast));
@@ -80,41 +81,41 @@ cv::Mat SceneWith(const cv::Mat& object, double contrast) {
   return scene;
 }
 
-std::optional<double> Look(const cv::Mat& grey, const LitTemplates& pictures, const Similarity2& pose) {
-  const LikenessOptions options;
+std::optional<double> ZScore(const cv::Mat& grey, const RelitTemplateSource& pictures, const Similarity2& fit) {
+  const NccOptions options;
   ObjectModel model;
   model.views.push_back({.source = "square", .width = kSidePx, .height = kSidePx, .outline = {}, .angles = {}});
-  return SigmasOfLikeness(SceneForLikeness(grey, options), model, pictures, 0, pose, options);
+  return ComputeNccZScore(PrepareSceneForNcc(grey, options), model, pictures, 0, fit, options);
 }
 
-TEST(Likeness, TellsTheObjectFromOtherPlaces) {
+TEST(NccScore, TellsTheObjectFromOtherPlaces) {
   const cv::Mat object = Patches({kSidePx, kSidePx}, 6, 1);
-  const Flat views(object);
+  const FlatSquareSource views(object);
   for (const double contrast : {1.0, 0.3}) {
     const cv::Mat scene = SceneWith(object, contrast);
     // The initial pose has a small error, as that of a vote search.
-    const auto right = Look(scene, views, PoseAt(kMiddle + Eigen::Vector2d(4, -3), kTurn_rad + 0.06));
+    const auto right = ZScore(scene, views, PoseAt(kMiddle + Eigen::Vector2d(4, -3), kTurn_rad + 0.06));
     ASSERT_TRUE(right);
     EXPECT_GT(*right, 5) << contrast;
     for (const double x : {100.0, 200.0, 300.0}) {
-      const auto wrong = Look(scene, views, PoseAt({x, 330}, kTurn_rad));
+      const auto wrong = ZScore(scene, views, PoseAt({x, 330}, kTurn_rad));
       ASSERT_TRUE(wrong);
       EXPECT_LT(*wrong, 3) << x;
     }
   }
 }
 
-TEST(Likeness, DarkForLightIsAnotherObject) {
+TEST(NccScore, DarkForLightIsAnotherObject) {
   const cv::Mat object = Patches({kSidePx, kSidePx}, 6, 1);
-  const auto sigmas = Look(SceneWith(255 - object, 1), Flat(object), PoseAt(kMiddle, kTurn_rad));
+  const auto sigmas = ZScore(SceneWith(255 - object, 1), FlatSquareSource(object), PoseAt(kMiddle, kTurn_rad));
   ASSERT_TRUE(sigmas);
   EXPECT_LT(*sigmas, 0);
 }
 
 // The null distribution: z-scores of false poses have zero mean and unit variance, also at the frame's edge, where
 // fewer samples are compared.
-TEST(Likeness, WrongPosesScatterAsOthersDo) {
-  const Flat views(Patches({kSidePx, kSidePx}, 6, 1));
+TEST(NccScore, WrongPosesScatterAsOthersDo) {
+  const FlatSquareSource views(Patches({kSidePx, kSidePx}, 6, 1));
   const cv::Mat scene = Patches({640, 480}, 6, 11);
   for (const auto& [left, right] : {std::pair(60.0, 580.0), std::pair(2.0, 8.0)}) {
     Random random(3);
@@ -123,7 +124,7 @@ TEST(Likeness, WrongPosesScatterAsOthersDo) {
     constexpr int kGuesses = 60;
     for (int i = 0; i < kGuesses; ++i) {
       const Eigen::Vector2d at(random.Uniform(left, right), random.Uniform(60, 420));
-      const auto sigmas = Look(scene, views, PoseAt(at, random.Uniform(-kPi, kPi)));
+      const auto sigmas = ZScore(scene, views, PoseAt(at, random.Uniform(-kPi, kPi)));
       ASSERT_TRUE(sigmas);
       sum += *sigmas;
       sum2 += *sigmas * *sigmas;
@@ -134,18 +135,20 @@ TEST(Likeness, WrongPosesScatterAsOthersDo) {
   }
 }
 
-TEST(Likeness, SaysNothingWhereItCannotTell) {
+TEST(NccScore, SaysNothingWhereItCannotTell) {
   const cv::Mat object = Patches({kSidePx, kSidePx}, 6, 1);
   const cv::Mat scene = SceneWith(object, 1);
-  EXPECT_FALSE(Look(scene, Flat(object), PoseAt({-30, 200}, 0)));                            // hardly in the frame
-  EXPECT_FALSE(Look(scene, Flat(cv::Mat()), PoseAt(kMiddle, 0)));                            // no surface samples
-  EXPECT_FALSE(Look(scene(cv::Rect(370, 170, 60, 60)), Flat(object), PoseAt({30, 30}, 0)));  // no null samples
+  EXPECT_FALSE(ZScore(scene, FlatSquareSource(object), PoseAt({-30, 200}, 0)));  // hardly in the frame
+  EXPECT_FALSE(ZScore(scene, FlatSquareSource(cv::Mat()), PoseAt(kMiddle, 0)));  // no surface samples
+  EXPECT_FALSE(
+      ZScore(scene(cv::Rect(370, 170, 60, 60)), FlatSquareSource(object), PoseAt({30, 30}, 0)));  // no null samples
 }
 
-TEST(Likeness, IsTheSameEachTime) {
+TEST(NccScore, IsTheSameEachTime) {
   const cv::Mat object = Patches({kSidePx, kSidePx}, 6, 1);
   const cv::Mat scene = SceneWith(object, 1);
-  EXPECT_EQ(Look(scene, Flat(object), PoseAt({300, 300}, 1)), Look(scene, Flat(object), PoseAt({300, 300}, 1)));
+  EXPECT_EQ(ZScore(scene, FlatSquareSource(object), PoseAt({300, 300}, 1)),
+            ZScore(scene, FlatSquareSource(object), PoseAt({300, 300}, 1)));
 }
 
 }  // namespace

@@ -21,15 +21,15 @@ void RecognizeOptions::ListFields(FieldList& fields) {
   fields.AddGroup("cascade", cascade);
   fields.AddGroup("pose", pose);
   fields.AddGroup("detect", detect);
-  fields.AddGroup("likeness", likeness);
+  fields.AddGroup("ncc", ncc);
 }
 
 namespace {
 
-SceneSize SizeOf(const FeatureSet& scene) {
+SceneSize MakeSceneSize(const FeatureSet& scene) {
   return {.width_px = static_cast<double>(scene.image_width),
           .height_px = static_cast<double>(scene.image_height),
-          .searched_px2 = scene.Searched().Area()};
+          .searched_px2 = scene.SearchedBox().Area()};
 }
 
 bool IsSearchedByVotes(const ObjectModel& model, const RecognizeOptions& options) {
@@ -49,29 +49,29 @@ Status CheckEngine(std::span<const ObjectModel> models, std::string_view engine)
   return {};
 }
 
-Expected<Recognizer> Recognizer::Create(std::vector<ObjectModel> models, const std::string& engine,
-                                        const RecognizeOptions& options,
-                                        const std::vector<std::shared_ptr<const LitTemplates>>& lit) {
-  VICTORIOUS_CHECK(lit.empty() || lit.size() == models.size());
+Expected<Recognizer> Recognizer::Create(
+    std::vector<ObjectModel> models, const std::string& engine, const RecognizeOptions& options,
+    const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates) {
+  VICTORIOUS_CHECK(relit_templates.empty() || relit_templates.size() == models.size());
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
-  if (options.likeness.least_evidence > options.likeness.most_evidence) {
+  if (options.ncc.min_neg_log10_nfa > options.ncc.max_neg_log10_nfa) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("likeness.least_evidence {:g}: must not exceed likeness.most_evidence {:g}; to disable "
-                            "rescoring set likeness.most 0",
-                            options.likeness.least_evidence, options.likeness.most_evidence));
+                fmt::format("ncc.min_neg_log10_nfa {:g}: must not exceed ncc.max_neg_log10_nfa {:g}; to disable "
+                            "rescoring set ncc.max_poses 0",
+                            options.ncc.min_neg_log10_nfa, options.ncc.max_neg_log10_nfa));
   }
   VICTORIOUS_RETURN_IF_ERROR(CheckEngine(models, engine));
-  return Recognizer(std::move(models), options, lit);
+  return Recognizer(std::move(models), options, relit_templates);
 }
 
 Recognizer::Recognizer(std::vector<ObjectModel> models, const RecognizeOptions& options,
-                       const std::vector<std::shared_ptr<const LitTemplates>>& lit)
+                       const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates)
     : models_(std::make_shared<const std::vector<ObjectModel>>(std::move(models))), options_(options) {
   std::vector<FeatureView> templates;
   for (std::size_t m = 0; m < models_->size(); ++m) {
     const ObjectModel& model = (*models_)[m];
     if (IsSearchedByVotes(model, options)) {
-      voters_.emplace_back(m, VoteSearch(model, lit.empty() ? nullptr : lit[m]));
+      vote_searches_.emplace_back(m, VoteSearch(model, relit_templates.empty() ? nullptr : relit_templates[m]));
       continue;
     }
     for (std::size_t v = 0; v < model.views.size(); ++v) {
@@ -88,8 +88,8 @@ StagedMatches Recognizer::Filter(const FeatureSet& scene, const ViewRef& ref, Ma
   StagedMatches staged;
   staged.ratio = std::move(matches);
   staged.cascade = FilterByGrammar(scene.keypoints, template_keypoints, staged.ratio, options_.cascade);
-  staged.poses = EstimatePoses(scene.keypoints, template_keypoints, staged.cascade.third, model.views[ref.view].outline,
-                               scene.Searched().Area(), options_.pose);
+  staged.fits = EstimatePoses(scene.keypoints, template_keypoints, staged.cascade.third, model.views[ref.view].outline,
+                              scene.SearchedBox().Area(), options_.pose);
   return staged;
 }
 
@@ -97,13 +97,13 @@ void Recognizer::SearchByGrammar(const FeatureSet& scene, std::vector<Candidate>
   std::vector<MatchSet> matches = MatchFeatures(scene.View(), templates_, options_.match);
   for (std::size_t i = 0; i < views_.size(); ++i) {
     StagedMatches staged = Filter(scene, views_[i], std::move(matches[i]));
-    for (Pose& pose : staged.poses) {
-      candidates.push_back({.model = views_[i].model,
+    for (PlanarFit& fit : staged.fits) {
+      candidates.push_back({.model_index = views_[i].model,
                             .view = views_[i].view,
                             .matches = staged.ratio.size(),
                             .views = (*models_)[views_[i].model].views.size(),
                             .outline = (*models_)[views_[i].model].views[views_[i].view].outline,
-                            .pose = std::move(pose)});
+                            .fit = std::move(fit)});
     }
   }
 }
@@ -111,10 +111,10 @@ void Recognizer::SearchByGrammar(const FeatureSet& scene, std::vector<Candidate>
 void Recognizer::SearchByVotes(const FeatureSet& scene, const FrameConditions& conditions,
                                std::vector<Candidate>& candidates) const {
   const RankedMatcher ranked(scene.View());
-  const VoteScene ready{scene, ranked, options_.search, options_.pose};
-  for (const auto& [model, search] : voters_) {
+  const PreparedScene ready{scene, ranked, options_.search, options_.pose};
+  for (const auto& [model, search] : vote_searches_) {
     for (Candidate& candidate : search.Search(ready, conditions)) {
-      candidate.model = model;
+      candidate.model_index = model;
       candidates.push_back(std::move(candidate));
     }
   }
@@ -122,48 +122,51 @@ void Recognizer::SearchByVotes(const FeatureSet& scene, const FrameConditions& c
 
 // Rescores the uncertain detections by NCC, in the given order, within the limits per model and per frame; erases those
 // below the minimum score.
-void Recognizer::WeighByLikeness(const cv::Mat& grey, std::vector<Detection>& detections) const {
-  const LikenessOptions& options = options_.likeness;
+void Recognizer::RescoreByNcc(const cv::Mat& grey, std::vector<Detection>& detections) const {
+  const NccOptions& options = options_.ncc;
   cv::Mat scene;
-  std::map<std::size_t, int> looks;  // rescored detections by model index
+  std::map<std::size_t, int> rescores;  // rescored detections by model index
   int in_frame = 0;
   for (Detection& detection : detections) {
-    const auto voter = std::ranges::find(voters_, detection.model, &std::pair<std::size_t, VoteSearch>::first);
-    if (voter == voters_.end() || voter->second.lit() == nullptr) continue;
-    if (detection.evidence < options.least_evidence || detection.evidence > options.most_evidence) continue;
-    if (in_frame == options.most_in_frame) break;
-    if (looks[detection.model]++ >= options.most) continue;
+    const auto vote_search =
+        std::ranges::find(vote_searches_, detection.model_index, &std::pair<std::size_t, VoteSearch>::first);
+    if (vote_search == vote_searches_.end() || vote_search->second.relit_templates() == nullptr) continue;
+    if (detection.neg_log10_nfa < options.min_neg_log10_nfa || detection.neg_log10_nfa > options.max_neg_log10_nfa)
+      continue;
+    if (in_frame == options.max_poses_per_frame) break;
+    if (rescores[detection.model_index]++ >= options.max_poses) continue;
     ++in_frame;
-    if (scene.empty()) scene = SceneForLikeness(grey, options);
-    const std::optional<double> sigmas = SigmasOfLikeness(scene, (*models_)[detection.model], *voter->second.lit(),
-                                                          detection.view, detection.pose.scene_from_template, options);
+    if (scene.empty()) scene = PrepareSceneForNcc(grey, options);
+    const std::optional<double> sigmas =
+        ComputeNccZScore(scene, (*models_)[detection.model_index], *vote_search->second.relit_templates(),
+                         detection.view, detection.fit.scene_from_template, options);
     if (!sigmas) continue;
-    detection.evidence += options.decades_per_sigma * (*sigmas - options.even_sigmas);
-    detection.score = ScoreOf(detection.evidence, options_.detect);
+    detection.neg_log10_nfa += options.decades_per_z_score * (*sigmas - options.neutral_z_score);
+    detection.score = ComputeScore(detection.neg_log10_nfa, options_.detect);
   }
-  std::erase_if(detections, [&](const Detection& one) { return one.score < options_.detect.least_score; });
+  std::erase_if(detections, [&](const Detection& one) { return one.score < options_.detect.min_score; });
 }
 
 std::vector<Detection> Recognizer::Recognize(const FeatureSet& scene, const FrameConditions& conditions,
                                              const cv::Mat& grey) const {
-  const SceneSize size = SizeOf(scene);
+  const SceneSize size = MakeSceneSize(scene);
   std::vector<Candidate> candidates;
   if (!views_.empty()) SearchByGrammar(scene, candidates);
   std::vector<Detection> detections = Detect(candidates, size, options_.detect);
-  if (voters_.empty()) return detections;
+  if (vote_searches_.empty()) return detections;
 
   candidates.clear();
   SearchByVotes(scene, conditions, candidates);
   DetectOptions doubtful = options_.detect;
-  const bool looks = !grey.empty() && options_.likeness.most > 0;
-  if (looks) {
-    doubtful.least_score = std::min(doubtful.least_score, ScoreOf(options_.likeness.least_evidence, options_.detect));
+  const bool rescores = !grey.empty() && options_.ncc.max_poses > 0;
+  if (rescores) {
+    doubtful.min_score = std::min(doubtful.min_score, ComputeScore(options_.ncc.min_neg_log10_nfa, options_.detect));
   }
   std::vector<Detection> voted = Detect(candidates, size, doubtful);
-  if (looks) WeighByLikeness(grey, voted);
+  if (rescores) RescoreByNcc(grey, voted);
   detections.insert(detections.end(), voted.begin(), voted.end());
   std::ranges::stable_sort(detections, [](const Detection& a, const Detection& b) {
-    return a.score != b.score ? a.score > b.score : a.model < b.model;
+    return a.score != b.score ? a.score > b.score : a.model_index < b.model_index;
   });
   return detections;
 }
@@ -172,48 +175,51 @@ std::vector<Detection> Recognizer::RecognizeViews(const FeatureSet& scene, std::
                                                   std::span<const std::size_t> views,
                                                   const FrameConditions& conditions) const {
   std::vector<Candidate> candidates;
-  const auto voter = std::ranges::find(voters_, model, &std::pair<std::size_t, VoteSearch>::first);
-  if (voter != voters_.end()) {
+  const auto vote_search = std::ranges::find(vote_searches_, model, &std::pair<std::size_t, VoteSearch>::first);
+  if (vote_search != vote_searches_.end()) {
     const RankedMatcher ranked(scene.View());
-    candidates = voter->second.SearchViews({scene, ranked, options_.search, options_.pose}, conditions, views);
-    for (Candidate& candidate : candidates) candidate.model = model;
-    return Detect(candidates, SizeOf(scene), options_.detect);
+    candidates = vote_search->second.SearchViews({scene, ranked, options_.search, options_.pose}, conditions, views);
+    for (Candidate& candidate : candidates) candidate.model_index = model;
+    return Detect(candidates, MakeSceneSize(scene), options_.detect);
   }
   for (const std::size_t view : views) {
     StagedMatches staged = MatchView(scene, model, view);
-    for (Pose& pose : staged.poses) {
-      candidates.push_back({.model = model,
+    for (PlanarFit& fit : staged.fits) {
+      candidates.push_back({.model_index = model,
                             .view = view,
                             .matches = staged.ratio.size(),
                             .views = views.size(),
                             .outline = (*models_)[model].views[view].outline,
-                            .pose = std::move(pose)});
+                            .fit = std::move(fit)});
     }
   }
-  return Detect(candidates, SizeOf(scene), options_.detect);
+  return Detect(candidates, MakeSceneSize(scene), options_.detect);
 }
 
-bool Recognizer::KnowsSuns() const {
-  return std::ranges::any_of(voters_, [](const auto& voter) { return voter.second.KnowsSuns(); });
+bool Recognizer::HasRelitTemplates() const {
+  return std::ranges::any_of(vote_searches_,
+                             [](const auto& vote_search) { return vote_search.second.HasRelitTemplates(); });
 }
 
-std::optional<SunFound> Recognizer::FindSun(const FeatureSet& scene, const Vertical& vertical) const {
+std::optional<SunEstimate> Recognizer::EstimateSun(const FeatureSet& scene, const Vertical& vertical) const {
   const RankedMatcher ranked(scene.View());
-  const VoteScene ready{scene, ranked, options_.search, options_.pose};
-  std::vector<std::pair<std::size_t, SunLead>> leads;  // with the index into voters_
-  for (std::size_t i = 0; i < voters_.size(); ++i) {
-    for (const SunLead& lead : voters_[i].second.FindSunLeads(ready, vertical)) leads.emplace_back(i, lead);
+  const PreparedScene ready{scene, ranked, options_.search, options_.pose};
+  std::vector<std::pair<std::size_t, SunCandidateView>> sun_candidates;  // with the index into vote_searches_
+  for (std::size_t i = 0; i < vote_searches_.size(); ++i) {
+    for (const SunCandidateView& sun_candidate : vote_searches_[i].second.FindSunCandidateViews(ready, vertical))
+      sun_candidates.emplace_back(i, sun_candidate);
   }
-  std::ranges::stable_sort(leads, std::greater{}, [](const auto& lead) { return lead.second.evidence; });
-  leads.resize(std::min(leads.size(), static_cast<std::size_t>(options_.search.most_asked)));
-  std::optional<SunFound> best;
-  for (std::size_t i = 0; i < voters_.size(); ++i) {
-    std::vector<SunLead> own;
-    for (const auto& [voter, lead] : leads) {
-      if (voter == i) own.push_back(lead);
+  std::ranges::stable_sort(sun_candidates, std::greater{},
+                           [](const auto& sun_candidate) { return sun_candidate.second.neg_log10_nfa; });
+  sun_candidates.resize(std::min(sun_candidates.size(), static_cast<std::size_t>(options_.search.max_sun_views)));
+  std::optional<SunEstimate> best;
+  for (std::size_t i = 0; i < vote_searches_.size(); ++i) {
+    std::vector<SunCandidateView> own;
+    for (const auto& [vote_search, sun_candidate] : sun_candidates) {
+      if (vote_search == i) own.push_back(sun_candidate);
     }
-    const std::optional<SunFound> found = voters_[i].second.FindSun(ready, vertical, own);
-    if (found && (!best || found->evidence > best->evidence)) best = found;
+    const std::optional<SunEstimate> found = vote_searches_[i].second.EstimateSun(ready, vertical, own);
+    if (found && (!best || found->neg_log10_nfa > best->neg_log10_nfa)) best = found;
   }
   return best;
 }

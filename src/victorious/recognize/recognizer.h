@@ -24,11 +24,11 @@
 #include "victorious/match/matcher.h"
 #include "victorious/pose/similarity_pose.h"
 #include "victorious/recognize/ncc_rescoring.h"
+#include "victorious/recognize/relit_templates.h"
 #include "victorious/recognize/vote_search.h"
 #include "victorious/types/detection.h"
 #include "victorious/types/feature_set.h"
 #include "victorious/types/frame_conditions.h"
-#include "victorious/recognize/relit_templates.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {
@@ -40,7 +40,7 @@ struct RecognizeOptions {
   CascadeOptions cascade;
   PoseOptions pose;
   DetectOptions detect;
-  LikenessOptions likeness;
+  NccOptions ncc;
 
   void ListFields(FieldList& fields);
 };
@@ -49,7 +49,7 @@ struct RecognizeOptions {
 struct StagedMatches {
   MatchSet ratio;
   CascadeResult cascade;
-  std::vector<Pose> poses;  ///< by falling number of distinct inliers
+  std::vector<PlanarFit> fits;  ///< by falling number of distinct inliers
 };
 
 /// Errors: kInvalidArgument with the name of the first model whose features come from another engine.
@@ -59,11 +59,11 @@ Status CheckEngine(std::span<const ObjectModel> models, std::string_view engine)
 class Recognizer {
  public:
   /// @param engine  feature engine of the scenes (CheckEngine)
-  /// @param lit     one source of relit templates per model, null for a model without; or empty for none at all
-  /// Errors: kInvalidArgument for options out of range or models of another engine.
-  static Expected<Recognizer> Create(std::vector<ObjectModel> models, const std::string& engine,
-                                     const RecognizeOptions& options,
-                                     const std::vector<std::shared_ptr<const LitTemplates>>& lit = {});
+  /// @param relit_templates     one source of relit templates per model, null for a model without; or empty for none at
+  /// all Errors: kInvalidArgument for options out of range or models of another engine.
+  static Expected<Recognizer> Create(
+      std::vector<ObjectModel> models, const std::string& engine, const RecognizeOptions& options,
+      const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates = {});
 
   [[nodiscard]] const std::vector<ObjectModel>& models() const { return *models_; }
 
@@ -83,11 +83,11 @@ class Recognizer {
                                                       const FrameConditions& conditions) const;
 
   /// True if EstimateSun() can succeed: at least one model has relit templates.
-  [[nodiscard]] bool KnowsSuns() const;
+  [[nodiscard]] bool HasRelitTemplates() const;
 
   /// Estimates the sun's direction from the shading of an object in the scene. std::nullopt in most scenes: no object
   /// is significant enough (VoteSearch::EstimateSun).
-  [[nodiscard]] std::optional<SunFound> FindSun(const FeatureSet& scene, const Vertical& vertical) const;
+  [[nodiscard]] std::optional<SunEstimate> EstimateSun(const FeatureSet& scene, const Vertical& vertical) const;
 
   /// The stages of the grammar for one view of one model, independent of the configured method.
   [[nodiscard]] StagedMatches MatchView(const FeatureSet& scene, std::size_t model, std::size_t view) const;
@@ -99,18 +99,19 @@ class Recognizer {
   };
 
   Recognizer(std::vector<ObjectModel> models, const RecognizeOptions& options,
-             const std::vector<std::shared_ptr<const LitTemplates>>& lit);
+             const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates);
 
   [[nodiscard]] StagedMatches Filter(const FeatureSet& scene, const ViewRef& ref, MatchSet matches) const;
   void SearchByGrammar(const FeatureSet& scene, std::vector<Candidate>& candidates) const;
   void SearchByVotes(const FeatureSet& scene, const FrameConditions& conditions,
                      std::vector<Candidate>& candidates) const;
-  void WeighByLikeness(const cv::Mat& grey, std::vector<Detection>& detections) const;
+  void RescoreByNcc(const cv::Mat& grey, std::vector<Detection>& detections) const;
 
   std::shared_ptr<const std::vector<ObjectModel>> models_;  ///< on the heap: the vote searches keep pointers to models
   std::vector<ViewRef> views_;  ///< of the models searched by the grammar, in the order of templates_
   TemplateSet templates_;
-  std::vector<std::pair<std::size_t, VoteSearch>> voters_;  ///< model index and search of the models searched by votes
+  std::vector<std::pair<std::size_t, VoteSearch>>
+      vote_searches_;  ///< model index and search of the models searched by votes
   RecognizeOptions options_;
 };
 

@@ -39,31 +39,32 @@ ObjectModel ModelOf(const std::string& name, const cv::Mat& image) {
   model.engine = "opencv";
   model.features = storage->View();
   model.storage = storage;
-  model.views.push_back({.source = name,
-                         .width = image.cols,
-                         .height = image.rows,
-                         .first_feature = 0,
-                         .feature_count = storage->size(),
-                         .outline = CornersOf({0, 0, static_cast<double>(image.cols), static_cast<double>(image.rows)}),
-                         .angles = {}});
+  model.views.push_back(
+      {.source = name,
+       .width = image.cols,
+       .height = image.rows,
+       .first_feature = 0,
+       .feature_count = storage->size(),
+       .outline = BoxCorners({0, 0, static_cast<double>(image.cols), static_cast<double>(image.rows)}),
+       .angles = {}});
   return model;
 }
 
 // Pastes `object` into `scene` by a similarity.
 Similarity2 Paste(const cv::Mat& object, double scale, double rotation_rad, const Eigen::Vector2d& centre,
                   cv::Mat& scene) {
-  Similarity2 pose{scale, rotation_rad, Eigen::Vector2d::Zero()};
-  pose.translation = centre - pose.Linear() * Eigen::Vector2d(object.cols / 2.0, object.rows / 2.0);
-  const Eigen::Matrix2d a = pose.Linear();
+  Similarity2 fit{scale, rotation_rad, Eigen::Vector2d::Zero()};
+  fit.translation = centre - fit.Linear() * Eigen::Vector2d(object.cols / 2.0, object.rows / 2.0);
+  const Eigen::Matrix2d a = fit.Linear();
   // cv::warpAffine puts pixel centres at integers.
-  const Eigen::Vector2d t = pose.translation + a * Eigen::Vector2d(0.5, 0.5) - Eigen::Vector2d(0.5, 0.5);
+  const Eigen::Vector2d t = fit.translation + a * Eigen::Vector2d(0.5, 0.5) - Eigen::Vector2d(0.5, 0.5);
   const cv::Matx23d matrix(a(0, 0), a(0, 1), t.x(), a(1, 0), a(1, 1), t.y());
   cv::Mat warped;
   cv::Mat mask;
   cv::warpAffine(object, warped, matrix, scene.size(), cv::INTER_AREA);
   cv::warpAffine(cv::Mat(object.size(), CV_8UC1, cv::Scalar(255)), mask, matrix, scene.size(), cv::INTER_NEAREST);
   warped.copyTo(scene, mask);
-  return pose;
+  return fit;
 }
 
 Recognizer MakeRecognizer(std::vector<ObjectModel> models) {
@@ -83,15 +84,15 @@ TEST(Recognizer, FindsEachInstanceWhereItIs) {
   const std::vector<Detection> detections = recognizer.Recognize(FeaturesOf(scene));
   ASSERT_EQ(detections.size(), 3U);
   std::size_t matched = 0;
-  for (const Similarity2& pose : truth) {
+  for (const Similarity2& fit : truth) {
     const std::size_t model = matched == 2 ? 1 : 0;
     const cv::Mat& image = model == 1 ? sign : crate;
     Polygon outline;
     for (const Eigen::Vector2d& corner :
-         CornersOf({0, 0, static_cast<double>(image.cols), static_cast<double>(image.rows)}))
-      outline.push_back(pose.Apply(corner));
+         BoxCorners({0, 0, static_cast<double>(image.cols), static_cast<double>(image.rows)}))
+      outline.push_back(fit.Apply(corner));
     for (const Detection& detection : detections) {
-      if (detection.model == model && IntersectionOverUnion(detection.outline, outline) > 0.9) {
+      if (detection.model_index == model && IntersectionOverUnion(detection.outline, outline) > 0.9) {
         ++matched;
         break;
       }
@@ -119,10 +120,10 @@ TEST(Recognizer, VotesFindEachInstanceToo) {
           .value();
   const std::vector<Detection> detections = recognizer.Recognize(FeaturesOf(scene));
   ASSERT_EQ(detections.size(), truth.size());
-  for (const Similarity2& pose : truth) {
-    const Eigen::Vector2d centre = pose.Apply({60, 45});
+  for (const Similarity2& fit : truth) {
+    const Eigen::Vector2d centre = fit.Apply({60, 45});
     EXPECT_TRUE(std::ranges::any_of(detections, [&](const Detection& found) {
-      return found.model == 0 && (found.pose.scene_from_template.Apply({60, 45}) - centre).norm() < 3;
+      return found.model_index == 0 && (found.fit.scene_from_template.Apply({60, 45}) - centre).norm() < 3;
     }));
   }
 }
@@ -139,8 +140,8 @@ TEST(Recognizer, ViewsThatAreNamedFindWhatTheyShow) {
             .value();
     const std::vector<Detection> found = recognizer.RecognizeViews(features, 1, views, {});
     ASSERT_EQ(found.size(), 1U) << options.method;
-    EXPECT_EQ(found[0].model, 1U);
-    EXPECT_LT((found[0].pose.scene_from_template.Apply({60, 45}) - centre).norm(), 3);
+    EXPECT_EQ(found[0].model_index, 1U);
+    EXPECT_LT((found[0].fit.scene_from_template.Apply({60, 45}) - centre).norm(), 3);
     EXPECT_TRUE(recognizer.RecognizeViews(features, 0, views, {}).empty());
     EXPECT_TRUE(recognizer.RecognizeViews(features, 1, {}, {}).empty());
   }
@@ -179,7 +180,7 @@ TEST(Recognizer, VotesReachViewsBetweenScouts) {
                            .height = crate.rows,
                            .first_feature = storage->size(),
                            .feature_count = features.size(),
-                           .outline = CornersOf({0, 0, 120, 90}),
+                           .outline = BoxCorners({0, 0, 120, 90}),
                            .angles = {},
                            .neighbours = {(view + 3) % 4, (view + 1) % 4}});
     storage->keypoints.insert(storage->keypoints.end(), features.keypoints.begin(), features.keypoints.end());
@@ -194,8 +195,8 @@ TEST(Recognizer, VotesReachViewsBetweenScouts) {
   EXPECT_EQ(detections[0].view, 1U);
 }
 
-// A model with views from twelve azimuths at 40 degrees off nadir. Under diffuse light it has another texture; each sun
-// above one of the azimuths gives it its own texture.
+// A model with views from twelve azimuths at 40 degrees off nadir. GetTemplate diffuse light it has another texture;
+// each sun above one of the azimuths gives it its own texture.
 constexpr double kOffNadir_rad = 40 * kPi / 180;
 constexpr std::size_t kAround = 12;
 
@@ -212,11 +213,11 @@ ObjectModel PlainFromAround() {
   return model;
 }
 
-class Painted : public LitTemplates {
+class Painted : public RelitTemplateSource {
  public:
   Painted() {
     for (std::size_t i = 0; i < kAround * kAround; ++i) {
-      auto lit = std::make_shared<LitTemplate>();
+      auto lit = std::make_shared<RelitTemplate>();
       lit->features = FeaturesOf(PaintOf(i / kAround, i % kAround));
       lit_.push_back(std::move(lit));
     }
@@ -225,13 +226,14 @@ class Painted : public LitTemplates {
     return Texture(120, 90, 1000 + kAround * sun_view + view);
   }
 
-  [[nodiscard]] std::shared_ptr<const LitTemplate> Under(const LitView& wanted) const override {
-    (wanted.coarse ? coarse_ : sharp_).insert(wanted.view);
+  [[nodiscard]] std::shared_ptr<const RelitTemplate> GetTemplate(const RelitTemplateKey& wanted) const override {
+    (wanted.half_resolution ? coarse_ : sharp_).insert(wanted.view);
     return lit_[kAround * wanted.sun_view + wanted.view];
   }
-  void Prepare(std::span<const LitView> /*wanted*/) const override {}
-  [[nodiscard]] std::shared_ptr<const ViewPicture> Picture(std::size_t /*view*/, int /*half_octaves*/) const override {
-    return std::make_shared<const ViewPicture>();
+  void Prepare(std::span<const RelitTemplateKey> /*wanted*/) const override {}
+  [[nodiscard]] std::shared_ptr<const ViewAppearance> GetAppearance(std::size_t /*view*/,
+                                                                    int /*half_octaves*/) const override {
+    return std::make_shared<const ViewAppearance>();
   }
 
   // The views queried under a sun, at half and at full resolution.
@@ -239,7 +241,7 @@ class Painted : public LitTemplates {
   [[nodiscard]] const std::set<std::size_t>& sharp() const { return sharp_; }
 
  private:
-  std::vector<std::shared_ptr<const LitTemplate>> lit_;
+  std::vector<std::shared_ptr<const RelitTemplate>> lit_;
   mutable std::set<std::size_t> coarse_;
   mutable std::set<std::size_t> sharp_;
 };
@@ -252,20 +254,20 @@ TEST(Recognizer, FindsTheSunByWhatItPaints) {
   const FeatureSet features = FeaturesOf(scene);
   const Recognizer recognizer =
       Recognizer::Create({PlainFromAround()}, "opencv", {}, {std::make_shared<const Painted>()}).value();
-  ASSERT_TRUE(recognizer.KnowsSuns());
+  ASSERT_TRUE(recognizer.HasRelitTemplates());
   const Vertical vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 0.3, 640, 480);
 
-  const std::optional<SunFound> found_sun = recognizer.FindSun(features, vertical);
+  const std::optional<SunEstimate> found_sun = recognizer.EstimateSun(features, vertical);
   ASSERT_TRUE(found_sun);
-  const Sun sun = found_sun->ahead;
+  const Sun sun = found_sun->relative_sun;
   // Seen from azimuth 60, lit from azimuth 90: the camera looks towards 240, so the sun's relative azimuth is -150.
   EXPECT_NEAR(WrapAngle(sun.azimuth_rad + 5 * kPi / 6), 0, 0.2);
 
-  EXPECT_TRUE(recognizer.Recognize(features, {.vertical = vertical, .sun_ahead = {}}).empty());
-  const std::vector<Detection> found = recognizer.Recognize(features, {.vertical = vertical, .sun_ahead = sun});
+  EXPECT_TRUE(recognizer.Recognize(features, {.vertical = vertical, .relative_sun = {}}).empty());
+  const std::vector<Detection> found = recognizer.Recognize(features, {.vertical = vertical, .relative_sun = sun});
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].view, kView);
-  EXPECT_FALSE(recognizer.FindSun(FeaturesOf(Texture(640, 480, 5)), vertical));
+  EXPECT_FALSE(recognizer.EstimateSun(FeaturesOf(Texture(640, 480, 5)), vertical));
 }
 
 // In a wide field of view the azimuth of the line of sight, and with it the relative sun, varies.
@@ -277,19 +279,19 @@ TEST(Recognizer, TheSunIsThatOfTheLineOfSight) {
   Paste(Painted::PaintOf(kSunView, kView), 1.0, 0, at, scene);
   const FeatureSet features = FeaturesOf(scene);
   RecognizeOptions options;
-  options.search.most_tilt_rad = 0.6;  // the scene does not model the lean of the object there
-  options.search.sun_step_rad = 0.1;   // much finer than the suns of this test
+  options.search.max_tilt_rad = 0.6;  // the scene does not model the lean of the object there
+  options.search.sun_step_rad = 0.1;  // much finer than the suns of this test
   const Recognizer recognizer =
       Recognizer::Create({PlainFromAround()}, "opencv", options, {std::make_shared<const Painted>()}).value();
   const Vertical vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 1.1, 640, 480);
-  const double aside_rad = vertical.AzimuthAt(at);
-  ASSERT_GT(aside_rad, 0.5);
+  const double relative_azimuth_rad = vertical.AzimuthAt(at);
+  ASSERT_GT(relative_azimuth_rad, 0.5);
 
-  const std::optional<SunFound> found_sun = recognizer.FindSun(features, vertical);
+  const std::optional<SunEstimate> found_sun = recognizer.EstimateSun(features, vertical);
   ASSERT_TRUE(found_sun);
-  EXPECT_NEAR(WrapAngle(found_sun->ahead.azimuth_rad - aside_rad + 5 * kPi / 6), 0, 0.2);
+  EXPECT_NEAR(WrapAngle(found_sun->relative_sun.azimuth_rad - relative_azimuth_rad + 5 * kPi / 6), 0, 0.2);
   const std::vector<Detection> found =
-      recognizer.Recognize(features, {.vertical = vertical, .sun_ahead = found_sun->ahead});
+      recognizer.Recognize(features, {.vertical = vertical, .relative_sun = found_sun->relative_sun});
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].view, kView);
 }
@@ -304,10 +306,10 @@ TEST(Recognizer, LitScoutsAreCoarse) {
   Paste(Painted::PaintOf(3, kView), 1.0, 0, {320, 240}, scene);
   const auto painted = std::make_shared<const Painted>();
   RecognizeOptions options;
-  options.search.most_followed = 1;
+  options.search.max_refined_views = 1;
   const Recognizer recognizer = Recognizer::Create({PlainFromAround()}, "opencv", options, {painted}).value();
   const std::vector<Detection> found =
-      recognizer.Recognize(FeaturesOf(scene), {.vertical = vertical, .sun_ahead = sun});
+      recognizer.Recognize(FeaturesOf(scene), {.vertical = vertical, .relative_sun = sun});
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].view, kView);
   EXPECT_EQ(painted->coarse().size(), kAround / 2);
@@ -316,32 +318,33 @@ TEST(Recognizer, LitScoutsAreCoarse) {
 }
 
 // A crate with surface samples.
-class Pictured : public LitTemplates {
+class Pictured : public RelitTemplateSource {
  public:
   explicit Pictured(const cv::Mat& grey) {
     cv::Mat blurred;
-    cv::GaussianBlur(grey, blurred, {}, kPictureBlur_px);
-    auto picture = std::make_shared<ViewPicture>();
-    picture->middle_px = {grey.cols / 2.0, grey.rows / 2.0};
+    cv::GaussianBlur(grey, blurred, {}, kAppearanceBlur_px);
+    auto picture = std::make_shared<ViewAppearance>();
+    picture->centre_px = {grey.cols / 2.0, grey.rows / 2.0};
     for (int row = 3; row < grey.rows; row += 6) {
       for (int column = 3; column < grey.cols; column += 6) {
-        const Eigen::Vector2d at = Eigen::Vector2d(column + 0.5, row + 0.5) - picture->middle_px;
+        const Eigen::Vector2d at = Eigen::Vector2d(column + 0.5, row + 0.5) - picture->centre_px;
         picture->points.push_back({Eigen::Vector3d(at.x(), at.y(), 0).cast<float>(),
                                    static_cast<float>(blurred.at<std::uint8_t>(row, column))});
       }
     }
     picture_ = std::move(picture);
   }
-  [[nodiscard]] std::shared_ptr<const LitTemplate> Under(const LitView& /*wanted*/) const override {
-    return std::make_shared<const LitTemplate>();
+  [[nodiscard]] std::shared_ptr<const RelitTemplate> GetTemplate(const RelitTemplateKey& /*wanted*/) const override {
+    return std::make_shared<const RelitTemplate>();
   }
-  void Prepare(std::span<const LitView> /*wanted*/) const override {}
-  [[nodiscard]] std::shared_ptr<const ViewPicture> Picture(std::size_t /*view*/, int /*half_octaves*/) const override {
+  void Prepare(std::span<const RelitTemplateKey> /*wanted*/) const override {}
+  [[nodiscard]] std::shared_ptr<const ViewAppearance> GetAppearance(std::size_t /*view*/,
+                                                                    int /*half_octaves*/) const override {
     return picture_;
   }
 
  private:
-  std::shared_ptr<const ViewPicture> picture_;
+  std::shared_ptr<const ViewAppearance> picture_;
 };
 
 TEST(Recognizer, LikenessDecidesWhatIsInDoubt) {
@@ -349,31 +352,31 @@ TEST(Recognizer, LikenessDecidesWhatIsInDoubt) {
   cv::Mat scene = Texture(640, 480, 4);
   Paste(crate, 1.0, 0.5, {300, 220}, scene);
   const FeatureSet features = FeaturesOf(scene);
-  const auto evidence = [&](const RecognizeOptions& options, const cv::Mat& grey) -> std::optional<double> {
+  const auto neg_log10_nfa = [&](const RecognizeOptions& options, const cv::Mat& grey) -> std::optional<double> {
     const Recognizer recognizer =
         Recognizer::Create({ModelOf("crate", crate)}, "opencv", options, {std::make_shared<const Pictured>(crate)})
             .value();
     const std::vector<Detection> found = recognizer.Recognize(features, {}, grey);
     if (found.empty()) return std::nullopt;
-    EXPECT_DOUBLE_EQ(found[0].score, ScoreOf(found[0].evidence, options.detect));
-    return found[0].evidence;
+    EXPECT_DOUBLE_EQ(found[0].score, ComputeScore(found[0].neg_log10_nfa, options.detect));
+    return found[0].neg_log10_nfa;
   };
   RecognizeOptions options = ByVotes();
-  const double votes = evidence(options, {}).value();
-  EXPECT_EQ(evidence(options, scene), votes);  // certain: not rescored
-  options.likeness.most_evidence = 1000;
-  EXPECT_GT(evidence(options, scene).value(), votes + 4);
-  EXPECT_LT(evidence(options, 255 - scene).value_or(0), votes - 4);
-  options.likeness.even_sigmas = 100;
-  options.likeness.decades_per_sigma = 100;
-  EXPECT_EQ(evidence(options, scene), std::nullopt);
+  const double votes = neg_log10_nfa(options, {}).value();
+  EXPECT_EQ(neg_log10_nfa(options, scene), votes);  // certain: not rescored
+  options.ncc.max_neg_log10_nfa = 1000;
+  EXPECT_GT(neg_log10_nfa(options, scene).value(), votes + 4);
+  EXPECT_LT(neg_log10_nfa(options, 255 - scene).value_or(0), votes - 4);
+  options.ncc.neutral_z_score = 100;
+  options.ncc.decades_per_z_score = 100;
+  EXPECT_EQ(neg_log10_nfa(options, scene), std::nullopt);
   RecognizeOptions none = options;
-  none.likeness.most = 0;
-  EXPECT_EQ(evidence(none, scene), votes);
+  none.ncc.max_poses = 0;
+  EXPECT_EQ(neg_log10_nfa(none, scene), votes);
   none = options;
-  none.likeness.most_in_frame = 0;
-  EXPECT_EQ(evidence(none, scene), votes);
-  options.likeness.least_evidence = 1001;
+  none.ncc.max_poses_per_frame = 0;
+  EXPECT_EQ(neg_log10_nfa(none, scene), votes);
+  options.ncc.min_neg_log10_nfa = 1001;
   EXPECT_EQ(Recognizer::Create({}, "opencv", options).error().code, ErrorCode::kInvalidArgument);
 }
 
@@ -401,10 +404,10 @@ TEST(Recognizer, StagesOnlyTakeAway) {
   EXPECT_GE(staged.ratio.size(), staged.cascade.first.size());
   EXPECT_GE(staged.cascade.first.size(), staged.cascade.second.size());
   EXPECT_GE(staged.cascade.second.size(), staged.cascade.third.size());
-  ASSERT_EQ(staged.poses.size(), 1U);
-  EXPECT_GE(staged.cascade.third.size(), staged.poses[0].inliers.size());
-  EXPECT_NEAR(staged.poses[0].scene_from_template.scale, truth.scale, 0.01);
-  EXPECT_NEAR(staged.poses[0].scene_from_template.rotation_rad, truth.rotation_rad, 0.01);
+  ASSERT_EQ(staged.fits.size(), 1U);
+  EXPECT_GE(staged.cascade.third.size(), staged.fits[0].inliers.size());
+  EXPECT_NEAR(staged.fits[0].scene_from_template.scale, truth.scale, 0.01);
+  EXPECT_NEAR(staged.fits[0].scene_from_template.rotation_rad, truth.rotation_rad, 0.01);
 }
 
 TEST(Recognizer, RefusesModelsOfAnotherEngine) {

@@ -17,52 +17,53 @@
 namespace victorious {
 
 /// The features of a view rendered under another light, in the view's pixels.
-struct LitTemplate {
+struct RelitTemplate {
   FeatureSet features;
   std::vector<Point3> points_in_model;  ///< the surface point of each feature, model frame, m
 };
 
 /// Key of a relit template: a view, and the sun's direction quantised to the direction of another view's camera.
-struct LitView {
-  std::size_t sun_view;  ///< index of the view whose camera lies nearest to the sun's direction
-  std::size_t view;      ///< index of the rendered view
-  bool coarse = false;   ///< rendered at half resolution: only the larger keypoints, at a quarter of the cost
+struct RelitTemplateKey {
+  std::size_t sun_view;          ///< index of the view whose camera lies nearest to the sun's direction
+  std::size_t view;              ///< index of the rendered view
+  bool half_resolution = false;  ///< rendered at half resolution: only the larger keypoints, at a quarter of the cost
 
-  auto operator<=>(const LitView&) const = default;
+  auto operator<=>(const RelitTemplateKey&) const = default;
 };
 
 /// A surface point and its rendered brightness.
-struct PicturePoint {
+struct SurfaceSample {
   Eigen::Vector3f place = Eigen::Vector3f::Zero();  ///< m, relative to the centroid of the samples, model axes
   float brightness = 0;                             ///< 0 to 255
 };
 
 /// The rendering of a view as 3D surface samples, so that it can be reprojected from nearby directions.
-struct ViewPicture {
-  std::vector<PicturePoint> points;  ///< uniform over the object without its rim; empty if the model has no surface
+struct ViewAppearance {
+  std::vector<SurfaceSample> points;  ///< uniform over the object without its rim; empty if the model has no surface
   Eigen::Quaterniond camera_from_model = Eigen::Quaterniond::Identity();
-  Eigen::Vector2d middle_px = Eigen::Vector2d::Zero();  ///< projection of the samples' centroid into the view, px
+  Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();  ///< projection of the samples' centroid into the view, px
   double pixels_per_m = 1;                              ///< scale of the view at the centroid
 };
 
 /// Standard deviation of the Gaussian blur of rendering and scene, in scene pixels.
-inline constexpr double kPictureBlur_px = 1.5;
+inline constexpr double kAppearanceBlur_px = 1.5;
 
 /// Source of relit templates and surface samples. Thread-safe.
-class LitTemplates {
+class RelitTemplateSource {
  public:
-  virtual ~LitTemplates() = default;
+  virtual ~RelitTemplateSource() = default;
 
   /// The relit template of `wanted`. Never null; without features if the model has no surface. Deterministic.
-  [[nodiscard]] virtual std::shared_ptr<const LitTemplate> Under(const LitView& wanted) const = 0;
+  [[nodiscard]] virtual std::shared_ptr<const RelitTemplate> GetTemplate(const RelitTemplateKey& wanted) const = 0;
 
   /// Renders and caches templates that will be queried: threads that need the same templates share the work instead of
   /// waiting for each other template by template.
-  virtual void Prepare(std::span<const LitView> wanted) const = 0;
+  virtual void Prepare(std::span<const RelitTemplateKey> wanted) const = 0;
 
   /// The surface samples of a view under the light of its original rendering. Never null; deterministic.
   /// @param half_octaves  the object is smaller in the scene than in the view by the factor 2^(half_octaves / 2)
-  [[nodiscard]] virtual std::shared_ptr<const ViewPicture> Picture(std::size_t view, int half_octaves) const = 0;
+  [[nodiscard]] virtual std::shared_ptr<const ViewAppearance> GetAppearance(std::size_t view,
+                                                                            int half_octaves) const = 0;
 };
 
 }  // namespace victorious

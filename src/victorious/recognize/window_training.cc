@@ -18,17 +18,17 @@ namespace victorious {
 namespace {
 
 // A training window to sample.
-struct Cut {
+struct WindowSample {
   std::size_t picture = 0;
   Box window;  // square, px of the picture; may reach beyond it
   std::string category;
   bool mirrored = false;
-  bool calibrates = false;
+  bool used_for_calibration = false;
 };
 
 // Fills the part of a window outside the image with a random piece of a background image: replicated borders would be a
 // cue for objects near the edge.
-cv::Mat CutOut(const cv::Mat& grey, const Box& window, int side_px, const cv::Mat& background, Random& random) {
+cv::Mat CropWindow(const cv::Mat& grey, const Box& window, int side_px, const cv::Mat& background, Random& random) {
   const int side = std::max(1, cvRound(window.width));
   const cv::Rect wanted(cvRound(window.x), cvRound(window.y), side, side);
   const cv::Rect inside = wanted & cv::Rect({0, 0}, grey.size());
@@ -48,7 +48,7 @@ cv::Mat CutOut(const cv::Mat& grey, const Box& window, int side_px, const cv::Ma
 }
 
 // Shifts a window into the image; centres it along a side that is too short.
-Box Shifted(Box window, const cv::Size& picture) {
+Box ShiftedIntoImage(Box window, const cv::Size& picture) {
   const auto shift = [&](double at, int length) {
     return window.width <= length ? std::clamp(at, 0.0, length - window.width) : (length - window.width) / 2;
   };
@@ -59,8 +59,8 @@ Box Shifted(Box window, const cv::Size& picture) {
 
 // The window around an object, jittered by up to half a step and half a scale factor as in a sliding-window search; not
 // jittered for random == nullptr.
-Box AboutThing(const Box& box, const WindowOptions& options, Random* random) {
-  double side = options.room * std::max(box.width, box.height);
+Box WindowAroundObject(const Box& box, const WindowOptions& options, Random* random) {
+  double side = options.context_factor * std::max(box.width, box.height);
   double x = box.x + box.width / 2;
   double y = box.y + box.height / 2;
   if (random != nullptr) {
@@ -73,37 +73,37 @@ Box AboutThing(const Box& box, const WindowOptions& options, Random* random) {
 }
 
 // A window at a random position with a log-uniform side: small windows are more frequent, as in a search.
-Box Anywhere(const cv::Size& picture, const WindowOptions& options, Random& random) {
+Box RandomWindow(const cv::Size& picture, const WindowOptions& options, Random& random) {
   const double longest = std::min(picture.width, picture.height);
-  const double shortest = std::min<double>(longest, options.smallest_px);
+  const double shortest = std::min<double>(longest, options.min_window_px);
   const double side = shortest * std::pow(longest / shortest, random.Uniform());
   return {random.Uniform() * (picture.width - side), random.Uniform() * (picture.height - side), side, side};
 }
 
-bool IsAboutIt(const Box& window, const Box& about) {
-  constexpr double kLeastOverlap = 0.4;
-  return IntersectionOverUnion(window, about) >= kLeastOverlap;
+bool IsCentredOnObject(const Box& window, const Box& about) {
+  constexpr double kMinOverlap = 0.4;
+  return IntersectionOverUnion(window, about) >= kMinOverlap;
 }
 
-std::vector<Cut> FirstCuts(std::span<const BoxedPicture> pictures, const CategoryTrainOptions& options,
-                           const std::string& none) {
+std::vector<WindowSample> InitialSamples(std::span<const LabelledImage> pictures, const CategoryTrainOptions& options,
+                                         const std::string& none) {
   const WindowOptions& windows = options.features.windows;
-  std::vector<Cut> cuts;
+  std::vector<WindowSample> samples;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
-    const BoxedPicture& picture = pictures[i];
+    const LabelledImage& picture = pictures[i];
     Random random(MixSeed(options.category.seed, i));
     if (!picture.box) {
       for (int k = 0; k < options.examples.background; ++k)
-        cuts.push_back({i, Anywhere(picture.grey.size(), windows, random), picture.category, false, true});
+        samples.push_back({i, RandomWindow(picture.grey.size(), windows, random), picture.category, false, true});
       continue;
     }
     for (int k = 0; k < options.examples.copies; ++k) {
-      const Box window = Shifted(AboutThing(*picture.box, windows, &random), picture.grey.size());
+      const Box window = ShiftedIntoImage(WindowAroundObject(*picture.box, windows, &random), picture.grey.size());
       const bool mirrored = options.features.mirrored && k % 2 == 1;
-      cuts.push_back({i, window, picture.category, mirrored, true});
+      samples.push_back({i, window, picture.category, mirrored, true});
     }
     // Windows with only a part of the object are negatives: a detection must be centred on the object.
-    const Box about = AboutThing(*picture.box, windows, nullptr);
+    const Box about = WindowAroundObject(*picture.box, windows, nullptr);
     int parts = 0;
     constexpr int kTries = 20;
     for (int k = 0; k < kTries && parts < options.examples.copies; ++k) {
@@ -111,29 +111,31 @@ std::vector<Cut> FirstCuts(std::span<const BoxedPicture> pictures, const Categor
       window.width = window.height = about.width * std::exp2(random.Uniform(-1.5, 0.5));
       window.x += random.Uniform(-0.7, 0.7) * about.width + (about.width - window.width) / 2;
       window.y += random.Uniform(-0.7, 0.7) * about.height + (about.height - window.height) / 2;
-      if (IsAboutIt(window, about) || window != Shifted(window, picture.grey.size())) continue;
-      cuts.push_back({i, window, none, false, false});
+      if (IsCentredOnObject(window, about) || window != ShiftedIntoImage(window, picture.grey.size())) continue;
+      samples.push_back({i, window, none, false, false});
       ++parts;
     }
   }
-  return cuts;
+  return samples;
 }
 
-Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryEye& eye, std::span<const BoxedPicture> pictures,
-                                                  std::span<const Cut> cuts) {
+Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryFeaturizer& featurizer,
+                                                  std::span<const LabelledImage> pictures,
+                                                  std::span<const WindowSample> samples) {
   std::vector<std::size_t> backgrounds;
   for (std::size_t i = 0; i < pictures.size(); ++i)
     if (!pictures[i].box) backgrounds.push_back(i);
-  std::vector<CategoryExample> examples(cuts.size());
-  std::vector<Status> statuses(cuts.size());
-  cv::parallel_for_({0, static_cast<int>(cuts.size())}, [&](const cv::Range& range) {
+  std::vector<CategoryExample> examples(samples.size());
+  std::vector<Status> statuses(samples.size());
+  cv::parallel_for_({0, static_cast<int>(samples.size())}, [&](const cv::Range& range) {
     for (auto c = static_cast<std::size_t>(range.start); c < static_cast<std::size_t>(range.end); ++c) {
-      const Cut& cut = cuts[c];
+      const WindowSample& cut = samples[c];
       Random random(MixSeed(cut.picture, c));
       const cv::Mat& beyond = pictures[backgrounds[random.Below(static_cast<std::uint32_t>(backgrounds.size()))]].grey;
-      cv::Mat seen = CutOut(pictures[cut.picture].grey, cut.window, eye.options().windows.side_px, beyond, random);
+      cv::Mat seen =
+          CropWindow(pictures[cut.picture].grey, cut.window, featurizer.options().windows.side_px, beyond, random);
       if (cut.mirrored) cv::flip(seen, seen, 1);
-      Expected<FeatureSet> features = eye.Look(seen);
+      Expected<FeatureSet> features = featurizer.Extract(seen);
       if (!features) {
         statuses[c] = std::unexpected(std::move(features).error());
         continue;
@@ -141,8 +143,8 @@ Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryEye& eye, std::s
       examples[c] = {.category = cut.category,
                      .features = *std::move(features),
                      .picture = static_cast<int>(cut.picture),
-                     .learns = true,
-                     .calibrates = cut.calibrates,
+                     .used_for_training = true,
+                     .used_for_calibration = cut.used_for_calibration,
                      .mirrored = cut.mirrored};
     }
   });
@@ -151,63 +153,61 @@ Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryEye& eye, std::s
 }
 
 // Hard negatives: false positives of the model in background images and beside the objects.
-std::vector<Cut> Mined(const CategoryModel& model, std::span<const BoxedPicture> pictures,
-                       const CategoryTrainOptions& options, const std::string& none) {
-  std::vector<std::size_t> things;
+std::vector<WindowSample> MineHardNegatives(const CategoryModel& model, std::span<const LabelledImage> pictures,
+                                            const CategoryTrainOptions& options, const std::string& none) {
+  std::vector<std::size_t> object_nodes;
   for (std::size_t n = 0; n < model.nodes.size(); ++n) {
-    const auto shows = [&](const BoxedPicture& picture) {
-      return picture.box && TargetOf(picture.category, model.nodes[n].name) > 0;
+    const auto shows = [&](const LabelledImage& picture) {
+      return picture.box && TrainingTarget(picture.category, model.nodes[n].name) > 0;
     };
-    if (std::ranges::any_of(pictures, shows)) things.push_back(n);
+    if (std::ranges::any_of(pictures, shows)) object_nodes.push_back(n);
   }
-  std::vector<std::vector<Cut>> of_picture(pictures.size());
+  std::vector<std::vector<WindowSample>> of_picture(pictures.size());
   cv::parallel_for_({0, static_cast<int>(pictures.size())}, [&](const cv::Range& range) {
     for (auto i = static_cast<std::size_t>(range.start); i < static_cast<std::size_t>(range.end); ++i) {
-      const BoxedPicture& picture = pictures[i];
-      const std::vector<SeenWindow> windows =
-          LookThroughWindows(model, picture.grey, options.features.dense, options.features.windows, things);
-      const Box about = picture.box ? AboutThing(*picture.box, options.features.windows, nullptr) : Box{};
-      for (const SeenWindow& window : windows) {
-        if (picture.box && IsAboutIt(window.box, about)) continue;
-        if (of_picture[i].size() == static_cast<std::size_t>(options.examples.mined)) break;
-        const auto same = [&](const Cut& cut) {
-          return ShowTheSame(cut.window, window.box, options.features.windows.overlap);
+      const LabelledImage& picture = pictures[i];
+      const std::vector<ScoredWindow> windows =
+          ClassifyWindows(model, picture.grey, options.features.dense, options.features.windows, object_nodes);
+      const Box about = picture.box ? WindowAroundObject(*picture.box, options.features.windows, nullptr) : Box{};
+      for (const ScoredWindow& window : windows) {
+        if (picture.box && IsCentredOnObject(window.box, about)) continue;
+        if (of_picture[i].size() == static_cast<std::size_t>(options.examples.hard_negatives)) break;
+        const auto same = [&](const WindowSample& cut) {
+          return IsSameObject(cut.window, window.box, options.features.windows.overlap);
         };
         if (std::ranges::none_of(of_picture[i], same))
           of_picture[i].push_back({i, window.box, picture.box ? none : picture.category, false, !picture.box});
       }
     }
   });
-  std::vector<Cut> cuts;
-  for (const auto& some : of_picture) cuts.insert(cuts.end(), some.begin(), some.end());
-  return cuts;
+  std::vector<WindowSample> samples;
+  for (const auto& some : of_picture) samples.insert(samples.end(), some.begin(), some.end());
+  return samples;
 }
 
 }  // namespace
 
 void WindowTrainOptions::ListFields(FieldList& fields) {
-  fields.Add("copies", copies,
-             {.min = 1, .max = 100, .reason = "jittered positive windows per object"});
+  fields.Add("copies", copies, {.min = 1, .max = 100, .reason = "jittered positive windows per object"});
   fields.Add("background", background,
              {.min = 1, .max = 1000, .reason = "random negative windows per background image"});
-  fields.Add(
-      "mined", mined,
-      {.min = 0,
-       .max = 1000,
-       .reason = "hard negatives per image: windows without an object that score highest under a first model"});
+  fields.Add("hard_negatives", hard_negatives,
+             {.min = 0,
+              .max = 1000,
+              .reason = "hard negatives per image: windows without an object that score highest under a first model"});
 }
 
-Expected<CategoryModel> TrainOnWindows(const CategoryEye& eye, std::span<const BoxedPicture> pictures,
+Expected<CategoryModel> TrainOnWindows(const CategoryFeaturizer& featurizer, std::span<const LabelledImage> pictures,
                                        const CategoryTrainOptions& options) {
-  const auto none = std::ranges::find_if(pictures, [](const BoxedPicture& picture) { return !picture.box; });
+  const auto none = std::ranges::find_if(pictures, [](const LabelledImage& picture) { return !picture.box; });
   if (none == pictures.end())
     return Fail(ErrorCode::kInvalidArgument,
                 "windows require background images: add a category whose images have no boxes, for example background");
   std::set<std::string> boxed;
-  for (const BoxedPicture& picture : pictures) {
+  for (const LabelledImage& picture : pictures) {
     if (picture.box) boxed.insert(picture.category);
   }
-  const auto another = std::ranges::find_if(pictures, [&](const BoxedPicture& picture) {
+  const auto another = std::ranges::find_if(pictures, [&](const LabelledImage& picture) {
     return picture.category != none->category && !boxed.contains(picture.category);
   });
   if (another != pictures.end()) {
@@ -216,25 +216,26 @@ Expected<CategoryModel> TrainOnWindows(const CategoryEye& eye, std::span<const B
                             "boxes, and boxes for all others",
                             none->category, another->category));
   }
-  std::vector<Cut> cuts = FirstCuts(pictures, options, none->category);
-  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<CategoryExample> examples, ExamplesOf(eye, pictures, cuts));
+  std::vector<WindowSample> samples = InitialSamples(pictures, options, none->category);
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<CategoryExample> examples, ExamplesOf(featurizer, pictures, samples));
   VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model, TrainCategories(examples, options.category));
-  if (options.examples.mined > 0) {
-    VICTORIOUS_ASSIGN_OR_RETURN(std::vector<CategoryExample> hard,
-                                ExamplesOf(eye, pictures, Mined(model, pictures, options, none->category)));
+  if (options.examples.hard_negatives > 0) {
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        std::vector<CategoryExample> hard,
+        ExamplesOf(featurizer, pictures, MineHardNegatives(model, pictures, options, none->category)));
     std::ranges::move(hard, std::back_inserter(examples));
     VICTORIOUS_ASSIGN_OR_RETURN(model, TrainCategories(examples, options.category));
   }
   CategoryFeatureOptions features = options.features;
-  features.windows.none = none->category;
+  features.windows.background_category = none->category;
   double windows = 0;
   double backgrounds = 0;
-  for (const BoxedPicture& picture : pictures) {
+  for (const LabelledImage& picture : pictures) {
     if (picture.box) continue;
     windows += static_cast<double>(WindowCount(picture.grey.size(), options.features.windows));
     ++backgrounds;
   }
-  features.windows.usual_windows = windows / backgrounds;
+  features.windows.calibration_windows = windows / backgrounds;
   model.features_json = OptionsToJsonText(features);
   return model;
 }

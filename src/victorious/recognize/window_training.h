@@ -20,20 +20,20 @@
 
 namespace victorious {
 
-class CategoryEye;
+class CategoryFeaturizer;
 struct CategoryTrainOptions;
 
 /// Numbers of training windows per image.
 struct WindowTrainOptions {
   int copies = 2;
   int background = 10;
-  int mined = 4;
+  int hard_negatives = 4;
 
   void ListFields(FieldList& fields);
 };
 
 /// A labelled image to sample windows from.
-struct BoxedPicture {
+struct LabelledImage {
   std::string category;
   cv::Mat grey;            ///< CV_8UC1
   std::optional<Box> box;  ///< of the object, px; nullopt: a background image without any object
@@ -42,7 +42,7 @@ struct BoxedPicture {
 /// Errors: those of TrainCategories; kInvalidArgument for options out of range, without background images, and if more
 /// than one category has no boxes.
 /// Cost: training twice, and one sliding-window search of every image.
-Expected<CategoryModel> TrainOnWindows(const CategoryEye& eye, std::span<const BoxedPicture> pictures,
+Expected<CategoryModel> TrainOnWindows(const CategoryFeaturizer& featurizer, std::span<const LabelledImage> pictures,
                                        const CategoryTrainOptions& options);
 
 }  // namespace victorious

@@ -41,18 +41,18 @@ Box Draw(cv::Mat& picture, bool cross, cv::Point middle, int size) {
 CategoryTrainOptions SmallWindows() {
   CategoryTrainOptions options;
   options.features.dense = {.step_px = 8, .sizes = 4};
-  options.features.windows = {.enabled = true, .side_px = 64, .smallest_px = 48, .step_px = 16, .examined = 30};
-  options.examples = {.copies = 2, .background = 6, .mined = 3};
+  options.features.windows = {.enabled = true, .side_px = 64, .min_window_px = 48, .step_px = 16, .max_rescored = 30};
+  options.examples = {.copies = 2, .background = 6, .hard_negatives = 3};
   options.category = testing::SmallOptions();
   options.category.shapes = {.weight = 4, .dimensions = 24};
   return options;
 }
 
-std::vector<BoxedPicture> Pictures(int each, Random& random) {
-  std::vector<BoxedPicture> pictures;
+std::vector<LabelledImage> Pictures(int each, Random& random) {
+  std::vector<LabelledImage> pictures;
   for (int i = 0; i < 2 * each; ++i) {
-    BoxedPicture& picture =
-        pictures.emplace_back(BoxedPicture{i % 2 == 0 ? "cross" : "ring", Noise(160, 140, random), {}});
+    LabelledImage& picture =
+        pictures.emplace_back(LabelledImage{i % 2 == 0 ? "cross" : "ring", Noise(160, 140, random), {}});
     const int size = 40 + static_cast<int>(random.Below(30));
     picture.box = Draw(picture.grey, i % 2 == 0, {60 + static_cast<int>(random.Below(40)), 70}, size);
   }
@@ -62,9 +62,9 @@ std::vector<BoxedPicture> Pictures(int each, Random& random) {
 
 class WindowTrainingTest : public ::testing::Test {
  protected:
-  static Expected<CategoryModel> Train(const std::vector<BoxedPicture>& pictures) {
+  static Expected<CategoryModel> Train(const std::vector<LabelledImage>& pictures) {
     const CategoryTrainOptions options = SmallWindows();
-    return TrainOnWindows(CategoryEye::Create(options.features).value(), pictures, options);
+    return TrainOnWindows(CategoryFeaturizer::Create(options.features).value(), pictures, options);
   }
 };
 
@@ -104,7 +104,7 @@ TEST_F(WindowTrainingTest, FindsSeveralSmallThingsAndNothingWhereThereIsNone) {
 
 TEST_F(WindowTrainingTest, AThingWithoutBoxesIsRefusedByName) {
   Random random(6);
-  std::vector<BoxedPicture> pictures = Pictures(4, random);
+  std::vector<LabelledImage> pictures = Pictures(4, random);
   pictures.push_back({"sky", Noise(240, 200, random), {}});
   const auto model = Train(pictures);
   ASSERT_FALSE(model);
@@ -116,14 +116,14 @@ TEST_F(WindowTrainingTest, APictureIsClassifiedByItsLikeliestWindow) {
   Random random(4);
   const auto model = Train(Pictures(10, random));
   ASSERT_TRUE(model) << model.error().message;
-  const CategoryEye eye = CategoryEye::Of(*model).value();
+  const CategoryFeaturizer featurizer = CategoryFeaturizer::Of(*model).value();
   cv::Mat picture = Noise(300, 200, random);
   const Box ring = Draw(picture, false, {200, 90}, 50);
-  const auto seen = ClassifyPicture(eye, *model, picture, CategoryMethod::kPhrases);
+  const auto seen = ClassifyImage(featurizer, *model, picture, CategoryMethod::kPhrases);
   ASSERT_TRUE(seen) << seen.error().message;
   EXPECT_EQ(model->nodes[seen->result.label].name, "ring");
-  EXPECT_GT(IntersectionOverUnion(seen->looked_at, ring), 0.25);
-  const auto words = ClassifyPicture(eye, *model, picture, CategoryMethod::kWords);
+  EXPECT_GT(IntersectionOverUnion(seen->classified_box, ring), 0.25);
+  const auto words = ClassifyImage(featurizer, *model, picture, CategoryMethod::kWords);
   ASSERT_FALSE(words);
   EXPECT_THAT(words.error().message, HasSubstr("windows"));
 }
@@ -131,7 +131,7 @@ TEST_F(WindowTrainingTest, APictureIsClassifiedByItsLikeliestWindow) {
 TEST_F(WindowTrainingTest, NeedsPicturesOfNoneOfTheThings) {
   Random random(5);
   auto pictures = Pictures(3, random);
-  std::erase_if(pictures, [](const BoxedPicture& picture) { return !picture.box; });
+  std::erase_if(pictures, [](const LabelledImage& picture) { return !picture.box; });
   const auto model = Train(pictures);
   ASSERT_FALSE(model);
   EXPECT_EQ(model.error().code, ErrorCode::kInvalidArgument);
@@ -141,9 +141,9 @@ TEST_F(WindowTrainingTest, NeedsPicturesOfNoneOfTheThings) {
 TEST_F(WindowTrainingTest, GoesWithFeaturesOnAGridAlone) {
   CategoryFeatureOptions features = SmallWindows().features;
   features.kind = "keypoints";
-  const auto eye = CategoryEye::Create(features);
-  ASSERT_FALSE(eye);
-  EXPECT_THAT(eye.error().message, HasSubstr("dense"));
+  const auto featurizer = CategoryFeaturizer::Create(features);
+  ASSERT_FALSE(featurizer);
+  EXPECT_THAT(featurizer.error().message, HasSubstr("dense"));
 }
 
 }  // namespace

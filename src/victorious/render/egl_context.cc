@@ -58,7 +58,7 @@ std::vector<EGLDisplay> Displays(bool software) {
   return displays;
 }
 
-EGLContext ContextOn(EGLDisplay display) {
+EGLContext CreateContext(EGLDisplay display) {
   if (eglInitialize(display, nullptr, nullptr) != EGL_TRUE) return EGL_NO_CONTEXT;
   const char* extensions = eglQueryString(display, EGL_EXTENSIONS);
   if (!HasExtension(extensions, "EGL_KHR_surfaceless_context")) return EGL_NO_CONTEXT;
@@ -78,7 +78,7 @@ EGLContext ContextOn(EGLDisplay display) {
 
 Expected<EglContext> EglContext::Create(bool software) {
   for (EGLDisplay display : Displays(software)) {
-    EGLContext context = ContextOn(display);
+    EGLContext context = CreateContext(display);
     if (context == EGL_NO_CONTEXT) continue;
     EglContext made(display, context);
     if (made.MakeCurrent()) return made;

@@ -47,9 +47,9 @@ GpuMesh::GpuMesh(const Mesh& mesh) : parts_(mesh.parts), materials_(mesh.materia
   UploadVertices(mesh);
   UploadTextures(mesh);
   for (int part = 0; part < static_cast<int>(parts_.size()); ++part) {
-    const MeshPart& run = parts_[static_cast<std::size_t>(part)];
-    if (MaterialOf(run).alpha_mode != AlphaMode::kBlend) continue;
-    for (std::uint32_t i = run.first_triangle; i < run.first_triangle + run.triangles; ++i) {
+    const MeshPart& mesh_part = parts_[static_cast<std::size_t>(part)];
+    if (MaterialOf(mesh_part).alpha_mode != AlphaMode::kBlend) continue;
+    for (std::uint32_t i = mesh_part.first_triangle; i < mesh_part.first_triangle + mesh_part.triangles; ++i) {
       const auto& corners = mesh.triangles[i];
       const Eigen::Vector3f sum = mesh.positions[corners[0]] + mesh.positions[corners[1]] + mesh.positions[corners[2]];
       blended_.push_back({part, corners, sum / 3.0F});

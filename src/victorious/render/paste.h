@@ -12,6 +12,6 @@ namespace victorious {
 /// @param mask             CV_8UC1, same size as `grey`: coverage of each pixel by the object, 0 to 255
 /// @param image_from_grey  px; a scale below 1 applies a Gaussian low-pass filter first (anti-aliasing)
 /// @param image            CV_8UC1, changed in place; parts of the rendering outside it are clipped
-void Paste(const cv::Mat& grey, const cv::Mat& mask, const Similarity2& picture_from_grey, cv::Mat& picture);
+void Paste(const cv::Mat& grey, const cv::Mat& mask, const Similarity2& image_from_grey, cv::Mat& image);
 
 }  // namespace victorious

@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-const std::array<float, 256>& LinearOfGrey() {
+const std::array<float, 256>& LinearFromGreyTable() {
   static const std::array<float, 256> table = [] {
     std::array<float, 256> values{};
     for (std::size_t i = 0; i < values.size(); ++i)
@@ -28,24 +28,25 @@ float DepthAt(const cv::Mat& depth_m, int row, int column) {
   return depth_m.at<float>(row, column);
 }
 
-Vector3d PointAt(const SeenSurface& seen, int row, int column) {
-  return DepthAt(seen.depth_m, row, column) * seen.camera.pinhole.RayOf({column + 0.5, row + 0.5});
+Vector3d PointAt(const PosedDepthMap& depth_map, int row, int column) {
+  return DepthAt(depth_map.depth_m, row, column) * depth_map.camera.pinhole.Unproject({column + 0.5, row + 0.5});
 }
 
 // One-sided finite difference of the 3D points along an image axis. Uses the neighbour with the smaller depth
 // difference, so that a depth discontinuity is not taken for a slope.
-Vector3d Difference(const SeenSurface& seen, int row, int column, int down, int right) {
-  const float here = DepthAt(seen.depth_m, row, column);
-  const float next = std::abs(DepthAt(seen.depth_m, row + down, column + right) - here);
-  const float last = std::abs(DepthAt(seen.depth_m, row - down, column - right) - here);
+Vector3d Difference(const PosedDepthMap& depth_map, int row, int column, int down, int right) {
+  const float here = DepthAt(depth_map.depth_m, row, column);
+  const float next = std::abs(DepthAt(depth_map.depth_m, row + down, column + right) - here);
+  const float last = std::abs(DepthAt(depth_map.depth_m, row - down, column - right) - here);
   if (std::isnan(next) && std::isnan(last)) return Vector3d::Zero();
-  if (std::isnan(last) || next <= last) return PointAt(seen, row + down, column + right) - PointAt(seen, row, column);
-  return PointAt(seen, row, column) - PointAt(seen, row - down, column - right);
+  if (std::isnan(last) || next <= last)
+    return PointAt(depth_map, row + down, column + right) - PointAt(depth_map, row, column);
+  return PointAt(depth_map, row, column) - PointAt(depth_map, row - down, column - right);
 }
 
 // Unit normal in the camera frame, oriented towards the camera.
-Vector3d NormalAt(const SeenSurface& seen, int row, int column) {
-  const Vector3d normal = Difference(seen, row, column, 1, 0).cross(Difference(seen, row, column, 0, 1));
+Vector3d NormalAt(const PosedDepthMap& depth_map, int row, int column) {
+  const Vector3d normal = Difference(depth_map, row, column, 1, 0).cross(Difference(depth_map, row, column, 0, 1));
   const double length = normal.norm();
   if (!(length > 0)) return -Vector3d::UnitZ();
   return normal / (normal.z() > 0 ? -length : length);
@@ -53,7 +54,7 @@ Vector3d NormalAt(const SeenSurface& seen, int row, int column) {
 
 // Visible fraction of the sun at a point: the fraction of 3 x 3 texels of the shadow map about it that do not occlude
 // it.
-double ShareLit(const Vector3d& point_in_world, const Vector3d& normal, const SeenSurface& from_sun) {
+double SunVisibleFraction(const Vector3d& point_in_world, const Vector3d& normal, const PosedDepthMap& from_sun) {
   const PinholeCamera& pinhole = from_sun.camera.pinhole;
   const Vector3d unbiased = from_sun.camera.camera_from_world.Apply(point_in_world);
   const double texel_m = unbiased.z() / pinhole.fx;
@@ -74,29 +75,29 @@ double ShareLit(const Vector3d& point_in_world, const Vector3d& normal, const Se
 
 }  // namespace
 
-Light ClearDay(const ViewDirection& sun) {
+Light ClearDayLight(const ViewDirection& sun) {
   return {.sky = 0.4, .ground = 0.25, .sun = 0.9, .to_sun_in_world = DirectionToCamera(sun)};
 }
 
-cv::Mat Relight(const cv::Mat& grey, const SeenSurface& seen, const Light& before, const Light& after,
-                const SeenSurface& from_sun) {
-  const Rigid3 world_from_camera = seen.camera.camera_from_world.Inverse();
+cv::Mat Relight(const cv::Mat& grey, const PosedDepthMap& depth_map, const Light& before, const Light& after,
+                const PosedDepthMap& from_sun) {
+  const Rigid3 world_from_camera = depth_map.camera.camera_from_world.Inverse();
   const Vector3d to_sun_before = before.to_sun_in_world.normalized();
   const Vector3d to_sun_after = after.to_sun_in_world.normalized();
   cv::Mat lit = grey.clone();
   for (int row = 0; row < grey.rows; ++row) {
     for (int column = 0; column < grey.cols; ++column) {
-      if (std::isnan(seen.depth_m.at<float>(row, column))) continue;
-      const Vector3d normal = world_from_camera.rotation * NormalAt(seen, row, column);
+      if (std::isnan(depth_map.depth_m.at<float>(row, column))) continue;
+      const Vector3d normal = world_from_camera.rotation * NormalAt(depth_map, row, column);
       const auto irradiance = [&](const Light& light, double sun) {
         return light.ground + (light.sky - light.ground) * 0.5 * (1 + normal.z()) + light.sun * sun;
       };
       const double sun_before = std::max(0.0, normal.dot(to_sun_before));
       double sun_after = std::max(0.0, normal.dot(to_sun_after));
       if (sun_after > 0) {
-        sun_after *= ShareLit(world_from_camera.Apply(PointAt(seen, row, column)), normal, from_sun);
+        sun_after *= SunVisibleFraction(world_from_camera.Apply(PointAt(depth_map, row, column)), normal, from_sun);
       }
-      const double linear = LinearOfGrey()[grey.at<std::uint8_t>(row, column)] * irradiance(after, sun_after) /
+      const double linear = LinearFromGreyTable()[grey.at<std::uint8_t>(row, column)] * irradiance(after, sun_after) /
                             std::max(1e-3, irradiance(before, sun_before));
       lit.at<std::uint8_t>(row, column) = cv::saturate_cast<std::uint8_t>(255 * SrgbFromLinear(linear));
     }

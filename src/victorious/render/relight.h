@@ -12,17 +12,17 @@
 #include <opencv2/core/mat.hpp>
 
 #include "victorious/geometry/camera.h"
-#include "victorious/render/renderer.h"
 #include "victorious/geometry/view_sphere.h"
+#include "victorious/render/renderer.h"
 
 namespace victorious {
 
 /// The light of a clear day: the sun contributes about two thirds of the irradiance of a surface that faces it.
 /// @param sun  direction from the object to the sun, in the model frame (the world frame is the model frame)
-[[nodiscard]] Light ClearDay(const ViewDirection& sun);
+[[nodiscard]] Light ClearDayLight(const ViewDirection& sun);
 
 /// The depth map of an object with the camera that it was rendered from.
-struct SeenSurface {
+struct PosedDepthMap {
   PosedCamera camera;
   cv::Mat depth_m;  ///< CV_32FC1, size of the camera image, depth along the optical axis; NaN for background
 };
@@ -33,7 +33,7 @@ struct SeenSurface {
 /// @param after      its sun casts shadows, regardless of Light::shadows
 /// @param from_sun   depth map of the whole object from near the direction of the sun of `after`
 /// @return           CV_8UC1, the image under `after`; pixels without depth are copied from `grey`
-[[nodiscard]] cv::Mat Relight(const cv::Mat& grey, const SeenSurface& seen, const Light& before, const Light& after,
-                              const SeenSurface& from_sun);
+[[nodiscard]] cv::Mat Relight(const cv::Mat& grey, const PosedDepthMap& depth_map, const Light& before,
+                              const Light& after, const PosedDepthMap& from_sun);
 
 }  // namespace victorious

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
-#include "victorious/geometry/angles.h"
 #include "testing/cad_tools.h"
+#include "victorious/geometry/angles.h"
 #include "victorious/geometry/view_sphere.h"
 
 namespace victorious {
@@ -30,7 +30,7 @@ class Towered {
   RenderedView Render(const ViewDirection& direction, const Light& light) {
     return *renderer_.Render(instances_, CameraOf(direction), light);
   }
-  SeenSurface Surface(const ViewDirection& direction) {
+  PosedDepthMap Surface(const ViewDirection& direction) {
     return {CameraOf(direction), Render(direction, Light()).depth_m};
   }
   static PosedCamera CameraOf(const ViewDirection& direction) {

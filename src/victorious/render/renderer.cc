@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
+#include "victorious/image/srgb.h"
 #include "victorious/render/egl_context.h"
 #include "victorious/render/gl_objects.h"
 #include "victorious/render/gl_program.h"
@@ -20,7 +21,6 @@
 #include "victorious/render/gpu_mesh.h"
 #include "victorious/render/shaders.h"
 #include "victorious/render/shadow_view.h"
-#include "victorious/image/srgb.h"
 
 namespace victorious {
 namespace {
@@ -32,12 +32,12 @@ float LinearFromGrey(int grey) { return static_cast<float>(LinearFromSrgb(grey /
 
 // Blended surfaces with at least this alpha are drawn as opaque, with depth writes. Exporters often mark whole models
 // as blended, and depth sorting alone is wrong where triangles overlap in depth.
-constexpr float kAsGoodAsOpaque = 0.99F;
+constexpr float kOpaqueAlpha = 0.99F;
 constexpr float kNoLimit = 1e9F;
 // Blended surfaces with at least this alpha are in the depth map and cast shadows.
-constexpr float kThere = 0.5F;
-constexpr int kMostShadowTexels = 4096;  // maximum side of the shadow map
-constexpr int kShadowUnit = 1;           // texture unit of the shadow map; material textures use unit 0
+constexpr float kMinSolidAlpha = 0.5F;
+constexpr int kMaxShadowTexels = 4096;  // maximum side of the shadow map
+constexpr int kShadowUnit = 1;          // texture unit of the shadow map; material textures use unit 0
 
 // OpenGL takes the byte offset into the bound element buffer as a pointer.
 const void* ElementsFrom(std::size_t offset) {
@@ -72,18 +72,18 @@ struct Programs {
                                 mesh({shaders::kMeshFragmentHead, shaders::kShadow, shaders::kColourFragment}));
     VICTORIOUS_ASSIGN_OR_RETURN(GlProgram depth, mesh({shaders::kMeshFragmentHead, shaders::kDepthFragment}));
     VICTORIOUS_ASSIGN_OR_RETURN(GlProgram opaque_caster, mesh({shaders::kOpaqueCaster}));
-    VICTORIOUS_ASSIGN_OR_RETURN(GlProgram cut_caster, mesh({shaders::kMeshFragmentHead, shaders::kCutCaster}));
+    VICTORIOUS_ASSIGN_OR_RETURN(GlProgram masked_caster, mesh({shaders::kMeshFragmentHead, shaders::kMaskedCaster}));
     VICTORIOUS_ASSIGN_OR_RETURN(GlProgram resolve,
                                 GlProgram::Make(shaders::kScreenVertex, {shaders::kResolveFragment}));
-    return Programs{std::move(colour),        std::move(shaded),     std::move(depth),
-                    std::move(opaque_caster), std::move(cut_caster), std::move(resolve)};
+    return Programs{std::move(colour),        std::move(shaded),        std::move(depth),
+                    std::move(opaque_caster), std::move(masked_caster), std::move(resolve)};
   }
 
   GlProgram colour;
   GlProgram shaded_colour;
   GlProgram depth;
   GlProgram opaque_caster;  // shadow map of opaque materials
-  GlProgram cut_caster;     // shadow map of masked and blended materials
+  GlProgram masked_caster;  // shadow map of masked and blended materials
   GlProgram resolve;
 };
 
@@ -132,7 +132,7 @@ class Renderer::Device {
       : context_(std::move(context)),
         programs_(std::move(programs)),
         name_(reinterpret_cast<const char*>(glGetString(GL_RENDERER))) {
-    glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest_side_px_);
+    glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &max_side_px_);
     glFrontFace(GL_CW);  // y is down
     glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
@@ -174,7 +174,7 @@ class Renderer::Device {
   }
 
  private:
-  struct Placed {
+  struct PlacedMesh {
     const GpuMesh* mesh;
     Rigid3 world_from_mesh;
     Matrix4f camera_from_mesh;
@@ -196,7 +196,7 @@ class Renderer::Device {
     if (!(light.to_sun_in_world.norm() > 0)) {
       return Fail(ErrorCode::kInvalidArgument, "the sun's direction is a zero vector: its length must be above 0");
     }
-    const int largest = largest_side_px_ / options.supersampling;
+    const int largest = max_side_px_ / options.supersampling;
     if (std::max(camera.width, camera.height) > largest) {
       return Fail(ErrorCode::kInvalidArgument,
                   fmt::format("{} x {} pixels with supersampling {}: this device draws at most {} a side", camera.width,
@@ -266,9 +266,9 @@ class Renderer::Device {
   }
 
   // Draws a part; of blended materials only fragments with an alpha of at least `min_alpha`.
-  static void DrawPart(GlProgram& program, const GpuMesh& mesh, const MeshPart& part, float solid_from) {
+  static void DrawPart(GlProgram& program, const GpuMesh& mesh, const MeshPart& part, float min_alpha) {
     const Material& material = mesh.MaterialOf(part);
-    const float cutoffs[] = {0.0F, material.alpha_cutoff, solid_from};
+    const float cutoffs[] = {0.0F, material.alpha_cutoff, min_alpha};
     SetMaterial(program, mesh, material, {cutoffs[static_cast<std::size_t>(material.alpha_mode)], kNoLimit});
     const std::size_t offset = std::size_t{part.first_triangle} * 3 * sizeof(std::uint32_t);
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(part.triangles * 3), GL_UNSIGNED_INT, ElementsFrom(offset));
@@ -284,7 +284,7 @@ class Renderer::Device {
     program.Set("clip_from_camera", clip_from_camera_);
   }
 
-  void DrawSolid(GlProgram& program, float solid_from) const {
+  void DrawSolid(GlProgram& program, float min_alpha) const {
     for (std::size_t i = 0; i < placed_.size(); ++i) {
       const GpuMesh& mesh = *placed_[i].mesh;
       mesh.BindVertices();
@@ -292,7 +292,7 @@ class Renderer::Device {
       program.Set("instance", static_cast<float>(i));
       for (const MeshPart& part : mesh.parts()) {
         HideBacks(mesh.MaterialOf(part));
-        DrawPart(program, mesh, part, solid_from);
+        DrawPart(program, mesh, part, min_alpha);
       }
     }
   }
@@ -312,7 +312,7 @@ class Renderer::Device {
              blended_[end].triangle->part == first.triangle->part) {
         ++end;
       }
-      const Placed& placed = placed_[first.instance];
+      const PlacedMesh& placed = placed_[first.instance];
       placed.mesh->BindVertices();
       glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, sorted_elements_.name());
       if (!std::exchange(uploaded, true)) {
@@ -322,7 +322,7 @@ class Renderer::Device {
       program.Set("camera_from_mesh", placed.camera_from_mesh);
       const MeshPart& part = placed.mesh->parts()[static_cast<std::size_t>(first.triangle->part)];
       HideBacks(placed.mesh->MaterialOf(part));
-      SetMaterial(program, *placed.mesh, placed.mesh->MaterialOf(part), {0.0F, kAsGoodAsOpaque});
+      SetMaterial(program, *placed.mesh, placed.mesh->MaterialOf(part), {0.0F, kOpaqueAlpha});
       glDrawElements(GL_TRIANGLES, static_cast<GLsizei>((end - begin) * 3), GL_UNSIGNED_INT,
                      ElementsFrom(begin * sizeof(corners[0])));
     }
@@ -331,7 +331,7 @@ class Renderer::Device {
   // Renders the shadow map and sets it in the program `shaded_colour`. False if the camera sees no mesh.
   bool DrawShadowMap(const PosedCamera& camera, const Light& light) {
     std::vector<PlacedBox> boxes(placed_.size());
-    std::ranges::transform(placed_, boxes.begin(), [](const Placed& placed) {
+    std::ranges::transform(placed_, boxes.begin(), [](const PlacedMesh& placed) {
       return PlacedBox{.box = placed.mesh->box(), .world_from_box = placed.world_from_mesh};
     });
     const auto view = FitShadowView(boxes, camera, light.to_sun_in_world, light.shadow_softness_m);
@@ -348,25 +348,25 @@ class Renderer::Device {
   // Size of the shadow map, rounded up to a multiple of 256: a moving camera can reuse the texture.
   [[nodiscard]] Eigen::Vector2i ShadowTexels(const Eigen::Vector2d& size_m, double texel_m) const {
     constexpr double kStep = 256;
-    const double most = std::min(kMostShadowTexels, int{largest_side_px_});
+    const double most = std::min(kMaxShadowTexels, int{max_side_px_});
     return (kStep * (size_m / (kStep * texel_m)).array().ceil()).min(most).cast<int>();
   }
 
   void DrawCasters(const ShadowView& view) {
     const Vector3d scale = 2 * view.box_in_sun.sizes().cwiseInverse();
     const Eigen::Affine3d clip_from_sun = Eigen::Scaling(scale) * Eigen::Translation3d(-view.box_in_sun.center());
-    for (GlProgram* program : {&programs_.opaque_caster, &programs_.cut_caster}) {
+    for (GlProgram* program : {&programs_.opaque_caster, &programs_.masked_caster}) {
       program->Use();
       program->Set("clip_from_camera", Matrix4f(clip_from_sun.matrix().cast<float>()));
       for (std::size_t i = 0; i < placed_.size(); ++i) {
-        if (!view.casts[i]) continue;
+        if (!view.casts_shadow[i]) continue;
         const GpuMesh& mesh = *placed_[i].mesh;
         mesh.BindVertices();
         const Rigid3 sun_from_mesh = view.sun_from_world * placed_[i].world_from_mesh;
         program->Set("camera_from_mesh", Matrix4f(sun_from_mesh.Matrix().cast<float>()));
         for (const MeshPart& part : mesh.parts()) {
           const bool opaque = mesh.MaterialOf(part).alpha_mode == AlphaMode::kOpaque;
-          if (opaque == (program == &programs_.opaque_caster)) DrawPart(*program, mesh, part, kThere);
+          if (opaque == (program == &programs_.opaque_caster)) DrawPart(*program, mesh, part, kMinSolidAlpha);
         }
       }
     }
@@ -395,7 +395,7 @@ class Renderer::Device {
     program.Set("to_sun_in_camera", Eigen::Vector3f((turn * light.to_sun_in_world.normalized()).cast<float>()));
     program.Set("light", Eigen::Vector3f(Vector3d(light.sky, light.ground, light.sun).cast<float>()));
     program.Set("blended", 0);
-    DrawSolid(program, kAsGoodAsOpaque);
+    DrawSolid(program, kOpaqueAlpha);
     DrawBlended(program);
   }
 
@@ -420,7 +420,7 @@ class Renderer::Device {
 
   void DrawDepth() {
     Begin(programs_.depth, targets_->depth, 0);
-    DrawSolid(programs_.depth, kThere);
+    DrawSolid(programs_.depth, kMinSolidAlpha);
   }
 
   void ReadDepth(RenderedView& view) const {
@@ -443,7 +443,7 @@ class Renderer::Device {
   EglContext context_;  // first, so that it is destroyed last
   Programs programs_;
   std::string name_;
-  GLint largest_side_px_ = 0;
+  GLint max_side_px_ = 0;
   GlVertexArray screen_;
   GlBuffer sorted_elements_;
   std::optional<Targets> targets_;
@@ -451,7 +451,7 @@ class Renderer::Device {
   std::map<MeshId, GpuMesh> meshes_;
   int next_id_ = 0;
   // State of the current image.
-  std::vector<Placed> placed_;
+  std::vector<PlacedMesh> placed_;
   std::vector<Blended> blended_;
   Matrix4f clip_from_camera_ = Matrix4f::Identity();
 };

@@ -14,11 +14,11 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "testing/cad_tools.h"
 #include "testing/data.h"
 #include "victorious/geometry/angles.h"
-#include "testing/cad_tools.h"
-#include "victorious/mesh/load_mesh.h"
 #include "victorious/geometry/view_sphere.h"
+#include "victorious/mesh/load_mesh.h"
 
 namespace victorious {
 namespace {
@@ -152,7 +152,7 @@ TEST(Renderer, DepthIsWhereTheRayMeetsThePlane) {
   int seen = 0;
   for (int row = 0; row < view.depth_m.rows; ++row) {
     for (int col = 0; col < view.depth_m.cols; ++col) {
-      const Vector3d ray = camera.pinhole.RayOf({col + 0.5, row + 0.5});
+      const Vector3d ray = camera.pinhole.Unproject({col + 0.5, row + 0.5});
       const Vector3d origin = world_from_camera.translation;
       const Vector3d direction = world_from_camera.rotation * ray;
       // Slab test: the ray is inside the cube from `enter` to `leave`.

@@ -37,7 +37,7 @@ uniform vec2 alpha_range;  // fragments with alpha outside [x, y) are discarded
 // level of its shorter axis. Done here because results of drivers differ, and Mesa's software renderer takes a hundred
 // times the time for thin triangles.
 vec4 TextureColour() {
-  const float kMostSamples = 8.0;
+  const float kMaxSamples = 8.0;
   vec2 size = vec2(textureSize(base_texture, 0));
   vec2 right = dFdx(texture_uv);
   vec2 down = dFdy(texture_uv);
@@ -46,7 +46,7 @@ vec4 TextureColour() {
   vec2 along = right_texels > down_texels ? right : down;
   float longer = max(right_texels, down_texels);
   float shorter = max(min(right_texels, down_texels), 1.0);
-  float samples = clamp(ceil(longer / shorter), 1.0, kMostSamples);
+  float samples = clamp(ceil(longer / shorter), 1.0, kMaxSamples);
   float level = log2(max(longer / samples, shorter));
   vec4 sum = vec4(0.0);
   for (float i = 0.5; i < samples; i += 1.0) {
@@ -63,7 +63,7 @@ vec4 SurfaceColour() {
 
 // SunVisibility() for kColourFragment, the visible fraction of the sun at the point: here 1, no shadow map.
 inline constexpr const char* kNoShadow = R"(
-float SunSeen(vec3 face) { return 1.0; }
+float SunVisibility(vec3 face) { return 1.0; }
 )";
 
 // SunVisibility() with a shadow map: percentage-closer filtering with nine filtered depth comparisons in the tangent
@@ -76,21 +76,21 @@ uniform vec3 sun_low;   // minimum corner and size of the map's box in the sun f
 uniform vec3 sun_size;
 uniform vec2 texel_m;
 uniform vec2 step_m;    // between neighbouring samples
-const vec2 kPlaces[9] = vec2[](vec2(-1, -1), vec2(1, -1), vec2(-1, 1), vec2(1, 1), vec2(0, 0),
+const vec2 kSampleOffsets[9] = vec2[](vec2(-1, -1), vec2(1, -1), vec2(-1, 1), vec2(1, 1), vec2(0, 0),
                                vec2(0, -1), vec2(-1, 0), vec2(1, 0), vec2(0, 1));
-const int kFirstPlaces = 5;  // if these agree, the others are skipped
-float SunSeen(vec3 face) {
-  const float kSteepest = 0.02;  // cosine; surfaces at more grazing angles get hardly any sun
+const int kFirstSamples = 5;  // if these agree, the others are skipped
+float SunVisibility(vec3 face) {
+  const float kMinCosine = 0.02;  // cosine; surfaces at more grazing angles get hardly any sun
   vec3 normal = mat3(sun_from_camera) * normalize(face);
   vec3 point = (sun_from_camera * vec4(point_in_camera, 1.0)).xyz - sun_low;
-  vec2 slope = normal.xy / max(-normal.z, kSteepest);
+  vec2 slope = normal.xy / max(-normal.z, kMinCosine);
   float bias = dot(abs(slope) + 0.1, texel_m);
   int places = normal.z < 0.0 ? 9 : 0;
   float seen = 0.0;
   float taken = 0.0;
   for (int i = 0; i < places; ++i) {
-    if (i == kFirstPlaces && (seen == 0.0 || seen == taken)) break;
-    vec2 aside = kPlaces[i] * step_m;
+    if (i == kFirstSamples && (seen == 0.0 || seen == taken)) break;
+    vec2 aside = kSampleOffsets[i] * step_m;
     seen += texture(sun_depth, (point + vec3(aside, dot(slope, aside) - bias)) / sun_size);
     taken += 1.0;
   }
@@ -113,7 +113,7 @@ void main() {
   if (dot(face, point_in_camera) > 0.0) face = -face;
   if (double_sided && dot(face, normal) < 0.0) normal = -normal;
   float dome = mix(light.y, light.x, 0.5 + 0.5 * dot(normal, up_in_camera));
-  float sun = light.z * max(0.0, dot(normal, to_sun_in_camera)) * SunSeen(face);
+  float sun = light.z * max(0.0, dot(normal, to_sun_in_camera)) * SunVisibility(face);
   result = vec4(colour.rgb * (dome + sun), blended ? colour.a : 1.0);
 }
 )";
@@ -131,7 +131,7 @@ void main() {
 inline constexpr const char* kOpaqueCaster = R"(#version 330 core
 void main() {}
 )";
-inline constexpr const char* kCutCaster = R"(
+inline constexpr const char* kMaskedCaster = R"(
 void main() { SurfaceColour(); }
 )";
 

@@ -9,10 +9,10 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "victorious/geometry/angles.h"
 #include "testing/cad_tools.h"
-#include "victorious/render/renderer.h"
+#include "victorious/geometry/angles.h"
 #include "victorious/geometry/view_sphere.h"
+#include "victorious/render/renderer.h"
 
 namespace victorious {
 namespace {
@@ -69,7 +69,7 @@ Mesh Roof(const cv::Mat& texture, AlphaMode mode) {
 
 Vector3d PointAt(const RenderedView& view, const PosedCamera& camera, int col, int row) {
   const double depth = view.depth_m.at<float>(row, col);
-  return camera.camera_from_world.Inverse().Apply(depth * camera.pinhole.RayOf({col + 0.5, row + 0.5}));
+  return camera.camera_from_world.Inverse().Apply(depth * camera.pinhole.Unproject({col + 0.5, row + 0.5}));
 }
 
 int GreyAt(const RenderedView& view, int col, int row) { return view.bgr.at<cv::Vec3b>(row, col)[1]; }

@@ -12,12 +12,12 @@ using Eigen::Vector3d;
 
 using Corners = std::vector<Vector3d>;
 
-Vector3d CornerOf(const AlignedBox3d& box, int corner) {
+Vector3d BoxCorner(const AlignedBox3d& box, int corner) {
   return box.corner(static_cast<AlignedBox3d::CornerType>(corner));
 }
 
 // Clips a convex polygon to the positive side of a plane through the origin (Sutherland and Hodgman).
-Corners PartInside(const Corners& polygon, const Vector3d& normal) {
+Corners ClipToHalfSpace(const Corners& polygon, const Vector3d& normal) {
   Corners kept;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vector3d& from = polygon[i];
@@ -31,21 +31,21 @@ Corners PartInside(const Corners& polygon, const Vector3d& normal) {
 }
 
 // The normals of the four frustum planes through the camera centre, inwards.
-std::array<Vector3d, 4> SidesOf(const PinholeCamera& camera) {
+std::array<Vector3d, 4> FrustumNormals(const PinholeCamera& camera) {
   return {Vector3d(camera.fx, 0, camera.cx), Vector3d(-camera.fx, 0, camera.width - camera.cx),
           Vector3d(0, camera.fy, camera.cy), Vector3d(0, -camera.fy, camera.height - camera.cy)};
 }
 
 // The corners, in the camera frame, of the part of a box inside the frustum: the vertices of its clipped faces, and the
 // camera centre if it is inside the box.
-Corners SeenPart(const AlignedBox3d& box, const Rigid3& camera_from_box, const PinholeCamera& camera) {
+Corners VisiblePart(const AlignedBox3d& box, const Rigid3& camera_from_box, const PinholeCamera& camera) {
   constexpr std::array<std::array<int, 4>, 6> kFaces = {
       {{0, 1, 3, 2}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 3, 7, 5}}};
   Corners seen;
   for (const auto& face : kFaces) {
     Corners polygon;
-    for (const int corner : face) polygon.push_back(camera_from_box.Apply(CornerOf(box, corner)));
-    for (const Vector3d& side : SidesOf(camera)) polygon = PartInside(polygon, side);
+    for (const int corner : face) polygon.push_back(camera_from_box.Apply(BoxCorner(box, corner)));
+    for (const Vector3d& side : FrustumNormals(camera)) polygon = ClipToHalfSpace(polygon, side);
     seen.insert(seen.end(), polygon.begin(), polygon.end());
   }
   if (box.contains(camera_from_box.Inverse().translation)) seen.emplace_back(0, 0, 0);
@@ -71,15 +71,15 @@ Rigid3 SunFromWorld(const PosedCamera& camera, const Vector3d& to_sun_in_world) 
 
 std::optional<ShadowView> FitShadowView(std::span<const PlacedBox> boxes, const PosedCamera& camera,
                                         const Vector3d& to_sun_in_world, double margin_m) {
-  ShadowView view{.sun_from_world = SunFromWorld(camera, to_sun_in_world), .box_in_sun = {}, .casts = {}};
+  ShadowView view{.sun_from_world = SunFromWorld(camera, to_sun_in_world), .box_in_sun = {}, .casts_shadow = {}};
   const Rigid3 sun_from_camera = view.sun_from_world * camera.camera_from_world.Inverse();
   std::vector<AlignedBox3d> in_sun(boxes.size());
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     const auto& [box, world_from_box] = boxes[i];
     if (box.isEmpty()) continue;
     const Rigid3 sun_from_box = view.sun_from_world * world_from_box;
-    for (int corner = 0; corner < 8; ++corner) in_sun[i].extend(sun_from_box.Apply(CornerOf(box, corner)));
-    for (const Vector3d& point : SeenPart(box, camera.camera_from_world * world_from_box, camera.pinhole)) {
+    for (int corner = 0; corner < 8; ++corner) in_sun[i].extend(sun_from_box.Apply(BoxCorner(box, corner)));
+    for (const Vector3d& point : VisiblePart(box, camera.camera_from_world * world_from_box, camera.pinhole)) {
       view.box_in_sun.extend(sun_from_camera.Apply(point));
     }
   }
@@ -90,8 +90,8 @@ std::optional<ShadowView> FitShadowView(std::span<const PlacedBox> boxes, const 
   AlignedBox3d shading = seen;
   shading.min().z() = -std::numeric_limits<double>::infinity();
   for (const AlignedBox3d& box : in_sun) {
-    view.casts.push_back(shading.intersects(box));
-    if (view.casts.back()) seen.min().z() = std::min(seen.min().z(), box.min().z() - margin_m);
+    view.casts_shadow.push_back(shading.intersects(box));
+    if (view.casts_shadow.back()) seen.min().z() = std::min(seen.min().z(), box.min().z() - margin_m);
   }
   return view;
 }

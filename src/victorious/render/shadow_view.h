@@ -23,7 +23,7 @@ struct PlacedBox {
 struct ShadowView {
   Rigid3 sun_from_world;
   Eigen::AlignedBox3d box_in_sun;  ///< in x and y: bounds of the visible geometry; in z: also of its shadow casters
-  std::vector<bool> casts;         ///< for each box of the input, whether it may cast a shadow on visible geometry
+  std::vector<bool> casts_shadow;  ///< for each box of the input, whether it may cast a shadow on visible geometry
 };
 
 /// Clips the boxes to the camera frustum (Sutherland and Hodgman) and bounds the result in the sun frame.

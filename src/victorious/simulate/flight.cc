@@ -15,7 +15,7 @@ namespace {
 // Independent random streams derived from the scene's seed.
 enum SeedUse : std::uint64_t { kShakeSeed = 0x5A01, kNoiseSeed = 0x5A02 };
 
-Light LightOf(const Scene& scene) {
+Light MakeLight(const Scene& scene) {
   const double azimuth = RadiansFromDegrees(scene.sun.azimuth_deg - scene.origin.heading_deg);
   const double elevation = RadiansFromDegrees(scene.sun.elevation_deg);
   Light light;
@@ -31,25 +31,26 @@ Light LightOf(const Scene& scene) {
 }  // namespace
 
 Flight::Flight(const Scene& scene, Renderer& renderer, const Stage& stage)
-    : scene_(scene), renderer_(renderer), stage_(stage), light_(LightOf(scene)) {}
+    : scene_(scene), renderer_(renderer), stage_(stage), light_(MakeLight(scene)) {}
 
 // The objects come first: instance i < objects.size() is object i.
-std::vector<MeshInstance> Flight::Instances(const std::vector<StagedThing>& objects, const PosedCamera& camera) const {
+std::vector<MeshInstance> Flight::Instances(const std::vector<StagedInstance>& objects,
+                                            const PosedCamera& camera) const {
   std::vector<MeshInstance> instances(objects.size());
-  std::ranges::transform(objects, instances.begin(), [](const StagedThing& object) {
+  std::ranges::transform(objects, instances.begin(), [](const StagedInstance& object) {
     return MeshInstance{.mesh = object.mesh.id, .world_from_mesh = object.town_from_mesh};
   });
-  const std::vector<MeshInstance> town = stage_.TownSeenFrom(camera, light_.to_sun_in_world);
+  const std::vector<MeshInstance> town = stage_.FindVisibleTownInstances(camera, light_.to_sun_in_world);
   instances.insert(instances.end(), town.begin(), town.end());
   return instances;
 }
 
-Expected<DrawnFrame> Flight::Draw(int frame) {
+Expected<RenderedFrame> Flight::Draw(int frame) {
   const SceneVideo& video = scene_.video;
-  DrawnFrame drawn;
+  RenderedFrame drawn;
   drawn.time_s = frame / video.fps;
   const double fraction = video.frames > 1 ? static_cast<double>(frame) / (video.frames - 1) : 0.0;
-  drawn.camera = {PinholeOf(video),
+  drawn.camera = {MakePinhole(video),
                   CameraFromTown(scene_.camera, fraction, drawn.time_s, MixSeed(scene_.seed, kShakeSeed))};
   drawn.objects = stage_.ObjectsAt(drawn.time_s);
   VICTORIOUS_ASSIGN_OR_RETURN(drawn.view, renderer_.Render(Instances(drawn.objects, drawn.camera), drawn.camera, light_,

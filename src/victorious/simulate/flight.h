@@ -16,12 +16,12 @@
 namespace victorious {
 
 /// One rendered frame of a flight.
-struct DrawnFrame {
+struct RenderedFrame {
   double time_s = 0;
-  PosedCamera camera;                ///< its world frame is the town frame
-  std::vector<StagedThing> objects;  ///< the scene's objects in its order, at their poses at `time_s`
-  RenderedView view;                 ///< before degradation; instance i < objects.size() is object i
-  cv::Mat bgr;                       ///< CV_8UC3, after degradation (degrade.h)
+  PosedCamera camera;                   ///< its world frame is the town frame
+  std::vector<StagedInstance> objects;  ///< the scene's objects in its order, at their poses at `time_s`
+  RenderedView view;                    ///< before degradation; instance i < objects.size() is object i
+  cv::Mat bgr;                          ///< CV_8UC3, after degradation (degrade.h)
 };
 
 class Flight {
@@ -32,10 +32,10 @@ class Flight {
   /// Renders and degrades one frame.
   /// @param frame  from 0 to scene.video.frames - 1
   /// Errors: those of Render.
-  Expected<DrawnFrame> Draw(int frame);
+  Expected<RenderedFrame> Draw(int frame);
 
  private:
-  [[nodiscard]] std::vector<MeshInstance> Instances(const std::vector<StagedThing>& objects,
+  [[nodiscard]] std::vector<MeshInstance> Instances(const std::vector<StagedInstance>& objects,
                                                     const PosedCamera& camera) const;
 
   const Scene& scene_;

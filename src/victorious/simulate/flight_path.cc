@@ -49,7 +49,7 @@ double Sway(double time_s, double hz, Random& random) {
   return first * 0.8 * std::numbers::sqrt2 + second * 0.6 * std::numbers::sqrt2;
 }
 
-Eigen::Quaterniond ShakeOf(const SceneCamera& camera, double time_s, std::uint64_t seed) {
+Eigen::Quaterniond ComputeShake(const SceneCamera& camera, double time_s, std::uint64_t seed) {
   Random random(seed);
   Vector3d turn;
   for (double& angle : turn) angle = RadiansFromDegrees(camera.shake_deg) * Sway(time_s, camera.shake_hz, random);
@@ -70,17 +70,17 @@ Vector2d PointAlong(std::span<const Vector2d> path, double distance_m) {
   return path.back() + direction * distance_m;
 }
 
-double LengthOf(std::span<const Vector2d> path) {
+double PathLength(std::span<const Vector2d> path) {
   double length = 0;
   for (std::size_t i = 0; i + 1 < path.size(); ++i) length += (path[i + 1] - path[i]).norm();
   return length;
 }
 
-double HeadingOf(const Vector2d& direction) { return std::atan2(direction.x(), direction.y()); }
+double HeadingFromDirection(const Vector2d& direction) { return std::atan2(direction.x(), direction.y()); }
 
 }  // namespace
 
-PinholeCamera PinholeOf(const SceneVideo& video) {
+PinholeCamera MakePinhole(const SceneVideo& video) {
   return CentredPinhole(RadiansFromDegrees(video.hfov_deg), video.width, video.height);
 }
 
@@ -99,16 +99,16 @@ Rigid3 CameraFromTown(const SceneCamera& camera, double fraction, double time_s,
   const Attitude attitude{.yaw_rad = from + kPi,
                           .pitch_rad = off_nadir - kPi / 2,
                           .roll_rad = RadiansFromDegrees(TrackAt(camera.roll_deg, fraction, smooth))};
-  const Eigen::Quaterniond turn = ShakeOf(camera, time_s, seed) * CameraFromEnu(attitude);
+  const Eigen::Quaterniond turn = ComputeShake(camera, time_s, seed) * CameraFromEnu(attitude);
   return {turn.normalized(), -(turn * place)};
 }
 
-GroundPose GroundPoseOf(const SceneObject& object, double length_m, double time_s) {
+GroundPose ComputeGroundPose(const SceneObject& object, double length_m, double time_s) {
   if (object.path_m.empty()) return {{object.x_m, object.y_m}, RadiansFromDegrees(object.heading_deg)};
-  const double driven_m = std::min(object.speed_m_s * time_s, LengthOf(object.path_m));
+  const double driven_m = std::min(object.speed_m_s * time_s, PathLength(object.path_m));
   const Vector2d rear = PointAlong(object.path_m, driven_m - length_m / 2);
   const Vector2d front = PointAlong(object.path_m, driven_m + length_m / 2);
-  return {(rear + front) / 2, HeadingOf(front - rear)};
+  return {(rear + front) / 2, HeadingFromDirection(front - rear)};
 }
 
 }  // namespace victorious

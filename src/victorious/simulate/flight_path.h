@@ -21,7 +21,7 @@
 namespace victorious {
 
 /// Intrinsics: square pixels, principal point at the image centre.
-[[nodiscard]] PinholeCamera PinholeOf(const SceneVideo& video);
+[[nodiscard]] PinholeCamera MakePinhole(const SceneVideo& video);
 
 /// Extrinsics: camera frame (x right, y down, z forward) from town frame, metres.
 /// @param fraction  of the flight: 0 at the first frame, 1 at the last
@@ -38,6 +38,6 @@ struct GroundPose {
 /// Pose of an object at a time. An object with a path drives along it at constant speed and stops at its end. The path
 /// must have at least two different points.
 /// @param length_m  of the object: its front and its rear follow the path, so that it turns smoothly at corners
-[[nodiscard]] GroundPose GroundPoseOf(const SceneObject& object, double length_m, double time_s);
+[[nodiscard]] GroundPose ComputeGroundPose(const SceneObject& object, double length_m, double time_s);
 
 }  // namespace victorious

@@ -80,8 +80,8 @@ TEST(FlightPath, SmoothStaysWithinWhatMayBe) {
   camera.off_nadir_deg = {0, 80, 80, 0, 0, 80};
   camera.range_m = {10000, 1, 1, 10000, 10000, 1};
   camera.from_deg = {180};
-  double least_deg = 90;
-  double most_deg = -90;
+  double min_deg = 90;
+  double max_deg = -90;
   for (int i = 0; i <= 200; ++i) {
     const Vector3d place = CameraFromTown(camera, i / 200.0, 0, kSeed).Inverse().translation;
     const double range_m = place.norm();  // the aim is the origin
@@ -90,11 +90,11 @@ TEST(FlightPath, SmoothStaysWithinWhatMayBe) {
     const double off_nadir_deg = DegreesFromRadians(std::atan2(-place.y(), place.z()));  // the camera is behind
     EXPECT_GE(off_nadir_deg, -1e-9) << i;
     EXPECT_LE(off_nadir_deg, 80 + 1e-9) << i;
-    least_deg = std::min(least_deg, off_nadir_deg);
-    most_deg = std::max(most_deg, off_nadir_deg);
+    min_deg = std::min(min_deg, off_nadir_deg);
+    max_deg = std::max(max_deg, off_nadir_deg);
   }
-  EXPECT_NEAR(least_deg, 0, 1e-6);
-  EXPECT_NEAR(most_deg, 80, 1e-6);
+  EXPECT_NEAR(min_deg, 0, 1e-6);
+  EXPECT_NEAR(max_deg, 80, 1e-6);
 }
 
 TEST(FlightPath, ShakesAsMuchAsToldAndTheSameEachTime) {
@@ -116,7 +116,7 @@ TEST(FlightPath, ShakesAsMuchAsToldAndTheSameEachTime) {
 }
 
 TEST(FlightPath, PinholeHasTheFieldOfView) {
-  const PinholeCamera pinhole = PinholeOf({.width = 640, .height = 480, .hfov_deg = 90});
+  const PinholeCamera pinhole = MakePinhole({.width = 640, .height = 480, .hfov_deg = 90});
   EXPECT_NEAR(pinhole.fx, 320, 1e-9);
   EXPECT_EQ(pinhole.cy, 240);
 }
@@ -133,27 +133,27 @@ TEST(GroundPose, StandsWhereItIsPut) {
   object.x_m = 3;
   object.y_m = -4;
   object.heading_deg = 90;
-  const GroundPose pose = GroundPoseOf(object, 4, 12);
+  const GroundPose pose = ComputeGroundPose(object, 4, 12);
   EXPECT_EQ(pose.place_m, Vector2d(3, -4));
   EXPECT_NEAR(pose.heading_rad, kPi / 2, 1e-12);
 }
 
 TEST(GroundPose, DrivesRoundTheCornerToTheEnd) {
-  const GroundPose start = GroundPoseOf(Driver(), 4, 0);
+  const GroundPose start = ComputeGroundPose(Driver(), 4, 0);
   EXPECT_LT(start.place_m.norm(), 1e-9);
   EXPECT_NEAR(start.heading_rad, 0, 1e-12);
-  EXPECT_LT((GroundPoseOf(Driver(), 4, 2).place_m - Vector2d(0, 20)).norm(), 1e-9);
-  EXPECT_NEAR(GroundPoseOf(Driver(), 4, 4).heading_rad, kPi / 4, 1e-9);  // half round
-  EXPECT_NEAR(GroundPoseOf(Driver(), 4, 6).heading_rad, kPi / 2, 1e-9);
-  EXPECT_LT((GroundPoseOf(Driver(), 4, 100).place_m - Vector2d(40, 40)).norm(), 1e-9);
+  EXPECT_LT((ComputeGroundPose(Driver(), 4, 2).place_m - Vector2d(0, 20)).norm(), 1e-9);
+  EXPECT_NEAR(ComputeGroundPose(Driver(), 4, 4).heading_rad, kPi / 4, 1e-9);  // half round
+  EXPECT_NEAR(ComputeGroundPose(Driver(), 4, 6).heading_rad, kPi / 2, 1e-9);
+  EXPECT_LT((ComputeGroundPose(Driver(), 4, 100).place_m - Vector2d(40, 40)).norm(), 1e-9);
 }
 
 TEST(GroundPose, PointsListedTwiceChangeNothing) {
   SceneObject twice = Driver();
   twice.path_m = {{0, 0}, {0, 0}, {0, 40}, {0, 40}, {40, 40}, {40, 40}, {40, 40}};
   for (double time_s = 0; time_s < 12; time_s += 0.3) {
-    const GroundPose expected = GroundPoseOf(Driver(), 4, time_s);
-    const GroundPose pose = GroundPoseOf(twice, 4, time_s);
+    const GroundPose expected = ComputeGroundPose(Driver(), 4, time_s);
+    const GroundPose pose = ComputeGroundPose(twice, 4, time_s);
     EXPECT_LT((pose.place_m - expected.place_m).norm(), 1e-9) << time_s;
     EXPECT_NEAR(pose.heading_rad, expected.heading_rad, 1e-9) << time_s;
   }

@@ -28,8 +28,8 @@ constexpr std::array<string_view, 4> kYardGround = {"gravel", "concrete", "brick
 
 constexpr double kBorderM = 10.6;  // distance of the hedges from the centre of a square
 
-void Trees(Plot& plot, double share, std::initializer_list<Vector2d> places) {
-  for (const Vector2d& place : places) plot.Maybe(share, kTrees, place.x(), place.y(), 0, 1.2);
+void PutTrees(Plot& plot, double probability, std::initializer_list<Vector2d> places) {
+  for (const Vector2d& place : places) plot.PutWithProbability(probability, kTrees, place.x(), place.y(), 0, 1.2);
 }
 
 // Four rows of parking bays, as painted on the tile.
@@ -39,118 +39,118 @@ void FurnishParking(Plot& plot) {
   constexpr double kBayM = 2.75;
   for (const double row : kRowsM) {
     for (int bay = 0; bay < 8; ++bay) {
-      plot.Maybe(0.85, kCars, kFirstBayM + bay * kBayM, row, plot.Chance(0.5) ? 0 : 180, 0.25);
+      plot.PutWithProbability(0.85, kCars, kFirstBayM + bay * kBayM, row, plot.DrawBool(0.5) ? 0 : 180, 0.25);
     }
   }
 }
 
 void FurnishPark(Plot& plot) {
-  Trees(plot, 0.9, {{-9, 9}, {-8, -2}, {-9, -9}, {2, -9}, {8, -8}, {7, 1}, {9, 9.5}, {-4, 10}, {4, -3}});
-  for (const double y : {-7.0, 0.0, 7.0}) plot.Maybe(0.5, kHedge, -11.2, y, 0);
+  PutTrees(plot, 0.9, {{-9, 9}, {-8, -2}, {-9, -9}, {2, -9}, {8, -8}, {7, 1}, {9, 9.5}, {-4, 10}, {4, -3}});
+  for (const double y : {-7.0, 0.0, 7.0}) plot.PutWithProbability(0.5, kHedge, -11.2, y, 0);
 }
 
 void FurnishCourt(Plot& plot) {
-  Trees(plot, 1.2, {{-7.6, 7.6}, {8.4, 7.6}, {-7.6, -8.4}, {8.4, -8.4}});
-  for (const double x : {-4.0, 4.6}) plot.Maybe(0.9, kLamp, x, 0.5, x < 0 ? 90 : 270);
-  for (const double y : {-3.0, 3.0}) plot.Maybe(0.5, kStuff, 10, y, 20, 0.8);
+  PutTrees(plot, 1.2, {{-7.6, 7.6}, {8.4, 7.6}, {-7.6, -8.4}, {8.4, -8.4}});
+  for (const double x : {-4.0, 4.6}) plot.PutWithProbability(0.9, kLamp, x, 0.5, x < 0 ? 90 : 270);
+  for (const double y : {-3.0, 3.0}) plot.PutWithProbability(0.5, kStuff, 10, y, 20, 0.8);
 }
 
 void FurnishSports(Plot& plot) {
   for (const double y : {-8.0, -2.0, 4.0}) {
     for (const double x : {-9.6, 9.6}) plot.Put("props/fence", x, y, 0);
   }
-  Trees(plot, 0.8, {{-11, 11}, {11, 11}, {-11, -11}, {11, -11}});
+  PutTrees(plot, 0.8, {{-11, 11}, {11, 11}, {-11, -11}, {11, -11}});
 }
 
 void FurnishYard(Plot& plot) {
-  for (const double x : {-9.0, -6.0, -3.0, 0.0}) plot.Maybe(0.8, kContainers, x, -7.5, 0, 0.3);
-  plot.Maybe(0.7, kContainers, 8.5, 7, 90, 0.6);
+  for (const double x : {-9.0, -6.0, -3.0, 0.0}) plot.PutWithProbability(0.8, kContainers, x, -7.5, 0, 0.3);
+  plot.PutWithProbability(0.7, kContainers, 8.5, 7, 90, 0.6);
   for (const Vector2d& place : {Vector2d(4, 9), {9, 3}, {6, 0}, {10, -4}, {-10, 0}, {-2, 2}, {3, -9}}) {
-    plot.Maybe(0.6, kStuff, place.x(), place.y(), plot.random().Uniform(0, 360), 1.5);
+    plot.PutWithProbability(0.6, kStuff, place.x(), place.y(), plot.random().Uniform(0, 360), 1.5);
   }
 }
 
 void FurnishSite(Plot& plot) {
   for (const double x : {-9.0, -3.0, 3.0, 9.0}) plot.Put("props/fence", x, -11.6, 90);
   for (const Vector2d& place : {Vector2d(-9, 8), {-5, 3}, {0, 9}, {9, -4}, {4, -7}, {-1, -6}, {7, 2}, {-10, -3}}) {
-    plot.Maybe(0.6, kStuff, place.x(), place.y(), plot.random().Uniform(0, 360), 1.5);
+    plot.PutWithProbability(0.6, kStuff, place.x(), place.y(), plot.random().Uniform(0, 360), 1.5);
   }
-  plot.Maybe(0.8, kContainers, -7, -3, 75, 0.5);
+  plot.PutWithProbability(0.8, kContainers, -7, -3, 75, 0.5);
 }
 
 void FurnishHomes(Plot& plot) {
-  if (plot.Chance(0.5)) plot.Lot(plot.Pick(kYardGround));
-  for (const double x : {-6.0, 6.0}) plot.Maybe(1.4, kHouses, x, -1.5, 0);
-  for (const double x : {-7.8, 7.8}) plot.Maybe(0.9, kHedge, x, kBorderM, 90);
-  plot.Maybe(0.9, kCars, 0.3, 8.5, 0, 0.4);
-  Trees(plot, 0.8, {{-10.5, -10.5}, {0, -10.5}, {10.5, -10.5}, {-3.8, 8.5}, {10.5, 8}, {-10.8, 8}});
-  plot.Maybe(0.3, kStuff, 3, 8.8, 30, 0.5);
+  if (plot.DrawBool(0.5)) plot.LayMaterial(plot.Pick(kYardGround));
+  for (const double x : {-6.0, 6.0}) plot.PutWithProbability(1.4, kHouses, x, -1.5, 0);
+  for (const double x : {-7.8, 7.8}) plot.PutWithProbability(0.9, kHedge, x, kBorderM, 90);
+  plot.PutWithProbability(0.9, kCars, 0.3, 8.5, 0, 0.4);
+  PutTrees(plot, 0.8, {{-10.5, -10.5}, {0, -10.5}, {10.5, -10.5}, {-3.8, 8.5}, {10.5, 8}, {-10.8, 8}});
+  plot.PutWithProbability(0.3, kStuff, 3, 8.8, 30, 0.5);
 }
 
 // A row of cars in front of the building, and trees beside them.
 void FurnishForecourt(Plot& plot) {
-  for (double x = -8.2; x < 9; x += 2.75) plot.Maybe(0.7, kCars, x, 8, plot.Chance(0.5) ? 0 : 180, 0.3);
-  Trees(plot, 0.9, {{-11, 6}, {11, 6}, {-11, -11}, {11, -11}});
-  plot.Maybe(0.9, kLamp, 0, 11, 180);
+  for (double x = -8.2; x < 9; x += 2.75) plot.PutWithProbability(0.7, kCars, x, 8, plot.DrawBool(0.5) ? 0 : 180, 0.3);
+  PutTrees(plot, 0.9, {{-11, 6}, {11, 6}, {-11, -11}, {11, -11}});
+  plot.PutWithProbability(0.9, kLamp, 0, 11, 180);
 }
 
 void FurnishFlats(Plot& plot) {
-  plot.Lot("concrete");
+  plot.LayMaterial("concrete");
   plot.Put("buildings/flats", 0, -4.5, 90);
   FurnishForecourt(plot);
 }
 
 void FurnishOffices(Plot& plot) {
-  plot.Lot(plot.Chance(0.5) ? "brick" : "asphalt");
+  plot.LayMaterial(plot.DrawBool(0.5) ? "brick" : "asphalt");
   plot.Put("buildings/offices", 0, -4, 90);
   FurnishForecourt(plot);
 }
 
 void FurnishShop(Plot& plot) {
-  plot.Lot("asphalt");
+  plot.LayMaterial("asphalt");
   plot.Put("buildings/shop", 0, -3.5, 0);
-  for (const double y : {-8.0, 0.0}) plot.Maybe(0.6, kStuff, 10, y, 0, 0.5);
+  for (const double y : {-8.0, 0.0}) plot.PutWithProbability(0.6, kStuff, 10, y, 0, 0.5);
   FurnishForecourt(plot);
 }
 
 // The warehouse is longer than a square: it extends over the verge of the street.
 void FurnishWarehouse(Plot& plot) {
-  plot.Lot("concrete");
+  plot.LayMaterial("concrete");
   plot.Put("buildings/warehouse", 0, 2, 0);
-  for (const double y : {-7.0, 0.0, 7.0}) plot.Maybe(0.6, kStuff, 10.8, y, 0, 0.2);
-  for (const double y : {-8.0, 3.0}) plot.Maybe(0.6, kContainers, -10.8, y, 0, 0.1);
+  for (const double y : {-7.0, 0.0, 7.0}) plot.PutWithProbability(0.6, kStuff, 10.8, y, 0, 0.2);
+  for (const double y : {-8.0, 3.0}) plot.PutWithProbability(0.6, kContainers, -10.8, y, 0, 0.1);
 }
 
 void FurnishGarages(Plot& plot) {
-  plot.Lot(plot.Chance(0.5) ? "concrete" : "asphalt");
+  plot.LayMaterial(plot.DrawBool(0.5) ? "concrete" : "asphalt");
   plot.Put("buildings/garages", -8.6, -1, 90);
   plot.Put("buildings/garages", 8.6, -1, 270);
   for (const double y : {-8.0, -2.0, 4.0}) {
-    plot.Maybe(0.4, kCars, -2.5, y, 20, 0.5);
-    plot.Maybe(0.4, kCars, 2.5, y + 2, 170, 0.5);
+    plot.PutWithProbability(0.4, kCars, -2.5, y, 20, 0.5);
+    plot.PutWithProbability(0.4, kCars, 2.5, y + 2, 170, 0.5);
   }
-  for (const double x : {-9.0, -3.0, 3.0, 9.0}) plot.Maybe(0.8, kHedge, x, -11.4, 90);
+  for (const double x : {-9.0, -3.0, 3.0, 9.0}) plot.PutWithProbability(0.8, kHedge, x, -11.4, 90);
 }
 
 void FurnishTower(Plot& plot) {
-  plot.Lot("gravel");
+  plot.LayMaterial("gravel");
   plot.Put("buildings/water_tower", 0, 0, 0);
   for (const double x : {-6.5, 0.0, 6.5}) plot.Put("props/fence", x, 9.5, 90);
   for (const Vector2d& place : {Vector2d(-7, 6), {7, 6}, {-7, -7}, {7, -5}}) {
-    plot.Maybe(0.6, kCrates, place.x(), place.y(), 0, 1.0);
+    plot.PutWithProbability(0.6, kCrates, place.x(), place.y(), 0, 1.0);
   }
-  Trees(plot, 0.8, {{-10.5, -10.5}, {10.5, -10.5}});
+  PutTrees(plot, 0.8, {{-10.5, -10.5}, {10.5, -10.5}});
 }
 
 void FurnishGreen(Plot& plot) {
   for (int i = 0; i < 9; ++i) {
-    plot.Maybe(0.8, kTrees, plot.random().Uniform(-10, 10), plot.random().Uniform(-10, 10), 0, 0.5);
+    plot.PutWithProbability(0.8, kTrees, plot.random().Uniform(-10, 10), plot.random().Uniform(-10, 10), 0, 0.5);
   }
 }
 
 void FurnishPad(Plot& plot) {
   for (const Vector2d& place : {Vector2d(-10.5, -10.5), {10.5, -10.5}, {10.5, 10}, {-10.5, 3}}) {
-    plot.Maybe(0.7, kCrates, place.x(), place.y(), 0, 0.8);
+    plot.PutWithProbability(0.7, kCrates, place.x(), place.y(), 0, 0.8);
   }
 }
 
@@ -169,56 +169,56 @@ void Plot::Place(const std::string& asset, double x_m, double y_m, double headin
                          .heading_rad = heading_rad + turns_ * kPi / 2});
 }
 
-void Plot::Tile(string_view tile) { Place(fmt::format("tiles/{}", tile), 0, 0, 0); }
+void Plot::LayTile(string_view tile) { Place(fmt::format("tiles/{}", tile), 0, 0, 0); }
 
-void Plot::Lot(string_view material) {
+void Plot::LayMaterial(string_view material) {
   constexpr double kLotSideM = 20;
   placements_.push_back({.asset = fmt::format("town/ground/{}", material), .place_m = middle_m_, .side_m = kLotSideM});
 }
 
-void Plot::Put(string_view asset, double x_m, double y_m, double heading_deg, double sway) {
-  const double x = x_m + sway * random_.Uniform(-1, 1);
-  const double y = y_m + sway * random_.Uniform(-1, 1);
-  constexpr double kAskewRad = 0.12;  // maximum change of heading per metre of position jitter
-  double heading = RadiansFromDegrees(heading_deg) + sway * kAskewRad * random_.Uniform(-1, 1);
+void Plot::Put(string_view asset, double x_m, double y_m, double heading_deg, double jitter_m) {
+  const double x = x_m + jitter_m * random_.Uniform(-1, 1);
+  const double y = y_m + jitter_m * random_.Uniform(-1, 1);
+  constexpr double kJitterRadPerM = 0.12;  // maximum change of heading per metre of position jitter
+  double heading = RadiansFromDegrees(heading_deg) + jitter_m * kJitterRadPerM * random_.Uniform(-1, 1);
   if (asset.starts_with("trees/")) heading = random_.Uniform(0, 2 * kPi);
   Place(std::string(asset), x, y, heading);
 }
 
-void Plot::Maybe(double share, std::span<const string_view> assets, double x_m, double y_m, double heading_deg,
-                 double sway) {
+void Plot::PutWithProbability(double probability, std::span<const string_view> assets, double x_m, double y_m,
+                              double heading_deg, double jitter_m) {
   // Draws all random numbers in either case: a lower density removes placements but does not change the others.
-  const bool stands = random_.Uniform() < share * density_;
+  const bool stands = random_.Uniform() < probability * density_;
   const string_view asset = Pick(assets);
-  if (stands) Put(asset, x_m, y_m, heading_deg, sway);
+  if (stands) Put(asset, x_m, y_m, heading_deg, jitter_m);
 }
 
 void FurnishStreet(Plot& plot) {
   const double kind = plot.random().Uniform();
-  plot.Tile(kind < 0.2 ? "road_crossing" : kind < 0.35 ? "road_bus" : "road_straight");
+  plot.LayTile(kind < 0.2 ? "road_crossing" : kind < 0.35 ? "road_bus" : "road_straight");
   const bool parked = kind >= 0.2;
   for (const double y : {-9.0, -3.0, 3.0, 9.0}) {
-    if (parked && kind >= 0.35) plot.Maybe(0.55, kCars, -3.4, y, 180, 0.2);
-    if (parked) plot.Maybe(0.55, kCars, 3.4, y, 0, 0.2);
-    Trees(plot, 0.45, {{-9.5, y}, {9.5, y}});
+    if (parked && kind >= 0.35) plot.PutWithProbability(0.55, kCars, -3.4, y, 180, 0.2);
+    if (parked) plot.PutWithProbability(0.55, kCars, 3.4, y, 0, 0.2);
+    PutTrees(plot, 0.45, {{-9.5, y}, {9.5, y}});
   }
-  if (kind < 0.2) plot.Maybe(0.8, kCars, 2.1, -7, 0, 0.2);  // a car waiting at the crossing
-  if (!parked || kind >= 0.35) plot.Maybe(0.6, kLamp, 6.4, -6, 270);
+  if (kind < 0.2) plot.PutWithProbability(0.8, kCars, 2.1, -7, 0, 0.2);  // a car waiting at the crossing
+  if (!parked || kind >= 0.35) plot.PutWithProbability(0.6, kLamp, 6.4, -6, 270);
   if (parked && kind < 0.35) plot.Put("props/bus_stop", -6.2, 1, 0);
-  plot.Maybe(0.6, kLamp, -6.4, 6, 90);
-  plot.Maybe(0.4, kHedge, 11, 0, 0);
+  plot.PutWithProbability(0.6, kLamp, -6.4, 6, 90);
+  plot.PutWithProbability(0.4, kHedge, 11, 0, 0);
 }
 
 void FurnishJunction(Plot& plot) {
-  plot.Tile("road_junction");
-  plot.Maybe(0.6, kCars, 2.1, -10, 0, 0.2);
-  plot.Maybe(0.6, kCars, -2.1, 10, 180, 0.2);
-  plot.Maybe(0.5, kCars, -10, -2.1, 90, 0.2);
-  Trees(plot, 0.7, {{-10, 10}, {10, 10}, {-10, -10}, {10, -10}});
+  plot.LayTile("road_junction");
+  plot.PutWithProbability(0.6, kCars, 2.1, -10, 0, 0.2);
+  plot.PutWithProbability(0.6, kCars, -2.1, 10, 180, 0.2);
+  plot.PutWithProbability(0.5, kCars, -10, -2.1, 90, 0.2);
+  PutTrees(plot, 0.7, {{-10, 10}, {10, 10}, {-10, -10}, {10, -10}});
 }
 
 void FurnishTile(Plot& plot, string_view tile) {
-  plot.Tile(tile);
+  plot.LayTile(tile);
   if (tile == "parking") FurnishParking(plot);
   if (tile == "park") FurnishPark(plot);
   if (tile == "court") FurnishCourt(plot);
@@ -234,7 +234,7 @@ void FurnishSquare(Plot& plot, bool at_street) {
   constexpr std::array kBuilt = {&FurnishHomes,   &FurnishHomes,   &FurnishHomes,    &FurnishFlats, &FurnishFlats,
                                  &FurnishOffices, &FurnishOffices, &FurnishShop,     &FurnishShop,  &FurnishGarages,
                                  &FurnishTower,   &FurnishGreen,   &FurnishWarehouse};
-  if (plot.Chance(0.4)) return FurnishTile(plot, plot.Pick(kTiles));
+  if (plot.DrawBool(0.4)) return FurnishTile(plot, plot.Pick(kTiles));
   const auto last = static_cast<std::uint32_t>(kBuilt.size() - (at_street ? 0 : 1));  // the last needs a street
   kBuilt[plot.random().Below(last)](plot);
 }

@@ -21,18 +21,18 @@ class Plot {
       : middle_m_(middle_m), turns_(turns), random_(random), density_(density), placements_(placements) {}
 
   /// Covers the square with an asset of town/tiles.
-  void Tile(std::string_view tile);
+  void LayTile(std::string_view tile);
   /// Covers the middle of the square (20 m) with a material of town/ground.
-  void Lot(std::string_view material);
+  void LayMaterial(std::string_view material);
   /// Places `asset`, a name below town/. `jitter_m`: maximum random offset in x and y, m; also perturbs the heading by
   /// up to 0.12 rad per metre. Assets of trees/ get a random heading.
-  void Put(std::string_view asset, double x_m, double y_m, double heading_deg, double sway = 0);
+  void Put(std::string_view asset, double x_m, double y_m, double heading_deg, double jitter_m = 0);
   /// Places a random one of `assets` with probability `probability` * density.
-  void Maybe(double share, std::span<const std::string_view> assets, double x_m, double y_m, double heading_deg,
-             double sway = 0);
+  void PutWithProbability(double probability, std::span<const std::string_view> assets, double x_m, double y_m,
+                          double heading_deg, double jitter_m = 0);
 
   /// A Bernoulli draw with this probability, independent of the density.
-  bool Chance(double share) { return random_.Uniform() < share; }
+  bool DrawBool(double probability) { return random_.Uniform() < probability; }
   std::string_view Pick(std::span<const std::string_view> assets) {
     return assets[random_.Below(static_cast<std::uint32_t>(assets.size()))];
   }

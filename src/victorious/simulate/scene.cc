@@ -23,7 +23,9 @@ constexpr double kMaxReachM = 20000;       // maximum distance from the origin, 
 constexpr int kMaxSquare = 50;             // maximum column and row of a town, in each direction from the origin
 constexpr const char* kDefaultAssets = "../assets";
 
-std::unexpected<Error> Bad(std::string message) { return Fail(ErrorCode::kInvalidArgument, std::move(message)); }
+std::unexpected<Error> InvalidScene(std::string message) {
+  return Fail(ErrorCode::kInvalidArgument, std::move(message));
+}
 
 // Removes a member from a JSON object and returns it; std::nullopt if there is none. The plain fields remain.
 std::optional<Json> Take(Json& object, const char* key) {
@@ -48,7 +50,8 @@ Status TakeNumbers(Json& object, const char* key, const SceneRange& range, std::
   const bool fits = value->is_array() && !value->empty() && value->size() <= kMaxListed &&
                     std::ranges::all_of(*value, [&](const Json& n) { return IsNumberIn(n, range.low, range.high); });
   if (!fits)
-    return Bad(fmt::format("{}: must be a number from {} to {}, or a list of them", key, range.low, range.high));
+    return InvalidScene(
+        fmt::format("{}: must be a number from {} to {}, or a list of them", key, range.low, range.high));
   numbers = value->get<std::vector<double>>();
   return {};
 }
@@ -63,8 +66,9 @@ Status TakePoints(Json& object, const char* key, std::size_t least, std::vector<
   const bool fits = value->is_array() && value->size() >= least && value->size() <= kMaxListed &&
                     std::ranges::all_of(*value, is_point);
   if (!fits) {
-    return Bad(fmt::format("{}: must be a list of {} or more points [x, y] in metres, at most {:.0f} from the origin",
-                           key, least, kMaxReachM));
+    return InvalidScene(
+        fmt::format("{}: must be a list of {} or more points [x, y] in metres, at most {:.0f} from the origin", key,
+                    least, kMaxReachM));
   }
   points.clear();
   for (const Json& point : *value) points.emplace_back(point[0].get<double>(), point[1].get<double>());
@@ -79,8 +83,9 @@ Status TakeSquares(Json& object, std::array<int, 4>& squares) {
     squares = value->get<std::array<int, 4>>();
     if (squares[0] <= squares[2] && squares[1] <= squares[3]) return {};
   }
-  return Bad(fmt::format("town.squares: must be [first column, first row, last column, last row], from {} to {}",
-                         -kMaxSquare, kMaxSquare));
+  return InvalidScene(
+      fmt::format("town.squares: must be [first column, first row, last column, last row], from {} to {}", -kMaxSquare,
+                  kMaxSquare));
 }
 
 // Removes the list `key` and appends its entries to `list`; `read` converts each entry, a JSON object, into a T.
@@ -89,11 +94,11 @@ Status TakeList(Json& object, const char* key, const Read& read, std::vector<T>&
   std::optional<Json> value = Take(object, key);
   if (!value) return {};
   if (!value->is_array() || value->size() > kMaxListed) {
-    return Bad(fmt::format("{}: must be a list of at most {}", key, kMaxListed));
+    return InvalidScene(fmt::format("{}: must be a list of at most {}", key, kMaxListed));
   }
   for (std::size_t i = 0; i < value->size(); ++i) {
     const std::string context = fmt::format("{}[{}]", key, i);
-    if (!(*value)[i].is_object()) return Bad(context + ": must be an object");
+    if (!(*value)[i].is_object()) return InvalidScene(context + ": must be an object");
     Expected<T> entry = read((*value)[i]);
     if (!entry) return std::unexpected(std::move(entry).error().WithContext(context));
     list.push_back(*std::move(entry));
@@ -104,7 +109,7 @@ Status TakeList(Json& object, const char* key, const Read& read, std::vector<T>&
 template <typename T>
 Expected<T> ReadFields(Json& json) {
   T entry;
-  VICTORIOUS_RETURN_IF_ERROR(SetFromJson(json, FieldsOf(entry)));
+  VICTORIOUS_RETURN_IF_ERROR(SetFromJson(json, CollectFields(entry)));
   return entry;
 }
 
@@ -119,37 +124,38 @@ Expected<SceneObject> ReadObject(Json& json) {
   VICTORIOUS_RETURN_IF_ERROR(TakePoints(json, "path_m", 2, path_m));
   for (const char* key : {"x_m", "y_m", "heading_deg"}) {
     if (!path_m.empty() && json.contains(key))
-      return Bad(fmt::format("{}: path_m gives it, leave one of them out", key));
+      return InvalidScene(fmt::format("{}: path_m gives it, leave one of them out", key));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(SceneObject object, ReadFields<SceneObject>(json));
-  if (object.id.empty()) return Bad("id: must be a name; the truth names the object by it");
-  if (object.model.empty()) return Bad("model: must be a name; the truth names the object's model by it");
+  if (object.id.empty()) return InvalidScene("id: must be a name; the truth names the object by it");
+  if (object.model.empty()) return InvalidScene("model: must be a name; the truth names the object's model by it");
   if (object.file.empty() && !IsAssetName(object.model))
-    return Bad("model: no shipped model has such a name; give its file");
+    return InvalidScene("model: no shipped model has such a name; give its file");
   const bool stays =
       !path_m.empty() && std::ranges::all_of(path_m, [&](const auto& point) { return point == path_m[0]; });
-  if (stays) return Bad("path_m: all points are the same: must have at least two different points");
-  if (path_m.empty() && object.speed_m_s != 0) return Bad("speed_m_s: needs a path_m to drive along");
+  if (stays) return InvalidScene("path_m: all points are the same: must have at least two different points");
+  if (path_m.empty() && object.speed_m_s != 0) return InvalidScene("speed_m_s: needs a path_m to drive along");
   object.path_m = std::move(path_m);
   return object;
 }
 
 Expected<ScenePiece> ReadPiece(Json& json) {
   VICTORIOUS_ASSIGN_OR_RETURN(ScenePiece piece, ReadFields<ScenePiece>(json));
-  if (!IsAssetName(piece.asset)) return Bad("asset: must be a name such as \"town/trees/oak\" or \"models/bus\"");
+  if (!IsAssetName(piece.asset))
+    return InvalidScene("asset: must be a name such as \"town/trees/oak\" or \"models/bus\"");
   return piece;
 }
 
 Expected<SceneTile> ReadTile(Json& json) {
   VICTORIOUS_ASSIGN_OR_RETURN(SceneTile tile, ReadFields<SceneTile>(json));
-  if (!IsAssetName(tile.tile)) return Bad("tile: must be a name such as \"apron\"");
+  if (!IsAssetName(tile.tile)) return InvalidScene("tile: must be a name such as \"apron\"");
   return tile;
 }
 
 Status TakeCamera(Json& root, SceneCamera& camera) {
   const auto at = root.find("camera");
   if (at == root.end()) return {};
-  if (!at->is_object()) return Bad("camera: must be an object");
+  if (!at->is_object()) return InvalidScene("camera: must be an object");
   VICTORIOUS_RETURN_IF_ERROR(TakePoints(*at, "aim_m", 1, camera.aim_m));
   VICTORIOUS_RETURN_IF_ERROR(TakeNumbers(*at, "from_deg", {-36000, 36000}, camera.from_deg));
   VICTORIOUS_RETURN_IF_ERROR(TakeNumbers(*at, "off_nadir_deg", kOffNadirDeg, camera.off_nadir_deg));
@@ -160,7 +166,7 @@ Status TakeCamera(Json& root, SceneCamera& camera) {
 Status TakeTown(Json& root, SceneTown& town) {
   const auto at = root.find("town");
   if (at == root.end()) return {};
-  if (!at->is_object()) return Bad("town: must be an object");
+  if (!at->is_object()) return InvalidScene("town: must be an object");
   VICTORIOUS_RETURN_IF_ERROR(TakeSquares(*at, town.squares));
   return TakeList(*at, "tiles", &ReadTile, town.tiles);
 }
@@ -173,10 +179,11 @@ Status CheckTiles(const SceneTown& town) {
     const auto& [tile, column, row, turns] = town.tiles[i];
     const std::string where = fmt::format("town.tiles[{}]: {} on square ({}, {})", i, tile, column, row);
     if (column < first_column || column > last_column || row < first_row || row > last_row) {
-      return Bad(fmt::format("{}: must lie in town.squares: columns {} to {}, rows {} to {}", where, first_column,
-                             last_column, first_row, last_row));
+      return InvalidScene(fmt::format("{}: must lie in town.squares: columns {} to {}, rows {} to {}", where,
+                                      first_column, last_column, first_row, last_row));
     }
-    if (!seen.insert({column, row}).second) return Bad(where + ": another tile lies there; leave one of them out");
+    if (!seen.insert({column, row}).second)
+      return InvalidScene(where + ": another tile lies there; leave one of them out");
   }
   return {};
 }
@@ -185,7 +192,7 @@ Status CheckIds(const std::vector<SceneObject>& objects) {
   std::set<std::string_view> seen;
   for (const SceneObject& object : objects) {
     if (!seen.insert(object.id).second)
-      return Bad(fmt::format("objects: two have the id {}: ids must be unique", Json(object.id).dump()));
+      return InvalidScene(fmt::format("objects: two have the id {}: ids must be unique", Json(object.id).dump()));
   }
   return {};
 }
@@ -216,19 +223,20 @@ Expected<Scene> SceneFromJson(Json& root) {
   VICTORIOUS_RETURN_IF_ERROR(CheckTiles(scene.town));
   std::string assets = kDefaultAssets;
   PlainFields plain{scene, assets};
-  VICTORIOUS_RETURN_IF_ERROR(SetFromJson(root, FieldsOf(plain)));
+  VICTORIOUS_RETURN_IF_ERROR(SetFromJson(root, CollectFields(plain)));
   if (scene.video.width % 2 != 0 || scene.video.height % 2 != 0) {
-    return Bad(fmt::format("video: {} x {} pixels: must be even numbers", scene.video.width, scene.video.height));
+    return InvalidScene(
+        fmt::format("video: {} x {} pixels: must be even numbers", scene.video.width, scene.video.height));
   }
   scene.assets = assets;
   return scene;
 }
 
-FieldSpec Metres(std::string reason) {
+FieldSpec PositionField(std::string reason) {
   return {.min = -kMaxReachM, .max = kMaxReachM, .unit = "m", .reason = std::move(reason)};
 }
 
-FieldSpec Heading(std::string reason) {
+FieldSpec HeadingField(std::string reason) {
   return {.min = -3600, .max = 3600, .unit = "deg", .reason = std::move(reason)};
 }
 
@@ -254,11 +262,11 @@ void SceneOrigin::ListFields(FieldList& fields) {
   fields.Add("latitude_deg", latitude_deg, {.min = -89, .max = 89, .unit = "deg", .reason = "WGS 84"});
   fields.Add("longitude_deg", longitude_deg, {.min = -180, .max = 180, .unit = "deg", .reason = "WGS 84"});
   fields.Add("altitude_m", altitude_m, {.min = -500, .max = 9000, .unit = "m", .reason = "above the ellipsoid"});
-  fields.Add("heading_deg", heading_deg, Heading("heading of the town's y axis, clockwise from north"));
+  fields.Add("heading_deg", heading_deg, HeadingField("heading of the town's y axis, clockwise from north"));
 }
 
 void SceneSun::ListFields(FieldList& fields) {
-  fields.Add("azimuth_deg", azimuth_deg, Heading("azimuth of the sun, clockwise from true north"));
+  fields.Add("azimuth_deg", azimuth_deg, HeadingField("azimuth of the sun, clockwise from true north"));
   fields.Add("elevation_deg", elevation_deg, {.min = 5, .max = 90, .unit = "deg", .reason = "above the horizon"});
   fields.Add("strength", strength, {.min = 0, .max = 10, .reason = "intensity on a white surface that faces the sun"});
   fields.Add("sky", sky, {.min = 0, .max = 10, .reason = "light from straight above"});
@@ -278,19 +286,19 @@ void SceneObject::ListFields(FieldList& fields) {
   fields.Add("id", id, {.reason = "its name in the truth"});
   fields.Add("model", model, {.reason = "its model name in the truth"});
   fields.Add("file", file, {.reason = "its CAD file, relative to the scene's folder; default: the shipped model"});
-  fields.Add("x_m", x_m, Metres("position of the centre of its bounding box"));
-  fields.Add("y_m", y_m, Metres("position of the centre of its bounding box"));
+  fields.Add("x_m", x_m, PositionField("position of the centre of its bounding box"));
+  fields.Add("y_m", y_m, PositionField("position of the centre of its bounding box"));
   fields.Add("z_m", z_m, {.min = 0, .max = 1000, .unit = "m", .reason = "height of its lowest point above the ground"});
-  fields.Add("heading_deg", heading_deg, Heading("heading of its front, clockwise from the town's y axis"));
+  fields.Add("heading_deg", heading_deg, HeadingField("heading of its front, clockwise from the town's y axis"));
   fields.Add("speed_m_s", speed_m_s, {.min = 0, .max = 400, .unit = "m/s", .reason = "along path_m"});
 }
 
 void ScenePiece::ListFields(FieldList& fields) {
   fields.Add("asset", asset, {.reason = "a shipped asset: town/trees/oak, models/bus"});
-  fields.Add("x_m", x_m, Metres("position of the centre of its bounding box"));
-  fields.Add("y_m", y_m, Metres("position of the centre of its bounding box"));
+  fields.Add("x_m", x_m, PositionField("position of the centre of its bounding box"));
+  fields.Add("y_m", y_m, PositionField("position of the centre of its bounding box"));
   fields.Add("z_m", z_m, {.min = 0, .max = 1000, .unit = "m", .reason = "height of its lowest point above the ground"});
-  fields.Add("heading_deg", heading_deg, Heading("heading of its front, clockwise from the town's y axis"));
+  fields.Add("heading_deg", heading_deg, HeadingField("heading of its front, clockwise from the town's y axis"));
 }
 
 void SceneTile::ListFields(FieldList& fields) {
@@ -311,7 +319,7 @@ void SceneTown::ListFields(FieldList& fields) {
 Expected<Scene> ParseScene(std::string_view text, const std::string& name) {
   Expected<Json> root = ParseJson(text);
   if (!root) return std::unexpected(std::move(root).error().WithContext(name));
-  if (!root->is_object()) return Bad(name + ": not a JSON object");
+  if (!root->is_object()) return InvalidScene(name + ": not a JSON object");
   Expected<Scene> scene = SceneFromJson(*root);
   if (!scene) return std::unexpected(std::move(scene).error().WithContext(name));
   return scene;

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-GeodeticPoint PlaceOf(const SceneOrigin& origin) {
+GeodeticPoint GeodeticOrigin(const SceneOrigin& origin) {
   return {RadiansFromDegrees(origin.latitude_deg), RadiansFromDegrees(origin.longitude_deg), origin.altitude_m};
 }
 
@@ -38,16 +38,17 @@ struct FrameText {
   std::string truth;  ///< its lines of truth.jsonl
 };
 
-Expected<FrameText> TextOf(const Scene& scene, const DrawnFrame& drawn, int frame, Renderer& renderer) {
-  const TangentPlane earth(PlaceOf(scene.origin));
+Expected<FrameText> MakeFrameText(const Scene& scene, const RenderedFrame& drawn, int frame, Renderer& renderer) {
+  const TangentPlane earth(GeodeticOrigin(scene.origin));
   const double heading = RadiansFromDegrees(scene.origin.heading_deg);
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectTruth> truth,
-                              TruthOf(drawn.objects, drawn.view.instances, drawn.camera, earth, heading, renderer));
-  FrameText text{.camera = CameraStateOf(drawn.camera.camera_from_world, earth, heading, drawn.time_s,
-                                         RadiansFromDegrees(scene.video.hfov_deg)),
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      const std::vector<ObjectTruth> truth,
+      ComputeTruth(drawn.objects, drawn.view.instances, drawn.camera, earth, heading, renderer));
+  FrameText text{.camera = MakeCameraState(drawn.camera.camera_from_world, earth, heading, drawn.time_s,
+                                           RadiansFromDegrees(scene.video.hfov_deg)),
                  .truth = {}};
   for (const ObjectTruth& row : truth)
-    text.truth += TruthLine(row, scene.objects[static_cast<std::size_t>(row.object)], frame, drawn.time_s);
+    text.truth += FormatTruthLine(row, scene.objects[static_cast<std::size_t>(row.object)], frame, drawn.time_s);
   return text;
 }
 
@@ -73,8 +74,8 @@ Status Simulate(const Scene& scene, const fs::path& out, const SimulateOptions& 
                   fmt::format("{}: stopped at frame {} of {}, nothing is written", out.string(), frame, video.frames));
     }
     const auto draw = [&]() -> Status {
-      VICTORIOUS_ASSIGN_OR_RETURN(const DrawnFrame drawn, flight.Draw(frame));
-      VICTORIOUS_ASSIGN_OR_RETURN(const FrameText text, TextOf(scene, drawn, frame, renderer));
+      VICTORIOUS_ASSIGN_OR_RETURN(const RenderedFrame drawn, flight.Draw(frame));
+      VICTORIOUS_ASSIGN_OR_RETURN(const FrameText text, MakeFrameText(scene, drawn, frame, renderer));
       cameras.push_back(text.camera);
       truth += text.truth;
       return writer->Write(drawn.bgr);
@@ -83,7 +84,7 @@ Status Simulate(const Scene& scene, const fs::path& out, const SimulateOptions& 
       return std::unexpected(std::move(status).error().WithContext(fmt::format("frame {}", frame)));
     progress.Update(frame + 1);
   }
-  VICTORIOUS_RETURN_IF_ERROR(WriteFileAtomically(out / "telemetry.csv", CameraCsvText(cameras)));
+  VICTORIOUS_RETURN_IF_ERROR(WriteFileAtomically(out / "telemetry.csv", FormatCameraCsv(cameras)));
   VICTORIOUS_RETURN_IF_ERROR(WriteFileAtomically(out / "truth.jsonl", truth));
   return writer->Finish();
 }

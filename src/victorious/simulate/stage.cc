@@ -12,9 +12,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "victorious/geometry/angles.h"
+#include "victorious/image/image_file.h"
 #include "victorious/mesh/load_mesh.h"
 #include "victorious/simulate/flight_path.h"
-#include "victorious/image/image_file.h"
 
 namespace victorious {
 namespace {
@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 constexpr double kMaterialSideM = 20;  // side of a texture of town/ground; it tiles seamlessly
 
 // A flat square centred at the origin, textured with period kMaterialSideM.
-Mesh GroundSquare(const cv::Mat& bgr, double side_m) {
+Mesh MakeGroundSquare(const cv::Mat& bgr, double side_m) {
   const auto half = static_cast<float>(side_m / 2);
   const auto repeats = static_cast<float>(side_m / kMaterialSideM);
   Mesh mesh;
@@ -51,18 +51,22 @@ Rigid3 TownFromMesh(const StagedMesh& mesh, const GroundPose& pose, double botto
 }
 
 // Maximum and minimum z in the town frame. All instances are upright: the up axes of mesh and town are parallel.
-double TopOf(const StagedThing& thing) { return thing.town_from_mesh.translation.z() + thing.mesh.box.max().z(); }
-double BottomOf(const StagedThing& thing) { return thing.town_from_mesh.translation.z() + thing.mesh.box.min().z(); }
+double TopHeight(const StagedInstance& instance) {
+  return instance.town_from_mesh.translation.z() + instance.mesh.box.max().z();
+}
+double BottomHeight(const StagedInstance& instance) {
+  return instance.town_from_mesh.translation.z() + instance.mesh.box.min().z();
+}
 
 // Adds the zones that the town must keep free: the object's position, or its path sampled over the flight.
-void KeepClear(const SceneObject& object, const StagedMesh& mesh, double last_s, std::vector<KeptClear>& clear) {
+void AddClearZones(const SceneObject& object, const StagedMesh& mesh, double last_s, std::vector<ClearZone>& clear) {
   const double radius_m = mesh.box.sizes().head<2>().norm() / 2;
   const double length_m = mesh.box.sizes().x();
-  constexpr double kShortestS = 0.01;
+  constexpr double kMinStepS = 0.01;
   const double step_s =
-      object.speed_m_s > 0 ? std::max({radius_m / object.speed_m_s, last_s / 1000, kShortestS}) : last_s + 1;
+      object.speed_m_s > 0 ? std::max({radius_m / object.speed_m_s, last_s / 1000, kMinStepS}) : last_s + 1;
   for (double time_s = 0; time_s <= last_s; time_s += step_s) {
-    clear.push_back({GroundPoseOf(object, length_m, time_s).place_m, radius_m});
+    clear.push_back({ComputeGroundPose(object, length_m, time_s).place_m, radius_m});
   }
 }
 
@@ -85,7 +89,7 @@ class Stage::Loader {
     const fs::path key = fmt::format("{} {}", picture.string(), side_m);
     if (const auto known = meshes_.find(key); known != meshes_.end()) return known->second;
     VICTORIOUS_ASSIGN_OR_RETURN(const Image image, ReadImage(picture));
-    return Upload(key, GroundSquare(image.bgr, side_m));
+    return Upload(key, MakeGroundSquare(image.bgr, side_m));
   }
 
  private:
@@ -100,20 +104,20 @@ class Stage::Loader {
   std::map<fs::path, StagedMesh> meshes_;
 };
 
-Status Stage::PlaceObjects(const Scene& scene, Loader& loader, std::vector<KeptClear>& clear) {
+Status Stage::PlaceObjects(const Scene& scene, Loader& loader, std::vector<ClearZone>& clear) {
   const double last_s = (scene.video.frames - 1) / scene.video.fps;
   for (const SceneObject& object : scene.objects) {
     const fs::path file =
         object.file.empty() ? scene.assets / "models" / (object.model + ".glb") : scene.folder / object.file;
     VICTORIOUS_ASSIGN_OR_RETURN(const StagedMesh mesh, loader.Load(file));
-    KeepClear(object, mesh, last_s, clear);
+    AddClearZones(object, mesh, last_s, clear);
     objects_.push_back(object);
     object_meshes_.push_back(mesh);
   }
   return {};
 }
 
-Status Stage::PlacePieces(const Scene& scene, Loader& loader, std::vector<KeptClear>& clear) {
+Status Stage::PlacePieces(const Scene& scene, Loader& loader, std::vector<ClearZone>& clear) {
   for (const ScenePiece& piece : scene.pieces) {
     VICTORIOUS_ASSIGN_OR_RETURN(const StagedMesh mesh, loader.Load(scene.assets / (piece.asset + ".glb")));
     const GroundPose pose{{piece.x_m, piece.y_m}, RadiansFromDegrees(piece.heading_deg)};
@@ -123,7 +127,7 @@ Status Stage::PlacePieces(const Scene& scene, Loader& loader, std::vector<KeptCl
   return {};
 }
 
-Status Stage::PlaceTown(const Scene& scene, Loader& loader, const std::vector<KeptClear>& clear) {
+Status Stage::PlaceTown(const Scene& scene, Loader& loader, const std::vector<ClearZone>& clear) {
   const std::vector<Placement> placements = LayOutTown(scene.town);
   std::vector<StagedMesh> meshes;
   std::vector<Vector2d> sizes_m;
@@ -135,7 +139,7 @@ Status Stage::PlaceTown(const Scene& scene, Loader& loader, const std::vector<Ke
     meshes.push_back(mesh);
     sizes_m.emplace_back(mesh.box.sizes().head<2>());
   }
-  const std::vector<bool> stands = WhatCanStand(placements, sizes_m, clear);
+  const std::vector<bool> stands = FindUnobstructed(placements, sizes_m, clear);
   for (std::size_t i = 0; i < placements.size(); ++i) {
     if (!stands[i]) continue;
     const GroundPose pose{placements[i].place_m, placements[i].heading_rad};
@@ -148,24 +152,25 @@ Expected<Stage> Stage::Build(const Scene& scene, Renderer& renderer, const Cance
                              const std::function<void(const std::string&)>& warn) {
   Stage stage;
   Loader loader(renderer, cancel, warn);
-  std::vector<KeptClear> clear;
+  std::vector<ClearZone> clear;
   VICTORIOUS_RETURN_IF_ERROR(stage.PlaceObjects(scene, loader, clear));
   VICTORIOUS_RETURN_IF_ERROR(stage.PlacePieces(scene, loader, clear));
   VICTORIOUS_RETURN_IF_ERROR(stage.PlaceTown(scene, loader, clear));
   // Draws from top to bottom: high instances occlude lower ones, and occluded fragments fail the depth test early.
-  std::ranges::stable_sort(stage.town_, std::greater(), TopOf);
-  for (const StagedThing& thing : stage.town_) stage.lowest_m_ = std::min(stage.lowest_m_, BottomOf(thing));
+  std::ranges::stable_sort(stage.town_, std::greater(), TopHeight);
+  for (const StagedInstance& instance : stage.town_)
+    stage.lowest_m_ = std::min(stage.lowest_m_, BottomHeight(instance));
   return stage;
 }
 
-std::vector<StagedThing> Stage::ObjectsAt(double time_s) const {
-  std::vector<StagedThing> things;
+std::vector<StagedInstance> Stage::ObjectsAt(double time_s) const {
+  std::vector<StagedInstance> instances;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const StagedMesh& mesh = object_meshes_[i];
-    const GroundPose pose = GroundPoseOf(objects_[i], mesh.box.sizes().x(), time_s);
-    things.push_back({mesh, TownFromMesh(mesh, pose, objects_[i].z_m)});
+    const GroundPose pose = ComputeGroundPose(objects_[i], mesh.box.sizes().x(), time_s);
+    instances.push_back({mesh, TownFromMesh(mesh, pose, objects_[i].z_m)});
   }
-  return things;
+  return instances;
 }
 
 namespace {
@@ -175,16 +180,17 @@ class Frustum {
  public:
   explicit Frustum(const PosedCamera& camera) : camera_from_town_(camera.camera_from_world) {
     const PinholeCamera& pinhole = camera.pinhole;
-    const std::array<Vector3d, 4> corners = {pinhole.RayOf({0, 0}), pinhole.RayOf({pinhole.width, 0}),
-                                             pinhole.RayOf({pinhole.width, pinhole.height}),
-                                             pinhole.RayOf({0, pinhole.height})};
+    const std::array<Vector3d, 4> corners = {pinhole.Unproject({0, 0}), pinhole.Unproject({pinhole.width, 0}),
+                                             pinhole.Unproject({pinhole.width, pinhole.height}),
+                                             pinhole.Unproject({0, pinhole.height})};
     for (std::size_t i = 0; i < corners.size(); ++i) {
       normals_[i] = corners[i].cross(corners[(i + 1) % corners.size()]).normalized();
     }
   }
 
   // True if a sphere moving along a line segment intersects the frustum anywhere (swept sphere test).
-  [[nodiscard]] bool Meets(const Vector3d& from_in_town, const Vector3d& to_in_town, double radius_m) const {
+  [[nodiscard]] bool IntersectsSweptSphere(const Vector3d& from_in_town, const Vector3d& to_in_town,
+                                           double radius_m) const {
     const Vector3d from = camera_from_town_.Apply(from_in_town);
     const Vector3d to = camera_from_town_.Apply(to_in_town);
     double enters = 0;  // parameters on the segment, 0 to 1
@@ -206,17 +212,18 @@ class Frustum {
 
 }  // namespace
 
-std::vector<MeshInstance> Stage::TownSeenFrom(const PosedCamera& camera, const Vector3d& to_sun_in_town) const {
+std::vector<MeshInstance> Stage::FindVisibleTownInstances(const PosedCamera& camera,
+                                                          const Vector3d& to_sun_in_town) const {
   const Frustum frustum(camera);
   std::vector<MeshInstance> seen;
-  for (const StagedThing& thing : town_) {
-    const Eigen::AlignedBox3d& box = thing.mesh.box;
+  for (const StagedInstance& instance : town_) {
+    const Eigen::AlignedBox3d& box = instance.mesh.box;
     const double radius_m = box.diagonal().norm() / 2;
-    const Vector3d centre = thing.town_from_mesh.Apply(box.center());
+    const Vector3d centre = instance.town_from_mesh.Apply(box.center());
     // Its bounding sphere, swept along the sun's rays until its top reaches the lowest ground, contains its shadow.
-    const Vector3d fall = (TopOf(thing) - lowest_m_) / to_sun_in_town.z() * to_sun_in_town;
-    if (frustum.Meets(centre, centre - fall, radius_m)) {
-      seen.push_back({.mesh = thing.mesh.id, .world_from_mesh = thing.town_from_mesh});
+    const Vector3d fall = (TopHeight(instance) - lowest_m_) / to_sun_in_town.z() * to_sun_in_town;
+    if (frustum.IntersectsSweptSphere(centre, centre - fall, radius_m)) {
+      seen.push_back({.mesh = instance.mesh.id, .world_from_mesh = instance.town_from_mesh});
     }
   }
   return seen;

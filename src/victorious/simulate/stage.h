@@ -24,7 +24,7 @@ struct StagedMesh {
 };
 
 /// A mesh placed in the town.
-struct StagedThing {
+struct StagedInstance {
   StagedMesh mesh;
   Rigid3 town_from_mesh;
 };
@@ -38,23 +38,23 @@ class Stage {
                                const std::function<void(const std::string&)>& warn);
 
   /// The scene's objects in its order, at their poses at a time.
-  [[nodiscard]] std::vector<StagedThing> ObjectsAt(double time_s) const;
+  [[nodiscard]] std::vector<StagedInstance> ObjectsAt(double time_s) const;
 
   /// Frustum culling: the instances of the town that are visible to the camera, or whose shadow may be.
   /// @param to_sun_in_town  unit vector, above the horizon
-  [[nodiscard]] std::vector<MeshInstance> TownSeenFrom(const PosedCamera& camera,
-                                                       const Eigen::Vector3d& to_sun_in_town) const;
+  [[nodiscard]] std::vector<MeshInstance> FindVisibleTownInstances(const PosedCamera& camera,
+                                                                   const Eigen::Vector3d& to_sun_in_town) const;
 
  private:
   class Loader;
 
-  Status PlaceObjects(const Scene& scene, Loader& loader, std::vector<KeptClear>& clear);
-  Status PlacePieces(const Scene& scene, Loader& loader, std::vector<KeptClear>& clear);
-  Status PlaceTown(const Scene& scene, Loader& loader, const std::vector<KeptClear>& clear);
+  Status PlaceObjects(const Scene& scene, Loader& loader, std::vector<ClearZone>& clear);
+  Status PlacePieces(const Scene& scene, Loader& loader, std::vector<ClearZone>& clear);
+  Status PlaceTown(const Scene& scene, Loader& loader, const std::vector<ClearZone>& clear);
 
   std::vector<SceneObject> objects_;
   std::vector<StagedMesh> object_meshes_;  ///< of objects_
-  std::vector<StagedThing> town_;
+  std::vector<StagedInstance> town_;
   double lowest_m_ = 0;  ///< minimum z of all instances of the town and of the ground
 };
 

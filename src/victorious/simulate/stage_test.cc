@@ -7,11 +7,11 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "testing/cad_tools.h"
 #include "testing/data.h"
 #include "victorious/geometry/angles.h"
-#include "testing/cad_tools.h"
-#include "victorious/simulate/flight_path.h"
 #include "victorious/image/image_file.h"
+#include "victorious/simulate/flight_path.h"
 
 namespace victorious {
 namespace {
@@ -46,7 +46,7 @@ class StageTest : public ::testing::Test {
     scene.video = {.width = 64, .height = 64, .hfov_deg = 15};
     scene.town = {.density = 0, .squares = {0, 0, 0, 0}, .tiles = {{.tile = "flat"}}};
     scene.pieces = pieces;
-    const PosedCamera camera{PinholeOf(scene.video), CameraFromTown(scene.camera, 0, 0, 1)};
+    const PosedCamera camera{MakePinhole(scene.video), CameraFromTown(scene.camera, 0, 0, 1)};
     const double elevation = RadiansFromDegrees(15);
     const Light light{
         .sky = 0.2, .sun = 1.5, .to_sun_in_world = {-std::cos(elevation), 0, std::sin(elevation)}, .shadows = true};
@@ -54,7 +54,8 @@ class StageTest : public ::testing::Test {
     EXPECT_TRUE(renderer);
     const auto stage = Stage::Build(scene, *renderer, CancelToken(), [](const std::string&) {});
     EXPECT_TRUE(stage) << stage.error().message;
-    const auto view = renderer->Render(stage->TownSeenFrom(camera, light.to_sun_in_world), camera, light, {});
+    const auto view =
+        renderer->Render(stage->FindVisibleTownInstances(camera, light.to_sun_in_world), camera, light, {});
     EXPECT_TRUE(view) << view.error().message;
     return view->bgr;
   }

@@ -4,8 +4,8 @@
 
 namespace victorious {
 
-CameraState CameraStateOf(const Rigid3& camera_from_town, const TangentPlane& earth, double town_heading_rad,
-                          double time_s, double hfov_rad) {
+CameraState MakeCameraState(const Rigid3& camera_from_town, const TangentPlane& earth, double town_heading_rad,
+                            double time_s, double hfov_rad) {
   const Eigen::Quaterniond enu_from_town = EnuFromTown(town_heading_rad);
   const Eigen::Vector3d place_in_enu = enu_from_town * camera_from_town.Inverse().translation;
   const Eigen::Quaterniond camera_from_enu = camera_from_town.rotation * enu_from_town.conjugate();
@@ -13,7 +13,7 @@ CameraState CameraStateOf(const Rigid3& camera_from_town, const TangentPlane& ea
   CameraState state;
   state.time_s = time_s;
   state.place = earth.GeodeticFromEnu(place_in_enu);
-  state.attitude = AttitudeOf(camera_from_local);
+  state.attitude = AttitudeFromRotation(camera_from_local);
   state.hfov_rad = hfov_rad;
   return state;
 }

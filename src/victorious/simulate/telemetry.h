@@ -10,7 +10,7 @@ namespace victorious {
 /// Geodetic position of the camera (WGS 84) and its attitude relative to true north and the vertical there.
 /// @param earth             tangent plane at the origin of the town
 /// @param town_heading_rad  heading of the town's y axis at the origin, clockwise from north
-[[nodiscard]] CameraState CameraStateOf(const Rigid3& camera_from_town, const TangentPlane& earth,
-                                        double town_heading_rad, double time_s, double hfov_rad);
+[[nodiscard]] CameraState MakeCameraState(const Rigid3& camera_from_town, const TangentPlane& earth,
+                                          double town_heading_rad, double time_s, double hfov_rad);
 
 }  // namespace victorious

@@ -25,7 +25,7 @@ using Eigen::Vector3d;
 // Projects a geodetic point into a camera: an independent implementation of docs/formats/telemetry.md.
 std::optional<Vector2d> Project(const CameraState& camera, const GeodeticPoint& place, int width, int height) {
   const PinholeCamera pinhole =
-      PinholeOf({.width = width, .height = height, .hfov_deg = DegreesFromRadians(*camera.hfov_rad)});
+      MakePinhole({.width = width, .height = height, .hfov_deg = DegreesFromRadians(*camera.hfov_rad)});
   return pinhole.Project(CameraFromEnu(*camera.attitude) * TangentPlane(camera.place).EnuFromGeodetic(place));
 }
 
@@ -43,12 +43,12 @@ TEST(Telemetry, APlaceIsSeenThroughItWhereTheCameraSeesIt) {
     const Rigid3 camera_from_town = CameraFromTown(camera, 0, 0, 1);
     const Vector3d point(camera.aim_m[0].x() + 4, camera.aim_m[0].y() - 3, 2);
     const std::vector<CameraState> flight = {
-        CameraStateOf(camera_from_town, earth, kTownHeadingRad, 0.5, RadiansFromDegrees(video.hfov_deg))};
-    const auto written = ParseCameraCsv(CameraCsvText(flight));
+        MakeCameraState(camera_from_town, earth, kTownHeadingRad, 0.5, RadiansFromDegrees(video.hfov_deg))};
+    const auto written = ParseCameraCsv(FormatCameraCsv(flight));
     ASSERT_TRUE(written) << written.error().message;
     EXPECT_NEAR(written->states.at(0).time_s, 0.5, 1e-6);
     EXPECT_EQ(written->states[0].datum, VerticalDatum::kEllipsoid);
-    const auto seen = PinholeOf(video).Project(camera_from_town.Apply(point));
+    const auto seen = MakePinhole(video).Project(camera_from_town.Apply(point));
     const auto told = Project(written->states[0], earth.GeodeticFromEnu(EnuFromTown(kTownHeadingRad) * point),
                               video.width, video.height);
     ASSERT_TRUE(seen && told);

@@ -23,7 +23,7 @@ std::optional<int> TurnsToStreet(int column, int row, const SceneTown& town) {
   return std::nullopt;
 }
 
-Random LotteryOf(int column, int row, std::uint64_t seed) {
+Random MakeSquareRandom(int column, int row, std::uint64_t seed) {
   constexpr std::uint64_t kColumns = 4096;
   const auto square = static_cast<std::uint64_t>(column + 2048) + kColumns * static_cast<std::uint64_t>(row + 2048);
   return Random(MixSeed(seed, square));
@@ -32,7 +32,7 @@ Random LotteryOf(int column, int row, std::uint64_t seed) {
 void PlanSquare(int column, int row, const SceneTown& town, std::vector<Placement>& placements) {
   const Vector2d middle_m = kSquareSideM * Vector2d(column, row);
   const auto plot = [&](int turns) {
-    return Plot(middle_m, turns, LotteryOf(column, row, town.seed), town.density, placements);
+    return Plot(middle_m, turns, MakeSquareRandom(column, row, town.seed), town.density, placements);
   };
   const auto is_here = [&](const SceneTile& tile) { return tile.column == column && tile.row == row; };
   if (const auto chosen = std::ranges::find_if(town.tiles, is_here); chosen != town.tiles.end()) {
@@ -86,13 +86,13 @@ std::vector<Placement> LayOutTown(const SceneTown& town) {
   return placements;
 }
 
-std::vector<bool> WhatCanStand(std::span<const Placement> town, std::span<const Vector2d> sizes_m,
-                               std::span<const KeptClear> clear) {
+std::vector<bool> FindUnobstructed(std::span<const Placement> town, std::span<const Vector2d> sizes_m,
+                                   std::span<const ClearZone> clear) {
   std::vector<bool> stands(town.size(), true);
   std::vector<std::size_t> buildings;
   for (std::size_t i = 0; i < town.size(); ++i) {
     if (IsGround(town[i])) continue;
-    stands[i] = std::ranges::none_of(clear, [&](const KeptClear& ground) {
+    stands[i] = std::ranges::none_of(clear, [&](const ClearZone& ground) {
       return (ground.centre_m - town[i].place_m).norm() < ground.radius_m + sizes_m[i].norm() / 2;
     });
     if (stands[i] && town[i].asset.starts_with("town/buildings/")) buildings.push_back(i);

@@ -27,7 +27,7 @@ struct Placement {
 };
 
 /// A disc of ground that must stay free: the position of an object, or a part of its path.
-struct KeptClear {
+struct ClearZone {
   Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();
   double radius_m = 0;
 };
@@ -38,7 +38,8 @@ struct KeptClear {
 /// For each placement, whether it can stay. Rejects a placement whose circumscribed circle (radius: half its diagonal)
 /// overlaps a clear zone, or whose centre lies inside a building. Ground always stays.
 /// @param sizes_m  size of each placement's bounding box: along its front, across
-[[nodiscard]] std::vector<bool> WhatCanStand(std::span<const Placement> town, std::span<const Eigen::Vector2d> sizes_m,
-                                             std::span<const KeptClear> clear);
+[[nodiscard]] std::vector<bool> FindUnobstructed(std::span<const Placement> town,
+                                                 std::span<const Eigen::Vector2d> sizes_m,
+                                                 std::span<const ClearZone> clear);
 
 }  // namespace victorious

@@ -89,20 +89,20 @@ std::vector<Vector2d> SizesOf(const std::vector<Placement>& town) {
 }
 
 TEST(Town, NothingStandsOnClearGround) {
-  const std::vector<KeptClear> clear = {{{0, 0}, 15}, {{24, 24}, 8}, {{30, -40}, 3}};
+  const std::vector<ClearZone> clear = {{{0, 0}, 15}, {{24, 24}, 8}, {{30, -40}, 3}};
   const auto town = LayOutTown({.density = 1});
   const std::vector<Vector2d> sizes_m = SizesOf(town);
-  const auto stands_on = [&](std::size_t i, const KeptClear& ground) {
+  const auto stands_on = [&](std::size_t i, const ClearZone& ground) {
     return (town[i].place_m - ground.centre_m).norm() < ground.radius_m + sizes_m[i].norm() / 2;
   };
-  const std::vector<bool> stays = WhatCanStand(town, sizes_m, clear);
+  const std::vector<bool> stays = FindUnobstructed(town, sizes_m, clear);
   int moved_away = 0;
   for (std::size_t i = 0; i < town.size(); ++i) {
     if (!StandsAbove(town[i])) {
       EXPECT_TRUE(stays[i]) << town[i].asset;
       continue;
     }
-    for (const KeptClear& ground : clear) {
+    for (const ClearZone& ground : clear) {
       EXPECT_FALSE(stays[i] && stands_on(i, ground)) << town[i].asset;
       moved_away += stands_on(i, ground) ? 1 : 0;
     }
@@ -113,8 +113,8 @@ TEST(Town, NothingStandsOnClearGround) {
 TEST(Town, ALongBuildingKeepsAllOfItsLengthAway) {
   const std::vector<Placement> town = {{.asset = "town/buildings/warehouse"}};
   const std::vector<Vector2d> sizes_m = {{28.4, 18.6}};
-  EXPECT_EQ(WhatCanStand(town, sizes_m, std::vector<KeptClear>{{{18, 0}, 2}}), std::vector{false});
-  EXPECT_EQ(WhatCanStand(town, sizes_m, std::vector<KeptClear>{{{20, 0}, 2}}), std::vector{true});
+  EXPECT_EQ(FindUnobstructed(town, sizes_m, std::vector<ClearZone>{{{18, 0}, 2}}), std::vector{false});
+  EXPECT_EQ(FindUnobstructed(town, sizes_m, std::vector<ClearZone>{{{20, 0}, 2}}), std::vector{true});
 }
 
 TEST(Town, NothingStandsInsideABuilding) {
@@ -122,7 +122,7 @@ TEST(Town, NothingStandsInsideABuilding) {
   for (const std::uint64_t seed : {1, 2, 3, 18}) {
     const auto town = LayOutTown({.seed = seed, .density = 1});
     const std::vector<Vector2d> sizes_m = SizesOf(town);
-    const std::vector<bool> stays = WhatCanStand(town, sizes_m, {});
+    const std::vector<bool> stays = FindUnobstructed(town, sizes_m, {});
     left_out += static_cast<int>(std::ranges::count(stays, false));
     int compared = 0;
     for (std::size_t b = 0; b < town.size(); ++b) {

@@ -15,10 +15,10 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kLargestCanvasPx = 4096;
-constexpr double kWidestDeg = 80;  // maximum angle from the optical axis; perspective lenses do not exceed it
+constexpr int kMaxCanvasPx = 4096;
+constexpr double kMaxAngleFromAxisDeg = 80;  // maximum angle from the optical axis; perspective lenses do not exceed it
 
-struct SeenPixels {
+struct VisiblePixels {
   int count = 0;
   int left = std::numeric_limits<int>::max();
   int top = std::numeric_limits<int>::max();
@@ -37,8 +37,8 @@ struct SeenPixels {
   }
 };
 
-std::vector<SeenPixels> CountPixels(const cv::Mat& instances, std::size_t objects) {
-  std::vector<SeenPixels> seen(objects);
+std::vector<VisiblePixels> CountPixels(const cv::Mat& instances, std::size_t objects) {
+  std::vector<VisiblePixels> seen(objects);
   for (int y = 0; y < instances.rows; ++y) {
     const auto* row = instances.ptr<std::int32_t>(y);
     for (int x = 0; x < instances.cols; ++x) {
@@ -50,9 +50,9 @@ std::vector<SeenPixels> CountPixels(const cv::Mat& instances, std::size_t object
 
 // The bounding rectangle of the object's projected box in the image plane, px, clipped to the maximum field of view.
 // The whole clipped plane if the box extends behind the camera.
-Eigen::AlignedBox2d ExtentOf(const StagedThing& object, const PosedCamera& camera) {
+Eigen::AlignedBox2d ProjectedExtent(const StagedInstance& object, const PosedCamera& camera) {
   const PinholeCamera& pinhole = camera.pinhole;
-  const double widest = std::tan(RadiansFromDegrees(kWidestDeg));
+  const double widest = std::tan(RadiansFromDegrees(kMaxAngleFromAxisDeg));
   const Vector2d centre(pinhole.cx, pinhole.cy);
   const Vector2d reach(widest * pinhole.fx, widest * pinhole.fy);
   const Eigen::AlignedBox2d plane(Vector2d(centre - reach), Vector2d(centre + reach));
@@ -69,7 +69,7 @@ Eigen::AlignedBox2d ExtentOf(const StagedThing& object, const PosedCamera& camer
 
 // The same camera with another rectangle of its image plane as image. The offset is a whole number of pixels, so that
 // the pixels have the same rays as in the frame.
-PosedCamera CanvasOf(const Eigen::AlignedBox2d& part, const PosedCamera& camera) {
+PosedCamera MakeCanvas(const Eigen::AlignedBox2d& part, const PosedCamera& camera) {
   const Vector2d low = part.min().array().floor();
   const Vector2d high = part.max().array().ceil();
   PosedCamera canvas = camera;
@@ -82,20 +82,20 @@ PosedCamera CanvasOf(const Eigen::AlignedBox2d& part, const PosedCamera& camera)
 
 // The number of pixels of the object rendered alone, neither occluded nor cropped. Large images are rendered at a
 // smaller scale and the count is rescaled.
-Expected<double> PixelsAlone(const StagedThing& object, PosedCamera camera, Renderer& renderer) {
-  const double largest = ExtentOf(object, camera).sizes().maxCoeff();
-  const double shrink = std::min(1.0, (kLargestCanvasPx - 2) / largest);
+Expected<double> CountUnoccludedPixels(const StagedInstance& object, PosedCamera camera, Renderer& renderer) {
+  const double largest = ProjectedExtent(object, camera).sizes().maxCoeff();
+  const double shrink = std::min(1.0, (kMaxCanvasPx - 2) / largest);
   for (double* value : {&camera.pinhole.fx, &camera.pinhole.fy, &camera.pinhole.cx, &camera.pinhole.cy}) {
     *value *= shrink;
   }
-  const PosedCamera canvas = CanvasOf(ExtentOf(object, camera), camera);
+  const PosedCamera canvas = MakeCanvas(ProjectedExtent(object, camera), camera);
   const MeshInstance instance{.mesh = object.mesh.id, .world_from_mesh = object.town_from_mesh};
   VICTORIOUS_ASSIGN_OR_RETURN(const RenderedView view,
                               renderer.Render(std::span(&instance, 1), canvas, {}, {.supersampling = 1}));
   return CountPixels(view.instances, 1).front().count / (shrink * shrink);
 }
 
-double Clockwise(double angle_rad) { return angle_rad < 0 ? angle_rad + 2 * kPi : angle_rad; }
+double WrapTo2Pi(double angle_rad) { return angle_rad < 0 ? angle_rad + 2 * kPi : angle_rad; }
 
 double Rounded(double value, double steps) { return std::round(value * steps) / steps; }
 
@@ -105,17 +105,17 @@ Eigen::Quaterniond EnuFromTown(double town_heading_rad) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(-town_heading_rad, Vector3d::UnitZ()));
 }
 
-Expected<std::vector<ObjectTruth>> TruthOf(std::span<const StagedThing> objects, const cv::Mat& instances,
-                                           const PosedCamera& camera, const TangentPlane& earth,
-                                           double town_heading_rad, Renderer& renderer) {
-  const std::vector<SeenPixels> seen = CountPixels(instances, objects.size());
+Expected<std::vector<ObjectTruth>> ComputeTruth(std::span<const StagedInstance> objects, const cv::Mat& instances,
+                                                const PosedCamera& camera, const TangentPlane& earth,
+                                                double town_heading_rad, Renderer& renderer) {
+  const std::vector<VisiblePixels> seen = CountPixels(instances, objects.size());
   const Eigen::Quaterniond enu_from_town = EnuFromTown(town_heading_rad);
   const Vector3d camera_in_town = camera.camera_from_world.Inverse().translation;
   std::vector<ObjectTruth> rows;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     if (seen[i].count == 0) continue;
-    const StagedThing& object = objects[i];
-    VICTORIOUS_ASSIGN_OR_RETURN(const double alone, PixelsAlone(object, camera, renderer));
+    const StagedInstance& object = objects[i];
+    VICTORIOUS_ASSIGN_OR_RETURN(const double alone, CountUnoccludedPixels(object, camera, renderer));
     const Vector3d centre_in_town = object.town_from_mesh.Apply(object.mesh.box.center());
     const Vector3d centre_in_enu = enu_from_town * centre_in_town;
     const Eigen::Quaterniond mesh_from_town = object.town_from_mesh.rotation.conjugate();
@@ -126,13 +126,13 @@ Expected<std::vector<ObjectTruth>> TruthOf(std::span<const StagedThing> objects,
                     .pixels = seen[i].count,
                     .visible = std::min(1.0, seen[i].count / std::max(1.0, alone)),
                     .place = earth.GeodeticFromEnu(centre_in_enu),
-                    .heading_rad = Clockwise(std::atan2(front.x(), front.y())),
+                    .heading_rad = WrapTo2Pi(std::atan2(front.x(), front.y())),
                     .view = DirectionFromVector(mesh_from_town * (camera_in_town - centre_in_town))});
   }
   return rows;
 }
 
-std::string TruthLine(const ObjectTruth& truth, const SceneObject& object, int frame, double time_s) {
+std::string FormatTruthLine(const ObjectTruth& truth, const SceneObject& object, int frame, double time_s) {
   constexpr double kMicro = 1e6;
   constexpr double kNanoDegrees = 1e9;  // 1e-9 degrees are 0.1 mm
   constexpr double kTenThousandths = 1e4;

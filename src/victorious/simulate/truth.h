@@ -13,8 +13,8 @@
 #include "victorious/base/error.h"
 #include "victorious/geometry/box.h"
 #include "victorious/geometry/geodesy.h"
-#include "victorious/render/renderer.h"
 #include "victorious/geometry/view_sphere.h"
+#include "victorious/render/renderer.h"
 #include "victorious/simulate/scene.h"
 #include "victorious/simulate/stage.h"
 
@@ -37,12 +37,13 @@ struct ObjectTruth {
 /// @param earth             tangent plane at the origin of the town
 /// @param town_heading_rad  heading of the town's y axis at the origin, clockwise from north
 /// Errors: those of Render.
-Expected<std::vector<ObjectTruth>> TruthOf(std::span<const StagedThing> objects, const cv::Mat& instances,
-                                           const PosedCamera& camera, const TangentPlane& earth,
-                                           double town_heading_rad, Renderer& renderer);
+Expected<std::vector<ObjectTruth>> ComputeTruth(std::span<const StagedInstance> objects, const cv::Mat& instances,
+                                                const PosedCamera& camera, const TangentPlane& earth,
+                                                double town_heading_rad, Renderer& renderer);
 
 /// One line of truth.jsonl, with the newline.
-[[nodiscard]] std::string TruthLine(const ObjectTruth& truth, const SceneObject& object, int frame, double time_s);
+[[nodiscard]] std::string FormatTruthLine(const ObjectTruth& truth, const SceneObject& object, int frame,
+                                          double time_s);
 
 /// Rotation from the town frame to east-north-up at the origin of the town.
 [[nodiscard]] Eigen::Quaterniond EnuFromTown(double town_heading_rad);

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "victorious/geometry/angles.h"
 #include "testing/cad_tools.h"
+#include "victorious/geometry/angles.h"
 #include "victorious/simulate/flight_path.h"
 
 namespace victorious {
@@ -31,23 +31,23 @@ PosedCamera FromAbove() {
 class Truth : public ::testing::Test {
  protected:
   // A box 4 m long, 2 m wide and 1 m high, its front to the east of the town.
-  StagedThing BoxAt(const Vector3d& place, double height_m = 1) {
+  StagedInstance BoxAt(const Vector3d& place, double height_m = 1) {
     const Mesh mesh = testing::Box({-2, -1, 0}, {2, 1, static_cast<float>(height_m)});
     const Expected<MeshId> id = renderer->Upload(mesh);
     EXPECT_TRUE(id);
     return {{*id, BoundingBox(mesh)}, {Eigen::Quaterniond::Identity(), place}};
   }
 
-  std::vector<ObjectTruth> TruthOfBoxes(const std::vector<StagedThing>& boxes, std::size_t objects,
+  std::vector<ObjectTruth> TruthOfBoxes(const std::vector<StagedInstance>& boxes, std::size_t objects,
                                         const PosedCamera& camera = FromAbove()) {
     std::vector<MeshInstance> instances(boxes.size());
-    std::ranges::transform(boxes, instances.begin(), [](const StagedThing& box) {
+    std::ranges::transform(boxes, instances.begin(), [](const StagedInstance& box) {
       return MeshInstance{.mesh = box.mesh.id, .world_from_mesh = box.town_from_mesh};
     });
     const Expected<RenderedView> view = renderer->Render(instances, camera);
     EXPECT_TRUE(view);
     const auto truth =
-        TruthOf(std::span(boxes).first(objects), view->instances, camera, kEarth, kTownHeadingRad, *renderer);
+        ComputeTruth(std::span(boxes).first(objects), view->instances, camera, kEarth, kTownHeadingRad, *renderer);
     EXPECT_TRUE(truth) << truth.error().message;
     return truth ? *truth : std::vector<ObjectTruth>();
   }
@@ -67,7 +67,7 @@ TEST_F(Truth, BoxPlaceHeadingAndViewOfAnObjectAlone) {
 }
 
 TEST_F(Truth, WhatHidesHalfLeavesHalf) {
-  const std::vector<StagedThing> boxes = {BoxAt({0, 0, 0}), BoxAt({2, 0, 2})};
+  const std::vector<StagedInstance> boxes = {BoxAt({0, 0, 0}), BoxAt({2, 0, 2})};
   const auto truth = TruthOfBoxes(boxes, 1);
   ASSERT_EQ(truth.size(), 1U);
   EXPECT_NEAR(truth[0].visible, 0.5, 0.05);
@@ -111,9 +111,9 @@ TEST_F(Truth, AnObjectThatReachesBehindTheCameraIsHardlySeen) {
   EXPECT_LT(truth[0].visible, 0.1);
 }
 
-TEST(TruthLine, HasTheContractsKeys) {
+TEST(FormatTruthLine, HasTheContractsKeys) {
   const ObjectTruth truth{.box = {1, 2, 30, 40}, .pixels = 600, .visible = 0.51239, .place = {0.7, -1.2, 11}};
-  const auto json = nlohmann::json::parse(TruthLine(truth, {.id = "jeep-1", .model = "jeep"}, 37, 3.7));
+  const auto json = nlohmann::json::parse(FormatTruthLine(truth, {.id = "jeep-1", .model = "jeep"}, 37, 3.7));
   EXPECT_EQ(json["frame"], 37);
   EXPECT_EQ(json["object"], "jeep-1");
   EXPECT_EQ(json["box"], nlohmann::json({1, 2, 30, 40}));

@@ -33,7 +33,7 @@ Expected<Catalogue> Catalogue::Read(IndexStore& store, const SightingFilter& fil
   VICTORIOUS_ASSIGN_OR_RETURN(catalogue.videos_, store.Videos());
   VICTORIOUS_ASSIGN_OR_RETURN(catalogue.models_, store.Models());
   if (filter.video_name) {
-    std::vector<VideoRecord> named = VideosNamed(catalogue.videos_, *filter.video_name);
+    std::vector<VideoRecord> named = FindVideosByName(catalogue.videos_, *filter.video_name);
     if (named.empty()) {
       return Fail(ErrorCode::kNotFound, fmt::format("video {}: not in the index, which contains: {}",
                                                     *filter.video_name, Names(catalogue.videos_)));

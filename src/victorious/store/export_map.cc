@@ -22,7 +22,7 @@ namespace victorious {
 namespace {
 
 // The border of the horizontal 90 % confidence ellipse of a normal distribution, counter-clockwise and closed.
-std::vector<GeodeticPoint> EllipseOf(const Place& place) {
+std::vector<GeodeticPoint> EllipseOf(const Geolocation& place) {
   constexpr int kCorners = 48;
   constexpr double kRadius = 2.145966026289347;  // sqrt(-2 ln 0.1), in standard deviations: 90 % of a 2D normal
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(place.covariance_enu_m2.topLeftCorner<2, 2>());
@@ -79,10 +79,12 @@ std::vector<Ring> CutAtAntimeridian(Ring ring, double middle_longitude_rad) {
   return {std::move(ring)};
 }
 
-std::vector<Ring> RingsOf(const Place& place) { return CutAtAntimeridian(EllipseOf(place), place.point.longitude_rad); }
+std::vector<Ring> RingsOf(const Geolocation& place) {
+  return CutAtAntimeridian(EllipseOf(place), place.point.longitude_rad);
+}
 
 Json FeatureJson(const ListedObject& listed) {
-  const Place& place = *listed.object.place;
+  const Geolocation& place = *listed.object.place;
   Json point = PositionJson(place.point);
   point.push_back(MetresJson(place.point.altitude_m));
   Json polygons = Json::array();
@@ -133,23 +135,23 @@ struct TimeSpan {
 };
 
 // The times of the first and last sighting of each object, by its id.
-Expected<std::map<std::int64_t, TimeSpan>> SpansOf(IndexStore& store) {
+Expected<std::map<std::int64_t, TimeSpan>> ReadTimeSpans(IndexStore& store) {
   std::map<std::int64_t, std::int64_t> start_us;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
   for (const VideoRecord& video : videos) start_us[video.id] = video.start_utc_us.value_or(0);
   std::map<std::int64_t, TimeSpan> spans;
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<RunRecord> runs, store.Runs());
-  for (const RunRecord& run : runs) {
-    const std::int64_t begin_us = start_us[run.video] + std::llround(run.first_time_s * 1e6);
-    const std::int64_t end_us = start_us[run.video] + std::llround(run.last_time_s * 1e6);
-    const auto [at, added] = spans.emplace(run.object, TimeSpan{begin_us, end_us});
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrackletRecord> tracklets, store.Tracklets());
+  for (const TrackletRecord& tracklet : tracklets) {
+    const std::int64_t begin_us = start_us[tracklet.video] + std::llround(tracklet.first_time_s * 1e6);
+    const std::int64_t end_us = start_us[tracklet.video] + std::llround(tracklet.last_time_s * 1e6);
+    const auto [at, added] = spans.emplace(tracklet.object, TimeSpan{begin_us, end_us});
     at->second = {std::min(at->second.begin_us, begin_us), std::max(at->second.end_us, end_us)};
   }
   return spans;
 }
 
 std::string PlacemarkText(const ListedObject& listed, const TimeSpan& span) {
-  const Place& place = *listed.object.place;
+  const Geolocation& place = *listed.object.place;
   std::string ellipse;
   for (const Ring& ring : RingsOf(place)) {
     ellipse += "<Polygon><outerBoundaryIs><LinearRing><coordinates>";
@@ -189,7 +191,7 @@ Status ExportGeoJson(IndexStore& store, const Catalogue& catalogue, const Sighti
 
 Status ExportKml(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> objects, ListObjects(store, catalogue, filter));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto spans, SpansOf(store));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto spans, ReadTimeSpans(store));
   out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document>"
          "<Style id=\"object\"><PolyStyle><color>4000ffff</color></PolyStyle></Style>\n";
   for (const ListedObject& object : objects) {

@@ -26,14 +26,14 @@ class ExportTest : public ::testing::Test {
     const auto box = *store_->PutModel({.name = "box", .model_id = "1", .kind = "photos"});
     const auto shed = *store_->PutModel({.name = "shed", .model_id = "2", .kind = "photos"});
     IndexBatch batch;
-    batch.runs.push_back({std::nullopt,
-                          {.video = a.id,
-                           .model = box.id,
-                           .score = 0.912349,
-                           .frames = 2,
-                           .first_time_s = 37 / 25.0,
-                           .last_time_s = 38 / 25.0}});
-    batch.runs.push_back({std::nullopt, {.video = b.id, .model = shed.id, .score = 0.97, .frames = 1}});
+    batch.tracklets.push_back({std::nullopt,
+                               {.video = a.id,
+                                .model = box.id,
+                                .score = 0.912349,
+                                .frames = 2,
+                                .first_time_s = 37 / 25.0,
+                                .last_time_s = 38 / 25.0}});
+    batch.tracklets.push_back({std::nullopt, {.video = b.id, .model = shed.id, .score = 0.97, .frames = 1}});
     for (const std::int64_t frame : {37, 38}) {
       batch.sightings.push_back({0,
                                  {.frame = frame,

@@ -8,26 +8,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> Parts(std::string_view name) {
+std::vector<fs::path> PathComponents(std::string_view name) {
   const fs::path path = fs::path(name).lexically_normal();
   std::vector<fs::path> parts(path.begin(), path.end());
   if (!parts.empty() && parts.back().empty()) parts.pop_back();  // "folder/" equals "folder"
   return parts;
 }
 
-bool EndsIn(const std::vector<fs::path>& whole, const std::vector<fs::path>& end) {
+bool IsPathSuffix(const std::vector<fs::path>& whole, const std::vector<fs::path>& end) {
   return !end.empty() && end.size() <= whole.size() && std::equal(end.rbegin(), end.rend(), whole.rbegin());
 }
 
 }  // namespace
 
-std::vector<VideoRecord> VideosNamed(const std::vector<VideoRecord>& videos, std::string_view name) {
+std::vector<VideoRecord> FindVideosByName(const std::vector<VideoRecord>& videos, std::string_view name) {
   std::vector<VideoRecord> found;
   std::ranges::copy_if(videos, std::back_inserter(found), [&](const VideoRecord& video) { return video.name == name; });
   if (!found.empty()) return found;
-  const std::vector<fs::path> end = Parts(name);
+  const std::vector<fs::path> end = PathComponents(name);
   std::ranges::copy_if(videos, std::back_inserter(found),
-                       [&](const VideoRecord& video) { return EndsIn(Parts(video.name), end); });
+                       [&](const VideoRecord& video) { return IsPathSuffix(PathComponents(video.name), end); });
   return found;
 }
 

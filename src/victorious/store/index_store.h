@@ -16,10 +16,10 @@
 #include "victorious/base/error.h"
 #include "victorious/geometry/box.h"
 #include "victorious/geometry/polygon.h"
-#include "victorious/types/feature_set.h"
-#include "victorious/types/object_model.h"
-#include "victorious/types/geolocation.h"
 #include "victorious/types/bearing_observation.h"
+#include "victorious/types/feature_set.h"
+#include "victorious/types/geolocation.h"
+#include "victorious/types/object_model.h"
 
 namespace victorious {
 
@@ -61,7 +61,7 @@ struct SearchRecord {
 
 /// A tracklet: sightings of one model in one video that were tracked or overlap from frame to frame. Data association
 /// joins tracklets to objects.
-struct RunRecord {
+struct TrackletRecord {
   std::int64_t id = 0;
   std::int64_t object = 0;  ///< the object it belongs to
   std::int64_t video = 0;
@@ -76,13 +76,13 @@ struct RunRecord {
 struct ObjectRecord {
   std::int64_t id = 0;  ///< the id of its first tracklet
   std::int64_t model = 0;
-  double score = 0;                  ///< the maximum over its tracklets
-  std::int64_t frames = 0;           ///< with a sighting
-  double first_time_s = 0;           ///< of its sightings; presentation time in their own video
-  double last_time_s = 0;            ///< likewise
-  std::vector<std::int64_t> videos;  ///< ids of the videos that show it, in the order they were added
-  std::vector<std::int64_t> runs;    ///< ids of its tracklets, ascending
-  std::optional<Place> place;
+  double score = 0;                     ///< the maximum over its tracklets
+  std::int64_t frames = 0;              ///< with a sighting
+  double first_time_s = 0;              ///< of its sightings; presentation time in their own video
+  double last_time_s = 0;               ///< likewise
+  std::vector<std::int64_t> videos;     ///< ids of the videos that show it, in the order they were added
+  std::vector<std::int64_t> tracklets;  ///< ids of its tracklets, ascending
+  std::optional<Geolocation> place;
   std::optional<double> heading_rad;  ///< direction of its front, clockwise from north
   std::string rejected;               ///< the reason for its rejection; empty: not rejected
 };
@@ -90,7 +90,7 @@ struct ObjectRecord {
 /// One object in one frame.
 struct SightingRecord {
   std::int64_t object = 0;
-  std::int64_t run = 0;
+  std::int64_t tracklet = 0;
   std::int64_t video = 0;
   std::int64_t model = 0;
   std::int64_t frame = 0;
@@ -108,7 +108,7 @@ struct SightingRecord {
   std::optional<double> distance_m;        ///< from the camera; std::nullopt if the field of view is unknown
   std::optional<double> sigma_distance_m;  ///< standard deviation; set together with distance_m
   std::optional<std::int64_t> track;  ///< sightings of one video and model with the same value were tracked: one object
-  std::optional<Sight> sight;         ///< set if there is telemetry
+  std::optional<BearingObservation> observation;  ///< set if there is telemetry
 };
 
 /// The features of a frame, kept for the search by image.
@@ -123,14 +123,14 @@ struct KeptFrame {
 struct IndexBatch {
   /// A new tracklet (no id), which is an object by itself until PutObjects joins it to another, or an update of an
   /// existing one (its id).
-  struct RunUpdate {
+  struct TrackletUpdate {
     std::optional<std::int64_t> id;
-    RunRecord run;
+    TrackletRecord tracklet;
   };
-  /// A sighting of the batch's tracklet with index `run_update`, which gives its tracklet, video and model. A tracklet
-  /// has at most one sighting per frame.
+  /// A sighting of the batch's tracklet with index `tracklet_update`, which gives its tracklet, video and model. A
+  /// tracklet has at most one sighting per frame.
   struct NewSighting {
-    std::size_t run_update = 0;
+    std::size_t tracklet_update = 0;
     SightingRecord sighting;
   };
   struct Progress {
@@ -138,15 +138,15 @@ struct IndexBatch {
     std::int64_t expected_next_frame = 0;  ///< the progress before the batch; refused if another process changed it
   };
 
-  std::vector<RunUpdate> runs;
+  std::vector<TrackletUpdate> tracklets;
   std::vector<NewSighting> sightings;
   std::vector<KeptFrame> kept_frames;
   std::vector<Progress> progress;
 };
 
 /// A circle around a point of the Earth; heights are ignored.
-struct Surroundings {
-  GeodeticPoint middle;
+struct GeoCircle {
+  GeodeticPoint centre;
   double radius_m = 0;
 };
 
@@ -154,16 +154,16 @@ struct Surroundings {
 struct SightingFilter {
   std::optional<std::string> model_name;
   std::optional<std::string> category_name;  ///< includes subcategories: "vehicle" matches "vehicle/car"
-  std::optional<std::string> video_name;     ///< see VideosNamed
-  std::optional<double> from_s;      ///< inclusive; an object matches if its time interval overlaps [from_s, to_s]
-  std::optional<double> to_s;        ///< inclusive
-  std::optional<Surroundings> near;  ///< only objects of known place, and their sightings
-  bool rejected_too = false;         ///< include rejected objects
+  std::optional<std::string> video_name;     ///< see FindVideosByName
+  std::optional<double> from_s;   ///< inclusive; an object matches if its time interval overlaps [from_s, to_s]
+  std::optional<double> to_s;     ///< inclusive
+  std::optional<GeoCircle> near;  ///< only objects of known place, and their sightings
+  bool include_rejected = false;  ///< include rejected objects
 };
 
 /// Returns the videos whose name equals `name`; if there is none, those whose path ends in the path components of
 /// `name`: "flight/video.mp4" matches "/data/flight/video.mp4", "deo.mp4" does not.
-std::vector<VideoRecord> VideosNamed(const std::vector<VideoRecord>& videos, std::string_view name);
+std::vector<VideoRecord> FindVideosByName(const std::vector<VideoRecord>& videos, std::string_view name);
 
 /// Not thread-safe: use from one thread at a time. Other processes may read while one writes.
 class IndexStore {
@@ -173,7 +173,7 @@ class IndexStore {
   /// Adds the video. If its content is known, updates the name, and the start if given. Returns the stored record.
   virtual Expected<VideoRecord> PutVideo(const VideoRecord& video) = 0;
   /// Deletes the videos of this name with other content (the file was changed). Returns their number.
-  virtual Expected<std::int64_t> ForgetOtherContent(const std::string& name, const std::string& content_id) = 0;
+  virtual Expected<std::int64_t> DeleteOtherContent(const std::string& name, const std::string& content_id) = 0;
   virtual Status SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) = 0;
   virtual Status SetVideoFeatures(std::int64_t video, const std::string& features_json) = 0;
   virtual Expected<std::vector<VideoRecord>> Videos() = 0;
@@ -185,19 +185,19 @@ class IndexStore {
 
   virtual Expected<std::optional<SearchRecord>> FindSearch(std::int64_t video, std::int64_t model) = 0;
   /// Deletes the tracklets and sightings of a model in a video, and the progress of the search.
-  virtual Status ForgetSearch(std::int64_t video, std::int64_t model) = 0;
+  virtual Status DeleteSearch(std::int64_t video, std::int64_t model) = 0;
   /// Deletes the kept features of a video.
-  virtual Status ForgetKeptFrames(std::int64_t video) = 0;
+  virtual Status DeleteKeptFrames(std::int64_t video) = 0;
 
-  /// Writes the batch in one transaction. Returns the ids of batch.runs, in their order. Does not overwrite kept
+  /// Writes the batch in one transaction. Returns the ids of batch.tracklets, in their order. Does not overwrite kept
   /// frames. Errors: kConflict if another process changed the progress; kNotFound for a tracklet, video or model that
   /// was deleted; kInvalidArgument for a sighting that exists already.
   virtual Expected<std::vector<std::int64_t>> Commit(const IndexBatch& batch) = 0;
 
   /// Returns all tracklets, by id.
-  virtual Expected<std::vector<RunRecord>> Runs() = 0;
+  virtual Expected<std::vector<TrackletRecord>> Tracklets() = 0;
   /// In one transaction, assigns the tracklets of these objects to them, and deletes objects without a tracklet. Uses
-  /// only id, model, runs, place, heading and rejection of ObjectRecord; ignores tracklets that were deleted.
+  /// only id, model, tracklets, place, heading and rejection of ObjectRecord; ignores tracklets that were deleted.
   virtual Status PutObjects(std::span<const ObjectRecord> objects) = 0;
 
   /// Returns the matching objects, best first: by score, then by number of frames, then by id.

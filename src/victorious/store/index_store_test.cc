@@ -50,15 +50,15 @@ class IndexStoreTest : public ::testing::TestWithParam<Backend> {
   }
 
   // One object with sightings in `frames` frames of 0.5 s from `first_frame` on.
-  IndexBatch OneObject(std::int64_t first_frame, int frames, double score) const {
+  IndexBatch MakeBatch(std::int64_t first_frame, int frames, double score) const {
     IndexBatch batch;
-    batch.runs.push_back({std::nullopt,
-                          {.video = video_,
-                           .model = model_,
-                           .score = score,
-                           .frames = frames,
-                           .first_time_s = 0.5 * static_cast<double>(first_frame),
-                           .last_time_s = 0.5 * static_cast<double>(first_frame + frames - 1)}});
+    batch.tracklets.push_back({std::nullopt,
+                               {.video = video_,
+                                .model = model_,
+                                .score = score,
+                                .frames = frames,
+                                .first_time_s = 0.5 * static_cast<double>(first_frame),
+                                .last_time_s = 0.5 * static_cast<double>(first_frame + frames - 1)}});
     for (int i = 0; i < frames; ++i) {
       const std::int64_t frame = first_frame + i;
       batch.sightings.push_back({0,
@@ -147,7 +147,7 @@ TEST_P(IndexStoreTest, AVideoKeepsItsLengthAndFeatures) {
 }
 
 TEST_P(IndexStoreTest, ASightingComesBackAsItWent) {
-  IndexBatch batch = OneObject(7, 1, 0.75);
+  IndexBatch batch = MakeBatch(7, 1, 0.75);
   batch.sightings[0].sighting.view = ViewAngles{1.5, 0.5};
   batch.sightings[0].sighting.source = "tracked";
   const std::int64_t object = CommitOne(batch);
@@ -177,7 +177,7 @@ TEST_P(IndexStoreTest, ASightingComesBackAsItWent) {
 }
 
 TEST_P(IndexStoreTest, UnknownAnglesAndNoOutlineStayUnknown) {
-  IndexBatch batch = OneObject(0, 1, 0.5);
+  IndexBatch batch = MakeBatch(0, 1, 0.5);
   batch.sightings[0].sighting.outline.clear();
   CommitOne(batch);
   ASSERT_THAT(Sightings(), SizeIs(1));
@@ -186,11 +186,11 @@ TEST_P(IndexStoreTest, UnknownAnglesAndNoOutlineStayUnknown) {
 }
 
 TEST_P(IndexStoreTest, AnObjectGrows) {
-  const std::int64_t id = CommitOne(OneObject(0, 2, 0.5));
-  IndexBatch more = OneObject(2, 1, 0.9);
-  more.runs[0].id = id;
-  more.runs[0].run.frames = 3;
-  more.runs[0].run.first_time_s = 0;
+  const std::int64_t id = CommitOne(MakeBatch(0, 2, 0.5));
+  IndexBatch more = MakeBatch(2, 1, 0.9);
+  more.tracklets[0].id = id;
+  more.tracklets[0].tracklet.frames = 3;
+  more.tracklets[0].tracklet.first_time_s = 0;
   EXPECT_EQ(CommitOne(more), id);
   const auto objects = store_->Objects({});
   ASSERT_THAT(*objects, SizeIs(1));
@@ -200,47 +200,47 @@ TEST_P(IndexStoreTest, AnObjectGrows) {
   EXPECT_THAT(Sightings(), SizeIs(3));
 }
 
-Place SomePlace(double latitude_rad) {
-  Place place{.point = {latitude_rad, 0.25, 80}, .time_s = 1.5, .ce90_m = 2, .le90_m = 3};
+Geolocation SomePlace(double latitude_rad) {
+  Geolocation place{.point = {latitude_rad, 0.25, 80}, .time_s = 1.5, .ce90_m = 2, .le90_m = 3};
   place.covariance_enu_m2 = Eigen::Vector3d(1, 2, 3).asDiagonal();
   place.covariance_enu_m2(0, 1) = place.covariance_enu_m2(1, 0) = 0.5;
   return place;
 }
 
 TEST_P(IndexStoreTest, ASightComesBackAsItWent) {
-  IndexBatch batch = OneObject(7, 2, 0.75);
-  batch.sightings[0].sighting.sight = Sight{.line = {.time_s = 3.5,
-                                                     .camera = {0.5, 0.25, 120},
-                                                     .azimuth_rad = -1,
-                                                     .elevation_rad = -0.75,
-                                                     .range_m = 99,
-                                                     .sigma_rad = 0.001,
-                                                     .sigma_range_m = 2},
-                                            .heading_rad = 3,
-                                            .sigma_position_m = 0.5,
-                                            .sigma_attitude_rad = 0.01};
+  IndexBatch batch = MakeBatch(7, 2, 0.75);
+  batch.sightings[0].sighting.observation = BearingObservation{.line = {.time_s = 3.5,
+                                                                        .camera = {0.5, 0.25, 120},
+                                                                        .azimuth_rad = -1,
+                                                                        .elevation_rad = -0.75,
+                                                                        .range_m = 99,
+                                                                        .sigma_rad = 0.001,
+                                                                        .sigma_range_m = 2},
+                                                               .heading_rad = 3,
+                                                               .sigma_position_m = 0.5,
+                                                               .sigma_attitude_rad = 0.01};
   CommitOne(batch);
   const auto sightings = Sightings();
   ASSERT_THAT(sightings, SizeIs(2));
-  EXPECT_FALSE(sightings[1].sight);
-  ASSERT_TRUE(sightings[0].sight);
-  const Sight& sight = *sightings[0].sight;
-  EXPECT_EQ(sight.line.time_s, 3.5);
-  EXPECT_EQ(sight.line.camera, (GeodeticPoint{0.5, 0.25, 120}));
-  EXPECT_EQ(sight.line.azimuth_rad, -1);
-  EXPECT_EQ(sight.line.elevation_rad, -0.75);
-  EXPECT_EQ(sight.line.range_m, 99);
-  EXPECT_EQ(sight.line.sigma_rad, 0.001);
-  EXPECT_EQ(sight.line.sigma_range_m, 2);
-  EXPECT_EQ(sight.heading_rad, 3);
-  EXPECT_EQ(sight.sigma_position_m, 0.5);
-  EXPECT_EQ(sight.sigma_attitude_rad, 0.01);
+  EXPECT_FALSE(sightings[1].observation);
+  ASSERT_TRUE(sightings[0].observation);
+  const BearingObservation& observation = *sightings[0].observation;
+  EXPECT_EQ(observation.line.time_s, 3.5);
+  EXPECT_EQ(observation.line.camera, (GeodeticPoint{0.5, 0.25, 120}));
+  EXPECT_EQ(observation.line.azimuth_rad, -1);
+  EXPECT_EQ(observation.line.elevation_rad, -0.75);
+  EXPECT_EQ(observation.line.range_m, 99);
+  EXPECT_EQ(observation.line.sigma_rad, 0.001);
+  EXPECT_EQ(observation.line.sigma_range_m, 2);
+  EXPECT_EQ(observation.heading_rad, 3);
+  EXPECT_EQ(observation.sigma_position_m, 0.5);
+  EXPECT_EQ(observation.sigma_attitude_rad, 0.01);
 }
 
 TEST_P(IndexStoreTest, RunsBecomeOneObjectWithItsPlace) {
-  const std::int64_t first = CommitOne(OneObject(0, 2, 0.5));
-  const std::int64_t second = CommitOne(OneObject(10, 3, 0.9));
-  ObjectRecord object{.id = first, .model = model_, .runs = {first, second}, .place = SomePlace(0.5)};
+  const std::int64_t first = CommitOne(MakeBatch(0, 2, 0.5));
+  const std::int64_t second = CommitOne(MakeBatch(10, 3, 0.9));
+  ObjectRecord object{.id = first, .model = model_, .tracklets = {first, second}, .place = SomePlace(0.5)};
   object.place->velocity_enu = Eigen::Vector3d(1, -2, 0);
   object.place->velocity_covariance_enu = Eigen::Matrix3d::Identity();
   object.heading_rad = 1.25;
@@ -255,7 +255,7 @@ TEST_P(IndexStoreTest, RunsBecomeOneObjectWithItsPlace) {
   EXPECT_EQ(stored.first_time_s, 0);
   EXPECT_EQ(stored.last_time_s, 6);
   EXPECT_THAT(stored.videos, ElementsAre(video_));
-  EXPECT_THAT(stored.runs, ElementsAre(first, second));
+  EXPECT_THAT(stored.tracklets, ElementsAre(first, second));
   ASSERT_TRUE(stored.place);
   EXPECT_EQ(stored.place->point, object.place->point);
   EXPECT_EQ(stored.place->time_s, 1.5);
@@ -267,8 +267,8 @@ TEST_P(IndexStoreTest, RunsBecomeOneObjectWithItsPlace) {
   for (const SightingRecord& sighting : Sightings()) EXPECT_EQ(sighting.object, first);
 
   // After the split, the second object has its own id again, and unknown values are empty.
-  const std::vector<ObjectRecord> apart = {{.id = first, .model = model_, .runs = {first}},
-                                           {.id = second, .model = model_, .runs = {second}}};
+  const std::vector<ObjectRecord> apart = {{.id = first, .model = model_, .tracklets = {first}},
+                                           {.id = second, .model = model_, .tracklets = {second}}};
   ASSERT_TRUE(store_->PutObjects(apart));
   EXPECT_THAT(ObjectIds(), ElementsAre(second, first));
   EXPECT_FALSE(store_->Objects({})->front().place);
@@ -276,14 +276,14 @@ TEST_P(IndexStoreTest, RunsBecomeOneObjectWithItsPlace) {
 }
 
 TEST_P(IndexStoreTest, AnObjectOfTwoVideosOutlivesOneOfThem) {
-  const std::int64_t first = CommitOne(OneObject(0, 2, 0.5));
+  const std::int64_t first = CommitOne(MakeBatch(0, 2, 0.5));
   const std::int64_t one = video_;
   video_ = PutVideo("c2", "b.mp4").id;
-  const std::int64_t second = CommitOne(OneObject(0, 2, 0.6));
-  const ObjectRecord object{.id = first, .model = model_, .runs = {first, second}};
+  const std::int64_t second = CommitOne(MakeBatch(0, 2, 0.6));
+  const ObjectRecord object{.id = first, .model = model_, .tracklets = {first, second}};
   ASSERT_TRUE(store_->PutObjects(std::span(&object, 1)));
   EXPECT_THAT(store_->Objects({.video_name = "b.mp4"})->front().videos, ElementsAre(one, video_));
-  ASSERT_TRUE(store_->ForgetSearch(one, model_));
+  ASSERT_TRUE(store_->DeleteSearch(one, model_));
   const auto objects = store_->Objects({});
   ASSERT_THAT(*objects, SizeIs(1));
   EXPECT_THAT(objects->front().videos, ElementsAre(video_));
@@ -291,27 +291,25 @@ TEST_P(IndexStoreTest, AnObjectOfTwoVideosOutlivesOneOfThem) {
 }
 
 TEST_P(IndexStoreTest, WhatWasRejectedIsLeftOutUnlessAskedFor) {
-  const std::int64_t id = CommitOne(OneObject(0, 2, 0.5));
-  const ObjectRecord object{.id = id, .model = model_, .runs = {id}, .rejected = "7 times too large"};
+  const std::int64_t id = CommitOne(MakeBatch(0, 2, 0.5));
+  const ObjectRecord object{.id = id, .model = model_, .tracklets = {id}, .rejected = "7 times too large"};
   ASSERT_TRUE(store_->PutObjects(std::span(&object, 1)));
   EXPECT_THAT(ObjectIds(), ElementsAre());
   EXPECT_THAT(Sightings(), SizeIs(0));
-  EXPECT_THAT(Sightings({.rejected_too = true}), SizeIs(2));
-  EXPECT_EQ(store_->Objects({.rejected_too = true})->front().rejected, "7 times too large");
+  EXPECT_THAT(Sightings({.include_rejected = true}), SizeIs(2));
+  EXPECT_EQ(store_->Objects({.include_rejected = true})->front().rejected, "7 times too large");
 }
 
 TEST_P(IndexStoreTest, NearMeansAlongTheGround) {
-  const std::int64_t here = CommitOne(OneObject(0, 1, 0.5));
-  const std::int64_t there = CommitOne(OneObject(5, 1, 0.6));
-  CommitOne(OneObject(8, 1, 0.7));  // of unknown place
+  const std::int64_t here = CommitOne(MakeBatch(0, 1, 0.5));
+  const std::int64_t there = CommitOne(MakeBatch(5, 1, 0.6));
+  CommitOne(MakeBatch(8, 1, 0.7));  // of unknown place
   constexpr double kEarthRadiusM = 6.37e6;
   const std::vector<ObjectRecord> objects = {
-      {.id = here, .model = model_, .runs = {here}, .place = SomePlace(0.5)},
-      {.id = there, .model = model_, .runs = {there}, .place = SomePlace(0.5 + 100 / kEarthRadiusM)}};
+      {.id = here, .model = model_, .tracklets = {here}, .place = SomePlace(0.5)},
+      {.id = there, .model = model_, .tracklets = {there}, .place = SomePlace(0.5 + 100 / kEarthRadiusM)}};
   ASSERT_TRUE(store_->PutObjects(objects));
-  const auto within = [](double radius_m) {
-    return SightingFilter{.near = Surroundings{{0.5, 0.25, -3000}, radius_m}};
-  };
+  const auto within = [](double radius_m) { return SightingFilter{.near = GeoCircle{{0.5, 0.25, -3000}, radius_m}}; };
   EXPECT_THAT(ObjectIds(within(90)), ElementsAre(here));
   EXPECT_THAT(ObjectIds(within(110)), ElementsAre(there, here));
   EXPECT_THAT(Sightings(within(90)), SizeIs(1));
@@ -321,7 +319,7 @@ TEST_P(IndexStoreTest, NearMeansAlongTheGround) {
 }
 
 TEST_P(IndexStoreTest, ABatchIsWholeOrNotAtAll) {
-  IndexBatch batch = OneObject(0, 3, 0.5);
+  IndexBatch batch = MakeBatch(0, 3, 0.5);
   batch.progress.push_back(ProgressTo(3, 0));
   batch.sightings[2].sighting.frame = 1;  // two sightings of one tracklet in one frame
   const auto result = store_->Commit(batch);
@@ -335,11 +333,11 @@ TEST_P(IndexStoreTest, ABatchIsWholeOrNotAtAll) {
 }
 
 TEST_P(IndexStoreTest, WhatIsNotThereIsRefused) {
-  IndexBatch batch = OneObject(0, 1, 0.5);
-  batch.runs[0].id = 1234;
+  IndexBatch batch = MakeBatch(0, 1, 0.5);
+  batch.tracklets[0].id = 1234;
   EXPECT_EQ(store_->Commit(batch).error().code, ErrorCode::kNotFound);
-  batch.runs[0].id.reset();
-  batch.runs[0].run.video = 1234;
+  batch.tracklets[0].id.reset();
+  batch.tracklets[0].tracklet.video = 1234;
   EXPECT_EQ(store_->Commit(batch).error().code, ErrorCode::kNotFound);
 }
 
@@ -366,14 +364,14 @@ TEST_P(IndexStoreTest, ProgressIsKeptAndMovesOnlyFromWhereItStood) {
 
 TEST_P(IndexStoreTest, ForgettingASearchTakesItsFindsAndNothingElse) {
   const std::int64_t other = PutModel("shed", "m2").id;
-  IndexBatch kept = OneObject(0, 2, 0.5);
-  kept.runs[0].run.model = other;
+  IndexBatch kept = MakeBatch(0, 2, 0.5);
+  kept.tracklets[0].tracklet.model = other;
   const std::int64_t kept_id = CommitOne(kept);
-  IndexBatch batch = OneObject(0, 2, 0.6);
+  IndexBatch batch = MakeBatch(0, 2, 0.6);
   batch.progress.push_back(ProgressTo(2, 0));
   const std::int64_t forgotten_id = CommitOne(batch);
 
-  ASSERT_TRUE(store_->ForgetSearch(video_, model_));
+  ASSERT_TRUE(store_->DeleteSearch(video_, model_));
   EXPECT_THAT(ObjectIds(), ElementsAre(kept_id));
   EXPECT_THAT(Sightings(), SizeIs(2));
   EXPECT_FALSE(store_->FindSearch(video_, model_)->has_value());
@@ -382,7 +380,7 @@ TEST_P(IndexStoreTest, ForgettingASearchTakesItsFindsAndNothingElse) {
 }
 
 TEST_P(IndexStoreTest, AModelOfOtherContentReplacesTheOldOne) {
-  IndexBatch batch = OneObject(0, 2, 0.6);
+  IndexBatch batch = MakeBatch(0, 2, 0.6);
   batch.progress.push_back(ProgressTo(2, 0));
   CommitOne(batch);
   EXPECT_EQ(PutModel("humvee", "m1").id, model_) << "the same content stays";
@@ -398,10 +396,10 @@ TEST_P(IndexStoreTest, AModelOfOtherContentReplacesTheOldOne) {
 }
 
 TEST_P(IndexStoreTest, ObjectsComeBestFirst) {
-  const std::int64_t a = CommitOne(OneObject(0, 1, 0.5));
-  const std::int64_t b = CommitOne(OneObject(1, 3, 0.5));
-  const std::int64_t c = CommitOne(OneObject(4, 1, 0.9));
-  const std::int64_t d = CommitOne(OneObject(5, 1, 0.5));
+  const std::int64_t a = CommitOne(MakeBatch(0, 1, 0.5));
+  const std::int64_t b = CommitOne(MakeBatch(1, 3, 0.5));
+  const std::int64_t c = CommitOne(MakeBatch(4, 1, 0.9));
+  const std::int64_t d = CommitOne(MakeBatch(5, 1, 0.5));
   EXPECT_THAT(ObjectIds(), ElementsAre(c, b, a, d));
 }
 
@@ -409,10 +407,10 @@ TEST_P(IndexStoreTest, SightingsComeByVideoFrameAndObject) {
   const std::int64_t first_video = video_;
   const std::int64_t second_video = PutVideo("c0", "b.mp4").id;
   video_ = second_video;
-  CommitOne(OneObject(0, 1, 0.5));
+  CommitOne(MakeBatch(0, 1, 0.5));
   video_ = first_video;
-  const std::int64_t a = CommitOne(OneObject(5, 2, 0.5));
-  const std::int64_t b = CommitOne(OneObject(4, 2, 0.5));
+  const std::int64_t a = CommitOne(MakeBatch(5, 2, 0.5));
+  const std::int64_t b = CommitOne(MakeBatch(4, 2, 0.5));
   std::vector<std::array<std::int64_t, 3>> order;
   for (const SightingRecord& s : Sightings()) order.push_back({s.video, s.frame, s.object});
   ASSERT_THAT(order, SizeIs(5));
@@ -423,8 +421,8 @@ TEST_P(IndexStoreTest, SightingsComeByVideoFrameAndObject) {
 }
 
 TEST_P(IndexStoreTest, FiltersByModelVideoAndTime) {
-  const std::int64_t early = CommitOne(OneObject(0, 3, 0.5));  // 0 to 1 s
-  const std::int64_t late = CommitOne(OneObject(10, 3, 0.4));  // 5 to 6 s
+  const std::int64_t early = CommitOne(MakeBatch(0, 3, 0.5));  // 0 to 1 s
+  const std::int64_t late = CommitOne(MakeBatch(10, 3, 0.4));  // 5 to 6 s
   EXPECT_THAT(ObjectIds({.model_name = "humvee"}), ElementsAre(early, late));
   EXPECT_TRUE(ObjectIds({.model_name = "shed"}).empty());
   EXPECT_THAT(ObjectIds({.video_name = "flight/a.mp4"}), SizeIs(2));
@@ -439,10 +437,10 @@ TEST_P(IndexStoreTest, FiltersByModelVideoAndTime) {
 }
 
 TEST_P(IndexStoreTest, FiltersByCategory) {
-  const std::int64_t of_model = CommitOne(OneObject(0, 1, 0.5));
+  const std::int64_t of_model = CommitOne(MakeBatch(0, 1, 0.5));
   const auto of_category = [&](const std::string& name, double score) {
     model_ = store_->PutModel({.name = name, .model_id = "c", .kind = std::string(kCategoryKind)}).value().id;
-    return CommitOne(OneObject(0, 1, score));
+    return CommitOne(MakeBatch(0, 1, score));
   };
   const std::int64_t car = of_category("vehicle/car", 0.9);
   const std::int64_t vehicle = of_category("vehicle", 0.8);
@@ -457,7 +455,7 @@ TEST_P(IndexStoreTest, FiltersByCategory) {
 }
 
 TEST_P(IndexStoreTest, VisitingStopsWhenToldTo) {
-  CommitOne(OneObject(0, 5, 0.5));
+  CommitOne(MakeBatch(0, 5, 0.5));
   int seen = 0;
   EXPECT_TRUE(store_->VisitSightings({}, [&](SightingRecord&&) { return ++seen < 2; }));
   EXPECT_EQ(seen, 2);
@@ -465,7 +463,7 @@ TEST_P(IndexStoreTest, VisitingStopsWhenToldTo) {
 }
 
 TEST_P(IndexStoreTest, TheStoreCanBeAskedWhileItIsVisited) {
-  CommitOne(OneObject(0, 3, 0.5));
+  CommitOne(MakeBatch(0, 3, 0.5));
   std::size_t inner = 0;
   EXPECT_TRUE(store_->VisitSightings({}, [&](SightingRecord&&) {
     inner += Sightings().size();
@@ -500,7 +498,7 @@ TEST_P(IndexStoreTest, KeptFramesComeBackOnceInOrder) {
     EXPECT_EQ(kept.features.descriptors, batch.kept_frames[0].features.descriptors);
     return false;
   }));
-  ASSERT_TRUE(store_->ForgetKeptFrames(video_));
+  ASSERT_TRUE(store_->DeleteKeptFrames(video_));
   EXPECT_TRUE(KeptFrames().empty());
 }
 
@@ -519,7 +517,7 @@ TEST(VideosNamedTest, TakesTheWholeNameBeforeItsLastParts) {
                                            {.id = 5, .name = "rtsp://camera/live"}};
   const auto ids = [&](std::string_view name) {
     std::vector<std::int64_t> found;
-    for (const VideoRecord& video : VideosNamed(videos, name)) found.push_back(video.id);
+    for (const VideoRecord& video : FindVideosByName(videos, name)) found.push_back(video.id);
     return found;
   };
   EXPECT_THAT(ids("a.mp4"), ElementsAre(1));

@@ -34,7 +34,7 @@ Expected<std::vector<ListedObject>> ListObjects(IndexStore& store, const Catalog
   return listed;
 }
 
-std::optional<double> SpeedOf(const ObjectRecord& object) {
+std::optional<double> ComputeSpeed(const ObjectRecord& object) {
   if (!object.place || !object.place->velocity_enu) return std::nullopt;
   return object.place->velocity_enu->norm();
 }
@@ -58,9 +58,9 @@ Json ObjectJson(const ListedObject& listed) {
                {"ce90_m", nullptr},
                {"le90_m", nullptr},
                {"heading_deg", OrNull(object.heading_rad, &DegreesJson)},
-               {"speed_m_s", OrNull(SpeedOf(object), &MetresJson)}};
+               {"speed_m_s", OrNull(ComputeSpeed(object), &MetresJson)}};
   if (object.place) {
-    const Place& place = *object.place;
+    const Geolocation& place = *object.place;
     json["place_time_s"] = TimeJson(place.time_s);
     json["latitude_deg"] = GeodeticJson(place.point.latitude_rad);
     json["longitude_deg"] = GeodeticJson(place.point.longitude_rad);

@@ -30,6 +30,6 @@ Expected<std::vector<ListedObject>> ListObjects(IndexStore& store, const Catalog
 Json ObjectJson(const ListedObject& listed);
 
 /// Speed in three dimensions, m/s; std::nullopt if the motion is unknown.
-std::optional<double> SpeedOf(const ObjectRecord& object);
+std::optional<double> ComputeSpeed(const ObjectRecord& object);
 
 }  // namespace victorious

@@ -69,9 +69,9 @@ Expected<std::span<const Point3>> ParsePoints(const SectionFile& file) {
 }
 
 // A per-view byte block: the thumbnail or the surface.
-using Piece = std::span<const std::byte> ModelView::*;
+using ViewBlock = std::span<const std::byte> ModelView::*;
 
-Status ParsePieces(const SectionFile& file, std::string_view tag, Piece piece, std::vector<ModelView>& views) {
+Status ParseViewBlocks(const SectionFile& file, std::string_view tag, ViewBlock block, std::vector<ModelView>& views) {
   const auto it = std::ranges::find(file.sections, tag, &Section::tag);
   if (it == file.sections.end()) return {};
   const std::size_t table = views.size() * sizeof(std::uint32_t);
@@ -80,7 +80,7 @@ Status ParsePieces(const SectionFile& file, std::string_view tag, Piece piece, s
   for (std::size_t i = 0; i < views.size() && end <= bytes.size(); ++i) {
     std::uint32_t size = 0;
     std::memcpy(&size, bytes.data() + i * sizeof(size), sizeof(size));
-    if (size <= bytes.size() - end) views[i].*piece = bytes.subspan(end, size);
+    if (size <= bytes.size() - end) views[i].*block = bytes.subspan(end, size);
     end += size;
   }
   if (end == bytes.size()) return {};
@@ -88,20 +88,20 @@ Status ParsePieces(const SectionFile& file, std::string_view tag, Piece piece, s
 }
 
 // Encodes the sizes of the blocks, then the blocks; empty if no view has one.
-std::vector<std::byte> EncodePieces(const ObjectModel& model, Piece piece) {
+std::vector<std::byte> EncodeViewBlocks(const ObjectModel& model, ViewBlock block) {
   std::vector<std::byte> bytes;
   const auto append = [&](std::span<const std::byte> more) { bytes.insert(bytes.end(), more.begin(), more.end()); };
-  if (std::ranges::all_of(model.views, [&](const ModelView& view) { return (view.*piece).empty(); })) return bytes;
+  if (std::ranges::all_of(model.views, [&](const ModelView& view) { return (view.*block).empty(); })) return bytes;
   for (const ModelView& view : model.views) {
-    const auto size = static_cast<std::uint32_t>((view.*piece).size());
+    const auto size = static_cast<std::uint32_t>((view.*block).size());
     append(std::as_bytes(std::span(&size, 1)));
   }
-  for (const ModelView& view : model.views) append(view.*piece);
+  for (const ModelView& view : model.views) append(view.*block);
   return bytes;
 }
 
 // The id hashes only the data that the search depends on, not the paths of the images or the program version.
-std::string IdOf(const ObjectModel& model) {
+std::string ComputeModelId(const ObjectModel& model) {
   std::string text =
       fmt::format("{} {} {:016x} {:016x}", model.kind, model.engine, Checksum(std::as_bytes(model.features.keypoints)),
                   Checksum(std::as_bytes(model.features.descriptors)));
@@ -120,12 +120,12 @@ Expected<ObjectModel> ParseAligned(std::span<const std::byte> bytes, std::shared
                               ParseMetadata({reinterpret_cast<const char*>(metadata.data()), metadata.size()}));
   VICTORIOUS_ASSIGN_OR_RETURN(model.features, ParseFeatures(file));
   VICTORIOUS_ASSIGN_OR_RETURN(model.points_in_model, ParsePoints(file));
-  VICTORIOUS_RETURN_IF_ERROR(ParsePieces(file, kThumbnailsTag, &ModelView::thumbnail, model.views));
-  VICTORIOUS_RETURN_IF_ERROR(ParsePieces(file, kSurfacesTag, &ModelView::surface, model.views));
+  VICTORIOUS_RETURN_IF_ERROR(ParseViewBlocks(file, kThumbnailsTag, &ModelView::thumbnail, model.views));
+  VICTORIOUS_RETURN_IF_ERROR(ParseViewBlocks(file, kSurfacesTag, &ModelView::surface, model.views));
   if (Status status = Validate(model); !status) {
     return Fail(ErrorCode::kDataLoss, fmt::format("damaged ({})", status.error().message));
   }
-  model.id = IdOf(model);
+  model.id = ComputeModelId(model);
   model.storage = std::move(storage);
   return model;
 }
@@ -140,9 +140,9 @@ Expected<std::vector<std::byte>> EncodeModel(const ObjectModel& model) {
                           Section{kKeypointsTag, std::as_bytes(model.features.keypoints)},
                           Section{kDescriptorsTag, std::as_bytes(model.features.descriptors)}};
   if (!model.points_in_model.empty()) sections.push_back({kPointsTag, std::as_bytes(model.points_in_model)});
-  const std::vector<std::byte> thumbnails = EncodePieces(model, &ModelView::thumbnail);
+  const std::vector<std::byte> thumbnails = EncodeViewBlocks(model, &ModelView::thumbnail);
   if (!thumbnails.empty()) sections.push_back({kThumbnailsTag, thumbnails});
-  const std::vector<std::byte> surfaces = EncodePieces(model, &ModelView::surface);
+  const std::vector<std::byte> surfaces = EncodeViewBlocks(model, &ModelView::surface);
   if (!surfaces.empty()) sections.push_back({kSurfacesTag, surfaces});
   return EncodeSections(sections);
 }

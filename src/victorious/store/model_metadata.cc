@@ -154,7 +154,7 @@ std::optional<json> ParseJson(std::string_view text) {
 bool IsSane(double coordinate_px) { return std::abs(coordinate_px) <= kMaxCoordinatePx; }  // false for NaN
 
 // The view's first fault; empty if there is none.
-std::string FaultOf(const ModelView& view) {
+std::string FindFault(const ModelView& view) {
   if (view.width < 1 || view.height < 1 || view.width > kMaxImageSizePx || view.height > kMaxImageSizePx) {
     return fmt::format("an image of {} x {} px, expected 1 to {}", view.width, view.height, kMaxImageSizePx);
   }
@@ -228,7 +228,7 @@ Status ValidateMetadata(const ObjectModel& model, std::size_t feature_count) {
   std::uint64_t next_feature = 0;
   for (std::size_t i = 0; i < model.views.size(); ++i) {
     const ModelView& view = model.views[i];
-    if (const std::string fault = FaultOf(view); !fault.empty()) return fail(fmt::format("view {} has {}", i, fault));
+    if (const std::string fault = FindFault(view); !fault.empty()) return fail(fmt::format("view {} has {}", i, fault));
     if (view.first_feature != next_feature || view.feature_count > feature_count - next_feature) {
       return fail(fmt::format("view {} has features that are not contiguous with those of the preceding view", i));
     }

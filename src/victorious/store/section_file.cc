@@ -48,7 +48,7 @@ std::uint64_t HeaderChecksum(const Header& header) {
   return Checksum(std::as_bytes(std::span(&header, 1)).first(offsetof(Header, header_checksum)));
 }
 
-std::string_view TagOf(std::span<const std::byte> entry) {
+std::string_view ReadTag(std::span<const std::byte> entry) {
   const std::string_view padded(reinterpret_cast<const char*>(entry.data()), kMaxTag);
   return padded.substr(0, padded.find('\0'));
 }
@@ -57,8 +57,8 @@ Expected<Header> ParseHeader(std::span<const std::byte> bytes) {
   Header header;
   if (bytes.size() < sizeof(Header)) {
     const std::size_t common = std::min(bytes.size(), kMagic.size());
-    const bool begins_right = common > 0 && std::memcmp(bytes.data(), kMagic.data(), common) == 0;
-    if (!begins_right) return Fail(ErrorCode::kDataLoss, "not a model file");
+    const bool has_valid_prefix = common > 0 && std::memcmp(bytes.data(), kMagic.data(), common) == 0;
+    if (!has_valid_prefix) return Fail(ErrorCode::kDataLoss, "not a model file");
     return Fail(ErrorCode::kDataLoss, fmt::format("cut off after {} bytes", bytes.size()));
   }
   std::memcpy(&header, bytes.data(), sizeof(Header));
@@ -87,7 +87,7 @@ Expected<Section> ParseEntry(std::span<const std::byte> bytes, std::span<const s
                              std::size_t table_end) {
   TableEntry entry;
   std::memcpy(&entry, entry_bytes.data(), sizeof(TableEntry));
-  const std::string_view tag = TagOf(entry_bytes);
+  const std::string_view tag = ReadTag(entry_bytes);
   const bool inside = entry.offset >= table_end && entry.offset <= bytes.size() &&
                       entry.size <= bytes.size() - entry.offset && entry.offset % kSectionAlignment == 0;
   if (!inside) return Fail(ErrorCode::kDataLoss, "damaged (a section is outside the file)");

@@ -18,7 +18,7 @@
 namespace victorious {
 namespace {
 
-constexpr std::size_t kMostWarnings = 20;
+constexpr std::size_t kMaxWarnings = 20;
 constexpr std::array<std::string_view, 4> kPlaceColumns = {"time_s", "latitude_deg", "longitude_deg", "altitude_m"};
 constexpr std::array<std::string_view, 5> kDistortionColumns = {"k1", "k2", "p1", "p2", "k3"};
 constexpr std::array<std::pair<VerticalDatum, std::string_view>, 5> kDatums = {{
@@ -46,13 +46,13 @@ class Row {
   [[nodiscard]] Expected<std::optional<double>> Number(std::string_view column, double min, double max) const {
     const std::string_view text = Text(column);
     if (text.empty()) return std::nullopt;
-    const auto number = NumberIn(text);
+    const auto number = ParseNumber(text);
     if (number && *number >= min && *number <= max) return number;
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("{} is \"{}\": must be a number from {} to {}", column, text.substr(0, 40), min, max));
   }
 
-  [[nodiscard]] Expected<double> Needed(std::string_view column, double min, double max) const {
+  [[nodiscard]] Expected<double> Required(std::string_view column, double min, double max) const {
     VICTORIOUS_ASSIGN_OR_RETURN(const auto number, Number(column, min, max));
     if (!number) return Fail(ErrorCode::kInvalidArgument, fmt::format("{} is empty", column));
     return *number;
@@ -63,7 +63,7 @@ class Row {
   std::vector<std::string> cells_;
 };
 
-Expected<std::optional<Attitude>> AttitudeOfRow(const Row& row) {
+Expected<std::optional<Attitude>> ParseAttitude(const Row& row) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto yaw_deg, row.Number("yaw_deg", -720, 720));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto pitch_deg, row.Number("pitch_deg", -90, 90));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto roll_deg, row.Number("roll_deg", -720, 720));
@@ -71,17 +71,17 @@ Expected<std::optional<Attitude>> AttitudeOfRow(const Row& row) {
   return Attitude{RadiansFromDegrees(*yaw_deg), RadiansFromDegrees(*pitch_deg), RadiansFromDegrees(*roll_deg)};
 }
 
-Expected<VerticalDatum> DatumOfRow(const Row& row) {
+Expected<VerticalDatum> ParseDatum(const Row& row) {
   const std::string_view name = row.Text("vertical_datum");
   if (name.empty()) return VerticalDatum::kEllipsoid;
-  if (const auto datum = VerticalDatumOf(name)) return *datum;
+  if (const auto datum = ParseVerticalDatum(name)) return *datum;
   return Fail(ErrorCode::kInvalidArgument,
               fmt::format("vertical_datum is \"{}\": must be ellipsoid, egm96, egm2008, takeoff or unknown",
                           name.substr(0, 40)));
 }
 
 // Missing coefficients are 0; std::nullopt if all are missing.
-Expected<std::optional<std::array<double, 5>>> DistortionOfRow(const Row& row) {
+Expected<std::optional<std::array<double, 5>>> ParseDistortion(const Row& row) {
   std::optional<std::array<double, 5>> distortion;
   for (std::size_t i = 0; i < kDistortionColumns.size(); ++i) {
     VICTORIOUS_ASSIGN_OR_RETURN(const auto number, row.Number(kDistortionColumns[i], -1e3, 1e3));
@@ -92,27 +92,27 @@ Expected<std::optional<std::array<double, 5>>> DistortionOfRow(const Row& row) {
   return distortion;
 }
 
-Expected<CameraState> StateOfRow(const Row& row) {
-  constexpr double kLongest = 1e9;  // seconds: thirty years
-  constexpr double kHighest = 1e7;  // metres
+Expected<CameraState> ParseState(const Row& row) {
+  constexpr double kMaxTime_s = 1e9;      // seconds: thirty years
+  constexpr double kMaxAltitude_m = 1e7;  // metres
   CameraState state;
-  VICTORIOUS_ASSIGN_OR_RETURN(state.time_s, row.Needed("time_s", -kLongest, kLongest));
-  VICTORIOUS_ASSIGN_OR_RETURN(const double latitude_deg, row.Needed("latitude_deg", -90, 90));
-  VICTORIOUS_ASSIGN_OR_RETURN(const double longitude_deg, row.Needed("longitude_deg", -180, 360));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto altitude_m, row.Number("altitude_m", -kHighest, kHighest));
+  VICTORIOUS_ASSIGN_OR_RETURN(state.time_s, row.Required("time_s", -kMaxTime_s, kMaxTime_s));
+  VICTORIOUS_ASSIGN_OR_RETURN(const double latitude_deg, row.Required("latitude_deg", -90, 90));
+  VICTORIOUS_ASSIGN_OR_RETURN(const double longitude_deg, row.Required("longitude_deg", -180, 360));
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto altitude_m, row.Number("altitude_m", -kMaxAltitude_m, kMaxAltitude_m));
   state.place.altitude_m = altitude_m.value_or(0);
   state.place.latitude_rad = RadiansFromDegrees(latitude_deg);
   state.place.longitude_rad = RadiansFromDegrees(longitude_deg > 180 ? longitude_deg - 360 : longitude_deg);
-  VICTORIOUS_ASSIGN_OR_RETURN(state.attitude, AttitudeOfRow(row));
+  VICTORIOUS_ASSIGN_OR_RETURN(state.attitude, ParseAttitude(row));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto hfov_deg, row.Number("hfov_deg", 0, 180));
   if (hfov_deg && *hfov_deg > 0 && *hfov_deg < 180) state.hfov_rad = RadiansFromDegrees(*hfov_deg);
-  VICTORIOUS_ASSIGN_OR_RETURN(state.sigma_position_m, row.Number("sigma_position_m", 0, kHighest));
+  VICTORIOUS_ASSIGN_OR_RETURN(state.sigma_position_m, row.Number("sigma_position_m", 0, kMaxAltitude_m));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto sigma_deg, row.Number("sigma_attitude_deg", 0, 180));
   if (sigma_deg) state.sigma_attitude_rad = RadiansFromDegrees(*sigma_deg);
-  VICTORIOUS_ASSIGN_OR_RETURN(state.datum, DatumOfRow(row));
+  VICTORIOUS_ASSIGN_OR_RETURN(state.datum, ParseDatum(row));
   if (!altitude_m) state.datum = VerticalDatum::kUnknown;
-  VICTORIOUS_ASSIGN_OR_RETURN(state.distortion, DistortionOfRow(row));
-  state.utc_us = MicrosecondsOfUtc(row.Text("utc"));
+  VICTORIOUS_ASSIGN_OR_RETURN(state.distortion, ParseDistortion(row));
+  state.utc_us = ParseUtc(row.Text("utc"));
   return state;
 }
 
@@ -137,7 +137,7 @@ const std::array<OptionalColumn, 9>& OptionalColumns() {
   static const std::array<OptionalColumn, 9> columns = {{
       {"sigma_position_m", [](const CameraState& state) { return Cell(state.sigma_position_m); }},
       {"sigma_attitude_deg", [](const CameraState& state) { return Cell(Degrees(state.sigma_attitude_rad)); }},
-      {"utc", [](const CameraState& state) { return state.utc_us ? UtcText(*state.utc_us) : std::string(); }},
+      {"utc", [](const CameraState& state) { return state.utc_us ? FormatUtc(*state.utc_us) : std::string(); }},
       {"vertical_datum", [](const CameraState& state) { return std::string(Name(state.datum)); }},
       {"k1", &DistortionCell<0>},
       {"k2", &DistortionCell<1>},
@@ -148,7 +148,7 @@ const std::array<OptionalColumn, 9>& OptionalColumns() {
   return columns;
 }
 
-std::string NeededCells(const CameraState& state) {
+std::string RequiredCells(const CameraState& state) {
   const auto& attitude = state.attitude;
   const bool has_height = state.datum != VerticalDatum::kUnknown;
   return fmt::format("{:.6f},{:.10f},{:.10f},{},{},{},{},{}", state.time_s,
@@ -162,7 +162,7 @@ std::string NeededCells(const CameraState& state) {
 }  // namespace
 
 bool LooksLikeCameraCsv(std::string_view text) {
-  text = WithoutByteOrderMark(text);
+  text = StripByteOrderMark(text);
   const std::vector<std::string> names = SplitRow(TakeLine(text));
   return std::ranges::count_if(names, [](const std::string& name) {
            return std::ranges::find(kPlaceColumns, name) != kPlaceColumns.end();
@@ -170,7 +170,7 @@ bool LooksLikeCameraCsv(std::string_view text) {
 }
 
 Expected<CameraRows> ParseCameraCsv(std::string_view text) {
-  text = WithoutByteOrderMark(text);
+  text = StripByteOrderMark(text);
   Columns columns;
   std::size_t at = 0;
   for (const std::string& name : SplitRow(TakeLine(text))) columns.emplace(name, at++);
@@ -181,23 +181,23 @@ Expected<CameraRows> ParseCameraCsv(std::string_view text) {
     }
   }
   CameraRows rows;
-  int without_moment = 0;
+  int bad_times = 0;
   for (int line = 2; !text.empty(); ++line) {
     const std::string_view cells = TakeLine(text);
-    if (WithoutBlanks(cells).empty()) continue;
+    if (TrimBlanks(cells).empty()) continue;
     ++rows.rows;
     const Row row(columns, SplitRow(cells));
-    auto state = StateOfRow(row);
+    auto state = ParseState(row);
     if (state) {
-      without_moment += !row.Text("utc").empty() && !state->utc_us ? 1 : 0;
+      bad_times += !row.Text("utc").empty() && !state->utc_us ? 1 : 0;
       rows.states.push_back(*std::move(state));
-    } else if (rows.warnings.size() < kMostWarnings) {
+    } else if (rows.warnings.size() < kMaxWarnings) {
       rows.warnings.push_back(fmt::format("line {} is skipped: {}", line, state.error().message));
     }
   }
-  if (without_moment > 0) {
-    rows.warnings.push_back(fmt::format(
-        "utc of {} rows is ignored: must be an ISO 8601 time such as 2026-05-27T13:14:22.911Z", without_moment));
+  if (bad_times > 0) {
+    rows.warnings.push_back(
+        fmt::format("utc of {} rows is ignored: must be an ISO 8601 time such as 2026-05-27T13:14:22.911Z", bad_times));
   }
   if (!rows.states.empty()) return rows;
   return Fail(ErrorCode::kInvalidArgument, rows.warnings.empty()
@@ -205,8 +205,8 @@ Expected<CameraRows> ParseCameraCsv(std::string_view text) {
                                                : fmt::format("no row can be read: {}", rows.warnings[0]));
 }
 
-std::string CameraCsvText(std::span<const CameraState> states, std::span<const CsvColumn> more,
-                          std::span<const std::string_view> always) {
+std::string FormatCameraCsv(std::span<const CameraState> states, std::span<const CsvColumn> more,
+                            std::span<const std::string_view> always) {
   std::string text = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg";
   std::vector<const OptionalColumn*> used;
   for (const OptionalColumn& column : OptionalColumns()) {
@@ -219,7 +219,7 @@ std::string CameraCsvText(std::span<const CameraState> states, std::span<const C
   for (const CsvColumn& column : more) text += "," + column.name;
   text += "\n";
   for (std::size_t i = 0; i < states.size(); ++i) {
-    text += NeededCells(states[i]);
+    text += RequiredCells(states[i]);
     for (const OptionalColumn* column : used) text += "," + column->cell(states[i]);
     for (const CsvColumn& column : more) text += "," + column.cells[i];
     text += "\n";
@@ -231,7 +231,7 @@ std::string_view Name(VerticalDatum datum) {
   return std::ranges::find(kDatums, datum, &std::pair<VerticalDatum, std::string_view>::first)->second;
 }
 
-std::optional<VerticalDatum> VerticalDatumOf(std::string_view name) {
+std::optional<VerticalDatum> ParseVerticalDatum(std::string_view name) {
   const auto* found = std::ranges::find(kDatums, name, &std::pair<VerticalDatum, std::string_view>::second);
   return found == kDatums.end() ? std::nullopt : std::optional(found->first);
 }

@@ -33,12 +33,12 @@ struct CsvColumn {
 
 /// The table as text: the eight required columns, the optional columns that any state has or that `always` names, then
 /// `more`. Unknown values are empty cells.
-[[nodiscard]] std::string CameraCsvText(std::span<const CameraState> states, std::span<const CsvColumn> more = {},
-                                        std::span<const std::string_view> always = {});
+[[nodiscard]] std::string FormatCameraCsv(std::span<const CameraState> states, std::span<const CsvColumn> more = {},
+                                          std::span<const std::string_view> always = {});
 
 /// "ellipsoid", "egm96", "egm2008", "takeoff", "unknown".
 [[nodiscard]] std::string_view Name(VerticalDatum datum);
 /// The inverse of Name; std::nullopt for any other text.
-[[nodiscard]] std::optional<VerticalDatum> VerticalDatumOf(std::string_view name);
+[[nodiscard]] std::optional<VerticalDatum> ParseVerticalDatum(std::string_view name);
 
 }  // namespace victorious

@@ -34,7 +34,7 @@ TEST(CameraCsv, WhatIsWrittenIsReadAgain) {
   full.utc_us = 1'600'000'000'123'456;
   full.distortion = {0.1, -0.2, 0.003, -0.004, 0.05};
   const CameraState bare{.time_s = 2, .place = {0.7, -1.2, 301}};
-  const auto rows = ParseCameraCsv(CameraCsvText(std::vector{full, bare}));
+  const auto rows = ParseCameraCsv(FormatCameraCsv(std::vector{full, bare}));
   ASSERT_TRUE(rows) << rows.error().message;
   ASSERT_EQ(rows->states.size(), 2U);
   const CameraState& again = rows->states[0];
@@ -67,7 +67,7 @@ TEST(CameraCsv, AHeightThatIsNotToldIsUnknownBothWays) {
   ASSERT_EQ(rows->states.size(), 1U);
   EXPECT_EQ(rows->states[0].datum, VerticalDatum::kUnknown);
   EXPECT_FALSE(rows->states[0].IsComplete());
-  const auto again = ParseCameraCsv(CameraCsvText(rows->states, {}, {}));
+  const auto again = ParseCameraCsv(FormatCameraCsv(rows->states, {}, {}));
   ASSERT_TRUE(again);
   EXPECT_EQ(again->states[0].datum, VerticalDatum::kUnknown);
 }

@@ -9,11 +9,11 @@
 
 namespace victorious {
 
-class CameraTrack {
+class CameraTrajectory {
  public:
   /// @param states     in any order; of those with equal times only the first is used
   /// @param max_gap_s  no interpolation between states further apart, s
-  CameraTrack(std::vector<CameraState> states, double max_gap_s);
+  CameraTrajectory(std::vector<CameraState> states, double max_gap_s);
 
   /// @return the interpolated state; std::nullopt in a gap, between states of different vertical datum, and more than
   ///   0.1 s beyond the ends. An optional field that either neighbour lacks is empty.

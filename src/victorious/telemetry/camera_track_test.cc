@@ -17,8 +17,8 @@ CameraState StateAt(double time_s, double longitude_deg, double yaw_deg) {
   return state;
 }
 
-TEST(CameraTrack, PlaceLinearAttitudeOnTheSphere) {
-  const CameraTrack track({StateAt(1, 10.002, 10), StateAt(0, 10.000, 350)}, 2);
+TEST(CameraTrajectory, PlaceLinearAttitudeOnTheSphere) {
+  const CameraTrajectory track({StateAt(1, 10.002, 10), StateAt(0, 10.000, 350)}, 2);
   const auto middle = track.At(0.5);
   ASSERT_TRUE(middle && middle->attitude);
   EXPECT_NEAR(DegreesFromRadians(middle->place.longitude_rad), 10.001, 1e-9);
@@ -27,25 +27,25 @@ TEST(CameraTrack, PlaceLinearAttitudeOnTheSphere) {
   EXPECT_EQ(track.At(1)->time_s, 1);
 }
 
-TEST(CameraTrack, ShortWayAcrossTheDateLine) {
-  const CameraTrack track({StateAt(0, 179.9, 0), StateAt(1, -179.9, 0)}, 2);
+TEST(CameraTrajectory, ShortWayAcrossTheDateLine) {
+  const CameraTrajectory track({StateAt(0, 179.9, 0), StateAt(1, -179.9, 0)}, 2);
   EXPECT_NEAR(std::abs(DegreesFromRadians(track.At(0.5)->place.longitude_rad)), 180, 1e-9);
 }
 
-TEST(CameraTrack, NothingInGapsAndBeyondTheEnds) {
-  const CameraTrack track({StateAt(0, 10, 0), StateAt(1, 10, 0), StateAt(9, 10, 0)}, 2);
+TEST(CameraTrajectory, NothingInGapsAndBeyondTheEnds) {
+  const CameraTrajectory track({StateAt(0, 10, 0), StateAt(1, 10, 0), StateAt(9, 10, 0)}, 2);
   EXPECT_FALSE(track.At(5));
   EXPECT_FALSE(track.At(-0.5));
   EXPECT_FALSE(track.At(9.5));
   EXPECT_TRUE(track.At(9.05)) << "time stamps of frames and packets seldom coincide";
-  EXPECT_FALSE(CameraTrack({}, 2).At(0));
+  EXPECT_FALSE(CameraTrajectory({}, 2).At(0));
   EXPECT_FALSE(track.At(std::numeric_limits<double>::quiet_NaN()));
 }
 
-TEST(CameraTrack, WhatOneNeighbourLacksIsUnknown) {
+TEST(CameraTrajectory, WhatOneNeighbourLacksIsUnknown) {
   CameraState bare = StateAt(1, 10, 0);
   bare.attitude.reset();
-  const CameraTrack track({StateAt(0, 10, 0), bare}, 2);
+  const CameraTrajectory track({StateAt(0, 10, 0), bare}, 2);
   ASSERT_TRUE(track.At(0.5));
   EXPECT_FALSE(track.At(0.5)->attitude);
   EXPECT_TRUE(track.At(0.5)->hfov_rad);

@@ -16,12 +16,12 @@
 namespace victorious {
 namespace {
 
-constexpr std::size_t kLongestMoment = 40;  // maximum length of a line that may be a date and time
+constexpr std::size_t kMaxUtcLength = 40;  // maximum length of a line that may be a date and time
 
 bool IsWordCharacter(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.'; }
 
 // The text after the first occurrence of `word` as a whole word; std::nullopt if there is none.
-std::optional<std::string_view> After(std::string_view text, std::string_view word) {
+std::optional<std::string_view> FindAfterWord(std::string_view text, std::string_view word) {
   for (std::size_t at = text.find(word); at != std::string_view::npos; at = text.find(word, at + 1)) {
     const std::string_view rest = text.substr(at + word.size());
     const bool begins = at == 0 || !IsWordCharacter(text[at - 1]);
@@ -63,7 +63,7 @@ std::optional<Quantity> TakeQuantity(std::string_view& text) {
 
 // The quantity after "word:" or "word :"; std::nullopt for a number with a decimal comma, whose end is ambiguous.
 std::optional<Quantity> QuantityAfter(std::string_view text, std::string_view word) {
-  auto rest = After(text, word);
+  auto rest = FindAfterWord(text, word);
   if (!rest) return std::nullopt;
   TrimFront(*rest);
   if (!rest->starts_with(':')) return std::nullopt;
@@ -82,7 +82,7 @@ std::optional<double> NumberAfter(std::string_view text, std::string_view word) 
 using Triple = std::array<Quantity, 3>;
 
 std::optional<Triple> TripleAfter(std::string_view text, std::string_view word) {
-  auto rest = After(text, word);
+  auto rest = FindAfterWord(text, word);
   if (!rest) return std::nullopt;
   TrimFront(*rest);
   if (!rest->starts_with('(')) return std::nullopt;
@@ -153,7 +153,7 @@ bool ReadGps(std::string_view text, CameraState& state) {
   if (third.IsHeight()) SetTakeoffHeight(state, third);
   constexpr std::array<HeightWord, 2> kWords = {{{"BAROMETER"}, {"Hb"}}};
   SetHeight(text, kWords, state);
-  if (auto rest = After(text, "H")) {
+  if (auto rest = FindAfterWord(text, "H")) {
     if (const auto height = TakeQuantity(*rest)) SetTakeoffHeight(state, *height);
   }
   return true;
@@ -165,7 +165,7 @@ std::optional<Attitude> AttitudeFrom(std::optional<double> yaw_deg, std::optiona
   // Gimbals that pass the vertical continue to count: the rotation is right, but its angles are outside the ranges of
   // Attitude. The conversion normalises them.
   const Attitude turns{RadiansFromDegrees(*yaw_deg), RadiansFromDegrees(*pitch_deg), RadiansFromDegrees(*roll_deg)};
-  return AttitudeOf(CameraFromEnu(turns));
+  return AttitudeFromRotation(CameraFromEnu(turns));
 }
 
 std::optional<Attitude> ReadAttitude(std::string_view text) {
@@ -188,10 +188,10 @@ double DigitalZoom(std::string_view text) {
 std::optional<double> ReadFieldOfView(std::string_view text) {
   constexpr double kDiagonalMm = 43.267;
   constexpr double kWidthOverDiagonal = 0.8716;
-  constexpr double kLongestLensMm = 200;
+  constexpr double kMaxFocal_mm = 200;
   auto focal_mm = NumberAfter(text, "focal_len");
   if (!focal_mm || !(*focal_mm > 0)) return std::nullopt;
-  if (*focal_mm > kLongestLensMm) *focal_mm /= 10;
+  if (*focal_mm > kMaxFocal_mm) *focal_mm /= 10;
   *focal_mm *= DigitalZoom(text);
   return 2 * std::atan(kDiagonalMm * kWidthOverDiagonal / (2 * *focal_mm));
 }
@@ -205,38 +205,38 @@ std::optional<double> TakeCueTime(std::string_view& text) {
       text.remove_prefix(1);
     }
     const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
-    const auto number = digits > 0 && digits < 6 ? NumberIn(text.substr(0, digits)) : std::nullopt;
+    const auto number = digits > 0 && digits < 6 ? ParseNumber(text.substr(0, digits)) : std::nullopt;
     if (!number) return std::nullopt;
     seconds = 60 * seconds + *number;
     text.remove_prefix(digits);
   }
   if (!text.starts_with(',') && !text.starts_with('.')) return seconds;
   const std::size_t digits = std::min(text.find_first_not_of("0123456789", 1), text.size());
-  const auto thousandths = NumberIn(text.substr(1, digits - 1));
+  const auto thousandths = ParseNumber(text.substr(1, digits - 1));
   text.remove_prefix(digits);
   return seconds + thousandths.value_or(0) / std::pow(10.0, static_cast<double>(digits - 1));
 }
 
 std::optional<double> CueStart(std::string_view line) {
   if (!line.contains("-->")) return std::nullopt;
-  line = WithoutBlanks(line);
+  line = TrimBlanks(line);
   return TakeCueTime(line);
 }
 
 bool IsCueNumber(std::string_view line) {
-  line = WithoutBlanks(line);
+  line = TrimBlanks(line);
   return !line.empty() && line.size() < 10 && line.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
 // The first line of a text that is a date and time, as microseconds UTC. In "11:51,393,525" thousandths and millionths
 // follow the seconds; the latter are ignored.
-std::optional<std::int64_t> MomentIn(std::string_view text) {
+std::optional<std::int64_t> FindUtc(std::string_view text) {
   while (!text.empty()) {
-    const std::string_view line = WithoutBlanks(TakeLine(text)).substr(0, kLongestMoment);
+    const std::string_view line = TrimBlanks(TakeLine(text)).substr(0, kMaxUtcLength);
     const std::size_t first_comma = line.find(',');
     const std::size_t second_comma =
         first_comma == std::string_view::npos ? first_comma : line.find(',', first_comma + 1);
-    if (const auto moment = MicrosecondsOfUtc(line.substr(0, second_comma))) return moment;
+    if (const auto moment = ParseUtc(line.substr(0, second_comma))) return moment;
   }
   return std::nullopt;
 }
@@ -256,7 +256,7 @@ std::vector<Cue> SplitCues(std::string_view text) {
     std::string_view ahead = text;
     const std::string_view next = TakeLine(ahead);
     const bool timed = next.contains("-->");
-    const bool dated = MomentIn(next.substr(0, kLongestMoment)).has_value();
+    const bool dated = FindUtc(next.substr(0, kMaxUtcLength)).has_value();
     if (IsCueNumber(line) && (timed || (after_blank && dated))) {
       cues.push_back({timed ? CueStart(next) : std::nullopt, {}});
       if (timed) text = ahead;
@@ -264,18 +264,18 @@ std::vector<Cue> SplitCues(std::string_view text) {
       cues.back().text += line;
       cues.back().text += '\n';
     }
-    after_blank = WithoutBlanks(line).empty();
+    after_blank = TrimBlanks(line).empty();
   }
   return cues;
 }
 
 // The time of a cue: its own, or that of the UTC time in its text relative to the first.
-std::optional<double> TimeOf(const Cue& cue, std::optional<std::int64_t>& first_moment_us) {
+std::optional<double> CueTime(const Cue& cue, std::optional<std::int64_t>& first_utc_us) {
   if (cue.start_s) return cue.start_s;
-  const auto moment_us = MomentIn(cue.text);
-  if (!moment_us) return std::nullopt;
-  if (!first_moment_us) first_moment_us = moment_us;
-  return 1e-6 * static_cast<double>(*moment_us - *first_moment_us);
+  const auto utc_us = FindUtc(cue.text);
+  if (!utc_us) return std::nullopt;
+  if (!first_utc_us) first_utc_us = utc_us;
+  return 1e-6 * static_cast<double>(*utc_us - *first_utc_us);
 }
 
 }  // namespace
@@ -289,8 +289,8 @@ std::optional<CameraState> CameraFromDjiText(std::string_view text) {
 }
 
 bool LooksLikeDjiSrt(std::string_view text) {
-  constexpr std::size_t kEnough = 4096;
-  const std::string_view head = WithoutByteOrderMark(text).substr(0, kEnough);
+  constexpr std::size_t kHeadSize = 4096;
+  const std::string_view head = StripByteOrderMark(text).substr(0, kHeadSize);
   constexpr std::array<std::string_view, 7> kMarks = {"GPS(",    "GPS (",    "HOME(", "latitude",
                                                       "[iso : ", "FrameCnt", "SrtCnt"};
   const bool marked = std::ranges::any_of(kMarks, [&](std::string_view mark) { return head.contains(mark); });
@@ -299,14 +299,14 @@ bool LooksLikeDjiSrt(std::string_view text) {
 
 DjiSubtitles ParseDjiSrt(std::string_view text) {
   DjiSubtitles subtitles;
-  text = WithoutByteOrderMark(text);
-  std::optional<std::int64_t> first_moment_us;
+  text = StripByteOrderMark(text);
+  std::optional<std::int64_t> first_utc_us;
   int without_place = 0;
   int without_time = 0;
   for (const Cue& cue : SplitCues(text)) {
     ++subtitles.cues;
     auto state = CameraFromDjiText(cue.text);
-    const auto time_s = TimeOf(cue, first_moment_us);
+    const auto time_s = CueTime(cue, first_utc_us);
     if (!state || !time_s) {
       ++(state ? without_time : without_place);
       continue;
@@ -321,7 +321,7 @@ DjiSubtitles ParseDjiSrt(std::string_view text) {
   if (without_time > 0) {
     subtitles.warnings.push_back(fmt::format("{} of {} subtitles have no time", without_time, subtitles.cues));
   }
-  if (first_moment_us) {
+  if (first_utc_us) {
     subtitles.warnings.emplace_back(
         "the subtitles have no cue times: the UTC times in their texts are used, relative to the first");
   }

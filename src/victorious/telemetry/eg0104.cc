@@ -58,14 +58,14 @@ constexpr std::array kItems = {
 
 KlvValue DecodeFloat(Bytes bytes) {
   double value = NAN;
-  if (bytes.size() == sizeof(float)) value = std::bit_cast<float>(static_cast<std::uint32_t>(UnsignedOf(bytes)));
-  if (bytes.size() == sizeof(double)) value = std::bit_cast<double>(UnsignedOf(bytes));
+  if (bytes.size() == sizeof(float)) value = std::bit_cast<float>(static_cast<std::uint32_t>(ReadUnsigned(bytes)));
+  if (bytes.size() == sizeof(double)) value = std::bit_cast<double>(ReadUnsigned(bytes));
   return std::isfinite(value) ? KlvValue(value) : KlvValue();
 }
 
 KlvItem DecodeItem(Bytes label, Bytes bytes) {
   KlvItem item{.number = 0, .label = HexText(label), .name = "unknown", .unit = {}, .value = {}, .note = {}};
-  const std::uint64_t code = UnsignedOf(label.subspan(kUniversalLabelSize / 2));
+  const std::uint64_t code = ReadUnsigned(label.subspan(kUniversalLabelSize / 2));
   const auto* spec = std::ranges::find(kItems, code, &UniversalItem::code);
   if (spec == kItems.end()) {
     item.value = KlvRaw(bytes.begin(), bytes.end());
@@ -78,7 +78,7 @@ KlvItem DecodeItem(Bytes label, Bytes bytes) {
   } else if (spec->coding == Coding::kFloat) {
     item.value = DecodeFloat(bytes);
   } else if (!bytes.empty() && bytes.size() <= sizeof(std::uint64_t)) {
-    item.value = UnsignedOf(bytes);
+    item.value = ReadUnsigned(bytes);
   }
   if (std::holds_alternative<std::monostate>(item.value)) item.note = "not a number of a valid length for this item";
   return item;
@@ -88,7 +88,7 @@ KlvItem DecodeItem(Bytes label, Bytes bytes) {
 
 bool IsEg0104Label(Bytes label) {
   return label.size() == kUniversalLabelSize && HexText(label.first(7)) == "060e2b34020101" &&
-         UnsignedOf(label.subspan(kUniversalLabelSize / 2)) == 0x0E01'0102'0101'0000;
+         ReadUnsigned(label.subspan(kUniversalLabelSize / 2)) == 0x0E01'0102'0101'0000;
 }
 
 KlvPacket DecodeEg0104(const KlvUnit& unit) {
@@ -110,7 +110,7 @@ KlvPacket DecodeEg0104(const KlvUnit& unit) {
   return packet;
 }
 
-std::optional<double> NumberOf(const KlvPacket& packet, std::string_view name) {
+std::optional<double> FindNumber(const KlvPacket& packet, std::string_view name) {
   for (const KlvItem& item : packet.items) {
     if (item.name != name) continue;
     if (const auto* value = std::get_if<double>(&item.value)) return *value;

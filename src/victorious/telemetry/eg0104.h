@@ -33,6 +33,6 @@ inline constexpr std::string_view kSlantRange = "Slant Range";
 }  // namespace eg0104
 
 /// The numeric value of the item of this name; std::nullopt if the packet lacks it.
-[[nodiscard]] std::optional<double> NumberOf(const KlvPacket& packet, std::string_view name);
+[[nodiscard]] std::optional<double> FindNumber(const KlvPacket& packet, std::string_view name);
 
 }  // namespace victorious

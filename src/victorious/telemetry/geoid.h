@@ -23,7 +23,7 @@ class Geoid {
   static Expected<Geoid> Parse(std::string_view bytes);
 
   /// @return the undulation, m, by bilinear interpolation; std::nullopt outside the grid or at "no data"
-  [[nodiscard]] std::optional<double> HeightAt(double latitude_rad, double longitude_rad) const;
+  [[nodiscard]] std::optional<double> UndulationAt(double latitude_rad, double longitude_rad) const;
 
  private:
   double south_deg_ = 0;

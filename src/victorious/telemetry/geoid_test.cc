@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "victorious/geometry/angles.h"
 #include "testing/klv_tools.h"
+#include "victorious/geometry/angles.h"
 
 namespace victorious {
 namespace {
@@ -24,17 +24,17 @@ std::string Grid() {
   return text;
 }
 
-double HeightAt(const Geoid& geoid, double latitude_deg, double longitude_deg) {
-  return geoid.HeightAt(RadiansFromDegrees(latitude_deg), RadiansFromDegrees(longitude_deg)).value_or(-999);
+double UndulationAt(const Geoid& geoid, double latitude_deg, double longitude_deg) {
+  return geoid.UndulationAt(RadiansFromDegrees(latitude_deg), RadiansFromDegrees(longitude_deg)).value_or(-999);
 }
 
 TEST(Geoid, BetweenItsPointsLinearly) {
   const auto geoid = Geoid::Parse(Grid());
   ASSERT_TRUE(geoid) << geoid.error().message;
-  EXPECT_NEAR(HeightAt(*geoid, 0, -180), 10, 1e-6);
-  EXPECT_NEAR(HeightAt(*geoid, 45, -135), 15.5, 1e-6);
-  EXPECT_NEAR(HeightAt(*geoid, 0, 135), 11.5, 1e-6) << "from the last column back to the first";
-  EXPECT_NEAR(HeightAt(*geoid, 90, 0), 22, 1e-6);
+  EXPECT_NEAR(UndulationAt(*geoid, 0, -180), 10, 1e-6);
+  EXPECT_NEAR(UndulationAt(*geoid, 45, -135), 15.5, 1e-6);
+  EXPECT_NEAR(UndulationAt(*geoid, 0, 135), 11.5, 1e-6) << "from the last column back to the first";
+  EXPECT_NEAR(UndulationAt(*geoid, 90, 0), 22, 1e-6);
 }
 
 TEST(Geoid, RefusesWhatIsNoGrid) {
@@ -48,8 +48,8 @@ TEST(Geoid, Egm96OfThisMachine) {
   if (!path) GTEST_SKIP() << "SKIPPED: no egm96_15.gtx of PROJ here";
   const auto geoid = Geoid::Read(*path);
   ASSERT_TRUE(geoid) << geoid.error().message;
-  EXPECT_NEAR(HeightAt(*geoid, 0, 0), 17.16, 0.05);
-  EXPECT_NEAR(HeightAt(*geoid, 38.6281550, 269.7791550), -31.628, 0.05);
+  EXPECT_NEAR(UndulationAt(*geoid, 0, 0), 17.16, 0.05);
+  EXPECT_NEAR(UndulationAt(*geoid, 38.6281550, 269.7791550), -31.628, 0.05);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace victorious {
 namespace {
 
 constexpr std::array kLabelStart = {std::byte{0x06}, std::byte{0x0E}, std::byte{0x2B}, std::byte{0x34}};
-constexpr std::size_t kMostWarnings = 20;
+constexpr std::size_t kMaxWarnings = 20;
 
 // The offset of the first label in `bytes`, or their size.
 std::size_t FindLabel(Bytes bytes) {
@@ -17,7 +17,7 @@ std::size_t FindLabel(Bytes bytes) {
 }
 
 void Warn(KlvUnits& found, std::string line) {
-  if (found.warnings.size() < kMostWarnings) found.warnings.push_back(std::move(line));
+  if (found.warnings.size() < kMaxWarnings) found.warnings.push_back(std::move(line));
 }
 
 }  // namespace
@@ -35,7 +35,7 @@ std::optional<std::uint64_t> TakeBerLength(Bytes& bytes) {
     if (digits[0] != std::byte{0}) return std::nullopt;
     digits = digits.subspan(1);
   }
-  return UnsignedOf(digits);
+  return ReadUnsigned(digits);
 }
 
 std::optional<std::uint64_t> TakeBerOid(Bytes& bytes) {
@@ -50,14 +50,14 @@ std::optional<std::uint64_t> TakeBerOid(Bytes& bytes) {
   return std::nullopt;
 }
 
-std::uint64_t UnsignedOf(Bytes bytes) {
+std::uint64_t ReadUnsigned(Bytes bytes) {
   std::uint64_t number = 0;
   for (const std::byte digit : bytes) number = number << 8 | std::to_integer<std::uint64_t>(digit);
   return number;
 }
 
-std::int64_t SignedOf(Bytes bytes) {
-  const std::uint64_t number = UnsignedOf(bytes);
+std::int64_t ReadSigned(Bytes bytes) {
+  const std::uint64_t number = ReadUnsigned(bytes);
   if (bytes.empty() || std::to_integer<unsigned>(bytes[0]) < 0x80 || bytes.size() >= sizeof(number)) {
     return static_cast<std::int64_t>(number);
   }

@@ -28,8 +28,8 @@ inline constexpr std::size_t kUniversalLabelSize = 16;
 [[nodiscard]] std::optional<std::uint64_t> TakeBerOid(Bytes& bytes);
 
 /// Big-endian integers of at most eight bytes; the signed one in two's complement.
-[[nodiscard]] std::uint64_t UnsignedOf(Bytes bytes);
-[[nodiscard]] std::int64_t SignedOf(Bytes bytes);
+[[nodiscard]] std::uint64_t ReadUnsigned(Bytes bytes);
+[[nodiscard]] std::int64_t ReadSigned(Bytes bytes);
 
 /// A complete KLV unit. Its spans point into the bytes that SplitKlv was given.
 struct KlvUnit {

@@ -44,24 +44,24 @@ struct Height {
   VerticalDatum datum;
 };
 
-std::optional<double> FirstOf(const std::optional<double>& first, const std::optional<double>& second) {
+std::optional<double> FirstValue(const std::optional<double>& first, const std::optional<double>& second) {
   return first ? first : second;
 }
 
-std::optional<Height> HeightFrom(const std::optional<double>& ellipsoid_m, const std::optional<double>& sea_m) {
+std::optional<Height> SelectHeight(const std::optional<double>& ellipsoid_m, const std::optional<double>& sea_m) {
   if (ellipsoid_m) return Height{*ellipsoid_m, VerticalDatum::kEllipsoid};
   if (sea_m) return Height{*sea_m, VerticalDatum::kEgm96};
   return std::nullopt;
 }
 
 // The rotation of a body: about down by yaw, then about right by pitch, then about forward by roll.
-Quaterniond BodyTurn(double yaw_deg, double pitch_deg, double roll_deg) {
+Quaterniond BodyRotation(double yaw_deg, double pitch_deg, double roll_deg) {
   return AngleAxisd(RadiansFromDegrees(yaw_deg), Vector3d::UnitZ()) *
          AngleAxisd(RadiansFromDegrees(pitch_deg), Vector3d::UnitY()) *
          AngleAxisd(RadiansFromDegrees(roll_deg), Vector3d::UnitX());
 }
 
-Attitude AttitudeOfSensor(const Quaterniond& ned_from_sensor) {
+Attitude SensorAttitude(const Quaterniond& ned_from_sensor) {
   Matrix3d enu_from_ned;
   enu_from_ned << 0, 1, 0,  //
       1, 0, 0,              //
@@ -71,18 +71,18 @@ Attitude AttitudeOfSensor(const Quaterniond& ned_from_sensor) {
       1, 0, 0,                    //
       0, 1, 0;
   const Matrix3d enu_from_camera = enu_from_ned * ned_from_sensor.toRotationMatrix() * sensor_from_camera;
-  return AttitudeOf(Quaterniond(Matrix3d(enu_from_camera.transpose())));
+  return AttitudeFromRotation(Quaterniond(Matrix3d(enu_from_camera.transpose())));
 }
 
 std::optional<Attitude> AttitudeFromSt0601(const KlvPacket& packet) {
   const auto heading = packet.Number(kHeading);
-  const auto pitch = FirstOf(packet.Number(kPitchFull), packet.Number(kPitch));
-  const auto roll = FirstOf(packet.Number(kRollFull), packet.Number(kRoll));
+  const auto pitch = FirstValue(packet.Number(kPitchFull), packet.Number(kPitch));
+  const auto roll = FirstValue(packet.Number(kRollFull), packet.Number(kRoll));
   const auto azimuth = packet.Number(kRelativeAzimuth);
   const auto elevation = packet.Number(kRelativeElevation);
   if (!heading || !pitch || !roll || !azimuth || !elevation) return std::nullopt;
-  return AttitudeOfSensor(BodyTurn(*heading, *pitch, *roll) *
-                          BodyTurn(*azimuth, *elevation, packet.Number(kRelativeRoll).value_or(0)));
+  return SensorAttitude(BodyRotation(*heading, *pitch, *roll) *
+                        BodyRotation(*azimuth, *elevation, packet.Number(kRelativeRoll).value_or(0)));
 }
 
 // In the standard the obliquity goes from backward over forward (180) to straight down (270). Known producers write the
@@ -94,10 +94,10 @@ std::optional<double> ElevationFromObliquity(const std::optional<double>& obliqu
 }
 
 std::optional<Attitude> AttitudeFromEg0104(const KlvPacket& packet) {
-  const auto azimuth = NumberOf(packet, eg0104::kAngleToNorth);
-  const auto elevation = ElevationFromObliquity(NumberOf(packet, eg0104::kObliquityAngle));
+  const auto azimuth = FindNumber(packet, eg0104::kAngleToNorth);
+  const auto elevation = ElevationFromObliquity(FindNumber(packet, eg0104::kObliquityAngle));
   if (!azimuth || !elevation) return std::nullopt;
-  return AttitudeOfSensor(BodyTurn(*azimuth, *elevation, NumberOf(packet, eg0104::kSensorRoll).value_or(0)));
+  return SensorAttitude(BodyRotation(*azimuth, *elevation, FindNumber(packet, eg0104::kSensorRoll).value_or(0)));
 }
 
 struct GeodeticFix {
@@ -105,7 +105,7 @@ struct GeodeticFix {
   VerticalDatum datum;
 };
 
-std::optional<GeodeticFix> FixFrom(const std::optional<double>& latitude_deg,
+std::optional<GeodeticFix> MakeFix(const std::optional<double>& latitude_deg,
                                    const std::optional<double>& longitude_deg, const std::optional<Height>& height) {
   if (!latitude_deg || !longitude_deg || !height) return std::nullopt;
   if (!(std::abs(*latitude_deg) <= 90 && std::abs(*longitude_deg) <= 180)) return std::nullopt;
@@ -116,64 +116,65 @@ std::optional<GeodeticFix> FixFrom(const std::optional<double>& latitude_deg,
 }
 
 // The camera metadata of a packet of either standard; empty where absent.
-struct Sighting {
+struct CameraMetadata {
   std::optional<GeodeticFix> camera;
   std::optional<Attitude> attitude;
   std::optional<double> hfov_deg;
   std::optional<GeodeticFix> frame_centre;
 };
 
-Sighting SightingFromSt0601(const KlvPacket& packet) {
-  const auto ellipsoid = FirstOf(packet.Number(kSensorEllipsoidHeightExtended), packet.Number(kSensorEllipsoidHeight));
-  return {.camera = FixFrom(packet.Number(kSensorLatitude), packet.Number(kSensorLongitude),
-                            HeightFrom(ellipsoid, packet.Number(kSensorTrueAltitude))),
+CameraMetadata ReadSt0601Metadata(const KlvPacket& packet) {
+  const auto ellipsoid =
+      FirstValue(packet.Number(kSensorEllipsoidHeightExtended), packet.Number(kSensorEllipsoidHeight));
+  return {.camera = MakeFix(packet.Number(kSensorLatitude), packet.Number(kSensorLongitude),
+                            SelectHeight(ellipsoid, packet.Number(kSensorTrueAltitude))),
           .attitude = AttitudeFromSt0601(packet),
           .hfov_deg = packet.Number(kHorizontalFieldOfView),
           .frame_centre =
-              FixFrom(packet.Number(kFrameCentreLatitude), packet.Number(kFrameCentreLongitude),
-                      HeightFrom(packet.Number(kFrameCentreEllipsoidHeight), packet.Number(kFrameCentreElevation)))};
+              MakeFix(packet.Number(kFrameCentreLatitude), packet.Number(kFrameCentreLongitude),
+                      SelectHeight(packet.Number(kFrameCentreEllipsoidHeight), packet.Number(kFrameCentreElevation)))};
 }
 
-Sighting SightingFromEg0104(const KlvPacket& packet) {
-  return {.camera = FixFrom(NumberOf(packet, eg0104::kLatitude), NumberOf(packet, eg0104::kLongitude),
-                            HeightFrom(std::nullopt, NumberOf(packet, eg0104::kAltitude))),
+CameraMetadata ReadEg0104Metadata(const KlvPacket& packet) {
+  return {.camera = MakeFix(FindNumber(packet, eg0104::kLatitude), FindNumber(packet, eg0104::kLongitude),
+                            SelectHeight(std::nullopt, FindNumber(packet, eg0104::kAltitude))),
           .attitude = AttitudeFromEg0104(packet),
-          .hfov_deg = NumberOf(packet, eg0104::kHorizontalFieldOfView),
-          .frame_centre =
-              FixFrom(NumberOf(packet, eg0104::kFrameCenterLatitude), NumberOf(packet, eg0104::kFrameCenterLongitude),
-                      HeightFrom(std::nullopt, NumberOf(packet, eg0104::kFrameCenterElevation)))};
+          .hfov_deg = FindNumber(packet, eg0104::kHorizontalFieldOfView),
+          .frame_centre = MakeFix(FindNumber(packet, eg0104::kFrameCenterLatitude),
+                                  FindNumber(packet, eg0104::kFrameCenterLongitude),
+                                  SelectHeight(std::nullopt, FindNumber(packet, eg0104::kFrameCenterElevation)))};
 }
 
-Sighting SightingFrom(const KlvPacket& packet) {
+CameraMetadata ReadMetadata(const KlvPacket& packet) {
   if (packet.checksum && !packet.checksum->IsValid()) return {};
-  if (packet.standard == KlvStandard::kSt0601) return SightingFromSt0601(packet);
-  if (packet.standard == KlvStandard::kEg0104) return SightingFromEg0104(packet);
+  if (packet.standard == KlvStandard::kSt0601) return ReadSt0601Metadata(packet);
+  if (packet.standard == KlvStandard::kEg0104) return ReadEg0104Metadata(packet);
   return {};
 }
 
 }  // namespace
 
 std::optional<CameraState> CameraFromKlv(const KlvPacket& packet) {
-  const Sighting sighting = SightingFrom(packet);
-  if (!sighting.camera || !sighting.attitude) return std::nullopt;
+  const CameraMetadata metadata = ReadMetadata(packet);
+  if (!metadata.camera || !metadata.attitude) return std::nullopt;
   CameraState state;
   state.time_s = packet.time_s.value_or(0);
-  state.place = sighting.camera->place;
-  state.datum = sighting.camera->datum;
-  state.attitude = sighting.attitude;
-  if (sighting.hfov_deg && *sighting.hfov_deg > 0 && *sighting.hfov_deg < 180) {
-    state.hfov_rad = RadiansFromDegrees(*sighting.hfov_deg);
+  state.place = metadata.camera->place;
+  state.datum = metadata.camera->datum;
+  state.attitude = metadata.attitude;
+  if (metadata.hfov_deg && *metadata.hfov_deg > 0 && *metadata.hfov_deg < 180) {
+    state.hfov_rad = RadiansFromDegrees(*metadata.hfov_deg);
   }
   state.utc_us = PrecisionTime(packet);
   return state;
 }
 
-std::vector<std::string_view> MissingForCamera(std::span<const KlvPacket> packets) {
-  struct Need {
-    std::string_view words;
+std::vector<std::string_view> FindMissingCameraItems(std::span<const KlvPacket> packets) {
+  struct RequiredItem {
+    std::string_view description;
     std::vector<int> numbers;  // one of them suffices
   };
-  const std::vector<Need> needs = {
+  const std::vector<RequiredItem> required = {
       {"the sensor's latitude and longitude (items 13, 14)", {kSensorLatitude}},
       {"the sensor's height (item 15, 75 or 104)",
        {kSensorTrueAltitude, kSensorEllipsoidHeight, kSensorEllipsoidHeightExtended}},
@@ -184,21 +185,21 @@ std::vector<std::string_view> MissingForCamera(std::span<const KlvPacket> packet
       {"the sensor's elevation (item 19)", {kRelativeElevation}},
   };
   std::vector<std::string_view> missing;
-  for (const Need& need : needs) {
-    const auto tells = [&](const KlvPacket& packet) {
-      return std::ranges::any_of(need.numbers, [&](int number) { return packet.Number(number).has_value(); });
+  for (const RequiredItem& item : required) {
+    const auto has_item = [&](const KlvPacket& packet) {
+      return std::ranges::any_of(item.numbers, [&](int number) { return packet.Number(number).has_value(); });
     };
-    if (std::ranges::none_of(packets, tells)) missing.push_back(need.words);
+    if (std::ranges::none_of(packets, has_item)) missing.push_back(item.description);
   }
   return missing;
 }
 
-std::optional<double> FrameCentreError(const KlvPacket& packet) {
-  const Sighting sighting = SightingFrom(packet);
-  if (!sighting.camera || !sighting.attitude || !sighting.frame_centre) return std::nullopt;
-  if (sighting.camera->datum != sighting.frame_centre->datum) return std::nullopt;
-  const Vector3d towards = TangentPlane(sighting.camera->place).EnuFromGeodetic(sighting.frame_centre->place);
-  const Vector3d seen = CameraFromEnu(*sighting.attitude) * towards;
+std::optional<double> ComputeFrameCentreError(const KlvPacket& packet) {
+  const CameraMetadata metadata = ReadMetadata(packet);
+  if (!metadata.camera || !metadata.attitude || !metadata.frame_centre) return std::nullopt;
+  if (metadata.camera->datum != metadata.frame_centre->datum) return std::nullopt;
+  const Vector3d towards = TangentPlane(metadata.camera->place).EnuFromGeodetic(metadata.frame_centre->place);
+  const Vector3d seen = CameraFromEnu(*metadata.attitude) * towards;
   return std::atan2(seen.head<2>().norm(), seen.z());
 }
 

@@ -25,10 +25,10 @@ namespace victorious {
 
 /// Descriptions of the items that a camera state needs and no packet has, such as "the platform's heading (item 5)".
 /// For ST 0601 packets only.
-[[nodiscard]] std::vector<std::string_view> MissingForCamera(std::span<const KlvPacket> packets);
+[[nodiscard]] std::vector<std::string_view> FindMissingCameraItems(std::span<const KlvPacket> packets);
 
 /// The angle at the camera between its optical axis and the frame centre that the same packet records, radians;
 /// std::nullopt if either is missing. A large angle shows that the producer does not follow the standard.
-[[nodiscard]] std::optional<double> FrameCentreError(const KlvPacket& packet);
+[[nodiscard]] std::optional<double> ComputeFrameCentreError(const KlvPacket& packet);
 
 }  // namespace victorious

@@ -4,14 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include "testing/klv_tools.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/klv_packets.h"
-#include "testing/klv_tools.h"
 
 namespace victorious {
 namespace {
 
-KlvPacket Decode(const std::string& text) { return DecodeKlv(BytesOf(text)).packets.at(0); }
+KlvPacket Decode(const std::string& text) { return DecodeKlv(AsBytes(text)).packets.at(0); }
 
 std::optional<CameraState> CameraOf(const std::string& text) { return CameraFromKlv(Decode(text)); }
 

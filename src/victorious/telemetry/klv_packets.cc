@@ -13,7 +13,7 @@
 namespace victorious {
 namespace {
 
-constexpr std::size_t kMostWarnings = 20;
+constexpr std::size_t kMaxWarnings = 20;
 
 KlvPacket DecodeUnit(const KlvUnit& unit) {
   if (IsSt0601Label(unit.label)) return DecodeSt0601(unit);
@@ -25,40 +25,40 @@ KlvPacket DecodeUnit(const KlvUnit& unit) {
 constexpr std::size_t kCellHeader = 5;
 
 bool IsCell(Bytes bytes) {
-  return bytes.size() > kCellHeader && UnsignedOf(bytes.subspan(3, 2)) == bytes.size() - kCellHeader;
+  return bytes.size() > kCellHeader && ReadUnsigned(bytes.subspan(3, 2)) == bytes.size() - kCellHeader;
 }
 
 // Reassembles the KLV units of one stream from the pieces that the container delivers.
-class PieceJoiner {
+class UnitAssembler {
  public:
   /// @return the data that is complete with this packet, with the time of its first piece
   std::vector<DataPacket> Take(const DataPacket& packet) {
     const Bytes bytes(packet.bytes);
     const Bytes content = IsCell(bytes) ? bytes.subspan(kCellHeader) : bytes;
-    std::vector<DataPacket> whole;
+    std::vector<DataPacket> complete;
     DataPacket joined = packet;
-    if (begun_ && !StartsWithUniversalLabel(content) && begun_->bytes.size() < kMostBytes) {
-      joined = *std::exchange(begun_, std::nullopt);
+    if (partial_ && !StartsWithUniversalLabel(content) && partial_->bytes.size() < kMaxBytes) {
+      joined = *std::exchange(partial_, std::nullopt);
       joined.bytes.insert(joined.bytes.end(), content.begin(), content.end());
     }
-    if (begun_) whole.push_back(*std::exchange(begun_, std::nullopt));
+    if (partial_) complete.push_back(*std::exchange(partial_, std::nullopt));
     if (const auto cut_off = SplitKlv(joined.bytes).cut_off) {
-      begun_ = joined;
+      partial_ = joined;
       const auto at = static_cast<std::ptrdiff_t>(*cut_off);
-      begun_->bytes.erase(begun_->bytes.begin(), begun_->bytes.begin() + at);
+      partial_->bytes.erase(partial_->bytes.begin(), partial_->bytes.begin() + at);
       joined.bytes.resize(*cut_off);
     }
-    if (!joined.bytes.empty()) whole.push_back(std::move(joined));
-    return whole;
+    if (!joined.bytes.empty()) complete.push_back(std::move(joined));
+    return complete;
   }
 
   /// The incomplete unit, if any.
-  [[nodiscard]] const std::optional<DataPacket>& begun() const { return begun_; }
+  [[nodiscard]] const std::optional<DataPacket>& partial() const { return partial_; }
 
  private:
-  static constexpr std::size_t kMostBytes = std::size_t{1} << 20;  // far above the size of any telemetry unit
+  static constexpr std::size_t kMaxBytes = std::size_t{1} << 20;  // far above the size of any telemetry unit
 
-  std::optional<DataPacket> begun_;
+  std::optional<DataPacket> partial_;
 };
 
 }  // namespace
@@ -81,7 +81,7 @@ void Decode(const DataPacket& packet, KlvPackets& all) {
   }
   std::ranges::move(some.packets, std::back_inserter(all.packets));
   for (const std::string& warning : some.warnings) {
-    if (all.warnings.size() == kMostWarnings) break;
+    if (all.warnings.size() == kMaxWarnings) break;
     const std::string when = packet.time_s ? fmt::format(" at {:.2f} s", *packet.time_s) : "";
     all.warnings.push_back(fmt::format("stream {}{}: {}", packet.stream, when, warning));
   }
@@ -91,13 +91,13 @@ void Decode(const DataPacket& packet, KlvPackets& all) {
 
 KlvPackets DecodeKlv(std::span<const DataPacket> packets) {
   KlvPackets all;
-  std::map<int, PieceJoiner> joiners;  // by stream
+  std::map<int, UnitAssembler> joiners;  // by stream
   for (const DataPacket& packet : packets) {
     if (packet.kind != DataKind::kKlv) continue;
-    for (const DataPacket& whole : joiners[packet.stream].Take(packet)) Decode(whole, all);
+    for (const DataPacket& complete : joiners[packet.stream].Take(packet)) Decode(complete, all);
   }
   for (const auto& [stream, joiner] : joiners) {
-    if (joiner.begun()) Decode(*joiner.begun(), all);
+    if (joiner.partial()) Decode(*joiner.partial(), all);
   }
   return all;
 }

@@ -9,43 +9,43 @@ namespace {
 
 TEST(Klv, BerLengthsShortAndLong) {
   const std::string text = "\x05\x81\xC8\x82\x01\x00" + std::string("\x8A\0\0\0\0\0\0\0\0\0\x07", 11);
-  Bytes bytes = BytesOf(std::string_view("\x05\x81\xC8\x82\x01\x00", 6));
+  Bytes bytes = AsBytes(std::string_view("\x05\x81\xC8\x82\x01\x00", 6));
   EXPECT_EQ(TakeBerLength(bytes), 5U);
   EXPECT_EQ(TakeBerLength(bytes), 200U);
   EXPECT_EQ(TakeBerLength(bytes), 256U);
   EXPECT_EQ(TakeBerLength(bytes), std::nullopt);
-  Bytes padded = BytesOf(text).last(11);
+  Bytes padded = AsBytes(text).last(11);
   EXPECT_EQ(TakeBerLength(padded), 7U) << "leading zeros are ignored";
 }
 
 TEST(Klv, RefusesLengthsThatLie) {
   for (const std::string_view text : {std::string_view("\x80", 1), std::string_view("\x84\x01", 2),
                                       std::string_view("\x89\x01\0\0\0\0\0\0\0\0", 10)}) {
-    Bytes bytes = BytesOf(text);
-    EXPECT_EQ(TakeBerLength(bytes), std::nullopt) << HexText(BytesOf(text));
+    Bytes bytes = AsBytes(text);
+    EXPECT_EQ(TakeBerLength(bytes), std::nullopt) << HexText(AsBytes(text));
   }
 }
 
 TEST(Klv, BerObjectIdentifiers) {
-  Bytes bytes = BytesOf("\x0D\x81\x0A");
+  Bytes bytes = AsBytes("\x0D\x81\x0A");
   EXPECT_EQ(TakeBerOid(bytes), 13U);
   EXPECT_EQ(TakeBerOid(bytes), 138U);
-  Bytes endless = BytesOf("\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFF");
+  Bytes endless = AsBytes("\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFF");
   EXPECT_EQ(TakeBerOid(endless), std::nullopt);
 }
 
 TEST(Klv, SignedNumbersOfAnyLength) {
-  EXPECT_EQ(SignedOf(BytesOf("\xFF")), -1);
-  EXPECT_EQ(SignedOf(BytesOf("\x7F\xFF")), 32767);
-  EXPECT_EQ(SignedOf(BytesOf("\xFF\xFF\xFE")), -2);
-  EXPECT_EQ(SignedOf(BytesOf("\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFD")), -3);
-  EXPECT_EQ(SignedOf({}), 0);
+  EXPECT_EQ(ReadSigned(AsBytes("\xFF")), -1);
+  EXPECT_EQ(ReadSigned(AsBytes("\x7F\xFF")), 32767);
+  EXPECT_EQ(ReadSigned(AsBytes("\xFF\xFF\xFE")), -2);
+  EXPECT_EQ(ReadSigned(AsBytes("\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFD")), -3);
+  EXPECT_EQ(ReadSigned({}), 0);
 }
 
 TEST(Klv, FindsUnitsBetweenOtherBytes) {
   const std::string packet = St0601Packet({{65, "\x13"}});
   const std::string text = "head" + packet + "\x01\x02\x03" + packet;
-  const KlvUnits found = SplitKlv(BytesOf(text));
+  const KlvUnits found = SplitKlv(AsBytes(text));
   ASSERT_EQ(found.units.size(), 2U);
   EXPECT_EQ(found.units[0].offset, 4U);
   EXPECT_EQ(found.units[1].whole.size(), packet.size());
@@ -55,7 +55,7 @@ TEST(Klv, FindsUnitsBetweenOtherBytes) {
 TEST(Klv, GoesOnBehindAUnitThatSaysTooMuch) {
   const std::string lying = std::string(kSt0601LabelBytes) + "\x82\xFF\xFF";
   const std::string whole = St0601Packet({{65, "\x13"}});
-  const KlvUnits found = SplitKlv(BytesOf(lying + whole));
+  const KlvUnits found = SplitKlv(AsBytes(lying + whole));
   ASSERT_EQ(found.units.size(), 1U);
   EXPECT_EQ(found.units[0].offset, lying.size());
   ASSERT_EQ(found.warnings.size(), 1U);

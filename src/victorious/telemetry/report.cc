@@ -59,7 +59,7 @@ Json PacketToJson(const KlvPacket& packet) {
             {"offset", packet.offset},           {"items", Json::array()}, {"time_s", OrNull(packet.time_s)}};
   const auto own_us = PrecisionTime(packet);
   json["precision_time_us"] = OrNull(own_us);
-  json["utc"] = own_us ? Json(UtcText(*own_us)) : Json();
+  json["utc"] = own_us ? Json(FormatUtc(*own_us)) : Json();
   json["checksum"] = packet.checksum ? ChecksumToJson(*packet.checksum) : Json();
   if (!packet.problem.empty()) json["problem"] = packet.problem;
   for (const KlvItem& item : packet.items) json["items"].push_back(ItemToJson(item));
@@ -81,11 +81,11 @@ Json StateToJson(const CameraState& state) {
           {"hfov_deg", Degrees(state.hfov_rad)},
           {"sigma_position_m", OrNull(state.sigma_position_m)},
           {"sigma_attitude_deg", Degrees(state.sigma_attitude_rad)},
-          {"utc", state.utc_us ? Json(UtcText(*state.utc_us)) : Json()}};
+          {"utc", state.utc_us ? Json(FormatUtc(*state.utc_us)) : Json()}};
 }
 
 // "all", "none" or "12 of 40".
-std::string Share(std::ptrdiff_t count, std::size_t of) {
+std::string FormatFraction(std::ptrdiff_t count, std::size_t of) {
   if (count == 0) return "none";
   return static_cast<std::size_t>(count) == of ? "all" : fmt::format("{} of {}", count, of);
 }
@@ -121,16 +121,16 @@ void AddNestedSets(std::vector<std::string>& lines, const std::vector<KlvPacket>
 }
 
 void AddMissing(std::vector<std::string>& lines, const std::vector<CameraState>& states) {
-  const auto lacks = [&](auto has) { return !std::ranges::any_of(states, has); };
-  if (lacks([](const CameraState& state) { return state.attitude.has_value(); })) {
+  const auto all_lack = [&](auto has) { return !std::ranges::any_of(states, has); };
+  if (all_lack([](const CameraState& state) { return state.attitude.has_value(); })) {
     lines.emplace_back("missing: the camera's attitude (yaw, pitch, roll)");
   }
-  if (lacks([](const CameraState& state) { return state.hfov_rad.has_value(); })) {
+  if (all_lack([](const CameraState& state) { return state.hfov_rad.has_value(); })) {
     lines.emplace_back("missing: the horizontal field of view");
   }
-  if (lacks([](const CameraState& state) { return state.datum != VerticalDatum::kUnknown; })) {
+  if (all_lack([](const CameraState& state) { return state.datum != VerticalDatum::kUnknown; })) {
     lines.emplace_back("missing: the camera's height");
-  } else if (lacks([](const CameraState& state) { return state.datum == VerticalDatum::kEllipsoid; })) {
+  } else if (all_lack([](const CameraState& state) { return state.datum == VerticalDatum::kEllipsoid; })) {
     lines.push_back(
         fmt::format("missing: heights above the ellipsoid (the heights refer to {})", Name(states[0].datum)));
   }
@@ -171,7 +171,7 @@ std::vector<std::string> DescribeTelemetry(const Telemetry& telemetry) {
                                 states.back().time_s, DegreesFromRadians(first.place.latitude_rad),
                                 DegreesFromRadians(first.place.longitude_rad), height));
     const auto complete = std::ranges::count_if(states, &CameraState::IsComplete);
-    lines.push_back(fmt::format("states complete for geolocation: {}", Share(complete, states.size())));
+    lines.push_back(fmt::format("states complete for geolocation: {}", FormatFraction(complete, states.size())));
     AddMissing(lines, states);
   }
   for (const std::string& warning : telemetry.warnings) lines.push_back("note: " + warning);

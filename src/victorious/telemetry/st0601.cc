@@ -12,9 +12,8 @@ namespace victorious {
 namespace {
 
 constexpr int kChecksumItem = 1;
-constexpr std::size_t kMostItems =
-    4096;  // per packet; a few hundred are usual, but zero bytes would decode as millions
-constexpr std::size_t kLongestNumber = 8;
+constexpr std::size_t kMaxItems = 4096;  // per packet; a few hundred are usual, but zero bytes would decode as millions
+constexpr std::size_t kMaxNumberSize = 8;
 
 // A value, or the reason why there is none.
 struct Decoded {
@@ -36,18 +35,18 @@ Decoded DecodeLinear(const ItemSpec& spec, Bytes bytes) {
   const int bits = static_cast<int>(8 * bytes.size());
   if (spec.coding == ItemCoding::kLinearUnsigned) {
     const double largest = std::ldexp(1.0, bits) - 1;
-    return {spec.min + (spec.max - spec.min) * (static_cast<double>(UnsignedOf(bytes)) / largest)};
+    return {spec.min + (spec.max - spec.min) * (static_cast<double>(ReadUnsigned(bytes)) / largest)};
   }
   const double largest = std::ldexp(1.0, bits - 1) - 1;
-  const auto number = static_cast<double>(SignedOf(bytes));
+  const auto number = static_cast<double>(ReadSigned(bytes));
   if (number < -largest) return {{}, kNoValue};
   return {spec.max * (number / largest)};
 }
 
 Decoded DecodeNumber(const ItemSpec& spec, Bytes bytes) {
-  if (bytes.size() > kLongestNumber) return {{}, kBadLength};
-  if (spec.coding == ItemCoding::kUnsigned) return {UnsignedOf(bytes)};
-  if (spec.coding == ItemCoding::kSigned) return {SignedOf(bytes)};
+  if (bytes.size() > kMaxNumberSize) return {{}, kBadLength};
+  if (spec.coding == ItemCoding::kUnsigned) return {ReadUnsigned(bytes)};
+  if (spec.coding == ItemCoding::kSigned) return {ReadSigned(bytes)};
   if (spec.coding != ItemCoding::kImapb) return DecodeLinear(spec, bytes);
   const auto value = ImapbValue(bytes, spec.min, spec.max);
   return value ? Decoded{*value} : Decoded{{}, kNoValue};
@@ -172,7 +171,7 @@ std::uint16_t St0601Checksum(Bytes bytes) {
 
 std::optional<double> ImapbValue(Bytes bytes, double min, double max) {
   const int bits = static_cast<int>(8 * bytes.size());
-  const std::uint64_t number = UnsignedOf(bytes);
+  const std::uint64_t number = ReadUnsigned(bytes);
   const std::uint64_t top = std::uint64_t{1} << (bits - 1);
   if (number > top) return std::nullopt;  // special values (infinities, NaNs and others) exceed the top bit
   const int range_power = static_cast<int>(std::ceil(std::log2(max - min)));
@@ -187,7 +186,7 @@ KlvPacket DecodeSt0601(const KlvUnit& unit) {
   Bytes rest = unit.value;
   while (!rest.empty()) {
     const auto at = static_cast<std::size_t>(rest.data() - unit.value.data());
-    const auto item = packet.items.size() < kMostItems ? TakeItem(rest) : std::nullopt;
+    const auto item = packet.items.size() < kMaxItems ? TakeItem(rest) : std::nullopt;
     if (!item) {
       packet.problem = fmt::format("truncated at byte {} of {}: no item can be read there", at, unit.value.size());
       break;
@@ -195,7 +194,7 @@ KlvPacket DecodeSt0601(const KlvUnit& unit) {
     packet.items.push_back(DecodeItem(item->number, item->value));
     if (item->number == kChecksumItem && item->value.size() == sizeof(std::uint16_t)) {
       const Bytes summed = unit.whole.first(static_cast<std::size_t>(item->value.data() - unit.whole.data()));
-      packet.checksum = {static_cast<std::uint16_t>(UnsignedOf(item->value)), St0601Checksum(summed)};
+      packet.checksum = {static_cast<std::uint16_t>(ReadUnsigned(item->value)), St0601Checksum(summed)};
     }
   }
   return packet;

@@ -4,14 +4,14 @@
 
 #include <gtest/gtest.h>
 
-#include "victorious/telemetry/klv_packets.h"
 #include "testing/klv_tools.h"
+#include "victorious/telemetry/klv_packets.h"
 
 namespace victorious {
 namespace {
 
 KlvPacket Decode(const std::string& text) {
-  const KlvPackets decoded = DecodeKlv(BytesOf(text));
+  const KlvPackets decoded = DecodeKlv(AsBytes(text));
   EXPECT_EQ(decoded.packets.size(), 1U);
   return decoded.packets.empty() ? KlvPacket() : decoded.packets[0];
 }
@@ -48,12 +48,12 @@ TEST(St0601, LowestSignedNumberIsNoValue) {
 }
 
 TEST(St0601, Imapb) {
-  EXPECT_NEAR(*ImapbValue(BytesOf(std::string_view("\x00\x00\x00", 3)), -900, 19000), -900, 1e-9);
-  EXPECT_NEAR(*ImapbValue(BytesOf(std::string_view("\x03\x8E\x00", 3)), -900, 19000), 10, 1e-12);
+  EXPECT_NEAR(*ImapbValue(AsBytes(std::string_view("\x00\x00\x00", 3)), -900, 19000), -900, 1e-9);
+  EXPECT_NEAR(*ImapbValue(AsBytes(std::string_view("\x03\x8E\x00", 3)), -900, 19000), 10, 1e-12);
   // Zero maps exactly if it is within the range: item 117, 1 degree per second in two bytes.
   EXPECT_NEAR(*Decode(St0601Packet({{117, BigEndian(0x3E90, 2)}})).Number(117), 1.0, 1e-12);
-  EXPECT_FALSE(ImapbValue(BytesOf(std::string_view("\xC8\x00", 2)), 0, 100)) << "plus infinity";
-  EXPECT_FALSE(ImapbValue(BytesOf(std::string_view("\xD0\x00", 2)), 0, 100)) << "not a number";
+  EXPECT_FALSE(ImapbValue(AsBytes(std::string_view("\xC8\x00", 2)), 0, 100)) << "plus infinity";
+  EXPECT_FALSE(ImapbValue(AsBytes(std::string_view("\xD0\x00", 2)), 0, 100)) << "not a number";
 }
 
 TEST(St0601, ListsOfBitsAndIdentifiers) {

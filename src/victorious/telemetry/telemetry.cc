@@ -104,14 +104,14 @@ void WarnOfProblems(const std::vector<KlvPacket>& packets, std::vector<std::stri
 }
 
 void WarnOfFrameCentre(const std::vector<KlvPacket>& packets, std::vector<std::string>& warnings) {
-  constexpr double kMost = RadiansFromDegrees(2);  // consistent systems have fractions of a degree
+  constexpr double kMaxError_rad = RadiansFromDegrees(2);  // consistent systems have fractions of a degree
   std::vector<double> errors_rad;
   for (const KlvPacket& packet : packets) {
-    if (const auto error_rad = FrameCentreError(packet)) errors_rad.push_back(*error_rad);
+    if (const auto error_rad = ComputeFrameCentreError(packet)) errors_rad.push_back(*error_rad);
   }
   if (errors_rad.empty()) return;
   const double median_rad = Median(std::move(errors_rad));
-  if (median_rad <= kMost) return;
+  if (median_rad <= kMaxError_rad) return;
   warnings.push_back(fmt::format(
       "optical axis and recorded frame centre disagree, {:.1f} degrees in the median: an angle does not follow "
       "the standard, and positions will be wrong",
@@ -121,7 +121,7 @@ void WarnOfFrameCentre(const std::vector<KlvPacket>& packets, std::vector<std::s
 void WarnOfNoCamera(Telemetry& telemetry) {
   const bool local =
       std::ranges::find(telemetry.packets, KlvStandard::kSt0601, &KlvPacket::standard) != telemetry.packets.end();
-  const auto missing = local ? MissingForCamera(telemetry.packets) : std::vector<std::string_view>();
+  const auto missing = local ? FindMissingCameraItems(telemetry.packets) : std::vector<std::string_view>();
   telemetry.warnings.push_back(
       fmt::format("no packet has position, height and pointing of the camera{}{}",
                   missing.empty() ? "" : "; missing or marked unknown: ", fmt::join(missing, ", ")));
@@ -129,7 +129,7 @@ void WarnOfNoCamera(Telemetry& telemetry) {
 
 // Keeps a longest subsequence of states with strictly increasing times. A clock that once jumps ahead thus costs one
 // state, not all that follow it.
-void KeepRising(Telemetry& telemetry) {
+void KeepIncreasingTimes(Telemetry& telemetry) {
   const std::vector<CameraState>& states = telemetry.states;
   constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> ends;  // last state of the increasing subsequence of length 1, 2, ... that ends earliest
@@ -144,19 +144,19 @@ void KeepRising(Telemetry& telemetry) {
       *end = i;
     }
   }
-  std::vector<CameraState> rising;
-  for (std::size_t i = ends.empty() ? kNone : ends.back(); i != kNone; i = before[i]) rising.push_back(states[i]);
-  std::ranges::reverse(rising);
-  const std::size_t left_out = telemetry.states.size() - rising.size();
+  std::vector<CameraState> increasing;
+  for (std::size_t i = ends.empty() ? kNone : ends.back(); i != kNone; i = before[i]) increasing.push_back(states[i]);
+  std::ranges::reverse(increasing);
+  const std::size_t left_out = telemetry.states.size() - increasing.size();
   if (left_out > 0) {
     telemetry.warnings.push_back(fmt::format("{} of {} camera states are skipped: their time repeats or goes back",
                                              left_out, telemetry.states.size()));
   }
-  telemetry.states = std::move(rising);
+  telemetry.states = std::move(increasing);
 }
 
 void WarnOfJumps(Telemetry& telemetry, double max_gap_s) {
-  constexpr double kFastest = 1000;  // m/s
+  constexpr double kMaxSpeed_m_s = 1000;  // m/s
   int jumps = 0;
   int gaps = 0;
   for (std::size_t i = 1; i < telemetry.states.size(); ++i) {
@@ -164,7 +164,7 @@ void WarnOfJumps(Telemetry& telemetry, double max_gap_s) {
     const CameraState& after = telemetry.states[i];
     const double seconds = after.time_s - before.time_s;
     const double metres = TangentPlane(before.place).EnuFromGeodetic(after.place).norm();
-    jumps += metres > kFastest * seconds && metres > 10 ? 1 : 0;
+    jumps += metres > kMaxSpeed_m_s * seconds && metres > 10 ? 1 : 0;
     gaps += seconds > max_gap_s ? 1 : 0;
   }
   if (jumps > 0) telemetry.warnings.push_back(fmt::format("the position jumps {} times, faster than 1000 m/s", jumps));
@@ -181,9 +181,9 @@ Expected<Telemetry> Finish(Telemetry telemetry, const TelemetryOptions& options)
     state.time_s += options.time_offset_s;
     if (options.hfov_deg > 0) state.hfov_rad = RadiansFromDegrees(options.hfov_deg);
   }
-  KeepRising(telemetry);
+  KeepIncreasingTimes(telemetry);
   WarnOfJumps(telemetry, options.max_gap_s);
-  VICTORIOUS_RETURN_IF_ERROR(BringToEllipsoid(telemetry.states, options, telemetry.warnings));
+  VICTORIOUS_RETURN_IF_ERROR(ConvertToEllipsoid(telemetry.states, options, telemetry.warnings));
   return telemetry;
 }
 
@@ -193,7 +193,7 @@ Expected<Telemetry> FromKlv(KlvPackets decoded, const TelemetryOptions& options)
   telemetry.packets = std::move(decoded.packets);
   telemetry.records = static_cast<int>(telemetry.packets.size());
   const auto stream = MainStream(telemetry.packets);
-  bool tells_camera = false;
+  bool has_camera = false;
   if (stream) {
     const bool others = std::ranges::any_of(telemetry.packets, [&](const KlvPacket& packet) {
       return packet.stream != *stream && packet.standard != KlvStandard::kOther;
@@ -204,7 +204,7 @@ Expected<Telemetry> FromKlv(KlvPackets decoded, const TelemetryOptions& options)
       telemetry.warnings.push_back(fmt::format(
           "{} KLV packets have a camera state but no time, neither their own (item 2) nor the video's", untimed));
     }
-    tells_camera = untimed > 0 || !telemetry.states.empty();
+    has_camera = untimed > 0 || !telemetry.states.empty();
   }
   const auto known = std::ranges::find_if(
       telemetry.packets, [](const KlvPacket& packet) { return packet.standard != KlvStandard::kOther; });
@@ -213,7 +213,7 @@ Expected<Telemetry> FromKlv(KlvPackets decoded, const TelemetryOptions& options)
   WarnOfChecksums(telemetry.packets, telemetry.warnings);
   WarnOfProblems(telemetry.packets, telemetry.warnings);
   WarnOfFrameCentre(telemetry.packets, telemetry.warnings);
-  if (!tells_camera && known != telemetry.packets.end()) WarnOfNoCamera(telemetry);
+  if (!has_camera && known != telemetry.packets.end()) WarnOfNoCamera(telemetry);
   return Finish(std::move(telemetry), options);
 }
 
@@ -231,10 +231,10 @@ Expected<Telemetry> FromDji(DjiSubtitles subtitles, const TelemetryOptions& opti
   return Finish(std::move(telemetry), options);
 }
 
-Bytes BytesOf(std::string_view text) { return std::as_bytes(std::span(text.data(), text.size())); }
+Bytes AsBytes(std::string_view text) { return std::as_bytes(std::span(text.data(), text.size())); }
 
 // Parses the subtitle packets of a video; a text may start with its length.
-DjiSubtitles SubtitlesOf(std::span<const DataPacket> packets) {
+DjiSubtitles ParseSubtitlePackets(std::span<const DataPacket> packets) {
   DjiSubtitles subtitles;
   for (const DataPacket& packet : packets) {
     if (packet.kind != DataKind::kSubtitle) continue;
@@ -262,7 +262,7 @@ void TelemetryOptions::ListFields(FieldList& fields) {
               .unit = "s",
               .reason = "maximum interval between states to interpolate: an aircraft may turn within seconds"});
   fields.Add("vertical_datum", vertical_datum,
-             {.choices = {"told", "ellipsoid", "egm96", "egm2008", "takeoff"},
+             {.choices = {"as_given", "ellipsoid", "egm96", "egm2008", "takeoff"},
               .reason = "vertical datum of the heights; as_given: that of the format or the table"});
   fields.Add("geoid_grid", geoid_grid,
              {.reason = "a .gtx geoid grid, for heights above mean sea level; empty: PROJ's EGM96 grid, if installed"});
@@ -280,7 +280,7 @@ void TelemetryOptions::ListFields(FieldList& fields) {
 }
 
 bool LooksLikeTelemetry(std::string_view bytes) {
-  return StartsWithUniversalLabel(BytesOf(bytes)) || LooksLikeCameraCsv(bytes) || LooksLikeDjiSrt(bytes);
+  return StartsWithUniversalLabel(AsBytes(bytes)) || LooksLikeCameraCsv(bytes) || LooksLikeDjiSrt(bytes);
 }
 
 Expected<Telemetry> ParseTelemetry(std::string_view bytes, const TelemetryOptions& options) {
@@ -294,7 +294,7 @@ Expected<Telemetry> ParseTelemetry(std::string_view bytes, const TelemetryOption
                   options);
   }
   if (LooksLikeDjiSrt(bytes)) return FromDji(ParseDjiSrt(bytes), options);
-  KlvPackets decoded = DecodeKlv(BytesOf(bytes));
+  KlvPackets decoded = DecodeKlv(AsBytes(bytes));
   if (!decoded.packets.empty()) return FromKlv(std::move(decoded), options);
   if (!decoded.warnings.empty()) return Fail(ErrorCode::kDataLoss, decoded.warnings[0]);
   return Fail(ErrorCode::kInvalidArgument,
@@ -305,7 +305,7 @@ Expected<Telemetry> ParseTelemetry(std::string_view bytes, const TelemetryOption
 Expected<Telemetry> TelemetryFromPackets(std::span<const DataPacket> packets, const TelemetryOptions& options) {
   KlvPackets decoded = DecodeKlv(packets);
   if (!decoded.packets.empty()) return FromKlv(std::move(decoded), options);
-  DjiSubtitles subtitles = SubtitlesOf(packets);
+  DjiSubtitles subtitles = ParseSubtitlePackets(packets);
   if (!subtitles.states.empty()) return FromDji(std::move(subtitles), options);
   return Finish({.format = "none", .states = {}, .packets = {}, .records = 0, .warnings = std::move(decoded.warnings)},
                 options);

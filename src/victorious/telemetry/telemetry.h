@@ -25,7 +25,7 @@ struct TelemetryOptions {
 
   double time_offset_s = 0;
   double max_gap_s = 2;
-  std::string vertical_datum = "told";
+  std::string vertical_datum = "as_given";
   std::string geoid_grid;
   double takeoff_altitude_m = kUnknownHeight;
   double hfov_deg = 0;

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "victorious/geometry/angles.h"
 #include "testing/klv_tools.h"
+#include "victorious/geometry/angles.h"
 
 namespace victorious {
 namespace {
@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 constexpr const char* kHeader = "time_s,latitude_deg,longitude_deg,altitude_m,vertical_datum\n";
 
 DataPacket Packet(int stream, std::optional<double> time_s, const std::string& text) {
-  const Bytes bytes = BytesOf(text);
+  const Bytes bytes = AsBytes(text);
   return {.stream = stream, .kind = DataKind::kKlv, .time_s = time_s, .bytes = {bytes.begin(), bytes.end()}};
 }
 

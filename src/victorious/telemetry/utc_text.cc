@@ -55,9 +55,9 @@ std::optional<std::chrono::minutes> TakeZone(std::string_view& text) {
 
 }  // namespace
 
-std::optional<std::int64_t> MicrosecondsOfUtc(std::string_view text) {
+std::optional<std::int64_t> ParseUtc(std::string_view text) {
   namespace chr = std::chrono;
-  text = WithoutBlanks(text);
+  text = TrimBlanks(text);
   const auto year = TakeDigits(text);
   const bool dash = TakeOneOf(text, "-.");
   const auto month = TakeDigits(text);
@@ -74,14 +74,14 @@ std::optional<std::int64_t> MicrosecondsOfUtc(std::string_view text) {
   const chr::year_month_day date(chr::year(*year), chr::month(static_cast<unsigned>(*month)),
                                  chr::day(static_cast<unsigned>(*day)));
   const std::int64_t fraction_us = TakeMicroseconds(text);
-  const auto ahead = TakeZone(text);
-  if (!date.ok() || !ahead || !text.empty()) return std::nullopt;
+  const auto offset = TakeZone(text);
+  if (!date.ok() || !offset || !text.empty()) return std::nullopt;
   const chr::microseconds moment = chr::sys_days(date).time_since_epoch() + chr::hours(*hour) + chr::minutes(*minute) +
-                                   chr::seconds(*second) + chr::microseconds(fraction_us) - *ahead;
+                                   chr::seconds(*second) + chr::microseconds(fraction_us) - *offset;
   return moment.count();
 }
 
-std::string UtcText(std::int64_t microseconds) {
+std::string FormatUtc(std::int64_t microseconds) {
   namespace chr = std::chrono;
   const chr::sys_time<chr::microseconds> moment{chr::microseconds(microseconds)};
   const auto day = chr::floor<chr::days>(moment);

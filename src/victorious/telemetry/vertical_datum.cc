@@ -11,14 +11,14 @@
 namespace victorious {
 namespace {
 
-bool Has(const std::vector<CameraState>& states, VerticalDatum datum) {
+bool HasDatum(const std::vector<CameraState>& states, VerticalDatum datum) {
   return std::ranges::find(states, datum, &CameraState::datum) != states.end();
 }
 
-void AddGeoid(std::vector<CameraState>& states, VerticalDatum datum, const Geoid& geoid) {
+void ApplyUndulation(std::vector<CameraState>& states, VerticalDatum datum, const Geoid& geoid) {
   for (CameraState& state : states) {
     if (state.datum != datum) continue;
-    if (const auto height_m = geoid.HeightAt(state.place.latitude_rad, state.place.longitude_rad)) {
+    if (const auto height_m = geoid.UndulationAt(state.place.latitude_rad, state.place.longitude_rad)) {
       state.place.altitude_m += *height_m;
       state.datum = VerticalDatum::kEllipsoid;
     }
@@ -26,7 +26,7 @@ void AddGeoid(std::vector<CameraState>& states, VerticalDatum datum, const Geoid
 }
 
 // The user's grid applies to either geoid; PROJ's own only to EGM96.
-Expected<std::optional<Geoid>> GeoidFor(VerticalDatum datum, const TelemetryOptions& options) {
+Expected<std::optional<Geoid>> LoadGeoid(VerticalDatum datum, const TelemetryOptions& options) {
   if (!options.geoid_grid.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(Geoid geoid, Geoid::Read(options.geoid_grid));
     return geoid;
@@ -37,12 +37,12 @@ Expected<std::optional<Geoid>> GeoidFor(VerticalDatum datum, const TelemetryOpti
   return geoid;
 }
 
-Status AddGeoidOf(std::vector<CameraState>& states, VerticalDatum datum, const TelemetryOptions& options,
-                  std::vector<std::string>& warnings) {
-  if (!Has(states, datum)) return {};
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto geoid, GeoidFor(datum, options));
-  if (geoid) AddGeoid(states, datum, *geoid);
-  if (Has(states, datum)) {
+Status ConvertFromGeoid(std::vector<CameraState>& states, VerticalDatum datum, const TelemetryOptions& options,
+                        std::vector<std::string>& warnings) {
+  if (!HasDatum(states, datum)) return {};
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto geoid, LoadGeoid(datum, options));
+  if (geoid) ApplyUndulation(states, datum, *geoid);
+  if (HasDatum(states, datum)) {
     warnings.push_back(
         fmt::format("heights are above mean sea level ({}) and are not converted: no geoid grid covers the position; "
                     "give a .gtx grid",
@@ -53,19 +53,19 @@ Status AddGeoidOf(std::vector<CameraState>& states, VerticalDatum datum, const T
 
 }  // namespace
 
-Status BringToEllipsoid(std::vector<CameraState>& states, const TelemetryOptions& options,
-                        std::vector<std::string>& warnings) {
-  if (Has(states, VerticalDatum::kUnknown)) {
+Status ConvertToEllipsoid(std::vector<CameraState>& states, const TelemetryOptions& options,
+                          std::vector<std::string>& warnings) {
+  if (HasDatum(states, VerticalDatum::kUnknown)) {
     warnings.emplace_back("a camera position has no height: it cannot be used for geolocation");
   }
-  if (const auto datum = VerticalDatumOf(options.vertical_datum)) {
+  if (const auto datum = ParseVerticalDatum(options.vertical_datum)) {
     for (CameraState& state : states) {
       if (state.datum != VerticalDatum::kUnknown) state.datum = *datum;
     }
   }
-  VICTORIOUS_RETURN_IF_ERROR(AddGeoidOf(states, VerticalDatum::kEgm96, options, warnings));
-  VICTORIOUS_RETURN_IF_ERROR(AddGeoidOf(states, VerticalDatum::kEgm2008, options, warnings));
-  if (!Has(states, VerticalDatum::kTakeoff)) return {};
+  VICTORIOUS_RETURN_IF_ERROR(ConvertFromGeoid(states, VerticalDatum::kEgm96, options, warnings));
+  VICTORIOUS_RETURN_IF_ERROR(ConvertFromGeoid(states, VerticalDatum::kEgm2008, options, warnings));
+  if (!HasDatum(states, VerticalDatum::kTakeoff)) return {};
   if (options.takeoff_altitude_m == TelemetryOptions::kUnknownHeight) {
     warnings.emplace_back(
         "heights are above the take-off and are not converted: its height is unknown; give its height above the "

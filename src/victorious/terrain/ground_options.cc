@@ -10,14 +10,14 @@ void GroundOptions::ListFields(FieldList& fields) {
       {.min = -9999, .max = 1e5, .unit = "m", .reason = "height of flat ground above the ellipsoid; -9999: not given"});
   fields.Add("terrain", terrain, {.reason = "a GeoTIFF of heights; empty: no terrain"});
   fields.Add("vertical_datum", vertical_datum,
-             {.choices = {"told", "ellipsoid", "egm96", "egm2008"},
-              .reason = "vertical datum of the terrain's heights; told: as given in the file"});
+             {.choices = {"given", "ellipsoid", "egm96", "egm2008"},
+              .reason = "vertical datum of the terrain's heights; given: as given in the file"});
   fields.Add("geoid_grid", geoid_grid,
              {.reason = "a .gtx grid of the geoid that the terrain's heights refer to; empty: PROJ's grid of EGM96"});
 }
 
 Expected<std::shared_ptr<const Ground>> MakeGround(const GroundOptions& options,
-                                                   const std::function<void(const std::string&)>& tell) {
+                                                   const std::function<void(const std::string&)>& warn) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   const bool flat = options.height_m != GroundOptions::kUnknownHeight;
   if (flat && !options.terrain.empty()) {
@@ -26,7 +26,7 @@ Expected<std::shared_ptr<const Ground>> MakeGround(const GroundOptions& options,
                             options.terrain));
   }
   if (flat) return std::make_shared<const FlatGround>(options.height_m);
-  if (!options.terrain.empty()) return ReadTerrain(options.terrain, options, tell);
+  if (!options.terrain.empty()) return ReadTerrain(options.terrain, options, warn);
   return nullptr;
 }
 

@@ -33,15 +33,15 @@ namespace {
 namespace fs = std::filesystem;
 
 // Captures GDAL's error messages on this thread instead of printing them.
-class Quiet {
+class GdalErrorCapture {
  public:
-  Quiet() {
+  GdalErrorCapture() {
     CPLPushErrorHandler(CPLQuietErrorHandler);
     CPLErrorReset();
   }
-  ~Quiet() { CPLPopErrorHandler(); }
-  Quiet(const Quiet&) = delete;
-  Quiet& operator=(const Quiet&) = delete;
+  ~GdalErrorCapture() { CPLPopErrorHandler(); }
+  GdalErrorCapture(const GdalErrorCapture&) = delete;
+  GdalErrorCapture& operator=(const GdalErrorCapture&) = delete;
 
   // The last message, in one line.
   [[nodiscard]] static std::string Message() {
@@ -51,20 +51,20 @@ class Quiet {
   }
 };
 
-struct Closes {
+struct DatasetCloser {
   void operator()(void* dataset) const { GDALClose(dataset); }
 };
-using Dataset = std::unique_ptr<void, Closes>;
+using Dataset = std::unique_ptr<void, DatasetCloser>;
 
-struct Releases {
+struct SpatialReferenceReleaser {
   void operator()(void* system) const { OSRRelease(static_cast<OGRSpatialReferenceH>(system)); }
 };
-using Coordinates = std::unique_ptr<std::remove_pointer_t<OGRSpatialReferenceH>, Releases>;
+using Coordinates = std::unique_ptr<std::remove_pointer_t<OGRSpatialReferenceH>, SpatialReferenceReleaser>;
 
-struct Destroys {
+struct TransformDestroyer {
   void operator()(void* transform) const { OCTDestroyCoordinateTransformation(transform); }
 };
-using Transform = std::unique_ptr<std::remove_pointer_t<OGRCoordinateTransformationH>, Destroys>;
+using Transform = std::unique_ptr<std::remove_pointer_t<OGRCoordinateTransformationH>, TransformDestroyer>;
 
 // Opens a GeoTIFF; null on errors. Reads only the file itself: no external overviews, world file or metadata.
 Dataset Open(const fs::path& path) {
@@ -76,19 +76,19 @@ Dataset Open(const fs::path& path) {
   return Dataset(GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers.data(), nullptr, nullptr));
 }
 
-bool Holds(std::string_view text, std::string_view word) {
+bool ContainsIgnoringCase(std::string_view text, std::string_view word) {
   return std::ranges::search(text, word, [](char a, char b) {
            return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
          }).begin() != text.end();
 }
 
 // The vertical datum given in the file: std::nullopt if there is none or it is unknown; its name, for error messages.
-struct ToldDatum {
+struct FileDatum {
   std::optional<VerticalDatum> datum;
   std::string name;
 };
 
-ToldDatum DatumOf(OGRSpatialReferenceH system) {
+FileDatum ReadFileDatum(OGRSpatialReferenceH system) {
   if (OSRIsCompound(system) == 0) {
     constexpr int kAxesWithHeight = 3;
     if (OSRGetAxesCount(system) == kAxesWithHeight) return {VerticalDatum::kEllipsoid, {}};
@@ -98,9 +98,11 @@ ToldDatum DatumOf(OGRSpatialReferenceH system) {
   const char* const code = OSRGetAuthorityCode(system, "VERT_CS");
   const std::string name = named != nullptr ? named : "unnamed";
   const std::string_view epsg = code != nullptr ? code : "";
-  if (epsg == "5773" || Holds(name, "egm96") || Holds(name, "egm 96")) return {VerticalDatum::kEgm96, name};
-  if (epsg == "3855" || Holds(name, "egm2008") || Holds(name, "egm 2008")) return {VerticalDatum::kEgm2008, name};
-  if (Holds(name, "ellipsoid")) return {VerticalDatum::kEllipsoid, name};
+  if (epsg == "5773" || ContainsIgnoringCase(name, "egm96") || ContainsIgnoringCase(name, "egm 96"))
+    return {VerticalDatum::kEgm96, name};
+  if (epsg == "3855" || ContainsIgnoringCase(name, "egm2008") || ContainsIgnoringCase(name, "egm 2008"))
+    return {VerticalDatum::kEgm2008, name};
+  if (ContainsIgnoringCase(name, "ellipsoid")) return {VerticalDatum::kEllipsoid, name};
   return {std::nullopt, name};
 }
 
@@ -129,7 +131,7 @@ Expected<double> MetresPerUnit(GDALRasterBandH band, OGRSpatialReferenceH system
 
 // The number of blocks of heights that end beyond the end of the file (truncated), and of all blocks. GDAL itself
 // reports them only when it reads them.
-std::pair<std::int64_t, std::int64_t> BlocksCutOff(GDALRasterBandH band, std::uintmax_t file_size) {
+std::pair<std::int64_t, std::int64_t> CountTruncatedBlocks(GDALRasterBandH band, std::uintmax_t file_size) {
   int block_width = 0;
   int block_height = 0;
   GDALGetBlockSize(band, &block_width, &block_height);
@@ -139,11 +141,11 @@ std::pair<std::int64_t, std::int64_t> BlocksCutOff(GDALRasterBandH band, std::ui
   std::int64_t missing = 0;
   for (int y = 0; y < down; ++y) {
     for (int x = 0; x < across; ++x) {
-      const auto told = [&](const char* what) {
+      const auto given = [&](const char* what) {
         const char* text = GDALGetMetadataItem(band, fmt::format("BLOCK_{}_{}_{}", what, x, y).c_str(), "TIFF");
         return text != nullptr ? std::strtoull(text, nullptr, 10) : 0ULL;
       };
-      missing += told("OFFSET") + told("SIZE") > file_size ? 1 : 0;
+      missing += given("OFFSET") + given("SIZE") > file_size ? 1 : 0;
     }
   }
   return {missing, static_cast<std::int64_t>(across) * down};
@@ -152,22 +154,22 @@ std::pair<std::int64_t, std::int64_t> BlocksCutOff(GDALRasterBandH band, std::ui
 class Terrain final : public Ground {
  public:
   static Expected<std::shared_ptr<const Ground>> Read(const fs::path& path, const GroundOptions& options,
-                                                      const std::function<void(const std::string&)>& tell);
+                                                      const std::function<void(const std::string&)>& warn);
 
   [[nodiscard]] std::optional<double> HeightAt(const GeodeticPoint& point) const override;
   [[nodiscard]] double Spacing() const override { return spacing_m_; }
-  [[nodiscard]] double Steepest() const override { return kSteepest; }
+  [[nodiscard]] double MaxSlope() const override { return kMaxSlope; }
 
  private:
-  static constexpr double kSteepest = 4;  // tangent of 76 degrees
+  static constexpr double kMaxSlope = 4;  // tangent of 76 degrees
   static constexpr int kTilePx = 256;
-  static constexpr std::size_t kMostTiles = 1024;  // 256 MiB
+  static constexpr std::size_t kMaxTiles = 1024;  // 256 MiB
 
-  Status Place(const fs::path& path);
+  Status SetGeoreference(const fs::path& path);
   Status SetDatum(const fs::path& path, const GroundOptions& options);
 
   // Column and row in pixels from the file's upper left corner; std::nullopt outside the file.
-  [[nodiscard]] std::optional<std::pair<double, double>> PixelOf(const GeodeticPoint& point) const;
+  [[nodiscard]] std::optional<std::pair<double, double>> PixelFromGeodetic(const GeodeticPoint& point) const;
   [[nodiscard]] std::optional<double> Sample(std::int64_t column, std::int64_t row) const;
   [[nodiscard]] const std::vector<float>& TileAt(int across, int down) const;
 
@@ -190,17 +192,17 @@ class Terrain final : public Ground {
 };
 
 Expected<std::shared_ptr<const Ground>> Terrain::Read(const fs::path& path, const GroundOptions& options,
-                                                      const std::function<void(const std::string&)>& tell) {
+                                                      const std::function<void(const std::string&)>& warn) {
   std::error_code error;
   if (!fs::exists(path, error)) {
     return Fail(ErrorCode::kNotFound, fmt::format("{}: no such file: must be a GeoTIFF of heights", path.string()));
   }
-  const Quiet quiet;
+  const GdalErrorCapture error_capture;
   auto terrain = std::make_shared<Terrain>();
   if (fs::is_regular_file(path, error)) terrain->dataset_ = Open(path);
   if (!terrain->dataset_) {
     return Fail(ErrorCode::kDataLoss,
-                fmt::format("{}: not a readable GeoTIFF: {}", path.string(), Quiet::Message()));
+                fmt::format("{}: not a readable GeoTIFF: {}", path.string(), GdalErrorCapture::Message()));
   }
   terrain->width_ = GDALGetRasterXSize(terrain->dataset_.get());
   terrain->height_ = GDALGetRasterYSize(terrain->dataset_.get());
@@ -210,7 +212,7 @@ Expected<std::shared_ptr<const Ground>> Terrain::Read(const fs::path& path, cons
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: an image, not heights: must be a GeoTIFF with one band of heights", path.string()));
   }
-  VICTORIOUS_RETURN_IF_ERROR(terrain->Place(path));
+  VICTORIOUS_RETURN_IF_ERROR(terrain->SetGeoreference(path));
   VICTORIOUS_RETURN_IF_ERROR(terrain->SetDatum(path, options));
   VICTORIOUS_ASSIGN_OR_RETURN(terrain->metres_per_unit_, MetresPerUnit(terrain->band_, terrain->system_, path));
   terrain->offset_ = GDALGetRasterOffset(terrain->band_, nullptr);
@@ -218,31 +220,30 @@ Expected<std::shared_ptr<const Ground>> Terrain::Read(const fs::path& path, cons
   int has = 0;
   const double no_data = GDALGetRasterNoDataValue(terrain->band_, &has);
   if (has != 0) terrain->no_data_ = static_cast<float>(no_data);
-  const auto [missing, blocks] = BlocksCutOff(terrain->band_, fs::file_size(path, error));
+  const auto [missing, blocks] = CountTruncatedBlocks(terrain->band_, fs::file_size(path, error));
   if (missing == blocks) {
     return Fail(ErrorCode::kDataLoss, fmt::format("{}: truncated before the first height", path.string()));
   }
-  if (missing > 0 && tell) {
-    tell(fmt::format("{}: truncated: {} of its {} blocks of heights are missing; the ground is unknown there",
+  if (missing > 0 && warn) {
+    warn(fmt::format("{}: truncated: {} of its {} blocks of heights are missing; the ground is unknown there",
                      path.string(), missing, blocks));
   }
   return terrain;
 }
 
-Status Terrain::Place(const fs::path& path) {
-  const auto unplaced = [&] {
+Status Terrain::SetGeoreference(const fs::path& path) {
+  const auto not_georeferenced = [&] {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: not georeferenced: must be a GeoTIFF with a coordinate system",
-                            path.string()));
+                fmt::format("{}: not georeferenced: must be a GeoTIFF with a coordinate system", path.string()));
   };
   system_ = GDALGetSpatialRef(dataset_.get());
   std::array<double, 6> file_from_pixel{};
   if (system_ == nullptr || GDALGetGeoTransform(dataset_.get(), file_from_pixel.data()) != CE_None ||
       GDALInvGeoTransform(file_from_pixel.data(), pixel_from_file_.data()) == 0) {
-    return unplaced();
+    return not_georeferenced();
   }
   geographic_ = OSRIsGeographic(system_) != 0;
-  if (!geographic_ && OSRIsProjected(system_) == 0) return unplaced();
+  if (!geographic_ && OSRIsProjected(system_) == 0) return not_georeferenced();
   const Coordinates level(OSRClone(system_));
   if (OSRIsCompound(level.get()) != 0) OSRStripVertical(level.get());
   OSRDemoteTo2D(level.get(), nullptr);
@@ -253,7 +254,7 @@ Status Terrain::Place(const fs::path& path) {
   }
   file_from_geodetic_.reset(OCTNewCoordinateTransformation(geodetic.get(), level.get()));
   const Transform geodetic_from_file(OCTNewCoordinateTransformation(level.get(), geodetic.get()));
-  if (!file_from_geodetic_ || !geodetic_from_file) return unplaced();
+  if (!file_from_geodetic_ || !geodetic_from_file) return not_georeferenced();
 
   // Pixel spacing on the ground at the centre of the file.
   std::array<GeodeticPoint, 3> corners;
@@ -263,24 +264,24 @@ Status Terrain::Place(const fs::path& path) {
     double y = 0;
     GDALApplyGeoTransform(file_from_pixel.data(), width_ / 2.0 + kSteps[i].first, height_ / 2.0 + kSteps[i].second, &x,
                           &y);
-    if (OCTTransform(geodetic_from_file.get(), 1, &x, &y, nullptr) == 0 || !(std::abs(y) <= 90)) return unplaced();
+    if (OCTTransform(geodetic_from_file.get(), 1, &x, &y, nullptr) == 0 || !(std::abs(y) <= 90))
+      return not_georeferenced();
     corners[i] = {RadiansFromDegrees(y), RadiansFromDegrees(x), 0};
   }
   const TangentPlane plane(corners[0]);
   spacing_m_ = std::min(plane.EnuFromGeodetic(corners[1]).norm(), plane.EnuFromGeodetic(corners[2]).norm());
-  constexpr double kFinestM = 0.01;
-  if (!(spacing_m_ >= kFinestM && spacing_m_ < 1e6)) return unplaced();
+  constexpr double kMinSpacingM = 0.01;
+  if (!(spacing_m_ >= kMinSpacingM && spacing_m_ < 1e6)) return not_georeferenced();
   return {};
 }
 
 Status Terrain::SetDatum(const fs::path& path, const GroundOptions& options) {
-  const ToldDatum told = DatumOf(system_);
+  const FileDatum given = ReadFileDatum(system_);
   const std::optional<VerticalDatum> datum =
-      options.vertical_datum == "told" ? told.datum : VerticalDatumOf(options.vertical_datum);
+      options.vertical_datum == "given" ? given.datum : ParseVerticalDatum(options.vertical_datum);
   if (!datum) {
-    const std::string says = told.name.empty()
-                                 ? "gives no vertical datum for its heights"
-                                 : fmt::format("its vertical datum \"{}\" is not known", told.name);
+    const std::string says = given.name.empty() ? "gives no vertical datum for its heights"
+                                                : fmt::format("its vertical datum \"{}\" is not known", given.name);
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: {}: give it (--terrain-datum ellipsoid, egm96 or egm2008)", path.string(), says));
   }
@@ -296,7 +297,7 @@ Status Terrain::SetDatum(const fs::path& path, const GroundOptions& options) {
   return {};
 }
 
-std::optional<std::pair<double, double>> Terrain::PixelOf(const GeodeticPoint& point) const {
+std::optional<std::pair<double, double>> Terrain::PixelFromGeodetic(const GeodeticPoint& point) const {
   double x = DegreesFromRadians(point.longitude_rad);
   double y = DegreesFromRadians(point.latitude_rad);
   if (OCTTransform(file_from_geodetic_.get(), 1, &x, &y, nullptr) == 0) return std::nullopt;
@@ -315,7 +316,7 @@ std::optional<std::pair<double, double>> Terrain::PixelOf(const GeodeticPoint& p
 const std::vector<float>& Terrain::TileAt(int across, int down) const {
   const auto found = tiles_.find({across, down});
   if (found != tiles_.end()) return found->second;
-  if (tiles_.size() >= kMostTiles) tiles_.clear();
+  if (tiles_.size() >= kMaxTiles) tiles_.clear();
   std::vector<float>& tile = tiles_[{across, down}];
   const int columns = std::min(kTilePx, width_ - across * kTilePx);
   const int rows = std::min(kTilePx, height_ - down * kTilePx);
@@ -341,16 +342,16 @@ std::optional<double> Terrain::Sample(std::int64_t column, std::int64_t row) con
   const float raw = tile[static_cast<std::size_t>(y % kTilePx) * kTilePx + static_cast<std::size_t>(x % kTilePx)];
   if (no_data_ && raw == *no_data_) return std::nullopt;
   const double height_m = (offset_ + scale_ * static_cast<double>(raw)) * metres_per_unit_;
-  constexpr double kDeepestM = -1000;
-  constexpr double kHighestM = 10000;
-  if (!(height_m >= kDeepestM && height_m <= kHighestM)) return std::nullopt;
+  constexpr double kMinTerrainHeightM = -1000;
+  constexpr double kMaxTerrainHeightM = 10000;
+  if (!(height_m >= kMinTerrainHeightM && height_m <= kMaxTerrainHeightM)) return std::nullopt;
   return height_m;
 }
 
 std::optional<double> Terrain::HeightAt(const GeodeticPoint& point) const {
   const std::lock_guard lock(mutex_);
-  const Quiet quiet;
-  const auto pixel = PixelOf(point);
+  const GdalErrorCapture error_capture;
+  const auto pixel = PixelFromGeodetic(point);
   if (!pixel) return std::nullopt;
   const double x = pixel->first - 0.5;  // relative to the centre of the first pixel
   const double y = pixel->second - 0.5;
@@ -368,15 +369,15 @@ std::optional<double> Terrain::HeightAt(const GeodeticPoint& point) const {
     }
   }
   if (!geoid_) return height_m;
-  const auto undulation_m = geoid_->HeightAt(point.latitude_rad, point.longitude_rad);
+  const auto undulation_m = geoid_->UndulationAt(point.latitude_rad, point.longitude_rad);
   return undulation_m ? std::optional(height_m + *undulation_m) : std::nullopt;
 }
 
 }  // namespace
 
 Expected<std::shared_ptr<const Ground>> ReadTerrain(const fs::path& path, const GroundOptions& options,
-                                                    const std::function<void(const std::string&)>& tell) {
-  return Terrain::Read(path, options, tell);
+                                                    const std::function<void(const std::string&)>& warn) {
+  return Terrain::Read(path, options, warn);
 }
 
 }  // namespace victorious

@@ -23,7 +23,7 @@ struct GroundOptions {
 
   double height_m = kUnknownHeight;
   std::string terrain;
-  std::string vertical_datum = "told";
+  std::string vertical_datum = "given";
   std::string geoid_grid;
 
   void ListFields(FieldList& fields);
@@ -35,11 +35,11 @@ struct GroundOptions {
 /// Errors: kNotFound; kDataLoss, not a GeoTIFF; kInvalidArgument, no georeference, unknown vertical datum or no geoid
 /// grid for it; kUnsupported, unknown unit of height.
 Expected<std::shared_ptr<const Ground>> ReadTerrain(const std::filesystem::path& path, const GroundOptions& options,
-                                                    const std::function<void(const std::string&)>& tell = {});
+                                                    const std::function<void(const std::string&)>& warn = {});
 
 /// Makes flat ground or a terrain; null if the options give neither. Errors: kInvalidArgument if they give both; those
 /// of ReadTerrain.
 Expected<std::shared_ptr<const Ground>> MakeGround(const GroundOptions& options,
-                                                   const std::function<void(const std::string&)>& tell = {});
+                                                   const std::function<void(const std::string&)>& warn = {});
 
 }  // namespace victorious

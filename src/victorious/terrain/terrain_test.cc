@@ -130,7 +130,7 @@ TEST_F(TerrainTest, HeightsAboveTheSeaComeToTheEllipsoid) {
   const auto grid = FindEgm96Grid();
   if (!grid) GTEST_SKIP() << "SKIPPED: no grid of EGM96 on this machine";
   const GeodeticPoint point = AtUtm(500021, 4599959);
-  const double sea_m = *Geoid::Read(*grid)->HeightAt(point.latitude_rad, point.longitude_rad);
+  const double sea_m = *Geoid::Read(*grid)->UndulationAt(point.latitude_rad, point.longitude_rad);
   ASSERT_GT(sea_m, 30);
   EXPECT_NEAR(*Read({.system = "EPSG:32633+5773"}, {})->HeightAt(point), 100 + sea_m, 1e-3)
       << "datum given by the file";
@@ -178,10 +178,11 @@ TEST_F(TerrainTest, RefusesWhatIsNoTerrain) {
 TEST_F(TerrainTest, WhatIsCutOffIsUnknown) {
   const auto path = Write(folder_ / "a.tif", {.width = 400, .height = 400});
   std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
-  std::string told;
-  const auto ground = ReadTerrain(path, {.vertical_datum = "ellipsoid"}, [&](const std::string& line) { told = line; });
+  std::string given;
+  const auto ground =
+      ReadTerrain(path, {.vertical_datum = "ellipsoid"}, [&](const std::string& line) { given = line; });
   ASSERT_TRUE(ground) << ground.error().message;
-  EXPECT_THAT(told, HasSubstr("truncated"));
+  EXPECT_THAT(given, HasSubstr("truncated"));
   EXPECT_EQ((*ground)->HeightAt(AtUtm(500001, 4599999)), 100);
   EXPECT_FALSE((*ground)->HeightAt(AtUtm(500799, 4599201)));
 }

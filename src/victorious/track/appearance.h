@@ -18,20 +18,20 @@ class Appearance {
  public:
   /// Stores the first template, which is never discarded.
   /// @param box  the user box, px
-  Appearance(const Levels& image, const TurnedBox& box);
+  Appearance(const ImagePyramid& image, const RotatedBox& box);
 
   /// @return the NCC of the box with the best matching stored template, -1 to 1
-  [[nodiscard]] double Likeness(const Levels& image, const TurnedBox& box) const;
+  [[nodiscard]] double NccScore(const ImagePyramid& image, const RotatedBox& box) const;
 
   /// Adds a template of the box, unless its NCC with a stored template is 0.9 or more. Beyond 24 templates the oldest
   /// except the first is discarded.
-  void Remember(const Levels& image, const TurnedBox& box);
+  void AddTemplate(const ImagePyramid& image, const RotatedBox& box);
 
  private:
-  [[nodiscard]] cv::Mat Look(const Levels& image, const TurnedBox& box) const;
+  [[nodiscard]] cv::Mat MakeTemplate(const ImagePyramid& image, const RotatedBox& box) const;
 
-  cv::Size look_px_;
-  std::deque<cv::Mat> looks_;  // the first is of the user box
+  cv::Size template_px_;
+  std::deque<cv::Mat> templates_;  // the first is of the user box
 };
 
 }  // namespace victorious

@@ -15,14 +15,14 @@ namespace victorious {
 namespace {
 
 constexpr int kWindowCells = 48;
-constexpr double kLeastSide_px = 4;
+constexpr double kMinSide_px = 4;
 
-TurnedBox WindowAbout(const TurnedBox& box, double factor) {
+RotatedBox MakeWindow(const RotatedBox& box, double factor) {
   const double side = factor * std::sqrt(box.Area());
-  return {box.centre, side, side, box.turn_rad};
+  return {box.centre, side, side, box.rotation_rad};
 }
 
-FilterShape ShapeFor(const Box& box, double window_factor) {
+FilterShape MakeFilterShape(const Box& box, double window_factor) {
   const double cells_per_px = kWindowCells / (window_factor * std::sqrt(box.Area()));
   const auto cells = [&](double length_px) {
     return static_cast<float>(std::clamp(length_px * cells_per_px, 3.0, static_cast<double>(kWindowCells)));
@@ -30,209 +30,212 @@ FilterShape ShapeFor(const Box& box, double window_factor) {
   return {{kWindowCells, kWindowCells}, {cells(box.width), cells(box.height)}};
 }
 
-double ShareInView(const Levels& picture, const TurnedBox& turned) {
+double FractionInView(const ImagePyramid& picture, const RotatedBox& turned) {
   const cv::Mat& image = picture.image();
-  return ShareInside(CornersOf(turned.Upright()), FrameBox(image.cols, image.rows));
+  return FractionInside(BoxCorners(turned.EllipseBounds()), FrameBox(image.cols, image.rows));
 }
 
-cv::Mat GreyLook(const Levels& image, const TurnedBox& box) {
-  const auto side = [](double length_px) { return static_cast<int>(std::lround(std::max(kLeastSide_px, length_px))); };
-  cv::Mat look = CutOut(image, box, {side(box.width), side(box.height)});
-  if (look.channels() == 3) cv::cvtColor(look, look, cv::COLOR_BGR2GRAY);
-  return look;
+cv::Mat CropGrey(const ImagePyramid& image, const RotatedBox& box) {
+  const auto side = [](double length_px) { return static_cast<int>(std::lround(std::max(kMinSide_px, length_px))); };
+  cv::Mat grey_template = CropRotated(image, box, {side(box.width), side(box.height)});
+  if (grey_template.channels() == 3) cv::cvtColor(grey_template, grey_template, cv::COLOR_BGR2GRAY);
+  return grey_template;
 }
 
 }  // namespace
 
-BoxTarget::BoxTarget(const BoxScene& scene, const Box& box, const BoxTrackOptions& options)
+BoxTarget::BoxTarget(const FrameContext& context, const Box& box, const BoxTrackOptions& options)
     : options_(options),
-      box_(Unturned(box)),
-      lost_at_(box_),
-      filter_(ShapeFor(box, options.window_factor)),
+      box_(ToRotatedBox(box)),
+      last_seen_box_(box_),
+      filter_(MakeFilterShape(box, options.window_factor)),
       scale_(box_),
-      appearance_(scene.image, box_),
-      sure_look_(GreyLook(scene.image, box_)) {
-  filter_.Learn(Look(scene.image, box_), options_.stay);
-  scale_.Learn(scene.image, box_, 1);
+      appearance_(context.image, box_),
+      confident_template_(CropGrey(context.image, box_)) {
+  filter_.Update(ExtractWindow(context.image, box_), options_.temporal_weight);
+  scale_.Update(context.image, box_, 1);
 }
 
 // The feature window around a box, the input of the correlation filter.
-CellFeatures BoxTarget::Look(const Levels& image, const TurnedBox& box) const {
-  constexpr double kColourShare = 0.5;  // gives colours roughly the energy of the gradients
+CellFeatures BoxTarget::ExtractWindow(const ImagePyramid& image, const RotatedBox& box) const {
+  constexpr double kColourWeight = 0.5;  // gives colours roughly the energy of the gradients
   const cv::Mat cut =
-      CutOut(image, WindowAbout(box, options_.window_factor), {kWindowCells * kCell_px, kWindowCells * kCell_px});
-  CellFeatures channels = GradientCells(cut);
-  for (const cv::Mat& colour : ColourCells(cut)) channels.emplace_back((colour - cv::mean(colour)[0]) * kColourShare);
+      CropRotated(image, MakeWindow(box, options_.window_factor), {kWindowCells * kCell_px, kWindowCells * kCell_px});
+  CellFeatures channels = ComputeHogCells(cut);
+  for (const cv::Mat& colour : ComputeColourCells(cut))
+    channels.emplace_back((colour - cv::mean(colour)[0]) * kColourWeight);
   return channels;
 }
 
 // Applies the filter to the window around a box and moves the box to the response's peak.
-BoxTarget::Answer BoxTarget::Ask(const Levels& image, const TurnedBox& about) const {
-  const FilterResponse response = filter_.Respond(Look(image, about));
-  const double px_per_cell = WindowAbout(about, options_.window_factor).width / kWindowCells;
-  TurnedBox box = about;
+BoxTarget::Localisation BoxTarget::Localise(const ImagePyramid& image, const RotatedBox& search_box) const {
+  const FilterResponse response = filter_.ComputeResponse(ExtractWindow(image, search_box));
+  const double px_per_cell = MakeWindow(search_box, options_.window_factor).width / kWindowCells;
+  RotatedBox box = search_box;
   const Eigen::Vector2d moved(response.peak.x * px_per_cell, response.peak.y * px_per_cell);
-  box.centre += Eigen::Rotation2Dd(about.turn_rad) * moved;
+  box.centre += Eigen::Rotation2Dd(search_box.rotation_rad) * moved;
   return {box, response.sharpness};
 }
 
 // The geometric mean of sharpness and NCC, each relative to its running mean and clipped to 1.
-double BoxTarget::Trust(const Levels& image, const Answer& answer) const {
-  if (learnt_frames_ == 0) return 1;
-  constexpr double kLeastSharpness = 1e-6;  // below: a uniform window, without information
-  const double sharpness = std::clamp(answer.sharpness / std::max(kLeastSharpness, usual_sharpness_), 0.0, 1.0);
-  const double likeness = std::clamp(appearance_.Likeness(image, answer.box) / usual_likeness_, 0.0, 1.0);
-  return std::sqrt(sharpness * likeness);
+double BoxTarget::ComputeConfidence(const ImagePyramid& image, const Localisation& localisation) const {
+  if (num_updates_ == 0) return 1;
+  constexpr double kMinSharpness = 1e-6;  // below: a uniform window, without information
+  const double sharpness = std::clamp(localisation.sharpness / std::max(kMinSharpness, mean_sharpness_), 0.0, 1.0);
+  const double ncc = std::clamp(appearance_.NccScore(image, localisation.box) / mean_ncc_, 0.0, 1.0);
+  return std::sqrt(sharpness * ncc);
 }
 
 // Localises the object. If the camera has rotated by 0.1 rad since the last test, also localises with that rotation and
 // returns the result with the higher sharpness times NCC: a camera that flies past shears the image, and the fitted
 // similarity then has a rotation that the object does not make.
-BoxTarget::Answer BoxTarget::AskTurned(const Levels& image) {
-  constexpr double kWorthAsking_rad = 0.1;
-  const Answer as_before = Ask(image, box_);
-  if (std::abs(pending_turn_rad_) < kWorthAsking_rad) return as_before;
-  TurnedBox with_camera = box_;
-  with_camera.turn_rad += std::exchange(pending_turn_rad_, 0.0);
-  const Answer turned = Ask(image, with_camera);
-  const auto merit = [&](const Answer& answer) {
-    return answer.sharpness * std::max(0.0, appearance_.Likeness(image, answer.box));
+BoxTarget::Localisation BoxTarget::LocaliseWithRotation(const ImagePyramid& image) {
+  constexpr double kMinRotation_rad = 0.1;
+  const Localisation as_before = Localise(image, box_);
+  if (std::abs(pending_rotation_rad_) < kMinRotation_rad) return as_before;
+  RotatedBox with_camera = box_;
+  with_camera.rotation_rad += std::exchange(pending_rotation_rad_, 0.0);
+  const Localisation turned = Localise(image, with_camera);
+  const auto score = [&](const Localisation& localisation) {
+    return localisation.sharpness * std::max(0.0, appearance_.NccScore(image, localisation.box));
   };
-  return merit(turned) >= merit(as_before) ? turned : as_before;
+  return score(turned) >= score(as_before) ? turned : as_before;
 }
 
-BoxTarget::Sight BoxTarget::Step(const BoxScene& scene) {
-  const Eigen::Vector2d carried = scene.now_from_before.Apply(box_.centre);
+BoxTarget::TargetObservation BoxTarget::Step(const FrameContext& context) {
+  const Eigen::Vector2d carried = context.now_from_before.Apply(box_.centre);
   box_.centre = carried + velocity_px_;
-  pending_turn_rad_ += scene.now_from_before.rotation_rad;
+  pending_rotation_rad_ += context.now_from_before.rotation_rad;
   if (lost()) {
-    constexpr double kSlowing = 0.9;  // an occluded object may have stopped
-    velocity_px_ *= kSlowing;
+    constexpr double kVelocityDecay = 0.9;  // an occluded object may have stopped
+    velocity_px_ *= kVelocityDecay;
     // Far outside the frame the estimated ground motion does not apply.
-    const Eigen::Vector2d size(scene.grey.cols, scene.grey.rows);
+    const Eigen::Vector2d size(context.grey.cols, context.grey.rows);
     box_.centre = box_.centre.cwiseMax(-size).cwiseMin(2 * size);
-    return Seek(scene);
+    return Redetect(context);
   }
-  const bool should_have_left = ShareInView(scene.image, box_) < options_.least_in_view;
-  const Answer answer = AskTurned(scene.image);
-  const double trust = Trust(scene.image, answer);
-  const bool left = ShareInView(scene.image, answer.box) < options_.least_in_view;
-  if (left || trust < (doubtful_ ? options_.return_trust : options_.lost_trust)) {
-    Lose();
+  const bool predicted_outside = FractionInView(context.image, box_) < options_.min_in_view;
+  const Localisation localisation = LocaliseWithRotation(context.image);
+  const double confidence = ComputeConfidence(context.image, localisation);
+  const bool left = FractionInView(context.image, localisation.box) < options_.min_in_view;
+  if (left || confidence < (tentative_ ? options_.redetect_confidence : options_.lost_confidence)) {
+    MarkLost();
     return {.loss = left ? TrackLoss::kLeftFrame : TrackLoss::kOccluded};
   }
-  box_ = answer.box;
+  box_ = localisation.box;
   // A box cut by the frame's edge supports the confidence by its visible fraction only.
-  doubtful_ = doubtful_ && trust * ShareInView(scene.image, box_) < options_.learn_trust;
-  if (trust >= options_.learn_trust) {
-    velocity_px_ += options_.velocity_rate * (box_.centre - carried - velocity_px_);
-    Learn(scene, answer, trust);
+  tentative_ = tentative_ && confidence * FractionInView(context.image, box_) < options_.update_confidence;
+  if (confidence >= options_.update_confidence) {
+    velocity_px_ += options_.velocity_learning_rate * (box_.centre - carried - velocity_px_);
+    Update(context, localisation, confidence);
   }
   // At the edge the filter has a peak inside the frame even if the object is outside.
-  if (should_have_left && trust < options_.learn_trust) return {.loss = TrackLoss::kLeftFrame};
-  return {.box = box_.Upright(), .trust = trust, .doubtful = doubtful_};
+  if (predicted_outside && confidence < options_.update_confidence) return {.loss = TrackLoss::kLeftFrame};
+  return {.box = box_.EllipseBounds(), .confidence = confidence, .tentative = tentative_};
 }
 
-void BoxTarget::Learn(const BoxScene& scene, const Answer& answer, double trust) {
-  const TurnedBox grown = box_.Scaled(scale_.Growth(scene.image, box_));
-  if (std::min(grown.width, grown.height) >= kLeastSide_px) box_ = grown;
-  ++learnt_frames_;
-  constexpr double kUsualRate = 0.02;  // running mean over roughly the last 50 frames
-  const double rate = std::max(kUsualRate, 1.0 / learnt_frames_);
-  usual_sharpness_ += rate * (answer.sharpness - usual_sharpness_);
-  usual_likeness_ += rate * (std::max(0.1, appearance_.Likeness(scene.image, box_)) - usual_likeness_);
-  filter_.Learn(Look(scene.image, box_), options_.stay);
-  scale_.Learn(scene.image, box_, options_.scale_rate);
-  if (trust < options_.sure_trust) return;
-  appearance_.Remember(scene.image, box_);
-  sure_look_ = GreyLook(scene.image, box_);
+void BoxTarget::Update(const FrameContext& context, const Localisation& localisation, double confidence) {
+  const RotatedBox grown = box_.Scaled(scale_.EstimateScaleChange(context.image, box_));
+  if (std::min(grown.width, grown.height) >= kMinSide_px) box_ = grown;
+  ++num_updates_;
+  constexpr double kMeanRate = 0.02;  // running mean over roughly the last 50 frames
+  const double rate = std::max(kMeanRate, 1.0 / num_updates_);
+  mean_sharpness_ += rate * (localisation.sharpness - mean_sharpness_);
+  mean_ncc_ += rate * (std::max(0.1, appearance_.NccScore(context.image, box_)) - mean_ncc_);
+  filter_.Update(ExtractWindow(context.image, box_), options_.temporal_weight);
+  scale_.Update(context.image, box_, options_.scale_learning_rate);
+  if (confidence < options_.template_confidence) return;
+  appearance_.AddTemplate(context.image, box_);
+  confident_template_ = CropGrey(context.image, box_);
 }
 
 // The predicted box, every second frame the box where the object was lost, and the best matches (NCC) of the last
 // confident template in the whole frame; the template's scale cycles through three values from frame to frame.
-std::vector<TurnedBox> BoxTarget::PlacesToSeek(const BoxScene& scene) const {
-  constexpr double kSmall_px = 16;  // smallest side that still discriminates; the frame is scaled down to it
-  constexpr std::array kSizes = {1.0, 0.8, 1.25};
-  constexpr double kLeastLikeness = 0.3;
-  constexpr int kMostPlaces = 4;
-  std::vector<TurnedBox> places = {box_};
-  if (lost_frames_ % 2 == 0) places.push_back(lost_at_);
+std::vector<RotatedBox> BoxTarget::FindRedetectionCandidates(const FrameContext& context) const {
+  constexpr double kSearchSide_px = 16;  // smallest side that still discriminates; the frame is scaled down to it
+  constexpr std::array kScaleCycle = {1.0, 0.8, 1.25};
+  constexpr double kMinNcc = 0.3;
+  constexpr int kMaxCandidates = 4;
+  std::vector<RotatedBox> candidates = {box_};
+  if (lost_frames_ % 2 == 0) candidates.push_back(last_seen_box_);
 
-  const double size = kSizes[static_cast<std::size_t>(lost_frames_) % kSizes.size()];
-  const double shrink = std::min(1.0, kSmall_px / std::sqrt(box_.Area()));
+  const double size = kScaleCycle[static_cast<std::size_t>(lost_frames_) % kScaleCycle.size()];
+  const double shrink = std::min(1.0, kSearchSide_px / std::sqrt(box_.Area()));
   const double small_from_frame = shrink / size;
   const auto shrunk = [&](int length_px) {
     return std::max(1, static_cast<int>(std::lround(length_px * small_from_frame)));
   };
   cv::Mat small;
-  cv::resize(scene.grey, small, {shrunk(scene.grey.cols), shrunk(scene.grey.rows)}, 0, 0, cv::INTER_AREA);
+  cv::resize(context.grey, small, {shrunk(context.grey.cols), shrunk(context.grey.rows)}, 0, 0, cv::INTER_AREA);
   // The template with the rotation of the current frame.
-  const Box upright = box_.Upright();
+  const Box upright = box_.EllipseBounds();
   const auto side = [&](double length_px) {
-    return static_cast<int>(std::lround(std::max(kLeastSide_px, length_px * shrink)));
+    return static_cast<int>(std::lround(std::max(kMinSide_px, length_px * shrink)));
   };
-  const double own_from_frame = std::sqrt(static_cast<double>(sure_look_.total()) / box_.Area());
-  const cv::Mat look = CutOut(Levels(sure_look_),
-                              {{sure_look_.cols / 2.0, sure_look_.rows / 2.0},
-                               upright.width * own_from_frame,
-                               upright.height * own_from_frame,
-                               -box_.turn_rad},
-                              {side(upright.width), side(upright.height)});
-  if (small.cols < look.cols || small.rows < look.rows) return places;
-  cv::Mat likeness;
-  cv::matchTemplate(small, look, likeness, cv::TM_CCOEFF_NORMED);
-  for (int i = 0; i < kMostPlaces; ++i) {
+  const double own_from_frame = std::sqrt(static_cast<double>(confident_template_.total()) / box_.Area());
+  const cv::Mat grey_template = CropRotated(ImagePyramid(confident_template_),
+                                            {{confident_template_.cols / 2.0, confident_template_.rows / 2.0},
+                                             upright.width * own_from_frame,
+                                             upright.height * own_from_frame,
+                                             -box_.rotation_rad},
+                                            {side(upright.width), side(upright.height)});
+  if (small.cols < grey_template.cols || small.rows < grey_template.rows) return candidates;
+  cv::Mat ncc;
+  cv::matchTemplate(small, grey_template, ncc, cv::TM_CCOEFF_NORMED);
+  for (int i = 0; i < kMaxCandidates; ++i) {
     double height = 0;
     cv::Point peak;
-    cv::minMaxLoc(likeness, nullptr, &height, nullptr, &peak);
-    if (!(height >= kLeastLikeness)) break;
-    const Eigen::Vector2d centre(peak.x + look.cols / 2.0, peak.y + look.rows / 2.0);
-    places.push_back({centre / small_from_frame, box_.width * size, box_.height * size, box_.turn_rad});
-    const cv::Rect taken(peak.x - look.cols / 2, peak.y - look.rows / 2, look.cols, look.rows);
-    likeness(taken & cv::Rect({0, 0}, likeness.size())) = -1;
+    cv::minMaxLoc(ncc, nullptr, &height, nullptr, &peak);
+    if (!(height >= kMinNcc)) break;
+    const Eigen::Vector2d centre(peak.x + grey_template.cols / 2.0, peak.y + grey_template.rows / 2.0);
+    candidates.push_back({centre / small_from_frame, box_.width * size, box_.height * size, box_.rotation_rad});
+    const cv::Rect suppressed(peak.x - grey_template.cols / 2, peak.y - grey_template.rows / 2, grey_template.cols,
+                              grey_template.rows);
+    ncc(suppressed & cv::Rect({0, 0}, ncc.size())) = -1;
   }
-  return places;
+  return candidates;
 }
 
-BoxTarget::Sight BoxTarget::Seek(const BoxScene& scene) {
-  TurnedBox found;
-  Sight best{.loss = TrackLoss::kOccluded};
-  for (const TurnedBox& place : PlacesToSeek(scene)) {
-    const Answer answer = Ask(scene.image, place);
-    const double trust = Trust(scene.image, answer);
-    if (trust < options_.return_trust || trust <= best.trust) continue;
-    if (ShareInView(scene.image, answer.box) < options_.least_in_view) continue;
-    found = answer.box;
-    best = {.box = found.Upright(), .trust = trust, .doubtful = true};
+BoxTarget::TargetObservation BoxTarget::Redetect(const FrameContext& context) {
+  RotatedBox found;
+  TargetObservation best{.loss = TrackLoss::kOccluded};
+  for (const RotatedBox& candidate : FindRedetectionCandidates(context)) {
+    const Localisation localisation = Localise(context.image, candidate);
+    const double confidence = ComputeConfidence(context.image, localisation);
+    if (confidence < options_.redetect_confidence || confidence <= best.confidence) continue;
+    if (FractionInView(context.image, localisation.box) < options_.min_in_view) continue;
+    found = localisation.box;
+    best = {.box = found.EllipseBounds(), .confidence = confidence, .tentative = true};
   }
   if (best.loss == TrackLoss::kNone) {
     box_ = found;
     lost_frames_ = 0;
-    doubtful_ = true;
+    tentative_ = true;
   } else {
     ++lost_frames_;
-    if (ShareInView(scene.image, box_) < options_.least_in_view) best.loss = TrackLoss::kLeftFrame;
+    if (FractionInView(context.image, box_) < options_.min_in_view) best.loss = TrackLoss::kLeftFrame;
   }
   return best;
 }
 
-BoxTarget::Sight BoxTarget::Resume(const BoxScene& scene, const Box& box, double turn_rad, double least_trust) {
-  TurnedBox around = Unturned(box);
-  around.turn_rad = turn_rad;
-  const Answer answer = Ask(scene.image, around);
-  const double trust = Trust(scene.image, answer);
-  if (trust < least_trust || ShareInView(scene.image, answer.box) < options_.least_in_view) {
+BoxTarget::TargetObservation BoxTarget::Resume(const FrameContext& context, const Box& box, double rotation_rad,
+                                               double min_confidence) {
+  RotatedBox around = ToRotatedBox(box);
+  around.rotation_rad = rotation_rad;
+  const Localisation localisation = Localise(context.image, around);
+  const double confidence = ComputeConfidence(context.image, localisation);
+  if (confidence < min_confidence || FractionInView(context.image, localisation.box) < options_.min_in_view) {
     return {.loss = TrackLoss::kOccluded};
   }
-  box_ = answer.box;
+  box_ = localisation.box;
   lost_frames_ = 0;
-  doubtful_ = false;
-  return {.box = box_.Upright(), .trust = trust};
+  tentative_ = false;
+  return {.box = box_.EllipseBounds(), .confidence = confidence};
 }
 
-void BoxTarget::Lose() {
+void BoxTarget::MarkLost() {
   lost_frames_ = 1;
-  lost_at_ = box_;
+  last_seen_box_ = box_;
 }
 
 }  // namespace victorious

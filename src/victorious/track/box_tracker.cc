@@ -15,60 +15,64 @@ Expected<BoxTracker> BoxTracker::Create(const BoxTrackOptions& options) {
   return BoxTracker(options);
 }
 
-std::vector<BoxStep> BoxTracker::Step(const Frame& frame) {
-  scene_.image = Levels(frame.image);
-  scene_.grey = frame.image;
-  if (frame.image.channels() == 3) cv::cvtColor(frame.image, scene_.grey, cv::COLOR_BGR2GRAY);
-  scene_.now_from_before = motion_.Step(scene_.grey).value_or(Similarity2{});
-  std::vector<BoxStep> steps(targets_.size());
+std::vector<BoxTrackStep> BoxTracker::Step(const Frame& frame) {
+  context_.image = ImagePyramid(frame.image);
+  context_.grey = frame.image;
+  if (frame.image.channels() == 3) cv::cvtColor(frame.image, context_.grey, cv::COLOR_BGR2GRAY);
+  context_.now_from_before = motion_.Step(context_.grey).value_or(Similarity2{});
+  std::vector<BoxTrackStep> steps(targets_.size());
   tbb::parallel_for(std::size_t{0}, targets_.size(),
-                    [&](std::size_t i) { steps[i] = Describe(i, targets_[i].Step(scene_)); });
+                    [&](std::size_t i) { steps[i] = MakeStep(i, targets_[i].Step(context_)); });
   return steps;
 }
 
-Expected<BoxStep> BoxTracker::Start(const Box& box) {
-  VICTORIOUS_CHECK(!scene_.image.empty());
-  constexpr double kLeastSide_px = 4;
-  const Box frame = FrameBox(scene_.grey.cols, scene_.grey.rows);
+Expected<BoxTrackStep> BoxTracker::Start(const Box& box) {
+  VICTORIOUS_CHECK(!context_.image.empty());
+  constexpr double kMinSide_px = 4;
+  const Box frame = FrameBox(context_.grey.cols, context_.grey.rows);
   const Box inside = Intersection(box, frame);
-  const std::string told = fmt::format("box {:g},{:g},{:g},{:g}", box.x, box.y, box.width, box.height);
-  const std::string right = fmt::format("give x,y,w,h inside {:g} x {:g} px, at least {:g} px to a side", frame.width,
-                                        frame.height, kLeastSide_px);
-  if (!(std::min(box.width, box.height) >= kLeastSide_px && std::isfinite(box.Area()))) {
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: too small: {}", told, right));
+  const std::string given = fmt::format("box {:g},{:g},{:g},{:g}", box.x, box.y, box.width, box.height);
+  const std::string remedy = fmt::format("give x,y,w,h inside {:g} x {:g} px, at least {:g} px to a side", frame.width,
+                                         frame.height, kMinSide_px);
+  if (!(std::min(box.width, box.height) >= kMinSide_px && std::isfinite(box.Area()))) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: too small: {}", given, remedy));
   }
   if (!(inside.Area() >= 0.5 * box.Area())) {
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: outside the frame: {}", told, right));
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: outside the frame: {}", given, remedy));
   }
-  if (std::min(inside.width, inside.height) < kLeastSide_px) {
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: too little of it in the frame: {}", told, right));
+  if (std::min(inside.width, inside.height) < kMinSide_px) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: too little of it in the frame: {}", given, remedy));
   }
-  targets_.emplace_back(scene_, inside, options_);
-  return BoxStep{.target = targets_.size() - 1, .box = inside, .extent = inside, .trust = 1};
+  targets_.emplace_back(context_, inside, options_);
+  return BoxTrackStep{.target = targets_.size() - 1, .box = inside, .extent = inside, .confidence = 1};
 }
 
-BoxStep BoxTracker::Resume(std::size_t target, const Box& box, double turn_rad, Evidence evidence) {
+BoxTrackStep BoxTracker::Resume(std::size_t target, const Box& box, double rotation_rad, ResumeBasis basis) {
   VICTORIOUS_CHECK(target < targets_.size());
-  const double least_trust = evidence == Evidence::kLook ? options_.lost_trust : options_.return_trust;
-  return Describe(target, targets_[target].Resume(scene_, box, turn_rad, least_trust));
+  const double min_confidence =
+      basis == ResumeBasis::kRecognised ? options_.lost_confidence : options_.redetect_confidence;
+  return MakeStep(target, targets_[target].Resume(context_, box, rotation_rad, min_confidence));
 }
 
-void BoxTracker::Lose(std::size_t target) {
+void BoxTracker::MarkLost(std::size_t target) {
   VICTORIOUS_CHECK(target < targets_.size());
-  targets_[target].Lose();
+  targets_[target].MarkLost();
 }
 
-BoxStep BoxTracker::Describe(std::size_t target, const BoxTarget::Sight& sight) const {
-  BoxStep step{.target = target, .loss = sight.loss, .trust = sight.trust, .doubtful = sight.doubtful};
+BoxTrackStep BoxTracker::MakeStep(std::size_t target, const BoxTarget::TargetObservation& observation) const {
+  BoxTrackStep step{.target = target,
+                    .loss = observation.loss,
+                    .confidence = observation.confidence,
+                    .tentative = observation.tentative};
   if (!step.seen()) return step;
-  step.extent = sight.box;
-  step.box = Intersection(sight.box, FrameBox(scene_.grey.cols, scene_.grey.rows));
+  step.extent = observation.box;
+  step.box = Intersection(observation.box, FrameBox(context_.grey.cols, context_.grey.rows));
   return step;
 }
 
 void BoxTracker::ChangeVideo() {
   motion_ = {};
-  for (BoxTarget& target : targets_) target.Lose();
+  for (BoxTarget& target : targets_) target.MarkLost();
 }
 
 }  // namespace victorious

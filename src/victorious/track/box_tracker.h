@@ -29,13 +29,13 @@
 namespace victorious {
 
 /// The result for one target in one frame.
-struct BoxStep {
+struct BoxTrackStep {
   std::size_t target = 0;             ///< index in the order of Start, from 0
   TrackLoss loss = TrackLoss::kNone;  ///< kNone if and only if the object is seen
   Box box;                            ///< px, clipped to the frame; empty if not seen
   Box extent;                         ///< px, not clipped; empty if not seen
-  double trust = 0;                   ///< confidence, 0 to 1; 1: sharpness and NCC at their usual values
-  bool doubtful = false;              ///< re-detected by appearance, and not confirmed since
+  double confidence = 0;              ///< confidence, 0 to 1; 1: sharpness and NCC at their usual values
+  bool tentative = false;             ///< re-detected by appearance, and not confirmed since
 
   [[nodiscard]] bool seen() const { return loss == TrackLoss::kNone; }
 };
@@ -50,26 +50,26 @@ class BoxTracker {
   /// Frames are in order of time, or all in reverse order.
   /// @return one result per target
   /// Cost on one core: about 10 ms per target and 3 ms per frame while seen; about twice that while lost.
-  std::vector<BoxStep> Step(const Frame& frame);
+  std::vector<BoxTrackStep> Step(const Frame& frame);
 
   /// Starts a target in the current frame.
   /// Errors: kInvalidArgument for a box with a side below 4 px, or with less than half of it inside the frame.
-  Expected<BoxStep> Start(const Box& box);
+  Expected<BoxTrackStep> Start(const Box& box);
 
   /// The basis for resuming a lost target at a position; sets the minimum confidence.
-  enum class Evidence {
-    kLook,   ///< recognised there: lost_confidence suffices
-    kPlace,  ///< only predicted there: redetect_confidence is needed
+  enum class ResumeBasis {
+    kRecognised,  ///< recognised there: lost_confidence suffices
+    kPredicted,   ///< only predicted there: redetect_confidence is needed
   };
 
   /// Resumes a lost target at a position in the current frame that another source gives.
   /// @param box  px, with the aspect ratio of the user box; only its centre and size are used
   /// @param rotation_rad  rotation of the object in the image since the user box, from +x towards +y
   /// @return a step that is not seen if the confidence is too low; the target then does not change
-  BoxStep Resume(std::size_t target, const Box& box, double turn_rad, Evidence evidence);
+  BoxTrackStep Resume(std::size_t target, const Box& box, double rotation_rad, ResumeBasis basis);
 
   /// Marks a target as lost because the tracked object was not the target.
-  void Lose(std::size_t target);
+  void MarkLost(std::size_t target);
 
   /// Marks all targets as lost: the next frame is of another video.
   void ChangeVideo();
@@ -77,11 +77,11 @@ class BoxTracker {
  private:
   explicit BoxTracker(const BoxTrackOptions& options) : options_(options) {}
 
-  [[nodiscard]] BoxStep Describe(std::size_t target, const BoxTarget::Sight& sight) const;
+  [[nodiscard]] BoxTrackStep MakeStep(std::size_t target, const BoxTarget::TargetObservation& observation) const;
 
   BoxTrackOptions options_;
-  CameraMotion motion_;
-  BoxScene scene_;
+  ImageMotionEstimator motion_;
+  FrameContext context_;
   std::vector<BoxTarget> targets_;
 };
 

@@ -41,7 +41,7 @@ class Drive {
   }
 
   [[nodiscard]] static Box BoxOf(cv::Point car_on_ground, const Similarity2& frame_from_ground) {
-    Polygon corners = CornersOf({static_cast<double>(car_on_ground.x), static_cast<double>(car_on_ground.y), 30, 18});
+    Polygon corners = BoxCorners({static_cast<double>(car_on_ground.x), static_cast<double>(car_on_ground.y), 30, 18});
     for (Eigen::Vector2d& corner : corners) corner = frame_from_ground.Apply(corner);
     return BoundingBox(corners);
   }
@@ -51,8 +51,8 @@ class Drive {
   cv::Mat car_;
 };
 
-Similarity2 Over(double x, double y, double scale = 1, double turn_rad = 0) {
-  Similarity2 frame_from_ground{scale, turn_rad, {0, 0}};
+Similarity2 Over(double x, double y, double scale = 1, double rotation_rad = 0) {
+  Similarity2 frame_from_ground{scale, rotation_rad, {0, 0}};
   frame_from_ground.translation = Eigen::Vector2d(200, 150) - frame_from_ground.Linear() * Eigen::Vector2d(x, y);
   return frame_from_ground;
 }
@@ -71,7 +71,7 @@ TEST(BoxTracker, FollowsASmallCarWhileTheCameraMovesOtherwise) {
   for (int i = 1; i <= 25; ++i) {
     const cv::Point car(500 + 3 * i, 400 + i);
     const Similarity2 camera = Over(500 - 4 * i, 400 + 5 * i);
-    const BoxStep step = tracker.Step({i, 0.1 * i, drive.Draw(car, camera)}).front();
+    const BoxTrackStep step = tracker.Step({i, 0.1 * i, drive.Draw(car, camera)}).front();
     ASSERT_TRUE(step.seen()) << i;
     EXPECT_GT(IntersectionOverUnion(step.box, Drive::BoxOf(car, camera)), 0.6) << i;
   }
@@ -83,7 +83,7 @@ TEST(BoxTracker, FollowsGrowthAndTurnOfTheCamera) {
   const auto camera = [](int i) { return Over(515, 409, 1 + 0.015 * i, 0.03 * i); };
   BoxTracker tracker = Started(drive.Draw(car, camera(0)), Drive::BoxOf(car, camera(0)));
   for (int i = 1; i <= 40; ++i) {
-    const BoxStep step = tracker.Step({i, 0.1 * i, drive.Draw(car, camera(i))}).front();
+    const BoxTrackStep step = tracker.Step({i, 0.1 * i, drive.Draw(car, camera(i))}).front();
     ASSERT_TRUE(step.seen()) << i;
     const Box truth = Drive::BoxOf(car, camera(i));
     const Eigen::Vector2d miss(step.box.x + step.box.width / 2 - truth.x - truth.width / 2,
@@ -101,13 +101,13 @@ TEST(BoxTracker, GivesNoBoxWhileTheCarIsGoneAndFindsItAgainElsewhere) {
   BoxTracker tracker = Started(drive.Draw(car, camera), Drive::BoxOf(car, camera));
   for (int i = 1; i <= 8; ++i) ASSERT_TRUE(tracker.Step({i, 0.1 * i, drive.Draw(car, camera)}).front().seen());
   for (int i = 9; i <= 20; ++i) {
-    const BoxStep step = tracker.Step({i, 0.1 * i, drive.Draw(std::nullopt, camera)}).front();
+    const BoxTrackStep step = tracker.Step({i, 0.1 * i, drive.Draw(std::nullopt, camera)}).front();
     EXPECT_FALSE(step.seen()) << i;
     EXPECT_EQ(step.loss, TrackLoss::kOccluded) << i;
     EXPECT_TRUE(step.box.IsEmpty()) << i;
   }
   const cv::Point elsewhere(390, 480);
-  BoxStep step{.loss = TrackLoss::kOccluded};
+  BoxTrackStep step{.loss = TrackLoss::kOccluded};
   for (int i = 21; i <= 26 && !step.seen(); ++i) {
     step = tracker.Step({i, 0.1 * i, drive.Draw(elsewhere, camera)}).front();
   }
@@ -119,7 +119,7 @@ TEST(BoxTracker, SaysThatItLeftTheFrame) {
   const Drive drive;
   const cv::Point car(500, 400);
   BoxTracker tracker = Started(drive.Draw(car, Over(400, 400)), Drive::BoxOf(car, Over(400, 400)));
-  BoxStep step;
+  BoxTrackStep step;
   for (int i = 1; i <= 30; ++i) {
     const Similarity2 camera = Over(400 - 6 * i, 400);
     step = tracker.Step({i, 0.1 * i, drive.Draw(car, camera)}).front();
@@ -148,10 +148,10 @@ TEST(BoxTracker, WhatLeftANoisyPictureIsNotSeenAtItsEdge) {
     const auto frame = [&](int i) { return Noisy(drive.Draw(car(i), camera(i)), 0.25, random); };
     BoxTracker tracker = Started(frame(0), Drive::BoxOf(car(0), camera(0)));
     for (int i = 1; i <= 60; ++i) {
-      const BoxStep step = tracker.Step({i, 0.1 * i, frame(i)}).front();
+      const BoxTrackStep step = tracker.Step({i, 0.1 * i, frame(i)}).front();
       const bool left = Drive::BoxOf(car(i), camera(i)).x >= 400;
       EXPECT_TRUE(i > 3 || step.seen()) << "seed " << seed;
-      seen_after += left && step.seen() && !step.doubtful ? 1 : 0;
+      seen_after += left && step.seen() && !step.tentative ? 1 : 0;
     }
   }
   EXPECT_LE(seen_after, 1);
@@ -164,9 +164,9 @@ TEST(BoxTracker, ResumesOnlyWhereThereIsSomethingLikeTheObject) {
   BoxTracker tracker = Started(drive.Draw(car, camera), Drive::BoxOf(car, camera));
   for (int i = 1; i <= 5; ++i) tracker.Step({i, 0.1 * i, drive.Draw(car, camera)});
   for (int i = 6; i <= 8; ++i) tracker.Step({i, 0.1 * i, drive.Draw(std::nullopt, camera)});
-  EXPECT_FALSE(tracker.Resume(0, {40, 60, 30, 18}, 0, BoxTracker::Evidence::kLook).seen());
+  EXPECT_FALSE(tracker.Resume(0, {40, 60, 30, 18}, 0, BoxTracker::ResumeBasis::kRecognised).seen());
   tracker.Step({9, 0.9, drive.Draw(car, camera)});
-  const BoxStep step = tracker.Resume(0, Drive::BoxOf(car, camera), 0, BoxTracker::Evidence::kLook);
+  const BoxTrackStep step = tracker.Resume(0, Drive::BoxOf(car, camera), 0, BoxTracker::ResumeBasis::kRecognised);
   EXPECT_TRUE(step.seen());
   EXPECT_GT(IntersectionOverUnion(step.box, Drive::BoxOf(car, camera)), 0.7);
 }
@@ -179,7 +179,7 @@ TEST(BoxTracker, OutlastsBlankFramesAndFramesOfAnotherSize) {
   for (int i = 1; i <= 4; ++i) tracker.Step({i, 0.1 * i, drive.Draw(car, camera)});
   EXPECT_FALSE(tracker.Step({5, 0.5, cv::Mat(300, 400, CV_8UC3, cv::Scalar::all(0))}).front().seen());
   EXPECT_FALSE(tracker.Step({6, 0.6, cv::Mat(9, 7, CV_8UC1, cv::Scalar(90))}).front().seen());
-  BoxStep step{.loss = TrackLoss::kOccluded};
+  BoxTrackStep step{.loss = TrackLoss::kOccluded};
   for (int i = 7; i <= 10 && !step.seen(); ++i) step = tracker.Step({i, 0.1 * i, drive.Draw(car, camera)}).front();
   EXPECT_TRUE(step.seen());
 }
@@ -187,10 +187,10 @@ TEST(BoxTracker, OutlastsBlankFramesAndFramesOfAnotherSize) {
 TEST(BoxTracker, ABoxOnOneGreyIsLost) {
   const cv::Mat grey(300, 400, CV_8UC3, cv::Scalar::all(128));
   BoxTracker tracker = Started(grey, {100, 100, 40, 30});
-  BoxStep last;
+  BoxTrackStep last;
   for (int i = 1; i <= 5; ++i) {
     last = tracker.Step({i, 0.1 * i, grey}).front();
-    EXPECT_TRUE(std::isfinite(last.trust));
+    EXPECT_TRUE(std::isfinite(last.confidence));
   }
   EXPECT_FALSE(last.seen());
 }
@@ -218,7 +218,7 @@ TEST(BoxTracker, SeveralBoxesDoNotDisturbEachOther) {
   for (int i = 1; i <= 5; ++i) {
     const Similarity2 moved = Over(500 + 3 * i, 400);
     const cv::Mat frame = drive.Draw(car, moved);
-    const std::vector<BoxStep> steps = both.Step({i, 0.1 * i, frame});
+    const std::vector<BoxTrackStep> steps = both.Step({i, 0.1 * i, frame});
     EXPECT_EQ(steps.at(0).box, alone.Step({i, 0.1 * i, frame}).front().box);
     EXPECT_NEAR(steps.at(1).box.x, 40 - 3 * i, 2);
   }

@@ -14,12 +14,12 @@ namespace {
 
 constexpr int kLongSide_px = 400;  // sufficient for the global motion, at a fraction of the cost
 constexpr int kPoints = 80;
-constexpr std::size_t kLeastPoints = 12;
-constexpr double kLargestZoom = 1.5;  // between consecutive frames
+constexpr std::size_t kMinPoints = 12;
+constexpr double kMaxScaleChange = 1.5;  // between consecutive frames
 
 }  // namespace
 
-std::optional<Similarity2> CameraMotion::Step(const cv::Mat& grey) {
+std::optional<Similarity2> ImageMotionEstimator::Step(const cv::Mat& grey) {
   const double factor = std::min(1.0, kLongSide_px / static_cast<double>(std::max(grey.cols, grey.rows)));
   const auto shrunk = [&](int length_px) { return std::max(1, static_cast<int>(std::lround(length_px * factor))); };
   cv::Mat small;
@@ -30,17 +30,18 @@ std::optional<Similarity2> CameraMotion::Step(const cv::Mat& grey) {
   if (!before || before->grey().size() != small.size()) return std::nullopt;
 
   const Box whole{0, 0, static_cast<double>(small.cols), static_cast<double>(small.rows)};
-  const std::vector<Eigen::Vector2d> points = ChoosePoints(before->grey(), CornersOf(whole), kPoints);
-  const std::vector<std::optional<Eigen::Vector2d>> followed = FollowPoints(*before, now, points, points, options);
+  const std::vector<Eigen::Vector2d> points = DetectCorners(before->grey(), BoxCorners(whole), kPoints);
+  const std::vector<std::optional<Eigen::Vector2d>> followed =
+      TrackPointsForwardBackward(*before, now, points, points, options);
   std::vector<PointPair> pairs;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (followed[i]) pairs.push_back({points[i] / factor, *followed[i] / factor});
   }
-  if (pairs.size() < kLeastPoints) return std::nullopt;
+  if (pairs.size() < kMinPoints) return std::nullopt;
   const SimilarityEstimator estimator(pairs, {.noise_px = 1.0 / factor});
   const auto result = Mlesac(estimator, {.outlier_area_px2 = static_cast<double>(grey.total()), .max_hypotheses = 200});
-  if (!result || result->gamma * static_cast<double>(pairs.size()) < kLeastPoints) return std::nullopt;
-  if (std::abs(std::log(result->model.scale)) >= std::log(kLargestZoom)) return std::nullopt;
+  if (!result || result->gamma * static_cast<double>(pairs.size()) < kMinPoints) return std::nullopt;
+  if (std::abs(std::log(result->model.scale)) >= std::log(kMaxScaleChange)) return std::nullopt;
   return result->model;
 }
 

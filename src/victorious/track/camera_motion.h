@@ -14,7 +14,7 @@
 
 namespace victorious {
 
-class CameraMotion {
+class ImageMotionEstimator {
  public:
   /// @param grey  CV_8UC1, the next frame
   /// @return now_from_before, px of the full frame; std::nullopt for the first frame, after a change of size, with

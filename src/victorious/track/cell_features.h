@@ -21,11 +21,11 @@ using CellFeatures = std::vector<cv::Mat>;
 /// HOG features.
 /// @param image  CV_8UC3 (BGR) or CV_8UC1; pixels beyond the last whole cell are ignored
 /// @return kGradientChannels channels of (rows / kCell_px) x (columns / kCell_px)
-CellFeatures GradientCells(const cv::Mat& image);
+CellFeatures ComputeHogCells(const cv::Mat& image);
 
 /// The colour histogram of each cell: channels in [0, 1] that sum to 1.
 /// @param image  CV_8UC3 (BGR) or CV_8UC1
 /// @return kColourChannels channels of (rows / kCell_px) x (columns / kCell_px)
-CellFeatures ColourCells(const cv::Mat& image);
+CellFeatures ComputeColourCells(const cv::Mat& image);
 
 }  // namespace victorious

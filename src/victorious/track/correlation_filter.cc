@@ -15,7 +15,7 @@ namespace {
 
 using Complex = std::complex<float>;
 
-cv::Mat Taper(cv::Size cells) {
+cv::Mat MakeHannWindow(cv::Size cells) {
   cv::Mat taper(cells, CV_32F);
   const auto hann = [](int i, int count) { return 0.5 - 0.5 * std::cos(2 * std::numbers::pi * (i + 0.5) / count); };
   for (int row = 0; row < cells.height; ++row) {
@@ -27,26 +27,26 @@ cv::Mat Taper(cv::Size cells) {
 }
 
 // The spectrum of a periodic Gaussian with its peak at (0, 0); it is real.
-cv::Mat WantedSpectrum(const FilterShape& shape) {
+cv::Mat DesiredSpectrum(const FilterShape& shape) {
   constexpr double kWidth = 1.0 / 16;  // standard deviation relative to the object's size
   const double sigma = kWidth * std::sqrt(shape.object_cells.width * shape.object_cells.height);
   const auto distance = [](int i, int count) { return std::min(i, count - i); };
-  cv::Mat wanted(shape.cells, CV_32F);
-  for (int row = 0; row < wanted.rows; ++row) {
-    for (int column = 0; column < wanted.cols; ++column) {
-      const double squared = std::pow(distance(row, wanted.rows), 2) + std::pow(distance(column, wanted.cols), 2);
-      wanted.at<float>(row, column) = static_cast<float>(std::exp(-0.5 * squared / (sigma * sigma)));
+  cv::Mat desired(shape.cells, CV_32F);
+  for (int row = 0; row < desired.rows; ++row) {
+    for (int column = 0; column < desired.cols; ++column) {
+      const double squared = std::pow(distance(row, desired.rows), 2) + std::pow(distance(column, desired.cols), 2);
+      desired.at<float>(row, column) = static_cast<float>(std::exp(-0.5 * squared / (sigma * sigma)));
     }
   }
   cv::Mat spectrum;
-  cv::dft(wanted, spectrum, cv::DFT_COMPLEX_OUTPUT);
+  cv::dft(desired, spectrum, cv::DFT_COMPLEX_OUTPUT);
   cv::Mat real;
   cv::extractChannel(spectrum, real, 0);
   return real;
 }
 
 // 1 on the object, 0 outside. The object is modelled as an ellipse, since it seldom reaches the corners of its box.
-cv::Mat Mask(const FilterShape& shape) {
+cv::Mat MakeObjectMask(const FilterShape& shape) {
   constexpr double kReach = 1.1;  // size of the ellipse relative to the inscribed one
   const double cells = std::sqrt(shape.object_cells.area()) / 2;
   cv::Mat mask(shape.cells, CV_32F);
@@ -71,14 +71,14 @@ std::vector<cv::Mat> Zeros(std::size_t count, cv::Size size) {
 }
 
 // Value, gradient and Hessian at a sub-pixel position of the real image with a given spectrum.
-struct Surface {
+struct LocalExpansion {
   double value = 0;
-  cv::Vec2d slope;
-  cv::Matx22d bend;
+  cv::Vec2d gradient;
+  cv::Matx22d hessian;
 };
 
-Surface SurfaceAt(const cv::Mat& spectrum, cv::Point2d place) {
-  Surface surface;
+LocalExpansion ExpandAt(const cv::Mat& spectrum, cv::Point2d place) {
+  LocalExpansion expansion;
   const int rows = spectrum.rows;
   const int columns = spectrum.cols;
   for (int row = 0; row < rows; ++row) {
@@ -91,25 +91,25 @@ Surface SurfaceAt(const cv::Mat& spectrum, cv::Point2d place) {
       const double s = std::sin(phase);
       const double even = values[column].real() * c - values[column].imag() * s;
       const double odd = -values[column].real() * s - values[column].imag() * c;
-      surface.value += even;
-      surface.slope += cv::Vec2d(fx * odd, fy * odd);
-      surface.bend += cv::Matx22d(-fx * fx * even, -fx * fy * even, -fx * fy * even, -fy * fy * even);
+      expansion.value += even;
+      expansion.gradient += cv::Vec2d(fx * odd, fy * odd);
+      expansion.hessian += cv::Matx22d(-fx * fx * even, -fx * fy * even, -fx * fy * even, -fy * fy * even);
     }
   }
   const double scale = 1.0 / (rows * columns);
-  surface.value *= scale;
-  surface.slope *= scale;
-  surface.bend *= scale;
-  return surface;
+  expansion.value *= scale;
+  expansion.gradient *= scale;
+  expansion.hessian *= scale;
+  return expansion;
 }
 
 // Newton iterations from the highest pixel to the sub-pixel maximum.
 cv::Point2d RefinePeak(const cv::Mat& spectrum, cv::Point2d start) {
   cv::Point2d place = start;
   for (int step = 0; step < 2; ++step) {
-    const Surface surface = SurfaceAt(spectrum, place);
-    if (!(surface.bend(0, 0) < 0 && cv::determinant(surface.bend) > 0)) return start;
-    const cv::Vec2d move = surface.bend.inv() * surface.slope;
+    const LocalExpansion expansion = ExpandAt(spectrum, place);
+    if (!(expansion.hessian(0, 0) < 0 && cv::determinant(expansion.hessian) > 0)) return start;
+    const cv::Vec2d move = expansion.hessian.inv() * expansion.gradient;
     place -= cv::Point2d(move[0], move[1]);
     if (std::abs(place.x - start.x) > 1 || std::abs(place.y - start.y) > 1) return start;
   }
@@ -132,9 +132,12 @@ double Sharpness(const cv::Mat& map, cv::Point peak, double height, const cv::Si
 }  // namespace
 
 CorrelationFilter::CorrelationFilter(const FilterShape& shape)
-    : shape_(shape), taper_(Taper(shape.cells)), mask_(Mask(shape)), wanted_(WantedSpectrum(shape)) {}
+    : shape_(shape),
+      taper_(MakeHannWindow(shape.cells)),
+      mask_(MakeObjectMask(shape)),
+      desired_spectrum_(DesiredSpectrum(shape)) {}
 
-std::vector<cv::Mat> CorrelationFilter::Spectra(const CellFeatures& window) const {
+std::vector<cv::Mat> CorrelationFilter::ComputeSpectra(const CellFeatures& window) const {
   std::vector<cv::Mat> spectra(window.size());
   for (std::size_t d = 0; d < window.size(); ++d) {
     VICTORIOUS_CHECK(window[d].size() == shape_.cells);
@@ -143,8 +146,8 @@ std::vector<cv::Mat> CorrelationFilter::Spectra(const CellFeatures& window) cons
   return spectra;
 }
 
-void CorrelationFilter::Learn(const CellFeatures& window, double stay) {
-  const std::vector<cv::Mat> x = Spectra(window);
+void CorrelationFilter::Update(const CellFeatures& window, double temporal_weight) {
+  const std::vector<cv::Mat> x = ComputeSpectra(window);
   const std::size_t channels = x.size();
   const auto cells = static_cast<std::size_t>(shape_.cells.area());
   const bool first = filter_.empty();
@@ -159,19 +162,19 @@ void CorrelationFilter::Learn(const CellFeatures& window, double stay) {
   // Weights are relative to the mean energy per cell, and so independent of the image's contrast.
   double total = 0;
   for (const float value : energy) total += value;
-  const auto unit = static_cast<float>(std::max(1e-12, total / static_cast<double>(cells)));
-  const float mu = first ? 0.0F : static_cast<float>(stay) * unit;
+  const auto mean_energy = static_cast<float>(std::max(1e-12, total / static_cast<double>(cells)));
+  const float mu = first ? 0.0F : static_cast<float>(temporal_weight) * mean_energy;
 
   const int steps = first ? 4 : 2;
-  constexpr float kFirstGamma = 0.1F;
-  constexpr float kGrowth = 10.0F;
-  float gamma = kFirstGamma * unit;
+  constexpr float kInitialGamma = 0.1F;
+  constexpr float kGammaGrowth = 10.0F;
+  float gamma = kInitialGamma * mean_energy;
   const std::vector<cv::Mat> before = std::exchange(filter_, Zeros(channels, shape_.cells));
-  std::vector<cv::Mat> held =
+  std::vector<cv::Mat> auxiliary =
       Zeros(channels, shape_.cells);  // g: the auxiliary copy of f that satisfies the constraint
-  std::vector<cv::Mat> price = Zeros(channels, shape_.cells);  // h: the scaled dual variable of f = g
+  std::vector<cv::Mat> dual = Zeros(channels, shape_.cells);  // h: the scaled dual variable of f = g
   std::vector<Complex> projection(cells);
-  const auto* y = wanted_.ptr<float>();
+  const auto* y = desired_spectrum_.ptr<float>();
   for (int step = 0; step < steps; ++step) {
     const float c = mu + gamma;
     // rho = x y + mu before + gamma (g - h), stored in filter_; then f = (rho - x (x^H rho) / (c + x^H x)) / c.
@@ -180,8 +183,8 @@ void CorrelationFilter::Learn(const CellFeatures& window, double stay) {
       Complex* f = Values(filter_[d]);
       const Complex* xd = Values(x[d]);
       const Complex* b = Values(before[d]);
-      const Complex* g = Values(held[d]);
-      const Complex* h = Values(price[d]);
+      const Complex* g = Values(auxiliary[d]);
+      const Complex* h = Values(dual[d]);
       for (std::size_t i = 0; i < cells; ++i) {
         f[i] = xd[i] * y[i] + mu * b[i] + gamma * (g[i] - h[i]);
         const float re = xd[i].real() * f[i].real() + xd[i].imag() * f[i].imag();
@@ -193,7 +196,7 @@ void CorrelationFilter::Learn(const CellFeatures& window, double stay) {
     for (std::size_t d = 0; d < channels; ++d) {
       Complex* f = Values(filter_[d]);
       const Complex* xd = Values(x[d]);
-      Complex* h = Values(price[d]);
+      Complex* h = Values(dual[d]);
       for (std::size_t i = 0; i < cells; ++i) {
         const float re = xd[i].real() * projection[i].real() - xd[i].imag() * projection[i].imag();
         const float im = xd[i].real() * projection[i].imag() + xd[i].imag() * projection[i].real();
@@ -202,19 +205,19 @@ void CorrelationFilter::Learn(const CellFeatures& window, double stay) {
       }
       // g = f + h on the object, 0 outside. These are spectra of real images: the inverse transform is real.
       cv::Mat both;
-      cv::idft(price[d], both, cv::DFT_REAL_OUTPUT | cv::DFT_SCALE);
-      cv::dft(both.mul(mask_), held[d], cv::DFT_COMPLEX_OUTPUT);
-      const Complex* g = Values(held[d]);
+      cv::idft(dual[d], both, cv::DFT_REAL_OUTPUT | cv::DFT_SCALE);
+      cv::dft(both.mul(mask_), auxiliary[d], cv::DFT_COMPLEX_OUTPUT);
+      const Complex* g = Values(auxiliary[d]);
       for (std::size_t i = 0; i < cells; ++i) h[i] -= g[i];
     }
-    gamma *= kGrowth;
+    gamma *= kGammaGrowth;
   }
 }
 
-FilterResponse CorrelationFilter::Respond(const CellFeatures& window) const {
+FilterResponse CorrelationFilter::ComputeResponse(const CellFeatures& window) const {
   VICTORIOUS_CHECK(window.size() == filter_.size());
   cv::Mat sum = cv::Mat::zeros(shape_.cells, CV_32FC2);
-  const std::vector<cv::Mat> x = Spectra(window);
+  const std::vector<cv::Mat> x = ComputeSpectra(window);
   for (std::size_t d = 0; d < x.size(); ++d) {
     cv::Mat product;
     cv::mulSpectrums(x[d], filter_[d], product, 0, true);
@@ -236,8 +239,8 @@ FilterResponse CorrelationFilter::Respond(const CellFeatures& window) const {
       response.map.at<float>((row + middle.y) % map.rows, (column + middle.x) % map.cols) = map.at<float>(row, column);
     }
   }
-  const cv::Point shown((peak.x + middle.x) % map.cols, (peak.y + middle.y) % map.rows);
-  response.sharpness = Sharpness(response.map, shown, response.height, shape_.object_cells);
+  const cv::Point centred_peak((peak.x + middle.x) % map.cols, (peak.y + middle.y) % map.rows);
+  response.sharpness = Sharpness(response.map, centred_peak, response.height, shape_.object_cells);
   return response;
 }
 

@@ -43,18 +43,18 @@ class CorrelationFilter {
   /// Updates the filter with a window whose centre is the object's. The first call creates the filter.
   /// @param temporal_weight  mu in units of the mean spectral energy of the window's cells; larger: the filter changes
   ///   more slowly
-  void Learn(const CellFeatures& window, double stay);
+  void Update(const CellFeatures& window, double temporal_weight);
 
   /// Correlates the filter with the window.
-  [[nodiscard]] FilterResponse Respond(const CellFeatures& window) const;
+  [[nodiscard]] FilterResponse ComputeResponse(const CellFeatures& window) const;
 
  private:
-  [[nodiscard]] std::vector<cv::Mat> Spectra(const CellFeatures& window) const;
+  [[nodiscard]] std::vector<cv::Mat> ComputeSpectra(const CellFeatures& window) const;
 
   FilterShape shape_;
   cv::Mat taper_;                // Hann window
   cv::Mat mask_;                 // 1 on the object, 0 outside
-  cv::Mat wanted_;               // spectrum of y, real
+  cv::Mat desired_spectrum_;     // spectrum of y, real
   std::vector<cv::Mat> filter_;  // spectra, one per channel
 };
 

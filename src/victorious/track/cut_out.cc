@@ -10,21 +10,21 @@
 
 namespace victorious {
 
-TurnedBox TurnedBox::Scaled(double factor) const { return {centre, width * factor, height * factor, turn_rad}; }
+RotatedBox RotatedBox::Scaled(double factor) const { return {centre, width * factor, height * factor, rotation_rad}; }
 
-Box TurnedBox::Upright() const {
-  const double c = std::cos(turn_rad);
-  const double s = std::sin(turn_rad);
+Box RotatedBox::EllipseBounds() const {
+  const double c = std::cos(rotation_rad);
+  const double s = std::sin(rotation_rad);
   const double across = std::hypot(width * c, height * s);
   const double down = std::hypot(width * s, height * c);
   return {centre.x() - across / 2, centre.y() - down / 2, across, down};
 }
 
-TurnedBox Unturned(const Box& box) {
+RotatedBox ToRotatedBox(const Box& box) {
   return {{box.x + box.width / 2, box.y + box.height / 2}, box.width, box.height, 0};
 }
 
-cv::Size WholeCells(double width, double height, double area_px2) {
+cv::Size CellAlignedSize(double width, double height, double area_px2) {
   const double factor = std::sqrt(area_px2 / std::max(1.0, width * height));
   // Extreme aspect ratios are limited.
   const auto side = [&](double length_px) {
@@ -33,11 +33,11 @@ cv::Size WholeCells(double width, double height, double area_px2) {
   return {side(width), side(height)};
 }
 
-Levels::Levels(const cv::Mat& image) {
+ImagePyramid::ImagePyramid(const cv::Mat& image) {
   VICTORIOUS_CHECK(!image.empty());
-  constexpr int kLeastSide_px = 32;
+  constexpr int kMinSide_px = 32;
   levels_.push_back(image);
-  while (std::min(levels_.back().cols, levels_.back().rows) >= kLeastSide_px) {
+  while (std::min(levels_.back().cols, levels_.back().rows) >= kMinSide_px) {
     const cv::Mat& last = levels_.back();
     cv::Mat half;  // an even number of pixels: each level is exactly half
     cv::resize(last(cv::Rect(0, 0, last.cols / 2 * 2, last.rows / 2 * 2)), half, {last.cols / 2, last.rows / 2}, 0, 0,
@@ -46,15 +46,15 @@ Levels::Levels(const cv::Mat& image) {
   }
 }
 
-cv::Mat CutOut(const Levels& image, const TurnedBox& box, cv::Size size) {
+cv::Mat CropRotated(const ImagePyramid& image, const RotatedBox& box, cv::Size size) {
   VICTORIOUS_CHECK(!image.empty());
   // The coarsest level whose pixels are no larger than those of the crop.
   const double px_per_out = std::max(1.0, std::min(box.width / size.width, box.height / size.height));
   const std::size_t level = std::min(static_cast<std::size_t>(std::log2(px_per_out)), image.count() - 1);
   const double level_from_image = std::ldexp(1.0, -static_cast<int>(level));
   // From the crop's pixels to the level's. In OpenCV the origin is the first pixel's centre.
-  const double c = std::cos(box.turn_rad);
-  const double s = std::sin(box.turn_rad);
+  const double c = std::cos(box.rotation_rad);
+  const double s = std::sin(box.rotation_rad);
   const Eigen::Matrix2d turn = (Eigen::Matrix2d() << c, -s, s, c).finished();
   const Eigen::Matrix2d linear =
       level_from_image * turn * Eigen::DiagonalMatrix<double, 2>(box.width / size.width, box.height / size.height);

@@ -12,33 +12,33 @@
 namespace victorious {
 
 /// A rotated rectangle.
-struct TurnedBox {
-  Eigen::Vector2d centre;  ///< px
-  double width = 0;        ///< px, along the box's x axis
-  double height = 0;       ///< px, along the box's y axis
-  double turn_rad = 0;     ///< of the box's x axis, from the image's +x towards +y
+struct RotatedBox {
+  Eigen::Vector2d centre;   ///< px
+  double width = 0;         ///< px, along the box's x axis
+  double height = 0;        ///< px, along the box's y axis
+  double rotation_rad = 0;  ///< of the box's x axis, from the image's +x towards +y
 
   [[nodiscard]] double Area() const { return width * height; }
   /// The box with the same centre and rotation and `factor` times the width and height.
-  [[nodiscard]] TurnedBox Scaled(double factor) const;
+  [[nodiscard]] RotatedBox Scaled(double factor) const;
   /// The axis-aligned bounding box of the inscribed ellipse. Objects seldom reach the corners of their box, and this
   /// box changes little with a small rotation.
-  [[nodiscard]] Box Upright() const;
+  [[nodiscard]] Box EllipseBounds() const;
 };
 
 /// The same box, with rotation 0.
-TurnedBox Unturned(const Box& box);
+RotatedBox ToRotatedBox(const Box& box);
 
 /// @return a size, px, of this aspect ratio and about this area; each side is a multiple of kCell_px, from 2 to 64
 /// cells
-cv::Size WholeCells(double width, double height, double area_px2);
+cv::Size CellAlignedSize(double width, double height, double area_px2);
 
 /// An image pyramid: crops of any size have the same cost. Level 0 shares the pixels of the image.
-class Levels {
+class ImagePyramid {
  public:
-  Levels() = default;
+  ImagePyramid() = default;
   /// @param image  8-bit, not empty
-  explicit Levels(const cv::Mat& image);
+  explicit ImagePyramid(const cv::Mat& image);
 
   [[nodiscard]] const cv::Mat& image() const { return levels_.front(); }
   [[nodiscard]] bool empty() const { return levels_.empty(); }
@@ -51,6 +51,6 @@ class Levels {
 };
 
 /// The content of the box, axis-aligned and resampled to `size` px (bilinear); the border is replicated.
-cv::Mat CutOut(const Levels& image, const TurnedBox& box, cv::Size size);
+cv::Mat CropRotated(const ImagePyramid& image, const RotatedBox& box, cv::Size size);
 
 }  // namespace victorious

@@ -25,55 +25,55 @@ std::vector<cv::Point2f> ToCv(std::span<const Eigen::Vector2d> points) {
 }
 
 // Lucas-Kanade assumes constant brightness. A fixed mean and standard deviation for every frame compensate exposure.
-cv::Mat InEvenLight(const cv::Mat& grey) {
+cv::Mat NormaliseContrast(const cv::Mat& grey) {
   constexpr double kMean = 128;
   constexpr double kDeviation = 45;
-  constexpr double kBlank = 3;  // a standard deviation below this is noise
+  constexpr double kNoiseDeviation = 3;  // a standard deviation below this is noise
   cv::Scalar mean;
   cv::Scalar deviation;
   cv::meanStdDev(grey, mean, deviation);
-  if (deviation[0] < kBlank) return grey;
+  if (deviation[0] < kNoiseDeviation) return grey;
   const double gain = kDeviation / deviation[0];
-  cv::Mat even;
-  grey.convertTo(even, CV_8U, gain, kMean - gain * mean[0]);
-  return even;
+  cv::Mat normalised;
+  grey.convertTo(normalised, CV_8U, gain, kMean - gain * mean[0]);
+  return normalised;
 }
 
 }  // namespace
 
 FlowPyramid::FlowPyramid(const cv::Mat& grey, const TrackOptions& options) : grey_(grey) {
   VICTORIOUS_CHECK(grey.type() == CV_8UC1 && !grey.empty());
-  cv::buildOpticalFlowPyramid(InEvenLight(grey), levels_, {options.window_px, options.window_px},
+  cv::buildOpticalFlowPyramid(NormaliseContrast(grey), levels_, {options.window_px, options.window_px},
                               options.pyramid_levels - 1);
 }
 
-std::vector<std::optional<Eigen::Vector2d>> FollowPoints(const FlowPyramid& from, const FlowPyramid& to,
-                                                         std::span<const Eigen::Vector2d> points,
-                                                         std::span<const Eigen::Vector2d> guesses,
-                                                         const TrackOptions& options) {
+std::vector<std::optional<Eigen::Vector2d>> TrackPointsForwardBackward(const FlowPyramid& from, const FlowPyramid& to,
+                                                                       std::span<const Eigen::Vector2d> points,
+                                                                       std::span<const Eigen::Vector2d> guesses,
+                                                                       const TrackOptions& options) {
   VICTORIOUS_CHECK(points.size() == guesses.size());
   std::vector<std::optional<Eigen::Vector2d>> followed(points.size());
   if (points.empty() || from.grey().size() != to.grey().size()) return followed;
   const cv::Size window(options.window_px, options.window_px);
-  const cv::TermCriteria enough(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 20, 0.03);
+  const cv::TermCriteria criteria(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 20, 0.03);
   const std::vector<cv::Point2f> start = ToCv(points);
   std::vector<cv::Point2f> end = ToCv(guesses);
   std::vector<cv::Point2f> back = start;
-  std::vector<std::uint8_t> found_on;
+  std::vector<std::uint8_t> found_forward;
   std::vector<std::uint8_t> found_back;
-  cv::calcOpticalFlowPyrLK(from.levels(), to.levels(), start, end, found_on, cv::noArray(), window,
-                           options.pyramid_levels - 1, enough, cv::OPTFLOW_USE_INITIAL_FLOW);
+  cv::calcOpticalFlowPyrLK(from.levels(), to.levels(), start, end, found_forward, cv::noArray(), window,
+                           options.pyramid_levels - 1, criteria, cv::OPTFLOW_USE_INITIAL_FLOW);
   cv::calcOpticalFlowPyrLK(to.levels(), from.levels(), end, back, found_back, cv::noArray(), window,
-                           options.pyramid_levels - 1, enough, cv::OPTFLOW_USE_INITIAL_FLOW);
+                           options.pyramid_levels - 1, criteria, cv::OPTFLOW_USE_INITIAL_FLOW);
   const cv::Rect2f inside(-0.5F, -0.5F, static_cast<float>(to.grey().cols), static_cast<float>(to.grey().rows));
   for (std::size_t i = 0; i < followed.size(); ++i) {
-    if (found_on[i] == 0 || found_back[i] == 0 || !inside.contains(end[i])) continue;
+    if (found_forward[i] == 0 || found_back[i] == 0 || !inside.contains(end[i])) continue;
     if (cv::norm(back[i] - start[i]) <= options.forward_backward_px) followed[i] = FromCv(end[i]);
   }
   return followed;
 }
 
-std::vector<Eigen::Vector2d> ChoosePoints(const cv::Mat& grey, const Polygon& outline, int most) {
+std::vector<Eigen::Vector2d> DetectCorners(const cv::Mat& grey, const Polygon& outline, int max_points) {
   VICTORIOUS_CHECK(grey.type() == CV_8UC1);
   const Box box =
       BoundingBox(ClipToBox(outline, {0, 0, static_cast<double>(grey.cols), static_cast<double>(grey.rows)}));
@@ -81,16 +81,16 @@ std::vector<Eigen::Vector2d> ChoosePoints(const cv::Mat& grey, const Polygon& ou
   const auto top = static_cast<int>(std::floor(box.y));
   const cv::Rect region(left, top, static_cast<int>(std::ceil(box.x + box.width)) - left,
                         static_cast<int>(std::ceil(box.y + box.height)) - top);
-  if (region.area() <= 0 || most <= 0) return {};
+  if (region.area() <= 0 || max_points <= 0) return {};
   cv::Mat mask = cv::Mat::zeros(region.size(), CV_8UC1);
   std::vector<cv::Point> corners;
   for (const Eigen::Vector2d& corner : outline)
     corners.emplace_back(static_cast<int>(std::lround(corner.x() - 0.5)) - left,
                          static_cast<int>(std::lround(corner.y() - 0.5)) - top);
   cv::fillPoly(mask, corners, 255);
-  const double spacing_px = std::max(1.0, 0.5 * std::sqrt(region.area() / static_cast<double>(most)));
+  const double spacing_px = std::max(1.0, 0.5 * std::sqrt(region.area() / static_cast<double>(max_points)));
   std::vector<cv::Point2f> chosen;
-  cv::goodFeaturesToTrack(grey(region), chosen, most, 0.01, spacing_px, mask);
+  cv::goodFeaturesToTrack(grey(region), chosen, max_points, 0.01, spacing_px, mask);
   std::vector<Eigen::Vector2d> points;
   points.reserve(chosen.size());
   for (const cv::Point2f& point : chosen) points.push_back(FromCv(point) + Eigen::Vector2d(left, top));

@@ -35,15 +35,15 @@ class FlowPyramid {
 /// @param guesses  initial positions in `to`, px, one per point
 /// @return the positions in `to`, px, one per point; std::nullopt for a point that left the frame or whose
 ///   forward-backward error exceeds forward_backward_px; all std::nullopt if the frames differ in size
-std::vector<std::optional<Eigen::Vector2d>> FollowPoints(const FlowPyramid& from, const FlowPyramid& to,
-                                                         std::span<const Eigen::Vector2d> points,
-                                                         std::span<const Eigen::Vector2d> guesses,
-                                                         const TrackOptions& options);
+std::vector<std::optional<Eigen::Vector2d>> TrackPointsForwardBackward(const FlowPyramid& from, const FlowPyramid& to,
+                                                                       std::span<const Eigen::Vector2d> points,
+                                                                       std::span<const Eigen::Vector2d> guesses,
+                                                                       const TrackOptions& options);
 
 /// Detects corners inside an outline (Shi and Tomasi 1994), spread evenly.
 /// @param grey  CV_8UC1
 /// @param max_points  upper bound on the number of corners
 /// @return positions, px, strongest corner first
-std::vector<Eigen::Vector2d> ChoosePoints(const cv::Mat& grey, const Polygon& outline, int most);
+std::vector<Eigen::Vector2d> DetectCorners(const cv::Mat& grey, const Polygon& outline, int max_points);
 
 }  // namespace victorious

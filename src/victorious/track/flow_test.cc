@@ -16,28 +16,28 @@ cv::Mat GreyTown() {
   return grey;
 }
 
-const Polygon kMiddle = CornersOf({100, 80, 200, 160});
+const Polygon kMiddle = BoxCorners({100, 80, 200, 160});
 
-TEST(ChoosePoints, LieInsideTheOutlineAndAreSpread) {
-  const std::vector<Eigen::Vector2d> points = ChoosePoints(GreyTown(), kMiddle, 50);
+TEST(DetectCorners, LieInsideTheOutlineAndAreSpread) {
+  const std::vector<Eigen::Vector2d> points = DetectCorners(GreyTown(), kMiddle, 50);
   ASSERT_GT(points.size(), 30U);
   for (const Eigen::Vector2d& point : points) EXPECT_TRUE(BoundingBox(kMiddle).Contains(point.x(), point.y()));
   EXPECT_GT(std::abs(SignedArea(ConvexHull(points))), 0.5 * BoundingBox(kMiddle).Area());
 }
 
-TEST(ChoosePoints, NoneWhereThereIsNothing) {
-  EXPECT_TRUE(ChoosePoints(cv::Mat(100, 100, CV_8UC1, cv::Scalar(90)), CornersOf({10, 10, 50, 50}), 20).empty());
-  EXPECT_TRUE(ChoosePoints(GreyTown(), CornersOf({-90, -90, 50, 50}), 20).empty());
+TEST(DetectCorners, NoneWhereThereIsNothing) {
+  EXPECT_TRUE(DetectCorners(cv::Mat(100, 100, CV_8UC1, cv::Scalar(90)), BoxCorners({10, 10, 50, 50}), 20).empty());
+  EXPECT_TRUE(DetectCorners(GreyTown(), BoxCorners({-90, -90, 50, 50}), 20).empty());
 }
 
-TEST(FollowPoints, FindsAShiftOfPartsOfAPixel) {
+TEST(TrackPointsForwardBackward, FindsAShiftOfPartsOfAPixel) {
   const cv::Mat before = GreyTown();
   cv::Mat after;
   const cv::Matx23d shift(1, 0, 7.4, 0, 1, -5.2);
   cv::warpAffine(before, after, shift, before.size(), cv::INTER_CUBIC, cv::BORDER_REFLECT);
   const TrackOptions options;
-  const std::vector<Eigen::Vector2d> points = ChoosePoints(before, kMiddle, 50);
-  const auto followed = FollowPoints({before, options}, {after, options}, points, points, options);
+  const std::vector<Eigen::Vector2d> points = DetectCorners(before, kMiddle, 50);
+  const auto followed = TrackPointsForwardBackward({before, options}, {after, options}, points, points, options);
   int right = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (followed[i] && (*followed[i] - points[i] - Eigen::Vector2d(7.4, -5.2)).norm() < 0.1) ++right;
@@ -45,13 +45,13 @@ TEST(FollowPoints, FindsAShiftOfPartsOfAPixel) {
   EXPECT_GE(right, 0.95 * static_cast<double>(points.size()));
 }
 
-TEST(FollowPoints, FindsNothingInABlankFrameOrInOneOfAnotherSize) {
+TEST(TrackPointsForwardBackward, FindsNothingInABlankFrameOrInOneOfAnotherSize) {
   const cv::Mat before = GreyTown();
   const TrackOptions options;
-  const std::vector<Eigen::Vector2d> points = ChoosePoints(before, kMiddle, 50);
+  const std::vector<Eigen::Vector2d> points = DetectCorners(before, kMiddle, 50);
   for (const cv::Size size : {before.size(), cv::Size(100, 100)}) {
     const cv::Mat blank(size, CV_8UC1, cv::Scalar(70));
-    for (const auto& place : FollowPoints({before, options}, {blank, options}, points, points, options)) {
+    for (const auto& place : TrackPointsForwardBackward({before, options}, {blank, options}, points, points, options)) {
       EXPECT_FALSE(place);
     }
   }
@@ -61,7 +61,7 @@ TEST(Patch, IsTheSameInAnotherLightAndTurnedAndScaledWithThePicture) {
   const cv::Mat before = GreyTown();
   const Eigen::Vector2d place(200.5, 150.5);
   const Patch patch(before, place, 13, Eigen::Matrix2d::Identity());
-  EXPECT_NEAR(patch.Likeness(Patch(before * 0.5 + 40, place, 13, Eigen::Matrix2d::Identity())), 1, 0.02);
+  EXPECT_NEAR(patch.NccScore(Patch(before * 0.5 + 40, place, 13, Eigen::Matrix2d::Identity())), 1, 0.02);
 
   const Similarity2 turn{1.3, 0.5, {20, -30}};
   const Eigen::Matrix3d matrix = turn.Matrix();
@@ -70,15 +70,15 @@ TEST(Patch, IsTheSameInAnotherLightAndTurnedAndScaledWithThePicture) {
   const cv::Matx23d affine(matrix(0, 0), matrix(0, 1), offset.x(), matrix(1, 0), matrix(1, 1), offset.y());
   cv::Mat after;
   cv::warpAffine(before, after, affine, before.size(), cv::INTER_CUBIC, cv::BORDER_REFLECT);
-  EXPECT_GT(patch.Likeness(Patch(after, turn.Apply(place), 13, turn.Linear())), 0.97);
-  EXPECT_LT(patch.Likeness(Patch(after, turn.Apply(place) + Eigen::Vector2d(15, 0), 13, turn.Linear())), 0.5);
+  EXPECT_GT(patch.NccScore(Patch(after, turn.Apply(place), 13, turn.Linear())), 0.97);
+  EXPECT_LT(patch.NccScore(Patch(after, turn.Apply(place) + Eigen::Vector2d(15, 0), 13, turn.Linear())), 0.5);
 }
 
 TEST(Patch, AFlatOneIsLikeNothing) {
   const cv::Mat flat(50, 50, CV_8UC1, cv::Scalar(99));
   const Patch patch(flat, {25, 25}, 9, Eigen::Matrix2d::Identity());
   EXPECT_TRUE(patch.IsFlat());
-  EXPECT_EQ(patch.Likeness(patch), 0);
+  EXPECT_EQ(patch.NccScore(patch), 0);
 }
 
 }  // namespace

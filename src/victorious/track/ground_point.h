@@ -15,12 +15,12 @@
 
 namespace victorious {
 
-class GroundSpot {
+class GroundPointTracker {
  public:
   /// Starts at the centre of a box.
   /// @param frame   without salt-and-pepper noise, as all frames
   /// @param object  px
-  GroundSpot(FlowPyramid frame, const Box& object);
+  GroundPointTracker(FlowPyramid frame, const Box& object);
 
   /// Tracks the point into the next frame. Frames are in order of time, or all in reverse order.
   /// @param object  the object's box in the previous frame, px, if seen; corners inside it are not used

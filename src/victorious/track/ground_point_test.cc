@@ -45,10 +45,10 @@ Box CarInFrame(int frame) {
   return {from.x(), from.y(), to.x() - from.x(), to.y() - from.y()};
 }
 
-TEST(GroundSpot, StaysWhereItIsWhileTheCarDrivesAway) {
+TEST(GroundPointTracker, StaysWhereItIsWhileTheCarDrivesAway) {
   const View view;
   const Eigen::Vector2d spot(500, 400);
-  GroundSpot ground(FlowPyramid(view.Draw(0, CarOnGround(0)), {}), CarInFrame(0));
+  GroundPointTracker ground(FlowPyramid(view.Draw(0, CarOnGround(0)), {}), CarInFrame(0));
   for (int i = 1; i <= 20; ++i) {
     const auto place = ground.Step(FlowPyramid(view.Draw(i, CarOnGround(i)), {}), CarInFrame(i - 1));
     ASSERT_TRUE(place) << i;
@@ -56,9 +56,9 @@ TEST(GroundSpot, StaysWhereItIsWhileTheCarDrivesAway) {
   }
 }
 
-TEST(GroundSpot, IsLostWhereItLeavesTheFrameOrNothingCanBeFollowed) {
+TEST(GroundPointTracker, IsLostWhereItLeavesTheFrameOrNothingCanBeFollowed) {
   const View view;
-  GroundSpot leaves(FlowPyramid(view.Draw(0, CarOnGround(0)), {}), CarInFrame(0));
+  GroundPointTracker leaves(FlowPyramid(view.Draw(0, CarOnGround(0)), {}), CarInFrame(0));
   int seen = 0;
   for (int i = 1; i <= 60; ++i) {
     const auto place = leaves.Step(FlowPyramid(view.Draw(i, CarOnGround(0)), {}), std::nullopt);
@@ -68,9 +68,9 @@ TEST(GroundSpot, IsLostWhereItLeavesTheFrameOrNothingCanBeFollowed) {
   }
   EXPECT_GT(seen, 30);
   EXPECT_LT(seen, 60);
-  GroundSpot blind(FlowPyramid(cv::Mat(300, 400, CV_8UC1, cv::Scalar(90)), {}), {100, 100, 30, 20});
+  GroundPointTracker blind(FlowPyramid(cv::Mat(300, 400, CV_8UC1, cv::Scalar(90)), {}), {100, 100, 30, 20});
   EXPECT_FALSE(blind.Step(FlowPyramid(cv::Mat(300, 400, CV_8UC1, cv::Scalar(90)), {}), std::nullopt));
-  GroundSpot resized(FlowPyramid(view.Draw(0, CarOnGround(0)), {}), CarInFrame(0));
+  GroundPointTracker resized(FlowPyramid(view.Draw(0, CarOnGround(0)), {}), CarInFrame(0));
   EXPECT_FALSE(resized.Step(FlowPyramid(cv::Mat(30, 40, CV_8UC1, cv::Scalar(90)), {}), std::nullopt));
 }
 

@@ -49,7 +49,7 @@ Patch::Patch(const cv::Mat& grey, const Eigen::Vector2d& centre, int side_px, co
   for (float& value : values_) value *= factor;
 }
 
-double Patch::Likeness(const Patch& other) const {
+double Patch::NccScore(const Patch& other) const {
   VICTORIOUS_CHECK(values_.size() == other.values_.size());
   return std::inner_product(values_.begin(), values_.end(), other.values_.begin(), 0.0F);
 }

@@ -19,7 +19,7 @@ class Patch {
   Patch(const cv::Mat& grey, const Eigen::Vector2d& centre, int side_px, const Eigen::Matrix2d& linear);
 
   /// @return the NCC, -1 to 1; 0 if either patch is flat. Both must have the same side.
-  [[nodiscard]] double Likeness(const Patch& other) const;
+  [[nodiscard]] double NccScore(const Patch& other) const;
 
   [[nodiscard]] bool IsFlat() const { return flat_; }
 

@@ -14,13 +14,13 @@
 namespace victorious {
 namespace {
 
-Eigen::Vector2d CentreOf(const Polygon& outline) {
+Eigen::Vector2d Centroid(const Polygon& outline) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (const Eigen::Vector2d& corner : outline) sum += corner;
   return outline.empty() ? sum : Eigen::Vector2d(sum / static_cast<double>(outline.size()));
 }
 
-Polygon Moved(Polygon outline, const Similarity2& map) {
+Polygon Transformed(Polygon outline, const Similarity2& map) {
   for (Eigen::Vector2d& corner : outline) corner = map.Apply(corner);
   return outline;
 }
@@ -31,7 +31,7 @@ Box Dilated(const Box& box, double factor) {
   return {box.x - (width - box.width) / 2, box.y - (height - box.height) / 2, width, height};
 }
 
-cv::Mat GreyOf(const cv::Mat& image) {
+cv::Mat ToGrey(const cv::Mat& image) {
   if (image.channels() == 1) return image;
   cv::Mat grey;
   cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
@@ -46,15 +46,15 @@ Expected<RegionTracker> RegionTracker::Create(const TrackOptions& options) {
 }
 
 std::vector<TrackStep> RegionTracker::Step(const Frame& frame) {
-  now_ = std::make_shared<FlowPyramid>(GreyOf(frame.image), options_);
+  now_ = std::make_shared<FlowPyramid>(ToGrey(frame.image), options_);
   frame_ = frame.index;
   time_s_ = frame.time_s;
-  picture_moves_.clear();
+  image_motions_.clear();
   for (const Track& track : tracks_) {
-    if (track.velocity_px_s || !options_.predict_motion || picture_moves_.contains(track.last.get())) continue;
-    CameraMotion motion;
+    if (track.velocity_px_s || !options_.predict_motion || image_motions_.contains(track.last.get())) continue;
+    ImageMotionEstimator motion;
     motion.Step(track.last->grey());
-    picture_moves_[track.last.get()] = motion.Step(now_->grey()).value_or(Similarity2{});
+    image_motions_[track.last.get()] = motion.Step(now_->grey()).value_or(Similarity2{});
   }
   std::vector<TrackStep> steps;
   std::vector<Track> active;
@@ -69,10 +69,10 @@ std::vector<TrackStep> RegionTracker::Step(const Frame& frame) {
 TrackStep RegionTracker::Start(const Polygon& outline, std::span<const TrackPoint> points) {
   VICTORIOUS_CHECK(now_ != nullptr);
   Track track{
-      .id = next_id_++, .outline = outline, .points = TemplateFrom(points), .last = now_, .last_time_s = time_s_};
-  const bool enough = track.points.size() >= static_cast<std::size_t>(options_.least_points);
-  TrackStep step = Describe(track, enough ? TrackLoss::kNone : TrackLoss::kLostPoints);
-  if (enough) {
+      .id = next_id_++, .outline = outline, .points = MakeTemplate(points), .last = now_, .last_time_s = time_s_};
+  const bool accepted = track.points.size() >= static_cast<std::size_t>(options_.min_points);
+  TrackStep step = MakeStep(track, accepted ? TrackLoss::kNone : TrackLoss::kLostPoints);
+  if (accepted) {
     tracks_.push_back(std::move(track));
   } else {
     step.state = TrackState::kInactive;
@@ -84,20 +84,20 @@ TrackStep RegionTracker::Confirm(std::uint64_t id, const Polygon& outline, std::
   const auto track = std::ranges::find(tracks_, id, &Track::id);
   VICTORIOUS_CHECK(track != tracks_.end());
   track->outline = outline;
-  track->points = TemplateFrom(points);
+  track->points = MakeTemplate(points);
   track->last_from_template = {};
   track->last = now_;
   track->last_time_s = time_s_;
   track->missed_frames = 0;
   track->unconfirmed_frames = 0;
-  return Describe(*track, TrackLoss::kNone);
+  return MakeStep(*track, TrackLoss::kNone);
 }
 
 void RegionTracker::Stop(std::uint64_t id) {
   std::erase_if(tracks_, [id](const Track& track) { return track.id == id; });
 }
 
-std::vector<RegionTracker::TemplatePoint> RegionTracker::TemplateFrom(std::span<const TrackPoint> points) const {
+std::vector<RegionTracker::TemplatePoint> RegionTracker::MakeTemplate(std::span<const TrackPoint> points) const {
   const Box frame = FrameBox(now_->grey().cols, now_->grey().rows);
   std::vector<TemplatePoint> usable;
   for (const TrackPoint& point : points) {
@@ -109,51 +109,52 @@ std::vector<RegionTracker::TemplatePoint> RegionTracker::TemplateFrom(std::span<
 }
 
 // The predicted shift, px, since the object was last seen: by its velocity, or else by the global image motion.
-Eigen::Vector2d RegionTracker::Drift(const Track& track) const {
+Eigen::Vector2d RegionTracker::PredictShift(const Track& track) const {
   if (!options_.predict_motion) return Eigen::Vector2d::Zero();
   if (track.velocity_px_s) return *track.velocity_px_s * (time_s_ - track.last_time_s);
-  const auto move = picture_moves_.find(track.last.get());
-  if (move == picture_moves_.end()) return Eigen::Vector2d::Zero();
-  const Eigen::Vector2d before = CentreOf(Moved(track.outline, track.last_from_template));
+  const auto move = image_motions_.find(track.last.get());
+  if (move == image_motions_.end()) return Eigen::Vector2d::Zero();
+  const Eigen::Vector2d before = Centroid(Transformed(track.outline, track.last_from_template));
   return move->second.Apply(before) - before;
 }
 
 // Tracks the points from the frame where the object was last seen, starting `drift` px off, and fits the similarity.
-RegionTracker::Sighting RegionTracker::Look(const Track& track, const Eigen::Vector2d& drift) const {
+RegionTracker::MotionEstimate RegionTracker::EstimateMotion(const Track& track, const Eigen::Vector2d& drift) const {
   std::vector<std::size_t> indices;
   std::vector<Eigen::Vector2d> from;
   std::vector<Eigen::Vector2d> guesses;
   for (std::size_t i = 0; i < track.points.size(); ++i) {
-    if (!track.points[i].alive) continue;
+    if (!track.points[i].is_tracked) continue;
     indices.push_back(i);
     from.push_back(track.points[i].place);
     guesses.emplace_back(track.points[i].place + drift);
   }
   const std::vector<std::optional<Eigen::Vector2d>> followed =
-      FollowPoints(*track.last, *now_, from, guesses, options_);
+      TrackPointsForwardBackward(*track.last, *now_, from, guesses, options_);
 
-  Sighting sighting;
+  MotionEstimate estimate;
   const Eigen::Matrix2d linear = track.last_from_template.Linear();
   std::vector<PointPair> pairs;
-  std::vector<std::size_t> of_pair;
+  std::vector<std::size_t> point_index;
   for (std::size_t k = 0; k < indices.size(); ++k) {
     if (!followed[k]) continue;
     const TemplatePoint& point = track.points[indices[k]];
     const Patch seen(now_->grey(), *followed[k], options_.patch_px | 1, linear);
-    if (point.patch.Likeness(seen) < options_.least_likeness) continue;
+    if (point.patch.NccScore(seen) < options_.min_ncc) continue;
     pairs.push_back({point.origin.place, *followed[k]});
-    of_pair.push_back(indices[k]);
+    point_index.push_back(indices[k]);
   }
 
   const double size_px = std::sqrt(std::abs(SignedArea(track.outline)));
   const SimilarityEstimator estimator(pairs,
                                       {.noise_px = options_.noise_px, .shape_px = options_.shape_fraction * size_px});
-  const Box search = Dilated(BoundingBox(Moved(track.outline, track.last_from_template)), options_.dilation_factor);
+  const Box search =
+      Dilated(BoundingBox(Transformed(track.outline, track.last_from_template)), options_.dilation_factor);
   const auto result = Mlesac(estimator, {.outlier_area_px2 = std::max(100.0, search.Area())});
-  if (!result) return sighting;
-  sighting.now_from_template = result->model;
+  if (!result) return estimate;
+  estimate.now_from_template = result->model;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    if (result->probabilities[k] > 0.5) sighting.places.emplace_back(of_pair[k], pairs[k].target);
+    if (result->probabilities[k] > 0.5) estimate.inliers.emplace_back(point_index[k], pairs[k].target);
   }
   // Only points inside the frame count.
   const Box frame = FrameBox(now_->grey().cols, now_->grey().rows);
@@ -163,79 +164,79 @@ RegionTracker::Sighting RegionTracker::Look(const Track& track, const Eigen::Vec
   });
   // Rejects scale changes that an object does not make between two frames; near-collinear points with pixel errors give
   // such fits.
-  constexpr double kLargestGrowth = 1.5;
+  constexpr double kMaxScaleChange = 1.5;
   const double growth = std::abs(std::log(result->model.scale / track.last_from_template.scale));
-  const auto agreeing = static_cast<double>(sighting.places.size());
-  sighting.enough = agreeing >= options_.least_points &&
-                    agreeing >= options_.least_support * static_cast<double>(in_view) &&
-                    growth < std::log(kLargestGrowth);
-  return sighting;
+  const auto agreeing = static_cast<double>(estimate.inliers.size());
+  estimate.accepted = agreeing >= options_.min_points &&
+                      agreeing >= options_.min_support * static_cast<double>(in_view) &&
+                      growth < std::log(kMaxScaleChange);
+  return estimate;
 }
 
-void RegionTracker::Move(Track& track, const Sighting& sighting) const {
-  const Eigen::Vector2d before = CentreOf(Moved(track.outline, track.last_from_template));
-  const Eigen::Vector2d after = CentreOf(Moved(track.outline, sighting.now_from_template));
+void RegionTracker::ApplyMotion(Track& track, const MotionEstimate& estimate) const {
+  const Eigen::Vector2d before = Centroid(Transformed(track.outline, track.last_from_template));
+  const Eigen::Vector2d after = Centroid(Transformed(track.outline, estimate.now_from_template));
   const double elapsed_s = time_s_ - track.last_time_s;
   if (elapsed_s != 0) track.velocity_px_s = (after - before) / elapsed_s;
-  track.last_from_template = sighting.now_from_template;
+  track.last_from_template = estimate.now_from_template;
   track.last = now_;
   track.last_time_s = time_s_;
   track.missed_frames = 0;
-  for (TemplatePoint& point : track.points) point.alive = false;
-  for (const auto& [index, place] : sighting.places) {
+  for (TemplatePoint& point : track.points) point.is_tracked = false;
+  for (const auto& [index, place] : estimate.inliers) {
     track.points[index].place = place;
-    track.points[index].alive = true;
+    track.points[index].is_tracked = true;
   }
-  TakeUpAgain(track);
+  ReacquirePoints(track);
 }
 
-void RegionTracker::TakeUpAgain(Track& track) const {
+void RegionTracker::ReacquirePoints(Track& track) const {
   const Box frame = FrameBox(now_->grey().cols, now_->grey().rows);
   const Eigen::Matrix2d linear = track.last_from_template.Linear();
   for (TemplatePoint& point : track.points) {
-    if (point.alive) continue;
+    if (point.is_tracked) continue;
     point.place = track.last_from_template.Apply(point.origin.place);
     if (!frame.Contains(point.place.x(), point.place.y())) continue;
     const Patch seen(now_->grey(), point.place, options_.patch_px | 1, linear);
-    point.alive = point.patch.Likeness(seen) >= options_.least_likeness;
+    point.is_tracked = point.patch.NccScore(seen) >= options_.min_ncc;
   }
 }
 
 // kOccluded if the patches at most predicted points are textured and do not match; else kLostPoints.
-TrackLoss RegionTracker::WhyNotSeen(const Track& track) const {
-  const Eigen::Vector2d drift = Drift(track);
-  std::size_t others = 0;
+TrackLoss RegionTracker::ClassifyLoss(const Track& track) const {
+  const Eigen::Vector2d drift = PredictShift(track);
+  std::size_t num_mismatches = 0;
   for (const TemplatePoint& point : track.points) {
     const Eigen::Vector2d place = track.last_from_template.Apply(point.origin.place) + drift;
     const Patch seen(now_->grey(), place, options_.patch_px | 1, track.last_from_template.Linear());
-    if (!seen.IsFlat() && point.patch.Likeness(seen) < options_.least_likeness) ++others;
+    if (!seen.IsFlat() && point.patch.NccScore(seen) < options_.min_ncc) ++num_mismatches;
   }
-  return 2 * others > track.points.size() ? TrackLoss::kOccluded : TrackLoss::kLostPoints;
+  return 2 * num_mismatches > track.points.size() ? TrackLoss::kOccluded : TrackLoss::kLostPoints;
 }
 
 TrackStep RegionTracker::Advance(Track& track) const {
   ++track.unconfirmed_frames;
   const Box frame = FrameBox(now_->grey().cols, now_->grey().rows);
-  Sighting sighting = Look(track, Drift(track));
+  MotionEstimate estimate = EstimateMotion(track, PredictShift(track));
   // An object that the camera follows keeps its image position while the background moves.
-  if (!sighting.enough && !track.velocity_px_s) sighting = Look(track, Eigen::Vector2d::Zero());
-  if (sighting.enough) Move(track, sighting);
+  if (!estimate.accepted && !track.velocity_px_s) estimate = EstimateMotion(track, Eigen::Vector2d::Zero());
+  if (estimate.accepted) ApplyMotion(track, estimate);
 
   TrackLoss loss = TrackLoss::kNone;
-  if (!sighting.enough) {
+  if (!estimate.accepted) {
     ++track.missed_frames;
-    loss = WhyNotSeen(track);
+    loss = ClassifyLoss(track);
   }
   if (track.unconfirmed_frames > options_.unconfirmed_frames) loss = TrackLoss::kUnconfirmed;
-  TrackStep step = Describe(track, loss);
-  if (ShareInside(step.outline, frame) < options_.least_in_view) step = Describe(track, TrackLoss::kLeftFrame);
+  TrackStep step = MakeStep(track, loss);
+  if (FractionInside(step.outline, frame) < options_.min_in_view) step = MakeStep(track, TrackLoss::kLeftFrame);
   const bool given_up = track.missed_frames > options_.missed_frames || step.loss == TrackLoss::kUnconfirmed ||
                         step.loss == TrackLoss::kLeftFrame;
   if (given_up) step.state = TrackState::kInactive;
   return step;
 }
 
-TrackStep RegionTracker::Describe(const Track& track, TrackLoss loss) const {
+TrackStep RegionTracker::MakeStep(const Track& track, TrackLoss loss) const {
   const Box frame = FrameBox(now_->grey().cols, now_->grey().rows);
   TrackStep step{.track = track.id,
                  .frame = frame_,
@@ -243,25 +244,25 @@ TrackStep RegionTracker::Describe(const Track& track, TrackLoss loss) const {
                  .loss = loss,
                  .now_from_template = track.last_from_template,
                  .unconfirmed_frames = track.unconfirmed_frames};
-  if (track.last != now_) step.now_from_template.translation += Drift(track);
-  step.outline = Moved(track.outline, step.now_from_template);
+  if (track.last != now_) step.now_from_template.translation += PredictShift(track);
+  step.outline = Transformed(track.outline, step.now_from_template);
   step.search_box = Intersection(Dilated(BoundingBox(step.outline), options_.dilation_factor), frame);
   if (!step.seen()) return step;
   step.box = BoundingBox(ClipToBox(step.outline, frame));
   for (const TemplatePoint& point : track.points) {
-    if (point.alive) step.points.push_back({point.place, point.origin.feature});
+    if (point.is_tracked) step.points.push_back({point.place, point.origin.feature});
   }
   step.support =
       static_cast<double>(step.points.size()) / static_cast<double>(std::max<std::size_t>(1, track.points.size()));
   return step;
 }
 
-std::vector<TrackPoint> PointsOf(const Detection& detection, const FeatureSet& scene) {
+std::vector<TrackPoint> MatchedPoints(const Detection& detection, const FeatureSet& scene) {
   std::vector<TrackPoint> points;
-  points.reserve(detection.pose.inliers.size());
-  for (const Match& match : detection.pose.inliers) {
-    const Keypoint& keypoint = scene.keypoints[match.scene];
-    points.push_back({{keypoint.x, keypoint.y}, match.model});
+  points.reserve(detection.fit.inliers.size());
+  for (const Match& match : detection.fit.inliers) {
+    const Keypoint& keypoint = scene.keypoints[match.scene_keypoint];
+    points.push_back({{keypoint.x, keypoint.y}, match.template_keypoint});
   }
   return points;
 }

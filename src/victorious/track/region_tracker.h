@@ -60,8 +60,8 @@ class RegionTracker {
   struct TemplatePoint {
     TrackPoint origin;  // in the template's frame
     Patch patch;
-    Eigen::Vector2d place;  // px, in the frame where it was last seen
-    bool alive = true;      // seen in the frame where the track was last seen
+    Eigen::Vector2d place;   // px, in the frame where it was last seen
+    bool is_tracked = true;  // seen in the frame where the track was last seen
   };
 
   struct Track {
@@ -79,35 +79,35 @@ class RegionTracker {
   };
 
   // The motion that the tracked points give in a new frame.
-  struct Sighting {
-    std::vector<std::pair<std::size_t, Eigen::Vector2d>> places;  // index and position (px) of each inlier
+  struct MotionEstimate {
+    std::vector<std::pair<std::size_t, Eigen::Vector2d>> inliers;  // index and position (px) of each inlier
     Similarity2 now_from_template;
-    bool enough = false;
+    bool accepted = false;
   };
 
   explicit RegionTracker(const TrackOptions& options) : options_(options) {}
 
-  [[nodiscard]] std::vector<TemplatePoint> TemplateFrom(std::span<const TrackPoint> points) const;
-  [[nodiscard]] Eigen::Vector2d Drift(const Track& track) const;
-  [[nodiscard]] Sighting Look(const Track& track, const Eigen::Vector2d& drift) const;
-  void TakeUpAgain(Track& track) const;
-  void Move(Track& track, const Sighting& sighting) const;
-  [[nodiscard]] TrackLoss WhyNotSeen(const Track& track) const;
+  [[nodiscard]] std::vector<TemplatePoint> MakeTemplate(std::span<const TrackPoint> points) const;
+  [[nodiscard]] Eigen::Vector2d PredictShift(const Track& track) const;
+  [[nodiscard]] MotionEstimate EstimateMotion(const Track& track, const Eigen::Vector2d& drift) const;
+  void ReacquirePoints(Track& track) const;
+  void ApplyMotion(Track& track, const MotionEstimate& estimate) const;
+  [[nodiscard]] TrackLoss ClassifyLoss(const Track& track) const;
   TrackStep Advance(Track& track) const;
-  [[nodiscard]] TrackStep Describe(const Track& track, TrackLoss loss) const;
+  [[nodiscard]] TrackStep MakeStep(const Track& track, TrackLoss loss) const;
 
   TrackOptions options_;
   std::vector<Track> tracks_;
   std::uint64_t next_id_ = 1;
   std::shared_ptr<const FlowPyramid> now_;
   // By the frame where a track without a velocity was last seen: the global image motion from there to `now_`.
-  std::map<const FlowPyramid*, Similarity2> picture_moves_;
+  std::map<const FlowPyramid*, Similarity2> image_motions_;
   std::int64_t frame_ = 0;
   double time_s_ = 0;
 };
 
 /// The inlier keypoints of a detection in the scene, each with the index of its template keypoint.
-std::vector<TrackPoint> PointsOf(const Detection& detection, const FeatureSet& scene);
+std::vector<TrackPoint> MatchedPoints(const Detection& detection, const FeatureSet& scene);
 
 /// "active", "inactive".
 std::string_view Name(TrackState state);

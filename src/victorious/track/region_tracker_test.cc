@@ -27,15 +27,16 @@ cv::Matx23d CvMap(const Similarity2& map) {
 // A crate on the streets of a town, in frames of 400 x 300 px; both may move.
 class World {
  public:
-  explicit World(testing::ThingKind kind = testing::ThingKind::kCrate)
-      : town_(testing::DrawTown({1000, 800}, 5)), thing_(testing::DrawThing(kind, 2)) {}
+  explicit World(testing::ObjectKind kind = testing::ObjectKind::kCrate)
+      : town_(testing::DrawTown({1000, 800}, 5)), thing_(testing::DrawObject(kind, 2)) {}
 
   // `ground_px` is the position in the town's image of the frame's top left corner.
-  [[nodiscard]] cv::Mat Draw(const Similarity2& frame_from_thing, const Eigen::Vector2d& ground_px = {200, 200}) const {
+  [[nodiscard]] cv::Mat Draw(const Similarity2& frame_from_object,
+                             const Eigen::Vector2d& ground_px = {200, 200}) const {
     const cv::Rect view(static_cast<int>(ground_px.x()), static_cast<int>(ground_px.y()), 400, 300);
     cv::Mat frame = town_(view).clone();
     cv::Mat laid;
-    cv::warpAffine(thing_.picture, laid, CvMap(frame_from_thing), frame.size(), cv::INTER_AREA);
+    cv::warpAffine(thing_.picture, laid, CvMap(frame_from_object), frame.size(), cv::INTER_AREA);
     for (int y = 0; y < frame.rows; ++y) {
       for (int x = 0; x < frame.cols; ++x) {
         const cv::Vec4b above = laid.at<cv::Vec4b>(y, x);
@@ -47,22 +48,22 @@ class World {
     return frame;
   }
 
-  [[nodiscard]] Polygon Outline(const Similarity2& frame_from_thing) const {
+  [[nodiscard]] Polygon Outline(const Similarity2& frame_from_object) const {
     Polygon outline = thing_.outline;
-    for (Eigen::Vector2d& corner : outline) corner = frame_from_thing.Apply(corner);
+    for (Eigen::Vector2d& corner : outline) corner = frame_from_object.Apply(corner);
     return outline;
   }
 
  private:
   cv::Mat town_;
-  testing::DrawnThing thing_;
+  testing::SyntheticObject thing_;
 };
 
-std::vector<TrackPoint> PointsIn(const cv::Mat& frame, const Polygon& outline, int most = 60) {
+std::vector<TrackPoint> PointsIn(const cv::Mat& frame, const Polygon& outline, int max_points = 60) {
   cv::Mat grey;
   cv::cvtColor(frame, grey, cv::COLOR_BGR2GRAY);
   std::vector<TrackPoint> points;
-  for (const Eigen::Vector2d& place : ChoosePoints(grey, outline, most)) {
+  for (const Eigen::Vector2d& place : DetectCorners(grey, outline, max_points)) {
     points.push_back({place, static_cast<std::uint32_t>(points.size())});
   }
   return points;
@@ -102,7 +103,7 @@ TEST(RegionTracker, FollowsAnObjectOverAGroundThatMovesOtherwise) {
   // The outline has a margin of ground, which does not move with the object.
   Box told = BoundingBox(world.Outline(At(60, 80)));
   told = {told.x - 4, told.y - 4, told.width + 8, told.height + 8};
-  follower.Start(world.Draw(At(60, 80)), CornersOf(told));
+  follower.Start(world.Draw(At(60, 80)), BoxCorners(told));
   for (int i = 1; i <= 30; ++i) {
     const Similarity2 place = At(60 + 6 * i, 80 + 2 * i);
     const auto step = follower.Step(world.Draw(place, {200.0 + 5 * i, 200.0 - 3 * i}));
@@ -262,14 +263,15 @@ TEST(RegionTracker, SearchRegionIsTheDilatedBoxInsideTheFrame) {
   const TrackStep step = follower.Start(world.Draw(At(150, 100)), world.Outline(At(150, 100)));
   EXPECT_NEAR(step.search_box.width, 2 * box.width, 1e-9);
   EXPECT_NEAR(step.search_box.x + step.search_box.width / 2, box.x + box.width / 2, 1e-9);
-  const TrackStep corner = follower.tracker().Start(CornersOf({0, 0, 50, 50}),
-                                                    PointsIn(world.Draw(At(150, 100)), CornersOf({0, 0, 50, 50})));
+  const TrackStep corner = follower.tracker().Start(BoxCorners({0, 0, 50, 50}),
+                                                    PointsIn(world.Draw(At(150, 100)), BoxCorners({0, 0, 50, 50})));
   EXPECT_EQ(corner.search_box, (Box{0, 0, 75, 75}));
 }
 
 TEST(RegionTracker, WithTooFewPointsNothingBegins) {
   Follower follower;
-  const TrackStep step = follower.Start(cv::Mat(300, 400, CV_8UC3, cv::Scalar::all(90)), CornersOf({50, 50, 100, 100}));
+  const TrackStep step =
+      follower.Start(cv::Mat(300, 400, CV_8UC3, cv::Scalar::all(90)), BoxCorners({50, 50, 100, 100}));
   EXPECT_EQ(step.state, TrackState::kInactive);
   EXPECT_EQ(step.loss, TrackLoss::kLostPoints);
   EXPECT_FALSE(follower.Step(cv::Mat(300, 400, CV_8UC3, cv::Scalar::all(90))));
@@ -281,7 +283,7 @@ TEST(RegionTracker, FollowsSeveralAndForgetsTheStopped) {
   const cv::Mat frame = world.Draw(At(150, 100));
   tracker.Step({0, 0, frame});
   const Polygon object = world.Outline(At(150, 100));
-  const Polygon ground = CornersOf({20, 20, 80, 60});
+  const Polygon ground = BoxCorners({20, 20, 80, 60});
   const TrackStep first = tracker.Start(object, PointsIn(frame, object));
   const TrackStep second = tracker.Start(ground, PointsIn(frame, ground));
   const auto steps = tracker.Step({1, 0.1, world.Draw(At(156, 100), {204, 200})});

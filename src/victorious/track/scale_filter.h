@@ -14,22 +14,22 @@ namespace victorious {
 class ScaleFilter {
  public:
   /// @param box  of the object, px; its aspect ratio is kept
-  explicit ScaleFilter(const TurnedBox& box);
+  explicit ScaleFilter(const RotatedBox& box);
 
   /// Updates the filter with the object at this scale.
   /// @param rate  learning rate, 0 to 1; the first call ignores it
-  void Learn(const Levels& image, const TurnedBox& box, double rate);
+  void Update(const ImagePyramid& image, const RotatedBox& box, double rate);
 
   /// @return the scale factor for `box` at the peak of the response, with sub-step (parabolic) accuracy
-  [[nodiscard]] double Growth(const Levels& image, const TurnedBox& box) const;
+  [[nodiscard]] double EstimateScaleChange(const ImagePyramid& image, const RotatedBox& box) const;
 
  private:
-  [[nodiscard]] cv::Mat Samples(const Levels& image, const TurnedBox& box) const;
+  [[nodiscard]] cv::Mat ExtractSamples(const ImagePyramid& image, const RotatedBox& box) const;
 
-  cv::Size sample_px_;   // each crop is resampled to this size
-  cv::Mat wanted_;       // spectrum of a Gaussian over scales: 1 x scales, complex
-  cv::Mat numerator_;    // dimensions x scales, complex
-  cv::Mat denominator_;  // 1 x scales
+  cv::Size sample_px_;        // each crop is resampled to this size
+  cv::Mat desired_spectrum_;  // spectrum of a Gaussian over scales: 1 x scales, complex
+  cv::Mat numerator_;         // dimensions x scales, complex
+  cv::Mat denominator_;       // 1 x scales
 };
 
 }  // namespace victorious

@@ -38,7 +38,7 @@ void TrackOptions::ListFields(FieldList& fields) {
   fields.Add("forward_backward_px", forward_backward_px,
              {.min = 0.05, .max = 100, .unit = "px", .reason = "maximum forward-backward error of a tracked point"});
   fields.Add(
-      "least_likeness", least_likeness,
+      "min_ncc", min_ncc,
       {.min = -1,
        .max = 1,
        .reason = "minimum NCC of a point's patch with its patch in the template; -1 disables the check: the track "
@@ -52,13 +52,13 @@ void TrackOptions::ListFields(FieldList& fields) {
        .max = 1,
        .reason = "model error of the similarity for an object that rotates out of the image plane, as a fraction of "
                  "its size (square root of its outline's area)"});
-  fields.Add("least_points", least_points,
+  fields.Add("min_points", min_points,
              {.min = 3, .max = 10'000, .reason = "minimum number of inlier points for the object to be seen"});
   fields.Add(
-      "least_support", least_support,
+      "min_support", min_support,
       {.min = 0, .max = 1, .reason = "minimum fraction of inliers among the template's points inside the frame"});
   fields.Add(
-      "least_in_view", least_in_view,
+      "min_in_view", min_in_view,
       {.min = 0,
        .max = 1,
        .reason = "minimum fraction of the outline's area inside the frame; below it the object has left the frame"});

@@ -14,13 +14,13 @@ struct TrackOptions {
   int window_px = 15;
   int pyramid_levels = 4;
   double forward_backward_px = 1.0;
-  double least_likeness = 0.6;
+  double min_ncc = 0.6;
   int patch_px = 13;
   double noise_px = 1.0;
   double shape_fraction = 0.02;
-  int least_points = 4;
-  double least_support = 0.2;
-  double least_in_view = 0.3;
+  int min_points = 4;
+  double min_support = 0.2;
+  double min_in_view = 0.3;
 
   void ListFields(FieldList& fields);
 };

@@ -8,14 +8,14 @@
 
 namespace victorious {
 
-struct Sight {
+struct BearingObservation {
   LineOfSight line;                          ///< to the centre of the object's bounding box
   std::optional<double> heading_rad;         ///< of the object's front, clockwise from north
   std::optional<double> sigma_position_m;    ///< of the camera position along each axis, if telemetry gives it
   std::optional<double> sigma_attitude_rad;  ///< of the camera attitude about each axis, if telemetry gives it
   /// Number of the recognition that this observation was made or tracked from. Observations of equal number share that
   /// recognition's error. 0: an independent observation.
-  std::int64_t recognition = 0;
+  std::int64_t recognition_id = 0;
 };
 
 }  // namespace victorious

@@ -10,13 +10,13 @@
 namespace victorious {
 
 struct Detection {
-  std::size_t model = 0;  ///< index into the models that were searched; not a keypoint index, not a database id
-  std::size_t view = 0;   ///< index into that model's views
-  Pose pose;
-  Polygon outline;      ///< the object's outline in the scene, px; may leave the frame
-  Box box;              ///< bounding box of the outline clipped to the frame, px
-  double evidence = 0;  ///< -log10 NFA, decades (detect/detect.h)
-  double score = 0;     ///< 0 to 1, higher is likelier
+  std::size_t model_index = 0;  ///< index into the models that were searched; not a keypoint index, not a database id
+  std::size_t view = 0;         ///< index into that model's views
+  PlanarFit fit;
+  Polygon outline;           ///< the object's outline in the scene, px; may leave the frame
+  Box box;                   ///< bounding box of the outline clipped to the frame, px
+  double neg_log10_nfa = 0;  ///< -log10 NFA, decades (detect/detect.h)
+  double score = 0;          ///< 0 to 1, higher is likelier
 };
 
 }  // namespace victorious

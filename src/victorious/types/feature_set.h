@@ -59,7 +59,7 @@ struct FeatureSet {
   [[nodiscard]] std::size_t size() const { return keypoints.size(); }
   [[nodiscard]] FeatureView View() const { return {keypoints, descriptors}; }
   /// The searched region, px.
-  [[nodiscard]] Box Searched() const { return part.value_or(FrameBox(image_width, image_height)); }
+  [[nodiscard]] Box SearchedBox() const { return part.value_or(FrameBox(image_width, image_height)); }
 };
 
 }  // namespace victorious

@@ -12,7 +12,7 @@ struct FrameConditions {
   std::optional<Vertical> vertical;  ///< from the camera's attitude; nullopt: unknown
   /// The sun; its azimuth is measured clockwise from the azimuth of the line of sight through the image centre. Set
   /// only together with `vertical`.
-  std::optional<Sun> sun_ahead;
+  std::optional<Sun> relative_sun;
 };
 
 }  // namespace victorious

@@ -10,7 +10,7 @@
 namespace victorious {
 
 /// Position at one time and, if estimated, velocity.
-struct Place {
+struct Geolocation {
   GeodeticPoint point;
   double time_s = 0;                            ///< time of the last line of sight
   Eigen::Matrix3d covariance_enu_m2;            ///< east, north, up at `point`
@@ -20,7 +20,7 @@ struct Place {
   double le90_m = 0;  ///< LE90: half the vertical interval that contains the true height with 90 %
 
   /// True if the velocity is estimated and not zero; false if motion was not estimated.
-  [[nodiscard]] bool Moves() const { return velocity_enu && velocity_enu->norm() > 0; }
+  [[nodiscard]] bool IsMoving() const { return velocity_enu && velocity_enu->norm() > 0; }
 };
 
 }  // namespace victorious

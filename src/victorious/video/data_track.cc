@@ -8,7 +8,7 @@
 namespace victorious {
 namespace {
 
-DataKind KindOf(const AVStream& stream, std::span<const std::byte> bytes) {
+DataKind DetectDataKind(const AVStream& stream, std::span<const std::byte> bytes) {
   // SMPTE 336: prefix of every universal label. It identifies KLV streams that are not registered as KLV.
   constexpr std::array kUniversalLabel = {std::byte{0x06}, std::byte{0x0E}, std::byte{0x2B}, std::byte{0x34}};
   if (stream.codecpar->codec_id == AV_CODEC_ID_SMPTE_KLV) return DataKind::kKlv;
@@ -36,7 +36,7 @@ void DataTrack::Add(const AVStream& stream, const AVPacket& packet) {
   const auto bytes = std::as_bytes(std::span(packet.data, static_cast<std::size_t>(packet.size)));
   DataPacket& added = packets_.emplace_back();
   added.stream = stream.index;
-  added.kind = KindOf(stream, bytes);
+  added.kind = DetectDataKind(stream, bytes);
   if (packet.pts != AV_NOPTS_VALUE) added.time_s = static_cast<double>(packet.pts) * av_q2d(stream.time_base);
   added.bytes.assign(bytes.begin(), bytes.end());
 }

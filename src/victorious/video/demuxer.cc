@@ -16,8 +16,8 @@ extern "C" {
 namespace victorious {
 namespace {
 
-constexpr std::array<std::string_view, 12> kLiveSchemes = {"rtsp",  "rtsps", "rtp",   "udp",   "tcp", "http",
-                                                           "https", "rtmp",  "rtmps", "rtmpt", "srt", "mmsh"};
+constexpr std::array<std::string_view, 12> kUrlSchemes = {"rtsp",  "rtsps", "rtp",   "udp",   "tcp", "http",
+                                                          "https", "rtmp",  "rtmps", "rtmpt", "srt", "mmsh"};
 
 // Formats accepted for a local file. Only self-contained containers: no playlists, manifests or session descriptions,
 // which refer to other files, and no text art, which would accept any .txt file. Audio formats are included so that an
@@ -47,7 +47,7 @@ class Dictionary {
   AVDictionary* entries_ = nullptr;
 };
 
-bool IsCoverPicture(const AVStream& stream) { return (stream.disposition & AV_DISPOSITION_ATTACHED_PIC) != 0; }
+bool IsCoverImage(const AVStream& stream) { return (stream.disposition & AV_DISPOSITION_ATTACHED_PIC) != 0; }
 
 // Sort key of video streams, greatest is best: decodable, flagged as default, most pixels, lowest index.
 auto VideoRank(const AVStream& stream) {
@@ -71,13 +71,13 @@ std::optional<std::string> UrlScheme(const std::string& source) {
 Expected<std::unique_ptr<Demuxer>> Demuxer::Open(const MediaSource& source) {
   PrepareFfmpeg();
   if (const auto scheme = UrlScheme(source.name);
-      source.remote && (!scheme || std::ranges::find(kLiveSchemes, *scheme) == kLiveSchemes.end())) {
+      source.remote && (!scheme || std::ranges::find(kUrlSchemes, *scheme) == kUrlSchemes.end())) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: not a kind of address that can be read; use one of {}",
-                                                         source.name, fmt::join(kLiveSchemes, ", ")));
+                                                         source.name, fmt::join(kUrlSchemes, ", ")));
   }
   std::unique_ptr<Demuxer> demuxer(new Demuxer(source));
   VICTORIOUS_RETURN_IF_ERROR(demuxer->OpenContainer());
-  VICTORIOUS_RETURN_IF_ERROR(demuxer->ChooseVideo());
+  VICTORIOUS_RETURN_IF_ERROR(demuxer->SelectVideoStream());
   return demuxer;
 }
 
@@ -89,7 +89,7 @@ Demuxer::~Demuxer() {
 int Demuxer::Read(AVPacket* packet) {
   StartTimer();
   const int result = av_read_frame(context_, packet);
-  return result < 0 && TimeIsUp() ? AVERROR_EXIT : result;  // not every protocol reports a timeout as such
+  return result < 0 && IsTimedOut() ? AVERROR_EXIT : result;  // not every protocol reports a timeout as such
 }
 
 int Demuxer::SeekBefore(std::int64_t stamp) {
@@ -101,10 +101,10 @@ bool Demuxer::IsLive() const {
   if (!source_.remote) return false;
   if (scheme != "http" && scheme != "https") return true;
   // A playlist always has a size in bytes; only a complete one has a duration.
-  const bool tells_duration =
+  const bool has_duration =
       context_->duration > 0 && context_->duration_estimation_method != AVFMT_DURATION_FROM_BITRATE;
   const bool playlist = std::string_view(context_->iformat->name) == "hls";
-  return !tells_duration && (playlist || size_bytes() == 0);
+  return !has_duration && (playlist || size_bytes() == 0);
 }
 
 std::int64_t Demuxer::size_bytes() const {
@@ -114,7 +114,7 @@ std::int64_t Demuxer::size_bytes() const {
 Status Demuxer::OpenContainer() {
   context_ = avformat_alloc_context();
   if (context_ == nullptr) return Fail(ErrorCode::kInternal, "no memory for a container");
-  context_->interrupt_callback = {[](void* self) { return static_cast<Demuxer*>(self)->TimeIsUp() ? 1 : 0; }, this};
+  context_->interrupt_callback = {[](void* self) { return static_cast<Demuxer*>(self)->IsTimedOut() ? 1 : 0; }, this};
   Dictionary options;
   options.Set("protocol_whitelist", source_.remote ? kLiveProtocols : "file");
   options.Set("format_whitelist", source_.remote ? kLiveFormats : kFileFormats);
@@ -130,14 +130,14 @@ Status Demuxer::OpenContainer() {
   return {};
 }
 
-Status Demuxer::ChooseVideo() {
+Status Demuxer::SelectVideoStream() {
   std::vector<const AVStream*> videos;
   bool cover = false;
   for (unsigned i = 0; i < context_->nb_streams; ++i) {
     const AVStream* stream = context_->streams[i];
     if (stream->codecpar->codec_type != AVMEDIA_TYPE_VIDEO) continue;
-    cover = cover || IsCoverPicture(*stream);
-    if (!IsCoverPicture(*stream)) videos.push_back(stream);
+    cover = cover || IsCoverImage(*stream);
+    if (!IsCoverImage(*stream)) videos.push_back(stream);
   }
   if (videos.empty()) {
     return Fail(ErrorCode::kDataLoss,
@@ -157,13 +157,13 @@ void Demuxer::StartTimer() {
 Error Demuxer::OpenError(int result) const {
   if (source_.remote) {
     const std::string reason =
-        TimeIsUp() ? fmt::format("no answer within {:g} s", source_.timeout_s) : FfmpegErrorText(result);
+        IsTimedOut() ? fmt::format("no answer within {:g} s", source_.timeout_s) : FfmpegErrorText(result);
     return {ErrorCode::kNotFound, fmt::format("{}: {}; check that the source is sending", source_.name, reason)};
   }
   if (result == AVERROR(EACCES) || result == AVERROR(ENOENT)) return ErrorFromErrno(AVUNERROR(result), source_.name);
   return {ErrorCode::kDataLoss, fmt::format("{}: not a video that can be read, or a damaged header", source_.name)};
 }
 
-bool Demuxer::TimeIsUp() const { return deadline_ && Clock::now() > *deadline_; }
+bool Demuxer::IsTimedOut() const { return deadline_ && Clock::now() > *deadline_; }
 
 }  // namespace victorious

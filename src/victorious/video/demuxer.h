@@ -64,10 +64,10 @@ class Demuxer {
 
   explicit Demuxer(const MediaSource& source) : source_(source) {}
   Status OpenContainer();
-  Status ChooseVideo();
+  Status SelectVideoStream();
   void StartTimer();
   [[nodiscard]] Error OpenError(int result) const;
-  [[nodiscard]] bool TimeIsUp() const;
+  [[nodiscard]] bool IsTimedOut() const;
 
   MediaSource source_;
   AVFormatContext* context_ = nullptr;

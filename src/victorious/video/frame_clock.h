@@ -18,7 +18,7 @@ namespace victorious {
 
 class FrameClock {
  public:
-  struct Reading {
+  struct FrameTime {
     double time_s = 0;      ///< since the first frame
     bool repaired = false;  ///< true if the stamp was damaged and replaced
   };
@@ -28,17 +28,17 @@ class FrameClock {
   FrameClock(double tick_s, double default_duration_s) : tick_s_(tick_s), default_duration_s_(default_duration_s) {}
 
   /// Returns the stamp of the next frame, std::nullopt if there is none. Called only if a stamp leaves a gap.
-  using Following = std::function<std::optional<std::int64_t>()>;
+  using NextStampFunction = std::function<std::optional<std::int64_t>()>;
 
   /// Returns the time of the next frame in presentation order.
   /// @param pts         its stamp, if it has one
   /// @param duration_s  its duration; 0 if unknown
-  Reading Next(std::optional<std::int64_t> pts, double duration_s, const Following& following = {});
+  FrameTime Next(std::optional<std::int64_t> pts, double duration_s, const NextStampFunction& next_stamp = {});
 
   /// Resets the sequence after a seek: the time of the next frame follows from its stamp alone.
-  void Jump() {
+  void Restart() {
     started_ = false;
-    shift_s_ = 0;
+    offset_s_ = 0;
   }
 
   /// Time of the first frame in the container's clock; std::nullopt before the first frame with a stamp.
@@ -49,9 +49,9 @@ class FrameClock {
   [[nodiscard]] double end_time_s() const { return started_ ? last_time_s_ + last_duration_s_ : 0; }
 
  private:
-  [[nodiscard]] bool IsUnshifted(std::int64_t pts) const;
-  [[nodiscard]] double TimeOf(std::int64_t pts) const;
-  Reading Advance(double time_s, double duration_s, bool repaired);
+  [[nodiscard]] bool IsAfterLastFrame(std::int64_t pts) const;
+  [[nodiscard]] double TimeFromStamp(std::int64_t pts) const;
+  FrameTime Advance(double time_s, double duration_s, bool repaired);
 
   double tick_s_;
   double default_duration_s_;
@@ -59,7 +59,7 @@ class FrameClock {
   bool started_ = false;
   double last_time_s_ = 0;
   double last_duration_s_ = 0;
-  double shift_s_ = 0;  ///< offset of stamps that restarted at an earlier time
+  double offset_s_ = 0;  ///< offset of stamps that restarted at an earlier time
 };
 
 }  // namespace victorious

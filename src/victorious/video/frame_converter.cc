@@ -83,13 +83,13 @@ cv::Mat GreyFromLuma(const AVFrame& frame, const AVPixFmtDescriptor& format) {
 
 Expected<cv::Mat> FrameConverter::Convert(const AVFrame& frame) {
   try {
-    return ConvertAndTurn(frame);
+    return ConvertAndRotate(frame);
   } catch (const cv::Exception& exception) {  // out of memory
     return Fail(ErrorCode::kInternal, fmt::format("a frame cannot be converted ({})", exception.err));
   }
 }
 
-Expected<cv::Mat> FrameConverter::ConvertAndTurn(const AVFrame& frame) {
+Expected<cv::Mat> FrameConverter::ConvertAndRotate(const AVFrame& frame) {
   VICTORIOUS_ASSIGN_OR_RETURN(cv::Mat picture, ConvertColor(frame));
   if (picture.size() != size_) {
     const bool shrinks = picture.total() > static_cast<std::size_t>(size_.area());
@@ -97,7 +97,7 @@ Expected<cv::Mat> FrameConverter::ConvertAndTurn(const AVFrame& frame) {
     cv::resize(picture, scaled, size_, 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_LINEAR);
     picture = scaled;
   }
-  return TurnUpright(picture, orientation_);
+  return RotateUpright(picture, orientation_);
 }
 
 Expected<cv::Mat> FrameConverter::ConvertColor(const AVFrame& frame) {

@@ -8,8 +8,8 @@
 #include <opencv2/core/mat.hpp>
 
 #include "victorious/base/error.h"
-#include "victorious/video/ffmpeg_handles.h"
 #include "victorious/image/orientation.h"
+#include "victorious/video/ffmpeg_handles.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious {
@@ -25,7 +25,7 @@ class FrameConverter {
   Expected<cv::Mat> Convert(const AVFrame& frame);
 
  private:
-  Expected<cv::Mat> ConvertAndTurn(const AVFrame& frame);
+  Expected<cv::Mat> ConvertAndRotate(const AVFrame& frame);
   Expected<cv::Mat> ConvertColor(const AVFrame& frame);
   Expected<cv::Mat> ToBgr(const AVFrame& frame);
 

@@ -14,9 +14,9 @@
 #include <fmt/format.h>
 
 #include "victorious/base/file.h"
-#include "victorious/video/damage_log.h"
 #include "victorious/image/image_file.h"
 #include "victorious/image/image_header.h"
+#include "victorious/video/damage_log.h"
 
 namespace victorious {
 namespace {
@@ -32,7 +32,7 @@ std::string LowerExtension(const fs::path& file) {
   return extension;
 }
 
-bool HasPictureName(const fs::path& file) {
+bool HasImageExtension(const fs::path& file) {
   static constexpr std::array<std::string_view, 11> kExtensions = {".png", ".jpg", ".jpeg", ".jpe", ".tif", ".tiff",
                                                                    ".bmp", ".ppm", ".pgm",  ".pbm", ".pnm"};
   return std::ranges::find(kExtensions, LowerExtension(file)) != kExtensions.end();
@@ -50,9 +50,9 @@ std::string_view TakeNumber(std::string_view& text) {
   return number;
 }
 
-class PictureReader : public VideoReader {
+class ImageSequenceReader : public VideoReader {
  public:
-  PictureReader(std::vector<fs::path> files, const VideoReaderOptions& options)
+  ImageSequenceReader(std::vector<fs::path> files, const VideoReaderOptions& options)
       : files_(std::move(files)), options_(options) {}
 
   /// Reads the first image, which determines the size.
@@ -62,36 +62,36 @@ class PictureReader : public VideoReader {
   [[nodiscard]] Expected<std::string> ContentId(const CancelToken& cancel, const ByteProgress& progress) const override;
   Expected<std::optional<Frame>> NextFrame() override;
   std::vector<DataPacket> TakeDataPackets() override { return {}; }
-  bool SkipTo(double time_s) override {
-    const double places = std::clamp(time_s, 0.0, TimeOf(files_.size())) * options_.folder_frame_rate;
-    next_place_ = first_place_ + static_cast<std::size_t>(places);
+  bool SeekTo(double time_s) override {
+    const double frame_offset = std::clamp(time_s, 0.0, TimeFromIndex(files_.size())) * options_.folder_frame_rate;
+    next_file_ = first_file_ + static_cast<std::size_t>(frame_offset);
     first_.reset();
     return true;
   }
-  void PassOverFrames() override {
+  void SkipToEnd() override {
     first_.reset();
-    next_place_ = files_.size();
+    next_file_ = files_.size();
   }
   [[nodiscard]] const std::vector<std::string>& warnings() const override { return damage_.lines(); }
 
  private:
   std::optional<Frame> ReadNext();
-  Expected<cv::Mat> ReadPicture(const fs::path& file);
-  [[nodiscard]] double TimeOf(std::size_t place) const {
-    return static_cast<double>(place - first_place_) / options_.folder_frame_rate;
+  Expected<cv::Mat> ReadImageFile(const fs::path& file);
+  [[nodiscard]] double TimeFromIndex(std::size_t file_index) const {
+    return static_cast<double>(file_index - first_file_) / options_.folder_frame_rate;
   }
 
   std::vector<fs::path> files_;
   VideoReaderOptions options_;
   VideoInfo info_;
   DamageLog damage_;
-  std::optional<Frame> first_;   ///< frame that Start() read, until it is delivered
-  std::size_t next_place_ = 0;   ///< index in files_
-  std::size_t first_place_ = 0;  ///< index in files_ of the first readable image
+  std::optional<Frame> first_;  ///< frame that Start() read, until it is delivered
+  std::size_t next_file_ = 0;   ///< index in files_
+  std::size_t first_file_ = 0;  ///< index in files_ of the first readable image
   std::int64_t next_index_ = 0;
 };
 
-Status PictureReader::Start(const fs::path& source, std::string container) {
+Status ImageSequenceReader::Start(const fs::path& source, std::string container) {
   first_ = ReadNext();
   if (!first_) {
     const std::string& reason = warnings().front();
@@ -101,65 +101,66 @@ Status PictureReader::Start(const fs::path& source, std::string container) {
   }
   info_.container = std::move(container);
   info_.frame_rate = options_.folder_frame_rate;
-  info_.frame_count = static_cast<std::int64_t>(files_.size() - first_place_);
-  info_.duration_s = TimeOf(files_.size());
+  info_.frame_count = static_cast<std::int64_t>(files_.size() - first_file_);
+  info_.duration_s = TimeFromIndex(files_.size());
   return {};
 }
 
-Expected<std::string> PictureReader::ContentId(const CancelToken& cancel, const ByteProgress& progress) const {
+Expected<std::string> ImageSequenceReader::ContentId(const CancelToken& cancel, const ByteProgress& progress) const {
   if (info_.container == kFolder) return ContentIdOfFiles(files_, cancel, progress);
   return victorious::ContentId(files_.front(), cancel, progress);
 }
 
-Expected<std::optional<Frame>> PictureReader::NextFrame() {
+Expected<std::optional<Frame>> ImageSequenceReader::NextFrame() {
   if (first_) return std::exchange(first_, std::nullopt);
   return ReadNext();
 }
 
 // An unusable image is logged and leaves a gap in time: the others keep the time of their index.
-std::optional<Frame> PictureReader::ReadNext() {
-  while (next_place_ < files_.size()) {
-    const std::size_t place = next_place_++;
-    if (next_index_ == 0) first_place_ = place;
-    auto picture = ReadPicture(files_[place]);
-    if (picture) return Frame{.index = next_index_++, .time_s = TimeOf(place), .image = *std::move(picture)};
+std::optional<Frame> ImageSequenceReader::ReadNext() {
+  while (next_file_ < files_.size()) {
+    const std::size_t file_index = next_file_++;
+    if (next_index_ == 0) first_file_ = file_index;
+    auto picture = ReadImageFile(files_[file_index]);
+    if (picture)
+      return Frame{.index = next_index_++, .time_s = TimeFromIndex(file_index), .image = *std::move(picture)};
     damage_.AddLine(picture.error().message);
   }
   return std::nullopt;
 }
 
-Expected<cv::Mat> PictureReader::ReadPicture(const fs::path& file) {
+Expected<cv::Mat> ImageSequenceReader::ReadImageFile(const fs::path& file) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(file));
   VICTORIOUS_ASSIGN_OR_RETURN(const Image image, DecodeImage(std::as_bytes(std::span(bytes)), file.string()));
   if (next_index_ == 0) {
     const auto header = ReadImageHeader(std::as_bytes(std::span(bytes)));
     info_.codec = Name(header->format);
-    info_.rotation_deg = ClockwiseTurnDeg(header->orientation);
+    info_.rotation_deg = ClockwiseRotationDeg(header->orientation);
     info_.width = image.bgr.cols;
     info_.height = image.bgr.rows;
   } else if (image.bgr.size() != cv::Size(info_.width, info_.height)) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: {} x {} pixels, the first picture has {} x {}; skipped", file.string(),
-                            image.bgr.cols, image.bgr.rows, info_.width, info_.height));
+                fmt::format("{}: {} x {} pixels, the first picture has {} x {}; skipped", file.string(), image.bgr.cols,
+                            image.bgr.rows, info_.width, info_.height));
   }
   return options_.color == FrameColor::kGrey ? GreyFromBgr(image.bgr) : image.bgr;
 }
 
 Expected<std::unique_ptr<VideoReader>> Open(const fs::path& source, std::vector<fs::path> files, std::string container,
                                             const VideoReaderOptions& options) {
-  auto reader = std::make_unique<PictureReader>(std::move(files), options);
+  auto reader = std::make_unique<ImageSequenceReader>(std::move(files), options);
   VICTORIOUS_RETURN_IF_ERROR(reader->Start(source, std::move(container)));
   return reader;
 }
 
 }  // namespace
 
-Expected<std::unique_ptr<VideoReader>> OpenFolder(const fs::path& folder, const VideoReaderOptions& options) {
+Expected<std::unique_ptr<VideoReader>> OpenImageFolder(const fs::path& folder, const VideoReaderOptions& options) {
   std::vector<fs::path> files;
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     std::error_code unreadable;
-    if (HasPictureName(it->path()) && it->is_regular_file(unreadable)) files.push_back(it->path());
+    if (HasImageExtension(it->path()) && it->is_regular_file(unreadable)) files.push_back(it->path());
   }
   if (error) return std::unexpected(ErrorFromErrno(error.value(), folder.string()));
   if (files.empty()) {
@@ -172,18 +173,18 @@ Expected<std::unique_ptr<VideoReader>> OpenFolder(const fs::path& folder, const 
   return Open(folder, std::move(files), std::string(kFolder), options);
 }
 
-Expected<std::unique_ptr<VideoReader>> OpenPicture(const fs::path& file, const VideoReaderOptions& options) {
+Expected<std::unique_ptr<VideoReader>> OpenImage(const fs::path& file, const VideoReaderOptions& options) {
   return Open(file, {file}, "picture", options);
 }
 
-bool IsPicture(const fs::path& file) {
+bool IsImageFile(const fs::path& file) {
   const std::string extension = LowerExtension(file);
   if (extension == ".mjpg" || extension == ".mjpeg") return false;  // Motion JPEG: a video
   std::array<char, 64> head{};
   std::ifstream stream(file, std::ios::binary);
   stream.read(head.data(), head.size());
   const auto size = static_cast<std::size_t>(std::max<std::streamsize>(stream.gcount(), 0));
-  return ImageFormatOf(std::as_bytes(std::span(head)).first(size)).has_value();
+  return DetectImageFormat(std::as_bytes(std::span(head)).first(size)).has_value();
 }
 
 bool NaturalLess(std::string_view a, std::string_view b) {

@@ -12,15 +12,14 @@ namespace victorious {
 
 /// Opens a folder as a video: its images by natural order of their names ("9.png" before "10.png"); other files are
 /// ignored. Errors: those of VideoReader::Open.
-Expected<std::unique_ptr<VideoReader>> OpenFolder(const std::filesystem::path& folder,
-                                                  const VideoReaderOptions& options);
+Expected<std::unique_ptr<VideoReader>> OpenImageFolder(const std::filesystem::path& folder,
+                                                       const VideoReaderOptions& options);
 
 /// Opens a single image as a video of one frame. Errors: those of VideoReader::Open.
-Expected<std::unique_ptr<VideoReader>> OpenPicture(const std::filesystem::path& file,
-                                                   const VideoReaderOptions& options);
+Expected<std::unique_ptr<VideoReader>> OpenImage(const std::filesystem::path& file, const VideoReaderOptions& options);
 
 /// Returns true if the first bytes identify an image format (and the extension is not that of Motion JPEG).
-[[nodiscard]] bool IsPicture(const std::filesystem::path& file);
+[[nodiscard]] bool IsImageFile(const std::filesystem::path& file);
 
 /// Compares names: runs of digits as numbers, everything else as bytes. A strict weak order, total over distinct names.
 [[nodiscard]] bool NaturalLess(std::string_view a, std::string_view b);

@@ -13,10 +13,10 @@
 namespace victorious {
 namespace {
 
+using testing::DecodeImageNumber;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using testing::NumberedPicture;
-using testing::PictureNumber;
+using testing::NumberedImage;
 using testing::ScratchFolder;
 
 std::unique_ptr<VideoReader> MustOpen(const std::filesystem::path& path, const VideoReaderOptions& options = {}) {
@@ -31,10 +31,10 @@ std::string IdOf(const std::string& source) {
   return reader ? (*reader)->ContentId(CancelToken(), {}).value() : "";
 }
 
-TEST(PictureReader, AFolderIsKnownByItsPicturesAlone) {
+TEST(ImageSequenceReader, AFolderIsKnownByItsPicturesAlone) {
   const ScratchFolder folder;
   const auto put = [&](const std::string& name, int number) {
-    ASSERT_TRUE(cv::imwrite((folder / name).string(), NumberedPicture(number, {80, 60})));
+    ASSERT_TRUE(cv::imwrite((folder / name).string(), NumberedImage(number, {80, 60})));
   };
   put("1.png", 1);
   put("2.png", 2);
@@ -53,11 +53,11 @@ TEST(PictureReader, AFolderIsKnownByItsPicturesAlone) {
   EXPECT_EQ(IdOf((folder / "1.png").string()), ContentId(folder / "1.png").value());
 }
 
-TEST(PictureReader, FolderInNaturalOrder) {
+TEST(ImageSequenceReader, FolderInNaturalOrder) {
   const ScratchFolder folder;
   for (const int number : {10, 9, 1, 100}) {
-    ASSERT_TRUE(cv::imwrite((folder / ("frame" + std::to_string(number) + ".png")).string(),
-                            NumberedPicture(number, {80, 60})));
+    ASSERT_TRUE(
+        cv::imwrite((folder / ("frame" + std::to_string(number) + ".png")).string(), NumberedImage(number, {80, 60})));
   }
   testing::WriteBytes(folder / "notes.txt", "not a picture");
   const auto reader = MustOpen(folder.path(), {.folder_frame_rate = 4});
@@ -72,7 +72,7 @@ TEST(PictureReader, FolderInNaturalOrder) {
   while (const auto frame = reader->NextFrame().value()) {
     EXPECT_EQ(frame->index, static_cast<std::int64_t>(numbers.size()));
     EXPECT_EQ(frame->image.type(), CV_8UC1);
-    numbers.push_back(PictureNumber(frame->image));
+    numbers.push_back(DecodeImageNumber(frame->image));
     times_s.push_back(frame->time_s);
   }
   EXPECT_THAT(numbers, ElementsAre(1, 9, 10, 100));
@@ -80,28 +80,28 @@ TEST(PictureReader, FolderInNaturalOrder) {
   EXPECT_TRUE(reader->warnings().empty());
 }
 
-TEST(PictureReader, UnusablePicturesArePassedOverWithAWarning) {
+TEST(ImageSequenceReader, UnusablePicturesArePassedOverWithAWarning) {
   const ScratchFolder folder;
   testing::WriteBytes(folder / "0.png", "damaged");
-  cv::imwrite((folder / "1.png").string(), NumberedPicture(1, {80, 60}));
-  cv::imwrite((folder / "2.png").string(), NumberedPicture(2, {40, 60}));
-  cv::imwrite((folder / "3.png").string(), NumberedPicture(3, {80, 60}));
+  cv::imwrite((folder / "1.png").string(), NumberedImage(1, {80, 60}));
+  cv::imwrite((folder / "2.png").string(), NumberedImage(2, {40, 60}));
+  cv::imwrite((folder / "3.png").string(), NumberedImage(3, {80, 60}));
   const auto reader = MustOpen(folder.path(), {.color = FrameColor::kBgr});
   ASSERT_TRUE(reader);
   const auto first = reader->NextFrame().value();
   const auto second = reader->NextFrame().value();
   ASSERT_TRUE(first && second);
   EXPECT_EQ(first->time_s, 0);
-  EXPECT_EQ(PictureNumber(second->image), 3);
+  EXPECT_EQ(DecodeImageNumber(second->image), 3);
   EXPECT_EQ(second->index, 1);
   EXPECT_DOUBLE_EQ(second->time_s, 0.2);  // by its index among the files
   EXPECT_FALSE(reader->NextFrame().value());
   EXPECT_THAT(reader->warnings(), ElementsAre(HasSubstr("0.png"), HasSubstr("2.png: 40 x 60 pixels")));
 }
 
-TEST(PictureReader, APictureIsAVideoOfOneFrame) {
+TEST(ImageSequenceReader, APictureIsAVideoOfOneFrame) {
   const ScratchFolder folder;
-  const cv::Mat picture = NumberedPicture(77, {81, 61});
+  const cv::Mat picture = NumberedImage(77, {81, 61});
   cv::imwrite((folder / "one.png").string(), picture);
   const auto reader = MustOpen(folder / "one.png", {.color = FrameColor::kBgr});
   ASSERT_TRUE(reader);
@@ -112,7 +112,7 @@ TEST(PictureReader, APictureIsAVideoOfOneFrame) {
   EXPECT_FALSE(reader->NextFrame().value());
 }
 
-TEST(PictureReader, FolderErrors) {
+TEST(ImageSequenceReader, FolderErrors) {
   const ScratchFolder folder;
   const auto none = VideoReader::Open(folder.path().string(), {});
   ASSERT_FALSE(none);

@@ -37,18 +37,18 @@ double FrameRate(const AVStream& stream) {
   return 0;
 }
 
-FrameClock ClockOf(const AVStream& stream) {
-  constexpr double kUsualRate = 25;
+FrameClock MakeFrameClock(const AVStream& stream) {
+  constexpr double kDefaultRate = 25;
   const double rate = FrameRate(stream);
   const AVRational tick = stream.time_base;
-  return {tick.num > 0 && tick.den > 0 ? av_q2d(tick) : 1 / kUsualRate, 1 / (rate > 0 ? rate : kUsualRate)};
+  return {tick.num > 0 && tick.den > 0 ? av_q2d(tick) : 1 / kDefaultRate, 1 / (rate > 0 ? rate : kDefaultRate)};
 }
 
 // Elementary streams have no time stamps; FFmpeg generates some in decoding order.
 bool HasTimeStamps(const AVFormatContext& container) {
-  static constexpr std::array<std::string_view, 7> kBareCodes = {"mpegvideo", "h264", "hevc", "m4v",
-                                                                 "vc1",       "obu",  "mjpeg"};
-  return std::ranges::find(kBareCodes, std::string_view(container.iformat->name)) == kBareCodes.end();
+  static constexpr std::array<std::string_view, 7> kElementaryStreams = {"mpegvideo", "h264", "hevc", "m4v",
+                                                                         "vc1",       "obu",  "mjpeg"};
+  return std::ranges::find(kElementaryStreams, std::string_view(container.iformat->name)) == kElementaryStreams.end();
 }
 
 std::string TypeName(const AVStream& stream) {
@@ -99,9 +99,9 @@ class MediaReader : public VideoReader {
         decoder_(std::move(decoder)),
         packet_(av_packet_alloc()),
         frame_(av_frame_alloc()),
-        ahead_(av_frame_alloc()),
-        clock_(ClockOf(demuxer_->video())),
-        stamped_(HasTimeStamps(demuxer_->container())) {
+        lookahead_(av_frame_alloc()),
+        clock_(MakeFrameClock(demuxer_->video())),
+        has_time_stamps_(HasTimeStamps(demuxer_->container())) {
     demuxer_->KeepStreams([&](const AVStream& stream) {
       return stream.index == demuxer_->video().index || (options_.data_packets && IsDataStream(stream));
     });
@@ -114,47 +114,47 @@ class MediaReader : public VideoReader {
   [[nodiscard]] Expected<std::string> ContentId(const CancelToken& cancel, const ByteProgress& progress) const override;
   Expected<std::optional<Frame>> NextFrame() override;
   std::vector<DataPacket> TakeDataPackets() override { return data_.Take(clock_.origin_s()); }
-  bool SkipTo(double time_s) override;
-  void PassOverFrames() override;
+  bool SeekTo(double time_s) override;
+  void SkipToEnd() override;
   [[nodiscard]] const std::vector<std::string>& warnings() const override { return damage_.lines(); }
 
  private:
   bool DecodeNext();
   bool Decode(AVFrame* frame);
-  [[nodiscard]] std::optional<std::int64_t> StampOf(const AVFrame& frame) const;
-  std::optional<std::int64_t> FollowingStamp();
-  double ReadClock();
-  void NoteDamage(double time_s);
+  [[nodiscard]] std::optional<std::int64_t> TimeStamp(const AVFrame& frame) const;
+  std::optional<std::int64_t> NextStamp();
+  double ComputeFrameTime();
+  void LogFrameDamage(double time_s);
   void FeedDecoder();
   bool ReadPacket();
-  void TakePacket();
+  void SendPacket();
   void StopReading(int result);
   void Finish();
-  void NoteEnd(std::string_view what, double end_s);
-  void NotePacket();
+  void LogPrematureEnd(std::string_view what, double end_s);
+  void UpdatePacketsEnd();
   [[nodiscard]] std::optional<double> EndOfPackets() const;
   cv::Size SquareSize();
   void FillInfo(Orientation orientation, cv::Size size);
   [[nodiscard]] Orientation DisplayOrientation() const;
   [[nodiscard]] std::optional<double> VideoDuration() const;
-  [[nodiscard]] bool DurationIsTheVideos() const;
+  [[nodiscard]] bool IsVideoDuration() const;
   [[nodiscard]] double PacketTime() const;
-  [[nodiscard]] std::int64_t StampAt(double time_s) const;
+  [[nodiscard]] std::int64_t StampFromTime(double time_s) const;
 
   MediaSource source_;
   VideoReaderOptions options_;
   std::unique_ptr<Demuxer> demuxer_;
   CodecHandle decoder_;
   PacketHandle packet_;
-  FrameHandle frame_;  ///< the current frame
-  FrameHandle ahead_;  ///< the next frame; valid if has_lookahead_
-  bool has_ahead_ = false;
+  FrameHandle frame_;      ///< the current frame
+  FrameHandle lookahead_;  ///< the next frame; valid if has_lookahead_
+  bool has_lookahead_ = false;
   FrameClock clock_;
   DamageLog damage_;
   DataTrack data_;
   std::optional<FrameConverter> converter_;
   cv::Size stored_size_;  ///< size of the first frame, px
-  bool stamped_;          ///< the container has time stamps
+  bool has_time_stamps_;  ///< the container has time stamps
   VideoInfo info_;
   std::optional<double> first_time_s_;  ///< time of the frame that Start() decoded, until it is delivered
   bool draining_ = false;               ///< true if no packets are left
@@ -162,18 +162,18 @@ class MediaReader : public VideoReader {
   std::string stop_reason_;  ///< reason for a premature end of the packets; empty at the regular end
   std::int64_t next_index_ = 0;
   std::optional<double> packets_end_ticks_;  ///< latest end of the video's packets read so far, stream time base
-  bool unstamped_packets_ = false;           ///< true if one of them has no time stamp
+  bool has_unstamped_packets_ = false;       ///< true if one of them has no time stamp
 };
 
 Status MediaReader::Start() {
-  if (!packet_ || !frame_ || !ahead_)
+  if (!packet_ || !frame_ || !lookahead_)
     return Fail(ErrorCode::kInternal, fmt::format("{}: no memory for a frame", source_.name));
   if (!DecodeNext()) {
     const std::string reason = damage_.lines().empty() ? stop_reason_ : damage_.lines().front();
     return Fail(ErrorCode::kDataLoss, fmt::format("{}: no frame of its video can be decoded{}{}", source_.name,
                                                   reason.empty() ? "" : ": ", reason));
   }
-  first_time_s_ = ReadClock();
+  first_time_s_ = ComputeFrameTime();
   const Orientation orientation = DisplayOrientation();
   stored_size_ = {frame_->width, frame_->height};
   const cv::Size size = SquareSize();
@@ -194,8 +194,8 @@ Expected<std::string> MediaReader::ContentId(const CancelToken& cancel, const By
 
 Expected<std::optional<Frame>> MediaReader::NextFrame() {
   while (first_time_s_ || DecodeNext()) {
-    const double time_s = first_time_s_ ? *std::exchange(first_time_s_, std::nullopt) : ReadClock();
-    NoteDamage(time_s);
+    const double time_s = first_time_s_ ? *std::exchange(first_time_s_, std::nullopt) : ComputeFrameTime();
+    LogFrameDamage(time_s);
     auto image = converter_->Convert(*frame_);
     if (image) return Frame{.index = next_index_++, .time_s = time_s, .image = *std::move(image)};
     if (next_index_ == 0) return std::unexpected(std::move(image).error().WithContext(source_.name));
@@ -207,8 +207,8 @@ Expected<std::optional<Frame>> MediaReader::NextFrame() {
 
 // Moves the next frame to frame_. Returns false at the end.
 bool MediaReader::DecodeNext() {
-  if (!std::exchange(has_ahead_, false)) return Decode(frame_.get());
-  std::swap(frame_, ahead_);
+  if (!std::exchange(has_lookahead_, false)) return Decode(frame_.get());
+  std::swap(frame_, lookahead_);
   return true;
 }
 
@@ -228,27 +228,27 @@ bool MediaReader::Decode(AVFrame* frame) {
   return false;
 }
 
-std::optional<std::int64_t> MediaReader::StampOf(const AVFrame& frame) const {
-  if (!stamped_ || frame.best_effort_timestamp == AV_NOPTS_VALUE) return std::nullopt;
+std::optional<std::int64_t> MediaReader::TimeStamp(const AVFrame& frame) const {
+  if (!has_time_stamps_ || frame.best_effort_timestamp == AV_NOPTS_VALUE) return std::nullopt;
   return frame.best_effort_timestamp;
 }
 
-std::optional<std::int64_t> MediaReader::FollowingStamp() {
-  has_ahead_ = has_ahead_ || Decode(ahead_.get());
-  return has_ahead_ ? StampOf(*ahead_) : std::nullopt;
+std::optional<std::int64_t> MediaReader::NextStamp() {
+  has_lookahead_ = has_lookahead_ || Decode(lookahead_.get());
+  return has_lookahead_ ? TimeStamp(*lookahead_) : std::nullopt;
 }
 
 // The time of frame_.
-double MediaReader::ReadClock() {
+double MediaReader::ComputeFrameTime() {
   const double duration_s = static_cast<double>(frame_->pkt_duration) * av_q2d(demuxer_->video().time_base);
-  const auto reading = clock_.Next(StampOf(*frame_), duration_s, [&] { return FollowingStamp(); });
+  const auto reading = clock_.Next(TimeStamp(*frame_), duration_s, [&] { return NextStamp(); });
   if (reading.repaired) {
     damage_.Add("a damaged time stamp, replaced by the previous frame's time plus a duration", reading.time_s);
   }
   return reading.time_s;
 }
 
-void MediaReader::NoteDamage(double time_s) {
+void MediaReader::LogFrameDamage(double time_s) {
   if ((frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame_->decode_error_flags != 0) {
     damage_.Add("a frame is partly damaged", time_s);
   }
@@ -261,34 +261,34 @@ void MediaReader::NoteDamage(double time_s) {
 
 // Reads the next packet of the video and sends it to the decoder.
 void MediaReader::FeedDecoder() {
-  if (ReadPacket()) TakePacket();
+  if (ReadPacket()) SendPacket();
 }
 
-bool MediaReader::SkipTo(double time_s) {
+bool MediaReader::SeekTo(double time_s) {
   constexpr double kReordering_s = 1;  // bound of the reordering between decoding and presentation order, s
   const auto origin_s = clock_.origin_s();
-  if (source_.remote || !stamped_ || !origin_s || !damage_.lines().empty()) return false;
+  if (source_.remote || !has_time_stamps_ || !origin_s || !damage_.lines().empty()) return false;
   if (time_s <= kReordering_s) return false;  // FFmpeg seeks in MPEG-TS only from the second key frame on
-  if (demuxer_->SeekBefore(StampAt(time_s - kReordering_s)) < 0) return false;
+  if (demuxer_->SeekBefore(StampFromTime(time_s - kReordering_s)) < 0) return false;
   avcodec_flush_buffers(decoder_.get());
   first_time_s_.reset();
-  has_ahead_ = draining_ = finished_ = false;
-  clock_.Jump();
+  has_lookahead_ = draining_ = finished_ = false;
+  clock_.Restart();
   return true;
 }
 
-std::int64_t MediaReader::StampAt(double time_s) const {
+std::int64_t MediaReader::StampFromTime(double time_s) const {
   const double ticks = (time_s + clock_.origin_s().value_or(0)) / av_q2d(demuxer_->video().time_base);
   return static_cast<std::int64_t>(std::clamp(std::floor(ticks), -1e18, 1e18));
 }
 
-void MediaReader::PassOverFrames() {
+void MediaReader::SkipToEnd() {
   while (ReadPacket()) av_packet_unref(packet_.get());
   first_time_s_.reset();
-  has_ahead_ = false;
+  has_lookahead_ = false;
   avcodec_flush_buffers(decoder_.get());
   const std::optional<double> end_s = EndOfPackets();
-  if (!std::exchange(finished_, true) && end_s) NoteEnd("reading", *end_s);
+  if (!std::exchange(finished_, true) && end_s) LogPrematureEnd("reading", *end_s);
 }
 
 // Reads the next packet of the video into packet_. Returns false at the end.
@@ -302,7 +302,7 @@ bool MediaReader::ReadPacket() {
     } else if (result < 0) {
       StopReading(result);
     } else if (packet_->stream_index == demuxer_->video().index) {
-      NotePacket();
+      UpdatePacketsEnd();
       return true;
     } else {
       const AVStream& stream = demuxer_->stream(packet_->stream_index);
@@ -313,7 +313,7 @@ bool MediaReader::ReadPacket() {
   return false;
 }
 
-void MediaReader::TakePacket() {
+void MediaReader::SendPacket() {
   if ((packet_->flags & AV_PKT_FLAG_CORRUPT) != 0) {
     damage_.Add("a packet is marked as damaged by the container", PacketTime());
   }
@@ -335,16 +335,16 @@ void MediaReader::StopReading(int result) {
 }
 
 void MediaReader::Finish() {
-  if (!std::exchange(finished_, true)) NoteEnd("decoding", clock_.end_time_s());
+  if (!std::exchange(finished_, true)) LogPrematureEnd("decoding", clock_.end_time_s());
 }
 
 // Logs a premature end: end_s is clearly before the duration, or a stop reason is set.
-void MediaReader::NoteEnd(std::string_view what, double end_s) {
+void MediaReader::LogPrematureEnd(std::string_view what, double end_s) {
   const double rate = info_.frame_rate > 0 ? info_.frame_rate : 10;
-  const double tolerance_s = std::max(DurationIsTheVideos() ? 0.25 : 1.0, 2.5 / rate);
-  const bool guessed = demuxer_->container().duration_estimation_method == AVFMT_DURATION_FROM_BITRATE;
-  const bool short_of = info_.duration_s && !guessed && end_s + tolerance_s < *info_.duration_s;
-  if (!short_of && stop_reason_.empty()) return;
+  const double tolerance_s = std::max(IsVideoDuration() ? 0.25 : 1.0, 2.5 / rate);
+  const bool is_estimate = demuxer_->container().duration_estimation_method == AVFMT_DURATION_FROM_BITRATE;
+  const bool ends_early = info_.duration_s && !is_estimate && end_s + tolerance_s < *info_.duration_s;
+  if (!ends_early && stop_reason_.empty()) return;
   const std::string of = info_.duration_s ? fmt::format(" of {:.2f} s", *info_.duration_s) : "";
   damage_.AddLine(fmt::format("{} stopped at {:.2f} s{}: {}", what, end_s, of,
                               stop_reason_.empty() ? "the rest is missing or damaged" : stop_reason_));
@@ -353,14 +353,14 @@ void MediaReader::NoteEnd(std::string_view what, double end_s) {
 // Size of the first frame after resampling to square pixels.
 cv::Size MediaReader::SquareSize() {
   constexpr double kNearlySquare = 0.005;  // tolerance of a rounded ratio: not resampled
-  constexpr double kMostAspect = 10;
+  constexpr double kMaxAspect = 10;
   const AVRational ratio = av_guess_sample_aspect_ratio(nullptr, &demuxer_->video(), frame_.get());
   if (ratio.num <= 0 || ratio.den <= 0 || std::abs(av_q2d(ratio) - 1) < kNearlySquare) return stored_size_;
   const double aspect = av_q2d(ratio);
   const double width = std::round(stored_size_.width * aspect);
-  if (aspect > kMostAspect || aspect < 1 / kMostAspect || width < 1 || width * stored_size_.height > kMaxFramePixels) {
-    damage_.AddLine(fmt::format("pixels of {}:{} are beyond 10:1 or the size limit; they stay as stored",
-                                ratio.num, ratio.den));
+  if (aspect > kMaxAspect || aspect < 1 / kMaxAspect || width < 1 || width * stored_size_.height > kMaxFramePixels) {
+    damage_.AddLine(
+        fmt::format("pixels of {}:{} are beyond 10:1 or the size limit; they stay as stored", ratio.num, ratio.den));
     return stored_size_;
   }
   info_.pixel_aspect = aspect;
@@ -371,9 +371,9 @@ void MediaReader::FillInfo(Orientation orientation, cv::Size size) {
   const AVStream& video = demuxer_->video();
   info_.container = demuxer_->container().iformat->name;
   info_.codec = avcodec_get_name(video.codecpar->codec_id);
-  info_.width = SwapsSides(orientation) ? size.height : size.width;
-  info_.height = SwapsSides(orientation) ? size.width : size.height;
-  info_.rotation_deg = ClockwiseTurnDeg(orientation);
+  info_.width = SwapsWidthAndHeight(orientation) ? size.height : size.width;
+  info_.height = SwapsWidthAndHeight(orientation) ? size.width : size.height;
+  info_.rotation_deg = ClockwiseRotationDeg(orientation);
   info_.frame_rate = FrameRate(video);
   info_.live = demuxer_->IsLive();
   info_.duration_s = VideoDuration();
@@ -416,14 +416,14 @@ std::optional<double> MediaReader::VideoDuration() const {
   if (video.duration > 0) return static_cast<double>(video.duration) * av_q2d(video.time_base);
   std::int64_t duration = container.duration;
   // Matroska's duration is the end time of the last frame; the first frame need not start at 0.
-  const bool tells_end = std::string_view(container.iformat->name).starts_with("matroska");
-  if (tells_end && container.start_time > 0) duration -= container.start_time;
+  const bool duration_is_end_time = std::string_view(container.iformat->name).starts_with("matroska");
+  if (duration_is_end_time && container.start_time > 0) duration -= container.start_time;
   if (duration > 0) return static_cast<double>(duration) / AV_TIME_BASE;
   return std::nullopt;
 }
 
 // False if only the container has a duration and there is audio: it may be the duration of the audio.
-bool MediaReader::DurationIsTheVideos() const {
+bool MediaReader::IsVideoDuration() const {
   if (demuxer_->video().duration > 0) return true;
   for (unsigned i = 0; i < demuxer_->container().nb_streams; ++i) {
     if (demuxer_->stream(static_cast<int>(i)).codecpar->codec_type == AVMEDIA_TYPE_AUDIO) return false;
@@ -437,10 +437,10 @@ double MediaReader::PacketTime() const {
   return static_cast<double>(packet_->pts) * av_q2d(demuxer_->video().time_base) - *origin_s;
 }
 
-void MediaReader::NotePacket() {
+void MediaReader::UpdatePacketsEnd() {
   const std::int64_t stamp = packet_->pts != AV_NOPTS_VALUE ? packet_->pts : packet_->dts;
-  unstamped_packets_ = unstamped_packets_ || stamp == AV_NOPTS_VALUE;
-  if (unstamped_packets_) return;
+  has_unstamped_packets_ = has_unstamped_packets_ || stamp == AV_NOPTS_VALUE;
+  if (has_unstamped_packets_) return;
   const double end_ticks = static_cast<double>(stamp) + std::max(0.0, static_cast<double>(packet_->duration));
   packets_end_ticks_ = std::max(end_ticks, packets_end_ticks_.value_or(end_ticks));
 }
@@ -448,7 +448,7 @@ void MediaReader::NotePacket() {
 // End time of the last frame read, decoded or not; std::nullopt if a packet has no time stamp.
 std::optional<double> MediaReader::EndOfPackets() const {
   const auto origin_s = clock_.origin_s();
-  if (!origin_s || unstamped_packets_ || !packets_end_ticks_) return std::nullopt;
+  if (!origin_s || has_unstamped_packets_ || !packets_end_ticks_) return std::nullopt;
   const double end_s = *packets_end_ticks_ * av_q2d(demuxer_->video().time_base) - *origin_s;
   return std::max(end_s, clock_.end_time_s());
 }

@@ -6,19 +6,19 @@
 #include <opencv2/core.hpp>
 
 #include "testing/data.h"
+#include "testing/video_tools.h"
 #include "victorious/base/random.h"
 #include "victorious/video/video_reader.h"
-#include "testing/video_tools.h"
 
 namespace victorious {
 namespace {
 
 using ::testing::AllOf;
 using ::testing::Contains;
+using testing::DecodeImageNumber;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
-using testing::PictureNumber;
 using testing::ScratchFolder;
 using testing::SteadyTimes;
 using testing::WriteTestVideo;
@@ -45,7 +45,7 @@ Outcome ReadDamaged(const std::filesystem::path& path) {
     EXPECT_GT((*frame)->time_s, last_s);
     last_s = (*frame)->time_s;
     EXPECT_EQ((*frame)->index, static_cast<std::int64_t>(outcome.frames));
-    outcome.numbers.push_back(PictureNumber((*frame)->image));
+    outcome.numbers.push_back(DecodeImageNumber((*frame)->image));
     ++outcome.frames;
   }
   outcome.warnings = (*reader)->warnings();
@@ -104,7 +104,7 @@ TEST(VideoDamage, CutOffFilesAreToldWithoutDecodingThem) {
       const auto reader = VideoReader::Open((folder / "part").string(), {.threads = 1});
       if (!reader) return std::vector<std::string>{reader.error().message};
       EXPECT_TRUE((*reader)->NextFrame().value());
-      (*reader)->PassOverFrames();
+      (*reader)->SkipToEnd();
       return (*reader)->warnings();
     };
     EXPECT_THAT(warnings_of(1), IsEmpty()) << muxer;
@@ -127,7 +127,7 @@ TEST(VideoDamage, WholeFilesArePassedOverWithoutAWord) {
         const auto reader = VideoReader::Open((folder / "whole").string(), {.threads = 8});
         ASSERT_TRUE(reader) << muxer << ", " << frames << " frames: " << reader.error().message;
         for (int i = 0; i < decoded; ++i) EXPECT_TRUE((*reader)->NextFrame().value());
-        (*reader)->PassOverFrames();
+        (*reader)->SkipToEnd();
         EXPECT_THAT((*reader)->warnings(), IsEmpty()) << muxer << ", " << decoded << " of " << frames;
       }
     }
@@ -180,7 +180,7 @@ TEST(VideoDamage, ATimeStampFarAheadDisturbsNoOtherFrame) {
   ASSERT_TRUE(reader) << reader.error().message;
   int count = 0;
   while (const auto frame = (*reader)->NextFrame().value()) {
-    EXPECT_EQ(PictureNumber(frame->image), count);
+    EXPECT_EQ(DecodeImageNumber(frame->image), count);
     EXPECT_NEAR(frame->time_s, count / 25.0, 1e-4);
     ++count;
   }

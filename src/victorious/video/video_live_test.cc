@@ -13,9 +13,9 @@
 #include <unistd.h>
 
 #include "testing/data.h"
+#include "testing/video_tools.h"
 #include "victorious/base/check.h"
 #include "victorious/video/video_reader.h"
-#include "testing/video_tools.h"
 
 namespace victorious {
 namespace {
@@ -106,7 +106,7 @@ std::string TransportStream(int frames) {
 int CountFrames(VideoReader& reader) {
   int count = 0;
   while (const auto frame = reader.NextFrame().value()) {
-    EXPECT_EQ(testing::PictureNumber(frame->image), count % 256);
+    EXPECT_EQ(testing::DecodeImageNumber(frame->image), count % 256);
     EXPECT_NEAR(frame->time_s, count / 25.0, 1e-4);
     ++count;
   }

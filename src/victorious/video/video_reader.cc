@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "victorious/video/demuxer.h"
-#include "victorious/video/media_reader.h"
 #include "victorious/video/image_sequence_reader.h"
+#include "victorious/video/media_reader.h"
 
 namespace victorious {
 namespace {
@@ -33,14 +33,14 @@ Expected<std::unique_ptr<VideoReader>> OpenPath(const fs::path& path, const Vide
     return Fail(ErrorCode::kNotFound, fmt::format("{}: no such file or folder", path.string()));
   }
   if (error) return std::unexpected(ErrorFromErrno(error.value(), path.string()));
-  if (fs::is_directory(status)) return OpenFolder(path, options);
+  if (fs::is_directory(status)) return OpenImageFolder(path, options);
   if (!fs::is_regular_file(status)) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: neither a file nor a folder", path.string()));
   }
   if (fs::file_size(path, error) == 0 && !error) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: the file is empty", path.string()));
   }
-  if (IsPicture(path)) return OpenPicture(path, options);
+  if (IsImageFile(path)) return OpenImage(path, options);
   return OpenMedia({.name = path.string()}, options);
 }
 

@@ -86,11 +86,11 @@ class VideoReader {
   /// frames may be damaged, which warnings() reports.
   /// @return false if the source is not seekable or time_s is near the beginning: the caller must then reopen the
   ///               source
-  virtual bool SkipTo(double time_s) = 0;
+  virtual bool SeekTo(double time_s) = 0;
 
   /// Reads to the end without decoding: collects the data packets of a whole file quickly, and checks for a premature
   /// end (warnings()). NextFrame returns std::nullopt afterwards.
-  virtual void PassOverFrames() = 0;
+  virtual void SkipToEnd() = 0;
 
   /// Returns the damage found so far, one line per kind with time and count: "decoding stopped at 3.20 s of 10.00 s:
   /// …". Repetitions rewrite the line of their kind, so read the lines at the end.

@@ -9,17 +9,17 @@
 #include <opencv2/imgproc.hpp>
 
 #include "testing/data.h"
-#include "victorious/image/image_file.h"
 #include "testing/video_tools.h"
+#include "victorious/image/image_file.h"
 
 namespace victorious {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::DecodeImageNumber;
 using ::testing::HasSubstr;
 using ::testing::Not;
-using testing::NumberedPicture;
-using testing::PictureNumber;
+using testing::NumberedImage;
 using testing::ScratchFolder;
 using testing::SteadyTimes;
 using testing::TestVideo;
@@ -78,7 +78,7 @@ TEST(VideoReader, ContainersAndCodecs) {
       ASSERT_EQ(frames.size(), 40U) << kind.name;
       for (std::size_t i = 0; i < frames.size(); ++i) {
         EXPECT_EQ(frames[i].index, static_cast<std::int64_t>(i)) << kind.name;
-        EXPECT_EQ(PictureNumber(frames[i].image), static_cast<int>(i)) << kind.name;
+        EXPECT_EQ(DecodeImageNumber(frames[i].image), static_cast<int>(i)) << kind.name;
         EXPECT_NEAR(frames[i].time_s, static_cast<double>(i) / 25, 0.0015) << kind.name;
         EXPECT_EQ(frames[i].image.type(), color == FrameColor::kGrey ? CV_8UC1 : CV_8UC3);
       }
@@ -98,7 +98,7 @@ TEST(VideoReader, TimesOfAVariableFrameRate) {
     ASSERT_EQ(frames.size(), pts_ms.size()) << muxer;
     for (std::size_t i = 0; i < frames.size(); ++i) {
       EXPECT_NEAR(frames[i].time_s, static_cast<double>(pts_ms[i] - pts_ms[0]) / 1000, 1e-6) << muxer;
-      EXPECT_EQ(PictureNumber(frames[i].image), static_cast<int>(i));
+      EXPECT_EQ(DecodeImageNumber(frames[i].image), static_cast<int>(i));
     }
   }
 }
@@ -107,7 +107,7 @@ TEST(VideoReader, OddSizes) {
   const ScratchFolder folder;
   for (const cv::Size size : {cv::Size(333, 251), cv::Size(161, 97), cv::Size(40, 33)}) {
     for (const std::string format : {"bgr0", "yuv420p", "yuv444p"}) {
-      const cv::Mat picture = NumberedPicture(0xA5, size);
+      const cv::Mat picture = NumberedImage(0xA5, size);
       WriteTestVideo(folder / "odd.mkv", {.muxer = "matroska",
                                           .encoder = "ffv1",
                                           .pixel_format = format,
@@ -144,7 +144,7 @@ TEST(VideoReader, GreyAgreesWithColourInEveryFormat) {
                {"libx264", "nv12", true, 2},      {"ffv1", "gray12le", false, 2}, {"ffv1", "yuv420p12le", false, 1}};
   for (const auto& kind : kinds) {
     const std::string name = kind.encoder + " " + kind.format + (kind.full_range ? " full" : " limited");
-    const cv::Mat picture = NumberedPicture(0x35, {192, 128});
+    const cv::Mat picture = NumberedImage(0x35, {192, 128});
     WriteTestVideo(folder / "video", {.muxer = kind.encoder == "rawvideo" ? "nut" : "matroska",
                                       .encoder = kind.encoder,
                                       .pixel_format = kind.format,
@@ -170,7 +170,7 @@ TEST(VideoReader, GreyAgreesWithColourInEveryFormat) {
 TEST(VideoReader, FramesAreDeliveredUpright) {
   const ScratchFolder folder;
   for (const int rotation_deg : {90, 180, 270}) {
-    const cv::Mat upright = NumberedPicture(0x1D, rotation_deg == 180 ? cv::Size(96, 64) : cv::Size(64, 96));
+    const cv::Mat upright = NumberedImage(0x1D, rotation_deg == 180 ? cv::Size(96, 64) : cv::Size(64, 96));
     cv::Mat stored;  // rotated counter-clockwise by the clockwise rotation of the display matrix
     cv::rotate(upright, stored,
                rotation_deg == 90    ? cv::ROTATE_90_COUNTERCLOCKWISE
@@ -186,7 +186,7 @@ TEST(VideoReader, FramesAreDeliveredUpright) {
     const auto frames = ReadAll(*reader);
     ASSERT_EQ(frames.size(), 3U);
     ASSERT_EQ(frames[0].image.size(), upright.size());
-    EXPECT_EQ(PictureNumber(frames[0].image), 0x1D) << rotation_deg;
+    EXPECT_EQ(DecodeImageNumber(frames[0].image), 0x1D) << rotation_deg;
   }
 }
 
@@ -201,7 +201,7 @@ TEST(VideoReader, PixelsAreMadeSquare) {
                {"mp4", "libx264", {4, 3}, {64, 128}, 90},  {"mp4", "libx264", {1, 1}, {96, 64}, 0}};
   for (const auto& kind : kinds) {
     const std::string name = kind.muxer + " " + std::to_string(kind.expected.width);
-    cv::Mat upright = NumberedPicture(0x1D, kind.expected);
+    cv::Mat upright = NumberedImage(0x1D, kind.expected);
     cv::Mat stored = upright;
     if (kind.rotation_deg == 90) cv::rotate(upright, stored, cv::ROTATE_90_COUNTERCLOCKWISE);
     cv::resize(stored, stored, {96, 64});
@@ -222,7 +222,7 @@ TEST(VideoReader, PixelsAreMadeSquare) {
       ASSERT_EQ(frames.size(), 3U) << name;
       for (const Frame& frame : frames) {
         ASSERT_EQ(frame.image.size(), kind.expected) << name;
-        EXPECT_EQ(PictureNumber(frame.image), 0x1D) << name;
+        EXPECT_EQ(DecodeImageNumber(frame.image), 0x1D) << name;
         if (color == FrameColor::kBgr) continue;
         EXPECT_LE(cv::norm(frame.image, GreyFromBgr(upright), cv::NORM_L1) / static_cast<double>(upright.total()), 4);
       }
@@ -251,7 +251,7 @@ TEST(VideoReader, FramesOwnTheirPixels) {
   const ScratchFolder folder;
   WriteTestVideo(folder / "a.mp4", {.pts = SteadyTimes(20, 40)});
   auto frames = ReadAll(folder / "a.mp4");
-  for (std::size_t i = 0; i < frames.size(); ++i) EXPECT_EQ(PictureNumber(frames[i].image), static_cast<int>(i));
+  for (std::size_t i = 0; i < frames.size(); ++i) EXPECT_EQ(DecodeImageNumber(frames[i].image), static_cast<int>(i));
 }
 
 TEST(VideoReader, ThreadsChangeNothing) {
@@ -279,11 +279,11 @@ TEST(VideoReader, FramesAfterASkipAreThoseOfTheWholeVideo) {
                           .max_b_frames = muxer == "avi" ? 0 : 2});
     std::map<double, int> numbers;
     const auto whole = MustOpen(path);
-    while (const auto frame = *whole->NextFrame()) numbers[frame->time_s] = PictureNumber(frame->image);
-    EXPECT_FALSE(MustOpen(path)->SkipTo(0)) << muxer << ": nothing to skip";
+    while (const auto frame = *whole->NextFrame()) numbers[frame->time_s] = DecodeImageNumber(frame->image);
+    EXPECT_FALSE(MustOpen(path)->SeekTo(0)) << muxer << ": nothing to skip";
     for (const double time_s : {2.5, 3.9, 1.21}) {
       const auto reader = MustOpen(path);
-      ASSERT_TRUE(reader->SkipTo(time_s)) << muxer;
+      ASSERT_TRUE(reader->SeekTo(time_s)) << muxer;
       auto frame = *reader->NextFrame();
       ASSERT_TRUE(frame) << muxer;
       EXPECT_LE(frame->time_s, time_s + 1e-9) << muxer;
@@ -292,7 +292,7 @@ TEST(VideoReader, FramesAfterASkipAreThoseOfTheWholeVideo) {
       for (; frame; frame = *reader->NextFrame()) {
         if (frame->time_s < time_s - 1e-9) continue;
         ASSERT_TRUE(numbers.contains(frame->time_s)) << muxer << " " << frame->time_s;
-        EXPECT_EQ(PictureNumber(frame->image), numbers[frame->time_s]);
+        EXPECT_EQ(DecodeImageNumber(frame->image), numbers[frame->time_s]);
         ++read;
       }
       EXPECT_EQ(read, std::ranges::count_if(numbers, [&](const auto& one) { return one.first >= time_s - 1e-9; }))
@@ -316,7 +316,7 @@ TEST(VideoReader, ChangeOfSizeIsScaledBack) {
     ASSERT_GE(frames.size(), 38U);
     for (const Frame& frame : frames) EXPECT_EQ(frame.image.size(), cv::Size(96, 64));
     for (std::size_t i = 1; i < frames.size(); ++i) EXPECT_GT(frames[i].time_s, frames[i - 1].time_s);
-    EXPECT_EQ(PictureNumber(frames.back().image), 19);
+    EXPECT_EQ(DecodeImageNumber(frames.back().image), 19);
     EXPECT_THAT(reader->warnings(), ::testing::Contains(HasSubstr("it is scaled to 96 x 64")));
   }
 }
@@ -360,7 +360,7 @@ TEST(VideoReader, DataPacketsWithoutDecodingTheFrames) {
                                      .klv = {{400, "\x06\x0E\x2B\x34-first"}, {600, "\x06\x0E\x2B\x34-last"}}});
   const auto reader = MustOpen(folder / "klv.ts", {.data_packets = true});
   ASSERT_TRUE(reader);
-  reader->PassOverFrames();
+  reader->SkipToEnd();
   const std::vector<DataPacket> packets = reader->TakeDataPackets();
   ASSERT_EQ(packets.size(), 2U);
   EXPECT_NEAR(packets[1].time_s.value_or(-1), 0.2, 1e-4);

@@ -10,17 +10,17 @@
 #include <sys/resource.h>
 
 #include "testing/data.h"
+#include "testing/video_tools.h"
 #include "victorious/image/image_file.h"
 #include "victorious/video/video_reader.h"
-#include "testing/video_tools.h"
 
 namespace victorious {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::DecodeImageNumber;
 using ::testing::HasSubstr;
-using testing::NumberedPicture;
-using testing::PictureNumber;
+using testing::NumberedImage;
 using testing::ScratchFolder;
 
 constexpr VideoWriterOptions kSmall = {.width = 96, .height = 64, .fps = 12.5};
@@ -29,7 +29,7 @@ void WriteNumbered(const fs::path& path, const VideoWriterOptions& options, int 
   auto writer = VideoWriter::Create(path, options);
   ASSERT_TRUE(writer) << writer.error().message;
   for (int i = 0; i < frames; ++i) {
-    ASSERT_TRUE((*writer)->Write(NumberedPicture(i, {options.width, options.height})));
+    ASSERT_TRUE((*writer)->Write(NumberedImage(i, {options.width, options.height})));
   }
   EXPECT_FALSE(fs::exists(path)) << "nothing may stand under the name before Finish()";
   const auto finished = (*writer)->Finish();
@@ -49,8 +49,8 @@ TEST(VideoWriter, RoundTripOfCountTimesAndPixels) {
     while (const auto frame = (*reader)->NextFrame().value()) {
       EXPECT_EQ(frame->index, count);
       EXPECT_NEAR(frame->time_s, count / 12.5, 0.0006) << name;  // MKV has a resolution of 1 ms
-      EXPECT_EQ(PictureNumber(frame->image), count);
-      const cv::Mat sent = NumberedPicture(count, {96, 64});
+      EXPECT_EQ(DecodeImageNumber(frame->image), count);
+      const cv::Mat sent = NumberedImage(count, {96, 64});
       EXPECT_LT(cv::norm(frame->image, sent, cv::NORM_L1) / static_cast<double>(sent.total() * 3), 4);
       ++count;
     }
@@ -63,7 +63,7 @@ TEST(VideoWriter, GreyKeepsItsLevels) {
   const ScratchFolder folder;
   VideoWriterOptions lossless = kSmall;
   lossless.crf = 0;
-  const cv::Mat grey = GreyFromBgr(NumberedPicture(0x5A, {96, 64}));
+  const cv::Mat grey = GreyFromBgr(NumberedImage(0x5A, {96, 64}));
   auto writer = VideoWriter::Create(folder / "grey.mp4", lossless);
   ASSERT_TRUE(writer);
   ASSERT_TRUE((*writer)->Write(grey));
@@ -82,17 +82,17 @@ TEST(VideoWriter, ReplacesAnOlderFileOnlyWhenFinished) {
   {
     auto writer = VideoWriter::Create(folder / "video.mp4", kSmall);
     ASSERT_TRUE(writer);
-    ASSERT_TRUE((*writer)->Write(NumberedPicture(1, {96, 64})));
+    ASSERT_TRUE((*writer)->Write(NumberedImage(1, {96, 64})));
   }
   EXPECT_EQ(testing::ReadBytes(folder / "video.mp4"), "older");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1) << "the unfinished file is removed";
   auto writer = VideoWriter::Create(folder / "video.mp4", kSmall);
   ASSERT_TRUE(writer);
-  ASSERT_TRUE((*writer)->Write(NumberedPicture(1, {96, 64})));
+  ASSERT_TRUE((*writer)->Write(NumberedImage(1, {96, 64})));
   ASSERT_TRUE((*writer)->Finish());
   EXPECT_GT(fs::file_size(folder / "video.mp4"), 100U);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1);
-  EXPECT_FALSE((*writer)->Write(NumberedPicture(2, {96, 64})));
+  EXPECT_FALSE((*writer)->Write(NumberedImage(2, {96, 64})));
   EXPECT_FALSE((*writer)->Finish());
 }
 
@@ -139,7 +139,7 @@ TEST(VideoWriter, AFullDiskLeavesNothing) {
     const rlimit small{2000, before.rlim_max};
     ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
     for (int i = 0; i < 100 && !error; ++i) {
-      const auto status = (*writer)->Write(NumberedPicture(i, {96, 64}));
+      const auto status = (*writer)->Write(NumberedImage(i, {96, 64}));
       if (!status) error = status.error();
     }
     const auto finished = (*writer)->Finish();

@@ -33,18 +33,18 @@
 namespace victorious {
 
 template <typename E>
-concept MlesacEstimator = requires(const E& estimator, const typename E::Model& model,
-                                   std::span<const std::uint32_t> sample, std::span<const double> weights,
-                                   std::span<double> out) {
-  { E::kSampleSize } -> std::convertible_to<std::size_t>;
-  { estimator.size() } -> std::same_as<std::size_t>;
-  { estimator.FromSample(sample) } -> std::same_as<std::optional<typename E::Model>>;
-  { estimator.SquaredResiduals(model, out) } -> std::same_as<void>;
-  { estimator.SigmaPx(model) } -> std::same_as<double>;
-  { estimator.FromWeights(weights) } -> std::same_as<std::optional<typename E::Model>>;
-};
+concept MlesacEstimator =
+    requires(const E& estimator, const typename E::Model& model, std::span<const std::uint32_t> sample,
+             std::span<const double> weights, std::span<double> out) {
+      { E::kSampleSize } -> std::convertible_to<std::size_t>;
+      { estimator.size() } -> std::same_as<std::size_t>;
+      { estimator.FromSample(sample) } -> std::same_as<std::optional<typename E::Model>>;
+      { estimator.SquaredResiduals(model, out) } -> std::same_as<void>;
+      { estimator.SigmaPx(model) } -> std::same_as<double>;
+      { estimator.FromWeights(weights) } -> std::same_as<std::optional<typename E::Model>>;
+    };
 
-struct MlesacSettings {
+struct MlesacOptions {
   double outlier_area_px2 = 1e6;  ///< area over which outliers are uniform, usually that of the searched image
   double confidence = 0.999;      ///< stop when an outlier-free sample has been drawn with this probability
   int max_hypotheses = 500;
@@ -93,8 +93,8 @@ inline MixtureFit FitMixture(std::span<const double> ratios, double log_outlier_
 }
 
 // Each datum's density as an inlier divided by its density as an outlier.
-inline void InlierRatios(std::span<const double> squared_residuals, double sigma, double outlier_area,
-                         std::span<double> ratios) {
+inline void LikelihoodRatios(std::span<const double> squared_residuals, double sigma, double outlier_area,
+                             std::span<double> ratios) {
   const double peak = outlier_area / (2 * std::numbers::pi * sigma * sigma);
   const double factor = -0.5 / (sigma * sigma);
   for (std::size_t i = 0; i < ratios.size(); ++i)
@@ -107,7 +107,7 @@ inline void InlierRatios(std::span<const double> squared_residuals, double sigma
 /// @return std::nullopt if there are fewer data than a sample needs, or every sample is degenerate
 template <MlesacEstimator Estimator>
 std::optional<MlesacResult<typename Estimator::Model>> Mlesac(const Estimator& estimator,
-                                                              const MlesacSettings& settings) {
+                                                              const MlesacOptions& settings) {
   using Model = typename Estimator::Model;
   constexpr std::size_t kSample = Estimator::kSampleSize;
   const std::size_t count = estimator.size();
@@ -120,7 +120,7 @@ std::optional<MlesacResult<typename Estimator::Model>> Mlesac(const Estimator& e
 
   const auto evaluate = [&](const Model& model, double sigma_px) {
     estimator.SquaredResiduals(model, squared);
-    internal::InlierRatios(squared, sigma_px, settings.outlier_area_px2, ratios);
+    internal::LikelihoodRatios(squared, sigma_px, settings.outlier_area_px2, ratios);
     return internal::FitMixture(ratios, log_outlier_density);
   };
   const auto keep = [&](const Model& model, const internal::MixtureFit& fit) {
@@ -140,8 +140,8 @@ std::optional<MlesacResult<typename Estimator::Model>> Mlesac(const Estimator& e
   // Enumerate all samples if they are few; else draw samples until a better one is unlikely to have been missed.
   double combinations = 1;
   for (std::size_t k = 0; k < kSample; ++k) combinations *= static_cast<double>(count - k) / static_cast<double>(k + 1);
-  constexpr double kFew = 64;
-  const bool exhaustive = combinations <= std::min<double>(kFew, settings.max_hypotheses);
+  constexpr double kMaxExhaustive = 64;
+  const bool exhaustive = combinations <= std::min<double>(kMaxExhaustive, settings.max_hypotheses);
   std::array<std::uint32_t, kSample> sample;
   std::iota(sample.begin(), sample.end(), 0U);
   Random random(settings.seed);
@@ -167,12 +167,12 @@ std::optional<MlesacResult<typename Estimator::Model>> Mlesac(const Estimator& e
       }
     }
     if (keep_if_better(estimator.FromSample(sample)) && !exhaustive) {
-      const double all_inliers = std::pow(best->gamma, static_cast<double>(kSample));
-      if (all_inliers < 1) {
-        const double enough = std::log(1 - settings.confidence) / std::log1p(-all_inliers);
-        const double most = settings.max_hypotheses;  // may exceed the range of int
-        needed =
-            std::min(settings.max_hypotheses, std::max(tried + 1, static_cast<int>(std::ceil(std::min(enough, most)))));
+      const double inlier_sample_probability = std::pow(best->gamma, static_cast<double>(kSample));
+      if (inlier_sample_probability < 1) {
+        const double num_needed = std::log(1 - settings.confidence) / std::log1p(-inlier_sample_probability);
+        const double limit = settings.max_hypotheses;  // may exceed the range of int
+        needed = std::min(settings.max_hypotheses,
+                          std::max(tried + 1, static_cast<int>(std::ceil(std::min(num_needed, limit)))));
       }
     }
   }

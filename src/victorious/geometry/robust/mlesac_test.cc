@@ -39,7 +39,7 @@ double WorstCornerError(const Similarity2& a, const Similarity2& b) {
   return worst;
 }
 
-MlesacSettings Settings() { return {.outlier_area_px2 = 640.0 * 480.0}; }
+MlesacOptions Settings() { return {.outlier_area_px2 = 640.0 * 480.0}; }
 
 TEST(Mlesac, FindsTheSimilarityAmongOutliers) {
   int good = 0;

@@ -16,9 +16,9 @@ inline constexpr double kAgreementSigmas = 2.5;
 /// The maximum differences in rotation (rad) and scale (factor) between a match and the similarity; and the probability
 /// that both of an outlier at that position lie within them: the rotation of an outlier is uniform, and its scale is
 /// seldom within the factor.
-inline constexpr double kAgreementTurn_rad = 0.5;
+inline constexpr double kAgreementRotationRad = 0.5;
 inline constexpr double kAgreementScale = 1.7;
-inline constexpr double kAgreementTurnAndScaleChance = 0.1;
+inline constexpr double kAgreementRotationScaleProbability = 0.1;
 
 class SimilarityEstimator {
  public:
@@ -42,8 +42,9 @@ class SimilarityEstimator {
     const PointPair& a = pairs_[sample[0]];
     const PointPair& b = pairs_[sample[1]];
     // Points closer than their own noise do not determine a rotation.
-    const double least2 = 4 * noise_.noise_px * noise_.noise_px;
-    if ((a.source - b.source).squaredNorm() < least2 || (a.target - b.target).squaredNorm() < least2)
+    const double min_distance2_px2 = 4 * noise_.noise_px * noise_.noise_px;
+    if ((a.source - b.source).squaredNorm() < min_distance2_px2 ||
+        (a.target - b.target).squaredNorm() < min_distance2_px2)
       return std::nullopt;
     const PointPair both[] = {a, b};
     return SolveSimilarity(both);

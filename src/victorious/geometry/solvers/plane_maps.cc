@@ -10,7 +10,7 @@ namespace {
 
 // Normalises points: weighted mean to the origin, weighted mean distance to sqrt(2).
 Eigen::Matrix3d Normalizer(std::span<const PointPair> pairs, std::span<const double> weights,
-                           Eigen::Vector2d PointPair::*side) {
+                           Eigen::Vector2d PointPair::* side) {
   double total = 0;
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -31,7 +31,7 @@ Eigen::Matrix3d Normalizer(std::span<const PointPair> pairs, std::span<const dou
 }
 
 // Minimum ratio of the smallest to the largest eigenvalue of a normal matrix: the squared ratio of the singular values.
-constexpr double kLeastConditioning = 1e-10;
+constexpr double kMinConditioning = 1e-10;
 
 }  // namespace
 
@@ -48,7 +48,7 @@ std::optional<Eigen::Matrix3d> SolveAffine(std::span<const PointPair> pairs, std
     right += weight * source * pairs[i].target.transpose();
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spectrum(normal);
-  if (!(spectrum.eigenvalues()(0) > kLeastConditioning * spectrum.eigenvalues()(2))) return std::nullopt;
+  if (!(spectrum.eigenvalues()(0) > kMinConditioning * spectrum.eigenvalues()(2))) return std::nullopt;
   Eigen::Matrix3d affine = Eigen::Matrix3d::Identity();
   affine.topRows<2>() = normal.ldlt().solve(right).transpose();
   affine *= from;
@@ -78,7 +78,7 @@ std::optional<Eigen::Matrix3d> SolveHomography(std::span<const PointPair> pairs,
   }
   const Eigen::SelfAdjointEigenSolver<Matrix9> spectrum(normal);
   // A second small eigenvalue means that the points do not determine the homography.
-  if (!(spectrum.eigenvalues()(1) > kLeastConditioning * spectrum.eigenvalues()(8))) return std::nullopt;
+  if (!(spectrum.eigenvalues()(1) > kMinConditioning * spectrum.eigenvalues()(8))) return std::nullopt;
   const Vector9 h = spectrum.eigenvectors().col(0);
   Eigen::Matrix3d homography;
   homography << h(0), h(1), h(2), h(3), h(4), h(5), h(6), h(7), h(8);

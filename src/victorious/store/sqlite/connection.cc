@@ -73,13 +73,13 @@ Expected<std::unique_ptr<Connection>> Connection::Open(const std::filesystem::pa
 }
 
 Connection::~Connection() {
-  for (const auto& [sql, statement] : idle_) sqlite3_finalize(statement);
+  for (const auto& [sql, statement] : statement_cache_) sqlite3_finalize(statement);
   sqlite3_close(handle_);
 }
 
 Expected<Statement> Connection::Prepare(std::string_view sql) {
   std::string text(sql);
-  if (auto node = idle_.extract(text)) return Statement(*this, std::move(text), node.mapped());
+  if (auto node = statement_cache_.extract(text)) return Statement(*this, std::move(text), node.mapped());
   sqlite3_stmt* statement = nullptr;
   const int code = sqlite3_prepare_v3(handle_, text.c_str(), static_cast<int>(text.size()) + 1,
                                       SQLITE_PREPARE_PERSISTENT, &statement, nullptr);
@@ -93,10 +93,10 @@ Expected<Statement> Connection::Prepare(std::string_view sql) {
   return Statement(*this, std::move(text), statement);
 }
 
-void Connection::Keep(const std::string& sql, sqlite3_stmt* statement) {
+void Connection::ReturnToCache(const std::string& sql, sqlite3_stmt* statement) {
   sqlite3_reset(statement);
   sqlite3_clear_bindings(statement);
-  if (!idle_.try_emplace(sql, statement).second) sqlite3_finalize(statement);
+  if (!statement_cache_.try_emplace(sql, statement).second) sqlite3_finalize(statement);
 }
 
 Status Connection::Execute(const std::string& sql) {

@@ -57,11 +57,11 @@ class Connection {
  private:
   friend class Statement;
   Connection(std::string name, sqlite3* handle) : name_(std::move(name)), handle_(handle) {}
-  void Keep(const std::string& sql, sqlite3_stmt* statement);
+  void ReturnToCache(const std::string& sql, sqlite3_stmt* statement);
 
   std::string name_;
   sqlite3* handle_;
-  std::unordered_map<std::string, sqlite3_stmt*> idle_;
+  std::unordered_map<std::string, sqlite3_stmt*> statement_cache_;
 };
 
 /// An RAII transaction: the destructor rolls back unless Commit was called.

@@ -70,7 +70,7 @@ Expected<ConnectionPtr> ConnectForReading(const fs::path& path) {
 }
 
 Expected<ConnectionPtr> OpenForReading(const fs::path& path) {
-  struct stat info {};
+  struct stat info{};
   if (::stat(path.c_str(), &info) != 0) return std::unexpected(ErrorFromErrno(errno, path.string()));
   if (!S_ISREG(info.st_mode)) return Fail(ErrorCode::kInvalidArgument, path.string() + ": not a regular file");
   VICTORIOUS_ASSIGN_OR_RETURN(ConnectionPtr connection, ConnectForReading(path));

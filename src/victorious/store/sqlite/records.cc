@@ -54,8 +54,9 @@ std::vector<std::int64_t> ReadIds(const std::string& list) {
   return ids;
 }
 
-Expected<Place> ReadPlace(const Statement& row, int first, std::string_view name) {
-  Place place{.point = {row.Real(first + 1), row.Real(first + 2), row.Real(first + 3)}, .time_s = row.Real(first)};
+Expected<Geolocation> ReadPlace(const Statement& row, int first, std::string_view name) {
+  Geolocation place{.point = {row.Real(first + 1), row.Real(first + 2), row.Real(first + 3)},
+                    .time_s = row.Real(first)};
   VICTORIOUS_ASSIGN_OR_RETURN(place.covariance_enu_m2,
                               ReadNumbers<Eigen::Matrix3d>(row.Blob(first + 4), "a covariance", name));
   place.ce90_m = row.Real(first + 5);
@@ -68,7 +69,7 @@ Expected<Place> ReadPlace(const Statement& row, int first, std::string_view name
   return place;
 }
 
-Sight ReadSight(const Statement& row, int first, double time_s) {
+BearingObservation ReadSight(const Statement& row, int first, double time_s) {
   return {.line = {.time_s = time_s,
                    .camera = {row.Real(first), row.Real(first + 1), row.Real(first + 2)},
                    .azimuth_rad = row.Real(first + 3),
@@ -99,7 +100,7 @@ ModelRecord ReadModel(const Statement& row) {
   return {.id = row.Integer(0), .name = row.Text(1), .model_id = row.Text(2), .kind = row.Text(3)};
 }
 
-RunRecord ReadRun(const Statement& row) {
+TrackletRecord ReadTracklet(const Statement& row) {
   return {.id = row.Integer(0),
           .object = row.Integer(1),
           .video = row.Integer(2),
@@ -119,7 +120,7 @@ Expected<ObjectRecord> ReadObject(const Statement& row, std::string_view name) {
                       .first_time_s = row.Real(4),
                       .last_time_s = row.Real(5),
                       .videos = ReadIds(row.Text(6)),
-                      .runs = ReadIds(row.Text(7)),
+                      .tracklets = ReadIds(row.Text(7)),
                       .heading_rad = row.OptionalReal(17),
                       .rejected = row.Text(18)};
   if (!row.IsNull(kPlace)) {
@@ -131,7 +132,7 @@ Expected<ObjectRecord> ReadObject(const Statement& row, std::string_view name) {
 Expected<SightingRecord> ReadSighting(const Statement& row, std::string_view name) {
   constexpr int kSight = 18;
   SightingRecord sighting{.object = row.Integer(0),
-                          .run = row.Integer(1),
+                          .tracklet = row.Integer(1),
                           .video = row.Integer(2),
                           .model = row.Integer(3),
                           .frame = row.Integer(4),
@@ -149,7 +150,7 @@ Expected<SightingRecord> ReadSighting(const Statement& row, std::string_view nam
   sighting.distance_m = row.OptionalReal(kStance + 1);
   sighting.sigma_distance_m = row.OptionalReal(kStance + 2);
   sighting.track = row.OptionalInteger(kStance + 3);
-  if (!row.IsNull(kSight)) sighting.sight = ReadSight(row, kSight, sighting.time_s);
+  if (!row.IsNull(kSight)) sighting.observation = ReadSight(row, kSight, sighting.time_s);
   return sighting;
 }
 

@@ -17,7 +17,7 @@ inline constexpr std::string_view kSelectVideos =
     "v.start_utc_us "
     "FROM videos v LEFT JOIN options o ON o.id = v.features_options ";
 inline constexpr std::string_view kSelectModels = "SELECT id, name, model_id, kind FROM models ";
-inline constexpr std::string_view kSelectRuns =
+inline constexpr std::string_view kSelectTracklets =
     "SELECT id, object, video, model, score, frames, first_time_s, last_time_s FROM runs ";
 // Followed by conditions, then by kGroupObjects.
 inline constexpr std::string_view kSelectObjects =
@@ -39,7 +39,7 @@ inline constexpr std::string_view kSelectKeptFrames =
 
 VideoRecord ReadVideo(const Statement& row);
 ModelRecord ReadModel(const Statement& row);
-RunRecord ReadRun(const Statement& row);
+TrackletRecord ReadTracklet(const Statement& row);
 /// Error: kDataLoss, as for ReadSighting. `name`: the file's, for the message.
 Expected<ObjectRecord> ReadObject(const Statement& row, std::string_view name);
 /// Error: kDataLoss if a binary column has the wrong size. `name`: the file's, for the message.

@@ -40,7 +40,7 @@ Status AddVideos(IndexStore& store, const SightingFilter& filter, std::string_vi
   if (!filter.video_name) return {};
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
   std::vector<std::int64_t> ids;
-  for (const VideoRecord& video : VideosNamed(videos, *filter.video_name)) ids.push_back(video.id);
+  for (const VideoRecord& video : FindVideosByName(videos, *filter.video_name)) ids.push_back(video.id);
   conditions.AddOneOf(column, ids);
   return {};
 }
@@ -49,7 +49,7 @@ Status AddVideos(IndexStore& store, const SightingFilter& filter, std::string_vi
 // geodesy.
 Status AddNear(Connection& connection, const SightingFilter& filter, Conditions& conditions) {
   if (!filter.near) return {};
-  const TangentPlane plane(filter.near->middle);
+  const TangentPlane plane(filter.near->centre);
   VICTORIOUS_ASSIGN_OR_RETURN(Statement select,
                               connection.Prepare("SELECT id, latitude_rad, longitude_rad, altitude_m FROM objects "
                                                  "WHERE latitude_rad IS NOT NULL"));
@@ -57,7 +57,7 @@ Status AddNear(Connection& connection, const SightingFilter& filter, Conditions&
   while (true) {
     VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, select.Step());
     if (!has_row) break;
-    const GeodeticPoint point{select.Real(1), select.Real(2), filter.near->middle.altitude_m};
+    const GeodeticPoint point{select.Real(1), select.Real(2), filter.near->centre.altitude_m};
     if (plane.EnuFromGeodetic(point).norm() <= filter.near->radius_m) ids.push_back(select.Integer(0));
   }
   conditions.AddOneOf("o.id", ids);
@@ -65,7 +65,7 @@ Status AddNear(Connection& connection, const SightingFilter& filter, Conditions&
 }
 
 void AddRejected(const SightingFilter& filter, Conditions& conditions) {
-  if (!filter.rejected_too) conditions.Add("coalesce(o.rejected, '') = ?", std::string());
+  if (!filter.include_rejected) conditions.Add("coalesce(o.rejected, '') = ?", std::string());
 }
 
 void AddModel(const SightingFilter& filter, std::string_view column, Conditions& conditions) {
@@ -93,7 +93,7 @@ void BindView(const std::optional<ViewAngles>& view, Statement& insert) {
 }
 
 // Binds parameters 28 to 31 of a new sighting.
-void BindStanceAndTrack(const SightingRecord& sighting, Statement& insert) {
+void BindObjectPoseAndTrack(const SightingRecord& sighting, Statement& insert) {
   insert.BindAt(28, sighting.sigma_view_rad);
   insert.BindAt(29, sighting.distance_m);
   insert.BindAt(30, sighting.sigma_distance_m);
@@ -101,23 +101,23 @@ void BindStanceAndTrack(const SightingRecord& sighting, Statement& insert) {
 }
 
 // Binds parameters 17 to 27 of a new sighting.
-void BindSight(const std::optional<Sight>& sight, Statement& insert) {
-  if (!sight) {
+void BindObservation(const std::optional<BearingObservation>& observation, Statement& insert) {
+  if (!observation) {
     for (int parameter = 17; parameter <= 27; ++parameter) insert.BindAt(parameter, std::nullopt);
     return;
   }
-  const LineOfSight& line = sight->line;
+  const LineOfSight& line = observation->line;
   insert.BindAt(17, line.camera.latitude_rad);
   insert.BindAt(18, line.camera.longitude_rad);
   insert.BindAt(19, line.camera.altitude_m);
-  insert.BindAt(20, sight->sigma_position_m);
-  insert.BindAt(21, sight->sigma_attitude_rad);
+  insert.BindAt(20, observation->sigma_position_m);
+  insert.BindAt(21, observation->sigma_attitude_rad);
   insert.BindAt(22, line.azimuth_rad);
   insert.BindAt(23, line.elevation_rad);
   insert.BindAt(24, line.sigma_rad);
   insert.BindAt(25, line.range_m);
   insert.BindAt(26, line.sigma_range_m);
-  insert.BindAt(27, sight->heading_rad);
+  insert.BindAt(27, observation->heading_rad);
 }
 
 // Binds parameters 3 to 12 of an object.
@@ -125,7 +125,7 @@ void BindPlace(const ObjectRecord& object, Statement& put) {
   for (int parameter = 3; parameter <= 12; ++parameter) put.BindAt(parameter, std::nullopt);
   put.BindAt(12, object.heading_rad);
   if (!object.place) return;
-  const Place& place = *object.place;
+  const Geolocation& place = *object.place;
   put.BindAt(3, place.time_s);
   put.BindAt(4, place.point.latitude_rad);
   put.BindAt(5, place.point.longitude_rad);
@@ -139,7 +139,7 @@ void BindPlace(const ObjectRecord& object, Statement& put) {
 
 }  // namespace
 
-Status SqliteStore::RunOnRow(Statement& statement, std::string_view what, std::int64_t id) {
+Status SqliteStore::ExecuteOnRow(Statement& statement, std::string_view what, std::int64_t id) {
   VICTORIOUS_RETURN_IF_ERROR(statement.Run());
   if (connection_->Changes() == 1) return {};
   return Fail(ErrorCode::kNotFound, fmt::format("{}: {} {} does not exist (another process may have deleted it)",
@@ -178,7 +178,7 @@ Expected<VideoRecord> SqliteStore::PutVideo(const VideoRecord& video) {
   return stored;
 }
 
-Expected<std::int64_t> SqliteStore::ForgetOtherContent(const std::string& name, const std::string& content_id) {
+Expected<std::int64_t> SqliteStore::DeleteOtherContent(const std::string& name, const std::string& content_id) {
   // Deletes the dependent rows as well (ON DELETE CASCADE).
   VICTORIOUS_ASSIGN_OR_RETURN(Statement forget,
                               connection_->Prepare("DELETE FROM videos WHERE name = ? AND content_id <> ?"));
@@ -190,7 +190,7 @@ Status SqliteStore::SetVideoLength(std::int64_t video, std::int64_t frame_count,
   VICTORIOUS_ASSIGN_OR_RETURN(Statement update,
                               connection_->Prepare("UPDATE videos SET frame_count = ?, duration_s = ? WHERE id = ?"));
   update.Bind(frame_count, duration_s, video);
-  return RunOnRow(update, "video", video);
+  return ExecuteOnRow(update, "video", video);
 }
 
 Status SqliteStore::SetVideoFeatures(std::int64_t video, const std::string& features_json) {
@@ -203,7 +203,7 @@ Status SqliteStore::SetVideoFeatures(std::int64_t video, const std::string& feat
     VICTORIOUS_ASSIGN_OR_RETURN(Statement update,
                                 connection_->Prepare("UPDATE videos SET features_options = ? WHERE id = ?"));
     update.Bind(options, video);
-    VICTORIOUS_RETURN_IF_ERROR(RunOnRow(update, "video", video));
+    VICTORIOUS_RETURN_IF_ERROR(ExecuteOnRow(update, "video", video));
   }
   return transaction.Commit();
 }
@@ -249,7 +249,7 @@ Expected<std::optional<SearchRecord>> SqliteStore::FindSearch(std::int64_t video
                       .program_version = find.Text(3)};
 }
 
-Status SqliteStore::ForgetSearch(std::int64_t video, std::int64_t model) {
+Status SqliteStore::DeleteSearch(std::int64_t video, std::int64_t model) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
   for (const std::string_view sql : {"DELETE FROM runs WHERE video = ? AND model = ?",  // cascades to their sightings
                                      "DELETE FROM searches WHERE video = ? AND model = ?"}) {
@@ -259,7 +259,7 @@ Status SqliteStore::ForgetSearch(std::int64_t video, std::int64_t model) {
   return transaction.Commit();
 }
 
-Status SqliteStore::ForgetKeptFrames(std::int64_t video) {
+Status SqliteStore::DeleteKeptFrames(std::int64_t video) {
   VICTORIOUS_ASSIGN_OR_RETURN(Statement forget, connection_->Prepare("DELETE FROM frame_features WHERE video = ?"));
   return forget.Bind(video).Run();
 }
@@ -281,30 +281,33 @@ Status SqliteStore::PutProgress(const IndexBatch::Progress& progress) {
       .Run();
 }
 
-Expected<std::int64_t> SqliteStore::PutRun(const IndexBatch::RunUpdate& update) {
-  const RunRecord& run = update.run;
+Expected<std::int64_t> SqliteStore::PutTracklet(const IndexBatch::TrackletUpdate& update) {
+  const TrackletRecord& tracklet = update.tracklet;
   if (update.id) {
     VICTORIOUS_ASSIGN_OR_RETURN(Statement grow,
                                 connection_->Prepare("UPDATE runs SET score = ?, frames = ?, first_time_s = ?, "
                                                      "last_time_s = ? WHERE id = ? AND video = ? AND model = ?"));
-    grow.Bind(run.score, run.frames, run.first_time_s, run.last_time_s, *update.id, run.video, run.model);
-    VICTORIOUS_RETURN_IF_ERROR(RunOnRow(grow, "run", *update.id));
+    grow.Bind(tracklet.score, tracklet.frames, tracklet.first_time_s, tracklet.last_time_s, *update.id, tracklet.video,
+              tracklet.model);
+    VICTORIOUS_RETURN_IF_ERROR(ExecuteOnRow(grow, "run", *update.id));
     return *update.id;
   }
   VICTORIOUS_ASSIGN_OR_RETURN(Statement insert,
                               connection_->Prepare("INSERT INTO runs (video, model, score, frames, first_time_s, "
                                                    "last_time_s) VALUES (?, ?, ?, ?, ?, ?)"));
-  VICTORIOUS_RETURN_IF_ERROR(
-      insert.Bind(run.video, run.model, run.score, run.frames, run.first_time_s, run.last_time_s).Run());
+  VICTORIOUS_RETURN_IF_ERROR(insert
+                                 .Bind(tracklet.video, tracklet.model, tracklet.score, tracklet.frames,
+                                       tracklet.first_time_s, tracklet.last_time_s)
+                                 .Run());
   const std::int64_t id = connection_->LastInsertId();
   VICTORIOUS_ASSIGN_OR_RETURN(Statement found, connection_->Prepare("INSERT INTO objects (id, model) VALUES (?, ?)"));
-  VICTORIOUS_RETURN_IF_ERROR(found.Bind(id, run.model).Run());
+  VICTORIOUS_RETURN_IF_ERROR(found.Bind(id, tracklet.model).Run());
   VICTORIOUS_ASSIGN_OR_RETURN(Statement join, connection_->Prepare("UPDATE runs SET object = id WHERE id = ?"));
   VICTORIOUS_RETURN_IF_ERROR(join.Bind(id).Run());
   return id;
 }
 
-Status SqliteStore::PutSightings(const IndexBatch& batch, const std::vector<std::int64_t>& run_ids) {
+Status SqliteStore::PutSightings(const IndexBatch& batch, const std::vector<std::int64_t>& tracklet_ids) {
   VICTORIOUS_ASSIGN_OR_RETURN(
       Statement insert,
       connection_->Prepare(
@@ -316,12 +319,13 @@ Status SqliteStore::PutSightings(const IndexBatch& batch, const std::vector<std:
           "?, ?, "
           "?, ?, ?, ?)"));
   for (const auto& [update, s] : batch.sightings) {
-    VICTORIOUS_CHECK(update < batch.runs.size());
-    insert.Bind(batch.runs[update].run.video, s.frame, run_ids[update], s.time_s, s.box.x, s.box.y, s.box.width,
-                s.box.height, OutlineBytes(s.outline), s.score, s.source, s.matches, s.view_index, s.in_plane_rad);
+    VICTORIOUS_CHECK(update < batch.tracklets.size());
+    insert.Bind(batch.tracklets[update].tracklet.video, s.frame, tracklet_ids[update], s.time_s, s.box.x, s.box.y,
+                s.box.width, s.box.height, OutlineBytes(s.outline), s.score, s.source, s.matches, s.view_index,
+                s.in_plane_rad);
     BindView(s.view, insert);
-    BindSight(s.sight, insert);
-    BindStanceAndTrack(s, insert);
+    BindObservation(s.observation, insert);
+    BindObjectPoseAndTrack(s, insert);
     VICTORIOUS_RETURN_IF_ERROR(insert.Run());
   }
   return {};
@@ -346,21 +350,21 @@ Status SqliteStore::PutKeptFrames(const std::vector<KeptFrame>& frames) {
 Expected<std::vector<std::int64_t>> SqliteStore::Commit(const IndexBatch& batch) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
   for (const IndexBatch::Progress& progress : batch.progress) VICTORIOUS_RETURN_IF_ERROR(PutProgress(progress));
-  std::vector<std::int64_t> run_ids;
-  run_ids.reserve(batch.runs.size());
-  for (const IndexBatch::RunUpdate& update : batch.runs) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, PutRun(update));
-    run_ids.push_back(id);
+  std::vector<std::int64_t> tracklet_ids;
+  tracklet_ids.reserve(batch.tracklets.size());
+  for (const IndexBatch::TrackletUpdate& update : batch.tracklets) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t id, PutTracklet(update));
+    tracklet_ids.push_back(id);
   }
-  VICTORIOUS_RETURN_IF_ERROR(PutSightings(batch, run_ids));
+  VICTORIOUS_RETURN_IF_ERROR(PutSightings(batch, tracklet_ids));
   VICTORIOUS_RETURN_IF_ERROR(PutKeptFrames(batch.kept_frames));
   VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
-  return run_ids;
+  return tracklet_ids;
 }
 
-Expected<std::vector<RunRecord>> SqliteStore::Runs() {
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(std::string(kSelectRuns) + "ORDER BY id"));
-  return ReadAll(select, &ReadRun);
+Expected<std::vector<TrackletRecord>> SqliteStore::Tracklets() {
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(std::string(kSelectTracklets) + "ORDER BY id"));
+  return ReadAll(select, &ReadTracklet);
 }
 
 Status SqliteStore::PutObjects(std::span<const ObjectRecord> objects) {
@@ -388,7 +392,8 @@ Status SqliteStore::PutObjects(std::span<const ObjectRecord> objects) {
       put.BindAt(13, object.rejected.empty() ? std::nullopt : std::optional(object.rejected));
       put.BindAt(14, object.model);
       VICTORIOUS_RETURN_IF_ERROR(put.Run());
-      for (const std::int64_t run : object.runs) VICTORIOUS_RETURN_IF_ERROR(join.Bind(object.id, run, object.id).Run());
+      for (const std::int64_t tracklet : object.tracklets)
+        VICTORIOUS_RETURN_IF_ERROR(join.Bind(object.id, tracklet, object.id).Run());
     }
   }
   VICTORIOUS_RETURN_IF_ERROR(
@@ -397,14 +402,14 @@ Status SqliteStore::PutObjects(std::span<const ObjectRecord> objects) {
 }
 
 Expected<std::vector<ObjectRecord>> SqliteStore::Objects(const SightingFilter& filter) {
-  Conditions of_run;
-  VICTORIOUS_RETURN_IF_ERROR(AddVideos(*this, filter, "video", of_run));
-  AddTimes(filter, "first_time_s", "last_time_s", of_run);
+  Conditions tracklet_conditions;
+  VICTORIOUS_RETURN_IF_ERROR(AddVideos(*this, filter, "video", tracklet_conditions));
+  AddTimes(filter, "first_time_s", "last_time_s", tracklet_conditions);
   Conditions conditions;
   AddModel(filter, "o.model", conditions);
   AddRejected(filter, conditions);
   VICTORIOUS_RETURN_IF_ERROR(AddNear(*connection_, filter, conditions));
-  conditions.AddQuery("o.id IN (SELECT object FROM runs {})", of_run);
+  conditions.AddQuery("o.id IN (SELECT object FROM runs {})", tracklet_conditions);
   VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(std::string(kSelectObjects) + conditions.text() +
                                                                      std::string(kGroupObjects)));
   conditions.Bind(select);

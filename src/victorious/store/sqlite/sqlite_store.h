@@ -15,7 +15,7 @@ class SqliteStore final : public IndexStore {
   explicit SqliteStore(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
 
   Expected<VideoRecord> PutVideo(const VideoRecord& video) override;
-  Expected<std::int64_t> ForgetOtherContent(const std::string& name, const std::string& content_id) override;
+  Expected<std::int64_t> DeleteOtherContent(const std::string& name, const std::string& content_id) override;
   Status SetVideoLength(std::int64_t video, std::int64_t frame_count, double duration_s) override;
   Status SetVideoFeatures(std::int64_t video, const std::string& features_json) override;
   Expected<std::vector<VideoRecord>> Videos() override;
@@ -24,12 +24,12 @@ class SqliteStore final : public IndexStore {
   Expected<std::vector<ModelRecord>> Models() override;
 
   Expected<std::optional<SearchRecord>> FindSearch(std::int64_t video, std::int64_t model) override;
-  Status ForgetSearch(std::int64_t video, std::int64_t model) override;
-  Status ForgetKeptFrames(std::int64_t video) override;
+  Status DeleteSearch(std::int64_t video, std::int64_t model) override;
+  Status DeleteKeptFrames(std::int64_t video) override;
 
   Expected<std::vector<std::int64_t>> Commit(const IndexBatch& batch) override;
 
-  Expected<std::vector<RunRecord>> Runs() override;
+  Expected<std::vector<TrackletRecord>> Tracklets() override;
   Status PutObjects(std::span<const ObjectRecord> objects) override;
 
   Expected<std::vector<ObjectRecord>> Objects(const SightingFilter& filter) override;
@@ -39,11 +39,11 @@ class SqliteStore final : public IndexStore {
  private:
   Expected<std::int64_t> PutOptions(const std::string& json);
   Status PutProgress(const IndexBatch::Progress& progress);
-  Expected<std::int64_t> PutRun(const IndexBatch::RunUpdate& update);
-  Status PutSightings(const IndexBatch& batch, const std::vector<std::int64_t>& run_ids);
+  Expected<std::int64_t> PutTracklet(const IndexBatch::TrackletUpdate& update);
+  Status PutSightings(const IndexBatch& batch, const std::vector<std::int64_t>& tracklet_ids);
   Status PutKeptFrames(const std::vector<KeptFrame>& frames);
-  /// Runs a statement that must change exactly one row. Error: kNotFound otherwise.
-  Status RunOnRow(Statement& statement, std::string_view what, std::int64_t id);
+  /// Tracklets a statement that must change exactly one row. Error: kNotFound otherwise.
+  Status ExecuteOnRow(Statement& statement, std::string_view what, std::int64_t id);
 
   std::unique_ptr<Connection> connection_;
 };

@@ -39,7 +39,8 @@ Error OpenError(const fs::path& path, StoreMode mode) {
 // A new object with sightings in the frames [first, first + kSightingsInBatch), and the corresponding progress.
 IndexBatch Batch(std::int64_t video, std::int64_t model, std::int64_t first) {
   IndexBatch batch;
-  batch.runs.push_back({std::nullopt, {.video = video, .model = model, .score = 0.5, .frames = kSightingsInBatch}});
+  batch.tracklets.push_back(
+      {std::nullopt, {.video = video, .model = model, .score = 0.5, .frames = kSightingsInBatch}});
   for (int i = 0; i < kSightingsInBatch; ++i) {
     batch.sightings.push_back({0, {.frame = first + i, .outline = {{0, 0}, {9, 0}, {9, 9}}, .score = 0.5}});
   }
@@ -132,7 +133,7 @@ TEST_F(SqliteStoreTest, ReadingNeverMakesAFile) {
   ASSERT_TRUE(CommitBatches(path_, 40));
   const auto store = OpenOrDie(path_, StoreMode::kRead);
   EXPECT_EQ(CountWholeBatches(*store), 40);
-  EXPECT_EQ(store->ForgetSearch(1, 1).error().code, ErrorCode::kPermissionDenied);
+  EXPECT_EQ(store->DeleteSearch(1, 1).error().code, ErrorCode::kPermissionDenied);
 }
 
 TEST_F(SqliteStoreTest, ReadingLeavesTheFolderAsItWas) {
@@ -276,7 +277,7 @@ TEST_F(SqliteStoreTest, AnIndexOfTheFirstVersionIsTakenOver) {
   const auto sightings = store->Sightings({});
   ASSERT_EQ(sightings->size(), 2U);
   EXPECT_EQ(sightings->back().object, 7);
-  EXPECT_FALSE(sightings->back().sight);
+  EXPECT_FALSE(sightings->back().observation);
   EXPECT_FALSE(sightings->back().distance_m);
   const auto ids = store->Commit(Batch(1, 1, 0));
   ASSERT_TRUE(ids) << ids.error().message;

@@ -7,29 +7,31 @@
 namespace victorious::sqlite {
 
 Statement::~Statement() {
-  if (handle_ != nullptr) connection_->Keep(sql_, handle_);
+  if (handle_ != nullptr) connection_->ReturnToCache(sql_, handle_);
 }
 
-void Statement::Note(int code) {
+void Statement::RecordBindError(int code) {
   if (bind_code_ == SQLITE_OK) bind_code_ = code;
 }
 
-void Statement::BindAt(int parameter, std::int64_t value) { Note(sqlite3_bind_int64(handle_, parameter, value)); }
+void Statement::BindAt(int parameter, std::int64_t value) {
+  RecordBindError(sqlite3_bind_int64(handle_, parameter, value));
+}
 
-void Statement::BindAt(int parameter, double value) { Note(sqlite3_bind_double(handle_, parameter, value)); }
+void Statement::BindAt(int parameter, double value) { RecordBindError(sqlite3_bind_double(handle_, parameter, value)); }
 
 // SQLite binds NULL for a null pointer, even at length 0: an empty value needs a non-null pointer.
 void Statement::BindAt(int parameter, std::string_view value) {
-  Note(sqlite3_bind_text64(handle_, parameter, value.empty() ? "" : value.data(), value.size(), SQLITE_TRANSIENT,
-                           SQLITE_UTF8));
+  RecordBindError(sqlite3_bind_text64(handle_, parameter, value.empty() ? "" : value.data(), value.size(),
+                                      SQLITE_TRANSIENT, SQLITE_UTF8));
 }
 
 void Statement::BindAt(int parameter, std::span<const std::byte> value) {
   const void* data = value.empty() ? static_cast<const void*>("") : value.data();
-  Note(sqlite3_bind_blob64(handle_, parameter, data, value.size(), SQLITE_TRANSIENT));
+  RecordBindError(sqlite3_bind_blob64(handle_, parameter, data, value.size(), SQLITE_TRANSIENT));
 }
 
-void Statement::BindAt(int parameter, std::nullopt_t) { Note(sqlite3_bind_null(handle_, parameter)); }
+void Statement::BindAt(int parameter, std::nullopt_t) { RecordBindError(sqlite3_bind_null(handle_, parameter)); }
 
 Expected<bool> Statement::Step() {
   const int code = bind_code_ == SQLITE_OK ? sqlite3_step(handle_) : bind_code_;

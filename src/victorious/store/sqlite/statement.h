@@ -66,7 +66,7 @@ class Statement {
   friend class Connection;
   Statement(Connection& connection, std::string sql, sqlite3_stmt* handle)
       : connection_(&connection), sql_(std::move(sql)), handle_(handle) {}
-  void Note(int code);
+  void RecordBindError(int code);
 
   Connection* connection_;
   std::string sql_;
