@@ -22,7 +22,9 @@ template <typename... Visitors>
 Overloaded(Visitors...) -> Overloaded<Visitors...>;
 
 json ValueToJson(const FieldRef& field) {
-  return std::visit([](const auto* value) { return json(*value); }, field.value);
+  return std::visit(Overloaded{[](const auto* value) { return json(*value); },
+                               [](const EnumFieldRef& value) { return json(value.text()); }},
+                    field.value);
 }
 
 std::string RangeText(const FieldSpec& spec) {
@@ -39,7 +41,7 @@ std::string_view TypeText(const FieldRef& field) {
   return std::visit(Overloaded{[](const double*) { return "a number"; }, [](const int*) { return "a whole number"; },
                                [](const bool*) { return "true or false"; },
                                [](const std::uint64_t*) { return "a whole number, at least 0"; },
-                               [](const std::string*) { return "text"; }},
+                               [](const std::string*) { return "text"; }, [](const EnumFieldRef&) { return "text"; }},
                     field.value);
 }
 
@@ -66,7 +68,8 @@ bool TypeFits(const FieldRef& field, const json& value) {
                                },
                                [&](const bool*) { return value.is_boolean(); },
                                [&](const std::uint64_t*) { return value.is_number_integer() && number >= 0; },
-                               [&](const std::string*) { return value.is_string(); }},
+                               [&](const std::string*) { return value.is_string(); },
+                               [&](const EnumFieldRef&) { return value.is_string(); }},
                     field.value);
 }
 
@@ -136,7 +139,9 @@ void Flatten(const json& node, const std::string& prefix, const std::vector<Fiel
 }
 
 void Assign(const FieldRef& field, const json& value) {
-  std::visit([&]<typename T>(T* target) { *target = value.get<T>(); }, field.value);
+  std::visit(Overloaded{[&]<typename T>(T* target) { *target = value.get<T>(); },
+                        [&](const EnumFieldRef& target) { target.set_text(value.get_ref<const std::string&>()); }},
+             field.value);
 }
 
 Status Report(const std::vector<std::string>& violations) {

@@ -9,9 +9,14 @@
 //   };
 //
 // Structs nest by `fields.AddGroup("match", match)`; a field's full name is then "match.ratio".
+// A field that is an enum is listed with the table of its texts (enum_text.h), which are its choices and its JSON:
+// `fields.Add("filter", filter, kFilterTexts, {.reason = "..."})`.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -22,6 +27,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "victorious/base/check.h"
+#include "victorious/base/enum_text.h"
 #include "victorious/base/error.h"
 
 namespace victorious {
@@ -30,15 +37,21 @@ namespace victorious {
 struct FieldSpec {
   double min = -std::numeric_limits<double>::infinity();  ///< smallest value, inclusive
   double max = std::numeric_limits<double>::infinity();   ///< largest value, inclusive
-  std::vector<std::string> choices = {};                  ///< for text: the allowed values; empty: any
+  std::vector<std::string> choices = {};                  ///< for text and enums: the allowed values; empty: any
   std::string unit = {};                                  ///< "px", "s", …; empty if dimensionless
   std::string reason = {};                                ///< the effect of the field and the reason for its default
+};
+
+/// A reference to an enum field of any type, read and written as text.
+struct EnumFieldRef {
+  std::function<std::string_view()> text;          ///< the value's text; empty for a value that the table does not have
+  std::function<void(std::string_view)> set_text;  ///< @param text  one of FieldSpec::choices
 };
 
 /// A reference to a field of an options struct: full name, value and spec. Valid during the lifetime of that struct.
 struct FieldRef {
   std::string name;
-  std::variant<double*, int*, bool*, std::uint64_t*, std::string*> value;
+  std::variant<double*, int*, bool*, std::uint64_t*, std::string*, EnumFieldRef> value;
   FieldSpec spec;
 };
 
@@ -48,6 +61,20 @@ class FieldList {
   template <typename T>
   void Add(std::string_view name, T& value, FieldSpec spec) {
     fields_.push_back({prefix_ + std::string(name), &value, std::move(spec)});
+  }
+
+  /// A field that is an enum.
+  /// @param texts  of all values, in the order in which the manual lists them. Static: the field refers to it.
+  /// @param spec   without `choices`: they are the texts
+  template <typename Enum, std::size_t count>
+  void Add(std::string_view name, Enum& value, const std::array<EnumText<Enum>, count>& texts, FieldSpec spec) {
+    VICTORIOUS_CHECK(spec.choices.empty());
+    for (const EnumText<Enum>& entry : texts) spec.choices.emplace_back(entry.text);
+    fields_.push_back(
+        {prefix_ + std::string(name),
+         EnumFieldRef{.text = [&value, &texts] { return ToText(texts, value); },
+                      .set_text = [&value, &texts](std::string_view text) { value = FromText(texts, text).value(); }},
+         std::move(spec)});
   }
 
   template <typename Options>

@@ -26,6 +26,10 @@ struct MatchOptions {
   }
 };
 
+enum class Filter { kCascade, kNone };
+
+constexpr auto kFilterTexts = std::to_array<EnumText<Filter>>({{Filter::kCascade, "cascade"}, {Filter::kNone, "none"}});
+
 struct TestOptions {
   MatchOptions match;
   std::uint64_t seed = 1;
@@ -238,6 +242,51 @@ struct LimitOptions {
 TEST(MarkdownTable, ShowsLimitsInFull) {
   LimitOptions options;
   EXPECT_THAT(MarkdownTable(CollectFields(options)), HasSubstr("1 to 16777217"));
+}
+
+struct FilterOptions {
+  Filter filter = Filter::kCascade;
+
+  void ListFields(FieldList& fields) { fields.Add("filter", filter, kFilterTexts, {.reason = "of the matches"}); }
+};
+
+TEST(EnumField, IsItsTextInJson) {
+  FilterOptions options;
+  EXPECT_EQ(OptionsToJsonText(options), R"({"filter":"cascade"})");
+  ASSERT_TRUE(SetFromJson({{"filter", "none"}}, CollectFields(options)));
+  EXPECT_EQ(options.filter, Filter::kNone);
+  EXPECT_EQ(OptionsToJsonText(options), R"({"filter":"none"})");
+}
+
+TEST(EnumField, OtherTextsAndTypesAreRefused) {
+  FilterOptions options;
+  const auto error = [&](const nlohmann::json& value) {
+    return SetFromJson({{"filter", value}}, CollectFields(options)).error().message;
+  };
+  EXPECT_EQ(error("None"), "filter = \"None\": must be one of cascade, none");
+  EXPECT_EQ(error(""), "filter = \"\": must be one of cascade, none");
+  EXPECT_EQ(error(1), "filter = 1: must be text");
+  EXPECT_EQ(options.filter, Filter::kCascade);
+}
+
+TEST(EnumField, AValueOutsideTheTableIsInvalid) {
+  EXPECT_TRUE(ValidateOptions(FilterOptions{}));
+  EXPECT_EQ(ValidateOptions(FilterOptions{.filter = static_cast<Filter>(7)}).error().message,
+            "filter = \"\": must be one of cascade, none");
+}
+
+TEST(EnumField, TheManualListsItsTexts) {
+  FilterOptions options;
+  EXPECT_THAT(MarkdownTable(CollectFields(options)),
+              HasSubstr("| `filter` | \"cascade\" | one of cascade, none |  | of the matches |\n"));
+}
+
+TEST(EnumText, ConvertsBothWays) {
+  for (const EnumText<Filter>& entry : kFilterTexts) {
+    EXPECT_EQ(ToText(kFilterTexts, entry.value), entry.text);
+    EXPECT_EQ(FromText(kFilterTexts, entry.text), entry.value);
+  }
+  EXPECT_EQ(FromText(kFilterTexts, "cascad"), std::nullopt);
 }
 
 }  // namespace

@@ -1,0 +1,39 @@
+// Texts of enums: one table per enum serves field lists (options.h), JSON, files, the command line and messages.
+//
+//   enum class Filter { kCascade, kNone };
+//   inline constexpr auto kFilterTexts =
+//       std::to_array<EnumText<Filter>>({{Filter::kCascade, "cascade"}, {Filter::kNone, "none"}});
+//
+// Texts are stored in files: a published text never changes its value.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string_view>
+
+namespace victorious {
+
+/// One value of an enum and its text.
+template <typename Enum>
+struct EnumText {
+  Enum value;
+  std::string_view text;
+};
+
+/// Returns the text of `value`; empty for a value that the table does not have.
+template <typename Enum, std::size_t count>
+constexpr std::string_view ToText(const std::array<EnumText<Enum>, count>& table, Enum value) {
+  const auto* const entry = std::ranges::find(table, value, &EnumText<Enum>::value);
+  return entry == table.end() ? std::string_view() : entry->text;
+}
+
+/// Returns the value of `text`; std::nullopt for a text that the table does not have.
+template <typename Enum, std::size_t count>
+constexpr std::optional<Enum> FromText(const std::array<EnumText<Enum>, count>& table, std::string_view text) {
+  const auto* const entry = std::ranges::find(table, text, &EnumText<Enum>::text);
+  return entry == table.end() ? std::nullopt : std::optional(entry->value);
+}
+
+}  // namespace victorious
