@@ -62,7 +62,7 @@ std::vector<Difficulty> Difficulties() {
 }
 
 // Occludes the left fraction of a box with another part of the same image.
-void Occlude(double share, const Box& box, LabelledImage& scene) {
+void Occlude(double share, const Box& box, AnnotatedImage& scene) {
   const cv::Rect frame({0, 0}, scene.bgr.size());
   const cv::Rect cover =
       cv::Rect(cv::Point2d(box.x, box.y), cv::Size(static_cast<int>(box.width * share), static_cast<int>(box.height))) &
@@ -86,7 +86,7 @@ Expected<MatchTrial> TrialUnder(const Difficulty& difficulty, const Example& exa
   Scene scene = example.town->scene();
   scene.video.blur_px = scene.video.grain = scene.video.noise = 0;
   difficulty.change(scene);
-  VICTORIOUS_ASSIGN_OR_RETURN(LabelledImage known, example.town->Draw(scene, 0, {}));
+  VICTORIOUS_ASSIGN_OR_RETURN(AnnotatedImage known, example.town->Draw(scene, 0, {}));
   const LabelledObject* const object = known.Find(example.kind);
   if (object == nullptr)
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: must show a {}", known.name, example.kind));
@@ -96,7 +96,7 @@ Expected<MatchTrial> TrialUnder(const Difficulty& difficulty, const Example& exa
   VICTORIOUS_RETURN_IF_ERROR(DegradeImage(difficulty.degradation, scene.seed, known.bgr));
   VICTORIOUS_ASSIGN_OR_RETURN(auto features, ExtractImageFeatures(known, setup.features));
   const std::size_t nearest = NearestView(*example.model, view);
-  return MakeTrial(std::make_shared<const LabelledImage>(std::move(known)), std::move(features), example.model,
+  return MakeTrial(std::make_shared<const AnnotatedImage>(std::move(known)), std::move(features), example.model,
                    nearest);
 }
 

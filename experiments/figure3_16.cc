@@ -33,7 +33,7 @@ struct DetectionCounts {
 
 // A detection to draw.
 struct ShownDetection {
-  const LabelledImage* scene;
+  const AnnotatedImage* scene;
   const ModelView* view;
   Box box;
   std::string caption;
@@ -46,7 +46,7 @@ double ViewErrorDegrees(const ModelView& view, const LabelledObject& object) {
 }
 
 // Compares the detections of an image with its truth and updates the count of each model.
-void ScoreDetections(const LabelledImage& scene, const std::vector<Detection>& detections,
+void ScoreDetections(const AnnotatedImage& scene, const std::vector<Detection>& detections,
                      const std::vector<ObjectModel>& models, std::map<std::string, DetectionCounts>& counts,
                      std::vector<ShownDetection>& shown) {
   std::set<const LabelledObject*> found;

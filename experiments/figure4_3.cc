@@ -21,7 +21,7 @@ namespace {
 constexpr const char* kKind = "jeep";
 
 // The observations of one static true object with the default setting: lines of sight by time, and the true place.
-struct ObservedObject {
+struct ObjectBearings {
   std::string name;
   GeodeticPoint place;
   std::vector<LineOfSight> lines;
@@ -38,10 +38,10 @@ std::optional<GeodeticPoint> StaticPlace(const MovieWithTruth& movie, const std:
   return place;
 }
 
-Expected<std::vector<ObservedObject>> CollectObservations(const MovieWithTruth& movie,
+Expected<std::vector<ObjectBearings>> CollectObservations(const MovieWithTruth& movie,
                                                           const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto store, IndexMovie(movie, TrackingIndexOptions(), settings));
-  std::map<std::string, ObservedObject> observed;
+  std::map<std::string, ObjectBearings> observed;
   for (const ObjectModel& model : movie.models) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SightingRecord> sightings,
                                 store->Sightings({.model_name = model.name}));
@@ -53,7 +53,7 @@ Expected<std::vector<ObservedObject>> CollectObservations(const MovieWithTruth& 
         if (IntersectionOverUnion(row.box, sighting.box) < kOverlap) continue;
         const std::optional<GeodeticPoint> place = StaticPlace(movie, row.object);
         if (!place) continue;
-        ObservedObject& one = observed[row.object];
+        ObjectBearings& one = observed[row.object];
         one.name = row.object;
         one.place = *place;
         one.lines.push_back(sighting.observation->line);
@@ -61,7 +61,7 @@ Expected<std::vector<ObservedObject>> CollectObservations(const MovieWithTruth& 
       }
     }
   }
-  std::vector<ObservedObject> all;
+  std::vector<ObjectBearings> all;
   for (auto& [name, one] : observed) {
     std::ranges::sort(one.lines, {}, &LineOfSight::time_s);
     all.push_back(std::move(one));
@@ -121,9 +121,9 @@ FrustumOverlap SampleIntersection(const std::vector<Ray>& rays) {
   return common;
 }
 
-const ObservedObject& SelectPlotted(const std::vector<ObservedObject>& observed) {
+const ObjectBearings& SelectPlotted(const std::vector<ObjectBearings>& observed) {
   const auto found =
-      std::ranges::find_if(observed, [](const ObservedObject& one) { return one.name.starts_with(kKind); });
+      std::ranges::find_if(observed, [](const ObjectBearings& one) { return one.name.starts_with(kKind); });
   return found != observed.end() ? *found : observed.front();
 }
 
@@ -147,14 +147,14 @@ constexpr const char* kFrustumNote =
 
 Expected<Report> RunFigure43(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<MovieWithTruth> movies, SimulateScenes({"circle"}, settings));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObservedObject> observed,
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectBearings> observed,
                               CollectObservations(movies.front(), settings));
   const LocateOptions options = TrackingIndexOptions().objects.locate;
   Report report{
       .title = "The conic frustum of one sighting",
       .columns = {"object", "time, s", "true distance, m", "range from size, m", "range sigma, m", "nearest, m",
                   "farthest, m", "radius there, m", "truth to line, m", "truth inside", "volume, m3"}};
-  for (const ObservedObject& one : observed) {
+  for (const ObjectBearings& one : observed) {
     const std::vector<LineOfSight> lines = SelectEvenly(one.lines, 1);
     const TangentPlane plane(lines.front().camera);
     const Ray ray = MakeRays(lines, plane, options).front();
@@ -190,13 +190,13 @@ Expected<Report> RunFigure43(const ExperimentSettings& settings) {
 
 Expected<Report> RunFigure44(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<MovieWithTruth> movies, SimulateScenes({"circle"}, settings));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObservedObject> observed,
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectBearings> observed,
                               CollectObservations(movies.front(), settings));
   const LocateOptions options = TrackingIndexOptions().objects.locate;
   Report report{.title = "Intersection of the conic frusta of many sightings",
                 .columns = {"object", "lines of sight", "common volume, m3", "fraction of one frustum", "truth inside",
                             "centroid error, m", "locate error, m", "CE90, m"}};
-  for (const ObservedObject& one : observed) {
+  for (const ObjectBearings& one : observed) {
     double of_one_m3 = 0;
     for (const int count : {1, 2, 3, 5, 10, 30}) {
       if (static_cast<std::size_t>(count) > one.lines.size()) break;

@@ -21,7 +21,7 @@
 
 namespace victorious {
 
-const LabelledObject* LabelledImage::Find(std::string_view model) const {
+const LabelledObject* AnnotatedImage::Find(std::string_view model) const {
   const auto found = std::ranges::find(objects, model, &LabelledObject::model);
   return found == objects.end() ? nullptr : &*found;
 }
@@ -42,7 +42,7 @@ Expected<SceneRenderer> SceneRenderer::Load(const std::filesystem::path& scene_f
   return SceneRenderer(scene_file.stem().string(), std::move(scene), std::move(stage), renderer);
 }
 
-Expected<LabelledImage> SceneRenderer::Draw(const Scene& scene, int frame, const ImageDegradation& degradation) const {
+Expected<AnnotatedImage> SceneRenderer::Draw(const Scene& scene, int frame, const ImageDegradation& degradation) const {
   Scene clean = scene;
   clean.video.blur_px = clean.video.grain = clean.video.noise = 0;
   Flight flight(clean, *renderer_, stage_);
@@ -52,11 +52,11 @@ Expected<LabelledImage> SceneRenderer::Draw(const Scene& scene, int frame, const
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectTruth> truth,
                               ComputeTruth(drawn.objects, drawn.view.instances, drawn.camera, TangentPlane(origin),
                                            RadiansFromDegrees(scene.origin.heading_deg), *renderer_));
-  LabelledImage known{.name = fmt::format("{}, frame {}", name_, frame),
-                      .bgr = std::move(drawn.bgr),
-                      .pinhole = drawn.camera.pinhole,
-                      .depth_m = std::move(drawn.view.depth_m),
-                      .objects = {}};
+  AnnotatedImage known{.name = fmt::format("{}, frame {}", name_, frame),
+                       .bgr = std::move(drawn.bgr),
+                       .pinhole = drawn.camera.pinhole,
+                       .depth_m = std::move(drawn.view.depth_m),
+                       .objects = {}};
   for (const ObjectTruth& row : truth) {
     const auto object = static_cast<std::size_t>(row.object);
     known.objects.push_back({.model = scene.objects[object].model,
@@ -110,9 +110,9 @@ class MovieMeshes {
 
 }  // namespace
 
-Expected<std::vector<LabelledImage>> ReadLabelledMovie(const std::filesystem::path& folder,
-                                                       const std::filesystem::path& models, int frames,
-                                                       Renderer& renderer) {
+Expected<std::vector<AnnotatedImage>> ReadLabelledMovie(const std::filesystem::path& folder,
+                                                        const std::filesystem::path& models, int frames,
+                                                        Renderer& renderer) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TruthRow> truth, ReadTruth(folder / "truth.jsonl"));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string table, ReadFile(folder / "telemetry.csv"));
   VICTORIOUS_ASSIGN_OR_RETURN(const CameraRows cameras, ParseCameraCsv(table));
@@ -121,17 +121,17 @@ Expected<std::vector<LabelledImage>> ReadLabelledMovie(const std::filesystem::pa
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Frame> chosen,
                               ReadFrames(video, EvenlySpaced(length, frames), FrameColor::kBgr));
   MovieMeshes meshes(models, renderer);
-  std::vector<LabelledImage> scenes;
+  std::vector<AnnotatedImage> scenes;
   for (const Frame& frame : chosen) {
     const CameraState* const camera = StateAt(cameras.states, frame.time_s);
     if (camera == nullptr) continue;
     const TangentPlane earth(camera->place);
     const Eigen::Quaterniond camera_from_enu = CameraFromEnu(*camera->attitude);
-    LabelledImage known{.name = fmt::format("{}, frame {}", folder.filename().string(), frame.index),
-                        .bgr = frame.image,
-                        .pinhole = CentredPinhole(*camera->hfov_rad, frame.image.cols, frame.image.rows),
-                        .depth_m = {},
-                        .objects = {}};
+    AnnotatedImage known{.name = fmt::format("{}, frame {}", folder.filename().string(), frame.index),
+                         .bgr = frame.image,
+                         .pinhole = CentredPinhole(*camera->hfov_rad, frame.image.cols, frame.image.rows),
+                         .depth_m = {},
+                         .objects = {}};
     std::vector<MeshInstance> instances;
     for (const TruthRow& row : truth) {
       if (row.frame != frame.index || !row.place || !row.heading_rad || !row.view) continue;

@@ -32,7 +32,7 @@ struct LabelledObject {
   double visible = 1;        ///< visible pixels over its pixels without occlusion and cropping
 };
 
-struct LabelledImage {
+struct AnnotatedImage {
   std::string name;  ///< "circle_noise, frame 40"
   cv::Mat bgr;       ///< CV_8UC3
   PinholeCamera pinhole;
@@ -59,9 +59,9 @@ class SceneRenderer {
   /// Renders one frame with its truth.
   /// @param scene  scene(), or a copy of it with another video, camera or sun
   /// @param frame  number of the frame of the flight, from 0
-  Expected<LabelledImage> Draw(const Scene& scene, int frame, const ImageDegradation& degradation) const;
+  Expected<AnnotatedImage> Draw(const Scene& scene, int frame, const ImageDegradation& degradation) const;
   /// Renders one frame with the scene and the degradation of the file.
-  Expected<LabelledImage> Draw(int frame) const { return Draw(scene_, frame, DegradationOf(scene_)); }
+  Expected<AnnotatedImage> Draw(int frame) const { return Draw(scene_, frame, DegradationOf(scene_)); }
 
  private:
   SceneRenderer(std::string name, Scene scene, Stage stage, Renderer& renderer);
@@ -78,8 +78,8 @@ class SceneRenderer {
 /// @param frames  maximum number of frames, evenly spaced over the movie
 /// Objects are assumed to stand upright. The depth covers the objects only, so that occlusion by anything else shows in
 /// `visible` only.
-Expected<std::vector<LabelledImage>> ReadLabelledMovie(const std::filesystem::path& folder,
-                                                       const std::filesystem::path& models, int frames,
-                                                       Renderer& renderer);
+Expected<std::vector<AnnotatedImage>> ReadLabelledMovie(const std::filesystem::path& folder,
+                                                        const std::filesystem::path& models, int frames,
+                                                        Renderer& renderer);
 
 }  // namespace victorious

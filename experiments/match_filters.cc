@@ -74,8 +74,8 @@ std::vector<MatchFilter> MakeMatchFilters(const RecognizeOptions& options) {
       grammar("third stage alone", "third"),
       cascade,
       {"cascade, then MLESAC", [=](const MatchTrial& trial,
-                                   const MatchSet& matches) { return trial.Mlesac(cascade.run(trial, matches), fit); }},
-      {"MLESAC alone", [=](const MatchTrial& trial, const MatchSet& matches) { return trial.Mlesac(matches, fit); }},
+                                   const MatchSet& matches) { return trial.Mlesac(cascade.run(trial, matches), pose); }},
+      {"MLESAC alone", [=](const MatchTrial& trial, const MatchSet& matches) { return trial.Mlesac(matches, pose); }},
       {"OpenCV's similarity alone", OpenCvSimilarity},
       {"OpenCV's homography alone", OpenCvHomography}};
 }

@@ -38,8 +38,8 @@ Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings
     VICTORIOUS_ASSIGN_OR_RETURN(Renderer renderer, Renderer::Create({.software = true}));
     VICTORIOUS_ASSIGN_OR_RETURN(const SceneRenderer town, SceneRenderer::Load(file, renderer, settings.Cancel()));
     for (const std::int64_t frame : EvenlySpaced(town.scene().video.frames, frames)) {
-      VICTORIOUS_ASSIGN_OR_RETURN(LabelledImage drawn, town.Draw(static_cast<int>(frame)));
-      pool.push_back({.scene = std::make_shared<const LabelledImage>(std::move(drawn)),
+      VICTORIOUS_ASSIGN_OR_RETURN(AnnotatedImage drawn, town.Draw(static_cast<int>(frame)));
+      pool.push_back({.scene = std::make_shared<const AnnotatedImage>(std::move(drawn)),
                       .cad_folder = town.scene().assets / "models",
                       .flight = flights});
     }
@@ -58,9 +58,9 @@ Expected<std::vector<PooledScene>> PoolScenes(const ExperimentSettings& settings
     VICTORIOUS_ASSIGN_OR_RETURN(Renderer renderer, Renderer::Create({.software = true}));
     const fs::path models = settings.data / "models";
     VICTORIOUS_ASSIGN_OR_RETURN(auto known, ReadLabelledMovie(folder, models, frames, renderer));
-    for (LabelledImage& scene : known) {
+    for (AnnotatedImage& scene : known) {
       pool.push_back(
-          {.scene = std::make_shared<const LabelledImage>(std::move(scene)), .cad_folder = models, .flight = flights});
+          {.scene = std::make_shared<const AnnotatedImage>(std::move(scene)), .cad_folder = models, .flight = flights});
     }
     ++flights;
   }

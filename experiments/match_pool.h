@@ -11,7 +11,7 @@ namespace victorious {
 
 /// An image, and the folder of its objects' CAD files.
 struct PooledScene {
-  std::shared_ptr<const LabelledImage> scene;
+  std::shared_ptr<const AnnotatedImage> scene;
   std::filesystem::path cad_folder;
   int flight = 0;  ///< index of its flight or movie in the pool
 };

@@ -55,7 +55,7 @@ Expected<std::shared_ptr<const ObjectModel>> LoadOrBuildModel(const ExperimentSe
   return std::make_shared<const ObjectModel>(*std::move(model));
 }
 
-MatchTrial MakeTrial(std::shared_ptr<const LabelledImage> scene, std::shared_ptr<const FeatureSet> features,
+MatchTrial MakeTrial(std::shared_ptr<const AnnotatedImage> scene, std::shared_ptr<const FeatureSet> features,
                      std::shared_ptr<const ObjectModel> model, std::size_t view) {
   const std::string kind = model->name;
   const ModelView& of = model->views[view];
@@ -89,7 +89,7 @@ StageMatches RunStages(const MatchTrial& trial, double ratio, const RecognizeOpt
   return {{matches, std::move(left.first), std::move(left.second), std::move(left.third), std::move(inliers)}};
 }
 
-Expected<std::shared_ptr<const FeatureSet>> ExtractImageFeatures(const LabelledImage& scene,
+Expected<std::shared_ptr<const FeatureSet>> ExtractImageFeatures(const AnnotatedImage& scene,
                                                                  const FeatureOptions& options) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options));
   VICTORIOUS_ASSIGN_OR_RETURN(FeatureSet features, extractor->Extract(GreyFromBgr(scene.bgr)));
@@ -102,7 +102,7 @@ Expected<MatchTrial> RunningExample(const ExperimentSettings& settings, const Ma
   VICTORIOUS_ASSIGN_OR_RETURN(
       const SceneRenderer town,
       SceneRenderer::Load(settings.scenes / fmt::format("chapter3_{}.json", kind), renderer, settings.Cancel()));
-  VICTORIOUS_ASSIGN_OR_RETURN(LabelledImage scene, town.Draw(0));
+  VICTORIOUS_ASSIGN_OR_RETURN(AnnotatedImage scene, town.Draw(0));
   const LabelledObject* const object = scene.Find(kind);
   if (object == nullptr) return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: must show a {}", scene.name, kind));
   const ViewDirection view = object->view;
@@ -110,7 +110,7 @@ Expected<MatchTrial> RunningExample(const ExperimentSettings& settings, const Ma
   VICTORIOUS_ASSIGN_OR_RETURN(auto model,
                               LoadOrBuildModel(settings, town.scene().assets / "models" / (kind + ".glb"), setup.cad));
   const std::size_t nearest = NearestView(*model, view);
-  return MakeTrial(std::make_shared<const LabelledImage>(std::move(scene)), std::move(features), std::move(model),
+  return MakeTrial(std::make_shared<const AnnotatedImage>(std::move(scene)), std::move(features), std::move(model),
                    nearest);
 }
 

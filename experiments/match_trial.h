@@ -41,7 +41,7 @@ Expected<std::shared_ptr<const ObjectModel>> LoadOrBuildModel(const ExperimentSe
 /// Immutable; copies share the large members.
 struct MatchTrial {
   std::string name;  ///< "jeep in circle_noise, frame 40"
-  std::shared_ptr<const LabelledImage> scene;
+  std::shared_ptr<const AnnotatedImage> scene;
   std::shared_ptr<const FeatureSet> features;  ///< of the scene
   std::shared_ptr<const ObjectModel> model;
   std::size_t view = 0;
@@ -58,7 +58,7 @@ struct MatchTrial {
 
 /// @param features  of the scene, extracted with the options of the model
 /// @param view      index of the template's view
-MatchTrial MakeTrial(std::shared_ptr<const LabelledImage> scene, std::shared_ptr<const FeatureSet> features,
+MatchTrial MakeTrial(std::shared_ptr<const AnnotatedImage> scene, std::shared_ptr<const FeatureSet> features,
                      std::shared_ptr<const ObjectModel> model, std::size_t view);
 
 /// The matches that each stage of the cascade keeps, then MLESAC.
@@ -69,7 +69,7 @@ struct StageMatches {
 StageMatches RunStages(const MatchTrial& trial, double ratio, const RecognizeOptions& options);
 
 /// Extracts the features of an image.
-Expected<std::shared_ptr<const FeatureSet>> ExtractImageFeatures(const LabelledImage& scene,
+Expected<std::shared_ptr<const FeatureSet>> ExtractImageFeatures(const AnnotatedImage& scene,
                                                                  const FeatureOptions& options);
 
 /// Returns a running example of section 3.5: scenes/chapter3_jeep.json in place of the Humvee, or chapter3_jet.json in

@@ -17,8 +17,8 @@ namespace victorious {
 namespace {
 
 // A scene 10 m in front of a camera with a focal length of 100 px: 1 m is 10 px.
-LabelledImage SceneWith(const std::vector<Rigid3>& fits) {
-  LabelledImage scene;
+AnnotatedImage SceneWith(const std::vector<Rigid3>& fits) {
+  AnnotatedImage scene;
   scene.pinhole = {100, 100, 50, 50, 100, 100};
   for (const Rigid3& fit : fits)
     scene.objects.push_back({.model = "thing", .camera_from_model = fit, .view = {}, .box = {}, .visible = 1});
@@ -48,7 +48,7 @@ TEST(MatchTruth, IsWhereTheTruePosePutsTheTemplatesPoint) {
 }
 
 TEST(MatchTruth, AnyObjectOfTheKindServesAndNoOther) {
-  LabelledImage scene = SceneWith({At(-3, 0), At(3, 0)});
+  AnnotatedImage scene = SceneWith({At(-3, 0), At(3, 0)});
   const std::vector<Point3> points = {{0, 0, 0}};
   EXPECT_EQ(MatchTruth(scene, "thing", points, 8).Label(KeypointAt(20, 50), 0), MatchLabel::kTrue);
   EXPECT_EQ(MatchTruth(scene, "thing", points, 8).Label(KeypointAt(80, 50), 0), MatchLabel::kTrue);
@@ -56,7 +56,7 @@ TEST(MatchTruth, AnyObjectOfTheKindServesAndNoOther) {
 }
 
 TEST(MatchTruth, WhatIsHiddenOrOutOfThePictureMatchesNothing) {
-  LabelledImage scene = SceneWith({At(0, 0)});
+  AnnotatedImage scene = SceneWith({At(0, 0)});
   const std::vector<Point3> points = {{0, 0, 0}, {2, 0, 0}, {8, 0, 0}};
   scene.depth_m = cv::Mat(100, 100, CV_32FC1, cv::Scalar(10));
   scene.depth_m(cv::Rect(0, 0, 60, 100)).setTo(4);  // a wall in front of the first point
@@ -67,7 +67,7 @@ TEST(MatchTruth, WhatIsHiddenOrOutOfThePictureMatchesNothing) {
 }
 
 TEST(MatchTruth, WhatHidesIsMeasuredByTheObjectsSize) {
-  LabelledImage scene = SceneWith({At(0, 0)});
+  AnnotatedImage scene = SceneWith({At(0, 0)});
   const std::vector<Point3> points = {{0, 0, 0}};
   scene.depth_m = cv::Mat(100, 100, CV_32FC1, cv::Scalar(9.8));
   EXPECT_EQ(MatchTruth(scene, "thing", points, 4).Label(KeypointAt(50, 50), 0), MatchLabel::kFalse)
@@ -97,7 +97,7 @@ TEST(SceneRenderer, DrawsPicturesWhoseObjectsStandWhereTruthSays) {
   const Expected<SceneRenderer> town =
       SceneRenderer::Load(std::filesystem::path(VICTORIOUS_SCENES) / "chapter3_jeep.json", *renderer, cancel);
   ASSERT_TRUE(town.has_value()) << town.error().message;
-  const Expected<LabelledImage> scene = town->Draw(0);
+  const Expected<AnnotatedImage> scene = town->Draw(0);
   ASSERT_TRUE(scene.has_value());
   const LabelledObject* const jeep = scene->Find("jeep");
   ASSERT_NE(jeep, nullptr);

@@ -23,7 +23,8 @@ bool IsVisible(const cv::Mat& depth_m, const Eigen::Vector2d& place, double poin
 
 }  // namespace
 
-MatchTruth::MatchTruth(const LabelledImage& scene, std::string_view kind, std::span<const Point3> points, double size_m)
+MatchTruth::MatchTruth(const AnnotatedImage& scene, std::string_view kind, std::span<const Point3> points,
+                       double size_m)
     : points_(points.size()) {
   for (const LabelledObject& object : scene.objects) {
     if (object.model != kind) continue;

@@ -50,7 +50,7 @@ class MatchTruth {
   /// @param kind    name of the template's model
   /// @param points  3-D points of the template keypoints in the model frame, metres
   /// @param size_m  diagonal of the model's bounding box
-  MatchTruth(const LabelledImage& scene, std::string_view kind, std::span<const Point3> points, double size_m);
+  MatchTruth(const AnnotatedImage& scene, std::string_view kind, std::span<const Point3> points, double size_m);
 
   /// @param scene  the scene keypoint
   /// @param model  index of the template keypoint
