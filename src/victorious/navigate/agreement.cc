@@ -31,7 +31,7 @@ struct RelativeHypothesis {
 // The variance that the transfer of a hypothesis from one frame to another adds.
 class PropagationModel {
  public:
-  explicit PropagationModel(const Flight& flight) : flight_(flight) {}
+  explicit PropagationModel(const FlightInput& flight) : flight_(flight) {}
 
   [[nodiscard]] Vector6 Variance(std::size_t frame, std::size_t other) const {
     const double dt = std::abs(flight_.frames[frame].time_s - flight_.frames[other].time_s);
@@ -92,13 +92,13 @@ class PropagationModel {
   }
 
  private:
-  const Flight& flight_;
+  const FlightInput& flight_;
 };
 
 // The comparable hypotheses of one time window.
 class HypothesisWindow {
  public:
-  HypothesisWindow(const Flight& flight, std::span<const LandmarkSighting> sightings,
+  HypothesisWindow(const FlightInput& flight, std::span<const LandmarkSighting> sightings,
                    const PropagationModel& propagation)
       : flight_(flight), sightings_(sightings), propagation_(propagation) {}
 
@@ -202,13 +202,13 @@ class HypothesisWindow {
 
   static constexpr double kLandmarkWeight = 3;
 
-  const Flight& flight_;
+  const FlightInput& flight_;
   std::span<const LandmarkSighting> sightings_;
   const PropagationModel& propagation_;
 };
 
 // Interpolates between frames of known pose: the place linearly, the attitude by slerp; extrapolates as constant.
-void FillGaps(const Flight& flight, const std::vector<bool>& known, std::vector<FlightState>& states) {
+void FillGaps(const FlightInput& flight, const std::vector<bool>& known, std::vector<FlightState>& states) {
   std::optional<std::size_t> before;
   for (std::size_t k = 0; k <= states.size(); ++k) {
     if (k < states.size() && !known[k]) continue;
@@ -248,7 +248,7 @@ PoseHypothesis PoseFromSighting(const LandmarkSighting& sighting, const FlightLa
 }
 
 std::vector<std::optional<std::size_t>> FindConsensusAssociation(
-    const Flight& flight, std::span<const FlightLandmark> landmarks, std::span<const LandmarkSighting> sightings,
+    const FlightInput& flight, std::span<const FlightLandmark> landmarks, std::span<const LandmarkSighting> sightings,
     const Candidates& candidates, const std::vector<bool>& wrong, const NavigateOptions& options) {
   const PropagationModel propagation(flight);
   std::vector<std::optional<std::size_t>> landmark_by_sighting(sightings.size());
@@ -284,7 +284,7 @@ std::vector<std::optional<std::size_t>> FindConsensusAssociation(
   return landmark_by_sighting;
 }
 
-std::vector<FlightState> EstimateInitialStates(const Flight& flight, std::span<const FlightLandmark> landmarks,
+std::vector<FlightState> EstimateInitialStates(const FlightInput& flight, std::span<const FlightLandmark> landmarks,
                                                std::span<const LandmarkSighting> sightings,
                                                std::span<const std::optional<std::size_t>> landmark_by_sighting) {
   const PropagationModel propagation(flight);

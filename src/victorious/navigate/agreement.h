@@ -38,13 +38,13 @@ PoseHypothesis PoseFromSighting(const LandmarkSighting& sighting, const FlightLa
 /// @param wrong      one per landmark: true for landmarks that are excluded from the association
 /// @return one per sighting: index of the landmark; std::nullopt for an outlier
 std::vector<std::optional<std::size_t>> FindConsensusAssociation(
-    const Flight& flight, std::span<const FlightLandmark> landmarks, std::span<const LandmarkSighting> sightings,
+    const FlightInput& flight, std::span<const FlightLandmark> landmarks, std::span<const LandmarkSighting> sightings,
     const Candidates& candidates, const std::vector<bool>& wrong, const NavigateOptions& options);
 
 /// Initial states for the smoother, one per frame: from the associated sightings where there are any; else from
 /// telemetry corrected by the offset at the nearest such frame, or without telemetry interpolated linearly between
 /// them.
-std::vector<FlightState> EstimateInitialStates(const Flight& flight, std::span<const FlightLandmark> landmarks,
+std::vector<FlightState> EstimateInitialStates(const FlightInput& flight, std::span<const FlightLandmark> landmarks,
                                                std::span<const LandmarkSighting> sightings,
                                                std::span<const std::optional<std::size_t>> landmark_by_sighting);
 

@@ -22,7 +22,7 @@ struct Prediction {
   double variance_m2 = 0;
 };
 
-Prediction PredictPosition(const Flight& flight, std::size_t told_frame, const LandmarkSighting& sighting) {
+Prediction PredictPosition(const FlightInput& flight, std::size_t told_frame, const LandmarkSighting& sighting) {
   const FlightSigmas& sigmas = flight.sigmas;
   const FlightFrame& frame = flight.frames[told_frame];
   const double walked_s = frame.time_s - flight.frames.front().time_s;
@@ -58,7 +58,7 @@ std::vector<std::size_t> NearbyLandmarks(const Prediction& predicted, std::span<
 
 }  // namespace
 
-Candidates::Candidates(const Flight& flight, std::span<const FlightLandmark> landmarks,
+Candidates::Candidates(const FlightInput& flight, std::span<const FlightLandmark> landmarks,
                        std::span<const std::vector<std::size_t>> landmarks_by_model,
                        std::span<const LandmarkSighting> sightings, const NavigateOptions& options)
     : landmarks_by_model_(landmarks_by_model), nearby_(sightings.size()) {

@@ -17,7 +17,7 @@ class Candidates {
  public:
   /// Computes the candidates of all sightings.
   /// @param landmarks_by_model  landmark indices by model; must outlive this object
-  Candidates(const Flight& flight, std::span<const FlightLandmark> landmarks,
+  Candidates(const FlightInput& flight, std::span<const FlightLandmark> landmarks,
              std::span<const std::vector<std::size_t>> landmarks_by_model, std::span<const LandmarkSighting> sightings,
              const NavigateOptions& options);
 

@@ -49,7 +49,7 @@ class CandidatesTest : public ::testing::Test {
     return {of.begin(), of.end()};
   }
 
-  Flight flight_;
+  FlightInput flight_;
   std::vector<FlightLandmark> landmarks_;
   std::vector<std::vector<std::size_t>> of_models_;
   LandmarkSighting sighting_;

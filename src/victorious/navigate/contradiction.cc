@@ -20,14 +20,14 @@ constexpr double kMarginS = 4;
 // The flight while one landmark is in view, estimated from only that landmark.
 class SingleLandmarkFlight {
  public:
-  SingleLandmarkFlight(const Flight& flight, const FlightLandmark& landmark,
+  SingleLandmarkFlight(const FlightInput& flight, const FlightLandmark& landmark,
                        std::span<const LandmarkSighting> sightings, const SightingIndices& own) {
     const double begin_s = flight.frames[sightings[own.front()].frame].time_s - kMarginS;
     const double end_s = flight.frames[sightings[own.back()].frame].time_s + kMarginS;
     const auto first = std::ranges::lower_bound(flight.frames, begin_s, {}, &FlightFrame::time_s);
     const auto last = std::ranges::upper_bound(flight.frames, end_s, {}, &FlightFrame::time_s);
     first_ = static_cast<std::size_t>(first - flight.frames.begin());
-    Flight part{.frames = {first, last}, .sigmas = flight.sigmas, .has_telemetry = flight.has_telemetry};
+    FlightInput part{.frames = {first, last}, .sigmas = flight.sigmas, .has_telemetry = flight.has_telemetry};
     std::vector<LandmarkSighting> seen;
     std::vector<SightingConstraint> constraints;
     for (const std::size_t i : own) {
@@ -104,7 +104,7 @@ int TestConsistency(const SingleLandmarkFlight& single_flight, std::span<const L
 
 // The cost of a flight by all landmarks that are not wrong, minus the costs of their separate flights: their
 // inconsistency.
-double InconsistencyCost(const Flight& flight, std::span<const FlightLandmark> landmarks,
+double InconsistencyCost(const FlightInput& flight, std::span<const FlightLandmark> landmarks,
                          std::span<const LandmarkSighting> sightings,
                          std::span<const std::optional<std::size_t>> landmark_by_sighting,
                          const std::vector<bool>& wrong, const std::map<std::size_t, double>& separate_costs) {
@@ -131,7 +131,7 @@ double InconsistencyCost(const Flight& flight, std::span<const FlightLandmark> l
 
 }  // namespace
 
-std::vector<bool> FindContradictions(const Flight& flight, std::span<const FlightLandmark> landmarks,
+std::vector<bool> FindContradictions(const FlightInput& flight, std::span<const FlightLandmark> landmarks,
                                      std::span<const LandmarkSighting> sightings,
                                      std::span<const std::optional<std::size_t>> landmark_by_sighting,
                                      const NavigateOptions& options) {

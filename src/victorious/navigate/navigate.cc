@@ -84,8 +84,8 @@ FlightSigmas MakeFlightSigmas(const NavigationInput& input, const NavigateOption
       .angular_rate_change_rad_s = RadiansFromDegrees(options.motion.angular_rate_change_deg_s)};
 }
 
-Flight MakeFlight(const NavigationInput& input, const TangentPlane& plane, const NavigateOptions& options) {
-  Flight flight{.frames = {}, .sigmas = MakeFlightSigmas(input, options)};
+FlightInput MakeFlight(const NavigationInput& input, const TangentPlane& plane, const NavigateOptions& options) {
+  FlightInput flight{.frames = {}, .sigmas = MakeFlightSigmas(input, options)};
   const RowNoise noise = EstimateRowNoise(input.rows, options.telemetry);
   const auto measured = static_cast<double>(
       std::ranges::count_if(input.frames, [](const NavigationFrame& frame) { return frame.measured.has_value(); }));
@@ -347,7 +347,7 @@ class Navigator {
   const NavigateOptions& options_;
   Matrix3d common_covariance_;  // covariance of the error common to all landmarks' places
   TangentPlane plane_;
-  Flight flight_;
+  FlightInput flight_;
   std::vector<FlightLandmark> landmarks_;
   std::vector<LandmarkSighting> sightings_;           // with information reduced for correlation
   std::span<const LandmarkSighting> full_sightings_;  // with their full information

@@ -68,7 +68,7 @@ Matrix12 MotionInformation(double dt, const FlightSigmas& sigmas) {
 
 class Smoother {
  public:
-  Smoother(const Flight& flight, std::span<const FlightLandmark> landmarks,
+  Smoother(const FlightInput& flight, std::span<const FlightLandmark> landmarks,
            std::span<const SightingConstraint> constraints)
       : flight_(flight), landmarks_(landmarks), constraints_(constraints) {
     for (const FlightLandmark& landmark : landmarks) {
@@ -266,7 +266,7 @@ class Smoother {
     return student_t.cost;
   }
 
-  const Flight& flight_;
+  const FlightInput& flight_;
   std::span<const FlightLandmark> landmarks_;
   std::span<const SightingConstraint> constraints_;
   std::vector<Matrix6> landmark_information_;
@@ -310,7 +310,7 @@ double CountObservedDimensions(const Matrix6& information) {
   return static_cast<double>((information.diagonal().array() > 0).count());
 }
 
-std::optional<SmoothedFlight> SmoothFlight(const Flight& flight, std::span<const FlightLandmark> landmarks,
+std::optional<SmoothedFlight> SmoothFlight(const FlightInput& flight, std::span<const FlightLandmark> landmarks,
                                            std::span<const SightingConstraint> constraints,
                                            std::vector<FlightState> start) {
   constexpr int kMaxSteps = 40;

@@ -77,7 +77,7 @@ struct FlightSigmas {
   double angular_rate_change_rad_s = 0;  ///< of the random walk, after one second
 };
 
-struct Flight {
+struct FlightInput {
   std::vector<FlightFrame> frames;
   FlightSigmas sigmas;
   bool has_telemetry = false;  ///< true if any frame has telemetry: the offsets are then unknowns
@@ -95,7 +95,7 @@ struct SmoothedFlight {
 /// @param start      one per frame: within the convergence region
 /// @param landmarks  only those with at least one constraint
 /// @return std::nullopt if the equations cannot be solved
-std::optional<SmoothedFlight> SmoothFlight(const Flight& flight, std::span<const FlightLandmark> landmarks,
+std::optional<SmoothedFlight> SmoothFlight(const FlightInput& flight, std::span<const FlightLandmark> landmarks,
                                            std::span<const SightingConstraint> constraints,
                                            std::vector<FlightState> start);
 

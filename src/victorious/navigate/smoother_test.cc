@@ -55,7 +55,7 @@ TEST(Smoother, BridgesFramesWithoutSightings) {
   const FlightState truth = DrawnState(random);
   const Rigid3 landmark{RotationFromVector(Drawn(random, 1)),
                         truth.place + truth.camera_from_enu.conjugate() * Vector3d(1, 2, 90)};
-  Flight flight;
+  FlightInput flight;
   for (int k = 0; k < 11; ++k) flight.frames.push_back({1.0 * k, std::nullopt});
   flight.sigmas = {.speed_m_s = 10, .speed_change_m_s = 1, .angular_rate_rad_s = 0.2, .angular_rate_change_rad_s = 0.1};
   Matrix6 information = Matrix6::Identity() * 1e4;
@@ -79,16 +79,16 @@ TEST(Smoother, BridgesFramesWithoutSightings) {
 
 TEST(Smoother, TellsOffsetsFromNoise) {
   Random random(7);
-  Flight flight{.frames = {},
-                .sigmas = {.offset_position_m = 10,
-                           .offset_attitude_rad = 0.05,
-                           .drift_position_m = 0.01,
-                           .drift_attitude_rad = 1e-4,
-                           .speed_m_s = 10,
-                           .speed_change_m_s = 0.1,
-                           .angular_rate_rad_s = 0.2,
-                           .angular_rate_change_rad_s = 0.1},
-                .has_telemetry = true};
+  FlightInput flight{.frames = {},
+                     .sigmas = {.offset_position_m = 10,
+                                .offset_attitude_rad = 0.05,
+                                .drift_position_m = 0.01,
+                                .drift_attitude_rad = 1e-4,
+                                .speed_m_s = 10,
+                                .speed_change_m_s = 0.1,
+                                .angular_rate_rad_s = 0.2,
+                                .angular_rate_change_rad_s = 0.1},
+                     .has_telemetry = true};
   FlightState truth;
   const Attitude attitude{1.2, -0.9, 0.1};
   truth.camera_from_enu = CameraFromEnu(attitude);

@@ -1,4 +1,4 @@
-#include "victorious/simulate/plot.h"
+#include "victorious/simulate/parcel.h"
 
 #include <array>
 #include <cmath>
@@ -28,155 +28,155 @@ constexpr std::array<string_view, 4> kYardGround = {"gravel", "concrete", "brick
 
 constexpr double kBorderM = 10.6;  // distance of the hedges from the centre of a square
 
-void PutTrees(Plot& plot, double probability, std::initializer_list<Vector2d> places) {
-  for (const Vector2d& place : places) plot.PutWithProbability(probability, kTrees, place.x(), place.y(), 0, 1.2);
+void PutTrees(Parcel& parcel, double probability, std::initializer_list<Vector2d> places) {
+  for (const Vector2d& place : places) parcel.PutWithProbability(probability, kTrees, place.x(), place.y(), 0, 1.2);
 }
 
 // Four rows of parking bays, as painted on the tile.
-void FurnishParking(Plot& plot) {
+void FurnishParking(Parcel& parcel) {
   constexpr std::array<double, 4> kRowsM = {9.3, 1.3, -1.7, -9.7};
   constexpr double kFirstBayM = -9.625;
   constexpr double kBayM = 2.75;
   for (const double row : kRowsM) {
     for (int bay = 0; bay < 8; ++bay) {
-      plot.PutWithProbability(0.85, kCars, kFirstBayM + bay * kBayM, row, plot.DrawBool(0.5) ? 0 : 180, 0.25);
+      parcel.PutWithProbability(0.85, kCars, kFirstBayM + bay * kBayM, row, parcel.DrawBool(0.5) ? 0 : 180, 0.25);
     }
   }
 }
 
-void FurnishPark(Plot& plot) {
-  PutTrees(plot, 0.9, {{-9, 9}, {-8, -2}, {-9, -9}, {2, -9}, {8, -8}, {7, 1}, {9, 9.5}, {-4, 10}, {4, -3}});
-  for (const double y : {-7.0, 0.0, 7.0}) plot.PutWithProbability(0.5, kHedge, -11.2, y, 0);
+void FurnishPark(Parcel& parcel) {
+  PutTrees(parcel, 0.9, {{-9, 9}, {-8, -2}, {-9, -9}, {2, -9}, {8, -8}, {7, 1}, {9, 9.5}, {-4, 10}, {4, -3}});
+  for (const double y : {-7.0, 0.0, 7.0}) parcel.PutWithProbability(0.5, kHedge, -11.2, y, 0);
 }
 
-void FurnishCourt(Plot& plot) {
-  PutTrees(plot, 1.2, {{-7.6, 7.6}, {8.4, 7.6}, {-7.6, -8.4}, {8.4, -8.4}});
-  for (const double x : {-4.0, 4.6}) plot.PutWithProbability(0.9, kLamp, x, 0.5, x < 0 ? 90 : 270);
-  for (const double y : {-3.0, 3.0}) plot.PutWithProbability(0.5, kStuff, 10, y, 20, 0.8);
+void FurnishCourt(Parcel& parcel) {
+  PutTrees(parcel, 1.2, {{-7.6, 7.6}, {8.4, 7.6}, {-7.6, -8.4}, {8.4, -8.4}});
+  for (const double x : {-4.0, 4.6}) parcel.PutWithProbability(0.9, kLamp, x, 0.5, x < 0 ? 90 : 270);
+  for (const double y : {-3.0, 3.0}) parcel.PutWithProbability(0.5, kStuff, 10, y, 20, 0.8);
 }
 
-void FurnishSports(Plot& plot) {
+void FurnishSports(Parcel& parcel) {
   for (const double y : {-8.0, -2.0, 4.0}) {
-    for (const double x : {-9.6, 9.6}) plot.Put("props/fence", x, y, 0);
+    for (const double x : {-9.6, 9.6}) parcel.Put("props/fence", x, y, 0);
   }
-  PutTrees(plot, 0.8, {{-11, 11}, {11, 11}, {-11, -11}, {11, -11}});
+  PutTrees(parcel, 0.8, {{-11, 11}, {11, 11}, {-11, -11}, {11, -11}});
 }
 
-void FurnishYard(Plot& plot) {
-  for (const double x : {-9.0, -6.0, -3.0, 0.0}) plot.PutWithProbability(0.8, kContainers, x, -7.5, 0, 0.3);
-  plot.PutWithProbability(0.7, kContainers, 8.5, 7, 90, 0.6);
+void FurnishYard(Parcel& parcel) {
+  for (const double x : {-9.0, -6.0, -3.0, 0.0}) parcel.PutWithProbability(0.8, kContainers, x, -7.5, 0, 0.3);
+  parcel.PutWithProbability(0.7, kContainers, 8.5, 7, 90, 0.6);
   for (const Vector2d& place : {Vector2d(4, 9), {9, 3}, {6, 0}, {10, -4}, {-10, 0}, {-2, 2}, {3, -9}}) {
-    plot.PutWithProbability(0.6, kStuff, place.x(), place.y(), plot.random().Uniform(0, 360), 1.5);
+    parcel.PutWithProbability(0.6, kStuff, place.x(), place.y(), parcel.random().Uniform(0, 360), 1.5);
   }
 }
 
-void FurnishSite(Plot& plot) {
-  for (const double x : {-9.0, -3.0, 3.0, 9.0}) plot.Put("props/fence", x, -11.6, 90);
+void FurnishSite(Parcel& parcel) {
+  for (const double x : {-9.0, -3.0, 3.0, 9.0}) parcel.Put("props/fence", x, -11.6, 90);
   for (const Vector2d& place : {Vector2d(-9, 8), {-5, 3}, {0, 9}, {9, -4}, {4, -7}, {-1, -6}, {7, 2}, {-10, -3}}) {
-    plot.PutWithProbability(0.6, kStuff, place.x(), place.y(), plot.random().Uniform(0, 360), 1.5);
+    parcel.PutWithProbability(0.6, kStuff, place.x(), place.y(), parcel.random().Uniform(0, 360), 1.5);
   }
-  plot.PutWithProbability(0.8, kContainers, -7, -3, 75, 0.5);
+  parcel.PutWithProbability(0.8, kContainers, -7, -3, 75, 0.5);
 }
 
-void FurnishHomes(Plot& plot) {
-  if (plot.DrawBool(0.5)) plot.LayMaterial(plot.Pick(kYardGround));
-  for (const double x : {-6.0, 6.0}) plot.PutWithProbability(1.4, kHouses, x, -1.5, 0);
-  for (const double x : {-7.8, 7.8}) plot.PutWithProbability(0.9, kHedge, x, kBorderM, 90);
-  plot.PutWithProbability(0.9, kCars, 0.3, 8.5, 0, 0.4);
-  PutTrees(plot, 0.8, {{-10.5, -10.5}, {0, -10.5}, {10.5, -10.5}, {-3.8, 8.5}, {10.5, 8}, {-10.8, 8}});
-  plot.PutWithProbability(0.3, kStuff, 3, 8.8, 30, 0.5);
+void FurnishHomes(Parcel& parcel) {
+  if (parcel.DrawBool(0.5)) parcel.LayMaterial(parcel.Pick(kYardGround));
+  for (const double x : {-6.0, 6.0}) parcel.PutWithProbability(1.4, kHouses, x, -1.5, 0);
+  for (const double x : {-7.8, 7.8}) parcel.PutWithProbability(0.9, kHedge, x, kBorderM, 90);
+  parcel.PutWithProbability(0.9, kCars, 0.3, 8.5, 0, 0.4);
+  PutTrees(parcel, 0.8, {{-10.5, -10.5}, {0, -10.5}, {10.5, -10.5}, {-3.8, 8.5}, {10.5, 8}, {-10.8, 8}});
+  parcel.PutWithProbability(0.3, kStuff, 3, 8.8, 30, 0.5);
 }
 
 // A row of cars in front of the building, and trees beside them.
-void FurnishForecourt(Plot& plot) {
-  for (double x = -8.2; x < 9; x += 2.75) plot.PutWithProbability(0.7, kCars, x, 8, plot.DrawBool(0.5) ? 0 : 180, 0.3);
-  PutTrees(plot, 0.9, {{-11, 6}, {11, 6}, {-11, -11}, {11, -11}});
-  plot.PutWithProbability(0.9, kLamp, 0, 11, 180);
+void FurnishForecourt(Parcel& parcel) {
+  for (double x = -8.2; x < 9; x += 2.75) parcel.PutWithProbability(0.7, kCars, x, 8, parcel.DrawBool(0.5) ? 0 : 180, 0.3);
+  PutTrees(parcel, 0.9, {{-11, 6}, {11, 6}, {-11, -11}, {11, -11}});
+  parcel.PutWithProbability(0.9, kLamp, 0, 11, 180);
 }
 
-void FurnishFlats(Plot& plot) {
-  plot.LayMaterial("concrete");
-  plot.Put("buildings/flats", 0, -4.5, 90);
-  FurnishForecourt(plot);
+void FurnishFlats(Parcel& parcel) {
+  parcel.LayMaterial("concrete");
+  parcel.Put("buildings/flats", 0, -4.5, 90);
+  FurnishForecourt(parcel);
 }
 
-void FurnishOffices(Plot& plot) {
-  plot.LayMaterial(plot.DrawBool(0.5) ? "brick" : "asphalt");
-  plot.Put("buildings/offices", 0, -4, 90);
-  FurnishForecourt(plot);
+void FurnishOffices(Parcel& parcel) {
+  parcel.LayMaterial(parcel.DrawBool(0.5) ? "brick" : "asphalt");
+  parcel.Put("buildings/offices", 0, -4, 90);
+  FurnishForecourt(parcel);
 }
 
-void FurnishShop(Plot& plot) {
-  plot.LayMaterial("asphalt");
-  plot.Put("buildings/shop", 0, -3.5, 0);
-  for (const double y : {-8.0, 0.0}) plot.PutWithProbability(0.6, kStuff, 10, y, 0, 0.5);
-  FurnishForecourt(plot);
+void FurnishShop(Parcel& parcel) {
+  parcel.LayMaterial("asphalt");
+  parcel.Put("buildings/shop", 0, -3.5, 0);
+  for (const double y : {-8.0, 0.0}) parcel.PutWithProbability(0.6, kStuff, 10, y, 0, 0.5);
+  FurnishForecourt(parcel);
 }
 
 // The warehouse is longer than a square: it extends over the verge of the street.
-void FurnishWarehouse(Plot& plot) {
-  plot.LayMaterial("concrete");
-  plot.Put("buildings/warehouse", 0, 2, 0);
-  for (const double y : {-7.0, 0.0, 7.0}) plot.PutWithProbability(0.6, kStuff, 10.8, y, 0, 0.2);
-  for (const double y : {-8.0, 3.0}) plot.PutWithProbability(0.6, kContainers, -10.8, y, 0, 0.1);
+void FurnishWarehouse(Parcel& parcel) {
+  parcel.LayMaterial("concrete");
+  parcel.Put("buildings/warehouse", 0, 2, 0);
+  for (const double y : {-7.0, 0.0, 7.0}) parcel.PutWithProbability(0.6, kStuff, 10.8, y, 0, 0.2);
+  for (const double y : {-8.0, 3.0}) parcel.PutWithProbability(0.6, kContainers, -10.8, y, 0, 0.1);
 }
 
-void FurnishGarages(Plot& plot) {
-  plot.LayMaterial(plot.DrawBool(0.5) ? "concrete" : "asphalt");
-  plot.Put("buildings/garages", -8.6, -1, 90);
-  plot.Put("buildings/garages", 8.6, -1, 270);
+void FurnishGarages(Parcel& parcel) {
+  parcel.LayMaterial(parcel.DrawBool(0.5) ? "concrete" : "asphalt");
+  parcel.Put("buildings/garages", -8.6, -1, 90);
+  parcel.Put("buildings/garages", 8.6, -1, 270);
   for (const double y : {-8.0, -2.0, 4.0}) {
-    plot.PutWithProbability(0.4, kCars, -2.5, y, 20, 0.5);
-    plot.PutWithProbability(0.4, kCars, 2.5, y + 2, 170, 0.5);
+    parcel.PutWithProbability(0.4, kCars, -2.5, y, 20, 0.5);
+    parcel.PutWithProbability(0.4, kCars, 2.5, y + 2, 170, 0.5);
   }
-  for (const double x : {-9.0, -3.0, 3.0, 9.0}) plot.PutWithProbability(0.8, kHedge, x, -11.4, 90);
+  for (const double x : {-9.0, -3.0, 3.0, 9.0}) parcel.PutWithProbability(0.8, kHedge, x, -11.4, 90);
 }
 
-void FurnishTower(Plot& plot) {
-  plot.LayMaterial("gravel");
-  plot.Put("buildings/water_tower", 0, 0, 0);
-  for (const double x : {-6.5, 0.0, 6.5}) plot.Put("props/fence", x, 9.5, 90);
+void FurnishTower(Parcel& parcel) {
+  parcel.LayMaterial("gravel");
+  parcel.Put("buildings/water_tower", 0, 0, 0);
+  for (const double x : {-6.5, 0.0, 6.5}) parcel.Put("props/fence", x, 9.5, 90);
   for (const Vector2d& place : {Vector2d(-7, 6), {7, 6}, {-7, -7}, {7, -5}}) {
-    plot.PutWithProbability(0.6, kCrates, place.x(), place.y(), 0, 1.0);
+    parcel.PutWithProbability(0.6, kCrates, place.x(), place.y(), 0, 1.0);
   }
-  PutTrees(plot, 0.8, {{-10.5, -10.5}, {10.5, -10.5}});
+  PutTrees(parcel, 0.8, {{-10.5, -10.5}, {10.5, -10.5}});
 }
 
-void FurnishGreen(Plot& plot) {
+void FurnishGreen(Parcel& parcel) {
   for (int i = 0; i < 9; ++i) {
-    plot.PutWithProbability(0.8, kTrees, plot.random().Uniform(-10, 10), plot.random().Uniform(-10, 10), 0, 0.5);
+    parcel.PutWithProbability(0.8, kTrees, parcel.random().Uniform(-10, 10), parcel.random().Uniform(-10, 10), 0, 0.5);
   }
 }
 
-void FurnishPad(Plot& plot) {
+void FurnishPad(Parcel& parcel) {
   for (const Vector2d& place : {Vector2d(-10.5, -10.5), {10.5, -10.5}, {10.5, 10}, {-10.5, 3}}) {
-    plot.PutWithProbability(0.7, kCrates, place.x(), place.y(), 0, 0.8);
+    parcel.PutWithProbability(0.7, kCrates, place.x(), place.y(), 0, 0.8);
   }
 }
 
 }  // namespace
 
-Vector2d Plot::InTown(double x_m, double y_m) const {
+Vector2d Parcel::InTown(double x_m, double y_m) const {
   const double heading = turns_ * kPi / 2;
   return middle_m_ +
          Vector2d(x_m * std::cos(heading) + y_m * std::sin(heading), y_m * std::cos(heading) - x_m * std::sin(heading));
 }
 
-void Plot::Place(const std::string& asset, double x_m, double y_m, double heading_rad) {
+void Parcel::Place(const std::string& asset, double x_m, double y_m, double heading_rad) {
   placements_.push_back({.asset = "town/" + asset,
                          .place_m = InTown(x_m, y_m),
                          .bottom_m = 0,
                          .heading_rad = heading_rad + turns_ * kPi / 2});
 }
 
-void Plot::LayTile(string_view tile) { Place(fmt::format("tiles/{}", tile), 0, 0, 0); }
+void Parcel::LayTile(string_view tile) { Place(fmt::format("tiles/{}", tile), 0, 0, 0); }
 
-void Plot::LayMaterial(string_view material) {
+void Parcel::LayMaterial(string_view material) {
   constexpr double kLotSideM = 20;
   placements_.push_back({.asset = fmt::format("town/ground/{}", material), .place_m = middle_m_, .side_m = kLotSideM});
 }
 
-void Plot::Put(string_view asset, double x_m, double y_m, double heading_deg, double jitter_m) {
+void Parcel::Put(string_view asset, double x_m, double y_m, double heading_deg, double jitter_m) {
   const double x = x_m + jitter_m * random_.Uniform(-1, 1);
   const double y = y_m + jitter_m * random_.Uniform(-1, 1);
   constexpr double kJitterRadPerM = 0.12;  // maximum change of heading per metre of position jitter
@@ -185,58 +185,58 @@ void Plot::Put(string_view asset, double x_m, double y_m, double heading_deg, do
   Place(std::string(asset), x, y, heading);
 }
 
-void Plot::PutWithProbability(double probability, std::span<const string_view> assets, double x_m, double y_m,
-                              double heading_deg, double jitter_m) {
+void Parcel::PutWithProbability(double probability, std::span<const string_view> assets, double x_m, double y_m,
+                                double heading_deg, double jitter_m) {
   // Draws all random numbers in either case: a lower density removes placements but does not change the others.
   const bool stands = random_.Uniform() < probability * density_;
   const string_view asset = Pick(assets);
   if (stands) Put(asset, x_m, y_m, heading_deg, jitter_m);
 }
 
-void FurnishStreet(Plot& plot) {
-  const double kind = plot.random().Uniform();
-  plot.LayTile(kind < 0.2 ? "road_crossing" : kind < 0.35 ? "road_bus" : "road_straight");
+void FurnishStreet(Parcel& parcel) {
+  const double kind = parcel.random().Uniform();
+  parcel.LayTile(kind < 0.2 ? "road_crossing" : kind < 0.35 ? "road_bus" : "road_straight");
   const bool parked = kind >= 0.2;
   for (const double y : {-9.0, -3.0, 3.0, 9.0}) {
-    if (parked && kind >= 0.35) plot.PutWithProbability(0.55, kCars, -3.4, y, 180, 0.2);
-    if (parked) plot.PutWithProbability(0.55, kCars, 3.4, y, 0, 0.2);
-    PutTrees(plot, 0.45, {{-9.5, y}, {9.5, y}});
+    if (parked && kind >= 0.35) parcel.PutWithProbability(0.55, kCars, -3.4, y, 180, 0.2);
+    if (parked) parcel.PutWithProbability(0.55, kCars, 3.4, y, 0, 0.2);
+    PutTrees(parcel, 0.45, {{-9.5, y}, {9.5, y}});
   }
-  if (kind < 0.2) plot.PutWithProbability(0.8, kCars, 2.1, -7, 0, 0.2);  // a car waiting at the crossing
-  if (!parked || kind >= 0.35) plot.PutWithProbability(0.6, kLamp, 6.4, -6, 270);
-  if (parked && kind < 0.35) plot.Put("props/bus_stop", -6.2, 1, 0);
-  plot.PutWithProbability(0.6, kLamp, -6.4, 6, 90);
-  plot.PutWithProbability(0.4, kHedge, 11, 0, 0);
+  if (kind < 0.2) parcel.PutWithProbability(0.8, kCars, 2.1, -7, 0, 0.2);  // a car waiting at the crossing
+  if (!parked || kind >= 0.35) parcel.PutWithProbability(0.6, kLamp, 6.4, -6, 270);
+  if (parked && kind < 0.35) parcel.Put("props/bus_stop", -6.2, 1, 0);
+  parcel.PutWithProbability(0.6, kLamp, -6.4, 6, 90);
+  parcel.PutWithProbability(0.4, kHedge, 11, 0, 0);
 }
 
-void FurnishJunction(Plot& plot) {
-  plot.LayTile("road_junction");
-  plot.PutWithProbability(0.6, kCars, 2.1, -10, 0, 0.2);
-  plot.PutWithProbability(0.6, kCars, -2.1, 10, 180, 0.2);
-  plot.PutWithProbability(0.5, kCars, -10, -2.1, 90, 0.2);
-  PutTrees(plot, 0.7, {{-10, 10}, {10, 10}, {-10, -10}, {10, -10}});
+void FurnishJunction(Parcel& parcel) {
+  parcel.LayTile("road_junction");
+  parcel.PutWithProbability(0.6, kCars, 2.1, -10, 0, 0.2);
+  parcel.PutWithProbability(0.6, kCars, -2.1, 10, 180, 0.2);
+  parcel.PutWithProbability(0.5, kCars, -10, -2.1, 90, 0.2);
+  PutTrees(parcel, 0.7, {{-10, 10}, {10, 10}, {-10, -10}, {10, -10}});
 }
 
-void FurnishTile(Plot& plot, string_view tile) {
-  plot.LayTile(tile);
-  if (tile == "parking") FurnishParking(plot);
-  if (tile == "park") FurnishPark(plot);
-  if (tile == "court") FurnishCourt(plot);
-  if (tile == "sports") FurnishSports(plot);
-  if (tile == "yard") FurnishYard(plot);
-  if (tile == "site") FurnishSite(plot);
-  if (tile == "apron" || tile == "helipad") FurnishPad(plot);
+void FurnishTile(Parcel& parcel, string_view tile) {
+  parcel.LayTile(tile);
+  if (tile == "parking") FurnishParking(parcel);
+  if (tile == "park") FurnishPark(parcel);
+  if (tile == "court") FurnishCourt(parcel);
+  if (tile == "sports") FurnishSports(parcel);
+  if (tile == "yard") FurnishYard(parcel);
+  if (tile == "site") FurnishSite(parcel);
+  if (tile == "apron" || tile == "helipad") FurnishPad(parcel);
 }
 
-void FurnishSquare(Plot& plot, bool at_street) {
+void FurnishSquare(Parcel& parcel, bool at_street) {
   constexpr std::array<string_view, 12> kTiles = {"parking", "parking", "parking", "park", "park",  "court",
                                                   "sports",  "yard",    "yard",    "site", "apron", "helipad"};
   constexpr std::array kBuilt = {&FurnishHomes,   &FurnishHomes,   &FurnishHomes,    &FurnishFlats, &FurnishFlats,
                                  &FurnishOffices, &FurnishOffices, &FurnishShop,     &FurnishShop,  &FurnishGarages,
                                  &FurnishTower,   &FurnishGreen,   &FurnishWarehouse};
-  if (plot.DrawBool(0.4)) return FurnishTile(plot, plot.Pick(kTiles));
+  if (parcel.DrawBool(0.4)) return FurnishTile(parcel, parcel.Pick(kTiles));
   const auto last = static_cast<std::uint32_t>(kBuilt.size() - (at_street ? 0 : 1));  // the last needs a street
-  kBuilt[plot.random().Below(last)](plot);
+  kBuilt[parcel.random().Below(last)](parcel);
 }
 
 }  // namespace victorious

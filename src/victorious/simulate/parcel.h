@@ -15,9 +15,9 @@ namespace victorious {
 
 /// One square of the town with its own frame: x to the right, y to its front (the side of the street), from -12 m to
 /// 12 m; headings clockwise from y.
-class Plot {
+class Parcel {
  public:
-  Plot(const Eigen::Vector2d& middle_m, int turns, Random random, double density, std::vector<Placement>& placements)
+  Parcel(const Eigen::Vector2d& middle_m, int turns, Random random, double density, std::vector<Placement>& placements)
       : middle_m_(middle_m), turns_(turns), random_(random), density_(density), placements_(placements) {}
 
   /// Covers the square with an asset of town/tiles.
@@ -50,11 +50,11 @@ class Plot {
 };
 
 /// A street along y; a junction.
-void FurnishStreet(Plot& plot);
-void FurnishJunction(Plot& plot);
+void FurnishStreet(Parcel& parcel);
+void FurnishJunction(Parcel& parcel);
 /// Any other square, chosen at random; `at_street`: its front faces a street.
-void FurnishSquare(Plot& plot, bool at_street);
+void FurnishSquare(Parcel& parcel, bool at_street);
 /// A tile that the scene specifies, with its contents: cars in a car park, trees in a park. Other tiles stay empty.
-void FurnishTile(Plot& plot, std::string_view tile);
+void FurnishTile(Parcel& parcel, std::string_view tile);
 
 }  // namespace victorious

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "victorious/base/random.h"
-#include "victorious/simulate/plot.h"
+#include "victorious/simulate/parcel.h"
 
 namespace victorious {
 namespace {
@@ -31,18 +31,18 @@ Random MakeSquareRandom(int column, int row, std::uint64_t seed) {
 
 void PlanSquare(int column, int row, const SceneTown& town, std::vector<Placement>& placements) {
   const Vector2d middle_m = kSquareSideM * Vector2d(column, row);
-  const auto plot = [&](int turns) {
-    return Plot(middle_m, turns, MakeSquareRandom(column, row, town.seed), town.density, placements);
+  const auto parcel = [&](int turns) {
+    return Parcel(middle_m, turns, MakeSquareRandom(column, row, town.seed), town.density, placements);
   };
   const auto is_here = [&](const SceneTile& tile) { return tile.column == column && tile.row == row; };
   if (const auto chosen = std::ranges::find_if(town.tiles, is_here); chosen != town.tiles.end()) {
-    Plot square = plot(chosen->turns);
+    Parcel square = parcel(chosen->turns);
     return FurnishTile(square, chosen->tile);
   }
   const bool along = IsMultiple(column, town.columns_per_street);
   const bool across = IsMultiple(row, town.rows_per_street);
   const std::optional<int> to_street = TurnsToStreet(column, row, town);
-  Plot square = plot(along || across ? (along ? 0 : 1) : to_street.value_or(0));
+  Parcel square = parcel(along || across ? (along ? 0 : 1) : to_street.value_or(0));
   if (along && across) return FurnishJunction(square);
   if (along || across) return FurnishStreet(square);
   FurnishSquare(square, to_street.has_value());
