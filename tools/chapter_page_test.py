@@ -75,7 +75,7 @@ class PageTest(unittest.TestCase):
 
     def test_large_pictures_are_refused(self):
         with tempfile.TemporaryDirectory() as name:
-            run = self.make("3", Path(name), chapter_page.MOST_PICTURE_BYTES + 1)
+            run = self.make("3", Path(name), chapter_page.MAX_IMAGE_BYTES + 1)
             self.assertEqual(run.returncode, 1)
             self.assertIn("must be at most", run.stderr)
 
