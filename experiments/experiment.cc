@@ -80,7 +80,7 @@ std::span<const Experiment> Experiments() {
                  &RunTableWindows},
       Experiment{"table-cad", "CAD models as training examples of a category, against a few photos", &RunTableCad},
       Experiment{"figure-calibration", "Calibration of detection scores", &RunFigureCalibration},
-      Experiment{"table-object_pose", "Errors of view and distance, by what is known of the camera", &RunTableStance},
+      Experiment{"table-object-pose", "Errors of view and distance, by what is known of the camera", &RunTableStance},
       Experiment{"table-cheyenne", "Places from a real flight's stares, against the recorded frame centres",
                  &RunTableCheyenne},
       Experiment{"table-brighton", "Agreement of the places of one object from several photos", &RunTableBrighton},
