@@ -6,31 +6,12 @@
 #include <utility>
 
 #include "victorious/associate/object_place.h"
-#include "victorious/geometry/angles.h"
-#include "victorious/geometry/camera.h"
-#include "victorious/geometry/lens.h"
-#include "victorious/observe/bearing_observation.h"
-#include "victorious/observe/object_pose.h"
+#include "victorious/observe/box_bearing.h"
 
 namespace victorious {
 namespace {
 
-using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-// Image point of a 3D point, px, and its ground sampling distance.
-struct Projection {
-  Vector2d pixel;
-  double m_per_px = 0;
-};
-
-std::optional<Projection> Project(const GeodeticPoint& point, const CameraState& camera, const cv::Size& image) {
-  const Vector3d in_camera = CameraFromEnu(*camera.attitude) * TangentPlane(camera.place).EnuFromGeodetic(point);
-  if (!(in_camera.z() > 0)) return std::nullopt;
-  const double focal_px = FocalLengthPx(*camera.hfov_rad, image.width);
-  const Vector2d shown = Distort(in_camera.hnormalized(), camera.distortion.value_or(LensDistortion{}));
-  return Projection{focal_px * shown + Vector2d(image.width / 2.0, image.height / 2.0), in_camera.z() / focal_px};
-}
 
 // Estimates the velocity by a least-squares line through the places within 1 s.
 void EstimateVelocity(std::span<std::optional<Geolocation>> places, std::size_t i) {
@@ -74,6 +55,11 @@ void EstimateVelocity(std::span<std::optional<Geolocation>> places, std::size_t 
   places[i]->velocity_covariance_enu = scatter / ((count - 2) * spread_s2);
 }
 
+// The place, unless so few lines of sight are its inliers that the track has drifted to something else.
+std::optional<Geolocation> AcceptedPlace(const ObjectPlace& found) {
+  return found.inlier_fraction >= kMinBoxInlierFraction ? found.place : std::nullopt;
+}
+
 void SetGround(const ObjectGround& ground, ObjectOptions& object) {
   object.locate.ground_sigma_m = ground.sigma_m;
   object.ground = ground.ground;
@@ -108,22 +94,6 @@ std::vector<std::optional<Geolocation>> IntersectGround(std::span<const BearingO
 }  // namespace
 
 void BoxPlaceOptions::ListFields(FieldList& fields) {
-  fields.Add("centre_fraction", centre_fraction,
-             {.min = 0,
-              .max = 1,
-              .reason = "standard deviation of an object's centre over the longer side of its box: how the box was "
-                        "drawn, and background within it"});
-  fields.Add("length_ratio", length_ratio,
-             {.min = 0.05,
-              .max = 2,
-              .reason = "ratio of the longer side of a box to that of its object, because of foreshortening"});
-  fields.Add("size_fraction", size_fraction,
-             {.min = 1e-3, .max = 10, .reason = "relative standard deviation of that ratio"});
-  fields.Add("min_inlier_fraction", min_inlier_fraction,
-             {.min = 0,
-              .max = 1,
-              .reason = "fraction of the lines of sight that must be inliers of a place; if fewer are, the track has "
-                        "drifted to something else"});
   fields.Add(
       "max_interval_s", max_interval_s,
       {.min = 0.5,
@@ -138,47 +108,22 @@ void BoxPlaceOptions::ListFields(FieldList& fields) {
   fields.AddGroup("locate", locate);
 }
 
-bool TouchesImageBorder(const Box& box, const cv::Size& image) {
-  constexpr double kMarginPx = 1;
-  return box.x < kMarginPx || box.y < kMarginPx || box.x + box.width > image.width - kMarginPx ||
-         box.y + box.height > image.height - kMarginPx;
-}
-
-std::optional<BearingObservation> MakeBoxBearingObservation(const Box& box, const cv::Size& image_size,
-                                                            const CameraState& camera, const ObjectType* type,
-                                                            std::int64_t recognition_id,
-                                                            const BoxPlaceOptions& options) {
-  ObservationOptions sight_options;
-  sight_options.category_centre_fraction = options.centre_fraction;
-  auto object_pose = EstimateBoxDirection(box, image_size, camera, sight_options);
-  if (!object_pose) return std::nullopt;
-  if (type != nullptr && type->length_m > 0 && !TouchesImageBorder(box, image_size)) {
-    const double side_px = std::max(box.width, box.height);
-    object_pose->range_m = object_pose->focal_px * options.length_ratio * type->length_m / side_px;
-    object_pose->sigma_range_m = std::hypot(options.size_fraction, type->length_fraction) * *object_pose->range_m;
-  }
-  std::optional<BearingObservation> observation = MakeBearingObservation(*object_pose, camera);
-  if (observation) observation->recognition_id = recognition_id;
-  return observation;
-}
-
 std::optional<Geolocation> LocateGroundPoint(std::span<const GroundPointObservation> spots,
                                              const CameraTrajectory& cameras, const cv::Size& image_size,
                                              const BoxPlaceOptions& options) {
-  constexpr double kPointBox_px = 8;  // box size; centre_fraction of it is the tracking error of the point
+  constexpr double kPointBox_px = 8;  // box size; kBoxCentreFraction of it is the tracking error of the point
   std::vector<BearingObservation> observations;
   for (const GroundPointObservation& spot : spots) {
     const std::optional<CameraState> camera = cameras.At(spot.time_s);
     if (!camera) continue;
     const Box about{spot.place.x() - kPointBox_px / 2, spot.place.y() - kPointBox_px / 2, kPointBox_px, kPointBox_px};
-    if (auto observation = MakeBoxBearingObservation(about, image_size, *camera, nullptr, 0, options))
+    if (auto observation = MakeBoxBearingObservation(about, image_size, *camera, nullptr, 0))
       observations.push_back(*std::move(observation));
   }
   ObjectOptions object;
   object.locate = options.locate;
   object.locate.motion = "static";
-  const ObjectPlace found = EstimatePlace(observations, object, 1);
-  return found.inlier_fraction >= options.min_inlier_fraction ? found.place : std::nullopt;
+  return AcceptedPlace(EstimatePlace(observations, object, 1));
 }
 
 ObjectGround ObjectGround::AtPlace(const Geolocation& place) {
@@ -197,8 +142,7 @@ std::vector<std::optional<Geolocation>> EstimateBoxPlaces(std::span<const Bearin
   if (motion == BoxMotion::kMoving && ground) return IntersectGround(observations, object);
   if (motion == BoxMotion::kStatic) object.locate.motion = "static";
   const ObjectPlace together = ground ? PlaceOnGround(observations, object) : EstimatePlace(observations, object, 1);
-  const std::optional<Geolocation> all =
-      together.inlier_fraction >= options.min_inlier_fraction ? together.place : std::nullopt;
+  const std::optional<Geolocation> all = AcceptedPlace(together);
   if (motion == BoxMotion::kUnknown && ground && !all) return IntersectGround(observations, object);
   if (motion != BoxMotion::kMoving && !(all && all->IsMoving())) {
     for (std::size_t i = 0; i < observations.size() && all; ++i)
@@ -217,34 +161,14 @@ std::vector<std::optional<Geolocation>> EstimateBoxPlaces(std::span<const Bearin
   for (std::size_t first = 0; first < observations.size();) {
     std::size_t end = first;
     while (end < observations.size() && stretch_of(observations[end]) == stretch_of(observations[first])) ++end;
-    const ObjectPlace found = EstimatePlace(observations.subspan(first, end - first), object, 1);
     const std::optional<Geolocation> place =
-        found.inlier_fraction >= options.min_inlier_fraction ? found.place : std::nullopt;
+        AcceptedPlace(EstimatePlace(observations.subspan(first, end - first), object, 1));
     for (std::size_t i = first; i < end; ++i) {
       places[i] = place ? PropagatePlace(*place, observations[i].line.time_s) : LocateSingle(observations[i], object);
     }
     first = end;
   }
   return places;
-}
-
-std::optional<PredictedBox> PredictBox(const GeodeticPoint& place, const Box& before, const CameraState& camera_before,
-                                       const CameraState& camera, const cv::Size& image_size) {
-  if (!camera_before.IsComplete() || !camera.IsComplete()) return std::nullopt;
-  constexpr double kNorthM = 1;
-  const GeodeticPoint north = TangentPlane(place).GeodeticFromEnu({0, kNorthM, 0});
-  const auto was = Project(place, camera_before, image_size);
-  const auto was_north = Project(north, camera_before, image_size);
-  const auto is = Project(place, camera, image_size);
-  const auto is_north = Project(north, camera, image_size);
-  if (!was || !was_north || !is || !is_north) return std::nullopt;
-  const double scale = was->m_per_px / is->m_per_px;
-  const Vector2d from = was_north->pixel - was->pixel;
-  const Vector2d to = is_north->pixel - is->pixel;
-  const double width = scale * before.width;
-  const double height = scale * before.height;
-  return PredictedBox{{is->pixel.x() - width / 2, is->pixel.y() - height / 2, width, height},
-                      WrapAngle(std::atan2(to.y(), to.x()) - std::atan2(from.y(), from.x()))};
 }
 
 bool IsConsistentWithPlace(const BearingObservation& observation, const Geolocation& place,

@@ -7,6 +7,7 @@
 
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/observe/box_bearing.h"
 
 namespace victorious {
 namespace {
@@ -55,8 +56,8 @@ std::vector<BearingObservation> Fly(const Flight& flight, const ObjectType* type
     const double side_px = 320 / std::tan(RadiansFromDegrees(10)) * seen_fraction * flight.length_m / range_m;
     const double x = middle->box.x + 5 + off_x * side_px;
     const double y = middle->box.y + 3 + off_y * side_px;
-    const auto observation = MakeBoxBearingObservation({x - side_px / 2, y - side_px / 3, side_px, side_px / 1.5},
-                                                       kImage, camera, type, 1, {});
+    const auto observation =
+        MakeBoxBearingObservation({x - side_px / 2, y - side_px / 3, side_px, side_px / 1.5}, kImage, camera, type, 1);
     EXPECT_TRUE(observation);
     observations.push_back(*observation);
   }
@@ -74,8 +75,7 @@ TEST(BoxPlace, WhatStandsIsInsideItsEllipsoid) {
   int inside = 0;
   for (int seed = 0; seed < kFlights; ++seed) {
     const Flight flight{.seed = static_cast<std::uint64_t>(seed) + 7};
-    const auto places =
-        EstimateBoxPlaces(Fly(flight, nullptr, BoxPlaceOptions().centre_fraction), BoxMotion::kUnknown, {}, Exact());
+    const auto places = EstimateBoxPlaces(Fly(flight, nullptr, kBoxCentreFraction), BoxMotion::kUnknown, {}, Exact());
     ASSERT_TRUE(places.front() && places.back());
     const Vector3d error = TangentPlane(kOrigin).EnuFromGeodetic(places.back()->point);
     inside += error.dot(places.back()->covariance_enu_m2.inverse() * error) < kChiSquared90Of3 ? 1 : 0;
@@ -189,23 +189,6 @@ TEST(BoxPlace, ABuildingIsNotTakenToMove) {
     ASSERT_TRUE(place);
     EXPECT_FALSE(place->IsMoving());
   }
-}
-
-TEST(BoxPlace, IsExpectedWhereItStandsAndAsLargeAsItIsFar) {
-  const Flight flight;
-  const CameraState before = CameraAt(flight, 0);
-  CameraState near = CameraAt(flight, 3);
-  near.place = TangentPlane(kOrigin).GeodeticFromEnu({0, -35, 50});
-  near.attitude = Attitude{0, -std::atan2(50.0, 35.0), 0};
-  const auto seen = PredictBox(kOrigin, {300, 200, 30, 20}, before, near, kImage);
-  ASSERT_TRUE(seen);
-  EXPECT_NEAR(seen->box.x + seen->box.width / 2, 320, 0.01);
-  EXPECT_NEAR(seen->box.y + seen->box.height / 2, 240, 0.01);
-  EXPECT_NEAR(seen->box.width, 30 * Vector3d(-60, -70, 100).norm() / Vector3d(0, -35, 50).norm(), 0.3);
-  near.attitude->pitch_rad = 1;
-  EXPECT_FALSE(PredictBox(kOrigin, {300, 200, 30, 20}, before, near, kImage)) << "behind the camera";
-  near.hfov_rad.reset();
-  EXPECT_FALSE(PredictBox(kOrigin, {300, 200, 30, 20}, before, near, kImage));
 }
 
 TEST(BoxPlace, WhatStandsElsewhereIsAnotherObject) {

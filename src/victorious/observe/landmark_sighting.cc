@@ -13,27 +13,18 @@
 
 namespace victorious {
 
-void LandmarkSightingOptions::ListFields(FieldList& fields) {
-  fields.Add("min_rotation_sigma_deg", min_rotation_sigma_deg,
-             {.min = 1e-3,
-              .max = 90,
-              .unit = "deg",
-              .reason = "minimum standard deviation of a landmark's rotation in one frame"});
-  fields.Add(
-      "reference_points", reference_points,
-      {.min = 0,
-       .max = 1e4,
-       .unit = "points",
-       .reason =
-           "adds the square of this over the number of matched points, in degrees, to that standard deviation: up to a "
-           "third of this number of points may be matched to a wrong view, three times this number never are"});
-}
-
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+
+// Residuals of this many standard deviations have half weight: as in the pose fit without MLESAC's weights
+// (geolocate/object_pose.cc).
+constexpr double kCauchyScale = 2;
+
+// Standard deviation of the weak prior for unobserved directions, m: far above any range.
+constexpr double kUnobservedSigma_m = 1e4;
 
 struct Residual {
   Vector2d off;  // in standard deviations
@@ -70,15 +61,14 @@ Matrix6 PoseCovariance(const ObjectPose& object_pose, const ObservationOptions& 
   const Matrix3d across = Matrix3d::Identity() - object_pose.direction * object_pose.direction.transpose();
   Matrix6 information = Matrix6::Zero();
   for (const Residual& residual : residuals) {
-    constexpr double kCauchyScale = 2;
     const double weight = 1 / (1 + residual.off.squaredNorm() / (kCauchyScale * kCauchyScale));
     information += weight / (factor * factor) * residual.jacobian.transpose() * residual.jacobian;
   }
   information.topLeftCorner<3, 3>() += across / std::pow(RadiansFromDegrees(options.view_sigma_deg), 2);
-  constexpr double kPriorSigmaM = 1e4;  // weak prior for unobserved directions
-  information.diagonal().array() += Eigen::Array<double, 6, 1>(
-      (Vector6() << Vector3d::Constant(1 / (kPi * kPi)), Vector3d::Constant(1 / (kPriorSigmaM * kPriorSigmaM)))
-          .finished());
+  information.diagonal().array() +=
+      Eigen::Array<double, 6, 1>((Vector6() << Vector3d::Constant(1 / (kPi * kPi)),
+                                  Vector3d::Constant(1 / (kUnobservedSigma_m * kUnobservedSigma_m)))
+                                     .finished());
   return information.llt().solve(Matrix6::Identity());
 }
 

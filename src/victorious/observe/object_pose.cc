@@ -14,75 +14,15 @@
 
 namespace victorious {
 
-void ObservationOptions::ListFields(FieldList& fields) {
-  fields.Add("point_sigma_px", point_sigma_px,
-             {.min = 1e-3,
-              .max = 100,
-              .unit = "px",
-              .reason = "standard deviation of a matched keypoint's position in the frame"});
-  fields.Add(
-      "view_sigma_deg", view_sigma_deg,
-      {.min = 1e-3,
-       .max = 180,
-       .unit = "deg",
-       .reason =
-           "standard deviation of the direction of view from that of the matched view: views are 10 degrees apart"});
-  fields.Add("up_sigma_deg", up_sigma_deg,
-             {.min = 1e-3,
-              .max = 180,
-              .unit = "deg",
-              .reason = "standard deviation of an object's up axis from the vertical, if telemetry gives the attitude; "
-                        "180 allows any orientation"});
-  fields.Add(
-      "min_view_sigma_deg", min_view_sigma_deg,
-      {.min = 0,
-       .max = 180,
-       .unit = "deg",
-       .reason = "minimum standard deviation of the direction of view: errors of matched points are correlated"});
-  fields.Add("min_sigma_px", min_sigma_px,
-             {.min = 0,
-              .max = 100,
-              .unit = "px",
-              .reason = "minimum standard deviation of an object's centre, for the same reason"});
-  fields.Add("min_range_fraction", min_range_fraction,
-             {.min = 0, .max = 1, .reason = "minimum relative standard deviation of the range, for the same reason"});
-  fields.Add("hypotheses", hypotheses,
-             {.min = 0,
-              .max = 10000,
-              .reason = "maximum number of three-point pose hypotheses; 0 takes every match as an inlier"});
-  fields.Add(
-      "photo_centre_fraction", photo_centre_fraction,
-      {.min = 0,
-       .max = 1,
-       .unit = "",
-       .reason = "standard deviation of a photo object's centre over its size: another side has another centre"});
-  fields.Add(
-      "photo_range_fraction", photo_range_fraction,
-      {.min = 1e-3,
-       .max = 10,
-       .unit = "",
-       .reason =
-           "relative standard deviation of the range of a photo object of known length, because of foreshortening"});
-  fields.Add("drift_px", drift_px,
-             {.min = 0,
-              .max = 100,
-              .unit = "px",
-              .reason = "standard deviation of an object's centre added by each frame in which it is only tracked"});
-  fields.Add(
-      "drift_range_fraction", drift_range_fraction,
-      {.min = 0, .max = 1, .unit = "", .reason = "relative standard deviation of the range added by each such frame"});
-  fields.Add("category_centre_fraction", category_centre_fraction,
-             {.min = 0,
-              .max = 1,
-              .unit = "",
-              .reason = "standard deviation of the centre of a category's object over the longer side of its box"});
-}
-
 namespace {
 
 using Eigen::Quaterniond;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+
+// Field of view where that of the camera is unknown (ADR 0012): it scales the distance, but hardly affects the
+// rotation, because the object is small in the image.
+constexpr double kAssumedFov_rad = 0.5;
 
 // Normalised image plane (z = 1) with the lens undistorted; square pixels, principal point at the image centre.
 class ImagePlane {
@@ -152,24 +92,24 @@ std::optional<ObjectPose> EstimatePoseFromPoints(const Detection& detection, con
                                  {.sigma = options.point_sigma_px / image.focal_px(),
                                   .sigma_view_rad = RadiansFromDegrees(options.view_sigma_deg),
                                   .up_in_camera = up_in_camera,
-                                  .sigma_up_rad = RadiansFromDegrees(options.up_sigma_deg),
-                                  .hypotheses = options.hypotheses});
+                                  .sigma_up_rad = RadiansFromDegrees(kUpSigma_deg),
+                                  .hypotheses = kPoseHypotheses});
   if (!fit) return std::nullopt;
   const Rigid3& camera_from_object = fit->camera_from_object;
   const ViewDirection seen_from =
       DirectionFromVector(camera_from_object.rotation.conjugate() * -camera_from_object.translation);
   const double range_m = camera_from_object.translation.norm();
-  return ObjectPose{.direction = camera_from_object.translation / range_m,
-                    .sigma_rad = std::hypot(fit->sigma_angle_rad, options.min_sigma_px / image.focal_px()),
-                    .range_m = range_m,
-                    .sigma_range_m = std::hypot(fit->sigma_range_m, options.min_range_fraction * range_m),
-                    .camera_from_object = camera_from_object,
-                    .points = std::move(points),
-                    .focal_px = image.focal_px(),
-                    .view = ViewEstimate{
-                        .angles = {seen_from.azimuth_rad, seen_from.off_nadir_rad},
-                        .in_plane_rad = InPlaneRotation(camera_from_object, seen_from),
-                        .sigma_rad = std::hypot(fit->sigma_view_rad, RadiansFromDegrees(options.min_view_sigma_deg))}};
+  return ObjectPose{
+      .direction = camera_from_object.translation / range_m,
+      .sigma_rad = std::hypot(fit->sigma_angle_rad, options.min_sigma_px / image.focal_px()),
+      .range_m = range_m,
+      .sigma_range_m = std::hypot(fit->sigma_range_m, options.min_range_fraction * range_m),
+      .camera_from_object = camera_from_object,
+      .points = std::move(points),
+      .focal_px = image.focal_px(),
+      .view = ViewEstimate{.angles = {seen_from.azimuth_rad, seen_from.off_nadir_rad},
+                           .in_plane_rad = InPlaneRotation(camera_from_object, seen_from),
+                           .sigma_rad = std::hypot(fit->sigma_view_rad, RadiansFromDegrees(kMinViewSigma_deg))}};
 }
 
 cv::Size ImageSize(const FeatureSet& scene) { return {scene.image_width, scene.image_height}; }
@@ -184,17 +124,16 @@ std::optional<ObjectPose> EstimateBearingFromOutline(const Detection& detection,
       ApplyHomography(detection.fit.scene_from_template_plane, {box.x + box.width / 2, box.y + box.height / 2});
   const double size_px = detection.fit.scene_from_template.scale * std::max(box.width, box.height);
   if (!middle.allFinite() || !(size_px > 0)) return std::nullopt;
-  ObjectPose seen{
-      .direction = image.DirectionOf(middle),
-      .sigma_rad = std::hypot(options.photo_centre_fraction * size_px, options.min_sigma_px) / image.focal_px(),
-      .range_m = std::nullopt,
-      .camera_from_object = std::nullopt,
-      .points = {},
-      .focal_px = image.focal_px(),
-      .view = std::nullopt};
+  ObjectPose seen{.direction = image.DirectionOf(middle),
+                  .sigma_rad = std::hypot(kPhotoCentreFraction * size_px, options.min_sigma_px) / image.focal_px(),
+                  .range_m = std::nullopt,
+                  .camera_from_object = std::nullopt,
+                  .points = {},
+                  .focal_px = image.focal_px(),
+                  .view = std::nullopt};
   if (model.length_m) {
     seen.range_m = image.focal_px() * *model.length_m / size_px;
-    seen.sigma_range_m = options.photo_range_fraction * *seen.range_m;
+    seen.sigma_range_m = kPhotoRangeFraction * *seen.range_m;
   }
   return seen;
 }
@@ -217,10 +156,8 @@ std::optional<ObjectPose> EstimateObjectPose(const Detection& detection, const O
     if (!object_pose && model.kind != "cad") object_pose = EstimateBearingFromOutline(detection, model, image, options);
     return object_pose;
   }
-  // An assumed field of view scales the distance, but hardly affects the rotation: the object is small in the image.
-  constexpr double kAssumedFovRad = 0.5;
   std::optional<ObjectPose> object_pose = EstimatePoseFromPoints(
-      detection, model, scene, {ImageSize(scene), kAssumedFovRad, std::nullopt}, options, up_in_camera);
+      detection, model, scene, {ImageSize(scene), kAssumedFov_rad, std::nullopt}, options, up_in_camera);
   if (object_pose) object_pose->range_m.reset();
   return object_pose;
 }
@@ -234,14 +171,13 @@ void AddTrackingDrift(ObjectPose& object_pose, int frames, const ObservationOpti
 }
 
 std::optional<ObjectPose> EstimateBoxDirection(const Box& box, const cv::Size& image_size, const CameraState& camera,
-                                               const ObservationOptions& options) {
+                                               double centre_fraction) {
   if (!camera.hfov_rad) return std::nullopt;
   const ImagePlane image(image_size, *camera.hfov_rad, camera.distortion);
   const double size_px = std::max(box.width, box.height);
   ObjectPose object_pose;
   object_pose.direction = image.DirectionOf({box.x + box.width / 2, box.y + box.height / 2});
-  object_pose.sigma_rad =
-      std::hypot(options.category_centre_fraction * size_px, options.min_sigma_px) / image.focal_px();
+  object_pose.sigma_rad = std::hypot(centre_fraction * size_px, kMinCentreSigma_px) / image.focal_px();
   object_pose.focal_px = image.focal_px();
   return object_pose;
 }

@@ -3,7 +3,7 @@
 //
 // - Models with 3D points (CAD): perspective-n-point on the matched points (geolocate/object_pose.h) gives all 6 DoF.
 //   This interpolates the direction of view between the rendered views, which are 10 degrees apart. If the vertical is
-//   known, a prior keeps the object upright within `up_sigma_deg`. The direction is that to the centre of the bounding
+//   known, a prior keeps the object upright within kUpSigma_deg. The direction is that to the centre of the bounding
 //   box.
 // - Photos: the direction is that to the centre of the outline; a range only if the object's length is known.
 #pragma once
@@ -14,7 +14,6 @@
 #include <Eigen/Core>
 #include <opencv2/core/types.hpp>
 
-#include "victorious/base/options.h"
 #include "victorious/geolocate/object_pose.h"
 #include "victorious/geometry/box.h"
 #include "victorious/geometry/rigid3.h"
@@ -25,21 +24,37 @@
 
 namespace victorious {
 
-struct ObservationOptions {
-  double point_sigma_px = 1.0;
-  double view_sigma_deg = 8.0;
-  double up_sigma_deg = 3.0;
-  double min_view_sigma_deg = 1.0;
-  double min_sigma_px = 0.3;
-  double min_range_fraction = 0.015;
-  int hypotheses = 100;
-  double photo_centre_fraction = 0.1;
-  double photo_range_fraction = 0.3;
-  double category_centre_fraction = 0.25;
-  double drift_px = 0.05;
-  double drift_range_fraction = 0.002;
+/// Standard deviation of an object's up axis from the vertical, if telemetry gives the attitude (ADR 0012).
+inline constexpr double kUpSigma_deg = 3.0;
 
-  void ListFields(FieldList& fields);
+/// Minimum standard deviation of the direction of view: errors of matched points are correlated (ADR 0012).
+inline constexpr double kMinViewSigma_deg = 1.0;
+
+/// Minimum standard deviation of an object's centre, for the same reason.
+inline constexpr double kMinCentreSigma_px = 0.3;
+
+/// Maximum number of three-point pose hypotheses.
+inline constexpr int kPoseHypotheses = 100;
+
+/// Standard deviation of a photo object's centre over its size (another side has another centre), and relative standard
+/// deviation of the range of one of known length (foreshortening). Chosen, not fitted.
+inline constexpr double kPhotoCentreFraction = 0.1;
+inline constexpr double kPhotoRangeFraction = 0.3;
+
+/// Standard deviation of the centre of a category's object over the longer side of its box. Chosen larger than that of
+/// a box drawn by a user (kBoxCentreFraction): in a video the object need not fill the box.
+inline constexpr double kCategoryCentreFraction = 0.25;
+
+/// Errors of an object pose. Not user parameters: they follow from the features and from the spacing of views.
+struct ObservationOptions {
+  /// Standard deviation of a matched keypoint's position in the frame, px. 1.5 and 2 px give larger view errors over
+  /// the three development movies (ADR 0012).
+  double point_sigma_px = 1.0;
+  double view_sigma_deg = 8.0;  ///< of the direction of view from that of the matched view: views are 10 degrees apart
+  double min_sigma_px = kMinCentreSigma_px;  ///< minimum standard deviation of the centre, px
+  double min_range_fraction = 0.015;         ///< minimum relative standard deviation of the range (ADR 0012)
+  double drift_px = 0.05;  ///< standard deviation of the centre added by each frame in which it is only tracked, px
+  double drift_range_fraction = 0.002;  ///< relative standard deviation of the range added by each such frame
 };
 
 /// Direction of view of an object.
@@ -82,8 +97,9 @@ void AddTrackingDrift(ObjectPose& object_pose, int frames, const ObservationOpti
 
 /// Direction to the centre of a box, without further knowledge of its content. std::nullopt if the camera's field of
 /// view is unknown.
-/// @param image_size  of the frame, px
+/// @param image_size       of the frame, px
+/// @param centre_fraction  standard deviation of the object's centre over the longer side of the box
 std::optional<ObjectPose> EstimateBoxDirection(const Box& box, const cv::Size& image_size, const CameraState& camera,
-                                               const ObservationOptions& options);
+                                               double centre_fraction);
 
 }  // namespace victorious

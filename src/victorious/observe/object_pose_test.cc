@@ -137,14 +137,13 @@ TEST(ObjectPose, AModelWithoutPointsHasNone) {
 
 TEST(ObjectPose, OfABoxIsTheDirectionToItsMiddle) {
   const CameraState camera{.hfov_rad = kPi / 2};  // tan(hfov / 2) = 1
-  const auto object_pose =
-      EstimateBoxDirection({300, 150, 100, 60}, {400, 300}, camera, {.category_centre_fraction = 0.1});
+  const auto object_pose = EstimateBoxDirection({300, 150, 100, 60}, {400, 300}, camera, 0.1);
   ASSERT_TRUE(object_pose);
   EXPECT_TRUE(object_pose->direction.isApprox(Eigen::Vector3d(150, 30, 200).normalized(), 1e-9))
       << object_pose->direction;
   EXPECT_NEAR(object_pose->sigma_rad, 10 / 200.0, 1e-3);
   EXPECT_FALSE(object_pose->range_m);
-  EXPECT_FALSE(EstimateBoxDirection({300, 150, 100, 60}, {400, 300}, {}, {}));
+  EXPECT_FALSE(EstimateBoxDirection({300, 150, 100, 60}, {400, 300}, {}, 0.1));
 }
 
 }  // namespace

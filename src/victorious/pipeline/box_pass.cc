@@ -15,7 +15,7 @@ std::optional<CameraState> BoxPlacePrior::CameraAt(const Frame& frame) const {
 bool BoxPlacePrior::IsInconsistent(std::size_t drawn, const Box& box, const Frame& frame) const {
   const auto camera = CameraAt(frame);
   if (!static_boxes_[drawn] || !camera) return false;
-  const auto observation = MakeBoxBearingObservation(box, frame.image.size(), *camera, nullptr, 0, options_);
+  const auto observation = MakeBoxBearingObservation(box, frame.image.size(), *camera, nullptr, 0);
   return observation && !IsConsistentWithPlace(*observation, static_boxes_[drawn]->place, options_);
 }
 

@@ -20,6 +20,7 @@
 #include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/box.h"
 #include "victorious/model/photo_model.h"
+#include "victorious/observe/box_bearing.h"
 #include "victorious/pipeline/box_sighting.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/telemetry/camera_track.h"

@@ -18,7 +18,7 @@ class ContactSheet : public ::testing::Test {
  protected:
   void SetUp() override {
     IndexOptions options;
-    options.runs.gap_s = 0.3;  // the crate returns after a longer gap, as another object
+    options.tracklets.gap_s = 0.3;  // the crate returns after a longer gap, as another object
     options.follow.enabled = false;
     const auto report =
         Indexer::Create(flight_.Models(), options).value().Index({.video = flight_.video()}, CancelToken(), *store_);

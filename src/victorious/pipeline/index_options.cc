@@ -32,9 +32,8 @@ void IndexOptions::ListSearchFields(FieldList& fields) {
   fields.AddGroup("categories", categories);
   fields.AddGroup("daylight", daylight);
   fields.AddGroup("telemetry", telemetry);
-  fields.AddGroup("sight", observation);
   fields.AddGroup("follow", follow);
-  fields.AddGroup("runs", runs);
+  fields.AddGroup("tracklets", tracklets);
   fields.AddGroup("keep", keep);
   fields.Add("live_wait_s", live_wait_s,
              {.min = 0,

@@ -39,7 +39,7 @@ struct IndexOptions {
   TelemetryOptions telemetry;
   ObservationOptions observation;
   FollowOptions follow;
-  TrackletOptions runs;
+  TrackletOptions tracklets;
   ObjectOptions objects;
   GroundOptions ground;
   KeepOptions keep;

@@ -160,7 +160,7 @@ TEST(Indexer, OtherParametersAreRefusedAndChangeNothing) {
   ratio.options.recognize.match.ratio = 0.7;
   RunSetup edge;
   edge.options.features.edge_threshold = 12;
-  edge.options.runs.gap_s = 3;
+  edge.options.tracklets.gap_s = 3;
   for (const auto& [run, difference] : {std::pair<RunSetup, std::string>{ratio, "match.ratio was 0.8, is 0.7"},
                                         std::pair<RunSetup, std::string>{edge, "edge_threshold was 20.0, is 12.0"}}) {
     // A changed model does not drop stored results before it has been searched for.
@@ -498,12 +498,12 @@ TEST(Indexer, RefusesWhatItCannotSearchWith) {
   const DrawnFlight flight(ShortFlight(2));
   IndexOptions options;
   options.every = 0;
-  options.runs.min_overlap = 1.5;
+  options.tracklets.gap_s = -1;
   const Expected<Indexer> out_of_range = Indexer::Create(flight.Models(), options);
   ASSERT_FALSE(out_of_range);
   EXPECT_EQ(out_of_range.error().code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(out_of_range.error().message,
-              AllOf(HasSubstr("every = 0"), HasSubstr("runs.min_overlap = 1.5"), Not(HasSubstr("\n"))));
+              AllOf(HasSubstr("every = 0"), HasSubstr("tracklets.gap_s = -1"), Not(HasSubstr("\n"))));
   ObjectModel other = flight.Model(0);
   other.engine = "someone-elses";
   const Expected<Indexer> other_engine = Indexer::Create({other}, {});

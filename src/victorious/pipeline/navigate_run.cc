@@ -33,11 +33,9 @@ void NavigateVideoOptions::ListFields(FieldList& fields) {
   recognize.ListFields(fields);
   fields.AddGroup("daylight", daylight);
   fields.AddGroup("telemetry", telemetry);
-  fields.AddGroup("sight", observation);
   fields.AddGroup("follow", follow);
   fields.AddGroup("landmark_list", list);
   navigate.ListFields(fields);
-  fields.AddGroup("sighting", sighting);
   fields.Add("second_pass", second_pass,
              {.reason = "runs a second pass over the video if there is no telemetry, or if its attitude is off by a "
                         "degree or more: the second pass uses the estimated attitude for upright and relit templates"});

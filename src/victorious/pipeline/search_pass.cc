@@ -229,7 +229,7 @@ SightingRecord ToSighting(const SearchPass& pass, const Frame& frame, const Feat
 
 SightingRecord ToSighting(const SearchPass& pass, const FrameTask& work, const FoundCategory& found) {
   const CameraState known = work.camera.value_or(CameraState{});
-  const auto object_pose = EstimateBoxDirection(found.box, work.frame.image.size(), known, pass.options.observation);
+  const auto object_pose = EstimateBoxDirection(found.box, work.frame.image.size(), known, kCategoryCentreFraction);
   return {.video = pass.video.id,
           .model = *pass.category_ids[found.category],
           .frame = work.frame.index,
@@ -286,11 +286,11 @@ void Follow(const SearchPass& pass, std::optional<Follower>& follower, ImageMoti
 // Raises the gap of a tracklet to 2.5 searched frames, and to the number of frames that a track may miss.
 TrackletOptions MakeTrackletOptions(const SearchPass& pass, double frame_rate) {
   constexpr double kFrames = 2.5;
-  TrackletOptions runs = pass.options.runs;
+  TrackletOptions tracklets = pass.options.tracklets;
   const double frames = std::max(kFrames * pass.options.every,
                                  IsTrackingEnabled(pass) ? pass.options.follow.track.missed_frames + 1.5 : 0.0);
-  if (frame_rate > 0) runs.gap_s = std::max(runs.gap_s, frames / frame_rate);
-  return runs;
+  if (frame_rate > 0) tracklets.gap_s = std::max(tracklets.gap_s, frames / frame_rate);
+  return tracklets;
 }
 
 // Links and stores, in the order of frames. Serial.

@@ -233,8 +233,8 @@ class BoxTrackingRun {
         const auto camera = CameraAt(sighting);
         if (!camera) continue;
         const auto recognition = static_cast<std::int64_t>(sighting.video * boxes_.size() + drawn + 1);
-        sighting.observation = MakeBoxBearingObservation(sighting.extent, sizes_[sighting.video], *camera, type,
-                                                         recognition, options_.place);
+        sighting.observation =
+            MakeBoxBearingObservation(sighting.extent, sizes_[sighting.video], *camera, type, recognition);
         if (sighting.observation) seen[sighting.video].push_back(&sighting);
       }
       const BoxMotion motion = ClassifyMotion(drawn, type, seen[0]);
