@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 
 #include "victorious/geometry/angles.h"
+#include "victorious/geometry/unit_diagonal.h"
 
 namespace victorious {
 namespace {
@@ -16,14 +17,12 @@ struct Factors {
 };
 
 std::optional<Factors> Factorise(const Matrix6& covariance) {
-  constexpr double kFloor = 1e-12;
-  Factors factors;
-  factors.sigma_inverse = covariance.diagonal().cwiseSqrt().cwiseInverse();
-  if (!(covariance.diagonal().minCoeff() > 0) || !factors.sigma_inverse.allFinite()) return std::nullopt;
-  Matrix6 correlation = factors.sigma_inverse.asDiagonal() * covariance * factors.sigma_inverse.asDiagonal();
-  correlation.diagonal().array() += kFloor;
-  if (!correlation.allFinite()) return std::nullopt;
-  factors.correlation.compute(correlation);
+  constexpr double kFloor = 1e-12;  // reduces correlations numerically equal to 1
+  auto scaled = ScaleToUnitDiagonal(covariance);
+  if (!scaled) return std::nullopt;
+  scaled->matrix.diagonal().array() += kFloor;
+  Factors factors{.sigma_inverse = scaled->scale, .correlation = {}};
+  factors.correlation.compute(scaled->matrix);
   if (factors.correlation.info() != Eigen::Success) return std::nullopt;
   return factors;
 }
@@ -38,9 +37,9 @@ std::optional<Matrix6> InvertCovariance(const Matrix6& covariance) {
 }
 
 Matrix6 CovarianceFromInformation(const Matrix6& information) {
-  constexpr double kPriorSigmaM = 1e4;
+  constexpr double kPriorSigma_m = 1e4;
   Vector6 prior_variance;
-  prior_variance << Eigen::Vector3d::Constant(kPi * kPi), Eigen::Vector3d::Constant(kPriorSigmaM * kPriorSigmaM);
+  prior_variance << Eigen::Vector3d::Constant(kPi * kPi), Eigen::Vector3d::Constant(kPriorSigma_m * kPriorSigma_m);
   Matrix6 regular = information;
   regular.diagonal() += prior_variance.cwiseInverse();
   return InvertCovariance(regular).value_or(prior_variance.asDiagonal());

@@ -12,7 +12,8 @@ namespace victorious {
 std::optional<Matrix6> InvertCovariance(const Matrix6& covariance);
 
 /// The covariance of a sighting from its information matrix, regularised: components without information get a variance
-/// of pi^2 rad^2 (rotation) or 1e8 m^2 (translation).
+/// of pi^2 rad^2 (rotation) or 1e8 m^2 (translation). A matrix that is not an information matrix (not finite, or not
+/// positive semidefinite) is taken as no information: the result is those variances.
 Matrix6 CovarianceFromInformation(const Matrix6& information);
 
 /// The squared Mahalanobis distance; infinity if the matrix is not a covariance.

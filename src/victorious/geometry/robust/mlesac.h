@@ -29,6 +29,7 @@
 #include <vector>
 
 #include "victorious/base/random.h"
+#include "victorious/geometry/robust/sample_count.h"
 
 namespace victorious {
 
@@ -167,13 +168,9 @@ std::optional<MlesacResult<typename Estimator::Model>> Mlesac(const Estimator& e
       }
     }
     if (keep_if_better(estimator.FromSample(sample)) && !exhaustive) {
-      const double inlier_sample_probability = std::pow(best->gamma, static_cast<double>(kSample));
-      if (inlier_sample_probability < 1) {
-        const double num_needed = std::log(1 - settings.confidence) / std::log1p(-inlier_sample_probability);
-        const double limit = settings.max_hypotheses;  // may exceed the range of int
-        needed = std::min(settings.max_hypotheses,
-                          std::max(tried + 1, static_cast<int>(std::ceil(std::min(num_needed, limit)))));
-      }
+      const double limit = settings.max_hypotheses;  // the number needed may exceed the range of int
+      const double num_needed = std::min(limit, SamplesNeeded(best->gamma, kSample, settings.confidence));
+      needed = std::min(settings.max_hypotheses, std::max(tried + 1, static_cast<int>(std::ceil(num_needed))));
     }
   }
   if (!best) return std::nullopt;
