@@ -70,7 +70,9 @@ void LogSummary(const NavigationResult& run, const NavigateOptions& options) {
   spdlog::info(
       "{:.1f} ms per frame while landmarks are tracked, {:.1f} ms of CPU time; {:.2f} ms to estimate the trajectory",
       run.tracked_ms, run.tracked_cpu_ms, run.estimate_ms);
-  if (frames.empty()) spdlog::warn("no landmark recognised and no telemetry: the camera position is unknown");
+  if (run.navigation.status != NavigationStatus::kOk) {
+    spdlog::warn("{}: the camera position is unknown", ToText(kNavigationStatusTexts, run.navigation.status));
+  }
 }
 
 Status Run(const Arguments& arguments) {

@@ -17,6 +17,26 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
+// Two hypotheses agree below this squared Mahalanobis distance: 99.9 % of the chi-square distribution with 6 degrees of
+// freedom.
+constexpr double kHypothesisGate = 22.46;
+
+// Weight of a landmark's log number of sightings against the log-likelihood of telemetry: two landmarks that agree
+// outvote telemetry, one does not (ADR 0011). Chosen, not fitted.
+constexpr double kLandmarkWeight = 3;
+
+// The best hypothesis is clear if no other outside its gate has a score within this (log-likelihood). Chosen.
+constexpr double kMinScoreMargin = 1;
+
+// Maximum number of sightings of a window whose hypotheses are tried: bounds the cost, which grows with its square.
+constexpr std::size_t kMaxHypotheses = 120;
+
+// The transfer of a hypothesis within a window adds a standard deviation of at most kMaxHypothesisSigma_m over this.
+constexpr double kTransferRatio = 3;
+
+// Minimum drift of telemetry for the length of a window, m: the window stays finite.
+constexpr double kMinWindowDrift_m = 1e-6;
+
 // A pose hypothesis relative to telemetry's pose of the same frame: so hypotheses of different frames are comparable.
 struct RelativeHypothesis {
   std::size_t sighting = 0;
@@ -50,11 +70,11 @@ class PropagationModel {
   }
 
   /// The longest window in which the added variance stays small relative to that of a hypothesis.
-  [[nodiscard]] double WindowS(double max_hypothesis_sigma_m) const {
-    const double allowed_m = max_hypothesis_sigma_m / 3;
-    const double by_motion = allowed_m / flight_.sigmas.speed_m_s;
+  [[nodiscard]] double WindowS() const {
+    constexpr double kAllowed_m = kMaxHypothesisSigma_m / kTransferRatio;
+    const double by_motion = kAllowed_m / flight_.sigmas.speed_m_s;
     if (!flight_.has_telemetry) return by_motion;
-    return std::max(by_motion, std::pow(allowed_m / std::max(1e-6, flight_.sigmas.drift_position_m), 2));
+    return std::max(by_motion, std::pow(kAllowed_m / std::max(kMinWindowDrift_m, flight_.sigmas.drift_position_m), 2));
   }
 
   [[nodiscard]] RelativeHypothesis MakeRelative(const LandmarkSighting& sighting, std::size_t number,
@@ -118,14 +138,13 @@ class HypothesisWindow {
     std::vector<std::pair<double, std::size_t>> scores;  // of all hypotheses tried
     for (const std::size_t reference : Candidates()) {
       if (wrong[nodes[reference].landmark]) continue;
-      // Student's t distribution: large telemetry errors are rare, but possible.
       const double offset = TelemetryDistance(nodes[reference]);
-      ConsensusSet consensus{.reference = reference, .inliers = {}, .score = -6 * std::log1p(offset / 6)};
+      ConsensusSet consensus{.reference = reference, .inliers = {}, .score = TelemetryLogLikelihood(offset)};
       std::map<std::size_t, int> seen;  // number of sightings per landmark
       std::size_t n = 0;
       while (n < nodes.size()) {  // each sighting supports through its best-fitting landmark
         const std::size_t sighting = nodes[n].sighting;
-        double nearest = kGate;
+        double nearest = kHypothesisGate;
         std::optional<std::size_t> inlier;
         for (; n < nodes.size() && nodes[n].sighting == sighting; ++n) {
           if (wrong[nodes[n].landmark]) continue;
@@ -138,26 +157,28 @@ class HypothesisWindow {
         consensus.inliers.push_back(*inlier);
         seen[nodes[*inlier].landmark] += 1;
       }
-      if (seen.size() == 1 && offset > kGate) continue;  // a single landmark does not outvote telemetry
+      if (seen.size() == 1 && offset > kHypothesisGate) continue;  // a single landmark does not outvote telemetry
       for (const auto& [landmark, count] : seen) consensus.score += kLandmarkWeight * std::log1p(count);
       scores.emplace_back(consensus.score, reference);
       if (!best.reference || consensus.score > best.score) best = std::move(consensus);
     }
-    constexpr double kMinScoreMargin = 1;
     best.clear = std::ranges::none_of(scores, [&](const auto& other) {
       return other.first > best.score - kMinScoreMargin &&
-             HypothesisDistance(nodes[*best.reference], nodes[other.second]) > kGate;
+             HypothesisDistance(nodes[*best.reference], nodes[other.second]) > kHypothesisGate;
     });
     return best;
   }
 
  private:
-  static constexpr double kGate = 22.46;  // chi-square gate, 6 degrees of freedom, 99.9 %
+  // Student's t distribution of 6 components: large telemetry errors are rare, but possible.
+  [[nodiscard]] static double TelemetryLogLikelihood(double squared_distance) {
+    constexpr double kComponents = 6;
+    return -(kStudentDegreesOfFreedom + kComponents) / 2 * std::log1p(squared_distance / kStudentDegreesOfFreedom);
+  }
 
   // A subset of the hypotheses, spread over the window: all hypotheses of every n-th sighting, so that no landmark is
   // omitted.
   [[nodiscard]] std::vector<std::size_t> Candidates() const {
-    constexpr std::size_t kMaxHypotheses = 120;
     const std::size_t stride = nodes.size() / kMaxHypotheses + 1;
     std::vector<std::size_t> candidates;
     std::size_t sightings = 0;
@@ -177,7 +198,7 @@ class HypothesisWindow {
     // A lower bound of the Mahalanobis distance: the translation alone, with the variance of its widest axis bounded by
     // the trace.
     const double widest = a.place_variance + b.place_variance + added_variance.tail<3>().sum();
-    if ((a.place - b.place).squaredNorm() > kGate * widest) return std::numeric_limits<double>::infinity();
+    if ((a.place - b.place).squaredNorm() > kHypothesisGate * widest) return std::numeric_limits<double>::infinity();
     Vector6 difference;
     difference << VectorFromRotation(a.offset * b.offset.conjugate()), a.place - b.place;
     Matrix6 covariance = a.covariance + b.covariance;
@@ -199,8 +220,6 @@ class HypothesisWindow {
         std::pow(sigmas.offset_position_m, 2) + elapsed_s * std::pow(sigmas.drift_position_m, 2);
     return SquaredMahalanobis(difference, covariance);
   }
-
-  static constexpr double kLandmarkWeight = 3;
 
   const FlightInput& flight_;
   std::span<const LandmarkSighting> sightings_;
@@ -247,9 +266,11 @@ PoseHypothesis PoseFromSighting(const LandmarkSighting& sighting, const FlightLa
               by_known * landmark.prior_covariance * by_known.transpose()};
 }
 
-std::vector<std::optional<std::size_t>> FindConsensusAssociation(
-    const FlightInput& flight, std::span<const FlightLandmark> landmarks, std::span<const LandmarkSighting> sightings,
-    const Candidates& candidates, const std::vector<bool>& wrong, const NavigateOptions& options) {
+std::vector<std::optional<std::size_t>> FindConsensusAssociation(const FlightInput& flight,
+                                                                 std::span<const FlightLandmark> landmarks,
+                                                                 std::span<const LandmarkSighting> sightings,
+                                                                 const Candidates& candidates,
+                                                                 const std::vector<bool>& wrong) {
   const PropagationModel propagation(flight);
   std::vector<std::optional<std::size_t>> landmark_by_sighting(sightings.size());
   HypothesisWindow window(flight, sightings, propagation);
@@ -269,7 +290,7 @@ std::vector<std::optional<std::size_t>> FindConsensusAssociation(
     }
     window.nodes.clear();
   };
-  const double window_s = propagation.WindowS(options.max_hypothesis_sigma_m);
+  const double window_s = propagation.WindowS();
   for (std::size_t i = 0; i < sightings.size(); ++i) {
     const double time_s = flight.frames[sightings[i].frame].time_s;
     // Only the hypotheses of one window are held in memory.
@@ -277,7 +298,7 @@ std::vector<std::optional<std::size_t>> FindConsensusAssociation(
     for (const std::size_t landmark : candidates.LandmarksFor(i)) {
       const RelativeHypothesis node =
           propagation.MakeRelative(sightings[i], i, landmark, PoseFromSighting(sightings[i], landmarks[landmark]));
-      if (std::sqrt(node.place_variance / 3) <= options.max_hypothesis_sigma_m) window.nodes.push_back(node);
+      if (std::sqrt(node.place_variance / 3) <= kMaxHypothesisSigma_m) window.nodes.push_back(node);
     }
   }
   resolve_window();

@@ -17,10 +17,13 @@
 
 #include "victorious/navigate/candidates.h"
 #include "victorious/navigate/landmark.h"
-#include "victorious/navigate/navigate_options.h"
 #include "victorious/navigate/smoother.h"
 
 namespace victorious {
+
+/// Maximum position standard deviation of a camera pose hypothesis from one sighting, m: less accurate ones do not vote
+/// in the initial association, and are not associated later. Chosen; at 120 m it is a rotation of 7 degrees.
+inline constexpr double kMaxHypothesisSigma_m = 15;
 
 /// A hypothesis of the camera pose in the flight's tangent plane, with the covariance of (rotation about the plane's
 /// axes, translation).
@@ -37,9 +40,11 @@ PoseHypothesis PoseFromSighting(const LandmarkSighting& sighting, const FlightLa
 /// @param sightings  ordered by frame
 /// @param wrong      one per landmark: true for landmarks that are excluded from the association
 /// @return one per sighting: index of the landmark; std::nullopt for an outlier
-std::vector<std::optional<std::size_t>> FindConsensusAssociation(
-    const FlightInput& flight, std::span<const FlightLandmark> landmarks, std::span<const LandmarkSighting> sightings,
-    const Candidates& candidates, const std::vector<bool>& wrong, const NavigateOptions& options);
+std::vector<std::optional<std::size_t>> FindConsensusAssociation(const FlightInput& flight,
+                                                                 std::span<const FlightLandmark> landmarks,
+                                                                 std::span<const LandmarkSighting> sightings,
+                                                                 const Candidates& candidates,
+                                                                 const std::vector<bool>& wrong);
 
 /// Initial states for the smoother, one per frame: from the associated sightings where there are any; else from
 /// telemetry corrected by the offset at the nearest such frame, or without telemetry interpolated linearly between

@@ -12,7 +12,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::size_t kMinCandidates = 16;  // minimum number of candidates, however large the telemetry error
+// Minimum number of candidates, however large the telemetry error. Chosen: their number bounds the cost of a sighting.
+constexpr std::size_t kMinCandidates = 16;
 
 double Squared(double value) { return value * value; }
 
@@ -22,9 +23,9 @@ struct Prediction {
   double variance_m2 = 0;
 };
 
-Prediction PredictPosition(const FlightInput& flight, std::size_t told_frame, const LandmarkSighting& sighting) {
+Prediction PredictPosition(const FlightInput& flight, std::size_t measured_frame, const LandmarkSighting& sighting) {
   const FlightSigmas& sigmas = flight.sigmas;
-  const FlightFrame& frame = flight.frames[told_frame];
+  const FlightFrame& frame = flight.frames[measured_frame];
   const double walked_s = frame.time_s - flight.frames.front().time_s;
   const double apart_s = std::abs(flight.frames[sighting.frame].time_s - frame.time_s);
   const Vector3d& seen = sighting.camera_from_landmark.translation;

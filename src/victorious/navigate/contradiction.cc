@@ -14,16 +14,23 @@ namespace {
 
 using SightingIndices = std::vector<std::size_t>;  // indices of sightings
 
-// margin before and after a landmark is in view, in which the flight is still known to some degree
-constexpr double kMarginS = 4;
+// Margin before and after a landmark is in view, s, in which the flight is still known to some degree: after 3 s the
+// motion model's standard deviation of the place, 5 m/s sqrt(t^3 / 3), is kMaxHypothesisSigma_m.
+constexpr double kMargin_s = 4;
+
+// Number of another landmark's sightings that vote, those nearest in time: odd, and few enough that all are near.
+constexpr std::size_t kNumTested = 7;
+
+// An agreement counts only where the standard deviation of the place is below kMaxHypothesisSigma_m by this factor.
+constexpr double kSignificance = 3;
 
 // The flight while one landmark is in view, estimated from only that landmark.
 class SingleLandmarkFlight {
  public:
   SingleLandmarkFlight(const FlightInput& flight, const FlightLandmark& landmark,
                        std::span<const LandmarkSighting> sightings, const SightingIndices& own) {
-    const double begin_s = flight.frames[sightings[own.front()].frame].time_s - kMarginS;
-    const double end_s = flight.frames[sightings[own.back()].frame].time_s + kMarginS;
+    const double begin_s = flight.frames[sightings[own.front()].frame].time_s - kMargin_s;
+    const double end_s = flight.frames[sightings[own.back()].frame].time_s + kMargin_s;
     const auto first = std::ranges::lower_bound(flight.frames, begin_s, {}, &FlightFrame::time_s);
     const auto last = std::ranges::upper_bound(flight.frames, end_s, {}, &FlightFrame::time_s);
     first_ = static_cast<std::size_t>(first - flight.frames.begin());
@@ -49,19 +56,18 @@ class SingleLandmarkFlight {
 
   /// The squared innovation of a sighting, if it is of this landmark; std::nullopt if the flight is not accurate enough
   /// there.
-  [[nodiscard]] std::optional<Distance> InnovationTo(const LandmarkSighting& sighting, const FlightLandmark& landmark,
-                                                     double max_sigma_m) const {
+  [[nodiscard]] std::optional<Distance> InnovationTo(const LandmarkSighting& sighting,
+                                                     const FlightLandmark& landmark) const {
     if (!smoothed_ || sighting.frame < first_ || sighting.frame - first_ >= smoothed_->states.size()) {
       return std::nullopt;
     }
     const std::size_t frame = sighting.frame - first_;
     const Matrix6 of_state = smoothed_->covariances.blocks[frame].topLeftCorner<6, 6>();
     const double sigma_m = std::sqrt(of_state.bottomRightCorner<3, 3>().trace() / 3);
-    if (sigma_m > max_sigma_m) return std::nullopt;
+    if (sigma_m > kMaxHypothesisSigma_m) return std::nullopt;
     const FlightState& state = smoothed_->states[frame];
     const SightingJacobian jacobian = ComputeSightingJacobian(state, landmark.enu_from_landmark);
-    const Matrix6 expected = jacobian.by_state * of_state * jacobian.by_state.transpose() +
-                             jacobian.by_landmark * landmark.prior_covariance * jacobian.by_landmark.transpose();
+    const Matrix6 expected = PredictionCovariance(jacobian, of_state, landmark.prior_covariance);
     const Vector6 error = SightingError(sighting.camera_from_landmark, state, landmark.enu_from_landmark);
     return Distance{NormalisedInnovationSquared(error, sighting.information, expected), sigma_m};
   }
@@ -78,7 +84,6 @@ using PairConsistency = std::map<std::pair<std::size_t, std::size_t>, int>;
 int TestConsistency(const SingleLandmarkFlight& single_flight, std::span<const LandmarkSighting> sightings,
                     const SightingIndices& own, const SightingIndices& others, const FlightLandmark& other,
                     const NavigateOptions& options) {
-  constexpr std::size_t kNumTested = 7;
   const auto frame_of = [&](std::size_t i) { return sightings[i].frame; };
   std::vector<std::pair<std::size_t, std::size_t>> nearest;  // distance in frames, sighting
   for (const std::size_t i : others) {
@@ -93,11 +98,11 @@ int TestConsistency(const SingleLandmarkFlight& single_flight, std::span<const L
   nearest.resize(std::min(nearest.size(), kNumTested));
   int sum = 0;
   for (const auto& [apart, i] : nearest) {
-    const auto distance = single_flight.InnovationTo(sightings[i], other, options.max_hypothesis_sigma_m);
+    const auto distance = single_flight.InnovationTo(sightings[i], other);
     if (!distance) continue;
     // Agreement under a large uncertainty is not significant.
     const bool agrees = distance->squared < options.gate_sigma * options.gate_sigma;
-    if (!agrees || distance->sigma_m < options.max_hypothesis_sigma_m / 3) sum += agrees ? 1 : -1;
+    if (!agrees || distance->sigma_m < kMaxHypothesisSigma_m / kSignificance) sum += agrees ? 1 : -1;
   }
   return (sum > 0) - (sum < 0);
 }

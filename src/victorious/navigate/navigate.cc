@@ -22,6 +22,24 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
+// Minimum standard deviation of the independent noise of a telemetry row; raised to the scatter of the rows. Keeps rows
+// that agree to the last digit from infinite weight.
+constexpr double kMinPositionNoise_m = 0.05;
+constexpr double kMinAttitudeNoise_deg = 0.05;
+
+// Ratio of the standard deviation to the median absolute value of a normal variate: 1 / the 75 % quantile of N(0, 1).
+constexpr double kMadToSigma = 1.4826;
+
+// Maximum number of rounds of data association and smoothing. One that is not stable then is taken as it is: it is
+// within the gate of its own flight.
+constexpr int kMaxRounds = 20;
+
+// Residuals from which their scatter is estimated: of fewer the median is too uncertain to inflate covariances by.
+constexpr std::size_t kMinResiduals = 10;
+
+// Median of the chi-square distribution with 6 degrees of freedom.
+constexpr double kChiSquaredMedianOf6 = 5.348;
+
 TangentPlane MakeTangentPlane(const NavigationInput& input) {
   for (const NavigationFrame& frame : input.frames) {
     if (frame.measured) return TangentPlane(frame.measured->place);
@@ -39,7 +57,7 @@ struct RowNoise {
   double attitude_rad = 0;
 };
 
-RowNoise EstimateRowNoise(std::span<const CameraState> rows, const TelemetryErrorOptions& options) {
+RowNoise EstimateRowNoise(std::span<const CameraState> rows) {
   std::vector<double> places;
   std::vector<double> attitudes;
   for (std::size_t i = 1; i + 1 < rows.size(); ++i) {
@@ -58,8 +76,7 @@ RowNoise EstimateRowNoise(std::span<const CameraState> rows, const TelemetryErro
       attitudes.push_back(std::abs(axis) / factor);
     }
   }
-  constexpr double kMadToSigma = 1.4826;  // of the absolute value of normal variates
-  RowNoise noise{options.position_noise_m, RadiansFromDegrees(options.attitude_noise_deg)};
+  RowNoise noise{kMinPositionNoise_m, RadiansFromDegrees(kMinAttitudeNoise_deg)};
   if (!places.empty()) noise.position_m = std::max(noise.position_m, kMadToSigma * Median(places));
   if (!attitudes.empty()) noise.attitude_rad = std::max(noise.attitude_rad, kMadToSigma * Median(attitudes));
   return noise;
@@ -86,7 +103,7 @@ FlightSigmas MakeFlightSigmas(const NavigationInput& input, const NavigateOption
 
 FlightInput MakeFlight(const NavigationInput& input, const TangentPlane& plane, const NavigateOptions& options) {
   FlightInput flight{.frames = {}, .sigmas = MakeFlightSigmas(input, options)};
-  const RowNoise noise = EstimateRowNoise(input.rows, options.telemetry);
+  const RowNoise noise = EstimateRowNoise(input.rows);
   const auto measured = static_cast<double>(
       std::ranges::count_if(input.frames, [](const NavigationFrame& frame) { return frame.measured.has_value(); }));
   // Frames between two rows repeat the same measurement: their sigmas are increased accordingly.
@@ -192,23 +209,27 @@ class Navigator {
   Navigation Solve() {
     Navigation navigation;
     auto& association = navigation.landmark_by_sighting;
-    association = FindConsensusAssociation(flight_, landmarks_, full_sightings_, candidates_, wrong_, options_);
+    association = FindConsensusAssociation(flight_, landmarks_, full_sightings_, candidates_, wrong_);
     if (!flight_.has_telemetry) {
       wrong_ = FindContradictions(flight_, landmarks_, sightings_, association, options_);
       if (std::ranges::find(wrong_, true) != wrong_.end()) {
-        association = FindConsensusAssociation(flight_, landmarks_, full_sightings_, candidates_, wrong_, options_);
+        association = FindConsensusAssociation(flight_, landmarks_, full_sightings_, candidates_, wrong_);
       }
     }
     std::vector<FlightState> start = EstimateInitialStates(flight_, landmarks_, full_sightings_, association);
     std::optional<SmoothedFlight> smoothed;
-    constexpr int kMaxRounds = 20;
     for (int round = 0; round < kMaxRounds; ++round) {
       if (!flight_.has_telemetry &&
           std::ranges::none_of(association, [](const auto& one) { return one.has_value(); })) {
+        navigation.status = NavigationStatus::kNothingObserved;
         return navigation;
       }
       smoothed = Smooth(association, start);
-      if (!smoothed) return {{}, std::vector<std::optional<std::size_t>>(association.size())};
+      if (!smoothed) {
+        return {.status = NavigationStatus::kUnsolvable,
+                .frames = {},
+                .landmark_by_sighting = std::vector<std::optional<std::size_t>>(association.size())};
+      }
       start = smoothed->states;
       std::vector<std::optional<std::size_t>> updated = AssociateNearest(*smoothed);
       if (updated == association || round + 1 == kMaxRounds) break;
@@ -244,7 +265,7 @@ class Navigator {
     for (std::size_t i = 0; i < full_sightings_.size(); ++i) {
       // Association is meaningful only where the flight predicts the sighting accurately enough.
       const Matrix3d position_covariance = smoothed.covariances.blocks[full_sightings_[i].frame].block<3, 3>(3, 3);
-      if (std::sqrt(position_covariance.trace() / 3) > options_.max_hypothesis_sigma_m) continue;
+      if (std::sqrt(position_covariance.trace() / 3) > kMaxHypothesisSigma_m) continue;
       double nearest = options_.gate_sigma * options_.gate_sigma;
       const TranslationGate gate(full_sightings_[i], covariance_scale_, smoothed);
       for (const std::size_t landmark : candidates_.LandmarksFor(i)) {
@@ -259,9 +280,7 @@ class Navigator {
       if (association[i]) squares.push_back(SquaredResidual(full_sightings_[i], *association[i], smoothed));
     }
     // Sightings that scatter more than their covariances inflate the covariance.
-    constexpr std::size_t kMinResiduals = 10;
-    constexpr double kMedianOf6 = 5.348;  // chi-square with 6 degrees of freedom
-    covariance_scale_ = squares.size() < kMinResiduals ? 1 : std::max(1.0, Median(squares) / kMedianOf6);
+    covariance_scale_ = squares.size() < kMinResiduals ? 1 : std::max(1.0, Median(squares) / kChiSquaredMedianOf6);
     return association;
   }
 
@@ -292,17 +311,18 @@ class Navigator {
     const Rigid3& pose = LandmarkPose(smoothed, landmark);
     const SightingJacobian jacobian = ComputeSightingJacobian(state, pose);
     const Matrix6 of_state = smoothed.covariances.blocks[sighting.frame].topLeftCorner<6, 6>();
-    Matrix6 expected = jacobian.by_state * of_state * jacobian.by_state.transpose();
     const auto& used = border_index_[landmark];
+    Matrix6 expected;
     if (used) {
       const Index at = 6 * static_cast<Index>(*used);
       const Matrix6 cross = smoothed.covariances.cross[sighting.frame].block<6, 6>(0, at);
       const Matrix6 mixed = jacobian.by_state * cross * jacobian.by_landmark.transpose();
+      expected = jacobian.by_state * of_state * jacobian.by_state.transpose();
       expected +=
           mixed + mixed.transpose() +
           jacobian.by_landmark * smoothed.covariances.border.block<6, 6>(at, at) * jacobian.by_landmark.transpose();
     } else {
-      expected += jacobian.by_landmark * landmarks_[landmark].prior_covariance * jacobian.by_landmark.transpose();
+      expected = PredictionCovariance(jacobian, of_state, landmarks_[landmark].prior_covariance);
     }
     const Vector6 off = SightingError(sighting.camera_from_landmark, state, pose);
     return NormalisedInnovationSquared(off, sighting.information / covariance_scale_, expected);
@@ -361,7 +381,11 @@ class Navigator {
 
 Expected<Navigation> Navigate(const NavigationInput& input, NavigateOptions options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
-  if (input.frames.empty()) return Navigation{{}, std::vector<std::optional<std::size_t>>(input.sightings.size())};
+  if (input.frames.empty()) {
+    return Navigation{.status = NavigationStatus::kNothingObserved,
+                      .frames = {},
+                      .landmark_by_sighting = std::vector<std::optional<std::size_t>>(input.sightings.size())};
+  }
   return Navigator(input, options).Solve();
 }
 

@@ -10,6 +10,7 @@
 // The inverse of geolocate/, where the camera is known and the object's place is estimated.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -17,6 +18,7 @@
 
 #include <Eigen/Core>
 
+#include "victorious/base/enum_text.h"
 #include "victorious/base/error.h"
 #include "victorious/navigate/landmark.h"
 #include "victorious/navigate/navigate_options.h"
@@ -51,16 +53,30 @@ struct NavigatedFrame {
   std::optional<TelemetryOffset> offset;  ///< std::nullopt for frames without telemetry
 };
 
+/// Why there are frames, or none.
+enum class NavigationStatus {
+  kOk,
+  kNothingObserved,  ///< no sighting of a landmark, and no telemetry
+  kUnsolvable,       ///< the equations of the flight have no solution: information or covariances that are not finite
+};
+
+inline constexpr auto kNavigationStatusTexts = std::to_array<EnumText<NavigationStatus>>(
+    {{NavigationStatus::kOk, "ok"},
+     {NavigationStatus::kNothingObserved, "no landmark recognised and no telemetry"},
+     {NavigationStatus::kUnsolvable, "the equations of the flight have no solution"}});
+
 struct Navigation {
-  std::vector<NavigatedFrame> frames;  ///< one per frame; empty if nothing determines the camera's place
+  NavigationStatus status = NavigationStatus::kOk;
+  std::vector<NavigatedFrame> frames;                            ///< one per frame; empty unless the status is kOk
   std::vector<std::optional<std::size_t>> landmark_by_sighting;  ///< one per sighting; std::nullopt for outliers
 };
 
-/// Estimates the flight. Without telemetry and without an associated sighting the result has no frames. Errors:
-/// kInvalidArgument for options out of range. Cost: 0.2 to 0.4 ms per frame with a few landmarks. Each iteration of the
-/// smoother and its memory are linear in frames x landmarks in view, the covariances in frames x the square of the
-/// landmarks in view. With telemetry, of each model only the landmarks near the predicted position, and at least 16,
-/// are candidates; without telemetry all are, and landmarks are also compared pairwise (contradiction.h).
+/// Estimates the flight. Without telemetry and without an associated sighting the result has no frames, and a status
+/// that says so. Errors: kInvalidArgument for options out of range. Cost: 0.2 to 0.4 ms per frame with a few landmarks.
+/// Each iteration of the smoother and its memory are linear in frames x landmarks in view, the covariances in frames x
+/// the square of the landmarks in view. With telemetry, of each model only the landmarks near the predicted position,
+/// and at least 16, are candidates; without telemetry all are, and landmarks are also compared pairwise
+/// (contradiction.h).
 Expected<Navigation> Navigate(const NavigationInput& input, NavigateOptions options);
 
 }  // namespace victorious

@@ -26,18 +26,6 @@ void TelemetryErrorOptions::ListFields(FieldList& fields) {
               .max = 90,
               .unit = "deg",
               .reason = "sigma of the random walk of the attitude offset after one second"});
-  fields.Add("position_noise_m", position_noise_m,
-             {.min = 1e-3,
-              .max = 1e3,
-              .unit = "m",
-              .reason = "minimum sigma of the independent position noise of a telemetry row; raised to "
-                        "the scatter of the rows"});
-  fields.Add("attitude_noise_deg", attitude_noise_deg,
-             {.min = 1e-3,
-              .max = 90,
-              .unit = "deg",
-              .reason = "minimum sigma of the independent attitude noise of a telemetry row; raised to "
-                        "the scatter of the rows"});
 }
 
 void MotionOptions::ListFields(FieldList& fields) {
@@ -60,43 +48,15 @@ void MotionOptions::ListFields(FieldList& fields) {
                         "camera shakes"});
 }
 
-void LandmarkErrorOptions::ListFields(FieldList& fields) {
-  fields.Add("centre_m", centre_m,
-             {.min = 1e-3,
-              .max = 100,
-              .unit = "m",
-              .reason = "sigma of the apparent centre of a landmark, in addition to the covariance of "
-                        "its place; constant over all frames"});
-  fields.Add("rotation_deg", rotation_deg,
-             {.min = 1e-3,
-              .max = 90,
-              .unit = "deg",
-              .reason = "sigma of the apparent rotation of a landmark, constant over all frames; also of "
-                        "its tilt against the vertical"});
-  fields.Add("correlation_s", correlation_s,
-             {.min = 0,
-              .max = 1e3,
-              .unit = "s",
-              .reason = "sightings of a landmark within this time have the same error and count as one: "
-                        "they match the same view of its model"});
-}
-
 void NavigateOptions::ListFields(FieldList& fields) {
   fields.AddGroup("telemetry_error", telemetry);
   fields.AddGroup("motion", motion);
-  fields.AddGroup("landmark", landmark);
   fields.Add("gate_sigma", gate_sigma,
              {.min = 1,
               .max = 100,
               .unit = "",
               .reason = "gate of the data association: a sighting with a larger residual, in sigmas, is "
                         "an outlier"});
-  fields.Add("max_hypothesis_sigma_m", max_hypothesis_sigma_m,
-             {.min = 0.1,
-              .max = 1e4,
-              .unit = "m",
-              .reason = "maximum position sigma of a camera pose hypothesis from one sighting; less "
-                        "accurate ones do not vote in the initial association"});
 }
 
 }  // namespace victorious

@@ -11,8 +11,6 @@ struct TelemetryErrorOptions {
   double attitude_deg = 3;
   double position_drift_m = 0.5;
   double attitude_drift_deg = 0.15;
-  double position_noise_m = 0.05;
-  double attitude_noise_deg = 0.05;
 
   void ListFields(FieldList& fields);
 };
@@ -27,13 +25,13 @@ struct MotionOptions {
   void ListFields(FieldList& fields);
 };
 
-/// Errors that are common to all sightings of a landmark.
+/// Errors that are common to all sightings of a landmark. Not user parameters: they are of the models and of how their
+/// views are matched (ADR 0011). Chosen, not fitted.
 struct LandmarkErrorOptions {
-  double centre_m = 0.1;
-  double rotation_deg = 1;
+  double centre_m = 0.1;    ///< sigma of the apparent centre, in addition to the covariance of the given place
+  double rotation_deg = 1;  ///< sigma of the apparent rotation; also of its tilt against the vertical
+  /// Sightings of a landmark within this time have the same error and count as one: they match the same view, s.
   double correlation_s = 0.5;
-
-  void ListFields(FieldList& fields);
 };
 
 struct NavigateOptions {
@@ -41,7 +39,6 @@ struct NavigateOptions {
   MotionOptions motion;
   LandmarkErrorOptions landmark;
   double gate_sigma = 5;
-  double max_hypothesis_sigma_m = 15;
 
   void ListFields(FieldList& fields);
 };

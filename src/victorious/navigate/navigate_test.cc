@@ -280,6 +280,7 @@ TEST(Navigate, WithoutAnythingThereIsNothing) {
   LandmarkFlight flight({.seed = 2, .telemetry = false});
   flight.sightings.clear();
   EXPECT_TRUE(Estimate(flight).frames.empty());
+  EXPECT_EQ(Estimate(flight).status, NavigationStatus::kNothingObserved);
   EXPECT_TRUE(Navigate({}, {})->frames.empty());
 }
 

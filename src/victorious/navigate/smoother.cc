@@ -30,7 +30,24 @@ constexpr Index kAttitudeOffset = 15;
 constexpr Index kWithoutOffsets = 12;
 constexpr Index kWithOffsets = 18;
 
-constexpr double kStudentDegreesOfFreedom = 6;
+// Standard deviation of the prior of the first place, m: no information.
+constexpr double kUninformativeSigma_m = 1e5;
+
+// Minimum time between frames, s: clocks may stand still.
+constexpr double kMinStep_s = 1e-3;
+
+// Minimum standard deviations of telemetry's drift after one second: they keep the system well-conditioned.
+constexpr double kMinDrift_m = 1e-3;
+constexpr double kMinDrift_rad = 1e-5;
+
+// Step of the numerical derivative by telemetry's attitude offset, rad: far above rounding, far below a radian.
+constexpr double kStep_rad = 1e-5;
+
+// Levenberg-Marquardt: maximum number of steps, the gain in cost below which it has converged (the cost is half a sum
+// of squared normalised residuals), and the damping beyond which no step lowers the cost.
+constexpr int kMaxSteps = 40;
+constexpr double kTolerance = 1e-3;
+constexpr double kMaxDamping = 1e8;
 
 double InverseSquare(double sigma) { return 1 / (sigma * sigma); }
 
@@ -129,9 +146,8 @@ class Smoother {
       system->diagonal.front().diagonal().segment<3>(at).array() += weight;
       system->rhs.front().segment<3>(at) -= weight * value;
     };
-    constexpr double kUninformativeSigmaM = 1e5;
     constraint(kTurn, Vector3d::Zero(), kPi);
-    constraint(kPlace, Vector3d::Zero(), kUninformativeSigmaM);
+    constraint(kPlace, Vector3d::Zero(), kUninformativeSigma_m);
     constraint(kAngularRate, first.angular_rate, sigmas.angular_rate_rad_s);
     constraint(kVelocity, first.velocity, sigmas.speed_m_s);
     if (!flight_.has_telemetry) return cost;
@@ -149,8 +165,7 @@ class Smoother {
 
   // Motion model from frame k to the next.
   double AddMotionCost(const Estimate& estimate, std::size_t k, BorderedSystem* system) const {
-    constexpr double kMinStepS = 1e-3;
-    const double dt = std::max(kMinStepS, flight_.frames[k + 1].time_s - flight_.frames[k].time_s);
+    const double dt = std::max(kMinStep_s, flight_.frames[k + 1].time_s - flight_.frames[k].time_s);
     const FlightState& now = estimate.states[k];
     const FlightState& next = estimate.states[k + 1];
     const Quaterniond turn = RotationFromVector(now.angular_rate * dt);
@@ -184,11 +199,9 @@ class Smoother {
       system->rhs[k].segment<3>(at) += weight * change;
       system->rhs[k + 1].segment<3>(at) -= weight * change;
     };
-    constexpr double kMinDriftM = 1e-3;  // keeps the system well-conditioned
-    constexpr double kMinDriftRad = 1e-5;
-    random_walk(kPlaceOffset, next.place_offset - now.place_offset, flight_.sigmas.drift_position_m, kMinDriftM);
+    random_walk(kPlaceOffset, next.place_offset - now.place_offset, flight_.sigmas.drift_position_m, kMinDrift_m);
     random_walk(kAttitudeOffset, next.attitude_offset - now.attitude_offset, flight_.sigmas.drift_attitude_rad,
-                kMinDriftRad);
+                kMinDrift_rad);
     return cost;
   }
 
@@ -213,11 +226,10 @@ class Smoother {
     block.block<3, 3>(kPlace, kPlaceOffset).diagonal().array() += place_weight;
     block.block<3, 3>(kPlaceOffset, kPlace).diagonal().array() += place_weight;
     Matrix3d by_offset;
-    constexpr double kStepRad = 1e-5;
     for (Index axis = 0; axis < 3; ++axis) {
-      const Vector3d step = kStepRad * Vector3d::Unit(axis);
+      const Vector3d step = kStep_rad * Vector3d::Unit(axis);
       const Quaterniond more = measured.CorrectedCameraFromEnu(state.attitude_offset + step);
-      by_offset.col(axis) = VectorFromRotation(expected * more.conjugate()) / kStepRad;
+      by_offset.col(axis) = VectorFromRotation(expected * more.conjugate()) / kStep_rad;
     }
     block.block<3, 3>(kTurn, kTurn).diagonal().array() += attitude_weight;
     block.block<3, 3>(kTurn, kAttitudeOffset) += attitude_weight * by_offset;
@@ -297,6 +309,11 @@ SightingJacobian ComputeSightingJacobian(const FlightState& state, const Rigid3&
   return jacobian;
 }
 
+Matrix6 PredictionCovariance(const SightingJacobian& jacobian, const Matrix6& of_state, const Matrix6& of_landmark) {
+  return jacobian.by_state * of_state * jacobian.by_state.transpose() +
+         jacobian.by_landmark * of_landmark * jacobian.by_landmark.transpose();
+}
+
 // (W^-1 + S)^-1 = W - W (W + S^-1)^-1 W, which does not need the inverse of W.
 double NormalisedInnovationSquared(const Vector6& error, const Matrix6& information,
                                    const Matrix6& expected_covariance) {
@@ -313,9 +330,6 @@ double CountObservedDimensions(const Matrix6& information) {
 std::optional<SmoothedFlight> SmoothFlight(const FlightInput& flight, std::span<const FlightLandmark> landmarks,
                                            std::span<const SightingConstraint> constraints,
                                            std::vector<FlightState> start) {
-  constexpr int kMaxSteps = 40;
-  constexpr double kTolerance = 1e-3;  // of a cost that is half a sum of squared normalised residuals
-  constexpr double kMaxDamping = 1e8;
   const Smoother smoother(flight, landmarks, constraints);
   Estimate estimate{std::move(start), {}};
   for (const FlightLandmark& landmark : landmarks) estimate.landmarks.push_back(landmark.enu_from_landmark);

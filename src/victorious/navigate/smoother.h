@@ -54,7 +54,8 @@ struct FlightState {
 /// A landmark in the tangent plane. The unknowns are a rotation about the plane's axes and a translation along them.
 struct FlightLandmark {
   Rigid3 enu_from_landmark;
-  Matrix6 prior_covariance;  ///< of (rotation, translation), from the given place and heading
+  Matrix6 prior_covariance;  ///< of (rotation, translation), from the given place and heading; one that is not a
+                             ///< covariance (InvertCovariance) adds no information: the landmark is then free
 };
 
 /// A sighting associated with a landmark.
@@ -110,10 +111,19 @@ struct SightingJacobian {
 };
 SightingJacobian ComputeSightingJacobian(const FlightState& state, const Rigid3& enu_from_landmark);
 
+/// The covariance of a predicted sighting whose landmark is no unknown of the flight, so that state and landmark are
+/// independent.
+/// @param of_state  covariance of (rotation, place)
+Matrix6 PredictionCovariance(const SightingJacobian& jacobian, const Matrix6& of_state, const Matrix6& of_landmark);
+
 /// The normalised innovation squared of a sighting: the squared Mahalanobis distance under the sum of its own
 /// covariance and that of the prediction; infinity if `expected_covariance` is not a covariance.
 double NormalisedInnovationSquared(const Vector6& error, const Matrix6& information,
                                    const Matrix6& expected_covariance);
+
+/// Degrees of freedom of Student's t distribution of the errors of telemetry and of sightings: heavier tails than a
+/// normal distribution, and a finite fourth moment. Chosen, not fitted.
+inline constexpr double kStudentDegreesOfFreedom = 6;
 
 /// The number of components of a sighting with any information.
 double CountObservedDimensions(const Matrix6& information);
