@@ -53,7 +53,7 @@ Result Time(const std::string& name, const LocateOptions& options, const Eigen::
 
 Result TimeConsensus(const Settings& settings) {
   const testing::SyntheticLines drawn = NoisyLines(1, {0, 0, 0});
-  const LocateOptions options{.method = "ransac"};
+  const LocateOptions options{.method = LocateMethod::kRansac};
   const std::vector<Ray> rays = MakeRays(drawn.lines, TangentPlane(drawn.lines.front().camera), options);
   const Implementation ours = {"victorious", [&] { return FindConsensus(rays, options)->motion.place.x(); }};
   Result result = Compare("locate_consensus", ours, {}, settings.effort());
@@ -66,8 +66,9 @@ Result TimeConsensus(const Settings& settings) {
 std::vector<Result> BenchLocate(const Settings& settings) {
   const Eigen::Vector3d still(0, 0, 0);
   const Eigen::Vector3d driving(4, -3, 0);
-  return {TimeConsensus(settings), Time("locate_ransac", {.method = "ransac"}, still, settings),
-          Time("locate_ransac_velocity", {.motion = "velocity", .method = "ransac"}, driving, settings),
+  return {TimeConsensus(settings), Time("locate_ransac", {.method = LocateMethod::kRansac}, still, settings),
+          Time("locate_ransac_velocity", {.motion = MotionModel::kVelocity, .method = LocateMethod::kRansac}, driving,
+               settings),
           Time("locate_ml", {}, still, settings)};
 }
 

@@ -29,13 +29,13 @@ std::string TextIn(const Report& report, const std::vector<Cell>& row, std::stri
 }
 
 // Locates a trial's point from its first lines, with ground at the point's surveyed height.
-Geolocation PlaceOnGround(const PlaceTrial& trial, std::size_t lines, const char* method) {
+Geolocation PlaceOnGround(const PlaceTrial& trial, std::size_t lines, LocateMethod method) {
   LocateOptions options = trial.locate_options;
   options.method = method;
   options.ground = std::make_shared<FlatGround>(trial.truth.altitude_m);
   options.ground_sigma_m = 0.05;
   const auto fix = Locate(std::span(trial.lines).first(lines), options);
-  EXPECT_TRUE(fix && fix->place) << trial.point << ": " << (fix ? fix->status : fix.error().message);
+  EXPECT_TRUE(fix && fix->place) << trial.point << ": " << (fix ? StatusText(*fix) : fix.error().message);
   return fix && fix->place ? *fix->place : Geolocation{};
 }
 
@@ -64,19 +64,20 @@ TEST(Places, OfSurveyedPointsByAHoveringCamera) {
   ASSERT_EQ(solved.trials.size(), 4U);
   for (const PlaceTrial& trial : solved.trials) {
     EXPECT_EQ(trial.lines.size(), 11U) << trial.point << ": seen again in every picture";
-    const Geolocation one = PlaceOnGround(trial, 1, "ground");
+    const Geolocation one = PlaceOnGround(trial, 1, LocateMethod::kGround);
     const PlaceError error = ComputePlaceError(one, std::nullopt, TruthRow{.place = trial.truth});
     EXPECT_LT(*error.horizontal_error_m, 0.3) << trial.point;
-    for (const char* method : {"ground", "ml", "ransac", "prior"}) {
+    for (const LocateMethod method :
+         {LocateMethod::kGround, LocateMethod::kMaximumLikelihood, LocateMethod::kRansac, LocateMethod::kPrior}) {
       const Geolocation all = PlaceOnGround(trial, trial.lines.size(), method);
-      EXPECT_GT(all.ce90_m, 0.9 * one.ce90_m) << trial.point << ", " << method;
+      EXPECT_GT(all.ce90_m, 0.9 * one.ce90_m) << trial.point << ", " << ToText(kLocateMethodTexts, method);
       EXPECT_TRUE(ComputePlaceError(all, std::nullopt, TruthRow{.place = trial.truth}).in_ellipsoid)
-          << trial.point << ", " << method;
+          << trial.point << ", " << ToText(kLocateMethodTexts, method);
     }
   }
   // The telemetry is wrong by 3 degrees; with that standard deviation stated, the ellipsoids contain the truth.
   for (const PlaceTrial& trial : beach->at(2).trials) {
-    const Geolocation place = PlaceOnGround(trial, 1, "ml");
+    const Geolocation place = PlaceOnGround(trial, 1, LocateMethod::kMaximumLikelihood);
     const PlaceError error = ComputePlaceError(place, std::nullopt, TruthRow{.place = trial.truth});
     EXPECT_GT(*error.horizontal_error_m, 15) << trial.point;
     EXPECT_TRUE(error.in_ellipsoid) << trial.point;
@@ -89,13 +90,15 @@ TEST(Places, OfSurveyedPointsByAFixedCamera) {
   ASSERT_TRUE(river) << river.error().message;
   ASSERT_EQ(river->trials.size(), 6U);
   for (const PlaceTrial& trial : river->trials) {
-    const Geolocation one = PlaceOnGround(trial, 1, "ground");
+    const Geolocation one = PlaceOnGround(trial, 1, LocateMethod::kGround);
     const PlaceError error = ComputePlaceError(one, std::nullopt, TruthRow{.place = trial.truth});
     EXPECT_LT(*error.horizontal_error_m, 0.4) << trial.point;
     EXPECT_TRUE(error.in_ellipsoid) << trial.point;
-    for (const char* method : {"ground", "ml", "ransac", "prior"}) {
+    for (const LocateMethod method :
+         {LocateMethod::kGround, LocateMethod::kMaximumLikelihood, LocateMethod::kRansac, LocateMethod::kPrior}) {
       const Geolocation all = PlaceOnGround(trial, trial.lines.size(), method);
-      EXPECT_GT(all.ce90_m, 0.999 * one.ce90_m) << trial.point << ", " << method << ": one line thirty times";
+      EXPECT_GT(all.ce90_m, 0.999 * one.ce90_m)
+          << trial.point << ", " << ToText(kLocateMethodTexts, method) << ": one line thirty times";
     }
   }
 }

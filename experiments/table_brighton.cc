@@ -154,7 +154,7 @@ Expected<std::array<std::vector<PhotoSighting>, kMarkedObjects.size()>> DetectOb
 }
 
 struct Variant {
-  const char* method;
+  LocateMethod method;
   bool ground;  // whether the ground is given, at the take-off height
 };
 
@@ -169,7 +169,7 @@ double MeanGround(const std::vector<PhotoSighting>& sightings) {
 std::vector<Geolocation> LocateFromSinglePhotos(const std::vector<PhotoSighting>& sightings, double ground_m) {
   std::vector<Geolocation> places;
   for (const PhotoSighting& one : sightings) {
-    LocateOptions options{.method = "ground"};
+    LocateOptions options{.method = LocateMethod::kGround};
     options.ground = std::make_shared<FlatGround>(ground_m);
     const auto fix = Locate(std::span(&one.line, 1), options);
     if (fix && fix->place) places.push_back(*fix->place);
@@ -185,10 +185,10 @@ void AddRow(const MarkedObject& thing, const std::vector<PhotoSighting>& sightin
   std::vector<LineOfSight> lines;
   for (const PhotoSighting& one : sightings) lines.push_back(one.line);
   const auto fix = Locate(lines, options);
-  std::vector<Cell> row = {std::string(thing.name), static_cast<double>(lines.size()), std::string(way.method),
-                           std::string(way.ground ? "told" : "-")};
+  std::vector<Cell> row = {std::string(thing.name), static_cast<double>(lines.size()),
+                           std::string(ToText(kLocateMethodTexts, way.method)), std::string(way.ground ? "told" : "-")};
   if (!fix || !fix->place) {
-    row.insert(row.end(), {fix ? fix->status : fix.error().message, std::string("-"), std::string("-"),
+    row.insert(row.end(), {fix ? StatusText(*fix) : fix.error().message, std::string("-"), std::string("-"),
                            std::string("-"), std::string("-"), std::string("-")});
     report.rows.push_back(std::move(row));
     return;
@@ -224,12 +224,12 @@ Expected<Report> RunTableBrighton(const ExperimentSettings& settings) {
                   "their CE90, min m", "within their CE90", "CE90, m", "above the take-off, m", "LE90, m"}};
   for (std::size_t i = 0; i < kMarkedObjects.size(); ++i) {
     if (found[i].empty()) continue;
-    for (const Variant& way : std::initializer_list<Variant>{{"ground", true},
-                                                             {"ml", true},
-                                                             {"ml", false},
-                                                             {"ransac", false},
-                                                             {"prior", false},
-                                                             {"least-squares", false}}) {
+    for (const Variant& way : std::initializer_list<Variant>{{LocateMethod::kGround, true},
+                                                             {LocateMethod::kMaximumLikelihood, true},
+                                                             {LocateMethod::kMaximumLikelihood, false},
+                                                             {LocateMethod::kRansac, false},
+                                                             {LocateMethod::kPrior, false},
+                                                             {LocateMethod::kLeastSquares, false}}) {
       AddRow(kMarkedObjects[i], found[i], way, report);
     }
   }

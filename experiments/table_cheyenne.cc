@@ -82,7 +82,7 @@ double TurnDeg(std::span<const CentredSighting> sightings) {
 }
 
 struct Variant {
-  const char* method;
+  LocateMethod method;
   std::size_t every;  // step between the lines used; 0: the middle line only
 };
 
@@ -95,11 +95,12 @@ void AddRow(const std::string& name, std::span<const CentredSighting> sightings,
     for (std::size_t i = 0; i < sightings.size(); i += way.every) lines.push_back(sightings[i].line);
   }
   LocateOptions options{.method = way.method};
-  if (options.method == "ground") options.ground = std::make_shared<FlatGround>(truth.altitude_m);
+  if (options.method == LocateMethod::kGround) options.ground = std::make_shared<FlatGround>(truth.altitude_m);
   const auto fix = Locate(lines, options);
-  std::vector<Cell> row = {name, TurnDeg(sightings), std::string(way.method), static_cast<double>(lines.size())};
+  std::vector<Cell> row = {name, TurnDeg(sightings), std::string(ToText(kLocateMethodTexts, way.method)),
+                           static_cast<double>(lines.size())};
   if (!fix || !fix->place) {
-    row.insert(row.end(), {fix ? fix->status : fix.error().message, std::string("-"), std::string("-"),
+    row.insert(row.end(), {fix ? StatusText(*fix) : fix.error().message, std::string("-"), std::string("-"),
                            std::string("-"), std::string("-")});
   } else {
     const PlaceError error = ComputePlaceError(fix->place, std::nullopt, TruthRow{.place = truth});
@@ -129,8 +130,12 @@ Expected<Report> RunTableCheyenne(const ExperimentSettings& settings) {
   for (const Stare& stare : stares) {
     const auto lines = std::span(sightings).subspan(stare.first, stare.last - stare.first + 1);
     const std::string name = fmt::format("{} to {}", stare.first, stare.last);
-    for (const Variant& way : std::initializer_list<Variant>{
-             {"ground", 0}, {"ml", 1}, {"ml", 8}, {"ransac", 1}, {"prior", 1}, {"least-squares", 1}}) {
+    for (const Variant& way : std::initializer_list<Variant>{{LocateMethod::kGround, 0},
+                                                             {LocateMethod::kMaximumLikelihood, 1},
+                                                             {LocateMethod::kMaximumLikelihood, 8},
+                                                             {LocateMethod::kRansac, 1},
+                                                             {LocateMethod::kPrior, 1},
+                                                             {LocateMethod::kLeastSquares, 1}}) {
       AddRow(name, lines, way, report);
     }
   }

@@ -14,7 +14,7 @@ namespace {
 
 // The configuration of a row.
 struct Variant {
-  const char* method;
+  LocateMethod method;
   std::size_t max_lines;
   bool surveyed_height;  // ground at the point's surveyed height; else flat, at the other points' mean height
 };
@@ -37,7 +37,7 @@ void AddRow(const PlaceSeries& series, const Variant& way, Report& report) {
     lines = std::min(way.max_lines, trial.lines.size());
     const auto fix = Locate(std::span(trial.lines).first(lines), options);
     if (!fix || !fix->place) {
-      status = fix ? fix->status : fix.error().message;
+      status = fix ? StatusText(*fix) : fix.error().message;
       continue;
     }
     const PlaceError error = ComputePlaceError(fix->place, std::nullopt, TruthRow{.place = trial.truth});
@@ -48,7 +48,7 @@ void AddRow(const PlaceSeries& series, const Variant& way, Report& report) {
     in_circle += error.in_ce90 ? 1 : 0;
   }
   std::vector<Cell> row = {series.name, std::string(way.surveyed_height ? "surveyed height" : "flat"),
-                           std::string(way.method), static_cast<double>(lines),
+                           std::string(ToText(kLocateMethodTexts, way.method)), static_cast<double>(lines),
                            static_cast<double>(horizontal_error_m.size())};
   if (horizontal_error_m.empty()) {
     row.insert(row.end(), {status, std::string("-"), std::string("-"), std::string("-"), 0.0, 0.0});
@@ -76,10 +76,16 @@ Expected<Report> RunTableControlPoints(const ExperimentSettings& settings) {
       .columns = {"site and cameras", "ground", "method", "pictures", "points located",
                   "error along the ground, median m", "max m", "CE90, median m", "LE90, median m",
                   "in the 90 % ellipsoid", "within CE90"}};
-  const std::vector<Variant> ways = {
-      {"ground", 1, false}, {"ml", 1, false},        {"ml", 3, false},       {"ground", kAll, false},
-      {"ml", kAll, false},  {"ransac", kAll, false}, {"prior", kAll, false}, {"least-squares", kAll, false},
-      {"ground", 1, true},  {"ml", kAll, true}};
+  const std::vector<Variant> ways = {{LocateMethod::kGround, 1, false},
+                                     {LocateMethod::kMaximumLikelihood, 1, false},
+                                     {LocateMethod::kMaximumLikelihood, 3, false},
+                                     {LocateMethod::kGround, kAll, false},
+                                     {LocateMethod::kMaximumLikelihood, kAll, false},
+                                     {LocateMethod::kRansac, kAll, false},
+                                     {LocateMethod::kPrior, kAll, false},
+                                     {LocateMethod::kLeastSquares, kAll, false},
+                                     {LocateMethod::kGround, 1, true},
+                                     {LocateMethod::kMaximumLikelihood, kAll, true}};
   for (const PlaceSeries& series : all) {
     const std::size_t most =
         std::ranges::max(series.trials, {}, [](const PlaceTrial& t) { return t.lines.size(); }).lines.size();

@@ -15,7 +15,7 @@ namespace {
 
 void CheckFix(const victorious::GeoFix& fix, std::size_t lines) {
   VICTORIOUS_CHECK(fix.inliers.size() == lines);
-  VICTORIOUS_CHECK((fix.status == "ok") == fix.place.has_value());
+  VICTORIOUS_CHECK((fix.status == victorious::LocateStatus::kOk) == fix.place.has_value());
   if (!fix.place) return;
   VICTORIOUS_CHECK(fix.place->covariance_enu_m2.allFinite());
   VICTORIOUS_CHECK(fix.place->point.altitude_m == fix.place->point.altitude_m);
@@ -30,10 +30,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     VICTORIOUS_CHECK(table.error().message.find('\n') == std::string::npos);
     return 0;
   }
-  for (const char* motion : {"static", "velocity"}) {
-    for (const char* method : {"ml", "ransac", "prior", "least-squares", "ground"}) {
+  for (const auto motion : {victorious::MotionModel::kStatic, victorious::MotionModel::kVelocity}) {
+    for (const auto& [method, text] : victorious::kLocateMethodTexts) {
       victorious::LocateOptions options{.motion = motion, .method = method, .max_hypotheses = 50};
-      if (options.method == "ground") options.ground = std::make_shared<victorious::FlatGround>(10);
+      if (options.method == victorious::LocateMethod::kGround)
+        options.ground = std::make_shared<victorious::FlatGround>(10);
       const auto fix = victorious::Locate(table->lines, options);
       VICTORIOUS_CHECK(fix.has_value());
       CheckFix(*fix, table->lines.size());

@@ -42,7 +42,7 @@ bool IsInOneVideo(const ObjectHypothesis& hypothesis) {
 
 // Videos have no common clock, so an object of several videos is modelled as static.
 ObjectPlace EstimatePlace(const ObjectHypothesis& hypothesis, ObjectOptions options, double common_fraction) {
-  if (!IsInOneVideo(hypothesis)) options.locate.motion = "static";
+  if (!IsInOneVideo(hypothesis)) options.locate.motion = MotionModel::kStatic;
   return EstimatePlace(CollectObservations(hypothesis), options, common_fraction);
 }
 
@@ -100,7 +100,7 @@ std::optional<Distance> ComputeDistance(const ObjectHypothesis& a, const ObjectH
   const TangentPlane plane(of_a->point);
   const Geolocation at_a = PropagatePlace(*of_a, between_s);
   const Geolocation at_b = PropagatePlace(*of_b, between_s);
-  const double slack_m2 = 2 * options.merge_slack_m * options.merge_slack_m;
+  const double slack_m2 = 2 * kMergeSlack_m * kMergeSlack_m;
   const Eigen::Matrix3d covariance =
       at_a.covariance_enu_m2 + at_b.covariance_enu_m2 + slack_m2 * Eigen::Matrix3d::Identity();
   const Eigen::Vector3d apart = plane.EnuFromGeodetic(at_b.point) - plane.EnuFromGeodetic(at_a.point);
@@ -111,7 +111,7 @@ ObjectHypothesis MergedPair(const ObjectHypothesis& a, const ObjectHypothesis& b
   ObjectHypothesis joined{.tracklets = a.tracklets};
   joined.tracklets.insert(joined.tracklets.end(), b.tracklets.begin(), b.tracklets.end());
   std::ranges::sort(joined.tracklets, {}, [](const ObservedTracklet* tracklet) { return tracklet->record.id; });
-  joined.estimate = EstimatePlace(joined, options, IsInOneVideo(joined) ? options.flight_error_fraction : 1);
+  joined.estimate = EstimatePlace(joined, options, IsInOneVideo(joined) ? kFlightErrorFraction : 1);
   return joined;
 }
 
@@ -200,8 +200,10 @@ class HeightStatistics {
   std::map<std::int64_t, std::vector<double>> of_video_;
 };
 
+// Scores beyond it, and below its complement, have the log odds of it: they stay finite.
+constexpr double kMaxScore = 1 - 1e-12;
+
 double LogOdds(double score) {
-  constexpr double kMaxScore = 1 - 1e-12;
   const double probability = std::clamp(score, 1 - kMaxScore, kMaxScore);
   return std::log(probability / (1 - probability));
 }
@@ -211,6 +213,11 @@ double LogOdds(double score) {
 // per frame and model), and they last one frame. An object in n consistent frames is therefore n times less likely to
 // be false. Its odds are those of a typical frame, exp(mean of the log odds): the maximum over n frames would be
 // biased.
+//
+// kMaxFalseAlarms: maximum expected number of false detections as strong, over the whole search. Chosen: one search in
+// ten has one.
+constexpr double kMaxFalseAlarms = 0.1;
+
 bool IsInsignificant(const ObjectHypothesis& hypothesis, std::int64_t frames_searched, const ObjectOptions& options) {
   double log_odds = 0;
   double recognised = 0;
@@ -224,21 +231,23 @@ bool IsInsignificant(const ObjectHypothesis& hypothesis, std::int64_t frames_sea
   }
   if (recognised > 0) log_odds /= recognised;
   if (hypothesis.estimate.place) frames = std::max(1.0, frames * hypothesis.estimate.consistent_fraction);
-  constexpr double kMaxFalseAlarms =
-      0.1;  // maximum expected number of false detections as strong, over the whole search
   const double false_alarms_at_even_odds = options.false_alarm_rate * static_cast<double>(frames_searched);
   return std::exp(log_odds) * frames * kMaxFalseAlarms < false_alarms_at_even_odds;
 }
 
-// The lowest land is the shore of the Dead Sea, about 440 m below sea level.
+// The lowest land is the shore of the Dead Sea, about 440 m below sea level; a place is below any ground if it is so by
+// two standard deviations.
+constexpr double kLowestGround_m = -500;
+constexpr double kBelowGroundSigmas = 2;
+
 bool IsBelowLowestGround(const Geolocation& place) {
-  constexpr double kLowestGround_m = -500;
-  constexpr double kSigmas = 2;
-  return place.point.altitude_m + kSigmas * std::sqrt(place.covariance_enu_m2(2, 2)) < kLowestGround_m;
+  return place.point.altitude_m + kBelowGroundSigmas * std::sqrt(place.covariance_enu_m2(2, 2)) < kLowestGround_m;
 }
 
+// Fewer lines of sight than this are not rejected for not intersecting: two always have a nearest point.
+constexpr std::size_t kMinObservations = 3;
+
 std::string RejectionReason(const ObjectPlace& estimate, std::size_t observations, const ObjectOptions& options) {
-  constexpr std::size_t kMinObservations = 3;
   if (estimate.place && IsBelowLowestGround(*estimate.place)) {
     return fmt::format("{:.0f} m below the sea, below any ground", -estimate.place->point.altitude_m);
   }
@@ -268,7 +277,7 @@ void RejectFloating(const ObjectHypothesis& hypothesis, const HeightStatistics& 
 
 // Rejects the less-observed of two CAD objects in the same pixels: one would occlude the other.
 void RejectOccluded(std::vector<ObjectRecord>& objects,
-                    const std::map<std::int64_t, const ObservedTracklet*>& tracklets, const ObjectOptions& options) {
+                    const std::map<std::int64_t, const ObservedTracklet*>& tracklets) {
   for (ObjectRecord& less : objects) {
     if (!less.rejected.empty() || !tracklets.at(less.id)->is_cad_model) continue;
     for (const ObjectRecord& more : objects) {
@@ -277,7 +286,7 @@ void RejectOccluded(std::vector<ObjectRecord>& objects,
       std::int64_t covered = 0;
       for (const std::int64_t tracklet : less.tracklets) {
         for (const std::int64_t by : more.tracklets)
-          covered += CountOverlappingFrames(*tracklets.at(tracklet), *tracklets.at(by), options.occlusion_iou);
+          covered += CountOverlappingFrames(*tracklets.at(tracklet), *tracklets.at(by), kOcclusionIou);
       }
       if (2 * covered < CountObjectFrames(less, tracklets)) continue;
       less.rejected = fmt::format("in the same pixels as object {}", more.id);
@@ -288,7 +297,7 @@ void RejectOccluded(std::vector<ObjectRecord>& objects,
 
 // Rejects the less-observed of two coincident static objects.
 void RejectCoincident(std::vector<ObjectRecord>& objects,
-                      const std::map<std::int64_t, const ObservedTracklet*>& tracklets, const ObjectOptions& options) {
+                      const std::map<std::int64_t, const ObservedTracklet*>& tracklets) {
   for (ObjectRecord& less : objects) {
     if (!less.place || !less.rejected.empty() || tracklets.at(less.id)->is_category) continue;
     const TangentPlane plane(less.place->point);
@@ -296,7 +305,7 @@ void RejectCoincident(std::vector<ObjectRecord>& objects,
       if (!more.place || !more.rejected.empty() || more.id == less.id || tracklets.at(more.id)->is_category) continue;
       if (!HasMoreFrames(more, less, tracklets)) continue;
       if (less.place->IsMoving() || more.place->IsMoving()) continue;
-      if (plane.EnuFromGeodetic(more.place->point).norm() >= options.min_separation_m) continue;
+      if (plane.EnuFromGeodetic(more.place->point).norm() >= kMinSeparation_m) continue;
       less.rejected = fmt::format("at the same place as object {}", more.id);
       break;
     }
@@ -313,8 +322,7 @@ std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> track
   for (const ObservedTracklet& tracklet : tracklets) {
     by_id[tracklet.record.id] = &tracklet;
     of_model[tracklet.record.model].push_back(
-        {.tracklets = {&tracklet},
-         .estimate = EstimatePlace(tracklet.observations, options, options.flight_error_fraction)});
+        {.tracklets = {&tracklet}, .estimate = EstimatePlace(tracklet.observations, options, kFlightErrorFraction)});
   }
   std::vector<ObjectHypothesis> hypotheses;
   for (auto& [model, of_one] : of_model) {
@@ -346,19 +354,25 @@ std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> track
     objects.push_back(std::move(object));
   }
   for (std::size_t i = 0; i < objects.size(); ++i) RejectFloating(hypotheses[i], heights, options, objects[i]);
-  RejectOccluded(objects, by_id, options);
-  RejectCoincident(objects, by_id, options);
+  RejectOccluded(objects, by_id);
+  RejectCoincident(objects, by_id);
   std::ranges::sort(objects, {}, &ObjectRecord::id);
   return objects;
 }
 
 namespace {
 
-// Number of frames between two full-frame searches.
-std::int64_t SearchInterval(const SearchRecord& search) {
+// Number of frames between two full-frame searches: the field "every" of the search's options. Error: kDataLoss if
+// there is none.
+Expected<std::int64_t> SearchInterval(const SearchRecord& search, const std::string& video, const std::string& model) {
   const auto options = nlohmann::json::parse(search.options_json, nullptr, /*allow_exceptions=*/false);
   const auto every = options.is_object() ? options.find("every") : options.end();
-  return every != options.end() && every->is_number_integer() ? std::max<std::int64_t>(1, *every) : 1;
+  if (every == options.end() || !every->is_number_integer() || every->get<std::int64_t>() < 1) {
+    return Fail(ErrorCode::kDataLoss,
+                fmt::format("{}: the stored options of the search for {} have no whole number \"every\" of at least 1",
+                            video, model));
+  }
+  return every->get<std::int64_t>();
 }
 
 // Number of full-frame searches, summed over videos and models; categories do not count.
@@ -370,7 +384,7 @@ Expected<std::int64_t> FramesSearched(const std::vector<ModelRecord>& models, In
       if (model.IsCategory()) continue;
       VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> search, store.FindSearch(video.id, model.id));
       if (!search) continue;
-      const std::int64_t step = SearchInterval(*search);
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t step, SearchInterval(*search, video.name, model.name));
       frames += (search->next_frame + step - 1) / step;
     }
   }

@@ -45,7 +45,7 @@ std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> track
                                              const ObjectOptions& options);
 
 /// Recomputes the objects of the whole index and stores them.
-/// Errors: those of IndexStore.
+/// Errors: those of IndexStore; kDataLoss for a search whose stored options cannot be read.
 Status UpdateObjects(const ObjectOptions& options, IndexStore& store);
 
 }  // namespace victorious

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "testing/data.h"
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
 
@@ -319,6 +320,25 @@ TEST(ObjectList, ACategoryWhoseLinesDoNotMeetHasNoPlace) {
   const auto objects = AssociateTracklets({tracklet}, 0, {});
   EXPECT_EQ(objects[0].rejected, "");
   EXPECT_FALSE(objects[0].place);
+}
+
+TEST(UpdateObjects, RefusesASearchWhoseOptionsCannotBeRead) {
+  const testing::ScratchFolder folder;
+  const auto store = OpenSqliteStore(folder.path() / "index.db", StoreMode::kCreate).value();
+  const std::int64_t video = store->PutVideo({.content_id = "v", .name = "a.mp4", .width = 64, .height = 48})->id;
+  const std::int64_t model = store->PutModel({.name = "jeep", .model_id = "m", .kind = "cad"})->id;
+  const auto search_with = [&](const std::string& options, std::int64_t from, std::int64_t to) {
+    IndexBatch batch;
+    batch.progress = {{{.video = video, .model = model, .next_frame = to, .options_json = options}, from}};
+    ASSERT_TRUE(store->Commit(batch));
+  };
+  search_with(R"({"every": 5})", 0, 10);
+  EXPECT_TRUE(UpdateObjects({}, *store));
+  search_with(R"({"every": "5"})", 10, 20);
+  const Status status = UpdateObjects({}, *store);
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().code, ErrorCode::kDataLoss);
+  EXPECT_THAT(status.error().message, ::testing::AllOf(HasSubstr("a.mp4"), HasSubstr("jeep"), HasSubstr("every")));
 }
 
 }  // namespace

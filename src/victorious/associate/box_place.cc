@@ -13,10 +13,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Estimates the velocity by a least-squares line through the places within 1 s.
+// Window of places, before and after, for a velocity; and their minimum number, with two degrees of freedom for the
+// scatter about the line. Chosen, not fitted.
+constexpr double kWindow_s = 1;
+constexpr std::size_t kMinPlaces = 4;
+
+// Estimates the velocity by a least-squares line through the places within kWindow_s.
 void EstimateVelocity(std::span<std::optional<Geolocation>> places, std::size_t i) {
-  constexpr double kWindow_s = 1;
-  constexpr std::size_t kMinPlaces = 4;
   const TangentPlane plane(places[i]->point);
   std::vector<std::pair<double, Vector3d>> near;
   Vector3d middle = Vector3d::Zero();
@@ -60,6 +63,9 @@ std::optional<Geolocation> AcceptedPlace(const ObjectPlace& found) {
   return found.inlier_fraction >= kMinBoxInlierFraction ? found.place : std::nullopt;
 }
 
+// Side of the box about a ground point: kBoxCentreFraction of it, 1 px, is the tracking error of the point.
+constexpr double kPointBox_px = 8;
+
 void SetGround(const ObjectGround& ground, ObjectOptions& object) {
   object.locate.ground_sigma_m = ground.sigma_m;
   object.ground = ground.ground;
@@ -76,7 +82,7 @@ ObjectPlace PlaceOnGround(std::span<const BearingObservation> observations, cons
 
 // One observation alone: at the intersection of its line of sight with the ground, or by its range.
 std::optional<Geolocation> LocateSingle(const BearingObservation& observation, ObjectOptions object) {
-  object.locate.motion = "static";
+  object.locate.motion = MotionModel::kStatic;
   return PlaceOnGround({&observation, 1}, object).place;
 }
 
@@ -105,13 +111,13 @@ void BoxPlaceOptions::ListFields(FieldList& fields) {
               .max = 100,
               .reason = "a detection in another video is another object if the Mahalanobis distance of its line of "
                         "sight to the object's place exceeds this"});
-  fields.AddGroup("locate", locate);
+  VideoLocateFields fields_of_locate{locate};
+  fields.AddGroup("locate", fields_of_locate);
 }
 
 std::optional<Geolocation> LocateGroundPoint(std::span<const GroundPointObservation> spots,
                                              const CameraTrajectory& cameras, const cv::Size& image_size,
                                              const BoxPlaceOptions& options) {
-  constexpr double kPointBox_px = 8;  // box size; kBoxCentreFraction of it is the tracking error of the point
   std::vector<BearingObservation> observations;
   for (const GroundPointObservation& spot : spots) {
     const std::optional<CameraState> camera = cameras.At(spot.time_s);
@@ -122,7 +128,7 @@ std::optional<Geolocation> LocateGroundPoint(std::span<const GroundPointObservat
   }
   ObjectOptions object;
   object.locate = options.locate;
-  object.locate.motion = "static";
+  object.locate.motion = MotionModel::kStatic;
   return AcceptedPlace(EstimatePlace(observations, object, 1));
 }
 
@@ -140,7 +146,7 @@ std::vector<std::optional<Geolocation>> EstimateBoxPlaces(std::span<const Bearin
   object.motion_window_s = options.max_interval_s;
   if (ground) SetGround(*ground, object);
   if (motion == BoxMotion::kMoving && ground) return IntersectGround(observations, object);
-  if (motion == BoxMotion::kStatic) object.locate.motion = "static";
+  if (motion == BoxMotion::kStatic) object.locate.motion = MotionModel::kStatic;
   const ObjectPlace together = ground ? PlaceOnGround(observations, object) : EstimatePlace(observations, object, 1);
   const std::optional<Geolocation> all = AcceptedPlace(together);
   if (motion == BoxMotion::kUnknown && ground && !all) return IntersectGround(observations, object);
@@ -157,7 +163,7 @@ std::vector<std::optional<Geolocation>> EstimateBoxPlaces(std::span<const Bearin
                ? std::min(stretches - 1, std::floor((observation.line.time_s - first_s) / length_s * stretches))
                : 0;
   };
-  object.locate.motion = "velocity";
+  object.locate.motion = MotionModel::kVelocity;
   for (std::size_t first = 0; first < observations.size();) {
     std::size_t end = first;
     while (end < observations.size() && stretch_of(observations[end]) == stretch_of(observations[first])) ++end;

@@ -15,6 +15,14 @@
 namespace victorious {
 namespace {
 
+// The upper limits of standard deviations that LocateOptions allows.
+constexpr double kMaxSigma_m = 1e5;
+constexpr double kMaxSigma_deg = 90;
+
+// Own variance of an observation that is tracked from a recognition, as a fraction of the recognition's: at least this,
+// so that those with almost none do not dominate.
+constexpr double kMinOwnFraction = 0.1;
+
 // Standard deviations from telemetry replace those of the parameters, clamped to their allowed range.
 LocateOptions MakeLocateOptions(std::span<const BearingObservation> observations, const ObjectOptions& options,
                                 double common_fraction) {
@@ -26,12 +34,11 @@ LocateOptions MakeLocateOptions(std::span<const BearingObservation> observations
     if (observation.sigma_attitude_rad) attitudes_rad.push_back(*observation.sigma_attitude_rad);
   }
   if (!positions_m.empty()) {
-    constexpr double kMost_m = 1e5;
-    locate.line.position_m = locate.common.position_m = locate.common.height_m = std::min(kMost_m, Median(positions_m));
+    locate.line.position_m = locate.common.position_m = locate.common.height_m =
+        std::min(kMaxSigma_m, Median(positions_m));
   }
   if (!attitudes_rad.empty()) {
-    constexpr double kMost_deg = 90;
-    const double attitude_deg = std::min(kMost_deg, DegreesFromRadians(Median(attitudes_rad)));
+    const double attitude_deg = std::min(kMaxSigma_deg, DegreesFromRadians(Median(attitudes_rad)));
     locate.common.heading_deg = locate.common.boresight_rise_deg = attitude_deg;
     locate.common.boresight_side_deg = 0;
   }
@@ -55,7 +62,6 @@ double Square(double value) { return value * value; }
 // @param variances  total variance of each; the recognition is the first
 // @param more       additional independent variance of each; neither in `variances` nor in the result
 std::vector<double> Decorrelate(std::vector<double> variances, const std::vector<double>& more) {
-  constexpr double kMinOwnFraction = 0.1;  // of the shared one; bounds the weight of those with almost none
   const double shared = variances.front();
   double total = 0;
   for (std::size_t i = 0; i < variances.size(); ++i) {
@@ -125,9 +131,8 @@ Geolocation EstimateLastPlace(std::span<const LineOfSight> lines, const Geolocat
   std::vector<LineOfSight> last(lines.begin(), lines.end());
   std::erase_if(last, [&](const LineOfSight& line) { return line.time_s < by_all.time_s - options.motion_window_s; });
   if (last.size() == lines.size()) return by_all;
-  locate.motion = "velocity";
-  const Expected<GeoFix> fix = Locate(last, locate);
-  return fix && fix->place ? *fix->place : by_all;
+  locate.motion = MotionModel::kVelocity;
+  return LocateChecked(last, locate).place.value_or(by_all);
 }
 
 // Triangulates without ranges and ground, and compares the distances with the ranges by apparent size.
@@ -140,12 +145,12 @@ std::optional<double> EstimateSizeRatio(std::vector<LineOfSight> lines, LocateOp
     ranges_m.push_back(*line.range_m);
     line.range_m.reset();
   }
-  const Expected<GeoFix> unranged = Locate(lines, locate);
-  if (!unranged || !unranged->place) return std::nullopt;
-  const Geolocation& place = *unranged->place;
+  const GeoFix unranged = LocateChecked(lines, locate);
+  if (!unranged.place) return std::nullopt;
+  const Geolocation& place = *unranged.place;
   std::vector<double> factors;
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (!unranged->inliers[i]) continue;
+    if (!unranged.inliers[i]) continue;
     const TangentPlane plane(lines[i].camera);
     Eigen::Vector3d there = plane.EnuFromGeodetic(place.point);
     if (place.velocity_enu) there += (lines[i].time_s - place.time_s) * *place.velocity_enu;
@@ -249,21 +254,19 @@ ObjectPlace EstimatePlace(std::span<const BearingObservation> observations, cons
   if (observations.empty()) return result;
   const LocateOptions locate = MakeLocateOptions(observations, options, common_fraction);
   const std::vector<LineOfSight> lines = MakeLines(observations, locate.line);
-  const Expected<GeoFix> fix = Locate(lines, locate);
-  if (!fix) return result;  // cannot fail: options are validated by the caller
-  result.place = fix->place;
-  if (fix->place && fix->place->IsMoving()) result.place = EstimateLastPlace(lines, *fix->place, locate, options);
+  const GeoFix fix = LocateChecked(lines, locate);
+  result.place = fix.place;
+  if (fix.place && fix.place->IsMoving()) result.place = EstimateLastPlace(lines, *fix.place, locate, options);
   result.inlier_fraction =
-      static_cast<double>(std::ranges::count(fix->inliers, true)) / static_cast<double>(lines.size());
+      static_cast<double>(std::ranges::count(fix.inliers, true)) / static_cast<double>(lines.size());
   result.size_ratio = EstimateSizeRatio(lines, locate, options.min_inlier_fraction);
   std::vector<double> headings;
   for (std::size_t i = 0; i < observations.size(); ++i) {
-    if (observations[i].heading_rad && (fix->inliers[i] || !fix->place))
-      headings.push_back(*observations[i].heading_rad);
+    if (observations[i].heading_rad && (fix.inliers[i] || !fix.place)) headings.push_back(*observations[i].heading_rad);
   }
   result.heading_rad = EstimateHeadingMode(headings);
   result.consistent_fraction =
-      CountConsistent(observations, *fix, result.heading_rad) / static_cast<double>(lines.size());
+      CountConsistent(observations, fix, result.heading_rad) / static_cast<double>(lines.size());
   return result;
 }
 

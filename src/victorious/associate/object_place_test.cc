@@ -24,7 +24,7 @@ constexpr double kChiSquared90Of3 = 6.2513886;
 // No errors except those that a test sets.
 ObjectOptions Exact() {
   ObjectOptions options;
-  options.locate.motion = "static";
+  options.locate.motion = MotionModel::kStatic;
   options.locate.line.position_m = 1e-6;
   options.locate.common = {.position_m = 0,
                            .height_m = 0,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <map>
+#include <utility>
 
 #include "victorious/associate/object_place.h"
 #include "victorious/geometry/polygon.h"
@@ -11,8 +12,8 @@
 namespace victorious {
 namespace {
 
-// Length of the trail from which a tracklet's velocity and place are estimated.
-constexpr double kTrail_s = 1;
+// Minimum length of a trail for a velocity, s: below it, box noise dominates. Chosen, not fitted.
+constexpr double kMinBaseline_s = 0.4;
 
 // May leave the frame: a clipped box would seem to move when an object enters or leaves.
 Box SightingExtent(const SightingRecord& sighting) {
@@ -30,7 +31,13 @@ Box TransformBox(const Box& box, const Similarity2& map) {
 
 }  // namespace
 
-double TrackletLinker::HistorySeconds() const { return options_.gap_s + kTrail_s; }
+TrackletLinker::TrackletLinker(const TrackletOptions& options, ObjectOptions objects)
+    : options_(options), objects_(std::move(objects)) {
+  objects_.ground
+      .reset();  // places of one second are compared with each other: an error of the ground would not cancel
+}
+
+double TrackletLinker::HistorySeconds() const { return options_.gap_s + kTrackletTrail_s; }
 
 void TrackletLinker::AppendToTrail(const SightingRecord& sighting, Run& tracklet) {
   std::optional<BearingObservation> observation = sighting.observation;
@@ -42,7 +49,8 @@ void TrackletLinker::AppendToTrail(const SightingRecord& sighting, Run& tracklet
   }
   tracklet.track = sighting.track;
   tracklet.trail.push_back({sighting.frame, sighting.time_s, SightingExtent(sighting), std::move(observation)});
-  std::erase_if(tracklet.trail, [&](const TrailEntry& seen) { return seen.time_s < sighting.time_s - kTrail_s; });
+  std::erase_if(tracklet.trail,
+                [&](const TrailEntry& seen) { return seen.time_s < sighting.time_s - kTrackletTrail_s; });
 }
 
 void TrackletLinker::Resume(std::span<const TrackletRecord> tracklets, std::span<const SightingRecord> sightings) {
@@ -77,7 +85,6 @@ void TrackletLinker::Step(std::int64_t frame, const std::optional<Similarity2>& 
 
 // Predicted box at a time: the last box, moved by the camera motion, plus the object's own velocity over the trail.
 Box TrackletLinker::PredictBox(const Run& tracklet, double time_s) {
-  constexpr double kMinBaseline_s = 0.4;  // below this, box noise dominates the velocity
   const TrailEntry& first = tracklet.trail.front();
   const TrailEntry& last = tracklet.trail.back();
   Box box = last.box;
@@ -90,22 +97,21 @@ Box TrackletLinker::PredictBox(const Run& tracklet, double time_s) {
 }
 
 // True if the observation passes the gate of the tracklet's place, under a static or an automatically selected motion
-// model. Telemetry's common errors count in full, because they may vary from frame to frame. The error parameters of
-// data association may change without a new search (ObjectOptions), so their defaults are used here.
+// model. Telemetry's common errors count in full, because they may vary from frame to frame.
 bool TrackletLinker::IsConsistent(const Run& tracklet, const SightingRecord& sighting) const {
   if (!sighting.observation) return true;
   std::vector<BearingObservation> observations;
   for (const TrailEntry& seen : tracklet.trail) {
     if (seen.observation) observations.push_back(*seen.observation);
   }
-  ObjectOptions objects;
-  for (const char* motion : {"static", "auto"}) {
+  ObjectOptions objects = objects_;
+  for (const MotionModel motion : {MotionModel::kStatic, MotionModel::kAuto}) {
     objects.locate.motion = motion;
-    const std::optional<Geolocation> place = EstimatePlace(observations, objects, objects.flight_error_fraction).place;
+    const std::optional<Geolocation> place = EstimatePlace(observations, objects, kFlightErrorFraction).place;
     if (!place) return true;
     const double off = MahalanobisDistance(*sighting.observation, PropagatePlace(*place, sighting.time_s),
-                                           objects.merge_slack_m, objects.locate, 1);
-    if (off <= options_.gate_sigma) return true;
+                                           kMergeSlack_m, objects.locate, 1);
+    if (off <= kTrackletGateSigma) return true;
   }
   return false;
 }
@@ -198,16 +204,6 @@ void TrackletOptions::ListFields(FieldList& fields) {
               .unit = "s",
               .reason = "maximum time from a tracklet's last sighting to the next; raised to 2.5 searched frames or "
                         "the frames that a track may miss, if these are longer"});
-  fields.Add("min_overlap", min_overlap,
-             {.min = 0,
-              .max = 1,
-              .reason = "minimum intersection over union of a sighting's box with the tracklet's predicted box, which "
-                        "includes camera and object motion"});
-  fields.Add("gate_sigma", gate_sigma,
-             {.min = 0,
-              .max = 1e6,
-              .reason = "a sighting starts a new tracklet if the Mahalanobis distance of its line of sight and range "
-                        "to the tracklet's place exceeds this, unless it has the same track"});
 }
 
 }  // namespace victorious

@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "victorious/associate/object_options.h"
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
 #include "victorious/geometry/similarity.h"
@@ -19,11 +20,21 @@
 
 namespace victorious {
 
+/// A sighting without a track id starts a new tracklet if the Mahalanobis distance of its bearing and range to the
+/// tracklet's place exceeds this. The default of ObjectOptions::merge_gate_sigma, but not tied to it: a split tracklet
+/// is merged again as objects are made.
+inline constexpr double kTrackletGateSigma = 3.5;
+
+/// Interval of a tracklet's last sightings from which its velocity in the image and its place are estimated, s. Chosen:
+/// longer than image noise needs, shorter than an object takes to change its velocity.
+inline constexpr double kTrackletTrail_s = 1;
+
 /// How sightings are linked into tracklets.
 struct TrackletOptions {
   double gap_s = 2.0;
+  /// Minimum intersection over union of a sighting's box with the tracklet's predicted box, which includes camera and
+  /// object motion. Not a user parameter.
   double min_overlap = 0.1;
-  double gate_sigma = 3.5;
 
   void ListFields(FieldList& fields);
 };
@@ -31,7 +42,9 @@ struct TrackletOptions {
 /// The tracklets of one video that may still grow. Results do not depend on how frames are split into batches.
 class TrackletLinker {
  public:
-  explicit TrackletLinker(const TrackletOptions& options) : options_(options) {}
+  /// @param objects  the error model of bearings, for the gate; the ground is not used. It may change from search to
+  ///                 search of an index: tracklets keep the gate that they were linked with
+  TrackletLinker(const TrackletOptions& options, ObjectOptions objects);
 
   [[nodiscard]] const TrackletOptions& options() const { return options_; }
 
@@ -82,6 +95,7 @@ class TrackletLinker {
       const std::vector<SightingRecord>& sightings) const;
 
   TrackletOptions options_;
+  ObjectOptions objects_;
   std::vector<Run> runs_;
   std::int64_t recognitions_ = 0;
 };

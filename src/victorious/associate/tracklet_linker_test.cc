@@ -62,9 +62,9 @@ using Motions = std::vector<Similarity2>;
 enum class Cut { kNone, kCommit, kKill };
 
 Ledger LinkAll(const Frames& frames, const TrackletOptions& options, const Motions& motions,
-               const std::function<Cut(std::size_t)>& cut) {
+               const std::function<Cut(std::size_t)>& cut, const ObjectOptions& objects = {}) {
   Ledger ledger;
-  TrackletLinker linker(options);
+  TrackletLinker linker(options, objects);
   IndexBatch batch;
   const auto step = [&](std::size_t i) {
     if (i < motions.size()) linker.Step(static_cast<std::int64_t>(i), motions[i]);
@@ -77,7 +77,7 @@ Ledger LinkAll(const Frames& frames, const TrackletOptions& options, const Motio
     linker.SetCommittedIds(ledger.Commit(batch));
     batch = {};
     if (here == Cut::kCommit) continue;
-    linker = TrackletLinker(options);
+    linker = TrackletLinker(options, objects);
     std::vector<TrackletRecord> tracklets;
     for (const auto& [id, tracklet] : ledger.tracklets) tracklets.push_back(tracklet);
     std::vector<SightingRecord> last;
@@ -229,6 +229,14 @@ TEST(TrackletLinker, LinesAndRangesThatDoNotMeetAreOfTwoThings) {
   SightingRecord unknown = Standing(17, 22);
   unknown.observation.reset();
   EXPECT_EQ(runs_with(unknown), 1U) << "nothing tells";
+  // The gate is that of the error model given.
+  ObjectOptions vague;
+  vague.locate.common.position_m = 10;
+  Frames apart(18);
+  for (int i = 0; i < 6; ++i) apart[i] = {Standing(i, 10)};
+  apart[17] = {Standing(17, 22)};
+  const auto no_cut = [](std::size_t) { return Cut::kNone; };
+  EXPECT_EQ(LinkAll(apart, TrackletOptions{}, {}, no_cut, vague).tracklets.size(), 1U);
   // The same track overrides the gate: an error of telemetry does not split the tracklet.
   const Frames followed = {{Followed(Standing(0, 10), 4)}, {Followed(Standing(1, 30), 4)}};
   EXPECT_THAT(RunsOf(LinkAll(followed, TrackletOptions{})), ElementsAre(1, 1));

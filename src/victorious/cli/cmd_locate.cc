@@ -1,8 +1,10 @@
 // victorious locate LINES.csv
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -27,6 +29,14 @@ struct Arguments {
   GroundArguments ground;
   bool json = false;
 };
+
+// The texts of a table's values, for the check of an option.
+template <typename Enum, std::size_t count>
+std::vector<std::string> Texts(const std::array<EnumText<Enum>, count>& table) {
+  std::vector<std::string> texts;
+  for (const EnumText<Enum>& entry : table) texts.emplace_back(entry.text);
+  return texts;
+}
 
 Json ToJson(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
 
@@ -72,12 +82,12 @@ Json ToJson(const GeoFix& fix) {
     }
   }
   json["inliers"] = fix.inliers;
-  json["status"] = fix.status;
+  json["status"] = StatusText(fix);
   return json;
 }
 
 std::string ToText(const GeoFix& fix) {
-  if (!fix.place) return fix.status + "\n";
+  if (!fix.place) return StatusText(fix) + "\n";
   const Geolocation& place = *fix.place;
   std::string text = fmt::format("place    {:.7f} {:.7f} deg, {:.2f} m above the ellipsoid, at {:.3f} s\n",
                                  DegreesFromRadians(place.point.latitude_rad),
@@ -110,8 +120,8 @@ std::vector<bool> ExpandToRows(const std::vector<bool>& inliers, const std::vect
 Status Run(const Arguments& arguments) {
   LocateOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(options)));
-  if (!arguments.motion.empty()) options.motion = arguments.motion;
-  if (!arguments.method.empty()) options.method = arguments.method;
+  if (!arguments.motion.empty()) options.motion = FromText(kMotionModelTexts, arguments.motion).value();
+  if (!arguments.method.empty()) options.method = FromText(kLocateMethodTexts, arguments.method).value();
   GroundOptions ground;
   ApplyGround(arguments.ground, ground);
   VICTORIOUS_ASSIGN_OR_RETURN(options.ground,
@@ -131,9 +141,9 @@ Action SetUpLocate(CLI::App& app) {
       ->required()
       ->type_name("FILE");
   app.add_option("--motion", arguments->motion, "Motion model of the object (default static)")
-      ->check(CLI::IsMember({"static", "velocity", "auto"}));
+      ->check(CLI::IsMember(Texts(kMotionModelTexts)));
   app.add_option("--method", arguments->method, "The estimator (default ml)")
-      ->check(CLI::IsMember({"ml", "ransac", "prior", "least-squares", "ground"}));
+      ->check(CLI::IsMember(Texts(kLocateMethodTexts)));
   AddGround(app, arguments->ground);
   app.add_option("--params", arguments->params, "Parameters (`victorious params locate`)")->type_name("FILE");
   app.add_flag("--json", arguments->json, "Print JSON");

@@ -7,6 +7,7 @@
 
 #include "victorious/base/random.h"
 #include "victorious/geolocate/linear_place.h"
+#include "victorious/geometry/robust/sample_count.h"
 
 namespace victorious {
 namespace {
@@ -115,24 +116,20 @@ class Sampler {
   NormalEquations system_;
 };
 
-// The number of samples that contain an outlier-free one with the given confidence.
-double SamplesNeeded(double inlier_fraction, std::size_t sample_size, double confidence) {
-  const double clean = std::pow(inlier_fraction, static_cast<double>(sample_size));
-  if (clean <= 0) return std::numeric_limits<double>::infinity();
-  if (clean >= 1) return 1;
-  return std::log(1 - confidence) / std::log1p(-clean);
-}
+// RANSAC stops when an outlier-free sample has been drawn with this probability.
+constexpr double kConfidence = 0.9999;
+
+// An outlier-free sample may be degenerate (nearly parallel rays), so that a minimum number of samples is drawn for any
+// inlier fraction. Chosen, not fitted; consensus_test.cc checks the reliability that follows.
+constexpr double kMinSamples = 150;
 
 }  // namespace
 
 std::optional<Consensus> FindConsensus(std::span<const Ray> rays, const LocateOptions& options) {
-  const bool moving = options.motion == "velocity";
+  const bool moving = options.motion == MotionModel::kVelocity;
   const FrustumTable table(rays);
   Sampler sampler(rays, moving, options.seed);
   Candidate best;
-  // An outlier-free sample may be degenerate (nearly parallel rays), so a minimum number of samples is used for any
-  // inlier ratio.
-  constexpr double kMinSamples = 150;
   double needed = options.max_hypotheses;
   int num_drawn = 0;
   for (; num_drawn < options.max_hypotheses && num_drawn < needed; ++num_drawn) {
@@ -143,7 +140,7 @@ std::optional<Consensus> FindConsensus(std::span<const Ray> rays, const LocateOp
     Refit(rays, table, moving, candidate);
     best = candidate;
     const double inlier_fraction = 1 - best.cost / static_cast<double>(rays.size());  // lower bound
-    needed = std::max(kMinSamples, SamplesNeeded(inlier_fraction, sampler.size(), options.confidence));
+    needed = std::max(kMinSamples, SamplesNeeded(inlier_fraction, sampler.size(), kConfidence));
   }
   if (!std::isfinite(best.cost)) return std::nullopt;
   return Consensus{best.motion, FindInliers(rays, best.motion), num_drawn};

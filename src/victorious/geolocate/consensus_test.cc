@@ -33,7 +33,7 @@ TEST(Consensus, HoldsAgainstFortyPercentWrong) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const SyntheticLines drawn = SimulateLinesOfSight(
         {.seed = seed, .count = 1000, .outlier_fraction = 0.4, .noise_position_m = 2, .noise_deg = 0.5});
-    const auto fix = Locate(drawn.lines, {.method = "ransac", .seed = seed});
+    const auto fix = Locate(drawn.lines, {.method = LocateMethod::kRansac, .seed = seed});
     ASSERT_TRUE(fix && fix->place) << "seed " << seed;
     EXPECT_GE(InlierRecall(*fix, drawn), 0.95) << "seed " << seed;
     EXPECT_LE(MahalanobisError(*fix, drawn.object), 3) << "seed " << seed;

@@ -74,7 +74,7 @@ struct CoverageCase {
 void Measure(LocateOptions options, const CoverageCase& test_case) {
   Coverage coverage;
   for (int i = 0; i < kFlights; ++i) {
-    SyntheticLinesOptions flight = options.motion == "static" ? Flight(i) : MovingFlight(i);
+    SyntheticLinesOptions flight = options.motion == MotionModel::kStatic ? Flight(i) : MovingFlight(i);
     flight.outlier_fraction = test_case.outlier_fraction;
     if (test_case.one_line) flight.count = 1;
     const SyntheticLines drawn = SimulateLinesOfSight(flight);
@@ -128,13 +128,15 @@ TEST(Coverage, RangesOnShortArcsAreNotBiased) {
   EXPECT_GE(inside, 75);
 }
 
-TEST(Coverage, MostLikely) { Measure({.method = "ml"}, {}); }
-TEST(Coverage, MostLikelyAmongWrongLines) { Measure({.method = "ml"}, {.outlier_fraction = 0.2}); }
-TEST(Coverage, MostLikelyMoving) { Measure({.motion = "velocity"}, {}); }
-TEST(Coverage, MostLikelyOnHills) { Measure({.method = "ml"}, {.hills = true}); }
-TEST(Coverage, OneLineOnHills) { Measure({.method = "ground"}, {.one_line = true, .hills = true}); }
-TEST(Coverage, Ransac) { Measure({.method = "ransac"}, {}); }
-TEST(Coverage, LeastSquares) { Measure({.method = "least-squares"}, {}); }
+TEST(Coverage, MostLikely) { Measure({.method = LocateMethod::kMaximumLikelihood}, {}); }
+TEST(Coverage, MostLikelyAmongWrongLines) {
+  Measure({.method = LocateMethod::kMaximumLikelihood}, {.outlier_fraction = 0.2});
+}
+TEST(Coverage, MostLikelyMoving) { Measure({.motion = MotionModel::kVelocity}, {}); }
+TEST(Coverage, MostLikelyOnHills) { Measure({.method = LocateMethod::kMaximumLikelihood}, {.hills = true}); }
+TEST(Coverage, OneLineOnHills) { Measure({.method = LocateMethod::kGround}, {.one_line = true, .hills = true}); }
+TEST(Coverage, Ransac) { Measure({.method = LocateMethod::kRansac}, {}); }
+TEST(Coverage, LeastSquares) { Measure({.method = LocateMethod::kLeastSquares}, {}); }
 
 }  // namespace
 }  // namespace victorious

@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 
 #include "victorious/geometry/angles.h"
+#include "victorious/geometry/unit_diagonal.h"
 
 namespace victorious {
 namespace {
@@ -28,11 +29,10 @@ struct ScaledFactorisation {
 };
 
 std::optional<ScaledFactorisation> FactoriseScaled(const SmallMatrix& matrix) {
-  ScaledFactorisation scaled;
-  if (!(matrix.diagonal().minCoeff() > 0)) return std::nullopt;
-  scaled.scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
-  const SmallMatrix normalised = scaled.scale.asDiagonal() * matrix * scaled.scale.asDiagonal();
-  scaled.factors.compute(normalised);
+  const auto unit = ScaleToUnitDiagonal(matrix);
+  if (!unit) return std::nullopt;
+  ScaledFactorisation scaled{.scale = unit->scale, .factors = {}};
+  scaled.factors.compute(unit->matrix);
   if (scaled.factors.info() != Eigen::Success || !(scaled.factors.vectorD().minCoeff() > kMinPivot))
     return std::nullopt;
   return scaled;
@@ -89,7 +89,7 @@ CommonErrorJacobian ComputeCommonErrorJacobian(const Ray& ray, double distance_m
 double IndependentFraction(std::span<const Ray> rays, const std::vector<bool>& chosen, const Motion& motion,
                            const LocateOptions& options) {
   double squares = 0;
-  double degrees_of_freedom = options.motion == "velocity" ? -6 : -3;
+  double degrees_of_freedom = options.motion == MotionModel::kVelocity ? -6 : -3;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (!chosen[i]) continue;
     const Vector3d to_object = motion.At(rays[i].time_s) - rays[i].camera;
@@ -177,7 +177,7 @@ std::optional<Motion> SolveUnbiased(std::span<const Ray> rays, const std::vector
   Motion motion = start;
   constexpr int kMaxRounds = 10;
   for (int round = 0; round < kMaxRounds; ++round) {
-    NormalEquations system(options.motion == "velocity");
+    NormalEquations system(options.motion == MotionModel::kVelocity);
     for (std::size_t i = 0; i < rays.size(); ++i) {
       if (!chosen[i]) continue;
       const Vector3d to_object = motion.At(rays[i].time_s) - rays[i].camera;
@@ -197,7 +197,7 @@ std::optional<Motion> SolveUnbiased(std::span<const Ray> rays, const std::vector
 std::optional<MatrixXd> LinearCovariance(std::span<const Ray> rays, const std::vector<bool>& chosen,
                                          const Motion& motion, const LocateOptions& options,
                                          bool estimate_correlation) {
-  const bool moving = options.motion == "velocity";
+  const bool moving = options.motion == MotionModel::kVelocity;
   const Eigen::Index unknowns = moving ? 6 : 3;
   NormalEquations system(moving);
   const double noise_bias_factor = NoiseBiasFactor(std::ranges::count(chosen, true));

@@ -1,15 +1,18 @@
 #include "victorious/geolocate/locate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
+#include "victorious/base/check.h"
 #include "victorious/base/median.h"
 #include "victorious/geolocate/consensus.h"
 #include "victorious/geolocate/error_ellipse.h"
@@ -26,12 +29,33 @@ struct Solution {
   Eigen::MatrixXd covariance;  // of the place, followed by the velocity if it is estimated; in the tangent plane
   std::vector<bool> inliers;
 };
-using Outcome = std::expected<Solution, std::string>;
+using Outcome = std::expected<Solution, LocateStatus>;
 
-constexpr const char* kNoBaseline =
-    "undetermined: the lines of sight differ too little, for their errors, to determine the distance";
+// kTooUncertain takes the standard deviation and the distance.
+constexpr auto kLocateStatusTexts = std::to_array<EnumText<LocateStatus>>({
+    {LocateStatus::kOk, "ok"},
+    {LocateStatus::kCameraBelowGround, "undetermined: the camera is below the ground"},
+    {LocateStatus::kOffTerrain,
+     "undetermined: the line of sight leaves the terrain, or intersects it where it has no height"},
+    {LocateStatus::kMissesGround, "undetermined: no line of sight intersects the ground"},
+    {LocateStatus::kSingleLineVelocity, "undetermined: a single line of sight does not determine a velocity"},
+    {LocateStatus::kSingleLineRange, "undetermined: a single line of sight needs a range"},
+    {LocateStatus::kTooFewForVelocity,
+     "undetermined: too few lines of sight, or too parallel, for a place and a velocity"},
+    {LocateStatus::kParallel, "undetermined: the lines of sight are parallel"},
+    {LocateStatus::kBehindCamera, "undetermined: the lines of sight meet behind the camera"},
+    {LocateStatus::kInconsistent, "undetermined: the lines of sight do not intersect within their errors"},
+    {LocateStatus::kDistanceUnobservable,
+     "undetermined: the lines of sight differ too little, for their errors, to determine the distance"},
+    {LocateStatus::kTooUncertain,
+     "undetermined: the lines of sight determine the place only to {:.0f} m (1 sigma) at {:.0f} m"},
+});
 
-bool IsMoving(const LocateOptions& options) { return options.motion == "velocity"; }
+// A velocity below this over the duration of the lines is not distinguished from 0. Chosen, not
+// fitted: within the size of an object.
+constexpr double kMinTravel_m = 1;
+
+bool IsMoving(const LocateOptions& options) { return options.motion == MotionModel::kVelocity; }
 
 bool IsMostlyBehind(std::span<const Ray> rays, const std::vector<bool>& chosen, const Motion& motion) {
   std::ptrdiff_t behind = 0;
@@ -42,36 +66,34 @@ bool IsMostlyBehind(std::span<const Ray> rays, const std::vector<bool>& chosen, 
 }
 
 // The reason why the given ground yields no place.
-std::string DescribeGroundMiss(std::span<const Ray> rays) {
+LocateStatus GroundMissStatus(std::span<const Ray> rays) {
   const auto all = [&](GroundMiss why) {
     return std::ranges::all_of(rays, [&](const Ray& ray) { return ray.ground_miss == why; });
   };
-  if (all(GroundMiss::kBelow)) return "undetermined: the camera is below the ground";
-  if (all(GroundMiss::kUnknown))
-    return "undetermined: the line of sight leaves the terrain, or intersects it where it has no height";
-  return "undetermined: no line of sight intersects the ground";
+  if (all(GroundMiss::kBelow)) return LocateStatus::kCameraBelowGround;
+  return all(GroundMiss::kUnknown) ? LocateStatus::kOffTerrain : LocateStatus::kMissesGround;
 }
 
-std::string DescribeUndetermined(std::span<const Ray> rays, const std::vector<bool>& chosen,
-                                 const LocateOptions& options) {
+LocateStatus UndeterminedStatus(std::span<const Ray> rays, const std::vector<bool>& chosen,
+                                const LocateOptions& options) {
   const auto count = std::ranges::count(chosen, true);
-  if (count == 1 && rays.size() > 1) return DescribeUndetermined(rays, std::vector<bool>(rays.size(), true), options);
-  if (count == 0) return DescribeGroundMiss(rays);
-  if (count == 1 && IsMoving(options)) return "undetermined: a single line of sight does not determine a velocity";
-  if (count == 1 && options.ground && rays.size() == 1) return DescribeGroundMiss(rays);
-  if (count == 1) return "undetermined: a single line of sight needs a range";
+  if (count == 1 && rays.size() > 1) return UndeterminedStatus(rays, std::vector<bool>(rays.size(), true), options);
+  if (count == 0) return GroundMissStatus(rays);
+  if (count == 1 && IsMoving(options)) return LocateStatus::kSingleLineVelocity;
+  if (count == 1 && options.ground && rays.size() == 1) return GroundMissStatus(rays);
+  if (count == 1) return LocateStatus::kSingleLineRange;
   const auto motion = SolveLinear(rays, chosen, IsMoving(options));
-  if (!motion) {
-    return IsMoving(options) ? "undetermined: too few lines of sight, or too parallel, for a place and a velocity"
-                             : "undetermined: the lines of sight are parallel";
-  }
-  if (IsMostlyBehind(rays, chosen, *motion)) return "undetermined: the lines of sight meet behind the camera";
-  return "undetermined: the lines of sight do not intersect within their errors";
+  if (!motion) return IsMoving(options) ? LocateStatus::kTooFewForVelocity : LocateStatus::kParallel;
+  return IsMostlyBehind(rays, chosen, *motion) ? LocateStatus::kBehindCamera : LocateStatus::kInconsistent;
 }
 
-// The status if the place is too uncertain to report: it might as well be at the camera or at twice the distance.
-std::optional<std::string> DescribeExcessUncertainty(std::span<const Ray> rays, const Solution& solution,
-                                                     double max_fraction) {
+struct ExcessUncertainty {
+  double sigma_m = 0;
+  double distance_m = 0;
+};
+
+// Set if the place is too uncertain to report: it might as well be at the camera or at twice the distance.
+std::optional<ExcessUncertainty> FindExcessUncertainty(std::span<const Ray> rays, const Solution& solution) {
   double distance_m = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (!solution.inliers[i]) continue;
@@ -81,9 +103,8 @@ std::optional<std::string> DescribeExcessUncertainty(std::span<const Ray> rays, 
   const double largest =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly).eigenvalues()(2);
   const double sigma_m = std::sqrt(std::max(0.0, largest));
-  if (std::isfinite(sigma_m) && sigma_m <= max_fraction * distance_m) return std::nullopt;
-  return fmt::format("undetermined: the lines of sight determine the place only to {:.0f} m (1 sigma) at {:.0f} m",
-                     sigma_m, distance_m);
+  if (std::isfinite(sigma_m) && sigma_m <= kMaxErrorFraction * distance_m) return std::nullopt;
+  return ExcessUncertainty{sigma_m, distance_m};
 }
 
 // True if the lines determine the distance without ranges.
@@ -93,23 +114,23 @@ bool IsDistanceObservable(std::span<const Ray> rays, const std::vector<bool>& ch
   for (Ray& ray : without_ranges) ray.range_weight = 0;
   auto covariance = LinearCovariance(without_ranges, chosen, motion, options, false);
   if (!covariance) return false;
-  return !DescribeExcessUncertainty(without_ranges, {motion, *std::move(covariance), chosen},
-                                    options.max_error_fraction);
+  return !FindExcessUncertainty(without_ranges, {motion, *std::move(covariance), chosen});
 }
 
 Outcome SolveWithCovariance(std::span<const Ray> rays, std::vector<bool> chosen, const LocateOptions& options) {
   auto motion = SolveLinear(rays, chosen, IsMoving(options));
   if (!motion || IsMostlyBehind(rays, chosen, *motion))
-    return std::unexpected(DescribeUndetermined(rays, chosen, options));
-  if (options.method == "prior" || options.method == "ransac") motion = SolveUnbiased(rays, chosen, *motion, options);
+    return std::unexpected(UndeterminedStatus(rays, chosen, options));
+  if (options.method == LocateMethod::kPrior || options.method == LocateMethod::kRansac)
+    motion = SolveUnbiased(rays, chosen, *motion, options);
   if (!motion || IsMostlyBehind(rays, chosen, *motion))
-    return std::unexpected(DescribeUndetermined(rays, chosen, options));
+    return std::unexpected(UndeterminedStatus(rays, chosen, options));
   const bool is_range_only = std::ranges::all_of(rays, [&](const Ray& ray) {
     return !chosen[static_cast<std::size_t>(&ray - rays.data())] || ray.range_weight == 1;
   });
   const bool estimate_correlation = is_range_only || !IsDistanceObservable(rays, chosen, *motion, options);
   auto covariance = LinearCovariance(rays, chosen, *motion, options, estimate_correlation);
-  if (!covariance) return std::unexpected(kNoBaseline);
+  if (!covariance) return std::unexpected(LocateStatus::kDistanceUnobservable);
   return Solution{*motion, *std::move(covariance), std::move(chosen)};
 }
 
@@ -117,7 +138,7 @@ Outcome SolveWithCovariance(std::span<const Ray> rays, std::vector<bool> chosen,
 // std::nullopt if the ground height is not known, or if the place is outside the gate: the object is then not on the
 // ground.
 std::optional<Solution> ConstrainToGround(Solution solution, const TangentPlane& plane, const LocateOptions& options) {
-  constexpr int kRounds = 3;  // the ground patch depends on the place
+  constexpr int kRounds = 3;  // the ground patch depends on the place; more rounds change it by less than its sigma
   const Solution unconstrained = solution;
   for (int round = 0; round < kRounds; ++round) {
     const auto patch = GroundPatchAt(*options.ground, plane, solution.motion.place);
@@ -146,7 +167,7 @@ Outcome SolveByRanges(std::span<const Ray> rays, std::vector<bool> chosen, const
     ranged[i].range_weight = 1;
   }
   if (std::ranges::none_of(chosen, std::identity())) {
-    return std::unexpected(options.ground ? DescribeGroundMiss(rays) : kNoBaseline);
+    return std::unexpected(options.ground ? GroundMissStatus(rays) : LocateStatus::kDistanceUnobservable);
   }
   auto outcome = SolveWithCovariance(ranged, std::move(chosen), options);
   if (!outcome || !measured || !options.ground) return outcome;
@@ -157,9 +178,9 @@ Outcome SolveByRanges(std::span<const Ray> rays, std::vector<bool> chosen, const
 Outcome RefineConsensus(std::span<const Ray> rays, const Consensus& start, const TangentPlane& plane,
                         const LocateOptions& options) {
   auto refined = RefinePlace(rays, start.motion, start.inliers, plane, options);
-  if (!refined) return std::unexpected(kNoBaseline);
+  if (!refined) return std::unexpected(LocateStatus::kDistanceUnobservable);
   if (IsMostlyBehind(rays, refined->inliers, refined->motion)) {
-    return std::unexpected("undetermined: the lines of sight meet behind the camera");
+    return std::unexpected(LocateStatus::kBehindCamera);
   }
   return Solution{refined->motion, std::move(refined->covariance), std::move(refined->inliers)};
 }
@@ -179,17 +200,17 @@ Outcome SolveMaximumLikelihood(std::span<const Ray> rays, Consensus start, const
 
 Outcome Solve(std::span<const Ray> rays, const TangentPlane& plane, const LocateOptions& options) {
   std::vector<bool> all(rays.size(), true);
-  if (options.method == "least-squares") return SolveWithCovariance(rays, std::move(all), options);
-  if (options.method == "prior")
+  if (options.method == LocateMethod::kLeastSquares) return SolveWithCovariance(rays, std::move(all), options);
+  if (options.method == LocateMethod::kPrior)
     return SolveWithCovariance(rays, SelectConsistentRays(rays, IsMoving(options)), options);
-  if (options.method == "ground") {
+  if (options.method == LocateMethod::kGround) {
     std::transform(rays.begin(), rays.end(), all.begin(),
                    [](const Ray& ray) { return ray.range_source == RangeSource::kGround; });
     return SolveWithCovariance(rays, std::move(all), options);
   }
   auto consensus = FindConsensus(rays, options);
-  if (!consensus) return std::unexpected(DescribeUndetermined(rays, all, options));
-  if (options.method == "ransac") return SolveWithCovariance(rays, std::move(consensus->inliers), options);
+  if (!consensus) return std::unexpected(UndeterminedStatus(rays, all, options));
+  if (options.method == LocateMethod::kRansac) return SolveWithCovariance(rays, std::move(consensus->inliers), options);
   return SolveMaximumLikelihood(rays, *std::move(consensus), plane, options);
 }
 
@@ -215,7 +236,7 @@ struct LocateResult {
   std::optional<Motion> motion;  // in the tangent plane; std::nullopt if there is no place
 };
 
-LocateResult LocateWithMotion(const std::string& motion, std::span<const LineOfSight> lines, LocateOptions options) {
+LocateResult LocateWithMotion(MotionModel motion, std::span<const LineOfSight> lines, LocateOptions options) {
   options.motion = motion;
   const TangentPlane plane(lines.front().camera);
   const std::vector<Ray> rays = MakeRays(lines, plane, options);
@@ -225,13 +246,14 @@ LocateResult LocateWithMotion(const std::string& motion, std::span<const LineOfS
     result.fix.status = outcome.error();
     return result;
   }
-  if (auto why = DescribeExcessUncertainty(rays, *outcome, options.max_error_fraction)) {
-    result.fix.status = *std::move(why);
+  if (const auto excess = FindExcessUncertainty(rays, *outcome)) {
+    result.fix.status = LocateStatus::kTooUncertain;
+    result.fix.rejected_sigma_m = excess->sigma_m;
+    result.fix.rejected_distance_m = excess->distance_m;
     return result;
   }
   result.fix.place = MakePlace(*outcome, plane, std::ranges::max(lines, {}, &LineOfSight::time_s).time_s);
   result.fix.inliers = outcome->inliers;
-  result.fix.status = "ok";
   result.motion = outcome->motion;
   return result;
 }
@@ -250,13 +272,13 @@ std::vector<double> NormalisedOffsets(std::span<const Ray> rays, const Motion& m
 }
 
 // Selects the motion model: true if the object moves, by the Bayesian information criterion (Schwarz 1978) over
-// truncated squared offsets, scaled by the residual noise of the moving solution; and by more than `min_travel_m`.
+// truncated squared offsets, scaled by the residual noise of the moving solution; and by more than kMinTravel_m.
 bool SelectsMoving(std::span<const LineOfSight> lines, const LocateResult& stationary, const LocateResult& moving,
                    const LocateOptions& options) {
   if (!moving.fix.place) return false;
   const std::vector<Ray> rays = MakeRays(lines, TangentPlane(lines.front().camera), options);
   const double first_s = std::ranges::min(rays, {}, &Ray::time_s).time_s;
-  if (moving.motion->velocity.norm() * -first_s < options.min_travel_m) return false;
+  if (moving.motion->velocity.norm() * -first_s < kMinTravel_m) return false;
   if (!stationary.fix.place) return true;
   const std::vector<double> stationary_offsets = NormalisedOffsets(rays, *stationary.motion, options);
   const std::vector<double> moving_offsets = NormalisedOffsets(rays, *moving.motion, options);
@@ -273,8 +295,8 @@ bool SelectsMoving(std::span<const LineOfSight> lines, const LocateResult& stati
 
 // Motion `auto`. A static object gets velocity 0, with the velocity covariance of the moving solution.
 GeoFix LocateWithModelSelection(std::span<const LineOfSight> lines, const LocateOptions& options) {
-  LocateResult stationary = LocateWithMotion("static", lines, options);
-  const LocateResult moving = LocateWithMotion("velocity", lines, options);
+  LocateResult stationary = LocateWithMotion(MotionModel::kStatic, lines, options);
+  const LocateResult moving = LocateWithMotion(MotionModel::kVelocity, lines, options);
   if (SelectsMoving(lines, stationary, moving, options)) return moving.fix;
   if (stationary.fix.place && moving.fix.place) {
     stationary.fix.place->velocity_enu = Eigen::Vector3d::Zero();
@@ -285,15 +307,25 @@ GeoFix LocateWithModelSelection(std::span<const LineOfSight> lines, const Locate
 
 }  // namespace
 
+std::string StatusText(const GeoFix& fix) {
+  return fmt::format(fmt::runtime(ToText(kLocateStatusTexts, fix.status)), fix.rejected_sigma_m,
+                     fix.rejected_distance_m);
+}
+
 Expected<GeoFix> Locate(std::span<const LineOfSight> lines, const LocateOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   if (lines.empty()) return Fail(ErrorCode::kInvalidArgument, "no lines of sight: give at least one");
-  if (options.method == "ground" && !options.ground) {
+  if (options.method == LocateMethod::kGround && !options.ground) {
     return Fail(
         ErrorCode::kInvalidArgument,
         "the method ground needs a ground: give its height (--ground METRES) or a terrain (--terrain FILE.tif)");
   }
-  if (options.motion == "auto") return LocateWithModelSelection(lines, options);
+  return LocateChecked(lines, options);
+}
+
+GeoFix LocateChecked(std::span<const LineOfSight> lines, const LocateOptions& options) {
+  VICTORIOUS_CHECK(!lines.empty());
+  if (options.motion == MotionModel::kAuto) return LocateWithModelSelection(lines, options);
   return LocateWithMotion(options.motion, lines, options).fix;
 }
 

@@ -32,28 +32,36 @@ double PlaceError(const GeoFix& fix, const GeodeticPoint& truth) {
 
 std::ptrdiff_t Inliers(const GeoFix& fix) { return std::ranges::count(fix.inliers, true); }
 
-class EachMethod : public ::testing::TestWithParam<std::string> {
+std::string_view Text(LocateMethod method) { return ToText(kLocateMethodTexts, method); }
+
+class EachMethod : public ::testing::TestWithParam<LocateMethod> {
  protected:
   LocateOptions options{.method = GetParam()};
 };
 
-INSTANTIATE_TEST_SUITE_P(Methods, EachMethod, ::testing::Values("least-squares", "prior", "ransac", "ml"),
-                         [](const auto& one) { return one.param == "least-squares" ? "least_squares" : one.param; });
+INSTANTIATE_TEST_SUITE_P(Methods, EachMethod,
+                         ::testing::Values(LocateMethod::kLeastSquares, LocateMethod::kPrior, LocateMethod::kRansac,
+                                           LocateMethod::kMaximumLikelihood),
+                         [](const auto& one) {
+                           std::string name(Text(one.param));
+                           std::ranges::replace(name, '-', '_');
+                           return name;
+                         });
 
 TEST_P(EachMethod, FindsTheExactPlace) {
   const SyntheticLines drawn = SimulateLinesOfSight({});
   const GeoFix fix = LocateOrFail(drawn.lines, options);
-  EXPECT_EQ(fix.status, "ok");
+  EXPECT_EQ(StatusText(fix), "ok");
   EXPECT_LT(PlaceError(fix, drawn.object), 1e-4);
   EXPECT_EQ(Inliers(fix), 100);
   EXPECT_FALSE(fix.place->velocity_enu);
 }
 
 TEST_P(EachMethod, FindsAMovingObjectAtTheLastLinesTime) {
-  options.motion = "velocity";
+  options.motion = MotionModel::kVelocity;
   const SyntheticLines drawn = SimulateLinesOfSight({.velocity_enu = {3, -2, 0.1}});
   const GeoFix fix = LocateOrFail(drawn.lines, options);
-  EXPECT_EQ(fix.status, "ok");
+  EXPECT_EQ(StatusText(fix), "ok");
   EXPECT_LT(PlaceError(fix, drawn.object), 1e-3);
   EXPECT_DOUBLE_EQ(fix.place->time_s, 60);
   EXPECT_LT((*fix.place->velocity_enu - Eigen::Vector3d(3, -2, 0.1)).norm(), 1e-4);
@@ -62,14 +70,14 @@ TEST_P(EachMethod, FindsAMovingObjectAtTheLastLinesTime) {
 TEST_P(EachMethod, SendsOneLineItsRange) {
   const SyntheticLines drawn = SimulateLinesOfSight({.count = 1, .range_fraction = 1e-6});
   const GeoFix fix = LocateOrFail(drawn.lines, options);
-  EXPECT_EQ(fix.status, "ok");
+  EXPECT_EQ(StatusText(fix), "ok");
   EXPECT_LT(PlaceError(fix, drawn.object), 0.01);
 }
 
 TEST_P(EachMethod, SaysThatOneLineNeedsARange) {
   const GeoFix fix = LocateOrFail(SimulateLinesOfSight({.count = 1}).lines, options);
   EXPECT_FALSE(fix.place);
-  EXPECT_EQ(fix.status, "undetermined: a single line of sight needs a range");
+  EXPECT_EQ(StatusText(fix), "undetermined: a single line of sight needs a range");
   EXPECT_EQ(Inliers(fix), 0);
 }
 
@@ -79,7 +87,7 @@ TEST_P(EachMethod, SaysThatParallelLinesMeetNowhere) {
   for (LineOfSight& line : lines) line.azimuth_rad = lines[0].azimuth_rad, line.elevation_rad = lines[0].elevation_rad;
   const GeoFix fix = LocateOrFail(lines, options);
   EXPECT_FALSE(fix.place);
-  EXPECT_THAT(fix.status, HasSubstr("parallel"));
+  EXPECT_THAT(StatusText(fix), HasSubstr("parallel"));
 }
 
 TEST_P(EachMethod, SaysThatLinesMeetBehindTheCamera) {
@@ -87,7 +95,7 @@ TEST_P(EachMethod, SaysThatLinesMeetBehindTheCamera) {
   for (LineOfSight& line : lines) line.azimuth_rad += kPi, line.elevation_rad *= -1;
   const GeoFix fix = LocateOrFail(lines, options);
   EXPECT_FALSE(fix.place);
-  EXPECT_THAT(fix.status, HasSubstr("behind the camera"));
+  EXPECT_THAT(StatusText(fix), HasSubstr("behind the camera"));
 }
 
 TEST_P(EachMethod, TellsNoPlaceWhereTheDistanceIsOpen) {
@@ -95,13 +103,13 @@ TEST_P(EachMethod, TellsNoPlaceWhereTheDistanceIsOpen) {
   const GeoFix fix =
       LocateOrFail(SimulateLinesOfSight({.arc_deg = 0.2, .noise_position_m = 1, .noise_deg = 0.1}).lines, options);
   EXPECT_FALSE(fix.place);
-  EXPECT_THAT(fix.status, HasSubstr("undetermined: "));
+  EXPECT_THAT(StatusText(fix), HasSubstr("undetermined: "));
 }
 
 TEST_P(EachMethod, ACameraThatStandsStillTellsNoDistanceHoweverManyItsLines) {
   for (const int count : {5, 100, 4000}) {
     for (const double noise_m : {0.0, 2.0}) {
-      if (options.method == "prior" && count > 100) continue;  // quadratic
+      if (options.method == LocateMethod::kPrior && count > 100) continue;  // quadratic
       const GeoFix fix = LocateOrFail(
           SimulateLinesOfSight({.count = count, .arc_deg = 0, .noise_position_m = noise_m, .noise_deg = 0.5}).lines,
           options);
@@ -111,7 +119,7 @@ TEST_P(EachMethod, ACameraThatStandsStillTellsNoDistanceHoweverManyItsLines) {
 }
 
 TEST(Locate, OnTheGroundTheEllipseOfACameraThatStandsStillDoesNotShrink) {
-  for (const std::string method : {"ground", "ml"}) {
+  for (const LocateMethod method : {LocateMethod::kGround, LocateMethod::kMaximumLikelihood}) {
     LocateOptions options{.method = method};
     options.ground = std::make_shared<FlatGround>(5);
     std::vector<double> ce90_m;
@@ -119,19 +127,19 @@ TEST(Locate, OnTheGroundTheEllipseOfACameraThatStandsStillDoesNotShrink) {
       const SyntheticLines drawn =
           SimulateLinesOfSight({.count = count, .arc_deg = 0, .noise_position_m = 2, .noise_deg = 0.5});
       const GeoFix fix = LocateOrFail(drawn.lines, options);
-      ASSERT_TRUE(fix.place) << method << fix.status;
-      EXPECT_LT(PlaceError(fix, drawn.object), 5) << method;
+      ASSERT_TRUE(fix.place) << Text(method) << StatusText(fix);
+      EXPECT_LT(PlaceError(fix, drawn.object), 5) << Text(method);
       ce90_m.push_back(fix.place->ce90_m);
     }
-    EXPECT_GT(ce90_m[1], 0.85 * ce90_m[0]) << method;
+    EXPECT_GT(ce90_m[1], 0.85 * ce90_m[0]) << Text(method);
   }
 }
 
 TEST_P(EachMethod, TellsNoVelocityOfTwoLines) {
-  options.motion = "velocity";
+  options.motion = MotionModel::kVelocity;
   const GeoFix fix = LocateOrFail(SimulateLinesOfSight({.count = 2}).lines, options);
   EXPECT_FALSE(fix.place);
-  EXPECT_THAT(fix.status, HasSubstr("velocity"));
+  EXPECT_THAT(StatusText(fix), HasSubstr("velocity"));
 }
 
 TEST_P(EachMethod, KeepsTheEllipseOfManyLinesAboveTheCommonErrors) {
@@ -141,7 +149,7 @@ TEST_P(EachMethod, KeepsTheEllipseOfManyLinesAboveTheCommonErrors) {
   options.common.position_m = 3;
   const GeoFix few = LocateOrFail(SimulateLinesOfSight(flight).lines, options);
   const GeoFix many = LocateOrFail(SimulateLinesOfSight(longer).lines, options);
-  ASSERT_TRUE(few.place && many.place) << few.status << many.status;
+  ASSERT_TRUE(few.place && many.place) << StatusText(few) << StatusText(many);
   EXPECT_GT(many.place->ce90_m, 3 * 2.146 * 0.99);  // CE90 of 3 m along each axis alone
   EXPECT_GT(many.place->ce90_m, 0.8 * few.place->ce90_m);
 }
@@ -151,27 +159,29 @@ TEST_P(EachMethod, KeepsTheEllipseOfManyLinesAboveTheCommonErrors) {
 TEST(Locate, OneLineTakenManyTimesTellsNoMoreThanOnce) {
   const SyntheticLines drawn = SimulateLinesOfSight({.count = 1});
   const std::vector<LineOfSight> many(50, drawn.lines.front());
-  for (const std::string method : {"ground", "prior", "ransac", "ml"}) {
+  for (const LocateMethod method :
+       {LocateMethod::kGround, LocateMethod::kPrior, LocateMethod::kRansac, LocateMethod::kMaximumLikelihood}) {
     LocateOptions options{.method = method};
     options.ground = std::make_shared<FlatGround>(drawn.object.altitude_m);
     const GeoFix once = LocateOrFail(drawn.lines, options);
     const GeoFix again = LocateOrFail(many, options);
-    ASSERT_TRUE(once.place && again.place) << method;
-    EXPECT_LT(PlaceError(again, drawn.object), 0.02) << method;
-    EXPECT_GE(again.place->ce90_m, 0.999 * once.place->ce90_m) << method;
-    EXPECT_LE(again.place->ce90_m, 1.1 * once.place->ce90_m) << method;
+    ASSERT_TRUE(once.place && again.place) << Text(method);
+    EXPECT_LT(PlaceError(again, drawn.object), 0.02) << Text(method);
+    EXPECT_GE(again.place->ce90_m, 0.999 * once.place->ce90_m) << Text(method);
+    EXPECT_LE(again.place->ce90_m, 1.1 * once.place->ce90_m) << Text(method);
   }
 }
 
 TEST(Locate, SetsWrongLinesAside) {
   const SyntheticLines drawn =
       SimulateLinesOfSight({.outlier_fraction = 0.3, .noise_position_m = 0.5, .noise_deg = 0.1});
-  for (const std::string method : {"ransac", "ml"}) {
+  for (const LocateMethod method : {LocateMethod::kRansac, LocateMethod::kMaximumLikelihood}) {
     const GeoFix fix = LocateOrFail(drawn.lines, {.method = method});
-    EXPECT_LT(PlaceError(fix, drawn.object), 2) << method;
-    for (std::size_t i = 0; i < drawn.wrong.size(); ++i) EXPECT_TRUE(fix.inliers[i] || drawn.wrong[i]) << method << i;
+    EXPECT_LT(PlaceError(fix, drawn.object), 2) << Text(method);
+    for (std::size_t i = 0; i < drawn.wrong.size(); ++i)
+      EXPECT_TRUE(fix.inliers[i] || drawn.wrong[i]) << Text(method) << i;
   }
-  const GeoFix all = LocateOrFail(drawn.lines, {.method = "least-squares"});
+  const GeoFix all = LocateOrFail(drawn.lines, {.method = LocateMethod::kLeastSquares});
   EXPECT_GT(PlaceError(all, drawn.object), 2);  // least squares is not robust
 }
 
@@ -179,7 +189,7 @@ TEST(Locate, PriorLeavesOutWhatPullsThePlaceOutOfAFrustum) {
   SyntheticLines drawn = SimulateLinesOfSight({.noise_deg = 0.05, .range_fraction = 0.05});
   drawn.lines[50].azimuth_rad += RadiansFromDegrees(20);
   drawn.lines[70].range_m = *drawn.lines[70].range_m * 3;
-  const GeoFix fix = LocateOrFail(drawn.lines, {.method = "prior"});
+  const GeoFix fix = LocateOrFail(drawn.lines, {.method = LocateMethod::kPrior});
   EXPECT_LT(PlaceError(fix, drawn.object), 1);
   EXPECT_EQ(Inliers(fix), 98);
   EXPECT_FALSE(fix.inliers[50]);
@@ -189,22 +199,22 @@ TEST(Locate, PriorLeavesOutWhatPullsThePlaceOutOfAFrustum) {
 TEST(Locate, RangesMakeUpForAShortBaseline) {
   const testing::SyntheticLinesOptions flight{.arc_deg = 0.5, .noise_deg = 0.1, .range_fraction = 0.05};
   const SyntheticLines drawn = SimulateLinesOfSight(flight);
-  for (const std::string method : {"prior", "ransac", "ml"}) {
-    EXPECT_LT(PlaceError(LocateOrFail(drawn.lines, {.method = method}), drawn.object), 10) << method;
+  for (const LocateMethod method : {LocateMethod::kPrior, LocateMethod::kRansac, LocateMethod::kMaximumLikelihood}) {
+    EXPECT_LT(PlaceError(LocateOrFail(drawn.lines, {.method = method}), drawn.object), 10) << Text(method);
   }
 }
 
 TEST(Locate, GroundGivesOneLineItsPlace) {
   const SyntheticLines drawn = SimulateLinesOfSight({.count = 1});
-  for (const std::string method : {"ground", "prior", "ml"}) {
+  for (const LocateMethod method : {LocateMethod::kGround, LocateMethod::kPrior, LocateMethod::kMaximumLikelihood}) {
     LocateOptions options{.method = method};
     options.ground = std::make_shared<FlatGround>(drawn.object.altitude_m);
     const GeoFix fix = LocateOrFail(drawn.lines, options);
-    EXPECT_LT(PlaceError(fix, drawn.object), 0.02) << method;
-    ASSERT_TRUE(fix.place) << method;
+    EXPECT_LT(PlaceError(fix, drawn.object), 0.02) << Text(method);
+    ASSERT_TRUE(fix.place) << Text(method);
     // The error ellipsoid is flat along the ground: the height is known as well as the ground's.
-    EXPECT_NEAR(fix.place->le90_m, options.ground_sigma_m * 1.645, 0.1) << method;
-    EXPECT_GT(fix.place->ce90_m, 5) << method;
+    EXPECT_NEAR(fix.place->le90_m, options.ground_sigma_m * 1.645, 0.1) << Text(method);
+    EXPECT_GT(fix.place->ce90_m, 5) << Text(method);
   }
 }
 
@@ -213,29 +223,29 @@ TEST(Locate, TerrainGivesOneLineItsPlace) {
   const testing::SyntheticLinesOptions flight{.count = 1};
   const SyntheticLines drawn = SimulateLinesOfSight(flight);
   const double height_m = drawn.object.altitude_m;
-  LocateOptions options{.method = "ml"};
+  LocateOptions options{.method = LocateMethod::kMaximumLikelihood};
   options.ground =
       std::make_shared<SyntheticGround>(drawn.object, [=](double, double north_m) { return height_m + 0.5 * north_m; });
-  for (const std::string method : {"ground", "prior", "ml"}) {
+  for (const LocateMethod method : {LocateMethod::kGround, LocateMethod::kPrior, LocateMethod::kMaximumLikelihood}) {
     options.method = method;
     const GeoFix fix = LocateOrFail(drawn.lines, options);
-    EXPECT_LT(PlaceError(fix, drawn.object), 0.02) << method << ": " << fix.status;
+    EXPECT_LT(PlaceError(fix, drawn.object), 0.02) << Text(method) << ": " << StatusText(fix);
     ASSERT_TRUE(fix.place);
     // The error along the ground follows the slope.
     const Eigen::Vector3d across = Eigen::Vector3d(0, -0.5, 1).normalized();
     const double across_sigma_m = std::sqrt(across.dot(fix.place->covariance_enu_m2 * across));
-    EXPECT_NEAR(across_sigma_m, options.ground_sigma_m * across.z(), 0.05) << method;
+    EXPECT_NEAR(across_sigma_m, options.ground_sigma_m * across.z(), 0.05) << Text(method);
   }
 }
 
 TEST(Locate, SaysWhyALineMeetsNoTerrain) {
   const SyntheticLines drawn = SimulateLinesOfSight({.count = 1});
   const auto status_on = [&](const std::function<double(double, double)>& height) {
-    LocateOptions options{.method = "ground"};
+    LocateOptions options{.method = LocateMethod::kGround};
     options.ground = std::make_shared<SyntheticGround>(drawn.object, height);
     const GeoFix fix = LocateOrFail(drawn.lines, options);
     EXPECT_FALSE(fix.place);
-    return fix.status;
+    return StatusText(fix);
   };
   EXPECT_THAT(status_on([](double, double) { return 9999.0; }), HasSubstr("below the ground"));
   EXPECT_THAT(status_on([](double, double) { return std::nan(""); }), HasSubstr("leaves the terrain"));
@@ -313,8 +323,7 @@ TEST(Locate, TheEllipseGrowsWhenLinesScatterMoreThanTold) {
 TEST(Locate, RefusesWhatCannotBeUsed) {
   EXPECT_FALSE(Locate({}, {}));
   const SyntheticLines drawn = SimulateLinesOfSight({.count = 2});
-  EXPECT_FALSE(Locate(drawn.lines, {.method = "guess"}));
-  EXPECT_FALSE(Locate(drawn.lines, {.method = "ground"}));
+  EXPECT_FALSE(Locate(drawn.lines, {.method = LocateMethod::kGround}));
   EXPECT_FALSE(Locate(drawn.lines, {.distance_prior_allowance = 0.5}));
 }
 

@@ -61,8 +61,8 @@ void SetRange(const LineOfSight& line, const TangentPlane& plane, const LocateOp
 // `least-squares` ignores ranges, except for a single line, which is placed by its range as in `prior`.
 double RangeWeight(const Ray& ray, const LocateOptions& options, bool is_single) {
   if (ray.range_source == RangeSource::kNone) return 0;
-  if (is_single || options.method == "ground") return 1;
-  if (options.method == "least-squares") return 0;
+  if (is_single || options.method == LocateMethod::kGround) return 1;
+  if (options.method == LocateMethod::kLeastSquares) return 0;
   const double across_m2 = Square(options.line.position_m) + Square(ray.sigma_rad * ray.range_m);
   return std::min(1.0, across_m2 / Square(ray.sigma_range_m));
 }

@@ -14,6 +14,7 @@
 
 #include "victorious/base/median.h"
 #include "victorious/geolocate/linear_place.h"
+#include "victorious/geometry/unit_diagonal.h"
 
 namespace victorious {
 namespace {
@@ -120,10 +121,10 @@ Eigen::MatrixXd NormalMatrix(ceres::Problem& problem, std::vector<double*> free)
 
 // The inverse; std::nullopt if the matrix, scaled to unit diagonal, is singular.
 std::optional<Eigen::MatrixXd> Inverse(const Eigen::MatrixXd& normal) {
-  if (!normal.allFinite() || !(normal.diagonal().minCoeff() > 0)) return std::nullopt;
-  const Eigen::VectorXd scale = normal.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
+  const auto scaled = ScaleToUnitDiagonal(normal);
+  if (!scaled) return std::nullopt;
+  const Eigen::VectorXd& scale = scaled->scale;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled->matrix);
   constexpr double kMinEigenvalue = 1e-13;
   if (eigen.info() != Eigen::Success || !(eigen.eigenvalues().minCoeff() > kMinEigenvalue)) return std::nullopt;
   const Eigen::MatrixXd inverse =
@@ -187,7 +188,7 @@ class Refinement {
     if (!patch) fixed = {0, 1, 2, 5, 6};
     problem.SetManifold(common, new ceres::SubsetManifold(kNumCommonErrors, fixed));
     std::vector<double*> free = {place, velocity, common};
-    if (options_.motion == "static") {
+    if (options_.motion == MotionModel::kStatic) {
       problem.SetParameterBlockConstant(velocity);
       free = {place, common};
     }
@@ -199,7 +200,7 @@ class Refinement {
     ceres::Solve(solver, &problem, &summary);
     if (!summary.IsSolutionUsable() || !estimate.place.allFinite()) return std::nullopt;
     problem.SetManifold(common, nullptr);
-    const int first_common = options_.motion == "static" ? 3 : 6;
+    const int first_common = options_.motion == MotionModel::kStatic ? 3 : 6;
     for (int& one : fixed) one += first_common;
     Eigen::MatrixXd normal = NormalMatrix(problem, free);
     normal.topLeftCorner(first_common, first_common) -= NoiseBias(inliers, noise_factor, estimate, first_common);
@@ -309,7 +310,7 @@ std::optional<RefinedPlace> RefinePlace(std::span<const Ray> rays, const Motion&
     if (converged && selected == inliers) break;
     inliers = std::move(selected);
   }
-  const Eigen::Index unknowns = options.motion == "velocity" ? 6 : 3;
+  const Eigen::Index unknowns = options.motion == MotionModel::kVelocity ? 6 : 3;
   return RefinedPlace{estimate.motion(), covariance->topLeftCorner(unknowns, unknowns), std::move(inliers)};
 }
 

@@ -300,7 +300,7 @@ class ResultWriter {
       : pass_(pass),
         store_(store),
         report_(report),
-        linker_(MakeTrackletOptions(pass, frame_rate)),
+        linker_(MakeTrackletOptions(pass, frame_rate), pass.options.objects),
         next_frame_(pass.searches.front().next_frame),
         committed_frame_(next_frame_),
         last_commit_(Clock::now()) {}
