@@ -88,7 +88,7 @@ def main() -> None:
                     database = Path(folder) / f"{movie.name}-{seed}-{followed}.db"
                     shutil.copy(indexed, database)
                     shift(database, seed, arguments.position_m, math.radians(arguments.attitude_deg), followed)
-                    index(movie, database, motion_window_s=5.01)  # changed parameters: recomputes the places
+                    index(movie, database, merge_gate_sigma=3.5001)  # changed parameters: recomputes the places
                     scored = subprocess.run(
                         [arguments.program, "evaluate", "--db", database, "--truth", movie / "truth.jsonl", "--json"],
                         check=True, capture_output=True, text=True,
