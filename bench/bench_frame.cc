@@ -9,7 +9,7 @@
 namespace victorious::bench {
 namespace {
 
-Result TimeFrame(std::string name, std::vector<ObjectModel> models, const std::string& method, const cv::Mat& frame,
+Result TimeFrame(std::string name, std::vector<ObjectModel> models, SearchMethod method, const cv::Mat& frame,
                  const Settings& settings) {
   const std::size_t views = CollectViews(models).size();
   const auto extractor = MakeFeatureExtractor({}).value();
@@ -18,7 +18,7 @@ Result TimeFrame(std::string name, std::vector<ObjectModel> models, const std::s
   const Recognizer recognizer = Recognizer::Create(std::move(models), FeatureOptions().engine, options).value();
   const Implementation ours = {"victorious", [&] {
                                  const FeatureSet features = extractor->Extract(frame).value();
-                                 return static_cast<double>(recognizer.Recognize(features).size());
+                                 return static_cast<double>(recognizer.Recognize(features).value().size());
                                }};
   Result result = Compare(std::move(name), ours, {}, settings.effort());
   result.figures = {{"frames_per_s", 1000 / result.median_ms},
@@ -34,9 +34,9 @@ std::vector<Result> BenchFrame(const Settings& settings) {
   const testing::SyntheticFlight flight = MakeSyntheticFlight();
   const cv::Mat frame = GreyFrame(flight);
   const int every = settings.quick ? 50 : 1;
-  return {TimeFrame("frame", {PhotoModel(flight, 0), PhotoModel(flight, 1)}, "grammar", frame, settings),
-          TimeFrame("frame_4x253", MakeAllRoundModels(flight, every), "grammar", frame, settings),
-          TimeFrame("frame_4x253_votes", MakeAllRoundModels(flight, every), "votes", frame, settings)};
+  return {TimeFrame("frame", {PhotoModel(flight, 0), PhotoModel(flight, 1)}, SearchMethod::kGrammar, frame, settings),
+          TimeFrame("frame_4x253", MakeAllRoundModels(flight, every), SearchMethod::kGrammar, frame, settings),
+          TimeFrame("frame_4x253_votes", MakeAllRoundModels(flight, every), SearchMethod::kVotes, frame, settings)};
 }
 
 }  // namespace victorious::bench

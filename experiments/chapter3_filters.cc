@@ -42,7 +42,7 @@ std::vector<MatchFilter> Variants(const CascadeOptions& cascade) {
   add("cascade, R = 100 px", [](CascadeOptions& o) { o.radius_px = 100; });
   for (const double share : {0.5, 0.7, 1.0}) {
     add(fmt::format("cascade, R from scale, share {:g}", share), [&](CascadeOptions& o) {
-      o.radius = "scale";
+      o.radius = CascadeRadius::kScale;
       o.radius_fraction = share;
     });
   }

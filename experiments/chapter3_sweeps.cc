@@ -123,7 +123,7 @@ Expected<Report> RunChapter3Sweeps(const ExperimentSettings& settings) {
     }
     std::vector<MatchFilter> filters = MakeMatchFilters(setup.recognize);
     CascadeOptions by_scale = setup.recognize.cascade;
-    by_scale.radius = "scale";
+    by_scale.radius = CascadeRadius::kScale;
     filters.push_back(MakeGrammarFilter("cascade, R from scale", by_scale));
     double easiest = 0;
     for (const Difficulty& difficulty : Difficulties()) {

@@ -146,7 +146,8 @@ Expected<Report> RunFigure316(const ExperimentSettings& settings) {
     for (const PooledScene& pooled : scenes) {
       VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
       VICTORIOUS_ASSIGN_OR_RETURN(const auto features, ExtractImageFeatures(*pooled.scene, setup.features));
-      ScoreDetections(*pooled.scene, recognizer.Recognize(*features), models, counts, shown);
+      VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Detection> detections, recognizer.Recognize(*features));
+      ScoreDetections(*pooled.scene, detections, models, counts, shown);
       settings.progress(fmt::format("{}: {}", setup.name, pooled.scene->name));
     }
     for (auto& [kind, count] : counts) {

@@ -33,7 +33,7 @@ CameraState CameraOf(const RealView& view) { return {.hfov_rad = 2 * std::atan(v
 Expected<ViewResult> Search(const RealView& view, const Recognizer& recognizer, const FeatureExtractor& extractor,
                             const ObservationOptions& options) {
   VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, extractor.Extract(GreyFromBgr(view.bgr)));
-  const std::vector<Detection> detections = recognizer.Recognize(features);
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Detection> detections, recognizer.Recognize(features));
   ViewResult result;
   if (detections.empty()) return result;
   result.detection = detections.front();

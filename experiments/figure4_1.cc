@@ -65,12 +65,14 @@ struct SearchSetup {
 };
 
 // Recognises each view separately.
-void RecognizeEachView(const SearchSetup& setup, const FrameConditions& conditions, SearchedBox& searched) {
+Status RecognizeEachView(const SearchSetup& setup, const FrameConditions& conditions, SearchedBox& searched) {
   for (std::size_t m = 0; m < searched.views.size(); ++m) {
     const ObjectModel& model = setup.recognizer.models()[m];
     std::vector<double>& neg_log10_nfa = searched.neg_log10_nfa.emplace_back(model.views.size(), 0);
     for (const std::size_t view : searched.views[m]) {
-      const auto found = setup.recognizer.RecognizeViews(searched.features, m, std::span(&view, 1), conditions);
+      VICTORIOUS_ASSIGN_OR_RETURN(
+          const std::vector<Detection> found,
+          setup.recognizer.RecognizeViews(searched.features, m, std::span(&view, 1), conditions));
       if (!found.empty()) neg_log10_nfa[view] = std::max(0.0, found.front().neg_log10_nfa);
       searched.cost.comparisons +=
           static_cast<double>(searched.features.size()) * static_cast<double>(model.views[view].feature_count);
@@ -78,6 +80,7 @@ void RecognizeEachView(const SearchSetup& setup, const FrameConditions& conditio
     searched.cost.views += static_cast<double>(searched.views[m].size());
     searched.cost.models += searched.views[m].empty() ? 0 : 1;
   }
+  return {};
 }
 
 Expected<SearchedBox> SearchBox(const SearchSetup& setup, const Frame& frame, const Box& box,
@@ -90,14 +93,15 @@ Expected<SearchedBox> SearchBox(const SearchSetup& setup, const Frame& frame, co
                        .box = box,
                        .cost = {}};
   VICTORIOUS_ASSIGN_OR_RETURN(searched.features, FeaturesIn(frame.image, box, setup.extractor));
-  RecognizeEachView(setup, conditions, searched);
+  VICTORIOUS_RETURN_IF_ERROR(RecognizeEachView(setup, conditions, searched));
   const bool whole = searched.cost.models > 1;
   const auto recognize = [&] {
     return whole ? setup.recognizer.Recognize(searched.features, conditions)
                  : setup.recognizer.RecognizeViews(searched.features, setup.model, searched.views[setup.model],
                                                    conditions);
   };
-  for (const Detection& detection : recognize()) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Detection> detections, recognize());
+  for (const Detection& detection : detections) {
     if (detection.model_index == setup.model && !searched.found) searched.found = detection;
   }
   SearchCost& cost = searched.cost;

@@ -59,19 +59,19 @@ MatchFilter MakeGrammarFilter(std::string name, const CascadeOptions& options) {
 }
 
 std::vector<MatchFilter> MakeMatchFilters(const RecognizeOptions& options) {
-  const auto grammar = [&](std::string name, const char* filter) {
+  const auto grammar = [&](std::string name, CascadeFilter filter) {
     CascadeOptions chosen = options.cascade;
     chosen.filter = filter;
     return MakeGrammarFilter(std::move(name), chosen);
   };
   const PoseOptions pose = options.pose;
-  const MatchFilter cascade = grammar("cascade", "cascade");
+  const MatchFilter cascade = grammar("cascade", CascadeFilter::kCascade);
   return {
-      grammar("none", "none"),
-      grammar("neighbours (Video Google)", "neighbours"),
-      grammar("first stage alone", "first"),
-      grammar("second stage alone", "second"),
-      grammar("third stage alone", "third"),
+      grammar("none", CascadeFilter::kNone),
+      grammar("neighbours (Video Google)", CascadeFilter::kNeighbours),
+      grammar("first stage alone", CascadeFilter::kFirst),
+      grammar("second stage alone", CascadeFilter::kSecond),
+      grammar("third stage alone", CascadeFilter::kThird),
       cascade,
       {"cascade, then MLESAC", [=](const MatchTrial& trial,
                                    const MatchSet& matches) { return trial.Mlesac(cascade.run(trial, matches), pose); }},

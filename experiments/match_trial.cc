@@ -21,7 +21,7 @@ namespace victorious {
 MatchSetup DefaultSetup() {
   const IndexOptions index;
   MatchSetup setup{.name = "ours", .features = index.features, .cad = {}, .recognize = index.recognize};
-  setup.recognize.method = "grammar";
+  setup.recognize.method = SearchMethod::kGrammar;
   return setup;
 }
 

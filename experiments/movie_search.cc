@@ -77,7 +77,8 @@ Expected<SearchedFrame> SearchFrame(const SearchContext& search, const Frame& fr
   if (search.cameras) searched.camera = search.cameras->At(frame.time_s);
   searched.conditions = MakeFrameConditions(searched.camera, frame.image.size(), search.sun);
   VICTORIOUS_ASSIGN_OR_RETURN(searched.features, search.extractor->Extract(frame.image));
-  searched.detections = search.recognizer.Recognize(searched.features, searched.conditions, frame.image);
+  VICTORIOUS_ASSIGN_OR_RETURN(searched.detections,
+                              search.recognizer.Recognize(searched.features, searched.conditions, frame.image));
   searched.truth = PairDetections(search, searched);
   return searched;
 }

@@ -20,7 +20,7 @@ struct Found {
 Expected<std::optional<Found>> Search(const cv::Mat& grey, const Box& region, const Recognizer& recognizer,
                                       const FeatureExtractor& extractor) {
   VICTORIOUS_ASSIGN_OR_RETURN(FeatureSet scene, FeaturesIn(grey, region, extractor));
-  std::vector<Detection> detections = recognizer.Recognize(scene);
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<Detection> detections, recognizer.Recognize(scene));
   if (detections.empty()) return std::nullopt;
   return Found{std::move(detections.front()), std::move(scene)};
 }

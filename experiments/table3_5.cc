@@ -47,9 +47,10 @@ std::array<double, kSteps> TimesMs(const MatchTrial& trial, double ratio, const 
   const TemplateSet packed(std::span(&view, 1));
   std::array<double, kSteps> ms{};
   ms[0] = MedianMs([&] { MatchFeatures(trial.features->View(), packed, {.ratio = ratio}); });
-  for (std::size_t stage = 1; stage <= 3; ++stage) {
+  constexpr std::array kStages = {CascadeFilter::kFirst, CascadeFilter::kSecond, CascadeFilter::kThird};
+  for (std::size_t stage = 1; stage <= kStages.size(); ++stage) {
     CascadeOptions alone = options.cascade;
-    alone.filter = kStepNames[stage];
+    alone.filter = kStages[stage - 1];
     ms[stage] = MedianMs(
         [&] { FilterByGrammar(trial.features->keypoints, trial.Template().keypoints, left.sets[stage - 1], alone); });
   }

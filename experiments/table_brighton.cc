@@ -140,7 +140,8 @@ Expected<std::array<std::vector<PhotoSighting>, kMarkedObjects.size()>> DetectOb
     VICTORIOUS_ASSIGN_OR_RETURN(const Image image, ReadImage(folder / photos[i].file));
     VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet scene, extractor->Extract(GreyFromBgr(image.bgr)));
     std::array<bool, kMarkedObjects.size()> seen{};
-    for (const Detection& detection : recognizer.Recognize(scene)) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Detection> detections, recognizer.Recognize(scene));
+    for (const Detection& detection : detections) {
       if (std::exchange(seen[detection.model_index], true)) continue;
       const Eigen::Vector2d middle(detection.box.x + detection.box.width / 2,
                                    detection.box.y + detection.box.height / 2);

@@ -70,7 +70,7 @@ inline Staged Stage(const CameraState& camera, const Eigen::Vector3d& object_enu
   similarity.rotation_rad = std::atan2(up.x(), -up.y());
   similarity.scale = 0.2;
   similarity.translation = show({0, 0, 0}) - similarity.Linear() * Eigen::Vector2d(200, 200);
-  staged.model.kind = "cad";
+  staged.model.kind = ModelKind::kCad;
   staged.model.views.push_back(view);
   staged.model.features = staged.features->View();
   staged.model.points_in_model = *staged.points;

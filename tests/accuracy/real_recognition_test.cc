@@ -68,7 +68,7 @@ TEST_F(RealRecognition, EachModelIsFoundOnceWhereItIsAndNowhereElse) {
   const Recognizer recognizer = MakeRecognizer(Models());
   for (const Scene& scene : Scenes()) {
     SCOPED_TRACE(scene.name);
-    const std::vector<Detection> found = recognizer.Recognize(ExtractFeatures(GreyFromBgr(scene.picture)));
+    const std::vector<Detection> found = recognizer.Recognize(ExtractFeatures(GreyFromBgr(scene.picture))).value();
     ASSERT_EQ(found.size(), 1U);
     EXPECT_EQ(found[0].model_index, scene.model);
     const OutlineOverlap agreement = CompareOutlines(found[0].outline, scene.outline, scene.picture.size());
@@ -97,7 +97,7 @@ TEST_F(RealRecognition, ThePostcardIsFoundInEveryFrame) {
       recognizer = MakeRecognizer(std::move(models));
     }
     const cv::Mat grey = GreyFromBgr(frame->image);
-    const std::vector<Detection> found = recognizer->Recognize(ExtractFeatures(grey));
+    const std::vector<Detection> found = recognizer->Recognize(ExtractFeatures(grey)).value();
     const auto is_card = [](const Detection& one) { return one.model_index == kWall + 1; };
     const auto cards = std::ranges::count_if(found, is_card);
     ++frames;

@@ -72,7 +72,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                                 Section{"descript", descriptors}};
   ParseAndUse(victorious::EncodeSections(described));
 
-  ObjectModel model{.name = "fuzz", .kind = "photos"};
+  ObjectModel model{.name = "fuzz", .kind = victorious::ModelKind::kPhotos};
   model.views.push_back({.width = 1, .height = 1, .feature_count = 1});
   model.features = {std::span(&kKeypoint, 1), kDescriptor};
   const std::string description = DescriptionOf(Encode(model));
@@ -97,7 +97,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
 std::vector<std::string> FuzzSeeds() {
   ObjectModel model{.name = "box",
-                    .kind = "photos",
+                    .kind = victorious::ModelKind::kPhotos,
                     .engine = "opencv",
                     .options_json = "{}",
                     .program_version = "0.1.0",

@@ -79,13 +79,14 @@ SunConsensus FindSunConsensus(const std::vector<SunDirectionEstimate>& estimates
   return best;
 }
 
-std::optional<SunDirectionEstimate> EstimateSunFromFrame(const DaylightInput& survey, const Frame& frame) {
+Expected<std::optional<SunDirectionEstimate>> EstimateSunFromFrame(const DaylightInput& survey, const Frame& frame) {
   const std::optional<CameraState> camera = survey.cameras.At(frame.time_s);
   if (!camera || !camera->attitude || !camera->hfov_rad) return std::nullopt;
   const Expected<FeatureSet> features = survey.extractor.Extract(frame.image);
   if (!features) return std::nullopt;
   const FrameConditions conditions = MakeFrameConditions(camera, frame.image.size(), {});
-  std::optional<SunEstimate> found = survey.recognizer.EstimateSun(*features, *conditions.vertical);
+  VICTORIOUS_ASSIGN_OR_RETURN(std::optional<SunEstimate> found,
+                              survey.recognizer.EstimateSun(*features, *conditions.vertical));
   if (!found) return std::nullopt;
   found->relative_sun.azimuth_rad += camera->attitude->yaw_rad;
   return SunDirectionEstimate{DirectionFromSun(found->relative_sun), found->neg_log10_nfa};
@@ -129,11 +130,12 @@ Expected<std::optional<Sun>> EstimateSunDirection(const DaylightInput& survey, V
       ++sampled_frames;
     }
     if (batch.size() < kBatchSize && more) continue;
-    std::vector<std::optional<SunDirectionEstimate>> batch_estimates(batch.size());
+    std::vector<Expected<std::optional<SunDirectionEstimate>>> batch_estimates(batch.size());
     oneapi::tbb::parallel_for(std::size_t{0}, batch.size(),
                               [&](std::size_t i) { batch_estimates[i] = EstimateSunFromFrame(survey, batch[i]); });
-    for (const auto& estimate : batch_estimates) {
-      if (estimate) estimates.push_back(*estimate);
+    for (auto& estimate : batch_estimates) {
+      if (!estimate) return std::unexpected(std::move(estimate).error());
+      if (*estimate) estimates.push_back(**estimate);
     }
     batch.clear();
     constexpr int kMinConsensus = 3;

@@ -158,7 +158,7 @@ Status Add(const Arguments& arguments) {
 nlohmann::ordered_json Summary(const ObjectModel& model) {
   return {{"name", model.name},
           {"id", model.id},
-          {"kind", model.kind},
+          {"kind", ToText(kModelKindTexts, model.kind)},
           {"views", model.views.size()},
           {"features", model.features.size()},
           {"length_m", model.length_m ? nlohmann::ordered_json(*model.length_m) : nlohmann::ordered_json()},
@@ -196,9 +196,10 @@ Status List(const Arguments& arguments) {
   if (!arguments.json)
     text = fmt::format("{:<24} {:<7} {:>6} {:>9}  {:<9} {}\n", "name", "kind", "views", "features", "length", "engine");
   for (const ObjectModel& model : models) {
-    text += arguments.json ? Summary(model).dump() + "\n"
-                           : fmt::format("{:<24} {:<7} {:>6} {:>9}  {:<9} {}\n", model.name, model.kind,
-                                         model.views.size(), model.features.size(), SizeText(model), model.engine);
+    text += arguments.json
+                ? Summary(model).dump() + "\n"
+                : fmt::format("{:<24} {:<7} {:>6} {:>9}  {:<9} {}\n", model.name, ToText(kModelKindTexts, model.kind),
+                              model.views.size(), model.features.size(), SizeText(model), model.engine);
   }
   return WriteOutput("", text);
 }
@@ -275,8 +276,8 @@ Status Show(const Arguments& arguments) {
   if (findable) return WriteOutput("", model.name + "\n" + ToText(*findable));
   std::string text = fmt::format(
       "{}\n  from      {}\n  length    {}\n  features  {} in {} views\n  engine    {}, version {}\n  options   {}\n",
-      model.name, model.kind, SizeText(model), model.features.size(), model.views.size(), model.engine,
-      model.program_version, model.options_json);
+      model.name, ToText(kModelKindTexts, model.kind), SizeText(model), model.features.size(), model.views.size(),
+      model.engine, model.program_version, model.options_json);
   return WriteOutput("", text + ViewsText(model));
 }
 

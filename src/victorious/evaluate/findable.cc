@@ -181,7 +181,9 @@ class Search {
     VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, extractor_->Extract(GreyFromBgr(trial_result.bgr)));
     // Only the votes decide, without the image: it is made from the model's own rendering, so that its NCC score would
     // be higher than in any video.
-    for (const Detection& detection : recognizer_.Recognize(features, MakeFrameConditions(sample, setting))) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Detection> detections,
+                                recognizer_.Recognize(features, MakeFrameConditions(sample, setting)));
+    for (const Detection& detection : detections) {
       if (IntersectionOverUnion(detection.box, trial_result.box) < kMinOverlap) continue;
       const ViewAngles& angles = *model_->views[detection.view].angles;
       trial_result.found = true;

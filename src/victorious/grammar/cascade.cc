@@ -13,13 +13,11 @@
 namespace victorious {
 
 void CascadeOptions::ListFields(FieldList& fields) {
-  fields.Add("filter", filter,
-             {.choices = {"cascade", "first", "second", "third", "neighbours", "none"},
-              .reason = "filter of the matches before pose estimation: the cascade of three stages; one of its stages "
+  fields.Add("filter", filter, kCascadeFilterTexts,
+             {.reason = "filter of the matches before pose estimation: the cascade of three stages; one of its stages "
                         "alone; voting by nearest neighbours as in Video Google; no filter"});
-  fields.Add("radius", radius,
-             {.choices = {"fixed", "scale"},
-              .reason = "source of R. fixed: radius_px; scale: each match's scale change times the template's radius, "
+  fields.Add("radius", radius, kCascadeRadiusTexts,
+             {.reason = "source of R. fixed: radius_px; scale: each match's scale change times the template's radius, "
                         "which needs no prior on the object's size in the scene"});
   fields.Add(
       "radius_px", radius_px,
@@ -118,7 +116,7 @@ double TemplateRadius(std::span<const Keypoint> model) {
 
 std::vector<MatchNode> MakeNodes(std::span<const Keypoint> scene, std::span<const Keypoint> model,
                                  const MatchSet& matches, const CascadeOptions& options) {
-  const bool by_scale = options.radius == "scale";
+  const bool by_scale = options.radius == CascadeRadius::kScale;
   const double template_radius = by_scale ? options.radius_fraction * TemplateRadius(model) : 0;
   std::vector<MatchNode> nodes;
   nodes.reserve(matches.size());
@@ -366,25 +364,28 @@ MatchSet SelectMatches(const std::vector<MatchNode>& nodes, const MatchSet& matc
 
 CascadeResult FilterByGrammar(std::span<const Keypoint> scene, std::span<const Keypoint> model, const MatchSet& matches,
                               const CascadeOptions& options) {
-  if (options.filter == "neighbours") {
+  if (options.filter == CascadeFilter::kNeighbours) {
     const MatchSet kept = FilterByNeighbours(scene, model, matches, options.neighbours);
     return {kept, kept, kept};
   }
-  const auto runs = [&](const char* stage) { return options.filter == "cascade" || options.filter == stage; };
+  const auto runs = [&](CascadeFilter stage) {
+    return options.filter == CascadeFilter::kCascade || options.filter == stage;
+  };
   std::vector<MatchNode> nodes = MakeNodes(scene, model, matches, options);
-  const auto stage = [&](const char* name, double approval, bool distinct, const auto& agree) {
-    if (runs(name) && options.all_measures) {
+  const auto stage = [&](CascadeFilter filter, double approval, bool distinct, const auto& agree) {
+    if (runs(filter) && options.all_measures) {
       Stage(nodes, options, approval, distinct, model.size(), AllAgree(options));
-    } else if (runs(name)) {
+    } else if (runs(filter)) {
       Stage(nodes, options, approval, distinct, model.size(), agree);
     }
     return SelectMatches(nodes, matches);
   };
   const ScalesAgree scales_agree(options);
   CascadeResult result;
-  result.first = stage("first", options.first_approval, options.distinct_stages >= 3, scales_agree);
-  result.second = stage("second", options.second_approval, options.distinct_stages >= 2, AnglesAgree(options));
-  result.third = stage("third", options.third_approval, options.distinct_stages >= 1, scales_agree);
+  result.first = stage(CascadeFilter::kFirst, options.first_approval, options.distinct_stages >= 3, scales_agree);
+  result.second =
+      stage(CascadeFilter::kSecond, options.second_approval, options.distinct_stages >= 2, AnglesAgree(options));
+  result.third = stage(CascadeFilter::kThird, options.third_approval, options.distinct_stages >= 1, scales_agree);
   return result;
 }
 

@@ -7,8 +7,8 @@
 // Source: thesis, sections 3.3.1 to 3.3.4, algorithms 1 to 3, table 3.1.
 #pragma once
 
+#include <array>
 #include <span>
-#include <string>
 
 #include "victorious/base/options.h"
 #include "victorious/grammar/neighbour_voting.h"
@@ -17,13 +17,38 @@
 
 namespace victorious {
 
+/// The filter of the matches before pose estimation.
+enum class CascadeFilter {
+  kCascade,  ///< the three stages
+  kFirst,    ///< one stage alone
+  kSecond,
+  kThird,
+  kNeighbours,  ///< voting by nearest neighbours (neighbour_voting.h)
+  kNone,        ///< no filter
+};
+inline constexpr auto kCascadeFilterTexts =
+    std::to_array<EnumText<CascadeFilter>>({{CascadeFilter::kCascade, "cascade"},
+                                            {CascadeFilter::kFirst, "first"},
+                                            {CascadeFilter::kSecond, "second"},
+                                            {CascadeFilter::kThird, "third"},
+                                            {CascadeFilter::kNeighbours, "neighbours"},
+                                            {CascadeFilter::kNone, "none"}});
+
+/// The source of R.
+enum class CascadeRadius {
+  kFixed,  ///< radius_px
+  kScale,  ///< each match's scale change times the template's radius
+};
+inline constexpr auto kCascadeRadiusTexts =
+    std::to_array<EnumText<CascadeRadius>>({{CascadeRadius::kFixed, "fixed"}, {CascadeRadius::kScale, "scale"}});
+
 /// The defaults are those of the thesis (table 3.1; the names in capitals are the thesis's). docs/adr/0006 defines the
 /// angles.
 struct CascadeOptions {
-  std::string filter = "cascade";
-  std::string radius = "fixed";
+  CascadeFilter filter = CascadeFilter::kCascade;
+  CascadeRadius radius = CascadeRadius::kFixed;
   double radius_px = 75;                    ///< R
-  double radius_fraction = 1;               ///< R over the projected template radius, for radius = "scale"
+  double radius_fraction = 1;               ///< R over the projected template radius, for CascadeRadius::kScale
   double scale_distortion = 1.45;           ///< SCALE_FUDGE_FACTOR
   double distance_distortion = 1.45;        ///< DIST_SCALE_FUDGE_FACTOR
   double first_approval = 0.2;              ///< DIST_APPROVE_THRESHOLD
@@ -50,8 +75,8 @@ struct CascadeResult {
 /// Each pair counts once, a match never votes for itself, and only matched scene keypoints are possible voters. Two
 /// matches at one position in the scene (one keypoint with two orientations) form no pair: no line connects them, and
 /// they are not independent. Two matches at one position in the template are possible voters that never agree.
-/// With radius = "scale" each match has its own R: its scale change times the template's radius, the largest distance
-/// of a template keypoint from the centroid of all; a match votes for every match within whose R it lies.
+/// With CascadeRadius::kScale each match has its own R: its scale change times the template's radius, the largest
+/// distance of a template keypoint from the centroid of all; a match votes for every match within whose R it lies.
 /// @param scene, model  the keypoints of the scene and of the template that the matches index
 /// Cost: linear in the number of pairs within R (the largest R), by a grid of cells of side R.
 CascadeResult FilterByGrammar(std::span<const Keypoint> scene, std::span<const Keypoint> template_keypoints,

@@ -29,8 +29,8 @@ std::vector<double> ComputeRadii(std::span<const Keypoint> scene, std::span<cons
   for (const Match& match : matches) {
     const double scale_change =
         static_cast<double>(scene[match.scene_keypoint].scale_px) / model[match.template_keypoint].scale_px;
-    radii.push_back(options.radius == "scale" ? scale_change * (options.radius_fraction * template_radius)
-                                              : options.radius_px);
+    radii.push_back(options.radius == CascadeRadius::kScale ? scale_change * (options.radius_fraction * template_radius)
+                                                            : options.radius_px);
   }
   return radii;
 }
@@ -87,15 +87,20 @@ CascadeResult FilterByGrammarRef(std::span<const Keypoint> scene, std::span<cons
   const Agree all_agree = [&](const PairMeasures& s, const PairMeasures& m) {
     return scales_agree(s, m) && angles_agree(s, m);
   };
-  const auto runs = [&](const char* stage) { return options.filter == "cascade" || options.filter == stage; };
-  const auto stage = [&](const char* name, const MatchSet& in, double approval, bool distinct, const Agree& agree) {
-    return runs(name) ? Stage(scene, model, in, options, approval, distinct, options.all_measures ? all_agree : agree)
-                      : in;
+  const auto runs = [&](CascadeFilter stage) {
+    return options.filter == CascadeFilter::kCascade || options.filter == stage;
+  };
+  const auto stage = [&](CascadeFilter filter, const MatchSet& in, double approval, bool distinct, const Agree& agree) {
+    return runs(filter) ? Stage(scene, model, in, options, approval, distinct, options.all_measures ? all_agree : agree)
+                        : in;
   };
   CascadeResult result;
-  result.first = stage("first", matches, options.first_approval, options.distinct_stages >= 3, scales_agree);
-  result.second = stage("second", result.first, options.second_approval, options.distinct_stages >= 2, angles_agree);
-  result.third = stage("third", result.second, options.third_approval, options.distinct_stages >= 1, scales_agree);
+  result.first =
+      stage(CascadeFilter::kFirst, matches, options.first_approval, options.distinct_stages >= 3, scales_agree);
+  result.second =
+      stage(CascadeFilter::kSecond, result.first, options.second_approval, options.distinct_stages >= 2, angles_agree);
+  result.third =
+      stage(CascadeFilter::kThird, result.second, options.third_approval, options.distinct_stages >= 1, scales_agree);
   return result;
 }
 

@@ -70,9 +70,10 @@ TEST(Cascade, AgreesWithTheDefinition) {
     }
     CascadeOptions options;
     options.radius_px = std::exp(random.Uniform(0, 6));
-    options.radius = random.Below(2) == 1 ? "scale" : "fixed";
+    options.radius = random.Below(2) == 1 ? CascadeRadius::kScale : CascadeRadius::kFixed;
     options.radius_fraction = std::exp(random.Uniform(-2, 1));
-    constexpr std::array kFilters = {"cascade", "cascade", "first", "second", "third", "none"};
+    constexpr std::array kFilters = {CascadeFilter::kCascade, CascadeFilter::kCascade, CascadeFilter::kFirst,
+                                     CascadeFilter::kSecond,  CascadeFilter::kThird,   CascadeFilter::kNone};
     options.filter = kFilters[random.Below(kFilters.size())];
     options.distinct_stages = static_cast<int>(random.Below(4));
     options.all_measures = random.Below(2) == 1;
@@ -125,7 +126,7 @@ TEST(Cascade, IsInvariantUnderSimilaritiesOfTheScene) {
 // With R from the matches' scale no prior on the size is needed.
 TEST(Cascade, RadiusFromScaleFollowsTheObject) {
   CascadeOptions options;
-  options.radius = "scale";
+  options.radius = CascadeRadius::kScale;
   for (const double size : {0.25, 1.0, 6.0}) {
     const World world = MakeWorld(20, 60, {size, 0.3, {200, 200}}, 0.3, 7);
     std::size_t kept_true = 0;
@@ -135,17 +136,17 @@ TEST(Cascade, RadiusFromScaleFollowsTheObject) {
   }
 }
 
-TEST(Cascade, FiltersAreChosenByName) {
+TEST(Cascade, EachFilterRunsItsStages) {
   const World world = MakeWorld(15, 70, {1.0, 0.3, {200, 200}}, 0.5, 3);
-  const auto with = [&](const char* filter) {
+  const auto with = [&](CascadeFilter filter) {
     CascadeOptions options;
     options.filter = filter;
     return FilterByGrammar(world.scene, world.model, world.matches, options);
   };
-  EXPECT_EQ(with("none").third, world.matches);
-  EXPECT_EQ(with("first").third, with("cascade").first);
-  EXPECT_EQ(with("third").second, world.matches);
-  EXPECT_EQ(with("neighbours").third, FilterByNeighbours(world.scene, world.model, world.matches, {}));
+  EXPECT_EQ(with(CascadeFilter::kNone).third, world.matches);
+  EXPECT_EQ(with(CascadeFilter::kFirst).third, with(CascadeFilter::kCascade).first);
+  EXPECT_EQ(with(CascadeFilter::kThird).second, world.matches);
+  EXPECT_EQ(with(CascadeFilter::kNeighbours).third, FilterByNeighbours(world.scene, world.model, world.matches, {}));
 }
 
 // Section 3.3.4: four scene keypoints that all match one template keypoint, beside a true group of four.
@@ -179,7 +180,7 @@ TEST(Cascade, VeryManyVotersAgreeWithTheDefinitionToo) {
   const World world = MakeWorld(100, 4100, {1.0, 0.3, {200, 200}}, 1.0, 9);
   CascadeOptions options;
   options.radius_px = 2000;
-  options.filter = "third";
+  options.filter = CascadeFilter::kThird;
   options.distinct_stages = 1;
   EXPECT_TRUE(Equal(FilterByGrammar(world.scene, world.model, world.matches, options),
                     FilterByGrammarRef(world.scene, world.model, world.matches, options)));

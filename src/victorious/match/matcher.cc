@@ -17,9 +17,8 @@ TemplateSet::TemplateSet(std::span<const FeatureView> templates) {
   for (const FeatureView& view : templates) templates_.push_back(kernels::Pack(view.descriptors));
 }
 
-std::vector<MatchSet> MatchFeatures(const FeatureView& scene, const TemplateSet& templates,
+std::vector<MatchSet> MatchFeatures(const kernels::PackedQueries& queries, const TemplateSet& templates,
                                     const MatchOptions& options) {
-  const kernels::PackedQueries queries = kernels::PackQueries(scene.descriptors);
   std::vector<kernels::NearestTwo> nearest(queries.count);
   const double ratio2 = options.ratio * options.ratio;
   std::vector<MatchSet> matches(templates.size());
@@ -34,6 +33,11 @@ std::vector<MatchSet> MatchFeatures(const FeatureView& scene, const TemplateSet&
     }
   }
   return matches;
+}
+
+std::vector<MatchSet> MatchFeatures(const FeatureView& scene, const TemplateSet& templates,
+                                    const MatchOptions& options) {
+  return MatchFeatures(kernels::PackQueries(scene.descriptors), templates, options);
 }
 
 }  // namespace victorious

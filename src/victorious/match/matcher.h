@@ -37,6 +37,10 @@ class TemplateSet {
 /// @return one MatchSet per template, in the order of the scene's keypoints. A template of fewer than two keypoints has
 ///         no second nearest descriptor and no matches.
 /// Cost: scene x template keypoints x 128 bytes (kernels/nearest.h).
+std::vector<MatchSet> MatchFeatures(const kernels::PackedQueries& scene, const TemplateSet& templates,
+                                    const MatchOptions& options);
+
+/// The same for a scene that is not packed.
 std::vector<MatchSet> MatchFeatures(const FeatureView& scene, const TemplateSet& templates,
                                     const MatchOptions& options);
 

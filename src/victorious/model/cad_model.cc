@@ -170,7 +170,7 @@ Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, co
   const Eigen::AlignedBox3d box = BoundingBox(mesh);
   return std::move(builder).Finish({.name = name,
                                     .id = {},
-                                    .kind = "cad",
+                                    .kind = ModelKind::kCad,
                                     .engine = options.features.engine,
                                     .options_json = OptionsToJsonText(options),
                                     .program_version = kVersion,

@@ -144,7 +144,7 @@ TEST(MakeCadModel, NeighboursAreMutualAndNear) {
 
 TEST(MakeCadModel, ViewsHaveOutlinesAndThumbnails) {
   const ObjectModel& model = BoxModel();
-  EXPECT_EQ(model.kind, "cad");
+  EXPECT_EQ(model.kind, ModelKind::kCad);
   EXPECT_DOUBLE_EQ(*model.length_m, 2);
   for (const ModelView& view : model.views) {
     EXPECT_GE(view.outline.size(), 3);

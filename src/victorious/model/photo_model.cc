@@ -93,7 +93,7 @@ Expected<ObjectModel> MakePhotoModel(const std::string& name, std::span<const Ph
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
   ObjectModel model{.name = name,
                     .id = {},
-                    .kind = "photos",
+                    .kind = ModelKind::kPhotos,
                     .engine = options.features.engine,
                     .options_json = OptionsToJsonText(options),
                     .program_version = kVersion,

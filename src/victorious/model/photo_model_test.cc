@@ -173,7 +173,7 @@ TEST(MakePhotoModel, CarriesWhatMadeIt) {
   const Expected<ObjectModel> model = MakePhotoModel("thing", photos, 2.5, {});
   ASSERT_TRUE(model) << model.error().message;
   EXPECT_EQ(model->name, "thing");
-  EXPECT_EQ(model->kind, "photos");
+  EXPECT_EQ(model->kind, ModelKind::kPhotos);
   EXPECT_EQ(model->engine, "opencv");
   EXPECT_EQ(model->program_version, kVersion);
   EXPECT_EQ(model->length_m, 2.5);

@@ -4,9 +4,9 @@
 #include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <exception>
 #include <map>
 #include <mutex>
-#include <new>
 #include <utility>
 #include <vector>
 
@@ -50,11 +50,11 @@ class LitViews : public RelitTemplateSource {
            std::size_t max_kept)
       : model_(model), options_(options), extractor_(std::move(extractor)), max_kept_(max_kept) {}
 
-  std::shared_ptr<const RelitTemplate> GetTemplate(const RelitTemplateKey& wanted) const override {
+  Expected<std::shared_ptr<const RelitTemplate>> GetTemplate(const RelitTemplateKey& wanted) const override {
     const std::shared_ptr<Slot> slot = FindOrAddSlot(wanted);
     MakeIfUnclaimed(wanted, *slot);
     slot->made.wait(false);
-    return slot->lit;
+    return slot->result;
   }
 
   void Prepare(std::span<const RelitTemplateKey> wanted) const override {
@@ -64,25 +64,24 @@ class LitViews : public RelitTemplateSource {
     });
   }
 
-  std::shared_ptr<const ViewAppearance> GetAppearance(std::size_t view, int half_octaves) const override {
+  Expected<std::shared_ptr<const ViewAppearance>> GetAppearance(std::size_t view, int half_octaves) const override {
     const std::pair key(view, half_octaves);
     {
       const std::scoped_lock lock(mutex_);
-      if (const auto known = pictures_.find(key); known != pictures_.end()) return known->second;
+      if (const auto known = appearances_.find(key); known != appearances_.end()) return known->second;
     }
-    const Expected<ViewSurface> surface = DecodeSurface(model_.views[view].surface, model_.name);
-    auto made = std::make_shared<const ViewAppearance>(
-        surface ? SampleTemplatePoints(*surface, std::exp2(half_octaves / 2.0)) : ViewAppearance());
+    VICTORIOUS_ASSIGN_OR_RETURN(const ViewSurface surface, Decode(view));
+    auto made = std::make_shared<const ViewAppearance>(SampleTemplatePoints(surface, std::exp2(half_octaves / 2.0)));
     const std::scoped_lock lock(mutex_);  // another thread may have added the same entry meanwhile
-    if (pictures_.size() >= max_kept_) pictures_.clear();
-    return pictures_.try_emplace(key, std::move(made)).first->second;
+    if (appearances_.size() >= max_kept_) appearances_.clear();
+    return appearances_.try_emplace(key, std::move(made)).first->second;
   }
 
  private:
   struct Slot {
     std::atomic<bool> claimed = false;
     std::atomic<bool> made = false;
-    std::shared_ptr<const RelitTemplate> lit;  // valid once `made` is true
+    Expected<std::shared_ptr<const RelitTemplate>> result;  // valid once `made` is true
   };
 
   struct CacheEntry {
@@ -113,50 +112,55 @@ class LitViews : public RelitTemplateSource {
   void MakeIfUnclaimed(const RelitTemplateKey& wanted, Slot& slot) const {
     if (slot.claimed.exchange(true)) return;
     try {
-      slot.lit = std::make_shared<const RelitTemplate>(Make(wanted));
-    } catch (...) {       // out of memory, as reported by the libraries
-      slot.lit = empty_;  // waiting threads must be released
+      slot.result = Make(wanted);
+    } catch (const std::exception& error) {  // of OpenCV, or out of memory: the waiting threads must be released, too
+      slot.result = Fail(ErrorCode::kInternal,
+                         fmt::format("model {}: relit view {}: {}", model_.name, wanted.view, error.what()));
     }
     slot.made = true;
     slot.made.notify_all();
   }
 
-  [[nodiscard]] RelitTemplate Make(const RelitTemplateKey& wanted) const {
-    const Expected<ViewSurface> surface = DecodeSurface(model_.views[wanted.view].surface, model_.name);
-    const Expected<ViewSurface> from_sun = DecodeSurface(model_.views[wanted.sun_view].surface, model_.name);
-    if (!surface || !from_sun) return {};  // a damaged file whose checksums are nevertheless right
+  // Error: kDataLoss for a rendering that was damaged before its model file was written: the file's checksums are
+  // verified when it is read.
+  [[nodiscard]] Expected<ViewSurface> Decode(std::size_t view) const {
+    return DecodeSurface(model_.views[view].surface, fmt::format("model {}: view {}", model_.name, view));
+  }
+
+  [[nodiscard]] Expected<std::shared_ptr<const RelitTemplate>> Make(const RelitTemplateKey& wanted) const {
+    VICTORIOUS_ASSIGN_OR_RETURN(const ViewSurface surface, Decode(wanted.view));
+    VICTORIOUS_ASSIGN_OR_RETURN(const ViewSurface from_sun, Decode(wanted.sun_view));
     const ViewAngles& sun = *model_.views[wanted.sun_view].angles;
-    const bool halved = wanted.half_resolution && std::min(surface->grey.cols, surface->grey.rows) >= 2;
-    const ViewSurface shown = halved ? Downsample2(*surface) : *surface;
+    const bool halved = wanted.half_resolution && std::min(surface.grey.cols, surface.grey.rows) >= 2;
+    const ViewSurface shown = halved ? Downsample2(surface) : surface;
     const double scale = halved ? 0.5 : 1.0;
     const cv::Mat grey = Relight(shown.grey, shown.depth_map, options_.light,
-                                 ClearDayLight({sun.azimuth_rad, sun.off_nadir_rad}), from_sun->depth_map);
+                                 ClearDayLight({sun.azimuth_rad, sun.off_nadir_rad}), from_sun.depth_map);
     const cv::Mat mask = shown.depth_map.depth_m == shown.depth_map.depth_m;  // not NaN
     Polygon outline = model_.views[wanted.view].outline;
     for (Eigen::Vector2d& corner : outline) corner *= scale;
-    auto made = ExtractTemplateFeatures({.grey = grey, .mask = mask, .outline = outline}, shown.depth_map, *extractor_,
-                                        options_);
-    if (!made) return {};
-    FeatureSet& features = made->features;
-    features.image_width = surface->grey.cols;
-    features.image_height = surface->grey.rows;
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        RelitTemplate made, ExtractTemplateFeatures({.grey = grey, .mask = mask, .outline = outline}, shown.depth_map,
+                                                    *extractor_, options_));
+    FeatureSet& features = made.features;
+    features.image_width = surface.grey.cols;
+    features.image_height = surface.grey.rows;
     for (Keypoint& keypoint : features.keypoints) {
       keypoint.x = static_cast<float>(keypoint.x / scale);
       keypoint.y = static_cast<float>(keypoint.y / scale);
       keypoint.scale_px = static_cast<float>(keypoint.scale_px / scale);
     }
-    return *std::move(made);
+    return std::make_shared<const RelitTemplate>(std::move(made));
   }
 
   ObjectModel model_;
   CadModelOptions options_;
   std::unique_ptr<const FeatureExtractor> extractor_;
   std::size_t max_kept_;
-  std::shared_ptr<const RelitTemplate> empty_ = std::make_shared<const RelitTemplate>();
   mutable std::mutex mutex_;
   mutable std::map<RelitTemplateKey, CacheEntry> cache_;
   mutable std::uint64_t uses_ = 0;
-  mutable std::map<std::pair<std::size_t, int>, std::shared_ptr<const ViewAppearance>> pictures_;
+  mutable std::map<std::pair<std::size_t, int>, std::shared_ptr<const ViewAppearance>> appearances_;
 };
 
 bool HasSurface(const ModelView& view) { return view.angles && !view.surface.empty(); }

@@ -78,12 +78,12 @@ TEST(LitViews, ASunBringsItsOwnFeatures) {
   const auto lit = MakeLitViews(WaffleModel()).value();
   ASSERT_NE(lit, nullptr);
   constexpr std::size_t kView = 5;
-  const auto east = lit->GetTemplate({7, kView});
-  const auto west = lit->GetTemplate({10, kView});
+  const auto east = lit->GetTemplate({7, kView}).value();
+  const auto west = lit->GetTemplate({10, kView}).value();
   ASSERT_GT(east->features.size(), 10U);
   EXPECT_EQ(east->features.size(), east->points_in_model.size());
   EXPECT_NE(east->features.descriptors, west->features.descriptors);
-  EXPECT_EQ(lit->GetTemplate({7, kView}), east);
+  EXPECT_EQ(lit->GetTemplate({7, kView}).value(), east);
   for (const Point3& point : east->points_in_model) {
     EXPECT_LE(std::abs(point.x), 2.05F);
     EXPECT_LE(std::abs(point.y), 2.05F);
@@ -95,8 +95,8 @@ TEST(LitViews, ASunBringsItsOwnFeatures) {
 TEST(LitViews, ACoarseOneLiesInTheSamePixels) {
   const auto lit = MakeLitViews(WaffleModel()).value();
   constexpr std::size_t kView = 5;
-  const auto sharp = lit->GetTemplate({7, kView});
-  const auto coarse = lit->GetTemplate({7, kView, true});
+  const auto sharp = lit->GetTemplate({7, kView}).value();
+  const auto coarse = lit->GetTemplate({7, kView, true}).value();
   ASSERT_GT(coarse->features.size(), 10U);
   EXPECT_LT(coarse->features.size(), sharp->features.size());
   EXPECT_EQ(coarse->features.image_width, sharp->features.image_width);
@@ -121,14 +121,14 @@ TEST(LitViews, ACoarseOneLiesInTheSamePixels) {
 // An evicted template is made again identically; the most recently used one is not evicted.
 TEST(LitViews, OnlySoManyAreKept) {
   const auto lit = MakeLitViews(WaffleModel(), 4).value();
-  const auto first = lit->GetTemplate({7, 1});
-  for (std::size_t view = 2; view < 5; ++view) static_cast<void>(lit->GetTemplate({7, view}));
-  EXPECT_EQ(lit->GetTemplate({7, 1}), first);
-  const auto fifth = lit->GetTemplate({7, 5});  // one too many: of 2, 3, 4, 1, 5 the older ones go
-  EXPECT_EQ(lit->GetTemplate({7, 5}), fifth);
-  EXPECT_EQ(lit->GetTemplate({7, 1}), first);
-  for (std::size_t view = 2; view < 6; ++view) static_cast<void>(lit->GetTemplate({7, view}));
-  const auto again = lit->GetTemplate({7, 1});
+  const auto first = lit->GetTemplate({7, 1}).value();
+  for (std::size_t view = 2; view < 5; ++view) static_cast<void>(lit->GetTemplate({7, view}).value());
+  EXPECT_EQ(lit->GetTemplate({7, 1}).value(), first);
+  const auto fifth = lit->GetTemplate({7, 5}).value();  // one too many: of 2, 3, 4, 1, 5 the older ones go
+  EXPECT_EQ(lit->GetTemplate({7, 5}).value(), fifth);
+  EXPECT_EQ(lit->GetTemplate({7, 1}).value(), first);
+  for (std::size_t view = 2; view < 6; ++view) static_cast<void>(lit->GetTemplate({7, view}).value());
+  const auto again = lit->GetTemplate({7, 1}).value();
   EXPECT_NE(again, first);
   EXPECT_EQ(again->features.descriptors, first->features.descriptors);
 }
@@ -145,7 +145,7 @@ TEST(LitViews, ThreadsShareTheWork) {
     for (auto& mine : got) {
       threads.emplace_back([&] {
         lit->Prepare(wanted);
-        for (const RelitTemplateKey& one : wanted) mine.push_back(lit->GetTemplate(one));
+        for (const RelitTemplateKey& one : wanted) mine.push_back(lit->GetTemplate(one).value());
       });
     }
   }
@@ -164,7 +164,7 @@ TEST(LitViews, APictureIsTheRendering) {
   const ViewSurface surface = DecodeSurface(WaffleModel().views[kView].surface, "waffle").value();
   cv::Mat blurred;
   cv::GaussianBlur(surface.grey, blurred, {}, kAppearanceBlur_px);
-  const auto picture = views->GetAppearance(kView, 0);
+  const auto picture = views->GetAppearance(kView, 0).value();
   ASSERT_GT(picture->points.size(), 150U);
   const Eigen::Matrix3d turned = picture->camera_from_model.toRotationMatrix();
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
@@ -182,8 +182,8 @@ TEST(LitViews, APictureIsTheRendering) {
   EXPECT_LT(middle.norm() / n, 1e-3);
   EXPECT_LT(off / n, 6);  // weak perspective is a pixel or two off
 
-  EXPECT_EQ(views->GetAppearance(kView, 0), picture);
-  const auto coarse = views->GetAppearance(kView, 4);
+  EXPECT_EQ(views->GetAppearance(kView, 0).value(), picture);
+  const auto coarse = views->GetAppearance(kView, 4).value();
   const auto contrast = [](const ViewAppearance& of) {
     const auto [least, most] = std::ranges::minmax(of.points, {}, &SurfaceSample::brightness);
     return most.brightness - least.brightness;
@@ -191,10 +191,21 @@ TEST(LitViews, APictureIsTheRendering) {
   EXPECT_LT(contrast(*coarse), contrast(*picture));
 }
 
-TEST(LitViews, ADamagedPictureIsEmpty) {
+TEST(LitViews, ADamagedRenderingIsAnError) {
   ObjectModel model = WaffleModel();
   model.views[3].surface = model.views[3].surface.first(50);
-  EXPECT_TRUE(MakeLitViews(model).value()->GetAppearance(3, 0)->points.empty());
+  const auto views = MakeLitViews(model).value();
+  const Expected<std::shared_ptr<const ViewAppearance>> appearance = views->GetAppearance(3, 0);
+  ASSERT_FALSE(appearance);
+  EXPECT_EQ(appearance.error().code, ErrorCode::kDataLoss);
+  EXPECT_EQ(appearance.error().message, "model waffle: view 3: damaged: make the model again");
+  for (const RelitTemplateKey& key : {RelitTemplateKey{7, 3}, RelitTemplateKey{3, 7}}) {
+    views->Prepare(std::span(&key, 1));
+    const Expected<std::shared_ptr<const RelitTemplate>> relit = views->GetTemplate(key);
+    ASSERT_FALSE(relit);
+    EXPECT_EQ(relit.error().message, appearance.error().message);
+  }
+  EXPECT_TRUE(views->GetTemplate({7, 1}));
 }
 
 TEST(LitViews, PhotosHaveNone) {

@@ -128,7 +128,7 @@ Expected<cv::Mat> DrawViewSheet(const ObjectModel& model) {
   const cv::Size step(side + kGapPx, side + kCaptionPx + kGapPx);
   const std::string title = fmt::format(
       "{}: {} views, {} features. {}Number and bar: features", model.name, model.views.size(), model.features.size(),
-      model.kind == "cad" ? "az: azimuth in degrees, 0 from behind, 90 from its left. " : "");
+      model.kind == ModelKind::kCad ? "az: azimuth in degrees, 0 from behind, 90 from its left. " : "");
   const int title_width = cv::getTextSize(title, cv::FONT_HERSHEY_SIMPLEX, 0.5, 1, nullptr).width + 2 * kGapPx;
   const cv::Size size(std::max(title_width, kLabelPx + static_cast<int>(columns) * step.width),
                       kTitlePx + static_cast<int>(rows.size()) * step.height);

@@ -57,7 +57,7 @@ TEST(BearingObservation, WithoutACompleteCameraThereIsNone) {
 }
 
 TEST(BearingObservation, APhotoHasARangeOnlyWhereItsLengthIsKnown) {
-  ObjectModel model{.kind = "photos"};
+  ObjectModel model{.kind = ModelKind::kPhotos};
   model.views.push_back({.width = 200, .height = 100, .outline = {{0, 0}, {200, 0}, {200, 100}, {0, 100}}});
   Detection detection;
   detection.fit.scene_from_template = {0.5, 0, {270, 215}};

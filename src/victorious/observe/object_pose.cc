@@ -153,7 +153,8 @@ std::optional<ObjectPose> EstimateObjectPose(const Detection& detection, const O
     const ImagePlane image(ImageSize(scene), *camera.hfov_rad, camera.distortion);
     std::optional<ObjectPose> object_pose =
         EstimatePoseFromPoints(detection, model, scene, image, options, up_in_camera);
-    if (!object_pose && model.kind != "cad") object_pose = EstimateBearingFromOutline(detection, model, image, options);
+    if (!object_pose && model.kind != ModelKind::kCad)
+      object_pose = EstimateBearingFromOutline(detection, model, image, options);
     return object_pose;
   }
   std::optional<ObjectPose> object_pose = EstimatePoseFromPoints(

@@ -73,7 +73,9 @@ Status BoxPass::ProcessFrame(const Frame& frame, std::size_t video, const BoxPla
   std::erase_if(lost, [&](std::size_t target) { return targets_[target].target.recognizer == nullptr; });
   if (lost.empty()) return {};
   VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet scene, extractor_->Extract(GreyFromBgr(frame.image)));
-  for (const std::size_t target : lost) ResumeByRecognition(target, scene, frame, video, place_prior, sightings);
+  for (const std::size_t target : lost) {
+    VICTORIOUS_RETURN_IF_ERROR(ResumeByRecognition(target, scene, frame, video, place_prior, sightings));
+  }
   return {};
 }
 
@@ -141,11 +143,11 @@ bool BoxPass::ResumeAtPlace(std::size_t target, const Frame& frame, std::size_t 
   return HandleStep(step, frame, video, &place_prior, nullptr, sightings);
 }
 
-void BoxPass::ResumeByRecognition(std::size_t target, const FeatureSet& scene, const Frame& frame, std::size_t video,
-                                  const BoxPlacePrior* place_prior, std::vector<BoxSighting>& sightings) {
+Status BoxPass::ResumeByRecognition(std::size_t target, const FeatureSet& scene, const Frame& frame, std::size_t video,
+                                    const BoxPlacePrior* place_prior, std::vector<BoxSighting>& sightings) {
   const UserBoxTarget& drawn = targets_[target].target;
-  const std::vector<Detection> detections = drawn.recognizer->Recognize(scene);
-  if (detections.empty()) return;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Detection> detections, drawn.recognizer->Recognize(scene));
+  if (detections.empty()) return {};
   const Detection& best = detections.front();
   // Keeps the shape of the user box at any rotation: a box around the rotated outline would be too large.
   const Box around = BoundingBox(best.outline);
@@ -156,6 +158,7 @@ void BoxPass::ResumeByRecognition(std::size_t target, const FeatureSet& scene, c
   const BoxTrackStep step =
       tracker_.Resume(target, box, best.fit.scene_from_template.rotation_rad, BoxTracker::ResumeBasis::kRecognised);
   HandleStep(step, frame, video, place_prior, &best, sightings);
+  return {};
 }
 
 }  // namespace victorious

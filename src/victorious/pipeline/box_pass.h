@@ -135,8 +135,8 @@ class BoxPass {
   void TrackGroundPoints(const Frame& frame);
   bool ResumeAtPlace(std::size_t target, const Frame& frame, std::size_t video, const BoxPlacePrior& place_prior,
                      std::vector<BoxSighting>& sightings);
-  void ResumeByRecognition(std::size_t target, const FeatureSet& scene, const Frame& frame, std::size_t video,
-                           const BoxPlacePrior* place_prior, std::vector<BoxSighting>& sightings);
+  Status ResumeByRecognition(std::size_t target, const FeatureSet& scene, const Frame& frame, std::size_t video,
+                             const BoxPlacePrior* place_prior, std::vector<BoxSighting>& sightings);
 
   BoxTracker tracker_;
   const FeatureExtractor* extractor_;

@@ -131,7 +131,13 @@ void Follower::Search(const Frame& frame, const FrameConditions& conditions, Reg
   const ModelView& view = recognizer_.models()[last.model_index].views[last.view];
   std::vector<std::size_t> views(view.neighbours.begin(), view.neighbours.end());
   views.push_back(last.view);
-  for (Detection& detection : recognizer_.RecognizeViews(*region.features, last.model_index, views, conditions)) {
+  Expected<std::vector<Detection>> detections =
+      recognizer_.RecognizeViews(*region.features, last.model_index, views, conditions);
+  if (!detections) {
+    region.features = std::unexpected(std::move(detections).error());
+    return;
+  }
+  for (Detection& detection : *detections) {
     if (IntersectionOverUnion(detection.box, StepBox(region.step)) < options_.min_overlap) continue;
     detection.score = std::min(detection.score, tracks_.at(region.step.track).max_full_frame_score);
     region.found = std::move(detection);

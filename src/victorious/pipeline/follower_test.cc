@@ -30,7 +30,7 @@ class FollowerTest : public ::testing::Test {
       cv::cvtColor(flight_.flight().Render(i).image, grey, cv::COLOR_BGR2GRAY);
       const Frame frame{.index = i, .time_s = 0.1 * i, .image = grey};
       const FeatureSet features = extractor_->Extract(grey).value();
-      const std::vector<Detection> detections = recognizer_.Recognize(features);
+      const std::vector<Detection> detections = recognizer_.Recognize(features).value();
       std::optional<FullFrameResult> whole;
       if (i % every == 0) whole.emplace(features, detections);
       result.seen.push_back(follower.Follow(frame, whole, {}).value());
@@ -70,7 +70,7 @@ TEST_F(FollowerTest, InItsRegionAThingIsNoSurerThanInAWholeFrame) {
     cv::Mat grey;
     cv::cvtColor(flight_.flight().Render(i).image, grey, cv::COLOR_BGR2GRAY);
     const FeatureSet features = extractor_->Extract(grey).value();
-    std::vector<Detection> detections = recognizer_.Recognize(features);
+    std::vector<Detection> detections = recognizer_.Recognize(features).value();
     for (Detection& detection : detections) detection.score = kScore;
     std::optional<FullFrameResult> whole;
     if (i % 6 == 0) whole.emplace(features, detections);
@@ -164,7 +164,7 @@ TEST_F(FollowerTest, ARestartForgetsWhatWasBefore) {
     cv::Mat grey;
     cv::cvtColor(flight_.flight().Render(i).image, grey, cv::COLOR_BGR2GRAY);
     const FeatureSet features = extractor_->Extract(grey).value();
-    const std::vector<Detection> detections = recognizer_.Recognize(features);
+    const std::vector<Detection> detections = recognizer_.Recognize(features).value();
     std::optional<FullFrameResult> whole;
     if (i % 6 == 0) whole.emplace(features, detections);
     const auto seen = late.Follow({.index = i, .time_s = 0.1 * i, .image = grey}, whole, {}).value();

@@ -142,7 +142,8 @@ Indexer::Indexer(std::vector<ObjectModel> models, const IndexOptions& options,
       extractor_(std::move(extractor)),
       categories_(std::move(categories)) {
   for (const ObjectModel& model : models_)
-    targets_.push_back({.name = model.name, .model_id = model.id, .kind = model.kind});
+    targets_.push_back(
+        {.name = model.name, .model_id = model.id, .kind = std::string(ToText(kModelKindTexts, model.kind))});
   if (!categories_) return;
   for (const std::string& name : categories_->names())
     targets_.push_back({.name = name, .model_id = categories_->content_id(), .kind = std::string(kCategoryKind)});

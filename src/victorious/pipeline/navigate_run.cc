@@ -148,7 +148,7 @@ class Pass {
     std::optional<FullFrameResult> searched;
     if (whole) {
       VICTORIOUS_ASSIGN_OR_RETURN(features, context_.extractor.Extract(frame.image));
-      detections = context_.recognizer.Recognize(features, conditions, frame.image);
+      VICTORIOUS_ASSIGN_OR_RETURN(detections, context_.recognizer.Recognize(features, conditions, frame.image));
       searched.emplace(features, detections);
     }
     VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObservedObject> all, follower_.Follow(frame, searched, conditions));

@@ -14,7 +14,7 @@ TEST(Preset, ThesisSetsWhatTheThesisSaysInEachList) {
   IndexOptions index;
   index.recognize.match.ratio = 0.9;
   ASSERT_TRUE(ApplyPreset("thesis", CollectFields(index)).has_value());
-  EXPECT_EQ(index.recognize.method, "grammar");
+  EXPECT_EQ(index.recognize.method, SearchMethod::kGrammar);
   EXPECT_EQ(index.recognize.match.ratio, 0.8);
   EXPECT_EQ(index.recognize.cascade.radius_px, 75);
   EXPECT_EQ(index.features.impulse_fraction, 1);

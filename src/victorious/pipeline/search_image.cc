@@ -38,8 +38,8 @@ Expected<Recognizer> MakeRecognizer(const Photo& example, const VideoRecord& vid
   return Recognizer::Create({std::move(model)}, model_options.features.engine, options);
 }
 
-std::optional<Hit> BestHit(const Recognizer& recognizer, const KeptFrame& frame, std::int64_t place) {
-  const std::vector<Detection> detections = recognizer.Recognize(frame.features);
+Expected<std::optional<Hit>> BestHit(const Recognizer& recognizer, const KeptFrame& frame, std::int64_t place) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Detection> detections, recognizer.Recognize(frame.features));
   if (detections.empty()) return std::nullopt;
   const Detection& best = detections.front();
   return Hit{frame.video,
@@ -106,24 +106,28 @@ Expected<std::vector<VideoSegment>> SearchByImage(const Photo& example, const Si
   std::vector<KeptFrame> chunk;
   std::vector<Hit> hits;
   std::int64_t searched = 0;
-  const auto search_chunk = [&] {
-    std::vector<std::optional<Hit>> found(chunk.size());
+  const auto search_chunk = [&]() -> Status {
+    std::vector<Expected<std::optional<Hit>>> found(chunk.size());
     oneapi::tbb::parallel_for(std::size_t{0}, chunk.size(), [&](std::size_t i) {
       found[i] = BestHit(*by_id.at(chunk[i].video).recognizer, chunk[i], searched + static_cast<std::int64_t>(i));
     });
-    for (std::optional<Hit>& hit : found) {
-      if (hit) hits.push_back(*std::move(hit));
+    for (Expected<std::optional<Hit>>& hit : found) {
+      if (!hit) return std::unexpected(std::move(hit).error());
+      if (*hit) hits.push_back(**std::move(hit));
     }
     searched += static_cast<std::int64_t>(chunk.size());
     chunk.clear();
+    return {};
   };
+  Status searched_chunk;
   VICTORIOUS_RETURN_IF_ERROR(store.VisitKeptFrames(filter, [&](KeptFrame&& frame) {
     if (!by_id.contains(frame.video)) return true;  // added by another process in the meantime
     chunk.push_back(std::move(frame));
-    if (chunk.size() == kChunk) search_chunk();
-    return true;
+    if (chunk.size() == kChunk) searched_chunk = search_chunk();
+    return searched_chunk.has_value();
   }));
-  search_chunk();
+  VICTORIOUS_RETURN_IF_ERROR(searched_chunk);
+  VICTORIOUS_RETURN_IF_ERROR(search_chunk());
   if (searched == 0) {
     return Fail(ErrorCode::kInvalidArgument,
                 "the index has no kept features to search: index a video first, or widen --video, --from, --to");

@@ -254,8 +254,13 @@ void Search(const SearchPass& pass, FrameTask& work) {
   if (pass.recognizer.models().empty() && !work.keep) return;
   work.features = pass.extractor.Extract(work.frame.image);
   if (work.features) {
-    work.detections = pass.recognizer.Recognize(
+    Expected<std::vector<Detection>> detections = pass.recognizer.Recognize(
         *work.features, MakeFrameConditions(work.camera, work.frame.image.size(), pass.sun), work.frame.image);
+    if (detections) {
+      work.detections = *std::move(detections);
+    } else {
+      work.features = std::unexpected(std::move(detections).error());
+    }
   }
 }
 

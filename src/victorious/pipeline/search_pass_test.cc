@@ -75,7 +75,11 @@ class SearchPassTest : public ::testing::Test {
                                               .features_json = {}})
                                   .value();
     const ObjectModel model = flight_.Model(0);
-    const ModelRecord stored = store_->PutModel({.name = model.name, .model_id = model.id, .kind = model.kind}).value();
+    const ModelRecord stored =
+        store_
+            ->PutModel(
+                {.name = model.name, .model_id = model.id, .kind = std::string(ToText(kModelKindTexts, model.kind))})
+            .value();
     const IndexOptions options;
     const std::vector<SearchRecord> searches = {{.video = video.id,
                                                  .model = stored.id,

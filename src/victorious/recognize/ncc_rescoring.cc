@@ -65,14 +65,39 @@ struct PoseHypothesis {
 
 using PoseParameter = double PoseHypothesis::*;
 
-// Minimum fraction of the surface samples inside the frame.
+// The constants below are chosen, not fitted; docs/adr/0014 describes the method they belong to.
+
+// Minimum fraction of the surface samples inside the frame: an object that is mostly outside is not rescored.
 constexpr double kMinSampleFraction = 0.4;
+// Grey levels squared, added to both variances as regularisation: sensor noise alone does not correlate.
+constexpr double kVarianceFloor = 4;
+// Bound of the correlation before the Fisher transform, which diverges at 1.
+constexpr double kMaxCorrelation = 0.99;
+
+// The first steps of the hill climbing: about the error of a pose by votes. With the rounds and halvings below the
+// climb reaches 5.25 steps in each parameter, 24 degrees in yaw, and so the views between the rings of views.
+constexpr double kPositionStep_px = 4;
+constexpr double kLogScaleStep = 0.06;
+constexpr double kTurnStep_rad = 0.05;
+constexpr double kYawStep_rad = 0.08;
+constexpr double kTipStep_rad = 0.05;
+constexpr int kStepSizes = 3;      // step sizes tried, each half of the one before
+constexpr int kRoundsPerSize = 3;  // maximum number of rounds over all parameters with one step size
+
+// Views whose off-nadir angles differ by less belong to one ring of the view sphere.
+constexpr double kSameRing_rad = 0.01;
+// Bound of the difference in size between view and scene, for which surface samples are made: a factor of 16.
+constexpr double kMaxHalfOctaves = 8;
+// Random poses tried per null sample that is wanted: a pose at the object, or mostly outside the frame, gives none.
+constexpr int kTriesPerNullSample = 4;
+// Bound of the null distribution's standard deviation from below, in a frame without texture.
+constexpr double kMinNullDeviation = 0.02;
 
 class NccEvaluator {
  public:
-  // @param least  minimum number of samples in the frame
-  NccEvaluator(const cv::Mat& scene, const ViewAppearance& picture, double least)
-      : scene_(scene), appearance_(picture), min_samples_(least) {}
+  // @param min_samples  minimum number of samples in the frame
+  NccEvaluator(const cv::Mat& scene, const ViewAppearance& appearance, double min_samples)
+      : scene_(scene), appearance_(appearance), min_samples_(min_samples) {}
 
   // The samples that project into the frame.
   [[nodiscard]] std::vector<SurfaceSample> SamplesInFrame(const PoseHypothesis& hypothesis) const {
@@ -87,7 +112,6 @@ class NccEvaluator {
 
   // atanh of the correlation; std::nullopt if too few samples are in the frame.
   [[nodiscard]] std::optional<double> ScoreAt(const PoseHypothesis& hypothesis) const {
-    constexpr double kVarianceFloor = 4;  // grey levels squared, added to both variances as regularisation
     const Eigen::Matrix<float, 2, 3> project = Projection(hypothesis);
     const Eigen::Vector2f middle = Centre(hypothesis);
     double n = 0;
@@ -112,23 +136,19 @@ class NccEvaluator {
     const double variance_a = sum_aa / n - sum_a * sum_a / (n * n) + kVarianceFloor;
     const double variance_b = sum_bb / n - sum_b * sum_b / (n * n) + kVarianceFloor;
     const double r = (sum_ab / n - sum_a * sum_b / (n * n)) / std::sqrt(variance_a * variance_b);
-    return std::atanh(std::clamp(r, -0.99, 0.99));
+    return std::atanh(std::clamp(r, -kMaxCorrelation, kMaxCorrelation));
   }
 
-  // The maximum NCC score by hill climbing from a hypothesis, with step sizes halved twice.
+  // The maximum NCC score by hill climbing from a hypothesis.
   [[nodiscard]] std::optional<double> MaximiseScore(PoseHypothesis hypothesis) const {
     std::optional<double> best = ScoreAt(hypothesis);
     if (!best) return std::nullopt;
-    std::array<Step, 6> steps = {Step{&PoseHypothesis::x, 4},
-                                 Step{&PoseHypothesis::y, 4},
-                                 Step{&PoseHypothesis::log_scale, 0.06},
-                                 Step{&PoseHypothesis::turn_rad, 0.05},
-                                 Step{&PoseHypothesis::yaw_rad, 0.08},
-                                 Step{&PoseHypothesis::tip_rad, 0.05}};
-    constexpr int kHalvings = 3;
-    constexpr int kRounds = 3;
-    for (int halving = 0; halving < kHalvings; ++halving) {
-      for (int round = 0; round < kRounds && TryImprovingSteps(steps, hypothesis, *best); ++round) {
+    std::array<Step, 6> steps = {
+        Step{&PoseHypothesis::x, kPositionStep_px},      Step{&PoseHypothesis::y, kPositionStep_px},
+        Step{&PoseHypothesis::log_scale, kLogScaleStep}, Step{&PoseHypothesis::turn_rad, kTurnStep_rad},
+        Step{&PoseHypothesis::yaw_rad, kYawStep_rad},    Step{&PoseHypothesis::tip_rad, kTipStep_rad}};
+    for (int size = 0; size < kStepSizes; ++size) {
+      for (int round = 0; round < kRoundsPerSize && TryImprovingSteps(steps, hypothesis, *best); ++round) {
       }
       for (Step& step : steps) step.size /= 2;
     }
@@ -181,18 +201,19 @@ class NccEvaluator {
 
 // The surface samples of a view, and its in-plane rotation relative to the matched view.
 struct NeighbourAppearance {
-  std::shared_ptr<const ViewAppearance> picture;
+  std::shared_ptr<const ViewAppearance> appearance;
   Eigen::Vector2d centre_px;  // centre of the view's image: projection of the bounding sphere's centre
   double turn_rad;            // in-plane rotation of the object from the matched view to this view
-  double least;               // minimum number of samples inside the frame
+  double min_samples;         // minimum number of samples inside the frame
 };
 
-std::vector<NeighbourAppearance> AppearancesOfNeighbours(const ObjectModel& model, const RelitTemplateSource& pictures,
-                                                         std::size_t view, int half_octaves) {
+// The matched view first, then its neighbours of the same ring; empty if the matched view has no surface samples.
+Expected<std::vector<NeighbourAppearance>> GatherAppearances(const ObjectModel& model,
+                                                             const RelitTemplateSource& appearances, std::size_t view,
+                                                             int half_octaves) {
   const ModelView& matched = model.views[view];
   std::vector<std::size_t> numbers = {view};
   for (const std::uint32_t neighbour : matched.neighbours) {
-    constexpr double kSameRing_rad = 0.01;
     const ModelView& other = model.views[neighbour];
     if (!matched.angles || !other.angles) continue;
     if (std::abs(other.angles->off_nadir_rad - matched.angles->off_nadir_rad) < kSameRing_rad) {
@@ -201,19 +222,23 @@ std::vector<NeighbourAppearance> AppearancesOfNeighbours(const ObjectModel& mode
   }
   std::vector<NeighbourAppearance> all;
   for (const std::size_t number : numbers) {
-    std::shared_ptr<const ViewAppearance> picture = pictures.GetAppearance(number, half_octaves);
-    if (picture->points.empty()) {
-      if (all.empty()) return {};  // the matched view itself has no surface
+    VICTORIOUS_ASSIGN_OR_RETURN(std::shared_ptr<const ViewAppearance> appearance,
+                                appearances.GetAppearance(number, half_octaves));
+    if (appearance->points.empty()) {
+      if (all.empty()) return all;  // the matched view itself
       continue;
     }
     double turn_rad = 0;
     if (!all.empty()) {
-      const Eigen::Quaterniond turn = picture->camera_from_model * all.front().picture->camera_from_model.conjugate();
+      const Eigen::Quaterniond turn =
+          appearance->camera_from_model * all.front().appearance->camera_from_model.conjugate();
       turn_rad = WrapAngle(2 * std::atan2(turn.z(), turn.w()));
     }
-    const double least = kMinSampleFraction * static_cast<double>(picture->points.size());
-    all.push_back(
-        {std::move(picture), {model.views[number].width / 2.0, model.views[number].height / 2.0}, turn_rad, least});
+    const double min_samples = kMinSampleFraction * static_cast<double>(appearance->points.size());
+    all.push_back({std::move(appearance),
+                   {model.views[number].width / 2.0, model.views[number].height / 2.0},
+                   turn_rad,
+                   min_samples});
   }
   return all;
 }
@@ -227,42 +252,43 @@ struct ViewPlacement {
 
 PoseHypothesis HypothesisAt(const ViewPlacement& place, const NeighbourAppearance& beside) {
   const Similarity2 about_centre{place.scale, place.turn_rad - beside.turn_rad, place.centre_px};
-  const Eigen::Vector2d middle = about_centre.Apply(beside.picture->centre_px - beside.centre_px);
+  const Eigen::Vector2d middle = about_centre.Apply(beside.appearance->centre_px - beside.centre_px);
   return {.x = middle.x(),
           .y = middle.y(),
-          .log_scale = std::log(place.scale * beside.picture->pixels_per_m),
+          .log_scale = std::log(place.scale * beside.appearance->pixels_per_m),
           .turn_rad = about_centre.rotation_rad};
 }
 
 // Drops the samples outside the frame at the tested pose, for all poses: few samples correlate by chance more easily
 // than many, so the null distribution must use the same samples.
-void KeepSamplesInFrame(const cv::Mat& scene, const ViewPlacement& place, std::vector<NeighbourAppearance>& pictures) {
-  for (NeighbourAppearance& beside : pictures) {
+void KeepSamplesInFrame(const cv::Mat& scene, const ViewPlacement& place,
+                        std::vector<NeighbourAppearance>& appearances) {
+  for (NeighbourAppearance& beside : appearances) {
     auto samples_in_frame =
-        NccEvaluator(scene, *beside.picture, beside.least).SamplesInFrame(HypothesisAt(place, beside));
-    if (samples_in_frame.size() == beside.picture->points.size()) continue;
-    auto rest = std::make_shared<ViewAppearance>(*beside.picture);
+        NccEvaluator(scene, *beside.appearance, beside.min_samples).SamplesInFrame(HypothesisAt(place, beside));
+    if (samples_in_frame.size() == beside.appearance->points.size()) continue;
+    auto rest = std::make_shared<ViewAppearance>(*beside.appearance);
     rest->points = std::move(samples_in_frame);
-    beside.picture = std::move(rest);
+    beside.appearance = std::move(rest);
   }
 }
 
-std::optional<double> MaxNccScore(const cv::Mat& scene, const std::vector<NeighbourAppearance>& pictures,
+std::optional<double> MaxNccScore(const cv::Mat& scene, const std::vector<NeighbourAppearance>& appearances,
                                   const ViewPlacement& place) {
-  std::optional<double> most;
-  for (const NeighbourAppearance& beside : pictures) {
+  std::optional<double> highest;
+  for (const NeighbourAppearance& beside : appearances) {
     const std::optional<double> found =
-        NccEvaluator(scene, *beside.picture, beside.least).MaximiseScore(HypothesisAt(place, beside));
-    if (found && (!most || *found > *most)) most = found;
+        NccEvaluator(scene, *beside.appearance, beside.min_samples).MaximiseScore(HypothesisAt(place, beside));
+    if (found && (!highest || *found > *highest)) highest = found;
   }
-  return most;
+  return highest;
 }
 
 // Mean distance of the samples from their centroid, in scene px.
-double MeanRadiusPx(const ViewAppearance& picture, double scale) {
+double MeanRadiusPx(const ViewAppearance& appearance, double scale) {
   double sum_m = 0;
-  for (const SurfaceSample& point : picture.points) sum_m += point.place.norm();
-  return scale * picture.pixels_per_m * sum_m / static_cast<double>(picture.points.size());
+  for (const SurfaceSample& point : appearance.points) sum_m += point.place.norm();
+  return scale * appearance.pixels_per_m * sum_m / static_cast<double>(appearance.points.size());
 }
 
 }  // namespace
@@ -275,27 +301,27 @@ cv::Mat PrepareSceneForNcc(const cv::Mat& grey, const NccOptions& options) {
   return scene;
 }
 
-std::optional<double> ComputeNccZScore(const cv::Mat& scene, const ObjectModel& model,
-                                       const RelitTemplateSource& pictures, std::size_t view,
-                                       const Similarity2& scene_from_template, const NccOptions& options) {
-  constexpr double kMaxHalfOctaves = 8;
+Expected<std::optional<double>> ComputeNccZScore(const cv::Mat& scene, const ObjectModel& model,
+                                                 const RelitTemplateSource& appearances, std::size_t view,
+                                                 const Similarity2& scene_from_template, const NccOptions& options) {
   const double half_octaves =
       std::clamp(std::round(-2 * std::log2(scene_from_template.scale)), -kMaxHalfOctaves, kMaxHalfOctaves);
-  std::vector<NeighbourAppearance> beside =
-      AppearancesOfNeighbours(model, pictures, view, static_cast<int>(half_octaves));
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<NeighbourAppearance> beside,
+                              GatherAppearances(model, appearances, view, static_cast<int>(half_octaves)));
   if (beside.empty()) return std::nullopt;
   const ViewPlacement hypothesis{
       .centre_px = scene_from_template.Apply(Eigen::Vector2d(model.views[view].width, model.views[view].height) / 2),
       .scale = scene_from_template.scale,
       .turn_rad = scene_from_template.rotation_rad};
-  const double min_distance_px = MeanRadiusPx(*beside.front().picture, hypothesis.scale);
+  const double min_distance_px = MeanRadiusPx(*beside.front().appearance, hypothesis.scale);
   KeepSamplesInFrame(scene, hypothesis, beside);
   const std::optional<double> score = MaxNccScore(scene, beside, hypothesis);
   if (!score) return std::nullopt;
 
   Random random(1);
   std::vector<double> elsewhere;
-  for (int tries = 0; std::ssize(elsewhere) < options.null_samples && tries < 4 * options.null_samples; ++tries) {
+  for (int tries = 0;
+       std::ssize(elsewhere) < options.null_samples && tries < kTriesPerNullSample * options.null_samples; ++tries) {
     ViewPlacement other = hypothesis;
     other.centre_px.x() = random.Uniform(0, scene.cols);
     other.centre_px.y() = random.Uniform(0, scene.rows);
@@ -311,9 +337,8 @@ std::optional<double> ComputeNccZScore(const cv::Mat& scene, const ObjectModel& 
     sum += one;
     sum2 += one * one;
   }
-  constexpr double kMinDeviation = 0.02;
   const double deviation = std::sqrt(std::max(0.0, sum2 / n - sum * sum / (n * n)));
-  return (*score - sum / n) / std::max(kMinDeviation, deviation);
+  return (*score - sum / n) / std::max(kMinNullDeviation, deviation);
 }
 
 }  // namespace victorious

@@ -18,6 +18,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "victorious/base/error.h"
 #include "victorious/base/options.h"
 #include "victorious/geometry/similarity.h"
 #include "victorious/recognize/relit_templates.h"
@@ -45,14 +46,16 @@ struct NccOptions {
 
 /// The z-score of the NCC score at a pose against random poses in the same scene (formula above). Deterministic.
 /// @param scene                from PrepareSceneForNcc()
-/// @param pictures             surface samples of the model's views
+/// @param appearances          surface samples of the model's views
 /// @param view                 index of the matched view
 /// @param scene_from_template  initial pose, from pixels of `view` to pixels of the scene
 /// @return std::nullopt if less than 40 % of the surface samples are in the frame, if the view has no surface samples,
 ///         or if fewer than half of the random poses can be evaluated
+/// Errors: those of RelitTemplateSource.
 /// Cost: about 15 ms.
-[[nodiscard]] std::optional<double> ComputeNccZScore(const cv::Mat& scene, const ObjectModel& model,
-                                                     const RelitTemplateSource& pictures, std::size_t view,
-                                                     const Similarity2& scene_from_template, const NccOptions& options);
+[[nodiscard]] Expected<std::optional<double>> ComputeNccZScore(const cv::Mat& scene, const ObjectModel& model,
+                                                               const RelitTemplateSource& appearances, std::size_t view,
+                                                               const Similarity2& scene_from_template,
+                                                               const NccOptions& options);
 
 }  // namespace victorious

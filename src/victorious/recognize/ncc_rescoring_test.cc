@@ -46,12 +46,13 @@ class FlatSquareSource : public RelitTemplateSource {
     }
     picture_ = std::move(picture);
   }
-  [[nodiscard]] std::shared_ptr<const RelitTemplate> GetTemplate(const RelitTemplateKey& /*wanted*/) const override {
+  [[nodiscard]] Expected<std::shared_ptr<const RelitTemplate>> GetTemplate(
+      const RelitTemplateKey& /*wanted*/) const override {
     return std::make_shared<const RelitTemplate>();
   }
   void Prepare(std::span<const RelitTemplateKey> /*wanted*/) const override {}
-  [[nodiscard]] std::shared_ptr<const ViewAppearance> GetAppearance(std::size_t /*view*/,
-                                                                    int /*half_octaves*/) const override {
+  [[nodiscard]] Expected<std::shared_ptr<const ViewAppearance>> GetAppearance(std::size_t /*view*/,
+                                                                              int /*half_octaves*/) const override {
     return picture_;
   }
 
@@ -85,7 +86,7 @@ std::optional<double> ZScore(const cv::Mat& grey, const RelitTemplateSource& pic
   const NccOptions options;
   ObjectModel model;
   model.views.push_back({.source = "square", .width = kSidePx, .height = kSidePx, .outline = {}, .angles = {}});
-  return ComputeNccZScore(PrepareSceneForNcc(grey, options), model, pictures, 0, fit, options);
+  return ComputeNccZScore(PrepareSceneForNcc(grey, options), model, pictures, 0, fit, options).value();
 }
 
 TEST(NccScore, TellsTheObjectFromOtherPlaces) {

@@ -81,7 +81,7 @@ TEST(Recognizer, FindsEachInstanceWhereItIs) {
                                           Paste(sign, 1.2, 1.5, {300, 340}, scene)};
   const Recognizer recognizer =
       MakeRecognizer({ModelOf("crate", crate), ModelOf("sign", sign), ModelOf("absent", absent)});
-  const std::vector<Detection> detections = recognizer.Recognize(FeaturesOf(scene));
+  const std::vector<Detection> detections = recognizer.Recognize(FeaturesOf(scene)).value();
   ASSERT_EQ(detections.size(), 3U);
   std::size_t matched = 0;
   for (const Similarity2& fit : truth) {
@@ -103,7 +103,7 @@ TEST(Recognizer, FindsEachInstanceWhereItIs) {
 
 RecognizeOptions ByVotes() {
   RecognizeOptions options;
-  options.method = "votes";
+  options.method = SearchMethod::kVotes;
   return options;
 }
 
@@ -118,7 +118,7 @@ TEST(Recognizer, VotesFindEachInstanceToo) {
   const Recognizer recognizer =
       Recognizer::Create({ModelOf("crate", crate), ModelOf("absent", Texture(110, 100, 3))}, "opencv", ByVotes())
           .value();
-  const std::vector<Detection> detections = recognizer.Recognize(FeaturesOf(scene));
+  const std::vector<Detection> detections = recognizer.Recognize(FeaturesOf(scene)).value();
   ASSERT_EQ(detections.size(), truth.size());
   for (const Similarity2& fit : truth) {
     const Eigen::Vector2d centre = fit.Apply({60, 45});
@@ -138,12 +138,12 @@ TEST(Recognizer, ViewsThatAreNamedFindWhatTheyShow) {
     const Recognizer recognizer =
         Recognizer::Create({ModelOf("absent", Texture(110, 100, 3)), ModelOf("crate", crate)}, "opencv", options)
             .value();
-    const std::vector<Detection> found = recognizer.RecognizeViews(features, 1, views, {});
-    ASSERT_EQ(found.size(), 1U) << options.method;
+    const std::vector<Detection> found = recognizer.RecognizeViews(features, 1, views, {}).value();
+    ASSERT_EQ(found.size(), 1U) << ToText(kSearchMethodTexts, options.method);
     EXPECT_EQ(found[0].model_index, 1U);
     EXPECT_LT((found[0].fit.scene_from_template.Apply({60, 45}) - centre).norm(), 3);
-    EXPECT_TRUE(recognizer.RecognizeViews(features, 0, views, {}).empty());
-    EXPECT_TRUE(recognizer.RecognizeViews(features, 1, {}, {}).empty());
+    EXPECT_TRUE(recognizer.RecognizeViews(features, 0, views, {}).value().empty());
+    EXPECT_TRUE(recognizer.RecognizeViews(features, 1, {}, {}).value().empty());
   }
 }
 
@@ -151,7 +151,7 @@ TEST(Recognizer, ViewsThatAreNamedFindWhatTheyShow) {
 TEST(Recognizer, AViewWithoutFeaturesHidesNoNeighbour) {
   const cv::Mat crate = Texture(120, 90, 1);
   ObjectModel model = ModelOf("crate", crate);
-  model.kind = "cad";
+  model.kind = ModelKind::kCad;
   ModelView plain = model.views[0];
   plain.feature_count = 0;
   plain.neighbours = {1};
@@ -159,7 +159,7 @@ TEST(Recognizer, AViewWithoutFeaturesHidesNoNeighbour) {
   model.views.insert(model.views.begin(), plain);
   cv::Mat scene = Texture(640, 480, 4);
   Paste(crate, 1.0, 0.5, {150, 120}, scene);
-  EXPECT_EQ(MakeRecognizer({model}).Recognize(FeaturesOf(scene)).size(), 1U);
+  EXPECT_EQ(MakeRecognizer({model}).Recognize(FeaturesOf(scene)).value().size(), 1U);
 }
 
 // A ring of views, each a neighbour of the adjacent two; only one shows the object in the scene, and it is no coarse
@@ -172,7 +172,7 @@ TEST(Recognizer, VotesReachViewsBetweenScouts) {
   ObjectModel model;
   model.name = "crate";
   model.engine = "opencv";
-  model.kind = "cad";
+  model.kind = ModelKind::kCad;
   for (std::uint32_t view = 0; view < 4; ++view) {
     const FeatureSet features = FeaturesOf(view == 1 ? crate : blurred);
     model.views.push_back({.source = "crate",
@@ -190,7 +190,7 @@ TEST(Recognizer, VotesReachViewsBetweenScouts) {
   model.storage = storage;
   cv::Mat scene = Texture(640, 480, 4);
   Paste(crate, 1.0, 0.5, {150, 120}, scene);
-  const std::vector<Detection> detections = MakeRecognizer({model}).Recognize(FeaturesOf(scene));
+  const std::vector<Detection> detections = MakeRecognizer({model}).Recognize(FeaturesOf(scene)).value();
   ASSERT_EQ(detections.size(), 1U);
   EXPECT_EQ(detections[0].view, 1U);
 }
@@ -202,7 +202,7 @@ constexpr std::size_t kAround = 12;
 
 ObjectModel PlainFromAround() {
   ObjectModel model = ModelOf("crate", Texture(120, 90, 99));
-  model.kind = "cad";
+  model.kind = ModelKind::kCad;
   const ModelView view = model.views[0];
   model.views.clear();
   for (std::size_t i = 0; i < kAround; ++i) {
@@ -226,13 +226,14 @@ class Painted : public RelitTemplateSource {
     return Texture(120, 90, 1000 + kAround * sun_view + view);
   }
 
-  [[nodiscard]] std::shared_ptr<const RelitTemplate> GetTemplate(const RelitTemplateKey& wanted) const override {
+  [[nodiscard]] Expected<std::shared_ptr<const RelitTemplate>> GetTemplate(
+      const RelitTemplateKey& wanted) const override {
     (wanted.half_resolution ? coarse_ : sharp_).insert(wanted.view);
     return lit_[kAround * wanted.sun_view + wanted.view];
   }
   void Prepare(std::span<const RelitTemplateKey> /*wanted*/) const override {}
-  [[nodiscard]] std::shared_ptr<const ViewAppearance> GetAppearance(std::size_t /*view*/,
-                                                                    int /*half_octaves*/) const override {
+  [[nodiscard]] Expected<std::shared_ptr<const ViewAppearance>> GetAppearance(std::size_t /*view*/,
+                                                                              int /*half_octaves*/) const override {
     return std::make_shared<const ViewAppearance>();
   }
 
@@ -257,17 +258,18 @@ TEST(Recognizer, FindsTheSunByWhatItPaints) {
   ASSERT_TRUE(recognizer.HasRelitTemplates());
   const Vertical vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 0.3, 640, 480);
 
-  const std::optional<SunEstimate> found_sun = recognizer.EstimateSun(features, vertical);
+  const std::optional<SunEstimate> found_sun = recognizer.EstimateSun(features, vertical).value();
   ASSERT_TRUE(found_sun);
   const Sun sun = found_sun->relative_sun;
   // Seen from azimuth 60, lit from azimuth 90: the camera looks towards 240, so the sun's relative azimuth is -150.
   EXPECT_NEAR(WrapAngle(sun.azimuth_rad + 5 * kPi / 6), 0, 0.2);
 
-  EXPECT_TRUE(recognizer.Recognize(features, {.vertical = vertical, .relative_sun = {}}).empty());
-  const std::vector<Detection> found = recognizer.Recognize(features, {.vertical = vertical, .relative_sun = sun});
+  EXPECT_TRUE(recognizer.Recognize(features, {.vertical = vertical, .relative_sun = {}}).value().empty());
+  const std::vector<Detection> found =
+      recognizer.Recognize(features, {.vertical = vertical, .relative_sun = sun}).value();
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].view, kView);
-  EXPECT_FALSE(recognizer.EstimateSun(FeaturesOf(Texture(640, 480, 5)), vertical));
+  EXPECT_FALSE(recognizer.EstimateSun(FeaturesOf(Texture(640, 480, 5)), vertical).value());
 }
 
 // In a wide field of view the azimuth of the line of sight, and with it the relative sun, varies.
@@ -287,11 +289,11 @@ TEST(Recognizer, TheSunIsThatOfTheLineOfSight) {
   const double relative_azimuth_rad = vertical.AzimuthAt(at);
   ASSERT_GT(relative_azimuth_rad, 0.5);
 
-  const std::optional<SunEstimate> found_sun = recognizer.EstimateSun(features, vertical);
+  const std::optional<SunEstimate> found_sun = recognizer.EstimateSun(features, vertical).value();
   ASSERT_TRUE(found_sun);
   EXPECT_NEAR(WrapAngle(found_sun->relative_sun.azimuth_rad - relative_azimuth_rad + 5 * kPi / 6), 0, 0.2);
   const std::vector<Detection> found =
-      recognizer.Recognize(features, {.vertical = vertical, .relative_sun = found_sun->relative_sun});
+      recognizer.Recognize(features, {.vertical = vertical, .relative_sun = found_sun->relative_sun}).value();
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].view, kView);
 }
@@ -309,7 +311,7 @@ TEST(Recognizer, LitScoutsAreCoarse) {
   options.search.max_refined_views = 1;
   const Recognizer recognizer = Recognizer::Create({PlainFromAround()}, "opencv", options, {painted}).value();
   const std::vector<Detection> found =
-      recognizer.Recognize(FeaturesOf(scene), {.vertical = vertical, .relative_sun = sun});
+      recognizer.Recognize(FeaturesOf(scene), {.vertical = vertical, .relative_sun = sun}).value();
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].view, kView);
   EXPECT_EQ(painted->coarse().size(), kAround / 2);
@@ -334,12 +336,13 @@ class Pictured : public RelitTemplateSource {
     }
     picture_ = std::move(picture);
   }
-  [[nodiscard]] std::shared_ptr<const RelitTemplate> GetTemplate(const RelitTemplateKey& /*wanted*/) const override {
+  [[nodiscard]] Expected<std::shared_ptr<const RelitTemplate>> GetTemplate(
+      const RelitTemplateKey& /*wanted*/) const override {
     return std::make_shared<const RelitTemplate>();
   }
   void Prepare(std::span<const RelitTemplateKey> /*wanted*/) const override {}
-  [[nodiscard]] std::shared_ptr<const ViewAppearance> GetAppearance(std::size_t /*view*/,
-                                                                    int /*half_octaves*/) const override {
+  [[nodiscard]] Expected<std::shared_ptr<const ViewAppearance>> GetAppearance(std::size_t /*view*/,
+                                                                              int /*half_octaves*/) const override {
     return picture_;
   }
 
@@ -356,7 +359,7 @@ TEST(Recognizer, LikenessDecidesWhatIsInDoubt) {
     const Recognizer recognizer =
         Recognizer::Create({ModelOf("crate", crate)}, "opencv", options, {std::make_shared<const Pictured>(crate)})
             .value();
-    const std::vector<Detection> found = recognizer.Recognize(features, {}, grey);
+    const std::vector<Detection> found = recognizer.Recognize(features, {}, grey).value();
     if (found.empty()) return std::nullopt;
     EXPECT_DOUBLE_EQ(found[0].score, ComputeScore(found[0].neg_log10_nfa, options.detect));
     return found[0].neg_log10_nfa;
@@ -384,15 +387,15 @@ TEST(Recognizer, VotesFindNothingInOtherScenes) {
   const Recognizer recognizer =
       Recognizer::Create({ModelOf("crate", Texture(120, 90, 1))}, "opencv", ByVotes()).value();
   for (std::uint64_t seed = 10; seed < 16; ++seed)
-    EXPECT_TRUE(recognizer.Recognize(FeaturesOf(Texture(640, 480, seed))).empty()) << seed;
-  EXPECT_TRUE(recognizer.Recognize(FeatureSet()).empty());
+    EXPECT_TRUE(recognizer.Recognize(FeaturesOf(Texture(640, 480, seed))).value().empty()) << seed;
+  EXPECT_TRUE(recognizer.Recognize(FeatureSet()).value().empty());
 }
 
 TEST(Recognizer, FindsNothingInOtherScenes) {
   const Recognizer recognizer = MakeRecognizer({ModelOf("crate", Texture(120, 90, 1))});
   for (std::uint64_t seed = 10; seed < 16; ++seed)
-    EXPECT_TRUE(recognizer.Recognize(FeaturesOf(Texture(640, 480, seed))).empty()) << seed;
-  EXPECT_TRUE(recognizer.Recognize(FeatureSet()).empty());
+    EXPECT_TRUE(recognizer.Recognize(FeaturesOf(Texture(640, 480, seed))).value().empty()) << seed;
+  EXPECT_TRUE(recognizer.Recognize(FeatureSet()).value().empty());
 }
 
 TEST(Recognizer, StagesOnlyTakeAway) {

@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "victorious/base/error.h"
 #include "victorious/types/feature_set.h"
 #include "victorious/types/object_model.h"
 
@@ -39,7 +40,7 @@ struct SurfaceSample {
 
 /// The rendering of a view as 3D surface samples, so that it can be reprojected from nearby directions.
 struct ViewAppearance {
-  std::vector<SurfaceSample> points;  ///< uniform over the object without its rim; empty if the model has no surface
+  std::vector<SurfaceSample> points;  ///< uniform over the object without its rim; empty if the object is too small
   Eigen::Quaterniond camera_from_model = Eigen::Quaterniond::Identity();
   Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();  ///< projection of the samples' centroid into the view, px
   double pixels_per_m = 1;                              ///< scale of the view at the centroid
@@ -53,17 +54,20 @@ class RelitTemplateSource {
  public:
   virtual ~RelitTemplateSource() = default;
 
-  /// The relit template of `wanted`. Never null; without features if the model has no surface. Deterministic.
-  [[nodiscard]] virtual std::shared_ptr<const RelitTemplate> GetTemplate(const RelitTemplateKey& wanted) const = 0;
+  /// The relit template of `wanted`. Never null; may be without features. Deterministic.
+  /// Errors: kDataLoss for a damaged rendering in the model; those of the feature extractor.
+  [[nodiscard]] virtual Expected<std::shared_ptr<const RelitTemplate>> GetTemplate(
+      const RelitTemplateKey& wanted) const = 0;
 
   /// Renders and caches templates that will be queried: threads that need the same templates share the work instead of
-  /// waiting for each other template by template.
+  /// waiting for each other template by template. Errors are left to GetTemplate.
   virtual void Prepare(std::span<const RelitTemplateKey> wanted) const = 0;
 
   /// The surface samples of a view under the light of its original rendering. Never null; deterministic.
   /// @param half_octaves  the object is smaller in the scene than in the view by the factor 2^(half_octaves / 2)
-  [[nodiscard]] virtual std::shared_ptr<const ViewAppearance> GetAppearance(std::size_t view,
-                                                                            int half_octaves) const = 0;
+  /// Errors: kDataLoss for a damaged rendering in the model.
+  [[nodiscard]] virtual Expected<std::shared_ptr<const ViewAppearance>> GetAppearance(std::size_t view,
+                                                                                      int half_octaves) const = 0;
 };
 
 }  // namespace victorious

@@ -102,9 +102,9 @@ std::vector<std::byte> EncodeViewBlocks(const ObjectModel& model, ViewBlock bloc
 
 // The id hashes only the data that the search depends on, not the paths of the images or the program version.
 std::string ComputeModelId(const ObjectModel& model) {
-  std::string text =
-      fmt::format("{} {} {:016x} {:016x}", model.kind, model.engine, Checksum(std::as_bytes(model.features.keypoints)),
-                  Checksum(std::as_bytes(model.features.descriptors)));
+  std::string text = fmt::format("{} {} {:016x} {:016x}", ToText(kModelKindTexts, model.kind), model.engine,
+                                 Checksum(std::as_bytes(model.features.keypoints)),
+                                 Checksum(std::as_bytes(model.features.descriptors)));
   for (const ModelView& view : model.views) {
     text += fmt::format(" {}", view.feature_count);
     for (const Eigen::Vector2d& corner : view.outline) text += fmt::format(" {},{}", corner.x(), corner.y());

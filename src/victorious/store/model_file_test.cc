@@ -36,7 +36,7 @@ ObjectModel TestModel(std::size_t feature_count = 5) {
   for (std::uint8_t& value : features->descriptors) value = static_cast<std::uint8_t>(random.Below(256));
   ObjectModel model{.name = "red box",
                     .id = "ignored",
-                    .kind = "photos",
+                    .kind = ModelKind::kPhotos,
                     .engine = "opencv",
                     .options_json = R"({"octaves":4,"name":"ü"})",
                     .program_version = "0.1.0",
@@ -110,7 +110,7 @@ TEST(ModelFileTest, AModelComesBackAsItWent) {
 TEST(ModelFileTest, PlacesAndNeighboursComeBack) {
   ObjectModel model = TestModel();
   const std::vector<Point3> points = {{1, 2, 3}, {4, 5, 6}, {-7, 8, 9}, {0, 0, 0}, {1e-3F, 1, -1}};
-  model.kind = "cad";
+  model.kind = ModelKind::kCad;
   model.points_in_model = points;
   model.views[0].neighbours = {1};
   const std::vector<std::byte> bytes = EncodeModel(model).value();

@@ -175,7 +175,7 @@ std::string EncodeMetadata(const ObjectModel& model) {
   json views = json::array();
   for (const ModelView& view : model.views) views.push_back(EncodeView(view));
   const json document = {{"name", model.name},
-                         {"kind", model.kind},
+                         {"kind", ToText(kModelKindTexts, model.kind)},
                          {"engine", model.engine},
                          {"options", model.options_json},
                          {"program_version", model.program_version},
@@ -190,8 +190,10 @@ Expected<ObjectModel> ParseMetadata(std::string_view text) {
   const std::optional<json> document = ParseJson(text);
   if (!document) return fault;
   Reader reader(*document);
+  const std::optional<ModelKind> kind = FromText(kModelKindTexts, reader.Text("kind"));
+  if (!reader.Require(kind.has_value())) return fault;
   ObjectModel model{.name = reader.Text("name"),
-                    .kind = reader.Text("kind"),
+                    .kind = *kind,
                     .engine = reader.Text("engine"),
                     .options_json = reader.Text("options"),
                     .program_version = reader.Text("program_version"),

@@ -1,0 +1,29 @@
+#include "victorious/recognize/model_searcher.h"
+
+#include <utility>
+
+#include "victorious/recognize/grammar_search.h"
+#include "victorious/recognize/vote_search.h"
+
+namespace victorious {
+namespace {
+
+// ADR 0008: the matches of a photo pass the ratio test, those of a rendering mostly do not.
+SearchMethod MethodFor(const ObjectModel& model, SearchMethod method) {
+  if (method != SearchMethod::kAuto) return method;
+  return model.kind == ModelKind::kCad ? SearchMethod::kVotes : SearchMethod::kGrammar;
+}
+
+}  // namespace
+
+std::unique_ptr<const ModelSearcher> MakeModelSearcher(const ObjectModel& model,
+                                                       std::shared_ptr<const RelitTemplateSource> relit_templates,
+                                                       const RecognizeOptions& options) {
+  if (MethodFor(model, options.method) == SearchMethod::kVotes) {
+    return std::make_unique<VoteSearch>(model, std::move(relit_templates), options.search, options.pose);
+  }
+  return std::make_unique<GrammarSearch>(
+      model, GrammarSearchOptions{.match = options.match, .cascade = options.cascade, .pose = options.pose});
+}
+
+}  // namespace victorious

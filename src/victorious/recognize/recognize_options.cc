@@ -1,0 +1,17 @@
+#include "victorious/recognize/recognize_options.h"
+
+namespace victorious {
+
+void RecognizeOptions::ListFields(FieldList& fields) {
+  fields.Add("method", method, kSearchMethodTexts,
+             {.reason = "pose estimation from matches: grammar, the thesis's ratio test, cascade and MLESAC; votes, "
+                        "Hough voting of ranked matches; auto, votes for CAD models and the grammar for photos"});
+  fields.AddGroup("search", search);
+  fields.AddGroup("match", match);
+  fields.AddGroup("cascade", cascade);
+  fields.AddGroup("pose", pose);
+  fields.AddGroup("detect", detect);
+  fields.AddGroup("ncc", ncc);
+}
+
+}  // namespace victorious

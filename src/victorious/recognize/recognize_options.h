@@ -1,0 +1,38 @@
+// recognize/, the options of a search: the method and the options of each stage.
+#pragma once
+
+#include <array>
+
+#include "victorious/base/enum_text.h"
+#include "victorious/base/options.h"
+#include "victorious/detect/detect.h"
+#include "victorious/grammar/cascade.h"
+#include "victorious/match/matcher.h"
+#include "victorious/pose/similarity_pose.h"
+#include "victorious/recognize/ncc_rescoring.h"
+#include "victorious/recognize/vote_search_options.h"
+
+namespace victorious {
+
+/// The method that searches a model (model_searcher.h).
+enum class SearchMethod {
+  kAuto,     ///< kVotes for CAD models, kGrammar for photos
+  kGrammar,  ///< grammar_search.h
+  kVotes,    ///< vote_search.h
+};
+inline constexpr auto kSearchMethodTexts = std::to_array<EnumText<SearchMethod>>(
+    {{SearchMethod::kAuto, "auto"}, {SearchMethod::kGrammar, "grammar"}, {SearchMethod::kVotes, "votes"}});
+
+struct RecognizeOptions {
+  SearchMethod method = SearchMethod::kAuto;
+  VoteSearchOptions search;
+  MatchOptions match;
+  CascadeOptions cascade;
+  PoseOptions pose;
+  DetectOptions detect;
+  NccOptions ncc;
+
+  void ListFields(FieldList& fields);
+};
+
+}  // namespace victorious

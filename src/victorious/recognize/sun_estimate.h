@@ -1,0 +1,43 @@
+// recognize/, before the search: the sun's direction from the shading of an object in the scene.
+//
+// Method (ADR 0010). An upright object that is seen from a view's azimuth has a heading, and with it a sun in the model
+// frame. The oblique coarse views of all models are matched under diffuse light; those of the highest -log10 NFA are
+// matched again, relit from a coarse grid of sun directions. The best direction is refined on a fine grid around it as
+// the mean of the directions, weighted by 1 / NFA.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "victorious/base/error.h"
+#include "victorious/geometry/sun.h"
+#include "victorious/geometry/vertical.h"
+#include "victorious/pose/similarity_pose.h"
+#include "victorious/recognize/prepared_scene.h"
+#include "victorious/recognize/relit_templates.h"
+#include "victorious/recognize/vote_search_options.h"
+#include "victorious/types/object_model.h"
+
+namespace victorious {
+
+/// A model that can be relit. Non-owning.
+struct RelightableModel {
+  const ObjectModel* model;
+  const RelitTemplateSource* relit_templates;
+};
+
+/// An estimate of the sun's direction.
+struct SunEstimate {
+  Sun relative_sun;      ///< relative to the viewing direction, as FrameConditions::relative_sun
+  double neg_log10_nfa;  ///< -log10 NFA of the pose that determines it
+};
+
+/// Returns std::nullopt in most scenes: if the best -log10 NFA is below options.min_sun_neg_log10_nfa or less than one
+/// decade above that of diffuse light.
+/// Errors: those of RelitTemplateSource.
+[[nodiscard]] Expected<std::optional<SunEstimate>> EstimateSun(std::span<const RelightableModel> models,
+                                                               const PreparedScene& scene, const Vertical& vertical,
+                                                               const VoteSearchOptions& options,
+                                                               const PoseOptions& pose_options);
+
+}  // namespace victorious
