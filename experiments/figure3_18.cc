@@ -39,8 +39,9 @@ Expected<ViewResult> Search(const RealView& view, const Recognizer& recognizer, 
   result.detection = detections.front();
   result.object_pose =
       EstimateObjectPose(detections.front(), recognizer.models()[0], features, CameraOf(view), options);
-  for (const Match& match : detections.front().fit.inliers) {
-    result.matched.emplace_back(features.keypoints[match.scene_keypoint].x, features.keypoints[match.scene_keypoint].y);
+  for (const FitInlier& inlier : detections.front().fit.inliers) {
+    const Keypoint& keypoint = features.keypoints[inlier.scene_keypoint];
+    result.matched.emplace_back(keypoint.x, keypoint.y);
   }
   return result;
 }

@@ -87,9 +87,9 @@ Expected<Report> RunFigureCalibration(const ExperimentSettings& settings) {
                   "more). The calibration error is the expected one over 10 bins of the score. In the last column the "
                   "curve is fitted to all other movies (leave-one-out).",
                   min_score),
-      fmt::format("Fitted to all movies: detect.score_midpoint {:.2f}, detect.score_scale {:.2f} decades; in use: "
+      fmt::format("Fitted to all movies: midpoint {:.2f}, scale {:.2f} decades; in use: "
                   "{:.2f} and {:.2f}.",
-                  fitted.midpoint, fitted.scale, detect.score_midpoint, detect.score_scale)};
+                  fitted.midpoint, fitted.scale, kScoreMidpoint, kScoreScale)};
   report.plot = {.title = "Reliability of scores",
                  .x = {.label = "score", .low = 0, .high = 1},
                  .y = {.label = "fraction of true detections", .low = 0, .high = 1},

@@ -79,7 +79,7 @@ MatchSet MatchTrial::Mlesac(const MatchSet& matches, const PoseOptions& options)
   const double area_px2 = static_cast<double>(features->image_width) * features->image_height;
   const std::vector<PlanarFit> fits =
       EstimatePoses(features->keypoints, Template().keypoints, matches, model->views[view].outline, area_px2, options);
-  return fits.empty() ? MatchSet() : fits.front().inliers;
+  return fits.empty() ? MatchSet() : SelectInliers(matches, fits.front());
 }
 
 StageMatches RunStages(const MatchTrial& trial, double ratio, const RecognizeOptions& options) {

@@ -58,11 +58,13 @@ inline Staged Stage(const CameraState& camera, const Eigen::Vector3d& object_enu
   for (int i = 0; i < 24; ++i) {
     const Eigen::Vector3d off((i % 3 - 1) * 1.8, (i / 3 % 4 - 1.5) * 0.6, i % 2 == 0 ? 0.9 : 0.2 * (i % 5));
     const Eigen::Vector2d seen = show(off);
-    staged.detection.fit.inliers.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i), 0.5F});
     staged.scene.keypoints.push_back({static_cast<float>(seen.x()), static_cast<float>(seen.y())});
     staged.features->keypoints.push_back({});
     const Eigen::Vector3f point = (middle + off).cast<float>();
     staged.points->push_back({point.x(), point.y(), point.z()});
+    staged.detection.fit.inliers.push_back({.scene_keypoint = static_cast<std::uint32_t>(i),
+                                            .keypoint_in_template = {},
+                                            .point_in_model = staged.points->back()});
   }
   // The template's upright is the model's up: its in-plane rotation in the image.
   const Eigen::Vector2d up = show({0, 0, 1}) - show({0, 0, -1});

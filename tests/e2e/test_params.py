@@ -53,8 +53,8 @@ class ParamsTest(program.ProgramTest):
         self.refuses(
             2, ["min_features = 0", "match"], "model", "add", "x", CRATE, "--models", out, "--params", params
         )
-        params = self.write("params.json", '{"octave_layers": 0}')
-        self.refuses(2, "octave_layers = 0", "features", CRATE, "--out", out, "--params", params)
+        params = self.write("params.json", '{"max_side_px": 0}')
+        self.refuses(2, "max_side_px = 0", "features", CRATE, "--out", out, "--params", params)
         self.assertFalse(out.exists())
 
     def test_the_defaults_are_accepted(self):

@@ -36,6 +36,12 @@ struct Stage {
   const MatchSet* matches;
 };
 
+// The matches that the best fit explains; none without a fit.
+MatchSet BestInliers(const StagedMatches& staged) {
+  return staged.fits.empty() ? MatchSet() : SelectInliers(staged.cascade.third, staged.fits.front());
+}
+
+// @param inliers  of BestInliers()
 std::vector<Stage> ListStages(const StagedMatches& staged, const MatchSet& inliers) {
   return {{"ratio", &staged.ratio},
           {"first", &staged.cascade.first},
@@ -46,10 +52,10 @@ std::vector<Stage> ListStages(const StagedMatches& staged, const MatchSet& inlie
 
 ordered_json Report(const FeatureSet& scene, const FeatureView& model, const StagedMatches& staged,
                     const Polygon& outline) {
-  const MatchSet none;
+  const MatchSet inliers = BestInliers(staged);
   const PlanarFit* fit = staged.fits.empty() ? nullptr : &staged.fits.front();
   ordered_json stages = ordered_json::array();
-  for (const Stage& stage : ListStages(staged, fit != nullptr ? fit->inliers : none)) {
+  for (const Stage& stage : ListStages(staged, inliers)) {
     ordered_json matches = ordered_json::array();
     for (const Match& match : *stage.matches) {
       const Keypoint& s = scene.keypoints[match.scene_keypoint];
@@ -130,10 +136,10 @@ Status Run(const Arguments& arguments) {
   }
   if (arguments.json) return WriteOutput("", Report(scene, features, staged, photo.outline).dump() + "\n");
 
-  const MatchSet none;
+  const MatchSet inliers = BestInliers(staged);
   const PlanarFit* fit = staged.fits.empty() ? nullptr : &staged.fits.front();
   std::string text = fmt::format("keypoints: {} in the scene, {} in the template\n", scene.size(), features.size());
-  for (const Stage& stage : ListStages(staged, fit != nullptr ? fit->inliers : none))
+  for (const Stage& stage : ListStages(staged, inliers))
     text += fmt::format("{:<8} {:>6} matches\n", stage.name, stage.matches->size());
   if (fit == nullptr) {
     text += "no pose: template not found\n";

@@ -13,29 +13,6 @@
 namespace victorious {
 
 void DetectOptions::ListFields(FieldList& fields) {
-  fields.Add("suppression_fraction", suppression_fraction,
-             {.min = 0,
-              .max = 10,
-              .reason = "a detection is suppressed if its centre is nearer to that of a better one of the same model "
-                        "than this fraction of the smaller one's size (square root of its area)"});
-  fields.Add("suppression_overlap", suppression_overlap,
-             {.min = 0,
-              .max = 1,
-              .reason = "a detection is suppressed if its outline and that of a better one of the same model overlap "
-                        "by more than this fraction of the smaller area: neighbouring views localise a long object "
-                        "differently"});
-  fields.Add("score_midpoint", score_midpoint,
-             {.min = -100,
-              .max = 1000,
-              .unit = "decades",
-              .reason = "-log10 NFA at which the precision, and the score, is one half"});
-  fields.Add(
-      "score_scale", score_scale,
-      {.min = 0.01,
-       .max = 1000,
-       .unit = "decades",
-       .reason =
-           "increase of -log10 NFA that raises the odds by a factor of e; both from `experiment figure-calibration`"});
   fields.Add("min_score", min_score,
              {.min = 0,
               .max = 1,
@@ -45,16 +22,6 @@ void DetectOptions::ListFields(FieldList& fields) {
               .max = 10000,
               .unit = "px",
               .reason = "minimum of the width and height of a detection's box in the frame"});
-  fields.Add("min_in_view", min_in_view,
-             {.min = 0,
-              .max = 1,
-              .reason = "minimum fraction of the outline's area inside the frame: a photo's corner at the frame's edge "
-                        "shows mostly background"});
-  fields.Add("min_extent", min_extent,
-             {.min = 0,
-              .max = 1,
-              .reason = "minimum fraction of the outline that the inliers' convex hull covers: inliers in one corner "
-                        "only lie mostly on background that the photo shows, too"});
 }
 
 namespace {
@@ -97,10 +64,10 @@ bool IsSameInstance(const Footprint& a, const Footprint& b, const DetectOptions&
   if ((a.centre - b.centre).norm() < options.suppression_fraction * std::min(a.size_px, b.size_px)) return true;
   const double common = std::abs(SignedArea(ClipToConvex(a.hull, b.hull)));
   const double smaller = std::min(std::abs(SignedArea(a.hull)), std::abs(SignedArea(b.hull)));
-  return common > options.suppression_overlap * smaller;
+  return common > kSuppressionOverlap * smaller;
 }
 
-Detection MakeDetection(const Candidate& candidate, const SceneSize& scene, const DetectOptions& options) {
+Detection MakeDetection(const Candidate& candidate, const SceneSize& scene) {
   Detection detection{.model_index = candidate.model_index, .view = candidate.view, .fit = candidate.fit};
   detection.outline = ProjectPolygon(candidate.fit.scene_from_template_plane, candidate.outline);
   detection.box = BoundingBox(ClipToBox(detection.outline, FrameBox(scene.width_px, scene.height_px)));
@@ -108,14 +75,14 @@ Detection MakeDetection(const Candidate& candidate, const SceneSize& scene, cons
       candidate.fit.neg_log10_nfa
           ? *candidate.fit.neg_log10_nfa - std::log10(static_cast<double>(std::max<std::size_t>(1, candidate.views)))
           : MaxNegLog10Nfa(candidate, scene);
-  detection.score = ComputeScore(detection.neg_log10_nfa, options);
+  detection.score = ComputeScore(detection.neg_log10_nfa);
   return detection;
 }
 
 }  // namespace
 
-double ComputeScore(double neg_log10_nfa, const DetectOptions& options) {
-  return 1 / (1 + std::exp(-(neg_log10_nfa - options.score_midpoint) / options.score_scale));
+double ComputeScore(double neg_log10_nfa) {
+  return 1 / (1 + std::exp(-(neg_log10_nfa - kScoreMidpoint) / kScoreScale));
 }
 
 double ComputeNegLog10Nfa(std::size_t matches, std::size_t agreeing, double chance, std::size_t views) {
@@ -137,7 +104,7 @@ std::vector<Detection> Detect(std::span<const Candidate> candidates, const Scene
                               const DetectOptions& options) {
   std::vector<Detection> detections;
   for (const Candidate& candidate : candidates) {
-    Detection detection = MakeDetection(candidate, scene, options);
+    Detection detection = MakeDetection(candidate, scene);
     const bool large_enough = std::min(detection.box.width, detection.box.height) >= options.min_side_px;
     const bool in_view =
         FractionInside(detection.outline, FrameBox(scene.width_px, scene.height_px)) >= options.min_in_view;

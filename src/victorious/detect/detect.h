@@ -8,7 +8,7 @@
 // chance that a false match agrees with a given pose in position, rotation and scale:
 //   NFA = views * C(n, 2) * P(at least k - 2 of n - 2 agree),   significance = -log10 NFA,
 // maximised over the radius; the number of radii tried (one per inlier) is corrected for.
-//   score = 1 / (1 + exp(-(-log10 NFA - score_midpoint) / score_scale)),
+//   score = 1 / (1 + exp(-(-log10 NFA - kScoreMidpoint) / kScoreScale)),
 // a logistic curve fitted to the precision on three movies without sun (docs/results.md, `victorious experiment
 // figure-calibration`).
 // A fit with its own -log10 NFA (pose/vote_poses.h) keeps it, minus log10 of the number of views searched.
@@ -26,14 +26,27 @@
 
 namespace victorious {
 
+/// The score's logistic curve, decades: the -log10 NFA at which the precision is one half, and the increase that raises
+/// the odds by a factor of e. Fitted by `victorious experiment figure-calibration` to three movies without sun.
+inline constexpr double kScoreMidpoint = 2.1;
+inline constexpr double kScoreScale = 1.4;
+/// A detection is suppressed if its outline and that of a better one of the same model overlap by more than this
+/// fraction of the smaller area: neighbouring views localise a long object differently. Chosen.
+inline constexpr double kSuppressionOverlap = 0.4;
+
 struct DetectOptions {
-  double suppression_fraction = 0.5;
-  double suppression_overlap = 0.4;
-  double score_midpoint = 2.1;
-  double score_scale = 1.4;
   double min_score = 0.795;
   double min_side_px = 8;
+
+  // The rest are no parameters: the tests vary them.
+  /// A detection is suppressed if its centre is nearer to that of a better one of the same model than this fraction of
+  /// the smaller one's size (square root of its area).
+  double suppression_fraction = 0.5;
+  /// Minimum fraction of the outline's area inside the frame: a photo's corner at the frame's edge shows mostly
+  /// background.
   double min_in_view = 0.5;
+  /// Minimum fraction of the outline that the inliers' convex hull covers: inliers in one corner only lie mostly on
+  /// background that the photo shows, too.
   double min_extent = 0.06;
 
   void ListFields(FieldList& fields);
@@ -61,7 +74,7 @@ std::vector<Detection> Detect(std::span<const Candidate> candidates, const Scene
                               const DetectOptions& options);
 
 /// The score, 0 to 1, of a -log10 NFA in decades (formula above).
-double ComputeScore(double neg_log10_nfa, const DetectOptions& options);
+double ComputeScore(double neg_log10_nfa);
 
 /// -log10 NFA of `agreeing` = k of `matches` = n matches that agree with a pose (formula above), decades. Values of 0
 /// or less: chance explains the pose. 0 for k < 3, k > n or chance >= 1, and if k - 2 does not exceed its expectation.

@@ -10,7 +10,6 @@ void FeatureOptions::ListFields(FieldList& fields) {
       "engine", engine,
       {.choices = FeatureEngines(),
        .reason = "feature extractor; models and indexes of different engines cannot be matched with each other"});
-  fields.Add("octave_layers", octave_layers, {.min = 1, .max = 8, .reason = "layers per octave (Lowe: 3)"});
   fields.Add(
       "contrast_threshold", contrast_threshold,
       {.min = 0,
@@ -21,10 +20,6 @@ void FeatureOptions::ListFields(FieldList& fields) {
       {.min = 1,
        .max = 1000,
        .reason = "maximum ratio of principal curvatures; lower drops more keypoints that lie on edges (Lowe: 10)"});
-  fields.Add("sigma_px", sigma_px,
-             {.min = 0.5, .max = 10, .unit = "px", .reason = "blur of the first layer of each octave (Lowe: 1.6)"});
-  fields.Add("max_features", max_features,
-             {.min = 0, .max = 1e6, .reason = "maximum number of keypoints, of the highest contrast; 0 keeps all"});
   fields.Add(
       "max_side_px", max_side_px,
       {.min = 64,

@@ -12,19 +12,24 @@
 
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
+#include "victorious/image/impulse_noise.h"
 #include "victorious/types/feature_set.h"
 
 namespace victorious {
 
+/// Layers per octave, and blur of the first layer of each octave, px (Lowe 2004).
+inline constexpr int kOctaveLayers = 3;
+inline constexpr double kFirstLayerSigma_px = 1.6;
+
 struct FeatureOptions {
   std::string engine = "opencv";
-  int octave_layers = 3;
   double contrast_threshold = 0.04;
   double edge_threshold = 10.0;
-  double sigma_px = 1.6;
-  int max_features = 0;
   int max_side_px = 2048;
-  double impulse_fraction = 0.015;
+  double impulse_fraction = kDefaultImpulseFraction;
+  /// Maximum number of keypoints, of the highest contrast; 0 keeps all. Not a parameter: the search by an image and
+  /// the benchmarks bound it.
+  int max_features = 0;
 
   void ListFields(FieldList& fields);
 };

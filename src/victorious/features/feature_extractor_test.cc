@@ -114,12 +114,12 @@ TEST(FeatureExtractor, WhatIsTooThinAfterShrinkingHasNone) {
 TEST(FeatureExtractor, RefusesOptionsOutOfRange) {
   FeatureOptions options;
   options.engine = "magic";
-  options.octave_layers = 0;
+  options.max_side_px = 0;
   const auto result = MakeFeatureExtractor(options);
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
   EXPECT_NE(result.error().message.find("engine = \"magic\""), std::string::npos) << result.error().message;
-  EXPECT_NE(result.error().message.find("octave_layers = 0"), std::string::npos) << result.error().message;
+  EXPECT_NE(result.error().message.find("max_side_px = 0"), std::string::npos) << result.error().message;
 }
 
 }  // namespace

@@ -55,9 +55,8 @@ class OpenCvSift final : public FeatureExtractor {
 
   void Compute(const cv::Mat& grey, FeatureSet& features) const {
     // A new instance per call: cv::SIFT does not guarantee thread safety, and construction is cheap.
-    const cv::Ptr<cv::SIFT> sift =
-        cv::SIFT::create(options_.max_features, options_.octave_layers, options_.contrast_threshold,
-                         options_.edge_threshold, options_.sigma_px, CV_8U);
+    const cv::Ptr<cv::SIFT> sift = cv::SIFT::create(options_.max_features, kOctaveLayers, options_.contrast_threshold,
+                                                    options_.edge_threshold, kFirstLayerSigma_px, CV_8U);
     std::vector<cv::KeyPoint> keypoints;
     cv::Mat descriptors;
     sift->detectAndCompute(grey, cv::noArray(), keypoints, descriptors);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "victorious/geometry/angles.h"
+#include "victorious/grammar/template_radius.h"
 
 namespace victorious {
 
@@ -16,9 +17,6 @@ void CascadeOptions::ListFields(FieldList& fields) {
   fields.Add("filter", filter, kCascadeFilterTexts,
              {.reason = "filter of the matches before pose estimation: the cascade of three stages; one of its stages "
                         "alone; voting by nearest neighbours as in Video Google; no filter"});
-  fields.Add("radius", radius, kCascadeRadiusTexts,
-             {.reason = "source of R. fixed: radius_px; scale: each match's scale change times the template's radius, "
-                        "which needs no prior on the object's size in the scene"});
   fields.Add(
       "radius_px", radius_px,
       {.min = 1,
@@ -26,10 +24,6 @@ void CascadeOptions::ListFields(FieldList& fields) {
        .unit = "px",
        .reason =
            "R: matches within this distance in the scene vote for each other; about the object's radius (table 3.1)"});
-  fields.Add("radius_fraction", radius_fraction,
-             {.min = 0.01,
-              .max = 100,
-              .reason = "with radius = scale: R as a fraction of the template's radius in the scene"});
   fields.Add(
       "scale_distortion", scale_distortion,
       {.min = 1,
@@ -71,20 +65,9 @@ void CascadeOptions::ListFields(FieldList& fields) {
               .reason = "RE_DIST_APPROVE_THRESHOLD: the fraction of possible votes that keeps a match in the third "
                         "stage (table 3.1)"});
   fields.Add(
-      "min_votes", min_votes,
-      {.min = 0,
-       .max = 1000,
-       .reason = "minimum number of votes of a match in every stage (section 3.3.3: a single vote is unreliable)"});
-  fields.Add("distinct_stages", distinct_stages,
-             {.min = 0,
-              .max = 3,
-              .reason = "number of final stages in which only votes from distinct template keypoints count "
-                        "(section 3.3.4: the third stage only)"});
-  fields.Add(
       "all_measures", all_measures,
       {.reason = "each stage requires agreement in all four measures of a pair, not in its own two: chance agreement "
                  "is rarer, so that a lower first_approval suffices, and a pair costs more"});
-  fields.AddGroup("neighbours", neighbours);
 }
 
 namespace {
@@ -100,19 +83,6 @@ struct MatchNode {
   std::uint32_t template_keypoint;  // template keypoint
   std::uint32_t match;              // position in the caller's matches
 };
-
-// The largest distance of a template keypoint from the centroid of all, px.
-double TemplateRadius(std::span<const Keypoint> model) {
-  double x = 0;
-  double y = 0;
-  for (const Keypoint& keypoint : model) {
-    x += keypoint.x / static_cast<double>(model.size());
-    y += keypoint.y / static_cast<double>(model.size());
-  }
-  double radius = 0;
-  for (const Keypoint& keypoint : model) radius = std::max(radius, std::hypot(keypoint.x - x, keypoint.y - y));
-  return radius;
-}
 
 std::vector<MatchNode> MakeNodes(std::span<const Keypoint> scene, std::span<const Keypoint> model,
                                  const MatchSet& matches, const CascadeOptions& options) {

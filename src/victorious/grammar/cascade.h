@@ -39,16 +39,12 @@ enum class CascadeRadius {
   kFixed,  ///< radius_px
   kScale,  ///< each match's scale change times the template's radius
 };
-inline constexpr auto kCascadeRadiusTexts =
-    std::to_array<EnumText<CascadeRadius>>({{CascadeRadius::kFixed, "fixed"}, {CascadeRadius::kScale, "scale"}});
 
 /// The defaults are those of the thesis (table 3.1; the names in capitals are the thesis's). docs/adr/0006 defines the
 /// angles.
 struct CascadeOptions {
   CascadeFilter filter = CascadeFilter::kCascade;
-  CascadeRadius radius = CascadeRadius::kFixed;
   double radius_px = 75;                    ///< R
-  double radius_fraction = 1;               ///< R over the projected template radius, for CascadeRadius::kScale
   double scale_distortion = 1.45;           ///< SCALE_FUDGE_FACTOR
   double distance_distortion = 1.45;        ///< DIST_SCALE_FUDGE_FACTOR
   double first_approval = 0.2;              ///< DIST_APPROVE_THRESHOLD
@@ -56,9 +52,13 @@ struct CascadeOptions {
   double line_distortion_rad = 0.6;         ///< ANG_ORIENT_FUDGE_FACTOR
   double second_approval = 0.4;             ///< ANG_APPROVE_THRESHOLD
   double third_approval = 0.6;              ///< RE_DIST_APPROVE_THRESHOLD
-  int min_votes = 2;                        ///< section 3.3.3
-  int distinct_stages = 1;                  ///< section 3.3.4
   bool all_measures = false;
+
+  // The rest are no parameters: the experiments of chapter 3 vary them.
+  CascadeRadius radius = CascadeRadius::kFixed;
+  double radius_fraction = 1;  ///< R over the projected template radius, for CascadeRadius::kScale
+  int min_votes = 2;           ///< of a match in every stage; section 3.3.3: a single vote is unreliable
+  int distinct_stages = 1;     ///< final stages that count distinct template keypoints only; section 3.3.4: the third
   NeighbourVotingOptions neighbours;
 
   void ListFields(FieldList& fields);

@@ -7,6 +7,7 @@
 
 #include "victorious/geometry/pair_measures.h"
 #include "victorious/grammar/cascade.h"
+#include "victorious/grammar/template_radius.h"
 
 namespace victorious {
 namespace {
@@ -16,15 +17,7 @@ using Agree = std::function<bool(const PairMeasures& scene, const PairMeasures& 
 // R of each match, px.
 std::vector<double> ComputeRadii(std::span<const Keypoint> scene, std::span<const Keypoint> model,
                                  const MatchSet& matches, const CascadeOptions& options) {
-  double x = 0;
-  double y = 0;
-  for (const Keypoint& keypoint : model) {
-    x += keypoint.x / static_cast<double>(model.size());
-    y += keypoint.y / static_cast<double>(model.size());
-  }
-  double template_radius = 0;
-  for (const Keypoint& keypoint : model)
-    template_radius = std::max(template_radius, std::hypot(keypoint.x - x, keypoint.y - y));
+  const double template_radius = TemplateRadius(model);
   std::vector<double> radii;
   for (const Match& match : matches) {
     const double scale_change =

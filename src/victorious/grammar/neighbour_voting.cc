@@ -8,16 +8,6 @@
 
 namespace victorious {
 
-void NeighbourVotingOptions::ListFields(FieldList& fields) {
-  fields.Add("nearest", nearest,
-             {.min = 1,
-              .max = 1000,
-              .reason = "k: number of nearest keypoints, in the scene and in the template, whose matches count as "
-                        "support (Video Google: 15)"});
-  fields.Add("min_votes", min_votes,
-             {.min = 0, .max = 1000, .reason = "m: minimum number of supporting matches (Video Google: 1)"});
-}
-
 namespace {
 
 // The k nearest keypoints of a keypoint, without itself; ties go to the lower index. Cached.

@@ -7,17 +7,14 @@
 
 #include <span>
 
-#include "victorious/base/options.h"
 #include "victorious/types/feature_set.h"
 #include "victorious/types/match_set.h"
 
 namespace victorious {
 
 struct NeighbourVotingOptions {
-  int nearest = 15;   ///< k
-  int min_votes = 1;  ///< m
-
-  void ListFields(FieldList& fields);
+  int nearest = 15;   ///< k (Video Google: 15)
+  int min_votes = 1;  ///< m (Video Google: 1)
 };
 
 /// The neighbours are taken among all keypoints, matched or not, without the match's own keypoint; a second keypoint at

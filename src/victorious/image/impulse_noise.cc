@@ -7,8 +7,13 @@
 namespace victorious {
 namespace {
 
+// Chosen on renderings with salt-and-pepper noise (`simulate`, compressed as video); not fitted.
 constexpr int kMinDeviation = 35;  // grey levels above the median; lower values detect codec ringing around an impulse
-constexpr int kMaxReach = 3;       // px, radius of the pixels that replace an impulse
+constexpr int kMinWiderDeviation = 2 * kMinDeviation;  // above the 5 x 5 median, which detects pairs of impulses
+constexpr int kMaxReach = 3;                           // px, radius of the pixels that replace an impulse
+constexpr int kMaxSetNeighbours = 1;                   // an isolated pixel has at most so many among its eight
+constexpr int kMaxFlatRange = 20;                      // grey levels, bound on the range of the 3 x 3 medians
+constexpr double kMinFlatFraction = 0.02;  // minimum denominator, fraction of the image: robust to few flat pixels
 
 // Mask: 255 at impulses.
 // @param median  3 x 3 median of `grey`
@@ -19,7 +24,7 @@ cv::Mat DetectImpulses(const cv::Mat& grey, const cv::Mat& median) {
   cv::Mat wider;
   cv::medianBlur(grey, wider, 5);
   cv::absdiff(grey, wider, difference);
-  impulses |= difference > 2 * kMinDeviation;
+  impulses |= difference > kMinWiderDeviation;
   return impulses;
 }
 
@@ -27,19 +32,17 @@ cv::Mat DetectImpulses(const cv::Mat& grey, const cv::Mat& median) {
 cv::Mat KeepIsolated(const cv::Mat& set) {
   cv::Mat count;
   cv::boxFilter(set / 255, count, CV_8U, {3, 3}, {-1, -1}, /*normalize=*/false, cv::BORDER_CONSTANT);
-  return set & (count <= 2);
+  return set & (count <= 1 + kMaxSetNeighbours);
 }
 
 // The fraction of impulses in flat regions: of salt among pixels dark enough for it, plus of pepper among pixels bright
 // enough. In flat regions isolated outliers are noise; elsewhere also thin lines, leaves and print.
 double ImpulseFraction(const cv::Mat& grey, const cv::Mat& median) {
-  constexpr int kFlat = 20;                  // grey levels, bound on the range of the 3 x 3 medians
-  constexpr double kMinFlatFraction = 0.02;  // minimum denominator, fraction of the image: robust to few flat pixels
   cv::Mat highest;
   cv::Mat lowest;
   cv::dilate(median, highest, {});
   cv::erode(median, lowest, {});
-  const cv::Mat flat = highest - lowest < kFlat;
+  const cv::Mat flat = highest - lowest < kMaxFlatRange;
   const auto impulse_fraction = [&](const cv::Mat& deviates, const cv::Mat& where) {
     const double least = kMinFlatFraction * static_cast<double>(grey.total());
     return cv::countNonZero(KeepIsolated(deviates) & where) / std::max<double>(cv::countNonZero(where), least);

@@ -6,6 +6,9 @@
 
 namespace victorious {
 
+/// The default of min_fraction: sensor noise and codec artefacts in frames without salt-and-pepper noise stay below it.
+inline constexpr double kDefaultImpulseFraction = 0.015;
+
 /// A pixel is an impulse if it differs from its 3 x 3 median by more than 35 grey levels, or from its 5 x 5 median by
 /// more than 70. An impulse is replaced by the mean of the nearest clean pixels, weighted by 1 / distance^2, within
 /// 3 px. All other pixels stay unchanged, unlike under a median filter.

@@ -28,15 +28,6 @@ void CadModelOptions::ListFields(FieldList& fields) {
               .max = 1e6,
               .unit = "px/m",
               .reason = "scale of the templates: about that of the object in the video, or larger"});
-  fields.Add("min_size_px", min_size_px,
-             {.min = 32, .max = 2048, .unit = "px", .reason = "minimum diameter of the object's bounding sphere"});
-  fields.Add("max_size_px", max_size_px,
-             {.min = 32, .max = 2048, .unit = "px", .reason = "maximum diameter of the object's bounding sphere"});
-  fields.Add("distance_radii", distance_radii,
-             {.min = 1.5,
-              .max = 1e6,
-              .reason = "from the camera to the object's centre, in radii of its bounding sphere: far, so that "
-                        "perspective is weak"});
   fields.Add("min_mask_fraction", min_mask_fraction,
              {.min = 0,
               .max = 1,
@@ -64,7 +55,7 @@ Expected<RenderedTemplate> RenderTemplate(Renderer& renderer, MeshId mesh, const
   const int size_px = ObjectSizePx(2 * sphere.radius, options);
   const int side = size_px + 2 * kMarginPx;
   VICTORIOUS_ASSIGN_OR_RETURN(PosedCamera camera, CameraForView(view.direction, sphere,
-                                                                {.distance_m = options.distance_radii * sphere.radius,
+                                                                {.distance_m = kTemplateDistanceRadii * sphere.radius,
                                                                  .diameter_px = static_cast<double>(size_px),
                                                                  .width_px = side,
                                                                  .height_px = side}));
@@ -164,7 +155,7 @@ Expected<ObjectModel> MakeCadModel(const std::string& name, const Mesh& mesh, co
   }
   if (max_textured < static_cast<std::size_t>(options.min_features)) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: no view has {} features or more: the model needs texture, or a larger min_size_px",
+                fmt::format("{}: no view has {} features or more: the model needs texture, or a larger pixels_per_m",
                             source, options.min_features));
   }
   const Eigen::AlignedBox3d box = BoundingBox(mesh);

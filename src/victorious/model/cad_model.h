@@ -16,17 +16,21 @@
 
 namespace victorious {
 
+/// From the camera to the object's centre, in radii of its bounding sphere: far, so that perspective is weak.
+inline constexpr double kTemplateDistanceRadii = 12.0;
+
 struct CadModelOptions {
   FeatureOptions features = LowContrastFeatureOptions();
   ViewSphereOptions sphere;
   Light light;
   RenderOptions render;
   double pixels_per_m = 22.0;
-  int min_size_px = 180;
-  int max_size_px = 400;
-  double distance_radii = 12.0;
   double min_mask_fraction = 0.3;
   int min_features = 4;
+  // Not parameters: the tests vary them. The bounds of the diameter of the object's bounding sphere, px: smaller ones
+  // have too few keypoints, larger ones cost time without finding more (docs/adr/0008).
+  int min_size_px = 180;
+  int max_size_px = 400;
 
   void ListFields(FieldList& fields);
 };

@@ -76,7 +76,7 @@ PosedCamera CameraOf(const ModelView& view) {
   const CadModelOptions options = FewViews();
   const double radius_m = kHalfSize.norm();
   return *CameraForView({view.angles->azimuth_rad, view.angles->off_nadir_rad}, {{0, 0, 0}, radius_m},
-                        {.distance_m = options.distance_radii * radius_m,
+                        {.distance_m = kTemplateDistanceRadii * radius_m,
                          .diameter_px = static_cast<double>(options.max_size_px),
                          .width_px = view.width,
                          .height_px = view.height});

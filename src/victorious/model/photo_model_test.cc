@@ -245,11 +245,11 @@ TEST(MakePhotoModel, RefusesOptionsOutOfRange) {
   const Photo photo = Prepare(ThingOnGround(ObjectKind::kCrate), std::nullopt);
   PhotoModelOptions options;
   options.margin_px = -1;
-  options.features.octave_layers = 0;
+  options.features.max_side_px = 0;
   const Expected<ObjectModel> model = MakePhotoModel("thing", std::span(&photo, 1), std::nullopt, options);
   ASSERT_FALSE(model);
   ExpectOneLine(model.error(), ErrorCode::kInvalidArgument, "margin_px = -1");
-  EXPECT_THAT(model.error().message, HasSubstr("features.octave_layers = 0"));
+  EXPECT_THAT(model.error().message, HasSubstr("features.max_side_px = 0"));
 }
 
 }  // namespace

@@ -42,17 +42,6 @@ class ImagePlane {
   LensDistortion lens_;
 };
 
-// 3D points of the matches in the model's frame, m.
-std::vector<Vector3d> CollectModelPoints(const Detection& detection, const ObjectModel& model) {
-  std::vector<Vector3d> places;
-  const auto add = [&](const Point3& point) { places.emplace_back(point.x, point.y, point.z); };
-  std::ranges::for_each(detection.fit.inlier_points, add);
-  if (!places.empty() || model.points_in_model.empty()) return places;
-  const std::size_t first = model.views[detection.view].first_feature;
-  for (const Match& match : detection.fit.inliers) add(model.points_in_model[first + match.template_keypoint]);
-  return places;
-}
-
 // Smallest rotation that takes the optical axis to a direction.
 Quaterniond RotationTowards(const Vector3d& direction) {
   return Quaterniond::FromTwoVectors(Vector3d::UnitZ(), direction);
@@ -80,14 +69,16 @@ std::optional<ObjectPose> EstimatePoseFromPoints(const Detection& detection, con
                                                  const ObservationOptions& options,
                                                  const std::optional<Vector3d>& up_in_camera) {
   const ModelView& view = model.views[detection.view];
-  const std::vector<Vector3d> places = CollectModelPoints(detection, model);
-  if (places.empty() || !model.box_m || !view.angles) return std::nullopt;
+  if (!model.box_m || !view.angles) return std::nullopt;
   const Vector3d middle = model.box_m->center();
   std::vector<PointObservation> points;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const Keypoint& keypoint = scene.keypoints[detection.fit.inliers[i].scene_keypoint];
-    points.push_back({places[i] - middle, image.At({keypoint.x, keypoint.y})});
+  for (const FitInlier& inlier : detection.fit.inliers) {
+    if (!inlier.point_in_model) continue;
+    const Keypoint& keypoint = scene.keypoints[inlier.scene_keypoint];
+    const Vector3d place(inlier.point_in_model->x, inlier.point_in_model->y, inlier.point_in_model->z);
+    points.push_back({place - middle, image.At({keypoint.x, keypoint.y})});
   }
+  if (points.empty()) return std::nullopt;
   const auto fit = FitObjectPose(points, InitialRotation(detection, view, image),
                                  {.sigma = options.point_sigma_px / image.focal_px(),
                                   .sigma_view_rad = RadiansFromDegrees(options.view_sigma_deg),

@@ -130,7 +130,7 @@ TEST(ObjectPose, ErrsMoreTheLongerItIsOnlyFollowed) {
 
 TEST(ObjectPose, AModelWithoutPointsHasNone) {
   Staged staged = Stage(LookingDown(-55, 38), kPlaceEnu, 75, {});
-  staged.model.points_in_model = {};
+  for (FitInlier& inlier : staged.detection.fit.inliers) inlier.point_in_model.reset();
   EXPECT_FALSE(StanceOfStaged(staged, LookingDown(-55, 38)));
   EXPECT_FALSE(StanceOfStaged(staged, CameraState{}));
 }

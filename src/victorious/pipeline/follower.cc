@@ -158,21 +158,14 @@ ObservedObject Follower::MakeTrackedObject(const TrackStep& step, const Frame& f
                                        WrapAngle(moved.rotation_rad + last.scene_from_template.rotation_rad),
                                        moved.Apply(last.scene_from_template.translation)};
   detection.fit.scene_from_template_plane = moved.Matrix() * last.scene_from_template_plane;
-  // The points keep the order of the matches from which they were made.
   detection.fit.inliers.clear();
-  detection.fit.inlier_points.clear();
   seen.features.image_width = frame.image.cols;
   seen.features.image_height = frame.image.rows;
-  std::size_t match = 0;
   for (const TrackPoint& point : step.points) {
-    while (match < last.inliers.size() && last.inliers[match].template_keypoint != point.feature) ++match;
-    if (match == last.inliers.size()) break;
-    detection.fit.inliers.push_back(last.inliers[match]);
+    detection.fit.inliers.push_back(last.inliers[point.inlier.value()]);
     detection.fit.inliers.back().scene_keypoint = static_cast<std::uint32_t>(seen.features.size());
-    if (!last.inlier_points.empty()) detection.fit.inlier_points.push_back(last.inlier_points[match]);
     seen.features.keypoints.push_back(
         {.x = static_cast<float>(point.place.x()), .y = static_cast<float>(point.place.y())});
-    ++match;
   }
   return seen;
 }

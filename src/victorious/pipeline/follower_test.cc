@@ -111,14 +111,13 @@ TEST_F(FollowerTest, WhereItIsOnlyTrackedItRestsOnThePointsFollowed) {
     for (const ObservedObject& one : seen) {
       if (!one.tracked()) continue;
       ++tracked;
-      const MatchSet& inliers = one.detection.fit.inliers;
+      const std::vector<FitInlier>& inliers = one.detection.fit.inliers;
       ASSERT_EQ(inliers.size(), one.features.size());
       ASSERT_GT(inliers.size(), 3);
-      const FeatureView view = recognizer_.models()[one.detection.model_index].ViewFeatures(one.detection.view);
       std::vector<double> off_px;
-      for (const Match& match : inliers) {
-        const Keypoint& from = view.keypoints[match.template_keypoint];
-        const Keypoint& at = one.features.keypoints[match.scene_keypoint];
+      for (const FitInlier& inlier : inliers) {
+        const Keypoint& from = inlier.keypoint_in_template;
+        const Keypoint& at = one.features.keypoints[inlier.scene_keypoint];
         off_px.push_back(
             (one.detection.fit.scene_from_template.Apply({from.x, from.y}) - Eigen::Vector2d(at.x, at.y)).norm());
       }

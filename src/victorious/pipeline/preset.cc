@@ -21,7 +21,6 @@ constexpr std::string_view kThesis = R"({
   "method": "grammar",
   "match.ratio": 0.8,
   "cascade.filter": "cascade",
-  "cascade.radius": "fixed",
   "cascade.radius_px": 75.0,
   "cascade.scale_distortion": 1.45,
   "cascade.distance_distortion": 1.45,
@@ -30,8 +29,6 @@ constexpr std::string_view kThesis = R"({
   "cascade.line_distortion_rad": 0.6,
   "cascade.second_approval": 0.4,
   "cascade.third_approval": 0.6,
-  "cascade.min_votes": 2,
-  "cascade.distinct_stages": 1,
   "cascade.all_measures": false,
   "pose.refine_plane": false,
   "features.kind": "keypoints",
@@ -54,7 +51,6 @@ constexpr std::string_view kLearnt = R"({
   "cascade.first_approval": 0.1,
   "cascade.second_approval": 0.2,
   "cascade.third_approval": 0.6,
-  "cascade.min_votes": 2,
   "cascade.all_measures": true
 })";
 

@@ -15,12 +15,21 @@
 namespace victorious {
 namespace {
 
+// Keypoints of two views are one if they differ by less, in the image of one of them. Chosen: the affine camera places
+// a neighbour's keypoint within some 3 px in a template of 400 px, and SIFT's scales are 2^(1/3) = 1.26 apart.
+constexpr float kMaxSameDistance_px = 3;
+constexpr float kMaxSameScaleFactor = 1.35F;
+constexpr double kMaxSameTurn_rad = 0.4;
+// Keypoints that an affine camera is fitted to: twice the four that determine it.
+constexpr std::size_t kMinCameraKeypoints = 8;
+// Smallest extent of the surface points in depth, relative to their largest, that determines an affine camera.
+constexpr double kMinRelativeDepth = 0.02;
+
 // Affine camera of a view: homogeneous surface point (m) to pixel. Views are rendered from a large distance.
 using ViewMap = Eigen::Matrix<double, 2, 4>;
 
 std::optional<ViewMap> FitViewMap(const ComparedTemplate& view) {
-  constexpr std::size_t kLeast = 8;
-  if (view.keypoints.size() < kLeast) return std::nullopt;
+  if (view.keypoints.size() < kMinCameraKeypoints) return std::nullopt;
   const auto count = static_cast<Eigen::Index>(view.keypoints.size());
   Eigen::MatrixX4d places(count, 4);
   Eigen::MatrixX2d pixels(count, 2);
@@ -37,8 +46,7 @@ std::optional<ViewMap> FitViewMap(const ComparedTemplate& view) {
   if (!(spread > 0)) return std::nullopt;
   places.leftCols<3>() /= spread;
   Eigen::ColPivHouseholderQR<Eigen::MatrixX4d> decomposition(places);
-  constexpr double kFlattest = 0.02;
-  decomposition.setThreshold(kFlattest);
+  decomposition.setThreshold(kMinRelativeDepth);
   if (decomposition.rank() < 4) return std::nullopt;
   ViewMap map = decomposition.solve(pixels).transpose();
   map.leftCols<3>() /= spread;
@@ -89,19 +97,15 @@ class KeypointGrid {
   }
 
  private:
-  static constexpr float kNear_px = 3;  // templates are about 400 px wide
-  static constexpr float kScaleFactor = 1.35F;
-  static constexpr double kTurn_rad = 0.4;
-
-  static std::int32_t CellAlong(float px) { return static_cast<std::int32_t>(std::floor(px / kNear_px)); }
+  static std::int32_t CellAlong(float px) { return static_cast<std::int32_t>(std::floor(px / kMaxSameDistance_px)); }
   static std::uint64_t CellOf(std::int32_t x, std::int32_t y) {
     return static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) << 32U | static_cast<std::uint32_t>(y);
   }
 
   static bool AreSimilar(const Keypoint& a, const Keypoint& b) {
-    return std::hypot(a.x - b.x, a.y - b.y) <= kNear_px &&
-           std::max(a.scale_px, b.scale_px) <= kScaleFactor * std::min(a.scale_px, b.scale_px) &&
-           std::abs(WrapAngle(a.orientation_rad - b.orientation_rad)) <= kTurn_rad;
+    return std::hypot(a.x - b.x, a.y - b.y) <= kMaxSameDistance_px &&
+           std::max(a.scale_px, b.scale_px) <= kMaxSameScaleFactor * std::min(a.scale_px, b.scale_px) &&
+           std::abs(WrapAngle(a.orientation_rad - b.orientation_rad)) <= kMaxSameTurn_rad;
   }
 
   std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;

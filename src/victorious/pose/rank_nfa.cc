@@ -9,6 +9,19 @@
 namespace victorious {
 namespace {
 
+// Two scene descriptors (of a norm of about 512) that are nearer than this belong to one repeated texture: it is below
+// the distance of most true matches. Measured on uav123_10fps/truck4_2, where the joints of an embankment's slabs gave
+// two false objects (docs/results.md).
+constexpr int kMaxSimilarDistance = 150;
+// The scene keypoints that agree with a pose are counted in windows that are wider by this factor than those of an
+// inlier: narrow windows hold few keypoints or none.
+constexpr double kCountingFactor = 2;
+// The count in the narrow windows that an empty wide window stands for: p must not be 0.
+constexpr double kMinAgreeingCount = 0.1;
+// The range of scales of T, the number of distinguishable poses: an object appears from a quarter to four times the
+// size of its template.
+constexpr double kScaleRangeOctaves = 4;
+
 Eigen::Vector2d PositionOf(const Keypoint& keypoint) { return {keypoint.x, keypoint.y}; }
 
 // Predicate: the template keypoint projects into the searched region and is large enough there to be detected.
@@ -34,10 +47,8 @@ class Visibility {
 // then reduced by the ratio of the windows.
 double AgreeingFraction(const Keypoint& keypoint, const Similarity2& fit, const PoseWindow& window,
                         const FeatureSet& scene, const VoteOptions& options) {
-  constexpr double kCountingFactor = 2;
   const double turn_window_rad = std::min(kPi, options.turn_rad);
   const double wide_turn_rad = std::min(kPi, kCountingFactor * turn_window_rad);
-  constexpr double kMinCount = 0.1;
   const Eigen::Vector2d place = fit.Apply(PositionOf(keypoint));
   const double reach_px = kCountingFactor * window.widest_px;
   const double scale_px = keypoint.scale_px * fit.scale;
@@ -45,19 +56,17 @@ double AgreeingFraction(const Keypoint& keypoint, const Similarity2& fit, const 
   int count = 0;
   for (const Keypoint& other : scene.keypoints) {
     if ((PositionOf(other) - place).squaredNorm() > reach_px * reach_px) continue;
-    if (other.scale_px > options.scale_factor * scale_px || other.scale_px * options.scale_factor < scale_px) continue;
+    if (other.scale_px > kVoteScaleFactor * scale_px || other.scale_px * kVoteScaleFactor < scale_px) continue;
     if (std::abs(WrapAngle(other.orientation_rad - turn_rad)) > wide_turn_rad) continue;
     ++count;
   }
   const double narrower = reach_px / window.radius_px;
   const double wider = narrower * narrower * wide_turn_rad / turn_window_rad;
-  return std::max(kMinCount, count / wider) / static_cast<double>(scene.size());
+  return std::max(kMinAgreeingCount, count / wider) / static_cast<double>(scene.size());
 }
 
-// True if two scene descriptors belong to a repeated texture: their distance is below that of most true matches.
-// Descriptors have a norm of about 512.
+// True if two scene descriptors belong to a repeated texture.
 bool HaveSimilarDescriptors(const FeatureSet& scene, std::size_t a, std::size_t b) {
-  constexpr int kMaxSimilarDistance = 150;
   if (scene.descriptors.empty()) return false;  // positions only
   const auto of_a = scene.View().Descriptor(a);
   const auto of_b = scene.View().Descriptor(b);
@@ -97,7 +106,7 @@ std::vector<double> InlierChances(const Similarity2& fit, std::span<const Ranked
 double Log10PoseCount(const Similarity2& fit, double radius_px, double size_px, const FeatureSet& scene) {
   const double windows = scene.SearchedBox().Area() / (kPi * radius_px * radius_px);
   const double rim = std::max(1.0, 0.5 * size_px * fit.scale / radius_px);
-  const double octaves = 4 * std::log(2.0);
+  const double octaves = kScaleRangeOctaves * std::log(2.0);
   return std::log10(std::max(1.0, windows)) + std::log10(2 * kPi * rim) + std::log10(octaves * rim);
 }
 
@@ -107,7 +116,7 @@ double ComputeRankNegLog10Nfa(const Similarity2& scene_from_template, std::span<
                               const PoseWindow& window, double size_px, const FeatureSet& scene,
                               std::span<const Keypoint> model, const VoteOptions& options) {
   const std::vector<double> chances = InlierChances(scene_from_template, inliers, window, scene, model, options);
-  const Visibility visible(scene_from_template, scene, options.min_scale_px);
+  const Visibility visible(scene_from_template, scene, kMinVisibleScale_px);
   // The windows admit inliers slightly outside the frame or slightly too small. They count in n, so that k <= n.
   const auto expected = std::ranges::count_if(model, visible);
   const auto unexpected = std::ranges::count_if(
@@ -119,7 +128,7 @@ double ComputeRankNegLog10Nfa(const Similarity2& scene_from_template, std::span<
     min_log = std::min(min_log, LogChoose(n, k) + k * std::log(chances[i]));
   }
   return -min_log / std::log(10.0) - Log10PoseCount(scene_from_template, window.radius_px, size_px, scene) -
-         options.dependence_decades;
+         kDependenceDecades;
 }
 
 }  // namespace victorious

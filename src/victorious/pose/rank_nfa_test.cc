@@ -82,7 +82,7 @@ std::vector<double> ChancesOf(const World& world, std::size_t first_inliers) {
     for (const Keypoint& other : world.scene.keypoints) {
       const bool near = std::hypot(other.x - expected.x, other.y - expected.y) <= 2 * kWindow.widest_px;
       const double ratio = other.scale_px / expected.scale_px;
-      const bool sized = ratio <= world.options.scale_factor && ratio >= 1 / world.options.scale_factor;
+      const bool sized = ratio <= kVoteScaleFactor && ratio >= 1 / kVoteScaleFactor;
       const double turn = std::abs(WrapAngle(other.orientation_rad - expected.orientation_rad));
       wide += near && sized && turn <= 2 * world.options.turn_rad ? 1 : 0;
     }
@@ -104,7 +104,7 @@ TEST(ComputeRankNegLog10Nfa, IsTheFormulaCountedOut) {
         const auto k = static_cast<int>(i + 1);
         least = std::min(least, Binomial(30, k) * std::pow(chances[i], k));
       }
-      const double expected = -std::log10(PosesThatDiffer() * least) - world.options.dependence_decades;
+      const double expected = -std::log10(PosesThatDiffer() * least) - kDependenceDecades;
       EXPECT_NEAR(world.NegLog10Nfa(found), expected, 1e-4) << seed << ", " << found;
     }
   }
@@ -122,7 +122,7 @@ TEST(ComputeRankNegLog10Nfa, ClaimsNoMoreThanTheBinomialTail) {
         for (int j = k; j <= 30; ++j) tail += Binomial(30, j) * std::pow(p, j) * std::pow(1 - p, 30 - j);
         rarest = std::min(rarest, tail);
       }
-      const double most = -std::log10(PosesThatDiffer() * rarest) - world.options.dependence_decades;
+      const double most = -std::log10(PosesThatDiffer() * rarest) - kDependenceDecades;
       EXPECT_LE(world.NegLog10Nfa(found), most + 1e-4) << seed << ", " << found;
     }
   }
@@ -171,7 +171,7 @@ TEST(ComputeRankNegLog10Nfa, InliersOutOfViewAreAmongThoseTried) {
       ASSERT_LE(k, n);
       least = std::min(least, Binomial(n, k) * std::pow(chances[i], k));
     }
-    const double expected = -std::log10(PosesThatDiffer() * least) - unseen.options.dependence_decades;
+    const double expected = -std::log10(PosesThatDiffer() * least) - kDependenceDecades;
     EXPECT_NEAR(unseen.NegLog10Nfa(found), expected, 1e-4) << found;
   }
 }
@@ -180,7 +180,7 @@ TEST(ComputeRankNegLog10Nfa, AWindowOfAllTurnsIsNoWiderThanTheCircle) {
   World world = MakeWorld(9);
   world.options.turn_rad = kPi;
   const double all_turns = world.NegLog10Nfa(10);
-  world.options.turn_rad = 3.2;  // the option's maximum
+  world.options.turn_rad = 3.2;  // more than half a turn
   EXPECT_DOUBLE_EQ(world.NegLog10Nfa(10), all_turns);
   world.options.turn_rad = kPi / 2;  // the doubled counting window holds all orientations, the window itself half
   EXPECT_GT(world.NegLog10Nfa(10), all_turns + 1);

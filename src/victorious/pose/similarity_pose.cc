@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "victorious/geometry/angles.h"
@@ -15,53 +17,24 @@
 namespace victorious {
 
 void PoseOptions::ListFields(FieldList& fields) {
-  fields.Add("noise_px", noise_px,
-             {.min = 0.1,
-              .max = 100,
-              .unit = "px",
-              .reason = "standard deviation of the keypoint position of a true match: in scene pixels at scale 1 or "
-                        "below, in template pixels above"});
-  fields.Add("shape_fraction", shape_fraction,
-             {.min = 0,
-              .max = 1,
-              .reason = "standard deviation of the model error of a similarity for an object seen from another side, "
-                        "as a fraction of the object's size (square root of its outline's area)"});
   fields.Add("min_inliers", min_inliers,
              {.min = 2,
               .max = 1000,
               .reason = "minimum number of distinct template keypoints among the inliers of a pose; two determine it"});
   fields.Add("max_instances", max_instances,
              {.min = 1, .max = 1000, .reason = "maximum number of instances of one template in one image"});
-  fields.Add(
-      "max_hypotheses", max_hypotheses,
-      {.min = 1, .max = 1e6, .reason = "maximum number of MLESAC samples; few matches are sampled exhaustively"});
-  fields.Add("confidence", confidence,
-             {.min = 0.5,
-              .max = 0.999999,
-              .reason = "MLESAC stops when the probability of having missed a better sample is at most 1 minus this"});
   fields.Add("refine_plane", refine_plane,
              {.reason = "use an affine map or a homography for the outline if the matches support it"});
-  fields.Add("seed", seed, {.reason = "random seed of MLESAC: equal seeds give equal results"});
 }
 
 namespace {
 
-std::size_t CountDistinct(const MatchSet& matches) {
-  std::vector<std::uint32_t> keypoints;
-  keypoints.reserve(matches.size());
-  for (const Match& match : matches) keypoints.push_back(match.template_keypoint);
-  std::ranges::sort(keypoints);
-  return static_cast<std::size_t>(
-      std::ranges::distance(keypoints.begin(), std::unique(keypoints.begin(), keypoints.end())));
-}
-
 // For each template keypoint the smallest residual, px, of its inliers that also agree in rotation and scale;
 // ascending.
 std::vector<double> AgreeingResidualsPx(std::span<const Keypoint> scene, std::span<const Keypoint> model,
-                                        const PlanarFit& fit) {
-  const Similarity2& map = fit.scene_from_template;
+                                        const MatchSet& inliers, const Similarity2& map) {
   std::map<std::uint32_t, double> nearest_px;
-  for (const Match& match : fit.inliers) {
+  for (const Match& match : inliers) {
     const Keypoint& s = scene[match.scene_keypoint];
     const Keypoint& m = model[match.template_keypoint];
     if (std::abs(std::log(s.scale_px / (m.scale_px * map.scale))) > std::log(kAgreementScale)) continue;
@@ -80,12 +53,12 @@ std::vector<double> AgreeingResidualsPx(std::span<const Keypoint> scene, std::sp
 
 std::vector<PlanarFit> EstimatePoses(std::span<const Keypoint> scene, std::span<const Keypoint> model,
                                      const MatchSet& matches, const Polygon& outline, double scene_area_px2,
-                                     const PoseOptions& options) {
+                                     const PoseOptions& options, std::span<const Point3> points_in_model) {
   const double size_px = std::sqrt(std::abs(SignedArea(outline)));
-  const SimilarityEstimator::Noise noise{.noise_px = options.noise_px, .shape_px = options.shape_fraction * size_px};
+  const SimilarityEstimator::Noise noise{.noise_px = kKeypointNoise_px, .shape_px = kShapeFraction * size_px};
   const MlesacOptions settings{.outlier_area_px2 = std::max(1.0, scene_area_px2),
-                               .confidence = options.confidence,
-                               .max_hypotheses = options.max_hypotheses,
+                               .confidence = kPoseConfidence,
+                               .max_hypotheses = kMaxPoseHypotheses,
                                .seed = options.seed};
   std::vector<PlanarFit> fits;
   MatchSet rest = matches;
@@ -98,23 +71,25 @@ std::vector<PlanarFit> EstimatePoses(std::span<const Keypoint> scene, std::span<
     PlanarFit fit;
     fit.scene_from_template = result->model;
     fit.sigma_px = estimator.SigmaPx(result->model);
+    MatchSet inliers;
     MatchSet outliers;
     std::vector<PointPair> inlier_pairs;
     for (std::size_t i = 0; i < rest.size(); ++i) {
       const bool inlier = result->probabilities[i] > 0.5;
-      (inlier ? fit.inliers : outliers).push_back(rest[i]);
+      (inlier ? inliers : outliers).push_back(rest[i]);
       if (inlier) inlier_pairs.push_back(pairs[i]);
     }
-    fit.distinct_inliers = CountDistinct(fit.inliers);
+    fit.distinct_inliers = CountTemplateKeypoints(inliers);
     rest = std::move(outliers);
-    if (fit.inliers.size() < static_cast<std::size_t>(options.min_inliers)) break;
+    if (inliers.size() < static_cast<std::size_t>(options.min_inliers)) break;
     // Matches of a repeated pattern to one template keypoint can outnumber a true instance: remove them, report none.
     if (fit.distinct_inliers < static_cast<std::size_t>(options.min_inliers)) continue;
-    fit.agreeing_residuals_px = AgreeingResidualsPx(scene, model, fit);
+    fit.agreeing_residuals_px = AgreeingResidualsPx(scene, model, inliers, fit.scene_from_template);
+    fit.inliers = MakeFitInliers(model, points_in_model, inliers);
     fit.extent = Extent(inlier_pairs, outline);
     fit.scene_from_template_plane = fit.scene_from_template.Matrix();
     if (options.refine_plane) {
-      const double plane_noise_px = options.noise_px * std::max(1.0, fit.scene_from_template.scale);
+      const double plane_noise_px = kKeypointNoise_px * std::max(1.0, fit.scene_from_template.scale);
       fit.scene_from_template_plane =
           RefinePlane(inlier_pairs, fit.scene_from_template, fit.sigma_px, plane_noise_px, scene_area_px2, outline);
     }
@@ -122,6 +97,15 @@ std::vector<PlanarFit> EstimatePoses(std::span<const Keypoint> scene, std::span<
   }
   std::ranges::stable_sort(fits, std::greater{}, &PlanarFit::distinct_inliers);
   return fits;
+}
+
+MatchSet SelectInliers(const MatchSet& matches, const PlanarFit& fit) {
+  std::set<std::uint32_t> scene_keypoints;
+  for (const FitInlier& inlier : fit.inliers) scene_keypoints.insert(inlier.scene_keypoint);
+  MatchSet inliers;
+  std::ranges::copy_if(matches, std::back_inserter(inliers),
+                       [&](const Match& match) { return scene_keypoints.contains(match.scene_keypoint); });
+  return inliers;
 }
 
 }  // namespace victorious

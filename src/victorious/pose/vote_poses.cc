@@ -15,51 +15,15 @@
 
 namespace victorious {
 
-void VoteOptions::ListFields(FieldList& fields) {
-  fields.Add("centre_fraction", centre_fraction,
-             {.min = 0.01,
-              .max = 1,
-              .reason = "votes for one pose agree on the object's centre within this fraction of its length: the "
-                        "effect of keypoint scale and orientation errors on the centre"});
-  fields.Add(
-      "scale_factor", scale_factor,
-      {.min = 1.01, .max = 4, .reason = "votes for one pose, and its inliers, agree in scale within this factor"});
-  fields.Add("turn_rad", turn_rad,
-             {.min = 0.01,
-              .max = 3.2,
-              .unit = "rad",
-              .reason = "votes for one pose, and its inliers, agree in rotation within this"});
-  fields.Add("max_seeds", max_seeds,
-             {.min = 1,
-              .max = 100,
-              .reason = "vote clusters of one view that MLESAC fits: those of the highest likelihood ratio"});
-  fields.Add("instance_neg_log10_nfa", instance_neg_log10_nfa,
-             {.min = -100,
-              .max = 1000,
-              .unit = "decades",
-              .reason = "-log10 NFA from which a pose is an instance; its seed does not count towards the maximum "
-                        "number of seeds, since one frame may show several instances"});
-  fields.Add("min_votes", min_votes,
-             {.min = 2, .max = 1000, .reason = "minimum number of distinct template keypoints that vote for a pose"});
-  fields.Add("min_separation_scales", min_separation_scales,
-             {.min = 0,
-              .max = 100,
-              .reason = "inliers nearer to each other than this times their scale depend on the same scene pixels "
-                        "and count once"});
-  fields.Add("min_scale_px", min_scale_px,
-             {.min = 0,
-              .max = 100,
-              .unit = "px",
-              .reason = "template keypoints whose scale in the scene is smaller than this count as not visible"});
-  fields.Add("dependence_decades", dependence_decades,
-             {.min = -100,
-              .max = 100,
-              .unit = "decades",
-              .reason = "subtracted from the -log10 NFA: the background model assumes independence, but keypoints "
-                        "of one texture look alike"});
-}
-
 namespace {
+
+// The inlier windows that are tried, in parts of the inlier radius: the smaller the viewpoint difference, the smaller
+// the best window (docs/adr/0008).
+constexpr double kWindowFactors[] = {1.0, 0.5, 0.25};
+// Refits per window: a second one changes few inliers.
+constexpr int kRefits = 2;
+// The expected chance votes of an empty window: bounds the likelihood ratio.
+constexpr double kMinExpectedVotes = 1e-6;
 
 // The votes as a structure of arrays, sorted by log_scale.
 struct Votes {
@@ -159,17 +123,10 @@ std::vector<Support> ComputeSupport(const Votes& votes, const std::vector<Window
     int count = 0;
     for (std::size_t j = window.begin; j < window.end; ++j) count += Agree(votes, i, j, window.reach2_px2, turn_rad);
     const double chance = std::min(1.0, kPi * window.reach2_px2 / scene_area_px2) * std::min(1.0, turn_rad / kPi);
-    const double expected = std::max(1e-6, static_cast<double>(window.end - window.begin) * chance);
+    const double expected = std::max(kMinExpectedVotes, static_cast<double>(window.end - window.begin) * chance);
     all[i] = {count, count > expected ? count * std::log(count / expected) - (count - expected) : 0};
   }
   return all;
-}
-
-std::size_t CountDistinct(std::span<const RankedMatch> matches) {
-  std::size_t count = 0;  // the matches are sorted by template keypoint
-  for (std::size_t i = 0; i < matches.size(); ++i)
-    count += i == 0 || matches[i].template_keypoint != matches[i - 1].template_keypoint ? 1 : 0;
-  return count;
 }
 
 // The matches that agree with the pose in position, scale and rotation, one-to-one: each scene and each template
@@ -178,7 +135,7 @@ std::vector<RankedMatch> GatherInliers(const Similarity2& fit, double radius_px,
                                        std::span<const Keypoint> model, std::span<const RankedMatch> matches,
                                        const VoteOptions& options) {
   std::vector<std::pair<double, RankedMatch>> near;
-  const double max_log = std::log(options.scale_factor);
+  const double max_log = std::log(kVoteScaleFactor);
   const Eigen::Matrix2d linear = fit.Linear();
   for (const RankedMatch& match : matches) {
     const Keypoint& s = scene[match.scene_keypoint];
@@ -204,15 +161,16 @@ std::vector<RankedMatch> GatherInliers(const Similarity2& fit, double radius_px,
 class PoseFinder {
  public:
   PoseFinder(const FeatureSet& scene, std::span<const Keypoint> model, std::span<const RankedMatch> matches,
-             const Polygon& outline, const VoteOptions& votes, const PoseOptions& fit,
-             const std::optional<UprightPrior>& upright)
+             const Polygon& outline, const VoteOptions& votes, const PoseOptions& options,
+             const std::optional<UprightPrior>& upright, std::span<const Point3> points_in_model)
       : scene_(scene),
         model_(model),
         matches_(matches),
         outline_(outline),
         votes_(votes),
-        options_(fit),
+        options_(options),
         upright_(upright),
+        points_in_model_(points_in_model),
         size_px_(std::sqrt(std::abs(SignedArea(outline)))),
         scene_area_px2_(std::max(1.0, scene.SearchedBox().Area())) {}
 
@@ -222,14 +180,14 @@ class PoseFinder {
     const Votes votes = CollectVotes(scene_.keypoints, model_, matches_, centre, upright_);
     const float turn_rad = static_cast<float>(votes_.turn_rad);
     const std::vector<Window> windows =
-        ComputeWindows(votes, {static_cast<float>(std::log(votes_.scale_factor)), turn_rad,
-                               static_cast<float>(votes_.centre_fraction * std::hypot(bounds.width, bounds.height))});
+        ComputeWindows(votes, {static_cast<float>(std::log(kVoteScaleFactor)), turn_rad,
+                               static_cast<float>(kCentreFraction * std::hypot(bounds.width, bounds.height))});
     const std::vector<Support> support = ComputeSupport(votes, windows, turn_rad, scene_area_px2_);
     std::vector<bool> used(votes.size());
     std::vector<PlanarFit> fits;
     // A seed without a pose counts, too: replacing it would cost a third of the time, mostly for chance poses
     // (docs/adr/0008).
-    int seeds_left = votes_.max_seeds;
+    int seeds_left = kMaxSeeds;
     while (seeds_left > 0) {
       const std::optional<std::size_t> seed = BestSeed(support, used);
       if (!seed) break;
@@ -241,7 +199,7 @@ class PoseFinder {
         members.push_back(votes.match[j]);
       }
       auto fit = FitPose(std::move(members), window.reach2_px2);
-      if (!fit || *fit->neg_log10_nfa < votes_.instance_neg_log10_nfa) --seeds_left;
+      if (!fit || *fit->neg_log10_nfa < kInstanceNegLog10Nfa) --seeds_left;
       if (!fit) continue;
       if (options_.refine_plane && *fit->neg_log10_nfa > 0) RefineOutline(*fit);
       fits.push_back(std::move(*fit));
@@ -267,11 +225,11 @@ class PoseFinder {
     std::ranges::sort(members);
     std::vector<RankedMatch> voters;
     for (const std::uint32_t member : members) voters.push_back(matches_[member]);
-    if (CountDistinct(voters) < static_cast<std::size_t>(votes_.min_votes)) return std::nullopt;
+    if (CountTemplateKeypoints(voters) < static_cast<std::size_t>(votes_.min_votes)) return std::nullopt;
     const std::vector<PointPair> pairs = MakePointPairs(scene_.keypoints, model_, voters);
     const auto agreed = Mlesac(SimilarityEstimator(pairs, Noise()), {.outlier_area_px2 = kPi * reach2_px2,
-                                                                     .confidence = options_.confidence,
-                                                                     .max_hypotheses = options_.max_hypotheses,
+                                                                     .confidence = kPoseConfidence,
+                                                                     .max_hypotheses = kMaxPoseHypotheses,
                                                                      .seed = options_.seed});
     if (!agreed) return std::nullopt;
     return BestOverWindows(agreed->model);
@@ -281,10 +239,9 @@ class PoseFinder {
   // smaller the viewpoint difference, the smaller the best window.
   std::optional<PlanarFit> BestOverWindows(Similarity2 map) const {
     std::optional<PlanarFit> best;
-    for (const double window_factor : {1.0, 0.5, 0.25}) {
-      constexpr int kRounds = 2;
+    for (const double window_factor : kWindowFactors) {
       std::vector<RankedMatch> inliers = InliersOf(map, window_factor);
-      for (int round = 0; round < kRounds; ++round) {
+      for (int round = 0; round < kRefits; ++round) {
         const auto refined = SolveSimilarity(MakePointPairs(scene_.keypoints, model_, inliers));
         if (!refined) return best;
         map = *refined;
@@ -302,8 +259,7 @@ class PoseFinder {
     fit.scene_from_template = map;
     fit.sigma_px = window_factor * SigmaPx(map);
     fit.distinct_inliers = inliers.size();
-    for (const RankedMatch& match : inliers)
-      fit.inliers.push_back({match.scene_keypoint, match.template_keypoint, 1.0F});
+    fit.inliers = MakeFitInliers(model_, points_in_model_, inliers);
     fit.extent = Extent(MakePointPairs(scene_.keypoints, model_, inliers), outline_);
     fit.neg_log10_nfa =
         ComputeRankNegLog10Nfa(map, inliers, {.radius_px = window_factor * RadiusPx(map), .widest_px = RadiusPx(map)},
@@ -314,14 +270,14 @@ class PoseFinder {
   }
 
   void RefineOutline(PlanarFit& fit) const {
-    const std::vector<PointPair> pairs = MakePointPairs(scene_.keypoints, model_, fit.inliers);
-    const double noise_px = options_.noise_px * std::max(1.0, fit.scene_from_template.scale);
+    const std::vector<PointPair> pairs = MakePointPairs(scene_.keypoints, fit.inliers);
+    const double noise_px = kKeypointNoise_px * std::max(1.0, fit.scene_from_template.scale);
     fit.scene_from_template_plane =
         RefinePlane(pairs, fit.scene_from_template, fit.sigma_px, noise_px, scene_area_px2_, outline_);
   }
 
   SimilarityEstimator::Noise Noise() const {
-    return {.noise_px = options_.noise_px, .shape_px = options_.shape_fraction * size_px_};
+    return {.noise_px = kKeypointNoise_px, .shape_px = kShapeFraction * size_px_};
   }
 
   double SigmaPx(const Similarity2& map) const { return SimilarityEstimator({}, Noise()).SigmaPx(map); }
@@ -339,6 +295,7 @@ class PoseFinder {
   const VoteOptions& votes_;
   const PoseOptions& options_;
   const std::optional<UprightPrior>& upright_;
+  std::span<const Point3> points_in_model_;
   double size_px_;
   double scene_area_px2_;
 };
@@ -347,9 +304,10 @@ class PoseFinder {
 
 std::vector<PlanarFit> VotePoses(const FeatureSet& scene, std::span<const Keypoint> model,
                                  std::span<const RankedMatch> matches, const Polygon& outline, const VoteOptions& votes,
-                                 const PoseOptions& options, const std::optional<UprightPrior>& upright) {
+                                 const PoseOptions& options, const std::optional<UprightPrior>& upright,
+                                 std::span<const Point3> points_in_model) {
   if (outline.size() < 3 || matches.size() < static_cast<std::size_t>(votes.min_votes)) return {};
-  return PoseFinder(scene, model, matches, outline, votes, options, upright).Find();
+  return PoseFinder(scene, model, matches, outline, votes, options, upright, points_in_model).Find();
 }
 
 }  // namespace victorious

@@ -32,7 +32,7 @@ StagedMatches FilterAndFit(const FeatureSet& scene, const ObjectModel& model, st
   staged.ratio = std::move(matches);
   staged.cascade = FilterByGrammar(scene.keypoints, template_keypoints, staged.ratio, options.cascade);
   staged.fits = EstimatePoses(scene.keypoints, template_keypoints, staged.cascade.third, model.views[view].outline,
-                              scene.SearchedBox().Area(), options.pose);
+                              scene.SearchedBox().Area(), options.pose, model.ViewPoints(view));
   return staged;
 }
 

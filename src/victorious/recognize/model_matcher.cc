@@ -75,7 +75,7 @@ void ModelMatcher::Pool(int max_count) {
   for (const std::size_t i : order | std::views::take(max_count)) {
     const MatchedVariant& one = matched_[i];
     if (one.neg_log10_nfa == kNoPose) break;
-    if (one.neg_log10_nfa >= options_.votes.instance_neg_log10_nfa) continue;  // already certain
+    if (one.neg_log10_nfa >= kInstanceNegLog10Nfa) continue;  // already certain
     std::vector<ComparedTemplate> beside;
     for (const MatchedVariant& other : matched_) {
       if (AreNeighbours(one.variant, other.variant)) beside.push_back(TemplateOf(other));
@@ -111,12 +111,9 @@ double ModelMatcher::Vote(const TemplateVariant& variant, std::span<const Keypoi
   }
   double max_neg_log10_nfa = kNoPose;
   for (PlanarFit& fit :
-       VotePoses(scene_.features(), keypoints, matches, view.outline, options_.votes, pose_options_, upright)) {
+       VotePoses(scene_.features(), keypoints, matches, view.outline, options_.votes, pose_options_, upright, points)) {
     if (!HasSunOfItsCell(variant, fit)) continue;
     max_neg_log10_nfa = std::max(max_neg_log10_nfa, *fit.neg_log10_nfa);
-    if (!points.empty()) {
-      for (const Match& match : fit.inliers) fit.inlier_points.push_back(points[match.template_keypoint]);
-    }
     candidates_.push_back({.view = variant.view,
                            .matches = matches.size(),
                            .views = test_count_,
@@ -146,9 +143,7 @@ FeatureView ModelMatcher::FeaturesOf(const MatchedVariant& matched) const {
 
 std::span<const Point3> ModelMatcher::SurfacePointsOf(const MatchedVariant& matched) const {
   if (matched.relit) return matched.relit->points_in_model;
-  if (model_.points_in_model.empty()) return {};
-  const ModelView& view = model_.views[matched.variant.view];
-  return model_.points_in_model.subspan(view.first_feature, view.feature_count);
+  return model_.ViewPoints(matched.variant.view);
 }
 
 ComparedTemplate ModelMatcher::TemplateOf(const MatchedVariant& matched) const {

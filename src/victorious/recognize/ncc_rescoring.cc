@@ -16,41 +16,6 @@
 
 namespace victorious {
 
-void NccOptions::ListFields(FieldList& fields) {
-  fields.Add(
-      "max_poses", max_poses,
-      {.min = 0, .max = 1000, .reason = "maximum number of rescored poses per model and frame, best first; 0: none"});
-  fields.Add("max_poses_per_frame", max_poses_per_frame,
-             {.min = 0,
-              .max = 100000,
-              .reason = "maximum number of rescored poses per frame, over all models: bounds the time"});
-  fields.Add("min_neg_log10_nfa", min_neg_log10_nfa,
-             {.min = -100,
-              .max = 1000,
-              .unit = "decades",
-              .reason = "minimum -log10 NFA of a rescored pose: below it hardly any pose is true"});
-  fields.Add("max_neg_log10_nfa", max_neg_log10_nfa,
-             {.min = -100,
-              .max = 1000,
-              .unit = "decades",
-              .reason = "maximum -log10 NFA of a rescored pose: above it a pose is certain, also if partly occluded"});
-  fields.Add("null_samples", null_samples,
-             {.min = 10, .max = 10000, .reason = "number of random poses for the null distribution of the NCC score"});
-  fields.Add("decades_per_z_score", decades_per_z_score,
-             {.min = 0,
-              .max = 100,
-              .unit = "decades",
-              .reason = "increase of -log10 NFA per unit of the NCC z-score; fitted by logistic regression"});
-  fields.Add("neutral_z_score", neutral_z_score,
-             {.min = -100, .max = 100, .reason = "NCC z-score that leaves the -log10 NFA unchanged; fitted"});
-  fields.Add(
-      "impulse_fraction", impulse_fraction,
-      {.min = 0,
-       .max = 1,
-       .reason =
-           "salt-and-pepper noise is removed above this fraction of impulses in a frame's flat regions; 1: never"});
-}
-
 namespace {
 
 // A pose hypothesis in weak perspective, relative to the camera of a view.
@@ -88,6 +53,8 @@ constexpr int kRoundsPerSize = 3;  // maximum number of rounds over all paramete
 constexpr double kSameRing_rad = 0.01;
 // Bound of the difference in size between view and scene, for which surface samples are made: a factor of 16.
 constexpr double kMaxHalfOctaves = 8;
+// Random poses for the null distribution: its standard deviation is known to about 11 %.
+constexpr int kNullSamples = 40;
 // Random poses tried per null sample that is wanted: a pose at the object, or mostly outside the frame, gives none.
 constexpr int kTriesPerNullSample = 4;
 // Bound of the null distribution's standard deviation from below, in a frame without texture.
@@ -293,9 +260,9 @@ double MeanRadiusPx(const ViewAppearance& appearance, double scale) {
 
 }  // namespace
 
-cv::Mat PrepareSceneForNcc(const cv::Mat& grey, const NccOptions& options) {
+cv::Mat PrepareSceneForNcc(const cv::Mat& grey) {
   cv::Mat scene;
-  const cv::Mat clean = options.impulse_fraction < 1 ? RemoveImpulses(grey, options.impulse_fraction) : grey;
+  const cv::Mat clean = RemoveImpulses(grey, kDefaultImpulseFraction);
   clean.convertTo(scene, CV_32F);
   cv::GaussianBlur(scene, scene, {}, kAppearanceBlur_px);
   return scene;
@@ -303,7 +270,7 @@ cv::Mat PrepareSceneForNcc(const cv::Mat& grey, const NccOptions& options) {
 
 Expected<std::optional<double>> ComputeNccZScore(const cv::Mat& scene, const ObjectModel& model,
                                                  const RelitTemplateSource& appearances, std::size_t view,
-                                                 const Similarity2& scene_from_template, const NccOptions& options) {
+                                                 const Similarity2& scene_from_template) {
   const double half_octaves =
       std::clamp(std::round(-2 * std::log2(scene_from_template.scale)), -kMaxHalfOctaves, kMaxHalfOctaves);
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<NeighbourAppearance> beside,
@@ -320,8 +287,7 @@ Expected<std::optional<double>> ComputeNccZScore(const cv::Mat& scene, const Obj
 
   Random random(1);
   std::vector<double> elsewhere;
-  for (int tries = 0;
-       std::ssize(elsewhere) < options.null_samples && tries < kTriesPerNullSample * options.null_samples; ++tries) {
+  for (int tries = 0; std::ssize(elsewhere) < kNullSamples && tries < kTriesPerNullSample * kNullSamples; ++tries) {
     ViewPlacement other = hypothesis;
     other.centre_px.x() = random.Uniform(0, scene.cols);
     other.centre_px.y() = random.Uniform(0, scene.rows);
@@ -329,7 +295,7 @@ Expected<std::optional<double>> ComputeNccZScore(const cv::Mat& scene, const Obj
     if ((other.centre_px - hypothesis.centre_px).norm() < min_distance_px) continue;
     if (const std::optional<double> found = MaxNccScore(scene, beside, other)) elsewhere.push_back(*found);
   }
-  if (std::ssize(elsewhere) < options.null_samples / 2) return std::nullopt;
+  if (std::ssize(elsewhere) < kNullSamples / 2) return std::nullopt;
   const auto n = static_cast<double>(elsewhere.size());
   double sum = 0;
   double sum2 = 0;

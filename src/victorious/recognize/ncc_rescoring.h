@@ -19,30 +19,26 @@
 #include <opencv2/core/mat.hpp>
 
 #include "victorious/base/error.h"
-#include "victorious/base/options.h"
 #include "victorious/geometry/similarity.h"
 #include "victorious/recognize/relit_templates.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {
 
+/// Not parameters: the tests vary them.
 struct NccOptions {
-  int max_poses = 2;
-  int max_poses_per_frame = 12;
-  double min_neg_log10_nfa = -2.0;
-  double max_neg_log10_nfa = 6.0;
-  int null_samples = 40;
-  double decades_per_z_score = 2.0;
-  double neutral_z_score = 2.3;
-  double impulse_fraction = 0.015;
-
-  void ListFields(FieldList& fields);
+  int max_poses = 2;                 ///< rescored poses per model and frame, best first; 0: none
+  int max_poses_per_frame = 12;      ///< rescored poses per frame, over all models: bounds the time
+  double min_neg_log10_nfa = -2.0;   ///< decades; below it hardly any pose is true
+  double max_neg_log10_nfa = 6.0;    ///< decades; above it a pose is certain, also if partly occluded
+  double decades_per_z_score = 2.0;  ///< increase of -log10 NFA per unit of z; fitted as said above
+  double neutral_z_score = 2.3;      ///< z that leaves the -log10 NFA unchanged; fitted as said above
 };
 
 /// Prepares a scene for NCC: removes impulse noise and blurs by kAppearanceBlur_px.
 /// @param grey  CV_8UC1
 /// @return CV_32FC1 of the same size
-[[nodiscard]] cv::Mat PrepareSceneForNcc(const cv::Mat& grey, const NccOptions& options);
+[[nodiscard]] cv::Mat PrepareSceneForNcc(const cv::Mat& grey);
 
 /// The z-score of the NCC score at a pose against random poses in the same scene (formula above). Deterministic.
 /// @param scene                from PrepareSceneForNcc()
@@ -55,7 +51,6 @@ struct NccOptions {
 /// Cost: about 15 ms.
 [[nodiscard]] Expected<std::optional<double>> ComputeNccZScore(const cv::Mat& scene, const ObjectModel& model,
                                                                const RelitTemplateSource& appearances, std::size_t view,
-                                                               const Similarity2& scene_from_template,
-                                                               const NccOptions& options);
+                                                               const Similarity2& scene_from_template);
 
 }  // namespace victorious

@@ -83,10 +83,9 @@ cv::Mat SceneWith(const cv::Mat& object, double contrast) {
 }
 
 std::optional<double> ZScore(const cv::Mat& grey, const RelitTemplateSource& pictures, const Similarity2& fit) {
-  const NccOptions options;
   ObjectModel model;
   model.views.push_back({.source = "square", .width = kSidePx, .height = kSidePx, .outline = {}, .angles = {}});
-  return ComputeNccZScore(PrepareSceneForNcc(grey, options), model, pictures, 0, fit, options).value();
+  return ComputeNccZScore(PrepareSceneForNcc(grey), model, pictures, 0, fit).value();
 }
 
 TEST(NccScore, TellsTheObjectFromOtherPlaces) {

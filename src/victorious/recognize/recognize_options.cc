@@ -11,7 +11,6 @@ void RecognizeOptions::ListFields(FieldList& fields) {
   fields.AddGroup("cascade", cascade);
   fields.AddGroup("pose", pose);
   fields.AddGroup("detect", detect);
-  fields.AddGroup("ncc", ncc);
 }
 
 }  // namespace victorious

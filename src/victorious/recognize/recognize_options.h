@@ -30,7 +30,7 @@ struct RecognizeOptions {
   CascadeOptions cascade;
   PoseOptions pose;
   DetectOptions detect;
-  NccOptions ncc;
+  NccOptions ncc;  ///< none of them is a parameter
 
   void ListFields(FieldList& fields);
 };

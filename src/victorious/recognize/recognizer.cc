@@ -70,13 +70,13 @@ Status Recognizer::RescoreByNcc(const cv::Mat& grey, std::vector<Detection>& det
     if (in_frame == options.max_poses_per_frame) break;
     if (rescores[detection.model_index]++ >= options.max_poses) continue;
     ++in_frame;
-    if (scene.empty()) scene = PrepareSceneForNcc(grey, options);
+    if (scene.empty()) scene = PrepareSceneForNcc(grey);
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<double> z_score,
                                 ComputeNccZScore(scene, (*models_)[detection.model_index], *appearances, detection.view,
-                                                 detection.fit.scene_from_template, options));
+                                                 detection.fit.scene_from_template));
     if (!z_score) continue;
     detection.neg_log10_nfa += options.decades_per_z_score * (*z_score - options.neutral_z_score);
-    detection.score = ComputeScore(detection.neg_log10_nfa, options_.detect);
+    detection.score = ComputeScore(detection.neg_log10_nfa);
   }
   std::erase_if(detections, [&](const Detection& one) { return one.score < options_.detect.min_score; });
   return {};
@@ -95,7 +95,7 @@ Expected<std::vector<Detection>> Recognizer::Recognize(const FeatureSet& feature
   }
   DetectOptions detect = options_.detect;
   const bool rescores = !grey.empty() && options_.ncc.max_poses > 0 && HasRelitTemplates();
-  if (rescores) detect.min_score = std::min(detect.min_score, ComputeScore(options_.ncc.min_neg_log10_nfa, detect));
+  if (rescores) detect.min_score = std::min(detect.min_score, ComputeScore(options_.ncc.min_neg_log10_nfa));
   std::vector<Detection> detections = Detect(candidates, MakeSceneSize(features), detect);
   if (rescores) VICTORIOUS_RETURN_IF_ERROR(RescoreByNcc(grey, detections));
   std::ranges::stable_sort(detections, [](const Detection& a, const Detection& b) {

@@ -361,7 +361,7 @@ TEST(Recognizer, LikenessDecidesWhatIsInDoubt) {
             .value();
     const std::vector<Detection> found = recognizer.Recognize(features, {}, grey).value();
     if (found.empty()) return std::nullopt;
-    EXPECT_DOUBLE_EQ(found[0].score, ComputeScore(found[0].neg_log10_nfa, options.detect));
+    EXPECT_DOUBLE_EQ(found[0].score, ComputeScore(found[0].neg_log10_nfa));
     return found[0].neg_log10_nfa;
   };
   RecognizeOptions options = ByVotes();

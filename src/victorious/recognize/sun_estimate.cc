@@ -24,6 +24,10 @@ constexpr double kFineStep_deg = 10;
 constexpr int kFineAzimuthSteps = 3;        // on each side
 constexpr int kFineElevationStepsDown = 3;  // below the coarse elevation
 constexpr int kFineElevationStepsUp = 2;    // above it
+// Views per frame that are relit: those of the highest -log10 NFA under diffuse light. Bounds the time.
+constexpr std::size_t kMaxSunViews = 8;
+// Minimum -log10 NFA of a pose whose shading determines the sun's direction: that of a certain instance (vote_poses.h).
+constexpr double kMinSunNegLog10Nfa = 6.0;
 // A sun must explain the scene better than diffuse light by a factor of ten in the NFA.
 constexpr double kMinGainOverDiffuse_decades = 1;
 
@@ -44,7 +48,7 @@ class SunEstimator {
     std::vector<SunCandidateView> candidates;
     for (std::size_t m = 0; m < models_.size(); ++m) VICTORIOUS_RETURN_IF_ERROR(AppendCandidateViews(m, candidates));
     std::ranges::stable_sort(candidates, std::greater{}, &SunCandidateView::neg_log10_nfa);
-    candidates.resize(std::min(candidates.size(), static_cast<std::size_t>(options_.max_sun_views)));
+    candidates.resize(std::min(candidates.size(), kMaxSunViews));
     std::optional<SunEstimate> best;
     for (std::size_t m = 0; m < models_.size(); ++m) {
       std::vector<SunCandidateView> own;
@@ -87,8 +91,7 @@ class SunEstimator {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<double> neg_log10_nfa, matcher.Evaluate(coarse));
     const auto best = static_cast<std::size_t>(std::ranges::max_element(neg_log10_nfa) - neg_log10_nfa.begin());
     const double diffuse = std::ranges::max(candidates, {}, &SunCandidateView::neg_log10_nfa).neg_log10_nfa;
-    if (neg_log10_nfa[best] < std::max(options_.min_sun_neg_log10_nfa, diffuse + kMinGainOverDiffuse_decades))
-      return std::nullopt;
+    if (neg_log10_nfa[best] < std::max(kMinSunNegLog10Nfa, diffuse + kMinGainOverDiffuse_decades)) return std::nullopt;
 
     const std::size_t view = coarse[best].view;
     VICTORIOUS_ASSIGN_OR_RETURN(const Eigen::Vector3d mean,

@@ -32,8 +32,8 @@ struct SunEstimate {
   double neg_log10_nfa;  ///< -log10 NFA of the pose that determines it
 };
 
-/// Returns std::nullopt in most scenes: if the best -log10 NFA is below options.min_sun_neg_log10_nfa or less than one
-/// decade above that of diffuse light.
+/// Returns std::nullopt in most scenes: if the best -log10 NFA is below six decades or less than one decade above
+/// that of diffuse light.
 /// Errors: those of RelitTemplateSource.
 [[nodiscard]] Expected<std::optional<SunEstimate>> EstimateSun(std::span<const RelightableModel> models,
                                                                const PreparedScene& scene, const Vertical& vertical,

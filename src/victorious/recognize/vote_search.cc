@@ -11,6 +11,16 @@
 #include "victorious/recognize/template_variant.h"
 
 namespace victorious {
+namespace {
+
+// Views of the highest -log10 NFA that vote once more together with the matches of their neighbours: an object seen
+// from between two views matches keypoints of both (docs/adr/0008).
+constexpr int kMaxPooledViews = 6;
+// Coarse views that are also matched relit by the sun: those of the highest -log10 NFA under diffuse light. More than a
+// model has, since direct sun may hide all features of diffuse light; bounds the time for a model of very many views.
+constexpr int kMaxRelitViews = 1000;
+
+}  // namespace
 
 Expected<std::vector<Candidate>> VoteSearch::Search(const PreparedScene& scene,
                                                     const FrameConditions& conditions) const {
@@ -37,7 +47,7 @@ Expected<std::vector<Candidate>> VoteSearch::Search(const PreparedScene& scene,
   for (const ScoredVariant& scored_variant :
        SortedByNfa(scored)) {  // also those without a pose: direct sun may hide all diffuse features
     const ModelView& view = model_.views[scored_variant.variant.view];
-    if (!has_sun || std::ssize(relit_views) == options_.max_relit_views) break;
+    if (!has_sun || std::ssize(relit_views) == kMaxRelitViews) break;
     if (!HasObservableHeading(view)) continue;
     relit_views.insert(scored_variant.variant.view);
     for (const double relative_azimuth_rad :
@@ -60,7 +70,7 @@ Expected<std::vector<Candidate>> VoteSearch::Search(const PreparedScene& scene,
     }
   }
   VICTORIOUS_RETURN_IF_ERROR(matcher.Evaluate(refined_variants));
-  matcher.Pool(options_.max_pooled_views);
+  matcher.Pool(kMaxPooledViews);
   return matcher.TakeCandidates();
 }
 
@@ -82,7 +92,7 @@ Expected<std::vector<Candidate>> VoteSearch::SearchViews(const PreparedScene& sc
     }
   }
   VICTORIOUS_RETURN_IF_ERROR(matcher.Evaluate(variants));
-  matcher.Pool(options_.max_pooled_views);
+  matcher.Pool(kMaxPooledViews);
   return matcher.TakeCandidates();
 }
 

@@ -8,14 +8,15 @@ namespace victorious {
 
 struct VoteSearchOptions {
   int nearest = 4;
-  int max_refined_views = 6;
-  int max_pooled_views = 6;
-  int max_relit_views = 1000;
   double max_tilt_rad = 0.35;
   double max_hanging_rad = 0.35;
+
+  // The rest are no parameters: the tests vary them.
+  /// Coarse views whose neighbours are matched, too: those of the highest -log10 NFA (docs/adr/0008).
+  int max_refined_views = 6;
+  /// Quantisation step of the sun's azimuth for relit templates. Finer is more accurate, and needs more renderings and
+  /// memory (docs/adr/0010).
   double sun_step_rad = 0.35;
-  double min_sun_neg_log10_nfa = 6.0;
-  int max_sun_views = 8;
   VoteOptions votes;
 
   void ListFields(FieldList& fields);

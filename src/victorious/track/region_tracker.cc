@@ -250,7 +250,7 @@ TrackStep RegionTracker::MakeStep(const Track& track, TrackLoss loss) const {
   if (!step.seen()) return step;
   step.box = BoundingBox(ClipToBox(step.outline, frame));
   for (const TemplatePoint& point : track.points) {
-    if (point.is_tracked) step.points.push_back({point.place, point.origin.feature});
+    if (point.is_tracked) step.points.push_back({point.place, point.origin.inlier});
   }
   step.support =
       static_cast<double>(step.points.size()) / static_cast<double>(std::max<std::size_t>(1, track.points.size()));
@@ -260,9 +260,9 @@ TrackStep RegionTracker::MakeStep(const Track& track, TrackLoss loss) const {
 std::vector<TrackPoint> MatchedPoints(const Detection& detection, const FeatureSet& scene) {
   std::vector<TrackPoint> points;
   points.reserve(detection.fit.inliers.size());
-  for (const Match& match : detection.fit.inliers) {
-    const Keypoint& keypoint = scene.keypoints[match.scene_keypoint];
-    points.push_back({{keypoint.x, keypoint.y}, match.template_keypoint});
+  for (const FitInlier& inlier : detection.fit.inliers) {
+    const Keypoint& keypoint = scene.keypoints[inlier.scene_keypoint];
+    points.push_back({{keypoint.x, keypoint.y}, static_cast<std::uint32_t>(points.size())});
   }
   return points;
 }

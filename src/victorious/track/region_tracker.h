@@ -106,7 +106,7 @@ class RegionTracker {
   double time_s_ = 0;
 };
 
-/// The inlier keypoints of a detection in the scene, each with the index of its template keypoint.
+/// The inlier keypoints of a detection in the scene, each with the index of its inlier.
 std::vector<TrackPoint> MatchedPoints(const Detection& detection, const FeatureSet& scene);
 
 /// "active", "inactive".

@@ -126,15 +126,15 @@ TEST(RegionTracker, FollowsTurnAndGrowth) {
   }
 }
 
-TEST(RegionTracker, KeepsWhichKeypointEachPointMatched) {
+TEST(RegionTracker, KeepsWhichInlierEachPointWasMadeFrom) {
   const World world;
   Follower follower;
   const TrackStep first = follower.Start(world.Draw(At(60, 80)), world.Outline(At(60, 80)));
   const auto step = follower.Step(world.Draw(At(69, 78)));
   ASSERT_TRUE(step && step->seen());
   for (const TrackPoint& point : step->points) {
-    ASSERT_TRUE(point.feature);
-    const auto origin = std::ranges::find(first.points, point.feature, &TrackPoint::feature);
+    ASSERT_TRUE(point.inlier);
+    const auto origin = std::ranges::find(first.points, point.inlier, &TrackPoint::inlier);
     ASSERT_NE(origin, first.points.end());
     EXPECT_LT((point.place - origin->place - Eigen::Vector2d(9, -2)).norm(), 1.5);
   }

@@ -74,6 +74,11 @@ struct ObjectModel {
   [[nodiscard]] FeatureView ViewFeatures(std::size_t view) const {
     return features.Slice(views[view].first_feature, views[view].feature_count);
   }
+  /// The surface points of a view's features; empty for photos.
+  [[nodiscard]] std::span<const Point3> ViewPoints(std::size_t view) const {
+    if (points_in_model.empty()) return {};
+    return points_in_model.subspan(views[view].first_feature, views[view].feature_count);
+  }
 };
 
 }  // namespace victorious

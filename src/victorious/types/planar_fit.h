@@ -3,26 +3,31 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "victorious/geometry/similarity.h"
-#include "victorious/types/match_set.h"
+#include "victorious/types/feature_set.h"
 #include "victorious/types/object_model.h"
 
 namespace victorious {
+
+/// An inlier of a fit, with its template keypoint by value: it means the same whichever template was matched, a stored
+/// view, a relit or a pooled template.
+struct FitInlier {
+  std::uint32_t scene_keypoint = 0;      ///< index into the scene's keypoints
+  Keypoint keypoint_in_template;         ///< in pixels of the view
+  std::optional<Point3> point_in_model;  ///< its surface point, model frame, m; nullopt for a model without depth
+};
 
 struct PlanarFit {
   Similarity2 scene_from_template;  ///< the MLESAC estimate
   /// Template pixels to scene pixels: the similarity, affine map or homography of the best BIC (plane_refinement.h).
   Eigen::Matrix3d scene_from_template_plane = Eigen::Matrix3d::Identity();
-  /// The inliers of the similarity. For a relit or a pooled template their template keypoint indices refer to that
-  /// template's keypoints, not to those of the stored view.
-  MatchSet inliers;
-  /// The surface points of the inliers, model frame, m, one each; empty for a model without depth.
-  std::vector<Point3> inlier_points;
+  std::vector<FitInlier> inliers;    ///< of the similarity
   std::size_t distinct_inliers = 0;  ///< number of different template keypoints among the inliers
   /// Residuals of the inliers that agree with the similarity also in rotation and scale
   /// (geometry/robust/similarity_estimator.h); px, ascending. Filled if the -log10 NFA below is not set.

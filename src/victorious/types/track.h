@@ -16,7 +16,8 @@ namespace victorious {
 /// A tracked point on an object.
 struct TrackPoint {
   Eigen::Vector2d place = Eigen::Vector2d::Zero();  ///< px in the frame
-  std::optional<std::uint32_t> feature;             ///< index of the template keypoint that was matched there
+  std::optional<std::uint32_t>
+      inlier;  ///< index of the inlier (PlanarFit::inliers) that it was made from; nullopt: none
 };
 
 enum class TrackState {
