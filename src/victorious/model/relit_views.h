@@ -12,7 +12,7 @@
 
 namespace victorious {
 
-/// Null for a model without stored renderings (from photos, or made by an earlier version).
+/// Null for a model without stored renderings: one from photos.
 /// @param max_kept  capacity of the cache, in templates of about 60 kB each. The least recently used ones are evicted
 ///                  and made again on demand.
 /// Error: kInvalidArgument, the model has options that this version does not know.

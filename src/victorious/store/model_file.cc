@@ -167,8 +167,7 @@ Expected<ObjectModel> ParseModel(std::span<const std::byte> bytes, std::shared_p
   Expected<ObjectModel> model = ParseAligned(bytes, std::move(storage));
   if (model) return model;
   Error error = std::move(model).error();
-  error.message +=
-      error.code == ErrorCode::kUnsupported ? ": use that version, or add the model again" : ": add the model again";
+  error.message += ": make the model again, by `victorious model add`";
   return std::unexpected(std::move(error).WithContext(name_for_errors));
 }
 

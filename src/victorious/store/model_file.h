@@ -22,7 +22,8 @@ Expected<std::vector<std::byte>> EncodeModel(const ObjectModel& model);
 Status WriteModelFile(const std::filesystem::path& path, const ObjectModel& model);
 
 /// Maps the file and validates all of it (checksums, bounds, counts). The model's name is the one stored in the file.
-/// Errors: kNotFound; kDataLoss (not a model, damaged, cut off); kUnsupported (a newer version).
+/// Errors: kNotFound; kDataLoss (not a model, damaged, cut off); kUnsupported (a newer version, or
+/// an older one whose models must be made again).
 Expected<ObjectModel> ReadModelFile(const std::filesystem::path& path);
 
 /// The same for bytes in memory that `storage` keeps alive. Never reads outside `bytes`, for any content.

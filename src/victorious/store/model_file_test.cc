@@ -239,14 +239,36 @@ TEST(ModelFileTest, RefusesTrailingBytesAndOtherFiles) {
   EXPECT_EQ(CodeOf(ReadModelFile(folder / "none.vmodel")), ErrorCode::kNotFound);
 }
 
-TEST(ModelFileTest, RefusesANewerVersion) {
+// The bytes of a model file of another format version.
+std::vector<std::byte> EncodeAsVersion(int version) {
   std::vector<std::byte> bytes = Encode(TestModel());
-  bytes[8] = std::byte{2};
+  bytes[8] = static_cast<std::byte>(version);
   const std::uint64_t checksum = Checksum(std::span(bytes).first(56));
   std::memcpy(bytes.data() + 56, &checksum, sizeof(checksum));
-  const auto model = Parse(bytes);
+  return bytes;
+}
+
+TEST(ModelFileTest, RefusesANewerVersion) {
+  const auto model = Parse(EncodeAsVersion(3));
   EXPECT_EQ(CodeOf(model), ErrorCode::kUnsupported);
-  EXPECT_THAT(model.error().message, HasSubstr("format 2; this program reads up to 1"));
+  EXPECT_THAT(model.error().message, HasSubstr("format 3; this program reads up to 2"));
+}
+
+TEST(ModelFileTest, AModelOfAnOlderVersionIsToBeMadeAgain) {
+  const auto model = Parse(EncodeAsVersion(1));
+  EXPECT_EQ(CodeOf(model), ErrorCode::kUnsupported);
+  EXPECT_EQ(model.error().message,
+            "test.vmodel: made by an older version (format 1; this program reads from 2): make the model again, by "
+            "`victorious model add`");
+}
+
+TEST(ModelFileTest, AnUnknownKindIsDamage) {
+  std::string metadata = EncodeMetadata(TestModel());
+  const std::size_t at = metadata.find("\"photos\"");
+  ASSERT_NE(at, std::string::npos);
+  metadata.replace(at, 8, "\"poems\"");
+  const auto model = ParseMetadata(metadata);
+  EXPECT_EQ(CodeOf(model), ErrorCode::kDataLoss);
 }
 
 TEST(ModelFileTest, ASectionOfALaterVersionIsPassedOver) {

@@ -17,7 +17,8 @@ static_assert(std::endian::native == std::endian::little);
 
 // As in PNG: the first byte is not ASCII, and the line ends reveal a transfer in text mode.
 constexpr std::array<char, 8> kMagic = {'\x8A', 'V', 'M', 'D', 'L', '\r', '\n', '\x1A'};
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kOldestVersion = 2;  // the options of version 1 have other names
 constexpr std::uint32_t kMaxSections = 64;
 constexpr std::size_t kMaxTag = 8;
 
@@ -67,11 +68,15 @@ Expected<Header> ParseHeader(std::span<const std::byte> bytes) {
     return Fail(ErrorCode::kDataLoss, "damaged (wrong checksum of the header)");
   }
   if (header.version > kVersion) {
-    return Fail(
-        ErrorCode::kUnsupported,
-        fmt::format("written by a newer version (format {}; this program reads up to {})", header.version, kVersion));
+    return Fail(ErrorCode::kUnsupported,
+                fmt::format("written by a newer version (format {}; this program reads up to {}), which can read it",
+                            header.version, kVersion));
   }
-  if (header.version == 0 || header.section_count > kMaxSections) {
+  if (header.version < kOldestVersion) {
+    return Fail(ErrorCode::kUnsupported, fmt::format("made by an older version (format {}; this program reads from {})",
+                                                     header.version, kOldestVersion));
+  }
+  if (header.section_count > kMaxSections) {
     return Fail(ErrorCode::kDataLoss,
                 fmt::format("damaged (format {}, {} sections)", header.version, header.section_count));
   }
