@@ -13,7 +13,7 @@
 #include "victorious/cli/command.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/model/model_library.h"
-#include "victorious/pipeline/navigate_run.h"
+#include "victorious/pipeline/navigate_job.h"
 
 namespace victorious::cli {
 namespace {

@@ -13,8 +13,8 @@
 #include "victorious/model/cad_model.h"
 #include "victorious/model/photo_model.h"
 #include "victorious/pipeline/index_options.h"
-#include "victorious/pipeline/navigate_run.h"
-#include "victorious/pipeline/track_run.h"
+#include "victorious/pipeline/navigate_job.h"
+#include "victorious/pipeline/track_job.h"
 #include "victorious/recognize/category_images.h"
 
 namespace victorious::cli {

@@ -16,7 +16,7 @@
 #include "victorious/cli/command.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/observe/object_type.h"
-#include "victorious/pipeline/track_run.h"
+#include "victorious/pipeline/track_job.h"
 
 namespace victorious::cli {
 namespace {

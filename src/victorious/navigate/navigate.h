@@ -1,5 +1,5 @@
 // Landmark navigation: estimates the camera's trajectory (position and attitude per frame) from sightings of objects at
-// known places, with telemetry that drifts or without telemetry. Called by pipeline/navigate_run.cc.
+// known places, with telemetry that drifts or without telemetry. Called by pipeline/navigate_job.cc.
 //
 // Iterates between data association and smoothing:
 //   landmarks, sightings -> initial association (agreement.h, contradiction.h) -> maximum-likelihood flight

@@ -1,4 +1,4 @@
-// User boxes and sightings of their objects: input and output of user-specified tracking (track_run.h).
+// User boxes and sightings of their objects: input and output of user-specified tracking (track_job.h).
 #pragma once
 
 #include <cstddef>

@@ -15,7 +15,7 @@
 #include "victorious/base/progress.h"
 #include "victorious/base/version.h"
 #include "victorious/model/relit_views.h"
-#include "victorious/pipeline/search_pass.h"
+#include "victorious/pipeline/index_pass.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/telemetry/camera_track.h"
 #include "victorious/video/video_reader.h"
@@ -276,17 +276,17 @@ Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& ca
       }
     }
     report.sun = sun;
-    const SearchPass pass{.video = record,
-                          .searches = searches,
-                          .recognizer = recognizer,
-                          .categories = with_categories ? &*categories_ : nullptr,
-                          .category_ids = category_ids,
-                          .extractor = *extractor_,
-                          .options = options_,
-                          .cameras = cameras.track ? &*cameras.track : nullptr,
-                          .sun = sun,
-                          .threads = job.threads};
-    VICTORIOUS_RETURN_IF_ERROR(RunSearchPass(pass, *reader, cancel, store, warn, report));
+    const IndexPass pass{.video = record,
+                         .searches = searches,
+                         .recognizer = recognizer,
+                         .categories = with_categories ? &*categories_ : nullptr,
+                         .category_ids = category_ids,
+                         .extractor = *extractor_,
+                         .options = options_,
+                         .cameras = cameras.track ? &*cameras.track : nullptr,
+                         .sun = sun,
+                         .threads = job.threads};
+    VICTORIOUS_RETURN_IF_ERROR(RunIndexPass(pass, *reader, cancel, store, warn, report));
     reader.reset();
   }
   return report;

@@ -1,4 +1,4 @@
-// User-specified tracking (track_run.h), one pass over the frames of a video: forward, backward, or over another video.
+// User-specified tracking (track_job.h), one pass over the frames of a video: forward, backward, or over another video.
 //
 // Per frame, the correlation-filter tracker (track/box_tracker.h) updates every target. Every `recognize_every` frames
 // each lost target is searched for: first at the image position that its place on Earth predicts, then by keypoint
@@ -84,15 +84,15 @@ Expected<std::shared_ptr<const Recognizer>> MakeBoxRecognizer(const Frame& frame
                                                               const std::string& name, const PhotoModelOptions& model,
                                                               const RecognizeOptions& recognize);
 
-class BoxPass {
+class TrackPass {
  public:
   /// @param extractor        outlives the pass
   /// @param recognize_every  frames between two searches for lost targets
   /// @param impulse_fraction    impulse noise fraction of the frames (RemoveImpulses) if ground points are to be
   /// tracked;
   ///                         std::nullopt to track none
-  BoxPass(BoxTracker tracker, const FeatureExtractor& extractor, int recognize_every,
-          std::optional<double> impulse_fraction)
+  TrackPass(BoxTracker tracker, const FeatureExtractor& extractor, int recognize_every,
+            std::optional<double> impulse_fraction)
       : tracker_(std::move(tracker)),
         extractor_(&extractor),
         recognize_every_(recognize_every),

@@ -1,4 +1,4 @@
-#include "victorious/pipeline/box_pass.h"
+#include "victorious/pipeline/track_pass.h"
 
 #include <algorithm>
 #include <iterator>
@@ -37,18 +37,18 @@ Expected<std::shared_ptr<const Recognizer>> MakeBoxRecognizer(const Frame& frame
   return std::make_shared<const Recognizer>(std::move(recognizer));
 }
 
-Expected<Box> BoxPass::Start(const UserBoxTarget& target) {
+Expected<Box> TrackPass::Start(const UserBoxTarget& target) {
   VICTORIOUS_ASSIGN_OR_RETURN(const BoxTrackStep step, tracker_.Start(target.box));
   targets_.push_back({.target = target, .last_box = step.box});
   if (impulse_fraction_) targets_.back().ground.emplace(FlowPyramid(CleanGrey(last_image_), {}), step.box);
   return step.box;
 }
 
-void BoxPass::SetRecognizer(std::shared_ptr<const Recognizer> recognizer) {
+void TrackPass::SetRecognizer(std::shared_ptr<const Recognizer> recognizer) {
   targets_.back().target.recognizer = std::move(recognizer);
 }
 
-void BoxPass::ChangeVideo() {
+void TrackPass::ChangeVideo() {
   tracker_.ChangeVideo();
   impulse_fraction_.reset();
   for (TrackedTarget& followed : targets_) {
@@ -57,8 +57,8 @@ void BoxPass::ChangeVideo() {
   }
 }
 
-Status BoxPass::ProcessFrame(const Frame& frame, std::size_t video, const BoxPlacePrior* place_prior,
-                             std::vector<BoxSighting>& sightings) {
+Status TrackPass::ProcessFrame(const Frame& frame, std::size_t video, const BoxPlacePrior* place_prior,
+                               std::vector<BoxSighting>& sightings) {
   TrackGroundPoints(frame);
   std::vector<std::size_t> lost;
   for (const BoxTrackStep& step : tracker_.Step(frame)) {
@@ -79,9 +79,9 @@ Status BoxPass::ProcessFrame(const Frame& frame, std::size_t video, const BoxPla
   return {};
 }
 
-bool BoxPass::HandleStep(const BoxTrackStep& step, const Frame& frame, std::size_t video,
-                         const BoxPlacePrior* place_prior, const Detection* recognised,
-                         std::vector<BoxSighting>& sightings) {
+bool TrackPass::HandleStep(const BoxTrackStep& step, const Frame& frame, std::size_t video,
+                           const BoxPlacePrior* place_prior, const Detection* recognised,
+                           std::vector<BoxSighting>& sightings) {
   TrackedTarget& followed = targets_[step.target];
   const std::size_t drawn = followed.target.drawn;
   const bool elsewhere =
@@ -112,11 +112,11 @@ bool BoxPass::HandleStep(const BoxTrackStep& step, const Frame& frame, std::size
   return true;
 }
 
-cv::Mat BoxPass::CleanGrey(const cv::Mat& image) const {
+cv::Mat TrackPass::CleanGrey(const cv::Mat& image) const {
   return RemoveImpulses(GreyFromBgr(image), *impulse_fraction_);
 }
 
-void BoxPass::TrackGroundPoints(const Frame& frame) {
+void TrackPass::TrackGroundPoints(const Frame& frame) {
   if (!impulse_fraction_) return;
   last_image_ = frame.image;
   if (std::ranges::none_of(targets_, [](const TrackedTarget& one) { return one.ground.has_value(); })) return;
@@ -131,8 +131,8 @@ void BoxPass::TrackGroundPoints(const Frame& frame) {
   }
 }
 
-bool BoxPass::ResumeAtPlace(std::size_t target, const Frame& frame, std::size_t video, const BoxPlacePrior& place_prior,
-                            std::vector<BoxSighting>& sightings) {
+bool TrackPass::ResumeAtPlace(std::size_t target, const Frame& frame, std::size_t video,
+                              const BoxPlacePrior& place_prior, std::vector<BoxSighting>& sightings) {
   const auto expected = place_prior.Predict(targets_[target].target.drawn, frame);
   if (!expected) return false;
   const Box inside = Intersection(expected->box, FrameBox(frame.image.cols, frame.image.rows));
@@ -143,7 +143,7 @@ bool BoxPass::ResumeAtPlace(std::size_t target, const Frame& frame, std::size_t 
   return HandleStep(step, frame, video, &place_prior, nullptr, sightings);
 }
 
-Status BoxPass::ResumeByRecognition(std::size_t target, const FeatureSet& scene, const Frame& frame, std::size_t video,
+Status TrackPass::ResumeByRecognition(std::size_t target, const FeatureSet& scene, const Frame& frame, std::size_t video,
                                     const BoxPlacePrior* place_prior, std::vector<BoxSighting>& sightings) {
   const UserBoxTarget& drawn = targets_[target].target;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Detection> detections, drawn.recognizer->Recognize(scene));

@@ -1,4 +1,4 @@
-#include "victorious/pipeline/track_run.h"
+#include "victorious/pipeline/track_job.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 
 #include "victorious/base/progress.h"
 #include "victorious/features/feature_extractor.h"
-#include "victorious/pipeline/box_pass.h"
+#include "victorious/pipeline/track_pass.h"
 #include "victorious/pipeline/video_telemetry.h"
 #include "victorious/telemetry/camera_track.h"
 #include "victorious/track/box_tracker.h"
@@ -66,13 +66,13 @@ class BoxTrackingRun {
       cameras_.push_back(std::move(cameras));
     }
     VICTORIOUS_ASSIGN_OR_RETURN(extractor_, MakeFeatureExtractor(options_.model.features));
-    VICTORIOUS_ASSIGN_OR_RETURN(BoxPass forward, NewPass());
+    VICTORIOUS_ASSIGN_OR_RETURN(TrackPass forward, NewPass());
     VICTORIOUS_RETURN_IF_ERROR(TrackForward(forward));
     VICTORIOUS_RETURN_IF_ERROR(TrackBackward());
     LocateAll();
     const std::vector<std::optional<StaticBox>> standing = FindStaticBoxes();
     for (std::size_t video = 1; video < videos_.size(); ++video) {
-      BoxPass search = forward;
+      TrackPass search = forward;
       VICTORIOUS_RETURN_IF_ERROR(SearchVideo(video, standing, search));
     }
     if (videos_.size() > 1) LocateAll();
@@ -85,13 +85,13 @@ class BoxTrackingRun {
   }
 
  private:
-  Expected<BoxPass> NewPass() const {
+  Expected<TrackPass> NewPass() const {
     VICTORIOUS_ASSIGN_OR_RETURN(BoxTracker tracker, BoxTracker::Create(options_.box));
     const auto impulse_fraction = cameras_[0] ? std::optional(options_.model.features.impulse_fraction) : std::nullopt;
-    return BoxPass(std::move(tracker), *extractor_, options_.recognize_every, impulse_fraction);
+    return TrackPass(std::move(tracker), *extractor_, options_.recognize_every, impulse_fraction);
   }
 
-  Status TrackForward(BoxPass& pass) {
+  Status TrackForward(TrackPass& pass) {
     VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, OpenRereadable(videos_[0]));
     std::vector<bool> started(boxes_.size(), false);
     double last_time_s = 0;
@@ -120,7 +120,7 @@ class BoxTrackingRun {
     return {};
   }
 
-  Status StartBox(std::size_t index, const Frame& frame, BoxPass& pass) {
+  Status StartBox(std::size_t index, const Frame& frame, TrackPass& pass) {
     UserBoxTarget target{.drawn = index, .box = boxes_[index].box, .frame = frame.index};
     Expected<Box> box = pass.Start(target);
     if (!box) return std::unexpected(std::move(box).error().WithContext(BoxName(index)));
@@ -144,7 +144,7 @@ class BoxTrackingRun {
   }
 
   Status TrackBackward() {
-    VICTORIOUS_ASSIGN_OR_RETURN(BoxPass pass, NewPass());
+    VICTORIOUS_ASSIGN_OR_RETURN(TrackPass pass, NewPass());
     std::int64_t end = 0;
     for (const UserBoxTarget& target : targets_) end = std::max(end, target.frame + 1);
     if (end <= 1) return {};
@@ -169,7 +169,7 @@ class BoxTrackingRun {
     return {};
   }
 
-  void StoreGroundPoints(BoxPass& pass) {
+  void StoreGroundPoints(TrackPass& pass) {
     for (UserBoxGroundPoint& spot : pass.TakeGroundPoints()) ground_points_[spot.drawn][spot.seen.frame] = spot.seen;
   }
 
@@ -201,7 +201,7 @@ class BoxTrackingRun {
     return frames;
   }
 
-  Status SearchVideo(std::size_t video, const std::vector<std::optional<StaticBox>>& standing, BoxPass& pass) {
+  Status SearchVideo(std::size_t video, const std::vector<std::optional<StaticBox>>& standing, TrackPass& pass) {
     VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, OpenRereadable(videos_[video]));
     pass.ChangeVideo();
     const BoxPlacePrior place_prior(standing, cameras_[video], options_.place);

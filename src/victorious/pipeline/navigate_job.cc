@@ -1,4 +1,4 @@
-#include "victorious/pipeline/navigate_run.h"
+#include "victorious/pipeline/navigate_job.h"
 
 #include <algorithm>
 #include <array>

@@ -22,7 +22,7 @@
 namespace victorious {
 
 /// Input of a pass. The references outlive it.
-struct SearchPass {
+struct IndexPass {
   const VideoRecord& video;
   /// One entry per model of the recogniser, in its order, then one per category; all with the same next_frame.
   std::span<const SearchRecord> searches;
@@ -40,7 +40,7 @@ struct SearchPass {
 /// Reads `reader` to its end, commits to `store` on the way, and adds the counts to `report`. A cancelled live source
 /// counts as ended. Warnings are passed to `warn` in any case.
 /// Errors: those of reading, of feature extraction and of the store; kCancelled, after what was done is stored.
-Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelToken& cancel, IndexStore& store,
-                     const WarningSink& warn, IndexReport& report);
+Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToken& cancel, IndexStore& store,
+                    const WarningSink& warn, IndexReport& report);
 
 }  // namespace victorious

@@ -1,4 +1,4 @@
-#include "victorious/pipeline/navigate_run.h"
+#include "victorious/pipeline/navigate_job.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kCrate = R"({"model":"crate","latitude_deg":52.5,"longitude_deg":13.4,"altitude_m":75.5})";
 
-class NavigateRunTest : public ::testing::Test {
+class NavigateJobTest : public ::testing::Test {
  protected:
   std::string List(std::string_view text) {
     const std::filesystem::path path = flight_ / "landmarks.jsonl";
@@ -38,7 +38,7 @@ class NavigateRunTest : public ::testing::Test {
   std::vector<std::string> warnings_;
 };
 
-TEST_F(NavigateRunTest, APhotoWithoutALengthIsNoLandmark) {
+TEST_F(NavigateJobTest, APhotoWithoutALengthIsNoLandmark) {
   const auto run = Run(List(kCrate), flight_.Models(), WithView());
   ASSERT_TRUE(run) << run.error().message;
   EXPECT_EQ(run->frames, 6);
@@ -46,7 +46,7 @@ TEST_F(NavigateRunTest, APhotoWithoutALengthIsNoLandmark) {
   EXPECT_EQ(run->navigation.landmark_by_sighting.size(), 0);
 }
 
-TEST_F(NavigateRunTest, RefusesWhatItCannotWorkWith) {
+TEST_F(NavigateJobTest, RefusesWhatItCannotWorkWith) {
   const auto refused = [](const Expected<NavigationResult>& run) {
     return run ? "not refused" : std::string(Name(run.error().code)) + ": " + run.error().message;
   };
@@ -58,7 +58,7 @@ TEST_F(NavigateRunTest, RefusesWhatItCannotWorkWith) {
   EXPECT_NE(refused(Run(List(kCrate), flight_.Models(), wrong)).find("every"), std::string::npos);
 }
 
-TEST_F(NavigateRunTest, TellsWhichLandmarksHaveNoModel) {
+TEST_F(NavigateJobTest, TellsWhichLandmarksHaveNoModel) {
   std::string other(kCrate);
   other.replace(other.find("crate"), 5, "wagon");
   ASSERT_TRUE(Run(List(std::string(kCrate) + "\n" + other), flight_.Models(), WithView()));

@@ -1,4 +1,4 @@
-#include "victorious/pipeline/search_pass.h"
+#include "victorious/pipeline/index_pass.h"
 
 #include <functional>
 #include <optional>
@@ -62,7 +62,7 @@ class FakeReader final : public VideoReader {
 };
 
 // One pass over a fake video, into its own index.
-class SearchPassTest : public ::testing::Test {
+class IndexPassTest : public ::testing::Test {
  protected:
   Status Run(VideoReader& reader, std::int64_t first_frame = 0) {
     const VideoRecord video = store_
@@ -89,13 +89,13 @@ class SearchPassTest : public ::testing::Test {
                                                  .program_version = "test"}};
     const Recognizer recognizer = Recognizer::Create({model}, options.features.engine, options.recognize).value();
     const auto extractor = MakeFeatureExtractor(options.features).value();
-    const SearchPass pass{.video = video,
-                          .searches = searches,
-                          .recognizer = recognizer,
-                          .extractor = *extractor,
-                          .options = options,
-                          .threads = 2};
-    const Status status = RunSearchPass(
+    const IndexPass pass{.video = video,
+                         .searches = searches,
+                         .recognizer = recognizer,
+                         .extractor = *extractor,
+                         .options = options,
+                         .threads = 2};
+    const Status status = RunIndexPass(
         pass, reader, cancel_, *store_, [&](const std::string& warning) { warnings_.push_back(warning); }, report_);
     search_ = store_->FindSearch(video.id, stored.id).value();
     return status;
@@ -109,7 +109,7 @@ class SearchPassTest : public ::testing::Test {
   std::optional<SearchRecord> search_;
 };
 
-TEST_F(SearchPassTest, ALiveSourceEndsWhereItIsCancelled) {
+TEST_F(IndexPassTest, ALiveSourceEndsWhereItIsCancelled) {
   FakeReader reader(/*live=*/true, [&](std::int64_t frame) {
     if (frame == 20) cancel_.Cancel();
   });
@@ -124,7 +124,7 @@ TEST_F(SearchPassTest, ALiveSourceEndsWhereItIsCancelled) {
   EXPECT_THAT(warnings_, ElementsAre("at 0.10 s: something damaged"));
 }
 
-TEST_F(SearchPassTest, AFileThatIsCancelledSaysWhichAndWhere) {
+TEST_F(IndexPassTest, AFileThatIsCancelledSaysWhichAndWhere) {
   FakeReader reader(/*live=*/false, [&](std::int64_t frame) {
     if (frame == 20) cancel_.Cancel();
   });
@@ -137,7 +137,7 @@ TEST_F(SearchPassTest, AFileThatIsCancelledSaysWhichAndWhere) {
   EXPECT_THAT(warnings_, ElementsAre("at 0.10 s: something damaged"));
 }
 
-TEST_F(SearchPassTest, ALiveSourceThatFailsIsNotDone) {
+TEST_F(IndexPassTest, ALiveSourceThatFailsIsNotDone) {
   FakeReader reader(/*live=*/true, [](std::int64_t /*frame*/) {});
   reader.broken_at = 20;
   const Status status = Run(reader);
@@ -148,7 +148,7 @@ TEST_F(SearchPassTest, ALiveSourceThatFailsIsNotDone) {
   EXPECT_THAT(warnings_, ElementsAre("at 0.10 s: something damaged"));
 }
 
-TEST_F(SearchPassTest, FramesPassedOverOnTheWayToTheFirstAreShown) {
+TEST_F(IndexPassTest, FramesPassedOverOnTheWayToTheFirstAreShown) {
   FakeReader reader(/*live=*/false, [&](std::int64_t frame) {
     if (frame == 20) cancel_.Cancel();
   });
@@ -157,7 +157,7 @@ TEST_F(SearchPassTest, FramesPassedOverOnTheWayToTheFirstAreShown) {
   EXPECT_THAT(::testing::internal::GetCapturedStderr(), AllOf(HasSubstr("fake.mp4"), HasSubstr("21 of 200 frames")));
 }
 
-TEST_F(SearchPassTest, ALiveSourcesOwnTelemetryTellsWhereThingsAre) {
+TEST_F(IndexPassTest, ALiveSourcesOwnTelemetryTellsWhereThingsAre) {
   FakeReader reader(/*live=*/true, [&](std::int64_t frame) {
     if (frame == 14) cancel_.Cancel();
   });

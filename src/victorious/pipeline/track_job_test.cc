@@ -1,4 +1,4 @@
-#include "victorious/pipeline/track_run.h"
+#include "victorious/pipeline/track_job.h"
 
 #include <fstream>
 #include <optional>
@@ -15,9 +15,9 @@ namespace {
 
 using ::testing::HasSubstr;
 
-class TrackRunTest : public ::testing::Test {
+class TrackJobTest : public ::testing::Test {
  protected:
-  TrackRunTest() : flight_(ShortFlight(30)) {
+  TrackJobTest() : flight_(ShortFlight(30)) {
     WriteVideo(flight_, folder_ / "flight.mkv");
     videos_ = {(folder_ / "flight.mkv").string()};
   }
@@ -54,7 +54,7 @@ class TrackRunTest : public ::testing::Test {
   std::vector<std::string> warnings_;
 };
 
-TEST_F(TrackRunTest, TheWayBackIsTheSameInShortStretches) {
+TEST_F(TrackJobTest, TheWayBackIsTheSameInShortStretches) {
   const std::vector<UserBox> boxes = {Drawn(25)};
   TrackBoxesOptions short_stretches;
   short_stretches.memory_mb = 1;  // a few frames
@@ -65,7 +65,7 @@ TEST_F(TrackRunTest, TheWayBackIsTheSameInShortStretches) {
   EXPECT_GT(whole.back().frame, 25);
 }
 
-TEST_F(TrackRunTest, ABoxOfOneColourIsFollowedByItsLookAlone) {
+TEST_F(TrackJobTest, ABoxOfOneColourIsFollowedByItsLookAlone) {
   cv::Mat plain(120, 160, CV_8UC3, cv::Scalar(90, 120, 90));
   auto writer = VideoWriter::Create(folder_ / "plain.mkv", {.width = 160, .height = 120, .fps = 10.0}).value();
   for (int i = 0; i < 5; ++i) {
@@ -81,7 +81,7 @@ TEST_F(TrackRunTest, ABoxOfOneColourIsFollowedByItsLookAlone) {
   EXPECT_THAT(warnings_, ::testing::ElementsAre(HasSubstr("by its template only")));
 }
 
-TEST_F(TrackRunTest, TellsWhatIsWrong) {
+TEST_F(TrackJobTest, TellsWhatIsWrong) {
   EXPECT_THAT(Run({{{10, 10, 30, 30}, 99.0}}).error().message, HasSubstr("ends at"));
   EXPECT_THAT(Run({{{900, 10, 30, 30}, 0.0}}).error().message, HasSubstr("box-1"));
   EXPECT_EQ(Run({}).error().code, ErrorCode::kInvalidArgument);
@@ -89,7 +89,7 @@ TEST_F(TrackRunTest, TellsWhatIsWrong) {
   EXPECT_EQ(Run({Drawn(0)}).error().code, ErrorCode::kCancelled);
 }
 
-TEST_F(TrackRunTest, WhyThereIsNoPlaceIsTold) {
+TEST_F(TrackJobTest, WhyThereIsNoPlaceIsTold) {
   const auto why = [&] { return Track({Drawn(25)}).value().place_failures.at(0); };
   EXPECT_THAT(why(), HasSubstr("no telemetry with camera position"));
   TellCamera(100, 101);
@@ -98,7 +98,7 @@ TEST_F(TrackRunTest, WhyThereIsNoPlaceIsTold) {
   EXPECT_THAT(why(), HasSubstr("do not determine its distance"));
 }
 
-TEST_F(TrackRunTest, WhatHasAPlaceNeedsNoExcuse) {
+TEST_F(TrackJobTest, WhatHasAPlaceNeedsNoExcuse) {
   TellCamera(0, 10);
   TrackBoxesOptions options;
   options.ground.height_m = 20;
@@ -107,7 +107,7 @@ TEST_F(TrackRunTest, WhatHasAPlaceNeedsNoExcuse) {
   EXPECT_TRUE(tracked.sightings.back().place.has_value());
 }
 
-TEST_F(TrackRunTest, AGroundAboveTheCameraIsNotTakenForWhatIsMissing) {
+TEST_F(TrackJobTest, AGroundAboveTheCameraIsNotTakenForWhatIsMissing) {
   TellCamera(0, 10);
   TrackBoxesOptions options;
   options.ground.height_m = 200;

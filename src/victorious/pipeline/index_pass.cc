@@ -1,4 +1,4 @@
-#include "victorious/pipeline/search_pass.h"
+#include "victorious/pipeline/index_pass.h"
 
 #include <algorithm>
 #include <atomic>
@@ -61,12 +61,12 @@ class KeptFrameSelector {
 };
 
 // True if objects are tracked between full-frame searches. Categories are searched for in full frames only.
-bool IsTrackingEnabled(const SearchPass& pass) {
+bool IsTrackingEnabled(const IndexPass& pass) {
   return pass.options.follow.enabled && !pass.recognizer.models().empty();
 }
 
 // True for a live source with data streams, if no telemetry was given.
-bool HasLiveTelemetry(const SearchPass& pass, const VideoInfo& info) {
+bool HasLiveTelemetry(const IndexPass& pass, const VideoInfo& info) {
   const auto is_telemetry = [](const StreamInfo& stream) { return stream.type == "data" || stream.type == "subtitle"; };
   return info.live && pass.cameras == nullptr && std::ranges::any_of(info.streams, is_telemetry);
 }
@@ -75,7 +75,7 @@ bool HasLiveTelemetry(const SearchPass& pass, const VideoInfo& info) {
 class FrameSource {
  public:
   /// @param first_required_frame  first frame whose camera motion is needed, if before those to search
-  FrameSource(const SearchPass& pass, std::optional<std::int64_t> first_required_frame, VideoReader& reader,
+  FrameSource(const IndexPass& pass, std::optional<std::int64_t> first_required_frame, VideoReader& reader,
               const CancelToken& cancel, Progress& progress)
       : reader_(reader),
         cancel_(cancel),
@@ -183,7 +183,7 @@ class FrameSource {
   const CancelToken& cancel_;
   Progress& progress_;
   KeptFrameSelector selector_;
-  const SearchPass& pass_;
+  const IndexPass& pass_;
   std::int64_t next_frame_;
   std::int64_t follow_from_;
   std::int64_t first_frame_;
@@ -195,7 +195,7 @@ class FrameSource {
   std::deque<Frame> waiting_;  // frames of a live source that wait for telemetry
 };
 
-SightingRecord ToSighting(const SearchPass& pass, const Frame& frame, const FeatureSet& features,
+SightingRecord ToSighting(const IndexPass& pass, const Frame& frame, const FeatureSet& features,
                           const std::optional<CameraState>& camera, const ObservedObject& seen) {
   const Detection& detection = seen.detection;
   const ObjectModel& model = pass.recognizer.models()[detection.model_index];
@@ -227,7 +227,7 @@ SightingRecord ToSighting(const SearchPass& pass, const Frame& frame, const Feat
   return sighting;
 }
 
-SightingRecord ToSighting(const SearchPass& pass, const FrameTask& work, const FoundCategory& found) {
+SightingRecord ToSighting(const IndexPass& pass, const FrameTask& work, const FoundCategory& found) {
   const CameraState known = work.camera.value_or(CameraState{});
   const auto object_pose = EstimateBoxDirection(found.box, work.frame.image.size(), known, kCategoryCentreFraction);
   return {.video = pass.video.id,
@@ -240,7 +240,7 @@ SightingRecord ToSighting(const SearchPass& pass, const FrameTask& work, const F
 }
 
 // Features, recognition and categories of full frames. Parallel.
-void Search(const SearchPass& pass, FrameTask& work) {
+void Search(const IndexPass& pass, FrameTask& work) {
   if (!work.whole) return;
   if (pass.categories != nullptr && !work.already_stored) {
     Expected<std::vector<FoundCategory>> found = pass.categories->Find(work.frame.image);
@@ -265,7 +265,7 @@ void Search(const SearchPass& pass, FrameTask& work) {
 }
 
 // Makes sightings of detections, through the follower if there is one. Serial, in the order of frames.
-void Follow(const SearchPass& pass, std::optional<Follower>& follower, ImageMotionEstimator& motion, FrameTask& work) {
+void Follow(const IndexPass& pass, std::optional<Follower>& follower, ImageMotionEstimator& motion, FrameTask& work) {
   work.now_from_before = motion.Step(work.frame.image);
   if (!work.features || work.motion_only) return;
   if (!follower) {
@@ -289,7 +289,7 @@ void Follow(const SearchPass& pass, std::optional<Follower>& follower, ImageMoti
 }
 
 // Raises the gap of a tracklet to 2.5 searched frames, and to the number of frames that a track may miss.
-TrackletOptions MakeTrackletOptions(const SearchPass& pass, double frame_rate) {
+TrackletOptions MakeTrackletOptions(const IndexPass& pass, double frame_rate) {
   constexpr double kFrames = 2.5;
   TrackletOptions tracklets = pass.options.tracklets;
   const double frames = std::max(kFrames * pass.options.every,
@@ -301,7 +301,7 @@ TrackletOptions MakeTrackletOptions(const SearchPass& pass, double frame_rate) {
 // Links and stores, in the order of frames. Serial.
 class ResultWriter {
  public:
-  ResultWriter(const SearchPass& pass, double frame_rate, IndexStore& store, IndexReport& report)
+  ResultWriter(const IndexPass& pass, double frame_rate, IndexStore& store, IndexReport& report)
       : pass_(pass),
         store_(store),
         report_(report),
@@ -373,7 +373,7 @@ class ResultWriter {
  private:
   using Clock = std::chrono::steady_clock;
 
-  const SearchPass& pass_;
+  const IndexPass& pass_;
   IndexStore& store_;
   IndexReport& report_;
   TrackletLinker linker_;
@@ -386,8 +386,8 @@ class ResultWriter {
 
 }  // namespace
 
-Status RunSearchPass(const SearchPass& pass, VideoReader& reader, const CancelToken& cancel, IndexStore& store,
-                     const WarningSink& warn, IndexReport& report) {
+Status RunIndexPass(const IndexPass& pass, VideoReader& reader, const CancelToken& cancel, IndexStore& store,
+                    const WarningSink& warn, IndexReport& report) {
   namespace tbb = oneapi::tbb;
   Progress progress(pass.video.name, reader.info().frame_count, "frames");
   ResultWriter sink(pass, reader.info().frame_rate, store, report);
