@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <ranges>
 #include <utility>
 
 #include <fmt/format.h>
@@ -116,11 +117,6 @@ Expected<Cameras> ReadCameras(const IndexJob& job, const VideoInfo& info, const 
   return cameras;
 }
 
-struct PlannedSearch {
-  std::size_t sought = 0;
-  SearchRecord search;
-};
-
 // The index identifies models and categories by name, so one would overwrite the other.
 Status CheckNames(const std::vector<ModelRecord>& sought, const std::vector<ModelRecord>& others) {
   for (const ModelRecord& one : sought) {
@@ -131,6 +127,16 @@ Status CheckNames(const std::vector<ModelRecord>& sought, const std::vector<Mode
     }
   }
   return {};
+}
+
+void WarnIfChanged(const ModelRecord& target, const std::vector<ModelRecord>& models_before, const WarningSink& warn) {
+  const bool changed = std::ranges::any_of(models_before, [&](const ModelRecord& before) {
+    return before.name == target.name && before.model_id != target.model_id;
+  });
+  if (!changed) return;
+  warn(fmt::format(
+      "{} {} differs from the one searched for before: its earlier results, in other videos too, are dropped",
+      target.IsCategory() ? "category" : "model", target.name));
 }
 
 }  // namespace
@@ -165,9 +171,23 @@ Expected<Indexer> Indexer::Create(std::vector<ObjectModel> models, const IndexOp
   return indexer;
 }
 
+// A video that was opened for indexing.
+struct Indexer::OpenedVideo {
+  std::unique_ptr<VideoReader> reader;  // null after a pass that read it
+  Cameras cameras;
+  VideoRecord record;
+};
+
+// The searches of one pass over the video.
+struct Indexer::PlannedPass {
+  std::vector<std::size_t> targets;    // indices into targets_, ascending: models, then categories
+  std::vector<SearchRecord> searches;  // one per target, all with the same next_frame
+};
+
 Expected<IndexReport> Indexer::Index(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
                                      const WarningSink& warn) const {
-  Expected<IndexReport> report = Search(job, cancel, store, warn);
+  const WarningSink emit_warning = warn ? warn : [](const std::string&) {};
+  Expected<IndexReport> report = Search(job, cancel, store, emit_warning);
   if (report || report.error().code == ErrorCode::kCancelled) {
     VICTORIOUS_RETURN_IF_ERROR(UpdateObjects(options_.objects, store));
   }
@@ -176,120 +196,130 @@ Expected<IndexReport> Indexer::Index(const IndexJob& job, const CancelToken& can
 
 Expected<IndexReport> Indexer::Search(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
                                       const WarningSink& warn) const {
-  const std::string& video = job.video;
   VICTORIOUS_CHECK(job.lit.empty() || job.lit.size() == models_.size());
   if (cancel.IsCancelled()) {
-    return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped before it was opened; run again to resume", video));
+    return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped before it was opened; run again to resume", job.video));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models_before, store.Models());
   VICTORIOUS_RETURN_IF_ERROR(CheckNames(targets_, models_before));
-  const VideoReaderOptions reading{.data_packets = true,  // a live source sends them once
-                                   .threads = job.threads,
-                                   .folder_frame_rate = options_.video.folder_frame_rate};
-  VICTORIOUS_ASSIGN_OR_RETURN(std::unique_ptr<VideoReader> reader, VideoReader::Open(video, reading));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string content_id, ContentIdOf(*reader, video, cancel));
-  const auto emit_warning = [&](const std::string& warning) {
-    if (warn) warn(warning);
-  };
-  VICTORIOUS_ASSIGN_OR_RETURN(const Cameras cameras,
-                              ReadCameras(job, reader->info(), options_.telemetry, emit_warning));
-  if (!reader->info().live) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t forgotten, store.DeleteOtherContent(video, content_id));
-    if (forgotten > 0) emit_warning("the video has changed since it was indexed: its earlier results are replaced");
-  }
-  VICTORIOUS_ASSIGN_OR_RETURN(const VideoRecord record, store.PutVideo({.content_id = content_id,
-                                                                        .name = video,
-                                                                        .width = reader->info().width,
-                                                                        .height = reader->info().height,
-                                                                        .frame_count = {},
-                                                                        .duration_s = {},
-                                                                        .start_utc_us = cameras.start_utc_us,
-                                                                        .features_json = {}}));
-
-  const StoredParameters parameters{SearchOptionsText(options_), OptionsToJsonText(options_.features)};
-  if (!job.redo) {
-    VICTORIOUS_RETURN_IF_ERROR(CheckParameters(record, targets_, parameters, store));
-  } else {
-    VICTORIOUS_RETURN_IF_ERROR(
-        store.DeleteKeptFrames(record.id));  // the kept frames and their features may now be others
-  }
-
-  // Searches with frames left, grouped by their first frame: one pass per group.
-  std::map<std::int64_t, std::vector<PlannedSearch>> groups;
-  for (std::size_t s = 0; s < targets_.size(); ++s) {
-    const ModelRecord& sought = targets_[s];
-    const bool changed = std::ranges::any_of(models_before, [&](const ModelRecord& before) {
-      return before.name == sought.name && before.model_id != sought.model_id;
-    });
-    if (changed) {
-      emit_warning(fmt::format(
-          "{} {} differs from the one searched for before: its earlier results, in other videos too, are dropped",
-          sought.IsCategory() ? "category" : "model", sought.name));
-    }
-    VICTORIOUS_ASSIGN_OR_RETURN(const ModelRecord stored, store.PutModel(sought));
-    if (job.redo) VICTORIOUS_RETURN_IF_ERROR(store.DeleteSearch(record.id, stored.id));
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before, store.FindSearch(record.id, stored.id));
-    if (before && before->finished) continue;
-    const std::int64_t next_frame = before ? before->next_frame : 0;
-    groups[next_frame].push_back({s,
-                                  {.video = record.id,
-                                   .model = stored.id,
-                                   .next_frame = next_frame,
-                                   .finished = false,
-                                   .options_json = parameters.all,
-                                   .program_version = kVersion}});
-  }
-  VICTORIOUS_RETURN_IF_ERROR(store.SetVideoFeatures(record.id, parameters.features));
-
+  VICTORIOUS_ASSIGN_OR_RETURN(OpenedVideo video, OpenVideo(job, cancel, store, warn));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<PlannedPass> plans,
+                              PlanPasses(job, video.record, models_before, store, warn));
   IndexReport report;
-  for (auto& [next_frame, planned] : groups) {
-    if (!reader) {
-      VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(video, reading));
-    }
-    std::vector<ObjectModel> models;
-    std::vector<std::shared_ptr<const RelitTemplateSource>> lit;
-    std::vector<SearchRecord> searches;
-    std::vector<std::optional<std::int64_t>> category_ids(targets_.size() - models_.size());
-    for (PlannedSearch& plan : planned) {
-      if (plan.sought < models_.size()) {
-        const ObjectModel& model = models.emplace_back(models_[plan.sought]);
-        if (job.lit.empty()) {
-          VICTORIOUS_ASSIGN_OR_RETURN(lit.emplace_back(), MakeLitViews(model));
-        } else {
-          lit.push_back(job.lit[plan.sought]);
-        }
-      } else {
-        category_ids[plan.sought - models_.size()] = plan.search.model;
-      }
-      searches.push_back(std::move(plan.search));
-    }
-    const bool with_categories = searches.size() > models.size();
-    VICTORIOUS_ASSIGN_OR_RETURN(
-        const Recognizer recognizer,
-        Recognizer::Create(std::move(models), options_.features.engine, options_.recognize, lit));
-    std::optional<Sun> sun;
-    if (cameras.track && !recognizer.models().empty()) {
-      VICTORIOUS_ASSIGN_OR_RETURN(
-          sun, EstimateSunDirection({*cameras.track, recognizer, *extractor_, options_.daylight}, *reader, cancel));
-      if (!reader->info().live) {
-        VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(video, reading));
-      }
-    }
-    report.sun = sun;
-    const IndexPass pass{.video = record,
-                         .searches = searches,
-                         .recognizer = recognizer,
-                         .categories = with_categories ? &*categories_ : nullptr,
-                         .category_ids = category_ids,
-                         .extractor = *extractor_,
-                         .options = options_,
-                         .cameras = cameras.track ? &*cameras.track : nullptr,
-                         .sun = sun,
-                         .threads = job.threads};
-    VICTORIOUS_RETURN_IF_ERROR(RunIndexPass(pass, *reader, cancel, store, warn, report));
-    reader.reset();
+  for (const PlannedPass& plan : plans) {
+    VICTORIOUS_RETURN_IF_ERROR(RunPass(plan, job, video, cancel, store, warn, report));
   }
   return report;
+}
+
+VideoReaderOptions Indexer::MakeReaderOptions(const IndexJob& job) const {
+  return {.data_packets = true,  // a live source sends them once
+          .threads = job.threads,
+          .folder_frame_rate = options_.video.folder_frame_rate};
+}
+
+Expected<Indexer::OpenedVideo> Indexer::OpenVideo(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
+                                                  const WarningSink& warn) const {
+  OpenedVideo video;
+  VICTORIOUS_ASSIGN_OR_RETURN(video.reader, VideoReader::Open(job.video, MakeReaderOptions(job)));
+  const VideoInfo& info = video.reader->info();
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string content_id, ContentIdOf(*video.reader, job.video, cancel));
+  VICTORIOUS_ASSIGN_OR_RETURN(video.cameras, ReadCameras(job, info, options_.telemetry, warn));
+  if (!info.live) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t forgotten, store.DeleteOtherContent(job.video, content_id));
+    if (forgotten > 0) warn("the video has changed since it was indexed: its earlier results are replaced");
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(video.record, store.PutVideo({.content_id = content_id,
+                                                            .name = job.video,
+                                                            .width = info.width,
+                                                            .height = info.height,
+                                                            .frame_count = {},
+                                                            .duration_s = {},
+                                                            .start_utc_us = video.cameras.start_utc_us,
+                                                            .features_json = {}}));
+  return video;
+}
+
+Expected<std::vector<Indexer::PlannedPass>> Indexer::PlanPasses(const IndexJob& job, const VideoRecord& video,
+                                                                const std::vector<ModelRecord>& models_before,
+                                                                IndexStore& store, const WarningSink& warn) const {
+  const StoredParameters parameters{SearchOptionsText(options_), OptionsToJsonText(options_.features)};
+  if (job.redo) {
+    // The frames to be kept, and their features, may now be others.
+    VICTORIOUS_RETURN_IF_ERROR(store.DeleteKeptFrames(video.id));
+  } else {
+    VICTORIOUS_RETURN_IF_ERROR(CheckParameters(video, targets_, parameters, store));
+  }
+  std::map<std::int64_t, PlannedPass> passes;  // by first frame
+  for (std::size_t t = 0; t < targets_.size(); ++t) {
+    const ModelRecord& target = targets_[t];
+    WarnIfChanged(target, models_before, warn);
+    VICTORIOUS_ASSIGN_OR_RETURN(const ModelRecord stored, store.PutModel(target));
+    if (job.redo) VICTORIOUS_RETURN_IF_ERROR(store.DeleteSearch(video.id, stored.id));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before, store.FindSearch(video.id, stored.id));
+    if (before && before->finished) continue;
+    const std::int64_t next_frame = before ? before->next_frame : 0;
+    passes[next_frame].targets.push_back(t);
+    passes[next_frame].searches.push_back({.video = video.id,
+                                           .model = stored.id,
+                                           .next_frame = next_frame,
+                                           .finished = false,
+                                           .options_json = parameters.all,
+                                           .program_version = kVersion});
+  }
+  VICTORIOUS_RETURN_IF_ERROR(store.SetVideoFeatures(video.id, parameters.features));
+  const auto plans = std::views::values(passes);
+  return std::vector<PlannedPass>(plans.begin(), plans.end());
+}
+
+Expected<Recognizer> Indexer::MakeRecognizer(const PlannedPass& plan, const IndexJob& job) const {
+  std::vector<ObjectModel> models;
+  std::vector<std::shared_ptr<const RelitTemplateSource>> lit;
+  for (const std::size_t target : plan.targets) {
+    if (target >= models_.size()) continue;  // a category
+    const ObjectModel& model = models.emplace_back(models_[target]);
+    if (job.lit.empty()) {
+      VICTORIOUS_ASSIGN_OR_RETURN(lit.emplace_back(), MakeLitViews(model));
+    } else {
+      lit.push_back(job.lit[target]);
+    }
+  }
+  return Recognizer::Create(std::move(models), options_.features.engine, options_.recognize, lit);
+}
+
+Status Indexer::RunPass(const PlannedPass& plan, const IndexJob& job, OpenedVideo& video, const CancelToken& cancel,
+                        IndexStore& store, const WarningSink& warn, IndexReport& report) const {
+  if (!video.reader) {
+    VICTORIOUS_ASSIGN_OR_RETURN(video.reader, VideoReader::Open(job.video, MakeReaderOptions(job)));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer, MakeRecognizer(plan, job));
+  std::vector<std::optional<std::int64_t>> category_ids(targets_.size() - models_.size());
+  for (std::size_t i = 0; i < plan.targets.size(); ++i) {
+    if (plan.targets[i] >= models_.size()) category_ids[plan.targets[i] - models_.size()] = plan.searches[i].model;
+  }
+  const std::optional<CameraTrajectory>& track = video.cameras.track;
+  report.sun.reset();
+  if (track && !recognizer.models().empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        report.sun, EstimateSunDirection({*track, recognizer, *extractor_, options_.daylight}, *video.reader, cancel));
+    if (!video.reader->info().live) {
+      VICTORIOUS_ASSIGN_OR_RETURN(video.reader, VideoReader::Open(job.video, MakeReaderOptions(job)));
+    }
+  }
+  const bool with_categories = plan.searches.size() > recognizer.models().size();
+  const IndexPass pass{.video = video.record,
+                       .searches = plan.searches,
+                       .recognizer = recognizer,
+                       .categories = with_categories ? &*categories_ : nullptr,
+                       .category_ids = category_ids,
+                       .extractor = *extractor_,
+                       .options = options_,
+                       .cameras = track ? &*track : nullptr,
+                       .sun = report.sun,
+                       .threads = job.threads};
+  VICTORIOUS_RETURN_IF_ERROR(RunIndexPass(pass, *video.reader, cancel, store, warn, report));
+  video.reader.reset();
+  return {};
 }
 
 }  // namespace victorious

@@ -4,41 +4,23 @@
 // depend on the number of threads.
 #pragma once
 
-#include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
-#include "victorious/geometry/sun.h"
+#include "victorious/features/feature_extractor.h"
+#include "victorious/pipeline/index_job.h"
 #include "victorious/pipeline/index_options.h"
 #include "victorious/pipeline/warning_sink.h"
-#include "victorious/recognize/relit_templates.h"
+#include "victorious/recognize/category_finder.h"
+#include "victorious/recognize/recognizer.h"
 #include "victorious/store/index_store.h"
 #include "victorious/types/object_model.h"
+#include "victorious/video/video_reader.h"
 
 namespace victorious {
-
-struct IndexReport {
-  std::int64_t frames_searched = 0;  ///< number of frames searched as a whole by this call
-  std::int64_t sightings = 0;        ///< number found by this call
-  bool stopped_live = false;         ///< true if a cancelled live source ends here
-  std::optional<Sun> sun;            ///< sun direction, azimuth from north, if relit templates were used
-};
-
-/// One video to index, and how.
-struct IndexJob {
-  std::string video;                     ///< path or URL; also the name under which it is stored
-  std::optional<std::string> telemetry;  ///< telemetry file; if not given, the video's own, or a file beside it
-  bool redo = false;                     ///< drop the stored results of these models in this video, and search again
-  int threads = 0;                       ///< 0: one per hardware thread
-  /// Relit templates (MakeLitViews), one entry per model. The caller keeps them, to share them between jobs with the
-  /// same models. If empty, they are made for this video and released after it.
-  std::vector<std::shared_ptr<const RelitTemplateSource>> lit = {};
-};
 
 /// Searches videos, one at a time, for a set of models and categories, and stores what it finds.
 class Indexer {
@@ -60,8 +42,24 @@ class Indexer {
                               const WarningSink& warn = {}) const;
 
  private:
+  struct OpenedVideo;
+  struct PlannedPass;
+
+  // All steps before data association.
   Expected<IndexReport> Search(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
                                const WarningSink& warn) const;
+  // Opens the video, reads its telemetry, and registers it in the store.
+  Expected<OpenedVideo> OpenVideo(const IndexJob& job, const CancelToken& cancel, IndexStore& store,
+                                  const WarningSink& warn) const;
+  // Groups the searches that are not finished by their first frame.
+  Expected<std::vector<PlannedPass>> PlanPasses(const IndexJob& job, const VideoRecord& video,
+                                                const std::vector<ModelRecord>& models_before, IndexStore& store,
+                                                const WarningSink& warn) const;
+  Expected<Recognizer> MakeRecognizer(const PlannedPass& plan, const IndexJob& job) const;
+  // Estimates the sun's direction, and searches the video.
+  Status RunPass(const PlannedPass& plan, const IndexJob& job, OpenedVideo& video, const CancelToken& cancel,
+                 IndexStore& store, const WarningSink& warn, IndexReport& report) const;
+  [[nodiscard]] VideoReaderOptions MakeReaderOptions(const IndexJob& job) const;
 
   Indexer(std::vector<ObjectModel> models, const IndexOptions& options,
           std::unique_ptr<const FeatureExtractor> extractor, std::optional<CategoryFinder> categories);

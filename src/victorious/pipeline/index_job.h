@@ -1,0 +1,34 @@
+// Input and output of indexing one video (indexer.h).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "victorious/geometry/sun.h"
+#include "victorious/recognize/relit_templates.h"
+
+namespace victorious {
+
+/// One video to index, and how.
+struct IndexJob {
+  std::string video;                     ///< path or URL; also the name under which it is stored
+  std::optional<std::string> telemetry;  ///< telemetry file; if not given, the video's own, or a file beside it
+  bool redo = false;                     ///< drop the stored results of these models in this video, and search again
+  int threads = 0;                       ///< 0: one per hardware thread
+  /// Relit templates (MakeLitViews), one entry per model. The caller keeps them, to share them between jobs with the
+  /// same models. If empty, they are made for this video and released after it.
+  std::vector<std::shared_ptr<const RelitTemplateSource>> lit = {};
+};
+
+/// What one call of Indexer::Index did.
+struct IndexReport {
+  std::int64_t frames_searched = 0;  ///< number of frames searched as a whole by this call
+  std::int64_t sightings = 0;        ///< number found by this call
+  bool stopped_live = false;         ///< true if a cancelled live source ends here
+  std::optional<Sun> sun;            ///< sun direction, azimuth from north, if relit templates were used
+};
+
+}  // namespace victorious
