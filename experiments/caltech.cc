@@ -163,7 +163,7 @@ Ranking ComputeRanking(const TestScores& scores, const CategoryModel& model, Cat
 
 CategoryTrainOptions ThesisCategories() {
   CategoryTrainOptions options;
-  VICTORIOUS_CHECK(ApplyPreset("thesis", CollectFields(options)).has_value());
+  VICTORIOUS_CHECK(ApplyPreset(Preset::kThesis, options).has_value());
   return options;
 }
 

@@ -51,7 +51,7 @@ std::vector<MatchFilter> Variants(const CascadeOptions& cascade) {
   add("cascade, distinct in all stages", [](CascadeOptions& o) { o.distinct_stages = 3; });
   add("cascade, --params learnt", [](CascadeOptions& o) {
     RecognizeOptions options{.cascade = o};
-    const Status applied = ApplyPreset("learnt", CollectFields(options));
+    const Status applied = ApplyPreset(Preset::kLearnt, options);
     VICTORIOUS_CHECK(applied.has_value());
     o = options.cascade;
   });

@@ -28,7 +28,7 @@ MatchSetup DefaultSetup() {
 MatchSetup ThesisSetup() {
   IndexOptions index;
   CadModelOptions cad;
-  const bool applied = ApplyPreset("thesis", CollectFields(index)) && ApplyPreset("thesis", CollectFields(cad));
+  const bool applied = ApplyPreset(Preset::kThesis, index) && ApplyPreset(Preset::kThesis, cad);
   VICTORIOUS_CHECK(applied);
   return {.name = "thesis", .features = index.features, .cad = cad, .recognize = index.recognize};
 }

@@ -150,7 +150,7 @@ Status MeasureInto(Figures& figures, const CategoryFinder& finder, std::span<con
 Expected<Report> RunTableWindows(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCaltechRows(settings, kCategories));
   CategoryTrainOptions windows;
-  VICTORIOUS_CHECK(ApplyPreset("windows", CollectFields(windows)).has_value());
+  VICTORIOUS_CHECK(ApplyPreset(Preset::kWindows, windows).has_value());
   const std::array<std::pair<std::string, CategoryTrainOptions>, 2> ways = {
       std::pair{std::string("windows"), windows}, std::pair{std::string("whole frame"), CategoryTrainOptions()}};
   std::array<Figures, 2> figures;

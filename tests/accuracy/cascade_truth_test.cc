@@ -107,7 +107,7 @@ TEST(CascadeTruth, KeepsTheTrueAndDropsTheFalseOnFlatScenes) {
 TEST(CascadeTruth, LearntThresholdsHoldOnPhotographs) {
   VICTORIOUS_DATA_OR_SKIP(data, kRecognitionData);
   RecognizeOptions learnt;
-  ASSERT_TRUE(ApplyPreset("learnt", CollectFields(learnt)).has_value());
+  ASSERT_TRUE(ApplyPreset(Preset::kLearnt, learnt));
   Counts all = CountPairs(Series("graf"), {2, 3, 4, 5, 6}, learnt);
   all += CountPairs(Series("boat"), {2, 3, 4, 5, 6}, learnt);
   all += CountPairs(Series("wall"), {3, 5}, learnt);

@@ -154,9 +154,8 @@ void ApplyGround(const GroundArguments& arguments, GroundOptions& options) {
   if (!arguments.geoid_grid.empty()) options.geoid_grid = arguments.geoid_grid;
 }
 
-Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields) {
+Status ReadParamsFile(const std::string& path, const std::vector<FieldRef>& fields) {
   if (path.empty()) return {};
-  if (IsPreset(path)) return ApplyPreset(path, fields);
   constexpr std::size_t kMaxBytes = 1 << 20;
   const bool looks_like_a_name = path.find_first_of("./") == std::string::npos;
   if (looks_like_a_name && !std::filesystem::exists(path)) {

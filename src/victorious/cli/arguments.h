@@ -14,6 +14,7 @@
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
 #include "victorious/geometry/box.h"
+#include "victorious/pipeline/preset.h"
 #include "victorious/store/index_store.h"
 #include "victorious/terrain/terrain.h"
 
@@ -53,9 +54,16 @@ void AddGround(CLI::App& app, GroundArguments& ground);
 /// Copies the values that were given to `options`.
 void ApplyGround(const GroundArguments& arguments, GroundOptions& options);
 
-/// Sets the fields from the JSON file `path`, or from the preset of that name (pipeline/preset.h; use ./NAME for a file
-/// with a preset's name). An empty path changes nothing. Errors: kNotFound; kInvalidArgument with the path.
-Status ReadParams(const std::string& path, const std::vector<FieldRef>& fields);
+/// Sets the fields from a JSON file. An empty path changes nothing. Errors: kNotFound; kInvalidArgument with the path.
+Status ReadParamsFile(const std::string& path, const std::vector<FieldRef>& fields);
+
+/// Sets the options from the preset named `path` (pipeline/preset.h; use ./NAME for a file with a preset's name), else
+/// from that file. Errors: those of ApplyPreset and ReadParamsFile.
+template <typename Options>
+Status ReadParams(const std::string& path, Options& options) {
+  if (const std::optional<Preset> preset = FindPreset(path)) return ApplyPreset(*preset, options);
+  return ReadParamsFile(path, CollectFields(options));
+}
 
 /// A flag and the parameter that it sets.
 struct FieldFlag {

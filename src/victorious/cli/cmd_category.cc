@@ -58,7 +58,7 @@ Error WithListContext(Error error, const std::string& list) {
 
 Status Train(const Arguments& arguments) {
   CategoryTrainOptions options;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(options)));
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.seed) options.category.seed = *arguments.seed;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
   std::optional<Progress> progress(std::in_place, arguments.list, static_cast<std::int64_t>(rows.size()), "pictures");

@@ -20,7 +20,7 @@ struct Arguments {
 
 Status Run(const Arguments& arguments) {
   FeatureOptions options;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(options)));
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (!arguments.engine.empty()) options.engine = arguments.engine;
   VICTORIOUS_RETURN_IF_ERROR(CheckFlags(CollectFields(options), {{"engine", "--engine"}}));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options));

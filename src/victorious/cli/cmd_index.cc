@@ -62,7 +62,7 @@ Status Run(const Arguments& arguments) {
                 "category train` makes one), or both");
   }
   IndexOptions options;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(options)));
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.every) options.every = *arguments.every;
   VICTORIOUS_RETURN_IF_ERROR(CheckFlags(CollectFields(options), {{"every", "--every"}}));
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;

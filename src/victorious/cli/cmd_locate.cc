@@ -119,7 +119,7 @@ std::vector<bool> ExpandToRows(const std::vector<bool>& inliers, const std::vect
 
 Status Run(const Arguments& arguments) {
   LocateOptions options;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(options)));
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (!arguments.motion.empty()) options.motion = FromText(kMotionModelTexts, arguments.motion).value();
   if (!arguments.method.empty()) options.method = FromText(kLocateMethodTexts, arguments.method).value();
   GroundOptions ground;

@@ -115,7 +115,7 @@ cv::Mat Draw(const cv::Mat& scene_image, const cv::Mat& model_image, const Featu
 
 Status Run(const Arguments& arguments) {
   IndexOptions options;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(options)));
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.ratio) options.recognize.match.ratio = *arguments.ratio;
   VICTORIOUS_RETURN_IF_ERROR(CheckFlags(CollectFields(options), {{"match.ratio", "--ratio"}}));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));

@@ -92,7 +92,7 @@ Expected<ObjectModel> FromPhotos(const Arguments& arguments) {
                             arguments.boxes.size(), arguments.inputs.size()));
   }
   PhotoModelOptions options;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(options)));
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   std::vector<Photo> photos;
   for (std::size_t i = 0; i < arguments.inputs.size(); ++i) {
     std::optional<Box> box;
@@ -114,7 +114,7 @@ Expected<ObjectModel> FromCad(const Arguments& arguments) {
     return Fail(ErrorCode::kInvalidArgument, "--box and --draw apply to photos, not to CAD files");
   }
   CadModelOptions options;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(options)));
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.step_deg) options.sphere.step_deg = *arguments.step_deg;
   if (arguments.max_off_nadir_deg) options.sphere.max_off_nadir_deg = *arguments.max_off_nadir_deg;
   VICTORIOUS_RETURN_IF_ERROR(
@@ -207,7 +207,7 @@ Status List(const Arguments& arguments) {
 // Measures the recall of the same search that `index` runs.
 Expected<Detectability> RunDetectabilityTest(const ObjectModel& model, const DetectabilityArguments& arguments) {
   IndexOptions search;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(search)));
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, search));
   DetectabilityOptions options = arguments.options;
   options.attitude_known = !arguments.no_attitude;
   VICTORIOUS_RETURN_IF_ERROR(CheckFlags(

@@ -80,7 +80,7 @@ Status PrintObjects(const Arguments& arguments, const SightingFilter& filter, co
 
 Status PrintMoments(const Arguments& arguments, const SightingFilter& filter, IndexStore& store) {
   IndexOptions options;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(options)));
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   std::optional<Box> box;
   if (!arguments.box.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(box, ParseBox(arguments.box));

@@ -74,7 +74,7 @@ Status RunEstimate(const Arguments& arguments, const TimedTelemetryOptions& para
 
 Status Run(const Arguments& arguments) {
   TimedTelemetryOptions parameters;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(parameters)));
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, parameters));
   if (arguments.file.empty() && arguments.video.empty()) {
     return Fail(ErrorCode::kInvalidArgument, "neither FILE nor --video given: name the source of the telemetry");
   }

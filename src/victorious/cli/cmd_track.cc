@@ -108,7 +108,7 @@ Status CheckDifferent(const std::vector<std::string>& videos) {
 
 Status Run(const Arguments& arguments) {
   TrackBoxesOptions options;
-  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, CollectFields(options)));
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
   ApplyGround(arguments.ground, options.ground);
   VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));

@@ -2,95 +2,132 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
+
+#include "victorious/model/cad_model.h"
+#include "victorious/model/photo_model.h"
+#include "victorious/pipeline/index_options.h"
+#include "victorious/pipeline/navigate_job.h"
+#include "victorious/recognize/category_images.h"
+#include "victorious/recognize/recognizer.h"
 
 namespace victorious {
 namespace {
 
 constexpr std::array<std::string_view, 3> kNames = {"thesis", "learnt", "windows"};
 
-// Keys are full field names; each list of fields uses those that it has.
-constexpr std::string_view kThesis = R"({
-  "features.contrast_threshold": 0.04,
-  "features.edge_threshold": 10.0,
-  "features.impulse_fraction": 1.0,
-  "min_mask_fraction": 0.0,
-  "method": "grammar",
-  "match.ratio": 0.8,
-  "cascade.filter": "cascade",
-  "cascade.radius_px": 75.0,
-  "cascade.scale_distortion": 1.45,
-  "cascade.distance_distortion": 1.45,
-  "cascade.first_approval": 0.2,
-  "cascade.orientation_distortion_rad": 1.5,
-  "cascade.line_distortion_rad": 0.6,
-  "cascade.second_approval": 0.4,
-  "cascade.third_approval": 0.6,
-  "cascade.all_measures": false,
-  "pose.refine_plane": false,
-  "features.kind": "keypoints",
-  "features.surroundings": "calibrate",
-  "features.mirrored": false,
-  "scoring": "likelihood",
-  "words_per_keypoint": 1,
-  "vocabulary.root": false,
-  "grammar.kernel_cap": 3.0,
-  "grammar.word_prior": true,
-  "grammar.likelihood_exponent": 0.1
-})";
+// Lowe's values (IJCV 2004), and no prior denoising.
+void SetThesisFeatures(FeatureOptions& features) {
+  features.contrast_threshold = 0.04;
+  features.edge_threshold = 10.0;
+  features.impulse_fraction = 1.0;
+}
 
-constexpr std::string_view kLearnt = R"({
-  "method": "grammar",
-  "cascade.scale_distortion": 1.7,
-  "cascade.distance_distortion": 1.35,
-  "cascade.orientation_distortion_rad": 0.5,
-  "cascade.line_distortion_rad": 0.3,
-  "cascade.first_approval": 0.1,
-  "cascade.second_approval": 0.2,
-  "cascade.third_approval": 0.6,
-  "cascade.all_measures": true
-})";
+// Chapter 3: ratio test, cascade of table 3.1 with R = 75 px, MLESAC without refinement.
+void SetThesisSearch(RecognizeOptions& recognize) {
+  recognize.method = SearchMethod::kGrammar;
+  recognize.match.ratio = 0.8;
+  recognize.cascade.filter = CascadeFilter::kCascade;
+  recognize.cascade.radius_px = 75.0;
+  recognize.cascade.scale_distortion = 1.45;
+  recognize.cascade.distance_distortion = 1.45;
+  recognize.cascade.first_approval = 0.2;
+  recognize.cascade.orientation_distortion_rad = 1.5;
+  recognize.cascade.line_distortion_rad = 0.6;
+  recognize.cascade.second_approval = 0.4;
+  recognize.cascade.third_approval = 0.6;
+  recognize.cascade.min_votes = 2;
+  recognize.cascade.distinct_stages = 1;
+  recognize.cascade.all_measures = false;
+  recognize.pose.refine_plane = false;
+}
 
-constexpr std::string_view kWindows = R"({
-  "features.windows.enabled": true,
-  "features.dense.sizes": 5,
-  "vocabulary.words": 1000,
-  "shapes.weight": 4.0
-})";
+// Rounded from `experiment chapter3.filters`.
+void SetLearntSearch(RecognizeOptions& recognize) {
+  recognize.method = SearchMethod::kGrammar;
+  recognize.cascade.scale_distortion = 1.7;
+  recognize.cascade.distance_distortion = 1.35;
+  recognize.cascade.orientation_distortion_rad = 0.5;
+  recognize.cascade.line_distortion_rad = 0.3;
+  recognize.cascade.first_approval = 0.1;
+  recognize.cascade.second_approval = 0.2;
+  recognize.cascade.third_approval = 0.6;
+  recognize.cascade.min_votes = 2;
+  recognize.cascade.all_measures = true;
+}
 
-std::string_view TextOf(std::string_view name) {
-  if (name == "thesis") return kThesis;
-  return name == "learnt" ? kLearnt : kWindows;
+// Equations 3.1 to 3.3, in the reading that reproduces the thesis's figures.
+void SetThesisCategories(CategoryTrainOptions& options) {
+  options.features.kind = "keypoints";
+  options.features.surroundings = "calibrate";
+  options.features.mirrored = false;
+  options.category.scoring = "likelihood";
+  options.category.words_per_keypoint = 1;
+  options.category.vocabulary.root = false;
+  options.category.grammar.kernel_cap = 3.0;
+  options.category.grammar.word_prior = true;
+  options.category.grammar.likelihood_exponent = 0.1;
+}
+
+void SetWindows(CategoryTrainOptions& options) {
+  options.features.windows.enabled = true;
+  options.features.dense.sizes = 5;
+  options.category.vocabulary.words = 1000;
+  options.category.shapes.weight = 4.0;
+}
+
+// Features and search of a command that searches videos.
+template <typename Options>
+Status ApplyToSearch(Preset preset, Options& options) {
+  VICTORIOUS_RETURN_IF_ERROR(ApplyPreset(preset, options.recognize));
+  if (preset == Preset::kThesis) SetThesisFeatures(options.features);
+  return {};
 }
 
 }  // namespace
 
 std::span<const std::string_view> PresetNames() { return kNames; }
 
-bool IsPreset(std::string_view name) { return std::ranges::find(kNames, name) != kNames.end(); }
+std::optional<Preset> FindPreset(std::string_view name) {
+  const auto found = std::ranges::find(kNames, name);
+  if (found == kNames.end()) return std::nullopt;
+  return static_cast<Preset>(found - kNames.begin());
+}
 
-Status ApplyPreset(std::string_view name, const std::vector<FieldRef>& fields) {
-  if (!IsPreset(name)) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: no such preset; there are {}", name, fmt::join(kNames, ", ")));
-  }
-  nlohmann::json known = nlohmann::json::object();
-  const nlohmann::json preset = nlohmann::json::parse(TextOf(name));
-  for (const auto& [field, value] : preset.items()) {
-    const auto same = std::ranges::find(fields, field, &FieldRef::name);
-    if (same == fields.end()) continue;
-    // A choice field that does not have this value is another field of the same name: `locate` has its own "method".
-    const auto& choices = same->spec.choices;
-    const bool fits = choices.empty() || std::ranges::find(choices, value.get<std::string>()) != choices.end();
-    if (fits) known[field] = value;
-  }
-  if (known.empty())
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("preset {}: sets none of the parameters of this command", name));
-  return SetFromJson(known, fields);
+Error PresetDoesNotApply(Preset preset) {
+  return {ErrorCode::kInvalidArgument, fmt::format("preset {}: sets none of the parameters of this command",
+                                                   kNames[static_cast<std::size_t>(preset)])};
+}
+
+Status ApplyPreset(Preset preset, RecognizeOptions& options) {
+  if (preset == Preset::kWindows) return std::unexpected(PresetDoesNotApply(preset));
+  preset == Preset::kThesis ? SetThesisSearch(options) : SetLearntSearch(options);
+  return {};
+}
+
+Status ApplyPreset(Preset preset, IndexOptions& options) { return ApplyToSearch(preset, options); }
+
+Status ApplyPreset(Preset preset, NavigateVideoOptions& options) { return ApplyToSearch(preset, options); }
+
+Status ApplyPreset(Preset preset, PhotoModelOptions& options) {
+  if (preset != Preset::kThesis) return std::unexpected(PresetDoesNotApply(preset));
+  SetThesisFeatures(options.features);
+  return {};
+}
+
+Status ApplyPreset(Preset preset, CadModelOptions& options) {
+  if (preset != Preset::kThesis) return std::unexpected(PresetDoesNotApply(preset));
+  SetThesisFeatures(options.features);
+  options.min_mask_fraction = 0.0;  // all keypoints on the object
+  return {};
+}
+
+Status ApplyPreset(Preset preset, CategoryTrainOptions& options) {
+  if (preset == Preset::kLearnt) return std::unexpected(PresetDoesNotApply(preset));
+  preset == Preset::kThesis ? SetThesisCategories(options) : SetWindows(options);
+  return {};
 }
 
 }  // namespace victorious

@@ -1,34 +1,57 @@
-// Named sets of parameters: `--params thesis` in place of a file.
+// Named sets of parameters: `--params thesis` in place of a file. A preset is a function of each command's options, so
+// that it sets no field of another command that happens to have the same name.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string_view>
-#include <vector>
 
-#include "victorious/base/options.h"
+#include "victorious/base/error.h"
 
 namespace victorious {
 
-/// The names of all presets.
-std::span<const std::string_view> PresetNames();
+struct CadModelOptions;
+struct CategoryTrainOptions;
+struct IndexOptions;
+struct NavigateVideoOptions;
+struct PhotoModelOptions;
+struct RecognizeOptions;
 
-[[nodiscard]] bool IsPreset(std::string_view name);
-
-/// Sets the fields of the preset that `fields` contains, whatever their values. The presets:
-///
-/// "learnt": the cascade with all four measures in each stage, and thresholds near those that `experiment
+/// kLearnt: the cascade with all four measures in each stage, and thresholds near those that `experiment
 /// chapter3.filters` learns from simulated pictures: rounded, the angles a little wider, the last approval from table
 /// 3.1. Hypotheses by the grammar; R and all other parameters are unchanged.
 ///
-/// "thesis": chapter 3 of the thesis. Lowe's keypoints without prior denoising; for CAD models' views all keypoints on
+/// kThesis: chapter 3 of the thesis. Lowe's keypoints without prior denoising; for CAD models' views all keypoints on
 /// the object; the ratio test at 0.8, the cascade with the values of table 3.1 and R = 75 px, MLESAC for a similarity
 /// without refinement; categories from keypoints by equations 3.1 to 3.3, in the reading that reproduces the thesis's
 /// figures: a lower cap, tempered, with the words as prior (docs/results.md).
 ///
-/// "windows": searches for categories in windows of many sizes, for objects that are small in a frame or occur several
+/// kWindows: searches for categories in windows of many sizes, for objects that are small in a frame or occur several
 /// times.
-///
-/// Errors: kInvalidArgument for an unknown name, or if `fields` contains no field of the preset.
-Status ApplyPreset(std::string_view name, const std::vector<FieldRef>& fields);
+enum class Preset { kThesis, kLearnt, kWindows };
+
+/// The names of all presets, in the order of the enum.
+std::span<const std::string_view> PresetNames();
+
+/// The preset of a name; std::nullopt if there is none.
+[[nodiscard]] std::optional<Preset> FindPreset(std::string_view name);
+
+/// Sets the fields of the preset, whatever their values. Errors: kInvalidArgument if the preset sets none of these
+/// options; then nothing is changed.
+Status ApplyPreset(Preset preset, RecognizeOptions& options);
+Status ApplyPreset(Preset preset, IndexOptions& options);
+Status ApplyPreset(Preset preset, NavigateVideoOptions& options);
+Status ApplyPreset(Preset preset, PhotoModelOptions& options);
+Status ApplyPreset(Preset preset, CadModelOptions& options);
+Status ApplyPreset(Preset preset, CategoryTrainOptions& options);
+
+/// The error of options that the preset does not set.
+[[nodiscard]] Error PresetDoesNotApply(Preset preset);
+
+/// All other options: no preset sets them.
+template <typename Options>
+Status ApplyPreset(Preset preset, Options& /*options*/) {
+  return std::unexpected(PresetDoesNotApply(preset));
+}
 
 }  // namespace victorious

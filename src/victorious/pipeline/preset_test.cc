@@ -2,66 +2,98 @@
 
 #include <gtest/gtest.h>
 
+#include "victorious/calibrate/time_offset.h"
 #include "victorious/geolocate/locate_options.h"
 #include "victorious/model/cad_model.h"
+#include "victorious/model/photo_model.h"
 #include "victorious/pipeline/index_options.h"
+#include "victorious/pipeline/navigate_job.h"
+#include "victorious/pipeline/track_job.h"
 #include "victorious/recognize/category_images.h"
 
 namespace victorious {
 namespace {
 
-TEST(Preset, ThesisSetsWhatTheThesisSaysInEachList) {
+TEST(Preset, ThesisSetsWhatTheThesisSaysInEachCommand) {
   IndexOptions index;
   index.recognize.match.ratio = 0.9;
-  ASSERT_TRUE(ApplyPreset("thesis", CollectFields(index)).has_value());
+  ASSERT_TRUE(ApplyPreset(Preset::kThesis, index));
   EXPECT_EQ(index.recognize.method, SearchMethod::kGrammar);
   EXPECT_EQ(index.recognize.match.ratio, 0.8);
   EXPECT_EQ(index.recognize.cascade.radius_px, 75);
+  EXPECT_FALSE(index.recognize.pose.refine_plane);
   EXPECT_EQ(index.features.impulse_fraction, 1);
+  NavigateVideoOptions navigate;
+  ASSERT_TRUE(ApplyPreset(Preset::kThesis, navigate));
+  EXPECT_EQ(OptionsToJsonText(navigate.recognize), OptionsToJsonText(index.recognize));
+  EXPECT_EQ(OptionsToJsonText(navigate.features), OptionsToJsonText(index.features));
   CategoryTrainOptions category;
-  ASSERT_TRUE(ApplyPreset("thesis", CollectFields(category)).has_value());
-  EXPECT_EQ(category.features.kind, "keypoints");
-  EXPECT_EQ(category.category.scoring, "likelihood");
+  ASSERT_TRUE(ApplyPreset(Preset::kThesis, category));
+  EXPECT_FALSE(category.features.mirrored);
   EXPECT_TRUE(category.category.grammar.word_prior);
   CadModelOptions cad;
-  ASSERT_TRUE(ApplyPreset("thesis", CollectFields(cad)).has_value());
+  ASSERT_TRUE(ApplyPreset(Preset::kThesis, cad));
   EXPECT_EQ(cad.features.contrast_threshold, index.features.contrast_threshold);
   EXPECT_EQ(cad.min_mask_fraction, 0);
+  PhotoModelOptions photo;
+  ASSERT_TRUE(ApplyPreset(Preset::kThesis, photo));
+  EXPECT_EQ(photo.features.impulse_fraction, 1);
 }
 
 TEST(Preset, LearntSetsTheCascadeAlone) {
   IndexOptions index;
-  ASSERT_TRUE(ApplyPreset("learnt", CollectFields(index)).has_value());
+  ASSERT_TRUE(ApplyPreset(Preset::kLearnt, index));
   EXPECT_EQ(index.recognize.cascade.line_distortion_rad, 0.3);
   EXPECT_EQ(index.recognize.match.ratio, IndexOptions().recognize.match.ratio);
-  EXPECT_EQ(index.features.contrast_threshold, IndexOptions().features.contrast_threshold);
+  EXPECT_EQ(OptionsToJsonText(index.features), OptionsToJsonText(IndexOptions().features));
 }
 
 TEST(Preset, WindowsAreForCategoriesAlone) {
   CategoryTrainOptions category;
-  ASSERT_TRUE(ApplyPreset("windows", CollectFields(category)).has_value());
+  ASSERT_TRUE(ApplyPreset(Preset::kWindows, category));
   EXPECT_TRUE(category.features.windows.enabled);
   EXPECT_GT(category.category.shapes.weight, 0);
   IndexOptions index;
-  EXPECT_FALSE(ApplyPreset("windows", CollectFields(index)).has_value());
+  EXPECT_FALSE(ApplyPreset(Preset::kWindows, index));
 }
 
 TEST(Preset, LeavesTheRestAsItIs) {
   IndexOptions index;
   index.recognize.pose.seed = 17;
-  ASSERT_TRUE(ApplyPreset("thesis", CollectFields(index)).has_value());
+  ASSERT_TRUE(ApplyPreset(Preset::kThesis, index));
   EXPECT_EQ(index.recognize.pose.seed, 17U);
 }
 
-TEST(Preset, UnknownNamesAndListsWithoutItsFieldsAreRefused) {
-  IndexOptions index;
-  EXPECT_EQ(ApplyPreset("nonsense", CollectFields(index)).error().message,
-            "nonsense: no such preset; there are thesis, learnt, windows");
+// True if the preset is refused and changes nothing.
+template <typename Options>
+bool IsRefused(Preset preset) {
+  Options options;
+  const Status status = ApplyPreset(preset, options);
+  return !status && status.error().code == ErrorCode::kInvalidArgument &&
+         OptionsToJsonText(options) == OptionsToJsonText(Options());
+}
+
+// Fields of the same name in other commands (the `method` of `locate`, `features.impulse_fraction` of `telemetry`) are
+// not those of a preset.
+TEST(Preset, SetsNothingInACommandThatItIsNotFor) {
+  for (const Preset preset : {Preset::kThesis, Preset::kLearnt, Preset::kWindows}) {
+    EXPECT_TRUE(IsRefused<LocateOptions>(preset));
+    EXPECT_TRUE(IsRefused<TimedTelemetryOptions>(preset));
+    EXPECT_TRUE(IsRefused<TrackBoxesOptions>(preset));
+    EXPECT_TRUE(IsRefused<FeatureOptions>(preset));
+  }
+  EXPECT_TRUE(IsRefused<CategoryTrainOptions>(Preset::kLearnt));
+  EXPECT_TRUE(IsRefused<CadModelOptions>(Preset::kLearnt));
+  EXPECT_TRUE(IsRefused<NavigateVideoOptions>(Preset::kWindows));
   LocateOptions locate;
-  EXPECT_EQ(ApplyPreset("thesis", CollectFields(locate)).error().message,
+  EXPECT_EQ(ApplyPreset(Preset::kThesis, locate).error().message,
             "preset thesis: sets none of the parameters of this command");
-  TrackletOptions runs;
-  EXPECT_EQ(ApplyPreset("thesis", CollectFields(runs)).error().code, ErrorCode::kInvalidArgument);
+}
+
+TEST(Preset, AreFoundByTheirNames) {
+  for (const std::string_view name : PresetNames()) EXPECT_TRUE(FindPreset(name)) << name;
+  EXPECT_EQ(FindPreset("windows"), Preset::kWindows);
+  EXPECT_FALSE(FindPreset("nonsense"));
 }
 
 }  // namespace
