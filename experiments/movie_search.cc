@@ -1,6 +1,7 @@
 #include "experiments/movie_search.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <memory>
 #include <set>
 #include <utility>
@@ -47,7 +48,8 @@ Expected<SearchContext> Prepare(const MovieSearch& search, const ExperimentSetti
     cameras.emplace(std::move(telemetry.states), options.telemetry.max_gap_s);
     VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open((search.movie / "video.mp4").string(), {}));
     VICTORIOUS_ASSIGN_OR_RETURN(
-        sun, EstimateSunDirection({*cameras, recognizer, *extractor, options.daylight}, *reader, settings.Cancel()));
+        sun, EstimateSunDirection({*cameras, recognizer, *extractor, options.daylight}, *reader, settings.Cancel(),
+                                  [](const std::string& warning) { fmt::print(stderr, "warning: {}\n", warning); }));
   }
   return SearchContext{std::move(extractor), std::move(recognizer), std::move(cameras), sun, std::move(truth)};
 }

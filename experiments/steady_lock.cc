@@ -6,6 +6,7 @@
 #include "victorious/image/impulse_noise.h"
 #include "victorious/pipeline/region_features.h"
 #include "victorious/track/region_tracker.h"
+#include "victorious/video/frame_loop.h"
 
 namespace victorious {
 namespace {
@@ -71,24 +72,26 @@ Expected<std::vector<TrackingComparisonStep>> CompareTracking(VideoReader& reade
   VICTORIOUS_ASSIGN_OR_RETURN(RegionTracker guarded, RegionTracker::Create(options));
   RecognizerAidedTracker together(std::move(guarded), recognizer, extractor);
   std::vector<TrackingComparisonStep> steps;
-  while (true) {
-    if (cancel.IsCancelled()) return Fail(ErrorCode::kCancelled, "interrupted");
-    VICTORIOUS_ASSIGN_OR_RETURN(std::optional<Frame> frame, reader.NextFrame());
-    if (!frame) return steps;
-    frame->image = RemoveImpulses(frame->image, FeatureOptions().impulse_fraction);
+  FrameLoop loop(reader, cancel, {});
+  const auto process = [&](Frame& frame) -> Status {
+    frame.image = RemoveImpulses(frame.image, FeatureOptions().impulse_fraction);
     TrackingComparisonStep step{
-        .frame = frame->index, .time_s = frame->time_s, .alone = std::nullopt, .together = std::nullopt};
-    for (const TrackStep& one : alone.Step(*frame)) {
+        .frame = frame.index, .time_s = frame.time_s, .alone = std::nullopt, .together = std::nullopt};
+    for (const TrackStep& one : alone.Step(frame)) {
       if (one.seen()) step.alone = one.outline;
     }
-    VICTORIOUS_ASSIGN_OR_RETURN(step.together, together.ProcessFrame(*frame));
+    VICTORIOUS_ASSIGN_OR_RETURN(step.together, together.ProcessFrame(frame));
     if (steps.empty()) {
-      if (!step.together) continue;
+      if (!step.together) return {};
       alone.Start(*step.together, together.last_points());
       step.alone = step.together;
     }
     steps.push_back(std::move(step));
-  }
+    return {};
+  };
+  VICTORIOUS_ASSIGN_OR_RETURN(const FrameLoopEnd end, loop.ForEach(process));
+  if (end == FrameLoopEnd::kCancelled) return Fail(ErrorCode::kCancelled, "interrupted");
+  return steps;
 }
 
 }  // namespace victorious

@@ -1,33 +1,36 @@
 #include "victorious/calibrate/sun_survey.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
-#include <oneapi/tbb/parallel_for.h>
 
+#include "victorious/base/enum_text.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/video/frame_loop.h"
 
 namespace victorious {
 
-void DaylightOptions::ListFields(FieldList& fields) {
-  fields.Add("sun", sun,
-             {.choices = {"auto", "off"},
-              .reason = "auto: also searches for CAD models with templates relit for the sun's direction, if telemetry "
-                        "has the camera's attitude; off: templates for diffuse light only"});
-  fields.Add("min_frames", min_frames,
-             {.min = 1,
-              .max = 1e6,
-              .unit = "frames",
-              .reason = "minimum number of frames sampled for the sun's direction if telemetry has no clock; in long "
-                        "videos one frame in a hundred"});
-  fields.Add(
-      "max_frames", max_frames,
-      {.min = 1, .max = 1e6, .unit = "frames", .reason = "maximum number of frames sampled for the sun's direction"});
-}
-
 namespace {
+
+constexpr std::array<EnumText<SunSearch>, 2> kSunSearchTexts = {{{SunSearch::kAuto, "auto"}, {SunSearch::kOff, "off"}}};
+
+// Number of sampled frames: one in kFramesPerSample, within these bounds. Most videos agree on a direction after three
+// frames; 200 frames cost some minutes.
+constexpr std::int64_t kFramesPerSample = 100;
+constexpr std::int64_t kMinSamples = 6;
+constexpr std::int64_t kMaxSamples = 200;
+constexpr std::int64_t kUnknownLengthStep = 25;  // frames between samples if the length of the video is unknown
+
+// Frames estimated in parallel, and between two tests for a consensus; independent of the number of threads, so that
+// the result is.
+constexpr std::size_t kBatchSize = 2;
+constexpr int kMinConsensus = 3;  // agreeing estimates that end the sampling
 
 // Two estimates agree within this angle: the spacing of the coarse grid of sun directions.
 constexpr double kConsensusGate_rad = kPi / 6;
@@ -42,14 +45,17 @@ Sun SunFromDirection(const Eigen::Vector3d& direction) {
           .elevation_rad = std::atan2(direction.z(), std::hypot(direction.x(), direction.y()))};
 }
 
-// By the ephemeris, at the first state with a clock. An outer std::nullopt: no clock. An inner std::nullopt: the sun is
-// too low to cast hard light.
-std::optional<std::optional<Sun>> SunFromEphemeris(const CameraTrajectory& cameras) {
-  constexpr double kMinElevation_rad = 0.1;
+// The first state with a clock; null if there is none.
+const CameraState* FindTimedState(const CameraTrajectory& cameras) {
   const auto timed =
       std::ranges::find_if(cameras.states(), [](const CameraState& state) { return state.utc_us.has_value(); });
-  if (timed == cameras.states().end()) return std::nullopt;
-  const Sun sun = SunAt(*timed->utc_us, timed->place);
+  return timed == cameras.states().end() ? nullptr : &*timed;
+}
+
+// By the ephemeris. std::nullopt if the sun is too low to cast hard light. @param state  with a clock
+std::optional<Sun> SunFromEphemeris(const CameraState& state) {
+  constexpr double kMinElevation_rad = 0.1;
+  const Sun sun = SunAt(*state.utc_us, state.place);
   return sun.elevation_rad > kMinElevation_rad ? std::optional(sun) : std::nullopt;
 }
 
@@ -79,18 +85,81 @@ SunConsensus FindSunConsensus(const std::vector<SunDirectionEstimate>& estimates
   return best;
 }
 
+// A sampled frame on its way through the stages.
+struct SampledFrame {
+  Frame frame;
+  Expected<std::optional<SunDirectionEstimate>> estimate;
+};
+
 Expected<std::optional<SunDirectionEstimate>> EstimateSunFromFrame(const DaylightInput& survey, const Frame& frame) {
   const std::optional<CameraState> camera = survey.cameras.At(frame.time_s);
   if (!camera || !camera->attitude || !camera->hfov_rad) return std::nullopt;
-  const Expected<FeatureSet> features = survey.extractor.Extract(frame.image);
-  if (!features) return std::nullopt;
+  VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features, survey.extractor.Extract(frame.image));
   const FrameConditions conditions = MakeFrameConditions(camera, frame.image.size(), {});
   VICTORIOUS_ASSIGN_OR_RETURN(std::optional<SunEstimate> found,
-                              survey.recognizer.EstimateSun(*features, *conditions.vertical));
+                              survey.recognizer.EstimateSun(features, *conditions.vertical));
   if (!found) return std::nullopt;
   found->relative_sun.azimuth_rad += camera->attitude->yaw_rad;
   return SunDirectionEstimate{DirectionFromSun(found->relative_sun), found->neg_log10_nfa};
 }
+
+// Selects the frames to sample: the middle one of each of the equal parts of the video.
+class SampleSelector {
+ public:
+  explicit SampleSelector(std::optional<std::int64_t> frame_count) {
+    const std::int64_t frames = frame_count.value_or(0);
+    const std::int64_t wanted = std::clamp(frames / kFramesPerSample, kMinSamples, kMaxSamples);
+    step_ = frames > 0 ? std::max<std::int64_t>(1, frames / wanted) : kUnknownLengthStep;
+  }
+
+  bool IsSelected(std::int64_t index) {
+    const bool selected = !IsDone() && index % step_ == step_ / 2;
+    sampled_ += selected ? 1 : 0;
+    return selected;
+  }
+
+  [[nodiscard]] bool IsDone() const { return sampled_ >= kMaxSamples; }
+
+ private:
+  std::int64_t step_ = 1;
+  std::int64_t sampled_ = 0;
+};
+
+// Collects the estimates in frame order until enough agree.
+class SunCollector {
+ public:
+  void Add(const Expected<std::optional<SunDirectionEstimate>>& estimate) {
+    if (is_determined_) return;
+    ++frames_;
+    if (!estimate) {
+      if (failures_++ == 0) first_error_ = estimate.error();
+    } else if (*estimate) {
+      estimates_.push_back(**estimate);
+    }
+    if (frames_ % kBatchSize == 0) is_determined_ = FindSunConsensus(estimates_).count >= kMinConsensus;
+  }
+
+  [[nodiscard]] bool is_determined() const { return is_determined_; }
+
+  [[nodiscard]] std::optional<Sun> Result() const {
+    const SunConsensus agreement = FindSunConsensus(estimates_);
+    const bool is_accepted = agreement.count >= 2 || estimates_.size() == 1;
+    return is_accepted ? std::optional(SunFromDirection(agreement.sum)) : std::nullopt;
+  }
+
+  void WarnOfFailures(const WarningSink& warn) const {
+    if (failures_ == 0) return;
+    warn(fmt::format("the sun's direction: {} of {} sampled frames are skipped: {}", failures_, frames_,
+                     first_error_.message));
+  }
+
+ private:
+  std::vector<SunDirectionEstimate> estimates_;
+  std::size_t frames_ = 0;
+  std::size_t failures_ = 0;
+  Error first_error_;
+  bool is_determined_ = false;
+};
 
 }  // namespace
 
@@ -103,47 +172,45 @@ FrameConditions MakeFrameConditions(const std::optional<CameraState>& camera, co
   return conditions;
 }
 
+void DaylightOptions::ListFields(FieldList& fields) {
+  fields.Add("sun", sun, kSunSearchTexts,
+             {.reason = "auto: also searches for CAD models with templates relit for the sun's direction, if telemetry "
+                        "has the camera's attitude; off: templates for diffuse light only"});
+}
+
 Expected<std::optional<Sun>> EstimateSunDirection(const DaylightInput& survey, VideoReader& reader,
-                                                  const CancelToken& cancel) {
-  if (survey.options.sun == "off" || !survey.recognizer.HasRelitTemplates()) return std::nullopt;
-  if (const auto known = SunFromEphemeris(survey.cameras)) return *known;
+                                                  const CancelToken& cancel, const WarningSink& warn) {
+  if (survey.options.sun == SunSearch::kOff || !survey.recognizer.HasRelitTemplates()) return std::nullopt;
+  if (const CameraState* timed = FindTimedState(survey.cameras)) return SunFromEphemeris(*timed);
   if (reader.info().live) return std::nullopt;  // a live source cannot be read again for the search
 
-  constexpr std::int64_t kFramesPerSample = 100;
-  const std::int64_t frames = reader.info().frame_count.value_or(0);
-  const std::int64_t wanted = std::clamp<std::int64_t>(frames / kFramesPerSample, survey.options.min_frames,
-                                                       std::max(survey.options.min_frames, survey.options.max_frames));
-  constexpr std::int64_t kUnknownStep = 25;  // if the length of the video is unknown
-  const std::int64_t step = frames > 0 ? std::max<std::int64_t>(1, frames / wanted) : kUnknownStep;
-  constexpr std::size_t kBatchSize = 2;  // frames processed in parallel, independent of the number of threads
-  std::vector<SunDirectionEstimate> estimates;
-  std::vector<Frame> batch;
-  int sampled_frames = 0;
-  bool more = true;
-  while (more) {
-    if (cancel.IsCancelled())
-      return Fail(ErrorCode::kCancelled, "stopped while estimating the sun's direction; run again to resume");
-    Expected<std::optional<Frame>> frame = reader.NextFrame();
-    more = frame && *frame && sampled_frames < std::max(survey.options.min_frames, survey.options.max_frames);
-    if (more && (*frame)->index % step == step / 2) {
-      batch.push_back(*std::move(*frame));
-      ++sampled_frames;
-    }
-    if (batch.size() < kBatchSize && more) continue;
-    std::vector<Expected<std::optional<SunDirectionEstimate>>> batch_estimates(batch.size());
-    oneapi::tbb::parallel_for(std::size_t{0}, batch.size(),
-                              [&](std::size_t i) { batch_estimates[i] = EstimateSunFromFrame(survey, batch[i]); });
-    for (auto& estimate : batch_estimates) {
-      if (!estimate) return std::unexpected(std::move(estimate).error());
-      if (*estimate) estimates.push_back(**estimate);
-    }
-    batch.clear();
-    constexpr int kMinConsensus = 3;
-    if (FindSunConsensus(estimates).count >= kMinConsensus) break;
+  SampleSelector selector(reader.info().frame_count);
+  SunCollector collector;
+  FrameLoop loop(reader, cancel, {.max_in_flight = kBatchSize});
+  const auto select = [&](Frame frame) -> std::optional<SampledFrame> {
+    if (selector.IsDone()) loop.Stop();
+    if (!selector.IsSelected(frame.index)) return std::nullopt;
+    return SampledFrame{.frame = std::move(frame), .estimate = std::nullopt};
+  };
+  const auto estimate = [&](SampledFrame& sample) -> Status {
+    sample.estimate = EstimateSunFromFrame(survey, sample.frame);
+    return {};
+  };
+  const auto collect = [&](const SampledFrame& sample) -> Status {
+    collector.Add(sample.estimate);
+    if (collector.is_determined()) loop.Stop();
+    return {};
+  };
+  const Expected<FrameLoopEnd> end =
+      loop.Run<SampledFrame>(select, {Parallel<SampledFrame>(estimate), InOrder<SampledFrame>(collect)});
+  collector.WarnOfFailures(warn);
+  if (!end) {
+    // The search of the same video fails there too, after it has stored what is before.
+    warn("the sun's direction is estimated from the frames before an error: " + end.error().message);
+  } else if (*end == FrameLoopEnd::kCancelled) {
+    return Fail(ErrorCode::kCancelled, "stopped while estimating the sun's direction; run again to resume");
   }
-  const SunConsensus agreement = FindSunConsensus(estimates);
-  const bool is_accepted = agreement.count >= 2 || estimates.size() == 1;
-  return is_accepted ? std::optional(SunFromDirection(agreement.sum)) : std::nullopt;
+  return collector.Result();
 }
 
 }  // namespace victorious

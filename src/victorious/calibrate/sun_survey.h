@@ -3,13 +3,13 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include <opencv2/core/types.hpp>
 
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
+#include "victorious/base/warning_sink.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/sun.h"
 #include "victorious/recognize/recognizer.h"
@@ -19,10 +19,14 @@
 
 namespace victorious {
 
+/// Whether CAD models are searched for with templates relit for the sun's direction.
+enum class SunSearch {
+  kAuto,  ///< if telemetry has the camera's attitude and the direction can be found
+  kOff,   ///< never: templates for diffuse light only
+};
+
 struct DaylightOptions {
-  std::string sun = "auto";
-  int min_frames = 6;
-  int max_frames = 200;
+  SunSearch sun = SunSearch::kAuto;
 
   void ListFields(FieldList& fields);
 };
@@ -45,8 +49,9 @@ struct DaylightInput {
 /// agreeing estimates suffice, or one if it is the only one. std::nullopt at night, under overcast, or if no frame
 /// determines it. Deterministic.
 /// @param reader  at its first frame; reads as far as needed
-/// Errors: kCancelled. A read error ends the sampling; the later search of the same video reports it.
+/// @param warn    receives read errors, which end the sampling, and errors of feature extraction, which skip a frame
+/// Errors: kCancelled.
 Expected<std::optional<Sun>> EstimateSunDirection(const DaylightInput& survey, VideoReader& reader,
-                                                  const CancelToken& cancel);
+                                                  const CancelToken& cancel, const WarningSink& warn);
 
 }  // namespace victorious

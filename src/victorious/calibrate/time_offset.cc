@@ -10,12 +10,11 @@
 #include <fmt/format.h>
 
 #include "victorious/base/median.h"
-#include "victorious/base/progress.h"
-#include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/camera.h"
 #include "victorious/image/impulse_noise.h"
 #include "victorious/track/camera_motion.h"
+#include "victorious/video/frame_loop.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious {
@@ -25,7 +24,11 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr std::size_t kMinPairs = 20;
-constexpr int kUnknowns = 5;  // time offset, s; inverse height above the ground, 1/m; three biases, px
+constexpr double kMinPairInterval_s = 0.1;     // between two compared frames: less gives too little motion
+constexpr double kMinSigma_s = 0.002;          // exposure time and rounding of time stamps are unknown
+constexpr double kMaxSigma_s = 0.1;            // above it the camera's motion changes too little for an offset
+constexpr double kMinExplainedVariance = 0.5;  // below it telemetry does not match the video
+constexpr int kUnknowns = 5;                   // time offset, s; inverse height above the ground, 1/m; three biases, px
 using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
 using Normal = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
@@ -189,10 +192,10 @@ struct Candidate {
 };
 
 // Grid search over offset and height. Returns the local minima over the offset, best first.
-std::vector<Candidate> GridSearch(const Comparison& comparison, const TimeOffsetOptions& options) {
+std::vector<Candidate> GridSearch(const Comparison& comparison, double max_offset_s) {
   constexpr std::array kHeights_m = {15.0, 30.0, 60.0, 90.0, 130.0, 190.0, 280.0, 420.0, 800.0, 1600.0, 3200.0, 6400.0};
-  const double step_s = options.min_pair_interval_s / 2;
-  const int steps = static_cast<int>(std::ceil(options.max_offset_s / step_s));
+  const double step_s = kMinPairInterval_s / 2;
+  const int steps = static_cast<int>(std::ceil(max_offset_s / step_s));
   std::vector<Candidate> along;
   for (int k = -steps; k <= steps; ++k) {
     Candidate best;
@@ -416,122 +419,149 @@ double MedianRowInterval(const CameraTrajectory& cameras) {
   return Median(std::move(rows_s));
 }
 
-TimeOffset NoOffset(std::string why, std::size_t pairs) { return {.pairs = pairs, .status = std::move(why)}; }
+TimeOffset NoOffset(TimeOffsetStatus why, std::size_t pairs) { return {.status = why, .pairs = pairs}; }
+
+// A frame on its way through MeasureMotions.
+struct CleanFrame {
+  Frame frame;
+  cv::Mat clean;  // without impulse noise
+};
 
 }  // namespace
 
 void TimeOffsetOptions::ListFields(FieldList& fields) {
   fields.Add("max_offset_s", max_offset_s,
              {.min = 0.1, .max = 600, .unit = "s", .reason = "maximum absolute offset searched"});
-  fields.Add("min_pair_interval_s", min_pair_interval_s,
-             {.min = 0.01,
-              .max = 2,
-              .unit = "s",
-              .reason = "minimum interval between two compared frames: less gives too little motion"});
   fields.Add("max_duration_s", max_duration_s,
              {.min = 2, .max = 1e6, .unit = "s", .reason = "length of the video's beginning that is used"});
-  fields.Add("min_sigma_s", min_sigma_s,
-             {.min = 0,
-              .max = 10,
-              .unit = "s",
-              .reason = "minimum standard error of the offset: exposure time and rounding of time stamps are unknown"});
-  fields.Add(
-      "max_sigma_s", max_sigma_s,
-      {.min = 1e-4,
-       .max = 100,
-       .unit = "s",
-       .reason =
-           "maximum standard error of the offset; above it there is none: the camera's motion changes too little"});
-  fields.Add("min_explained_variance", min_explained_variance,
+}
+
+void TimedTelemetryOptions::ListFields(FieldList& fields) {
+  telemetry.ListFields(fields);
+  fields.AddGroup("offset", offset);
+  fields.Add("features.impulse_fraction", impulse_fraction,
              {.min = 0,
               .max = 1,
-              .reason = "minimum fraction of the image motion's variance that telemetry must explain: below it, "
-                        "telemetry does not match the video"});
+              .reason = "impulse noise fraction of the frames whose motion is measured, as in `params index`"});
 }
 
 Expected<ImageMotions> MeasureMotions(const std::string& video, const TimeOffsetOptions& options,
-                                      const CancelToken& cancel) {
+                                      double impulse_fraction, const CancelToken& cancel) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(video, {}));
-  const double impulse_fraction = FeatureOptions().impulse_fraction;
+  FrameLoop loop(*reader, cancel, {.label = video + ", motion"});
+  std::optional<double> selected_s;
+  const auto select = [&](Frame frame) -> std::optional<CleanFrame> {
+    constexpr double kNearly = 0.95;  // of the interval, as time stamps are rounded
+    if (frame.time_s > options.max_duration_s) {
+      loop.Stop();
+      return std::nullopt;
+    }
+    if (selected_s && frame.time_s - *selected_s < kNearly * kMinPairInterval_s) return std::nullopt;
+    selected_s = frame.time_s;
+    return CleanFrame{.frame = std::move(frame), .clean = {}};
+  };
+  const auto clean = [&](CleanFrame& one) -> Status {
+    one.clean = RemoveImpulses(one.frame.image, impulse_fraction);
+    return {};
+  };
   ImageMotions seen;
   ImageMotionEstimator camera;
   std::optional<double> last_s;
-  Progress progress(video + ", motion", reader->info().frame_count, "frames");
-  while (true) {
-    if (cancel.IsCancelled()) return Fail(ErrorCode::kCancelled, video + ": interrupted");
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Frame> frame, reader->NextFrame());
-    if (!frame || frame->time_s > options.max_duration_s) return seen;
-    progress.Update(frame->index + 1);
-    constexpr double kNearly = 0.95;
-    if (last_s && frame->time_s - *last_s < kNearly * options.min_pair_interval_s) continue;
-    const auto motion = camera.Step(RemoveImpulses(frame->image, impulse_fraction));
-    if (motion && last_s) seen.motions.push_back({*last_s, frame->time_s, *motion});
-    seen.image = frame->image.size();
-    last_s = frame->time_s;
-  }
+  const auto measure = [&](const CleanFrame& one) -> Status {
+    const auto motion = camera.Step(one.clean);
+    if (motion && last_s) seen.motions.push_back({*last_s, one.frame.time_s, *motion});
+    seen.image = one.frame.image.size();
+    last_s = one.frame.time_s;
+    return {};
+  };
+  VICTORIOUS_ASSIGN_OR_RETURN(const FrameLoopEnd end, loop.Run<CleanFrame>(select, {Parallel<CleanFrame>(clean),
+                                                                                    InOrder<CleanFrame>(measure)}));
+  if (end == FrameLoopEnd::kCancelled) return Fail(ErrorCode::kCancelled, video + ": interrupted");
+  return seen;
 }
 
 TimeOffset EstimateTimeOffset(const ImageMotions& seen, const CameraTrajectory& cameras,
                               const TimeOffsetOptions& options) {
   const auto is_usable = [](const CameraState& state) { return state.attitude && state.hfov_rad; };
   if (std::ranges::none_of(cameras.states(), is_usable)) {
-    return NoOffset("telemetry has no attitude or no field of view", 0);
+    return NoOffset(TimeOffsetStatus::kNoAttitude, 0);
   }
   if (seen.motions.size() < kMinPairs) {
-    return NoOffset(fmt::format("the image motion is measurable for {} pairs of frames only", seen.motions.size()),
-                    seen.motions.size());
+    return NoOffset(TimeOffsetStatus::kFewPairs, seen.motions.size());
   }
   const Comparison comparison(seen, cameras);
-  const double row_s = std::max(MedianRowInterval(cameras), options.min_pair_interval_s / 2);
+  const double row_s = std::max(MedianRowInterval(cameras), kMinPairInterval_s / 2);
   constexpr std::size_t kMaxMinima = 4;
   std::vector<Fit> fits;
-  for (const Candidate& candidate : GridSearch(comparison, options)) {
+  for (const Candidate& candidate : GridSearch(comparison, options.max_offset_s)) {
     if (fits.size() == kMaxMinima) break;
     if (auto fit = Refine(comparison, candidate.unknowns, row_s)) fits.push_back(*std::move(fit));
   }
-  if (fits.empty()) return NoOffset("telemetry and video overlap too little in time", seen.motions.size());
+  if (fits.empty()) return NoOffset(TimeOffsetStatus::kNoOverlap, seen.motions.size());
   const Vector3d scales_px =
       std::ranges::min_element(fits, {}, [](const Fit& fit) { return fit.scales_px.prod(); })->scales_px;
   const auto cost = [&](const Fit& fit) { return HuberCost(fit.residual_set, scales_px); };
   const Fit& best = *std::ranges::min_element(fits, {}, cost);
-  TimeOffset result{.sigma_s = std::hypot(std::sqrt(std::max(best.variance, best.block_variance)), options.min_sigma_s),
+  TimeOffset result{.sigma_s = std::hypot(std::sqrt(std::max(best.variance, best.block_variance)), kMinSigma_s),
                     .explained = ExplainedVariance(comparison, best.residual_set, row_s),
                     .pairs = best.residual_set.pairs.size()};
-  const double offset_s = best.unknowns[0];
-  if (!(result.sigma_s <= options.max_sigma_s)) {
-    result.status =
-        fmt::format("the camera's motion changes too little: the standard error would be {:.2g} s", result.sigma_s);
+  result.best_s = best.unknowns[0];
+  result.max_offset_s = options.max_offset_s;
+  if (!(result.sigma_s <= kMaxSigma_s)) {
+    result.status = TimeOffsetStatus::kUncertain;
     return result;
   }
-  if (!(result.explained >= options.min_explained_variance)) {
-    result.status = fmt::format("telemetry explains only {:.0f} % of the image motion's variance at any offset",
-                                100 * std::max(0.0, result.explained));
+  if (!(result.explained >= kMinExplainedVariance)) {
+    result.status = TimeOffsetStatus::kUnexplained;
     return result;
   }
   // Another minimum is equally good if its cost is not significantly higher; the residuals are correlated.
   constexpr double kSignificantCost = 9;
   const double correlation_factor = std::max(1.0, best.block_variance / best.variance);
   for (const Fit& other : fits) {
-    const double apart_s = std::abs(other.unknowns[0] - offset_s);
-    if (apart_s < std::max(4 * result.sigma_s, options.min_pair_interval_s)) continue;
+    const double apart_s = std::abs(other.unknowns[0] - result.best_s);
+    if (apart_s < std::max(4 * result.sigma_s, kMinPairInterval_s)) continue;
     const double worse = (cost(other) - cost(best)) * static_cast<double>(result.pairs);
     if (worse > kSignificantCost * correlation_factor) continue;
-    result.status =
-        fmt::format("the motion is periodic: {:+.2f} s fits as well as {:+.2f} s", other.unknowns[0], offset_s);
+    result.status = TimeOffsetStatus::kPeriodic;
+    result.other_s = other.unknowns[0];
     return result;
   }
-  if (std::abs(offset_s) > options.max_offset_s) {
-    result.status = fmt::format("beyond the searched range of {:g} s: raise max_offset_s", options.max_offset_s);
+  if (std::abs(result.best_s) > options.max_offset_s) {
+    result.status = TimeOffsetStatus::kOutOfRange;
     return result;
   }
-  result.offset_s = offset_s;
-  result.status = "ok";
+  result.offset_s = result.best_s;
   return result;
 }
 
+std::string DescribeStatus(const TimeOffset& offset) {
+  switch (offset.status) {
+    case TimeOffsetStatus::kOk:
+      return "ok";
+    case TimeOffsetStatus::kNoAttitude:
+      return "telemetry has no attitude or no field of view";
+    case TimeOffsetStatus::kFewPairs:
+      return fmt::format("the image motion is measurable for {} pairs of frames only", offset.pairs);
+    case TimeOffsetStatus::kNoOverlap:
+      return "telemetry and video overlap too little in time";
+    case TimeOffsetStatus::kUncertain:
+      return fmt::format("the camera's motion changes too little: the standard error would be {:.2g} s",
+                         offset.sigma_s);
+    case TimeOffsetStatus::kUnexplained:
+      return fmt::format("telemetry explains only {:.0f} % of the image motion's variance at any offset",
+                         100 * std::max(0.0, offset.explained));
+    case TimeOffsetStatus::kPeriodic:
+      return fmt::format("the motion is periodic: {:+.2f} s fits as well as {:+.2f} s", offset.other_s, offset.best_s);
+    case TimeOffsetStatus::kOutOfRange:
+      return fmt::format("beyond the searched range of {:g} s: raise max_offset_s", offset.max_offset_s);
+  }
+  return {};
+}
+
 std::string Describe(const TimeOffset& offset) {
-  if (!offset.offset_s) return "offset of telemetry's clock: unknown: " + offset.status;
+  if (!offset.offset_s) return "offset of telemetry's clock: unknown: " + DescribeStatus(offset);
   return fmt::format("offset of telemetry's clock: {:+.3f} s, standard error {:.3f} s (time_offset_s adds it)",
                      *offset.offset_s, offset.sigma_s);
 }

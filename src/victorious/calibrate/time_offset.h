@@ -21,6 +21,7 @@
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
+#include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/similarity.h"
 #include "victorious/telemetry/camera_track.h"
 #include "victorious/telemetry/telemetry.h"
@@ -29,11 +30,7 @@ namespace victorious {
 
 struct TimeOffsetOptions {
   double max_offset_s = 2;
-  double min_pair_interval_s = 0.1;
   double max_duration_s = 60;
-  double min_sigma_s = 0.002;
-  double max_sigma_s = 0.1;
-  double min_explained_variance = 0.5;
 
   void ListFields(FieldList& fields);
 };
@@ -42,11 +39,9 @@ struct TimeOffsetOptions {
 struct TimedTelemetryOptions {
   TelemetryOptions telemetry;
   TimeOffsetOptions offset;
+  double impulse_fraction = FeatureOptions().impulse_fraction;  ///< as FeatureOptions::impulse_fraction
 
-  void ListFields(FieldList& fields) {
-    telemetry.ListFields(fields);
-    fields.AddGroup("offset", offset);
-  }
+  void ListFields(FieldList& fields);
 };
 
 /// Background motion from one frame to another.
@@ -61,23 +56,42 @@ struct ImageMotions {
   cv::Size image;  ///< px
 };
 
+/// Why there is an offset, or none.
+enum class TimeOffsetStatus {
+  kOk,
+  kNoAttitude,   ///< telemetry has no attitude or no field of view
+  kFewPairs,     ///< too few pairs of frames with a measurable motion
+  kNoOverlap,    ///< telemetry and video overlap too little in time
+  kUncertain,    ///< the camera's motion changes too little: the standard error is too large
+  kUnexplained,  ///< telemetry explains too little of the image motion: it may belong to another video
+  kPeriodic,     ///< the motion is periodic: another offset fits as well
+  kOutOfRange,   ///< the best offset is beyond the searched range
+};
+
 struct TimeOffset {
-  std::optional<double> offset_s;  ///< s, to be added to telemetry's times
+  TimeOffsetStatus status = TimeOffsetStatus::kOk;
+  std::optional<double> offset_s;  ///< s, to be added to telemetry's times; empty unless kOk
   double sigma_s = 0;              ///< standard error of the offset, s
   double explained = 0;            ///< fraction of the image motion's variance that telemetry explains, 0 to 1
   std::size_t pairs = 0;           ///< number of frame pairs compared
-  std::string status;              ///< "ok", or the reason why there is no offset
+  double best_s = 0;               ///< best fit, s, also where it is rejected
+  double other_s = 0;              ///< kPeriodic: the other offset that fits as well, s
+  double max_offset_s = 0;         ///< searched range, s
 };
 
 /// Measures the image motion of the video's first `max_duration_s`. Errors: those of VideoReader; kCancelled.
+/// @param impulse_fraction  impulse noise fraction of the frames (RemoveImpulses)
 /// Cost: some 10 ms per pair at 640 x 480, and reading.
 Expected<ImageMotions> MeasureMotions(const std::string& video, const TimeOffsetOptions& options,
-                                      const CancelToken& cancel);
+                                      double impulse_fraction, const CancelToken& cancel);
 
 /// Estimates the offset. Deterministic. Cost: half a second for a minute of video.
 /// @param cameras  telemetry's states, on the video's clock up to the offset
 TimeOffset EstimateTimeOffset(const ImageMotions& seen, const CameraTrajectory& cameras,
                               const TimeOffsetOptions& options);
+
+/// The reason why there is no offset; "ok" if there is one.
+[[nodiscard]] std::string DescribeStatus(const TimeOffset& offset);
 
 /// The result as one line of text.
 [[nodiscard]] std::string Describe(const TimeOffset& offset);

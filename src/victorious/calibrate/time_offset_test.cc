@@ -86,7 +86,7 @@ CameraTrajectory Recorded(const Path& path, double late_s) {
 TEST(TimeOffset, AFlightThatSwervesTellsItToPartsOfAFrame) {
   for (const double late_s : {0.0, 0.4, -0.25, 0.037, 1.7}) {
     const TimeOffset offset = EstimateTimeOffset(Film(Swerving), Recorded(Swerving, late_s), {});
-    ASSERT_TRUE(offset.offset_s) << late_s << ": " << offset.status;
+    ASSERT_TRUE(offset.offset_s) << late_s << ": " << DescribeStatus(offset);
     EXPECT_NEAR(*offset.offset_s, -late_s, 0.01);
     EXPECT_LT(offset.sigma_s, 0.01);
     EXPECT_GT(offset.explained, 0.9);
@@ -99,7 +99,7 @@ TEST(TimeOffset, ItsStandardErrorIsRight) {
   for (int draw = 0; draw < kDraws; ++draw) {
     const auto seen = Film(Swerving, 100 + static_cast<std::uint64_t>(draw), 1.5);
     const TimeOffset offset = EstimateTimeOffset(seen, Recorded(Swerving, 0.2), {});
-    ASSERT_TRUE(offset.offset_s) << offset.status;
+    ASSERT_TRUE(offset.offset_s) << DescribeStatus(offset);
     inside += std::abs(*offset.offset_s + 0.2) < 1.645 * offset.sigma_s ? 1 : 0;
   }
   EXPECT_GE(inside, 0.8 * kDraws);
@@ -116,7 +116,7 @@ TEST(TimeOffset, NoiseInTelemetryDoesNotDrawItToWhereRowsAreApart) {
       state.attitude->pitch_rad += 1e-3 * random.Normal();
     }
     const TimeOffset offset = EstimateTimeOffset(Film(Swerving), CameraTrajectory(states, 2), {});
-    ASSERT_TRUE(offset.offset_s) << offset.status;
+    ASSERT_TRUE(offset.offset_s) << DescribeStatus(offset);
     EXPECT_NEAR(*offset.offset_s, -0.4, 0.05);
     inside += std::abs(*offset.offset_s + 0.4) < 1.645 * offset.sigma_s ? 1 : 0;
   }
@@ -126,13 +126,15 @@ TEST(TimeOffset, NoiseInTelemetryDoesNotDrawItToWhereRowsAreApart) {
 TEST(TimeOffset, AStraightFlightTellsNone) {
   const TimeOffset offset = EstimateTimeOffset(Film(Straight), Recorded(Straight, 0.4), {});
   EXPECT_FALSE(offset.offset_s);
-  EXPECT_THAT(offset.status, HasSubstr("too little"));
+  EXPECT_EQ(offset.status, TimeOffsetStatus::kUncertain);
+  EXPECT_THAT(Describe(offset), HasSubstr("too little"));
 }
 
 TEST(TimeOffset, AMotionThatComesAgainTellsNone) {
   const TimeOffset offset = EstimateTimeOffset(Film(Rocking), Recorded(Rocking, 0.3), {});
   EXPECT_FALSE(offset.offset_s);
-  EXPECT_THAT(offset.status, HasSubstr("is periodic"));
+  EXPECT_EQ(offset.status, TimeOffsetStatus::kPeriodic);
+  EXPECT_THAT(Describe(offset), HasSubstr("is periodic"));
 }
 
 TEST(TimeOffset, TelemetryOfAnotherFlightTellsNone) {
@@ -149,9 +151,10 @@ TEST(TimeOffset, WithoutAFieldOfViewThereIsNone) {
     state.hfov_rad.reset();
     return state;
   };
-  EXPECT_THAT(EstimateTimeOffset(Film(Swerving), Recorded(blind, 0), {}).status, HasSubstr("field of view"));
-  EXPECT_THAT(EstimateTimeOffset({.motions = {}, .image = kImage}, Recorded(Swerving, 0), {}).status,
-              HasSubstr("0 pairs"));
+  EXPECT_EQ(EstimateTimeOffset(Film(Swerving), Recorded(blind, 0), {}).status, TimeOffsetStatus::kNoAttitude);
+  const TimeOffset none = EstimateTimeOffset({.motions = {}, .image = kImage}, Recorded(Swerving, 0), {});
+  EXPECT_EQ(none.status, TimeOffsetStatus::kFewPairs);
+  EXPECT_THAT(DescribeStatus(none), HasSubstr("0 pairs"));
 }
 
 }  // namespace

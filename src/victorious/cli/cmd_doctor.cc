@@ -112,16 +112,16 @@ std::string Indented(const std::vector<std::string>& lines) {
   return text;
 }
 
-// Describes the time offset between telemetry and video; empty if telemetry has no attitude or the video cannot be read
-// a second time.
+// Describes the time offset between telemetry and video, or the error that prevents its estimation; empty if telemetry
+// has no attitude or the video cannot be read a second time.
 std::string DescribeTimeOffset(const std::string& source, const VideoProbe& probe, const Telemetry& telemetry) {
   const TelemetryOptions defaults;
   if (probe.live || !std::ranges::any_of(telemetry.states, &CameraState::IsComplete)) return {};
   TimeOffsetOptions options;
   constexpr double kWatch_s = 20;
   options.max_duration_s = kWatch_s;
-  const auto image_motions = MeasureMotions(source, options, Interrupt());
-  if (!image_motions) return {};
+  const auto image_motions = MeasureMotions(source, options, TimedTelemetryOptions().impulse_fraction, Interrupt());
+  if (!image_motions) return "offset of telemetry's clock: unknown: " + image_motions.error().message;
   return Describe(EstimateTimeOffset(*image_motions, CameraTrajectory(telemetry.states, defaults.max_gap_s), options));
 }
 

@@ -32,7 +32,7 @@ nlohmann::json ToJson(const TimeOffset& offset, double before_s) {
           {"sigma_s", offset.offset_s ? nlohmann::json(offset.sigma_s) : nlohmann::json()},
           {"explained", offset.explained},
           {"pairs", offset.pairs},
-          {"status", offset.status}};
+          {"status", DescribeStatus(offset)}};
 }
 
 // Reads telemetry from a file, from the video, or from a file beside the video.
@@ -58,7 +58,8 @@ Status RunEstimate(const Arguments& arguments, const TimedTelemetryOptions& para
     return Fail(ErrorCode::kInvalidArgument, "--estimate-offset: the telemetry contains no camera state");
   }
   VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
-  VICTORIOUS_ASSIGN_OR_RETURN(const ImageMotions image_motions, MeasureMotions(video, parameters.offset, Interrupt()));
+  VICTORIOUS_ASSIGN_OR_RETURN(const ImageMotions image_motions,
+                              MeasureMotions(video, parameters.offset, parameters.impulse_fraction, Interrupt()));
   const CameraTrajectory cameras(telemetry.states, parameters.telemetry.max_gap_s);
   const TimeOffset offset = EstimateTimeOffset(image_motions, cameras, parameters.offset);
   if (!arguments.out.empty()) {

@@ -15,20 +15,12 @@ void FollowOptions::ListFields(FieldList& fields) {
   fields.Add("enabled", enabled,
              {.reason = "detected objects are tracked and searched for in their regions; otherwise every full frame is "
                         "searched independently"});
-  fields.Add("min_overlap", min_overlap,
-             {.min = 0, .max = 1, .reason = "intersection over union above which a detection is assigned to a track"});
   fields.Add("restart_interval_frames", restart_interval_frames,
              {.min = 1,
               .max = 1e6,
               .unit = "frames",
               .reason = "all tracks restart at this interval: the maximum number of frames that are tracked again when "
                         "an index resumes"});
-  fields.Add("min_recognised_frames", min_recognised_frames,
-             {.min = 1,
-              .max = 1000,
-              .unit = "frames",
-              .reason = "frames in which a track must have been recognised before a tracked sighting counts: false "
-                        "recognitions seldom repeat"});
   fields.Add("search_interval_frames", search_interval_frames,
              {.min = 1,
               .max = 1000,
@@ -39,6 +31,10 @@ void FollowOptions::ListFields(FieldList& fields) {
 }
 
 namespace {
+
+// Intersection over union at which a detection is assigned to a track. Boxes of one object in neighbouring frames
+// overlap far more, those of two objects hardly do.
+constexpr double kMinTrackOverlap = 0.3;
 
 Box StepBox(const TrackStep& step) { return step.seen() ? step.box : BoundingBox(step.outline); }
 
@@ -105,7 +101,7 @@ std::optional<std::int64_t> Follower::AssignToTrack(const Detection& detection, 
   std::ranges::copy_if(open, std::back_inserter(alike), [&](const TrackStep& step) {
     return tracks_.at(step.track).last.model_index == detection.model_index;
   });
-  if (const auto step = FindMatchingStep(detection.box, alike, options_.min_overlap); step != alike.end()) {
+  if (const auto step = FindMatchingStep(detection.box, alike, kMinTrackOverlap); step != alike.end()) {
     Confirm(step->track, detection, features, frame);
     double& max_full_frame_score = tracks_.at(step->track).max_full_frame_score;
     max_full_frame_score = std::max(max_full_frame_score, detection.score);
@@ -138,7 +134,7 @@ void Follower::Search(const Frame& frame, const FrameConditions& conditions, Reg
     return;
   }
   for (Detection& detection : *detections) {
-    if (IntersectionOverUnion(detection.box, StepBox(region.step)) < options_.min_overlap) continue;
+    if (IntersectionOverUnion(detection.box, StepBox(region.step)) < kMinTrackOverlap) continue;
     detection.score = std::min(detection.score, tracks_.at(region.step.track).max_full_frame_score);
     region.found = std::move(detection);
     return;
@@ -202,7 +198,7 @@ Expected<std::vector<ObservedObject>> Follower::Follow(const Frame& frame, const
     // Two tracks of one object: keep the first.
     const bool is_duplicate = std::ranges::any_of(seen, [&](const ObservedObject& other) {
       return other.detection.model_index == next.detection.model_index &&
-             IntersectionOverUnion(other.detection.box, next.detection.box) >= options_.min_overlap;
+             IntersectionOverUnion(other.detection.box, next.detection.box) >= kMinTrackOverlap;
     });
     if (is_duplicate) {
       tracker_.Stop(track);

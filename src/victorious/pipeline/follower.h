@@ -27,8 +27,9 @@ namespace victorious {
 
 struct FollowOptions {
   bool enabled = true;
-  double min_overlap = 0.3;
   int restart_interval_frames = 60;
+  /// Frames in which a track must have been recognised before a tracked sighting counts: false recognitions seldom
+  /// repeat. No parameter of the user.
   int min_recognised_frames = 2;
   int search_interval_frames = 1;
   TrackOptions track;

@@ -35,12 +35,6 @@ void IndexOptions::ListSearchFields(FieldList& fields) {
   fields.AddGroup("follow", follow);
   fields.AddGroup("tracklets", tracklets);
   fields.AddGroup("keep", keep);
-  fields.Add("live_wait_s", live_wait_s,
-             {.min = 0,
-              .max = 60,
-              .unit = "s",
-              .reason = "maximum wait of a live source's frame for telemetry of its time or later, which may arrive "
-                        "once a second; no wait if the source has no telemetry stream"});
   fields.Add("every", every,
              {.min = 1,
               .max = 1e6,

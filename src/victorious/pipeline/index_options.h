@@ -43,7 +43,6 @@ struct IndexOptions {
   ObjectOptions objects;
   GroundOptions ground;
   KeepOptions keep;
-  double live_wait_s = 1.0;
   int every = 1;
 
   void ListFields(FieldList& fields);

@@ -8,15 +8,15 @@
 
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
+#include "victorious/base/warning_sink.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/geometry/sun.h"
+#include "victorious/pipeline/camera_states.h"
 #include "victorious/pipeline/index_job.h"
 #include "victorious/pipeline/index_options.h"
-#include "victorious/pipeline/warning_sink.h"
 #include "victorious/recognize/category_finder.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/store/index_store.h"
-#include "victorious/telemetry/camera_track.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious {
@@ -32,9 +32,9 @@ struct IndexPass {
   std::span<const std::optional<std::int64_t>> category_ids = {};
   const FeatureExtractor& extractor;
   const IndexOptions& options;
-  const CameraTrajectory* cameras = nullptr;  ///< telemetry, or null
-  std::optional<Sun> sun;                     ///< sun direction, if known (sun_survey.h)
-  int threads = 0;                            ///< 0: one per hardware thread
+  CameraStates& cameras;
+  std::optional<Sun> sun;  ///< sun direction, if known (sun_survey.h)
+  int threads = 0;         ///< 0: one per hardware thread
 };
 
 /// Reads `reader` to its end, commits to `store` on the way, and adds the counts to `report`. A cancelled live source

@@ -89,6 +89,7 @@ class IndexPassTest : public ::testing::Test {
                                                  .program_version = "test"}};
     const Recognizer recognizer = Recognizer::Create({model}, options.features.engine, options.recognize).value();
     const auto extractor = MakeFeatureExtractor(options.features).value();
+    CameraStates cameras = CameraStates::ForLive(reader.info(), options.telemetry);
     const IndexPass pass{.video = video,
                          .searches = searches,
                          .recognizer = recognizer,

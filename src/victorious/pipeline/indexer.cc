@@ -1,7 +1,6 @@
 #include "victorious/pipeline/indexer.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <optional>
 #include <ranges>
@@ -16,9 +15,8 @@
 #include "victorious/base/progress.h"
 #include "victorious/base/version.h"
 #include "victorious/model/relit_views.h"
+#include "victorious/pipeline/camera_states.h"
 #include "victorious/pipeline/index_pass.h"
-#include "victorious/pipeline/video_telemetry.h"
-#include "victorious/telemetry/camera_track.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious {
@@ -91,32 +89,6 @@ std::string SearchOptionsText(IndexOptions options) {
   return ToJsonText(fields.fields());
 }
 
-// Telemetry of a video.
-struct Cameras {
-  std::optional<CameraTrajectory> track;
-  std::optional<std::int64_t> start_utc_us;
-};
-
-// UTC time of the first frame, from the first state with a clock.
-std::optional<std::int64_t> FindStartTime(const std::vector<CameraState>& states) {
-  for (const CameraState& state : states) {
-    if (state.utc_us) return *state.utc_us - std::llround(state.time_s * 1e6);
-  }
-  return std::nullopt;
-}
-
-Expected<Cameras> ReadCameras(const IndexJob& job, const VideoInfo& info, const TelemetryOptions& options,
-                              const WarningSink& emit_warning) {
-  VICTORIOUS_ASSIGN_OR_RETURN(
-      std::optional<Telemetry> telemetry,
-      LoadTelemetry(job.video, info, job.telemetry, options, "nothing will get a place", emit_warning));
-  Cameras cameras;
-  if (!telemetry) return cameras;
-  cameras.start_utc_us = FindStartTime(telemetry->states);
-  cameras.track.emplace(std::move(telemetry->states), options.max_gap_s);
-  return cameras;
-}
-
 // The index identifies models and categories by name, so one would overwrite the other.
 Status CheckNames(const std::vector<ModelRecord>& sought, const std::vector<ModelRecord>& others) {
   for (const ModelRecord& one : sought) {
@@ -174,7 +146,7 @@ Expected<Indexer> Indexer::Create(std::vector<ObjectModel> models, const IndexOp
 // A video that was opened for indexing.
 struct Indexer::OpenedVideo {
   std::unique_ptr<VideoReader> reader;  // null after a pass that read it
-  Cameras cameras;
+  CameraStates cameras;
   VideoRecord record;
 };
 
@@ -224,7 +196,9 @@ Expected<Indexer::OpenedVideo> Indexer::OpenVideo(const IndexJob& job, const Can
   VICTORIOUS_ASSIGN_OR_RETURN(video.reader, VideoReader::Open(job.video, MakeReaderOptions(job)));
   const VideoInfo& info = video.reader->info();
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string content_id, ContentIdOf(*video.reader, job.video, cancel));
-  VICTORIOUS_ASSIGN_OR_RETURN(video.cameras, ReadCameras(job, info, options_.telemetry, warn));
+  VICTORIOUS_ASSIGN_OR_RETURN(video.cameras, CameraStates::Load(job.video, info, job.telemetry, options_.telemetry,
+                                                                "nothing will get a place", warn));
+  video.cameras.SetFallbackFieldOfView(GivenFieldOfView(options_.telemetry));
   if (!info.live) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t forgotten, store.DeleteOtherContent(job.video, content_id));
     if (forgotten > 0) warn("the video has changed since it was indexed: its earlier results are replaced");
@@ -235,7 +209,7 @@ Expected<Indexer::OpenedVideo> Indexer::OpenVideo(const IndexJob& job, const Can
                                                             .height = info.height,
                                                             .frame_count = {},
                                                             .duration_s = {},
-                                                            .start_utc_us = video.cameras.start_utc_us,
+                                                            .start_utc_us = video.cameras.start_utc_us(),
                                                             .features_json = {}}));
   return video;
 }
@@ -297,11 +271,12 @@ Status Indexer::RunPass(const PlannedPass& plan, const IndexJob& job, OpenedVide
   for (std::size_t i = 0; i < plan.targets.size(); ++i) {
     if (plan.targets[i] >= models_.size()) category_ids[plan.targets[i] - models_.size()] = plan.searches[i].model;
   }
-  const std::optional<CameraTrajectory>& track = video.cameras.track;
+  const CameraTrajectory* trajectory = video.cameras.trajectory();
   report.sun.reset();
-  if (track && !recognizer.models().empty()) {
+  if (trajectory != nullptr && !recognizer.models().empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(
-        report.sun, EstimateSunDirection({*track, recognizer, *extractor_, options_.daylight}, *video.reader, cancel));
+        report.sun,
+        EstimateSunDirection({*trajectory, recognizer, *extractor_, options_.daylight}, *video.reader, cancel, warn));
     if (!video.reader->info().live) {
       VICTORIOUS_ASSIGN_OR_RETURN(video.reader, VideoReader::Open(job.video, MakeReaderOptions(job)));
     }
@@ -314,7 +289,7 @@ Status Indexer::RunPass(const PlannedPass& plan, const IndexJob& job, OpenedVide
                        .category_ids = category_ids,
                        .extractor = *extractor_,
                        .options = options_,
-                       .cameras = track ? &*track : nullptr,
+                       .cameras = video.cameras,
                        .sun = report.sun,
                        .threads = job.threads};
   VICTORIOUS_RETURN_IF_ERROR(RunIndexPass(pass, *video.reader, cancel, store, warn, report));

@@ -10,10 +10,10 @@
 
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
+#include "victorious/base/warning_sink.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/pipeline/index_job.h"
 #include "victorious/pipeline/index_options.h"
-#include "victorious/pipeline/warning_sink.h"
 #include "victorious/recognize/category_finder.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/store/index_store.h"

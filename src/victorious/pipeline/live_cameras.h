@@ -15,17 +15,24 @@
 #include "victorious/telemetry/telemetry.h"
 #include "victorious/types/camera_state.h"
 #include "victorious/types/data_packet.h"
+#include "victorious/video/frame_loop.h"
 
 namespace victorious {
 
-class LiveCameraTrack {
+/// Maximum wait of a frame for telemetry of its time or later: telemetry streams send it at least once a second.
+inline constexpr double kMaxLiveWait_s = 1.0;
+
+class LiveCameraTrack final : public PacketReceiver {
  public:
   explicit LiveCameraTrack(TelemetryOptions options) : options_(std::move(options)) {}
 
-  /// @param packets  packets since the last call
-  /// @param now_s    time of the newest frame
   /// Errors: those of the telemetry options.
-  Status Add(std::vector<DataPacket> packets, double now_s);
+  Status Add(std::vector<DataPacket> packets, double now_s) override;
+
+  /// True if later packets cannot change the frame's camera state, or after kMaxLiveWait_s.
+  [[nodiscard]] bool IsReady(double frame_s, double now_s) const override {
+    return Covers(frame_s) || now_s >= frame_s + kMaxLiveWait_s;
+  }
 
   /// True if a state at `time_s` or later has arrived, so that later packets cannot change the state at `time_s`.
   [[nodiscard]] bool Covers(double time_s) const { return !states_.empty() && states_.back().time_s >= time_s; }

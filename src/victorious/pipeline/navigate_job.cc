@@ -12,12 +12,12 @@
 #include <fmt/format.h>
 
 #include "victorious/base/median.h"
-#include "victorious/base/progress.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/model/relit_views.h"
-#include "victorious/pipeline/video_telemetry.h"
+#include "victorious/pipeline/camera_states.h"
 #include "victorious/telemetry/camera_csv.h"
 #include "victorious/telemetry/camera_track.h"
+#include "victorious/video/frame_loop.h"
 #include "victorious/video/video_reader.h"
 
 namespace victorious {
@@ -30,8 +30,6 @@ NavigateVideoOptions::NavigateVideoOptions() {
 void NavigateVideoOptions::ListFields(FieldList& fields) {
   fields.AddGroup("video", video);
   fields.AddGroup("features", features);
-  recognize.ListFields(fields);
-  fields.AddGroup("daylight", daylight);
   fields.AddGroup("telemetry", telemetry);
   fields.AddGroup("follow", follow);
   fields.AddGroup("landmark_list", list);
@@ -59,39 +57,21 @@ double MillisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-// Telemetry, if there is any, and the field of view from telemetry or from the parameters.
-struct Cameras {
-  std::optional<CameraTrajectory> track;
-  std::optional<double> hfov_rad;
-
-  /// The state at a time, always with a field of view.
-  [[nodiscard]] CameraState At(double time_s) const {
-    CameraState camera{.time_s = time_s, .place = {}};
-    if (track) camera = track->At(time_s).value_or(camera);
-    if (!camera.hfov_rad) camera.hfov_rad = hfov_rad;
-    return camera;
-  }
-};
-
-Expected<Cameras> ReadCameras(const NavigateJob& job, const NavigateVideoOptions& options, const VideoInfo& info,
-                              const WarningSink& warn) {
+// Telemetry, if there is any; the field of view from the parameters, else from telemetry, is known at any time.
+Expected<CameraStates> LoadCameras(const NavigateJob& job, const NavigateVideoOptions& options, const VideoInfo& info,
+                                   const WarningSink& warn) {
   VICTORIOUS_ASSIGN_OR_RETURN(
-      std::optional<Telemetry> telemetry,
-      LoadTelemetry(job.video, info, job.telemetry, options.telemetry, "navigation uses landmarks only", warn));
-  Cameras cameras;
-  if (options.telemetry.hfov_deg > 0) cameras.hfov_rad = RadiansFromDegrees(options.telemetry.hfov_deg);
-  if (telemetry) {
-    for (const CameraState& state : telemetry->states) {
-      if (!cameras.hfov_rad) cameras.hfov_rad = state.hfov_rad;
-    }
-    cameras.track.emplace(std::move(telemetry->states), options.telemetry.max_gap_s);
-  }
-  if (!cameras.hfov_rad) {
+      CameraStates cameras,
+      CameraStates::Load(job.video, info, job.telemetry, options.telemetry, "navigation uses landmarks only", warn));
+  std::optional<double> hfov_rad = GivenFieldOfView(options.telemetry);
+  if (!hfov_rad) hfov_rad = cameras.first_hfov_rad();
+  if (!hfov_rad) {
     return Fail(
         ErrorCode::kInvalidArgument,
         fmt::format("{}: the camera's field of view is unknown: give --hfov DEG, or telemetry with a field of view",
                     job.video));
   }
+  cameras.SetFallbackFieldOfView(hfov_rad);
   return cameras;
 }
 
@@ -119,6 +99,7 @@ struct PassContext {
   const NavigateVideoOptions& options;
   const Recognizer& recognizer;
   const FeatureExtractor& extractor;
+  const WarningSink& warn;
   std::vector<std::vector<std::size_t>> landmarks_by_model;  // landmark indices, by model
 };
 
@@ -131,13 +112,13 @@ struct KnownAttitude {
 // One pass over the video.
 class Pass {
  public:
-  Pass(const PassContext& context, Follower follower, const Cameras& cameras, const KnownAttitude& held)
+  Pass(const PassContext& context, Follower follower, const CameraStates& cameras, const KnownAttitude& held)
       : context_(context), follower_(std::move(follower)), cameras_(cameras), held_(held) {}
 
   Status ProcessFrame(const Frame& frame) {
     const Clock::time_point start = Clock::now();
     const std::clock_t cpu_start = std::clock();
-    const CameraState camera = cameras_.At(frame.time_s);
+    const CameraState camera = cameras_.At(frame.time_s).value();
     std::optional<CameraState> held;
     if (held_.track != nullptr) held = held_.track->At(frame.time_s);
     const FrameConditions conditions = MakeFrameConditions(held, frame.image.size(), held_.sun);
@@ -182,7 +163,7 @@ class Pass {
 
   const PassContext& context_;
   Follower follower_;
-  const Cameras& cameras_;
+  const CameraStates& cameras_;
   KnownAttitude held_;
   std::vector<NavigationFrame> frames_;
   std::vector<LandmarkSighting> sightings_;
@@ -199,7 +180,7 @@ struct Source {
 };
 
 // Runs a pass from the first frame of the reader to its end.
-Expected<Pass> RunPass(const PassContext& context, const Source& source, const Cameras& cameras,
+Expected<Pass> RunPass(const PassContext& context, const Source& source, const CameraStates& cameras,
                        const std::optional<CameraTrajectory>& held, std::unique_ptr<VideoReader>& reader,
                        const CancelToken& cancel) {
   KnownAttitude known;
@@ -207,7 +188,7 @@ Expected<Pass> RunPass(const PassContext& context, const Source& source, const C
     known.track = &*held;
     VICTORIOUS_ASSIGN_OR_RETURN(
         known.sun, EstimateSunDirection({*held, context.recognizer, context.extractor, context.options.daylight},
-                                        *reader, cancel));
+                                        *reader, cancel, context.warn));
     if (!source.live) {
       VICTORIOUS_ASSIGN_OR_RETURN(reader, VideoReader::Open(source.video, source.reading));
     }
@@ -216,25 +197,24 @@ Expected<Pass> RunPass(const PassContext& context, const Source& source, const C
                               Follower::Create(context.recognizer, context.extractor,
                                                context.options.features.impulse_fraction, context.options.follow));
   Pass pass(context, std::move(follower), cameras, known);
-  Progress progress(source.video, reader->info().frame_count, "frames");
-  while (!cancel.IsCancelled()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<Frame> frame, reader->NextFrame());
-    if (!frame) return pass;
-    VICTORIOUS_RETURN_IF_ERROR(pass.ProcessFrame(*frame));
-    progress.Update(frame->index + 1);
+  FrameLoop loop(*reader, cancel, {.label = source.video});
+  VICTORIOUS_ASSIGN_OR_RETURN(const FrameLoopEnd end,
+                              loop.ForEach([&](const Frame& frame) { return pass.ProcessFrame(frame); }));
+  if (end == FrameLoopEnd::kCancelled && !source.live) {
+    return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped; nothing was written", source.video));
   }
-  if (source.live) return pass;
-  return Fail(ErrorCode::kCancelled, fmt::format("{}: stopped; nothing was written", source.video));
+  return pass;
 }
 
 // Runs a pass over the video and estimates the trajectory.
-Expected<NavigationResult> RunPassAndNavigate(const PassContext& context, const Source& source, const Cameras& cameras,
-                                              const std::optional<CameraTrajectory>& held, const LandmarkList& list,
-                                              std::unique_ptr<VideoReader>& reader, const CancelToken& cancel) {
+Expected<NavigationResult> RunPassAndNavigate(const PassContext& context, const Source& source,
+                                              const CameraStates& cameras, const std::optional<CameraTrajectory>& held,
+                                              const LandmarkList& list, std::unique_ptr<VideoReader>& reader,
+                                              const CancelToken& cancel) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Pass pass, RunPass(context, source, cameras, held, reader, cancel));
   const Clock::time_point start = Clock::now();
   std::vector<CameraState> rows;
-  if (cameras.track) rows = cameras.track->states();
+  if (cameras.trajectory() != nullptr) rows = cameras.trajectory()->states();
   NavigationResult run;
   VICTORIOUS_ASSIGN_OR_RETURN(run.navigation, Navigate({pass.frames(), rows, list.landmarks, context.landmarks_by_model,
                                                         pass.sightings(), list.common_covariance_enu_m2},
@@ -248,25 +228,25 @@ Expected<NavigationResult> RunPassAndNavigate(const PassContext& context, const 
 
 // Estimated camera states of the frames whose attitude is accurate enough for upright templates. std::nullopt if there
 // are none.
-std::optional<CameraTrajectory> AccurateStates(const Navigation& navigation, const Cameras& cameras,
+std::optional<CameraTrajectory> AccurateStates(const Navigation& navigation, const CameraStates& cameras,
                                                const NavigateVideoOptions& options) {
   constexpr double kMaxSigmaDeg = 6;
   std::vector<CameraState> states;
   for (const NavigatedFrame& frame : navigation.frames) {
     if (*frame.camera.sigma_attitude_rad > RadiansFromDegrees(kMaxSigmaDeg)) continue;
     states.push_back(frame.camera);
-    states.back().hfov_rad = cameras.At(frame.camera.time_s).hfov_rad;
+    states.back().hfov_rad = cameras.At(frame.camera.time_s)->hfov_rad;
   }
   if (states.empty()) return std::nullopt;
   return CameraTrajectory(std::move(states), options.telemetry.max_gap_s);
 }
 
 // True if the median error of telemetry's attitude is below 1 degree, which suffices for upright and relit templates.
-bool IsTelemetryAttitudeAccurate(const Navigation& navigation, const Cameras& cameras) {
+bool IsTelemetryAttitudeAccurate(const Navigation& navigation, const CameraStates& cameras) {
   constexpr double kMaxErrorDeg = 1;
   std::vector<double> turns_rad;
   for (const NavigatedFrame& frame : navigation.frames) {
-    const CameraState measured = cameras.At(frame.camera.time_s);
+    const CameraState measured = cameras.At(frame.camera.time_s).value();
     if (!measured.attitude || !frame.camera.attitude) continue;
     turns_rad.push_back(CameraFromEnu(*measured.attitude).angularDistance(CameraFromEnu(*frame.camera.attitude)));
   }
@@ -286,7 +266,7 @@ Expected<NavigationResult> NavigateVideo(const NavigateJob& job, std::vector<Obj
   VICTORIOUS_RETURN_IF_ERROR(CheckEngine(models, options.features.engine));
   const VideoReaderOptions reading{.folder_frame_rate = options.video.folder_frame_rate};
   VICTORIOUS_ASSIGN_OR_RETURN(std::unique_ptr<VideoReader> reader, VideoReader::Open(job.video, reading));
-  VICTORIOUS_ASSIGN_OR_RETURN(const Cameras cameras, ReadCameras(job, options, reader->info(), warn));
+  VICTORIOUS_ASSIGN_OR_RETURN(const CameraStates cameras, LoadCameras(job, options, reader->info(), warn));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
 
   std::vector<std::vector<std::size_t>> landmarks_by_model(models.size());
@@ -302,13 +282,14 @@ Expected<NavigationResult> NavigateVideo(const NavigateJob& job, std::vector<Obj
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,
                               Recognizer::Create(std::move(models), options.features.engine, options.recognize, lit));
-  const PassContext context{options, recognizer, *extractor, std::move(landmarks_by_model)};
+  const PassContext context{options, recognizer, *extractor, warn, std::move(landmarks_by_model)};
   const Source source{job.video, reading, reader->info().live};
-  std::optional<CameraTrajectory> held = cameras.track;
+  std::optional<CameraTrajectory> held;
+  if (cameras.trajectory() != nullptr) held = *cameras.trajectory();
   VICTORIOUS_ASSIGN_OR_RETURN(NavigationResult run,
                               RunPassAndNavigate(context, source, cameras, held, list, reader, cancel));
   if (options.second_pass && !source.live &&
-      (!cameras.track || !IsTelemetryAttitudeAccurate(run.navigation, cameras))) {
+      (cameras.trajectory() == nullptr || !IsTelemetryAttitudeAccurate(run.navigation, cameras))) {
     // The attitude is now known, or known better than from telemetry, so a second pass finds more.
     held = AccurateStates(run.navigation, cameras, options);
     if (held) {
@@ -324,7 +305,7 @@ Expected<NavigationResult> NavigateVideo(const NavigateJob& job, std::vector<Obj
   }
   for (const NavigatedFrame& frame : run.navigation.frames) {
     run.states.push_back(frame.camera);
-    const CameraState camera = cameras.At(frame.camera.time_s);
+    const CameraState camera = cameras.At(frame.camera.time_s).value();
     run.states.back().hfov_rad = camera.hfov_rad;
     run.states.back().distortion = camera.distortion;
     run.states.back().utc_us = camera.utc_us;

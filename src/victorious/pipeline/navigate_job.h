@@ -12,6 +12,7 @@
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
+#include "victorious/base/warning_sink.h"
 #include "victorious/calibrate/sun_survey.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/navigate/navigate.h"
@@ -20,7 +21,6 @@
 #include "victorious/pipeline/follower.h"
 #include "victorious/pipeline/index_options.h"
 #include "victorious/pipeline/landmark_list.h"
-#include "victorious/pipeline/warning_sink.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/telemetry/telemetry.h"
 

@@ -19,9 +19,9 @@
 #include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
+#include "victorious/base/warning_sink.h"
 #include "victorious/model/photo_model.h"
 #include "victorious/pipeline/box_sighting.h"
-#include "victorious/pipeline/warning_sink.h"
 #include "victorious/recognize/recognizer.h"
 #include "victorious/telemetry/telemetry.h"
 #include "victorious/terrain/terrain.h"
@@ -34,8 +34,8 @@ struct TrackBoxesOptions {
   TelemetryOptions telemetry;
   BoxPlaceOptions place;
   GroundOptions ground;
-  PhotoModelOptions model;
-  RecognizeOptions recognize;
+  PhotoModelOptions model;     ///< of the boxes' models; no parameter of the user
+  RecognizeOptions recognize;  ///< search for lost objects; no parameter of the user
   int recognize_every = 5;
   int memory_mb = 512;
 

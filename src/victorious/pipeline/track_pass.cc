@@ -8,9 +8,7 @@
 
 namespace victorious {
 
-std::optional<CameraState> BoxPlacePrior::CameraAt(const Frame& frame) const {
-  return cameras_ ? cameras_->At(frame.time_s) : std::nullopt;
-}
+std::optional<CameraState> BoxPlacePrior::CameraAt(const Frame& frame) const { return cameras_.At(frame.time_s); }
 
 bool BoxPlacePrior::IsInconsistent(std::size_t drawn, const Box& box, const Frame& frame) const {
   const auto camera = CameraAt(frame);

@@ -22,8 +22,8 @@
 #include "victorious/model/photo_model.h"
 #include "victorious/observe/box_bearing.h"
 #include "victorious/pipeline/box_sighting.h"
+#include "victorious/pipeline/camera_states.h"
 #include "victorious/recognize/recognizer.h"
-#include "victorious/telemetry/camera_track.h"
 #include "victorious/track/box_tracker.h"
 #include "victorious/track/ground_point.h"
 #include "victorious/types/camera_state.h"
@@ -58,8 +58,8 @@ struct StaticBox {
 class BoxPlacePrior {
  public:
   /// @param standing  one entry per user box; std::nullopt if the object moves or has no place
-  /// @param cameras   camera track of the video; std::nullopt without telemetry
-  BoxPlacePrior(const std::vector<std::optional<StaticBox>>& standing, const std::optional<CameraTrajectory>& cameras,
+  /// @param cameras   camera states of the video
+  BoxPlacePrior(const std::vector<std::optional<StaticBox>>& standing, const CameraStates& cameras,
                 const BoxPlaceOptions& options)
       : static_boxes_(standing), cameras_(cameras), options_(options) {}
 
@@ -74,7 +74,7 @@ class BoxPlacePrior {
   [[nodiscard]] std::optional<CameraState> CameraAt(const Frame& frame) const;
 
   const std::vector<std::optional<StaticBox>>& static_boxes_;
-  const std::optional<CameraTrajectory>& cameras_;
+  const CameraStates& cameras_;
   const BoxPlaceOptions& options_;
 };
 

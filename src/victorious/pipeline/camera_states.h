@@ -1,0 +1,70 @@
+// The camera states of a video, for every job: from a telemetry file, from the video itself, or, for a live source,
+// from the packets that arrive with its frames.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "victorious/base/error.h"
+#include "victorious/base/warning_sink.h"
+#include "victorious/pipeline/live_cameras.h"
+#include "victorious/telemetry/camera_track.h"
+#include "victorious/telemetry/telemetry.h"
+#include "victorious/types/camera_state.h"
+#include "victorious/video/frame_loop.h"
+#include "victorious/video/video_reader.h"
+
+namespace victorious {
+
+/// The field of view of the parameters, rad; std::nullopt if they leave it to telemetry.
+[[nodiscard]] std::optional<double> GivenFieldOfView(const TelemetryOptions& options);
+
+class CameraStates {
+ public:
+  /// Without telemetry.
+  CameraStates() = default;
+
+  /// Reads the telemetry file if one is given, else finds the video's own telemetry or a file beside it
+  /// (LoadTelemetry). A live source without a file: as ForLive.
+  /// @param info         of the video
+  /// @param consequence  what to report if no state covers the video: "nothing will get a place"
+  /// Errors: those of a given file, and of the options.
+  static Expected<CameraStates> Load(const std::string& video, const VideoInfo& info,
+                                     const std::optional<std::string>& file, const TelemetryOptions& options,
+                                     std::string_view consequence, const WarningSink& warn);
+
+  /// Telemetry from the packets of a live source; none if it has no data stream.
+  static CameraStates ForLive(const VideoInfo& info, const TelemetryOptions& options);
+
+  /// Sets the field of view of frames for which telemetry has none. With it, At() returns a state for every time.
+  void SetFallbackFieldOfView(std::optional<double> hfov_rad) { fallback_hfov_rad_ = hfov_rad; }
+
+  /// The state at a time of the video; std::nullopt if there is none and no fallback field of view.
+  [[nodiscard]] std::optional<CameraState> At(double time_s) const;
+
+  /// States of the whole video; null without telemetry, and for a live source without a file.
+  [[nodiscard]] const CameraTrajectory* trajectory() const { return trajectory_ ? &*trajectory_ : nullptr; }
+  /// True if there is a state at any time.
+  [[nodiscard]] bool HasStates() const { return trajectory_ && !trajectory_->states().empty(); }
+  /// The first field of view that telemetry gives, rad.
+  [[nodiscard]] std::optional<double> first_hfov_rad() const { return first_hfov_rad_; }
+  /// UTC time of the video's first frame, from the first state with a clock.
+  [[nodiscard]] std::optional<std::int64_t> start_utc_us() const { return start_utc_us_; }
+
+  /// To be given to the FrameLoop of a live source; null if no telemetry arrives with its frames.
+  [[nodiscard]] PacketReceiver* packet_receiver() { return live_ ? &*live_ : nullptr; }
+  /// Warnings about the telemetry of a live source, one line each.
+  [[nodiscard]] std::vector<std::string> LiveWarnings() const;
+
+ private:
+  std::optional<CameraTrajectory> trajectory_;
+  std::optional<LiveCameraTrack> live_;
+  std::optional<double> fallback_hfov_rad_;
+  std::optional<double> first_hfov_rad_;
+  std::optional<std::int64_t> start_utc_us_;
+};
+
+}  // namespace victorious

@@ -1,0 +1,146 @@
+#include "victorious/video/frame_loop.h"
+
+#include <algorithm>
+#include <deque>
+
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/info.h>
+#include <oneapi/tbb/parallel_pipeline.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include "victorious/base/progress.h"
+
+namespace victorious {
+namespace {
+
+// Reads frames until the end, a cancellation, a stop or an error. Holds them back as the packet receiver wants.
+class HeldFrames {
+ public:
+  HeldFrames(VideoReader& reader, const CancelToken& cancel, const std::atomic<bool>& stopped, PacketReceiver* packets)
+      : reader_(reader), cancel_(cancel), stopped_(stopped), packets_(packets) {}
+
+  std::optional<Frame> Next() {
+    if (packets_ == nullptr) return Read();
+    while (held_.empty() || !packets_->IsReady(held_.front().time_s, held_.back().time_s)) {
+      std::optional<Frame> frame = Read();
+      if (!frame) break;
+      held_.push_back(*std::move(frame));
+    }
+    if (held_.empty()) return std::nullopt;
+    Frame first = std::move(held_.front());
+    held_.pop_front();
+    return first;
+  }
+
+  [[nodiscard]] const Status& status() const { return status_; }
+  [[nodiscard]] FrameLoopEnd end() const { return end_; }
+  [[nodiscard]] std::int64_t frames_read() const { return frames_read_; }
+  [[nodiscard]] double last_time_s() const { return last_time_s_; }
+
+ private:
+  std::optional<Frame> Read() {
+    if (!status_ || ended_) return std::nullopt;
+    if (stopped_) return End(FrameLoopEnd::kStopped);
+    if (cancel_.IsCancelled()) return End(FrameLoopEnd::kCancelled);
+    Expected<std::optional<Frame>> frame = reader_.NextFrame();
+    if (!frame) {
+      status_ = std::unexpected(std::move(frame).error());
+      return std::nullopt;
+    }
+    if (!*frame) return End(FrameLoopEnd::kEndOfVideo);
+    ++frames_read_;
+    last_time_s_ = (*frame)->time_s;
+    std::vector<DataPacket> packets = reader_.TakeDataPackets();
+    if (packets_ != nullptr) status_ = packets_->Add(std::move(packets), last_time_s_);
+    return *std::move(frame);
+  }
+
+  std::optional<Frame> End(FrameLoopEnd end) {
+    ended_ = true;
+    end_ = end;
+    return std::nullopt;
+  }
+
+  VideoReader& reader_;
+  const CancelToken& cancel_;
+  const std::atomic<bool>& stopped_;
+  PacketReceiver* packets_;
+  std::deque<Frame> held_;
+  Status status_;
+  bool ended_ = false;
+  FrameLoopEnd end_ = FrameLoopEnd::kEndOfVideo;
+  std::int64_t frames_read_ = 0;
+  double last_time_s_ = 0;
+};
+
+// A frame's work on its way through the stages.
+struct Passage {
+  std::int64_t frame = 0;
+  std::shared_ptr<void> work;
+  Status status;
+};
+using PassagePtr = std::shared_ptr<Passage>;
+
+}  // namespace
+
+void FrameLoop::Stop() { stopped_ = true; }
+
+Expected<FrameLoopEnd> FrameLoop::RunErased(const std::function<std::shared_ptr<void>(Frame)>& select,
+                                            const std::vector<ErasedStage>& stages) {
+  namespace tbb = oneapi::tbb;
+  std::optional<Progress> progress;
+  if (!options_.label.empty()) progress.emplace(options_.label, reader_.info().frame_count, "frames");
+  HeldFrames frames(reader_, cancel_, stopped_, options_.packets);
+  std::atomic<bool> failed = false;
+  Status status;  // of the first frame that failed; written by the last filter only
+
+  bool entered = false;  // true once a frame is in the stages: from then on, the last filter reports progress
+  const auto read = [&](tbb::flow_control& control) -> PassagePtr {
+    while (!failed) {
+      std::optional<Frame> frame = frames.Next();
+      if (!frame) break;
+      const std::int64_t index = frame->index;
+      if (std::shared_ptr<void> work = select(*std::move(frame))) {
+        entered = true;
+        return std::make_shared<Passage>(Passage{.frame = index, .work = std::move(work), .status = {}});
+      }
+      if (progress && !entered) progress->Update(index + 1);
+    }
+    control.stop();
+    return nullptr;
+  };
+  auto chain = tbb::make_filter<void, PassagePtr>(tbb::filter_mode::serial_in_order, read);
+  for (const ErasedStage& stage : stages) {
+    const auto run = [&stage, &failed, blocked = std::make_shared<bool>(false)](PassagePtr passage) {
+      if (!stage.parallel) *blocked = *blocked || !passage->status;
+      if (!passage->status || (!stage.parallel && *blocked)) return passage;
+      passage->status = stage.run(passage->work.get());
+      if (passage->status) return passage;
+      failed = true;
+      if (!stage.parallel) *blocked = true;
+      return passage;
+    };
+    const auto mode = stage.parallel ? tbb::filter_mode::parallel : tbb::filter_mode::serial_in_order;
+    chain = chain & tbb::make_filter<PassagePtr, PassagePtr>(mode, run);
+  }
+  const auto finish = [&](const PassagePtr& passage) {
+    if (status) status = std::move(passage->status);
+    if (progress) progress->Update(passage->frame + 1);
+  };
+  const auto pipeline = chain & tbb::make_filter<PassagePtr, void>(tbb::filter_mode::serial_in_order, finish);
+
+  const int threads = options_.threads > 0 ? options_.threads : tbb::info::default_concurrency();
+  const std::size_t in_flight =
+      options_.max_in_flight > 0 ? options_.max_in_flight : 2 * static_cast<std::size_t>(threads);
+  // An arena cannot exceed the hardware concurrency without global_control; oneTBB would warn on stderr.
+  const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+  tbb::task_arena arena(threads);
+  arena.execute([&] { tbb::parallel_pipeline(in_flight, pipeline); });
+  frames_read_ = frames.frames_read();
+  last_time_s_ = frames.last_time_s();
+  VICTORIOUS_RETURN_IF_ERROR(status);
+  VICTORIOUS_RETURN_IF_ERROR(frames.status());
+  return frames.end();
+}
+
+}  // namespace victorious

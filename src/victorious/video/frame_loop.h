@@ -1,0 +1,133 @@
+// The loop over a video's frames that every job shares: reading, cancellation, progress and threads. A job gives it the
+// stages that a frame passes:
+//
+//   FrameLoop loop(reader, cancel, {.label = video});
+//   loop.Run<Work>(select, {Parallel<Work>(search), InOrder<Work>(track), InOrder<Work>(store)});
+//
+// A parallel stage works on several frames at a time; an in-order stage sees one frame after another. Results
+// therefore do not depend on the number of threads. The stages run on oneTBB's threads, reading ahead of the stages;
+// a stage may itself use oneTBB.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "victorious/base/cancel.h"
+#include "victorious/base/error.h"
+#include "victorious/types/data_packet.h"
+#include "victorious/types/frame.h"
+#include "victorious/video/video_reader.h"
+
+namespace victorious {
+
+/// Receives the data packets of a source while its frames are read, and holds frames back until their data has arrived.
+class PacketReceiver {
+ public:
+  virtual ~PacketReceiver() = default;
+
+  /// @param packets  packets since the last call
+  /// @param now_s    time of the newest frame
+  virtual Status Add(std::vector<DataPacket> packets, double now_s) = 0;
+
+  /// True if the frame at `frame_s` needs no later packet, or has waited long enough. @param now_s  of the newest frame
+  [[nodiscard]] virtual bool IsReady(double frame_s, double now_s) const = 0;
+};
+
+struct FrameLoopOptions {
+  std::string label = {};             ///< of the progress display; empty: none
+  int threads = 0;                    ///< 0: one per processor
+  std::size_t max_in_flight = 0;      ///< frames between the first and the last stage; 0: two per thread
+  PacketReceiver* packets = nullptr;  ///< null: data packets are discarded
+};
+
+/// How a loop ended without an error.
+enum class FrameLoopEnd {
+  kEndOfVideo,
+  kStopped,    ///< by FrameLoop::Stop
+  kCancelled,  ///< all frames that were read have passed all stages
+};
+
+/// A step of the work on a frame. An error ends the loop.
+template <typename Work>
+struct FrameStage {
+  bool parallel = false;
+  std::function<Status(Work&)> run;
+};
+
+/// A stage that works on several frames at a time. `run` is called concurrently.
+template <typename Work, typename Run>
+FrameStage<Work> Parallel(Run run) {
+  return {.parallel = true, .run = std::move(run)};
+}
+
+/// A stage that works on one frame at a time, in frame order.
+template <typename Work, typename Run>
+FrameStage<Work> InOrder(Run run) {
+  return {.parallel = false, .run = std::move(run)};
+}
+
+/// One loop over the frames of a reader, from where it stands.
+class FrameLoop {
+ public:
+  /// The references outlive it.
+  FrameLoop(VideoReader& reader, const CancelToken& cancel, FrameLoopOptions options)
+      : reader_(reader), cancel_(cancel), options_(std::move(options)) {}
+
+  /// Passes the frames through stages until the video ends, a stage fails, Stop() is called, or `cancel` is set.
+  /// @param select  makes the work of a frame; std::nullopt skips the frame. Called in frame order, while earlier
+  ///                frames are in the stages
+  /// After an error of a stage, no later frame enters that in-order stage or those behind it; the frames before it pass
+  /// all stages. Errors: the first stage's in frame order, else that of reading or of the packet receiver.
+  template <typename Work>
+  Expected<FrameLoopEnd> Run(const std::function<std::optional<Work>(Frame)>& select,
+                             const std::vector<FrameStage<Work>>& stages) {
+    std::vector<ErasedStage> erased;
+    for (const FrameStage<Work>& stage : stages) {
+      erased.push_back({stage.parallel, [&stage](void* work) { return stage.run(*static_cast<Work*>(work)); }});
+    }
+    const auto select_erased = [&select](Frame frame) -> std::shared_ptr<void> {
+      std::optional<Work> work = select(std::move(frame));
+      return work ? std::make_shared<Work>(*std::move(work)) : nullptr;
+    };
+    return RunErased(select_erased, erased);
+  }
+
+  /// Runs one in-order stage on every frame.
+  Expected<FrameLoopEnd> ForEach(const std::function<Status(Frame&)>& visit) {
+    return Run<Frame>([](Frame frame) { return std::optional(std::move(frame)); }, {InOrder<Frame>(visit)});
+  }
+
+  /// Ends the loop: no further frame is read; those that were read pass all stages. Callable from `select` and from any
+  /// stage.
+  void Stop();
+
+  /// Number of frames read.
+  [[nodiscard]] std::int64_t frames_read() const { return frames_read_; }
+  /// Time of the last frame read, s; 0 if there was none.
+  [[nodiscard]] double last_time_s() const { return last_time_s_; }
+
+ private:
+  struct ErasedStage {
+    bool parallel = false;
+    std::function<Status(void*)> run;
+  };
+
+  Expected<FrameLoopEnd> RunErased(const std::function<std::shared_ptr<void>(Frame)>& select,
+                                   const std::vector<ErasedStage>& stages);
+
+  VideoReader& reader_;
+  const CancelToken& cancel_;
+  FrameLoopOptions options_;
+  std::atomic<bool> stopped_ = false;
+  std::int64_t frames_read_ = 0;
+  double last_time_s_ = 0;
+};
+
+}  // namespace victorious
