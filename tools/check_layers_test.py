@@ -9,8 +9,9 @@ from pathlib import Path
 
 import check_layers
 
-LAYERS = "[levels]\nbase = 0\ngeometry = 1\nkernels = 1\nvideo = 3\nstore = 3\ncli = 7\n"
-FOLDERS = ("base", "geometry", "kernels", "video", "store", "cli")
+LEVELS = {"base": 0, "geometry": 1, "kernels": 1, "video": 3, "mesh": 3, "render": 3, "geolocate": 3, "store": 3,
+          "terrain": 4, "cli": 7}  # fmt: skip
+LAYERS = "[levels]\n" + "".join(f"{folder} = {level}\n" for folder, level in LEVELS.items())
 
 
 class CheckLayersTest(unittest.TestCase):
@@ -19,7 +20,7 @@ class CheckLayersTest(unittest.TestCase):
         self.addCleanup(scratch.cleanup)
         self.root = Path(scratch.name)
         self.put("layers.toml", LAYERS)
-        for folder in FOLDERS:
+        for folder in LEVELS:
             self.put(f"src/victorious/{folder}/CMakeLists.txt", "")
 
     def put(self, path, text):
@@ -53,6 +54,30 @@ class CheckLayersTest(unittest.TestCase):
             "src/victorious/store/export.cc",
             '#include "victorious/video/reader.h"\n',
         )
+
+    def test_a_test_may_include_folders_of_its_own_level(self):
+        text = '#include "victorious/video/reader.h"\n'
+        self.assertEqual(self.findings("src/victorious/store/export_test.cc", text), [])
+        self.assert_one(
+            "src/victorious/geometry/box_test.cc:1: includes victorious/video/reader.h (level 3) from geometry (level 1): "
+            "only lower levels may be included",
+            "src/victorious/geometry/box_test.cc",
+            text,
+        )
+
+    def test_the_product_includes_no_research_and_no_tool(self):
+        for header in ("experiments/experiment.h", "assets/make/mesh.h", "bench/harness.h"):
+            for path in ("src/victorious/cli/main.cc", "src/victorious/cli/main_test.cc"):
+                with self.subTest(header=header, path=path):
+                    found = self.findings(path, f'#include "{header}"\n')
+                    self.assertEqual(found, [f"{path}:1: includes {header}: the product includes no research and no tool"])
+                    (self.root / path).unlink()
+            for path in ("experiments/table.cc", "bench/bench_frame.cc", "tests/e2e/draw.cc"):
+                self.assertEqual(self.findings(path, f'#include "{header}"\n'), [])
+
+    def test_research_may_include_every_folder_and_third_party(self):
+        text = '#include "victorious/cli/main.h"\n#include "testing/data.h"\n#include <ceres/ceres.h>\n'
+        self.assertEqual(self.findings("experiments/table.cc", text), [])
 
     def test_subfolders_belong_to_their_folder(self):
         self.assertEqual(
@@ -99,6 +124,14 @@ class CheckLayersTest(unittest.TestCase):
             ("<sqlite3.h>", "store/sqlite/a.cc", "store/a.cc", "SQLite"),
             ("<hwy/highway.h>", "kernels/a.cc", "video/a.cc", "Highway"),
             ('"hwy/foreach_target.h"', "kernels/a.cc", "cli/a.cc", "Highway"),
+            ("<assimp/scene.h>", "mesh/a.cc", "render/a.cc", "assimp"),
+            ("<GL/gl.h>", "render/a.cc", "mesh/a.cc", "OpenGL"),
+            ("<EGL/egl.h>", "render/a.h", "cli/a.cc", "OpenGL"),
+            ("<GLES3/gl3.h>", "render/a.cc", "video/a.cc", "OpenGL"),
+            ("<GeographicLib/Geoid.hpp>", "geometry/a.cc", "geometry/a.h", "GeographicLib"),
+            ("<gdal_priv.h>", "terrain/a.cc", "store/a.cc", "GDAL"),
+            ("<ogr_api.h>", "terrain/a.cc", "terrain/a.h", "GDAL"),
+            ("<ceres/problem.h>", "geolocate/a.cc", "geolocate/a.h", "Ceres"),
             ("<CLI/CLI.hpp>", "cli/a.cc", "video/a.cc", "CLI11"),
             ("<nlohmann/json.hpp>", "base/a.cc", "base/a.h", "json_fwd.hpp"),
             ('"testing/data.h"', "base/a_test.cc", "base/a.cc", "only tests"),

@@ -1,0 +1,100 @@
+#!/usr/bin/env python3
+"""Compares the documents that list folders and files with what is there: ARCHITECTURE.md's tables, the README.md of
+every source folder, and the links of both.
+
+Usage: check_folders.py [ROOT]
+Prints one line per finding, "path:line: problem: remedy"; exits with 1 if there is any.
+"""
+
+import re
+import sys
+import tomllib
+from pathlib import Path
+from typing import Iterator, NamedTuple
+
+SOURCES = Path("src/victorious")
+ARCHITECTURE = Path("ARCHITECTURE.md")
+
+LEVEL_ROW = re.compile(r"^\| *(\d+) *\| *\[?`([a-z_]+)/`")  # | 3 | `match/` | ...
+FOLDER_ROW = re.compile(r"^\| *\[?`([A-Za-z_./-]+/)`")  # | `bench/` | ...
+FILE_ROW = re.compile(r"^(?:\||-) *\[?`([A-Za-z0-9_/]+(?:\.h|\.cc|/))`")  # | `locate.h` | ... and - `locate.h`: ...
+LINK = re.compile(r"\]\((?!https?:|mailto:|#)([^)#\s]+)(?:#[^)]*)?\)")
+
+
+class Finding(NamedTuple):
+    path: Path
+    line: int  # from 1
+    message: str
+
+    def __str__(self) -> str:
+        return f"{self.path.as_posix()}:{self.line}: {self.message}"
+
+
+def numbered(root: Path, path: Path) -> Iterator[tuple[int, str]]:
+    if (root / path).is_file():
+        yield from enumerate((root / path).read_text(encoding="utf-8").splitlines(), start=1)
+
+
+def check_levels(root: Path) -> Iterator[Finding]:
+    """ARCHITECTURE.md has one row per folder of layers.toml, with its level."""
+    levels = tomllib.loads((root / "layers.toml").read_text(encoding="utf-8"))["levels"]
+    rows: dict[str, int] = {}
+    for line, text in numbered(root, ARCHITECTURE):
+        if not (match := LEVEL_ROW.match(text)):
+            continue
+        level, name = int(match[1]), match[2]
+        if name not in levels:
+            yield Finding(ARCHITECTURE, line, f"lists {name}/, which layers.toml does not: take the row out")
+        elif level != levels[name]:
+            yield Finding(ARCHITECTURE, line, f"gives {name}/ level {level}: layers.toml says {levels[name]}")
+        if name in rows:
+            yield Finding(ARCHITECTURE, line, f"lists {name}/ again, after line {rows[name]}")
+        rows.setdefault(name, line)
+    for name in levels:
+        if name not in rows:
+            yield Finding(ARCHITECTURE, 1, f"has no row for {name}/: add | {levels[name]} | `{name}/` | what it is |")
+
+
+def check_top_folders(root: Path) -> Iterator[Finding]:
+    """The folders beside src/victorious that ARCHITECTURE.md lists exist."""
+    for line, text in numbered(root, ARCHITECTURE):
+        match = FOLDER_ROW.match(text)
+        if match and not (root / match[1]).is_dir():
+            yield Finding(ARCHITECTURE, line, f"lists {match[1]}, which is no folder: take the row out")
+
+
+def check_readmes(root: Path) -> Iterator[Finding]:
+    """Every source folder has a README.md; the files and folders that it lists exist."""
+    for folder in sorted(path for path in (root / SOURCES).iterdir() if path.is_dir()):
+        readme = SOURCES / folder.name / "README.md"
+        if not (root / readme).is_file():
+            yield Finding(readme, 1, "is missing: say what goes in, what comes out, the method and its source")
+        for line, text in numbered(root, readme):
+            match = FILE_ROW.match(text)
+            if match and not (folder / match[1]).exists():
+                yield Finding(readme, line, f"lists {match[1]}, which is not in {folder.name}/: take the line out")
+
+
+def check_links(root: Path) -> Iterator[Finding]:
+    """Relative links lead to a file or a folder."""
+    readmes = sorted(path.relative_to(root) for path in (root / SOURCES).glob("*/README.md"))
+    for path in (*(path.relative_to(root) for path in sorted(root.glob("*.md"))), *readmes):
+        for line, text in numbered(root, path):
+            for target in LINK.findall(text):
+                if not (root / path.parent / target).exists():
+                    yield Finding(path, line, f"links {target}, which does not exist")
+
+
+def check(root: Path) -> list[Finding]:
+    return [*check_levels(root), *check_top_folders(root), *check_readmes(root), *check_links(root)]
+
+
+def main(arguments: list[str]) -> int:
+    findings = check(Path(arguments[0]) if arguments else Path(__file__).resolve().parent.parent)
+    for finding in findings:
+        print(finding)
+    return 1 if findings else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
