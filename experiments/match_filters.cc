@@ -73,8 +73,10 @@ std::vector<MatchFilter> MakeMatchFilters(const RecognizeOptions& options) {
       grammar("second stage alone", CascadeFilter::kSecond),
       grammar("third stage alone", CascadeFilter::kThird),
       cascade,
-      {"cascade, then MLESAC", [=](const MatchTrial& trial,
-                                   const MatchSet& matches) { return trial.Mlesac(cascade.run(trial, matches), pose); }},
+      {"cascade, then MLESAC",
+       [=](const MatchTrial& trial, const MatchSet& matches) {
+         return trial.Mlesac(cascade.run(trial, matches), pose);
+       }},
       {"MLESAC alone", [=](const MatchTrial& trial, const MatchSet& matches) { return trial.Mlesac(matches, pose); }},
       {"OpenCV's similarity alone", OpenCvSimilarity},
       {"OpenCV's homography alone", OpenCvHomography}};

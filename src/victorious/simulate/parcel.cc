@@ -89,7 +89,8 @@ void FurnishHomes(Parcel& parcel) {
 
 // A row of cars in front of the building, and trees beside them.
 void FurnishForecourt(Parcel& parcel) {
-  for (double x = -8.2; x < 9; x += 2.75) parcel.PutWithProbability(0.7, kCars, x, 8, parcel.DrawBool(0.5) ? 0 : 180, 0.3);
+  for (double x = -8.2; x < 9; x += 2.75)
+    parcel.PutWithProbability(0.7, kCars, x, 8, parcel.DrawBool(0.5) ? 0 : 180, 0.3);
   PutTrees(parcel, 0.9, {{-11, 6}, {11, 6}, {-11, -11}, {11, -11}});
   parcel.PutWithProbability(0.9, kLamp, 0, 11, 180);
 }
