@@ -1,44 +1,62 @@
 # A thin door to tools/install_packages.sh, CMake and the program. CMake holds the build; nothing is compiled here.
 
-.PHONY: build test demo bench format tidy fuzz asan clean
+.PHONY: build victorious test demo bench check format tidy fuzz asan clean
+
+# Ninja's progress: files done of all, seconds since the start.
+NINJA_STATUS ?= [%f/%t %es] $(empty)
+export NINJA_STATUS
+
+# Installs the packages and configures, then says how long the rest takes.
+configure = ./tools/install_packages.sh $(2) && cmake --preset $(1) >/dev/null
+say = @echo "$(1), the first time; each line counts the files done and the seconds." >&2
 
 build:
-	./tools/install_packages.sh
-	cmake --preset release
-	cmake --build --preset release --target victorious victorious-bench
+	$(call say,make build: about 15 minutes on two cores)
+	$(call configure,release)
+	cmake --build --preset release --target victorious victorious-bench victorious-experiment
+
+# The program alone: all that the demo needs.
+victorious:
+	$(call say,make victorious: about 10 minutes on two cores)
+	$(call configure,release)
+	cmake --build --preset release --target victorious
 
 test:
-	./tools/install_packages.sh
-	cmake --preset release
+	$(call say,make test: about 40 minutes on two cores)
+	$(call configure,release,--test)
 	cmake --build --preset release
 	ctest --preset release
 
-demo: build
+demo: victorious
 	./tools/demo.sh build/victorious scenes/demo.json assets/models demo
 
 bench: build
 	build/victorious bench
 
-asan:
-	./tools/install_packages.sh
-	cmake --preset asan-ubsan
-	cmake --build --preset asan-ubsan
-	ctest --preset asan-ubsan
+# What can be checked without compiling; clang-tidy on the files changed since origin/main.
+check:
+	./tools/check.sh
 
 format:
-	./tools/install_packages.sh --tidy
+	./tools/install_packages.sh --test
 	git ls-files '*.h' '*.cc' | xargs clang-format-19 -i
 
 tidy:
-	./tools/install_packages.sh --tidy
-	cmake --preset tidy
+	$(call configure,tidy,--tidy)
 	cmake --build --preset tidy
 
+# The tests under the address and undefined-behaviour sanitizers.
+asan:
+	$(call configure,asan-ubsan,--test)
+	cmake --build --preset asan-ubsan
+	ctest --preset asan-ubsan
+
+# Each fuzz target for FUZZ_SECONDS.
+FUZZ_SECONDS ?= 600
 fuzz:
-	./tools/install_packages.sh --tidy
-	cmake --preset fuzz
+	$(call configure,fuzz,--tidy)
 	cmake --build --preset fuzz --target fuzz_targets
-	./tools/fuzz.sh build-fuzz
+	./tools/fuzz.sh build-fuzz $(FUZZ_SECONDS)
 
 clean:
 	rm -rf build build-* demo

@@ -11,7 +11,7 @@ NAMES = ["sift", "match", "cascade", "mlesac", "frame", "search", "locate", "tra
 
 
 def run(*arguments: str) -> subprocess.CompletedProcess:
-    return subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, timeout=120)
+    return subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, timeout=600)
 
 
 class Smoke(unittest.TestCase):

@@ -5,7 +5,7 @@ set -euo pipefail
 cd "${1:-$(dirname "$0")/..}"
 
 if ! command -v clang-format-19 >/dev/null; then
-  echo "SKIPPED: clang-format-19 is not installed (tools/install_packages.sh --tidy)"
+  echo "SKIPPED: clang-format-19 is not installed (tools/install_packages.sh --test)"
   exit 77
 fi
 if ! files="$(git ls-files '*.h' '*.cc' '*.cu' 2>/dev/null)" || [[ -z "$files" ]]; then

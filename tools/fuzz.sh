@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # fuzz.sh BUILD_DIR [SECONDS]: runs each libFuzzer target of a build (cmake --preset fuzz, target fuzz_targets) for
-# SECONDS (default 60). The corpus is kept in BUILD_DIR/fuzz/TARGET/corpus and starts from the target's own seeds.
+# SECONDS (default 600). The corpus is kept in BUILD_DIR/fuzz/TARGET/corpus and starts from the target's own seeds.
 # Findings and the log are written to BUILD_DIR/fuzz/TARGET.
 set -euo pipefail
 
@@ -9,7 +9,7 @@ if [[ $# -lt 1 || $# -gt 2 ]]; then
   exit 2
 fi
 build="$(cd "$1" && pwd)"
-seconds="${2:-60}"
+seconds="${2:-600}"
 
 status=0
 for replay in "$build"/fuzz_*_replay; do

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# install_packages.sh [--tidy]: installs the Debian 12 packages that the build, the tests and the demo need. Does nothing
-# if all are installed. --tidy adds the tools of the format, lint and fuzz presets.
+# install_packages.sh [--test | --tidy]: installs the Debian 12 packages that the build and the demo need. Does nothing
+# if all are installed. --test adds what only tests need: clang-format-19. --tidy adds the tools of the lint and fuzz
+# presets too.
 set -euo pipefail
 
 packages=(
@@ -11,9 +12,15 @@ packages=(
   libsqlite3-dev zlib1g-dev libfmt-dev libspdlog-dev nlohmann-json3-dev libcli11-dev
   libgtest-dev libgmock-dev libbenchmark-dev
 )
-if [[ "${1:-}" == "--tidy" ]]; then
-  packages+=(clang-19 clang-format-19 clang-tidy-19 libclang-rt-19-dev)
-fi
+case "${1:-}" in
+  "") ;;
+  --test) packages+=(clang-format-19) ;;
+  --tidy) packages+=(clang-19 clang-format-19 clang-tidy-19 libclang-rt-19-dev) ;;
+  *)
+    echo "install_packages.sh: unknown: $1; give --test, --tidy or nothing" >&2
+    exit 2
+    ;;
+esac
 
 missing=()
 for package in "${packages[@]}"; do
