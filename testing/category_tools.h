@@ -8,7 +8,7 @@
 
 #include "victorious/base/random.h"
 #include "victorious/category/category_model.h"
-#include "victorious/category/dense_features.h"
+#include "victorious/category/common/dense_features.h"
 
 namespace victorious::testing {
 

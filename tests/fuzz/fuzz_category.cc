@@ -12,7 +12,7 @@
 #include "victorious/base/file.h"
 #include "victorious/base/random.h"
 #include "victorious/category/category_file.h"
-#include "victorious/category/category_list.h"
+#include "victorious/category/common/category_list.h"
 
 namespace {
 
@@ -76,7 +76,7 @@ std::vector<std::string> FuzzSeeds() {
   for (const char* scoring : {"linear", "likelihood"}) {
     victorious::CategoryOptions options{.scoring = scoring};
     options.vocabulary.words = 8;
-    options.phrases.parts = 2;
+    options.phrases.word_clusters = 2;
     options.grammar.word_fraction = 1;
     if (options.scoring == "linear") options.shapes = {.weight = 1, .dimensions = 4};
     const auto model = TrainCategories(examples, options);

@@ -17,8 +17,8 @@
 
 #include "victorious/base/error.h"
 #include "victorious/category/category_options.h"
-#include "victorious/category/quantised_image.h"
-#include "victorious/category/ridge.h"
+#include "victorious/category/common/quantised_image.h"
+#include "victorious/category/linear/ridge.h"
 #include "victorious/geometry/box.h"
 #include "victorious/types/feature_set.h"
 

@@ -6,12 +6,12 @@
 #include <string>
 
 #include "victorious/base/options.h"
-#include "victorious/category/fisher.h"
-#include "victorious/category/histogram.h"
-#include "victorious/category/phrase_grammar.h"
-#include "victorious/category/plsa.h"
-#include "victorious/category/shape.h"
-#include "victorious/category/vocabulary.h"
+#include "victorious/category/common/vocabulary.h"
+#include "victorious/category/linear/fisher.h"
+#include "victorious/category/linear/histogram.h"
+#include "victorious/category/linear/shape.h"
+#include "victorious/category/thesis/phrase_grammar.h"
+#include "victorious/category/thesis/plsa.h"
 
 namespace victorious {
 

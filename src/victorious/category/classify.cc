@@ -2,7 +2,7 @@
 
 #include "victorious/base/check.h"
 #include "victorious/category/category_model.h"
-#include "victorious/category/likelihood.h"
+#include "victorious/category/thesis/likelihood.h"
 
 namespace victorious {
 namespace {

@@ -10,8 +10,8 @@
 #include "victorious/base/random.h"
 #include "victorious/base/version.h"
 #include "victorious/category/category_model.h"
-#include "victorious/category/held_out.h"
-#include "victorious/category/likelihood.h"
+#include "victorious/category/common/held_out.h"
+#include "victorious/category/thesis/likelihood.h"
 
 namespace victorious {
 namespace {

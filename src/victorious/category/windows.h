@@ -15,7 +15,7 @@
 
 #include "victorious/base/options.h"
 #include "victorious/category/category_model.h"
-#include "victorious/category/dense_features.h"
+#include "victorious/category/common/dense_features.h"
 #include "victorious/geometry/box.h"
 
 namespace victorious {

@@ -13,9 +13,9 @@
 
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
-#include "victorious/category/category_list.h"
 #include "victorious/category/category_model.h"
-#include "victorious/category/dense_features.h"
+#include "victorious/category/common/category_list.h"
+#include "victorious/category/common/dense_features.h"
 #include "victorious/category/windows.h"
 #include "victorious/features/feature_extractor.h"
 #include "victorious/recognize/cad_examples.h"

@@ -3,7 +3,7 @@
 // Method: a first model is trained on these windows; its false positives in the background images and beside the
 // objects are added as hard negatives, and the model is trained again (N. Dalal and B. Triggs, "Histograms of oriented
 // gradients for human detection", CVPR 2005). Probabilities are calibrated with the maximum score of each background
-// image, which accounts for the number of windows searched (category/held_out.h).
+// image, which accounts for the number of windows searched (category/common/held_out.h).
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-#include "victorious/category/vocabulary.h"
+#include "victorious/category/common/vocabulary.h"
 
 #include <algorithm>
 #include <set>

@@ -1,4 +1,4 @@
-#include "victorious/category/fisher.h"
+#include "victorious/category/linear/fisher.h"
 
 #include <cmath>
 

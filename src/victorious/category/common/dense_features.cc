@@ -1,4 +1,4 @@
-#include "victorious/category/dense_features.h"
+#include "victorious/category/common/dense_features.h"
 
 #include <algorithm>
 #include <array>

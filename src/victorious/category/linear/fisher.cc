@@ -1,4 +1,4 @@
-#include "victorious/category/fisher.h"
+#include "victorious/category/linear/fisher.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include "victorious/base/check.h"
 #include "victorious/base/random.h"
-#include "victorious/category/vocabulary.h"
+#include "victorious/category/common/vocabulary.h"
 
 namespace victorious {
 namespace {

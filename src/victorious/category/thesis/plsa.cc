@@ -1,4 +1,4 @@
-#include "victorious/category/plsa.h"
+#include "victorious/category/thesis/plsa.h"
 
 #include <cmath>
 #include <limits>

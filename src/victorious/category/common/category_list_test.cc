@@ -1,4 +1,4 @@
-#include "victorious/category/category_list.h"
+#include "victorious/category/common/category_list.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,11 +1,11 @@
-#include "victorious/category/phrase_grammar.h"
+#include "victorious/category/thesis/phrase_grammar.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "victorious/base/random.h"
-#include "victorious/category/visit_pairs.h"
+#include "victorious/category/thesis/visit_pairs.h"
 #include "victorious/geometry/pair_measures.h"
 
 namespace victorious {

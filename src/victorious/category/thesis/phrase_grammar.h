@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "victorious/base/options.h"
-#include "victorious/category/quantised_image.h"
+#include "victorious/category/common/quantised_image.h"
 
 namespace victorious {
 

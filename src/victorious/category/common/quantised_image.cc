@@ -1,4 +1,4 @@
-#include "victorious/category/quantised_image.h"
+#include "victorious/category/common/quantised_image.h"
 
 #include <algorithm>
 #include <cmath>

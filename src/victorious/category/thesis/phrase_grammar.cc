@@ -1,4 +1,4 @@
-#include "victorious/category/phrase_grammar.h"
+#include "victorious/category/thesis/phrase_grammar.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "victorious/base/check.h"
-#include "victorious/category/visit_pairs.h"
+#include "victorious/category/thesis/visit_pairs.h"
 #include "victorious/geometry/pair_measures.h"
 
 namespace victorious {

@@ -1,4 +1,4 @@
-#include "victorious/category/histogram.h"
+#include "victorious/category/linear/histogram.h"
 
 #include <cmath>
 #include <set>

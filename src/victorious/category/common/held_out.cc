@@ -1,4 +1,4 @@
-#include "victorious/category/held_out.h"
+#include "victorious/category/common/held_out.h"
 
 #include <algorithm>
 #include <map>

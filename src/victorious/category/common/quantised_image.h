@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "victorious/category/vocabulary.h"
+#include "victorious/category/common/vocabulary.h"
 #include "victorious/types/feature_set.h"
 
 namespace victorious {

@@ -1,4 +1,4 @@
-#include "victorious/category/likelihood.h"
+#include "victorious/category/thesis/likelihood.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include <opencv2/core/utility.hpp>
 
-#include "victorious/category/held_out.h"
+#include "victorious/category/common/held_out.h"
 
 namespace victorious {
 namespace {

@@ -1,4 +1,4 @@
-#include "victorious/category/ridge.h"
+#include "victorious/category/linear/ridge.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "victorious/category/shape.h"
+#include "victorious/category/linear/shape.h"
 
 #include <gtest/gtest.h>
 
