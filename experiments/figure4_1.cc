@@ -108,7 +108,7 @@ Expected<SearchedBox> SearchBox(const SearchSetup& setup, const Frame& frame, co
   cost.pixels = box.Area();
   cost.keypoints = static_cast<double>(searched.features.size());
   cost.features_ms = MedianCpuMs([&] { static_cast<void>(FeaturesIn(frame.image, box, setup.extractor).has_value()); });
-  cost.recognition_ms = MedianCpuMs([&] { static_cast<void>(recognize().size()); });
+  cost.recognition_ms = MedianCpuMs([&] { static_cast<void>(recognize().has_value()); });
   return searched;
 }
 

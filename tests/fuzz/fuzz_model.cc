@@ -41,7 +41,7 @@ void ParseAndUse(std::span<const std::byte> bytes) {
   std::ignore = victorious::DrawViewSheet(*model);
   for (const victorious::ModelView& view : model->views) {
     if (const auto surface = victorious::DecodeSurface(view.surface, "fuzz")) {
-      VICTORIOUS_CHECK(surface->grey.size() == surface->seen.depth_m.size());
+      VICTORIOUS_CHECK(surface->grey.size() == surface->depth_map.depth_m.size());
     }
   }
   VICTORIOUS_CHECK(victorious::EncodeModel(*model).has_value());

@@ -36,14 +36,14 @@ double AgreementChance(double radius_px, const SceneSize& scene) {
 // radius, at least sigma_px: a photo seen obliquely deviates from a similarity by more than the keypoint noise.
 double MaxNegLog10Nfa(const Candidate& candidate, const SceneSize& scene) {
   const std::vector<double>& off_px = candidate.fit.agreeing_residuals_px;
-  constexpr std::size_t kFewest = 3;
-  if (off_px.size() < kFewest) return 0;
-  double most = 0;
-  for (std::size_t k = kFewest; k <= off_px.size(); ++k) {
+  constexpr std::size_t kMinAgreeing = 3;
+  if (off_px.size() < kMinAgreeing) return 0;
+  double highest = 0;
+  for (std::size_t k = kMinAgreeing; k <= off_px.size(); ++k) {
     const double chance = AgreementChance(std::max(candidate.fit.sigma_px, off_px[k - 1]), scene);
-    most = std::max(most, ComputeNegLog10Nfa(candidate.matches, k, chance, candidate.views));
+    highest = std::max(highest, ComputeNegLog10Nfa(candidate.matches, k, chance, candidate.views));
   }
-  return std::max(0.0, most - std::log10(static_cast<double>(off_px.size() - kFewest + 1)));
+  return std::max(0.0, highest - std::log10(static_cast<double>(off_px.size() - kMinAgreeing + 1)));
 }
 
 // The image region of a detection, for suppression.

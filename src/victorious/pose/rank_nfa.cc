@@ -27,16 +27,19 @@ Eigen::Vector2d PositionOf(const Keypoint& keypoint) { return {keypoint.x, keypo
 // Predicate: the template keypoint projects into the searched region and is large enough there to be detected.
 class Visibility {
  public:
-  Visibility(const Similarity2& fit, const FeatureSet& scene, double min_scale_px)
-      : pose_(fit), linear_(fit.Linear()), searched_(scene.SearchedBox()), min_scale_px_(min_scale_px) {}
+  Visibility(const Similarity2& scene_from_template, const FeatureSet& scene, double min_scale_px)
+      : scene_from_template_(scene_from_template),
+        linear_(scene_from_template.Linear()),
+        searched_(scene.SearchedBox()),
+        min_scale_px_(min_scale_px) {}
 
   bool operator()(const Keypoint& keypoint) const {
-    const Eigen::Vector2d place = linear_ * PositionOf(keypoint) + pose_.translation;
-    return keypoint.scale_px * pose_.scale >= min_scale_px_ && searched_.Contains(place.x(), place.y());
+    const Eigen::Vector2d place = linear_ * PositionOf(keypoint) + scene_from_template_.translation;
+    return keypoint.scale_px * scene_from_template_.scale >= min_scale_px_ && searched_.Contains(place.x(), place.y());
   }
 
  private:
-  const Similarity2& pose_;
+  const Similarity2& scene_from_template_;
   Eigen::Matrix2d linear_;
   Box searched_;
   double min_scale_px_;
@@ -45,14 +48,14 @@ class Visibility {
 // The fraction of scene keypoints that agree with the projection of a template keypoint in position, scale and
 // orientation: p for rank 1. Counted over windows twice as wide, since narrow windows hold few keypoints or none, and
 // then reduced by the ratio of the windows.
-double AgreeingFraction(const Keypoint& keypoint, const Similarity2& fit, const PoseWindow& window,
+double AgreeingFraction(const Keypoint& keypoint, const Similarity2& scene_from_template, const PoseWindow& window,
                         const FeatureSet& scene, const VoteOptions& options) {
   const double turn_window_rad = std::min(kPi, options.turn_rad);
   const double wide_turn_rad = std::min(kPi, kCountingFactor * turn_window_rad);
-  const Eigen::Vector2d place = fit.Apply(PositionOf(keypoint));
+  const Eigen::Vector2d place = scene_from_template.Apply(PositionOf(keypoint));
   const double reach_px = kCountingFactor * window.widest_px;
-  const double scale_px = keypoint.scale_px * fit.scale;
-  const double turn_rad = keypoint.orientation_rad + fit.rotation_rad;
+  const double scale_px = keypoint.scale_px * scene_from_template.scale;
+  const double turn_rad = keypoint.orientation_rad + scene_from_template.rotation_rad;
   int count = 0;
   for (const Keypoint& other : scene.keypoints) {
     if ((PositionOf(other) - place).squaredNorm() > reach_px * reach_px) continue;
@@ -77,7 +80,7 @@ bool HaveSimilarDescriptors(const FeatureSet& scene, std::size_t a, std::size_t 
 
 // The chance p of each independent inlier, ascending. Omits an inlier that overlaps one of lower rank in the scene or
 // has a similar descriptor: false matches on a repeated texture, the joints of a pavement for example, come together.
-std::vector<double> InlierChances(const Similarity2& fit, std::span<const RankedMatch> inliers,
+std::vector<double> InlierChances(const Similarity2& scene_from_template, std::span<const RankedMatch> inliers,
                                   const PoseWindow& window, const FeatureSet& scene, std::span<const Keypoint> model,
                                   const VoteOptions& options) {
   std::vector<RankedMatch> by_rank(inliers.begin(), inliers.end());
@@ -94,8 +97,8 @@ std::vector<double> InlierChances(const Similarity2& fit, std::span<const Ranked
     });
     if (is_dependent) continue;
     taken.push_back(match.scene_keypoint);
-    chances.push_back(
-        std::min(1.0, match.rank * AgreeingFraction(model[match.template_keypoint], fit, window, scene, options)));
+    chances.push_back(std::min(1.0, match.rank * AgreeingFraction(model[match.template_keypoint], scene_from_template,
+                                                                  window, scene, options)));
   }
   std::ranges::sort(chances);
   return chances;
@@ -103,9 +106,10 @@ std::vector<double> InlierChances(const Similarity2& fit, std::span<const Ranked
 
 // log10 of the number T of distinguishable poses: positions one window min_separation_scales, times rotations (full
 // circle) and scales (four octaves) that move the object's rim by one window.
-double Log10PoseCount(const Similarity2& fit, double radius_px, double size_px, const FeatureSet& scene) {
+double Log10PoseCount(const Similarity2& scene_from_template, double radius_px, double size_px,
+                      const FeatureSet& scene) {
   const double windows = scene.SearchedBox().Area() / (kPi * radius_px * radius_px);
-  const double rim = std::max(1.0, 0.5 * size_px * fit.scale / radius_px);
+  const double rim = std::max(1.0, 0.5 * size_px * scene_from_template.scale / radius_px);
   const double octaves = kScaleRangeOctaves * std::log(2.0);
   return std::log10(std::max(1.0, windows)) + std::log10(2 * kPi * rim) + std::log10(octaves * rim);
 }

@@ -38,19 +38,23 @@ class UprightPrior {
   /// @param turn_rad   in-plane rotation from view to scene, clockwise
   [[nodiscard]] bool IsAllowed(const Eigen::Vector2d& centre_px, double turn_rad) const {
     const Eigen::Vector3d up = ViewUpVector(off_nadir_rad_, turn_rad);
-    return (vertical_ ? up.dot(vertical_->UpVectorAt(centre_px)) : -up.y()) >= least_;
+    return (vertical_ ? up.dot(vertical_->UpVectorAt(centre_px)) : -up.y()) >= min_component_;
   }
 
   /// log10 of the factor by which the prior reduces the number of tested poses (views x rotations); >= 0.
   [[nodiscard]] double SearchReductionDecades() const { return -std::log10(allowed_fraction_); }
 
  private:
-  UprightPrior(const std::optional<Vertical>& vertical, double off_nadir_rad, double least, double allowed_fraction)
-      : vertical_(vertical), off_nadir_rad_(off_nadir_rad), least_(least), allowed_fraction_(allowed_fraction) {}
+  UprightPrior(const std::optional<Vertical>& vertical, double off_nadir_rad, double min_component,
+               double allowed_fraction)
+      : vertical_(vertical),
+        off_nadir_rad_(off_nadir_rad),
+        min_component_(min_component),
+        allowed_fraction_(allowed_fraction) {}
 
   std::optional<Vertical> vertical_;
   double off_nadir_rad_;
-  double least_;             // minimum component of the object's up axis along the vertical, or upwards in the image
+  double min_component_;     // minimum component of the object's up axis along the vertical, or upwards in the image
   double allowed_fraction_;  // fraction of views x rotations that is allowed
 };
 

@@ -45,12 +45,12 @@ struct Vote {
 };
 
 Vote MakeVote(const Keypoint& scene, const Keypoint& model, const Eigen::Vector2d& centre, std::uint32_t match) {
-  const Similarity2 fit{static_cast<double>(scene.scale_px) / model.scale_px,
-                        WrapAngle(static_cast<double>(scene.orientation_rad) - model.orientation_rad),
-                        {scene.x, scene.y}};
-  const Eigen::Vector2d place = fit.Apply(centre - Eigen::Vector2d(model.x, model.y));
-  return {static_cast<float>(std::log(fit.scale)), static_cast<float>(fit.rotation_rad), static_cast<float>(place.x()),
-          static_cast<float>(place.y()), match};
+  const Similarity2 similarity{static_cast<double>(scene.scale_px) / model.scale_px,
+                               WrapAngle(static_cast<double>(scene.orientation_rad) - model.orientation_rad),
+                               {scene.x, scene.y}};
+  const Eigen::Vector2d place = similarity.Apply(centre - Eigen::Vector2d(model.x, model.y));
+  return {static_cast<float>(std::log(similarity.scale)), static_cast<float>(similarity.rotation_rad),
+          static_cast<float>(place.x()), static_cast<float>(place.y()), match};
 }
 
 Votes CollectVotes(std::span<const Keypoint> scene, std::span<const Keypoint> model,
@@ -131,19 +131,22 @@ std::vector<Support> ComputeSupport(const Votes& votes, const std::vector<Window
 
 // The matches that agree with the pose in position, scale and rotation, one-to-one: each scene and each template
 // keypoint only in its match of the smallest residual. By rising residual.
-std::vector<RankedMatch> GatherInliers(const Similarity2& fit, double radius_px, std::span<const Keypoint> scene,
-                                       std::span<const Keypoint> model, std::span<const RankedMatch> matches,
-                                       const VoteOptions& options) {
+std::vector<RankedMatch> GatherInliers(const Similarity2& scene_from_template, double radius_px,
+                                       std::span<const Keypoint> scene, std::span<const Keypoint> model,
+                                       std::span<const RankedMatch> matches, const VoteOptions& options) {
   std::vector<std::pair<double, RankedMatch>> near;
   const double max_log = std::log(kVoteScaleFactor);
-  const Eigen::Matrix2d linear = fit.Linear();
+  const Eigen::Matrix2d linear = scene_from_template.Linear();
   for (const RankedMatch& match : matches) {
     const Keypoint& s = scene[match.scene_keypoint];
     const Keypoint& m = model[match.template_keypoint];
-    const Eigen::Vector2d error = linear * Eigen::Vector2d(m.x, m.y) + fit.translation - Eigen::Vector2d(s.x, s.y);
+    const Eigen::Vector2d error =
+        linear * Eigen::Vector2d(m.x, m.y) + scene_from_template.translation - Eigen::Vector2d(s.x, s.y);
     if (error.squaredNorm() > radius_px * radius_px) continue;
-    if (std::abs(std::log(s.scale_px / (m.scale_px * fit.scale))) > max_log) continue;
-    if (std::abs(WrapAngle(s.orientation_rad - m.orientation_rad - fit.rotation_rad)) > options.turn_rad) continue;
+    if (std::abs(std::log(s.scale_px / (m.scale_px * scene_from_template.scale))) > max_log) continue;
+    if (std::abs(WrapAngle(s.orientation_rad - m.orientation_rad - scene_from_template.rotation_rad)) >
+        options.turn_rad)
+      continue;
     near.emplace_back(error.squaredNorm(), match);
   }
   std::ranges::stable_sort(near, {}, &std::pair<double, RankedMatch>::first);

@@ -17,11 +17,11 @@ AzimuthCells::AzimuthCells(const std::optional<Vertical>& vertical, const Box& p
           {std::acos(std::clamp(-vertical->UpVectorAt(pixel).z(), -1.0, 1.0)), vertical->AzimuthAt(pixel)});
     }
   }
-  const auto [least, most] = std::ranges::minmax_element(lines_, {}, &Line::relative_azimuth_rad);
+  const auto [first, last] = std::ranges::minmax_element(lines_, {}, &Line::relative_azimuth_rad);
   const bool contains_nadir =
-      most->relative_azimuth_rad - least->relative_azimuth_rad > 1.5 * kPi;  // the region contains the nadir
-  const double from_rad = contains_nadir ? -kPi : least->relative_azimuth_rad;
-  const double spread_rad = contains_nadir ? 2 * kPi : most->relative_azimuth_rad - least->relative_azimuth_rad;
+      last->relative_azimuth_rad - first->relative_azimuth_rad > 1.5 * kPi;  // the region contains the nadir
+  const double from_rad = contains_nadir ? -kPi : first->relative_azimuth_rad;
+  const double spread_rad = contains_nadir ? 2 * kPi : last->relative_azimuth_rad - first->relative_azimuth_rad;
   count_ = std::max(1.0, std::round(spread_rad / width_rad));
   width_rad_ = spread_rad / count_;
   first_rad_ = from_rad + width_rad_ / 2;
@@ -29,8 +29,8 @@ AzimuthCells::AzimuthCells(const std::optional<Vertical>& vertical, const Box& p
 
 std::pair<double, double> AzimuthCells::OffNadirRange() const {
   if (lines_.empty()) return {0, kPi};
-  const auto [least, most] = std::ranges::minmax_element(lines_, {}, &Line::off_nadir_rad);
-  return {least->off_nadir_rad, most->off_nadir_rad};
+  const auto [first, last] = std::ranges::minmax_element(lines_, {}, &Line::off_nadir_rad);
+  return {first->off_nadir_rad, last->off_nadir_rad};
 }
 
 double AzimuthCells::CellCentre(double relative_azimuth_rad) const {
