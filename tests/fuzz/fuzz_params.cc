@@ -37,13 +37,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 std::vector<std::string> FuzzSeeds() {
   return {OptionsToJsonText(IndexOptions{}),
           R"({"match": {"ratio": 0.75}, "keep.interval_s": 2, "every": 3})",
-<<<<<<< ours
           R"({"tracklets": {"gap_s": 1e-300}, "features.engine": "opencv"})",
-          R"({"pose": {"seed": 18446744073709551615}, "every": -1, "features": {"max_features": 1e18}})",
-=======
-          R"({"runs": {"gap_s": 1e-300, "min_overlap": 1}, "features.engine": "opencv"})",
           R"({"pose": {"min_inliers": 18446744073709551615}, "every": -1, "features": {"max_side_px": 1e18}})",
->>>>>>> theirs
           R"({"match": {"ratio": {"ratio": {"ratio": []}}}, "": null, "a\nb": "\ud83d\ude00"})",
           R"([{"match.ratio": 0.5}, true, "text"])",
           "/* comments */ {\"match.ratio\": 0.5} // are read over"};

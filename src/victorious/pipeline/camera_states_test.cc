@@ -1,0 +1,72 @@
+#include "victorious/pipeline/camera_states.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "testing/data.h"
+#include "victorious/base/file.h"
+#include "victorious/geometry/angles.h"
+
+namespace victorious {
+namespace {
+
+// A static camera from 0 to 2 s; the last row gives no field of view.
+constexpr std::string_view kRows =
+    "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg\n"
+    "0,42,-71,100,0,-60,0,50\n1,42,-71,100,0,-60,0,50\n2,42,-71,100,0,-60,0,\n";
+
+class CameraStatesTest : public ::testing::Test {
+ protected:
+  Expected<CameraStates> Load(std::string_view rows) {
+    const std::string path = (folder_ / "telemetry.csv").string();
+    EXPECT_TRUE(WriteFileAtomically(path, rows));
+    return CameraStates::Load("video.mp4", VideoInfo{}, path, {}, "no place",
+                              [&](const std::string& warning) { warnings_.push_back(warning); });
+  }
+
+  testing::ScratchFolder folder_;
+  std::vector<std::string> warnings_;
+};
+
+TEST_F(CameraStatesTest, WithoutTelemetryThereIsNone) {
+  const CameraStates none;
+  EXPECT_FALSE(none.At(0));
+  EXPECT_FALSE(none.HasStates());
+  EXPECT_EQ(none.trajectory(), nullptr);
+}
+
+TEST_F(CameraStatesTest, AFileGivesStatesWhereItHasThem) {
+  const CameraStates cameras = Load(kRows).value();
+  EXPECT_TRUE(cameras.HasStates());
+  EXPECT_TRUE(cameras.At(0.5));
+  EXPECT_FALSE(cameras.At(9));
+  EXPECT_NEAR(cameras.first_hfov_rad().value(), RadiansFromDegrees(50), 1e-9);
+  EXPECT_FALSE(cameras.start_utc_us());
+}
+
+TEST_F(CameraStatesTest, TheFallbackFieldOfViewIsForFramesWithoutOne) {
+  CameraStates cameras = Load(kRows).value();
+  cameras.SetFallbackFieldOfView(0.3);
+  EXPECT_NEAR(*cameras.At(0.5)->hfov_rad, RadiansFromDegrees(50), 1e-9);
+  EXPECT_EQ(cameras.At(2)->hfov_rad, 0.3);
+  const std::optional<CameraState> beyond = cameras.At(9);
+  ASSERT_TRUE(beyond);
+  EXPECT_EQ(beyond->hfov_rad, 0.3);
+  EXPECT_FALSE(beyond->attitude);
+}
+
+TEST_F(CameraStatesTest, OnlyALiveSourceWithADataStreamSendsPackets) {
+  VideoInfo info;
+  info.live = true;
+  EXPECT_EQ(CameraStates::ForLive(info, {}).packet_receiver(), nullptr);
+  info.streams.push_back({.index = 1, .type = "data", .codec = "klv"});
+  CameraStates live = CameraStates::ForLive(info, {});
+  ASSERT_NE(live.packet_receiver(), nullptr);
+  EXPECT_FALSE(live.packet_receiver()->IsReady(3, 3.5));
+  EXPECT_TRUE(live.packet_receiver()->IsReady(3, 3 + kMaxLiveWait_s));
+  info.live = false;
+  EXPECT_EQ(CameraStates::ForLive(info, {}).packet_receiver(), nullptr);
+}
+
+}  // namespace
+}  // namespace victorious
