@@ -12,6 +12,9 @@ namespace victorious {
 
 [[nodiscard]] std::string_view TrimBlanks(std::string_view text);
 
+/// The text with the letters A to Z in lower case.
+[[nodiscard]] std::string LowerCase(std::string_view text);
+
 /// Removes a line from the front of `text` and returns it without its end ("\n", "\r\n").
 [[nodiscard]] std::string_view TakeLine(std::string_view& text);
 

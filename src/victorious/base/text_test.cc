@@ -15,6 +15,11 @@ TEST(Text, RowsSplitAtCommasButNotWithinQuotes) {
   EXPECT_THAT(SplitRow(R"("never closed, and on)"), ElementsAre("never closed, and on"));
 }
 
+TEST(Text, LowerCaseChangesLettersOnly) {
+  EXPECT_EQ(LowerCase(".JPeG-1"), ".jpeg-1");
+  EXPECT_EQ(LowerCase("\xC3\x84"), "\xC3\x84");  // a letter beyond ASCII
+}
+
 TEST(Text, LinesEndAsOnAnySystem) {
   std::string_view text = StripByteOrderMark("\xEF\xBB\xBFone\r\ntwo\n\nfour");
   EXPECT_EQ(TakeLine(text), "one");
