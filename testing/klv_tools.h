@@ -15,8 +15,6 @@ namespace victorious {
 inline constexpr std::string_view kSt0601LabelBytes("\x06\x0E\x2B\x34\x02\x0B\x01\x01\x0E\x01\x03\x01\x01\0\0\0", 16);
 inline constexpr std::string_view kEg0104LabelBytes("\x06\x0E\x2B\x34\x02\x01\x01\x01\x0E\x01\x01\x02\x01\x01\0\0", 16);
 
-inline Bytes AsBytes(std::string_view text) { return std::as_bytes(std::span(text.data(), text.size())); }
-
 /// The number as `bytes` bytes, big-endian.
 inline std::string BigEndian(std::uint64_t number, int bytes) {
   std::string text;

@@ -61,7 +61,7 @@ std::string Hill(const char* system_name, const std::vector<const char*>& creati
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const fs::path path = Folder() / "input.tif";
   std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
-  const auto ground = victorious::ReadTerrain(path, {.vertical_datum = "ellipsoid"});
+  const auto ground = victorious::ReadTerrain(path, {.vertical_datum = victorious::VerticalDatum::kEllipsoid});
   if (!ground) {
     VICTORIOUS_CHECK(ground.error().message.find('\n') == std::string::npos);
     return 0;

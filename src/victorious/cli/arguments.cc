@@ -21,6 +21,7 @@
 #include "victorious/base/json.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/pipeline/preset.h"
+#include "victorious/telemetry/camera_csv.h"
 
 namespace victorious::cli {
 
@@ -150,7 +151,7 @@ void AddGround(CLI::App& app, GroundArguments& ground) {
 void ApplyGround(const GroundArguments& arguments, GroundOptions& options) {
   if (arguments.height_m) options.height_m = *arguments.height_m;
   if (!arguments.terrain.empty()) options.terrain = arguments.terrain;
-  if (!arguments.vertical_datum.empty()) options.vertical_datum = arguments.vertical_datum;
+  if (!arguments.vertical_datum.empty()) options.vertical_datum = ParseVerticalDatum(arguments.vertical_datum);
   if (!arguments.geoid_grid.empty()) options.geoid_grid = arguments.geoid_grid;
 }
 

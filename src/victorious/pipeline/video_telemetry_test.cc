@@ -119,7 +119,7 @@ TEST(VideoTelemetry, PlaceholdersOnTheGroundGiveNoCamera) {
 TEST(VideoTelemetry, ElderUniversalSet) {
   VICTORIOUS_DATA_OR_SKIP(path, "real/fmv_klv/kwiver_aphill/aphill_klv_10s.ts");
   const Telemetry telemetry = MustRead(path);
-  EXPECT_EQ(telemetry.format, "MISB EG 0104");
+  EXPECT_EQ(telemetry.format, TelemetryFormat::kEg0104);
   ASSERT_EQ(telemetry.states.size(), 300U);
   const CameraState& first = telemetry.states[0];
   EXPECT_NEAR(DegreesFromRadians(first.place.latitude_rad), 38.1599, 1e-4);

@@ -11,23 +11,22 @@
 
 #include <fmt/format.h>
 
+#include "victorious/base/enum_text.h"
 #include "victorious/base/text.h"
+#include "victorious/base/warning_list.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/utc_text.h"
 
 namespace victorious {
 namespace {
 
-constexpr std::size_t kMaxWarnings = 20;
 constexpr std::array<std::string_view, 4> kPlaceColumns = {"time_s", "latitude_deg", "longitude_deg", "altitude_m"};
 constexpr std::array<std::string_view, 5> kDistortionColumns = {"k1", "k2", "p1", "p2", "k3"};
-constexpr std::array<std::pair<VerticalDatum, std::string_view>, 5> kDatums = {{
-    {VerticalDatum::kEllipsoid, "ellipsoid"},
-    {VerticalDatum::kEgm96, "egm96"},
-    {VerticalDatum::kEgm2008, "egm2008"},
-    {VerticalDatum::kTakeoff, "takeoff"},
-    {VerticalDatum::kUnknown, "unknown"},
-}};
+constexpr auto kDatumTexts = std::to_array<EnumText<VerticalDatum>>({{VerticalDatum::kEllipsoid, "ellipsoid"},
+                                                                     {VerticalDatum::kEgm96, "egm96"},
+                                                                     {VerticalDatum::kEgm2008, "egm2008"},
+                                                                     {VerticalDatum::kTakeoff, "takeoff"},
+                                                                     {VerticalDatum::kUnknown, "unknown"}});
 
 using Columns = std::map<std::string, std::size_t, std::less<>>;
 
@@ -181,6 +180,7 @@ Expected<CameraRows> ParseCameraCsv(std::string_view text) {
     }
   }
   CameraRows rows;
+  WarningList skipped;
   int bad_times = 0;
   for (int line = 2; !text.empty(); ++line) {
     const std::string_view cells = TakeLine(text);
@@ -191,10 +191,11 @@ Expected<CameraRows> ParseCameraCsv(std::string_view text) {
     if (state) {
       bad_times += !row.Text("utc").empty() && !state->utc_us ? 1 : 0;
       rows.states.push_back(*std::move(state));
-    } else if (rows.warnings.size() < kMaxWarnings) {
-      rows.warnings.push_back(fmt::format("line {} is skipped: {}", line, state.error().message));
+    } else {
+      skipped.Add(fmt::format("line {} is skipped: {}", line, state.error().message));
     }
   }
+  rows.warnings = skipped.Lines();
   if (bad_times > 0) {
     rows.warnings.push_back(
         fmt::format("utc of {} rows is ignored: must be an ISO 8601 time such as 2026-05-27T13:14:22.911Z", bad_times));
@@ -227,13 +228,8 @@ std::string FormatCameraCsv(std::span<const CameraState> states, std::span<const
   return text;
 }
 
-std::string_view Name(VerticalDatum datum) {
-  return std::ranges::find(kDatums, datum, &std::pair<VerticalDatum, std::string_view>::first)->second;
-}
+std::string_view Name(VerticalDatum datum) { return ToText(kDatumTexts, datum); }
 
-std::optional<VerticalDatum> ParseVerticalDatum(std::string_view name) {
-  const auto* found = std::ranges::find(kDatums, name, &std::pair<VerticalDatum, std::string_view>::second);
-  return found == kDatums.end() ? std::nullopt : std::optional(found->first);
-}
+std::optional<VerticalDatum> ParseVerticalDatum(std::string_view name) { return FromText(kDatumTexts, name); }
 
 }  // namespace victorious

@@ -14,7 +14,7 @@ namespace victorious {
 
 struct CameraRows {
   std::vector<CameraState> states;    ///< as read, each with its own vertical datum
-  std::vector<std::string> warnings;  ///< one line per row that was skipped, at most 20
+  std::vector<std::string> warnings;  ///< one line per row that was skipped (WarningList)
   int rows = 0;                       ///< rows in the table, skipped ones included
 };
 

@@ -61,6 +61,15 @@ TEST(CameraCsv, BadRowsAreLeftOutAndTold) {
   EXPECT_EQ(rows->warnings[2], "line 6 is skipped: longitude_deg is empty");
 }
 
+TEST(CameraCsv, SkippedRowsBeyondTheLimitAreCounted) {
+  std::string text = std::string(kHeader) + "0,42,-71,100,0,-90,0,40\n";
+  for (int i = 0; i < 25; ++i) text += "1,95,-71,100,0,-90,0,40\n";
+  const auto rows = ParseCameraCsv(text);
+  ASSERT_TRUE(rows);
+  ASSERT_EQ(rows->warnings.size(), 21U);
+  EXPECT_EQ(rows->warnings.back(), "and 5 more warnings of this kind");
+}
+
 TEST(CameraCsv, AHeightThatIsNotToldIsUnknownBothWays) {
   const auto rows = ParseCameraCsv(std::string(kHeader) + "0,42,-71,,0,-90,0,40\n");
   ASSERT_TRUE(rows);

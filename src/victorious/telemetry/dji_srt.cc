@@ -297,6 +297,16 @@ bool LooksLikeDjiSrt(std::string_view text) {
   return marked && !SplitCues(head).empty();
 }
 
+void WarnOfSkippedCues(int without_place, int without_time, DjiSubtitles& subtitles) {
+  if (without_place > 0) {
+    subtitles.warnings.push_back(
+        fmt::format("{} of {} subtitles have no position (no GPS fix, or truncated)", without_place, subtitles.cues));
+  }
+  if (without_time > 0) {
+    subtitles.warnings.push_back(fmt::format("{} of {} subtitles have no time", without_time, subtitles.cues));
+  }
+}
+
 DjiSubtitles ParseDjiSrt(std::string_view text) {
   DjiSubtitles subtitles;
   text = StripByteOrderMark(text);
@@ -314,13 +324,7 @@ DjiSubtitles ParseDjiSrt(std::string_view text) {
     state->time_s = *time_s;
     subtitles.states.push_back(*state);
   }
-  if (without_place > 0) {
-    subtitles.warnings.push_back(
-        fmt::format("{} of {} subtitles have no position (no GPS fix, or truncated)", without_place, subtitles.cues));
-  }
-  if (without_time > 0) {
-    subtitles.warnings.push_back(fmt::format("{} of {} subtitles have no time", without_time, subtitles.cues));
-  }
+  WarnOfSkippedCues(without_place, without_time, subtitles);
   if (first_utc_us) {
     subtitles.warnings.emplace_back(
         "the subtitles have no cue times: the UTC times in their texts are used, relative to the first");

@@ -23,6 +23,9 @@ struct DjiSubtitles {
   int cues = 0;                       ///< number of texts, with or without a position
 };
 
+/// Adds a warning for the cues without a position, and one for those without a time.
+void WarnOfSkippedCues(int without_place, int without_time, DjiSubtitles& subtitles);
+
 /// Whether the text is subtitles with a keyword that DJI aircraft write.
 [[nodiscard]] bool LooksLikeDjiSrt(std::string_view text);
 

@@ -113,8 +113,7 @@ KlvPacket DecodeEg0104(const KlvUnit& unit) {
 std::optional<double> FindNumber(const KlvPacket& packet, std::string_view name) {
   for (const KlvItem& item : packet.items) {
     if (item.name != name) continue;
-    if (const auto* value = std::get_if<double>(&item.value)) return *value;
-    if (const auto* value = std::get_if<std::uint64_t>(&item.value)) return static_cast<double>(*value);
+    if (const auto number = item.Number()) return number;
   }
   return std::nullopt;
 }

@@ -18,8 +18,6 @@ namespace {
 constexpr std::size_t kHeaderSize = 40;
 constexpr std::size_t kMaxBytes = std::size_t{1} << 30;  // a grid of one arc minute has 933 MB
 
-Bytes AsBytes(std::string_view text) { return std::as_bytes(std::span(text.data(), text.size())); }
-
 double DoubleAt(Bytes bytes, std::size_t at) { return std::bit_cast<double>(ReadUnsigned(bytes.subspan(at, 8))); }
 
 }  // namespace

@@ -9,15 +9,10 @@ namespace victorious {
 namespace {
 
 constexpr std::array kLabelStart = {std::byte{0x06}, std::byte{0x0E}, std::byte{0x2B}, std::byte{0x34}};
-constexpr std::size_t kMaxWarnings = 20;
 
 // The offset of the first label in `bytes`, or their size.
 std::size_t FindLabel(Bytes bytes) {
   return static_cast<std::size_t>(std::ranges::search(bytes, kLabelStart).begin() - bytes.begin());
-}
-
-void Warn(KlvUnits& found, std::string line) {
-  if (found.warnings.size() < kMaxWarnings) found.warnings.push_back(std::move(line));
 }
 
 }  // namespace
@@ -75,9 +70,9 @@ KlvUnits SplitKlv(Bytes bytes) {
     Bytes value = rest.subspan(std::min(kUniversalLabelSize, rest.size()));
     const auto length = TakeBerLength(value);
     if (!length || *length > value.size()) {
-      Warn(found, length ? fmt::format("a KLV unit at byte {} is truncated: its length is {} bytes, {} are left", at,
-                                       *length, value.size())
-                         : fmt::format("a KLV unit at byte {} is truncated before its length", at));
+      found.warnings.Add(length ? fmt::format("a KLV unit at byte {} is truncated: its length is {} bytes, {} are left",
+                                              at, *length, value.size())
+                                : fmt::format("a KLV unit at byte {} is truncated before its length", at));
       if (!found.cut_off) found.cut_off = at;
       at += kLabelStart.size();
       continue;

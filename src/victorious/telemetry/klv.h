@@ -10,11 +10,16 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "victorious/base/warning_list.h"
 
 namespace victorious {
 
 using Bytes = std::span<const std::byte>;
+
+inline Bytes AsBytes(std::string_view text) { return std::as_bytes(std::span(text.data(), text.size())); }
 
 inline constexpr std::size_t kUniversalLabelSize = 16;
 
@@ -41,7 +46,7 @@ struct KlvUnit {
 
 struct KlvUnits {
   std::vector<KlvUnit> units;
-  std::vector<std::string> warnings;   ///< one line per truncated unit, at most 20
+  WarningList warnings;                ///< one per truncated unit
   std::optional<std::size_t> cut_off;  ///< offset of a last unit that continues beyond the bytes
 };
 

@@ -26,6 +26,14 @@ struct KlvItem {
   KlvValue value;
   std::string note;     ///< why there is no value, or the item count of a nested set; else empty
   bool is_set = false;  ///< a nested set: its value is KlvRaw
+
+  /// The value as a number; std::nullopt if there is none or it is not a number.
+  [[nodiscard]] std::optional<double> Number() const {
+    if (const auto* real = std::get_if<double>(&value)) return *real;
+    if (const auto* count = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*count);
+    if (const auto* integer = std::get_if<std::int64_t>(&value)) return static_cast<double>(*integer);
+    return std::nullopt;
+  }
 };
 
 enum class KlvStandard { kSt0601, kEg0104, kOther };
@@ -59,11 +67,7 @@ struct KlvPacket {
   /// The numeric value of that item; std::nullopt if there is none or it is not a number.
   [[nodiscard]] std::optional<double> Number(int number) const {
     const KlvItem* item = Find(number);
-    if (item == nullptr) return std::nullopt;
-    if (const auto* value = std::get_if<double>(&item->value)) return *value;
-    if (const auto* value = std::get_if<std::uint64_t>(&item->value)) return static_cast<double>(*value);
-    if (const auto* value = std::get_if<std::int64_t>(&item->value)) return static_cast<double>(*value);
-    return std::nullopt;
+    return item == nullptr ? std::nullopt : item->Number();
   }
 };
 

@@ -13,8 +13,6 @@
 namespace victorious {
 namespace {
 
-constexpr std::size_t kMaxWarnings = 20;
-
 KlvPacket DecodeUnit(const KlvUnit& unit) {
   if (IsSt0601Label(unit.label)) return DecodeSt0601(unit);
   if (IsEg0104Label(unit.label)) return DecodeEg0104(unit);
@@ -80,11 +78,8 @@ void Decode(const DataPacket& packet, KlvPackets& all) {
     decoded.time_s = packet.time_s;
   }
   std::ranges::move(some.packets, std::back_inserter(all.packets));
-  for (const std::string& warning : some.warnings) {
-    if (all.warnings.size() == kMaxWarnings) break;
-    const std::string when = packet.time_s ? fmt::format(" at {:.2f} s", *packet.time_s) : "";
-    all.warnings.push_back(fmt::format("stream {}{}: {}", packet.stream, when, warning));
-  }
+  const std::string when = packet.time_s ? fmt::format(" at {:.2f} s", *packet.time_s) : "";
+  all.warnings.Append(fmt::format("stream {}{}: ", packet.stream, when), some.warnings);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "victorious/base/warning_list.h"
 #include "victorious/telemetry/klv.h"
 #include "victorious/telemetry/klv_packet.h"
 #include "victorious/types/data_packet.h"
@@ -13,7 +14,7 @@ namespace victorious {
 
 struct KlvPackets {
   std::vector<KlvPacket> packets;
-  std::vector<std::string> warnings;  ///< one line per truncated unit, at most 20
+  WarningList warnings;  ///< one per truncated unit
 };
 
 /// Decodes all units in the bytes. Units of unknown standards have no items.

@@ -58,8 +58,9 @@ TEST(Klv, GoesOnBehindAUnitThatSaysTooMuch) {
   const KlvUnits found = SplitKlv(AsBytes(lying + whole));
   ASSERT_EQ(found.units.size(), 1U);
   EXPECT_EQ(found.units[0].offset, lying.size());
-  ASSERT_EQ(found.warnings.size(), 1U);
-  EXPECT_NE(found.warnings[0].find("65535 bytes"), std::string::npos) << found.warnings[0];
+  const std::vector<std::string> warnings = found.warnings.Lines();
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings[0].find("65535 bytes"), std::string::npos) << warnings[0];
 }
 
 }  // namespace

@@ -138,8 +138,26 @@ void AddMissing(std::vector<std::string>& lines, const std::vector<CameraState>&
 
 }  // namespace
 
+std::string_view Name(TelemetryFormat format) {
+  switch (format) {
+    case TelemetryFormat::kNone:
+      return "none";
+    case TelemetryFormat::kSt0601:
+      return Name(KlvStandard::kSt0601);
+    case TelemetryFormat::kEg0104:
+      return Name(KlvStandard::kEg0104);
+    case TelemetryFormat::kOtherKlv:
+      return "KLV of another standard";
+    case TelemetryFormat::kDjiSubtitles:
+      return "DJI subtitles";
+    case TelemetryFormat::kTable:
+      return "table";
+  }
+  return "";
+}
+
 Json ToJson(const Telemetry& telemetry) {
-  Json json{{"format", telemetry.format}, {"records", telemetry.records}, {"states", Json::array()}};
+  Json json{{"format", Name(telemetry.format)}, {"records", telemetry.records}, {"states", Json::array()}};
   if (!telemetry.packets.empty()) json["packets"] = Json::array();
   for (const KlvPacket& packet : telemetry.packets) json["packets"].push_back(PacketToJson(packet));
   if (!telemetry.packets.empty()) json["nested_sets"] = Json::array();
@@ -155,8 +173,8 @@ Json ToJson(const Telemetry& telemetry) {
 std::vector<std::string> DescribeTelemetry(const Telemetry& telemetry) {
   if (telemetry.records == 0) return {"no telemetry"};
   std::vector<std::string> lines;
-  lines.push_back(
-      fmt::format("{}: {} records, {} camera states", telemetry.format, telemetry.records, telemetry.states.size()));
+  lines.push_back(fmt::format("{}: {} records, {} camera states", Name(telemetry.format), telemetry.records,
+                              telemetry.states.size()));
   if (!telemetry.packets.empty()) lines.push_back(ChecksumLine(telemetry.packets));
   AddNestedSets(lines, telemetry.packets);
   const std::vector<CameraState>& states = telemetry.states;

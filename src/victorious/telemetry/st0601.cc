@@ -186,7 +186,12 @@ KlvPacket DecodeSt0601(const KlvUnit& unit) {
   Bytes rest = unit.value;
   while (!rest.empty()) {
     const auto at = static_cast<std::size_t>(rest.data() - unit.value.data());
-    const auto item = packet.items.size() < kMaxItems ? TakeItem(rest) : std::nullopt;
+    if (packet.items.size() == kMaxItems) {
+      packet.problem = fmt::format("more than {} items: the others, from byte {} of {} on, are not decoded", kMaxItems,
+                                   at, unit.value.size());
+      break;
+    }
+    const auto item = TakeItem(rest);
     if (!item) {
       packet.problem = fmt::format("truncated at byte {} of {}: no item can be read there", at, unit.value.size());
       break;

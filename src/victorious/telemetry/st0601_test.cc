@@ -30,6 +30,12 @@ TEST(St0601, ItemsByNumberNameAndUnit) {
   EXPECT_TRUE(packet.problem.empty());
 }
 
+TEST(St0601, ItemsBeyondTheLimitAreReportedAsSuch) {
+  const KlvPacket packet = Decode(St0601Packet(std::vector<std::pair<int, std::string>>(5000, {65, "\x13"})));
+  EXPECT_EQ(packet.items.size(), 4096U);
+  EXPECT_EQ(packet.problem, "more than 4096 items: the others, from byte 12288 of 15004 on, are not decoded");
+}
+
 TEST(St0601, MapsFollowTheLengthThatIsGiven) {
   EXPECT_EQ(*Decode(St0601Packet({{18, "\xFF"}})).Number(18), 360);
   EXPECT_EQ(*Decode(St0601Packet({{13, "\x7F\xFF\xFF"}})).Number(13), 90);

@@ -1,6 +1,7 @@
 #include "victorious/telemetry/telemetry.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -11,6 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "victorious/base/enum_text.h"
 #include "victorious/base/median.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/camera_csv.h"
@@ -23,6 +25,23 @@ namespace victorious {
 namespace {
 
 constexpr double kSecondsPerMicrosecond = 1e-6;
+
+// The texts of TelemetryOptions::vertical_datum.
+constexpr auto kDatumChoices =
+    std::to_array<EnumText<std::optional<VerticalDatum>>>({{std::nullopt, "as_given"},
+                                                           {VerticalDatum::kEllipsoid, "ellipsoid"},
+                                                           {VerticalDatum::kEgm96, "egm96"},
+                                                           {VerticalDatum::kEgm2008, "egm2008"},
+                                                           {VerticalDatum::kTakeoff, "takeoff"}});
+
+// Median angle between the optical axis and the recorded frame centre above which an angle does not follow the
+// standard. Consistent systems have fractions of a degree; an angle with the wrong sign or zero gives tens of degrees.
+constexpr double kMaxFrameCentreError_rad = RadiansFromDegrees(2);
+
+// A change of position is a jump if it is faster than any aircraft with such a camera (about three times the speed of
+// sound) and longer than kMinJump_m, the order of an error of a GPS receiver between two fixes.
+constexpr double kMaxSpeed_m_s = 1000;
+constexpr double kMinJump_m = 10;
 
 bool HasBadChecksum(const KlvPacket& packet) { return packet.checksum && !packet.checksum->IsValid(); }
 
@@ -104,14 +123,13 @@ void WarnOfProblems(const std::vector<KlvPacket>& packets, std::vector<std::stri
 }
 
 void WarnOfFrameCentre(const std::vector<KlvPacket>& packets, std::vector<std::string>& warnings) {
-  constexpr double kMaxError_rad = RadiansFromDegrees(2);  // consistent systems have fractions of a degree
   std::vector<double> errors_rad;
   for (const KlvPacket& packet : packets) {
     if (const auto error_rad = ComputeFrameCentreError(packet)) errors_rad.push_back(*error_rad);
   }
   if (errors_rad.empty()) return;
   const double median_rad = Median(std::move(errors_rad));
-  if (median_rad <= kMaxError_rad) return;
+  if (median_rad <= kMaxFrameCentreError_rad) return;
   warnings.push_back(fmt::format(
       "optical axis and recorded frame centre disagree, {:.1f} degrees in the median: an angle does not follow "
       "the standard, and positions will be wrong",
@@ -156,7 +174,6 @@ void KeepIncreasingTimes(Telemetry& telemetry) {
 }
 
 void WarnOfJumps(Telemetry& telemetry, double max_gap_s) {
-  constexpr double kMaxSpeed_m_s = 1000;  // m/s
   int jumps = 0;
   int gaps = 0;
   for (std::size_t i = 1; i < telemetry.states.size(); ++i) {
@@ -164,10 +181,13 @@ void WarnOfJumps(Telemetry& telemetry, double max_gap_s) {
     const CameraState& after = telemetry.states[i];
     const double seconds = after.time_s - before.time_s;
     const double metres = TangentPlane(before.place).EnuFromGeodetic(after.place).norm();
-    jumps += metres > kMaxSpeed_m_s * seconds && metres > 10 ? 1 : 0;
+    jumps += metres > kMaxSpeed_m_s * seconds && metres > kMinJump_m ? 1 : 0;
     gaps += seconds > max_gap_s ? 1 : 0;
   }
-  if (jumps > 0) telemetry.warnings.push_back(fmt::format("the position jumps {} times, faster than 1000 m/s", jumps));
+  if (jumps > 0) {
+    telemetry.warnings.push_back(
+        fmt::format("the position jumps {} times, faster than {:g} m/s", jumps, kMaxSpeed_m_s));
+  }
   if (gaps > 0) {
     telemetry.warnings.push_back(
         fmt::format("{} gaps of more than {:g} s: the camera state is unknown in them", gaps, max_gap_s));
@@ -187,9 +207,21 @@ Expected<Telemetry> Finish(Telemetry telemetry, const TelemetryOptions& options)
   return telemetry;
 }
 
+TelemetryFormat FormatOf(KlvStandard standard) {
+  switch (standard) {
+    case KlvStandard::kSt0601:
+      return TelemetryFormat::kSt0601;
+    case KlvStandard::kEg0104:
+      return TelemetryFormat::kEg0104;
+    case KlvStandard::kOther:
+      break;
+  }
+  return TelemetryFormat::kOtherKlv;
+}
+
 Expected<Telemetry> FromKlv(KlvPackets decoded, const TelemetryOptions& options) {
   Telemetry telemetry;
-  telemetry.warnings = std::move(decoded.warnings);
+  telemetry.warnings = decoded.warnings.Lines();
   telemetry.packets = std::move(decoded.packets);
   telemetry.records = static_cast<int>(telemetry.packets.size());
   const auto stream = MainStream(telemetry.packets);
@@ -208,7 +240,7 @@ Expected<Telemetry> FromKlv(KlvPackets decoded, const TelemetryOptions& options)
   }
   const auto known = std::ranges::find_if(
       telemetry.packets, [](const KlvPacket& packet) { return packet.standard != KlvStandard::kOther; });
-  telemetry.format = known == telemetry.packets.end() ? "KLV of another standard" : std::string(Name(known->standard));
+  telemetry.format = known == telemetry.packets.end() ? TelemetryFormat::kOtherKlv : FormatOf(known->standard);
   WarnOfClock(telemetry);
   WarnOfChecksums(telemetry.packets, telemetry.warnings);
   WarnOfProblems(telemetry.packets, telemetry.warnings);
@@ -219,7 +251,7 @@ Expected<Telemetry> FromKlv(KlvPackets decoded, const TelemetryOptions& options)
 
 Expected<Telemetry> FromDji(DjiSubtitles subtitles, const TelemetryOptions& options) {
   Telemetry telemetry;
-  telemetry.format = "DJI subtitles";
+  telemetry.format = TelemetryFormat::kDjiSubtitles;
   telemetry.records = subtitles.cues;
   telemetry.states = std::move(subtitles.states);
   telemetry.warnings = std::move(subtitles.warnings);
@@ -231,20 +263,24 @@ Expected<Telemetry> FromDji(DjiSubtitles subtitles, const TelemetryOptions& opti
   return Finish(std::move(telemetry), options);
 }
 
-Bytes AsBytes(std::string_view text) { return std::as_bytes(std::span(text.data(), text.size())); }
-
 // Parses the subtitle packets of a video; a text may start with its length.
 DjiSubtitles ParseSubtitlePackets(std::span<const DataPacket> packets) {
   DjiSubtitles subtitles;
+  int without_place = 0;
+  int without_time = 0;
   for (const DataPacket& packet : packets) {
     if (packet.kind != DataKind::kSubtitle) continue;
     ++subtitles.cues;
     const std::string_view text(reinterpret_cast<const char*>(packet.bytes.data()), packet.bytes.size());
     auto state = CameraFromDjiText(text);
-    if (!state || !packet.time_s) continue;
+    if (!state || !packet.time_s) {
+      ++(state ? without_time : without_place);
+      continue;
+    }
     state->time_s = *packet.time_s;
     subtitles.states.push_back(*state);
   }
+  WarnOfSkippedCues(without_place, without_time, subtitles);
   return subtitles;
 }
 
@@ -261,9 +297,8 @@ void TelemetryOptions::ListFields(FieldList& fields) {
               .max = 3600,
               .unit = "s",
               .reason = "maximum interval between states to interpolate: an aircraft may turn within seconds"});
-  fields.Add("vertical_datum", vertical_datum,
-             {.choices = {"as_given", "ellipsoid", "egm96", "egm2008", "takeoff"},
-              .reason = "vertical datum of the heights; as_given: that of the format or the table"});
+  fields.Add("vertical_datum", vertical_datum, kDatumChoices,
+             {.reason = "vertical datum of the heights; as_given: that of the format or the table"});
   fields.Add("geoid_grid", geoid_grid,
              {.reason = "a .gtx geoid grid, for heights above mean sea level; empty: PROJ's EGM96 grid, if installed"});
   fields.Add(
@@ -286,7 +321,7 @@ bool LooksLikeTelemetry(std::string_view bytes) {
 Expected<Telemetry> ParseTelemetry(std::string_view bytes, const TelemetryOptions& options) {
   if (LooksLikeCameraCsv(bytes)) {
     VICTORIOUS_ASSIGN_OR_RETURN(CameraRows rows, ParseCameraCsv(bytes));
-    return Finish({.format = "table",
+    return Finish({.format = TelemetryFormat::kTable,
                    .states = std::move(rows.states),
                    .packets = {},
                    .records = rows.rows,
@@ -296,7 +331,7 @@ Expected<Telemetry> ParseTelemetry(std::string_view bytes, const TelemetryOption
   if (LooksLikeDjiSrt(bytes)) return FromDji(ParseDjiSrt(bytes), options);
   KlvPackets decoded = DecodeKlv(AsBytes(bytes));
   if (!decoded.packets.empty()) return FromKlv(std::move(decoded), options);
-  if (!decoded.warnings.empty()) return Fail(ErrorCode::kDataLoss, decoded.warnings[0]);
+  if (!decoded.warnings.empty()) return Fail(ErrorCode::kDataLoss, decoded.warnings.Lines()[0]);
   return Fail(ErrorCode::kInvalidArgument,
               bytes.empty() ? "empty file: must be telemetry"
                             : "no telemetry: must be KLV, DJI subtitles, or a table with time_s and latitude_deg");
@@ -307,8 +342,7 @@ Expected<Telemetry> TelemetryFromPackets(std::span<const DataPacket> packets, co
   if (!decoded.packets.empty()) return FromKlv(std::move(decoded), options);
   DjiSubtitles subtitles = ParseSubtitlePackets(packets);
   if (!subtitles.states.empty()) return FromDji(std::move(subtitles), options);
-  return Finish({.format = "none", .states = {}, .packets = {}, .records = 0, .warnings = std::move(decoded.warnings)},
-                options);
+  return Finish({.states = {}, .packets = {}, .records = 0, .warnings = decoded.warnings.Lines()}, options);
 }
 
 }  // namespace victorious

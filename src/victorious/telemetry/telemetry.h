@@ -4,6 +4,7 @@
 //   bytes -> packets, cues or rows -> CameraState, each with its own datum -> order, clock, datum -> Telemetry
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -25,7 +26,7 @@ struct TelemetryOptions {
 
   double time_offset_s = 0;
   double max_gap_s = 2;
-  std::string vertical_datum = "as_given";
+  std::optional<VerticalDatum> vertical_datum;  ///< of the heights; std::nullopt: as the format or the table gives it
   std::string geoid_grid;
   double takeoff_altitude_m = kUnknownHeight;
   double hfov_deg = 0;
@@ -33,8 +34,14 @@ struct TelemetryOptions {
   void ListFields(FieldList& fields);
 };
 
+/// The format of a source; `kNone` for a video without telemetry.
+enum class TelemetryFormat { kNone, kSt0601, kEg0104, kOtherKlv, kDjiSubtitles, kTable };
+
+/// "none", "MISB ST 0601", "MISB EG 0104", "KLV of another standard", "DJI subtitles", "table".
+[[nodiscard]] std::string_view Name(TelemetryFormat format);
+
 struct Telemetry {
-  std::string format;  ///< "MISB ST 0601", "MISB EG 0104", "KLV of another standard", "DJI subtitles", "table", "none"
+  TelemetryFormat format = TelemetryFormat::kNone;
   std::vector<CameraState> states;    ///< by strictly increasing time
   std::vector<KlvPacket> packets;     ///< of KLV: all, as decoded
   int records = 0;                    ///< number of packets, subtitles or rows

@@ -1,5 +1,8 @@
 #include "victorious/telemetry/telemetry.h"
 
+#include <algorithm>
+#include <iterator>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -23,7 +26,7 @@ DataPacket Packet(int stream, std::optional<double> time_s, const std::string& t
 TEST(Telemetry, BareKlvCountsFromItsFirstPacket) {
   const auto telemetry = ParseTelemetry(CameraPacket(5'000'000) + CameraPacket(5'500'000), {});
   ASSERT_TRUE(telemetry) << telemetry.error().message;
-  EXPECT_EQ(telemetry->format, "MISB ST 0601");
+  EXPECT_EQ(telemetry->format, TelemetryFormat::kSt0601);
   ASSERT_EQ(telemetry->states.size(), 2U);
   EXPECT_NEAR(telemetry->states[1].time_s, 0.5, 1e-6);
 }
@@ -95,6 +98,21 @@ TEST(Telemetry, APacketThatIsCutOffIsTold) {
   EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("stream 1 at 1.00 s: a KLV unit")));
 }
 
+TEST(Telemetry, SubtitlesWithoutAPositionAreCounted) {
+  DataPacket with{.stream = 1, .kind = DataKind::kSubtitle, .time_s = 0.0, .bytes = {}};
+  std::ranges::copy(AsBytes("GPS(11.5,48.1,16)"), std::back_inserter(with.bytes));
+  DataPacket without{.stream = 1, .kind = DataKind::kSubtitle, .time_s = 1.0, .bytes = {}};
+  std::ranges::copy(AsBytes("GPS(N/A,N/A,3)"), std::back_inserter(without.bytes));
+  DataPacket untimed = with;
+  untimed.time_s.reset();
+  const auto telemetry = TelemetryFromPackets(std::vector{with, without, untimed}, {});
+  ASSERT_TRUE(telemetry);
+  EXPECT_EQ(telemetry->format, TelemetryFormat::kDjiSubtitles);
+  EXPECT_EQ(telemetry->states.size(), 1U);
+  EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("1 of 3 subtitles have no position")));
+  EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("1 of 3 subtitles have no time")));
+}
+
 TEST(Telemetry, PacketsWithoutATimeAreToldToLackIt) {
   const auto telemetry = ParseTelemetry(CameraPacket(0) + CameraPacket(0), {});
   ASSERT_TRUE(telemetry);
@@ -136,7 +154,7 @@ TEST(Telemetry, HeightsAboveTheTakeOffNeedItsHeight) {
   const auto known = ParseTelemetry(table, {.takeoff_altitude_m = 12});
   EXPECT_EQ(known->states[0].datum, VerticalDatum::kEllipsoid);
   EXPECT_EQ(known->states[0].place.altitude_m, 42);
-  EXPECT_EQ(ParseTelemetry(table, {.vertical_datum = "ellipsoid"})->states[0].place.altitude_m, 30);
+  EXPECT_EQ(ParseTelemetry(table, {.vertical_datum = VerticalDatum::kEllipsoid})->states[0].place.altitude_m, 30);
 }
 
 TEST(Telemetry, HeightsAboveTheSeaWithoutAGridStayAndAreTold) {
@@ -178,7 +196,7 @@ TEST(Telemetry, WhatIsNoneIsRefusedInOneLine) {
     ASSERT_FALSE(telemetry) << text;
     EXPECT_EQ(telemetry.error().message.find('\n'), std::string::npos);
   }
-  EXPECT_FALSE(ParseTelemetry(CameraPacket(0), {.vertical_datum = "sea"}));
+  EXPECT_FALSE(ParseTelemetry(CameraPacket(0), {.vertical_datum = VerticalDatum::kUnknown}));
 }
 
 TEST(Telemetry, JsonHasEveryItemByNumberAndName) {

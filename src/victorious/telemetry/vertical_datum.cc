@@ -58,9 +58,9 @@ Status ConvertToEllipsoid(std::vector<CameraState>& states, const TelemetryOptio
   if (HasDatum(states, VerticalDatum::kUnknown)) {
     warnings.emplace_back("a camera position has no height: it cannot be used for geolocation");
   }
-  if (const auto datum = ParseVerticalDatum(options.vertical_datum)) {
+  if (options.vertical_datum) {
     for (CameraState& state : states) {
-      if (state.datum != VerticalDatum::kUnknown) state.datum = *datum;
+      if (state.datum != VerticalDatum::kUnknown) state.datum = *options.vertical_datum;
     }
   }
   VICTORIOUS_RETURN_IF_ERROR(ConvertFromGeoid(states, VerticalDatum::kEgm96, options, warnings));

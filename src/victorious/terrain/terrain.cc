@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -23,6 +22,7 @@
 #include <gdal_frmts.h>
 #include <ogr_srs_api.h>
 
+#include "victorious/base/text.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/camera_csv.h"
 #include "victorious/telemetry/geoid.h"
@@ -76,12 +76,6 @@ Dataset Open(const fs::path& path) {
   return Dataset(GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers.data(), nullptr, nullptr));
 }
 
-bool ContainsIgnoringCase(std::string_view text, std::string_view word) {
-  return std::ranges::search(text, word, [](char a, char b) {
-           return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
-         }).begin() != text.end();
-}
-
 // The vertical datum given in the file: std::nullopt if there is none or it is unknown; its name, for error messages.
 struct FileDatum {
   std::optional<VerticalDatum> datum;
@@ -98,11 +92,12 @@ FileDatum ReadFileDatum(OGRSpatialReferenceH system) {
   const char* const code = OSRGetAuthorityCode(system, "VERT_CS");
   const std::string name = named != nullptr ? named : "unnamed";
   const std::string_view epsg = code != nullptr ? code : "";
-  if (epsg == "5773" || ContainsIgnoringCase(name, "egm96") || ContainsIgnoringCase(name, "egm 96"))
+  const std::string lower_name = LowerCase(name);
+  if (epsg == "5773" || lower_name.contains("egm96") || lower_name.contains("egm 96"))
     return {VerticalDatum::kEgm96, name};
-  if (epsg == "3855" || ContainsIgnoringCase(name, "egm2008") || ContainsIgnoringCase(name, "egm 2008"))
+  if (epsg == "3855" || lower_name.contains("egm2008") || lower_name.contains("egm 2008"))
     return {VerticalDatum::kEgm2008, name};
-  if (ContainsIgnoringCase(name, "ellipsoid")) return {VerticalDatum::kEllipsoid, name};
+  if (lower_name.contains("ellipsoid")) return {VerticalDatum::kEllipsoid, name};
   return {std::nullopt, name};
 }
 
@@ -119,9 +114,7 @@ Expected<double> MetresPerUnit(GDALRasterBandH band, OGRSpatialReferenceH system
                                                                            {"us survey foot", 1200.0 / 3937},
                                                                            {"us-ft", 1200.0 / 3937},
                                                                            {"ftus", 1200.0 / 3937}}};
-  std::string unit = GDALGetRasterUnitType(band);
-  std::ranges::transform(unit, unit.begin(),
-                         [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
+  const std::string unit = LowerCase(GDALGetRasterUnitType(band));
   if (unit.empty()) return OSRIsCompound(system) != 0 ? OSRGetTargetLinearUnits(system, "VERT_CS", nullptr) : 1.0;
   const auto* const known = std::ranges::find(kUnits, unit, &std::pair<std::string_view, double>::first);
   if (known != kUnits.end()) return known->second;
@@ -277,8 +270,7 @@ Status Terrain::SetGeoreference(const fs::path& path) {
 
 Status Terrain::SetDatum(const fs::path& path, const GroundOptions& options) {
   const FileDatum given = ReadFileDatum(system_);
-  const std::optional<VerticalDatum> datum =
-      options.vertical_datum == "given" ? given.datum : ParseVerticalDatum(options.vertical_datum);
+  const std::optional<VerticalDatum> datum = options.vertical_datum ? options.vertical_datum : given.datum;
   if (!datum) {
     const std::string says = given.name.empty() ? "gives no vertical datum for its heights"
                                                 : fmt::format("its vertical datum \"{}\" is not known", given.name);

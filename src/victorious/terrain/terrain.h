@@ -9,11 +9,13 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
 #include "victorious/geometry/ground.h"
+#include "victorious/types/camera_state.h"
 
 namespace victorious {
 
@@ -23,7 +25,7 @@ struct GroundOptions {
 
   double height_m = kUnknownHeight;
   std::string terrain;
-  std::string vertical_datum = "given";
+  std::optional<VerticalDatum> vertical_datum;  ///< of the terrain's heights; std::nullopt: as given in the file
   std::string geoid_grid;
 
   void ListFields(FieldList& fields);

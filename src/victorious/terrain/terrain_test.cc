@@ -63,7 +63,8 @@ std::filesystem::path Write(const std::filesystem::path& path, const Written& fi
 
 class TerrainTest : public ::testing::Test {
  protected:
-  std::shared_ptr<const Ground> Read(const Written& file, GroundOptions options = {.vertical_datum = "ellipsoid"}) {
+  std::shared_ptr<const Ground> Read(const Written& file,
+                                     GroundOptions options = {.vertical_datum = VerticalDatum::kEllipsoid}) {
     auto ground = ReadTerrain(Write(folder_ / "a.tif", file), options);
     EXPECT_TRUE(ground) << ground.error().message;
     return ground ? *ground : std::make_shared<const FlatGround>(-1);
@@ -134,16 +135,17 @@ TEST_F(TerrainTest, HeightsAboveTheSeaComeToTheEllipsoid) {
   ASSERT_GT(sea_m, 30);
   EXPECT_NEAR(*Read({.system = "EPSG:32633+5773"}, {})->HeightAt(point), 100 + sea_m, 1e-3)
       << "datum given by the file";
-  EXPECT_NEAR(*Read({}, {.vertical_datum = "egm96"})->HeightAt(point), 100 + sea_m, 1e-3) << "datum given by the user";
+  EXPECT_NEAR(*Read({}, {.vertical_datum = VerticalDatum::kEgm96})->HeightAt(point), 100 + sea_m, 1e-3)
+      << "datum given by the user";
   EXPECT_NEAR(*Read({.system = "EPSG:32633+5773"})->HeightAt(point), 100, 1e-3) << "the user overrides the file";
 }
 
 TEST_F(TerrainTest, ADatumThatNobodyTellsIsAskedFor) {
   EXPECT_THAT(Refusal({}), HasSubstr("gives no vertical datum"));
   EXPECT_THAT(Refusal({.system = "EPSG:32633+5703"}), HasSubstr("NAVD88"));
-  EXPECT_THAT(Refusal({}, {.vertical_datum = "egm2008"}), HasSubstr("grid"));
-  const auto ground =
-      ReadTerrain(Write(folder_ / "a.tif", {}), {.vertical_datum = "egm96", .geoid_grid = "/nowhere.gtx"});
+  EXPECT_THAT(Refusal({}, {.vertical_datum = VerticalDatum::kEgm2008}), HasSubstr("grid"));
+  const auto ground = ReadTerrain(Write(folder_ / "a.tif", {}),
+                                  {.vertical_datum = VerticalDatum::kEgm96, .geoid_grid = "/nowhere.gtx"});
   EXPECT_THAT(ground.error().message, HasSubstr("/nowhere.gtx"));
 }
 
@@ -151,7 +153,7 @@ TEST_F(TerrainTest, FeetBecomeMetres) {
   const GeodeticPoint point = AtUtm(500021, 4599959);
   EXPECT_NEAR(*Read({.unit = "ft"})->HeightAt(point), 30.48, 1e-4);
   EXPECT_NEAR(*Read({.unit = "US survey foot"})->HeightAt(point), 30.48006, 1e-4);
-  EXPECT_THAT(Refusal({.unit = "fathom"}, {.vertical_datum = "ellipsoid"}), HasSubstr("fathom"));
+  EXPECT_THAT(Refusal({.unit = "fathom"}, {.vertical_datum = VerticalDatum::kEllipsoid}), HasSubstr("fathom"));
 }
 
 TEST_F(TerrainTest, LongitudesMayCountOnBeyond180Degrees) {
@@ -180,7 +182,7 @@ TEST_F(TerrainTest, WhatIsCutOffIsUnknown) {
   std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
   std::string given;
   const auto ground =
-      ReadTerrain(path, {.vertical_datum = "ellipsoid"}, [&](const std::string& line) { given = line; });
+      ReadTerrain(path, {.vertical_datum = VerticalDatum::kEllipsoid}, [&](const std::string& line) { given = line; });
   ASSERT_TRUE(ground) << ground.error().message;
   EXPECT_THAT(given, HasSubstr("truncated"));
   EXPECT_EQ((*ground)->HeightAt(AtUtm(500001, 4599999)), 100);
@@ -191,7 +193,7 @@ TEST(Ground, IsToldOnceOrNot) {
   EXPECT_EQ(*MakeGround({}), nullptr);
   EXPECT_EQ((*MakeGround({.height_m = 12}))->HeightAt({}), 12);
   EXPECT_THAT(MakeGround({.height_m = 12, .terrain = "a.tif"}).error().message, HasSubstr("twice"));
-  EXPECT_FALSE(MakeGround({.vertical_datum = "mars"}));
+  EXPECT_FALSE(MakeGround({.vertical_datum = VerticalDatum::kTakeoff}));
 }
 
 }  // namespace
