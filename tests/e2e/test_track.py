@@ -140,7 +140,7 @@ class TrackTest(program.ProgramTest):
             ("absent.mp4", (self.video, *good, "--also", self.scratch / "absent.mp4")),
             ("text.mp4", (self.write("text.mp4", "no video"), *good)),
             ("box.no_such", (self.video, *good, "--params", self.write("p.json", '{"box.no_such": 1}'))),
-            ("window_factor", (self.video, *good, "--params", self.write("q.json", '{"box.window_factor": 0}'))),
+            ("lost_confidence", (self.video, *good, "--params", self.write("q.json", '{"box.lost_confidence": 2}'))),
         ]
         for words, arguments in cases:
             with self.subTest(words):

@@ -38,7 +38,7 @@ Expected<std::shared_ptr<const Recognizer>> MakeBoxRecognizer(const Frame& frame
 Expected<Box> TrackPass::Start(const UserBoxTarget& target) {
   VICTORIOUS_ASSIGN_OR_RETURN(const BoxTrackStep step, tracker_.Start(target.box));
   targets_.push_back({.target = target, .last_box = step.box});
-  if (impulse_fraction_) targets_.back().ground.emplace(FlowPyramid(CleanGrey(last_image_), {}), step.box);
+  if (impulse_fraction_) targets_.back().ground.emplace(FlowPyramid(CleanGrey(last_image_)), step.box);
   return step.box;
 }
 
@@ -118,7 +118,7 @@ void TrackPass::TrackGroundPoints(const Frame& frame) {
   if (!impulse_fraction_) return;
   last_image_ = frame.image;
   if (std::ranges::none_of(targets_, [](const TrackedTarget& one) { return one.ground.has_value(); })) return;
-  const FlowPyramid clean(CleanGrey(frame.image), {});
+  const FlowPyramid clean(CleanGrey(frame.image));
   for (TrackedTarget& followed : targets_) {
     if (!followed.ground) continue;
     if (const auto place = followed.ground->Step(clean, followed.last_box)) {

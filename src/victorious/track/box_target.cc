@@ -14,16 +14,42 @@
 namespace victorious {
 namespace {
 
-constexpr int kWindowCells = 48;
-constexpr double kMinSide_px = 4;
+// Set by hand unless a source is given; bench/accuracy/box_tracking.py measures the tracker.
 
-RotatedBox MakeWindow(const RotatedBox& box, double factor) {
-  const double side = factor * std::sqrt(box.Area());
+// Side of the search window relative to the object's size (square root of its area), as in Galoogahi 2017: half of it,
+// minus half the object, is the largest motion between frames relative to the camera's motion.
+constexpr double kWindowFactor = 5;
+constexpr int kWindowCells = 48;       // along the window's side: about 10 cells on the object
+constexpr double kMinSide_px = 4;      // of a box and of a crop
+constexpr double kColourWeight = 0.5;  // gives colours roughly the energy of the gradients
+// Weight of the temporal regularisation of the correlation filter, in units of the window's energy: larger values adapt
+// more slowly.
+constexpr double kTemporalWeight = 8;
+constexpr double kScaleLearningRate = 0.025;   // Danelljan 2017
+constexpr double kVelocityLearningRate = 0.3;  // of the object's own velocity, which with the camera's motion predicts
+                                               // its position
+constexpr double kVelocityDecay = 0.9;         // per frame while lost: an occluded object may have stopped
+constexpr double kMeanRate = 0.02;             // running means over roughly the last 50 frames
+constexpr double kMinSharpness = 1e-6;         // below: a uniform window, without information
+constexpr double kMinMeanNcc = 0.1;            // of a sample for the running mean, which is a divisor
+// Minimum confidence to store a template of a frame.
+constexpr double kTemplateConfidence = 0.85;
+// Rotation of the camera after which the box is tested with that rotation: a smaller one hardly changes the features.
+constexpr double kMinRotation_rad = 0.1;
+
+// Re-detection by template matching in the whole frame.
+constexpr double kSearchSide_px = 16;  // smallest side that still discriminates; the frame is scaled down to it
+constexpr std::array kScaleCycle = {1.0, 0.8, 1.25};  // of the template, from frame to frame
+constexpr double kMinNcc = 0.3;                       // of a candidate
+constexpr int kMaxCandidates = 4;
+
+RotatedBox MakeWindow(const RotatedBox& box) {
+  const double side = kWindowFactor * std::sqrt(box.Area());
   return {box.centre, side, side, box.rotation_rad};
 }
 
-FilterShape MakeFilterShape(const Box& box, double window_factor) {
-  const double cells_per_px = kWindowCells / (window_factor * std::sqrt(box.Area()));
+FilterShape MakeFilterShape(const Box& box) {
+  const double cells_per_px = kWindowCells / (kWindowFactor * std::sqrt(box.Area()));
   const auto cells = [&](double length_px) {
     return static_cast<float>(std::clamp(length_px * cells_per_px, 3.0, static_cast<double>(kWindowCells)));
   };
@@ -48,19 +74,17 @@ BoxTarget::BoxTarget(const FrameContext& context, const Box& box, const BoxTrack
     : options_(options),
       box_(ToRotatedBox(box)),
       last_seen_box_(box_),
-      filter_(MakeFilterShape(box, options.window_factor)),
+      filter_(MakeFilterShape(box)),
       scale_(box_),
       appearance_(context.image, box_),
       confident_template_(CropGrey(context.image, box_)) {
-  filter_.Update(ExtractWindow(context.image, box_), options_.temporal_weight);
+  filter_.Update(ExtractWindow(context.image, box_), kTemporalWeight);
   scale_.Update(context.image, box_, 1);
 }
 
 // The feature window around a box, the input of the correlation filter.
 CellFeatures BoxTarget::ExtractWindow(const ImagePyramid& image, const RotatedBox& box) const {
-  constexpr double kColourWeight = 0.5;  // gives colours roughly the energy of the gradients
-  const cv::Mat cut =
-      CropRotated(image, MakeWindow(box, options_.window_factor), {kWindowCells * kCell_px, kWindowCells * kCell_px});
+  const cv::Mat cut = CropRotated(image, MakeWindow(box), {kWindowCells * kCell_px, kWindowCells * kCell_px});
   CellFeatures channels = ComputeHogCells(cut);
   for (const cv::Mat& colour : ComputeColourCells(cut))
     channels.emplace_back((colour - cv::mean(colour)[0]) * kColourWeight);
@@ -70,7 +94,7 @@ CellFeatures BoxTarget::ExtractWindow(const ImagePyramid& image, const RotatedBo
 // Applies the filter to the window around a box and moves the box to the response's peak.
 BoxTarget::Localisation BoxTarget::Localise(const ImagePyramid& image, const RotatedBox& search_box) const {
   const FilterResponse response = filter_.ComputeResponse(ExtractWindow(image, search_box));
-  const double px_per_cell = MakeWindow(search_box, options_.window_factor).width / kWindowCells;
+  const double px_per_cell = MakeWindow(search_box).width / kWindowCells;
   RotatedBox box = search_box;
   const Eigen::Vector2d moved(response.peak.x * px_per_cell, response.peak.y * px_per_cell);
   box.centre += Eigen::Rotation2Dd(search_box.rotation_rad) * moved;
@@ -80,7 +104,6 @@ BoxTarget::Localisation BoxTarget::Localise(const ImagePyramid& image, const Rot
 // The geometric mean of sharpness and NCC, each relative to its running mean and clipped to 1.
 double BoxTarget::ComputeConfidence(const ImagePyramid& image, const Localisation& localisation) const {
   if (num_updates_ == 0) return 1;
-  constexpr double kMinSharpness = 1e-6;  // below: a uniform window, without information
   const double sharpness = std::clamp(localisation.sharpness / std::max(kMinSharpness, mean_sharpness_), 0.0, 1.0);
   const double ncc = std::clamp(appearance_.NccScore(image, localisation.box) / mean_ncc_, 0.0, 1.0);
   return std::sqrt(sharpness * ncc);
@@ -90,7 +113,6 @@ double BoxTarget::ComputeConfidence(const ImagePyramid& image, const Localisatio
 // returns the result with the higher sharpness times NCC: a camera that flies past shears the image, and the fitted
 // similarity then has a rotation that the object does not make.
 BoxTarget::Localisation BoxTarget::LocaliseWithRotation(const ImagePyramid& image) {
-  constexpr double kMinRotation_rad = 0.1;
   const Localisation as_before = Localise(image, box_);
   if (std::abs(pending_rotation_rad_) < kMinRotation_rad) return as_before;
   RotatedBox with_camera = box_;
@@ -107,7 +129,6 @@ BoxTarget::TargetObservation BoxTarget::Step(const FrameContext& context) {
   box_.centre = carried + velocity_px_;
   pending_rotation_rad_ += context.now_from_before.rotation_rad;
   if (lost()) {
-    constexpr double kVelocityDecay = 0.9;  // an occluded object may have stopped
     velocity_px_ *= kVelocityDecay;
     // Far outside the frame the estimated ground motion does not apply.
     const Eigen::Vector2d size(context.grey.cols, context.grey.rows);
@@ -126,7 +147,7 @@ BoxTarget::TargetObservation BoxTarget::Step(const FrameContext& context) {
   // A box cut by the frame's edge supports the confidence by its visible fraction only.
   tentative_ = tentative_ && confidence * FractionInView(context.image, box_) < options_.update_confidence;
   if (confidence >= options_.update_confidence) {
-    velocity_px_ += options_.velocity_learning_rate * (box_.centre - carried - velocity_px_);
+    velocity_px_ += kVelocityLearningRate * (box_.centre - carried - velocity_px_);
     Update(context, localisation, confidence);
   }
   // At the edge the filter has a peak inside the frame even if the object is outside.
@@ -138,13 +159,12 @@ void BoxTarget::Update(const FrameContext& context, const Localisation& localisa
   const RotatedBox grown = box_.Scaled(scale_.EstimateScaleChange(context.image, box_));
   if (std::min(grown.width, grown.height) >= kMinSide_px) box_ = grown;
   ++num_updates_;
-  constexpr double kMeanRate = 0.02;  // running mean over roughly the last 50 frames
   const double rate = std::max(kMeanRate, 1.0 / num_updates_);
   mean_sharpness_ += rate * (localisation.sharpness - mean_sharpness_);
-  mean_ncc_ += rate * (std::max(0.1, appearance_.NccScore(context.image, box_)) - mean_ncc_);
-  filter_.Update(ExtractWindow(context.image, box_), options_.temporal_weight);
-  scale_.Update(context.image, box_, options_.scale_learning_rate);
-  if (confidence < options_.template_confidence) return;
+  mean_ncc_ += rate * (std::max(kMinMeanNcc, appearance_.NccScore(context.image, box_)) - mean_ncc_);
+  filter_.Update(ExtractWindow(context.image, box_), kTemporalWeight);
+  scale_.Update(context.image, box_, kScaleLearningRate);
+  if (confidence < kTemplateConfidence) return;
   appearance_.AddTemplate(context.image, box_);
   confident_template_ = CropGrey(context.image, box_);
 }
@@ -152,10 +172,6 @@ void BoxTarget::Update(const FrameContext& context, const Localisation& localisa
 // The predicted box, every second frame the box where the object was lost, and the best matches (NCC) of the last
 // confident template in the whole frame; the template's scale cycles through three values from frame to frame.
 std::vector<RotatedBox> BoxTarget::FindRedetectionCandidates(const FrameContext& context) const {
-  constexpr double kSearchSide_px = 16;  // smallest side that still discriminates; the frame is scaled down to it
-  constexpr std::array kScaleCycle = {1.0, 0.8, 1.25};
-  constexpr double kMinNcc = 0.3;
-  constexpr int kMaxCandidates = 4;
   std::vector<RotatedBox> candidates = {box_};
   if (lost_frames_ % 2 == 0) candidates.push_back(last_seen_box_);
 

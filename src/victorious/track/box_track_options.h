@@ -1,4 +1,7 @@
 // track/: the parameters of BoxTracker (box_tracker.h). box_track_options.cc gives ranges, units and reasons.
+//
+// A confidence is 1 if the response's sharpness and the NCC with the templates are at their running means for this
+// object.
 #pragma once
 
 #include "victorious/base/options.h"
@@ -6,11 +9,6 @@
 namespace victorious {
 
 struct BoxTrackOptions {
-  double window_factor = 5.0;
-  double temporal_weight = 8.0;
-  double velocity_learning_rate = 0.3;
-  double scale_learning_rate = 0.025;
-  double template_confidence = 0.85;
   double update_confidence = 0.6;
   double lost_confidence = 0.35;
   double redetect_confidence = 0.55;

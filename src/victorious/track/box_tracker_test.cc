@@ -235,7 +235,7 @@ TEST(BoxTracker, RefusesBoxesThatHoldNothing) {
 }
 
 TEST(BoxTracker, RefusesOptionsOutOfRange) {
-  EXPECT_EQ(BoxTracker::Create({.window_factor = 0}).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(BoxTracker::Create({.lost_confidence = 2}).error().code, ErrorCode::kInvalidArgument);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // track/: the global image motion between consecutive frames, to predict where an object goes.
 //
 // Method: up to 80 corners of the frame, scaled to at most 400 px on its long side, are tracked by Lucas-Kanade
-// (flow.h); MLESAC fits a similarity.
+// (flow.h); MLESAC fits a similarity (corner_motion.h).
 #pragma once
 
 #include <optional>
@@ -18,8 +18,7 @@ class ImageMotionEstimator {
  public:
   /// @param grey  CV_8UC1, the next frame
   /// @return now_from_before, px of the full frame; std::nullopt for the first frame, after a change of size, with
-  /// fewer
-  ///   than 12 inliers (a cut, no texture) or with a scale change of 1.5 or more
+  ///   fewer than 12 inliers (a cut, no texture) or with a scale change of 1.5 or more
   std::optional<Similarity2> Step(const cv::Mat& grey);
 
  private:

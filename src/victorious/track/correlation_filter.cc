@@ -15,6 +15,17 @@ namespace {
 
 using Complex = std::complex<float>;
 
+constexpr double kResponseWidth = 1.0 / 16;  // standard deviation of y relative to the object's size (Galoogahi 2017)
+// Size of the ellipse that models the object, relative to the one inscribed in its box: keeps the object's outline.
+constexpr double kReach = 1.1;
+// ADMM: the penalty starts at kInitialGamma of the window's mean energy and grows by kGammaGrowth a step (Galoogahi
+// 2017, Li 2018: 10); the first window starts from zero and takes more steps than the later ones.
+constexpr float kInitialGamma = 0.1F;
+constexpr float kGammaGrowth = 10.0F;
+constexpr int kFirstAdmmSteps = 4;
+constexpr int kAdmmSteps = 2;    // Li 2018
+constexpr int kNewtonSteps = 2;  // of the peak: quadratic convergence from within half a cell
+
 cv::Mat MakeHannWindow(cv::Size cells) {
   cv::Mat taper(cells, CV_32F);
   const auto hann = [](int i, int count) { return 0.5 - 0.5 * std::cos(2 * std::numbers::pi * (i + 0.5) / count); };
@@ -28,8 +39,7 @@ cv::Mat MakeHannWindow(cv::Size cells) {
 
 // The spectrum of a periodic Gaussian with its peak at (0, 0); it is real.
 cv::Mat DesiredSpectrum(const FilterShape& shape) {
-  constexpr double kWidth = 1.0 / 16;  // standard deviation relative to the object's size
-  const double sigma = kWidth * std::sqrt(shape.object_cells.width * shape.object_cells.height);
+  const double sigma = kResponseWidth * std::sqrt(shape.object_cells.width * shape.object_cells.height);
   const auto distance = [](int i, int count) { return std::min(i, count - i); };
   cv::Mat desired(shape.cells, CV_32F);
   for (int row = 0; row < desired.rows; ++row) {
@@ -47,7 +57,6 @@ cv::Mat DesiredSpectrum(const FilterShape& shape) {
 
 // 1 on the object, 0 outside. The object is modelled as an ellipse, since it seldom reaches the corners of its box.
 cv::Mat MakeObjectMask(const FilterShape& shape) {
-  constexpr double kReach = 1.1;  // size of the ellipse relative to the inscribed one
   const double cells = std::sqrt(shape.object_cells.area()) / 2;
   cv::Mat mask(shape.cells, CV_32F);
   for (int row = 0; row < mask.rows; ++row) {
@@ -106,7 +115,7 @@ LocalExpansion ExpandAt(const cv::Mat& spectrum, cv::Point2d place) {
 // Newton iterations from the highest pixel to the sub-pixel maximum.
 cv::Point2d RefinePeak(const cv::Mat& spectrum, cv::Point2d start) {
   cv::Point2d place = start;
-  for (int step = 0; step < 2; ++step) {
+  for (int step = 0; step < kNewtonSteps; ++step) {
     const LocalExpansion expansion = ExpandAt(spectrum, place);
     if (!(expansion.hessian(0, 0) < 0 && cv::determinant(expansion.hessian) > 0)) return start;
     const cv::Vec2d move = expansion.hessian.inv() * expansion.gradient;
@@ -165,9 +174,7 @@ void CorrelationFilter::Update(const CellFeatures& window, double temporal_weigh
   const auto mean_energy = static_cast<float>(std::max(1e-12, total / static_cast<double>(cells)));
   const float mu = first ? 0.0F : static_cast<float>(temporal_weight) * mean_energy;
 
-  const int steps = first ? 4 : 2;
-  constexpr float kInitialGamma = 0.1F;
-  constexpr float kGammaGrowth = 10.0F;
+  const int steps = first ? kFirstAdmmSteps : kAdmmSteps;
   float gamma = kInitialGamma * mean_energy;
   const std::vector<cv::Mat> before = std::exchange(filter_, Zeros(channels, shape_.cells));
   std::vector<cv::Mat> auxiliary =

@@ -26,8 +26,8 @@ std::vector<cv::Point2f> ToCv(std::span<const Eigen::Vector2d> points) {
 
 // Lucas-Kanade assumes constant brightness. A fixed mean and standard deviation for every frame compensate exposure.
 cv::Mat NormaliseContrast(const cv::Mat& grey) {
-  constexpr double kMean = 128;
-  constexpr double kDeviation = 45;
+  constexpr double kMean = 128;          // the middle of the range
+  constexpr double kDeviation = 45;      // nearly three of them fit on either side: few pixels are clipped
   constexpr double kNoiseDeviation = 3;  // a standard deviation below this is noise
   cv::Scalar mean;
   cv::Scalar deviation;
@@ -41,7 +41,7 @@ cv::Mat NormaliseContrast(const cv::Mat& grey) {
 
 }  // namespace
 
-FlowPyramid::FlowPyramid(const cv::Mat& grey, const TrackOptions& options) : grey_(grey) {
+FlowPyramid::FlowPyramid(const cv::Mat& grey, const FlowOptions& options) : grey_(grey), options_(options) {
   VICTORIOUS_CHECK(grey.type() == CV_8UC1 && !grey.empty());
   cv::buildOpticalFlowPyramid(NormaliseContrast(grey), levels_, {options.window_px, options.window_px},
                               options.pyramid_levels - 1);
@@ -49,9 +49,9 @@ FlowPyramid::FlowPyramid(const cv::Mat& grey, const TrackOptions& options) : gre
 
 std::vector<std::optional<Eigen::Vector2d>> TrackPointsForwardBackward(const FlowPyramid& from, const FlowPyramid& to,
                                                                        std::span<const Eigen::Vector2d> points,
-                                                                       std::span<const Eigen::Vector2d> guesses,
-                                                                       const TrackOptions& options) {
+                                                                       std::span<const Eigen::Vector2d> guesses) {
   VICTORIOUS_CHECK(points.size() == guesses.size());
+  const FlowOptions& options = to.options();
   std::vector<std::optional<Eigen::Vector2d>> followed(points.size());
   if (points.empty() || from.grey().size() != to.grey().size()) return followed;
   const cv::Size window(options.window_px, options.window_px);
@@ -68,7 +68,7 @@ std::vector<std::optional<Eigen::Vector2d>> TrackPointsForwardBackward(const Flo
   const cv::Rect2f inside(-0.5F, -0.5F, static_cast<float>(to.grey().cols), static_cast<float>(to.grey().rows));
   for (std::size_t i = 0; i < followed.size(); ++i) {
     if (found_forward[i] == 0 || found_back[i] == 0 || !inside.contains(end[i])) continue;
-    if (cv::norm(back[i] - start[i]) <= options.forward_backward_px) followed[i] = FromCv(end[i]);
+    if (cv::norm(back[i] - start[i]) <= options.max_forward_backward_px) followed[i] = FromCv(end[i]);
   }
   return followed;
 }

@@ -20,25 +20,26 @@ namespace victorious {
 class FlowPyramid {
  public:
   /// @param grey  CV_8UC1; shared, not copied
-  FlowPyramid(const cv::Mat& grey, const TrackOptions& options);
+  explicit FlowPyramid(const cv::Mat& grey, const FlowOptions& options = {});
 
   [[nodiscard]] const cv::Mat& grey() const { return grey_; }
   [[nodiscard]] const std::vector<cv::Mat>& levels() const { return levels_; }
+  [[nodiscard]] const FlowOptions& options() const { return options_; }
 
  private:
   cv::Mat grey_;
+  FlowOptions options_;
   std::vector<cv::Mat> levels_;
 };
 
-/// Tracks points from one frame to another.
+/// Tracks points from one frame to another, by the options of both pyramids, which must be the same.
 /// @param points   px, in `from`
 /// @param guesses  initial positions in `to`, px, one per point
 /// @return the positions in `to`, px, one per point; std::nullopt for a point that left the frame or whose
-///   forward-backward error exceeds forward_backward_px; all std::nullopt if the frames differ in size
+///   forward-backward error exceeds max_forward_backward_px; all std::nullopt if the frames differ in size
 std::vector<std::optional<Eigen::Vector2d>> TrackPointsForwardBackward(const FlowPyramid& from, const FlowPyramid& to,
                                                                        std::span<const Eigen::Vector2d> points,
-                                                                       std::span<const Eigen::Vector2d> guesses,
-                                                                       const TrackOptions& options);
+                                                                       std::span<const Eigen::Vector2d> guesses);
 
 /// Detects corners inside an outline (Shi and Tomasi 1994), spread evenly.
 /// @param grey  CV_8UC1

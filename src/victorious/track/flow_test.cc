@@ -35,9 +35,8 @@ TEST(TrackPointsForwardBackward, FindsAShiftOfPartsOfAPixel) {
   cv::Mat after;
   const cv::Matx23d shift(1, 0, 7.4, 0, 1, -5.2);
   cv::warpAffine(before, after, shift, before.size(), cv::INTER_CUBIC, cv::BORDER_REFLECT);
-  const TrackOptions options;
   const std::vector<Eigen::Vector2d> points = DetectCorners(before, kMiddle, 50);
-  const auto followed = TrackPointsForwardBackward({before, options}, {after, options}, points, points, options);
+  const auto followed = TrackPointsForwardBackward(FlowPyramid(before), FlowPyramid(after), points, points);
   int right = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (followed[i] && (*followed[i] - points[i] - Eigen::Vector2d(7.4, -5.2)).norm() < 0.1) ++right;
@@ -47,11 +46,10 @@ TEST(TrackPointsForwardBackward, FindsAShiftOfPartsOfAPixel) {
 
 TEST(TrackPointsForwardBackward, FindsNothingInABlankFrameOrInOneOfAnotherSize) {
   const cv::Mat before = GreyTown();
-  const TrackOptions options;
   const std::vector<Eigen::Vector2d> points = DetectCorners(before, kMiddle, 50);
   for (const cv::Size size : {before.size(), cv::Size(100, 100)}) {
     const cv::Mat blank(size, CV_8UC1, cv::Scalar(70));
-    for (const auto& place : TrackPointsForwardBackward({before, options}, {blank, options}, points, points, options)) {
+    for (const auto& place : TrackPointsForwardBackward(FlowPyramid(before), FlowPyramid(blank), points, points)) {
       EXPECT_FALSE(place);
     }
   }

@@ -48,9 +48,9 @@ Box CarInFrame(int frame) {
 TEST(GroundPointTracker, StaysWhereItIsWhileTheCarDrivesAway) {
   const View view;
   const Eigen::Vector2d spot(500, 400);
-  GroundPointTracker ground(FlowPyramid(view.Draw(0, CarOnGround(0)), {}), CarInFrame(0));
+  GroundPointTracker ground(FlowPyramid(view.Draw(0, CarOnGround(0))), CarInFrame(0));
   for (int i = 1; i <= 20; ++i) {
-    const auto place = ground.Step(FlowPyramid(view.Draw(i, CarOnGround(i)), {}), CarInFrame(i - 1));
+    const auto place = ground.Step(FlowPyramid(view.Draw(i, CarOnGround(i))), CarInFrame(i - 1));
     ASSERT_TRUE(place) << i;
     EXPECT_LT((*place - View::InFrame(spot, i)).norm(), 1.5) << i;
   }
@@ -58,20 +58,20 @@ TEST(GroundPointTracker, StaysWhereItIsWhileTheCarDrivesAway) {
 
 TEST(GroundPointTracker, IsLostWhereItLeavesTheFrameOrNothingCanBeFollowed) {
   const View view;
-  GroundPointTracker leaves(FlowPyramid(view.Draw(0, CarOnGround(0)), {}), CarInFrame(0));
+  GroundPointTracker leaves(FlowPyramid(view.Draw(0, CarOnGround(0))), CarInFrame(0));
   int seen = 0;
   for (int i = 1; i <= 60; ++i) {
-    const auto place = leaves.Step(FlowPyramid(view.Draw(i, CarOnGround(0)), {}), std::nullopt);
+    const auto place = leaves.Step(FlowPyramid(view.Draw(i, CarOnGround(0))), std::nullopt);
     if (!place) continue;
     EXPECT_EQ(++seen, i) << "a lost point stays lost";
     EXPECT_GE(place->x(), 0);
   }
   EXPECT_GT(seen, 30);
   EXPECT_LT(seen, 60);
-  GroundPointTracker blind(FlowPyramid(cv::Mat(300, 400, CV_8UC1, cv::Scalar(90)), {}), {100, 100, 30, 20});
-  EXPECT_FALSE(blind.Step(FlowPyramid(cv::Mat(300, 400, CV_8UC1, cv::Scalar(90)), {}), std::nullopt));
-  GroundPointTracker resized(FlowPyramid(view.Draw(0, CarOnGround(0)), {}), CarInFrame(0));
-  EXPECT_FALSE(resized.Step(FlowPyramid(cv::Mat(30, 40, CV_8UC1, cv::Scalar(90)), {}), std::nullopt));
+  GroundPointTracker blind(FlowPyramid(cv::Mat(300, 400, CV_8UC1, cv::Scalar(90))), {100, 100, 30, 20});
+  EXPECT_FALSE(blind.Step(FlowPyramid(cv::Mat(300, 400, CV_8UC1, cv::Scalar(90))), std::nullopt));
+  GroundPointTracker resized(FlowPyramid(view.Draw(0, CarOnGround(0))), CarInFrame(0));
+  EXPECT_FALSE(resized.Step(FlowPyramid(cv::Mat(30, 40, CV_8UC1, cv::Scalar(90))), std::nullopt));
 }
 
 }  // namespace

@@ -14,6 +14,21 @@
 namespace victorious {
 namespace {
 
+constexpr int kPatchSide_px = 13;     // of a point's patch: about that of a small keypoint's neighbourhood
+constexpr double kPointNoise_px = 1;  // standard deviation of a tracked point's position
+// Model error of the similarity for an object that rotates out of the image plane, as a fraction of its size (square
+// root of its outline's area).
+constexpr double kShapeFraction = 0.02;
+constexpr int kMinPoints = 4;        // minimum number of inliers for the object to be seen; a similarity takes two
+constexpr double kMinSupport = 0.2;  // minimum fraction of inliers among the template's points inside the frame
+constexpr double kMinInView = 0.3;   // minimum fraction of the outline's area inside the frame; below it the object
+                                     // has left the frame
+constexpr double kMinInlierProbability = 0.5;  // of MLESAC: more probably an inlier than not
+constexpr double kMinOutlierArea_px2 = 100;    // of the search region of a tiny outline, for MLESAC's outlier density
+// Between two frames. An object does not change its scale so much; near-collinear points with pixel errors give such
+// fits.
+constexpr double kMaxScaleChange = 1.5;
+
 Eigen::Vector2d Centroid(const Polygon& outline) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (const Eigen::Vector2d& corner : outline) sum += corner;
@@ -46,7 +61,7 @@ Expected<RegionTracker> RegionTracker::Create(const TrackOptions& options) {
 }
 
 std::vector<TrackStep> RegionTracker::Step(const Frame& frame) {
-  now_ = std::make_shared<FlowPyramid>(ToGrey(frame.image), options_);
+  now_ = std::make_shared<FlowPyramid>(ToGrey(frame.image), options_.flow);
   frame_ = frame.index;
   time_s_ = frame.time_s;
   image_motions_.clear();
@@ -70,7 +85,7 @@ TrackStep RegionTracker::Start(const Polygon& outline, std::span<const TrackPoin
   VICTORIOUS_CHECK(now_ != nullptr);
   Track track{
       .id = next_id_++, .outline = outline, .points = MakeTemplate(points), .last = now_, .last_time_s = time_s_};
-  const bool accepted = track.points.size() >= static_cast<std::size_t>(options_.min_points);
+  const bool accepted = track.points.size() >= static_cast<std::size_t>(kMinPoints);
   TrackStep step = MakeStep(track, accepted ? TrackLoss::kNone : TrackLoss::kLostPoints);
   if (accepted) {
     tracks_.push_back(std::move(track));
@@ -102,7 +117,7 @@ std::vector<RegionTracker::TemplatePoint> RegionTracker::MakeTemplate(std::span<
   std::vector<TemplatePoint> usable;
   for (const TrackPoint& point : points) {
     if (!frame.Contains(point.place.x(), point.place.y())) continue;
-    Patch patch(now_->grey(), point.place, options_.patch_px | 1, Eigen::Matrix2d::Identity());
+    Patch patch(now_->grey(), point.place, kPatchSide_px, Eigen::Matrix2d::Identity());
     if (!patch.IsFlat()) usable.push_back({point, std::move(patch), point.place});
   }
   return usable;
@@ -130,7 +145,7 @@ RegionTracker::MotionEstimate RegionTracker::EstimateMotion(const Track& track, 
     guesses.emplace_back(track.points[i].place + drift);
   }
   const std::vector<std::optional<Eigen::Vector2d>> followed =
-      TrackPointsForwardBackward(*track.last, *now_, from, guesses, options_);
+      TrackPointsForwardBackward(*track.last, *now_, from, guesses);
 
   MotionEstimate estimate;
   const Eigen::Matrix2d linear = track.last_from_template.Linear();
@@ -139,22 +154,22 @@ RegionTracker::MotionEstimate RegionTracker::EstimateMotion(const Track& track, 
   for (std::size_t k = 0; k < indices.size(); ++k) {
     if (!followed[k]) continue;
     const TemplatePoint& point = track.points[indices[k]];
-    const Patch seen(now_->grey(), *followed[k], options_.patch_px | 1, linear);
+    const Patch seen(now_->grey(), *followed[k], kPatchSide_px, linear);
     if (point.patch.NccScore(seen) < options_.min_ncc) continue;
     pairs.push_back({point.origin.place, *followed[k]});
     point_index.push_back(indices[k]);
   }
 
   const double size_px = std::sqrt(std::abs(SignedArea(track.outline)));
-  const SimilarityEstimator estimator(pairs,
-                                      {.noise_px = options_.noise_px, .shape_px = options_.shape_fraction * size_px});
+  const SimilarityEstimator estimator(pairs, {.noise_px = kPointNoise_px, .shape_px = kShapeFraction * size_px});
   const Box search =
       Dilated(BoundingBox(Transformed(track.outline, track.last_from_template)), options_.dilation_factor);
-  const auto result = Mlesac(estimator, {.outlier_area_px2 = std::max(100.0, search.Area())});
+  const auto result = Mlesac(estimator, {.outlier_area_px2 = std::max(kMinOutlierArea_px2, search.Area())});
   if (!result) return estimate;
   estimate.now_from_template = result->model;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    if (result->probabilities[k] > 0.5) estimate.inliers.emplace_back(point_index[k], pairs[k].target);
+    if (result->probabilities[k] > kMinInlierProbability)
+      estimate.inliers.emplace_back(point_index[k], pairs[k].target);
   }
   // Only points inside the frame count.
   const Box frame = FrameBox(now_->grey().cols, now_->grey().rows);
@@ -162,13 +177,9 @@ RegionTracker::MotionEstimate RegionTracker::EstimateMotion(const Track& track, 
     const Eigen::Vector2d place = result->model.Apply(point.origin.place);
     return frame.Contains(place.x(), place.y());
   });
-  // Rejects scale changes that an object does not make between two frames; near-collinear points with pixel errors give
-  // such fits.
-  constexpr double kMaxScaleChange = 1.5;
   const double growth = std::abs(std::log(result->model.scale / track.last_from_template.scale));
   const auto agreeing = static_cast<double>(estimate.inliers.size());
-  estimate.accepted = agreeing >= options_.min_points &&
-                      agreeing >= options_.min_support * static_cast<double>(in_view) &&
+  estimate.accepted = agreeing >= kMinPoints && agreeing >= kMinSupport * static_cast<double>(in_view) &&
                       growth < std::log(kMaxScaleChange);
   return estimate;
 }
@@ -197,7 +208,7 @@ void RegionTracker::ReacquirePoints(Track& track) const {
     if (point.is_tracked) continue;
     point.place = track.last_from_template.Apply(point.origin.place);
     if (!frame.Contains(point.place.x(), point.place.y())) continue;
-    const Patch seen(now_->grey(), point.place, options_.patch_px | 1, linear);
+    const Patch seen(now_->grey(), point.place, kPatchSide_px, linear);
     point.is_tracked = point.patch.NccScore(seen) >= options_.min_ncc;
   }
 }
@@ -208,7 +219,7 @@ TrackLoss RegionTracker::ClassifyLoss(const Track& track) const {
   std::size_t num_mismatches = 0;
   for (const TemplatePoint& point : track.points) {
     const Eigen::Vector2d place = track.last_from_template.Apply(point.origin.place) + drift;
-    const Patch seen(now_->grey(), place, options_.patch_px | 1, track.last_from_template.Linear());
+    const Patch seen(now_->grey(), place, kPatchSide_px, track.last_from_template.Linear());
     if (!seen.IsFlat() && point.patch.NccScore(seen) < options_.min_ncc) ++num_mismatches;
   }
   return 2 * num_mismatches > track.points.size() ? TrackLoss::kOccluded : TrackLoss::kLostPoints;
@@ -229,7 +240,7 @@ TrackStep RegionTracker::Advance(Track& track) const {
   }
   if (track.unconfirmed_frames > options_.unconfirmed_frames) loss = TrackLoss::kUnconfirmed;
   TrackStep step = MakeStep(track, loss);
-  if (FractionInside(step.outline, frame) < options_.min_in_view) step = MakeStep(track, TrackLoss::kLeftFrame);
+  if (FractionInside(step.outline, frame) < kMinInView) step = MakeStep(track, TrackLoss::kLeftFrame);
   const bool given_up = track.missed_frames > options_.missed_frames || step.loss == TrackLoss::kUnconfirmed ||
                         step.loss == TrackLoss::kLeftFrame;
   if (given_up) step.state = TrackState::kInactive;

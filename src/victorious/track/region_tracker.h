@@ -45,7 +45,7 @@ class RegionTracker {
   /// Cost at 640 x 480: about 1.5 ms per frame, and 1 ms per track of 50 points.
   std::vector<TrackStep> Step(const Frame& frame);
 
-  /// Starts a track in the current frame. It is inactive at once if fewer than min_points points can be tracked.
+  /// Starts a track in the current frame. It is inactive at once if fewer than 4 points can be tracked.
   /// @param outline  px, may exceed the frame
   /// @param points   on the object: those of a detection (MatchedPoints), or corners (DetectCorners)
   TrackStep Start(const Polygon& outline, std::span<const TrackPoint> points);

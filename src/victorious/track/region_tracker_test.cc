@@ -206,7 +206,7 @@ TEST(RegionTracker, PredictionFindsWhatMovedFarWhileNothingWasSeen) {
   for (const bool predict : {true, false}) {
     TrackOptions options;
     options.predict_motion = predict;
-    options.pyramid_levels = 2;
+    options.flow.pyramid_levels = 2;
     Follower follower(options);
     follower.Start(world.Draw(At(20, 80)), world.Outline(At(20, 80)));
     for (int i = 1; i <= 5; ++i) follower.Step(world.Draw(At(20 + 8 * i, 80)));
@@ -224,7 +224,7 @@ TEST(RegionTracker, ANewTrackIsSoughtWhereThePictureWentAndWhereItWas) {
   for (const bool predict : {true, false}) {
     TrackOptions options;
     options.predict_motion = predict;
-    options.pyramid_levels = 2;
+    options.flow.pyramid_levels = 2;
     Follower passing(options);
     passing.Start(world.Draw(before), world.Outline(before));
     const auto step = passing.Step(world.Draw(moved, {280, 200}));
