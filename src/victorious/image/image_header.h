@@ -1,8 +1,8 @@
-// Private to video/: parses the header of an image file before any decoder runs. It bounds the size, extracts the EXIF
-// orientation, and defines the list of formats that are passed to OpenCV. OpenCV builds may support many more formats
-// through GDAL and GDCM: some of these open further files, some terminate the program on damaged input. Therefore only
-// formats that OpenCV identifies by fixed first bytes are accepted. WebP is refused, because OpenCV passes a damaged
-// WebP file on to those libraries.
+// Of image/ and video/: parses the header of an image file before any decoder runs. It bounds the size, extracts the
+// EXIF orientation, and defines the list of formats that are passed to OpenCV. OpenCV builds may support many more
+// formats through GDAL and GDCM: some of these open further files, some terminate the program on damaged input.
+// Therefore only formats that OpenCV identifies by fixed first bytes are accepted. WebP is refused, because OpenCV
+// passes a damaged WebP file on to those libraries.
 #pragma once
 
 #include <cstddef>

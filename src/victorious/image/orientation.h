@@ -1,4 +1,4 @@
-// Private to video/: image orientation by EXIF (JPEG, PNG) or by the display matrix (MP4, MKV), and the rotation to
+// Of image/ and video/: image orientation by EXIF (JPEG, PNG) or by the display matrix (MP4, MKV), and the rotation to
 // upright.
 #pragma once
 

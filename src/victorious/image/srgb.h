@@ -1,4 +1,4 @@
-// Private to render/: the sRGB transfer function (IEC 61966-2-1) and its inverse; both map [0, 1] to [0, 1].
+// The sRGB transfer function (IEC 61966-2-1) and its inverse; both map [0, 1] to [0, 1].
 #pragma once
 
 #include <cmath>

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <exception>
 #include <filesystem>
@@ -23,6 +22,8 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
+#include "victorious/base/enum_text.h"
+#include "victorious/base/text.h"
 #include "victorious/image/srgb.h"
 #include "victorious/mesh/assimp_io.h"
 #include "victorious/mesh/texture_image.h"
@@ -343,13 +344,15 @@ Axis DefaultUpAxis(CadFormat format, const CadFolder& folder) {
 }  // namespace
 
 std::optional<CadFormat> CadFormatFromName(std::string_view name) {
-  static const std::map<std::string, CadFormat, std::less<>> formats = {
-      {".gltf", CadFormat::kGltf},   {".glb", CadFormat::kGltf}, {".obj", CadFormat::kObj}, {".ac", CadFormat::kAc3d},
-      {".dae", CadFormat::kCollada}, {".3ds", CadFormat::k3ds},  {".ply", CadFormat::kPly}, {".stl", CadFormat::kStl}};
-  std::string ending = std::filesystem::path(name).extension().string();
-  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const auto found = formats.find(ending);
-  return found == formats.end() ? std::nullopt : std::optional(found->second);
+  static constexpr auto kExtensions = std::to_array<EnumText<CadFormat>>({{CadFormat::kGltf, ".gltf"},
+                                                                          {CadFormat::kGltf, ".glb"},
+                                                                          {CadFormat::kObj, ".obj"},
+                                                                          {CadFormat::kAc3d, ".ac"},
+                                                                          {CadFormat::kCollada, ".dae"},
+                                                                          {CadFormat::k3ds, ".3ds"},
+                                                                          {CadFormat::kPly, ".ply"},
+                                                                          {CadFormat::kStl, ".stl"}});
+  return FromText(kExtensions, LowerCase(std::filesystem::path(name).extension().string()));
 }
 
 Expected<ImportedMesh> ImportMesh(const CadFolder& folder, CadFormat format) {

@@ -1,4 +1,4 @@
-// Private to render/: converts an assimp scene into one Mesh. Call it only in the isolated process (isolated.h): assimp
+// Private to mesh/: converts an assimp scene into one Mesh. Call it only in the isolated process (isolated.h): assimp
 // may crash on hostile files.
 #pragma once
 

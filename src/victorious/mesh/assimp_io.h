@@ -1,4 +1,4 @@
-// Private to render/: adapter from assimp's file interface (Assimp::IOSystem) to a CadFolder.
+// Private to mesh/: adapter from assimp's file interface (Assimp::IOSystem) to a CadFolder.
 #pragma once
 
 #include <assimp/IOSystem.hpp>

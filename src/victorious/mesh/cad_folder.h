@@ -1,4 +1,4 @@
-// Private to render/: resolves the file names in a CAD file. Only files in the CAD file's own folder, and below it, are
+// Private to mesh/: resolves the file names in a CAD file. Only files in the CAD file's own folder, and below it, are
 // accessible.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Private to render/: runs code that may crash in a forked process with limited memory and CPU time.
+// Private to mesh/: runs code that may crash in a forked process with limited memory and CPU time.
 #pragma once
 
 #include <cstdint>

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "victorious/base/file.h"
+#include "victorious/base/text.h"
 #include "victorious/mesh/assimp_import.h"
 #include "victorious/mesh/cad_folder.h"
 #include "victorious/mesh/isolated.h"
@@ -122,16 +122,10 @@ Expected<LoadedMesh> Load(std::span<const std::byte> bytes, const std::string& n
 
 }  // namespace
 
-bool IsCadFile(const fs::path& path) {
-  constexpr std::array<std::string_view, 8> kEndings = {".glb", ".gltf", ".obj", ".ac", ".dae", ".3ds", ".ply", ".stl"};
-  std::string ending = path.extension().string();
-  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::ranges::find(kEndings, ending) != kEndings.end();
-}
+bool IsCadFile(const fs::path& path) { return CadFormatFromName(path.string()).has_value(); }
 
 Expected<Axis> ParseAxis(std::string_view text) {
-  std::string name(text);
-  std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::string name = LowerCase(text);
   if (name.size() == 1) name.insert(0, "+");
   const auto found = std::ranges::find(kAxisNames, name);
   if (found == kAxisNames.end()) {

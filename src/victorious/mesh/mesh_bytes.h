@@ -1,4 +1,4 @@
-// Private to render/: serialises a loaded mesh, to pass it from the isolated import process to the parent (isolated.h).
+// Private to mesh/: serialises a loaded mesh, to pass it from the isolated import process to the parent (isolated.h).
 #pragma once
 
 #include <string>

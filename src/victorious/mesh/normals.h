@@ -1,4 +1,4 @@
-// Private to render/: computes missing vertex normals, area-weighted with a crease angle.
+// Private to mesh/: computes missing vertex normals, area-weighted with a crease angle.
 #pragma once
 
 #include "victorious/types/mesh.h"

@@ -1,4 +1,4 @@
-// Private to render/: decodes texture images. Call it only in the isolated process (isolated.h): a decoder may crash on
+// Private to mesh/: decodes texture images. Call it only in the isolated process (isolated.h): a decoder may crash on
 // hostile files.
 #pragma once
 

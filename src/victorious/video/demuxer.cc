@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "victorious/base/text.h"
+
 extern "C" {
 #include <libavutil/dict.h>
 }
@@ -61,11 +63,10 @@ auto VideoRank(const AVStream& stream) {
 std::optional<std::string> UrlScheme(const std::string& source) {
   const std::size_t end = source.find("://");
   if (end == std::string::npos || end == 0) return std::nullopt;
-  std::string scheme = source.substr(0, end);
+  const std::string scheme = source.substr(0, end);
   const auto belongs = [](unsigned char c) { return std::isalnum(c) != 0 || c == '+' || c == '-' || c == '.'; };
   if (!std::ranges::all_of(scheme, belongs)) return std::nullopt;
-  std::ranges::transform(scheme, scheme.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return scheme;
+  return LowerCase(scheme);
 }
 
 Expected<std::unique_ptr<Demuxer>> Demuxer::Open(const MediaSource& source) {

@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "victorious/base/file.h"
+#include "victorious/base/text.h"
 #include "victorious/image/image_file.h"
 #include "victorious/image/image_header.h"
 #include "victorious/video/damage_log.h"
@@ -23,25 +24,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kFolder = "folder of images";
-
-std::string LowerExtension(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
+// What the images are; the text is VideoInfo::container.
+enum class Sequence { kFolder, kSingleImage };
 
 bool HasImageExtension(const fs::path& file) {
   static constexpr std::array<std::string_view, 11> kExtensions = {".png", ".jpg", ".jpeg", ".jpe", ".tif", ".tiff",
                                                                    ".bmp", ".ppm", ".pgm",  ".pbm", ".pnm"};
-  return std::ranges::find(kExtensions, LowerExtension(file)) != kExtensions.end();
+  return std::ranges::find(kExtensions, LowerCase(file.extension().string())) != kExtensions.end();
 }
 
 bool IsDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
 // Removes the leading digits of `text` and returns them without leading zeros.
-std::string_view TakeNumber(std::string_view& text) {
+std::string_view TakeDigits(std::string_view& text) {
   std::size_t end = 0;
   while (end < text.size() && IsDigit(text[end])) ++end;
   std::string_view number = text.substr(0, end);
@@ -52,11 +47,11 @@ std::string_view TakeNumber(std::string_view& text) {
 
 class ImageSequenceReader : public VideoReader {
  public:
-  ImageSequenceReader(std::vector<fs::path> files, const VideoReaderOptions& options)
-      : files_(std::move(files)), options_(options) {}
+  ImageSequenceReader(Sequence sequence, std::vector<fs::path> files, const VideoReaderOptions& options)
+      : sequence_(sequence), files_(std::move(files)), options_(options) {}
 
   /// Reads the first image, which determines the size.
-  Status Start(const fs::path& source, std::string container);
+  Status Start(const fs::path& source);
 
   [[nodiscard]] const VideoInfo& info() const override { return info_; }
   [[nodiscard]] Expected<std::string> ContentId(const CancelToken& cancel, const ByteProgress& progress) const override;
@@ -81,6 +76,7 @@ class ImageSequenceReader : public VideoReader {
     return static_cast<double>(file_index - first_file_) / options_.folder_frame_rate;
   }
 
+  Sequence sequence_;
   std::vector<fs::path> files_;
   VideoReaderOptions options_;
   VideoInfo info_;
@@ -91,7 +87,7 @@ class ImageSequenceReader : public VideoReader {
   std::int64_t next_index_ = 0;
 };
 
-Status ImageSequenceReader::Start(const fs::path& source, std::string container) {
+Status ImageSequenceReader::Start(const fs::path& source) {
   first_ = ReadNext();
   if (!first_) {
     const std::string& reason = warnings().front();
@@ -99,7 +95,7 @@ Status ImageSequenceReader::Start(const fs::path& source, std::string container)
     return Fail(ErrorCode::kDataLoss, fmt::format("{}: none of its {} pictures can be read, the first: {}",
                                                   source.string(), files_.size(), reason));
   }
-  info_.container = std::move(container);
+  info_.container = sequence_ == Sequence::kFolder ? "folder of images" : "picture";
   info_.frame_rate = options_.folder_frame_rate;
   info_.frame_count = static_cast<std::int64_t>(files_.size() - first_file_);
   info_.duration_s = TimeFromIndex(files_.size());
@@ -107,7 +103,7 @@ Status ImageSequenceReader::Start(const fs::path& source, std::string container)
 }
 
 Expected<std::string> ImageSequenceReader::ContentId(const CancelToken& cancel, const ByteProgress& progress) const {
-  if (info_.container == kFolder) return ContentIdOfFiles(files_, cancel, progress);
+  if (sequence_ == Sequence::kFolder) return ContentIdOfFiles(files_, cancel, progress);
   return victorious::ContentId(files_.front(), cancel, progress);
 }
 
@@ -146,10 +142,10 @@ Expected<cv::Mat> ImageSequenceReader::ReadImageFile(const fs::path& file) {
   return options_.color == FrameColor::kGrey ? GreyFromBgr(image.bgr) : image.bgr;
 }
 
-Expected<std::unique_ptr<VideoReader>> Open(const fs::path& source, std::vector<fs::path> files, std::string container,
+Expected<std::unique_ptr<VideoReader>> Open(const fs::path& source, Sequence sequence, std::vector<fs::path> files,
                                             const VideoReaderOptions& options) {
-  auto reader = std::make_unique<ImageSequenceReader>(std::move(files), options);
-  VICTORIOUS_RETURN_IF_ERROR(reader->Start(source, std::move(container)));
+  auto reader = std::make_unique<ImageSequenceReader>(sequence, std::move(files), options);
+  VICTORIOUS_RETURN_IF_ERROR(reader->Start(source));
   return reader;
 }
 
@@ -170,15 +166,15 @@ Expected<std::unique_ptr<VideoReader>> OpenImageFolder(const fs::path& folder, c
   std::ranges::sort(files, [](const fs::path& a, const fs::path& b) {
     return NaturalLess(a.filename().native(), b.filename().native());
   });
-  return Open(folder, std::move(files), std::string(kFolder), options);
+  return Open(folder, Sequence::kFolder, std::move(files), options);
 }
 
 Expected<std::unique_ptr<VideoReader>> OpenImage(const fs::path& file, const VideoReaderOptions& options) {
-  return Open(file, {file}, "picture", options);
+  return Open(file, Sequence::kSingleImage, {file}, options);
 }
 
 bool IsImageFile(const fs::path& file) {
-  const std::string extension = LowerExtension(file);
+  const std::string extension = LowerCase(file.extension().string());
   if (extension == ".mjpg" || extension == ".mjpeg") return false;  // Motion JPEG: a video
   std::array<char, 64> head{};
   std::ifstream stream(file, std::ios::binary);
@@ -192,8 +188,8 @@ bool NaturalLess(std::string_view a, std::string_view b) {
   const std::string_view whole_b = b;
   while (!a.empty() && !b.empty()) {
     if (IsDigit(a.front()) && IsDigit(b.front())) {
-      const std::string_view number_a = TakeNumber(a);
-      const std::string_view number_b = TakeNumber(b);
+      const std::string_view number_a = TakeDigits(a);
+      const std::string_view number_b = TakeDigits(b);
       if (number_a.size() != number_b.size()) return number_a.size() < number_b.size();
       if (number_a != number_b) return number_a < number_b;
     } else {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <string>
@@ -13,6 +12,7 @@
 #include <opencv2/core.hpp>
 #include <unistd.h>
 
+#include "victorious/base/text.h"
 #include "victorious/video/ffmpeg_handles.h"
 
 extern "C" {
@@ -25,9 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 Expected<const char*> MuxerFor(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = LowerCase(path.extension().string());
   if (extension == ".mp4") return "mp4";
   if (extension == ".mkv") return "matroska";
   return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: a video's name must end in .mp4 or .mkv", path.string()));
