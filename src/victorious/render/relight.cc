@@ -13,6 +13,21 @@ namespace {
 
 using Eigen::Vector3d;
 
+// Irradiances of a clear day (Light): the sun contributes about two thirds of that of a surface that faces it,
+// 0.9 of 0.9 + 0.4.
+constexpr double kClearSky = 0.4;
+constexpr double kClearGround = 0.25;
+constexpr double kClearSun = 0.9;
+
+// Shadow mapping, in texels of the shadow map. The point is moved along its normal (normal offset bias) by the reach of
+// the 3 x 3 texels that are read, and an occluder must be nearer to the sun by a texel: else a surface would shadow
+// itself.
+constexpr double kNormalOffset_texels = 1.5;
+constexpr double kDepthBias_texels = 1;
+constexpr int kFilterReach = 1;  // texels on either side
+
+constexpr double kMinIrradiance = 1e-3;  // a divisor; below it the rendering is black and has no albedo
+
 const std::array<float, 256>& LinearFromGreyTable() {
   static const std::array<float, 256> table = [] {
     std::array<float, 256> values{};
@@ -59,24 +74,26 @@ double SunVisibleFraction(const Vector3d& point_in_world, const Vector3d& normal
   const Vector3d unbiased = from_sun.camera.camera_from_world.Apply(point_in_world);
   const double texel_m = unbiased.z() / pinhole.fx;
   const Vector3d point =
-      unbiased + 1.5 * texel_m * (from_sun.camera.camera_from_world.rotation * normal);  // normal offset bias
+      unbiased + kNormalOffset_texels * texel_m * (from_sun.camera.camera_from_world.rotation * normal);
   const auto pixel = pinhole.Project(point);
   if (!pixel) return 1;
   const int column = static_cast<int>(std::floor(pixel->x()));
   const int row = static_cast<int>(std::floor(pixel->y()));
   int hidden = 0;
-  for (int down = -1; down <= 1; ++down) {
-    for (int right = -1; right <= 1; ++right) {
-      hidden += DepthAt(from_sun.depth_m, row + down, column + right) < point.z() - texel_m ? 1 : 0;
+  for (int down = -kFilterReach; down <= kFilterReach; ++down) {
+    for (int right = -kFilterReach; right <= kFilterReach; ++right) {
+      const double limit = point.z() - kDepthBias_texels * texel_m;
+      hidden += DepthAt(from_sun.depth_m, row + down, column + right) < limit ? 1 : 0;
     }
   }
-  return 1 - hidden / 9.0;
+  constexpr double kSide = 2 * kFilterReach + 1;
+  return 1 - hidden / (kSide * kSide);
 }
 
 }  // namespace
 
 Light ClearDayLight(const ViewDirection& sun) {
-  return {.sky = 0.4, .ground = 0.25, .sun = 0.9, .to_sun_in_world = DirectionToCamera(sun)};
+  return {.sky = kClearSky, .ground = kClearGround, .sun = kClearSun, .to_sun_in_world = DirectionToCamera(sun)};
 }
 
 cv::Mat Relight(const cv::Mat& grey, const PosedDepthMap& depth_map, const Light& before, const Light& after,
@@ -98,7 +115,7 @@ cv::Mat Relight(const cv::Mat& grey, const PosedDepthMap& depth_map, const Light
         sun_after *= SunVisibleFraction(world_from_camera.Apply(PointAt(depth_map, row, column)), normal, from_sun);
       }
       const double linear = LinearFromGreyTable()[grey.at<std::uint8_t>(row, column)] * irradiance(after, sun_after) /
-                            std::max(1e-3, irradiance(before, sun_before));
+                            std::max(kMinIrradiance, irradiance(before, sun_before));
       lit.at<std::uint8_t>(row, column) = cv::saturate_cast<std::uint8_t>(255 * SrgbFromLinear(linear));
     }
   }

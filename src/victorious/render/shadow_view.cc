@@ -4,6 +4,8 @@
 #include <array>
 #include <limits>
 
+#include "victorious/render/frustum.h"
+
 namespace victorious {
 namespace {
 
@@ -28,12 +30,6 @@ Corners ClipToHalfSpace(const Corners& polygon, const Vector3d& normal) {
     if ((a > 0 && b < 0) || (a < 0 && b > 0)) kept.push_back(from + a / (a - b) * (to - from));
   }
   return kept;
-}
-
-// The normals of the four frustum planes through the camera centre, inwards.
-std::array<Vector3d, 4> FrustumNormals(const PinholeCamera& camera) {
-  return {Vector3d(camera.fx, 0, camera.cx), Vector3d(-camera.fx, 0, camera.width - camera.cx),
-          Vector3d(0, camera.fy, camera.cy), Vector3d(0, -camera.fy, camera.height - camera.cy)};
 }
 
 // The corners, in the camera frame, of the part of a box inside the frustum: the vertices of its clipped faces, and the

@@ -26,7 +26,7 @@ Value CatmullRom(const Value& before, const Value& from, const Value& to, const 
 
 // Interpolates the knots at a fraction of the flight. The spline is extrapolated linearly by one knot at each end.
 template <typename Value>
-Value TrackAt(const std::vector<Value>& knots, double fraction, bool smooth) {
+Value TrackAt(const std::vector<Value>& knots, double fraction, PathInterpolation interpolation) {
   if (knots.size() == 1) return knots.front();
   const auto last = static_cast<int>(knots.size()) - 1;
   const double at = std::clamp(fraction, 0.0, 1.0) * last;
@@ -37,7 +37,7 @@ Value TrackAt(const std::vector<Value>& knots, double fraction, bool smooth) {
     if (i > last) return 2.0 * knots.back() - knots[knots.size() - 2];
     return knots[static_cast<std::size_t>(i)];
   };
-  if (!smooth) return knot(from) + t * (knot(from + 1) - knot(from));
+  if (interpolation == PathInterpolation::kLinear) return knot(from) + t * (knot(from + 1) - knot(from));
   return CatmullRom<Value>(knot(from - 1), knot(from), knot(from + 1), knot(from + 2), t);
 }
 
@@ -85,20 +85,19 @@ PinholeCamera MakePinhole(const SceneVideo& video) {
 }
 
 Rigid3 CameraFromTown(const SceneCamera& camera, double fraction, double time_s, std::uint64_t seed) {
-  const bool smooth = camera.path == "smooth";
-  const Vector2d aim = TrackAt(camera.aim_m, fraction, smooth);
-  const double from = RadiansFromDegrees(TrackAt(camera.from_deg, fraction, smooth));
+  const Vector2d aim = TrackAt(camera.aim_m, fraction, camera.path);
+  const double from = RadiansFromDegrees(TrackAt(camera.from_deg, fraction, camera.path));
   // A spline may overshoot its knots.
   const double off_nadir = RadiansFromDegrees(
-      std::clamp(TrackAt(camera.off_nadir_deg, fraction, smooth), kOffNadirDeg.low, kOffNadirDeg.high));
-  const double range_m = std::clamp(TrackAt(camera.range_m, fraction, smooth), kRangeM.low, kRangeM.high);
+      std::clamp(TrackAt(camera.off_nadir_deg, fraction, camera.path), kOffNadirDeg.low, kOffNadirDeg.high));
+  const double range_m = std::clamp(TrackAt(camera.range_m, fraction, camera.path), kRangeM.low, kRangeM.high);
   const Vector3d to_camera(std::sin(off_nadir) * std::sin(from), std::sin(off_nadir) * std::cos(from),
                            std::cos(off_nadir));
   const Vector3d place = Vector3d(aim.x(), aim.y(), 0) + range_m * to_camera;
   // The town frame takes the role of east-north-up in CameraFromEnu().
   const Attitude attitude{.yaw_rad = from + kPi,
                           .pitch_rad = off_nadir - kPi / 2,
-                          .roll_rad = RadiansFromDegrees(TrackAt(camera.roll_deg, fraction, smooth))};
+                          .roll_rad = RadiansFromDegrees(TrackAt(camera.roll_deg, fraction, camera.path))};
   const Eigen::Quaterniond turn = ComputeShake(camera, time_s, seed) * CameraFromEnu(attitude);
   return {turn.normalized(), -(turn * place)};
 }

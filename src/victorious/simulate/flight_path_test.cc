@@ -63,7 +63,7 @@ TEST(FlightPath, CirclesAboutOneAim) {
 
 TEST(FlightPath, SmoothPassesThroughKnotsWithoutACorner) {
   SceneCamera camera;
-  camera.path = "smooth";
+  camera.path = PathInterpolation::kSmooth;
   camera.aim_m = {{0, 0}, {10, 0}, {10, 10}};
   EXPECT_LT((AimOf(CameraFromTown(camera, 0.5, 0, kSeed)) - Vector2d(10, 0)).norm(), 1e-9);
   const auto step = [&](double from, double to) {
@@ -76,7 +76,7 @@ TEST(FlightPath, SmoothPassesThroughKnotsWithoutACorner) {
 // Between two knots at the limit of the range, a spline through lower neighbours overshoots the limit.
 TEST(FlightPath, SmoothStaysWithinWhatMayBe) {
   SceneCamera camera;
-  camera.path = "smooth";
+  camera.path = PathInterpolation::kSmooth;
   camera.off_nadir_deg = {0, 80, 80, 0, 0, 80};
   camera.range_m = {10000, 1, 1, 10000, 10000, 1};
   camera.from_deg = {180};

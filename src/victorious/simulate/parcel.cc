@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <initializer_list>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -219,14 +220,19 @@ void FurnishJunction(Parcel& parcel) {
 }
 
 void FurnishTile(Parcel& parcel, string_view tile) {
+  using Furnish = void (*)(Parcel&);
+  constexpr std::array<std::pair<string_view, Furnish>, 8> kFurnished = {{{"parking", &FurnishParking},
+                                                                          {"park", &FurnishPark},
+                                                                          {"court", &FurnishCourt},
+                                                                          {"sports", &FurnishSports},
+                                                                          {"yard", &FurnishYard},
+                                                                          {"site", &FurnishSite},
+                                                                          {"apron", &FurnishPad},
+                                                                          {"helipad", &FurnishPad}}};
   parcel.LayTile(tile);
-  if (tile == "parking") FurnishParking(parcel);
-  if (tile == "park") FurnishPark(parcel);
-  if (tile == "court") FurnishCourt(parcel);
-  if (tile == "sports") FurnishSports(parcel);
-  if (tile == "yard") FurnishYard(parcel);
-  if (tile == "site") FurnishSite(parcel);
-  if (tile == "apron" || tile == "helipad") FurnishPad(parcel);
+  for (const auto& [name, furnish] : kFurnished) {
+    if (tile == name) furnish(parcel);
+  }
 }
 
 void FurnishSquare(Parcel& parcel, bool at_street) {

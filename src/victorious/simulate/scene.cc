@@ -1,6 +1,7 @@
 #include "victorious/simulate/scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <set>
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/enum_text.h"
 #include "victorious/base/file.h"
 #include "victorious/base/json.h"
 
@@ -22,6 +24,8 @@ constexpr std::size_t kMaxListed = 10000;  // objects, pieces, points
 constexpr double kMaxReachM = 20000;       // maximum distance from the origin, per coordinate
 constexpr int kMaxSquare = 50;             // maximum column and row of a town, in each direction from the origin
 constexpr const char* kDefaultAssets = "../assets";
+constexpr auto kPathTexts = std::to_array<EnumText<PathInterpolation>>(
+    {{PathInterpolation::kLinear, "linear"}, {PathInterpolation::kSmooth, "smooth"}});
 
 std::unexpected<Error> InvalidScene(std::string message) {
   return Fail(ErrorCode::kInvalidArgument, std::move(message));
@@ -274,9 +278,7 @@ void SceneSun::ListFields(FieldList& fields) {
 }
 
 void SceneCamera::ListFields(FieldList& fields) {
-  fields.Add(
-      "path", path,
-      {.choices = {"linear", "smooth"}, .reason = "interpolation between the knots: linear, or a Catmull-Rom spline"});
+  fields.Add("path", path, kPathTexts, {.reason = "interpolation between the knots: linear, or a Catmull-Rom spline"});
   fields.Add("shake_deg", shake_deg,
              {.min = 0, .max = 5, .unit = "deg", .reason = "root mean square of the camera shake about each axis"});
   fields.Add("shake_hz", shake_hz, {.min = 0.01, .max = 50, .unit = "Hz", .reason = "frequency of the camera shake"});

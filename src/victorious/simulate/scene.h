@@ -63,10 +63,16 @@ struct SceneRange {
 inline constexpr SceneRange kOffNadirDeg = {0, 80};
 inline constexpr SceneRange kRangeM = {1, 10000};
 
+/// The interpolation between the knots of a camera path.
+enum class PathInterpolation {
+  kLinear,
+  kSmooth,  ///< Catmull-Rom spline
+};
+
 /// Camera path (flight_path.h). Each list has the values of the knots, at equal time steps from the first frame to the
 /// last; a list with one value is constant.
 struct SceneCamera {
-  std::string path = "linear";
+  PathInterpolation path = PathInterpolation::kLinear;
   double shake_deg = 0;
   double shake_hz = 1.5;
   std::vector<Eigen::Vector2d> aim_m = {Eigen::Vector2d::Zero()};  ///< where the optical axis meets the ground

@@ -14,6 +14,7 @@
 #include "victorious/geometry/angles.h"
 #include "victorious/image/image_file.h"
 #include "victorious/mesh/load_mesh.h"
+#include "victorious/render/frustum.h"
 #include "victorious/simulate/flight_path.h"
 
 namespace victorious {
@@ -175,17 +176,12 @@ std::vector<StagedInstance> Stage::ObjectsAt(double time_s) const {
 
 namespace {
 
-// The camera's view frustum: four planes through its centre, normals inwards.
+// The camera's view frustum, for instances in the town frame.
 class Frustum {
  public:
-  explicit Frustum(const PosedCamera& camera) : camera_from_town_(camera.camera_from_world) {
-    const PinholeCamera& pinhole = camera.pinhole;
-    const std::array<Vector3d, 4> corners = {pinhole.Unproject({0, 0}), pinhole.Unproject({pinhole.width, 0}),
-                                             pinhole.Unproject({pinhole.width, pinhole.height}),
-                                             pinhole.Unproject({0, pinhole.height})};
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      normals_[i] = corners[i].cross(corners[(i + 1) % corners.size()]).normalized();
-    }
+  explicit Frustum(const PosedCamera& camera)
+      : camera_from_town_(camera.camera_from_world), normals_(FrustumNormals(camera.pinhole)) {
+    for (Vector3d& normal : normals_) normal.normalize();
   }
 
   // True if a sphere moving along a line segment intersects the frustum anywhere (swept sphere test).
@@ -207,7 +203,7 @@ class Frustum {
 
  private:
   Rigid3 camera_from_town_;
-  std::array<Vector3d, 4> normals_;
+  std::array<Vector3d, 4> normals_;  ///< unit vectors, inwards
 };
 
 }  // namespace
