@@ -117,8 +117,8 @@ Expected<Report> RunChapter3Filters(const ExperimentSettings& settings) {
       PlotLine line{.name = filter.name};
       for (const double ratio : kRatios) line.points.push_back({ratio, add("all", all, ratio, filter)});
       const bool is_plotted =
-          filter.name.find("stage") == std::string::npos && filter.name != "OpenCV's similarity alone";
-      if (setup.name == "ours" && is_plotted) report.plot.lines.push_back(std::move(line));
+          filter.kind != MatchFilterKind::kSingleStage && filter.kind != MatchFilterKind::kOpenCvSimilarity;
+      if (setup.kind == MatchSetup::Kind::kDefault && is_plotted) report.plot.lines.push_back(std::move(line));
       settings.progress(fmt::format("{}: {}", setup.name, filter.name));
     }
     for (const MatchFilter& filter : Variants(setup.recognize.cascade)) {

@@ -145,7 +145,7 @@ Expected<Report> RunChapter3Sweeps(const ExperimentSettings& settings) {
                                static_cast<double>(before.correct), static_cast<double>(before.FalseMatches()),
                                before.correct > 0 ? 100.0 * after.correct / before.correct : 0.0,
                                static_cast<double>(after.FalseMatches())});
-        if (filter.name != "cascade" || setup.name != "ours") continue;
+        if (filter.kind != MatchFilterKind::kCascade || setup.kind != MatchSetup::Kind::kDefault) continue;
         std::vector<PlotLine>& lines = report.plot.lines;
         if (lines.empty() || lines.back().name != difficulty.name) {
           lines.push_back({.name = difficulty.name, .points = {}});

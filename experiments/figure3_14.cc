@@ -12,6 +12,7 @@
 #include "experiments/match_trial.h"
 #include "experiments/view_grid.h"
 #include "victorious/base/file.h"
+#include "victorious/evaluate/score.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/image/image_file.h"
 #include "victorious/image/montage.h"
@@ -46,11 +47,7 @@ Expected<ViewCounts> CountViews(const ExperimentSettings& settings, const MatchS
 
 double DegreesBetween(const ObjectModel& model, std::size_t a, std::size_t b) {
   if (a == b) return 0;
-  const auto direction = [&](std::size_t view) {
-    const ViewAngles& angles = *model.views[view].angles;
-    return DirectionToCamera({angles.azimuth_rad, angles.off_nadir_rad});
-  };
-  return DegreesFromRadians(std::acos(std::clamp(direction(a).dot(direction(b)), -1.0, 1.0)));
+  return DegreesFromRadians(AngleBetween(*model.views[a].angles, *model.views[b].angles));
 }
 
 // The number of matches in each cell of the grid (view_grid.h).
@@ -157,7 +154,7 @@ Expected<Report> RunFigure314(const ExperimentSettings& settings) {
   for (const char* kind : {"jeep", "jet"}) {
     for (const MatchSetup& setup : {ThesisSetup(), DefaultSetup()}) {
       VICTORIOUS_ASSIGN_OR_RETURN(const ViewCounts counts, CountViews(settings, setup, kind));
-      const bool shown = std::string_view(kind) == "jeep" && setup.name == "ours";
+      const bool shown = std::string_view(kind) == "jeep" && setup.kind == MatchSetup::Kind::kDefault;
       if (shown) {
         VICTORIOUS_RETURN_IF_ERROR(WriteStages(settings.out / "figure3.14.png", counts, HeatMap));
         VICTORIOUS_RETURN_IF_ERROR(WriteFileAtomically(settings.out / "figure3.14.views.csv", CsvOfViews(counts)));
@@ -169,7 +166,7 @@ Expected<Report> RunFigure314(const ExperimentSettings& settings) {
                                static_cast<double>(ranking.true_count), static_cast<double>(ranking.best_count),
                                DegreesBetween(*counts.trial.model, ranking.best, counts.trial.view)});
         if (std::string_view(kind) == "jeep")
-          (setup.name == "ours" ? our_line : thesis_line)
+          (setup.kind == MatchSetup::Kind::kDefault ? our_line : thesis_line)
               .points.push_back({static_cast<double>(stage), static_cast<double>(ranking.rank)});
       }
     }

@@ -11,6 +11,7 @@
 #include "experiments/match_experiments.h"
 #include "experiments/match_picture.h"
 #include "experiments/match_pool.h"
+#include "victorious/evaluate/score.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/image/image_file.h"
 #include "victorious/image/montage.h"
@@ -41,8 +42,7 @@ struct ShownDetection {
 };
 
 double ViewErrorDegrees(const ModelView& view, const LabelledObject& object) {
-  const Eigen::Vector3d found = DirectionToCamera({view.angles->azimuth_rad, view.angles->off_nadir_rad});
-  return DegreesFromRadians(std::acos(std::clamp(found.dot(DirectionToCamera(object.view)), -1.0, 1.0)));
+  return DegreesFromRadians(AngleBetween(*view.angles, {object.view.azimuth_rad, object.view.off_nadir_rad}));
 }
 
 // Compares the detections of an image with its truth and updates the count of each model.
@@ -157,7 +157,7 @@ Expected<Report> RunFigure316(const ExperimentSettings& settings) {
       report.rows.push_back({setup.name, kind, static_cast<double>(count.in_view), static_cast<double>(count.found),
                              static_cast<double>(count.false_positives), view_error});
     }
-    if (setup.name != "ours") continue;
+    if (setup.kind != MatchSetup::Kind::kDefault) continue;
     VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat picture, Picture(shown));
     VICTORIOUS_RETURN_IF_ERROR(WriteImage(settings.out / "figure3.16.png", picture));
   }

@@ -30,17 +30,6 @@ void AddRow(const std::string& what, const Study& study, const Chosen& chosen, R
   report.rows.push_back(std::move(row));
 }
 
-// The empirical cumulative distribution.
-PlotLine Cumulative(const std::string& name, std::vector<double> values) {
-  std::ranges::sort(values);
-  PlotLine line{.name = name, .points = {{0, 0}}, .marked = false};
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    line.points.push_back({values[i], static_cast<double>(i) / static_cast<double>(values.size())});
-    line.points.push_back({values[i], static_cast<double>(i + 1) / static_cast<double>(values.size())});
-  }
-  return line;
-}
-
 // Describes the range of the densities between settings of one object, and between objects of one setting.
 std::string DescribeRange(const Study& study) {
   std::map<std::pair<std::string, std::string>, std::vector<double>> by_object;
@@ -84,7 +73,7 @@ Expected<Report> RunFigure53(const ExperimentSettings& settings) {
   report.plot = {.title = "Frame detection density",
                  .x = {.label = "fraction of the frames in view", .low = 0, .high = 1.02},
                  .y = {.label = "fraction of objects and settings", .low = 0, .high = 1},
-                 .lines = {Cumulative("the project's movies", CollectValues(study, &ObjectResult::density))}};
+                 .lines = {MakeCumulativeLine("the project's movies", CollectValues(study, &ObjectResult::density))}};
   report.notes = {
       "In view: the fraction of the frames in which an object is clear that report it. First to last: the same from "
       "its first to its last report, because an object that enters between two whole-frame searches is detected in the "
@@ -106,7 +95,8 @@ Expected<Report> RunFigure53(const ExperimentSettings& settings) {
         movie.name + ", default", others, [&](const ObjectResult& object) { return object.movie == movie.name; },
         report);
   }
-  report.plot.lines.push_back(Cumulative("another renderer's, default", CollectValues(others, &ObjectResult::density)));
+  report.plot.lines.push_back(
+      MakeCumulativeLine("another renderer's, default", CollectValues(others, &ObjectResult::density)));
   report.notes.push_back("Another renderer, default setting only: " + DescribeMovies(others.movies) + ".");
   return report;
 }

@@ -27,21 +27,12 @@ Expected<MovieWithTruth> LoadMovieWithTruth(const std::string& name, const fs::p
                                             const ExperimentSettings& settings) {
   MovieWithTruth movie{.name = name, .folder = folder, .truth = {}, .models = {}, .lit = {}};
   VICTORIOUS_ASSIGN_OR_RETURN(movie.truth, ReadTruth(folder / "truth.jsonl"));
-  std::set<std::string> kinds;
-  for (const TruthRow& row : movie.truth) kinds.insert(row.model);
-  for (const std::string& kind : kinds) {
-    const fs::path cad = cad_files / (kind + ".glb");
-    if (!fs::exists(cad)) {
-      std::erase_if(movie.truth, [&](const TruthRow& row) { return row.model == kind; });
-      continue;
-    }
-    VICTORIOUS_ASSIGN_OR_RETURN(const auto model, LoadOrBuildModel(settings, cad, {}));
-    movie.models.push_back(*model);
-    VICTORIOUS_ASSIGN_OR_RETURN(movie.lit.emplace_back(), MakeLitViews(*model));
-  }
-  if (movie.models.empty()) {
-    return Fail(ErrorCode::kNotFound, fmt::format("{}: no CAD files of the models in {}: expected NAME.glb",
-                                                  cad_files.string(), folder.string()));
+  VICTORIOUS_ASSIGN_OR_RETURN(movie.models, LoadTruthModels(movie.truth, cad_files, settings));
+  std::erase_if(movie.truth, [&](const TruthRow& row) {
+    return std::ranges::find(movie.models, row.model, &ObjectModel::name) == movie.models.end();
+  });
+  for (const ObjectModel& model : movie.models) {
+    VICTORIOUS_ASSIGN_OR_RETURN(movie.lit.emplace_back(), MakeLitViews(model));
   }
   return movie;
 }
@@ -52,6 +43,24 @@ IndexOptions TrackingIndexOptions() {
   IndexOptions options;
   options.every = 5;
   return options;
+}
+
+Expected<std::vector<ObjectModel>> LoadTruthModels(const std::vector<TruthRow>& truth, const fs::path& cad_files,
+                                                   const ExperimentSettings& settings) {
+  std::set<std::string> names;
+  for (const TruthRow& row : truth) names.insert(row.model);
+  std::vector<ObjectModel> models;
+  for (const std::string& name : names) {
+    const fs::path cad = cad_files / (name + ".glb");
+    if (!fs::exists(cad)) continue;
+    VICTORIOUS_ASSIGN_OR_RETURN(const auto model, LoadOrBuildModel(settings, cad, {}));
+    models.push_back(*model);
+  }
+  if (models.empty()) {
+    return Fail(ErrorCode::kNotFound,
+                fmt::format("{}: no CAD files of the models in the truth: expected NAME.glb", cad_files.string()));
+  }
+  return models;
 }
 
 Expected<MovieWithTruth> SimulateScene(const std::string& name, const ExperimentSettings& settings) {

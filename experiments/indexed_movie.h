@@ -33,6 +33,12 @@ struct MovieWithTruth {
   std::vector<std::shared_ptr<const RelitTemplateSource>> lit;
 };
 
+/// Returns the model of each name in the truth for which the folder has NAME.glb, by name. Models are built once and
+/// cached in OUT/models. Error: kNotFound if there are none.
+Expected<std::vector<ObjectModel>> LoadTruthModels(const std::vector<TruthRow>& truth,
+                                                   const std::filesystem::path& cad_files,
+                                                   const ExperimentSettings& settings);
+
 /// Simulates SCENES/NAME.json into OUT/flights, unless it is cached there; at most `settings.frames` frames. Errors:
 /// those of ReadScene and Simulate.
 Expected<MovieWithTruth> SimulateScene(const std::string& name, const ExperimentSettings& settings);

@@ -52,34 +52,34 @@ MatchSet OpenCvHomography(const MatchTrial& trial, const MatchSet& matches) {
 
 }  // namespace
 
-MatchFilter MakeGrammarFilter(std::string name, const CascadeOptions& options) {
-  return {std::move(name), [options](const MatchTrial& trial, const MatchSet& matches) {
+MatchFilter MakeGrammarFilter(std::string name, const CascadeOptions& options, MatchFilterKind kind) {
+  return {kind, std::move(name), [options](const MatchTrial& trial, const MatchSet& matches) {
             return FilterByGrammar(trial.features->keypoints, trial.Template().keypoints, matches, options).third;
           }};
 }
 
 std::vector<MatchFilter> MakeMatchFilters(const RecognizeOptions& options) {
-  const auto grammar = [&](std::string name, CascadeFilter filter) {
+  const auto grammar = [&](MatchFilterKind kind, std::string name, CascadeFilter filter) {
     CascadeOptions chosen = options.cascade;
     chosen.filter = filter;
-    return MakeGrammarFilter(std::move(name), chosen);
+    return MakeGrammarFilter(std::move(name), chosen, kind);
   };
   const PoseOptions pose = options.pose;
-  const MatchFilter cascade = grammar("cascade", CascadeFilter::kCascade);
-  return {
-      grammar("none", CascadeFilter::kNone),
-      grammar("neighbours (Video Google)", CascadeFilter::kNeighbours),
-      grammar("first stage alone", CascadeFilter::kFirst),
-      grammar("second stage alone", CascadeFilter::kSecond),
-      grammar("third stage alone", CascadeFilter::kThird),
-      cascade,
-      {"cascade, then MLESAC",
-       [=](const MatchTrial& trial, const MatchSet& matches) {
-         return trial.Mlesac(cascade.run(trial, matches), pose);
-       }},
-      {"MLESAC alone", [=](const MatchTrial& trial, const MatchSet& matches) { return trial.Mlesac(matches, pose); }},
-      {"OpenCV's similarity alone", OpenCvSimilarity},
-      {"OpenCV's homography alone", OpenCvHomography}};
+  const MatchFilter cascade = grammar(MatchFilterKind::kCascade, "cascade", CascadeFilter::kCascade);
+  return {grammar(MatchFilterKind::kNone, "none", CascadeFilter::kNone),
+          grammar(MatchFilterKind::kNeighbours, "neighbours (Video Google)", CascadeFilter::kNeighbours),
+          grammar(MatchFilterKind::kSingleStage, "first stage alone", CascadeFilter::kFirst),
+          grammar(MatchFilterKind::kSingleStage, "second stage alone", CascadeFilter::kSecond),
+          grammar(MatchFilterKind::kSingleStage, "third stage alone", CascadeFilter::kThird),
+          cascade,
+          {MatchFilterKind::kCascadeThenMlesac, "cascade, then MLESAC",
+           [=](const MatchTrial& trial, const MatchSet& matches) {
+             return trial.Mlesac(cascade.run(trial, matches), pose);
+           }},
+          {MatchFilterKind::kMlesac, "MLESAC alone",
+           [=](const MatchTrial& trial, const MatchSet& matches) { return trial.Mlesac(matches, pose); }},
+          {MatchFilterKind::kOpenCvSimilarity, "OpenCV's similarity alone", OpenCvSimilarity},
+          {MatchFilterKind::kOpenCvHomography, "OpenCV's homography alone", OpenCvHomography}};
 }
 
 }  // namespace victorious

@@ -10,8 +10,21 @@
 
 namespace victorious {
 
+enum class MatchFilterKind {
+  kNone,
+  kNeighbours,
+  kSingleStage,
+  kCascade,
+  kCascadeThenMlesac,
+  kMlesac,
+  kOpenCvSimilarity,
+  kOpenCvHomography,
+  kVariant,  ///< the cascade with other options
+};
+
 struct MatchFilter {
-  std::string name;
+  MatchFilterKind kind = MatchFilterKind::kVariant;
+  std::string name;  ///< in reports
   std::function<MatchSet(const MatchTrial& trial, const MatchSet& matches)> run;
 };
 
@@ -21,6 +34,7 @@ struct MatchFilter {
 std::vector<MatchFilter> MakeMatchFilters(const RecognizeOptions& options);
 
 /// Returns the filter of grammar/ with these options.
-MatchFilter MakeGrammarFilter(std::string name, const CascadeOptions& options);
+MatchFilter MakeGrammarFilter(std::string name, const CascadeOptions& options,
+                              MatchFilterKind kind = MatchFilterKind::kVariant);
 
 }  // namespace victorious

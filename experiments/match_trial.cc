@@ -20,7 +20,11 @@ namespace victorious {
 
 MatchSetup DefaultSetup() {
   const IndexOptions index;
-  MatchSetup setup{.name = "ours", .features = index.features, .cad = {}, .recognize = index.recognize};
+  MatchSetup setup{.kind = MatchSetup::Kind::kDefault,
+                   .name = "ours",
+                   .features = index.features,
+                   .cad = {},
+                   .recognize = index.recognize};
   setup.recognize.method = SearchMethod::kGrammar;
   return setup;
 }
@@ -30,7 +34,11 @@ MatchSetup ThesisSetup() {
   CadModelOptions cad;
   const bool applied = ApplyPreset(Preset::kThesis, index) && ApplyPreset(Preset::kThesis, cad);
   VICTORIOUS_CHECK(applied);
-  return {.name = "thesis", .features = index.features, .cad = cad, .recognize = index.recognize};
+  return {.kind = MatchSetup::Kind::kThesis,
+          .name = "thesis",
+          .features = index.features,
+          .cad = cad,
+          .recognize = index.recognize};
 }
 
 Expected<std::shared_ptr<const ObjectModel>> LoadOrBuildModel(const ExperimentSettings& settings,

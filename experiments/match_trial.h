@@ -21,7 +21,10 @@ namespace victorious {
 
 /// The configuration of feature extraction, model building and match filtering.
 struct MatchSetup {
-  std::string name;  ///< "thesis", "ours"
+  enum class Kind { kThesis, kDefault };
+
+  Kind kind = Kind::kDefault;
+  std::string name;  ///< in reports: "thesis", "ours"
   FeatureOptions features;
   CadModelOptions cad;
   RecognizeOptions recognize;

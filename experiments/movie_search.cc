@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
-#include <set>
 #include <utility>
 
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
 
-#include "experiments/match_trial.h"
+#include "experiments/indexed_movie.h"
 #include "experiments/video_frames.h"
 #include "victorious/evaluate/score.h"
 #include "victorious/model/relit_views.h"
@@ -33,7 +32,8 @@ struct SearchContext {
 Expected<SearchContext> Prepare(const MovieSearch& search, const ExperimentSettings& settings) {
   const IndexOptions& options = search.options;
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TruthRow> truth, ReadTruth(search.movie / "truth.jsonl"));
-  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectModel> models, LoadModelsOf(truth, settings));
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectModel> models,
+                              LoadTruthModels(truth, settings.data / "models", settings));
   std::vector<std::shared_ptr<const RelitTemplateSource>> lit;
   for (const ObjectModel& model : models) {
     VICTORIOUS_ASSIGN_OR_RETURN(lit.emplace_back(), MakeLitViews(model));
@@ -100,24 +100,6 @@ Expected<std::vector<fs::path>> FindMovies(const ExperimentSettings& settings) {
                             (settings.data / "movies").string()));
   }
   return movies;
-}
-
-Expected<std::vector<ObjectModel>> LoadModelsOf(const std::vector<TruthRow>& truth,
-                                                const ExperimentSettings& settings) {
-  std::set<std::string> names;
-  for (const TruthRow& row : truth) names.insert(row.model);
-  std::vector<ObjectModel> models;
-  for (const std::string& name : names) {
-    const fs::path cad = settings.data / "models" / (name + ".glb");
-    if (!fs::exists(cad)) continue;
-    VICTORIOUS_ASSIGN_OR_RETURN(const auto model, LoadOrBuildModel(settings, cad, {}));
-    models.push_back(*model);
-  }
-  if (models.empty()) {
-    return Fail(ErrorCode::kNotFound, fmt::format("{}: no CAD files of the models in the movies: expected NAME.glb",
-                                                  (settings.data / "models").string()));
-  }
-  return models;
 }
 
 Status SearchMovie(const MovieSearch& search, const ExperimentSettings& settings,

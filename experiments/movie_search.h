@@ -42,10 +42,6 @@ struct MovieSearch {
 /// Lists the movie folders in DATA/movies, sorted by name. Error: kNotFound if there are none.
 Expected<std::vector<std::filesystem::path>> FindMovies(const ExperimentSettings& settings);
 
-/// Returns the model of each name in the truth for which DATA/models has NAME.glb. Models are built once and cached in
-/// OUT/models. Error: kNotFound if there are none.
-Expected<std::vector<ObjectModel>> LoadModelsOf(const std::vector<TruthRow>& truth, const ExperimentSettings& settings);
-
 /// Searches the frames of a movie, on all cores.
 /// @param visit  called for each frame in their order, with the models that are searched for; its error ends the search
 Status SearchMovie(const MovieSearch& search, const ExperimentSettings& settings,

@@ -177,6 +177,16 @@ class Drawing {
 
 }  // namespace
 
+PlotLine MakeCumulativeLine(std::string name, std::vector<double> values) {
+  std::ranges::sort(values);
+  PlotLine line{.name = std::move(name), .points = {{0, 0}}, .marked = false};
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    line.points.push_back({values[i], static_cast<double>(i) / static_cast<double>(values.size())});
+    line.points.push_back({values[i], static_cast<double>(i + 1) / static_cast<double>(values.size())});
+  }
+  return line;
+}
+
 std::string RenderSvg(const Plot& plot) { return Drawing(plot).Draw(); }
 
 }  // namespace victorious

@@ -33,6 +33,9 @@ struct Plot {
   std::vector<PlotLine> lines;
 };
 
+/// Returns the empirical cumulative distribution of the values, as steps, without marks.
+PlotLine MakeCumulativeLine(std::string name, std::vector<double> values);
+
 std::string RenderSvg(const Plot& plot);
 
 }  // namespace victorious

@@ -64,7 +64,7 @@ struct Both {
   }
 };
 
-std::string Shown(const MatchTrial& trial) {
+std::string DescribeTrial(const MatchTrial& trial) {
   return fmt::format("{}: {} scene and {} template keypoints", trial.name, trial.features->size(),
                      trial.Template().size());
 }
@@ -101,7 +101,7 @@ Expected<Report> RunTable33(const ExperimentSettings& settings) {
       lines[stage].points.push_back({printed.ratio, static_cast<double>(count.FalseMatches())});
     }
   }
-  report.notes = {"Its setting: " + Shown(both.thesis) + ". Ours: " + Shown(both.ours) + ".",
+  report.notes = {"Its setting: " + DescribeTrial(both.thesis) + ". Ours: " + DescribeTrial(both.ours) + ".",
                   "The thesis prints 17 true after the first stage at 0.95, but 13 before and after it: read as 13."};
   report.plot = {.title = "False matches after each stage, our setting",
                  .x = {.label = "ratio"},
@@ -177,7 +177,7 @@ Expected<Report> RunTable34(const ExperimentSettings& settings) {
       if (after) true_line.points.push_back({printed.ratio, static_cast<double>(count.correct)});
     }
   }
-  report.notes = {"Its setting: " + Shown(both.thesis) + ". Ours: " + Shown(both.ours) + "."};
+  report.notes = {"Its setting: " + DescribeTrial(both.thesis) + ". Ours: " + DescribeTrial(both.ours) + "."};
   report.plot = {.title = "The second object",
                  .x = {.label = "ratio"},
                  .y = {.label = "matches"},

@@ -81,16 +81,6 @@ void AddRows(const std::string& movie, const ErrorsOf& errors, Report& report) {
   }
 }
 
-// The fraction of sightings within an error.
-PlotLine Cumulative(const char* name, std::vector<double> values) {
-  std::ranges::sort(values);
-  PlotLine line{.name = name, .points = {}, .marked = false};
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    line.points.push_back({values[i], static_cast<double>(i + 1) / static_cast<double>(values.size())});
-  }
-  return line;
-}
-
 }  // namespace
 
 Expected<Report> RunTableStance(const ExperimentSettings& settings) {
@@ -126,7 +116,7 @@ Expected<Report> RunTableStance(const ExperimentSettings& settings) {
                  .y = {.label = "fraction of sightings", .low = 0, .high = 1},
                  .lines = {}};
   for (const char* camera : {kMatched, kTelemetry, kFieldOfView, kNothing}) {
-    report.plot.lines.push_back(Cumulative(camera, all[camera].view_deg));
+    report.plot.lines.push_back(MakeCumulativeLine(camera, all[camera].view_deg));
   }
   return report;
 }
