@@ -108,7 +108,7 @@ TEST(SimilarityPose, ARepeatedPatternHidesNoInstance) {
   const std::vector<PlanarFit> fits = world.Poses();
   ASSERT_EQ(fits.size(), 1U);
   EXPECT_EQ(fits[0].distinct_inliers, 10U);
-  for (const Match& match : fits[0].inliers) EXPECT_LT(match.template_keypoint, first);
+  for (const FitInlier& inlier : fits[0].inliers) EXPECT_LT(inlier.template_keypoint, first);
 }
 
 // Matches at the right position with another orientation or scale are inliers, but not listed in agreeing_residuals_px.
