@@ -111,7 +111,7 @@ TEST(Scene, SaysWhichObjectIsWrong) {
               AllOf(HasSubstr("x_m"), HasSubstr("path_m")));
   EXPECT_THAT(ErrorOf(R"({"objects": [{"id": "a", "model": "jeep", "path_m": [[0, 0]]}]})"), HasSubstr("2 or more"));
   EXPECT_THAT(ErrorOf(R"({"objects": [{"id": "a", "model": "jeep", "path_m": [[2, 3], [2, 3], [2, 3]]}]})"),
-              AllOf(HasSubstr("path_m"), HasSubstr("somewhere")));
+              AllOf(HasSubstr("path_m"), HasSubstr("two different points")));
   EXPECT_THAT(ErrorOf(R"({"objects": {}})"), HasSubstr("objects: must be a list"));
 }
 
