@@ -25,7 +25,7 @@ struct Timeline {
 };
 
 ObservedBy ClassifySighting(const SightingRecord& sighting, const IndexOptions& options) {
-  if (sighting.source != "recognised") return ObservedBy::kTracker;
+  if (sighting.source != SightingSource::kRecognised) return ObservedBy::kTracker;
   const bool whole =
       sighting.frame % options.every == 0 || sighting.frame % options.follow.restart_interval_frames == 0;
   return whole ? ObservedBy::kWholeFrame : ObservedBy::kRegion;

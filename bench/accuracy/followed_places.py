@@ -23,8 +23,8 @@ import tempfile
 from pathlib import Path
 
 SIGHT = (
-    "camera_latitude_rad camera_longitude_rad camera_altitude_m camera_sigma_m camera_sigma_rad line_azimuth_rad "
-    "line_elevation_rad line_sigma_rad range_m range_sigma_m heading_rad"
+    "camera_latitude_rad camera_longitude_rad camera_altitude_m camera_sigma_m camera_sigma_rad bearing_azimuth_rad "
+    "bearing_elevation_rad bearing_sigma_rad range_m range_sigma_m heading_rad"
 ).split()
 EARTH_M = 6371e3
 KEYS = ("located", "false_objects", "cep50_m", "cep90_m", "error3d_p50_m", "inside_90_ellipsoid", "inside_ce90")
@@ -41,18 +41,18 @@ def shift(database: Path, seed: int, position_m: float, attitude_rad: float, fol
         frames = [row[0] for row in index.execute("SELECT DISTINCT frame FROM sightings ORDER BY frame")]
         own = {frame: (error(position_m, 3), error(attitude_rad, 2)) for frame in frames}
         rows = index.execute(
-            "SELECT video, run, frame, camera_latitude_rad, camera_longitude_rad, camera_altitude_m, line_azimuth_rad, "
-            "line_elevation_rad FROM sightings WHERE camera_latitude_rad IS NOT NULL"
+            "SELECT video_id, tracklet_id, frame, camera_latitude_rad, camera_longitude_rad, camera_altitude_m, "
+            "bearing_azimuth_rad, bearing_elevation_rad FROM sightings WHERE camera_latitude_rad IS NOT NULL"
         ).fetchall()
-        for video, run, frame, latitude, longitude, altitude, azimuth, elevation in rows:
+        for video, tracklet, frame, latitude, longitude, altitude, azimuth, elevation in rows:
             north, east, up = (a + b for a, b in zip(own[frame][0], common_m, strict=True))
             side, rise = (a + b for a, b in zip(own[frame][1], common_rad, strict=True))
             index.execute(
                 "UPDATE sightings SET camera_latitude_rad=?, camera_longitude_rad=?, camera_altitude_m=?, "
-                "camera_sigma_m=?, camera_sigma_rad=?, line_azimuth_rad=?, line_elevation_rad=? "
-                "WHERE video=? AND run=? AND frame=?",
+                "camera_sigma_m=?, camera_sigma_rad=?, bearing_azimuth_rad=?, bearing_elevation_rad=? "
+                "WHERE video_id=? AND tracklet_id=? AND frame=?",
                 (latitude + north / EARTH_M, longitude + east / (EARTH_M * math.cos(latitude)), altitude + up,
-                 position_m or None, attitude_rad or None, azimuth + side, elevation + rise, video, run, frame),
+                 position_m or None, attitude_rad or None, azimuth + side, elevation + rise, video, tracklet, frame),
             )
         if not followed:
             index.execute(f"UPDATE sightings SET {', '.join(f'{key}=NULL' for key in SIGHT)} WHERE source='tracked'")

@@ -22,10 +22,10 @@ def contents(path):
             db.execute(query).fetchall()
             for query in (
                 "SELECT * FROM objects ORDER BY id",
-                "SELECT * FROM runs ORDER BY id",
-                "SELECT * FROM sightings ORDER BY video, frame, run",
-                "SELECT video, frame, time_s, keypoints, descriptors FROM frame_features ORDER BY video, frame",
-                "SELECT video, model, next_frame, finished FROM searches ORDER BY video, model",
+                "SELECT * FROM tracklets ORDER BY id",
+                "SELECT * FROM sightings ORDER BY video_id, frame, tracklet_id",
+                "SELECT video_id, frame, time_s, keypoints, descriptors FROM kept_frames ORDER BY video_id, frame",
+                "SELECT video_id, model_id, next_frame, finished FROM searches ORDER BY video_id, model_id",
                 "SELECT frame_count, duration_s FROM videos",
             )
         ]

@@ -400,8 +400,9 @@ Status UpdateObjects(const ObjectOptions& options, IndexStore& store) {
   for (TrackletRecord& record : records) {
     const auto model = std::ranges::find(models, record.model, &ModelRecord::id);
     const bool known = model != models.end();
-    tracklets[record.id] = {
-        .record = record, .is_category = known && model->IsCategory(), .is_cad_model = known && model->kind == "cad"};
+    tracklets[record.id] = {.record = record,
+                            .is_category = known && model->IsCategory(),
+                            .is_cad_model = known && model->kind == ModelKind::kCad};
   }
   std::int64_t recognitions = 0;
   VICTORIOUS_RETURN_IF_ERROR(store.VisitSightings({.include_rejected = true}, [&](SightingRecord&& sighting) {
@@ -409,7 +410,7 @@ Status UpdateObjects(const ObjectOptions& options, IndexStore& store) {
     if (tracklet == tracklets.end()) return true;  // added by another process in the meantime
     tracklet->second.frames.push_back(sighting.frame);
     tracklet->second.boxes.push_back(sighting.box);
-    if (sighting.source == "recognised") tracklet->second.scores.push_back(sighting.score);
+    if (sighting.source == SightingSource::kRecognised) tracklet->second.scores.push_back(sighting.score);
     if (!sighting.observation) return true;
     std::vector<BearingObservation>& observations = tracklet->second.observations;
     sighting.observation->recognition_id =

@@ -277,7 +277,7 @@ Frames RandomFrames(std::uint64_t seed) {
       if (random.Below(3) == 0) frames[frame].back().track = static_cast<std::int64_t>(100 * (frame / 8) + i);
       if (i == 0) continue;
       frames[frame].back().observation = Standing(static_cast<std::int64_t>(frame), places[i].x / 10).observation;
-      if (random.Below(2) == 0) frames[frame].back().source = "tracked";
+      if (random.Below(2) == 0) frames[frame].back().source = SightingSource::kTracked;
     }
   }
   return frames;

@@ -204,17 +204,17 @@ Expected<Report> DescribeVideo(const std::string& source) {
 
 Expected<Report> DescribeModel(const std::string& path) {
   VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel model, ReadModelFile(path));
-  return Report{fmt::format("{}\n  a model: {}, {} views from {}, {} features ({}), by version {}\n", path, model.name,
-                            model.views.size(), ToText(kModelKindTexts, model.kind), model.features.size(),
-                            model.engine, model.program_version),
-                {{"file", path},
-                 {"kind", "model"},
-                 {"name", model.name},
-                 {"views", model.views.size()},
-                 {"made_from", ToText(kModelKindTexts, model.kind)},
-                 {"features", model.features.size()},
-                 {"engine", model.engine},
-                 {"program_version", model.program_version}}};
+  return Report{
+      fmt::format("{}\n  a model: {}, {} views from {}, {} features ({}), by version {}\n", path, model.name,
+                  model.views.size(), ToText(model.kind), model.features.size(), model.engine, model.program_version),
+      {{"file", path},
+       {"kind", "model"},
+       {"name", model.name},
+       {"views", model.views.size()},
+       {"made_from", ToText(model.kind)},
+       {"features", model.features.size()},
+       {"engine", model.engine},
+       {"program_version", model.program_version}}};
 }
 
 Expected<Report> DescribeIndex(const std::string& path) {

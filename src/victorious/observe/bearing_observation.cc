@@ -44,7 +44,7 @@ std::optional<BearingObservation> MakeBearingObservation(const ObjectPose& objec
 
 std::int64_t NextRecognitionId(const SightingRecord& sighting, const BearingObservation* before,
                                std::int64_t& recognitions) {
-  return sighting.source == "tracked" && before != nullptr ? before->recognition_id : ++recognitions;
+  return sighting.source == SightingSource::kTracked && before != nullptr ? before->recognition_id : ++recognitions;
 }
 
 }  // namespace victorious

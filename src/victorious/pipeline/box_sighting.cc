@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "victorious/store/export_json.h"
+#include "victorious/store/index_store.h"
 
 namespace victorious {
 
@@ -23,7 +24,7 @@ std::string ToJsonLines(std::span<const BoxSighting> sightings, std::span<const 
               {"time_s", TimeJson(sighting.time_s)},
               {"box", BoxJson(sighting.box)},
               {"score", ScoreJson(sighting.score)},
-              {"source", sighting.matches ? "recognised" : "tracked"},
+              {"source", ToText(sighting.matches ? SightingSource::kRecognised : SightingSource::kTracked)},
               {"matches", sighting.matches ? Json(*sighting.matches) : Json()},
               {"view", nullptr}};
     const std::optional<Geolocation>& place = sighting.place;

@@ -106,7 +106,7 @@ SightingRecord ToSighting(const IndexPass& pass, const Frame& frame, const Featu
                           .box = detection.box,
                           .outline = detection.outline,
                           .score = detection.score,
-                          .source = seen.tracked() ? "tracked" : "recognised",
+                          .source = seen.tracked() ? SightingSource::kTracked : SightingSource::kRecognised,
                           .matches = static_cast<int>(detection.fit.inliers.size()),
                           .view_index = static_cast<int>(detection.view),
                           .view = model.views[detection.view].angles,

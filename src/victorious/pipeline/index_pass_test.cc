@@ -76,10 +76,7 @@ class IndexPassTest : public ::testing::Test {
                                   .value();
     const ObjectModel model = flight_.Model(0);
     const ModelRecord stored =
-        store_
-            ->PutModel(
-                {.name = model.name, .model_id = model.id, .kind = std::string(ToText(kModelKindTexts, model.kind))})
-            .value();
+        store_->PutModel({.name = model.name, .content_id = model.id, .kind = model.kind}).value();
     const IndexOptions options;
     const std::vector<SearchRecord> searches = {{.video = video.id,
                                                  .model = stored.id,

@@ -74,7 +74,7 @@ Status CheckParameters(const VideoRecord& video, const std::vector<ModelRecord>&
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> stored, store.Models());
   for (const ModelRecord& record : stored) {
     const bool is_searched = std::ranges::any_of(sought, [&](const ModelRecord& one) {
-      return one.name == record.name && one.model_id == record.model_id;  // other content is searched anew
+      return one.name == record.name && one.content_id == record.content_id;  // other content is searched anew
     });
     if (!is_searched) continue;
     VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<SearchRecord> before, store.FindSearch(video.id, record.id));
@@ -103,7 +103,7 @@ Status CheckNames(const std::vector<ModelRecord>& sought, const std::vector<Mode
 
 void WarnIfChanged(const ModelRecord& target, const std::vector<ModelRecord>& models_before, const WarningSink& warn) {
   const bool changed = std::ranges::any_of(models_before, [&](const ModelRecord& before) {
-    return before.name == target.name && before.model_id != target.model_id;
+    return before.name == target.name && before.content_id != target.content_id;
   });
   if (!changed) return;
   warn(fmt::format(
@@ -120,11 +120,10 @@ Indexer::Indexer(std::vector<ObjectModel> models, const IndexOptions& options,
       extractor_(std::move(extractor)),
       categories_(std::move(categories)) {
   for (const ObjectModel& model : models_)
-    targets_.push_back(
-        {.name = model.name, .model_id = model.id, .kind = std::string(ToText(kModelKindTexts, model.kind))});
+    targets_.push_back({.name = model.name, .content_id = model.id, .kind = model.kind});
   if (!categories_) return;
   for (const std::string& name : categories_->names())
-    targets_.push_back({.name = name, .model_id = categories_->content_id(), .kind = std::string(kCategoryKind)});
+    targets_.push_back({.name = name, .content_id = categories_->content_id(), .kind = ModelKind::kCategory});
 }
 
 Expected<Indexer> Indexer::Create(std::vector<ObjectModel> models, const IndexOptions& options,

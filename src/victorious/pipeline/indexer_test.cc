@@ -431,7 +431,7 @@ TEST(Indexer, WhatIsOnlyFollowedTellsALineOfSight) {
   for (const SightingRecord& sighting : SightingsOf(*store, {.include_rejected = true})) {
     ASSERT_TRUE(sighting.observation) << sighting.frame;
     const double sigma_rad = sighting.observation->line.sigma_rad.value();
-    if (sighting.source == "recognised") {
+    if (sighting.source == SightingSource::kRecognised) {
       recognised_rad[sighting.tracklet] = sigma_rad;
     } else {
       ++followed;

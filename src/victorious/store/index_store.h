@@ -3,6 +3,7 @@
 // one file; a server database can implement it as well.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -13,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "victorious/base/enum_text.h"
 #include "victorious/base/error.h"
 #include "victorious/geometry/box.h"
 #include "victorious/geometry/polygon.h"
@@ -36,17 +38,14 @@ struct VideoRecord {
   std::string features_json;                 ///< the feature options of the kept features; empty: none are kept yet
 };
 
-/// ModelRecord::kind of a category.
-inline constexpr std::string_view kCategoryKind = "category";
-
 /// A model or a category that was searched for.
 struct ModelRecord {
   std::int64_t id = 0;
   std::string name;
-  std::string model_id;  ///< identifies the content: ObjectModel::id, or the id of the category model
-  std::string kind;      ///< ObjectModel::kind, or kCategoryKind
+  std::string content_id;  ///< identifies the content: ObjectModel::id, or the id of the category model
+  ModelKind kind = ModelKind::kPhotos;
 
-  [[nodiscard]] bool IsCategory() const { return kind == kCategoryKind; }
+  [[nodiscard]] bool IsCategory() const { return kind == ModelKind::kCategory; }
 };
 
 /// The progress of the search for one model in one video.
@@ -87,6 +86,18 @@ struct ObjectRecord {
   std::string rejected;               ///< the reason for its rejection; empty: not rejected
 };
 
+/// How a sighting was found.
+enum class SightingSource {
+  kRecognised,  ///< by a search of the frame
+  kTracked,     ///< by the tracker, from a sighting in an earlier or later frame
+};
+
+/// The texts in the index and in the exports.
+inline constexpr auto kSightingSourceTexts = std::to_array<EnumText<SightingSource>>(
+    {{SightingSource::kRecognised, "recognised"}, {SightingSource::kTracked, "tracked"}});
+
+constexpr std::string_view ToText(SightingSource source) { return ToText(kSightingSourceTexts, source); }
+
 /// One object in one frame.
 struct SightingRecord {
   std::int64_t object = 0;
@@ -98,7 +109,7 @@ struct SightingRecord {
   Box box;
   Polygon outline;
   double score = 0;
-  std::string source = "recognised";
+  SightingSource source = SightingSource::kRecognised;
   int matches = 0;
   int view_index = 0;              ///< the best-matching view of the model
   std::optional<ViewAngles> view;  ///< direction of view; estimated between views if the object pose was estimated

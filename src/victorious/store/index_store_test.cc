@@ -44,7 +44,7 @@ class IndexStoreTest : public ::testing::TestWithParam<Backend> {
   }
 
   ModelRecord PutModel(const std::string& name, const std::string& id) {
-    const auto model = store_->PutModel({.name = name, .model_id = id, .kind = "photos"});
+    const auto model = store_->PutModel({.name = name, .content_id = id, .kind = ModelKind::kPhotos});
     EXPECT_TRUE(model) << model.error().message;
     return model.value_or(ModelRecord{});
   }
@@ -149,7 +149,7 @@ TEST_P(IndexStoreTest, AVideoKeepsItsLengthAndFeatures) {
 TEST_P(IndexStoreTest, ASightingComesBackAsItWent) {
   IndexBatch batch = MakeBatch(7, 1, 0.75);
   batch.sightings[0].sighting.view = ViewAngles{1.5, 0.5};
-  batch.sightings[0].sighting.source = "tracked";
+  batch.sightings[0].sighting.source = SightingSource::kTracked;
   const std::int64_t object = CommitOne(batch);
   Reopen();
   const auto sightings = Sightings();
@@ -163,7 +163,7 @@ TEST_P(IndexStoreTest, ASightingComesBackAsItWent) {
   EXPECT_EQ(s.box, (Box{1.25, 2.5, 30, 40}));
   EXPECT_EQ(s.outline, batch.sightings[0].sighting.outline);
   EXPECT_EQ(s.score, 0.75);
-  EXPECT_EQ(s.source, "tracked");
+  EXPECT_EQ(s.source, SightingSource::kTracked);
   EXPECT_EQ(s.matches, 14);
   EXPECT_EQ(s.view_index, 3);
   ASSERT_TRUE(s.view);
@@ -388,7 +388,7 @@ TEST_P(IndexStoreTest, AModelOfOtherContentReplacesTheOldOne) {
 
   const ModelRecord replaced = PutModel("humvee", "m2");
   EXPECT_NE(replaced.id, model_);
-  EXPECT_EQ(replaced.model_id, "m2");
+  EXPECT_EQ(replaced.content_id, "m2");
   EXPECT_TRUE(Sightings().empty());
   EXPECT_TRUE(ObjectIds().empty());
   EXPECT_FALSE(store_->FindSearch(video_, model_)->has_value());
@@ -439,7 +439,7 @@ TEST_P(IndexStoreTest, FiltersByModelVideoAndTime) {
 TEST_P(IndexStoreTest, FiltersByCategory) {
   const std::int64_t of_model = CommitOne(MakeBatch(0, 1, 0.5));
   const auto of_category = [&](const std::string& name, double score) {
-    model_ = store_->PutModel({.name = name, .model_id = "c", .kind = std::string(kCategoryKind)}).value().id;
+    model_ = store_->PutModel({.name = name, .content_id = "c", .kind = ModelKind::kCategory}).value().id;
     return CommitOne(MakeBatch(0, 1, score));
   };
   const std::int64_t car = of_category("vehicle/car", 0.9);

@@ -102,7 +102,7 @@ std::vector<std::byte> EncodeViewBlocks(const ObjectModel& model, ViewBlock bloc
 
 // The id hashes only the data that the search depends on, not the paths of the images or the program version.
 std::string ComputeModelId(const ObjectModel& model) {
-  std::string text = fmt::format("{} {} {:016x} {:016x}", ToText(kModelKindTexts, model.kind), model.engine,
+  std::string text = fmt::format("{} {} {:016x} {:016x}", ToText(model.kind), model.engine,
                                  Checksum(std::as_bytes(model.features.keypoints)),
                                  Checksum(std::as_bytes(model.features.descriptors)));
   for (const ModelView& view : model.views) {

@@ -36,6 +36,10 @@ class Reader {
     const json& value = Member(key);
     return Require(value.is_string()) ? value.get<std::string>() : std::string();
   }
+  ModelKind Kind(const char* key) {
+    const std::optional<ModelKind> kind = FromText(kModelKindTexts, Text(key));
+    return Require(kind && kind != ModelKind::kCategory) ? *kind : ModelKind::kPhotos;
+  }
   std::uint64_t Count(const char* key) {
     const json& value = Member(key);
     return Require(value.is_number_unsigned()) ? value.get<std::uint64_t>() : 0;
@@ -175,7 +179,7 @@ std::string EncodeMetadata(const ObjectModel& model) {
   json views = json::array();
   for (const ModelView& view : model.views) views.push_back(EncodeView(view));
   const json document = {{"name", model.name},
-                         {"kind", ToText(kModelKindTexts, model.kind)},
+                         {"kind", ToText(model.kind)},
                          {"engine", model.engine},
                          {"options", model.options_json},
                          {"program_version", model.program_version},
@@ -190,10 +194,8 @@ Expected<ObjectModel> ParseMetadata(std::string_view text) {
   const std::optional<json> document = ParseJson(text);
   if (!document) return fault;
   Reader reader(*document);
-  const std::optional<ModelKind> kind = FromText(kModelKindTexts, reader.Text("kind"));
-  if (!reader.Require(kind.has_value())) return fault;
   ObjectModel model{.name = reader.Text("name"),
-                    .kind = *kind,
+                    .kind = reader.Kind("kind"),
                     .engine = reader.Text("engine"),
                     .options_json = reader.Text("options"),
                     .program_version = reader.Text("program_version"),

@@ -13,9 +13,9 @@
 
 #include <Eigen/Geometry>
 
-#include "victorious/base/enum_text.h"
 #include "victorious/geometry/polygon.h"
 #include "victorious/types/feature_set.h"
+#include "victorious/types/model_kind.h"
 
 namespace victorious {
 
@@ -35,13 +35,6 @@ struct Point3 {
 };
 static_assert(sizeof(Point3) == 12);
 
-/// The source of a model's views.
-enum class ModelKind { kPhotos, kCad };
-
-/// Model files, indexes and JSON store these texts.
-inline constexpr auto kModelKindTexts =
-    std::to_array<EnumText<ModelKind>>({{ModelKind::kPhotos, "photos"}, {ModelKind::kCad, "cad"}});
-
 /// One template: an image of the object.
 struct ModelView {
   std::string source;               ///< the photo's path as given
@@ -59,12 +52,12 @@ struct ModelView {
 /// Immutable; copies share the feature storage.
 struct ObjectModel {
   std::string name;
-  std::string id;  ///< checksum of all that a search depends on: models of equal id find the same
-  ModelKind kind = ModelKind::kPhotos;
-  std::string engine;                        ///< the feature engine's name
-  std::string options_json;                  ///< the options of its construction
-  std::string program_version;               ///< the program version of its construction
-  std::optional<double> length_m;            ///< the longest side (of a glTF: along its front axis), if known
+  std::string id;                       ///< checksum of all that a search depends on: models of equal id find the same
+  ModelKind kind = ModelKind::kPhotos;  ///< kPhotos or kCad
+  std::string engine;                   ///< the feature engine's name
+  std::string options_json;             ///< the options of its construction
+  std::string program_version;          ///< the program version of its construction
+  std::optional<double> length_m;       ///< the longest side (of a glTF: along its front axis), if known
   std::optional<Eigen::AlignedBox3d> box_m;  ///< bounding box: x front, y left, z up; unknown for photos
   std::vector<ModelView> views;
   FeatureView features;                     ///< of all views, concatenated

@@ -12,11 +12,11 @@ namespace victorious::sqlite {
 
 class Conditions {
  public:
-  /// `expression` contains one "?", to which `value` is bound.
-  template <typename T>
-  void Add(std::string_view expression, const T& value) {
+  /// `expression` contains one "?" for each of `values`.
+  template <typename... Values>
+  void Add(std::string_view expression, const Values&... values) {
     Append(expression);
-    values_.emplace_back(value);
+    (values_.emplace_back(values), ...);
   }
   /// Requires `column` to be one of `ids`.
   void AddOneOf(std::string_view column, const std::vector<std::int64_t>& ids);

@@ -11,7 +11,8 @@ namespace victorious::sqlite {
 
 std::span<const Migration> Migrations() {
   static constexpr std::array kMigrations = {Migration{1, kSchema001}, Migration{2, kSchema002},
-                                             Migration{3, kSchema003}, Migration{4, kSchema004}};
+                                             Migration{3, kSchema003}, Migration{4, kSchema004},
+                                             Migration{5, kSchema005}};
   return kMigrations;
 }
 
@@ -38,9 +39,8 @@ Expected<int> ReadVersion(Connection& connection, int newest) {
                             connection.name(), version, newest));
   }
   if (version < 1) {
-    return Fail(ErrorCode::kDataLoss, fmt::format("{}: the index is damaged (schema {}, expected 1 to {}): restore it "
-                                                  "from a copy, or index again",
-                                                  connection.name(), version, newest));
+    return std::unexpected(
+        DamagedIndex(connection.name(), fmt::format("schema {}, expected 1 to {}", version, newest)));
   }
   return static_cast<int>(version);
 }

@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <cstring>
+#include <span>
 #include <sstream>
 
 #include <fmt/format.h>
+
+#include "victorious/store/sqlite/connection.h"
 
 namespace victorious::sqlite {
 namespace {
@@ -20,10 +24,8 @@ int ReadInt(const Statement& row, int column) { return static_cast<int>(row.Inte
 template <typename T>
 Expected<std::vector<T>> ReadItems(std::span<const std::byte> blob, std::string_view column, std::string_view name) {
   if (blob.size() % sizeof(T) != 0) {
-    return Fail(ErrorCode::kDataLoss,
-                fmt::format("{}: the index is damaged ({} of {} bytes, expected a multiple of {}): restore it from a "
-                            "copy, or index again",
-                            name, column, blob.size(), sizeof(T)));
+    return std::unexpected(
+        DamagedIndex(name, fmt::format("{} of {} bytes, expected a multiple of {}", column, blob.size(), sizeof(T))));
   }
   std::vector<T> items(blob.size() / sizeof(T));
   if (!blob.empty()) std::memcpy(static_cast<void*>(items.data()), blob.data(), blob.size());
@@ -35,10 +37,8 @@ template <typename Matrix>
 Expected<Matrix> ReadNumbers(std::span<const std::byte> blob, std::string_view column, std::string_view name) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<double> numbers, ReadItems<double>(blob, column, name));
   if (numbers.size() != static_cast<std::size_t>(Matrix::SizeAtCompileTime)) {
-    return Fail(ErrorCode::kDataLoss,
-                fmt::format("{}: the index is damaged ({} of {} numbers, expected {}): restore it from a copy, or "
-                            "index again",
-                            name, column, numbers.size(), static_cast<int>(Matrix::SizeAtCompileTime)));
+    return std::unexpected(DamagedIndex(name, fmt::format("{} of {} numbers, expected {}", column, numbers.size(),
+                                                          static_cast<int>(Matrix::SizeAtCompileTime))));
   }
   return Matrix(numbers.data());
 }
@@ -54,35 +54,138 @@ std::vector<std::int64_t> ReadIds(const std::string& list) {
   return ids;
 }
 
-Expected<Geolocation> ReadPlace(const Statement& row, int first, std::string_view name) {
-  Geolocation place{.point = {row.Real(first + 1), row.Real(first + 2), row.Real(first + 3)},
-                    .time_s = row.Real(first)};
-  VICTORIOUS_ASSIGN_OR_RETURN(place.covariance_enu_m2,
-                              ReadNumbers<Eigen::Matrix3d>(row.Blob(first + 4), "a covariance", name));
-  place.ce90_m = row.Real(first + 5);
-  place.le90_m = row.Real(first + 6);
-  if (row.IsNull(first + 7) || row.IsNull(first + 8)) return place;
+// The elements of a vector or of a symmetric matrix as little-endian doubles. Points into `numbers`.
+template <typename Matrix>
+std::span<const std::byte> NumberBytes(const Matrix& numbers) {
+  return std::as_bytes(std::span(numbers.data(), static_cast<std::size_t>(numbers.size())));
+}
+
+constexpr const auto& kObject = kObjectColumns;
+constexpr const auto& kSighting = kSightingColumns;
+
+Expected<Geolocation> ReadPlace(const Statement& row, std::string_view name) {
+  Geolocation place{.point = {row.Real(kObject.Index("latitude_rad")), row.Real(kObject.Index("longitude_rad")),
+                              row.Real(kObject.Index("altitude_m"))},
+                    .time_s = row.Real(kObject.Index("place_time_s"))};
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      place.covariance_enu_m2,
+      ReadNumbers<Eigen::Matrix3d>(row.Blob(kObject.Index("covariance_enu_m2")), "a covariance", name));
+  place.ce90_m = row.Real(kObject.Index("ce90_m"));
+  place.le90_m = row.Real(kObject.Index("le90_m"));
+  constexpr int kVelocity = kObject.Index("velocity_enu_m_s");
+  constexpr int kVelocityCovariance = kObject.Index("velocity_covariance");
+  if (row.IsNull(kVelocity) || row.IsNull(kVelocityCovariance)) return place;
   VICTORIOUS_ASSIGN_OR_RETURN(place.velocity_enu,
-                              ReadNumbers<Eigen::Vector3d>(row.Blob(first + 7), "a velocity", name));
+                              ReadNumbers<Eigen::Vector3d>(row.Blob(kVelocity), "a velocity", name));
   VICTORIOUS_ASSIGN_OR_RETURN(place.velocity_covariance_enu,
-                              ReadNumbers<Eigen::Matrix3d>(row.Blob(first + 8), "a covariance", name));
+                              ReadNumbers<Eigen::Matrix3d>(row.Blob(kVelocityCovariance), "a covariance", name));
   return place;
 }
 
-BearingObservation ReadSight(const Statement& row, int first, double time_s) {
+BearingObservation ReadObservation(const Statement& row, double time_s) {
   return {.line = {.time_s = time_s,
-                   .camera = {row.Real(first), row.Real(first + 1), row.Real(first + 2)},
-                   .azimuth_rad = row.Real(first + 3),
-                   .elevation_rad = row.Real(first + 4),
-                   .range_m = row.OptionalReal(first + 6),
-                   .sigma_rad = row.OptionalReal(first + 5),
-                   .sigma_range_m = row.OptionalReal(first + 7)},
-          .heading_rad = row.OptionalReal(first + 8),
-          .sigma_position_m = row.OptionalReal(first + 9),
-          .sigma_attitude_rad = row.OptionalReal(first + 10)};
+                   .camera = {row.Real(kSighting.Index("camera_latitude_rad")),
+                              row.Real(kSighting.Index("camera_longitude_rad")),
+                              row.Real(kSighting.Index("camera_altitude_m"))},
+                   .azimuth_rad = row.Real(kSighting.Index("bearing_azimuth_rad")),
+                   .elevation_rad = row.Real(kSighting.Index("bearing_elevation_rad")),
+                   .range_m = row.OptionalReal(kSighting.Index("range_m")),
+                   .sigma_rad = row.OptionalReal(kSighting.Index("bearing_sigma_rad")),
+                   .sigma_range_m = row.OptionalReal(kSighting.Index("range_sigma_m"))},
+          .heading_rad = row.OptionalReal(kSighting.Index("heading_rad")),
+          .sigma_position_m = row.OptionalReal(kSighting.Index("camera_sigma_m")),
+          .sigma_attitude_rad = row.OptionalReal(kSighting.Index("camera_sigma_rad"))};
+}
+
+void BindObservation(const BearingObservation& observation, Statement& insert) {
+  const LineOfSight& line = observation.line;
+  insert.BindAt(kSighting.Parameter("camera_latitude_rad"), line.camera.latitude_rad);
+  insert.BindAt(kSighting.Parameter("camera_longitude_rad"), line.camera.longitude_rad);
+  insert.BindAt(kSighting.Parameter("camera_altitude_m"), line.camera.altitude_m);
+  insert.BindAt(kSighting.Parameter("camera_sigma_m"), observation.sigma_position_m);
+  insert.BindAt(kSighting.Parameter("camera_sigma_rad"), observation.sigma_attitude_rad);
+  insert.BindAt(kSighting.Parameter("bearing_azimuth_rad"), line.azimuth_rad);
+  insert.BindAt(kSighting.Parameter("bearing_elevation_rad"), line.elevation_rad);
+  insert.BindAt(kSighting.Parameter("bearing_sigma_rad"), line.sigma_rad);
+  insert.BindAt(kSighting.Parameter("range_m"), line.range_m);
+  insert.BindAt(kSighting.Parameter("range_sigma_m"), line.sigma_range_m);
+  insert.BindAt(kSighting.Parameter("heading_rad"), observation.heading_rad);
+}
+
+void BindPlace(const Geolocation& place, Statement& insert) {
+  insert.BindAt(kObject.Parameter("place_time_s"), place.time_s);
+  insert.BindAt(kObject.Parameter("latitude_rad"), place.point.latitude_rad);
+  insert.BindAt(kObject.Parameter("longitude_rad"), place.point.longitude_rad);
+  insert.BindAt(kObject.Parameter("altitude_m"), place.point.altitude_m);
+  insert.BindAt(kObject.Parameter("covariance_enu_m2"), NumberBytes(place.covariance_enu_m2));
+  insert.BindAt(kObject.Parameter("ce90_m"), place.ce90_m);
+  insert.BindAt(kObject.Parameter("le90_m"), place.le90_m);
+  if (place.velocity_enu) insert.BindAt(kObject.Parameter("velocity_enu_m_s"), NumberBytes(*place.velocity_enu));
+  if (place.velocity_covariance_enu) {
+    insert.BindAt(kObject.Parameter("velocity_covariance"), NumberBytes(*place.velocity_covariance_enu));
+  }
 }
 
 }  // namespace
+
+std::string SelectVideos() {
+  return "SELECT v.id, v.content_id, v.name, v.width_px, v.height_px, v.frame_count, v.duration_s, "
+         "coalesce(o.json, ''), v.start_utc_us FROM videos v LEFT JOIN options o ON o.id = v.features_options_id ";
+}
+
+std::string SelectModels() { return "SELECT id, name, content_id, kind FROM models "; }
+
+std::string SelectTracklets() { return "SELECT " + kTrackletColumns.Names() + ", id, object_id FROM tracklets "; }
+
+std::string SelectObjects() {
+  return "SELECT " + kObjectColumns.Names("o") +
+         ", max(t.score) AS score, sum(t.frames) AS frames, min(t.first_time_s), max(t.last_time_s), "
+         "group_concat(t.video_id), group_concat(t.id) FROM objects o JOIN tracklets t ON t.object_id = o.id ";
+}
+
+std::string SelectSightings() {
+  return "SELECT " + kSightingColumns.Names("s") +
+         ", t.object_id, t.model_id FROM sightings s JOIN tracklets t ON t.id = s.tracklet_id "
+         "JOIN objects o ON o.id = t.object_id ";
+}
+
+std::string SelectKeptFrames() { return "SELECT " + kKeptFrameColumns.Names() + " FROM kept_frames "; }
+
+void BindObject(const ObjectRecord& object, Statement& insert) {
+  for (int parameter = 1; parameter <= kObject.Size(); ++parameter) insert.BindAt(parameter, std::nullopt);
+  insert.BindAt(kObject.Parameter("id"), object.id);
+  insert.BindAt(kObject.Parameter("model_id"), object.model);
+  if (object.place) BindPlace(*object.place, insert);
+  insert.BindAt(kObject.Parameter("heading_rad"), object.heading_rad);
+  if (!object.rejected.empty()) insert.BindAt(kObject.Parameter("rejection_reason"), object.rejected);
+}
+
+void BindSighting(const SightingRecord& sighting, std::int64_t video_id, std::int64_t tracklet_id, Statement& insert) {
+  for (int parameter = 1; parameter <= kSighting.Size(); ++parameter) insert.BindAt(parameter, std::nullopt);
+  insert.BindAt(kSighting.Parameter("video_id"), video_id);
+  insert.BindAt(kSighting.Parameter("frame"), sighting.frame);
+  insert.BindAt(kSighting.Parameter("tracklet_id"), tracklet_id);
+  insert.BindAt(kSighting.Parameter("time_s"), sighting.time_s);
+  insert.BindAt(kSighting.Parameter("box_x_px"), sighting.box.x);
+  insert.BindAt(kSighting.Parameter("box_y_px"), sighting.box.y);
+  insert.BindAt(kSighting.Parameter("box_width_px"), sighting.box.width);
+  insert.BindAt(kSighting.Parameter("box_height_px"), sighting.box.height);
+  insert.BindAt(kSighting.Parameter("outline"), std::as_bytes(std::span(sighting.outline)));
+  insert.BindAt(kSighting.Parameter("score"), sighting.score);
+  insert.BindAt(kSighting.Parameter("source"), ToText(sighting.source));
+  insert.BindAt(kSighting.Parameter("matches"), sighting.matches);
+  insert.BindAt(kSighting.Parameter("view_index"), sighting.view_index);
+  insert.BindAt(kSighting.Parameter("in_plane_rad"), sighting.in_plane_rad);
+  if (sighting.view) {
+    insert.BindAt(kSighting.Parameter("azimuth_rad"), sighting.view->azimuth_rad);
+    insert.BindAt(kSighting.Parameter("off_nadir_rad"), sighting.view->off_nadir_rad);
+  }
+  if (sighting.observation) BindObservation(*sighting.observation, insert);
+  insert.BindAt(kSighting.Parameter("view_sigma_rad"), sighting.sigma_view_rad);
+  insert.BindAt(kSighting.Parameter("distance_m"), sighting.distance_m);
+  insert.BindAt(kSighting.Parameter("distance_sigma_m"), sighting.sigma_distance_m);
+  insert.BindAt(kSighting.Parameter("track_id"), sighting.track);
+}
 
 VideoRecord ReadVideo(const Statement& row) {
   return {.id = row.Integer(0),
@@ -96,86 +199,94 @@ VideoRecord ReadVideo(const Statement& row) {
           .features_json = row.Text(7)};
 }
 
-ModelRecord ReadModel(const Statement& row) {
-  return {.id = row.Integer(0), .name = row.Text(1), .model_id = row.Text(2), .kind = row.Text(3)};
+Expected<ModelRecord> ReadModel(const Statement& row, std::string_view name) {
+  const std::optional<ModelKind> kind = FromText(kModelKindTexts, row.Text(3));
+  if (!kind) return std::unexpected(DamagedIndex(name, "a model of an unknown kind"));
+  return ModelRecord{.id = row.Integer(0), .name = row.Text(1), .content_id = row.Text(2), .kind = *kind};
 }
 
 TrackletRecord ReadTracklet(const Statement& row) {
-  return {.id = row.Integer(0),
-          .object = row.Integer(1),
-          .video = row.Integer(2),
-          .model = row.Integer(3),
-          .score = row.Real(4),
-          .frames = row.Integer(5),
-          .first_time_s = row.Real(6),
-          .last_time_s = row.Real(7)};
+  constexpr const auto& kTracklet = kTrackletColumns;
+  return {.id = row.Integer(kTracklet.Size()),
+          .object = row.Integer(kTracklet.Size() + 1),
+          .video = row.Integer(kTracklet.Index("video_id")),
+          .model = row.Integer(kTracklet.Index("model_id")),
+          .score = row.Real(kTracklet.Index("score")),
+          .frames = row.Integer(kTracklet.Index("frames")),
+          .first_time_s = row.Real(kTracklet.Index("first_time_s")),
+          .last_time_s = row.Real(kTracklet.Index("last_time_s"))};
 }
 
 Expected<ObjectRecord> ReadObject(const Statement& row, std::string_view name) {
-  constexpr int kPlace = 8;
-  ObjectRecord object{.id = row.Integer(0),
-                      .model = row.Integer(1),
-                      .score = row.Real(2),
-                      .frames = row.Integer(3),
-                      .first_time_s = row.Real(4),
-                      .last_time_s = row.Real(5),
-                      .videos = ReadIds(row.Text(6)),
-                      .tracklets = ReadIds(row.Text(7)),
-                      .heading_rad = row.OptionalReal(17),
-                      .rejected = row.Text(18)};
-  if (!row.IsNull(kPlace)) {
-    VICTORIOUS_ASSIGN_OR_RETURN(object.place, ReadPlace(row, kPlace, name));
+  constexpr int kTracklets = kObject.Size();  // the aggregates over its tracklets
+  ObjectRecord object{.id = row.Integer(kObject.Index("id")),
+                      .model = row.Integer(kObject.Index("model_id")),
+                      .score = row.Real(kTracklets),
+                      .frames = row.Integer(kTracklets + 1),
+                      .first_time_s = row.Real(kTracklets + 2),
+                      .last_time_s = row.Real(kTracklets + 3),
+                      .videos = ReadIds(row.Text(kTracklets + 4)),
+                      .tracklets = ReadIds(row.Text(kTracklets + 5)),
+                      .heading_rad = row.OptionalReal(kObject.Index("heading_rad")),
+                      .rejected = row.Text(kObject.Index("rejection_reason"))};
+  if (!row.IsNull(kObject.Index("place_time_s"))) {
+    VICTORIOUS_ASSIGN_OR_RETURN(object.place, ReadPlace(row, name));
   }
   return object;
 }
 
 Expected<SightingRecord> ReadSighting(const Statement& row, std::string_view name) {
-  constexpr int kSight = 18;
-  SightingRecord sighting{.object = row.Integer(0),
-                          .tracklet = row.Integer(1),
-                          .video = row.Integer(2),
-                          .model = row.Integer(3),
-                          .frame = row.Integer(4),
-                          .time_s = row.Real(5),
-                          .box = {row.Real(6), row.Real(7), row.Real(8), row.Real(9)},
-                          .score = row.Real(11),
-                          .source = row.Text(12),
-                          .matches = ReadInt(row, 13),
-                          .view_index = ReadInt(row, 14),
-                          .in_plane_rad = row.Real(17)};
-  VICTORIOUS_ASSIGN_OR_RETURN(sighting.outline, ReadItems<Eigen::Vector2d>(row.Blob(10), "an outline", name));
-  if (!row.IsNull(15) && !row.IsNull(16)) sighting.view = ViewAngles{row.Real(15), row.Real(16)};
-  constexpr int kStance = kSight + 11;
-  sighting.sigma_view_rad = row.OptionalReal(kStance);
-  sighting.distance_m = row.OptionalReal(kStance + 1);
-  sighting.sigma_distance_m = row.OptionalReal(kStance + 2);
-  sighting.track = row.OptionalInteger(kStance + 3);
-  if (!row.IsNull(kSight)) sighting.observation = ReadSight(row, kSight, sighting.time_s);
+  SightingRecord sighting{
+      .object = row.Integer(kSighting.Size()),
+      .tracklet = row.Integer(kSighting.Index("tracklet_id")),
+      .video = row.Integer(kSighting.Index("video_id")),
+      .model = row.Integer(kSighting.Size() + 1),
+      .frame = row.Integer(kSighting.Index("frame")),
+      .time_s = row.Real(kSighting.Index("time_s")),
+      .box = {row.Real(kSighting.Index("box_x_px")), row.Real(kSighting.Index("box_y_px")),
+              row.Real(kSighting.Index("box_width_px")), row.Real(kSighting.Index("box_height_px"))},
+      .score = row.Real(kSighting.Index("score")),
+      .matches = ReadInt(row, kSighting.Index("matches")),
+      .view_index = ReadInt(row, kSighting.Index("view_index")),
+      .in_plane_rad = row.Real(kSighting.Index("in_plane_rad")),
+      .sigma_view_rad = row.OptionalReal(kSighting.Index("view_sigma_rad")),
+      .distance_m = row.OptionalReal(kSighting.Index("distance_m")),
+      .sigma_distance_m = row.OptionalReal(kSighting.Index("distance_sigma_m")),
+      .track = row.OptionalInteger(kSighting.Index("track_id"))};
+  VICTORIOUS_ASSIGN_OR_RETURN(sighting.outline,
+                              ReadItems<Eigen::Vector2d>(row.Blob(kSighting.Index("outline")), "an outline", name));
+  const std::optional<SightingSource> source = FromText(kSightingSourceTexts, row.Text(kSighting.Index("source")));
+  if (!source) return std::unexpected(DamagedIndex(name, "a sighting of an unknown source"));
+  sighting.source = *source;
+  constexpr int kAzimuth = kSighting.Index("azimuth_rad");
+  constexpr int kOffNadir = kSighting.Index("off_nadir_rad");
+  if (!row.IsNull(kAzimuth) && !row.IsNull(kOffNadir)) sighting.view = {row.Real(kAzimuth), row.Real(kOffNadir)};
+  if (!row.IsNull(kSighting.Index("camera_latitude_rad"))) sighting.observation = ReadObservation(row, sighting.time_s);
   return sighting;
 }
 
 Expected<KeptFrame> ReadKeptFrame(const Statement& row, std::string_view name) {
-  KeptFrame kept{.video = row.Integer(0), .frame = row.Integer(1), .time_s = row.Real(2)};
+  constexpr const auto& kKept = kKeptFrameColumns;
+  KeptFrame kept{.video = row.Integer(kKept.Index("video_id")),
+                 .frame = row.Integer(kKept.Index("frame")),
+                 .time_s = row.Real(kKept.Index("time_s"))};
   FeatureSet& features = kept.features;
-  features.image_width = ReadInt(row, 3);
-  features.image_height = ReadInt(row, 4);
-  VICTORIOUS_ASSIGN_OR_RETURN(features.keypoints, ReadItems<Keypoint>(row.Blob(5), "keypoints", name));
-  VICTORIOUS_ASSIGN_OR_RETURN(features.descriptors, ReadItems<std::uint8_t>(row.Blob(6), "descriptors", name));
+  features.image_width = ReadInt(row, kKept.Index("image_width_px"));
+  features.image_height = ReadInt(row, kKept.Index("image_height_px"));
+  VICTORIOUS_ASSIGN_OR_RETURN(features.keypoints,
+                              ReadItems<Keypoint>(row.Blob(kKept.Index("keypoints")), "keypoints", name));
+  VICTORIOUS_ASSIGN_OR_RETURN(features.descriptors,
+                              ReadItems<std::uint8_t>(row.Blob(kKept.Index("descriptors")), "descriptors", name));
   if (features.descriptors.size() != features.size() * kDescriptorSize) {
-    return Fail(ErrorCode::kDataLoss,
-                fmt::format("{}: the index is damaged ({} keypoints with {} bytes of descriptors, expected {} each): "
-                            "restore it from a copy, or index again",
-                            name, features.size(), features.descriptors.size(), kDescriptorSize));
+    return std::unexpected(
+        DamagedIndex(name, fmt::format("{} keypoints with {} bytes of descriptors, expected {} each", features.size(),
+                                       features.descriptors.size(), kDescriptorSize)));
   }
   const bool has_size = features.keypoints.empty() || (features.image_width > 0 && features.image_height > 0);
   if (!has_size || !std::ranges::all_of(features.keypoints, IsUsable)) {
-    return Fail(ErrorCode::kDataLoss, fmt::format("{}: the index is damaged (a kept frame with an invalid keypoint): "
-                                                  "restore it from a copy, or index again",
-                                                  name));
+    return std::unexpected(DamagedIndex(name, "a kept frame with an invalid keypoint"));
   }
   return kept;
 }
-
-std::span<const std::byte> OutlineBytes(const Polygon& outline) { return std::as_bytes(std::span(outline)); }
 
 }  // namespace victorious::sqlite

@@ -21,6 +21,19 @@ Expected<std::vector<Record>> ReadAll(Statement& statement, Record (*read)(const
   }
 }
 
+// Likewise, for rows that can be damaged. `name`: the file's.
+template <typename Record>
+Expected<std::vector<Record>> ReadAll(Statement& statement, std::string_view name,
+                                      Expected<Record> (*read)(const Statement&, std::string_view)) {
+  std::vector<Record> records;
+  while (true) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const bool has_row, statement.Step());
+    if (!has_row) return records;
+    VICTORIOUS_ASSIGN_OR_RETURN(Record record, read(statement, name));
+    records.push_back(std::move(record));
+  }
+}
+
 // Visits the rows of a query until the last one, or until `visit` returns false.
 template <typename Record>
 Status VisitAll(Statement& statement, std::string_view name,
@@ -65,19 +78,20 @@ Status AddNear(Connection& connection, const SightingFilter& filter, Conditions&
 }
 
 void AddRejected(const SightingFilter& filter, Conditions& conditions) {
-  if (!filter.include_rejected) conditions.Add("coalesce(o.rejected, '') = ?", std::string());
+  if (!filter.include_rejected) conditions.Add("coalesce(o.rejection_reason, '') = ?", std::string());
 }
 
 void AddModel(const SightingFilter& filter, std::string_view column, Conditions& conditions) {
+  const std::string category(ToText(ModelKind::kCategory));
   if (filter.model_name) {
-    conditions.Add(fmt::format("{} = (SELECT id FROM models WHERE name = ? AND kind <> '{}')", column, kCategoryKind),
-                   *filter.model_name);
+    conditions.Add(fmt::format("{} = (SELECT id FROM models WHERE name = ? AND kind <> ?)", column), *filter.model_name,
+                   category);
   }
   if (filter.category_name) {
     conditions.Add(fmt::format("{} IN (SELECT id FROM models, (SELECT ? AS prefix) "
-                               "WHERE kind = '{}' AND substr(name || '/', 1, length(prefix)) = prefix)",
-                               column, kCategoryKind),
-                   *filter.category_name + "/");
+                               "WHERE kind = ? AND substr(name || '/', 1, length(prefix)) = prefix)",
+                               column),
+                   *filter.category_name + "/", category);
   }
 }
 
@@ -86,55 +100,13 @@ void AddTimes(const SightingFilter& filter, std::string_view first, std::string_
   if (filter.to_s) conditions.Add(fmt::format("{} <= ?", first), *filter.to_s);
 }
 
-// Binds parameters 15 and 16 of a new sighting.
-void BindView(const std::optional<ViewAngles>& view, Statement& insert) {
-  insert.BindAt(15, view ? std::optional(view->azimuth_rad) : std::nullopt);
-  insert.BindAt(16, view ? std::optional(view->off_nadir_rad) : std::nullopt);
-}
-
-// Binds parameters 28 to 31 of a new sighting.
-void BindObjectPoseAndTrack(const SightingRecord& sighting, Statement& insert) {
-  insert.BindAt(28, sighting.sigma_view_rad);
-  insert.BindAt(29, sighting.distance_m);
-  insert.BindAt(30, sighting.sigma_distance_m);
-  insert.BindAt(31, sighting.track);
-}
-
-// Binds parameters 17 to 27 of a new sighting.
-void BindObservation(const std::optional<BearingObservation>& observation, Statement& insert) {
-  if (!observation) {
-    for (int parameter = 17; parameter <= 27; ++parameter) insert.BindAt(parameter, std::nullopt);
-    return;
-  }
-  const LineOfSight& line = observation->line;
-  insert.BindAt(17, line.camera.latitude_rad);
-  insert.BindAt(18, line.camera.longitude_rad);
-  insert.BindAt(19, line.camera.altitude_m);
-  insert.BindAt(20, observation->sigma_position_m);
-  insert.BindAt(21, observation->sigma_attitude_rad);
-  insert.BindAt(22, line.azimuth_rad);
-  insert.BindAt(23, line.elevation_rad);
-  insert.BindAt(24, line.sigma_rad);
-  insert.BindAt(25, line.range_m);
-  insert.BindAt(26, line.sigma_range_m);
-  insert.BindAt(27, observation->heading_rad);
-}
-
-// Binds parameters 3 to 12 of an object.
-void BindPlace(const ObjectRecord& object, Statement& put) {
-  for (int parameter = 3; parameter <= 12; ++parameter) put.BindAt(parameter, std::nullopt);
-  put.BindAt(12, object.heading_rad);
-  if (!object.place) return;
-  const Geolocation& place = *object.place;
-  put.BindAt(3, place.time_s);
-  put.BindAt(4, place.point.latitude_rad);
-  put.BindAt(5, place.point.longitude_rad);
-  put.BindAt(6, place.point.altitude_m);
-  put.BindAt(7, NumberBytes(place.covariance_enu_m2));
-  put.BindAt(8, place.ce90_m);
-  put.BindAt(9, place.le90_m);
-  if (place.velocity_enu) put.BindAt(10, NumberBytes(*place.velocity_enu));
-  if (place.velocity_covariance_enu) put.BindAt(11, NumberBytes(*place.velocity_covariance_enu));
+// All columns but the key and the model are replaced if the object exists.
+std::string InsertOrUpdateObject() {
+  return fmt::format(
+      "INSERT INTO objects ({}) SELECT {} WHERE EXISTS (SELECT 1 FROM models WHERE id = ?{}) "
+      "ON CONFLICT (id) DO UPDATE SET {}",
+      kObjectColumns.Names(), kObjectColumns.Parameters(), kObjectColumns.Parameter("model_id"),
+      kObjectColumns.Updates(kObjectColumns.Index("place_time_s")));
 }
 
 }  // namespace
@@ -164,14 +136,13 @@ Expected<VideoRecord> SqliteStore::PutVideo(const VideoRecord& video) {
   VICTORIOUS_ASSIGN_OR_RETURN(
       Statement put,
       connection_->Prepare("INSERT INTO videos (content_id, name, width_px, height_px, frame_count, duration_s, "
-                           "features_options, start_utc_us) VALUES (?, ?, ?, ?, ?, ?, ?, ?) "
+                           "features_options_id, start_utc_us) VALUES (?, ?, ?, ?, ?, ?, ?, ?) "
                            "ON CONFLICT (content_id) DO UPDATE SET name = excluded.name, "
                            "start_utc_us = coalesce(excluded.start_utc_us, start_utc_us)"));
   VICTORIOUS_RETURN_IF_ERROR(put.Bind(video.content_id, video.name, video.width, video.height, video.frame_count,
                                       video.duration_s, features_options, video.start_utc_us)
                                  .Run());
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement find,
-                              connection_->Prepare(std::string(kSelectVideos) + "WHERE v.content_id = ?"));
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement find, connection_->Prepare(SelectVideos() + "WHERE v.content_id = ?"));
   VICTORIOUS_RETURN_IF_ERROR(find.Bind(video.content_id).Step());
   VideoRecord stored = ReadVideo(find);
   VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
@@ -201,7 +172,7 @@ Status SqliteStore::SetVideoFeatures(std::int64_t video, const std::string& feat
   }
   {
     VICTORIOUS_ASSIGN_OR_RETURN(Statement update,
-                                connection_->Prepare("UPDATE videos SET features_options = ? WHERE id = ?"));
+                                connection_->Prepare("UPDATE videos SET features_options_id = ? WHERE id = ?"));
     update.Bind(options, video);
     VICTORIOUS_RETURN_IF_ERROR(ExecuteOnRow(update, "video", video));
   }
@@ -209,7 +180,7 @@ Status SqliteStore::SetVideoFeatures(std::int64_t video, const std::string& feat
 }
 
 Expected<std::vector<VideoRecord>> SqliteStore::Videos() {
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(std::string(kSelectVideos) + "ORDER BY v.id"));
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(SelectVideos() + "ORDER BY v.id"));
   return ReadAll(select, &ReadVideo);
 }
 
@@ -217,28 +188,29 @@ Expected<ModelRecord> SqliteStore::PutModel(const ModelRecord& model) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
   // Deletes other content of this name with its dependent rows (ON DELETE CASCADE).
   VICTORIOUS_ASSIGN_OR_RETURN(Statement replace,
-                              connection_->Prepare("DELETE FROM models WHERE name = ? AND model_id <> ?"));
-  VICTORIOUS_RETURN_IF_ERROR(replace.Bind(model.name, model.model_id).Run());
+                              connection_->Prepare("DELETE FROM models WHERE name = ? AND content_id <> ?"));
+  VICTORIOUS_RETURN_IF_ERROR(replace.Bind(model.name, model.content_id).Run());
   VICTORIOUS_ASSIGN_OR_RETURN(Statement put,
-                              connection_->Prepare("INSERT INTO models (name, model_id, kind) VALUES (?, ?, ?) "
+                              connection_->Prepare("INSERT INTO models (name, content_id, kind) VALUES (?, ?, ?) "
                                                    "ON CONFLICT (name) DO NOTHING"));
-  VICTORIOUS_RETURN_IF_ERROR(put.Bind(model.name, model.model_id, model.kind).Run());
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement find, connection_->Prepare(std::string(kSelectModels) + "WHERE name = ?"));
+  VICTORIOUS_RETURN_IF_ERROR(put.Bind(model.name, model.content_id, ToText(model.kind)).Run());
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement find, connection_->Prepare(SelectModels() + "WHERE name = ?"));
   VICTORIOUS_RETURN_IF_ERROR(find.Bind(model.name).Step());
-  ModelRecord stored = ReadModel(find);
+  VICTORIOUS_ASSIGN_OR_RETURN(ModelRecord stored, ReadModel(find, connection_->name()));
   VICTORIOUS_RETURN_IF_ERROR(transaction.Commit());
   return stored;
 }
 
 Expected<std::vector<ModelRecord>> SqliteStore::Models() {
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(std::string(kSelectModels) + "ORDER BY id"));
-  return ReadAll(select, &ReadModel);
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(SelectModels() + "ORDER BY id"));
+  return ReadAll(select, connection_->name(), &ReadModel);
 }
 
 Expected<std::optional<SearchRecord>> SqliteStore::FindSearch(std::int64_t video, std::int64_t model) {
   VICTORIOUS_ASSIGN_OR_RETURN(
-      Statement find, connection_->Prepare("SELECT s.next_frame, s.finished, o.json, s.program_version FROM searches s "
-                                           "JOIN options o ON o.id = s.options WHERE s.video = ? AND s.model = ?"));
+      Statement find,
+      connection_->Prepare("SELECT s.next_frame, s.finished, o.json, s.program_version FROM searches s "
+                           "JOIN options o ON o.id = s.options_id WHERE s.video_id = ? AND s.model_id = ?"));
   VICTORIOUS_ASSIGN_OR_RETURN(const bool found, find.Bind(video, model).Step());
   if (!found) return std::nullopt;
   return SearchRecord{.video = video,
@@ -251,8 +223,9 @@ Expected<std::optional<SearchRecord>> SqliteStore::FindSearch(std::int64_t video
 
 Status SqliteStore::DeleteSearch(std::int64_t video, std::int64_t model) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
-  for (const std::string_view sql : {"DELETE FROM runs WHERE video = ? AND model = ?",  // cascades to their sightings
-                                     "DELETE FROM searches WHERE video = ? AND model = ?"}) {
+  for (const std::string_view sql :
+       {"DELETE FROM tracklets WHERE video_id = ? AND model_id = ?",  // cascades to their sightings
+        "DELETE FROM searches WHERE video_id = ? AND model_id = ?"}) {
     VICTORIOUS_ASSIGN_OR_RETURN(Statement forget, connection_->Prepare(sql));
     VICTORIOUS_RETURN_IF_ERROR(forget.Bind(video, model).Run());
   }
@@ -260,7 +233,7 @@ Status SqliteStore::DeleteSearch(std::int64_t video, std::int64_t model) {
 }
 
 Status SqliteStore::DeleteKeptFrames(std::int64_t video) {
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement forget, connection_->Prepare("DELETE FROM frame_features WHERE video = ?"));
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement forget, connection_->Prepare("DELETE FROM kept_frames WHERE video_id = ?"));
   return forget.Bind(video).Run();
 }
 
@@ -275,8 +248,8 @@ Status SqliteStore::PutProgress(const IndexBatch::Progress& progress) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t options, PutOptions(search.options_json));
   VICTORIOUS_ASSIGN_OR_RETURN(
-      Statement put, connection_->Prepare("INSERT OR REPLACE INTO searches (video, model, next_frame, finished, "
-                                          "options, program_version) VALUES (?, ?, ?, ?, ?, ?)"));
+      Statement put, connection_->Prepare("INSERT OR REPLACE INTO searches (video_id, model_id, next_frame, finished, "
+                                          "options_id, program_version) VALUES (?, ?, ?, ?, ?, ?)"));
   return put.Bind(search.video, search.model, search.next_frame, search.finished, options, search.program_version)
       .Run();
 }
@@ -285,58 +258,40 @@ Expected<std::int64_t> SqliteStore::PutTracklet(const IndexBatch::TrackletUpdate
   const TrackletRecord& tracklet = update.tracklet;
   if (update.id) {
     VICTORIOUS_ASSIGN_OR_RETURN(Statement grow,
-                                connection_->Prepare("UPDATE runs SET score = ?, frames = ?, first_time_s = ?, "
-                                                     "last_time_s = ? WHERE id = ? AND video = ? AND model = ?"));
+                                connection_->Prepare("UPDATE tracklets SET score = ?, frames = ?, first_time_s = ?, "
+                                                     "last_time_s = ? WHERE id = ? AND video_id = ? AND model_id = ?"));
     grow.Bind(tracklet.score, tracklet.frames, tracklet.first_time_s, tracklet.last_time_s, *update.id, tracklet.video,
               tracklet.model);
-    VICTORIOUS_RETURN_IF_ERROR(ExecuteOnRow(grow, "run", *update.id));
+    VICTORIOUS_RETURN_IF_ERROR(ExecuteOnRow(grow, "tracklet", *update.id));
     return *update.id;
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement insert,
-                              connection_->Prepare("INSERT INTO runs (video, model, score, frames, first_time_s, "
-                                                   "last_time_s) VALUES (?, ?, ?, ?, ?, ?)"));
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement insert, connection_->Prepare(kTrackletColumns.Insert("tracklets")));
   VICTORIOUS_RETURN_IF_ERROR(insert
                                  .Bind(tracklet.video, tracklet.model, tracklet.score, tracklet.frames,
                                        tracklet.first_time_s, tracklet.last_time_s)
                                  .Run());
   const std::int64_t id = connection_->LastInsertId();
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement found, connection_->Prepare("INSERT INTO objects (id, model) VALUES (?, ?)"));
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement found,
+                              connection_->Prepare("INSERT INTO objects (id, model_id) VALUES (?, ?)"));
   VICTORIOUS_RETURN_IF_ERROR(found.Bind(id, tracklet.model).Run());
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement join, connection_->Prepare("UPDATE runs SET object = id WHERE id = ?"));
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement join, connection_->Prepare("UPDATE tracklets SET object_id = id WHERE id = ?"));
   VICTORIOUS_RETURN_IF_ERROR(join.Bind(id).Run());
   return id;
 }
 
 Status SqliteStore::PutSightings(const IndexBatch& batch, const std::vector<std::int64_t>& tracklet_ids) {
-  VICTORIOUS_ASSIGN_OR_RETURN(
-      Statement insert,
-      connection_->Prepare(
-          "INSERT INTO sightings (video, frame, run, time_s, box_x_px, box_y_px, box_width_px, box_height_px, outline, "
-          "score, source, matches, view_index, in_plane_rad, azimuth_rad, off_nadir_rad, camera_latitude_rad, "
-          "camera_longitude_rad, camera_altitude_m, camera_sigma_m, camera_sigma_rad, line_azimuth_rad, "
-          "line_elevation_rad, line_sigma_rad, range_m, range_sigma_m, heading_rad, view_sigma_rad, distance_m, "
-          "distance_sigma_m, track) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
-          "?, ?, "
-          "?, ?, ?, ?)"));
-  for (const auto& [update, s] : batch.sightings) {
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement insert, connection_->Prepare(kSightingColumns.Insert("sightings")));
+  for (const auto& [update, sighting] : batch.sightings) {
     VICTORIOUS_CHECK(update < batch.tracklets.size());
-    insert.Bind(batch.tracklets[update].tracklet.video, s.frame, tracklet_ids[update], s.time_s, s.box.x, s.box.y,
-                s.box.width, s.box.height, OutlineBytes(s.outline), s.score, s.source, s.matches, s.view_index,
-                s.in_plane_rad);
-    BindView(s.view, insert);
-    BindObservation(s.observation, insert);
-    BindObjectPoseAndTrack(s, insert);
+    BindSighting(sighting, batch.tracklets[update].tracklet.video, tracklet_ids[update], insert);
     VICTORIOUS_RETURN_IF_ERROR(insert.Run());
   }
   return {};
 }
 
 Status SqliteStore::PutKeptFrames(const std::vector<KeptFrame>& frames) {
-  VICTORIOUS_ASSIGN_OR_RETURN(
-      Statement insert,
-      connection_->Prepare("INSERT INTO frame_features (video, frame, time_s, image_width_px, image_height_px, "
-                           "keypoints, descriptors) VALUES (?, ?, ?, ?, ?, ?, ?) "
-                           "ON CONFLICT (video, frame) DO NOTHING"));
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement insert, connection_->Prepare(kKeptFrameColumns.Insert("kept_frames") +
+                                                                     "ON CONFLICT (video_id, frame) DO NOTHING"));
   for (const KeptFrame& kept : frames) {
     const FeatureSet& features = kept.features;
     VICTORIOUS_CHECK(features.descriptors.size() == features.size() * kDescriptorSize);
@@ -363,55 +318,42 @@ Expected<std::vector<std::int64_t>> SqliteStore::Commit(const IndexBatch& batch)
 }
 
 Expected<std::vector<TrackletRecord>> SqliteStore::Tracklets() {
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(std::string(kSelectTracklets) + "ORDER BY id"));
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(SelectTracklets() + "ORDER BY id"));
   return ReadAll(select, &ReadTracklet);
 }
 
 Status SqliteStore::PutObjects(std::span<const ObjectRecord> objects) {
   VICTORIOUS_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*connection_));
   {
+    VICTORIOUS_ASSIGN_OR_RETURN(Statement put, connection_->Prepare(InsertOrUpdateObject()));
     VICTORIOUS_ASSIGN_OR_RETURN(
-        Statement put,
-        connection_->Prepare("INSERT INTO objects (id, model, place_time_s, latitude_rad, longitude_rad, "
-                             "altitude_m, covariance_enu_m2, ce90_m, le90_m, velocity_enu_m_s, velocity_covariance, "
-                             "heading_rad, rejected) SELECT ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ? "
-                             "WHERE EXISTS (SELECT 1 FROM models WHERE id = ?) ON CONFLICT (id) DO UPDATE SET "
-                             "place_time_s = excluded.place_time_s, latitude_rad = excluded.latitude_rad, "
-                             "longitude_rad = excluded.longitude_rad, altitude_m = excluded.altitude_m, "
-                             "covariance_enu_m2 = excluded.covariance_enu_m2, ce90_m = excluded.ce90_m, "
-                             "le90_m = excluded.le90_m, velocity_enu_m_s = excluded.velocity_enu_m_s, "
-                             "velocity_covariance = excluded.velocity_covariance, "
-                             "heading_rad = excluded.heading_rad, rejected = excluded.rejected"));
-    VICTORIOUS_ASSIGN_OR_RETURN(
-        Statement join, connection_->Prepare("UPDATE runs SET object = ? WHERE id = ? AND EXISTS (SELECT 1 FROM "
-                                             "objects WHERE id = ?)"));
+        Statement join,
+        connection_->Prepare("UPDATE tracklets SET object_id = ? WHERE id = ? AND EXISTS (SELECT 1 FROM "
+                             "objects WHERE id = ?)"));
     for (const ObjectRecord& object : objects) {
-      put.BindAt(1, object.id);
-      put.BindAt(2, object.model);
-      BindPlace(object, put);
-      put.BindAt(13, object.rejected.empty() ? std::nullopt : std::optional(object.rejected));
-      put.BindAt(14, object.model);
+      BindObject(object, put);
       VICTORIOUS_RETURN_IF_ERROR(put.Run());
       for (const std::int64_t tracklet : object.tracklets)
         VICTORIOUS_RETURN_IF_ERROR(join.Bind(object.id, tracklet, object.id).Run());
     }
   }
   VICTORIOUS_RETURN_IF_ERROR(
-      connection_->Execute("DELETE FROM objects WHERE id NOT IN (SELECT object FROM runs WHERE object IS NOT NULL)"));
+      connection_->Execute("DELETE FROM objects WHERE id NOT IN (SELECT object_id FROM tracklets "
+                           "WHERE object_id IS NOT NULL)"));
   return transaction.Commit();
 }
 
 Expected<std::vector<ObjectRecord>> SqliteStore::Objects(const SightingFilter& filter) {
   Conditions tracklet_conditions;
-  VICTORIOUS_RETURN_IF_ERROR(AddVideos(*this, filter, "video", tracklet_conditions));
+  VICTORIOUS_RETURN_IF_ERROR(AddVideos(*this, filter, "video_id", tracklet_conditions));
   AddTimes(filter, "first_time_s", "last_time_s", tracklet_conditions);
   Conditions conditions;
-  AddModel(filter, "o.model", conditions);
+  AddModel(filter, "o.model_id", conditions);
   AddRejected(filter, conditions);
   VICTORIOUS_RETURN_IF_ERROR(AddNear(*connection_, filter, conditions));
-  conditions.AddQuery("o.id IN (SELECT object FROM runs {})", tracklet_conditions);
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(std::string(kSelectObjects) + conditions.text() +
-                                                                     std::string(kGroupObjects)));
+  conditions.AddQuery("o.id IN (SELECT object_id FROM tracklets {})", tracklet_conditions);
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement select,
+                              connection_->Prepare(SelectObjects() + conditions.text() + std::string(kGroupObjects)));
   conditions.Bind(select);
   std::vector<ObjectRecord> objects;
   VICTORIOUS_RETURN_IF_ERROR(
@@ -424,23 +366,23 @@ Expected<std::vector<ObjectRecord>> SqliteStore::Objects(const SightingFilter& f
 
 Status SqliteStore::VisitSightings(const SightingFilter& filter, const std::function<bool(SightingRecord&&)>& visit) {
   Conditions conditions;
-  VICTORIOUS_RETURN_IF_ERROR(AddVideos(*this, filter, "s.video", conditions));
-  AddModel(filter, "r.model", conditions);
+  VICTORIOUS_RETURN_IF_ERROR(AddVideos(*this, filter, "s.video_id", conditions));
+  AddModel(filter, "t.model_id", conditions);
   AddTimes(filter, "s.time_s", "s.time_s", conditions);
   AddRejected(filter, conditions);
   VICTORIOUS_RETURN_IF_ERROR(AddNear(*connection_, filter, conditions));
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(std::string(kSelectSightings) + conditions.text() +
-                                                                     "ORDER BY s.video, s.frame, s.run"));
+  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(SelectSightings() + conditions.text() +
+                                                                     "ORDER BY s.video_id, s.frame, s.tracklet_id"));
   conditions.Bind(select);
   return VisitAll<SightingRecord>(select, connection_->name(), &ReadSighting, visit);
 }
 
 Status SqliteStore::VisitKeptFrames(const SightingFilter& filter, const std::function<bool(KeptFrame&&)>& visit) {
   Conditions conditions;
-  VICTORIOUS_RETURN_IF_ERROR(AddVideos(*this, filter, "video", conditions));
+  VICTORIOUS_RETURN_IF_ERROR(AddVideos(*this, filter, "video_id", conditions));
   AddTimes(filter, "time_s", "time_s", conditions);
-  VICTORIOUS_ASSIGN_OR_RETURN(Statement select, connection_->Prepare(std::string(kSelectKeptFrames) +
-                                                                     conditions.text() + "ORDER BY video, frame"));
+  VICTORIOUS_ASSIGN_OR_RETURN(
+      Statement select, connection_->Prepare(SelectKeptFrames() + conditions.text() + "ORDER BY video_id, frame"));
   conditions.Bind(select);
   return VisitAll<KeptFrame>(select, connection_->name(), &ReadKeptFrame, visit);
 }

@@ -42,7 +42,7 @@ class SqliteStore final : public IndexStore {
   Expected<std::int64_t> PutTracklet(const IndexBatch::TrackletUpdate& update);
   Status PutSightings(const IndexBatch& batch, const std::vector<std::int64_t>& tracklet_ids);
   Status PutKeptFrames(const std::vector<KeptFrame>& frames);
-  /// Tracklets a statement that must change exactly one row. Error: kNotFound otherwise.
+  /// Runs a statement that must change exactly one row. Error: kNotFound otherwise.
   Status ExecuteOnRow(Statement& statement, std::string_view what, std::int64_t id);
 
   std::unique_ptr<Connection> connection_;

@@ -54,7 +54,7 @@ Status CommitBatches(const fs::path& path, std::int64_t end) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto store, OpenSqliteStore(path, StoreMode::kCreate));
   VICTORIOUS_ASSIGN_OR_RETURN(const VideoRecord video, store->PutVideo({.content_id = "c", .name = "a.mp4"}));
   VICTORIOUS_ASSIGN_OR_RETURN(const ModelRecord model,
-                              store->PutModel({.name = "m", .model_id = "1", .kind = "photos"}));
+                              store->PutModel({.name = "m", .content_id = "1", .kind = ModelKind::kPhotos}));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto search, store->FindSearch(video.id, model.id));
   for (std::int64_t frame = search ? search->next_frame : 0; frame < end; frame += kSightingsInBatch) {
     VICTORIOUS_RETURN_IF_ERROR(store->Commit(Batch(video.id, model.id, frame)));
@@ -188,7 +188,7 @@ TEST_F(SqliteStoreTest, RefusesANewerVersion) {
   for (const StoreMode mode : {StoreMode::kCreate, StoreMode::kRead}) {
     const Error error = OpenError(path_, mode);
     EXPECT_EQ(error.code, ErrorCode::kUnsupported);
-    EXPECT_THAT(error.message, HasSubstr("written by a newer version (schema 99; this program reads up to 4)"));
+    EXPECT_THAT(error.message, HasSubstr("written by a newer version (schema 99; this program reads up to 5)"));
   }
 }
 
@@ -234,7 +234,7 @@ TEST_F(SqliteStoreTest, MigratesStepByStepAndOnce) {
   for (int i = 0; i < 2; ++i) {
     const Status status = Migrate(**connection, migrations);
     ASSERT_TRUE(status) << status.error().message;
-    EXPECT_EQ(*ReadVersion(**connection, 5), 5);
+    EXPECT_EQ(*ReadVersion(**connection, 6), 6);
   }
   EXPECT_EQ(*(*connection)->QueryText("SELECT count(*) FROM videos WHERE place IS NULL"), "1");
   EXPECT_EQ(OpenError(path_, StoreMode::kCreate).code, ErrorCode::kUnsupported);
@@ -309,6 +309,99 @@ TEST_F(SqliteStoreTest, AnIndexOfTheSecondVersionIsTakenOver) {
   EXPECT_FALSE(sightings->front().track);
 }
 
+// An index of schema 4: version 5 only renames tables and columns. All of its content is read back.
+TEST_F(SqliteStoreTest, AnIndexOfTheFourthVersionKeepsItsContent) {
+  {
+    const auto connection = Connection::Open(path_, Access::kCreate);
+    ASSERT_TRUE(Migrate(**connection, Migrations().first(4)));
+    const Status filled =
+        (*connection)
+            ->Execute(
+                "INSERT INTO options (id, json) VALUES (1, '{\"f\":1}'), (2, '{\"s\":2}');"
+                "INSERT INTO videos (content_id, name, width_px, height_px, frame_count, duration_s, features_options, "
+                "start_utc_us) VALUES ('c', 'a.mp4', 640, 480, 100, 3.96, 1, 1700000000000000);"
+                "INSERT INTO models (name, model_id, kind) VALUES ('m', 'x1', 'cad'), ('vehicle', 'x2', 'category');"
+                "INSERT INTO searches (video, model, next_frame, finished, options, program_version) VALUES "
+                "(1, 1, 70, 0, 2, '0.1.0');"
+                "INSERT INTO objects (id, model, place_time_s, latitude_rad, longitude_rad, altitude_m, "
+                "covariance_enu_m2, "
+                "ce90_m, le90_m, heading_rad, rejected) VALUES (1, 1, 2.5, 0.5, 0.25, 80, zeroblob(72), 2, 3, 1.25, "
+                "NULL), "
+                "(2, 2, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, 'too large');"
+                "INSERT INTO runs (id, object, video, model, score, frames, first_time_s, last_time_s) VALUES "
+                "(1, 1, 1, 1, 0.9, 1, 0, 0), (2, 2, 1, 2, 0.8, 1, 1, 2), (3, 1, 1, 1, 0.7, 1, 3, 3);"
+                "INSERT INTO sightings (video, frame, run, time_s, box_x_px, box_y_px, box_width_px, box_height_px, "
+                "outline, "
+                "score, source, matches, view_index, azimuth_rad, off_nadir_rad, in_plane_rad, camera_latitude_rad, "
+                "camera_longitude_rad, camera_altitude_m, camera_sigma_m, camera_sigma_rad, line_azimuth_rad, "
+                "line_elevation_rad, line_sigma_rad, range_m, range_sigma_m, heading_rad, view_sigma_rad, distance_m, "
+                "distance_sigma_m, track) VALUES (1, 7, 3, 0.28, 1, 2, 3, 4, zeroblob(32), 0.9, 'tracked', 5, 6, 0.5, "
+                "1, "
+                "0.125, 0.5, 0.25, 120, 0.75, 0.01, -1, -0.5, 0.001, 99, 2, 3, 0.03, 98, 1.5, 60000003);"
+                "INSERT INTO frame_features (video, frame, time_s, image_width_px, image_height_px, keypoints, "
+                "descriptors) "
+                "VALUES (1, 50, 2, 640, 480, x'', x'')");
+    ASSERT_TRUE(filled) << filled.error().message;
+  }
+  EXPECT_EQ(OpenError(path_, StoreMode::kRead).code, ErrorCode::kUnsupported) << "reading changes nothing";
+  const auto store = OpenOrDie(path_);
+  const VideoRecord video = store->Videos()->front();
+  EXPECT_EQ(video.features_json, "{\"f\":1}");
+  EXPECT_EQ(video.start_utc_us, 1700000000000000);
+  const auto models = store->Models();
+  ASSERT_EQ(models->size(), 2U);
+  EXPECT_EQ(models->front().content_id, "x1");
+  EXPECT_EQ(models->front().kind, ModelKind::kCad);
+  EXPECT_TRUE(models->back().IsCategory());
+  const auto search = store->FindSearch(1, 1);
+  ASSERT_TRUE(search && *search);
+  EXPECT_EQ((*search)->next_frame, 70);
+  EXPECT_EQ((*search)->options_json, "{\"s\":2}");
+
+  const auto objects = store->Objects({.include_rejected = true});
+  ASSERT_EQ(objects->size(), 2U);
+  EXPECT_THAT(objects->front().tracklets, ::testing::ElementsAre(1, 3));
+  EXPECT_EQ(objects->front().place->point.altitude_m, 80);
+  EXPECT_EQ(objects->front().heading_rad, 1.25);
+  EXPECT_EQ(objects->back().rejected, "too large");
+  const auto sightings = store->Sightings({});
+  ASSERT_EQ(sightings->size(), 1U);
+  const SightingRecord& sighting = sightings->front();
+  EXPECT_EQ(sighting.object, 1);
+  EXPECT_EQ(sighting.tracklet, 3);
+  EXPECT_EQ(sighting.source, SightingSource::kTracked);
+  EXPECT_EQ(sighting.track, 60000003);
+  EXPECT_EQ(sighting.in_plane_rad, 0.125);
+  EXPECT_EQ(sighting.observation->line.azimuth_rad, -1);
+  EXPECT_EQ(sighting.observation->line.elevation_rad, -0.5);
+  EXPECT_EQ(sighting.observation->line.sigma_rad, 0.001);
+  EXPECT_EQ(sighting.observation->line.sigma_range_m, 2);
+  EXPECT_EQ(sighting.observation->sigma_attitude_rad, 0.01);
+  EXPECT_EQ(sighting.sigma_distance_m, 1.5);
+  int kept_frames = 0;
+  ASSERT_TRUE(store->VisitKeptFrames({}, [&](KeptFrame&& kept) { return kept.frame == 50 && ++kept_frames > 0; }));
+  EXPECT_EQ(kept_frames, 1);
+
+  ASSERT_TRUE(store->DeleteOtherContent("a.mp4", "d")) << "the foreign keys were renamed, too";
+  EXPECT_TRUE(store->Tracklets()->empty());
+  EXPECT_TRUE(store->Sightings({.include_rejected = true})->empty());
+  EXPECT_EQ(IntegrityCheck(path_), "ok");
+}
+
+TEST_F(SqliteStoreTest, AnUnknownKindOrSourceIsDamage) {
+  ASSERT_TRUE(CommitBatches(path_, 20));
+  const auto execute = [&](const std::string& sql) {
+    EXPECT_TRUE((*Connection::Open(path_, Access::kWrite))->Execute(sql));
+  };
+  execute("UPDATE sightings SET source = 'guessed' WHERE frame = 3");
+  EXPECT_EQ(OpenOrDie(path_, StoreMode::kRead)->Sightings({}).error().code, ErrorCode::kDataLoss);
+  execute("UPDATE models SET kind = 'song'");
+  const auto models = OpenOrDie(path_, StoreMode::kRead)->Models();
+  ASSERT_FALSE(models);
+  EXPECT_EQ(models.error().code, ErrorCode::kDataLoss);
+  EXPECT_THAT(models.error().message, HasSubstr("the index is damaged"));
+}
+
 TEST_F(SqliteStoreTest, TwoProcessesMayMakeTheSameIndexAtOnce) {
   for (int round = 0; round < 10; ++round) {
     const fs::path path = folder_ / std::to_string(round);
@@ -351,7 +444,7 @@ TEST_F(SqliteStoreTest, AKilledWriterLeavesWholeBatches) {
 TEST_F(SqliteStoreTest, OthersReadWhileOneWrites) {
   const auto writer = OpenOrDie(path_);
   const auto video = *writer->PutVideo({.content_id = "c", .name = "a.mp4"});
-  const auto model = *writer->PutModel({.name = "m", .model_id = "1", .kind = "photos"});
+  const auto model = *writer->PutModel({.name = "m", .content_id = "1", .kind = ModelKind::kPhotos});
   const auto reader = OpenOrDie(path_, StoreMode::kRead);
   for (std::int64_t frame = 0; frame < 100; frame += kSightingsInBatch) {
     ASSERT_TRUE(writer->Commit(Batch(video.id, model.id, frame)));
@@ -408,7 +501,7 @@ TEST_F(SqliteStoreTest, AKilledWritersIndexCanBeReadInAReadOnlyFolder) {
   EXPECT_EQ(InChild([&]() -> int {
               auto store = OpenSqliteStore(path_, StoreMode::kCreate);
               const auto video = (*store)->PutVideo({.content_id = "c", .name = "a.mp4"});
-              const auto model = (*store)->PutModel({.name = "m", .model_id = "1", .kind = "photos"});
+              const auto model = (*store)->PutModel({.name = "m", .content_id = "1", .kind = ModelKind::kPhotos});
               static_cast<void>((*store)->Commit(Batch(video->id, model->id, 0)));
               ::kill(::getpid(), SIGKILL);
               return 0;
