@@ -13,6 +13,7 @@
 
 #include "victorious/base/enum_text.h"
 #include "victorious/base/text.h"
+#include "victorious/base/utc.h"
 #include "victorious/base/warning_list.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/utc_text.h"

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/utc.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/telemetry/camera_csv.h"
 #include "victorious/telemetry/klv.h"

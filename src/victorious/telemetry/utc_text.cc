@@ -4,8 +4,6 @@
 #include <charconv>
 #include <chrono>
 
-#include <fmt/format.h>
-
 #include "victorious/base/text.h"
 
 namespace victorious {
@@ -79,17 +77,6 @@ std::optional<std::int64_t> ParseUtc(std::string_view text) {
   const chr::microseconds moment = chr::sys_days(date).time_since_epoch() + chr::hours(*hour) + chr::minutes(*minute) +
                                    chr::seconds(*second) + chr::microseconds(fraction_us) - *offset;
   return moment.count();
-}
-
-std::string FormatUtc(std::int64_t microseconds) {
-  namespace chr = std::chrono;
-  const chr::sys_time<chr::microseconds> moment{chr::microseconds(microseconds)};
-  const auto day = chr::floor<chr::days>(moment);
-  const chr::year_month_day date(day);
-  const chr::hh_mm_ss time(moment - day);
-  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:06}Z", static_cast<int>(date.year()),
-                     static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()), time.hours().count(),
-                     time.minutes().count(), time.seconds().count(), time.subseconds().count());
 }
 
 }  // namespace victorious

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <string_view>
 
 namespace victorious {
@@ -12,8 +11,5 @@ namespace victorious {
 /// applied; without a zone the time is UTC.
 /// @return microseconds since 1970-01-01 UTC; std::nullopt for any other text
 [[nodiscard]] std::optional<std::int64_t> ParseUtc(std::string_view text);
-
-/// The inverse: ISO 8601 with six decimals and "Z". For years up to 9999, as ParseUtc returns.
-[[nodiscard]] std::string FormatUtc(std::int64_t microseconds);
 
 }  // namespace victorious

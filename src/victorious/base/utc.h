@@ -1,0 +1,14 @@
+// UTC times as text.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace victorious {
+
+/// ISO 8601 with "Z", as in "2026-05-27T13:14:22.911Z"; for the years 0 to 9999.
+/// @param microseconds  since 1970-01-01 UTC
+/// @param decimals      of the seconds, 1 to 6; more precise times are rounded down
+[[nodiscard]] std::string FormatUtc(std::int64_t microseconds, int decimals = 6);
+
+}  // namespace victorious
