@@ -21,7 +21,7 @@ Action SetUpExport(CLI::App& app) {
   };
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("--db", arguments->db, "The index")->required()->type_name("FILE");
-  app.add_option("--format", arguments->format, "objects, sightings (JSON Lines), geojson, kml, mot, coco")
+  app.add_option("--format", arguments->format, "One of " + ExportFormatNames() + " (docs/formats/export.md)")
       ->required()
       ->type_name("FORMAT");
   app.add_option("--out", arguments->out, "Output file (default: standard output)")->type_name("FILE");

@@ -2,14 +2,16 @@
 
 #include <array>
 #include <cerrno>
+#include <optional>
 #include <ostream>
-#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/enum_text.h"
 #include "victorious/store/catalogue.h"
 #include "victorious/store/export_coco.h"
+#include "victorious/store/export_gpkg.h"
 #include "victorious/store/export_json.h"
 #include "victorious/store/export_map.h"
 #include "victorious/store/listed_object.h"
@@ -17,14 +19,13 @@
 namespace victorious {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, ExportFormat>, 6> kFormats = {{
-    {"objects", ExportFormat::kObjects},
-    {"sightings", ExportFormat::kSightings},
-    {"mot", ExportFormat::kMot},
-    {"coco", ExportFormat::kCoco},
-    {"geojson", ExportFormat::kGeoJson},
-    {"kml", ExportFormat::kKml},
-}};
+constexpr auto kFormats = std::to_array<EnumText<ExportFormat>>({{ExportFormat::kObjects, "objects"},
+                                                                 {ExportFormat::kSightings, "sightings"},
+                                                                 {ExportFormat::kMot, "mot"},
+                                                                 {ExportFormat::kCoco, "coco"},
+                                                                 {ExportFormat::kGeoJson, "geojson"},
+                                                                 {ExportFormat::kKml, "kml"},
+                                                                 {ExportFormat::kGpkg, "gpkg"}});
 
 Json ViewJson(const SightingRecord& sighting) {
   return {{"azimuth_deg", sighting.view ? DegreesJson(sighting.view->azimuth_rad) : Json()},
@@ -41,7 +42,7 @@ Json SightingJson(const SightingRecord& sighting, const VideoRecord& video, cons
           {"time_s", TimeJson(sighting.time_s)},
           {"box", BoxJson(sighting.box)},
           {"score", ScoreJson(sighting.score)},
-          {"source", sighting.source},
+          {"source", ToText(sighting.source)},
           {"matches", model.IsCategory() ? Json() : Json(sighting.matches)},
           {"view", model.IsCategory() ? Json() : ViewJson(sighting)},
           {"sigma_view_deg", OrNull(sighting.sigma_view_rad, &DegreesJson)},
@@ -97,20 +98,24 @@ Status Write(IndexStore& store, ExportFormat format, const Catalogue& catalogue,
     case ExportFormat::kGeoJson:
       return ExportGeoJson(store, catalogue, filter, out);
     case ExportFormat::kKml:
+      return ExportKml(store, catalogue, filter, out);
+    case ExportFormat::kGpkg:
       break;
   }
-  return ExportKml(store, catalogue, filter, out);
+  return ExportGpkg(store, catalogue, filter, out);
 }
 
 }  // namespace
 
-Expected<ExportFormat> ParseExportFormat(std::string_view name) {
+std::string ExportFormatNames() {
   std::string names;
-  for (const auto& [known, format] : kFormats) {
-    if (known == name) return format;
-    names += (names.empty() ? "" : ", ") + std::string(known);
-  }
-  return Fail(ErrorCode::kInvalidArgument, fmt::format("format {}: unknown: use one of {}", name, names));
+  for (const auto& [format, name] : kFormats) names += (names.empty() ? "" : ", ") + std::string(name);
+  return names;
+}
+
+Expected<ExportFormat> ParseExportFormat(std::string_view name) {
+  if (const std::optional<ExportFormat> format = FromText(kFormats, name)) return *format;
+  return Fail(ErrorCode::kInvalidArgument, fmt::format("format {}: unknown: use one of {}", name, ExportFormatNames()));
 }
 
 Status Export(IndexStore& store, ExportFormat format, const SightingFilter& filter, std::ostream& out) {

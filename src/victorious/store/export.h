@@ -1,7 +1,8 @@
-// Exports the content of an index as text for other programs. docs/formats/export.md describes every field.
+// Exports the content of an index for other programs. docs/formats/export.md describes every field.
 #pragma once
 
 #include <iosfwd>
+#include <string>
 #include <string_view>
 
 #include "victorious/base/error.h"
@@ -16,7 +17,11 @@ enum class ExportFormat {
   kCoco,       ///< COCO detection JSON
   kGeoJson,    ///< RFC 7946: objects of known place
   kKml,        ///< KML 2.2: objects of known place, for Google Earth
+  kGpkg,       ///< GeoPackage, binary: objects of known place, for GIS programs
 };
+
+/// The names of the formats for `export --format`: "objects, sightings, ...".
+std::string ExportFormatNames();
 
 /// Parses the argument of `export --format`. Error: kInvalidArgument with the list of names.
 Expected<ExportFormat> ParseExportFormat(std::string_view name);

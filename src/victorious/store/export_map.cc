@@ -1,7 +1,6 @@
 #include "victorious/store/export_map.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <ostream>
@@ -9,78 +8,20 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/utc.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/store/export_json.h"
 #include "victorious/store/listed_object.h"
+#include "victorious/store/place_ellipse.h"
 
 namespace victorious {
 namespace {
 
-// The border of the horizontal 90 % confidence ellipse of a normal distribution, counter-clockwise and closed.
-std::vector<GeodeticPoint> EllipseOf(const Geolocation& place) {
-  constexpr int kCorners = 48;
-  constexpr double kRadius = 2.145966026289347;  // sqrt(-2 ln 0.1), in standard deviations: 90 % of a 2D normal
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(place.covariance_enu_m2.topLeftCorner<2, 2>());
-  Eigen::Matrix2d directions = axes.eigenvectors();
-  if (directions.determinant() < 0) directions.col(1) *= -1;
-  const Eigen::Vector2d lengths = kRadius * axes.eigenvalues().cwiseMax(0).cwiseSqrt();
-  const TangentPlane plane(place.point);
-  std::vector<GeodeticPoint> border;
-  for (int i = 0; i <= kCorners; ++i) {
-    const double angle = 2 * kPi * (i % kCorners) / kCorners;
-    const Eigen::Vector2d corner = directions * lengths.cwiseProduct(Eigen::Vector2d(std::cos(angle), std::sin(angle)));
-    border.push_back(plane.GeodeticFromEnu({corner.x(), corner.y(), 0}));
-  }
-  return border;
-}
-
 Json PositionJson(const GeodeticPoint& point) {
   return {GeodeticJson(point.longitude_rad), GeodeticJson(point.latitude_rad)};
-}
-
-using Ring = std::vector<GeodeticPoint>;
-
-// Clips a closed ring to the part east (`east`) or west of a meridian. Returns a closed ring.
-Ring Beside(const Ring& ring, double longitude_rad, bool east) {
-  const auto inside = [&](const GeodeticPoint& point) {
-    return east ? point.longitude_rad >= longitude_rad : point.longitude_rad <= longitude_rad;
-  };
-  Ring part;
-  for (std::size_t i = 0; i + 1 < ring.size(); ++i) {
-    const GeodeticPoint& a = ring[i];
-    const GeodeticPoint& b = ring[i + 1];
-    if (inside(a)) part.push_back(a);
-    if (inside(a) == inside(b)) continue;
-    const double share = (longitude_rad - a.longitude_rad) / (b.longitude_rad - a.longitude_rad);
-    part.push_back({a.latitude_rad + share * (b.latitude_rad - a.latitude_rad), longitude_rad, a.altitude_m});
-  }
-  if (!part.empty()) part.push_back(part.front());
-  return part;
-}
-
-// A ring around a place, cut at the antimeridian if it crosses it (RFC 7946, section 3.1.9).
-std::vector<Ring> CutAtAntimeridian(Ring ring, double middle_longitude_rad) {
-  for (GeodeticPoint& point : ring) {
-    point.longitude_rad = middle_longitude_rad + WrapAngle(point.longitude_rad - middle_longitude_rad);
-  }
-  for (const double edge_rad : {-kPi, kPi}) {
-    const auto [west, east] = std::ranges::minmax(ring, {}, &GeodeticPoint::longitude_rad);
-    if (!(west.longitude_rad < edge_rad && edge_rad < east.longitude_rad)) continue;
-    std::vector<Ring> parts = {Beside(ring, edge_rad, false), Beside(ring, edge_rad, true)};
-    Ring& beyond = edge_rad < 0 ? parts.front() : parts.back();
-    for (GeodeticPoint& point : beyond) point.longitude_rad -= 2 * edge_rad;
-    return parts;
-  }
-  return {std::move(ring)};
-}
-
-std::vector<Ring> RingsOf(const Geolocation& place) {
-  return CutAtAntimeridian(EllipseOf(place), place.point.longitude_rad);
 }
 
 Json FeatureJson(const ListedObject& listed) {
@@ -88,7 +29,7 @@ Json FeatureJson(const ListedObject& listed) {
   Json point = PositionJson(place.point);
   point.push_back(MetresJson(place.point.altitude_m));
   Json polygons = Json::array();
-  for (const Ring& ring : RingsOf(place)) {
+  for (const GeodeticRing& ring : ComputeEllipse(place)) {
     Json border = Json::array();
     for (const GeodeticPoint& corner : ring) border.push_back(PositionJson(corner));
     polygons.push_back(Json::array({std::move(border)}));
@@ -118,13 +59,6 @@ std::string EscapedXml(const std::string& text) {
   return escaped;
 }
 
-std::string TimeText(std::int64_t utc_us) {
-  const std::chrono::sys_time<std::chrono::milliseconds> time(std::chrono::milliseconds(utc_us / 1000));
-  const auto seconds = std::chrono::floor<std::chrono::seconds>(time);
-  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z", fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)),
-                     (time - seconds).count());
-}
-
 std::string CoordinatesText(const GeodeticPoint& point) {
   return fmt::format("{:.9f},{:.9f}", DegreesFromRadians(point.longitude_rad), DegreesFromRadians(point.latitude_rad));
 }
@@ -150,10 +84,12 @@ Expected<std::map<std::int64_t, TimeSpan>> ReadTimeSpans(IndexStore& store) {
   return spans;
 }
 
+constexpr int kTimeDecimals = 3;
+
 std::string PlacemarkText(const ListedObject& listed, const TimeSpan& span) {
   const Geolocation& place = *listed.object.place;
   std::string ellipse;
-  for (const Ring& ring : RingsOf(place)) {
+  for (const GeodeticRing& ring : ComputeEllipse(place)) {
     ellipse += "<Polygon><outerBoundaryIs><LinearRing><coordinates>";
     for (const GeodeticPoint& corner : ring) ellipse += CoordinatesText(corner) + " ";
     ellipse += "</coordinates></LinearRing></outerBoundaryIs></Polygon>";
@@ -171,8 +107,8 @@ std::string PlacemarkText(const ListedObject& listed, const TimeSpan& span) {
       "<Point><coordinates>{},{:.3f}</coordinates></Point>"
       "{}</MultiGeometry></Placemark>\n",
       listed.object.id, EscapedXml(listed.model), listed.object.id, listed.object.score, listed.object.frames,
-      place.ce90_m, heading, rejected, TimeText(span.begin_us), TimeText(span.end_us), CoordinatesText(place.point),
-      place.point.altitude_m, ellipse);
+      place.ce90_m, heading, rejected, FormatUtc(span.begin_us, kTimeDecimals), FormatUtc(span.end_us, kTimeDecimals),
+      CoordinatesText(place.point), place.point.altitude_m, ellipse);
 }
 
 }  // namespace

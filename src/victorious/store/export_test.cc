@@ -5,8 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <ogrsf_frmts.h>
 
 #include "testing/data.h"
+#include "victorious/base/file.h"
 #include "victorious/geometry/angles.h"
 
 namespace victorious {
@@ -23,8 +25,8 @@ class ExportTest : public ::testing::Test {
     store_ = *OpenSqliteStore(folder_ / "index.db", StoreMode::kCreate);
     const auto a = *store_->PutVideo({.content_id = "1", .name = "flight/a.mp4", .width = 640, .height = 480});
     const auto b = *store_->PutVideo({.content_id = "2", .name = "b.mp4", .width = 320, .height = 240});
-    const auto box = *store_->PutModel({.name = "box", .model_id = "1", .kind = "photos"});
-    const auto shed = *store_->PutModel({.name = "shed", .model_id = "2", .kind = "photos"});
+    const auto box = *store_->PutModel({.name = "box", .content_id = "1", .kind = ModelKind::kPhotos});
+    const auto shed = *store_->PutModel({.name = "shed", .content_id = "2", .kind = ModelKind::kPhotos});
     IndexBatch batch;
     batch.tracklets.push_back({std::nullopt,
                                {.video = a.id,
@@ -49,7 +51,7 @@ class ExportTest : public ::testing::Test {
                                {.frame = 0,
                                 .box = {1, 2, 3, 4},
                                 .score = 0.97,
-                                .source = "tracked",
+                                .source = SightingSource::kTracked,
                                 .view = ViewAngles{RadiansFromDegrees(150), RadiansFromDegrees(60)},
                                 .sigma_view_rad = RadiansFromDegrees(2.5),
                                 .distance_m = 123.4567,
@@ -204,6 +206,52 @@ TEST_F(ExportTest, AnEllipseAcrossTheAntimeridianIsCutThere) {
       EXPECT_LE(std::abs(longitude_deg), 180);
     }
   }
+}
+
+// Reads the GeoPackage back by GDAL.
+TEST_F(ExportTest, AGeoPackageHasPointsEllipsesAndTheKeysOfObjects) {
+  ObjectRecord object = store_->Objects({.model_name = "box"}).value().front();
+  object.place.emplace();
+  object.place->point = {RadiansFromDegrees(52.5), RadiansFromDegrees(13.25), 81.5};
+  object.place->covariance_enu_m2 = 9 * Eigen::Matrix3d::Identity();
+  object.place->ce90_m = 6.4;
+  object.rejected = "7 times too large";
+  ASSERT_TRUE(store_->PutObjects(std::span(&object, 1)));
+  const SightingFilter filter{.include_rejected = true};
+  const std::string bytes = Text(ExportFormat::kGpkg, filter);
+  EXPECT_EQ(Text(ExportFormat::kGpkg, filter), bytes) << "the same content, the same bytes";
+  const std::filesystem::path path = folder_ / "objects.gpkg";
+  ASSERT_TRUE(WriteFileAtomically(path, bytes));
+
+  const std::unique_ptr<GDALDataset> file(GDALDataset::Open(path.c_str(), GDAL_OF_VECTOR));
+  ASSERT_TRUE(file);
+  OGRLayer* objects = file->GetLayerByName("objects");
+  OGRLayer* ellipses = file->GetLayerByName("ellipses");
+  ASSERT_TRUE(objects != nullptr && ellipses != nullptr);
+  ASSERT_EQ(objects->GetFeatureCount(), 1) << "objects without a place are left out";
+  const std::unique_ptr<OGRFeature> row(objects->GetNextFeature());
+  const OGRPoint* point = row->GetGeometryRef()->toPoint();
+  EXPECT_NEAR(point->getX(), 13.25, 1e-12) << "longitude first";
+  EXPECT_NEAR(point->getY(), 52.5, 1e-12);
+  EXPECT_EQ(point->getZ(), 81.5);
+  EXPECT_EQ(row->GetFID(), object.id);
+  EXPECT_STREQ(objects->GetFIDColumn(), "object_id");
+  const json line = json::parse(Lines(ExportFormat::kObjects, filter).back());
+  for (const auto& [key, value] : line.items()) {
+    if (key == "object_id") continue;
+    const int field = row->GetFieldIndex(key.c_str());
+    ASSERT_GE(field, 0) << key << " is no column";
+    EXPECT_EQ(row->IsFieldNull(field), value.is_null()) << key;
+    if (value.is_string()) EXPECT_EQ(row->GetFieldAsString(field), value.get<std::string>()) << key;
+    if (value.is_number()) EXPECT_EQ(row->GetFieldAsDouble(field), value.get<double>()) << key;
+    if (value.is_array()) EXPECT_EQ(json::parse(row->GetFieldAsString(field)), value) << key;
+  }
+  const std::unique_ptr<OGRFeature> around(ellipses->GetNextFeature());
+  OGREnvelope box;
+  around->GetGeometryRef()->getEnvelope(&box);
+  EXPECT_TRUE(box.MinX < 13.25 && 13.25 < box.MaxX && box.MinY < 52.5 && 52.5 < box.MaxY);
+  const double height_m = (box.MaxY - box.MinY) * 111'250;  // of a degree of latitude, at 52.5 degrees
+  EXPECT_NEAR(height_m, 2 * 3 * 2.146, 0.02);
 }
 
 TEST(ExportFormatTest, IsNamedAsTheContractSays) {
