@@ -15,11 +15,10 @@
 #include "victorious/geolocate/lines_csv.h"
 #include "victorious/geolocate/locate.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/store/export_json.h"
 
 namespace victorious::cli {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct Arguments {
   std::string lines;
@@ -39,12 +38,6 @@ std::vector<std::string> Texts(const std::array<EnumText<Enum>, count>& table) {
 }
 
 Json ToJson(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
-
-Json ToJson(const Eigen::Matrix3d& matrix) {
-  Json rows = Json::array();
-  for (const auto& row : matrix.rowwise()) rows.push_back({row.x(), row.y(), row.z()});
-  return rows;
-}
 
 // Clockwise from north, [0, 360).
 double CourseDeg(const Eigen::Vector3d& velocity_enu) {
@@ -71,12 +64,12 @@ Json ToJson(const GeoFix& fix) {
     json["longitude_deg"] = DegreesFromRadians(place.point.longitude_rad);
     json["altitude_m"] = place.point.altitude_m;
     json["place_time_s"] = place.time_s;
-    json["covariance_enu_m2"] = ToJson(place.covariance_enu_m2);
+    json["covariance_enu_m2"] = MatrixJson(place.covariance_enu_m2);
     json["ce90_m"] = place.ce90_m;
     json["le90_m"] = place.le90_m;
     if (place.velocity_enu) {
       json["velocity_enu_m_s"] = ToJson(*place.velocity_enu);
-      json["velocity_covariance_enu_m2_s2"] = ToJson(*place.velocity_covariance_enu);
+      json["velocity_covariance_enu_m2_s2"] = MatrixJson(*place.velocity_covariance_enu);
       json["speed_m_s"] = place.velocity_enu->norm();
       json["course_deg"] = CourseDeg(*place.velocity_enu);
     }

@@ -12,8 +12,10 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
+#include "victorious/base/median.h"
 #include "victorious/base/random.h"
 #include "victorious/evaluate/drawn_clutter.h"
+#include "victorious/evaluate/score.h"
 #include "victorious/evaluate/turned_view.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/similarity.h"
@@ -133,10 +135,6 @@ Box Paste(const WarpedView& view, const Sample& sample, double size_px, cv::Mat&
   return boxed(picture_from_view);
 }
 
-double AngleBetween(const ViewDirection& a, const ViewDirection& b) {
-  return std::acos(std::clamp(DirectionToCamera(a).dot(DirectionToCamera(b)), -1.0, 1.0));
-}
-
 // The frame conditions of a distant camera with the object on its optical axis.
 FrameConditions MakeFrameConditions(const Sample& sample, const Setting& setting) {
   FrameConditions conditions;
@@ -188,7 +186,7 @@ class Search {
       const ViewAngles& angles = *model_->views[detection.view].angles;
       trial_result.found = true;
       trial_result.correct_view =
-          AngleBetween({angles.azimuth_rad, angles.off_nadir_rad}, sample.direction) <= kCorrectView_rad;
+          AngleBetween(angles, {sample.direction.azimuth_rad, sample.direction.off_nadir_rad}) <= kCorrectView_rad;
       break;  // the best detection
     }
     return trial_result;
@@ -270,12 +268,6 @@ DetectableSizes ComputeDetectableSizes(std::vector<std::size_t> rungs) {
     return kSizeLadder_px[rung];
   };
   return {.size_50_px = at(0.5), .size_90_px = at(0.9)};
-}
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
-  return values[values.size() / 2];
 }
 
 Status CheckArguments(const ObjectModel& model, const DetectabilityOptions& options) {

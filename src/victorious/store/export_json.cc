@@ -38,6 +38,12 @@ Json OutlineJson(const Polygon& outline) {
   return corners;
 }
 
+Json MatrixJson(const Eigen::Matrix3d& matrix) {
+  Json rows = Json::array();
+  for (const auto& row : matrix.rowwise()) rows.push_back({row.x(), row.y(), row.z()});
+  return rows;
+}
+
 Json OrNull(const std::optional<double>& value, Json (*convert)(double)) { return value ? convert(*value) : Json(); }
 
 std::string Dump(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include <Eigen/Core>
 #include <nlohmann/json_fwd.hpp>
 
 #include "victorious/geometry/box.h"
@@ -28,6 +29,8 @@ Json GeodeticJson(double angle_rad);
 Json BoxJson(const Box& box);
 /// [[x, y], …]
 Json OutlineJson(const Polygon& outline);
+/// Rows of a matrix
+Json MatrixJson(const Eigen::Matrix3d& matrix);
 /// px to two decimals
 double RoundPixels(double value_px);
 

@@ -5,16 +5,6 @@
 #include <nlohmann/json.hpp>
 
 namespace victorious {
-namespace {
-
-Json CovarianceJson(const Eigen::Matrix3d& covariance) {
-  Json rows = Json::array();
-  for (const auto& row : covariance.rowwise()) rows.push_back({row.x(), row.y(), row.z()});
-  return rows;
-}
-
-}  // namespace
-
 Expected<std::vector<ListedObject>> ListObjects(IndexStore& store, const Catalogue& catalogue,
                                                 const SightingFilter& filter) {
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ObjectRecord> objects, store.Objects(filter));
@@ -65,7 +55,7 @@ Json ObjectJson(const ListedObject& listed) {
     json["latitude_deg"] = GeodeticJson(place.point.latitude_rad);
     json["longitude_deg"] = GeodeticJson(place.point.longitude_rad);
     json["altitude_m"] = MetresJson(place.point.altitude_m);
-    json["covariance_enu_m2"] = CovarianceJson(place.covariance_enu_m2);
+    json["covariance_enu_m2"] = MatrixJson(place.covariance_enu_m2);
     json["ce90_m"] = MetresJson(place.ce90_m);
     json["le90_m"] = MetresJson(place.le90_m);
   }
