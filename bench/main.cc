@@ -30,6 +30,7 @@ constexpr std::array kBenchmarks = {Benchmark{"sift", &BenchSift},       Benchma
 
 struct Arguments {
   std::string name;  ///< empty: all
+  bool help = false;
   bool json = false;
   Settings settings;
 };
@@ -45,7 +46,9 @@ Expected<Arguments> Parse(int argc, char** argv) {
   Arguments arguments;
   for (const std::string_view word : std::vector<std::string_view>(argv + 1, argv + argc)) {
     const bool known = std::ranges::any_of(kBenchmarks, [&](const Benchmark& one) { return one.name == word; });
-    if (word == "--json") {
+    if (word == "--help" || word == "-h") {
+      arguments.help = true;
+    } else if (word == "--json") {
       arguments.json = true;
     } else if (word == "--quick") {
       arguments.settings.quick = true;
@@ -62,6 +65,17 @@ Expected<Arguments> Parse(int argc, char** argv) {
 void Print(const std::string& text) {
   std::fputs(text.c_str(), stdout);
   std::fflush(stdout);
+}
+
+std::string Help() {
+  return fmt::format(
+      "Measures the speed of each stage against reference implementations.\n"
+      "Usage: victorious bench [NAME] [OPTIONS]\n\n"
+      "  NAME        One of {} (default: all)\n"
+      "  -h,--help   Print this help message and exit\n"
+      "  --json      Print JSON\n"
+      "  --quick     Few repetitions, to check that it runs\n",
+      Names());
 }
 
 void Run(const Arguments& arguments) {
@@ -84,6 +98,10 @@ int main(int argc, char** argv) {
   if (!arguments) {
     fmt::print(stderr, "victorious-bench: {}\n", arguments.error().message);
     return victorious::ExitStatus(arguments.error().code);
+  }
+  if (arguments->help) {
+    victorious::bench::Print(victorious::bench::Help());
+    return 0;
   }
   victorious::bench::Run(*arguments);
 }

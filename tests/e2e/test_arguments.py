@@ -190,6 +190,11 @@ class ArgumentsTest(program.ProgramTest):
         self.refuses_unchanged("--out", "experiment", names[0])
         self.assertIn(lines[0], self.succeeds("experiment", "--help").out)
 
+    def test_the_other_programs_get_their_arguments_as_given(self):
+        self.assertIn("mlesac", self.succeeds("bench", "--help").out)
+        self.assertIn("speed", self.refuses(2, "mlesac", "bench", "speed", "--json"))
+        self.assertIn("--movies", self.succeeds("experiment", "--help").out)
+
     def test_help_and_version(self):
         self.assertRegex(self.succeeds("--version").out, r"^\d+\.\d+\.\d+\n$")
         told = self.succeeds("--help").out

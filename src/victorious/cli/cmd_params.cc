@@ -1,9 +1,11 @@
 // victorious params: lists every parameter, from the field lists of the options structs
-#include <map>
+#include <algorithm>
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "victorious/calibrate/time_offset.h"
@@ -19,38 +21,53 @@
 
 namespace victorious::cli {
 
+namespace {
+
+// The default parameters of a command or stage.
+template <typename Options>
+std::vector<FieldRef> Defaults() {
+  static Options options;
+  return CollectFields(options);
+}
+
+struct ParameterList {
+  const char* name;
+  const char* what;  ///< beside the name in the help; empty if the name says it
+  std::vector<FieldRef> (*fields)();
+};
+
+constexpr std::array kLists = {
+    ParameterList{"index", "search and match use its recognition part", &Defaults<IndexOptions>},
+    ParameterList{"model", "from photos", &Defaults<PhotoModelOptions>},
+    ParameterList{"cad", "model from a CAD file", &Defaults<CadModelOptions>},
+    ParameterList{"features", "", &Defaults<FeatureOptions>},
+    ParameterList{"telemetry", "", &Defaults<TimedTelemetryOptions>},
+    ParameterList{"locate", "", &Defaults<LocateOptions>},
+    ParameterList{"track", "", &Defaults<TrackBoxesOptions>},
+    ParameterList{"navigate", "", &Defaults<NavigateVideoOptions>},
+    ParameterList{"category", "", &Defaults<CategoryTrainOptions>},
+};
+
+}  // namespace
+
 Action SetUpParams(CLI::App& app) {
   struct Arguments {
-    std::string of = "index";
+    std::string name = kLists.front().name;
     bool json = false;
   };
   const auto arguments = std::make_shared<Arguments>();
-  app.add_option("WHOSE", arguments->of,
-                 "Command or stage: index (search and match use its recognition part), model (from photos), cad (model "
-                 "from a CAD file), features, telemetry, locate, track, navigate, category")
-      ->check(
-          CLI::IsMember({"index", "model", "cad", "features", "telemetry", "locate", "track", "navigate", "category"}));
+  std::vector<std::string> names;
+  std::string help;
+  for (const ParameterList& list : kLists) {
+    names.emplace_back(list.name);
+    help += (help.empty() ? "" : ", ") + names.back() + (*list.what == 0 ? "" : fmt::format(" ({})", list.what));
+  }
+  app.add_option("WHOSE", arguments->name, "Command or stage: " + help)->check(CLI::IsMember(names));
   app.add_flag("--json", arguments->json, "Print the defaults as JSON, to be edited and given to --params");
   return [=]() -> Status {
-    IndexOptions index;
-    PhotoModelOptions model;
-    CadModelOptions cad;
-    FeatureOptions features;
-    TimedTelemetryOptions telemetry;
-    LocateOptions locate;
-    TrackBoxesOptions track;
-    NavigateVideoOptions navigate;
-    CategoryTrainOptions category;
-    const std::map<std::string, std::vector<FieldRef>> lists = {{"index", CollectFields(index)},
-                                                                {"model", CollectFields(model)},
-                                                                {"cad", CollectFields(cad)},
-                                                                {"features", CollectFields(features)},
-                                                                {"telemetry", CollectFields(telemetry)},
-                                                                {"locate", CollectFields(locate)},
-                                                                {"track", CollectFields(track)},
-                                                                {"navigate", CollectFields(navigate)},
-                                                                {"category", CollectFields(category)}};
-    const std::vector<FieldRef>& fields = lists.at(arguments->of);
+    const auto list =
+        std::ranges::find_if(kLists, [&](const ParameterList& one) { return arguments->name == one.name; });
+    const std::vector<FieldRef> fields = list->fields();
     return WriteOutput("", arguments->json ? ToJson(fields).dump(2) + "\n" : MarkdownTable(fields));
   };
 }

@@ -1,5 +1,6 @@
 // The command interface: one row of the table in main.cc. `setup` adds the command's arguments to its parser and
-// returns the action to call after parsing. Each file cmd_<verb>.cc implements one command.
+// returns the action to call after parsing. Each file cmd_<verb>.cc implements one command. A command can also be a
+// program of its own.
 #pragma once
 
 #include <functional>
@@ -15,15 +16,14 @@ using Action = std::function<Status()>;
 struct Command {
   const char* name;
   const char* group;
-  const char* summary;  ///< one line
-  Action (*setup)(CLI::App& app);
+  const char* summary;             ///< one line
+  Action (*setup)(CLI::App& app);  ///< nullptr if `program` is set
+  const char* program = nullptr;   ///< executable in the folder of this one that gets all arguments as given
 };
 
-Action SetUpBench(CLI::App& app);
 Action SetUpCategory(CLI::App& app);
 Action SetUpDoctor(CLI::App& app);
 Action SetUpEvaluate(CLI::App& app);
-Action SetUpExperiment(CLI::App& app);
 Action SetUpExport(CLI::App& app);
 Action SetUpFeatures(CLI::App& app);
 Action SetUpFrame(CLI::App& app);

@@ -24,7 +24,7 @@ constexpr std::array kCommands = {
     Command{"simulate", "Make", "Render a flight over a scene, with telemetry and ground truth", &SetUpSimulate},
     Command{"index", "Find", "Find every model in every video, and store the results", &SetUpIndex},
     Command{"search", "Find", "List the objects found, ranked, or the moments similar to an image", &SetUpSearch},
-    Command{"export", "Find", "Export the results: objects, sightings, geojson, kml, mot, coco", &SetUpExport},
+    Command{"export", "Find", "Export the results as JSON, map or annotation files", &SetUpExport},
     Command{"track", "Find", "Track the objects in user boxes through one or more videos", &SetUpTrack},
     Command{"sheet", "Find", "Draw the objects found on a contact sheet", &SetUpSheet},
     Command{"locate", "Find", "Locate the intersection of lines of sight, with covariance", &SetUpLocate},
@@ -35,11 +35,17 @@ constexpr std::array kCommands = {
     Command{"params", "Look inside", "List every parameter with default, range and reason", &SetUpParams},
     Command{"doctor", "Look inside", "Describe this machine, or the content of a file", &SetUpDoctor},
     Command{"evaluate", "Measure", "Score an index against ground truth", &SetUpEvaluate},
-    Command{"experiment", "Measure", "Reproduce a table or figure of the thesis", &SetUpExperiment},
-    Command{"bench", "Measure", "Measure the speed of each stage against reference implementations", &SetUpBench},
+    Command{"experiment", "Measure", "Reproduce a table or figure of the thesis", nullptr, "victorious-experiment"},
+    Command{"bench", "Measure", "Measure the speed of each stage against reference implementations", nullptr,
+            "victorious-bench"},
 };
 
 Expected<int> Main(int argc, char** argv) {
+  const auto is_named = [&](const Command& command) { return argc > 1 && std::string_view(command.name) == argv[1]; };
+  const auto named = std::ranges::find_if(kCommands, is_named);
+  if (named != kCommands.end() && named->program != nullptr) {
+    return std::unexpected(StartSiblingProgram(named->program, {argv + 2, argv + argc}));
+  }
   CLI::App app("Finds your object in hours of video.", "victorious");
   app.set_version_flag("--version", kVersion);
   app.require_subcommand(1);
@@ -47,11 +53,11 @@ Expected<int> Main(int argc, char** argv) {
   Action chosen;
   for (const Command& command : kCommands) {
     CLI::App* subcommand = app.add_subcommand(command.name, command.summary)->group(command.group);
+    if (command.setup == nullptr) continue;
     subcommand->final_callback([&chosen, action = command.setup(*subcommand)] { chosen = action; });
   }
-  const auto is_named = [&](const Command& command) { return argc > 1 && std::string_view(command.name) == argv[1]; };
   const bool is_command = argc > 1 && argv[1][0] != '-';
-  if (is_command && std::ranges::none_of(kCommands, is_named)) {
+  if (is_command && named == kCommands.end()) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: unknown command; `victorious --help` lists the commands", argv[1]));
   }
@@ -59,6 +65,9 @@ Expected<int> Main(int argc, char** argv) {
       const std::optional<int> ended,
       ParseArguments(app, argc, argv, is_command ? fmt::format("victorious {}", argv[1]) : "victorious"));
   if (ended) return *ended;
+  if (!chosen) {
+    return Fail(ErrorCode::kInvalidArgument, "give the command first; `victorious --help` lists the commands");
+  }
   VICTORIOUS_RETURN_IF_ERROR(chosen());
   return 0;
 }

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <new>
 #include <system_error>
-#include <vector>
 
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
@@ -16,25 +15,6 @@
 #include "victorious/cli/arguments.h"
 
 namespace victorious::cli {
-namespace {
-
-Status StartSiblingProgram(const std::string& name, const std::vector<std::string>& arguments) {
-  std::error_code error;
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error).replace_filename(name);
-  if (!std::filesystem::exists(program, error)) {
-    return Fail(ErrorCode::kNotFound, fmt::format("{}: is not built; `make build` builds it", program.string()));
-  }
-  std::vector<std::string> words = {program.string()};
-  words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  ::execv(program.c_str(), argv.data());
-  return std::unexpected(ErrorFromErrno(errno, fmt::format("start {}", program.string())));
-}
-
-}  // namespace
-
 int RunProgram(int argc, char** argv, Expected<int> (*body)(int argc, char** argv)) {
   std::signal(SIGXFSZ, SIG_IGN);  // beyond `ulimit -f`, writing fails as on a full disk
   try {
@@ -64,10 +44,19 @@ Expected<std::optional<int>> ParseArguments(CLI::App& app, int argc, char** argv
   return std::nullopt;
 }
 
-Action SetUpSiblingProgram(CLI::App& app, const std::string& program) {
-  app.prefix_command();
-  app.set_help_flag();
-  return [&app, program]() -> Status { return StartSiblingProgram(program, app.remaining()); };
+Error StartSiblingProgram(const std::string& name, const std::vector<std::string>& arguments) {
+  std::error_code error;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error).replace_filename(name);
+  if (!std::filesystem::exists(program, error)) {
+    return {ErrorCode::kNotFound, fmt::format("{}: is not built; `make build` builds it", program.string())};
+  }
+  std::vector<std::string> words = {program.string()};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  ::execv(program.c_str(), argv.data());
+  return ErrorFromErrno(errno, fmt::format("start {}", program.string()));
 }
 
 }  // namespace victorious::cli

@@ -3,11 +3,11 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/App.hpp>
 
 #include "victorious/base/error.h"
-#include "victorious/cli/command.h"
 
 namespace victorious::cli {
 
@@ -22,8 +22,8 @@ int RunProgram(int argc, char** argv, Expected<int> (*body)(int argc, char** arg
 /// Error: kInvalidArgument.
 Expected<std::optional<int>> ParseArguments(CLI::App& app, int argc, char** argv, const std::string& name);
 
-/// Sets up a command that is an executable of its own in the folder of this one. It gets every argument as given.
-/// @param program  file name of the executable
-Action SetUpSiblingProgram(CLI::App& app, const std::string& program);
+/// Replaces this process by another executable of the folder of this one, with `arguments`. Returns only on failure.
+/// Errors: kNotFound if it is not built, and those of starting it.
+Error StartSiblingProgram(const std::string& name, const std::vector<std::string>& arguments);
 
 }  // namespace victorious::cli

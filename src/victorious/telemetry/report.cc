@@ -15,7 +15,6 @@
 #include "victorious/telemetry/klv.h"
 #include "victorious/telemetry/klv_packets.h"
 #include "victorious/telemetry/telemetry.h"
-#include "victorious/telemetry/utc_text.h"
 
 namespace victorious {
 namespace {

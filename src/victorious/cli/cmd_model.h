@@ -1,0 +1,44 @@
+// Private to cmd_model*.cc: the parts of `victorious model`, one file each.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <CLI/App.hpp>
+
+#include "victorious/base/error.h"
+#include "victorious/cli/command.h"
+#include "victorious/evaluate/findable.h"
+#include "victorious/types/object_model.h"
+
+namespace victorious::cli {
+
+/// Adds the required option --models: the folder of the model library.
+void AddModelsFolder(CLI::App& app, std::string& folder);
+
+/// `model add`: a model from a CAD file or from photos.
+Action SetUpModelAdd(CLI::App& app);
+/// `model list`: one row per model.
+Action SetUpModelList(CLI::App& app);
+/// `model show`: one model in detail.
+Action SetUpModelShow(CLI::App& app);
+/// `model remove`
+Action SetUpModelRemove(CLI::App& app);
+
+/// The flags of `model show --findable`.
+struct DetectabilityArguments {
+  bool wanted = false;
+  DetectabilityOptions options;
+  std::string sun = "off";
+  bool no_attitude = false;
+  std::string draw;
+  std::string params;
+};
+
+void AddDetectabilityFlags(CLI::App& app, DetectabilityArguments& arguments);
+
+/// Measures the recall of the search that `index` runs, and draws the test images if that is wanted. Shows progress on
+/// stderr. Errors: those of MeasureDetectability and of writing the images; kInvalidArgument for the flags.
+Expected<Detectability> RunDetectabilityTest(const ObjectModel& model, const DetectabilityArguments& arguments);
+
+}  // namespace victorious::cli

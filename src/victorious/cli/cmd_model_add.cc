@@ -1,0 +1,173 @@
+// victorious model add: makes a model from a CAD file or from photos
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
+#include <spdlog/spdlog.h>
+
+#include "victorious/base/progress.h"
+#include "victorious/cli/arguments.h"
+#include "victorious/cli/cmd_model.h"
+#include "victorious/image/image_file.h"
+#include "victorious/mesh/load_mesh.h"
+#include "victorious/model/cad_model.h"
+#include "victorious/model/model_library.h"
+#include "victorious/model/photo_model.h"
+
+namespace victorious::cli {
+namespace {
+
+struct Arguments {
+  std::string folder;
+  std::string name;
+  std::vector<std::string> inputs;
+  std::vector<std::string> boxes;
+  std::optional<double> length_m;
+  std::optional<double> step_deg;
+  std::optional<double> max_off_nadir_deg;
+  std::string up;
+  std::string front;
+  std::string params;
+  std::string draw;
+};
+
+// Draws the photos, with the outline of the object in each, one below the other.
+cv::Mat DrawCutOuts(const std::vector<Photo>& photos) {
+  std::vector<cv::Mat> rows;
+  int width = 0;
+  for (const Photo& photo : photos) width = std::max(width, photo.grey.cols);
+  for (const Photo& photo : photos) {
+    cv::Mat row(photo.grey.rows, width, CV_8UC3, cv::Scalar::all(32));
+    cv::cvtColor(photo.grey, row.colRange(0, photo.grey.cols), cv::COLOR_GRAY2BGR);
+    std::vector<cv::Point> corners;
+    for (const Eigen::Vector2d& corner : photo.outline) corners.emplace_back(cv::Point2d(corner.x(), corner.y()));
+    cv::polylines(row, corners, true, {0, 255, 255}, 2, cv::LINE_AA);
+    rows.push_back(std::move(row));
+  }
+  cv::Mat picture;
+  cv::vconcat(rows, picture);
+  return picture;
+}
+
+// Without a cut-out, the background would be learned as part of the object.
+void LogUncroppedPhotos(const std::vector<Photo>& photos) {
+  for (const Photo& photo : photos) {
+    if (!photo.mask.empty() && cv::countNonZero(photo.mask) < static_cast<int>(photo.mask.total())) continue;
+    spdlog::info("{}: the whole photo is used as the object; cut it out by --box X,Y,W,H or an alpha channel",
+                 OneLine(photo.source));
+  }
+}
+
+Expected<ObjectModel> FromPhotos(const Arguments& arguments) {
+  if (arguments.step_deg || arguments.max_off_nadir_deg || !arguments.up.empty() || !arguments.front.empty()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "--step, --max-off-nadir, --up and --front apply to CAD files, not to photos");
+  }
+  if (!arguments.boxes.empty() && arguments.boxes.size() != arguments.inputs.size()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{} boxes for {} photos: give one --box for each photo, in their order, or none",
+                            arguments.boxes.size(), arguments.inputs.size()));
+  }
+  PhotoModelOptions options;
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
+  std::vector<Photo> photos;
+  for (std::size_t i = 0; i < arguments.inputs.size(); ++i) {
+    std::optional<Box> box;
+    if (!arguments.boxes.empty()) {
+      VICTORIOUS_ASSIGN_OR_RETURN(box, ParseBox(arguments.boxes[i]));
+    }
+    VICTORIOUS_ASSIGN_OR_RETURN(Photo photo, LoadPhoto(arguments.inputs[i], box));
+    photos.push_back(std::move(photo));
+  }
+  Expected<ObjectModel> model = MakePhotoModel(arguments.name, photos, arguments.length_m, options);
+  if (model && !arguments.draw.empty()) VICTORIOUS_RETURN_IF_ERROR(WriteImage(arguments.draw, DrawCutOuts(photos)));
+  if (model && arguments.boxes.empty()) LogUncroppedPhotos(photos);
+  return model;
+}
+
+Expected<ObjectModel> FromCad(const Arguments& arguments) {
+  const std::string& input = arguments.inputs.front();
+  if (!arguments.boxes.empty() || !arguments.draw.empty()) {
+    return Fail(ErrorCode::kInvalidArgument, "--box and --draw apply to photos, not to CAD files");
+  }
+  CadModelOptions options;
+  VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
+  if (arguments.step_deg) options.sphere.step_deg = *arguments.step_deg;
+  if (arguments.max_off_nadir_deg) options.sphere.max_off_nadir_deg = *arguments.max_off_nadir_deg;
+  VICTORIOUS_RETURN_IF_ERROR(
+      CheckFlags(CollectFields(options), {{"sphere.step", "--step"}, {"sphere.max_off_nadir", "--max-off-nadir"}}));
+  LoadMeshOptions load{.up = {}, .front = {}, .length_m = arguments.length_m};
+  if (!arguments.up.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(load.up, ParseAxis(arguments.up));
+  }
+  if (!arguments.front.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(load.front, ParseAxis(arguments.front));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const LoadedMesh loaded, LoadMesh(input, load));
+  for (const std::string& warning : loaded.warnings) spdlog::warn("{}", OneLine(fmt::format("{}: {}", input, warning)));
+  std::optional<Progress> progress;
+  const auto show = [&](int done, int all) {
+    if (!progress) progress.emplace(arguments.name, all, "views");
+    progress->Update(done);
+  };
+  Expected<ObjectModel> model = MakeCadModel(arguments.name, loaded.mesh, input, options, show);
+  if (model) model->length_m = loaded.length_m;
+  return model;
+}
+
+Status Add(const Arguments& arguments) {
+  const ModelLibrary library(arguments.folder);
+  VICTORIOUS_RETURN_IF_ERROR(library.CheckNewName(arguments.name));
+  if (arguments.length_m && !(*arguments.length_m > 0 && *arguments.length_m < 1e6)) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--length {:g}: must be the object's length in metres, above 0", *arguments.length_m));
+  }
+  const bool cad = std::ranges::any_of(arguments.inputs, IsCadFile);
+  if (cad && arguments.inputs.size() > 1) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("model {}: give one CAD file, or photos", arguments.name));
+  }
+  VICTORIOUS_ASSIGN_OR_RETURN(const ObjectModel model, cad ? FromCad(arguments) : FromPhotos(arguments));
+  VICTORIOUS_RETURN_IF_ERROR(library.Add(model));
+  return WriteOutput("", fmt::format("{}: {} {}, {} features\n", model.name, model.views.size(),
+                                     model.views.size() == 1 ? "view" : "views", model.features.size()));
+}
+
+}  // namespace
+
+Action SetUpModelAdd(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  AddModelsFolder(app, arguments->folder);
+  app.add_option("NAME", arguments->name, "Name of the object")->required();
+  app.add_option("INPUT", arguments->inputs,
+                 "One CAD file (glTF, GLB, OBJ, AC3D, COLLADA, 3DS, PLY, STL), or photos (PNG, JPEG) with an alpha "
+                 "channel or --box")
+      ->required();
+  app.add_option("--box", arguments->boxes,
+                 "The object in the photo, x,y,w,h in pixels; one for each photo, in their order")
+      ->type_name("X,Y,W,H")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->allow_extra_args(false);  // the word after a box is not another box
+  app.add_option("--length", arguments->length_m,
+                 "Length of the object in metres: its longest side; for glTF its extent along the front axis (+Z). "
+                 "Without it, CAD units are metres and photos have no size")
+      ->type_name("M");
+  app.add_option("--step", arguments->step_deg, "CAD: degrees between views (default 10)")->type_name("DEG");
+  app.add_option("--max-off-nadir", arguments->max_off_nadir_deg,
+                 "CAD: largest off-nadir angle of the views, degrees (default 70)")
+      ->type_name("DEG");
+  app.add_option("--up", arguments->up, "CAD: the file's axis that points up, as in +y (default: by format)")
+      ->type_name("AXIS");
+  app.add_option("--front", arguments->front, "CAD: the file's axis that points to the front (default: by format)")
+      ->type_name("AXIS");
+  app.add_option("--draw", arguments->draw, "Draw the photos with the object outlines into this file")
+      ->type_name("FILE");
+  AddParams(app, arguments->params, "model|cad");
+  return [=] { return Add(*arguments); };
+}
+
+}  // namespace victorious::cli
