@@ -99,16 +99,16 @@ TEST(BoxPlace, ATypesLengthTellsHowFarOffItIs) {
 TEST(BoxPlace, WhatMovesIsWhereItIsAtEachTime) {
   const Flight flight{.velocity_enu = {-6, 4, 0}, .frames = 150, .circles = true};
   const auto places = EstimateBoxPlaces(Fly(flight, FindObjectType("car"), 0), BoxMotion::kUnknown, {}, {});
-  int told = 0;
+  int located = 0;
   for (int i = 0; i < flight.frames; ++i) {
     if (!places[static_cast<std::size_t>(i)]) continue;
-    ++told;
+    ++located;
     const Geolocation& place = *places[static_cast<std::size_t>(i)];
     const Vector3d off = TangentPlane(kOrigin).EnuFromGeodetic(place.point) - 0.1 * i * flight.velocity_enu;
     EXPECT_LT(off.head<2>().norm(), place.ce90_m) << i;
     EXPECT_LT((*place.velocity_enu - flight.velocity_enu).norm(), 4) << i;
   }
-  EXPECT_GE(told, flight.frames / 2);
+  EXPECT_GE(located, flight.frames / 2);
 }
 
 // A camera that flies straight cannot distinguish an object that drives straight from a static object elsewhere.

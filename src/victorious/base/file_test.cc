@@ -348,12 +348,12 @@ TEST_F(ContentIdOfFilesTest, CountsTheBytesOfAll) {
   Put(scratch / "a", std::string(1000, 'a'));
   Put(scratch / "b", std::string(2000, 'b'));
   const std::vector<fs::path> files = {scratch / "a", scratch / "b"};
-  std::vector<std::int64_t> told;
+  std::vector<std::int64_t> progress;
   ASSERT_TRUE(ContentIdOfFiles(files, CancelToken(), [&](std::int64_t done, std::int64_t total) {
     EXPECT_EQ(total, 3000);
-    told.push_back(done);
+    progress.push_back(done);
   }));
-  EXPECT_THAT(told, ::testing::ElementsAre(1000, 3000));
+  EXPECT_THAT(progress, ::testing::ElementsAre(1000, 3000));
 }
 
 TEST_F(ContentIdOfFilesTest, AFileThatCannotBeReadIsNamed) {

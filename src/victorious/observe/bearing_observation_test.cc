@@ -11,14 +11,14 @@
 namespace victorious {
 namespace {
 
-std::optional<BearingObservation> SightOfStaged(const Staged& staged, const CameraState& camera) {
+std::optional<BearingObservation> ObserveStaged(const Staged& staged, const CameraState& camera) {
   const auto object_pose =
       EstimateObjectPose(staged.detection, staged.model, staged.scene, camera, {}, UpInCamera(camera));
   return object_pose ? MakeBearingObservation(*object_pose, camera) : std::nullopt;
 }
 
-void ExpectSight(const std::optional<BearingObservation>& observation, const Eigen::Vector3d& object_enu,
-                 double heading_deg) {
+void ExpectObservation(const std::optional<BearingObservation>& observation, const Eigen::Vector3d& object_enu,
+                       double heading_deg) {
   ASSERT_TRUE(observation);
   const double off_deg = 0.02;
   EXPECT_NEAR(DegreesFromRadians(WrapAngle(observation->line.azimuth_rad - std::atan2(object_enu.x(), object_enu.y()))),
@@ -34,8 +34,8 @@ TEST(BearingObservation, TellsDirectionRangeAndHeadingOfAKnownObject) {
   const CameraState camera = LookingDown(-55, 38);
   for (const double heading_deg : {10.0, 140.0, 265.0}) {
     const Staged staged = Stage(camera, object_enu, heading_deg, {});
-    const auto observation = SightOfStaged(staged, camera);
-    ExpectSight(observation, object_enu, heading_deg);
+    const auto observation = ObserveStaged(staged, camera);
+    ExpectObservation(observation, object_enu, heading_deg);
     EXPECT_EQ(observation->line.camera, camera.place);
     EXPECT_EQ(observation->line.time_s, 2);
   }
@@ -46,14 +46,14 @@ TEST(BearingObservation, TheLensIsUndone) {
   CameraState camera = LookingDown(-55, 38);
   camera.distortion = LensDistortion{-2.5, 8, 0.01, -0.02, 0};
   const Staged staged = Stage(camera, object_enu, 140, *camera.distortion);
-  ExpectSight(SightOfStaged(staged, camera), object_enu, 140);
+  ExpectObservation(ObserveStaged(staged, camera), object_enu, 140);
 }
 
 TEST(BearingObservation, WithoutACompleteCameraThereIsNone) {
   CameraState camera = LookingDown(-55, 38);
   const Staged staged = Stage(camera, {40, 55, -100}, 10, {});
   camera.hfov_rad.reset();
-  EXPECT_FALSE(SightOfStaged(staged, camera));
+  EXPECT_FALSE(ObserveStaged(staged, camera));
 }
 
 TEST(BearingObservation, APhotoHasARangeOnlyWhereItsLengthIsKnown) {

@@ -35,7 +35,7 @@ void Blur(Staged& staged, double sigma_px, std::uint64_t seed) {
   }
 }
 
-std::optional<ObjectPose> StanceOfStaged(const Staged& staged, const CameraState& camera) {
+std::optional<ObjectPose> EstimateStagedPose(const Staged& staged, const CameraState& camera) {
   return EstimateObjectPose(staged.detection, staged.model, staged.scene, camera, {}, UpInCamera(camera));
 }
 
@@ -43,7 +43,7 @@ TEST(ObjectPose, IsBetweenViews) {
   const CameraState camera = LookingDown(-55, 38);
   for (const double heading_deg : {10.0, 140.0, 265.0}) {
     const Staged staged = Stage(camera, kPlaceEnu, heading_deg, {});
-    const auto object_pose = StanceOfStaged(staged, camera);
+    const auto object_pose = EstimateStagedPose(staged, camera);
     ASSERT_TRUE(object_pose);
     EXPECT_LT(ViewErrorDeg(*object_pose, TrueDirection(heading_deg)), 0.7) << "the view that matched is 4 degrees off";
     EXPECT_NEAR(*object_pose->range_m, kPlaceEnu.norm(), 0.01 * kPlaceEnu.norm());
@@ -52,7 +52,7 @@ TEST(ObjectPose, IsBetweenViews) {
 
 TEST(ObjectPose, ViewAndTurnTogetherAreTheRotation) {
   const CameraState camera = LookingDown(-55, 38);
-  const auto object_pose = StanceOfStaged(Stage(camera, kPlaceEnu, 200, {}), camera);
+  const auto object_pose = EstimateStagedPose(Stage(camera, kPlaceEnu, 200, {}), camera);
   ASSERT_TRUE(object_pose);
   const Rigid3& stands = *object_pose->camera_from_object;
   const Eigen::Quaterniond turned =
@@ -65,7 +65,7 @@ TEST(ObjectPose, ViewAndTurnTogetherAreTheRotation) {
 TEST(ObjectPose, NeedsNoTelemetryWhereTheFieldOfViewIsKnown) {
   const CameraState camera = LookingDown(-55, 38);
   const Staged staged = Stage(camera, kPlaceEnu, 75, {});
-  const auto object_pose = StanceOfStaged(staged, CameraState{.hfov_rad = camera.hfov_rad});
+  const auto object_pose = EstimateStagedPose(staged, CameraState{.hfov_rad = camera.hfov_rad});
   ASSERT_TRUE(object_pose);
   EXPECT_LT(ViewErrorDeg(*object_pose, TrueDirection(75)), 1.5);
   EXPECT_NEAR(*object_pose->range_m, kPlaceEnu.norm(), 0.02 * kPlaceEnu.norm());
@@ -73,7 +73,7 @@ TEST(ObjectPose, NeedsNoTelemetryWhereTheFieldOfViewIsKnown) {
 
 TEST(ObjectPose, WithoutAFieldOfViewThereIsNoDistance) {
   const Staged staged = Stage(LookingDown(-55, 38), kPlaceEnu, 75, {});
-  const auto object_pose = StanceOfStaged(staged, CameraState{});
+  const auto object_pose = EstimateStagedPose(staged, CameraState{});
   ASSERT_TRUE(object_pose);
   EXPECT_LT(ViewErrorDeg(*object_pose, TrueDirection(75)), 3);
   EXPECT_FALSE(object_pose->range_m);
@@ -88,7 +88,7 @@ TEST(ObjectPose, WrongMatchesDoNotTiltIt) {
       staged.scene.keypoints[i].x += 9;
       staged.scene.keypoints[i].y -= 7;
     }
-    const auto object_pose = StanceOfStaged(staged, camera);
+    const auto object_pose = EstimateStagedPose(staged, camera);
     ASSERT_TRUE(object_pose);
     EXPECT_LT(ViewErrorDeg(*object_pose, TrueDirection(75)), 4) << seed;
     EXPECT_NEAR(*object_pose->range_m, kPlaceEnu.norm(), 0.04 * kPlaceEnu.norm()) << seed;
@@ -103,7 +103,7 @@ TEST(ObjectPose, SaysHowFarItMayErr) {
   for (std::uint64_t seed = 0; seed < kDraws; ++seed) {
     Staged staged = Stage(camera, kPlaceEnu, 300, {});
     Blur(staged, 1, 50 + seed);
-    const auto object_pose = StanceOfStaged(staged, camera);
+    const auto object_pose = EstimateStagedPose(staged, camera);
     ASSERT_TRUE(object_pose);
     const double error_rad = RadiansFromDegrees(ViewErrorDeg(*object_pose, TrueDirection(300)));
     view_inside += error_rad < 2.15 * object_pose->view->sigma_rad ? 1 : 0;  // 90 % of a 2-D normal distribution
@@ -131,8 +131,8 @@ TEST(ObjectPose, ErrsMoreTheLongerItIsOnlyFollowed) {
 TEST(ObjectPose, AModelWithoutPointsHasNone) {
   Staged staged = Stage(LookingDown(-55, 38), kPlaceEnu, 75, {});
   for (FitInlier& inlier : staged.detection.fit.inliers) inlier.point_in_model.reset();
-  EXPECT_FALSE(StanceOfStaged(staged, LookingDown(-55, 38)));
-  EXPECT_FALSE(StanceOfStaged(staged, CameraState{}));
+  EXPECT_FALSE(EstimateStagedPose(staged, LookingDown(-55, 38)));
+  EXPECT_FALSE(EstimateStagedPose(staged, CameraState{}));
 }
 
 TEST(ObjectPose, OfABoxIsTheDirectionToItsMiddle) {

@@ -31,11 +31,11 @@ TEST(UprightPrior, KeepsToTheVerticalThatIsTold) {
   const double off_nadir_rad = RadiansFromDegrees(60);
   const double roll_rad = RadiansFromDegrees(30);
   const Vertical rolled = MakeVertical({0, off_nadir_rad - kPi / 2, roll_rad}, 0.3, 640, 480);
-  const UprightPrior told = UprightPrior::FromVertical(rolled, off_nadir_rad, kTilt_rad);
-  EXPECT_TRUE(told.IsAllowed(kMiddle_px, -roll_rad));
-  EXPECT_FALSE(told.IsAllowed(kMiddle_px, roll_rad));
-  EXPECT_FALSE(told.IsAllowed(kMiddle_px, kPi));
-  EXPECT_NEAR(told.SearchReductionDecades(), 1.52, 0.01);
+  const UprightPrior measured = UprightPrior::FromVertical(rolled, off_nadir_rad, kTilt_rad);
+  EXPECT_TRUE(measured.IsAllowed(kMiddle_px, -roll_rad));
+  EXPECT_FALSE(measured.IsAllowed(kMiddle_px, roll_rad));
+  EXPECT_FALSE(measured.IsAllowed(kMiddle_px, kPi));
+  EXPECT_NEAR(measured.SearchReductionDecades(), 1.52, 0.01);
 }
 
 }  // namespace

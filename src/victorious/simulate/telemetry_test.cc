@@ -49,10 +49,10 @@ TEST(Telemetry, APlaceIsSeenThroughItWhereTheCameraSeesIt) {
     EXPECT_NEAR(written->states.at(0).time_s, 0.5, 1e-6);
     EXPECT_EQ(written->states[0].datum, VerticalDatum::kEllipsoid);
     const auto seen = MakePinhole(video).Project(camera_from_town.Apply(point));
-    const auto told = Project(written->states[0], earth.GeodeticFromEnu(EnuFromTown(kTownHeadingRad) * point),
-                              video.width, video.height);
-    ASSERT_TRUE(seen && told);
-    EXPECT_LT((*seen - *told).norm(), 0.01);
+    const auto by_telemetry = Project(written->states[0], earth.GeodeticFromEnu(EnuFromTown(kTownHeadingRad) * point),
+                                      video.width, video.height);
+    ASSERT_TRUE(seen && by_telemetry);
+    EXPECT_LT((*seen - *by_telemetry).norm(), 0.01);
   }
 }
 

@@ -101,9 +101,9 @@ TEST(RegionTracker, FollowsAnObjectOverAGroundThatMovesOtherwise) {
   const World world;
   Follower follower;
   // The outline has a margin of ground, which does not move with the object.
-  Box told = BoundingBox(world.Outline(At(60, 80)));
-  told = {told.x - 4, told.y - 4, told.width + 8, told.height + 8};
-  follower.Start(world.Draw(At(60, 80)), BoxCorners(told));
+  Box user_box = BoundingBox(world.Outline(At(60, 80)));
+  user_box = {user_box.x - 4, user_box.y - 4, user_box.width + 8, user_box.height + 8};
+  follower.Start(world.Draw(At(60, 80)), BoxCorners(user_box));
   for (int i = 1; i <= 30; ++i) {
     const Similarity2 place = At(60 + 6 * i, 80 + 2 * i);
     const auto step = follower.Step(world.Draw(place, {200.0 + 5 * i, 200.0 - 3 * i}));

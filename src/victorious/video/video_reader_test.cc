@@ -242,8 +242,8 @@ TEST(VideoReader, PixelsBeyondReasonOrNearlySquareStayAsStored) {
     const auto frames = ReadAll(*reader);
     ASSERT_EQ(frames.size(), 2U);
     EXPECT_EQ(frames[0].image.size(), cv::Size(96, 64)) << aspect;
-    const bool told = aspect != cv::Size(301, 300);
-    EXPECT_EQ(!reader->warnings().empty() && reader->warnings()[0].starts_with("pixels of "), told) << aspect;
+    const bool is_warned = aspect != cv::Size(301, 300);
+    EXPECT_EQ(!reader->warnings().empty() && reader->warnings()[0].starts_with("pixels of "), is_warned) << aspect;
   }
 }
 
