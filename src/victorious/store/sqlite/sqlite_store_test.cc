@@ -79,6 +79,15 @@ std::string IntegrityCheck(const fs::path& path) {
   return connection ? (*connection)->QueryText("PRAGMA integrity_check").value_or("failed") : "not opened";
 }
 
+// Returns the number of sightings in the index so far; 0 while another process is creating it.
+std::int64_t StoredSightings(const fs::path& path) {
+  if (!fs::exists(path)) return 0;
+  const auto reader = OpenSqliteStore(path, StoreMode::kRead);
+  if (!reader) return 0;
+  const auto sightings = (*reader)->Sightings({});
+  return sightings ? static_cast<std::int64_t>(sightings->size()) : 0;
+}
+
 // Runs `body` in a child process. Returns its exit status (the result of `body`); -1 if a signal ended it.
 template <typename Body>
 int InChild(Body body) {
@@ -426,9 +435,14 @@ TEST_F(SqliteStoreTest, AKilledWriterLeavesWholeBatches) {
       static_cast<void>(CommitBatches(path_, 1'000'000'000));
       ::_exit(1);  // it should have been killed
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(5 + 17 * round));
-    ::kill(child, SIGKILL);
+    // The first is killed at once, the others somewhere after a commit of their own.
     int status = 0;
+    while (round > 0 && StoredSightings(path_) <= last) {
+      ASSERT_EQ(::waitpid(child, &status, WNOHANG), 0) << "the writer ended by itself";
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(round));
+    ::kill(child, SIGKILL);
     ::waitpid(child, &status, 0);
     ASSERT_TRUE(WIFSIGNALED(status));
     if (!fs::exists(path_)) continue;  // killed before it began
