@@ -13,6 +13,7 @@ import unittest
 from pathlib import Path
 from typing import NamedTuple
 
+TIMEOUT_S = 600  # of one command: far more than a busy machine needs
 SKIPPED = 77  # exit status of a file whose tests were all skipped
 FRAMES = 40  # of the synthetic flight
 PROGRESS = re.compile(r"^.+: \d+( of \d+)? \w+, [\d.]+ a second$")
@@ -43,7 +44,7 @@ class Outcome(NamedTuple):
         return [json.loads(line) for line in self.out.splitlines()]
 
 
-def run(*arguments, timeout_s: float = 120, **options) -> Outcome:
+def run(*arguments, timeout_s: float = TIMEOUT_S, **options) -> Outcome:
     done = subprocess.run(
         [PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=timeout_s, check=False, **options
     )

@@ -1,5 +1,6 @@
 """`category train` and `category classify`: training, classification, and one-line errors for bad input."""
 
+import functools
 import json
 import random
 import unittest
@@ -41,8 +42,25 @@ def listing(rows) -> str:
     return "\n".join([HEADER, *rows]) + "\n"
 
 
+@functools.cache
+def trained() -> Path:
+    """The model of TRAIN with the parameters SMALL. Read-only: equal input gives an equal model (test_the_seed_decides)."""
+    folder = program.folder_until_exit()
+    (folder / "params.json").write_text(json.dumps(SMALL))
+    (folder / "train.csv").write_text(listing(TRAIN))
+    model = folder / "model.vcat"
+    done = program.run(
+        "category", "train", "--images", FOLDER, "--list", folder / "train.csv", "--params", folder / "params.json",
+        "--out", model,
+    )  # fmt: skip
+    assert done.status == 0, done.err
+    return model
+
+
 class CategoryTest(program.ProgramTest):
     def train(self, rows=None, params=None, *flags):
+        if rows is None and params is None and not flags:
+            return trained()
         model = self.scratch / "model.vcat"
         flags += ("--params", self.write("params.json", json.dumps({**SMALL, **(params or {})})))
         self.succeeds(

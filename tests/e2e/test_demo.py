@@ -15,7 +15,7 @@ class DemoTest(program.ProgramTest):
     def demo(self, *arguments) -> subprocess.CompletedProcess:
         return subprocess.run(
             [program.REPOSITORY / "tools" / "demo.sh", *map(str, arguments)],
-            capture_output=True, text=True, timeout=200, check=False,
+            capture_output=True, text=True, timeout=2 * program.TIMEOUT_S, check=False,
         )  # fmt: skip
 
     def short_scene(self) -> str:

@@ -100,7 +100,7 @@ class InterruptTest(program.ProgramTest):
             with self.start() as process:
                 self.wait_for_commit_after(done, process)
                 process.send_signal(stop)
-                out, err = process.communicate(timeout=60)
+                out, err = process.communicate(timeout=program.TIMEOUT_S)
             if process.returncode == 0:
                 break  # it had finished before
             outcome = program.Outcome(process.returncode, out, err)

@@ -124,11 +124,11 @@ class SimulateTest(program.ProgramTest):
         with subprocess.Popen(
             [program.PROGRAM, "simulate", scene, "--out", out], stderr=subprocess.PIPE, text=True
         ) as process:
-            until = time.monotonic() + 60
+            until = time.monotonic() + program.TIMEOUT_S
             while time.monotonic() < until and not (out.exists() and any(out.iterdir())):
                 time.sleep(0.05)
             process.send_signal(signal.SIGINT)
-            _, err = process.communicate(timeout=60)
+            _, err = process.communicate(timeout=program.TIMEOUT_S)
         outcome = program.Outcome(process.returncode, "", err)
         self.assertEqual(outcome.status, 1, err)
         self.assertEqual(len(outcome.messages()), 1, err)
