@@ -169,7 +169,7 @@ CategoryTrainOptions ThesisCategories() {
 
 CategoryTrainOptions ThesisCategoriesAsPrinted() {
   CategoryTrainOptions options = ThesisCategories();
-  options.category.grammar = GrammarOptions();
+  options.category.thesis.grammar = GrammarOptions();
   return options;
 }
 

@@ -39,11 +39,11 @@ std::vector<Step> Steps() {
   options.features.surroundings = ours.features.surroundings;
   step("learned with surroundings");
   options.features.kind = ours.features.kind;
-  options.category.fisher.components = 0;
+  options.category.linear.fisher.components = 0;
   step("features on a grid, at several sizes");
   options.category.vocabulary.root = ours.category.vocabulary.root;
   step("RootSIFT");
-  options.category.words_per_keypoint = ours.category.words_per_keypoint;
+  options.category.vocabulary.words_per_keypoint = ours.category.vocabulary.words_per_keypoint;
   step("soft words");
   options.features.mirrored = ours.features.mirrored;
   step("mirror images");

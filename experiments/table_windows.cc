@@ -167,7 +167,7 @@ Expected<Report> RunTableWindows(const ExperimentSettings& settings) {
       VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model,
                                   TrainOnList(settings.data / "caltech101", train, options, [](std::size_t) {}));
       VICTORIOUS_ASSIGN_OR_RETURN(const CategoryFinder finder,
-                                  CategoryFinder::Create(std::move(model), {.none = kBackground}));
+                                  CategoryFinder::Create(std::move(model), {.background = kBackground}));
       VICTORIOUS_RETURN_IF_ERROR(MeasureInto(figures[way], finder, scenes));
       settings.progress(fmt::format("seed {}, {}: recall {:.1f} %, precision {:.1f} %", seed, ways[way].first,
                                     figures[way].found.back(), figures[way].right.back()));

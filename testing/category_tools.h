@@ -1,7 +1,6 @@
 // Synthetic images of two categories with the same parts: a cross beside a disc, in this order or in the other one.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
@@ -45,15 +44,15 @@ inline std::vector<CategoryExample> DrawExamples(int pictures_each, std::uint64_
 }
 
 /// Options for small, fast models.
-inline CategoryOptions SmallOptions(const std::string& scoring = "linear") {
+inline CategoryOptions SmallOptions(CategoryScoring scoring = CategoryScoring::kLinear) {
   CategoryOptions options;
   options.scoring = scoring;
   options.vocabulary = {.words = 60, .root = true, .iterations = 6, .samples = 4000};
-  options.phrases.word_clusters = 24;
-  options.fisher = {.components = 8, .dimensions = 12, .samples = 1000, .iterations = 5};
-  options.plsa.iterations = 15;
-  options.plsa.restarts = 1;
-  options.grammar.word_fraction = 0.5;
+  options.linear.phrases.word_clusters = 24;
+  options.linear.fisher = {.components = 8, .dimensions = 12, .samples = 1000, .iterations = 5};
+  options.thesis.plsa.iterations = 15;
+  options.thesis.plsa.restarts = 1;
+  options.thesis.grammar.word_fraction = 0.5;
   return options;
 }
 

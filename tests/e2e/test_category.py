@@ -35,7 +35,7 @@ FOLDER = program.folder_until_exit()
 TRAIN = [pair(FOLDER / f"train{i}.pgm", i % 2 == 0, i) for i in range(16)]
 TEST = [pair(FOLDER / f"test{i}.pgm", i % 2 == 0, 100 + i) for i in range(10)]
 # The two categories are mirror images of each other.
-SMALL = {"features": {"mirrored": False}, "vocabulary": {"words": 80, "iterations": 5}, "phrases": {"parts": 24}}
+SMALL = {"features": {"mirrored": False}, "vocabulary": {"words": 80, "iterations": 5}, "phrases": {"word_clusters": 24}}
 
 
 def listing(rows) -> str:
@@ -109,7 +109,7 @@ class CategoryTest(program.ProgramTest):
         self.assertEqual(train([row.replace(",disc-cross,", ",background,") for row in TRAIN]), [])
 
     def test_the_thesis_method(self):
-        model = self.train(None, {"scoring": "likelihood", "words_per_keypoint": 1, "grammar": {"word_fraction": 0.5}})
+        model = self.train(None, {"scoring": "likelihood", "words_per_keypoint": 1})
         for method in ("phrases", "words"):
             self.assertEqual(len(self.classify(model, "--method", method)), len(TEST))
 
@@ -163,7 +163,7 @@ class CategoryTest(program.ProgramTest):
 
     def test_bad_cad_files(self):
         jet = program.REPOSITORY / "assets" / "models" / "jet.glb"
-        self.refuses_list(["line 18", "none of the things", "background say"], listing([*TRAIN, f"{jet},jet,,,,"]))
+        self.refuses_list(["line 18", "requires background images", "for example background"], listing([*TRAIN, f"{jet},jet,,,,"]))
         self.refuses_list(["line 18", "a box"], listing([*TRAIN, f"{jet},jet,0,0,9,9"]))
         (FOLDER / "broken.glb").write_bytes(b"glTF and no more")
         nothing = [f"{row.split(',')[0]},background,,,," for row in TRAIN]
@@ -190,6 +190,7 @@ class CategoryTest(program.ProgramTest):
         whole = self.train().read_bytes()
         self.refuses(2, "cut off", *command, self.write("cut.vcat", whole[:-1]))
         self.refuses(2, "newer version", *command, self.write("new.vcat", whole[:8] + b"\x07" + whole[9:]))
+        self.refuses(2, ["older version", "train again"], *command, self.write("old.vcat", whole[:8] + b"\x03" + whole[9:]))
 
     def test_videos_are_indexed_by_category(self):
         model = self.train()
@@ -223,8 +224,8 @@ class CategoryTest(program.ProgramTest):
         broken = self.write("cut.vcat", model.read_bytes()[:-1])
         self.refuses(2, "cut off", "index", video, "--categories", broken, "--db", new)
         self.refuses(2, "none.vcat", "index", video, "--categories", self.scratch / "none.vcat", "--db", new)
-        none = self.write("none.json", '{"categories": {"none": "cross-disc, disc-cross"}}')
-        self.refuses(2, "none of these", "index", video, "--categories", model, "--db", new, "--params", none)
+        none = self.write("none.json", '{"categories": {"background": "cross-disc, disc-cross"}}')
+        self.refuses(2, "all are background", "index", video, "--categories", model, "--db", new, "--params", none)
         self.assertFalse(new.exists())
 
     def test_missing_pictures(self):

@@ -73,14 +73,17 @@ std::vector<std::string> FuzzSeeds() {
         {.category = i % 2 == 0 ? "a" : "b/c", .features = SomeFeatures(static_cast<std::uint64_t>(i)), .picture = i});
   std::vector<std::string> seeds = {"image,category,x0,y0,x1,y1\na.jpg,b,1,2,3,4\n\"c,d\",e,,,,\n",
                                     "image,mark\na.png,right\nb.png,wrong\n"};
-  for (const char* scoring : {"linear", "likelihood"}) {
+  using victorious::CategoryScoring;
+  for (const CategoryScoring scoring : {CategoryScoring::kLinear, CategoryScoring::kLikelihood}) {
     victorious::CategoryOptions options{.scoring = scoring};
     options.vocabulary.words = 8;
-    options.phrases.word_clusters = 2;
-    options.grammar.word_fraction = 1;
-    if (options.scoring == "linear") options.shapes = {.weight = 1, .dimensions = 4};
-    const auto model = TrainCategories(examples, options);
+    options.linear.phrases.word_clusters = 2;
+    options.thesis.grammar.word_fraction = 1;
+    if (scoring == CategoryScoring::kLinear) options.linear.shapes = {.weight = 1, .dimensions = 4};
+    auto model = TrainCategories(examples, options);
     VICTORIOUS_CHECK(model.has_value());
+    if (scoring == CategoryScoring::kLinear)
+      model->windows = {.background_category = "a", .windows_per_background = 12};
     const std::vector<std::byte> bytes = EncodeCategoryModel(*model);
     seeds.emplace_back(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   }

@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <type_traits>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -16,8 +18,7 @@ namespace victorious {
 namespace {
 
 constexpr std::array<std::uint8_t, 8> kMagic = {0x8A, 'V', 'C', 'A', 'T', 0x0D, 0x0A, 0x1A};
-constexpr std::uint32_t kVersion = 3;
-constexpr std::uint32_t kOldestVersion = 2;  // without shapes
+constexpr std::uint32_t kVersion = 4;  // the only one that is read
 
 struct Header {
   std::array<std::uint8_t, 8> magic = kMagic;
@@ -175,13 +176,13 @@ FisherEncoder GetEncoder(Reader& in) {
   return encoder;
 }
 
-void PutShapes(const CategoryModel& model, Writer& out) {
+void PutShapes(const LinearModel& model, Writer& out) {
   out.PutVector(model.shape.mean);
   out.PutVector(model.shape.projection.reshaped());
   out.PutVector(model.shape_examples.reshaped());
 }
 
-void GetShapes(CategoryModel& model, Reader& in) {
+void GetShapes(LinearModel& model, Reader& in) {
   const std::vector<float> mean = in.GetFloats();
   const std::vector<float> projection = in.GetFloats();
   const std::vector<float> examples = in.GetFloats();
@@ -254,37 +255,72 @@ Expected<CategoryOptions> ParseOptions(const std::string& text) {
   return options;
 }
 
-void GetLinear(CategoryModel& model, Reader& in) {
-  const std::size_t words = model.vocabulary.size();
+void PutWindows(const std::optional<WindowTraining>& windows, Writer& out) {
+  out.Put(static_cast<std::uint8_t>(windows.has_value()));
+  if (!windows) return;
+  out.PutText(windows->background_category);
+  out.Put(windows->windows_per_background);
+}
+
+std::optional<WindowTraining> GetWindows(Reader& in) {
+  const auto has_windows = in.Get<std::uint8_t>();
+  in.Require(has_windows <= 1);
+  if (has_windows != 1) return std::nullopt;
+  WindowTraining windows{.background_category = in.GetText(), .windows_per_background = in.Get<double>()};
+  in.Require(std::isfinite(windows.windows_per_background) && windows.windows_per_background >= 0);
+  return windows;
+}
+
+void PutClassifier(const LinearModel& model, Writer& out) {
+  out.Put(static_cast<std::uint16_t>(model.word_clusters));
+  out.PutAll(std::span<const std::uint16_t>(model.cluster_of_word));
+  PutEncoder(model.fisher, out);
+  if (model.shape.size() > 0) PutShapes(model, out);
+  for (std::size_t n = 0; n < model.word_weights.size(); ++n) {
+    PutWeights(model.word_weights[n], out);
+    PutWeights(model.phrase_weights[n], out);
+  }
+}
+
+void PutClassifier(const ThesisModel& model, Writer& out) {
+  out.PutAll(std::span<const std::uint32_t>(model.topic_nodes));
+  out.PutAll(std::span<const float>(model.topics.word_given_topic.data(),
+                                    static_cast<std::size_t>(model.topics.word_given_topic.size())));
+  for (const PhraseGrammar& grammar : model.grammars) PutGrammar(grammar, out);
+}
+
+LinearModel GetLinear(std::size_t words, std::size_t nodes, const LinearOptions& options, Reader& in) {
+  LinearModel model;
   model.word_clusters = in.Get<std::uint16_t>();
   model.cluster_of_word = in.GetAll<std::uint16_t>();
   in.Require(model.cluster_of_word.size() == words);
   in.Require(
-      std::ranges::all_of(model.cluster_of_word, [&](std::uint16_t part) { return part < model.word_clusters; }));
+      std::ranges::all_of(model.cluster_of_word, [&](std::uint16_t cluster) { return cluster < model.word_clusters; }));
   model.fisher = GetEncoder(in);
-  if (model.options.shapes.weight > 0) GetShapes(model, in);
+  if (options.shapes.weight > 0) GetShapes(model, in);
   const auto shapes = static_cast<std::size_t>(model.shape_examples.cols());
-  for (std::size_t n = 0; n < model.nodes.size() && in.ok(); ++n) {
+  for (std::size_t n = 0; n < nodes && in.ok(); ++n) {
     model.word_weights.push_back(GetWeights(words, 0, 0, shapes, in));
     model.phrase_weights.push_back(
         GetWeights(words, PhraseCount(model.word_clusters), model.fisher.size(), shapes, in));
   }
+  return model;
 }
 
-void GetLikelihoods(CategoryModel& model, Reader& in) {
-  const std::size_t words = model.vocabulary.size();
+ThesisModel GetThesis(std::size_t words, std::size_t nodes, const ThesisOptions& options, Reader& in) {
+  ThesisModel model;
   model.topic_nodes = in.GetAll<std::uint32_t>();
   in.Require(!model.topic_nodes.empty());
-  in.Require(std::ranges::all_of(model.topic_nodes, [&](std::uint32_t node) { return node < model.nodes.size(); }));
+  in.Require(std::ranges::all_of(model.topic_nodes, [&](std::uint32_t node) { return node < nodes; }));
   const auto topics = static_cast<Eigen::Index>(model.topic_nodes.size());
   const std::vector<float> word_given_topic = in.GetFloats();
   in.Require(word_given_topic.size() == words * model.topic_nodes.size());
-  in.Require(std::ranges::all_of(word_given_topic, [](float mixture_weight) { return mixture_weight >= 0; }));
-  if (!in.ok()) return;
+  in.Require(std::ranges::all_of(word_given_topic, [](float probability) { return probability >= 0; }));
+  if (!in.ok()) return {};
   model.topics.word_given_topic =
       Eigen::Map<const Eigen::MatrixXf>(word_given_topic.data(), static_cast<Eigen::Index>(words), topics);
-  for (Eigen::Index z = 0; z < topics && in.ok(); ++z)
-    model.grammars.push_back(GetGrammar(words, model.options.grammar, in));
+  for (Eigen::Index z = 0; z < topics && in.ok(); ++z) model.grammars.push_back(GetGrammar(words, options.grammar, in));
+  return model;
 }
 
 Expected<CategoryModel> ParsePayload(std::span<const std::byte> payload) {
@@ -295,15 +331,17 @@ Expected<CategoryModel> ParsePayload(std::span<const std::byte> payload) {
   const std::string options = in.GetText();
   if (!in.ok()) return Fail(ErrorCode::kDataLoss, "damaged (truncated)");
   VICTORIOUS_ASSIGN_OR_RETURN(model.options, ParseOptions(options));
+  model.windows = GetWindows(in);
   model.nodes = GetNodes(in);
   auto centres = in.GetAll<std::uint8_t>();
   in.Require(!centres.empty() && centres.size() % kDescriptorSize == 0);
   if (!in.ok()) return Fail(ErrorCode::kDataLoss, "damaged (categories or words)");
   model.vocabulary = Vocabulary(std::move(centres), model.options.vocabulary.root);
-  if (model.options.scoring == "linear") {
-    GetLinear(model, in);
+  const std::size_t words = model.vocabulary.size();
+  if (model.options.scoring == CategoryScoring::kLinear) {
+    model.classifier = GetLinear(words, model.nodes.size(), model.options.linear, in);
   } else {
-    GetLikelihoods(model, in);
+    model.classifier = GetThesis(words, model.nodes.size(), model.options.thesis, in);
   }
   if (!in.Require(in.left() == 0)) return Fail(ErrorCode::kDataLoss, "damaged (weights)");
   return model;
@@ -315,14 +353,15 @@ Expected<CategoryModel> Parse(std::span<const std::byte> bytes) {
     return Fail(ErrorCode::kDataLoss, "not a category model");
   std::memcpy(&header, bytes.data(), sizeof(Header));
   if (header.version > kVersion) {
-    return Fail(
-        ErrorCode::kUnsupported,
-        fmt::format("written by a newer version (format {}; this program reads up to {})", header.version, kVersion));
-  }
-  if (header.version > 0 && header.version < kOldestVersion) {
     return Fail(ErrorCode::kUnsupported,
-                fmt::format("written by an older version (format {}; this program reads {} to {})", header.version,
-                            kOldestVersion, kVersion));
+                fmt::format("written by a newer version (format {}; this program reads {}): use that version, or train "
+                            "again",
+                            header.version, kVersion));
+  }
+  if (header.version > 0 && header.version < kVersion) {
+    return Fail(ErrorCode::kUnsupported, fmt::format("written by an older version (format {}; this program reads {}): "
+                                                     "train again",
+                                                     header.version, kVersion));
   }
   const auto payload = bytes.subspan(sizeof(Header));
   if (header.version == 0 || header.payload_size != payload.size())
@@ -339,23 +378,10 @@ std::vector<std::byte> EncodeCategoryModel(const CategoryModel& model) {
   payload.PutText(model.program_version);
   payload.PutText(model.features_json);
   payload.PutText(OptionsToJsonText(model.options));
+  PutWindows(model.windows, payload);
   PutNodes(model.nodes, payload);
   payload.PutAll(model.vocabulary.centres());
-  if (model.options.scoring == "linear") {
-    payload.Put(static_cast<std::uint16_t>(model.word_clusters));
-    payload.PutAll(std::span<const std::uint16_t>(model.cluster_of_word));
-    PutEncoder(model.fisher, payload);
-    if (model.shape.size() > 0) PutShapes(model, payload);
-    for (std::size_t n = 0; n < model.nodes.size(); ++n) {
-      PutWeights(model.word_weights[n], payload);
-      PutWeights(model.phrase_weights[n], payload);
-    }
-  } else {
-    payload.PutAll(std::span<const std::uint32_t>(model.topic_nodes));
-    payload.PutAll(std::span<const float>(model.topics.word_given_topic.data(),
-                                          static_cast<std::size_t>(model.topics.word_given_topic.size())));
-    for (const PhraseGrammar& grammar : model.grammars) PutGrammar(grammar, payload);
-  }
+  std::visit([&](const auto& classifier) { PutClassifier(classifier, payload); }, model.classifier);
   Header header;
   header.payload_size = payload.bytes().size();
   header.payload_checksum = Checksum(payload.bytes());
@@ -379,7 +405,7 @@ Expected<CategoryModel> ParseCategoryModel(std::span<const std::byte> bytes, con
   Expected<CategoryModel> model = Parse(bytes);
   if (model) return model;
   Error error = std::move(model).error();
-  error.message += error.code == ErrorCode::kUnsupported ? ": use that version, or train again" : ": train again";
+  if (error.code == ErrorCode::kDataLoss) error.message += ": train again";
   return std::unexpected(std::move(error).WithContext(name_for_errors));
 }
 

@@ -20,7 +20,7 @@ std::vector<std::byte> EncodeCategoryModel(const CategoryModel& model);
 Status WriteCategoryModel(const std::filesystem::path& path, const CategoryModel& model);
 
 /// Reads a model. Errors: kNotFound; kDataLoss (not a category model, damaged or truncated); kUnsupported (written by a
-/// newer version, or by one older than the oldest supported).
+/// newer or older version of the format).
 Expected<CategoryModel> ReadCategoryModel(const std::filesystem::path& path);
 
 /// Parses a model from memory. Reads only inside `bytes` and allocates memory proportional to their number, also for

@@ -1,32 +1,29 @@
-// Options of category training (`victorious params category`). The thesis's method is `scoring` "likelihood" with the
-// thesis's features; docs/results.md contains these parameters as a file.
+// Options of category training (`victorious params category`). `--params thesis` sets the thesis's features and method.
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <string>
 
+#include "victorious/base/enum_text.h"
 #include "victorious/base/options.h"
 #include "victorious/category/common/vocabulary.h"
-#include "victorious/category/linear/fisher.h"
-#include "victorious/category/linear/histogram.h"
-#include "victorious/category/linear/shape.h"
-#include "victorious/category/thesis/phrase_grammar.h"
-#include "victorious/category/thesis/plsa.h"
+#include "victorious/category/linear/linear_model.h"
+#include "victorious/category/thesis/thesis_model.h"
 
 namespace victorious {
 
+/// The classifier to train: the shipped one (linear/) or that of the thesis (thesis/).
+enum class CategoryScoring { kLinear, kLikelihood };
+
+inline constexpr auto kCategoryScoringTexts = std::to_array<EnumText<CategoryScoring>>(
+    {{CategoryScoring::kLinear, "linear"}, {CategoryScoring::kLikelihood, "likelihood"}});
+
 struct CategoryOptions {
-  std::string scoring = "linear";
+  CategoryScoring scoring = CategoryScoring::kLinear;
   std::uint64_t seed = 1;
-  int words_per_keypoint = 4;
-  double assignment_sigma = 50.0;
-  double lambda = 0.1;
   VocabularyOptions vocabulary;
-  PhraseOptions phrases;
-  FisherOptions fisher;
-  ShapeOptions shapes;
-  PlsaOptions plsa;
-  GrammarOptions grammar;
+  LinearOptions linear;
+  ThesisOptions thesis;
 
   void ListFields(FieldList& fields);
 };

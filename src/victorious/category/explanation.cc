@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <variant>
 
 #include <opencv2/imgproc.hpp>
 
@@ -10,9 +12,9 @@
 namespace victorious {
 namespace {
 
-std::vector<PhraseContribution> LinearContributions(const CategoryModel& model, const QuantisedImage& picture,
-                                                    std::size_t node) {
-  const auto phrases = FindPhrases(picture, model.cluster_of_word, model.word_clusters, model.options.phrases);
+std::vector<PhraseContribution> ContributionsTo(const LinearModel& model, const QuantisedImage& picture,
+                                                std::span<const CategoryNode> /*nodes*/, std::size_t node) {
+  const auto phrases = FindPhrases(picture, model.cluster_of_word, model.word_clusters);
   const SparseVector counts = CountPhrases(phrases, model.word_clusters);
   const SparseVector values = Hellinger(counts);
   std::vector<float> each(PhraseCount(model.word_clusters));  // contribution of one occurrence of each phrase
@@ -20,31 +22,31 @@ std::vector<PhraseContribution> LinearContributions(const CategoryModel& model, 
     const auto [phrase, value] = values[k];
     each[phrase] = model.phrase_weights[node].phrases(phrase) * value / counts[k].second;
   }
-  std::vector<PhraseContribution> evidence;
+  std::vector<PhraseContribution> contributions;
   for (const PhraseOccurrence& phrase : phrases)
-    if (each[phrase.phrase] != 0) evidence.push_back({phrase.i, phrase.j, each[phrase.phrase]});
-  return evidence;
+    if (each[phrase.phrase] != 0) contributions.push_back({phrase.i, phrase.j, each[phrase.phrase]});
+  return contributions;
 }
 
-std::vector<PhraseContribution> LikelihoodContributions(const CategoryModel& model, const QuantisedImage& picture,
-                                                        std::size_t node) {
-  std::vector<PhraseContribution> evidence;
+std::vector<PhraseContribution> ContributionsTo(const ThesisModel& model, const QuantisedImage& picture,
+                                                std::span<const CategoryNode> nodes, std::size_t node) {
+  std::vector<PhraseContribution> contributions;
   double sum = 0;
   for (std::size_t z = 0; z < model.topic_nodes.size(); ++z) {
-    if (!IsWithin(model.nodes[model.topic_nodes[z]].name, model.nodes[node].name)) continue;
+    if (!IsWithin(nodes[model.topic_nodes[z]].name, nodes[node].name)) continue;
     for (const FoundPhrase& phrase : model.grammars[z].Phrases(picture)) {
-      evidence.push_back({phrase.i, phrase.j, phrase.likelihood});
+      contributions.push_back({phrase.i, phrase.j, phrase.likelihood});
       sum += phrase.likelihood;
     }
   }
-  for (PhraseContribution& one : evidence) one.weight /= sum;
-  return evidence;
+  for (PhraseContribution& one : contributions) one.weight /= sum;
+  return contributions;
 }
 
 constexpr int kCellsAcross = 32;  // of the grid, along the longer side
 
 // Contributions summed per grid cell of the image, minus the mean over cells.
-cv::Mat_<double> ContributionGrid(const std::vector<PhraseContribution>& evidence, const QuantisedImage& picture,
+cv::Mat_<double> ContributionGrid(const std::vector<PhraseContribution>& contributions, const QuantisedImage& picture,
                                   double cell_px) {
   cv::Mat_<double> grid(std::max(1, static_cast<int>(std::ceil(picture.height / cell_px))),
                         std::max(1, static_cast<int>(std::ceil(picture.width / cell_px))), 0.0);
@@ -53,7 +55,7 @@ cv::Mat_<double> ContributionGrid(const std::vector<PhraseContribution>& evidenc
     const int column = std::clamp(static_cast<int>(keypoint.x / cell_px), 0, grid.cols - 1);
     grid(row, column) += weight;
   };
-  for (const PhraseContribution& one : evidence) {
+  for (const PhraseContribution& one : contributions) {
     add(picture.keypoints[one.i], one.weight / 2);
     add(picture.keypoints[one.j], one.weight / 2);
   }
@@ -94,21 +96,22 @@ cv::Rect BestRectangle(const cv::Mat_<double>& grid) {
 std::vector<PhraseContribution> ComputeContributions(const CategoryModel& model, const QuantisedImage& picture,
                                                      std::size_t node) {
   VICTORIOUS_CHECK(node < model.nodes.size());
-  auto evidence = model.options.scoring == "linear" ? LinearContributions(model, picture, node)
-                                                    : LikelihoodContributions(model, picture, node);
-  std::ranges::stable_sort(evidence, std::ranges::greater(), &PhraseContribution::weight);
-  return evidence;
+  auto contributions =
+      std::visit([&](const auto& classifier) { return ContributionsTo(classifier, picture, model.nodes, node); },
+                 model.classifier);
+  std::ranges::stable_sort(contributions, std::ranges::greater(), &PhraseContribution::weight);
+  return contributions;
 }
 
-Box SupportingBox(const std::vector<PhraseContribution>& evidence, const QuantisedImage& picture) {
+Box SupportingBox(const std::vector<PhraseContribution>& contributions, const QuantisedImage& picture) {
   const double cell_px = std::max(1.0, std::max(picture.width, picture.height) / static_cast<double>(kCellsAcross));
-  const cv::Rect cells = BestRectangle(ContributionGrid(evidence, picture, cell_px));
+  const cv::Rect cells = BestRectangle(ContributionGrid(contributions, picture, cell_px));
   const Box box{cells.x * cell_px, cells.y * cell_px, cells.width * cell_px, cells.height * cell_px};
   return Intersection(box, FrameBox(picture.width, picture.height));
 }
 
 cv::Mat DrawContributions(const cv::Mat& bgr, const QuantisedImage& picture,
-                          const std::vector<PhraseContribution>& evidence, const std::string& caption) {
+                          const std::vector<PhraseContribution>& contributions, const std::string& caption) {
   constexpr double kDim = 0.55;
   constexpr std::size_t kDrawn = 150;
   constexpr int kMinWidthPx = 480;  // smaller images are enlarged to keep lines distinguishable
@@ -118,18 +121,18 @@ cv::Mat DrawContributions(const cv::Mat& bgr, const QuantisedImage& picture,
   canvas *= kDim;
   const auto place = [&](const Keypoint& keypoint) { return cv::Point2f(keypoint.x, keypoint.y) * zoom; };
   // In order of increasing weight, so that the strongest are on top.
-  const std::size_t count = std::min(kDrawn, evidence.size());
+  const std::size_t count = std::min(kDrawn, contributions.size());
   for (std::size_t k = count; k-- > 0;) {
-    if (evidence[k].weight <= 0) continue;
-    const double strength = evidence[k].weight / evidence.front().weight;
+    if (contributions[k].weight <= 0) continue;
+    const double strength = contributions[k].weight / contributions.front().weight;
     const cv::Scalar colour(0, 100 + 155 * strength, 255 * strength);
-    const cv::Point2f a = place(picture.keypoints[evidence[k].i]);
-    const cv::Point2f b = place(picture.keypoints[evidence[k].j]);
+    const cv::Point2f a = place(picture.keypoints[contributions[k].i]);
+    const cv::Point2f b = place(picture.keypoints[contributions[k].j]);
     cv::line(canvas, a, b, colour, 1, cv::LINE_AA);
     cv::circle(canvas, a, 2, colour, cv::FILLED, cv::LINE_AA);
     cv::circle(canvas, b, 2, colour, cv::FILLED, cv::LINE_AA);
   }
-  const Box box = SupportingBox(evidence, picture);
+  const Box box = SupportingBox(contributions, picture);
   cv::rectangle(canvas, cv::Rect2d(box.x * zoom, box.y * zoom, box.width * zoom, box.height * zoom), {255, 255, 0}, 2);
   constexpr int kCaptionPx = 26;
   cv::Mat framed;

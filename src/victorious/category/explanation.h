@@ -13,7 +13,7 @@
 
 namespace victorious {
 
-/// A phrase in an image and its contribution to a node's raw score. With scoring "likelihood" the weight is its
+/// A phrase in an image and its contribution to a node's raw score. By the thesis's method the weight is its
 /// fraction of the sum in equation 3.3.
 struct PhraseContribution {
   std::uint32_t i = 0;  ///< index of the first keypoint of the image
@@ -29,11 +29,11 @@ std::vector<PhraseContribution> ComputeContributions(const CategoryModel& model,
 /// grid of 32 cells along the longer side (maximum-sum rectangle by Kadane's algorithm). Returns the whole image if the
 /// contributions are uniform or empty.
 /// Cost: about 0.1 ms plus the accumulation of the contributions.
-Box SupportingBox(const std::vector<PhraseContribution>& evidence, const QuantisedImage& picture);
+Box SupportingBox(const std::vector<PhraseContribution>& contributions, const QuantisedImage& picture);
 
 /// Draws the phrases with the largest positive contributions (brightness proportional to the weight), the supporting
 /// box and a caption on the image. Returns CV_8UC3, at least 480 px wide.
 cv::Mat DrawContributions(const cv::Mat& bgr, const QuantisedImage& picture,
-                          const std::vector<PhraseContribution>& evidence, const std::string& caption);
+                          const std::vector<PhraseContribution>& contributions, const std::string& caption);
 
 }  // namespace victorious

@@ -19,7 +19,7 @@ TEST(Evidence, AddsUpToThePhrasesPartOfTheScore) {
   EXPECT_TRUE(std::ranges::is_sorted(evidence, std::ranges::greater(), &PhraseContribution::weight));
   double sum = 0;
   for (const PhraseContribution& one : evidence) sum += one.weight;
-  const LinearWeights& weights = model->phrase_weights[0];
+  const LinearWeights& weights = model->linear()->phrase_weights[0];
   double rest = weights.offset + weights.fisher.dot(picture.fisher);
   for (const auto& [word, value] : Hellinger(CountWords(picture, model->vocabulary.size())))
     rest += static_cast<double>(weights.words(word)) * value;
@@ -46,7 +46,7 @@ TEST(Evidence, IsDrawnForEitherScoring) {
   const cv::Mat grey = testing::DrawPair(true, random);
   cv::Mat bgr;
   cv::cvtColor(grey, bgr, cv::COLOR_GRAY2BGR);
-  for (const char* scoring : {"linear", "likelihood"}) {
+  for (const CategoryScoring scoring : {CategoryScoring::kLinear, CategoryScoring::kLikelihood}) {
     const auto model = TrainCategories(testing::DrawExamples(4, 1), testing::SmallOptions(scoring));
     ASSERT_TRUE(model.has_value());
     const QuantisedImage picture = QuantiseFeatures(*model, DenseFeatures(grey, testing::CoarseGrid()));

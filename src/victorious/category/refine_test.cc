@@ -65,7 +65,7 @@ TEST(RefineCategories, WithoutMarksChangesNothing) {
 TEST(RefineCategories, SaysWhatItCannotDo) {
   const CategoryFeedback mark{.category = "boat", .right = true, .features = {}};
   EXPECT_THAT(RefineCategories(RawModel(), std::span(&mark, 1)).error().message, HasSubstr("boat"));
-  const auto thesis = TrainCategories(testing::DrawExamples(3, 1), testing::SmallOptions("likelihood"));
+  const auto thesis = TrainCategories(testing::DrawExamples(3, 1), testing::SmallOptions(CategoryScoring::kLikelihood));
   EXPECT_THAT(RefineCategories(*thesis, {}).error().message, HasSubstr("train it again"));
 }
 

@@ -60,8 +60,7 @@ Level MakeLevel(const CategoryModel& model, const cv::Mat& grey, double side, co
   DenseOptions at_this_size = dense;
   at_this_size.max_side_px = std::max(level.size.width, level.size.height);
   level.features = DenseFeatures(resampled, at_this_size);
-  level.picture = QuantiseFeatures(level.features, model.vocabulary, model.options.words_per_keypoint,
-                                   model.options.assignment_sigma);
+  level.picture = QuantiseFeatures(level.features, model.vocabulary, model.options.vocabulary.words_per_keypoint);
   level.rows = FindRows(level.features.keypoints);
   return level;
 }
@@ -126,7 +125,7 @@ QuantisedImage QuantiseFeatures(const CategoryModel& model, const Level& level, 
     const auto assignments = level.picture.Assignments(i);
     part.assignments.insert(part.assignments.end(), assignments.begin(), assignments.end());
   }
-  part.shape = model.shape.Encode(crop);
+  part.shape = model.linear()->shape.Encode(crop);
   return part;
 }
 
@@ -134,11 +133,8 @@ QuantisedImage QuantiseFeatures(const CategoryModel& model, const Level& level, 
 double MaxLogOdds(const CategoryModel& model, const CategoryResult& result, CategoryMethod method,
                   std::span<const std::size_t> wanted) {
   double best = -std::numeric_limits<double>::infinity();
-  for (const std::size_t node : wanted) {
-    const Calibration& calibration =
-        method == CategoryMethod::kPhrases ? model.nodes[node].phrases : model.nodes[node].words;
-    best = std::max(best, calibration.slope * result.scores[node].raw + calibration.offset);
-  }
+  for (const std::size_t node : wanted)
+    best = std::max(best, model.nodes[node].CalibrationFor(method).LogOdds(result.scores[node].raw));
   return best;
 }
 
@@ -146,7 +142,7 @@ ScoredWindow ScoreWindow(const CategoryModel& model, const Level& level, const c
   const std::vector<std::size_t> inside = FindFeaturesInside(level, corner, side_px);
   const FeatureSet crop = CropFeatures(level, inside, corner, side_px);
   ScoredWindow window{.box = {}, .result = {}, .picture = QuantiseFeatures(model, level, inside, crop)};
-  window.picture.fisher = model.fisher.Encode(crop);
+  window.picture.fisher = model.linear()->fisher.Encode(crop);
   window.result = Classify(model, window.picture, CategoryMethod::kPhrases);
   const double scale = level.side / side_px;
   window.box = {corner.x * scale, corner.y * scale, level.side, level.side};
@@ -163,62 +159,36 @@ void WindowOptions::ListFields(FieldList& fields) {
              {.min = 32, .max = 512, .unit = "px", .reason = "side to which a window is resampled for the features"});
   fields.Add("min_window_px", min_window_px,
              {.min = 16, .max = 4096, .unit = "px", .reason = "side of the smallest windows"});
-  fields.Add("size_factor", size_factor, {.min = 1.05, .max = 4, .reason = "ratio of successive window sizes"});
-  fields.Add("step_px", step_px,
-             {.min = 2,
-              .max = 512,
-              .unit = "px",
-              .reason = "step between windows, after resampling; use a multiple of dense.step_px"});
-  fields.Add("context_factor", context_factor,
-             {.min = 1, .max = 4, .reason = "side of a window relative to the longer side of the object's box"});
-  fields.Add(
-      "max_rescored", max_rescored,
-      {.min = 1,
-       .max = 100000,
-       .reason = "windows per image that are rescored with phrases and Fisher vectors: the best by words and shapes"});
-  fields.Add("overlap", overlap,
-             {.min = 0,
-              .max = 1,
-              .reason = "non-maximum suppression: of windows with a greater intersection over union only the most "
-                        "probable is kept"});
   fields.Add("max_side_px", max_side_px,
              {.min = 64, .max = 16384, .unit = "px", .reason = "images with a longer side are downscaled to it"});
-  fields.Add("background_category", background_category,
-             {.reason = "background category, of windows without an object; set by training to the category of the "
-                        "images without boxes"});
-  fields.Add("calibration_windows", calibration_windows,
-             {.min = 0,
-              .max = 1e9,
-              .reason = "mean number of windows per image in calibration; set by training from the images without "
-                        "boxes. For images with more windows, the odds of each window are reduced in proportion; 0: no "
-                        "correction"});
 }
 
 std::vector<double> WindowSides(const cv::Size& picture, const WindowOptions& options) {
   const double longest = std::min(picture.width, picture.height);
   std::vector<double> sides;
-  for (double side = options.min_window_px; side * std::sqrt(options.size_factor) < longest;
-       side *= options.size_factor)
+  for (double side = options.min_window_px; side * std::sqrt(kWindowSizeFactor) < longest; side *= kWindowSizeFactor)
     sides.push_back(side);
   sides.push_back(longest);
   return sides;
 }
 
-std::size_t WindowCount(const cv::Size& picture, const WindowOptions& options) {
+std::size_t WindowCount(const cv::Size& picture, int grid_step_px, const WindowOptions& options) {
+  const int step_px = kWindowStepGridPoints * grid_step_px;
   const double shrink = DownscaleFactor(picture, options);
   const cv::Size size(cvRound(picture.width * shrink), cvRound(picture.height * shrink));
   std::size_t count = 0;
   for (const double side : WindowSides(size, options)) {
     const cv::Size level = LevelSize(size, side, options.side_px);
-    count += WindowOffsets(level.width, options.side_px, options.step_px).size() *
-             WindowOffsets(level.height, options.side_px, options.step_px).size();
+    count += WindowOffsets(level.width, options.side_px, step_px).size() *
+             WindowOffsets(level.height, options.side_px, step_px).size();
   }
   return count;
 }
 
 std::vector<ScoredWindow> ClassifyWindows(const CategoryModel& model, const cv::Mat& grey, const DenseOptions& dense,
                                           const WindowOptions& options, std::span<const std::size_t> wanted) {
-  VICTORIOUS_CHECK(grey.type() == CV_8UC1 && model.options.scoring == "linear");
+  VICTORIOUS_CHECK(grey.type() == CV_8UC1 && model.linear() != nullptr);
+  const int step_px = kWindowStepGridPoints * dense.step_px;
   const double shrink = DownscaleFactor(grey.size(), options);
   cv::Mat picture = grey;
   if (shrink < 1) cv::resize(grey, picture, {}, shrink, shrink, cv::INTER_AREA);
@@ -226,8 +196,8 @@ std::vector<ScoredWindow> ClassifyWindows(const CategoryModel& model, const cv::
   std::vector<Candidate> candidates;
   for (const double side : WindowSides(picture.size(), options)) {
     const Level& level = levels.emplace_back(MakeLevel(model, picture, side, dense, options));
-    for (const int y : WindowOffsets(level.size.height, options.side_px, options.step_px)) {
-      for (const int x : WindowOffsets(level.size.width, options.side_px, options.step_px)) {
+    for (const int y : WindowOffsets(level.size.height, options.side_px, step_px)) {
+      for (const int x : WindowOffsets(level.size.width, options.side_px, step_px)) {
         const std::vector<std::size_t> inside = FindFeaturesInside(level, {x, y}, options.side_px);
         if (inside.empty()) continue;
         const FeatureSet crop = CropFeatures(level, inside, {x, y}, options.side_px);
@@ -238,12 +208,11 @@ std::vector<ScoredWindow> ClassifyWindows(const CategoryModel& model, const cv::
     }
   }
   std::ranges::stable_sort(candidates, std::ranges::greater(), &Candidate::score);
-  candidates.resize(std::min(candidates.size(), static_cast<std::size_t>(options.max_rescored)));
+  candidates.resize(std::min(candidates.size(), std::size_t{kMaxRescoredWindows}));
   // Correction for multiple testing: the odds are divided by the ratio of the number of windows to that in calibration.
-  const double calibration_count = options.calibration_windows;
-  const double odds_divisor =
-      calibration_count > 0 ? std::max(1.0, static_cast<double>(WindowCount(grey.size(), options)) / calibration_count)
-                            : 1.0;
+  const double calibration_count = model.windows ? model.windows->windows_per_background : 0;
+  const auto count = static_cast<double>(WindowCount(grey.size(), dense.step_px, options));
+  const double odds_divisor = calibration_count > 0 ? std::max(1.0, count / calibration_count) : 1.0;
   std::vector<ScoredWindow> windows;
   for (const Candidate& candidate : candidates) {
     ScoredWindow& window =
@@ -265,10 +234,10 @@ std::vector<ScoredWindow> ClassifyWindows(const CategoryModel& model, const cv::
   return windows;
 }
 
-bool IsSameObject(const Box& a, const Box& b, double overlap) {
+bool IsSameObject(const Box& a, const Box& b) {
   // A small window in a large one shows a part of the same object, or the object without its surroundings.
   constexpr double kMostlyInside = 0.6;
-  return IntersectionOverUnion(a, b) > overlap ||
+  return IntersectionOverUnion(a, b) > kMaxWindowOverlap ||
          Intersection(a, b).Area() > kMostlyInside * std::min(a.Area(), b.Area());
 }
 

@@ -2,13 +2,12 @@
 // sizes over the whole image. Input: a grey image and a category model. Output: the windows of the highest scores.
 // Method: the image is resampled once per window size to `side_px` pixels per window side. Features and words are
 // computed once per resampled image; a window contains those whose patches lie entirely inside, so that its score
-// equals that of its crop. Words and shapes (shape.h) rank all windows; the best `max_rescored` windows are rescored
-// with phrases and Fisher vectors.
+// equals that of its crop. Words and shapes (shape.h) rank all windows; the best kMaxRescoredWindows windows are
+// rescored with phrases and Fisher vectors.
 #pragma once
 
 #include <cstddef>
 #include <span>
-#include <string>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -20,18 +19,23 @@
 
 namespace victorious {
 
+/// Ratio of successive window sizes.
+inline constexpr double kWindowSizeFactor = 1.3;
+/// Step between windows in steps of the grid of features, so that windows of one size share their features.
+inline constexpr int kWindowStepGridPoints = 3;
+/// Side of a window relative to the longer side of the object's box: a margin for its surroundings.
+inline constexpr double kWindowContextFactor = 1.25;
+/// Windows per image that are rescored with phrases and Fisher vectors: the best by words and shapes. Bounds the time:
+/// 2 ms each.
+inline constexpr int kMaxRescoredWindows = 60;
+/// Non-maximum suppression: of windows with a greater intersection over union only the most probable is kept.
+inline constexpr double kMaxWindowOverlap = 0.2;
+
 struct WindowOptions {
   bool enabled = false;
   int side_px = 96;
   int min_window_px = 64;
-  double size_factor = 1.3;
-  int step_px = 24;
-  double context_factor = 1.25;
-  int max_rescored = 60;
-  double overlap = 0.2;
   int max_side_px = 1280;
-  std::string background_category = {};
-  double calibration_windows = 0;
 
   void ListFields(FieldList& fields);
 };
@@ -41,7 +45,8 @@ struct WindowOptions {
 std::vector<double> WindowSides(const cv::Size& picture, const WindowOptions& options);
 
 /// Returns the number of windows in an image, over all sizes.
-std::size_t WindowCount(const cv::Size& picture, const WindowOptions& options);
+/// @param grid_step_px  DenseOptions::step_px
+std::size_t WindowCount(const cv::Size& picture, int grid_step_px, const WindowOptions& options);
 
 /// A window with its classification.
 struct ScoredWindow {
@@ -51,7 +56,7 @@ struct ScoredWindow {
 };
 
 /// Classifies all windows of an image.
-/// @param model   with scoring "linear"
+/// @param model   a linear classifier; its WindowTraining corrects the probabilities
 /// @param grey    CV_8UC1
 /// @param wanted  node indices; windows are ranked by the most probable of these
 /// @return        the rescored windows by decreasing probability; windows without features are omitted
@@ -59,8 +64,8 @@ struct ScoredWindow {
 std::vector<ScoredWindow> ClassifyWindows(const CategoryModel& model, const cv::Mat& grey, const DenseOptions& dense,
                                           const WindowOptions& options, std::span<const std::size_t> wanted);
 
-/// Returns true if two windows show the same object: their intersection over union exceeds `overlap`, or more than 60 %
-/// of the smaller lies in the larger. For non-maximum suppression.
-bool IsSameObject(const Box& a, const Box& b, double overlap);
+/// Returns true if two windows show the same object: their intersection over union exceeds kMaxWindowOverlap, or more
+/// than 60 % of the smaller lies in the larger. For non-maximum suppression.
+bool IsSameObject(const Box& a, const Box& b);
 
 }  // namespace victorious

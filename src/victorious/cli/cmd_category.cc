@@ -32,7 +32,7 @@ struct Arguments {
   std::string params;
   std::optional<std::uint64_t> seed;
   std::string model;
-  std::string method = "phrases";
+  std::string method = std::string(ToText(kCategoryMethodTexts, CategoryMethod::kPhrases));
   std::string explain;
   bool json = false;
 };
@@ -46,7 +46,7 @@ Status WarnWithoutBackground(const CategoryModel& model) {
   spdlog::warn(
       "no background category: every image is labelled as one of the categories, whatever it shows; add images of "
       "other objects, listed as {}, to the training list",
-      defaults.none);
+      defaults.background);
   return {};
 }
 
@@ -101,12 +101,12 @@ Status Explain(const std::string& file, const cv::Mat& bgr, const CategoryModel&
                const ClassifiedImage& classified) {
   const CategoryResult& result = classified.result;
   const Box& part = classified.classified_box;
-  cv::Mat looked_at = bgr(cv::Rect(cv::Rect2d(part.x, part.y, part.width, part.height)) & cv::Rect({0, 0}, bgr.size()));
-  if (looked_at.size() != cv::Size(classified.picture.width, classified.picture.height))
-    cv::resize(looked_at, looked_at, {classified.picture.width, classified.picture.height}, 0, 0, cv::INTER_AREA);
+  cv::Mat region = bgr(cv::Rect(cv::Rect2d(part.x, part.y, part.width, part.height)) & cv::Rect({0, 0}, bgr.size()));
+  if (region.size() != cv::Size(classified.picture.width, classified.picture.height))
+    cv::resize(region, region, {classified.picture.width, classified.picture.height}, 0, 0, cv::INTER_AREA);
   const std::string caption =
       fmt::format("{} {:.3f}", model.nodes[result.label].name, result.scores[result.label].probability);
-  return WriteImage(file, DrawContributions(looked_at, classified.picture,
+  return WriteImage(file, DrawContributions(region, classified.picture,
                                             ComputeContributions(model, classified.picture, result.label), caption));
 }
 
@@ -114,9 +114,9 @@ Status Classify(const Arguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const CategoryModel model, ReadCategoryModel(arguments.model));
   VICTORIOUS_ASSIGN_OR_RETURN(const CategoryFeaturizer featurizer, CategoryFeaturizer::Of(model));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<CategoryListRow> rows, ReadCategoryList(arguments.list));
-  if (!arguments.explain.empty() && arguments.method == "words")
+  const CategoryMethod method = FromText(kCategoryMethodTexts, arguments.method).value();  // checked by CLI11
+  if (!arguments.explain.empty() && method == CategoryMethod::kWords)
     return Fail(ErrorCode::kInvalidArgument, "--explain draws phrases: it needs --method phrases");
-  const CategoryMethod method = arguments.method == "words" ? CategoryMethod::kWords : CategoryMethod::kPhrases;
   std::vector<std::string> lines(rows.size());
   const auto classify = [&](std::size_t row, const cv::Mat& bgr) -> Status {
     VICTORIOUS_ASSIGN_OR_RETURN(const ClassifiedImage classified,
@@ -150,12 +150,12 @@ Status Refine(const Arguments& arguments) {
   std::vector<CategoryFeedback> marks(rows.size());
   const auto read_mark = [&](std::size_t row, const cv::Mat& bgr) -> Status {
     const CategoryListRow& listed = rows[row];
-    if (listed.category.empty() || listed.mark.empty()) {
+    if (listed.category.empty() || !listed.mark) {
       return Fail(ErrorCode::kInvalidArgument,
                   fmt::format("{}: no {}: a line must be image,category,mark, with mark right or wrong", listed.where,
                               listed.category.empty() ? "category" : "mark"));
     }
-    marks[row] = {.category = listed.category, .right = listed.mark == "right", .features = {}};
+    marks[row] = {.category = listed.category, .right = listed.mark == FeedbackMark::kRight, .features = {}};
     VICTORIOUS_ASSIGN_OR_RETURN(marks[row].features, featurizer.Extract(GreyFromBgr(bgr)));
     return {};
   };

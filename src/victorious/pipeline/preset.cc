@@ -60,22 +60,22 @@ void SetLearntSearch(RecognizeOptions& recognize) {
 
 // Equations 3.1 to 3.3, in the reading that reproduces the thesis's figures.
 void SetThesisCategories(CategoryTrainOptions& options) {
-  options.features.kind = "keypoints";
-  options.features.surroundings = "calibrate";
+  options.features.kind = CategoryFeatureKind::kKeypoints;
+  options.features.surroundings = Surroundings::kCalibrate;
   options.features.mirrored = false;
-  options.category.scoring = "likelihood";
-  options.category.words_per_keypoint = 1;
+  options.category.scoring = CategoryScoring::kLikelihood;
+  options.category.vocabulary.words_per_keypoint = 1;
   options.category.vocabulary.root = false;
-  options.category.grammar.kernel_cap = 3.0;
-  options.category.grammar.word_prior = true;
-  options.category.grammar.likelihood_exponent = 0.1;
+  options.category.thesis.grammar.kernel_cap = 3.0;
+  options.category.thesis.grammar.word_prior = true;
+  options.category.thesis.grammar.likelihood_exponent = 0.1;
 }
 
 void SetWindows(CategoryTrainOptions& options) {
   options.features.windows.enabled = true;
   options.features.dense.sizes = 5;
   options.category.vocabulary.words = 1000;
-  options.category.shapes.weight = 4.0;
+  options.category.linear.shapes.weight = 4.0;
 }
 
 // Features and search of a command that searches videos.

@@ -29,8 +29,9 @@ TEST(Preset, ThesisSetsWhatTheThesisSaysInEachCommand) {
   EXPECT_EQ(OptionsToJsonText(navigate.features), OptionsToJsonText(index.features));
   CategoryTrainOptions category;
   ASSERT_TRUE(ApplyPreset(Preset::kThesis, category));
-  EXPECT_FALSE(category.features.mirrored);
-  EXPECT_TRUE(category.category.grammar.word_prior);
+  EXPECT_EQ(category.features.kind, CategoryFeatureKind::kKeypoints);
+  EXPECT_EQ(category.category.scoring, CategoryScoring::kLikelihood);
+  EXPECT_TRUE(category.category.thesis.grammar.word_prior);
   CadModelOptions cad;
   ASSERT_TRUE(ApplyPreset(Preset::kThesis, cad));
   EXPECT_EQ(cad.features.contrast_threshold, index.features.contrast_threshold);
@@ -52,7 +53,7 @@ TEST(Preset, WindowsAreForCategoriesAlone) {
   CategoryTrainOptions category;
   ASSERT_TRUE(ApplyPreset(Preset::kWindows, category));
   EXPECT_TRUE(category.features.windows.enabled);
-  EXPECT_GT(category.category.shapes.weight, 0);
+  EXPECT_GT(category.category.linear.shapes.weight, 0);
   IndexOptions index;
   EXPECT_FALSE(ApplyPreset(Preset::kWindows, index));
 }

@@ -25,10 +25,11 @@ ViewDirection SampleDirection(double min_off_nadir_deg, double max_off_nadir_deg
   return {azimuth_rad, RadiansFromDegrees(random.Uniform(min_off_nadir_deg, max_off_nadir_deg))};
 }
 
-Light SampleLight(double sunlit_fraction, Random& random) {
-  constexpr double kLowestSun_deg = 65;
+Light SampleLight(Random& random) {
+  constexpr double kSunlitFraction = 0.5;  // of the renderings; the others have diffuse light
+  constexpr double kLowestSun_deg = 65;    // from the zenith
   const ViewDirection sun = SampleDirection(0, kLowestSun_deg, random);
-  if (random.Uniform() >= sunlit_fraction) return {};
+  if (random.Uniform() >= kSunlitFraction) return {};
   Light light = ClearDayLight(sun);
   light.shadows = true;
   return light;
@@ -64,8 +65,6 @@ void CadExampleOptions::ListFields(FieldList& fields) {
               .max = 180,
               .unit = "deg",
               .reason = "maximum off-nadir angle of the renderings; above 90 seen from below"});
-  fields.Add("sunlit_fraction", sunlit_fraction,
-             {.min = 0, .max = 1, .reason = "fraction of renderings lit by a sun, at random but not near the horizon"});
 }
 
 Status CheckRange(const CadExampleOptions& options) {
@@ -105,9 +104,8 @@ Expected<std::vector<LabelledImage>> RenderCadExamples(const Mesh& mesh, const s
                                                                          .diameter_px = kSize_px,
                                                                          .width_px = kSize_px,
                                                                          .height_px = kSize_px}));
-    VICTORIOUS_ASSIGN_OR_RETURN(
-        const RenderedView rendered,
-        renderer.Render(std::span(&instance, 1), camera, SampleLight(options.sunlit_fraction, random)));
+    VICTORIOUS_ASSIGN_OR_RETURN(const RenderedView rendered,
+                                renderer.Render(std::span(&instance, 1), camera, SampleLight(random)));
     const cv::Rect seen = cv::boundingRect(rendered.mask);
     if (seen.empty()) continue;  // a flat mesh seen edge-on
     cv::Mat object;

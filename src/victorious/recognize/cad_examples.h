@@ -21,7 +21,6 @@ struct CadExampleOptions {
   int views = 25;
   double min_off_nadir_deg = 60.0;
   double max_off_nadir_deg = 100.0;
-  double sunlit_fraction = 0.5;
 
   void ListFields(FieldList& fields);
 };

@@ -19,7 +19,7 @@ void CategoryFindOptions::ListFields(FieldList& fields) {
              {.min = 0,
               .max = 1,
               .reason = "minimum calibrated probability of a category sighting; the default is even odds"});
-  fields.Add("none", none,
+  fields.Add("background", background,
              {.reason = "background categories, by full names separated by commas: the classifier uses them, and they "
                         "are not reported"});
 }
@@ -45,7 +45,7 @@ Expected<CategoryFinder> CategoryFinder::Create(CategoryModel model, const Categ
   if (!finder.names_.empty()) return finder;
   return Fail(ErrorCode::kInvalidArgument,
               fmt::format("categories: all are background ({}): train the model with at least one other category",
-                          options.none));
+                          options.background));
 }
 
 CategoryFinder::CategoryFinder(CategoryModel model, CategoryFeaturizer featurizer, const CategoryFindOptions& options)
@@ -55,8 +55,8 @@ CategoryFinder::CategoryFinder(CategoryModel model, CategoryFeaturizer featurize
       content_id_(fmt::format("{:016x}", Checksum(EncodeCategoryModel(*model_)))) {
   for (std::size_t n = 0; n < model_->nodes.size(); ++n) {
     const CategoryNode& node = model_->nodes[n];
-    if (!node.can_be_label || IsListed(options.none, node.name) ||
-        node.name == featurizer_.options().windows.background_category)
+    if (!node.can_be_label || IsListed(options.background, node.name) ||
+        (model_->windows && node.name == model_->windows->background_category))
       continue;
     names_.push_back(node.name);
     nodes_.push_back(n);
@@ -87,7 +87,7 @@ std::vector<FoundCategory> CategoryFinder::FindInWindows(const cv::Mat& grey) co
       const std::string& a = names_[one.category];
       const std::string& b = names_[other.category];
       const bool may_be_both = a != b && (IsWithin(a, b) || IsWithin(b, a));
-      return !may_be_both && IsSameObject(one.window->box, other.window->box, options.overlap);
+      return !may_be_both && IsSameObject(one.window->box, other.window->box);
     };
     if (std::ranges::none_of(apart, suppresses)) apart.push_back(one);
   }

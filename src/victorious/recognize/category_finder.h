@@ -21,7 +21,7 @@ namespace victorious {
 
 struct CategoryFindOptions {
   double min_probability = 0.5;
-  std::string none = "background";
+  std::string background = "background";
 
   void ListFields(FieldList& fields);
 };

@@ -50,7 +50,7 @@ TEST(CategoryFinder, FindsTheLikelyCategoryWhereItIs) {
 }
 
 TEST(CategoryFinder, NoneOfTheseIsNotFound) {
-  const auto finder = CategoryFinder::Create(SmallModel(), {.min_probability = 0, .none = "boat, disc-cross"});
+  const auto finder = CategoryFinder::Create(SmallModel(), {.min_probability = 0, .background = "boat, disc-cross"});
   ASSERT_TRUE(finder) << finder.error().message;
   EXPECT_THAT(finder->names(), ElementsAre("cross-disc"));
   Random random(2);
@@ -70,7 +70,7 @@ TEST(CategoryFinder, APictureOfNothingHasNone) {
 
 TEST(CategoryFinder, IsAnothersWithAnotherModel) {
   CategoryModel other = SmallModel();
-  other.phrase_weights[0].offset += 1;
+  std::get<LinearModel>(other.classifier).phrase_weights[0].offset += 1;
   const auto first = CategoryFinder::Create(SmallModel(), {});
   const auto same = CategoryFinder::Create(SmallModel(), {});
   const auto second = CategoryFinder::Create(std::move(other), {});
@@ -80,7 +80,7 @@ TEST(CategoryFinder, IsAnothersWithAnotherModel) {
 }
 
 TEST(CategoryFinder, NothingToFindIsRefused) {
-  const auto finder = CategoryFinder::Create(SmallModel(), {.none = "cross-disc,disc-cross"});
+  const auto finder = CategoryFinder::Create(SmallModel(), {.background = "cross-disc,disc-cross"});
   ASSERT_FALSE(finder);
   EXPECT_EQ(finder.error().code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(finder.error().message, HasSubstr("cross-disc,disc-cross"));

@@ -21,19 +21,16 @@
 namespace victorious {
 
 void CategoryFeatureOptions::ListFields(FieldList& fields) {
-  fields.Add("kind", kind,
-             {.choices = {"dense", "keypoints"},
-              .reason = "dense: descriptors on a grid, also at low contrast; keypoints: SIFT, as the thesis"});
-  fields.Add("surroundings", surroundings,
-             {.choices = {"none", "calibrate", "learn"},
-              .reason = "use of the whole image around a box. learn: an example like the crop, since images to "
+  fields.Add("kind", kind, kCategoryFeatureKindTexts,
+             {.reason = "dense: descriptors on a grid, also at low contrast; keypoints: SIFT, as the thesis"});
+  fields.Add("surroundings", surroundings, kSurroundingsTexts,
+             {.reason = "use of the whole image around a box. learn: an example like the crop, since images to "
                         "classify have surroundings; calibrate: only to calibrate probabilities; none: not used"});
   fields.Add("mirrored", mirrored,
              {.reason = "learn from the mirror image of each image, too, except for categories that are mirror images "
                         "of each other according to held-out images"});
   fields.AddGroup("dense", dense);
   fields.AddGroup("windows", windows);
-  fields.AddGroup("keypoints", keypoints);
 }
 
 void CategoryTrainOptions::ListFields(FieldList& fields) {
@@ -45,7 +42,7 @@ void CategoryTrainOptions::ListFields(FieldList& fields) {
 
 Expected<CategoryFeaturizer> CategoryFeaturizer::Create(const CategoryFeatureOptions& options) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
-  if (options.windows.enabled && options.kind != "dense")
+  if (options.windows.enabled && options.kind != CategoryFeatureKind::kDense)
     return Fail(ErrorCode::kInvalidArgument, "windows.enabled: requires features on a grid: kind must be dense");
   constexpr int kMaxEnlarged = 2;  // further enlargement costs memory and adds no information
   if (options.windows.enabled && options.windows.side_px > kMaxEnlarged * options.windows.min_window_px) {
@@ -58,7 +55,7 @@ Expected<CategoryFeaturizer> CategoryFeaturizer::Create(const CategoryFeatureOpt
   }
   CategoryFeaturizer featurizer;
   featurizer.options_ = options;
-  VICTORIOUS_ASSIGN_OR_RETURN(featurizer.extractor_, MakeFeatureExtractor(options.keypoints));
+  VICTORIOUS_ASSIGN_OR_RETURN(featurizer.extractor_, MakeFeatureExtractor(FeatureOptions()));
   return featurizer;
 }
 
@@ -67,20 +64,21 @@ Expected<CategoryFeaturizer> CategoryFeaturizer::Of(const CategoryModel& model) 
   const auto json = nlohmann::json::parse(model.features_json, nullptr, /*allow_exceptions=*/false);
   const Status status =
       json.is_discarded() ? Fail(ErrorCode::kDataLoss, "not JSON") : SetFromJson(json, CollectFields(options));
-  if (options.windows.enabled && model.options.scoring != "linear")
+  if (!status)
+    return Fail(ErrorCode::kDataLoss,
+                fmt::format("category model: feature options: {}: train again", status.error().message));
+  if (options.windows.enabled && model.linear() == nullptr)
     return Fail(ErrorCode::kDataLoss, "category model: windows require scoring linear: train again");
-  if (status) return Create(options);
-  return Fail(ErrorCode::kDataLoss,
-              fmt::format("category model: feature options: {}: train again", status.error().message));
+  return Create(options);
 }
 
 Expected<FeatureSet> CategoryFeaturizer::Extract(const cv::Mat& grey) const {
-  if (options_.kind == "dense") return DenseFeatures(grey, options_.dense);
+  if (options_.kind == CategoryFeatureKind::kDense) return DenseFeatures(grey, options_.dense);
   return extractor_->Extract(grey);
 }
 
 cv::Mat CategoryFeaturizer::Clean(const cv::Mat& grey) const {
-  return RemoveImpulses(grey, options_.keypoints.impulse_fraction);
+  return RemoveImpulses(grey, FeatureOptions().impulse_fraction);
 }
 
 Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryFeaturizer& featurizer, const cv::Mat& grey,
@@ -91,7 +89,8 @@ Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryFeaturizer& feat
   const int x1 = std::clamp(static_cast<int>(std::ceil(box.x + box.width)), x0 + 1, grey.cols);
   const int y1 = std::clamp(static_cast<int>(std::ceil(box.y + box.height)), y0 + 1, grey.rows);
   const cv::Rect part(x0, y0, x1 - x0, y1 - y0);
-  const bool with_whole = own_surroundings && part.size() != grey.size() && featurizer.options().surroundings != "none";
+  const bool with_whole =
+      own_surroundings && part.size() != grey.size() && featurizer.options().surroundings != Surroundings::kNone;
   std::vector<CategoryExample> examples;
   const auto add = [&](const cv::Mat& seen, bool used_for_training, bool used_for_calibration,
                        bool mirrored = false) -> Status {
@@ -114,7 +113,7 @@ Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryFeaturizer& feat
   VICTORIOUS_RETURN_IF_ERROR(add(cut_out, /*used_for_training=*/true, /*used_for_calibration=*/!with_whole));
   VICTORIOUS_RETURN_IF_ERROR(add_mirrored(cut_out));
   if (!with_whole) return examples;
-  const bool used_for_training = featurizer.options().surroundings == "learn";
+  const bool used_for_training = featurizer.options().surroundings == Surroundings::kLearn;
   VICTORIOUS_RETURN_IF_ERROR(add(grey, used_for_training, /*used_for_calibration=*/true));
   if (used_for_training) VICTORIOUS_RETURN_IF_ERROR(add_mirrored(grey));
   return examples;
@@ -236,7 +235,7 @@ Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::sp
   VICTORIOUS_ASSIGN_OR_RETURN(const SortedRows sorted, SortRows(rows));
   VICTORIOUS_ASSIGN_OR_RETURN(const CategoryFeaturizer featurizer, CategoryFeaturizer::Create(options.features));
   const bool by_windows = options.features.windows.enabled;
-  if (by_windows && options.category.scoring != "linear")
+  if (by_windows && options.category.scoring != CategoryScoring::kLinear)
     return Fail(ErrorCode::kInvalidArgument, "features.windows.enabled: requires scoring linear");
   if (!sorted.cad_files.empty()) {
     VICTORIOUS_RETURN_IF_ERROR(CheckRange(options.cad));
@@ -248,15 +247,15 @@ Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::sp
   const std::size_t count = sorted.pictures.size();
   std::vector<std::vector<CategoryExample>> of_picture(count);
   std::vector<LabelledImage> pictures(by_windows ? count : 0);
-  std::vector<cv::Mat> none(sorted.cad_files.empty() ? 0 : count);  // background images
+  std::vector<cv::Mat> backgrounds(sorted.cad_files.empty() ? 0 : count);  // for CAD files
   const auto look = [&](std::size_t row, const cv::Mat& bgr) -> Status {
     const CategoryListRow& listed = sorted.pictures[row];
     const cv::Mat grey = GreyFromBgr(bgr);
     VICTORIOUS_ASSIGN_OR_RETURN(const Box box, ClippedBox(listed, grey.cols, grey.rows));
     const bool is_object = sorted.object_categories.contains(listed.category);
     const cv::Mat seen = by_windows ? featurizer.Clean(grey) : grey;
-    if (!none.empty() && sorted.background_categories.contains(listed.category))
-      none[row] = ResizeBackgroundForCad(seen);
+    if (!backgrounds.empty() && sorted.background_categories.contains(listed.category))
+      backgrounds[row] = ResizeBackgroundForCad(seen);
     if (by_windows) {
       pictures[row] = {.category = listed.category, .grey = seen, .box = is_object ? std::optional(box) : std::nullopt};
       return {};
@@ -267,14 +266,15 @@ Expected<CategoryModel> TrainOnList(const std::filesystem::path& folder, std::sp
   };
   VICTORIOUS_RETURN_IF_ERROR(ForEachImage(folder, sorted.pictures, look, done));
 
-  std::erase_if(none, [](const cv::Mat& picture) { return picture.empty(); });
+  std::erase_if(backgrounds, [](const cv::Mat& picture) { return picture.empty(); });
   for (std::size_t i = 0; i < sorted.cad_files.size(); ++i) {
-    VICTORIOUS_ASSIGN_OR_RETURN(std::vector<LabelledImage> drawn, ReadCad(folder, sorted.cad_files[i], none, options,
-                                                                          MixSeed(options.category.seed, i), warn));
+    VICTORIOUS_ASSIGN_OR_RETURN(
+        std::vector<LabelledImage> drawn,
+        ReadCad(folder, sorted.cad_files[i], backgrounds, options, MixSeed(options.category.seed, i), warn));
     if (by_windows) {
       std::ranges::move(drawn, std::back_inserter(pictures));
     } else {
-      // Renderings of one CAD file are held out together, so that another CAD file used_for_calibration, if the
+      // Renderings of one CAD file are held out together, so that another CAD file is used for calibration, if the
       // category has one.
       const bool alone =
           1 == std::ranges::count(sorted.cad_files, sorted.cad_files[i].category, &CategoryListRow::category);
@@ -307,7 +307,7 @@ Expected<ClassifiedImage> ClassifyInWindows(const CategoryFeaturizer& featurizer
   const WindowOptions& options = featurizer.options().windows;
   std::vector<std::size_t> object_nodes;
   for (std::size_t n = 0; n < model.nodes.size(); ++n)
-    if (model.nodes[n].name != options.background_category) object_nodes.push_back(n);
+    if (!model.windows || model.nodes[n].name != model.windows->background_category) object_nodes.push_back(n);
   const std::vector<ScoredWindow> windows =
       ClassifyWindows(model, featurizer.Clean(grey), featurizer.options().dense, options, object_nodes);
   if (windows.empty()) {  // no features

@@ -2,6 +2,7 @@
 // same code, so that a model sees training and test images alike.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -11,6 +12,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "victorious/base/enum_text.h"
 #include "victorious/base/error.h"
 #include "victorious/base/options.h"
 #include "victorious/category/category_model.h"
@@ -23,13 +25,25 @@
 
 namespace victorious {
 
+/// Where features lie: on a grid, or at SIFT keypoints (thesis).
+enum class CategoryFeatureKind { kDense, kKeypoints };
+
+inline constexpr auto kCategoryFeatureKindTexts = std::to_array<EnumText<CategoryFeatureKind>>(
+    {{CategoryFeatureKind::kDense, "dense"}, {CategoryFeatureKind::kKeypoints, "keypoints"}});
+
+/// Use of the whole image around a box in training.
+enum class Surroundings { kNone, kCalibrate, kLearn };
+
+inline constexpr auto kSurroundingsTexts = std::to_array<EnumText<Surroundings>>(
+    {{Surroundings::kNone, "none"}, {Surroundings::kCalibrate, "calibrate"}, {Surroundings::kLearn, "learn"}});
+
+/// The features of a category model. Keypoints are extracted with the defaults of FeatureOptions.
 struct CategoryFeatureOptions {
-  std::string kind = "dense";
-  std::string surroundings = "learn";
+  CategoryFeatureKind kind = CategoryFeatureKind::kDense;
+  Surroundings surroundings = Surroundings::kLearn;
   bool mirrored = true;
   DenseOptions dense;
   WindowOptions windows;
-  FeatureOptions keypoints;
 
   void ListFields(FieldList& fields);
 };

@@ -59,13 +59,14 @@ Box ShiftedIntoImage(Box window, const cv::Size& picture) {
 
 // The window around an object, jittered by up to half a step and half a scale factor as in a sliding-window search; not
 // jittered for random == nullptr.
-Box WindowAroundObject(const Box& box, const WindowOptions& options, Random* random) {
-  double side = options.context_factor * std::max(box.width, box.height);
+Box WindowAroundObject(const Box& box, const CategoryFeatureOptions& options, Random* random) {
+  double side = kWindowContextFactor * std::max(box.width, box.height);
   double x = box.x + box.width / 2;
   double y = box.y + box.height / 2;
   if (random != nullptr) {
-    side *= std::pow(options.size_factor, random->Uniform(-0.5, 0.5));
-    const double half_step = 0.5 * side * options.step_px / options.side_px;
+    side *= std::pow(kWindowSizeFactor, random->Uniform(-0.5, 0.5));
+    const int step_px = kWindowStepGridPoints * options.dense.step_px;
+    const double half_step = 0.5 * side * step_px / options.windows.side_px;
     x += random->Uniform(-half_step, half_step);
     y += random->Uniform(-half_step, half_step);
   }
@@ -86,7 +87,7 @@ bool IsCentredOnObject(const Box& window, const Box& about) {
 }
 
 std::vector<WindowSample> InitialSamples(std::span<const LabelledImage> pictures, const CategoryTrainOptions& options,
-                                         const std::string& none) {
+                                         const std::string& background) {
   const WindowOptions& windows = options.features.windows;
   std::vector<WindowSample> samples;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
@@ -98,21 +99,25 @@ std::vector<WindowSample> InitialSamples(std::span<const LabelledImage> pictures
       continue;
     }
     for (int k = 0; k < options.examples.copies; ++k) {
-      const Box window = ShiftedIntoImage(WindowAroundObject(*picture.box, windows, &random), picture.grey.size());
+      const Box window =
+          ShiftedIntoImage(WindowAroundObject(*picture.box, options.features, &random), picture.grey.size());
       const bool mirrored = options.features.mirrored && k % 2 == 1;
       samples.push_back({i, window, picture.category, mirrored, true});
     }
     // Windows with only a part of the object are negatives: a detection must be centred on the object.
-    const Box about = WindowAroundObject(*picture.box, windows, nullptr);
+    const Box about = WindowAroundObject(*picture.box, options.features, nullptr);
     int parts = 0;
     constexpr int kTries = 20;
+    constexpr double kMinOctaves = -1.5;  // of their sides, relative to a window around the object
+    constexpr double kMaxOctaves = 0.5;
+    constexpr double kMaxShift = 0.7;  // of their centres, relative to that window's side
     for (int k = 0; k < kTries && parts < options.examples.copies; ++k) {
       Box window = about;
-      window.width = window.height = about.width * std::exp2(random.Uniform(-1.5, 0.5));
-      window.x += random.Uniform(-0.7, 0.7) * about.width + (about.width - window.width) / 2;
-      window.y += random.Uniform(-0.7, 0.7) * about.height + (about.height - window.height) / 2;
+      window.width = window.height = about.width * std::exp2(random.Uniform(kMinOctaves, kMaxOctaves));
+      window.x += random.Uniform(-kMaxShift, kMaxShift) * about.width + (about.width - window.width) / 2;
+      window.y += random.Uniform(-kMaxShift, kMaxShift) * about.height + (about.height - window.height) / 2;
       if (IsCentredOnObject(window, about) || window != ShiftedIntoImage(window, picture.grey.size())) continue;
-      samples.push_back({i, window, none, false, false});
+      samples.push_back({i, window, background, false, false});
       ++parts;
     }
   }
@@ -154,7 +159,7 @@ Expected<std::vector<CategoryExample>> ExamplesOf(const CategoryFeaturizer& feat
 
 // Hard negatives: false positives of the model in background images and beside the objects.
 std::vector<WindowSample> MineHardNegatives(const CategoryModel& model, std::span<const LabelledImage> pictures,
-                                            const CategoryTrainOptions& options, const std::string& none) {
+                                            const CategoryTrainOptions& options, const std::string& background) {
   std::vector<std::size_t> object_nodes;
   for (std::size_t n = 0; n < model.nodes.size(); ++n) {
     const auto shows = [&](const LabelledImage& picture) {
@@ -168,21 +173,31 @@ std::vector<WindowSample> MineHardNegatives(const CategoryModel& model, std::spa
       const LabelledImage& picture = pictures[i];
       const std::vector<ScoredWindow> windows =
           ClassifyWindows(model, picture.grey, options.features.dense, options.features.windows, object_nodes);
-      const Box about = picture.box ? WindowAroundObject(*picture.box, options.features.windows, nullptr) : Box{};
+      const Box about = picture.box ? WindowAroundObject(*picture.box, options.features, nullptr) : Box{};
       for (const ScoredWindow& window : windows) {
         if (picture.box && IsCentredOnObject(window.box, about)) continue;
         if (of_picture[i].size() == static_cast<std::size_t>(options.examples.hard_negatives)) break;
-        const auto same = [&](const WindowSample& cut) {
-          return IsSameObject(cut.window, window.box, options.features.windows.overlap);
-        };
+        const auto same = [&](const WindowSample& cut) { return IsSameObject(cut.window, window.box); };
         if (std::ranges::none_of(of_picture[i], same))
-          of_picture[i].push_back({i, window.box, picture.box ? none : picture.category, false, !picture.box});
+          of_picture[i].push_back({i, window.box, picture.box ? background : picture.category, false, !picture.box});
       }
     }
   });
   std::vector<WindowSample> samples;
   for (const auto& some : of_picture) samples.insert(samples.end(), some.begin(), some.end());
   return samples;
+}
+
+// Mean number of windows of an image without boxes.
+double WindowsPerBackground(std::span<const LabelledImage> pictures, const CategoryFeatureOptions& options) {
+  double windows = 0;
+  double backgrounds = 0;
+  for (const LabelledImage& picture : pictures) {
+    if (picture.box) continue;
+    windows += static_cast<double>(WindowCount(picture.grey.size(), options.dense.step_px, options.windows));
+    ++backgrounds;
+  }
+  return windows / backgrounds;
 }
 
 }  // namespace
@@ -199,8 +214,8 @@ void WindowTrainOptions::ListFields(FieldList& fields) {
 
 Expected<CategoryModel> TrainOnWindows(const CategoryFeaturizer& featurizer, std::span<const LabelledImage> pictures,
                                        const CategoryTrainOptions& options) {
-  const auto none = std::ranges::find_if(pictures, [](const LabelledImage& picture) { return !picture.box; });
-  if (none == pictures.end())
+  const auto background = std::ranges::find_if(pictures, [](const LabelledImage& picture) { return !picture.box; });
+  if (background == pictures.end())
     return Fail(ErrorCode::kInvalidArgument,
                 "windows require background images: add a category whose images have no boxes, for example background");
   std::set<std::string> boxed;
@@ -208,35 +223,27 @@ Expected<CategoryModel> TrainOnWindows(const CategoryFeaturizer& featurizer, std
     if (picture.box) boxed.insert(picture.category);
   }
   const auto another = std::ranges::find_if(pictures, [&](const LabelledImage& picture) {
-    return picture.category != none->category && !boxed.contains(picture.category);
+    return picture.category != background->category && !boxed.contains(picture.category);
   });
   if (another != pictures.end()) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("{} and {}: neither has boxes; windows require exactly one background category without "
                             "boxes, and boxes for all others",
-                            none->category, another->category));
+                            background->category, another->category));
   }
-  std::vector<WindowSample> samples = InitialSamples(pictures, options, none->category);
+  std::vector<WindowSample> samples = InitialSamples(pictures, options, background->category);
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<CategoryExample> examples, ExamplesOf(featurizer, pictures, samples));
   VICTORIOUS_ASSIGN_OR_RETURN(CategoryModel model, TrainCategories(examples, options.category));
   if (options.examples.hard_negatives > 0) {
     VICTORIOUS_ASSIGN_OR_RETURN(
         std::vector<CategoryExample> hard,
-        ExamplesOf(featurizer, pictures, MineHardNegatives(model, pictures, options, none->category)));
+        ExamplesOf(featurizer, pictures, MineHardNegatives(model, pictures, options, background->category)));
     std::ranges::move(hard, std::back_inserter(examples));
     VICTORIOUS_ASSIGN_OR_RETURN(model, TrainCategories(examples, options.category));
   }
-  CategoryFeatureOptions features = options.features;
-  features.windows.background_category = none->category;
-  double windows = 0;
-  double backgrounds = 0;
-  for (const LabelledImage& picture : pictures) {
-    if (picture.box) continue;
-    windows += static_cast<double>(WindowCount(picture.grey.size(), options.features.windows));
-    ++backgrounds;
-  }
-  features.windows.calibration_windows = windows / backgrounds;
-  model.features_json = OptionsToJsonText(features);
+  model.features_json = OptionsToJsonText(options.features);
+  model.windows = {.background_category = background->category,
+                   .windows_per_background = WindowsPerBackground(pictures, options.features)};
   return model;
 }
 

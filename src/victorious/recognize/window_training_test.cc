@@ -41,10 +41,10 @@ Box Draw(cv::Mat& picture, bool cross, cv::Point middle, int size) {
 CategoryTrainOptions SmallWindows() {
   CategoryTrainOptions options;
   options.features.dense = {.step_px = 8, .sizes = 4};
-  options.features.windows = {.enabled = true, .side_px = 64, .min_window_px = 48, .step_px = 16, .max_rescored = 30};
+  options.features.windows = {.enabled = true, .side_px = 64, .min_window_px = 48};
   options.examples = {.copies = 2, .background = 6, .hard_negatives = 3};
   options.category = testing::SmallOptions();
-  options.category.shapes = {.weight = 4, .dimensions = 24};
+  options.category.linear.shapes = {.weight = 4, .dimensions = 24};
   return options;
 }
 
@@ -140,7 +140,7 @@ TEST_F(WindowTrainingTest, NeedsPicturesOfNoneOfTheThings) {
 
 TEST_F(WindowTrainingTest, GoesWithFeaturesOnAGridAlone) {
   CategoryFeatureOptions features = SmallWindows().features;
-  features.kind = "keypoints";
+  features.kind = CategoryFeatureKind::kKeypoints;
   const auto featurizer = CategoryFeaturizer::Create(features);
   ASSERT_FALSE(featurizer);
   EXPECT_THAT(featurizer.error().message, HasSubstr("dense"));

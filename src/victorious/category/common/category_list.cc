@@ -54,11 +54,14 @@ Expected<CategoryListRow> ParseRow(const Fields& fields, std::string where) {
     return field == fields.end() ? std::string() : field->second;
   };
   CategoryListRow row{
-      .image = text("image"), .category = text("category"), .box = {}, .mark = text("mark"), .where = std::move(where)};
+      .image = text("image"), .category = text("category"), .box = {}, .mark = {}, .where = std::move(where)};
   if (row.image.empty())
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: no image: must be the path of an image", row.where));
-  if (!row.mark.empty() && row.mark != "right" && row.mark != "wrong")
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: mark {}: must be right or wrong", row.where, row.mark));
+  if (const std::string mark = text("mark"); !mark.empty()) {
+    row.mark = FromText(kFeedbackMarkTexts, mark);
+    if (!row.mark)
+      return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: mark {}: must be right or wrong", row.where, mark));
+  }
   VICTORIOUS_ASSIGN_OR_RETURN(row.box, ParseBox(fields, row.where));
   return row;
 }

@@ -3,23 +3,31 @@
 // For training, an image may also be a CAD file.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "victorious/base/enum_text.h"
 #include "victorious/base/error.h"
 #include "victorious/geometry/box.h"
 
 namespace victorious {
 
+/// The user's feedback on a result.
+enum class FeedbackMark { kRight, kWrong };
+
+inline constexpr auto kFeedbackMarkTexts =
+    std::to_array<EnumText<FeedbackMark>>({{FeedbackMark::kRight, "right"}, {FeedbackMark::kWrong, "wrong"}});
+
 struct CategoryListRow {
-  std::string image;       ///< path as written in the list, relative to the image folder
-  std::string category;    ///< empty if not given
-  std::optional<Box> box;  ///< px; has a positive area, but may lie outside the image
-  std::string mark;        ///< "right", "wrong" or empty: the user's feedback on a result (column `mark`)
-  std::string where;       ///< source position for messages: "list.csv line 7"
+  std::string image;                 ///< path as written in the list, relative to the image folder
+  std::string category;              ///< empty if not given
+  std::optional<Box> box;            ///< px; has a positive area, but may lie outside the image
+  std::optional<FeedbackMark> mark;  ///< column `mark`
+  std::string where;                 ///< source position for messages: "list.csv line 7"
 };
 
 /// Parses the CSV text.

@@ -24,6 +24,14 @@ TEST(CategoryList, ReadsColumnsByName) {
   EXPECT_EQ((*rows)[2].where, "l line 5");
 }
 
+TEST(CategoryList, ReadsMarks) {
+  const auto rows = ParseCategoryList("image,mark\na.jpg,right\nb.jpg,wrong\nc.jpg,\n", "l");
+  ASSERT_TRUE(rows.has_value()) << rows.error().message;
+  EXPECT_EQ((*rows)[0].mark, FeedbackMark::kRight);
+  EXPECT_EQ((*rows)[1].mark, FeedbackMark::kWrong);
+  EXPECT_EQ((*rows)[2].mark, std::nullopt);
+}
+
 std::string Refusal(const std::string& text) {
   const auto rows = ParseCategoryList(text, "list.csv");
   return rows ? "accepted" : rows.error().message;

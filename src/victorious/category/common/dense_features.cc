@@ -13,10 +13,13 @@
 namespace victorious {
 namespace {
 
-constexpr int kCells = 4;         // per side
-constexpr int kOrientations = 8;  // per cell
-constexpr float kClip = 0.2F;     // Lowe's limit of one orientation of a cell in the normalised descriptor
-constexpr float kUnit = 512.0F;
+constexpr int kCells = 4;                   // per side
+constexpr int kOrientations = 8;            // per cell
+constexpr float kClip = 0.2F;               // Lowe's limit of one orientation of a cell in the normalised descriptor
+constexpr float kUnit = 512.0F;             // L2 norm of a descriptor, as in features/
+constexpr double kMinSmoothing_px = 0.5;    // sigma of the smoothing before the gradient
+constexpr double kSmoothingsPerCell = 6;    // side of a cell in sigmas of that smoothing
+constexpr double kAveragingsPerCell = 2.4;  // side of a cell in sigmas of the average over it
 
 using Planes = std::array<cv::Mat, kOrientations>;
 
@@ -25,7 +28,7 @@ using Planes = std::array<cv::Mat, kOrientations>;
 Planes OrientationPlanes(const cv::Mat& grey, double cell_px) {
   cv::Mat image;
   grey.convertTo(image, CV_32F);
-  cv::GaussianBlur(image, image, {}, std::max(0.5, cell_px / 6));
+  cv::GaussianBlur(image, image, {}, std::max(kMinSmoothing_px, cell_px / kSmoothingsPerCell));
   cv::Mat dx;
   cv::Mat dy;
   cv::Scharr(image, dx, CV_32F, 1, 0, 1.0 / 32);
@@ -47,7 +50,7 @@ Planes OrientationPlanes(const cv::Mat& grey, double cell_px) {
     }
   }
   const int window = 2 * static_cast<int>(std::lround(cell_px / 2)) + 1;
-  for (cv::Mat& plane : planes) cv::GaussianBlur(plane, plane, {window, window}, cell_px / 2.4);
+  for (cv::Mat& plane : planes) cv::GaussianBlur(plane, plane, {window, window}, cell_px / kAveragingsPerCell);
   return planes;
 }
 
@@ -90,15 +93,7 @@ void AppendDescriptor(Raw& raw, std::vector<std::uint8_t>& out) {
 
 void DenseOptions::ListFields(FieldList& fields) {
   fields.Add("step_px", step_px, {.min = 2, .max = 64, .unit = "px", .reason = "spacing of the grid points"});
-  fields.Add("min_cell_px", min_cell_px,
-             {.min = 2, .max = 32, .unit = "px", .reason = "side of a cell at the smallest scale, of 4 x 4 per patch"});
   fields.Add("sizes", sizes, {.min = 1, .max = 8, .reason = "number of patch scales"});
-  fields.Add("size_factor", size_factor, {.min = 1.1, .max = 4, .reason = "ratio of successive scales"});
-  fields.Add("min_contrast", min_contrast,
-             {.min = 0,
-              .max = 255,
-              .reason = "patches with a lower mean gradient (grey levels per pixel, root of the sum of squares over "
-                        "cells) are omitted: uniform regions such as sky are uninformative"});
   fields.Add("max_side_px", max_side_px,
              {.min = 64,
               .max = 4096,
@@ -119,15 +114,15 @@ FeatureSet DenseFeatures(const cv::Mat& grey, const DenseOptions& options) {
   cv::Mat image = grey;
   if (size != grey.size()) cv::resize(grey, image, size, 0, 0, cv::INTER_AREA);
 
-  double cell_px = options.min_cell_px;
-  for (int i = 0; i < options.sizes; ++i, cell_px *= options.size_factor) {
+  double cell_px = kDenseMinCell_px;
+  for (int i = 0; i < options.sizes; ++i, cell_px *= kDenseSizeFactor) {
     const double margin_px = kCells / 2 * cell_px;
     if (2 * margin_px > std::min(size.width, size.height)) break;
     const Planes planes = OrientationPlanes(image, cell_px);
     for (double y = margin_px; y <= size.height - margin_px; y += options.step_px) {
       for (double x = margin_px; x <= size.width - margin_px; x += options.step_px) {
         Raw raw = Sample(planes, x, y, cell_px);
-        if (raw.norm <= options.min_contrast) continue;
+        if (raw.norm <= kDenseMinContrast) continue;
         AppendDescriptor(raw, features.descriptors);
         features.keypoints.push_back({static_cast<float>(x / shrink), static_cast<float>(y / shrink),
                                       static_cast<float>(cell_px / 3 / shrink), 0.0F});

@@ -11,13 +11,17 @@ namespace {
 
 TEST(DenseFeatures, AreAGridInsideThePicture) {
   Random random(1);
-  const cv::Mat picture = testing::DrawPair(true, random);
-  const FeatureSet features = DenseFeatures(picture, {.step_px = 10, .min_cell_px = 6, .sizes = 1, .min_contrast = 0});
-  // 160 x 120 px minus a margin of 12 px on each side, step 10 px.
-  EXPECT_EQ(features.size(), 14U * 10U);
+  cv::Mat picture(120, 160, CV_8UC1);
+  for (auto& pixel : cv::Mat_<std::uint8_t>(picture)) pixel = static_cast<std::uint8_t>(random.Below(256));
+  const FeatureSet features = DenseFeatures(picture, {.step_px = 10, .sizes = 1});
+  // 160 x 120 px minus a margin of 8 px on each side, step 10 px.
+  EXPECT_EQ(features.size(), 15U * 11U);
   EXPECT_EQ(features.descriptors.size(), features.size() * kDescriptorSize);
-  EXPECT_EQ(features.keypoints[0], (Keypoint{12, 12, 2, 0}));
-  EXPECT_EQ(features.keypoints[1].x, 22);
+  EXPECT_FLOAT_EQ(features.keypoints[0].x, 8);
+  EXPECT_FLOAT_EQ(features.keypoints[0].y, 8);
+  EXPECT_FLOAT_EQ(features.keypoints[0].scale_px, 4.0F / 3);
+  EXPECT_EQ(features.keypoints[0].orientation_rad, 0);
+  EXPECT_EQ(features.keypoints[1].x, 18);
 }
 
 TEST(DenseFeatures, OfPlainPicturesAreNone) {
@@ -30,9 +34,10 @@ TEST(DenseFeatures, OfAnEdgeLieInTheGradientsOrientation) {
   // Dark above bright: the gradient points down, +90 degrees, the third of eight orientations.
   cv::Mat picture(64, 64, CV_8UC1, cv::Scalar(40));
   picture.rowRange(32, 64).setTo(200);
-  const FeatureSet features = DenseFeatures(picture, {.step_px = 32, .min_cell_px = 8, .sizes = 1});
+  const FeatureSet features = DenseFeatures(picture, {.step_px = 48, .sizes = 3});
   ASSERT_GT(features.size(), 0U);
-  const auto descriptor = features.View().Descriptor(0);
+  // At the largest scale the first patch reaches across the edge.
+  const auto descriptor = features.View().Descriptor(features.size() - 1);
   const auto largest = std::ranges::max_element(descriptor) - descriptor.begin();
   EXPECT_EQ(largest % 8, 2);
 }

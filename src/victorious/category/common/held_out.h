@@ -3,7 +3,9 @@
 
 #include <span>
 
-#include "victorious/category/category_model.h"
+#include <Eigen/Core>
+
+#include "victorious/category/common/category_node.h"
 
 namespace victorious {
 

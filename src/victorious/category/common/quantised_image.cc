@@ -5,8 +5,7 @@
 
 namespace victorious {
 
-QuantisedImage QuantiseFeatures(const FeatureSet& features, const Vocabulary& vocabulary, int words_per_keypoint,
-                                double assignment_sigma) {
+QuantisedImage QuantiseFeatures(const FeatureSet& features, const Vocabulary& vocabulary, int words_per_keypoint) {
   QuantisedImage picture;
   picture.keypoints = features.keypoints;
   picture.words_per_keypoint = std::min(static_cast<std::size_t>(words_per_keypoint), vocabulary.size());
@@ -18,7 +17,7 @@ QuantisedImage QuantiseFeatures(const FeatureSet& features, const Vocabulary& vo
     double sum = 0;
     for (std::size_t k = first; k < first + picture.words_per_keypoint; ++k) {
       const double farther2 = static_cast<double>(nearest[k].distance2) - nearest[first].distance2;
-      const double weight = std::exp(-farther2 / (2 * assignment_sigma * assignment_sigma));
+      const double weight = std::exp(-farther2 / (2 * kAssignmentSigma * kAssignmentSigma));
       sum += weight;
       picture.assignments.push_back({nearest[k].index, static_cast<float>(weight)});
     }

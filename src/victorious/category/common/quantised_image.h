@@ -40,11 +40,13 @@ struct QuantisedImage {
   [[nodiscard]] std::uint32_t NearestWord(std::size_t i) const { return assignments[i * words_per_keypoint].word; }
 };
 
+/// Sigma of the soft assignment, in descriptor distance (descriptors have length 512): a word farther than the nearest
+/// by sigma has exp(-1/2) of its weight.
+inline constexpr double kAssignmentSigma = 50.0;
+
 /// Assigns each keypoint to its nearest words, with weights proportional to exp(-(d^2 - d_nearest^2) / (2 sigma^2)) of
 /// the descriptor distance d.
-/// @param words_per_keypoint       words per keypoint, 1 to 8; clamped to the vocabulary's size
-/// @param assignment_sigma  sigma of the weights, in descriptor distance (descriptors have length 512)
-QuantisedImage QuantiseFeatures(const FeatureSet& features, const Vocabulary& vocabulary, int words_per_keypoint,
-                                double assignment_sigma);
+/// @param words_per_keypoint  words per keypoint, 1 to 8; clamped to the vocabulary's size
+QuantisedImage QuantiseFeatures(const FeatureSet& features, const Vocabulary& vocabulary, int words_per_keypoint);
 
 }  // namespace victorious

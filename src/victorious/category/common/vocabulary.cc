@@ -10,6 +10,7 @@
 
 #include "victorious/base/check.h"
 #include "victorious/base/random.h"
+#include "victorious/category/common/sampling.h"
 
 namespace victorious {
 namespace {
@@ -38,22 +39,17 @@ std::vector<Neighbour> Nearest(std::span<const std::uint8_t> rows, const kernels
   return out;
 }
 
-// Samples at max_count `max_count` rows, in random order.
+// Samples at most `max_count` rows, in random order.
 std::vector<std::uint8_t> SampleRows(std::span<const std::uint8_t> rows, std::size_t max_count, Random& random) {
-  std::vector<std::uint32_t> order(rows.size() / kDescriptorSize);
-  std::iota(order.begin(), order.end(), 0U);
-  const std::size_t count = std::min(max_count, order.size());
   std::vector<std::uint8_t> drawn;
-  drawn.reserve(count * kDescriptorSize);
-  for (std::size_t i = 0; i < count; ++i) {
-    std::swap(order[i], order[i + random.Below(static_cast<std::uint32_t>(order.size() - i))]);
-    const auto row = Row(rows, order[i]);
+  for (const std::uint32_t i : SampleIndices(rows.size() / kDescriptorSize, max_count, random)) {
+    const auto row = Row(rows, i);
     drawn.insert(drawn.end(), row.begin(), row.end());
   }
   return drawn;
 }
 
-// UpdateCentres of the samples assigned to each centre. An empty cluster is re-initialised with the sample farthest
+// The means of the samples assigned to each centre. An empty cluster is re-initialised with the sample farthest
 // from its centre, each empty cluster with a different sample.
 std::vector<std::uint8_t> UpdateCentres(std::span<const std::uint8_t> samples, std::span<const Neighbour> nearest,
                                         std::size_t words) {
@@ -94,7 +90,6 @@ void VocabularyOptions::ListFields(FieldList& fields) {
              {.reason = "compare the square roots of descriptors (RootSIFT), which limits the influence of single "
                         "strong gradients; thesis: false"});
   fields.Add("iterations", iterations, {.min = 1, .max = 1000, .reason = "iterations of k-means"});
-  fields.Add("samples", samples, {.min = 2, .max = 10e6, .reason = "descriptors sampled for k-means, by seed"});
 }
 
 Vocabulary::Vocabulary(std::vector<std::uint8_t> centres, bool root)

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <utility>
 #include <vector>
-
-#include <Eigen/Eigenvalues>
 
 #include "victorious/base/check.h"
 #include "victorious/base/random.h"
+#include "victorious/category/common/sampling.h"
 #include "victorious/category/common/vocabulary.h"
+#include "victorious/category/linear/principal_axes.h"
 
 namespace victorious {
 namespace {
@@ -76,15 +76,14 @@ Moments ComputeMoments(const FisherEncoder& encoder, const MatrixXf& reduced) {
           .second = reduced.cwiseAbs2() * posteriors.transpose()};
 }
 
-// Samples at max_count `max_count` features of all sets, with positions relative to the size of their image.
+// Samples at most `max_count` features of all sets, with positions relative to the size of their image.
 FeatureSet SampleFeatures(std::span<const FeatureSet* const> sets, std::size_t max_count, Random& random) {
   std::vector<std::pair<const FeatureSet*, std::size_t>> all;
   for (const FeatureSet* set : sets)
     for (std::size_t i = 0; i < set->size(); ++i) all.emplace_back(set, i);
   FeatureSet drawn;
   drawn.image_width = drawn.image_height = 1;
-  for (std::size_t i = 0; i < std::min(max_count, all.size()); ++i) {
-    std::swap(all[i], all[i + random.Below(static_cast<std::uint32_t>(all.size() - i))]);
+  for (const std::uint32_t i : SampleIndices(all.size(), max_count, random)) {
     const auto& [set, at] = all[i];
     const auto row = std::span(set->descriptors).subspan(at * kDescriptorSize, kDescriptorSize);
     drawn.descriptors.insert(drawn.descriptors.end(), row.begin(), row.end());
@@ -97,16 +96,13 @@ FeatureSet SampleFeatures(std::span<const FeatureSet* const> sets, std::size_t m
 }
 
 void FitProjection(const FeatureSet& sample, int dimensions, FisherEncoder& encoder) {
-  const MatrixXf roots = RootSiftColumns(sample);
-  encoder.mean = roots.rowwise().mean();
-  const MatrixXf centred = roots.colwise() - encoder.mean;
-  const Eigen::MatrixXd covariance = (centred * centred.transpose()).cast<double>();
-  // Eigenvalues are increasing: the last eigenvectors are the principal axes.
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(covariance);
-  encoder.projection = axes.eigenvectors().rightCols(dimensions).transpose().cast<float>();
+  const PrincipalAxes axes = FitPrincipalAxes(RootSiftColumns(sample));
+  encoder.mean = axes.mean;
+  encoder.projection = axes.Largest(dimensions).cast<float>();
 }
 
-// Fits the mixture by expectation-maximisation; the initial means are single features.
+// Fits the mixture by expectation-maximisation; the initial means are single features. Not cv::ml::EM: it
+// has no lower bound of a component's variance relative to that of the data, which keeps a component off one feature.
 void FitMixture(const MatrixXf& reduced, const FisherOptions& options, FisherEncoder& encoder) {
   const Index count = reduced.cols();
   const Index components = std::min<Index>(options.components, count);
@@ -137,11 +133,6 @@ void FitMixture(const MatrixXf& reduced, const FisherOptions& options, FisherEnc
 void FisherOptions::ListFields(FieldList& fields) {
   fields.Add("components", components,
              {.min = 0, .max = 4096, .reason = "components of the Gaussian mixture; 0: no Fisher vectors"});
-  fields.Add("dimensions", dimensions, {.min = 1, .max = 128, .reason = "number of principal axes of the descriptors"});
-  fields.Add("append_position", append_position,
-             {.reason = "append the relative position in the image to a descriptor"});
-  fields.Add("samples", samples, {.min = 1, .max = 10e6, .reason = "features sampled for training, by seed"});
-  fields.Add("iterations", iterations, {.min = 1, .max = 1000, .reason = "iterations of expectation-maximisation"});
   fields.Add("weight", weight,
              {.min = 0, .max = 100, .reason = "weight of the Fisher kernel relative to that of words"});
 }

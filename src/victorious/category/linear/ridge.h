@@ -11,6 +11,11 @@
 
 namespace victorious {
 
+/// (K + diag(penalty))^-1, by Cholesky. Its product with targets gives the dual weights of their fit.
+/// @param kernel   K, symmetric positive semidefinite
+/// @param penalty  positive
+Eigen::MatrixXd RegularisedInverse(Eigen::MatrixXd kernel, const Eigen::VectorXd& penalty);
+
 /// Result of FitRidge: one row per example, one column per problem.
 struct RidgeFit {
   Eigen::MatrixXd alpha;     ///< dual weights: score(x) = sum_i alpha_i k(x, x_i)
@@ -27,19 +32,5 @@ struct RidgeFit {
 /// Cost: one factorisation, independent of the number of problems.
 RidgeFit FitRidge(const Eigen::MatrixXd& kernel, const Eigen::MatrixXi& targets, std::span<const int> group,
                   const Eigen::VectorXd& penalty);
-
-/// Maps a score to a probability: 1 / (1 + exp(-(slope score + offset))).
-struct Calibration {
-  double slope = 1;
-  double offset = 0;
-
-  [[nodiscard]] double Probability(double score) const;
-};
-
-/// Platt scaling (2000) by Newton's method, with his softened targets. Both classes have equal total weight, so that
-/// probability 0.5 lies between them independently of their sizes. The slope is positive even for uninformative scores.
-/// @param positive  the class of each score
-/// @pre at least one score of each class
-Calibration Calibrate(std::span<const double> scores, const std::vector<bool>& positive);
 
 }  // namespace victorious

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
+#include "victorious/category/linear/principal_axes.h"
 
 namespace victorious {
 namespace {
@@ -21,8 +21,9 @@ constexpr auto kRawSize = static_cast<Index>(kRawShapeSize);
 
 // The keypoint scale whose patch side is nearest to 0.55 of the image's shorter side; 0 without keypoints.
 float PatchScale(const FeatureSet& features) {
-  constexpr float kShare = 0.55F;
-  const float wanted = kShare * static_cast<float>(std::min(features.image_width, features.image_height)) / kPatch;
+  constexpr float kPatchFraction = 0.55F;
+  const float wanted =
+      kPatchFraction * static_cast<float>(std::min(features.image_width, features.image_height)) / kPatch;
   float best = 0;
   for (const Keypoint& keypoint : features.keypoints) {
     if (best == 0 || std::abs(std::log(keypoint.scale_px / wanted)) < std::abs(std::log(best / wanted)))
@@ -69,9 +70,6 @@ VectorXf RawShape(const FeatureSet& features) {
 void ShapeOptions::ListFields(FieldList& fields) {
   fields.Add("weight", weight,
              {.min = 0, .max = 100, .reason = "weight of the shape kernel relative to that of words; 0: no shapes"});
-  fields.Add("dimensions", dimensions, {.min = 1, .max = 512, .reason = "number of principal axes of shapes"});
-  fields.Add("sharpness", sharpness,
-             {.min = 0.1, .max = 100, .reason = "of the kernel exp(sharpness (x.y - 1)); larger is more local"});
 }
 
 ShapeEncoder ShapeEncoder::Learn(std::span<const FeatureSet* const> sets, const ShapeOptions& options) {
@@ -79,19 +77,14 @@ ShapeEncoder ShapeEncoder::Learn(std::span<const FeatureSet* const> sets, const 
   if (options.weight == 0) return encoder;
   MatrixXf raw(kRawSize, static_cast<Index>(sets.size()));
   for (std::size_t i = 0; i < sets.size(); ++i) raw.col(static_cast<Index>(i)) = RawShape(*sets[i]);
-  encoder.mean = raw.rowwise().mean();
-  const MatrixXf centred = raw.colwise() - encoder.mean;
-  const Eigen::MatrixXd covariance = (centred * centred.transpose()).cast<double>() / static_cast<double>(raw.cols());
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(covariance);
+  const PrincipalAxes axes = FitPrincipalAxes(raw);
+  encoder.mean = axes.mean;
   const Index dimensions = std::min<Index>({options.dimensions, kRawSize, raw.cols()});
   // Regularisation: a fraction of the mean variance is added, so that axes of low variance are not amplified.
-  constexpr double kFloor = 0.3;
-  const Eigen::VectorXd variance = axes.eigenvalues().tail(dimensions).array().max(0.0) +
-                                   kFloor * covariance.trace() / static_cast<double>(kRawSize) +
-                                   std::numeric_limits<float>::min();
-  encoder.projection =
-      (variance.cwiseSqrt().cwiseInverse().asDiagonal() * axes.eigenvectors().rightCols(dimensions).transpose())
-          .cast<float>();
+  constexpr double kVarianceFloor = 0.3;
+  const Eigen::VectorXd variance = axes.variance.tail(dimensions).array().max(0.0) +
+                                   kVarianceFloor * axes.variance.mean() + std::numeric_limits<float>::min();
+  encoder.projection = (variance.cwiseSqrt().cwiseInverse().asDiagonal() * axes.Largest(dimensions)).cast<float>();
   return encoder;
 }
 
@@ -102,9 +95,9 @@ VectorXf ShapeEncoder::Encode(const FeatureSet& features) const {
   return length > 0 ? VectorXf(shape / length) : shape;
 }
 
-MatrixXf CompareShapes(const MatrixXf& a, const MatrixXf& b, double sharpness) {
+MatrixXf CompareShapes(const MatrixXf& a, const MatrixXf& b) {
   const MatrixXf cosines = a.transpose() * b;
-  return (static_cast<float>(sharpness) * (cosines.array() - 1)).exp();
+  return (static_cast<float>(kShapeSharpness) * (cosines.array() - 1)).exp();
 }
 
 }  // namespace victorious

@@ -21,10 +21,12 @@ namespace victorious {
 /// Length of the raw shape vector: four descriptors.
 inline constexpr std::size_t kRawShapeSize = 4 * kDescriptorSize;
 
+/// Of the kernel exp(sharpness (x.y - 1)); a larger one is more local.
+inline constexpr double kShapeSharpness = 3.0;
+
 struct ShapeOptions {
   double weight = 0;
-  int dimensions = 128;
-  double sharpness = 3.0;
+  int dimensions = 128;  ///< number of principal axes of shapes. Not a parameter
 
   void ListFields(FieldList& fields);
 };
@@ -46,7 +48,7 @@ struct ShapeEncoder {
   [[nodiscard]] Eigen::VectorXf Encode(const FeatureSet& features) const;
 };
 
-/// Kernel matrix exp(sharpness (a_i.b_j - 1)): rows for the columns of `a`, columns for the columns of `b`.
-[[nodiscard]] Eigen::MatrixXf CompareShapes(const Eigen::MatrixXf& a, const Eigen::MatrixXf& b, double sharpness);
+/// Kernel matrix exp(kShapeSharpness (a_i.b_j - 1)): rows for the columns of `a`, columns for the columns of `b`.
+[[nodiscard]] Eigen::MatrixXf CompareShapes(const Eigen::MatrixXf& a, const Eigen::MatrixXf& b);
 
 }  // namespace victorious

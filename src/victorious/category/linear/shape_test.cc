@@ -40,7 +40,7 @@ TEST(Shape, IsLikestToWhatLiesAlike) {
     const Eigen::VectorXf shape = encoder.Encode(Bar(5.0 * i, 500 + static_cast<std::uint64_t>(i)));
     EXPECT_NEAR(shape.norm(), 1, 1e-5);
     Eigen::Index likest = 0;
-    CompareShapes(examples, shape, options.sharpness).col(0).maxCoeff(&likest);
+    CompareShapes(examples, shape).col(0).maxCoeff(&likest);
     const auto off = static_cast<int>(std::abs(likest - i));
     EXPECT_LE(std::min(off, 36 - off), 2) << "off by so many times 5 degrees, at " << 5 * i;
   }
@@ -48,9 +48,9 @@ TEST(Shape, IsLikestToWhatLiesAlike) {
 
 TEST(Shape, TheSameComparesAsOne) {
   Eigen::MatrixXf shapes = Eigen::MatrixXf::Identity(3, 3);
-  const Eigen::MatrixXf compared = CompareShapes(shapes, shapes, 2);
+  const Eigen::MatrixXf compared = CompareShapes(shapes, shapes);
   EXPECT_FLOAT_EQ(compared(1, 1), 1);
-  EXPECT_FLOAT_EQ(compared(0, 1), std::exp(-2.0F));
+  EXPECT_FLOAT_EQ(compared(0, 1), std::exp(-3.0F));
 }
 
 TEST(Shape, WithoutWeightThereIsNone) {

@@ -78,8 +78,6 @@ std::size_t VisitWordPairs(const QuantisedImage& picture,
 }  // namespace
 
 void GrammarOptions::ListFields(FieldList& fields) {
-  fields.Add("word_fraction", word_fraction,
-             {.min = 0.0001, .max = 1, .reason = "W(z): fraction of the vocabulary, the words of highest P(w|z)"});
   fields.Add("radius_px", radius_px,
              {.min = 1, .max = 10000, .unit = "px", .reason = "R: maximum distance of a phrase"});
   fields.Add("kernel_cap", kernel_cap,

@@ -12,7 +12,10 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-double Sum(const WordCounts& picture) {
+// Pseudo-count of every word in every topic, so that an unseen word does not exclude a topic.
+constexpr double kWordPseudocount = 0.05;
+
+double Sum(const SparseVector& picture) {
   double sum = 0;
   for (const auto& [word, count] : picture) sum += count;
   return sum;
@@ -23,10 +26,9 @@ void NormaliseColumns(MatrixXd& matrix) {
 }
 
 // P(z|d,w) of one word; sets `likelihood` to P(w|d).
-VectorXd Posterior(const VectorXd& joint, double tempering, double& likelihood) {
+VectorXd Posterior(const VectorXd& joint, double& likelihood) {
   likelihood = joint.sum();
-  VectorXd posterior = tempering == 1.0 ? joint : VectorXd(joint.array().pow(tempering));
-  return posterior / std::max(posterior.sum(), std::numeric_limits<double>::min());
+  return joint / std::max(likelihood, std::numeric_limits<double>::min());
 }
 
 struct Fit {
@@ -34,7 +36,7 @@ struct Fit {
   double log_likelihood = 0;
 };
 
-Fit FitFromRandomStart(std::span<const WordCounts> pictures, const MatrixXd& label_fraction, std::size_t words,
+Fit FitFromRandomStart(std::span<const SparseVector> pictures, const MatrixXd& label_fraction, std::size_t words,
                        const PlsaOptions& options, Random& random) {
   const Eigen::Index topics = label_fraction.rows();
   Fit fit;
@@ -46,7 +48,7 @@ Fit FitFromRandomStart(std::span<const WordCounts> pictures, const MatrixXd& lab
   MatrixXd topic_given_picture = label_fraction.array() + kSoftening;
   NormaliseColumns(topic_given_picture);
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
-    MatrixXd word_sums = MatrixXd::Constant(static_cast<Eigen::Index>(words), topics, options.word_pseudocount);
+    MatrixXd word_sums = MatrixXd::Constant(static_cast<Eigen::Index>(words), topics, kWordPseudocount);
     fit.log_likelihood = 0;
     for (std::size_t d = 0; d < pictures.size(); ++d) {
       const auto column = static_cast<Eigen::Index>(d);
@@ -54,7 +56,7 @@ Fit FitFromRandomStart(std::span<const WordCounts> pictures, const MatrixXd& lab
       for (const auto& [word, count] : pictures[d]) {
         double likelihood = 0;
         const VectorXd joint = fit.word_given_topic.row(word).transpose().cwiseProduct(topic_given_picture.col(column));
-        const VectorXd expected_counts = count * Posterior(joint, options.tempering, likelihood);
+        const VectorXd expected_counts = count * Posterior(joint, likelihood);
         word_sums.row(word) += expected_counts.transpose();
         topic_mixture += expected_counts;
         fit.log_likelihood += count * std::log(std::max(likelihood, std::numeric_limits<double>::min()));
@@ -71,18 +73,9 @@ Fit FitFromRandomStart(std::span<const WordCounts> pictures, const MatrixXd& lab
 
 void PlsaOptions::ListFields(FieldList& fields) {
   fields.Add("iterations", iterations, {.min = 1, .max = 10000, .reason = "iterations of expectation-maximisation"});
-  fields.Add("restarts", restarts, {.min = 1, .max = 100, .reason = "random restarts; the most likely result is kept"});
-  fields.Add("tempering", tempering,
-             {.min = 0.1, .max = 1, .reason = "exponent beta of tempered EM (Hofmann); below 1 smooths the topics"});
-  fields.Add("label_weight", label_weight,
-             {.min = 0,
-              .max = 1000,
-              .reason = "weight of the category of a training image relative to its words; 0: initialisation only"});
-  fields.Add("word_pseudocount", word_pseudocount,
-             {.min = 1e-6, .max = 100, .reason = "pseudo-count of every word in every category"});
 }
 
-TopicModel LearnTopics(std::span<const WordCounts> pictures, std::span<const int> topic_of_picture, int topics,
+TopicModel LearnTopics(std::span<const SparseVector> pictures, std::span<const int> topic_of_picture, int topics,
                        std::size_t words, const PlsaOptions& options, std::uint64_t seed) {
   VICTORIOUS_CHECK(pictures.size() == topic_of_picture.size());
   MatrixXd label_fraction = MatrixXd::Zero(topics, static_cast<Eigen::Index>(pictures.size()));
@@ -97,7 +90,7 @@ TopicModel LearnTopics(std::span<const WordCounts> pictures, std::span<const int
   return {.word_given_topic = best.word_given_topic.cast<float>()};
 }
 
-VectorXd InferTopicMixture(const TopicModel& model, const WordCounts& picture, const PlsaOptions& options) {
+VectorXd InferTopicMixture(const TopicModel& model, const SparseVector& picture, const PlsaOptions& options) {
   const Eigen::Index topics = model.word_given_topic.cols();
   VectorXd topic_mixture = VectorXd::Constant(topics, 1.0 / static_cast<double>(topics));
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
@@ -105,7 +98,7 @@ VectorXd InferTopicMixture(const TopicModel& model, const WordCounts& picture, c
     for (const auto& [word, count] : picture) {
       double likelihood = 0;
       const VectorXd joint = model.word_given_topic.row(word).transpose().cast<double>().cwiseProduct(topic_mixture);
-      sums += count * Posterior(joint, options.tempering, likelihood);
+      sums += count * Posterior(joint, likelihood);
     }
     if (sums.sum() > 0) topic_mixture = sums / sums.sum();
   }

@@ -1,33 +1,29 @@
 // Probabilistic latent semantic analysis: an image's words are a mixture of topics, P(w|d) = sum over z P(w|z) P(z|d),
 // with one topic per category.
-// Method: tempered expectation-maximisation, P(z|d,w) ~ (P(w|z) P(z|d))^beta, with random restarts; the result of the
+// Method: expectation-maximisation, P(z|d,w) ~ P(w|z) P(z|d), with random restarts; the result of the
 // highest likelihood is kept. Training is supervised: the category of a training image acts as a prior on its P(z|d).
 // Source: T. Hofmann, "Probabilistic latent semantic indexing", SIGIR 1999; thesis, section 2.1.2.
 #pragma once
 
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "victorious/base/options.h"
+#include "victorious/category/common/word_histogram.h"
 
 namespace victorious {
 
 struct PlsaOptions {
   int iterations = 40;
-  int restarts = 3;
-  double tempering = 1.0;
-  double label_weight = 4.0;
-  double word_pseudocount = 0.05;
+  int restarts = 3;           ///< random restarts; the most likely result is kept. Not a parameter
+  double label_weight = 4.0;  ///< weight of the category of a training image relative to its words; 0: initialisation
+                              ///< only. Not a parameter
 
   void ListFields(FieldList& fields);
 };
-
-/// Histogram of words of an image: (word, count) by increasing word.
-using WordCounts = std::vector<std::pair<std::uint32_t, float>>;
 
 struct TopicModel {
   Eigen::MatrixXf word_given_topic;  ///< P(w|z), words x topics; each column sums to 1
@@ -37,11 +33,11 @@ struct TopicModel {
 /// @param topic_of_picture  topic index of each image, below `topics`
 /// @param topics            number of topics
 /// @param words             size of the vocabulary
-TopicModel LearnTopics(std::span<const WordCounts> pictures, std::span<const int> topic_of_picture, int topics,
+TopicModel LearnTopics(std::span<const SparseVector> pictures, std::span<const int> topic_of_picture, int topics,
                        std::size_t words, const PlsaOptions& options, std::uint64_t seed);
 
 /// Estimates P(z|d) of a new image by the same iteration with P(w|z) held fixed (folding-in). Uniform for an image
 /// without words.
-Eigen::VectorXd InferTopicMixture(const TopicModel& model, const WordCounts& picture, const PlsaOptions& options);
+Eigen::VectorXd InferTopicMixture(const TopicModel& model, const SparseVector& picture, const PlsaOptions& options);
 
 }  // namespace victorious

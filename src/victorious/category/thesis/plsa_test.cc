@@ -8,12 +8,12 @@ namespace victorious {
 namespace {
 
 // Images of two topics: topic 0 has the words 0 to 9, topic 1 the words 5 to 14.
-std::vector<WordCounts> Pictures(std::vector<int>& topics) {
+std::vector<SparseVector> Pictures(std::vector<int>& topics) {
   Random random(4);
-  std::vector<WordCounts> pictures;
+  std::vector<SparseVector> pictures;
   for (int d = 0; d < 40; ++d) {
     topics.push_back(d % 2);
-    WordCounts counts;
+    SparseVector counts;
     for (std::uint32_t word = 0; word < 10; ++word)
       counts.emplace_back(word + (d % 2 == 0 ? 0U : 5U), 1.0F + static_cast<float>(random.Below(5)));
     pictures.push_back(counts);

@@ -1,4 +1,4 @@
-#include "victorious/category/linear/histogram.h"
+#include "victorious/category/linear/phrase_histogram.h"
 
 #include <algorithm>
 #include <cmath>
@@ -65,41 +65,8 @@ std::vector<std::size_t> RowEnds(std::span<const Keypoint> keypoints, std::span<
 void PhraseOptions::ListFields(FieldList& fields) {
   fields.Add("word_clusters", word_clusters,
              {.min = 2, .max = 1024, .reason = "clusters of similar words, from which phrases are built"});
-  fields.Add("min_distance_cells", min_distance_cells,
-             {.min = 0, .max = 100, .unit = "cells", .reason = "minimum distance: nearer patches overlap"});
-  fields.Add("far_distance_cells", far_distance_cells,
-             {.min = 0, .max = 100, .unit = "cells", .reason = "distance from which a pair is far, not near"});
-  fields.Add("max_distance_cells", max_distance_cells,
-             {.min = 0, .max = 100, .unit = "cells", .reason = "maximum distance of a phrase (R in the thesis)"});
   fields.Add("weight", weight,
              {.min = 0, .max = 100, .reason = "weight of the phrase kernel relative to that of words"});
-}
-
-double Dot(const SparseVector& a, const SparseVector& b) {
-  double sum = 0;
-  auto i = a.begin();
-  auto j = b.begin();
-  while (i != a.end() && j != b.end()) {
-    if (i->first == j->first) {
-      sum += static_cast<double>(i->second) * j->second;
-      ++i;
-      ++j;
-    } else if (i->first < j->first) {
-      ++i;
-    } else {
-      ++j;
-    }
-  }
-  return sum;
-}
-
-SparseVector CountWords(const QuantisedImage& picture, std::size_t words) {
-  std::vector<float> counts(words);
-  for (const WordAssignment& weight : picture.assignments) counts[weight.word] += weight.weight;
-  SparseVector sparse;
-  for (std::uint32_t word = 0; word < words; ++word)
-    if (counts[word] > 0) sparse.emplace_back(word, counts[word]);
-  return sparse;
 }
 
 SparseVector Hellinger(SparseVector counts) {
@@ -112,7 +79,7 @@ SparseVector Hellinger(SparseVector counts) {
 std::size_t PhraseCount(std::size_t word_clusters) { return word_clusters * word_clusters * kPhraseGeometryBins; }
 
 std::vector<PhraseOccurrence> FindPhrases(const QuantisedImage& picture, std::span<const std::uint16_t> cluster_of_word,
-                                          std::size_t word_clusters, const PhraseOptions& options) {
+                                          std::size_t word_clusters) {
   const std::size_t count = picture.size();
   std::vector<int> level(count);
   std::vector<std::uint32_t> cluster(count);
@@ -134,9 +101,9 @@ std::vector<PhraseOccurrence> FindPhrases(const QuantisedImage& picture, std::sp
     const Keypoint& first = picture.keypoints[i];
     const float cell_px = kCellsPerScale * first.scale_px;
     const auto squared = [&](double cells) { return static_cast<float>(cells * cells) * cell_px * cell_px; };
-    const float min_distance2 = squared(options.min_distance_cells);
-    const float far_distance2 = squared(options.far_distance_cells);
-    const float max_distance2 = squared(options.max_distance_cells);
+    const float min_distance2 = squared(kMinPhraseDistance_cells);
+    const float far_distance2 = squared(kFarPhraseDistance_cells);
+    const float max_distance2 = squared(kMaxPhraseDistance_cells);
     // Candidates: the rest of the keypoint's row, then in each row below it the interval inside the circle.
     std::size_t b = a + 1;
     for (std::size_t row_begin = a; row_begin < count; row_begin = row_end[row_begin]) {

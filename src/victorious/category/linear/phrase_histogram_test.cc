@@ -1,4 +1,4 @@
-#include "victorious/category/linear/histogram.h"
+#include "victorious/category/linear/phrase_histogram.h"
 
 #include <cmath>
 #include <set>
@@ -23,17 +23,16 @@ QuantisedImage RandomPicture(std::uint64_t seed, bool on_a_grid) {
   return picture;
 }
 
-constexpr std::size_t kParts = 3;
-const std::vector<std::uint16_t> kPartOfWord = {0, 1, 2, 0, 1, 2};
+constexpr std::size_t kClusters = 3;
+const std::vector<std::uint16_t> kClusterOfWord = {0, 1, 2, 0, 1, 2};
 
 TEST(FindPhrases, AreAllPairsOfOneSizeWithinReach) {
-  const PhraseOptions options;
   for (const bool on_a_grid : {true, false}) {
     const QuantisedImage picture = RandomPicture(5, on_a_grid);
     std::set<std::pair<std::uint32_t, std::uint32_t>> found;
-    for (const PhraseOccurrence& phrase : FindPhrases(picture, kPartOfWord, kParts, options)) {
+    for (const PhraseOccurrence& phrase : FindPhrases(picture, kClusterOfWord, kClusters)) {
       EXPECT_TRUE(found.insert(std::minmax(phrase.i, phrase.j)).second) << "each once";
-      EXPECT_LT(phrase.phrase, PhraseCount(kParts));
+      EXPECT_LT(phrase.phrase, PhraseCount(kClusters));
     }
     for (std::uint32_t i = 0; i < picture.size(); ++i) {
       for (std::uint32_t j = i + 1; j < picture.size(); ++j) {
@@ -41,10 +40,10 @@ TEST(FindPhrases, AreAllPairsOfOneSizeWithinReach) {
         const Keypoint& b = picture.keypoints[j];
         const double cells = std::hypot(a.x - b.x, a.y - b.y) / (3 * a.scale_px);
         const bool alike = std::cos(a.orientation_rad - b.orientation_rad) >= -0.5;
-        const bool expected = a.scale_px == b.scale_px && alike && cells >= options.min_distance_cells &&
-                              cells <= options.max_distance_cells;
+        const bool expected =
+            a.scale_px == b.scale_px && alike && cells >= kMinPhraseDistance_cells && cells <= kMaxPhraseDistance_cells;
         const bool on_the_edge =
-            std::abs(cells - options.min_distance_cells) < 1e-4 || std::abs(cells - options.max_distance_cells) < 1e-4;
+            std::abs(cells - kMinPhraseDistance_cells) < 1e-4 || std::abs(cells - kMaxPhraseDistance_cells) < 1e-4;
         if (on_the_edge) continue;
         EXPECT_EQ(found.contains({i, j}), expected) << i << " " << j << " " << cells;
       }
@@ -64,7 +63,7 @@ TEST(FindPhrases, TurnWithThePicture) {
   }
   const auto phrases_of = [](const QuantisedImage& of) {
     std::set<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>> phrases;
-    for (const PhraseOccurrence& phrase : FindPhrases(of, kPartOfWord, kParts, PhraseOptions()))
+    for (const PhraseOccurrence& phrase : FindPhrases(of, kClusterOfWord, kClusters))
       phrases.insert({phrase.i, phrase.j, phrase.phrase});
     return phrases;
   };

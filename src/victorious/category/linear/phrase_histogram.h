@@ -10,33 +10,26 @@
 
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "victorious/base/options.h"
-#include "victorious/category/common/quantised_image.h"
+#include "victorious/category/common/word_histogram.h"
 
 namespace victorious {
 
+/// Distances of the two keypoints of a phrase, in cells of their descriptors (kDenseMinCell_px at the smallest scale).
+/// Nearer patches overlap by more than half (a patch has 4 cells), so that a pair repeats one word; farther pairs vary
+/// with the background. Chosen by area under ROC on Caltech-101 (docs/adr/0009-phrases-as-counts.md).
+inline constexpr double kMinPhraseDistance_cells = 1.5;
+inline constexpr double kFarPhraseDistance_cells = 2.75;  ///< from here on a pair counts as far, not near
+inline constexpr double kMaxPhraseDistance_cells = 4.0;   ///< R in the thesis
+
 struct PhraseOptions {
   int word_clusters = 128;
-  double min_distance_cells = 1.5;
-  double far_distance_cells = 2.75;
-  double max_distance_cells = 4.0;
   double weight = 2.5;
 
   void ListFields(FieldList& fields);
 };
-
-/// A sparse vector: (index, value) pairs by increasing index.
-using SparseVector = std::vector<std::pair<std::uint32_t, float>>;
-
-/// Dot product.
-double Dot(const SparseVector& a, const SparseVector& b);
-
-/// Histogram of words: the soft-assignment weights summed over the keypoints.
-/// @param words  size of the vocabulary
-SparseVector CountWords(const QuantisedImage& picture, std::size_t words);
 
 /// Maps counts to Hellinger features: square roots, normalised to unit L2 norm.
 SparseVector Hellinger(SparseVector counts);
@@ -56,9 +49,9 @@ std::size_t PhraseCount(std::size_t word_clusters);
 
 /// Finds all phrases of an image. A keypoint's cluster is that of its nearest word.
 /// @param cluster_of_word  cluster index of each word, below the number of clusters
-/// Cost: linear in the number of keypoint pairs of one scale level within max_distance_cells of each other.
+/// Cost: linear in the number of keypoint pairs of one scale level within kMaxPhraseDistance_cells of each other.
 std::vector<PhraseOccurrence> FindPhrases(const QuantisedImage& picture, std::span<const std::uint16_t> cluster_of_word,
-                                          std::size_t word_clusters, const PhraseOptions& options);
+                                          std::size_t word_clusters);
 
 /// Histogram of phrases; counts saturate at 65535.
 SparseVector CountPhrases(std::span<const PhraseOccurrence> phrases, std::size_t word_clusters);
