@@ -64,10 +64,6 @@ void CascadeOptions::ListFields(FieldList& fields) {
               .max = 1,
               .reason = "RE_DIST_APPROVE_THRESHOLD: the fraction of possible votes that keeps a match in the third "
                         "stage (table 3.1)"});
-  fields.Add(
-      "all_measures", all_measures,
-      {.reason = "each stage requires agreement in all four measures of a pair, not in its own two: chance agreement "
-                 "is rarer, so that a lower first_approval suffices, and a pair costs more"});
 }
 
 namespace {

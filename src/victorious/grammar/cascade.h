@@ -52,9 +52,11 @@ struct CascadeOptions {
   double line_distortion_rad = 0.6;         ///< ANG_ORIENT_FUDGE_FACTOR
   double second_approval = 0.4;             ///< ANG_APPROVE_THRESHOLD
   double third_approval = 0.6;              ///< RE_DIST_APPROVE_THRESHOLD
-  bool all_measures = false;
 
-  // The rest are no parameters: the experiments of chapter 3 vary them.
+  // The rest are no parameters: the presets and the experiments of chapter 3 set them.
+  /// Each stage requires agreement in all four measures of a pair, not in its own two: chance agreement is rarer, so
+  /// that a lower first_approval suffices, and a pair costs more.
+  bool all_measures = false;
   CascadeRadius radius = CascadeRadius::kFixed;
   double radius_fraction = 1;  ///< R over the projected template radius, for CascadeRadius::kScale
   int min_votes = 2;           ///< of a match in every stage; section 3.3.3: a single vote is unreliable

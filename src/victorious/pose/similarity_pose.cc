@@ -23,8 +23,6 @@ void PoseOptions::ListFields(FieldList& fields) {
               .reason = "minimum number of distinct template keypoints among the inliers of a pose; two determine it"});
   fields.Add("max_instances", max_instances,
              {.min = 1, .max = 1000, .reason = "maximum number of instances of one template in one image"});
-  fields.Add("refine_plane", refine_plane,
-             {.reason = "use an affine map or a homography for the outline if the matches support it"});
 }
 
 namespace {

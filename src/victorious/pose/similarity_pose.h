@@ -30,8 +30,10 @@ inline constexpr double kPoseConfidence = 0.999;
 struct PoseOptions {
   int min_inliers = 4;
   int max_instances = 8;
-  bool refine_plane = true;
-  std::uint64_t seed = 1;  ///< of MLESAC: equal seeds give equal results; not a parameter
+
+  // Not parameters: the preset `thesis` and the tests set them.
+  bool refine_plane = true;  ///< use an affine map or a homography for the outline if the matches support it
+  std::uint64_t seed = 1;    ///< of MLESAC: equal seeds give equal results
 
   void ListFields(FieldList& fields);
 };
