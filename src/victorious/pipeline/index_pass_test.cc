@@ -92,6 +92,7 @@ class IndexPassTest : public ::testing::Test {
                          .recognizer = recognizer,
                          .extractor = *extractor,
                          .options = options,
+                         .cameras = cameras,
                          .threads = 2};
     const Status status = RunIndexPass(
         pass, reader, cancel_, *store_, [&](const std::string& warning) { warnings_.push_back(warning); }, report_);
