@@ -129,7 +129,7 @@ class CheckLayersTest(unittest.TestCase):
             ("<EGL/egl.h>", "render/a.h", "cli/a.cc", "OpenGL"),
             ("<GLES3/gl3.h>", "render/a.cc", "video/a.cc", "OpenGL"),
             ("<GeographicLib/Geoid.hpp>", "geometry/a.cc", "geometry/a.h", "GeographicLib"),
-            ("<gdal_priv.h>", "terrain/a.cc", "store/a.cc", "GDAL"),
+            ("<gdal_priv.h>", "terrain/a.cc", "video/a.cc", "GDAL"),
             ("<ogr_api.h>", "terrain/a.cc", "terrain/a.h", "GDAL"),
             ("<ceres/problem.h>", "geolocate/a.cc", "geolocate/a.h", "Ceres"),
             ("<CLI/CLI.hpp>", "cli/a.cc", "video/a.cc", "CLI11"),
