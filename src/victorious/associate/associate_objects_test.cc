@@ -326,7 +326,7 @@ TEST(UpdateObjects, RefusesASearchWhoseOptionsCannotBeRead) {
   const testing::ScratchFolder folder;
   const auto store = OpenSqliteStore(folder.path() / "index.db", StoreMode::kCreate).value();
   const std::int64_t video = store->PutVideo({.content_id = "v", .name = "a.mp4", .width = 64, .height = 48})->id;
-  const std::int64_t model = store->PutModel({.name = "jeep", .model_id = "m", .kind = "cad"})->id;
+  const std::int64_t model = store->PutModel({.name = "jeep", .content_id = "m", .kind = ModelKind::kCad})->id;
   const auto search_with = [&](const std::string& options, std::int64_t from, std::int64_t to) {
     IndexBatch batch;
     batch.progress = {{{.video = video, .model = model, .next_frame = to, .options_json = options}, from}};
