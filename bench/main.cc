@@ -96,7 +96,7 @@ void Run(const Arguments& arguments) {
 int main(int argc, char** argv) {
   const auto arguments = victorious::bench::Parse(argc, argv);
   if (!arguments) {
-    fmt::print(stderr, "victorious-bench: {}\n", arguments.error().message);
+    fmt::print(stderr, "error: {}\n", arguments.error().message);
     return victorious::ExitStatus(arguments.error().code);
   }
   if (arguments->help) {

@@ -1,5 +1,5 @@
-// Warnings about a source. Damaged data may give one per packet or row: the first ones are kept as lines, the others are
-// counted.
+// Warnings about a source. Damaged data may give one per packet or row: the first ones are kept as lines, the others
+// are counted.
 #pragma once
 
 #include <cstddef>

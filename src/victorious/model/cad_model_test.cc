@@ -188,8 +188,9 @@ TEST(MakeCadModel, WithoutTextureThereIsOneClearError) {
 
 TEST(MakeCadModel, OptionsOutOfRangeAreRefused) {
   CadModelOptions options = FewViews();
-  options.min_size_px = 1;
+  options.min_mask_fraction = 2;
   EXPECT_FALSE(MakeCadModel("box", BlottedBox(), "box.glb", options));
+  options.min_mask_fraction = 0.3;
   options.min_size_px = 300;
   options.max_size_px = 200;
   EXPECT_FALSE(MakeCadModel("box", BlottedBox(), "box.glb", options));

@@ -146,10 +146,10 @@ TEST_F(IndexCategoriesTest, ModelsAndCategoriesAreApart) {
   ASSERT_TRUE(TryIndex(*store));
   const auto no_model = Catalogue::Read(*store, {.model_name = "cross-disc"});
   ASSERT_FALSE(no_model);
-  EXPECT_EQ(no_model.error().message, "model cross-disc: not in the index, which holds: none");
+  EXPECT_EQ(no_model.error().message, "model cross-disc: not in the index, which contains: none");
   const auto no_category = Catalogue::Read(*store, {.category_name = "cross"});
   ASSERT_FALSE(no_category);
-  EXPECT_EQ(no_category.error().message, "category cross: not in the index, which holds: cross-disc, disc-cross");
+  EXPECT_EQ(no_category.error().message, "category cross: not in the index, which contains: cross-disc, disc-cross");
 
   const DrawnFlight flight(ShortFlight(1));
   ObjectModel namesake = flight.Model(0);

@@ -141,8 +141,9 @@ bool TrackPass::ResumeAtPlace(std::size_t target, const Frame& frame, std::size_
   return HandleStep(step, frame, video, &place_prior, nullptr, sightings);
 }
 
-Status TrackPass::ResumeByRecognition(std::size_t target, const FeatureSet& scene, const Frame& frame, std::size_t video,
-                                    const BoxPlacePrior* place_prior, std::vector<BoxSighting>& sightings) {
+Status TrackPass::ResumeByRecognition(std::size_t target, const FeatureSet& scene, const Frame& frame,
+                                      std::size_t video, const BoxPlacePrior* place_prior,
+                                      std::vector<BoxSighting>& sightings) {
   const UserBoxTarget& drawn = targets_[target].target;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Detection> detections, drawn.recognizer->Recognize(scene));
   if (detections.empty()) return {};
