@@ -32,7 +32,7 @@ Expected<MovieWithTruth> LoadMovieWithTruth(const std::string& name, const fs::p
     return std::ranges::find(movie.models, row.model, &ObjectModel::name) == movie.models.end();
   });
   for (const ObjectModel& model : movie.models) {
-    VICTORIOUS_ASSIGN_OR_RETURN(movie.lit.emplace_back(), MakeLitViews(model));
+    VICTORIOUS_ASSIGN_OR_RETURN(movie.lit.emplace_back(), MakeRelitViews(model));
   }
   return movie;
 }

@@ -36,7 +36,7 @@ Expected<SearchContext> Prepare(const MovieSearch& search, const ExperimentSetti
                               LoadTruthModels(truth, settings.data / "models", settings));
   std::vector<std::shared_ptr<const RelitTemplateSource>> lit;
   for (const ObjectModel& model : models) {
-    VICTORIOUS_ASSIGN_OR_RETURN(lit.emplace_back(), MakeLitViews(model));
+    VICTORIOUS_ASSIGN_OR_RETURN(lit.emplace_back(), MakeRelitViews(model));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(options.features));
   VICTORIOUS_ASSIGN_OR_RETURN(Recognizer recognizer,

@@ -7,6 +7,6 @@ namespace victorious {
 
 Expected<Report> RunFigure318(const ExperimentSettings& settings);
 Expected<Report> RunFigureCalibration(const ExperimentSettings& settings);
-Expected<Report> RunTableStance(const ExperimentSettings& settings);
+Expected<Report> RunTableObjectPose(const ExperimentSettings& settings);
 
 }  // namespace victorious

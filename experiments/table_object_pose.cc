@@ -83,7 +83,7 @@ void AddRows(const std::string& movie, const ErrorsOf& errors, Report& report) {
 
 }  // namespace
 
-Expected<Report> RunTableStance(const ExperimentSettings& settings) {
+Expected<Report> RunTableObjectPose(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::filesystem::path> movies, FindMovies(settings));
   Report report{
       .title = "Errors of the object pose",

@@ -13,7 +13,7 @@ Printed by `victorious params`; a test keeps this page equal to it.
 Give any of them as JSON by `--params FILE`: nested (`{"match": {"ratio": 0.85}}`) or dotted (`{"match.ratio": 0.85}`).
 Unknown names and values out of range are refused.
 In place of a file a preset may be named: `thesis`, the setting of its chapter 3; `learnt`, the cascade with thresholds
-learnt from simulated pictures. A file of such a name is `./thesis`.
+learnt from simulated images; `windows`, categories in windows of many sizes. A file of such a name is `./thesis`.
 
 ## Of `index`; `search --image` and `match` take the same file
 

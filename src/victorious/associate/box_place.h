@@ -69,8 +69,7 @@ struct ObjectGround {
 /// - With a given ground, an object that moves (kMoving), or whose lines of sight fit neither a static point nor a
 ///   straight drive, is placed at the intersection of each line of sight with the ground.
 /// - Without a ground, a moving object is placed in intervals of at most `max_interval_s` with constant velocity in
-/// each. Where
-///   that fails, each observation is placed alone, by the ground or by its range.
+///   each. Where that fails, each observation is placed alone, by the ground or by its range.
 /// @param observations  of one object in one video, in order of time
 /// @param ground        for objects that stand on the ground, else std::nullopt
 /// @return one place per observation, at its time; std::nullopt where the place is not determined

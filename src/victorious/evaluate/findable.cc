@@ -294,7 +294,7 @@ Expected<Detectability> MeasureDetectability(const ObjectModel& model, const Fea
   VICTORIOUS_RETURN_IF_ERROR(CheckArguments(model, options));
   VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(features));
   std::vector<std::shared_ptr<const RelitTemplateSource>> lit(1);
-  VICTORIOUS_ASSIGN_OR_RETURN(lit.front(), MakeLitViews(model));
+  VICTORIOUS_ASSIGN_OR_RETURN(lit.front(), MakeRelitViews(model));
   VICTORIOUS_ASSIGN_OR_RETURN(Recognizer recognizer, Recognizer::Create({model}, features.engine, recognize, lit));
   const Search search(model, std::move(recognizer), std::move(extractor));
 

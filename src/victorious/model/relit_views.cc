@@ -44,10 +44,10 @@ ViewSurface Downsample2(const ViewSurface& surface) {
   return half;
 }
 
-class LitViews : public RelitTemplateSource {
+class RelitViews : public RelitTemplateSource {
  public:
-  LitViews(const ObjectModel& model, const CadModelOptions& options, std::unique_ptr<const FeatureExtractor> extractor,
-           std::size_t max_kept)
+  RelitViews(const ObjectModel& model, const CadModelOptions& options,
+             std::unique_ptr<const FeatureExtractor> extractor, std::size_t max_kept)
       : model_(model), options_(options), extractor_(std::move(extractor)), max_kept_(max_kept) {}
 
   Expected<std::shared_ptr<const RelitTemplate>> GetTemplate(const RelitTemplateKey& wanted) const override {
@@ -167,7 +167,7 @@ bool HasSurface(const ModelView& view) { return view.angles && !view.surface.emp
 
 }  // namespace
 
-Expected<std::unique_ptr<const RelitTemplateSource>> MakeLitViews(const ObjectModel& model, std::size_t max_kept) {
+Expected<std::unique_ptr<const RelitTemplateSource>> MakeRelitViews(const ObjectModel& model, std::size_t max_kept) {
   if (model.views.empty() || !std::ranges::all_of(model.views, HasSurface)) return nullptr;
   CadModelOptions options;
   const auto json = nlohmann::json::parse(model.options_json, nullptr, /*allow_exceptions=*/false);
@@ -175,7 +175,7 @@ Expected<std::unique_ptr<const RelitTemplateSource>> MakeLitViews(const ObjectMo
     return std::unexpected(std::move(status).error().WithContext(fmt::format("model {}", model.name)));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(auto extractor, MakeFeatureExtractor(options.features));
-  return std::make_unique<const LitViews>(model, options, std::move(extractor), max_kept);
+  return std::make_unique<const RelitViews>(model, options, std::move(extractor), max_kept);
 }
 
 }  // namespace victorious

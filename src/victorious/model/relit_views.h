@@ -16,7 +16,7 @@ namespace victorious {
 /// @param max_kept  capacity of the cache, in templates of about 60 kB each. The least recently used ones are evicted
 ///                  and made again on demand.
 /// Error: kInvalidArgument, the model has options that this version does not know.
-Expected<std::unique_ptr<const RelitTemplateSource>> MakeLitViews(const ObjectModel& model,
-                                                                  std::size_t max_kept = 1000);
+Expected<std::unique_ptr<const RelitTemplateSource>> MakeRelitViews(const ObjectModel& model,
+                                                                    std::size_t max_kept = 1000);
 
 }  // namespace victorious

@@ -74,8 +74,8 @@ TEST(ViewSurface, DamageIsOneClearError) {
 
 // Relit templates have features and points of the same form as the original ones; they depend on the sun, and repeated
 // requests give the same ones.
-TEST(LitViews, ASunBringsItsOwnFeatures) {
-  const auto lit = MakeLitViews(WaffleModel()).value();
+TEST(RelitViews, ASunBringsItsOwnFeatures) {
+  const auto lit = MakeRelitViews(WaffleModel()).value();
   ASSERT_NE(lit, nullptr);
   constexpr std::size_t kView = 5;
   const auto east = lit->GetTemplate({7, kView}).value();
@@ -92,8 +92,8 @@ TEST(LitViews, ASunBringsItsOwnFeatures) {
 }
 
 // A coarse template has fewer features than the full one, with larger keypoints, at the projections of their points.
-TEST(LitViews, ACoarseOneLiesInTheSamePixels) {
-  const auto lit = MakeLitViews(WaffleModel()).value();
+TEST(RelitViews, ACoarseOneLiesInTheSamePixels) {
+  const auto lit = MakeRelitViews(WaffleModel()).value();
   constexpr std::size_t kView = 5;
   const auto sharp = lit->GetTemplate({7, kView}).value();
   const auto coarse = lit->GetTemplate({7, kView, true}).value();
@@ -119,8 +119,8 @@ TEST(LitViews, ACoarseOneLiesInTheSamePixels) {
 }
 
 // An evicted template is made again identically; the most recently used one is not evicted.
-TEST(LitViews, OnlySoManyAreKept) {
-  const auto lit = MakeLitViews(WaffleModel(), 4).value();
+TEST(RelitViews, OnlySoManyAreKept) {
+  const auto lit = MakeRelitViews(WaffleModel(), 4).value();
   const auto first = lit->GetTemplate({7, 1}).value();
   for (std::size_t view = 2; view < 5; ++view) static_cast<void>(lit->GetTemplate({7, view}).value());
   EXPECT_EQ(lit->GetTemplate({7, 1}).value(), first);
@@ -134,8 +134,8 @@ TEST(LitViews, OnlySoManyAreKept) {
 }
 
 // Threads that prepare the same views concurrently share them; each is made once.
-TEST(LitViews, ThreadsShareTheWork) {
-  const auto lit = MakeLitViews(WaffleModel()).value();
+TEST(RelitViews, ThreadsShareTheWork) {
+  const auto lit = MakeRelitViews(WaffleModel()).value();
   std::vector<RelitTemplateKey> wanted;
   for (std::size_t view = 1; view < 7; ++view) wanted.push_back({8, view});
   constexpr std::size_t kThreads = 4;
@@ -158,8 +158,8 @@ TEST(LitViews, ThreadsShareTheWork) {
 }
 
 // Each point lies on the object and projects to a pixel of its brightness.
-TEST(LitViews, APictureIsTheRendering) {
-  const auto views = MakeLitViews(WaffleModel()).value();
+TEST(RelitViews, APictureIsTheRendering) {
+  const auto views = MakeRelitViews(WaffleModel()).value();
   constexpr std::size_t kView = 5;
   const ViewSurface surface = DecodeSurface(WaffleModel().views[kView].surface, "waffle").value();
   cv::Mat blurred;
@@ -191,10 +191,10 @@ TEST(LitViews, APictureIsTheRendering) {
   EXPECT_LT(contrast(*coarse), contrast(*picture));
 }
 
-TEST(LitViews, ADamagedRenderingIsAnError) {
+TEST(RelitViews, ADamagedRenderingIsAnError) {
   ObjectModel model = WaffleModel();
   model.views[3].surface = model.views[3].surface.first(50);
-  const auto views = MakeLitViews(model).value();
+  const auto views = MakeRelitViews(model).value();
   const Expected<std::shared_ptr<const ViewAppearance>> appearance = views->GetAppearance(3, 0);
   ASSERT_FALSE(appearance);
   EXPECT_EQ(appearance.error().code, ErrorCode::kDataLoss);
@@ -208,10 +208,10 @@ TEST(LitViews, ADamagedRenderingIsAnError) {
   EXPECT_TRUE(views->GetTemplate({7, 1}));
 }
 
-TEST(LitViews, PhotosHaveNone) {
+TEST(RelitViews, PhotosHaveNone) {
   ObjectModel model = WaffleModel();
   model.views[2].surface = {};
-  EXPECT_EQ(MakeLitViews(model).value(), nullptr);
+  EXPECT_EQ(MakeRelitViews(model).value(), nullptr);
 }
 
 }  // namespace

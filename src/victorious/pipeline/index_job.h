@@ -18,7 +18,7 @@ struct IndexJob {
   std::optional<std::string> telemetry;  ///< telemetry file; if not given, the video's own, or a file beside it
   bool redo = false;                     ///< drop the stored results of these models in this video, and search again
   int threads = 0;                       ///< 0: one per hardware thread
-  /// Relit templates (MakeLitViews), one entry per model. The caller keeps them, to share them between jobs with the
+  /// Relit templates (MakeRelitViews), one entry per model. The caller keeps them, to share them between jobs with the
   /// same models. If empty, they are made for this video and released after it.
   std::vector<std::shared_ptr<const RelitTemplateSource>> lit = {};
 };

@@ -252,7 +252,7 @@ Expected<Recognizer> Indexer::MakeRecognizer(const PlannedPass& plan, const Inde
     if (target >= models_.size()) continue;  // a category
     const ObjectModel& model = models.emplace_back(models_[target]);
     if (job.lit.empty()) {
-      VICTORIOUS_ASSIGN_OR_RETURN(lit.emplace_back(), MakeLitViews(model));
+      VICTORIOUS_ASSIGN_OR_RETURN(lit.emplace_back(), MakeRelitViews(model));
     } else {
       lit.push_back(job.lit[target]);
     }

@@ -277,7 +277,7 @@ Expected<NavigationResult> NavigateVideo(const NavigateJob& job, std::vector<Obj
   }
   std::vector<std::shared_ptr<const RelitTemplateSource>> lit;
   for (const ObjectModel& model : models) {
-    VICTORIOUS_ASSIGN_OR_RETURN(std::shared_ptr<const RelitTemplateSource> views, MakeLitViews(model));
+    VICTORIOUS_ASSIGN_OR_RETURN(std::shared_ptr<const RelitTemplateSource> views, MakeRelitViews(model));
     lit.push_back(std::move(views));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,

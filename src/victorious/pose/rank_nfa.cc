@@ -11,7 +11,7 @@ namespace {
 
 // Two scene descriptors (of a norm of about 512) that are nearer than this belong to one repeated texture: it is below
 // the distance of most true matches. Measured on uav123_10fps/truck4_2, where the joints of an embankment's slabs gave
-// two false objects (docs/results.md).
+// two false objects (docs/results/false-alarms.md).
 constexpr int kMaxSimilarDistance = 150;
 // The scene keypoints that agree with a pose are counted in windows that are wider by this factor than those of an
 // inlier: narrow windows hold few keypoints or none.

@@ -9,8 +9,7 @@
 // random positions and rotations has mean m and standard deviation s,
 //   z = (L - m) / s,   -log10 NFA += decades_per_z_score (z - neutral_z_score).
 // The two constants come from a logistic regression of true and false detections on both quantities in three movies
-// (docs/results.md, "Tried for recall"), scaled so that the mapping from -log10 NFA to the score stays unchanged.
-// docs/adr/0014 has the reasons.
+// (docs/adr/0014-ncc-rescoring.md), scaled so that the mapping from -log10 NFA to the score stays unchanged.
 #pragma once
 
 #include <cstddef>

@@ -35,8 +35,8 @@ Status CheckEngine(std::span<const ObjectModel> models, std::string_view engine)
 class Recognizer {
  public:
   /// @param engine           feature engine of the scenes (CheckEngine)
-  /// @param relit_templates  one source of relit templates per model, null for a model without; or empty for none at
-  /// all Errors: kInvalidArgument for options out of range or models of another engine.
+  /// @param relit_templates  one source of relit templates per model, null for a model without; empty: none
+  /// Errors: kInvalidArgument for options out of range or models of another engine.
   static Expected<Recognizer> Create(
       std::vector<ObjectModel> models, const std::string& engine, const RecognizeOptions& options,
       const std::vector<std::shared_ptr<const RelitTemplateSource>>& relit_templates = {});
