@@ -33,7 +33,7 @@ constexpr std::string_view ToText(const std::array<EnumText<Enum>, count>& table
 template <typename Enum, std::size_t count>
 constexpr std::optional<Enum> FromText(const std::array<EnumText<Enum>, count>& table, std::string_view text) {
   const auto* const entry = std::ranges::find(table, text, &EnumText<Enum>::text);
-  return entry == table.end() ? std::nullopt : std::optional(entry->value);
+  return entry == table.end() ? std::nullopt : std::optional<Enum>(entry->value);
 }
 
 }  // namespace victorious

@@ -1,8 +1,10 @@
 #include "victorious/base/options.h"
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -287,6 +289,17 @@ TEST(EnumText, ConvertsBothWays) {
     EXPECT_EQ(FromText(kFilterTexts, entry.text), entry.value);
   }
   EXPECT_EQ(FromText(kFilterTexts, "cascad"), std::nullopt);
+}
+
+TEST(EnumTexts, AnUnknownTextIsNoOptionalChoice) {
+  enum class Datum { kSea };
+  constexpr auto kTexts =
+      std::to_array<EnumText<std::optional<Datum>>>({{std::nullopt, "given"}, {Datum::kSea, "sea"}});
+  EXPECT_EQ(FromText(kTexts, "mountain"), std::nullopt);
+  const std::optional<std::optional<Datum>> given = FromText(kTexts, "given");
+  ASSERT_TRUE(given.has_value());
+  EXPECT_FALSE(given->has_value());
+  EXPECT_EQ(FromText(kTexts, "sea"), std::optional(Datum::kSea));
 }
 
 }  // namespace

@@ -39,9 +39,9 @@ TEST(Shape, IsLikestToWhatLiesAlike) {
   for (int i = 0; i < 36; ++i) {
     const Eigen::VectorXf shape = encoder.Encode(Bar(5.0 * i, 500 + static_cast<std::uint64_t>(i)));
     EXPECT_NEAR(shape.norm(), 1, 1e-5);
-    Eigen::Index likest = 0;
-    CompareShapes(examples, shape).col(0).maxCoeff(&likest);
-    const auto off = static_cast<int>(std::abs(likest - i));
+    Eigen::Index nearest = 0;
+    CompareShapes(examples, shape).col(0).maxCoeff(&nearest);
+    const auto off = static_cast<int>(std::abs(nearest - i));
     EXPECT_LE(std::min(off, 36 - off), 2) << "off by so many times 5 degrees, at " << 5 * i;
   }
 }
