@@ -13,14 +13,14 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(Roc, AreaIsHowOftenTheWantedScoresAbove) {
+TEST(Roc, AreaIsTheProbabilityOfCorrectRanking) {
   EXPECT_EQ(RocArea(std::vector<double>{4, 3, 2, 1}, {true, true, false, false}), 1);
   EXPECT_EQ(RocArea(std::vector<double>{4, 3, 2, 1}, {false, false, true, true}), 0);
   EXPECT_EQ(RocArea(std::vector<double>{4, 3, 2, 1}, {true, false, true, false}), 0.75);
   EXPECT_EQ(RocArea(std::vector<double>{7, 7, 7, 7}, {true, false, true, false}), 0.5) << "equal scores count half";
 }
 
-TEST(Roc, CurveIsReadBetweenItsPoints) {
+TEST(Roc, CurveIsInterpolated) {
   const auto curve = RocCurve(std::vector<double>{4, 3, 2, 1}, {true, false, true, false});
   EXPECT_EQ(DetectionRateAt(curve, 0), 0.5);
   EXPECT_EQ(DetectionRateAt(curve, 0.5), 1);
@@ -28,7 +28,7 @@ TEST(Roc, CurveIsReadBetweenItsPoints) {
   EXPECT_EQ(DetectionRateAt(tied, 0.25), 0.25);
 }
 
-TEST(MeanWithError, IsAMeanWithItsStandardError) {
+TEST(MeanWithError, IsTheMeanWithItsStandardError) {
   const MeanWithError measured = ComputeMean({1, 2, 3, 4});
   EXPECT_EQ(measured.mean, 2.5);
   EXPECT_NEAR(measured.standard_error, 0.6455, 1e-4);
@@ -52,7 +52,7 @@ TEST(Split, TrainsOnBoxesAndTestsOnTheRest) {
   EXPECT_NE(MakeRandomSplit(rows, 4).train, split.train);
 }
 
-TEST(Experiments, UnknownNamesAndMissingDataAreNamed) {
+TEST(Experiments, ErrorsNameUnknownNamesAndMissingData) {
   const ExperimentSettings settings{.data = "/nowhere", .out = ::testing::TempDir()};
   EXPECT_THAT(RunExperiment("table9.9", settings).error().message, HasSubstr("table3.7"));
   EXPECT_THAT(RunExperiment("table3.7", settings).error().message, HasSubstr("/nowhere/caltech101/list.csv"));

@@ -31,7 +31,7 @@ Keypoint KeypointAt(float x, float y, float scale_px = 1) {
   return {.x = x, .y = y, .scale_px = scale_px, .orientation_rad = 0};
 }
 
-TEST(MatchTruth, IsWhereTheTruePosePutsTheTemplatesPoint) {
+TEST(MatchTruth, IsTheProjectionByTheTruePose) {
   const std::vector<Point3> points = {{0, 0, 0}, {2, 0, 0}};
   const MatchTruth truth(SceneWith({At(0, 0)}), "thing", points, 8);
   EXPECT_EQ(truth.Label(KeypointAt(50, 50), 0), MatchLabel::kTrue);
@@ -47,7 +47,7 @@ TEST(MatchTruth, IsWhereTheTruePosePutsTheTemplatesPoint) {
   EXPECT_EQ(count.FalseMatches(), 1);
 }
 
-TEST(MatchTruth, AnyObjectOfTheKindServesAndNoOther) {
+TEST(MatchTruth, AcceptsAnyObjectOfTheModelOnly) {
   AnnotatedImage scene = SceneWith({At(-3, 0), At(3, 0)});
   const std::vector<Point3> points = {{0, 0, 0}};
   EXPECT_EQ(MatchTruth(scene, "thing", points, 8).Label(KeypointAt(20, 50), 0), MatchLabel::kTrue);
@@ -55,7 +55,7 @@ TEST(MatchTruth, AnyObjectOfTheKindServesAndNoOther) {
   EXPECT_EQ(MatchTruth(scene, "other", points, 8).Label(KeypointAt(80, 50), 0), MatchLabel::kFalse);
 }
 
-TEST(MatchTruth, WhatIsHiddenOrOutOfThePictureMatchesNothing) {
+TEST(MatchTruth, OccludedOrOutsidePointsHaveNoMatch) {
   AnnotatedImage scene = SceneWith({At(0, 0)});
   const std::vector<Point3> points = {{0, 0, 0}, {2, 0, 0}, {8, 0, 0}};
   scene.depth_m = cv::Mat(100, 100, CV_32FC1, cv::Scalar(10));
@@ -66,7 +66,7 @@ TEST(MatchTruth, WhatIsHiddenOrOutOfThePictureMatchesNothing) {
   EXPECT_EQ(truth.Label(KeypointAt(130, 50), 2), MatchLabel::kFalse);
 }
 
-TEST(MatchTruth, WhatHidesIsMeasuredByTheObjectsSize) {
+TEST(MatchTruth, OcclusionToleranceScalesWithObjectSize) {
   AnnotatedImage scene = SceneWith({At(0, 0)});
   const std::vector<Point3> points = {{0, 0, 0}};
   scene.depth_m = cv::Mat(100, 100, CV_32FC1, cv::Scalar(9.8));
@@ -76,7 +76,7 @@ TEST(MatchTruth, WhatHidesIsMeasuredByTheObjectsSize) {
       << "an aircraft's own skin";
 }
 
-TEST(DegradeImage, IsDoneInTheOrderOfACamera) {
+TEST(DegradeImage, AppliesTheOrderOfACamera) {
   cv::Mat picture(64, 64, CV_8UC3, cv::Scalar(90, 120, 60));
   cv::Mat again = picture.clone();
   const ImageDegradation degradation{.degrade = {.noise = 0.2}, .jpeg_quality = 50};
@@ -90,7 +90,7 @@ TEST(DegradeImage, IsDoneInTheOrderOfACamera) {
 }
 
 // End to end: an image rendered from a scene file shows the object at its true pose.
-TEST(SceneRenderer, DrawsPicturesWhoseObjectsStandWhereTruthSays) {
+TEST(SceneRenderer, RendersObjectsAtTheirTruth) {
   const CancelToken cancel;
   Expected<Renderer> renderer = Renderer::Create({.software = true});
   ASSERT_TRUE(renderer.has_value());
@@ -116,7 +116,7 @@ void WriteCad(const std::filesystem::path& path, double side_m) {
       "v 0 0 0\nv {0} 0 0\nv {0} {0} 0\nv 0 {0} 0\nv 0 {0} {0}\nf 1 2 3\nf 1 3 4\nf 3 4 5\nf 1 4 5\n", side_m);
 }
 
-TEST(LoadOrBuildModel, IsMadeAgainForAnotherContentOrOtherOptionsAlone) {
+TEST(LoadOrBuildModel, RebuildsOnlyForOtherContentOrOptions) {
   const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "kept_model_test";
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
@@ -144,13 +144,13 @@ TEST(LoadOrBuildModel, IsMadeAgainForAnotherContentOrOtherOptionsAlone) {
   EXPECT_EQ(made, 3);
 }
 
-TEST(MatchSetup, TheThesisAndWeDiffer) {
+TEST(MatchSetup, ThesisAndDefaultDiffer) {
   EXPECT_EQ(ThesisSetup().features.impulse_fraction, 1);
   EXPECT_EQ(ThesisSetup().recognize.cascade.radius_px, 75);
   EXPECT_LT(DefaultSetup().features.contrast_threshold, ThesisSetup().features.contrast_threshold);
 }
 
-TEST(MakeMatchFilters, StandUnderTheirNames) {
+TEST(MakeMatchFilters, HaveTheirNames) {
   std::vector<std::string> names;
   for (const MatchFilter& filter : MakeMatchFilters({})) names.push_back(filter.name);
   EXPECT_THAT(names, ::testing::IsSupersetOf({"none", "neighbours (Video Google)", "cascade", "MLESAC alone",

@@ -55,7 +55,7 @@ cv::Mat Render(const Mesh& mesh, const PosedCamera& camera, cv::Mat& mask) {
   return view.bgr;
 }
 
-TEST(ProjectTexture, ShowsThePictureFromWhereItWasTaken) {
+TEST(ProjectTexture, ReproducesTheImageFromItsViewpoint) {
   const Mesh box = BoxMesh({0.3F, 0.2F, 0.1F});
   const Sphere sphere = BoundingSphere(box);
   const ViewFraming framing{.distance_m = 1.2, .diameter_px = 260, .width_px = 320, .height_px = 280};
@@ -72,7 +72,7 @@ TEST(ProjectTexture, ShowsThePictureFromWhereItWasTaken) {
   for (int channel = 0; channel < 3; ++channel) EXPECT_LT(mean[channel], 4);
 }
 
-TEST(ProjectTexture, WhatThePictureDoesNotShowIsPlain) {
+TEST(ProjectTexture, SurfacesNotInTheImageAreUniform) {
   const Mesh box = BoxMesh({0.3F, 0.2F, 0.1F});
   const Sphere sphere = BoundingSphere(box);
   const ViewFraming framing{.distance_m = 1.2, .diameter_px = 260, .width_px = 320, .height_px = 280};

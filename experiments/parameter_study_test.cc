@@ -23,7 +23,7 @@ using ::testing::Each;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
-TEST(StudySettings, VaryEachParameterOnceDownAndOnceUp) {
+TEST(StudySettings, VaryEachParameterDownAndUp) {
   const std::vector<StudySetting> settings = StudySettings();
   ASSERT_GE(VariedParameters().size(), 14U);
   ASSERT_EQ(settings.size(), 2 * VariedParameters().size() + 1);
@@ -57,7 +57,7 @@ TEST(StudySettings, VaryEachParameterOnceDownAndOnceUp) {
   }
 }
 
-TEST(SettingResult, SumsUpItsObjects) {
+TEST(SettingResult, SumsOverItsObjects) {
   const SettingResult setting{.name = "default",
                               .of = {},
                               .findable = 4,
@@ -118,7 +118,7 @@ class TinyFlight : public ::testing::Test {
 
 testing::ScratchFolder* TinyFlight::folder_ = nullptr;
 
-TEST_F(TinyFlight, IsStudiedAndSearchedOnceForWhatIsSearchedAlike) {
+TEST_F(TinyFlight, SettingsWithEqualSearchShareIt) {
   std::vector<StudySetting> wanted;
   for (const StudySetting& setting : StudySettings()) {
     if (setting.name == "default" || setting.name == "every = 4" || setting.of == "geolocation") {
@@ -155,7 +155,7 @@ TEST_F(TinyFlight, IsStudiedAndSearchedOnceForWhatIsSearchedAlike) {
   EXPECT_EQ(files("flights"), 1);
 }
 
-TEST_F(TinyFlight, AnotherBuildSearchesAnew) {
+TEST_F(TinyFlight, AnotherBuildSearchesAgain) {
   const auto movie = SimulateScene("tiny", Settings());
   ASSERT_TRUE(movie.has_value()) << movie.error().message;
   ExperimentSettings settings = Settings();
@@ -169,7 +169,7 @@ TEST_F(TinyFlight, AnotherBuildSearchesAnew) {
   }
 }
 
-TEST(ExperimentSettings, WhatIsKeptIsKnownByWhatItIsMadeOfAndByTheBuild) {
+TEST(ExperimentSettings, CacheKeyDependsOnContentAndBuild) {
   ExperimentSettings settings{.data = {}, .scenes = {}, .out = {}};
   const std::string own = settings.CacheKey("x").value();
   EXPECT_EQ(settings.CacheKey("x").value(), own);
@@ -180,7 +180,7 @@ TEST(ExperimentSettings, WhatIsKeptIsKnownByWhatItIsMadeOfAndByTheBuild) {
   EXPECT_NE(settings.CacheKey("x").value(), own);
 }
 
-TEST_F(TinyFlight, FewerFramesTakeAsLong) {
+TEST_F(TinyFlight, FewerFramesSpanTheSameTime) {
   ExperimentSettings settings = Settings();
   settings.frames = 4;
   const auto few = SimulateScene("tiny", settings);
@@ -191,7 +191,7 @@ TEST_F(TinyFlight, FewerFramesTakeAsLong) {
   EXPECT_NEAR(few->truth.back().time_s, all->truth.back().time_s, 1e-3);
 }
 
-TEST_F(TinyFlight, ARegionCostsAFractionOfAFrame) {
+TEST_F(TinyFlight, RegionCostsAFractionOfAFrame) {
   const Report report = Run("figure4.1");
   EXPECT_GT(NumberAt(report, 2, "pixels"), 2);
   EXPECT_GT(NumberAt(report, 2, "descriptors compared"), 20);
@@ -199,14 +199,14 @@ TEST_F(TinyFlight, ARegionCostsAFractionOfAFrame) {
   EXPECT_TRUE(fs::exists(*folder_ / "out" / "figure4.1.png"));
 }
 
-TEST_F(TinyFlight, TheRecogniserKeepsTheLock) {
+TEST_F(TinyFlight, RecognizerKeepsTheLock) {
   const Report report = Run("figure4.2");
   ASSERT_THAT(report.rows, SizeIs(1));
   EXPECT_GE(NumberAt(report, 0, "with recogniser: locked"), 0.9);
   EXPECT_TRUE(fs::exists(*folder_ / "out" / "figure4.2.png"));
 }
 
-TEST_F(TinyFlight, AFrustumHoldsTheTruthAndManyShareLittle) {
+TEST_F(TinyFlight, FrustumContainsTruthAndIntersectionShrinks) {
   const Report one = Run("figure4.3");
   ASSERT_THAT(one.rows, SizeIs(1));
   EXPECT_LT(NumberAt(one, 0, "truth to line, m"), 0.5);
@@ -219,14 +219,14 @@ TEST_F(TinyFlight, AFrustumHoldsTheTruthAndManyShareLittle) {
   }
 }
 
-TEST_F(TinyFlight, TheListOfObjectsTellsBySearchAndRegion) {
+TEST_F(TinyFlight, ObjectListSeparatesFullFrameAndRegionSightings) {
   const Report report = Run("figure4.5");
   ASSERT_THAT(report.rows, SizeIs(1));
   EXPECT_EQ(NumberAt(report, 0, "in whole-frame searches"), 3) << "frames 0, 5, 10";
   EXPECT_GE(NumberAt(report, 0, "in tracked region") + NumberAt(report, 0, "by the tracker alone"), 9);
 }
 
-TEST_F(TinyFlight, AnUnknownSceneIsNamed) {
+TEST_F(TinyFlight, ErrorNamesUnknownScene) {
   ExperimentSettings settings = Settings();
   settings.movies = {"nowhere"};
   EXPECT_THAT(RunExperiment("figure5.2", settings).error().message, HasSubstr("nowhere.json"));

@@ -39,7 +39,7 @@ Geolocation PlaceOnGround(const PlaceTrial& trial, std::size_t lines, LocateMeth
   return fix && fix->place ? *fix->place : Geolocation{};
 }
 
-TEST(Lines, GoThroughTheirPixelWithTheLensUndone) {
+TEST(Lines, PassThroughTheirUndistortedPixel) {
   const GeoreferencedCamera camera{
       .pinhole = {.fx = 1000, .fy = 1000, .cx = 400, .cy = 300, .width = 800, .height = 600},
       .lens = {-0.3, 0.05, 0.001, 0, 0},
@@ -55,7 +55,7 @@ TEST(Lines, GoThroughTheirPixelWithTheLensUndone) {
   EXPECT_EQ(line.time_s, 3);
 }
 
-TEST(Places, OfSurveyedPointsByAHoveringCamera) {
+TEST(Places, SurveyedPointsFromAHoveringCamera) {
   VICTORIOUS_DATA_OR_SKIP(path, "real/geo_gcp/narrabeen_uav/truth.json");
   const auto beach = LoadNarrabeen(Settings());
   ASSERT_TRUE(beach) << beach.error().message;
@@ -84,7 +84,7 @@ TEST(Places, OfSurveyedPointsByAHoveringCamera) {
   }
 }
 
-TEST(Places, OfSurveyedPointsByAFixedCamera) {
+TEST(Places, SurveyedPointsFromAFixedCamera) {
   VICTORIOUS_DATA_OR_SKIP(path, "real/geo_gcp/geul_river/dk_cam_config.json");
   const auto river = LoadGeul(Settings());
   ASSERT_TRUE(river) << river.error().message;
@@ -103,7 +103,7 @@ TEST(Places, OfSurveyedPointsByAFixedCamera) {
   }
 }
 
-TEST(Places, OfARealFlightsStaresAreInTheirEllipsoids) {
+TEST(Places, StaresOfARealFlightAreInTheirEllipsoids) {
   VICTORIOUS_DATA_OR_SKIP(path, "real/fmv_klv/raw_packets/Cheyenne.bin");
   const auto report = RunTableCheyenne(Settings());
   ASSERT_TRUE(report) << report.error().message;
@@ -118,7 +118,7 @@ TEST(Places, OfARealFlightsStaresAreInTheirEllipsoids) {
   EXPECT_LT(error_m["191 to 326"], 10);
 }
 
-TEST(Places, OfOneThingInSeveralPhotosAgree) {
+TEST(Places, OneObjectInSeveralPhotosIsConsistent) {
   VICTORIOUS_DATA_OR_SKIP(path, "real/geo_gcp/brighton_beach/telemetry.csv");
   const auto report = RunTableBrighton(Settings());
   ASSERT_TRUE(report) << report.error().message;
@@ -134,7 +134,7 @@ TEST(Places, OfOneThingInSeveralPhotosAgree) {
   }
 }
 
-TEST(Places, MissingDataAreNamed) {
+TEST(Places, ErrorNamesMissingData) {
   const ExperimentSettings settings{.data = "/nowhere", .scenes = {}, .out = ::testing::TempDir()};
   EXPECT_NE(RunTableCheyenne(settings).error().message.find("/nowhere/real/fmv_klv"), std::string::npos);
   EXPECT_NE(RunTableControlPoints(settings).error().message.find("/nowhere/real/geo_gcp"), std::string::npos);

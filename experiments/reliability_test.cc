@@ -23,12 +23,12 @@ std::vector<LabelledDetection> Draw(const Logistic& truth, const Logistic& scori
   return labelled;
 }
 
-TEST(Reliability, TrueProbabilitiesHaveNoError) {
+TEST(Reliability, TrueProbabilitiesHaveZeroError) {
   const Logistic truth{2, 1.5};
   EXPECT_LT(CalibrationError(Draw(truth, truth, 1)), 0.01);
 }
 
-TEST(Reliability, WrongOnesHaveTheirs) {
+TEST(Reliability, BiasedProbabilitiesHaveTheirError) {
   std::vector<LabelledDetection> labelled;
   for (int i = 0; i < 100; ++i) labelled.push_back({0, 0.95, i < 70});
   for (int i = 0; i < 100; ++i) labelled.push_back({0, 0.15, i < 25});
@@ -40,14 +40,14 @@ TEST(Reliability, WrongOnesHaveTheirs) {
   EXPECT_EQ(CalibrationError({}), 0);
 }
 
-TEST(Reliability, TheFittedCurveIsTheOneThatDrew) {
+TEST(Reliability, FitRecoversTheCurve) {
   const Logistic truth{2, 1.5};
   const Logistic fitted = FitLogistic(Draw(truth, {0, 1}, 2));
   EXPECT_NEAR(fitted.midpoint, truth.midpoint, 0.15);
   EXPECT_NEAR(fitted.scale, truth.scale, 0.15);
 }
 
-TEST(Reliability, DataThatCanBePartedLeaveTheCurveFinite) {
+TEST(Reliability, SeparableDataGiveAFiniteFit) {
   std::vector<LabelledDetection> labelled;
   for (int i = 0; i < 20; ++i) labelled.push_back({i < 10 ? 0.0 : 10.0, 0, i >= 10});
   const Logistic fitted = FitLogistic(labelled);
@@ -60,7 +60,7 @@ TEST(Reliability, DataThatCanBePartedLeaveTheCurveFinite) {
 }
 
 // Two groups drawn from different curves: each is scored with the other's curve.
-TEST(Reliability, AHeldOutGroupIsScoredByTheOthers) {
+TEST(Reliability, HeldOutGroupIsScoredByTheOthers) {
   const Logistic first{2, 1.5};
   const Logistic second{5, 0.8};
   const auto scored = CrossValidate({Draw(first, {0, 1}, 3), Draw(second, {0, 1}, 4)});

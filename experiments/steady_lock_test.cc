@@ -15,7 +15,7 @@ double OverlapWithTruth(const testing::SyntheticFlight& flight, const TrackingCo
   return 0;
 }
 
-TEST(CompareTracking, TheRecogniserKeepsTheLock) {
+TEST(CompareTracking, RecognizerKeepsTheLock) {
   const testing::SyntheticFlight flight(ShortFlight(40));
   const testing::ScratchFolder folder;
   WriteVideo(flight, folder / "flight.mkv");
@@ -41,7 +41,7 @@ TEST(CompareTracking, TheRecogniserKeepsTheLock) {
   EXPECT_LT(alone, together) << "alone, it does not come back after the object left the frame";
 }
 
-TEST(CompareTracking, NothingToFollowGivesNoSteps) {
+TEST(CompareTracking, WithoutTrackGivesNoSteps) {
   const testing::SyntheticFlight flight(ShortFlight(3));
   const testing::ScratchFolder folder;
   WriteVideo(flight, folder / "flight.mkv");

@@ -14,14 +14,14 @@ namespace {
 
 using ::testing::ElementsAre;
 
-TEST(EvenlySpaced, TakesTheMiddlesOfEqualPartsEachOnce) {
+TEST(EvenlySpaced, TakesTheMiddleOfEachEqualPartOnce) {
   EXPECT_THAT(EvenlySpaced(120, 3), ElementsAre(20, 60, 100));
   EXPECT_THAT(EvenlySpaced(2, 5), ElementsAre(0, 1));
   EXPECT_THAT(EvenlySpaced(1, 1), ElementsAre(0));
   EXPECT_TRUE(EvenlySpaced(0, 4).empty());
 }
 
-TEST(ReadFrames, GivesThoseAskedForAndNoOthers) {
+TEST(ReadFrames, ReadsOnlyTheRequestedFrames) {
   const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "video_frames_test";
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);

@@ -50,7 +50,7 @@ std::optional<TruthRow> TruthOf(const SyntheticFlight& flight, int thing, int in
   return std::nullopt;
 }
 
-TEST(SyntheticFlightTest, TheSameSeedGivesTheSamePixelsOnAnyNumberOfThreads) {
+TEST(SyntheticFlightTest, IsDeterministicBySeedForAnyNumberOfThreads) {
   const int threads = cv::getNumThreads();
   cv::setNumThreads(1);
   const cv::Mat alone = SyntheticFlight(SmallFlight(5)).Render(31).image;
@@ -64,7 +64,7 @@ TEST(SyntheticFlightTest, TheSameSeedGivesTheSamePixelsOnAnyNumberOfThreads) {
   EXPECT_GT(LargestDifference(alone, SyntheticFlight(SmallFlight(6)).Render(31).image), 60);
 }
 
-TEST(SyntheticFlightTest, FramesKnowTheirPlaceInTime) {
+TEST(SyntheticFlightTest, FramesHaveIndexAndTime) {
   FlightOptions options = SmallFlight(1);
   options.fps = 4;
   const Frame frame = SyntheticFlight(options).Render(10);
@@ -74,7 +74,7 @@ TEST(SyntheticFlightTest, FramesKnowTheirPlaceInTime) {
   EXPECT_EQ(frame.image.size(), cv::Size(320, 240));
 }
 
-TEST(SyntheticFlightTest, ThingsAreRenderedWhereTheTruthSays) {
+TEST(SyntheticFlightTest, ObjectsAreRenderedAtTheirTruth) {
   FlightOptions options = SmallFlight(2);
   options.objects = 4;
   options.object_scale = 0.9;
@@ -98,7 +98,7 @@ TEST(SyntheticFlightTest, ThingsAreRenderedWhereTheTruthSays) {
   EXPECT_GE(compared, 10);
 }
 
-TEST(SyntheticFlightTest, TheTruthOfAWholeThingIsItsOutline) {
+TEST(SyntheticFlightTest, TruthOfAVisibleObjectIsItsOutline) {
   FlightOptions options = SmallFlight(3);
   options.objects = 4;
   const SyntheticFlight flight(options);
@@ -124,7 +124,7 @@ TEST(SyntheticFlightTest, TheTruthOfAWholeThingIsItsOutline) {
   EXPECT_GE(whole, 20);
 }
 
-TEST(SyntheticFlightTest, ThingsLeaveTheViewAndReturn) {
+TEST(SyntheticFlightTest, ObjectsLeaveTheViewAndReturn) {
   FlightOptions options = SmallFlight(4);
   options.objects = 3;
   const SyntheticFlight flight(options);
@@ -141,7 +141,7 @@ TEST(SyntheticFlightTest, ThingsLeaveTheViewAndReturn) {
   EXPECT_GE(together, 10);
 }
 
-TEST(SyntheticFlightTest, NamesAreUniqueAndObjectsCarryThem) {
+TEST(SyntheticFlightTest, NamesAreUnique) {
   FlightOptions options = SmallFlight(4);
   options.objects = 6;
   const SyntheticFlight flight(options);
@@ -154,7 +154,7 @@ TEST(SyntheticFlightTest, NamesAreUniqueAndObjectsCarryThem) {
   EXPECT_EQ(row->object, "crate-1");
 }
 
-TEST(DrawnThingsTest, OutlinesBoundWhatIsOpaque) {
+TEST(DrawnThingsTest, OutlinesEncloseOpaquePixels) {
   for (int kind = 0; kind < kNumObjectKinds; ++kind) {
     const SyntheticObject thing = DrawObject(static_cast<ObjectKind>(kind), 1);
     ASSERT_EQ(thing.picture.type(), CV_8UC4);
@@ -165,7 +165,7 @@ TEST(DrawnThingsTest, OutlinesBoundWhatIsOpaque) {
   }
 }
 
-TEST(DrawnThingsTest, SeedsGiveThingsThatCanBeToldApart) {
+TEST(DrawnThingsTest, SeedsGiveDistinguishableObjects) {
   for (int kind = 0; kind < kNumObjectKinds; ++kind) {
     for (std::uint64_t seed = 0; seed < 8; ++seed) {
       cv::Mat a = DrawObject(static_cast<ObjectKind>(kind), seed).picture;

@@ -141,7 +141,7 @@ TEST(ShippedAssets, EveryGlbIsWellFormed) {
   }
 }
 
-TEST(ShippedAssets, StandOnTheGroundAboutTheOrigin) {
+TEST(ShippedAssets, StandOnTheGroundAtTheOrigin) {
   for (const fs::path& file : GlbFiles(kFolder)) {
     SCOPED_TRACE(file.string());
     const Read mesh = ReadGlb(file);
@@ -151,7 +151,7 @@ TEST(ShippedAssets, StandOnTheGroundAboutTheOrigin) {
   }
 }
 
-TEST(ShippedAssets, ReadmeSaysTheSizeAndTrianglesOfEveryModel) {
+TEST(ShippedAssets, ReadmeListsSizeAndTrianglesOfEveryModel) {
   const auto readme = ReadFile(kFolder / "README.md");
   ASSERT_TRUE(readme);
   for (const fs::path& file : GlbFiles(kFolder / "models")) {
@@ -166,7 +166,7 @@ TEST(ShippedAssets, ReadmeSaysTheSizeAndTrianglesOfEveryModel) {
   }
 }
 
-TEST(ShippedAssets, TheFrontLooksAlongZ) {
+TEST(ShippedAssets, FrontIsAlongZ) {
   // The thin end is in front (gun, nose, boom). The jet's tail is broad, the helicopter's is not.
   EXPECT_LT(WidthWithin(ReadGlb(kFolder / "models/tank.glb"), 0, 0.2F), 0.2F);
   EXPECT_LT(WidthWithin(ReadGlb(kFolder / "models/jet.glb"), 0, 0.25F), 0.2F);
@@ -174,7 +174,7 @@ TEST(ShippedAssets, TheFrontLooksAlongZ) {
   EXPECT_LT(WidthWithin(ReadGlb(kFolder / "models/helicopter.glb"), 0.85F, 1), 0.4F);
 }
 
-TEST(ShippedAssets, StaySmall) {
+TEST(ShippedAssets, TotalSizeIsSmall) {
   std::uintmax_t bytes = 0;
   for (const char* const part : {"models", "town"}) {
     for (const auto& entry : fs::recursive_directory_iterator(kFolder / part)) {
@@ -184,7 +184,7 @@ TEST(ShippedAssets, StaySmall) {
   EXPECT_LT(bytes, 12'000'000U);
 }
 
-TEST(MakeAssets, MakesTheSameBytesTwice) {
+TEST(MakeAssets, IsDeterministic) {
   const auto& catalogue = Catalogue();
   const auto crates = std::ranges::find(catalogue, "town/props/crates", &Entry::path);
   ASSERT_NE(crates, catalogue.end());
@@ -195,7 +195,7 @@ TEST(MakeAssets, MakesTheSameBytesTwice) {
   EXPECT_EQ(*once, *again);
 }
 
-TEST(Mesh, SolidsFaceOutwards) {
+TEST(Mesh, SolidsHaveOutwardNormals) {
   const auto volume = [](const Mesh& mesh) {
     float sum = 0;
     for (const auto& [a, b, c] : mesh.triangles) sum += mesh.points[a].dot(mesh.points[b].cross(mesh.points[c])) / 6;
@@ -221,7 +221,7 @@ TEST(Unwrap, ChartsDoNotOverlap) {
   }
 }
 
-TEST(Ground, MaterialsRepeatWithoutASeam) {
+TEST(Ground, MaterialsTileSeamlessly) {
   for (const Material& material : {Material(Asphalt), Material(Grass), Material(Gravel), Material(Dirt)}) {
     const Bgr here = material(0.01F, 7.3F, 20);
     const Bgr there = material(20.01F, 7.3F, 20);

@@ -75,7 +75,7 @@ Counts CountPairs(const Series& series, const std::vector<int>& numbers, const R
   return sum;
 }
 
-TEST(CascadeTruth, KeepsTheTrueAndDropsTheFalseOnFlatScenes) {
+TEST(CascadeTruth, KeepsTrueAndRejectsFalseMatchesOnPlanarScenes) {
   VICTORIOUS_DATA_OR_SKIP(data, kRecognitionData);
   // The image pairs in which the object must be found.
   Counts easy = CountPairs(Series("graf"), {2, 3});
@@ -104,7 +104,7 @@ TEST(CascadeTruth, KeepsTheTrueAndDropsTheFalseOnFlatScenes) {
 }
 
 // Thresholds learnt from simulated images of vehicles generalise to unrelated photographs.
-TEST(CascadeTruth, LearntThresholdsHoldOnPhotographs) {
+TEST(CascadeTruth, LearntThresholdsGeneralizeToPhotographs) {
   VICTORIOUS_DATA_OR_SKIP(data, kRecognitionData);
   RecognizeOptions learnt;
   ASSERT_TRUE(ApplyPreset(Preset::kLearnt, learnt));

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(CleanPhotos, AreNotTakenForNoisy) {
+TEST(CleanPhotos, AreNotDetectedAsNoisy) {
   VICTORIOUS_DATA_OR_SKIP(folder, "caltech101");
   std::vector<fs::path> photos;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {

@@ -63,7 +63,7 @@ class RealRecognition : public ::testing::Test {
   }
 };
 
-TEST_F(RealRecognition, EachModelIsFoundOnceWhereItIsAndNowhereElse) {
+TEST_F(RealRecognition, FindsEachModelOnceAtItsPosition) {
   VICTORIOUS_DATA_OR_SKIP(data, kRecognitionData);
   const Recognizer recognizer = MakeRecognizer(Models());
   for (const Scene& scene : Scenes()) {
@@ -78,7 +78,7 @@ TEST_F(RealRecognition, EachModelIsFoundOnceWhereItIsAndNowhereElse) {
   }
 }
 
-TEST_F(RealRecognition, ThePostcardIsFoundInEveryFrame) {
+TEST_F(RealRecognition, FindsThePostcardInEveryFrame) {
   VICTORIOUS_DATA_OR_SKIP(data, "real/recognition/visp_video/postcard/video-postcard.mp4");
   constexpr Box kPostcard{62, 82, 252, 250};  // in frame 0
   constexpr std::int64_t kCompareEvery = 10;

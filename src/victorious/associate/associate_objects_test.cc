@@ -91,7 +91,7 @@ Eigen::Vector3d EstimatePlace(const ObjectRecord& object) {
   return TangentPlane(kOrigin).EnuFromGeodetic(object.place->point);
 }
 
-TEST(ObjectList, OneRunIsOneObjectAtItsPlace) {
+TEST(AssociateTracklets, OneTrackletIsOneObjectAtItsPlace) {
   const auto objects = ObjectsFrom({{.id = 5, .place_enu = {3, 4, 1}}});
   ASSERT_EQ(objects.size(), 1U);
   EXPECT_EQ(objects[0].id, 5);
@@ -102,7 +102,7 @@ TEST(ObjectList, OneRunIsOneObjectAtItsPlace) {
   EXPECT_EQ(objects[0].rejected, "");
 }
 
-TEST(ObjectList, WithoutTelemetryEachRunIsAnObjectWithoutAPlace) {
+TEST(AssociateTracklets, WithoutTelemetryEachTrackletIsAnObjectWithoutPlace) {
   ObservedTracklet a{.record = {.id = 1, .video = 1, .model = 1}, .frames = {0, 1}};
   ObservedTracklet b{.record = {.id = 2, .video = 1, .model = 1}, .frames = {50, 51}};
   const auto objects = AssociateTracklets({a, b}, 0, {});
@@ -112,30 +112,30 @@ TEST(ObjectList, WithoutTelemetryEachRunIsAnObjectWithoutAPlace) {
   EXPECT_EQ(objects[0].rejected, "");
 }
 
-TEST(ObjectList, AReturnAfterALossIsTheSameObject) {
+TEST(AssociateTracklets, ReappearanceAtSamePlaceIsSameObject) {
   EXPECT_THAT(
       RunsOf(ObjectsFrom({{.id = 1, .first_frame = 0, .frames = 20}, {.id = 2, .first_frame = 70, .frames = 20}})),
       ElementsAre(ElementsAre(1, 2)));
 }
 
-TEST(ObjectList, TwoOfAKindTenMetresApartStayTwo) {
+TEST(AssociateTracklets, InstancesTenMetresApartAreNotMerged) {
   // Observed at different times, never in one frame.
   EXPECT_THAT(RunsOf(ObjectsFrom({{.id = 1, .place_enu = {-5, 0, 1}, .frames = 20},
                                   {.id = 2, .place_enu = {5, 0, 1}, .first_frame = 30, .frames = 20}})),
               ElementsAre(ElementsAre(1), ElementsAre(2)));
 }
 
-TEST(ObjectList, WhatIsSeenInOneFrameIsTwoHoweverNear) {
+TEST(AssociateTracklets, TrackletsWithCommonFramesAreNotMerged) {
   EXPECT_THAT(RunsOf(ObjectsFrom({{.id = 1, .place_enu = {0, 0, 1}}, {.id = 2, .place_enu = {2, 0, 1}}})),
               ElementsAre(ElementsAre(1), ElementsAre(2)));
 }
 
-TEST(ObjectList, OtherModelsAreOtherObjects) {
+TEST(AssociateTracklets, TrackletsOfDifferentModelsAreNotMerged) {
   EXPECT_THAT(RunsOf(ObjectsFrom({{.id = 1, .frames = 20}, {.id = 2, .model = 2, .first_frame = 30, .frames = 10}})),
               ElementsAre(ElementsAre(1), ElementsAre(2)));
 }
 
-TEST(ObjectList, WhatMovesIsFoundAgainWhereItHasMovedTo) {
+TEST(AssociateTracklets, MovingObjectIsMergedAtItsPredictedPlace) {
   const Eigen::Vector3d velocity(-4, 3, 0);
   const auto objects = ObjectsFrom({{.id = 1, .velocity_enu = velocity, .frames = 30},
                                     {.id = 2, .velocity_enu = velocity, .first_frame = 45, .frames = 30}});
@@ -145,7 +145,7 @@ TEST(ObjectList, WhatMovesIsFoundAgainWhereItHasMovedTo) {
   EXPECT_LT((EstimatePlace(objects[0]) - Eigen::Vector3d(-29.6, 22.2, 1)).norm(), 1.5);
 }
 
-TEST(ObjectList, TheSameObjectInTwoVideosIsOne) {
+TEST(AssociateTracklets, SameObjectInTwoVideosIsMerged) {
   const auto objects = ObjectsFrom({{.id = 1, .place_enu = {-20, 5, 1}},
                                     {.id = 2, .place_enu = {20, 5, 1}},
                                     {.id = 3,
@@ -157,7 +157,7 @@ TEST(ObjectList, TheSameObjectInTwoVideosIsOne) {
   EXPECT_THAT(RunsOf(objects), ElementsAre(ElementsAre(1), ElementsAre(2, 3)));
 }
 
-TEST(ObjectList, TheOrderOfRunsDoesNotMatter) {
+TEST(AssociateTracklets, ResultDoesNotDependOnTrackletOrder) {
   std::vector<SimulatedTracklet> things;
   for (int i = 0; i < 6; ++i) {
     things.push_back({.id = i + 1, .place_enu = {6.0 * (i % 3), 8, 1}, .first_frame = 40 * (i / 3), .frames = 25});
@@ -170,13 +170,13 @@ TEST(ObjectList, TheOrderOfRunsDoesNotMatter) {
   for (std::size_t i = 0; i < objects.size(); ++i) EXPECT_EQ(again[i].place->point, objects[i].place->point);
 }
 
-TEST(ObjectList, WhatIsTooLargeForItsDistanceIsRejected) {
+TEST(AssociateTracklets, ApparentSizeAboveMaxRatioIsRejected) {
   const auto objects = ObjectsFrom({{.id = 1, .too_large = 5}});
   EXPECT_THAT(objects[0].rejected, HasSubstr("5.0 times too large"));
   EXPECT_EQ(ObjectsFrom({{.id = 1, .too_large = 5}}, {.max_size_ratio = 6})[0].rejected, "");
 }
 
-TEST(ObjectList, WhatFloatsByItsSizeAloneIsRejected) {
+TEST(AssociateTracklets, HeightDeviationFromOtherObjectsIsRejected) {
   const SimulatedTracklet floating{.id = 2, .model = 2, .first_frame = 10, .frames = 1, .too_large = 3};
   const auto objects = ObjectsFrom({{.id = 1}, floating});
   EXPECT_EQ(objects[0].rejected, "");
@@ -185,14 +185,14 @@ TEST(ObjectList, WhatFloatsByItsSizeAloneIsRejected) {
   EXPECT_EQ(ObjectsFrom({floating})[0].rejected, "") << "nothing says how high the ground is";
 }
 
-TEST(ObjectList, WhatLiesBelowAnyGroundIsRejected) {
+TEST(AssociateTracklets, PlaceBelowSeaLevelIsRejected) {
   EXPECT_THAT(ObjectsFrom({{.id = 1, .place_enu = {0, 900, -1500}}})[0].rejected, HasSubstr("below the sea"));
 }
 
 // In 100,000 searched frames 1600 false detections of even odds are expected, so that odds of 16,000 to 1 are required.
 // Odds of 9 to 1 are insufficient, also over 30 frames; odds of 1000 to 1 over 30 frames suffice. In 50 searched
 // frames, odds of 9 to 1 in one frame suffice.
-TEST(ObjectList, TheLongerTheSearchTheClearerMustAFindBe) {
+TEST(AssociateTracklets, SignificanceThresholdGrowsWithFramesSearched) {
   const SimulatedTracklet faint{.id = 1, .frames = 1, .score = 0.9};
   const SimulatedTracklet longer{.id = 1, .frames = 30, .score = 0.9};
   const SimulatedTracklet clear{.id = 1, .frames = 30, .score = 0.999};
@@ -205,7 +205,7 @@ TEST(ObjectList, TheLongerTheSearchTheClearerMustAFindBe) {
 }
 
 // One clear frame among faint ones is as frequent among false detections.
-TEST(ObjectList, WhatIsClearOnceIsAsFaintAsItsOtherFrames) {
+TEST(AssociateTracklets, SingleHighScoreDoesNotRaiseSignificance) {
   const SimulatedTracklet faint{.id = 1, .score = 0.8};
   const SimulatedTracklet once{.id = 1, .score = 0.8, .first_score = 0.99};
   EXPECT_THAT(ObjectsFrom({faint}, {}, 1000)[0].rejected, HasSubstr("not significant"));
@@ -213,7 +213,7 @@ TEST(ObjectList, WhatIsClearOnceIsAsFaintAsItsOtherFrames) {
 }
 
 // The same 30 frames with different headings: most of them are inconsistent.
-TEST(ObjectList, FramesThatContradictEachOtherMakeAFindNoClearer) {
+TEST(AssociateTracklets, InconsistentHeadingsDoNotRaiseSignificance) {
   const SimulatedTracklet alike{.id = 1, .score = 0.9};
   const SimulatedTracklet turned{.id = 1, .score = 0.9, .heading_noise_rad = 3};
   EXPECT_EQ(ObjectsFrom({alike}, {}, 1000)[0].rejected, "");
@@ -221,7 +221,7 @@ TEST(ObjectList, FramesThatContradictEachOtherMakeAFindNoClearer) {
 }
 
 // Two observations always fit a moving object: they count as one.
-TEST(ObjectList, TwoSightsOfWhatMovesAreAsFaintAsOne) {
+TEST(AssociateTracklets, TwoObservationsOfMovingObjectCountAsOne) {
   const SimulatedTracklet parked{.id = 1, .first_frame = 1, .frames = 2, .score = 0.9};
   const SimulatedTracklet moving{.id = 1, .velocity_enu = {40, 30, 0}, .first_frame = 1, .frames = 2, .score = 0.9};
   const SimulatedTracklet longer{.id = 1, .velocity_enu = {40, 30, 0}, .frames = 30, .score = 0.9};
@@ -230,7 +230,7 @@ TEST(ObjectList, TwoSightsOfWhatMovesAreAsFaintAsOne) {
   EXPECT_EQ(ObjectsFrom({longer}, {}, 100)[0].rejected, "");
 }
 
-TEST(ObjectList, ObjectsStandOnTheGroundThatIsTold) {
+TEST(AssociateTracklets, GivenGroundConstrainsHeight) {
   // Telemetry is 3 m too high, which the lines of sight alone cannot detect.
   const SimulatedTracklet seen{.id = 1, .place_enu = {0, 0, 1}, .noise_rad = 1e-3, .camera_bias_enu = {0, 0, 3}};
   ObjectOptions options;
@@ -251,11 +251,11 @@ TEST(ObjectList, ObjectsStandOnTheGroundThatIsTold) {
   EXPECT_EQ(flying.rejected, "");
 }
 
-TEST(ObjectList, LinesThatDoNotMeetAreNoObject) {
+TEST(AssociateTracklets, NonIntersectingLinesOfSightAreRejected) {
   EXPECT_THAT(ObjectsFrom({{.id = 1, .noise_rad = 0.2}})[0].rejected, HasSubstr("do not intersect"));
 }
 
-TEST(ObjectList, OfTwoModelsInOnePlaceTheOneSeenLessIsRejected) {
+TEST(AssociateTracklets, OfCoincidentObjectsTheLessObservedIsRejected) {
   const auto objects =
       ObjectsFrom({{.id = 1, .model = 1, .frames = 20}, {.id = 2, .model = 2, .place_enu = {0.3, 0, 1}, .frames = 30}});
   EXPECT_THAT(objects[0].rejected, HasSubstr("at the same place as object 2"));
@@ -282,12 +282,12 @@ std::vector<std::string> RejectionsOf(std::vector<ObservedTracklet> tracklets) {
   return rejections;
 }
 
-TEST(ObjectList, OfTwoSolidThingsInTheSamePixelsTheOneSeenLessIsRejected) {
+TEST(AssociateTracklets, OfOverlappingCadObjectsTheLessObservedIsRejected) {
   EXPECT_THAT(RejectionsOf({InThePicture(1, 12, 50), InThePicture(2, 30, 58)}),
               ElementsAre("in the same pixels as object 2", ""));
 }
 
-TEST(ObjectList, WhatIsBesideOrMeetsForAMomentIsNotRejected) {
+TEST(AssociateTracklets, AdjacentOrBrieflyOverlappingObjectsAreNotRejected) {
   EXPECT_THAT(RejectionsOf({InThePicture(1, 12, 50), InThePicture(2, 30, 90)}), ElementsAre("", ""));
   ObservedTracklet passing = InThePicture(1, 12, 50);
   for (std::size_t i = 5; i < passing.boxes.size(); ++i) passing.boxes[i].y = 300;
@@ -297,13 +297,13 @@ TEST(ObjectList, WhatIsBesideOrMeetsForAMomentIsNotRejected) {
   EXPECT_THAT(RejectionsOf({elsewhere, InThePicture(2, 30, 50)}), ElementsAre("", ""));
 }
 
-TEST(ObjectList, PhotosMayShowAPartOfWhatAnotherShows) {
+TEST(AssociateTracklets, OverlappingPhotoModelIsNotRejected) {
   ObservedTracklet photo = InThePicture(1, 12, 50);
   photo.is_cad_model = false;
   EXPECT_THAT(RejectionsOf({photo, InThePicture(2, 30, 50)}), ElementsAre("", ""));
 }
 
-TEST(ObjectList, CategoriesHaveAPlaceAndRejectNobody) {
+TEST(AssociateTracklets, CategoriesHaveAPlaceAndRejectNoObject) {
   const SimulatedTracklet category{.id = 2, .model = 2, .frames = 40, .is_category = true, .noise_rad = 0.01};
   const auto objects = ObjectsFrom({{.id = 1, .frames = 20}, category});
   for (const ObjectRecord& object : objects) {
@@ -313,7 +313,7 @@ TEST(ObjectList, CategoriesHaveAPlaceAndRejectNobody) {
   }
 }
 
-TEST(ObjectList, ACategoryWhoseLinesDoNotMeetHasNoPlace) {
+TEST(AssociateTracklets, CategoryWithNonIntersectingLinesHasNoPlace) {
   SimulatedTracklet seen{.id = 1, .is_category = true, .noise_rad = 0.3};
   ObservedTracklet tracklet = RunOf(seen);
   for (BearingObservation& observation : tracklet.observations) observation.line.sigma_rad = 1e-4;
@@ -322,7 +322,7 @@ TEST(ObjectList, ACategoryWhoseLinesDoNotMeetHasNoPlace) {
   EXPECT_FALSE(objects[0].place);
 }
 
-TEST(UpdateObjects, RefusesASearchWhoseOptionsCannotBeRead) {
+TEST(UpdateObjects, UnreadableSearchOptionsAreDataLoss) {
   const testing::ScratchFolder folder;
   const auto store = OpenSqliteStore(folder.path() / "index.db", StoreMode::kCreate).value();
   const std::int64_t video = store->PutVideo({.content_id = "v", .name = "a.mp4", .width = 64, .height = 48})->id;

@@ -70,7 +70,7 @@ BoxPlaceOptions Exact() {
   return options;
 }
 
-TEST(BoxPlace, WhatStandsIsInsideItsEllipsoid) {
+TEST(EstimateBoxPlaces, StaticObjectLiesInsideErrorEllipsoid) {
   constexpr int kFlights = 60;
   int inside = 0;
   for (int seed = 0; seed < kFlights; ++seed) {
@@ -85,7 +85,7 @@ TEST(BoxPlace, WhatStandsIsInsideItsEllipsoid) {
   EXPECT_GE(inside, 0.85 * kFlights);
 }
 
-TEST(BoxPlace, ATypesLengthTellsHowFarOffItIs) {
+TEST(EstimateBoxPlaces, ObjectTypeLengthGivesRange) {
   const Flight hovers{.frames = 10, .speed_m_s = 0};
   EXPECT_FALSE(EstimateBoxPlaces(Fly(hovers, nullptr, 0), BoxMotion::kStatic, {}, {}).back())
       << "one line of sight, and no range";
@@ -96,7 +96,7 @@ TEST(BoxPlace, ATypesLengthTellsHowFarOffItIs) {
   EXPECT_GT(place->ce90_m, 20) << "no more is known than the length of cars";
 }
 
-TEST(BoxPlace, WhatMovesIsWhereItIsAtEachTime) {
+TEST(EstimateBoxPlaces, MovingObjectIsLocatedAtEachTime) {
   const Flight flight{.velocity_enu = {-6, 4, 0}, .frames = 150, .circles = true};
   const auto places = EstimateBoxPlaces(Fly(flight, FindObjectType("car"), 0), BoxMotion::kUnknown, {}, {});
   int located = 0;
@@ -112,7 +112,7 @@ TEST(BoxPlace, WhatMovesIsWhereItIsAtEachTime) {
 }
 
 // A camera that flies straight cannot distinguish an object that drives straight from a static object elsewhere.
-TEST(BoxPlace, WhatThePictureShowsToMoveIsPlacedOnTheGround) {
+TEST(EstimateBoxPlaces, MovingObjectIsPlacedOnTheGround) {
   const Flight flight{.velocity_enu = {-4, -4, 0}, .frames = 30};
   const auto observations = Fly(flight, nullptr, 0.05);
   const ObjectGround ground = ObjectGround::AtPlace(
@@ -138,7 +138,7 @@ TEST(BoxPlace, WhatThePictureShowsToMoveIsPlacedOnTheGround) {
   }
 }
 
-TEST(BoxPlace, WhatStandsIsDrawnToTheGround) {
+TEST(EstimateBoxPlaces, GroundIsAPriorOfStaticObject) {
   const auto observations = Fly({.seed = 3, .frames = 12}, nullptr, 0.1);
   const ObjectGround ground = ObjectGround::AtPlace(
       {.point = TangentPlane(kOrigin).GeodeticFromEnu({8, 3, -1.2}), .covariance_enu_m2 = Eigen::Matrix3d::Identity()});
@@ -149,7 +149,7 @@ TEST(BoxPlace, WhatStandsIsDrawnToTheGround) {
   EXPECT_LT(on_ground->ce90_m, 0.7 * alone->ce90_m);
 }
 
-TEST(BoxPlace, WhereTheGroundIsNotKnownATypesLengthServes) {
+TEST(EstimateBoxPlaces, UnknownGroundHeightFallsBackToTypeLength) {
   class NowhereKnown final : public Ground {
    public:
     [[nodiscard]] std::optional<double> HeightAt(const GeodeticPoint& /*point*/) const override { return {}; }
@@ -165,7 +165,7 @@ TEST(BoxPlace, WhereTheGroundIsNotKnownATypesLengthServes) {
   }
 }
 
-TEST(BoxPlace, ASpotOfTheGroundIsWhereItsLinesMeet) {
+TEST(EstimateBoxPlaces, GroundPointIsTheIntersectionOfItsLines) {
   const Flight flight{.frames = 30};
   std::vector<CameraState> states;
   std::vector<GroundPointObservation> spots;
@@ -180,7 +180,7 @@ TEST(BoxPlace, ASpotOfTheGroundIsWhereItsLinesMeet) {
   EXPECT_FALSE(LocateGroundPoint(std::span(spots).first(1), CameraTrajectory(states, 1), kImage, {})) << "one line";
 }
 
-TEST(BoxPlace, ABuildingIsNotTakenToMove) {
+TEST(EstimateBoxPlaces, StaticMotionSuppressesVelocity) {
   const Flight flight{.velocity_enu = {-1, 0.7, 0}, .frames = 150, .circles = true};  // as if it moved slowly
   const auto observations = Fly(flight, nullptr, 0);
   const auto moves = [](const std::optional<Geolocation>& place) { return place && place->IsMoving(); };
@@ -191,7 +191,7 @@ TEST(BoxPlace, ABuildingIsNotTakenToMove) {
   }
 }
 
-TEST(BoxPlace, WhatStandsElsewhereIsAnotherObject) {
+TEST(EstimateBoxPlaces, ConsistencyDependsOnDistanceAndCovariance) {
   const std::vector<BearingObservation> observations = Fly({}, nullptr, 0);
   Geolocation place{.point = kOrigin, .covariance_enu_m2 = Eigen::Matrix3d::Identity()};
   EXPECT_TRUE(IsConsistentWithPlace(observations[20], place, {}));

@@ -79,7 +79,7 @@ double Coverage(const Change& change) {
   return static_cast<double>(inside) / kFlights;
 }
 
-TEST(ObjectPlace, WhatWasFollowedFromOneRecognitionCountsAsThatOne) {
+TEST(ObjectPlace, TrackedObservationsAreCorrelatedWithTheirRecognition) {
   EXPECT_GE(Coverage([](auto&) {}), 0.85);
   const auto on_their_own = [](std::vector<BearingObservation>& observations) {
     for (BearingObservation& observation : observations) observation.recognition_id = 0;
@@ -87,14 +87,14 @@ TEST(ObjectPlace, WhatWasFollowedFromOneRecognitionCountsAsThatOne) {
   EXPECT_LT(Coverage(on_their_own), 0.5) << "ten times the same error is not ten errors";
 }
 
-TEST(ObjectPlace, RangesShareTheirErrorAlsoWhereTheFirstSightHasNone) {
+TEST(ObjectPlace, RangeErrorIsCommonEvenIfFirstObservationHasNoRange) {
   const auto first_without = [](std::vector<BearingObservation>& observations) {
     for (std::size_t i = 0; i < observations.size(); i += kFollowed) observations[i].line.range_m.reset();
   };
   EXPECT_GE(Coverage(first_without), 0.85);
 }
 
-TEST(ObjectPlace, FollowedSightsMakeAPlaceNoSurerThanWhatTheyWereFollowedFrom) {
+TEST(ObjectPlace, TrackedObservationsDoNotReduceCovariance) {
   const std::vector<BearingObservation> all = FliesPast(1);
   std::vector<BearingObservation> recognised;
   for (std::size_t i = 0; i < all.size(); i += kFollowed) recognised.push_back(all[i]);
@@ -104,7 +104,7 @@ TEST(ObjectPlace, FollowedSightsMakeAPlaceNoSurerThanWhatTheyWereFollowedFrom) {
   EXPECT_NEAR(with->ce90_m / without->ce90_m, 1, 0.1);
 }
 
-TEST(ObjectPlace, ButTelemetrysOwnErrorsAverageOutOverThem) {
+TEST(ObjectPlace, TelemetryNoiseAveragesOutOverTrackedObservations) {
   const double attitude_rad = 5 * kSigma;
   std::vector<BearingObservation> all = FliesPast(1, attitude_rad);
   for (BearingObservation& observation : all) observation.line.range_m.reset();
@@ -116,7 +116,7 @@ TEST(ObjectPlace, ButTelemetrysOwnErrorsAverageOutOverThem) {
   EXPECT_LT(with->ce90_m, 0.6 * without->ce90_m);
 }
 
-TEST(ObjectPlace, WhatDriftedCountsLess) {
+TEST(ObjectPlace, DriftedObservationsHaveLessWeight) {
   // The tracked ones have a common bias, and a standard deviation that covers it.
   const auto drifted = [](std::vector<BearingObservation>& observations) {
     for (std::size_t i = 0; i < observations.size(); ++i) {
@@ -128,7 +128,7 @@ TEST(ObjectPlace, WhatDriftedCountsLess) {
   EXPECT_GE(Coverage(drifted), 0.8);
 }
 
-TEST(ObjectPlace, ASightIsOffByItsLineAndByItsRange) {
+TEST(ObjectPlace, ResidualCombinesLineAndRange) {
   BearingObservation observation = FliesPast(1, 0).front();
   LocateOptions errors;
   errors.line.position_m = 0;
@@ -154,7 +154,7 @@ TEST(ObjectPlace, ASightIsOffByItsLineAndByItsRange) {
   EXPECT_EQ(MahalanobisDistance(observation, at(-100 * along), 0, errors, 1), std::numeric_limits<double>::infinity());
 }
 
-TEST(ObjectPlace, WhatMovesIsTakenToAnotherTimeAndGetsLessSure) {
+TEST(ObjectPlace, PropagatedPlaceHasLargerCovariance) {
   const TangentPlane plane({0.8, 0.2, 500});
   Geolocation place{.point = plane.GeodeticFromEnu({0, 0, 0}),
                     .time_s = 2,
@@ -170,7 +170,7 @@ TEST(ObjectPlace, WhatMovesIsTakenToAnotherTimeAndGetsLessSure) {
   EXPECT_EQ(PropagatePlace(place, 4).covariance_enu_m2, place.covariance_enu_m2) << "what stands still stays";
 }
 
-TEST(EstimateHeadingMode, IsTheMiddleOfTheDensest40DegreesAcrossNorthToo) {
+TEST(EstimateHeadingMode, IsTheCentreOfTheDensest40DegreesAlsoAcrossNorth) {
   std::vector<double> headings;
   for (const double degrees : {350.0, 355.0, 0.0, 5.0, 10.0, 90.0, 91.0, 180.0}) {
     headings.push_back(RadiansFromDegrees(degrees));

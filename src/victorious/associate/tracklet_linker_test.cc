@@ -100,7 +100,7 @@ std::vector<std::int64_t> RunsOf(const Ledger& ledger) {
   return tracklets;
 }
 
-TEST(TrackletLinker, OverlappingSightingsAreOneRunThatGrows) {
+TEST(TrackletLinker, OverlappingSightingsExtendOneTracklet) {
   const Ledger ledger = LinkAll({{Sighting(2, {10, 10, 40, 40}, kModel, 0.6)},
                                  {Sighting(3, {14, 12, 40, 40}, kModel, 0.9)},
                                  {Sighting(5, {20, 14, 40, 40}, kModel, 0.7)}},
@@ -115,7 +115,7 @@ TEST(TrackletLinker, OverlappingSightingsAreOneRunThatGrows) {
   EXPECT_DOUBLE_EQ(tracklet.last_time_s, 0.5);
 }
 
-TEST(TrackletLinker, AGapLongerThanAllowedEndsARun) {
+TEST(TrackletLinker, GapAboveLimitEndsATracklet) {
   const TrackletOptions options{.gap_s = 1.05, .min_overlap = 0.1};
   const Box box{10, 10, 40, 40};
   EXPECT_THAT(RunsOf(LinkAll({{Sighting(0, box)}, {Sighting(10, box)}}, options)), ElementsAre(1, 1));
@@ -124,7 +124,7 @@ TEST(TrackletLinker, AGapLongerThanAllowedEndsARun) {
   EXPECT_THAT(RunsOf(LinkAll({{Sighting(0, box)}, {}, {}, {Sighting(11, box)}}, options)), ElementsAre(1, 2));
 }
 
-TEST(TrackletLinker, TooLittleOverlapBeginsANewRun) {
+TEST(TrackletLinker, OverlapBelowMinimumStartsANewTracklet) {
   const Box box{0, 0, 30, 10};
   const Box shifted{20, 0, 30, 10};  // 100 of 500 px: IoU 0.2
   const Frames frames = {{Sighting(0, box)}, {Sighting(1, shifted)}};
@@ -135,13 +135,13 @@ TEST(TrackletLinker, TooLittleOverlapBeginsANewRun) {
               ElementsAre(1, 2));
 }
 
-TEST(TrackletLinker, OverlapIsWithTheLastSighting) {
+TEST(TrackletLinker, OverlapIsComputedWithTheLastSighting) {
   Frames frames;
   for (int i = 0; i < 20; ++i) frames.push_back({Sighting(i, {10.0 * i, 0, 40, 40})});
   EXPECT_THAT(RunsOf(LinkAll(frames, TrackletOptions{})), ::testing::Each(1));
 }
 
-TEST(TrackletLinker, EachRunContinuesInOneSightingAndTheBestOverlapGoesFirst) {
+TEST(TrackletLinker, AssignmentIsOneToOneByDescendingOverlap) {
   const Box left{0, 0, 40, 40};
   const Box right{30, 0, 40, 40};
   // Both sightings of the second frame overlap both tracklets; they come in the opposite order.
@@ -151,7 +151,7 @@ TEST(TrackletLinker, EachRunContinuesInOneSightingAndTheBestOverlapGoesFirst) {
   EXPECT_THAT(RunsOf(LinkAll(frames, TrackletOptions{})), ElementsAre(1, 2, 2, 1, 1, 3, 2));
 }
 
-TEST(TrackletLinker, ModelsAreApart) {
+TEST(TrackletLinker, SightingsOfDifferentModelsAreNotLinked) {
   const Box box{0, 0, 40, 40};
   const Frames frames = {{Sighting(0, box, 7), Sighting(0, box, 8)}, {Sighting(1, box, 8), Sighting(1, box, 9)}};
   const Ledger ledger = LinkAll(frames, TrackletOptions{});
@@ -164,7 +164,7 @@ SightingRecord Followed(SightingRecord sighting, std::int64_t track) {
   return sighting;
 }
 
-TEST(TrackletLinker, WhatWasFollowedIsOneRunWhereverItIsSeen) {
+TEST(TrackletLinker, SightingsOfOneTrackAreOneTracklet) {
   const Box here{0, 0, 40, 40};
   const Box there{300, 0, 40, 40};
   const Frames frames = {{Followed(Sighting(0, here), 5), Followed(Sighting(0, there), 6)},
@@ -177,7 +177,7 @@ TEST(TrackletLinker, WhatWasFollowedIsOneRunWhereverItIsSeen) {
 
 Similarity2 Shift(double x, double y) { return {.translation = {x, y}}; }
 
-TEST(TrackletLinker, WhatStandsIsExpectedWhereThePictureHasGone) {
+TEST(TrackletLinker, StaticObjectIsPredictedByImageMotion) {
   const Box first{300, 100, 50, 40};
   // The background moves 30 px per frame to the left; after ten frames another object is at the image position of the
   // first.
@@ -190,7 +190,7 @@ TEST(TrackletLinker, WhatStandsIsExpectedWhereThePictureHasGone) {
       << "as far as is known, it stands still";
 }
 
-TEST(TrackletLinker, WhatMovesOverTheGroundMovesOn) {
+TEST(TrackletLinker, MovingObjectIsPredictedByItsVelocity) {
   // The camera follows a driving object: it stays at the image centre while the background moves.
   const Box middle{300, 200, 40, 40};
   const Motions motions(26, Shift(0, 15));
@@ -216,7 +216,7 @@ SightingRecord Standing(std::int64_t frame, double east_m, double range_m = 0) {
   return sighting;
 }
 
-TEST(TrackletLinker, LinesAndRangesThatDoNotMeetAreOfTwoThings) {
+TEST(TrackletLinker, InconsistentObservationsSplitATracklet) {
   const auto runs_with = [](const SightingRecord& last) {
     Frames frames(18);
     for (int i = 0; i < 6; ++i) frames[i] = {Standing(i, 10)};
@@ -242,7 +242,7 @@ TEST(TrackletLinker, LinesAndRangesThatDoNotMeetAreOfTwoThings) {
   EXPECT_THAT(RunsOf(LinkAll(followed, TrackletOptions{})), ElementsAre(1, 1));
 }
 
-TEST(TrackletLinker, TelemetryThatErrsFromRowToRowTakesNoRunApart) {
+TEST(TrackletLinker, WhiteTelemetryNoiseDoesNotSplitTracklets) {
   int apart = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     Random random(seed);
@@ -291,7 +291,7 @@ std::vector<std::tuple<std::int64_t, double, std::int64_t, double, double>> Summ
   return summary;
 }
 
-TEST(TrackletLinker, CutsBetweenBatchesAndRunsChangeNothing) {
+TEST(TrackletLinker, ResultDoesNotDependOnBatchesOrRestarts) {
   const TrackletOptions options{.gap_s = 0.65, .min_overlap = 0.1};
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     const Frames frames = RandomFrames(seed);

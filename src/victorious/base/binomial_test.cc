@@ -7,7 +7,7 @@
 namespace victorious {
 namespace {
 
-TEST(LogChoose, IsPascalsTriangle) {
+TEST(LogChoose, MatchesPascalsTriangle) {
   EXPECT_NEAR(std::exp(LogChoose(49, 6)), 13983816, 1e-4);
   for (int n = 1; n <= 60; ++n) {
     EXPECT_NEAR(LogChoose(n, 0), 0, 1e-12);
@@ -19,7 +19,9 @@ TEST(LogChoose, IsPascalsTriangle) {
   }
 }
 
-TEST(LogChoose, HoldsWhatNoDoubleDoes) { EXPECT_NEAR(LogChoose(1e5, 5e4) / (1e5 * std::log(2.0)), 1, 1e-4); }
+TEST(LogChoose, HandlesCoefficientsBeyondDoubleRange) {
+  EXPECT_NEAR(LogChoose(1e5, 5e4) / (1e5 * std::log(2.0)), 1, 1e-4);
+}
 
 }  // namespace
 }  // namespace victorious

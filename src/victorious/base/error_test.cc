@@ -21,14 +21,14 @@ constexpr std::array kAllCodes = {
     ErrorCode::kNoSpace,         ErrorCode::kCancelled,   ErrorCode::kInternal,
 };
 
-TEST(Error, ContextGoesInFrontAndKeepsTheCode) {
+TEST(Error, AddContextPrependsTextAndKeepsTheCode) {
   const Error error =
       Error{ErrorCode::kDataLoss, "block 3: bad checksum"}.WithContext("box.vmodel").WithContext("load");
   EXPECT_EQ(error.code, ErrorCode::kDataLoss);
   EXPECT_EQ(error.message, "load: box.vmodel: block 3: bad checksum");
 }
 
-TEST(Error, ErrnoBecomesTheNearestCode) {
+TEST(Error, ErrnoMapsToNearestCode) {
   EXPECT_EQ(ErrorFromErrno(ENOENT, "x").code, ErrorCode::kNotFound);
   EXPECT_EQ(ErrorFromErrno(ENOTDIR, "x").code, ErrorCode::kNotFound);
   EXPECT_EQ(ErrorFromErrno(EEXIST, "x").code, ErrorCode::kAlreadyExists);
@@ -41,14 +41,14 @@ TEST(Error, ErrnoBecomesTheNearestCode) {
   EXPECT_EQ(ErrorFromErrno(EIO, "x").code, ErrorCode::kInternal);
 }
 
-TEST(Error, ErrnoMessageSaysWhatWasTriedAndWhy) {
+TEST(Error, ErrnoMessageNamesOperationAndReason) {
   const std::string message = ErrorFromErrno(ENOSPC, "write models/box.vmodel").message;
   EXPECT_THAT(message, StartsWith("write models/box.vmodel: "));
   EXPECT_THAT(message, HasSubstr("space"));
   EXPECT_EQ(message.find('\n'), std::string::npos);
 }
 
-TEST(Error, BadInputExitsWithTwoAndTheRestWithOne) {
+TEST(Error, ExitStatusIsTwoForBadInputElseOne) {
   for (const ErrorCode code : {ErrorCode::kInvalidArgument, ErrorCode::kNotFound, ErrorCode::kAlreadyExists,
                                ErrorCode::kDataLoss, ErrorCode::kUnsupported}) {
     EXPECT_EQ(ExitStatus(code), 2) << Name(code);
@@ -74,7 +74,7 @@ Status ReturnsIfError(const Status& status, bool& went_on) {
   return {};
 }
 
-TEST(Macros, ReturnIfErrorPassesTheErrorOnAndSuccessThrough) {
+TEST(Macros, ReturnIfErrorReturnsTheErrorOnly) {
   bool went_on = false;
   const Status failed = ReturnsIfError(Fail(ErrorCode::kNotFound, "no box"), went_on);
   ASSERT_FALSE(failed);

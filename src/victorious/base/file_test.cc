@@ -81,7 +81,7 @@ class OrdinaryUser {
   uid_t user_ = ::geteuid();
 };
 
-TEST(ReadFile, GivesEveryByte) {
+TEST(ReadFile, ReadsEveryByte) {
   const ScratchFolder scratch;
   const std::string bytes("a\0b\r\n\xff", 6);
   Put(scratch / "file", bytes);
@@ -90,7 +90,7 @@ TEST(ReadFile, GivesEveryByte) {
   EXPECT_EQ(ReadFile(scratch / "empty"), "");
 }
 
-TEST(ReadFile, RefusesMoreThanTheBound) {
+TEST(ReadFile, RefusesFilesAboveTheLimit) {
   const ScratchFolder scratch;
   Put(scratch / "file", "12345678");
   EXPECT_EQ(ReadFile(scratch / "file", 8), "12345678");
@@ -99,14 +99,14 @@ TEST(ReadFile, RefusesMoreThanTheBound) {
   EXPECT_THAT(refused.error().message, HasSubstr("8 bytes"));
 }
 
-TEST(ReadFile, MissingFileIsNamed) {
+TEST(ReadFile, ErrorNamesMissingFile) {
   const ScratchFolder scratch;
   const auto missing = ReadFile(scratch / "absent");
   EXPECT_EQ(CodeOf(missing), ErrorCode::kNotFound);
   EXPECT_THAT(missing.error().message, HasSubstr((scratch / "absent").string()));
 }
 
-TEST(ReadFile, RefusesWhatIsNoRegularFile) {
+TEST(ReadFile, RefusesNonRegularFiles) {
   const ScratchFolder scratch;
   EXPECT_EQ(CodeOf(ReadFile(scratch.path())), ErrorCode::kInvalidArgument);
   // A pipe without a writer must not block the program.
@@ -135,7 +135,7 @@ TEST(WriteFileAtomically, CreatesAndReplaces) {
   EXPECT_EQ(EntryCount(scratch.path()), 1U);
 }
 
-TEST(WriteFileAtomically, FullDiskKeepsTheOldFileAndLeavesNothing) {
+TEST(WriteFileAtomically, FullDiskKeepsTheOldFileAndLeavesNoTemporary) {
   const ScratchFolder scratch;
   ASSERT_TRUE(WriteFileAtomically(scratch / "file", "old"));
   {
@@ -159,7 +159,7 @@ TEST(WriteFileAtomically, ReadOnlyFolderIsPermissionDenied) {
   EXPECT_EQ(EntryCount(scratch.path()), 0U);
 }
 
-TEST(WriteFileAtomically, RefusesAMissingFolderAndAFoldersName) {
+TEST(WriteFileAtomically, RefusesMissingFoldersAndFolders) {
   const ScratchFolder scratch;
   EXPECT_EQ(CodeOf(WriteFileAtomically(scratch / "absent/file", "x")), ErrorCode::kNotFound);
   fs::create_directory(scratch / "folder");
@@ -167,7 +167,7 @@ TEST(WriteFileAtomically, RefusesAMissingFolderAndAFoldersName) {
   EXPECT_EQ(EntryCount(scratch.path()), 1U);
 }
 
-TEST(WriteFileAtomically, GoesOnBesideWhatAKilledProcessOfTheSameIdLeft) {
+TEST(WriteFileAtomically, IgnoresTemporaryOfKilledProcessWithSameId) {
   // In a container, the program has the same process id each time, and its counter starts at 0.
   const ScratchFolder scratch;
   for (int i = 0; i < 500; ++i) Put(scratch / fmt::format("file.tmp-{}-{}", ::getpid(), i), "half");
@@ -175,7 +175,7 @@ TEST(WriteFileAtomically, GoesOnBesideWhatAKilledProcessOfTheSameIdLeft) {
   EXPECT_EQ(ReadFile(scratch / "file"), "whole");
 }
 
-TEST(WriteFileAtomically, ALinkStaysAndItsTargetIsReplaced) {
+TEST(WriteFileAtomically, SymbolicLinkIsKeptAndItsTargetReplaced) {
   const ScratchFolder scratch;
   fs::create_directory(scratch / "far");
   Put(scratch / "far/file", "old");
@@ -199,7 +199,7 @@ TEST(WriteFileAtomically, ALinkStaysAndItsTargetIsReplaced) {
 }
 
 // Uses links, so that a failure of this test cannot damage the machine's devices.
-TEST(WriteFileAtomically, DevicesAndPipesAreWrittenTo) {
+TEST(WriteFileAtomically, WritesToDevicesAndPipes) {
   const ScratchFolder scratch;
   fs::create_symlink("/dev/null", scratch / "null");
   EXPECT_TRUE(WriteFileAtomically(scratch / "null", "nothing"));
@@ -218,7 +218,7 @@ TEST(WriteFileAtomically, DevicesAndPipesAreWrittenTo) {
   EXPECT_EQ(EntryCount(scratch.path()), 3U);
 }
 
-TEST(WriteFileAtomically, AReaderSeesTheOldFileOrTheNewOneWhole) {
+TEST(WriteFileAtomically, ReaderSeesOldOrCompleteNewFile) {
   const ScratchFolder scratch;
   const std::string old_text(200'000, 'a');
   const std::string new_text(300'000, 'b');
@@ -237,7 +237,7 @@ TEST(WriteFileAtomically, AReaderSeesTheOldFileOrTheNewOneWhole) {
   EXPECT_EQ(torn, 0);
 }
 
-TEST(MappedFile, ShowsTheBytesAndOutlivesTheName) {
+TEST(MappedFile, MapsTheBytesAlsoAfterUnlink) {
   const ScratchFolder scratch;
   Put(scratch / "file", "mapped bytes");
   const auto file = MappedFile::Open(scratch / "file");
@@ -249,7 +249,7 @@ TEST(MappedFile, ShowsTheBytesAndOutlivesTheName) {
   EXPECT_EQ(TextOf(**file), "mapped bytes");
 }
 
-TEST(MappedFile, AnEmptyFileHasNoBytes) {
+TEST(MappedFile, EmptyFileHasNoBytes) {
   const ScratchFolder scratch;
   Put(scratch / "empty", "");
   const auto file = MappedFile::Open(scratch / "empty");
@@ -257,7 +257,7 @@ TEST(MappedFile, AnEmptyFileHasNoBytes) {
   EXPECT_TRUE((*file)->bytes().empty());
 }
 
-TEST(MappedFile, RefusesWhatIsNotThereAndWhatIsNoFile) {
+TEST(MappedFile, RefusesMissingAndNonRegularFiles) {
   const ScratchFolder scratch;
   EXPECT_EQ(CodeOf(MappedFile::Open(scratch / "absent")), ErrorCode::kNotFound);
   EXPECT_EQ(CodeOf(MappedFile::Open(scratch.path())), ErrorCode::kInvalidArgument);
@@ -267,7 +267,7 @@ TEST(Checksum, IsXxh3OfSixtyFourBits) {
   EXPECT_EQ(Checksum({}), 0x2d06800538d394c2U);  // the algorithm's published value for no bytes, seed 0
 }
 
-TEST(Checksum, SeesEveryFlippedBit) {
+TEST(Checksum, DetectsEveryFlippedBit) {
   std::string text = "descriptors of one block, as they stand in a model file";
   const std::uint64_t whole = Checksum(std::as_bytes(std::span(text)));
   for (std::size_t bit = 0; bit < text.size() * 8; ++bit) {
@@ -278,7 +278,7 @@ TEST(Checksum, SeesEveryFlippedBit) {
   }
 }
 
-TEST(ContentId, IsXxh3Of128BitsWhateverTheName) {
+TEST(ContentId, IsXxh3Of128BitsRegardlessOfName) {
   const ScratchFolder scratch;
   Put(scratch / "empty", "");
   EXPECT_EQ(ContentId(scratch / "empty"), "99aa06d3014798d86001c324468d497f");  // published, as above
@@ -295,7 +295,7 @@ TEST(ContentId, MissingPathIsNotFound) {
   EXPECT_EQ(CodeOf(ContentId(scratch / "absent")), ErrorCode::kNotFound);
 }
 
-TEST(ContentId, TellsHowFarItIsAndStopsWhenCancelled) {
+TEST(ContentId, ReportsProgressAndIsCancellable) {
   const ScratchFolder scratch;
   constexpr std::int64_t kBytes = 5'000'000;
   Put(scratch / "file", std::string(kBytes, 'v'));
@@ -328,7 +328,7 @@ class ContentIdOfFilesTest : public ::testing::Test {
   }
 };
 
-TEST_F(ContentIdOfFilesTest, DependsOnNamesContentsAndOrderAlone) {
+TEST_F(ContentIdOfFilesTest, DependsOnNamesContentsAndOrderOnly) {
   const std::string id = IdOf({{"0.png", "first"}, {"1.png", "second"}});
   EXPECT_EQ(id, IdOf({{"0.png", "first"}, {"1.png", "second"}})) << "in another folder";
   EXPECT_NE(id, IdOf({{"1.png", "second"}, {"0.png", "first"}}));
@@ -337,13 +337,13 @@ TEST_F(ContentIdOfFilesTest, DependsOnNamesContentsAndOrderAlone) {
   EXPECT_NE(id, IdOf({{"0.png", "first"}}));
 }
 
-TEST_F(ContentIdOfFilesTest, SeesWhereOneFileEndsAndTheNextBegins) {
+TEST_F(ContentIdOfFilesTest, DependsOnFileBoundaries) {
   EXPECT_NE(IdOf({{"a", "xb"}, {"c", "y"}}), IdOf({{"a", "x"}, {"bc", "y"}}));
   EXPECT_NE(IdOf({{"a", "1c2"}, {"d", "3"}}), IdOf({{"a", "1"}, {"c", "2d3"}}));
   EXPECT_NE(IdOf({{"a", "x"}}), IdOf({{"b", "x"}}));
 }
 
-TEST_F(ContentIdOfFilesTest, CountsTheBytesOfAll) {
+TEST_F(ContentIdOfFilesTest, ProgressCountsBytesOfAllFiles) {
   const ScratchFolder scratch;
   Put(scratch / "a", std::string(1000, 'a'));
   Put(scratch / "b", std::string(2000, 'b'));
@@ -356,7 +356,7 @@ TEST_F(ContentIdOfFilesTest, CountsTheBytesOfAll) {
   EXPECT_THAT(progress, ::testing::ElementsAre(1000, 3000));
 }
 
-TEST_F(ContentIdOfFilesTest, AFileThatCannotBeReadIsNamed) {
+TEST_F(ContentIdOfFilesTest, ErrorNamesUnreadableFile) {
   const ScratchFolder scratch;
   const std::vector<fs::path> files = {scratch / "absent"};
   const auto missing = ContentIdOfFiles(files);

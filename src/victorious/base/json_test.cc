@@ -11,14 +11,14 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(ParseJson, ReadsWhatPeopleWrite) {
+TEST(ParseJson, AcceptsComments) {
   const auto parsed = ParseJson("{\"a\": [1, {\"a\": 2}], /* why */ \"b\": {\"a\": 3}}");
   ASSERT_TRUE(parsed) << parsed.error().message;
   EXPECT_EQ((*parsed)["a"][1]["a"], 2);
   EXPECT_EQ((*parsed)["b"]["a"], 3);
 }
 
-TEST(ParseJson, NamesAKeyThatIsGivenTwice) {
+TEST(ParseJson, NamesDuplicateKeys) {
   for (const std::string bad : {R"({"fps": 5, "x": {"fps": 1}, "fps": 6})", R"([{}, {"x": {"fps": 1, "fps": 1}}])"}) {
     const auto parsed = ParseJson(bad);
     ASSERT_FALSE(parsed) << bad;
@@ -27,7 +27,7 @@ TEST(ParseJson, NamesAKeyThatIsGivenTwice) {
   }
 }
 
-TEST(ParseJson, AnyBytesAreSafe) {
+TEST(ParseJson, ArbitraryBytesAreSafe) {
   for (const std::string bad : {"", "{", "{\"a\":", "{\"a\": 1, \"a\"", "}", "\xff{", "nul", "{\"\xff\": 1}"}) {
     const auto parsed = ParseJson(bad);
     ASSERT_FALSE(parsed) << bad;

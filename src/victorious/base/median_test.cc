@@ -5,7 +5,7 @@
 namespace victorious {
 namespace {
 
-TEST(Median, IsTheOneInTheMiddle) {
+TEST(Median, IsTheMiddleElement) {
   EXPECT_EQ(Median({5, -1, 3}), 3);
   EXPECT_EQ(Median({4, 1, 2, 3}), 3);
   EXPECT_EQ(Median({7}), 7);

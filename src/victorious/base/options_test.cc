@@ -98,13 +98,13 @@ TEST(ToJson, RoundTrips) {
   EXPECT_EQ(OptionsToJsonText(copy), OptionsToJsonText(options));
 }
 
-TEST(ToJson, TextThatIsNotUtf8DoesNotEndTheProgram) {
+TEST(ToJson, AcceptsInvalidUtf8) {
   TestOptions options;
   options.note = "caf\xe9";
   EXPECT_THAT(OptionsToJsonText(options), HasSubstr("caf"));
 }
 
-TEST(SetFromJson, TakesNestedAndDottedNamesAlike) {
+TEST(SetFromJson, AcceptsNestedAndDottedNames) {
   TestOptions nested;
   ASSERT_TRUE(Set(nested, R"({"match": {"ratio": 0.7}, "verbose": true})"));
   EXPECT_EQ(nested.match.ratio, 0.7);
@@ -115,7 +115,7 @@ TEST(SetFromJson, TakesNestedAndDottedNamesAlike) {
   EXPECT_EQ(OptionsToJsonText(dotted), OptionsToJsonText(nested));
 }
 
-TEST(SetFromJson, TakesWholeNumbersForRealOnesAndSignedOnesForUnsigned) {
+TEST(SetFromJson, AcceptsIntegersForRealAndSignedForUnsignedFields) {
   TestOptions options;
   ASSERT_TRUE(Set(options, R"({"gain": 3, "match.ratio": 1})"));
   EXPECT_EQ(options.gain, 3.0);
@@ -123,13 +123,13 @@ TEST(SetFromJson, TakesWholeNumbersForRealOnesAndSignedOnesForUnsigned) {
   EXPECT_EQ(options.seed, 42U);
 }
 
-TEST(SetFromJson, TakesTheEndsOfARange) {
+TEST(SetFromJson, AcceptsTheBoundsOfARange) {
   EXPECT_EQ(ErrorText(R"({"match": {"ratio": 0.1, "neighbours": 10}})"), "");
   EXPECT_EQ(ErrorText(R"({"offset": 2147483647, "seed": 18446744073709551615})"), "");
   EXPECT_EQ(ErrorText(R"({"offset": -2147483648, "seed": 0})"), "");
 }
 
-TEST(SetFromJson, TakesNothingForNoChange) {
+TEST(SetFromJson, EmptyObjectChangesNothing) {
   EXPECT_EQ(ErrorText("{}"), "");
   EXPECT_EQ(ErrorText(R"({"match": {}})"), "");
 }
@@ -143,19 +143,19 @@ TEST(SetFromJson, ReportsEveryViolationAndChangesNothing) {
             HasSubstr("gian"), Not(HasSubstr("note"))));
 }
 
-TEST(SetFromJson, AnUnknownNameComesWithTheNearestOne) {
+TEST(SetFromJson, UnknownNameSuggestsTheNearestOne) {
   EXPECT_THAT(ErrorText(R"({"match": {"ratoi": 0.7}})"), AllOf(HasSubstr("match.ratoi"), HasSubstr("match.ratio")));
   EXPECT_THAT(ErrorText(R"({"verbos": true})"), HasSubstr("nearest is verbose"));
   EXPECT_THAT(ErrorText(R"({"ratio": 0.7})"), HasSubstr("nearest is match.ratio"));
 }
 
-TEST(SetFromJson, AGroupIsNoValueAndAValueNoGroup) {
+TEST(SetFromJson, RefusesValuesForGroupsAndGroupsForValues) {
   EXPECT_THAT(ErrorText(R"({"match": 5})"), HasSubstr("unknown parameter"));
   EXPECT_THAT(ErrorText(R"({"match": {"ratio": {"x": 1}}})"), HasSubstr("match.ratio"));
   EXPECT_THAT(ErrorText(R"({"nothing": {}})"), HasSubstr("unknown parameter"));
 }
 
-TEST(SetFromJson, ANameGivenTwiceIsRefused) {
+TEST(SetFromJson, RefusesDuplicateNames) {
   EXPECT_THAT(ErrorText(R"({"match": {"ratio": 0.7}, "match.ratio": 0.9})"),
               AllOf(HasSubstr("match.ratio"), HasSubstr("twice")));
 }
@@ -171,19 +171,19 @@ TEST(SetFromJson, RefusesWrongTypes) {
   EXPECT_THAT(ErrorText(R"({"seed": 1.5})"), HasSubstr("must be a whole number, at least 0"));
 }
 
-TEST(SetFromJson, RefusesWholeNumbersThatDoNotFit) {
+TEST(SetFromJson, RefusesIntegersOutOfRange) {
   EXPECT_THAT(ErrorText(R"({"offset": 2147483648})"), HasSubstr("offset = 2147483648: must be a whole number"));
   EXPECT_THAT(ErrorText(R"({"offset": -2147483649})"), HasSubstr("must be a whole number"));
   EXPECT_THAT(ErrorText(R"({"offset": 18446744073709551615})"), HasSubstr("must be a whole number"));
   EXPECT_THAT(ErrorText(R"({"offset": 18446744073709551614})"), HasSubstr("must be a whole number"));
 }
 
-TEST(SetFromJson, RefusesWhatIsNoObject) {
+TEST(SetFromJson, RefusesNonObjects) {
   EXPECT_THAT(ErrorText("[1, 2]"), HasSubstr("JSON object"));
   EXPECT_THAT(ErrorText("null"), HasSubstr("JSON object"));
 }
 
-TEST(SetFromJson, DeepNestingIsAnErrorAndNoStackOverflow) {
+TEST(SetFromJson, DeepNestingIsAnError) {
   const int depth = 200'000;
   std::string text;
   for (int i = 0; i < depth; ++i) text += R"({"match":)";
@@ -194,7 +194,7 @@ TEST(SetFromJson, DeepNestingIsAnErrorAndNoStackOverflow) {
   EXPECT_THAT(ErrorText(value), HasSubstr("must be a number"));
 }
 
-TEST(SetFromJson, StrangeNamesStayOnOneLine) {
+TEST(SetFromJson, ControlCharactersInNamesAreEscaped) {
   EXPECT_THAT(ErrorText(R"({"a\nb": 1, "note": "c\nd", "engine": "e\nf"})"), HasSubstr("unknown parameter"));
 }
 
@@ -212,7 +212,7 @@ TEST(Validate, ListsEveryViolation) {
             "engine = \"\": must be one of opencv, own");
 }
 
-TEST(Validate, NotANumberAndInfinityViolateEveryRange) {
+TEST(Validate, NanAndInfinityViolateEveryRange) {
   for (const double value : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
     TestOptions options;
     options.gain = value;  // without bounds
@@ -226,7 +226,7 @@ TEST(Validate, NotANumberAndInfinityViolateEveryRange) {
   EXPECT_EQ(ValidateOptions(options).error().message, "gain = nan: must be a number");
 }
 
-TEST(MarkdownTable, HasARowAField) {
+TEST(MarkdownTable, HasOneRowPerField) {
   TestOptions options;
   const std::string table = MarkdownTable(CollectFields(options));
   EXPECT_THAT(table, HasSubstr("| `match.ratio` | 0.8 | 0.1 to 1 |  | the ratio test's threshold |\n"));
@@ -252,7 +252,7 @@ struct FilterOptions {
   void ListFields(FieldList& fields) { fields.Add("filter", filter, kFilterTexts, {.reason = "of the matches"}); }
 };
 
-TEST(EnumField, IsItsTextInJson) {
+TEST(EnumField, IsWrittenAsItsText) {
   FilterOptions options;
   EXPECT_EQ(OptionsToJsonText(options), R"({"filter":"cascade"})");
   ASSERT_TRUE(SetFromJson({{"filter", "none"}}, CollectFields(options)));
@@ -260,7 +260,7 @@ TEST(EnumField, IsItsTextInJson) {
   EXPECT_EQ(OptionsToJsonText(options), R"({"filter":"none"})");
 }
 
-TEST(EnumField, OtherTextsAndTypesAreRefused) {
+TEST(EnumField, UnknownTextsAndTypesAreRefused) {
   FilterOptions options;
   const auto error = [&](const nlohmann::json& value) {
     return SetFromJson({{"filter", value}}, CollectFields(options)).error().message;
@@ -271,13 +271,13 @@ TEST(EnumField, OtherTextsAndTypesAreRefused) {
   EXPECT_EQ(options.filter, Filter::kCascade);
 }
 
-TEST(EnumField, AValueOutsideTheTableIsInvalid) {
+TEST(EnumField, ValueOutsideTheTableIsInvalid) {
   EXPECT_TRUE(ValidateOptions(FilterOptions{}));
   EXPECT_EQ(ValidateOptions(FilterOptions{.filter = static_cast<Filter>(7)}).error().message,
             "filter = \"\": must be one of cascade, none");
 }
 
-TEST(EnumField, TheManualListsItsTexts) {
+TEST(EnumField, ManualListsItsTexts) {
   FilterOptions options;
   EXPECT_THAT(MarkdownTable(CollectFields(options)),
               HasSubstr("| `filter` | \"cascade\" | one of cascade, none |  | of the matches |\n"));
@@ -291,7 +291,7 @@ TEST(EnumText, ConvertsBothWays) {
   EXPECT_EQ(FromText(kFilterTexts, "cascad"), std::nullopt);
 }
 
-TEST(EnumTexts, AnUnknownTextIsNoOptionalChoice) {
+TEST(EnumTexts, UnknownTextIsNulloptForOptional) {
   enum class Datum { kSea };
   constexpr auto kTexts =
       std::to_array<EnumText<std::optional<Datum>>>({{std::nullopt, "given"}, {Datum::kSea, "sea"}});

@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(ProgramId, IsThatOfTheProgramsContent) {
+TEST(ProgramId, IsContentIdOfTheExecutable) {
   const std::string own = ProgramId().value();
   EXPECT_EQ(own, ProgramId().value());
   EXPECT_TRUE(own.starts_with(std::string(kVersion) + "-")) << own;

@@ -14,7 +14,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-TEST(Progress, AwayFromATerminalItEndsWithOnePlainLine) {
+TEST(Progress, WithoutTerminalPrintsOneFinalLine) {
   ::testing::internal::CaptureStderr();
   {
     Progress progress("a.mp4", 250, "frames");
@@ -26,7 +26,7 @@ TEST(Progress, AwayFromATerminalItEndsWithOnePlainLine) {
   EXPECT_EQ(text.find('\n'), text.size() - 1);
 }
 
-TEST(Progress, AnUnknownTotalIsLeftOut) {
+TEST(Progress, UnknownTotalIsOmitted) {
   ::testing::internal::CaptureStderr();
   {
     Progress("rtsp://camera", std::nullopt, "frames").Update(7);
@@ -34,7 +34,7 @@ TEST(Progress, AnUnknownTotalIsLeftOut) {
   EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("rtsp://camera: 7 frames"));
 }
 
-TEST(Progress, SaysNothingWhenNothingWasDone) {
+TEST(Progress, PrintsNothingWithoutSteps) {
   ::testing::internal::CaptureStderr();
   {
     const Progress progress("a.mp4", 250, "frames");
@@ -42,7 +42,7 @@ TEST(Progress, SaysNothingWhenNothingWasDone) {
   EXPECT_THAT(::testing::internal::GetCapturedStderr(), IsEmpty());
 }
 
-TEST(Progress, AClosedStderrDoesNotEndTheProgram) {
+TEST(Progress, ClosedStderrIsHarmless) {
   const auto work = [] {
     ::close(STDERR_FILENO);
     {

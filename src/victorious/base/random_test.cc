@@ -11,7 +11,7 @@
 namespace victorious {
 namespace {
 
-TEST(Random, DrawsTheGeneratorsPublishedValues) {
+TEST(Random, MatchesPublishedReferenceValues) {
   Random zero(0);
   EXPECT_EQ(zero.Next(), 0xE220A8397B1DCDAFU);
   EXPECT_EQ(zero.Next(), 0x6E789E6AA1B965F4U);
@@ -23,7 +23,7 @@ TEST(Random, DrawsTheGeneratorsPublishedValues) {
   }
 }
 
-TEST(Random, DerivedDrawsArePinned) {
+TEST(Random, DerivedDistributionsMatchGoldenValues) {
   Random random(7);
   EXPECT_EQ(random.Below(1000), 389U);
   EXPECT_EQ(random.Below(1000), 16U);
@@ -32,13 +32,13 @@ TEST(Random, DerivedDrawsArePinned) {
   EXPECT_NEAR(random.Normal(), 0.00392020721518934, 1e-12);
 }
 
-TEST(Random, SeedsNextToEachOtherShareNoDraws) {
+TEST(Random, AdjacentSeedsGiveDifferentStreams) {
   Random a(1);
   Random b(2);
   for (int i = 0; i < 1000; ++i) EXPECT_NE(a.Next(), b.Next());
 }
 
-TEST(MixSeed, GivesEachStreamOfEachSeedDrawsOfItsOwn) {
+TEST(MixSeed, StreamsAreDistinctForEachSeed) {
   std::set<std::uint64_t> first_draws;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     const std::uint64_t purpose = MixSeed(seed, 0x5A02);
@@ -47,7 +47,7 @@ TEST(MixSeed, GivesEachStreamOfEachSeedDrawsOfItsOwn) {
   EXPECT_EQ(first_draws.size(), 4000U);
 }
 
-TEST(Random, BelowStaysBelowAtTheExtremes) {
+TEST(Random, BelowRespectsBoundAtExtremes) {
   Random random(3);
   for (int i = 0; i < 1000; ++i) {
     EXPECT_EQ(random.Below(1), 0U);
@@ -75,7 +75,7 @@ TEST(Random, BelowIsUniform) {
   }
 }
 
-TEST(Random, UniformFillsTheUnitIntervalEvenly) {
+TEST(Random, UniformIsUniformOnUnitInterval) {
   constexpr int kDraws = 200'000;
   Random random(11);
   std::vector<int> counts(64);

@@ -8,7 +8,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-TEST(Text, RowsSplitAtCommasButNotWithinQuotes) {
+TEST(Text, CsvRowsSplitAtUnquotedCommas) {
   EXPECT_THAT(SplitRow("a, b ,,c"), ElementsAre("a", "b", "", "c"));
   EXPECT_THAT(SplitRow(R"("time_s","a, b","say ""no""")"), ElementsAre("time_s", "a, b", R"(say "no")"));
   EXPECT_THAT(SplitRow(""), ElementsAre(""));
@@ -20,7 +20,7 @@ TEST(Text, LowerCaseChangesLettersOnly) {
   EXPECT_EQ(LowerCase("\xC3\x84"), "\xC3\x84");  // a letter beyond ASCII
 }
 
-TEST(Text, LinesEndAsOnAnySystem) {
+TEST(Text, LinesEndWithLfOrCrLf) {
   std::string_view text = StripByteOrderMark("\xEF\xBB\xBFone\r\ntwo\n\nfour");
   EXPECT_EQ(TakeLine(text), "one");
   EXPECT_EQ(TakeLine(text), "two");
@@ -29,7 +29,7 @@ TEST(Text, LinesEndAsOnAnySystem) {
   EXPECT_TRUE(text.empty());
 }
 
-TEST(Text, NumbersAreWholeCells) {
+TEST(Text, NumbersMustFillTheWholeCell) {
   EXPECT_EQ(ParseNumber(" +1.5 "), 1.5);
   EXPECT_EQ(ParseNumber("-2e3"), -2000);
   for (const char* none : {"", "1,5", "1 m", "nan", "inf", "1e999", "0x10", "+-1"})

@@ -5,7 +5,7 @@
 namespace victorious {
 namespace {
 
-TEST(WarningList, CountsTheWarningsBeyondItsLimit) {
+TEST(WarningList, CountsWarningsBeyondTheLimit) {
   WarningList list;
   EXPECT_TRUE(list.empty());
   for (std::size_t i = 0; i < WarningList::kMaxLines; ++i) list.Add("bad row " + std::to_string(i));
@@ -17,7 +17,7 @@ TEST(WarningList, CountsTheWarningsBeyondItsLimit) {
   EXPECT_EQ(list.Lines().back(), "and 2 more warnings of this kind");
 }
 
-TEST(WarningList, AppendKeepsTheCountOfBoth) {
+TEST(WarningList, AppendAddsTheCounts) {
   WarningList all;
   WarningList part;
   for (std::size_t i = 0; i < WarningList::kMaxLines + 3; ++i) part.Add("damage");

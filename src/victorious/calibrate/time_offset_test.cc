@@ -83,7 +83,7 @@ CameraTrajectory Recorded(const Path& path, double late_s) {
   return {std::move(states), 2};
 }
 
-TEST(TimeOffset, AFlightThatSwervesTellsItToPartsOfAFrame) {
+TEST(EstimateTimeOffset, ManoeuvringFlightGivesSubFrameOffset) {
   for (const double late_s : {0.0, 0.4, -0.25, 0.037, 1.7}) {
     const TimeOffset offset = EstimateTimeOffset(Film(Swerving), Recorded(Swerving, late_s), {});
     ASSERT_TRUE(offset.offset_s) << late_s << ": " << DescribeStatus(offset);
@@ -93,7 +93,7 @@ TEST(TimeOffset, AFlightThatSwervesTellsItToPartsOfAFrame) {
   }
 }
 
-TEST(TimeOffset, ItsStandardErrorIsRight) {
+TEST(EstimateTimeOffset, StandardErrorIsConsistent) {
   constexpr int kDraws = 40;
   int inside = 0;
   for (int draw = 0; draw < kDraws; ++draw) {
@@ -105,7 +105,7 @@ TEST(TimeOffset, ItsStandardErrorIsRight) {
   EXPECT_GE(inside, 0.8 * kDraws);
 }
 
-TEST(TimeOffset, NoiseInTelemetryDoesNotDrawItToWhereRowsAreApart) {
+TEST(EstimateTimeOffset, TelemetryNoiseDoesNotBiasOffset) {
   int inside = 0;
   constexpr int kDraws = 20;
   for (int draw = 0; draw < kDraws; ++draw) {
@@ -123,21 +123,21 @@ TEST(TimeOffset, NoiseInTelemetryDoesNotDrawItToWhereRowsAreApart) {
   EXPECT_GE(inside, 0.7 * kDraws);
 }
 
-TEST(TimeOffset, AStraightFlightTellsNone) {
+TEST(EstimateTimeOffset, StraightFlightIsNotObservable) {
   const TimeOffset offset = EstimateTimeOffset(Film(Straight), Recorded(Straight, 0.4), {});
   EXPECT_FALSE(offset.offset_s);
   EXPECT_EQ(offset.status, TimeOffsetStatus::kUncertain);
   EXPECT_THAT(Describe(offset), HasSubstr("too little"));
 }
 
-TEST(TimeOffset, AMotionThatComesAgainTellsNone) {
+TEST(EstimateTimeOffset, PeriodicMotionIsAmbiguous) {
   const TimeOffset offset = EstimateTimeOffset(Film(Rocking), Recorded(Rocking, 0.3), {});
   EXPECT_FALSE(offset.offset_s);
   EXPECT_EQ(offset.status, TimeOffsetStatus::kPeriodic);
   EXPECT_THAT(Describe(offset), HasSubstr("is periodic"));
 }
 
-TEST(TimeOffset, TelemetryOfAnotherFlightTellsNone) {
+TEST(EstimateTimeOffset, TelemetryOfAnotherFlightGivesNoOffset) {
   const auto other = [](double time_s) {
     return Above({8 * time_s, -60, 110}, 3 * std::sin(1.7 * time_s + 2), -60 + 2 * std::sin(2.3 * time_s), 0, time_s);
   };
@@ -145,7 +145,7 @@ TEST(TimeOffset, TelemetryOfAnotherFlightTellsNone) {
   EXPECT_FALSE(offset.offset_s) << *offset.offset_s;
 }
 
-TEST(TimeOffset, WithoutAFieldOfViewThereIsNone) {
+TEST(EstimateTimeOffset, MissingFieldOfViewOrMotionsGiveNoOffset) {
   const auto blind = [](double time_s) {
     CameraState state = Swerving(time_s);
     state.hfov_rad.reset();

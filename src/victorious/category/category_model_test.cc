@@ -27,7 +27,7 @@ double Accuracy(const CategoryModel& model, std::span<const CategoryExample> exa
   return right / static_cast<double>(examples.size());
 }
 
-TEST(CategoryModel, PhrasesTellApartWhatHasTheSameWords) {
+TEST(CategoryModel, PhrasesSeparateCategoriesWithEqualWordCounts) {
   const auto model = TrainCategories(DrawExamples(12, 1), SmallOptions());
   ASSERT_TRUE(model.has_value()) << model.error().message;
   EXPECT_GE(Accuracy(*model, DrawExamples(15, 2), CategoryMethod::kPhrases), 0.9);
@@ -56,7 +56,7 @@ std::vector<CategoryExample> WithMirrorImages(int pictures_each, bool mirrored_p
   return examples;
 }
 
-TEST(CategoryModel, MirrorImagesOfEachOtherAreNotLearnedFromMirrored) {
+TEST(CategoryModel, MirroredCategoriesAreNotAugmentedByMirroring) {
   const auto mirrored = TrainCategories(WithMirrorImages(12, true), SmallOptions());
   ASSERT_TRUE(mirrored.has_value()) << mirrored.error().message;
   EXPECT_GE(Accuracy(*mirrored, DrawExamples(15, 2), CategoryMethod::kPhrases), 0.9);
@@ -67,7 +67,7 @@ TEST(CategoryModel, MirrorImagesOfEachOtherAreNotLearnedFromMirrored) {
   EXPECT_LT(Accuracy(*confused, DrawExamples(15, 2), CategoryMethod::kPhrases), 0.8) << "what it mends";
 }
 
-TEST(CategoryModel, ElsewhereMirrorImagesAreLearnedFrom) {
+TEST(CategoryModel, OtherCategoriesAreAugmentedByMirroring) {
   const auto examples = WithMirrorImages(10, false);
   auto unmarked = examples;
   for (CategoryExample& example : unmarked) example.mirrored = false;
@@ -76,14 +76,14 @@ TEST(CategoryModel, ElsewhereMirrorImagesAreLearnedFrom) {
   EXPECT_EQ(EncodeCategoryModel(*model), EncodeCategoryModel(*TrainCategories(unmarked, SmallOptions())));
 }
 
-TEST(CategoryModel, KeepsTheShapesThatItLearnedFromAlone) {
+TEST(CategoryModel, StoresMirroredShapesOnlyIfTrainedOnThem) {
   CategoryOptions options = SmallOptions();
   options.linear.shapes = {.weight = 2, .dimensions = 8};
   EXPECT_EQ(TrainCategories(WithMirrorImages(12, true), options).value().linear()->shape_examples.cols(), 24);
   EXPECT_EQ(TrainCategories(WithMirrorImages(12, false), options).value().linear()->shape_examples.cols(), 48);
 }
 
-TEST(CategoryModel, ManyPicturesAreLearnedFromWithoutFisherVectors) {
+TEST(CategoryModel, ManyImagesAreTrainedWithoutFisherVectors) {
   CategoryOptions options = SmallOptions();
   options.linear.fisher.components = 0;
   const CategoryModel model = TrainCategories(DrawExamples(30, 1), options).value();
@@ -100,7 +100,7 @@ TEST(CategoryModel, IsDeterministicBySeed) {
   }
 }
 
-TEST(CategoryModel, AFileGivesTheSameScores) {
+TEST(CategoryModel, FileRoundTripKeepsScores) {
   const auto examples = DrawExamples(5, 3);
   for (const CategoryScoring scoring : {CategoryScoring::kLinear, CategoryScoring::kLikelihood}) {
     const auto model = TrainCategories(examples, SmallOptions(scoring));
@@ -116,7 +116,7 @@ TEST(CategoryModel, AFileGivesTheSameScores) {
   }
 }
 
-TEST(CategoryModel, AFileKeepsShapes) {
+TEST(CategoryModel, FileRoundTripKeepsShapes) {
   const auto examples = DrawExamples(5, 3);
   CategoryOptions options = SmallOptions();
   options.linear.shapes = {.weight = 3, .dimensions = 6};
@@ -131,7 +131,7 @@ TEST(CategoryModel, AFileKeepsShapes) {
   EXPECT_FALSE(RefineCategories(*model, {}).has_value());
 }
 
-TEST(CategoryModel, AFileKeepsWhatTheTrainingOfWindowsMeasured) {
+TEST(CategoryModel, FileRoundTripKeepsWindowMeasurements) {
   CategoryModel model = TrainCategories(DrawExamples(4, 3), SmallOptions()).value();
   EXPECT_FALSE(ParseCategoryModel(EncodeCategoryModel(model), "m.vcat")->windows.has_value());
   model.windows = {.background_category = "nothing", .windows_per_background = 71.5};
@@ -142,7 +142,7 @@ TEST(CategoryModel, AFileKeepsWhatTheTrainingOfWindowsMeasured) {
   EXPECT_EQ(read->windows->windows_per_background, 71.5);
 }
 
-TEST(CategoryModel, AFileOfAnOlderVersionIsToBeTrainedAgain) {
+TEST(CategoryModel, OlderFileVersionRequiresRetraining) {
   auto bytes = EncodeCategoryModel(*TrainCategories(DrawExamples(3, 3), SmallOptions()));
   for (const int version : {1, 2, 3}) {
     bytes[8] = static_cast<std::byte>(version);
@@ -174,7 +174,7 @@ TEST(CategoryModel, DamagedFilesAreRefused) {
   EXPECT_THAT(refusal(newer), HasSubstr("newer version"));
 }
 
-TEST(CategoryModel, AHierarchyHasAScoreForEachLevel) {
+TEST(CategoryModel, HierarchyHasAScorePerLevel) {
   auto examples = DrawExamples(8, 5);
   for (CategoryExample& example : examples) example.category = "pair/" + example.category;
   Random random(3);
@@ -206,7 +206,7 @@ TEST(CategoryModel, TargetsFollowTheHierarchy) {
   EXPECT_EQ(TrainingTarget("vehicles", "vehicle"), -1);
 }
 
-TEST(CategoryModel, SaysWhatIsMissing) {
+TEST(CategoryModel, ErrorsNameWhatIsMissing) {
   const auto refusal = [](std::vector<CategoryExample> examples) {
     const auto model = TrainCategories(examples, SmallOptions());
     return model ? std::string() : model.error().message;

@@ -9,7 +9,7 @@
 namespace victorious {
 namespace {
 
-TEST(Evidence, AddsUpToThePhrasesPartOfTheScore) {
+TEST(ComputeContributions, SumToThePhraseScore) {
   const auto model = TrainCategories(testing::DrawExamples(8, 1), testing::SmallOptions());
   ASSERT_TRUE(model.has_value());
   const auto examples = testing::DrawExamples(1, 9);
@@ -26,7 +26,7 @@ TEST(Evidence, AddsUpToThePhrasesPartOfTheScore) {
   EXPECT_NEAR(sum + rest, Classify(*model, picture, CategoryMethod::kPhrases).scores[0].raw, 1e-4);
 }
 
-TEST(Evidence, BoxIsWhereTheEvidenceIs) {
+TEST(SupportingBox, EnclosesContributingPhrases) {
   QuantisedImage picture{.width = 320, .height = 160};
   std::vector<PhraseContribution> evidence;
   for (int x = 5; x < 320; x += 10)
@@ -41,7 +41,7 @@ TEST(Evidence, BoxIsWhereTheEvidenceIs) {
   EXPECT_EQ(SupportingBox({}, picture), (Box{0, 0, 320, 160}));
 }
 
-TEST(Evidence, IsDrawnForEitherScoring) {
+TEST(DrawContributions, WorksForBothScorings) {
   Random random(4);
   const cv::Mat grey = testing::DrawPair(true, random);
   cv::Mat bgr;

@@ -36,7 +36,7 @@ std::vector<CategoryExample> DrawNegatives(int pictures_each, std::uint64_t seed
   return examples;
 }
 
-TEST(RefineCategories, LearnsWhatTrainingHadNotShown) {
+TEST(RefineCategories, LearnsFromMarkedResults) {
   const CategoryModel model = RawModel();
   std::vector<CategoryFeedback> marks;
   for (const CategoryExample& example : DrawNegatives(10, 5))
@@ -47,7 +47,7 @@ TEST(RefineCategories, LearnsWhatTrainingHadNotShown) {
   EXPECT_GT(Accuracy(*refined, negatives), Accuracy(model, negatives) + 0.15);
 }
 
-TEST(RefineCategories, AWrongResultScoresLess) {
+TEST(RefineCategories, MarkedFalsePositiveScoresLower) {
   const CategoryModel model = RawModel();
   const auto example = testing::DrawExamples(1, 11)[0];
   const auto score = [&](const CategoryModel& of) {
@@ -62,7 +62,7 @@ TEST(RefineCategories, WithoutMarksChangesNothing) {
   EXPECT_EQ(EncodeCategoryModel(*RefineCategories(model, {})), EncodeCategoryModel(model));
 }
 
-TEST(RefineCategories, SaysWhatItCannotDo) {
+TEST(RefineCategories, RefusesUnknownCategoriesAndThesisModels) {
   const CategoryFeedback mark{.category = "boat", .right = true, .features = {}};
   EXPECT_THAT(RefineCategories(RawModel(), std::span(&mark, 1)).error().message, HasSubstr("boat"));
   const auto thesis = TrainCategories(testing::DrawExamples(3, 1), testing::SmallOptions(CategoryScoring::kLikelihood));

@@ -10,20 +10,20 @@ namespace {
 
 using ::testing::ElementsAre;
 
-TEST(Windows, SidesRiseToTheShorterSide) {
+TEST(Windows, SidesIncreaseToTheShorterImageSide) {
   const WindowOptions options{.min_window_px = 100};
   EXPECT_THAT(WindowSides({640, 200}, options), ElementsAre(100, 130, 169, 200));
   EXPECT_THAT(WindowSides({640, 190}, options), ElementsAre(100, 130, 190));
   EXPECT_THAT(WindowSides({50, 200}, options), ElementsAre(50)) << "a picture smaller than any window is one";
 }
 
-TEST(Windows, ShowTheSameWhereOneLiesInTheOther) {
+TEST(Windows, NestedWindowsAreDuplicates) {
   EXPECT_TRUE(IsSameObject({0, 0, 100, 100}, {10, 10, 100, 100}));
   EXPECT_TRUE(IsSameObject({0, 0, 200, 200}, {120, 120, 60, 60}));
   EXPECT_FALSE(IsSameObject({0, 0, 100, 100}, {80, 0, 100, 100}));
 }
 
-TEST(Windows, AWindowIsScoredAsItsCutOut) {
+TEST(Windows, WindowScoreEqualsScoreOfItsCrop) {
   const DenseOptions grid = testing::CoarseGrid();
   CategoryOptions options = testing::SmallOptions();
   options.linear.shapes = {.weight = 2, .dimensions = 8};
@@ -45,7 +45,7 @@ TEST(Windows, AWindowIsScoredAsItsCutOut) {
   }
 }
 
-TEST(Windows, WhereThereAreMoreTheBarIsHigher) {
+TEST(Windows, ThresholdGrowsWithNumberOfWindows) {
   CategoryModel model = TrainCategories(testing::DrawExamples(8, 1), testing::SmallOptions()).value();
   Random random(5);
   const cv::Mat grey = testing::DrawPair(true, random);
@@ -63,7 +63,7 @@ TEST(Windows, WhereThereAreMoreTheBarIsHigher) {
   for (std::size_t i = 0; i < usual.size(); ++i) EXPECT_NEAR(odds(more[i]), odds(usual[i]) / 10, 1e-6 * odds(usual[i]));
 }
 
-TEST(Windows, TheLikeliestComeFirstAndNoMoreThanAskedFor) {
+TEST(Windows, AreSortedByScoreAndLimited) {
   const CategoryModel model = TrainCategories(testing::DrawExamples(8, 1), testing::SmallOptions()).value();
   Random random(6);
   cv::Mat grey(160, 240, CV_8UC1);
@@ -77,7 +77,7 @@ TEST(Windows, TheLikeliestComeFirstAndNoMoreThanAskedFor) {
     EXPECT_GE(seen[i - 1].result.scores[0].probability, seen[i].result.scores[0].probability);
 }
 
-TEST(Windows, APictureOfNothingHasNone) {
+TEST(Windows, UniformImageHasNone) {
   const CategoryModel model = TrainCategories(testing::DrawExamples(4, 1), testing::SmallOptions()).value();
   const std::vector<std::size_t> wanted = {0};
   EXPECT_TRUE(ClassifyWindows(model, cv::Mat(100, 140, CV_8UC1, cv::Scalar(90)), {}, {}, wanted).empty());

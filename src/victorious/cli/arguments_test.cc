@@ -29,7 +29,7 @@ std::string ParseErrorText(const std::string& line, FilterArguments& filter) {
   return "";
 }
 
-TEST(FilterArguments, TimesAreSecondsFromZeroOn) {
+TEST(FilterArguments, TimesAreNonNegativeSeconds) {
   FilterArguments filter;
   EXPECT_EQ(ParseErrorText("--from 0 --to 1.5e2", filter), "");
   EXPECT_EQ(filter.Filter().value().from_s, 0.0);
@@ -50,7 +50,7 @@ TEST(FilterArguments, TimesMayHaveMinutesAndHours) {
   EXPECT_EQ(filter.Filter().value().to_s, 3723.5);
 }
 
-TEST(ParseTime, CountsInSixties) {
+TEST(ParseTime, AcceptsHoursMinutesSeconds) {
   for (const auto& [text, seconds] : std::vector<std::pair<std::string, double>>{{"0", 0},
                                                                                  {"7.25", 7.25},
                                                                                  {"1e3", 1000},

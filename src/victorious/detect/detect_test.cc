@@ -41,7 +41,7 @@ TEST(ComputeNegLog10Nfa, GrowsWithAgreementAndFallsWithClutter) {
   EXPECT_EQ(ComputeNegLog10Nfa(1000, 10, 0.5, 1), 0);
 }
 
-TEST(Detect, KeepsTheBestOfNeighboursAndEveryInstance) {
+TEST(Detect, SuppressesNeighboursAndKeepsEveryInstance) {
   const std::vector<Candidate> candidates = {CandidateAt(100, 100, 9), CandidateAt(104, 98, 14),
                                              CandidateAt(300, 200, 10), CandidateAt(100, 100, 8, /*model=*/1)};
   const std::vector<Detection> detections = Detect(candidates, kScene, {});
@@ -51,7 +51,7 @@ TEST(Detect, KeepsTheBestOfNeighboursAndEveryInstance) {
   EXPECT_EQ(detections[2].model_index, 1U);
 }
 
-TEST(Detect, ModelsWithTheirOwnEvidenceDoNotMeddleWithOthers) {
+TEST(Detect, NfaOfTheMethodDoesNotAffectOtherModels) {
   const auto with_evidence = [](double x, std::size_t agreeing, double neg_log10_nfa) {
     Candidate candidate = CandidateAt(x, 100, agreeing, /*model=*/1);
     candidate.fit.neg_log10_nfa = neg_log10_nfa;
@@ -65,7 +65,7 @@ TEST(Detect, ModelsWithTheirOwnEvidenceDoNotMeddleWithOthers) {
   for (const Detection& found : detections) EXPECT_EQ(found.fit.distinct_inliers, found.model_index == 1 ? 3U : 14U);
 }
 
-TEST(Detect, ALongObjectPlacedDifferentlyByTwoViewsIsOne) {
+TEST(Detect, TwoViewsOfALongObjectAreOneDetection) {
   Candidate along = CandidateAt(100, 100, 14);
   along.outline = BoxCorners({0, 0, 240, 40});
   Candidate shifted = along;
@@ -91,7 +91,7 @@ TEST(Detect, BoxIsTheOutlineClippedToTheFrame) {
   EXPECT_EQ(detections[0].outline[0], Eigen::Vector2d(-20, 450));
 }
 
-TEST(Detect, WhatAgreesMoreCloselyHasMoreEvidence) {
+TEST(Detect, SmallerResidualsRaiseNegLog10Nfa) {
   Candidate loose = CandidateAt(100, 100, 9);
   loose.fit.agreeing_residuals_px.assign(9, 12.0);
   Candidate close = loose;
@@ -108,7 +108,7 @@ TEST(Detect, WhatAgreesMoreCloselyHasMoreEvidence) {
 }
 
 // The NFA of the close matches decides, not the total number of inliers.
-TEST(Detect, OfOneInstanceThePoseOfMoreEvidenceIsKept) {
+TEST(Detect, KeepsFitWithHigherNegLog10Nfa) {
   Candidate many = CandidateAt(100, 100, 12);
   many.fit.agreeing_residuals_px.assign(6, 5.0);
   const Candidate agreed = CandidateAt(104, 98, 10);
@@ -118,7 +118,7 @@ TEST(Detect, OfOneInstanceThePoseOfMoreEvidenceIsKept) {
   EXPECT_EQ(detections[0].fit.distinct_inliers, 10U);
 }
 
-TEST(Detect, InAPartOfTheFrameAgreementIsLessSurprising) {
+TEST(Detect, SmallerSearchRegionLowersNegLog10Nfa) {
   const Candidate candidate = CandidateAt(100, 100, 8);
   SceneSize part = kScene;
   part.searched_px2 = 100 * 80;
@@ -126,14 +126,14 @@ TEST(Detect, InAPartOfTheFrameAgreementIsLessSurprising) {
   EXPECT_LT(Detect(std::span(&candidate, 1), part, {.min_score = 0})[0].neg_log10_nfa, whole - 5);
 }
 
-TEST(Detect, AgreementInOneCornerIsNoDetection) {
+TEST(Detect, InliersInOneCornerAreNoDetection) {
   Candidate corner = CandidateAt(100, 100, 12);
   corner.fit.extent = 0.02;
   EXPECT_TRUE(Detect(std::span(&corner, 1), kScene, {}).empty());
   EXPECT_EQ(Detect(std::span(&corner, 1), kScene, {.min_extent = 0.01}).size(), 1U);
 }
 
-TEST(Detect, WeakOrUnseenCandidatesAreNoDetections) {
+TEST(Detect, WeakOrInvisibleCandidatesAreNoDetections) {
   const std::vector<Candidate> weak = {CandidateAt(100, 100, 4)};
   EXPECT_TRUE(Detect(weak, kScene, {}).empty());
   const std::vector<Candidate> outside = {CandidateAt(700, 100, 20)};

@@ -24,7 +24,7 @@ DetectabilityOptions Few(double size_px) {
   return options;
 }
 
-TEST(Detectability, TheLargeAreFoundTheTinyAreNot) {
+TEST(Detectability, LargeModelsAreFoundTinyOnesAreNot) {
   const Detectability large = Measure(testing::WaffleModel(), Few(200)).value();
   const Detectability tiny = Measure(testing::WaffleModel(), Few(10)).value();
   EXPECT_GE(large.rate.found, 2);
@@ -42,7 +42,7 @@ TEST(Detectability, TheLargeAreFoundTheTinyAreNot) {
 }
 
 // Noise reduces the detections, and the missed images are then repeated without it.
-TEST(Detectability, NoiseHidesAndItsAbsenceHelps) {
+TEST(Detectability, NoiseLowersTheDetectionRate) {
   DetectabilityOptions options = Few(100);
   const Detectability without_noise = Measure(testing::WaffleModel(), options).value();
   EXPECT_FALSE(without_noise.without_noise);
@@ -53,13 +53,13 @@ TEST(Detectability, NoiseHidesAndItsAbsenceHelps) {
   EXPECT_EQ(noisy.without_noise->found, without_noise.rate.found);
 }
 
-TEST(Detectability, TheSameSeedTellsTheSame) {
+TEST(Detectability, IsDeterministicBySeed) {
   const Detectability first = Measure(testing::WaffleModel(), Few(60)).value();
   const Detectability again = Measure(testing::WaffleModel(), Few(60)).value();
   EXPECT_EQ(ToJson(first), ToJson(again));
 }
 
-TEST(Detectability, IsSeenInASunWithoutAnAttitude) {
+TEST(Detectability, RendersUnderSunWithoutAttitude) {
   DetectabilityOptions options = Few(120);
   options.sun_deg = 50;
   options.attitude_known = false;
@@ -72,7 +72,7 @@ TEST(Detectability, IsSeenInASunWithoutAnAttitude) {
 }
 
 // A uniform side of the model: the report names the interval and the reason.
-TEST(Detectability, SaysWhatWouldHelp) {
+TEST(Detectability, SuggestsRemedies) {
   Detectability findable;
   findable.max_size_px = 256;
   findable.options.noise = 0.1;
@@ -92,7 +92,7 @@ TEST(Detectability, SaysWhatWouldHelp) {
   EXPECT_EQ(json["advice"].size(), 3U);
 }
 
-TEST(Detectability, RefusesWhatItCannotMeasure) {
+TEST(Detectability, RefusesInvalidOptionsAndPhotoModels) {
   for (const double size_px : {0.0, 7.0, 1e9, std::nan("")}) {
     EXPECT_EQ(Measure(testing::WaffleModel(), Few(size_px)).error().code, ErrorCode::kInvalidArgument) << size_px;
   }
@@ -108,7 +108,7 @@ TEST(Detectability, RefusesWhatItCannotMeasure) {
             ErrorCode::kCancelled);
 }
 
-TEST(DrawnClutter, IsItsSeedsAloneAndFullOfEdges) {
+TEST(DrawnClutter, DependsOnlyOnSeedAndIsFullOfEdges) {
   const cv::Mat clutter = DrawClutter({320, 240}, 5);
   EXPECT_EQ(cv::norm(clutter, DrawClutter({320, 240}, 5), cv::NORM_INF), 0);
   EXPECT_GT(cv::norm(clutter, DrawClutter({320, 240}, 6), cv::NORM_INF), 50);

@@ -59,7 +59,7 @@ std::vector<T> operator+(std::vector<T> a, const std::vector<T>& b) {
   return a;
 }
 
-TEST(ScoreTest, APerfectIndexScoresOne) {
+TEST(ScoreTest, PerfectIndexScoresOne) {
   const Score score = ScoreIndex(MakeTruthRows(20), ReportedObjects({7}), MakeSightings(7, 0, 20));
   EXPECT_EQ(score.findable, 1);
   EXPECT_EQ(score.found, 1);
@@ -71,7 +71,7 @@ TEST(ScoreTest, APerfectIndexScoresOne) {
   EXPECT_TRUE(score.per_object.at("a").found);
 }
 
-TEST(ScoreTest, NothingAskedAndNothingReportedIsUnknownNotZero) {
+TEST(ScoreTest, EmptyTruthAndReportIsUnknown) {
   const Score score = ScoreIndex({}, {}, {});
   EXPECT_EQ(score.findable, 0);
   for (const auto& ratio :
@@ -81,7 +81,7 @@ TEST(ScoreTest, NothingAskedAndNothingReportedIsUnknownNotZero) {
   }
 }
 
-TEST(ScoreTest, NothingReportedIsARecallOfZero) {
+TEST(ScoreTest, EmptyReportHasZeroRecall) {
   const Score score = ScoreIndex(MakeTruthRows(10), {}, {});
   EXPECT_THAT(score.recall, Optional(0.0));
   EXPECT_FALSE(score.precision);
@@ -92,7 +92,7 @@ TEST(ScoreTest, NothingReportedIsARecallOfZero) {
   EXPECT_FALSE(score.per_object.at("a").found);
 }
 
-TEST(ScoreTest, FindableTakesTenRowsHalfVisibleAnd24PixelsHigh) {
+TEST(ScoreTest, FindableRequiresTenHalfVisibleRows24PixelsHigh) {
   const auto findable = [](std::vector<TruthRow> rows) { return ScoreIndex(rows, {}, {}).findable; };
   EXPECT_EQ(findable(MakeTruthRows(9)), 0);
   EXPECT_EQ(findable(MakeTruthRows(10)), 1);
@@ -105,7 +105,7 @@ TEST(ScoreTest, FindableTakesTenRowsHalfVisibleAnd24PixelsHigh) {
   EXPECT_EQ(findable(hidden), 0);
 }
 
-TEST(ScoreTest, ASightingIsRightFromAnOverlapOfFourTenths) {
+TEST(ScoreTest, SightingIsCorrectFromIouOfFourTenths) {
   const auto precision = [](const Box& box) {
     return ScoreIndex(MakeTruthRows(10), {}, std::vector<ReportedSighting>{MakeSighting(1, 0, box)}).sighting_precision;
   };
@@ -113,14 +113,14 @@ TEST(ScoreTest, ASightingIsRightFromAnOverlapOfFourTenths) {
   EXPECT_THAT(precision({100, 100, 40, 15.9}), Optional(0.0));
 }
 
-TEST(ScoreTest, ASightingOfAnotherModelOrFrameIsWrong) {
+TEST(ScoreTest, SightingOfAnotherModelOrFrameIsFalse) {
   auto sightings = MakeSightings(1, 0, 2);
   sightings[1].model = "other";
   sightings.push_back(MakeSighting(1, 10));
   EXPECT_THAT(ScoreIndex(MakeTruthRows(10), {}, sightings).sighting_precision, Optional(DoubleEq(1.0 / 3)));
 }
 
-TEST(ScoreTest, OfSeveralSightingsOnOneObjectTheBestScoredIsRight) {
+TEST(ScoreTest, OfSeveralSightingsOfOneObjectTheBestScoredIsCorrect) {
   auto truth = MakeTruthRows(10);
   truth[0].view = ViewAngles{0, 0};
   auto better = MakeSighting(2, 0, kBox, 0.9);
@@ -132,14 +132,14 @@ TEST(ScoreTest, OfSeveralSightingsOnOneObjectTheBestScoredIsRight) {
   EXPECT_NEAR(*score.view_error_p50_rad, 0.3, 1e-12);  // the sighting with the higher score is paired
 }
 
-TEST(ScoreTest, DensityBetweenCountsFromTheFirstToTheLastReport) {
+TEST(ScoreTest, DensityBetweenSpansFirstToLastReport) {
   const Score score =
       ScoreIndex(MakeTruthRows(20), ReportedObjects({1}), MakeSightings(1, 5, 8) + MakeSightings(1, 10, 12));
   EXPECT_DOUBLE_EQ(score.per_object.at("a").density, 5.0 / 20);
   EXPECT_DOUBLE_EQ(score.per_object.at("a").density_between, 5.0 / 7);
 }
 
-TEST(ScoreTest, ASightingIsPairedWithTheRowItOverlapsMost) {
+TEST(ScoreTest, SightingIsMatchedToTheRowOfHighestIou) {
   const Box beside{110, 100, 40, 40};
   const auto truth = MakeTruthRows(10, "a") + MakeTruthRows(10, "b", beside);
   const Score score = ScoreIndex(truth, ReportedObjects({1}), MakeSightings(1, 0, 10, beside));
@@ -147,7 +147,7 @@ TEST(ScoreTest, ASightingIsPairedWithTheRowItOverlapsMost) {
   EXPECT_TRUE(score.per_object.at("b").found);
 }
 
-TEST(ScoreTest, ASightingThatComesSecondTakesTheNextRow) {
+TEST(ScoreTest, SecondSightingIsMatchedToTheNextRow) {
   const Box beside{110, 100, 40, 40};  // both overlap each other by 0.6
   const std::vector<TruthRow> truth = {MakeTruthRow(0, "a"), MakeTruthRow(0, "b", beside)};
   EXPECT_THAT(
@@ -156,7 +156,7 @@ TEST(ScoreTest, ASightingThatComesSecondTakesTheNextRow) {
       Optional(DoubleEq(2.0 / 3)));
 }
 
-TEST(ScoreTest, ASightingOfWhatIsNotClearCountsNeitherWay) {
+TEST(ScoreTest, SightingOfUnclearRowIsIgnored) {
   const Box small{0, 0, 30, 20};
   const Score score = ScoreIndex(MakeTruthRows(10, "a", small), ReportedObjects({1}), MakeSightings(1, 0, 10, small));
   EXPECT_FALSE(score.sighting_precision);
@@ -165,7 +165,7 @@ TEST(ScoreTest, ASightingOfWhatIsNotClearCountsNeitherWay) {
   EXPECT_FALSE(score.precision);
 }
 
-TEST(ScoreTest, TheSecondObjectForTheSameTruthIsFalse) {
+TEST(ScoreTest, SecondObjectForTheSameTruthIsFalse) {
   const auto sightings = MakeSightings(1, 0, 10) + MakeSightings(2, 10, 20);
   const Score score = ScoreIndex(MakeTruthRows(20), ReportedObjects({2, 1}), sightings);
   EXPECT_EQ(score.found, 1);
@@ -177,7 +177,7 @@ TEST(ScoreTest, TheSecondObjectForTheSameTruthIsFalse) {
   EXPECT_THAT(score.ids_per_object, Optional(2.0));
 }
 
-TEST(ScoreTest, TheSecondObjectForATooSmallTruthIsFalseToo) {
+TEST(ScoreTest, SecondObjectForTooSmallTruthIsFalse) {
   const Box small{0, 0, 20, 20};
   const auto sightings = MakeSightings(1, 0, 5, small) + MakeSightings(2, 5, 10, small);
   const Score score = ScoreIndex(MakeTruthRows(10, "a", small), ReportedObjects({1, 2}), sightings);
@@ -185,7 +185,7 @@ TEST(ScoreTest, TheSecondObjectForATooSmallTruthIsFalseToo) {
   EXPECT_EQ(score.false_objects, 1);
 }
 
-TEST(ScoreTest, AClaimTakesMoreThanHalfOfTheSightings) {
+TEST(ScoreTest, ObjectMatchRequiresMajorityOfSightings) {
   const Box away{300, 300, 40, 40};
   const auto half = MakeSightings(1, 0, 5) + MakeSightings(1, 0, 5, away);
   EXPECT_EQ(ScoreIndex(MakeTruthRows(10), ReportedObjects({1}), half).found, 0);
@@ -194,7 +194,7 @@ TEST(ScoreTest, AClaimTakesMoreThanHalfOfTheSightings) {
   EXPECT_EQ(ScoreIndex(MakeTruthRows(10), ReportedObjects({1}), most).found, 1);
 }
 
-TEST(ScoreTest, AnObjectWithoutSightingsIsFalse) {
+TEST(ScoreTest, ObjectWithoutSightingsIsFalse) {
   EXPECT_EQ(ScoreIndex(MakeTruthRows(10), ReportedObjects({5}), MakeSightings(1, 0, 10)).false_objects, 1);
 }
 
@@ -218,7 +218,7 @@ TEST(ScoreTest, PercentilesAreInterpolated) {
   EXPECT_THAT(score.density_p75, Optional(DoubleEq(0.7)));
 }
 
-TEST(ScoreTest, IdsPerObjectLeavesOutWhatWasNeverShown) {
+TEST(ScoreTest, IdsPerObjectExcludesNeverVisibleObjects) {
   const Box b{200, 100, 40, 40};
   const auto sightings = MakeSightings(1, 0, 3) + MakeSightings(2, 3, 6) + MakeSightings(3, 6, 9);
   const Score score = ScoreIndex(MakeTruthRows(10) + MakeTruthRows(10, "b", b), ReportedObjects({1, 2, 3}), sightings);
@@ -256,7 +256,7 @@ TEST(ScoreTest, ViewErrorsAreAnglesOnTheSphere) {
   EXPECT_NEAR(ToJson(score)["view_error_p50_deg"], 45.0, 1e-6);
 }
 
-TEST(ScoreTest, ReportsHoldTheKeysInOrder) {
+TEST(ScoreTest, ReportKeysAreInOrder) {
   const Score score = ScoreIndex(MakeTruthRows(16), ReportedObjects({1}), MakeSightings(1, 0, 1));
   const nlohmann::ordered_json json = ToJson(score);
   std::vector<std::string> keys;
@@ -444,7 +444,7 @@ TEST(ScoreTest, AgreesWithTheAcceptanceScorerOnRandomInput) {
   EXPECT_GT(located, 4);
 }
 
-TEST(ScoreTest, AMillionSightingsAreNoBurden) {
+TEST(ScoreTest, ScoresAMillionSightings) {
   std::vector<TruthRow> truth;
   std::vector<ReportedSighting> sightings;
   std::vector<ReportedObject> objects;

@@ -24,7 +24,7 @@ std::string ErrorOf(std::string_view text) {
   return rows.error().message;
 }
 
-TEST(ParseTruthTest, ReadsWhatScoringNeeds) {
+TEST(ParseTruthTest, ReadsTheFieldsForScoring) {
   const auto rows = ParseTruth(kRow, "t.jsonl");
   ASSERT_TRUE(rows) << rows.error().message;
   ASSERT_EQ(rows->size(), 1U);
@@ -37,7 +37,7 @@ TEST(ParseTruthTest, ReadsWhatScoringNeeds) {
   EXPECT_FALSE(row.view);
 }
 
-TEST(ParseTruthTest, ViewsAreReadInRadiansAndMayBeUnknown) {
+TEST(ParseTruthTest, ViewsAreInRadiansOrUnknown) {
   const std::string head =
       R"({"frame":0,"object":"a","model":"m","box":[0,0,1,1],"visible":1,"latitude_deg":null,"view":)";
   const auto rows =
@@ -51,7 +51,7 @@ TEST(ParseTruthTest, ViewsAreReadInRadiansAndMayBeUnknown) {
   EXPECT_THAT(ErrorOf(head + R"({"azimuth_deg":90}})"), HasSubstr("off_nadir_deg is missing"));
 }
 
-TEST(ParseTruthTest, EmptyLinesAndLineEndsOfAnySortAreFine) {
+TEST(ParseTruthTest, AcceptsEmptyLinesAndAnyLineEndings) {
   const std::string row(kRow);
   const auto rows = ParseTruth("\n" + row + "\r\n  \n" + row, "t");
   ASSERT_TRUE(rows) << rows.error().message;
@@ -70,7 +70,7 @@ TEST(ParseTruthTest, ErrorsNameTheLineAndTheKey) {
   EXPECT_THAT(ErrorOf(R"({"frame":1,"object":"a","model":"m","box":[0,0,1,1]})"), HasSubstr("visible is missing"));
 }
 
-TEST(ParseTruthTest, WrongValuesAreRefused) {
+TEST(ParseTruthTest, RefusesInvalidValues) {
   for (const std::string_view frame : {"-1", "1.5", "1e300", "\"1\"", "[]"}) {
     EXPECT_THAT(ErrorOf(R"({"object":"a","model":"m","box":[0,0,1,1],"visible":1,"frame":)" + std::string(frame) + "}"),
                 HasSubstr("frame is not a whole number"))
@@ -83,14 +83,14 @@ TEST(ParseTruthTest, WrongValuesAreRefused) {
   }
 }
 
-TEST(ParseTruthTest, AnyBytesAreSafe) {
+TEST(ParseTruthTest, ArbitraryBytesAreSafe) {
   for (const std::string& bytes : {std::string("[1,2]"), std::string("{"), std::string("\xff\xfe{}"),
                                    std::string(3, '\0'), std::string(100000, '['), std::string("{\"frame\":1e999}")}) {
     EXPECT_THAT(ErrorOf(bytes), HasSubstr("not a JSON object on one line"));
   }
 }
 
-TEST(ReadTruthTest, ReadsAFileAndNamesTheMissingOne) {
+TEST(ReadTruthTest, ReadsAFileAndNamesAMissingOne) {
   const testing::ScratchFolder folder;
   std::ofstream(folder / "truth.jsonl") << kRow << "\n";
   EXPECT_EQ(ReadTruth(folder / "truth.jsonl")->size(), 1U);

@@ -26,7 +26,7 @@ double SharedMask(const WarpedView& a, const WarpedView& b) {
 }
 
 // A direction between two views renders alike from both of them, although the views themselves differ.
-TEST(WarpedView, BothNeighboursTurnIntoTheSamePicture) {
+TEST(WarpedView, BothNeighboursWarpToTheSameImage) {
   const ObjectModel& model = testing::WaffleModel();
   const WarpedView left = WarpView(model, FromDegrees(44.9, 40), {}).value();   // from azimuth 30
   const WarpedView right = WarpView(model, FromDegrees(45.1, 40), {}).value();  // from azimuth 60
@@ -45,7 +45,7 @@ TEST(WarpedView, HasNoGaps) {
   EXPECT_EQ(view.mask.at<std::uint8_t>(0, 0), 0);
 }
 
-TEST(WarpedView, ASunLightsItAnew) {
+TEST(WarpedView, IsRelitByTheSun) {
   const ViewDirection direction = FromDegrees(100, 45);
   const WarpedView soft = WarpView(testing::WaffleModel(), direction, {}).value();
   const WarpedView east = WarpView(testing::WaffleModel(), direction, FromDegrees(90, 50)).value();
@@ -55,7 +55,7 @@ TEST(WarpedView, ASunLightsItAnew) {
   EXPECT_GT(MeanDifference(east, west), 3);
 }
 
-TEST(WarpedView, DamageIsOneError) {
+TEST(WarpedView, DamagedSurfaceIsAnError) {
   ObjectModel model = testing::WaffleModel();
   for (ModelView& view : model.views) view.surface = view.surface.first(50);
   const auto result = WarpView(model, FromDegrees(0, 0), {});

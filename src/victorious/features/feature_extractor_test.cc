@@ -42,7 +42,7 @@ std::unique_ptr<const FeatureExtractor> Extractor(const FeatureOptions& options 
   return MakeFeatureExtractor(options).value();
 }
 
-TEST(FeatureExtractor, PlacesABlobAtItsCentre) {
+TEST(FeatureExtractor, LocatesBlobAtItsCentre) {
   for (const double offset : {0.0, 0.25, 0.5, 0.8}) {
     for (const double sigma : {2.5, 4.0, 8.0}) {
       const double x = 64 + offset;
@@ -56,7 +56,7 @@ TEST(FeatureExtractor, PlacesABlobAtItsCentre) {
   }
 }
 
-TEST(FeatureExtractor, ScaleFollowsTheBlob) {
+TEST(FeatureExtractor, ScaleIsProportionalToBlobSize) {
   for (const double sigma : {3.0, 6.0, 9.0}) {
     const FeatureSet features = Extractor()->Extract(Blob(160, 80, 80, sigma)).value();
     ASSERT_GT(features.size(), 0U);
@@ -65,7 +65,7 @@ TEST(FeatureExtractor, ScaleFollowsTheBlob) {
   }
 }
 
-TEST(FeatureExtractor, OrientationTurnsWithTheImage) {
+TEST(FeatureExtractor, OrientationRotatesWithTheImage) {
   const cv::Mat image = Clutter(200, 200, 3);
   cv::Mat turned;  // clockwise on the screen: +x goes to +y
   cv::rotate(image, turned, cv::ROTATE_90_CLOCKWISE);
@@ -85,7 +85,7 @@ TEST(FeatureExtractor, OrientationTurnsWithTheImage) {
   EXPECT_GT(agreeing, compared * 2 / 3);  // the rest are keypoints of several orientations
 }
 
-TEST(FeatureExtractor, LargeImagesAreSearchedSmaller) {
+TEST(FeatureExtractor, LargeImagesAreDownscaled) {
   FeatureOptions options;
   options.max_side_px = 128;
   const FeatureSet features = Extractor(options)->Extract(Blob(256, 150.5, 100.25, 12)).value();
@@ -95,14 +95,14 @@ TEST(FeatureExtractor, LargeImagesAreSearchedSmaller) {
   EXPECT_EQ(features.image_width, 256);
 }
 
-TEST(FeatureExtractor, TinyAndEmptyImagesHaveNone) {
+TEST(FeatureExtractor, TinyAndEmptyImagesHaveNoFeatures) {
   EXPECT_EQ(Extractor()->Extract(cv::Mat()).value().size(), 0U);
   for (int side = 1; side < 20; ++side) {
     EXPECT_TRUE(Extractor()->Extract(cv::Mat(side, side + 1, CV_8UC1, cv::Scalar(9))).has_value()) << side;
   }
 }
 
-TEST(FeatureExtractor, WhatIsTooThinAfterShrinkingHasNone) {
+TEST(FeatureExtractor, ImagesTooThinAfterDownscalingHaveNoFeatures) {
   for (const cv::Size size : {cv::Size(40000, 9), cv::Size(9, 40000), cv::Size(20000, 40), cv::Size(20000, 77)}) {
     const auto features = Extractor()->Extract(cv::Mat(size, CV_8UC1, cv::Scalar(9)));
     ASSERT_TRUE(features) << size << ": " << features.error().message;

@@ -29,7 +29,7 @@ double MahalanobisError(const GeoFix& fix, const GeodeticPoint& truth) {
   return std::sqrt(off.dot(fix.place->covariance_enu_m2.ldlt().solve(off)));
 }
 
-TEST(Consensus, HoldsAgainstFortyPercentWrong) {
+TEST(Consensus, IsRobustToFortyPercentOutliers) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const SyntheticLines drawn = SimulateLinesOfSight(
         {.seed = seed, .count = 1000, .outlier_fraction = 0.4, .noise_position_m = 2, .noise_deg = 0.5});
@@ -40,7 +40,7 @@ TEST(Consensus, HoldsAgainstFortyPercentWrong) {
   }
 }
 
-TEST(Consensus, TheSameSeedKeepsTheSameLines) {
+TEST(Consensus, IsDeterministicBySeed) {
   const SyntheticLines drawn = SimulateLinesOfSight({.outlier_fraction = 0.4, .noise_position_m = 2, .noise_deg = 0.5});
   const auto inliers = [&](std::uint64_t seed) { return Locate(drawn.lines, {.seed = seed})->inliers; };
   EXPECT_EQ(inliers(3), inliers(3));

@@ -129,7 +129,7 @@ TEST(Coverage, RangesOnShortArcsAreNotBiased) {
 }
 
 TEST(Coverage, MostLikely) { Measure({.method = LocateMethod::kMaximumLikelihood}, {}); }
-TEST(Coverage, MostLikelyAmongWrongLines) {
+TEST(Coverage, MostLikelyWithOutliers) {
   Measure({.method = LocateMethod::kMaximumLikelihood}, {.outlier_fraction = 0.2});
 }
 TEST(Coverage, MostLikelyMoving) { Measure({.motion = MotionModel::kVelocity}, {}); }

@@ -11,16 +11,16 @@ namespace {
 
 using Eigen::Matrix2d;
 
-TEST(CircularError, OfACircleIsRayleighs) {
+TEST(CircularError, OfACircleIsRayleigh) {
   // 1 - exp(-r^2 / 2) = 0.9 at r = sqrt(2 ln 10).
   EXPECT_NEAR(CircularError(4 * Matrix2d::Identity(), 0.9), 2 * std::sqrt(2 * std::log(10.0)), 1e-9);
 }
 
-TEST(CircularError, OfALineIsTheNormals) {
+TEST(CircularError, OfALineIsNormal) {
   EXPECT_NEAR(CircularError(Eigen::Vector2d(9, 0).asDiagonal(), 0.9), 3 * 1.6448536, 1e-2);
 }
 
-TEST(CircularError, HoldsItsShareOfDrawsWhateverTheEllipse) {
+TEST(CircularError, ContainsNominalFractionForAnyEllipse) {
   Random random(7);
   for (const double ratio : {0.05, 0.3, 0.7}) {
     Matrix2d root;
@@ -36,7 +36,7 @@ TEST(CircularError, HoldsItsShareOfDrawsWhateverTheEllipse) {
   }
 }
 
-TEST(LinearError90, IsTheNormalsHalfWidth) { EXPECT_NEAR(LinearError90(4), 2 * 1.6448536, 1e-6); }
+TEST(LinearError90, IsTheNormalQuantile) { EXPECT_NEAR(LinearError90(4), 2 * 1.6448536, 1e-6); }
 
 }  // namespace
 }  // namespace victorious

@@ -41,7 +41,7 @@ struct BadCase {
   std::vector<std::string> words;
 };
 
-TEST(LinesCsv, SaysFileLineAndWhatWouldBeRight) {
+TEST(LinesCsv, ErrorsNameFileLineAndRemedy) {
   const std::string good = "0,42,-71,120,90,-30\n";
   const BadCase cases[] = {
       {"", {"lines.csv: no lines of sight", "header"}},
@@ -66,7 +66,7 @@ TEST(LinesCsv, SaysFileLineAndWhatWouldBeRight) {
   }
 }
 
-TEST(LinesCsv, ARowThatCannotBeReadIsLeftOutAndTold) {
+TEST(LinesCsv, UnreadableRowIsSkippedWithAWarning) {
   const auto table = ParseLinesOfSight(
       "\"time_s\",latitude_deg,longitude_deg,altitude_m,azimuth_deg,elevation_deg\n"
       "0,42,-71,120,90,-30\n1,nan,-71,120,90,-30\n\"2\",42,-71,120,90,-30\n3,42,-7",

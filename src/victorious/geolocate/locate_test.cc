@@ -48,7 +48,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, EachMethod,
                            return name;
                          });
 
-TEST_P(EachMethod, FindsTheExactPlace) {
+TEST_P(EachMethod, RecoversExactPlace) {
   const SyntheticLines drawn = SimulateLinesOfSight({});
   const GeoFix fix = LocateOrFail(drawn.lines, options);
   EXPECT_EQ(StatusText(fix), "ok");
@@ -57,7 +57,7 @@ TEST_P(EachMethod, FindsTheExactPlace) {
   EXPECT_FALSE(fix.place->velocity_enu);
 }
 
-TEST_P(EachMethod, FindsAMovingObjectAtTheLastLinesTime) {
+TEST_P(EachMethod, LocatesMovingObjectAtTheTimeOfTheLastLine) {
   options.motion = MotionModel::kVelocity;
   const SyntheticLines drawn = SimulateLinesOfSight({.velocity_enu = {3, -2, 0.1}});
   const GeoFix fix = LocateOrFail(drawn.lines, options);
@@ -67,21 +67,21 @@ TEST_P(EachMethod, FindsAMovingObjectAtTheLastLinesTime) {
   EXPECT_LT((*fix.place->velocity_enu - Eigen::Vector3d(3, -2, 0.1)).norm(), 1e-4);
 }
 
-TEST_P(EachMethod, SendsOneLineItsRange) {
+TEST_P(EachMethod, OneLineWithRangeGivesPlace) {
   const SyntheticLines drawn = SimulateLinesOfSight({.count = 1, .range_fraction = 1e-6});
   const GeoFix fix = LocateOrFail(drawn.lines, options);
   EXPECT_EQ(StatusText(fix), "ok");
   EXPECT_LT(PlaceError(fix, drawn.object), 0.01);
 }
 
-TEST_P(EachMethod, SaysThatOneLineNeedsARange) {
+TEST_P(EachMethod, OneLineWithoutRangeIsRefused) {
   const GeoFix fix = LocateOrFail(SimulateLinesOfSight({.count = 1}).lines, options);
   EXPECT_FALSE(fix.place);
   EXPECT_EQ(StatusText(fix), "undetermined: a single line of sight needs a range");
   EXPECT_EQ(Inliers(fix), 0);
 }
 
-TEST_P(EachMethod, SaysThatParallelLinesMeetNowhere) {
+TEST_P(EachMethod, ParallelLinesGiveNoPlace) {
   std::vector<LineOfSight> lines = SimulateLinesOfSight({.count = 5}).lines;
   for (LineOfSight& line : lines) line.camera = lines[0].camera;
   for (LineOfSight& line : lines) line.azimuth_rad = lines[0].azimuth_rad, line.elevation_rad = lines[0].elevation_rad;
@@ -90,7 +90,7 @@ TEST_P(EachMethod, SaysThatParallelLinesMeetNowhere) {
   EXPECT_THAT(StatusText(fix), HasSubstr("parallel"));
 }
 
-TEST_P(EachMethod, SaysThatLinesMeetBehindTheCamera) {
+TEST_P(EachMethod, IntersectionBehindTheCameraIsReported) {
   std::vector<LineOfSight> lines = SimulateLinesOfSight({.count = 2}).lines;
   for (LineOfSight& line : lines) line.azimuth_rad += kPi, line.elevation_rad *= -1;
   const GeoFix fix = LocateOrFail(lines, options);
@@ -98,7 +98,7 @@ TEST_P(EachMethod, SaysThatLinesMeetBehindTheCamera) {
   EXPECT_THAT(StatusText(fix), HasSubstr("behind the camera"));
 }
 
-TEST_P(EachMethod, TellsNoPlaceWhereTheDistanceIsOpen) {
+TEST_P(EachMethod, UnobservableRangeGivesNoPlace) {
   // A baseline of 1 m at 360 m: the offsets are only noise.
   const GeoFix fix =
       LocateOrFail(SimulateLinesOfSight({.arc_deg = 0.2, .noise_position_m = 1, .noise_deg = 0.1}).lines, options);
@@ -106,7 +106,7 @@ TEST_P(EachMethod, TellsNoPlaceWhereTheDistanceIsOpen) {
   EXPECT_THAT(StatusText(fix), HasSubstr("undetermined: "));
 }
 
-TEST_P(EachMethod, ACameraThatStandsStillTellsNoDistanceHoweverManyItsLines) {
+TEST_P(EachMethod, StaticCameraGivesNoRangeForAnyNumberOfLines) {
   for (const int count : {5, 100, 4000}) {
     for (const double noise_m : {0.0, 2.0}) {
       if (options.method == LocateMethod::kPrior && count > 100) continue;  // quadratic
@@ -118,7 +118,7 @@ TEST_P(EachMethod, ACameraThatStandsStillTellsNoDistanceHoweverManyItsLines) {
   }
 }
 
-TEST(Locate, OnTheGroundTheEllipseOfACameraThatStandsStillDoesNotShrink) {
+TEST(Locate, StaticCameraOnGroundKeepsItsEllipse) {
   for (const LocateMethod method : {LocateMethod::kGround, LocateMethod::kMaximumLikelihood}) {
     LocateOptions options{.method = method};
     options.ground = std::make_shared<FlatGround>(5);
@@ -135,14 +135,14 @@ TEST(Locate, OnTheGroundTheEllipseOfACameraThatStandsStillDoesNotShrink) {
   }
 }
 
-TEST_P(EachMethod, TellsNoVelocityOfTwoLines) {
+TEST_P(EachMethod, TwoLinesGiveNoVelocity) {
   options.motion = MotionModel::kVelocity;
   const GeoFix fix = LocateOrFail(SimulateLinesOfSight({.count = 2}).lines, options);
   EXPECT_FALSE(fix.place);
   EXPECT_THAT(StatusText(fix), HasSubstr("velocity"));
 }
 
-TEST_P(EachMethod, KeepsTheEllipseOfManyLinesAboveTheCommonErrors) {
+TEST_P(EachMethod, EllipseOfManyLinesExceedsCommonErrors) {
   const testing::SyntheticLinesOptions flight{.arc_deg = 90, .noise_position_m = 1, .noise_deg = 0.2};
   testing::SyntheticLinesOptions longer = flight;
   longer.count = 4000;
@@ -156,7 +156,7 @@ TEST_P(EachMethod, KeepsTheEllipseOfManyLinesAboveTheCommonErrors) {
 
 // The errors of a stationary camera repeat in every frame: the part of the lines' own errors that does not show in
 // their scatter is common to all of them.
-TEST(Locate, OneLineTakenManyTimesTellsNoMoreThanOnce) {
+TEST(Locate, RepeatedLineAddsNoInformation) {
   const SyntheticLines drawn = SimulateLinesOfSight({.count = 1});
   const std::vector<LineOfSight> many(50, drawn.lines.front());
   for (const LocateMethod method :
@@ -172,7 +172,7 @@ TEST(Locate, OneLineTakenManyTimesTellsNoMoreThanOnce) {
   }
 }
 
-TEST(Locate, SetsWrongLinesAside) {
+TEST(Locate, RejectsOutlierLines) {
   const SyntheticLines drawn =
       SimulateLinesOfSight({.outlier_fraction = 0.3, .noise_position_m = 0.5, .noise_deg = 0.1});
   for (const LocateMethod method : {LocateMethod::kRansac, LocateMethod::kMaximumLikelihood}) {
@@ -185,7 +185,7 @@ TEST(Locate, SetsWrongLinesAside) {
   EXPECT_GT(PlaceError(all, drawn.object), 2);  // least squares is not robust
 }
 
-TEST(Locate, PriorLeavesOutWhatPullsThePlaceOutOfAFrustum) {
+TEST(Locate, PriorRejectsLinesWithPlaceOutsideTheirFrustum) {
   SyntheticLines drawn = SimulateLinesOfSight({.noise_deg = 0.05, .range_fraction = 0.05});
   drawn.lines[50].azimuth_rad += RadiansFromDegrees(20);
   drawn.lines[70].range_m = *drawn.lines[70].range_m * 3;
@@ -196,7 +196,7 @@ TEST(Locate, PriorLeavesOutWhatPullsThePlaceOutOfAFrustum) {
   EXPECT_FALSE(fix.inliers[70]);
 }
 
-TEST(Locate, RangesMakeUpForAShortBaseline) {
+TEST(Locate, RangesCompensateForAShortBaseline) {
   const testing::SyntheticLinesOptions flight{.arc_deg = 0.5, .noise_deg = 0.1, .range_fraction = 0.05};
   const SyntheticLines drawn = SimulateLinesOfSight(flight);
   for (const LocateMethod method : {LocateMethod::kPrior, LocateMethod::kRansac, LocateMethod::kMaximumLikelihood}) {
@@ -204,7 +204,7 @@ TEST(Locate, RangesMakeUpForAShortBaseline) {
   }
 }
 
-TEST(Locate, GroundGivesOneLineItsPlace) {
+TEST(Locate, FlatGroundLocatesOneLine) {
   const SyntheticLines drawn = SimulateLinesOfSight({.count = 1});
   for (const LocateMethod method : {LocateMethod::kGround, LocateMethod::kPrior, LocateMethod::kMaximumLikelihood}) {
     LocateOptions options{.method = method};
@@ -219,7 +219,7 @@ TEST(Locate, GroundGivesOneLineItsPlace) {
 }
 
 // A hillside that rises by one in two to the north, observed from the south.
-TEST(Locate, TerrainGivesOneLineItsPlace) {
+TEST(Locate, TerrainLocatesOneLine) {
   const testing::SyntheticLinesOptions flight{.count = 1};
   const SyntheticLines drawn = SimulateLinesOfSight(flight);
   const double height_m = drawn.object.altitude_m;
@@ -238,7 +238,7 @@ TEST(Locate, TerrainGivesOneLineItsPlace) {
   }
 }
 
-TEST(Locate, SaysWhyALineMeetsNoTerrain) {
+TEST(Locate, ReportsWhyALineMissesTheTerrain) {
   const SyntheticLines drawn = SimulateLinesOfSight({.count = 1});
   const auto status_on = [&](const std::function<double(double, double)>& height) {
     LocateOptions options{.method = LocateMethod::kGround};
@@ -251,7 +251,7 @@ TEST(Locate, SaysWhyALineMeetsNoTerrain) {
   EXPECT_THAT(status_on([](double, double) { return std::nan(""); }), HasSubstr("leaves the terrain"));
 }
 
-TEST(Locate, TerrainIsAPriorOfManyLinesOnASlope) {
+TEST(Locate, TerrainIsAPriorForManyLinesOnASlope) {
   const SyntheticLines drawn = SimulateLinesOfSight({.noise_position_m = 2, .noise_deg = 0.5});
   const double height_m = drawn.object.altitude_m;
   LocateOptions options;
@@ -267,7 +267,7 @@ TEST(Locate, TerrainIsAPriorOfManyLinesOnASlope) {
   EXPECT_LT(with.place->ce90_m, without.place->ce90_m);
 }
 
-TEST(Locate, WhatFliesIsNotDrawnToTheGround) {
+TEST(Locate, FlyingObjectIsNotPulledToTheGround) {
   const SyntheticLines drawn = SimulateLinesOfSight({.noise_position_m = 0.1, .noise_deg = 0.1});
   LocateOptions options;
   const GeoFix without = LocateOrFail(drawn.lines, options);
@@ -278,7 +278,7 @@ TEST(Locate, WhatFliesIsNotDrawnToTheGround) {
 }
 
 // Ranges with a relative error of 20 %, and a ground known to 0.5 m.
-TEST(Locate, GroundMendsPlacesByRange) {
+TEST(Locate, GroundImprovesPlacesFromRange) {
   const SyntheticLines drawn = SimulateLinesOfSight({.seed = 5, .count = 5, .arc_deg = 0, .range_fraction = 0.2});
   LocateOptions options;
   options.line.range_fraction = 0.2;
@@ -296,7 +296,7 @@ TEST(Locate, GroundMendsPlacesByRange) {
   EXPECT_NEAR(PlaceError(LocateOrFail(drawn.lines, options), drawn.object), PlaceError(by_range, drawn.object), 1e-6);
 }
 
-TEST(Locate, GroundIsAPriorOfManyLines) {
+TEST(Locate, GroundIsAPriorForManyLines) {
   const SyntheticLines drawn = SimulateLinesOfSight({.noise_position_m = 2, .noise_deg = 0.5});
   LocateOptions options;
   const GeoFix without = LocateOrFail(drawn.lines, options);
@@ -307,7 +307,7 @@ TEST(Locate, GroundIsAPriorOfManyLines) {
   EXPECT_LT(with.place->le90_m, 0.5 * without.place->le90_m);
 }
 
-TEST(Locate, TheEllipseGrowsWhenLinesScatterMoreThanTold) {
+TEST(Locate, EllipseGrowsWithExcessResiduals) {
   const SyntheticLines drawn = SimulateLinesOfSight({.count = 30, .noise_position_m = 0.1, .noise_deg = 1});
   std::vector<LineOfSight> overconfident = drawn.lines;
   for (LineOfSight& line : overconfident) line.sigma_rad = RadiansFromDegrees(0.4);
@@ -320,7 +320,7 @@ TEST(Locate, TheEllipseGrowsWhenLinesScatterMoreThanTold) {
   EXPECT_GT(from_overconfident.place->ce90_m, 0.7 * honest.place->ce90_m);
 }
 
-TEST(Locate, RefusesWhatCannotBeUsed) {
+TEST(Locate, RefusesInvalidLines) {
   EXPECT_FALSE(Locate({}, {}));
   const SyntheticLines drawn = SimulateLinesOfSight({.count = 2});
   EXPECT_FALSE(Locate(drawn.lines, {.method = LocateMethod::kGround}));

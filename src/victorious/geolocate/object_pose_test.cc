@@ -34,7 +34,7 @@ std::vector<PointObservation> MakeObservations(const Rigid3& camera_from_object,
 
 ObjectPoseFitOptions Options() { return {.sigma = 1 / kFocalPx, .sigma_view_rad = RadiansFromDegrees(6)}; }
 
-TEST(ObjectPoseFit, FindsTheTruthWithoutNoise) {
+TEST(ObjectPoseFit, RecoversExactPose) {
   const Rigid3 truth = MakePose(40, 100, {3, -5, 120});
   const auto found =
       FitObjectPose(MakeObservations(truth, 12, 0, 1), MakePose(44, 97, Eigen::Vector3d::Zero()).rotation, Options());
@@ -43,7 +43,7 @@ TEST(ObjectPoseFit, FindsTheTruthWithoutNoise) {
   EXPECT_LT(found->camera_from_object.rotation.angularDistance(truth.rotation), RadiansFromDegrees(1));
 }
 
-TEST(ObjectPoseFit, SaysHowFarItMayErr) {
+TEST(ObjectPoseFit, CovarianceIsConsistent) {
   const Rigid3 truth = MakePose(35, -60, {-2, 4, 130});
   int near = 0;
   constexpr int kDraws = 200;
@@ -59,7 +59,7 @@ TEST(ObjectPoseFit, SaysHowFarItMayErr) {
   EXPECT_GT(near, 0.6 * kDraws);  // one sigma contains 68 %
 }
 
-TEST(ObjectPoseFit, AWrongPointDoesNotPullItAway) {
+TEST(ObjectPoseFit, IsRobustToAnOutlier) {
   const Rigid3 truth = MakePose(40, 10, {0, 0, 100});
   std::vector<PointObservation> points = MakeObservations(truth, 12, 0.5, 3);
   points[4].seen += Eigen::Vector2d(25, -10) / kFocalPx;
@@ -69,7 +69,7 @@ TEST(ObjectPoseFit, AWrongPointDoesNotPullItAway) {
   EXPECT_NEAR(found->camera_from_object.translation.z(), 100, 3);
 }
 
-TEST(ObjectPoseFit, TooFewPointsTellNothing) {
+TEST(ObjectPoseFit, TooFewPointsGiveNoPose) {
   const Rigid3 truth = MakePose(40, 10, {0, 0, 100});
   EXPECT_FALSE(FitObjectPose(MakeObservations(truth, 2, 0, 3), truth.rotation, Options()));
 }

@@ -7,7 +7,7 @@
 namespace victorious {
 namespace {
 
-TEST(Angles, DegreesAndRadiansAreInverse) {
+TEST(Angles, DegreesRadiansRoundTrip) {
   EXPECT_DOUBLE_EQ(DegreesFromRadians(kPi), 180.0);
   EXPECT_DOUBLE_EQ(RadiansFromDegrees(-90.0), -kPi / 2);
   for (double degrees = -720; degrees <= 720; degrees += 7) {
@@ -15,7 +15,7 @@ TEST(Angles, DegreesAndRadiansAreInverse) {
   }
 }
 
-TEST(WrapAngle, KeepsTheDirectionAndStaysWithinHalfATurn) {
+TEST(WrapAngle, KeepsDirectionWithinHalfATurn) {
   for (double angle_rad = -50; angle_rad <= 50; angle_rad += 0.37) {
     const double wrapped_rad = WrapAngle(angle_rad);
     EXPECT_LE(std::abs(wrapped_rad), kPi);
@@ -25,7 +25,7 @@ TEST(WrapAngle, KeepsTheDirectionAndStaysWithinHalfATurn) {
   }
 }
 
-TEST(WrapAngle, TakesTheShortWayRound) {
+TEST(WrapAngle, DifferenceIsTheSmallerAngle) {
   EXPECT_NEAR(WrapAngle(RadiansFromDegrees(179) - RadiansFromDegrees(-179)), RadiansFromDegrees(-2), 1e-12);
 }
 

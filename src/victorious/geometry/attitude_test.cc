@@ -36,7 +36,7 @@ TEST(Attitude, YawIsClockwisePitchUpAndRollRightSideDown) {
   EXPECT_NEAR(right_in_enu.z(), -0.5, 1e-12);
 }
 
-TEST(Attitude, ComesBack) {
+TEST(Attitude, RoundTrips) {
   Random random(17);
   for (int i = 0; i < 200; ++i) {
     const Attitude attitude = Degrees(random.Uniform(0, 360), random.Uniform(-89, 89), random.Uniform(-180, 180));
@@ -47,7 +47,7 @@ TEST(Attitude, ComesBack) {
   }
 }
 
-TEST(Attitude, StraightDownHasNoRoll) {
+TEST(Attitude, NadirHasZeroRoll) {
   const Eigen::Quaterniond camera_from_enu = CameraFromEnu(Degrees(40, -90, 25));
   const Attitude attitude = AttitudeFromRotation(camera_from_enu);
   EXPECT_EQ(attitude.roll_rad, 0);

@@ -21,7 +21,7 @@ TEST(Box, IsEmptyWithoutBothSides) {
   EXPECT_EQ(kTenByFive.Area(), 50);
 }
 
-TEST(Box, ContainsItsLeftAndTopEdgesAndNotTheOthers) {
+TEST(Box, ContainsLeftAndTopEdgesOnly) {
   EXPECT_TRUE(kTenByFive.Contains(2, 3));
   EXPECT_TRUE(kTenByFive.Contains(11.999, 7.999));
   EXPECT_FALSE(kTenByFive.Contains(12, 5));
@@ -34,7 +34,7 @@ TEST(Intersection, OfOverlappingBoxes) {
   EXPECT_EQ(Intersection(kTenByFive, {4, 4, 1, 1}), (Box{4, 4, 1, 1}));  // inside
 }
 
-TEST(Intersection, OfBoxesApartOrTouchingIsEmpty) {
+TEST(Intersection, OfDisjointOrTouchingBoxesIsEmpty) {
   EXPECT_TRUE(Intersection(kTenByFive, {20, 3, 5, 5}).IsEmpty());
   EXPECT_TRUE(Intersection(kTenByFive, {12, 3, 5, 5}).IsEmpty());
   EXPECT_TRUE(Intersection(kTenByFive, {2, 50, 5, 5}).IsEmpty());

@@ -25,7 +25,7 @@ TEST(TangentPlane, AxesAreEastNorthUp) {
   EXPECT_LT((plane.EnuFromGeodetic(Place(42, -70.9999, 10)) - Vector3d(8.286, 0, 0)).norm(), 2e-3);
 }
 
-TEST(TangentPlane, ComesBackEverywhereOnEarth) {
+TEST(TangentPlane, RoundTripsEverywhereOnEarth) {
   Random random(5);
   for (int i = 0; i < 100; ++i) {
     const TangentPlane plane(Place(random.Uniform(-89, 89), random.Uniform(-180, 180), random.Uniform(-100, 5000)));
@@ -34,7 +34,7 @@ TEST(TangentPlane, ComesBackEverywhereOnEarth) {
   }
 }
 
-TEST(TangentPlane, AxesTurnWithTheMeridians) {
+TEST(TangentPlane, AxesFollowTheMeridian) {
   const TangentPlane plane(Place(60, 20, 0));
   const Vector3d east_km(1000, 0, 0);
   const Eigen::Quaterniond turn = plane.LocalEnuFromEnu(east_km);

@@ -22,7 +22,7 @@ std::expected<GroundPatch, GroundMiss> Intersect(const Ground& ground, const Vec
   return IntersectGround(ground, kPlane, from, (towards - from).normalized(), slack_m);
 }
 
-TEST(Ground, ARayMeetsFlatGroundThatBendsWithTheEarth) {
+TEST(Ground, RayIntersectsEllipsoidalGround) {
   const FlatGround ground(10);
   for (const double far_m : {1.0, 300.0, 5000.0}) {
     const auto met = Intersect(ground, {0, 0, 110}, {far_m, 0, 10});
@@ -38,7 +38,7 @@ TEST(Ground, ARayMeetsFlatGroundThatBendsWithTheEarth) {
   EXPECT_EQ(Intersect(ground, {0, 0, 9}, {100, 0, -50}, 3).error(), GroundMiss::kBelow) << "it never emerges";
 }
 
-TEST(Ground, ARayMeetsTheFirstOfTwoHills) {
+TEST(Ground, RayIntersectsTheNearerHill) {
   const SyntheticGround ground(kPlane.origin(), [](double east, double) {
     return 40 * std::exp(-std::pow((east - 300) / 40, 2)) + 60 * std::exp(-std::pow((east - 600) / 40, 2));
   });
@@ -56,7 +56,7 @@ TEST(Ground, ARayMeetsTheFirstOfTwoHills) {
 
 // For random grounds and rays: the intersection is on the ground and on the ray, and no earlier point of the ray is
 // below the ground.
-TEST(Ground, APointMetIsTheFirst) {
+TEST(Ground, IntersectionIsTheFirst) {
   Random random(7);
   int met_count = 0;
   for (int i = 0; i < 300; ++i) {
@@ -85,7 +85,7 @@ TEST(Ground, APointMetIsTheFirst) {
   EXPECT_GT(met_count, 200);
 }
 
-TEST(Ground, GroundThatIsNotKnownIsPassedIfTheRayComesOutAbove) {
+TEST(Ground, UnknownGroundIsSkippedIfTheRayExitsAboveIt) {
   const auto ground_with_hole = [](double first_m, double last_m) {
     return SyntheticGround(kPlane.origin(),
                            [=](double east, double) { return east > first_m && east < last_m ? std::nan("") : 0.0; });
@@ -97,7 +97,7 @@ TEST(Ground, GroundThatIsNotKnownIsPassedIfTheRayComesOutAbove) {
       << "the camera outside of what is known";
 }
 
-TEST(Ground, ACameraALittleBelowTheGroundSeesWhereItComesOut) {
+TEST(Ground, CameraSlightlyBelowGroundUsesExitPoint) {
   const SyntheticGround slope(
       kPlane.origin(), [](double east, double) { return east < 50 ? 10 - 0.2 * east : -20 + 0.2 * (east - 50); });
   EXPECT_EQ(Intersect(slope, {0, 0, 9}, {100, 0, -6}).error(), GroundMiss::kBelow);
@@ -106,7 +106,7 @@ TEST(Ground, ACameraALittleBelowTheGroundSeesWhereItComesOut) {
   EXPECT_GT(met->point.x(), 60);
 }
 
-TEST(Ground, RaisedGroundIsAsHighAboveAsTold) {
+TEST(Ground, RaisedGroundHasTheGivenOffset) {
   const auto ground = std::make_shared<const FlatGround>(5);
   EXPECT_EQ(*RaisedGround(ground, 1.5).HeightAt({}), 6.5);
   EXPECT_FALSE(

@@ -15,12 +15,12 @@ using Eigen::Vector2d;
 
 const Matrix3d kTilt = (Matrix3d() << 1, 0, 0, 0, 1, 0, 0.01, 0, 1).finished();
 
-TEST(ApplyHomography, DividesByDepth) {
+TEST(ApplyHomography, DividesByThirdCoordinate) {
   EXPECT_TRUE(ApplyHomography(kTilt, {100, 50}).isApprox(Vector2d(50, 25), 1e-12));
   EXPECT_TRUE(ApplyHomography(Matrix3d::Identity(), {7, -3}).isApprox(Vector2d(7, -3), 1e-12));
 }
 
-TEST(ApplyHomography, ScaleOfTheMatrixDoesNotMatter) {
+TEST(ApplyHomography, IsInvariantToMatrixScale) {
   EXPECT_TRUE(ApplyHomography(-3 * kTilt, {20, 30}).isApprox(ApplyHomography(kTilt, {20, 30}), 1e-12));
 }
 

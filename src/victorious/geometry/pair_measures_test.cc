@@ -21,7 +21,7 @@ Point Moved(const Point& point, const Similarity2& by) {
   return {place.x(), place.y(), point.scale_px * by.scale, WrapAngle(point.orientation_rad + by.rotation_rad)};
 }
 
-TEST(PairMeasures, AreWhatTheThesisDefines) {
+TEST(PairMeasures, MatchTheThesis) {
   const Point i{0, 0, 2, 0.1};
   const Point j{0, 4, 6, 0.5};
   const PairMeasures measures = MeasurePair(i, j);
@@ -46,7 +46,7 @@ TEST(PairMeasures, AreInvariantUnderSimilarities) {
   }
 }
 
-TEST(PairMeasures, DistortionsDoNotDependOnWhoComesFirst) {
+TEST(PairMeasures, DistortionsAreSymmetric) {
   Random random(2);
   for (int n = 0; n < 1000; ++n) {
     const Point i = RandomPoint(random);
@@ -63,7 +63,7 @@ TEST(PairMeasures, DistortionsDoNotDependOnWhoComesFirst) {
   }
 }
 
-TEST(PairMeasures, OppositeOrientationsDoNotUpsetTheMean) {
+TEST(PairMeasures, OppositeOrientationsHaveAStableMean) {
   const Point i{0, 0, 2, 0.0};
   const PairMeasures just_below = MeasurePair(i, Point{9, 0, 2, kPi - 0.01});
   const PairMeasures just_above = MeasurePair(i, Point{9, 0, 2, -kPi + 0.01});

@@ -64,7 +64,7 @@ bool Holds(const Polygon& hull, const Vector2d& point) {
   return true;
 }
 
-TEST(SignedArea, KnownAreasAndSense) {
+TEST(SignedArea, KnownAreasAndOrientation) {
   EXPECT_DOUBLE_EQ(SignedArea(kUnitSquare), 1);  // clockwise on the screen
   EXPECT_DOUBLE_EQ(SignedArea(Reversed(kUnitSquare)), -1);
   EXPECT_DOUBLE_EQ(SignedArea(kArrow), 6);
@@ -77,7 +77,7 @@ TEST(SignedArea, OfLessThanATriangleIsZero) {
   EXPECT_EQ(SignedArea({{3, 4}, {5, 6}}), 0);
 }
 
-TEST(SignedArea, ShiftAndRotationKeepItAndScaleSquaresIt) {
+TEST(SignedArea, IsInvariantUnderRigidMotionAndQuadraticInScale) {
   Random random(1);
   for (int i = 0; i < 200; ++i) {
     SCOPED_TRACE(i);
@@ -106,32 +106,32 @@ TEST(BoxCorners, RoundTripsThroughTheBoundingBox) {
   EXPECT_EQ(BoxCorners(box).front(), Vector2d(2, 3));
 }
 
-TEST(ClipToConvex, InsideIsKeptAndOutsideIsGone) {
+TEST(ClipToConvex, KeepsInsideAndRemovesOutside) {
   const Box frame{-1, -1, 10, 10};
   EXPECT_EQ(ClipToBox(kUnitSquare, frame), kUnitSquare);
   EXPECT_TRUE(ClipToBox(Regular(5, 1, {50, 50}), frame).empty());
 }
 
-TEST(ClipToConvex, CutsAtTheEdges) {
+TEST(ClipToConvex, ClipsAtEdges) {
   const Polygon diamond = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
   const Polygon clipped = ClipToBox(diamond, {0, -2, 4, 4});
   EXPECT_NEAR(SignedArea(clipped), 1, 1e-12);
   EXPECT_EQ(BoundingBox(clipped), (Box{0, -1, 1, 2}));
 }
 
-TEST(ClipToConvex, TheSenseOfTheClipDoesNotMatter) {
+TEST(ClipToConvex, IsIndependentOfClipOrientation) {
   const Polygon clip = Regular(6, 2, {3, 2});
   EXPECT_NEAR(SignedArea(ClipToConvex(kArrow, clip)), SignedArea(ClipToConvex(kArrow, Reversed(clip))), 1e-12);
   EXPECT_NEAR(SignedArea(ClipToConvex(Reversed(kArrow), clip)), -SignedArea(ClipToConvex(kArrow, clip)), 1e-12);
 }
 
-TEST(ClipToConvex, WhatLiesOutsideABigTriangleOfAnOutlineIsCut) {
+TEST(ClipToConvex, ClipsCornersFarOutside) {
   // Corners far outside the frame, as of an outline that extends beyond it.
   const Polygon clipped = ClipToBox({{-1000, -1000}, {3000, -1000}, {-1000, 3000}}, {0, 0, 640, 480});
   EXPECT_NEAR(SignedArea(clipped), 640.0 * 480.0, 1e-6);
 }
 
-TEST(ClipToConvex, NothingIsInsideAClipWithoutArea) {
+TEST(ClipToConvex, DegenerateClipGivesEmptyPolygon) {
   EXPECT_TRUE(ClipToConvex(kUnitSquare, {}).empty());
   EXPECT_TRUE(ClipToConvex(kUnitSquare, {{0.5, 0.5}}).empty());
   EXPECT_TRUE(ClipToConvex(kUnitSquare, {{0, 0}, {1, 1}}).empty());
@@ -139,7 +139,7 @@ TEST(ClipToConvex, NothingIsInsideAClipWithoutArea) {
   EXPECT_TRUE(ClipToConvex({}, kUnitSquare).empty());
 }
 
-TEST(ClipToConvex, PartsOfAPartitionAddUp) {
+TEST(ClipToConvex, AreasOfAPartitionSumUp) {
   Random random(2);
   for (int i = 0; i < 200; ++i) {
     SCOPED_TRACE(i);
@@ -162,13 +162,13 @@ TEST(IsConvex, Examples) {
   EXPECT_FALSE(IsConvex({{0, 0}, {1, 1}}));
 }
 
-TEST(IsConvex, TwiceRoundIsNot) {
+TEST(IsConvex, DoublyWoundPolygonIsNot) {
   Polygon pentagram;
   for (const int corner : {0, 2, 4, 1, 3}) pentagram.push_back(Regular(5, 1)[static_cast<std::size_t>(corner)]);
   EXPECT_FALSE(IsConvex(pentagram));
 }
 
-TEST(IsConvex, WhatIsFlatOrNotFiniteIsNot) {
+TEST(IsConvex, DegenerateOrNonFinitePolygonIsNot) {
   EXPECT_FALSE(IsConvex({{0, 0}, {1, 0}, {2, 0}}));
   EXPECT_FALSE(IsConvex({{0, 0}, {1, 1}, {2, 2}}));
   EXPECT_FALSE(IsConvex({{0, 0}, {2, 0}, {1, 0}, {3, 0}}));
@@ -188,7 +188,7 @@ TEST(ConvexHull, OfLessThanATriangle) {
   EXPECT_EQ(ConvexHull({{3, 3}, {1, 1}, {2, 2}, {0, 0}}), (Polygon{{0, 0}, {3, 3}}));  // on one line
 }
 
-TEST(ConvexHull, IsConvexClockwiseAndHoldsEveryPoint) {
+TEST(ConvexHull, IsConvexClockwiseAndContainsEveryPoint) {
   Random random(3);
   for (int i = 0; i < 200; ++i) {
     SCOPED_TRACE(i);
@@ -213,7 +213,7 @@ TEST(IntersectionOverUnionOfPolygons, KnownValues) {
   EXPECT_DOUBLE_EQ(IntersectionOverUnion(kArrow, BoxCorners({0, 0, 4, 4})), 6.0 / 16);  // the first need not be convex
 }
 
-TEST(IntersectionOverUnionOfPolygons, IsZeroForWhatIsApartOrHasNoArea) {
+TEST(IntersectionOverUnionOfPolygons, IsZeroForDisjointOrDegeneratePolygons) {
   EXPECT_EQ(IntersectionOverUnion(kUnitSquare, Regular(4, 1, {10, 10})), 0);
   EXPECT_EQ(IntersectionOverUnion(kUnitSquare, BoxCorners({1, 0, 1, 1})), 0);  // they touch
   EXPECT_EQ(IntersectionOverUnion(kUnitSquare, {}), 0);

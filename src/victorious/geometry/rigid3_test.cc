@@ -19,7 +19,7 @@ Rigid3 RandomRigid(Random& random) {
   return {Eigen::Quaterniond(turn), RandomPoint(random)};
 }
 
-TEST(Rigid3, TurnsThenMoves) {
+TEST(Rigid3, RotatesThenTranslates) {
   const Rigid3 quarter{Eigen::Quaterniond(Eigen::AngleAxisd(kPi / 2, Vector3d::UnitZ())), {10, 20, 30}};
   EXPECT_LT((quarter.Apply({1, 0, 0}) - Vector3d(10, 21, 30)).norm(), 1e-12);
   EXPECT_EQ(Rigid3{}.Apply({3, -4, 5}), Vector3d(3, -4, 5));

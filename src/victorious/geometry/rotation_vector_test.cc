@@ -10,12 +10,12 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-TEST(RotationVector, TurnsAboutItsDirectionByItsLength) {
+TEST(RotationVector, RotatesAboutItsDirectionByItsLength) {
   EXPECT_TRUE((RotationFromVector(Vector3d(0, 0, kPi / 2)) * Vector3d::UnitX()).isApprox(Vector3d::UnitY(), 1e-12));
   EXPECT_EQ(RotationFromVector(Vector3d::Zero()).w(), 1);
 }
 
-TEST(RotationVector, ThereAndBack) {
+TEST(RotationVector, RoundTrips) {
   for (const Vector3d& vector :
        {Vector3d(0.3, -0.2, 0.9), Vector3d(1e-12, 0, 0), Vector3d(0, 3.1, 0), Vector3d(-1e-5, 2e-5, 1e-5)}) {
     EXPECT_TRUE(VectorFromRotation(RotationFromVector(vector)).isApprox(vector, 1e-9)) << vector.transpose();
@@ -23,7 +23,7 @@ TEST(RotationVector, ThereAndBack) {
   EXPECT_EQ(VectorFromRotation(Quaterniond::Identity()), Vector3d::Zero());
 }
 
-TEST(RotationVector, GoesTheShorterWay) {
+TEST(RotationVector, IsTheShorterRotation) {
   EXPECT_TRUE(
       VectorFromRotation(RotationFromVector(Vector3d(0, 0, 1.5 * kPi))).isApprox(Vector3d(0, 0, -0.5 * kPi), 1e-9));
   Quaterniond turn = RotationFromVector(Vector3d(0.1, 0.2, 0.3));
@@ -31,7 +31,7 @@ TEST(RotationVector, GoesTheShorterWay) {
   EXPECT_TRUE(VectorFromRotation(turn).isApprox(Vector3d(0.1, 0.2, 0.3), 1e-9));
 }
 
-TEST(RotationVector, SkewIsTheCrossProduct) {
+TEST(RotationVector, SkewMatrixIsTheCrossProduct) {
   const Vector3d a(1, -2, 3);
   const Vector3d b(0.5, 4, -1);
   EXPECT_TRUE((CrossProductMatrix(a) * b).isApprox(a.cross(b), 1e-12));

@@ -21,12 +21,12 @@ Similarity2 RandomSimilarity(Random& random) {
 
 Vector2d RandomPoint(Random& random) { return {random.Uniform(-50, 50), random.Uniform(-50, 50)}; }
 
-TEST(Similarity2, DefaultChangesNothing) {
+TEST(Similarity2, DefaultIsIdentity) {
   EXPECT_EQ(Similarity2{}.Apply({3, -4}), Vector2d(3, -4));
   EXPECT_EQ(Similarity2{}.Matrix(), Matrix3d::Identity());
 }
 
-TEST(Similarity2, RotationTurnsXTowardsY) {
+TEST(Similarity2, RotationIsFromXTowardsY) {
   const Similarity2 quarter{.scale = 2, .rotation_rad = kPi / 2, .translation = {10, 20}};
   EXPECT_TRUE(quarter.Apply({1, 0}).isApprox(Vector2d(10, 22), 1e-12));
   EXPECT_TRUE(quarter.Apply({0, 1}).isApprox(Vector2d(8, 20), 1e-12));
@@ -44,7 +44,7 @@ TEST(Similarity2, ScalesLengthsAndKeepsAngles) {
   }
 }
 
-TEST(Similarity2, InverseUndoesItBothWays) {
+TEST(Similarity2, InverseIsTwoSided) {
   Random random(2);
   for (int i = 0; i < 200; ++i) {
     SCOPED_TRACE(i);
@@ -57,7 +57,7 @@ TEST(Similarity2, InverseUndoesItBothWays) {
   }
 }
 
-TEST(Similarity2, MatricesComposeAsTheMapsDo) {
+TEST(Similarity2, CompositionIsTheMatrixProduct) {
   Random random(3);
   for (int i = 0; i < 200; ++i) {
     SCOPED_TRACE(i);

@@ -19,7 +19,7 @@ TEST(UnitDiagonal, IsTheCorrelationOfACovariance) {
   EXPECT_NEAR(scaled->scale.x(), 0.5, 1e-15);
 }
 
-TEST(UnitDiagonal, NeedsVariancesAboveZero) {
+TEST(UnitDiagonal, RequiresPositiveVariances) {
   EXPECT_FALSE(ScaleToUnitDiagonal(Eigen::Matrix2d(Eigen::Matrix2d::Zero())));
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(3, 3);
   EXPECT_TRUE(ScaleToUnitDiagonal(matrix));

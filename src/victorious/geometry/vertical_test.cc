@@ -10,7 +10,7 @@
 namespace victorious {
 namespace {
 
-TEST(Vertical, StandsInTheMiddleAsTheCameraIsHeld) {
+TEST(Vertical, AtTheCentreMatchesTheAttitude) {
   // Looking 30 degrees down, the right side 10 degrees down: the line of sight is 60 degrees off nadir, and the
   // vertical leans to the left.
   const Vertical vertical =
@@ -19,7 +19,7 @@ TEST(Vertical, StandsInTheMiddleAsTheCameraIsHeld) {
   EXPECT_LT((vertical.UpVectorAt({320, 240}) - expected).norm(), 1e-9);
 }
 
-TEST(Vertical, LeansAwayFromTheMiddleInANadirImage) {
+TEST(Vertical, IsRadialInANadirImage) {
   const Vertical vertical = MakeVertical({0, -kPi / 2, 0}, 1.0, 640, 480);
   const Eigen::Vector3d seen =
       vertical.UpVectorAt({620, 240});  // the top of an upright object there appears farther right
@@ -29,7 +29,7 @@ TEST(Vertical, LeansAwayFromTheMiddleInANadirImage) {
 }
 
 // Compares with the explicit rotation.
-TEST(Vertical, TurnsTheShortestWay) {
+TEST(Vertical, RotatesByTheShortestArc) {
   const Vertical vertical = MakeVertical({1.0, -0.7, 0.2}, 0.9, 640, 480);
   for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(3, 5), Eigen::Vector2d(600, 40), Eigen::Vector2d(100, 470)}) {
     const auto turn = Eigen::Quaterniond::FromTwoVectors(vertical.pinhole.Unproject(pixel), Eigen::Vector3d::UnitZ());
@@ -38,7 +38,7 @@ TEST(Vertical, TurnsTheShortestWay) {
 }
 
 // Compares with each line of sight's azimuth on Earth.
-TEST(Vertical, TellsTheAzimuthOfEachLineOfSight) {
+TEST(Vertical, GivesTheAzimuthOfEachLineOfSight) {
   for (const Attitude& attitude :
        {Attitude{1.0, -0.7, 0.2}, Attitude{-2.5, -1.4, 0}, Attitude{0.3, 0.1, -0.1}, Attitude{0.3, -kPi / 2, 0.1}}) {
     const Vertical vertical = MakeVertical(attitude, 1.2, 640, 480);

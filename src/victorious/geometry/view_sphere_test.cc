@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 double AngleBetween(const Vector3d& a, const Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
-TEST(ViewSphere, HasTheThesissViews) {
+TEST(ViewSphere, HasTheViewsOfTheThesis) {
   const auto sphere = MakeViewSphere({});
   ASSERT_TRUE(sphere);
   ASSERT_EQ(sphere->views.size(), 253);
@@ -27,7 +27,7 @@ TEST(ViewSphere, HasTheThesissViews) {
   EXPECT_EQ(MakeViewSphere({.max_off_nadir_deg = 0})->views.size(), 1);
 }
 
-TEST(ViewSphere, NeighboursAreMutualNearAndComplete) {
+TEST(ViewSphere, NeighboursAreMutualAdjacentAndComplete) {
   const auto sphere = MakeViewSphere({});
   ASSERT_TRUE(sphere);
   const auto& views = sphere->views;
@@ -47,7 +47,7 @@ TEST(ViewSphere, NeighboursAreMutualNearAndComplete) {
   }
 }
 
-TEST(ViewSphere, RefusesWhatIsNoSphere) {
+TEST(ViewSphere, RefusesInvalidOptions) {
   EXPECT_FALSE(MakeViewSphere({.step_deg = 7}));
   EXPECT_FALSE(MakeViewSphere({.step_deg = 0}));
   EXPECT_FALSE(MakeViewSphere({.max_off_nadir_deg = 200}));
@@ -73,7 +73,7 @@ TEST(ViewDirection, VectorsAndAnglesAreInverse) {
   }
 }
 
-TEST(CameraForView, FramesTheSphere) {
+TEST(CameraForView, SphereFillsTheImage) {
   const Sphere sphere{{1, -2, 3}, 2.5};
   const ViewFraming framing{.distance_m = 12, .diameter_px = 200, .width_px = 320, .height_px = 240};
   Random random(8);
@@ -96,14 +96,14 @@ TEST(CameraForView, FramesTheSphere) {
   }
 }
 
-TEST(CameraForView, FromAboveTheFrontPointsUpwards) {
+TEST(CameraForView, FromAboveTheFrontPointsUp) {
   const auto camera = CameraForView({}, {{0, 0, 0}, 1}, {10, 100, 100, 100});
   ASSERT_TRUE(camera);
   EXPECT_LT((camera->camera_from_world.rotation * Vector3d::UnitX() - Vector3d(0, -1, 0)).norm(), 1e-9);
   EXPECT_LT((camera->camera_from_world.rotation * Vector3d::UnitY() - Vector3d(-1, 0, 0)).norm(), 1e-9);
 }
 
-TEST(CameraForView, RefusesWhatCannotBe) {
+TEST(CameraForView, RefusesInvalidArguments) {
   const Sphere sphere{{0, 0, 0}, 2};
   EXPECT_FALSE(CameraForView({}, sphere, {2, 100, 100, 100}));
   EXPECT_FALSE(CameraForView({}, sphere, {10, 0, 100, 100}));

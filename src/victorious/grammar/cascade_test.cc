@@ -57,7 +57,7 @@ bool Equal(const CascadeResult& a, const CascadeResult& b) {
   return a.first == b.first && a.second == b.second && a.third == b.third;
 }
 
-TEST(Cascade, AgreesWithTheDefinition) {
+TEST(Cascade, MatchesTheDefinition) {
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     Random random(seed);
     Similarity2 fit{
@@ -84,7 +84,7 @@ TEST(Cascade, AgreesWithTheDefinition) {
   }
 }
 
-TEST(Cascade, KeepsTheTrueAndDropsTheFalse) {
+TEST(Cascade, KeepsTrueAndRejectsFalseMatches) {
   int kept_true = 0;
   int kept_false = 0;
   int all_true = 0;
@@ -124,7 +124,7 @@ TEST(Cascade, IsInvariantUnderSimilaritiesOfTheScene) {
 }
 
 // With R from the matches' scale no prior on the size is needed.
-TEST(Cascade, RadiusFromScaleFollowsTheObject) {
+TEST(Cascade, RadiusFromScaleGrowsWithTheObject) {
   CascadeOptions options;
   options.radius = CascadeRadius::kScale;
   for (const double size : {0.25, 1.0, 6.0}) {
@@ -136,7 +136,7 @@ TEST(Cascade, RadiusFromScaleFollowsTheObject) {
   }
 }
 
-TEST(Cascade, EachFilterRunsItsStages) {
+TEST(Cascade, EachFilterAppliesItsStages) {
   const World world = MakeWorld(15, 70, {1.0, 0.3, {200, 200}}, 0.5, 3);
   const auto with = [&](CascadeFilter filter) {
     CascadeOptions options;
@@ -150,7 +150,7 @@ TEST(Cascade, EachFilterRunsItsStages) {
 }
 
 // Section 3.3.4: four scene keypoints that all match one template keypoint, beside a true group of four.
-TEST(Cascade, DistinctSupportStopsRepeatedPatterns) {
+TEST(Cascade, DistinctSupportRejectsRepeatedPatterns) {
   World world = MakeWorld(4, 0, {1.0, 0.0, {100, 100}}, 0.0, 5);
   std::vector<std::uint32_t> windows;
   const Keypoint a = world.model[10];
@@ -176,7 +176,7 @@ TEST(Cascade, DistinctSupportStopsRepeatedPatterns) {
 }
 
 // Very many voters, all within R of each other.
-TEST(Cascade, VeryManyVotersAgreeWithTheDefinitionToo) {
+TEST(Cascade, ManyVotersMatchTheDefinition) {
   const World world = MakeWorld(100, 4100, {1.0, 0.3, {200, 200}}, 1.0, 9);
   CascadeOptions options;
   options.radius_px = 2000;
@@ -186,7 +186,7 @@ TEST(Cascade, VeryManyVotersAgreeWithTheDefinitionToo) {
                     FilterByGrammarRef(world.scene, world.model, world.matches, options)));
 }
 
-TEST(Cascade, EmptyAndSingleMatchesGiveNothing) {
+TEST(Cascade, EmptyAndSingleMatchesGiveNoMatches) {
   World world = MakeWorld(1, 0, {1.0, 0.0, {0, 0}}, 0.0, 1);
   EXPECT_TRUE(FilterByGrammar(world.scene, world.model, world.matches, {}).third.empty());
   EXPECT_TRUE(FilterByGrammar(world.scene, world.model, {}, {}).third.empty());

@@ -24,7 +24,7 @@ TEST(NeighbourVoting, KeepsMatchesWhoseNeighboursMatchNeighbours) {
 }
 
 // The weakness that the thesis describes (section 3.3.1): spurious keypoints saturate the neighbourhood.
-TEST(NeighbourVoting, ClutterBetweenNeighboursTakesTheirSupport) {
+TEST(NeighbourVoting, ClutterBetweenNeighboursRemovesSupport) {
   std::vector<Keypoint> scene = Row(20);
   const MatchSet matches = {{10, 10, 0.5F}, {11, 11, 0.5F}};
   EXPECT_EQ(FilterByNeighbours(scene, Row(20), matches, {}).size(), 2U);
@@ -35,7 +35,7 @@ TEST(NeighbourVoting, ClutterBetweenNeighboursTakesTheirSupport) {
   EXPECT_TRUE(FilterByNeighbours(scene, Row(20), matches, {}).empty());
 }
 
-TEST(NeighbourVoting, TheMatchItselfAndItsTwinAreNoSupport) {
+TEST(NeighbourVoting, MatchAndItsDuplicateGiveNoSupport) {
   const std::vector<Keypoint> row = Row(5);
   EXPECT_TRUE(FilterByNeighbours(row, row, {{2, 2, 0.5F}}, {}).empty());
   EXPECT_TRUE(FilterByNeighbours({}, {}, {}, {}).empty());

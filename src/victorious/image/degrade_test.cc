@@ -24,16 +24,16 @@ double ShareOf(const cv::Mat& picture, const cv::Scalar& colour) {
   return cv::countNonZero(mask) / static_cast<double>(picture.total());
 }
 
-TEST(Degrade, NothingAskedNothingChanged) { EXPECT_EQ(cv::norm(Degraded({}, kSeed), Grey(), cv::NORM_INF), 0); }
+TEST(Degrade, DefaultIsIdentity) { EXPECT_EQ(cv::norm(Degraded({}, kSeed), Grey(), cv::NORM_INF), 0); }
 
-TEST(Degrade, SaltAndPepperCoverTheirShareHalfEach) {
+TEST(Degrade, SaltAndPepperHaveTheGivenFraction) {
   const cv::Mat noisy = Degraded({.noise = 0.15}, kSeed);
   EXPECT_NEAR(ShareOf(noisy, {255, 255, 255}), 0.075, 0.006);
   EXPECT_NEAR(ShareOf(noisy, {0, 0, 0}), 0.075, 0.006);
   EXPECT_NEAR(ShareOf(noisy, {120, 120, 120}), 0.85, 0.01);
 }
 
-TEST(Degrade, GrainHasItsSigmaInEachChannel) {
+TEST(Degrade, GaussianNoiseHasItsSigmaInEachChannel) {
   cv::Scalar mean;
   cv::Scalar sigma;
   cv::meanStdDev(Degraded({.grain = 6}, kSeed), mean, sigma);
@@ -43,7 +43,7 @@ TEST(Degrade, GrainHasItsSigmaInEachChannel) {
   }
 }
 
-TEST(Degrade, BlurComesBeforeNoise) {
+TEST(Degrade, BlurPrecedesNoise) {
   cv::Mat picture = Grey();
   picture.colRange(150, 300).setTo(cv::Scalar(220, 220, 220));
   Degrade({.blur_px = 2, .noise = 0.05}, kSeed, picture);
@@ -57,7 +57,7 @@ TEST(Degrade, BlurComesBeforeNoise) {
   EXPECT_GT(between, 150);
 }
 
-TEST(Degrade, NoiseIsTheSeeds) {
+TEST(Degrade, NoiseIsDeterministicBySeed) {
   const DegradeOptions options{.grain = 2, .noise = 0.02};
   EXPECT_EQ(cv::norm(Degraded(options, kSeed), Degraded(options, kSeed), cv::NORM_INF), 0);
   EXPECT_GT(cv::norm(Degraded(options, kSeed), Degraded(options, kSeed + 1), cv::NORM_INF), 0);

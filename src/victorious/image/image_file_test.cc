@@ -64,7 +64,7 @@ TEST(ImageFile, LosslessFormatsRoundTrip) {
   }
 }
 
-TEST(ImageFile, JpegComesClose) {
+TEST(ImageFile, JpegRoundTripIsClose) {
   const auto image = DecodeImage(Bytes(Encode(".jpg", Flag())), "flag.jpg");
   ASSERT_TRUE(image) << image.error().message;
   EXPECT_EQ(image->bgr.size(), Flag().size());
@@ -73,7 +73,7 @@ TEST(ImageFile, JpegComesClose) {
 
 // OpenCV would pass a damaged WebP on to any library that accepts it: here the DICOM library, which terminates the
 // program.
-TEST(ImageFile, WhatOpenCvWouldGiveToOtherLibrariesIsRefused) {
+TEST(ImageFile, FormatsThatOpenCvDelegatesAreRefused) {
   std::string webp = std::string("RIFF\x84\0\0\0WEBPVP8L", 16) + std::string(112, '\n') + "DICM";
   webp += std::string("\x03\x03\x02\x04OB\x8B\x06", 8);
   for (const std::string& bytes : {webp, std::string(128, '\0') + "DICM", std::string("NITF02.10")}) {
@@ -90,7 +90,7 @@ TEST(ImageFile, GreyBecomesBgr) {
   EXPECT_EQ(image->bgr.at<cv::Vec3b>(2, 3), cv::Vec3b(77, 77, 77));
 }
 
-TEST(ImageFile, AlphaStandsAside) {
+TEST(ImageFile, AlphaIsReturnedSeparately) {
   cv::Mat stored(8, 8, CV_8UC4, cv::Scalar(10, 20, 30, 255));
   stored.at<cv::Vec4b>(1, 2)[3] = 0;
   const auto image = DecodeImage(Bytes(Encode(".png", stored)), "alpha.png");
@@ -101,7 +101,7 @@ TEST(ImageFile, AlphaStandsAside) {
   EXPECT_EQ(image->alpha.at<uchar>(0, 0), 255);
 }
 
-TEST(ImageFile, SixteenBitsComeDownToEight) {
+TEST(ImageFile, SixteenBitsAreReducedToEight) {
   cv::Mat deep(4, 4, CV_16UC4, cv::Scalar(65535, 257 * 100, 128, 65535));
   for (const std::string extension : {".png", ".tif"}) {
     const auto image = DecodeImage(Bytes(Encode(extension, deep)), "deep" + extension);
@@ -117,7 +117,7 @@ TEST(ImageFile, FloatingPointIsUnsupported) {
   EXPECT_EQ(image.error().code, ErrorCode::kUnsupported);
 }
 
-TEST(ImageFile, ExifOrientationIsObeyed) {
+TEST(ImageFile, ExifOrientationIsApplied) {
   const std::string jpeg = Encode(".jpg", Flag(), {cv::IMWRITE_JPEG_QUALITY, 100});
   const auto upright = DecodeImage(Bytes(jpeg), "flag.jpg");
   ASSERT_TRUE(upright);
@@ -132,7 +132,7 @@ TEST(ImageFile, ExifOrientationIsObeyed) {
   }
 }
 
-TEST(ImageFile, ExifOrientationOfPngTurnsAlphaToo) {
+TEST(ImageFile, ExifOrientationOfPngIsAppliedToAlpha) {
   cv::Mat stored(2, 4, CV_8UC4, cv::Scalar(1, 2, 3, 255));
   stored.at<cv::Vec4b>(0, 0) = {9, 8, 7, 0};
   std::string png = Encode(".png", stored);
@@ -146,7 +146,7 @@ TEST(ImageFile, ExifOrientationOfPngTurnsAlphaToo) {
   EXPECT_EQ(image->alpha.at<uchar>(0, 1), 0);
 }
 
-TEST(ImageFile, PaddingOfBmpIsNotAlpha) {
+TEST(ImageFile, BmpPaddingIsNotAlpha) {
   const auto image = DecodeImage(Bytes(Encode(".bmp", cv::Mat(4, 4, CV_8UC4, cv::Scalar(1, 2, 3, 0)))), "pad.bmp");
   ASSERT_TRUE(image) << image.error().message;
   EXPECT_TRUE(image->alpha.empty());
@@ -184,7 +184,7 @@ TEST(ImageFile, ErrorsAreOneLineWithTheirCode) {
   }
 }
 
-TEST(ImageFile, TooLargeIsRefusedBeforeDecoding) {
+TEST(ImageFile, TooLargeImageIsRefusedBeforeDecoding) {
   std::string png = Encode(".png", Flag());
   png.replace(16, 8, BigEndian(20000, 4) + BigEndian(20000, 4));
   const auto image = DecodeImage(Bytes(png), "huge.png");
@@ -194,7 +194,7 @@ TEST(ImageFile, TooLargeIsRefusedBeforeDecoding) {
 }
 
 // OpenCV skips to the next digit and would read 888888 x 880 pixels.
-TEST(ImageFile, ASizeThatDecodersReadDifferentlyIsRefused) {
+TEST(ImageFile, AmbiguousImageSizeIsRefused) {
   for (const std::string text : {"P6\n888888r880 255 ", "P5\n0 10 255\n", "P5\n"}) {
     const auto image = DecodeImage(Bytes(text), "strange.ppm");
     ASSERT_FALSE(image) << text;
@@ -230,7 +230,7 @@ TEST(ImageHeader, SizeOfEveryFormat) {
   }
 }
 
-TEST(ImageHeader, CommentsInPnm) {
+TEST(ImageHeader, PnmComments) {
   const std::string bytes = "P5 # a comment\n# another\n57\t31\n255\n";
   const auto header = ReadImageHeader(Bytes(bytes));
   ASSERT_TRUE(header);

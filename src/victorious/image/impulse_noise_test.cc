@@ -33,7 +33,7 @@ cv::Mat WithSaltAndPepper(cv::Mat image, double share) {
   return image;
 }
 
-TEST(ImpulseNoise, TakesSaltAndPepperOut) {
+TEST(ImpulseNoise, RemovesSaltAndPepper) {
   const cv::Mat clean = Hills();
   for (const double share : {0.02, 0.03, 0.07, 0.15}) {
     const cv::Mat noisy = WithSaltAndPepper(clean.clone(), share);
@@ -45,20 +45,20 @@ TEST(ImpulseNoise, TakesSaltAndPepperOut) {
 }
 
 // In a dark image only salt differs from the background.
-TEST(ImpulseNoise, IsFoundInTheDarkToo) {
+TEST(ImpulseNoise, IsDetectedInDarkImages) {
   const cv::Mat clean = Hills() / 6;
   const cv::Mat noisy = WithSaltAndPepper(clean.clone(), 0.03);
   EXPECT_LT(cv::norm(RemoveImpulses(noisy, 0.015), clean, cv::NORM_L1), cv::norm(noisy, clean, cv::NORM_L1) / 5);
 }
 
-TEST(ImpulseNoise, LeavesCleanImagesAndTheirLampsAlone) {
+TEST(ImpulseNoise, KeepsCleanImagesWithBrightPoints) {
   cv::Mat clean = Hills();
   for (int i = 0; i < 20; ++i) clean.at<uchar>(5 + 5 * i, 8 + 7 * i) = 255;
   EXPECT_EQ(cv::norm(RemoveImpulses(clean, 0.015), clean, cv::NORM_INF), 0);
 }
 
 // Thin branches, letters and dots differ from their surroundings as impulses do: in every tenth pixel of this image.
-TEST(ImpulseNoise, LeavesCleanPicturesFullOfThinThingsAlone) {
+TEST(ImpulseNoise, KeepsCleanImagesWithThinStructures) {
   cv::Mat clean(240, 320, CV_8UC1, cv::Scalar(150));
   Random random(2);
   for (int i = 0; i < 150; ++i) {
@@ -71,7 +71,7 @@ TEST(ImpulseNoise, LeavesCleanPicturesFullOfThinThingsAlone) {
   EXPECT_GT(cv::norm(RemoveImpulses(noisy, 0.015), noisy, cv::NORM_INF), 0) << "this one is noisy";
 }
 
-TEST(ImpulseNoise, TakesImagesOfAnySize) {
+TEST(ImpulseNoise, AcceptsImagesOfAnySize) {
   for (const int side : {0, 1, 4, 5}) {
     const cv::Mat tiny(side, side, CV_8UC1, cv::Scalar(7));
     EXPECT_EQ(RemoveImpulses(tiny, 0.0).size(), tiny.size()) << side;

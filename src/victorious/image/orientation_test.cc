@@ -17,14 +17,14 @@ cv::Point PlaceAfter(Orientation orientation, cv::Point stored) {
   return place;
 }
 
-TEST(Orientation, ClockwiseTurns) {
+TEST(Orientation, RotatesClockwise) {
   EXPECT_EQ(PlaceAfter(Orientation::kRotate90, {0, 0}), cv::Point(2, 0));
   EXPECT_EQ(PlaceAfter(Orientation::kRotate180, {0, 0}), cv::Point(4, 2));
   EXPECT_EQ(PlaceAfter(Orientation::kRotate270, {0, 0}), cv::Point(0, 4));
   EXPECT_EQ(ClockwiseRotationDeg(Orientation::kRotate270), 270);
 }
 
-TEST(Orientation, DisplayMatrixAgreesWithTheTurn) {
+TEST(Orientation, DisplayMatrixMatchesRotation) {
   for (int value = 1; value <= 8; ++value) {
     const Orientation orientation = OrientationFromExif(static_cast<std::uint32_t>(value));
     // The display matrix that corresponds to the orientation.
@@ -39,7 +39,7 @@ TEST(Orientation, DisplayMatrixAgreesWithTheTurn) {
   }
 }
 
-TEST(Orientation, UnknownNumbersAreUpright) {
+TEST(Orientation, UnknownValuesAreUpright) {
   EXPECT_EQ(OrientationFromExif(0), Orientation::kUpright);
   EXPECT_EQ(OrientationFromExif(9), Orientation::kUpright);
 }

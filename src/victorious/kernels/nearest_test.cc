@@ -113,7 +113,7 @@ class NearestTest : public ::testing::TestWithParam<Implementation> {
   }
 };
 
-TEST_P(NearestTest, AgreesWithDefinitionOverOddSizes) {
+TEST_P(NearestTest, MatchesReferenceOverOddSizes) {
   Random random(7);
   for (const std::size_t queries : {1, 3, 8, 9, 31}) {
     for (const std::size_t set : {0, 1, 2, 15, 16, 17, 33, 100}) {

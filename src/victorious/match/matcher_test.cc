@@ -28,7 +28,7 @@ std::vector<MatchSet> MatchOne(const FeatureSet& scene, const FeatureSet& model,
   return MatchFeatures(scene.View(), TemplateSet(std::span(&view, 1)), {.ratio = ratio});
 }
 
-TEST(Matcher, OneTemplateKeypointServesSeveralSceneKeypoints) {
+TEST(Matcher, SeveralSceneKeypointsMayMatchOneTemplateKeypoint) {
   const FeatureSet model = RandomFeatures(20, 1);
   FeatureSet scene = RandomFeatures(30, 2);
   CopyDescriptor(model, 4, scene, 7);
@@ -37,7 +37,7 @@ TEST(Matcher, OneTemplateKeypointServesSeveralSceneKeypoints) {
   EXPECT_EQ(matches[0], (MatchSet{{7, 4, 0.0F}, {19, 4, 0.0F}}));
 }
 
-TEST(Matcher, RatioIsStrictAndWithinTheTemplate) {
+TEST(Matcher, RatioTestIsStrictAndWithinTheTemplate) {
   FeatureSet model = RandomFeatures(20, 3);
   FeatureSet scene = RandomFeatures(1, 4);
   CopyDescriptor(scene, 0, model, 5);
@@ -60,7 +60,7 @@ TEST(Matcher, TooFewKeypointsGiveNoMatch) {
   EXPECT_TRUE(MatchOne(RandomFeatures(0, 9), scene, 1.0)[0].empty());
 }
 
-TEST(Matcher, HigherRatioOnlyAdds) {
+TEST(Matcher, HigherRatioAddsMatches) {
   const FeatureSet scene = RandomFeatures(200, 10);
   const FeatureSet model = RandomFeatures(50, 11);
   MatchSet previous;

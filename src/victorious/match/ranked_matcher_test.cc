@@ -15,7 +15,7 @@ FeatureSet RandomFeatures(Random& random, std::size_t count) {
   return features;
 }
 
-TEST(RankedMatcher, RanksTheLikestFirstThoughItsRatioWouldFail) {
+TEST(RankedMatcher, RanksTheNearestFirstWithoutRatioTest) {
   Random random(3);
   FeatureSet scene = RandomFeatures(random, 60);
   const FeatureSet model = RandomFeatures(random, 2);
@@ -36,7 +36,7 @@ TEST(RankedMatcher, RanksTheLikestFirstThoughItsRatioWouldFail) {
   EXPECT_EQ(matches[3].rank, 2U);
 }
 
-TEST(RankedMatcher, HasNoMatchesWhereTheSceneHasTooFewToRank) {
+TEST(RankedMatcher, TooFewSceneKeypointsGiveNoMatches) {
   Random random(4);
   const FeatureSet scene = RandomFeatures(random, 4);
   const FeatureSet model = RandomFeatures(random, 5);

@@ -24,7 +24,7 @@ TEST(RunIsolated, ReturnsErrors) {
   EXPECT_EQ(result.error(), (Error{ErrorCode::kUnsupported, "too round: square is right"}));
 }
 
-TEST(RunIsolated, ChangesNothingHere) {
+TEST(RunIsolated, DoesNotAffectTheParent) {
   int value = 1;
   EXPECT_TRUE(RunIsolated([&] {
     value = 2;
@@ -34,7 +34,7 @@ TEST(RunIsolated, ChangesNothingHere) {
   EXPECT_EQ(value, 1);
 }
 
-TEST(RunIsolated, ACrashIsAnError) {
+TEST(RunIsolated, CrashIsAnError) {
   for (const int signal : {SIGSEGV, SIGABRT, SIGFPE}) {
     const auto result = RunIsolated([&] {
       std::raise(signal);

@@ -82,7 +82,7 @@ std::vector<FormatCase> EveryFormat() {
           {"text.stl", testing::StlTextFrom(brick), true}};
 }
 
-TEST(LoadMesh, EveryFormatBecomesTheModelFrame) {
+TEST(LoadMesh, EveryFormatIsConvertedToTheModelFrame) {
   for (const FormatCase& format : EveryFormat()) {
     SCOPED_TRACE(format.name);
     const Mesh mesh = DecodeOrDie(format.bytes, format.name);
@@ -96,7 +96,7 @@ TEST(LoadMesh, EveryFormatBecomesTheModelFrame) {
   }
 }
 
-TEST(LoadMesh, AxesMayBeGivenInTheFilesOwnFrame) {
+TEST(LoadMesh, AxesAreInTheFrameOfTheFile) {
   const LoadMeshOptions options{.up = Axis::kPlusZ, .front = Axis::kPlusX};
   for (const FormatCase& format : EveryFormat()) {
     SCOPED_TRACE(format.name);
@@ -115,7 +115,7 @@ TEST(LoadMesh, LengthScales) {
   ExpectOneLineError(Decode(testing::StlFrom(Brick()), "a.stl", {.length_m = -1}), "above 0");
 }
 
-TEST(LoadMesh, LengthIsAlongAGltfsFrontElseTheLongestSide) {
+TEST(LoadMesh, LengthIsAlongTheGltfFrontElseTheLongestSide) {
   const Mesh wide = testing::Box({0, 0, 0}, {8, 1, 2});
   EXPECT_NEAR(Decode(testing::GlbFrom(wide), "a.glb")->length_m, 2, kTolerance);
   EXPECT_NEAR(Decode(testing::GlbFrom(wide), "a.glb", {.front = Axis::kPlusX})->length_m, 8, kTolerance);
@@ -126,11 +126,11 @@ TEST(LoadMesh, LengthIsAlongAGltfsFrontElseTheLongestSide) {
   EXPECT_NEAR(Decode(testing::GlbFrom(flat), "a.glb")->length_m, 8, kTolerance);
 }
 
-TEST(LoadMesh, ColladaNamesItsUnit) {
+TEST(LoadMesh, ColladaUnitIsApplied) {
   ExpectBox(DecodeOrDie(testing::ColladaFrom(Brick(), "Y_UP", 0.01), "a.dae"), {0, 0, 0}, {0.03, 0.01, 0.02});
 }
 
-TEST(LoadMesh, NodesPlaceTheirMeshes) {
+TEST(LoadMesh, NodeTransformsAreApplied) {
   const std::string moved = testing::GlbFrom(Brick(), {.node = R"("translation":[10,20,30],"scale":[2,2,2])"});
   ExpectBox(DecodeOrDie(moved, "a.glb"), {30, 10, 20}, {36, 12, 24});
   const Mesh mirrored = DecodeOrDie(testing::GlbFrom(Brick(), {.node = R"("scale":[-1,1,1])"}), "a.glb");
@@ -189,7 +189,7 @@ void ExpectSameTexture(const Mesh& mesh, const cv::Mat& texture) {
   EXPECT_EQ(cv::norm(mesh.textures[0], texture, cv::NORM_INF), 0);
 }
 
-TEST(LoadMesh, EmbeddedTexturesAndTheirCoordinates) {
+TEST(LoadMesh, EmbeddedTexturesAndCoordinates) {
   const Mesh mesh = DecodeOrDie(testing::GlbFrom(testing::TexturedSquare(FourTexels())), "a.glb");
   ExpectSameTexture(mesh, FourTexels());
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
@@ -213,7 +213,7 @@ TEST(LoadMesh, TextureTransformsAreApplied) {
   }
 }
 
-TEST(LoadMesh, ObjFindsItsMaterialsAndTexturesBesideIt) {
+TEST(LoadMesh, ObjReadsMaterialsAndTexturesFromItsFolder) {
   const ScratchFolder folder;
   std::filesystem::create_directory(folder / "maps");
   ASSERT_TRUE(cv::imwrite((folder / "maps/t.png").string(), FourTexels()));
@@ -231,7 +231,7 @@ TEST(LoadMesh, ObjFindsItsMaterialsAndTexturesBesideIt) {
   }
 }
 
-TEST(LoadMesh, GltfFindsItsBuffersAndTexturesBesideIt) {
+TEST(LoadMesh, GltfReadsBuffersAndTexturesFromItsFolder) {
   const ScratchFolder folder;
   ASSERT_TRUE(cv::imwrite((folder / "a texture.png").string(), FourTexels()));
   const std::string glb = testing::GlbFrom(testing::TexturedSquare(FourTexels()), {.image_uri = "a%20texture.png"});
@@ -247,7 +247,7 @@ TEST(LoadMesh, GltfFindsItsBuffersAndTexturesBesideIt) {
   ExpectSameTexture(loaded->mesh, FourTexels());
 }
 
-TEST(LoadMesh, PathsOfOtherMachinesAreFoundByTheirLastPart) {
+TEST(LoadMesh, AbsoluteTexturePathsAreFoundByFileName) {
   const ScratchFolder folder;
   ASSERT_TRUE(cv::imwrite((folder / "t.bmp").string(), FourTexels()));
   const Mesh square = testing::TexturedSquare(FourTexels());
@@ -277,7 +277,7 @@ TEST(LoadMesh, ReadsTga) {
   ExpectSameTexture(LoadMesh(folder / "a.obj")->mesh, FourTexels());
 }
 
-TEST(LoadMesh, MissingAndForeignTexturesAreLeftOutWithAWarning) {
+TEST(LoadMesh, MissingAndUnsupportedTexturesAreSkippedWithAWarning) {
   const ScratchFolder outer;
   const std::filesystem::path folder = outer / "model";
   std::filesystem::create_directory(folder);
@@ -323,7 +323,7 @@ TEST(LoadMesh, MissingNormalsAreSmoothButSharpAtEdges) {
   }
 }
 
-TEST(LoadMesh, DamagedTrianglesAreLeftOut) {
+TEST(LoadMesh, DamagedTrianglesAreSkipped) {
   Mesh brick = Brick();
   brick.positions[0].x() = std::numeric_limits<float>::quiet_NaN();
   brick.positions[4].y() = std::numeric_limits<float>::infinity();
@@ -335,7 +335,7 @@ TEST(LoadMesh, DamagedTrianglesAreLeftOut) {
   ExpectOneLineError(Decode(testing::StlFrom(brick), "a.stl"), "a.stl: no triangle");
 }
 
-TEST(LoadMesh, BadFilesAreOneLine) {
+TEST(LoadMesh, ErrorsOfInvalidFilesAreOneLine) {
   ExpectOneLineError(Decode("", "a.glb"), "a.glb");
   ExpectOneLineError(Decode("hello", "a.glb"), "a.glb");
   ExpectOneLineError(Decode("hello", "a.txt"), "not a CAD file");
@@ -351,7 +351,7 @@ TEST(LoadMesh, BadFilesAreOneLine) {
   ExpectOneLineError(Decode(testing::StlFrom(far), "a.stl"), "length may be given");
 }
 
-TEST(LoadMesh, TruncatedFilesAreErrorsOrLess) {
+TEST(LoadMesh, TruncatedFilesGiveErrorsOrFewerTriangles) {
   for (const FormatCase& format : EveryFormat()) {
     SCOPED_TRACE(format.name);
     for (int tenths = 1; tenths < 10; ++tenths) {
@@ -366,7 +366,7 @@ TEST(LoadMesh, TruncatedFilesAreErrorsOrLess) {
   }
 }
 
-TEST(LoadMesh, HostileGltfIsOneLine) {
+TEST(LoadMesh, ErrorsOfMaliciousGltfAreOneLine) {
   const std::string head = R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],)";
   const std::string mesh =
       R"("nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],)";

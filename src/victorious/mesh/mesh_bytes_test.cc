@@ -13,7 +13,7 @@ LoadedMesh Loaded() {
   return {.mesh = testing::Box({-1, -1, -1}, {1, 1, 1}), .length_m = 2, .warnings = {"a warning"}};
 }
 
-TEST(MeshBytes, ComeBackAsTheyWere) {
+TEST(MeshBytes, RoundTrip) {
   const LoadedMesh loaded = Loaded();
   const auto back = MeshFromBytes(BytesFromMesh(loaded));
   ASSERT_TRUE(back) << back.error().message;
@@ -23,7 +23,7 @@ TEST(MeshBytes, ComeBackAsTheyWere) {
 }
 
 // Bytes that an import process under the control of a hostile file could write.
-TEST(MeshBytes, WhatCannotBeDrawnIsRefused) {
+TEST(MeshBytes, RefusesInvalidMeshes) {
   const auto refused = [](const auto& spoil) {
     LoadedMesh loaded = Loaded();
     spoil(loaded.mesh);

@@ -82,7 +82,7 @@ PosedCamera CameraOf(const ModelView& view) {
                          .height_px = view.height});
 }
 
-TEST(MakeCadModel, EveryFeatureKnowsItsPlaceOnTheObject) {
+TEST(MakeCadModel, EveryFeatureHasAPointOnTheObject) {
   const ObjectModel& model = BoxModel();
   ASSERT_GT(model.features.size(), 2000);
   ASSERT_EQ(model.points_in_model.size(), model.features.size());
@@ -94,7 +94,7 @@ TEST(MakeCadModel, EveryFeatureKnowsItsPlaceOnTheObject) {
   EXPECT_LT(distances_m.back(), 0.02);
 }
 
-TEST(MakeCadModel, PlacesAreSeenWhereTheirKeypointsAre) {
+TEST(MakeCadModel, PointsProjectToTheirKeypoints) {
   const ObjectModel& model = BoxModel();
   for (const ModelView& view : model.views) {
     const PosedCamera camera = CameraOf(view);
@@ -107,7 +107,7 @@ TEST(MakeCadModel, PlacesAreSeenWhereTheirKeypointsAre) {
   }
 }
 
-TEST(MakeCadModel, AnglesSayWhereTheCameraStood) {
+TEST(MakeCadModel, AnglesGiveTheCameraDirection) {
   // The points of a view lie on the side of the camera: d = (-cos az sin off, sin az sin off, cos off), by the
   // definition of azimuth and off-nadir angle.
   const ObjectModel& model = BoxModel();
@@ -127,7 +127,7 @@ TEST(MakeCadModel, AnglesSayWhereTheCameraStood) {
   }
 }
 
-TEST(MakeCadModel, NeighboursAreMutualAndNear) {
+TEST(MakeCadModel, NeighboursAreMutualAndAdjacent) {
   const ObjectModel& model = BoxModel();
   for (std::uint32_t i = 0; i < model.views.size(); ++i) {
     EXPECT_FALSE(model.views[i].neighbours.empty());
@@ -176,7 +176,7 @@ TEST(MakeCadModel, ProgressCountsAllViews) {
   EXPECT_EQ(all, 25);
 }
 
-TEST(MakeCadModel, WithoutTextureThereIsOneClearError) {
+TEST(MakeCadModel, UntexturedModelIsAnError) {
   CadModelOptions options = FewViews();
   options.min_features = 50;
   const auto model = MakeCadModel("plain", testing::Box({-1, -1, -1}, {1, 1, 1}), "plain.stl", options);
@@ -186,7 +186,7 @@ TEST(MakeCadModel, WithoutTextureThereIsOneClearError) {
   EXPECT_EQ(model.error().message.find('\n'), std::string::npos);
 }
 
-TEST(MakeCadModel, OptionsOutOfRangeAreRefused) {
+TEST(MakeCadModel, RefusesOptionsOutOfRange) {
   CadModelOptions options = FewViews();
   options.min_mask_fraction = 2;
   EXPECT_FALSE(MakeCadModel("box", BlottedBox(), "box.glb", options));

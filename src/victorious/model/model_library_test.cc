@@ -38,7 +38,7 @@ void ExpectError(const Error& error, ErrorCode code, const std::string& words) {
   EXPECT_THAT(error.message, AllOf(HasSubstr(words), Not(HasSubstr("\n"))));
 }
 
-TEST(ModelLibrary, KeepsWhatIsAdded) {
+TEST(ModelLibrary, AddedModelIsLoaded) {
   const ScratchFolder folder;
   const ModelLibrary library(folder / "new/models");
   const ObjectModel made = MakeModel("crate");
@@ -72,7 +72,7 @@ TEST(ModelLibrary, ListsByName) {
   EXPECT_EQ(names, library.Names().value());
 }
 
-TEST(ModelLibrary, NamesAreFileNames) {
+TEST(ModelLibrary, NamesMustBeFileNames) {
   const ScratchFolder folder;
   const ModelLibrary library(folder / "models");
   for (const std::string& name : {std::string(), std::string("a/b"), std::string("../a"), std::string(".hidden"),
@@ -92,7 +92,7 @@ TEST(ModelLibrary, NamesAreFileNames) {
   EXPECT_TRUE(library.CheckNewName(std::string(100, 'a')));
 }
 
-TEST(ModelLibrary, ATakenNameIsRefusedAndTheOldModelStays) {
+TEST(ModelLibrary, DuplicateNameIsRefusedAndTheModelKept) {
   const ScratchFolder folder;
   const ModelLibrary library(folder.path());
   ASSERT_TRUE(library.Add(MakeModel("crate")));
@@ -104,7 +104,7 @@ TEST(ModelLibrary, ATakenNameIsRefusedAndTheOldModelStays) {
   EXPECT_EQ(ReadFile(folder / "crate.vmodel").value(), before);
 }
 
-TEST(ModelLibrary, RemovesOneModel) {
+TEST(ModelLibrary, RemovesOneModelOnly) {
   const ScratchFolder folder;
   const ModelLibrary library(folder.path());
   ASSERT_TRUE(library.Add(MakeModel("crate")));
@@ -120,7 +120,7 @@ TEST(ModelLibrary, RemovesOneModel) {
   EXPECT_TRUE(library.Add(MakeModel("crate"))) << "the name is free again";
 }
 
-TEST(ModelLibrary, AFileThatWasRenamedHasItsNewName) {
+TEST(ModelLibrary, RenamedFileHasItsNewName) {
   const ScratchFolder folder;
   const ModelLibrary library(folder.path());
   ASSERT_TRUE(library.Add(MakeModel("crate")));
@@ -128,7 +128,7 @@ TEST(ModelLibrary, AFileThatWasRenamedHasItsNewName) {
   EXPECT_EQ(library.Load("box").value().name, "box");
 }
 
-TEST(ModelLibrary, ACorruptFileIsNamed) {
+TEST(ModelLibrary, ErrorNamesCorruptFile) {
   const ScratchFolder folder;
   const ModelLibrary library(folder.path());
   ASSERT_TRUE(library.Add(MakeModel("crate")));
@@ -147,7 +147,7 @@ TEST(ModelLibrary, ACorruptFileIsNamed) {
   EXPECT_TRUE(library.Remove("cut"));
 }
 
-TEST(ModelLibrary, AFolderThatIsMissingIsNamed) {
+TEST(ModelLibrary, ErrorNamesMissingFolder) {
   const ScratchFolder folder;
   const ModelLibrary library(folder / "none");
   const Expected<std::vector<std::string>> names = library.Names();

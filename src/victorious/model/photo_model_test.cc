@@ -62,7 +62,7 @@ void ExpectOneLine(const Error& error, ErrorCode code, std::string_view words) {
   EXPECT_THAT(error.message, AllOf(HasSubstr(std::string(words)), Not(HasSubstr("\n"))));
 }
 
-TEST(PreparePhoto, WithoutAlphaOrBoxTheWholePictureIsTheObject) {
+TEST(PreparePhoto, WithoutAlphaOrBoxTheWholeImageIsTheObject) {
   const Picture picture = ThingOnGround(ObjectKind::kCrate);
   const Photo photo = Prepare({picture.bgr, {}}, std::nullopt);
   EXPECT_EQ(photo.source, "thing.png");
@@ -72,7 +72,7 @@ TEST(PreparePhoto, WithoutAlphaOrBoxTheWholePictureIsTheObject) {
             (Box{0, 0, static_cast<double>(picture.bgr.cols), static_cast<double>(picture.bgr.rows)}));
 }
 
-TEST(PreparePhoto, ABoxIsTheOutline) {
+TEST(PreparePhoto, BoxIsTheOutline) {
   const Picture picture = ThingOnGround(ObjectKind::kCrate);
   const Box box{30.5, 20, 100, 80.25};
   const Photo photo = Prepare({picture.bgr, {}}, box);
@@ -80,7 +80,7 @@ TEST(PreparePhoto, ABoxIsTheOutline) {
   EXPECT_TRUE(photo.mask.empty());
 }
 
-TEST(PreparePhoto, TheAlphaChannelGivesTheOutline) {
+TEST(PreparePhoto, AlphaChannelGivesTheOutline) {
   for (const ObjectKind kind : {ObjectKind::kCrate, ObjectKind::kTruck, ObjectKind::kAircraft}) {
     const Picture picture = ThingOnGround(kind);
     const Photo photo = Prepare(picture, std::nullopt);
@@ -99,7 +99,7 @@ TEST(PreparePhoto, TheAlphaChannelGivesTheOutline) {
 }
 
 // The alpha channel of a screenshot.
-TEST(PreparePhoto, AnAlphaChannelThatHidesNothingChangesNothing) {
+TEST(PreparePhoto, OpaqueAlphaChannelChangesNothing) {
   Picture picture = ThingOnGround(ObjectKind::kCrate);
   picture.alpha.setTo(255);
   const Photo opaque = Prepare(picture, ThingBox(picture));
@@ -109,7 +109,7 @@ TEST(PreparePhoto, AnAlphaChannelThatHidesNothingChangesNothing) {
   EXPECT_EQ(cv::norm(opaque.grey, without.grey, cv::NORM_INF), 0) << "its surroundings stay";
 }
 
-TEST(PreparePhoto, BoxAndAlphaTogetherGiveWhatIsInBoth) {
+TEST(PreparePhoto, BoxAndAlphaAreIntersected) {
   const Picture picture = ThingOnGround(ObjectKind::kCrate);
   const Box left_half{0, 0, picture.bgr.cols / 2.0, static_cast<double>(picture.bgr.rows)};
   const Photo photo = Prepare(picture, left_half);
@@ -120,7 +120,7 @@ TEST(PreparePhoto, BoxAndAlphaTogetherGiveWhatIsInBoth) {
   EXPECT_GT(cv::countNonZero(photo.mask), 0);
 }
 
-TEST(PreparePhoto, ABoxMustLieInThePhoto) {
+TEST(PreparePhoto, BoxOutsideThePhotoIsRefused) {
   const Picture picture = ThingOnGround(ObjectKind::kCrate);
   const double width = picture.bgr.cols;
   const double height = picture.bgr.rows;
@@ -137,7 +137,7 @@ TEST(PreparePhoto, ABoxMustLieInThePhoto) {
   EXPECT_TRUE(PreparePhoto("thing.png", picture.bgr, {}, Box{0, 0, width, height}));
 }
 
-TEST(PreparePhoto, ATransparentPhotoShowsNothing) {
+TEST(PreparePhoto, TransparentPhotoIsRefused) {
   const Picture picture = ThingOnGround(ObjectKind::kCrate);
   const cv::Mat nothing = cv::Mat::zeros(picture.alpha.size(), CV_8UC1);
   Expected<Photo> photo = PreparePhoto("thing.png", picture.bgr, nothing, std::nullopt);
@@ -153,7 +153,7 @@ TEST(PreparePhoto, ATransparentPhotoShowsNothing) {
   ExpectOneLine(photo.error(), ErrorCode::kInvalidArgument, "no area");
 }
 
-TEST(LoadPhoto, ReadsFilesAndSaysWhichCannotBeRead) {
+TEST(LoadPhoto, ReadsFilesAndNamesUnreadableOnes) {
   const ScratchFolder folder;
   const Picture picture = ThingOnGround(ObjectKind::kSign);
   ASSERT_TRUE(WriteImage(folder / "sign.png", picture.bgr));
@@ -166,7 +166,7 @@ TEST(LoadPhoto, ReadsFilesAndSaysWhichCannotBeRead) {
   ExpectOneLine(missing.error(), ErrorCode::kNotFound, "none.png");
 }
 
-TEST(MakePhotoModel, CarriesWhatMadeIt) {
+TEST(MakePhotoModel, StoresEngineAndOptions) {
   const Picture crate = ThingOnGround(ObjectKind::kCrate);
   const Picture truck = ThingOnGround(ObjectKind::kTruck);
   const std::vector<Photo> photos = {Prepare(crate, std::nullopt), Prepare({truck.bgr, {}}, ThingBox(truck))};
@@ -205,7 +205,7 @@ TEST(MakePhotoModel, KeypointsLieOnTheObjectInPixelsOfThePhoto) {
 }
 
 // An image that is all object has keypoints up to its edges, at the same positions as in a larger image.
-TEST(MakePhotoModel, TheMarginDoesNotMoveKeypoints) {
+TEST(MakePhotoModel, MarginDoesNotShiftKeypoints) {
   const Picture picture = ThingOnGround(ObjectKind::kCrate);
   const Photo whole = Prepare({picture.bgr, {}}, std::nullopt);
   std::vector<std::vector<Keypoint>> keypoints;

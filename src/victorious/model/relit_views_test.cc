@@ -41,7 +41,7 @@ const ObjectModel& WaffleModel() {
   return model;
 }
 
-TEST(ViewSurface, ComesBackAsItWas) {
+TEST(ViewSurface, RoundTrips) {
   const ViewSurface first = DecodeSurface(WaffleModel().views[3].surface, "waffle").value();
   const auto bytes = EncodeSurface(first).value();
   const ViewSurface again = DecodeSurface(bytes, "waffle").value();
@@ -58,7 +58,7 @@ TEST(ViewSurface, ComesBackAsItWas) {
       1e-12);
 }
 
-TEST(ViewSurface, DamageIsOneClearError) {
+TEST(ViewSurface, DamagedSurfaceIsAnError) {
   const std::span<const std::byte> sound = WaffleModel().views[3].surface;
   for (const std::size_t kept : {std::size_t{0}, std::size_t{50}, std::size_t{120}, sound.size() / 2}) {
     const auto result = DecodeSurface(sound.first(kept), "model waffle");
@@ -74,7 +74,7 @@ TEST(ViewSurface, DamageIsOneClearError) {
 
 // Relit templates have features and points of the same form as the original ones; they depend on the sun, and repeated
 // requests give the same ones.
-TEST(RelitViews, ASunBringsItsOwnFeatures) {
+TEST(RelitViews, FeaturesDependOnTheSun) {
   const auto lit = MakeRelitViews(WaffleModel()).value();
   ASSERT_NE(lit, nullptr);
   constexpr std::size_t kView = 5;
@@ -92,7 +92,7 @@ TEST(RelitViews, ASunBringsItsOwnFeatures) {
 }
 
 // A coarse template has fewer features than the full one, with larger keypoints, at the projections of their points.
-TEST(RelitViews, ACoarseOneLiesInTheSamePixels) {
+TEST(RelitViews, CoarseTemplateHasTheSamePixelFrame) {
   const auto lit = MakeRelitViews(WaffleModel()).value();
   constexpr std::size_t kView = 5;
   const auto sharp = lit->GetTemplate({7, kView}).value();
@@ -119,7 +119,7 @@ TEST(RelitViews, ACoarseOneLiesInTheSamePixels) {
 }
 
 // An evicted template is made again identically; the most recently used one is not evicted.
-TEST(RelitViews, OnlySoManyAreKept) {
+TEST(RelitViews, CacheSizeIsLimited) {
   const auto lit = MakeRelitViews(WaffleModel(), 4).value();
   const auto first = lit->GetTemplate({7, 1}).value();
   for (std::size_t view = 2; view < 5; ++view) static_cast<void>(lit->GetTemplate({7, view}).value());
@@ -134,7 +134,7 @@ TEST(RelitViews, OnlySoManyAreKept) {
 }
 
 // Threads that prepare the same views concurrently share them; each is made once.
-TEST(RelitViews, ThreadsShareTheWork) {
+TEST(RelitViews, ConcurrentThreadsShareTemplates) {
   const auto lit = MakeRelitViews(WaffleModel()).value();
   std::vector<RelitTemplateKey> wanted;
   for (std::size_t view = 1; view < 7; ++view) wanted.push_back({8, view});
@@ -158,7 +158,7 @@ TEST(RelitViews, ThreadsShareTheWork) {
 }
 
 // Each point lies on the object and projects to a pixel of its brightness.
-TEST(RelitViews, APictureIsTheRendering) {
+TEST(RelitViews, AppearanceMatchesTheRendering) {
   const auto views = MakeRelitViews(WaffleModel()).value();
   constexpr std::size_t kView = 5;
   const ViewSurface surface = DecodeSurface(WaffleModel().views[kView].surface, "waffle").value();
@@ -191,7 +191,7 @@ TEST(RelitViews, APictureIsTheRendering) {
   EXPECT_LT(contrast(*coarse), contrast(*picture));
 }
 
-TEST(RelitViews, ADamagedRenderingIsAnError) {
+TEST(RelitViews, DamagedRenderingIsAnError) {
   ObjectModel model = WaffleModel();
   model.views[3].surface = model.views[3].surface.first(50);
   const auto views = MakeRelitViews(model).value();
@@ -208,7 +208,7 @@ TEST(RelitViews, ADamagedRenderingIsAnError) {
   EXPECT_TRUE(views->GetTemplate({7, 1}));
 }
 
-TEST(RelitViews, PhotosHaveNone) {
+TEST(RelitViews, PhotoModelsHaveNoRelitViews) {
   ObjectModel model = WaffleModel();
   model.views[2].surface = {};
   EXPECT_EQ(MakeRelitViews(model).value(), nullptr);

@@ -61,7 +61,7 @@ MatrixXd Dense(const BorderedSystem& system) {
 
 class BorderedSystemTest : public ::testing::TestWithParam<std::pair<int, int>> {};
 
-TEST_P(BorderedSystemTest, IsWhatTheDenseMatrixGives) {
+TEST_P(BorderedSystemTest, MatchesTheDenseSolution) {
   const auto [blocks, border] = GetParam();
   const BorderedSystem system = DrawnSystem(static_cast<std::size_t>(blocks), 4, border);
   const MatrixXd inverse = Dense(system).inverse();
@@ -90,7 +90,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, BorderedSystemTest,
                          ::testing::Values(std::pair(1, 0), std::pair(1, 3), std::pair(2, 2), std::pair(7, 0),
                                            std::pair(9, 5)));
 
-TEST(BorderedSystem, RefusesWhatIsNotPositiveDefinite) {
+TEST(BorderedSystem, RefusesIndefiniteMatrices) {
   BorderedSystem system = DrawnSystem(3, 4, 2);
   system.diagonal[1].setZero();
   EXPECT_FALSE(system.Solve());

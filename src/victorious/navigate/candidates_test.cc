@@ -55,7 +55,7 @@ class CandidatesTest : public ::testing::Test {
   LandmarkSighting sighting_;
 };
 
-TEST_F(CandidatesTest, AreThoseAroundWhereTelemetryHasWhatIsSeen) {
+TEST_F(CandidatesTest, AreNearThePlaceByTelemetry) {
   const std::size_t below = 30 * kSide + 40;
   const std::vector<std::size_t> near = LandmarksFor(below, {15, -20, 5});
   EXPECT_TRUE(std::ranges::binary_search(near, below));
@@ -67,14 +67,14 @@ TEST_F(CandidatesTest, AreThoseAroundWhereTelemetryHasWhatIsSeen) {
   }
 }
 
-TEST_F(CandidatesTest, AreTheNearestWhereNoneIsNear) { EXPECT_EQ(LandmarksFor(0, {-5000, 0, 0}).size(), 16); }
+TEST_F(CandidatesTest, AreTheNearestIfNoneIsInRange) { EXPECT_EQ(LandmarksFor(0, {-5000, 0, 0}).size(), 16); }
 
-TEST_F(CandidatesTest, OfFewAreAll) {
+TEST_F(CandidatesTest, AreAllOfAFew) {
   of_models_.front() = {3, 7, 4000};
   EXPECT_EQ(LandmarksFor(3, {-5000, 0, 0}), of_models_.front());
 }
 
-TEST_F(CandidatesTest, WithoutTelemetryAreAll) { EXPECT_EQ(OfSighting(), of_models_.front()); }
+TEST_F(CandidatesTest, AreAllWithoutTelemetry) { EXPECT_EQ(OfSighting(), of_models_.front()); }
 
 }  // namespace
 }  // namespace victorious

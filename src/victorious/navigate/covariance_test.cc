@@ -16,7 +16,7 @@ Matrix6 Drawn() {
   return root * root.transpose();
 }
 
-TEST(Covariance, IsInverted) {
+TEST(Covariance, InverseTimesMatrixIsIdentity) {
   const Matrix6 covariance = Drawn();
   const auto inverse = InvertCovariance(covariance);
   ASSERT_TRUE(inverse);
@@ -27,7 +27,7 @@ TEST(Covariance, IsInverted) {
   EXPECT_NEAR(SquaredMahalanobis(off, covariance) / off.dot(*inverse * off), 1, 1e-6);
 }
 
-TEST(Covariance, ThatIsNoneIsNearNothing) {
+TEST(Covariance, IndefiniteMatrixHasInfiniteDistance) {
   const Vector6 off = Vector6::Ones();
   Matrix6 negative = Matrix6::Identity();
   negative(2, 2) = -1;
@@ -40,7 +40,7 @@ TEST(Covariance, ThatIsNoneIsNearNothing) {
   }
 }
 
-TEST(Covariance, WhoseNumbersErrAlikeIsOneAllTheSame) {
+TEST(Covariance, FullyCorrelatedMatrixIsInvertible) {
   const Matrix6 alike = Matrix6::Constant(1e12);
   EXPECT_TRUE(InvertCovariance(alike));
   EXPECT_NEAR(SquaredMahalanobis(Vector6::Constant(1e6), alike), 1, 1e-3);

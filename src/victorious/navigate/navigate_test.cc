@@ -50,7 +50,7 @@ Navigation Estimate(const LandmarkFlight& flight, const NavigateOptions& options
   return navigation ? *std::move(navigation) : Navigation{};
 }
 
-TEST(Navigate, TakesOutTheOffsetOfTelemetry) {
+TEST(Navigate, RemovesTelemetryOffset) {
   Errors errors;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const LandmarkFlight flight({.seed = seed});
@@ -66,7 +66,7 @@ TEST(Navigate, TakesOutTheOffsetOfTelemetry) {
   EXPECT_LT(errors.Turn(0.5), 0.5);
 }
 
-TEST(Navigate, FollowsTelemetryThatJumps) {
+TEST(Navigate, FollowsTelemetryJumps) {
   Errors errors;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const LandmarkFlight flight({.seed = seed, .jump_m = 40});
@@ -76,7 +76,7 @@ TEST(Navigate, FollowsTelemetryThatJumps) {
   EXPECT_LT(errors.Place(0.95), 3);
 }
 
-TEST(Navigate, NeedsNoTelemetry) {
+TEST(Navigate, WorksWithoutTelemetry) {
   Errors errors;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const LandmarkFlight flight({.seed = seed, .telemetry = false});
@@ -89,7 +89,7 @@ TEST(Navigate, NeedsNoTelemetry) {
   EXPECT_LT(errors.Place(0.95), 5);
 }
 
-TEST(Navigate, CovarianceHoldsTheTruth) {
+TEST(Navigate, CovarianceContainsTheTruth) {
   Errors with;
   Errors without;
   Errors self_located;
@@ -112,7 +112,7 @@ TEST(Navigate, CovarianceHoldsTheTruth) {
   RecordProperty("inside_self_located", std::to_string(self_located.Inside()));
 }
 
-TEST(Navigate, AWrongLandmarkDoesNotPullItAway) {
+TEST(Navigate, IsRobustToAWrongLandmark) {
   for (const bool telemetry : {true, false}) {
     Errors right;
     Errors wrong;
@@ -136,7 +136,7 @@ TEST(Navigate, AWrongLandmarkDoesNotPullItAway) {
 }
 
 // Landmarks that are hardly ever in view together: sightings before and after contradict the wrong one.
-TEST(Navigate, WithoutTelemetryAWrongLandmarkContradictsTheOthers) {
+TEST(Navigate, WrongLandmarkIsRejectedWithoutTelemetry) {
   for (const std::size_t wrong : {0U, 1U, 3U}) {
     int believed = 0;
     int doubted = 0;
@@ -159,7 +159,7 @@ TEST(Navigate, WithoutTelemetryAWrongLandmarkContradictsTheOthers) {
   }
 }
 
-TEST(Navigate, SetsWrongSightingsAside) {
+TEST(Navigate, RejectsFalseSightings) {
   Errors errors;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const LandmarkFlight flight({.seed = seed, .outlier_fraction = 0.3});
@@ -178,7 +178,7 @@ TEST(Navigate, SetsWrongSightingsAside) {
   EXPECT_LT(errors.Place(0.95), 3);
 }
 
-TEST(Navigate, TellsLandmarksOfOneModelApart) {
+TEST(Navigate, AssignsSightingsToLandmarksOfOneModel) {
   for (const bool telemetry : {true, false}) {
     LandmarkFlight flight({.seed = 4, .landmarks = 5, .telemetry = telemetry});
     std::vector<std::size_t> truth;
@@ -195,7 +195,7 @@ TEST(Navigate, TellsLandmarksOfOneModelApart) {
 }
 
 // Only a subset of the hypotheses is tried as the reference: each landmark must occur in it.
-TEST(Navigate, OfTwoLandmarksOfOneModelTheSecondIsFoundAlone) {
+TEST(Navigate, AssignsSightingsToSecondLandmarkOfOneModel) {
   LandmarkFlight flight({.seed = 4, .frames = 480, .frame_rate = 60, .landmarks = 2});
   std::erase_if(flight.sightings, [](const LandmarkSighting& sighting) { return sighting.model == 0; });
   ASSERT_GE(flight.sightings.size(), 60U);
@@ -207,7 +207,7 @@ TEST(Navigate, OfTwoLandmarksOfOneModelTheSecondIsFoundAlone) {
 }
 
 // A town of identical landmarks: those far from the camera cost almost nothing and do not change the result.
-TEST(Navigate, AListOfThousandsCostsAsMuchAsThoseAround) {
+TEST(Navigate, ThousandsOfDistantLandmarksDoNotChangeTheResult) {
   for (const bool telemetry : {true, false}) {
     // Without telemetry every landmark is a hypothesis in every frame: a shorter flight over a smaller town.
     const int side = telemetry ? 71 : 45;
@@ -251,7 +251,7 @@ TEST(Navigate, AListOfThousandsCostsAsMuchAsThoseAround) {
   }
 }
 
-TEST(Navigate, UsesDirectionsAlone) {
+TEST(Navigate, WorksFromDirectionsOnly) {
   Errors errors;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     LandmarkFlight flight({.seed = seed, .landmarks = 8});
@@ -268,7 +268,7 @@ TEST(Navigate, UsesDirectionsAlone) {
   EXPECT_GT(errors.Inside(), 0.7);
 }
 
-TEST(Navigate, WithoutSightingsIsTheTelemetryAsItIs) {
+TEST(Navigate, WithoutSightingsEqualsTelemetry) {
   LandmarkFlight flight({.seed = 2});
   flight.sightings.clear();
   const Navigation navigation = Estimate(flight);
@@ -279,7 +279,7 @@ TEST(Navigate, WithoutSightingsIsTheTelemetryAsItIs) {
   EXPECT_NEAR(*frame.camera.sigma_position_m, 10, 4);
 }
 
-TEST(Navigate, WithoutAnythingThereIsNothing) {
+TEST(Navigate, WithoutTelemetryAndSightingsGivesNoPoses) {
   LandmarkFlight flight({.seed = 2, .telemetry = false});
   flight.sightings.clear();
   EXPECT_TRUE(Estimate(flight).frames.empty());

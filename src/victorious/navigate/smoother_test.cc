@@ -23,7 +23,7 @@ FlightState DrawnState(Random& random) {
   return state;
 }
 
-TEST(Smoother, SightingDerivativeIsThatOfItsError) {
+TEST(Smoother, SightingJacobianMatchesFiniteDifferences) {
   Random random(3);
   for (int draw = 0; draw < 20; ++draw) {
     const FlightState state = DrawnState(random);
@@ -50,7 +50,7 @@ TEST(Smoother, SightingDerivativeIsThatOfItsError) {
 }
 
 // A static camera, one exact landmark, no telemetry: observed in the first and the last frame.
-TEST(Smoother, BridgesFramesWithoutSightings) {
+TEST(Smoother, InterpolatesFramesWithoutSightings) {
   Random random(5);
   const FlightState truth = DrawnState(random);
   const Rigid3 landmark{RotationFromVector(Drawn(random, 1)),
@@ -77,7 +77,7 @@ TEST(Smoother, BridgesFramesWithoutSightings) {
   EXPECT_NEAR(sigma(0), sigma(10), 1e-3 * sigma(0));
 }
 
-TEST(Smoother, TellsOffsetsFromNoise) {
+TEST(Smoother, SeparatesOffsetsFromNoise) {
   Random random(7);
   FlightInput flight{.frames = {},
                      .sigmas = {.offset_position_m = 10,

@@ -29,7 +29,7 @@ void ExpectObservation(const std::optional<BearingObservation>& observation, con
   EXPECT_NEAR(DegreesFromRadians(WrapAngle(*observation->heading_rad - RadiansFromDegrees(heading_deg))), 0, 3);
 }
 
-TEST(BearingObservation, TellsDirectionRangeAndHeadingOfAKnownObject) {
+TEST(BearingObservation, MatchesBearingRangeAndHeadingOfAKnownObject) {
   const Eigen::Vector3d object_enu(40, 55, -100);
   const CameraState camera = LookingDown(-55, 38);
   for (const double heading_deg : {10.0, 140.0, 265.0}) {
@@ -41,7 +41,7 @@ TEST(BearingObservation, TellsDirectionRangeAndHeadingOfAKnownObject) {
   }
 }
 
-TEST(BearingObservation, TheLensIsUndone) {
+TEST(BearingObservation, LensDistortionIsRemoved) {
   const Eigen::Vector3d object_enu(47, 60, -100);
   CameraState camera = LookingDown(-55, 38);
   camera.distortion = LensDistortion{-2.5, 8, 0.01, -0.02, 0};
@@ -49,14 +49,14 @@ TEST(BearingObservation, TheLensIsUndone) {
   ExpectObservation(ObserveStaged(staged, camera), object_enu, 140);
 }
 
-TEST(BearingObservation, WithoutACompleteCameraThereIsNone) {
+TEST(BearingObservation, IncompleteCameraStateGivesNone) {
   CameraState camera = LookingDown(-55, 38);
   const Staged staged = Stage(camera, {40, 55, -100}, 10, {});
   camera.hfov_rad.reset();
   EXPECT_FALSE(ObserveStaged(staged, camera));
 }
 
-TEST(BearingObservation, APhotoHasARangeOnlyWhereItsLengthIsKnown) {
+TEST(BearingObservation, PhotoModelHasARangeOnlyWithKnownLength) {
   ObjectModel model{.kind = ModelKind::kPhotos};
   model.views.push_back({.width = 200, .height = 100, .outline = {{0, 0}, {200, 0}, {200, 100}, {0, 100}}});
   Detection detection;

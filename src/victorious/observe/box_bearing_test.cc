@@ -25,7 +25,7 @@ CameraState CameraAt(const Vector3d& place, double pitch_offset_rad = 0) {
 
 double FocalPx() { return 320 / std::tan(RadiansFromDegrees(10)); }
 
-TEST(BoxBearing, GoesThroughTheCentreOfTheBox) {
+TEST(BoxBearing, PassesThroughTheBoxCentre) {
   const auto observation = MakeBoxBearingObservation({300, 220, 40, 40}, kImage, CameraAt({0, -70, 70}), nullptr, 7);
   ASSERT_TRUE(observation);
   EXPECT_NEAR(observation->line.azimuth_rad, 0, 1e-4);
@@ -35,7 +35,7 @@ TEST(BoxBearing, GoesThroughTheCentreOfTheBox) {
   EXPECT_EQ(observation->recognition_id, 7);
 }
 
-TEST(BoxBearing, HasARangeByTheLengthOfTheType) {
+TEST(BoxBearing, ObjectTypeLengthGivesRange) {
   const ObjectType* car = FindObjectType("car");
   const CameraState camera = CameraAt({0, -70, 70});
   const auto observation = MakeBoxBearingObservation({300, 220, 40, 40}, kImage, camera, car, 1);
@@ -46,7 +46,7 @@ TEST(BoxBearing, HasARangeByTheLengthOfTheType) {
   EXPECT_FALSE(MakeBoxBearingObservation({300, 220, 40, 40}, kImage, {}, car, 1)) << "no camera state";
 }
 
-TEST(BoxBearing, APredictedBoxIsAtThePlaceAndAsLargeAsItsDistance) {
+TEST(BoxBearing, PredictedBoxMatchesPlaceAndDistance) {
   const CameraState before = CameraAt({-60, -70, 100}, 0.005);
   CameraState near = CameraAt({0, -35, 50});
   const auto seen = PredictBox(kOrigin, {300, 200, 30, 20}, before, near, kImage);

@@ -42,7 +42,7 @@ Vector6 ErrorOf(const LandmarkSighting& sighting) {
   return error;
 }
 
-TEST(LandmarkSighting, InformationIsThatOfItsError) {
+TEST(LandmarkSighting, InformationIsConsistentWithErrors) {
   Random random(11);
   ObservationOptions options;
   options.point_sigma_px = 1;
@@ -60,7 +60,7 @@ TEST(LandmarkSighting, InformationIsThatOfItsError) {
   EXPECT_LT(sum / kDraws, 7.5);
 }
 
-TEST(LandmarkSighting, IsNeverBetterThanItsFloors) {
+TEST(LandmarkSighting, SigmasHaveLowerBounds) {
   Random random(12);
   ObservationOptions options;
   options.min_sigma_px = 0.3;
@@ -76,7 +76,7 @@ TEST(LandmarkSighting, IsNeverBetterThanItsFloors) {
 }
 
 // Few points at one end of the object, and a rotation error: the errors are consistent with the covariance.
-TEST(LandmarkSighting, OfFewPointsItMayBeTurnedAboutThem) {
+TEST(LandmarkSighting, FewPointsAllowRotationAboutThem) {
   Random random(13);
   ObjectPose object_pose = Drawn(random, 10);
   const Vector3d end(2.5, 0, 0);
@@ -95,7 +95,7 @@ TEST(LandmarkSighting, OfFewPointsItMayBeTurnedAboutThem) {
       1.8);
 }
 
-TEST(LandmarkSighting, APhotoTellsWhereItIsAndNotHowItIsTurned) {
+TEST(LandmarkSighting, PhotoModelGivesPositionWithoutRotation) {
   const ObjectPose object_pose{
       .direction = Vector3d(0, 0.6, 0.8), .sigma_rad = 0.01, .range_m = 50, .sigma_range_m = 15};
   const auto sighting = MakeLandmarkSighting(object_pose, {}, {});
@@ -107,7 +107,7 @@ TEST(LandmarkSighting, APhotoTellsWhereItIsAndNotHowItIsTurned) {
   EXPECT_NEAR(information(0, 0), 1 / (0.5 * 0.5), 1e-9);
 }
 
-TEST(LandmarkSighting, WithoutADistanceThereIsNone) {
+TEST(LandmarkSighting, MissingRangeGivesNone) {
   EXPECT_FALSE(MakeLandmarkSighting({.direction = Vector3d::UnitZ(), .sigma_rad = 0.01}, {}, {}));
 }
 

@@ -39,7 +39,7 @@ std::optional<ObjectPose> EstimateStagedPose(const Staged& staged, const CameraS
   return EstimateObjectPose(staged.detection, staged.model, staged.scene, camera, {}, UpInCamera(camera));
 }
 
-TEST(ObjectPose, IsBetweenViews) {
+TEST(ObjectPose, InterpolatesBetweenViews) {
   const CameraState camera = LookingDown(-55, 38);
   for (const double heading_deg : {10.0, 140.0, 265.0}) {
     const Staged staged = Stage(camera, kPlaceEnu, heading_deg, {});
@@ -50,7 +50,7 @@ TEST(ObjectPose, IsBetweenViews) {
   }
 }
 
-TEST(ObjectPose, ViewAndTurnTogetherAreTheRotation) {
+TEST(ObjectPose, ViewAndInPlaneRotationGiveTheRotation) {
   const CameraState camera = LookingDown(-55, 38);
   const auto object_pose = EstimateStagedPose(Stage(camera, kPlaceEnu, 200, {}), camera);
   ASSERT_TRUE(object_pose);
@@ -62,7 +62,7 @@ TEST(ObjectPose, ViewAndTurnTogetherAreTheRotation) {
   EXPECT_LT(turned.angularDistance(stands.rotation), 1e-6);
 }
 
-TEST(ObjectPose, NeedsNoTelemetryWhereTheFieldOfViewIsKnown) {
+TEST(ObjectPose, NeedsOnlyTheFieldOfView) {
   const CameraState camera = LookingDown(-55, 38);
   const Staged staged = Stage(camera, kPlaceEnu, 75, {});
   const auto object_pose = EstimateStagedPose(staged, CameraState{.hfov_rad = camera.hfov_rad});
@@ -71,7 +71,7 @@ TEST(ObjectPose, NeedsNoTelemetryWhereTheFieldOfViewIsKnown) {
   EXPECT_NEAR(*object_pose->range_m, kPlaceEnu.norm(), 0.02 * kPlaceEnu.norm());
 }
 
-TEST(ObjectPose, WithoutAFieldOfViewThereIsNoDistance) {
+TEST(ObjectPose, MissingFieldOfViewGivesNoRange) {
   const Staged staged = Stage(LookingDown(-55, 38), kPlaceEnu, 75, {});
   const auto object_pose = EstimateStagedPose(staged, CameraState{});
   ASSERT_TRUE(object_pose);
@@ -79,7 +79,7 @@ TEST(ObjectPose, WithoutAFieldOfViewThereIsNoDistance) {
   EXPECT_FALSE(object_pose->range_m);
 }
 
-TEST(ObjectPose, WrongMatchesDoNotTiltIt) {
+TEST(ObjectPose, IsRobustToFalseMatches) {
   const CameraState camera = LookingDown(-55, 38);
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     Staged staged = Stage(camera, kPlaceEnu, 75, {});
@@ -95,7 +95,7 @@ TEST(ObjectPose, WrongMatchesDoNotTiltIt) {
   }
 }
 
-TEST(ObjectPose, SaysHowFarItMayErr) {
+TEST(ObjectPose, CovarianceIsConsistent) {
   const CameraState camera = LookingDown(-55, 38);
   constexpr int kDraws = 100;
   int view_inside = 0;
@@ -113,7 +113,7 @@ TEST(ObjectPose, SaysHowFarItMayErr) {
   EXPECT_GE(distance_inside, 80);
 }
 
-TEST(ObjectPose, ErrsMoreTheLongerItIsOnlyFollowed) {
+TEST(ObjectPose, TrackingDriftGrowsWithFrames) {
   ObjectPose object_pose{.sigma_rad = 3e-4, .range_m = 100, .sigma_range_m = 0.3, .focal_px = 2000};
   const ObjectPose before = object_pose;
   AddTrackingDrift(object_pose, 0, {});
@@ -128,14 +128,14 @@ TEST(ObjectPose, ErrsMoreTheLongerItIsOnlyFollowed) {
   EXPECT_FALSE(without.range_m);
 }
 
-TEST(ObjectPose, AModelWithoutPointsHasNone) {
+TEST(ObjectPose, ModelWithoutPointsHasNoPose) {
   Staged staged = Stage(LookingDown(-55, 38), kPlaceEnu, 75, {});
   for (FitInlier& inlier : staged.detection.fit.inliers) inlier.point_in_model.reset();
   EXPECT_FALSE(EstimateStagedPose(staged, LookingDown(-55, 38)));
   EXPECT_FALSE(EstimateStagedPose(staged, CameraState{}));
 }
 
-TEST(ObjectPose, OfABoxIsTheDirectionToItsMiddle) {
+TEST(ObjectPose, BoxGivesDirectionToItsCentre) {
   const CameraState camera{.hfov_rad = kPi / 2};  // tan(hfov / 2) = 1
   const auto object_pose = EstimateBoxDirection({300, 150, 100, 60}, {400, 300}, camera, 0.1);
   ASSERT_TRUE(object_pose);

@@ -5,7 +5,7 @@
 namespace victorious {
 namespace {
 
-TEST(ObjectType, IsTheLastPartThatIsKnown) {
+TEST(ObjectType, IsTheLastKnownPart) {
   ASSERT_NE(FindObjectType("vehicle/car"), nullptr);
   EXPECT_EQ(FindObjectType("vehicle/car")->name, "car");
   EXPECT_EQ(FindObjectType("vehicle/lunar rover")->name, "vehicle");
@@ -14,7 +14,7 @@ TEST(ObjectType, IsTheLastPartThatIsKnown) {
   EXPECT_EQ(FindObjectType(""), nullptr);
 }
 
-TEST(ObjectType, SaysWhatFollowsFromIt) {
+TEST(ObjectType, LengthAndMotionAreConsistent) {
   EXPECT_TRUE(FindObjectType("building")->is_static);
   EXPECT_EQ(FindObjectType("building")->length_m, 0);
   for (const ObjectType& type : ObjectTypes()) {

@@ -28,14 +28,14 @@ class CameraStatesTest : public ::testing::Test {
   std::vector<std::string> warnings_;
 };
 
-TEST_F(CameraStatesTest, WithoutTelemetryThereIsNone) {
+TEST_F(CameraStatesTest, WithoutTelemetryGivesNoStates) {
   const CameraStates none;
   EXPECT_FALSE(none.At(0));
   EXPECT_FALSE(none.HasStates());
   EXPECT_EQ(none.trajectory(), nullptr);
 }
 
-TEST_F(CameraStatesTest, AFileGivesStatesWhereItHasThem) {
+TEST_F(CameraStatesTest, FileGivesStatesWithinItsTimes) {
   const CameraStates cameras = Load(kRows).value();
   EXPECT_TRUE(cameras.HasStates());
   EXPECT_TRUE(cameras.At(0.5));
@@ -44,7 +44,7 @@ TEST_F(CameraStatesTest, AFileGivesStatesWhereItHasThem) {
   EXPECT_FALSE(cameras.start_utc_us());
 }
 
-TEST_F(CameraStatesTest, TheFallbackFieldOfViewIsForFramesWithoutOne) {
+TEST_F(CameraStatesTest, FallbackFieldOfViewAppliesToFramesWithoutOne) {
   CameraStates cameras = Load(kRows).value();
   cameras.SetFallbackFieldOfView(0.3);
   EXPECT_NEAR(*cameras.At(0.5)->hfov_rad, RadiansFromDegrees(50), 1e-9);
@@ -55,7 +55,7 @@ TEST_F(CameraStatesTest, TheFallbackFieldOfViewIsForFramesWithoutOne) {
   EXPECT_FALSE(beyond->attitude);
 }
 
-TEST_F(CameraStatesTest, OnlyALiveSourceWithADataStreamSendsPackets) {
+TEST_F(CameraStatesTest, OnlyLiveSourcesWithADataStreamNeedPackets) {
   VideoInfo info;
   info.live = true;
   EXPECT_EQ(CameraStates::ForLive(info, {}).packet_receiver(), nullptr);

@@ -73,7 +73,7 @@ TEST_F(ContactSheet, ShowsEachObjectOnceWithItsOutline) {
   EXPECT_EQ(Tiles(sheet, 2, rows), static_cast<int>(objects_.size()));
 }
 
-TEST_F(ContactSheet, ShowsNoMoreThanAskedForAndNoOthers) {
+TEST_F(ContactSheet, RespectsLimitAndFilter) {
   EXPECT_EQ(Tiles(Draw({}, {.max_tiles = 1, .columns = 2, .tile_width_px = 160}), 1, 1), 1);
   const SightingFilter trucks{.model_name = flight_.flight().ObjectName(1)};
   const auto count = static_cast<int>(ObjectsOf(*store_, trucks).size());
@@ -81,7 +81,7 @@ TEST_F(ContactSheet, ShowsNoMoreThanAskedForAndNoOthers) {
 }
 
 // An object passes the time filter if its interval overlaps it, even without a sighting in it: then there is no tile.
-TEST_F(ContactSheet, LeavesOutObjectsThatAreNotSeenInTheTimeAskedFor) {
+TEST_F(ContactSheet, ExcludesObjectsOutsideTheTimeRange) {
   for (const ObjectRecord& object : objects_) {
     if (object.frames < 2) continue;
     const SightingFilter between{.from_s = object.first_time_s + 0.01, .to_s = object.first_time_s + 0.02};
@@ -93,7 +93,7 @@ TEST_F(ContactSheet, LeavesOutObjectsThatAreNotSeenInTheTimeAskedFor) {
   FAIL() << "no object was seen twice";
 }
 
-TEST_F(ContactSheet, SaysWhyItCannotBeDrawn) {
+TEST_F(ContactSheet, ErrorsNameTheReason) {
   EXPECT_THAT(ErrorOf({.from_s = 1000}, kSmallTiles),
               AllOf(HasSubstr("no object in the index passes the filter"), Not(HasSubstr("\n"))));
   EXPECT_THAT(ErrorOf({.model_name = "nobody"}, kSmallTiles), HasSubstr("nobody"));

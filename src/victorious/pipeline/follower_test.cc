@@ -50,7 +50,7 @@ class FollowerTest : public ::testing::Test {
   Recognizer recognizer_ = Recognizer::Create(flight_.Models(), "opencv", {}).value();
 };
 
-TEST_F(FollowerTest, BetweenWholeFramesObjectsAreSeenInTheirRegions) {
+TEST_F(FollowerTest, ObjectsAreRecognisedInTheirRegionsBetweenFullFrames) {
   const Frames frames = FollowAll(6, {});
   ASSERT_GT(frames.truths, 10);
   EXPECT_GE(frames.found, 0.8 * frames.truths);
@@ -62,7 +62,7 @@ TEST_F(FollowerTest, BetweenWholeFramesObjectsAreSeenInTheirRegions) {
 }
 
 // A detection in a predicted region confirms the position; its score is capped by the full-frame score.
-TEST_F(FollowerTest, InItsRegionAThingIsNoSurerThanInAWholeFrame) {
+TEST_F(FollowerTest, RegionScoreIsCappedByFullFrameScore) {
   constexpr double kScore = 0.85;
   Follower follower = Follower::Create(recognizer_, *extractor_, 0.01, {}).value();
   int between = 0;
@@ -84,7 +84,7 @@ TEST_F(FollowerTest, InItsRegionAThingIsNoSurerThanInAWholeFrame) {
   EXPECT_GT(between, 5);
 }
 
-TEST_F(FollowerTest, AnObjectIsSeenOnceInAFrame) {
+TEST_F(FollowerTest, ObjectIsReportedOncePerFrame) {
   for (const std::vector<ObservedObject>& seen : FollowAll(3, {}).seen) {
     for (std::size_t i = 0; i < seen.size(); ++i) {
       for (std::size_t k = 0; k < i; ++k) {
@@ -95,7 +95,7 @@ TEST_F(FollowerTest, AnObjectIsSeenOnceInAFrame) {
   }
 }
 
-TEST_F(FollowerTest, ATrackThatWasRecognisedTooSeldomDoesNotCountAlone) {
+TEST_F(FollowerTest, RarelyRecognisedTrackIsNotReportedAlone) {
   FollowOptions strict;
   strict.min_recognised_frames = 1000;
   for (const std::vector<ObservedObject>& seen : FollowAll(4, strict).seen) {
@@ -103,7 +103,7 @@ TEST_F(FollowerTest, ATrackThatWasRecognisedTooSeldomDoesNotCountAlone) {
   }
 }
 
-TEST_F(FollowerTest, WhereItIsOnlyTrackedItRestsOnThePointsFollowed) {
+TEST_F(FollowerTest, TrackedSightingHasTheTrackedPointsAsInliers) {
   FollowOptions seldom;
   seldom.search_interval_frames = 4;
   int tracked = 0;
@@ -128,7 +128,7 @@ TEST_F(FollowerTest, WhereItIsOnlyTrackedItRestsOnThePointsFollowed) {
   EXPECT_GT(tracked, 10) << "most frames are not searched";
 }
 
-TEST_F(FollowerTest, WhatIsFollowedKeepsItsTrack) {
+TEST_F(FollowerTest, TrackIdIsKept) {
   FollowOptions options;
   options.restart_interval_frames = 12;
   std::map<std::int64_t, std::pair<int, Box>> last;  // by track: frame and box
@@ -154,7 +154,7 @@ TEST_F(FollowerTest, WhatIsFollowedKeepsItsTrack) {
 }
 
 // After a restart frame, earlier frames have no influence.
-TEST_F(FollowerTest, ARestartForgetsWhatWasBefore) {
+TEST_F(FollowerTest, RestartDiscardsEarlierState) {
   FollowOptions options;
   options.restart_interval_frames = 12;
   const Frames all = FollowAll(6, options);

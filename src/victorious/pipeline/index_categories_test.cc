@@ -56,7 +56,7 @@ class IndexCategoriesTest : public ::testing::Test {
   std::string video_ = (folder_ / "pairs.mkv").string();
 };
 
-TEST_F(IndexCategoriesTest, FindsEachWhenItIsThere) {
+TEST_F(IndexCategoriesTest, FindsEachCategoryInItsFrames) {
   const auto store = Store("index.db");
   const auto report = TryIndex(*store);
   ASSERT_TRUE(report) << report.error().message;
@@ -81,7 +81,7 @@ TEST_F(IndexCategoriesTest, FindsEachWhenItIsThere) {
   EXPECT_THAT(contents, HasSubstr(R"("matches":null,"view":null)"));
 }
 
-TEST_F(IndexCategoriesTest, EveryNthFrameAlone) {
+TEST_F(IndexCategoriesTest, SearchesEveryNthFrameOnly) {
   const auto store = Store("index.db");
   IndexOptions options;
   options.every = 4;
@@ -92,7 +92,7 @@ TEST_F(IndexCategoriesTest, EveryNthFrameAlone) {
   for (const SightingRecord& sighting : sightings) EXPECT_EQ(sighting.frame % 4, 0);
 }
 
-TEST_F(IndexCategoriesTest, StoppedAndGoneOnWithIsTheSame) {
+TEST_F(IndexCategoriesTest, ResumedSearchEqualsUninterruptedSearch) {
   IndexOptions options;
   options.keep.interval_s = 0;  // so that frames are stored before the end of the video
   const auto whole = Store("whole.db");
@@ -130,7 +130,7 @@ TEST_F(IndexCategoriesTest, OtherParametersNeedRedo) {
   EXPECT_THAT(other.error().message, HasSubstr("categories.min_probability was 0.5, is 0.6"));
 }
 
-TEST_F(IndexCategoriesTest, AnotherModelReplacesTheFinds) {
+TEST_F(IndexCategoriesTest, ChangedModelReplacesItsSightings) {
   const auto store = Store("index.db");
   ASSERT_TRUE(TryIndex(*store));
   const auto report = TryIndex(*store, {}, false, 2);
@@ -141,7 +141,7 @@ TEST_F(IndexCategoriesTest, AnotherModelReplacesTheFinds) {
     EXPECT_TRUE(seen.emplace(sighting.model, sighting.frame).second);
 }
 
-TEST_F(IndexCategoriesTest, ModelsAndCategoriesAreApart) {
+TEST_F(IndexCategoriesTest, ModelsAndCategoriesAreIndexedIndependently) {
   const auto store = Store("index.db");
   ASSERT_TRUE(TryIndex(*store));
   const auto no_model = Catalogue::Read(*store, {.model_name = "cross-disc"});
@@ -163,7 +163,7 @@ TEST_F(IndexCategoriesTest, ModelsAndCategoriesAreApart) {
   EXPECT_FALSE(SightingsOf(*store, {.category_name = "cross-disc"}).empty());
 }
 
-TEST_F(IndexCategoriesTest, BesideModelsNothingChanges) {
+TEST_F(IndexCategoriesTest, SearchingWithModelsChangesNothing) {
   const DrawnFlight flight(ShortFlight());
   const auto apart = Store("apart.db");
   const auto together = Store("together.db");

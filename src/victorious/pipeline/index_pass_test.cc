@@ -108,7 +108,7 @@ class IndexPassTest : public ::testing::Test {
   std::optional<SearchRecord> search_;
 };
 
-TEST_F(IndexPassTest, ALiveSourceEndsWhereItIsCancelled) {
+TEST_F(IndexPassTest, CancelledLiveSourceIsComplete) {
   FakeReader reader(/*live=*/true, [&](std::int64_t frame) {
     if (frame == 20) cancel_.Cancel();
   });
@@ -123,7 +123,7 @@ TEST_F(IndexPassTest, ALiveSourceEndsWhereItIsCancelled) {
   EXPECT_THAT(warnings_, ElementsAre("at 0.10 s: something damaged"));
 }
 
-TEST_F(IndexPassTest, AFileThatIsCancelledSaysWhichAndWhere) {
+TEST_F(IndexPassTest, CancelledFileNamesVideoAndFrame) {
   FakeReader reader(/*live=*/false, [&](std::int64_t frame) {
     if (frame == 20) cancel_.Cancel();
   });
@@ -136,7 +136,7 @@ TEST_F(IndexPassTest, AFileThatIsCancelledSaysWhichAndWhere) {
   EXPECT_THAT(warnings_, ElementsAre("at 0.10 s: something damaged"));
 }
 
-TEST_F(IndexPassTest, ALiveSourceThatFailsIsNotDone) {
+TEST_F(IndexPassTest, FailedLiveSourceIsNotComplete) {
   FakeReader reader(/*live=*/true, [](std::int64_t /*frame*/) {});
   reader.broken_at = 20;
   const Status status = Run(reader);
@@ -147,7 +147,7 @@ TEST_F(IndexPassTest, ALiveSourceThatFailsIsNotDone) {
   EXPECT_THAT(warnings_, ElementsAre("at 0.10 s: something damaged"));
 }
 
-TEST_F(IndexPassTest, FramesPassedOverOnTheWayToTheFirstAreShown) {
+TEST_F(IndexPassTest, ProgressIncludesFramesBeforeTheFirst) {
   FakeReader reader(/*live=*/false, [&](std::int64_t frame) {
     if (frame == 20) cancel_.Cancel();
   });
@@ -156,7 +156,7 @@ TEST_F(IndexPassTest, FramesPassedOverOnTheWayToTheFirstAreShown) {
   EXPECT_THAT(::testing::internal::GetCapturedStderr(), AllOf(HasSubstr("fake.mp4"), HasSubstr("21 of 200 frames")));
 }
 
-TEST_F(IndexPassTest, ALiveSourcesOwnTelemetryTellsWhereThingsAre) {
+TEST_F(IndexPassTest, LiveTelemetryGivesPlaces) {
   FakeReader reader(/*live=*/true, [&](std::int64_t frame) {
     if (frame == 14) cancel_.Cancel();
   });

@@ -50,7 +50,7 @@ RunSetup ManyCommits() {
   return run;
 }
 
-TEST(Indexer, FindsWhatIsThereWhereItIs) {
+TEST(Indexer, FindsObjectsAtTheirTruePosition) {
   const DrawnFlight flight(ShortFlight());
   const auto store = flight.Store("index.db");
   const IndexReport report =
@@ -92,7 +92,7 @@ TEST(Indexer, FindsWhatIsThereWhereItIs) {
   EXPECT_EQ(video.height, 192);
 }
 
-TEST(Indexer, RunAgainItDoesNothing) {
+TEST(Indexer, SecondRunDoesNothing) {
   const DrawnFlight flight(ShortFlight());
   const auto store = flight.Store("index.db");
   Index(flight.video(), flight.Models(), *store);
@@ -103,7 +103,7 @@ TEST(Indexer, RunAgainItDoesNothing) {
   EXPECT_EQ(Contents(*store), before);
 }
 
-TEST(Indexer, ANewModelIsSearchedAlone) {
+TEST(Indexer, OnlyNewModelsAreSearched) {
   const DrawnFlight flight(ShortFlight());
   const auto store = flight.Store("index.db");
   Index(flight.video(), {flight.Model(0)}, *store);
@@ -126,7 +126,7 @@ TEST(Indexer, ANewModelIsSearchedAlone) {
   EXPECT_EQ(ObjectsOf(*store).size(), ObjectsOf(*both).size());
 }
 
-TEST(Indexer, AChangedModelReplacesTheOldOnesFinds) {
+TEST(Indexer, ChangedModelReplacesItsSightings) {
   const DrawnFlight flight(ShortFlight());
   const auto store = flight.Store("index.db");
   Index(flight.video(), flight.Models(), *store);
@@ -219,7 +219,7 @@ TEST(Indexer, SearchesEveryNthFrame) {
 }
 
 // Interrupted after each first commit until the end is reached.
-TEST(Indexer, CancelledAndGoneOnWithItGivesWhatOneRunGives) {
+TEST(Indexer, ResumedRunEqualsUninterruptedRun) {
   const DrawnFlight flight(ShortFlight(72));
   const auto whole = flight.Store("whole.db");
   Index(flight.video(), flight.Models(), *whole, ManyCommits());
@@ -253,7 +253,7 @@ TEST(Indexer, CancelledAndGoneOnWithItGivesWhatOneRunGives) {
 
 // Between full-frame searches the result depends on earlier frames: those since the last restart of tracking are
 // tracked again.
-TEST(Indexer, StoppedBetweenWholeFramesItEndsAsOneRunDoes) {
+TEST(Indexer, ResumeBetweenFullFramesEqualsUninterruptedRun) {
   const DrawnFlight flight(ShortFlight(40));
   RunSetup run;
   run.options.every = 6;
@@ -279,7 +279,7 @@ TEST(Indexer, StoppedBetweenWholeFramesItEndsAsOneRunDoes) {
   EXPECT_EQ(Contents(*store), Contents(*whole));
 }
 
-TEST(Indexer, CancelledAtOnceItStopsAtOnce) {
+TEST(Indexer, CancelBeforeStartStopsImmediately) {
   const DrawnFlight flight(ShortFlight(12));
   const auto store = flight.Store("index.db");
   CancelToken cancel;
@@ -293,7 +293,7 @@ TEST(Indexer, CancelledAtOnceItStopsAtOnce) {
 
 // A model that is added while another is half done is searched for from the beginning; both results equal those of one
 // run.
-TEST(Indexer, ModelsThatAreDifferentlyFarEachGoOnWhereTheyStopped) {
+TEST(Indexer, ModelsResumeAtTheirOwnFrame) {
   const DrawnFlight flight(ShortFlight(48));
   const auto store = flight.Store("index.db");
   CancelToken cancel;
@@ -318,7 +318,7 @@ TEST(Indexer, ModelsThatAreDifferentlyFarEachGoOnWhereTheyStopped) {
   }
 }
 
-TEST(Indexer, AnyNumberOfThreadsGivesTheSame) {
+TEST(Indexer, ResultDoesNotDependOnThreads) {
   const DrawnFlight flight(ShortFlight());
   std::vector<std::string> contents;
   for (const int threads : {1, 4}) {
@@ -333,7 +333,7 @@ TEST(Indexer, AnyNumberOfThreadsGivesTheSame) {
 }
 
 // More threads than the machine has processors: only progress may be written to stderr.
-TEST(Indexer, AnyNumberOfThreadsIsTakenWithoutAWord) {
+TEST(Indexer, ManyThreadsGiveNoWarning) {
   const DrawnFlight flight(ShortFlight(4));
   const auto store = flight.Store("index.db");
   RunSetup run;
@@ -343,7 +343,7 @@ TEST(Indexer, AnyNumberOfThreadsIsTakenWithoutAWord) {
   EXPECT_THAT(::testing::internal::GetCapturedStderr(), Not(HasSubstr("Warning")));
 }
 
-TEST(Indexer, TheSameContentUnderAnotherNameIsTheSameVideo) {
+TEST(Indexer, SameContentUnderAnotherNameIsTheSameVideo) {
   const DrawnFlight flight(ShortFlight(12));
   const auto store = flight.Store("index.db");
   Index(flight.video(), flight.Models(), *store);
@@ -357,7 +357,7 @@ TEST(Indexer, TheSameContentUnderAnotherNameIsTheSameVideo) {
   EXPECT_EQ(VideosOf(*store).at(0).name, copy) << "named as it was given last";
 }
 
-TEST(Indexer, TheUserSaysHowFastAFolderIs) {
+TEST(Indexer, FolderFrameRateIsAnOption) {
   const DrawnFlight flight(ShortFlight(3));
   const fs::path folder = flight / "frames";
   fs::create_directory(folder);
@@ -372,7 +372,7 @@ TEST(Indexer, TheUserSaysHowFastAFolderIs) {
 }
 
 // An index or a log file beside the images does not change the content id.
-TEST(Indexer, AFolderStaysTheSameVideoWhenOtherFilesComeIntoIt) {
+TEST(Indexer, FolderIdIgnoresOtherFiles) {
   const DrawnFlight flight(ShortFlight(3));
   const fs::path folder = flight / "frames";
   fs::create_directory(folder);
@@ -387,7 +387,7 @@ TEST(Indexer, AFolderStaysTheSameVideoWhenOtherFilesComeIntoIt) {
   EXPECT_THAT(VideosOf(*store), SizeIs(1));
 }
 
-TEST(Indexer, ADamagedVideoIsSearchedAsFarAsItGoes) {
+TEST(Indexer, DamagedVideoIsSearchedUpToTheDamage) {
   const DrawnFlight flight(ShortFlight());
   const std::string whole = ReadFile(flight.video()).value();
   const std::string cut = (flight / "cut.mkv").string();
@@ -412,7 +412,7 @@ TEST(Indexer, ADamagedVideoIsSearchedAsFarAsItGoes) {
   EXPECT_THAT(VideosOf(*store), SizeIs(2));
 }
 
-TEST(Indexer, WhatIsOnlyFollowedTellsALineOfSight) {
+TEST(Indexer, TrackedSightingsHaveALineOfSight) {
   const DrawnFlight flight(ShortFlight());
   const std::filesystem::path table = flight / "flight.telemetry.csv";
   std::string text = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg\n";
@@ -438,7 +438,7 @@ TEST(Indexer, WhatIsOnlyFollowedTellsALineOfSight) {
   EXPECT_GT(followed, 5);
 }
 
-TEST(Indexer, WhatCannotBeReadIsAnErrorAndLeavesNoVideo) {
+TEST(Indexer, UnreadableVideoIsAnErrorAndNotStored) {
   const DrawnFlight flight(ShortFlight(12));
   const auto store = flight.Store("index.db");
   ASSERT_TRUE(WriteFileAtomically(flight / "text.mp4", "this is no video\n"));
@@ -452,7 +452,7 @@ TEST(Indexer, WhatCannotBeReadIsAnErrorAndLeavesNoVideo) {
   EXPECT_THAT(VideosOf(*store), IsEmpty());
 }
 
-TEST(Indexer, ErrorsOfTheStoreComeThroughAndTheRunCanGoOn) {
+TEST(Indexer, StoreErrorsAreReturnedAndTheRunCanResume) {
   const DrawnFlight flight(ShortFlight(48));
   const auto store = flight.Store("index.db");
   int commits = 0;
@@ -474,7 +474,7 @@ TEST(Indexer, ErrorsOfTheStoreComeThroughAndTheRunCanGoOn) {
   EXPECT_EQ(Contents(*store), Contents(*whole));
 }
 
-TEST(Indexer, TwoProcessesAtOneVideoDoNotDoubleIt) {
+TEST(Indexer, ConcurrentProcessesStoreNoDuplicates) {
   const DrawnFlight flight(ShortFlight(12));
   const auto store = flight.Store("index.db");
   bool first = true;
@@ -491,7 +491,7 @@ TEST(Indexer, TwoProcessesAtOneVideoDoNotDoubleIt) {
   EXPECT_EQ(Contents(*store), Contents(*whole));
 }
 
-TEST(Indexer, RefusesWhatItCannotSearchWith) {
+TEST(Indexer, RefusesInvalidModelsAndOptions) {
   const DrawnFlight flight(ShortFlight(2));
   IndexOptions options;
   options.every = 0;

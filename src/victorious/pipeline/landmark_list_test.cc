@@ -19,7 +19,7 @@ LandmarkList Parsed(std::string_view text) {
   return list ? *std::move(list) : LandmarkList{};
 }
 
-TEST(LandmarkList, ReadsWhatExportWrites) {
+TEST(LandmarkList, ReadsExportedObjects) {
   const LandmarkList list =
       Parsed(R"({"object_id":1,"model":"jeep","category":null,"rank":1,"latitude_deg":52.5,"longitude_deg":13.4,)"
              R"("altitude_m":75.5,"covariance_enu_m2":[[0.04,0.01,0],[0.01,0.09,0],[0,0,0.25]],"heading_deg":90.0,)"
@@ -37,14 +37,14 @@ TEST(LandmarkList, ReadsWhatExportWrites) {
   EXPECT_NEAR(landmark.covariance_enu_m2(2, 2), 0.25, 1e-9);
 }
 
-TEST(LandmarkList, WhatIsNotToldIsExactOrUnknown) {
+TEST(LandmarkList, MissingColumnsAreExactOrUnknown) {
   const LandmarkList list =
       Parsed(R"({"model":"jeep","latitude_deg":52.5,"longitude_deg":13.4,"altitude_m":75.5,"heading_deg":null})");
   EXPECT_FALSE(list.landmarks.front().heading_rad);
   EXPECT_EQ(list.landmarks.front().covariance_enu_m2, Eigen::Matrix3d::Zero());
 }
 
-TEST(LandmarkList, LeavesOutWhatCannotBeUsed) {
+TEST(LandmarkList, SkipsUnusableRows) {
   const std::vector<std::string> lines = {
       "not json",
       "[1, 2]",
@@ -70,7 +70,7 @@ TEST(LandmarkList, LeavesOutWhatCannotBeUsed) {
   EXPECT_EQ(ParseLandmarks("", {}).error().code, ErrorCode::kInvalidArgument);
 }
 
-TEST(LandmarkList, TellsTheFirstOfManyThatItLeavesOut) {
+TEST(LandmarkList, WarnsOfTheFirstSkippedRows) {
   std::string text(kLine);
   for (int i = 0; i < 1000; ++i) text += "\nnot json";
   const LandmarkList list = Parsed(text);
@@ -80,7 +80,7 @@ TEST(LandmarkList, TellsTheFirstOfManyThatItLeavesOut) {
   EXPECT_EQ(list.warnings.back(), "and 980 more are skipped");
 }
 
-TEST(LandmarkList, KnowsAnIndexFromAList) {
+TEST(LandmarkList, DistinguishesIndexFromList) {
   const testing::ScratchFolder scratch;
   const std::filesystem::path list = scratch / "list.jsonl";
   ASSERT_TRUE(WriteFileAtomically(list, kLine));

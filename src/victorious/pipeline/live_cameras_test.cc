@@ -29,7 +29,7 @@ DataPacket CameraAt(double time_s, int stream = 1) {
   return Packet(CameraPacket(kStart_us + static_cast<std::uint64_t>(time_s * 1e6)), time_s, stream);
 }
 
-TEST(LiveCameraTrack, TellOfAMomentOnceAPacketOfALaterOneIsThere) {
+TEST(LiveCameraTrack, StateIsKnownOnceALaterPacketArrived) {
   LiveCameraTrack cameras({});
   ASSERT_TRUE(cameras.Add({CameraAt(0)}, 0));
   EXPECT_FALSE(cameras.Covers(0.5));
@@ -42,14 +42,14 @@ TEST(LiveCameraTrack, TellOfAMomentOnceAPacketOfALaterOneIsThere) {
   EXPECT_THAT(cameras.Warnings(), IsEmpty());
 }
 
-TEST(LiveCameraTrack, WhatCarriesNoTimeIsOfTheMomentAtWhichItCame) {
+TEST(LiveCameraTrack, PacketWithoutTimeHasItsArrivalTime) {
   LiveCameraTrack cameras({});
   ASSERT_TRUE(cameras.Add({Packet(CameraPacket(kStart_us), std::nullopt)}, 3));
   EXPECT_TRUE(cameras.At(3.05));
   EXPECT_FALSE(cameras.At(0));
 }
 
-TEST(LiveCameraTrack, AreOfTheFirstStreamThatTellsOfACamera) {
+TEST(LiveCameraTrack, UsesTheFirstStreamWithCameraStates) {
   LiveCameraTrack cameras({});
   const std::string other = St0601Packet({{2, BigEndian(kStart_us, 8)}});
   ASSERT_TRUE(cameras.Add({Packet(other, 0.0, 1), CameraAt(0, 2)}, 0));
@@ -58,14 +58,14 @@ TEST(LiveCameraTrack, AreOfTheFirstStreamThatTellsOfACamera) {
   EXPECT_FALSE(cameras.Covers(0.61));
 }
 
-TEST(LiveCameraTrack, KeepTheLastSecondsOnly) {
+TEST(LiveCameraTrack, KeepsTheLastSecondsOnly) {
   LiveCameraTrack cameras({});
   for (int second = 0; second <= 100; ++second) ASSERT_TRUE(cameras.Add({CameraAt(second)}, second));
   EXPECT_TRUE(cameras.At(80));
   EXPECT_FALSE(cameras.At(60));
 }
 
-TEST(LiveCameraTrack, SayThatNothingTellsOfACamera) {
+TEST(LiveCameraTrack, WarnsIfNoStreamHasCameraStates) {
   LiveCameraTrack cameras({});
   ASSERT_TRUE(cameras.Add({Packet("no KLV at all", 0.0)}, 0));
   EXPECT_THAT(cameras.Warnings().back(), HasSubstr("objects get no place"));

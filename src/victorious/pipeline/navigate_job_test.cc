@@ -38,7 +38,7 @@ class NavigateJobTest : public ::testing::Test {
   std::vector<std::string> warnings_;
 };
 
-TEST_F(NavigateJobTest, APhotoWithoutALengthIsNoLandmark) {
+TEST_F(NavigateJobTest, PhotoModelWithoutLengthIsNotALandmark) {
   const auto run = Run(List(kCrate), flight_.Models(), WithView());
   ASSERT_TRUE(run) << run.error().message;
   EXPECT_EQ(run->frames, 6);
@@ -46,7 +46,7 @@ TEST_F(NavigateJobTest, APhotoWithoutALengthIsNoLandmark) {
   EXPECT_EQ(run->navigation.landmark_by_sighting.size(), 0);
 }
 
-TEST_F(NavigateJobTest, RefusesWhatItCannotWorkWith) {
+TEST_F(NavigateJobTest, RefusesUnusableInput) {
   const auto refused = [](const Expected<NavigationResult>& run) {
     return run ? "not refused" : std::string(Name(run.error().code)) + ": " + run.error().message;
   };
@@ -58,7 +58,7 @@ TEST_F(NavigateJobTest, RefusesWhatItCannotWorkWith) {
   EXPECT_NE(refused(Run(List(kCrate), flight_.Models(), wrong)).find("every"), std::string::npos);
 }
 
-TEST_F(NavigateJobTest, TellsWhichLandmarksHaveNoModel) {
+TEST_F(NavigateJobTest, NamesLandmarksWithoutModel) {
   std::string other(kCrate);
   other.replace(other.find("crate"), 5, "wagon");
   ASSERT_TRUE(Run(List(std::string(kCrate) + "\n" + other), flight_.Models(), WithView()));
@@ -66,7 +66,7 @@ TEST_F(NavigateJobTest, TellsWhichLandmarksHaveNoModel) {
   EXPECT_NE(warnings_.front().find("wagon"), std::string::npos);
 }
 
-TEST(NavigationCsv, HasItsHeaderWithoutARow) {
+TEST(NavigationCsv, EmptyNavigationHasTheHeader) {
   const std::string text = ToCsv({});
   EXPECT_TRUE(
       text.starts_with("time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg,"
@@ -75,7 +75,7 @@ TEST(NavigationCsv, HasItsHeaderWithoutARow) {
   EXPECT_EQ(text.find('\n'), text.size() - 1) << text;
 }
 
-TEST(NavigationCsv, HasTheTelemetrysColumnsAndMore) {
+TEST(NavigationCsv, HasTelemetryColumnsAndSigmas) {
   NavigationResult run;
   for (int i = 0; i < 2; ++i) {
     NavigatedFrame frame;

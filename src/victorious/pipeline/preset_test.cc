@@ -14,7 +14,7 @@
 namespace victorious {
 namespace {
 
-TEST(Preset, ThesisSetsWhatTheThesisSaysInEachCommand) {
+TEST(Preset, ThesisSetsTheParametersOfTheThesisPerCommand) {
   IndexOptions index;
   index.recognize.match.ratio = 0.9;
   ASSERT_TRUE(ApplyPreset(Preset::kThesis, index));
@@ -41,7 +41,7 @@ TEST(Preset, ThesisSetsWhatTheThesisSaysInEachCommand) {
   EXPECT_EQ(photo.features.impulse_fraction, 1);
 }
 
-TEST(Preset, LearntSetsTheCascadeAlone) {
+TEST(Preset, LearntSetsOnlyTheCascade) {
   IndexOptions index;
   ASSERT_TRUE(ApplyPreset(Preset::kLearnt, index));
   EXPECT_EQ(index.recognize.cascade.line_distortion_rad, 0.3);
@@ -49,7 +49,7 @@ TEST(Preset, LearntSetsTheCascadeAlone) {
   EXPECT_EQ(OptionsToJsonText(index.features), OptionsToJsonText(IndexOptions().features));
 }
 
-TEST(Preset, WindowsAreForCategoriesAlone) {
+TEST(Preset, WindowsAppliesToCategoriesOnly) {
   CategoryTrainOptions category;
   ASSERT_TRUE(ApplyPreset(Preset::kWindows, category));
   EXPECT_TRUE(category.features.windows.enabled);
@@ -58,7 +58,7 @@ TEST(Preset, WindowsAreForCategoriesAlone) {
   EXPECT_FALSE(ApplyPreset(Preset::kWindows, index));
 }
 
-TEST(Preset, LeavesTheRestAsItIs) {
+TEST(Preset, KeepsOtherParameters) {
   IndexOptions index;
   index.recognize.pose.seed = 17;
   ASSERT_TRUE(ApplyPreset(Preset::kThesis, index));
@@ -76,7 +76,7 @@ bool IsRefused(Preset preset) {
 
 // Fields of the same name in other commands (the `method` of `locate`, `features.impulse_fraction` of `telemetry`) are
 // not those of a preset.
-TEST(Preset, SetsNothingInACommandThatItIsNotFor) {
+TEST(Preset, HasNoEffectOnOtherCommands) {
   for (const Preset preset : {Preset::kThesis, Preset::kLearnt, Preset::kWindows}) {
     EXPECT_TRUE(IsRefused<LocateOptions>(preset));
     EXPECT_TRUE(IsRefused<TimedTelemetryOptions>(preset));
@@ -91,7 +91,7 @@ TEST(Preset, SetsNothingInACommandThatItIsNotFor) {
             "preset thesis: sets none of the parameters of this command");
 }
 
-TEST(Preset, AreFoundByTheirNames) {
+TEST(Preset, IsFoundByName) {
   for (const std::string_view name : PresetNames()) EXPECT_TRUE(FindPreset(name)) << name;
   EXPECT_EQ(FindPreset("windows"), Preset::kWindows);
   EXPECT_FALSE(FindPreset("nonsense"));

@@ -13,7 +13,7 @@ cv::Mat Disc(cv::Point middle) {
   return grey;
 }
 
-TEST(FeaturesIn, AreInTheFramesPixels) {
+TEST(FeaturesIn, KeypointsAreInFramePixels) {
   const auto extractor = MakeFeatureExtractor({}).value();
   const FeatureSet features = FeaturesIn(Disc({210, 120}), {170, 80, 90, 90}, *extractor).value();
   EXPECT_EQ(features.image_width, 300);
@@ -26,7 +26,7 @@ TEST(FeaturesIn, AreInTheFramesPixels) {
   }
 }
 
-TEST(FeaturesIn, ThereAreNoneOutsideTheFrame) {
+TEST(FeaturesIn, RegionOutsideTheFrameHasNone) {
   const auto extractor = MakeFeatureExtractor({}).value();
   const FeatureSet features = FeaturesIn(Disc({210, 120}), {400, 300, 50, 50}, *extractor).value();
   EXPECT_TRUE(features.keypoints.empty());

@@ -49,7 +49,7 @@ std::optional<Box> TruthBox(const DrawnFlight& flight, int thing, std::int64_t f
   return row == rows.end() ? std::nullopt : std::optional(row->box);
 }
 
-TEST(SearchByImage, FindsTheMomentsThatShowWhatThePictureShows) {
+TEST(SearchByImage, FindsTheMomentsThatShowTheQueryObject) {
   const DrawnFlight flight(SlowFlight());
   const auto store = IndexedWith(flight, 0);
   const std::vector<VideoSegment> moments = Search(PhotoOf(flight.flight(), 0), *store);
@@ -71,7 +71,7 @@ TEST(SearchByImage, FindsTheMomentsThatShowWhatThePictureShows) {
 }
 
 // The truck has no model: its example image is a crop of the video itself.
-TEST(SearchByImage, TakesACutOutOfAFrame) {
+TEST(SearchByImage, AcceptsACropOfAFrame) {
   const DrawnFlight flight(SlowFlight());
   const auto store = IndexedWith(flight, 0);
   const int frame = 4;
@@ -83,7 +83,7 @@ TEST(SearchByImage, TakesACutOutOfAFrame) {
   EXPECT_GT(IntersectionOverUnion(moments[0].box, TruthBox(flight, 1, moments[0].frame).value()), 0.6);
 }
 
-TEST(SearchByImage, FindsNothingOfWhatIsNotThere) {
+TEST(SearchByImage, FindsNothingForAnAbsentObject) {
   const DrawnFlight flight(SlowFlight());
   const auto store = IndexedWith(flight, 0);
   const testing::SyntheticFlight elsewhere(SlowFlight(99));
@@ -91,7 +91,7 @@ TEST(SearchByImage, FindsNothingOfWhatIsNotThere) {
   EXPECT_THAT(Search(PhotoOf(elsewhere, 1), *store), IsEmpty());
 }
 
-TEST(SearchByImage, LooksOnlyWhereItIsTold) {
+TEST(SearchByImage, SearchesOnlyTheGivenVideosAndTimes) {
   const DrawnFlight flight(SlowFlight());
   const auto store = IndexedWith(flight, 0);
   const DrawnFlight other(SlowFlight(99));
@@ -112,7 +112,7 @@ TEST(SearchByImage, LooksOnlyWhereItIsTold) {
 }
 
 // Consecutive kept frames with the object are one segment, whatever the interval between them.
-TEST(SearchByImage, FramesThatAreKeptFarApartAreStillOneMoment) {
+TEST(SearchByImage, SparseKeptFramesAreJoinedToOneMoment) {
   testing::FlightOptions options = SlowFlight();
   options.fps = 0.25;
   const DrawnFlight flight(options);
@@ -120,7 +120,7 @@ TEST(SearchByImage, FramesThatAreKeptFarApartAreStillOneMoment) {
   EXPECT_THAT(Search(PhotoOf(flight.flight(), 0), *store), SizeIs(2));
 }
 
-TEST(SearchByImage, AVideoThatIsNotAskedForNeedNotBeReadable) {
+TEST(SearchByImage, UnselectedVideosNeedNotBeReadable) {
   const DrawnFlight flight(SlowFlight());
   const auto store = IndexedWith(flight, 0);
   ASSERT_TRUE(store->PutVideo(
@@ -133,7 +133,7 @@ TEST(SearchByImage, AVideoThatIsNotAskedForNeedNotBeReadable) {
 }
 
 // The state after another process has added a video in the meantime.
-TEST(SearchByImage, FramesOfAVideoThatIsNotKnownAreLeftOut) {
+TEST(SearchByImage, FramesOfUnknownVideosAreSkipped) {
   const DrawnFlight flight(SlowFlight());
   const auto store = IndexedWith(flight, 0);
   const VideoRecord other =
@@ -145,7 +145,7 @@ TEST(SearchByImage, FramesOfAVideoThatIsNotKnownAreLeftOut) {
   EXPECT_THAT(Search(PhotoOf(flight.flight(), 0), *store), SizeIs(2));
 }
 
-TEST(SearchByImage, SaysWhyItCannotSearch) {
+TEST(SearchByImage, ErrorsNameTheReason) {
   const DrawnFlight flight(SlowFlight());
   const Photo crate = PhotoOf(flight.flight(), 0);
   const auto empty = SearchByImage(crate, {}, {}, *flight.Store("empty.db"));

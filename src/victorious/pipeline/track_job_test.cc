@@ -54,7 +54,7 @@ class TrackJobTest : public ::testing::Test {
   std::vector<std::string> warnings_;
 };
 
-TEST_F(TrackJobTest, TheWayBackIsTheSameInShortStretches) {
+TEST_F(TrackJobTest, BackwardTrackingDoesNotDependOnChunkLength) {
   const std::vector<UserBox> boxes = {Drawn(25)};
   TrackBoxesOptions short_stretches;
   short_stretches.memory_mb = 1;  // a few frames
@@ -65,7 +65,7 @@ TEST_F(TrackJobTest, TheWayBackIsTheSameInShortStretches) {
   EXPECT_GT(whole.back().frame, 25);
 }
 
-TEST_F(TrackJobTest, ABoxOfOneColourIsFollowedByItsLookAlone) {
+TEST_F(TrackJobTest, UniformBoxIsTrackedByAppearance) {
   cv::Mat plain(120, 160, CV_8UC3, cv::Scalar(90, 120, 90));
   auto writer = VideoWriter::Create(folder_ / "plain.mkv", {.width = 160, .height = 120, .fps = 10.0}).value();
   for (int i = 0; i < 5; ++i) {
@@ -81,7 +81,7 @@ TEST_F(TrackJobTest, ABoxOfOneColourIsFollowedByItsLookAlone) {
   EXPECT_THAT(warnings_, ::testing::ElementsAre(HasSubstr("by its template only")));
 }
 
-TEST_F(TrackJobTest, TellsWhatIsWrong) {
+TEST_F(TrackJobTest, ErrorsNameTheProblem) {
   EXPECT_THAT(Run({{{10, 10, 30, 30}, 99.0}}).error().message, HasSubstr("ends at"));
   EXPECT_THAT(Run({{{900, 10, 30, 30}, 0.0}}).error().message, HasSubstr("box-1"));
   EXPECT_EQ(Run({}).error().code, ErrorCode::kInvalidArgument);
@@ -89,7 +89,7 @@ TEST_F(TrackJobTest, TellsWhatIsWrong) {
   EXPECT_EQ(Run({Drawn(0)}).error().code, ErrorCode::kCancelled);
 }
 
-TEST_F(TrackJobTest, WhyThereIsNoPlaceIsTold) {
+TEST_F(TrackJobTest, ReportsWhyThereIsNoPlace) {
   const auto why = [&] { return Track({Drawn(25)}).value().place_failures.at(0); };
   EXPECT_THAT(why(), HasSubstr("no telemetry with camera position"));
   TellCamera(100, 101);
@@ -98,7 +98,7 @@ TEST_F(TrackJobTest, WhyThereIsNoPlaceIsTold) {
   EXPECT_THAT(why(), HasSubstr("do not determine its distance"));
 }
 
-TEST_F(TrackJobTest, WhatHasAPlaceNeedsNoExcuse) {
+TEST_F(TrackJobTest, LocatedBoxHasNoPlaceFailure) {
   TellCamera(0, 10);
   TrackBoxesOptions options;
   options.ground.height_m = 20;
@@ -107,7 +107,7 @@ TEST_F(TrackJobTest, WhatHasAPlaceNeedsNoExcuse) {
   EXPECT_TRUE(tracked.sightings.back().place.has_value());
 }
 
-TEST_F(TrackJobTest, AGroundAboveTheCameraIsNotTakenForWhatIsMissing) {
+TEST_F(TrackJobTest, GroundAboveTheCameraIsReported) {
   TellCamera(0, 10);
   TrackBoxesOptions options;
   options.ground.height_m = 200;

@@ -40,7 +40,7 @@ GeodeticPoint FrameCentre(const KlvPacket& packet) {
           packet.Number(25).value_or(0)};
 }
 
-TEST(VideoTelemetry, LineOfSightMeetsTheRecordedFrameCentre) {
+TEST(VideoTelemetry, LineOfSightMatchesRecordedFrameCentre) {
   VICTORIOUS_DATA_OR_SKIP(path, "real/fmv_klv/osh_vrsg/sample-stream.ts");
   const Telemetry telemetry = MustRead(path);
   ASSERT_EQ(telemetry.packets.size(), 277U);
@@ -59,7 +59,7 @@ TEST(VideoTelemetry, LineOfSightMeetsTheRecordedFrameCentre) {
 }
 
 // Both heights are above mean sea level, so the geoid cancels.
-TEST(VideoTelemetry, SteadyStaresOfARealFlightMeetTheirPoint) {
+TEST(VideoTelemetry, StareLinesOfARealFlightIntersect) {
   VICTORIOUS_DATA_OR_SKIP(path, "real/fmv_klv/raw_packets/Cheyenne.bin");
   const Telemetry telemetry = MustRead(path);
   ASSERT_EQ(telemetry.packets.size(), 407U);
@@ -77,7 +77,7 @@ TEST(VideoTelemetry, SteadyStaresOfARealFlightMeetTheirPoint) {
   }
 }
 
-TEST(VideoTelemetry, EveryValueOfTheReferenceDecoding) {
+TEST(VideoTelemetry, MatchesReferenceDecoding) {
   VICTORIOUS_DATA_OR_SKIP(path, "real/fmv_klv/raw_packets/DynamicOnlyMISMMSPacketData.bin");
   const Telemetry telemetry = MustRead(path);
   ASSERT_EQ(telemetry.packets.size(), 1U);
@@ -97,7 +97,7 @@ TEST(VideoTelemetry, BadChecksumGivesNoCamera) {
   EXPECT_THAT(telemetry.warnings, Contains(HasSubstr("1 of 1 KLV packets fail their checksum")));
 }
 
-TEST(VideoTelemetry, ProducerThatBreaksTheStandardIsNoticed) {
+TEST(VideoTelemetry, NonConformingProducerIsReported) {
   VICTORIOUS_DATA_OR_SKIP(path, "real/fmv_klv/raw_packets/DayFlight.klv");
   const Telemetry telemetry = MustRead(path);
   EXPECT_THAT(telemetry.warnings, Contains(HasSubstr("frame centre disagree")));
@@ -108,7 +108,7 @@ TEST(VideoTelemetry, ProducerThatBreaksTheStandardIsNoticed) {
   EXPECT_EQ(PrecisionTime(packet), 1245257585099653);
 }
 
-TEST(VideoTelemetry, PlaceholdersOnTheGroundGiveNoCamera) {
+TEST(VideoTelemetry, PlaceholderValuesGiveNoCamera) {
   VICTORIOUS_DATA_OR_SKIP(path, "real/fmv_klv/raw_packets/realflight.bin");
   const Telemetry telemetry = MustRead(path);
   EXPECT_EQ(telemetry.packets.size(), 19U);
@@ -116,7 +116,7 @@ TEST(VideoTelemetry, PlaceholdersOnTheGroundGiveNoCamera) {
   EXPECT_THAT(telemetry.warnings, Contains(HasSubstr("the sensor's elevation (item 19)")));
 }
 
-TEST(VideoTelemetry, ElderUniversalSet) {
+TEST(VideoTelemetry, UniversalSetOfEg0104) {
   VICTORIOUS_DATA_OR_SKIP(path, "real/fmv_klv/kwiver_aphill/aphill_klv_10s.ts");
   const Telemetry telemetry = MustRead(path);
   EXPECT_EQ(telemetry.format, TelemetryFormat::kEg0104);
@@ -217,7 +217,7 @@ INSTANTIATE_TEST_SUITE_P(VideoTelemetry, DjiFiles,
                                            DjiFile{"ruz76/DJI_M300RTK.SRT", 7, 7, true},
                                            DjiFile{"ruz76/DJI_MAVIC_2_ZOOM.SRT", 10, 10, false}));
 
-TEST(VideoTelemetry, TableBesideTheMovies) {
+TEST(VideoTelemetry, ReadsTableBesideTheVideo) {
   VICTORIOUS_DATA_OR_SKIP(path, "movies/dev_soft/telemetry.csv");
   const Telemetry telemetry = MustRead(path);
   EXPECT_GT(telemetry.states.size(), 10U);
@@ -225,7 +225,7 @@ TEST(VideoTelemetry, TableBesideTheMovies) {
   EXPECT_THAT(telemetry.warnings, IsEmpty());
 }
 
-TEST(VideoTelemetry, FindsWhatLiesBesideAVideo) {
+TEST(VideoTelemetry, FindsFilesBesideAVideo) {
   const testing::ScratchFolder folder;
   const std::string video = folder / "flight.mp4";
   EXPECT_EQ(FindTelemetryFile(video), std::nullopt);
@@ -237,7 +237,7 @@ TEST(VideoTelemetry, FindsWhatLiesBesideAVideo) {
   EXPECT_EQ(FindTelemetryFile(video), folder / "flight.SRT");
 }
 
-TEST(VideoTelemetry, SaysWhyItIsOfNoUse) {
+TEST(VideoTelemetry, ReportsWhyItIsUnusable) {
   CameraState known{.time_s = 100, .place = {}, .attitude = Attitude{}, .hfov_rad = 0.3};
   CameraState later = known;
   later.time_s = 160;

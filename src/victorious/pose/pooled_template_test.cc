@@ -52,7 +52,7 @@ std::vector<Point3> Places(std::uint64_t seed, int count) {
   return places;
 }
 
-TEST(PooledTemplate, KeypointsOfANeighbourStandWhereTheViewWouldShowThem) {
+TEST(PooledTemplate, NeighbourKeypointsAreTransferredIntoTheView) {
   constexpr double kSide_rad = 0.17;
   DrawnView view = Draw(Places(1, 20), 0);
   DrawnView neighbour = Draw(Places(2, 30), kSide_rad, 0.6, 60);
@@ -74,7 +74,7 @@ TEST(PooledTemplate, KeypointsOfANeighbourStandWhereTheViewWouldShowThem) {
   EXPECT_EQ(pooled.matches, (std::vector<RankedMatch>{{7, 3, 2}, {11, 25, 1}, {12, 49, 4}}));
 }
 
-TEST(PooledTemplate, AKeypointOfSeveralViewsIsOneThatWasTriedSeveralTimes) {
+TEST(PooledTemplate, SharedKeypointsAreMergedAndRanksScaled) {
   DrawnView view = Draw(Places(1, 20), 0);
   DrawnView neighbour = Draw(Places(1, 20), 0.1);
   view.matches = {{7, 3, 2}};
@@ -84,7 +84,7 @@ TEST(PooledTemplate, AKeypointOfSeveralViewsIsOneThatWasTriedSeveralTimes) {
   EXPECT_EQ(pooled.matches, (std::vector<RankedMatch>{{7, 3, 6}, {11, 3, 3}, {11, 3, 3}}));
 }
 
-TEST(PooledTemplate, AViewOfTooFewKeypointsStaysAlone) {
+TEST(PooledTemplate, ViewWithTooFewKeypointsIsNotPooled) {
   DrawnView view = Draw(Places(1, 7), 0);
   view.matches = {{7, 3, 2}};
   const PooledTemplate pooled = PoolTemplates(view.Compared(), std::vector{Draw(Places(2, 30), 0.17).Compared()});
@@ -92,7 +92,7 @@ TEST(PooledTemplate, AViewOfTooFewKeypointsStaysAlone) {
   EXPECT_EQ(pooled.matches, view.matches);
 }
 
-TEST(PooledTemplate, APlaneDoesNotTellTheRestOfTheObject) {
+TEST(PooledTemplate, PlanarPointsDoNotDetermineTheTransfer) {
   std::vector<Point3> places = Places(1, 20);
   for (Point3& place : places) place.z = 1;
   const DrawnView view = Draw(places, 0);
@@ -101,7 +101,7 @@ TEST(PooledTemplate, APlaneDoesNotTellTheRestOfTheObject) {
 }
 
 // Each of two views has 40 keypoints with seven true matches; pooled, the significance is higher than of either view.
-TEST(PooledTemplate, TogetherViewsHaveMoreEvidenceThanEachAlone) {
+TEST(PooledTemplate, PoolingRaisesNegLog10Nfa) {
   Random random(3);
   FeatureSet scene;
   scene.image_width = 640;

@@ -94,7 +94,7 @@ std::vector<double> ChancesOf(const World& world, std::size_t first_inliers) {
   return chances;
 }
 
-TEST(ComputeRankNegLog10Nfa, IsTheFormulaCountedOut) {
+TEST(ComputeRankNegLog10Nfa, MatchesEnumeration) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const World world = MakeWorld(seed);
     for (const std::size_t found : {0U, 1U, 5U, 12U, 30U}) {
@@ -110,7 +110,7 @@ TEST(ComputeRankNegLog10Nfa, IsTheFormulaCountedOut) {
   }
 }
 
-TEST(ComputeRankNegLog10Nfa, ClaimsNoMoreThanTheBinomialTail) {
+TEST(ComputeRankNegLog10Nfa, IsBoundedByTheBinomialTail) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const World world = MakeWorld(seed);
     for (const std::size_t found : {1U, 5U, 12U, 30U}) {
@@ -145,7 +145,7 @@ TEST(ComputeRankNegLog10Nfa, GrowsWithInliersAndFallsWithRanks) {
   }
 }
 
-TEST(ComputeRankNegLog10Nfa, WhatIsMissedThoughVisibleCountsAgainstIt) {
+TEST(ComputeRankNegLog10Nfa, VisibleMissesLowerTheSignificance) {
   World world = MakeWorld(7);
   const double before = world.NegLog10Nfa(10);
   const std::size_t found = world.inliers.size();
@@ -155,7 +155,7 @@ TEST(ComputeRankNegLog10Nfa, WhatIsMissedThoughVisibleCountsAgainstIt) {
 }
 
 // An inlier whose projection is not visible still counts in n.
-TEST(ComputeRankNegLog10Nfa, InliersOutOfViewAreAmongThoseTried) {
+TEST(ComputeRankNegLog10Nfa, InvisibleInliersCountAsTrials) {
   World unseen = MakeWorld(8);
   // Ten keypoints have a scale of 0.75 px in the scene, below the minimum.
   for (std::size_t i = 0; i < 30; ++i) {
@@ -176,7 +176,7 @@ TEST(ComputeRankNegLog10Nfa, InliersOutOfViewAreAmongThoseTried) {
   }
 }
 
-TEST(ComputeRankNegLog10Nfa, AWindowOfAllTurnsIsNoWiderThanTheCircle) {
+TEST(ComputeRankNegLog10Nfa, RotationWindowIsLimitedToTheCircle) {
   World world = MakeWorld(9);
   world.options.turn_rad = kPi;
   const double all_turns = world.NegLog10Nfa(10);

@@ -63,7 +63,7 @@ TEST(SimilarityPose, FindsEveryInstance) {
   EXPECT_GE(fits[1].inliers.size(), 18U);
 }
 
-TEST(SimilarityPose, OutlineFollowsPerspectiveWhereSupported) {
+TEST(SimilarityPose, OutlineFollowsPerspectiveIfSupported) {
   Eigen::Matrix3d tilted;
   tilted << 1.0, 0.1, 100, 0.05, 0.7, 80, 6e-4, 2e-4, 1;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -85,7 +85,7 @@ TEST(SimilarityPose, FewMatchesKeepTheSimilarity) {
   }
 }
 
-TEST(SimilarityPose, CoincidentTemplateKeypointsAreNoSupport) {
+TEST(SimilarityPose, CoincidentTemplateKeypointsGiveNoSupport) {
   World world;
   for (int i = 0; i < 8; ++i) world.Add({10, 10}, {100.0 + 30 * i, 90});
   EXPECT_TRUE(world.Poses().empty());
@@ -94,7 +94,7 @@ TEST(SimilarityPose, CoincidentTemplateKeypointsAreNoSupport) {
 
 // Three template keypoints match many scene keypoints (windows of a house). Their consensus exceeds that of the
 // object's ten keypoints; they are no instance and must not hide the object.
-TEST(SimilarityPose, ARepeatedPatternHidesNoInstance) {
+TEST(SimilarityPose, RepeatedPatternHidesNoInstance) {
   World world = Planar(Similarity2{1.0, 0.3, {60, 50}}.Matrix(), 10, 0.7, 4);
   const std::vector<Keypoint> object = world.model;
   for (const Eigen::Vector2d& window : {Eigen::Vector2d(20, 20), Eigen::Vector2d(60, 20), Eigen::Vector2d(20, 70)}) {
@@ -113,7 +113,7 @@ TEST(SimilarityPose, ARepeatedPatternHidesNoInstance) {
 }
 
 // Matches at the right position with another orientation or scale are inliers, but not listed in agreeing_residuals_px.
-TEST(SimilarityPose, TellsHowFarThoseLieThatAgreeInTurnAndScale) {
+TEST(SimilarityPose, AgreeingResidualsAreOfConsistentRotationAndScale) {
   World world = Planar(Similarity2{1, 0, {60, 50}}.Matrix(), 18, 0.7, 4);
   for (std::size_t i = 0; i < 6; ++i) world.scene[i].orientation_rad = 2;
   for (std::size_t i = 6; i < 12; ++i) world.scene[i].scale_px = 8;
@@ -125,7 +125,7 @@ TEST(SimilarityPose, TellsHowFarThoseLieThatAgreeInTurnAndScale) {
   EXPECT_LT(fits[0].agreeing_residuals_px.back(), 6);
 }
 
-TEST(SimilarityPose, SameSeedSameResult) {
+TEST(SimilarityPose, IsDeterministicBySeed) {
   const World world = Planar(Similarity2{0.9, 1.0, {200, 100}}.Matrix(), 60, 2.0, 3);
   EXPECT_EQ(world.Poses()[0].scene_from_template_plane, world.Poses()[0].scene_from_template_plane);
 }

@@ -8,7 +8,7 @@ namespace {
 constexpr double kTilt_rad = 0.35;
 const Eigen::Vector2d kMiddle_px(320, 240);
 
-TEST(UprightPrior, SupposesThatNobodyFilmsUpsideDown) {
+TEST(UprightPrior, AssumesAnUprightCamera) {
   const UprightPrior aslant = UprightPrior::AssumingUprightCamera(RadiansFromDegrees(60), kTilt_rad);
   EXPECT_TRUE(aslant.IsAllowed(kMiddle_px, 0));
   EXPECT_TRUE(aslant.IsAllowed(kMiddle_px, RadiansFromDegrees(90)));
@@ -18,7 +18,7 @@ TEST(UprightPrior, SupposesThatNobodyFilmsUpsideDown) {
   EXPECT_NEAR(aslant.SearchReductionDecades(), std::log10(180 / 113.3), 0.001);
 }
 
-TEST(UprightPrior, LetsWhatIsSeenFromAboveLieInAnyWay) {
+TEST(UprightPrior, NadirViewsAllowAnyRotation) {
   const UprightPrior from_above = UprightPrior::AssumingUprightCamera(RadiansFromDegrees(20), kTilt_rad);
   EXPECT_TRUE(from_above.IsAllowed(kMiddle_px, RadiansFromDegrees(180)));
   EXPECT_EQ(from_above.SearchReductionDecades(), 0);
@@ -27,7 +27,7 @@ TEST(UprightPrior, LetsWhatIsSeenFromAboveLieInAnyWay) {
   EXPECT_EQ(held_any_way.SearchReductionDecades(), 0);
 }
 
-TEST(UprightPrior, KeepsToTheVerticalThatIsTold) {
+TEST(UprightPrior, UsesTheGivenVertical) {
   const double off_nadir_rad = RadiansFromDegrees(60);
   const double roll_rad = RadiansFromDegrees(30);
   const Vertical rolled = MakeVertical({0, off_nadir_rad - kPi / 2, roll_rad}, 0.3, 640, 480);

@@ -61,7 +61,7 @@ std::vector<PlanarFit> Find(const World& world) {
   return VotePoses(world.scene, world.model, world.matches, kOutline, {}, {});
 }
 
-TEST(VotePoses, FindsAPoseThatThreeMatchesInAHundredAgreeOn) {
+TEST(VotePoses, FindsPoseWithThreePercentInliers) {
   const Similarity2 truth{0.9, 1.1, {350, 200}};
   const World world = MakeWorld(1, 12, truth);
   const std::vector<PlanarFit> fits = Find(world);
@@ -75,7 +75,7 @@ TEST(VotePoses, FindsAPoseThatThreeMatchesInAHundredAgreeOn) {
 }
 
 // Repeated texture, for example the joints of a pavement: false matches come together.
-TEST(VotePoses, MatchesThatAllLookAlikeAreAsGoodAsOne) {
+TEST(VotePoses, IdenticalDescriptorsAreNotSignificant) {
   World world = MakeWorld(1, 12, {0.9, 1.1, {350, 200}});
   const double neg_log10_nfa = *Find(world).front().neg_log10_nfa;
   EXPECT_GT(neg_log10_nfa, 4);
@@ -85,7 +85,7 @@ TEST(VotePoses, MatchesThatAllLookAlikeAreAsGoodAsOne) {
   for (const PlanarFit& fit : Find(world)) EXPECT_LT(*fit.neg_log10_nfa, 0);
 }
 
-TEST(VotePoses, ChanceAloneHasNoEvidence) {
+TEST(VotePoses, RandomMatchesAreNotSignificant) {
   const VoteOptions few_votes{.min_votes = 2};  // low, so that some votes agree by chance
   const PoseOptions few_inliers{.min_inliers = 2};
   std::size_t fits = 0;
@@ -123,7 +123,7 @@ TEST(VotePoses, VotesOfOneKeypointCountOnce) {
   }
 }
 
-TEST(VotePoses, InliersOnOneSpotCountOnce) {
+TEST(VotePoses, CoincidentInliersCountOnce) {
   const Similarity2 truth{1.0, 0, {200, 200}};
   World world = MakeWorld(2, 12, truth);
   const double before = *Find(world).front().neg_log10_nfa;
@@ -160,7 +160,7 @@ UprightPrior UprightAt(double turn_rad) {
                                     off_nadir_rad, RadiansFromDegrees(20));
 }
 
-TEST(VotePoses, AnUprightPoseHasMoreEvidenceWhereTheVerticalIsKnown) {
+TEST(VotePoses, KnownVerticalRaisesNegLog10NfaOfUprightPose) {
   const Similarity2 truth{0.9, 1.1, {350, 200}};
   const World world = MakeWorld(1, 12, truth);
   const auto fits = VotePoses(world.scene, world.model, world.matches, kOutline, {}, {}, UprightAt(1.1));
@@ -169,7 +169,7 @@ TEST(VotePoses, AnUprightPoseHasMoreEvidenceWhereTheVerticalIsKnown) {
   EXPECT_GT(*fits[0].neg_log10_nfa, *Find(world)[0].neg_log10_nfa + 1);
 }
 
-TEST(VotePoses, FindsNothingThatWouldBeTippedOver) {
+TEST(VotePoses, RejectsTiltedPoses) {
   const World world = MakeWorld(1, 12, {0.9, 1.1, {350, 200}});
   ASSERT_GT(*Find(world)[0].neg_log10_nfa, 4);
   for (const PlanarFit& fit : VotePoses(world.scene, world.model, world.matches, kOutline, {}, {}, UprightAt(-0.6))) {
@@ -177,7 +177,7 @@ TEST(VotePoses, FindsNothingThatWouldBeTippedOver) {
   }
 }
 
-TEST(VotePoses, NothingFromNothing) {
+TEST(VotePoses, EmptyInputGivesNoPose) {
   EXPECT_TRUE(VotePoses({}, {}, {}, kOutline, {}, {}).empty());
   const World world = MakeWorld(4, 12, {});
   EXPECT_TRUE(VotePoses(world.scene, world.model, world.matches, {}, {}, {}).empty());

@@ -17,7 +17,7 @@ Vertical Camera(double off_nadir_deg, double hfov_deg) {
   return MakeVertical({0.3, RadiansFromDegrees(off_nadir_deg - 90), 0}, RadiansFromDegrees(hfov_deg), 640, 480);
 }
 
-TEST(AzimuthCells, ANarrowCameraHasOne) {
+TEST(AzimuthCells, NarrowFieldOfViewHasOneCell) {
   const Vertical vertical = Camera(45, 18);
   const AzimuthCells cells(vertical, kFrame, kWidth_rad);
   EXPECT_EQ(cells.CellCentresForView(RadiansFromDegrees(45), kTilt_rad).size(), 1);
@@ -26,7 +26,7 @@ TEST(AzimuthCells, ANarrowCameraHasOne) {
   EXPECT_NEAR(cells.OffNadirRange().second, RadiansFromDegrees(45 + 6.8), 0.02);
 }
 
-TEST(AzimuthCells, AWideCamerasLinesAreNeverFarFromTheMiddleOfTheirs) {
+TEST(AzimuthCells, LinesAreWithinHalfACellOfTheCentre) {
   for (const double off_nadir_deg : {0.0, 20.0, 45.0, 70.0}) {
     const Vertical vertical = Camera(off_nadir_deg, 70);
     const AzimuthCells cells(vertical, kFrame, kWidth_rad);
@@ -43,13 +43,13 @@ TEST(AzimuthCells, AWideCamerasLinesAreNeverFarFromTheMiddleOfTheirs) {
 }
 
 // A view has only the cells whose lines of sight can show it.
-TEST(AzimuthCells, AFlatViewIsSeenInFewCellsOfACameraThatLooksDown) {
+TEST(AzimuthCells, ObliqueViewHasFewCellsInANadirImage) {
   const AzimuthCells cells(Camera(20, 70), kFrame, kWidth_rad);
   EXPECT_LT(cells.CellCentresForView(RadiansFromDegrees(70), RadiansFromDegrees(15)).size(),
             cells.CellCentresForView(RadiansFromDegrees(10), RadiansFromDegrees(15)).size());
 }
 
-TEST(AzimuthCells, APartHasItsOwn) {
+TEST(AzimuthCells, ImageRegionHasItsOwnCells) {
   const Vertical vertical = Camera(45, 70);
   const Box part{560, 200, 60, 60};
   const AzimuthCells cells(vertical, part, kWidth_rad);
@@ -57,7 +57,7 @@ TEST(AzimuthCells, APartHasItsOwn) {
       << "the nearest, from outside";
 }
 
-TEST(AzimuthCells, WithoutAnAttitudeThereAreNoLines) {
+TEST(AzimuthCells, MissingAttitudeAllowsAllViewsAndHasNoCells) {
   const AzimuthCells cells(std::nullopt, kFrame, kWidth_rad);
   EXPECT_EQ(cells.OffNadirRange(), (std::pair<double, double>{0, kPi}));
   EXPECT_TRUE(cells.CellCentresForView(1, 1).empty());

@@ -28,7 +28,7 @@ Mesh Block() {
 
 cv::Mat Plain(int level) { return {150, 200, CV_8UC1, cv::Scalar(level)}; }
 
-TEST(CadPictures, TheObjectIsInItsBoxAndNothingElseIsChanged) {
+TEST(RenderCadExamples, ObjectIsInItsBoxAndBackgroundUnchanged) {
   const std::vector<cv::Mat> backgrounds = {Plain(128)};
   const auto pictures = RenderCadExamples(Block(), "block", backgrounds, {.views = 12}, 1);
   ASSERT_TRUE(pictures) << pictures.error().message;
@@ -45,7 +45,7 @@ TEST(CadPictures, TheObjectIsInItsBoxAndNothingElseIsChanged) {
   }
 }
 
-TEST(CadPictures, AreTheSameForTheSameSeedOnly) {
+TEST(RenderCadExamples, AreDeterministicBySeed) {
   const std::vector<cv::Mat> backgrounds = {Plain(128), Plain(60)};
   const auto one = RenderCadExamples(Block(), "block", backgrounds, {.views = 3}, 1).value();
   const auto again = RenderCadExamples(Block(), "block", backgrounds, {.views = 3}, 1).value();
@@ -56,7 +56,7 @@ TEST(CadPictures, AreTheSameForTheSameSeedOnly) {
   }
 }
 
-TEST(CadPictures, RefuseAnEmptyRangeOfViews) {
+TEST(RenderCadExamples, RefuseAnEmptyRangeOfViews) {
   const std::vector<cv::Mat> backgrounds = {Plain(128)};
   const auto pictures =
       RenderCadExamples(Block(), "block", backgrounds, {.min_off_nadir_deg = 80, .max_off_nadir_deg = 20}, 1);
@@ -110,7 +110,7 @@ class CadExampleTest : public ::testing::Test {
   std::vector<CategoryListRow> rows_;
 };
 
-TEST_F(CadExampleTest, StandsForItsKind) {
+TEST_F(CadExampleTest, RepresentsItsCategory) {
   AddCad();
   const Expected<CategoryModel> model = Train();
   ASSERT_TRUE(model) << model.error().message;
@@ -136,7 +136,7 @@ TEST_F(CadExampleTest, StandsForItsKind) {
   EXPECT_GE(right, 15);  // 10 by chance
 }
 
-TEST_F(CadExampleTest, NeedsPicturesOfNoneOfTheThings) {
+TEST_F(CadExampleTest, RequiresBackgroundImages) {
   for (CategoryListRow& row : rows_) row.box = Box{0, 0, 50, 50};
   AddCad();
   const Expected<CategoryModel> model = Train();
@@ -144,7 +144,7 @@ TEST_F(CadExampleTest, NeedsPicturesOfNoneOfTheThings) {
   EXPECT_THAT(model.error().message, HasSubstr("row 17: a CAD file requires background images"));
 }
 
-TEST_F(CadExampleTest, RefusesABoxAndDamage) {
+TEST_F(CadExampleTest, RefusesBoxesAndDamagedFiles) {
   AddCad();
   rows_.back().box = Box{0, 0, 5, 5};
   EXPECT_THAT(Train().error().message, HasSubstr("row 17: a box"));

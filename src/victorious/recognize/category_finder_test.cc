@@ -26,7 +26,7 @@ Box BoxOfThings(const cv::Mat& grey) {
           static_cast<double>(rect.height)};
 }
 
-TEST(CategoryFinder, FindsTheLikelyCategoryWhereItIs) {
+TEST(CategoryFinder, FindsTheCategoryAtItsPosition) {
   const auto finder = CategoryFinder::Create(SmallModel(), {});
   ASSERT_TRUE(finder) << finder.error().message;
   EXPECT_THAT(finder->names(), ElementsAre("cross-disc", "disc-cross"));
@@ -49,7 +49,7 @@ TEST(CategoryFinder, FindsTheLikelyCategoryWhereItIs) {
   EXPECT_GE(near, right * 3 / 4);
 }
 
-TEST(CategoryFinder, NoneOfTheseIsNotFound) {
+TEST(CategoryFinder, BackgroundCategoryIsNotReported) {
   const auto finder = CategoryFinder::Create(SmallModel(), {.min_probability = 0, .background = "boat, disc-cross"});
   ASSERT_TRUE(finder) << finder.error().message;
   EXPECT_THAT(finder->names(), ElementsAre("cross-disc"));
@@ -60,7 +60,7 @@ TEST(CategoryFinder, NoneOfTheseIsNotFound) {
   EXPECT_EQ(found->at(0).category, 0);
 }
 
-TEST(CategoryFinder, APictureOfNothingHasNone) {
+TEST(CategoryFinder, UniformImageHasNone) {
   const auto finder = CategoryFinder::Create(SmallModel(), {.min_probability = 0});
   ASSERT_TRUE(finder);
   const auto found = finder->Find(cv::Mat(120, 160, CV_8UC1, cv::Scalar(128)));
@@ -68,7 +68,7 @@ TEST(CategoryFinder, APictureOfNothingHasNone) {
   EXPECT_TRUE(found->empty());
 }
 
-TEST(CategoryFinder, IsAnothersWithAnotherModel) {
+TEST(CategoryFinder, IdDependsOnTheModel) {
   CategoryModel other = SmallModel();
   std::get<LinearModel>(other.classifier).phrase_weights[0].offset += 1;
   const auto first = CategoryFinder::Create(SmallModel(), {});
@@ -79,7 +79,7 @@ TEST(CategoryFinder, IsAnothersWithAnotherModel) {
   EXPECT_NE(first->content_id(), second->content_id());
 }
 
-TEST(CategoryFinder, NothingToFindIsRefused) {
+TEST(CategoryFinder, RefusesModelsWithoutCategories) {
   const auto finder = CategoryFinder::Create(SmallModel(), {.background = "cross-disc,disc-cross"});
   ASSERT_FALSE(finder);
   EXPECT_EQ(finder.error().code, ErrorCode::kInvalidArgument);

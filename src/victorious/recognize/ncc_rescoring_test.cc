@@ -88,7 +88,7 @@ std::optional<double> ZScore(const cv::Mat& grey, const RelitTemplateSource& pic
   return ComputeNccZScore(PrepareSceneForNcc(grey), model, pictures, 0, fit).value();
 }
 
-TEST(NccScore, TellsTheObjectFromOtherPlaces) {
+TEST(NccScore, SeparatesTruePoseFromOtherPoses) {
   const cv::Mat object = Patches({kSidePx, kSidePx}, 6, 1);
   const FlatSquareSource views(object);
   for (const double contrast : {1.0, 0.3}) {
@@ -105,7 +105,7 @@ TEST(NccScore, TellsTheObjectFromOtherPlaces) {
   }
 }
 
-TEST(NccScore, DarkForLightIsAnotherObject) {
+TEST(NccScore, InvertedContrastScoresNegative) {
   const cv::Mat object = Patches({kSidePx, kSidePx}, 6, 1);
   const auto sigmas = ZScore(SceneWith(255 - object, 1), FlatSquareSource(object), PoseAt(kMiddle, kTurn_rad));
   ASSERT_TRUE(sigmas);
@@ -114,7 +114,7 @@ TEST(NccScore, DarkForLightIsAnotherObject) {
 
 // The null distribution: z-scores of false poses have zero mean and unit variance, also at the frame's edge, where
 // fewer samples are compared.
-TEST(NccScore, WrongPosesScatterAsOthersDo) {
+TEST(NccScore, FalsePosesAreStandardNormal) {
   const FlatSquareSource views(Patches({kSidePx, kSidePx}, 6, 1));
   const cv::Mat scene = Patches({640, 480}, 6, 11);
   for (const auto& [left, right] : {std::pair(60.0, 580.0), std::pair(2.0, 8.0)}) {
@@ -135,7 +135,7 @@ TEST(NccScore, WrongPosesScatterAsOthersDo) {
   }
 }
 
-TEST(NccScore, SaysNothingWhereItCannotTell) {
+TEST(NccScore, IsUnknownWithoutSamples) {
   const cv::Mat object = Patches({kSidePx, kSidePx}, 6, 1);
   const cv::Mat scene = SceneWith(object, 1);
   EXPECT_FALSE(ZScore(scene, FlatSquareSource(object), PoseAt({-30, 200}, 0)));  // hardly in the frame
@@ -144,7 +144,7 @@ TEST(NccScore, SaysNothingWhereItCannotTell) {
       ZScore(scene(cv::Rect(370, 170, 60, 60)), FlatSquareSource(object), PoseAt({30, 30}, 0)));  // no null samples
 }
 
-TEST(NccScore, IsTheSameEachTime) {
+TEST(NccScore, IsDeterministic) {
   const cv::Mat object = Patches({kSidePx, kSidePx}, 6, 1);
   const cv::Mat scene = SceneWith(object, 1);
   EXPECT_EQ(ZScore(scene, FlatSquareSource(object), PoseAt({300, 300}, 1)),

@@ -71,7 +71,7 @@ Recognizer MakeRecognizer(std::vector<ObjectModel> models) {
   return Recognizer::Create(std::move(models), "opencv", {}).value();
 }
 
-TEST(Recognizer, FindsEachInstanceWhereItIs) {
+TEST(Recognizer, GrammarFindsEachInstance) {
   const cv::Mat crate = Texture(120, 90, 1);
   const cv::Mat sign = Texture(100, 100, 2);
   const cv::Mat absent = Texture(110, 100, 3);
@@ -107,7 +107,7 @@ RecognizeOptions ByVotes() {
   return options;
 }
 
-TEST(Recognizer, VotesFindEachInstanceToo) {
+TEST(Recognizer, VotesFindEachInstance) {
   const cv::Mat crate = Texture(120, 90, 1);
   cv::Mat scene = Texture(640, 480, 4);
   // More instances than the maximum number of seeds.
@@ -128,7 +128,7 @@ TEST(Recognizer, VotesFindEachInstanceToo) {
   }
 }
 
-TEST(Recognizer, ViewsThatAreNamedFindWhatTheyShow) {
+TEST(Recognizer, SearchesOnlyGivenViews) {
   const cv::Mat crate = Texture(120, 90, 1);
   cv::Mat scene = Texture(640, 480, 4);
   const Eigen::Vector2d centre = Paste(crate, 1.0, 0.5, {150, 120}, scene).Apply({60, 45});
@@ -148,7 +148,7 @@ TEST(Recognizer, ViewsThatAreNamedFindWhatTheyShow) {
 }
 
 // A view without features is no coarse view and does not cover its neighbours.
-TEST(Recognizer, AViewWithoutFeaturesHidesNoNeighbour) {
+TEST(Recognizer, ViewWithoutFeaturesIsNoCoarseView) {
   const cv::Mat crate = Texture(120, 90, 1);
   ObjectModel model = ModelOf("crate", crate);
   model.kind = ModelKind::kCad;
@@ -164,7 +164,7 @@ TEST(Recognizer, AViewWithoutFeaturesHidesNoNeighbour) {
 
 // A ring of views, each a neighbour of the adjacent two; only one shows the object in the scene, and it is no coarse
 // view.
-TEST(Recognizer, VotesReachViewsBetweenScouts) {
+TEST(Recognizer, VotesReachViewsBetweenCoarseViews) {
   const cv::Mat crate = Texture(120, 90, 1);
   cv::Mat blurred;
   cv::GaussianBlur(crate, blurred, cv::Size(), 2.0);
@@ -247,7 +247,7 @@ class Painted : public RelitTemplateSource {
   mutable std::set<std::size_t> sharp_;
 };
 
-TEST(Recognizer, FindsTheSunByWhatItPaints) {
+TEST(Recognizer, EstimatesSunFromRelitTemplates) {
   constexpr std::size_t kView = 2;
   constexpr std::size_t kSunView = 3;
   cv::Mat scene = Texture(640, 480, 4);
@@ -273,7 +273,7 @@ TEST(Recognizer, FindsTheSunByWhatItPaints) {
 }
 
 // In a wide field of view the azimuth of the line of sight, and with it the relative sun, varies.
-TEST(Recognizer, TheSunIsThatOfTheLineOfSight) {
+TEST(Recognizer, SunIsRelativeToTheLineOfSight) {
   constexpr std::size_t kView = 2;
   constexpr std::size_t kSunView = 3;
   const Eigen::Vector2d at(560, 240);
@@ -300,7 +300,7 @@ TEST(Recognizer, TheSunIsThatOfTheLineOfSight) {
 
 // Every other view is a coarse view, relit at half resolution; only the refined views, and the coarse view that they
 // extend, are relit at full resolution.
-TEST(Recognizer, LitScoutsAreCoarse) {
+TEST(Recognizer, RelitCoarseViewsHaveHalfResolution) {
   constexpr std::size_t kView = 2;
   cv::Mat scene = Texture(640, 480, 4);
   const Vertical vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 0.3, 640, 480);
@@ -350,7 +350,7 @@ class Pictured : public RelitTemplateSource {
   std::shared_ptr<const ViewAppearance> picture_;
 };
 
-TEST(Recognizer, LikenessDecidesWhatIsInDoubt) {
+TEST(Recognizer, NccScoreDecidesUncertainDetections) {
   const cv::Mat crate = Texture(120, 90, 1);
   cv::Mat scene = Texture(640, 480, 4);
   Paste(crate, 1.0, 0.5, {300, 220}, scene);
@@ -383,7 +383,7 @@ TEST(Recognizer, LikenessDecidesWhatIsInDoubt) {
   EXPECT_EQ(Recognizer::Create({}, "opencv", options).error().code, ErrorCode::kInvalidArgument);
 }
 
-TEST(Recognizer, VotesFindNothingInOtherScenes) {
+TEST(Recognizer, VotesFindNothingInUnrelatedScenes) {
   const Recognizer recognizer =
       Recognizer::Create({ModelOf("crate", Texture(120, 90, 1))}, "opencv", ByVotes()).value();
   for (std::uint64_t seed = 10; seed < 16; ++seed)
@@ -391,14 +391,14 @@ TEST(Recognizer, VotesFindNothingInOtherScenes) {
   EXPECT_TRUE(recognizer.Recognize(FeatureSet()).value().empty());
 }
 
-TEST(Recognizer, FindsNothingInOtherScenes) {
+TEST(Recognizer, GrammarFindsNothingInUnrelatedScenes) {
   const Recognizer recognizer = MakeRecognizer({ModelOf("crate", Texture(120, 90, 1))});
   for (std::uint64_t seed = 10; seed < 16; ++seed)
     EXPECT_TRUE(recognizer.Recognize(FeaturesOf(Texture(640, 480, seed))).value().empty()) << seed;
   EXPECT_TRUE(recognizer.Recognize(FeatureSet()).value().empty());
 }
 
-TEST(Recognizer, StagesOnlyTakeAway) {
+TEST(Recognizer, EachStageKeepsASubset) {
   const cv::Mat crate = Texture(120, 90, 1);
   cv::Mat scene = Texture(640, 480, 5);
   const Similarity2 truth = Paste(crate, 0.9, 1.0, {320, 240}, scene);

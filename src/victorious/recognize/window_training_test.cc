@@ -68,7 +68,7 @@ class WindowTrainingTest : public ::testing::Test {
   }
 };
 
-TEST_F(WindowTrainingTest, FindsSeveralSmallThingsAndNothingWhereThereIsNone) {
+TEST_F(WindowTrainingTest, FindsSeveralSmallObjectsAndNoneInBackground) {
   Random random(3);
   const auto model = Train(Pictures(14, random));
   ASSERT_TRUE(model) << model.error().message;
@@ -102,7 +102,7 @@ TEST_F(WindowTrainingTest, FindsSeveralSmallThingsAndNothingWhereThereIsNone) {
   EXPECT_LE(finds_in_nothing, 2);
 }
 
-TEST_F(WindowTrainingTest, AThingWithoutBoxesIsRefusedByName) {
+TEST_F(WindowTrainingTest, CategoryWithoutBoxesIsRefusedByName) {
   Random random(6);
   std::vector<LabelledImage> pictures = Pictures(4, random);
   pictures.push_back({"sky", Noise(240, 200, random), {}});
@@ -112,7 +112,7 @@ TEST_F(WindowTrainingTest, AThingWithoutBoxesIsRefusedByName) {
   EXPECT_THAT(model.error().message, ::testing::HasSubstr("nothing and sky"));
 }
 
-TEST_F(WindowTrainingTest, APictureIsClassifiedByItsLikeliestWindow) {
+TEST_F(WindowTrainingTest, ImageIsClassifiedByItsBestWindow) {
   Random random(4);
   const auto model = Train(Pictures(10, random));
   ASSERT_TRUE(model) << model.error().message;
@@ -128,7 +128,7 @@ TEST_F(WindowTrainingTest, APictureIsClassifiedByItsLikeliestWindow) {
   EXPECT_THAT(words.error().message, HasSubstr("windows"));
 }
 
-TEST_F(WindowTrainingTest, NeedsPicturesOfNoneOfTheThings) {
+TEST_F(WindowTrainingTest, RequiresBackgroundImages) {
   Random random(5);
   auto pictures = Pictures(3, random);
   std::erase_if(pictures, [](const LabelledImage& picture) { return !picture.box; });
@@ -138,7 +138,7 @@ TEST_F(WindowTrainingTest, NeedsPicturesOfNoneOfTheThings) {
   EXPECT_THAT(model.error().message, HasSubstr("no boxes"));
 }
 
-TEST_F(WindowTrainingTest, GoesWithFeaturesOnAGridAlone) {
+TEST_F(WindowTrainingTest, RefusesKeypointFeatures) {
   CategoryFeatureOptions features = SmallWindows().features;
   features.kind = CategoryFeatureKind::kKeypoints;
   const auto featurizer = CategoryFeaturizer::Create(features);

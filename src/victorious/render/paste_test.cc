@@ -10,7 +10,7 @@ namespace {
 
 cv::Mat Grey(int width, int height, int level) { return {height, width, CV_8UC1, cv::Scalar(level)}; }
 
-TEST(Paste, LaysWhatTheMaskCoversWhereTheSimilaritySays) {
+TEST(Paste, PastesMaskedPixelsByTheSimilarity) {
   cv::Mat object = Grey(40, 20, 200);
   cv::Mat mask = Grey(40, 20, 0);
   mask(cv::Rect(10, 5, 20, 10)) = 255;
@@ -22,13 +22,13 @@ TEST(Paste, LaysWhatTheMaskCoversWhereTheSimilaritySays) {
   EXPECT_EQ(cv::countNonZero(picture != expected), 0);
 }
 
-TEST(Paste, MixesWhereTheMaskIsHalf) {
+TEST(Paste, BlendsByTheMask) {
   cv::Mat picture = Grey(10, 10, 50);
   Paste(Grey(10, 10, 200), Grey(10, 10, 128), {}, picture);
   EXPECT_NEAR(picture.at<std::uint8_t>(5, 5), 125, 1);
 }
 
-TEST(Paste, AveragesWhatItShrinks) {
+TEST(Paste, AveragesWhenDownscaling) {
   cv::Mat stripes = Grey(160, 160, 0);
   for (int column = 0; column < stripes.cols; column += 2) stripes.col(column) = 200;
   cv::Mat picture = Grey(40, 40, 50);
@@ -37,7 +37,7 @@ TEST(Paste, AveragesWhatItShrinks) {
   EXPECT_EQ(picture.at<std::uint8_t>(1, 1), 50);
 }
 
-TEST(Paste, TurnsAndCutsOffAtTheEdge) {
+TEST(Paste, RotatesAndClipsAtTheEdge) {
   cv::Mat picture = Grey(60, 60, 50);
   // A quarter turn clockwise: the horizontal bar becomes vertical, and half of it is clipped.
   Paste(Grey(40, 10, 200), Grey(40, 10, 255), {.scale = 1, .rotation_rad = kPi / 2, .translation = {30, 40}}, picture);

@@ -58,7 +58,7 @@ cv::Mat GreyOf(const RenderedView& view) {
   return grey;
 }
 
-TEST(Relight, IsWhatTheRendererMakesOfTheSameSun) {
+TEST(Relight, MatchesTheRendererUnderTheSameSun) {
   Towered scene;
   for (const double azimuth_deg : {0.0, 100.0, 250.0}) {
     const ViewDirection from = {RadiansFromDegrees(azimuth_deg), RadiansFromDegrees(40)};
@@ -76,7 +76,7 @@ TEST(Relight, IsWhatTheRendererMakesOfTheSameSun) {
   }
 }
 
-TEST(Relight, LeavesTheBackground) {
+TEST(Relight, KeepsTheBackground) {
   Towered scene;
   const ViewDirection from = {0, RadiansFromDegrees(30)};
   const RenderedView soft = scene.Render(from, Light());

@@ -89,7 +89,7 @@ const cv::Vec3b kYellow(0, 255, 255);
 const cv::Vec3b kWhite(255, 255, 255);
 const cv::Vec3b kGrey(128, 128, 128);
 
-TEST(Renderer, EachSideIsSeenFromWhereTheContractSays) {
+TEST(Renderer, ViewAnglesShowTheirSides) {
   EXPECT_THAT(Middle(RenderOrDie(ColouredCube(), CameraAt(0, 90))), IsColour(kRed));
   EXPECT_THAT(Middle(RenderOrDie(ColouredCube(), CameraAt(90, 90))), IsColour(kYellow));
   EXPECT_THAT(Middle(RenderOrDie(ColouredCube(), CameraAt(180, 90))), IsColour(kGreen));
@@ -97,7 +97,7 @@ TEST(Renderer, EachSideIsSeenFromWhereTheContractSays) {
   EXPECT_THAT(Middle(RenderOrDie(ColouredCube(), CameraAt(0, 0))), IsColour(kWhite));
 }
 
-TEST(Renderer, UpIsUpAndNothingIsMirrored) {
+TEST(Renderer, ImageIsUprightAndNotMirrored) {
   const auto sees = [](const PosedCamera& camera, const Vector3d& point) {
     static const RenderedView view = RenderOrDie(ColouredCube(), CameraAt(45, 50));
     return At(view, *camera.pinhole.Project(camera.camera_from_world.Apply(point)));
@@ -113,7 +113,7 @@ TEST(Renderer, UpIsUpAndNothingIsMirrored) {
   EXPECT_LT(top.y(), std::min(left.y(), back.y()));
 }
 
-TEST(Renderer, CornersStandWhereThePinholeProjectsThem) {
+TEST(Renderer, CornersMatchPinholeProjection) {
   for (const auto& [azimuth_deg, off_nadir_deg] : {std::pair(0, 0), {30, 40}, {200, 70}, {315, 55}}) {
     const PosedCamera camera = CameraAt(azimuth_deg, off_nadir_deg);
     const RenderedView view = RenderOrDie(ColouredCube(), camera);
@@ -130,7 +130,7 @@ TEST(Renderer, CornersStandWhereThePinholeProjectsThem) {
   }
 }
 
-TEST(Renderer, EdgesLieWithinATenthOfAPixel) {
+TEST(Renderer, EdgesAreAccurateToATenthOfAPixel) {
   const PosedCamera camera = CameraAt(0, 90, 1, 151);
   const RenderedView view = RenderOrDie(SquareFacingBack(), camera, kEven, {.supersampling = 8});
   const auto corner = [&](double y, double z) {
@@ -145,7 +145,7 @@ TEST(Renderer, EdgesLieWithinATenthOfAPixel) {
   EXPECT_NEAR(moments.m01 / moments.m00 + 0.5, 100, 0.02);
 }
 
-TEST(Renderer, DepthIsWhereTheRayMeetsThePlane) {
+TEST(Renderer, DepthMatchesRayPlaneIntersection) {
   const PosedCamera camera = CameraAt(30, 40);
   const RenderedView view = RenderOrDie(ColouredCube(), camera);
   const Rigid3 world_from_camera = camera.camera_from_world.Inverse();
@@ -174,7 +174,7 @@ TEST(Renderer, DepthIsWhereTheRayMeetsThePlane) {
   EXPECT_GT(seen, 5000);
 }
 
-TEST(Renderer, TheMasksAreaIsTheSilhouettes) {
+TEST(Renderer, MaskAreaMatchesSilhouette) {
   const PosedCamera camera = CameraAt(0, 90, 1, 100);
   const RenderedView view = RenderOrDie(SquareFacingBack(), camera);
   const double side_px = 2 * camera.pinhole.fx / 6;
@@ -186,7 +186,7 @@ TEST(Renderer, TheMasksAreaIsTheSilhouettes) {
               IsColour(cv::Vec3b(30, 30, 30)));
 }
 
-TEST(Renderer, OnlyDoubleSidedTrianglesAreSeenFromBehind) {
+TEST(Renderer, BackFacesAreCulledUnlessDoubleSided) {
   Mesh square = SquareFacingBack();
   EXPECT_THAT(Middle(RenderOrDie(square, CameraAt(0, 90))), IsColour(kWhite));
   const RenderedView behind = RenderOrDie(square, CameraAt(180, 90));
@@ -196,7 +196,7 @@ TEST(Renderer, OnlyDoubleSidedTrianglesAreSeenFromBehind) {
   EXPECT_THAT(Middle(RenderOrDie(square, CameraAt(180, 90))), IsColour(kWhite));
 }
 
-TEST(Renderer, DoubleSidedTrianglesAreLitOnTheSideSeen) {
+TEST(Renderer, DoubleSidedTrianglesAreLitOnTheVisibleSide) {
   Mesh square = SquareFacingBack();
   square.materials[0].double_sided = true;
   const Light from_behind = {.sky = 0, .ground = 0, .sun = 1, .to_sun_in_world = {-1, 0, 0}};
@@ -206,7 +206,7 @@ TEST(Renderer, DoubleSidedTrianglesAreLitOnTheSideSeen) {
   EXPECT_THAT(Middle(RenderOrDie(square, CameraAt(0, 90), from_behind)), IsColour(kWhite));
 }
 
-TEST(Renderer, LightIsLamberts) {
+TEST(Renderer, ShadingIsLambertian) {
   // 0.25 of linear light is 137 in sRGB.
   Mesh square = SquareFacingBack();
   const cv::Vec3b quarter(137, 137, 137);
@@ -217,7 +217,7 @@ TEST(Renderer, LightIsLamberts) {
   EXPECT_THAT(Middle(RenderOrDie(square, CameraAt(0, 90))), IsColour(quarter));
 }
 
-TEST(Renderer, TexturesStandUprightInTheirOwnColours) {
+TEST(Renderer, TexturesAreUprightWithCorrectColours) {
   const cv::Mat texture(64, 64, CV_8UC4);
   texture(cv::Rect(0, 0, 32, 32)).setTo(cv::Scalar(10, 20, 200, 255));
   texture(cv::Rect(32, 0, 32, 32)).setTo(cv::Scalar(10, 200, 20, 255));
@@ -230,7 +230,7 @@ TEST(Renderer, TexturesStandUprightInTheirOwnColours) {
   EXPECT_THAT(At(view, {150, 130}), IsColour(cv::Vec3b(137, 137, 137)));
 }
 
-TEST(Renderer, TexturesWrapAsTheirMaterialSays) {
+TEST(Renderer, TextureWrapModesAreApplied) {
   const cv::Mat texture(64, 64, CV_8UC4, cv::Scalar(0, 0, 255, 255));
   texture.colRange(32, 64).setTo(cv::Scalar(255, 0, 0, 255));  // red, then blue
   Mesh square = SquareFacingBack(texture);
@@ -244,7 +244,7 @@ TEST(Renderer, TexturesWrapAsTheirMaterialSays) {
   EXPECT_THAT(third_quarter(TextureWrap::kMirror), IsColour(kBlue));
 }
 
-TEST(Renderer, VertexColoursTint) {
+TEST(Renderer, VertexColoursModulate) {
   Mesh square = SquareFacingBack();
   square.colours.assign(4, {0, 0, 1, 1});
   EXPECT_THAT(Middle(RenderOrDie(square, CameraAt(0, 90))), IsColour(kBlue));
@@ -259,7 +259,7 @@ Mesh HalfClearSquare(AlphaMode mode) {
   return square;
 }
 
-TEST(Renderer, AlphaIsIgnoredCutOrBlended) {
+TEST(Renderer, AlphaModesOpaqueMaskAndBlend) {
   const PosedCamera camera = CameraAt(0, 90, 1, 150);
   const Eigen::Vector2d left(90, 100);
   const Eigen::Vector2d right(150, 100);
@@ -304,7 +304,7 @@ TEST(Renderer, BlendedTrianglesAreDrawnBackToFront) {
   }
 }
 
-TEST(Renderer, BlendedButOpaqueTrianglesHideWhatLiesBehind) {
+TEST(Renderer, OpaqueBlendedTrianglesOcclude) {
   // A tilted green plane whose centre is farther than that of the small red square occludes the square.
   Mesh plane = SquareFacingBack();
   for (Vector3f& p : plane.positions) p = Vector3f(p.y() > 0 ? -0.2F : 9.0F, p.y() > 0 ? 0.9F : -9.0F, p.z());
@@ -325,7 +325,7 @@ TEST(Renderer, BlendedButOpaqueTrianglesHideWhatLiesBehind) {
   EXPECT_THAT(At(*view, at), IsColour(kGreen));
 }
 
-TEST(Renderer, InstancesHideEachOther) {
+TEST(Renderer, InstancesOccludeEachOther) {
   Renderer renderer = MakeRenderer();
   const MeshId cube = *renderer.Upload(ColouredCube());
   const MeshId square = *renderer.Upload(SquareFacingBack());
@@ -343,7 +343,7 @@ TEST(Renderer, InstancesHideEachOther) {
   EXPECT_THAT(At(*view, {75, 100}), IsColour(kGreen));  // rotated, it shows its front
 }
 
-TEST(Renderer, IsDeterministicAndKeepsNothingOfOtherPictures) {
+TEST(Renderer, IsDeterministicAndStateless) {
   Renderer renderer = MakeRenderer();
   const MeshId cube = *renderer.Upload(ColouredCube());
   const std::vector<MeshInstance> scene = {{cube, {}}};
@@ -362,7 +362,7 @@ TEST(Renderer, IsDeterministicAndKeepsNothingOfOtherPictures) {
   }
 }
 
-TEST(Renderer, DrawsTheEmptySceneAndFromWithin) {
+TEST(Renderer, RendersEmptySceneAndFromInsideAMesh) {
   Renderer renderer = MakeRenderer();
   const auto empty = renderer.Render({}, CameraAt(0, 0));
   ASSERT_TRUE(empty);
@@ -396,7 +396,7 @@ TEST(Renderer, BadInputIsRefused) {
   EXPECT_THAT(renderer.Render(scene, camera).error().message, HasSubstr("holds no such mesh"));
 }
 
-TEST(Renderer, DrawsEveryOutsideModel) {
+TEST(Renderer, RendersEveryExternalModel) {
   VICTORIOUS_DATA_OR_SKIP(folder, "models");
   Renderer renderer = MakeRenderer();
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {

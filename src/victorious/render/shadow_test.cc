@@ -86,7 +86,7 @@ bool SunIsHidden(const Vector3d& point, const Vector3d& low, const Vector3d& hig
   return std::max(a.min(b).maxCoeff(), 0.0) < a.max(b).minCoeff();
 }
 
-TEST(Shadow, LiesWhereTheBoxHidesTheSun) {
+TEST(Shadow, LiesWhereTheBoxOccludesTheSun) {
   Scene scene;
   scene.Add(Ground());
   scene.Add(testing::Box(kBoxLow.cast<float>(), kBoxHigh.cast<float>()));
@@ -112,7 +112,7 @@ TEST(Shadow, LiesWhereTheBoxHidesTheSun) {
   }
 }
 
-TEST(Shadow, IsNotDrawnUnlessAskedFor) {
+TEST(Shadow, IsOffByDefault) {
   Scene scene;
   scene.Add(Ground());
   scene.Add(testing::Box(kBoxLow.cast<float>(), kBoxHigh.cast<float>()));
@@ -129,7 +129,7 @@ TEST(Shadow, IsNotDrawnUnlessAskedFor) {
   EXPECT_EQ(cv::norm(view.bgr, scene.Render(camera, SunAndSky(false, 3)).bgr, cv::NORM_INF), 0);
 }
 
-TEST(Shadow, NoConvexBodyShadesItself) {
+TEST(Shadow, ConvexBodyHasNoSelfShadow) {
   // Rotated, so that no face is parallel to an axis; small and far away, with the minimum and the maximum softness.
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.6, Vector3d(1, 2, 3).normalized()));
   for (const float size_m : {0.3F, 3.0F, 60.0F}) {
@@ -146,7 +146,7 @@ TEST(Shadow, NoConvexBodyShadesItself) {
   }
 }
 
-TEST(Shadow, EdgesAreAsWideAsAskedFor) {
+TEST(Shadow, PenumbraHasTheGivenWidth) {
   Scene scene;
   scene.Add(Ground());
   scene.Add(testing::Box({-5, -5, 4}, {0, 5, 4.1F}));
@@ -196,7 +196,7 @@ cv::Mat QuarterClear(int alpha) {
   return texture;
 }
 
-TEST(Shadow, HolesOfCutSurfacesLetTheSunThrough) {
+TEST(Shadow, MaskedTexelsCastNoShadow) {
   const UnderRoof opaque = ShadowOf(Roof(QuarterClear(0), AlphaMode::kOpaque));
   EXPECT_NEAR(opaque.middle, kShaded, 2);
   EXPECT_NEAR(opaque.quarter, kShaded, 2);
@@ -205,13 +205,13 @@ TEST(Shadow, HolesOfCutSurfacesLetTheSunThrough) {
   EXPECT_NEAR(cut.quarter, kLit, 2);
 }
 
-TEST(Shadow, BlendedSurfacesCastFromHalfAnAlphaOn) {
+TEST(Shadow, BlendedSurfacesCastFromAlphaOneHalf) {
   EXPECT_NEAR(ShadowOf(Roof(QuarterClear(150), AlphaMode::kBlend)).quarter, kShaded, 2);
   EXPECT_NEAR(ShadowOf(Roof(QuarterClear(100), AlphaMode::kBlend)).quarter, kLit, 2);
   EXPECT_NEAR(ShadowOf(Roof(QuarterClear(100), AlphaMode::kBlend)).middle, kShaded, 2);
 }
 
-TEST(Shadow, FallsIntoThePictureFromBeyondIt) {
+TEST(Shadow, IsCastByObjectsOutsideTheImage) {
   Scene scene;
   scene.Add(Ground());
   // A tower towards the sun, 30 m from the visible region, high enough that its shadow reaches it.

@@ -33,7 +33,7 @@ Vector2d AimOf(const Rigid3& camera_from_town) {
   return (place - axis * (place.z() / axis.z())).head<2>();
 }
 
-TEST(FlightPath, LooksAtItsAimFromWhereItIsTold) {
+TEST(FlightPath, LooksAtTheAimFromTheGivenDirection) {
   for (const double fraction : {0.0, 0.25, 1.0}) {
     const Rigid3 camera_from_town = CameraFromTown(StraightFlight(), fraction, 0, kSeed);
     const Vector2d aim = Vector2d(-40, 10) + fraction * Vector2d(100, 10);
@@ -51,7 +51,7 @@ TEST(FlightPath, PositiveRollLowersTheCamerasRightSide) {
   EXPECT_NEAR((camera_from_town.rotation.conjugate() * Vector3d::UnitX()).z(), -lowered, 1e-9);
 }
 
-TEST(FlightPath, CirclesAboutOneAim) {
+TEST(FlightPath, CirclesAboutAFixedAim) {
   SceneCamera camera;
   camera.from_deg = {0, 360};
   const Vector3d start = CameraFromTown(camera, 0, 0, kSeed).Inverse().translation;
@@ -61,7 +61,7 @@ TEST(FlightPath, CirclesAboutOneAim) {
   EXPECT_LT((start - end).norm(), 1e-9);
 }
 
-TEST(FlightPath, SmoothPassesThroughKnotsWithoutACorner) {
+TEST(FlightPath, SmoothPassesThroughKnotsWithContinuousVelocity) {
   SceneCamera camera;
   camera.path = PathInterpolation::kSmooth;
   camera.aim_m = {{0, 0}, {10, 0}, {10, 10}};
@@ -74,7 +74,7 @@ TEST(FlightPath, SmoothPassesThroughKnotsWithoutACorner) {
 }
 
 // Between two knots at the limit of the range, a spline through lower neighbours overshoots the limit.
-TEST(FlightPath, SmoothStaysWithinWhatMayBe) {
+TEST(FlightPath, SmoothStaysWithinLimits) {
   SceneCamera camera;
   camera.path = PathInterpolation::kSmooth;
   camera.off_nadir_deg = {0, 80, 80, 0, 0, 80};
@@ -97,7 +97,7 @@ TEST(FlightPath, SmoothStaysWithinWhatMayBe) {
   EXPECT_NEAR(max_deg, 80, 1e-6);
 }
 
-TEST(FlightPath, ShakesAsMuchAsToldAndTheSameEachTime) {
+TEST(FlightPath, ShakeHasTheGivenSigmaAndIsDeterministic) {
   SceneCamera camera = StraightFlight();
   const Rigid3 still = CameraFromTown(camera, 0.3, 0, kSeed);
   camera.shake_deg = 0.5;
@@ -128,7 +128,7 @@ SceneObject Driver() {
   return object;
 }
 
-TEST(GroundPose, StandsWhereItIsPut) {
+TEST(GroundPose, StaticObjectHasTheGivenPose) {
   SceneObject object;
   object.x_m = 3;
   object.y_m = -4;
@@ -138,7 +138,7 @@ TEST(GroundPose, StandsWhereItIsPut) {
   EXPECT_NEAR(pose.heading_rad, kPi / 2, 1e-12);
 }
 
-TEST(GroundPose, DrivesRoundTheCornerToTheEnd) {
+TEST(GroundPose, FollowsTheRouteToItsEnd) {
   const GroundPose start = ComputeGroundPose(Driver(), 4, 0);
   EXPECT_LT(start.place_m.norm(), 1e-9);
   EXPECT_NEAR(start.heading_rad, 0, 1e-12);
@@ -148,7 +148,7 @@ TEST(GroundPose, DrivesRoundTheCornerToTheEnd) {
   EXPECT_LT((ComputeGroundPose(Driver(), 4, 100).place_m - Vector2d(40, 40)).norm(), 1e-9);
 }
 
-TEST(GroundPose, PointsListedTwiceChangeNothing) {
+TEST(GroundPose, DuplicateRoutePointsChangeNothing) {
   SceneObject twice = Driver();
   twice.path_m = {{0, 0}, {0, 0}, {0, 40}, {0, 40}, {40, 40}, {40, 40}, {40, 40}};
   for (double time_s = 0; time_s < 12; time_s += 0.3) {

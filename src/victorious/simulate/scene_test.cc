@@ -21,7 +21,7 @@ std::string ErrorOf(std::string_view text) {
   return scene.error().message;
 }
 
-TEST(Scene, EmptyIsTheDefaults) {
+TEST(Scene, EmptyObjectGivesDefaults) {
   const Expected<Scene> scene = ParseScene("{}", "town.json");
   ASSERT_TRUE(scene) << scene.error().message;
   EXPECT_EQ(scene->video.width, 640);
@@ -29,7 +29,7 @@ TEST(Scene, EmptyIsTheDefaults) {
   EXPECT_TRUE(scene->objects.empty());
 }
 
-TEST(Scene, ReadsEveryPart) {
+TEST(Scene, ReadsEverySection) {
   const Expected<Scene> scene = ParseScene(R"({
     "seed": 9, "video": {"frames": 12, "noise": 0.1},
     "origin": {"latitude_deg": 42.5, "heading_deg": 17}, "sun": {"elevation_deg": 30},
@@ -51,7 +51,7 @@ TEST(Scene, ReadsEveryPart) {
   EXPECT_EQ(scene->town.tiles[0].turns, 3);
 }
 
-TEST(Scene, NamesStartInItsFolder) {
+TEST(Scene, PathsAreRelativeToTheSceneFile) {
   const testing::ScratchFolder folder;
   std::ofstream(folder / "scene.json") << R"({"assets": "things"})";
   const Expected<Scene> scene = ReadScene(folder / "scene.json");
@@ -60,7 +60,7 @@ TEST(Scene, NamesStartInItsFolder) {
   EXPECT_EQ(scene->folder, folder.path());
 }
 
-TEST(Scene, SaysWhatIsWrong) {
+TEST(Scene, ErrorsNameTheKey) {
   EXPECT_THAT(ErrorOf("[1]"), HasSubstr("not a JSON object"));
   EXPECT_THAT(ErrorOf("{\"seed\": "), HasSubstr("not JSON"));
   EXPECT_THAT(ErrorOf(R"({"video": {"fps": 5, "fps": 6}})"), HasSubstr("\"fps\": given twice"));
@@ -76,7 +76,7 @@ TEST(Scene, SaysWhatIsWrong) {
   EXPECT_THAT(ErrorOf(R"({"town": {"squares": [3, 0, 1, 0]}})"), HasSubstr("squares"));
 }
 
-TEST(Scene, NullIsNoValue) {
+TEST(Scene, RefusesNull) {
   for (const std::string key : {"camera", "town", "objects", "pieces", "seed", "video", "sun"}) {
     EXPECT_THAT(ErrorOf("{\"" + key + "\": null}"), HasSubstr(key));
   }
@@ -91,7 +91,7 @@ TEST(Scene, NullIsNoValue) {
   }
 }
 
-TEST(Scene, EachTileHasASquareOfItsOwn) {
+TEST(Scene, TilesHaveDistinctSquares) {
   EXPECT_THAT(ErrorOf(R"({"town": {"tiles": [{"tile": "apron", "column": 5}, {"tile": "park", "column": 6}]}})"),
               AllOf(HasSubstr("tiles[1]"), HasSubstr("(6, 0)"), HasSubstr("columns -5 to 5, rows -4 to 4")));
   EXPECT_THAT(ErrorOf(R"({"town": {"squares": [0, 1, 0, 1], "tiles": [{"tile": "apron"}]}})"),
@@ -100,7 +100,7 @@ TEST(Scene, EachTileHasASquareOfItsOwn) {
               AllOf(HasSubstr("tiles[1]"), HasSubstr("park"), HasSubstr("(0, 2)"), HasSubstr("another")));
 }
 
-TEST(Scene, SaysWhichObjectIsWrong) {
+TEST(Scene, ErrorsNameTheObject) {
   EXPECT_THAT(ErrorOf(R"({"objects": [{"id": "a", "model": "jeep"}, {"id": "b"}]})"),
               AllOf(HasSubstr("objects[1]"), HasSubstr("model")));
   EXPECT_THAT(ErrorOf(R"({"objects": [{"model": "jeep"}]})"), HasSubstr("id"));
@@ -115,7 +115,7 @@ TEST(Scene, SaysWhichObjectIsWrong) {
   EXPECT_THAT(ErrorOf(R"({"objects": {}})"), HasSubstr("objects: must be a list"));
 }
 
-TEST(Scene, AssetsLeadNowhereElse) {
+TEST(Scene, AssetsStayInsideTheirFolder) {
   EXPECT_THAT(ErrorOf(R"({"pieces": [{"asset": "../../etc/passwd"}]})"), HasSubstr("asset"));
   EXPECT_THAT(ErrorOf(R"({"town": {"tiles": [{"tile": ""}]}})"), AllOf(HasSubstr("tiles[0]"), HasSubstr("tile")));
   EXPECT_THAT(ErrorOf(R"({"objects": [{"id": "a", "model": "../jeep"}]})"), HasSubstr("model"));

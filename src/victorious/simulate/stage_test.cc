@@ -63,7 +63,7 @@ class StageTest : public ::testing::Test {
   testing::ScratchFolder assets;
 };
 
-TEST_F(StageTest, LongShadowsReachIntoViewFromOutside) {
+TEST_F(StageTest, ShadowsOfObjectsOutsideTheViewAreRendered) {
   const cv::Mat without = Picture({});
   // A block 40 m high casts a shadow 149 m long.
   for (const double distance_m : {40.0, 90.0, 130.0}) {

@@ -29,7 +29,7 @@ std::optional<Vector2d> Project(const CameraState& camera, const GeodeticPoint& 
   return pinhole.Project(CameraFromEnu(*camera.attitude) * TangentPlane(camera.place).EnuFromGeodetic(place));
 }
 
-TEST(Telemetry, APlaceIsSeenThroughItWhereTheCameraSeesIt) {
+TEST(Telemetry, ProjectionThroughTelemetryMatchesTheCamera) {
   constexpr double kTownHeadingRad = 1.1;
   const TangentPlane earth({RadiansFromDegrees(61), RadiansFromDegrees(24), 80});
   const SceneVideo video{.width = 640, .height = 480, .hfov_deg = 15};
@@ -57,7 +57,7 @@ TEST(Telemetry, APlaceIsSeenThroughItWhereTheCameraSeesIt) {
 }
 
 // A flight by another renderer, made to the same definitions by independent code.
-TEST(Telemetry, AgreesWithAnotherRenderersFlight) {
+TEST(Telemetry, MatchesReferenceFlight) {
   VICTORIOUS_DATA_OR_SKIP(folder, "movies/dev_soft");
   const auto text = ReadFile(folder / "telemetry.csv");
   ASSERT_TRUE(text) << text.error().message;

@@ -32,7 +32,7 @@ const Placement* TileAt(const std::vector<Placement>& placements, const Vector2d
   return at == placements.end() ? nullptr : &*at;
 }
 
-TEST(Town, IsTheSeeds) {
+TEST(Town, IsDeterministicBySeed) {
   const auto first = LayOutTown({.seed = 5});
   const auto again = LayOutTown({.seed = 5});
   const auto other = LayOutTown({.seed = 6});
@@ -44,14 +44,14 @@ TEST(Town, IsTheSeeds) {
   EXPECT_TRUE(first.size() != other.size() || first.back().place_m != other.back().place_m);
 }
 
-TEST(Town, HasWhatATownHas) {
+TEST(Town, HasRoadsBuildingsTreesCarsAndProps) {
   const auto town = LayOutTown({});
   for (const char* kind : {"town/tiles/road_", "town/buildings/", "town/trees/", "town/cars/", "town/props/"}) {
     EXPECT_GT(CountOf(town, kind), 10) << kind;
   }
 }
 
-TEST(Town, StreetsRunOnTheGridAndMeet) {
+TEST(Town, StreetsAreConnectedOnTheGrid) {
   const auto town = LayOutTown({.columns_per_street = 4, .rows_per_street = 3});
   for (int column = -5; column <= 5; ++column) {
     for (int row = -4; row <= 4; ++row) {
@@ -64,7 +64,7 @@ TEST(Town, StreetsRunOnTheGridAndMeet) {
   }
 }
 
-TEST(Town, DensityFillsIt) {
+TEST(Town, DensityIncreasesBuildings) {
   const auto count = [](double density) {
     return std::ranges::count_if(LayOutTown({.density = density}), &StandsAbove);
   };
@@ -88,7 +88,7 @@ std::vector<Vector2d> SizesOf(const std::vector<Placement>& town) {
   return sizes_m;
 }
 
-TEST(Town, NothingStandsOnClearGround) {
+TEST(Town, ClearZonesAreEmpty) {
   const std::vector<ClearZone> clear = {{{0, 0}, 15}, {{24, 24}, 8}, {{30, -40}, 3}};
   const auto town = LayOutTown({.density = 1});
   const std::vector<Vector2d> sizes_m = SizesOf(town);
@@ -110,14 +110,14 @@ TEST(Town, NothingStandsOnClearGround) {
   EXPECT_GT(moved_away, 10);
 }
 
-TEST(Town, ALongBuildingKeepsAllOfItsLengthAway) {
+TEST(Town, ClearZonesConsiderTheBuildingLength) {
   const std::vector<Placement> town = {{.asset = "town/buildings/warehouse"}};
   const std::vector<Vector2d> sizes_m = {{28.4, 18.6}};
   EXPECT_EQ(FindUnobstructed(town, sizes_m, std::vector<ClearZone>{{{18, 0}, 2}}), std::vector{false});
   EXPECT_EQ(FindUnobstructed(town, sizes_m, std::vector<ClearZone>{{{20, 0}, 2}}), std::vector{true});
 }
 
-TEST(Town, NothingStandsInsideABuilding) {
+TEST(Town, NothingOverlapsABuilding) {
   int left_out = 0;
   for (const std::uint64_t seed : {1, 2, 3, 18}) {
     const auto town = LayOutTown({.seed = seed, .density = 1});
@@ -141,7 +141,7 @@ TEST(Town, NothingStandsInsideABuilding) {
   EXPECT_GT(left_out, 4);  // LayOutTown alone places trees there
 }
 
-TEST(Town, TakesTheTilesThatAreChosen) {
+TEST(Town, UsesTheGivenTiles) {
   const auto town = LayOutTown({.tiles = {{.tile = "apron", .column = 2, .row = 1, .turns = 1}}});
   const Placement* tile = TileAt(town, {48, 24});
   ASSERT_NE(tile, nullptr);

@@ -55,7 +55,7 @@ class Truth : public ::testing::Test {
   Expected<Renderer> renderer = Renderer::Create({.software = true});
 };
 
-TEST_F(Truth, BoxPlaceHeadingAndViewOfAnObjectAlone) {
+TEST_F(Truth, SingleObjectHasBoxPlaceHeadingAndView) {
   const auto truth = TruthOfBoxes({BoxAt({0, 0, 0})}, 1);
   ASSERT_EQ(truth.size(), 1U);
   EXPECT_EQ(truth[0].visible, 1);
@@ -66,7 +66,7 @@ TEST_F(Truth, BoxPlaceHeadingAndViewOfAnObjectAlone) {
   EXPECT_NEAR(truth[0].view.off_nadir_rad, 0, 1e-6);
 }
 
-TEST_F(Truth, WhatHidesHalfLeavesHalf) {
+TEST_F(Truth, HalfOccludedObjectIsHalfVisible) {
   const std::vector<StagedInstance> boxes = {BoxAt({0, 0, 0}), BoxAt({2, 0, 2})};
   const auto truth = TruthOfBoxes(boxes, 1);
   ASSERT_EQ(truth.size(), 1U);
@@ -75,14 +75,14 @@ TEST_F(Truth, WhatHidesHalfLeavesHalf) {
   EXPECT_TRUE(TruthOfBoxes({BoxAt({0, 0, 0}), BoxAt({0, 0, 2})}, 1).empty());  // occluding all of it leaves no truth
 }
 
-TEST_F(Truth, WhatTheFrameCutsCountsAsHidden) {
+TEST_F(Truth, CroppedPixelsCountAsInvisible) {
   const auto truth = TruthOfBoxes({BoxAt({160 / 6.4, 0, 0})}, 1);  // on the frame's right border
   ASSERT_EQ(truth.size(), 1U);
   EXPECT_NEAR(truth[0].visible, 0.5, 0.05);
   EXPECT_EQ(truth[0].box.x + truth[0].box.width, 320);
 }
 
-TEST_F(Truth, ViewIsSeenFromTheObject) {
+TEST_F(Truth, ViewAnglesAreInTheObjectFrame) {
   SceneCamera behind;  // south of it; the object looks east: the camera is on its right
   behind.off_nadir_deg = {40};
   PosedCamera camera = FromAbove();
@@ -94,7 +94,7 @@ TEST_F(Truth, ViewIsSeenFromTheObject) {
 }
 
 // Rendered alone it would need an image 6400 pixels wide, more than the limit: the truth must still be computed.
-TEST_F(Truth, AnObjectMuchWiderThanTheFrameHasItsShare) {
+TEST_F(Truth, ObjectWiderThanTheFrameHasItsVisibleFraction) {
   const Mesh mesh = testing::Box({-500, -1, -1}, {500, 1, 0});  // 1000 m long, its top at 0: 6.4 px a metre
   const Expected<MeshId> id = renderer->Upload(mesh);
   ASSERT_TRUE(id);
@@ -104,14 +104,14 @@ TEST_F(Truth, AnObjectMuchWiderThanTheFrameHasItsShare) {
   EXPECT_NEAR(truth[0].visible, 320 / 6400.0, 0.005);
 }
 
-TEST_F(Truth, AnObjectThatReachesBehindTheCameraIsHardlySeen) {
+TEST_F(Truth, ObjectReachingBehindTheCameraIsBarelyVisible) {
   const auto truth = TruthOfBoxes({BoxAt({3, 0, 0}, 120)}, 1);  // a tower beside the camera, higher than that
   ASSERT_EQ(truth.size(), 1U);
   EXPECT_GT(truth[0].visible, 0);
   EXPECT_LT(truth[0].visible, 0.1);
 }
 
-TEST(FormatTruthLine, HasTheContractsKeys) {
+TEST(FormatTruthLine, HasTheDocumentedKeys) {
   const ObjectTruth truth{.box = {1, 2, 30, 40}, .pixels = 600, .visible = 0.51239, .place = {0.7, -1.2, 11}};
   const auto json = nlohmann::json::parse(FormatTruthLine(truth, {.id = "jeep-1", .model = "jeep"}, 37, 3.7));
   EXPECT_EQ(json["frame"], 37);

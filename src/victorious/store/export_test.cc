@@ -77,7 +77,7 @@ class ExportTest : public ::testing::Test {
   std::unique_ptr<IndexStore> store_;
 };
 
-TEST_F(ExportTest, ObjectsAreTheContractsLines) {
+TEST_F(ExportTest, ObjectsHaveTheDocumentedLines) {
   EXPECT_THAT(
       Lines(ExportFormat::kObjects),
       ElementsAre(
@@ -91,14 +91,14 @@ TEST_F(ExportTest, ObjectsAreTheContractsLines) {
           R"("heading_deg":null,"speed_m_s":null})"));
 }
 
-TEST_F(ExportTest, RanksCountTheObjectsListed) {
+TEST_F(ExportTest, RanksCountTheListedObjects) {
   const auto lines = Lines(ExportFormat::kObjects, {.model_name = "box"});
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_EQ(json::parse(lines[0])["rank"], 1);
   EXPECT_EQ(json::parse(lines[0])["object_id"], 1);
 }
 
-TEST_F(ExportTest, SightingsAreTheContractsLines) {
+TEST_F(ExportTest, SightingsHaveTheDocumentedLines) {
   const auto lines = Lines(ExportFormat::kSightings);
   ASSERT_EQ(lines.size(), 3u);
   EXPECT_EQ(lines[0], R"({"object_id":1,"model":"box","category":null,"video":"flight/a.mp4","frame":37,"time_s":1.48,)"
@@ -115,14 +115,14 @@ TEST_F(ExportTest, SightingsAreTheContractsLines) {
   EXPECT_EQ(tracked["outline"], json::array());
 }
 
-TEST_F(ExportTest, FiltersReachEveryFormat) {
+TEST_F(ExportTest, FiltersApplyToEveryFormat) {
   EXPECT_EQ(Lines(ExportFormat::kSightings, {.video_name = "a.mp4", .from_s = 1.5}).size(), 1u);
   EXPECT_EQ(Lines(ExportFormat::kObjects, {.video_name = "a.mp4"}).size(), 1u);
   EXPECT_EQ(Lines(ExportFormat::kMot, {.video_name = "a.mp4", .to_s = 1.5}).size(), 1u);
   EXPECT_EQ(json::parse(Text(ExportFormat::kCoco, {.model_name = "shed"}))["annotations"].size(), 1u);
 }
 
-TEST_F(ExportTest, MotCountsFromOneAndHoldsOneVideo) {
+TEST_F(ExportTest, MotIsOneBasedForOneVideo) {
   EXPECT_THAT(
       Lines(ExportFormat::kMot, {.video_name = "a.mp4"}),
       ElementsAre("38,1,0.00,10.13,100.00,50.00,0.9000,-1,-1,-1", "39,1,0.00,10.13,100.00,50.00,0.9000,-1,-1,-1"));
@@ -134,7 +134,7 @@ TEST_F(ExportTest, MotCountsFromOneAndHoldsOneVideo) {
   EXPECT_TRUE(out.str().empty());
 }
 
-TEST_F(ExportTest, CocoJoinsImagesCategoriesAndAnnotations) {
+TEST_F(ExportTest, CocoReferencesImagesAndCategories) {
   const json coco = json::parse(Text(ExportFormat::kCoco));
   ASSERT_EQ(coco["images"].size(), 3u);
   EXPECT_EQ(coco["images"][0], json::parse(R"({"id":1,"file_name":"flight/a.mp4/000037.png","width":640,"height":480,
@@ -157,7 +157,7 @@ TEST_F(ExportTest, CocoJoinsImagesCategoriesAndAnnotations) {
   EXPECT_EQ(bare["image_id"], 3);
 }
 
-TEST_F(ExportTest, UnknownNamesAreErrorsThatSayWhatThereIs) {
+TEST_F(ExportTest, ErrorsForUnknownNamesListTheKnown) {
   std::ostringstream out;
   const Status video = Export(*store_, ExportFormat::kObjects, {.video_name = "c.mp4"}, out);
   ASSERT_FALSE(video);
@@ -170,7 +170,7 @@ TEST_F(ExportTest, UnknownNamesAreErrorsThatSayWhatThereIs) {
   EXPECT_TRUE(out.str().empty());
 }
 
-TEST_F(ExportTest, AnOutputThatFailsIsAnError) {
+TEST_F(ExportTest, FailedOutputStreamIsAnError) {
   std::ostringstream out;
   out.setstate(std::ios::badbit);
   for (const auto format : {ExportFormat::kObjects, ExportFormat::kSightings, ExportFormat::kCoco}) {
@@ -178,7 +178,7 @@ TEST_F(ExportTest, AnOutputThatFailsIsAnError) {
   }
 }
 
-TEST_F(ExportTest, AnEmptyIndexGivesEmptyFiles) {
+TEST_F(ExportTest, EmptyIndexGivesEmptyFiles) {
   store_ = *OpenSqliteStore(folder_ / "empty.db", StoreMode::kCreate);
   EXPECT_EQ(Text(ExportFormat::kObjects), "");
   EXPECT_EQ(Text(ExportFormat::kSightings), "");
@@ -186,7 +186,7 @@ TEST_F(ExportTest, AnEmptyIndexGivesEmptyFiles) {
   EXPECT_EQ(json::parse(Text(ExportFormat::kCoco)), json::parse(R"({"images":[],"annotations":[],"categories":[]})"));
 }
 
-TEST_F(ExportTest, AnEllipseAcrossTheAntimeridianIsCutThere) {
+TEST_F(ExportTest, EllipseIsSplitAtTheAntimeridian) {
   ObjectRecord object = store_->Objects({}).value().front();
   object.place.emplace();
   object.place->point = {RadiansFromDegrees(-17), RadiansFromDegrees(179.99999), 5};
@@ -209,7 +209,7 @@ TEST_F(ExportTest, AnEllipseAcrossTheAntimeridianIsCutThere) {
 }
 
 // Reads the GeoPackage back by GDAL.
-TEST_F(ExportTest, AGeoPackageHasPointsEllipsesAndTheKeysOfObjects) {
+TEST_F(ExportTest, GeoPackageHasPointsEllipsesAndObjectKeys) {
   ObjectRecord object = store_->Objects({.model_name = "box"}).value().front();
   object.place.emplace();
   object.place->point = {RadiansFromDegrees(52.5), RadiansFromDegrees(13.25), 81.5};
@@ -254,7 +254,7 @@ TEST_F(ExportTest, AGeoPackageHasPointsEllipsesAndTheKeysOfObjects) {
   EXPECT_NEAR(height_m, 2 * 3 * 2.146, 0.02);
 }
 
-TEST(ExportFormatTest, IsNamedAsTheContractSays) {
+TEST(ExportFormatTest, HasTheDocumentedNames) {
   EXPECT_EQ(*ParseExportFormat("objects"), ExportFormat::kObjects);
   EXPECT_EQ(*ParseExportFormat("sightings"), ExportFormat::kSightings);
   EXPECT_EQ(*ParseExportFormat("mot"), ExportFormat::kMot);

@@ -122,7 +122,7 @@ class IndexStoreTest : public ::testing::TestWithParam<Backend> {
   std::int64_t model_ = 0;
 };
 
-TEST_P(IndexStoreTest, AVideoIsKnownByItsContentAndNamedAsLastGiven) {
+TEST_P(IndexStoreTest, VideoIsIdentifiedByContentAndNamedAsLastGiven) {
   const VideoRecord again = PutVideo("c1", "moved/a.mp4");
   EXPECT_EQ(again.id, video_);
   EXPECT_EQ(again.name, "moved/a.mp4");
@@ -132,7 +132,7 @@ TEST_P(IndexStoreTest, AVideoIsKnownByItsContentAndNamedAsLastGiven) {
   EXPECT_THAT(*store_->Videos(), SizeIs(2));
 }
 
-TEST_P(IndexStoreTest, AVideoKeepsItsLengthAndFeatures) {
+TEST_P(IndexStoreTest, VideoLengthAndFeaturesRoundTrip) {
   ASSERT_TRUE(store_->SetVideoLength(video_, 100, 49.5));
   ASSERT_TRUE(store_->SetVideoFeatures(video_, R"({"engine":"opencv"})"));
   Reopen();
@@ -146,7 +146,7 @@ TEST_P(IndexStoreTest, AVideoKeepsItsLengthAndFeatures) {
   EXPECT_EQ(store_->SetVideoFeatures(99, "{}").error().code, ErrorCode::kNotFound);
 }
 
-TEST_P(IndexStoreTest, ASightingComesBackAsItWent) {
+TEST_P(IndexStoreTest, SightingRoundTrips) {
   IndexBatch batch = MakeBatch(7, 1, 0.75);
   batch.sightings[0].sighting.view = ViewAngles{1.5, 0.5};
   batch.sightings[0].sighting.source = SightingSource::kTracked;
@@ -176,7 +176,7 @@ TEST_P(IndexStoreTest, ASightingComesBackAsItWent) {
   EXPECT_EQ(s.track, 60000003);
 }
 
-TEST_P(IndexStoreTest, UnknownAnglesAndNoOutlineStayUnknown) {
+TEST_P(IndexStoreTest, UnknownAnglesAndOutlineRoundTrip) {
   IndexBatch batch = MakeBatch(0, 1, 0.5);
   batch.sightings[0].sighting.outline.clear();
   CommitOne(batch);
@@ -185,7 +185,7 @@ TEST_P(IndexStoreTest, UnknownAnglesAndNoOutlineStayUnknown) {
   EXPECT_TRUE(Sightings()[0].outline.empty());
 }
 
-TEST_P(IndexStoreTest, AnObjectGrows) {
+TEST_P(IndexStoreTest, CommitExtendsATracklet) {
   const std::int64_t id = CommitOne(MakeBatch(0, 2, 0.5));
   IndexBatch more = MakeBatch(2, 1, 0.9);
   more.tracklets[0].id = id;
@@ -207,7 +207,7 @@ Geolocation SomePlace(double latitude_rad) {
   return place;
 }
 
-TEST_P(IndexStoreTest, ASightComesBackAsItWent) {
+TEST_P(IndexStoreTest, BearingObservationRoundTrips) {
   IndexBatch batch = MakeBatch(7, 2, 0.75);
   batch.sightings[0].sighting.observation = BearingObservation{.line = {.time_s = 3.5,
                                                                         .camera = {0.5, 0.25, 120},
@@ -237,7 +237,7 @@ TEST_P(IndexStoreTest, ASightComesBackAsItWent) {
   EXPECT_EQ(observation.sigma_attitude_rad, 0.01);
 }
 
-TEST_P(IndexStoreTest, RunsBecomeOneObjectWithItsPlace) {
+TEST_P(IndexStoreTest, TrackletsAreMergedToOneObjectWithAPlace) {
   const std::int64_t first = CommitOne(MakeBatch(0, 2, 0.5));
   const std::int64_t second = CommitOne(MakeBatch(10, 3, 0.9));
   ObjectRecord object{.id = first, .model = model_, .tracklets = {first, second}, .place = SomePlace(0.5)};
@@ -275,7 +275,7 @@ TEST_P(IndexStoreTest, RunsBecomeOneObjectWithItsPlace) {
   EXPECT_FALSE(store_->Objects({})->back().heading_rad);
 }
 
-TEST_P(IndexStoreTest, AnObjectOfTwoVideosOutlivesOneOfThem) {
+TEST_P(IndexStoreTest, ObjectOfTwoVideosSurvivesRemovalOfOne) {
   const std::int64_t first = CommitOne(MakeBatch(0, 2, 0.5));
   const std::int64_t one = video_;
   video_ = PutVideo("c2", "b.mp4").id;
@@ -290,7 +290,7 @@ TEST_P(IndexStoreTest, AnObjectOfTwoVideosOutlivesOneOfThem) {
   EXPECT_EQ(objects->front().frames, 2);
 }
 
-TEST_P(IndexStoreTest, WhatWasRejectedIsLeftOutUnlessAskedFor) {
+TEST_P(IndexStoreTest, RejectedObjectsAreExcludedByDefault) {
   const std::int64_t id = CommitOne(MakeBatch(0, 2, 0.5));
   const ObjectRecord object{.id = id, .model = model_, .tracklets = {id}, .rejected = "7 times too large"};
   ASSERT_TRUE(store_->PutObjects(std::span(&object, 1)));
@@ -300,7 +300,7 @@ TEST_P(IndexStoreTest, WhatWasRejectedIsLeftOutUnlessAskedFor) {
   EXPECT_EQ(store_->Objects({.include_rejected = true})->front().rejected, "7 times too large");
 }
 
-TEST_P(IndexStoreTest, NearMeansAlongTheGround) {
+TEST_P(IndexStoreTest, NearFilterUsesGroundDistance) {
   const std::int64_t here = CommitOne(MakeBatch(0, 1, 0.5));
   const std::int64_t there = CommitOne(MakeBatch(5, 1, 0.6));
   CommitOne(MakeBatch(8, 1, 0.7));  // of unknown place
@@ -318,7 +318,7 @@ TEST_P(IndexStoreTest, NearMeansAlongTheGround) {
   EXPECT_THAT(ObjectIds(late), ElementsAre(there));
 }
 
-TEST_P(IndexStoreTest, ABatchIsWholeOrNotAtAll) {
+TEST_P(IndexStoreTest, CommitIsAtomic) {
   IndexBatch batch = MakeBatch(0, 3, 0.5);
   batch.progress.push_back(ProgressTo(3, 0));
   batch.sightings[2].sighting.frame = 1;  // two sightings of one tracklet in one frame
@@ -332,7 +332,7 @@ TEST_P(IndexStoreTest, ABatchIsWholeOrNotAtAll) {
   EXPECT_TRUE(store_->Commit(batch));
 }
 
-TEST_P(IndexStoreTest, WhatIsNotThereIsRefused) {
+TEST_P(IndexStoreTest, RefusesUnknownIds) {
   IndexBatch batch = MakeBatch(0, 1, 0.5);
   batch.tracklets[0].id = 1234;
   EXPECT_EQ(store_->Commit(batch).error().code, ErrorCode::kNotFound);
@@ -341,7 +341,7 @@ TEST_P(IndexStoreTest, WhatIsNotThereIsRefused) {
   EXPECT_EQ(store_->Commit(batch).error().code, ErrorCode::kNotFound);
 }
 
-TEST_P(IndexStoreTest, ProgressIsKeptAndMovesOnlyFromWhereItStood) {
+TEST_P(IndexStoreTest, ProgressAdvancesOnlyFromItsStoredFrame) {
   IndexBatch batch;
   batch.progress.push_back(ProgressTo(10, 0));
   ASSERT_TRUE(store_->Commit(batch));
@@ -362,7 +362,7 @@ TEST_P(IndexStoreTest, ProgressIsKeptAndMovesOnlyFromWhereItStood) {
   EXPECT_FALSE(store_->FindSearch(video_, model_ + 1)->has_value());
 }
 
-TEST_P(IndexStoreTest, ForgettingASearchTakesItsFindsAndNothingElse) {
+TEST_P(IndexStoreTest, DeletingASearchRemovesOnlyItsSightings) {
   const std::int64_t other = PutModel("shed", "m2").id;
   IndexBatch kept = MakeBatch(0, 2, 0.5);
   kept.tracklets[0].tracklet.model = other;
@@ -379,7 +379,7 @@ TEST_P(IndexStoreTest, ForgettingASearchTakesItsFindsAndNothingElse) {
   EXPECT_GT(CommitOne(batch), forgotten_id) << "an id is never given twice";
 }
 
-TEST_P(IndexStoreTest, AModelOfOtherContentReplacesTheOldOne) {
+TEST_P(IndexStoreTest, ModelOfOtherContentReplacesTheOldOne) {
   IndexBatch batch = MakeBatch(0, 2, 0.6);
   batch.progress.push_back(ProgressTo(2, 0));
   CommitOne(batch);
@@ -395,7 +395,7 @@ TEST_P(IndexStoreTest, AModelOfOtherContentReplacesTheOldOne) {
   EXPECT_THAT(*store_->Models(), SizeIs(1));
 }
 
-TEST_P(IndexStoreTest, ObjectsComeBestFirst) {
+TEST_P(IndexStoreTest, ObjectsAreSortedByScore) {
   const std::int64_t a = CommitOne(MakeBatch(0, 1, 0.5));
   const std::int64_t b = CommitOne(MakeBatch(1, 3, 0.5));
   const std::int64_t c = CommitOne(MakeBatch(4, 1, 0.9));
@@ -403,7 +403,7 @@ TEST_P(IndexStoreTest, ObjectsComeBestFirst) {
   EXPECT_THAT(ObjectIds(), ElementsAre(c, b, a, d));
 }
 
-TEST_P(IndexStoreTest, SightingsComeByVideoFrameAndObject) {
+TEST_P(IndexStoreTest, SightingsAreSortedByVideoFrameAndObject) {
   const std::int64_t first_video = video_;
   const std::int64_t second_video = PutVideo("c0", "b.mp4").id;
   video_ = second_video;
@@ -454,7 +454,7 @@ TEST_P(IndexStoreTest, FiltersByCategory) {
   EXPECT_THAT(Sightings({.category_name = "vehicle"}), SizeIs(2));
 }
 
-TEST_P(IndexStoreTest, VisitingStopsWhenToldTo) {
+TEST_P(IndexStoreTest, VisitStopsOnFalse) {
   CommitOne(MakeBatch(0, 5, 0.5));
   int seen = 0;
   EXPECT_TRUE(store_->VisitSightings({}, [&](SightingRecord&&) { return ++seen < 2; }));
@@ -462,7 +462,7 @@ TEST_P(IndexStoreTest, VisitingStopsWhenToldTo) {
   EXPECT_TRUE(store_->SetVideoLength(video_, 5, 2.0)) << "nothing stays locked";
 }
 
-TEST_P(IndexStoreTest, TheStoreCanBeAskedWhileItIsVisited) {
+TEST_P(IndexStoreTest, QueriesAreAllowedDuringAVisit) {
   CommitOne(MakeBatch(0, 3, 0.5));
   std::size_t inner = 0;
   EXPECT_TRUE(store_->VisitSightings({}, [&](SightingRecord&&) {
@@ -472,7 +472,7 @@ TEST_P(IndexStoreTest, TheStoreCanBeAskedWhileItIsVisited) {
   EXPECT_EQ(inner, 9u);
 }
 
-TEST_P(IndexStoreTest, KeptFramesComeBackOnceInOrder) {
+TEST_P(IndexStoreTest, KeptFramesAreVisitedOnceInOrder) {
   IndexBatch batch;
   for (const std::int64_t frame : {30, 0, 60}) {
     KeptFrame kept{.video = video_, .frame = frame, .time_s = static_cast<double>(frame)};
@@ -509,7 +509,7 @@ INSTANTIATE_TEST_SUITE_P(Backends, IndexStoreTest,
                                                    }}),
                          [](const auto& backend) { return backend.param.name; });
 
-TEST(VideosNamedTest, TakesTheWholeNameBeforeItsLastParts) {
+TEST(VideosNamedTest, PrefersTheWholeNameToItsLastParts) {
   const std::vector<VideoRecord> videos = {{.id = 1, .name = "a.mp4"},
                                            {.id = 2, .name = "/data/flight/a.mp4"},
                                            {.id = 3, .name = "frames/"},

@@ -96,7 +96,7 @@ ErrorCode CodeOf(const Expected<ObjectModel>& model) {
   return model ? ErrorCode::kInternal : model.error().code;
 }
 
-TEST(ModelFileTest, AModelComesBackAsItWent) {
+TEST(ModelFileTest, ModelRoundTrips) {
   const testing::ScratchFolder folder;
   const ObjectModel model = TestModel();
   ASSERT_TRUE(WriteModelFile(folder / "box.vmodel", model));
@@ -107,7 +107,7 @@ TEST(ModelFileTest, AModelComesBackAsItWent) {
   EXPECT_EQ(read->ViewFeatures(1).size(), 0u);
 }
 
-TEST(ModelFileTest, PlacesAndNeighboursComeBack) {
+TEST(ModelFileTest, PointsAndNeighboursRoundTrip) {
   ObjectModel model = TestModel();
   const std::vector<Point3> points = {{1, 2, 3}, {4, 5, 6}, {-7, 8, 9}, {0, 0, 0}, {1e-3F, 1, -1}};
   model.kind = ModelKind::kCad;
@@ -121,7 +121,7 @@ TEST(ModelFileTest, PlacesAndNeighboursComeBack) {
   EXPECT_TRUE(read.views[1].neighbours.empty());
 }
 
-TEST(ModelFileTest, ThumbnailsComeBackAndLeaveTheIdAsItIs) {
+TEST(ModelFileTest, ThumbnailsRoundTripAndDoNotChangeTheId) {
   ObjectModel model = TestModel();
   const std::string id = Parse(Encode(model)).value().id;
   EXPECT_TRUE(Parse(Encode(model)).value().views[0].thumbnail.empty());
@@ -133,7 +133,7 @@ TEST(ModelFileTest, ThumbnailsComeBackAndLeaveTheIdAsItIs) {
   EXPECT_EQ(read.id, id);
 }
 
-TEST(ModelFileTest, RefusesThumbnailsThatDoNotFillTheirSection) {
+TEST(ModelFileTest, RefusesThumbnailsOfWrongSize) {
   const std::vector<std::byte> whole = Encode(TestModel());
   const auto with = [&](const std::vector<std::uint32_t>& words) {
     std::vector<Section> sections = ParseSections(whole).value().sections;
@@ -150,7 +150,7 @@ TEST(ModelFileTest, RefusesThumbnailsThatDoNotFillTheirSection) {
   EXPECT_EQ(CodeOf(with({0xFFFFFFFF, 0xFFFFFFFF, 7})), ErrorCode::kDataLoss);
 }
 
-TEST(ModelFileTest, RefusesPlacesAndNeighboursThatMakeNoSense) {
+TEST(ModelFileTest, RefusesInvalidPointsAndNeighbours) {
   ObjectModel model = TestModel();
   std::vector<Point3> points(4);
   model.points_in_model = points;
@@ -166,7 +166,7 @@ TEST(ModelFileTest, RefusesPlacesAndNeighboursThatMakeNoSense) {
   EXPECT_FALSE(EncodeModel(model).has_value());
 }
 
-TEST(ModelFileTest, TheFeaturesAreUsedWhereTheyLie) {
+TEST(ModelFileTest, FeaturesAreNotCopied) {
   const testing::ScratchFolder folder;
   ASSERT_TRUE(WriteModelFile(folder / "box.vmodel", TestModel()));
   const auto model = ReadModelFile(folder / "box.vmodel");
@@ -175,7 +175,7 @@ TEST(ModelFileTest, TheFeaturesAreUsedWhereTheyLie) {
   EXPECT_EQ(reinterpret_cast<std::uintptr_t>(model->features.descriptors.data()) % kSectionAlignment, 0u);
 }
 
-TEST(ModelFileTest, TheIdIsThatOfTheContent) {
+TEST(ModelFileTest, IdIsThatOfTheContent) {
   const ObjectModel model = TestModel();
   const std::string id = Parse(Encode(model))->id;
   ObjectModel other = model;
@@ -193,7 +193,7 @@ TEST(ModelFileTest, TheIdIsThatOfTheContent) {
   EXPECT_NE(Parse(Encode(other))->id, id);
 }
 
-TEST(ModelFileTest, BytesAtAnOddAddressAreCopied) {
+TEST(ModelFileTest, UnalignedBytesAreCopied) {
   const std::vector<std::byte> bytes = Encode(TestModel());
   std::vector<std::byte> shifted(bytes.size() + 1);
   std::ranges::copy(bytes, shifted.begin() + 1);
@@ -202,7 +202,7 @@ TEST(ModelFileTest, BytesAtAnOddAddressAreCopied) {
   EXPECT_TRUE(AreEqual(*model, TestModel()));
 }
 
-TEST(ModelFileTest, CutOffAnywhereIsAnError) {
+TEST(ModelFileTest, TruncationAnywhereIsAnError) {
   const std::vector<std::byte> bytes = Encode(TestModel());
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     const std::vector<std::byte> cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
@@ -210,7 +210,7 @@ TEST(ModelFileTest, CutOffAnywhereIsAnError) {
   }
 }
 
-TEST(ModelFileTest, AFlippedBitIsAnErrorOrHarmless) {
+TEST(ModelFileTest, FlippedBitIsAnErrorOrHarmless) {
   const ObjectModel model = TestModel();
   std::vector<std::byte> bytes = Encode(model);
   const std::size_t header_and_table = 64 + 3 * 32;
@@ -254,7 +254,7 @@ TEST(ModelFileTest, RefusesANewerVersion) {
   EXPECT_THAT(model.error().message, HasSubstr("format 3; this program reads up to 2"));
 }
 
-TEST(ModelFileTest, AModelOfAnOlderVersionIsToBeMadeAgain) {
+TEST(ModelFileTest, OlderVersionMustBeRebuilt) {
   const auto model = Parse(EncodeAsVersion(1));
   EXPECT_EQ(CodeOf(model), ErrorCode::kUnsupported);
   EXPECT_EQ(model.error().message,
@@ -262,7 +262,7 @@ TEST(ModelFileTest, AModelOfAnOlderVersionIsToBeMadeAgain) {
             "`victorious model add`");
 }
 
-TEST(ModelFileTest, AnUnknownKindIsDamage) {
+TEST(ModelFileTest, UnknownKindIsDataLoss) {
   std::string metadata = EncodeMetadata(TestModel());
   const std::size_t at = metadata.find("\"photos\"");
   ASSERT_NE(at, std::string::npos);
@@ -271,7 +271,7 @@ TEST(ModelFileTest, AnUnknownKindIsDamage) {
   EXPECT_EQ(CodeOf(model), ErrorCode::kDataLoss);
 }
 
-TEST(ModelFileTest, ASectionOfALaterVersionIsPassedOver) {
+TEST(ModelFileTest, UnknownSectionIsIgnored) {
   const ObjectModel model = TestModel();
   const std::string metadata = EncodeMetadata(model);
   const std::string points = "3-D points";
@@ -285,12 +285,12 @@ TEST(ModelFileTest, ASectionOfALaterVersionIsPassedOver) {
   EXPECT_EQ(CodeOf(Parse(EncodeSections(std::span(sections).first(3)))), ErrorCode::kDataLoss) << "no descriptors";
 }
 
-TEST(ModelFileTest, RefusesASectionThatOccursTwice) {
+TEST(ModelFileTest, RefusesDuplicateSections) {
   const std::array sections = {Section{"metadata", {}}, Section{"metadata", {}}};
   EXPECT_EQ(CodeOf(Parse(EncodeSections(sections))), ErrorCode::kDataLoss);
 }
 
-TEST(ModelFileTest, RefusesSizesThatDoNotAgree) {
+TEST(ModelFileTest, RefusesInconsistentSizes) {
   const ObjectModel model = TestModel();
   const std::string metadata = EncodeMetadata(model);
   const auto& [keypoints, descriptors] = model.features;
@@ -302,7 +302,7 @@ TEST(ModelFileTest, RefusesSizesThatDoNotAgree) {
       << "fewer than the views say";
 }
 
-TEST(ModelFileTest, RefusesKeypointsThatAreNotPlaces) {
+TEST(ModelFileTest, RefusesInvalidKeypoints) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const ObjectModel model = TestModel(1);
@@ -317,7 +317,7 @@ TEST(ModelFileTest, RefusesKeypointsThatAreNotPlaces) {
   }
 }
 
-TEST(ModelFileTest, RefusesViewsThatMakeNoSense) {
+TEST(ModelFileTest, RefusesInvalidViews) {
   static constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<std::function<void(ObjectModel&)>> faults = {
       [](ObjectModel& m) { m.views.clear(); },
@@ -348,7 +348,7 @@ TEST(ModelFileTest, RefusesViewsThatMakeNoSense) {
   }
 }
 
-TEST(ModelFileTest, RefusesADescriptionThatIsNotOne) {
+TEST(ModelFileTest, RefusesInvalidMetadata) {
   const ObjectModel model = TestModel();
   const std::string whole = EncodeMetadata(model);
   std::vector<std::string> texts = {"",
@@ -373,7 +373,7 @@ TEST(ModelFileTest, RefusesADescriptionThatIsNotOne) {
   }
 }
 
-TEST(ModelFileTest, ANameThatIsNotUtf8IsStillWritten) {
+TEST(ModelFileTest, NonUtf8NameIsWritten) {
   ObjectModel model = TestModel();
   model.views[0].source = "photo\xff.png";
   const auto read = Parse(Encode(model));

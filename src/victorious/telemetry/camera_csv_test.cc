@@ -26,7 +26,7 @@ TEST(CameraCsv, ColumnsByNameInAnyOrder) {
   EXPECT_FALSE(state.hfov_rad);
 }
 
-TEST(CameraCsv, WhatIsWrittenIsReadAgain) {
+TEST(CameraCsv, RoundTrips) {
   CameraState full{.time_s = 1.25, .place = {0.7, -1.2, 300}, .datum = VerticalDatum::kTakeoff};
   full.attitude = Attitude{1, -0.5, 0.25};
   full.hfov_rad = 0.5;
@@ -49,7 +49,7 @@ TEST(CameraCsv, WhatIsWrittenIsReadAgain) {
   EXPECT_FALSE(rows->states[1].distortion);
 }
 
-TEST(CameraCsv, BadRowsAreLeftOutAndTold) {
+TEST(CameraCsv, BadRowsAreSkippedWithAWarning) {
   const auto rows = ParseCameraCsv(std::string(kHeader) +
                                    "0,42,-71,100,0,-90,0,40\n1,95,-71,100,0,-90,0,40\n"
                                    "2,nan,-71,100,0,-90,0,40\n\n3,42,\n4,42,-71,100,0,-90,0,40");
@@ -70,7 +70,7 @@ TEST(CameraCsv, SkippedRowsBeyondTheLimitAreCounted) {
   EXPECT_EQ(rows->warnings.back(), "and 5 more warnings of this kind");
 }
 
-TEST(CameraCsv, AHeightThatIsNotToldIsUnknownBothWays) {
+TEST(CameraCsv, UnknownHeightRoundTrips) {
   const auto rows = ParseCameraCsv(std::string(kHeader) + "0,42,-71,,0,-90,0,40\n");
   ASSERT_TRUE(rows);
   ASSERT_EQ(rows->states.size(), 1U);
@@ -81,7 +81,7 @@ TEST(CameraCsv, AHeightThatIsNotToldIsUnknownBothWays) {
   EXPECT_EQ(again->states[0].datum, VerticalDatum::kUnknown);
 }
 
-TEST(CameraCsv, MomentsOfOtherZonesAreRead) {
+TEST(CameraCsv, UtcOffsetsAreApplied) {
   const auto rows = ParseCameraCsv(
       "time_s,latitude_deg,longitude_deg,altitude_m,utc\n0,42,-71,100,2024-01-01T02:00:00+02:00\n"
       "1,42,-71,100,2023-12-31T20:30:01-0330\n2,42,-71,100,yesterday\n");
@@ -93,7 +93,7 @@ TEST(CameraCsv, MomentsOfOtherZonesAreRead) {
   EXPECT_NE(rows->warnings[0].find("1 rows"), std::string::npos);
 }
 
-TEST(CameraCsv, NothingToUseIsAnError) {
+TEST(CameraCsv, NoUsableRowIsAnError) {
   EXPECT_NE(ParseCameraCsv("time_s,latitude_deg,altitude_m\n1,2,3\n").error().message.find("longitude_deg"),
             std::string::npos);
   EXPECT_FALSE(ParseCameraCsv(kHeader));

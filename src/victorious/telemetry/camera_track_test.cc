@@ -17,7 +17,7 @@ CameraState StateAt(double time_s, double longitude_deg, double yaw_deg) {
   return state;
 }
 
-TEST(CameraTrajectory, PlaceLinearAttitudeOnTheSphere) {
+TEST(CameraTrajectory, InterpolatesPositionLinearlyAndAttitudeOnTheSphere) {
   const CameraTrajectory track({StateAt(1, 10.002, 10), StateAt(0, 10.000, 350)}, 2);
   const auto middle = track.At(0.5);
   ASSERT_TRUE(middle && middle->attitude);
@@ -27,12 +27,12 @@ TEST(CameraTrajectory, PlaceLinearAttitudeOnTheSphere) {
   EXPECT_EQ(track.At(1)->time_s, 1);
 }
 
-TEST(CameraTrajectory, ShortWayAcrossTheDateLine) {
+TEST(CameraTrajectory, InterpolatesAcrossTheDateLine) {
   const CameraTrajectory track({StateAt(0, 179.9, 0), StateAt(1, -179.9, 0)}, 2);
   EXPECT_NEAR(std::abs(DegreesFromRadians(track.At(0.5)->place.longitude_rad)), 180, 1e-9);
 }
 
-TEST(CameraTrajectory, NothingInGapsAndBeyondTheEnds) {
+TEST(CameraTrajectory, NoStateInGapsAndBeyondTheEnds) {
   const CameraTrajectory track({StateAt(0, 10, 0), StateAt(1, 10, 0), StateAt(9, 10, 0)}, 2);
   EXPECT_FALSE(track.At(5));
   EXPECT_FALSE(track.At(-0.5));
@@ -42,7 +42,7 @@ TEST(CameraTrajectory, NothingInGapsAndBeyondTheEnds) {
   EXPECT_FALSE(track.At(std::numeric_limits<double>::quiet_NaN()));
 }
 
-TEST(CameraTrajectory, WhatOneNeighbourLacksIsUnknown) {
+TEST(CameraTrajectory, FieldMissingInOneNeighbourIsUnknown) {
   CameraState bare = StateAt(1, 10, 0);
   bare.attitude.reset();
   const CameraTrajectory track({StateAt(0, 10, 0), bare}, 2);

@@ -50,7 +50,7 @@ TEST(DjiSrt, FieldOfViewFromTheFocalLength) {
   EXPECT_NEAR(DegreesFromRadians(*CameraFromDjiText(place + "[focal_len: 24.00] [dzoom: 2.00]")->hfov_rad), 42.9, 0.1);
 }
 
-TEST(DjiSrt, NoPlace) {
+TEST(DjiSrt, MissingPlaceIsUnknown) {
   for (const char* text : {"", "GPS(N/A,N/A,3) BAROMETER:0.0", "[latitude: 0.000] [longitude: 0.000] [rel_alt: 0.4]",
                            "[latitude: 91] [longitude: 10]", "GPS(", "GPS(1,2", "[latitude: nan] [longitude: 1]",
                            "[latitude: 48,123] [longitude: 11,512] [rel_alt: 10,5]",
@@ -59,7 +59,7 @@ TEST(DjiSrt, NoPlace) {
   }
 }
 
-TEST(DjiSrt, LettersTellTheHemisphereAndTheUnit) {
+TEST(DjiSrt, HemisphereAndUnitLetters) {
   ExpectPlace(CameraFromDjiText("[latitude: 48.1 S] [longitude: 11.5 W] [rel_alt: 10]"), -48.1, -11.5, 10,
               VerticalDatum::kTakeoff);
   ExpectPlace(CameraFromDjiText("GPS(48.1000N,11.5000W,12) BAROMETER:100ft"), 48.1, -11.5, 30.48,
@@ -67,7 +67,7 @@ TEST(DjiSrt, LettersTellTheHemisphereAndTheUnit) {
   ExpectPlace(CameraFromDjiText("GPS (11.5, 48.1, 16), D 8.9ft, H 25.00ft"), 48.1, 11.5, 7.62, VerticalDatum::kTakeoff);
 }
 
-TEST(DjiSrt, AHeightThatIsNotToldIsUnknown) {
+TEST(DjiSrt, MissingHeightIsUnknown) {
   for (const char* text :
        {"[latitude: 48.1] [longitude: 11.5]", "[latitude: 48.1] [longitude: 11.5] [rel_alt: n/a abs_alt: nan]",
         "GPS(11.5,48.1,16)", "GPS (11.5, 48.1, 16), D 8.9m"}) {
@@ -75,14 +75,14 @@ TEST(DjiSrt, AHeightThatIsNotToldIsUnknown) {
   }
 }
 
-TEST(DjiSrt, MayBeginWithAByteOrderMark) {
+TEST(DjiSrt, AcceptsAByteOrderMark) {
   EXPECT_EQ(ParseDjiSrt("\xEF\xBB\xBF"
                         "1\n00:00:00,000 --> 00:00:00,033\nGPS(11.5,48.1,16)\n\n")
                 .states.size(),
             1U);
 }
 
-TEST(DjiSrt, CuesTheirTimesAndBlankLinesInside) {
+TEST(DjiSrt, CueTimesAndBlankLinesInCues) {
   const DjiSubtitles subtitles = ParseDjiSrt(
       "1\r\n00:00:00,000 --> 00:00:00,033\r\n[latitude: 49.1] [longitude: 14.6] [rel_alt: 1]\r\n\r\n0\r\n[ct : "
       "5]\r\n\r\n"
@@ -96,7 +96,7 @@ TEST(DjiSrt, CuesTheirTimesAndBlankLinesInside) {
   EXPECT_NE(subtitles.warnings[0].find("1 of 3"), std::string::npos);
 }
 
-TEST(DjiSrt, WithoutCueTimesTheMomentsCount) {
+TEST(DjiSrt, WithoutCueTimesDatesAreUsed) {
   const DjiSubtitles subtitles = ParseDjiSrt(
       "1\n2017.08.05 14:11:51,393,525,393,525\n[latitude : -20.2] [longtitude : 149.0] [altitude: 9]\n\n"
       "2\n2017.08.05 14:11:52,393,525\n[latitude : -20.2] [longtitude : 149.0] [altitude: 9]\n\n");

@@ -28,7 +28,7 @@ double UndulationAt(const Geoid& geoid, double latitude_deg, double longitude_de
   return geoid.UndulationAt(RadiansFromDegrees(latitude_deg), RadiansFromDegrees(longitude_deg)).value_or(-999);
 }
 
-TEST(Geoid, BetweenItsPointsLinearly) {
+TEST(Geoid, InterpolatesBilinearly) {
   const auto geoid = Geoid::Parse(Grid());
   ASSERT_TRUE(geoid) << geoid.error().message;
   EXPECT_NEAR(UndulationAt(*geoid, 0, -180), 10, 1e-6);
@@ -37,13 +37,13 @@ TEST(Geoid, BetweenItsPointsLinearly) {
   EXPECT_NEAR(UndulationAt(*geoid, 90, 0), 22, 1e-6);
 }
 
-TEST(Geoid, RefusesWhatIsNoGrid) {
+TEST(Geoid, RefusesInvalidGrids) {
   EXPECT_FALSE(Geoid::Parse(""));
   EXPECT_FALSE(Geoid::Parse(Grid().substr(0, 60)));
   EXPECT_FALSE(Geoid::Parse(std::string(200, 'x')));
 }
 
-TEST(Geoid, Egm96OfThisMachine) {
+TEST(Geoid, InstalledEgm96) {
   const auto path = FindEgm96Grid();
   if (!path) GTEST_SKIP() << "SKIPPED: no egm96_15.gtx of PROJ here";
   const auto geoid = Geoid::Read(*path);

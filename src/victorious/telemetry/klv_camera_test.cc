@@ -15,7 +15,7 @@ KlvPacket Decode(const std::string& text) { return DecodeKlv(AsBytes(text)).pack
 
 std::optional<CameraState> CameraOf(const std::string& text) { return CameraFromKlv(Decode(text)); }
 
-TEST(KlvCamera, PlatformAndSensorTurnsAreComposed) {
+TEST(KlvCamera, PlatformAndSensorRotationsAreComposed) {
   const auto state = CameraOf(CameraPacket(1'000'000));
   ASSERT_TRUE(state);
   EXPECT_NEAR(DegreesFromRadians(state->place.latitude_rad), 42, 1e-6);
@@ -50,7 +50,7 @@ TEST(KlvCamera, NoStateFromABadChecksum) {
   EXPECT_FALSE(CameraOf(text));
 }
 
-TEST(KlvCamera, Eg0104SaysWhereTheOpticalAxisPoints) {
+TEST(KlvCamera, Eg0104GivesTheOpticalAxis) {
   const auto item = [](std::uint64_t code, const std::string& value) {
     return std::string("\x06\x0E\x2B\x34\x01\x01\x01\x01", 8) + BigEndian(code, 8) + BerLength(value.size()) + value;
   };

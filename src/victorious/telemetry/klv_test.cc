@@ -18,7 +18,7 @@ TEST(Klv, BerLengthsShortAndLong) {
   EXPECT_EQ(TakeBerLength(padded), 7U) << "leading zeros are ignored";
 }
 
-TEST(Klv, RefusesLengthsThatLie) {
+TEST(Klv, RefusesInvalidLengths) {
   for (const std::string_view text : {std::string_view("\x80", 1), std::string_view("\x84\x01", 2),
                                       std::string_view("\x89\x01\0\0\0\0\0\0\0\0", 10)}) {
     Bytes bytes = AsBytes(text);
@@ -34,7 +34,7 @@ TEST(Klv, BerObjectIdentifiers) {
   EXPECT_EQ(TakeBerOid(endless), std::nullopt);
 }
 
-TEST(Klv, SignedNumbersOfAnyLength) {
+TEST(Klv, SignedIntegersOfAnyLength) {
   EXPECT_EQ(ReadSigned(AsBytes("\xFF")), -1);
   EXPECT_EQ(ReadSigned(AsBytes("\x7F\xFF")), 32767);
   EXPECT_EQ(ReadSigned(AsBytes("\xFF\xFF\xFE")), -2);
@@ -52,7 +52,7 @@ TEST(Klv, FindsUnitsBetweenOtherBytes) {
   EXPECT_TRUE(found.warnings.empty());
 }
 
-TEST(Klv, GoesOnBehindAUnitThatSaysTooMuch) {
+TEST(Klv, ContinuesAfterAnOverlongUnit) {
   const std::string lying = std::string(kSt0601LabelBytes) + "\x82\xFF\xFF";
   const std::string whole = St0601Packet({{65, "\x13"}});
   const KlvUnits found = SplitKlv(AsBytes(lying + whole));

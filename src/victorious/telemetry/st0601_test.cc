@@ -36,13 +36,13 @@ TEST(St0601, ItemsBeyondTheLimitAreReportedAsSuch) {
   EXPECT_EQ(packet.problem, "more than 4096 items: the others, from byte 12288 of 15004 on, are not decoded");
 }
 
-TEST(St0601, MapsFollowTheLengthThatIsGiven) {
+TEST(St0601, MappingFollowsTheGivenLength) {
   EXPECT_EQ(*Decode(St0601Packet({{18, "\xFF"}})).Number(18), 360);
   EXPECT_EQ(*Decode(St0601Packet({{13, "\x7F\xFF\xFF"}})).Number(13), 90);
   EXPECT_EQ(*Decode(St0601Packet({{13, "\x80\x01"}})).Number(13), -90);
 }
 
-TEST(St0601, ZerosInFrontOfAShortNumberAreNoLongerMap) {
+TEST(St0601, LeadingZerosDoNotChangeTheMapping) {
   EXPECT_NEAR(*Decode(St0601Packet({{22, BigEndian(457, 4)}})).Number(22), 69.73, 0.01);
   EXPECT_EQ(*Decode(St0601Packet({{22, BigEndian(0xFFFFFFFF, 4)}})).Number(22), 10000);
 }
@@ -85,7 +85,7 @@ TEST(St0601, NestedSetsAndUnknownNumbersStayBytes) {
   EXPECT_EQ(*packet.Number(65), 19);
 }
 
-TEST(St0601, NestedSetsThatLieDoNotHurtWhatIsAroundThem) {
+TEST(St0601, InvalidNestedSetsDoNotAffectOtherItems) {
   const std::string far =
       std::string("\x04\x88\x7F\xFF\xFF\xFF\xFF\xFF\xFF\xFF\x01", 11);  // a length of 2^63 - 1 bytes
   const std::string zeros(60000, '\0');                                 // items of number 0 and no bytes
@@ -108,7 +108,7 @@ TEST(St0601, SetsWithinSetsAreNotOpened) {
   EXPECT_EQ(Decode(St0601Packet({{100, CameraPacket(1)}, {65, "\x13"}})).items.size(), 3U);
 }
 
-TEST(St0601, BadChecksumIsSeenAndTheItemsStay) {
+TEST(St0601, BadChecksumIsReportedAndItemsKept) {
   std::string text = CameraPacket(1);
   text[30] = static_cast<char>(text[30] ^ 1);
   const KlvPacket packet = Decode(text);
@@ -117,7 +117,7 @@ TEST(St0601, BadChecksumIsSeenAndTheItemsStay) {
   EXPECT_EQ(packet.items.size(), 12U);
 }
 
-TEST(St0601, ItemThatLiesAboutItsLengthEndsThePacket) {
+TEST(St0601, ItemWithInvalidLengthEndsThePacket) {
   const std::string text =
       std::string(kSt0601LabelBytes) + BerLength(7) + std::string("\x05\x02\x40\x00\x06\x7F\x00", 7);
   const KlvPacket packet = Decode(text);

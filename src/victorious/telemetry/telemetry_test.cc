@@ -23,7 +23,7 @@ DataPacket Packet(int stream, std::optional<double> time_s, const std::string& t
   return {.stream = stream, .kind = DataKind::kKlv, .time_s = time_s, .bytes = {bytes.begin(), bytes.end()}};
 }
 
-TEST(Telemetry, BareKlvCountsFromItsFirstPacket) {
+TEST(Telemetry, BareKlvStartsAtItsFirstPacket) {
   const auto telemetry = ParseTelemetry(CameraPacket(5'000'000) + CameraPacket(5'500'000), {});
   ASSERT_TRUE(telemetry) << telemetry.error().message;
   EXPECT_EQ(telemetry->format, TelemetryFormat::kSt0601);
@@ -31,7 +31,7 @@ TEST(Telemetry, BareKlvCountsFromItsFirstPacket) {
   EXPECT_NEAR(telemetry->states[1].time_s, 0.5, 1e-6);
 }
 
-TEST(Telemetry, PacketsOfAVideoAreOnItsClock) {
+TEST(Telemetry, PacketsOfAVideoUseItsClock) {
   const std::vector packets = {Packet(1, 0.1, CameraPacket(1'000'000)),
                                Packet(1, std::nullopt, CameraPacket(1'500'000)),
                                Packet(1, 1.1, CameraPacket(2'000'000))};
@@ -43,7 +43,7 @@ TEST(Telemetry, PacketsOfAVideoAreOnItsClock) {
       << "by its own clock, with the offset of the packets that have both";
 }
 
-TEST(Telemetry, TwoStreamsAreNotMixed) {
+TEST(Telemetry, StreamsAreNotMixed) {
   const std::vector packets = {Packet(1, 0.0, CameraPacket(0)), Packet(2, 0.1, CameraPacket(0)),
                                Packet(2, 0.2, CameraPacket(0))};
   const auto telemetry = TelemetryFromPackets(packets, {});
@@ -52,7 +52,7 @@ TEST(Telemetry, TwoStreamsAreNotMixed) {
   EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("stream 2")));
 }
 
-TEST(Telemetry, TimesThatRepeatOrGoBackAreLeftOut) {
+TEST(Telemetry, RepeatedOrDecreasingTimesAreSkipped) {
   const auto telemetry =
       ParseTelemetry(std::string(kHeader) + "0,42,-71,1,\n1,42,-71,1,\n1,42,-71,1,\n0.5,42,-71,1,\n2,42,-71,1,\n", {});
   ASSERT_TRUE(telemetry);
@@ -60,7 +60,7 @@ TEST(Telemetry, TimesThatRepeatOrGoBackAreLeftOut) {
   EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("2 of 5 camera states")));
 }
 
-TEST(Telemetry, PacketsInOnePieceOfTheContainerAreApartByTheirOwnClock) {
+TEST(Telemetry, PacketsInOneContainerUnitUseTheirOwnClock) {
   const std::vector packets = {Packet(1, 1.0, CameraPacket(5'000'000) + CameraPacket(5'100'000)),
                                Packet(1, 1.2, CameraPacket(5'200'000) + CameraPacket(5'300'000))};
   const auto telemetry = TelemetryFromPackets(packets, {});
@@ -70,7 +70,7 @@ TEST(Telemetry, PacketsInOnePieceOfTheContainerAreApartByTheirOwnClock) {
   EXPECT_NEAR(telemetry->states[2].time_s, 1.2, 1e-6);
 }
 
-TEST(Telemetry, APacketInPiecesIsPutTogether) {
+TEST(Telemetry, FragmentedPacketIsJoined) {
   const std::string first = CameraPacket(5'000'000);
   const std::string second = CameraPacket(5'100'000);
   const auto cell = [](const std::string& piece) {
@@ -89,7 +89,7 @@ TEST(Telemetry, APacketInPiecesIsPutTogether) {
   }
 }
 
-TEST(Telemetry, APacketThatIsCutOffIsTold) {
+TEST(Telemetry, TruncatedPacketIsReported) {
   const std::vector packets = {Packet(1, 1.0, CameraPacket(5'000'000).substr(0, 40)),
                                Packet(1, 1.1, CameraPacket(5'100'000))};
   const auto telemetry = TelemetryFromPackets(packets, {});
@@ -113,7 +113,7 @@ TEST(Telemetry, SubtitlesWithoutAPositionAreCounted) {
   EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("1 of 3 subtitles have no time")));
 }
 
-TEST(Telemetry, PacketsWithoutATimeAreToldToLackIt) {
+TEST(Telemetry, PacketsWithoutTimeAreReported) {
   const auto telemetry = ParseTelemetry(CameraPacket(0) + CameraPacket(0), {});
   ASSERT_TRUE(telemetry);
   EXPECT_TRUE(telemetry->states.empty());
@@ -121,7 +121,7 @@ TEST(Telemetry, PacketsWithoutATimeAreToldToLackIt) {
   EXPECT_THAT(telemetry->warnings, ::testing::Not(Contains(HasSubstr("no packet has"))));
 }
 
-TEST(Telemetry, OfAClockThatJumpsAheadOnceOneStateIsLeftOut) {
+TEST(Telemetry, StateWithClockJumpIsSkipped) {
   const auto telemetry =
       ParseTelemetry(std::string(kHeader) + "0,42,-71,1,\n1,42,-71,1,\n3601,42,-71,1,\n2,42,-71,1,\n3,42,-71,1,\n", {});
   ASSERT_TRUE(telemetry);
@@ -129,7 +129,7 @@ TEST(Telemetry, OfAClockThatJumpsAheadOnceOneStateIsLeftOut) {
   EXPECT_EQ(telemetry->states.back().time_s, 3);
 }
 
-TEST(Telemetry, ADamagedPacketIsNotTheTimeZero) {
+TEST(Telemetry, DamagedFirstPacketIsNotTimeZero) {
   std::string damaged = CameraPacket(1'000'000'000);
   damaged.back() = static_cast<char>(damaged.back() + 1);
   const auto telemetry = ParseTelemetry(damaged + CameraPacket(5'000'000) + CameraPacket(5'500'000), {});
@@ -138,14 +138,14 @@ TEST(Telemetry, ADamagedPacketIsNotTheTimeZero) {
   EXPECT_NEAR(telemetry->states[0].time_s, 0, 1e-6);
 }
 
-TEST(Telemetry, JumpsAndGapsAreTold) {
+TEST(Telemetry, JumpsAndGapsAreReported) {
   const auto telemetry = ParseTelemetry(std::string(kHeader) + "0,42,-71,1,\n1,43,-71,1,\n9,43,-71,1,\n", {});
   ASSERT_TRUE(telemetry);
   EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("jumps 1 times")));
   EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("1 gaps of more than 2 s")));
 }
 
-TEST(Telemetry, HeightsAboveTheTakeOffNeedItsHeight) {
+TEST(Telemetry, HeightsAboveTakeOffNeedItsHeight) {
   const std::string table = std::string(kHeader) + "0,42,-71,30,takeoff\n";
   const auto unknown = ParseTelemetry(table, {});
   ASSERT_TRUE(unknown);
@@ -157,14 +157,14 @@ TEST(Telemetry, HeightsAboveTheTakeOffNeedItsHeight) {
   EXPECT_EQ(ParseTelemetry(table, {.vertical_datum = VerticalDatum::kEllipsoid})->states[0].place.altitude_m, 30);
 }
 
-TEST(Telemetry, HeightsAboveTheSeaWithoutAGridStayAndAreTold) {
+TEST(Telemetry, HeightsAboveSeaLevelWithoutGridAreKeptAndReported) {
   const auto telemetry = ParseTelemetry(std::string(kHeader) + "0,42,-71,30,egm2008\n", {});
   ASSERT_TRUE(telemetry);
   EXPECT_EQ(telemetry->states[0].datum, VerticalDatum::kEgm2008);
   EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("egm2008")));
 }
 
-TEST(Telemetry, PlaceThatThePointingContradictsIsNoticed) {
+TEST(Telemetry, InconsistentPointingIsReported) {
   const std::string packet = CameraPacket(0);
   const auto honest = ParseTelemetry(packet, {});
   EXPECT_THAT(honest->warnings, Not(Contains(HasSubstr("disagree"))));
@@ -177,20 +177,20 @@ TEST(Telemetry, PlaceThatThePointingContradictsIsNoticed) {
   EXPECT_THAT(noticed->warnings, Contains(HasSubstr("disagree, 93")));
 }
 
-TEST(Telemetry, WhatACameraLacksIsNamed) {
+TEST(Telemetry, MissingCameraFieldsAreNamed) {
   const auto telemetry = ParseTelemetry(St0601Packet({{5, BigEndian(0, 2)}, {19, BigEndian(0x80000000, 4)}}), {});
   ASSERT_TRUE(telemetry);
   EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("the sensor's elevation (item 19)")));
   EXPECT_THAT(telemetry->warnings, Not(Contains(HasSubstr("heading"))));
 }
 
-TEST(Telemetry, TextThatIsNoUtf8StaysJson) {
+TEST(Telemetry, InvalidUtf8GivesValidJson) {
   const auto telemetry = ParseTelemetry(std::string(kHeader) + "0,\xFF,-71,1,\n1,42,-71,1,\n", {});
   ASSERT_TRUE(telemetry);
   EXPECT_NE(ToJson(*telemetry).dump().find("line 2"), std::string::npos);
 }
 
-TEST(Telemetry, WhatIsNoneIsRefusedInOneLine) {
+TEST(Telemetry, NonTelemetryIsRefusedInOneLine) {
   for (const std::string text : {"", "hello", "a,b,c\n1,2,3\n", "\x06\x0E\x2B\x34"}) {
     const auto telemetry = ParseTelemetry(text, {});
     ASSERT_FALSE(telemetry) << text;
@@ -209,7 +209,7 @@ TEST(Telemetry, JsonHasEveryItemByNumberAndName) {
   EXPECT_EQ(json["states"].size(), 1U);
 }
 
-TEST(Telemetry, PlainWordsSayWhatIsMissing) {
+TEST(Telemetry, TextReportNamesMissingFields) {
   const auto lines = DescribeTelemetry(*ParseTelemetry(std::string(kHeader) + "0,42,-71,30,takeoff\n", {}));
   EXPECT_THAT(lines, Contains(HasSubstr("the camera's attitude")));
   EXPECT_THAT(lines, Contains(HasSubstr("field of view")));

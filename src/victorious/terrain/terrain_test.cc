@@ -97,7 +97,7 @@ GeodeticPoint AtUtm(double east_m, double north_m) {
   return {RadiansFromDegrees(north_m), RadiansFromDegrees(east_m), 0};
 }
 
-TEST_F(TerrainTest, HeightsAreBilinearBetweenTheMiddlesOfPixels) {
+TEST_F(TerrainTest, HeightsAreBilinearBetweenPixelCentres) {
   const auto ground = Read({.height_of = [](int x, int y) { return static_cast<float>(100 + 3 * x - 2 * y); }});
   EXPECT_NEAR(ground->Spacing(), 2, 0.01);
   // The centre of pixel (10, 20), then a quarter of a pixel from it along each axis.
@@ -107,7 +107,7 @@ TEST_F(TerrainTest, HeightsAreBilinearBetweenTheMiddlesOfPixels) {
   EXPECT_NEAR(*ground->HeightAt(AtUtm(500022, 4599958)), 100 + 30 - 40 + 1.5 - 1, 1e-3);
 }
 
-TEST_F(TerrainTest, EndsWhereTheFileEnds) {
+TEST_F(TerrainTest, IsUnknownOutsideTheRaster) {
   const auto ground = Read({});
   EXPECT_EQ(ground->HeightAt(AtUtm(500000.1, 4599999.9)), 100) << "half a pixel from the centre of the first";
   EXPECT_EQ(ground->HeightAt(AtUtm(500099.9, 4599920.1)), 100);
@@ -117,7 +117,7 @@ TEST_F(TerrainTest, EndsWhereTheFileEnds) {
   EXPECT_FALSE(ground->HeightAt({1.5, -2.9, 0}));
 }
 
-TEST_F(TerrainTest, AHoleIsUnknownUpToTheMiddlesAround) {
+TEST_F(TerrainTest, NoDataIsUnknownUpToAdjacentPixelCentres) {
   for (const float hole : {-9999.0F, std::numeric_limits<float>::quiet_NaN(), -32768.0F, 3e38F}) {
     const auto ground = Read({.height_of = [&](int x, int y) { return x == 10 && y == 10 ? hole : 100.0F; },
                               .no_data = hole == -9999.0F ? "-9999" : nullptr});
@@ -127,7 +127,7 @@ TEST_F(TerrainTest, AHoleIsUnknownUpToTheMiddlesAround) {
   }
 }
 
-TEST_F(TerrainTest, HeightsAboveTheSeaComeToTheEllipsoid) {
+TEST_F(TerrainTest, HeightsAboveSeaLevelAreConvertedToTheEllipsoid) {
   const auto grid = FindEgm96Grid();
   if (!grid) GTEST_SKIP() << "SKIPPED: no grid of EGM96 on this machine";
   const GeodeticPoint point = AtUtm(500021, 4599959);
@@ -140,7 +140,7 @@ TEST_F(TerrainTest, HeightsAboveTheSeaComeToTheEllipsoid) {
   EXPECT_NEAR(*Read({.system = "EPSG:32633+5773"})->HeightAt(point), 100, 1e-3) << "the user overrides the file";
 }
 
-TEST_F(TerrainTest, ADatumThatNobodyTellsIsAskedFor) {
+TEST_F(TerrainTest, MissingDatumIsAnError) {
   EXPECT_THAT(Refusal({}), HasSubstr("gives no vertical datum"));
   EXPECT_THAT(Refusal({.system = "EPSG:32633+5703"}), HasSubstr("NAVD88"));
   EXPECT_THAT(Refusal({}, {.vertical_datum = VerticalDatum::kEgm2008}), HasSubstr("grid"));
@@ -149,14 +149,14 @@ TEST_F(TerrainTest, ADatumThatNobodyTellsIsAskedFor) {
   EXPECT_THAT(ground.error().message, HasSubstr("/nowhere.gtx"));
 }
 
-TEST_F(TerrainTest, FeetBecomeMetres) {
+TEST_F(TerrainTest, FeetAreConvertedToMetres) {
   const GeodeticPoint point = AtUtm(500021, 4599959);
   EXPECT_NEAR(*Read({.unit = "ft"})->HeightAt(point), 30.48, 1e-4);
   EXPECT_NEAR(*Read({.unit = "US survey foot"})->HeightAt(point), 30.48006, 1e-4);
   EXPECT_THAT(Refusal({.unit = "fathom"}, {.vertical_datum = VerticalDatum::kEllipsoid}), HasSubstr("fathom"));
 }
 
-TEST_F(TerrainTest, LongitudesMayCountOnBeyond180Degrees) {
+TEST_F(TerrainTest, LongitudesBeyond180DegreesWrap) {
   const Written file{.file_from_pixel = {200, 0.0001, 0, 10, 0, -0.0001}, .system = "EPSG:4326"};
   const auto ground = Read(file);
   EXPECT_NEAR(ground->Spacing(), 11, 0.2);
@@ -164,7 +164,7 @@ TEST_F(TerrainTest, LongitudesMayCountOnBeyond180Degrees) {
   EXPECT_EQ(ground->HeightAt({RadiansFromDegrees(9.999), RadiansFromDegrees(200.001), 0}), 100);
 }
 
-TEST_F(TerrainTest, RefusesWhatIsNoTerrain) {
+TEST_F(TerrainTest, RefusesNonTerrain) {
   EXPECT_THAT(Refusal({.system = ""}), HasSubstr("not georeferenced"));
   EXPECT_THAT(Refusal({.bands = 3}), HasSubstr("one band"));
   const auto path = folder_ / "b.tif";
@@ -177,7 +177,7 @@ TEST_F(TerrainTest, RefusesWhatIsNoTerrain) {
   }
 }
 
-TEST_F(TerrainTest, WhatIsCutOffIsUnknown) {
+TEST_F(TerrainTest, TruncatedPartIsUnknown) {
   const auto path = Write(folder_ / "a.tif", {.width = 400, .height = 400});
   std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
   std::string given;
@@ -189,7 +189,7 @@ TEST_F(TerrainTest, WhatIsCutOffIsUnknown) {
   EXPECT_FALSE((*ground)->HeightAt(AtUtm(500799, 4599201)));
 }
 
-TEST(Ground, IsToldOnceOrNot) {
+TEST(MakeGround, AcceptsAtMostOneSource) {
   EXPECT_EQ(*MakeGround({}), nullptr);
   EXPECT_EQ((*MakeGround({.height_m = 12}))->HeightAt({}), 12);
   EXPECT_THAT(MakeGround({.height_m = 12, .terrain = "a.tif"}).error().message, HasSubstr("twice"));

@@ -64,7 +64,7 @@ BoxTracker Started(const cv::Mat& frame, const Box& box) {
   return tracker;
 }
 
-TEST(BoxTracker, FollowsASmallCarWhileTheCameraMovesOtherwise) {
+TEST(BoxTracker, FollowsASmallMovingCarFromAMovingCamera) {
   const Drive drive;
   BoxTracker tracker =
       Started(drive.Draw(cv::Point(500, 400), Over(500, 400)), Drive::BoxOf({500, 400}, Over(500, 400)));
@@ -77,7 +77,7 @@ TEST(BoxTracker, FollowsASmallCarWhileTheCameraMovesOtherwise) {
   }
 }
 
-TEST(BoxTracker, FollowsGrowthAndTurnOfTheCamera) {
+TEST(BoxTracker, FollowsScaleAndRotationOfTheCamera) {
   const Drive drive;
   const cv::Point car(500, 400);
   const auto camera = [](int i) { return Over(515, 409, 1 + 0.015 * i, 0.03 * i); };
@@ -94,7 +94,7 @@ TEST(BoxTracker, FollowsGrowthAndTurnOfTheCamera) {
   }
 }
 
-TEST(BoxTracker, GivesNoBoxWhileTheCarIsGoneAndFindsItAgainElsewhere) {
+TEST(BoxTracker, ReacquiresAfterOcclusionElsewhere) {
   const Drive drive;
   const cv::Point car(500, 400);
   const Similarity2 camera = Over(500, 400);
@@ -115,7 +115,7 @@ TEST(BoxTracker, GivesNoBoxWhileTheCarIsGoneAndFindsItAgainElsewhere) {
   EXPECT_GT(IntersectionOverUnion(step.box, Drive::BoxOf(elsewhere, camera)), 0.5);
 }
 
-TEST(BoxTracker, SaysThatItLeftTheFrame) {
+TEST(BoxTracker, ReportsLeavingTheFrame) {
   const Drive drive;
   const cv::Point car(500, 400);
   BoxTracker tracker = Started(drive.Draw(car, Over(400, 400)), Drive::BoxOf(car, Over(400, 400)));
@@ -138,7 +138,7 @@ cv::Mat Noisy(cv::Mat frame, double share, Random& random) {
 }
 
 // Noise makes appearances similar, and at the edge the filter responds to the content that remains in the frame.
-TEST(BoxTracker, WhatLeftANoisyPictureIsNotSeenAtItsEdge) {
+TEST(BoxTracker, NoFalseReacquisitionAtTheEdgeOfANoisyImage) {
   const Drive drive;
   int seen_after = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
@@ -157,7 +157,7 @@ TEST(BoxTracker, WhatLeftANoisyPictureIsNotSeenAtItsEdge) {
   EXPECT_LE(seen_after, 1);
 }
 
-TEST(BoxTracker, ResumesOnlyWhereThereIsSomethingLikeTheObject) {
+TEST(BoxTracker, ResumesOnlyAtMatchingAppearance) {
   const Drive drive;
   const cv::Point car(500, 400);
   const Similarity2 camera = Over(500, 400);
@@ -171,7 +171,7 @@ TEST(BoxTracker, ResumesOnlyWhereThereIsSomethingLikeTheObject) {
   EXPECT_GT(IntersectionOverUnion(step.box, Drive::BoxOf(car, camera)), 0.7);
 }
 
-TEST(BoxTracker, OutlastsBlankFramesAndFramesOfAnotherSize) {
+TEST(BoxTracker, SurvivesBlankFramesAndFramesOfAnotherSize) {
   const Drive drive;
   const cv::Point car(500, 400);
   const Similarity2 camera = Over(500, 400);
@@ -184,7 +184,7 @@ TEST(BoxTracker, OutlastsBlankFramesAndFramesOfAnotherSize) {
   EXPECT_TRUE(step.seen());
 }
 
-TEST(BoxTracker, ABoxOnOneGreyIsLost) {
+TEST(BoxTracker, UniformBoxIsLost) {
   const cv::Mat grey(300, 400, CV_8UC3, cv::Scalar::all(128));
   BoxTracker tracker = Started(grey, {100, 100, 40, 30});
   BoxTrackStep last;
@@ -195,7 +195,7 @@ TEST(BoxTracker, ABoxOnOneGreyIsLost) {
   EXPECT_FALSE(last.seen());
 }
 
-TEST(BoxTracker, TakesFramesOfAnyShape) {
+TEST(BoxTracker, AcceptsFramesOfAnyShape) {
   const Drive drive;
   const cv::Mat first = drive.Draw(cv::Point(500, 400), Over(500, 400));
   for (const Box& box : {Box{0, 0, 400, 300}, Box{10, 10, 4, 280}, Box{30, 30, 4, 4}}) {
@@ -207,7 +207,7 @@ TEST(BoxTracker, TakesFramesOfAnyShape) {
   }
 }
 
-TEST(BoxTracker, SeveralBoxesDoNotDisturbEachOther) {
+TEST(BoxTracker, BoxesAreTrackedIndependently) {
   const Drive drive;
   const cv::Point car(500, 400);
   const Similarity2 camera = Over(500, 400);
@@ -224,7 +224,7 @@ TEST(BoxTracker, SeveralBoxesDoNotDisturbEachOther) {
   }
 }
 
-TEST(BoxTracker, RefusesBoxesThatHoldNothing) {
+TEST(BoxTracker, RefusesEmptyBoxes) {
   BoxTracker tracker = BoxTracker::Create({}).value();
   tracker.Step({0, 0, cv::Mat(300, 400, CV_8UC3, cv::Scalar::all(9))});
   EXPECT_THAT(tracker.Start({500, 10, 40, 40}).error().message, HasSubstr("outside the frame"));

@@ -21,7 +21,7 @@ CellFeatures WindowAt(const cv::Mat& town, double x, double y) {
       CropRotated(ImagePyramid(town), {{x, y}, kWindow_px, kWindow_px, 0}, {kCells * kCell_px, kCells * kCell_px}));
 }
 
-TEST(ComputeHogCells, TellsDirectionsAndNotBrightness) {
+TEST(ComputeHogCells, DependOnGradientDirectionNotBrightness) {
   cv::Mat upright(40, 40, CV_8UC1, cv::Scalar(60));
   upright(cv::Rect(20, 0, 20, 40)) = 180;  // dark to bright along +x: direction 0
   const CellFeatures cells = ComputeHogCells(upright);
@@ -35,7 +35,7 @@ TEST(ComputeHogCells, TellsDirectionsAndNotBrightness) {
   EXPECT_NEAR(dimmer[0].at<float>(5, 5), cells[0].at<float>(5, 5), 0.02);
 }
 
-TEST(ComputeColourCells, AddUpToOneAndTellRedFromGreen) {
+TEST(ComputeColourCells, SumToOneAndSeparateRedFromGreen) {
   const cv::Mat red(8, 8, CV_8UC3, cv::Scalar(20, 20, 220));
   const cv::Mat green(8, 8, CV_8UC3, cv::Scalar(20, 220, 20));
   for (const cv::Mat& image :
@@ -52,12 +52,12 @@ TEST(ComputeColourCells, AddUpToOneAndTellRedFromGreen) {
   EXPECT_LT(common, 0.05);
 }
 
-TEST(CellFeatures, TakesImagesSmallerThanACell) {
+TEST(CellFeatures, AcceptsImagesSmallerThanACell) {
   EXPECT_TRUE(ComputeHogCells(cv::Mat(3, 3, CV_8UC3, cv::Scalar::all(5))).front().empty());
   EXPECT_TRUE(ComputeColourCells(cv::Mat(3, 3, CV_8UC1, cv::Scalar(5))).front().empty());
 }
 
-TEST(CropRotated, IsUprightWhateverTheTurn) {
+TEST(CropRotated, IsUprightForAnyRotation) {
   const cv::Mat town = Town();
   const cv::Mat upright = CropRotated(ImagePyramid(town), {{300, 250}, 80, 60, 0}, {80, 60});
   EXPECT_EQ(cv::norm(upright, town(cv::Rect(260, 220, 80, 60)), cv::NORM_INF), 0);
@@ -69,13 +69,13 @@ TEST(CropRotated, IsUprightWhateverTheTurn) {
   EXPECT_LT(cv::norm(upright, again, cv::NORM_L1) / static_cast<double>(upright.total() * 3), 1);
 }
 
-TEST(CropRotated, GoesOnBeyondTheImage) {
+TEST(CropRotated, ReplicatesTheImageBorder) {
   const cv::Mat grey(50, 50, CV_8UC1, cv::Scalar(90));
   const cv::Mat cut = CropRotated(ImagePyramid(grey), {{-40, -40}, 60, 60, 0.4}, {20, 20});
   EXPECT_EQ(cv::norm(cut, cv::Mat(20, 20, CV_8UC1, cv::Scalar(90)), cv::NORM_INF), 0);
 }
 
-TEST(CorrelationFilter, FindsWhereTheObjectWent) {
+TEST(CorrelationFilter, LocatesTheShiftedObject) {
   const cv::Mat town = Town();
   CorrelationFilter filter({{kCells, kCells}, {10, 10}});
   filter.Update(WindowAt(town, 300, 250), 8);
@@ -89,7 +89,7 @@ TEST(CorrelationFilter, FindsWhereTheObjectWent) {
   EXPECT_GT(moved.sharpness, 15);
 }
 
-TEST(CorrelationFilter, AnswersDullyWhereTheObjectIsNot) {
+TEST(CorrelationFilter, ResponseIsFlatOffTheObject) {
   const cv::Mat town = Town();
   CorrelationFilter filter({{kCells, kCells}, {10, 10}});
   for (int i = 0; i < 3; ++i) filter.Update(WindowAt(town, 300, 250), 8);
@@ -98,7 +98,7 @@ TEST(CorrelationFilter, AnswersDullyWhereTheObjectIsNot) {
   EXPECT_LT(elsewhere, 0.35 * there);
 }
 
-TEST(CorrelationFilter, ACopyIsNotTaughtWithTheOriginal) {
+TEST(CorrelationFilter, CopyIsIndependent) {
   const cv::Mat town = Town();
   CorrelationFilter filter({{kCells, kCells}, {10, 10}});
   filter.Update(WindowAt(town, 300, 250), 8);
@@ -108,7 +108,7 @@ TEST(CorrelationFilter, ACopyIsNotTaughtWithTheOriginal) {
   EXPECT_EQ(copy.ComputeResponse(WindowAt(town, 310, 250)).height, before);
 }
 
-TEST(ScaleFilter, TellsGrowthAndShrinkage) {
+TEST(ScaleFilter, EstimatesScaleChange) {
   const cv::Mat town = Town();
   const RotatedBox box{{300, 250}, 90, 60, 0};
   ScaleFilter filter(box);

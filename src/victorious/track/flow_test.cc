@@ -18,19 +18,19 @@ cv::Mat GreyTown() {
 
 const Polygon kMiddle = BoxCorners({100, 80, 200, 160});
 
-TEST(DetectCorners, LieInsideTheOutlineAndAreSpread) {
+TEST(DetectCorners, AreInsideTheOutlineAndSpread) {
   const std::vector<Eigen::Vector2d> points = DetectCorners(GreyTown(), kMiddle, 50);
   ASSERT_GT(points.size(), 30U);
   for (const Eigen::Vector2d& point : points) EXPECT_TRUE(BoundingBox(kMiddle).Contains(point.x(), point.y()));
   EXPECT_GT(std::abs(SignedArea(ConvexHull(points))), 0.5 * BoundingBox(kMiddle).Area());
 }
 
-TEST(DetectCorners, NoneWhereThereIsNothing) {
+TEST(DetectCorners, NoneInUniformImageOrOutside) {
   EXPECT_TRUE(DetectCorners(cv::Mat(100, 100, CV_8UC1, cv::Scalar(90)), BoxCorners({10, 10, 50, 50}), 20).empty());
   EXPECT_TRUE(DetectCorners(GreyTown(), BoxCorners({-90, -90, 50, 50}), 20).empty());
 }
 
-TEST(TrackPointsForwardBackward, FindsAShiftOfPartsOfAPixel) {
+TEST(TrackPointsForwardBackward, RecoversSubPixelShift) {
   const cv::Mat before = GreyTown();
   cv::Mat after;
   const cv::Matx23d shift(1, 0, 7.4, 0, 1, -5.2);
@@ -44,7 +44,7 @@ TEST(TrackPointsForwardBackward, FindsAShiftOfPartsOfAPixel) {
   EXPECT_GE(right, 0.95 * static_cast<double>(points.size()));
 }
 
-TEST(TrackPointsForwardBackward, FindsNothingInABlankFrameOrInOneOfAnotherSize) {
+TEST(TrackPointsForwardBackward, FailsForBlankFramesAndFramesOfAnotherSize) {
   const cv::Mat before = GreyTown();
   const std::vector<Eigen::Vector2d> points = DetectCorners(before, kMiddle, 50);
   for (const cv::Size size : {before.size(), cv::Size(100, 100)}) {
@@ -55,7 +55,7 @@ TEST(TrackPointsForwardBackward, FindsNothingInABlankFrameOrInOneOfAnotherSize) 
   }
 }
 
-TEST(Patch, IsTheSameInAnotherLightAndTurnedAndScaledWithThePicture) {
+TEST(Patch, IsInvariantToBrightnessRotationAndScale) {
   const cv::Mat before = GreyTown();
   const Eigen::Vector2d place(200.5, 150.5);
   const Patch patch(before, place, 13, Eigen::Matrix2d::Identity());
@@ -72,7 +72,7 @@ TEST(Patch, IsTheSameInAnotherLightAndTurnedAndScaledWithThePicture) {
   EXPECT_LT(patch.NccScore(Patch(after, turn.Apply(place) + Eigen::Vector2d(15, 0), 13, turn.Linear())), 0.5);
 }
 
-TEST(Patch, AFlatOneIsLikeNothing) {
+TEST(Patch, UniformPatchHasZeroNccScore) {
   const cv::Mat flat(50, 50, CV_8UC1, cv::Scalar(99));
   const Patch patch(flat, {25, 25}, 9, Eigen::Matrix2d::Identity());
   EXPECT_TRUE(patch.IsFlat());

@@ -45,7 +45,7 @@ Box CarInFrame(int frame) {
   return {from.x(), from.y(), to.x() - from.x(), to.y() - from.y()};
 }
 
-TEST(GroundPointTracker, StaysWhereItIsWhileTheCarDrivesAway) {
+TEST(GroundPointTracker, StaysOnTheGroundWhenTheCarDrivesAway) {
   const View view;
   const Eigen::Vector2d spot(500, 400);
   GroundPointTracker ground(FlowPyramid(view.Draw(0, CarOnGround(0))), CarInFrame(0));
@@ -56,7 +56,7 @@ TEST(GroundPointTracker, StaysWhereItIsWhileTheCarDrivesAway) {
   }
 }
 
-TEST(GroundPointTracker, IsLostWhereItLeavesTheFrameOrNothingCanBeFollowed) {
+TEST(GroundPointTracker, IsLostOutsideTheFrameOrWithoutFeatures) {
   const View view;
   GroundPointTracker leaves(FlowPyramid(view.Draw(0, CarOnGround(0))), CarInFrame(0));
   int seen = 0;

@@ -97,7 +97,7 @@ class Follower {
   std::int64_t index_ = 0;
 };
 
-TEST(RegionTracker, FollowsAnObjectOverAGroundThatMovesOtherwise) {
+TEST(RegionTracker, FollowsAnObjectOverMovingBackground) {
   const World world;
   Follower follower;
   // The outline has a margin of ground, which does not move with the object.
@@ -113,7 +113,7 @@ TEST(RegionTracker, FollowsAnObjectOverAGroundThatMovesOtherwise) {
   }
 }
 
-TEST(RegionTracker, FollowsTurnAndGrowth) {
+TEST(RegionTracker, FollowsRotationAndScale) {
   const World world;
   Follower follower;
   const auto place = [](int i) { return Similarity2{0.5 + 0.008 * i, 0.02 * i, {140, 90}}; };
@@ -126,7 +126,7 @@ TEST(RegionTracker, FollowsTurnAndGrowth) {
   }
 }
 
-TEST(RegionTracker, KeepsWhichInlierEachPointWasMadeFrom) {
+TEST(RegionTracker, PointsKeepTheIndexOfTheirInlier) {
   const World world;
   Follower follower;
   const TrackStep first = follower.Start(world.Draw(At(60, 80)), world.Outline(At(60, 80)));
@@ -140,7 +140,7 @@ TEST(RegionTracker, KeepsWhichInlierEachPointWasMadeFrom) {
   }
 }
 
-TEST(RegionTracker, SaysWhenItIsHiddenAndGivesNoBox) {
+TEST(RegionTracker, ReportsOcclusionWithoutABox) {
   const World world;
   Follower follower({.missed_frames = 3});
   follower.Start(world.Draw(At(150, 100)), world.Outline(At(150, 100)));
@@ -166,7 +166,7 @@ TEST(RegionTracker, SaysWhenItIsHiddenAndGivesNoBox) {
   EXPECT_FALSE(follower.Step(world.Draw(At(150, 100)))) << "an inactive track is removed";
 }
 
-TEST(RegionTracker, SaysWhenItLeavesTheFrame) {
+TEST(RegionTracker, ReportsLeavingTheFrame) {
   const World world;
   Follower follower;
   follower.Start(world.Draw(At(260, 100)), world.Outline(At(260, 100)));
@@ -181,7 +181,7 @@ TEST(RegionTracker, SaysWhenItLeavesTheFrame) {
   EXPECT_EQ(step->loss, TrackLoss::kLeftFrame);
 }
 
-TEST(RegionTracker, OutlastsFlickerWithoutABoxMeanwhile) {
+TEST(RegionTracker, SurvivesFlickerWithoutABox) {
   const World world;
   Follower follower;
   follower.Start(world.Draw(At(60, 80)), world.Outline(At(60, 80)));
@@ -201,7 +201,7 @@ TEST(RegionTracker, OutlastsFlickerWithoutABoxMeanwhile) {
   }
 }
 
-TEST(RegionTracker, PredictionFindsWhatMovedFarWhileNothingWasSeen) {
+TEST(RegionTracker, PredictionReacquiresAfterALargeMotion) {
   const World world;
   for (const bool predict : {true, false}) {
     TrackOptions options;
@@ -217,7 +217,7 @@ TEST(RegionTracker, PredictionFindsWhatMovedFarWhileNothingWasSeen) {
   }
 }
 
-TEST(RegionTracker, ANewTrackIsSoughtWhereThePictureWentAndWhereItWas) {
+TEST(RegionTracker, NewTrackIsSearchedAtPredictedAndOldPosition) {
   const World world;
   const Similarity2 before = At(200, 80);
   const Similarity2 moved = At(120, 80);
@@ -240,7 +240,7 @@ TEST(RegionTracker, ANewTrackIsSoughtWhereThePictureWentAndWhereItWas) {
   }
 }
 
-TEST(RegionTracker, IsInactiveUnlessConfirmed) {
+TEST(RegionTracker, BecomesInactiveUnlessConfirmed) {
   const World world;
   Follower follower({.unconfirmed_frames = 4});
   const cv::Mat frame = world.Draw(At(60, 80));
@@ -268,7 +268,7 @@ TEST(RegionTracker, SearchRegionIsTheDilatedBoxInsideTheFrame) {
   EXPECT_EQ(corner.search_box, (Box{0, 0, 75, 75}));
 }
 
-TEST(RegionTracker, WithTooFewPointsNothingBegins) {
+TEST(RegionTracker, TooFewPointsStartNoTrack) {
   Follower follower;
   const TrackStep step =
       follower.Start(cv::Mat(300, 400, CV_8UC3, cv::Scalar::all(90)), BoxCorners({50, 50, 100, 100}));
@@ -277,7 +277,7 @@ TEST(RegionTracker, WithTooFewPointsNothingBegins) {
   EXPECT_FALSE(follower.Step(cv::Mat(300, 400, CV_8UC3, cv::Scalar::all(90))));
 }
 
-TEST(RegionTracker, FollowsSeveralAndForgetsTheStopped) {
+TEST(RegionTracker, FollowsSeveralTracksAndDropsStoppedOnes) {
   const World world;
   RegionTracker tracker = RegionTracker::Create({}).value();
   const cv::Mat frame = world.Draw(At(150, 100));
@@ -296,7 +296,7 @@ TEST(RegionTracker, FollowsSeveralAndForgetsTheStopped) {
   EXPECT_EQ(rest[0].track, second.track);
 }
 
-TEST(RegionTracker, AFrameOfAnotherSizeLosesThePointsOnly) {
+TEST(RegionTracker, FrameOfAnotherSizeLosesOnlyThePoints) {
   const World world;
   Follower follower;
   follower.Start(world.Draw(At(60, 80)), world.Outline(At(60, 80)));

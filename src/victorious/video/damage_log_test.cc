@@ -5,7 +5,7 @@
 namespace victorious {
 namespace {
 
-TEST(DamageLog, OneLineForEachKind) {
+TEST(DamageLog, HasOneLinePerKind) {
   DamageLog log;
   log.Add("a bad packet", 1.2);
   log.Add("another thing", 2);

@@ -16,7 +16,7 @@ using ::testing::Pointwise;
 
 constexpr double kTick = 0.001;
 
-TEST(FrameClock, CountsFromTheFirstFrame) {
+TEST(FrameClock, StartsAtTheFirstFrame) {
   FrameClock clock(kTick, 0.04);
   EXPECT_DOUBLE_EQ(clock.Next(5000, 0).time_s, 0);
   EXPECT_DOUBLE_EQ(clock.Next(5033, 0).time_s, 0.033);
@@ -25,7 +25,7 @@ TEST(FrameClock, CountsFromTheFirstFrame) {
   EXPECT_DOUBLE_EQ(clock.origin_s().value(), 5.0);
 }
 
-TEST(FrameClock, MissingStampsFollowByTheDuration) {
+TEST(FrameClock, MissingTimestampsAreFilledByDuration) {
   FrameClock clock(kTick, 0.04);
   EXPECT_DOUBLE_EQ(clock.Next(std::nullopt, 0.1).time_s, 0);
   EXPECT_FALSE(clock.origin_s());
@@ -35,7 +35,7 @@ TEST(FrameClock, MissingStampsFollowByTheDuration) {
   EXPECT_NEAR(clock.Next(9040, 0).time_s, 0.18, 1e-9);
 }
 
-TEST(FrameClock, OneBadStampDisturbsNoOther) {
+TEST(FrameClock, SingleBadTimestampIsReplaced) {
   FrameClock clock(kTick, 0.04);
   clock.Next(0, 0);
   clock.Next(40, 0);
@@ -57,7 +57,7 @@ std::vector<double> TimesOf(FrameClock& clock, const std::vector<std::int64_t>& 
   return times_s;
 }
 
-TEST(FrameClock, OneStampFarAheadDisturbsNoOther) {
+TEST(FrameClock, SingleTimestampFarAheadIsReplaced) {
   for (const std::int64_t bad : {130, 200, 1000, 1'000'000'000}) {
     FrameClock clock(kTick, 0.04);
     EXPECT_THAT(TimesOf(clock, {0, 40, bad, 120, 160}), Pointwise(DoubleNear(1e-9), {0.0, 0.04, 0.08, 0.12, 0.16}))
@@ -70,7 +70,7 @@ TEST(FrameClock, OneStampFarAheadDisturbsNoOther) {
   EXPECT_FALSE(clock.Next(41, 0).repaired);
 }
 
-TEST(FrameClock, AGapGoesOnFromItsEnd) {
+TEST(FrameClock, GapsAreKept) {
   FrameClock clock(kTick, 0.04);
   EXPECT_THAT(TimesOf(clock, {0, 40, 1000, 1040, 1080}), Pointwise(DoubleNear(1e-9), {0.0, 0.04, 1.0, 1.04, 1.08}));
   // The stamp is accepted if it is the last one, or if the next stamp is consistent with it.
@@ -78,7 +78,7 @@ TEST(FrameClock, AGapGoesOnFromItsEnd) {
   EXPECT_DOUBLE_EQ(clock.Next(12000, 0, [] { return 100; }).time_s, 12.0);
 }
 
-TEST(FrameClock, AsksForTheNextStampOnlyWhereOneIsAhead) {
+TEST(FrameClock, LooksAheadOnlyForJumps) {
   FrameClock clock(kTick, 0.04);
   const auto unasked = []() -> std::optional<std::int64_t> {
     ADD_FAILURE();
@@ -87,7 +87,7 @@ TEST(FrameClock, AsksForTheNextStampOnlyWhereOneIsAhead) {
   for (const std::int64_t pts : {5000, 5040, 5081, 5119, 5100, 5160}) clock.Next(pts, 0, unasked);
 }
 
-TEST(FrameClock, JoinedRecordingsKeepTheirSpacing) {
+TEST(FrameClock, ConcatenatedRecordingsKeepTheirSpacing) {
   FrameClock clock(kTick, 0.04);
   clock.Next(10000, 0);
   clock.Next(10040, 0);
@@ -96,7 +96,7 @@ TEST(FrameClock, JoinedRecordingsKeepTheirSpacing) {
   EXPECT_FALSE(clock.Next(80, 0).repaired);
 }
 
-TEST(FrameClock, ForwardsAtTheEndOfTheNumbers) {
+TEST(FrameClock, IsMonotonicAtIntegerOverflow) {
   FrameClock clock(1, 0.04);
   clock.Next(0, 0);
   double last_s = clock.Next(std::numeric_limits<std::int64_t>::max(), 0).time_s;
@@ -107,7 +107,7 @@ TEST(FrameClock, ForwardsAtTheEndOfTheNumbers) {
   }
 }
 
-TEST(FrameClock, AlwaysForwardsWhateverComes) {
+TEST(FrameClock, IsStrictlyMonotonic) {
   constexpr std::uint64_t kSeed = 7;
   Random random(kSeed);
   FrameClock clock(1.0 / 90000, 0.04);

@@ -89,7 +89,7 @@ TEST_F(FrameLoopTest, ResultsDoNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(results.begin()->back(), 48 * 48);
 }
 
-TEST_F(FrameLoopTest, TheFirstErrorInFrameOrderEndsIt) {
+TEST_F(FrameLoopTest, FirstErrorInFrameOrderIsReturned) {
   FrameLoop loop(reader_, cancel_, {.threads = 4});
   refused_ = 6;
   const auto fail_at_10 = [](Work& work) -> Status {
@@ -111,7 +111,7 @@ TEST_F(FrameLoopTest, FramesBeforeAReadErrorPassAllStages) {
   EXPECT_THAT(squares_, ElementsAre(0, 4, 16));
 }
 
-TEST_F(FrameLoopTest, WhatWasReadBeforeACancellationPassesAllStages) {
+TEST_F(FrameLoopTest, FramesReadBeforeCancelPassAllStages) {
   FrameLoop loop(reader_, cancel_, {.threads = 2});
   reader_.before_frame = [&](std::int64_t frame) {
     if (frame == 4) cancel_.Cancel();
@@ -121,7 +121,7 @@ TEST_F(FrameLoopTest, WhatWasReadBeforeACancellationPassesAllStages) {
   EXPECT_THAT(squares_, ElementsAre(0, 4, 16));
 }
 
-TEST_F(FrameLoopTest, AStageStopsIt) {
+TEST_F(FrameLoopTest, StopEndsTheLoop) {
   FrameLoop loop(reader_, cancel_, {.threads = 2, .max_in_flight = 2});
   std::vector<std::int64_t> seen;
   const auto end = loop.ForEach([&](const Frame& frame) -> Status {
@@ -134,7 +134,7 @@ TEST_F(FrameLoopTest, AStageStopsIt) {
   EXPECT_LT(seen.size(), 10U);
 }
 
-TEST_F(FrameLoopTest, NoMoreFramesAreInFlightThanAllowed) {
+TEST_F(FrameLoopTest, FramesInFlightAreLimited) {
   FrameLoop loop(reader_, cancel_, {.threads = 8, .max_in_flight = 2});
   std::atomic<int> in_flight = 0;
   std::atomic<int> max_in_flight = 0;

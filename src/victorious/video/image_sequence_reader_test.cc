@@ -31,7 +31,7 @@ std::string IdOf(const std::string& source) {
   return reader ? (*reader)->ContentId(CancelToken(), {}).value() : "";
 }
 
-TEST(ImageSequenceReader, AFolderIsKnownByItsPicturesAlone) {
+TEST(ImageSequenceReader, FolderIdDependsOnImagesOnly) {
   const ScratchFolder folder;
   const auto put = [&](const std::string& name, int number) {
     ASSERT_TRUE(cv::imwrite((folder / name).string(), NumberedImage(number, {80, 60})));
@@ -80,7 +80,7 @@ TEST(ImageSequenceReader, FolderInNaturalOrder) {
   EXPECT_TRUE(reader->warnings().empty());
 }
 
-TEST(ImageSequenceReader, UnusablePicturesArePassedOverWithAWarning) {
+TEST(ImageSequenceReader, UnusableImagesAreSkippedWithAWarning) {
   const ScratchFolder folder;
   testing::WriteBytes(folder / "0.png", "damaged");
   cv::imwrite((folder / "1.png").string(), NumberedImage(1, {80, 60}));
@@ -99,7 +99,7 @@ TEST(ImageSequenceReader, UnusablePicturesArePassedOverWithAWarning) {
   EXPECT_THAT(reader->warnings(), ElementsAre(HasSubstr("0.png"), HasSubstr("2.png: 40 x 60 pixels")));
 }
 
-TEST(ImageSequenceReader, APictureIsAVideoOfOneFrame) {
+TEST(ImageSequenceReader, ImageIsAVideoOfOneFrame) {
   const ScratchFolder folder;
   const cv::Mat picture = NumberedImage(77, {81, 61});
   cv::imwrite((folder / "one.png").string(), picture);
@@ -126,7 +126,7 @@ TEST(ImageSequenceReader, FolderErrors) {
   EXPECT_THAT(bad.error().message, HasSubstr("none of its 2 pictures can be read"));
 }
 
-TEST(NaturalLess, NumbersByValue) {
+TEST(NaturalLess, ComparesNumbersByValue) {
   EXPECT_TRUE(NaturalLess("9.png", "10.png"));
   EXPECT_FALSE(NaturalLess("10.png", "9.png"));
   EXPECT_TRUE(NaturalLess("frame_2_b", "frame_10_a"));

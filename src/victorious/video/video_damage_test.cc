@@ -66,7 +66,7 @@ void WriteWhole(const std::filesystem::path& path, const std::string& muxer, con
 const std::pair<std::string, std::string> kKinds[] = {
     {"mp4", "libx264"}, {"matroska", "libx264"}, {"mpegts", "libx264"}, {"avi", "mpeg4"}, {"mpeg", "mpeg1video"}};
 
-TEST(VideoDamage, CutOffFilesGiveTheirFirstFrames) {
+TEST(VideoDamage, TruncatedFilesGiveTheirFirstFrames) {
   const ScratchFolder folder;
   for (const auto& [muxer, encoder] : kKinds) {
     WriteWhole(folder / "whole", muxer, encoder);
@@ -93,7 +93,7 @@ TEST(VideoDamage, CutOffFilesGiveTheirFirstFrames) {
   }
 }
 
-TEST(VideoDamage, CutOffFilesAreToldWithoutDecodingThem) {
+TEST(VideoDamage, TruncationIsReportedWithoutDecoding) {
   const ScratchFolder folder;
   for (const auto& [muxer, encoder] : kKinds) {
     WriteWhole(folder / "whole", muxer, encoder);
@@ -114,7 +114,7 @@ TEST(VideoDamage, CutOffFilesAreToldWithoutDecodingThem) {
 }
 
 // Decoders delay frames: at the end of a short file no frame may have been output yet.
-TEST(VideoDamage, WholeFilesArePassedOverWithoutAWord) {
+TEST(VideoDamage, CompleteFilesGiveNoWarning) {
   const ScratchFolder folder;
   for (const auto& [muxer, encoder] : kKinds) {
     for (const int frames : {5, 7, 12, 40}) {
@@ -134,7 +134,7 @@ TEST(VideoDamage, WholeFilesArePassedOverWithoutAWord) {
   }
 }
 
-TEST(VideoDamage, Mp4WithoutItsIndexIsNotAVideo) {
+TEST(VideoDamage, Mp4WithoutIndexIsRefused) {
   const ScratchFolder folder;
   WriteWhole(folder / "whole.mp4", "mp4", "libx264");
   std::string bytes = testing::ReadBytes(folder / "whole.mp4");
@@ -166,7 +166,7 @@ TEST(VideoDamage, ChangedBytesNeverCrash) {
   }
 }
 
-TEST(VideoDamage, ATimeStampFarAheadDisturbsNoOtherFrame) {
+TEST(VideoDamage, TimestampFarAheadAffectsNoOtherFrame) {
   const ScratchFolder folder;
   WriteWhole(folder / "whole.ts", "mpegts", "mpeg1video");
   std::string bytes = testing::ReadBytes(folder / "whole.ts");
@@ -188,7 +188,7 @@ TEST(VideoDamage, ATimeStampFarAheadDisturbsNoOtherFrame) {
   EXPECT_THAT((*reader)->warnings(), Contains(HasSubstr("at 0.76 s: a damaged time stamp")));
 }
 
-TEST(VideoDamage, AHoleIsPassedOverAndTold) {
+TEST(VideoDamage, HoleIsSkippedWithAWarning) {
   const ScratchFolder folder;
   WriteWhole(folder / "whole.ts", "mpegts", "libx264");
   std::string bytes = testing::ReadBytes(folder / "whole.ts");
@@ -203,7 +203,7 @@ TEST(VideoDamage, AHoleIsPassedOverAndTold) {
   EXPECT_FALSE(outcome.warnings.empty());
 }
 
-TEST(VideoDamage, NoFrameAtAllIsAnError) {
+TEST(VideoDamage, NoFrameIsAnError) {
   const ScratchFolder folder;
   WriteWhole(folder / "whole.mp4", "mp4", "libx264");
   std::string bytes = testing::ReadBytes(folder / "whole.mp4");

@@ -113,7 +113,7 @@ int CountFrames(VideoReader& reader) {
   return count;
 }
 
-TEST(LiveVideo, ReadOverTcpToItsEnd) {
+TEST(LiveVideo, ReadsTcpToItsEnd) {
   Server server;
   server.Serve(TransportStream(60), 0);
   const auto reader = VideoReader::Open(server.Url("tcp"), {.open_timeout_s = 5});
@@ -124,7 +124,7 @@ TEST(LiveVideo, ReadOverTcpToItsEnd) {
   EXPECT_TRUE((*reader)->warnings().empty()) << (*reader)->warnings().front();
 }
 
-TEST(LiveVideo, ReadOverHttp) {
+TEST(LiveVideo, ReadsHttp) {
   Server server;
   server.Serve("HTTP/1.0 200 OK\r\nContent-Type: video/mp2t\r\n\r\n" + TransportStream(60), 0);
   const auto reader = VideoReader::Open(server.Url("http"), {.open_timeout_s = 5});
@@ -152,7 +152,7 @@ Identity IdentityOf(const std::string& head, const std::string& bytes) {
   return identity;
 }
 
-TEST(LiveVideo, AnHttpSourceOfKnownLengthIsTheSameEachTime) {
+TEST(LiveVideo, HttpSourceOfKnownLengthHasAStableId) {
   const std::string bytes = TransportStream(60);
   const Identity finite = IdentityOf("Content-Length: " + std::to_string(bytes.size()) + "\r\n", bytes);
   EXPECT_FALSE(finite.live);
@@ -176,7 +176,7 @@ void SendDatagrams(const std::string& bytes, int port) {
   ::close(socket);
 }
 
-TEST(LiveVideo, ReadOverUdp) {
+TEST(LiveVideo, ReadsUdp) {
   const int port = FreeUdpPort();
   std::thread sender([bytes = TransportStream(250), port] {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
@@ -198,7 +198,7 @@ TEST(LiveVideo, ReadOverUdp) {
   EXPECT_THAT((*reader)->warnings(), Contains(HasSubstr("the source sent nothing for 1.5 s")));
 }
 
-TEST(LiveVideo, ASourceThatFallsSilentEndsWithAWarning) {
+TEST(LiveVideo, SilentSourceEndsWithAWarning) {
   Server server;
   constexpr double kSilent_s = 60;  // the connection stays open longer than the busiest machine needs
   server.Serve(TransportStream(250), kSilent_s);
@@ -211,7 +211,7 @@ TEST(LiveVideo, ASourceThatFallsSilentEndsWithAWarning) {
   EXPECT_FALSE((*reader)->NextFrame().value()) << "the end stays the end";
 }
 
-TEST(LiveVideo, ASourceThatNeverAnswersIsAnErrorInTime) {
+TEST(LiveVideo, UnresponsiveSourceTimesOut) {
   constexpr double kSilent_s = 60;  // the connection stays open longer than the busiest machine needs
   Server silent;
   silent.Serve("", kSilent_s);
@@ -227,7 +227,7 @@ TEST(LiveVideo, ASourceThatNeverAnswersIsAnErrorInTime) {
   }
 }
 
-TEST(LiveVideo, ARefusedConnectionIsAnErrorAtOnce) {
+TEST(LiveVideo, RefusedConnectionFailsImmediately) {
   std::string url;
   {
     const Server closed;

@@ -190,7 +190,7 @@ TEST(VideoReader, FramesAreDeliveredUpright) {
   }
 }
 
-TEST(VideoReader, PixelsAreMadeSquare) {
+TEST(VideoReader, NonSquarePixelsAreResampled) {
   const ScratchFolder folder;
   const struct {
     std::string muxer, encoder;
@@ -231,7 +231,7 @@ TEST(VideoReader, PixelsAreMadeSquare) {
   }
 }
 
-TEST(VideoReader, PixelsBeyondReasonOrNearlySquareStayAsStored) {
+TEST(VideoReader, ImplausibleOrNearlySquarePixelsAreKept) {
   const ScratchFolder folder;
   for (const cv::Size aspect : {cv::Size(20, 1), cv::Size(1, 20), cv::Size(301, 300)}) {
     WriteTestVideo(folder / "video.mp4", {.pts = SteadyTimes(2, 40), .pixel_aspect = aspect});
@@ -254,7 +254,7 @@ TEST(VideoReader, FramesOwnTheirPixels) {
   for (std::size_t i = 0; i < frames.size(); ++i) EXPECT_EQ(DecodeImageNumber(frames[i].image), static_cast<int>(i));
 }
 
-TEST(VideoReader, ThreadsChangeNothing) {
+TEST(VideoReader, ResultDoesNotDependOnThreads) {
   const ScratchFolder folder;
   WriteTestVideo(folder / "a.mp4", {.size = {320, 240}, .pts = SteadyTimes(30, 40), .max_b_frames = 2});
   const auto one = ReadAll(folder / "a.mp4", {.threads = 1});
@@ -268,7 +268,7 @@ TEST(VideoReader, ThreadsChangeNothing) {
 }
 
 // Each seekable container, with B-frames: decoding order differs from presentation order.
-TEST(VideoReader, FramesAfterASkipAreThoseOfTheWholeVideo) {
+TEST(VideoReader, FramesAfterASkipMatchTheWholeVideo) {
   const testing::ScratchFolder folder;
   for (const std::string muxer : {"mp4", "matroska", "mpegts", "avi"}) {
     const std::string path = folder / ("video." + muxer);
@@ -301,7 +301,7 @@ TEST(VideoReader, FramesAfterASkipAreThoseOfTheWholeVideo) {
   }
 }
 
-TEST(VideoReader, ChangeOfSizeIsScaledBack) {
+TEST(VideoReader, FramesOfAnotherSizeAreRescaled) {
   const ScratchFolder folder;
   TestVideo part{.muxer = "mpegts", .encoder = "mpeg1video", .time_base_hz = 25, .pts = SteadyTimes(20, 1)};
   WriteTestVideo(folder / "small.ts", part);
@@ -321,7 +321,7 @@ TEST(VideoReader, ChangeOfSizeIsScaledBack) {
   }
 }
 
-TEST(VideoReader, SoundAndCoversAreNotTheVideo) {
+TEST(VideoReader, AudioAndCoverStreamsAreIgnored) {
   const ScratchFolder folder;
   WriteTestVideo(folder / "a.mp4", {.pts = SteadyTimes(10, 40), .audio = true, .cover = true});
   const auto reader = MustOpen(folder / "a.mp4");
@@ -339,7 +339,7 @@ TEST(VideoReader, SoundAndCoversAreNotTheVideo) {
   }
 }
 
-TEST(VideoReader, AFileIsKnownByItsContentHoweverItIsNamed) {
+TEST(VideoReader, ContentIdIgnoresTheName) {
   const ScratchFolder folder;
   WriteTestVideo(folder / "a.mp4", {.pts = SteadyTimes(10, 40)});
   fs::copy_file(folder / "a.mp4", folder / "b.mp4");
@@ -467,7 +467,7 @@ TEST(VideoReader, PlaylistsAreRefused) {
   }
 }
 
-TEST(VideoReader, NamesThatLookLikeProtocolsAreFiles) {
+TEST(VideoReader, ProtocolLikeNamesAreFiles) {
   const ScratchFolder folder;
   WriteTestVideo(folder / "http:video, 1%d.mp4", {.pts = SteadyTimes(5, 40)});
   EXPECT_EQ(ReadAll(folder / "http:video, 1%d.mp4").size(), 5U);

@@ -36,7 +36,7 @@ void WriteNumbered(const fs::path& path, const VideoWriterOptions& options, int 
   ASSERT_TRUE(finished) << finished.error().message;
 }
 
-TEST(VideoWriter, RoundTripOfCountTimesAndPixels) {
+TEST(VideoWriter, CountTimesAndPixelsRoundTrip) {
   const ScratchFolder folder;
   for (const std::string name : {"video.mp4", "video.mkv", "VIDEO.MP4"}) {
     WriteNumbered(folder / name, kSmall, 30);
@@ -59,7 +59,7 @@ TEST(VideoWriter, RoundTripOfCountTimesAndPixels) {
   }
 }
 
-TEST(VideoWriter, GreyKeepsItsLevels) {
+TEST(VideoWriter, GreyRoundTrips) {
   const ScratchFolder folder;
   VideoWriterOptions lossless = kSmall;
   lossless.crf = 0;
@@ -76,7 +76,7 @@ TEST(VideoWriter, GreyKeepsItsLevels) {
   EXPECT_LE(cv::norm(frame->image, grey, cv::NORM_INF), 1);
 }
 
-TEST(VideoWriter, ReplacesAnOlderFileOnlyWhenFinished) {
+TEST(VideoWriter, ReplacesAnExistingFileOnlyWhenFinished) {
   const ScratchFolder folder;
   testing::WriteBytes(folder / "video.mp4", "older");
   {
@@ -127,7 +127,7 @@ TEST(VideoWriter, BadFramesAreInvalidArguments) {
 }
 
 // A limit on the file size simulates a full disk.
-TEST(VideoWriter, AFullDiskLeavesNothing) {
+TEST(VideoWriter, FullDiskLeavesNoFile) {
   const ScratchFolder folder;
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);

@@ -7,7 +7,7 @@
 namespace victorious {
 namespace {
 
-TEST(Calibration, IsTheShareOfPositivesAmongEqualScores) {
+TEST(Calibration, EqualsPositiveFractionAmongEqualScores) {
   // 8 of 10 examples of score 1 are positive, and 2 of 10 of score -1.
   std::vector<double> scores;
   std::vector<bool> positive;
@@ -20,7 +20,7 @@ TEST(Calibration, IsTheShareOfPositivesAmongEqualScores) {
   EXPECT_NEAR(calibration.Probability(-1), 0.2, 0.02);
 }
 
-TEST(Calibration, StaysRisingAndFiniteWhateverTheScores) {
+TEST(Calibration, IsMonotonicAndFiniteForAnyScores) {
   for (const std::vector<double>& scores :
        {std::vector<double>{0, 0, 0, 0}, {1, 1, -1, -1}, {-1, -1, 1, 1}, {1e9, 1e9, 0, 0}}) {
     const Calibration calibration = Calibrate(scores, {true, true, false, false});

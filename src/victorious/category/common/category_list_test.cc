@@ -24,7 +24,7 @@ TEST(CategoryList, ReadsColumnsByName) {
   EXPECT_EQ((*rows)[2].where, "l line 5");
 }
 
-TEST(CategoryList, ReadsMarks) {
+TEST(CategoryList, ReadsUserMarks) {
   const auto rows = ParseCategoryList("image,mark\na.jpg,right\nb.jpg,wrong\nc.jpg,\n", "l");
   ASSERT_TRUE(rows.has_value()) << rows.error().message;
   EXPECT_EQ((*rows)[0].mark, FeedbackMark::kRight);
@@ -37,7 +37,7 @@ std::string Refusal(const std::string& text) {
   return rows ? "accepted" : rows.error().message;
 }
 
-TEST(CategoryList, SaysWhichLineIsWrong) {
+TEST(CategoryList, ErrorsNameTheLine) {
   const std::string header = "image,category,x0,y0,x1,y1\n";
   EXPECT_THAT(Refusal(""), HasSubstr("no pictures"));
   EXPECT_THAT(Refusal(header), HasSubstr("no pictures"));
@@ -51,7 +51,7 @@ TEST(CategoryList, SaysWhichLineIsWrong) {
   EXPECT_THAT(Refusal("image,mark\na.jpg,maybe\n"), HasSubstr("right or wrong"));
 }
 
-TEST(CategoryList, BoxesAreCutAtThePicture) {
+TEST(CategoryList, BoxesAreClippedToTheImage) {
   CategoryListRow row{
       .image = "a.jpg", .category = "plane", .box = Box{-5, 10, 20, 200}, .mark = {}, .where = "l line 2"};
   EXPECT_EQ(*ClippedBox(row, 100, 50), (Box{0, 10, 15, 40}));

@@ -9,7 +9,7 @@
 namespace victorious {
 namespace {
 
-TEST(DenseFeatures, AreAGridInsideThePicture) {
+TEST(DenseFeatures, FormAGridInsideTheImage) {
   Random random(1);
   cv::Mat picture(120, 160, CV_8UC1);
   for (auto& pixel : cv::Mat_<std::uint8_t>(picture)) pixel = static_cast<std::uint8_t>(random.Below(256));
@@ -24,13 +24,13 @@ TEST(DenseFeatures, AreAGridInsideThePicture) {
   EXPECT_EQ(features.keypoints[1].x, 18);
 }
 
-TEST(DenseFeatures, OfPlainPicturesAreNone) {
+TEST(DenseFeatures, UniformImageHasNone) {
   EXPECT_EQ(DenseFeatures(cv::Mat(120, 160, CV_8UC1, cv::Scalar(90)), DenseOptions()).size(), 0U);
   EXPECT_EQ(DenseFeatures(cv::Mat(), DenseOptions()).size(), 0U);
   EXPECT_EQ(DenseFeatures(cv::Mat(1, 3, CV_8UC1, cv::Scalar(90)), DenseOptions()).size(), 0U);
 }
 
-TEST(DenseFeatures, OfAnEdgeLieInTheGradientsOrientation) {
+TEST(DenseFeatures, EdgeHasGradientOrientation) {
   // Dark above bright: the gradient points down, +90 degrees, the third of eight orientations.
   cv::Mat picture(64, 64, CV_8UC1, cv::Scalar(40));
   picture.rowRange(32, 64).setTo(200);
@@ -42,7 +42,7 @@ TEST(DenseFeatures, OfAnEdgeLieInTheGradientsOrientation) {
   EXPECT_EQ(largest % 8, 2);
 }
 
-TEST(DenseFeatures, OfLargePicturesAreThoseOfTheReducedOne) {
+TEST(DenseFeatures, LargeImageEqualsReducedImage) {
   Random random(2);
   const cv::Mat small = testing::DrawPair(true, random);
   cv::Mat large;

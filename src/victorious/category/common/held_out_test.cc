@@ -24,7 +24,7 @@ Calibration CalibrateWithWindows(int pictures, int windows_per_image) {
   return CalibrateHeldOut(examples, targets, Eigen::Map<const Eigen::VectorXd>(scores.data(), std::ssize(scores)));
 }
 
-TEST(HeldOut, OfAPictureWithoutItTheHighestScoreCounts) {
+TEST(HeldOut, NegativeImageCountsItsHighestScore) {
   const Calibration one = CalibrateWithWindows(20, 1);
   const Calibration many = CalibrateWithWindows(20, 30);
   EXPECT_NEAR(one.Probability(1.2), many.Probability(1.2), 1e-9);

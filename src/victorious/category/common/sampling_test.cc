@@ -18,7 +18,7 @@ TEST(SampleIndices, AreDistinctAndDeterministicBySeed) {
   EXPECT_NE(SampleIndices(100, 30, again), drawn);
 }
 
-TEST(SampleIndices, AreAllWhereFewerAreThanWanted) {
+TEST(SampleIndices, AreAllIfFewerThanRequested) {
   Random random(1);
   const auto drawn = SampleIndices(7, 30, random);
   EXPECT_EQ(std::set(drawn.begin(), drawn.end()).size(), 7U);

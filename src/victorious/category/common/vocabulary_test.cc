@@ -21,7 +21,7 @@ std::vector<std::uint8_t> Clusters(std::size_t clusters, std::size_t per_cluster
   return rows;
 }
 
-TEST(Vocabulary, FindsTheClusters) {
+TEST(Vocabulary, FindsClusters) {
   constexpr std::size_t kClusters = 4;
   const auto rows = Clusters(kClusters, 50, 1);
   const Vocabulary vocabulary = Vocabulary::Learn(rows, {.words = kClusters, .root = false, .iterations = 30}, 3);
@@ -50,7 +50,7 @@ TEST(Vocabulary, HasNoMoreWordsThanDescriptors) {
   EXPECT_EQ(Vocabulary::Learn(rows, {.words = 100}, 1).size(), 3U);
 }
 
-TEST(Vocabulary, MeansServeTheSamplesBetterThanTheStart) {
+TEST(Vocabulary, KMeansReducesQuantisationError) {
   Random random(9);
   std::vector<std::uint8_t> rows(400 * kDescriptorSize);
   for (auto& value : rows) value = static_cast<std::uint8_t>(random.Below(256));
@@ -63,7 +63,7 @@ TEST(Vocabulary, MeansServeTheSamplesBetterThanTheStart) {
   EXPECT_LT(cost(10), cost(1));
 }
 
-TEST(RootDescriptors, HaveTheLengthOfAllAndIgnoreContrast) {
+TEST(RootDescriptors, HaveUnitLengthAndIgnoreContrast) {
   std::vector<std::uint8_t> row(kDescriptorSize, 0);
   row[3] = 100;
   row[5] = 25;

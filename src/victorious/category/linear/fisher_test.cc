@@ -24,7 +24,7 @@ FisherEncoder Learnt(const FisherOptions& options = kSmall) {
   return FisherEncoder::Learn(sets, options, 7);
 }
 
-TEST(Fisher, VectorsAreOfUnitLengthAndDeterministic) {
+TEST(FisherEncoder, VectorsHaveUnitLengthAndAreDeterministic) {
   const FisherEncoder encoder = Learnt();
   ASSERT_EQ(encoder.size(), 2U * 4 * (6 + 2));
   const Eigen::VectorXf vector = encoder.Encode(Drawn(3));
@@ -49,7 +49,7 @@ FeatureSet OfKind(bool first, std::uint64_t seed) {
   return features;
 }
 
-TEST(Fisher, KindsGetTheirOwnComponents) {
+TEST(FisherEncoder, ClustersHaveTheirOwnComponents) {
   const FeatureSet a = OfKind(true, 1);
   const FeatureSet b = OfKind(false, 2);
   const std::vector<const FeatureSet*> sets = {&a, &b};
@@ -62,7 +62,7 @@ TEST(Fisher, KindsGetTheirOwnComponents) {
   EXPECT_GT(one.dot(encoder.Encode(OfKind(true, 4))), one.dot(encoder.Encode(OfKind(false, 5))) + 0.3);
 }
 
-TEST(Fisher, PlacesCountOnlyWhereAskedFor) {
+TEST(FisherEncoder, PositionsAreUsedOnlyIfEnabled) {
   FeatureSet moved = Drawn(3);
   for (Keypoint& keypoint : moved.keypoints) keypoint.x = static_cast<float>(moved.image_width) - keypoint.x;
   EXPECT_GT((Learnt().Encode(moved) - Learnt().Encode(Drawn(3))).norm(), 0.1);
@@ -71,7 +71,7 @@ TEST(Fisher, PlacesCountOnlyWhereAskedFor) {
   EXPECT_EQ(Learnt(options).Encode(moved), Learnt(options).Encode(Drawn(3)));
 }
 
-TEST(Fisher, NothingGivesNothing) {
+TEST(FisherEncoder, NoFeaturesGiveEmptyVector) {
   EXPECT_EQ(Learnt().Encode({}).norm(), 0);
   FisherOptions none = kSmall;
   none.components = 0;
@@ -79,7 +79,7 @@ TEST(Fisher, NothingGivesNothing) {
   EXPECT_EQ(Learnt(none).Encode(Drawn(1)).size(), 0);
 }
 
-TEST(Fisher, FewFeaturesGiveFewComponents) {
+TEST(FisherEncoder, FewFeaturesLimitTheComponents) {
   FeatureSet few = Drawn(1);
   few.keypoints.resize(3);
   few.descriptors.resize(3 * kDescriptorSize);

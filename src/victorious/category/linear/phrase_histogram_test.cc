@@ -26,7 +26,7 @@ QuantisedImage RandomPicture(std::uint64_t seed, bool on_a_grid) {
 constexpr std::size_t kClusters = 3;
 const std::vector<std::uint16_t> kClusterOfWord = {0, 1, 2, 0, 1, 2};
 
-TEST(FindPhrases, AreAllPairsOfOneSizeWithinReach) {
+TEST(FindPhrases, AreAllPairsOfEqualScaleWithinRadius) {
   for (const bool on_a_grid : {true, false}) {
     const QuantisedImage picture = RandomPicture(5, on_a_grid);
     std::set<std::pair<std::uint32_t, std::uint32_t>> found;
@@ -51,7 +51,7 @@ TEST(FindPhrases, AreAllPairsOfOneSizeWithinReach) {
   }
 }
 
-TEST(FindPhrases, TurnWithThePicture) {
+TEST(FindPhrases, AreInvariantUnderRotation) {
   const QuantisedImage picture = RandomPicture(7, false);
   QuantisedImage turned = picture;
   for (Keypoint& keypoint : turned.keypoints) {
@@ -70,7 +70,7 @@ TEST(FindPhrases, TurnWithThePicture) {
   EXPECT_EQ(phrases_of(picture), phrases_of(turned));
 }
 
-TEST(Hellinger, ComparesSharesWhateverTheSize) {
+TEST(Hellinger, ComparesFractionsRegardlessOfTotal) {
   const SparseVector small = {{1, 1.0F}, {4, 3.0F}};
   const SparseVector large = {{1, 10.0F}, {4, 30.0F}};
   EXPECT_NEAR(Dot(Hellinger(small), Hellinger(large)), 1, 1e-6);

@@ -9,7 +9,7 @@
 namespace victorious {
 namespace {
 
-TEST(PrincipalAxes, AreThoseOfAnEllipsoid) {
+TEST(PrincipalAxes, MatchAxesOfAnEllipsoid) {
   // Independent coordinates with standard deviations 1, 3 and 0.2 about (5, 0, -2), turned by 30 degrees in the first
   // two.
   Random random(2);

@@ -32,7 +32,7 @@ Problem RandomProblem(std::uint64_t seed) {
   return problem;
 }
 
-TEST(Ridge, HeldOutScoresAreThoseOfTrainingWithoutTheGroup) {
+TEST(Ridge, HeldOutScoresEqualTrainingWithoutTheGroup) {
   const Problem problem = RandomProblem(1);
   const RidgeFit fit = FitRidge(problem.kernel, problem.targets, problem.group, problem.penalty);
   for (const int left_out : {0, 5, 11}) {
@@ -47,7 +47,7 @@ TEST(Ridge, HeldOutScoresAreThoseOfTrainingWithoutTheGroup) {
   }
 }
 
-TEST(Ridge, ScoresExamplesThatItDoesNotLearnFrom) {
+TEST(Ridge, HeldOutScoresIncludeExamplesWithoutTarget) {
   Problem problem = RandomProblem(2);
   problem.targets.row(3).setZero();
   const RidgeFit fit = FitRidge(problem.kernel, problem.targets, problem.group, problem.penalty);

@@ -29,7 +29,7 @@ ShapeEncoder Learnt(const ShapeOptions& options) {
   return ShapeEncoder::Learn(sets, options);
 }
 
-TEST(Shape, IsLikestToWhatLiesAlike) {
+TEST(ShapeEncoder, NearestExampleHasSimilarOrientation) {
   const ShapeOptions options{.weight = 1, .dimensions = 16};
   const ShapeEncoder encoder = Learnt(options);
   ASSERT_EQ(encoder.size(), 16U);
@@ -46,20 +46,20 @@ TEST(Shape, IsLikestToWhatLiesAlike) {
   }
 }
 
-TEST(Shape, TheSameComparesAsOne) {
+TEST(ShapeEncoder, EqualShapesCompareAsOne) {
   Eigen::MatrixXf shapes = Eigen::MatrixXf::Identity(3, 3);
   const Eigen::MatrixXf compared = CompareShapes(shapes, shapes);
   EXPECT_FLOAT_EQ(compared(1, 1), 1);
   EXPECT_FLOAT_EQ(compared(0, 1), std::exp(-3.0F));
 }
 
-TEST(Shape, WithoutWeightThereIsNone) {
+TEST(ShapeEncoder, ZeroWeightGivesEmptyShape) {
   const ShapeEncoder encoder = Learnt({.weight = 0});
   EXPECT_EQ(encoder.size(), 0U);
   EXPECT_EQ(encoder.Encode(Bar(0, 1)).size(), 0);
 }
 
-TEST(Shape, OfNothingIsANumber) {
+TEST(ShapeEncoder, NoFeaturesGiveFiniteShape) {
   const ShapeEncoder encoder = Learnt({.weight = 1, .dimensions = 8});
   EXPECT_TRUE(encoder.Encode({.image_width = 96, .image_height = 96}).allFinite());
 }

@@ -28,7 +28,7 @@ QuantisedImage RandomPicture(std::uint64_t seed, std::size_t keypoints, std::uin
   return picture;
 }
 
-TEST(CellKernel, IsTheKernelOfEquation31AveragedOverACell) {
+TEST(CellKernel, EqualsEquation31AveragedOverACell) {
   constexpr double kCap = 10000;
   constexpr double kWidth = 5.0 / kMeasureCells;  // cell width of the scale ratio
   for (const int cells : {0, 1, 7}) {
@@ -94,7 +94,7 @@ double BruteForce(const std::vector<QuantisedImage>& training, const std::vector
   return sum / static_cast<double>(pairs);
 }
 
-TEST(PhraseGrammar, EqualsTheSumOverEverySample) {
+TEST(PhraseGrammar, EqualsSumOverAllSamples) {
   // With decreasing likelihoods the order of W(z) is that of the vocabulary.
   const std::vector<float> likelihoods = {0.4F, 0.3F, 0.2F, 0.1F};
   const GrammarOptions options = {.word_fraction = 1};
@@ -109,7 +109,7 @@ TEST(PhraseGrammar, EqualsTheSumOverEverySample) {
   EXPECT_NEAR(grammar.Likelihood(picture) / expected, 1, 1e-4);
 }
 
-TEST(PhraseGrammar, KnowsOnlyTheLikeliestWords) {
+TEST(PhraseGrammar, KeepsOnlyTheMostProbableWords) {
   const std::vector<float> likelihoods = {0.1F, 0.5F, 0.1F, 0.3F};
   const QuantisedImage picture = RandomPicture(1, 30, 4);
   const QuantisedImage* const pointer = &picture;
@@ -117,7 +117,7 @@ TEST(PhraseGrammar, KnowsOnlyTheLikeliestWords) {
   EXPECT_EQ(std::vector(grammar.words().begin(), grammar.words().end()), (std::vector<std::uint32_t>{1, 3}));
 }
 
-TEST(PhraseGrammar, IsInvariantUnderShiftTurnAndOrder) {
+TEST(PhraseGrammar, IsInvariantUnderTranslationRotationAndOrder) {
   const QuantisedImage training = RandomPicture(1, 60, 3);
   const QuantisedImage* const pointer = &training;
   const PhraseGrammar grammar =

@@ -21,7 +21,7 @@ std::vector<SparseVector> Pictures(std::vector<int>& topics) {
   return pictures;
 }
 
-TEST(Plsa, LearnsWhichWordsATopicHas) {
+TEST(Plsa, LearnsTheWordsOfTopics) {
   std::vector<int> topics;
   const auto pictures = Pictures(topics);
   const TopicModel model = LearnTopics(pictures, topics, 2, 15, PlsaOptions(), 1);
@@ -31,7 +31,7 @@ TEST(Plsa, LearnsWhichWordsATopicHas) {
   EXPECT_NEAR(model.word_given_topic(7, 0) / model.word_given_topic(7, 1), 1, 0.5);
 }
 
-TEST(Plsa, FoldsNewPicturesIn) {
+TEST(Plsa, FoldsInNewImages) {
   std::vector<int> topics;
   const auto pictures = Pictures(topics);
   const TopicModel model = LearnTopics(pictures, topics, 2, 15, PlsaOptions(), 1);

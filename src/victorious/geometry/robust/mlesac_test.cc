@@ -53,7 +53,7 @@ TEST(Mlesac, FindsTheSimilarityAmongOutliers) {
   EXPECT_GE(good, 199);
 }
 
-TEST(Mlesac, GammaIsTheShareOfInliers) {
+TEST(Mlesac, GammaIsTheInlierFraction) {
   const Problem problem = MakeProblem(60, 40, 1.0, 9);
   const SimilarityEstimator estimator(problem.pairs, {.noise_px = 1.0, .shape_px = 0});
   const auto result = Mlesac(estimator, Settings());
@@ -64,7 +64,7 @@ TEST(Mlesac, GammaIsTheShareOfInliers) {
   EXPECT_GE(right, 97);
 }
 
-TEST(Mlesac, IsDeterministicBySeedAndNotUpsetByOrder) {
+TEST(Mlesac, IsDeterministicBySeedAndRobustToOrder) {
   const Problem problem = MakeProblem(40, 60, 1.0, 4);
   const SimilarityEstimator estimator(problem.pairs, {.noise_px = 1.5, .shape_px = 0});
   const auto first = Mlesac(estimator, Settings());
@@ -76,7 +76,7 @@ TEST(Mlesac, IsDeterministicBySeedAndNotUpsetByOrder) {
   EXPECT_LT(WorstCornerError(first->model, third->model), 0.05);  // the refinement converges to the same optimum
 }
 
-TEST(Mlesac, DegenerateDataAreNoResult) {
+TEST(Mlesac, DegenerateDataGiveNoResult) {
   const std::vector<PointPair> one_place(8, {{1, 2}, {3, 4}});
   EXPECT_FALSE(Mlesac(SimilarityEstimator(one_place, {}), Settings()).has_value());
   EXPECT_FALSE(Mlesac(SimilarityEstimator(std::span(one_place).first(1), {}), Settings()).has_value());

@@ -7,7 +7,7 @@
 namespace victorious {
 namespace {
 
-TEST(SampleCount, LeavesOnlyTheGivenChanceOfNoCleanSample) {
+TEST(SampleCount, BoundsTheProbabilityOfNoUncontaminatedSample) {
   const double needed = SamplesNeeded(0.5, 3, 0.99);
   EXPECT_NEAR(std::pow(1 - std::pow(0.5, 3), needed), 0.01, 1e-12);
   EXPECT_LT(SamplesNeeded(0.8, 3, 0.99), needed);

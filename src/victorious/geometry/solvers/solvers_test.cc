@@ -41,7 +41,7 @@ TEST(Solvers, RecoverExactMaps) {
   }
 }
 
-TEST(Solvers, ZeroWeightsAreNotThere) {
+TEST(Solvers, ZeroWeightsAreIgnored) {
   Random random(3);
   const Eigen::Matrix3d homography = RandomHomography(random);
   std::vector<PointPair> pairs = PairsUnder(homography, 12, random);
@@ -51,7 +51,7 @@ TEST(Solvers, ZeroWeightsAreNotThere) {
   EXPECT_LT((SolveHomography(pairs, weights).value() - homography).norm(), 1e-4);
 }
 
-TEST(Solvers, DegenerateConfigurationsGiveNothing) {
+TEST(Solvers, DegenerateConfigurationsGiveNoSolution) {
   std::vector<PointPair> one_place(5, {{3, 4}, {5, 6}});
   EXPECT_FALSE(SolveSimilarity(one_place).has_value());
   EXPECT_FALSE(SolveAffine(one_place).has_value());

@@ -136,7 +136,7 @@ class SqliteStoreTest : public ::testing::Test {
   fs::path path_ = folder_ / "a?b %41.db";  // a name with characters that are special in a URI
 };
 
-TEST_F(SqliteStoreTest, ReadingNeverMakesAFile) {
+TEST_F(SqliteStoreTest, ReadingCreatesNoFile) {
   EXPECT_EQ(OpenError(path_, StoreMode::kRead).code, ErrorCode::kNotFound);
   EXPECT_TRUE(FilesIn(folder_.path()).empty());
   ASSERT_TRUE(CommitBatches(path_, 40));
@@ -145,21 +145,21 @@ TEST_F(SqliteStoreTest, ReadingNeverMakesAFile) {
   EXPECT_EQ(store->DeleteSearch(1, 1).error().code, ErrorCode::kPermissionDenied);
 }
 
-TEST_F(SqliteStoreTest, ReadingLeavesTheFolderAsItWas) {
+TEST_F(SqliteStoreTest, ReadingDoesNotChangeTheFolder) {
   ASSERT_TRUE(CommitBatches(path_, 20));
   EXPECT_EQ(FilesIn(folder_.path()).size(), 1u);
   CountWholeBatches(*OpenOrDie(path_, StoreMode::kRead));
   EXPECT_EQ(FilesIn(folder_.path()).size(), 1u);
 }
 
-TEST_F(SqliteStoreTest, AnEmptyFileIsNewToAWriterAndNothingToAReader) {
+TEST_F(SqliteStoreTest, EmptyFileIsNewForWritersAndAnErrorForReaders) {
   std::ofstream(path_).flush();
   EXPECT_EQ(OpenError(path_, StoreMode::kRead).code, ErrorCode::kDataLoss);
   EXPECT_EQ(fs::file_size(path_), 0u);
   EXPECT_TRUE(CommitBatches(path_, 20));
 }
 
-TEST_F(SqliteStoreTest, RefusesWhatIsNotADatabase) {
+TEST_F(SqliteStoreTest, RefusesNonDatabases) {
   std::ofstream(path_) << "This is the text of a letter, and it is long enough to be read as a header. "
                        << std::string(4096, 'x');
   for (const StoreMode mode : {StoreMode::kCreate, StoreMode::kRead}) {
@@ -170,14 +170,14 @@ TEST_F(SqliteStoreTest, RefusesWhatIsNotADatabase) {
   }
 }
 
-TEST_F(SqliteStoreTest, RefusesAFolderAndAMissingFolder) {
+TEST_F(SqliteStoreTest, RefusesFoldersAndMissingFolders) {
   EXPECT_EQ(OpenError(folder_.path(), StoreMode::kRead).code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(OpenError(folder_.path(), StoreMode::kCreate).code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(OpenError("", StoreMode::kCreate).code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(OpenError(folder_ / "none/index.db", StoreMode::kCreate).code, ErrorCode::kNotFound);
 }
 
-TEST_F(SqliteStoreTest, RefusesAnotherProgramsDatabaseAndLeavesItAlone) {
+TEST_F(SqliteStoreTest, RefusesForeignDatabasesUnchanged) {
   {
     const auto connection = Connection::Open(path_, Access::kCreate);
     ASSERT_TRUE((*connection)->Execute("CREATE TABLE notes (text); PRAGMA user_version = 3"));
@@ -201,14 +201,14 @@ TEST_F(SqliteStoreTest, RefusesANewerVersion) {
   }
 }
 
-TEST_F(SqliteStoreTest, AnIndexWithoutItsTablesIsDamaged) {
+TEST_F(SqliteStoreTest, IndexWithoutTablesIsDataLoss) {
   ASSERT_TRUE(CommitBatches(path_, 20));
   ASSERT_TRUE((*Connection::Open(path_, Access::kWrite))->Execute("DROP TABLE sightings"));
   const auto store = OpenOrDie(path_, StoreMode::kRead);
   EXPECT_EQ(store->Sightings({}).error().code, ErrorCode::kDataLoss);
 }
 
-TEST_F(SqliteStoreTest, DamageAnywhereIsAnErrorAndNeverACrash) {
+TEST_F(SqliteStoreTest, DamagedBytesNeverCrash) {
   ASSERT_TRUE(CommitBatches(path_, 2000));
   const std::string whole = *ReadFile(path_);
   int refused = 0;
@@ -227,7 +227,7 @@ TEST_F(SqliteStoreTest, DamageAnywhereIsAnErrorAndNeverACrash) {
   EXPECT_GT(refused, 0);
 }
 
-TEST_F(SqliteStoreTest, ACutOffFileIsDamaged) {
+TEST_F(SqliteStoreTest, TruncatedFileIsDataLoss) {
   ASSERT_TRUE(CommitBatches(path_, 2000));
   fs::resize_file(path_, fs::file_size(path_) / 2);
   const Error error = OpenError(path_, StoreMode::kRead);
@@ -235,7 +235,7 @@ TEST_F(SqliteStoreTest, ACutOffFileIsDamaged) {
   EXPECT_THAT(error.message, HasSubstr("damaged"));
 }
 
-TEST_F(SqliteStoreTest, MigratesStepByStepAndOnce) {
+TEST_F(SqliteStoreTest, MigrationsAreAppliedInOrderOnce) {
   ASSERT_TRUE(CommitBatches(path_, 20));
   std::vector<Migration> migrations(Migrations().begin(), Migrations().end());
   migrations.push_back({static_cast<int>(migrations.size()) + 1, "ALTER TABLE videos ADD COLUMN place TEXT"});
@@ -249,7 +249,7 @@ TEST_F(SqliteStoreTest, MigratesStepByStepAndOnce) {
   EXPECT_EQ(OpenError(path_, StoreMode::kCreate).code, ErrorCode::kUnsupported);
 }
 
-TEST_F(SqliteStoreTest, AMigrationThatFailsChangesNothing) {
+TEST_F(SqliteStoreTest, FailedMigrationChangesNothing) {
   ASSERT_TRUE(CommitBatches(path_, 20));
   std::vector<Migration> migrations(Migrations().begin(), Migrations().end());
   migrations.push_back(
@@ -259,7 +259,7 @@ TEST_F(SqliteStoreTest, AMigrationThatFailsChangesNothing) {
 }
 
 // An index of schema 1, written by program 0.1.0: its objects become tracklets and objects with the same ids.
-TEST_F(SqliteStoreTest, AnIndexOfTheFirstVersionIsTakenOver) {
+TEST_F(SqliteStoreTest, MigratesIndexOfVersion1) {
   {
     const auto connection = Connection::Open(path_, Access::kCreate);
     ASSERT_TRUE(Migrate(**connection, Migrations().first(1)));
@@ -295,7 +295,7 @@ TEST_F(SqliteStoreTest, AnIndexOfTheFirstVersionIsTakenOver) {
 }
 
 // An index of schema 2: its sightings have the matched views; the distances of the objects are unknown.
-TEST_F(SqliteStoreTest, AnIndexOfTheSecondVersionIsTakenOver) {
+TEST_F(SqliteStoreTest, MigratesIndexOfVersion2) {
   {
     const auto connection = Connection::Open(path_, Access::kCreate);
     ASSERT_TRUE(Migrate(**connection, Migrations().first(2)));
@@ -319,7 +319,7 @@ TEST_F(SqliteStoreTest, AnIndexOfTheSecondVersionIsTakenOver) {
 }
 
 // An index of schema 4: version 5 only renames tables and columns. All of its content is read back.
-TEST_F(SqliteStoreTest, AnIndexOfTheFourthVersionKeepsItsContent) {
+TEST_F(SqliteStoreTest, MigratesIndexOfVersion4) {
   {
     const auto connection = Connection::Open(path_, Access::kCreate);
     ASSERT_TRUE(Migrate(**connection, Migrations().first(4)));
@@ -397,7 +397,7 @@ TEST_F(SqliteStoreTest, AnIndexOfTheFourthVersionKeepsItsContent) {
   EXPECT_EQ(IntegrityCheck(path_), "ok");
 }
 
-TEST_F(SqliteStoreTest, AnUnknownKindOrSourceIsDamage) {
+TEST_F(SqliteStoreTest, UnknownKindOrSourceIsDataLoss) {
   ASSERT_TRUE(CommitBatches(path_, 20));
   const auto execute = [&](const std::string& sql) {
     EXPECT_TRUE((*Connection::Open(path_, Access::kWrite))->Execute(sql));
@@ -411,7 +411,7 @@ TEST_F(SqliteStoreTest, AnUnknownKindOrSourceIsDamage) {
   EXPECT_THAT(models.error().message, HasSubstr("the index is damaged"));
 }
 
-TEST_F(SqliteStoreTest, TwoProcessesMayMakeTheSameIndexAtOnce) {
+TEST_F(SqliteStoreTest, ConcurrentProcessesMayCreateTheSameIndex) {
   for (int round = 0; round < 10; ++round) {
     const fs::path path = folder_ / std::to_string(round);
     std::vector<std::thread> threads;
@@ -427,7 +427,7 @@ TEST_F(SqliteStoreTest, TwoProcessesMayMakeTheSameIndexAtOnce) {
   }
 }
 
-TEST_F(SqliteStoreTest, AKilledWriterLeavesWholeBatches) {
+TEST_F(SqliteStoreTest, KilledWriterLeavesCompleteBatches) {
   std::int64_t last = 0;
   for (int round = 0; round < 8; ++round) {
     const pid_t child = ::fork();
@@ -455,7 +455,7 @@ TEST_F(SqliteStoreTest, AKilledWriterLeavesWholeBatches) {
   EXPECT_GT(last, 0) << "no batch was ever committed";
 }
 
-TEST_F(SqliteStoreTest, OthersReadWhileOneWrites) {
+TEST_F(SqliteStoreTest, ConcurrentReadersDuringWrites) {
   const auto writer = OpenOrDie(path_);
   const auto video = *writer->PutVideo({.content_id = "c", .name = "a.mp4"});
   const auto model = *writer->PutModel({.name = "m", .content_id = "1", .kind = ModelKind::kPhotos});
@@ -466,7 +466,7 @@ TEST_F(SqliteStoreTest, OthersReadWhileOneWrites) {
   }
 }
 
-TEST_F(SqliteStoreTest, AFullDiskSaysSoAndLeavesWholeBatches) {
+TEST_F(SqliteStoreTest, FullDiskIsReportedAndLeavesCompleteBatches) {
   ASSERT_TRUE(CommitBatches(path_, 20));
   EXPECT_EQ(InChild([&] {
               std::signal(SIGXFSZ, SIG_IGN);
@@ -480,7 +480,7 @@ TEST_F(SqliteStoreTest, AFullDiskSaysSoAndLeavesWholeBatches) {
   EXPECT_TRUE(CommitBatches(path_, 10'000)) << "it goes on when there is room again";
 }
 
-TEST_F(SqliteStoreTest, NoRoomForANewIndexSaysSo) {
+TEST_F(SqliteStoreTest, FullDiskIsReportedForANewIndex) {
   for (const rlim_t bytes : {0, 4096, 20'000}) {
     EXPECT_EQ(InChild([&] {
                 std::signal(SIGXFSZ, SIG_IGN);
@@ -494,7 +494,7 @@ TEST_F(SqliteStoreTest, NoRoomForANewIndexSaysSo) {
   EXPECT_TRUE(CommitBatches(path_, 20)) << "what is left there is taken as new";
 }
 
-TEST_F(SqliteStoreTest, AReadOnlyFolderCanBeReadButNotWritten) {
+TEST_F(SqliteStoreTest, ReadOnlyFolderIsReadableNotWritable) {
   ASSERT_TRUE(CommitBatches(path_, 40));
   MakeReadOnly(folder_.path());
   EXPECT_EQ(WithoutRights([&] {
@@ -511,7 +511,7 @@ TEST_F(SqliteStoreTest, AReadOnlyFolderCanBeReadButNotWritten) {
   }
 }
 
-TEST_F(SqliteStoreTest, AKilledWritersIndexCanBeReadInAReadOnlyFolder) {
+TEST_F(SqliteStoreTest, IndexOfKilledWriterIsReadableInReadOnlyFolder) {
   EXPECT_EQ(InChild([&]() -> int {
               auto store = OpenSqliteStore(path_, StoreMode::kCreate);
               const auto video = (*store)->PutVideo({.content_id = "c", .name = "a.mp4"});
